@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# weft: the only build. Everything that is built goes under $(BUILD).
+#
+#   make            library, program and plugins
+#   make demo       a falling cloth in numbers and as OBJ, under build/demo
+#   make check      every test
+#   make help       the other targets
+
+BUILD  ?= build
+CC     ?= cc
+CFLAGS ?= -O2 -g
+SAN    ?=
+
+ifeq ($(origin CC),default)
+CC := gcc
+endif
+
+WARN := -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wmissing-prototypes \
+        -Wstrict-prototypes -Werror
+# No contraction of a*b+c into one rounding: the same bits on every instruction set.
+STRICT := -std=c11 -D_POSIX_C_SOURCE=200809L -ffp-contract=off -fvisibility=hidden -fPIC
+INCS := -Iinclude -Isrc
+COMPILE = $(CC) $(STRICT) $(WARN) $(CFLAGS) $(SAN) $(INCS) -MMD -MP
+LINK = $(CC) $(CFLAGS) $(SAN) $(LDFLAGS)
+
+has = $(shell echo '\#include <$(1)>' | $(CC) -E - >/dev/null 2>&1 && echo yes)
+HAVE_GSL := $(call has,gsl/gsl_odeiv2.h)
+
+LIB_SRC  := $(wildcard src/cloth/*.c src/sim/*.c src/scene/*.c)
+PROG_SRC := $(wildcard src/record/*.c src/cli/*.c)
+LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
+PROG_OBJ := $(PROG_SRC:%.c=$(BUILD)/%.o)
+LIB_LIBS := -lyaml -ldl -lm
+
+PLUGINS := verlet $(if $(HAVE_GSL),gsl)
+PLUGIN_SO := $(PLUGINS:%=$(BUILD)/plugins/weft-%.so)
+LIBS_gsl := -lgsl -lgslcblas -lm
+LIBS_verlet := -lm
+
+TESTS := $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
+TEST_BIN := $(TESTS:%=$(BUILD)/tests/%)
+BROKEN := $(patsubst tests/broken/%.c,$(BUILD)/tests/broken/weft-%.so,$(wildcard tests/broken/*.c))
+EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/*.c))
+
+.PHONY: all check check-run demo demo-run deps docs lint format asan clang-build \
+        valgrind symbols clean help
+.DELETE_ON_ERROR:
+
+all: $(BUILD)/libweft.so $(BUILD)/libweft.a $(BUILD)/weft $(PLUGIN_SO) skipped
+
+.PHONY: skipped
+skipped:
+	@$(if $(HAVE_GSL),:,echo "plugin gsl skipped: gsl/gsl_odeiv2.h not found (package libgsl-dev)")
+
+# ---- library and program ---------------------------------------------------------
+
+$(BUILD)/libweft.so: $(LIB_OBJ)
+	$(LINK) -shared -Wl,-soname,libweft.so -o $@ $^ $(LIB_LIBS)
+
+$(BUILD)/libweft.a: $(LIB_OBJ)
+	rm -f $@ && ar rcs $@ $^
+
+$(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
+	$(LINK) -o $@ $(PROG_OBJ) -L$(BUILD) -Wl,-rpath,'$$ORIGIN' -lweft -lyaml -lm
+
+$(BUILD)/src/%.o: src/%.c
+	@mkdir -p $(@D)
+	$(COMPILE) -c -o $@ $<
+
+# ---- plugins: each sees weft/stepper.h and nothing else of weft -------------------
+
+define PLUGIN_RULE
+PLUGIN_OBJ_$(1) := $$(patsubst %.c,$(BUILD)/%.o,$$(wildcard plugins/$(1)/*.c))
+$(BUILD)/plugins/weft-$(1).so: $$(PLUGIN_OBJ_$(1))
+	@mkdir -p $$(@D)
+	$$(LINK) -shared -o $$@ $$^ $$(LIBS_$(1))
+endef
+$(foreach p,$(PLUGINS),$(eval $(call PLUGIN_RULE,$(p))))
+
+$(BUILD)/plugins/%.o: plugins/%.c
+	@mkdir -p $(@D)
+	$(COMPILE) -c -o $@ $<
+
+# ---- tests and examples ----------------------------------------------------------
+
+TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_GSL),-DHAVE_GSL)
+TEST_PLUGINS = $(foreach p,$(PLUGINS),$(PLUGIN_OBJ_$(p)))
+TEST_LIBS = -lcheck -lsubunit -lrt $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
+
+$(BUILD)/tests/%.o: tests/%.c
+	@mkdir -p $(@D)
+	$(COMPILE) $(TEST_DEFS) -c -o $@ $<
+
+$(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(BUILD)/tests/support.o \
+                       $(BUILD)/libweft.a $(PLUGIN_SO)
+	$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a $(TEST_LIBS)
+
+$(BUILD)/tests/broken/weft-%.so: tests/broken/%.c
+	@mkdir -p $(@D)
+	$(COMPILE) -shared -o $@ $<
+
+$(BUILD)/examples/%: examples/%.c $(BUILD)/libweft.so
+	@mkdir -p $(@D)
+	$(COMPILE) -o $@ $< -L$(BUILD) -Wl,-rpath,'$$ORIGIN/..' -lweft -lm
+
+# Packages first, then a second make: what the first one knew of them is out of date.
+check: deps
+	@$(MAKE) --no-print-directory check-run
+
+check-run: all $(TEST_BIN) $(BROKEN) $(EXAMPLES) lint
+	@tools/run-tests $(BUILD) $(TEST_BIN)
+
+demo: deps
+	@$(MAKE) --no-print-directory demo-run
+
+demo-run: all
+	@tools/demo $(BUILD)
+
+deps:
+	@CC="$(CC)" tools/deps
+
+# ---- care ------------------------------------------------------------------------
+
+C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] plugins/*/*.[ch] tests/*.[ch] \
+                     tests/broken/*.c examples/*.c)
+
+lint:
+	@tools/lint $(C_FILES)
+
+format:
+	clang-format -i $(C_FILES)
+
+# Tables that the program prints and the pages quote.
+docs: all
+	@tools/docs $(BUILD)
+
+# Check's tests under AddressSanitizer and UBSan, in a build of its own.
+asan:
+	@$(MAKE) --no-print-directory BUILD=build/asan CFLAGS='-O1 -g' \
+	    SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \
+	    check-run
+
+clang-build:
+	@$(MAKE) --no-print-directory BUILD=build/clang CC=clang all \
+	    $(TESTS:%=build/clang/tests/%)
+
+valgrind: all $(TEST_BIN) $(BROKEN)
+	@tools/valgrind $(BUILD)
+
+symbols: $(BUILD)/libweft.so $(PLUGIN_SO)
+	@tools/symbols $^
+
+clean:
+	rm -rf $(BUILD)
+
+help:
+	@sed -n 's/^# \{0,1\}//p' Makefile | sed -n 2,8p
+	@echo "make lint | format | docs | asan | clang-build | valgrind | symbols | clean"
+
+-include $(shell find $(BUILD) -name '*.d' 2>/dev/null)

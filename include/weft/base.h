@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* weft/base.h -- what every weft header shares: version, export mark, status, error.
+ *
+ * Nothing here needs the library: a stepper plugin includes weft/stepper.h, which
+ * includes this, and links to nothing of weft. */
+#ifndef WEFT_BASE_H
+#define WEFT_BASE_H
+
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#define WEFT_VERSION "0.1.0"
+
+/* The library is built with hidden visibility: what is marked is all it exports. */
+#if defined(__GNUC__)
+#define WEFT_API                 __attribute__((visibility("default")))
+#define WEFT_PRINTF(text, first) __attribute__((format(printf, text, first)))
+#else
+#define WEFT_API
+#define WEFT_PRINTF(text, first)
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* X(name, text). The enum and weft_status_text() are made from this one list. */
+#define WEFT_STATUS_LIST(X)                                                            \
+    X(OK, "ok")                                                                        \
+    X(INVALID, "invalid argument")                                                     \
+    X(NO_MEMORY, "out of memory")                                                      \
+    X(IO, "file could not be read or written")                                         \
+    X(BAD_SCENE, "mistake in the scene")                                               \
+    X(BAD_PLUGIN, "plugin refused or not found")                                       \
+    X(UNSUPPORTED, "not supported")                                                    \
+    X(NOT_FINITE, "state is not finite")                                               \
+    X(STEP_TOO_SMALL, "step size fell below its minimum")                              \
+    X(STOPPED, "right-hand side asked to stop")                                        \
+    X(SOLVER, "the wrapped solver failed")
+
+typedef enum weft_status {
+#define WEFT_STATUS_ENUM(name, text) WEFT_##name,
+    WEFT_STATUS_LIST(WEFT_STATUS_ENUM)
+#undef WEFT_STATUS_ENUM
+} weft_status;
+
+/* What went wrong and where. The caller owns it and passes it last; NULL is allowed
+ * everywhere. It is written only on failure. */
+typedef struct weft_error {
+    weft_status status;
+    int line, column;  /* from 1; 0: no place in a file */
+    char file[256];    /* empty: no file */
+    char message[512]; /* one line, without a trailing period */
+} weft_error;
+
+/* A short text for a status, never NULL. */
+WEFT_API const char *weft_status_text(weft_status status);
+
+/* The version of the library that is running, as WEFT_VERSION. */
+WEFT_API const char *weft_version(void);
+
+/* Fill *err (NULL allowed) and return status, so that a failing function may end in
+ * `return weft_error_set(err, WEFT_INVALID, "rows is %zu", rows);`. Header-only, for
+ * plugins. */
+WEFT_PRINTF(3, 4)
+static inline weft_status weft_error_set(weft_error *err, weft_status status,
+                                         const char *format, ...)
+{
+    if (err != NULL) {
+        va_list args;
+        err->status = status;
+        err->line = 0;
+        err->column = 0;
+        err->file[0] = '\0';
+        va_start(args, format);
+        (void)vsnprintf(err->message, sizeof err->message, format, args);
+        va_end(args);
+    }
+    return status;
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* weft/cloth.h -- the model: particles and springs on a grid, and what pulls at them.
+ *
+ * A weft_cloth is constant once made: every function here that takes one is pure and
+ * may be called from many threads at once. The state is not in it; the caller owns
+ *
+ *     double y[6 N]: planes x[N] y[N] z[N] [m], then vx[N] vy[N] vz[N] [m/s]
+ *
+ * of N = rows * cols particles. Particle (r, c) has index i = r * cols + c. SI units.
+ * The formulas are in docs/physics.md. */
+#ifndef WEFT_CLOTH_H
+#define WEFT_CLOTH_H
+
+#include "weft/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct weft_cloth weft_cloth;
+
+/* Springs of (r, c): stretch to the next column and row, shear across both diagonals
+ * of a cell, bend to the next but one column and row. */
+typedef enum weft_family {
+    WEFT_STRETCH,
+    WEFT_SHEAR,
+    WEFT_BEND,
+    WEFT_FAMILIES /* how many there are */
+} weft_family;
+
+typedef enum weft_law {
+    WEFT_LAW_HOOKE, /* T = k (L - s) + c w.u,     k [N/m] */
+    WEFT_LAW_STRAIN /* T = k (L / s - 1) + c w.u, k [N] */
+} weft_law;
+
+typedef struct weft_spring_def {
+    bool present;
+    double stiffness; /* [N/m] (hooke) or [N] (strain), >= 0 */
+    double damping;   /* [kg/s], >= 0, along the spring only */
+} weft_spring_def;
+
+/* Inclusive; a negative index counts from the end, so {0, -1} is all. */
+typedef struct weft_range {
+    ptrdiff_t first, last;
+} weft_range;
+
+typedef struct weft_load {
+    weft_range rows, cols;
+    double mass; /* [kg] > 0, added to each particle of the range */
+} weft_load;
+
+/* Particles that follow x(t) = x(0) + velocity t + amplitude sin(2 pi frequency t). */
+typedef struct weft_pin {
+    weft_range rows, cols;
+    double velocity[3];  /* [m/s] */
+    double amplitude[3]; /* [m] */
+    double frequency;    /* [Hz] >= 0 */
+} weft_pin;
+
+/* Everything a cloth is made of. Arrays are copied by weft_cloth_create. */
+typedef struct weft_cloth_def {
+    size_t rows, cols; /* particles down and across, >= 1 each, rows * cols >= 2 */
+    double spacing[2]; /* [m] > 0: row to row (along a column), then column to column */
+    double origin[3];  /* [m] where particle (0, 0) rests */
+    double right[3];   /* direction of growing column; normalised by create */
+    double down[3];    /* direction of growing row; perpendicular to right (1e-9) */
+    double scale;      /* > 0: initial = origin + scale (rest - origin) */
+    double mass;       /* [kg] > 0 of each particle; 0: density is used */
+    double density;    /* [kg/m^2] > 0, lumped by area; 0: mass is used */
+    double velocity[3];     /* [m/s] initial, of particles that are not pinned */
+    const weft_load *loads; /* load_count of them */
+    size_t load_count;
+    weft_law law;
+    weft_spring_def springs[WEFT_FAMILIES];
+    const weft_pin *pins; /* pin_count of them; a later one wins over an earlier */
+    size_t pin_count;
+    double gravity[3];       /* [m/s^2] */
+    double drag;             /* [kg/s] >= 0, viscous: F = -drag v on each particle */
+    double wind_velocity[3]; /* [m/s] */
+    double wind_drag;        /* [kg/(m^2 s)] >= 0; 0: no wind */
+} weft_cloth_def;
+
+/* A spring between two particles, named by their indices; family tells which kind. */
+typedef struct weft_spring {
+    weft_family family;
+    size_t p, q;
+    double strain; /* (L - s) / s */
+} weft_spring;
+
+typedef struct weft_energy {
+    double kinetic;                /* [J] of the free particles */
+    double gravitational;          /* [J] -m g.x, of the free particles */
+    double elastic[WEFT_FAMILIES]; /* [J] */
+} weft_energy;
+
+/* 2 x 2 particles, 1 m apart, 0.2 kg/m^2, no springs, no pins, earth's gravity down
+ * the y axis. Set what differs. */
+WEFT_API weft_cloth_def weft_cloth_def_default(void);
+
+/* Makes a cloth. Errors: WEFT_INVALID (a value out of range, a pin outside the grid,
+ * coincident rest positions, ...; the message names the field), WEFT_NO_MEMORY. */
+WEFT_API weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
+                                       weft_error *err);
+WEFT_API void weft_cloth_destroy(weft_cloth *cloth); /* NULL is allowed */
+
+WEFT_API size_t weft_cloth_rows(const weft_cloth *cloth);
+WEFT_API size_t weft_cloth_cols(const weft_cloth *cloth);
+WEFT_API size_t weft_cloth_particles(const weft_cloth *cloth);
+WEFT_API size_t weft_cloth_dim(const weft_cloth *cloth); /* 6 N, doubles of a state */
+WEFT_API size_t weft_cloth_springs(const weft_cloth *cloth, weft_family family);
+WEFT_API size_t weft_cloth_pins(const weft_cloth *cloth);  /* pinned particles */
+WEFT_API size_t weft_cloth_bytes(const weft_cloth *cloth); /* memory it holds */
+WEFT_API double weft_cloth_mass(const weft_cloth *cloth);  /* [kg] of all, pinned too */
+WEFT_API double weft_cloth_particle_mass(const weft_cloth *cloth, size_t i); /* [kg] */
+WEFT_API bool weft_cloth_pinned(const weft_cloth *cloth, size_t i);
+
+/* The state at t = 0 into y[6 N]. */
+WEFT_API void weft_cloth_start(const weft_cloth *cloth, double *y);
+
+/* dy/dt into dydt[6 N] at time t [s]. Returns 0, or 1 if it is not finite (then dydt
+ * is not either). Calls nothing, allocates nothing; y and dydt do not overlap. */
+WEFT_API int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y,
+                            double *dydt);
+
+/* Force [N] on every particle as if none were pinned, into f[3 N]: planes fx fy fz. */
+WEFT_API void weft_cloth_force(const weft_cloth *cloth, const double *y, double *f);
+
+WEFT_API weft_energy weft_cloth_energy(const weft_cloth *cloth, const double *y);
+
+/* Rate [W] >= 0 at which springs and viscous drag turn energy into heat. The drag of
+ * pinned particles is not counted: their motion is prescribed. */
+WEFT_API double weft_cloth_dissipation(const weft_cloth *cloth, const double *y);
+
+/* Of the free particles: sum m v [kg m/s] and sum m x cross v [kg m^2/s] about the
+ * origin of the coordinates. */
+WEFT_API void weft_cloth_momentum(const weft_cloth *cloth, const double *y,
+                                  double p[3]);
+WEFT_API void weft_cloth_angular_momentum(const weft_cloth *cloth, const double *y,
+                                          double l[3]);
+
+/* The spring with the largest strain; NaN wins over every number. Strain 0 and
+ * p = q = 0 for a cloth without springs. */
+WEFT_API weft_spring weft_cloth_worst_spring(const weft_cloth *cloth, const double *y);
+
+/* A 64-bit hash of the bits of y[n]; equal states have equal hashes on every machine
+ * with IEEE 754 doubles and either byte order. */
+WEFT_API uint64_t weft_state_hash(const double *y, size_t n);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

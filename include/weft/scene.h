@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* weft/scene.h -- a scene file read: definition structs for cloth, stepper and run.
+ *
+ * docs/scene.md lists every key. A scene that loads without errors is complete: all
+ * values are in range and of the right unit. */
+#ifndef WEFT_SCENE_H
+#define WEFT_SCENE_H
+
+#include "weft/cloth.h"
+#include "weft/stepper.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct weft_scene weft_scene;
+
+typedef enum weft_limit_method {
+    WEFT_LIMIT_NONE,
+    WEFT_LIMIT_PROVOT, /* on positions, after Provot 1995 */
+    WEFT_LIMIT_BRIDSON /* on velocities, after Bridson, Fedkiw, Anderson 2002 */
+} weft_limit_method;
+
+typedef struct weft_limit_def {
+    weft_limit_method method;
+    double strain;                /* >= 0 */
+    bool families[WEFT_FAMILIES]; /* which are limited */
+    size_t sweeps;                /* >= 1 passes a step at most */
+    double tolerance;             /* > 0 */
+    bool keep_velocity;           /* positions only, as in the paper */
+} weft_limit_def;
+
+typedef struct weft_run_def {
+    double duration; /* [s] > 0 */
+    double fps;      /* [1/s] > 0 */
+    size_t threads;  /* >= 1 */
+} weft_run_def;
+
+/* One mistake, or one warning. */
+typedef struct weft_diagnostic {
+    bool warning;
+    int line, column; /* from 1; 0, 0: the place could not be told */
+    char place[256];  /* the file, or "command line, --set number 2" */
+    char message[384];
+    char source[256]; /* the line of text it stands in */
+    int caret;        /* column of source to point at, from 1; 0: none */
+} weft_diagnostic;
+
+#define WEFT_DIAGNOSTICS_MAX 20
+
+/* All that was found, in the order of the file. Owned by the caller; its size is
+ * constant, nothing in it is allocated. */
+typedef struct weft_diagnostics {
+    size_t count;  /* filled in items */
+    size_t errors; /* found in all, also beyond WEFT_DIAGNOSTICS_MAX */
+    size_t warnings;
+    weft_diagnostic items[WEFT_DIAGNOSTICS_MAX];
+} weft_diagnostics;
+
+/* `file:line:column: error: message`, the source line and a caret, into text[size];
+ * returns the length as snprintf does. */
+WEFT_API int weft_diagnostic_format(const weft_diagnostic *diagnostic, char *text,
+                                    size_t size);
+
+typedef struct weft_scene_def {
+    const char *file;        /* path to read, or a name for `text` in messages */
+    const char *text;        /* scene text in memory; NULL: read `file` */
+    size_t length;           /* of text */
+    const char *const *sets; /* set_count overrides "key.path=value" */
+    size_t set_count;
+
+    /* Finds the plugin that stepper.plugin names, so that the method and the keys it
+     * would not use can be checked where they stand. NULL: not checked. */
+    const weft_plugin *(*find_plugin)(void *ctx, const char *id, weft_error *err);
+    void *find_ctx;
+} weft_scene_def;
+
+WEFT_API weft_scene_def weft_scene_def_default(void);
+
+/* Reads, checks and resolves a scene. Errors: WEFT_BAD_SCENE (found->errors > 0),
+ * WEFT_IO (the file could not be read), WEFT_NO_MEMORY; *out is then NULL. Warnings
+ * may be found in a scene that loads. `found` must not be NULL. */
+WEFT_API weft_status weft_scene_load(const weft_scene_def *def, weft_scene **out,
+                                     weft_diagnostics *found, weft_error *err);
+WEFT_API void weft_scene_destroy(weft_scene *scene); /* NULL is allowed */
+
+WEFT_API const char *weft_scene_name(const weft_scene *scene);
+WEFT_API const weft_cloth_def *weft_scene_cloth(const weft_scene *scene);
+WEFT_API const weft_limit_def *weft_scene_limit(const weft_scene *scene);
+WEFT_API const weft_run_def *weft_scene_run(const weft_scene *scene);
+WEFT_API const char *weft_scene_plugin(const weft_scene *scene);
+WEFT_API const char *weft_scene_method(const weft_scene *scene);
+/* NULL if the scene was loaded without find_plugin. */
+WEFT_API const weft_stepper_type *weft_scene_method_type(const weft_scene *scene);
+WEFT_API const weft_stepper_config *weft_scene_config(const weft_scene *scene);
+
+/* The scene as it runs: the text that was read, or, if there were overrides, the same
+ * document written anew with them applied. */
+WEFT_API const char *weft_scene_text(const weft_scene *scene);
+
+typedef enum weft_scene_help_format {
+    WEFT_HELP_TEXT,
+    WEFT_HELP_MARKDOWN
+} weft_scene_help_format;
+
+/* Every key with type, unit, default and meaning, line by line to `line`. */
+WEFT_API void weft_scene_help(weft_scene_help_format format,
+                              void (*line)(void *ctx, const char *text), void *ctx);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

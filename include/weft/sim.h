@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* weft/sim.h -- time: a registry of stepper plugins, and a cloth under integration. */
+#ifndef WEFT_SIM_H
+#define WEFT_SIM_H
+
+#include "weft/cloth.h"
+#include "weft/stepper.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The plugins that a program has, linked in or loaded. It owns their handles: destroy
+ * it after the last stepper made with them. One thread at a time. */
+typedef struct weft_registry weft_registry;
+
+/* Where weft-<id>.so is looked for, in this order. Lists are separated by ':'. */
+typedef struct weft_registry_def {
+    const char *path;     /* searched first; NULL: none */
+    bool environment;     /* then WEFT_PLUGIN_PATH, if it is set */
+    const char *fallback; /* searched last: the installed directory; NULL: none */
+} weft_registry_def;
+
+WEFT_API weft_registry_def weft_registry_def_default(void);
+WEFT_API weft_status weft_registry_create(const weft_registry_def *def,
+                                          weft_registry **out, weft_error *err);
+WEFT_API void weft_registry_destroy(weft_registry *registry); /* NULL is allowed */
+
+/* Add a plugin that is linked in. Errors: WEFT_BAD_PLUGIN with the reason. */
+WEFT_API weft_status weft_registry_add(weft_registry *registry,
+                                       const weft_plugin *plugin, weft_error *err);
+
+/* Load one file named weft-<id>.so and add its plugin. Errors: WEFT_BAD_PLUGIN with
+ * the file and the reason. */
+WEFT_API weft_status weft_registry_load(weft_registry *registry, const char *file,
+                                        weft_error *err);
+
+/* The plugin of that id, loaded now if it is not there yet. Errors: WEFT_BAD_PLUGIN;
+ * the message lists the directories searched. */
+WEFT_API weft_status weft_registry_find(weft_registry *registry, const char *id,
+                                        const weft_plugin **out, weft_error *err);
+
+/* Load every weft-*.so of the search path; a refused one is told to `refused` (NULL:
+ * to nobody) and skipped. */
+WEFT_API weft_status weft_registry_load_all(weft_registry *registry,
+                                            void (*refused)(void *ctx,
+                                                            const weft_error *why),
+                                            void *ctx, weft_error *err);
+
+WEFT_API size_t weft_registry_count(const weft_registry *registry);
+WEFT_API const weft_plugin *weft_registry_at(const weft_registry *registry, size_t i);
+/* The file a plugin came from; "" if it is linked in. */
+WEFT_API const char *weft_registry_file(const weft_registry *registry, size_t i);
+
+/* The method of that name, or NULL. */
+WEFT_API const weft_stepper_type *weft_plugin_method(const weft_plugin *plugin,
+                                                     const char *name);
+
+/* Adaptive, rtol = atol = 1e-6, max norm, first step 1 ms, min 1 ps. */
+WEFT_API weft_stepper_config weft_stepper_config_default(void);
+
+/* One simulation under way. One thread at a time; many may share a cloth. */
+typedef struct weft_sim weft_sim;
+
+/* Called after every accepted step of size h [s] that ended at t [s]; may edit y[6 N].
+ * Returns whether it did. */
+typedef bool weft_correct_fn(void *ctx, double t, double h, double *y);
+
+typedef struct weft_sim_def {
+    const weft_cloth *cloth;         /* outlives the simulation */
+    const weft_stepper_type *method; /* likewise */
+    weft_stepper_config config;
+    weft_correct_fn *correct; /* NULL: none */
+    void *correct_ctx;
+} weft_sim_def;
+
+WEFT_API weft_sim_def weft_sim_def_default(void);
+
+/* Starts at t = 0 with weft_cloth_start. Errors: WEFT_INVALID, WEFT_NO_MEMORY,
+ * WEFT_UNSUPPORTED (the method cannot do what the config asks). */
+WEFT_API weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out,
+                                     weft_error *err);
+WEFT_API void weft_sim_destroy(weft_sim *sim); /* NULL is allowed */
+
+/* One accepted step towards t_end [s] > time, never past it. On failure the state and
+ * the time are those of the last good step; the message tells particle, t and h. */
+WEFT_API weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err);
+
+/* Steps until the time is t_end [s] exactly. */
+WEFT_API weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *err);
+
+WEFT_API double weft_sim_time(const weft_sim *sim); /* [s] */
+WEFT_API const double *
+weft_sim_state(const weft_sim *sim); /* y[6 N], until next step */
+WEFT_API const weft_cloth *weft_sim_cloth(const weft_sim *sim);
+WEFT_API weft_stepper_stats weft_sim_stats(const weft_sim *sim);
+/* [J] turned into heat so far by springs and viscous drag: the trapezoid rule over the
+ * accepted steps, of second order in h. */
+WEFT_API double weft_sim_dissipated(const weft_sim *sim);
+
+/* Copies of the state as x y z of particle 0, x y z of particle 1, ...: 3 N doubles. */
+WEFT_API void weft_sim_positions(const weft_sim *sim, double *xyz);  /* [m] */
+WEFT_API void weft_sim_velocities(const weft_sim *sim, double *xyz); /* [m/s] */
+
+/* Replaces the positions [m] and velocities [m/s] of the free particles (NULL: keeps
+ * them); pinned ones keep theirs. Errors: WEFT_INVALID where a value is not finite,
+ * and nothing is changed. */
+WEFT_API weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
+                                        const double *velocities, weft_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

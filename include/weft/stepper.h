@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* weft/stepper.h -- the contract between weft and a time stepper.
+ *
+ * A stepper carries y' = f(t, y) forward by a solver that somebody else wrote. The
+ * solver chooses h, judges the error and retries; weft asks for one accepted step
+ * at a time, so that it may correct the state in between and meet every frame.
+ *
+ * The state is partitioned: y[0 .. dim/2) are positions [m], y[dim/2 .. dim) their
+ * velocities [m/s]. For a cloth of N particles dim = 6 N and each half is three
+ * planes: x[N] y[N] z[N], vx[N] vy[N] vz[N]. A stepper knows no more of cloth.
+ *
+ * Threads: instances are independent; one instance is used by one thread at a time. */
+#ifndef WEFT_STEPPER_H
+#define WEFT_STEPPER_H
+
+#include "weft/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Raised when a field moves or changes meaning. New fields go at the end of a struct
+ * and are recognised by its struct_size alone. */
+#define WEFT_STEPPER_ABI 1u
+
+/* Fill all of dydt[dim]. Return 0; > 0 if y is unusable and a smaller step may help;
+ * < 0 to end the run. Must not print, allocate or write to y. */
+typedef int weft_rhs_fn(double t, const double *y, double *dydt, void *ctx);
+
+typedef struct weft_ode {
+    size_t dim; /* length of y: even, > 0 */
+    weft_rhs_fn *rhs;
+    void *ctx; /* passed to rhs, never looked into */
+} weft_ode;
+
+typedef enum weft_norm { WEFT_NORM_MAX, WEFT_NORM_RMS } weft_norm;
+
+/* An explicit Runge-Kutta table of the user's own; arrays belong to the caller. */
+typedef struct weft_butcher {
+    int stages, order;
+    int embedded_order;       /* 0: no embedding, fixed step only */
+    const double *a;          /* stages x stages, row by row, strictly lower */
+    const double *b, *c;      /* stages each */
+    const double *b_embedded; /* stages, or NULL */
+} weft_butcher;
+
+/* What the user asked of the solver, which then decides every step by itself. With
+ * fixed_step > 0 there is no error control: the norm, the tolerances and the other
+ * step sizes are not looked at. */
+typedef struct weft_stepper_config {
+    uint32_t struct_size;
+    weft_norm norm;              /* of the error, over all components */
+    double rtol;                 /* >= 0 */
+    double atol_position;        /* [m], > 0 */
+    double atol_velocity;        /* [m/s], > 0 */
+    double first_step;           /* [s], > 0: first trial */
+    double min_step;             /* [s], > 0: needing less is a failure */
+    double max_step;             /* [s], >= min_step, may be INFINITY */
+    double fixed_step;           /* [s]; 0: adaptive */
+    const weft_butcher *butcher; /* for a method that takes one; else NULL */
+} weft_stepper_config;
+
+typedef struct weft_stepper_stats {
+    uint32_t struct_size;
+    uint64_t steps;     /* accepted, since create; state_changed keeps all counts */
+    uint64_t rejected;  /* attempts thrown away */
+    uint64_t rhs_calls; /* all of them: stages, Jacobians, restarts */
+    double last_step;   /* [s] size of the last accepted step; 0 before the first */
+    double next_step;   /* [s] size the solver would try next; 0: not known */
+} weft_stepper_stats;
+
+enum {
+    WEFT_STEPPER_FIXED_ONLY = 1 << 0, /* no error estimate: needs fixed_step */
+    WEFT_STEPPER_FSAL = 1 << 1,       /* last stage is the next step's first */
+    WEFT_STEPPER_MULTISTEP = 1 << 2,  /* a changed state restarts its history */
+    WEFT_STEPPER_IMPLICIT = 1 << 3,
+    WEFT_STEPPER_LEGACY = 1 << 4,  /* kept for comparison, not recommended */
+    WEFT_STEPPER_BUTCHER = 1 << 5, /* takes its table from config->butcher */
+    WEFT_STEPPER_DENSE = 1 << 6    /* keeps dim x dim matrices: small states only */
+};
+
+/* One method: a constant, one for each. */
+typedef struct weft_stepper_type {
+    uint32_t abi;          /* WEFT_STEPPER_ABI */
+    uint32_t struct_size;  /* sizeof(weft_stepper_type) as the plugin saw it */
+    const char *name;      /* "rkf45"; unique in its plugin */
+    const char *reference; /* the publication the coefficients come from */
+    const char *license;   /* SPDX id of all that gets linked with this method */
+    int order;             /* of the solution that is carried on; 0: variable */
+    int error_order;       /* of the solution it is compared with; 0: none */
+    int stages;     /* RHS calls of one attempt when nothing is reused; 0: varies */
+    uint32_t flags; /* WEFT_STEPPER_... */
+
+    /* Make an instance for *ode, which outlives it. Every name and number is checked
+     * here, before the solver sees it. Calls no RHS and prints nothing. On failure
+     * *self is NULL, nothing leaks and *err says why. */
+    weft_status (*create)(const struct weft_stepper_type *type, const weft_ode *ode,
+                          const weft_stepper_config *config, void **self,
+                          weft_error *err);
+
+    /* Advance y and *t < t_end by exactly ONE ACCEPTED step, never past t_end, and
+     * onto t_end bit for bit when it gets there. y is as the last step left it unless
+     * state_changed was called. An accepted y is finite, also with fixed_step. On
+     * failure *t and y are as before and step may be called again. */
+    weft_status (*step)(void *self, double t_end, double *t, double *y,
+                        weft_error *err);
+
+    /* y was edited from outside: the next step starts from what it then finds there.
+     * O(1). A needless call may cost one RHS call and never changes the results of a
+     * one-step method; a multistep method restarts its history. */
+    void (*state_changed)(void *self);
+
+    /* out->struct_size is set by the caller; fields beyond it are not written. */
+    void (*stats)(const void *self, weft_stepper_stats *out);
+
+    void (*destroy)(void *self); /* NULL is allowed */
+} weft_stepper_type;
+
+/* weft-<id>.so exports one function, weft_plugin_<id>(), which returns static data.
+ * Linked statically, the same object file is registered by that function. */
+typedef struct weft_plugin {
+    uint32_t abi; /* first field for ever; checked first */
+    uint32_t struct_size;
+    const char *id;                        /* "gsl", as in weft-gsl.so */
+    const char *version;                   /* of the plugin */
+    const char *solver;                    /* wrapped library and its version, or "" */
+    const weft_stepper_type *const *types; /* ends with NULL */
+} weft_plugin;
+
+typedef const weft_plugin *weft_plugin_fn(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* weft/weft.h -- all of libweft: cloth as a mass-spring network under your solver. */
+#ifndef WEFT_WEFT_H
+#define WEFT_WEFT_H
+
+#include "weft/base.h"
+#include "weft/cloth.h"
+#include "weft/scene.h"
+#include "weft/sim.h"
+#include "weft/stepper.h"
+
+#endif
