@@ -1,0 +1,259 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* verlet.c -- four textbook steppers without a library, and the template for plugin
+ * authors: copy this file, change the methods, build it as weft-<id>.so.
+ *
+ * With y = (x, v), f(t, y) = (fx, fv) and the fixed step h:
+ *
+ *   euler              x += h fx,  v += h fv
+ *   midpoint           y += h f(t + h/2, y + (h/2) f)
+ *   symplectic_euler   v += h fv,  x += h (fx + h fv)
+ *   velocity_verlet    x += h (fx + (h/2) fv),  v += (h/2) (fv + fv')
+ *
+ * Where fx = v, fx + h fv is the new velocity: symplectic Euler moves x with it, as
+ * Provot 1995 does. Written with fx it also keeps a pinned particle, whose fx is
+ * prescribed, on its path. Velocity Verlet (Swope, Andersen, Berens, Wilson, J. Chem.
+ * Phys. 76, 1982) takes fv' at the new x and, as forces may depend on v, at the
+ * predicted v + h fv (Groot, Warren, J. Chem. Phys. 107, 1997, with lambda = 1): order
+ * 2 with damping too. The next step starts from that f': one RHS call a step. */
+#include "weft/stepper.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const weft_plugin *weft_plugin_verlet(void);
+
+/* One instance. Its arrays lie behind it in one block: a step allocates nothing. */
+typedef struct stepper {
+    const struct method *method;
+    weft_ode ode;
+    double fixed_step; /* [s] */
+    weft_stepper_stats stats;
+    bool carries; /* f is that of `end`, the state the last step ended in */
+    double *y;    /* the state a step works on: the caller's is written on success */
+    double *f;
+    double *end;
+} stepper;
+
+/* A method is the public record and what it is that differs. The record comes first:
+ * a pointer to the one is a pointer to the other. */
+typedef struct method {
+    weft_stepper_type type;
+    int (*advance)(stepper *self, double t, double h); /* what the RHS returned */
+} method;
+
+static int rhs(stepper *self, double t, const double *y)
+{
+    ++self->stats.rhs_calls;
+    return self->ode.rhs(t, y, self->f, self->ode.ctx);
+}
+
+/* y += h f over [first, last) of the state */
+static void add(double *y, double h, const double *f, size_t first, size_t last)
+{
+    for (size_t i = first; i < last; ++i) {
+        y[i] += h * f[i];
+    }
+}
+
+static int euler(stepper *self, double t, double h)
+{
+    const int failed = rhs(self, t, self->y);
+    add(self->y, h, self->f, 0, self->ode.dim);
+    return failed;
+}
+
+static int midpoint(stepper *self, double t, double h)
+{
+    int failed = rhs(self, t, self->y);
+    if (failed == 0) {
+        memcpy(self->end, self->y, self->ode.dim * sizeof *self->y);
+        add(self->end, 0.5 * h, self->f, 0, self->ode.dim);
+        failed = rhs(self, t + 0.5 * h, self->end);
+        add(self->y, h, self->f, 0, self->ode.dim);
+    }
+    return failed;
+}
+
+static int symplectic_euler(stepper *self, double t, double h)
+{
+    const size_t half = self->ode.dim / 2;
+    const int failed = rhs(self, t, self->y);
+    add(self->y, h, self->f, half, 2 * half);
+    add(self->y, h, self->f, 0, half);
+    add(self->y, h * h, self->f + half, 0, half);
+    return failed;
+}
+
+static int velocity_verlet(stepper *self, double t, double h)
+{
+    const size_t half = self->ode.dim / 2, dim = self->ode.dim;
+    /* After a change of y, f is stale, but only if y really is another one: so that a
+     * needless state_changed costs a comparison and alters nothing. */
+    if (!self->carries || memcmp(self->y, self->end, dim * sizeof *self->y) != 0) {
+        const int failed = rhs(self, t, self->y);
+        if (failed != 0) {
+            return failed;
+        }
+    }
+    self->carries = false;
+    add(self->y, h, self->f, 0, half);
+    add(self->y, 0.5 * h * h, self->f + half, 0, half);
+    memcpy(self->end, self->y, dim * sizeof *self->y);
+    add(self->end, h, self->f, half, dim);     /* predicted */
+    add(self->y, 0.5 * h, self->f, half, dim); /* first kick */
+    const int failed = rhs(self, t + h, self->end);
+    add(self->y, 0.5 * h, self->f, half, dim); /* second kick */
+    memcpy(self->end, self->y, dim * sizeof *self->y);
+    self->carries = failed == 0;
+    return failed;
+}
+
+static weft_status check(const weft_stepper_type *type, const weft_ode *ode,
+                         const weft_stepper_config *config, weft_error *err)
+{
+    if (ode->dim == 0 || ode->dim % 2 != 0 || ode->dim > SIZE_MAX / 64) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "%s: cannot hold a state of %zu numbers", type->name,
+                              ode->dim);
+    }
+    if (config->struct_size < sizeof *config || config->butcher != NULL) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "%s: config of another version, or with a Butcher table",
+                              type->name);
+    }
+    if (config->fixed_step == 0.0) {
+        return weft_error_set(err, WEFT_UNSUPPORTED,
+                              "%s has no error control: give it a fixed_step",
+                              type->name);
+    }
+    if (!(config->fixed_step > 0.0) || !isfinite(config->fixed_step)) {
+        return weft_error_set(err, WEFT_INVALID, "%s: fixed_step %g s: must be > 0",
+                              type->name, config->fixed_step);
+    }
+    return WEFT_OK;
+}
+
+static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
+                          const weft_stepper_config *config, void **out,
+                          weft_error *err)
+{
+    *out = NULL;
+    const weft_status status = check(type, ode, config, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    stepper *self = calloc(1, sizeof *self + 3 * ode->dim * sizeof(double));
+    if (self == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory", type->name);
+    }
+    self->method = (const method *)type;
+    self->ode = *ode;
+    self->fixed_step = config->fixed_step;
+    self->stats.next_step = config->fixed_step;
+    self->y = (double *)(self + 1);
+    self->f = self->y + ode->dim;
+    self->end = self->f + ode->dim;
+    *out = self;
+    return WEFT_OK;
+}
+
+static bool all_finite(const double *y, size_t count)
+{
+    while (count > 0 && isfinite(y[count - 1])) {
+        --count;
+    }
+    return count == 0;
+}
+
+static weft_status step(void *instance, double t_end, double *t, double *y,
+                        weft_error *err)
+{
+    stepper *self = instance;
+    const size_t bytes = self->ode.dim * sizeof *y;
+    const double rest = t_end - *t;
+    if (!(rest > 0.0)) {
+        return weft_error_set(err, WEFT_INVALID, "step from %.17g to %.17g s", *t,
+                              t_end);
+    }
+    /* A rest that is longer than the step by roundoff alone is taken whole. */
+    const bool last = self->fixed_step >= rest * (1.0 - 1e-12);
+    const double h = last ? rest : self->fixed_step;
+    if (!last && *t + h == *t) {
+        return weft_error_set(err, WEFT_STEP_TOO_SMALL, "t + h == t at h = %g s", h);
+    }
+
+    memcpy(self->y, y, bytes);
+    const int failed = self->method->advance(self, *t, h);
+    if (failed < 0) {
+        return weft_error_set(err, WEFT_STOPPED, "stopped by the model");
+    }
+    if (failed > 0 || !all_finite(self->y, self->ode.dim)) {
+        return weft_error_set(err, WEFT_NOT_FINITE, "not finite after a step of %g s",
+                              h);
+    }
+    memcpy(y, self->y, bytes);
+    *t = last ? t_end : *t + h;
+    ++self->stats.steps;
+    self->stats.last_step = h;
+    return WEFT_OK;
+}
+
+/* Nothing to do: three methods keep nothing, and Verlet looks at y itself. */
+static void state_changed(void *instance)
+{
+    (void)instance;
+}
+
+static void stats(const void *instance, weft_stepper_stats *out)
+{
+    const stepper *self = instance;
+    const uint32_t size = out->struct_size;
+    memcpy(out, &self->stats, size < sizeof *out ? size : sizeof *out);
+    out->struct_size = size; /* a caller older than this plugin gave a shorter struct */
+}
+
+static void destroy(void *instance)
+{
+    free(instance);
+}
+
+/* What the methods share; each adds its name and what differs. */
+#define METHOD(id, p, calls)                                                           \
+    .abi = WEFT_STEPPER_ABI, .struct_size = sizeof(weft_stepper_type), .name = #id,    \
+    .order = (p), .stages = (calls), .license = "BSD-3-Clause", .create = create,      \
+    .step = step, .state_changed = state_changed, .stats = stats, .destroy = destroy
+
+static const method methods[] = {
+    { .type
+      = { METHOD(symplectic_euler), .reference = "X. Provot, Graphics Interface, 1995",
+          .order = 1, .stages = 1, .flags = WEFT_STEPPER_FIXED_ONLY },
+      .advance = symplectic_euler },
+    { .type = { METHOD(velocity_verlet),
+                .reference = "W. C. Swope et al., J. Chem. Phys. 76, 1982", .order = 2,
+                .stages = 1, .flags = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_FSAL },
+      .advance = velocity_verlet },
+    { .type = { METHOD(euler),
+                .reference = "L. Euler, Institutiones calculi integralis I, 1768",
+                .order = 1, .stages = 1, .flags = WEFT_STEPPER_FIXED_ONLY },
+      .advance = euler },
+    { .type = { METHOD(midpoint), .reference = "C. Runge, Math. Ann. 46, 1895",
+                .order = 2, .stages = 2, .flags = WEFT_STEPPER_FIXED_ONLY },
+      .advance = midpoint },
+};
+
+WEFT_API const weft_plugin *weft_plugin_verlet(void)
+{
+    static const weft_stepper_type *const types[] = {
+        &methods[0].type, &methods[1].type, &methods[2].type, &methods[3].type, NULL,
+    };
+    static const weft_plugin plugin = {
+        .abi = WEFT_STEPPER_ABI,
+        .struct_size = sizeof(weft_plugin),
+        .id = "verlet",
+        .version = WEFT_VERSION,
+        .solver = "",
+        .types = types,
+    };
+    return &plugin;
+}

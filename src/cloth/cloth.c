@@ -1,0 +1,274 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* cloth.c -- a cloth from its definition: masses, pins, the state at rest. */
+#include "cloth/internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* 2 pi, correctly rounded */
+#define TWO_PI 6.283185307179586
+
+weft_cloth_def weft_cloth_def_default(void)
+{
+    return (weft_cloth_def){
+        .rows = 2,
+        .cols = 2,
+        .spacing = { 1.0, 1.0 },
+        .right = { 1.0, 0.0, 0.0 },
+        .down = { 0.0, -1.0, 0.0 },
+        .scale = 1.0,
+        .density = 0.2,
+        .gravity = { 0.0, -9.81, 0.0 },
+    };
+}
+
+static void normalise(const double from[3], double to[3])
+{
+    const double length
+        = sqrt(from[0] * from[0] + from[1] * from[1] + from[2] * from[2]);
+    for (size_t k = 0; k < 3; ++k) {
+        to[k] = from[k] / length;
+    }
+}
+
+void weft__rest_position(const weft_cloth *cloth, size_t r, size_t c, double x[3])
+{
+    const double across = (double)c * cloth->spacing[1];
+    const double along = (double)r * cloth->spacing[0];
+    for (size_t k = 0; k < 3; ++k) {
+        x[k] = cloth->origin[k] + across * cloth->right[k] + along * cloth->down[k];
+    }
+}
+
+/* Half a cell on a rim, a whole one inside; 1 m where there is but one. */
+static double width(size_t index, size_t count, double spacing)
+{
+    if (count == 1) {
+        return 1.0;
+    }
+    return index == 0 || index + 1 == count ? 0.5 * spacing : spacing;
+}
+
+double weft__area(const weft_cloth *cloth, size_t r, size_t c)
+{
+    return width(r, cloth->rows, cloth->spacing[0])
+           * width(c, cloth->cols, cloth->spacing[1]);
+}
+
+static void masses_init(weft_cloth *cloth, const weft_cloth_def *def)
+{
+    for (size_t r = 0; r < cloth->rows; ++r) {
+        for (size_t c = 0; c < cloth->cols; ++c) {
+            cloth->mass[r * cloth->cols + c]
+                = def->density > 0.0 ? def->density * weft__area(cloth, r, c)
+                                     : def->mass;
+        }
+    }
+    for (size_t i = 0; i < def->load_count; ++i) {
+        const weft_load *load = &def->loads[i];
+        size_t r0, r1, c0, c1;
+        weft__range_resolve(load->rows, cloth->rows, &r0, &r1);
+        weft__range_resolve(load->cols, cloth->cols, &c0, &c1);
+        for (size_t r = r0; r <= r1; ++r) {
+            for (size_t c = c0; c <= c1; ++c) {
+                cloth->mass[r * cloth->cols + c] += load->mass;
+            }
+        }
+    }
+}
+
+static void pins_init(weft_cloth *cloth, const weft_cloth_def *def)
+{
+    for (size_t i = 0; i < def->pin_count; ++i) {
+        const weft_pin *pin = &def->pins[i];
+        size_t r0, r1, c0, c1;
+        weft__range_resolve(pin->rows, cloth->rows, &r0, &r1);
+        weft__range_resolve(pin->cols, cloth->cols, &c0, &c1);
+        cloth->motions[i].omega = TWO_PI * pin->frequency;
+        memcpy(cloth->motions[i].velocity, pin->velocity, sizeof pin->velocity);
+        memcpy(cloth->motions[i].amplitude, pin->amplitude, sizeof pin->amplitude);
+        for (size_t r = r0; r <= r1; ++r) {
+            for (size_t c = c0; c <= c1; ++c) {
+                cloth->pin[r * cloth->cols + c] = (uint32_t)(i + 1);
+            }
+        }
+    }
+    for (size_t i = 0; i < cloth->particles; ++i) {
+        cloth->pinned += cloth->pin[i] != 0;
+    }
+}
+
+/* Neighbours that a huge origin has rounded onto one another have no direction. */
+static weft_status check_apart(const weft_cloth *cloth, weft_error *err)
+{
+    for (size_t r = 0; r < cloth->rows; ++r) {
+        for (size_t c = 0; c < cloth->cols; ++c) {
+            double x[3], across[3], along[3];
+            weft__rest_position(cloth, r, c, x);
+            weft__rest_position(cloth, r, c + 1, across);
+            weft__rest_position(cloth, r + 1, c, along);
+            if ((c + 1 < cloth->cols && memcmp(x, across, sizeof x) == 0)
+                || (r + 1 < cloth->rows && memcmp(x, along, sizeof x) == 0)) {
+                return weft_error_set(
+                    err, WEFT_INVALID,
+                    "coincident rest positions: row %zu, column %zu and its neighbour",
+                    r, c);
+            }
+        }
+    }
+    return WEFT_OK;
+}
+
+static void copy_plain_fields(weft_cloth *cloth, const weft_cloth_def *def)
+{
+    cloth->rows = def->rows;
+    cloth->cols = def->cols;
+    cloth->particles = def->rows * def->cols;
+    cloth->scale = def->scale;
+    cloth->drag = def->drag;
+    cloth->wind_drag = def->wind_drag;
+    memcpy(cloth->spacing, def->spacing, sizeof cloth->spacing);
+    memcpy(cloth->origin, def->origin, sizeof cloth->origin);
+    memcpy(cloth->velocity, def->velocity, sizeof cloth->velocity);
+    memcpy(cloth->gravity, def->gravity, sizeof cloth->gravity);
+    memcpy(cloth->wind_velocity, def->wind_velocity, sizeof cloth->wind_velocity);
+    normalise(def->right, cloth->right);
+    normalise(def->down, cloth->down);
+}
+
+weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
+                              weft_error *err)
+{
+    *out = NULL;
+    const weft_status valid = weft__cloth_def_check(def, err);
+    if (valid != WEFT_OK) {
+        return valid;
+    }
+    weft_cloth *cloth = calloc(1, sizeof *cloth);
+    if (cloth == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a cloth");
+    }
+    copy_plain_fields(cloth, def);
+    cloth->motion_count = def->pin_count;
+    cloth->mass = malloc(cloth->particles * sizeof *cloth->mass);
+    cloth->pin = calloc(cloth->particles, sizeof *cloth->pin);
+    cloth->motions = calloc(def->pin_count + 1, sizeof *cloth->motions);
+    if (cloth->mass == NULL || cloth->pin == NULL || cloth->motions == NULL) {
+        const size_t particles = cloth->particles;
+        weft_cloth_destroy(cloth);
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu particles",
+                              particles);
+    }
+    const weft_status apart = check_apart(cloth, err);
+    if (apart != WEFT_OK) {
+        weft_cloth_destroy(cloth);
+        return apart;
+    }
+    weft__groups_init(cloth, def);
+    masses_init(cloth, def);
+    pins_init(cloth, def);
+    *out = cloth;
+    return WEFT_OK;
+}
+
+void weft_cloth_destroy(weft_cloth *cloth)
+{
+    if (cloth != NULL) {
+        free(cloth->mass);
+        free(cloth->pin);
+        free(cloth->motions);
+        free(cloth);
+    }
+}
+
+/* The velocity at t = 0. */
+static void start_velocity(const weft_cloth *cloth, size_t i, double v[3])
+{
+    memcpy(v, cloth->velocity, sizeof cloth->velocity);
+    if (cloth->pin[i] != 0) {
+        const weft__motion *motion = &cloth->motions[cloth->pin[i] - 1];
+        for (size_t k = 0; k < 3; ++k) {
+            v[k] = motion->velocity[k] + motion->omega * motion->amplitude[k];
+        }
+    }
+}
+
+void weft_cloth_start(const weft_cloth *cloth, double *y)
+{
+    const size_t n = cloth->particles;
+    for (size_t r = 0; r < cloth->rows; ++r) {
+        for (size_t c = 0; c < cloth->cols; ++c) {
+            const size_t i = r * cloth->cols + c;
+            double x[3], v[3];
+            weft__rest_position(cloth, r, c, x);
+            start_velocity(cloth, i, v);
+            for (size_t k = 0; k < 3; ++k) {
+                const double from = cloth->origin[k];
+                y[k * n + i] = from + cloth->scale * (x[k] - from);
+                y[(k + 3) * n + i] = v[k];
+            }
+        }
+    }
+}
+
+size_t weft_cloth_rows(const weft_cloth *cloth)
+{
+    return cloth->rows;
+}
+
+size_t weft_cloth_cols(const weft_cloth *cloth)
+{
+    return cloth->cols;
+}
+
+size_t weft_cloth_particles(const weft_cloth *cloth)
+{
+    return cloth->particles;
+}
+
+size_t weft_cloth_dim(const weft_cloth *cloth)
+{
+    return 6 * cloth->particles;
+}
+
+size_t weft_cloth_springs(const weft_cloth *cloth, weft_family family)
+{
+    size_t springs = 0;
+    for (size_t g = 0; g < cloth->group_count; ++g) {
+        if (cloth->groups[g].family == family) {
+            springs += weft__group_springs(&cloth->groups[g]);
+        }
+    }
+    return springs;
+}
+
+size_t weft_cloth_pins(const weft_cloth *cloth)
+{
+    return cloth->pinned;
+}
+
+size_t weft_cloth_bytes(const weft_cloth *cloth)
+{
+    return sizeof *cloth + cloth->particles * (sizeof *cloth->mass + sizeof *cloth->pin)
+           + (cloth->motion_count + 1) * sizeof *cloth->motions;
+}
+
+double weft_cloth_mass(const weft_cloth *cloth)
+{
+    double mass = 0.0;
+    for (size_t i = 0; i < cloth->particles; ++i) {
+        mass += cloth->mass[i];
+    }
+    return mass;
+}
+
+double weft_cloth_particle_mass(const weft_cloth *cloth, size_t i)
+{
+    return cloth->mass[i];
+}
+
+bool weft_cloth_pinned(const weft_cloth *cloth, size_t i)
+{
+    return cloth->pin[i] != 0;
+}

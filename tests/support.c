@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "support.h"
+
+#include <string.h>
+
+const weft_plugin *weft_plugin_verlet(void);
+const weft_plugin *weft_plugin_gsl(void);
+
+const weft_plugin *test_plugin(size_t i)
+{
+    weft_plugin_fn *const plugins[] = {
+        weft_plugin_verlet,
+#ifdef HAVE_GSL
+        weft_plugin_gsl,
+#endif
+    };
+    return i < sizeof plugins / sizeof plugins[0] ? plugins[i]() : NULL;
+}
+
+/* The i-th method and the plugin it is of; false past the last. */
+static bool find_method(size_t i, const weft_plugin **plugin,
+                        const weft_stepper_type **type)
+{
+    for (size_t p = 0; (*plugin = test_plugin(p)) != NULL; ++p) {
+        for (size_t m = 0; (*plugin)->types[m] != NULL; ++m) {
+            if (i-- == 0) {
+                *type = (*plugin)->types[m];
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+size_t test_method_count(void)
+{
+    const weft_plugin *plugin;
+    const weft_stepper_type *type;
+    size_t count = 0;
+    while (find_method(count, &plugin, &type)) {
+        ++count;
+    }
+    return count;
+}
+
+const weft_stepper_type *test_method(size_t i)
+{
+    const weft_plugin *plugin;
+    const weft_stepper_type *type = NULL;
+    ck_assert_msg(find_method(i, &plugin, &type), "no method %zu", i);
+    return type;
+}
+
+const char *test_method_label(size_t i)
+{
+    static char label[128]; /* a test runs alone in its process */
+    const weft_plugin *plugin;
+    const weft_stepper_type *type = NULL;
+    ck_assert_msg(find_method(i, &plugin, &type), "no method %zu", i);
+    (void)snprintf(label, sizeof label, "%s/%s", plugin->id, type->name);
+    return label;
+}
+
+const weft_stepper_type *test_method_named(const char *label)
+{
+    for (size_t i = 0; i < test_method_count(); ++i) {
+        if (strcmp(test_method_label(i), label) == 0) {
+            return test_method(i);
+        }
+    }
+    ck_abort_msg("no method '%s'", label);
+    return NULL;
+}
+
+weft_cloth *test_cloth(const weft_cloth_def *def)
+{
+    weft_error err = { 0 };
+    weft_cloth *cloth = NULL;
+    const weft_status status = weft_cloth_create(def, &cloth, &err);
+    ck_assert_msg(status == WEFT_OK, "%s", err.message);
+    return cloth;
+}
+
+weft_sim *test_sim(const weft_cloth *cloth, const weft_stepper_type *method,
+                   const weft_stepper_config *config)
+{
+    weft_error err = { 0 };
+    weft_sim_def def = weft_sim_def_default();
+    def.cloth = cloth;
+    def.method = method;
+    def.config = *config;
+    weft_sim *sim = NULL;
+    const weft_status status = weft_sim_create(&def, &sim, &err);
+    ck_assert_msg(status == WEFT_OK, "%s", err.message);
+    return sim;
+}
+
+int test_run(Suite *suite)
+{
+    SRunner *runner = srunner_create(suite);
+    srunner_run_all(runner, CK_NORMAL);
+    const int failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed == 0 ? 0 : 1;
+}

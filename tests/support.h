@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* support.h -- what the test programs share. */
+#ifndef SUPPORT_H
+#define SUPPORT_H
+
+#include <check.h>
+
+#include "weft/weft.h"
+
+/* The i-th plugin linked into the tests; NULL past the last. */
+const weft_plugin *test_plugin(size_t i);
+
+/* All methods of all linked plugins, in order. */
+size_t test_method_count(void);
+const weft_stepper_type *test_method(size_t i);
+const char *test_method_label(size_t i); /* "gsl/rkf45" */
+
+/* A method by label; ends the test if it is not there. */
+const weft_stepper_type *test_method_named(const char *label);
+
+/* Made from a definition; ends the test on failure. */
+weft_cloth *test_cloth(const weft_cloth_def *def);
+weft_sim *test_sim(const weft_cloth *cloth, const weft_stepper_type *method,
+                   const weft_stepper_config *config);
+
+/* The body of main: runs the suite, prints Check's summary, returns the exit status. */
+int test_run(Suite *suite);
+
+#endif
