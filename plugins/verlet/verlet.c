@@ -182,7 +182,6 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
     if (!last && *t + h == *t) {
         return weft_error_set(err, WEFT_STEP_TOO_SMALL, "t + h == t at h = %g s", h);
     }
-
     memcpy(self->y, y, bytes);
     const int failed = self->method->advance(self, *t, h);
     if (failed < 0) {
@@ -218,28 +217,31 @@ static void destroy(void *instance)
     free(instance);
 }
 
-/* What the methods share; each adds its name and what differs. */
-#define METHOD(id, p, calls)                                                           \
-    .abi = WEFT_STEPPER_ABI, .struct_size = sizeof(weft_stepper_type), .name = #id,    \
-    .order = (p), .stages = (calls), .license = "BSD-3-Clause", .create = create,      \
-    .step = step, .state_changed = state_changed, .stats = stats, .destroy = destroy
+/* What the methods share; each adds its name, its numbers and where it comes from. */
+#define METHOD(id, p, calls, more, source)                                             \
+    {                                                                                  \
+        .type = { .abi = WEFT_STEPPER_ABI,                                             \
+                  .struct_size = sizeof(weft_stepper_type),                            \
+                  .name = #id,                                                         \
+                  .reference = (source),                                               \
+                  .license = "BSD-3-Clause",                                           \
+                  .order = (p),                                                        \
+                  .stages = (calls),                                                   \
+                  .flags = WEFT_STEPPER_FIXED_ONLY | (more),                           \
+                  .create = create,                                                    \
+                  .step = step,                                                        \
+                  .state_changed = state_changed,                                      \
+                  .stats = stats,                                                      \
+                  .destroy = destroy },                                                \
+        .advance = id                                                                  \
+    }
 
 static const method methods[] = {
-    { .type
-      = { METHOD(symplectic_euler), .reference = "X. Provot, Graphics Interface, 1995",
-          .order = 1, .stages = 1, .flags = WEFT_STEPPER_FIXED_ONLY },
-      .advance = symplectic_euler },
-    { .type = { METHOD(velocity_verlet),
-                .reference = "W. C. Swope et al., J. Chem. Phys. 76, 1982", .order = 2,
-                .stages = 1, .flags = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_FSAL },
-      .advance = velocity_verlet },
-    { .type = { METHOD(euler),
-                .reference = "L. Euler, Institutiones calculi integralis I, 1768",
-                .order = 1, .stages = 1, .flags = WEFT_STEPPER_FIXED_ONLY },
-      .advance = euler },
-    { .type = { METHOD(midpoint), .reference = "C. Runge, Math. Ann. 46, 1895",
-                .order = 2, .stages = 2, .flags = WEFT_STEPPER_FIXED_ONLY },
-      .advance = midpoint },
+    METHOD(symplectic_euler, 1, 1, 0, "X. Provot, Graphics Interface, 1995"),
+    METHOD(velocity_verlet, 2, 1, WEFT_STEPPER_FSAL,
+           "W. C. Swope et al., J. Chem. Phys. 76, 1982"),
+    METHOD(euler, 1, 1, 0, "L. Euler, Institutiones calculi integralis I, 1768"),
+    METHOD(midpoint, 2, 2, 0, "C. Runge, Math. Ann. 46, 1895"),
 };
 
 WEFT_API const weft_plugin *weft_plugin_verlet(void)
