@@ -10,11 +10,10 @@
  *   velocity_verlet    x += h (fx + (h/2) fv),  v += (h/2) (fv + fv')
  *
  * Where fx = v, fx + h fv is the new velocity: symplectic Euler moves x with it, as
- * Provot 1995 does. Written with fx it also keeps a pinned particle, whose fx is
- * prescribed, on its path. Velocity Verlet (Swope, Andersen, Berens, Wilson, J. Chem.
- * Phys. 76, 1982) takes fv' at the new x and, as forces may depend on v, at the
- * predicted v + h fv (Groot, Warren, J. Chem. Phys. 107, 1997, with lambda = 1): order
- * 2 with damping too. The next step starts from that f': one RHS call a step. */
+ * Provot 1995 does. A pinned particle's fx is prescribed and keeps it on its path.
+ * Velocity Verlet (Swope et al. 1982) takes fv' at the new x and the predicted
+ * v + h fv (Groot, Warren, J. Chem. Phys. 107, 1997, lambda = 1): order 2 with damping
+ * too. The next step starts from that f': one RHS call a step. */
 #include "weft/stepper.h"
 
 #include <math.h>
@@ -66,12 +65,10 @@ static int euler(stepper *self, double t, double h)
 static int midpoint(stepper *self, double t, double h)
 {
     int failed = rhs(self, t, self->y);
-    if (failed == 0) {
-        memcpy(self->end, self->y, self->ode.dim * sizeof *self->y);
-        add(self->end, 0.5 * h, self->f, 0, self->ode.dim);
-        failed = rhs(self, t + 0.5 * h, self->end);
-        add(self->y, h, self->f, 0, self->ode.dim);
-    }
+    memcpy(self->end, self->y, self->ode.dim * sizeof *self->y);
+    add(self->end, 0.5 * h, self->f, 0, self->ode.dim);
+    failed = failed != 0 ? failed : rhs(self, t + 0.5 * h, self->end);
+    add(self->y, h, self->f, 0, self->ode.dim);
     return failed;
 }
 
@@ -112,26 +109,19 @@ static int velocity_verlet(stepper *self, double t, double h)
 static weft_status check(const weft_stepper_type *type, const weft_ode *ode,
                          const weft_stepper_config *config, weft_error *err)
 {
+    const char *wrong = NULL;
     if (ode->dim == 0 || ode->dim % 2 != 0 || ode->dim > SIZE_MAX / 64) {
-        return weft_error_set(err, WEFT_INVALID,
-                              "%s: cannot hold a state of %zu numbers", type->name,
-                              ode->dim);
+        wrong = "the state must be an even count of numbers";
+    } else if (config->struct_size < sizeof *config || config->butcher != NULL) {
+        wrong = "config of another version, or with a Butcher table";
+    } else if (config->fixed_step == 0.0) {
+        wrong = "no error control: needs a fixed_step";
+    } else if (!(config->fixed_step > 0.0) || !isfinite(config->fixed_step)) {
+        wrong = "fixed_step must be > 0 s";
     }
-    if (config->struct_size < sizeof *config || config->butcher != NULL) {
-        return weft_error_set(err, WEFT_INVALID,
-                              "%s: config of another version, or with a Butcher table",
-                              type->name);
-    }
-    if (config->fixed_step == 0.0) {
-        return weft_error_set(err, WEFT_UNSUPPORTED,
-                              "%s has no error control: give it a fixed_step",
-                              type->name);
-    }
-    if (!(config->fixed_step > 0.0) || !isfinite(config->fixed_step)) {
-        return weft_error_set(err, WEFT_INVALID, "%s: fixed_step %g s: must be > 0",
-                              type->name, config->fixed_step);
-    }
-    return WEFT_OK;
+    return wrong == NULL
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_INVALID, "%s: %s", type->name, wrong);
 }
 
 static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
@@ -207,9 +197,9 @@ static void state_changed(void *instance)
 static void stats(const void *instance, weft_stepper_stats *out)
 {
     const stepper *self = instance;
-    const uint32_t size = out->struct_size;
+    const uint32_t size = out->struct_size; /* an older caller's struct is shorter */
     memcpy(out, &self->stats, size < sizeof *out ? size : sizeof *out);
-    out->struct_size = size; /* a caller older than this plugin gave a shorter struct */
+    out->struct_size = size;
 }
 
 static void destroy(void *instance)
