@@ -3,7 +3,6 @@
  * authors: copy this file, change the methods, build it as weft-<id>.so.
  *
  * With y = (x, v), f(t, y) = (fx, fv) and the fixed step h:
- *
  *   euler              x += h fx,  v += h fv
  *   midpoint           y += h f(t + h/2, y + (h/2) f)
  *   symplectic_euler   v += h fv,  x += h (fx + h fv)
@@ -207,7 +206,6 @@ static void destroy(void *instance)
     free(instance);
 }
 
-/* What the methods share; each adds its name, its numbers and where it comes from. */
 #define METHOD(id, p, calls, more, source)                                             \
     {                                                                                  \
         .type = { .abi = WEFT_STEPPER_ABI,                                             \

@@ -1,0 +1,301 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* registry.c -- the plugins a program has, linked in or loaded from weft-<id>.so. */
+#include "sim/registry.h"
+
+#include <dirent.h>
+#include <dlfcn.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+typedef struct entry {
+    const weft_plugin *plugin;
+    void *handle; /* NULL: linked in */
+    char *file;
+} entry;
+
+struct weft_registry {
+    char *path; /* directories, separated by ':' */
+    entry *entries;
+    size_t count;
+};
+
+weft_registry_def weft_registry_def_default(void)
+{
+    return (weft_registry_def){ .environment = true };
+}
+
+/* The three lists as one, empty ones left out. */
+static char *join_paths(const char *const lists[3])
+{
+    size_t length = 1;
+    for (size_t i = 0; i < 3; ++i) {
+        length += lists[i] == NULL ? 0 : strlen(lists[i]) + 1;
+    }
+    char *joined = calloc(1, length);
+    for (size_t i = 0; joined != NULL && i < 3; ++i) {
+        if (lists[i] != NULL && lists[i][0] != '\0') {
+            strcat(joined, joined[0] == '\0' ? "" : ":");
+            strcat(joined, lists[i]);
+        }
+    }
+    return joined;
+}
+
+weft_status weft_registry_create(const weft_registry_def *def, weft_registry **out,
+                                 weft_error *err)
+{
+    const char *const lists[3] = {
+        def->path,
+        def->environment ? getenv("WEFT_PLUGIN_PATH") : NULL,
+        def->fallback,
+    };
+    *out = NULL;
+    weft_registry *registry = calloc(1, sizeof *registry);
+    char *path = join_paths(lists);
+    if (registry == NULL || path == NULL) {
+        free(registry);
+        free(path);
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a plugin registry");
+    }
+    registry->path = path;
+    *out = registry;
+    return WEFT_OK;
+}
+
+void weft_registry_destroy(weft_registry *registry)
+{
+    if (registry == NULL) {
+        return;
+    }
+    for (size_t i = 0; i < registry->count; ++i) {
+        if (registry->entries[i].handle != NULL) {
+            dlclose(registry->entries[i].handle);
+        }
+        free(registry->entries[i].file);
+    }
+    free(registry->entries);
+    free(registry->path);
+    free(registry);
+}
+
+static const weft_plugin *find_loaded(const weft_registry *registry, const char *id)
+{
+    for (size_t i = 0; i < registry->count; ++i) {
+        if (strcmp(registry->entries[i].plugin->id, id) == 0) {
+            return registry->entries[i].plugin;
+        }
+    }
+    return NULL;
+}
+
+/* Takes over nothing on failure. */
+static weft_status add_entry(weft_registry *registry, const weft_plugin *plugin,
+                             void *handle, const char *file, weft_error *err)
+{
+    const weft_status status = weft__plugin_check(plugin, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    if (find_loaded(registry, plugin->id) != NULL) {
+        return weft_error_set(err, WEFT_BAD_PLUGIN, "a plugin '%s' is there already",
+                              plugin->id);
+    }
+    entry *grown
+        = realloc(registry->entries, (registry->count + 1) * sizeof *registry->entries);
+    if (grown == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a plugin");
+    }
+    registry->entries = grown;
+    char *copy = strdup(file);
+    if (copy == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a plugin");
+    }
+    grown[registry->count++] = (entry){ plugin, handle, copy };
+    return WEFT_OK;
+}
+
+weft_status weft_registry_add(weft_registry *registry, const weft_plugin *plugin,
+                              weft_error *err)
+{
+    return add_entry(registry, plugin, NULL, "", err);
+}
+
+/* The <id> of .../weft-<id>.so; false if the name has another shape. */
+static bool id_of_file(const char *file, char *id, size_t size)
+{
+    const char *slash = strrchr(file, '/');
+    const char *name = slash == NULL ? file : slash + 1;
+    const size_t length = strlen(name);
+    if (strncmp(name, "weft-", 5) != 0 || length <= 8
+        || strcmp(name + length - 3, ".so") != 0 || length - 8 >= size) {
+        return false;
+    }
+    memcpy(id, name + 5, length - 8);
+    id[length - 8] = '\0';
+    return true;
+}
+
+/* weft_plugin_<id> of an open plugin, called; NULL if it has none. */
+static weft_status call_entry(void *handle, const char *id, const weft_plugin **plugin,
+                              weft_error *err)
+{
+    char name[128];
+    (void)snprintf(name, sizeof name, "weft_plugin_%s", id);
+    void *symbol = dlsym(handle, name);
+    if (symbol == NULL) {
+        return weft_error_set(err, WEFT_BAD_PLUGIN, "it has no function %s()", name);
+    }
+    /* POSIX makes the conversion work that ISO C does not know. */
+    weft_plugin_fn *function;
+    memcpy(&function, &symbol, sizeof function);
+    *plugin = function();
+    return WEFT_OK;
+}
+
+static weft_status load_open(weft_registry *registry, void *handle, const char *id,
+                             const char *file, weft_error *err)
+{
+    const weft_plugin *plugin = NULL;
+    weft_status status = call_entry(handle, id, &plugin, err);
+    if (status == WEFT_OK) {
+        status = weft__plugin_check(plugin, err);
+    }
+    if (status == WEFT_OK && strcmp(plugin->id, id) != 0) {
+        status
+            = weft_error_set(err, WEFT_BAD_PLUGIN, "it calls itself '%s'", plugin->id);
+    }
+    return status == WEFT_OK ? add_entry(registry, plugin, handle, file, err) : status;
+}
+
+weft_status weft_registry_load(weft_registry *registry, const char *file,
+                               weft_error *err)
+{
+    weft_error why = { 0 };
+    weft_status status = WEFT_OK;
+    char id[64];
+    void *handle = NULL;
+    if (!id_of_file(file, id, sizeof id)) {
+        status = weft_error_set(&why, WEFT_BAD_PLUGIN,
+                                "its name is not of the form weft-<id>.so");
+    } else if ((handle = dlopen(file, RTLD_NOW | RTLD_LOCAL)) == NULL) {
+        const char *reason = dlerror();
+        status = weft_error_set(&why, WEFT_BAD_PLUGIN, "%s",
+                                reason == NULL ? "it cannot be opened" : reason);
+    } else {
+        status = load_open(registry, handle, id, file, &why);
+    }
+    if (status != WEFT_OK) {
+        if (handle != NULL) {
+            dlclose(handle);
+        }
+        weft_error_set(err, status, "plugin refused: %s: %s", file, why.message);
+    }
+    return status;
+}
+
+/* The next directory of a list separated by ':'; NULL at the end. */
+static const char *next_directory(const char *list, char *directory, size_t size)
+{
+    while (*list == ':') {
+        ++list;
+    }
+    const size_t length = strcspn(list, ":");
+    if (length == 0 || length >= size) {
+        return NULL;
+    }
+    memcpy(directory, list, length);
+    directory[length] = '\0';
+    return list + length;
+}
+
+weft_status weft_registry_find(weft_registry *registry, const char *id,
+                               const weft_plugin **out, weft_error *err)
+{
+    char directory[2048], file[4096];
+    *out = find_loaded(registry, id);
+    if (*out != NULL) {
+        return WEFT_OK;
+    }
+    const char *list = registry->path;
+    while ((list = next_directory(list, directory, sizeof directory)) != NULL) {
+        struct stat status;
+        (void)snprintf(file, sizeof file, "%s/weft-%s.so", directory, id);
+        if (stat(file, &status) == 0) {
+            const weft_status loaded = weft_registry_load(registry, file, err);
+            *out = find_loaded(registry, id);
+            return loaded;
+        }
+    }
+    return weft_error_set(
+        err, WEFT_BAD_PLUGIN, "plugin '%s' not found: no weft-%s.so in %s", id, id,
+        registry->path[0] == '\0' ? "an empty search path" : registry->path);
+}
+
+static int is_plugin_file(const struct dirent *item)
+{
+    char id[64];
+    return id_of_file(item->d_name, id, sizeof id);
+}
+
+/* Every weft-*.so of a directory, in the order of their names. */
+static void load_directory(weft_registry *registry, const char *directory,
+                           void (*refused)(void *ctx, const weft_error *why), void *ctx)
+{
+    struct dirent **items = NULL;
+    const int count = scandir(directory, &items, is_plugin_file, alphasort);
+    for (int i = 0; i < count; ++i) {
+        char id[64], file[4096];
+        weft_error why = { 0 };
+        (void)id_of_file(items[i]->d_name, id, sizeof id);
+        (void)snprintf(file, sizeof file, "%s/%s", directory, items[i]->d_name);
+        if (find_loaded(registry, id) == NULL
+            && weft_registry_load(registry, file, &why) != WEFT_OK && refused != NULL) {
+            refused(ctx, &why);
+        }
+        free(items[i]);
+    }
+    free(items);
+}
+
+weft_status weft_registry_load_all(weft_registry *registry,
+                                   void (*refused)(void *ctx, const weft_error *why),
+                                   void *ctx, weft_error *err)
+{
+    char directory[2048];
+    const char *list = registry->path;
+    while ((list = next_directory(list, directory, sizeof directory)) != NULL) {
+        load_directory(registry, directory, refused, ctx);
+    }
+    if (registry->count == 0) {
+        return weft_error_set(err, WEFT_BAD_PLUGIN, "no stepper plugin in %s",
+                              registry->path[0] == '\0' ? "an empty search path"
+                                                        : registry->path);
+    }
+    return WEFT_OK;
+}
+
+size_t weft_registry_count(const weft_registry *registry)
+{
+    return registry->count;
+}
+
+const weft_plugin *weft_registry_at(const weft_registry *registry, size_t i)
+{
+    return registry->entries[i].plugin;
+}
+
+const char *weft_registry_file(const weft_registry *registry, size_t i)
+{
+    return registry->entries[i].file;
+}
+
+const weft_stepper_type *weft_plugin_method(const weft_plugin *plugin, const char *name)
+{
+    for (size_t i = 0; plugin->types[i] != NULL; ++i) {
+        if (strcmp(plugin->types[i]->name, name) == 0) {
+            return plugin->types[i];
+        }
+    }
+    return NULL;
+}

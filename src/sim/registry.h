@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* registry.h -- what the files of src/sim share. */
+#ifndef WEFT_SIM_REGISTRY_H
+#define WEFT_SIM_REGISTRY_H
+
+#include "weft/sim.h"
+
+/* plugin_check.c: what makes a plugin unusable, into err with WEFT_BAD_PLUGIN. */
+weft_status weft__plugin_check(const weft_plugin *plugin, weft_error *err);
+
+#endif

@@ -1,0 +1,289 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* sim.c -- a cloth under integration: state, time, stepper, corrections. */
+#include "weft/sim.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct weft_sim {
+    const weft_cloth *cloth;
+    const weft_stepper_type *method;
+    void *stepper;
+    weft_correct_fn *correct;
+    void *correct_ctx;
+    double t;                   /* [s] */
+    double dissipated, heating; /* [J] so far, [W] at t */
+    double *y;
+};
+
+weft_stepper_config weft_stepper_config_default(void)
+{
+    return (weft_stepper_config){
+        .struct_size = sizeof(weft_stepper_config),
+        .norm = WEFT_NORM_MAX,
+        .rtol = 1e-6,
+        .atol_position = 1e-6,
+        .atol_velocity = 1e-6,
+        .first_step = 1e-3,
+        .min_step = 1e-12,
+        .max_step = INFINITY,
+    };
+}
+
+weft_sim_def weft_sim_def_default(void)
+{
+    return (weft_sim_def){ .config = weft_stepper_config_default() };
+}
+
+static int rhs(double t, const double *y, double *dydt, void *ctx)
+{
+    return weft_cloth_rhs(ctx, t, y, dydt);
+}
+
+static weft_status check_config(const weft_stepper_config *config, weft_error *err)
+{
+    if (config->struct_size < sizeof *config) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "stepper config: start from weft_stepper_config_default");
+    }
+    if (!(config->fixed_step >= 0.0) || !isfinite(config->fixed_step)) {
+        return weft_error_set(err, WEFT_INVALID, "fixed_step %g s: must be >= 0",
+                              config->fixed_step);
+    }
+    if (config->fixed_step > 0.0) {
+        return WEFT_OK;
+    }
+    if (!(config->rtol >= 0.0) || !isfinite(config->rtol)
+        || !(config->atol_position > 0.0) || !isfinite(config->atol_position)
+        || !(config->atol_velocity > 0.0) || !isfinite(config->atol_velocity)) {
+        return weft_error_set(
+            err, WEFT_INVALID,
+            "tolerances: rtol %g must be >= 0, atol %g m and %g m/s > 0", config->rtol,
+            config->atol_position, config->atol_velocity);
+    }
+    if (!(config->first_step > 0.0) || !isfinite(config->first_step)
+        || !(config->min_step > 0.0) || !(config->max_step >= config->min_step)) {
+        return weft_error_set(
+            err, WEFT_INVALID,
+            "steps: first %g s and min %g s must be > 0, max %g s not below min",
+            config->first_step, config->min_step, config->max_step);
+    }
+    return WEFT_OK;
+}
+
+static weft_status make_stepper(weft_sim *sim, const weft_sim_def *def, weft_error *err)
+{
+    /* The cloth is only read; weft_ode has no const, for solvers that know none. */
+    const weft_ode ode = { weft_cloth_dim(def->cloth), rhs, (void *)def->cloth };
+    return def->method->create(def->method, &ode, &def->config, &sim->stepper, err);
+}
+
+weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error *err)
+{
+    *out = NULL;
+    if (def->cloth == NULL || def->method == NULL) {
+        return weft_error_set(err, WEFT_INVALID, "a simulation needs cloth and method");
+    }
+    weft_status status = check_config(&def->config, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    weft_sim *sim = calloc(1, sizeof *sim);
+    double *y = malloc(weft_cloth_dim(def->cloth) * sizeof *y);
+    if (sim == NULL || y == NULL) {
+        free(sim);
+        free(y);
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
+    }
+    sim->cloth = def->cloth;
+    sim->method = def->method;
+    sim->correct = def->correct;
+    sim->correct_ctx = def->correct_ctx;
+    sim->y = y;
+    weft_cloth_start(sim->cloth, y);
+    sim->heating = weft_cloth_dissipation(sim->cloth, y);
+    status = make_stepper(sim, def, err);
+    if (status != WEFT_OK) {
+        weft_sim_destroy(sim);
+        return status;
+    }
+    *out = sim;
+    return WEFT_OK;
+}
+
+void weft_sim_destroy(weft_sim *sim)
+{
+    if (sim != NULL) {
+        sim->method->destroy(sim->stepper);
+        free(sim->y);
+        free(sim);
+    }
+}
+
+static size_t fastest_particle(const weft_sim *sim, double *speed)
+{
+    const size_t n = weft_cloth_particles(sim->cloth);
+    const double *v = sim->y + 3 * n;
+    size_t fastest = 0;
+    *speed = 0.0;
+    for (size_t i = 0; i < n; ++i) {
+        const double here
+            = sqrt(v[i] * v[i] + v[n + i] * v[n + i] + v[2 * n + i] * v[2 * n + i]);
+        if (here > *speed) {
+            *speed = here;
+            fastest = i;
+        }
+    }
+    return fastest;
+}
+
+/* Where a run that cannot go on hurts most: its fastest particle and its most strained
+ * spring in the last good state. */
+static void describe_trouble(const weft_sim *sim, const weft_error *why,
+                             weft_error *err)
+{
+    static const char *const families[WEFT_FAMILIES] = { "stretch", "shear", "bend" };
+    const size_t cols = weft_cloth_cols(sim->cloth);
+    const weft_spring worst = weft_cloth_worst_spring(sim->cloth, sim->y);
+    const weft_stepper_stats stats = weft_sim_stats(sim);
+    double speed;
+    const size_t fastest = fastest_particle(sim, &speed);
+    char spring[128] = "no springs";
+    if (worst.p != worst.q) {
+        (void)snprintf(spring, sizeof spring,
+                       "most strained %s spring (%zu, %zu)-(%zu, %zu) at %.3g %%",
+                       families[worst.family], worst.p / cols, worst.p % cols,
+                       worst.q / cols, worst.q % cols, 100.0 * worst.strain);
+    }
+    weft_error_set(err, why->status,
+                   "%s at t = %.9g s, last h = %.3g s; fastest particle (%zu, %zu) at "
+                   "%.3g m/s, %s",
+                   why->message, sim->t, stats.last_step, fastest / cols,
+                   fastest % cols, speed, spring);
+}
+
+static bool all_finite(const double *values, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        if (!isfinite(values[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* The trapezoid rule over the step, from the state before the corrections. */
+static void add_heat(weft_sim *sim, double h)
+{
+    const double heating = weft_cloth_dissipation(sim->cloth, sim->y);
+    sim->dissipated += 0.5 * h * (sim->heating + heating);
+    sim->heating = heating;
+}
+
+weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
+{
+    if (!(t_end > sim->t) || !isfinite(t_end)) {
+        return weft_error_set(err, WEFT_INVALID, "step from %.17g s to %.17g s", sim->t,
+                              t_end);
+    }
+    weft_error why = { 0 };
+    const double before = sim->t;
+    const weft_status status
+        = sim->method->step(sim->stepper, t_end, &sim->t, sim->y, &why);
+    if (status != WEFT_OK) {
+        describe_trouble(sim, &why, err);
+        return status;
+    }
+    const double h = sim->t - before;
+    add_heat(sim, h);
+    if (sim->correct != NULL && sim->correct(sim->correct_ctx, sim->t, h, sim->y)) {
+        sim->method->state_changed(sim->stepper);
+        sim->heating = weft_cloth_dissipation(sim->cloth, sim->y);
+    }
+    return WEFT_OK;
+}
+
+weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *err)
+{
+    while (sim->t < t_end) {
+        const weft_status status = weft_sim_step(sim, t_end, err);
+        if (status != WEFT_OK) {
+            return status;
+        }
+    }
+    return WEFT_OK;
+}
+
+double weft_sim_time(const weft_sim *sim)
+{
+    return sim->t;
+}
+
+const double *weft_sim_state(const weft_sim *sim)
+{
+    return sim->y;
+}
+
+const weft_cloth *weft_sim_cloth(const weft_sim *sim)
+{
+    return sim->cloth;
+}
+
+weft_stepper_stats weft_sim_stats(const weft_sim *sim)
+{
+    weft_stepper_stats stats = { .struct_size = sizeof stats };
+    sim->method->stats(sim->stepper, &stats);
+    return stats;
+}
+
+double weft_sim_dissipated(const weft_sim *sim)
+{
+    return sim->dissipated;
+}
+
+/* Three planes of n to triples. */
+static void interleave(const double *planes, size_t n, double *xyz)
+{
+    for (size_t i = 0; i < n; ++i) {
+        for (size_t k = 0; k < 3; ++k) {
+            xyz[3 * i + k] = planes[k * n + i];
+        }
+    }
+}
+
+void weft_sim_positions(const weft_sim *sim, double *xyz)
+{
+    interleave(sim->y, weft_cloth_particles(sim->cloth), xyz);
+}
+
+void weft_sim_velocities(const weft_sim *sim, double *xyz)
+{
+    const size_t n = weft_cloth_particles(sim->cloth);
+    interleave(sim->y + 3 * n, n, xyz);
+}
+
+static void set_planes(const weft_cloth *cloth, const double *xyz, double *planes)
+{
+    const size_t n = weft_cloth_particles(cloth);
+    for (size_t i = 0; xyz != NULL && i < n; ++i) {
+        for (size_t k = 0; !weft_cloth_pinned(cloth, i) && k < 3; ++k) {
+            planes[k * n + i] = xyz[3 * i + k];
+        }
+    }
+}
+
+weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
+                               const double *velocities, weft_error *err)
+{
+    const size_t n = weft_cloth_particles(sim->cloth);
+    if ((positions != NULL && !all_finite(positions, 3 * n))
+        || (velocities != NULL && !all_finite(velocities, 3 * n))) {
+        return weft_error_set(err, WEFT_INVALID, "a state must be finite");
+    }
+    set_planes(sim->cloth, positions, sim->y);
+    set_planes(sim->cloth, velocities, sim->y + 3 * n);
+    sim->heating = weft_cloth_dissipation(sim->cloth, sim->y);
+    sim->method->state_changed(sim->stepper);
+    return WEFT_OK;
+}
