@@ -20,6 +20,8 @@ WARN := -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wmissing-prototypes \
 # No contraction of a*b+c into one rounding: the same bits on every instruction set.
 STRICT := -std=c11 -D_POSIX_C_SOURCE=200809L -ffp-contract=off -fvisibility=hidden -fPIC
 INCS := -Iinclude -Isrc
+# `make V=1` shows the commands.
+say = $(if $(V),,@echo '  $(1)  $@';)
 COMPILE = $(CC) $(STRICT) $(WARN) $(CFLAGS) $(SAN) $(INCS) -MMD -MP
 LINK = $(CC) $(CFLAGS) $(SAN) $(LDFLAGS)
 
@@ -55,17 +57,17 @@ skipped:
 # ---- library and program ---------------------------------------------------------
 
 $(BUILD)/libweft.so: $(LIB_OBJ)
-	$(LINK) -shared -Wl,-soname,libweft.so -o $@ $^ $(LIB_LIBS)
+	$(call say,LD)$(LINK) -shared -Wl,-soname,libweft.so -o $@ $^ $(LIB_LIBS)
 
 $(BUILD)/libweft.a: $(LIB_OBJ)
-	rm -f $@ && ar rcs $@ $^
+	$(call say,AR)rm -f $@ && ar rcs $@ $^
 
 $(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
-	$(LINK) -o $@ $(PROG_OBJ) -L$(BUILD) -Wl,-rpath,'$$ORIGIN' -lweft -lyaml -lm
+	$(call say,LD)$(LINK) -o $@ $(PROG_OBJ) -L$(BUILD) -Wl,-rpath,'$$ORIGIN' -lweft -lyaml -lm
 
 $(BUILD)/src/%.o: src/%.c
 	@mkdir -p $(@D)
-	$(COMPILE) -c -o $@ $<
+	$(call say,CC)$(COMPILE) -c -o $@ $<
 
 # ---- plugins: each sees weft/stepper.h and nothing else of weft -------------------
 
@@ -73,13 +75,13 @@ define PLUGIN_RULE
 PLUGIN_OBJ_$(1) := $$(patsubst %.c,$(BUILD)/%.o,$$(wildcard plugins/$(1)/*.c))
 $(BUILD)/plugins/weft-$(1).so: $$(PLUGIN_OBJ_$(1))
 	@mkdir -p $$(@D)
-	$$(LINK) -shared -o $$@ $$^ $$(LIBS_$(1))
+	$$(call say,LD)$$(LINK) -shared -o $$@ $$^ $$(LIBS_$(1))
 endef
 $(foreach p,$(PLUGINS),$(eval $(call PLUGIN_RULE,$(p))))
 
 $(BUILD)/plugins/%.o: plugins/%.c
 	@mkdir -p $(@D)
-	$(COMPILE) -c -o $@ $<
+	$(call say,CC)$(COMPILE) -c -o $@ $<
 
 # ---- tests and examples ----------------------------------------------------------
 
@@ -89,19 +91,19 @@ TEST_LIBS = -lcheck -lsubunit -lrt $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p
 
 $(BUILD)/tests/%.o: tests/%.c
 	@mkdir -p $(@D)
-	$(COMPILE) $(TEST_DEFS) -c -o $@ $<
+	$(call say,CC)$(COMPILE) $(TEST_DEFS) -c -o $@ $<
 
 $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(BUILD)/tests/support.o \
                        $(BUILD)/libweft.a $(PLUGIN_SO)
-	$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a $(TEST_LIBS)
+	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a $(TEST_LIBS)
 
 $(BUILD)/tests/broken/weft-%.so: tests/broken/%.c
 	@mkdir -p $(@D)
-	$(COMPILE) -shared -o $@ $<
+	$(call say,CC)$(COMPILE) -shared -o $@ $<
 
 $(BUILD)/examples/%: examples/%.c $(BUILD)/libweft.so
 	@mkdir -p $(@D)
-	$(COMPILE) -o $@ $< -L$(BUILD) -Wl,-rpath,'$$ORIGIN/..' -lweft -lm
+	$(call say,CC)$(COMPILE) -o $@ $< -L$(BUILD) -Wl,-rpath,'$$ORIGIN/..' -lweft -lm
 
 # Packages first, then a second make: what the first one knew of them is out of date.
 check: deps

@@ -28,6 +28,9 @@ typedef enum weft_family {
     WEFT_FAMILIES /* how many there are */
 } weft_family;
 
+/* "stretch", "shear" or "bend"; never NULL. */
+WEFT_API const char *weft_family_name(weft_family family);
+
 typedef enum weft_law {
     WEFT_LAW_HOOKE, /* T = k (L - s) + c w.u,     k [N/m] */
     WEFT_LAW_STRAIN /* T = k (L / s - 1) + c w.u, k [N] */

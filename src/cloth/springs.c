@@ -68,6 +68,12 @@ void weft__group_add_force(const weft_cloth *cloth, const weft__group *group,
     }
 }
 
+const char *weft_family_name(weft_family family)
+{
+    static const char *const names[WEFT_FAMILIES] = { "stretch", "shear", "bend" };
+    return (unsigned)family < WEFT_FAMILIES ? names[family] : "unknown";
+}
+
 /* The direction of a group: rows down, columns to the right (-1: to the left). */
 typedef struct direction {
     weft_family family;

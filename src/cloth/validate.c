@@ -116,7 +116,6 @@ static weft_status check_mass(const weft_cloth_def *def, weft_error *err)
 
 static weft_status check_springs(const weft_cloth_def *def, weft_error *err)
 {
-    static const char *const names[WEFT_FAMILIES] = { "stretch", "shear", "bend" };
     if (def->law != WEFT_LAW_HOOKE && def->law != WEFT_LAW_STRAIN) {
         return weft_error_set(err, WEFT_INVALID, "unknown spring law %d",
                               (int)def->law);
@@ -125,9 +124,9 @@ static weft_status check_springs(const weft_cloth_def *def, weft_error *err)
         const weft_spring_def *spring = &def->springs[i];
         if (spring->present
             && (!not_negative(spring->stiffness) || !not_negative(spring->damping))) {
-            return weft_error_set(err, WEFT_INVALID,
-                                  "%s springs: stiffness %g, damping %g: must be >= 0",
-                                  names[i], spring->stiffness, spring->damping);
+            return weft_error_set(
+                err, WEFT_INVALID, "%s springs: stiffness %g, damping %g: must be >= 0",
+                weft_family_name((weft_family)i), spring->stiffness, spring->damping);
         }
     }
     return WEFT_OK;

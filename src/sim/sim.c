@@ -143,7 +143,6 @@ static size_t fastest_particle(const weft_sim *sim, double *speed)
 static void describe_trouble(const weft_sim *sim, const weft_error *why,
                              weft_error *err)
 {
-    static const char *const families[WEFT_FAMILIES] = { "stretch", "shear", "bend" };
     const size_t cols = weft_cloth_cols(sim->cloth);
     const weft_spring worst = weft_cloth_worst_spring(sim->cloth, sim->y);
     const weft_stepper_stats stats = weft_sim_stats(sim);
@@ -153,7 +152,7 @@ static void describe_trouble(const weft_sim *sim, const weft_error *why,
     if (worst.p != worst.q) {
         (void)snprintf(spring, sizeof spring,
                        "most strained %s spring (%zu, %zu)-(%zu, %zu) at %.3g %%",
-                       families[worst.family], worst.p / cols, worst.p % cols,
+                       weft_family_name(worst.family), worst.p / cols, worst.p % cols,
                        worst.q / cols, worst.q % cols, 100.0 * worst.strain);
     }
     weft_error_set(err, why->status,

@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* check.c -- weft check: validate scenes, say what they build, write nothing. */
+#include "cli/cli.h"
+
+const char *scene_unsupported(const weft_scene *scene)
+{
+    if (weft_scene_limit(scene)->method != WEFT_LIMIT_NONE) {
+        return "limit: strain limits are read, but this version of weft cannot run "
+               "them";
+    }
+    if (weft_scene_run(scene)->threads > 1) {
+        return "run.threads: this version of weft runs on one thread only; set it to 1";
+    }
+    return NULL;
+}
+
+static void print_bytes(const char *what, double bytes)
+{
+    static const char *const units[] = { "B", "kB", "MB", "GB", "TB" };
+    size_t unit = 0;
+    while (bytes >= 1000.0 && unit + 1 < sizeof units / sizeof units[0]) {
+        bytes /= 1000.0;
+        ++unit;
+    }
+    printf("%s %.3g %s", what, bytes, units[unit]);
+}
+
+static void print_range(const char *what, weft_range range)
+{
+    if (range.first == range.last) {
+        printf(" %s %td", what, range.first);
+    } else if (range.first == 0 && range.last == -1) {
+        printf(" all %ss", what);
+    } else {
+        printf(" %ss %td to %td", what, range.first, range.last);
+    }
+}
+
+static size_t matched(weft_range range, size_t count)
+{
+    const ptrdiff_t n = (ptrdiff_t)count;
+    const ptrdiff_t first = range.first < 0 ? range.first + n : range.first;
+    const ptrdiff_t last = range.last < 0 ? range.last + n : range.last;
+    return (size_t)(last - first + 1);
+}
+
+static void print_pins(const weft_cloth_def *def, const weft_cloth *cloth)
+{
+    printf("  pins       %zu particles held\n", weft_cloth_pins(cloth));
+    for (size_t i = 0; i < def->pin_count; ++i) {
+        const weft_pin *pin = &def->pins[i];
+        const bool moves = pin->frequency > 0.0 || pin->velocity[0] != 0.0
+                           || pin->velocity[1] != 0.0 || pin->velocity[2] != 0.0;
+        printf("             pin %zu:", i);
+        print_range("row", pin->rows);
+        print_range("column", pin->cols);
+        printf(", %zu matched%s\n",
+               matched(pin->rows, def->rows) * matched(pin->cols, def->cols),
+               moves ? ", moved" : "");
+    }
+}
+
+static void print_cloth(const weft_cloth_def *def, const weft_cloth *cloth)
+{
+    printf("  particles  %zu (%zu rows x %zu columns), %.6g kg in all\n",
+           weft_cloth_particles(cloth), def->rows, def->cols, weft_cloth_mass(cloth));
+    fputs("  springs   ", stdout);
+    for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
+        printf(" %zu %s%s", weft_cloth_springs(cloth, (weft_family)i),
+               weft_family_name((weft_family)i), i + 1 < WEFT_FAMILIES ? "," : "\n");
+    }
+    print_pins(def, cloth);
+    fputs("  memory     ", stdout);
+    print_bytes("cloth", (double)weft_cloth_bytes(cloth));
+    print_bytes(", each state vector", (double)weft_cloth_dim(cloth) * sizeof(double));
+    putchar('\n');
+}
+
+static void print_stepper(const weft_scene *scene)
+{
+    const weft_stepper_type *type = weft_scene_method_type(scene);
+    const weft_stepper_config *config = weft_scene_config(scene);
+    printf("  stepper    %s %s, order ", weft_scene_plugin(scene), type->name);
+    printf(type->order > 0 ? "%d" : "variable", type->order);
+    if (config->fixed_step > 0.0) {
+        printf(", fixed step %g s\n", config->fixed_step);
+    } else {
+        printf(", rtol %g, atol %g m and %g m/s, %s norm\n", config->rtol,
+               config->atol_position, config->atol_velocity,
+               config->norm == WEFT_NORM_MAX ? "max" : "rms");
+    }
+}
+
+/* All that is said of a right scene. */
+static int describe(const char *file, const weft_scene *scene)
+{
+    const weft_run_def *run = weft_scene_run(scene);
+    weft_error err = { 0 };
+    weft_cloth *cloth = NULL;
+    weft_sim *sim = NULL;
+    if (simulation_create(scene, &cloth, &sim, &err) != WEFT_OK) {
+        (void)snprintf(err.file, sizeof err.file, "%.200s", file);
+        err.line = err.column = 1;
+        return report_error(&err);
+    }
+    printf("%s: ok: %s\n", file, weft_scene_name(scene));
+    print_cloth(weft_scene_cloth(scene), cloth);
+    print_stepper(scene);
+    printf("  run        %g s in %zu frames\n", run->duration, frame_last(run) + 1);
+    const char *unsupported = scene_unsupported(scene);
+    if (unsupported != NULL) {
+        printf("  note       %s\n", unsupported);
+    }
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    return EXIT_DONE;
+}
+
+static int check_file(const char *file, const options *given, weft_registry *registry)
+{
+    weft_scene *scene = NULL;
+    int code = open_scene(file, given, registry, &scene);
+    if (code == EXIT_DONE) {
+        code = describe(file, scene);
+    }
+    weft_scene_destroy(scene);
+    return code;
+}
+
+static int check_verb(int argc, char **argv)
+{
+    options given;
+    int code = options_parse(&verb_check, "sp", argc, argv, &given);
+    if (code >= 0) {
+        return code;
+    }
+    weft_registry *registry = NULL;
+    if (given.operand_count == 0) {
+        code = usage_error(&verb_check, "no scene given");
+    } else if ((registry = open_registry(given.plugin_path)) == NULL) {
+        code = EXIT_SIMULATION;
+    } else {
+        code = EXIT_DONE;
+        for (int i = 0; i < given.operand_count; ++i) {
+            const int one = check_file(given.operands[i], &given, registry);
+            code = code == EXIT_DONE ? one : code;
+        }
+    }
+    weft_registry_destroy(registry);
+    options_free(&given);
+    return code;
+}
+
+const verb verb_check = {
+    .name = "check",
+    .summary = "validate scenes, show what they build; write nothing",
+    .help
+    = "usage: weft check SCENE.yaml... [OPTIONS]\n\n"
+      "Reads and validates scenes and prints particles, springs, masses, the pins "
+      "that\nmatched, memory, stepper and frames. All mistakes of a file are shown "
+      "at once.\n\n"
+      "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
+      "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n\n"
+      "example: weft check scenes/*.yaml\n\n"
+      "exit codes: 0 all are right, 3 a scene is wrong, 4 a file could not be "
+      "read\n",
+    .run = check_verb,
+};

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* cli.h -- what the verbs of the program share. Data goes to stdout, progress and
+ * errors to stderr. */
+#ifndef WEFT_CLI_H
+#define WEFT_CLI_H
+
+#include "weft/weft.h"
+
+/* Exit codes. */
+enum {
+    EXIT_DONE = 0,
+    EXIT_SIMULATION = 1, /* the simulation failed; a report is written */
+    EXIT_USAGE = 2,      /* wrong command line */
+    EXIT_SCENE = 3,      /* wrong scene */
+    EXIT_FILE = 4,       /* a file could not be read or written */
+    EXIT_SIGINT = 130,   /* stopped by a signal, with a valid result.yaml */
+    EXIT_SIGTERM = 143
+};
+
+/* One verb: argv[0] is its name. */
+typedef struct verb {
+    const char *name;
+    const char *summary; /* one line */
+    const char *help;    /* usage, options, examples */
+    int (*run)(int argc, char **argv);
+} verb;
+
+extern const verb verb_run, verb_check, verb_steppers, verb_scene_help, verb_export;
+
+/* Options that several verbs take. */
+typedef struct options {
+    const char *plugin_path, *out, *frames, *format, *frame;
+    const char **sets;
+    size_t set_count;
+    bool quiet, force, yaml, markdown;
+    char **operands; /* what is left of argv */
+    int operand_count;
+} options;
+
+/* Parse by the letters of `takes`: o --out, s --set, p --plugin-path, q --quiet,
+ * F --force, r --frames, t --format, i --frame, y --yaml, m --markdown. Returns -1 to
+ * go on, or an exit code: help was printed, or the command line is wrong. */
+int options_parse(const verb *self, const char *takes, int argc, char **argv,
+                  options *out);
+void options_free(options *out);
+
+/* "weft run: <text>" and a hint at --help, to stderr; returns EXIT_USAGE. */
+WEFT_PRINTF(2, 3) int usage_error(const verb *self, const char *format, ...);
+
+/* "weft: error: file:line: message" to stderr; returns the exit code of its status. */
+int report_error(const weft_error *err);
+
+/* A registry that looks in --plugin-path, WEFT_PLUGIN_PATH, beside the program and in
+ * the installed directory. NULL after printing why. */
+weft_registry *open_registry(const char *plugin_path);
+
+/* Read a scene, print what is wrong with it. Returns EXIT_DONE or the exit code. */
+int open_scene(const char *file, const options *given, weft_registry *registry,
+               weft_scene **scene);
+
+/* progress.c: one line that moves on a terminal, a line every tenth in a pipe. */
+typedef struct progress {
+    bool quiet, terminal;
+    double began, shown; /* [s] of the wall clock */
+    size_t tenth;
+} progress;
+
+double wall_clock(void); /* [s] */
+void progress_begin(progress *show, bool quiet);
+/* frame of last, at simulated time t of duration [s] */
+void progress_show(progress *show, size_t frame, size_t last, const weft_sim *sim,
+                   double duration);
+void progress_end(progress *show);
+
+/* play.c: from frame to frame. */
+typedef struct player {
+    weft_sim *sim;
+    const weft_run_def *run;
+    size_t last; /* frame to end with */
+    /* At frame i, its time reached. */
+    weft_status (*frame)(void *ctx, size_t i, weft_error *err);
+    /* After each accepted step; false: stop. NULL: never asked. */
+    bool (*step)(void *ctx);
+    void *ctx;
+    bool stopped; /* by `step` */
+} player;
+
+/* The index of the last frame; frame i is at exactly i / fps, the last at duration. */
+size_t frame_last(const weft_run_def *run);
+double frame_time(const weft_run_def *run, size_t i);
+weft_status play(player *show, weft_error *err);
+
+/* Why this weft cannot run a scene that is right, or NULL if it can. */
+const char *scene_unsupported(const weft_scene *scene);
+
+/* A simulation of a scene: cloth and sim, or NULL both. */
+weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,
+                              weft_sim **sim, weft_error *err);
+
+#endif

@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* main.c -- the weft program: find the verb, run it. */
+#include <string.h>
+
+#include "cli/cli.h"
+
+static const verb *const verbs[] = {
+    &verb_run, &verb_check, &verb_steppers, &verb_scene_help, &verb_export,
+};
+
+#define VERBS (sizeof verbs / sizeof verbs[0])
+
+static void print_usage(FILE *stream)
+{
+    fputs(
+        "usage: weft VERB [OPTIONS] [FILES]\n\n"
+        "weft simulates cloth as a mass-spring network under solvers people trust.\n\n",
+        stream);
+    for (size_t i = 0; i < VERBS; ++i) {
+        fprintf(stream, "  %-12s %s\n", verbs[i]->name, verbs[i]->summary);
+    }
+    fputs(
+        "\n  weft VERB --help   options and examples of a verb\n"
+        "  weft --version     versions of weft and of its plugin interface\n\n"
+        "exit codes: 0 done, 1 the simulation failed, 2 wrong command line, 3 wrong\n"
+        "scene, 4 a file could not be read or written, 130/143 stopped by a signal\n\n"
+        "example: weft run scenes/curtain.yaml --out curtain\n",
+        stream);
+}
+
+static int print_version(void)
+{
+    printf("weft %s\nstepper plugin abi %u\n", weft_version(), WEFT_STEPPER_ABI);
+    weft_registry *registry = open_registry(NULL);
+    if (registry == NULL) {
+        return EXIT_SIMULATION;
+    }
+    (void)weft_registry_load_all(registry, NULL, NULL, NULL);
+    for (size_t i = 0; i < weft_registry_count(registry); ++i) {
+        const weft_plugin *plugin = weft_registry_at(registry, i);
+        printf("plugin %s %s%s%s: %s\n", plugin->id, plugin->version,
+               plugin->solver[0] == '\0' ? "" : ", ", plugin->solver,
+               weft_registry_file(registry, i));
+    }
+    weft_registry_destroy(registry);
+    return EXIT_DONE;
+}
+
+static int flush_stdout(int code)
+{
+    if (fflush(stdout) != 0 && code == EXIT_DONE) {
+        fputs("weft: error: standard output could not be written\n", stderr);
+        return EXIT_FILE;
+    }
+    return code;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 2) {
+        print_usage(stderr);
+        return EXIT_USAGE;
+    }
+    for (size_t i = 0; i < VERBS; ++i) {
+        if (strcmp(argv[1], verbs[i]->name) == 0) {
+            return flush_stdout(verbs[i]->run(argc - 1, argv + 1));
+        }
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        return flush_stdout(print_version());
+    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0
+        || strcmp(argv[1], "help") == 0) {
+        print_usage(stdout);
+        return flush_stdout(EXIT_DONE);
+    }
+    fprintf(stderr, "weft: no verb '%s'; 'weft --help' lists them\n", argv[1]);
+    return EXIT_USAGE;
+}

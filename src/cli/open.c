@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* open.c -- plugins, scenes and simulations for the verbs, with their errors printed.
+ */
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/cli.h"
+
+#ifndef WEFT_PLUGIN_DIR
+#define WEFT_PLUGIN_DIR "/usr/local/lib/weft/plugins-1"
+#endif
+
+int report_error(const weft_error *err)
+{
+    fputs("weft: error: ", stderr);
+    if (err->file[0] != '\0') {
+        fprintf(stderr, "%s:%d:%d: ", err->file, err->line, err->column);
+    }
+    fprintf(stderr, "%s\n", err->message);
+    return err->status == WEFT_IO          ? EXIT_FILE
+           : err->status == WEFT_BAD_SCENE ? EXIT_SCENE
+                                           : EXIT_SIMULATION;
+}
+
+/* Where the program lies, without a trailing slash; "" if that cannot be told. */
+static void program_directory(char *directory, size_t size)
+{
+    const ssize_t length = readlink("/proc/self/exe", directory, size - 1);
+    directory[length < 0 ? 0 : length] = '\0';
+    char *slash = strrchr(directory, '/');
+    if (slash != NULL) {
+        *slash = '\0';
+    }
+}
+
+weft_registry *open_registry(const char *plugin_path)
+{
+    char directory[2048], fallback[4096];
+    program_directory(directory, sizeof directory);
+    (void)snprintf(fallback, sizeof fallback, "%s/plugins:%s", directory,
+                   WEFT_PLUGIN_DIR);
+    weft_error err;
+    weft_registry *registry = NULL;
+    weft_registry_def def = weft_registry_def_default();
+    def.path = plugin_path;
+    def.fallback = fallback;
+    if (weft_registry_create(&def, &registry, &err) != WEFT_OK) {
+        (void)report_error(&err);
+    }
+    return registry;
+}
+
+static const weft_plugin *find_plugin(void *ctx, const char *id, weft_error *err)
+{
+    const weft_plugin *plugin = NULL;
+    (void)weft_registry_find(ctx, id, &plugin, err);
+    return plugin;
+}
+
+static void print_found(const weft_diagnostics *found)
+{
+    for (size_t i = 0; i < found->count; ++i) {
+        char text[2048];
+        (void)weft_diagnostic_format(&found->items[i], text, sizeof text);
+        fprintf(stderr, "%s\n", text);
+    }
+    if (found->errors + found->warnings > found->count) {
+        fprintf(stderr, "... and %zu more\n",
+                found->errors + found->warnings - found->count);
+    }
+}
+
+int open_scene(const char *file, const options *given, weft_registry *registry,
+               weft_scene **scene)
+{
+    weft_scene_def def = weft_scene_def_default();
+    def.file = file;
+    def.sets = given->sets;
+    def.set_count = given->set_count;
+    def.find_plugin = find_plugin;
+    def.find_ctx = registry;
+    weft_error err = { 0 };
+    weft_diagnostics *found = calloc(1, sizeof *found);
+    if (found == NULL) {
+        weft_error_set(&err, WEFT_NO_MEMORY, "out of memory");
+        return report_error(&err);
+    }
+    const weft_status status = weft_scene_load(&def, scene, found, &err);
+    print_found(found);
+    const bool told = found->errors > 0;
+    free(found);
+    if (status == WEFT_OK) {
+        return EXIT_DONE;
+    }
+    return told ? EXIT_SCENE : report_error(&err);
+}
+
+weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,
+                              weft_sim **sim, weft_error *err)
+{
+    *sim = NULL;
+    weft_status status = weft_cloth_create(weft_scene_cloth(scene), cloth, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    weft_sim_def def = weft_sim_def_default();
+    def.cloth = *cloth;
+    def.method = weft_scene_method_type(scene);
+    def.config = *weft_scene_config(scene);
+    status = weft_sim_create(&def, sim, err);
+    if (status != WEFT_OK) {
+        weft_cloth_destroy(*cloth);
+        *cloth = NULL;
+    }
+    return status;
+}

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* play.c -- from frame to frame. Times are computed from the frame's number, never
+ * accumulated. */
+#include <math.h>
+
+#include "cli/cli.h"
+
+/* A last interval shorter than this part of a frame belongs to the frame before. */
+#define SLIVER 1e-9
+
+size_t frame_last(const weft_run_def *run)
+{
+    const double frames = ceil(run->duration * run->fps - SLIVER);
+    return frames < 1.0 ? 1 : frames < 1e15 ? (size_t)frames : (size_t)1e15;
+}
+
+double frame_time(const weft_run_def *run, size_t i)
+{
+    return i >= frame_last(run) ? run->duration : (double)i / run->fps;
+}
+
+static weft_status play_to(player *show, double t, weft_error *err)
+{
+    while (weft_sim_time(show->sim) < t) {
+        const weft_status status = weft_sim_step(show->sim, t, err);
+        if (status != WEFT_OK) {
+            return status;
+        }
+        if (show->step != NULL && !show->step(show->ctx)) {
+            show->stopped = true;
+            return WEFT_OK;
+        }
+    }
+    return WEFT_OK;
+}
+
+weft_status play(player *show, weft_error *err)
+{
+    for (size_t i = 0; i <= show->last; ++i) {
+        weft_status status = play_to(show, frame_time(show->run, i), err);
+        if (status == WEFT_OK && !show->stopped) {
+            status = show->frame(show->ctx, i, err);
+        }
+        if (status != WEFT_OK || show->stopped) {
+            return status;
+        }
+    }
+    return WEFT_OK;
+}

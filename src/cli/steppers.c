@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* steppers.c -- weft steppers: the methods of all plugins that are found. */
+#include "cli/cli.h"
+#include "record/yaml_out.h"
+
+typedef struct flag_name {
+    uint32_t flag;
+    const char *name;
+} flag_name;
+
+static const flag_name flag_names[] = {
+    { WEFT_STEPPER_FIXED_ONLY, "fixed-step" }, { WEFT_STEPPER_FSAL, "fsal" },
+    { WEFT_STEPPER_MULTISTEP, "multistep" },   { WEFT_STEPPER_IMPLICIT, "implicit" },
+    { WEFT_STEPPER_LEGACY, "legacy" },         { WEFT_STEPPER_BUTCHER, "custom-table" },
+    { WEFT_STEPPER_DENSE, "small-cloths" },
+};
+
+#define FLAG_NAMES (sizeof flag_names / sizeof flag_names[0])
+
+static const char *flags_text(uint32_t flags, char *text, size_t size)
+{
+    size_t used = 0;
+    text[0] = '\0';
+    for (size_t i = 0; i < FLAG_NAMES && used < size; ++i) {
+        if ((flags & flag_names[i].flag) != 0) {
+            used += (size_t)snprintf(text + used, size - used, "%s%s",
+                                     used > 0 ? " " : "", flag_names[i].name);
+        }
+    }
+    return text;
+}
+
+/* 0 stands for "varies" of an order and for "none" of the error's. */
+static const char *number(int value, const char *zero, char text[16])
+{
+    (void)snprintf(text, 16, "%d", value);
+    return value == 0 ? zero : text;
+}
+
+static void print_methods(const weft_plugin *plugin, const char *format)
+{
+    for (size_t i = 0; plugin->types[i] != NULL; ++i) {
+        const weft_stepper_type *type = plugin->types[i];
+        char flags[128], order[16], error_order[16], stages[16];
+        printf(format, plugin->id, type->name, number(type->order, "var", order),
+               number(type->error_order, "-", error_order),
+               number(type->stages, "var", stages),
+               flags_text(type->flags, flags, sizeof flags), type->reference);
+    }
+}
+
+static void print_text(const weft_registry *registry)
+{
+    const char *format = "%-8s %-18s %5s %5s %6s  %-30s %s\n";
+    printf(format, "plugin", "method", "order", "error", "stages", "kind", "reference");
+    for (size_t i = 0; i < weft_registry_count(registry); ++i) {
+        print_methods(weft_registry_at(registry, i), format);
+    }
+    putchar('\n');
+    for (size_t i = 0; i < weft_registry_count(registry); ++i) {
+        const weft_plugin *plugin = weft_registry_at(registry, i);
+        printf("%s %s: %s%s%s, %s\n", plugin->id, plugin->version, plugin->solver,
+               plugin->solver[0] == '\0' ? "" : ", ", plugin->types[0]->license,
+               weft_registry_file(registry, i));
+    }
+}
+
+static void print_markdown(const weft_registry *registry)
+{
+    puts("| plugin | method | order | error order | stages | kind | reference |\n"
+         "|---|---|---|---|---|---|---|");
+    for (size_t i = 0; i < weft_registry_count(registry); ++i) {
+        print_methods(weft_registry_at(registry, i),
+                      "| %s | `%s` | %s | %s | %s | %s | %s |\n");
+    }
+}
+
+static void method_yaml(yaml_out *out, const weft_stepper_type *type)
+{
+    yaml_out_item(out);
+    yaml_out_text(out, "name", type->name);
+    yaml_out_plain(out, "order", "%d", type->order);
+    yaml_out_plain(out, "error_order", "%d", type->error_order);
+    yaml_out_plain(out, "stages", "%d", type->stages);
+    for (size_t i = 0; i < FLAG_NAMES; ++i) {
+        const bool set = (type->flags & flag_names[i].flag) != 0;
+        yaml_out_plain(out, flag_names[i].name, set ? "true" : "false");
+    }
+    yaml_out_text(out, "reference", type->reference);
+    yaml_out_text(out, "license", type->license);
+    yaml_out_close_map(out);
+}
+
+static int print_yaml(const weft_registry *registry)
+{
+    yaml_out out;
+    yaml_out_begin(&out, stdout);
+    yaml_out_list(&out, "plugins");
+    for (size_t i = 0; i < weft_registry_count(registry); ++i) {
+        const weft_plugin *plugin = weft_registry_at(registry, i);
+        yaml_out_item(&out);
+        yaml_out_text(&out, "id", plugin->id);
+        yaml_out_text(&out, "version", plugin->version);
+        yaml_out_text(&out, "solver", plugin->solver);
+        yaml_out_text(&out, "file", weft_registry_file(registry, i));
+        yaml_out_list(&out, "methods");
+        for (size_t m = 0; plugin->types[m] != NULL; ++m) {
+            method_yaml(&out, plugin->types[m]);
+        }
+        yaml_out_close_list(&out);
+        yaml_out_close_map(&out);
+    }
+    yaml_out_close_list(&out);
+    return yaml_out_end(&out) ? EXIT_DONE : EXIT_FILE;
+}
+
+static void print_refused(void *ctx, const weft_error *why)
+{
+    (void)ctx;
+    (void)report_error(why);
+}
+
+static int list(const options *given, weft_registry *registry)
+{
+    weft_error err = { 0 };
+    if (weft_registry_load_all(registry, print_refused, NULL, &err) != WEFT_OK) {
+        return report_error(&err);
+    }
+    if (given->yaml) {
+        return print_yaml(registry);
+    }
+    (given->markdown ? print_markdown : print_text)(registry);
+    return EXIT_DONE;
+}
+
+static int steppers_verb(int argc, char **argv)
+{
+    options given;
+    int code = options_parse(&verb_steppers, "pym", argc, argv, &given);
+    if (code >= 0) {
+        return code;
+    }
+    weft_registry *registry = NULL;
+    if (given.operand_count > 0) {
+        code = usage_error(&verb_steppers, "takes no file");
+    } else {
+        registry = open_registry(given.plugin_path);
+        code = registry == NULL ? EXIT_SIMULATION : list(&given, registry);
+    }
+    weft_registry_destroy(registry);
+    options_free(&given);
+    return code;
+}
+
+const verb verb_steppers = {
+    .name = "steppers",
+    .summary = "list the methods of all stepper plugins",
+    .help
+    = "usage: weft steppers [OPTIONS]\n\n"
+      "Lists every method of every plugin: order of the solution, order of the one "
+      "its\nerror is measured against, evaluations of the forces a step, kind, "
+      "source.\n\n"
+      "  --yaml               for machines\n"
+      "  --markdown           the table of the documentation\n"
+      "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n\n"
+      "kinds: fixed-step (no error control), fsal (last stage is the next first),\n"
+      "multistep, implicit, small-cloths (dense matrices), legacy\n",
+    .run = steppers_verb,
+};

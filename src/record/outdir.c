@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* outdir.c -- the directory of a run: new, or empty, or taken over on request. */
+#include "record/record.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* mkdir -p */
+static bool make_directories(const char *directory)
+{
+    char path[RECORD_PATH];
+    const size_t length = strlen(directory);
+    if (length == 0 || length >= sizeof path) {
+        errno = length == 0 ? ENOENT : ENAMETOOLONG;
+        return false;
+    }
+    memcpy(path, directory, length + 1);
+    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        if (mkdir(path, 0777) != 0 && errno != EEXIST) {
+            return false;
+        }
+        *slash = '/';
+    }
+    return mkdir(path, 0777) == 0 || errno == EEXIST;
+}
+
+/* Files that a run of weft makes; a frame is told by its name. */
+static bool is_ours(const char *name)
+{
+    static const char *const names[] = {
+        "scene.yaml",  "manifest.yaml", "series.csv",      "final.csv",
+        "result.yaml", "run.vtkhdf",    "checkpoint.weft", "frames",
+    };
+    const size_t length = strlen(name);
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        const size_t known = strlen(names[i]);
+        if (strncmp(name, names[i], known) == 0
+            && (length == known || strcmp(name + known, ".tmp") == 0)) {
+            return true;
+        }
+    }
+    return strncmp(name, "frame-", 6) == 0;
+}
+
+/* Count what is in a directory; with `clear`, remove what weft made instead and count
+ * nothing. Returns a negative number if it cannot be read or cleared. */
+static long look_through(const char *directory, bool clear)
+{
+    DIR *open = opendir(directory);
+    if (open == NULL) {
+        return -1;
+    }
+    long found = 0;
+    for (struct dirent *item; (item = readdir(open)) != NULL;) {
+        char path[RECORD_PATH];
+        if (strcmp(item->d_name, ".") == 0 || strcmp(item->d_name, "..") == 0) {
+            continue;
+        }
+        ++found;
+        if (clear && is_ours(item->d_name)
+            && record_path(directory, item->d_name, path, NULL) == WEFT_OK) {
+            if (strcmp(item->d_name, "frames") == 0) {
+                (void)look_through(path, true);
+            }
+            (void)remove(path);
+        }
+    }
+    closedir(open);
+    return found;
+}
+
+weft_status record_outdir(const char *directory, bool force, weft_error *err)
+{
+    if (!make_directories(directory)) {
+        return weft_error_set(err, WEFT_IO, "%s: %s", directory, strerror(errno));
+    }
+    const long found = look_through(directory, force);
+    if (found < 0) {
+        return weft_error_set(err, WEFT_IO, "%s: %s", directory, strerror(errno));
+    }
+    if (found > 0 && !force) {
+        return weft_error_set(
+            err, WEFT_IO,
+            "%s: not empty; choose another --out, or --force to replace it", directory);
+    }
+    return WEFT_OK;
+}

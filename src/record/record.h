@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* record.h -- what a run leaves behind. Linked into the program, not into libweft.
+ *
+ * Files appear by rename, complete or not at all; series.csv grows by whole rows and is
+ * readable after a kill up to the last one. Every write is checked: WEFT_IO names the
+ * file. */
+#ifndef WEFT_RECORD_H
+#define WEFT_RECORD_H
+
+#include "weft/weft.h"
+
+#define RECORD_PATH 4096
+
+/* file.c: a file that is written beside its place and renamed into it. */
+typedef struct record_file {
+    FILE *stream;
+    char path[RECORD_PATH], temporary[RECORD_PATH];
+} record_file;
+
+/* `directory`/`name` into path; WEFT_IO if that is too long. */
+weft_status record_path(const char *directory, const char *name, char path[RECORD_PATH],
+                        weft_error *err);
+weft_status record_file_open(record_file *file, const char *directory, const char *name,
+                             weft_error *err);
+/* Flush, sync, rename; on failure the temporary file is gone and the place untouched.
+ */
+weft_status record_file_commit(record_file *file, weft_error *err);
+weft_status record_text(const char *directory, const char *name, const char *text,
+                        weft_error *err);
+
+/* outdir.c: make `directory`, or accept an empty one. One that is not empty is refused
+ * unless `force`, which removes what an earlier run of weft left there. */
+weft_status record_outdir(const char *directory, bool force, weft_error *err);
+
+/* One frame of a run. */
+typedef struct record_frame {
+    size_t index;
+    const weft_sim *sim;
+    size_t limit_sweeps;
+} record_frame;
+
+/* series.c: a row a frame. */
+typedef struct record_series {
+    FILE *stream;
+    char path[RECORD_PATH];
+} record_series;
+
+weft_status record_series_open(record_series *series, const char *directory,
+                               weft_error *err);
+weft_status record_series_add(record_series *series, const record_frame *frame,
+                              weft_error *err);
+weft_status record_series_close(record_series *series, weft_error *err);
+
+/* series.c: the hash that row `frame` of series.csv holds. WEFT_IO if there is none. */
+weft_status record_series_hash(const char *directory, size_t frame, uint64_t *hash,
+                               weft_error *err);
+
+/* state.c: one state as row,col,x,y,z,vx,vy,vz, or as Wavefront OBJ with quads and
+ * texture coordinates; a chain becomes a line. */
+weft_status record_csv(const char *directory, const char *name, const weft_cloth *cloth,
+                       const double *y, weft_error *err);
+weft_status record_obj(const char *directory, const char *name, const weft_cloth *cloth,
+                       const double *y, weft_error *err);
+/* The state that a final.csv holds, into y[6 N]. */
+weft_status record_csv_read(const char *directory, const char *name,
+                            const weft_cloth *cloth, double *y, weft_error *err);
+
+/* report.c: versions, plugin, method and every option in force. */
+weft_status record_manifest(const char *directory, const weft_scene *scene,
+                            const weft_cloth *cloth, const weft_plugin *plugin,
+                            const char *plugin_file, weft_error *err);
+
+/* How a run ended. */
+typedef struct record_result {
+    const char *status; /* done | failed | interrupted */
+    const char *reason; /* "" if done */
+    size_t frames, planned;
+    double wall_time;    /* [s] */
+    const weft_sim *sim; /* NULL: it never began */
+    double energy_start; /* [J] kinetic + elastic + gravitational */
+} record_result;
+
+/* The last file of a run: its presence says that the run is over. */
+weft_status record_result_write(const char *directory, const record_result *result,
+                                weft_error *err);
+
+/* Kinetic + elastic + gravitational [J]. */
+double record_total_energy(const weft_cloth *cloth, const double *y);
+
+#endif

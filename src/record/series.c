@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* series.c -- series.csv: a row a frame. A column is a name, a format and a value: the
+ * header and the rows come from one list. */
+#include "record/record.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* X(name, format, value); `row` is the struct below. */
+#define COLUMNS(X)                                                                     \
+    X(frame, "%zu", row.frame->index)                                                  \
+    X(time, "%.17g", row.time)                                                         \
+    X(kinetic, "%.17g", row.energy.kinetic)                                            \
+    X(elastic, "%.17g", row.elastic)                                                   \
+    X(gravitational, "%.17g", row.energy.gravitational)                                \
+    X(dissipated, "%.17g", row.dissipated)                                             \
+    X(momentum_x, "%.17g", row.momentum[0])                                            \
+    X(momentum_y, "%.17g", row.momentum[1])                                            \
+    X(momentum_z, "%.17g", row.momentum[2])                                            \
+    X(max_strain, "%.17g", row.max_strain)                                             \
+    X(steps, "%" PRIu64, row.stats.steps)                                              \
+    X(rejected, "%" PRIu64, row.stats.rejected)                                        \
+    X(rhs_calls, "%" PRIu64, row.stats.rhs_calls)                                      \
+    X(step_size, "%.17g", row.stats.last_step)                                         \
+    X(limit_sweeps, "%zu", row.frame->limit_sweeps)                                    \
+    X(hash, "%016" PRIx64, row.hash)
+
+typedef struct series_row {
+    const record_frame *frame;
+    double time, elastic, dissipated, max_strain, momentum[3];
+    weft_energy energy;
+    weft_stepper_stats stats;
+    uint64_t hash;
+} series_row;
+
+static series_row measure(const record_frame *frame)
+{
+    const weft_sim *sim = frame->sim;
+    const weft_cloth *cloth = weft_sim_cloth(sim);
+    const double *y = weft_sim_state(sim);
+    series_row row = {
+        .frame = frame,
+        .time = weft_sim_time(sim),
+        .dissipated = weft_sim_dissipated(sim),
+        .max_strain = weft_cloth_worst_spring(cloth, y).strain,
+        .energy = weft_cloth_energy(cloth, y),
+        .stats = weft_sim_stats(sim),
+        .hash = weft_state_hash(y, weft_cloth_dim(cloth)),
+    };
+    for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
+        row.elastic += row.energy.elastic[i];
+    }
+    weft_cloth_momentum(cloth, y, row.momentum);
+    return row;
+}
+
+static weft_status flush(record_series *series, weft_error *err)
+{
+    if (ferror(series->stream) || fflush(series->stream) != 0) {
+        return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
+    }
+    return WEFT_OK;
+}
+
+weft_status record_series_open(record_series *series, const char *directory,
+                               weft_error *err)
+{
+    const weft_status status = record_path(directory, "series.csv", series->path, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    series->stream = fopen(series->path, "w");
+    if (series->stream == NULL) {
+        return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
+    }
+    const char *comma = "";
+#define HEADER(name, format, value)                                                    \
+    fprintf(series->stream, "%s" #name, comma);                                        \
+    comma = ",";
+    COLUMNS(HEADER)
+#undef HEADER
+    fputc('\n', series->stream);
+    return flush(series, err);
+}
+
+weft_status record_series_add(record_series *series, const record_frame *frame,
+                              weft_error *err)
+{
+    const series_row row = measure(frame);
+    const char *comma = "";
+#define CELL(name, format, value)                                                      \
+    fprintf(series->stream, "%s" format, comma, value);                                \
+    comma = ",";
+    COLUMNS(CELL)
+#undef CELL
+    fputc('\n', series->stream);
+    return flush(series, err);
+}
+
+weft_status record_series_close(record_series *series, weft_error *err)
+{
+    const weft_status status = flush(series, err);
+    if (fclose(series->stream) != 0 && status == WEFT_OK) {
+        return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
+    }
+    return status;
+}
+
+weft_status record_series_hash(const char *directory, size_t frame, uint64_t *hash,
+                               weft_error *err)
+{
+    char path[RECORD_PATH], line[1024];
+    const weft_status status = record_path(directory, "series.csv", path, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    FILE *stream = fopen(path, "r");
+    if (stream == NULL) {
+        return weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(errno));
+    }
+    bool found = false;
+    while (!found && fgets(line, sizeof line, stream) != NULL) {
+        char *end;
+        const char *last = strrchr(line, ',');
+        found = strtoull(line, &end, 10) == frame && *end == ',' && end != line
+                && last != NULL && sscanf(last, ",%" SCNx64, hash) == 1;
+    }
+    (void)fclose(stream);
+    return found ? WEFT_OK
+                 : weft_error_set(err, WEFT_IO, "%s: no frame %zu", path, frame);
+}

@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "record/yaml_out.h"
+
+#include <math.h>
+#include <string.h>
+
+static void emit(yaml_out *out, yaml_event_t *event, int initialised)
+{
+    if (!initialised || out->failed || !yaml_emitter_emit(&out->emitter, event)) {
+        out->failed = true;
+    }
+}
+
+static void scalar(yaml_out *out, const char *text, yaml_scalar_style_t style)
+{
+    yaml_event_t event;
+    emit(out, &event,
+         yaml_scalar_event_initialize(&event, NULL, NULL, (const yaml_char_t *)text,
+                                      (int)strlen(text), 1, 1, style));
+}
+
+static void key_scalar(yaml_out *out, const char *key)
+{
+    if (key != NULL) {
+        scalar(out, key, YAML_PLAIN_SCALAR_STYLE);
+    }
+}
+
+void yaml_out_begin(yaml_out *out, FILE *stream)
+{
+    yaml_event_t event;
+    out->failed = yaml_emitter_initialize(&out->emitter) == 0;
+    if (!out->failed) {
+        yaml_emitter_set_output_file(&out->emitter, stream);
+        yaml_emitter_set_unicode(&out->emitter, 1);
+        yaml_emitter_set_width(&out->emitter, -1);
+    }
+    emit(out, &event, yaml_stream_start_event_initialize(&event, YAML_UTF8_ENCODING));
+    emit(out, &event,
+         yaml_document_start_event_initialize(&event, NULL, NULL, NULL, 1));
+    yaml_out_item(out);
+}
+
+bool yaml_out_end(yaml_out *out)
+{
+    yaml_event_t event;
+    yaml_out_close_map(out);
+    emit(out, &event, yaml_document_end_event_initialize(&event, 1));
+    emit(out, &event, yaml_stream_end_event_initialize(&event));
+    yaml_emitter_delete(&out->emitter);
+    return !out->failed;
+}
+
+void yaml_out_item(yaml_out *out)
+{
+    yaml_event_t event;
+    emit(out, &event,
+         yaml_mapping_start_event_initialize(&event, NULL, NULL, 1,
+                                             YAML_BLOCK_MAPPING_STYLE));
+}
+
+void yaml_out_map(yaml_out *out, const char *key)
+{
+    key_scalar(out, key);
+    yaml_out_item(out);
+}
+
+void yaml_out_list(yaml_out *out, const char *key)
+{
+    yaml_event_t event;
+    key_scalar(out, key);
+    emit(out, &event,
+         yaml_sequence_start_event_initialize(&event, NULL, NULL, 1,
+                                              YAML_BLOCK_SEQUENCE_STYLE));
+}
+
+void yaml_out_close_map(yaml_out *out)
+{
+    yaml_event_t event;
+    emit(out, &event, yaml_mapping_end_event_initialize(&event));
+}
+
+void yaml_out_close_list(yaml_out *out)
+{
+    yaml_event_t event;
+    emit(out, &event, yaml_sequence_end_event_initialize(&event));
+}
+
+void yaml_out_text(yaml_out *out, const char *key, const char *text)
+{
+    key_scalar(out, key);
+    scalar(out, text, YAML_DOUBLE_QUOTED_SCALAR_STYLE);
+}
+
+void yaml_out_plain(yaml_out *out, const char *key, const char *format, ...)
+{
+    char text[128];
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    key_scalar(out, key);
+    scalar(out, text, YAML_PLAIN_SCALAR_STYLE);
+}
+
+void yaml_out_real(yaml_out *out, const char *key, double value)
+{
+    if (isfinite(value)) {
+        yaml_out_plain(out, key, "%.17g", value);
+    } else {
+        yaml_out_plain(out, key, isnan(value) ? ".nan" : value > 0 ? ".inf" : "-.inf");
+    }
+}

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* yaml_out.h -- one mapping as YAML, by libyaml's emitter, which knows how to quote. */
+#ifndef WEFT_YAML_OUT_H
+#define WEFT_YAML_OUT_H
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <yaml.h>
+
+#include "weft/base.h"
+
+typedef struct yaml_out {
+    yaml_emitter_t emitter;
+    bool failed; /* some call did not succeed; the rest did nothing */
+} yaml_out;
+
+void yaml_out_begin(yaml_out *out, FILE *stream);
+bool yaml_out_end(yaml_out *out); /* true if all went well */
+
+void yaml_out_map(yaml_out *out, const char *key);
+void yaml_out_list(yaml_out *out, const char *key);
+void yaml_out_item(yaml_out *out); /* a mapping in a list; close it too */
+void yaml_out_close_map(yaml_out *out);
+void yaml_out_close_list(yaml_out *out);
+
+void yaml_out_text(yaml_out *out, const char *key, const char *text); /* quoted */
+/* A number or a bare word. */
+WEFT_PRINTF(3, 4)
+void yaml_out_plain(yaml_out *out, const char *key, const char *format, ...);
+void yaml_out_real(yaml_out *out, const char *key, double value); /* .inf, .nan too */
+
+#endif
