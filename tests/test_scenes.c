@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Every shipped scene runs to its end within bounds on strain and energy. */
+#include "support.h"
+
+#include <dirent.h>
+#include <math.h>
+#include <string.h>
+
+/* What a scene must keep to. `passive`: nothing feeds energy in (no wind, no moved
+ * pin), so that the total never rises above where it began. */
+typedef struct bounds {
+    const char *file;
+    double least_strain, most_strain; /* of the largest strain in the whole run */
+    double most_kinetic;              /* [J] at any frame */
+    bool passive;
+} bounds;
+
+static const bounds scenes[] = {
+    { "hung-stretch.yaml", 0.2, 1.5, 2.0, true },
+    { "hung-shear.yaml", 0.2, 1.5, 2.0, true },
+    { "two-corners.yaml", 0.2, 1.5, 2.0, true },
+    { "curtain.yaml", 0.01, 0.5, 1.0, false },
+    { "flag.yaml", 0.01, 0.5, 3.0, false },
+    { "chain.yaml", 0.001, 0.2, 0.5, true },
+    { "trampoline.yaml", 0.1, 1.0, 5.0, true },
+    { "provot.yaml", 1.0, 2.5, 1.0, true },
+    { "hammock.yaml", 0.01, 0.5, 5.0, false },
+};
+
+#define SCENES (sizeof scenes / sizeof scenes[0])
+
+static const weft_plugin *linked(void *ctx, const char *id, weft_error *err)
+{
+    const weft_plugin *plugin;
+    (void)ctx;
+    for (size_t i = 0; (plugin = test_plugin(i)) != NULL; ++i) {
+        if (strcmp(plugin->id, id) == 0) {
+            return plugin;
+        }
+    }
+    weft_error_set(err, WEFT_BAD_PLUGIN, "plugin '%s' is not linked in", id);
+    return NULL;
+}
+
+static weft_scene *load(const char *file)
+{
+    static weft_diagnostics found;
+    char path[256], text[2048];
+    (void)snprintf(path, sizeof path, "scenes/%s", file);
+    weft_scene_def def = weft_scene_def_default();
+    def.file = path;
+    def.find_plugin = linked;
+    weft_scene *scene = NULL;
+    weft_error err = { 0 };
+    if (weft_scene_load(&def, &scene, &found, &err) != WEFT_OK) {
+        text[0] = '\0';
+        if (found.count > 0) {
+            (void)weft_diagnostic_format(&found.items[0], text, sizeof text);
+        }
+        ck_abort_msg("%s%s", err.message, text);
+    }
+    ck_assert_msg(found.count == 0, "%s: %s", path, found.items[0].message);
+    return scene;
+}
+
+static double total(const weft_energy *energy)
+{
+    return energy->kinetic + energy->gravitational + energy->elastic[0]
+           + energy->elastic[1] + energy->elastic[2];
+}
+
+static void check_frame(const bounds *bound, const weft_sim *sim, double start,
+                        double *most_strain)
+{
+    const weft_cloth *cloth = weft_sim_cloth(sim);
+    const double *y = weft_sim_state(sim);
+    const weft_energy energy = weft_cloth_energy(cloth, y);
+    const double strain = weft_cloth_worst_spring(cloth, y).strain;
+    *most_strain = strain > *most_strain ? strain : *most_strain;
+    ck_assert_msg(strain <= bound->most_strain, "strain %g at t = %g", strain,
+                  weft_sim_time(sim));
+    ck_assert_msg(energy.kinetic <= bound->most_kinetic, "kinetic %g J at t = %g",
+                  energy.kinetic, weft_sim_time(sim));
+    if (bound->passive) {
+        const double now = total(&energy);
+        ck_assert_msg(now <= start + 1e-3 * (fabs(start) + energy.kinetic),
+                      "energy rose from %g to %g J at t = %g", start, now,
+                      weft_sim_time(sim));
+    }
+}
+
+START_TEST(every_scene_stays_within_its_bounds)
+{
+    const bounds *bound = &scenes[_i];
+#ifndef HAVE_GSL
+    if (strcmp(bound->file, "provot.yaml") != 0
+        && strcmp(bound->file, "hammock.yaml") != 0) {
+        return; /* asks for the plugin that is not built */
+    }
+#endif
+    weft_scene *scene = load(bound->file);
+    const weft_run_def *run = weft_scene_run(scene);
+    weft_cloth *cloth = test_cloth(weft_scene_cloth(scene));
+    weft_sim *sim
+        = test_sim(cloth, weft_scene_method_type(scene), weft_scene_config(scene));
+    const weft_energy energy = weft_cloth_energy(cloth, weft_sim_state(sim));
+    double most_strain = 0.0;
+    for (size_t i = 1; (double)i / run->fps <= run->duration; ++i) {
+        weft_error err = { 0 };
+        const weft_status status = weft_sim_advance(sim, (double)i / run->fps, &err);
+        ck_assert_msg(status == WEFT_OK, "%s", err.message);
+        check_frame(bound, sim, total(&energy), &most_strain);
+    }
+    ck_assert_msg(most_strain >= bound->least_strain, "largest strain only %g",
+                  most_strain);
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    weft_scene_destroy(scene);
+}
+END_TEST
+
+START_TEST(every_shipped_scene_is_in_the_list)
+{
+    DIR *folder = opendir("scenes");
+    ck_assert_ptr_nonnull(folder);
+    size_t found = 0;
+    for (struct dirent *item; (item = readdir(folder)) != NULL;) {
+        const char *dot = strrchr(item->d_name, '.');
+        if (dot == NULL || strcmp(dot, ".yaml") != 0) {
+            continue;
+        }
+        bool listed = false;
+        for (size_t i = 0; i < SCENES; ++i) {
+            listed = listed || strcmp(scenes[i].file, item->d_name) == 0;
+        }
+        ck_assert_msg(listed, "%s", item->d_name);
+        ++found;
+    }
+    closedir(folder);
+    ck_assert_uint_eq(found, SCENES);
+}
+END_TEST
+
+static Suite *suite(void)
+{
+    Suite *all = suite_create("scenes");
+    TCase *bounds_case = tcase_create("bounds");
+    tcase_set_timeout(bounds_case, 300);
+    tcase_add_loop_test(bounds_case, every_scene_stays_within_its_bounds, 0, SCENES);
+    tcase_add_test(bounds_case, every_shipped_scene_is_in_the_list);
+    suite_add_tcase(all, bounds_case);
+    return all;
+}
+
+int main(void)
+{
+    return test_run(suite());
+}
