@@ -1,0 +1,424 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The program as its users meet it: exit codes, files, messages. */
+#include "support.h"
+
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#define WEFT BUILD_DIR "/weft"
+#define OUT  BUILD_DIR "/cli"
+
+/* A scene that needs no GSL and takes a moment. */
+static const char small_scene[]
+    = "weft: 1\n"
+      "name: small\n"
+      "cloth:\n"
+      "  grid: {rows: 4, cols: 5, spacing: [0.1, 0.2]}\n"
+      "  density: 0.3\n"
+      "  springs:\n"
+      "    stretch: {stiffness: 50, damping: 0.01}\n"
+      "    shear: {stiffness: 20}\n"
+      "  pins: [top-left, {at: top-right, velocity: [0.1, 0, 0]}]\n"
+      "stepper: {plugin: verlet, method: velocity_verlet, fixed_step: 1.0e-3}\n"
+      "run: {duration: 0.5, fps: 20}\n";
+
+static char output[65536];
+
+/* Run a shell command; its output goes to `output`, its exit code is returned. */
+static int shell(const char *format, ...)
+{
+    char command[4096];
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(command, sizeof command, format, args);
+    va_end(args);
+    FILE *pipe = popen(command, "r");
+    ck_assert_ptr_nonnull(pipe);
+    const size_t length = fread(output, 1, sizeof output - 1, pipe);
+    output[length] = '\0';
+    const int status = pclose(pipe);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+static void expect(int code, int wanted)
+{
+    ck_assert_msg(code == wanted, "exit code %d instead of %d:\n%s", code, wanted,
+                  output);
+}
+
+static void says(const char *text)
+{
+    ck_assert_msg(strstr(output, text) != NULL, "no '%s' in:\n%s", text, output);
+}
+
+static void write_file(const char *name, const char *text)
+{
+    FILE *stream = fopen(name, "w");
+    ck_assert_ptr_nonnull(stream);
+    ck_assert_int_ge(fputs(text, stream), 0);
+    ck_assert_int_eq(fclose(stream), 0);
+}
+
+static const char *read_file(const char *name)
+{
+    static char text[1 << 20];
+    FILE *stream = fopen(name, "r");
+    ck_assert_msg(stream != NULL, "no file %s", name);
+    text[fread(text, 1, sizeof text - 1, stream)] = '\0';
+    (void)fclose(stream);
+    return text;
+}
+
+static bool exists(const char *name)
+{
+    struct stat status;
+    return stat(name, &status) == 0;
+}
+
+static void begin(void)
+{
+    (void)unsetenv("WEFT_PLUGIN_PATH");
+    (void)shell("rm -rf " OUT " && mkdir -p " OUT);
+    write_file(OUT "/small.yaml", small_scene);
+}
+
+START_TEST(a_run_leaves_its_files)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/r 2>&1"), 0);
+    says("done: small");
+    ck_assert_str_eq(read_file(OUT "/r/scene.yaml"), small_scene);
+    static const char header[]
+        = "frame,time,kinetic,elastic,gravitational,dissipated,momentum_x,momentum_y,"
+          "momentum_z,max_strain,steps,rejected,rhs_calls,step_size,limit_sweeps,hash\n"
+          "0,0,";
+    ck_assert_int_eq(strncmp(read_file(OUT "/r/series.csv"), header, strlen(header)),
+                     0);
+    expect(shell("wc -l < " OUT "/r/series.csv"), 0);
+    ck_assert_int_eq(atoi(output), 12); /* header, frames 0 to 10 */
+    expect(shell("head -2 " OUT "/r/final.csv"), 0);
+    says("row,col,x,y,z,vx,vy,vz\n0,0,0,0,0,0,0,0\n"); /* a pin at rest has not moved */
+    expect(shell("cat " OUT "/r/result.yaml " OUT "/r/manifest.yaml"), 0);
+    says("status: done\n");
+    says("fixed_step: 0.001");
+    says("name: \"velocity_verlet\"");
+}
+END_TEST
+
+START_TEST(frames_are_at_exact_times_and_the_last_at_the_duration)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT
+                      "/r --quiet --set run.fps=7 2>&1"),
+           0);
+    expect(shell("tail -n +2 " OUT "/r/series.csv | cut -d, -f2"), 0);
+    const char *text = output;
+    for (int i = 0; i <= 4; ++i) {
+        char *end;
+        const double t = strtod(text, &end);
+        ck_assert(t == (i < 4 ? i / 7.0 : 0.5));
+        text = end;
+    }
+}
+END_TEST
+
+START_TEST(the_same_scene_gives_the_same_bytes)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/a --quiet && " WEFT
+                      " run " OUT "/small.yaml --out " OUT "/b --quiet && cmp " OUT
+                      "/a/series.csv " OUT "/b/series.csv && cmp " OUT
+                      "/a/final.csv " OUT "/b/final.csv && cmp " OUT
+                      "/a/manifest.yaml " OUT "/b/manifest.yaml"),
+           0);
+}
+END_TEST
+
+START_TEST(a_run_can_be_repeated_from_the_scene_it_left)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT
+                      "/a --quiet --set cloth.grid.rows=6 --set "
+                      "'cloth.springs.bend={stiffness: 2}' 2>&1"),
+           0);
+    expect(shell(WEFT " run " OUT "/a/scene.yaml --out " OUT "/b --quiet 2>&1"), 0);
+    expect(shell("cmp " OUT "/a/series.csv " OUT "/b/series.csv"), 0);
+    expect(shell("wc -l < " OUT "/b/final.csv"), 0);
+    ck_assert_int_eq(atoi(output), 31);
+}
+END_TEST
+
+START_TEST(a_directory_that_is_not_empty_is_refused_unless_forced)
+{
+    expect(shell("mkdir -p " OUT "/r && echo mine > " OUT "/r/notes.txt"), 0);
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/r 2>&1"), 4);
+    says("not empty");
+    ck_assert(!exists(OUT "/r/result.yaml"));
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/r --force --quiet 2>&1"),
+           0);
+    ck_assert(exists(OUT "/r/result.yaml"));
+    ck_assert_str_eq(read_file(OUT "/r/notes.txt"), "mine\n");
+}
+END_TEST
+
+START_TEST(wrong_command_lines_exit_with_2)
+{
+    static const char *const wrong[] = {
+        "",
+        "fly",
+        "run",
+        "run a.yaml b.yaml",
+        "run a.yaml --frames ply",
+        "run a.yaml --speed 3",
+        "run a.yaml --out",
+        "check",
+        "export",
+        "export somewhere",
+        "export somewhere --format stl",
+        "steppers x",
+        "scene-help x",
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        ck_assert_msg(shell(WEFT " %s 2>&1", wrong[i]) == 2, "weft %s: %s", wrong[i],
+                      output);
+        ck_assert_msg(output[0] != '\0', "weft %s says nothing", wrong[i]);
+    }
+}
+END_TEST
+
+START_TEST(every_verb_has_help_on_stdout)
+{
+    static const char *const verbs[]
+        = { "run", "check", "steppers", "scene-help", "export" };
+    for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; ++i) {
+        expect(shell(WEFT " %s --help 2>/dev/null", verbs[i]), 0);
+        says("usage: weft ");
+        says(verbs[i]);
+    }
+    expect(shell(WEFT " --help"), 0);
+    says("exit codes");
+    expect(shell(WEFT " --version"), 0);
+    says("weft " WEFT_VERSION);
+    says("plugin verlet");
+}
+END_TEST
+
+START_TEST(a_wrong_scene_exits_with_3_and_shows_the_place)
+{
+    expect(shell("sed 's/density/densty/' " OUT "/small.yaml > " OUT "/bad.yaml"), 0);
+    expect(shell(WEFT " run " OUT "/bad.yaml --out " OUT "/r 2>&1"), 3);
+    says(OUT "/bad.yaml:5:3: error: ");
+    says("did you mean 'density'?");
+    ck_assert(!exists(OUT "/r"));
+    expect(shell(WEFT " check " OUT "/small.yaml " OUT "/bad.yaml 2>&1"), 3);
+    says("small.yaml: ok");
+}
+END_TEST
+
+START_TEST(overrides_are_checked_like_a_scene)
+{
+    expect(shell(WEFT " check " OUT "/small.yaml --set run.fps=20 --set "
+                      "run.duration=soon 2>&1"),
+           3);
+    says("command line, --set number 2");
+}
+END_TEST
+
+START_TEST(a_method_or_plugin_that_is_not_there_is_a_wrong_scene)
+{
+    expect(shell(WEFT " check " OUT
+                      "/small.yaml --set stepper.method=velocity_verlt 2>&1"),
+           3);
+    says("velocity_verlet");
+    expect(shell(WEFT " check " OUT "/small.yaml --set stepper.plugin=nowhere 2>&1"),
+           3);
+    says("weft-nowhere.so");
+}
+END_TEST
+
+START_TEST(a_missing_file_exits_with_4)
+{
+    expect(shell(WEFT " run " OUT "/none.yaml --out " OUT "/r 2>&1"), 4);
+    says("none.yaml");
+    expect(shell(WEFT " check " OUT "/none.yaml 2>&1"), 4);
+    expect(shell(WEFT " export " OUT "/nothing --format obj 2>&1"), 4);
+    write_file(OUT "/file", "");
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/file/r 2>&1"), 4);
+}
+END_TEST
+
+START_TEST(a_full_disk_is_an_error_that_names_the_file)
+{
+    expect(shell("mkdir -p " OUT "/r && ln -s /dev/full " OUT
+                 "/r/series.csv.link && " WEFT " steppers > /dev/full 2>" OUT "/err"),
+           4);
+    expect(shell("ulimit -f 1; trap '' XFSZ; " WEFT " run " OUT "/small.yaml --out " OUT
+                 "/s --quiet --set run.fps=400 2>&1"),
+           4);
+    says(OUT "/s/");
+    ck_assert(!exists(OUT "/s/result.yaml") || exists(OUT "/s/series.csv"));
+}
+END_TEST
+
+START_TEST(what_this_version_cannot_run_it_says_and_exits_with_1)
+{
+    expect(
+        shell(WEFT " run " OUT "/small.yaml --out " OUT "/t --set run.threads=2 2>&1"),
+        1);
+    says("threads");
+    expect(shell("grep -c 'status: failed' " OUT "/t/result.yaml"), 0);
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT
+                      "/l --set 'limit={method: provot}' 2>&1"),
+           1);
+    says("limit");
+    expect(shell(WEFT " check " OUT "/small.yaml --set 'limit={method: provot}' 2>&1"),
+           0);
+}
+END_TEST
+
+START_TEST(a_run_that_blows_up_keeps_its_last_good_state_and_reports)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT
+                      "/r --set stepper.fixed_step=0.05 --set run.duration=50 2>&1"),
+           1);
+    says("fastest particle");
+    says("spring (");
+    expect(shell("cat " OUT "/r/result.yaml"), 0);
+    says("status: failed");
+    ck_assert_ptr_null(strstr(read_file(OUT "/r/final.csv"), "nan"));
+    ck_assert_ptr_null(strstr(read_file(OUT "/r/series.csv"), "nan"));
+}
+END_TEST
+
+static void interrupt_with(const char *signal_name, int code)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/i --quiet --force "
+                      "--set run.duration=1e6 2>&1 & pid=$!; "
+                      "while [ ! -s " OUT "/i/series.csv ]; do sleep 0.05; done; "
+                      "kill -%s $pid; wait $pid",
+                 signal_name),
+           code);
+    expect(shell("cat " OUT "/i/result.yaml"), 0);
+    says("status: interrupted\n");
+    says(signal_name);
+    ck_assert(exists(OUT "/i/final.csv"));
+}
+
+START_TEST(a_signal_ends_a_run_with_a_valid_result)
+{
+    interrupt_with("INT", 130);
+    interrupt_with("TERM", 143);
+}
+END_TEST
+
+START_TEST(exported_frames_are_those_of_the_run)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/r --quiet --frames obj"),
+           0);
+    expect(shell("mv " OUT "/r/frames " OUT "/kept && " WEFT " export " OUT
+                 "/r --format obj --frame all 2>&1 && diff -r " OUT "/kept " OUT
+                 "/r/frames"),
+           0);
+    says("frames/frame-000010.obj");
+    expect(shell(WEFT " export " OUT "/r --format csv --frame 10 && cmp " OUT
+                      "/r/frames/frame-000010.csv " OUT "/r/final.csv"),
+           0);
+    expect(shell(WEFT " export " OUT "/r --format obj && cmp " OUT "/r/final.obj " OUT
+                      "/kept/frame-000010.obj"),
+           0);
+    expect(shell(WEFT " export " OUT "/r --format obj --frame 11 2>&1"), 2);
+    expect(shell("grep -c ^f " OUT "/r/final.obj"), 0);
+    ck_assert_int_eq(atoi(output), 3 * 4); /* quads of 4 x 5 particles */
+}
+END_TEST
+
+START_TEST(an_export_that_does_not_match_the_run_is_refused)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/r --quiet && sed -i "
+                      "s/0.01}/0.02}/ " OUT "/r/scene.yaml"),
+           0);
+    expect(shell(WEFT " export " OUT "/r --format obj --frame 5 2>&1"), 1);
+    says("hash");
+    expect(shell("sed -i 5s/,/x,/ " OUT "/r/final.csv; " WEFT " export " OUT
+                 "/r --format obj 2>&1"),
+           4);
+    says("final.csv: damaged at line 5");
+}
+END_TEST
+
+START_TEST(lists_for_machines_are_yaml_and_a_plugin_path_is_searched_first)
+{
+    expect(shell(WEFT " steppers --yaml"), 0);
+    says("- id: \"verlet\"");
+    says("  - name: \"symplectic_euler\"");
+    expect(shell("mkdir -p " OUT "/p && cp " BUILD_DIR "/plugins/weft-verlet.so " OUT
+                 "/p/ && " WEFT " steppers --plugin-path " OUT "/p"),
+           0);
+    says(OUT "/p/weft-verlet.so");
+}
+END_TEST
+
+START_TEST(scene_help_lists_every_key)
+{
+    static const char *const keys[] = {
+        "rows",      "spacing",  "origin",  "right",      "down",      "scale",
+        "density",   "loads",    "law",     "stretch",    "stiffness", "pins",
+        "amplitude", "gravity",  "wind",    "drag",       "sweeps",    "tolerance",
+        "method",    "rtol",     "norm",    "first_step", "max_step",  "fixed_step",
+        "butcher",   "duration", "threads", "fps",
+    };
+    expect(shell(WEFT " scene-help"), 0);
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {
+        says(keys[i]);
+    }
+    says("[N/m]");
+}
+END_TEST
+
+START_TEST(the_example_program_runs)
+{
+    expect(shell("WEFT_PLUGIN_PATH=" BUILD_DIR "/plugins " BUILD_DIR
+                 "/examples/minimal 2>&1"),
+           0);
+    says("1.000 s: lower right corner at height ");
+    expect(shell("WEFT_PLUGIN_PATH= " BUILD_DIR "/examples/minimal 2>&1"), 1);
+    says("plugin 'verlet' not found");
+}
+END_TEST
+
+static Suite *suite(void)
+{
+    Suite *all = suite_create("cli");
+    TCase *program = tcase_create("program");
+    tcase_add_unchecked_fixture(program, NULL, NULL);
+    tcase_add_checked_fixture(program, begin, NULL);
+    tcase_set_timeout(program, 60);
+    tcase_add_test(program, a_run_leaves_its_files);
+    tcase_add_test(program, frames_are_at_exact_times_and_the_last_at_the_duration);
+    tcase_add_test(program, the_same_scene_gives_the_same_bytes);
+    tcase_add_test(program, a_run_can_be_repeated_from_the_scene_it_left);
+    tcase_add_test(program, a_directory_that_is_not_empty_is_refused_unless_forced);
+    tcase_add_test(program, wrong_command_lines_exit_with_2);
+    tcase_add_test(program, every_verb_has_help_on_stdout);
+    tcase_add_test(program, a_wrong_scene_exits_with_3_and_shows_the_place);
+    tcase_add_test(program, overrides_are_checked_like_a_scene);
+    tcase_add_test(program, a_method_or_plugin_that_is_not_there_is_a_wrong_scene);
+    tcase_add_test(program, a_missing_file_exits_with_4);
+    tcase_add_test(program, a_full_disk_is_an_error_that_names_the_file);
+    tcase_add_test(program, what_this_version_cannot_run_it_says_and_exits_with_1);
+    tcase_add_test(program, a_run_that_blows_up_keeps_its_last_good_state_and_reports);
+    tcase_add_test(program, a_signal_ends_a_run_with_a_valid_result);
+    tcase_add_test(program, exported_frames_are_those_of_the_run);
+    tcase_add_test(program, an_export_that_does_not_match_the_run_is_refused);
+    tcase_add_test(program,
+                   lists_for_machines_are_yaml_and_a_plugin_path_is_searched_first);
+    tcase_add_test(program, scene_help_lists_every_key);
+    tcase_add_test(program, the_example_program_runs);
+    suite_add_tcase(all, program);
+    return all;
+}
+
+int main(void)
+{
+    return test_run(suite());
+}

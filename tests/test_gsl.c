@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* test_gsl.c -- what can go wrong with GSL alone: its error handler, which aborts a
+ * program that does not replace it, and the Jacobian that plugins/gsl makes for it. */
+#include "stepper_run.h"
+
+#include <stdlib.h>
+#include <sys/resource.h>
+
+START_TEST(matrices_too_large_are_refused_at_once)
+{
+    const weft_stepper_type *type = test_method((size_t)_i);
+    if ((type->flags & WEFT_STEPPER_DENSE) == 0) {
+        return;
+    }
+    const weft_stepper_config config = usual(type, 0);
+    model m = { .k = 1.0 };
+    const weft_ode ode = { .dim = 6 * 300 * 300, .rhs = rhs, .ctx = &m };
+    void *self = &m;
+    weft_error err = { 0 };
+    ck_assert_int_eq(type->create(type, &ode, &config, &self, &err), WEFT_NO_MEMORY);
+    ck_assert_ptr_null(self);
+    ck_assert_ptr_nonnull(strstr(err.message, "GiB"));
+    ck_assert_ptr_nonnull(strstr(err.message, "without matrices"));
+}
+END_TEST
+
+/* x' = v, v' = a x - c v */
+typedef struct line {
+    double a, c;
+} line;
+
+static int linear(double t, const double *y, double *dydt, void *ctx)
+{
+    const line *l = ctx;
+    (void)t;
+    dydt[0] = y[1];
+    dydt[1] = l->a * y[0] - l->c * y[1];
+    return 0;
+}
+
+/* With a = (m/h)^2 the matrix I - (h/m) J, which an implicit method of GSL solves for
+ * some m, is singular to the last bit: the error handler would be called. */
+START_TEST(singular_equations_call_no_handler)
+{
+    const weft_stepper_type *type = test_method((size_t)_i);
+    const weft_stepper_config config = fixed(0.5);
+    static const int parts[] = { 1, 2, 4, 6, 8, 10, 14, 22, 34, 50, 70 };
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) {
+        line l = { .a = 4.0 * parts[i] * parts[i] };
+        const weft_ode ode = { .dim = 2, .rhs = linear, .ctx = &l };
+        void *self = NULL;
+        double t = 0.0, y[2] = { 1.0, 1.0 };
+        ck_assert_int_eq(type->create(type, &ode, &config, &self, NULL), WEFT_OK);
+        const weft_status status = type->step(self, 1.0, &t, y, NULL);
+        ck_assert(status == WEFT_OK || status == WEFT_SOLVER);
+        ck_assert(t == (status == WEFT_OK ? 0.5 : 0.0) && isfinite(y[0]));
+        type->destroy(self);
+    }
+}
+END_TEST
+
+#ifdef HAVE_GSL
+
+/* y += h f(y + h/2 (I - h/2 J)^-1 f(y)), rk2simp's rule, with J as it is. */
+static void rk2simp(const line *l, double h, double *y)
+{
+    line m = *l;
+    double f[2], z[2];
+    const double g = 0.5 * h, det = 1.0 + g * l->c - g * g * l->a;
+    (void)linear(0.0, y, f, &m);
+    z[0] = y[0] + g * ((1.0 + g * l->c) * f[0] + g * f[1]) / det;
+    z[1] = y[1] + g * (g * l->a * f[0] + f[1]) / det;
+    (void)linear(0.0, z, f, &m);
+    y[0] += h * f[0];
+    y[1] += h * f[1];
+}
+
+/* A wrong J_ij shows in the result by about h^2 J_ij f: here that is of the size of y.
+ */
+START_TEST(the_jacobian_is_right_to_seven_digits)
+{
+    const weft_stepper_type *type = test_method_named("gsl/rk2simp");
+    static const double sizes[] = { 1.7e-4, 0.31, 2.9, 4.3e3 };
+    const double h = 0.0087;
+    const weft_stepper_config config = fixed(h);
+    for (int i = 0; i < 4; ++i) {
+        line l = { .a = -1.3e4, .c = 59.0 };
+        const weft_ode ode = { .dim = 2, .rhs = linear, .ctx = &l };
+        void *self = NULL;
+        const double size = sizes[i];
+        double t = 0.0, y[2] = { 0.71 * size, -83.0 * size }, want[2] = { y[0], y[1] };
+        ck_assert_int_eq(type->create(type, &ode, &config, &self, NULL), WEFT_OK);
+        ck_assert_int_eq(type->step(self, 1.0, &t, y, NULL), WEFT_OK);
+        rk2simp(&l, 0.5 * h, want);
+        rk2simp(&l, 0.5 * h, want);
+        ck_assert_double_eq_tol(y[0], want[0], 1e-7 * size);
+        ck_assert_double_eq_tol(y[1], want[1], 1e-5 * size);
+        type->destroy(self);
+    }
+}
+END_TEST
+
+/* bsimp alone reads df/dt. Of x' = v, v' = cos t - 1000 (v - sin t) the solution is
+ * v = sin t; a df/dt of the wrong sign errs by 1e-4. */
+static int driven(double t, const double *y, double *dydt, void *ctx)
+{
+    (void)ctx;
+    dydt[0] = y[1];
+    dydt[1] = cos(t) - 1000.0 * (y[1] - sin(t));
+    return 0;
+}
+
+START_TEST(the_time_derivative_is_right)
+{
+    const weft_stepper_type *type = test_method_named("gsl/bsimp");
+    const weft_ode ode = { .dim = 2, .rhs = driven };
+    const weft_stepper_config config = fixed(0.5);
+    void *self = NULL;
+    double t = 0.0, y[2] = { 1.0, 0.0 };
+    ck_assert_int_eq(type->create(type, &ode, &config, &self, NULL), WEFT_OK);
+    while (t < 1.0) {
+        ck_assert_int_eq(type->step(self, 1.0, &t, y, NULL), WEFT_OK);
+    }
+    ck_assert_double_eq_tol(y[0], 2.0 - cos(1.0), 1e-6);
+    ck_assert_double_eq_tol(y[1], sin(1.0), 1e-6);
+    type->destroy(self);
+}
+END_TEST
+
+/* When bsimp's extrapolation runs away it says so by an infinite error estimate, and
+ * returns success with a y that is finite and wrong. */
+START_TEST(a_runaway_is_no_step)
+{
+    const weft_stepper_type *type = test_method_named("gsl/bsimp");
+    const weft_stepper_config config = fixed(0.5);
+    line l = { .a = 640.0 };
+    const weft_ode ode = { .dim = 2, .rhs = linear, .ctx = &l };
+    void *self = NULL;
+    double t = 0.0, y[2] = { 1.7, 0.9 };
+    ck_assert_int_eq(type->create(type, &ode, &config, &self, NULL), WEFT_OK);
+    ck_assert_int_eq(type->step(self, 1.0, &t, y, NULL), WEFT_SOLVER);
+    ck_assert(t == 0.0 && y[0] == 1.7 && y[1] == 0.9);
+    l.a = 0.4;
+    ck_assert_int_eq(type->step(self, 1.0, &t, y, NULL), WEFT_OK);
+    type->destroy(self);
+}
+END_TEST
+
+static weft_status create_of_size(const weft_stepper_type *type, size_t dim)
+{
+    const weft_stepper_config config = adaptive(1e-6);
+    const weft_ode ode = { .dim = dim, .rhs = linear };
+    void *self = NULL;
+    weft_error err = { 0 };
+    const weft_status status = type->create(type, &ode, &config, &self, &err);
+    ck_assert((self == NULL) == (status != WEFT_OK));
+    ck_assert_int_eq(err.status, status);
+    type->destroy(self);
+    return status;
+}
+
+/* 19 vectors of rk8pd within the plugin's own limit, but not within the process's. */
+START_TEST(memory_that_is_not_there_is_an_error)
+{
+    const weft_stepper_type *type = test_method_named("gsl/rk8pd");
+    ck_assert_int_eq(create_of_size(type, (size_t)1 << 40), WEFT_NO_MEMORY);
+    ck_assert_int_eq(create_of_size(type, SIZE_MAX - 1), WEFT_NO_MEMORY);
+    ck_assert_int_eq(create_of_size(type, 60000), WEFT_OK);
+    const char *fork_mode = getenv("CK_FORK");
+#ifdef __SANITIZE_ADDRESS__
+    fork_mode = "no";
+#endif
+    if (fork_mode == NULL || strcmp(fork_mode, "no") != 0) {
+        const struct rlimit limit = { (rlim_t)1 << 30, (rlim_t)1 << 30 };
+        ck_assert_int_eq(setrlimit(RLIMIT_AS, &limit), 0);
+        ck_assert_int_eq(create_of_size(type, 12000000), WEFT_NO_MEMORY);
+    }
+}
+END_TEST
+
+#endif
+
+int main(void)
+{
+    Suite *suite = suite_create("gsl");
+    add_for_every_method(suite, "memory", matrices_too_large_are_refused_at_once);
+    add_for_every_method(suite, "singular", singular_equations_call_no_handler);
+#ifdef HAVE_GSL
+    TCase *tcase = tcase_create("gsl");
+    tcase_add_checked_fixture(tcase, watch_gsl, gsl_was_silent);
+    tcase_add_test(tcase, the_jacobian_is_right_to_seven_digits);
+    tcase_add_test(tcase, the_time_derivative_is_right);
+    tcase_add_test(tcase, a_runaway_is_no_step);
+    tcase_add_test(tcase, memory_that_is_not_there_is_an_error);
+    suite_add_tcase(suite, tcase);
+#endif
+    return test_run(suite);
+}

@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* test_stepper_accuracy.c -- whether methods have the order they claim, and whether
+ * tolerances and norms mean what weft/stepper.h says. */
+#include "stepper_run.h"
+
+static double fixed_step_error(const weft_stepper_type *type, int steps)
+{
+    const weft_stepper_config config = fixed(1.0 / steps);
+    run r;
+    start(&r, type, &config);
+    go(&r, 1.0);
+    const double error = error_at_end(&r);
+    end(&r);
+    return error;
+}
+
+/* error ~ h^p: the exponent between h and h/2, for the smallest h that is still far
+ * from roundoff */
+START_TEST(measured_order_is_the_claimed_one)
+{
+    const weft_stepper_type *type = test_method((size_t)_i);
+    if (type->order == 0) {
+        return;
+    }
+    const int first = type->order < 8 ? 16 : 4;
+    double order = 0.0, error = fixed_step_error(type, first);
+    for (int steps = 2 * first; steps <= 1024 && error > 1e-9; steps *= 2) {
+        const double finer = fixed_step_error(type, steps);
+        order = log2(error / finer);
+        error = finer;
+    }
+    ck_assert_msg(fabs(order - type->order) < 0.2, "%s: %.2f", type->name, order);
+}
+END_TEST
+
+typedef struct result {
+    double error;
+    uint64_t steps;
+} result;
+
+static result at_4_s(const weft_stepper_type *type, const weft_stepper_config *config)
+{
+    run r;
+    start(&r, type, config);
+    go(&r, 4.0);
+    const result res = { error_at_end(&r), stats(&r).steps };
+    end(&r);
+    return res;
+}
+
+/* The error at the end is not the error of a step, so a factor stays between them. */
+START_TEST(error_follows_the_tolerance)
+{
+    const weft_stepper_type *type = test_method((size_t)_i);
+    const double low = type->order == 1 ? 1e-5 : type->order == 2 ? 1e-7 : 1e-9;
+    const double most = type->order == 1 ? 2000.0 : 150.0;
+    for (int norm = WEFT_NORM_MAX; norm <= WEFT_NORM_RMS && can_adapt(type); ++norm) {
+        weft_stepper_config config = adaptive(1e-3);
+        config.norm = (weft_norm)norm;
+        const result rough = at_4_s(type, &config);
+        config = adaptive(low);
+        config.norm = (weft_norm)norm;
+        const result fine = at_4_s(type, &config);
+        ck_assert_double_le(rough.error, most * 1e-3);
+        ck_assert_double_le(fine.error,
+                            (norm == WEFT_NORM_MAX ? 1.0 : 2.0) * most * low);
+        ck_assert_double_le(fine.error, 0.11 * rough.error);
+        ck_assert_uint_gt(fine.steps, rough.steps);
+    }
+}
+END_TEST
+
+START_TEST(each_tolerance_counts)
+{
+    const weft_stepper_type *type = test_method((size_t)_i);
+    const double low = type->order == 1 ? 1e-5 : type->order == 2 ? 1e-6 : 1e-9;
+    for (int norm = WEFT_NORM_MAX; norm <= WEFT_NORM_RMS && can_adapt(type); ++norm) {
+        weft_stepper_config config = adaptive(1e-3);
+        config.norm = (weft_norm)norm;
+        const uint64_t loose = at_4_s(type, &config).steps;
+        config.atol_position = low;
+        const uint64_t position = at_4_s(type, &config).steps;
+        config.atol_velocity = low;
+        const uint64_t both = at_4_s(type, &config).steps;
+        config.atol_position = 1e-3;
+        const uint64_t velocity = at_4_s(type, &config).steps;
+        config.atol_position = low;
+        config.rtol = 1e-2;
+        const uint64_t relative = at_4_s(type, &config).steps;
+        ck_assert_uint_gt(position, loose);
+        ck_assert_uint_gt(velocity, loose);
+        ck_assert_uint_gt(both, relative);
+    }
+}
+END_TEST
+
+/* Pendulums that do not know of each other. All rest but one. */
+enum { PENDULUMS = 50, KICKED = 37 };
+
+static int pendulums(double t, const double *y, double *dydt, void *ctx)
+{
+    (void)t;
+    (void)ctx;
+    for (int i = 0; i < PENDULUMS; ++i) {
+        dydt[i] = y[PENDULUMS + i];
+        dydt[PENDULUMS + i] = -7.3 * sin(y[i]);
+    }
+    return 0;
+}
+
+/* Of the kicked one, after 2 s. */
+static result kick(const weft_stepper_type *type, weft_norm norm, double tolerance)
+{
+    const weft_ode ode = { .dim = (size_t)2 * PENDULUMS, .rhs = pendulums };
+    weft_stepper_config config = adaptive(tolerance);
+    config.norm = norm;
+    double y[2 * PENDULUMS] = { 0 }, t = 0.0;
+    y[PENDULUMS + KICKED] = 1.9;
+    void *self = NULL;
+    ck_assert_int_eq(type->create(type, &ode, &config, &self, NULL), WEFT_OK);
+    while (t < 2.0) {
+        ck_assert_int_eq(type->step(self, 2.0, &t, y, NULL), WEFT_OK);
+    }
+    weft_stepper_stats s = { .struct_size = sizeof s };
+    type->stats(self, &s);
+    type->destroy(self);
+    /* by the classical Runge-Kutta method with 2^-14 s, to 1e-12 */
+    const double want[2] = { -0.6262190417261715, 0.9163182761308935 };
+    const double dx = fabs(y[KICKED] - want[0]);
+    return (result){ fmax(dx, fabs(y[PENDULUMS + KICKED] - want[1])), s.steps };
+}
+
+/* An error e in one of n components has the rms e / sqrt(n). A multistep method chooses
+ * its order in a norm of its own and may need fewer steps all the same. */
+START_TEST(the_largest_norm_sees_one_particle_where_rms_does_not)
+{
+    const weft_stepper_type *type = test_method((size_t)_i);
+    if (!can_adapt(type)) {
+        return;
+    }
+    const double tolerance = type->order == 1 || type->order == 2 ? 1e-3 : 1e-9;
+    const result max = kick(type, WEFT_NORM_MAX, tolerance);
+    const result rms = kick(type, WEFT_NORM_RMS, tolerance);
+    ck_assert(max.steps > rms.steps || (type->flags & WEFT_STEPPER_MULTISTEP) != 0);
+    ck_assert_double_lt(max.error, rms.error);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("stepper accuracy");
+    add_for_every_method(suite, "order", measured_order_is_the_claimed_one);
+    add_for_every_method(suite, "tolerance", error_follows_the_tolerance);
+    add_for_every_method(suite, "tolerances", each_tolerance_counts);
+    add_for_every_method(suite, "norms",
+                         the_largest_norm_sees_one_particle_where_rms_does_not);
+    return test_run(suite);
+}
