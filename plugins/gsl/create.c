@@ -11,8 +11,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define MEMORY_LIMIT 0x1p31 /* [bytes] 2 GiB */
-#define NO_MATRICES  "; methods without matrices: rk2, rk4, rkf45, rkck, rk8pd, msadams"
+/* [bytes] Matrices grow with the square of the state: a large cloth is asking for the
+ * wrong method. Vectors may take what the machine has. */
+#define MATRICES_LIMIT 0x1p31 /* 2 GiB */
+#define VECTORS_LIMIT  0x1p38 /* 256 GiB */
+#define NO_MATRICES    "; methods without matrices: rk2, rk4, rkf45, rkck, rk8pd, msadams"
 
 static bool positive(double x)
 {
@@ -60,10 +63,11 @@ static bool memory_is_there(size_t bytes)
 static weft_status check_memory(const gsl_method *method, size_t dim, weft_error *err)
 {
     const double bytes = memory_needed(method, dim), gib = 0x1p30;
-    if (bytes > MEMORY_LIMIT) {
+    const double limit = method->matrices > 0 ? MATRICES_LIMIT : VECTORS_LIMIT;
+    if (bytes > limit) {
         return weft_error_set(err, WEFT_NO_MEMORY,
                               "%s: %zu numbers need %.3g GiB, more than %g GiB%s",
-                              method->type.name, dim, bytes / gib, MEMORY_LIMIT / gib,
+                              method->type.name, dim, bytes / gib, limit / gib,
                               method->matrices > 0 ? NO_MATRICES : "");
     }
     if (!memory_is_there((size_t)bytes)) {
