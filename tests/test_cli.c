@@ -290,18 +290,19 @@ START_TEST(a_run_that_blows_up_keeps_its_last_good_state_and_reports)
 }
 END_TEST
 
-static void interrupt_with(const char *signal_name, int code)
+static void interrupt_with(const char *name, int code)
 {
-    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/i --quiet --force "
-                      "--set run.duration=1e6 2>&1 & pid=$!; "
-                      "while [ ! -s " OUT "/i/series.csv ]; do sleep 0.05; done; "
-                      "kill -%s $pid; wait $pid",
-                 signal_name),
+    expect(shell("exec 2>&1; " WEFT " run " OUT "/small.yaml --out " OUT "/%s --quiet "
+                 "--set run.duration=1e6 & pid=$!; "
+                 "while [ ! -s " OUT "/%s/series.csv ]; do sleep 0.05; done; "
+                 "kill -%s $pid; wait $pid",
+                 name, name, name),
            code);
-    expect(shell("cat " OUT "/i/result.yaml"), 0);
+    expect(shell("cat " OUT "/%s/result.yaml", name), 0);
     says("status: interrupted\n");
-    says(signal_name);
-    ck_assert(exists(OUT "/i/final.csv"));
+    says(name);
+    expect(shell("wc -l < " OUT "/%s/final.csv", name), 0);
+    ck_assert_int_eq(atoi(output), 21);
 }
 
 START_TEST(a_signal_ends_a_run_with_a_valid_result)

@@ -16,15 +16,15 @@ typedef struct bounds {
 } bounds;
 
 static const bounds scenes[] = {
-    { "hung-stretch.yaml", 0.2, 1.5, 2.0, true },
-    { "hung-shear.yaml", 0.2, 1.5, 2.0, true },
-    { "two-corners.yaml", 0.2, 1.5, 2.0, true },
-    { "curtain.yaml", 0.01, 0.5, 1.0, false },
-    { "flag.yaml", 0.01, 0.5, 3.0, false },
-    { "chain.yaml", 0.001, 0.2, 0.5, true },
-    { "trampoline.yaml", 0.1, 1.0, 5.0, true },
-    { "provot.yaml", 1.0, 2.5, 1.0, true },
-    { "hammock.yaml", 0.01, 0.5, 5.0, false },
+    { "hung-stretch.yaml", 0.2, 0.6, 1.5, true },
+    { "hung-shear.yaml", 0.1, 0.6, 1.5, true },
+    { "two-corners.yaml", 0.1, 0.6, 1.5, true },
+    { "curtain.yaml", 0.01, 0.5, 0.5, false },
+    { "flag.yaml", 0.01, 0.5, 1.0, false },
+    { "chain.yaml", 0.001, 0.2, 2.0, true },
+    { "trampoline.yaml", 0.1, 0.5, 2.0, true },
+    { "provot.yaml", 1.0, 2.5, 0.1, true },
+    { "hammock.yaml", 0.01, 0.5, 10.0, false },
 };
 
 #define SCENES (sizeof scenes / sizeof scenes[0])

@@ -217,6 +217,7 @@ static int run_scene(const options *given, const char *out, const weft_scene *sc
                     .planned = frame_last(weft_scene_run(scene)) + 1 },
         .progress = { .quiet = given->quiet },
     };
+    catch_signals();
     weft_status status = record_outdir(out, given->force, &err);
     if (status == WEFT_OK && self.obj) {
         char frames[RECORD_PATH];
@@ -230,7 +231,6 @@ static int run_scene(const options *given, const char *out, const weft_scene *sc
     if (unsupported != NULL) {
         return refuse(&self, unsupported);
     }
-    catch_signals();
     return run_simulation(&self, registry);
 }
 
