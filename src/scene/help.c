@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* help.c -- the table of keys in words. */
+#include <math.h>
+#include <string.h>
+
+#include "scene/keys.h"
+
+/* ---- one key ---------------------------------------------------------------- */
+
+static size_t put(char *out, size_t used, size_t size, const char *text)
+{
+    const int added = used < size ? snprintf(out + used, size - used, "%s", text) : 0;
+    return used + (size_t)added;
+}
+
+static void bounds_text(const weft__key *key, bool bare, char *out, size_t size)
+{
+    char above[40] = "";
+    if (isinf(key->least)) {
+        out[0] = '\0';
+        return;
+    }
+    if (key->most > 0.0 && !(bare && key->most > WEFT__MANY)) {
+        (void)snprintf(above, sizeof above, " and <= %.10g", key->most);
+    }
+    (void)snprintf(out, size, " %s %g%s%s", key->strict ? ">" : ">=", key->least, above,
+                   key->infinite ? " or .inf" : "");
+}
+
+static void choice_text(const weft__key *key, char *out, size_t size)
+{
+    size_t used = 0;
+    for (size_t i = 0; key->names[i] != NULL; ++i) {
+        const char *join = i == 0 ? "" : key->names[i + 1] == NULL ? " or " : ", ";
+        used = put(out, used, size, join);
+        used = put(out, used, size, key->names[i]);
+    }
+}
+
+const char *weft__wanted_mapping(const weft__section *section, char *out, size_t size)
+{
+    size_t used = put(out, 0, size, "a mapping {");
+    for (size_t i = 0; i < section->count; ++i) {
+        used = put(out, used, size, i == 0 ? "" : ", ");
+        used = put(out, used, size, section->keys[i].name);
+    }
+    (void)put(out, used, size, "}");
+    return out;
+}
+
+const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
+                         size_t size)
+{
+    static const char *const texts[WEFT__KINDS] = {
+        [WEFT__MAPPING] = "a mapping",
+        [WEFT__NUMBER] = "a number",
+        [WEFT__INTEGER] = "an integer",
+        [WEFT__VECTOR] = "a vector [x, y, z]",
+        [WEFT__DIRECTION] = "a vector [x, y, z]",
+        [WEFT__TEXT] = "text",
+        [WEFT__FAMILIES] = "a list of stretch, shear, bend",
+        [WEFT__SPACING] = "a number > 0 or a pair of them",
+        [WEFT__ATOL] = "a number > 0 or a mapping",
+        [WEFT__INDEX] = "an index, [first, last] or all",
+        [WEFT__PLACE] = "a corner, an edge, [row, column] or {rows, cols}",
+        [WEFT__PINS] = "a list of pins",
+        [WEFT__LOADS] = "a list of loads",
+        [WEFT__ROW] = "a list of numbers",
+        [WEFT__ROWS] = "a list of rows",
+    };
+    char bounds[80] = "";
+    if (key->kind == WEFT__CHOICE) {
+        choice_text(key, out, size);
+        return out;
+    }
+    if (key->kind == WEFT__NUMBER || key->kind == WEFT__INTEGER) {
+        bounds_text(key, bare, bounds, sizeof bounds);
+    }
+    const char *text = texts[key->kind];
+    text += bare && strncmp(text, "a ", 2) == 0 ? 2 : 0;
+    text += bare && strncmp(text, "an ", 3) == 0 ? 3 : 0;
+    const bool with_unit = unit && key->unit != NULL;
+    (void)snprintf(out, size, "%s%s%s%s%s", text, bounds, with_unit ? " [" : "",
+                   with_unit ? key->unit : "", with_unit ? "]" : "");
+    return out;
+}
+
+static const char *default_text(const weft__key *key)
+{
+    return key->required           ? "required"
+           : key->fallback != NULL ? key->fallback
+           : key->absent != NULL   ? key->absent
+                                   : "none";
+}
+
+/* ---- plain text: a tree, in columns ----------------------------------------- */
+
+typedef struct printer {
+    void (*line)(void *ctx, const char *text);
+    void *ctx;
+} printer;
+
+enum { KEY_WIDTH = 20, TYPE_WIDTH = 28, DEFAULT_WIDTH = 18, MEANING_WIDTH = 34 };
+
+/* Moves as many words as fit into width characters from *text to out. */
+static void take_words(const char **text, size_t width, char *out)
+{
+    const char *from = *text;
+    size_t length = strlen(from);
+    if (length > width) {
+        length = width;
+        while (length > 0 && from[length] != ' ') {
+            --length;
+        }
+        length = length == 0 ? width : length;
+    }
+    memcpy(out, from, length);
+    out[length] = '\0';
+    from += length;
+    *text = from + (*from == ' ');
+}
+
+static void print_columns(const printer *to, const char *name, const char *type,
+                          const char *fallback, const char *meaning)
+{
+    const char *left = name;
+    while (*left != '\0' || *type != '\0' || *fallback != '\0' || *meaning != '\0') {
+        char a[KEY_WIDTH + 1], b[TYPE_WIDTH + 1], c[DEFAULT_WIDTH + 1],
+            d[MEANING_WIDTH + 1], line[128];
+        take_words(&type, TYPE_WIDTH - 1, b);
+        take_words(&fallback, DEFAULT_WIDTH - 1, c);
+        take_words(&meaning, MEANING_WIDTH, d);
+        (void)snprintf(a, sizeof a, "%s", left);
+        left = "";
+        int used = snprintf(line, sizeof line, "%-*s%-*s%-*s%s", KEY_WIDTH, a,
+                            TYPE_WIDTH, b, DEFAULT_WIDTH, c, d);
+        while (used > 0 && line[used - 1] == ' ') {
+            line[--used] = '\0';
+        }
+        to->line(to->ctx, line);
+    }
+}
+
+static void print_tree(const printer *to, const weft__section *section, int depth)
+{
+    for (size_t i = 0; i < section->count; ++i) {
+        const weft__key *key = &section->keys[i];
+        char name[40], type[200];
+        if (depth == 0) {
+            to->line(to->ctx, "");
+        }
+        (void)snprintf(name, sizeof name, "%*s%s", 2 * depth, "", key->name);
+        print_columns(to, name, weft__wanted(key, true, true, type, sizeof type),
+                      default_text(key), key->meaning);
+        if (key->section != NULL) {
+            print_tree(to, key->section, depth + 1);
+        }
+    }
+}
+
+static void print_text(const printer *to)
+{
+    static const char *const places[] = {
+        "",
+        "A place is a corner (top-left, top-right, bottom-left, bottom-right), an edge "
+        "(top,",
+        "bottom, left, right), [row, column], or {rows: ..., cols: ...} with an index, "
+        "an",
+        "inclusive [first, last] or all for each. Negative indices count from the end.",
+        "Units are SI and are never written in a scene.",
+    };
+    print_columns(to, "key", "type [unit]", "default", "meaning");
+    print_tree(to, &weft__root, 0);
+    for (size_t i = 0; i < sizeof places / sizeof places[0]; ++i) {
+        to->line(to->ctx, places[i]);
+    }
+}
+
+/* ---- Markdown: a table for each part ---------------------------------------- */
+
+static void print_row(const printer *to, const weft__key *key, const char *path)
+{
+    char type[200], line[600];
+    const char *fallback = default_text(key);
+    const char *tick = !key->required && key->fallback != NULL ? "`" : "";
+    (void)snprintf(line, sizeof line, "| `%s` | %s | %s | %s%s%s%s%s | %s |", path,
+                   weft__wanted(key, false, true, type, sizeof type),
+                   key->unit == NULL ? "" : key->unit, key->required ? "**" : "", tick,
+                   fallback, tick, key->required ? "**" : "", key->meaning);
+    to->line(to->ctx, line);
+}
+
+static void print_rows(const printer *to, const weft__section *section,
+                       const char *above)
+{
+    for (size_t i = 0; i < section->count; ++i) {
+        const weft__key *key = &section->keys[i];
+        const bool list = key->kind == WEFT__PINS || key->kind == WEFT__LOADS;
+        char path[120];
+        (void)snprintf(path, sizeof path, "%s%s", above, key->name);
+        print_row(to, key, path);
+        if (key->section != NULL && above[0] != '\0') {
+            (void)snprintf(path, sizeof path, "%s%s%s.", above, key->name,
+                           list ? "[]" : "");
+            print_rows(to, key->section, path);
+        }
+    }
+}
+
+static void print_markdown(const printer *to)
+{
+    const weft__section *root = &weft__root;
+    for (size_t i = 0; i <= root->count; ++i) {
+        char text[120];
+        const weft__key *part = i == 0 ? NULL : &root->keys[i - 1];
+        if (part != NULL && part->section == NULL) {
+            continue;
+        }
+        if (i > 0) {
+            to->line(to->ctx, "");
+        }
+        (void)snprintf(text, sizeof text, "### %s", i == 0 ? "The scene" : part->name);
+        to->line(to->ctx, text);
+        to->line(to->ctx, "");
+        to->line(to->ctx, "| key | type | unit | default | meaning |");
+        to->line(to->ctx, "|---|---|---|---|---|");
+        (void)snprintf(text, sizeof text, "%s.", i == 0 ? "" : part->name);
+        print_rows(to, i == 0 ? root : part->section, i == 0 ? "" : text);
+    }
+}
+
+void weft_scene_help(weft_scene_help_format format,
+                     void (*line)(void *ctx, const char *text), void *ctx)
+{
+    const printer to = { line, ctx };
+    if (format == WEFT_HELP_MARKDOWN) {
+        print_markdown(&to);
+    } else {
+        print_text(&to);
+    }
+}

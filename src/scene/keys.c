@@ -1,0 +1,327 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* keys.c -- THE table: every key of a scene, once. */
+#include "scene/keys.h"
+
+#include <math.h>
+
+#include "scene/read.h"
+
+#define COUNT(array)   (sizeof(array) / sizeof(array)[0])
+#define MANY           2147483647.0 /* a bound for counts that have no other */
+#define AT(type, name) .at = offsetof(type, name)
+#define SECTION(keys_) .keys = (keys_), .count = COUNT(keys_)
+
+/* ---- cloth --------------------------------------------------------------------- */
+
+static const weft__key grid_keys[] = {
+    { "rows", WEFT__INTEGER, .required = true, .least = 1, .most = 2147483648.0,
+      AT(weft_cloth_def, rows), .meaning = "particles down" },
+    { "cols", WEFT__INTEGER, .required = true, .least = 1, .most = 2147483648.0,
+      AT(weft_cloth_def, cols),
+      .meaning = "particles across; rows * cols >= 2, and a single row or column "
+                 "makes a chain" },
+    { "spacing", WEFT__SPACING, .required = true, .strict = true, .unit = "m",
+      AT(weft_cloth_def, spacing),
+      .meaning = "between neighbours: one number, or [along a column, along a row], "
+                 "that is row to row, then column to column" },
+    { "origin", WEFT__VECTOR, .unit = "m", .fallback = "[0, 0, 0]",
+      AT(weft_cloth_def, origin), .meaning = "where particle (0, 0) rests" },
+    { "right", WEFT__DIRECTION, .fallback = "[1, 0, 0]", AT(weft_cloth_def, right),
+      .meaning = "direction of growing column; normalised on reading" },
+    { "down", WEFT__DIRECTION, .fallback = "[0, -1, 0]", AT(weft_cloth_def, down),
+      .meaning = "direction of growing row; perpendicular to right (1e-9)" },
+    { "scale", WEFT__NUMBER, .strict = true, .fallback = "1.0",
+      AT(weft_cloth_def, scale),
+      .meaning = "initial positions = origin + scale * (rest - origin); rest lengths "
+                 "keep" },
+};
+
+static const weft__section grid_section
+    = { SECTION(grid_keys), .check = weft__check_grid };
+
+static const weft__key place_keys[] = {
+    { "rows", WEFT__INDEX, .absent = "rows or row", AT(weft__place, rows),
+      .meaning = "row 0 is the top; negative counts from the end" },
+    { "row", WEFT__INDEX, .absent = "rows or row", AT(weft__place, rows),
+      .meaning = "the same" },
+    { "cols", WEFT__INDEX, .absent = "cols or col", AT(weft__place, cols),
+      .meaning = "column 0 is the left; negative counts from the end" },
+    { "col", WEFT__INDEX, .absent = "cols or col", AT(weft__place, cols),
+      .meaning = "the same" },
+};
+
+const weft__section weft__place_section
+    = { .title = "a place",
+        SECTION(place_keys),
+        .check = weft__check_place,
+        .beside = &weft__pin_section,
+        .beside_hint = "needs 'at' beside it, as in {at: {rows: ..., cols: ...}, "
+                       "velocity: [x, y, z]}" };
+
+static const weft__key load_keys[] = {
+    { "at", WEFT__PLACE, .required = true, .section = &weft__place_section,
+      AT(weft_load, rows), .meaning = "which particles" },
+    { "mass", WEFT__NUMBER, .required = true, .strict = true, .unit = "kg",
+      AT(weft_load, mass), .meaning = "goes to each of them" },
+};
+
+const weft__section weft__load_section
+    = { .title = "a load",
+        SECTION(load_keys),
+        .beside = &weft__place_section,
+        .beside_hint = "goes inside 'at', as in {at: {rows: ..., cols: ...}, mass: "
+                       "...}" };
+
+static const weft__key pin_keys[] = {
+    { "at", WEFT__PLACE, .required = true, .section = &weft__place_section,
+      AT(weft_pin, rows), .meaning = "which particles" },
+    { "velocity", WEFT__VECTOR, .unit = "m/s", .fallback = "[0, 0, 0]",
+      AT(weft_pin, velocity), .meaning = "they move at" },
+    { "amplitude", WEFT__VECTOR, .unit = "m", .fallback = "[0, 0, 0]",
+      AT(weft_pin, amplitude),
+      .meaning = "they swing: + amplitude * sin(2 pi frequency t)" },
+    { "frequency", WEFT__NUMBER, .unit = "Hz", .fallback = "0", AT(weft_pin, frequency),
+      .meaning = "of that; amplitude and frequency go "
+                 "together" },
+};
+
+const weft__section weft__pin_section
+    = { .title = "a pin",
+        SECTION(pin_keys),
+        .check = weft__check_pin,
+        .beside = &weft__place_section,
+        .beside_hint = "cannot stand beside 'at': put it inside, as in {at: {rows: "
+                       "..., cols: ...}, ...}" };
+
+static const weft__key family_keys[] = {
+    { "stiffness", WEFT__NUMBER, .required = true, .unit = "N/m or N",
+      AT(weft_spring_def, stiffness),
+      .meaning = "of each spring: [N/m] under law hooke, [N] under law strain" },
+    { "damping", WEFT__NUMBER, .unit = "kg/s", .fallback = "0",
+      AT(weft_spring_def, damping), .meaning = "along the spring" },
+};
+
+static const weft__section family_section = { SECTION(family_keys) };
+
+static const char *const law_names[] = { "hooke", "strain", NULL };
+
+static void choose_law(void *base, size_t name)
+{
+    ((weft_cloth_def *)base)->law = name == 0 ? WEFT_LAW_HOOKE : WEFT_LAW_STRAIN;
+}
+
+#define FAMILY(name_, index, text)                                                     \
+    {                                                                                  \
+        name_, WEFT__MAPPING, .section = &family_section, .absent = "none",            \
+                              .at = offsetof(weft_cloth_def, springs)                  \
+                                    + (index) * sizeof(weft_spring_def),               \
+                              .meaning = (text)                                        \
+    }
+
+static const weft__key spring_keys[] = {
+    { "law", WEFT__CHOICE, .names = law_names, .choose = choose_law,
+      .fallback = "hooke",
+      .meaning = "of the force, hooke: k (L - s), strain: k (L / s - 1)" },
+    FAMILY("stretch", WEFT_STRETCH, "springs to the next column and row"),
+    FAMILY("shear", WEFT_SHEAR, "springs across both diagonals of a cell"),
+    FAMILY("bend", WEFT_BEND, "springs to the next but one column and row"),
+};
+
+static const weft__section spring_section
+    = { SECTION(spring_keys), .check = weft__check_springs };
+
+/* The grid comes first: what follows is checked against it. */
+static const weft__key cloth_keys[] = {
+    { "grid", WEFT__MAPPING, .required = true, .section = &grid_section,
+      .meaning = "particle (row, col) rests at origin + col * spacing * right + row * "
+                 "spacing * down" },
+    { "mass", WEFT__NUMBER, .strict = true, .unit = "kg", .absent = "mass or density",
+      AT(weft_cloth_def, mass),
+      .meaning = "of each particle; exactly one of mass and density is required" },
+    { "density", WEFT__NUMBER, .strict = true, .unit = "kg/m^2",
+      .absent = "mass or density", AT(weft_cloth_def, density),
+      .meaning = "lumped by area" },
+    { "velocity", WEFT__VECTOR, .unit = "m/s", .fallback = "[0, 0, 0]",
+      AT(weft_cloth_def, velocity),
+      .meaning = "initial, of the particles that are not pinned" },
+    { "loads", WEFT__LOADS, .section = &weft__load_section, .absent = "none",
+      .meaning = "point masses added to particles" },
+    { "springs", WEFT__MAPPING, .section = &spring_section, .absent = "none",
+      .meaning = "a family that is absent has no springs" },
+    { "pins", WEFT__PINS, .section = &weft__pin_section, .absent = "none",
+      .meaning = "particles that are held or moved: a place, or {at: place, ...}; a "
+                 "later entry wins" },
+};
+
+static const weft__section cloth_section
+    = { SECTION(cloth_keys), .check = weft__check_cloth };
+
+/* ---- forces -------------------------------------------------------------------- */
+
+static const weft__key wind_keys[] = {
+    { "velocity", WEFT__VECTOR, .required = true, .unit = "m/s",
+      AT(weft_cloth_def, wind_velocity), .meaning = "of the air" },
+    { "drag", WEFT__NUMBER, .required = true, .unit = "kg/(m^2 s)",
+      AT(weft_cloth_def, wind_drag),
+      .meaning = "F = drag * area * (n . (velocity - v)) n" },
+};
+
+static const weft__section wind_section = { SECTION(wind_keys) };
+
+static const weft__key force_keys[] = {
+    { "gravity", WEFT__VECTOR, .unit = "m/s^2", .fallback = "[0, -9.81, 0]",
+      AT(weft_cloth_def, gravity), .meaning = "acceleration of free fall" },
+    { "damping", WEFT__NUMBER, .unit = "kg/s", .fallback = "0",
+      AT(weft_cloth_def, drag),
+      .meaning = "viscous, on each particle: F = -damping * v" },
+    { "wind", WEFT__MAPPING, .section = &wind_section, .absent = "no wind",
+      .meaning = "air that moves" },
+};
+
+static const weft__section force_section = { SECTION(force_keys) };
+
+/* ---- limit --------------------------------------------------------------------- */
+
+static const char *const limit_names[] = { "provot", "bridson", NULL };
+static const char *const velocity_names[] = { "update", "keep", NULL };
+
+static void choose_limit(void *base, size_t name)
+{
+    ((weft_limit_def *)base)->method
+        = name == 0 ? WEFT_LIMIT_PROVOT : WEFT_LIMIT_BRIDSON;
+}
+
+static void choose_velocity(void *base, size_t name)
+{
+    ((weft_limit_def *)base)->keep_velocity = name == 1;
+}
+
+static const weft__key limit_keys[] = {
+    { "method", WEFT__CHOICE, .required = true, .names = limit_names,
+      .choose = choose_limit,
+      .meaning = "provot: on positions; bridson: on velocities" },
+    { "strain", WEFT__NUMBER, .fallback = "0.1", AT(weft_limit_def, strain),
+      .meaning = "no limited spring longer than (1 + strain) * rest length" },
+    { "springs", WEFT__FAMILIES, .fallback = "[stretch, shear]",
+      AT(weft_limit_def, families), .meaning = "families that are limited" },
+    { "sweeps", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "100",
+      AT(weft_limit_def, sweeps), .meaning = "at most so many passes a step ..." },
+    { "tolerance", WEFT__NUMBER, .strict = true, .fallback = "1.0e-3",
+      AT(weft_limit_def, tolerance),
+      .meaning = "... or until no spring exceeds (1 + strain)(1 + tolerance) rest "
+                 "lengths" },
+    { "velocity", WEFT__CHOICE, .names = velocity_names, .choose = choose_velocity,
+      .fallback = "update",
+      .meaning = "update: v += dx / h of the correction; keep: positions only, as in "
+                 "the paper (provot)" },
+};
+
+static const weft__section limit_section
+    = { SECTION(limit_keys), .check = weft__check_limit };
+
+/* ---- stepper ------------------------------------------------------------------- */
+
+static const char *const norm_names[] = { "max", "rms", NULL };
+
+static void choose_norm(void *base, size_t name)
+{
+    ((weft_scene *)base)->config.norm = name == 0 ? WEFT_NORM_MAX : WEFT_NORM_RMS;
+}
+
+static const weft__key atol_keys[] = {
+    { "position", WEFT__NUMBER, .required = true, .strict = true, .unit = "m",
+      AT(weft_stepper_config, atol_position), .meaning = "of positions" },
+    { "velocity", WEFT__NUMBER, .required = true, .strict = true, .unit = "m/s",
+      AT(weft_stepper_config, atol_velocity), .meaning = "of velocities" },
+};
+
+static const weft__section atol_section = { SECTION(atol_keys) };
+
+static const weft__key butcher_keys[] = {
+    { "A", WEFT__ROWS, .required = true, AT(weft__tableau, a),
+      .meaning = "a row for each stage, strictly lower triangular; zeros at the end of "
+                 "a row may be left out" },
+    { "b", WEFT__ROW, .required = true, AT(weft__tableau, b),
+      .meaning = "weights, one for each stage" },
+    { "c", WEFT__ROW, .required = true, AT(weft__tableau, c),
+      .meaning = "nodes, one for each stage" },
+    { "order", WEFT__INTEGER, .required = true, .least = 1, .most = 99,
+      AT(weft__tableau, order), .meaning = "of the solution carried on" },
+    { "b_embedded", WEFT__ROW, .absent = "fixed steps only",
+      AT(weft__tableau, b_embedded),
+      .meaning = "weights of the solution it is compared with" },
+    { "embedded_order", WEFT__INTEGER, .least = 1, .most = 99,
+      .absent = "fixed steps only", AT(weft__tableau, embedded_order),
+      .meaning = "of that; b_embedded and embedded_order go together" },
+};
+
+static const weft__section butcher_section
+    = { SECTION(butcher_keys), .check = weft__check_butcher };
+
+static const weft__key stepper_keys[] = {
+    { "plugin", WEFT__TEXT, .required = true, AT(weft_scene, plugin),
+      .meaning = "gsl, arkode, verlet or any installed stepper plugin" },
+    { "method", WEFT__TEXT, .required = true, AT(weft_scene, method),
+      .meaning = "a method of that plugin (weft steppers lists them)" },
+    { "rtol", WEFT__NUMBER, .fallback = "1.0e-6", AT(weft_scene, config.rtol),
+      .meaning = "relative tolerance" },
+    { "atol", WEFT__ATOL, .strict = true, .unit = "m, m/s", .section = &atol_section,
+      .fallback = "1.0e-6", AT(weft_scene, config),
+      .meaning = "absolute tolerance: a number for all, or {position, velocity}" },
+    { "norm", WEFT__CHOICE, .names = norm_names, .choose = choose_norm,
+      .fallback = "max", .meaning = "error norm over all components" },
+    { "first_step", WEFT__NUMBER, .strict = true, .unit = "s", .fallback = "1.0e-3",
+      AT(weft_scene, config.first_step), .meaning = "first trial" },
+    { "min_step", WEFT__NUMBER, .strict = true, .unit = "s", .fallback = "1.0e-12",
+      AT(weft_scene, config.min_step), .meaning = "needing less is a failure" },
+    { "max_step", WEFT__NUMBER, .strict = true, .infinite = true, .unit = "s",
+      .fallback = ".inf", AT(weft_scene, config.max_step),
+      .meaning = "no step is longer" },
+    { "fixed_step", WEFT__NUMBER, .strict = true, .unit = "s", .absent = "adaptive",
+      AT(weft_scene, config.fixed_step),
+      .meaning = "no error control; excludes the keys from rtol to max_step" },
+    { "butcher", WEFT__MAPPING, .section = &butcher_section, .absent = "none",
+      AT(weft_scene, tableau),
+      .meaning = "an explicit Runge-Kutta table, for method custom of plugin arkode; "
+                 "values are numbers or fractions as 19/32" },
+};
+
+static const weft__section stepper_section
+    = { SECTION(stepper_keys), .check = weft__check_stepper };
+
+/* ---- the rest ------------------------------------------------------------------ */
+
+static const weft__key run_keys[] = {
+    { "duration", WEFT__NUMBER, .required = true, .strict = true, .unit = "s",
+      AT(weft_run_def, duration), .meaning = "simulated time" },
+    { "fps", WEFT__NUMBER, .strict = true, .unit = "1/s", .fallback = "30",
+      AT(weft_run_def, fps),
+      .meaning = "frames per simulated second; frame i is at exactly i / fps, the last "
+                 "at duration" },
+    { "threads", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "1",
+      AT(weft_run_def, threads), .meaning = "the result does not depend on it" },
+};
+
+static const weft__section run_section
+    = { SECTION(run_keys), .check = weft__check_run };
+
+static const weft__key root_keys[] = {
+    { "weft", WEFT__INTEGER, .required = true, .least = 1, .most = MANY,
+      AT(weft_scene, version), .meaning = "version of the scene format, 1" },
+    { "name", WEFT__TEXT, .absent = "file name", AT(weft_scene, name),
+      .meaning = "free text; default: the file's name without .yaml" },
+    { "cloth", WEFT__MAPPING, .required = true, .section = &cloth_section,
+      AT(weft_scene, cloth), .meaning = "what hangs, and where" },
+    { "forces", WEFT__MAPPING, .section = &force_section, .absent = "gravity",
+      AT(weft_scene, cloth), .meaning = "what pulls at it" },
+    { "limit", WEFT__MAPPING, .section = &limit_section, .absent = "none",
+      AT(weft_scene, limit),
+      .meaning = "strain limit, applied after every accepted step" },
+    { "stepper", WEFT__MAPPING, .required = true, .section = &stepper_section,
+      .meaning = "what integrates it" },
+    { "run", WEFT__MAPPING, .required = true, .section = &run_section,
+      AT(weft_scene, run), .meaning = "how long" },
+};
+
+const weft__section weft__root
+    = { .title = "the scene", SECTION(root_keys), .check = weft__check_root };

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* keys.h -- the table of all keys: what the parser accepts, what scene-help prints. */
+#ifndef WEFT_SCENE_KEYS_H
+#define WEFT_SCENE_KEYS_H
+
+#include "scene/report.h"
+
+typedef enum weft__kind {
+    WEFT__MAPPING,   /* keys of its own */
+    WEFT__NUMBER,    /* double */
+    WEFT__INTEGER,   /* size_t */
+    WEFT__VECTOR,    /* double[3] */
+    WEFT__DIRECTION, /* double[3], not zero */
+    WEFT__TEXT,      /* char *, allocated */
+    WEFT__CHOICE,    /* one of names, stored by `choose` */
+    WEFT__FAMILIES,  /* bool[WEFT_FAMILIES] */
+    WEFT__SPACING,   /* double[2] from a number or a pair */
+    WEFT__ATOL,      /* two doubles from a number or a mapping */
+    WEFT__INDEX,     /* weft_range of the rows or columns of a place */
+    WEFT__PLACE,     /* weft__place */
+    WEFT__PINS,      /* the pins of a scene */
+    WEFT__LOADS,     /* its loads */
+    WEFT__ROW,       /* weft__list: numbers of a Butcher table */
+    WEFT__ROWS,      /* weft__list: its matrix */
+    WEFT__KINDS
+} weft__kind;
+
+typedef struct weft__section weft__section;
+struct weft__reader;
+struct weft__match;
+
+typedef struct weft__key {
+    const char *name;
+    weft__kind kind;
+    bool required;
+    bool strict;          /* a number must be > least, else >= */
+    bool infinite;        /* .inf is a value */
+    double least, most;   /* of numbers and integers; most 0: no bound */
+    const char *unit;     /* "N/m"; NULL: none */
+    const char *fallback; /* the default, as a scene would say it; NULL: none */
+    const char *absent;   /* what holds without the key, in words, if no fallback */
+    const char *meaning;
+    const char *const *names; /* of a choice; ends with NULL */
+    void (*choose)(void *base, size_t name);
+    const weft__section *section; /* of the kinds that are or hold mappings */
+    size_t at;                    /* offset into what the section fills */
+} weft__key;
+
+struct weft__section {
+    const char *title; /* in messages; NULL: the name of its key */
+    const weft__key *keys;
+    size_t count;
+    /* What must hold between keys, once all were read; NULL: nothing. */
+    void (*check)(struct weft__reader *reader, const struct weft__match *match,
+                  void *base);
+    /* Keys of another mapping that people put here, and what to tell them. */
+    const weft__section *beside;
+    const char *beside_hint;
+};
+
+/* A larger bound is there to keep numbers sane: not worth a word unless it is hit. */
+#define WEFT__MANY 1e6
+
+#define WEFT__MAX_KEYS 16 /* of a section */
+
+extern const weft__section weft__root;
+extern const weft__section weft__place_section; /* {rows, cols} */
+extern const weft__section weft__pin_section;   /* {at, velocity, ...} */
+extern const weft__section weft__load_section;  /* {at, mass} */
+
+/* What a key asks for: "a number >= 0 [N/m]", without its article if `bare`. */
+const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
+                         size_t size);
+
+/* "a mapping {stiffness, damping}" */
+const char *weft__wanted_mapping(const weft__section *section, char *out, size_t size);
+
+#endif

@@ -1,0 +1,475 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* read.c -- a document read by the table of keys. */
+#include "scene/read.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/scalar.h"
+#include "scene/suggest.h"
+
+typedef void read_fn(weft__reader *reader, const weft__key *key,
+                     const yaml_node_t *node, void *to);
+
+/* ---- messages --------------------------------------------------------------- */
+
+void weft__refuse(weft__reader *reader, const yaml_node_t *node, const char *name,
+                  const char *wanted, bool number, const char *unit)
+{
+    char value[64], hint[128];
+    if (node->type == YAML_SCALAR_NODE && weft__is_null(node)) {
+        weft__report_error(reader->report, node->start_mark,
+                           "%s must be %s, but there is no value", name, wanted);
+        return;
+    }
+    weft__report_error(reader->report, node->start_mark, "%s must be %s, not %s%s",
+                       name, wanted, weft__show(node, value, sizeof value),
+                       node->type == YAML_SCALAR_NODE
+                           ? weft__hint(node, number, unit, hint, sizeof hint)
+                           : "");
+}
+
+static void refuse(weft__reader *reader, const weft__key *key, const yaml_node_t *node)
+{
+    char wanted[200];
+    const bool number = key->kind == WEFT__NUMBER || key->kind == WEFT__INTEGER
+                        || key->kind == WEFT__SPACING || key->kind == WEFT__ATOL;
+    weft__refuse(reader, node, key->name,
+                 weft__wanted(key, true, false, wanted, sizeof wanted), number,
+                 key->unit);
+}
+
+/* ---- lists ------------------------------------------------------------------ */
+
+const yaml_node_t *weft__item(const weft__reader *reader, const yaml_node_t *list,
+                              size_t i)
+{
+    return yaml_document_get_node(reader->document, list->data.sequence.items.start[i]);
+}
+
+size_t weft__item_count(const yaml_node_t *list)
+{
+    return list->type == YAML_SEQUENCE_NODE ? (
+               size_t)(list->data.sequence.items.top - list->data.sequence.items.start)
+                                            : 0;
+}
+
+/* ---- plain values ----------------------------------------------------------- */
+
+static bool in_bounds(const weft__key *key, double value)
+{
+    return (key->strict ? value > key->least : value >= key->least)
+           && (key->most == 0.0 || value <= key->most)
+           && (isfinite(value) || (key->infinite && value > 0.0));
+}
+
+bool weft__read_number(weft__reader *reader, const weft__key *key, const char *name,
+                       const yaml_node_t *node, double *out)
+{
+    double value;
+    if (weft__number_of(node, &value) && in_bounds(key, value)) {
+        *out = value;
+        return true;
+    }
+    char wanted[200];
+    weft__key like = *key;
+    like.kind = WEFT__NUMBER;
+    weft__refuse(reader, node, name,
+                 weft__wanted(&like, true, false, wanted, sizeof wanted), true,
+                 key->unit);
+    return false;
+}
+
+static void read_number(weft__reader *reader, const weft__key *key,
+                        const yaml_node_t *node, void *to)
+{
+    (void)weft__read_number(reader, key, key->name, node, to);
+}
+
+static void read_integer(weft__reader *reader, const weft__key *key,
+                         const yaml_node_t *node, void *to)
+{
+    weft__key shown = *key;
+    long long value = 0;
+    if (weft__integer_of(node, &value) && in_bounds(key, (double)value)) {
+        *(size_t *)to = (size_t)value;
+        return;
+    }
+    if (key->most > WEFT__MANY && (double)value <= key->most) {
+        shown.most = 0.0;
+    }
+    refuse(reader, &shown, node);
+}
+
+/* `count` numbers of any sign if `key` sets no bound; false if one is wrong. */
+static bool read_numbers(weft__reader *reader, const weft__key *key,
+                         const yaml_node_t *node, size_t count, double *out)
+{
+    bool good = true;
+    for (size_t i = 0; i < count; ++i) {
+        char name[64];
+        (void)snprintf(name, sizeof name, "%s[%zu]", key->name, i);
+        good
+            = weft__read_number(reader, key, name, weft__item(reader, node, i), &out[i])
+              && good;
+    }
+    return good;
+}
+
+static void read_vector(weft__reader *reader, const weft__key *key,
+                        const yaml_node_t *node, void *to)
+{
+    weft__key element = *key;
+    double value[3];
+    if (weft__item_count(node) != 3) {
+        refuse(reader, key, node);
+        return;
+    }
+    element.least = -HUGE_VAL;
+    if (!read_numbers(reader, &element, node, 3, value)) {
+        return;
+    }
+    if (key->kind == WEFT__DIRECTION && value[0] == 0.0 && value[1] == 0.0
+        && value[2] == 0.0) {
+        weft__report_error(reader->report, node->start_mark,
+                           "%s is [0, 0, 0], which is no direction", key->name);
+        return;
+    }
+    memcpy(to, value, sizeof value);
+}
+
+static void read_spacing(weft__reader *reader, const weft__key *key,
+                         const yaml_node_t *node, void *to)
+{
+    double value[2];
+    if (node->type == YAML_SCALAR_NODE && !weft__is_null(node)) {
+        if (weft__read_number(reader, key, key->name, node, &value[0])) {
+            value[1] = value[0];
+            memcpy(to, value, sizeof value);
+        }
+    } else if (weft__item_count(node) != 2) {
+        refuse(reader, key, node);
+    } else if (read_numbers(reader, key, node, 2, value)) {
+        memcpy(to, value, sizeof value);
+    }
+}
+
+static void read_atol(weft__reader *reader, const weft__key *key,
+                      const yaml_node_t *node, void *to)
+{
+    weft_stepper_config *config = to;
+    weft__key plain = *key;
+    double value;
+    plain.unit = "m and m/s";
+    if (node->type == YAML_MAPPING_NODE) {
+        weft__read_section(reader, key->section, key->name, node, config);
+    } else if (node->type == YAML_SEQUENCE_NODE || weft__is_null(node)) {
+        refuse(reader, key, node);
+    } else if (weft__read_number(reader, &plain, key->name, node, &value)) {
+        config->atol_position = config->atol_velocity = value;
+    }
+}
+
+static void read_text(weft__reader *reader, const weft__key *key,
+                      const yaml_node_t *node, void *to)
+{
+    char **text = to;
+    const char *value = weft__text_of(node);
+    if (value == NULL) {
+        refuse(reader, key, node);
+        return;
+    }
+    free(*text);
+    *text = strdup(value);
+    reader->report->no_memory = reader->report->no_memory || *text == NULL;
+}
+
+/* ---- names ------------------------------------------------------------------ */
+
+/* The index of a name in a list that ends with NULL, complaining if it is not there. */
+static bool find_name(weft__reader *reader, const weft__key *key,
+                      const yaml_node_t *node, size_t *index)
+{
+    char wanted[200], value[64], near[80], hint[128];
+    const char *text = weft__text_of(node);
+    weft__guess guess = { 0 };
+    for (*index = 0; text != NULL && key->names[*index] != NULL; ++*index) {
+        if (strcmp(text, key->names[*index]) == 0) {
+            return true;
+        }
+        weft__guess_try(&guess, text, key->names[*index]);
+    }
+    if (guess.name == NULL) {
+        refuse(reader, key, node);
+    } else {
+        weft__report_error(reader->report, node->start_mark,
+                           "%s must be %s, not %s%s%s", key->name,
+                           weft__wanted(key, true, false, wanted, sizeof wanted),
+                           weft__show(node, value, sizeof value),
+                           weft__guess_text(&guess, near, sizeof near),
+                           weft__hint(node, false, NULL, hint, sizeof hint));
+    }
+    return false;
+}
+
+static void read_families(weft__reader *reader, const weft__key *key,
+                          const yaml_node_t *node, void *to)
+{
+    static const char *const names[] = { "stretch", "shear", "bend", NULL };
+    static const weft_family families[] = { WEFT_STRETCH, WEFT_SHEAR, WEFT_BEND };
+    bool *listed = to;
+    weft__key element
+        = { .name = "an item of springs", .kind = WEFT__CHOICE, .names = names };
+    if (weft__item_count(node) == 0) {
+        refuse(reader, key, node);
+    }
+    for (size_t i = 0; i < weft__item_count(node); ++i) {
+        size_t name;
+        if (find_name(reader, &element, weft__item(reader, node, i), &name)) {
+            listed[families[name]] = true;
+        }
+    }
+}
+
+/* ---- values by kind --------------------------------------------------------- */
+
+void weft__read_value(weft__reader *reader, const weft__key *key,
+                      const yaml_node_t *node, void *base)
+{
+    static read_fn *const readers[WEFT__KINDS] = {
+        [WEFT__NUMBER] = read_number,     [WEFT__INTEGER] = read_integer,
+        [WEFT__VECTOR] = read_vector,     [WEFT__DIRECTION] = read_vector,
+        [WEFT__TEXT] = read_text,         [WEFT__FAMILIES] = read_families,
+        [WEFT__SPACING] = read_spacing,   [WEFT__ATOL] = read_atol,
+        [WEFT__INDEX] = weft__read_index, [WEFT__PLACE] = weft__read_place,
+        [WEFT__PINS] = weft__read_pins,   [WEFT__LOADS] = weft__read_loads,
+        [WEFT__ROW] = weft__read_row,     [WEFT__ROWS] = weft__read_rows,
+    };
+    void *to = (char *)base + key->at;
+    size_t name;
+    if (key->kind == WEFT__MAPPING) {
+        weft__read_section(
+            reader, key->section,
+            key->section->title == NULL ? key->name : key->section->title, node, to);
+    } else if (key->kind == WEFT__CHOICE) {
+        if (find_name(reader, key, node, &name)) {
+            key->choose(base, name);
+        }
+    } else {
+        readers[key->kind](reader, key, node, to);
+    }
+}
+
+/* A default is read as if it stood in the scene. */
+static void read_fallback(weft__reader *reader, const weft__key *key, void *base)
+{
+    const weft__source source
+        = { .file = "", .text = key->fallback, .length = strlen(key->fallback) };
+    yaml_document_t fallback, *scene = reader->document;
+    if (!weft__document_load(&source, 0, reader->report, &fallback)) {
+        return;
+    }
+    reader->document = &fallback;
+    weft__read_value(reader, key, yaml_document_get_root_node(&fallback), base);
+    reader->document = scene;
+    yaml_document_delete(&fallback);
+}
+
+/* ---- mappings --------------------------------------------------------------- */
+
+/* The index of a key in its section; count if it is not there. */
+static size_t index_of(const weft__section *section, const char *name)
+{
+    size_t i = 0;
+    while (i < section->count
+           && (name == NULL || strcmp(section->keys[i].name, name) != 0)) {
+        ++i;
+    }
+    return i;
+}
+
+/* Its absence is explained: it is not to be complained of again. */
+static void mark_misspelt(weft__match *match, const char *name)
+{
+    const size_t i = index_of(match->section, name);
+    if (i < match->section->count) {
+        match->misspelt[i] = true;
+    }
+}
+
+/* The first section below `from`, other than `other`, that has a key of that name; its
+ * path is written to out. */
+static bool find_elsewhere(const weft__section *from, const weft__section *other,
+                           const char *name, const char *path, char *out, size_t size)
+{
+    for (size_t i = 0; i < from->count; ++i) {
+        if (from != other && from != &weft__root
+            && strcmp(from->keys[i].name, name) == 0) {
+            (void)snprintf(out, size, "%s", path);
+            return true;
+        }
+    }
+    for (size_t i = 0; i < from->count; ++i) {
+        const weft__key *key = &from->keys[i];
+        char below[120];
+        (void)snprintf(below, sizeof below, "%s%s%s", path, path[0] == '\0' ? "" : ".",
+                       key->name);
+        if (key->kind == WEFT__MAPPING
+            && find_elsewhere(key->section, other, name, below, out, size)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* What to tell of a key that is not in the table, from its name. */
+static void unknown_hint(weft__match *match, const char *name, char *out, size_t size)
+{
+    const weft__section *section = match->section;
+    weft__guess guess = { 0 };
+    char path[120];
+    for (size_t i = 0; i < section->count; ++i) {
+        weft__guess_try(&guess, name, section->keys[i].name);
+    }
+    if (guess.name != NULL) {
+        mark_misspelt(match, guess.name);
+        (void)weft__guess_text(&guess, out, size);
+    } else if (find_elsewhere(&weft__root, section, name, "", path, sizeof path)) {
+        (void)snprintf(out, size, " (it is a key of %s)", path);
+    }
+}
+
+static void report_unknown(weft__reader *reader, weft__match *match,
+                           const yaml_node_t *node)
+{
+    const weft__section *beside = match->section->beside;
+    const char *name = weft__text_of(node);
+    char shown[64], hint[160] = "";
+    (void)weft__show(node, shown, sizeof shown);
+    if (node->type != YAML_SCALAR_NODE || name == NULL) {
+        weft__report_error(reader->report, node->start_mark,
+                           "%s where %s must have a key",
+                           node->type == YAML_SCALAR_NODE    ? "nothing"
+                           : node->type == YAML_MAPPING_NODE ? "a mapping"
+                                                             : "a list",
+                           match->title);
+        return;
+    }
+    if (strcmp(name, "<<") == 0) {
+        weft__report_error(reader->report, node->start_mark,
+                           "merge keys ('<<') are not part of YAML 1.2: write the keys "
+                           "of %s out",
+                           match->title);
+        return;
+    }
+    for (size_t i = 0; beside != NULL && i < beside->count; ++i) {
+        if (!beside->keys[i].required && strcmp(beside->keys[i].name, name) == 0) {
+            weft__report_error(reader->report, node->start_mark, "%s %s", shown,
+                               match->section->beside_hint);
+            mark_misspelt(match, "at");
+            return;
+        }
+    }
+    unknown_hint(match, name, hint, sizeof hint);
+    weft__report_error(reader->report, node->start_mark, "unknown key %s in %s%s",
+                       shown, match->title, hint);
+}
+
+static void match_pair(weft__reader *reader, weft__match *match,
+                       const yaml_node_pair_t *pair)
+{
+    const yaml_node_t *key = yaml_document_get_node(reader->document, pair->key);
+    const size_t i = index_of(match->section, weft__text_of(key));
+    char where[64];
+    if (i == match->section->count) {
+        report_unknown(reader, match, key);
+    } else if (match->key[i] != NULL) {
+        weft__report_error(
+            reader->report, key->start_mark,
+            "duplicate key '%s' in %s (the first is at %s)",
+            match->section->keys[i].name, match->title,
+            weft__place_text(match->key[i]->start_mark, where, sizeof where));
+    } else if (pair->value != 0) {
+        match->key[i] = key;
+        match->value[i] = yaml_document_get_node(reader->document, pair->value);
+    }
+}
+
+static void report_missing(weft__reader *reader, const weft__match *match,
+                           const weft__key *key)
+{
+    weft__report_error(reader->report, match->map->start_mark,
+                       "%s lacks the required key '%s'%s%s%s: %s", match->title,
+                       key->name, key->unit == NULL ? "" : " [",
+                       key->unit == NULL ? "" : key->unit, key->unit == NULL ? "" : "]",
+                       key->meaning);
+}
+
+static bool needs_keys(const weft__section *section)
+{
+    for (size_t i = 0; i < section->count; ++i) {
+        if (section->keys[i].required) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void read_key(weft__reader *reader, const weft__match *match, size_t i,
+                     void *base)
+{
+    const weft__key *key = &match->section->keys[i];
+    if (match->value[i] != NULL) {
+        weft__read_value(reader, key, match->value[i], base);
+    } else if (key->required && !match->misspelt[i]) {
+        report_missing(reader, match, key);
+    } else if (key->fallback != NULL) {
+        read_fallback(reader, key, base);
+    } else if (key->kind == WEFT__MAPPING && !needs_keys(key->section)) {
+        weft__read_section(reader, key->section, key->name, NULL,
+                           (char *)base + key->at);
+    }
+}
+
+void weft__read_section(weft__reader *reader, const weft__section *section,
+                        const char *title, const yaml_node_t *node, void *base)
+{
+    weft__match match = { .section = section, .title = title, .map = node };
+    if (node != NULL && node->type != YAML_MAPPING_NODE) {
+        char wanted[200];
+        weft__refuse(reader, node, title,
+                     weft__wanted_mapping(section, wanted, sizeof wanted), false, NULL);
+        return;
+    }
+    if (node != NULL) {
+        for (const yaml_node_pair_t *pair = node->data.mapping.pairs.start;
+             pair < node->data.mapping.pairs.top; ++pair) {
+            match_pair(reader, &match, pair);
+        }
+    }
+    for (size_t i = 0; i < section->count; ++i) {
+        read_key(reader, &match, i, base);
+    }
+    if (node != NULL && section->check != NULL) {
+        section->check(reader, &match, base);
+    }
+}
+
+const yaml_node_t *weft__key_in(const weft__match *match, const char *name)
+{
+    const size_t i = index_of(match->section, name);
+    return i < match->section->count ? match->key[i] : NULL;
+}
+
+const yaml_node_t *weft__value_in(const weft__match *match, const char *name)
+{
+    const size_t i = index_of(match->section, name);
+    return i < match->section->count ? match->value[i] : NULL;
+}
+
+bool weft__misspelt(const weft__match *match, const char *name)
+{
+    const size_t i = index_of(match->section, name);
+    return i < match->section->count && match->key[i] == NULL && match->misspelt[i];
+}

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* read.h -- a document read by the table of keys into a scene. */
+#ifndef WEFT_SCENE_READ_H
+#define WEFT_SCENE_READ_H
+
+#include "scene/document.h"
+#include "scene/keys.h"
+
+typedef struct weft__place {
+    weft_range rows, cols;
+} weft__place;
+
+/* A list of numbers; a matrix has side rows of side. */
+typedef struct weft__list {
+    double *values;
+    size_t count; /* 0: absent or wrong */
+    size_t side;
+} weft__list;
+
+typedef struct weft__tableau {
+    weft__list a, b, c, b_embedded;
+    size_t order, embedded_order;
+} weft__tableau;
+
+/* Arrays and texts that the definition structs point to are owned by the scene. Fields
+ * whose key is absent or wrong stay 0. */
+struct weft_scene {
+    char *name, *text, *plugin, *method;
+    size_t version;
+    weft_cloth_def cloth;
+    weft_limit_def limit;
+    weft_run_def run;
+    weft_stepper_config config;
+    const weft_stepper_type *type;
+    weft__tableau tableau;
+    weft_butcher butcher;
+    weft_pin *pins;
+    weft_load *loads;
+};
+
+typedef struct weft__reader {
+    weft_scene *scene;
+    yaml_document_t *document;
+    weft__report *report;
+    const weft_scene_def *def;
+} weft__reader;
+
+/* A mapping and which of its section's keys it has. */
+typedef struct weft__match {
+    const weft__section *section;
+    const char *title;
+    const yaml_node_t *map;
+    const yaml_node_t *key[WEFT__MAX_KEYS], *value[WEFT__MAX_KEYS]; /* NULL: absent */
+    bool misspelt[WEFT__MAX_KEYS]; /* absent, but for an unknown key that is near */
+} weft__match;
+
+/* Read a mapping by its section into base; NULL: the section is absent, and only its
+ * defaults are put in place. */
+void weft__read_section(weft__reader *reader, const weft__section *section,
+                        const char *title, const yaml_node_t *node, void *base);
+
+/* Read the value of a key into base. */
+void weft__read_value(weft__reader *reader, const weft__key *key,
+                      const yaml_node_t *node, void *base);
+
+/* Key and value of a name in a match; NULL if it is absent. Whether it is absent
+ * because somebody misspelt it, who has been told so. */
+const yaml_node_t *weft__key_in(const weft__match *match, const char *name);
+const yaml_node_t *weft__value_in(const weft__match *match, const char *name);
+bool weft__misspelt(const weft__match *match, const char *name);
+
+/* "NAME must be WANTED, not VALUE (hint)". */
+void weft__refuse(weft__reader *reader, const yaml_node_t *node, const char *name,
+                  const char *wanted, bool number, const char *unit);
+
+/* A number within the bounds of a key, called `name` in messages. */
+bool weft__read_number(weft__reader *reader, const weft__key *key, const char *name,
+                       const yaml_node_t *node, double *out);
+
+/* The items of a list and their number. */
+const yaml_node_t *weft__item(const weft__reader *reader, const yaml_node_t *list,
+                              size_t i);
+size_t weft__item_count(const yaml_node_t *list);
+
+/* pins.c */
+void weft__read_index(weft__reader *reader, const weft__key *key,
+                      const yaml_node_t *node, void *to);
+void weft__read_place(weft__reader *reader, const weft__key *key,
+                      const yaml_node_t *node, void *to);
+void weft__read_pins(weft__reader *reader, const weft__key *key,
+                     const yaml_node_t *node, void *to);
+void weft__read_loads(weft__reader *reader, const weft__key *key,
+                      const yaml_node_t *node, void *to);
+void weft__check_place(weft__reader *reader, const weft__match *match, void *base);
+void weft__check_pin(weft__reader *reader, const weft__match *match, void *base);
+
+/* butcher.c */
+void weft__read_row(weft__reader *reader, const weft__key *key, const yaml_node_t *node,
+                    void *to);
+void weft__read_rows(weft__reader *reader, const weft__key *key,
+                     const yaml_node_t *node, void *to);
+void weft__check_butcher(weft__reader *reader, const weft__match *match, void *base);
+
+/* checks.c */
+void weft__check_root(weft__reader *reader, const weft__match *match, void *base);
+void weft__check_grid(weft__reader *reader, const weft__match *match, void *base);
+void weft__check_springs(weft__reader *reader, const weft__match *match, void *base);
+void weft__check_cloth(weft__reader *reader, const weft__match *match, void *base);
+void weft__check_limit(weft__reader *reader, const weft__match *match, void *base);
+void weft__check_run(weft__reader *reader, const weft__match *match, void *base);
+
+/* stepper.c */
+void weft__check_stepper(weft__reader *reader, const weft__match *match, void *base);
+
+#endif

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* report.h -- what was found wrong with a scene, put in order and given its place. */
+#ifndef WEFT_SCENE_REPORT_H
+#define WEFT_SCENE_REPORT_H
+
+#include "scene/source.h"
+#include "weft/scene.h"
+
+typedef struct weft__report {
+    weft_diagnostics *found;
+    const weft__source *sources;         /* [0] is the file, [n] the n-th override */
+    size_t source[WEFT_DIAGNOSTICS_MAX]; /* of found->items */
+    bool no_memory; /* an allocation failed: nothing that was found counts */
+} weft__report;
+
+/* Add a mistake, or a warning, at a place. The first WEFT_DIAGNOSTICS_MAX in the order
+ * of the places are kept. */
+WEFT_PRINTF(3, 4)
+void weft__report_error(weft__report *report, yaml_mark_t at, const char *format, ...);
+WEFT_PRINTF(3, 4)
+void weft__report_warning(weft__report *report, yaml_mark_t at, const char *format,
+                          ...);
+
+/* Two keys of one mapping that may not stand together: told at the later one. */
+void weft__report_exclusive(weft__report *report, const yaml_node_t *a,
+                            const yaml_node_t *b);
+
+/* "line 3, column 7" or "command line, --set number 2" into out[size]. */
+const char *weft__place_text(yaml_mark_t at, char *out, size_t size);
+
+/* Whether a stands before b. */
+bool weft__mark_before(yaml_mark_t a, yaml_mark_t b);
+
+/* Fill in the places and source lines of what was kept. */
+void weft__report_finish(weft__report *report);
+
+#endif

@@ -1,0 +1,245 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* scalar.c -- the types of plain values, close to the core schema of YAML 1.2.
+ *
+ * Number:  [-+]? ( digits ( . digits? )? | . digits ) ( [eE] [-+]? digits )?
+ * where digits before the point have no leading zero, which YAML 1.1 and many people
+ * read as octal. strtod and snprintf run in the "C" locale (scene.c sees to that). */
+#include "scene/scalar.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *chars_of(const yaml_node_t *node)
+{
+    return (const char *)node->data.scalar.value;
+}
+
+static bool is_plain(const yaml_node_t *node)
+{
+    return node->type == YAML_SCALAR_NODE
+           && node->data.scalar.style == YAML_PLAIN_SCALAR_STYLE;
+}
+
+static bool is_one_of(const char *text, const char *const *names)
+{
+    for (; *names != NULL; ++names) {
+        if (strcmp(text, *names) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool weft__is_null(const yaml_node_t *node)
+{
+    static const char *const names[] = { "", "~", "null", "Null", "NULL", NULL };
+    return is_plain(node) && is_one_of(chars_of(node), names);
+}
+
+const char *weft__text_of(const yaml_node_t *node)
+{
+    if (node->type != YAML_SCALAR_NODE || weft__is_null(node)
+        || strlen(chars_of(node)) != node->data.scalar.length) {
+        return NULL;
+    }
+    return chars_of(node);
+}
+
+static size_t digits(const char *text)
+{
+    return strspn(text, "0123456789");
+}
+
+/* Bytes of the longest decimal number at the start of text, 0 if there is none. A
+ * leading zero is passed over here; has_leading_zero finds it. */
+static size_t number_length(const char *text)
+{
+    const char *p = text;
+    p += *p == '-' || *p == '+';
+    const size_t whole = digits(p);
+    p += whole;
+    if (*p == '.' && (whole > 0 || digits(p + 1) > 0)) {
+        p += 1 + digits(p + 1);
+    } else if (whole == 0) {
+        return 0;
+    }
+    if (*p == 'e' || *p == 'E') {
+        const size_t sign = p[1] == '-' || p[1] == '+';
+        const size_t power = digits(p + 1 + sign);
+        p += power > 0 ? 1 + sign + power : 0;
+    }
+    return (size_t)(p - text);
+}
+
+static bool has_leading_zero(const char *text)
+{
+    text += *text == '-' || *text == '+';
+    return text[0] == '0' && digits(text) > 1;
+}
+
+static bool is_infinity(const char *text)
+{
+    static const char *const names[] = { ".inf", ".Inf", ".INF", NULL };
+    return is_one_of(text + (*text == '-' || *text == '+'), names);
+}
+
+static bool parse_number(const char *text, double *out)
+{
+    if (is_infinity(text)) {
+        *out = text[0] == '-' ? -HUGE_VAL : HUGE_VAL;
+        return true;
+    }
+    const size_t length = number_length(text);
+    if (length == 0 || text[length] != '\0' || has_leading_zero(text)) {
+        return false;
+    }
+    *out = strtod(text, NULL);
+    return isfinite(*out);
+}
+
+bool weft__number_of(const yaml_node_t *node, double *out)
+{
+    return is_plain(node) && weft__text_of(node) != NULL
+           && parse_number(weft__text_of(node), out);
+}
+
+/* One side of a fraction, blanks around it allowed. */
+static bool parse_side(const char *text, size_t length, double *out)
+{
+    char side[64];
+    while (length > 0 && text[0] == ' ') {
+        ++text;
+        --length;
+    }
+    while (length > 0 && text[length - 1] == ' ') {
+        --length;
+    }
+    if (length >= sizeof side) {
+        return false;
+    }
+    memcpy(side, text, length);
+    side[length] = '\0';
+    return parse_number(side, out) && isfinite(*out);
+}
+
+bool weft__fraction_of(const yaml_node_t *node, double *out)
+{
+    const char *text = weft__text_of(node);
+    const char *slash = text == NULL ? NULL : strchr(text, '/');
+    double above, below;
+    if (slash == NULL) {
+        return weft__number_of(node, out) && isfinite(*out);
+    }
+    if (!parse_side(text, (size_t)(slash - text), &above)
+        || !parse_side(slash + 1, strlen(slash + 1), &below) || below == 0.0) {
+        return false;
+    }
+    *out = above / below;
+    return isfinite(*out);
+}
+
+bool weft__integer_of(const yaml_node_t *node, long long *out)
+{
+    const char *text = weft__text_of(node);
+    if (!is_plain(node) || text == NULL) {
+        return false;
+    }
+    const size_t sign = text[0] == '-' || text[0] == '+';
+    const size_t length = digits(text + sign);
+    if (length == 0 || text[sign + length] != '\0' || has_leading_zero(text)) {
+        return false;
+    }
+    *out = strtoll(text, NULL, 10);
+    return true;
+}
+
+const char *weft__show(const yaml_node_t *node, char *out, size_t size)
+{
+    if (node->type == YAML_MAPPING_NODE) {
+        return "a mapping";
+    }
+    if (node->type == YAML_SEQUENCE_NODE) {
+        const ptrdiff_t count
+            = node->data.sequence.items.top - node->data.sequence.items.start;
+        (void)snprintf(out, size, "a list of %td", count);
+        return out;
+    }
+    const int length = (int)strnlen(chars_of(node), 40);
+    (void)snprintf(out, size, "%s'%.*s%s'", is_plain(node) ? "" : "the text ", length,
+                   chars_of(node), chars_of(node)[length] == '\0' ? "" : "...");
+    return out;
+}
+
+static bool is_switch(const char *text)
+{
+    static const char *const names[]
+        = { "yes",  "Yes",   "YES",   "no",    "No",  "NO",   "on",
+            "On",   "ON",    "off",   "Off",   "OFF", "true", "True",
+            "TRUE", "false", "False", "FALSE", NULL };
+    return is_one_of(text, names);
+}
+
+static bool is_not_finite(const char *text)
+{
+    static const char *const names[]
+        = { ".nan", ".NaN", ".NAN", "nan", "NaN", "inf", "Inf", "infinity", NULL };
+    const size_t length = number_length(text);
+    return is_infinity(text) || is_one_of(text, names)
+           || (length > 0 && text[length] == '\0' && isinf(strtod(text, NULL)));
+}
+
+/* What is wrong with a plain scalar that ought to be a number. */
+static const char *number_hint(const char *text)
+{
+    const size_t sign = text[0] == '-' || text[0] == '+';
+    const size_t length = number_length(text);
+    const char next = text[length];
+    const bool grouped = digits(text + sign) > 0
+                         && strspn(text + sign, "0123456789_.") == strlen(text + sign);
+    return is_not_finite(text) && text[0] != '-' ? "it must be finite"
+           : length == 0                         ? ""
+           : text[sign] == '0' && strchr("xXoObB", text[sign + 1]) != NULL
+                   && text[sign + 1] != '\0'
+               ? "write it in decimal digits"
+           : has_leading_zero(text) ? "write it without leading zeros"
+           : grouped && next == '_' ? "write it without '_'"
+           : next == ','            ? "write a decimal point"
+           : next == '/'            ? "write it as a decimal number"
+                                    : "";
+}
+
+const char *weft__hint(const yaml_node_t *node, bool number, const char *unit,
+                       char *out, size_t size)
+{
+    const char *text = weft__text_of(node);
+    const char *hint = "";
+    double value;
+    out[0] = '\0';
+    if (text == NULL) {
+        if (node->type == YAML_SCALAR_NODE && !weft__is_null(node)) {
+            (void)snprintf(out, size, " (it holds a NUL character)");
+        }
+        return out;
+    }
+    const size_t length = number_length(text);
+    const char *rest = text + length + (text[length] == ' ');
+    if (!is_plain(node)) {
+        hint = number && parse_number(text, &value) ? "remove the quotes" : "";
+    } else if (is_switch(text)) {
+        hint = "no key of a scene takes yes or no, on or off, true or false";
+    } else if (number) {
+        hint = number_hint(text);
+    }
+    if (hint[0] != '\0') {
+        (void)snprintf(out, size, " (%s)", hint);
+    } else if (number && is_plain(node) && length > 0
+               && strspn(rest, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ%")
+                      > 0) {
+        (void)snprintf(out, size, " (write the number alone%s%s)",
+                       unit == NULL ? "" : ": it is in ", unit == NULL ? "" : unit);
+    }
+    return out;
+}

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* scalar.h -- the types of plain values, close to the core schema of YAML 1.2. */
+#ifndef WEFT_SCENE_SCALAR_H
+#define WEFT_SCENE_SCALAR_H
+
+#include <stdbool.h>
+#include <yaml.h>
+
+/* Nothing, ~ or null. */
+bool weft__is_null(const yaml_node_t *node);
+
+/* The text of a scalar that is not null and holds no NUL; else NULL. */
+const char *weft__text_of(const yaml_node_t *node);
+
+/* A decimal number that is finite, or .inf with a sign or without: no leading zeros,
+ * no '_', no 0x, no quotes. */
+bool weft__number_of(const yaml_node_t *node, double *out);
+
+/* A number, or a fraction of two as 19/32, which may be quoted. */
+bool weft__fraction_of(const yaml_node_t *node, double *out);
+
+/* An integer in decimal digits; one that is too large gives the largest there is. */
+bool weft__integer_of(const yaml_node_t *node, long long *out);
+
+/* What a node is, for messages: 'text', the text 'text' if quoted, a mapping, ... */
+const char *weft__show(const yaml_node_t *node, char *out, size_t size);
+
+/* Why a scalar may have failed to be what was wanted, as " (remove the quotes)"; "" if
+ * there is no guess. The unit (NULL: none) is named to those who wrote one. */
+const char *weft__hint(const yaml_node_t *node, bool number, const char *unit,
+                       char *out, size_t size);
+
+#endif

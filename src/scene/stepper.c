@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* stepper.c -- what must hold between the keys of stepper: which exclude each other,
+ * and which the chosen method would not use. */
+#include <string.h>
+
+#include "scene/read.h"
+#include "scene/suggest.h"
+
+/* Keys that steer the error control. */
+static const char *const adaptive_keys[]
+    = { "rtol", "atol", "norm", "first_step", "min_step", "max_step" };
+
+#define ADAPTIVE (sizeof adaptive_keys / sizeof adaptive_keys[0])
+
+/* ---- step sizes ------------------------------------------------------------- */
+
+static void check_exclusive(weft__reader *reader, const weft__match *match)
+{
+    const yaml_node_t *fixed = weft__key_in(match, "fixed_step");
+    for (size_t i = 0; fixed != NULL && i < ADAPTIVE; ++i) {
+        const yaml_node_t *key = weft__key_in(match, adaptive_keys[i]);
+        if (key != NULL) {
+            weft__report_exclusive(reader->report, fixed, key);
+        }
+    }
+}
+
+/* That one given size is not above another, which may be a default. */
+static void check_order(weft__reader *reader, const weft__match *match,
+                        const char *small_name, double small, const char *large_name,
+                        double large)
+{
+    const yaml_node_t *a = weft__value_in(match, small_name);
+    const yaml_node_t *b = weft__value_in(match, large_name);
+    if (small <= large || small == 0.0 || large == 0.0) {
+        return;
+    }
+    weft__report_error(
+        reader->report,
+        b == NULL || (a != NULL && weft__mark_before(b->start_mark, a->start_mark))
+            ? a->start_mark
+            : b->start_mark,
+        "%s, %g s%s, is above %s, %g s", small_name, small,
+        a == NULL ? " by default" : "", large_name, large);
+}
+
+static void check_sizes(weft__reader *reader, const weft__match *match)
+{
+    const weft_stepper_config *config = &reader->scene->config;
+    const bool first = weft__key_in(match, "first_step") != NULL;
+    const bool least = weft__key_in(match, "min_step") != NULL;
+    const bool most = weft__key_in(match, "max_step") != NULL;
+    if (least || most) {
+        check_order(reader, match, "min_step", config->min_step, "max_step",
+                    config->max_step);
+    }
+    if (least && first) {
+        check_order(reader, match, "min_step", config->min_step, "first_step",
+                    config->first_step);
+    }
+    if (first && most) {
+        check_order(reader, match, "first_step", config->first_step, "max_step",
+                    config->max_step);
+    }
+}
+
+/* ---- plugin and method ------------------------------------------------------ */
+
+/* The names of a plugin's methods, as many as fit. */
+static void list_methods(const weft_plugin *plugin, char *out, size_t size)
+{
+    size_t used = 0;
+    out[0] = '\0';
+    for (size_t i = 0; plugin->types[i] != NULL; ++i) {
+        const char *name = plugin->types[i]->name;
+        if (used + strlen(name) + sizeof ", ..." >= size) {
+            (void)snprintf(out + used, size - used, ", ...");
+            return;
+        }
+        used += (size_t)snprintf(out + used, size - used, "%s%s", i > 0 ? ", " : "",
+                                 name);
+    }
+}
+
+static const weft_stepper_type *
+find_method(weft__reader *reader, const weft__match *match, const weft_plugin *plugin)
+{
+    const char *wanted = reader->scene->method;
+    weft__guess guess = { 0 };
+    char near[80], names[240];
+    for (size_t i = 0; plugin->types[i] != NULL; ++i) {
+        if (strcmp(plugin->types[i]->name, wanted) == 0) {
+            return plugin->types[i];
+        }
+        weft__guess_try(&guess, wanted, plugin->types[i]->name);
+    }
+    list_methods(plugin, names, sizeof names);
+    weft__report_error(reader->report, weft__value_in(match, "method")->start_mark,
+                       "plugin '%.32s' has no method '%.40s'%s; it has %s", plugin->id,
+                       wanted, weft__guess_text(&guess, near, sizeof near), names);
+    return NULL;
+}
+
+/* An id becomes part of a file's name and of a function's. */
+static bool check_id(weft__reader *reader, const weft__match *match)
+{
+    static const char allowed[]
+        = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+    const char *id = reader->scene->plugin;
+    if (id[0] != '\0' && strspn(id, allowed) == strlen(id) && strlen(id) <= 48) {
+        return true;
+    }
+    weft__report_error(reader->report, weft__value_in(match, "plugin")->start_mark,
+                       "plugin '%.40s' is no plugin's name: at most 48 letters, digits "
+                       "and _",
+                       id);
+    return false;
+}
+
+static const weft_stepper_type *find_type(weft__reader *reader,
+                                          const weft__match *match)
+{
+    const weft_scene *scene = reader->scene;
+    weft_error why = { .message = "not found" };
+    if (scene->plugin == NULL || !check_id(reader, match)
+        || reader->def->find_plugin == NULL) {
+        return NULL;
+    }
+    const weft_plugin *plugin
+        = reader->def->find_plugin(reader->def->find_ctx, scene->plugin, &why);
+    if (plugin == NULL) {
+        weft__report_error(reader->report, weft__value_in(match, "plugin")->start_mark,
+                           "%s", why.message);
+        return NULL;
+    }
+    return scene->method == NULL ? NULL : find_method(reader, match, plugin);
+}
+
+/* ---- what the method would use ---------------------------------------------- */
+
+static void check_fixed_only(weft__reader *reader, const weft__match *match,
+                             const char *method)
+{
+    if (weft__key_in(match, "fixed_step") == NULL
+        && !weft__misspelt(match, "fixed_step")) {
+        weft__report_error(reader->report, weft__value_in(match, "method")->start_mark,
+                           "method '%.40s' has no error control: it needs fixed_step "
+                           "[s]",
+                           method);
+    }
+    for (size_t i = 0; i < ADAPTIVE; ++i) {
+        const yaml_node_t *key = weft__key_in(match, adaptive_keys[i]);
+        if (key != NULL) {
+            weft__report_error(reader->report, key->start_mark,
+                               "%s would not be used by method '%.40s', which has no "
+                               "error control",
+                               adaptive_keys[i], method);
+        }
+    }
+}
+
+static void check_table(weft__reader *reader, const weft__match *match, bool takes_one)
+{
+    const weft_scene *scene = reader->scene;
+    const yaml_node_t *table = weft__key_in(match, "butcher");
+    const bool fixed = weft__key_in(match, "fixed_step") != NULL;
+    if (table != NULL && !takes_one) {
+        weft__report_error(reader->report, table->start_mark,
+                           "butcher would not be used by method '%.40s' of plugin "
+                           "'%.40s'; it is for method custom of plugin arkode",
+                           scene->method, scene->plugin);
+    }
+    if (table == NULL && takes_one && !weft__misspelt(match, "butcher")) {
+        weft__report_error(reader->report, weft__value_in(match, "method")->start_mark,
+                           "method '%.40s' of plugin '%.40s' needs a table: butcher "
+                           "with A, b, c and order",
+                           scene->method, scene->plugin);
+    }
+    if (table != NULL && takes_one && !fixed && scene->tableau.b_embedded.side == 0
+        && scene->tableau.embedded_order == 0) {
+        weft__report_error(reader->report, table->start_mark,
+                           "without b_embedded and embedded_order there is no error "
+                           "control: fixed_step [s] is needed");
+    }
+}
+
+void weft__check_stepper(weft__reader *reader, const weft__match *match, void *base)
+{
+    weft_scene *scene = base;
+    scene->type = find_type(reader, match);
+    const bool fixed_only
+        = scene->type != NULL && (scene->type->flags & WEFT_STEPPER_FIXED_ONLY) != 0;
+    if (fixed_only) {
+        check_fixed_only(reader, match, scene->method);
+    } else {
+        check_exclusive(reader, match);
+    }
+    check_sizes(reader, match);
+    if (scene->type != NULL) {
+        check_table(reader, match, (scene->type->flags & WEFT_STEPPER_BUTCHER) != 0);
+    } else if (reader->def->find_plugin == NULL && scene->plugin != NULL
+               && scene->method != NULL) {
+        check_table(reader, match,
+                    strcmp(scene->plugin, "arkode") == 0
+                        && strcmp(scene->method, "custom") == 0);
+    }
+}

@@ -1,0 +1,610 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* test_sim.c -- a cloth under integration: frames, the state from outside, corrections,
+ * failures, threads, pins on their way, heat. */
+#include "support.h"
+
+#include <float.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define COUNT(array) (sizeof(array) / sizeof(array)[0])
+#define ROWS         2
+#define COLS         3
+#define N            (ROWS * COLS)
+#define VERLET       test_method_named("verlet/velocity_verlet")
+
+/* The model of all tests, to be edited, and one simulation of it at a time. */
+static weft_pin rest;
+static weft_cloth_def model;
+static weft_cloth *cloth;
+static weft_sim *sim;
+static double x[3 * N], v[3 * N];
+
+static void setup(void)
+{
+    model = weft_cloth_def_default();
+    model.rows = ROWS;
+    model.cols = COLS;
+    for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
+        model.springs[f] = (weft_spring_def){ true, 8.0, 0.05 };
+    }
+    rest = (weft_pin){ .rows = { 0, 0 }, .cols = { 0, 0 } };
+    model.pins = &rest;
+    model.pin_count = 1;
+    model.drag = 0.02;
+    model.velocity[2] = 0.5;
+}
+
+static void teardown(void)
+{
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+}
+
+static weft_stepper_config fixed(double h)
+{
+    weft_stepper_config config = weft_stepper_config_default();
+    config.fixed_step = h;
+    return config;
+}
+
+static void look(const weft_sim *at)
+{
+    weft_sim_positions(at, x);
+    weft_sim_velocities(at, v);
+}
+
+static void start(const weft_stepper_type *method, weft_stepper_config config)
+{
+    teardown();
+    cloth = test_cloth(&model);
+    sim = test_sim(cloth, method, &config);
+    look(sim);
+}
+
+static void go(double t)
+{
+    weft_error err = { 0 };
+    ck_assert_msg(weft_sim_advance(sim, t, &err) == WEFT_OK, "%s", err.message);
+    ck_assert_double_eq(weft_sim_time(sim), t);
+    look(sim);
+}
+
+static void same_bits(const weft_sim *a, const weft_sim *b)
+{
+    ck_assert_double_eq(weft_sim_time(a), weft_sim_time(b));
+    ck_assert_mem_eq(weft_sim_state(a), weft_sim_state(b), 6 * N * sizeof(double));
+}
+
+/* ---- time ------------------------------------------------------------------------ */
+
+START_TEST(simulation_starts_with_the_cloth_at_0)
+{
+    double y[6 * N];
+    start(VERLET, fixed(0.1));
+    weft_cloth_start(cloth, y);
+    ck_assert_mem_eq(weft_sim_state(sim), y, sizeof y);
+    ck_assert_double_eq(weft_sim_time(sim), 0.0);
+    ck_assert_double_eq(weft_sim_dissipated(sim), 0.0);
+    ck_assert_uint_eq(weft_sim_stats(sim).steps, 0);
+    ck_assert_ptr_eq(weft_sim_cloth(sim), cloth);
+    weft_sim_destroy(NULL);
+}
+END_TEST
+
+START_TEST(frames_end_at_their_time_bit_for_bit)
+{
+    const weft_stepper_type *type = test_method((size_t)_i);
+    const bool adapts = (type->flags & WEFT_STEPPER_FIXED_ONLY) == 0;
+    for (int mode = 0; mode < 1 + adapts; ++mode) {
+        start(type, fixed(mode == 0 ? 0.007 : 0.0));
+        for (int frame = 1; frame <= 40; ++frame) {
+            go(frame / 30.0);
+            const uint64_t steps = weft_sim_stats(sim).steps;
+            go(frame / 30.0); /* is there: no step */
+            ck_assert_uint_eq(weft_sim_stats(sim).steps, steps);
+        }
+        if (mode == 0) { /* 4 of 7 ms and the rest of each 33.3 ms */
+            ck_assert_uint_eq(weft_sim_stats(sim).steps, 40 * 5);
+        }
+    }
+}
+END_TEST
+
+START_TEST(time_does_not_run_back_nor_out_of_the_numbers)
+{
+    const double wrong[] = { 0.5, 0.25, -1.0, (double)NAN, (double)INFINITY };
+    start(VERLET, fixed(0.125));
+    go(0.5);
+    const weft_sim *before = sim;
+    for (size_t i = 0; i < COUNT(wrong); ++i) {
+        weft_error err = { 0 };
+        ck_assert_int_eq(weft_sim_step(sim, wrong[i], &err), WEFT_INVALID);
+        ck_assert_int_eq(strncmp(err.message, "step from 0.5 s to ", 19), 0);
+        /* to be where one wants to go is no mistake */
+        ck_assert_int_eq(weft_sim_advance(sim, wrong[i], NULL),
+                         i == 0 ? WEFT_OK : WEFT_INVALID);
+        ck_assert_double_eq(weft_sim_time(before), 0.5);
+    }
+}
+END_TEST
+
+/* ---- the state from outside ------------------------------------------------------ */
+
+START_TEST(states_are_copied_particle_by_particle)
+{
+    start(VERLET, fixed(0.1));
+    const double *y = weft_sim_state(sim);
+    double a[3 * N], b[3 * N];
+    for (size_t j = 0; j < 3 * N; ++j) {
+        a[j] = 100.0 + (double)j;
+        b[j] = -(double)j;
+    }
+    memcpy(a, x, 3 * sizeof *a); /* particle 0 is pinned */
+    memset(b, 0, 3 * sizeof *b);
+    ck_assert_int_eq(weft_sim_set_state(sim, a, NULL, NULL), WEFT_OK);
+    ck_assert_int_eq(weft_sim_set_state(sim, NULL, b, NULL), WEFT_OK);
+    for (size_t i = 0; i < N; ++i) {
+        for (size_t k = 0; k < 3; ++k) {
+            ck_assert_double_eq(y[k * N + i], a[3 * i + k]);
+            ck_assert_double_eq(y[(3 + k) * N + i], b[3 * i + k]);
+        }
+    }
+    look(sim);
+    ck_assert_mem_eq(x, a, sizeof a);
+    ck_assert_mem_eq(v, b, sizeof b);
+    a[0] = b[0] = 77.0; /* a pinned particle keeps its own */
+    ck_assert_int_eq(weft_sim_set_state(sim, a, b, NULL), WEFT_OK);
+    ck_assert(y[0] == x[0] && y[3 * N] == 0.0);
+    for (size_t bad = 0; bad < 6 * N; ++bad) {
+        weft_error err = { 0 };
+        memcpy(a, x, sizeof a);
+        memcpy(b, v, sizeof b);
+        a[3 * N - 1] = 5.0;
+        *(bad < 3 * N ? &a[bad] : &b[bad - 3 * N])
+            = bad % 2 ? (double)NAN : (double)INFINITY;
+        ck_assert_int_eq(weft_sim_set_state(sim, a, b, &err), WEFT_INVALID);
+        ck_assert_str_eq(err.message, "a state must be finite");
+        ck_assert_double_eq(y[3 * N - 1], x[3 * N - 1]);
+    }
+}
+END_TEST
+
+/* What came before it does not matter. */
+START_TEST(run_goes_on_from_the_state_that_was_set)
+{
+    start(test_method((size_t)_i), fixed(1e-3));
+    weft_sim *other = sim;
+    weft_cloth *shared = cloth;
+    sim = NULL;
+    cloth = NULL;
+    model.velocity[0] = 3.0;
+    start(test_method((size_t)_i), fixed(1e-3));
+    go(0.02);
+    ck_assert_int_eq(weft_sim_advance(other, 0.02, NULL), WEFT_OK);
+    ck_assert_mem_ne(weft_sim_state(sim), weft_sim_state(other),
+                     6 * N * sizeof(double));
+    ck_assert_int_eq(weft_sim_set_state(other, x, v, NULL), WEFT_OK);
+    ck_assert_int_eq(weft_sim_set_state(sim, x, v, NULL), WEFT_OK);
+    same_bits(sim, other);
+    go(0.04);
+    ck_assert_int_eq(weft_sim_advance(other, 0.04, NULL), WEFT_OK);
+    same_bits(sim, other);
+    weft_sim_destroy(other);
+    weft_cloth_destroy(shared);
+}
+END_TEST
+
+/* ---- corrections ----------------------------------------------------------------- */
+
+typedef struct visits {
+    int count;
+    double t;
+} visits;
+
+static bool halve_speed(void *ctx, double t, double h, double *y)
+{
+    visits *seen = ctx;
+    ++seen->count;
+    ck_assert_double_eq_tol(seen->t + h, t, 1e-15);
+    seen->t = t;
+    for (size_t j = 3 * N; j < 6 * N; ++j) {
+        y[j] *= 0.5;
+    }
+    return true;
+}
+
+/* By the callback, and by hand after each step of another simulation. */
+START_TEST(corrections_follow_each_step_and_are_seen_by_the_next)
+{
+    visits seen = { 0 };
+    weft_sim *corrected = NULL;
+    start(test_method((size_t)_i), fixed(1e-3));
+    weft_sim_def def = weft_sim_def_default();
+    def.cloth = cloth;
+    def.method = test_method((size_t)_i);
+    def.config = fixed(1e-3);
+    def.correct = halve_speed;
+    def.correct_ctx = &seen;
+    ck_assert_int_eq(weft_sim_create(&def, &corrected, NULL), WEFT_OK);
+    for (int step = 1; step <= 20; ++step) {
+        ck_assert_int_eq(weft_sim_step(corrected, 1.0, NULL), WEFT_OK);
+        ck_assert_int_eq(weft_sim_step(sim, 1.0, NULL), WEFT_OK);
+        weft_sim_velocities(sim, v);
+        for (size_t j = 0; j < 3 * N; ++j) {
+            v[j] *= 0.5;
+        }
+        ck_assert_int_eq(weft_sim_set_state(sim, NULL, v, NULL), WEFT_OK);
+        ck_assert_int_eq(seen.count, step);
+        ck_assert_double_eq(seen.t, weft_sim_time(corrected));
+        same_bits(sim, corrected);
+    }
+    weft_sim_destroy(corrected);
+}
+END_TEST
+
+/* ---- a stepper that does what it is told ------------------------------------------
+ */
+
+static struct {
+    int changes, steps; /* state_changed and accepted steps so far */
+    bool fails, corrects;
+    weft_stepper_type type;
+} fake;
+
+static weft_status fake_create(const weft_stepper_type *type, const weft_ode *ode,
+                               const weft_stepper_config *config, void **self,
+                               weft_error *err)
+{
+    (void)type;
+    (void)config;
+    *self = fake.fails ? NULL : &fake;
+    return ode->dim != 6 * N || fake.fails
+               ? weft_error_set(err, WEFT_UNSUPPORTED, "not today")
+               : WEFT_OK;
+}
+
+static weft_status fake_step(void *self, double t_end, double *t, double *y,
+                             weft_error *err)
+{
+    (void)self;
+    (void)y;
+    if (fake.fails) {
+        return weft_error_set(err, WEFT_SOLVER, "no luck");
+    }
+    *t = fmin(t_end, *t + 0.25);
+    ++fake.steps;
+    return WEFT_OK;
+}
+
+static void fake_changed(void *self)
+{
+    (void)self;
+    ++fake.changes;
+}
+
+static void fake_stats(const void *self, weft_stepper_stats *out)
+{
+    (void)self;
+    out->last_step = fake.steps > 0 ? 0.25 : 0.0;
+}
+
+static void fake_destroy(void *self)
+{
+    (void)self;
+}
+
+static bool fake_correct(void *ctx, double t, double h, double *y)
+{
+    (void)ctx;
+    (void)t;
+    (void)h;
+    y[4 * N - 1] *= fake.corrects ? 0.5 : 1.0;
+    return fake.corrects;
+}
+
+/* A simulation by the fake; its error, if it is refused. */
+static weft_status start_fake(weft_error *err)
+{
+    fake.type = (weft_stepper_type){
+        .create = fake_create,
+        .step = fake_step,
+        .state_changed = fake_changed,
+        .stats = fake_stats,
+        .destroy = fake_destroy,
+    };
+    teardown();
+    cloth = test_cloth(&model);
+    weft_sim_def def = weft_sim_def_default();
+    def.cloth = cloth;
+    def.method = &fake.type;
+    def.correct = fake_correct;
+    return weft_sim_create(&def, &sim, err);
+}
+
+START_TEST(stepper_hears_of_changes_and_of_nothing_else)
+{
+    ck_assert_int_eq(start_fake(NULL), WEFT_OK);
+    ck_assert_int_eq(weft_sim_advance(sim, 0.75, NULL), WEFT_OK);
+    ck_assert_int_eq(fake.steps, 3);
+    ck_assert_int_eq(fake.changes, 0);
+    fake.corrects = true;
+    ck_assert_int_eq(weft_sim_advance(sim, 1.25, NULL), WEFT_OK);
+    ck_assert_int_eq(fake.changes, 2);
+    look(sim);
+    ck_assert_int_eq(weft_sim_set_state(sim, x, v, NULL), WEFT_OK);
+    ck_assert_int_eq(fake.changes, 3);
+}
+END_TEST
+
+/* One particle at 4 m/s that nothing slows down: 0.5 kg/s 16 m^2/s^2 = 8 W. */
+START_TEST(heat_is_counted_with_the_speed_after_a_change)
+{
+    const double speeds[] = { 0, 0, 0, 0, 0, 4.0 };
+    memset(model.springs, 0, sizeof model.springs);
+    model.velocity[2] = 0.0;
+    model.drag = 0.5;
+    ck_assert_int_eq(start_fake(NULL), WEFT_OK);
+    memset(v, 0, sizeof v);
+    v[3 * N - 3] = speeds[5];
+    ck_assert_int_eq(weft_sim_set_state(sim, NULL, v, NULL), WEFT_OK);
+    ck_assert_int_eq(weft_sim_advance(sim, 0.5, NULL), WEFT_OK);
+    ck_assert_double_eq(weft_sim_dissipated(sim), 4.0);
+    fake.corrects = true; /* halves the speed after each step */
+    ck_assert_int_eq(weft_sim_advance(sim, 1.0, NULL), WEFT_OK);
+    ck_assert_double_eq(weft_sim_dissipated(sim), 4.0 + 2.0 + 0.5);
+}
+END_TEST
+
+START_TEST(failure_leaves_the_state_and_tells_where_it_hurts)
+{
+    weft_error err = { 0 };
+    ck_assert_int_eq(start_fake(NULL), WEFT_OK);
+    look(sim);
+    x[3 * 2] += 0.5; /* (0, 2): the spring to (0, 1) is 1.5 times as long */
+    v[3 * 5] = 30.0;
+    v[3 * 5 + 1] = -40.0;
+    v[3 * 5 + 2] = 0.0;
+    ck_assert_int_eq(weft_sim_set_state(sim, x, v, NULL), WEFT_OK);
+    ck_assert_int_eq(weft_sim_advance(sim, 0.5, NULL), WEFT_OK);
+    const uint64_t hash = weft_state_hash(weft_sim_state(sim), 6 * N);
+    fake.fails = fake.corrects = true;
+    ck_assert_int_eq(weft_sim_advance(sim, 1.0, &err), WEFT_SOLVER);
+    ck_assert_int_eq(err.status, WEFT_SOLVER);
+    ck_assert_str_eq(
+        err.message,
+        "no luck at t = 0.5 s, last h = 0.25 s; fastest particle (1, 2) at "
+        "50 m/s, most strained stretch spring (0, 1)-(0, 2) at 50 %");
+    ck_assert_int_eq(weft_sim_step(sim, 1.0, NULL), WEFT_SOLVER);
+    ck_assert_double_eq(weft_sim_time(sim), 0.5);
+    ck_assert_uint_eq(weft_state_hash(weft_sim_state(sim), 6 * N), hash);
+    fake.fails = fake.corrects = false; /* and it may go on */
+    ck_assert_int_eq(weft_sim_advance(sim, 1.0, NULL), WEFT_OK);
+    memset(model.springs, 0, sizeof model.springs);
+    ck_assert_int_eq(start_fake(NULL), WEFT_OK);
+    fake.fails = true;
+    ck_assert_int_eq(weft_sim_step(sim, 1.0, &err), WEFT_SOLVER);
+    ck_assert_ptr_nonnull(strstr(err.message, "at 0.5 m/s, no springs"));
+}
+END_TEST
+
+/* Explicit Euler with h w = 9 grows until numbers end. */
+START_TEST(explosion_ends_in_the_last_finite_state)
+{
+    weft_error err = { 0 };
+    start(test_method_named("verlet/euler"), fixed(0.5));
+    ck_assert_int_eq(weft_sim_advance(sim, 1e4, &err), WEFT_NOT_FINITE);
+    const double t = weft_sim_time(sim);
+    ck_assert(t > 1.0 && t < 1e4);
+    ck_assert_double_eq(t, 0.5 * (double)weft_sim_stats(sim).steps);
+    for (size_t j = 0; j < 6 * N; ++j) {
+        ck_assert(isfinite(weft_sim_state(sim)[j]));
+    }
+    char where[64];
+    (void)snprintf(where, sizeof where, " at t = %.9g s, last h = 0.5 s; ", t);
+    ck_assert_ptr_nonnull(strstr(err.message, where));
+}
+END_TEST
+
+/* ---- what is refused ------------------------------------------------------------- */
+
+static void refused(weft_stepper_config config, const char *text)
+{
+    weft_error err = { 0 };
+    weft_sim *out = (weft_sim *)&err;
+    weft_sim_def def = weft_sim_def_default();
+    def.cloth = cloth;
+    def.method = VERLET;
+    def.config = config;
+    ck_assert_int_eq(weft_sim_create(&def, &out, &err), WEFT_INVALID);
+    ck_assert_ptr_null(out);
+    ck_assert_msg(strncmp(err.message, text, strlen(text)) == 0, "%s", err.message);
+}
+
+START_TEST(bad_configs_are_refused)
+{
+    static const struct {
+        size_t at;
+        double least; /* allowed */
+        const char *text;
+    } fields[] = {
+        { offsetof(weft_stepper_config, fixed_step), 0.0, "fixed_step " },
+        { offsetof(weft_stepper_config, rtol), 0.0, "tolerances: rtol " },
+        { offsetof(weft_stepper_config, atol_position), DBL_TRUE_MIN,
+          "tolerances: rtol " },
+        { offsetof(weft_stepper_config, atol_velocity), DBL_TRUE_MIN,
+          "tolerances: rtol " },
+        { offsetof(weft_stepper_config, first_step), DBL_TRUE_MIN, "steps: first " },
+        { offsetof(weft_stepper_config, min_step), DBL_TRUE_MIN, "steps: first " },
+        { offsetof(weft_stepper_config, max_step), 1e-12, "steps: first " },
+    };
+    const double bad[]
+        = { (double)NAN, -(double)INFINITY, -1.0, 0.0, (double)INFINITY };
+    const weft_stepper_config good = weft_stepper_config_default();
+    start(VERLET, fixed(0.1));
+    for (size_t i = 0; i < COUNT(fields); ++i) {
+        for (size_t j = 0; j < COUNT(bad); ++j) {
+            weft_stepper_config config = good;
+            memcpy((char *)&config + fields[i].at, &bad[j], sizeof bad[j]);
+            if (!(bad[j] >= fields[i].least) || (j == 4 && i < COUNT(fields) - 1)) {
+                refused(config, fields[i].text);
+            }
+        }
+    }
+    weft_stepper_config config = good;
+    config.max_step = 0.5e-12;
+    refused(config, "steps: first 0.001 s and min 1e-12 s must be > 0, max 5e-13 s not "
+                    "below min");
+    config = good;
+    config.struct_size = 8;
+    refused(config, "stepper config: start from weft_stepper_config_default");
+    refused(good, "velocity_verlet: no error control: needs a fixed_step");
+    weft_sim_def def = weft_sim_def_default();
+    weft_error err = { 0 };
+    def.method = VERLET;
+    ck_assert_int_eq(weft_sim_create(&def, &(weft_sim *){ NULL }, &err), WEFT_INVALID);
+    ck_assert_str_eq(err.message, "a simulation needs cloth and method");
+    fake.fails = true;
+    ck_assert_int_eq(start_fake(&err), WEFT_UNSUPPORTED);
+    ck_assert_ptr_null(sim);
+    ck_assert_str_eq(err.message, "not today");
+}
+END_TEST
+
+/* ---- threads --------------------------------------------------------------------- */
+
+static void *run_alone(void *arg)
+{
+    weft_sim *mine = arg;
+    double y[6 * N], dydt[6 * N], again[6 * N];
+    (void)weft_sim_advance(mine, 0.5, NULL);
+    memcpy(y, weft_sim_state(mine), sizeof y);
+    (void)weft_cloth_rhs(cloth, 0.5, y, dydt);
+    for (int i = 0; i < 2000; ++i) {
+        if (weft_cloth_rhs(cloth, 0.5, y, again) != 0
+            || memcmp(dydt, again, sizeof again) != 0) {
+            return NULL;
+        }
+    }
+    return memcmp(y, weft_sim_state(mine), sizeof y) == 0 ? mine : NULL;
+}
+
+START_TEST(threads_share_a_cloth_and_get_the_same_bits)
+{
+    weft_sim *sims[4];
+    pthread_t threads[4];
+    const weft_stepper_config config = fixed(1e-3);
+    model.wind_drag = 0.3;
+    start(VERLET, config);
+    for (size_t i = 0; i < 4; ++i) {
+        sims[i] = test_sim(cloth, VERLET, &config);
+        ck_assert_int_eq(pthread_create(&threads[i], NULL, run_alone, sims[i]), 0);
+    }
+    go(0.5);
+    for (size_t i = 0; i < 4; ++i) {
+        void *pure = NULL;
+        ck_assert_int_eq(pthread_join(threads[i], &pure), 0);
+        ck_assert_ptr_eq(pure, sims[i]);
+        same_bits(sims[i], sim);
+        weft_sim_destroy(sims[i]);
+    }
+}
+END_TEST
+
+/* ---- pins and heat --------------------------------------------------------------- */
+
+/* x' and x'' at the start of a step leave h^3 x''' / 6: h^2 (x''(t) - x''(0)) / 6 in
+ * all, which no method of order 2 or more exceeds here. */
+START_TEST(pins_stay_on_their_way_or_do_not_move_at_all)
+{
+    const weft_stepper_type *type = test_method((size_t)_i);
+    const double h = 1e-3, w = 3.0 * acos(-1.0), amplitude = 0.2;
+    const weft_pin pins[] = {
+        rest,
+        { { -1, -1 }, { 2, 2 }, { 0.5, 0.0, -0.25 }, { 0.0, amplitude, 0.0 }, 1.5 }
+    };
+    model.pins = pins;
+    model.pin_count = 2;
+    model.origin[0] = model.origin[1] = 0.1;
+    start(type, fixed(h));
+    const double from[] = { x[0], x[1], x[2] }, end[] = { x[15], x[16], x[17] };
+    for (int frame = 1; frame <= 10; ++frame) {
+        const double t = frame / 30.0;
+        go(t);
+        ck_assert_mem_eq(x, from, sizeof from);
+        ck_assert(v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0);
+        const double tolerance
+            = type->order >= 2 ? h * h * w * w * amplitude / 6.0 : h * w * amplitude;
+        ck_assert_double_eq_tol(x[15], end[0] + 0.5 * t, 1e-12);
+        ck_assert_double_eq_tol(x[16], end[1] + amplitude * sin(w * t), tolerance);
+        ck_assert_double_eq_tol(x[17], end[2] - 0.25 * t, 1e-12);
+    }
+}
+END_TEST
+
+static double energy(void)
+{
+    const weft_energy e = weft_cloth_energy(cloth, weft_sim_state(sim));
+    return e.kinetic + e.gravitational + e.elastic[0] + e.elastic[1] + e.elastic[2];
+}
+
+START_TEST(energy_and_heat_balance_to_order_2)
+{
+    double off[2];
+    for (int i = 0; i < 2; ++i) {
+        start(VERLET, fixed(i == 0 ? 1e-3 : 5e-4));
+        const double before = energy();
+        double heat = 0.0;
+        while (weft_sim_time(sim) < 1.0) {
+            ck_assert_int_eq(weft_sim_step(sim, 1.0, NULL), WEFT_OK);
+            ck_assert_double_gt(weft_sim_dissipated(sim), heat);
+            heat = weft_sim_dissipated(sim);
+        }
+        off[i] = energy() + heat - before;
+        ck_assert_double_gt(heat, 0.01 * before);
+    }
+    ck_assert_double_eq_tol(log2(off[0] / off[1]), 2.0, 0.1);
+}
+END_TEST
+
+START_TEST(nothing_turns_into_heat_without_dampers)
+{
+    for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
+        model.springs[f].damping = 0.0;
+    }
+    model.drag = 0.0;
+    model.wind_drag = 1.0; /* of which it knows nothing */
+    start(VERLET, fixed(1e-3));
+    go(1.0);
+    ck_assert_double_eq(weft_sim_dissipated(sim), 0.0);
+}
+END_TEST
+
+int main(void)
+{
+    const int methods = (int)test_method_count();
+    Suite *suite = suite_create("sim");
+    TCase *tcase = tcase_create("sim");
+    suite_add_tcase(suite, tcase);
+    tcase_add_checked_fixture(tcase, setup, teardown);
+    tcase_add_test(tcase, simulation_starts_with_the_cloth_at_0);
+    tcase_add_loop_test(tcase, frames_end_at_their_time_bit_for_bit, 0, methods);
+    tcase_add_test(tcase, time_does_not_run_back_nor_out_of_the_numbers);
+    tcase_add_test(tcase, states_are_copied_particle_by_particle);
+    tcase_add_loop_test(tcase, run_goes_on_from_the_state_that_was_set, 0, methods);
+    tcase_add_loop_test(tcase, corrections_follow_each_step_and_are_seen_by_the_next, 0,
+                        methods);
+    tcase_add_test(tcase, stepper_hears_of_changes_and_of_nothing_else);
+    tcase_add_test(tcase, heat_is_counted_with_the_speed_after_a_change);
+    tcase_add_test(tcase, failure_leaves_the_state_and_tells_where_it_hurts);
+    tcase_add_test(tcase, explosion_ends_in_the_last_finite_state);
+    tcase_add_test(tcase, bad_configs_are_refused);
+    tcase_add_test(tcase, threads_share_a_cloth_and_get_the_same_bits);
+    tcase_add_loop_test(tcase, pins_stay_on_their_way_or_do_not_move_at_all, 0,
+                        methods);
+    tcase_add_test(tcase, energy_and_heat_balance_to_order_2);
+    tcase_add_test(tcase, nothing_turns_into_heat_without_dampers);
+    return test_run(suite);
+}
