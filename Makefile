@@ -75,7 +75,7 @@ define PLUGIN_RULE
 PLUGIN_OBJ_$(1) := $$(patsubst %.c,$(BUILD)/%.o,$$(wildcard plugins/$(1)/*.c))
 $(BUILD)/plugins/weft-$(1).so: $$(PLUGIN_OBJ_$(1))
 	@mkdir -p $$(@D)
-	$$(call say,LD)$$(LINK) -shared -o $$@ $$^ $$(LIBS_$(1))
+	$$(call say,LD)$$(LINK) -shared -Wl,-soname,weft-$(1).so -o $$@ $$^ $$(LIBS_$(1))
 endef
 $(foreach p,$(PLUGINS),$(eval $(call PLUGIN_RULE,$(p))))
 
@@ -101,9 +101,10 @@ $(BUILD)/tests/broken/weft-%.so: tests/broken/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -shared -o $@ $<
 
-$(BUILD)/examples/%: examples/%.c $(BUILD)/libweft.so
+$(BUILD)/examples/%: examples/%.c $(BUILD)/libweft.so $(BUILD)/plugins/weft-verlet.so
 	@mkdir -p $(@D)
-	$(call say,CC)$(COMPILE) -o $@ $< -L$(BUILD) -Wl,-rpath,'$$ORIGIN/..' -lweft -lm
+	$(call say,CC)$(COMPILE) -o $@ $< $(BUILD)/plugins/weft-verlet.so -L$(BUILD) \
+	    -Wl,-rpath,'$$ORIGIN/..' -Wl,-rpath,'$$ORIGIN/../plugins' -lweft -lm
 
 # Packages first, then a second make: what the first one knew of them is out of date.
 check: deps

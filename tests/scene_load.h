@@ -36,8 +36,8 @@ static inline const weft_plugin *find_fake(void *ctx, const char *id, weft_error
             return fake_plugin(i);
         }
     }
-    weft_error_set(err, WEFT_BAD_PLUGIN, "plugin '%s' not found: no weft-%s.so here", id,
-                   id);
+    weft_error_set(err, WEFT_BAD_PLUGIN, "plugin '%s' not found: no weft-%s.so here",
+                   id, id);
     return NULL;
 }
 

@@ -101,8 +101,9 @@ static void refused(weft_status status, const char *text)
 
 static const char *why(const char *file, const char *reason)
 {
-    static char text[sizeof err.message];
+    static char text[2 * PATH];
     (void)snprintf(text, sizeof text, "plugin refused: %s: %s", file, reason);
+    text[sizeof err.message - 1] = '\0'; /* a message is no longer */
     return text;
 }
 

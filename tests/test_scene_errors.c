@@ -8,6 +8,10 @@
 
 #define FOLDER "tests/scenes-bad"
 
+#define CLOTH   "cloth:\n  grid: {rows: 3, cols: 4, spacing: 0.1}\n  mass: 0.01\n"
+#define STEPPER "stepper: {plugin: gsl, method: rkf45}\n"
+#define RUN     "run: {duration: 1}\n"
+
 static const char *read_text(const char *path)
 {
     static char text[64 * 1024];
@@ -38,13 +42,146 @@ START_TEST(bad_scenes_get_their_exact_messages)
         def.file = path;
         def.find_plugin = find_fake;
         const char *told = bad_scene(&def);
-        if (getenv("WEFT_TEST_PRINT") != NULL) {
-            fputs(told, stdout);
-        }
-        ck_assert_msg(strcmp(told, read_text(wanted)) == 0, "%s: found\n%s", path, told);
+        ck_assert_msg(strcmp(told, read_text(wanted)) == 0, "%s: found\n%s", path,
+                      told);
         free(items[i]);
     }
     free(items);
+}
+END_TEST
+
+START_TEST(twenty_mistakes_are_shown_and_all_are_counted)
+{
+    weft_scene_def def = weft_scene_def_default();
+    def.file = FOLDER "/many.yaml";
+    def.find_plugin = find_fake;
+    (void)bad_scene(&def);
+    ck_assert_uint_eq(found.count, WEFT_DIAGNOSTICS_MAX);
+    ck_assert_uint_eq(found.errors, 25);
+    for (size_t i = 1; i < found.count; ++i) {
+        ck_assert_int_eq(found.items[i].line, found.items[i - 1].line + 1);
+    }
+}
+END_TEST
+
+START_TEST(too_much_text_is_refused_before_it_is_parsed)
+{
+    const size_t size = ((size_t)16 << 20) + 1;
+    char *text = malloc(size);
+    ck_assert_ptr_nonnull(text);
+    memset(text, '[', size);
+    weft_scene_def def = scene_of_text("");
+    def.text = text;
+    def.length = size;
+    ck_assert_ptr_nonnull(strstr(bad_scene(&def), "larger than 16 MiB"));
+    def.length = size - 1;
+    ck_assert_ptr_nonnull(strstr(bad_scene(&def), ":1:33: error: nested more than 32"));
+    for (size_t i = 1; i < size; i += 2) {
+        text[i] = ',';
+    }
+    ck_assert_ptr_nonnull(strstr(bad_scene(&def), "error: "));
+    memset(text + 1, '1', size - 1);
+    ck_assert_ptr_nonnull(strstr(bad_scene(&def), "error: "));
+    free(text);
+}
+END_TEST
+
+START_TEST(a_diagnostic_is_formatted_as_snprintf_would)
+{
+    weft_diagnostic item = { .line = 3,
+                             .column = 7,
+                             .place = "x.yaml",
+                             .message = "no",
+                             .source = "\tab c",
+                             .caret = 3 };
+    char text[100], shorter[12];
+    static const char wanted[] = "x.yaml:3:7: error: no\n\tab c\n\t ^";
+    ck_assert_int_eq(weft_diagnostic_format(&item, text, sizeof text), strlen(wanted));
+    ck_assert_str_eq(text, wanted);
+    ck_assert_int_eq(weft_diagnostic_format(&item, shorter, sizeof shorter),
+                     strlen(wanted));
+    ck_assert_str_eq(shorter, "x.yaml:3:7:");
+    item.warning = true;
+    item.caret = item.line = item.column = 0;
+    (void)weft_diagnostic_format(&item, text, sizeof text);
+    ck_assert_str_eq(text, "x.yaml: warning: no");
+}
+END_TEST
+
+/* Scenes that are right, but look as if something was meant otherwise. */
+static const struct {
+    const char *text, *told;
+} doubtful[] = {
+    { "weft: 1\n" CLOTH "  pins: [left, {rows: all, cols: [1, -1]}]\n" STEPPER RUN,
+      "scene.yaml:5:3: warning: all 12 particles are pinned: nothing will move freely\n"
+      "  pins: [left, {rows: all, cols: [1, -1]}]\n"
+      "  ^\n" },
+    { "weft: 1\ncloth:\n  grid: {rows: 1, cols: 2, spacing: 1}\n  mass: 1\n  springs:\n"
+      "    shear: {stiffness: 1}\n    bend: {stiffness: 1}\n" STEPPER RUN,
+      "scene.yaml:6:5: warning: a grid of 1 x 2 has no shear springs\n"
+      "    shear: {stiffness: 1}\n"
+      "    ^\n"
+      "scene.yaml:7:5: warning: a grid of 1 x 2 has no bend springs\n"
+      "    bend: {stiffness: 1}\n"
+      "    ^\n" },
+    { "weft: 1\n" CLOTH "limit: {method: provot}\n" STEPPER RUN,
+      "scene.yaml:5:8: warning: limit has no effect: cloth has no springs of the "
+      "families it limits\n"
+      "limit: {method: provot}\n"
+      "       ^\n" },
+    { "weft: 1\n" CLOTH RUN "stepper: {plugin: arkode, method: custom, fixed_step: 1,\n"
+      "  butcher: {A: [[], [1]], b: [0.5, 0.4], c: [0, 0.5], order: 2}}\n",
+      "scene.yaml:7:21: warning: row 1 of A adds up to 1 instead of 0.5\n"
+      "  butcher: {A: [[], [1]], b: [0.5, 0.4], c: [0, 0.5], order: 2}}\n"
+      "                    ^\n"
+      "scene.yaml:7:30: warning: b adds up to 0.9 instead of 1\n"
+      "  butcher: {A: [[], [1]], b: [0.5, 0.4], c: [0, 0.5], order: 2}}\n"
+      "                             ^\n" },
+};
+
+START_TEST(doubtful_scenes_load_with_a_warning)
+{
+    weft_scene *scene = good_text(doubtful[_i].text);
+    ck_assert_str_eq(all_found(), doubtful[_i].told);
+    ck_assert_uint_eq(found.warnings, found.count);
+    weft_scene_destroy(scene);
+}
+END_TEST
+
+static void fails_with(const weft_scene_def *def, weft_status wanted, const char *told)
+{
+    weft_error err = { 0 };
+    weft_scene *scene = NULL;
+    ck_assert_int_eq(weft_scene_load(def, &scene, &found, &err), wanted);
+    ck_assert_ptr_null(scene);
+    ck_assert_int_eq(err.status, wanted);
+    ck_assert_msg(strstr(err.message, told) != NULL, "%s", err.message);
+}
+
+START_TEST(files_that_cannot_be_read_are_named)
+{
+    weft_scene_def def = weft_scene_def_default();
+    fails_with(&def, WEFT_INVALID, "needs a file or a text");
+    def.file = "tests/no-such-scene.yaml";
+    fails_with(&def, WEFT_IO, "tests/no-such-scene.yaml: No such file");
+    def.file = "tests";
+    fails_with(&def, WEFT_IO, "tests: Is a directory");
+    weft_scene_destroy(NULL);
+}
+END_TEST
+
+START_TEST(the_error_is_the_first_of_those_found)
+{
+    const weft_scene_def def
+        = scene_of_text("weft: 1\n" CLOTH STEPPER "run: {fps: 0}\n");
+    weft_error err = { 0 };
+    weft_scene *scene = NULL;
+    ck_assert_int_eq(weft_scene_load(&def, &scene, &found, &err), WEFT_BAD_SCENE);
+    ck_assert_str_eq(err.file, "scene.yaml");
+    ck_assert_int_eq(err.line, 6);
+    ck_assert_int_eq(err.column, 6);
+    ck_assert_str_eq(err.message, found.items[0].message);
+    ck_assert_int_eq(weft_scene_load(&def, &scene, &found, NULL), WEFT_BAD_SCENE);
 }
 END_TEST
 
@@ -53,6 +190,13 @@ static Suite *suite(void)
     Suite *all = suite_create("scene errors");
     TCase *messages = tcase_create("messages");
     tcase_add_test(messages, bad_scenes_get_their_exact_messages);
+    tcase_add_test(messages, twenty_mistakes_are_shown_and_all_are_counted);
+    tcase_add_test(messages, too_much_text_is_refused_before_it_is_parsed);
+    tcase_add_test(messages, a_diagnostic_is_formatted_as_snprintf_would);
+    tcase_add_loop_test(messages, doubtful_scenes_load_with_a_warning, 0,
+                        sizeof doubtful / sizeof doubtful[0]);
+    tcase_add_test(messages, files_that_cannot_be_read_are_named);
+    tcase_add_test(messages, the_error_is_the_first_of_those_found);
     suite_add_tcase(all, messages);
     return all;
 }

@@ -249,111 +249,75 @@ END_TEST
  */
 
 static struct {
-    int changes, steps; /* state_changed and accepted steps so far */
+    int changes; /* state_changed so far */
     bool fails, corrects;
     weft_stepper_type type;
 } fake;
 
-static weft_status fake_create(const weft_stepper_type *type, const weft_ode *ode,
-                               const weft_stepper_config *config, void **self,
-                               weft_error *err)
-{
-    (void)type;
-    (void)config;
-    *self = fake.fails ? NULL : &fake;
-    return ode->dim != 6 * N || fake.fails
-               ? weft_error_set(err, WEFT_UNSUPPORTED, "not today")
-               : WEFT_OK;
-}
-
+/* Lets a quarter of a second pass, and nothing else. */
 static weft_status fake_step(void *self, double t_end, double *t, double *y,
                              weft_error *err)
 {
-    (void)self;
-    (void)y;
+    ck_assert(self != NULL && y != NULL);
     if (fake.fails) {
         return weft_error_set(err, WEFT_SOLVER, "no luck");
     }
     *t = fmin(t_end, *t + 0.25);
-    ++fake.steps;
     return WEFT_OK;
 }
 
 static void fake_changed(void *self)
 {
-    (void)self;
+    ck_assert_ptr_nonnull(self);
     ++fake.changes;
-}
-
-static void fake_stats(const void *self, weft_stepper_stats *out)
-{
-    (void)self;
-    out->last_step = fake.steps > 0 ? 0.25 : 0.0;
-}
-
-static void fake_destroy(void *self)
-{
-    (void)self;
 }
 
 static bool fake_correct(void *ctx, double t, double h, double *y)
 {
-    (void)ctx;
-    (void)t;
-    (void)h;
+    ck_assert(ctx == &fake && t > 0.0 && h == 0.25 && !fake.fails);
     y[4 * N - 1] *= fake.corrects ? 0.5 : 1.0;
     return fake.corrects;
 }
 
-/* A simulation by the fake; its error, if it is refused. */
-static weft_status start_fake(weft_error *err)
+/* Verlet with another step; moving if they are free, its particles at v. */
+static void start_fake(void)
 {
-    fake.type = (weft_stepper_type){
-        .create = fake_create,
-        .step = fake_step,
-        .state_changed = fake_changed,
-        .stats = fake_stats,
-        .destroy = fake_destroy,
-    };
     teardown();
     cloth = test_cloth(&model);
-    weft_sim_def def = weft_sim_def_default();
-    def.cloth = cloth;
-    def.method = &fake.type;
-    def.correct = fake_correct;
-    return weft_sim_create(&def, &sim, err);
+    fake.type = *VERLET;
+    fake.type.step = fake_step;
+    fake.type.state_changed = fake_changed;
+    weft_sim_def def = { cloth, &fake.type, fixed(1.0), fake_correct, &fake };
+    ck_assert_int_eq(weft_sim_create(&def, &sim, NULL), WEFT_OK);
+    look(sim);
 }
 
 START_TEST(stepper_hears_of_changes_and_of_nothing_else)
 {
-    ck_assert_int_eq(start_fake(NULL), WEFT_OK);
-    ck_assert_int_eq(weft_sim_advance(sim, 0.75, NULL), WEFT_OK);
-    ck_assert_int_eq(fake.steps, 3);
+    start_fake();
+    go(0.75);
     ck_assert_int_eq(fake.changes, 0);
     fake.corrects = true;
-    ck_assert_int_eq(weft_sim_advance(sim, 1.25, NULL), WEFT_OK);
+    go(1.25);
     ck_assert_int_eq(fake.changes, 2);
-    look(sim);
     ck_assert_int_eq(weft_sim_set_state(sim, x, v, NULL), WEFT_OK);
     ck_assert_int_eq(fake.changes, 3);
 }
 END_TEST
 
-/* One particle at 4 m/s that nothing slows down: 0.5 kg/s 16 m^2/s^2 = 8 W. */
+/* The last particle at 4 m/s, which nothing slows down: 0.5 kg/s 16 m^2/s^2 = 8 W. */
 START_TEST(heat_is_counted_with_the_speed_after_a_change)
 {
-    const double speeds[] = { 0, 0, 0, 0, 0, 4.0 };
     memset(model.springs, 0, sizeof model.springs);
     model.velocity[2] = 0.0;
     model.drag = 0.5;
-    ck_assert_int_eq(start_fake(NULL), WEFT_OK);
-    memset(v, 0, sizeof v);
-    v[3 * N - 3] = speeds[5];
+    start_fake();
+    v[3 * N - 3] = 4.0;
     ck_assert_int_eq(weft_sim_set_state(sim, NULL, v, NULL), WEFT_OK);
-    ck_assert_int_eq(weft_sim_advance(sim, 0.5, NULL), WEFT_OK);
+    go(0.5);
     ck_assert_double_eq(weft_sim_dissipated(sim), 4.0);
     fake.corrects = true; /* halves the speed after each step */
-    ck_assert_int_eq(weft_sim_advance(sim, 1.0, NULL), WEFT_OK);
+    go(1.0);
     ck_assert_double_eq(weft_sim_dissipated(sim), 4.0 + 2.0 + 0.5);
 }
 END_TEST
@@ -361,32 +325,28 @@ END_TEST
 START_TEST(failure_leaves_the_state_and_tells_where_it_hurts)
 {
     weft_error err = { 0 };
-    ck_assert_int_eq(start_fake(NULL), WEFT_OK);
-    look(sim);
+    start_fake();
     x[3 * 2] += 0.5; /* (0, 2): the spring to (0, 1) is 1.5 times as long */
-    v[3 * 5] = 30.0;
-    v[3 * 5 + 1] = -40.0;
-    v[3 * 5 + 2] = 0.0;
+    memcpy(&v[3 * 5], (double[]){ 30.0, -40.0, 0.0 }, 3 * sizeof *v);
     ck_assert_int_eq(weft_sim_set_state(sim, x, v, NULL), WEFT_OK);
-    ck_assert_int_eq(weft_sim_advance(sim, 0.5, NULL), WEFT_OK);
+    go(0.5);
     const uint64_t hash = weft_state_hash(weft_sim_state(sim), 6 * N);
-    fake.fails = fake.corrects = true;
+    fake.fails = true;
     ck_assert_int_eq(weft_sim_advance(sim, 1.0, &err), WEFT_SOLVER);
     ck_assert_int_eq(err.status, WEFT_SOLVER);
-    ck_assert_str_eq(
-        err.message,
-        "no luck at t = 0.5 s, last h = 0.25 s; fastest particle (1, 2) at "
-        "50 m/s, most strained stretch spring (0, 1)-(0, 2) at 50 %");
+    ck_assert_str_eq(err.message,
+                     "no luck at t = 0.5 s, last h = 0 s; fastest particle (1, 2) at "
+                     "50 m/s, most strained stretch spring (0, 1)-(0, 2) at 50 %");
     ck_assert_int_eq(weft_sim_step(sim, 1.0, NULL), WEFT_SOLVER);
     ck_assert_double_eq(weft_sim_time(sim), 0.5);
     ck_assert_uint_eq(weft_state_hash(weft_sim_state(sim), 6 * N), hash);
-    fake.fails = fake.corrects = false; /* and it may go on */
-    ck_assert_int_eq(weft_sim_advance(sim, 1.0, NULL), WEFT_OK);
+    fake.fails = false; /* and it may go on */
+    go(1.0);
     memset(model.springs, 0, sizeof model.springs);
-    ck_assert_int_eq(start_fake(NULL), WEFT_OK);
+    start_fake();
     fake.fails = true;
     ck_assert_int_eq(weft_sim_step(sim, 1.0, &err), WEFT_SOLVER);
-    ck_assert_ptr_nonnull(strstr(err.message, "at 0.5 m/s, no springs"));
+    ck_assert_ptr_nonnull(strstr(err.message, " at 0.5 m/s, no springs"));
 }
 END_TEST
 
@@ -402,9 +362,6 @@ START_TEST(explosion_ends_in_the_last_finite_state)
     for (size_t j = 0; j < 6 * N; ++j) {
         ck_assert(isfinite(weft_sim_state(sim)[j]));
     }
-    char where[64];
-    (void)snprintf(where, sizeof where, " at t = %.9g s, last h = 0.5 s; ", t);
-    ck_assert_ptr_nonnull(strstr(err.message, where));
 }
 END_TEST
 
@@ -466,10 +423,6 @@ START_TEST(bad_configs_are_refused)
     def.method = VERLET;
     ck_assert_int_eq(weft_sim_create(&def, &(weft_sim *){ NULL }, &err), WEFT_INVALID);
     ck_assert_str_eq(err.message, "a simulation needs cloth and method");
-    fake.fails = true;
-    ck_assert_int_eq(start_fake(&err), WEFT_UNSUPPORTED);
-    ck_assert_ptr_null(sim);
-    ck_assert_str_eq(err.message, "not today");
 }
 END_TEST
 

@@ -95,8 +95,7 @@ const weft__section weft__pin_section
 
 static const weft__key family_keys[] = {
     { "stiffness", WEFT__NUMBER, .required = true, .unit = "N/m or N",
-      AT(weft_spring_def, stiffness),
-      .meaning = "of each spring: [N/m] under law hooke, [N] under law strain" },
+      AT(weft_spring_def, stiffness), .meaning = "of each spring" },
     { "damping", WEFT__NUMBER, .unit = "kg/s", .fallback = "0",
       AT(weft_spring_def, damping), .meaning = "along the spring" },
 };
@@ -121,7 +120,8 @@ static void choose_law(void *base, size_t name)
 static const weft__key spring_keys[] = {
     { "law", WEFT__CHOICE, .names = law_names, .choose = choose_law,
       .fallback = "hooke",
-      .meaning = "of the force, hooke: k (L - s), strain: k (L / s - 1)" },
+      .meaning
+      = "hooke: k (L - s), stiffness [N/m]; strain: k (L / s - 1), stiffness [N]" },
     FAMILY("stretch", WEFT_STRETCH, "springs to the next column and row"),
     FAMILY("shear", WEFT_SHEAR, "springs across both diagonals of a cell"),
     FAMILY("bend", WEFT_BEND, "springs to the next but one column and row"),
@@ -311,16 +311,16 @@ static const weft__key root_keys[] = {
     { "name", WEFT__TEXT, .absent = "file name", AT(weft_scene, name),
       .meaning = "free text; default: the file's name without .yaml" },
     { "cloth", WEFT__MAPPING, .required = true, .section = &cloth_section,
-      AT(weft_scene, cloth), .meaning = "what hangs, and where" },
+      AT(weft_scene, cloth), .meaning = "the model: grid, masses, springs, pins" },
     { "forces", WEFT__MAPPING, .section = &force_section, .absent = "gravity",
-      AT(weft_scene, cloth), .meaning = "what pulls at it" },
+      AT(weft_scene, cloth), .meaning = "what else acts on it" },
     { "limit", WEFT__MAPPING, .section = &limit_section, .absent = "none",
       AT(weft_scene, limit),
       .meaning = "strain limit, applied after every accepted step" },
     { "stepper", WEFT__MAPPING, .required = true, .section = &stepper_section,
-      .meaning = "what integrates it" },
+      .meaning = "the solver that integrates it" },
     { "run", WEFT__MAPPING, .required = true, .section = &run_section,
-      AT(weft_scene, run), .meaning = "how long" },
+      AT(weft_scene, run), .meaning = "duration and frames" },
 };
 
 const weft__section weft__root

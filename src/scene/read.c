@@ -357,6 +357,7 @@ static void report_unknown(weft__reader *reader, weft__match *match,
         return;
     }
     if (strcmp(name, "<<") == 0) {
+        memset(match->misspelt, true, sizeof match->misspelt);
         weft__report_error(reader->report, node->start_mark,
                            "merge keys ('<<') are not part of YAML 1.2: write the keys "
                            "of %s out",
