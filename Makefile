@@ -47,6 +47,7 @@ EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/*.c)
 .PHONY: all check check-run demo demo-run deps docs lint format asan clang-build \
         valgrind symbols clean help
 .DELETE_ON_ERROR:
+.SECONDARY:
 
 all: $(BUILD)/libweft.so $(BUILD)/libweft.a $(BUILD)/weft $(PLUGIN_SO) skipped
 

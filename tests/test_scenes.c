@@ -22,7 +22,7 @@ static const bounds scenes[] = {
     { "curtain.yaml", 0.01, 0.5, 0.5, false },
     { "flag.yaml", 0.01, 0.5, 1.0, false },
     { "chain.yaml", 0.001, 0.2, 2.0, true },
-    { "trampoline.yaml", 0.1, 0.5, 2.0, true },
+    { "trampoline.yaml", 0.3, 0.6, 8.0, true },
     { "provot.yaml", 1.0, 2.5, 0.1, true },
     { "hammock.yaml", 0.01, 0.5, 10.0, false },
 };
