@@ -160,8 +160,7 @@ static const struct {
       "cloth.pins=[top, botom]\n                 ^\n" },
     { "cloth.pins=[top",
       ":12: error: did not find expected ',' or ']' (while parsing a "
-      "flow sequence that begins here; the text ends at command line, "
-      "--set number 2)\ncloth.pins=[top\n           ^\n" },
+      "flow sequence that begins here; the text ends at column 16)\ncloth.pins=[top\n           ^\n" },
     { "run.duration=*d",
       ":14: error: found undefined alias\nrun.duration=*d\n             ^\n" },
     { "cloth.density=0.2",

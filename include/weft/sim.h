@@ -86,7 +86,7 @@ WEFT_API void weft_sim_destroy(weft_sim *sim); /* NULL is allowed */
  * the time are those of the last good step; the message tells particle, t and h. */
 WEFT_API weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err);
 
-/* Steps until the time is t_end [s] exactly. */
+/* Steps until the time is t_end [s] exactly: none if it is that already. */
 WEFT_API weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *err);
 
 WEFT_API double weft_sim_time(const weft_sim *sim); /* [s] */

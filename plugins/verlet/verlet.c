@@ -5,12 +5,11 @@
  * With y = (x, v), f(t, y) = (fx, fv) and the fixed step h:
  *   euler              x += h fx,  v += h fv
  *   midpoint           y += h f(t + h/2, y + (h/2) f)
- *   symplectic_euler   v += h fv,  x += h (fx + h fv)
- *   velocity_verlet    x += h (fx + (h/2) fv),  v += (h/2) (fv + fv')
+ *   symplectic_euler   v += h fv,  x += h v
+ *   velocity_verlet    x += h v + (h^2/2) fv,  v += (h/2) (fv + fv')
  *
- * Where fx = v, fx + h fv is the new velocity: symplectic Euler moves x with it, as
- * Provot 1995 does. A pinned particle's fx is prescribed and keeps it on its path.
- * Velocity Verlet (Swope et al. 1982) takes fv' at the new x and the predicted
+ * The last two rely on fx = v. Symplectic Euler moves x with the new v, as Provot 1995
+ * does. Velocity Verlet (Swope et al. 1982) takes fv' at the new x and the predicted
  * v + h fv (Groot, Warren, J. Chem. Phys. 107, 1997, lambda = 1): order 2 with damping
  * too. The next step starts from that f': one RHS call a step. */
 #include "weft/stepper.h"
@@ -76,8 +75,7 @@ static int symplectic_euler(stepper *self, double t, double h)
     const size_t half = self->ode.dim / 2;
     const int failed = rhs(self, t, self->y);
     add(self->y, h, self->f, half, 2 * half);
-    add(self->y, h, self->f, 0, half);
-    add(self->y, h * h, self->f + half, 0, half);
+    add(self->y, h, self->y + half, 0, half);
     return failed;
 }
 
@@ -93,7 +91,7 @@ static int velocity_verlet(stepper *self, double t, double h)
         }
     }
     self->carries = false;
-    add(self->y, h, self->f, 0, half);
+    add(self->y, h, self->y + half, 0, half);
     add(self->y, 0.5 * h * h, self->f + half, 0, half);
     memcpy(self->end, self->y, dim * sizeof *self->y);
     add(self->end, h, self->f, half, dim);     /* predicted */

@@ -41,6 +41,16 @@ static const char *explain(const scan *self, const yaml_parser_t *parser)
     return problem;
 }
 
+/* A place in the text that is being read. */
+static const char *spot(yaml_mark_t at, char *out, size_t size)
+{
+    if (at.index == 0) {
+        return weft__place_text(at, out, size);
+    }
+    (void)snprintf(out, size, "column %zu", at.column + 1);
+    return out;
+}
+
 /* Tells where libyaml stopped and also what it was about when it did, which is often
  * where the mistake is. Where it ran to the end of the text only the latter is of use.
  */
@@ -55,15 +65,14 @@ static void report_syntax(const scan *self, const yaml_parser_t *parser)
         weft__report_error(self->report, at, "%s", problem);
     } else if (strncmp(parser->context, "found duplicate anchor", 22) == 0) {
         weft__report_error(self->report, at, "duplicate anchor (the first is at %s)",
-                           weft__place_text(from, where, sizeof where));
+                           spot(from, where, sizeof where));
     } else if (!weft__mark_before(at, end)) {
         weft__report_error(self->report, from,
                            "%s (%s that begins here; the text ends at %s)", problem,
-                           parser->context, weft__place_text(at, where, sizeof where));
+                           parser->context, spot(at, where, sizeof where));
     } else {
         weft__report_error(self->report, at, "%s (%s that begins at %s)", problem,
-                           parser->context,
-                           weft__place_text(from, where, sizeof where));
+                           parser->context, spot(from, where, sizeof where));
     }
 }
 
@@ -90,7 +99,8 @@ static void report_reader(const scan *self, const yaml_parser_t *parser)
 
 static void report_failure(const scan *self, const yaml_parser_t *parser)
 {
-    if (parser->error == YAML_MEMORY_ERROR) {
+    /* libyaml forgets to say so at times when memory ran out */
+    if (parser->error == YAML_MEMORY_ERROR || parser->problem == NULL) {
         self->report->no_memory = true;
     } else if (parser->error == YAML_READER_ERROR) {
         report_reader(self, parser);

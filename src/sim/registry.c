@@ -168,6 +168,15 @@ static weft_status load_open(weft_registry *registry, void *handle, const char *
     return status == WEFT_OK ? add_entry(registry, plugin, handle, file, err) : status;
 }
 
+/* dlopen takes a name without a slash for a library of the system. */
+static void *open_file(const char *file)
+{
+    char path[4096];
+    (void)snprintf(path, sizeof path, "%s%s", strchr(file, '/') == NULL ? "./" : "",
+                   file);
+    return dlopen(path, RTLD_NOW | RTLD_LOCAL);
+}
+
 weft_status weft_registry_load(weft_registry *registry, const char *file,
                                weft_error *err)
 {
@@ -178,7 +187,7 @@ weft_status weft_registry_load(weft_registry *registry, const char *file,
     if (!id_of_file(file, id, sizeof id)) {
         status = weft_error_set(&why, WEFT_BAD_PLUGIN,
                                 "its name is not of the form weft-<id>.so");
-    } else if ((handle = dlopen(file, RTLD_NOW | RTLD_LOCAL)) == NULL) {
+    } else if ((handle = open_file(file)) == NULL) {
         const char *reason = dlerror();
         status = weft_error_set(&why, WEFT_BAD_PLUGIN, "%s",
                                 reason == NULL ? "it cannot be opened" : reason);
@@ -217,7 +226,7 @@ weft_status weft_registry_find(weft_registry *registry, const char *id,
     if (*out != NULL) {
         return WEFT_OK;
     }
-    const char *list = registry->path;
+    const char *list = strchr(id, '/') == NULL ? registry->path : "";
     while ((list = next_directory(list, directory, sizeof directory)) != NULL) {
         struct stat status;
         (void)snprintf(file, sizeof file, "%s/weft-%s.so", directory, id);

@@ -63,7 +63,8 @@ static weft_status check_config(const weft_stepper_config *config, weft_error *e
             config->atol_position, config->atol_velocity);
     }
     if (!(config->first_step > 0.0) || !isfinite(config->first_step)
-        || !(config->min_step > 0.0) || !(config->max_step >= config->min_step)) {
+        || !(config->min_step > 0.0) || !isfinite(config->min_step)
+        || !(config->max_step >= config->min_step)) {
         return weft_error_set(
             err, WEFT_INVALID,
             "steps: first %g s and min %g s must be > 0, max %g s not below min",
@@ -205,13 +206,11 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
 
 weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *err)
 {
-    while (sim->t < t_end) {
-        const weft_status status = weft_sim_step(sim, t_end, err);
-        if (status != WEFT_OK) {
-            return status;
-        }
+    weft_status status = WEFT_OK;
+    while (sim->t != t_end && status == WEFT_OK) {
+        status = weft_sim_step(sim, t_end, err);
     }
-    return WEFT_OK;
+    return status;
 }
 
 double weft_sim_time(const weft_sim *sim)
