@@ -339,8 +339,9 @@ static const char *const writings[] = {
     "weft: 1\n" CLOTH
     "stepper: {plugin: 'gsl', \"method\": \"rkf45\"}\nrun: {duration: &d "
     "1, fps: 30}\n",
-    "{weft: 1, cloth: {grid: {rows: &n 3, cols: 4, spacing: [0.1, 0.1]}, mass: 0.01,\n"
-    "pins: []}, stepper: {plugin: gsl, method: rkf45}, run: {duration: 1}, forces: {}}",
+    ("{weft: 1, cloth: {grid: {rows: &n 3, cols: 4, spacing: [0.1, 0.1]}, mass: 0.01,\n"
+     "pins: []}, stepper: {plugin: gsl, method: rkf45}, run: {duration: 1}, forces: "
+     "{}}"),
 };
 
 START_TEST(the_same_scene_may_be_written_in_other_ways)

@@ -160,15 +160,14 @@ static const struct {
       "cloth.pins=[top, botom]\n                 ^\n" },
     { "cloth.pins=[top",
       ":12: error: did not find expected ',' or ']' (while parsing a "
-      "flow sequence that begins here; the text ends at column 16)\ncloth.pins=[top\n           ^\n" },
+      "flow sequence that begins here; the text ends at column 16)\ncloth.pins=[top\n  "
+      "         ^\n" },
     { "run.duration=*d",
       ":14: error: found undefined alias\nrun.duration=*d\n             ^\n" },
-    { "cloth.density=0.2",
-      ":7: error: density excludes mass, which is at line 5, column "
-      "3\ncloth.density=0.2\n      ^\n" },
-    { "stepper.fixed_step=1e-3",
-      ":9: error: fixed_step excludes rtol, which is at line "
-      "11, column 39\nstepper.fixed_step=1e-3\n        ^\n" },
+    { "cloth.density=0.2", ":7: error: density excludes mass (line 5, column "
+                           "3)\ncloth.density=0.2\n      ^\n" },
+    { "stepper.fixed_step=1e-3", ":9: error: fixed_step excludes rtol (line 11, column "
+                                 "39)\nstepper.fixed_step=1e-3\n        ^\n" },
     { "forces.wind.drag=1",
       ":8: error: wind lacks the required key 'velocity' [m/s]: of "
       "the air\nforces.wind.drag=1\n       ^\n" },

@@ -473,7 +473,6 @@ START_TEST(nothing_turns_into_heat_without_dampers)
     ck_assert_double_eq(weft_sim_dissipated(sim), 0.0);
 }
 END_TEST
-
 int main(void)
 {
     const int methods = (int)test_method_count();

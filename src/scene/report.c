@@ -117,7 +117,7 @@ void weft__report_exclusive(weft__report *report, const yaml_node_t *a,
     const bool in_order = weft__mark_before(a->start_mark, b->start_mark);
     const yaml_node_t *first = in_order ? a : b, *second = in_order ? b : a;
     char where[64];
-    weft__report_error(report, second->start_mark, "%s excludes %s, which is at %s",
+    weft__report_error(report, second->start_mark, "%s excludes %s (%s)",
                        (const char *)second->data.scalar.value,
                        (const char *)first->data.scalar.value,
                        weft__place_text(first->start_mark, where, sizeof where));

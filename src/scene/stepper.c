@@ -14,14 +14,30 @@ static const char *const adaptive_keys[]
 
 /* ---- step sizes ------------------------------------------------------------- */
 
+/* Told at the later key of each pair: at fixed_step once for all that stand before. */
 static void check_exclusive(weft__reader *reader, const weft__match *match)
 {
     const yaml_node_t *fixed = weft__key_in(match, "fixed_step");
+    char before[320] = "";
+    size_t used = 0;
     for (size_t i = 0; fixed != NULL && i < ADAPTIVE; ++i) {
         const yaml_node_t *key = weft__key_in(match, adaptive_keys[i]);
-        if (key != NULL) {
-            weft__report_exclusive(reader->report, fixed, key);
+        char where[64];
+        if (key == NULL) {
+            continue;
         }
+        if (weft__mark_before(fixed->start_mark, key->start_mark)) {
+            weft__report_exclusive(reader->report, fixed, key);
+        } else if (used < sizeof before) {
+            used += (size_t)snprintf(
+                before + used, sizeof before - used, "%s%s (%s)", used == 0 ? "" : ", ",
+                adaptive_keys[i],
+                weft__place_text(key->start_mark, where, sizeof where));
+        }
+    }
+    if (used > 0) {
+        weft__report_error(reader->report, fixed->start_mark, "fixed_step excludes %s",
+                           before);
     }
 }
 
