@@ -146,6 +146,39 @@ START_TEST(a_runaway_is_no_step)
 }
 END_TEST
 
+/* x1'' = -x1, x2'' = x1 - x2 from x2 near 0: x1 = cos t, x2 = (t / 2) sin t. bsimp
+ * takes a large relative change for a runaway. */
+static int driven_from_zero(double t, const double *y, double *dydt, void *ctx)
+{
+    (void)t;
+    (void)ctx;
+    dydt[0] = y[2];
+    dydt[1] = y[3];
+    dydt[2] = -y[0];
+    dydt[3] = y[0] - y[1];
+    return 0;
+}
+
+START_TEST(a_component_near_zero_does_not_stop_bsimp)
+{
+    const weft_stepper_type *type = test_method_named("gsl/bsimp");
+    const weft_ode ode = { .dim = 4, .rhs = driven_from_zero };
+    const weft_stepper_config config = adaptive(1e-6);
+    weft_stepper_stats stats = { .struct_size = sizeof stats };
+    void *self = NULL;
+    double t = 0.0, y[4] = { 1.0, 1e-18, 0.0, -1e-18 };
+    ck_assert_int_eq(type->create(type, &ode, &config, &self, NULL), WEFT_OK);
+    while (t < 1.5 && stats.steps < 100) {
+        ck_assert_int_eq(type->step(self, 1.5, &t, y, NULL), WEFT_OK);
+        type->stats(self, &stats);
+    }
+    ck_assert_uint_lt(stats.steps, 100);
+    ck_assert_double_eq_tol(y[0], cos(1.5), 1e-5);
+    ck_assert_double_eq_tol(y[1], 0.75 * sin(1.5), 1e-5);
+    type->destroy(self);
+}
+END_TEST
+
 static weft_status create_of_size(const weft_stepper_type *type, size_t dim)
 {
     const weft_stepper_config config = adaptive(1e-6);
@@ -191,6 +224,7 @@ int main(void)
     tcase_add_test(tcase, the_jacobian_is_right_to_seven_digits);
     tcase_add_test(tcase, the_time_derivative_is_right);
     tcase_add_test(tcase, a_runaway_is_no_step);
+    tcase_add_test(tcase, a_component_near_zero_does_not_stop_bsimp);
     tcase_add_test(tcase, memory_that_is_not_there_is_an_error);
     suite_add_tcase(suite, tcase);
 #endif

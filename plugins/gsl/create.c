@@ -77,10 +77,12 @@ static weft_status check_memory(const gsl_method *method, size_t dim, weft_error
     return WEFT_OK;
 }
 
-/* Our own block: the instance, then y, yerr and the three vectors of the Jacobian. */
+/* Our own block: the instance, then y, yerr, the three vectors of the Jacobian and the
+ * two of the shift. */
 static stepper *allocate(const gsl_method *method, const weft_ode *ode)
 {
-    const size_t dim = ode->dim, vectors = method->matrices > 0 ? 5 : 2;
+    const size_t dim = ode->dim;
+    const size_t vectors = method->shift ? 7 : method->matrices > 0 ? 5 : 2;
     stepper *self = calloc(1, sizeof *self + vectors * dim * sizeof(double));
     if (self == NULL) {
         return NULL;
@@ -93,6 +95,10 @@ static stepper *allocate(const gsl_method *method, const weft_ode *ode)
         self->f = self->yerr + dim;
         self->y_moved = self->f + dim;
         self->f_moved = self->y_moved + dim;
+    }
+    if (method->shift) {
+        self->offset = self->f_moved + dim;
+        self->plain = self->offset + dim;
     }
     return self;
 }
@@ -117,7 +123,11 @@ static bool make_solver(stepper *self, const weft_stepper_config *config)
         self->v1 = gsl_odeiv_step_alloc(*method->v1, dim);
         return self->v1 != NULL;
     }
-    self->system2 = (gsl_odeiv2_system){ weft__gsl_rhs, weft__gsl_jacobian, dim, self };
+    self->system2
+        = method->shift
+              ? (gsl_odeiv2_system){ weft__gsl_shifted_rhs, weft__gsl_shifted_jacobian,
+                                     dim, self }
+              : (gsl_odeiv2_system){ weft__gsl_rhs, weft__gsl_jacobian, dim, self };
     self->v2 = gsl_odeiv2_step_alloc(*method->v2, dim);
     if (self->v2 == NULL) {
         return false;

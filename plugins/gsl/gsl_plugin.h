@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* gsl_plugin.h -- what the files of this plugin share. Reading order: plugin.c (the
  * methods), create.c (one instance), step.c (one accepted step), control.c (when a step
- * is accurate enough), jacobian.c (for the implicit methods).
+ * is accurate enough), jacobian.c (for the implicit methods), shift.c (for bsimp).
  *
  * GSL steps, estimates the error and chooses h. This plugin runs GSL's steppers and
  * controls in a loop of its own instead of gsl_odeiv2_evolve_apply, as that one accepts
@@ -33,6 +33,7 @@ typedef struct gsl_method {
     int vectors;       /* of length dim that an instance keeps, at most */
     int matrices;      /* dim x dim */
     bool forget;       /* what the stepper remembers of past steps is wrong */
+    bool shift;        /* it measures against |y_i|: keep y_i away from 0 */
     double solver_tol; /* with a fixed step: to which it solves its equations */
 } gsl_method;
 
@@ -76,6 +77,7 @@ typedef struct stepper {
     double t_end, h_try; /* [s] */
     double *y, *yerr;
     double *f, *y_moved, *f_moved; /* of the Jacobian; NULL without matrices */
+    double *offset, *plain;        /* GSL's y is plain + offset; NULL without shift */
 } stepper;
 
 /* create.c */
@@ -83,6 +85,13 @@ weft_status weft__gsl_create(const weft_stepper_type *type, const weft_ode *ode,
                              const weft_stepper_config *config, void **out,
                              weft_error *err);
 void weft__gsl_destroy(void *instance);
+
+/* shift.c: GSL's side of a state that is kept away from 0. */
+void weft__gsl_shift(stepper *self, const double *start);
+void weft__gsl_unshift(stepper *self, const double *start);
+int weft__gsl_shifted_rhs(double t, const double y[], double dydt[], void *instance);
+int weft__gsl_shifted_jacobian(double t, const double y[], double *dfdy, double dfdt[],
+                               void *instance);
 
 /* step.c */
 int weft__gsl_rhs(double t, const double y[], double dydt[], void *instance);

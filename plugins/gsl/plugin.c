@@ -12,8 +12,8 @@
  * Gaussian points with three functional iterations.
  *
  * bsimp takes a change of y_i by more than some 100 dim |y_i| for a runaway and asks
- * for a smaller step: components near 0, of which a symmetric cloth has many, cost it
- * many. */
+ * for a smaller step, so that components near 0, of which a symmetric cloth has many,
+ * would stop it. It is given y_i + 1 or y_i - 1, whichever is away from 0. */
 #include "gsl_plugin.h"
 
 WEFT_API const weft_plugin *weft_plugin_gsl(void);
@@ -76,7 +76,7 @@ static const gsl_method methods[] = {
     METHOD(rk4imp, 4, 4, 0, NEWTON, ASCHER_PETZOLD, V2(rk4imp), .vectors = 32,
            .matrices = 5, .solver_tol = 1e-9),
     METHOD(bsimp, 0, 0, 0, NEWTON, "G. Bader, P. Deuflhard, Numer. Math. 41, 1983",
-           V2(bsimp), .vectors = 32, .matrices = 2),
+           V2(bsimp), .vectors = 34, .matrices = 2, .shift = true),
     METHOD(msbdf, 0, 0, 0, NEWTON | MULTISTEP, VODE, V2(msbdf), .vectors = 36,
            .matrices = 2, .solver_tol = 1e-2),
     METHOD(gear1, 1, 1, 9, FUNCTIONAL, "C. W. Gear, Prentice-Hall, 1971", V1(gear1),

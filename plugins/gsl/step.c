@@ -88,7 +88,13 @@ static trouble attempt(stepper *self, double t, const double *start, double *h)
     self->trouble = NO_TROUBLE;
     self->h_try = *h;
     memcpy(self->y, start, self->ode.dim * sizeof *start);
+    if (self->method->shift) {
+        weft__gsl_shift(self, start);
+    }
     const int failed = apply(self, t, *h);
+    if (self->method->shift) {
+        weft__gsl_unshift(self, start);
+    }
     if (self->trouble != NO_TROUBLE) {
         return self->trouble;
     }

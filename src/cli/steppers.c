@@ -51,7 +51,7 @@ static void print_methods(const weft_plugin *plugin, const char *format)
 
 static void print_text(const weft_registry *registry)
 {
-    const char *format = "%-8s %-18s %5s %5s %6s  %-30s %s\n";
+    const char *format = "%-8s %-17s %5s %5s %6s  %-32s %s\n";
     printf(format, "plugin", "method", "order", "error", "stages", "kind", "reference");
     for (size_t i = 0; i < weft_registry_count(registry); ++i) {
         print_methods(weft_registry_at(registry, i), format);

@@ -50,9 +50,10 @@ const yaml_node_t *weft__item(const weft__reader *reader, const yaml_node_t *lis
 
 size_t weft__item_count(const yaml_node_t *list)
 {
-    return list->type == YAML_SEQUENCE_NODE ? (
-               size_t)(list->data.sequence.items.top - list->data.sequence.items.start)
-                                            : 0;
+    if (list->type != YAML_SEQUENCE_NODE) {
+        return 0;
+    }
+    return (size_t)(list->data.sequence.items.top - list->data.sequence.items.start);
 }
 
 /* ---- plain values ----------------------------------------------------------- */
@@ -102,7 +103,7 @@ static void read_integer(weft__reader *reader, const weft__key *key,
     refuse(reader, &shown, node);
 }
 
-/* `count` numbers of any sign if `key` sets no bound; false if one is wrong. */
+/* The first `count` items of a list; false if one is wrong. */
 static bool read_numbers(weft__reader *reader, const weft__key *key,
                          const yaml_node_t *node, size_t count, double *out)
 {

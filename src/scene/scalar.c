@@ -184,8 +184,7 @@ static bool is_switch(const char *text)
 
 static bool is_not_finite(const char *text)
 {
-    static const char *const names[]
-        = { ".nan", ".NaN", ".NAN", "nan", "NaN", "inf", "Inf", "infinity", NULL };
+    static const char *const names[] = { ".nan", ".NaN", ".NAN", "nan", "NaN", NULL };
     const size_t length = number_length(text);
     return is_infinity(text) || is_one_of(text, names)
            || (length > 0 && text[length] == '\0' && isinf(strtod(text, NULL)));

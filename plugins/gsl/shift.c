@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* shift.c -- for a stepper that measures changes against |y_i| at the start of a step:
+ * it integrates z = y + o with o_i = 1 or -1, the sign of y_i, so that |z_i| >= 1. The
+ * solution is the same; a component that stays keeps its bits. */
+#include "gsl_plugin.h"
+
+#include <math.h>
+
+/* self->y becomes z of the start of an attempt. */
+void weft__gsl_shift(stepper *self, const double *start)
+{
+    for (size_t i = 0; i < self->ode.dim; ++i) {
+        self->offset[i] = copysign(1.0, start[i]);
+        self->y[i] = start[i] + self->offset[i];
+    }
+}
+
+/* self->y, a z, becomes y again. */
+void weft__gsl_unshift(stepper *self, const double *start)
+{
+    for (size_t i = 0; i < self->ode.dim; ++i) {
+        self->y[i] = start[i] + (self->y[i] - (start[i] + self->offset[i]));
+    }
+}
+
+static const double *plain(stepper *self, const double z[])
+{
+    for (size_t i = 0; i < self->ode.dim; ++i) {
+        self->plain[i] = z[i] - self->offset[i];
+    }
+    return self->plain;
+}
+
+int weft__gsl_shifted_rhs(double t, const double y[], double dydt[], void *instance)
+{
+    return weft__gsl_rhs(t, plain(instance, y), dydt, instance);
+}
+
+int weft__gsl_shifted_jacobian(double t, const double y[], double *dfdy, double dfdt[],
+                               void *instance)
+{
+    return weft__gsl_jacobian(t, plain(instance, y), dfdy, dfdt, instance);
+}
