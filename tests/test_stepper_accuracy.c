@@ -130,19 +130,20 @@ static result kick(const weft_stepper_type *type, weft_norm norm, double toleran
     return (result){ fmax(dx, fabs(y[PENDULUMS + KICKED] - want[1])), s.steps };
 }
 
-/* An error e in one of n components has the rms e / sqrt(n). Steps show it where the
- * order is fixed: msadams and msbdf choose theirs in a norm of their own, and to bsimp,
- * of order about 12, the factor of 10 is not one step in ten. */
+/* An error e in one of n components has the rms e / sqrt(n). A multistep method chooses
+ * its order in a norm of its own and may need fewer steps all the same. bsimp errs by
+ * 1e-10 here with steps as long as they may grow, whatever is asked of it. */
 START_TEST(the_largest_norm_sees_one_particle_where_rms_does_not)
 {
     const weft_stepper_type *type = test_method((size_t)_i);
-    if (!can_adapt(type)) {
+    const bool multistep = (type->flags & WEFT_STEPPER_MULTISTEP) != 0;
+    if (!can_adapt(type) || (type->order == 0 && !multistep)) {
         return;
     }
     const double tolerance = type->order == 1 || type->order == 2 ? 1e-3 : 1e-9;
     const result max = kick(type, WEFT_NORM_MAX, tolerance);
     const result rms = kick(type, WEFT_NORM_RMS, tolerance);
-    ck_assert(max.steps > rms.steps || type->order == 0);
+    ck_assert(max.steps > rms.steps || multistep);
     ck_assert_double_lt(max.error, rms.error);
 }
 END_TEST
