@@ -273,6 +273,14 @@ START_TEST(what_this_version_cannot_run_it_says_and_exits_with_1)
     says("limit");
     expect(shell(WEFT " check " OUT "/small.yaml --set 'limit={method: provot}' 2>&1"),
            0);
+    static const char table[]
+        = "--set 'stepper={plugin: arkode, method: custom, butcher: "
+          "{A: [[], [1/2]], b: [0, 1], c: [0, 1/2], order: 2}, "
+          "fixed_step: 1e-3}' 2>&1";
+    expect(shell(WEFT " check " OUT "/small.yaml %s", table), 0);
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/b %s", table), 1);
+    says("butcher");
+    expect(shell("grep -c 'status: failed' " OUT "/b/result.yaml"), 0);
 }
 END_TEST
 

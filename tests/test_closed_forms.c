@@ -401,8 +401,7 @@ START_TEST(hanging_sheet_extends_alike_at_any_resolution)
     for (size_t springs = 1; springs <= 10; ++springs) {
         const double a = 1.0 / (double)springs;
         plain(springs + 1, 2, 0.0, 100.0 * 0.15 / a, G, 1);
-        def.spacing[0] = a, def.spacing[1] = 0.3;
-        def.density = 0.3;
+        def.spacing[0] = a, def.spacing[1] = 0.3, def.density = 0.3;
         def.drag = 28.7 * 0.3 * a * 0.15; /* lowest frequency: 28.7 /s */
         def.pins = &top;
         relax(1e-3, 3.0);

@@ -90,7 +90,8 @@ WEFT_API const weft_limit_def *weft_scene_limit(const weft_scene *scene);
 WEFT_API const weft_run_def *weft_scene_run(const weft_scene *scene);
 WEFT_API const char *weft_scene_plugin(const weft_scene *scene);
 WEFT_API const char *weft_scene_method(const weft_scene *scene);
-/* NULL if the scene was loaded without find_plugin. */
+/* NULL if the scene was loaded without find_plugin, or has a Butcher table whose plugin
+ * was not found. */
 WEFT_API const weft_stepper_type *weft_scene_method_type(const weft_scene *scene);
 WEFT_API const weft_stepper_config *weft_scene_config(const weft_scene *scene);
 

@@ -4,6 +4,11 @@
 
 const char *scene_unsupported(const weft_scene *scene)
 {
+    if (weft_scene_method_type(scene) == NULL) {
+        return "stepper.butcher: tables of one's own are read, but the plugin arkode "
+               "that "
+               "runs them is not there";
+    }
     if (weft_scene_limit(scene)->method != WEFT_LIMIT_NONE) {
         return "limit: strain limits are read, but this version of weft cannot run "
                "them";
@@ -60,15 +65,28 @@ static void print_pins(const weft_cloth_def *def, const weft_cloth *cloth)
     }
 }
 
+static void print_masses(const weft_cloth *cloth)
+{
+    double least = weft_cloth_particle_mass(cloth, 0), most = least;
+    for (size_t i = 1; i < weft_cloth_particles(cloth); ++i) {
+        const double mass = weft_cloth_particle_mass(cloth, i);
+        least = mass < least ? mass : least;
+        most = mass > most ? mass : most;
+    }
+    printf("  masses     %.6g kg in all, %.6g to %.6g kg a particle\n",
+           weft_cloth_mass(cloth), least, most);
+}
+
 static void print_cloth(const weft_cloth_def *def, const weft_cloth *cloth)
 {
-    printf("  particles  %zu (%zu rows x %zu columns), %.6g kg in all\n",
-           weft_cloth_particles(cloth), def->rows, def->cols, weft_cloth_mass(cloth));
+    printf("  particles  %zu (%zu rows x %zu columns)\n", weft_cloth_particles(cloth),
+           def->rows, def->cols);
     fputs("  springs   ", stdout);
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
         printf(" %zu %s%s", weft_cloth_springs(cloth, (weft_family)i),
                weft_family_name((weft_family)i), i + 1 < WEFT_FAMILIES ? "," : "\n");
     }
+    print_masses(cloth);
     print_pins(def, cloth);
     fputs("  memory     ", stdout);
     print_bytes("cloth", (double)weft_cloth_bytes(cloth));
@@ -80,8 +98,10 @@ static void print_stepper(const weft_scene *scene)
 {
     const weft_stepper_type *type = weft_scene_method_type(scene);
     const weft_stepper_config *config = weft_scene_config(scene);
-    printf("  stepper    %s %s, order ", weft_scene_plugin(scene), type->name);
-    printf(type->order > 0 ? "%d" : "variable", type->order);
+    const int order = type != NULL ? type->order : config->butcher->order;
+    printf("  stepper    %s %s, order ", weft_scene_plugin(scene),
+           weft_scene_method(scene));
+    printf(order > 0 ? "%d" : "variable", order);
     if (config->fixed_step > 0.0) {
         printf(", fixed step %g s\n", config->fixed_step);
     } else {
@@ -98,7 +118,10 @@ static int describe(const char *file, const weft_scene *scene)
     weft_error err = { 0 };
     weft_cloth *cloth = NULL;
     weft_sim *sim = NULL;
-    if (simulation_create(scene, &cloth, &sim, &err) != WEFT_OK) {
+    const bool runs = weft_scene_method_type(scene) != NULL;
+    if ((runs ? simulation_create(scene, &cloth, &sim, &err)
+              : weft_cloth_create(weft_scene_cloth(scene), &cloth, &err))
+        != WEFT_OK) {
         (void)snprintf(err.file, sizeof err.file, "%.200s", file);
         err.line = err.column = 1;
         return report_error(&err);

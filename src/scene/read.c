@@ -131,10 +131,13 @@ static void read_vector(weft__reader *reader, const weft__key *key,
     if (!read_numbers(reader, &element, node, 3, value)) {
         return;
     }
-    if (key->kind == WEFT__DIRECTION && value[0] == 0.0 && value[1] == 0.0
-        && value[2] == 0.0) {
+    /* also where the length, a root of squares, would be 0 or infinite */
+    const double square
+        = value[0] * value[0] + value[1] * value[1] + value[2] * value[2];
+    if (key->kind == WEFT__DIRECTION && !(square > 0.0 && isfinite(square))) {
         weft__report_error(reader->report, node->start_mark,
-                           "%s is [0, 0, 0], which is no direction", key->name);
+                           "%s is [%g, %g, %g], which is no direction", key->name,
+                           value[0], value[1], value[2]);
         return;
     }
     memcpy(to, value, sizeof value);

@@ -133,6 +133,14 @@ static bool check_id(weft__reader *reader, const weft__match *match)
     return false;
 }
 
+/* The method that takes a table of the scene's own. Where its plugin is not there, such
+ * a scene is read and checked all the same: it is right, and only cannot be run. */
+static bool asks_for_table(const weft_scene *scene)
+{
+    return scene->plugin != NULL && strcmp(scene->plugin, "arkode") == 0
+           && scene->method != NULL && strcmp(scene->method, "custom") == 0;
+}
+
 static const weft_stepper_type *find_type(weft__reader *reader,
                                           const weft__match *match)
 {
@@ -144,12 +152,12 @@ static const weft_stepper_type *find_type(weft__reader *reader,
     }
     const weft_plugin *plugin
         = reader->def->find_plugin(reader->def->find_ctx, scene->plugin, &why);
-    if (plugin == NULL) {
+    if (plugin == NULL && !asks_for_table(scene)) {
         weft__report_error(reader->report, weft__value_in(match, "plugin")->start_mark,
                            "%s", why.message);
-        return NULL;
     }
-    return scene->method == NULL ? NULL : find_method(reader, match, plugin);
+    return plugin == NULL || scene->method == NULL ? NULL
+                                                   : find_method(reader, match, plugin);
 }
 
 /* ---- what the method would use ---------------------------------------------- */
@@ -214,10 +222,9 @@ void weft__check_stepper(weft__reader *reader, const weft__match *match, void *b
     check_sizes(reader, match);
     if (scene->type != NULL) {
         check_table(reader, match, (scene->type->flags & WEFT_STEPPER_BUTCHER) != 0);
-    } else if (reader->def->find_plugin == NULL && scene->plugin != NULL
-               && scene->method != NULL) {
-        check_table(reader, match,
-                    strcmp(scene->plugin, "arkode") == 0
-                        && strcmp(scene->method, "custom") == 0);
+    } else if (asks_for_table(scene)
+               || (reader->def->find_plugin == NULL && scene->plugin != NULL
+                   && scene->method != NULL)) {
+        check_table(reader, match, asks_for_table(scene));
     }
 }
