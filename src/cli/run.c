@@ -61,8 +61,9 @@ static bool on_step(void *ctx)
 {
     run *self = ctx;
     if (self->progress.terminal) {
-        progress_show(&self->progress, self->result.frames, self->result.planned - 1,
-                      self->sim, weft_scene_run(self->scene)->duration);
+        progress_show(&self->progress, self->result.frames - 1,
+                      self->result.planned - 1, self->sim,
+                      weft_scene_run(self->scene)->duration);
     }
     return stop_signal == 0;
 }
