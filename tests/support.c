@@ -61,8 +61,10 @@ const char *test_method_label(size_t i)
     return label;
 }
 
-const weft_stepper_type *test_method_named(const char *label)
+const weft_stepper_type *test_method_named(const char *name)
 {
+    char label[128]; /* `name` may be what test_method_label returned */
+    (void)snprintf(label, sizeof label, "%s", name);
     for (size_t i = 0; i < test_method_count(); ++i) {
         if (strcmp(test_method_label(i), label) == 0) {
             return test_method(i);

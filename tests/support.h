@@ -16,7 +16,7 @@ const weft_stepper_type *test_method(size_t i);
 const char *test_method_label(size_t i); /* "gsl/rkf45" */
 
 /* A method by label; ends the test if it is not there. */
-const weft_stepper_type *test_method_named(const char *label);
+const weft_stepper_type *test_method_named(const char *name);
 
 /* Made from a definition; ends the test on failure. */
 weft_cloth *test_cloth(const weft_cloth_def *def);

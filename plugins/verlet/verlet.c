@@ -5,13 +5,14 @@
  * With y = (x, v), f(t, y) = (fx, fv) and the fixed step h:
  *   euler              x += h fx,  v += h fv
  *   midpoint           y += h f(t + h/2, y + (h/2) f)
- *   symplectic_euler   v += h fv,  x += h v
- *   velocity_verlet    x += h v + (h^2/2) fv,  v += (h/2) (fv + fv')
+ *   symplectic_euler   v += h fv,  x += h (fx + h fv)
+ *   velocity_verlet    x += h (fx + (h/2) fv),  v += (h/2) (fv + fv')
  *
- * The last two rely on fx = v. Symplectic Euler moves x with the new v, as Provot 1995
- * does. Velocity Verlet (Swope et al. 1982) takes fv' at the new x and the predicted
- * v + h fv (Groot, Warren, J. Chem. Phys. 107, 1997, lambda = 1): order 2 with damping
- * too. The next step starts from that f': one RHS call a step. */
+ * Where fx = v, fx + h fv is the new v: symplectic Euler moves x with it, as Provot
+ * 1995 does. A pin keeps to its prescribed fx: moved with v, whose error has a mean, it
+ * would drift. Verlet (Swope et al. 1982) takes fv' at the new x and the predicted v +
+ * h fv (Groot, Warren, J. Chem. Phys. 107, 1997, lambda = 1): order 2 with damping too.
+ * The next step starts from that f': one RHS call a step. */
 #include "weft/stepper.h"
 
 #include <math.h>
@@ -32,8 +33,7 @@ typedef struct stepper {
     double *end;
 } stepper;
 
-/* A method is the public record and what it is that differs. The record comes first:
- * a pointer to the one is a pointer to the other. */
+/* The public record comes first: a pointer to it is a pointer to the method. */
 typedef struct method {
     weft_stepper_type type;
     int (*advance)(stepper *self, double t, double h); /* what the RHS returned */
@@ -75,15 +75,15 @@ static int symplectic_euler(stepper *self, double t, double h)
     const size_t half = self->ode.dim / 2;
     const int failed = rhs(self, t, self->y);
     add(self->y, h, self->f, half, 2 * half);
-    add(self->y, h, self->y + half, 0, half);
+    add(self->y, h, self->f, 0, half);
+    add(self->y, h * h, self->f + half, 0, half);
     return failed;
 }
 
 static int velocity_verlet(stepper *self, double t, double h)
 {
     const size_t half = self->ode.dim / 2, dim = self->ode.dim;
-    /* After a change of y, f is stale, but only if y really is another one: so that a
-     * needless state_changed costs a comparison and alters nothing. */
+    /* f is stale if y really was changed: a needless state_changed alters nothing. */
     if (!self->carries || memcmp(self->y, self->end, dim * sizeof *self->y) != 0) {
         const int failed = rhs(self, t, self->y);
         if (failed != 0) {
@@ -91,13 +91,16 @@ static int velocity_verlet(stepper *self, double t, double h)
         }
     }
     self->carries = false;
-    add(self->y, h, self->y + half, 0, half);
+    add(self->y, h, self->f, 0, half);
     add(self->y, 0.5 * h * h, self->f + half, 0, half);
     memcpy(self->end, self->y, dim * sizeof *self->y);
     add(self->end, h, self->f, half, dim);     /* predicted */
     add(self->y, 0.5 * h, self->f, half, dim); /* first kick */
     const int failed = rhs(self, t + h, self->end);
     add(self->y, 0.5 * h, self->f, half, dim); /* second kick */
+    for (size_t i = 0; i < half; ++i) { /* where fx is v: not the predicted one */
+        self->f[i] = self->f[i] == self->end[half + i] ? self->y[half + i] : self->f[i];
+    }
     memcpy(self->end, self->y, dim * sizeof *self->y);
     self->carries = failed == 0;
     return failed;
@@ -138,8 +141,7 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
     self->ode = *ode;
     self->fixed_step = config->fixed_step;
     self->stats.next_step = config->fixed_step;
-    self->y = (double *)(self + 1);
-    self->f = self->y + ode->dim;
+    self->y = (double *)(self + 1), self->f = self->y + ode->dim;
     self->end = self->f + ode->dim;
     *out = self;
     return WEFT_OK;

@@ -203,19 +203,20 @@ weft_status weft_registry_load(weft_registry *registry, const char *file,
     return status;
 }
 
-/* The next directory of a list separated by ':'; NULL at the end. */
+/* The next directory of a list separated by ':'; NULL at the end. One that is too long
+ * to be a path is passed over. */
 static const char *next_directory(const char *list, char *directory, size_t size)
 {
-    while (*list == ':') {
-        ++list;
+    for (size_t length; *list != '\0'; list += length) {
+        list += strspn(list, ":");
+        length = strcspn(list, ":");
+        if (length > 0 && length < size) {
+            memcpy(directory, list, length);
+            directory[length] = '\0';
+            return list + length;
+        }
     }
-    const size_t length = strcspn(list, ":");
-    if (length == 0 || length >= size) {
-        return NULL;
-    }
-    memcpy(directory, list, length);
-    directory[length] = '\0';
-    return list + length;
+    return NULL;
 }
 
 weft_status weft_registry_find(weft_registry *registry, const char *id,
