@@ -375,6 +375,8 @@ START_TEST(refusals_name_the_field)
     REFUSED("pin 1: columns 4 to 4 are outside the grid of 4 columns",
             b.pins[1].cols = (weft_range){ 4, 4 });
     REFUSED("forces must be finite, drag and wind drag >= 0", b.def.drag = -1.0);
+    REFUSED("the springs are too large or too small for a double",
+            b.def.spacing[0] = 1e200);
     weft_cloth_def fine = grid(3, 4);
     fine.down[0] = 0.9e-9; /* perpendicular to 1e-9 */
     weft_cloth_destroy(test_cloth(&fine));

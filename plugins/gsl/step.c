@@ -139,22 +139,19 @@ static weft_status fail(stepper *self, trouble why, double t, double h, weft_err
     weft__gsl_state_changed(self);
     switch (why) {
     case STOPPED:
-        return weft_error_set(err, WEFT_STOPPED,
-                              "%s: stopped by the model at t = %.9g s", name, t);
+        return weft_error_set(err, WEFT_STOPPED, "%s: stopped by the model", name);
     case NOT_FINITE:
         return weft_error_set(err, WEFT_NOT_FINITE,
-                              "%s: not finite after a step of %.3g s from t = %.9g s",
-                              name, h, t);
+                              "%s: not finite after a step of %.3g s", name, h);
     case UNSOLVED:
         return weft_error_set(err, fixed ? WEFT_SOLVER : WEFT_STEP_TOO_SMALL,
                               "%s: its equations have no solution that GSL could find "
-                              "with a step of %.3g s from t = %.9g s",
-                              name, h, t);
+                              "with a step of %.3g s",
+                              name, h);
     case INACCURATE:
         return weft_error_set(err, WEFT_STEP_TOO_SMALL,
-                              "%s: at t = %.9g s even a step of %.3g s is not accurate "
-                              "enough",
-                              name, t, h);
+                              "%s: even a step of %.3g s is not accurate enough", name,
+                              h);
     default:
         return weft_error_set(err, WEFT_STEP_TOO_SMALL,
                               "%s: a step of %.3g s does not move t = %.17g s", name, h,

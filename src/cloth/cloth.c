@@ -120,6 +120,44 @@ static weft_status check_apart(const weft_cloth *cloth, weft_error *err)
     return WEFT_OK;
 }
 
+/* Products of what was in range may not be: nothing infinite may get into a state, and
+ * nothing that is divided by may be 0. */
+static weft_status check_numbers(const weft_cloth *cloth, weft_error *err)
+{
+    const char *wrong = NULL;
+    for (size_t corner = 0; corner < 4; ++corner) {
+        double x[3];
+        weft__rest_position(cloth, corner / 2 * (cloth->rows - 1),
+                            corner % 2 * (cloth->cols - 1), x);
+        for (size_t k = 0; k < 3; ++k) {
+            const double start = cloth->scale * (x[k] - cloth->origin[k]);
+            wrong = isfinite(x[k]) && isfinite(start) ? wrong : "positions";
+        }
+    }
+    for (size_t i = 0; i < cloth->particles; ++i) {
+        const bool usable = cloth->mass[i] > 0.0 && isfinite(cloth->mass[i]);
+        wrong = usable ? wrong : "masses";
+    }
+    for (size_t i = 0; i < cloth->group_count; ++i) {
+        const weft__group *group = &cloth->groups[i];
+        const bool usable = group->rest_length > 0.0 && isfinite(group->rest_length)
+                            && isfinite(group->stiffness);
+        wrong = usable ? wrong : "springs";
+    }
+    for (size_t i = 0; i < cloth->motion_count; ++i) {
+        const weft__motion *motion = &cloth->motions[i];
+        for (size_t k = 0; k < 3; ++k) {
+            const double most = motion->omega * motion->omega * motion->amplitude[k];
+            wrong = isfinite(most) ? wrong : "motions of pins";
+        }
+    }
+    return wrong == NULL ? WEFT_OK
+                         : weft_error_set(err, WEFT_INVALID,
+                                          "the %s are too large or too small for a "
+                                          "double",
+                                          wrong);
+}
+
 static void copy_plain_fields(weft_cloth *cloth, const weft_cloth_def *def)
 {
     cloth->rows = def->rows;
@@ -168,6 +206,11 @@ weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
     weft__groups_init(cloth, def);
     masses_init(cloth, def);
     pins_init(cloth, def);
+    const weft_status numbers = check_numbers(cloth, err);
+    if (numbers != WEFT_OK) {
+        weft_cloth_destroy(cloth);
+        return numbers;
+    }
     *out = cloth;
     return WEFT_OK;
 }
