@@ -25,7 +25,9 @@ say = $(if $(V),,@echo '  $(1)  $@';)
 COMPILE = $(CC) $(STRICT) $(WARN) $(CFLAGS) $(SAN) $(INCS) -MMD -MP
 LINK = $(CC) $(CFLAGS) $(SAN) $(LDFLAGS)
 
-has = $(shell echo '\#include <$(1)>' | $(CC) -E - >/dev/null 2>&1 && echo yes)
+# A variable, as make 4.3 keeps the backslash of an escaped # within a function.
+hash := \#
+has = $(shell echo '$(hash)include <$(1)>' | $(CC) -E - >/dev/null 2>&1 && echo yes)
 HAVE_GSL := $(call has,gsl/gsl_odeiv2.h)
 
 LIB_SRC  := $(wildcard src/cloth/*.c src/sim/*.c src/scene/*.c)
