@@ -160,7 +160,7 @@ clean:
 	rm -rf $(BUILD)
 
 help:
-	@sed -n 's/^# \{0,1\}//p' Makefile | sed -n 2,8p
+	@sed -n '2,8s/^# \{0,1\}//p' Makefile
 	@echo "make lint | format | docs | asan | clang-build | valgrind | symbols | clean"
 
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
