@@ -212,6 +212,9 @@ START_TEST(a_wrong_scene_exits_with_3_and_shows_the_place)
     ck_assert(!exists(OUT "/r"));
     expect(shell(WEFT " check " OUT "/small.yaml " OUT "/bad.yaml 2>&1"), 3);
     says("small.yaml: ok");
+    expect(shell(WEFT " check " OUT "/small.yaml --set stepper.plugin=verlett 2>&1"),
+           3);
+    says("did you mean 'verlet'?");
 }
 END_TEST
 
@@ -311,6 +314,9 @@ static void interrupt_with(const char *name, int code)
     says(name);
     expect(shell("wc -l < " OUT "/%s/final.csv", name), 0);
     ck_assert_int_eq(atoi(output), 21);
+    /* what was recorded can be exported, and no more is asked for */
+    expect(shell(WEFT " export " OUT "/%s --format csv --frame all 2>&1", name), 0);
+    says("frames/frame-000000.csv");
 }
 
 START_TEST(a_signal_ends_a_run_with_a_valid_result)

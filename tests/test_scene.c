@@ -401,10 +401,17 @@ START_TEST(the_name_defaults_to_that_of_the_file)
 }
 END_TEST
 
+START_TEST(version_1_is_the_default)
+{
+    weft_scene_destroy(good_text(CLOTH STEPPER RUN));
+}
+END_TEST
+
 static Suite *suite(void)
 {
     Suite *all = suite_create("scene");
     TCase *values = tcase_create("values");
+    tcase_add_test(values, version_1_is_the_default);
     tcase_add_test(values, every_value_of_the_example_arrives);
     tcase_add_test(values, defaults_are_those_of_the_definition_structs);
     tcase_add_test(values, a_limit_has_the_defaults_of_the_contract);

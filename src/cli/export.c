@@ -125,7 +125,10 @@ static int export_scene(const options *given, export_job *job)
 {
     weft_error err = { 0 };
     bool final;
-    const size_t last = frame_last(weft_scene_run(job->scene));
+    size_t last = 0;
+    if (record_series_last(job->directory, &last, &err) != WEFT_OK) {
+        return report_error(&err);
+    }
     if (!parse_frame(given->frame, last, &final, job)) {
         return usage_error(&verb_export, "--frame %s: last, all or 0 to %zu",
                            given->frame, last);

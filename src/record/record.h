@@ -51,6 +51,9 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
                               weft_error *err);
 weft_status record_series_close(record_series *series, weft_error *err);
 
+/* series.c: the last frame that series.csv has. WEFT_IO if it has none. */
+weft_status record_series_last(const char *directory, size_t *frame, weft_error *err);
+
 /* series.c: the hash that row `frame` of series.csv holds. WEFT_IO if there is none. */
 weft_status record_series_hash(const char *directory, size_t frame, uint64_t *hash,
                                weft_error *err);

@@ -108,8 +108,15 @@ weft_status record_series_close(record_series *series, weft_error *err)
     return status;
 }
 
-weft_status record_series_hash(const char *directory, size_t frame, uint64_t *hash,
-                               weft_error *err)
+/* What is looked for in the rows of a series.csv. */
+typedef struct series_search {
+    size_t frame; /* wanted; SIZE_MAX: the last */
+    size_t last;  /* found */
+    uint64_t hash;
+    bool found;
+} series_search;
+
+static weft_status search(const char *directory, series_search *wanted, weft_error *err)
 {
     char path[RECORD_PATH], line[1024];
     const weft_status status = record_path(directory, "series.csv", path, err);
@@ -120,14 +127,35 @@ weft_status record_series_hash(const char *directory, size_t frame, uint64_t *ha
     if (stream == NULL) {
         return weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(errno));
     }
-    bool found = false;
-    while (!found && fgets(line, sizeof line, stream) != NULL) {
+    const bool any = wanted->frame == SIZE_MAX;
+    while ((any || !wanted->found) && fgets(line, sizeof line, stream) != NULL) {
         char *end;
         const char *last = strrchr(line, ',');
-        found = strtoull(line, &end, 10) == frame && *end == ',' && end != line
-                && last != NULL && sscanf(last, ",%" SCNx64, hash) == 1;
+        const unsigned long long frame = strtoull(line, &end, 10);
+        if (end != line && *end == ',' && (any || frame == wanted->frame)
+            && sscanf(last, ",%" SCNx64, &wanted->hash) == 1) {
+            wanted->found = true;
+            wanted->last = (size_t)frame;
+        }
     }
     (void)fclose(stream);
-    return found ? WEFT_OK
-                 : weft_error_set(err, WEFT_IO, "%s: no frame %zu", path, frame);
+    return wanted->found ? WEFT_OK
+                         : weft_error_set(err, WEFT_IO, "%s: no such frame", path);
+}
+
+weft_status record_series_last(const char *directory, size_t *frame, weft_error *err)
+{
+    series_search wanted = { .frame = SIZE_MAX };
+    const weft_status status = search(directory, &wanted, err);
+    *frame = wanted.last;
+    return status;
+}
+
+weft_status record_series_hash(const char *directory, size_t frame, uint64_t *hash,
+                               weft_error *err)
+{
+    series_search wanted = { .frame = frame };
+    const weft_status status = search(directory, &wanted, err);
+    *hash = wanted.hash;
+    return status;
 }

@@ -306,7 +306,7 @@ static const weft__section run_section
     = { SECTION(run_keys), .check = weft__check_run };
 
 static const weft__key root_keys[] = {
-    { "weft", WEFT__INTEGER, .required = true, .least = 1, .most = MANY,
+    { "weft", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "1",
       AT(weft_scene, version), .meaning = "version of the scene format, 1" },
     { "name", WEFT__TEXT, .absent = "file name", AT(weft_scene, name),
       .meaning = "free text; default: the file's name without .yaml" },

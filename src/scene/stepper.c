@@ -133,6 +133,17 @@ static bool check_id(weft__reader *reader, const weft__match *match)
     return false;
 }
 
+static const char *const shipped[] = { "gsl", "arkode", "verlet" };
+
+static bool is_shipped(const char *id)
+{
+    bool found = false;
+    for (size_t i = 0; i < sizeof shipped / sizeof shipped[0]; ++i) {
+        found = found || strcmp(shipped[i], id) == 0;
+    }
+    return found;
+}
+
 /* The method that takes a table of the scene's own. Where its plugin is not there, such
  * a scene is read and checked all the same: it is right, and only cannot be run. */
 static bool asks_for_table(const weft_scene *scene)
@@ -153,8 +164,16 @@ static const weft_stepper_type *find_type(weft__reader *reader,
     const weft_plugin *plugin
         = reader->def->find_plugin(reader->def->find_ctx, scene->plugin, &why);
     if (plugin == NULL && !asks_for_table(scene)) {
+        weft__guess guess = { 0 };
+        char near[80];
+        for (size_t i = 0; i < sizeof shipped / sizeof shipped[0]; ++i) {
+            weft__guess_try(&guess, scene->plugin, shipped[i]);
+        }
         weft__report_error(reader->report, weft__value_in(match, "plugin")->start_mark,
-                           "%s", why.message);
+                           "%s%s", why.message,
+                           is_shipped(scene->plugin)
+                               ? ""
+                               : weft__guess_text(&guess, near, sizeof near));
     }
     return plugin == NULL || scene->method == NULL ? NULL
                                                    : find_method(reader, match, plugin);
