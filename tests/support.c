@@ -5,6 +5,7 @@
 
 const weft_plugin *weft_plugin_verlet(void);
 const weft_plugin *weft_plugin_gsl(void);
+const weft_plugin *weft_plugin_arkode(void);
 
 const weft_plugin *test_plugin(size_t i)
 {
@@ -12,6 +13,9 @@ const weft_plugin *test_plugin(size_t i)
         weft_plugin_verlet,
 #ifdef HAVE_GSL
         weft_plugin_gsl,
+#endif
+#ifdef HAVE_ARKODE
+        weft_plugin_arkode,
 #endif
     };
     return i < sizeof plugins / sizeof plugins[0] ? plugins[i]() : NULL;

@@ -112,7 +112,7 @@ static int pendulums(double t, const double *y, double *dydt, void *ctx)
 static result kick(const weft_stepper_type *type, weft_norm norm, double tolerance)
 {
     const weft_ode ode = { .dim = (size_t)2 * PENDULUMS, .rhs = pendulums };
-    weft_stepper_config config = adaptive(tolerance);
+    weft_stepper_config config = complete(type, adaptive(tolerance));
     config.norm = norm;
     double y[2 * PENDULUMS] = { 0 }, t = 0.0;
     y[PENDULUMS + KICKED] = 1.9;
