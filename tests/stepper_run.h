@@ -52,24 +52,6 @@ static inline int rhs(double t, const double *y, double *dydt, void *ctx)
     return fails && m->fault == REFUSE ? 1 : fails && m->fault == STOP ? -1 : 0;
 }
 
-/* For a method that takes a table: Merson's, of order 4, which compares its solution
- * with one of order 3. */
-static inline weft_stepper_config complete(const weft_stepper_type *type,
-                                           weft_stepper_config config)
-{
-    static const double a[25]
-        = { [5] = 1.0 / 3, [10] = 1.0 / 6, [11] = 1.0 / 6, [15] = 0.125,
-            [17] = 0.375,  [20] = 0.5,     [22] = -1.5,    [23] = 2.0 };
-    static const double b[5] = { 1.0 / 6, 0, 0, 2.0 / 3, 1.0 / 6 };
-    static const double c[5] = { 0, 1.0 / 3, 1.0 / 3, 0.5, 1 };
-    static const double b3[5] = { 0.1, 0, 0.3, 0.4, 0.2 };
-    static const weft_butcher merson = { 5, 4, 3, a, b, c, b3 };
-    if ((type->flags & WEFT_STEPPER_BUTCHER) != 0 && config.butcher == NULL) {
-        config.butcher = &merson;
-    }
-    return config;
-}
-
 /* One run of one method on the model. */
 typedef struct run {
     const weft_stepper_type *type;
@@ -86,7 +68,7 @@ static inline void start(run *r, const weft_stepper_type *type,
     *r = (run){ .type = type, .model = { .k = 1.0 } };
     r->ode = (weft_ode){ .dim = DIM, .rhs = rhs, .ctx = &r->model };
     memcpy(r->y, y_start, sizeof r->y);
-    const weft_stepper_config whole = complete(type, *config);
+    const weft_stepper_config whole = test_config(type, *config);
     const weft_status status = type->create(type, &r->ode, &whole, &r->self, &r->err);
     ck_assert_msg(status == WEFT_OK, "%s", r->err.message);
 }

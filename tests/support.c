@@ -76,6 +76,22 @@ const weft_stepper_type *test_method_named(const char *label)
     return NULL;
 }
 
+weft_stepper_config test_config(const weft_stepper_type *type,
+                                weft_stepper_config config)
+{
+    static const double a[25]
+        = { [5] = 1.0 / 3, [10] = 1.0 / 6, [11] = 1.0 / 6, [15] = 0.125,
+            [17] = 0.375,  [20] = 0.5,     [22] = -1.5,    [23] = 2.0 };
+    static const double b[5] = { 1.0 / 6, 0, 0, 2.0 / 3, 1.0 / 6 };
+    static const double c[5] = { 0, 1.0 / 3, 1.0 / 3, 0.5, 1 };
+    static const double b3[5] = { 0.1, 0, 0.3, 0.4, 0.2 };
+    static const weft_butcher merson = { 5, 4, 3, a, b, c, b3 };
+    if ((type->flags & WEFT_STEPPER_BUTCHER) != 0 && config.butcher == NULL) {
+        config.butcher = &merson;
+    }
+    return config;
+}
+
 weft_cloth *test_cloth(const weft_cloth_def *def)
 {
     weft_error err = { 0 };
@@ -92,7 +108,7 @@ weft_sim *test_sim(const weft_cloth *cloth, const weft_stepper_type *method,
     weft_sim_def def = weft_sim_def_default();
     def.cloth = cloth;
     def.method = method;
-    def.config = *config;
+    def.config = test_config(method, *config);
     weft_sim *sim = NULL;
     const weft_status status = weft_sim_create(&def, &sim, &err);
     ck_assert_msg(status == WEFT_OK, "%s", err.message);
