@@ -29,6 +29,9 @@ LINK = $(CC) $(CFLAGS) $(SAN) $(LDFLAGS)
 hash := \#
 has = $(shell echo '$(hash)include <$(1)>' | $(CC) -E - >/dev/null 2>&1 && echo yes)
 HAVE_GSL := $(call has,gsl/gsl_odeiv2.h)
+HAVE_ARKODE := $(call has,arkode/arkode_erkstep.h)
+# SUNDIALS 7 has a library more.
+HAVE_SUNDIALS_7 := $(call has,sundials/sundials_errors.h)
 
 LIB_SRC  := $(wildcard src/cloth/*.c src/sim/*.c src/scene/*.c)
 PROG_SRC := $(wildcard src/record/*.c src/cli/*.c)
@@ -36,10 +39,11 @@ LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
 PROG_OBJ := $(PROG_SRC:%.c=$(BUILD)/%.o)
 LIB_LIBS := -lyaml -ldl -lm
 
-PLUGINS := verlet $(if $(HAVE_GSL),gsl)
+PLUGINS := verlet $(if $(HAVE_GSL),gsl) $(if $(HAVE_ARKODE),arkode)
 PLUGIN_SO := $(PLUGINS:%=$(BUILD)/plugins/weft-%.so)
 LIBS_gsl := -lgsl -lgslcblas -lm
 LIBS_verlet := -lm
+LIBS_arkode := -lsundials_arkode -lsundials_nvecserial $(if $(HAVE_SUNDIALS_7),-lsundials_core) -lm
 
 TESTS := $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
 TEST_BIN := $(TESTS:%=$(BUILD)/tests/%)
@@ -56,6 +60,7 @@ all: $(BUILD)/libweft.so $(BUILD)/libweft.a $(BUILD)/weft $(PLUGIN_SO) skipped
 .PHONY: skipped
 skipped:
 	@$(if $(HAVE_GSL),:,echo "plugin gsl skipped: gsl/gsl_odeiv2.h not found (package libgsl-dev)")
+	@$(if $(HAVE_ARKODE),:,echo "plugin arkode skipped: arkode/arkode_erkstep.h not found (package libsundials-dev)")
 
 # ---- library and program ---------------------------------------------------------
 
@@ -82,13 +87,16 @@ $(BUILD)/plugins/weft-$(1).so: $$(PLUGIN_OBJ_$(1))
 endef
 $(foreach p,$(PLUGINS),$(eval $(call PLUGIN_RULE,$(p))))
 
+# Loops over whole states, which gcc does not vectorise at -O2.
+$(BUILD)/plugins/arkode/vector.o: CFLAGS := $(CFLAGS) $(if $(SAN),,-O3)
+
 $(BUILD)/plugins/%.o: plugins/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -c -o $@ $<
 
 # ---- tests and examples ----------------------------------------------------------
 
-TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_GSL),-DHAVE_GSL)
+TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_GSL),-DHAVE_GSL) $(if $(HAVE_ARKODE),-DHAVE_ARKODE)
 TEST_PLUGINS = $(foreach p,$(PLUGINS),$(PLUGIN_OBJ_$(p)))
 TEST_LIBS = -lcheck -lsubunit -lrt $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
 

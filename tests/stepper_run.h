@@ -68,7 +68,8 @@ static inline void start(run *r, const weft_stepper_type *type,
     *r = (run){ .type = type, .model = { .k = 1.0 } };
     r->ode = (weft_ode){ .dim = DIM, .rhs = rhs, .ctx = &r->model };
     memcpy(r->y, y_start, sizeof r->y);
-    const weft_status status = type->create(type, &r->ode, config, &r->self, &r->err);
+    const weft_stepper_config whole = test_config(type, *config);
+    const weft_status status = type->create(type, &r->ode, &whole, &r->self, &r->err);
     ck_assert_msg(status == WEFT_OK, "%s", r->err.message);
 }
 

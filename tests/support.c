@@ -5,6 +5,7 @@
 
 const weft_plugin *weft_plugin_verlet(void);
 const weft_plugin *weft_plugin_gsl(void);
+const weft_plugin *weft_plugin_arkode(void);
 
 const weft_plugin *test_plugin(size_t i)
 {
@@ -12,6 +13,9 @@ const weft_plugin *test_plugin(size_t i)
         weft_plugin_verlet,
 #ifdef HAVE_GSL
         weft_plugin_gsl,
+#endif
+#ifdef HAVE_ARKODE
+        weft_plugin_arkode,
 #endif
     };
     return i < sizeof plugins / sizeof plugins[0] ? plugins[i]() : NULL;
@@ -74,6 +78,22 @@ const weft_stepper_type *test_method_named(const char *name)
     return NULL;
 }
 
+weft_stepper_config test_config(const weft_stepper_type *type,
+                                weft_stepper_config config)
+{
+    static const double a[25]
+        = { [5] = 1.0 / 3, [10] = 1.0 / 6, [11] = 1.0 / 6, [15] = 0.125,
+            [17] = 0.375,  [20] = 0.5,     [22] = -1.5,    [23] = 2.0 };
+    static const double b[5] = { 1.0 / 6, 0, 0, 2.0 / 3, 1.0 / 6 };
+    static const double c[5] = { 0, 1.0 / 3, 1.0 / 3, 0.5, 1 };
+    static const double b3[5] = { 0.1, 0, 0.3, 0.4, 0.2 };
+    static const weft_butcher merson = { 5, 4, 3, a, b, c, b3 };
+    if ((type->flags & WEFT_STEPPER_BUTCHER) != 0 && config.butcher == NULL) {
+        config.butcher = &merson;
+    }
+    return config;
+}
+
 weft_cloth *test_cloth(const weft_cloth_def *def)
 {
     weft_error err = { 0 };
@@ -90,7 +110,7 @@ weft_sim *test_sim(const weft_cloth *cloth, const weft_stepper_type *method,
     weft_sim_def def = weft_sim_def_default();
     def.cloth = cloth;
     def.method = method;
-    def.config = *config;
+    def.config = test_config(method, *config);
     weft_sim *sim = NULL;
     const weft_status status = weft_sim_create(&def, &sim, &err);
     ck_assert_msg(status == WEFT_OK, "%s", err.message);

@@ -18,6 +18,11 @@ const char *test_method_label(size_t i); /* "gsl/rkf45" */
 /* A method by label; ends the test if it is not there. */
 const weft_stepper_type *test_method_named(const char *name);
 
+/* For a method that takes a table and has none: Merson's, of order 4, which compares
+ * its solution with one of order 3. */
+weft_stepper_config test_config(const weft_stepper_type *type,
+                                weft_stepper_config config);
+
 /* Made from a definition; ends the test on failure. */
 weft_cloth *test_cloth(const weft_cloth_def *def);
 weft_sim *test_sim(const weft_cloth *cloth, const weft_stepper_type *method,

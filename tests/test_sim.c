@@ -220,7 +220,7 @@ START_TEST(corrections_follow_each_step_and_are_seen_by_the_next)
     weft_sim_def def = weft_sim_def_default();
     def.cloth = cloth;
     def.method = test_method((size_t)_i);
-    def.config = fixed(1e-3);
+    def.config = test_config(def.method, fixed(1e-3));
     def.correct = halve_speed;
     def.correct_ctx = &seen;
     ck_assert_int_eq(weft_sim_create(&def, &corrected, NULL), WEFT_OK);

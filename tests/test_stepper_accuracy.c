@@ -15,7 +15,7 @@ static double fixed_step_error(const weft_stepper_type *type, int steps)
 }
 
 /* error ~ h^p: the exponent between h and h/2, for the smallest h that is still far
- * from roundoff */
+ * from roundoff: near 1e-2 s terms of higher order still hide that of dormand_prince */
 START_TEST(measured_order_is_the_claimed_one)
 {
     const weft_stepper_type *type = test_method((size_t)_i);
@@ -24,7 +24,7 @@ START_TEST(measured_order_is_the_claimed_one)
     }
     const int first = type->order < 8 ? 16 : 4;
     double order = 0.0, error = fixed_step_error(type, first);
-    for (int steps = 2 * first; steps <= 1024 && error > 1e-9; steps *= 2) {
+    for (int steps = 2 * first; steps <= 1024 && error > 1e-12; steps *= 2) {
         const double finer = fixed_step_error(type, steps);
         order = log2(error / finer);
         error = finer;
@@ -112,7 +112,7 @@ static int pendulums(double t, const double *y, double *dydt, void *ctx)
 static result kick(const weft_stepper_type *type, weft_norm norm, double tolerance)
 {
     const weft_ode ode = { .dim = (size_t)2 * PENDULUMS, .rhs = pendulums };
-    weft_stepper_config config = adaptive(tolerance);
+    weft_stepper_config config = test_config(type, adaptive(tolerance));
     config.norm = norm;
     double y[2 * PENDULUMS] = { 0 }, t = 0.0;
     y[PENDULUMS + KICKED] = 1.9;

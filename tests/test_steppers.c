@@ -66,7 +66,7 @@ START_TEST(bad_numbers_are_refused)
     const weft_stepper_type *type = test_method((size_t)_i);
     model m = { .k = 1.0 };
     weft_ode ode = { .dim = DIM, .rhs = rhs, .ctx = &m };
-    weft_stepper_config good = usual(type, 0);
+    weft_stepper_config good = test_config(type, usual(type, 0));
     REFUSED(fixed_step, -1e-3, (double)NAN, (double)INFINITY);
     if (can_adapt(type)) {
         REFUSED(rtol, -1e-9, (double)NAN, (double)INFINITY);

@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* arkode_plugin.h -- what the files of this plugin share. Reading order: plugin.c (the
+ * methods), tables.c and order.c (coefficients and what they must meet), create.c (one
+ * instance), step.c (one accepted step), vector.c (arithmetic).
+ *
+ * ERKStep, the explicit Runge-Kutta module of SUNDIALS' ARKODE, is driven whole: it
+ * combines the stages, estimates the error, accepts, rejects and chooses h. SUNDIALS
+ * 6.4 to 7.x; what differs between them is in this file and in `version_settings`. */
+#ifndef ARKODE_PLUGIN_H
+#define ARKODE_PLUGIN_H
+
+#include "weft/stepper.h"
+
+#if defined(__GNUC__) /* headers of others do not meet our warnings */
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpedantic"
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wstrict-prototypes"
+#endif
+#include <arkode/arkode_butcher_erk.h>
+#include <arkode/arkode_erkstep.h>
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_config.h>
+
+#define SUNV (SUNDIALS_VERSION_MAJOR * 100 + SUNDIALS_VERSION_MINOR)
+
+#if SUNV >= 700
+#include <sundials/sundials_core.h>
+#endif
+#if SUNV >= 607
+#include <sunadaptcontroller/sunadaptcontroller_soderlind.h>
+#endif
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+
+#if SUNV < 604
+#error "this plugin needs SUNDIALS 6.4 or later"
+#endif
+#ifndef SUNDIALS_DOUBLE_PRECISION
+#error "this plugin needs SUNDIALS with realtype double"
+#endif
+
+#if SUNV >= 700
+#define NO_COMM SUN_COMM_NULL
+#else
+#define NO_COMM NULL
+#endif
+
+#if SUNV >= 701 /* functions that were of each module became ARKODE's own */
+#define ARK(name) ARKode##name
+#else
+#define ARK(name) ERKStep##name
+#endif
+
+/* A method: the public record first, so that a pointer to the one is a pointer to the
+ * other, and where its table comes from: ARKODE, or us, or the user. */
+typedef struct ark_method {
+    weft_stepper_type type;
+    ARKODE_ERKTableID id;      /* ARKODE_ERK_NONE: not one of ARKODE's */
+    const weft_butcher *table; /* NULL: not one of ours */
+} ark_method;
+
+/* One instance. */
+typedef struct stepper {
+    const ark_method *method;
+    weft_ode ode;
+    double rtol, atol[2];                  /* of positions [m], of velocities [m/s] */
+    double fixed_step, min_step, max_step; /* [s] */
+    int stages;                            /* of the table */
+    bool fsal;    /* the last stage of the table is the first of the next step */
+    double h;     /* [s] what to try next */
+    bool own_h;   /* h is ours: ARKODE would try another */
+    bool restart; /* ARKODE's y or f is not what the next step starts from */
+    weft_stepper_stats stats;
+    long failed_tests; /* rejections that ARKODE has counted so far */
+
+    SUNContext context;
+    N_Vector y; /* ours; ARKODE writes to it also when it fails */
+    void *solver;
+#if SUNV >= 607
+    SUNAdaptController controller;
+#endif
+
+    /* the step under way */
+    bool starting; /* the next RHS call is f(t, y) at its start */
+    bool skip;     /* the next RHS call is for nothing (step.c) */
+    bool stopped;  /* the RHS asked to end the run */
+    int since_bad; /* RHS calls since one whose result was of no use */
+} stepper;
+
+/* create.c */
+weft_status weft__ark_create(const weft_stepper_type *type, const weft_ode *ode,
+                             const weft_stepper_config *config, void **out,
+                             weft_error *err);
+void weft__ark_destroy(void *instance);
+
+/* step.c */
+int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance);
+int weft__ark_weights(N_Vector y, N_Vector weights, void *instance);
+int weft__ark_step_done(sunrealtype t, N_Vector y, void *instance);
+weft_status weft__ark_step(void *instance, double t_end, double *t, double *y,
+                           weft_error *err);
+void weft__ark_state_changed(void *instance);
+void weft__ark_stats(const void *instance, weft_stepper_stats *out);
+
+/* tables.c: the table of a method for ARKODE, which the caller frees. */
+weft_status weft__ark_table(const ark_method *method, const weft_butcher *custom,
+                            ARKodeButcherTable *out, weft_error *err);
+bool weft__ark_table_is_fsal(ARKodeButcherTable table);
+extern const weft_butcher weft__ark_euler, weft__ark_midpoint, weft__ark_heun,
+    weft__ark_rk4, weft__ark_rk38;
+
+/* order.c: whether the weights have the order; if not, *what is the first condition
+ * that fails. Orders above WEFT__ARK_ORDER_CHECKED are checked up to that. */
+#define WEFT__ARK_MAX_STAGES    256
+#define WEFT__ARK_ORDER_CHECKED 5
+bool weft__ark_has_order(const weft_butcher *table, const double *weights, int order,
+                         const char **what, double *is, double *wanted);
+
+/* vector.c */
+void weft__ark_patch_vector(N_Vector v, weft_norm norm);
+bool weft__ark_finite(const double *x, size_t count);
+void weft__ark_weigh(const double *y, double *weights, size_t count, double rtol,
+                     double atol);
+
+#endif
