@@ -281,9 +281,13 @@ START_TEST(what_this_version_cannot_run_it_says_and_exits_with_1)
           "{A: [[], [1/2]], b: [0, 1], c: [0, 1/2], order: 2}, "
           "fixed_step: 1e-3}' 2>&1";
     expect(shell(WEFT " check " OUT "/small.yaml %s", table), 0);
+#ifdef HAVE_ARKODE
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/b %s", table), 0);
+#else
     expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/b %s", table), 1);
     says("butcher");
     expect(shell("grep -c 'status: failed' " OUT "/b/result.yaml"), 0);
+#endif
 }
 END_TEST
 
