@@ -125,7 +125,7 @@ static const struct {
     { "weft-shortplugin.so", "it has a struct_size of 16 bytes, abi 1 needs %zu",
       sizeof(weft_plugin) },
     { "weft-shorttype.so", "method 1 has a struct_size of 64 bytes, abi 1 needs %zu",
-      sizeof(weft_stepper_type) },
+      WEFT_STEPPER_TYPE_LEAST },
     { "weft-twicename.so", "method 'first' is there twice", 0 },
     { "weft-typeabi.so", "method 1 is built for stepper abi 7, this weft has 1", 0 },
     { "weft-wrongabi.so", "it is built for stepper abi 2, this weft has 1", 0 },

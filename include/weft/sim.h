@@ -52,7 +52,7 @@ WEFT_API const weft_plugin *weft_registry_at(const weft_registry *registry, size
 /* The file a plugin came from; "" if it is linked in. */
 WEFT_API const char *weft_registry_file(const weft_registry *registry, size_t i);
 
-/* The method of that name, or NULL. */
+/* The method of that name or full name, or NULL. */
 WEFT_API const weft_stepper_type *weft_plugin_method(const weft_plugin *plugin,
                                                      const char *name);
 
@@ -94,6 +94,8 @@ WEFT_API const double *
 weft_sim_state(const weft_sim *sim); /* y[6 N], until next step */
 WEFT_API const weft_cloth *weft_sim_cloth(const weft_sim *sim);
 WEFT_API weft_stepper_stats weft_sim_stats(const weft_sim *sim);
+/* Every choice of the stepper beyond its config, one call of `tell` each. */
+WEFT_API void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx);
 /* [J] turned into heat so far by springs and viscous drag: the trapezoid rule over the
  * accepted steps, of second order in h. */
 WEFT_API double weft_sim_dissipated(const weft_sim *sim);

@@ -6,8 +6,10 @@
  * at a time, so that it may correct the state in between and meet every frame.
  *
  * The state is partitioned: y[0 .. dim/2) are positions [m], y[dim/2 .. dim) their
- * velocities [m/s]. For a cloth of N particles dim = 6 N and each half is three
- * planes: x[N] y[N] z[N], vx[N] vy[N] vz[N]. A stepper knows no more of cloth.
+ * velocities [m/s]; with config->quadratures = q > 0, the last q components are apart
+ * and the halves are of length (dim - q) / 2. For a cloth of N particles dim = 6 N and
+ * each half is three planes: x[N] y[N] z[N], vx[N] vy[N] vz[N]. A stepper knows no more
+ * of cloth.
  *
  * Threads: instances are independent; one instance is used by one thread at a time. */
 #ifndef WEFT_STEPPER_H
@@ -22,6 +24,11 @@ extern "C" {
 /* Raised when a field moves or changes meaning. New fields go at the end of a struct
  * and are recognised by its struct_size alone. */
 #define WEFT_STEPPER_ABI 1u
+
+/* Whether *s, of any version, has the field, which was added to the end of its struct.
+ */
+#define WEFT_HAS(s, type, field)                                                       \
+    ((s)->struct_size >= offsetof(type, field) + sizeof((s)->field))
 
 /* Fill all of dydt[dim]. Return 0; > 0 if y is unusable and a smaller step may help;
  * < 0 to end the run. Must not print, allocate or write to y. */
@@ -44,6 +51,20 @@ typedef struct weft_butcher {
     const double *b_embedded; /* stages, or NULL */
 } weft_butcher;
 
+/* How a solver that offers a choice adapts h. A field that is 0 or NULL: the plugin's
+ * own default, which it tells by `options`. */
+typedef struct weft_controller {
+    const char *type;     /* "pi", ...: the plugin knows which */
+    double gains[3];      /* of the controller's law, gain_count of them */
+    int gain_count;       /* 0: the defaults of the type */
+    double safety;        /* > 0, <= 1: part of the h that would just do */
+    double bias;          /* >= 1: the error estimate is multiplied by it */
+    double max_growth;    /* > 1: of h from step to step */
+    double first_growth;  /* > 1: the same after the first step */
+    double min_reduction; /* > 0, < 1: of h from step to step */
+    double failed_growth; /* > 0, < 1: of h after repeated rejections */
+} weft_controller;
+
 /* What the user asked of the solver, which then decides every step by itself. With
  * fixed_step > 0 there is no error control: the norm, the tolerances and the other
  * step sizes are not looked at. */
@@ -58,7 +79,17 @@ typedef struct weft_stepper_config {
     double max_step;             /* [s], >= min_step, may be INFINITY */
     double fixed_step;           /* [s]; 0: adaptive */
     const weft_butcher *butcher; /* for a method that takes one; else NULL */
+
+    /* appended: there if struct_size says so */
+    const weft_controller *controller; /* for a method that takes one; NULL: default */
+    size_t threads;     /* for the solver's own arithmetic; 0 and 1: the caller's */
+    size_t quadratures; /* so many components at the end of y are neither positions nor
+                           velocities: integrated along, without a say in any step.
+                           Only for a method with WEFT_STEPPER_QUADRATURES */
 } weft_stepper_config;
+
+/* What every version of the struct has. */
+#define WEFT_STEPPER_CONFIG_LEAST offsetof(weft_stepper_config, controller)
 
 typedef struct weft_stepper_stats {
     uint32_t struct_size;
@@ -74,10 +105,15 @@ enum {
     WEFT_STEPPER_FSAL = 1 << 1,       /* last stage is the next step's first */
     WEFT_STEPPER_MULTISTEP = 1 << 2,  /* a changed state restarts its history */
     WEFT_STEPPER_IMPLICIT = 1 << 3,
-    WEFT_STEPPER_LEGACY = 1 << 4,  /* kept for comparison, not recommended */
-    WEFT_STEPPER_BUTCHER = 1 << 5, /* takes its table from config->butcher */
-    WEFT_STEPPER_DENSE = 1 << 6    /* keeps dim x dim matrices: small states only */
+    WEFT_STEPPER_LEGACY = 1 << 4,     /* kept for comparison, not recommended */
+    WEFT_STEPPER_BUTCHER = 1 << 5,    /* takes its table from config->butcher */
+    WEFT_STEPPER_DENSE = 1 << 6,      /* keeps dim x dim matrices: small states only */
+    WEFT_STEPPER_CONTROLLER = 1 << 7, /* adaptive steps look at config->controller */
+    WEFT_STEPPER_QUADRATURES = 1 << 8 /* config->quadratures may be > 0 */
 };
+
+/* An option in force, in words: "safety", "0.96". */
+typedef void weft_option_fn(void *ctx, const char *name, const char *value);
 
 /* One method: a constant, one for each. */
 typedef struct weft_stepper_type {
@@ -114,7 +150,17 @@ typedef struct weft_stepper_type {
     void (*stats)(const void *self, weft_stepper_stats *out);
 
     void (*destroy)(void *self); /* NULL is allowed */
+
+    /* appended: there if struct_size says so; each may be NULL */
+    const char *full_name; /* another name that finds the method: the solver's own */
+
+    /* Tells every choice that the plugin made or passed on to the solver beyond what
+     * stands in the config: all that a repetition of the run needs. */
+    void (*options)(const void *self, weft_option_fn *tell, void *ctx);
 } weft_stepper_type;
+
+/* What every version of the struct has. */
+#define WEFT_STEPPER_TYPE_LEAST offsetof(weft_stepper_type, full_name)
 
 /* weft-<id>.so exports one function, weft_plugin_<id>(), which returns static data.
  * Linked statically, the same object file is registered by that function. */

@@ -27,10 +27,11 @@ static const char *mistake(const ark_method *method, const weft_ode *ode,
 {
     const weft_stepper_config *c = config;
     const bool fixed_only = (method->type.flags & WEFT_STEPPER_FIXED_ONLY) != 0;
-    const bool adaptive = c->struct_size >= sizeof *c && c->fixed_step == 0.0;
-    return c->struct_size < sizeof *c           ? "config of an older version"
-           : ode->rhs == NULL                   ? "no right-hand side"
-           : ode->dim == 0 || ode->dim % 2 != 0 ? "dim must be even and > 0"
+    const bool adaptive
+        = c->struct_size >= WEFT_STEPPER_CONFIG_LEAST && c->fixed_step == 0.0;
+    return c->struct_size < WEFT_STEPPER_CONFIG_LEAST ? "config of an older version"
+           : ode->rhs == NULL                         ? "no right-hand side"
+           : ode->dim == 0 || ode->dim % 2 != 0       ? "dim must be even and > 0"
            : !adaptive && !positive(c->fixed_step)
                ? "fixed_step must be > 0 s, or 0 for adaptive steps"
            : !adaptive  ? NULL

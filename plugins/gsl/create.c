@@ -26,11 +26,12 @@ static bool positive(double x)
 static const char *mistake(const weft_ode *ode, const weft_stepper_config *config)
 {
     const weft_stepper_config *c = config;
-    const bool adaptive = c->struct_size >= sizeof *c && c->fixed_step == 0.0;
-    return c->struct_size < sizeof *c           ? "config of an older version"
-           : ode->rhs == NULL                   ? "no right-hand side"
-           : ode->dim == 0 || ode->dim % 2 != 0 ? "dim must be even and > 0"
-           : c->butcher != NULL                 ? "takes no Butcher table"
+    const bool adaptive
+        = c->struct_size >= WEFT_STEPPER_CONFIG_LEAST && c->fixed_step == 0.0;
+    return c->struct_size < WEFT_STEPPER_CONFIG_LEAST ? "config of an older version"
+           : ode->rhs == NULL                         ? "no right-hand side"
+           : ode->dim == 0 || ode->dim % 2 != 0       ? "dim must be even and > 0"
+           : c->butcher != NULL                       ? "takes no Butcher table"
            : !adaptive && !positive(c->fixed_step)
                ? "fixed_step must be > 0 s, or 0 for adaptive steps"
            : !adaptive                                            ? NULL

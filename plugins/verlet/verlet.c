@@ -112,7 +112,8 @@ static weft_status check(const weft_stepper_type *type, const weft_ode *ode,
     const char *wrong = NULL;
     if (ode->dim == 0 || ode->dim % 2 != 0 || ode->dim > SIZE_MAX / 64) {
         wrong = "the state must be an even count of numbers";
-    } else if (config->struct_size < sizeof *config || config->butcher != NULL) {
+    } else if (config->struct_size < WEFT_STEPPER_CONFIG_LEAST
+               || config->butcher != NULL) {
         wrong = "config of another version, or with a Butcher table";
     } else if (config->fixed_step == 0.0) {
         wrong = "no error control: needs a fixed_step";

@@ -14,11 +14,11 @@ static weft_status check_type(const weft_stepper_type *type, size_t index,
             "method %zu is built for stepper abi %u, this weft has %u", index,
             (unsigned)type->abi, WEFT_STEPPER_ABI);
     }
-    if (type->struct_size < sizeof *type) {
+    if (type->struct_size < WEFT_STEPPER_TYPE_LEAST) {
         return weft_error_set(
             err, WEFT_BAD_PLUGIN,
             "method %zu has a struct_size of %u bytes, abi %u needs %zu", index,
-            (unsigned)type->struct_size, WEFT_STEPPER_ABI, sizeof *type);
+            (unsigned)type->struct_size, WEFT_STEPPER_ABI, WEFT_STEPPER_TYPE_LEAST);
     }
     if (type->name == NULL || type->name[0] == '\0') {
         return weft_error_set(err, WEFT_BAD_PLUGIN, "method %zu has no name", index);
@@ -38,14 +38,26 @@ static weft_status check_type(const weft_stepper_type *type, size_t index,
     return WEFT_OK;
 }
 
+static const char *full_name(const weft_stepper_type *type)
+{
+    return WEFT_HAS(type, weft_stepper_type, full_name) ? type->full_name : NULL;
+}
+
+bool weft__stepper_is(const weft_stepper_type *type, const char *name)
+{
+    const char *full = full_name(type);
+    return strcmp(type->name, name) == 0 || (full != NULL && strcmp(full, name) == 0);
+}
+
 static weft_status check_names(const weft_plugin *plugin, weft_error *err)
 {
     for (size_t i = 0; plugin->types[i] != NULL; ++i) {
+        const char *name = plugin->types[i]->name, *full = full_name(plugin->types[i]);
         for (size_t j = 0; j < i; ++j) {
-            if (strcmp(plugin->types[i]->name, plugin->types[j]->name) == 0) {
+            if (weft__stepper_is(plugin->types[j], name)
+                || (full != NULL && weft__stepper_is(plugin->types[j], full))) {
                 return weft_error_set(err, WEFT_BAD_PLUGIN,
-                                      "method '%s' is there twice",
-                                      plugin->types[i]->name);
+                                      "method '%s' is there twice", name);
             }
         }
     }

@@ -43,7 +43,7 @@ static int rhs(double t, const double *y, double *dydt, void *ctx)
 
 static weft_status check_config(const weft_stepper_config *config, weft_error *err)
 {
-    if (config->struct_size < sizeof *config) {
+    if (config->struct_size < WEFT_STEPPER_CONFIG_LEAST) {
         return weft_error_set(err, WEFT_INVALID,
                               "stepper config: start from weft_stepper_config_default");
     }
@@ -233,6 +233,14 @@ weft_stepper_stats weft_sim_stats(const weft_sim *sim)
     weft_stepper_stats stats = { .struct_size = sizeof stats };
     sim->method->stats(sim->stepper, &stats);
     return stats;
+}
+
+void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx)
+{
+    const weft_stepper_type *method = sim->method;
+    if (WEFT_HAS(method, weft_stepper_type, options) && method->options != NULL) {
+        method->options(sim->stepper, tell, ctx);
+    }
 }
 
 double weft_sim_dissipated(const weft_sim *sim)
