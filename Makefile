@@ -50,7 +50,7 @@ TEST_BIN := $(TESTS:%=$(BUILD)/tests/%)
 BROKEN := $(patsubst tests/broken/%.c,$(BUILD)/tests/broken/weft-%.so,$(wildcard tests/broken/*.c))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/*.c))
 
-.PHONY: all check check-run demo demo-run deps docs lint format asan clang-build \
+.PHONY: all check check-run bench demo demo-run deps docs lint format asan clang-build \
         valgrind symbols clean help
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -117,6 +117,22 @@ $(BUILD)/examples/%: examples/%.c $(BUILD)/libweft.so $(BUILD)/plugins/weft-verl
 	$(call say,CC)$(COMPILE) -o $@ $< $(BUILD)/plugins/weft-verlet.so -L$(BUILD) \
 	    -Wl,-rpath,'$$ORIGIN/..' -Wl,-rpath,'$$ORIGIN/../plugins' -lweft -lm
 
+# ---- benchmarks: one program each; they measure and assert nothing ----------------
+
+BENCHES := $(patsubst bench/%.c,%,$(wildcard bench/*.c))
+BENCH ?= $(BENCHES)
+
+$(BUILD)/bench/%.o: bench/%.c
+	@mkdir -p $(@D)
+	$(call say,CC)$(COMPILE) $(TEST_DEFS) -c -o $@ $<
+
+$(BUILD)/bench/%: $(BUILD)/bench/%.o $(BUILD)/libweft.a $(PLUGIN_SO)
+	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a \
+	    $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
+
+bench: all $(BENCHES:%=$(BUILD)/bench/%)
+	@for name in $(BENCH); do $(BUILD)/bench/$$name || exit 1; done
+
 # Packages first, then a second make: what the first one knew of them is out of date.
 check: deps
 	@$(MAKE) --no-print-directory check-run
@@ -136,7 +152,7 @@ deps:
 # ---- care ------------------------------------------------------------------------
 
 C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] plugins/*/*.[ch] tests/*.[ch] \
-                     tests/broken/*.c examples/*.c)
+                     tests/broken/*.c examples/*.c bench/*.[ch])
 
 lint:
 	@tools/lint $(C_FILES)
@@ -169,6 +185,6 @@ clean:
 
 help:
 	@sed -n '2,8s/^# \{0,1\}//p' Makefile
-	@echo "make lint | format | docs | asan | clang-build | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | lint | format | docs | asan | clang-build | valgrind | symbols | clean"
 
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
