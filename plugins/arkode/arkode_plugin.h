@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* arkode_plugin.h -- what the files of this plugin share. Reading order: plugin.c (the
  * methods), tables.c and order.c (coefficients and what they must meet), create.c (one
- * instance), step.c (one accepted step), vector.c (arithmetic).
+ * instance), control.c (how h is adapted), step.c (one accepted step), vector.c
+ * (arithmetic).
  *
  * ERKStep, the explicit Runge-Kutta module of SUNDIALS' ARKODE, is driven whole: it
  * combines the stages, estimates the error, accepts, rejects and chooses h. SUNDIALS
@@ -28,6 +29,7 @@
 #include <sundials/sundials_core.h>
 #endif
 #if SUNV >= 607
+#include <sunadaptcontroller/sunadaptcontroller_imexgus.h>
 #include <sunadaptcontroller/sunadaptcontroller_soderlind.h>
 #endif
 #if defined(__GNUC__)
@@ -67,6 +69,7 @@ typedef struct stepper {
     weft_ode ode;
     double rtol, atol[2];                  /* of positions [m], of velocities [m/s] */
     double fixed_step, min_step, max_step; /* [s] */
+    weft_controller control;               /* complete */
     int stages;                            /* of the table */
     bool fsal;    /* the last stage of the table is the first of the next step */
     double h;     /* [s] what to try next */
@@ -94,6 +97,13 @@ weft_status weft__ark_create(const weft_stepper_type *type, const weft_ode *ode,
                              const weft_stepper_config *config, void **out,
                              weft_error *err);
 void weft__ark_destroy(void *instance);
+
+/* control.c: what is wrong with a controller, or NULL; a controller with its defaults;
+ * ARKODE told of it, 0 if that went well; what is in force. */
+const char *weft__ark_control_mistake(const weft_controller *c);
+weft_controller weft__ark_control(const weft_controller *asked);
+int weft__ark_set_control(stepper *self);
+void weft__ark_options(const void *instance, weft_option_fn *tell, void *ctx);
 
 /* step.c */
 int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance);

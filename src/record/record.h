@@ -70,7 +70,7 @@ weft_status record_csv_read(const char *directory, const char *name,
 
 /* report.c: versions, plugin, method and every option in force. */
 weft_status record_manifest(const char *directory, const weft_scene *scene,
-                            const weft_cloth *cloth, const weft_plugin *plugin,
+                            const weft_sim *sim, const weft_plugin *plugin,
                             const char *plugin_file, weft_error *err);
 
 /* How a run ended. */
