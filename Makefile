@@ -55,7 +55,7 @@ BROKEN := $(patsubst tests/broken/%.c,$(BUILD)/tests/broken/weft-%.so,$(wildcard
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/*.c))
 
 .PHONY: all check check-run bench demo demo-run deps docs lint format asan clang-build \
-        valgrind symbols clean help
+        check-sundials7 valgrind symbols clean help
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -183,6 +183,10 @@ clang-build:
 valgrind: all $(TEST_BIN) $(BROKEN)
 	@tools/valgrind $(BUILD)
 
+# The tests against Debian 13's SUNDIALS 7, in a system of its own; root, debootstrap.
+check-sundials7:
+	@tools/check-sundials7 $(BUILD)
+
 symbols: $(BUILD)/libweft.so $(PLUGIN_SO)
 	@tools/symbols $^
 
@@ -191,6 +195,6 @@ clean:
 
 help:
 	@sed -n '2,8s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | lint | format | docs | asan | clang-build | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | lint | format | docs | asan | clang-build | check-sundials7 | valgrind | symbols | clean"
 
--include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
+-include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)
