@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* arkode_plugin.h -- what the files of this plugin share. Reading order: plugin.c (the
  * methods), tables.c and order.c (coefficients and what they must meet), create.c (one
- * instance), step.c (one accepted step), vector.c (arithmetic).
+ * instance), step.c (one accepted step), vector.c (arithmetic), threads.c.
  *
  * ERKStep, the explicit Runge-Kutta module of SUNDIALS' ARKODE, is driven whole: it
  * combines the stages, estimates the error, accepts, rejects and chooses h. SUNDIALS
@@ -76,6 +76,7 @@ typedef struct stepper {
     long failed_tests; /* rejections that ARKODE has counted so far */
 
     SUNContext context;
+    struct ark_team *team;
     N_Vector y; /* ours; ARKODE writes to it also when it fails */
     void *solver;
 #if SUNV >= 607
@@ -118,10 +119,24 @@ extern const weft_butcher weft__ark_euler, weft__ark_midpoint, weft__ark_heun,
 bool weft__ark_has_order(const weft_butcher *table, const double *weights, int order,
                          const char **what, double *is, double *wanted);
 
-/* vector.c */
-void weft__ark_patch_vector(N_Vector v, weft_norm norm);
-bool weft__ark_finite(const double *x, size_t count);
-void weft__ark_weigh(const double *y, double *weights, size_t count, double rtol,
-                     double atol);
+/* threads.c: so many threads, the caller's among them, on parts of a job. The parts
+ * must not depend on one another. NULL: the caller's alone, which is also what there is
+ * where no more can be had. */
+typedef struct ark_team ark_team;
+typedef void ark_task(void *ctx, int part);
+ark_team *weft__ark_team(size_t threads);
+void weft__ark_team_run(ark_team *team, ark_task *task, void *ctx, int count);
+void weft__ark_team_free(ark_team *team);
+
+/* vector.c: n zeros; operations on the vector and its clones are shared with the team,
+ * which may be NULL, if they are long, with the same results. The norm is what ARKODE
+ * judges steps by. NULL: no memory. */
+N_Vector weft__ark_vector(size_t n, ark_team *team, weft_norm norm, SUNContext context);
+void weft__ark_read(N_Vector v, double *to);
+void weft__ark_write(N_Vector v, const double *from);
+bool weft__ark_finite(N_Vector v);
+void weft__ark_weigh(N_Vector y, N_Vector weights, size_t first, size_t count,
+                     double rtol,
+                     double atol); /* of the components from the first on */
 
 #endif

@@ -40,7 +40,7 @@ int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance)
         self->stopped = true;
         return -1;
     }
-    if (failed == 0 && weft__ark_finite(dydt, self->ode.dim)) {
+    if (failed == 0 && weft__ark_finite(ydot)) {
         return 0;
     }
     self->since_bad = 0;
@@ -53,13 +53,11 @@ int weft__ark_weights(N_Vector y, N_Vector weights, void *instance)
 {
     const stepper *self = instance;
     const size_t half = self->ode.dim / 2;
-    const double *from = NV_DATA_S(y);
-    double *to = NV_DATA_S(weights);
     if (self->fixed_step > 0.0) {
         N_VConst(DBL_MIN, weights);
     } else {
-        weft__ark_weigh(from, to, half, self->rtol, self->atol[0]);
-        weft__ark_weigh(from + half, to + half, half, self->rtol, self->atol[1]);
+        weft__ark_weigh(y, weights, 0, half, self->rtol, self->atol[0]);
+        weft__ark_weigh(y, weights, half, half, self->rtol, self->atol[1]);
     }
     return 0;
 }
@@ -87,7 +85,7 @@ static double fit(const stepper *self, double rest)
 /* Before the first step ARKODE has no stages yet, which ReInit makes it allocate. */
 static int give_state(stepper *self, double t, const double *y)
 {
-    memcpy(NV_DATA_S(self->y), y, self->ode.dim * sizeof *y);
+    weft__ark_write(self->y, y);
     self->starting = true;
     if (self->stats.steps > 0) {
         return ARK(Reset)(self->solver, t, self->y);
@@ -202,7 +200,7 @@ static void accept(stepper *self, double tried, double rest, double reached,
 {
     const double before = *t;
     const bool at_end = reached - before >= rest * (1.0 - 1e-12) || reached >= t_end;
-    memcpy(y, NV_DATA_S(self->y), self->ode.dim * sizeof *y);
+    weft__ark_read(self->y, y);
     *t = at_end ? t_end : reached;
     self->restart = *t != reached;
     ++self->stats.steps;
@@ -231,7 +229,7 @@ weft_status weft__ark_step(void *instance, double t_end, double *t, double *y,
         if (flag < 0) {
             return fail(self, flag, *t, err);
         }
-        if (weft__ark_finite(NV_DATA_S(self->y), self->ode.dim)) {
+        if (weft__ark_finite(self->y)) {
             accept(self, h, rest, reached, t_end, t, y);
             return WEFT_OK;
         }
