@@ -69,6 +69,7 @@ typedef struct stepper {
     double fixed_step, min_step, max_step; /* [s] */
     int stages;                            /* of the table */
     bool fsal;    /* the last stage of the table is the first of the next step */
+    bool hidden;  /* a stage that is not finite need not show in the step */
     double h;     /* [s] what to try next */
     bool own_h;   /* h is ours: ARKODE would try another */
     bool restart; /* ARKODE's y or f is not what the next step starts from */
@@ -109,6 +110,8 @@ void weft__ark_stats(const void *instance, weft_stepper_stats *out);
 weft_status weft__ark_table(const ark_method *method, const weft_butcher *custom,
                             ARKodeButcherTable *out, weft_error *err);
 bool weft__ark_table_is_fsal(ARKodeButcherTable table);
+/* Whether there is a stage that nothing in a step is combined from. */
+bool weft__ark_table_hides(ARKodeButcherTable table, bool adaptive);
 extern const weft_butcher weft__ark_euler, weft__ark_midpoint, weft__ark_heun,
     weft__ark_rk4, weft__ark_rk38;
 
@@ -128,15 +131,19 @@ ark_team *weft__ark_team(size_t threads);
 void weft__ark_team_run(ark_team *team, ark_task *task, void *ctx, int count);
 void weft__ark_team_free(ark_team *team);
 
-/* vector.c: n zeros; operations on the vector and its clones are shared with the team,
- * which may be NULL, if they are long, with the same results. The norm is what ARKODE
- * judges steps by. NULL: no memory. */
-N_Vector weft__ark_vector(size_t n, ark_team *team, weft_norm norm, SUNContext context);
+/* vector.c: n zeros, whose clones inherit the team and the norm. Operations on long
+ * ones are shared with the team, which may be NULL, with the same results. NULL: no
+ * memory. */
+N_Vector weft__ark_vector(size_t n, ark_team *team, SUNContext context);
+/* What ARKODE judges steps and tolerances by; before that, and with fixed steps, it
+ * finds nothing wrong. */
+void weft__ark_judge_by(N_Vector v, weft_norm norm);
 void weft__ark_read(N_Vector v, double *to);
 void weft__ark_write(N_Vector v, const double *from);
 bool weft__ark_finite(N_Vector v);
+/* Whether the combination, or copy, was finite that was the last to be written to v. */
+bool weft__ark_made_finite(N_Vector v);
 void weft__ark_weigh(N_Vector y, N_Vector weights, size_t first, size_t count,
-                     double rtol,
-                     double atol); /* of the components from the first on */
+                     double rtol, double atol); /* components from the first on */
 
 #endif

@@ -164,11 +164,13 @@ static bool make_solver(stepper *self, const weft_stepper_config *config,
     bool made = make_context(self);
     if (made) {
         self->team = weft__ark_team(threads);
-        self->y
-            = weft__ark_vector(self->ode.dim, self->team, config->norm, self->context);
+        self->y = weft__ark_vector(self->ode.dim, self->team, self->context);
         made = self->y != NULL;
     }
     if (made) {
+        if (self->fixed_step == 0.0) {
+            weft__ark_judge_by(self->y, config->norm);
+        }
         self->solver = ERKStepCreate(weft__ark_rhs, 0.0, self->y, self->context);
         made = self->solver != NULL && settings(self)
                && ERKStepSetTable(self->solver, table) == ARK_SUCCESS;
@@ -195,6 +197,7 @@ static stepper *allocate(const ark_method *method, const weft_ode *ode,
     self->max_step = config->max_step;
     self->stages = table->stages;
     self->fsal = weft__ark_table_is_fsal(table);
+    self->hidden = weft__ark_table_hides(table, !fixed);
     self->h = fixed
                   ? config->fixed_step
                   : fmin(fmax(config->first_step, config->min_step), config->max_step);

@@ -10,7 +10,6 @@
  * are added up in order: the same bits everywhere, on any number of threads. */
 #include "arkode_plugin.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +18,8 @@ enum {
     SIDE_BY_SIDE = 8, /* vectors read at once */
     TERMS = WEFT__ARK_MAX_STAGES + 1,
     BLOCK = 512,            /* components of a sum that stays in a cache */
-    LANES = 8,              /* partial results of a reduction; a cache line */
+    LINE = 8,               /* components of a cache line */
+    LANES = 64,             /* partial results of a norm */
     SLICES = 64,            /* a vector has at most so many, */
     SLICE_LEAST = 2048,     /* of so many components at least */
     PARALLEL_LEAST = 20000, /* components that are worth the waking of a thread */
@@ -44,6 +44,7 @@ enum {
 typedef struct content {
     struct _N_VectorContent_Serial serial; /* first: all that the library sees */
     ark_team *team;
+    bool finite; /* what the last combination written here is */
 } content;
 
 /* On vectors of n components. */
@@ -93,7 +94,7 @@ static void do_slice(void *ctx, int i)
 /* Returns the number of slices; part[i] is what came of the i-th. */
 static int run(slice_fn *slice, const operation *op, double part[SLICES])
 {
-    const size_t even = (op->n / (SLICES * LANES) + 1) * LANES;
+    const size_t even = (op->n / (SLICES * LINE) + 1) * LINE;
     job whole = { slice, op, even > SLICE_LEAST ? even : SLICE_LEAST, part };
     const int count = (int)((op->n + whole.size - 1) / whole.size);
     if (op->team != NULL && op->n >= PARALLEL_LEAST) {
@@ -108,7 +109,20 @@ static int run(slice_fn *slice, const operation *op, double part[SLICES])
 
 /* ---- combinations ---------------------------------------------------------------- */
 
-static inline __attribute__((always_inline)) void
+/* That are not finite are the doubles with all bits of the exponent set: one more
+ * carries into the sign, and more than nothing behind it, for NaN, does so sooner. */
+#define SHOWS_NOT_FINITE UINT64_C(0x0010000000000000)
+#define SHOWS_NAN        UINT64_C(0x000fffffffffffff)
+
+static inline uint64_t magnitude_bits(double x)
+{
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits & INT64_MAX;
+}
+
+/* Returns whether something of z is not finite. */
+static inline __attribute__((always_inline)) bool
 add_up(int count, const double *const *x, const double *c, double *z, size_t n)
 {
     const double *from[SIDE_BY_SIDE];
@@ -117,6 +131,7 @@ add_up(int count, const double *const *x, const double *c, double *z, size_t n)
         from[k] = x[k];
         factor[k] = c[k];
     }
+    uint64_t bad = 0;
     ELEMENTWISE
     for (size_t i = 0; i < n; ++i) {
         double sum = factor[0] * from[0][i];
@@ -124,58 +139,55 @@ add_up(int count, const double *const *x, const double *c, double *z, size_t n)
             sum += factor[k] * from[k][i];
         }
         z[i] = sum;
+        bad |= magnitude_bits(sum) + SHOWS_NOT_FINITE;
     }
+    return bad >> 63 != 0;
 }
 
 /* z = sum of c[k] x[k], from left to right; at most SIDE_BY_SIDE of them. */
-WIDE static void combine(int count, const double *const *x, const double *c, double *z,
+WIDE static bool combine(int count, const double *const *x, const double *c, double *z,
                          size_t n)
 {
     switch (count) {
     case 1:
-        add_up(1, x, c, z, n);
-        break;
+        return add_up(1, x, c, z, n);
     case 2:
-        add_up(2, x, c, z, n);
-        break;
+        return add_up(2, x, c, z, n);
     case 3:
-        add_up(3, x, c, z, n);
-        break;
+        return add_up(3, x, c, z, n);
     case 4:
-        add_up(4, x, c, z, n);
-        break;
+        return add_up(4, x, c, z, n);
     case 5:
-        add_up(5, x, c, z, n);
-        break;
+        return add_up(5, x, c, z, n);
     case 6:
-        add_up(6, x, c, z, n);
-        break;
+        return add_up(6, x, c, z, n);
     case 7:
-        add_up(7, x, c, z, n);
-        break;
+        return add_up(7, x, c, z, n);
     default:
-        add_up(8, x, c, z, n);
-        break;
+        return add_up(8, x, c, z, n);
     }
 }
 
-/* More vectors than that: the sum so far is the first of the next lot. */
-static void combine_many(const operation *op, size_t at, size_t n)
+/* More vectors than that: the sum so far is the first of the next lot. What is not
+ * finite stays so. */
+static bool combine_many(const operation *op, size_t at, size_t n)
 {
     double sum[BLOCK];
     const double *x[SIDE_BY_SIDE] = { sum };
     double c[SIDE_BY_SIDE] = { 1.0 };
+    bool bad = false;
     for (int done = 0, lot = 0; done < op->count; done += lot) {
         const int kept = done > 0;
         for (lot = 0; kept + lot < SIDE_BY_SIDE && done + lot < op->count; ++lot) {
             x[kept + lot] = op->x[done + lot] + at;
             c[kept + lot] = op->c[done + lot];
         }
-        combine(kept + lot, x, c, sum, n);
+        bad = combine(kept + lot, x, c, sum, n);
         x[0] = sum;
         c[0] = 1.0;
     }
     memcpy(op->z + at, sum, n * sizeof *sum);
+    return bad;
 }
 
 static double combination_slice(const operation *op, size_t first, size_t last)
@@ -185,12 +197,13 @@ static double combination_slice(const operation *op, size_t first, size_t last)
         x[k] = op->x[k] + first;
     }
     if (op->count <= SIDE_BY_SIDE) {
-        combine(op->count, x, op->c, op->z + first, last - first);
+        return combine(op->count, x, op->c, op->z + first, last - first);
     }
-    for (size_t at = first; op->count > SIDE_BY_SIDE && at < last; at += BLOCK) {
-        combine_many(op, at, least(BLOCK, last - at));
+    bool bad = false;
+    for (size_t at = first; at < last; at += BLOCK) {
+        bad = combine_many(op, at, least(BLOCK, last - at)) || bad;
     }
-    return 0.0;
+    return bad;
 }
 
 WIDE static double set_slice(const operation *op, size_t first, size_t last)
@@ -209,6 +222,16 @@ static void set_all(sunrealtype c, N_Vector z)
     const operation op
         = { .n = length(z), .team = team_of(z), .c = &c, .z = NV_DATA_S(z) };
     (void)run(set_slice, &op, part);
+    ((content *)z->content)->finite = isfinite(c);
+}
+
+static bool all_zero(const double *part, int count)
+{
+    int i = 0;
+    while (i < count && part[i] == 0.0) {
+        ++i;
+    }
+    return i == count;
 }
 
 /* What has the factor 0 is left out, NaN or not: a table that is given stages without
@@ -235,9 +258,9 @@ static int linear_combination(int count, sunrealtype *c, N_Vector *x, N_Vector z
                            .z = NV_DATA_S(z) };
     if (kept == 0) {
         set_all(0.0, z);
-    } else {
-        (void)run(combination_slice, &op, part);
+        return 0;
     }
+    ((content *)z->content)->finite = all_zero(part, run(combination_slice, &op, part));
     return 0;
 }
 
@@ -253,69 +276,61 @@ static void linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_V
     (void)linear_combination(2, c, both, z);
 }
 
-static void copy(double *to, const double *from, N_Vector like)
-{
-    double part[SLICES], one = 1.0;
-    const operation op = { .n = length(like),
-                           .team = team_of(like),
-                           .count = 1,
-                           .x = &from,
-                           .c = &one,
-                           .z = to };
-    (void)run(combination_slice, &op, part);
-}
-
 void weft__ark_read(N_Vector v, double *to)
 {
-    copy(to, NV_DATA_S(v), v);
+    const double *from = NV_DATA_S(v), one = 1.0;
+    double part[SLICES];
+    const operation op = {
+        .n = length(v), .team = team_of(v), .count = 1, .x = &from, .c = &one, .z = to
+    };
+    (void)run(combination_slice, &op, part);
 }
 
 void weft__ark_write(N_Vector v, const double *from)
 {
-    copy(NV_DATA_S(v), from, v);
+    const double one = 1.0;
+    double part[SLICES];
+    const operation op = { .n = length(v),
+                           .team = team_of(v),
+                           .count = 1,
+                           .x = &from,
+                           .c = &one,
+                           .z = NV_DATA_S(v) };
+    (void)run(combination_slice, &op, part);
 }
 
 /* ---- tests and norms ------------------------------------------------------------- */
 
-/* A comparison drops NaN: the sum, of numbers none of which is negative, keeps it. */
+/* A comparison drops NaN, which is kept apart. */
 WIDE static double max_slice(const operation *op, size_t first, size_t last)
 {
-    const double *p = op->x[0], *w = op->x[1];
-    double most[LANES] = { 0.0 }, sum[LANES] = { 0.0 };
-    size_t at = first;
-    for (; at + LANES <= last; at += LANES) {
-        for (size_t i = 0; i < LANES; ++i) {
-            const double e = fabs(p[at + i] * w[at + i]);
+    double most[LANES] = { 0.0 };
+    uint64_t nan = 0;
+    for (size_t at = first; at < last; at += LANES) {
+        const double *p = op->x[0] + at, *w = op->x[1] + at;
+        const size_t m = least(LANES, last - at);
+        for (size_t i = 0; i < m; ++i) {
+            const double e = fabs(p[i] * w[i]);
             most[i] = e > most[i] ? e : most[i];
-            sum[i] += e;
+            nan |= magnitude_bits(e) + SHOWS_NAN;
         }
-    }
-    for (; at < last; ++at) {
-        const double e = fabs(p[at] * w[at]);
-        most[0] = e > most[0] ? e : most[0];
-        sum[0] += e;
     }
     for (size_t i = 1; i < LANES; ++i) {
         most[0] = most[i] > most[0] ? most[i] : most[0];
-        sum[0] += sum[i];
     }
-    return isnan(sum[0]) ? sum[0] : most[0];
+    return nan >> 63 != 0 ? NAN : most[0];
 }
 
 WIDE static double square_slice(const operation *op, size_t first, size_t last)
 {
-    const double *p = op->x[0], *w = op->x[1];
     double sum[LANES] = { 0.0 };
-    size_t at = first;
-    for (; at + LANES <= last; at += LANES) {
-        for (size_t i = 0; i < LANES; ++i) {
-            const double e = p[at + i] * w[at + i];
+    for (size_t at = first; at < last; at += LANES) {
+        const double *p = op->x[0] + at, *w = op->x[1] + at;
+        const size_t m = least(LANES, last - at);
+        for (size_t i = 0; i < m; ++i) {
+            const double e = p[i] * w[i];
             sum[i] += e * e;
         }
-    }
-    for (; at < last; ++at) {
-        const double e = p[at] * w[at];
-        sum[0] += e * e;
     }
     for (size_t i = 1; i < LANES; ++i) {
         sum[0] += sum[i];
@@ -354,36 +369,35 @@ static sunrealtype rms_norm(N_Vector x, N_Vector weights)
     return sqrt(sum / (double)op.n);
 }
 
-/* x 0 is 0 for a finite x and NaN for any other, and NaN stays in a sum. */
+/* With fixed steps: nothing is judged. */
+static sunrealtype no_norm(N_Vector x, N_Vector weights)
+{
+    (void)x;
+    (void)weights;
+    return 0.0;
+}
+
 WIDE static double finite_slice(const operation *op, size_t first, size_t last)
 {
     const double *x = op->x[0];
-    double sum[LANES] = { 0.0 };
-    size_t at = first;
-    for (; at + LANES <= last; at += LANES) {
-        for (size_t i = 0; i < LANES; ++i) {
-            sum[i] += x[at + i] * 0.0;
-        }
+    uint64_t bad = 0;
+    for (size_t i = first; i < last; ++i) {
+        bad |= magnitude_bits(x[i]) + SHOWS_NOT_FINITE;
     }
-    for (; at < last; ++at) {
-        sum[0] += x[at] * 0.0;
-    }
-    for (size_t i = 1; i < LANES; ++i) {
-        sum[0] += sum[i];
-    }
-    return sum[0];
+    return bad >> 63 != 0;
 }
 
 bool weft__ark_finite(N_Vector v)
 {
     const double *x = NV_DATA_S(v);
     const operation op = { .n = length(v), .team = team_of(v), .x = &x };
-    double part[SLICES], sum = 0.0;
-    const int count = run(finite_slice, &op, part);
-    for (int i = 0; i < count; ++i) {
-        sum += part[i];
-    }
-    return sum == 0.0;
+    double part[SLICES];
+    return all_zero(part, run(finite_slice, &op, part));
+}
+
+bool weft__ark_made_finite(N_Vector v)
+{
+    return ((const content *)v->content)->finite;
 }
 
 WIDE static double weigh_slice(const operation *op, size_t first, size_t last)
@@ -424,7 +438,7 @@ static void destroy(N_Vector v)
 /* Each thread is the first to touch what it works on later, and so has it near. */
 static bool give_content(N_Vector v, size_t n, ark_team *team)
 {
-    const size_t line = LANES * sizeof(double);
+    const size_t line = LINE * sizeof(double);
     content *own = calloc(1, sizeof *own);
     if (own == NULL) {
         return false;
@@ -435,7 +449,7 @@ static bool give_content(N_Vector v, size_t n, ark_team *team)
     own->serial.own_data = SUNTRUE;
     own->serial.data = n > (SIZE_MAX - line) / sizeof(double)
                            ? NULL
-                           : aligned_alloc(line, (n / LANES + 1) * line);
+                           : aligned_alloc(line, (n / LINE + 1) * line);
     if (own->serial.data == NULL) {
         return false;
     }
@@ -454,7 +468,7 @@ static N_Vector clone(N_Vector like)
     return v;
 }
 
-N_Vector weft__ark_vector(size_t n, ark_team *team, weft_norm norm, SUNContext context)
+N_Vector weft__ark_vector(size_t n, ark_team *team, SUNContext context)
 {
     N_Vector serial = N_VNewEmpty_Serial(0, context);
     N_Vector v = serial == NULL ? NULL : N_VNewEmpty(context);
@@ -470,6 +484,11 @@ N_Vector weft__ark_vector(size_t n, ark_team *team, weft_norm norm, SUNContext c
     v->ops->nvlinearsum = linear_sum;
     v->ops->nvlinearcombination = linear_combination;
     v->ops->nvconst = set_all;
-    v->ops->nvwrmsnorm = norm == WEFT_NORM_MAX ? max_norm : rms_norm;
+    v->ops->nvwrmsnorm = no_norm;
     return v;
+}
+
+void weft__ark_judge_by(N_Vector v, weft_norm norm)
+{
+    v->ops->nvwrmsnorm = norm == WEFT_NORM_MAX ? max_norm : rms_norm;
 }
