@@ -48,11 +48,12 @@ int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance)
     return self->fixed_step > 0.0 || starting ? -1 : 0; /* a smaller h helps no start */
 }
 
-/* ARKODE tests whether tolerances are above roundoff, also with a fixed step. */
+/* ARKODE tests whether tolerances are above roundoff, also with a fixed step. What is
+ * no position and no velocity has the weight 0: no say, but NaN in it is NaN. */
 int weft__ark_weights(N_Vector y, N_Vector weights, void *instance)
 {
     const stepper *self = instance;
-    const size_t half = self->ode.dim / 2;
+    const size_t half = self->half;
     const double *from = NV_DATA_S(y);
     double *to = NV_DATA_S(weights);
     if (self->fixed_step > 0.0) {
@@ -60,6 +61,7 @@ int weft__ark_weights(N_Vector y, N_Vector weights, void *instance)
     } else {
         weft__ark_weigh(from, to, half, self->rtol, self->atol[0]);
         weft__ark_weigh(from + half, to + half, half, self->rtol, self->atol[1]);
+        memset(to + 2 * half, 0, (self->ode.dim - 2 * half) * sizeof *to);
     }
     return 0;
 }

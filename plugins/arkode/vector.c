@@ -137,6 +137,15 @@ static sunrealtype max_norm(N_Vector x, N_Vector weights)
     return isnan(sum[0]) ? sum[0] : most[0];
 }
 
+/* Components at the end whose weight is 0 have no say in a mean. */
+static size_t weighty(const double *weights, size_t n)
+{
+    while (n > 0 && weights[n - 1] == 0.0) {
+        --n;
+    }
+    return n;
+}
+
 static sunrealtype rms_norm(N_Vector x, N_Vector weights)
 {
     const double *p = NV_DATA_S(x), *w = NV_DATA_S(weights);
@@ -152,7 +161,7 @@ static sunrealtype rms_norm(N_Vector x, N_Vector weights)
     for (size_t i = 1; i < LANES; ++i) {
         sum[0] += sum[i];
     }
-    return sqrt(sum[0] / (double)n);
+    return sqrt(sum[0] / (double)weighty(w, n));
 }
 
 void weft__ark_patch_vector(N_Vector v, weft_norm norm)

@@ -73,7 +73,7 @@ static trouble judge(const stepper *self, const double *start, double *h)
     const unsigned int order = self->v2 != NULL ? gsl_odeiv2_step_order(self->v2)
                                                 : gsl_odeiv_step_order(self->v1);
     /* The derivative is weighed with a_dydt = 0: any finite numbers will do for it. */
-    const int verdict = control->type->hadjust(control->state, self->ode.dim, order,
+    const int verdict = control->type->hadjust(control->state, 2 * self->half, order,
                                                self->y, self->yerr, start, h);
     return verdict == GSL_ODEIV_HADJ_DEC ? INACCURATE : NO_TROUBLE;
 }
