@@ -83,10 +83,16 @@ START_TEST(quadratures_go_on_from_any_value)
     start(&zero, type, &config);
     start(&large, type, &config);
     large.y[DIM + 1] = 0x1p20;
+    go(&zero, 0.5);
+    go(&large, 0.5);
+    large.y[DIM + 2] -= 17.0;
+    type->state_changed(zero.self);
+    type->state_changed(large.self);
     go(&zero, 1.0);
     go(&large, 1.0);
     ck_assert_mem_eq(zero.y, large.y, DIM * sizeof *zero.y);
     ck_assert_double_eq_tol(large.y[DIM + 1], 0x1p20 + zero.y[DIM + 1], 1e-7);
+    ck_assert_double_eq_tol(large.y[DIM + 2], zero.y[DIM + 2] - 17.0, 1e-12);
     end(&zero);
     end(&large);
 }
