@@ -11,7 +11,8 @@
 static inline const weft_plugin *fake_plugin(size_t i)
 {
     static const weft_stepper_type rk4 = { .name = "rk4" };
-    static const weft_stepper_type rkf45 = { .name = "rkf45" };
+    static const weft_stepper_type rkf45
+        = { .name = "rkf45", .flags = WEFT_STEPPER_QUADRATURES };
     static const weft_stepper_type rk8pd = { .name = "rk8pd" };
     static const weft_stepper_type verlet
         = { .name = "velocity_verlet", .flags = WEFT_STEPPER_FIXED_ONLY };

@@ -17,7 +17,11 @@
 #endif
 
 #define DIM        4
-#define SAME(a, b) ck_assert_mem_eq((a), (b), sizeof *(a)*DIM)
+#define APART      3 /* quadratures at most */
+#define SAME(a, b) ck_assert_mem_eq((a), (b), sizeof *(a) * (DIM + apart))
+
+/* How many quadratures a run has: t, x1 less its start, and the integral of v1 v2. */
+static size_t apart;
 
 typedef enum fault { NO_FAULT, REFUSE, STOP, GIVE_NAN, GIVE_INF, FAULTS } fault;
 
@@ -46,8 +50,11 @@ static inline int rhs(double t, const double *y, double *dydt, void *ctx)
     }
     const bool fails
         = m->fault != NO_FAULT && (m->once ? m->calls == m->at : m->calls >= m->at);
+    const double rates[APART] = { 1.0, y[2], y[2] * y[3] };
+    memcpy(dydt + DIM, rates, apart * sizeof *rates);
     if (fails && (m->fault == GIVE_NAN || m->fault == GIVE_INF)) {
-        dydt[2] = m->fault == GIVE_NAN ? (double)NAN : (double)INFINITY;
+        dydt[apart > 0 ? DIM + apart - 1 : 2]
+            = m->fault == GIVE_NAN ? (double)NAN : (double)INFINITY;
     }
     return fails && m->fault == REFUSE ? 1 : fails && m->fault == STOP ? -1 : 0;
 }
@@ -58,7 +65,7 @@ typedef struct run {
     model model;
     weft_ode ode;
     void *self;
-    double t, y[DIM];
+    double t, y[DIM + APART];
     weft_error err;
 } run;
 
@@ -66,9 +73,10 @@ static inline void start(run *r, const weft_stepper_type *type,
                          const weft_stepper_config *config)
 {
     *r = (run){ .type = type, .model = { .k = 1.0 } };
-    r->ode = (weft_ode){ .dim = DIM, .rhs = rhs, .ctx = &r->model };
-    memcpy(r->y, y_start, sizeof r->y);
-    const weft_stepper_config whole = test_config(type, *config);
+    r->ode = (weft_ode){ .dim = DIM + apart, .rhs = rhs, .ctx = &r->model };
+    memcpy(r->y, y_start, sizeof y_start);
+    weft_stepper_config whole = test_config(type, *config);
+    whole.quadratures = apart;
     const weft_status status = type->create(type, &r->ode, &whole, &r->self, &r->err);
     ck_assert_msg(status == WEFT_OK, "%s", r->err.message);
 }
@@ -137,7 +145,7 @@ static inline double distance(const double *a, const double *b)
 
 static inline void runge_kutta(model *m, double t, double h, double *y)
 {
-    double k[4][DIM], z[DIM];
+    double k[4][DIM + APART], z[DIM];
     const double c[4] = { 0.0, 0.5, 0.5, 1.0 };
     memset(k, 0, sizeof k);
     for (int s = 0; s < 4; ++s) {
@@ -207,6 +215,30 @@ static inline void gsl_was_silent(void)
 #ifdef HAVE_GSL
     ck_assert(gsl_set_error_handler(count_error) == count_error);
 #endif
+}
+
+static inline void with_quadratures(void)
+{
+    apart = APART;
+}
+
+/* The same for every method that takes quadratures, with them. */
+static inline void add_with_quadratures(Suite *suite, const char *name,
+                                        const TTest *test)
+{
+    TCase *tcase = tcase_create(name);
+    tcase_set_timeout(tcase, 120.0);
+    tcase_add_checked_fixture(tcase, with_quadratures, NULL);
+    int i = 0; /* test_method's, which asserts: not for use outside a test */
+    for (size_t p = 0; test_plugin(p) != NULL; ++p) {
+        const weft_stepper_type *const *types = test_plugin(p)->types;
+        for (size_t m = 0; types[m] != NULL; ++m, ++i) {
+            if ((types[m]->flags & WEFT_STEPPER_QUADRATURES) != 0) {
+                tcase_add_loop_test(tcase, test, i, i + 1);
+            }
+        }
+    }
+    suite_add_tcase(suite, tcase);
 }
 
 /* A case that runs a test once for every method. */

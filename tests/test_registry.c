@@ -438,7 +438,7 @@ START_TEST(bad_configs_are_refused)
     weft_stepper_config config = good;
     config.struct_size = 8;
     refused_config(config, "stepper config: start from weft_stepper_config_default");
-    refused_config(good, "velocity_verlet: no error control: needs a fixed_step");
+    refused_config(good, "velocity_verlet: no error control: needs a fixed_step > 0 s");
     const weft_sim_def nothing = weft_sim_def_default();
     weft_sim *sim = (weft_sim *)&config;
     ck_assert_int_eq(weft_sim_create(&nothing, &sim, &err), WEFT_INVALID);

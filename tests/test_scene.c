@@ -401,6 +401,23 @@ START_TEST(the_name_defaults_to_that_of_the_file)
 }
 END_TEST
 
+START_TEST(true_and_false_are_read)
+{
+    static const char *const words[] = { "true", "True", "TRUE", "false", "FALSE" };
+    for (size_t i = 0; i < 5; ++i) {
+        char text[512];
+        (void)snprintf(text, sizeof text,
+                       "cloth: {grid: {rows: 2, cols: 2, spacing: 1}, mass: 1}\n"
+                       "stepper: {plugin: gsl, method: rkf45}\n"
+                       "run: {duration: 1}\nrecord: {ledger: %s}\n",
+                       words[i]);
+        weft_scene *scene = good_text(text);
+        ck_assert(weft_scene_record(scene)->ledger == (i < 3));
+        weft_scene_destroy(scene);
+    }
+}
+END_TEST
+
 START_TEST(version_1_is_the_default)
 {
     weft_scene_destroy(good_text(CLOTH STEPPER RUN));
@@ -412,6 +429,7 @@ static Suite *suite(void)
     Suite *all = suite_create("scene");
     TCase *values = tcase_create("values");
     tcase_add_test(values, version_1_is_the_default);
+    tcase_add_test(values, true_and_false_are_read);
     tcase_add_test(values, every_value_of_the_example_arrives);
     tcase_add_test(values, defaults_are_those_of_the_definition_structs);
     tcase_add_test(values, a_limit_has_the_defaults_of_the_contract);

@@ -467,26 +467,33 @@ START_TEST(nothing_is_there_to_destroy)
 }
 END_TEST
 
+/* Without quadratures and with. */
+#define ADD(name, test)                                                                \
+    do {                                                                               \
+        add_for_every_method(suite, name, test);                                       \
+        add_with_quadratures(suite, name ", quadratures", test);                       \
+    } while (0)
+
 int main(void)
 {
     Suite *suite = suite_create("steppers");
-    add_for_every_method(suite, "create", create_calls_no_rhs_and_prints_nothing);
-    add_for_every_method(suite, "refusal", bad_numbers_are_refused);
-    add_for_every_method(suite, "fixed", fixed_steps_look_at_no_tolerance);
-    add_for_every_method(suite, "frames", every_frame_end_is_met_bit_for_bit);
-    add_for_every_method(suite, "landing", a_single_step_lands_as_exactly);
-    add_for_every_method(suite, "slivers", fixed_steps_that_fit_leave_no_sliver);
-    add_for_every_method(suite, "stages", stages_are_the_rhs_calls_of_a_step);
-    add_for_every_method(suite, "step sizes", step_sizes_asked_for_are_kept);
-    add_for_every_method(suite, "direction", no_step_goes_backwards_or_nowhere);
-    add_for_every_method(suite, "failure", failed_step_leaves_state_untouched);
-    add_for_every_method(suite, "refusal once", one_refusal_costs_a_smaller_step);
-    add_for_every_method(suite, "rescue", first_step_far_too_large_is_rescued);
-    add_for_every_method(suite, "min step", needing_less_than_min_step_is_a_failure);
-    add_for_every_method(suite, "needless", needless_state_changed_changes_no_result);
-    add_for_every_method(suite, "edited", an_edited_state_is_used);
-    add_for_every_method(suite, "stats", stats_write_no_further_than_the_caller_has);
-    add_for_every_method(suite, "instances", two_instances_are_independent);
-    add_for_every_method(suite, "destroy", nothing_is_there_to_destroy);
+    ADD("create", create_calls_no_rhs_and_prints_nothing);
+    ADD("refusal", bad_numbers_are_refused);
+    ADD("fixed", fixed_steps_look_at_no_tolerance);
+    ADD("frames", every_frame_end_is_met_bit_for_bit);
+    ADD("landing", a_single_step_lands_as_exactly);
+    ADD("slivers", fixed_steps_that_fit_leave_no_sliver);
+    ADD("stages", stages_are_the_rhs_calls_of_a_step);
+    ADD("step sizes", step_sizes_asked_for_are_kept);
+    ADD("direction", no_step_goes_backwards_or_nowhere);
+    ADD("failure", failed_step_leaves_state_untouched);
+    ADD("refusal once", one_refusal_costs_a_smaller_step);
+    ADD("rescue", first_step_far_too_large_is_rescued);
+    ADD("min step", needing_less_than_min_step_is_a_failure);
+    ADD("needless", needless_state_changed_changes_no_result);
+    ADD("edited", an_edited_state_is_used);
+    ADD("stats", stats_write_no_further_than_the_caller_has);
+    ADD("instances", two_instances_are_independent);
+    ADD("destroy", nothing_is_there_to_destroy);
     return test_run(suite);
 }

@@ -134,6 +134,19 @@ WEFT_API weft_energy weft_cloth_energy(const weft_cloth *cloth, const double *y)
  * pinned particles is not counted: their motion is prescribed. */
 WEFT_API double weft_cloth_dissipation(const weft_cloth *cloth, const double *y);
 
+/* What changes the sum of all energies, each a power [W]. */
+typedef enum weft_power {
+    WEFT_POWER_SPRINGS, /* turned into heat by spring damping, >= 0 */
+    WEFT_POWER_DRAG,    /* turned into heat by viscous drag of free particles, >= 0 */
+    WEFT_POWER_WIND,    /* put into free particles by the wind */
+    WEFT_POWER_PINS,    /* put into springs by the pins that they hold on to */
+    WEFT_POWERS         /* how many there are */
+} weft_power;
+
+/* All of them at time t [s]: d(energy)/dt = wind + pins - springs - drag, exactly. */
+WEFT_API void weft_cloth_power(const weft_cloth *cloth, double t, const double *y,
+                               double power[WEFT_POWERS]);
+
 /* Of the free particles: sum m v [kg m/s] and sum m x cross v [kg m^2/s] about the
  * origin of the coordinates. */
 WEFT_API void weft_cloth_momentum(const weft_cloth *cloth, const double *y,

@@ -72,7 +72,21 @@ typedef struct weft_sim_def {
     weft_stepper_config config;
     weft_correct_fn *correct; /* NULL: none */
     void *correct_ctx;
+    bool ledger; /* keep the energy ledger; the method needs WEFT_STEPPER_QUADRATURES */
 } weft_sim_def;
+
+/* Where the energy went since t = 0, in [J]. Without ledger in the definition only
+ * `energy` is filled, and the rest is 0. */
+typedef struct weft_ledger {
+    bool kept;
+    weft_energy energy; /* at present */
+    double dissipated_springs, dissipated_drag;
+    double wind_work, pin_work; /* done on the cloth: may be negative */
+    double limit_work;          /* added by the strain limit */
+    double outside_work;        /* added by `correct` and weft_sim_set_state */
+    double residual; /* energy - energy at t = 0 + dissipated - work: 0 but for the
+                        errors of the integration */
+} weft_ledger;
 
 WEFT_API weft_sim_def weft_sim_def_default(void);
 
@@ -96,9 +110,13 @@ WEFT_API const weft_cloth *weft_sim_cloth(const weft_sim *sim);
 WEFT_API weft_stepper_stats weft_sim_stats(const weft_sim *sim);
 /* Every choice of the stepper beyond its config, one call of `tell` each. */
 WEFT_API void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx);
-/* [J] turned into heat so far by springs and viscous drag: the trapezoid rule over the
- * accepted steps, of second order in h. */
+/* [J] turned into heat so far by springs and viscous drag: the ledger's, if it is kept,
+ * else the trapezoid rule over the accepted steps, of second order in h. */
 WEFT_API double weft_sim_dissipated(const weft_sim *sim);
+
+/* The powers of weft_cloth_power were integrated with the state, by the method itself:
+ * the residual is of its order. The state and the steps are the same without it. */
+WEFT_API weft_ledger weft_sim_ledger(const weft_sim *sim);
 
 /* Copies of the state as x y z of particle 0, x y z of particle 1, ...: 3 N doubles. */
 WEFT_API void weft_sim_positions(const weft_sim *sim, double *xyz);  /* [m] */

@@ -37,7 +37,7 @@ extern "C" {
 typedef int weft_rhs_fn(double t, const double *y, double *dydt, void *ctx);
 
 typedef struct weft_ode {
-    size_t dim; /* length of y: even, > 0 */
+    size_t dim; /* length of y: > 0, even but for config->quadratures */
     weft_rhs_fn *rhs;
     void *ctx; /* passed to rhs, never looked into */
 } weft_ode;
@@ -110,6 +110,16 @@ typedef struct weft_stepper_config {
 
 /* What every version of the struct has. */
 #define WEFT_STEPPER_CONFIG_LEAST offsetof(weft_stepper_config, controller)
+
+/* Length of the positions, and of the velocities, of y; 0: dim and quadratures do not
+ * fit together. */
+static inline size_t weft_stepper_half(const weft_ode *ode,
+                                       const weft_stepper_config *config)
+{
+    const size_t apart
+        = WEFT_HAS(config, weft_stepper_config, quadratures) ? config->quadratures : 0;
+    return apart < ode->dim && (ode->dim - apart) % 2 == 0 ? (ode->dim - apart) / 2 : 0;
+}
 
 typedef struct weft_stepper_stats {
     uint32_t struct_size;

@@ -67,7 +67,8 @@ typedef struct ark_method {
 typedef struct stepper {
     const ark_method *method;
     weft_ode ode;
-    double rtol, atol[2];                  /* of positions [m], of velocities [m/s] */
+    size_t half;          /* of the positions; the velocities; then quadratures */
+    double rtol, atol[2]; /* of positions [m], of velocities [m/s] */
     double fixed_step, min_step, max_step; /* [s] */
     weft_controller control;               /* complete */
     int stages;                            /* of the table */

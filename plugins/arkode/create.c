@@ -26,7 +26,8 @@ static const char *mistake(const ark_method *method, const weft_ode *ode,
         = c->struct_size >= WEFT_STEPPER_CONFIG_LEAST && c->fixed_step == 0.0;
     return c->struct_size < WEFT_STEPPER_CONFIG_LEAST ? "config of an older version"
            : ode->rhs == NULL                         ? "no right-hand side"
-           : ode->dim == 0 || ode->dim % 2 != 0       ? "dim must be even and > 0"
+           : weft_stepper_half(ode, c) == 0
+               ? "dim less the quadratures must be even and > 0"
            : !adaptive && !positive(c->fixed_step)
                ? "fixed_step must be > 0 s, or 0 for adaptive steps"
            : !adaptive  ? NULL
@@ -163,6 +164,7 @@ static stepper *allocate(const ark_method *method, const weft_ode *ode,
     const bool fixed = config->fixed_step > 0.0;
     self->method = method;
     self->ode = *ode;
+    self->half = weft_stepper_half(ode, config);
     self->rtol = config->rtol;
     self->atol[0] = config->atol_position;
     self->atol[1] = config->atol_velocity;

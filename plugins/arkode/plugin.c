@@ -16,8 +16,10 @@ enum {
     CUSTOM = WEFT_STEPPER_BUTCHER
 };
 
-/* Who has an error estimate has a controller. */
-#define KIND(flags) ((flags) | ((flags)&FIXED ? 0 : WEFT_STEPPER_CONTROLLER))
+/* Who has an error estimate has a controller; all are explicit, and their weighted
+ * norms can leave components out. */
+#define KIND(flags)                                                                    \
+    ((flags) | WEFT_STEPPER_QUADRATURES | ((flags)&FIXED ? 0 : WEFT_STEPPER_CONTROLLER))
 
 /* X(name, ARKODE's name after ARKODE_, order, error order, RHS calls, flags, source).
  * FSAL tables have one stage more than RHS calls. */

@@ -357,14 +357,29 @@ static sunrealtype max_norm(N_Vector x, N_Vector weights)
     return most;
 }
 
+/* Components at the end whose weight is 0 have no say in a mean: it has the same bits
+ * without them. */
+static size_t weighty(const double *weights, size_t n)
+{
+    while (n > 0 && weights[n - 1] == 0.0) {
+        --n;
+    }
+    return n;
+}
+
 static sunrealtype rms_norm(N_Vector x, N_Vector weights)
 {
     const double *both[2];
-    const operation op = on_two(x, weights, both);
+    operation op = on_two(x, weights, both);
     double part[SLICES], sum = 0.0;
+    const size_t all = op.n;
+    op.n = weighty(both[1], all);
     const int count = run(square_slice, &op, part);
     for (int i = 0; i < count; ++i) {
         sum += part[i];
+    }
+    for (size_t i = op.n; i < all; ++i) {
+        sum += both[0][i] * both[1][i]; /* 0, or NaN */
     }
     return sqrt(sum / (double)op.n);
 }

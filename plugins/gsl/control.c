@@ -12,8 +12,9 @@
  *     r = sqrt(1/n sum_i (e_i / D_i)^2)
  *
  * and has a control of GSL's judge this one number, with D = 1; so both norms decide by
- * the same rule. The scaled kind judges here too: the standard kind may lengthen h by
- * exactly 5, where msbdf divides by zero (GSL bug 52336). */
+ * the same rule. Either is shown the positions and velocities alone, so that
+ * quadratures have no say. The scaled kind judges here too: the standard kind may
+ * lengthen h by exactly 5, where msbdf divides by zero (GSL bug 52336). */
 #include "gsl_plugin.h"
 
 #include <gsl/gsl_errno.h>
@@ -21,7 +22,7 @@
 
 static double tolerance(const rms_control *rms, size_t i, double y)
 {
-    return rms->atol[i < rms->dim / 2 ? 0 : 1] + rms->rtol * fabs(y);
+    return rms->atol[i < rms->half ? 0 : 1] + rms->rtol * fabs(y);
 }
 
 static int rms_hadjust(void *state, size_t dim, unsigned int order, const double y[],
@@ -57,11 +58,11 @@ static const gsl_odeiv2_control_type rms_type = {
 bool weft__gsl_control_init(stepper *self, weft_norm norm, double rtol,
                             double atol_position, double atol_velocity)
 {
-    const size_t dim = self->ode.dim;
+    const size_t half = self->half, dim = 2 * half;
     if (norm == WEFT_NORM_MAX) {
         double *scale = self->y;
         for (size_t i = 0; i < dim; ++i) {
-            scale[i] = i < dim / 2 ? atol_position : atol_velocity;
+            scale[i] = i < half ? atol_position : atol_velocity;
         }
         self->scaled = gsl_odeiv2_control_scaled_new(1.0, rtol, 1.0, 0.0, scale, dim);
         self->control = self->scaled;
@@ -71,7 +72,7 @@ bool weft__gsl_control_init(stepper *self, weft_norm norm, double rtol,
     self->rms = (rms_control){
         .base = { .type = &rms_type, .state = &self->rms },
         .judge = gsl_odeiv2_control_scaled_new(1.0, 0.0, 1.0, 0.0, &one, 1),
-        .dim = dim,
+        .half = half,
         .rtol = rtol,
         .atol = { atol_position, atol_velocity },
     };

@@ -23,15 +23,19 @@ static bool positive(double x)
 }
 
 /* What is wrong with the numbers, or NULL. NaN fails every comparison. */
-static const char *mistake(const weft_ode *ode, const weft_stepper_config *config)
+static const char *mistake(const weft_stepper_type *type, const weft_ode *ode,
+                           const weft_stepper_config *config)
 {
     const weft_stepper_config *c = config;
+    const size_t half = weft_stepper_half(ode, config);
+    const bool apart = (type->flags & WEFT_STEPPER_QUADRATURES) != 0;
     const bool adaptive
         = c->struct_size >= WEFT_STEPPER_CONFIG_LEAST && c->fixed_step == 0.0;
     return c->struct_size < WEFT_STEPPER_CONFIG_LEAST ? "config of an older version"
            : ode->rhs == NULL                         ? "no right-hand side"
-           : ode->dim == 0 || ode->dim % 2 != 0       ? "dim must be even and > 0"
-           : c->butcher != NULL                       ? "takes no Butcher table"
+           : half == 0 ? "dim less the quadratures must be even and > 0"
+           : ode->dim > 2 * half && !apart ? "takes no quadratures"
+           : c->butcher != NULL            ? "takes no Butcher table"
            : !adaptive && !positive(c->fixed_step)
                ? "fixed_step must be > 0 s, or 0 for adaptive steps"
            : !adaptive                                            ? NULL
@@ -147,7 +151,7 @@ weft_status weft__gsl_create(const weft_stepper_type *type, const weft_ode *ode,
 {
     const gsl_method *method = (const gsl_method *)type;
     *out = NULL;
-    const char *wrong = mistake(ode, config);
+    const char *wrong = mistake(type, ode, config);
     if (wrong != NULL) {
         return weft_error_set(err, WEFT_INVALID, "%s: %s", type->name, wrong);
     }
@@ -159,6 +163,7 @@ weft_status weft__gsl_create(const weft_stepper_type *type, const weft_ode *ode,
     if (self == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory", type->name);
     }
+    self->half = weft_stepper_half(ode, config);
     self->fixed_step = config->fixed_step;
     self->min_step = config->min_step;
     self->max_step = config->max_step;

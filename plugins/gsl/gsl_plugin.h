@@ -50,14 +50,15 @@ typedef enum trouble {
 typedef struct rms_control {
     gsl_odeiv2_control base;
     gsl_odeiv2_control *judge; /* of one number, the rms */
-    size_t dim;
-    double rtol, atol[2]; /* of positions [m], of velocities [m/s] */
+    size_t half;               /* y[half] is the first velocity */
+    double rtol, atol[2];      /* of positions [m], of velocities [m/s] */
 } rms_control;
 
 /* One instance. Our arrays lie behind it in one block; a step allocates none. */
 typedef struct stepper {
     const gsl_method *method;
     weft_ode ode;
+    size_t half; /* of the positions; the velocities; then quadratures */
     double fixed_step, min_step, max_step; /* [s] */
     double h;                              /* [s] what to try next */
     bool restart;                          /* forget the past steps before the next */

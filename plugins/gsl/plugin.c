@@ -11,6 +11,10 @@
  * step, and then is what it starts itself with, an implicit Runge-Kutta method at
  * Gaussian points with three functional iterations.
  *
+ * Quadratures go with methods that treat every component alike and by itself: those of
+ * explicit stages or of a fixed number of functional iterations. Newton's pivots and
+ * tolerances, and the order of a multistep method, depend on all components.
+ *
  * bsimp takes a change of y_i by more than some 100 dim |y_i| for a runaway and asks
  * for a smaller step, so that components near 0, of which a symmetric cloth has many,
  * would stop it. It is given y_i + 1 or y_i - 1, whichever is away from 0. */
@@ -26,7 +30,8 @@ WEFT_API const weft_plugin *weft_plugin_gsl(void);
 enum {
     MULTISTEP = WEFT_STEPPER_MULTISTEP,
     NEWTON = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_DENSE,
-    FUNCTIONAL = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_LEGACY
+    APART = WEFT_STEPPER_QUADRATURES,
+    FUNCTIONAL = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_LEGACY | APART
 };
 
 /* id, order, error order, RHS calls, flags, source; then the rest of the record */
@@ -57,15 +62,15 @@ enum {
  * chooses its order by it: the order rises where the error is far below, and stays at 1
  * with a small one. */
 static const gsl_method methods[] = {
-    METHOD(rk2, 3, 2, 3, 0, "W. Kutta, Z. Math. Phys. 46, 1901 (third order)", V2(rk2),
-           .vectors = 8),
-    METHOD(rk4, 4, 4, 11, 0, "W. Kutta, Z. Math. Phys. 46, 1901", V2(rk4),
+    METHOD(rk2, 3, 2, 3, APART, "W. Kutta, Z. Math. Phys. 46, 1901 (third order)",
+           V2(rk2), .vectors = 8),
+    METHOD(rk4, 4, 4, 11, APART, "W. Kutta, Z. Math. Phys. 46, 1901", V2(rk4),
            .vectors = 9),
-    METHOD(rkf45, 5, 4, 6, 0, "E. Fehlberg, NASA TR R-315, 1969", V2(rkf45),
+    METHOD(rkf45, 5, 4, 6, APART, "E. Fehlberg, NASA TR R-315, 1969", V2(rkf45),
            .vectors = 12),
-    METHOD(rkck, 5, 4, 6, 0, "J. R. Cash, A. H. Karp, ACM TOMS 16, 1990", V2(rkck),
+    METHOD(rkck, 5, 4, 6, APART, "J. R. Cash, A. H. Karp, ACM TOMS 16, 1990", V2(rkck),
            .vectors = 12),
-    METHOD(rk8pd, 8, 7, 13, 0,
+    METHOD(rk8pd, 8, 7, 13, APART,
            "P. J. Prince, J. R. Dormand, J. Comp. Appl. Math. 7, 1981", V2(rk8pd),
            .vectors = 19),
     METHOD(msadams, 0, 0, 0, MULTISTEP, VODE, V2(msadams), .vectors = 37,

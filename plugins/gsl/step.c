@@ -21,7 +21,8 @@ bool weft__gsl_finite(const double *y, size_t count)
 }
 
 /* Where equations are iterated, NaN in a derivative shows as no convergence only, or
- * stays in the history: it is looked for at once. Elsewhere it reaches y or yerr. */
+ * stays in the history: it is looked for at once. Elsewhere it reaches y or yerr, but
+ * for that of a quadrature in a stage without weight. */
 static bool iterates(const stepper *self)
 {
     const uint32_t flags = self->method->type.flags;
@@ -39,7 +40,8 @@ int weft__gsl_rhs(double t, const double y[], double dydt[], void *instance)
         self->trouble = STOPPED;
         return GSL_EBADFUNC; /* "give up", where the others mean "try a smaller h" */
     }
-    if (failed > 0 || (iterates(self) && !weft__gsl_finite(dydt, self->ode.dim))) {
+    const size_t shown = iterates(self) ? 0 : 2 * self->half;
+    if (failed > 0 || !weft__gsl_finite(dydt + shown, self->ode.dim - shown)) {
         self->trouble = NOT_FINITE;
         return GSL_ERANGE;
     }
@@ -73,7 +75,7 @@ static trouble judge(const stepper *self, const double *start, double *h)
     const unsigned int order = self->v2 != NULL ? gsl_odeiv2_step_order(self->v2)
                                                 : gsl_odeiv_step_order(self->v1);
     /* The derivative is weighed with a_dydt = 0: any finite numbers will do for it. */
-    const int verdict = control->type->hadjust(control->state, self->ode.dim, order,
+    const int verdict = control->type->hadjust(control->state, 2 * self->half, order,
                                                self->y, self->yerr, start, h);
     return verdict == GSL_ODEIV_HADJ_DEC ? INACCURATE : NO_TROUBLE;
 }

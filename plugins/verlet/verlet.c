@@ -7,6 +7,7 @@
  *   midpoint           y += h f(t + h/2, y + (h/2) f)
  *   symplectic_euler   v += h fv,  x += h (fx + h fv)
  *   velocity_verlet    x += h (fx + (h/2) fv),  v += (h/2) (fv + fv')
+ * and quadratures, behind v where there are any, as v.
  *
  * Where fx = v, fx + h fv is the new v: symplectic Euler moves x with it, as Provot
  * 1995 does. A pin keeps to its prescribed fx: moved with v, whose error has a mean, it
@@ -25,6 +26,7 @@ const weft_plugin *weft_plugin_verlet(void);
 typedef struct stepper {
     const struct method *method;
     weft_ode ode;
+    size_t half;       /* y: so many positions, so many velocities, quadratures */
     double fixed_step; /* [s] */
     weft_stepper_stats stats;
     bool carries; /* f is that of `end`, the state the last step ended in */
@@ -72,9 +74,9 @@ static int midpoint(stepper *self, double t, double h)
 
 static int symplectic_euler(stepper *self, double t, double h)
 {
-    const size_t half = self->ode.dim / 2;
+    const size_t half = self->half;
     const int failed = rhs(self, t, self->y);
-    add(self->y, h, self->f, half, 2 * half);
+    add(self->y, h, self->f, half, self->ode.dim);
     add(self->y, h, self->f, 0, half);
     add(self->y, h * h, self->f + half, 0, half);
     return failed;
@@ -82,21 +84,18 @@ static int symplectic_euler(stepper *self, double t, double h)
 
 static int velocity_verlet(stepper *self, double t, double h)
 {
-    const size_t half = self->ode.dim / 2, dim = self->ode.dim;
+    const size_t half = self->half, dim = self->ode.dim;
     /* f is stale if y really was changed: a needless state_changed alters nothing. */
-    if (!self->carries || memcmp(self->y, self->end, dim * sizeof *self->y) != 0) {
-        const int failed = rhs(self, t, self->y);
-        if (failed != 0) {
-            return failed;
-        }
-    }
+    const bool fresh
+        = self->carries && memcmp(self->y, self->end, 2 * half * sizeof *self->y) == 0;
+    int failed = fresh ? 0 : rhs(self, t, self->y);
     self->carries = false;
     add(self->y, h, self->f, 0, half);
     add(self->y, 0.5 * h * h, self->f + half, 0, half);
     memcpy(self->end, self->y, dim * sizeof *self->y);
     add(self->end, h, self->f, half, dim);     /* predicted */
     add(self->y, 0.5 * h, self->f, half, dim); /* first kick */
-    const int failed = rhs(self, t + h, self->end);
+    failed = failed != 0 ? failed : rhs(self, t + h, self->end);
     add(self->y, 0.5 * h, self->f, half, dim); /* second kick */
     for (size_t i = 0; i < half; ++i) { /* where fx is v: not the predicted one */
         self->f[i] = self->f[i] == self->end[half + i] ? self->y[half + i] : self->f[i];
@@ -110,15 +109,13 @@ static weft_status check(const weft_stepper_type *type, const weft_ode *ode,
                          const weft_stepper_config *config, weft_error *err)
 {
     const char *wrong = NULL;
-    if (ode->dim == 0 || ode->dim % 2 != 0 || ode->dim > SIZE_MAX / 64) {
-        wrong = "the state must be an even count of numbers";
+    if (weft_stepper_half(ode, config) == 0 || ode->dim > SIZE_MAX / 64) {
+        wrong = "the state must be an even count of numbers, and quadratures";
     } else if (config->struct_size < WEFT_STEPPER_CONFIG_LEAST
                || config->butcher != NULL) {
         wrong = "config of another version, or with a Butcher table";
-    } else if (config->fixed_step == 0.0) {
-        wrong = "no error control: needs a fixed_step";
     } else if (!(config->fixed_step > 0.0) || !isfinite(config->fixed_step)) {
-        wrong = "fixed_step must be > 0 s";
+        wrong = "no error control: needs a fixed_step > 0 s";
     }
     return wrong == NULL
                ? WEFT_OK
@@ -140,6 +137,7 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
     }
     self->method = (const method *)type;
     self->ode = *ode;
+    self->half = weft_stepper_half(ode, config);
     self->fixed_step = config->fixed_step;
     self->stats.next_step = config->fixed_step;
     self->y = (double *)(self + 1), self->f = self->y + ode->dim;
@@ -178,8 +176,7 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
         return weft_error_set(err, WEFT_STOPPED, "stopped by the model");
     }
     if (failed > 0 || !all_finite(self->y, self->ode.dim)) {
-        return weft_error_set(err, WEFT_NOT_FINITE, "not finite after a step of %g s",
-                              h);
+        return weft_error_set(err, WEFT_NOT_FINITE, "not finite after %g s", h);
     }
     memcpy(y, self->y, bytes);
     *t = last ? t_end : *t + h;
@@ -207,6 +204,8 @@ static void destroy(void *instance)
     free(instance);
 }
 
+enum { FLAGS = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_QUADRATURES };
+
 #define METHOD(id, p, calls, more, source)                                             \
     {                                                                                  \
         .type = { .abi = WEFT_STEPPER_ABI,                                             \
@@ -216,7 +215,7 @@ static void destroy(void *instance)
                   .license = "BSD-3-Clause",                                           \
                   .order = (p),                                                        \
                   .stages = (calls),                                                   \
-                  .flags = WEFT_STEPPER_FIXED_ONLY | (more),                           \
+                  .flags = FLAGS | (more),                                             \
                   .create = create,                                                    \
                   .step = step,                                                        \
                   .state_changed = state_changed,                                      \
@@ -235,9 +234,9 @@ static const method methods[] = {
 
 WEFT_API const weft_plugin *weft_plugin_verlet(void)
 {
-    static const weft_stepper_type *const types[] = {
-        &methods[0].type, &methods[1].type, &methods[2].type, &methods[3].type, NULL,
-    };
+    static const weft_stepper_type *const types[]
+        = { &methods[0].type, &methods[1].type, &methods[2].type, &methods[3].type,
+            NULL };
     static const weft_plugin plugin = {
         .abi = WEFT_STEPPER_ABI,
         .struct_size = sizeof(weft_plugin),

@@ -95,7 +95,8 @@ static weft_status write_first_files(const run *self, weft_registry *registry,
 
 static weft_status simulate(run *self, weft_error *err)
 {
-    weft_status status = record_series_open(&self->series, self->out, err);
+    weft_status status = record_series_open(
+        &self->series, self->out, weft_scene_record(self->scene)->ledger, err);
     if (status != WEFT_OK) {
         return status;
     }
@@ -134,6 +135,10 @@ static void print_summary(const run *self)
     printf("  largest strain at the end %.3g %%, energy %.6g -> %.6g J\n",
            100.0 * worst.strain, result->energy_start,
            record_total_energy(self->cloth, y));
+    const weft_ledger ledger = weft_sim_ledger(self->sim);
+    if (ledger.kept) {
+        printf("  energy ledger closes to %.3g J\n", ledger.residual);
+    }
     printf("  results in %s\n", self->out);
 }
 

@@ -78,6 +78,16 @@ static void masses_init(weft_cloth *cloth, const weft_cloth_def *def)
     }
 }
 
+static bool moves(const weft_pin *pin)
+{
+    bool any = false;
+    for (size_t k = 0; k < 3; ++k) {
+        any = any || pin->velocity[k] != 0.0
+              || (pin->frequency > 0.0 && pin->amplitude[k] != 0.0);
+    }
+    return any;
+}
+
 static void pins_init(weft_cloth *cloth, const weft_cloth_def *def)
 {
     for (size_t i = 0; i < def->pin_count; ++i) {
@@ -88,6 +98,7 @@ static void pins_init(weft_cloth *cloth, const weft_cloth_def *def)
         cloth->motions[i].omega = TWO_PI * pin->frequency;
         memcpy(cloth->motions[i].velocity, pin->velocity, sizeof pin->velocity);
         memcpy(cloth->motions[i].amplitude, pin->amplitude, sizeof pin->amplitude);
+        cloth->motions[i].moves = moves(pin);
         for (size_t r = r0; r <= r1; ++r) {
             for (size_t c = c0; c <= c1; ++c) {
                 cloth->pin[r * cloth->cols + c] = (uint32_t)(i + 1);

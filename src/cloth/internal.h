@@ -26,6 +26,7 @@ typedef struct weft__motion {
     double velocity[3];  /* [m/s] */
     double amplitude[3]; /* [m] */
     double omega;        /* [rad/s] */
+    bool moves;
 } weft__motion;
 
 struct weft_cloth {
@@ -71,7 +72,12 @@ typedef struct weft__stance {
 
 weft__stance weft__spring_stance(size_t particles, size_t p, size_t q, const double *y);
 
-/* wind.c: force [N] of the wind added to f. */
+/* wind.c: force [N] of the wind added to f; on particle (r, c) alone, false: none. */
 void weft__wind_add_force(const weft_cloth *cloth, const double *y, double *f);
+bool weft__wind_force(const weft_cloth *cloth, size_t r, size_t c, const double *y,
+                      double force[3]);
+
+/* rhs.c: component k of the velocity [m/s] of a motion. */
+double weft__motion_velocity(const weft__motion *motion, size_t k, double t);
 
 #endif

@@ -39,6 +39,12 @@ static void move_free(const weft_cloth *cloth, const double *y, double *dydt)
     }
 }
 
+double weft__motion_velocity(const weft__motion *motion, size_t k, double t)
+{
+    const double w = motion->omega;
+    return motion->velocity[k] + w * motion->amplitude[k] * cos(w * t);
+}
+
 static void move_pins(const weft_cloth *cloth, double t, double *dydt)
 {
     const size_t n = cloth->particles;
@@ -49,9 +55,8 @@ static void move_pins(const weft_cloth *cloth, double t, double *dydt)
         const weft__motion *motion = &cloth->motions[cloth->pin[i] - 1];
         const double w = motion->omega;
         for (size_t k = 0; k < 3; ++k) {
-            const double a = motion->amplitude[k];
-            dydt[k * n + i] = motion->velocity[k] + w * a * cos(w * t);
-            dydt[(k + 3) * n + i] = -w * w * a * sin(w * t);
+            dydt[k * n + i] = weft__motion_velocity(motion, k, t);
+            dydt[(k + 3) * n + i] = -w * w * motion->amplitude[k] * sin(w * t);
         }
     }
 }

@@ -40,14 +40,14 @@ static bool unit_normal(const weft_cloth *cloth, size_t r, size_t c, const doubl
     return true;
 }
 
-static void add_wind(const weft_cloth *cloth, size_t r, size_t c, const double *y,
-                     double *f)
+bool weft__wind_force(const weft_cloth *cloth, size_t r, size_t c, const double *y,
+                      double force[3])
 {
     const size_t n = cloth->particles, i = r * cloth->cols + c;
     const double *v = y + 3 * n;
     double normal[3];
     if (!unit_normal(cloth, r, c, y, normal)) {
-        return;
+        return false;
     }
     double speed = 0.0;
     for (size_t k = 0; k < 3; ++k) {
@@ -55,7 +55,20 @@ static void add_wind(const weft_cloth *cloth, size_t r, size_t c, const double *
     }
     const double push = cloth->wind_drag * weft__area(cloth, r, c) * speed;
     for (size_t k = 0; k < 3; ++k) {
-        f[k * n + i] += push * normal[k];
+        force[k] = push * normal[k];
+    }
+    return true;
+}
+
+static void add_wind(const weft_cloth *cloth, size_t r, size_t c, const double *y,
+                     double *f)
+{
+    const size_t n = cloth->particles, i = r * cloth->cols + c;
+    double force[3];
+    if (weft__wind_force(cloth, r, c, y, force)) {
+        for (size_t k = 0; k < 3; ++k) {
+            f[k * n + i] += force[k];
+        }
     }
 }
 

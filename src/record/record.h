@@ -39,14 +39,14 @@ typedef struct record_frame {
     size_t limit_sweeps;
 } record_frame;
 
-/* series.c: a row a frame. */
+/* series.c: a row a frame; `ledger` if the simulations keep it. */
 typedef struct record_series {
     FILE *stream;
     char path[RECORD_PATH];
 } record_series;
 
 weft_status record_series_open(record_series *series, const char *directory,
-                               weft_error *err);
+                               bool ledger, weft_error *err);
 weft_status record_series_add(record_series *series, const record_frame *frame,
                               weft_error *err);
 weft_status record_series_close(record_series *series, weft_error *err);

@@ -87,6 +87,13 @@ static void write_run(yaml_out *out, const weft_run_def *run)
     yaml_out_close_map(out);
 }
 
+static void write_record(yaml_out *out, const weft_record_def *record)
+{
+    yaml_out_map(out, "record");
+    yaml_out_plain(out, "ledger", record->ledger ? "true" : "false");
+    yaml_out_close_map(out);
+}
+
 static weft_status commit(yaml_out *out, record_file *file, weft_error *err)
 {
     if (!yaml_out_end(out)) {
@@ -115,6 +122,7 @@ weft_status record_manifest(const char *directory, const weft_scene *scene,
     write_config(&out, weft_scene_config(scene), sim);
     write_cloth(&out, weft_sim_cloth(sim));
     write_run(&out, weft_scene_run(scene));
+    write_record(&out, weft_scene_record(scene));
     return commit(&out, &file, err);
 }
 
@@ -144,6 +152,21 @@ static void write_spring(yaml_out *out, const weft_cloth *cloth,
     }
 }
 
+static void write_ledger(yaml_out *out, const weft_sim *sim)
+{
+    const weft_ledger ledger = weft_sim_ledger(sim);
+    if (ledger.kept) {
+        yaml_out_map(out, "ledger");
+        yaml_out_real(out, "dissipated_springs", ledger.dissipated_springs);
+        yaml_out_real(out, "dissipated_drag", ledger.dissipated_drag);
+        yaml_out_real(out, "work_wind", ledger.wind_work);
+        yaml_out_real(out, "work_pins", ledger.pin_work);
+        yaml_out_real(out, "work_limit", ledger.limit_work);
+        yaml_out_real(out, "residual", ledger.residual);
+        yaml_out_close_map(out);
+    }
+}
+
 static void write_outcome(yaml_out *out, const record_result *result)
 {
     const weft_cloth *cloth = weft_sim_cloth(result->sim);
@@ -160,6 +183,7 @@ static void write_outcome(yaml_out *out, const record_result *result)
     yaml_out_real(out, "energy_start", result->energy_start);
     yaml_out_real(out, "energy_end", energy);
     yaml_out_real(out, "dissipated", weft_sim_dissipated(result->sim));
+    write_ledger(out, result->sim);
     char hash[20];
     (void)snprintf(hash, sizeof hash, "%016" PRIx64,
                    weft_state_hash(y, weft_cloth_dim(cloth)));

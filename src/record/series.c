@@ -27,10 +27,27 @@
     X(limit_sweeps, "%zu", row.frame->limit_sweeps)                                    \
     X(hash, "%016" PRIx64, row.hash)
 
+/* After them where the ledger is kept. */
+#define LEDGER_COLUMNS(X)                                                              \
+    X(elastic_stretch, "%.17g", row.energy.elastic[WEFT_STRETCH])                      \
+    X(elastic_shear, "%.17g", row.energy.elastic[WEFT_SHEAR])                          \
+    X(elastic_bend, "%.17g", row.energy.elastic[WEFT_BEND])                            \
+    X(dissipated_springs, "%.17g", row.ledger.dissipated_springs)                      \
+    X(dissipated_drag, "%.17g", row.ledger.dissipated_drag)                            \
+    X(work_wind, "%.17g", row.ledger.wind_work)                                        \
+    X(work_pins, "%.17g", row.ledger.pin_work)                                         \
+    X(work_limit, "%.17g", row.ledger.limit_work)                                      \
+    X(residual, "%.17g", row.ledger.residual)
+
+#define NUMBER(name, format, value) COLUMN_##name,
+enum { COLUMNS(NUMBER) COLUMN_COUNT };
+#undef NUMBER
+
 typedef struct series_row {
     const record_frame *frame;
     double time, elastic, dissipated, max_strain, momentum[3];
     weft_energy energy;
+    weft_ledger ledger;
     weft_stepper_stats stats;
     uint64_t hash;
 } series_row;
@@ -45,10 +62,11 @@ static series_row measure(const record_frame *frame)
         .time = weft_sim_time(sim),
         .dissipated = weft_sim_dissipated(sim),
         .max_strain = weft_cloth_worst_spring(cloth, y).strain,
-        .energy = weft_cloth_energy(cloth, y),
+        .ledger = weft_sim_ledger(sim),
         .stats = weft_sim_stats(sim),
         .hash = weft_state_hash(y, weft_cloth_dim(cloth)),
     };
+    row.energy = row.ledger.energy;
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
         row.elastic += row.energy.elastic[i];
     }
@@ -65,7 +83,7 @@ static weft_status flush(record_series *series, weft_error *err)
 }
 
 weft_status record_series_open(record_series *series, const char *directory,
-                               weft_error *err)
+                               bool ledger, weft_error *err)
 {
     const weft_status status = record_path(directory, "series.csv", series->path, err);
     if (status != WEFT_OK) {
@@ -80,6 +98,9 @@ weft_status record_series_open(record_series *series, const char *directory,
     fprintf(series->stream, "%s" #name, comma);                                        \
     comma = ",";
     COLUMNS(HEADER)
+    if (ledger) {
+        LEDGER_COLUMNS(HEADER)
+    }
 #undef HEADER
     fputc('\n', series->stream);
     return flush(series, err);
@@ -94,6 +115,9 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
     fprintf(series->stream, "%s" format, comma, value);                                \
     comma = ",";
     COLUMNS(CELL)
+    if (row.ledger.kept) {
+        LEDGER_COLUMNS(CELL)
+    }
 #undef CELL
     fputc('\n', series->stream);
     return flush(series, err);
@@ -116,6 +140,16 @@ typedef struct series_search {
     bool found;
 } series_search;
 
+/* Cell `column` of a row, or "". */
+static const char *cell(const char *line, int column)
+{
+    for (; column > 0 && line != NULL; --column) {
+        line = strchr(line, ',');
+        line = line == NULL ? NULL : line + 1;
+    }
+    return line == NULL ? "" : line;
+}
+
 static weft_status search(const char *directory, series_search *wanted, weft_error *err)
 {
     char path[RECORD_PATH], line[1024];
@@ -130,10 +164,9 @@ static weft_status search(const char *directory, series_search *wanted, weft_err
     const bool any = wanted->frame == SIZE_MAX;
     while ((any || !wanted->found) && fgets(line, sizeof line, stream) != NULL) {
         char *end;
-        const char *last = strrchr(line, ',');
         const unsigned long long frame = strtoull(line, &end, 10);
         if (end != line && *end == ',' && (any || frame == wanted->frame)
-            && sscanf(last, ",%" SCNx64, &wanted->hash) == 1) {
+            && sscanf(cell(line, COLUMN_hash), "%" SCNx64, &wanted->hash) == 1) {
             wanted->found = true;
             wanted->last = (size_t)frame;
         }

@@ -350,6 +350,16 @@ static const weft__key run_keys[] = {
 static const weft__section run_section
     = { SECTION(run_keys), .check = weft__check_run };
 
+/* The stepper comes before it: the ledger is not for every method. */
+static const weft__key record_keys[] = {
+    { "ledger", WEFT__BOOLEAN, .fallback = "false", AT(weft_record_def, ledger),
+      .meaning = "integrate the powers of springs, drag, wind and pins with the state, "
+                 "and add the energy ledger to series.csv" },
+};
+
+static const weft__section record_section
+    = { SECTION(record_keys), .check = weft__check_record };
+
 static const weft__key root_keys[] = {
     { "weft", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "1",
       AT(weft_scene, version), .meaning = "version of the scene format, 1" },
@@ -366,6 +376,8 @@ static const weft__key root_keys[] = {
       .meaning = "the solver that integrates it" },
     { "run", WEFT__MAPPING, .required = true, .section = &run_section,
       AT(weft_scene, run), .meaning = "duration and frames" },
+    { "record", WEFT__MAPPING, .section = &record_section, .absent = "defaults",
+      AT(weft_scene, record), .meaning = "what a run leaves behind" },
 };
 
 const weft__section weft__root

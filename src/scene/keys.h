@@ -12,6 +12,7 @@ typedef enum weft__kind {
     WEFT__VECTOR,    /* double[3] */
     WEFT__DIRECTION, /* double[3], not zero */
     WEFT__TEXT,      /* char *, allocated */
+    WEFT__BOOLEAN,   /* bool */
     WEFT__CHOICE,    /* one of names, stored by `choose` */
     WEFT__FAMILIES,  /* bool[WEFT_FAMILIES] */
     WEFT__SPACING,   /* double[2] from a number or a pair */

@@ -242,13 +242,21 @@ void weft__read_value(weft__reader *reader, const weft__key *key,
                       const yaml_node_t *node, void *base)
 {
     static read_fn *const readers[WEFT__KINDS] = {
-        [WEFT__NUMBER] = read_number,     [WEFT__INTEGER] = read_integer,
-        [WEFT__VECTOR] = read_vector,     [WEFT__DIRECTION] = read_vector,
-        [WEFT__TEXT] = read_text,         [WEFT__FAMILIES] = read_families,
-        [WEFT__SPACING] = read_spacing,   [WEFT__ATOL] = read_atol,
-        [WEFT__INDEX] = weft__read_index, [WEFT__PLACE] = weft__read_place,
-        [WEFT__PINS] = weft__read_pins,   [WEFT__LOADS] = weft__read_loads,
-        [WEFT__ROW] = weft__read_row,     [WEFT__ROWS] = weft__read_rows,
+        [WEFT__NUMBER] = read_number,
+        [WEFT__INTEGER] = read_integer,
+        [WEFT__VECTOR] = read_vector,
+        [WEFT__DIRECTION] = read_vector,
+        [WEFT__TEXT] = read_text,
+        [WEFT__FAMILIES] = read_families,
+        [WEFT__SPACING] = read_spacing,
+        [WEFT__ATOL] = read_atol,
+        [WEFT__INDEX] = weft__read_index,
+        [WEFT__PLACE] = weft__read_place,
+        [WEFT__PINS] = weft__read_pins,
+        [WEFT__LOADS] = weft__read_loads,
+        [WEFT__ROW] = weft__read_row,
+        [WEFT__ROWS] = weft__read_rows,
+        [WEFT__BOOLEAN] = weft__read_boolean,
     };
     void *to = (char *)base + key->at;
     size_t name;

@@ -36,6 +36,7 @@ struct weft_scene {
     weft_cloth_def cloth;
     weft_limit_def limit;
     weft_run_def run;
+    weft_record_def record;
     weft_stepper_config config;
     const weft_stepper_type *type;
     weft__tableau tableau;
@@ -101,6 +102,10 @@ void weft__read_loads(weft__reader *reader, const weft__key *key,
 void weft__check_place(weft__reader *reader, const weft__match *match, void *base);
 void weft__check_pin(weft__reader *reader, const weft__match *match, void *base);
 
+/* boolean.c */
+void weft__read_boolean(weft__reader *reader, const weft__key *key,
+                        const yaml_node_t *node, void *to);
+
 /* butcher.c */
 void weft__read_row(weft__reader *reader, const weft__key *key, const yaml_node_t *node,
                     void *to);
@@ -119,5 +124,6 @@ void weft__check_run(weft__reader *reader, const weft__match *match, void *base)
 /* stepper.c */
 void weft__check_controller(weft__reader *reader, const weft__match *match, void *base);
 void weft__check_stepper(weft__reader *reader, const weft__match *match, void *base);
+void weft__check_record(weft__reader *reader, const weft__match *match, void *base);
 
 #endif

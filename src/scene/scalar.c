@@ -228,7 +228,7 @@ const char *weft__hint(const yaml_node_t *node, bool number, const char *unit,
     if (!is_plain(node)) {
         hint = number && parse_number(text, &value) ? "remove the quotes" : "";
     } else if (is_switch(text)) {
-        hint = "no key of a scene takes yes or no, on or off, true or false";
+        hint = "this key takes no yes or no, on or off, true or false";
     } else if (number) {
         hint = number_hint(text);
     }

@@ -82,18 +82,22 @@ static void check_sizes(weft__reader *reader, const weft__match *match)
 
 /* ---- plugin and method ------------------------------------------------------ */
 
-/* The names of a plugin's methods, as many as fit. */
-static void list_methods(const weft_plugin *plugin, char *out, size_t size)
+/* The names of a plugin's methods that have the flags, as many as fit. */
+static void list_methods(const weft_plugin *plugin, uint32_t flags, char *out,
+                         size_t size)
 {
     size_t used = 0;
     out[0] = '\0';
     for (size_t i = 0; plugin->types[i] != NULL; ++i) {
         const char *name = plugin->types[i]->name;
+        if ((plugin->types[i]->flags & flags) != flags) {
+            continue;
+        }
         if (used + strlen(name) + sizeof ", ..." >= size) {
             (void)snprintf(out + used, size - used, ", ...");
             return;
         }
-        used += (size_t)snprintf(out + used, size - used, "%s%s", i > 0 ? ", " : "",
+        used += (size_t)snprintf(out + used, size - used, "%s%s", used > 0 ? ", " : "",
                                  name);
     }
 }
@@ -110,7 +114,7 @@ find_method(weft__reader *reader, const weft__match *match, const weft_plugin *p
         }
         weft__guess_try(&guess, wanted, plugin->types[i]->name);
     }
-    list_methods(plugin, names, sizeof names);
+    list_methods(plugin, 0, names, sizeof names);
     weft__report_error(reader->report, weft__value_in(match, "method")->start_mark,
                        "plugin '%.32s' has no method '%.40s'%s; it has %s", plugin->id,
                        wanted, weft__guess_text(&guess, near, sizeof near), names);
@@ -300,4 +304,24 @@ void weft__check_stepper(weft__reader *reader, const weft__match *match, void *b
                    && scene->method != NULL)) {
         check_table(reader, match, asks_for_table(scene));
     }
+}
+
+/* Told where the ledger is asked for: the stepper has been read before. */
+void weft__check_record(weft__reader *reader, const weft__match *match, void *base)
+{
+    const weft_record_def *record = base;
+    const weft_scene *scene = reader->scene;
+    weft_error why;
+    char names[240];
+    if (!record->ledger || scene->type == NULL
+        || (scene->type->flags & WEFT_STEPPER_QUADRATURES) != 0) {
+        return;
+    }
+    list_methods(reader->def->find_plugin(reader->def->find_ctx, scene->plugin, &why),
+                 WEFT_STEPPER_QUADRATURES, names, sizeof names);
+    weft__report_error(reader->report, weft__value_in(match, "ledger")->start_mark,
+                       "method '%.40s' of plugin '%.40s' cannot keep the energy "
+                       "ledger%s%s",
+                       scene->method, scene->plugin,
+                       names[0] == '\0' ? "" : "; of that plugin these can: ", names);
 }

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim/ledger.h"
+
 struct weft_sim {
     const weft_cloth *cloth;
     const weft_stepper_type *method;
@@ -13,8 +15,9 @@ struct weft_sim {
     weft_correct_fn *correct;
     void *correct_ctx;
     double t;                   /* [s] */
-    double dissipated, heating; /* [J] so far, [W] at t */
-    double *y;
+    double dissipated, heating; /* [J] so far, [W] at t; without ledger */
+    weft__ledger ledger;
+    double *y; /* 6 N, then with ledger its quadratures */
 };
 
 weft_stepper_config weft_stepper_config_default(void)
@@ -76,8 +79,24 @@ static weft_status check_config(const weft_stepper_config *config, weft_error *e
 static weft_status make_stepper(weft_sim *sim, const weft_sim_def *def, weft_error *err)
 {
     /* The cloth is only read; weft_ode has no const, for solvers that know none. */
-    const weft_ode ode = { weft_cloth_dim(def->cloth), rhs, (void *)def->cloth };
-    return def->method->create(def->method, &ode, &def->config, &sim->stepper, err);
+    weft_ode ode = { weft_cloth_dim(def->cloth), rhs, (void *)def->cloth };
+    weft_stepper_config config = { 0 };
+    memcpy(&config, &def->config,
+           def->config.struct_size < sizeof config ? def->config.struct_size
+                                                   : sizeof config);
+    config.struct_size = sizeof config;
+    config.quadratures = def->ledger ? WEFT_POWERS : 0;
+    if (def->ledger && (def->method->flags & WEFT_STEPPER_QUADRATURES) == 0) {
+        return weft_error_set(err, WEFT_UNSUPPORTED,
+                              "method '%.40s' cannot keep the energy ledger: it "
+                              "integrates no quadratures",
+                              def->method->name);
+    }
+    if (def->ledger) {
+        ode.dim += WEFT_POWERS;
+        ode.rhs = weft__ledger_rhs;
+    }
+    return def->method->create(def->method, &ode, &config, &sim->stepper, err);
 }
 
 weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error *err)
@@ -91,7 +110,7 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
         return status;
     }
     weft_sim *sim = calloc(1, sizeof *sim);
-    double *y = malloc(weft_cloth_dim(def->cloth) * sizeof *y);
+    double *y = malloc((weft_cloth_dim(def->cloth) + WEFT_POWERS) * sizeof *y);
     if (sim == NULL || y == NULL) {
         free(sim);
         free(y);
@@ -102,7 +121,9 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
     sim->correct = def->correct;
     sim->correct_ctx = def->correct_ctx;
     sim->y = y;
+    sim->ledger.on = def->ledger;
     weft_cloth_start(sim->cloth, y);
+    weft__ledger_start(&sim->ledger, sim->cloth, y);
     sim->heating = weft_cloth_dissipation(sim->cloth, y);
     status = make_stepper(sim, def, err);
     if (status != WEFT_OK) {
@@ -181,6 +202,18 @@ static void add_heat(weft_sim *sim, double h)
     sim->heating = heating;
 }
 
+/* After an accepted step of h. */
+static void apply_corrections(weft_sim *sim, double h)
+{
+    weft__ledger_mark(&sim->ledger, sim->cloth, sim->y);
+    if (sim->correct(sim->correct_ctx, sim->t, h, sim->y)) {
+        weft__ledger_account(&sim->ledger, sim->cloth, sim->y,
+                             &sim->ledger.outside_work);
+        sim->method->state_changed(sim->stepper);
+        sim->heating = weft_cloth_dissipation(sim->cloth, sim->y);
+    }
+}
+
 weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
 {
     if (!(t_end > sim->t) || !isfinite(t_end)) {
@@ -196,10 +229,11 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
         return status;
     }
     const double h = sim->t - before;
-    add_heat(sim, h);
-    if (sim->correct != NULL && sim->correct(sim->correct_ctx, sim->t, h, sim->y)) {
-        sim->method->state_changed(sim->stepper);
-        sim->heating = weft_cloth_dissipation(sim->cloth, sim->y);
+    if (!sim->ledger.on) {
+        add_heat(sim, h);
+    }
+    if (sim->correct != NULL) {
+        apply_corrections(sim, h);
     }
     return WEFT_OK;
 }
@@ -245,7 +279,14 @@ void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx)
 
 double weft_sim_dissipated(const weft_sim *sim)
 {
-    return sim->dissipated;
+    const double *done = sim->y + weft_cloth_dim(sim->cloth);
+    return sim->ledger.on ? done[WEFT_POWER_SPRINGS] + done[WEFT_POWER_DRAG]
+                          : sim->dissipated;
+}
+
+weft_ledger weft_sim_ledger(const weft_sim *sim)
+{
+    return weft__ledger_read(&sim->ledger, sim->cloth, sim->y);
 }
 
 /* Three planes of n to triples. */
@@ -287,8 +328,10 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
         || (velocities != NULL && !all_finite(velocities, 3 * n))) {
         return weft_error_set(err, WEFT_INVALID, "a state must be finite");
     }
+    weft__ledger_mark(&sim->ledger, sim->cloth, sim->y);
     set_planes(sim->cloth, positions, sim->y);
     set_planes(sim->cloth, velocities, sim->y + 3 * n);
+    weft__ledger_account(&sim->ledger, sim->cloth, sim->y, &sim->ledger.outside_work);
     sim->heating = weft_cloth_dissipation(sim->cloth, sim->y);
     sim->method->state_changed(sim->stepper);
     return WEFT_OK;

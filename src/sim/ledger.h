@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* ledger.h -- where the energy of a simulation went.
+ *
+ * The powers of weft_cloth_power are integrated with the state, as WEFT_POWERS
+ * quadratures behind its 6 N numbers. What happens between the steps is work too. */
+#ifndef WEFT_SIM_LEDGER_H
+#define WEFT_SIM_LEDGER_H
+
+#include "weft/sim.h"
+
+typedef struct weft__ledger {
+    bool on;                         /* off: nothing here does anything */
+    double start;                    /* [J] energy at t = 0 */
+    double marked;                   /* [J] energy when it was last looked at */
+    double limit_work, outside_work; /* [J] */
+} weft__ledger;
+
+/* The equations of motion and the powers behind them; ctx is the cloth. */
+int weft__ledger_rhs(double t, const double *y, double *dydt, void *ctx);
+
+/* y at t = 0; puts the quadratures behind it to 0. */
+void weft__ledger_start(weft__ledger *ledger, const weft_cloth *cloth, double *y);
+
+/* Around corrections: mark before the first, then after each that changed y account
+ * what it added to the energy to *work, one of the ledger's. */
+void weft__ledger_mark(weft__ledger *ledger, const weft_cloth *cloth, const double *y);
+void weft__ledger_account(weft__ledger *ledger, const weft_cloth *cloth,
+                          const double *y, double *work);
+
+weft_ledger weft__ledger_read(const weft__ledger *ledger, const weft_cloth *cloth,
+                              const double *y);
+
+#endif

@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* test_quadratures.c -- components behind positions and velocities that are integrated
+ * along: right, and without a say in any step. test_steppers.c holds the rest of the
+ * contract with them too. */
+#include "stepper_run.h"
+
+static bool takes(const weft_stepper_type *type)
+{
+    return (type->flags & WEFT_STEPPER_QUADRATURES) != 0;
+}
+
+/* Mode 0: adaptive in the max norm, 1: in the rms norm, 2: fixed steps. */
+static weft_stepper_config in_mode(const weft_stepper_type *type, int mode)
+{
+    weft_stepper_config config = usual(type, mode == 2 ? 1 : 0);
+    config.norm = mode == 1 ? WEFT_NORM_RMS : WEFT_NORM_MAX;
+    return config;
+}
+
+/* Over three frames, with an edit of the state after the first. */
+static run with_quadratures_go(const weft_stepper_type *type, int mode, size_t count)
+{
+    const weft_stepper_config config = in_mode(type, mode);
+    run r;
+    apart = count;
+    start(&r, type, &config);
+    go(&r, 0.3);
+    r.y[1] += 0.125;
+    type->state_changed(r.self);
+    go(&r, 0.6);
+    go(&r, 1.0);
+    return r;
+}
+
+START_TEST(steps_have_the_same_bits_with_and_without)
+{
+    const weft_stepper_type *type = test_method((size_t)_i);
+    for (int mode = 0; mode < 3 && takes(type); ++mode) {
+        run plain = with_quadratures_go(type, mode, 0);
+        const weft_stepper_stats a = stats(&plain);
+        for (size_t count = 1; count <= APART; ++count) {
+            run with = with_quadratures_go(type, mode, count);
+            const weft_stepper_stats b = stats(&with);
+            ck_assert_mem_eq(plain.y, with.y, DIM * sizeof *plain.y);
+            ck_assert_uint_eq(a.steps, b.steps);
+            ck_assert_uint_eq(a.rejected, b.rejected);
+            ck_assert_uint_eq(a.rhs_calls, b.rhs_calls);
+            ck_assert(a.next_step == b.next_step);
+            end(&with);
+        }
+        end(&plain);
+    }
+}
+END_TEST
+
+/* y' = 1 is exact in every method; y' = v1 is x1 as far as the method knows it. */
+START_TEST(quadratures_are_integrated_along)
+{
+    const weft_stepper_type *type = test_method((size_t)_i);
+    for (int mode = 0; mode < 3 && takes(type); ++mode) {
+        const weft_stepper_config config = in_mode(type, mode);
+        run r;
+        apart = APART;
+        start(&r, type, &config);
+        go(&r, 1.0);
+        ck_assert_double_eq_tol(r.y[DIM], 1.0, 1e-12);
+        ck_assert_double_eq_tol(r.y[DIM + 1], r.y[0] - y_start[0], allowed(type));
+        end(&r);
+    }
+}
+END_TEST
+
+/* They carry on from what they are given, and do nothing with it. */
+START_TEST(quadratures_go_on_from_any_value)
+{
+    const weft_stepper_type *type = test_method((size_t)_i);
+    const weft_stepper_config config = in_mode(type, 0);
+    run zero, large;
+    if (!takes(type)) {
+        return;
+    }
+    apart = APART;
+    start(&zero, type, &config);
+    start(&large, type, &config);
+    large.y[DIM + 1] = 0x1p20;
+    go(&zero, 0.5);
+    go(&large, 0.5);
+    large.y[DIM + 2] -= 17.0;
+    type->state_changed(zero.self);
+    type->state_changed(large.self);
+    go(&zero, 1.0);
+    go(&large, 1.0);
+    ck_assert_mem_eq(zero.y, large.y, DIM * sizeof *zero.y);
+    ck_assert_double_eq_tol(large.y[DIM + 1], 0x1p20 + zero.y[DIM + 1], 1e-7);
+    ck_assert_double_eq_tol(large.y[DIM + 2], zero.y[DIM + 2] - 17.0, 1e-12);
+    end(&zero);
+    end(&large);
+}
+END_TEST
+
+START_TEST(counts_that_do_not_fit_are_refused)
+{
+    const weft_stepper_type *type = test_method((size_t)_i);
+    const size_t fitting[] = { 2, 1, DIM, DIM + 1, SIZE_MAX, SIZE_MAX - 1 };
+    weft_stepper_config config = test_config(type, usual(type, 0));
+    model m = { .k = 1.0 };
+    const weft_ode ode = { .dim = DIM, .rhs = rhs, .ctx = &m };
+    for (size_t i = takes(type) ? 1 : 0; i < sizeof fitting / sizeof *fitting; ++i) {
+        weft_error err = { 0 };
+        void *self = &m;
+        config.quadratures = fitting[i];
+        ck_assert_int_eq(type->create(type, &ode, &config, &self, &err), WEFT_INVALID);
+        ck_assert_ptr_null(self);
+        ck_assert_ptr_nonnull(strstr(err.message, "quadratures"));
+    }
+}
+END_TEST
+
+/* Whoever was compiled before the field was there has none. */
+START_TEST(a_config_without_the_field_has_no_quadratures)
+{
+    const weft_stepper_type *type = test_method((size_t)_i);
+    weft_stepper_config config = test_config(type, usual(type, 0));
+    model m = { .k = 1.0 };
+    const weft_ode ode = { .dim = DIM, .rhs = rhs, .ctx = &m };
+    weft_error err = { 0 };
+    void *self = NULL;
+    config.struct_size = offsetof(weft_stepper_config, quadratures);
+    config.quadratures = 1;
+    ck_assert_msg(type->create(type, &ode, &config, &self, &err) == WEFT_OK, "%s",
+                  err.message);
+    type->destroy(self);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("quadratures");
+    add_for_every_method(suite, "bits", steps_have_the_same_bits_with_and_without);
+    add_for_every_method(suite, "values", quadratures_are_integrated_along);
+    add_for_every_method(suite, "any value", quadratures_go_on_from_any_value);
+    add_for_every_method(suite, "counts", counts_that_do_not_fit_are_refused);
+    add_for_every_method(suite, "old", a_config_without_the_field_has_no_quadratures);
+    return test_run(suite);
+}
