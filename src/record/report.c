@@ -135,6 +135,18 @@ static void write_spring(yaml_out *out, const weft_cloth *cloth,
     }
 }
 
+static void write_limit(yaml_out *out, const weft_sim *sim)
+{
+    const weft_limit_stats stats = weft_sim_limit_stats(sim);
+    yaml_out_map(out, "limit");
+    yaml_out_plain(out, "corrected", "%" PRIu64, stats.corrected);
+    yaml_out_plain(out, "sweeps", "%" PRIu64, stats.sweeps);
+    yaml_out_plain(out, "unconverged", "%" PRIu64, stats.unconverged);
+    yaml_out_plain(out, "held", "%zu", weft_sim_limit_held(sim));
+    yaml_out_real(out, "strain", weft_sim_limit_worst(sim).strain);
+    yaml_out_close_map(out);
+}
+
 static void write_outcome(yaml_out *out, const record_result *result)
 {
     const weft_cloth *cloth = weft_sim_cloth(result->sim);
@@ -151,6 +163,7 @@ static void write_outcome(yaml_out *out, const record_result *result)
     yaml_out_real(out, "energy_start", result->energy_start);
     yaml_out_real(out, "energy_end", energy);
     yaml_out_real(out, "dissipated", weft_sim_dissipated(result->sim));
+    write_limit(out, result->sim);
     char hash[20];
     (void)snprintf(hash, sizeof hash, "%016" PRIx64,
                    weft_state_hash(y, weft_cloth_dim(cloth)));

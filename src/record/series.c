@@ -24,12 +24,17 @@
     X(rejected, "%" PRIu64, row.stats.rejected)                                        \
     X(rhs_calls, "%" PRIu64, row.stats.rhs_calls)                                      \
     X(step_size, "%.17g", row.stats.last_step)                                         \
-    X(limit_sweeps, "%zu", row.frame->limit_sweeps)                                    \
-    X(hash, "%016" PRIx64, row.hash)
+    X(limit_sweeps, "%" PRIu64, row.frame->limit_sweeps)                               \
+    X(hash, "%016" PRIx64, row.hash)                                                   \
+    X(limit_strain, "%.17g", row.limit_strain)
+
+#define NUMBER(name, format, value) COLUMN_##name,
+enum { COLUMNS(NUMBER) COLUMN_COUNT };
+#undef NUMBER
 
 typedef struct series_row {
     const record_frame *frame;
-    double time, elastic, dissipated, max_strain, momentum[3];
+    double time, elastic, dissipated, max_strain, limit_strain, momentum[3];
     weft_energy energy;
     weft_stepper_stats stats;
     uint64_t hash;
@@ -45,6 +50,7 @@ static series_row measure(const record_frame *frame)
         .time = weft_sim_time(sim),
         .dissipated = weft_sim_dissipated(sim),
         .max_strain = weft_cloth_worst_spring(cloth, y).strain,
+        .limit_strain = weft_sim_limit_worst(sim).strain,
         .energy = weft_cloth_energy(cloth, y),
         .stats = weft_sim_stats(sim),
         .hash = weft_state_hash(y, weft_cloth_dim(cloth)),
@@ -116,6 +122,16 @@ typedef struct series_search {
     bool found;
 } series_search;
 
+/* Cell `column` of a row, or "". */
+static const char *cell(const char *line, int column)
+{
+    for (; column > 0 && line != NULL; --column) {
+        line = strchr(line, ',');
+        line = line == NULL ? NULL : line + 1;
+    }
+    return line == NULL ? "" : line;
+}
+
 static weft_status search(const char *directory, series_search *wanted, weft_error *err)
 {
     char path[RECORD_PATH], line[1024];
@@ -130,10 +146,9 @@ static weft_status search(const char *directory, series_search *wanted, weft_err
     const bool any = wanted->frame == SIZE_MAX;
     while ((any || !wanted->found) && fgets(line, sizeof line, stream) != NULL) {
         char *end;
-        const char *last = strrchr(line, ',');
         const unsigned long long frame = strtoull(line, &end, 10);
         if (end != line && *end == ',' && (any || frame == wanted->frame)
-            && sscanf(last, ",%" SCNx64, &wanted->hash) == 1) {
+            && sscanf(cell(line, COLUMN_hash), "%" SCNx64, &wanted->hash) == 1) {
             wanted->found = true;
             wanted->last = (size_t)frame;
         }

@@ -6,10 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim/limit.h"
+
 struct weft_sim {
     const weft_cloth *cloth;
     const weft_stepper_type *method;
     void *stepper;
+    weft__limit *limit; /* NULL: none */
     weft_correct_fn *correct;
     void *correct_ctx;
     double t;                   /* [s] */
@@ -33,7 +36,13 @@ weft_stepper_config weft_stepper_config_default(void)
 
 weft_sim_def weft_sim_def_default(void)
 {
-    return (weft_sim_def){ .config = weft_stepper_config_default() };
+    return (weft_sim_def){
+        .config = weft_stepper_config_default(),
+        .limit = { .strain = 0.1,
+                   .families = { [WEFT_STRETCH] = true, [WEFT_SHEAR] = true },
+                   .sweeps = 100,
+                   .tolerance = 1e-3 },
+    };
 }
 
 static int rhs(double t, const double *y, double *dydt, void *ctx)
@@ -104,7 +113,10 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
     sim->y = y;
     weft_cloth_start(sim->cloth, y);
     sim->heating = weft_cloth_dissipation(sim->cloth, y);
-    status = make_stepper(sim, def, err);
+    status = weft__limit_create(&def->limit, def->cloth, &sim->limit, err);
+    if (status == WEFT_OK) {
+        status = make_stepper(sim, def, err);
+    }
     if (status != WEFT_OK) {
         weft_sim_destroy(sim);
         return status;
@@ -117,6 +129,7 @@ void weft_sim_destroy(weft_sim *sim)
 {
     if (sim != NULL) {
         sim->method->destroy(sim->stepper);
+        weft__limit_destroy(sim->limit);
         free(sim->y);
         free(sim);
     }
@@ -197,7 +210,11 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
     }
     const double h = sim->t - before;
     add_heat(sim, h);
+    bool changed = sim->limit != NULL && weft__limit_apply(sim->limit, h, sim->y);
     if (sim->correct != NULL && sim->correct(sim->correct_ctx, sim->t, h, sim->y)) {
+        changed = true;
+    }
+    if (changed) {
         sim->method->state_changed(sim->stepper);
         sim->heating = weft_cloth_dissipation(sim->cloth, sim->y);
     }
@@ -246,6 +263,25 @@ void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx)
 double weft_sim_dissipated(const weft_sim *sim)
 {
     return sim->dissipated;
+}
+
+weft_limit_stats weft_sim_limit_stats(const weft_sim *sim)
+{
+    return weft__limit_stats(sim->limit);
+}
+
+weft_spring weft_sim_limit_worst(const weft_sim *sim)
+{
+    return sim->limit == NULL
+               ? (weft_spring){ 0 }
+               : weft__limited_worst(weft__limit_springs(sim->limit), sim->y);
+}
+
+size_t weft_sim_limit_held(const weft_sim *sim)
+{
+    return sim->limit == NULL
+               ? 0
+               : weft__limited_held(weft__limit_springs(sim->limit), sim->y);
 }
 
 /* Three planes of n to triples. */
