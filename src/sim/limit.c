@@ -9,8 +9,9 @@
  *
  * (Nesterov 1983), and from x_k with t = 1 again where the momentum points against the
  * last sweep: (z - x_(k+1), x_(k+1) - x_k) > 0 in the product sum m a.b of the
- * projections (O'Donoghue, Candes 2015, eq. 12). Differences of states move no centre
- * of mass and no pin, so neither does the momentum. */
+ * projections (O'Donoghue, Candes 2015, eq. 12). A sweep is no gradient step, so growth
+ * is possible: it restarts too, and bounds t for the rest of the step. Differences of
+ * states move no centre of mass and no pin, so neither does the momentum. */
 #include "sim/limit.h"
 
 #include <math.h>
@@ -21,12 +22,19 @@ struct weft__limit {
     weft_limit_def def;
     weft__limited springs;
     weft_limit_stats stats;
+    double last_h;    /* [s] of the step before */
     size_t count;     /* 3 N */
     double *x;        /* positions under correction */
     double *previous; /* fast: x_k */
     double *start;    /* fast: z, that the last sweep started from */
-    double t;         /* fast: t_k */
+    double t, most;   /* fast: t_k, and what it may grow to */
+    double least2;    /* fast: the least that a sweep moved, squared */
 };
+
+/* Momentum that makes sweeps move this much more than they did is stopped, and from
+ * then on kept below this part of what it was. */
+#define GROWTH 10.0
+#define CALMED 0.7
 
 static weft_status check(const weft_limit_def *def, weft_error *err)
 {
@@ -89,33 +97,46 @@ void weft__limit_destroy(weft__limit *limit)
     }
 }
 
-/* (z - x_(k+1), x_(k+1) - x_k) */
-static bool points_back(const weft__limit *self)
+/* What the last sweep did, in the product of the projections. */
+typedef struct progress {
+    double back;   /* (z - x_(k+1), x_(k+1) - x_k) */
+    double moved2; /* |z - x_(k+1)|^2 */
+} progress;
+
+static progress look_back(const weft__limit *self)
 {
     const size_t n = self->count / 3;
-    double product = 0.0;
+    progress sum = { 0 };
     for (size_t i = 0; i < n; ++i) {
-        double here = 0.0;
+        const double mass = weft_cloth_particle_mass(self->springs.cloth, i);
         for (size_t j = i; j < self->count; j += n) {
-            here += (self->start[j] - self->x[j]) * (self->x[j] - self->previous[j]);
+            const double undone = self->start[j] - self->x[j];
+            sum.back += mass * undone * (self->x[j] - self->previous[j]);
+            sum.moved2 += mass * undone * undone;
         }
-        product += weft_cloth_particle_mass(self->springs.cloth, i) * here;
     }
-    return product > 0.0;
+    return sum;
 }
 
 /* From x_(k+1) to the z of the next sweep. */
 static void extrapolate(weft__limit *self)
 {
-    const bool back = points_back(self);
-    const double next = back ? 1.0 : 0.5 * (1.0 + sqrt(1.0 + 4.0 * self->t * self->t));
-    const double factor = back ? 0.0 : (self->t - 1.0) / next;
+    const progress last = look_back(self);
+    const bool grown = last.moved2 > GROWTH * GROWTH * self->least2;
+    const bool restart = grown || last.back > 0.0;
+    if (grown && self->t > 1.0) {
+        self->most = fmax(1.0, CALMED * fmin(self->t, self->most));
+    }
+    self->least2 = grown ? last.moved2 : fmin(self->least2, last.moved2);
+    const double next = 0.5 * (1.0 + sqrt(1.0 + 4.0 * self->t * self->t));
+    const double t = restart ? 1.0 : fmin(next, self->most);
+    const double factor = restart ? 0.0 : (self->t - 1.0) / t;
     for (size_t j = 0; j < self->count; ++j) {
         const double x = self->x[j];
         self->x[j] = x + factor * (x - self->previous[j]);
         self->previous[j] = x;
     }
-    self->t = next;
+    self->t = t;
 }
 
 /* Sweeps until the limit is met, or as often as allowed. */
@@ -125,6 +146,7 @@ static bool solve(weft__limit *self)
     const size_t bytes = self->count * sizeof *self->x;
     bool met = false;
     self->t = 1.0;
+    self->most = self->least2 = INFINITY;
     if (fast) {
         memcpy(self->previous, self->x, bytes);
     }
@@ -179,8 +201,12 @@ static bool store(const weft__limit *self, double h, double *y)
     return changed;
 }
 
-bool weft__limit_apply(weft__limit *limit, double h, double *y)
+/* A step that is cut short by a frame must not turn what earlier steps have left over
+ * into a great velocity: it counts as long as the one before. */
+bool weft__limit_apply(weft__limit *limit, double step, double *y)
 {
+    const double h = fmax(step, limit->last_h);
+    limit->last_h = step;
     for (size_t j = 0; j < limit->count; ++j) {
         limit->x[j] = candidate(limit, h, y, j);
     }
