@@ -107,6 +107,15 @@ static void print_stepper(const weft_scene *scene)
     }
 }
 
+static void print_limit(const weft_limit_def *limit)
+{
+    if (limit->method != WEFT_LIMIT_NONE) {
+        printf("  limit      %s, strain %g, %s, %zu sweeps at most\n",
+               limit->method == WEFT_LIMIT_PROVOT ? "provot" : "bridson", limit->strain,
+               limit->solver == WEFT_LIMIT_FAST ? "fast" : "sweep", limit->sweeps);
+    }
+}
+
 /* All that is said of a right scene. */
 static int describe(const char *file, const weft_scene *scene)
 {
@@ -124,6 +133,7 @@ static int describe(const char *file, const weft_scene *scene)
     }
     printf("%s: ok: %s\n", file, weft_scene_name(scene));
     print_cloth(weft_scene_cloth(scene), cloth);
+    print_limit(weft_scene_limit(scene));
     print_stepper(scene);
     printf("  run        %g s in %zu frames\n", run->duration, frame_last(run) + 1);
     const char *unsupported = scene_unsupported(scene);

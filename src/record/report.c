@@ -69,6 +69,26 @@ static void write_cloth(yaml_out *out, const weft_cloth *cloth)
     yaml_out_close_map(out);
 }
 
+static void write_limit_def(yaml_out *out, const weft_limit_def *limit)
+{
+    if (limit->method == WEFT_LIMIT_NONE) {
+        return;
+    }
+    yaml_out_map(out, "limit");
+    yaml_out_plain(out, "method",
+                   limit->method == WEFT_LIMIT_PROVOT ? "provot" : "bridson");
+    yaml_out_plain(out, "solver", limit->solver == WEFT_LIMIT_FAST ? "fast" : "sweep");
+    yaml_out_real(out, "strain", limit->strain);
+    for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
+        yaml_out_plain(out, weft_family_name((weft_family)i), "%s",
+                       limit->families[i] ? "true" : "false");
+    }
+    yaml_out_plain(out, "sweeps", "%zu", limit->sweeps);
+    yaml_out_real(out, "tolerance", limit->tolerance);
+    yaml_out_plain(out, "velocity", limit->keep_velocity ? "keep" : "update");
+    yaml_out_close_map(out);
+}
+
 static void write_run(yaml_out *out, const weft_run_def *run)
 {
     yaml_out_map(out, "run");
@@ -105,6 +125,7 @@ weft_status record_manifest(const char *directory, const weft_scene *scene,
     write_plugin(&out, plugin, plugin_file, weft_scene_method_type(scene));
     write_config(&out, weft_scene_config(scene));
     write_cloth(&out, cloth);
+    write_limit_def(&out, weft_scene_limit(scene));
     write_run(&out, weft_scene_run(scene));
     return commit(&out, &file, err);
 }
