@@ -2,16 +2,17 @@
 /* limit.c -- springs that have grown too long in a step, shortened.
  *
  * A sweep of weft__limited_sweep projects the state onto one convex set after another;
- * repeated, it converges to a state in all of them (Bregman 1965). `fast` goes on from
+ * repeated, it converges to a state in all of them (Bregman 1967). `fast` goes on from
  *
  *     z = x_k + b_k (x_k - x_(k-1)),  b_k = (t_k - 1) / t_(k+1),
  *     t_(k+1) = (1 + sqrt(1 + 4 t_k^2)) / 2,  t_1 = 1,          x_(k+1) = sweep(z)
  *
  * (Nesterov 1983), and from x_k with t = 1 again where the momentum points against the
  * last sweep: (z - x_(k+1), x_(k+1) - x_k) > 0 in the product sum m a.b of the
- * projections (O'Donoghue, Candes 2015, eq. 12). A sweep is no gradient step, so growth
- * is possible: it restarts too, and bounds t for the rest of the step. Differences of
- * states move no centre of mass and no pin, so neither does the momentum. */
+ * projections (the gradient scheme of O'Donoghue, Candes 2015). A sweep is no gradient
+ * step, so growth is possible: it restarts too, and bounds t for the rest of the step.
+ * Differences of states move no centre of mass and no pin, so neither does the
+ * momentum. */
 #include "sim/limit.h"
 
 #include <math.h>
