@@ -93,8 +93,8 @@ START_TEST(a_run_leaves_its_files)
     ck_assert_str_eq(read_file(OUT "/r/scene.yaml"), small_scene);
     static const char header[]
         = "frame,time,kinetic,elastic,gravitational,dissipated,momentum_x,momentum_y,"
-          "momentum_z,max_strain,steps,rejected,rhs_calls,step_size,limit_sweeps,hash\n"
-          "0,0,";
+          "momentum_z,max_strain,steps,rejected,rhs_calls,step_size,limit_sweeps,hash,"
+          "limit_strain\n0,0,";
     ck_assert_int_eq(strncmp(read_file(OUT "/r/series.csv"), header, strlen(header)),
                      0);
     expect(shell("wc -l < " OUT "/r/series.csv"), 0);
@@ -270,12 +270,6 @@ START_TEST(what_this_version_cannot_run_it_says_and_exits_with_1)
         1);
     says("threads");
     expect(shell("grep -c 'status: failed' " OUT "/t/result.yaml"), 0);
-    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT
-                      "/l --set 'limit={method: provot}' 2>&1"),
-           1);
-    says("limit");
-    expect(shell(WEFT " check " OUT "/small.yaml --set 'limit={method: provot}' 2>&1"),
-           0);
     static const char table[]
         = "--set 'stepper={plugin: arkode, method: custom, butcher: "
           "{A: [[], [1/2]], b: [0, 1], c: [0, 1/2], order: 2}, "
@@ -288,6 +282,37 @@ START_TEST(what_this_version_cannot_run_it_says_and_exits_with_1)
     says("butcher");
     expect(shell("grep -c 'status: failed' " OUT "/b/result.yaml"), 0);
 #endif
+}
+END_TEST
+
+START_TEST(a_limit_reports_what_it_did_and_what_it_could_not)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT
+                      "/l --set 'limit={method: provot, strain: 0.01}' --set "
+                      "'cloth.pins=[top-left, top-right]' 2>&1"),
+           0);
+    says("strain limit: ");
+    ck_assert_ptr_null(strstr(output, "warning"));
+    expect(shell("cat " OUT "/l/result.yaml " OUT "/l/manifest.yaml"), 0);
+    says("  unconverged: 0\n");
+    says("  held: 0\n");
+    says("  method: provot\n  solver: fast\n");
+    expect(shell("awk -F, 'NR > 2 && $15 > 0 && $17 > 0 && $17 <= 0.01102' " OUT
+                 "/l/series.csv | wc -l"),
+           0);
+    ck_assert_int_gt(atoi(output), 0);
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/m --quiet --set 'limit="
+                      "{method: provot, strain: 0, tolerance: 1e-9, sweeps: 1}' 2>&1"),
+           0);
+    const char *warning = "weft: warning: limit: not met within limit.sweeps by t = ";
+    says(warning);
+    ck_assert_ptr_null(strstr(strstr(output, warning) + 1, warning));
+    expect(shell("grep -c 'unconverged: 0' " OUT "/m/result.yaml"), 1);
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/h --quiet --set limit."
+                      "method=provot --set cloth.pins='[[0, 0], {at: [0, 1], "
+                      "velocity: [3, 0, 0]}]' 2>&1"),
+           0);
+    says("weft: warning: limit: 1 springs with both ends pinned are too long");
 }
 END_TEST
 
@@ -437,6 +462,7 @@ static Suite *suite(void)
     tcase_add_test(program, a_missing_file_exits_with_4);
     tcase_add_test(program, a_full_disk_is_an_error_that_names_the_file);
     tcase_add_test(program, what_this_version_cannot_run_it_says_and_exits_with_1);
+    tcase_add_test(program, a_limit_reports_what_it_did_and_what_it_could_not);
     tcase_add_test(program, a_run_that_blows_up_keeps_its_last_good_state_and_reports);
     tcase_add_test(program, a_signal_ends_a_run_with_a_valid_result);
     tcase_add_test(program, progress_on_a_terminal_is_a_line_twice_a_second);

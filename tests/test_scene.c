@@ -50,6 +50,7 @@ static const char whole[]
       "  sweeps: 50\n"
       "  tolerance: 2.0e-3\n"
       "  velocity: keep\n"
+      "  solver: sweep\n"
       "stepper:\n"
       "  plugin: gsl\n"
       "  method: rkf45\n"
@@ -136,6 +137,7 @@ static void check_forces_and_limit(const weft_cloth_def *cloth,
               && limit->families[WEFT_BEND]);
     ck_assert_uint_eq(limit->sweeps, 50);
     ck_assert(limit->keep_velocity);
+    ck_assert_int_eq(limit->solver, WEFT_LIMIT_SWEEP);
 }
 
 static void check_stepper_and_run(const weft_scene *scene)
@@ -216,6 +218,7 @@ START_TEST(a_limit_has_the_defaults_of_the_contract)
               && !limit->families[WEFT_BEND]);
     ck_assert_uint_eq(limit->sweeps, 100);
     ck_assert(!limit->keep_velocity);
+    ck_assert_int_eq(limit->solver, WEFT_LIMIT_FAST);
     ck_assert_uint_eq(found.count, 0);
     weft_scene_destroy(scene);
 }

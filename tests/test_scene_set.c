@@ -329,6 +329,7 @@ static const char *const keys[] = {
     "limit.sweeps",
     "limit.tolerance",
     "limit.velocity",
+    "limit.solver",
     "stepper.plugin",
     "stepper.method",
     "stepper.rtol",

@@ -96,6 +96,28 @@ typedef struct weft_energy {
     double elastic[WEFT_FAMILIES]; /* [J] */
 } weft_energy;
 
+typedef enum weft_limit_method {
+    WEFT_LIMIT_NONE,
+    WEFT_LIMIT_PROVOT, /* on positions, after Provot 1995 */
+    WEFT_LIMIT_BRIDSON /* on velocities, after Bridson, Fedkiw, Anderson 2002 */
+} weft_limit_method;
+
+typedef enum weft_limit_solver {
+    WEFT_LIMIT_FAST, /* sweeps with momentum: some n of them on an n x n grid */
+    WEFT_LIMIT_SWEEP /* plain sweeps, as in the paper: some n^3 */
+} weft_limit_solver;
+
+/* No limited spring longer than (1 + strain) rest lengths: docs/physics.md. */
+typedef struct weft_limit_def {
+    weft_limit_method method;
+    double strain;                /* >= 0 */
+    bool families[WEFT_FAMILIES]; /* which are limited */
+    size_t sweeps;                /* >= 1 passes a step at most, or until */
+    double tolerance;             /* > 0: none exceeds (1 + strain)(1 + tolerance) */
+    bool keep_velocity;           /* provot: positions only, as in the paper */
+    weft_limit_solver solver;
+} weft_limit_def;
+
 /* 2 x 2 particles, 1 m apart, 0.2 kg/m^2, no springs, no pins, earth's gravity down
  * the y axis. Set what differs. */
 WEFT_API weft_cloth_def weft_cloth_def_default(void);

@@ -15,21 +15,6 @@ extern "C" {
 
 typedef struct weft_scene weft_scene;
 
-typedef enum weft_limit_method {
-    WEFT_LIMIT_NONE,
-    WEFT_LIMIT_PROVOT, /* on positions, after Provot 1995 */
-    WEFT_LIMIT_BRIDSON /* on velocities, after Bridson, Fedkiw, Anderson 2002 */
-} weft_limit_method;
-
-typedef struct weft_limit_def {
-    weft_limit_method method;
-    double strain;                /* >= 0 */
-    bool families[WEFT_FAMILIES]; /* which are limited */
-    size_t sweeps;                /* >= 1 passes a step at most */
-    double tolerance;             /* > 0 */
-    bool keep_velocity;           /* positions only, as in the paper */
-} weft_limit_def;
-
 typedef struct weft_run_def {
     double duration; /* [s] > 0 */
     double fps;      /* [1/s] > 0 */

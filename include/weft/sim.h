@@ -70,9 +70,10 @@ typedef struct weft_sim_def {
     const weft_cloth *cloth;         /* outlives the simulation */
     const weft_stepper_type *method; /* likewise */
     weft_stepper_config config;
-    weft_correct_fn *correct; /* NULL: none */
+    weft_correct_fn *correct; /* NULL: none; comes after the limit */
     void *correct_ctx;
     bool ledger; /* keep the energy ledger; the method needs WEFT_STEPPER_QUADRATURES */
+    weft_limit_def limit; /* a correction after every accepted step; default: none */
 } weft_sim_def;
 
 /* Where the energy went since t = 0, in [J]. Without ledger in the definition only
@@ -88,6 +89,16 @@ typedef struct weft_ledger {
                         errors of the integration */
 } weft_ledger;
 
+/* What the strain limit has done since t = 0. */
+typedef struct weft_limit_stats {
+    uint64_t corrected;   /* steps that had a spring to shorten */
+    uint64_t sweeps;      /* passes of all of them */
+    uint64_t unconverged; /* steps whose passes did not do */
+} weft_limit_stats;
+
+/* The limit of weft_sim_def_default has no method, and the values a scene would have:
+ * strain 0.1, stretch and shear, 100 sweeps, tolerance 1e-3, velocities updated, fast.
+ */
 WEFT_API weft_sim_def weft_sim_def_default(void);
 
 /* Starts at t = 0 with weft_cloth_start. Errors: WEFT_INVALID, WEFT_NO_MEMORY,
@@ -117,6 +128,14 @@ WEFT_API double weft_sim_dissipated(const weft_sim *sim);
 /* The powers of weft_cloth_power were integrated with the state, by the method itself:
  * the residual is of its order. The state and the steps are the same without it. */
 WEFT_API weft_ledger weft_sim_ledger(const weft_sim *sim);
+
+/* All 0 without a limit. */
+WEFT_API weft_limit_stats weft_sim_limit_stats(const weft_sim *sim);
+/* The limited spring with the largest strain at present, as weft_cloth_worst_spring. */
+WEFT_API weft_spring weft_sim_limit_worst(const weft_sim *sim);
+/* Limited springs that are too long at present and have both ends pinned: they cannot
+ * be corrected, and do not count as unconverged. */
+WEFT_API size_t weft_sim_limit_held(const weft_sim *sim);
 
 /* Copies of the state as x y z of particle 0, x y z of particle 1, ...: 3 N doubles. */
 WEFT_API void weft_sim_positions(const weft_sim *sim, double *xyz);  /* [m] */

@@ -82,7 +82,7 @@ int weft__ark_step_done(sunrealtype t, N_Vector y, void *instance)
 static double fit(const stepper *self, double rest)
 {
     const double h = self->h;
-    if (h >= rest * (1.0 - 1e-12)) {
+    if (h >= rest * (1.0 - 1e-6)) {
         return rest;
     }
     return self->fixed_step == 0.0 && h > 0.9 * rest ? 0.5 * rest : h;

@@ -117,7 +117,7 @@ static trouble attempt(stepper *self, double t, const double *start, double *h)
  * roundoff alone, half of it if h would leave a sliver, else h. */
 static double fit(const stepper *self, double h, double rest)
 {
-    if (h >= rest * (1.0 - 1e-12)) {
+    if (h >= rest * (1.0 - 1e-6)) {
         return rest;
     }
     return self->fixed_step == 0.0 && 2.0 * h >= rest ? 0.5 * rest : h;

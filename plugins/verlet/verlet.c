@@ -165,7 +165,7 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
                               t_end);
     }
     /* A rest that is longer than the step by roundoff alone is taken whole. */
-    const bool last = self->fixed_step >= rest * (1.0 - 1e-12);
+    const bool last = self->fixed_step >= rest * (1.0 - 1e-6);
     const double h = last ? rest : self->fixed_step;
     if (!last && *t + h == *t) {
         return weft_error_set(err, WEFT_STEP_TOO_SMALL, "t + h == t at h = %g s", h);

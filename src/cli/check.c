@@ -9,10 +9,6 @@ const char *scene_unsupported(const weft_scene *scene)
                "that "
                "runs them is not there";
     }
-    if (weft_scene_limit(scene)->method != WEFT_LIMIT_NONE) {
-        return "limit: strain limits are read, but this version of weft cannot run "
-               "them";
-    }
     if (weft_scene_run(scene)->threads > 1) {
         return "run.threads: this version of weft runs on one thread only; set it to 1";
     }
@@ -111,6 +107,15 @@ static void print_stepper(const weft_scene *scene)
     }
 }
 
+static void print_limit(const weft_limit_def *limit)
+{
+    if (limit->method != WEFT_LIMIT_NONE) {
+        printf("  limit      %s, strain %g, %s, %zu sweeps at most\n",
+               limit->method == WEFT_LIMIT_PROVOT ? "provot" : "bridson", limit->strain,
+               limit->solver == WEFT_LIMIT_FAST ? "fast" : "sweep", limit->sweeps);
+    }
+}
+
 /* All that is said of a right scene. */
 static int describe(const char *file, const weft_scene *scene)
 {
@@ -128,6 +133,7 @@ static int describe(const char *file, const weft_scene *scene)
     }
     printf("%s: ok: %s\n", file, weft_scene_name(scene));
     print_cloth(weft_scene_cloth(scene), cloth);
+    print_limit(weft_scene_limit(scene));
     print_stepper(scene);
     printf("  run        %g s in %zu frames\n", run->duration, frame_last(run) + 1);
     const char *unsupported = scene_unsupported(scene);

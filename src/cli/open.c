@@ -109,6 +109,7 @@ weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,
     def.method = weft_scene_method_type(scene);
     def.config = *weft_scene_config(scene);
     def.ledger = weft_scene_record(scene)->ledger;
+    def.limit = *weft_scene_limit(scene);
     status = weft_sim_create(&def, sim, err);
     if (status != WEFT_OK) {
         weft_cloth_destroy(*cloth);

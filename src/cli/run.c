@@ -35,7 +35,40 @@ typedef struct run {
     record_series series;
     record_result result;
     progress progress;
+    uint64_t limit_sweeps;            /* up to the last frame */
+    bool told_unconverged, told_held; /* warnings of the strain limit */
 } run;
+
+static void print_spring(const run *self, const weft_spring *spring)
+{
+    const size_t cols = weft_cloth_cols(self->cloth);
+    fprintf(stderr, "%s spring (%zu, %zu)-(%zu, %zu) is at %.3g %%\n",
+            weft_family_name(spring->family), spring->p / cols, spring->p % cols,
+            spring->q / cols, spring->q % cols, 100.0 * spring->strain);
+}
+
+/* Each at most once a run, also when quiet. */
+static void warn_of_limit(run *self)
+{
+    const weft_spring worst = weft_sim_limit_worst(self->sim);
+    const weft_limit_stats stats = weft_sim_limit_stats(self->sim);
+    const size_t held = weft_sim_limit_held(self->sim);
+    if (stats.unconverged > 0 && !self->told_unconverged) {
+        self->told_unconverged = true;
+        fprintf(stderr,
+                "weft: warning: limit: not met within limit.sweeps by t = %.6g s; ",
+                weft_sim_time(self->sim));
+        print_spring(self, &worst);
+    }
+    if (held > 0 && !self->told_held) {
+        self->told_held = true;
+        fprintf(stderr,
+                "weft: warning: limit: %zu springs with both ends pinned are too long "
+                "at t = %.6g s and cannot be corrected; ",
+                held, weft_sim_time(self->sim));
+        print_spring(self, &worst);
+    }
+}
 
 static weft_status write_frame_obj(const run *self, size_t index, weft_error *err)
 {
@@ -47,7 +80,12 @@ static weft_status write_frame_obj(const run *self, size_t index, weft_error *er
 static weft_status on_frame(void *ctx, size_t index, weft_error *err)
 {
     run *self = ctx;
-    const record_frame frame = { .index = index, .sim = self->sim };
+    const weft_limit_stats limit = weft_sim_limit_stats(self->sim);
+    const record_frame frame = { .index = index,
+                                 .sim = self->sim,
+                                 .limit_sweeps = limit.sweeps - self->limit_sweeps };
+    self->limit_sweeps = limit.sweeps;
+    warn_of_limit(self);
     weft_status status = record_series_add(&self->series, &frame, err);
     if (status == WEFT_OK && self->obj) {
         status = write_frame_obj(self, index, err);
@@ -117,6 +155,18 @@ static weft_status simulate(run *self, weft_error *err)
     return status == WEFT_OK ? closed : status;
 }
 
+static void print_limit(const run *self)
+{
+    const weft_limit_stats stats = weft_sim_limit_stats(self->sim);
+    if (weft_scene_limit(self->scene)->method != WEFT_LIMIT_NONE) {
+        printf("  strain limit: %llu steps corrected in %llu sweeps, %llu not met; "
+               "largest limited strain %.4g %%\n",
+               (unsigned long long)stats.corrected, (unsigned long long)stats.sweeps,
+               (unsigned long long)stats.unconverged,
+               100.0 * weft_sim_limit_worst(self->sim).strain);
+    }
+}
+
 static void print_summary(const run *self)
 {
     const record_result *result = &self->result;
@@ -139,6 +189,7 @@ static void print_summary(const run *self)
     if (ledger.kept) {
         printf("  energy ledger closes to %.3g J\n", ledger.residual);
     }
+    print_limit(self);
     printf("  results in %s\n", self->out);
 }
 

@@ -4,6 +4,7 @@
  * Sums run in index order, so that they are the same on every machine. Kinetic and
  * gravitational energy and both momenta are those of the free particles. */
 #include "cloth/internal.h"
+#include "cloth/limited.h"
 
 #include <math.h>
 #include <string.h>
@@ -27,6 +28,7 @@ static void each_spring(const weft_cloth *cloth, visit_fn *visit, void *ctx)
 typedef struct measure {
     const weft_cloth *cloth;
     const double *y;
+    const bool *families; /* that worst is sought in; NULL: all */
     double elastic[WEFT_FAMILIES];
     double dissipation;
     weft_spring worst;
@@ -135,6 +137,9 @@ void weft_cloth_angular_momentum(const weft_cloth *cloth, const double *y, doubl
 static void keep_worst(void *ctx, const weft__group *group, size_t p, size_t q)
 {
     measure *sum = ctx;
+    if (sum->families != NULL && !sum->families[group->family]) {
+        return;
+    }
     const weft__stance at = weft__spring_stance(sum->cloth->particles, p, q, sum->y);
     const double strain = (at.length - group->rest_length) / group->rest_length;
     if (!sum->any || (!isnan(sum->worst.strain) && !(strain <= sum->worst.strain))) {
@@ -147,6 +152,13 @@ weft_spring weft_cloth_worst_spring(const weft_cloth *cloth, const double *y)
 {
     measure sum = { .cloth = cloth, .y = y };
     each_spring(cloth, keep_worst, &sum);
+    return sum.worst;
+}
+
+weft_spring weft__limited_worst(const weft__limited *limited, const double *y)
+{
+    measure sum = { .cloth = limited->cloth, .y = y, .families = limited->families };
+    each_spring(limited->cloth, keep_worst, &sum);
     return sum.worst;
 }
 

@@ -36,7 +36,7 @@ weft_status record_outdir(const char *directory, bool force, weft_error *err);
 typedef struct record_frame {
     size_t index;
     const weft_sim *sim;
-    size_t limit_sweeps;
+    uint64_t limit_sweeps; /* since the last frame */
 } record_frame;
 
 /* series.c: a row a frame; `ledger` if the simulations keep it. */

@@ -78,6 +78,26 @@ static void write_cloth(yaml_out *out, const weft_cloth *cloth)
     yaml_out_close_map(out);
 }
 
+static void write_limit_def(yaml_out *out, const weft_limit_def *limit)
+{
+    if (limit->method == WEFT_LIMIT_NONE) {
+        return;
+    }
+    yaml_out_map(out, "limit");
+    yaml_out_plain(out, "method",
+                   limit->method == WEFT_LIMIT_PROVOT ? "provot" : "bridson");
+    yaml_out_plain(out, "solver", limit->solver == WEFT_LIMIT_FAST ? "fast" : "sweep");
+    yaml_out_real(out, "strain", limit->strain);
+    for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
+        yaml_out_plain(out, weft_family_name((weft_family)i), "%s",
+                       limit->families[i] ? "true" : "false");
+    }
+    yaml_out_plain(out, "sweeps", "%zu", limit->sweeps);
+    yaml_out_real(out, "tolerance", limit->tolerance);
+    yaml_out_plain(out, "velocity", limit->keep_velocity ? "keep" : "update");
+    yaml_out_close_map(out);
+}
+
 static void write_run(yaml_out *out, const weft_run_def *run)
 {
     yaml_out_map(out, "run");
@@ -121,6 +141,7 @@ weft_status record_manifest(const char *directory, const weft_scene *scene,
     write_plugin(&out, plugin, plugin_file, weft_scene_method_type(scene));
     write_config(&out, weft_scene_config(scene), sim);
     write_cloth(&out, weft_sim_cloth(sim));
+    write_limit_def(&out, weft_scene_limit(scene));
     write_run(&out, weft_scene_run(scene));
     write_record(&out, weft_scene_record(scene));
     return commit(&out, &file, err);
@@ -167,6 +188,18 @@ static void write_ledger(yaml_out *out, const weft_sim *sim)
     }
 }
 
+static void write_limit(yaml_out *out, const weft_sim *sim)
+{
+    const weft_limit_stats stats = weft_sim_limit_stats(sim);
+    yaml_out_map(out, "limit");
+    yaml_out_plain(out, "corrected", "%" PRIu64, stats.corrected);
+    yaml_out_plain(out, "sweeps", "%" PRIu64, stats.sweeps);
+    yaml_out_plain(out, "unconverged", "%" PRIu64, stats.unconverged);
+    yaml_out_plain(out, "held", "%zu", weft_sim_limit_held(sim));
+    yaml_out_real(out, "strain", weft_sim_limit_worst(sim).strain);
+    yaml_out_close_map(out);
+}
+
 static void write_outcome(yaml_out *out, const record_result *result)
 {
     const weft_cloth *cloth = weft_sim_cloth(result->sim);
@@ -184,6 +217,7 @@ static void write_outcome(yaml_out *out, const record_result *result)
     yaml_out_real(out, "energy_end", energy);
     yaml_out_real(out, "dissipated", weft_sim_dissipated(result->sim));
     write_ledger(out, result->sim);
+    write_limit(out, result->sim);
     char hash[20];
     (void)snprintf(hash, sizeof hash, "%016" PRIx64,
                    weft_state_hash(y, weft_cloth_dim(cloth)));

@@ -24,8 +24,9 @@
     X(rejected, "%" PRIu64, row.stats.rejected)                                        \
     X(rhs_calls, "%" PRIu64, row.stats.rhs_calls)                                      \
     X(step_size, "%.17g", row.stats.last_step)                                         \
-    X(limit_sweeps, "%zu", row.frame->limit_sweeps)                                    \
-    X(hash, "%016" PRIx64, row.hash)
+    X(limit_sweeps, "%" PRIu64, row.frame->limit_sweeps)                               \
+    X(hash, "%016" PRIx64, row.hash)                                                   \
+    X(limit_strain, "%.17g", row.limit_strain)
 
 /* After them where the ledger is kept. */
 #define LEDGER_COLUMNS(X)                                                              \
@@ -45,7 +46,7 @@ enum { COLUMNS(NUMBER) COLUMN_COUNT };
 
 typedef struct series_row {
     const record_frame *frame;
-    double time, elastic, dissipated, max_strain, momentum[3];
+    double time, elastic, dissipated, max_strain, limit_strain, momentum[3];
     weft_energy energy;
     weft_ledger ledger;
     weft_stepper_stats stats;
@@ -63,6 +64,7 @@ static series_row measure(const record_frame *frame)
         .dissipated = weft_sim_dissipated(sim),
         .max_strain = weft_cloth_worst_spring(cloth, y).strain,
         .ledger = weft_sim_ledger(sim),
+        .limit_strain = weft_sim_limit_worst(sim).strain,
         .stats = weft_sim_stats(sim),
         .hash = weft_state_hash(y, weft_cloth_dim(cloth)),
     };

@@ -184,6 +184,7 @@ static const weft__section force_section = { SECTION(force_keys) };
 
 static const char *const limit_names[] = { "provot", "bridson", NULL };
 static const char *const velocity_names[] = { "update", "keep", NULL };
+static const char *const solver_names[] = { "fast", "sweep", NULL };
 
 static void choose_limit(void *base, size_t name)
 {
@@ -194,6 +195,11 @@ static void choose_limit(void *base, size_t name)
 static void choose_velocity(void *base, size_t name)
 {
     ((weft_limit_def *)base)->keep_velocity = name == 1;
+}
+
+static void choose_solver(void *base, size_t name)
+{
+    ((weft_limit_def *)base)->solver = name == 0 ? WEFT_LIMIT_FAST : WEFT_LIMIT_SWEEP;
 }
 
 static const weft__key limit_keys[] = {
@@ -214,6 +220,9 @@ static const weft__key limit_keys[] = {
       .fallback = "update",
       .meaning = "update: v += dx / h of the correction; keep: positions only, as in "
                  "the paper (provot)" },
+    { "solver", WEFT__CHOICE, .names = solver_names, .choose = choose_solver,
+      .fallback = "fast",
+      .meaning = "fast: sweeps with momentum; sweep: plain ones, as in the paper" },
 };
 
 static const weft__section limit_section

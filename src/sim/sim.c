@@ -7,11 +7,13 @@
 #include <string.h>
 
 #include "sim/ledger.h"
+#include "sim/limit.h"
 
 struct weft_sim {
     const weft_cloth *cloth;
     const weft_stepper_type *method;
     void *stepper;
+    weft__limit *limit; /* NULL: none */
     weft_correct_fn *correct;
     void *correct_ctx;
     double t;                   /* [s] */
@@ -36,7 +38,13 @@ weft_stepper_config weft_stepper_config_default(void)
 
 weft_sim_def weft_sim_def_default(void)
 {
-    return (weft_sim_def){ .config = weft_stepper_config_default() };
+    return (weft_sim_def){
+        .config = weft_stepper_config_default(),
+        .limit = { .strain = 0.1,
+                   .families = { [WEFT_STRETCH] = true, [WEFT_SHEAR] = true },
+                   .sweeps = 100,
+                   .tolerance = 1e-3 },
+    };
 }
 
 static int rhs(double t, const double *y, double *dydt, void *ctx)
@@ -125,7 +133,10 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
     weft_cloth_start(sim->cloth, y);
     weft__ledger_start(&sim->ledger, sim->cloth, y);
     sim->heating = weft_cloth_dissipation(sim->cloth, y);
-    status = make_stepper(sim, def, err);
+    status = weft__limit_create(&def->limit, def->cloth, &sim->limit, err);
+    if (status == WEFT_OK) {
+        status = make_stepper(sim, def, err);
+    }
     if (status != WEFT_OK) {
         weft_sim_destroy(sim);
         return status;
@@ -138,6 +149,7 @@ void weft_sim_destroy(weft_sim *sim)
 {
     if (sim != NULL) {
         sim->method->destroy(sim->stepper);
+        weft__limit_destroy(sim->limit);
         free(sim->y);
         free(sim);
     }
@@ -202,13 +214,21 @@ static void add_heat(weft_sim *sim, double h)
     sim->heating = heating;
 }
 
-/* After an accepted step of h. */
+/* After an accepted step of h: the strain limit, then the embedder's own. */
 static void apply_corrections(weft_sim *sim, double h)
 {
-    weft__ledger_mark(&sim->ledger, sim->cloth, sim->y);
-    if (sim->correct(sim->correct_ctx, sim->t, h, sim->y)) {
-        weft__ledger_account(&sim->ledger, sim->cloth, sim->y,
-                             &sim->ledger.outside_work);
+    weft__ledger *ledger = &sim->ledger;
+    bool changed = false;
+    weft__ledger_mark(ledger, sim->cloth, sim->y);
+    if (sim->limit != NULL && weft__limit_apply(sim->limit, h, sim->y)) {
+        weft__ledger_account(ledger, sim->cloth, sim->y, &ledger->limit_work);
+        changed = true;
+    }
+    if (sim->correct != NULL && sim->correct(sim->correct_ctx, sim->t, h, sim->y)) {
+        weft__ledger_account(ledger, sim->cloth, sim->y, &ledger->outside_work);
+        changed = true;
+    }
+    if (changed) {
         sim->method->state_changed(sim->stepper);
         sim->heating = weft_cloth_dissipation(sim->cloth, sim->y);
     }
@@ -232,7 +252,7 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
     if (!sim->ledger.on) {
         add_heat(sim, h);
     }
-    if (sim->correct != NULL) {
+    if (sim->limit != NULL || sim->correct != NULL) {
         apply_corrections(sim, h);
     }
     return WEFT_OK;
@@ -287,6 +307,25 @@ double weft_sim_dissipated(const weft_sim *sim)
 weft_ledger weft_sim_ledger(const weft_sim *sim)
 {
     return weft__ledger_read(&sim->ledger, sim->cloth, sim->y);
+}
+
+weft_limit_stats weft_sim_limit_stats(const weft_sim *sim)
+{
+    return weft__limit_stats(sim->limit);
+}
+
+weft_spring weft_sim_limit_worst(const weft_sim *sim)
+{
+    return sim->limit == NULL
+               ? (weft_spring){ 0 }
+               : weft__limited_worst(weft__limit_springs(sim->limit), sim->y);
+}
+
+size_t weft_sim_limit_held(const weft_sim *sim)
+{
+    return sim->limit == NULL
+               ? 0
+               : weft__limited_held(weft__limit_springs(sim->limit), sim->y);
 }
 
 /* Three planes of n to triples. */

@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* limit.c -- springs that have grown too long in a step, shortened.
+ *
+ * A sweep of weft__limited_sweep projects the state onto one convex set after another;
+ * repeated, it converges to a state in all of them (Bregman 1967). `fast` goes on from
+ *
+ *     z = x_k + b_k (x_k - x_(k-1)),  b_k = (t_k - 1) / t_(k+1),
+ *     t_(k+1) = (1 + sqrt(1 + 4 t_k^2)) / 2,  t_1 = 1,          x_(k+1) = sweep(z)
+ *
+ * (Nesterov 1983), and from x_k with t = 1 again where the momentum points against the
+ * last sweep: (z - x_(k+1), x_(k+1) - x_k) > 0 in the product sum m a.b of the
+ * projections (the gradient scheme of O'Donoghue, Candes 2015). A sweep is no gradient
+ * step, so growth is possible: it restarts too, and bounds t for the rest of the step.
+ * Differences of states move no centre of mass and no pin, so neither does the
+ * momentum. */
+#include "sim/limit.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct weft__limit {
+    weft_limit_def def;
+    weft__limited springs;
+    weft_limit_stats stats;
+    double last_h;    /* [s] of the step before */
+    size_t count;     /* 3 N */
+    double *x;        /* positions under correction */
+    double *previous; /* fast: x_k */
+    double *start;    /* fast: z, that the last sweep started from */
+    double t, most;   /* fast: t_k, and what it may grow to */
+    double least2;    /* fast: the least that a sweep moved, squared */
+};
+
+/* Momentum that makes sweeps move this much more than they did is stopped, and from
+ * then on kept below this part of what it was. */
+#define GROWTH 10.0
+#define CALMED 0.7
+
+static weft_status check(const weft_limit_def *def, weft_error *err)
+{
+    const char *wrong = NULL;
+    if (def->method != WEFT_LIMIT_PROVOT && def->method != WEFT_LIMIT_BRIDSON) {
+        wrong = "no such method";
+    } else if (def->solver != WEFT_LIMIT_FAST && def->solver != WEFT_LIMIT_SWEEP) {
+        wrong = "no such solver";
+    } else if (!(def->strain >= 0.0) || !isfinite(def->strain)) {
+        wrong = "strain must be >= 0";
+    } else if (!(def->tolerance > 0.0) || !isfinite(def->tolerance)) {
+        wrong = "tolerance must be > 0";
+    } else if (def->sweeps == 0) {
+        wrong = "sweeps must be >= 1";
+    } else if (def->method == WEFT_LIMIT_BRIDSON && def->keep_velocity) {
+        wrong = "bridson works on velocities and cannot keep them";
+    }
+    return wrong == NULL ? WEFT_OK
+                         : weft_error_set(err, WEFT_INVALID, "limit: %s", wrong);
+}
+
+weft_status weft__limit_create(const weft_limit_def *def, const weft_cloth *cloth,
+                               weft__limit **out, weft_error *err)
+{
+    *out = NULL;
+    if (def->method == WEFT_LIMIT_NONE) {
+        return WEFT_OK;
+    }
+    const weft_status status = check(def, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    const size_t count = 3 * weft_cloth_particles(cloth);
+    const size_t arrays = def->solver == WEFT_LIMIT_FAST ? 3 : 1;
+    weft__limit *self = calloc(1, sizeof *self);
+    double *x = malloc(arrays * count * sizeof *x);
+    if (self == NULL || x == NULL) {
+        free(self);
+        free(x);
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a strain limit");
+    }
+    self->def = *def;
+    self->springs = (weft__limited){ .cloth = cloth,
+                                     .stretch = 1.0 + def->strain,
+                                     .tolerance = def->tolerance };
+    memcpy(self->springs.families, def->families, sizeof def->families);
+    self->count = count;
+    self->x = x;
+    self->previous = arrays == 3 ? x + count : NULL;
+    self->start = arrays == 3 ? x + 2 * count : NULL;
+    *out = self;
+    return WEFT_OK;
+}
+
+void weft__limit_destroy(weft__limit *limit)
+{
+    if (limit != NULL) {
+        free(limit->x);
+        free(limit);
+    }
+}
+
+/* What the last sweep did, in the product of the projections. */
+typedef struct progress {
+    double back;   /* (z - x_(k+1), x_(k+1) - x_k) */
+    double moved2; /* |z - x_(k+1)|^2 */
+} progress;
+
+static progress look_back(const weft__limit *self)
+{
+    const size_t n = self->count / 3;
+    progress sum = { 0 };
+    for (size_t i = 0; i < n; ++i) {
+        const double mass = weft_cloth_particle_mass(self->springs.cloth, i);
+        for (size_t j = i; j < self->count; j += n) {
+            const double undone = self->start[j] - self->x[j];
+            sum.back += mass * undone * (self->x[j] - self->previous[j]);
+            sum.moved2 += mass * undone * undone;
+        }
+    }
+    return sum;
+}
+
+/* From x_(k+1) to the z of the next sweep. */
+static void extrapolate(weft__limit *self)
+{
+    const progress last = look_back(self);
+    const bool grown = last.moved2 > GROWTH * GROWTH * self->least2;
+    const bool restart = grown || last.back > 0.0;
+    if (grown && self->t > 1.0) {
+        self->most = fmax(1.0, CALMED * fmin(self->t, self->most));
+    }
+    self->least2 = grown ? last.moved2 : fmin(self->least2, last.moved2);
+    const double next = 0.5 * (1.0 + sqrt(1.0 + 4.0 * self->t * self->t));
+    const double t = restart ? 1.0 : fmin(next, self->most);
+    const double factor = restart ? 0.0 : (self->t - 1.0) / t;
+    for (size_t j = 0; j < self->count; ++j) {
+        const double x = self->x[j];
+        self->x[j] = x + factor * (x - self->previous[j]);
+        self->previous[j] = x;
+    }
+    self->t = t;
+}
+
+/* Sweeps until the limit is met, or as often as allowed. */
+static bool solve(weft__limit *self)
+{
+    const bool fast = self->def.solver == WEFT_LIMIT_FAST;
+    const size_t bytes = self->count * sizeof *self->x;
+    bool met = false;
+    self->t = 1.0;
+    self->most = self->least2 = INFINITY;
+    if (fast) {
+        memcpy(self->previous, self->x, bytes);
+    }
+    for (size_t i = 0; i < self->def.sweeps && !met; ++i) {
+        if (fast && i > 0) {
+            extrapolate(self);
+        }
+        if (fast) {
+            memcpy(self->start, self->x, bytes);
+        }
+        weft__limited_sweep(&self->springs, self->x);
+        ++self->stats.sweeps;
+        met = weft__limited_met(&self->springs, self->x);
+    }
+    return met;
+}
+
+/* The positions that are limited: those of now, or where the velocities lead. */
+static double candidate(const weft__limit *self, double h, const double *y, size_t j)
+{
+    return self->def.method == WEFT_LIMIT_PROVOT ? y[j] : y[j] + h * y[self->count + j];
+}
+
+/* What the correction makes of component j of the state. */
+static void corrected(const weft__limit *self, double h, const double *y, size_t j,
+                      double *x, double *v)
+{
+    const bool provot = self->def.method == WEFT_LIMIT_PROVOT;
+    const double dx = self->x[j] - candidate(self, h, y, j);
+    *x = provot && dx != 0.0 ? self->x[j] : y[j]; /* -0 stays -0 */
+    *v = self->def.keep_velocity || dx == 0.0 ? y[self->count + j]
+                                              : y[self->count + j] + dx / h;
+}
+
+/* Nothing is changed where a number would overflow. */
+static bool store(const weft__limit *self, double h, double *y)
+{
+    double x, v;
+    bool changed = false;
+    for (size_t j = 0; j < self->count; ++j) {
+        corrected(self, h, y, j, &x, &v);
+        if (!isfinite(x) || !isfinite(v)) {
+            return false;
+        }
+    }
+    for (size_t j = 0; j < self->count; ++j) {
+        corrected(self, h, y, j, &x, &v);
+        changed = changed || x != y[j] || v != y[self->count + j];
+        y[j] = x;
+        y[self->count + j] = v;
+    }
+    return changed;
+}
+
+/* A step that is cut short by a frame must not turn what earlier steps have left over
+ * into a great velocity: it counts as long as the one before. */
+bool weft__limit_apply(weft__limit *limit, double step, double *y)
+{
+    const double h = fmax(step, limit->last_h);
+    limit->last_h = step;
+    for (size_t j = 0; j < limit->count; ++j) {
+        limit->x[j] = candidate(limit, h, y, j);
+    }
+    if (weft__limited_met(&limit->springs, limit->x)) {
+        return false;
+    }
+    ++limit->stats.corrected;
+    limit->stats.unconverged += !solve(limit);
+    return store(limit, h, y);
+}
+
+weft_limit_stats weft__limit_stats(const weft__limit *limit)
+{
+    return limit != NULL ? limit->stats : (weft_limit_stats){ 0 };
+}
+
+const weft__limited *weft__limit_springs(const weft__limit *limit)
+{
+    return &limit->springs;
+}
