@@ -19,7 +19,7 @@
 #include <string.h>
 
 #define ROUNDOFF 1e-12 /* of growth a step */
-#define SHORT    1e-4 /* of h: what a verdict after STEPS steps may be off */
+#define SHORT    1e-4  /* of h: what a verdict after STEPS steps may be off */
 #define FAR      1e6   /* [s] no step of 1 s is cut before it */
 
 enum { SHIFT_DIM = WEFT_STABILITY_DEGREE + 1 };
