@@ -139,8 +139,8 @@ static bool is_new(const survey *of, size_t i)
 
 static void print_table(const survey *of, bool all)
 {
-    printf("             %-8s %-18s %12s %12s\n", "plugin", "method", "stable step",
-           "evaluations");
+    printf("             %-8s %-18s %12s  %s\n", "plugin", "method", "stable step",
+           "evaluations per simulated second");
     size_t shown = 0;
     for (size_t i = 0; i < of->count; ++i) {
         const survey_method *method = &of->methods[i];
@@ -228,10 +228,11 @@ void stability_warn(const weft_scene *scene, const weft_sim *sim)
         && fixed_step(scene) > own.step) {
         fprintf(stderr,
                 "weft: warning: fixed_step %.4g s is beyond the largest stable step "
-                "%.4g s of %s %s on this cloth;\n"
-                "weft: warning: try stepper.fixed_step=%.2g, or see weft check for "
-                "other methods\n",
+                "%.4g s of %s %s on this cloth\n"
+                "  omega <= %.4g 1/s, damping <= %.4g 1/s at the start\n"
+                "  try stepper.fixed_step=%.2g, or see weft check for other methods\n",
                 fixed_step(scene), own.step, weft_scene_plugin(scene),
-                weft_scene_method(scene), 0.9 * own.step);
+                weft_scene_method(scene), sqrt(modes.omega2), modes.damping,
+                0.9 * own.step);
     }
 }
