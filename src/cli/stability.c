@@ -61,10 +61,11 @@ static void advise_fixed(const weft_scene *scene, const survey *of, char *text,
     char cheapest[200];
     say_cheapest(scene, of, cheapest, sizeof cheapest);
     if (h > most) {
-        (void)snprintf(text, size,
-                       "fixed_step %.3g s is beyond the stable %.3g s: expect the run "
-                       "to blow up",
-                       h, most);
+        (void)snprintf(
+            text, size,
+            "fixed_step %.3g s is beyond the stable %.3g s: the run may blow "
+            "up",
+            h, most);
     } else {
         (void)snprintf(text, size, "fixed_step is %.2g %% of the stable step: %s",
                        100.0 * h / most, cheapest);

@@ -33,7 +33,8 @@ typedef struct survey {
     double rival_saves;         /* trial's RHS calls / those that it took */
 } survey;
 
-/* sim is of the scene, at t = 0, and is used up by the trial; NULL: no trial. */
+/* sim is of the scene, at t = 0, and is used up by the trial; NULL: no trial,
+ * and `now` is what holds in any state. */
 weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
                           weft_sim *sim, weft_registry *registry, bool refine,
                           survey *out, weft_error *err);

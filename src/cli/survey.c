@@ -126,22 +126,16 @@ static void trial(const weft_scene *scene, weft_sim *sim, survey *out)
     }
 }
 
-static weft_status survey_cloth(const weft_cloth *cloth, bool refine, survey *out,
-                                weft_error *err)
+/* Without a state, whose plugin is not there, what holds in every state. */
+static weft_status survey_cloth(const weft_cloth *cloth, const weft_sim *sim,
+                                bool refine, survey *out, weft_error *err)
 {
-    double *y = malloc(weft_cloth_dim(cloth) * sizeof *y);
-    if (y == NULL) {
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state");
-    }
-    weft_cloth_start(cloth, y);
-    out->now = out->modes = weft_cloth_stiffness(cloth, y);
+    const double *y = sim == NULL ? NULL : weft_sim_state(sim);
     out->any = weft_cloth_stiffness(cloth, NULL);
-    out->refined = refine;
-    const weft_status status
-        = refine ? weft_cloth_stiffness_refined(cloth, y, 0, &out->modes, err)
-                 : WEFT_OK;
-    free(y);
-    return status;
+    out->now = out->modes = y == NULL ? out->any : weft_cloth_stiffness(cloth, y);
+    out->refined = refine && y != NULL;
+    return out->refined ? weft_cloth_stiffness_refined(cloth, y, 0, &out->modes, err)
+                        : WEFT_OK;
 }
 
 /* The adaptive method of the highest order above that of the scene. */
@@ -197,7 +191,7 @@ weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
 {
     *out = (survey){ 0 };
     (void)weft_registry_load_all(registry, NULL, NULL, NULL);
-    weft_status status = survey_cloth(cloth, refine, out, err);
+    weft_status status = survey_cloth(cloth, sim, refine, out, err);
     if (status == WEFT_OK) {
         status = survey_methods(scene, registry, out, err);
     }

@@ -170,10 +170,9 @@ static void describe_trouble(const weft_sim *sim, const weft_error *why,
     const double *x = sim->y + fastest;
     weft_error_set(err, why->status,
                    "%s at t = %.9g s, last h = %.3g s; fastest particle (%zu, %zu) at "
-                   "%.3g m/s, at (%.3g, %.3g, %.3g) m; %s; energy %.4g J before that "
-                   "step",
+                   "(%.3g, %.3g, %.3g) m, %.3g m/s; %s; energy %.4g J before that step",
                    why->message, sim->t, stats.last_step, fastest / cols,
-                   fastest % cols, speed, x[0], x[n], x[2 * n], spring,
+                   fastest % cols, x[0], x[n], x[2 * n], speed, spring,
                    total_energy(sim));
 }
 
