@@ -4,10 +4,8 @@
 
 #include <math.h>
 
-/* Methods in the short table, with the scene's own; savings worth a word; what a higher
- * order may cost. */
+/* Methods in the short table, with the scene's own; what a higher order may cost. */
 enum { SHORT_TABLE = 5 };
-#define WORTH 1.2
 #define ORDER 1.25
 
 static double fixed_step(const weft_scene *scene)
@@ -78,7 +76,7 @@ static void advise_tolerance(const survey *of, char *text, size_t size)
                               "the tolerances limit the step (%.2g s on average in a "
                               "trial, %.0f %% of the stable one): ",
                               of->trial_mean, 100.0 * of->trial_mean / of->own->step);
-    if (of->rival != NULL && of->rival_saves >= WORTH) {
+    if (of->rival != NULL) {
         (void)snprintf(text + used, size - (size_t)used,
                        "%s %s needs %.2g x fewer evaluations under them",
                        of->rival->plugin->id, of->rival->type->name, of->rival_saves);

@@ -7,6 +7,8 @@
 #include "cli/cli.h"
 #include "record/yaml_out.h"
 
+#define WORTH 1.2 /* a saving of evaluations worth a word */
+
 /* What a method costs on a cloth if stability alone limits its step. */
 typedef struct survey_method {
     const weft_plugin *plugin;

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 /* RHS calls times particles of a trial, and the steps it is to have at least. */
-#define TRIAL_WORK 2e6
+#define TRIAL_WORK 1.5e6
 enum { TRIAL_SKIPPED = 3, TRIAL_LEAST = 10 };
 
 /* A step of so much of the stable one or more was held by stability. */
@@ -174,7 +174,7 @@ static weft_status try_rival(const weft_scene *scene, const weft_sim *tried,
         return WEFT_OK; /* not with these settings */
     }
     while (status == WEFT_OK && weft_sim_time(sim) < end
-           && (double)weft_sim_stats(sim).rhs_calls < calls
+           && (double)weft_sim_stats(sim).rhs_calls < calls / WORTH
            && weft_sim_step(sim, end, NULL) == WEFT_OK) {
     }
     if (status == WEFT_OK && weft_sim_time(sim) == end) {
