@@ -169,6 +169,32 @@ typedef enum weft_power {
 WEFT_API void weft_cloth_power(const weft_cloth *cloth, double t, const double *y,
                                double power[WEFT_POWERS]);
 
+/* How fast a cloth answers: bounds on all its modes, linearised about a state. A mode
+ * x'' + c x' + w2 x = 0 has stiffness w2 [1/s^2] and damping rate c [1/s]; every mode's
+ * pair (w2, c) lies in the convex polygon of the corners. Negative w2, the buckling of
+ * slack springs, is motion rather than instability of a method and is left out, as is
+ * the stiffness of the wind. */
+enum { WEFT_STIFFNESS_CORNERS = 40 };
+
+typedef struct weft_stiffness {
+    double omega2;  /* [1/s^2] no mode is stiffer */
+    double damping; /* [1/s] none is damped more */
+    size_t count;
+    double corners[WEFT_STIFFNESS_CORNERS][2]; /* (w2, c), in order round the polygon */
+} weft_stiffness;
+
+/* Guaranteed bounds in the state y; y NULL: in whatever state, which costs sharpness.
+ * One pass over the springs, without allocation; not finite where y is not. */
+WEFT_API weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, const double *y);
+
+/* The same, sharpened by so many steps of the power method (0: 100) from a fixed start:
+ * omega2 and damping become Rayleigh quotients, which never exceed the largest values,
+ * and the corners are cut down to a hair above them. So no guarantee, but together with
+ * the guaranteed bounds an enclosure. Errors: WEFT_NO_MEMORY. */
+WEFT_API weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth,
+                                                  const double *y, size_t iterations,
+                                                  weft_stiffness *out, weft_error *err);
+
 /* Of the free particles: sum m v [kg m/s] and sum m x cross v [kg m^2/s] about the
  * origin of the coordinates. */
 WEFT_API void weft_cloth_momentum(const weft_cloth *cloth, const double *y,

@@ -59,6 +59,34 @@ WEFT_API const weft_stepper_type *weft_plugin_method(const weft_plugin *plugin,
 /* Adaptive, rtol = atol = 1e-6, max norm, first step 1 ms, min 1 ps. */
 WEFT_API weft_stepper_config weft_stepper_config_default(void);
 
+/* What a method makes of modes x'' + c x' + w2 x = 0 in fixed steps, found by running
+ * it: any method of any plugin whose steps are explicit and stand alone. */
+enum { WEFT_STABILITY_DEGREE = 47 };
+
+typedef struct weft_stability {
+    const weft_stepper_type *type;
+    const weft_butcher *butcher;
+    double calls; /* RHS calls a step */
+    int degree;   /* of r; -1: not a Runge-Kutta method, and r is not set */
+    double r[WEFT_STABILITY_DEGREE + 1]; /* R(z) = sum r[k] z^k: y1 = R(h A) y0 */
+} weft_stability;
+
+/* butcher as in the stepper's config: NULL for a method that takes none; it outlives
+ * *out. Errors: WEFT_UNSUPPORTED (the method is implicit or multistep), WEFT_NO_MEMORY,
+ * what creating the stepper gives. */
+WEFT_API weft_status weft_stability_create(const weft_stepper_type *type,
+                                           const weft_butcher *butcher,
+                                           weft_stability *out, weft_error *err);
+
+/* The largest h [s] up to which no mode in the polygon grows by more than exp(growth h)
+ * a step; INFINITY if none ever does. growth [1/s] is 0 for stability proper. Methods
+ * of Runge-Kutta type with |R(i y)| > 1 for small y have no stable step on undamped
+ * modes then; with growth = log(2) / T none more than doubles in T seconds. Of other
+ * methods growth is not looked at. Errors: WEFT_NO_MEMORY. */
+WEFT_API weft_status weft_stability_step(const weft_stability *stability,
+                                         const weft_stiffness *modes, double growth,
+                                         double *h, weft_error *err);
+
 /* One simulation under way. One thread at a time; many may share a cloth. */
 typedef struct weft_sim weft_sim;
 

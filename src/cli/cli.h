@@ -32,14 +32,15 @@ typedef struct options {
     const char *plugin_path, *out, *frames, *format, *frame;
     const char **sets;
     size_t set_count;
-    bool quiet, force, yaml, markdown;
+    bool quiet, force, yaml, markdown, all, refine;
     char **operands; /* what is left of argv */
     int operand_count;
 } options;
 
 /* Parse by the letters of `takes`: o --out, s --set, p --plugin-path, q --quiet,
- * F --force, r --frames, t --format, i --frame, y --yaml, m --markdown. Returns -1 to
- * go on, or an exit code: help was printed, or the command line is wrong. */
+ * F --force, r --frames, t --format, i --frame, y --yaml, m --markdown, a --all,
+ * R --refine. Returns -1 to go on, or an exit code: help was printed, or the command
+ * line is wrong. */
 int options_parse(const verb *self, const char *takes, int argc, char **argv,
                   options *out);
 void options_free(options *out);

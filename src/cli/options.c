@@ -18,6 +18,8 @@ static const struct option known[] = {
     { "frame", required_argument, NULL, 'i' },
     { "yaml", no_argument, NULL, 'y' },
     { "markdown", no_argument, NULL, 'm' },
+    { "all", no_argument, NULL, 'a' },
+    { "refine", no_argument, NULL, 'R' },
 };
 
 #define KNOWN (sizeof known / sizeof known[0])
@@ -62,6 +64,12 @@ static void apply(int letter, options *out)
         break;
     case 'y':
         out->yaml = true;
+        break;
+    case 'a':
+        out->all = true;
+        break;
+    case 'R':
+        out->refine = true;
         break;
     default:
         out->markdown = true;

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/cli.h"
+#include "cli/stability.h"
 #include "record/record.h"
 
 static volatile sig_atomic_t stop_signal;
@@ -37,6 +37,7 @@ typedef struct run {
     progress progress;
     uint64_t limit_sweeps;            /* up to the last frame */
     bool told_unconverged, told_held; /* warnings of the strain limit */
+    char reason[1024];
 } run;
 
 static void print_spring(const run *self, const weft_spring *spring)
@@ -193,6 +194,16 @@ static void print_summary(const run *self)
     printf("  results in %s\n", self->out);
 }
 
+/* A simulation that failed in all its parts, anything else as ever. */
+static int report_failure(const weft_error *why, const char *reason)
+{
+    if (why->status == WEFT_IO) {
+        return report_error(why);
+    }
+    trouble_print(reason);
+    return EXIT_SIMULATION;
+}
+
 /* Everything that is written once the loop has ended, whatever ended it. */
 static int conclude(run *self, weft_status status, const weft_error *why, double began)
 {
@@ -204,7 +215,9 @@ static int conclude(run *self, weft_status status, const weft_error *why, double
     self->result.sim = self->sim;
     if (status != WEFT_OK) {
         self->result.status = "failed";
-        self->result.reason = why->message;
+        trouble_describe(self->scene, self->sim, why, self->reason,
+                         sizeof self->reason);
+        self->result.reason = self->reason;
     } else if (interrupted) {
         self->result.status = "interrupted";
         self->result.reason = stop_signal == SIGINT ? "SIGINT" : "SIGTERM";
@@ -214,7 +227,7 @@ static int conclude(run *self, weft_status status, const weft_error *why, double
     if (written == WEFT_OK) {
         written = record_result_write(self->out, &self->result, &err);
     }
-    const int code = status == WEFT_OK ? EXIT_DONE : report_error(why);
+    const int code = status == WEFT_OK ? EXIT_DONE : report_failure(why, self->reason);
     if (written != WEFT_OK) {
         return report_error(&err);
     }
@@ -253,6 +266,7 @@ static int run_simulation(run *self, weft_registry *registry)
     }
     self->result.energy_start
         = record_total_energy(self->cloth, weft_sim_state(self->sim));
+    stability_warn(self->scene, self->sim);
     status = write_first_files(self, registry, &err);
     if (status == WEFT_OK) {
         status = simulate(self, &err);

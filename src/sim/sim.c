@@ -172,6 +172,16 @@ static size_t fastest_particle(const weft_sim *sim, double *speed)
     return fastest;
 }
 
+static double total_energy(const weft_sim *sim)
+{
+    const weft_energy energy = weft_cloth_energy(sim->cloth, sim->y);
+    double total = energy.kinetic + energy.gravitational;
+    for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
+        total += energy.elastic[i];
+    }
+    return total;
+}
+
 /* Where a run that cannot go on hurts most: its fastest particle and its most strained
  * spring in the last good state. */
 static void describe_trouble(const weft_sim *sim, const weft_error *why,
@@ -189,11 +199,14 @@ static void describe_trouble(const weft_sim *sim, const weft_error *why,
                        weft_family_name(worst.family), worst.p / cols, worst.p % cols,
                        worst.q / cols, worst.q % cols, 100.0 * worst.strain);
     }
+    const size_t n = weft_cloth_particles(sim->cloth);
+    const double *x = sim->y + fastest;
     weft_error_set(err, why->status,
                    "%s at t = %.9g s, last h = %.3g s; fastest particle (%zu, %zu) at "
-                   "%.3g m/s, %s",
+                   "(%.3g, %.3g, %.3g) m, %.3g m/s; %s; energy %.4g J before that step",
                    why->message, sim->t, stats.last_step, fastest / cols,
-                   fastest % cols, speed, spring);
+                   fastest % cols, x[0], x[n], x[2 * n], speed, spring,
+                   total_energy(sim));
 }
 
 static bool all_finite(const double *values, size_t count)

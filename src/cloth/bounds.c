@@ -1,0 +1,340 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* bounds.c -- how fast a cloth can answer: bounds on all its modes at once.
+ *
+ * Linearised about a state, M x'' = -K x - C x'. An eigenvector x, x* M x = 1, has
+ * mu^2 + c mu + w = 0 with w = x* K x and c = x* C x, so that bounds
+ *
+ *     a w + b c <= lambda_max(M^-1 (a K + b C))
+ *
+ * in several directions (a, b) hold every pair (w, c) in a convex polygon. A spring
+ * between p and q adds [A -A; -A A] to a K + b C, which for A >= 0 is at most
+ * diag((1 + m_p / m_q) A, (1 + m_q / m_p) A) (Young's inequality). Hence, over free i,
+ *
+ *     lambda_max <= max_i lambda_max(sum_j (1 / m_i + 1 / m_j) A_ij),   3 x 3 each,
+ *
+ * with 1 / m_j = 0 for a pin. K has A = k u u^T + (T / L) (I - u u^T), C has
+ * A = c u u^T; where a A_K + b A_C is negative, 0 bounds it. In any state whatever
+ * A_K <= k I, as T / L = k (1 - s / L) < k. */
+#include "cloth/internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Of closed forms that are exact but for roundoff. */
+#define ROUNDOFF 1e-12
+
+/* Largest eigenvalue of a symmetric 3 x 3 matrix xx, yy, zz, xy, xz, yz or a hair more:
+ * the trigonometric solution of its cubic (O. K. Smith, Comm. ACM 4, 1961). */
+static double largest_eigenvalue(const double b[6])
+{
+    const double mean = (b[0] + b[1] + b[2]) / 3.0;
+    const double dev[3] = { b[0] - mean, b[1] - mean, b[2] - mean };
+    const double off = b[3] * b[3] + b[4] * b[4] + b[5] * b[5];
+    const double square = dev[0] * dev[0] + dev[1] * dev[1] + dev[2] * dev[2];
+    const double p = sqrt((square + 2.0 * off) / 6.0);
+    if (!isfinite(p)) {
+        return INFINITY;
+    }
+    if (p == 0.0) {
+        return mean;
+    }
+    const double x = dev[0] / p, y = dev[1] / p, z = dev[2] / p;
+    const double xy = b[3] / p, xz = b[4] / p, yz = b[5] / p;
+    const double r
+        = 0.5
+          * (x * (y * z - yz * yz) - xy * (xy * z - yz * xz) + xz * (xy * yz - y * xz));
+    const double angle = acos(fmax(-1.0, fmin(1.0, r))) / 3.0;
+    return mean + 2.0 * p * cos(angle) + ROUNDOFF * (fabs(mean) + 2.0 * p);
+}
+
+/* The sums over the springs of one particle, in the six numbers of a matrix each. */
+typedef struct node {
+    double along[WEFT_GROUPS][6]; /* sum (1/m_i + 1/m_j) u u^T */
+    double taut[6], slack[6];     /* sum (1/m_i + 1/m_j) (T/L)+- (I - u u^T) */
+    double drag, wind;            /* [1/s] */
+} node;
+
+static double inverse_mass(const weft_cloth *cloth, size_t i)
+{
+    return cloth->pin[i] != 0 ? 0.0 : 1.0 / cloth->mass[i];
+}
+
+/* u u^T, or I where there is no direction: no less than u u^T for any. */
+static void outer(const weft__stance *at, double uu[6])
+{
+    static const size_t first[6] = { 0, 1, 2, 0, 0, 1 };
+    static const size_t second[6] = { 0, 1, 2, 1, 2, 2 };
+    for (size_t k = 0; k < 6; ++k) {
+        uu[k] = at->length == 0.0
+                    ? (k < 3 ? 1.0 : 0.0)
+                    : at->d[first[k]] / at->length * (at->d[second[k]] / at->length);
+    }
+}
+
+static void add_spring(const weft_cloth *cloth, size_t g, size_t i, size_t j,
+                       const double *y, node *sum)
+{
+    const weft__group *group = &cloth->groups[g];
+    const double share = inverse_mass(cloth, i) + inverse_mass(cloth, j);
+    weft__stance at = { .length = 0.0 };
+    if (y != NULL) {
+        at = weft__spring_stance(cloth->particles, i, j, y);
+    }
+    double uu[6];
+    outer(&at, uu);
+    const double pull
+        = at.length == 0.0
+              ? 0.0
+              : group->stiffness * (at.length - group->rest_length) / at.length;
+    double *across = pull > 0.0 ? sum->taut : sum->slack;
+    for (size_t k = 0; k < 6; ++k) {
+        sum->along[g][k] += share * uu[k];
+        across[k] += share * fabs(pull) * ((k < 3 ? 1.0 : 0.0) - uu[k]);
+    }
+}
+
+static bool starts_at(const weft_cloth *cloth, const weft__group *group, size_t i)
+{
+    const size_t r = i / cloth->cols, c = i % cloth->cols;
+    return r < group->end_row && c >= group->first_col && c < group->end_col;
+}
+
+/* Gathered for one particle at a time: nothing is allocated. */
+static void gather(const weft_cloth *cloth, size_t i, const double *y, node *sum)
+{
+    memset(sum, 0, sizeof *sum);
+    const size_t r = i / cloth->cols, c = i % cloth->cols;
+    sum->drag = cloth->drag * inverse_mass(cloth, i);
+    sum->wind = cloth->wind_drag * weft__area(cloth, r, c) * inverse_mass(cloth, i);
+    for (size_t g = 0; g < cloth->group_count; ++g) {
+        const weft__group *group = &cloth->groups[g];
+        const size_t stride = (size_t)group->stride;
+        if (starts_at(cloth, group, i)) {
+            add_spring(cloth, g, i, i + stride, y, sum);
+        }
+        if (i >= stride && starts_at(cloth, group, i - stride)) {
+            add_spring(cloth, g, i, i - stride, y, sum);
+        }
+    }
+}
+
+/* a w + b c <= most */
+typedef struct side {
+    double a, b, most;
+} side;
+
+/* Bounds of w and of c from both sides, and three for each ratio c / k of springs. */
+enum { SIDES_MAX = 3 + 3 * WEFT_GROUPS };
+
+static size_t sides_init(const weft_cloth *cloth, const double *y, side *sides)
+{
+    size_t count = 0;
+    sides[count++] = (side){ 1.0, 0.0, -INFINITY };
+    sides[count++] = (side){ 0.0, 1.0, -INFINITY };
+    sides[count++] = (side){ 0.0, -1.0, -INFINITY };
+    for (size_t g = 0; y != NULL && g < cloth->group_count; ++g) {
+        const double ratio
+            = cloth->groups[g].damping / cloth->groups[g].stiffness; /* [s] */
+        bool fresh = ratio > 0.0 && isfinite(ratio);
+        for (size_t s = 3; s < count; s += 3) {
+            fresh = fresh && sides[s].a != ratio;
+        }
+        if (fresh) { /* damping alike in all springs makes the polygon a line */
+            sides[count++] = (side){ ratio, 1.0, -INFINITY };
+            sides[count++] = (side){ ratio, -1.0, -INFINITY };
+            sides[count++] = (side){ -ratio, 1.0, -INFINITY };
+        }
+    }
+    return count;
+}
+
+/* The bound that particle sum has on one side. */
+static double node_bound(const weft_cloth *cloth, const node *sum, const side *of)
+{
+    const double damp = of->b * sum->drag + fmax(0.0, of->b) * sum->wind;
+    double b[6] = { damp, damp, damp, 0.0, 0.0, 0.0 };
+    for (size_t g = 0; g < cloth->group_count; ++g) {
+        const weft__group *group = &cloth->groups[g];
+        const double stiff = of->a * group->stiffness, damped = of->b * group->damping;
+        /* what cancels but for roundoff is no less than it */
+        const double most = fmax(0.0, stiff + damped)
+                            + (stiff * damped < 0.0 ? ROUNDOFF * fabs(stiff) : 0.0);
+        for (size_t k = 0; k < 6; ++k) {
+            b[k] += most * sum->along[g][k];
+        }
+    }
+    for (size_t k = 0; k < 6; ++k) {
+        b[k] += fmax(0.0, of->a) * sum->taut[k] + fmax(0.0, -of->a) * sum->slack[k];
+    }
+    return largest_eigenvalue(b);
+}
+
+/* What is on the right side of `by` of the polygon in from. */
+static void cut(weft_stiffness *from, const side *by)
+{
+    weft_stiffness left = *from;
+    left.count = 0;
+    for (size_t i = 0; i < from->count; ++i) {
+        const double *p = from->corners[i], *q = from->corners[(i + 1) % from->count];
+        const double over_p = by->a * p[0] + by->b * p[1] - by->most;
+        const double over_q = by->a * q[0] + by->b * q[1] - by->most;
+        if (over_p <= 0.0) {
+            memcpy(left.corners[left.count++], p, sizeof *from->corners);
+        }
+        if ((over_p < 0.0 && over_q > 0.0) || (over_p > 0.0 && over_q < 0.0)) {
+            const double part = over_p / (over_p - over_q);
+            double *at = left.corners[left.count++];
+            at[0] = p[0] + part * (q[0] - p[0]);
+            at[1] = p[1] + part * (q[1] - p[1]);
+        }
+    }
+    if (left.count > 0) { /* always, but for roundoff */
+        *from = left;
+    }
+}
+
+weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, const double *y)
+{
+    side sides[SIDES_MAX];
+    const size_t count = sides_init(cloth, y, sides);
+    for (size_t i = 0; i < cloth->particles; ++i) {
+        if (cloth->pin[i] != 0) {
+            continue;
+        }
+        node sum;
+        gather(cloth, i, y, &sum);
+        for (size_t s = 0; s < count; ++s) {
+            sides[s].most = fmax(sides[s].most, node_bound(cloth, &sum, &sides[s]));
+        }
+    }
+    const bool moves = cloth->pinned < cloth->particles;
+    weft_stiffness bound = { .omega2 = moves ? sides[0].most : 0.0,
+                             .damping = moves ? sides[1].most : 0.0,
+                             .count = 4 };
+    bound.corners[1][0] = bound.corners[2][0] = bound.omega2;
+    bound.corners[2][1] = bound.corners[3][1] = bound.damping;
+    const bool finite = isfinite(bound.omega2) && isfinite(bound.damping);
+    for (size_t s = 2; moves && finite && s < count; ++s) {
+        cut(&bound, &sides[s]);
+    }
+    return bound;
+}
+
+/* ---- the power method --------------------------------------------------------------
+ */
+
+/* out += (a K + b C) x of one spring: slack springs are taken for straight ones. */
+static void multiply_spring(const weft_cloth *cloth, const weft__group *group, size_t p,
+                            const double *y, const side *way, const double *x,
+                            double *out)
+{
+    const size_t n = cloth->particles, q = p + (size_t)group->stride;
+    const weft__stance at = weft__spring_stance(n, p, q, y);
+    if (at.length == 0.0) {
+        return;
+    }
+    const double pull = group->stiffness * (at.length - group->rest_length) / at.length;
+    const double across = way->a * fmax(0.0, pull);
+    const double along = way->a * group->stiffness + way->b * group->damping;
+    double d[3], stretch = 0.0;
+    for (size_t k = 0; k < 3; ++k) {
+        d[k] = x[k * n + p] - x[k * n + q];
+        stretch += d[k] * at.d[k] / at.length;
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        const double force
+            = across * d[k] + (along - across) * stretch * at.d[k] / at.length;
+        out[k * n + p] += force;
+        out[k * n + q] -= force;
+    }
+}
+
+/* M^-1 (a K + b C) x, zero on pins. */
+static void multiply(const weft_cloth *cloth, const double *y, const side *way,
+                     const double *x, double *out)
+{
+    const size_t n = cloth->particles;
+    for (size_t j = 0; j < 3 * n; ++j) {
+        out[j] = way->b * cloth->drag * x[j];
+    }
+    for (size_t g = 0; g < cloth->group_count; ++g) {
+        const weft__group *group = &cloth->groups[g];
+        for (size_t r = 0; r < group->end_row; ++r) {
+            for (size_t c = group->first_col; c < group->end_col; ++c) {
+                multiply_spring(cloth, group, r * cloth->cols + c, y, way, x, out);
+            }
+        }
+    }
+    for (size_t j = 0; j < 3 * n; ++j) {
+        out[j] *= inverse_mass(cloth, j % n);
+    }
+}
+
+/* Numbers in [-1, 1) that are orthogonal to nothing: the bits of SplitMix64
+ * (G. L. Steele et al., OOPSLA 2014). */
+static double scatter(uint64_t j)
+{
+    uint64_t z = (j + 1) * UINT64_C(0x9e3779b97f4a7c15);
+    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1.0;
+}
+
+/* x* M z over the free particles */
+static double product(const weft_cloth *cloth, const double *x, const double *z)
+{
+    double sum = 0.0;
+    for (size_t j = 0; j < 3 * cloth->particles; ++j) {
+        sum += cloth->mass[j % cloth->particles] * x[j] * z[j];
+    }
+    return sum;
+}
+
+typedef struct estimate {
+    double value;  /* the Rayleigh quotient: from below */
+    double spread; /* |M^-1 A x - value x| of the x it is of, |x| = 1 */
+} estimate;
+
+static estimate power(const weft_cloth *cloth, const double *y, const side *way,
+                      size_t iterations, double *x, double *z)
+{
+    estimate best = { 0.0, 0.0 };
+    for (size_t j = 0; j < 3 * cloth->particles; ++j) {
+        x[j] = inverse_mass(cloth, j % cloth->particles) > 0.0 ? scatter(j) : 0.0;
+    }
+    for (size_t i = 0; i < iterations; ++i) {
+        const double norm = sqrt(product(cloth, x, x));
+        for (size_t j = 0; norm > 0.0 && j < 3 * cloth->particles; ++j) {
+            x[j] /= norm;
+        }
+        multiply(cloth, y, way, x, z);
+        const double value = product(cloth, x, z), square = product(cloth, z, z);
+        best = (estimate){ value, sqrt(fmax(0.0, square - value * value)) };
+        memcpy(x, z, 3 * cloth->particles * sizeof *x);
+    }
+    return best;
+}
+
+weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth, const double *y,
+                                         size_t iterations, weft_stiffness *out,
+                                         weft_error *err)
+{
+    const size_t size = 3 * cloth->particles;
+    double *work = malloc(2 * size * sizeof *work);
+    if (work == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the power method");
+    }
+    *out = weft_cloth_stiffness(cloth, y);
+    side ways[2] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 } };
+    double *values[2] = { &out->omega2, &out->damping };
+    for (size_t i = 0; i < 2 && isfinite(*values[i]); ++i) {
+        const estimate found = power(
+            cloth, y, &ways[i], iterations > 0 ? iterations : 100, work, work + size);
+        ways[i].most = found.value + 2.0 * found.spread;
+        *values[i] = fmin(*values[i], found.value);
+        cut(out, &ways[i]);
+    }
+    free(work);
+    return WEFT_OK;
+}

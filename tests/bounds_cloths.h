@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* bounds_cloths.h -- twelve cloths whose modes are bounded: small enough for a dense
+ * eigensolver, each hard in a way of its own. */
+#ifndef BOUNDS_CLOTHS_H
+#define BOUNDS_CLOTHS_H
+
+#include "support.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CORNER(r, c)                                                                   \
+    {                                                                                  \
+        .rows = { r, r }, .cols = { c, c }                                             \
+    }
+#define ALL                                                                            \
+    {                                                                                  \
+        0, -1                                                                          \
+    }
+
+static const weft_pin corners[] = { CORNER(0, 0), CORNER(0, -1) };
+static const weft_pin rim[] = { { .rows = { 0, 0 }, .cols = ALL },
+                                { .rows = { -1, -1 }, .cols = ALL },
+                                { .rows = ALL, .cols = { 0, 0 } },
+                                { .rows = ALL, .cols = { -1, -1 } } };
+static const weft_load loads[]
+    = { { .rows = { 3, 3 }, .cols = { 2, 2 }, .mass = 0.05 },
+        { .rows = { 0, 1 }, .cols = { 4, 4 }, .mass = 1e-3 } };
+
+/* All of them at rest in equilibrium: without gravity. */
+static const weft_cloth_def cloths[] = {
+    /* stretch springs alone, equal masses */
+    { .rows = 7,
+      .cols = 7,
+      .spacing = { 0.1, 0.1 },
+      .mass = 1e-3,
+      .springs = { { true, 100, 0 } } },
+    /* two families, more columns than rows, pinned corners */
+    { .rows = 6,
+      .cols = 8,
+      .spacing = { 0.1, 0.1 },
+      .mass = 1e-3,
+      .pins = corners,
+      .pin_count = 2,
+      .springs = { { true, 100, 0 }, { true, 50, 0 } } },
+    /* all three families */
+    { .rows = 7,
+      .cols = 7,
+      .spacing = { 0.1, 0.1 },
+      .mass = 1e-3,
+      .springs = { { true, 100, 0 }, { true, 100, 0 }, { true, 100, 0 } } },
+    /* oblong cells, masses of a half and a quarter on the rim */
+    { .rows = 7,
+      .cols = 6,
+      .spacing = { 0.05, 0.1 },
+      .density = 0.2,
+      .springs = { { true, 100, 0 }, { true, 50, 0 }, { true, 5, 0 } } },
+    /* loads */
+    { .rows = 7,
+      .cols = 6,
+      .spacing = { 0.1, 0.1 },
+      .density = 0.2,
+      .loads = loads,
+      .load_count = 2,
+      .springs = { { true, 100, 0 }, { true, 50, 0 } } },
+    /* taut in a frame */
+    { .rows = 8,
+      .cols = 8,
+      .spacing = { 0.1, 0.1 },
+      .scale = 1.2,
+      .mass = 1e-3,
+      .pins = rim,
+      .pin_count = 4,
+      .springs = { { true, 100, 0.02 }, { true, 50, 0.01 } } },
+    /* the strain law, damped alike along columns and rows but not diagonals */
+    { .rows = 7,
+      .cols = 7,
+      .spacing = { 0.1, 0.1 },
+      .mass = 1e-3,
+      .law = WEFT_LAW_STRAIN,
+      .pins = corners,
+      .pin_count = 2,
+      .springs = { { true, 10, 0.05 }, { true, 5, 0.05 } } },
+    /* damping in proportion to stiffness */
+    { .rows = 7,
+      .cols = 7,
+      .spacing = { 0.1, 0.1 },
+      .density = 0.2,
+      .pins = corners,
+      .pin_count = 2,
+      .springs = { { true, 100, 0.2 }, { true, 50, 0.1 }, { true, 5, 0.01 } } },
+    /* damping of one family only */
+    { .rows = 7,
+      .cols = 7,
+      .spacing = { 0.1, 0.1 },
+      .mass = 1e-3,
+      .springs = { { true, 100, 0.1 }, { true, 60, 0 } } },
+    /* over-damped springs */
+    { .rows = 7,
+      .cols = 7,
+      .spacing = { 0.1, 0.1 },
+      .mass = 1e-3,
+      .springs = { { true, 100, 1.5 }, { true, 50, 0.75 } } },
+    /* a chain, and the drag of treacle */
+    { .rows = 1,
+      .cols = 30,
+      .spacing = { 0.1, 0.1 },
+      .mass = 1e-3,
+      .drag = 1.0,
+      .springs = { { true, 100, 0 } } },
+    /* a chain with bend springs and drag */
+    { .rows = 1,
+      .cols = 30,
+      .spacing = { 0.1, 0.1 },
+      .mass = 1e-3,
+      .drag = 0.1,
+      .springs = { { true, 100, 0.05 }, { false, 0, 0 }, { true, 30, 0.01 } } },
+};
+
+enum { CLOTHS = sizeof cloths / sizeof cloths[0] };
+
+static inline weft_cloth *make(size_t i)
+{
+    const weft_cloth_def usual = weft_cloth_def_default();
+    weft_cloth_def def = cloths[i];
+    memcpy(def.right, usual.right, sizeof def.right);
+    memcpy(def.down, usual.down, sizeof def.down);
+    def.scale = def.scale == 0.0 ? 1.0 : def.scale;
+    return test_cloth(&def);
+}
+
+/* In (-1, 1). */
+static inline double noise(uint64_t *seed)
+{
+    *seed = *seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return (double)(*seed >> 11) * 0x1p-52 - 1.0;
+}
+
+#endif

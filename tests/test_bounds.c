@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Steps that follow from the bounds on a cloth's modes, against runs that do or do not
+ * blow up. */
+#include "bounds_cloths.h"
+
+/* ---- runs ---------------------------------------------------------------------------
+ */
+
+/* Whether a displacement of 1e-9 m grows ten thousand fold in 1500 steps. */
+static bool blows_up(const weft_cloth *cloth, const weft_stepper_type *type, double h)
+{
+    const size_t n = weft_cloth_particles(cloth);
+    weft_stepper_config config = weft_stepper_config_default();
+    config.fixed_step = h;
+    weft_sim *sim = test_sim(cloth, type, &config);
+    double *rest = malloc(6 * n * sizeof *rest), *x = malloc(3 * n * sizeof *x);
+    uint64_t seed = 1;
+    weft_cloth_start(cloth, rest);
+    weft_sim_positions(sim, x);
+    for (size_t j = 0; j < 3 * n; ++j) {
+        x[j] += 1e-9 * noise(&seed);
+    }
+    ck_assert_int_eq(weft_sim_set_state(sim, x, NULL, NULL), WEFT_OK);
+    double most = 0.0;
+    for (int i = 0; i < 1500 && most < 1e-5; ++i) {
+        if (weft_sim_step(sim, 1e9, NULL) != WEFT_OK) {
+            most = INFINITY;
+        }
+        const double *y = weft_sim_state(sim);
+        for (size_t j = 0; j < 3 * n; ++j) {
+            most = fmax(most, fabs(y[j] - rest[j]));
+        }
+    }
+    free(rest);
+    free(x);
+    weft_sim_destroy(sim);
+    return !(most < 1e-5);
+}
+
+static double stable_step(const weft_stiffness *modes, const weft_stepper_type *type)
+{
+    weft_stability stability;
+    double h;
+    ck_assert_int_eq(weft_stability_create(type, NULL, &stability, NULL), WEFT_OK);
+    ck_assert_int_eq(weft_stability_step(&stability, modes, 0.0, &h, NULL), WEFT_OK);
+    return h;
+}
+
+/* The step between safe and 2 safe from which on runs blow up. */
+static double true_limit(const weft_cloth *cloth, const weft_stepper_type *type,
+                         double safe)
+{
+    double low = safe, high = 2.0 * safe;
+    for (int i = 0; i < 8; ++i) {
+        const double middle = 0.5 * (low + high);
+        *(blows_up(cloth, type, middle) ? &high : &low) = middle;
+    }
+    return high;
+}
+
+static void bound_is_safe_and_close(size_t i, const char *label)
+{
+    const weft_stepper_type *type = test_method_named(label);
+    weft_cloth *cloth = make(i);
+    double *y = malloc(weft_cloth_dim(cloth) * sizeof *y);
+    weft_cloth_start(cloth, y);
+    const weft_stiffness modes = weft_cloth_stiffness(cloth, y);
+    const double h = stable_step(&modes, type);
+    ck_assert_msg(!blows_up(cloth, type, h), "cloth %zu blows up at %g s", i, h);
+    const double limit = true_limit(cloth, type, h);
+    ck_assert_msg(limit <= 1.25 * h, "cloth %zu: bound %g s of %g s", i, h, limit);
+    free(y);
+    weft_cloth_destroy(cloth);
+}
+
+START_TEST(stable_step_of_symplectic_euler_is_safe_and_within_a_quarter)
+{
+    bound_is_safe_and_close((size_t)_i, "verlet/symplectic_euler");
+}
+END_TEST
+
+START_TEST(stable_step_of_velocity_verlet_is_safe_and_within_a_quarter)
+{
+    bound_is_safe_and_close((size_t)_i, "verlet/velocity_verlet");
+}
+END_TEST
+
+#ifdef HAVE_ARKODE
+START_TEST(stable_step_of_rk4_is_safe_and_within_a_quarter)
+{
+    bound_is_safe_and_close((size_t)_i, "arkode/rk4");
+}
+END_TEST
+#endif
+
+#ifdef HAVE_GSL
+START_TEST(stable_step_of_third_order_is_safe_and_within_a_quarter)
+{
+    bound_is_safe_and_close((size_t)_i, "gsl/rk2");
+}
+END_TEST
+#endif
+
+static Suite *suite(void)
+{
+    Suite *suite = suite_create("bounds");
+    TCase *steps = tcase_create("steps");
+    tcase_set_timeout(steps, 120.0);
+    tcase_add_loop_test(
+        steps, stable_step_of_symplectic_euler_is_safe_and_within_a_quarter, 0, CLOTHS);
+    tcase_add_loop_test(
+        steps, stable_step_of_velocity_verlet_is_safe_and_within_a_quarter, 0, CLOTHS);
+#ifdef HAVE_ARKODE
+    tcase_add_loop_test(steps, stable_step_of_rk4_is_safe_and_within_a_quarter, 0,
+                        CLOTHS);
+#endif
+#ifdef HAVE_GSL
+    tcase_add_loop_test(steps, stable_step_of_third_order_is_safe_and_within_a_quarter,
+                        0, CLOTHS);
+#endif
+    suite_add_tcase(suite, steps);
+    return suite;
+}
+
+int main(void)
+{
+    return test_run(suite());
+}
