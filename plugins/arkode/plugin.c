@@ -84,7 +84,7 @@ enum {
 
 #if SUNV >= 703
 #define SINCE_7_3(X)                                                                   \
-    X(ralston, RALSTON_3_1_2, 2, 1, 3, 0, "A. Ralston, Math. Comput. 16, 1962")        \
+    X(ralston, RALSTON_3_1_2, 2, 1, 2, FSAL, "A. Ralston, Math. Comput. 16, 1962")     \
     X(tsitouras, TSITOURAS_7_4_5, 5, 4, 6, FSAL,                                       \
       "Ch. Tsitouras, Comput. Math. Appl. 62, 2011")
 #else
