@@ -33,7 +33,7 @@ typedef struct weft_limit_def {
 typedef struct weft_run_def {
     double duration; /* [s] > 0 */
     double fps;      /* [1/s] > 0 */
-    size_t threads;  /* >= 1 */
+    size_t threads;  /* >= 1; also in the stepper's config */
 } weft_run_def;
 
 /* One mistake, or one warning. */

@@ -13,9 +13,6 @@ const char *scene_unsupported(const weft_scene *scene)
         return "limit: strain limits are read, but this version of weft cannot run "
                "them";
     }
-    if (weft_scene_run(scene)->threads > 1) {
-        return "run.threads: this version of weft runs on one thread only; set it to 1";
-    }
     return NULL;
 }
 
