@@ -156,6 +156,7 @@ static void check_stepper_and_run(const weft_scene *scene)
     ck_assert_ptr_null(config->butcher);
     ck_assert(run->duration == 2.5 && run->fps == 25.0);
     ck_assert_uint_eq(run->threads, 3);
+    ck_assert_uint_eq(config->threads, 3);
 }
 
 START_TEST(every_value_of_the_example_arrives)

@@ -18,7 +18,7 @@ typedef struct weft_scene weft_scene;
 typedef struct weft_run_def {
     double duration; /* [s] > 0 */
     double fps;      /* [1/s] > 0 */
-    size_t threads;  /* >= 1 */
+    size_t threads;  /* >= 1; also in the stepper's config */
 } weft_run_def;
 
 /* What a run leaves behind. */

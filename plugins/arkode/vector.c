@@ -485,7 +485,7 @@ static N_Vector clone(N_Vector like)
 
 N_Vector weft__ark_vector(size_t n, ark_team *team, SUNContext context)
 {
-    N_Vector serial = N_VNewEmpty_Serial(0, context);
+    N_Vector serial = N_VNewEmpty_Serial((sunindextype)n, context);
     N_Vector v = serial == NULL ? NULL : N_VNewEmpty(context);
     if (v == NULL || N_VCopyOps(serial, v) != 0 || !give_content(v, n, team)) {
         N_VDestroy(serial);

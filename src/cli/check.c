@@ -9,9 +9,6 @@ const char *scene_unsupported(const weft_scene *scene)
                "that "
                "runs them is not there";
     }
-    if (weft_scene_run(scene)->threads > 1) {
-        return "run.threads: this version of weft runs on one thread only; set it to 1";
-    }
     return NULL;
 }
 

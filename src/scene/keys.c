@@ -353,7 +353,9 @@ static const weft__key run_keys[] = {
       .meaning = "frames per simulated second; frame i is at exactly i / fps, the last "
                  "at duration" },
     { "threads", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "1",
-      AT(weft_run_def, threads), .meaning = "the result does not depend on it" },
+      AT(weft_run_def, threads),
+      .meaning = "of the solver's vector work (plugin arkode); the result does not "
+                 "depend on it" },
 };
 
 static const weft__section run_section

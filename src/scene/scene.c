@@ -208,6 +208,7 @@ static weft_status load(loader *self, weft_error *err)
     const bool loaded = load_document(self);
     weft__report_finish(&self->report);
     if (loaded && !self->report.no_memory && self->report.found->errors == 0) {
+        self->scene->config.threads = self->scene->run.threads;
         return complete(self, err);
     }
     if (loaded) {
