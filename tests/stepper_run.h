@@ -18,10 +18,10 @@
 
 #define DIM        4
 #define APART      3 /* quadratures at most */
-#define SAME(a, b) ck_assert_mem_eq((a), (b), sizeof *(a) * (DIM + apart))
+#define SAME(a, b) ck_assert_mem_eq((a), (b), sizeof *(a) * (DIM + quadratures))
 
 /* How many quadratures a run has: t, x1 less its start, and the integral of v1 v2. */
-static size_t apart;
+static size_t quadratures;
 
 typedef enum fault { NO_FAULT, REFUSE, STOP, GIVE_NAN, GIVE_INF, FAULTS } fault;
 
@@ -51,9 +51,9 @@ static inline int rhs(double t, const double *y, double *dydt, void *ctx)
     const bool fails
         = m->fault != NO_FAULT && (m->once ? m->calls == m->at : m->calls >= m->at);
     const double rates[APART] = { 1.0, y[2], y[2] * y[3] };
-    memcpy(dydt + DIM, rates, apart * sizeof *rates);
+    memcpy(dydt + DIM, rates, quadratures * sizeof *rates);
     if (fails && (m->fault == GIVE_NAN || m->fault == GIVE_INF)) {
-        dydt[apart > 0 ? DIM + apart - 1 : 2]
+        dydt[quadratures > 0 ? DIM + quadratures - 1 : 2]
             = m->fault == GIVE_NAN ? (double)NAN : (double)INFINITY;
     }
     return fails && m->fault == REFUSE ? 1 : fails && m->fault == STOP ? -1 : 0;
@@ -73,10 +73,10 @@ static inline void start(run *r, const weft_stepper_type *type,
                          const weft_stepper_config *config)
 {
     *r = (run){ .type = type, .model = { .k = 1.0 } };
-    r->ode = (weft_ode){ .dim = DIM + apart, .rhs = rhs, .ctx = &r->model };
+    r->ode = (weft_ode){ .dim = DIM + quadratures, .rhs = rhs, .ctx = &r->model };
     memcpy(r->y, y_start, sizeof y_start);
     weft_stepper_config whole = test_config(type, *config);
-    whole.quadratures = apart;
+    whole.quadratures = quadratures;
     const weft_status status = type->create(type, &r->ode, &whole, &r->self, &r->err);
     ck_assert_msg(status == WEFT_OK, "%s", r->err.message);
 }
@@ -219,7 +219,7 @@ static inline void gsl_was_silent(void)
 
 static inline void with_quadratures(void)
 {
-    apart = APART;
+    quadratures = APART;
 }
 
 /* The same for every method that takes quadratures, with them. */

@@ -22,7 +22,7 @@ static run with_quadratures_go(const weft_stepper_type *type, int mode, size_t c
 {
     const weft_stepper_config config = in_mode(type, mode);
     run r;
-    apart = count;
+    quadratures = count;
     start(&r, type, &config);
     go(&r, 0.3);
     r.y[1] += 0.125;
@@ -60,7 +60,7 @@ START_TEST(quadratures_are_integrated_along)
     for (int mode = 0; mode < 3 && takes(type); ++mode) {
         const weft_stepper_config config = in_mode(type, mode);
         run r;
-        apart = APART;
+        quadratures = APART;
         start(&r, type, &config);
         go(&r, 1.0);
         ck_assert_double_eq_tol(r.y[DIM], 1.0, 1e-12);
@@ -79,7 +79,7 @@ START_TEST(quadratures_go_on_from_any_value)
     if (!takes(type)) {
         return;
     }
-    apart = APART;
+    quadratures = APART;
     start(&zero, type, &config);
     start(&large, type, &config);
     large.y[DIM + 1] = 0x1p20;

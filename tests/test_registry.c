@@ -397,7 +397,7 @@ static void refused_config(weft_stepper_config config, const char *text)
     weft_cloth *cloth = test_cloth(&model);
     weft_sim *sim = (weft_sim *)&config;
     const weft_stepper_type *verlet = test_method_named("verlet/velocity_verlet");
-    const weft_sim_def def = { cloth, verlet, config, NULL, NULL };
+    const weft_sim_def def = { .cloth = cloth, .method = verlet, .config = config };
     ck_assert_int_eq(weft_sim_create(&def, &sim, &err), WEFT_INVALID);
     ck_assert_ptr_null(sim);
     ck_assert_msg(strncmp(err.message, text, strlen(text)) == 0, "%s", err.message);
