@@ -137,7 +137,7 @@ static sunrealtype max_norm(N_Vector x, N_Vector weights)
     return isnan(sum[0]) ? sum[0] : most[0];
 }
 
-/* Components at the end whose weight is 0 have no say in a mean. */
+/* Without the components at the end whose weight is 0. */
 static size_t weighty(const double *weights, size_t n)
 {
     while (n > 0 && weights[n - 1] == 0.0) {
@@ -146,10 +146,11 @@ static size_t weighty(const double *weights, size_t n)
     return n;
 }
 
+/* What has no weight has no say, but NaN in it shows. */
 static sunrealtype rms_norm(N_Vector x, N_Vector weights)
 {
     const double *p = NV_DATA_S(x), *w = NV_DATA_S(weights);
-    const size_t n = length(x);
+    const size_t n = weighty(w, length(x));
     double sum[LANES] = { 0.0 };
     for (size_t at = 0; at < n; at += LANES) {
         const size_t m = n - at < LANES ? n - at : LANES;
@@ -161,7 +162,10 @@ static sunrealtype rms_norm(N_Vector x, N_Vector weights)
     for (size_t i = 1; i < LANES; ++i) {
         sum[0] += sum[i];
     }
-    return sqrt(sum[0] / (double)weighty(w, n));
+    for (size_t i = n; i < length(x); ++i) {
+        sum[0] += p[i] * w[i];
+    }
+    return sqrt(sum[0] / (double)n);
 }
 
 void weft__ark_patch_vector(N_Vector v, weft_norm norm)
