@@ -32,13 +32,9 @@ static weft_stepper_stats drive(const weft_controller *controller, double *y)
     return s;
 }
 
-static const int gain_counts[] = { 0,
-#define COUNT(label, name, gains) gains,
-                                   WEFT_CONTROLLERS(COUNT)
-#undef COUNT
-};
-
-enum { TYPES = sizeof gain_counts / sizeof gain_counts[0] };
+#define ONE(label, name, gains) +1
+enum { TYPES = 1 WEFT_CONTROLLERS(ONE) };
+#undef ONE
 
 START_TEST(every_type_keeps_the_tolerance_by_steps_of_its_own)
 {

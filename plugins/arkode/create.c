@@ -131,16 +131,21 @@ static bool settings(stepper *self)
 }
 
 /* SUNDIALS' side; takes the table. */
-static bool make_solver(stepper *self, weft_norm norm, ARKodeButcherTable table)
+static bool make_solver(stepper *self, const weft_stepper_config *config,
+                        ARKodeButcherTable table)
 {
+    const size_t threads
+        = WEFT_HAS(config, weft_stepper_config, threads) ? config->threads : 1;
     bool made = make_context(self);
     if (made) {
-        self->y = N_VNew_Serial((sunindextype)self->ode.dim, self->context);
+        self->team = weft__ark_team(threads);
+        self->y = weft__ark_vector(self->ode.dim, self->team, self->context);
         made = self->y != NULL;
     }
     if (made) {
-        weft__ark_patch_vector(self->y, norm);
-        N_VConst(0.0, self->y);
+        if (self->fixed_step == 0.0) {
+            weft__ark_judge_by(self->y, config->norm);
+        }
         self->solver = ERKStepCreate(weft__ark_rhs, 0.0, self->y, self->context);
         made = self->solver != NULL && settings(self)
                && ERKStepSetTable(self->solver, table) == ARK_SUCCESS;
@@ -170,6 +175,7 @@ static stepper *allocate(const ark_method *method, const weft_ode *ode,
         WEFT_HAS(config, weft_stepper_config, controller) ? config->controller : NULL);
     self->stages = table->stages;
     self->fsal = weft__ark_table_is_fsal(table);
+    self->hidden = weft__ark_table_hides(table, !fixed);
     self->h = fixed
                   ? config->fixed_step
                   : fmin(fmax(config->first_step, config->min_step), config->max_step);
@@ -209,7 +215,7 @@ weft_status weft__ark_create(const weft_stepper_type *type, const weft_ode *ode,
         ARKodeButcherTable_Free(table);
         return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory", type->name);
     }
-    if (!make_solver(self, config->norm, table)) {
+    if (!make_solver(self, config, table)) {
         weft__ark_destroy(self);
         return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory for ARKODE",
                               type->name);
@@ -235,6 +241,7 @@ void weft__ark_destroy(void *instance)
     if (self->y != NULL) {
         N_VDestroy(self->y);
     }
+    weft__ark_team_free(self->team);
     if (self->context != NULL) {
         (void)SUNContext_Free(&self->context);
     }
