@@ -27,7 +27,7 @@ static weft_stepper_stats drive(const weft_controller *controller, double *y)
     go(&r, 6.0);
     ck_assert_double_lt(error_at_end(&r), 1e-5);
     const weft_stepper_stats s = stats(&r);
-    memcpy(y, r.y, sizeof r.y);
+    memcpy(y, r.y, DIM * sizeof *y);
     end(&r);
     return s;
 }

@@ -375,7 +375,8 @@ START_TEST(series_has_its_columns_where_it_is_asked_for)
     (void)fclose(stream);
     (void)unsetenv("WEFT_PLUGIN_PATH");
     ck_assert_int_eq(
-        shell(WEFT " run " OUT "/s.yaml --out " OUT "/with", text, sizeof text), 0);
+        shell(WEFT " run " OUT "/s.yaml --out " OUT "/with 2>&1", text, sizeof text),
+        0);
     ck_assert_ptr_nonnull(strstr(text, "energy ledger closes to "));
     ck_assert_int_eq(shell("cat " OUT "/with/series.csv", text, sizeof text), 0);
     ck_assert_ptr_nonnull(strstr(text, columns));

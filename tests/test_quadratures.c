@@ -4,6 +4,8 @@
  * contract with them too. */
 #include "stepper_run.h"
 
+#include <stdlib.h>
+
 static bool takes(const weft_stepper_type *type)
 {
     return (type->flags & WEFT_STEPPER_QUADRATURES) != 0;
@@ -22,7 +24,7 @@ static run with_quadratures_go(const weft_stepper_type *type, int mode, size_t c
 {
     const weft_stepper_config config = in_mode(type, mode);
     run r;
-    apart = count;
+    quadratures = count;
     start(&r, type, &config);
     go(&r, 0.3);
     r.y[1] += 0.125;
@@ -53,6 +55,61 @@ START_TEST(steps_have_the_same_bits_with_and_without)
 }
 END_TEST
 
+/* Many pendulums, each of its own length; what is integrated along is their number. */
+static int pendulums(double t, const double *y, double *dydt, void *ctx)
+{
+    const size_t half = ((const size_t *)ctx)[0], behind = ((const size_t *)ctx)[1];
+    (void)t;
+    for (size_t i = 0; i < half; ++i) {
+        dydt[i] = y[half + i];
+        dydt[half + i] = -(1.0 + 0.37 * (double)(i % 101)) * sin(y[i]);
+    }
+    for (size_t i = 0; i < behind; ++i) {
+        dydt[2 * half + i] = (double)half;
+    }
+    return 0;
+}
+
+/* What a few steps make of them, a hash; *next is the step size wanted then. */
+static uint64_t swing(const weft_stepper_type *type, size_t half, size_t behind,
+                      double *next)
+{
+    size_t sizes[] = { half, behind };
+    const weft_ode ode = { 2 * half + behind, pendulums, sizes };
+    weft_stepper_config config = test_config(type, in_mode(type, 1));
+    weft_stepper_stats s = { .struct_size = sizeof s };
+    double *y = calloc(ode.dim, sizeof *y), t = 0.0;
+    weft_error err = { 0 };
+    void *self = NULL;
+    config.quadratures = behind;
+    for (size_t i = 0; i < half; ++i) {
+        y[i] = sin((double)i);
+    }
+    ck_assert_msg(type->create(type, &ode, &config, &self, &err) == WEFT_OK, "%s",
+                  err.message);
+    for (int i = 0; i < 3; ++i) {
+        ck_assert_msg(type->step(self, 1.0, &t, y, &err) == WEFT_OK, "%s", err.message);
+    }
+    type->stats(self, &s);
+    type->destroy(self);
+    const uint64_t hash = weft_state_hash(y, 2 * half);
+    free(y);
+    *next = s.next_step;
+    return hash;
+}
+
+/* Sums of long vectors are made of parts: not of other parts with quadratures. */
+START_TEST(long_states_have_the_same_bits_too)
+{
+    const weft_stepper_type *type = test_method((size_t)_i);
+    for (size_t half = 65786; half <= 65792 && takes(type); half += 2) {
+        double plain, with;
+        ck_assert_uint_eq(swing(type, half, 0, &plain), swing(type, half, 4, &with));
+        ck_assert(plain == with);
+    }
+}
+END_TEST
+
 /* y' = 1 is exact in every method; y' = v1 is x1 as far as the method knows it. */
 START_TEST(quadratures_are_integrated_along)
 {
@@ -60,7 +117,7 @@ START_TEST(quadratures_are_integrated_along)
     for (int mode = 0; mode < 3 && takes(type); ++mode) {
         const weft_stepper_config config = in_mode(type, mode);
         run r;
-        apart = APART;
+        quadratures = APART;
         start(&r, type, &config);
         go(&r, 1.0);
         ck_assert_double_eq_tol(r.y[DIM], 1.0, 1e-12);
@@ -79,7 +136,7 @@ START_TEST(quadratures_go_on_from_any_value)
     if (!takes(type)) {
         return;
     }
-    apart = APART;
+    quadratures = APART;
     start(&zero, type, &config);
     start(&large, type, &config);
     large.y[DIM + 1] = 0x1p20;
@@ -137,6 +194,7 @@ int main(void)
 {
     Suite *suite = suite_create("quadratures");
     add_for_every_method(suite, "bits", steps_have_the_same_bits_with_and_without);
+    add_for_every_method(suite, "long", long_states_have_the_same_bits_too);
     add_for_every_method(suite, "values", quadratures_are_integrated_along);
     add_for_every_method(suite, "any value", quadratures_go_on_from_any_value);
     add_for_every_method(suite, "counts", counts_that_do_not_fit_are_refused);

@@ -54,16 +54,15 @@ int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance)
     return self->fixed_step > 0.0 || starting ? -1 : 0; /* a smaller h helps no start */
 }
 
-/* What is no position and no velocity has the weight 0: no say, but NaN in it is NaN. */
+/* A quadrature has the weight 0: no say, but NaN in it is NaN. */
 int weft__ark_weights(N_Vector y, N_Vector weights, void *instance)
 {
     const stepper *self = instance;
-    const size_t half = self->half;
+    const size_t half = self->half, dim = self->ode.dim;
     if (self->fixed_step == 0.0) {
         weft__ark_weigh(y, weights, 0, half, self->rtol, self->atol[0]);
         weft__ark_weigh(y, weights, half, half, self->rtol, self->atol[1]);
-        memset(NV_DATA_S(weights) + 2 * half, 0,
-               (self->ode.dim - 2 * half) * sizeof(double));
+        memset(NV_DATA_S(weights) + 2 * half, 0, (dim - 2 * half) * sizeof(double));
     }
     return 0;
 }

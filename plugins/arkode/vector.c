@@ -357,29 +357,19 @@ static sunrealtype max_norm(N_Vector x, N_Vector weights)
     return most;
 }
 
-/* Components at the end whose weight is 0 have no say in a mean: it has the same bits
- * without them. */
-static size_t weighty(const double *weights, size_t n)
-{
-    while (n > 0 && weights[n - 1] == 0.0) {
-        --n;
-    }
-    return n;
-}
-
+/* What has no weight at the end has no say, nor in where slices end; NaN in it shows.
+ */
 static sunrealtype rms_norm(N_Vector x, N_Vector weights)
 {
     const double *both[2];
     operation op = on_two(x, weights, both);
     double part[SLICES], sum = 0.0;
-    const size_t all = op.n;
-    op.n = weighty(both[1], all);
+    for (; op.n > 0 && both[1][op.n - 1] == 0.0; --op.n) {
+        sum += both[0][op.n - 1] * both[1][op.n - 1];
+    }
     const int count = run(square_slice, &op, part);
     for (int i = 0; i < count; ++i) {
         sum += part[i];
-    }
-    for (size_t i = op.n; i < all; ++i) {
-        sum += both[0][i] * both[1][i]; /* 0, or NaN */
     }
     return sqrt(sum / (double)op.n);
 }

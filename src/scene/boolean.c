@@ -39,12 +39,17 @@ void weft__read_boolean(weft__reader *reader, const weft__key *key,
     char value[64];
     if (found == NULL) {
         weft__refuse(reader, node, key->name, "true or false", false, NULL);
-    } else if (!found->good || node->data.scalar.style != YAML_PLAIN_SCALAR_STYLE) {
-        weft__report_error(reader->report, node->start_mark,
-                           "%s must be true or false, not %s (write %s)", key->name,
-                           weft__show(node, value, sizeof value),
-                           found->value ? "true" : "false");
-    } else {
-        *(bool *)to = found->value;
+        return;
     }
+    const bool quoted = node->data.scalar.style != YAML_PLAIN_SCALAR_STYLE;
+    if (found->good && !quoted) {
+        *(bool *)to = found->value;
+        return;
+    }
+    weft__report_error(reader->report, node->start_mark,
+                       "%s must be true or false, not %s (%s)", key->name,
+                       weft__show(node, value, sizeof value),
+                       quoted && found->good ? "remove the quotes"
+                       : found->value        ? "write true"
+                                             : "write false");
 }
