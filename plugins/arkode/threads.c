@@ -3,7 +3,8 @@
  * come: who is kept from running, on a busy machine, leaves them to the others, and
  * nobody waits for one who has not begun. (OpenMP's barriers wait for all of a team,
  * running: with one other busy process on two cores, steps took 4 to 20 times longer
- * than on one thread.) Between jobs they sleep. */
+ * than on one thread.) After a job they look out for another one a while, as to be
+ * woken takes longer than many a job, then sleep. */
 #include "arkode_plugin.h"
 
 #include <pthread.h>
@@ -12,15 +13,16 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-enum { HELPERS = 63 };
+enum { HELPERS = 63, PATIENCE = 100 };
 
 struct ark_team {
     pthread_mutex_t lock;
     pthread_cond_t news;
     pthread_t helper[HELPERS];
     int helpers;
-    bool ended;
-    uint64_t jobs; /* so far */
+    int asleep;
+    atomic_bool ended;
+    atomic_ullong jobs; /* so far */
 
     /* the job under way; NULL: none that one could still join */
     ark_task *task;
@@ -37,20 +39,43 @@ static void take_parts(ark_team *team, ark_task *task, void *ctx, int count)
     }
 }
 
+static bool news(const ark_team *team, unsigned long long seen)
+{
+    return atomic_load(&team->jobs) != seen || atomic_load(&team->ended);
+}
+
+/* The lock is held before and after. */
+static void await_news(ark_team *team, unsigned long long seen)
+{
+    pthread_mutex_unlock(&team->lock);
+    for (int i = 0; i < PATIENCE && !news(team, seen); ++i) {
+        (void)sched_yield();
+    }
+    pthread_mutex_lock(&team->lock);
+    while (!news(team, seen)) {
+        ++team->asleep;
+        pthread_cond_wait(&team->news, &team->lock);
+        --team->asleep;
+    }
+}
+
 static void *help(void *shared)
 {
     ark_team *team = shared;
-    uint64_t seen = 0;
+    unsigned long long seen = 0;
     pthread_mutex_lock(&team->lock);
-    while (!team->ended) {
-        if (team->task == NULL || team->jobs == seen) {
-            pthread_cond_wait(&team->news, &team->lock);
+    for (;;) {
+        await_news(team, seen);
+        if (team->ended) {
+            break;
+        }
+        seen = team->jobs;
+        if (team->task == NULL) { /* done without this one */
             continue;
         }
         ark_task *const task = team->task;
         void *const ctx = team->ctx;
         const int count = team->count;
-        seen = team->jobs;
         atomic_fetch_add(&team->busy, 1);
         pthread_mutex_unlock(&team->lock);
         take_parts(team, task, ctx, count);
@@ -68,8 +93,10 @@ void weft__ark_team_run(ark_team *team, ark_task *task, void *ctx, int count)
     team->ctx = ctx;
     team->count = count;
     atomic_store(&team->next, 0);
-    ++team->jobs;
-    pthread_cond_broadcast(&team->news);
+    atomic_fetch_add(&team->jobs, 1);
+    if (team->asleep > 0) {
+        pthread_cond_broadcast(&team->news);
+    }
     pthread_mutex_unlock(&team->lock);
     take_parts(team, task, ctx, count);
     pthread_mutex_lock(&team->lock);
@@ -101,6 +128,8 @@ ark_team *weft__ark_team(size_t threads)
     }
     atomic_init(&team->next, 0);
     atomic_init(&team->busy, 0);
+    atomic_init(&team->jobs, 0);
+    atomic_init(&team->ended, false);
     if (pthread_mutex_init(&team->lock, NULL) != 0) {
         free(team);
         return NULL;

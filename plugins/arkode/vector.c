@@ -44,7 +44,7 @@ enum {
 typedef struct content {
     struct _N_VectorContent_Serial serial; /* first: all that the library sees */
     ark_team *team;
-    bool finite; /* what the last combination written here is */
+    bool finite; /* all of the last combination written here */
 } content;
 
 /* On vectors of n components. */
@@ -109,8 +109,8 @@ static int run(slice_fn *slice, const operation *op, double part[SLICES])
 
 /* ---- combinations ---------------------------------------------------------------- */
 
-/* That are not finite are the doubles with all bits of the exponent set: one more
- * carries into the sign, and more than nothing behind it, for NaN, does so sooner. */
+/* Added to the bits of |x| these carry into the sign just for an x that is not finite,
+ * whose exponent has all bits set, or that is NaN, which has bits behind them. */
 #define SHOWS_NOT_FINITE UINT64_C(0x0010000000000000)
 #define SHOWS_NAN        UINT64_C(0x000fffffffffffff)
 
@@ -234,12 +234,23 @@ static bool all_zero(const double *part, int count)
     return i == count;
 }
 
+/* Returns whether all of z is finite. */
+static bool add(int count, const double *const *x, const double *c, double *z,
+                N_Vector like)
+{
+    double part[SLICES];
+    const operation op = {
+        .n = length(like), .team = team_of(like), .count = count, .x = x, .c = c, .z = z
+    };
+    return all_zero(part, run(combination_slice, &op, part));
+}
+
 /* What has the factor 0 is left out, NaN or not: a table that is given stages without
  * weight has the same bits as without them. */
 static int linear_combination(int count, sunrealtype *c, N_Vector *x, N_Vector z)
 {
-    double part[SLICES], factor[TERMS];
     const double *from[TERMS];
+    double factor[TERMS];
     int kept = 0;
     for (int k = 0; k < count; ++k) {
         if (c[k] != 0.0) {
@@ -250,17 +261,11 @@ static int linear_combination(int count, sunrealtype *c, N_Vector *x, N_Vector z
             from[kept++] = NV_DATA_S(x[k]);
         }
     }
-    const operation op = { .n = length(z),
-                           .team = team_of(z),
-                           .count = kept,
-                           .x = from,
-                           .c = factor,
-                           .z = NV_DATA_S(z) };
     if (kept == 0) {
         set_all(0.0, z);
-        return 0;
+    } else {
+        ((content *)z->content)->finite = add(kept, from, factor, NV_DATA_S(z), z);
     }
-    ((content *)z->content)->finite = all_zero(part, run(combination_slice, &op, part));
     return 0;
 }
 
@@ -276,27 +281,17 @@ static void linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_V
     (void)linear_combination(2, c, both, z);
 }
 
+static const double one = 1.0;
+
 void weft__ark_read(N_Vector v, double *to)
 {
-    const double *from = NV_DATA_S(v), one = 1.0;
-    double part[SLICES];
-    const operation op = {
-        .n = length(v), .team = team_of(v), .count = 1, .x = &from, .c = &one, .z = to
-    };
-    (void)run(combination_slice, &op, part);
+    const double *from = NV_DATA_S(v);
+    (void)add(1, &from, &one, to, v);
 }
 
 void weft__ark_write(N_Vector v, const double *from)
 {
-    const double one = 1.0;
-    double part[SLICES];
-    const operation op = { .n = length(v),
-                           .team = team_of(v),
-                           .count = 1,
-                           .x = &from,
-                           .c = &one,
-                           .z = NV_DATA_S(v) };
-    (void)run(combination_slice, &op, part);
+    (void)add(1, &from, &one, NV_DATA_S(v), v);
 }
 
 /* ---- tests and norms ------------------------------------------------------------- */
