@@ -4,6 +4,7 @@
 #   make            library, program and plugins
 #   make demo       a falling cloth in numbers and as OBJ, under build/demo
 #   make check      every test
+#   make verify     what is measured of every method of every plugin, a table
 #   make help       the other targets
 
 BUILD  ?= build
@@ -54,8 +55,8 @@ TEST_BIN := $(TESTS:%=$(BUILD)/tests/%)
 BROKEN := $(patsubst tests/broken/%.c,$(BUILD)/tests/broken/weft-%.so,$(wildcard tests/broken/*.c))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/*.c))
 
-.PHONY: all check check-run bench demo demo-run deps docs lint format asan clang-build \
-        check-sundials7 valgrind symbols clean help
+.PHONY: all check check-run verify bench demo demo-run deps docs lint format asan \
+        clang-build check-sundials7 valgrind symbols clean help
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -114,6 +115,18 @@ $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(BUILD)/tests/support.o \
                        $(BUILD)/libweft.a $(PLUGIN_SO)
 	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a $(TEST_LIBS)
 
+# What is verified, for the test and for the program; scenes run as in `weft run`.
+VERIFY_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/main.c,$(wildcard tests/verify/*.c))) \
+              $(filter-out %/main.o,$(PROG_OBJ))
+$(BUILD)/tests/%.o: INCS += -Itests
+$(BUILD)/tests/test_verification: $(VERIFY_OBJ)
+
+$(BUILD)/weft-verify: $(BUILD)/tests/verify/main.o $(VERIFY_OBJ) $(BUILD)/libweft.a
+	$(call say,LD)$(LINK) -o $@ $^ $(LIB_LIBS)
+
+verify: all $(BUILD)/weft-verify
+	@$(BUILD)/weft-verify
+
 $(BUILD)/tests/broken/weft-%.so: tests/broken/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -shared -o $@ $<
@@ -158,7 +171,7 @@ deps:
 # ---- care ------------------------------------------------------------------------
 
 C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] plugins/*/*.[ch] tests/*.[ch] \
-                     tests/broken/*.c examples/*.c bench/*.[ch])
+                     tests/verify/*.[ch] tests/broken/*.c examples/*.c bench/*.[ch])
 
 lint:
 	@tools/lint $(C_FILES)
@@ -183,7 +196,7 @@ clang-build:
 valgrind: all $(TEST_BIN) $(BROKEN)
 	@tools/valgrind $(BUILD)
 
-# The tests against Debian 13's SUNDIALS 7, in a system of its own; root, debootstrap.
+# Tests and verification against Debian 13's SUNDIALS 7, in a system of its own; root, debootstrap.
 check-sundials7:
 	@tools/check-sundials7 $(BUILD)
 
@@ -194,7 +207,7 @@ clean:
 	rm -rf $(BUILD)
 
 help:
-	@sed -n '2,8s/^# \{0,1\}//p' Makefile
+	@sed -n '2,9s/^# \{0,1\}//p' Makefile
 	@echo "make bench [BENCH=name] | lint | format | docs | asan | clang-build | check-sundials7 | valgrind | symbols | clean"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

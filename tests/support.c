@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "verify/merson.h"
+
 const weft_plugin *weft_plugin_verlet(void);
 const weft_plugin *weft_plugin_gsl(void);
 const weft_plugin *weft_plugin_arkode(void);
@@ -81,15 +83,8 @@ const weft_stepper_type *test_method_named(const char *name)
 weft_stepper_config test_config(const weft_stepper_type *type,
                                 weft_stepper_config config)
 {
-    static const double a[25]
-        = { [5] = 1.0 / 3, [10] = 1.0 / 6, [11] = 1.0 / 6, [15] = 0.125,
-            [17] = 0.375,  [20] = 0.5,     [22] = -1.5,    [23] = 2.0 };
-    static const double b[5] = { 1.0 / 6, 0, 0, 2.0 / 3, 1.0 / 6 };
-    static const double c[5] = { 0, 1.0 / 3, 1.0 / 3, 0.5, 1 };
-    static const double b3[5] = { 0.1, 0, 0.3, 0.4, 0.2 };
-    static const weft_butcher merson = { 5, 4, 3, a, b, c, b3 };
     if ((type->flags & WEFT_STEPPER_BUTCHER) != 0 && config.butcher == NULL) {
-        config.butcher = &merson;
+        config.butcher = merson();
     }
     return config;
 }

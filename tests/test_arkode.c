@@ -1,61 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* test_arkode.c -- what plugins/arkode alone has: tables that ARKODE and GSL share,
- * tables of the user's own, tables whose last stage is not the next step's first, and
- * steps cut short by frames. */
+/* test_arkode.c -- what plugins/arkode alone has: tables of the user's own, tables
+ * whose last stage is not the next step's first, and steps cut short by frames. */
 #include "stepper_run.h"
 
 #include <unistd.h>
 
 #ifdef HAVE_ARKODE
-
-/* ---- the same table in two libraries --------------------------------------------- */
-
-#ifdef HAVE_GSL
-
-enum { SIDE = 17, STATE = 6 * SIDE * SIDE };
-
-static void hang_cloth(const char *label, double h, int steps, double *y)
-{
-    const weft_pin corners[] = { { .rows = { 0, 0 }, .cols = { 0, 0 } },
-                                 { .rows = { 0, 0 }, .cols = { SIDE - 1, SIDE - 1 } } };
-    weft_cloth_def def = weft_cloth_def_default();
-    def.rows = def.cols = SIDE;
-    def.spacing[0] = def.spacing[1] = 0.0625;
-    def.springs[WEFT_STRETCH] = (weft_spring_def){ true, 100.0, 0.02 };
-    def.springs[WEFT_SHEAR] = (weft_spring_def){ true, 50.0, 0.01 };
-    def.springs[WEFT_BEND] = (weft_spring_def){ true, 5.0, 0.001 };
-    def.pins = corners;
-    def.pin_count = 2;
-    weft_cloth *cloth = test_cloth(&def);
-    const weft_stepper_config config = fixed(h);
-    weft_sim *sim = test_sim(cloth, test_method_named(label), &config);
-    weft_error err = { 0 };
-    ck_assert_msg(weft_sim_advance(sim, steps * h, &err) == WEFT_OK, "%s", err.message);
-    memcpy(y, weft_sim_state(sim), STATE * sizeof *y);
-    weft_sim_destroy(sim);
-    weft_cloth_destroy(cloth);
-}
-
-START_TEST(gsl_and_arkode_step_alike)
-{
-    static const char *const pairs[][2]
-        = { { "gsl/rkf45", "arkode/fehlberg45" }, { "gsl/rkck", "arkode/cash_karp" } };
-    static double start[STATE], gsl[STATE], arkode[STATE];
-    hang_cloth(pairs[_i][0], 0x1p-11, 1, start);
-    hang_cloth(pairs[_i][0], 0x1p-11, 1000, gsl);
-    hang_cloth(pairs[_i][1], 0x1p-11, 1000, arkode);
-    double size = 0.0, moved = 0.0, apart = 0.0;
-    for (int i = 0; i < STATE; ++i) {
-        size = fmax(size, fabs(gsl[i]));
-        moved = fmax(moved, fabs(gsl[i] - start[i]));
-        apart = fmax(apart, fabs(gsl[i] - arkode[i]));
-    }
-    ck_assert_double_gt(moved, 0.1);
-    ck_assert_double_le(apart, 1e-12 * size);
-}
-END_TEST
-
-#endif
 
 /* ---- tables of the user's own ---------------------------------------------------- */
 
@@ -324,9 +274,6 @@ int main(void)
 #ifdef HAVE_ARKODE
     TCase *tcase = tcase_create("arkode");
     tcase_set_timeout(tcase, 120.0);
-#ifdef HAVE_GSL
-    tcase_add_loop_test(tcase, gsl_and_arkode_step_alike, 0, 2);
-#endif
     tcase_add_test(tcase, a_custom_table_is_the_method_it_says);
     tcase_add_test(tcase, a_claim_of_too_high_an_order_names_the_condition);
     tcase_add_test(tcase, good_tables_meet_every_condition);

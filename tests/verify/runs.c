@@ -1,0 +1,147 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* runs.c -- a scene run by a method, as `weft run` would, and its frames kept. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/cli.h"
+#include "verify/merson.h"
+#include "verify/verify.h"
+
+enum { SETS_MOST = 8, TEXT_MOST = 512 };
+
+/* The stepper of the scene is replaced as a whole. */
+static void stepper_text(const verify_stepper *stepper, char text[TEXT_MOST])
+{
+    const weft_stepper_type *type = stepper->method.type;
+    char steps[128];
+    (void)snprintf(steps, sizeof steps,
+                   stepper->fixed_step > 0.0 ? "fixed_step: %.17g"
+                                             : "rtol: %.17g, atol: %.17g",
+                   stepper->fixed_step > 0.0 ? stepper->fixed_step : stepper->tolerance,
+                   stepper->tolerance);
+    (void)snprintf(text, TEXT_MOST, "stepper={plugin: %s, method: %s, %s%s}",
+                   stepper->method.plugin->id, type->name, steps,
+                   (type->flags & WEFT_STEPPER_BUTCHER) != 0 ? ", butcher: " MERSON_YAML
+                                                             : "");
+}
+
+static weft_status load(weft_registry *registry, const verify_scene *scene,
+                        const verify_stepper *stepper, weft_scene **out,
+                        weft_error *err)
+{
+    char file[TEXT_MOST], text[TEXT_MOST];
+    const char *sets[SETS_MOST];
+    options given = { .sets = sets };
+    (void)snprintf(file, sizeof file, "scenes/%s.yaml", scene->name);
+    stepper_text(stepper, text);
+    sets[given.set_count++] = text;
+    for (size_t i = 0; i < VERIFY_SETS && scene->sets[i] != NULL; ++i) {
+        sets[given.set_count++] = scene->sets[i];
+    }
+    if (open_scene(file, &given, registry, out) != EXIT_DONE) {
+        return weft_error_set(err, WEFT_BAD_SCENE, "%s does not load", file);
+    }
+    const char *why = scene_unsupported(*out);
+    if (why != NULL) {
+        weft_scene_destroy(*out);
+        *out = NULL;
+        return weft_error_set(err, WEFT_BAD_SCENE, "%s", why);
+    }
+    return WEFT_OK;
+}
+
+size_t verify_particles(weft_registry *registry, const verify_scene *scene,
+                        const verify_stepper *stepper)
+{
+    weft_scene *loaded = NULL;
+    if (load(registry, scene, stepper, &loaded, NULL) != WEFT_OK) {
+        return 0;
+    }
+    const weft_cloth_def *cloth = weft_scene_cloth(loaded);
+    const size_t particles = cloth->rows * cloth->cols;
+    weft_scene_destroy(loaded);
+    return particles;
+}
+
+typedef struct keeper {
+    verify_frames *frames;
+    const weft_sim *sim;
+} keeper;
+
+static weft_status keep(void *ctx, size_t i, weft_error *err)
+{
+    const keeper *self = ctx;
+    verify_frames *frames = self->frames;
+    (void)err;
+    const weft_energy energy
+        = weft_cloth_energy(weft_sim_cloth(self->sim), weft_sim_state(self->sim));
+    frames->energy[i] = energy.kinetic + energy.gravitational + energy.elastic[0]
+                        + energy.elastic[1] + energy.elastic[2];
+    frames->kinetic = fmax(frames->kinetic, energy.kinetic);
+    memcpy(frames->y + i * frames->dim, weft_sim_state(self->sim),
+           frames->dim * sizeof *frames->y);
+    return WEFT_OK;
+}
+
+static weft_status play_scene(const weft_scene *scene, weft_sim *sim,
+                              verify_frames *out, weft_error *err)
+{
+    keeper self = { out, sim };
+    player show = { .sim = sim,
+                    .run = weft_scene_run(scene),
+                    .last = frame_last(weft_scene_run(scene)),
+                    .frame = keep,
+                    .ctx = &self };
+    out->count = show.last + 1;
+    out->dim = weft_cloth_dim(weft_sim_cloth(sim));
+    out->y = calloc(out->count * out->dim, sizeof *out->y);
+    out->energy = calloc(out->count, sizeof *out->energy);
+    out->limited = weft_scene_limit(scene)->method != WEFT_LIMIT_NONE;
+    weft_status status = out->y == NULL || out->energy == NULL
+                             ? weft_error_set(err, WEFT_NO_MEMORY, "no memory")
+                             : play(&show, err);
+    out->stats = weft_sim_stats(sim);
+    return status;
+}
+
+weft_status verify_run(weft_registry *registry, const verify_scene *scene,
+                       const verify_stepper *stepper, verify_frames *out,
+                       weft_error *err)
+{
+    weft_scene *loaded = NULL;
+    weft_cloth *cloth = NULL;
+    weft_sim *sim = NULL;
+    *out = (verify_frames){ 0 };
+    weft_status status = load(registry, scene, stepper, &loaded, err);
+    if (status == WEFT_OK) {
+        status = simulation_create(loaded, &cloth, &sim, err);
+    }
+    if (status == WEFT_OK) {
+        status = play_scene(loaded, sim, out, err);
+    }
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    weft_scene_destroy(loaded);
+    return status;
+}
+
+void verify_frames_free(verify_frames *frames)
+{
+    free(frames->y);
+    free(frames->energy);
+    *frames = (verify_frames){ 0 };
+}
+
+double verify_distance(const verify_frames *a, const verify_frames *b)
+{
+    double top = 0.0;
+    if (a->count != b->count || a->dim != b->dim) {
+        return (double)INFINITY;
+    }
+    for (size_t i = 0; i < a->count * a->dim; ++i) {
+        const double apart = fabs(a->y[i] - b->y[i]);
+        top = apart <= top ? top : isfinite(apart) ? apart : (double)INFINITY;
+    }
+    return top;
+}

@@ -1,0 +1,172 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* verify.h -- what is measured of every method of every plugin: the program behind
+ * `make verify` prints it, tests/test_verification.c asserts it.
+ *
+ * Nothing here knows a method by name but the pairs of two libraries that have the same
+ * table. Scenes are loaded and simulations made as `weft run` does it. */
+#ifndef VERIFY_H
+#define VERIFY_H
+
+#include "weft/weft.h"
+
+/* One method of a registry's plugins. */
+typedef struct verify_method {
+    const weft_plugin *plugin;
+    const weft_stepper_type *type;
+} verify_method;
+
+/* Every plugin beside the program or in WEFT_PLUGIN_PATH; NULL after printing why. */
+weft_registry *verify_registry(void);
+/* The i-th method of all; false past the last. */
+bool verify_method_at(const weft_registry *registry, size_t i, verify_method *out);
+bool verify_adapts(const weft_stepper_type *type);
+
+/* ---- order.c --------------------------------------------------------------------- */
+
+enum { VERIFY_ORDER_MOST = 9 };
+#define VERIFY_ORDER_BOUND 0.2
+
+/* What the method, or the table that it is given here, claims; 0: variable. */
+int verify_order_claimed(const weft_stepper_type *type);
+
+/* log2 of the ratio of the errors with h and h/2, were `claimed` right; INFINITY if
+ * there is no error to speak of, for then it is of higher order. `claimed` is at most
+ * VERIFY_ORDER_MOST. Errors: what create and step give. */
+weft_status verify_order(const weft_stepper_type *type, int claimed, double *order,
+                         weft_error *err);
+
+/* ---- runs.c ---------------------------------------------------------------------- */
+
+enum { VERIFY_SETS = 6 };
+
+/* A shipped scene and what is overridden in it. */
+typedef struct verify_scene {
+    const char *name;              /* scenes/NAME.yaml */
+    const char *sets[VERIFY_SETS]; /* up to the first NULL */
+} verify_scene;
+
+/* What takes the place of the scene's own stepper. */
+typedef struct verify_stepper {
+    verify_method method;
+    double tolerance;  /* rtol and both atol */
+    double fixed_step; /* [s]; 0: adaptive */
+} verify_stepper;
+
+/* 0 if the scene does not load. */
+size_t verify_particles(weft_registry *registry, const verify_scene *scene,
+                        const verify_stepper *stepper);
+
+typedef struct verify_frames {
+    size_t count, dim;
+    double *y;      /* count states of dim numbers */
+    double *energy; /* [J] kinetic, gravitational and elastic, count of them */
+    double kinetic; /* [J] the largest in a frame */
+    bool limited;   /* the scene has a strain limit */
+    weft_stepper_stats stats;
+} verify_frames;
+
+/* The frames must be freed whatever is returned. */
+weft_status verify_run(weft_registry *registry, const verify_scene *scene,
+                       const verify_stepper *stepper, verify_frames *out,
+                       weft_error *err);
+void verify_frames_free(verify_frames *frames);
+/* The largest difference of a number in any frame; INFINITY if one is not finite. */
+double verify_distance(const verify_frames *a, const verify_frames *b);
+
+/* ---- accuracy.c ------------------------------------------------------------------ */
+
+enum { VERIFY_SCENES = 3 };
+#define VERIFY_ERROR_BOUND     50.0 /* times the tolerance */
+#define VERIFY_REFERENCE_BOUND 0.1  /* the same */
+
+/* Scenes that are smooth and not chaotic for as long as they run here: as shipped, or
+ * with few particles. */
+const verify_scene *verify_scene_at(size_t i, bool small);
+
+/* What a method is judged at, and whether on few particles. */
+double verify_tolerance(const weft_stepper_type *type);
+bool verify_small(const weft_stepper_type *type);
+
+/* The explicit one-step method of the highest order that can adapt, of a plugin other
+ * than that of `but` where there is one (NULL: of any); false if there is none, or none
+ * but `but`. */
+bool verify_best_method(const weft_registry *registry, const verify_method *but,
+                        verify_method *out);
+
+/* The solution, by the best method there is, and by the best of another plugin. */
+typedef struct verify_reference {
+    verify_stepper by[2];
+    verify_frames frames;
+    double apart; /* how much the two differ */
+} verify_reference;
+
+/* WEFT_UNSUPPORTED if there are no two methods to compare. Must be freed whatever is
+ * returned. */
+weft_status verify_reference_make(weft_registry *registry, const verify_scene *scene,
+                                  verify_reference *out, weft_error *err);
+void verify_reference_free(verify_reference *reference);
+
+typedef struct verify_accuracy {
+    double error; /* the largest of a position [m] or velocity [m/s], / tolerance */
+    weft_stepper_stats stats;
+} verify_accuracy;
+
+/* An adaptive method at its tolerance. */
+weft_status verify_accuracy_of(weft_registry *registry, const verify_scene *scene,
+                               const verify_method *method,
+                               const verify_reference *reference, verify_accuracy *out,
+                               weft_error *err);
+
+/* ---- pairs.c --------------------------------------------------------------------- */
+
+enum { VERIFY_PAIR_STEPS = 1000 };
+#define VERIFY_PAIR_BOUND 1e-12
+
+/* One Butcher table in two plugins. */
+typedef struct verify_pair {
+    const char *names[2][2]; /* plugin, method */
+} verify_pair;
+
+const verify_pair *verify_pair_at(size_t i); /* NULL past the last */
+
+/* How much they differ after VERIFY_PAIR_STEPS fixed steps on a cloth of 17 x 17,
+ * relative to the largest number of the state. WEFT_UNSUPPORTED if a plugin is not
+ * there. */
+weft_status verify_pair_apart(weft_registry *registry, const verify_pair *pair,
+                              double *apart, weft_error *err);
+
+/* ---- shipped.c ------------------------------------------------------------------- */
+
+#define VERIFY_SHIPPED_TOLERANCE 1e-3 /* a tenth of it for order 1 */
+#define VERIFY_ENERGY_BOUND      0.2
+
+enum { VERIFY_NAME = 64, VERIFY_SHIPPED_MOST = 64, VERIFY_PARTICLES_MOST = 2000 };
+
+/* Names of all scenes/NAME.yaml, sorted; how many. */
+size_t verify_shipped(char names[VERIFY_SHIPPED_MOST][VERIFY_NAME]);
+
+/* Not a method with dense matrices of that many particles; nor a multistep one where a
+ * strain limit restarts its history in every step. */
+bool verify_shipped_suits(const weft_stepper_type *type,
+                          const verify_frames *reference);
+
+/* The run that others are compared with, by the method of the best reference, and the
+ * scene they run for it: the whole, but cut to 0.05 s with more particles than
+ * VERIFY_PARTICLES_MOST; in haste to 0.05 s, with more to 0.01 s. */
+weft_status verify_shipped_reference(weft_registry *registry, const char *name,
+                                     bool haste, verify_scene *scene,
+                                     verify_frames *out, weft_error *err);
+
+typedef struct verify_shipped_result {
+    double fixed_step; /* [s] found stable, for a method that cannot adapt; else 0 */
+    uint64_t steps;
+    double energy; /* largest difference in a frame, part of the energy at play */
+} verify_shipped_result;
+
+/* To the end: adaptive, or with the first of 2^-8, 2^-9, ... s that is stable. */
+weft_status verify_shipped_run(weft_registry *registry, const verify_scene *scene,
+                               const verify_method *method,
+                               const verify_frames *reference,
+                               verify_shipped_result *out, weft_error *err);
+
+#endif
