@@ -33,6 +33,15 @@ HAVE_ARKODE := $(call has,arkode/arkode_erkstep.h)
 # SUNDIALS 7 has a library more.
 HAVE_SUNDIALS_7 := $(call has,sundials/sundials_errors.h)
 
+# Serial HDF5, of the program alone. Debian keeps it apart from the one for MPI.
+ifneq ($(wildcard /usr/include/hdf5/serial/hdf5.h),)
+HDF5_CFLAGS ?= -isystem /usr/include/hdf5/serial
+HDF5_LIBS ?= -lhdf5_serial
+else
+HDF5_CFLAGS ?= $(shell pkg-config --cflags hdf5 2>/dev/null)
+HDF5_LIBS ?= $(shell pkg-config --libs hdf5 2>/dev/null || echo -lhdf5)
+endif
+
 LIB_SRC  := $(wildcard src/cloth/*.c src/sim/*.c src/scene/*.c)
 PROG_SRC := $(wildcard src/record/*.c src/cli/*.c)
 LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
@@ -71,7 +80,10 @@ $(BUILD)/libweft.a: $(LIB_OBJ)
 	$(call say,AR)rm -f $@ && ar rcs $@ $^
 
 $(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
-	$(call say,LD)$(LINK) -o $@ $(PROG_OBJ) -L$(BUILD) -Wl,-rpath,'$$ORIGIN' -lweft -lyaml -lm
+	$(call say,LD)$(LINK) -o $@ $(PROG_OBJ) -L$(BUILD) -Wl,-rpath,'$$ORIGIN' -lweft -lyaml \
+	    $(HDF5_LIBS) -lm
+
+$(BUILD)/src/record/%.o: INCS += $(HDF5_CFLAGS)
 
 $(BUILD)/src/%.o: src/%.c
 	@mkdir -p $(@D)

@@ -36,6 +36,20 @@ typedef struct weft_run_def {
     size_t threads;  /* >= 1 */
 } weft_run_def;
 
+/* What a run may keep of each particle beside its position. */
+typedef enum weft_record_field {
+    WEFT_RECORD_VELOCITY,
+    WEFT_RECORD_STRAIN, /* largest (L - s) / s of its springs */
+    WEFT_RECORD_PINNED,
+    WEFT_RECORD_FIELDS /* how many there are */
+} weft_record_field;
+
+typedef struct weft_record_def {
+    bool doubles; /* else single precision */
+    bool fields[WEFT_RECORD_FIELDS];
+    size_t every; /* >= 1: every n-th frame, the first and the last always */
+} weft_record_def;
+
 /* One mistake, or one warning. */
 typedef struct weft_diagnostic {
     bool warning;
@@ -88,6 +102,7 @@ WEFT_API const char *weft_scene_name(const weft_scene *scene);
 WEFT_API const weft_cloth_def *weft_scene_cloth(const weft_scene *scene);
 WEFT_API const weft_limit_def *weft_scene_limit(const weft_scene *scene);
 WEFT_API const weft_run_def *weft_scene_run(const weft_scene *scene);
+WEFT_API const weft_record_def *weft_scene_record(const weft_scene *scene);
 WEFT_API const char *weft_scene_plugin(const weft_scene *scene);
 WEFT_API const char *weft_scene_method(const weft_scene *scene);
 /* NULL if the scene was loaded without find_plugin, or has a Butcher table whose plugin

@@ -33,6 +33,7 @@ typedef struct run {
     weft_cloth *cloth;
     weft_sim *sim;
     record_series series;
+    record_vtkhdf *frames;
     record_result result;
     progress progress;
 } run;
@@ -48,7 +49,11 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
 {
     run *self = ctx;
     const record_frame frame = { .index = index, .sim = self->sim };
+    /* The row first: run.vtkhdf never has a frame that the series has not. */
     weft_status status = record_series_add(&self->series, &frame, err);
+    if (status == WEFT_OK) {
+        status = record_vtkhdf_add(self->frames, &frame, err);
+    }
     if (status == WEFT_OK && self->obj) {
         status = write_frame_obj(self, index, err);
     }
@@ -94,9 +99,40 @@ static weft_status write_first_files(const run *self, weft_registry *registry,
     return status;
 }
 
+static weft_status open_records(run *self, weft_error *err)
+{
+    const record_vtkhdf_def frames = {
+        .directory = self->out,
+        .cloth = self->cloth,
+        .record = weft_scene_record(self->scene),
+        .last = self->result.planned - 1,
+        .series = &self->series,
+    };
+    weft_status status = record_series_open(&self->series, self->out, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    status = record_vtkhdf_create(&frames, &self->frames, err);
+    if (status != WEFT_OK) {
+        (void)record_series_close(&self->series, NULL);
+    }
+    return status;
+}
+
+/* The first thing that went wrong is told. */
+static weft_status close_records(run *self, weft_status status, weft_error *err)
+{
+    const weft_status frames
+        = record_vtkhdf_close(self->frames, status == WEFT_OK ? err : NULL);
+    status = status == WEFT_OK ? frames : status;
+    const weft_status series
+        = record_series_close(&self->series, status == WEFT_OK ? err : NULL);
+    return status == WEFT_OK ? series : status;
+}
+
 static weft_status simulate(run *self, weft_error *err)
 {
-    weft_status status = record_series_open(&self->series, self->out, err);
+    weft_status status = open_records(self, err);
     if (status != WEFT_OK) {
         return status;
     }
@@ -111,10 +147,7 @@ static weft_status simulate(run *self, weft_error *err)
     progress_begin(&self->progress, self->progress.quiet);
     status = play(&show, err);
     progress_end(&self->progress);
-    weft_error ignored;
-    const weft_status closed
-        = record_series_close(&self->series, status == WEFT_OK ? err : &ignored);
-    return status == WEFT_OK ? closed : status;
+    return close_records(self, status, err);
 }
 
 static void print_summary(const run *self)

@@ -19,6 +19,11 @@ size_t record_frames_count(const record_frames *frames);
 size_t record_frames_rows(const record_frames *frames);
 size_t record_frames_cols(const record_frames *frames);
 double record_frames_time(const record_frames *frames, size_t i); /* [s] */
+/* Its number in the run, as in series.csv: not i where record.every is not 1. */
+size_t record_frames_number(const record_frames *frames, size_t i);
+bool record_frames_doubles(const record_frames *frames); /* else single precision */
+/* Whether all frames have it; pinned() is false for all particles without. */
+bool record_frames_has(const record_frames *frames, weft_record_field field);
 bool record_frames_pinned(const record_frames *frames, size_t particle);
 
 /* x y z of particle 0, x y z of particle 1, ...: 3 N doubles each. Velocities may be
@@ -30,5 +35,8 @@ weft_status record_frames_velocities(record_frames *frames, size_t i, double *xy
 /* Largest (L - s) / s of the springs at each particle: N doubles. */
 weft_status record_frames_strain(record_frames *frames, size_t i, double *strain,
                                  weft_error *err);
+
+/* Where the particles rest: 3 N doubles, valid until the frames are closed. */
+const double *record_frames_rest(const record_frames *frames); /* [m] */
 
 #endif

@@ -39,10 +39,15 @@ typedef struct record_frame {
     size_t limit_sweeps;
 } record_frame;
 
+#define RECORD_COLUMNS_MAX 64
+
 /* series.c: a row a frame. */
 typedef struct record_series {
     FILE *stream;
     char path[RECORD_PATH];
+    size_t columns;
+    const char *names[RECORD_COLUMNS_MAX];
+    double row[RECORD_COLUMNS_MAX]; /* the last one written, as far as doubles go */
 } record_series;
 
 weft_status record_series_open(record_series *series, const char *directory,
@@ -50,6 +55,28 @@ weft_status record_series_open(record_series *series, const char *directory,
 weft_status record_series_add(record_series *series, const record_frame *frame,
                               weft_error *err);
 weft_status record_series_close(record_series *series, weft_error *err);
+
+/* vtkhdf.c: run.vtkhdf, VTKHDF 2.0, temporal. It appears with its first frame and holds
+ * after a kill at any moment every frame that was added. docs/output.md has its layout.
+ */
+typedef struct record_vtkhdf record_vtkhdf;
+
+typedef struct record_vtkhdf_def {
+    const char *directory;
+    const weft_cloth *cloth; /* outlives it */
+    const weft_record_def *record;
+    size_t last;                 /* frame of the run: room is made for all of them */
+    const record_series *series; /* open; outlives it. Its rows become field data */
+} record_vtkhdf_def;
+
+weft_status record_vtkhdf_create(const record_vtkhdf_def *def, record_vtkhdf **out,
+                                 weft_error *err);
+/* A frame, once it is in the series; one that record.every leaves out is passed over.
+ * After a failure the frames before are kept. */
+weft_status record_vtkhdf_add(record_vtkhdf *self, const record_frame *frame,
+                              weft_error *err);
+/* Frees it also if the file cannot be closed well. NULL is allowed. */
+weft_status record_vtkhdf_close(record_vtkhdf *self, weft_error *err);
 
 /* series.c: the last frame that series.csv has. WEFT_IO if it has none. */
 weft_status record_series_last(const char *directory, size_t *frame, weft_error *err);

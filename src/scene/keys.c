@@ -182,6 +182,8 @@ static const weft__section force_section = { SECTION(force_keys) };
 
 /* ---- limit --------------------------------------------------------------------- */
 
+/* In the order of weft_family. */
+static const char *const family_names[] = { "stretch", "shear", "bend", NULL };
 static const char *const limit_names[] = { "provot", "bridson", NULL };
 static const char *const velocity_names[] = { "update", "keep", NULL };
 
@@ -202,8 +204,9 @@ static const weft__key limit_keys[] = {
       .meaning = "provot: on positions; bridson: on velocities" },
     { "strain", WEFT__NUMBER, .fallback = "0.1", AT(weft_limit_def, strain),
       .meaning = "no limited spring longer than (1 + strain) * rest length" },
-    { "springs", WEFT__FAMILIES, .fallback = "[stretch, shear]",
-      AT(weft_limit_def, families), .meaning = "families that are limited" },
+    { "springs", WEFT__NAMES, .names = family_names, .least = 1,
+      .fallback = "[stretch, shear]", AT(weft_limit_def, families),
+      .meaning = "families that are limited" },
     { "sweeps", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "100",
       AT(weft_limit_def, sweeps), .meaning = "at most so many passes a step ..." },
     { "tolerance", WEFT__NUMBER, .strict = true, .fallback = "1.0e-3",
@@ -289,6 +292,33 @@ static const weft__key stepper_keys[] = {
 static const weft__section stepper_section
     = { SECTION(stepper_keys), .check = weft__check_stepper };
 
+/* ---- record -------------------------------------------------------------------- */
+
+static const char *const precision_names[] = { "single", "double", NULL };
+/* In the order of weft_record_field. */
+static const char *const field_names[] = { "velocity", "strain", "pinned", NULL };
+
+static void choose_precision(void *base, size_t name)
+{
+    ((weft_record_def *)base)->doubles = name == 1;
+}
+
+static const weft__key record_keys[] = {
+    { "precision", WEFT__CHOICE, .names = precision_names, .choose = choose_precision,
+      .fallback = "single",
+      .meaning = "of positions, velocities and strains in run.vtkhdf" },
+    { "fields", WEFT__NAMES, .names = field_names,
+      .fallback = "[velocity, strain, pinned]", AT(weft_record_def, fields),
+      .meaning = "what run.vtkhdf holds of each particle beside its position; strain: "
+                 "the largest (L - s) / s of its springs" },
+    { "every", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "1",
+      AT(weft_record_def, every),
+      .meaning
+      = "every n-th frame goes into run.vtkhdf, the first and the last always" },
+};
+
+static const weft__section record_section = { SECTION(record_keys) };
+
 /* ---- the rest ------------------------------------------------------------------ */
 
 static const weft__key run_keys[] = {
@@ -321,6 +351,8 @@ static const weft__key root_keys[] = {
       .meaning = "the solver that integrates it" },
     { "run", WEFT__MAPPING, .required = true, .section = &run_section,
       AT(weft_scene, run), .meaning = "duration and frames" },
+    { "record", WEFT__MAPPING, .section = &record_section, .absent = "all",
+      AT(weft_scene, record), .meaning = "what is kept of each frame" },
 };
 
 const weft__section weft__root

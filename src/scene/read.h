@@ -30,6 +30,7 @@ struct weft_scene {
     weft_cloth_def cloth;
     weft_limit_def limit;
     weft_run_def run;
+    weft_record_def record;
     weft_stepper_config config;
     const weft_stepper_type *type;
     weft__tableau tableau;

@@ -294,6 +294,11 @@ const weft_run_def *weft_scene_run(const weft_scene *scene)
     return &scene->run;
 }
 
+const weft_record_def *weft_scene_record(const weft_scene *scene)
+{
+    return &scene->record;
+}
+
 const char *weft_scene_plugin(const weft_scene *scene)
 {
     return scene->plugin;
