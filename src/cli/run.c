@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "cli/cli.h"
-#include "record/record.h"
+#include "record/export.h"
 
 static volatile sig_atomic_t stop_signal;
 
@@ -38,11 +38,33 @@ typedef struct run {
     progress progress;
 } run;
 
+static weft_status write_state(const run *self, const char *name,
+                               record_write_fn *write, weft_error *err)
+{
+    const size_t n = weft_cloth_particles(self->cloth);
+    double *values = malloc(6 * n * sizeof *values);
+    if (values == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %s", name);
+    }
+    const record_surface surface = {
+        .rows = weft_cloth_rows(self->cloth),
+        .cols = weft_cloth_cols(self->cloth),
+        .position = values,
+        .velocity = values + 3 * n,
+        .doubles = true,
+    };
+    weft_sim_positions(self->sim, values);
+    weft_sim_velocities(self->sim, values + 3 * n);
+    const weft_status status = write(self->out, name, &surface, err);
+    free(values);
+    return status;
+}
+
 static weft_status write_frame_obj(const run *self, size_t index, weft_error *err)
 {
     char name[64];
     (void)snprintf(name, sizeof name, "frames/frame-%06zu.obj", index);
-    return record_obj(self->out, name, self->cloth, weft_sim_state(self->sim), err);
+    return write_state(self, name, record_obj, err);
 }
 
 static weft_status on_frame(void *ctx, size_t index, weft_error *err)
@@ -187,8 +209,7 @@ static int conclude(run *self, weft_status status, const weft_error *why, double
         self->result.status = "interrupted";
         self->result.reason = stop_signal == SIGINT ? "SIGINT" : "SIGTERM";
     }
-    weft_status written = record_csv(self->out, "final.csv", self->cloth,
-                                     weft_sim_state(self->sim), &err);
+    weft_status written = write_state(self, "final.csv", record_csv, &err);
     if (written == WEFT_OK) {
         written = record_result_write(self->out, &self->result, &err);
     }

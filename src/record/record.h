@@ -25,6 +25,8 @@ weft_status record_file_open(record_file *file, const char *directory, const cha
 /* Flush, sync, rename; on failure the temporary file is gone and the place untouched.
  */
 weft_status record_file_commit(record_file *file, weft_error *err);
+/* Give it up instead: the place stays untouched. */
+void record_file_discard(record_file *file);
 weft_status record_text(const char *directory, const char *name, const char *text,
                         weft_error *err);
 
@@ -84,16 +86,6 @@ weft_status record_series_last(const char *directory, size_t *frame, weft_error 
 /* series.c: the hash that row `frame` of series.csv holds. WEFT_IO if there is none. */
 weft_status record_series_hash(const char *directory, size_t frame, uint64_t *hash,
                                weft_error *err);
-
-/* state.c: one state as row,col,x,y,z,vx,vy,vz, or as Wavefront OBJ with quads and
- * texture coordinates; a chain becomes a line. */
-weft_status record_csv(const char *directory, const char *name, const weft_cloth *cloth,
-                       const double *y, weft_error *err);
-weft_status record_obj(const char *directory, const char *name, const weft_cloth *cloth,
-                       const double *y, weft_error *err);
-/* The state that a final.csv holds, into y[6 N]. */
-weft_status record_csv_read(const char *directory, const char *name,
-                            const weft_cloth *cloth, double *y, weft_error *err);
 
 /* report.c: versions, plugin, method and every option in force. */
 weft_status record_manifest(const char *directory, const weft_scene *scene,

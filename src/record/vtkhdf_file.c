@@ -144,7 +144,7 @@ static void cells(builder *self, const char *group, size_t count, size_t size,
     free(offsets);
 }
 
-/* Quads a, a + 1, a + cols + 1, a + cols; a chain is one line through all particles. */
+/* Quads a, a + cols, a + cols + 1, a + 1; a chain is one line through all particles. */
 static void topology(builder *self)
 {
     const size_t rows = weft_cloth_rows(self->def->cloth);
@@ -157,7 +157,7 @@ static void topology(builder *self)
     }
     for (size_t q = 0; q < quads; ++q) {
         const size_t a = q / (cols - 1) * cols + q % (cols - 1);
-        const size_t corners[4] = { a, a + 1, a + cols + 1, a + cols };
+        const size_t corners[4] = { a, a + cols, a + cols + 1, a + 1 };
         for (size_t k = 0; k < 4; ++k) {
             ids[4 * q + k] = (int64_t)corners[k];
         }
