@@ -120,6 +120,12 @@ $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(BUILD)/tests/support.o \
                        $(BUILD)/libweft.a $(PLUGIN_SO)
 	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a $(TEST_LIBS)
 
+# These look into files as the program writes them.
+RECORD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/record/*.c))
+$(BUILD)/tests/test_record $(BUILD)/tests/test_export: $(RECORD_OBJ)
+$(BUILD)/tests/test_record $(BUILD)/tests/test_export: TEST_LIBS += $(HDF5_LIBS)
+$(BUILD)/tests/test_record.o $(BUILD)/tests/test_export.o: INCS += $(HDF5_CFLAGS)
+
 $(BUILD)/tests/broken/weft-%.so: tests/broken/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -shared -o $@ $<
