@@ -59,7 +59,7 @@ TEST_BIN := $(TESTS:%=$(BUILD)/tests/%)
 BROKEN := $(patsubst tests/broken/%.c,$(BUILD)/tests/broken/weft-%.so,$(wildcard tests/broken/*.c))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/*.c))
 
-.PHONY: all check check-run bench demo demo-run deps docs lint format asan clang-build \
+.PHONY: all check check-run check-view bench demo demo-run deps docs lint format asan clang-build \
         valgrind symbols clean help
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -158,6 +158,10 @@ check: deps
 check-run: all $(TEST_BIN) $(BROKEN) $(EXAMPLES) lint
 	@tools/run-tests $(BUILD) $(TEST_BIN)
 
+# What is written, read by the programs it is meant for; what is not there is skipped.
+check-view: all
+	@tools/check-view $(BUILD)
+
 demo: deps
 	@$(MAKE) --no-print-directory demo-run
 
@@ -203,6 +207,6 @@ clean:
 
 help:
 	@sed -n '2,8s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | lint | format | docs | asan | clang-build | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | check-view | lint | format | docs | asan | clang-build | valgrind | symbols | clean"
 
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)

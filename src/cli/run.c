@@ -21,9 +21,6 @@ static void catch_signals(void)
     action.sa_flags = SA_RESTART;
     (void)sigaction(SIGINT, &action, NULL);
     (void)sigaction(SIGTERM, &action, NULL);
-    /* Beyond the limit of file sizes a write then fails, and is reported. */
-    action.sa_handler = SIG_IGN;
-    (void)sigaction(SIGXFSZ, &action, NULL);
 }
 
 typedef struct run {

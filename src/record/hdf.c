@@ -32,6 +32,7 @@ hid_t hdf_access(void)
     const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
     (void)H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
     (void)H5Pset_sieve_buf_size(access, 0);
+    (void)H5Pset_meta_block_size(access, 1 << 15);
 #if H5_VERSION_GE(1, 10, 7) && (H5_VERS_MINOR != 12 || H5_VERS_RELEASE > 0)
     (void)H5Pset_file_locking(access, false, true);
 #endif

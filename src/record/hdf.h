@@ -19,8 +19,8 @@ typedef struct hdf_set {
 void hdf_begin(int *why);
 
 /* How files are opened: closing one closes all that is open in it; no locks, so that a
- * file can be read while it grows; values go to the file at once. Close with H5Pclose.
- */
+ * file can be read while it grows; values go to the file at once, and what describes
+ * them stands together. Close with H5Pclose. */
 hid_t hdf_access(void);
 
 /* Rows of frame `frame`, to or from values of type `memory`. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* vtkhdf.c -- frames into run.vtkhdf: first the frame's data, then NSteps, then its
- * time, each in the file before the next. Readers take as many frames as both tell. */
+/* vtkhdf.c -- frames into run.vtkhdf: first all of a frame's data, then, in one write,
+ * that it is there. */
 #include "record/vtkhdf_file.h"
 
 #include <errno.h>
@@ -202,18 +202,16 @@ static bool write_tables(record_vtkhdf *self)
     return good;
 }
 
-static bool flush(const record_vtkhdf *self)
-{
-    return H5Fflush(self->file, H5F_SCOPE_GLOBAL) >= 0;
-}
-
+/* The time is beyond the end of Values until its extent grows. NSteps and that extent
+ * go to the file in one write (vtkhdf_file.c). */
 static bool commit(record_vtkhdf *self, double t)
 {
     const int64_t steps = (int64_t)self->count + 1;
     const hsize_t extent = (hsize_t)steps;
-    return flush(self) && H5Awrite(self->step_count, H5T_NATIVE_INT64, &steps) >= 0
-           && flush(self) && H5Dset_extent(self->time.id, &extent) >= 0
-           && hdf_write(&self->time, self->count, H5T_NATIVE_DOUBLE, &t) && flush(self);
+    return H5Dset_extent(self->time.id, &extent) >= 0
+           && hdf_write(&self->time, self->count, H5T_NATIVE_DOUBLE, &t)
+           && H5Awrite(self->step_count, H5T_NATIVE_INT64, &steps) >= 0
+           && H5Fflush(self->file, H5F_SCOPE_GLOBAL) >= 0;
 }
 
 static bool write_frame(record_vtkhdf *self, const weft_sim *sim)

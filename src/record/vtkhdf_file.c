@@ -229,6 +229,19 @@ static void particles(builder *self)
 
 /* ---- steps ------------------------------------------------------------------ */
 
+static void steps(builder *self)
+{
+    integers(self, STEPS "NumberOfParts", self->capacity, 1, NULL);
+    integers(self, STEPS "PartOffsets", self->capacity, 1, NULL);
+    integers(self, STEPS "CellOffsets", self->capacity, 4, NULL);
+    same(self, STEPS "CellOffsets", STEPS "ConnectivityIdOffsets");
+    integers(self, "/weft/FieldOffsets", self->capacity, 1, NULL);
+    integers(self, "/weft/FieldSizes", self->capacity, 2, NULL);
+    each_field(self, ROOT "FieldData", NULL);
+    each_field(self, STEPS "FieldDataOffsets", "/weft/FieldOffsets");
+    each_field(self, STEPS "FieldDataSizes", "/weft/FieldSizes");
+}
+
 /* The one dataset that grows. Its only chunk holds every time there may be; 2^28 of
  * them are the most that a chunk may hold. */
 static void times(builder *self)
@@ -249,19 +262,13 @@ static void times(builder *self)
     (void)H5Pclose(chunked);
 }
 
-static void steps(builder *self)
+/* NSteps and the header of Steps/Values side by side, in the first page of the file:
+ * both change in one write then, which a kill cannot cut in two. So they come first. */
+static void counts(builder *self)
 {
+    make_group(self, STEPS);
     integer_attribute(self, STEPS, "NSteps", 0);
     times(self);
-    integers(self, STEPS "NumberOfParts", self->capacity, 1, NULL);
-    integers(self, STEPS "PartOffsets", self->capacity, 1, NULL);
-    integers(self, STEPS "CellOffsets", self->capacity, 4, NULL);
-    same(self, STEPS "CellOffsets", STEPS "ConnectivityIdOffsets");
-    integers(self, "/weft/FieldOffsets", self->capacity, 1, NULL);
-    integers(self, "/weft/FieldSizes", self->capacity, 2, NULL);
-    each_field(self, ROOT "FieldData", NULL);
-    each_field(self, STEPS "FieldDataOffsets", "/weft/FieldOffsets");
-    each_field(self, STEPS "FieldDataSizes", "/weft/FieldSizes");
 }
 
 static void heads(builder *self)
@@ -271,11 +278,9 @@ static void heads(builder *self)
     const hid_t text = H5Tcopy(H5T_C_S1);
     note(self, H5Tset_size(text, sizeof type - 1) >= 0
                    && H5Tset_strpad(text, H5T_STR_NULLPAD) >= 0);
-    make_group(self, "/VTKHDF");
     attribute(self, "/VTKHDF", "Version", H5T_STD_I64LE, H5T_NATIVE_INT64, 2, version);
     attribute(self, "/VTKHDF", "Type", text, text, 0, type);
     (void)H5Tclose(text);
-    make_group(self, STEPS);
     make_group(self, "/weft");
     integer_attribute(self, "/weft", "format", 1);
     integer_attribute(self, "/weft", "rows", weft_cloth_rows(self->def->cloth));
@@ -297,6 +302,7 @@ bool vtkhdf_file_create(const char *path, const record_vtkhdf_def *def, size_t c
                     && H5Pset_alloc_time(self.early, H5D_ALLOC_TIME_EARLY) >= 0
                     && H5Pset_fill_time(self.early, H5D_FILL_TIME_NEVER) >= 0
                     && H5Pset_obj_track_times(self.early, false) >= 0);
+    counts(&self);
     heads(&self);
     particles(&self);
     topology(&self);

@@ -3,8 +3,9 @@
  *
  * Everything has its place and size from the start, so that adding a frame allocates
  * nothing in the file: a kill between two writes cannot break its structure. Only the
- * extent of Steps/Values grows, within one chunk that is there from the start: vtk's
- * reader overruns a buffer if there are more times than NSteps. */
+ * extent of Steps/Values grows, within one chunk that is there from the start, as VTK
+ * needs exactly NSteps times: with more its reader overruns a buffer, with fewer it
+ * takes one frame for another. */
 #ifndef WEFT_RECORD_VTKHDF_FILE_H
 #define WEFT_RECORD_VTKHDF_FILE_H
 
