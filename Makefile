@@ -122,9 +122,10 @@ $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(BUILD)/tests/support.o \
 
 # These look into files as the program writes them.
 RECORD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/record/*.c))
-$(BUILD)/tests/test_record $(BUILD)/tests/test_export: $(RECORD_OBJ)
-$(BUILD)/tests/test_record $(BUILD)/tests/test_export: TEST_LIBS += $(HDF5_LIBS)
-$(BUILD)/tests/test_record.o $(BUILD)/tests/test_export.o: INCS += $(HDF5_CFLAGS)
+RECORD_TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_record*.c tests/test_export.c))
+$(RECORD_TESTS): $(RECORD_OBJ)
+$(RECORD_TESTS): TEST_LIBS += $(HDF5_LIBS)
+$(RECORD_TESTS:=.o): INCS += $(HDF5_CFLAGS)
 
 $(BUILD)/tests/broken/weft-%.so: tests/broken/%.c
 	@mkdir -p $(@D)

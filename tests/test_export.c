@@ -413,9 +413,7 @@ END_TEST
 
 START_TEST(an_export_that_cannot_be_written_names_the_file)
 {
-    expect(
-        shell("ulimit -f 2; " WEFT " export " OUT "/r --format mdd 2>&1"),
-        4);
+    expect(shell("ulimit -f 2; " WEFT " export " OUT "/r --format mdd 2>&1"), 4);
     says(OUT "/r/r");
     ck_assert(!exists(OUT "/r/run.mdd") && !exists(OUT "/r/run.mdd.tmp"));
 }
