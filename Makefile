@@ -27,8 +27,12 @@ LINK = $(CC) $(CFLAGS) $(SAN) $(LDFLAGS)
 
 # A variable, as make 4.3 keeps the backslash of an escaped # within a function.
 hash := \#
-has = $(shell echo '$(hash)include <$(1)>' | $(CC) -E - >/dev/null 2>&1 && echo yes)
+has = $(shell echo '$(hash)include <$(1)>' | $(CC) $(MPI_INC) -E - >/dev/null 2>&1 && echo yes)
 HAVE_GSL := $(call has,gsl/gsl_odeiv2.h)
+# SUNDIALS 7 that was built with MPI includes mpi.h everywhere.
+mpi = $(shell pkg-config --$(1) mpi-c 2>/dev/null || mpicc --showme:$(2) 2>/dev/null)
+MPI_INC := $(if $(call has,arkode/arkode_erkstep.h),,$(patsubst -I%,-isystem %,$(call mpi,cflags,compile)))
+MPI_LIBS := $(if $(MPI_INC),$(call mpi,libs,link))
 HAVE_ARKODE := $(call has,arkode/arkode_erkstep.h)
 # SUNDIALS 7 has a library more.
 HAVE_SUNDIALS_7 := $(call has,sundials/sundials_errors.h)
@@ -52,7 +56,7 @@ PLUGINS := verlet $(if $(HAVE_GSL),gsl) $(if $(HAVE_ARKODE),arkode)
 PLUGIN_SO := $(PLUGINS:%=$(BUILD)/plugins/weft-%.so)
 LIBS_gsl := -lgsl -lgslcblas -lm
 LIBS_verlet := -lm
-LIBS_arkode := -lsundials_arkode -lsundials_nvecserial $(if $(HAVE_SUNDIALS_7),-lsundials_core) -lm
+LIBS_arkode := -lsundials_arkode -lsundials_nvecserial $(if $(HAVE_SUNDIALS_7),-lsundials_core) $(MPI_LIBS) -lm -pthread
 
 TESTS := $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
 TEST_BIN := $(TESTS:%=$(BUILD)/tests/%)
@@ -60,7 +64,7 @@ BROKEN := $(patsubst tests/broken/%.c,$(BUILD)/tests/broken/weft-%.so,$(wildcard
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/*.c))
 
 .PHONY: all check check-run check-view bench demo demo-run deps docs lint format asan clang-build \
-        valgrind symbols clean help
+        check-sundials7 valgrind symbols clean help
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -101,6 +105,8 @@ $(foreach p,$(PLUGINS),$(eval $(call PLUGIN_RULE,$(p))))
 
 # Loops over whole states, which gcc does not vectorise at -O2.
 $(BUILD)/plugins/arkode/vector.o: CFLAGS := $(CFLAGS) $(if $(SAN),,-O3)
+
+$(BUILD)/plugins/arkode/%.o: INCS += $(MPI_INC)
 
 $(BUILD)/plugins/%.o: plugins/%.c
 	@mkdir -p $(@D)
@@ -170,7 +176,7 @@ demo-run: all
 	@tools/demo $(BUILD)
 
 deps:
-	@CC="$(CC)" tools/deps
+	@CC="$(CC)" MPI_INC="$(MPI_INC)" tools/deps
 
 # ---- care ------------------------------------------------------------------------
 
@@ -200,6 +206,10 @@ clang-build:
 valgrind: all $(TEST_BIN) $(BROKEN)
 	@tools/valgrind $(BUILD)
 
+# The tests against Debian 13's SUNDIALS 7, in a system of its own; root, debootstrap.
+check-sundials7:
+	@tools/check-sundials7 $(BUILD)
+
 symbols: $(BUILD)/libweft.so $(PLUGIN_SO)
 	@tools/symbols $^
 
@@ -208,6 +218,6 @@ clean:
 
 help:
 	@sed -n '2,8s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | check-view | lint | format | docs | asan | clang-build | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | check-view | lint | format | docs | asan | clang-build | check-sundials7 | valgrind | symbols | clean"
 
--include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
+-include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

@@ -17,9 +17,12 @@ static inline const weft_plugin *fake_plugin(size_t i)
         = { .name = "velocity_verlet", .flags = WEFT_STEPPER_FIXED_ONLY };
     static const weft_stepper_type custom
         = { .name = "custom", .flags = WEFT_STEPPER_BUTCHER };
+    static const weft_stepper_type cash_karp
+        = { .name = "cash_karp", .flags = WEFT_STEPPER_CONTROLLER };
     static const weft_stepper_type *const gsl_types[] = { &rk4, &rkf45, &rk8pd, NULL };
     static const weft_stepper_type *const verlet_types[] = { &verlet, NULL };
-    static const weft_stepper_type *const arkode_types[] = { &custom, NULL };
+    static const weft_stepper_type *const arkode_types[]
+        = { &custom, &cash_karp, NULL };
     static const weft_plugin plugins[] = {
         { .id = "gsl", .types = gsl_types },
         { .id = "verlet", .types = verlet_types },

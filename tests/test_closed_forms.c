@@ -103,19 +103,20 @@ START_TEST(free_fall_is_a_parabola)
     if (type->order == 0 || (type->flags & WEFT_STEPPER_IMPLICIT) != 0) {
         return; /* starts with order 1, or iterates to a tolerance */
     }
-    const double h = 0.01, euler = strcmp(type->name, "euler") == 0 ? -0.5 : 0.5;
-    const double fallen = G / 2 + (type->order > 1 ? 0.0 : G * h * euler);
+    const double h = strcmp(type->name, "symplectic_euler") == 0 ? 0.01 : -0.01;
+    const double fallen = G / 2 + (type->order > 1 ? 0.0 : G * h / 2);
+    /* verner65_9 weighs stages, and the roundoff in their springs, by up to 176 */
+    const double tiny = strcmp(type->name, "verner65_9") == 0 ? 1e-11 : 1e-12;
     plain(3, 4, 0.1, 20.0, G, 0);
     def.springs[WEFT_SHEAR] = (weft_spring_def){ true, 5.0, 0.1 };
     def.velocity[1] = 2.0, def.velocity[2] = -3.0;
-    start(type, h);
+    start(type, fabs(h));
     go(1.0);
     for (size_t i = 0; i < n; ++i) {
-        const double across = (double)(i % 4), along = (double)(i / 4);
-        near3(x + 3 * i, across, 2.0 - along - fallen, -3.0, 1e-12);
-        near3(v + 3 * i, 0.0, 2.0 - G, -3.0, 1e-12);
+        near3(x + 3 * i, (double)(i % 4), 2.0 - (double)(i / 4) - fallen, -3.0, tiny);
+        near3(v + 3 * i, 0.0, 2.0 - G, -3.0, tiny);
     }
-    near(weft_cloth_worst_spring(cloth, y).strain, 0.0, 1e-12);
+    near(weft_cloth_worst_spring(cloth, y).strain, 0.0, tiny);
 }
 END_TEST
 

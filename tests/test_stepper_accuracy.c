@@ -15,21 +15,103 @@ static double fixed_step_error(const weft_stepper_type *type, int steps)
 }
 
 /* error ~ h^p: the exponent between h and h/2, for the smallest h that is still far
- * from roundoff: near 1e-2 s terms of higher order still hide that of dormand_prince */
+ * from roundoff: near 1e-2 s terms of higher order still hide that of dormand_prince.
+ * In Verner's tables of 2010 the leading term is so small that it is never seen. */
 START_TEST(measured_order_is_the_claimed_one)
 {
     const weft_stepper_type *type = test_method((size_t)_i);
     if (type->order == 0) {
         return;
     }
-    const int first = type->order < 8 ? 16 : 4;
+    const bool seems_better = strstr(type->reference, "Verner, Numer. Alg") != NULL;
+    const int first = type->order < 8 && !seems_better ? 16 : 4;
+    const double least = seems_better ? 1e-11 : 1e-12;
     double order = 0.0, error = fixed_step_error(type, first);
-    for (int steps = 2 * first; steps <= 1024 && error > 1e-12; steps *= 2) {
+    for (int steps = 2 * first; steps <= 1024 && error > least; steps *= 2) {
         const double finer = fixed_step_error(type, steps);
         order = log2(error / finer);
         error = finer;
     }
-    ck_assert_msg(fabs(order - type->order) < 0.2, "%s: %.2f", type->name, order);
+    ck_assert_msg(order > type->order - 0.2
+                      && (order < type->order + 0.2 || seems_better),
+                  "%s: %.2f", type->name, order);
+}
+END_TEST
+
+/* One equation for each rooted tree of at most NODES nodes: y' is the product of the y
+ * of what hangs on its root, and y(0) = 0. Then y(1) = 1/gamma, and a Runge-Kutta step
+ * of length 1 gives sum b_i g_i of the tree: its order is p if these are equal for all
+ * trees of at most p nodes (Butcher, Numerical Methods for ODEs, 3rd ed., theorem
+ * 315A). */
+enum { NODES = 10, TREES = 1205, EQUATIONS = TREES + 1 /* even */ };
+
+typedef struct forest {
+    int nodes[TREES];
+    size_t rest[TREES], last[TREES]; /* the tree without its last branch, that branch */
+    double gamma[TREES];
+} forest;
+
+/* By size; the branches of each tree in falling order, so that none comes twice. */
+static void grow(forest *f)
+{
+    size_t count = 1;
+    *f = (forest){ .nodes = { 1 }, .gamma = { 1.0 } };
+    for (int size = 2; size <= NODES; ++size) {
+        const size_t smaller = count;
+        for (size_t rest = 0; rest < smaller; ++rest) {
+            for (size_t last = 0; last < smaller; ++last) {
+                if (f->nodes[rest] + f->nodes[last] == size
+                    && (rest == 0 || last <= f->last[rest])) {
+                    ck_assert_uint_lt(count, TREES);
+                    f->nodes[count] = size;
+                    f->rest[count] = rest, f->last[count] = last;
+                    f->gamma[count]
+                        = size * (f->gamma[rest] / f->nodes[rest]) * f->gamma[last];
+                    ++count;
+                }
+            }
+        }
+    }
+    ck_assert_uint_eq(count, TREES);
+}
+
+static int grow_rate(double t, const double *y, double *dydt, void *ctx)
+{
+    const forest *f = ctx;
+    (void)t;
+    dydt[0] = 1.0;
+    dydt[TREES] = 0.0;
+    for (size_t k = 1; k < TREES; ++k) {
+        dydt[k] = dydt[f->rest[k]] * y[f->last[k]];
+    }
+    return 0;
+}
+
+/* Implicit methods iterate to a tolerance; Verlet's are none of Runge and Kutta's. */
+START_TEST(order_conditions_hold_up_to_the_order_and_no_further)
+{
+    static forest f;
+    const weft_stepper_type *type = test_method((size_t)_i);
+    const bool verlet = strcmp(type->name, "velocity_verlet") == 0
+                        || strcmp(type->name, "symplectic_euler") == 0;
+    if (type->order == 0 || (type->flags & WEFT_STEPPER_IMPLICIT) != 0 || verlet) {
+        return;
+    }
+    grow(&f);
+    const weft_ode ode = { .dim = EQUATIONS, .rhs = grow_rate, .ctx = &f };
+    const weft_stepper_config config = fixed(1.0);
+    double t = 0.0, y[EQUATIONS] = { 0.0 };
+    void *self = NULL;
+    ck_assert_int_eq(type->create(type, &ode, &config, &self, NULL), WEFT_OK);
+    ck_assert_int_eq(type->step(self, 1.0, &t, y, NULL), WEFT_OK);
+    type->destroy(self);
+    int order = NODES; /* the trees come by size */
+    for (size_t k = 0; k < TREES && order == NODES; ++k) {
+        if (!(fabs(f.gamma[k] * y[k] - 1.0) <= 1e-9)) {
+            order = f.nodes[k] - 1;
+        }
+    }
+    ck_assert_int_eq(order, type->order);
 }
 END_TEST
 
@@ -152,6 +234,8 @@ int main(void)
 {
     Suite *suite = suite_create("stepper accuracy");
     add_for_every_method(suite, "order", measured_order_is_the_claimed_one);
+    add_for_every_method(suite, "conditions",
+                         order_conditions_hold_up_to_the_order_and_no_further);
     add_for_every_method(suite, "tolerance", error_follows_the_tolerance);
     add_for_every_method(suite, "tolerances", each_tolerance_counts);
     add_for_every_method(suite, "norms",

@@ -15,6 +15,8 @@
 #ifndef WEFT_STEPPER_H
 #define WEFT_STEPPER_H
 
+#include <string.h>
+
 #include "weft/base.h"
 
 #ifdef __cplusplus
@@ -51,11 +53,29 @@ typedef struct weft_butcher {
     const double *b_embedded; /* stages, or NULL */
 } weft_butcher;
 
-/* How a solver that offers a choice adapts h. A field that is 0 or NULL: the plugin's
- * own default, which it tells by `options`. */
+/* X(label, name, how many gains): the laws by which h follows the error estimates; PI
+ * and PID of control theory, and those of K. Gustafsson, ACM TOMS 17 (1991) and 20
+ * (1994). */
+#define WEFT_CONTROLLERS(X)                                                            \
+    X(PID, pid, 3)                                                                     \
+    X(PI, pi, 2)                                                                       \
+    X(I, i, 1)                                                                         \
+    X(EXPLICIT_GUSTAFSSON, explicit_gustafsson, 2)                                     \
+    X(IMPLICIT_GUSTAFSSON, implicit_gustafsson, 2)                                     \
+    X(IMEX_GUSTAFSSON, imex_gustafsson, 3)
+
+typedef enum weft_controller_type {
+    WEFT_CONTROLLER_DEFAULT,
+#define WEFT_LABEL(label, name, gains) WEFT_CONTROLLER_##label,
+    WEFT_CONTROLLERS(WEFT_LABEL)
+#undef WEFT_LABEL
+} weft_controller_type;
+
+/* How a solver that offers a choice adapts h. A field that is 0: the plugin's own
+ * default, which it tells by `options`. */
 typedef struct weft_controller {
-    const char *type;     /* "pi", ...: the plugin knows which */
-    double gains[3];      /* of the controller's law, gain_count of them */
+    weft_controller_type type;
+    double gains[3];      /* of the law, gain_count of them */
     int gain_count;       /* 0: the defaults of the type */
     double safety;        /* > 0, <= 1: part of the h that would just do */
     double bias;          /* >= 1: the error estimate is multiplied by it */
@@ -161,6 +181,18 @@ typedef struct weft_stepper_type {
 
 /* What every version of the struct has. */
 #define WEFT_STEPPER_TYPE_LEAST offsetof(weft_stepper_type, full_name)
+
+static inline const char *weft_stepper_full_name(const weft_stepper_type *type)
+{
+    return WEFT_HAS(type, weft_stepper_type, full_name) ? type->full_name : NULL;
+}
+
+/* Whether a method has that name or full name. */
+static inline bool weft_stepper_is(const weft_stepper_type *type, const char *name)
+{
+    const char *full = weft_stepper_full_name(type);
+    return strcmp(type->name, name) == 0 || (full != NULL && strcmp(full, name) == 0);
+}
 
 /* weft-<id>.so exports one function, weft_plugin_<id>(), which returns static data.
  * Linked statically, the same object file is registered by that function. */

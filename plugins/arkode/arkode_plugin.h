@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* arkode_plugin.h -- what the files of this plugin share. Reading order: plugin.c (the
  * methods), tables.c and order.c (coefficients and what they must meet), create.c (one
- * instance), step.c (one accepted step), vector.c (arithmetic).
+ * instance), control.c (how h is adapted), step.c (one accepted step), vector.c
+ * (arithmetic), threads.c.
  *
  * ERKStep, the explicit Runge-Kutta module of SUNDIALS' ARKODE, is driven whole: it
  * combines the stages, estimates the error, accepts, rejects and chooses h. SUNDIALS
@@ -28,6 +29,7 @@
 #include <sundials/sundials_core.h>
 #endif
 #if SUNV >= 607
+#include <sunadaptcontroller/sunadaptcontroller_imexgus.h>
 #include <sunadaptcontroller/sunadaptcontroller_soderlind.h>
 #endif
 #if defined(__GNUC__)
@@ -67,8 +69,10 @@ typedef struct stepper {
     weft_ode ode;
     double rtol, atol[2];                  /* of positions [m], of velocities [m/s] */
     double fixed_step, min_step, max_step; /* [s] */
+    weft_controller control;               /* complete */
     int stages;                            /* of the table */
     bool fsal;    /* the last stage of the table is the first of the next step */
+    bool hidden;  /* a stage that is not finite need not show in the step */
     double h;     /* [s] what to try next */
     bool own_h;   /* h is ours: ARKODE would try another */
     bool restart; /* ARKODE's y or f is not what the next step starts from */
@@ -76,6 +80,7 @@ typedef struct stepper {
     long failed_tests; /* rejections that ARKODE has counted so far */
 
     SUNContext context;
+    struct ark_team *team;
     N_Vector y; /* ours; ARKODE writes to it also when it fails */
     void *solver;
 #if SUNV >= 607
@@ -95,6 +100,13 @@ weft_status weft__ark_create(const weft_stepper_type *type, const weft_ode *ode,
                              weft_error *err);
 void weft__ark_destroy(void *instance);
 
+/* control.c: what is wrong with a controller, or NULL; a controller with its defaults;
+ * ARKODE told of it, 0 if that went well; what is in force. */
+const char *weft__ark_control_mistake(const weft_controller *c);
+weft_controller weft__ark_control(const weft_controller *asked);
+int weft__ark_set_control(stepper *self);
+void weft__ark_options(const void *instance, weft_option_fn *tell, void *ctx);
+
 /* step.c */
 int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance);
 int weft__ark_weights(N_Vector y, N_Vector weights, void *instance);
@@ -108,6 +120,8 @@ void weft__ark_stats(const void *instance, weft_stepper_stats *out);
 weft_status weft__ark_table(const ark_method *method, const weft_butcher *custom,
                             ARKodeButcherTable *out, weft_error *err);
 bool weft__ark_table_is_fsal(ARKodeButcherTable table);
+/* Whether there is a stage that nothing in a step is combined from. */
+bool weft__ark_table_hides(ARKodeButcherTable table, bool adaptive);
 extern const weft_butcher weft__ark_euler, weft__ark_midpoint, weft__ark_heun,
     weft__ark_rk4, weft__ark_rk38;
 
@@ -118,10 +132,28 @@ extern const weft_butcher weft__ark_euler, weft__ark_midpoint, weft__ark_heun,
 bool weft__ark_has_order(const weft_butcher *table, const double *weights, int order,
                          const char **what, double *is, double *wanted);
 
-/* vector.c */
-void weft__ark_patch_vector(N_Vector v, weft_norm norm);
-bool weft__ark_finite(const double *x, size_t count);
-void weft__ark_weigh(const double *y, double *weights, size_t count, double rtol,
-                     double atol);
+/* threads.c: so many threads, the caller's among them, on parts of a job. The parts
+ * must not depend on one another. NULL: the caller's alone, which is also what there is
+ * where no more can be had. */
+typedef struct ark_team ark_team;
+typedef void ark_task(void *ctx, int part);
+ark_team *weft__ark_team(size_t threads);
+void weft__ark_team_run(ark_team *team, ark_task *task, void *ctx, int count);
+void weft__ark_team_free(ark_team *team);
+
+/* vector.c: n zeros, whose clones inherit the team and the norm. Operations on long
+ * ones are shared with the team, which may be NULL, with the same results. NULL: no
+ * memory. */
+N_Vector weft__ark_vector(size_t n, ark_team *team, SUNContext context);
+/* What ARKODE judges steps and tolerances by; before that, and with fixed steps, it
+ * finds nothing wrong. */
+void weft__ark_judge_by(N_Vector v, weft_norm norm);
+void weft__ark_read(N_Vector v, double *to);
+void weft__ark_write(N_Vector v, const double *from);
+bool weft__ark_finite(N_Vector v);
+/* Whether the combination, or copy, was finite that was the last to be written to v. */
+bool weft__ark_made_finite(N_Vector v);
+void weft__ark_weigh(N_Vector y, N_Vector weights, size_t first, size_t count,
+                     double rtol, double atol); /* components from the first on */
 
 #endif

@@ -9,13 +9,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Step size control: ARKODE's PI controller with what were the defaults of ERKStep
- * until 7.2, which 7.3 changed. */
-static const struct {
-    double k1, k2, bias, safety, growth, first_growth, failed_growth, min_reduction;
-    double keep_above, keep_below; /* h is kept where its factor is between these */
-} control = { 0.8, 0.31, 1.2, 0.96, 25.0, 1e4, 0.3, 0.1, 1.0, 1.5 };
-
 static bool positive(double x)
 {
     return x > 0.0 && isfinite(x);
@@ -26,6 +19,8 @@ static const char *mistake(const ark_method *method, const weft_ode *ode,
                            const weft_stepper_config *config)
 {
     const weft_stepper_config *c = config;
+    const weft_controller *control
+        = WEFT_HAS(c, weft_stepper_config, controller) ? c->controller : NULL;
     const bool fixed_only = (method->type.flags & WEFT_STEPPER_FIXED_ONLY) != 0;
     const bool adaptive
         = c->struct_size >= WEFT_STEPPER_CONFIG_LEAST && c->fixed_step == 0.0;
@@ -43,6 +38,7 @@ static const char *mistake(const ark_method *method, const weft_ode *ode,
            : !positive(c->first_step)      ? "first_step must be > 0 s"
            : !positive(c->min_step)        ? "min_step must be > 0 s"
            : !(c->max_step >= c->min_step) ? "max_step must be >= min_step"
+           : control != NULL               ? weft__ark_control_mistake(control)
                                            : NULL;
 }
 
@@ -94,7 +90,7 @@ static bool make_context(stepper *self)
 }
 
 /* What has another name or other arguments in each line of versions: messages, the
- * interpolation that is never asked for, the controller. */
+ * interpolation that is never asked for, the end of a step. */
 static bool version_settings(stepper *self)
 {
     void *s = self->solver;
@@ -108,20 +104,7 @@ static bool version_settings(stepper *self)
     bad |= ERKStepSetInterpolantType(s, ARK_INTERP_LAGRANGE);
     bad |= ERKStepSetInterpolantDegree(s, 0);
 #endif
-#if SUNV >= 607
-    self->controller = SUNAdaptController_PI(self->context);
-    if (self->controller == NULL) {
-        return false;
-    }
-    bad |= (int)SUNAdaptController_SetParams_PI(self->controller, control.k1,
-                                                -control.k2);
-    bad |= ARK(SetAdaptController)(s, self->controller);
-    bad |= (int)SUNAdaptController_SetErrorBias(self->controller, control.bias);
-    bad |= ARK(SetAdaptivityAdjustment)(s, -1); /* h ~ error^(-1/p) */
-#else
-    sunrealtype k[3] = { control.k1, control.k2, 0.0 };
-    bad |= ERKStepSetAdaptivityMethod(s, ARK_ADAPT_PI, 0, 0, k); /* 0: by p */
-    bad |= ERKStepSetErrorBias(s, control.bias);
+#if SUNV < 607
     if (!self->fsal) {
         bad |= ERKStepSetPostprocessStepFn(s, weft__ark_step_done);
     }
@@ -143,29 +126,25 @@ static bool settings(stepper *self)
     if (self->fixed_step > 0.0) {
         return bad == 0;
     }
-    bad |= ARK(SetSafetyFactor)(s, control.safety);
-    bad |= ARK(SetMaxGrowth)(s, control.growth);
-    bad |= ARK(SetMaxFirstGrowth)(s, control.first_growth);
-    bad |= ARK(SetMaxEFailGrowth)(s, control.failed_growth);
-    bad |= ARK(SetMinReduction)(s, control.min_reduction);
-    bad |= ARK(SetFixedStepBounds)(s, control.keep_above, control.keep_below);
-    bad |= ARK(SetSmallNumEFails)(s, 2);
-    bad |= ARK(SetMaxErrTestFails)(s, 1000); /* it goes on until min_step */
-    bad |= ARK(SetMaxStep)(s, isinf(self->max_step) ? 0.0 : self->max_step);
-    return bad == 0;
+    return bad == 0 && weft__ark_set_control(self) == 0;
 }
 
 /* SUNDIALS' side; takes the table. */
-static bool make_solver(stepper *self, weft_norm norm, ARKodeButcherTable table)
+static bool make_solver(stepper *self, const weft_stepper_config *config,
+                        ARKodeButcherTable table)
 {
+    const size_t threads
+        = WEFT_HAS(config, weft_stepper_config, threads) ? config->threads : 1;
     bool made = make_context(self);
     if (made) {
-        self->y = N_VNew_Serial((sunindextype)self->ode.dim, self->context);
+        self->team = weft__ark_team(threads);
+        self->y = weft__ark_vector(self->ode.dim, self->team, self->context);
         made = self->y != NULL;
     }
     if (made) {
-        weft__ark_patch_vector(self->y, norm);
-        N_VConst(0.0, self->y);
+        if (self->fixed_step == 0.0) {
+            weft__ark_judge_by(self->y, config->norm);
+        }
         self->solver = ERKStepCreate(weft__ark_rhs, 0.0, self->y, self->context);
         made = self->solver != NULL && settings(self)
                && ERKStepSetTable(self->solver, table) == ARK_SUCCESS;
@@ -190,8 +169,11 @@ static stepper *allocate(const ark_method *method, const weft_ode *ode,
     self->fixed_step = config->fixed_step;
     self->min_step = config->min_step;
     self->max_step = config->max_step;
+    self->control = weft__ark_control(
+        WEFT_HAS(config, weft_stepper_config, controller) ? config->controller : NULL);
     self->stages = table->stages;
     self->fsal = weft__ark_table_is_fsal(table);
+    self->hidden = weft__ark_table_hides(table, !fixed);
     self->h = fixed
                   ? config->fixed_step
                   : fmin(fmax(config->first_step, config->min_step), config->max_step);
@@ -231,7 +213,7 @@ weft_status weft__ark_create(const weft_stepper_type *type, const weft_ode *ode,
         ARKodeButcherTable_Free(table);
         return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory", type->name);
     }
-    if (!make_solver(self, config->norm, table)) {
+    if (!make_solver(self, config, table)) {
         weft__ark_destroy(self);
         return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory for ARKODE",
                               type->name);
@@ -257,6 +239,7 @@ void weft__ark_destroy(void *instance)
     if (self->y != NULL) {
         N_VDestroy(self->y);
     }
+    weft__ark_team_free(self->team);
     if (self->context != NULL) {
         (void)SUNContext_Free(&self->context);
     }

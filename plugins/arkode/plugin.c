@@ -16,6 +16,9 @@ enum {
     CUSTOM = WEFT_STEPPER_BUTCHER
 };
 
+/* Who has an error estimate has a controller. */
+#define KIND(flags) ((flags) | ((flags)&FIXED ? 0 : WEFT_STEPPER_CONTROLLER))
+
 /* X(name, ARKODE's name after ARKODE_, order, error order, RHS calls, flags, source).
  * FSAL tables have one stage more than RHS calls. */
 #define SINCE_6_4(X)                                                                   \
@@ -99,22 +102,24 @@ enum {
     X(rk38, &weft__ark_rk38, 4, 4, FIXED, "W. Kutta, Z. Math. Phys. 46, 1901")         \
     X(custom, NULL, 0, 0, CUSTOM, "the table of the scene (stepper.butcher)")
 
-#define TYPE(label, p, q, calls, kind, source)                                         \
+#define TYPE(label, full, p, q, calls, kind, source)                                   \
     {                                                                                  \
         .abi = WEFT_STEPPER_ABI, .struct_size = sizeof(weft_stepper_type),             \
         .name = #label, .reference = (source), .license = "BSD-3-Clause",              \
-        .order = (p), .error_order = (q), .stages = (calls), .flags = (kind),          \
+        .order = (p), .error_order = (q), .stages = (calls), .flags = KIND(kind),      \
         .create = weft__ark_create, .step = weft__ark_step,                            \
         .state_changed = weft__ark_state_changed, .stats = weft__ark_stats,            \
-        .destroy = weft__ark_destroy,                                                  \
+        .destroy = weft__ark_destroy, .full_name = (full),                             \
+        .options = weft__ark_options,                                                  \
     }
 
 #define ARKODE_METHOD(label, full, p, q, calls, kind, source)                          \
     static const ark_method method_##label                                             \
-        = { TYPE(label, p, q, calls, kind, source), ARKODE_##full, NULL };
+        = { TYPE(label, "ARKODE_" #full, p, q, calls, kind, source), ARKODE_##full,    \
+            NULL };
 #define OUR_METHOD(label, from, p, calls, kind, source)                                \
     static const ark_method method_##label                                             \
-        = { TYPE(label, p, 0, calls, kind, source), ARKODE_ERK_NONE, from };
+        = { TYPE(label, NULL, p, 0, calls, kind, source), ARKODE_ERK_NONE, from };
 
 ARKODE_TABLES(ARKODE_METHOD)
 OUR_TABLES(OUR_METHOD)

@@ -16,10 +16,12 @@
  * are those of 6.7 and later.
  *
  * An RHS of no use must be a NaN to ARKODE: its error test fails and h shrinks, while
- * the code for "try a smaller step" ends the run. */
+ * the code for "try a smaller step" ends the run. What the RHS gives is not read for
+ * that: a NaN in it shows in whatever is combined from it, a stage or the solution or
+ * the error, and there it costs nothing to look (vector.c). It is read where it need
+ * not show, and at the start of a step, where no smaller h helps. */
 #include "arkode_plugin.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -33,14 +35,18 @@ int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance)
         return 0;
     }
     self->starting = false;
-    ++self->stats.rhs_calls;
     self->since_bad += self->since_bad < INT32_MAX;
-    const int failed = self->ode.rhs(t, NV_DATA_S(y), dydt, self->ode.ctx);
+    int failed = 1;
+    if (weft__ark_made_finite(y)) {
+        ++self->stats.rhs_calls;
+        failed = self->ode.rhs(t, NV_DATA_S(y), dydt, self->ode.ctx);
+    }
     if (failed < 0) {
         self->stopped = true;
         return -1;
     }
-    if (failed == 0 && weft__ark_finite(dydt, self->ode.dim)) {
+    const bool look = starting || self->hidden;
+    if (failed == 0 && (!look || weft__ark_finite(ydot))) {
         return 0;
     }
     self->since_bad = 0;
@@ -48,18 +54,13 @@ int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance)
     return self->fixed_step > 0.0 || starting ? -1 : 0; /* a smaller h helps no start */
 }
 
-/* ARKODE tests whether tolerances are above roundoff, also with a fixed step. */
 int weft__ark_weights(N_Vector y, N_Vector weights, void *instance)
 {
     const stepper *self = instance;
     const size_t half = self->ode.dim / 2;
-    const double *from = NV_DATA_S(y);
-    double *to = NV_DATA_S(weights);
-    if (self->fixed_step > 0.0) {
-        N_VConst(DBL_MIN, weights);
-    } else {
-        weft__ark_weigh(from, to, half, self->rtol, self->atol[0]);
-        weft__ark_weigh(from + half, to + half, half, self->rtol, self->atol[1]);
+    if (self->fixed_step == 0.0) {
+        weft__ark_weigh(y, weights, 0, half, self->rtol, self->atol[0]);
+        weft__ark_weigh(y, weights, half, half, self->rtol, self->atol[1]);
     }
     return 0;
 }
@@ -87,7 +88,9 @@ static double fit(const stepper *self, double rest)
 /* Before the first step ARKODE has no stages yet, which ReInit makes it allocate. */
 static int give_state(stepper *self, double t, const double *y)
 {
-    memcpy(NV_DATA_S(self->y), y, self->ode.dim * sizeof *y);
+    if (self->restart) { /* else it is what Evolve left there */
+        weft__ark_write(self->y, y);
+    }
     self->starting = true;
     if (self->stats.steps > 0) {
         return ARK(Reset)(self->solver, t, self->y);
@@ -145,6 +148,17 @@ static int evolve(stepper *self, double t, const double *y, double h, double t_e
     return flag;
 }
 
+/* Whether the last attempt was, which may show first in what was made of its stages. */
+static bool was_finite(stepper *self, int flag)
+{
+    if (flag >= 0 || self->since_bad <= self->stages) {
+        return false;
+    }
+    return flag != ARK_ERR_FAILURE
+           || ARK(GetEstLocalErrors)(self->solver, self->y) != ARK_SUCCESS
+           || weft__ark_made_finite(self->y);
+}
+
 static weft_status fail(stepper *self, int flag, double t, weft_error *err)
 {
     const char *name = self->method->type.name;
@@ -153,7 +167,7 @@ static weft_status fail(stepper *self, int flag, double t, weft_error *err)
         return weft_error_set(err, WEFT_STOPPED,
                               "%s: stopped by the model at t = %.9g s", name, t);
     }
-    if (flag >= 0 || self->since_bad <= self->stages) {
+    if (!was_finite(self, flag)) {
         return weft_error_set(err, WEFT_NOT_FINITE,
                               "%s: not finite after a step from t = %.9g s", name, t);
     }
@@ -202,7 +216,7 @@ static void accept(stepper *self, double tried, double rest, double reached,
 {
     const double before = *t;
     const bool at_end = reached - before >= rest * (1.0 - 1e-12) || reached >= t_end;
-    memcpy(y, NV_DATA_S(self->y), self->ode.dim * sizeof *y);
+    weft__ark_read(self->y, y);
     *t = at_end ? t_end : reached;
     self->restart = *t != reached;
     ++self->stats.steps;
@@ -231,7 +245,7 @@ weft_status weft__ark_step(void *instance, double t_end, double *t, double *y,
         if (flag < 0) {
             return fail(self, flag, *t, err);
         }
-        if (weft__ark_finite(NV_DATA_S(self->y), self->ode.dim)) {
+        if (weft__ark_made_finite(self->y)) {
             accept(self, h, rest, reached, t_end, t, y);
             return WEFT_OK;
         }

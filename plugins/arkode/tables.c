@@ -184,3 +184,16 @@ bool weft__ark_table_is_fsal(ARKodeButcherTable table)
     }
     return same;
 }
+
+bool weft__ark_table_hides(ARKodeButcherTable table, bool adaptive)
+{
+    const int s = table->stages;
+    bool hidden = false;
+    for (int j = 0; j < s && !hidden; ++j) {
+        hidden = table->b[j] == 0.0 && !(adaptive && table->d[j] != 0.0);
+        for (int i = j + 1; i < s; ++i) {
+            hidden = hidden && table->A[i][j] == 0.0;
+        }
+    }
+    return hidden;
+}

@@ -84,3 +84,17 @@ void weft__gsl_control_free(stepper *self)
     gsl_odeiv2_control_free(self->scaled); /* NULL is allowed */
     gsl_odeiv2_control_free(self->rms.judge);
 }
+
+/* GSL's rule has no knobs; these are its constants (cstd.c). */
+void weft__gsl_options(const void *instance, weft_option_fn *tell, void *ctx)
+{
+    const stepper *self = instance;
+    if (self->fixed_step == 0.0) {
+        tell(ctx, "controller", "gsl_scaled");
+        tell(ctx, "safety", "0.9");
+        tell(ctx, "reject_above", "1.1");
+        tell(ctx, "grow_below", "0.5");
+        tell(ctx, "max_growth", "4.9");
+        tell(ctx, "min_reduction", "0.2");
+    }
+}

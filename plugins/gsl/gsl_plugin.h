@@ -105,6 +105,7 @@ void weft__gsl_stats(const void *instance, weft_stepper_stats *out);
 bool weft__gsl_control_init(stepper *self, weft_norm norm, double rtol,
                             double atol_position, double atol_velocity);
 void weft__gsl_control_free(stepper *self);
+void weft__gsl_options(const void *instance, weft_option_fn *tell, void *ctx);
 
 /* jacobian.c */
 int weft__gsl_jacobian(double t, const double y[], double *dfdy, double dfdt[],

@@ -45,7 +45,8 @@ enum {
                   .step = weft__gsl_step,                                              \
                   .state_changed = weft__gsl_state_changed,                            \
                   .stats = weft__gsl_stats,                                            \
-                  .destroy = weft__gsl_destroy },                                      \
+                  .destroy = weft__gsl_destroy,                                        \
+                  .options = weft__gsl_options },                                      \
         __VA_ARGS__                                                                    \
     }
 #define V2(id) .v2 = &gsl_odeiv2_step_##id

@@ -112,8 +112,7 @@ static weft_status write_first_files(const run *self, weft_registry *registry,
             = record_text(self->out, "scene.yaml", weft_scene_text(self->scene), err);
     }
     if (status == WEFT_OK) {
-        status
-            = record_manifest(self->out, self->scene, self->cloth, plugin, file, err);
+        status = record_manifest(self->out, self->scene, self->sim, plugin, file, err);
     }
     return status;
 }

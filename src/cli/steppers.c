@@ -6,13 +6,19 @@
 typedef struct flag_name {
     uint32_t flag;
     const char *name;
+    bool common; /* not a word in lists for people */
 } flag_name;
 
 static const flag_name flag_names[] = {
-    { WEFT_STEPPER_FIXED_ONLY, "fixed-step" }, { WEFT_STEPPER_FSAL, "fsal" },
-    { WEFT_STEPPER_MULTISTEP, "multistep" },   { WEFT_STEPPER_IMPLICIT, "implicit" },
-    { WEFT_STEPPER_LEGACY, "legacy" },         { WEFT_STEPPER_BUTCHER, "custom-table" },
-    { WEFT_STEPPER_DENSE, "small-cloths" },
+    { WEFT_STEPPER_FIXED_ONLY, "fixed-step", false },
+    { WEFT_STEPPER_FSAL, "fsal", false },
+    { WEFT_STEPPER_MULTISTEP, "multistep", false },
+    { WEFT_STEPPER_IMPLICIT, "implicit", false },
+    { WEFT_STEPPER_LEGACY, "legacy", false },
+    { WEFT_STEPPER_BUTCHER, "custom-table", false },
+    { WEFT_STEPPER_DENSE, "small-cloths", false },
+    { WEFT_STEPPER_CONTROLLER, "controller", true },
+    { WEFT_STEPPER_QUADRATURES, "quadratures", true },
 };
 
 #define FLAG_NAMES (sizeof flag_names / sizeof flag_names[0])
@@ -22,7 +28,7 @@ static const char *flags_text(uint32_t flags, char *text, size_t size)
     size_t used = 0;
     text[0] = '\0';
     for (size_t i = 0; i < FLAG_NAMES && used < size; ++i) {
-        if ((flags & flag_names[i].flag) != 0) {
+        if ((flags & flag_names[i].flag) != 0 && !flag_names[i].common) {
             used += (size_t)snprintf(text + used, size - used, "%s%s",
                                      used > 0 ? " " : "", flag_names[i].name);
         }
@@ -37,24 +43,27 @@ static const char *number(int value, const char *zero, char text[16])
     return value == 0 ? zero : text;
 }
 
-static void print_methods(const weft_plugin *plugin, const char *format)
+static void print_methods(const weft_plugin *plugin, const char *format, bool full)
 {
     for (size_t i = 0; plugin->types[i] != NULL; ++i) {
         const weft_stepper_type *type = plugin->types[i];
+        const char *full_name = full ? weft_stepper_full_name(type) : NULL;
         char flags[128], order[16], error_order[16], stages[16];
         printf(format, plugin->id, type->name, number(type->order, "var", order),
                number(type->error_order, "-", error_order),
                number(type->stages, "var", stages),
-               flags_text(type->flags, flags, sizeof flags), type->reference);
+               flags_text(type->flags, flags, sizeof flags), type->reference,
+               full_name == NULL ? "" : "; ", full_name == NULL ? "" : full_name);
     }
 }
 
 static void print_text(const weft_registry *registry)
 {
-    const char *format = "%-8s %-17s %5s %5s %6s  %-32s %s\n";
-    printf(format, "plugin", "method", "order", "error", "stages", "kind", "reference");
+    const char *format = "%-8s %-17s %5s %5s %6s  %-32s %s%s%s\n";
+    printf(format, "plugin", "method", "order", "error", "stages", "kind",
+           "reference; full name", "", "");
     for (size_t i = 0; i < weft_registry_count(registry); ++i) {
-        print_methods(weft_registry_at(registry, i), format);
+        print_methods(weft_registry_at(registry, i), format, true);
     }
     putchar('\n');
     for (size_t i = 0; i < weft_registry_count(registry); ++i) {
@@ -71,7 +80,7 @@ static void print_markdown(const weft_registry *registry)
          "|---|---|---|---|---|---|---|");
     for (size_t i = 0; i < weft_registry_count(registry); ++i) {
         print_methods(weft_registry_at(registry, i),
-                      "| %s | `%s` | %s | %s | %s | %s | %s |\n");
+                      "| %s | `%s` | %s | %s | %s | %s | %s%s%s |\n", false);
     }
 }
 
@@ -79,6 +88,9 @@ static void method_yaml(yaml_out *out, const weft_stepper_type *type)
 {
     yaml_out_item(out);
     yaml_out_text(out, "name", type->name);
+    if (weft_stepper_full_name(type) != NULL) {
+        yaml_out_text(out, "full_name", weft_stepper_full_name(type));
+    }
     yaml_out_plain(out, "order", "%d", type->order);
     yaml_out_plain(out, "error_order", "%d", type->error_order);
     yaml_out_plain(out, "stages", "%d", type->stages);

@@ -89,7 +89,7 @@ weft_status record_series_hash(const char *directory, size_t frame, uint64_t *ha
 
 /* report.c: versions, plugin, method and every option in force. */
 weft_status record_manifest(const char *directory, const weft_scene *scene,
-                            const weft_cloth *cloth, const weft_plugin *plugin,
+                            const weft_sim *sim, const weft_plugin *plugin,
                             const char *plugin_file, weft_error *err);
 
 /* How a run ended. */

@@ -36,7 +36,13 @@ static void write_plugin(yaml_out *out, const weft_plugin *plugin, const char *f
     yaml_out_close_map(out);
 }
 
-static void write_config(yaml_out *out, const weft_stepper_config *config)
+static void write_option(void *out, const char *name, const char *value)
+{
+    yaml_out_plain(out, name, "%s", value);
+}
+
+static void write_config(yaml_out *out, const weft_stepper_config *config,
+                         const weft_sim *sim)
 {
     yaml_out_map(out, "stepper");
     if (config->fixed_step > 0.0) {
@@ -52,6 +58,9 @@ static void write_config(yaml_out *out, const weft_stepper_config *config)
         yaml_out_real(out, "min_step", config->min_step);
         yaml_out_real(out, "max_step", config->max_step);
     }
+    yaml_out_map(out, "options");
+    weft_sim_options(sim, write_option, out);
+    yaml_out_close_map(out);
     yaml_out_close_map(out);
 }
 
@@ -89,7 +98,7 @@ static weft_status commit(yaml_out *out, record_file *file, weft_error *err)
 }
 
 weft_status record_manifest(const char *directory, const weft_scene *scene,
-                            const weft_cloth *cloth, const weft_plugin *plugin,
+                            const weft_sim *sim, const weft_plugin *plugin,
                             const char *plugin_file, weft_error *err)
 {
     record_file file;
@@ -103,8 +112,8 @@ weft_status record_manifest(const char *directory, const weft_scene *scene,
     yaml_out_text(&out, "weft", weft_version());
     yaml_out_text(&out, "compiler", compiler());
     write_plugin(&out, plugin, plugin_file, weft_scene_method_type(scene));
-    write_config(&out, weft_scene_config(scene));
-    write_cloth(&out, cloth);
+    write_config(&out, weft_scene_config(scene), sim);
+    write_cloth(&out, weft_sim_cloth(sim));
     write_run(&out, weft_scene_run(scene));
     return commit(&out, &file, err);
 }

@@ -2,6 +2,7 @@
 #include "record/yaml_out.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static void emit(yaml_out *out, yaml_event_t *event, int initialised)
@@ -106,7 +107,12 @@ void yaml_out_plain(yaml_out *out, const char *key, const char *format, ...)
 void yaml_out_real(yaml_out *out, const char *key, double value)
 {
     if (isfinite(value)) {
-        yaml_out_plain(out, key, "%.17g", value);
+        char text[32];
+        int digits = 15; /* the fewest that are read back as the same number */
+        do {
+            (void)snprintf(text, sizeof text, "%.*g", digits, value);
+        } while (strtod(text, NULL) != value && ++digits <= 17);
+        yaml_out_plain(out, key, "%s", text);
     } else {
         yaml_out_plain(out, key, isnan(value) ? ".nan" : value > 0 ? ".inf" : "-.inf");
     }

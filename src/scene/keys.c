@@ -261,6 +261,47 @@ static const weft__key butcher_keys[] = {
 static const weft__section butcher_section
     = { SECTION(butcher_keys), .check = weft__check_butcher };
 
+static const char *const controller_names[] = {
+#define NAME(label, name, gains) #name,
+    WEFT_CONTROLLERS(NAME)
+#undef NAME
+        NULL
+};
+
+/* The enum follows the same list, after the default. */
+static void choose_controller(void *base, size_t name)
+{
+    ((weft__control *)base)->set.type = (weft_controller_type)(name + 1);
+}
+
+static const weft__key controller_keys[] = {
+    { "type", WEFT__CHOICE, .names = controller_names, .choose = choose_controller,
+      .absent = "arkode: pi", .meaning = "the law by which h follows the errors" },
+    { "gains", WEFT__ROW, AT(weft__control, gains), .absent = "of the type",
+      .meaning
+      = "k1, k2, k3 of the law: pid and imex_gustafsson take three, i one, the "
+        "others two" },
+    { "safety", WEFT__NUMBER, .strict = true, .most = 1.0, .absent = "arkode: 0.96",
+      AT(weft__control, set.safety), .meaning = "part of the h that would just do" },
+    { "bias", WEFT__NUMBER, .least = 1.0, .absent = "arkode: 1.2",
+      AT(weft__control, set.bias), .meaning = "factor on the error estimate" },
+    { "max_growth", WEFT__NUMBER, .strict = true, .least = 1.0, .absent = "arkode: 25",
+      AT(weft__control, set.max_growth),
+      .meaning = "of h from step to step, a factor" },
+    { "first_growth", WEFT__NUMBER, .strict = true, .least = 1.0,
+      .absent = "arkode: 1e4", AT(weft__control, set.first_growth),
+      .meaning = "the same after the first step" },
+    { "min_reduction", WEFT__NUMBER, .strict = true, .most = 1.0,
+      .absent = "arkode: 0.1", AT(weft__control, set.min_reduction),
+      .meaning = "of h from step to step, a factor < 1" },
+    { "failed_growth", WEFT__NUMBER, .strict = true, .most = 1.0,
+      .absent = "arkode: 0.3", AT(weft__control, set.failed_growth),
+      .meaning = "of h after repeated rejections, a factor < 1" },
+};
+
+static const weft__section controller_section
+    = { SECTION(controller_keys), .check = weft__check_controller };
+
 static const weft__key stepper_keys[] = {
     { "plugin", WEFT__TEXT, .required = true, AT(weft_scene, plugin),
       .meaning = "gsl, arkode, verlet or any installed stepper plugin" },
@@ -283,6 +324,10 @@ static const weft__key stepper_keys[] = {
     { "fixed_step", WEFT__NUMBER, .strict = true, .unit = "s", .absent = "adaptive",
       AT(weft_scene, config.fixed_step),
       .meaning = "no error control; excludes the keys from rtol to max_step" },
+    { "controller", WEFT__MAPPING, .section = &controller_section,
+      .absent = "the plugin's", AT(weft_scene, control),
+      .meaning = "how h is adapted, for the methods of plugin arkode with an error "
+                 "estimate" },
     { "butcher", WEFT__MAPPING, .section = &butcher_section, .absent = "none",
       AT(weft_scene, tableau),
       .meaning = "an explicit Runge-Kutta table, for method custom of plugin arkode; "

@@ -22,6 +22,12 @@ typedef struct weft__tableau {
     size_t order, embedded_order;
 } weft__tableau;
 
+/* A controller and the list its gains are read into. */
+typedef struct weft__control {
+    weft_controller set;
+    weft__list gains;
+} weft__control;
+
 /* Arrays and texts that the definition structs point to are owned by the scene. Fields
  * whose key is absent or wrong stay 0. */
 struct weft_scene {
@@ -34,6 +40,7 @@ struct weft_scene {
     weft_stepper_config config;
     const weft_stepper_type *type;
     weft__tableau tableau;
+    weft__control control;
     weft_butcher butcher;
     weft_pin *pins;
     weft_load *loads;
@@ -111,6 +118,7 @@ void weft__check_limit(weft__reader *reader, const weft__match *match, void *bas
 void weft__check_run(weft__reader *reader, const weft__match *match, void *base);
 
 /* stepper.c */
+void weft__check_controller(weft__reader *reader, const weft__match *match, void *base);
 void weft__check_stepper(weft__reader *reader, const weft__match *match, void *base);
 
 #endif

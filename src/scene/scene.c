@@ -267,6 +267,7 @@ void weft_scene_destroy(weft_scene *scene)
     free(scene->tableau.b.values);
     free(scene->tableau.c.values);
     free(scene->tableau.b_embedded.values);
+    free(scene->control.gains.values);
     free(scene->pins);
     free(scene->loads);
     free(scene);

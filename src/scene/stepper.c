@@ -8,7 +8,7 @@
 
 /* Keys that steer the error control. */
 static const char *const adaptive_keys[]
-    = { "rtol", "atol", "norm", "first_step", "min_step", "max_step" };
+    = { "rtol", "atol", "norm", "first_step", "min_step", "max_step", "controller" };
 
 #define ADAPTIVE (sizeof adaptive_keys / sizeof adaptive_keys[0])
 
@@ -105,7 +105,7 @@ find_method(weft__reader *reader, const weft__match *match, const weft_plugin *p
     weft__guess guess = { 0 };
     char near[80], names[240];
     for (size_t i = 0; plugin->types[i] != NULL; ++i) {
-        if (strcmp(plugin->types[i]->name, wanted) == 0) {
+        if (weft_stepper_is(plugin->types[i], wanted)) {
             return plugin->types[i];
         }
         weft__guess_try(&guess, wanted, plugin->types[i]->name);
@@ -227,6 +227,59 @@ static void check_table(weft__reader *reader, const weft__match *match, bool tak
     }
 }
 
+/* Gains as many as the law takes, factors below 1. */
+void weft__check_controller(weft__reader *reader, const weft__match *match, void *base)
+{
+    static const size_t counts[] = { 0,
+#define COUNT(label, name, gains) gains,
+                                     WEFT_CONTROLLERS(COUNT)
+#undef COUNT
+    };
+    static const char *const factors[] = { "min_reduction", "failed_growth" };
+    weft__control *control = base;
+    weft_controller *set = &control->set;
+    const double values[] = { set->min_reduction, set->failed_growth };
+    const yaml_node_t *gains = weft__value_in(match, "gains");
+    for (size_t i = 0; i < 2; ++i) {
+        if (values[i] >= 1.0) {
+            weft__report_error(
+                reader->report, weft__value_in(match, factors[i])->start_mark,
+                "%s must be a number > 0 and < 1, not %g", factors[i], values[i]);
+        }
+    }
+    if (gains != NULL && set->type == WEFT_CONTROLLER_DEFAULT) {
+        weft__report_error(reader->report, gains->start_mark,
+                           "gains need the type that they are for");
+    } else if (control->gains.count > 0 && control->gains.count != counts[set->type]) {
+        weft__report_error(reader->report, gains->start_mark,
+                           "%zu gains, where this type takes %zu", control->gains.count,
+                           counts[set->type]);
+    } else {
+        for (size_t i = 0; i < control->gains.count; ++i) {
+            set->gains[i] = control->gains.values[i];
+        }
+        set->gain_count = (int)control->gains.count;
+    }
+}
+
+static void check_control(weft__reader *reader, const weft__match *match,
+                          weft_scene *scene)
+{
+    const yaml_node_t *key = weft__key_in(match, "controller");
+    if (key == NULL) {
+        return;
+    }
+    scene->config.controller = &scene->control.set;
+    if (scene->type != NULL
+        && (scene->type->flags & (WEFT_STEPPER_CONTROLLER | WEFT_STEPPER_FIXED_ONLY))
+               == 0) {
+        weft__report_error(reader->report, key->start_mark,
+                           "controller would not be used by method '%.40s' of plugin "
+                           "'%.40s', which has its own",
+                           scene->method, scene->plugin);
+    }
+}
+
 void weft__check_stepper(weft__reader *reader, const weft__match *match, void *base)
 {
     weft_scene *scene = base;
@@ -239,6 +292,7 @@ void weft__check_stepper(weft__reader *reader, const weft__match *match, void *b
         check_exclusive(reader, match);
     }
     check_sizes(reader, match);
+    check_control(reader, match, scene);
     if (scene->type != NULL) {
         check_table(reader, match, (scene->type->flags & WEFT_STEPPER_BUTCHER) != 0);
     } else if (asks_for_table(scene)

@@ -38,24 +38,14 @@ static weft_status check_type(const weft_stepper_type *type, size_t index,
     return WEFT_OK;
 }
 
-static const char *full_name(const weft_stepper_type *type)
-{
-    return WEFT_HAS(type, weft_stepper_type, full_name) ? type->full_name : NULL;
-}
-
-bool weft__stepper_is(const weft_stepper_type *type, const char *name)
-{
-    const char *full = full_name(type);
-    return strcmp(type->name, name) == 0 || (full != NULL && strcmp(full, name) == 0);
-}
-
 static weft_status check_names(const weft_plugin *plugin, weft_error *err)
 {
     for (size_t i = 0; plugin->types[i] != NULL; ++i) {
-        const char *name = plugin->types[i]->name, *full = full_name(plugin->types[i]);
+        const char *name = plugin->types[i]->name,
+                   *full = weft_stepper_full_name(plugin->types[i]);
         for (size_t j = 0; j < i; ++j) {
-            if (weft__stepper_is(plugin->types[j], name)
-                || (full != NULL && weft__stepper_is(plugin->types[j], full))) {
+            if (weft_stepper_is(plugin->types[j], name)
+                || (full != NULL && weft_stepper_is(plugin->types[j], full))) {
                 return weft_error_set(err, WEFT_BAD_PLUGIN,
                                       "method '%s' is there twice", name);
             }

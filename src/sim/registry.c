@@ -303,7 +303,7 @@ const char *weft_registry_file(const weft_registry *registry, size_t i)
 const weft_stepper_type *weft_plugin_method(const weft_plugin *plugin, const char *name)
 {
     for (size_t i = 0; plugin->types[i] != NULL; ++i) {
-        if (weft__stepper_is(plugin->types[i], name)) {
+        if (weft_stepper_is(plugin->types[i], name)) {
             return plugin->types[i];
         }
     }

@@ -8,7 +8,4 @@
 /* plugin_check.c: what makes a plugin unusable, into err with WEFT_BAD_PLUGIN. */
 weft_status weft__plugin_check(const weft_plugin *plugin, weft_error *err);
 
-/* Whether a method has that name or full name. */
-bool weft__stepper_is(const weft_stepper_type *type, const char *name);
-
 #endif
