@@ -38,6 +38,15 @@ HAVE_ARKODE := $(call has,arkode/arkode_erkstep.h)
 # SUNDIALS 7 has a library more.
 HAVE_SUNDIALS_7 := $(call has,sundials/sundials_errors.h)
 
+# Serial HDF5, of the program alone. Debian keeps it apart from the one for MPI.
+ifneq ($(wildcard /usr/include/hdf5/serial/hdf5.h),)
+HDF5_CFLAGS ?= -isystem /usr/include/hdf5/serial
+HDF5_LIBS ?= -lhdf5_serial
+else
+HDF5_CFLAGS ?= $(shell pkg-config --cflags hdf5 2>/dev/null)
+HDF5_LIBS ?= $(shell pkg-config --libs hdf5 2>/dev/null || echo -lhdf5)
+endif
+
 LIB_SRC  := $(wildcard src/cloth/*.c src/sim/*.c src/scene/*.c)
 PROG_SRC := $(wildcard src/record/*.c src/cli/*.c)
 LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
@@ -55,7 +64,7 @@ TEST_BIN := $(TESTS:%=$(BUILD)/tests/%)
 BROKEN := $(patsubst tests/broken/%.c,$(BUILD)/tests/broken/weft-%.so,$(wildcard tests/broken/*.c))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/*.c))
 
-.PHONY: all check check-run verify bench demo demo-run deps docs lint format asan \
+.PHONY: all check check-run check-view verify bench demo demo-run deps docs lint format asan \
         clang-build check-sundials7 valgrind symbols clean help
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -76,7 +85,10 @@ $(BUILD)/libweft.a: $(LIB_OBJ)
 	$(call say,AR)rm -f $@ && ar rcs $@ $^
 
 $(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
-	$(call say,LD)$(LINK) -o $@ $(PROG_OBJ) -L$(BUILD) -Wl,-rpath,'$$ORIGIN' -lweft -lyaml -lm
+	$(call say,LD)$(LINK) -o $@ $(PROG_OBJ) -L$(BUILD) -Wl,-rpath,'$$ORIGIN' -lweft -lyaml \
+	    $(HDF5_LIBS) -lm
+
+$(BUILD)/src/record/%.o: INCS += $(HDF5_CFLAGS)
 
 $(BUILD)/src/%.o: src/%.c
 	@mkdir -p $(@D)
@@ -120,12 +132,20 @@ VERIFY_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/main.c,$(wildcard tests
               $(filter-out %/main.o,$(PROG_OBJ))
 $(BUILD)/tests/%.o: INCS += -Itests
 $(BUILD)/tests/test_verification: $(VERIFY_OBJ)
+$(BUILD)/tests/test_verification: TEST_LIBS += $(HDF5_LIBS)
 
 $(BUILD)/weft-verify: $(BUILD)/tests/verify/main.o $(VERIFY_OBJ) $(BUILD)/libweft.a
-	$(call say,LD)$(LINK) -o $@ $^ $(LIB_LIBS)
+	$(call say,LD)$(LINK) -o $@ $^ $(LIB_LIBS) $(HDF5_LIBS)
 
 verify: all $(BUILD)/weft-verify
 	@$(BUILD)/weft-verify
+
+# These look into files as the program writes them.
+RECORD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/record/*.c))
+RECORD_TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_record*.c tests/test_export.c))
+$(RECORD_TESTS): $(RECORD_OBJ)
+$(RECORD_TESTS): TEST_LIBS += $(HDF5_LIBS)
+$(RECORD_TESTS:=.o): INCS += $(HDF5_CFLAGS)
 
 $(BUILD)/tests/broken/weft-%.so: tests/broken/%.c
 	@mkdir -p $(@D)
@@ -158,6 +178,10 @@ check: deps
 
 check-run: all $(TEST_BIN) $(BROKEN) $(EXAMPLES) lint
 	@tools/run-tests $(BUILD) $(TEST_BIN)
+
+# What is written, read by the programs it is meant for; what is not there is skipped.
+check-view: all
+	@tools/check-view $(BUILD)
 
 demo: deps
 	@$(MAKE) --no-print-directory demo-run
@@ -208,6 +232,6 @@ clean:
 
 help:
 	@sed -n '2,9s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | lint | format | docs | asan | clang-build | check-sundials7 | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | check-view | lint | format | docs | asan | clang-build | check-sundials7 | valgrind | symbols | clean"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

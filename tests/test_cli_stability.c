@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Stable steps as users of the program meet them. */
-#include "cli_run.h"
+#include "shell.h"
 
 #include <math.h>
 #include <unistd.h>

@@ -63,7 +63,11 @@ static const char whole[]
       "run:\n"
       "  duration: 2.5\n"
       "  fps: 25\n"
-      "  threads: 3\n";
+      "  threads: 3\n"
+      "record:\n"
+      "  precision: double\n"
+      "  fields: [strain]\n"
+      "  every: 4\n";
 
 static void vector_is(const double *v, double x, double y, double z)
 {
@@ -159,6 +163,15 @@ static void check_stepper_and_run(const weft_scene *scene)
     ck_assert_uint_eq(config->threads, 3);
 }
 
+static void check_record(const weft_record_def *record)
+{
+    ck_assert(record->doubles);
+    ck_assert_uint_eq(record->every, 4);
+    for (size_t i = 0; i < WEFT_RECORD_FIELDS; ++i) {
+        ck_assert(record->fields[i] == (i == WEFT_RECORD_STRAIN));
+    }
+}
+
 START_TEST(every_value_of_the_example_arrives)
 {
     weft_scene *scene = good_text(whole);
@@ -169,6 +182,7 @@ START_TEST(every_value_of_the_example_arrives)
     check_springs_and_pins(weft_scene_cloth(scene));
     check_forces_and_limit(weft_scene_cloth(scene), weft_scene_limit(scene));
     check_stepper_and_run(scene);
+    check_record(weft_scene_record(scene));
     weft_scene_destroy(scene);
 }
 END_TEST
@@ -203,6 +217,24 @@ START_TEST(defaults_are_those_of_the_definition_structs)
     ck_assert_int_eq(weft_scene_limit(scene)->method, WEFT_LIMIT_NONE);
     ck_assert(weft_scene_run(scene)->fps == 30.0);
     ck_assert_uint_eq(weft_scene_run(scene)->threads, 1);
+    weft_scene_destroy(scene);
+}
+END_TEST
+
+START_TEST(all_is_recorded_in_single_precision_unless_told_otherwise)
+{
+    weft_scene *scene = good_text("weft: 1\n" CLOTH STEPPER RUN);
+    const weft_record_def *record = weft_scene_record(scene);
+    ck_assert(!record->doubles && record->every == 1);
+    for (size_t i = 0; i < WEFT_RECORD_FIELDS; ++i) {
+        ck_assert(record->fields[i]);
+    }
+    weft_scene_destroy(scene);
+    scene = good_text("weft: 1\n" CLOTH STEPPER RUN "record: {fields: []}\n");
+    record = weft_scene_record(scene);
+    for (size_t i = 0; i < WEFT_RECORD_FIELDS; ++i) {
+        ck_assert(!record->fields[i]);
+    }
     weft_scene_destroy(scene);
 }
 END_TEST
@@ -436,6 +468,7 @@ static Suite *suite(void)
     tcase_add_test(values, true_and_false_are_read);
     tcase_add_test(values, every_value_of_the_example_arrives);
     tcase_add_test(values, defaults_are_those_of_the_definition_structs);
+    tcase_add_test(values, all_is_recorded_in_single_precision_unless_told_otherwise);
     tcase_add_test(values, a_limit_has_the_defaults_of_the_contract);
     tcase_add_test(values, places_have_many_forms);
     tcase_add_loop_test(values, decimal_numbers_are_read_to_the_last_bit, 0,

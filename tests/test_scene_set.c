@@ -350,6 +350,9 @@ static const char *const keys[] = {
     "run.duration",
     "run.fps",
     "run.threads",
+    "record.precision",
+    "record.fields",
+    "record.every",
 };
 
 START_TEST(help_lists_every_key_with_unit_and_default)

@@ -142,6 +142,9 @@ WEFT_API bool weft_cloth_pinned(const weft_cloth *cloth, size_t i);
 /* The state at t = 0 into y[6 N]. */
 WEFT_API void weft_cloth_start(const weft_cloth *cloth, double *y);
 
+/* Where the particles rest [m], x y z of particle 0, x y z of particle 1, ...: 3 N. */
+WEFT_API void weft_cloth_rest(const weft_cloth *cloth, double *xyz);
+
 /* dy/dt into dydt[6 N] at time t [s]. Returns 0, or 1 if it is not finite (then dydt
  * is not either). Calls nothing, allocates nothing; y and dydt do not overlap. */
 WEFT_API int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y,
@@ -205,6 +208,11 @@ WEFT_API void weft_cloth_angular_momentum(const weft_cloth *cloth, const double 
 /* The spring with the largest strain; NaN wins over every number. Strain 0 and
  * p = q = 0 for a cloth without springs. */
 WEFT_API weft_spring weft_cloth_worst_spring(const weft_cloth *cloth, const double *y);
+
+/* The largest strain (L - s) / s of the springs at each particle, negative where all
+ * are compressed, into strain[N]; 0 at one without springs. */
+WEFT_API void weft_cloth_strains(const weft_cloth *cloth, const double *y,
+                                 double *strain);
 
 /* A 64-bit hash of the bits of y[n]; equal states have equal hashes on every machine
  * with IEEE 754 doubles and either byte order. */

@@ -21,9 +21,20 @@ typedef struct weft_run_def {
     size_t threads;  /* >= 1; also in the stepper's config */
 } weft_run_def;
 
+/* What a run may keep of each particle beside its position. */
+typedef enum weft_record_field {
+    WEFT_RECORD_VELOCITY,
+    WEFT_RECORD_STRAIN, /* largest (L - s) / s of its springs */
+    WEFT_RECORD_PINNED,
+    WEFT_RECORD_FIELDS /* how many there are */
+} weft_record_field;
+
 /* What a run leaves behind. */
 typedef struct weft_record_def {
-    bool ledger; /* the energy ledger: weft_sim_def.ledger */
+    bool doubles; /* else single precision */
+    bool fields[WEFT_RECORD_FIELDS];
+    size_t every; /* >= 1: every n-th frame, the first and the last always */
+    bool ledger;  /* the energy ledger: weft_sim_def.ledger */
 } weft_record_def;
 
 /* One mistake, or one warning. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* main.c -- the weft program: find the verb, run it. */
+#include <signal.h>
 #include <string.h>
 
 #include "cli/cli.h"
@@ -57,6 +58,8 @@ static int flush_stdout(int code)
 
 int main(int argc, char **argv)
 {
+    /* Beyond the limit of file sizes a write then fails, and is reported. */
+    (void)signal(SIGXFSZ, SIG_IGN);
     if (argc < 2) {
         print_usage(stderr);
         return EXIT_USAGE;

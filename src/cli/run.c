@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "cli/stability.h"
-#include "record/record.h"
+#include "record/export.h"
 
 static volatile sig_atomic_t stop_signal;
 
@@ -21,9 +21,6 @@ static void catch_signals(void)
     action.sa_flags = SA_RESTART;
     (void)sigaction(SIGINT, &action, NULL);
     (void)sigaction(SIGTERM, &action, NULL);
-    /* Beyond the limit of file sizes a write then fails, and is reported. */
-    action.sa_handler = SIG_IGN;
-    (void)sigaction(SIGXFSZ, &action, NULL);
 }
 
 typedef struct run {
@@ -33,6 +30,7 @@ typedef struct run {
     weft_cloth *cloth;
     weft_sim *sim;
     record_series series;
+    record_vtkhdf *frames;
     record_result result;
     progress progress;
     uint64_t limit_sweeps;            /* up to the last frame */
@@ -71,11 +69,33 @@ static void warn_of_limit(run *self)
     }
 }
 
+static weft_status write_state(const run *self, const char *name,
+                               record_write_fn *write, weft_error *err)
+{
+    const size_t n = weft_cloth_particles(self->cloth);
+    double *values = malloc(6 * n * sizeof *values);
+    if (values == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %s", name);
+    }
+    const record_surface surface = {
+        .rows = weft_cloth_rows(self->cloth),
+        .cols = weft_cloth_cols(self->cloth),
+        .position = values,
+        .velocity = values + 3 * n,
+        .doubles = true,
+    };
+    weft_sim_positions(self->sim, values);
+    weft_sim_velocities(self->sim, values + 3 * n);
+    const weft_status status = write(self->out, name, &surface, err);
+    free(values);
+    return status;
+}
+
 static weft_status write_frame_obj(const run *self, size_t index, weft_error *err)
 {
     char name[64];
     (void)snprintf(name, sizeof name, "frames/frame-%06zu.obj", index);
-    return record_obj(self->out, name, self->cloth, weft_sim_state(self->sim), err);
+    return write_state(self, name, record_obj, err);
 }
 
 static weft_status on_frame(void *ctx, size_t index, weft_error *err)
@@ -87,7 +107,11 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
                                  .limit_sweeps = limit.sweeps - self->limit_sweeps };
     self->limit_sweeps = limit.sweeps;
     warn_of_limit(self);
+    /* The row first: run.vtkhdf never has a frame that the series has not. */
     weft_status status = record_series_add(&self->series, &frame, err);
+    if (status == WEFT_OK) {
+        status = record_vtkhdf_add(self->frames, &frame, err);
+    }
     if (status == WEFT_OK && self->obj) {
         status = write_frame_obj(self, index, err);
     }
@@ -132,10 +156,41 @@ static weft_status write_first_files(const run *self, weft_registry *registry,
     return status;
 }
 
-static weft_status simulate(run *self, weft_error *err)
+static weft_status open_records(run *self, weft_error *err)
 {
+    const record_vtkhdf_def frames = {
+        .directory = self->out,
+        .cloth = self->cloth,
+        .record = weft_scene_record(self->scene),
+        .last = self->result.planned - 1,
+        .series = &self->series,
+    };
     weft_status status = record_series_open(
         &self->series, self->out, weft_scene_record(self->scene)->ledger, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    status = record_vtkhdf_create(&frames, &self->frames, err);
+    if (status != WEFT_OK) {
+        (void)record_series_close(&self->series, NULL);
+    }
+    return status;
+}
+
+/* The first thing that went wrong is told. */
+static weft_status close_records(run *self, weft_status status, weft_error *err)
+{
+    const weft_status frames
+        = record_vtkhdf_close(self->frames, status == WEFT_OK ? err : NULL);
+    status = status == WEFT_OK ? frames : status;
+    const weft_status series
+        = record_series_close(&self->series, status == WEFT_OK ? err : NULL);
+    return status == WEFT_OK ? series : status;
+}
+
+static weft_status simulate(run *self, weft_error *err)
+{
+    weft_status status = open_records(self, err);
     if (status != WEFT_OK) {
         return status;
     }
@@ -150,10 +205,7 @@ static weft_status simulate(run *self, weft_error *err)
     progress_begin(&self->progress, self->progress.quiet);
     status = play(&show, err);
     progress_end(&self->progress);
-    weft_error ignored;
-    const weft_status closed
-        = record_series_close(&self->series, status == WEFT_OK ? err : &ignored);
-    return status == WEFT_OK ? closed : status;
+    return close_records(self, status, err);
 }
 
 static void print_limit(const run *self)
@@ -222,8 +274,7 @@ static int conclude(run *self, weft_status status, const weft_error *why, double
         self->result.status = "interrupted";
         self->result.reason = stop_signal == SIGINT ? "SIGINT" : "SIGTERM";
     }
-    weft_status written = record_csv(self->out, "final.csv", self->cloth,
-                                     weft_sim_state(self->sim), &err);
+    weft_status written = write_state(self, "final.csv", record_csv, &err);
     if (written == WEFT_OK) {
         written = record_result_write(self->out, &self->result, &err);
     }

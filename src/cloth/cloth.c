@@ -266,6 +266,13 @@ void weft_cloth_start(const weft_cloth *cloth, double *y)
     }
 }
 
+void weft_cloth_rest(const weft_cloth *cloth, double *xyz)
+{
+    for (size_t i = 0; i < cloth->particles; ++i) {
+        weft__rest_position(cloth, i / cloth->cols, i % cloth->cols, &xyz[3 * i]);
+    }
+}
+
 size_t weft_cloth_rows(const weft_cloth *cloth)
 {
     return cloth->rows;

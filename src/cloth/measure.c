@@ -31,6 +31,7 @@ typedef struct measure {
     const bool *families; /* that worst is sought in; NULL: all */
     double elastic[WEFT_FAMILIES];
     double dissipation;
+    double *strain; /* N of them */
     weft_spring worst;
     bool any;
 } measure;
@@ -160,6 +161,34 @@ weft_spring weft__limited_worst(const weft__limited *limited, const double *y)
     measure sum = { .cloth = limited->cloth, .y = y, .families = limited->families };
     each_spring(limited->cloth, keep_worst, &sum);
     return sum.worst;
+}
+
+static void raise_strain(double *kept, double strain)
+{
+    *kept = strain > *kept ? strain : *kept;
+}
+
+static void keep_at_ends(void *ctx, const weft__group *group, size_t p, size_t q)
+{
+    measure *sum = ctx;
+    const weft__stance at = weft__spring_stance(sum->cloth->particles, p, q, sum->y);
+    const double strain = (at.length - group->rest_length) / group->rest_length;
+    raise_strain(&sum->strain[p], strain);
+    raise_strain(&sum->strain[q], strain);
+}
+
+/* No strain is below -1. */
+void weft_cloth_strains(const weft_cloth *cloth, const double *y, double *strain)
+{
+    const double none = -2.0;
+    measure sum = { .cloth = cloth, .y = y, .strain = strain };
+    for (size_t i = 0; i < cloth->particles; ++i) {
+        strain[i] = none;
+    }
+    each_spring(cloth, keep_at_ends, &sum);
+    for (size_t i = 0; i < cloth->particles; ++i) {
+        strain[i] = strain[i] == none ? 0.0 : strain[i];
+    }
 }
 
 /* FNV-1a over 64-bit words instead of bytes, each folded onto itself first: the prime

@@ -53,6 +53,12 @@ weft_status record_file_commit(record_file *file, weft_error *err)
                           why == 0 ? "write failed" : strerror(why));
 }
 
+void record_file_discard(record_file *file)
+{
+    (void)fclose(file->stream);
+    (void)remove(file->temporary);
+}
+
 weft_status record_text(const char *directory, const char *name, const char *text,
                         weft_error *err)
 {

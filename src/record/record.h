@@ -25,6 +25,8 @@ weft_status record_file_open(record_file *file, const char *directory, const cha
 /* Flush, sync, rename; on failure the temporary file is gone and the place untouched.
  */
 weft_status record_file_commit(record_file *file, weft_error *err);
+/* Give it up instead: the place stays untouched. */
+void record_file_discard(record_file *file);
 weft_status record_text(const char *directory, const char *name, const char *text,
                         weft_error *err);
 
@@ -39,10 +41,15 @@ typedef struct record_frame {
     uint64_t limit_sweeps; /* since the last frame */
 } record_frame;
 
+#define RECORD_COLUMNS_MAX 64
+
 /* series.c: a row a frame; `ledger` if the simulations keep it. */
 typedef struct record_series {
     FILE *stream;
     char path[RECORD_PATH];
+    size_t columns;
+    const char *names[RECORD_COLUMNS_MAX];
+    double row[RECORD_COLUMNS_MAX]; /* the last one written, as far as doubles go */
 } record_series;
 
 weft_status record_series_open(record_series *series, const char *directory,
@@ -51,22 +58,34 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
                               weft_error *err);
 weft_status record_series_close(record_series *series, weft_error *err);
 
+/* vtkhdf.c: run.vtkhdf, VTKHDF 2.0, temporal. It appears with its first frame and holds
+ * after a kill at any moment every frame that was added. docs/output.md has its layout.
+ */
+typedef struct record_vtkhdf record_vtkhdf;
+
+typedef struct record_vtkhdf_def {
+    const char *directory;
+    const weft_cloth *cloth; /* outlives it */
+    const weft_record_def *record;
+    size_t last;                 /* frame of the run: room is made for all of them */
+    const record_series *series; /* open; outlives it. Its rows become field data */
+} record_vtkhdf_def;
+
+weft_status record_vtkhdf_create(const record_vtkhdf_def *def, record_vtkhdf **out,
+                                 weft_error *err);
+/* A frame, once it is in the series; one that record.every leaves out is passed over.
+ * After a failure the frames before are kept. */
+weft_status record_vtkhdf_add(record_vtkhdf *self, const record_frame *frame,
+                              weft_error *err);
+/* Frees it also if the file cannot be closed well. NULL is allowed. */
+weft_status record_vtkhdf_close(record_vtkhdf *self, weft_error *err);
+
 /* series.c: the last frame that series.csv has. WEFT_IO if it has none. */
 weft_status record_series_last(const char *directory, size_t *frame, weft_error *err);
 
 /* series.c: the hash that row `frame` of series.csv holds. WEFT_IO if there is none. */
 weft_status record_series_hash(const char *directory, size_t frame, uint64_t *hash,
                                weft_error *err);
-
-/* state.c: one state as row,col,x,y,z,vx,vy,vz, or as Wavefront OBJ with quads and
- * texture coordinates; a chain becomes a line. */
-weft_status record_csv(const char *directory, const char *name, const weft_cloth *cloth,
-                       const double *y, weft_error *err);
-weft_status record_obj(const char *directory, const char *name, const weft_cloth *cloth,
-                       const double *y, weft_error *err);
-/* The state that a final.csv holds, into y[6 N]. */
-weft_status record_csv_read(const char *directory, const char *name,
-                            const weft_cloth *cloth, double *y, weft_error *err);
 
 /* report.c: versions, plugin, method and every option in force. */
 weft_status record_manifest(const char *directory, const weft_scene *scene,

@@ -96,8 +96,10 @@ weft_status record_series_open(record_series *series, const char *directory,
         return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
     }
     const char *comma = "";
+    series->columns = 0;
 #define HEADER(name, format, value)                                                    \
     fprintf(series->stream, "%s" #name, comma);                                        \
+    series->names[series->columns++] = #name;                                          \
     comma = ",";
     COLUMNS(HEADER)
     if (ledger) {
@@ -113,8 +115,10 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
 {
     const series_row row = measure(frame);
     const char *comma = "";
+    size_t column = 0;
 #define CELL(name, format, value)                                                      \
     fprintf(series->stream, "%s" format, comma, value);                                \
+    series->row[column++] = (double)(value);                                           \
     comma = ",";
     COLUMNS(CELL)
     if (row.ledger.kept) {

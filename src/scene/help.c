@@ -27,11 +27,13 @@ static void bounds_text(const weft__key *key, bool bare, char *out, size_t size)
                    key->infinite ? " or .inf" : "");
 }
 
-static void choice_text(const weft__key *key, char *out, size_t size)
+/* "a, b or c" */
+static void names_text(const weft__key *key, const char *before_last, char *out,
+                       size_t size)
 {
     size_t used = 0;
     for (size_t i = 0; key->names[i] != NULL; ++i) {
-        const char *join = i == 0 ? "" : key->names[i + 1] == NULL ? " or " : ", ";
+        const char *join = i == 0 ? "" : key->names[i + 1] == NULL ? before_last : ", ";
         used = put(out, used, size, join);
         used = put(out, used, size, key->names[i]);
     }
@@ -59,7 +61,7 @@ const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
         [WEFT__DIRECTION] = "a vector [x, y, z]",
         [WEFT__TEXT] = "text",
         [WEFT__BOOLEAN] = "true or false",
-        [WEFT__FAMILIES] = "a list of stretch, shear, bend",
+        [WEFT__NAMES] = "a list of ",
         [WEFT__SPACING] = "a number > 0 or a pair of them",
         [WEFT__ATOL] = "a number > 0 or a mapping",
         [WEFT__INDEX] = "an index, [first, last] or all",
@@ -69,20 +71,24 @@ const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
         [WEFT__ROW] = "a list of numbers",
         [WEFT__ROWS] = "a list of rows",
     };
-    char bounds[80] = "";
+    char bounds[80] = "", names[100] = "";
     if (key->kind == WEFT__CHOICE) {
-        choice_text(key, out, size);
+        names_text(key, " or ", out, size);
         return out;
     }
     if (key->kind == WEFT__NUMBER || key->kind == WEFT__INTEGER) {
         bounds_text(key, bare, bounds, sizeof bounds);
     }
+    if (key->kind == WEFT__NAMES) {
+        names_text(key, ", ", names, sizeof names);
+    }
     const char *text = texts[key->kind];
     text += bare && strncmp(text, "a ", 2) == 0 ? 2 : 0;
     text += bare && strncmp(text, "an ", 3) == 0 ? 3 : 0;
     const bool with_unit = unit && key->unit != NULL;
-    (void)snprintf(out, size, "%s%s%s%s%s", text, bounds, with_unit ? " [" : "",
-                   with_unit ? key->unit : "", with_unit ? "]" : "");
+    (void)snprintf(out, size, "%s%s%s%s%s%s", text, bounds, names,
+                   with_unit ? " [" : "", with_unit ? key->unit : "",
+                   with_unit ? "]" : "");
     return out;
 }
 

@@ -182,6 +182,8 @@ static const weft__section force_section = { SECTION(force_keys) };
 
 /* ---- limit --------------------------------------------------------------------- */
 
+/* In the order of weft_family. */
+static const char *const family_names[] = { "stretch", "shear", "bend", NULL };
 static const char *const limit_names[] = { "provot", "bridson", NULL };
 static const char *const velocity_names[] = { "update", "keep", NULL };
 static const char *const solver_names[] = { "fast", "sweep", NULL };
@@ -208,8 +210,9 @@ static const weft__key limit_keys[] = {
       .meaning = "provot: on positions; bridson: on velocities" },
     { "strain", WEFT__NUMBER, .fallback = "0.1", AT(weft_limit_def, strain),
       .meaning = "no limited spring longer than (1 + strain) * rest length" },
-    { "springs", WEFT__FAMILIES, .fallback = "[stretch, shear]",
-      AT(weft_limit_def, families), .meaning = "families that are limited" },
+    { "springs", WEFT__NAMES, .names = family_names, .least = 1,
+      .fallback = "[stretch, shear]", AT(weft_limit_def, families),
+      .meaning = "families that are limited" },
     { "sweeps", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "100",
       AT(weft_limit_def, sweeps), .meaning = "at most so many passes a step ..." },
     { "tolerance", WEFT__NUMBER, .strict = true, .fallback = "1.0e-3",
@@ -343,6 +346,37 @@ static const weft__key stepper_keys[] = {
 static const weft__section stepper_section
     = { SECTION(stepper_keys), .check = weft__check_stepper };
 
+/* ---- record -------------------------------------------------------------------- */
+
+static const char *const precision_names[] = { "single", "double", NULL };
+/* In the order of weft_record_field. */
+static const char *const field_names[] = { "velocity", "strain", "pinned", NULL };
+
+static void choose_precision(void *base, size_t name)
+{
+    ((weft_record_def *)base)->doubles = name == 1;
+}
+
+static const weft__key record_keys[] = {
+    { "precision", WEFT__CHOICE, .names = precision_names, .choose = choose_precision,
+      .fallback = "single",
+      .meaning = "of positions, velocities and strains in run.vtkhdf" },
+    { "fields", WEFT__NAMES, .names = field_names,
+      .fallback = "[velocity, strain, pinned]", AT(weft_record_def, fields),
+      .meaning = "what run.vtkhdf holds of each particle beside its position; strain: "
+                 "the largest (L - s) / s of its springs" },
+    { "every", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "1",
+      AT(weft_record_def, every),
+      .meaning
+      = "every n-th frame goes into run.vtkhdf, the first and the last always" },
+    { "ledger", WEFT__BOOLEAN, .fallback = "false", AT(weft_record_def, ledger),
+      .meaning = "integrate the powers of springs, drag, wind and pins with the state, "
+                 "and add the energy ledger to series.csv" },
+};
+
+static const weft__section record_section
+    = { SECTION(record_keys), .check = weft__check_record };
+
 /* ---- the rest ------------------------------------------------------------------ */
 
 static const weft__key run_keys[] = {
@@ -362,15 +396,6 @@ static const weft__section run_section
     = { SECTION(run_keys), .check = weft__check_run };
 
 /* The stepper comes before it: the ledger is not for every method. */
-static const weft__key record_keys[] = {
-    { "ledger", WEFT__BOOLEAN, .fallback = "false", AT(weft_record_def, ledger),
-      .meaning = "integrate the powers of springs, drag, wind and pins with the state, "
-                 "and add the energy ledger to series.csv" },
-};
-
-static const weft__section record_section
-    = { SECTION(record_keys), .check = weft__check_record };
-
 static const weft__key root_keys[] = {
     { "weft", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "1",
       AT(weft_scene, version), .meaning = "version of the scene format, 1" },

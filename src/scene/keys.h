@@ -14,7 +14,7 @@ typedef enum weft__kind {
     WEFT__TEXT,      /* char *, allocated */
     WEFT__BOOLEAN,   /* bool */
     WEFT__CHOICE,    /* one of names, stored by `choose` */
-    WEFT__FAMILIES,  /* bool[WEFT_FAMILIES] */
+    WEFT__NAMES,     /* bool of each of names: a list of at least `least` of them */
     WEFT__SPACING,   /* double[2] from a number or a pair */
     WEFT__ATOL,      /* two doubles from a number or a mapping */
     WEFT__INDEX,     /* weft_range of the rows or columns of a place */
@@ -41,7 +41,7 @@ typedef struct weft__key {
     const char *fallback; /* the default, as a scene would say it; NULL: none */
     const char *absent;   /* what holds without the key, in words, if no fallback */
     const char *meaning;
-    const char *const *names; /* of a choice; ends with NULL */
+    const char *const *names; /* of a choice or a list; ends with NULL */
     void (*choose)(void *base, size_t name);
     const weft__section *section; /* of the kinds that are or hold mappings */
     size_t at;                    /* offset into what the section fills */

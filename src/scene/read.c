@@ -217,21 +217,22 @@ static bool find_name(weft__reader *reader, const weft__key *key,
     return false;
 }
 
-static void read_families(weft__reader *reader, const weft__key *key,
-                          const yaml_node_t *node, void *to)
+static void read_names(weft__reader *reader, const weft__key *key,
+                       const yaml_node_t *node, void *to)
 {
-    static const char *const names[] = { "stretch", "shear", "bend", NULL };
-    static const weft_family families[] = { WEFT_STRETCH, WEFT_SHEAR, WEFT_BEND };
     bool *listed = to;
-    weft__key element
-        = { .name = "an item of springs", .kind = WEFT__CHOICE, .names = names };
-    if (weft__item_count(node) == 0) {
+    char title[64];
+    (void)snprintf(title, sizeof title, "an item of %s", key->name);
+    const weft__key element
+        = { .name = title, .kind = WEFT__CHOICE, .names = key->names };
+    if (node->type != YAML_SEQUENCE_NODE
+        || (double)weft__item_count(node) < key->least) {
         refuse(reader, key, node);
     }
     for (size_t i = 0; i < weft__item_count(node); ++i) {
         size_t name;
         if (find_name(reader, &element, weft__item(reader, node, i), &name)) {
-            listed[families[name]] = true;
+            listed[name] = true;
         }
     }
 }
@@ -247,7 +248,7 @@ void weft__read_value(weft__reader *reader, const weft__key *key,
         [WEFT__VECTOR] = read_vector,
         [WEFT__DIRECTION] = read_vector,
         [WEFT__TEXT] = read_text,
-        [WEFT__FAMILIES] = read_families,
+        [WEFT__NAMES] = read_names,
         [WEFT__SPACING] = read_spacing,
         [WEFT__ATOL] = read_atol,
         [WEFT__INDEX] = weft__read_index,

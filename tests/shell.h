@@ -1,21 +1,35 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* cli_run.h -- run the program as a user does and look at what it says and leaves. */
-#ifndef CLI_RUN_H
-#define CLI_RUN_H
-
-#include "support.h"
+/* shell.h -- the program run by the tests as its users run it. */
+#ifndef SHELL_H
+#define SHELL_H
 
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 
+#include "support.h"
+
 #define WEFT BUILD_DIR "/weft"
+
+/* A scene that needs no GSL and takes a moment. */
+static const char small_scene[]
+    = "weft: 1\n"
+      "name: small\n"
+      "cloth:\n"
+      "  grid: {rows: 4, cols: 5, spacing: [0.1, 0.2]}\n"
+      "  density: 0.3\n"
+      "  springs:\n"
+      "    stretch: {stiffness: 50, damping: 0.01}\n"
+      "    shear: {stiffness: 20}\n"
+      "  pins: [top-left, {at: top-right, velocity: [0.1, 0, 0]}]\n"
+      "stepper: {plugin: verlet, method: velocity_verlet, fixed_step: 1.0e-3}\n"
+      "run: {duration: 0.5, fps: 20}\n";
 
 static char output[65536];
 
 /* Run a shell command; its output goes to `output`, its exit code is returned. */
-static inline int shell(const char *format, ...)
+WEFT_PRINTF(1, 2) static inline int shell(const char *format, ...)
 {
     char command[4096];
     va_list args;

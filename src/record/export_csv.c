@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* export_csv.c -- one state as CSV, and back. */
+#include "record/export.h"
+
+#include <errno.h>
+#include <string.h>
+
+#define CSV_HEADER "row,col,x,y,z,vx,vy,vz\n"
+
+static void write_vector(FILE *stream, const double *v, bool doubles)
+{
+    for (size_t k = 0; k < 3; ++k) {
+        fprintf(stream, ",%.*g", doubles ? 17 : 9, v[k]);
+    }
+}
+
+weft_status record_csv(const char *directory, const char *name,
+                       const record_surface *surface, weft_error *err)
+{
+    record_file file;
+    const weft_status status = record_file_open(&file, directory, name, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    fputs(surface->velocity == NULL ? "row,col,x,y,z\n" : CSV_HEADER, file.stream);
+    for (size_t i = 0; i < record_particles(surface); ++i) {
+        fprintf(file.stream, "%zu,%zu", i / surface->cols, i % surface->cols);
+        write_vector(file.stream, &surface->position[3 * i], surface->doubles);
+        if (surface->velocity != NULL) {
+            write_vector(file.stream, &surface->velocity[3 * i], surface->doubles);
+        }
+        fputc('\n', file.stream);
+    }
+    return record_file_commit(&file, err);
+}
+
+static bool read_row(FILE *stream, size_t cols, size_t i, double *x, double *v)
+{
+    size_t row, col;
+    return fscanf(stream, "%zu,%zu,%lf,%lf,%lf,%lf,%lf,%lf", &row, &col, &x[0], &x[1],
+                  &x[2], &v[0], &v[1], &v[2])
+               == 8
+           && row == i / cols && col == i % cols;
+}
+
+weft_status record_csv_read(const char *directory, const char *name, size_t rows,
+                            size_t cols, double *position, double *velocity,
+                            weft_error *err)
+{
+    char path[RECORD_PATH], header[sizeof CSV_HEADER];
+    weft_status status = record_path(directory, name, path, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    FILE *stream = fopen(path, "r");
+    if (stream == NULL) {
+        return weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(errno));
+    }
+    if (fgets(header, sizeof header, stream) == NULL
+        || strcmp(header, CSV_HEADER) != 0) {
+        status = weft_error_set(err, WEFT_IO, "%s: not a state: line 1", path);
+    }
+    for (size_t i = 0; status == WEFT_OK && i < rows * cols; ++i) {
+        if (!read_row(stream, cols, i, &position[3 * i], &velocity[3 * i])) {
+            status
+                = weft_error_set(err, WEFT_IO, "%s: damaged at line %zu", path, i + 2);
+        }
+    }
+    (void)fclose(stream);
+    return status;
+}

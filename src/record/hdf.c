@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "record/hdf.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* libhdf5 tells errno in words only. */
+static herr_t look_for_errno(unsigned depth, const H5E_error2_t *entry, void *why)
+{
+    static const char label[] = "errno = ";
+    const char *found = entry->desc == NULL ? NULL : strstr(entry->desc, label);
+    (void)depth;
+    if (found != NULL && *(int *)why == 0) {
+        *(int *)why = (int)strtol(found + strlen(label), NULL, 10);
+    }
+    return 0;
+}
+
+static herr_t on_failure(hid_t stack, void *why)
+{
+    return H5Ewalk2(stack, H5E_WALK_UPWARD, look_for_errno, why);
+}
+
+void hdf_begin(int *why)
+{
+    (void)H5dont_atexit();
+    (void)H5Eset_auto2(H5E_DEFAULT, why == NULL ? NULL : on_failure, why);
+}
+
+hid_t hdf_access(void)
+{
+    const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    (void)H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+    (void)H5Pset_sieve_buf_size(access, 0);
+    (void)H5Pset_meta_block_size(access, 1 << 15);
+#if H5_VERSION_GE(1, 10, 7) && (H5_VERS_MINOR != 12 || H5_VERS_RELEASE > 0)
+    (void)H5Pset_file_locking(access, false, true);
+#endif
+    return access;
+}
+
+/* The rows of one frame, selected in the space of the set. */
+static hid_t space_of_frame(const hdf_set *set, size_t frame)
+{
+    const hid_t space = H5Dget_space(set->id);
+    const hsize_t start[2] = { (hsize_t)frame * set->rows, 0 };
+    const hsize_t count[2] = { set->rows, set->width };
+    if (space >= 0
+        && H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) < 0) {
+        (void)H5Sclose(space);
+        return H5I_INVALID_HID;
+    }
+    return space;
+}
+
+static hid_t space_of_values(const hdf_set *set)
+{
+    const hsize_t count[1] = { (hsize_t)set->rows * set->width };
+    return H5Screate_simple(1, count, NULL);
+}
+
+bool hdf_write(const hdf_set *set, size_t frame, hid_t memory, const void *values)
+{
+    const hid_t file = space_of_frame(set, frame), flat = space_of_values(set);
+    const bool written
+        = file >= 0 && flat >= 0
+          && H5Dwrite(set->id, memory, flat, file, H5P_DEFAULT, values) >= 0;
+    (void)H5Sclose(flat);
+    (void)H5Sclose(file);
+    return written;
+}
+
+bool hdf_read(const hdf_set *set, size_t frame, hid_t memory, void *values)
+{
+    const hid_t file = space_of_frame(set, frame), flat = space_of_values(set);
+    const bool done = file >= 0 && flat >= 0
+                      && H5Dread(set->id, memory, flat, file, H5P_DEFAULT, values) >= 0;
+    (void)H5Sclose(flat);
+    (void)H5Sclose(file);
+    return done;
+}

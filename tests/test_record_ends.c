@@ -1,0 +1,260 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* run.vtkhdf of runs that are killed, interrupted, fail or find no room, and while they
+ * go on. */
+#include <hdf5.h>
+#include <signal.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "run_frames.h"
+
+#define OUT BUILD_DIR "/record-ends"
+
+enum { N = 20 }; /* particles of the small scene */
+
+static void begin(void)
+{
+    (void)unsetenv("WEFT_PLUGIN_PATH");
+    (void)shell("rm -rf " OUT " && mkdir -p " OUT "/r");
+    write_file(OUT "/small.yaml", small_scene);
+}
+
+/* A run of 2000 frames with a step each: more of its time goes into frames than in any
+ * real one. */
+#define MANY_FRAMES "--set run.fps=1000 --set run.duration=2 --quiet"
+
+static double reference[2001][3 * N];
+
+static void make_reference(void)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/ref " MANY_FRAMES), 0);
+    record_frames *frames = open_frames(OUT "/ref");
+    ck_assert_uint_eq(record_frames_count(frames), 2001);
+    for (size_t i = 0; i < 2001; ++i) {
+        ck_assert_int_eq(record_frames_positions(frames, i, reference[i], NULL),
+                         WEFT_OK);
+    }
+    record_frames_close(frames);
+}
+
+static size_t whole_rows(const char *series)
+{
+    expect(shell("tail -n +2 %s | wc -l", series), 0);
+    return (size_t)atoi(output);
+}
+
+/* VTK takes one frame for another where there are not exactly NSteps times. */
+static void has_a_time_for_each_step(const char *directory)
+{
+    char path[256];
+    int64_t steps = -1;
+    (void)snprintf(path, sizeof path, "%s/run.vtkhdf", directory);
+    const hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    const hid_t count
+        = H5Aopen_by_name(file, "/VTKHDF/Steps", "NSteps", H5P_DEFAULT, H5P_DEFAULT);
+    const hid_t values = H5Dopen2(file, "/VTKHDF/Steps/Values", H5P_DEFAULT);
+    const hid_t space = H5Dget_space(values);
+    ck_assert_int_ge(H5Aread(count, H5T_NATIVE_INT64, &steps), 0);
+    ck_assert_int_eq(H5Sget_simple_extent_npoints(space), steps);
+    (void)H5Sclose(space);
+    (void)H5Dclose(values);
+    (void)H5Aclose(count);
+    (void)H5Fclose(file);
+}
+
+/* All that was committed is as in a run that nobody disturbed, and series.csv has the
+ * same frames, or one more. Returns how many frames there are. */
+static size_t is_part_of_reference(const char *directory)
+{
+    char series[256];
+    double x[3 * N];
+    record_frames *frames = open_frames(directory);
+    const size_t count = record_frames_count(frames);
+    for (size_t i = 0; i < count; ++i) {
+        ck_assert(record_frames_time(frames, i) == (double)i / 1000.0);
+        ck_assert_uint_eq(record_frames_number(frames, i), i);
+        ck_assert_int_eq(record_frames_positions(frames, i, x, NULL), WEFT_OK);
+        ck_assert_int_eq(memcmp(x, reference[i], sizeof x), 0);
+    }
+    record_frames_close(frames);
+    has_a_time_for_each_step(directory);
+    (void)snprintf(series, sizeof series, "%s/series.csv", directory);
+    const size_t rows = whole_rows(series);
+    ck_assert_msg(rows == count || rows == count + 1, "%zu rows, %zu frames", rows,
+                  count);
+    return count;
+}
+
+static pid_t start_run(void)
+{
+    const pid_t child = fork();
+    ck_assert_int_ge(child, 0);
+    if (child == 0) {
+        (void)execl(WEFT, "weft", "run", OUT "/small.yaml", "--out", OUT "/k",
+                    "--quiet", "--force", "--set", "run.fps=1000", "--set",
+                    "run.duration=2", (char *)NULL);
+        _exit(127);
+    }
+    return child;
+}
+
+static void sleep_for(long microseconds)
+{
+    const struct timespec t = { .tv_nsec = 1000 * microseconds };
+    (void)nanosleep(&t, NULL);
+}
+
+static void wait_for_frames(pid_t child)
+{
+    int status;
+    while (!exists(OUT "/k/run.vtkhdf")) {
+        ck_assert_int_eq(waitpid(child, &status, WNOHANG), 0);
+        sleep_for(200);
+    }
+}
+
+/* Every fourth kill may come before there is a file. */
+START_TEST(after_a_kill_at_any_moment_all_committed_frames_are_there)
+{
+    uint64_t seed = 2463534242u;
+    size_t frames = 0, missing = 0;
+    make_reference();
+    for (int i = 0; i < 100; ++i) {
+        (void)unlink(OUT "/k/run.vtkhdf");
+        const pid_t child = start_run();
+        if (i % 4 != 0) {
+            wait_for_frames(child);
+        }
+        sleep_for((long)(random_word(&seed) % 30000));
+        (void)kill(child, SIGKILL);
+        ck_assert_int_eq(waitpid(child, NULL, 0), child);
+        if (exists(OUT "/k/run.vtkhdf")) {
+            frames += is_part_of_reference(OUT "/k");
+        } else {
+            ++missing;
+        }
+    }
+    ck_assert_uint_gt(frames, 100);
+    ck_assert_uint_le(missing, 25);
+}
+END_TEST
+
+START_TEST(a_file_can_be_read_while_it_grows)
+{
+    size_t count = 0;
+    make_reference();
+    const pid_t child = start_run();
+    wait_for_frames(child);
+    while (waitpid(child, NULL, WNOHANG) == 0) {
+        record_frames *frames = open_frames(OUT "/k");
+        ck_assert_uint_ge(record_frames_count(frames), count);
+        count = record_frames_count(frames);
+        record_frames_close(frames);
+    }
+    ck_assert_uint_eq(is_part_of_reference(OUT "/k"), 2001);
+}
+END_TEST
+
+START_TEST(an_interrupted_run_leaves_its_frames_closed)
+{
+    int status;
+    make_reference();
+    const pid_t child = start_run();
+    wait_for_frames(child);
+    sleep_for(5000);
+    (void)kill(child, SIGINT);
+    ck_assert_int_eq(waitpid(child, &status, 0), child);
+    ck_assert(WIFEXITED(status));
+    ck_assert(WEXITSTATUS(status) == 130 || WEXITSTATUS(status) == 0);
+    const size_t frames = is_part_of_reference(OUT "/k");
+    expect(shell("grep '^frames: %zu$' " OUT "/k/result.yaml", frames), 0);
+    ck_assert(!exists(OUT "/k/run.vtkhdf.tmp"));
+}
+END_TEST
+
+START_TEST(a_run_that_fails_leaves_the_frames_before)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/f --quiet --set "
+                      "stepper.fixed_step=0.05 --set run.duration=50 2>&1"),
+           1);
+    record_frames *frames = open_frames(OUT "/f");
+    expect(shell("grep '^frames: %zu$' " OUT "/f/result.yaml",
+                 record_frames_count(frames)),
+           0);
+    record_frames_close(frames);
+}
+END_TEST
+
+/* A file system of its own that is too small; where none can be made, nothing is
+ * tested. */
+START_TEST(a_full_disk_keeps_the_frames_before)
+{
+    expect(shell("mkdir -p " OUT "/disk"), 0);
+    const char *alone = shell("unshare -m true 2>&1") == 0     ? "unshare -m"
+                        : shell("unshare -Urm true 2>&1") == 0 ? "unshare -Urm"
+                                                               : NULL;
+    if (alone == NULL
+        || shell("%s mount -t tmpfs -o size=1m none " OUT "/disk 2>&1", alone) != 0) {
+        puts("skipped: no file system can be mounted to be filled");
+        return;
+    }
+    const int code
+        = shell("%s sh -c 'mount -t tmpfs -o size=1m none " OUT "/disk; " WEFT
+                " run " OUT "/small.yaml --out " OUT
+                "/disk/r --quiet --set cloth.grid.rows=40 --set cloth.grid.cols=40 "
+                "--set run.fps=1000; code=$?; cp " OUT "/disk/r/run.vtkhdf " OUT
+                "/r/; exit $code' 2>&1",
+                alone);
+    expect(code, 4);
+    says("run.vtkhdf: No space left on device");
+    record_frames *frames = open_frames(OUT "/r");
+    ck_assert_uint_gt(record_frames_count(frames), 5);
+    ck_assert_uint_lt(record_frames_count(frames), 501);
+    record_frames_close(frames);
+}
+END_TEST
+
+START_TEST(a_file_that_cannot_be_made_is_named)
+{
+    expect(shell("mkdir -p " OUT "/u/run.vtkhdf.tmp/x; " WEFT " run " OUT
+                 "/small.yaml --out " OUT "/u --force --quiet 2>&1"),
+           4);
+    says(OUT "/u/run.vtkhdf: Is a directory");
+    expect(shell("grep -c 'status: failed' " OUT "/u/result.yaml"), 0);
+    expect(shell("ulimit -f 8; " WEFT " run " OUT "/small.yaml --out " OUT
+                 "/v --quiet 2>&1"),
+           4);
+    says(OUT "/v/run.vtkhdf: File too large");
+}
+END_TEST
+
+START_TEST(the_same_scene_gives_the_same_file)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/a --quiet && " WEFT
+                      " run " OUT "/small.yaml --out " OUT "/b --quiet && cmp " OUT
+                      "/a/run.vtkhdf " OUT "/b/run.vtkhdf"),
+           0);
+}
+END_TEST
+
+static Suite *suite(void)
+{
+    Suite *all = suite_create("record ends");
+    TCase *runs = tcase_create("runs");
+    tcase_add_checked_fixture(runs, begin, NULL);
+    tcase_set_timeout(runs, 120);
+    tcase_add_test(runs, after_a_kill_at_any_moment_all_committed_frames_are_there);
+    tcase_add_test(runs, a_file_can_be_read_while_it_grows);
+    tcase_add_test(runs, an_interrupted_run_leaves_its_frames_closed);
+    tcase_add_test(runs, a_run_that_fails_leaves_the_frames_before);
+    tcase_add_test(runs, a_full_disk_keeps_the_frames_before);
+    tcase_add_test(runs, a_file_that_cannot_be_made_is_named);
+    tcase_add_test(runs, the_same_scene_gives_the_same_file);
+    suite_add_tcase(all, runs);
+    return all;
+}
+
+int main(void)
+{
+    return test_run(suite());
+}
