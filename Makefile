@@ -36,7 +36,7 @@ HAVE_SUNDIALS_7 := $(call has,sundials/sundials_errors.h)
 LIB_SRC  := $(wildcard src/cloth/*.c src/sim/*.c src/scene/*.c)
 PROG_SRC := $(wildcard src/record/*.c src/cli/*.c)
 LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
-PROG_OBJ := $(PROG_SRC:%.c=$(BUILD)/%.o)
+PROG_OBJ := $(PROG_SRC:%.c=$(BUILD)/%.o) $(BUILD)/src/record/player_page.o
 LIB_LIBS := -lyaml -ldl -lm
 
 PLUGINS := verlet $(if $(HAVE_GSL),gsl) $(if $(HAVE_ARKODE),arkode)
@@ -76,6 +76,11 @@ $(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
 $(BUILD)/src/%.o: src/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -c -o $@ $<
+
+# The player, built from viewer/ by `make viewer` and committed.
+$(BUILD)/src/record/player_page.o: src/record/player_page.S viewer/dist/player.html
+	@mkdir -p $(@D)
+	$(call say,AS)$(CC) -c -o $@ $<
 
 # ---- plugins: each sees weft/stepper.h and nothing else of weft -------------------
 

@@ -18,6 +18,7 @@ static const struct option known[] = {
     { "frame", required_argument, NULL, 'i' },
     { "yaml", no_argument, NULL, 'y' },
     { "markdown", no_argument, NULL, 'm' },
+    { "view", no_argument, NULL, 'v' },
 };
 
 #define KNOWN (sizeof known / sizeof known[0])
@@ -62,6 +63,9 @@ static void apply(int letter, options *out)
         break;
     case 'y':
         out->yaml = true;
+        break;
+    case 'v':
+        out->view = true;
         break;
     default:
         out->markdown = true;
