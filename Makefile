@@ -50,7 +50,7 @@ TEST_BIN := $(TESTS:%=$(BUILD)/tests/%)
 BROKEN := $(patsubst tests/broken/%.c,$(BUILD)/tests/broken/weft-%.so,$(wildcard tests/broken/*.c))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/*.c))
 
-.PHONY: all check check-run bench demo demo-run deps docs lint format asan clang-build \
+.PHONY: all check check-run check-view viewer pictures bench demo demo-run deps docs lint format asan clang-build \
         valgrind symbols clean help
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -145,6 +145,19 @@ check: deps
 check-run: all $(TEST_BIN) $(BROKEN) $(EXAMPLES) lint
 	@tools/run-tests $(BUILD) $(TEST_BIN)
 
+# Results in the programs that show them; each test needs tools of its own or is skipped.
+check-view: all
+	@tools/check-view $(BUILD)
+
+# The page that weft view fills: needs node and npm, and its result is committed.
+viewer:
+	@tools/viewer-packages
+	node viewer/build.mjs
+
+# docs/pictures, drawn by the player.
+pictures: all
+	@tools/pictures $(BUILD)
+
 demo: deps
 	@$(MAKE) --no-print-directory demo-run
 
@@ -190,6 +203,6 @@ clean:
 
 help:
 	@sed -n '2,8s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | lint | format | docs | asan | clang-build | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | clang-build | valgrind | symbols | clean"
 
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // build.mjs -- dist/player.html from src/: one page, nothing fetched when it is shown.
-// The same sources and versions give the same bytes.
+// The same sources and versions give the same bytes. `node build.mjs FILE` writes there.
 import { createHash } from 'node:crypto';
-import { mkdir, readFile, writeFile } from 'node:fs/promises';
+import { readFile, writeFile } from 'node:fs/promises';
+import { fileURLToPath } from 'node:url';
 import { build } from 'esbuild';
 
 const here = (path) => new URL(path, import.meta.url);
@@ -10,7 +11,7 @@ const MARK = '<!--WEFT-DATA-->';
 
 const bundle = async (entry) => {
     const result = await build({
-        entryPoints: [here(entry).pathname],
+        entryPoints: [fileURLToPath(here(entry))],
         bundle: true,
         minify: true,
         format: 'iife',
@@ -59,5 +60,4 @@ const page = (await readFile(here('src/page.html'), 'utf8')).replace(
 if (page.split(MARK).length !== 2) {
     throw new Error(`the page must have one ${MARK}`);
 }
-await mkdir(here('dist'), { recursive: true });
-await writeFile(here('dist/player.html'), page);
+await writeFile(process.argv[2] ?? here('dist/player.html'), page);

@@ -31,9 +31,8 @@ static bool make_directories(const char *directory)
 static bool is_ours(const char *name)
 {
     static const char *const names[] = {
-        "scene.yaml",  "manifest.yaml", "series.csv",      "final.csv",
-        "result.yaml", "run.vtkhdf",    "checkpoint.weft", "frames",
-        "run.html",    "compare.html",
+        "scene.yaml", "manifest.yaml",   "series.csv", "final.csv", "result.yaml",
+        "run.vtkhdf", "checkpoint.weft", "frames",     "run.html",  "compare.html",
     };
     const size_t length = strlen(name);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {

@@ -291,13 +291,20 @@ static void write_pinned(const player *self)
     free(marks);
 }
 
+/* The page does not tell where on its maker's disk the run lies. */
+static const char *directory_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash == NULL || slash[1] == '\0' ? path : slash + 1;
+}
+
 static void write_runs(const player *self)
 {
     static const char *const files[] = { "scene", "manifest", "result", "series" };
     for (size_t r = 0; r < self->run_count; ++r) {
         const player_run *run = &self->runs[r];
         fprintf(self->stream, "%s{\"directory\":", r > 0 ? "," : "");
-        page_text(self->stream, run->directory);
+        page_text(self->stream, directory_name(run->directory));
         fprintf(self->stream, ",\"frames\":%zu,\"index\":[",
                 record_frames_count(run->frames));
         for (size_t i = 0; i < self->shown; ++i) {

@@ -8,6 +8,7 @@ import { paint } from './colours.js';
 
 const FRONT = new Color('#c8553d');
 const BACK = new Color('#e3b27a');
+const PIN = new Color('#69727e');
 
 /** Two triangles a cell, split along alternating diagonals. */
 function faces(rows, cols) {
@@ -81,7 +82,7 @@ function material() {
 
 /** The threads of a cloth lie on it: half the width of a pixel towards the viewer. */
 function threadMaterial() {
-    const made = new LineBasicMaterial({ color: '#000000', transparent: true, opacity: 0.16 });
+    const made = new LineBasicMaterial({ color: '#000000', transparent: true });
     made.onBeforeCompile = (shader) => {
         shader.vertexShader = shader.vertexShader.replace(
             '#include <project_vertex>',
@@ -118,6 +119,7 @@ export class Cloth {
             this.group.add(object);
         }
         this.lines.castShadow = this.chain;
+        this.lines.material.opacity = this.chain ? 0.8 : 0.16;
     }
 
     /** Spheres at the pins; in a chain at every particle. */
@@ -131,7 +133,7 @@ export class Cloth {
         );
         const pinned = new Set(page.pinned);
         this.beadAt.forEach((i, k) => {
-            beads.setColorAt(k, pinned.has(i) ? new Color('#2b3038') : FRONT);
+            beads.setColorAt(k, pinned.has(i) ? PIN : FRONT);
         });
         beads.castShadow = this.chain;
         return beads;

@@ -44,6 +44,7 @@ const PLOTS = [
     },
     {
         title: 'evaluations of the forces a frame',
+        zero: true,
         curves: [{ label: 'calls', ink: 2, brief: true, of: (c) => perRow(c.get('rhs_calls')) }],
     },
 ];
@@ -77,6 +78,8 @@ function short(v) {
     return v !== 0 && Math.abs(v) < 1e-3 ? v.toExponential(2) : Number(v.toPrecision(3)).toString();
 }
 
+const fromZero = (_, lo, hi) => [Math.min(0, lo), 1.1 * hi || 1];
+
 /** Lines of a logarithmic axis: at powers of ten, and where these are few at 2 and 5 too. */
 function decades(_, ticks) {
     const wide = ticks.at(-1) / ticks[0] > 50;
@@ -84,12 +87,14 @@ function decades(_, ticks) {
 }
 
 function axis(style, log) {
+    const filter = log ? { filter: decades } : {};
     return {
         stroke: style('--ink-soft'),
-        grid: { stroke: style('--line'), width: 1 },
-        ticks: { stroke: style('--line'), width: 1, size: 4 },
+        grid: { stroke: style('--line'), width: 1, ...filter },
+        ticks: { stroke: style('--line'), width: 1, size: 4, ...filter },
         font: '11px system-ui, sans-serif',
-        ...(log ? { filter: decades, values: (_, ticks) => ticks.map((t) => t?.toExponential(0) ?? '') } : {}),
+        ...filter,
+        ...(log ? { values: (_, ticks) => ticks.map((t) => t?.toExponential(0) ?? '') } : {}),
     };
 }
 
@@ -134,7 +139,7 @@ export class Plots {
             class: series.length > 1 ? 'several' : 'single',
             width: this.element.clientWidth,
             height: HEIGHT,
-            scales: { x: { time: false }, y: { distr: plot.log ? 3 : 1 } },
+            scales: { x: { time: false }, y: { distr: plot.log ? 3 : 1, ...(plot.zero ? { range: fromZero } : {}) } },
             axes: [
                 { ...axis(style), size: 28 },
                 { ...axis(style, plot.log), size: 54 },

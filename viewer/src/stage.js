@@ -96,13 +96,13 @@ export class Stage {
     makeView(run) {
         const scene = new Scene();
         const cloth = new Cloth(this.page, run, this.size);
-        const key = new DirectionalLight('#fff4e6', 2.9);
+        const key = new DirectionalLight('#fff4e6', 2.8);
         key.position.copy(this.centre).addScaledVector(new Vector3(-0.62, 1, 0.75).normalize(), 2 * this.size);
         key.target.position.copy(this.centre);
         this.castShadows(key);
-        const rim = new DirectionalLight('#dce8ff', 1.0);
-        rim.position.set(0.8, 0.25, -1);
-        scene.add(cloth.group, new HemisphereLight('#ffffff', '#a19c94', 1.15), key, key.target, rim);
+        const fill = new DirectionalLight('#dce8ff', 1.1);
+        fill.position.set(0.9, -0.15, 0.8);
+        scene.add(cloth.group, new HemisphereLight('#ffffff', '#a19c94', 1.4), key, key.target, fill);
         this.addFloor(scene);
         for (const body of this.page.obstacles) {
             const made = OBSTACLES[body.type]?.(body, this.size);
