@@ -10,7 +10,7 @@
 #include "record/page.h"
 #include "record/record.h"
 
-#define FRAME_BUDGET 64e6 /* [B] of the page; more frames are thinned */
+#define FRAME_BUDGET 64e6 /* [B] of all frames; more are thinned */
 #define SIDE_MAX     256  /* particles shown along a side; more are thinned */
 #define RUNS_MAX     2
 #define TIME_MATCH   1e-9 /* relative: two frames of the same time */
@@ -107,7 +107,8 @@ static void thin(player *self)
         = 4.0 / 3.0
           * ((double)(blocks * page_block_size(self->planes, self->count))
              + (blocks > 1 ? (double)page_block_size(1, self->count) : 0.0));
-    const double step = ceil((double)self->chosen * bytes / FRAME_BUDGET);
+    const double step
+        = ceil((double)self->chosen * bytes / (FRAME_BUDGET - 2.0 * bytes));
     const size_t last = self->chosen - 1;
     for (size_t i = 0; i < self->chosen; i += (size_t)step) {
         for (size_t r = 0; r < self->run_count; ++r) {

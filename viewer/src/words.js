@@ -53,7 +53,7 @@ function omissions(page) {
     const said = [];
     if (page.times.length < page.chosen) {
         const step = page.runs[0].index[1] - page.runs[0].index[0];
-        said.push(`thinned to ${page.times.length} of ${page.chosen} frames (every ${step}. and the last) to keep this page below 64 MB`);
+        said.push(`thinned to ${page.times.length} of ${page.chosen} frames (every ${step}. and the last) to keep them below 64 MB`);
     }
     if (page.stride > 1) {
         said.push(`thinned to every ${page.stride}. of ${page.grid.join(' × ')} particles a side`);
