@@ -50,7 +50,7 @@ endif
 LIB_SRC  := $(wildcard src/cloth/*.c src/sim/*.c src/scene/*.c)
 PROG_SRC := $(wildcard src/record/*.c src/cli/*.c)
 LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
-PROG_OBJ := $(PROG_SRC:%.c=$(BUILD)/%.o)
+PROG_OBJ := $(PROG_SRC:%.c=$(BUILD)/%.o) $(BUILD)/src/record/player_page.o
 LIB_LIBS := -lyaml -ldl -lm
 
 PLUGINS := verlet $(if $(HAVE_GSL),gsl) $(if $(HAVE_ARKODE),arkode)
@@ -64,7 +64,7 @@ TEST_BIN := $(TESTS:%=$(BUILD)/tests/%)
 BROKEN := $(patsubst tests/broken/%.c,$(BUILD)/tests/broken/weft-%.so,$(wildcard tests/broken/*.c))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/*.c))
 
-.PHONY: all check check-run check-view verify bench demo demo-run deps docs lint format asan \
+.PHONY: all check check-run check-view viewer pictures verify bench demo demo-run deps docs lint format asan \
         clang-build check-sundials7 valgrind symbols clean help
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -94,6 +94,11 @@ $(BUILD)/src/%.o: src/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -c -o $@ $<
 
+# The player, built from viewer/ by `make viewer` and committed.
+$(BUILD)/src/record/player_page.o: src/record/player_page.S viewer/dist/player.html
+	@mkdir -p $(@D)
+	$(call say,AS)$(CC) -c -o $@ $<
+
 # ---- plugins: each sees weft/stepper.h and nothing else of weft -------------------
 
 define PLUGIN_RULE
@@ -107,7 +112,8 @@ $(foreach p,$(PLUGINS),$(eval $(call PLUGIN_RULE,$(p))))
 # Loops over whole states, which gcc does not vectorise at -O2.
 $(BUILD)/plugins/arkode/vector.o: CFLAGS := $(CFLAGS) $(if $(SAN),,-O3)
 
-$(BUILD)/plugins/arkode/%.o: INCS += $(MPI_INC)
+# All that include SUNDIALS.
+$(BUILD)/plugins/arkode/%.o $(BUILD)/tests/test_arkode_vector.o $(BUILD)/bench/vectors.o: INCS += $(MPI_INC)
 
 $(BUILD)/plugins/%.o: plugins/%.c
 	@mkdir -p $(@D)
@@ -183,6 +189,15 @@ check-run: all $(TEST_BIN) $(BROKEN) $(EXAMPLES) lint
 check-view: all
 	@tools/check-view $(BUILD)
 
+# The page that weft view fills: needs node and npm, and its result is committed.
+viewer:
+	@tools/viewer-packages
+	node viewer/build.mjs
+
+# docs/pictures, drawn by the player.
+pictures: all
+	@tools/pictures $(BUILD)
+
 demo: deps
 	@$(MAKE) --no-print-directory demo-run
 
@@ -232,6 +247,6 @@ clean:
 
 help:
 	@sed -n '2,9s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | check-view | lint | format | docs | asan | clang-build | check-sundials7 | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | clang-build | check-sundials7 | valgrind | symbols | clean"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

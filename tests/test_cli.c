@@ -117,7 +117,7 @@ END_TEST
 START_TEST(every_verb_has_help_on_stdout)
 {
     static const char *const verbs[]
-        = { "run", "check", "steppers", "scene-help", "export" };
+        = { "run", "check", "steppers", "scene-help", "export", "view" };
     for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; ++i) {
         expect(shell(WEFT " %s --help 2>/dev/null", verbs[i]), 0);
         says("usage: weft ");

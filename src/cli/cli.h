@@ -25,21 +25,22 @@ typedef struct verb {
     int (*run)(int argc, char **argv);
 } verb;
 
-extern const verb verb_run, verb_check, verb_steppers, verb_scene_help, verb_export;
+extern const verb verb_run, verb_check, verb_steppers, verb_scene_help, verb_export,
+    verb_view;
 
 /* Options that several verbs take. */
 typedef struct options {
     const char *plugin_path, *out, *frames, *format, *frame;
     const char **sets;
     size_t set_count;
-    bool quiet, force, yaml, markdown, all, refine;
+    bool quiet, force, yaml, markdown, all, refine, view;
     char **operands; /* what is left of argv */
     int operand_count;
 } options;
 
 /* Parse by the letters of `takes`: o --out, s --set, p --plugin-path, q --quiet,
  * F --force, r --frames, t --format, i --frame, y --yaml, m --markdown, a --all,
- * R --refine. Returns -1 to go on, or an exit code: help was printed, or the command
+ * R --refine, v --view. Returns -1 to go on, or an exit code: help was printed, or the command
  * line is wrong. */
 int options_parse(const verb *self, const char *takes, int argc, char **argv,
                   options *out);
@@ -58,6 +59,10 @@ weft_registry *open_registry(const char *plugin_path);
 /* Read a scene, print what is wrong with it. Returns EXIT_DONE or the exit code. */
 int open_scene(const char *file, const options *given, weft_registry *registry,
                weft_scene **scene);
+
+/* view.c: write the page of one run or of two, into `out` or a default place, and print
+ * its URL. Returns the exit code. */
+int view_runs(const char *const *directories, size_t count, const char *out);
 
 /* progress.c: one line that moves on a terminal, a line every tenth in a pipe. */
 typedef struct progress {

@@ -20,6 +20,7 @@ static const struct option known[] = {
     { "markdown", no_argument, NULL, 'm' },
     { "all", no_argument, NULL, 'a' },
     { "refine", no_argument, NULL, 'R' },
+    { "view", no_argument, NULL, 'v' },
 };
 
 #define KNOWN (sizeof known / sizeof known[0])
@@ -70,6 +71,9 @@ static void apply(int letter, options *out)
         break;
     case 'R':
         out->refine = true;
+        break;
+    case 'v':
+        out->view = true;
         break;
     default:
         out->markdown = true;

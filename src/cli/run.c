@@ -377,7 +377,7 @@ static char *default_out(const char *file)
 static int run_verb(int argc, char **argv)
 {
     options given;
-    int code = options_parse(&verb_run, "ospqFr", argc, argv, &given);
+    int code = options_parse(&verb_run, "ospqFrv", argc, argv, &given);
     if (code >= 0) {
         return code;
     }
@@ -394,8 +394,12 @@ static int run_verb(int argc, char **argv)
                    ? EXIT_SIMULATION
                    : open_scene(given.operands[0], &given, registry, &scene);
         if (code == EXIT_DONE) {
-            code = run_scene(&given, given.out == NULL ? out : given.out, scene,
-                             registry);
+            const char *directory = given.out == NULL ? out : given.out;
+            code = run_scene(&given, directory, scene, registry);
+            if (given.view) {
+                const int viewed = view_runs(&directory, 1, NULL);
+                code = code == EXIT_DONE ? viewed : code;
+            }
         }
         free(out);
         weft_scene_destroy(scene);
@@ -420,6 +424,9 @@ const verb verb_run = {
       "  --force              replace what an earlier run left there\n"
       "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
       "  --frames obj         write frames/frame-000000.obj ... as well\n"
+      "  --view               make run.html as well, a page that plays the run, and "
+      "print\n"
+      "                       its URL\n"
       "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n"
       "  --quiet              no progress, no summary\n\n"
       "examples:\n"

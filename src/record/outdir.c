@@ -34,6 +34,7 @@ static bool is_ours(const char *name)
         "scene.yaml", "manifest.yaml",   "series.csv", "final.csv", "result.yaml",
         "run.vtkhdf", "checkpoint.weft", "frames",     "run.mdd",   "run.pc2",
         "run.pvd",    "rest.obj",        "final.obj",  "final.ply",
+        "run.html",   "compare.html",
     };
     const size_t length = strlen(name);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {

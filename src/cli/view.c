@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* view.c -- weft view: a run as a page for a browser. */
+#define _XOPEN_SOURCE 700 /* realpath */
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/cli.h"
+#include "record/player.h"
+#include "record/record.h"
+
+/* A file:// URL of a page that exists. */
+static void print_url(const char *file)
+{
+    char *path = realpath(file, NULL);
+    fputs("file://", stdout);
+    for (const char *c = path == NULL ? file : path; *c != '\0'; ++c) {
+        const bool plain = (*c >= '0' && *c <= '9') || (*c >= 'a' && *c <= 'z')
+                           || (*c >= 'A' && *c <= 'Z') || strchr("/-_.~", *c) != NULL;
+        printf(plain ? "%c" : "%%%02X", (unsigned char)*c);
+    }
+    putchar('\n');
+    free(path);
+}
+
+int view_runs(const char *const *directories, size_t count, const char *out)
+{
+    char path[RECORD_PATH];
+    weft_error err = { 0 };
+    weft_status status = WEFT_OK;
+    if (out == NULL) {
+        status = record_path(directories[0], count > 1 ? "compare.html" : "run.html",
+                             path, &err);
+        out = path;
+    }
+    if (status == WEFT_OK) {
+        status = record_player(directories, count, out, &err);
+    }
+    if (status != WEFT_OK) {
+        const int code = report_error(&err);
+        return status == WEFT_INVALID ? EXIT_USAGE : code;
+    }
+    print_url(out);
+    return EXIT_DONE;
+}
+
+static int view_verb(int argc, char **argv)
+{
+    options given;
+    int code = options_parse(&verb_view, "o", argc, argv, &given);
+    if (code >= 0) {
+        return code;
+    }
+    if (given.operand_count < 1 || given.operand_count > 2) {
+        code = usage_error(&verb_view, "needs the directory of one run, or of two");
+    } else {
+        code = view_runs((const char *const *)given.operands,
+                         (size_t)given.operand_count, given.out);
+    }
+    options_free(&given);
+    return code;
+}
+
+const verb verb_view = {
+    .name = "view",
+    .summary = "make a page that plays a run, or two side by side",
+    .help
+    = "usage: weft view DIR [DIR2] [OPTIONS]\n\n"
+      "Writes one self-contained HTML page with the frames and the plots of a run, "
+      "and\n"
+      "prints its URL: a browser plays it, nothing is fetched from anywhere. Two runs\n"
+      "of the same grid are shown side by side, at the times both have, coloured by\n"
+      "how far they are apart.\n\n"
+      "  --out FILE           default: DIR/run.html, of two runs DIR/compare.html\n\n"
+      "examples:\n"
+      "  weft view flag\n"
+      "  weft view flag-rkf45 flag-verlet --out steppers.html\n\n"
+      "exit codes: 0 done, 2 wrong command line, or runs that do not fit together, 4 "
+      "a\n"
+      "file could not be read or written\n",
+    .run = view_verb,
+};

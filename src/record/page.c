@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "record/page.h"
+
+#include <stdint.h>
+#include <string.h>
+
+#include "record/record.h"
+
+static void put_character(FILE *stream, int c)
+{
+    if (c == '"' || c == '\\') {
+        putc('\\', stream);
+        putc(c, stream);
+    } else if (c < 0x20 || c == '<' || c == '>' || c == '&' || c == 0x7f) {
+        fprintf(stream, "\\u%04x", (unsigned)c);
+    } else {
+        putc(c, stream);
+    }
+}
+
+void page_text(FILE *stream, const char *text)
+{
+    putc('"', stream);
+    for (; *text != '\0'; ++text) {
+        put_character(stream, (unsigned char)*text);
+    }
+    putc('"', stream);
+}
+
+void page_file(FILE *stream, const char *directory, const char *name)
+{
+    char path[RECORD_PATH];
+    FILE *file
+        = record_path(directory, name, path, NULL) == WEFT_OK ? fopen(path, "r") : NULL;
+    if (file == NULL) {
+        fputs("null", stream);
+        return;
+    }
+    putc('"', stream);
+    for (int c; (c = getc(file)) != EOF;) {
+        put_character(stream, c);
+    }
+    putc('"', stream);
+    (void)fclose(file);
+}
+
+void page_bytes(FILE *stream, const unsigned char *bytes, size_t size)
+{
+    static const char digits[]
+        = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    fputs("<script type=\"weft/frame\">", stream);
+    for (size_t i = 0; i < size; i += 3) {
+        const size_t left = size - i;
+        const unsigned group = (unsigned)bytes[i] << 16
+                               | (left > 1 ? (unsigned)bytes[i + 1] << 8 : 0u)
+                               | (left > 2 ? bytes[i + 2] : 0u);
+        const char four[4] = { digits[group >> 18], digits[group >> 12 & 63],
+                               left > 1 ? digits[group >> 6 & 63] : '=',
+                               left > 2 ? digits[group & 63] : '=' };
+        (void)fwrite(four, 1, sizeof four, stream);
+    }
+    fputs("</script>\n", stream);
+}
+
+size_t page_block_size(size_t planes, size_t count)
+{
+    return planes * (2 * sizeof(float) + count * sizeof(uint16_t));
+}
+
+static void put_little(unsigned char *out, uint32_t bits, size_t bytes)
+{
+    for (size_t i = 0; i < bytes; ++i) {
+        out[i] = (unsigned char)(bits >> 8 * i & 255);
+    }
+}
+
+static void put_float(unsigned char *out, float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    put_little(out, bits, sizeof bits);
+}
+
+void page_plane(unsigned char *block, size_t planes, size_t plane, const double *values,
+                size_t count)
+{
+    float lo = (float)values[0], hi = lo;
+    for (size_t i = 1; i < count; ++i) {
+        const float value = (float)values[i];
+        lo = value < lo ? value : lo;
+        hi = value > hi ? value : hi;
+    }
+    put_float(block + plane * 2 * sizeof lo, lo);
+    put_float(block + (plane * 2 + 1) * sizeof lo, hi);
+    const double scale = hi > lo ? UINT16_MAX / ((double)hi - (double)lo) : 0.0;
+    unsigned char *codes = block + planes * 2 * sizeof lo + plane * count * 2;
+    for (size_t i = 0; i < count; ++i) {
+        const double code = (values[i] - (double)lo) * scale + 0.5;
+        put_little(codes + 2 * i,
+                   code >= UINT16_MAX ? UINT16_MAX
+                   : code > 0.0       ? (uint32_t)code
+                                      : 0u,
+                   2);
+    }
+}

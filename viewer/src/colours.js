@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// colours.js -- quantities a cloth is coloured by, their ranges, and the bar beside it.
+
+// From linen to dark red, darker all the way: calm cloth looks like cloth, and a person who
+// sees no colours still sees the order.
+const STOPS = ['#f1ead9', '#f3d694', '#f4b557', '#ea8537', '#d0532f', '#a62a3a', '#6f1640', '#3c0d38'].map((hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255));
+
+const SAMPLES = 12; // frames looked at for a range
+
+/** sRGB of a place between 0 and 1. */
+export function colourAt(x) {
+    const place = Math.min(Math.max(x, 0), 1) * (STOPS.length - 1);
+    const i = Math.min(Math.floor(place), STOPS.length - 2);
+    return STOPS[i].map((c, k) => c + (place - i) * (STOPS[i + 1][k] - c));
+}
+
+const linear = (c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
+const TABLE = new Float32Array(3 * 256);
+for (let i = 0; i < 256; ++i) {
+    TABLE.set(colourAt(i / 255).map(linear), 3 * i);
+}
+
+/** Linear colours of values into out[3 n]. */
+export function paint(values, quantity, out) {
+    for (let i = 0; i < values.length; ++i) {
+        const x = quantity.place(values[i]);
+        const k = 3 * (x > 0 ? Math.min(Math.round(255 * x), 255) : 0);
+        out[3 * i] = TABLE[k];
+        out[3 * i + 1] = TABLE[k + 1];
+        out[3 * i + 2] = TABLE[k + 2];
+    }
+}
+
+// The 99.5th percentile: a corner that tears at its pin does not blind the rest.
+function highest(page, blocks, plane) {
+    const step = Math.max(1, Math.floor(blocks.length / SAMPLES));
+    const values = [];
+    for (let i = blocks.length - 1; i >= 0; i -= step) {
+        values.push(...blocks[i].read(plane, new Float32Array(page.count)).sort()
+            .filter((_, k) => page.count < 256 || k % Math.ceil(page.count / 256) === 0));
+    }
+    values.sort((a, b) => a - b);
+    return values[Math.floor(0.995 * (values.length - 1))] ?? 0;
+}
+
+const number = (x) => Number(x.toPrecision(3)).toString();
+
+/** The next of 1, 1.2, 1.6, 2, ... 8, 10 times a power of ten: a quarter of it is short. */
+function ceiling(x) {
+    const power = 10 ** Math.floor(Math.log10(x));
+    return power * [1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10].find((m) => m * power >= 0.999 * x);
+}
+
+/** Even colours from 0 (and below) to `most`; numbers are told in `unit`, `factor` of them to 1. */
+function evenly(most, unit, factor) {
+    const top = most > 0 ? ceiling(most * factor) : 1;
+    return {
+        unit,
+        place: (value) => (value * factor) / top,
+        ticks: [0, 1, 2, 3, 4].map((k) => (k / 4) * top).map(number),
+    };
+}
+
+// Runs part by powers of ten: six of them below the largest distance.
+function decades(most, unit) {
+    const top = Math.ceil(Math.log10(most > 0 ? most : 1e-12));
+    const low = top - 6;
+    return {
+        unit,
+        place: (value) => (value > 0 ? (Math.log10(value) - low) / 6 : 0),
+        ticks: [0, 2, 4, 6].map((k) => `1e${low + k}`),
+    };
+}
+
+/** What the page offers, by name; `blocks(run)` and `plane` tell where the numbers are. */
+export function quantities(page) {
+    const all = page.runs.flatMap((run) => run.blocks);
+    const known = {
+        strain: (plane) => evenly(highest(page, all, plane), '%', 100),
+        speed: (plane) => evenly(highest(page, all, plane), 'm/s', 1),
+    };
+    const list = page.fields.filter((name) => known[name]).map((name) => ({
+        name, plane: 3 + page.fields.indexOf(name), blocks: (run) => run.blocks,
+        ...known[name](3 + page.fields.indexOf(name)),
+    }));
+    if (page.apart.length > 0) {
+        const most = Math.max(...page.apart.map((block) => block.range(0)[1]));
+        list.unshift({ name: 'difference', plane: 0, blocks: () => page.apart, ...decades(most, 'm') });
+    }
+    return list;
+}
+
+/** Draws the bar, its numbers and its unit; nothing for no quantity. */
+export function drawLegend(quantity, root) {
+    const legend = root.getElementById('legend');
+    legend.hidden = !quantity;
+    if (!quantity) {
+        return;
+    }
+    root.getElementById('legend-title').textContent = `${quantity.name} [${quantity.unit}]`;
+    const context = root.getElementById('legend-bar').getContext('2d');
+    for (let i = 0; i < 256; ++i) {
+        context.fillStyle = `rgb(${colourAt(i / 255).map((c) => Math.round(255 * c))})`;
+        context.fillRect(i, 0, 1, 1);
+    }
+    const ticks = root.getElementById('legend-ticks');
+    ticks.replaceChildren(...quantity.ticks.map((text) => {
+        const tick = root.createElement('span');
+        tick.textContent = text;
+        return tick;
+    }));
+}

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// data.js -- what weft put into the page (docs/player.md): a description as JSON and a
+// block of numbers for each frame of each run.
+
+const bytesOf = (text) => (Uint8Array.fromBase64
+    ? Uint8Array.fromBase64(text)
+    : Uint8Array.from(atob(text), (c) => c.charCodeAt(0)));
+
+/** A block: smallest and largest of each plane, then 16 bits a number. */
+class Block {
+    constructor(element, planes, count) {
+        this.element = element;
+        this.planes = planes;
+        this.count = count;
+        this.bytes = null;
+    }
+
+    /** [lo, hi] of a plane, without decoding the rest. */
+    range(plane) {
+        if (!this.ranges) {
+            const size = 8 * this.planes;
+            const text = this.element.textContent.slice(0, 4 * Math.ceil(size / 3));
+            this.ranges = new Float32Array(bytesOf(text).slice(0, size).buffer);
+        }
+        return [this.ranges[2 * plane], this.ranges[2 * plane + 1]];
+    }
+
+    /** The numbers of a plane, into out[offset], out[offset + step], ... */
+    read(plane, out, offset = 0, step = 1) {
+        if (!this.bytes) {
+            this.range(0);
+            this.bytes = bytesOf(this.element.textContent);
+            this.element.textContent = '';
+        }
+        const start = 8 * this.planes + 2 * this.count * plane;
+        const codes = new Uint16Array(this.bytes.buffer, start, this.count);
+        const [lo, hi] = this.range(plane);
+        const unit = (hi - lo) / 65535;
+        for (let i = 0, k = offset; i < codes.length; ++i, k += step) {
+            out[k] = lo + codes[i] * unit;
+        }
+        return out;
+    }
+}
+
+// "\u00e9" and "\t" as in JSON; "\x07", "\U0001F9F5", "\e" and their like are YAML's own.
+const NAMED = {
+    0: '\0', a: '\x07', b: '\b', t: '\t', n: '\n', v: '\v', f: '\f', r: '\r', e: '\x1b',
+    N: '\x85', _: '\xa0', L: '\u2028', P: '\u2029',
+};
+const unquote = (text) => text.replace(
+    /\\(?:x([0-9a-fA-F]{2})|u([0-9a-fA-F]{4})|U([0-9a-fA-F]{8})|(.))/gs,
+    (_, x, u, U, c) => (c === undefined
+        ? String.fromCodePoint(parseInt(x ?? u ?? U, 16))
+        : NAMED[c] ?? c),
+);
+
+/** The maps of manifest.yaml and result.yaml, as weft writes them: "method.name" -> text. */
+export function readReport(text) {
+    const found = new Map();
+    const path = [];
+    for (const line of (text ?? '').split('\n')) {
+        const match = /^( *)([\w-]+):(?: (.*))?$/.exec(line);
+        if (match) {
+            const [, indent, key, value = ''] = match;
+            path.length = indent.length / 2;
+            path.push(key);
+            found.set(path.join('.'), /^".*"$/.test(value) ? unquote(value.slice(1, -1)) : value);
+        }
+    }
+    return found;
+}
+
+/** The columns of series.csv by name; a last row that was cut short is left out. */
+export function readSeries(text) {
+    const lines = (text ?? '').split('\n').filter((line) => line !== '');
+    const names = (lines.shift() ?? '').split(',');
+    const rows = lines.map((line) => line.split(',')).filter((r) => r.length === names.length);
+    const columns = names.map((name, i) => [name, rows.map((row) => Number(row[i]))]);
+    return new Map(columns);
+}
+
+const readRun = (run) => ({
+    ...run,
+    report: readReport(run.manifest),
+    outcome: readReport(run.result),
+    columns: readSeries(run.series),
+});
+
+export function readPage(root) {
+    const meta = JSON.parse(root.getElementById('weft-data').textContent);
+    const elements = [...root.querySelectorAll('script[type="weft/frame"]')];
+    const count = meta.shown[0] * meta.shown[1];
+    const runs = meta.runs.map(readRun);
+    const stride = runs.length > 1 ? runs.length + 1 : 1;
+    runs.forEach((run, r) => {
+        run.blocks = meta.times.map(
+            (_, i) => new Block(elements[i * stride + r], 3 + meta.fields.length, count),
+        );
+    });
+    const apart = stride > 1
+        ? meta.times.map((_, i) => new Block(elements[i * stride + runs.length], 1, count))
+        : [];
+    return { ...meta, runs, apart, count, obstacles: meta.obstacles ?? [] };
+}
+
+/** The box around each frame of each run: [lo x, hi x], [lo y, hi y], [lo z, hi z]. */
+export const boxes = (page) => page.runs.flatMap((run) => run.blocks)
+    .map((block) => [0, 1, 2].map((k) => block.range(k)));

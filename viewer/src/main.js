@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// main.js -- one state (frame, colour, rate, playing), and what follows from it.
+import { drawLegend, quantities } from './colours.js';
+import { boxes, readPage } from './data.js';
+import { nearest, Plots } from './plots.js';
+import { isSoftware, Stage } from './stage.js';
+import { writeFiles, writeHeader, writeLabels } from './words.js';
+
+const RATES = [0.1, 0.25, 0.5, 1, 2, 4];
+const THREADS_BELOW = 50; // particles along a side: more would be a grey veil
+const $ = (id) => document.getElementById(id);
+const asked = new URLSearchParams(location.hash.slice(1)); // #frame=30&colour=strain&play=0&quality=fine
+
+const page = readPage(document);
+const { times } = page;
+const colours = [null, ...quantities(page)];
+const state = { frame: 0, colour: colours.length > 1 && page.apart.length > 0 ? 1 : 0, rate: 3, playing: false };
+let stage = null;
+try {
+    const fine = asked.get('quality') ? asked.get('quality') === 'fine' : !isSoftware();
+    stage = new Stage($('canvas'), page, boxes(page), fine);
+} catch {
+    $('no-webgl').hidden = false;
+}
+const plots = new Plots(page, $('plots'), (t) => {
+    pause();
+    seek(nearest(times, t));
+});
+
+function seek(frame) {
+    state.frame = Math.min(Math.max(Math.round(frame), 0), times.length - 1);
+    const t = times[state.frame];
+    const number = page.runs[0].index[state.frame];
+    stage?.show(state.frame, colours[state.colour]);
+    plots.show(state.frame);
+    $('scrub').value = state.frame;
+    $('scrub').setAttribute('aria-valuetext', `frame ${number}, ${t.toFixed(3)} s`);
+    $('clock').textContent = `${t.toFixed(3)} s`;
+    $('clock').title = `frame ${number} of ${page.runs[0].frames - 1}`;
+    $('canvas').setAttribute('aria-label', `the cloth at ${t.toFixed(3)} s, frame ${number}`);
+}
+
+function tick(now) {
+    if (!state.playing) {
+        return;
+    }
+    const t = state.from.t + (RATES[state.rate] * (now - state.from.now)) / 1000;
+    let frame = state.frame;
+    while (frame + 1 < times.length && times[frame + 1] <= t) {
+        ++frame;
+    }
+    if (frame !== state.frame) {
+        seek(frame);
+    }
+    if (frame === times.length - 1) {
+        pause();
+    } else {
+        requestAnimationFrame(tick);
+    }
+}
+
+function setPlaying(on) {
+    state.playing = on;
+    $('play').classList.toggle('playing', on);
+    $('play').setAttribute('aria-label', on ? 'pause' : 'play');
+}
+
+function pause() {
+    setPlaying(false);
+}
+
+function play() {
+    if (times.length < 2) {
+        return;
+    }
+    if (state.frame === times.length - 1) {
+        seek(0);
+    }
+    setPlaying(true);
+    state.from = { t: times[state.frame], now: performance.now() };
+    requestAnimationFrame(tick);
+}
+
+const toggle = () => (state.playing ? pause() : play());
+
+function step(by) {
+    pause();
+    seek(state.frame + by);
+}
+
+function setColour(index) {
+    state.colour = (index + colours.length) % colours.length;
+    $('colour').selectedIndex = state.colour;
+    drawLegend(colours[state.colour], document);
+    seek(state.frame);
+}
+
+function setRate(index) {
+    state.rate = Math.min(Math.max(index, 0), RATES.length - 1);
+    $('rate').selectedIndex = state.rate;
+    state.from = { t: times[state.frame], now: performance.now() };
+}
+
+function setThreads(on) {
+    $('threads').checked = on;
+    stage?.setThreads(on);
+}
+
+const prefersDark = matchMedia('(prefers-color-scheme: dark)');
+const isDark = () => (document.documentElement.dataset.theme ?? (prefersDark.matches ? 'dark' : 'light')) === 'dark';
+
+function applyTheme() {
+    stage?.setInk(isDark());
+    plots.draw();
+}
+
+function toggleTheme() {
+    document.documentElement.dataset.theme = isDark() ? 'light' : 'dark';
+    applyTheme();
+}
+
+function showHelp() {
+    if ($('keys').open) {
+        $('keys').close();
+    } else {
+        $('keys').showModal();
+    }
+}
+
+function fit() {
+    if (stage) {
+        stage.moved = false;
+        stage.fit();
+    }
+}
+
+const KEYS = {
+    ' ': toggle,
+    ArrowLeft: (event) => step(event.shiftKey ? -10 : -1),
+    ArrowRight: (event) => step(event.shiftKey ? 10 : 1),
+    Home: () => step(-Infinity),
+    End: () => step(Infinity),
+    '+': () => setRate(state.rate + 1),
+    '=': () => setRate(state.rate + 1),
+    '-': () => setRate(state.rate - 1),
+    c: () => setColour(state.colour + 1),
+    t: () => setThreads(!$('threads').checked),
+    r: fit,
+    d: toggleTheme,
+    '?': showHelp,
+};
+
+/** Keys that an element under the focus needs itself. */
+const taken = (target, key) => target.matches('select') || $('keys').open
+    || (target.matches('button, summary, [type=checkbox]') && key === ' ');
+
+function onKey(event) {
+    const action = KEYS[event.key];
+    if (action && !event.ctrlKey && !event.metaKey && !event.altKey && !taken(event.target, event.key)) {
+        event.preventDefault();
+        action(event);
+    }
+}
+
+function fillChoices() {
+    const option = (text) => new Option(text);
+    $('colour').append(...colours.map((c) => option(c ? c.name : 'plain')));
+    $('rate').append(...RATES.map((rate) => option(`${rate}×`)));
+    $('scrub').max = times.length - 1;
+}
+
+function listen() {
+    const on = (id, type, action) => $(id).addEventListener(type, action);
+    on('play', 'click', toggle);
+    on('first', 'click', () => step(-Infinity));
+    on('last', 'click', () => step(Infinity));
+    on('scrub', 'input', () => {
+        pause();
+        seek(Number($('scrub').value));
+    });
+    on('colour', 'change', () => setColour($('colour').selectedIndex));
+    on('rate', 'change', () => setRate($('rate').selectedIndex));
+    on('threads', 'change', () => setThreads($('threads').checked));
+    on('reset', 'click', fit);
+    on('theme', 'click', toggleTheme);
+    on('help', 'click', showHelp);
+    addEventListener('keydown', onKey);
+    prefersDark.addEventListener('change', applyTheme);
+    stage?.controls.addEventListener('start', () => { stage.moved = true; });
+}
+
+function start() {
+    writeHeader(page);
+    writeFiles(page);
+    fillChoices();
+    listen();
+    if (stage) {
+        new ResizeObserver(() => {
+            stage.resize();
+            writeLabels(page, stage.stacked);
+        }).observe($('canvas'));
+        stage.resize();
+        $('scale').textContent = `floor: ${stage.cell} m a square`;
+    }
+    applyTheme();
+    setRate(state.rate);
+    setThreads(asked.has('threads') ? asked.get('threads') === '1' : Math.max(...page.shown) < THREADS_BELOW);
+    const wanted = colours.findIndex((c) => (c ? c.name : 'plain') === asked.get('colour'));
+    setColour(wanted < 0 ? state.colour : wanted);
+    seek(Number(asked.get('frame')) || 0);
+    const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    if (asked.get('play') !== '0' && !asked.has('frame') && !calm) {
+        play();
+    }
+    document.documentElement.dataset.ready = '';
+}
+
+start();
+
+/** For tests and for the console. */
+window.weft = { page, state, stage, plots, seek, play, pause, setColour };

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// stage.js -- camera, light, floor; a view for each run, side by side under one camera.
+import {
+    DirectionalLight, DoubleSide, HemisphereLight, Mesh, MeshLambertMaterial, PCFShadowMap,
+    PerspectiveCamera, PlaneGeometry, Scene, ShaderMaterial, ShadowMaterial, SphereGeometry,
+    Vector3, WebGLRenderer,
+} from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { Cloth } from './cloth.js';
+
+const DIRECTION = new Vector3(0.6, 0.27, 1).normalize(); // from the cloth to the camera
+const MARGIN = 1.12;
+
+/** 1, 2 or 5 times a power of ten, near x. */
+const round = (x) => {
+    const power = 10 ** Math.floor(Math.log10(x));
+    return power * [1, 2, 5].findLast((m) => m * power <= x * 1.0001);
+};
+
+function floorGrid(cell, radius) {
+    return new ShaderMaterial({
+        transparent: true,
+        depthWrite: false,
+        side: DoubleSide,
+        uniforms: { cell: { value: cell }, radius: { value: radius }, ink: { value: new Vector3() } },
+        vertexShader: `varying vec2 at;
+            void main() {
+                at = position.xy;
+                gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+            }`,
+        fragmentShader: `varying vec2 at;
+            uniform float cell, radius;
+            uniform vec3 ink;
+            void main() {
+                vec2 place = at / cell;
+                vec2 wide = fwidth(place);
+                vec2 line = 1.0 - smoothstep(vec2(0.4), vec2(1.4), abs(fract(place - 0.5) - 0.5) / wide);
+                float fade = 1.0 - smoothstep(0.25, 1.0, length(at) / radius);
+                gl_FragColor = vec4(ink, max(line.x, line.y) * fade * 0.22);
+            }`,
+    });
+}
+
+/** Bodies that stand in the way of a cloth: {type, ...} of docs/player.md. */
+const OBSTACLES = {
+    sphere: ({ centre, radius }) => {
+        const made = new Mesh(new SphereGeometry(radius, 48, 32));
+        made.position.set(...centre);
+        return made;
+    },
+    plane: ({ point, normal }, size) => {
+        const made = new Mesh(new PlaneGeometry(4 * size, 4 * size));
+        made.position.set(...point);
+        made.lookAt(new Vector3(...point).add(new Vector3(...normal)));
+        return made;
+    },
+};
+
+/** Whether pictures are drawn by the processor alone: then shadows and smooth edges
+ * would cost the motion. */
+export function isSoftware() {
+    const context = document.createElement('canvas').getContext('webgl2');
+    const info = context?.getExtension('WEBGL_debug_renderer_info');
+    const name = info ? context.getParameter(info.UNMASKED_RENDERER_WEBGL) : '';
+    context?.getExtension('WEBGL_lose_context')?.loseContext();
+    return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
+
+export class Stage {
+    /** Throws where there is no WebGL. `fine`: shadows and smooth edges. */
+    constructor(canvas, page, boxes, fine) {
+        this.page = page;
+        this.canvas = canvas;
+        this.corners = boxes.flatMap(([x, y, z]) => [0, 1, 2, 3, 4, 5, 6, 7].map(
+            (i) => new Vector3(x[i & 1], y[(i >> 1) & 1], z[i >> 2]),
+        ));
+        this.lo = this.corners.reduce((a, b) => a.min(b), new Vector3().setScalar(Infinity));
+        this.hi = this.corners.reduce((a, b) => a.max(b), new Vector3().setScalar(-Infinity));
+        this.centre = this.lo.clone().add(this.hi).multiplyScalar(0.5);
+        this.size = this.lo.distanceTo(this.hi) || 1;
+        this.renderer = new WebGLRenderer({ canvas, antialias: fine, alpha: true });
+        this.renderer.debug.checkShaderErrors = false; // would wait for each shader
+        this.renderer.setScissorTest(true);
+        this.renderer.shadowMap.enabled = fine;
+        this.renderer.shadowMap.type = PCFShadowMap;
+        this.camera = new PerspectiveCamera(32, 1, this.size / 100, this.size * 60);
+        this.controls = new OrbitControls(this.camera, canvas);
+        this.controls.minDistance = this.size / 20;
+        this.controls.maxDistance = this.size * 20;
+        this.controls.addEventListener('change', () => this.request());
+        this.cell = round(this.size / 4);
+        this.views = page.runs.map((run) => this.makeView(run));
+        this.stacked = false;
+    }
+
+    makeView(run) {
+        const scene = new Scene();
+        const cloth = new Cloth(this.page, run, this.size);
+        const key = new DirectionalLight('#fff4e6', 2.8);
+        key.position.copy(this.centre).addScaledVector(new Vector3(-0.62, 1, 0.75).normalize(), 2 * this.size);
+        key.target.position.copy(this.centre);
+        this.castShadows(key);
+        const fill = new DirectionalLight('#dce8ff', 1.1);
+        fill.position.set(0.9, -0.15, 0.8);
+        scene.add(cloth.group, new HemisphereLight('#ffffff', '#a19c94', 1.4), key, key.target, fill);
+        this.addFloor(scene);
+        for (const body of this.page.obstacles) {
+            const made = OBSTACLES[body.type]?.(body, this.size);
+            if (made) {
+                made.material = new MeshLambertMaterial({ color: '#8d99ae', side: DoubleSide });
+                made.castShadow = true;
+                made.receiveShadow = true;
+                scene.add(made);
+            }
+        }
+        return { scene, cloth };
+    }
+
+    castShadows(light) {
+        const reach = 0.75 * this.size;
+        light.castShadow = true;
+        light.shadow.mapSize.set(1024, 1024);
+        Object.assign(light.shadow.camera, {
+            left: -reach, right: reach, top: reach, bottom: -reach, near: this.size / 4, far: 4 * this.size,
+        });
+        light.shadow.normalBias = 0.006 * this.size;
+        light.shadow.bias = -0.0006;
+        light.shadow.radius = 3;
+    }
+
+    addFloor(scene) {
+        const radius = 1.5 * this.size;
+        const ground = new PlaneGeometry(2 * radius, 2 * radius);
+        this.grid ??= floorGrid(this.cell, radius);
+        this.shade ??= new ShadowMaterial({ depthWrite: false });
+        const layers = this.renderer.shadowMap.enabled ? [this.grid, this.shade] : [this.grid];
+        for (const [i, material] of layers.entries()) {
+            const floor = new Mesh(ground, material);
+            floor.rotation.x = -Math.PI / 2;
+            floor.position.set(this.centre.x, this.lo.y - 0.05 * this.size, this.centre.z);
+            floor.receiveShadow = i === 1;
+            floor.renderOrder = -1 - i;
+            scene.add(floor);
+        }
+    }
+
+    setInk(dark) {
+        this.grid.uniforms.ink.value.setScalar(dark ? 0.75 : 0.1);
+        this.shade.opacity = dark ? 0.45 : 0.2;
+        this.request();
+    }
+
+    setThreads(on) {
+        for (const { cloth } of this.views) {
+            cloth.lines.visible = on || cloth.chain;
+        }
+        this.request();
+    }
+
+    show(frame, quantity) {
+        for (const { cloth } of this.views) {
+            cloth.show(frame, quantity);
+        }
+        this.request();
+    }
+
+    resize() {
+        const { clientWidth: width, clientHeight: height } = this.canvas;
+        const ratio = Math.min(window.devicePixelRatio, 2);
+        this.renderer.setPixelRatio(ratio);
+        this.renderer.setSize(width, height, false);
+        this.stacked = width < height;
+        this.panes = this.views.map((_, i) => {
+            const share = i / this.views.length;
+            return this.stacked
+                ? [0, height - (share + 1 / this.views.length) * height, width, height / this.views.length]
+                : [share * width, 0, width / this.views.length, height];
+        });
+        this.camera.aspect = this.panes[0][2] / this.panes[0][3];
+        this.camera.updateProjectionMatrix();
+        if (!this.moved) {
+            this.fit();
+        }
+        this.request();
+    }
+
+    /** As close as the boxes of all frames stay in view. */
+    fit() {
+        const { camera, controls } = this;
+        const tall = Math.tan((camera.fov * Math.PI) / 360) / MARGIN;
+        const right = new Vector3(0, 1, 0).cross(DIRECTION).normalize();
+        const up = DIRECTION.clone().cross(right);
+        const target = this.centre.clone();
+        // Perspective shifts the middle of what is seen: look there, then again.
+        let distance = 0;
+        for (let pass = 0; pass < 4; ++pass) {
+            const place = (axis, slope) => {
+                const near = this.corners.map((corner) => {
+                    const from = corner.clone().sub(target);
+                    return [from.dot(axis) / slope, from.dot(DIRECTION)];
+                });
+                const ahead = Math.max(...near.map(([x, depth]) => depth + x));
+                const behind = Math.max(...near.map(([x, depth]) => depth - x));
+                target.addScaledVector(axis, ((ahead - behind) / 2) * slope);
+                return (ahead + behind) / 2;
+            };
+            distance = Math.max(place(right, tall * camera.aspect), place(up, tall), this.size / 4);
+        }
+        controls.target.copy(target);
+        camera.position.copy(target).addScaledVector(DIRECTION, distance);
+        controls.update();
+        this.request();
+    }
+
+    /** Draw once, with the next picture of the browser. */
+    request() {
+        if (!this.pending) {
+            this.pending = requestAnimationFrame(() => this.draw());
+        }
+    }
+
+    draw() {
+        this.pending = 0;
+        this.views.forEach(({ scene }, i) => {
+            this.renderer.setViewport(...this.panes[i]);
+            this.renderer.setScissor(...this.panes[i]);
+            this.renderer.render(scene, this.camera);
+        });
+    }
+}

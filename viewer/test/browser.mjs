@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// browser.mjs -- a page in the Chromium of the distribution, and what it looks like.
+import { pathToFileURL } from 'node:url';
+import { chromium } from 'playwright-core';
+
+const FLAGS = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
+
+export const launch = (...flags) => chromium.launch({
+    executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
+    args: [...FLAGS, ...flags],
+});
+
+/** Opens FILE#hash; `said` collects errors, warnings, dialogs and requests but its own. */
+export async function open(browser, file, hash = '', settings = {}) {
+    const context = await browser.newContext({
+        viewport: { width: 1280, height: 800 }, reducedMotion: 'reduce', ...settings,
+    });
+    const page = await context.newPage();
+    const url = pathToFileURL(file).href;
+    const said = [];
+    page.on('console', (message) => {
+        if (['error', 'warning'].includes(message.type()) && !/GPU stall/.test(message.text())) {
+            said.push(`${message.type()}: ${message.text()}`);
+        }
+    });
+    page.on('pageerror', (error) => said.push(`error: ${error.message}`));
+    page.on('dialog', (dialog) => {
+        said.push(`dialog: ${dialog.message()}`);
+        dialog.dismiss();
+    });
+    page.on('request', (request) => {
+        if (request.url().split('#')[0] !== url && !request.url().startsWith('data:')) {
+            said.push(`request: ${request.url()}`);
+        }
+    });
+    const began = performance.now();
+    await page.goto(hash ? `${url}#${hash}` : url);
+    await page.waitForSelector('html[data-ready]');
+    return { page, said, loading: performance.now() - began };
+}
+
+/** Two pictures of the browser later, what was asked for has been drawn. */
+export const drawn = (page) => page.evaluate(
+    () => new Promise((done) => { requestAnimationFrame(() => requestAnimationFrame(done)); }),
+);
+
+/** [red, green, blue] of every pixel of an element as it is seen. */
+export async function pixels(page, selector) {
+    await drawn(page);
+    const shot = (await page.locator(selector).screenshot()).toString('base64');
+    const reader = await page.context().newPage();
+    const url = await reader.evaluate(async (text) => {
+        const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+        const image = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
+        const canvas = new OffscreenCanvas(image.width, image.height).getContext('2d');
+        canvas.drawImage(image, 0, 0);
+        const { data } = canvas.getImageData(0, 0, image.width, image.height);
+        return new Promise((done) => {
+            const file = new FileReader();
+            file.onload = () => done(file.result);
+            file.readAsDataURL(new Blob([data]));
+        });
+    }, shot);
+    await reader.close();
+    const flat = Buffer.from(url.slice(url.indexOf(',') + 1), 'base64');
+    return Array.from({ length: flat.length / 4 }, (_, i) => [flat[4 * i], flat[4 * i + 1], flat[4 * i + 2]]);
+}
+
+/** The part of an element in the colours of a plain cloth: warm, no grey. */
+export async function clothShare(page, selector = '#canvas') {
+    const all = await pixels(page, selector);
+    return all.filter(([r, g, b]) => r > 1.35 * b && r - b > 30 && r > g).length / all.length;
+}

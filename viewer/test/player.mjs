@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// player.mjs -- the pages that tests/view/browser made, in a browser. The directory with
+// the runs is the argument; screenshots are left in it.
+import assert from 'node:assert/strict';
+import { readFileSync, statSync, writeFileSync } from 'node:fs';
+import { after, before, test } from 'node:test';
+import { clothShare, drawn, launch, open, pixels } from './browser.mjs';
+
+const root = process.env.WEFT_VIEW;
+const at = (name) => `${root}/${name}`;
+const frame = (page) => page.evaluate(() => weft.state.frame);
+const shot = (page, name) => drawn(page).then(() => page.screenshot({ path: at(name) }));
+
+/** final.csv as x, y, z of each particle. */
+const final = (run) => readFileSync(at(`${run}/final.csv`), 'utf8').trim().split('\n').slice(1)
+    .map((line) => line.split(',').slice(2, 5).map(Number));
+
+const plane = (page, block, index) => page.evaluate(
+    ([name, k]) => {
+        const { page: data } = weft;
+        const list = name === 'apart' ? data.apart : data.runs[name].blocks;
+        const last = list[list.length - 1];
+        return { values: [...last.read(k, new Float64Array(data.count))], range: last.range(k) };
+    },
+    [block, index],
+);
+
+let browser;
+before(async () => { browser = await launch(); });
+after(() => browser.close());
+
+test('a page loads without an error, a warning or a request', async () => {
+    const { page, said } = await open(browser, at('a/run.html'));
+    await drawn(page);
+    assert.deepEqual(said, []);
+    assert.equal(await page.title(), 'hung by two corners - weft');
+    assert.match(await page.textContent('#summary'), /17 × 17 particles.*verlet velocity_verlet/);
+});
+
+test('nothing but its own script may run, and nothing can be fetched', async () => {
+    const { page } = await open(browser, at('a/run.html'));
+    const reached = await page.evaluate(async () => {
+        const script = document.createElement('script');
+        script.textContent = 'window.injected = true';
+        document.body.append(script);
+        const fetched = await fetch('https://example.invalid/').then(() => true, () => false);
+        return { injected: window.injected ?? false, fetched };
+    });
+    assert.deepEqual(reached, { injected: false, fetched: false });
+    const text = readFileSync(at('a/run.html'), 'utf8');
+    assert.match(text, /default-src 'none'/);
+    assert.doesNotMatch(text, /<(script|link|img)[^>]+(src|href)=["']?(https?:)?\/\//);
+    assert.match(text, /three \S+ \(MIT\)[\s\S]*Permission is hereby granted/);
+    assert.match(text, /uplot \S+ \(MIT\)[\s\S]*Permission is hereby granted/);
+});
+
+test('the cloth is drawn, falls, and is gone when it is hidden', async () => {
+    const { page } = await open(browser, at('a/run.html'), 'threads=0');
+    const first = await pixels(page, '#canvas');
+    await page.evaluate(() => weft.seek(40));
+    assert.ok(await clothShare(page) > 0.04);
+    const later = await pixels(page, '#canvas');
+    const moved = later.filter((p, i) => p.some((c, k) => Math.abs(c - first[i][k]) > 24)).length;
+    assert.ok(moved > 0.04 * later.length);
+    await page.evaluate(() => {
+        weft.stage.views[0].cloth.group.visible = false;
+        weft.stage.request();
+    });
+    assert.equal(await clothShare(page), 0);
+});
+
+test('positions and strains are those of the run', async () => {
+    const { page } = await open(browser, at('a/run.html'));
+    const wanted = final('a');
+    for (let k = 0; k < 3; ++k) {
+        const { values, range } = await plane(page, 0, k);
+        const step = (range[1] - range[0]) / 65535;
+        values.forEach((v, i) => assert.ok(Math.abs(v - wanted[i][k]) <= step + 1e-6));
+    }
+    const { values } = await plane(page, 0, 3);
+    const most = await page.evaluate(() => weft.page.runs[0].columns.get('max_strain').at(-1));
+    assert.ok(Math.abs(Math.max(...values) - most) < 1e-5);
+});
+
+test('play moves on, pause stops, the end stops', async () => {
+    const { page } = await open(browser, at('a/run.html'));
+    assert.equal(await frame(page), 0);
+    await page.click('#play');
+    await page.waitForFunction(() => weft.state.frame > 5);
+    await page.click('#play');
+    const stopped = await frame(page);
+    await page.waitForTimeout(200);
+    assert.equal(await frame(page), stopped);
+    await page.evaluate(() => weft.seek(58));
+    await page.click('#play');
+    await page.waitForFunction(() => !weft.state.playing);
+    assert.equal(await frame(page), 60);
+    await page.click('#play'); // once more from the start
+    await page.waitForFunction(() => weft.state.playing && weft.state.frame < 50);
+});
+
+test('a page plays by itself, unless less motion is asked for', async () => {
+    const lively = await open(browser, at('a/run.html'), '', { reducedMotion: 'no-preference' });
+    await lively.page.waitForFunction(() => weft.state.frame > 0);
+    const calm = await open(browser, at('a/run.html'));
+    await calm.page.waitForTimeout(200);
+    assert.equal(await frame(calm.page), 0);
+});
+
+test('the slider, a plot and the address go to a frame', async () => {
+    const { page } = await open(browser, at('a/run.html'), 'frame=7');
+    assert.equal(await frame(page), 7);
+    await page.fill('#scrub', '45');
+    assert.equal(await frame(page), 45);
+    assert.equal(await page.textContent('#clock'), '1.500 s');
+    const over = page.locator('.u-over').first();
+    const box = await over.boundingBox();
+    await page.mouse.click(box.x + box.width / 2, box.y + 40);
+    assert.ok(Math.abs(await frame(page) - 30) <= 1);
+    const line = await over.locator('.now').boundingBox();
+    assert.ok(Math.abs(line.x - box.x - box.width / 2) < 4);
+});
+
+test('every key does what the list of keys says', async () => {
+    const { page } = await open(browser, at('a/run.html'));
+    const press = async (key) => {
+        await page.keyboard.press(key);
+        return frame(page);
+    };
+    assert.equal(await press('ArrowRight'), 1);
+    assert.equal(await press('Shift+ArrowRight'), 11);
+    assert.equal(await press('ArrowLeft'), 10);
+    assert.equal(await press('End'), 60);
+    assert.equal(await press('Home'), 0);
+    await press('Space');
+    assert.equal(await page.evaluate(() => weft.state.playing), true);
+    await press('Space');
+    assert.equal(await page.evaluate(() => weft.state.playing), false);
+    await press('+');
+    assert.equal(await page.inputValue('#rate'), '2×');
+    await press('-');
+    await press('-');
+    assert.equal(await page.inputValue('#rate'), '0.5×');
+    await press('c');
+    assert.equal(await page.inputValue('#colour'), 'strain');
+    const threads = await page.isChecked('#threads');
+    await press('t');
+    assert.equal(await page.isChecked('#threads'), !threads);
+    await press('d');
+    assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), 'dark');
+    await press('?');
+    assert.ok(await page.isVisible('#keys'));
+    await press('Escape');
+    assert.ok(await page.isHidden('#keys'));
+    await press('Tab');
+    const outline = await page.evaluate(() => getComputedStyle(document.activeElement).outlineStyle);
+    assert.equal(outline, 'solid');
+});
+
+test('the mouse turns the view, r fits it again', async () => {
+    const { page } = await open(browser, at('a/run.html'));
+    const camera = () => page.evaluate(() => weft.stage.camera.position.toArray());
+    const fitted = await camera();
+    await page.mouse.move(400, 400);
+    await page.mouse.down();
+    await page.mouse.move(500, 420, { steps: 4 });
+    await page.mouse.up();
+    const turned = await camera();
+    assert.ok(Math.abs(turned[0] - fitted[0]) > 0.1);
+    await page.keyboard.press('r');
+    (await camera()).forEach((x, k) => assert.ok(Math.abs(x - fitted[k]) < 1e-6));
+});
+
+test('colours have a bar with numbers and a unit', async () => {
+    const { page } = await open(browser, at('a/run.html'), 'frame=40');
+    assert.ok(await page.isHidden('#legend'));
+    for (const [name, unit] of [['strain', '%'], ['speed', 'm/s']]) {
+        await page.selectOption('#colour', name);
+        assert.equal(await page.textContent('#legend-title'), `${name} [${unit}]`);
+        const ticks = await page.locator('#legend-ticks span').allTextContents();
+        assert.equal(ticks.length, 5);
+        assert.ok(ticks.every((text, i) => i === 0 || Number(text) > Number(ticks[i - 1])));
+    }
+});
+
+test('plots show the columns there are', async () => {
+    const { page } = await open(browser, at('a/run.html'));
+    const titles = await page.locator('.u-title').allTextContents();
+    assert.deepEqual(titles, ['energy [J]', 'largest strain [%]', 'step size [s]',
+        'evaluations of the forces a frame']);
+    const legend = await page.locator('.uplot').first().textContent();
+    for (const name of ['kinetic', 'elastic', 'gravitational', 'dissipated', 'total']) {
+        assert.match(legend, new RegExp(name));
+    }
+    const without = readFileSync(at('a/run.html'), 'utf8').replace(/,step_size,/, ',other,');
+    writeFileSync(at('columns.html'), without);
+    const other = await open(browser, at('columns.html'));
+    assert.equal((await other.page.locator('.u-title').allTextContents()).length, 3);
+    assert.deepEqual(other.said, []);
+});
+
+test('two runs are shown side by side with what parts them', async () => {
+    const { page, said } = await open(browser, at('a/compare.html'), 'frame=40&quality=fine');
+    assert.deepEqual(said, []);
+    assert.equal(await page.inputValue('#colour'), 'difference');
+    assert.equal(await page.textContent('#legend-title'), 'difference [m]');
+    assert.equal(await page.locator('#labels span').count(), 2);
+    assert.equal(await page.locator('.u-title').first().textContent(), 'largest difference [m]');
+    const [a, b] = [final('a'), final('b')];
+    const { values, range } = await plane(page, 'apart', 0);
+    const step = range[1] / 65535;
+    values.forEach((v, i) => {
+        const apart = Math.hypot(...a[i].map((x, k) => x - b[i][k]));
+        assert.ok(Math.abs(v - apart) <= step + 1e-6);
+    });
+    assert.ok(range[1] > 1e-6);
+    await shot(page, 'compare.png');
+    await page.selectOption('#colour', 'plain');
+    const wide = await pixels(page, '#canvas');
+    const width = await page.evaluate(() => document.getElementById('canvas').clientWidth);
+    const warm = (left) => wide.filter(([r, , b2], i) => (i % width < width / 2) === left && r > 1.35 * b2 && r - b2 > 30).length;
+    assert.ok(warm(true) > 1000 && warm(false) > 1000);
+});
+
+test('runs of different frame times are shown at the times both have', async () => {
+    const { page } = await open(browser, at('times.html'));
+    const times = await page.evaluate(() => weft.page.times);
+    assert.deepEqual(times.map((t) => Math.round(t * 1e6)), [0, 166667, 333333, 500000]);
+    assert.match(await page.textContent('#notes'), /4 times that both runs have/);
+});
+
+test('a hostile scene name is only text', async () => {
+    const { page, said } = await open(browser, at('hostile/run.html'));
+    assert.deepEqual(said, []);
+    const name = '</script><script>alert(1)</script><!-- "\\\u00e9&amp;';
+    assert.equal(await page.textContent('#name'), name);
+    assert.equal(await page.evaluate(() => document.scripts.length),
+        await page.evaluate(() => weft.page.times.length + 2));
+    await page.locator('details').first().click();
+    assert.match(await page.locator('details pre').first().textContent(), /<script>alert\(1\)/);
+});
+
+test('a page beyond its budget is thinned and says so', async () => {
+    const { page } = await open(browser, at('long/run.html'));
+    assert.ok(statSync(at('long/run.html')).size < 66e6);
+    const times = await page.evaluate(() => weft.page.times);
+    assert.equal(times.length, 301);
+    assert.match(await page.textContent('#notes'), /thinned to 301 of 601 frames/);
+    const wide = await open(browser, at('wide/run.html'));
+    assert.match(await wide.page.textContent('#notes'), /every 2\. of 300 × 40 particles/);
+    assert.deepEqual(await wide.page.evaluate(() => weft.page.shown), [151, 21]);
+});
+
+test('a chain is a line of beads', async () => {
+    const { page, said } = await open(browser, at('chain/run.html'), 'frame=20&quality=fine');
+    assert.deepEqual(said, []);
+    assert.ok(await clothShare(page) > 1e-4);
+    await shot(page, 'chain.png');
+});
+
+test('an interrupted run says so', async () => {
+    const text = readFileSync(at('a/run.html'), 'utf8')
+        .replace('status: done\\u000areason: \\"\\"', 'status: failed\\u000areason: \\"h < 1e-12\\"');
+    writeFileSync(at('failed.html'), text);
+    const { page } = await open(browser, at('failed.html'));
+    assert.equal(await page.textContent('.bad'), 'failed: h < 1e-12');
+});
+
+test('obstacles are drawn', async () => {
+    const body = '"obstacles":[{"type":"sphere","centre":[0.5,-0.5,0.5],"radius":0.2},'
+        + '{"type":"plane","point":[0,-1,0],"normal":[0,1,0]}],"pinned"';
+    writeFileSync(at('obstacles.html'), readFileSync(at('a/run.html'), 'utf8').replace('"pinned"', body));
+    const { page, said } = await open(browser, at('obstacles.html'), 'frame=60');
+    const bare = await open(browser, at('a/run.html'), 'frame=60');
+    const [with_, without] = [await pixels(page, '#canvas'), await pixels(bare.page, '#canvas')];
+    assert.ok(with_.filter((p, i) => p.join() !== without[i].join()).length > 0.05 * with_.length);
+    assert.deepEqual(said, []);
+});
+
+test('light, dark and a phone', async () => {
+    const light = await open(browser, at('a/run.html'), 'frame=40&quality=fine');
+    await shot(light.page, 'light.png');
+    const dark = await open(browser, at('a/run.html'), 'frame=40&colour=strain&quality=fine', { colorScheme: 'dark' });
+    await shot(dark.page, 'dark.png');
+    const paper = ({ page }) => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+    assert.notEqual(await paper(light), await paper(dark));
+    const phone = await open(browser, at('a/run.html'), 'frame=40&quality=fine', {
+        viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2,
+    });
+    await shot(phone.page, 'phone.png');
+    assert.ok(await phone.page.evaluate(() => document.documentElement.scrollWidth) <= 390);
+    for (const control of ['#play', '#scrub', '#colour', '#rate', '#help']) {
+        const box = await phone.page.locator(control).boundingBox();
+        assert.ok(box.x >= 0 && box.x + box.width <= 390 && box.y + box.height <= 844, control);
+    }
+    await phone.page.tap('#play');
+    await phone.page.waitForFunction(() => weft.state.frame > 41);
+});
+
+test('without WebGL the plots are still there', async () => {
+    const poor = await launch('--disable-3d-apis');
+    const { page } = await open(poor, at('a/run.html'));
+    assert.ok(await page.isVisible('#no-webgl'));
+    assert.equal(await page.locator('.u-title').count(), 4);
+    await page.fill('#scrub', '30');
+    assert.equal(await page.textContent('#clock'), '1.000 s');
+    await poor.close();
+});
+
+test('the time a page of 100 x 100 particles and 120 frames takes is told', async (t) => {
+    await open(browser, at('big/run.html')); // the browser's own start is not the page's
+    const { page, loading } = await open(browser, at('big/run.html'));
+    const cost = await page.evaluate(() => {
+        const gl = weft.stage.renderer.getContext();
+        const began = performance.now();
+        for (let i = 0; i < 60; ++i) {
+            weft.seek(i);
+            weft.stage.draw();
+            gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+        }
+        return (performance.now() - began) / 60;
+    });
+    t.diagnostic(`loaded in ${(loading / 1000).toFixed(2)} s, `
+        + `${(statSync(at('big/run.html')).size / 1e6).toFixed(1)} MB, ${cost.toFixed(1)} ms a frame`);
+    assert.equal(await page.evaluate(() => weft.page.times.length), 121);
+});
