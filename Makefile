@@ -147,7 +147,7 @@ verify: all $(BUILD)/weft-verify
 	@$(BUILD)/weft-verify
 
 # These look into files as the program writes them.
-RECORD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/record/*.c))
+RECORD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/record/*.c)) $(BUILD)/src/record/player_page.o
 RECORD_TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_record*.c tests/test_export.c))
 $(RECORD_TESTS): $(RECORD_OBJ)
 $(RECORD_TESTS): TEST_LIBS += $(HDF5_LIBS)
