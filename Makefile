@@ -95,7 +95,8 @@ $(foreach p,$(PLUGINS),$(eval $(call PLUGIN_RULE,$(p))))
 # Loops over whole states, which gcc does not vectorise at -O2.
 $(BUILD)/plugins/arkode/vector.o: CFLAGS := $(CFLAGS) $(if $(SAN),,-O3)
 
-$(BUILD)/plugins/arkode/%.o: INCS += $(MPI_INC)
+# All that include SUNDIALS.
+$(BUILD)/plugins/arkode/%.o $(BUILD)/tests/test_arkode_vector.o $(BUILD)/bench/vectors.o: INCS += $(MPI_INC)
 
 $(BUILD)/plugins/%.o: plugins/%.c
 	@mkdir -p $(@D)
