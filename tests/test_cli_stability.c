@@ -2,6 +2,7 @@
 /* Stable steps as users of the program meet them. */
 #include "shell.h"
 
+#include <glob.h>
 #include <math.h>
 #include <unistd.h>
 
@@ -82,6 +83,22 @@ START_TEST(a_step_beyond_the_bound_is_warned_of_and_run)
 }
 END_TEST
 
+/* Also those whose trial and table are the longest; the case's timeout ends them. */
+START_TEST(shipped_scenes_are_surveyed_each)
+{
+    glob_t found;
+    ck_assert_int_eq(glob("scenes/*.yaml", 0, NULL, &found), 0);
+    for (size_t i = 0; i < found.gl_pathc; ++i) {
+        char command[256];
+        (void)snprintf(command, sizeof command, WEFT " check %s 2>&1",
+                       found.gl_pathv[i]);
+        expect(shell(command), 0);
+        says("evaluations per simulated second\n");
+    }
+    globfree(&found);
+}
+END_TEST
+
 #ifdef HAVE_GSL
 /* Loose tolerances leave it to stability to hold the step, tight ones do not. */
 START_TEST(advice_tells_what_limits_an_adaptive_method)
@@ -112,6 +129,7 @@ static Suite *suite(void)
     tcase_add_checked_fixture(tcase, begin, NULL);
     tcase_add_test(tcase, check_shows_the_bound_of_a_flat_sheet);
     tcase_add_test(tcase, all_methods_are_listed_on_request_and_for_machines);
+    tcase_add_test(tcase, shipped_scenes_are_surveyed_each);
     tcase_add_test(tcase, a_step_beyond_the_bound_is_warned_of_and_run);
 #ifdef HAVE_GSL
     tcase_add_test(tcase, advice_tells_what_limits_an_adaptive_method);

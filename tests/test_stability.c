@@ -180,6 +180,15 @@ START_TEST(growth_allows_a_doubling_in_the_run_and_no_more)
 }
 END_TEST
 
+/* A mode slower than the run: |R(i z)|^2 = 1 + z^4/4 is 4, not exp(2 growth h). */
+START_TEST(one_step_doubles_a_slow_mode_at_most)
+{
+    const weft_stability of = stability_of(test_method_named("verlet/midpoint"));
+    const double h = limit(&of, 1e-20, 0.0, log(2.0));
+    ck_assert_double_eq_tol(1e-10 * h, pow(12.0, 0.25), 1e-9);
+}
+END_TEST
+
 /* The stable set of a polygon is that of all that it holds. */
 START_TEST(polygon_is_no_more_stable_than_any_mode_in_it)
 {

@@ -79,10 +79,10 @@ WEFT_API weft_status weft_stability_create(const weft_stepper_type *type,
                                            weft_stability *out, weft_error *err);
 
 /* The largest h [s] up to which no mode in the polygon grows by more than exp(growth h)
- * a step; INFINITY if none ever does. growth [1/s] is 0 for stability proper. Methods
- * of Runge-Kutta type with |R(i y)| > 1 for small y have no stable step on undamped
- * modes then; with growth = log(2) / T none more than doubles in T seconds. Of other
- * methods growth is not looked at. Errors: WEFT_NO_MEMORY. */
+ * a step, or to twice itself; INFINITY if none ever does. growth [1/s] is 0 for
+ * stability proper. Methods of Runge-Kutta type with |R(i y)| > 1 for small y have no
+ * stable step on undamped modes then; with growth = log(2) / T none more than doubles
+ * in T seconds. Of other methods growth is not looked at. Errors: WEFT_NO_MEMORY. */
 WEFT_API weft_status weft_stability_step(const weft_stability *stability,
                                          const weft_stiffness *modes, double growth,
                                          double *h, weft_error *err);

@@ -22,6 +22,10 @@
 #define SHORT    1e-4  /* of h: what a verdict after STEPS steps may be off */
 #define FAR      1e6   /* [s] no step of 1 s is cut before it */
 
+/* Of one step, log(2): without it a step as long as many runs might grow without end,
+ * and modes next to rigid ones would be searched for as long. */
+#define MOST_GROWTH 0.69314718055994531
+
 enum { SHIFT_DIM = WEFT_STABILITY_DEGREE + 1 };
 
 /* A method that takes steps of 1 s. */
@@ -178,7 +182,7 @@ static bool contracts(const weft_stability *of, double complex mu, double growth
     for (int k = of->degree; k >= 0; --k) {
         sum = sum * (h * mu) + of->r[k];
     }
-    return cabs(sum) <= (1.0 + ROUNDOFF) * exp(growth * h);
+    return cabs(sum) <= (1.0 + ROUNDOFF) * exp(fmin(growth * h, MOST_GROWTH));
 }
 
 /* The first h below limit at which the ray h mu leaves the region of stability. */
