@@ -249,6 +249,7 @@ static Suite *suite(void)
     tcase_add_loop_test(limits, limits_are_those_of_the_tables, 0, ROWS);
     tcase_add_test(limits, limits_of_symplectic_methods_are_exact_and_never_above);
     tcase_add_test(limits, growth_allows_a_doubling_in_the_run_and_no_more);
+    tcase_add_test(limits, one_step_doubles_a_slow_mode_at_most);
     tcase_add_test(limits, nothing_limits_a_cloth_without_springs);
     tcase_add_test(limits, custom_table_has_its_own_polynomial);
     suite_add_tcase(suite, limits);
