@@ -4,7 +4,7 @@
 #   make            library, program and plugins
 #   make demo       a falling cloth in numbers and as OBJ, under build/demo
 #   make check      every test
-#   make verify     what is measured of every method of every plugin, a table
+#   make verify     what is measured of every method of every plugin, a table (VERIFY=gsl: of that alone)
 #   make help       the other targets
 
 BUILD  ?= build
@@ -144,7 +144,7 @@ $(BUILD)/weft-verify: $(BUILD)/tests/verify/main.o $(VERIFY_OBJ) $(BUILD)/libwef
 	$(call say,LD)$(LINK) -o $@ $^ $(LIB_LIBS) $(HDF5_LIBS)
 
 verify: all $(BUILD)/weft-verify
-	@$(BUILD)/weft-verify
+	@$(BUILD)/weft-verify $(VERIFY)
 
 # These look into files as the program writes them.
 RECORD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/record/*.c)) $(BUILD)/src/record/player_page.o

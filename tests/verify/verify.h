@@ -169,4 +169,16 @@ weft_status verify_shipped_run(weft_registry *registry, const verify_scene *scen
                                const verify_frames *reference,
                                verify_shipped_result *out, weft_error *err);
 
+/* ---- apart.c --------------------------------------------------------------------- */
+
+typedef struct verify_counts {
+    size_t judged, failed;
+} verify_counts;
+
+typedef void verify_part(void *ctx, size_t i, verify_counts *counts);
+
+/* Parts 0 to count - 1, as many at once as there are processors; what they print comes
+ * in their order, what they count is added up. False if one has died. */
+bool verify_apart(size_t count, verify_part *print, void *ctx, verify_counts *counts);
+
 #endif
