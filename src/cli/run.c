@@ -257,9 +257,13 @@ static int conclude(run *self, weft_status status, const weft_error *why, double
         self->result.reason = stop_signal == SIGINT ? "SIGINT" : "SIGTERM";
     }
     weft_status written = write_state(self, "final.csv", record_csv, &err);
-    if (written == WEFT_OK) {
-        written = record_result_write(self->out, &self->result, &err);
+    if (written != WEFT_OK && status == WEFT_OK) {
+        self->result.status = "failed";
+        self->result.reason = err.message;
     }
+    const weft_status told = record_result_write(self->out, &self->result,
+                                                 written == WEFT_OK ? &err : NULL);
+    written = written == WEFT_OK ? told : written;
     const int code = status == WEFT_OK ? EXIT_DONE : report_failure(why, self->reason);
     if (written != WEFT_OK) {
         return report_error(&err);
