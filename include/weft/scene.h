@@ -98,7 +98,8 @@ WEFT_API const weft_stepper_type *weft_scene_method_type(const weft_scene *scene
 WEFT_API const weft_stepper_config *weft_scene_config(const weft_scene *scene);
 
 /* The scene as it runs: the text that was read, or, if there were overrides, the same
- * document written anew with them applied. */
+ * document written anew with them applied. A name that came from the file's is put in.
+ */
 WEFT_API const char *weft_scene_text(const weft_scene *scene);
 
 typedef enum weft_scene_help_format {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* check.c -- weft check: validate scenes, say what they build, write nothing. */
+#include "cli/human.h"
 #include "cli/stability.h"
 
 const char *scene_unsupported(const weft_scene *scene)
@@ -117,7 +118,10 @@ static void print_scene(const char *file, const weft_scene *scene,
                         const weft_cloth *cloth, const survey *found, bool all)
 {
     const weft_run_def *run = weft_scene_run(scene);
-    printf("%s: ok: %s\n", file, weft_scene_name(scene));
+    print_plain(stdout, file, "");
+    fputs(": ok: ", stdout);
+    print_plain(stdout, weft_scene_name(scene), "");
+    putchar('\n');
     print_cloth(weft_scene_cloth(scene), cloth);
     print_limit(weft_scene_limit(scene));
     print_stepper(scene);

@@ -30,7 +30,7 @@ extern const verb verb_run, verb_check, verb_steppers, verb_scene_help, verb_exp
 
 /* Options that several verbs take. */
 typedef struct options {
-    const char *plugin_path, *out, *frames, *format, *frame;
+    const char *plugin_path, *out, *frames, *format, *frame, *progress;
     const char **sets;
     size_t set_count;
     bool quiet, force, yaml, markdown, all, refine, view;
@@ -40,8 +40,8 @@ typedef struct options {
 
 /* Parse by the letters of `takes`: o --out, s --set, p --plugin-path, q --quiet,
  * F --force, r --frames, t --format, i --frame, y --yaml, m --markdown, a --all,
- * R --refine, v --view. Returns -1 to go on, or an exit code: help was printed, or the
- * command line is wrong. */
+ * R --refine, v --view, P --progress. Returns -1 to go on, or an exit code: help was
+ * printed, or the command line is wrong. */
 int options_parse(const verb *self, const char *takes, int argc, char **argv,
                   options *out);
 void options_free(options *out);
@@ -61,22 +61,8 @@ int open_scene(const char *file, const options *given, weft_registry *registry,
                weft_scene **scene);
 
 /* view.c: write the page of one run or of two, into `out` or a default place, and print
- * its URL. Returns the exit code. */
-int view_runs(const char *const *directories, size_t count, const char *out);
-
-/* progress.c: one line that moves on a terminal, a line every tenth in a pipe. */
-typedef struct progress {
-    bool quiet, terminal;
-    double began, shown; /* [s] of the wall clock */
-    size_t tenth;
-} progress;
-
-double wall_clock(void); /* [s] */
-void progress_begin(progress *show, bool quiet);
-/* frame of last, at simulated time t of duration [s] */
-void progress_show(progress *show, size_t frame, size_t last, const weft_sim *sim,
-                   double duration);
-void progress_end(progress *show);
+ * its URL; with `yaml` as a document {event: page, url: ...}. Returns the exit code. */
+int view_runs(const char *const *directories, size_t count, const char *out, bool yaml);
 
 /* play.c: from frame to frame. */
 typedef struct player {

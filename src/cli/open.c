@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "cli/cli.h"
+#include "cli/human.h"
 
 #ifndef WEFT_PLUGIN_DIR
 #define WEFT_PLUGIN_DIR "/usr/local/lib/weft/plugins-1"
@@ -15,9 +16,11 @@ int report_error(const weft_error *err)
 {
     fputs("weft: error: ", stderr);
     if (err->file[0] != '\0') {
-        fprintf(stderr, "%s:%d:%d: ", err->file, err->line, err->column);
+        print_plain(stderr, err->file, "");
+        fprintf(stderr, ":%d:%d: ", err->line, err->column);
     }
-    fprintf(stderr, "%s\n", err->message);
+    print_plain(stderr, err->message, "");
+    fputc('\n', stderr);
     return err->status == WEFT_IO          ? EXIT_FILE
            : err->status == WEFT_BAD_SCENE ? EXIT_SCENE
                                            : EXIT_SIMULATION;
@@ -63,7 +66,8 @@ static void print_found(const weft_diagnostics *found)
     for (size_t i = 0; i < found->count; ++i) {
         char text[2048];
         (void)weft_diagnostic_format(&found->items[i], text, sizeof text);
-        fprintf(stderr, "%s\n", text);
+        print_plain(stderr, text, "\t\n");
+        fputc('\n', stderr);
     }
     if (found->errors + found->warnings > found->count) {
         fprintf(stderr, "... and %zu more\n",

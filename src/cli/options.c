@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "cli/cli.h"
+#include "cli/human.h"
 
 static const struct option known[] = {
     { "help", no_argument, NULL, 'h' },
@@ -21,6 +22,7 @@ static const struct option known[] = {
     { "all", no_argument, NULL, 'a' },
     { "refine", no_argument, NULL, 'R' },
     { "view", no_argument, NULL, 'v' },
+    { "progress", required_argument, NULL, 'P' },
 };
 
 #define KNOWN (sizeof known / sizeof known[0])
@@ -29,8 +31,10 @@ int usage_error(const verb *self, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
+    char text[1024];
+    (void)vsnprintf(text, sizeof text, format, args);
     fprintf(stderr, "weft %s: ", self->name);
-    vfprintf(stderr, format, args);
+    print_plain(stderr, text, "");
     fprintf(stderr, "\n'weft %s --help' shows how it is used\n", self->name);
     va_end(args);
     return EXIT_USAGE;
@@ -71,6 +75,9 @@ static void apply(int letter, options *out)
         break;
     case 'R':
         out->refine = true;
+        break;
+    case 'P':
+        out->progress = optarg;
         break;
     case 'v':
         out->view = true;

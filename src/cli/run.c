@@ -3,8 +3,11 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "cli/progress.h"
 #include "cli/stability.h"
+#include "cli/summary.h"
 #include "record/export.h"
 
 static volatile sig_atomic_t stop_signal;
@@ -25,14 +28,17 @@ static void catch_signals(void)
 
 typedef struct run {
     const char *out;
-    bool obj; /* an OBJ a frame */
+    bool obj;   /* an OBJ a frame */
+    bool quiet; /* no progress, no summary */
     const weft_scene *scene;
     weft_cloth *cloth;
     weft_sim *sim;
     record_series series;
     record_vtkhdf *frames;
     record_result result;
+    progress_mode mode;
     progress progress;
+    summary summary;
     uint64_t limit_sweeps;            /* up to the last frame */
     bool told_unconverged, told_held; /* warnings of the strain limit */
     char reason[1024];
@@ -52,6 +58,10 @@ static void warn_of_limit(run *self)
     const weft_spring worst = weft_sim_limit_worst(self->sim);
     const weft_limit_stats stats = weft_sim_limit_stats(self->sim);
     const size_t held = weft_sim_limit_held(self->sim);
+    if ((stats.unconverged > 0 && !self->told_unconverged)
+        || (held > 0 && !self->told_held)) {
+        progress_clear(&self->progress);
+    }
     if (stats.unconverged > 0 && !self->told_unconverged) {
         self->told_unconverged = true;
         fprintf(stderr,
@@ -98,6 +108,15 @@ static weft_status write_frame_obj(const run *self, size_t index, weft_error *er
     return write_state(self, name, record_obj, err);
 }
 
+static void show_progress(run *self)
+{
+    const progress_place at = { .frame = self->result.frames - 1,
+                                .last = self->result.planned - 1,
+                                .sim = self->sim,
+                                .duration = weft_scene_run(self->scene)->duration };
+    progress_show(&self->progress, &at);
+}
+
 static weft_status on_frame(void *ctx, size_t index, weft_error *err)
 {
     run *self = ctx;
@@ -117,8 +136,8 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
     }
     if (status == WEFT_OK) {
         self->result.frames = index + 1;
-        progress_show(&self->progress, index, self->result.planned - 1, self->sim,
-                      weft_scene_run(self->scene)->duration);
+        summary_frame(&self->summary, &self->series.worst);
+        show_progress(self);
     }
     return status;
 }
@@ -126,11 +145,8 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
 static bool on_step(void *ctx)
 {
     run *self = ctx;
-    if (self->progress.terminal) {
-        progress_show(&self->progress, self->result.frames - 1,
-                      self->result.planned - 1, self->sim,
-                      weft_scene_run(self->scene)->duration);
-    }
+    summary_step(&self->summary);
+    show_progress(self);
     return stop_signal == 0;
 }
 
@@ -202,48 +218,14 @@ static weft_status simulate(run *self, weft_error *err)
         .step = on_step,
         .ctx = self,
     };
-    progress_begin(&self->progress, self->progress.quiet);
+    summary_begin(&self->summary);
+    if (self->mode == PROGRESS_YAML) {
+        summary_yaml_begin(&self->summary);
+    }
+    progress_begin(&self->progress, self->mode, self->sim);
     status = play(&show, err);
-    progress_end(&self->progress);
+    progress_clear(&self->progress);
     return close_records(self, status, err);
-}
-
-static void print_limit(const run *self)
-{
-    const weft_limit_stats stats = weft_sim_limit_stats(self->sim);
-    if (weft_scene_limit(self->scene)->method != WEFT_LIMIT_NONE) {
-        printf("  strain limit: %llu steps corrected in %llu sweeps, %llu not met; "
-               "largest limited strain %.4g %%\n",
-               (unsigned long long)stats.corrected, (unsigned long long)stats.sweeps,
-               (unsigned long long)stats.unconverged,
-               100.0 * weft_sim_limit_worst(self->sim).strain);
-    }
-}
-
-static void print_summary(const run *self)
-{
-    const record_result *result = &self->result;
-    const weft_stepper_stats stats = weft_sim_stats(self->sim);
-    const double *y = weft_sim_state(self->sim);
-    const weft_spring worst = weft_cloth_worst_spring(self->cloth, y);
-    printf("%s: %s (%zu x %zu particles, %s %s)\n", result->status,
-           weft_scene_name(self->scene), weft_cloth_rows(self->cloth),
-           weft_cloth_cols(self->cloth), weft_scene_plugin(self->scene),
-           weft_scene_method(self->scene));
-    printf("  %zu of %zu frames, t = %.6g s, %.2f s of wall time\n", result->frames,
-           result->planned, weft_sim_time(self->sim), result->wall_time);
-    printf("  %llu steps, %llu rejected, %llu evaluations of the forces\n",
-           (unsigned long long)stats.steps, (unsigned long long)stats.rejected,
-           (unsigned long long)stats.rhs_calls);
-    printf("  largest strain at the end %.3g %%, energy %.6g -> %.6g J\n",
-           100.0 * worst.strain, result->energy_start,
-           record_total_energy(self->cloth, y));
-    const weft_ledger ledger = weft_sim_ledger(self->sim);
-    if (ledger.kept) {
-        printf("  energy ledger closes to %.3g J\n", ledger.residual);
-    }
-    print_limit(self);
-    printf("  results in %s\n", self->out);
 }
 
 /* A simulation that failed in all its parts, anything else as ever. */
@@ -275,15 +257,21 @@ static int conclude(run *self, weft_status status, const weft_error *why, double
         self->result.reason = stop_signal == SIGINT ? "SIGINT" : "SIGTERM";
     }
     weft_status written = write_state(self, "final.csv", record_csv, &err);
-    if (written == WEFT_OK) {
-        written = record_result_write(self->out, &self->result, &err);
+    if (written != WEFT_OK && status == WEFT_OK) {
+        self->result.status = "failed";
+        self->result.reason = err.message;
     }
+    const weft_status told = record_result_write(self->out, &self->result,
+                                                 written == WEFT_OK ? &err : NULL);
+    written = written == WEFT_OK ? told : written;
     const int code = status == WEFT_OK ? EXIT_DONE : report_failure(why, self->reason);
     if (written != WEFT_OK) {
         return report_error(&err);
     }
-    if (!self->progress.quiet) {
-        print_summary(self);
+    if (self->mode == PROGRESS_YAML) {
+        summary_yaml_end(&self->summary);
+    } else if (!self->quiet) {
+        summary_print(&self->summary);
     }
     if (interrupted && status == WEFT_OK) {
         return stop_signal == SIGINT ? EXIT_SIGINT : EXIT_SIGTERM;
@@ -315,6 +303,10 @@ static int run_simulation(run *self, weft_registry *registry)
     if (status != WEFT_OK) {
         return refuse(self, err.message);
     }
+    self->summary = (summary){ .directory = self->out,
+                               .scene = self->scene,
+                               .sim = self->sim,
+                               .result = &self->result };
     self->result.energy_start
         = record_total_energy(self->cloth, weft_sim_state(self->sim));
     stability_warn(self->scene, self->sim);
@@ -328,6 +320,26 @@ static int run_simulation(run *self, weft_registry *registry)
     return code;
 }
 
+static int run_into(run *self, bool force, weft_registry *registry)
+{
+    weft_error err = { 0 };
+    catch_signals();
+    weft_status status = record_outdir(self->out, force, &err);
+    if (status == WEFT_OK && self->obj) {
+        char frames[RECORD_PATH];
+        status = record_path(self->out, "frames", frames, &err);
+        status = status == WEFT_OK ? record_outdir(frames, force, &err) : status;
+    }
+    if (status != WEFT_OK) {
+        return report_error(&err);
+    }
+    const char *unsupported = scene_unsupported(self->scene);
+    if (unsupported != NULL) {
+        return refuse(self, unsupported);
+    }
+    return run_simulation(self, registry);
+}
+
 static int run_scene(const options *given, const char *out, const weft_scene *scene,
                      weft_registry *registry)
 {
@@ -339,23 +351,22 @@ static int run_scene(const options *given, const char *out, const weft_scene *sc
         .result = { .status = "done",
                     .reason = "",
                     .planned = frame_last(weft_scene_run(scene)) + 1 },
-        .progress = { .quiet = given->quiet },
+        .quiet = given->quiet,
     };
-    catch_signals();
-    weft_status status = record_outdir(out, given->force, &err);
-    if (status == WEFT_OK && self.obj) {
-        char frames[RECORD_PATH];
-        status = record_path(out, "frames", frames, &err);
-        status = status == WEFT_OK ? record_outdir(frames, given->force, &err) : status;
-    }
-    if (status != WEFT_OK) {
+    int held;
+    (void)progress_find(given->quiet ? "none" : given->progress, &self.mode);
+    if (record_outdir_hold(out, &held, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    const char *unsupported = scene_unsupported(scene);
-    if (unsupported != NULL) {
-        return refuse(&self, unsupported);
+    const int code = run_into(&self, given->force, registry);
+    if (held >= 0) {
+        (void)close(held);
     }
-    return run_simulation(&self, registry);
+    if (given->view && code != EXIT_FILE) {
+        const int viewed = view_runs(&out, 1, NULL, self.mode == PROGRESS_YAML);
+        return code == EXIT_DONE ? viewed : code;
+    }
+    return code;
 }
 
 /* dir/flag.yaml is run into flag.run, unless told otherwise. */
@@ -377,7 +388,8 @@ static char *default_out(const char *file)
 static int run_verb(int argc, char **argv)
 {
     options given;
-    int code = options_parse(&verb_run, "ospqFrv", argc, argv, &given);
+    progress_mode mode;
+    int code = options_parse(&verb_run, "ospqFrvP", argc, argv, &given);
     if (code >= 0) {
         return code;
     }
@@ -386,6 +398,12 @@ static int run_verb(int argc, char **argv)
                                                                : "more than one scene");
     } else if (given.frames != NULL && strcmp(given.frames, "obj") != 0) {
         code = usage_error(&verb_run, "--frames %s: only obj is known", given.frames);
+    } else if (!progress_find(given.progress, &mode)) {
+        code = usage_error(&verb_run,
+                           "--progress %s: auto, lines, terminal, yaml or none",
+                           given.progress);
+    } else if (given.quiet && given.progress != NULL) {
+        code = usage_error(&verb_run, "--quiet and --progress exclude each other");
     } else {
         weft_registry *registry = open_registry(given.plugin_path);
         weft_scene *scene = NULL;
@@ -396,10 +414,6 @@ static int run_verb(int argc, char **argv)
         if (code == EXIT_DONE) {
             const char *directory = given.out == NULL ? out : given.out;
             code = run_scene(&given, directory, scene, registry);
-            if (given.view) {
-                const int viewed = view_runs(&directory, 1, NULL);
-                code = code == EXIT_DONE ? viewed : code;
-            }
         }
         free(out);
         weft_scene_destroy(scene);
@@ -428,6 +442,13 @@ const verb verb_run = {
       "print\n"
       "                       its URL\n"
       "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n"
+      "  --progress HOW       terminal: one line on stderr that is redrawn; lines: one "
+      "each\n"
+      "                       tenth of the frames; auto (default): which of the two "
+      "fits;\n"
+      "                       yaml: begin, progress and end as YAML documents of a "
+      "line\n"
+      "                       each on stdout, and nothing else there; none\n"
       "  --quiet              no progress, no summary\n\n"
       "examples:\n"
       "  weft run scenes/flag.yaml --out flag\n"

@@ -4,8 +4,11 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 /* mkdir -p */
 static bool make_directories(const char *directory)
@@ -27,19 +30,21 @@ static bool make_directories(const char *directory)
     return mkdir(path, 0777) == 0 || errno == EEXIST;
 }
 
-/* Files that a run of weft makes; a frame is told by its name. */
+const char *const record_names[] = {
+    "scene.yaml", "manifest.yaml",   "series.csv",  "run.vtkhdf",
+    "final.csv",  "checkpoint.weft", "result.yaml", "frames",
+    "run.mdd",    "run.pc2",         "run.pvd",     "rest.obj",
+    "final.obj",  "final.ply",       "run.html",    "compare.html",
+    NULL,
+};
+
+/* A frame is told by its name. */
 static bool is_ours(const char *name)
 {
-    static const char *const names[] = {
-        "scene.yaml",  "manifest.yaml", "series.csv",      "final.csv",
-        "result.yaml", "run.vtkhdf",    "checkpoint.weft", "frames",
-        "run.mdd",     "run.pc2",       "run.pvd",         "rest.obj",
-        "final.obj",   "final.ply",     "run.html",        "compare.html",
-    };
     const size_t length = strlen(name);
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
-        const size_t known = strlen(names[i]);
-        if (strncmp(name, names[i], known) == 0
+    for (size_t i = 0; record_names[i] != NULL; ++i) {
+        const size_t known = strlen(record_names[i]);
+        if (strncmp(name, record_names[i], known) == 0
             && (length == known || strcmp(name + known, ".tmp") == 0)) {
             return true;
         }
@@ -72,6 +77,25 @@ static long look_through(const char *directory, bool clear)
     }
     closedir(open);
     return found;
+}
+
+weft_status record_outdir_hold(const char *directory, int *held, weft_error *err)
+{
+    *held = -1;
+    if (!make_directories(directory)) {
+        return weft_error_set(err, WEFT_IO, "%s: %s", directory, strerror(errno));
+    }
+    *held = open(directory, O_RDONLY | O_CLOEXEC);
+    if (*held >= 0 && flock(*held, LOCK_EX | LOCK_NB) != 0) {
+        const bool taken = errno == EWOULDBLOCK;
+        (void)close(*held);
+        *held = -1;
+        if (taken) {
+            return weft_error_set(err, WEFT_IO, "%s: another run is writing there",
+                                  directory);
+        }
+    }
+    return WEFT_OK;
 }
 
 weft_status record_outdir(const char *directory, bool force, weft_error *err)

@@ -34,6 +34,14 @@ weft_status record_text(const char *directory, const char *name, const char *tex
  * unless `force`, which removes what an earlier run of weft left there. */
 weft_status record_outdir(const char *directory, bool force, weft_error *err);
 
+/* outdir.c: make `directory` and hold it against other runs until *held is closed or
+ * the process ends; -1 where the file system knows no locks. Comes before
+ * record_outdir. */
+weft_status record_outdir_hold(const char *directory, int *held, weft_error *err);
+
+/* outdir.c: the names of all that weft leaves there, NULL at their end. */
+extern const char *const record_names[];
+
 /* One frame of a run. */
 typedef struct record_frame {
     size_t index;
@@ -50,6 +58,7 @@ typedef struct record_series {
     size_t columns;
     const char *names[RECORD_COLUMNS_MAX];
     double row[RECORD_COLUMNS_MAX]; /* the last one written, as far as doubles go */
+    weft_spring worst;              /* of the last row: its max_strain */
 } record_series;
 
 weft_status record_series_open(record_series *series, const char *directory,
@@ -105,6 +114,10 @@ typedef struct record_result {
 /* The last file of a run: its presence says that the run is over. */
 weft_status record_result_write(const char *directory, const record_result *result,
                                 weft_error *err);
+
+/* What result.yaml says, as items of a mapping (yaml_out.h). */
+struct yaml_out;
+void record_result_items(struct yaml_out *out, const record_result *result);
 
 /* Kinetic + elastic + gravitational [J]. */
 double record_total_energy(const weft_cloth *cloth, const double *y);

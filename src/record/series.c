@@ -19,7 +19,7 @@
     X(momentum_x, "%.17g", row.momentum[0])                                            \
     X(momentum_y, "%.17g", row.momentum[1])                                            \
     X(momentum_z, "%.17g", row.momentum[2])                                            \
-    X(max_strain, "%.17g", row.max_strain)                                             \
+    X(max_strain, "%.17g", row.worst.strain)                                           \
     X(steps, "%" PRIu64, row.stats.steps)                                              \
     X(rejected, "%" PRIu64, row.stats.rejected)                                        \
     X(rhs_calls, "%" PRIu64, row.stats.rhs_calls)                                      \
@@ -46,7 +46,8 @@ enum { COLUMNS(NUMBER) COLUMN_COUNT };
 
 typedef struct series_row {
     const record_frame *frame;
-    double time, elastic, dissipated, max_strain, limit_strain, momentum[3];
+    double time, elastic, dissipated, limit_strain, momentum[3];
+    weft_spring worst;
     weft_energy energy;
     weft_ledger ledger;
     weft_stepper_stats stats;
@@ -62,7 +63,7 @@ static series_row measure(const record_frame *frame)
         .frame = frame,
         .time = weft_sim_time(sim),
         .dissipated = weft_sim_dissipated(sim),
-        .max_strain = weft_cloth_worst_spring(cloth, y).strain,
+        .worst = weft_cloth_worst_spring(cloth, y),
         .ledger = weft_sim_ledger(sim),
         .limit_strain = weft_sim_limit_worst(sim).strain,
         .stats = weft_sim_stats(sim),
@@ -116,6 +117,7 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
     const series_row row = measure(frame);
     const char *comma = "";
     size_t column = 0;
+    series->worst = row.worst;
 #define CELL(name, format, value)                                                      \
     fprintf(series->stream, "%s" format, comma, value);                                \
     series->row[column++] = (double)(value);                                           \

@@ -30,6 +30,17 @@ void weft__override_apply(yaml_document_t *document, const weft__source *source,
  * document. */
 char *weft__document_emit(yaml_document_t *document);
 
+/* name.c: the file's name without folders and without .yaml, to be freed; NULL if
+ * memory ran out. */
+char *weft__name_of_file(const char *file);
+
+/* The text of a document with a line `name: ...` before its first key, to be freed;
+ * NULL if it is not written so that this can be done, or memory ran out. */
+char *weft__name_insert(yaml_document_t *document, const char *text, const char *name);
+
+/* The same in the document itself. false: memory ran out. */
+bool weft__name_append(yaml_document_t *document, const char *name);
+
 /* The index of a key's pair in a mapping; -1 if it is not there. */
 ptrdiff_t weft__find_pair(yaml_document_t *document, const yaml_node_t *mapping,
                           const char *key, size_t length);

@@ -67,23 +67,6 @@ static weft_status take_text(const weft_scene_def *def, char **text, size_t *len
     return WEFT_OK;
 }
 
-/* The file's name without folders and without .yaml. */
-static char *name_of_file(const char *file)
-{
-    static const char *const endings[] = { ".yaml", ".yml" };
-    const char *slash = strrchr(file, '/');
-    char *name = strdup(slash == NULL ? file : slash + 1);
-    const size_t length = name == NULL ? 0 : strlen(name);
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; ++i) {
-        const size_t ending = strlen(endings[i]);
-        if (length > ending && strcmp(name + length - ending, endings[i]) == 0) {
-            name[length - ending] = '\0';
-            break;
-        }
-    }
-    return name;
-}
-
 /* ---- loading ---------------------------------------------------------------- */
 
 /* What is needed while a scene is read and not after. */
@@ -178,20 +161,40 @@ static weft_status first_error(const weft_diagnostics *found, weft_error *err)
     return WEFT_BAD_SCENE;
 }
 
-/* What a right scene still lacks: its name, and its text if overrides changed it. */
+/* The name that a file gives a scene is written into its text, which may be run from
+ * another file: not where that is scene.yaml, as a run calls it. */
+static bool keep_name(loader *self, bool *changed)
+{
+    weft_scene *scene = self->scene;
+    scene->name = weft__name_of_file(name_in_messages(self->def));
+    if (scene->name == NULL || strcmp(scene->name, "scene") == 0) {
+        return scene->name != NULL;
+    }
+    char *text = *changed
+                     ? NULL
+                     : weft__name_insert(&self->document, scene->text, scene->name);
+    if (text == NULL) {
+        *changed = true;
+        return weft__name_append(&self->document, scene->name);
+    }
+    free(scene->text);
+    scene->text = text;
+    return true;
+}
+
+/* What a right scene still lacks: its name, and its text if that was changed. */
 static weft_status complete(loader *self, weft_error *err)
 {
     weft_scene *scene = self->scene;
-    if (scene->name == NULL) {
-        scene->name = name_of_file(name_in_messages(self->def));
-    }
-    if (self->def->set_count > 0) {
+    bool changed = self->def->set_count > 0;
+    const bool named = scene->name != NULL || keep_name(self, &changed);
+    if (changed) {
         free(scene->text);
         scene->text = weft__document_emit(&self->document);
     } else {
         yaml_document_delete(&self->document);
     }
-    return scene->name == NULL || scene->text == NULL ? no_memory(err) : WEFT_OK;
+    return !named || scene->text == NULL ? no_memory(err) : WEFT_OK;
 }
 
 static weft_status load(loader *self, weft_error *err)
