@@ -82,9 +82,12 @@ void progress_end(progress *show);
 typedef struct player {
     weft_sim *sim;
     const weft_run_def *run;
-    size_t last; /* frame to end with */
+    size_t first, last; /* frames to begin and to end with */
     /* At frame i, its time reached. */
     weft_status (*frame)(void *ctx, size_t i, weft_error *err);
+    /* After a frame that run.checkpoint tells: to call weft_sim_save, which restarts
+     * the stepper. NULL: it is restarted. */
+    weft_status (*checkpoint)(void *ctx, size_t i, weft_error *err);
     /* After each accepted step; false: stop. NULL: never asked. */
     bool (*step)(void *ctx);
     void *ctx;
