@@ -25,8 +25,8 @@ typedef struct verb {
     int (*run)(int argc, char **argv);
 } verb;
 
-extern const verb verb_run, verb_check, verb_steppers, verb_scene_help, verb_export,
-    verb_view;
+extern const verb verb_resume, verb_run, verb_check, verb_steppers, verb_scene_help,
+    verb_export, verb_view;
 
 /* Options that several verbs take. */
 typedef struct options {

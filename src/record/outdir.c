@@ -98,7 +98,7 @@ weft_status record_outdir(const char *directory, bool force, weft_error *err)
 /* A file system that knows no locks is no reason not to run. */
 weft_status record_outdir_lock(const char *directory, int *lock, weft_error *err)
 {
-    *lock = open(directory, O_RDONLY | O_CLOEXEC);
+    *lock = make_directories(directory) ? open(directory, O_RDONLY | O_CLOEXEC) : -1;
     if (*lock < 0) {
         return weft_error_set(err, WEFT_IO, "%s: %s", directory, strerror(errno));
     }

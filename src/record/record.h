@@ -34,8 +34,8 @@ weft_status record_text(const char *directory, const char *name, const char *tex
  * unless `force`, which removes what an earlier run of weft left there. */
 weft_status record_outdir(const char *directory, bool force, weft_error *err);
 
-/* Claims a directory for this process until *lock is closed, or the process ends.
- * WEFT_IO if another one has it. */
+/* Makes `directory` if need be and claims it for this process until *lock is closed, or
+ * the process ends. WEFT_IO if another one has it. */
 weft_status record_outdir_lock(const char *directory, int *lock, weft_error *err);
 
 /* One frame of a run. */
@@ -62,9 +62,10 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
                               weft_error *err);
 weft_status record_series_close(record_series *series, weft_error *err);
 
-/* One that is there, cut to its first `bytes`, to go on. */
+/* One that is there, to go on once it is cut to its first `bytes`. */
 weft_status record_series_reopen(record_series *series, const char *directory,
-                                 bool ledger, size_t bytes, weft_error *err);
+                                 bool ledger, weft_error *err);
+weft_status record_series_cut(record_series *series, size_t bytes, weft_error *err);
 /* Bring what was added to the disk; *bytes is the length of the file then. */
 weft_status record_series_sync(record_series *series, size_t *bytes, weft_error *err);
 

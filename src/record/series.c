@@ -126,19 +126,18 @@ weft_status record_series_open(record_series *series, const char *directory,
 }
 
 weft_status record_series_reopen(record_series *series, const char *directory,
-                                 bool ledger, size_t bytes, weft_error *err)
+                                 bool ledger, weft_error *err)
 {
-    const weft_status status = open_stream(series, directory, "r+", ledger, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    return open_stream(series, directory, "r+", ledger, err);
+}
+
+weft_status record_series_cut(record_series *series, size_t bytes, weft_error *err)
+{
     if (ftruncate(fileno(series->stream), (off_t)bytes) == 0
         && fseek(series->stream, 0, SEEK_END) == 0) {
         return WEFT_OK;
     }
-    weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
-    (void)fclose(series->stream);
-    return WEFT_IO;
+    return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
 }
 
 weft_status record_series_sync(record_series *series, size_t *bytes, weft_error *err)
