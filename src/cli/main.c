@@ -7,7 +7,7 @@
 
 static const verb *const verbs[] = {
     &verb_run,        &verb_resume, &verb_check, &verb_steppers,
-    &verb_scene_help, &verb_export, &verb_view,
+    &verb_scene_help, &verb_export, &verb_view,  &verb_diff,
 };
 
 #define VERBS (sizeof verbs / sizeof verbs[0])

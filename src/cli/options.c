@@ -21,6 +21,7 @@ static const struct option known[] = {
     { "all", no_argument, NULL, 'a' },
     { "refine", no_argument, NULL, 'R' },
     { "view", no_argument, NULL, 'v' },
+    { "tol", required_argument, NULL, 'T' },
 };
 
 #define KNOWN (sizeof known / sizeof known[0])
@@ -74,6 +75,9 @@ static void apply(int letter, options *out)
         break;
     case 'v':
         out->view = true;
+        break;
+    case 'T':
+        out->tolerance = optarg;
         break;
     default:
         out->markdown = true;
