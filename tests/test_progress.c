@@ -366,9 +366,9 @@ START_TEST(two_runs_do_not_write_into_one_directory_at_once)
               "/d --quiet $force; echo code $?; done; kill -KILL $pid; wait $pid; " WEFT
               " run " OUT "/small.yaml --out " OUT "/d --quiet --force"),
         0);
-    const char *first = strstr(output, "another run is writing there\ncode 4");
+    const char *first = strstr(output, "another weft is running there\ncode 4");
     ck_assert_ptr_nonnull(first);
-    ck_assert_ptr_nonnull(strstr(first + 1, "another run is writing there\ncode 4"));
+    ck_assert_ptr_nonnull(strstr(first + 1, "another weft is running there\ncode 4"));
 }
 END_TEST
 

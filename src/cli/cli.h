@@ -9,6 +9,7 @@
 /* Exit codes. */
 enum {
     EXIT_DONE = 0,
+    EXIT_DIFFERENT = 1,  /* of weft diff */
     EXIT_SIMULATION = 1, /* the simulation failed; a report is written */
     EXIT_USAGE = 2,      /* wrong command line */
     EXIT_SCENE = 3,      /* wrong scene */
@@ -25,12 +26,12 @@ typedef struct verb {
     int (*run)(int argc, char **argv);
 } verb;
 
-extern const verb verb_run, verb_check, verb_steppers, verb_scene_help, verb_export,
-    verb_view;
+extern const verb verb_diff, verb_resume, verb_run, verb_check, verb_steppers,
+    verb_scene_help, verb_export, verb_view;
 
 /* Options that several verbs take. */
 typedef struct options {
-    const char *plugin_path, *out, *frames, *format, *frame, *progress;
+    const char *plugin_path, *out, *frames, *format, *frame, *progress, *tolerance;
     const char **sets;
     size_t set_count;
     bool quiet, force, yaml, markdown, all, refine, view;
@@ -40,8 +41,8 @@ typedef struct options {
 
 /* Parse by the letters of `takes`: o --out, s --set, p --plugin-path, q --quiet,
  * F --force, r --frames, t --format, i --frame, y --yaml, m --markdown, a --all,
- * R --refine, v --view, P --progress. Returns -1 to go on, or an exit code: help was
- * printed, or the command line is wrong. */
+ * R --refine, v --view, P --progress, T --tol. Returns -1 to go on, or an exit code:
+ * help was printed, or the command line is wrong. */
 int options_parse(const verb *self, const char *takes, int argc, char **argv,
                   options *out);
 void options_free(options *out);
@@ -68,9 +69,12 @@ int view_runs(const char *const *directories, size_t count, const char *out, boo
 typedef struct player {
     weft_sim *sim;
     const weft_run_def *run;
-    size_t last; /* frame to end with */
+    size_t first, last; /* frames to begin and to end with */
     /* At frame i, its time reached. */
     weft_status (*frame)(void *ctx, size_t i, weft_error *err);
+    /* After a frame that run.checkpoint tells: to call weft_sim_save, which restarts
+     * the stepper. NULL: it is restarted. */
+    weft_status (*checkpoint)(void *ctx, size_t i, weft_error *err);
     /* After each accepted step; false: stop. NULL: never asked. */
     bool (*step)(void *ctx);
     void *ctx;

@@ -23,6 +23,7 @@ static const struct option known[] = {
     { "refine", no_argument, NULL, 'R' },
     { "view", no_argument, NULL, 'v' },
     { "progress", required_argument, NULL, 'P' },
+    { "tol", required_argument, NULL, 'T' },
 };
 
 #define KNOWN (sizeof known / sizeof known[0])
@@ -81,6 +82,9 @@ static void apply(int letter, options *out)
         break;
     case 'v':
         out->view = true;
+        break;
+    case 'T':
+        out->tolerance = optarg;
         break;
     default:
         out->markdown = true;

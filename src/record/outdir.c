@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* outdir.c -- the directory of a run: new, or empty, or taken over on request. */
+#define _DEFAULT_SOURCE /* flock, which takes a directory */
 #include "record/record.h"
 
 #include <dirent.h>
@@ -79,25 +80,6 @@ static long look_through(const char *directory, bool clear)
     return found;
 }
 
-weft_status record_outdir_hold(const char *directory, int *held, weft_error *err)
-{
-    *held = -1;
-    if (!make_directories(directory)) {
-        return weft_error_set(err, WEFT_IO, "%s: %s", directory, strerror(errno));
-    }
-    *held = open(directory, O_RDONLY | O_CLOEXEC);
-    if (*held >= 0 && flock(*held, LOCK_EX | LOCK_NB) != 0) {
-        const bool taken = errno == EWOULDBLOCK;
-        (void)close(*held);
-        *held = -1;
-        if (taken) {
-            return weft_error_set(err, WEFT_IO, "%s: another run is writing there",
-                                  directory);
-        }
-    }
-    return WEFT_OK;
-}
-
 weft_status record_outdir(const char *directory, bool force, weft_error *err)
 {
     if (!make_directories(directory)) {
@@ -111,6 +93,22 @@ weft_status record_outdir(const char *directory, bool force, weft_error *err)
         return weft_error_set(
             err, WEFT_IO,
             "%s: not empty; choose another --out, or --force to replace it", directory);
+    }
+    return WEFT_OK;
+}
+
+/* A file system that knows no locks is no reason not to run. */
+weft_status record_outdir_lock(const char *directory, int *lock, weft_error *err)
+{
+    *lock = make_directories(directory) ? open(directory, O_RDONLY | O_CLOEXEC) : -1;
+    if (*lock < 0) {
+        return weft_error_set(err, WEFT_IO, "%s: %s", directory, strerror(errno));
+    }
+    if (flock(*lock, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        (void)close(*lock);
+        *lock = -1;
+        return weft_error_set(err, WEFT_IO, "%s: another weft is running there",
+                              directory);
     }
     return WEFT_OK;
 }
