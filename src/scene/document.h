@@ -26,6 +26,14 @@ bool weft__document_check(yaml_document_t *document, weft__report *report);
 void weft__override_apply(yaml_document_t *document, const weft__source *source,
                           weft__report *report);
 
+/* The bytes of its key.path. */
+size_t weft__override_path(const weft__source *source);
+
+/* Puts a node of the document at a path of dotted keys that stands at `at`; a null
+ * removes what is there. */
+void weft__document_put(yaml_document_t *document, const char *path, size_t length,
+                        yaml_mark_t at, int value, weft__report *report);
+
 /* The document as YAML text, to be freed, or NULL if memory ran out. Deletes the
  * document. */
 char *weft__document_emit(yaml_document_t *document);

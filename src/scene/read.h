@@ -53,6 +53,23 @@ typedef struct weft__reader {
     const weft_scene_def *def;
 } weft__reader;
 
+/* The texts a scene is read from. */
+typedef struct weft__input {
+    char *text;
+    size_t length;
+    weft__source *sources; /* the file, then the overrides */
+} weft__input;
+
+weft_status weft__input_open(const weft_scene_def *def, weft__input *out,
+                             weft_error *err);
+void weft__input_close(weft__input *input);
+
+/* Reads the scene of run def->run, adding to a report that the caller ends, and keeps
+ * what the sweep says in *sweep unless that is NULL. */
+weft_status weft__scene_read(const weft_scene_def *def, const weft__input *input,
+                             weft__report *report, weft_sweep *sweep, weft_scene **out,
+                             weft_error *err);
+
 /* A mapping and which of its section's keys it has. */
 typedef struct weft__match {
     const weft__section *section;

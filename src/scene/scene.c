@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "scene/read.h"
+#include "scene/sweep.h"
 
 weft_scene_def weft_scene_def_default(void)
 {
@@ -84,16 +85,7 @@ static char *name_of_file(const char *file)
     return name;
 }
 
-/* ---- loading ---------------------------------------------------------------- */
-
-/* What is needed while a scene is read and not after. */
-typedef struct loader {
-    const weft_scene_def *def;
-    weft_scene *scene;
-    weft__source *sources; /* the file, then the overrides */
-    weft__report report;
-    yaml_document_t document;
-} loader;
+/* ---- input ------------------------------------------------------------------ */
 
 static const char *name_in_messages(const weft_scene_def *def)
 {
@@ -101,121 +93,166 @@ static const char *name_in_messages(const weft_scene_def *def)
 }
 
 /* libyaml would count a byte order mark as a column. */
-static weft_status make_sources(loader *self, size_t length, weft_error *err)
+static weft_status make_sources(const weft_scene_def *def, weft__input *input,
+                                weft_error *err)
 {
-    const weft_scene_def *def = self->def;
-    const bool mark = strncmp(self->scene->text, "\xEF\xBB\xBF", 3) == 0;
-    self->sources = calloc(def->set_count + 1, sizeof *self->sources);
-    if (self->sources == NULL) {
+    const size_t mark = strncmp(input->text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
+    input->sources = calloc(def->set_count + 1, sizeof *input->sources);
+    if (input->sources == NULL) {
         return no_memory(err);
     }
-    self->sources[0] = (weft__source){ .file = name_in_messages(def),
-                                       .text = self->scene->text + (mark ? 3 : 0),
-                                       .length = length - (mark ? 3 : 0) };
+    input->sources[0] = (weft__source){ .file = name_in_messages(def),
+                                        .text = input->text + mark,
+                                        .length = input->length - mark };
     for (size_t i = 0; i < def->set_count; ++i) {
-        self->sources[i + 1] = (weft__source){ .file = "",
-                                               .text = def->sets[i],
-                                               .length = strlen(def->sets[i]),
-                                               .number = i + 1 };
+        input->sources[i + 1] = (weft__source){ .file = "",
+                                                .text = def->sets[i],
+                                                .length = strlen(def->sets[i]),
+                                                .number = i + 1 };
     }
-    self->report.sources = self->sources;
     return WEFT_OK;
 }
 
-/* Overrides are put in before anything is checked. */
+weft_status weft__input_open(const weft_scene_def *def, weft__input *out,
+                             weft_error *err)
+{
+    *out = (weft__input){ .text = NULL };
+    if (def->file == NULL && def->text == NULL) {
+        return weft_error_set(err, WEFT_INVALID, "a scene needs a file or a text");
+    }
+    weft_status status = take_text(def, &out->text, &out->length, err);
+    status = status == WEFT_OK ? make_sources(def, out, err) : status;
+    if (status != WEFT_OK) {
+        weft__input_close(out);
+    }
+    return status;
+}
+
+void weft__input_close(weft__input *input)
+{
+    free(input->sources);
+    free(input->text);
+}
+
+/* ---- loading ---------------------------------------------------------------- */
+
+/* What is needed while a scene is read and not after. */
+typedef struct loader {
+    const weft_scene_def *def;
+    const weft__input *input;
+    weft_scene *scene;
+    weft__report *report;
+    weft_sweep *sweep; /* to be filled in, or NULL */
+    yaml_document_t document;
+    bool changed; /* it is no longer what was read */
+    bool outside; /* the sweep has no such run */
+} loader;
+
+/* The values of one run are put in. Without a run of its own a scene with a sweep is
+ * refused, and what else is wrong told of the first. */
+static void resolve_sweep(loader *self)
+{
+    const size_t wanted = self->def->run;
+    weft__sweep sweep;
+    weft__sweep_take(&self->document, self->def->set_count, self->report, &sweep);
+    self->changed = self->changed || sweep.present;
+    self->outside = wanted > sweep.runs && sweep.runs > 0;
+    if (self->sweep != NULL
+        && !weft__sweep_copy(self->sweep, &self->document, &sweep)) {
+        self->report->no_memory = true;
+    }
+    if (sweep.present && sweep.runs > 0 && wanted == 0) {
+        weft__report_error(self->report, sweep.at,
+                           "sweep makes %zu runs of this scene: 'weft batch' runs them",
+                           sweep.runs);
+    }
+    if (sweep.runs > 0 && !self->outside) {
+        weft__sweep_apply(&self->document, &sweep, wanted == 0 ? 1 : wanted,
+                          self->report);
+    }
+}
+
+/* Overrides and values of a sweep are put in before anything is checked. */
+static void read_document(loader *self)
+{
+    for (size_t i = 1; i <= self->def->set_count; ++i) {
+        weft__override_apply(&self->document, &self->input->sources[i], self->report);
+    }
+    self->changed = self->def->set_count > 0;
+    if (yaml_document_get_root_node(&self->document)->type == YAML_MAPPING_NODE) {
+        resolve_sweep(self);
+    }
+    if (!self->changed || weft__document_check(&self->document, self->report)) {
+        weft__reader reader = { self->scene, &self->document, self->report, self->def };
+        weft__read_section(&reader, &weft__root, weft__root.title,
+                           yaml_document_get_root_node(&self->document), self->scene);
+    }
+}
+
 static bool load_document(loader *self)
 {
-    const weft__source *file = &self->sources[0];
+    const weft__source *file = &self->input->sources[0];
     const yaml_mark_t start = { 0 };
     if (file->length > WEFT__MAX_BYTES) {
-        weft__report_error(&self->report, start, "the file is larger than 16 MiB");
+        weft__report_error(self->report, start, "the file is larger than 16 MiB");
         return false;
     }
-    if (!weft__document_load(file, 0, &self->report, &self->document)) {
+    if (!weft__document_load(file, 0, self->report, &self->document)) {
         return false;
     }
     const yaml_node_t *root = yaml_document_get_root_node(&self->document);
     if (root == NULL) {
-        weft__report_error(&self->report, start,
+        weft__report_error(self->report, start,
                            "the scene is empty: it begins with 'weft: 1'");
-    } else if (!weft__document_check(&self->document, &self->report)) {
+    } else if (!weft__document_check(&self->document, self->report)) {
         return true;
     } else if (root->type != YAML_MAPPING_NODE) {
-        weft__report_error(&self->report, root->start_mark,
+        weft__report_error(self->report, root->start_mark,
                            "a scene is a mapping that begins with 'weft: 1'");
     } else {
-        for (size_t i = 1; i <= self->def->set_count; ++i) {
-            weft__override_apply(&self->document, &self->sources[i], &self->report);
-        }
-        if (self->def->set_count == 0
-            || weft__document_check(&self->document, &self->report)) {
-            weft__reader reader
-                = { self->scene, &self->document, &self->report, self->def };
-            weft__read_section(&reader, &weft__root, weft__root.title,
-                               yaml_document_get_root_node(&self->document),
-                               self->scene);
-        }
+        read_document(self);
     }
     return true;
 }
 
-/* The message for those who ask for one only. */
-static weft_status first_error(const weft_diagnostics *found, weft_error *err)
-{
-    const weft_diagnostic *item = NULL;
-    for (size_t i = 0; i < found->count && item == NULL; ++i) {
-        item = found->items[i].warning ? NULL : &found->items[i];
-    }
-    if (item == NULL) {
-        return weft_error_set(err, WEFT_BAD_SCENE, "the scene has mistakes");
-    }
-    weft_error_set(err, WEFT_BAD_SCENE, "%s", item->message);
-    if (err != NULL) {
-        (void)snprintf(err->file, sizeof err->file, "%s", item->place);
-        err->line = item->line;
-        err->column = item->column;
-    }
-    return WEFT_BAD_SCENE;
-}
-
-/* What a right scene still lacks: its name, and its text if overrides changed it. */
+/* What a right scene still lacks: its name, and its text as it was read or, if that was
+ * changed, as it is now. */
 static weft_status complete(loader *self, weft_error *err)
 {
     weft_scene *scene = self->scene;
     if (scene->name == NULL) {
         scene->name = name_of_file(name_in_messages(self->def));
     }
-    if (self->def->set_count > 0) {
-        free(scene->text);
+    if (self->changed) {
         scene->text = weft__document_emit(&self->document);
     } else {
         yaml_document_delete(&self->document);
+        scene->text = malloc(self->input->length + 1);
+        if (scene->text != NULL) {
+            memcpy(scene->text, self->input->text, self->input->length + 1);
+        }
     }
     return scene->name == NULL || scene->text == NULL ? no_memory(err) : WEFT_OK;
 }
 
 static weft_status load(loader *self, weft_error *err)
 {
-    size_t length = 0;
-    weft_status status = take_text(self->def, &self->scene->text, &length, err);
-    if (status == WEFT_OK) {
-        status = make_sources(self, length, err);
-    }
-    if (status != WEFT_OK) {
-        return status;
-    }
     self->scene->config.struct_size = sizeof self->scene->config;
     const bool loaded = load_document(self);
-    weft__report_finish(&self->report);
-    if (loaded && !self->report.no_memory && self->report.found->errors == 0) {
+    const weft_status status
+        = self->report->no_memory           ? no_memory(err)
+          : self->report->found->errors > 0 ? WEFT_BAD_SCENE
+          : !self->outside                  ? WEFT_OK
+                                            : weft_error_set(err, WEFT_INVALID,
+                                                             "the sweep has no run %zu", self->def->run);
+    if (loaded && status == WEFT_OK) {
         self->scene->config.threads = self->scene->run.threads;
         return complete(self, err);
     }
     if (loaded) {
         yaml_document_delete(&self->document);
     }
-    return self->report.no_memory ? no_memory(err)
-                                  : first_error(self->report.found, err);
+    return status;
 }
 
 /* Numbers are read and shown with a decimal point, whatever the embedder's locale. */
@@ -232,27 +269,42 @@ static weft_status load_in_c_locale(loader *self, weft_error *err)
     return status;
 }
 
-weft_status weft_scene_load(const weft_scene_def *def, weft_scene **out,
-                            weft_diagnostics *found, weft_error *err)
+weft_status weft__scene_read(const weft_scene_def *def, const weft__input *input,
+                             weft__report *report, weft_sweep *sweep, weft_scene **out,
+                             weft_error *err)
 {
-    *out = NULL;
-    memset(found, 0, sizeof *found);
-    if (def->file == NULL && def->text == NULL) {
-        return weft_error_set(err, WEFT_INVALID, "a scene needs a file or a text");
-    }
-    loader self = { .def = def, .report = { .found = found } };
+    loader self = { .def = def, .input = input, .report = report, .sweep = sweep };
     self.scene = calloc(1, sizeof *self.scene);
     if (self.scene == NULL) {
         return no_memory(err);
     }
     const weft_status status = load_in_c_locale(&self, err);
-    free(self.sources);
     if (status != WEFT_OK) {
         weft_scene_destroy(self.scene);
         return status;
     }
     *out = self.scene;
     return WEFT_OK;
+}
+
+weft_status weft_scene_load(const weft_scene_def *def, weft_scene **out,
+                            weft_diagnostics *found, weft_error *err)
+{
+    weft__input input;
+    weft__report report = { .found = found };
+    *out = NULL;
+    memset(found, 0, sizeof *found);
+    weft_status status = weft__input_open(def, &input, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    report.sources = input.sources;
+    status = weft__scene_read(def, &input, &report, NULL, out, err);
+    if (status == WEFT_OK || status == WEFT_BAD_SCENE) {
+        status = weft__report_end(&report, err);
+    }
+    weft__input_close(&input);
+    return status;
 }
 
 void weft_scene_destroy(weft_scene *scene)
