@@ -74,10 +74,6 @@ typedef struct weft_scene_def {
      * would not use can be checked where they stand. NULL: not checked. */
     const weft_plugin *(*find_plugin)(void *ctx, const char *id, weft_error *err);
     void *find_ctx;
-
-    /* Which run of a scene with a sweep, from 1; a scene without one is run 1 too.
-     * 0: a sweep is a mistake. */
-    size_t run;
 } weft_scene_def;
 
 WEFT_API weft_scene_def weft_scene_def_default(void);
@@ -107,12 +103,13 @@ WEFT_API const char *weft_scene_text(const weft_scene *scene);
 
 /* A scene file with `sweep`: {key.path: [value, ...], ...} stands for many runs: every
  * combination of the values, the last key varying fastest, or with zip: true as many as
- * each list has values. weft_scene_load reads one of them. */
+ * each list has values. A scene without it is a sweep of one run and no keys. For
+ * weft_scene_load a sweep is a mistake. */
 typedef struct weft_sweep weft_sweep;
 
-/* Reads and checks every run; def->run is not looked at. What is wrong in some runs
- * only says so. A scene without a sweep has one run and no keys. Errors and `found` as
- * for weft_scene_load. */
+/* Reads and checks every run; what is wrong in some runs only says so. Errors and
+ * `found` as for weft_scene_load. def->sets and what find_plugin needs outlive the
+ * sweep. */
 WEFT_API weft_status weft_sweep_load(const weft_scene_def *def, weft_sweep **out,
                                      weft_diagnostics *found, weft_error *err);
 WEFT_API void weft_sweep_destroy(weft_sweep *sweep); /* NULL is allowed */
@@ -122,6 +119,10 @@ WEFT_API size_t weft_sweep_keys(const weft_sweep *sweep);
 /* The path of key 0, 1, ... and its value in run 1, 2, ... in one line. */
 WEFT_API const char *weft_sweep_key(const weft_sweep *sweep, size_t key);
 WEFT_API const char *weft_sweep_value(const weft_sweep *sweep, size_t key, size_t run);
+/* The scene of run 1, 2, ..., whose text has its values and no sweep. Errors:
+ * WEFT_INVALID, WEFT_NO_MEMORY. */
+WEFT_API weft_status weft_sweep_scene(const weft_sweep *sweep, size_t run,
+                                      weft_scene **out, weft_error *err);
 
 typedef enum weft_scene_help_format {
     WEFT_HELP_TEXT,

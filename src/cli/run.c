@@ -328,8 +328,8 @@ static int run_simulation(run *self, weft_registry *registry)
     return code;
 }
 
-static int run_scene(const options *given, const char *out, const weft_scene *scene,
-                     weft_registry *registry)
+int run_scene(const options *given, const char *out, const weft_scene *scene,
+              weft_registry *registry)
 {
     weft_error err = { 0 };
     run self = {

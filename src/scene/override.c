@@ -88,8 +88,11 @@ static bool copy_pairs(const graft *self, yaml_document_t *from,
     for (const yaml_node_pair_t *pair = node->data.mapping.pairs.start;
          pair < node->data.mapping.pairs.top; ++pair) {
         const int key = copy_tree(self, from, pair->key);
-        const int value = key == 0 ? 0 : copy_tree(self, from, pair->value);
-        if (value == 0 || !add_pair(self, copy, key, value)) {
+        const int value = key == 0 || pair->value == 0
+                              ? 0 /* removed */
+                              : copy_tree(self, from, pair->value);
+        if (key == 0 || (value == 0 && pair->value != 0)
+            || !add_pair(self, copy, key, value)) {
             return false;
         }
     }
@@ -301,17 +304,33 @@ static void walk_path(const graft *self, const char *end)
     }
 }
 
-void weft__document_put(yaml_document_t *document, const char *path, size_t length,
-                        yaml_mark_t at, int value, weft__report *report)
+void weft__document_put(yaml_document_t *document, const char *path, yaml_mark_t at,
+                        yaml_document_t *from, int value, weft__report *report)
 {
-    const yaml_node_t *node = yaml_document_get_node(document, value);
-    const graft self = { .document = document,
-                         .report = report,
-                         .path = path,
-                         .at = at,
-                         .removes = weft__is_null(node),
-                         .value = value };
-    walk_path(&self, path + length);
+    graft self = { .document = document,
+                   .report = report,
+                   .path = path,
+                   .at = at,
+                   .removes = weft__is_null(yaml_document_get_node(from, value)) };
+    self.value = self.removes ? 0 : copy_tree(&self, from, value);
+    if (self.removes || self.value != 0) {
+        walk_path(&self, path + strlen(path));
+    }
+}
+
+bool weft__document_copy(yaml_document_t *to, yaml_document_t *from,
+                         weft__report *report)
+{
+    const graft self = { .document = to, .report = report };
+    if (!yaml_document_initialize(to, NULL, NULL, NULL, 1, 1)) {
+        report->no_memory = true;
+        return false;
+    }
+    if (copy_tree(&self, from, 1) == 0) {
+        yaml_document_delete(to);
+        return false;
+    }
+    return true;
 }
 
 size_t weft__override_path(const weft__source *source)

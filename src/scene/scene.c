@@ -85,7 +85,7 @@ static char *name_of_file(const char *file)
     return name;
 }
 
-/* ---- input ------------------------------------------------------------------ */
+/* ---- the document ----------------------------------------------------------- */
 
 static const char *name_in_messages(const weft_scene_def *def)
 {
@@ -93,217 +93,203 @@ static const char *name_in_messages(const weft_scene_def *def)
 }
 
 /* libyaml would count a byte order mark as a column. */
-static weft_status make_sources(const weft_scene_def *def, weft__input *input,
+static weft_status make_sources(const weft_scene_def *def, weft__base *base,
                                 weft_error *err)
 {
-    const size_t mark = strncmp(input->text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
-    input->sources = calloc(def->set_count + 1, sizeof *input->sources);
-    if (input->sources == NULL) {
+    const size_t mark = strncmp(base->text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
+    base->sources = calloc(def->set_count + 1, sizeof *base->sources);
+    if (base->sources == NULL) {
         return no_memory(err);
     }
-    input->sources[0] = (weft__source){ .file = name_in_messages(def),
-                                        .text = input->text + mark,
-                                        .length = input->length - mark };
+    base->sources[0] = (weft__source){ .file = name_in_messages(def),
+                                       .text = base->text + mark,
+                                       .length = base->length - mark };
     for (size_t i = 0; i < def->set_count; ++i) {
-        input->sources[i + 1] = (weft__source){ .file = "",
-                                                .text = def->sets[i],
-                                                .length = strlen(def->sets[i]),
-                                                .number = i + 1 };
+        base->sources[i + 1] = (weft__source){ .file = "",
+                                               .text = def->sets[i],
+                                               .length = strlen(def->sets[i]),
+                                               .number = i + 1 };
     }
     return WEFT_OK;
 }
 
-weft_status weft__input_open(const weft_scene_def *def, weft__input *out,
-                             weft_error *err)
+/* Overrides are put in before anything is checked. */
+static void resolve(weft__base *base, weft__report *report)
 {
-    *out = (weft__input){ .text = NULL };
+    const size_t sets = base->def.set_count;
+    for (size_t i = 1; i <= sets; ++i) {
+        weft__override_apply(&base->document, &base->sources[i], report);
+    }
+    base->changed = sets > 0;
+    if (sets > 0 && !weft__document_check(&base->document, report)) {
+        return;
+    }
+    if (yaml_document_get_root_node(&base->document)->type == YAML_MAPPING_NODE) {
+        weft__sweep_take(&base->document, sets, report, &base->sweep);
+        base->changed = base->changed || base->sweep.present;
+    }
+    base->readable = base->sweep.runs > 0;
+}
+
+static void load_document(weft__base *base, weft__report *report)
+{
+    const weft__source *file = &base->sources[0];
+    const yaml_mark_t start = { 0 };
+    if (file->length > WEFT__MAX_BYTES) {
+        weft__report_error(report, start, "the file is larger than 16 MiB");
+        return;
+    }
+    base->loaded = weft__document_load(file, 0, report, &base->document);
+    if (!base->loaded) {
+        return;
+    }
+    const yaml_node_t *root = yaml_document_get_root_node(&base->document);
+    if (root == NULL) {
+        weft__report_error(report, start,
+                           "the scene is empty: it begins with 'weft: 1'");
+    } else if (!weft__document_check(&base->document, report)) {
+        return;
+    } else if (root->type != YAML_MAPPING_NODE) {
+        weft__report_error(report, root->start_mark,
+                           "a scene is a mapping that begins with 'weft: 1'");
+    } else {
+        resolve(base, report);
+    }
+}
+
+weft_status weft__base_open(const weft_scene_def *def, weft__base *out,
+                            weft__report *report, weft_error *err)
+{
+    *out = (weft__base){ .def = *def, .sweep = { .runs = 1 } };
     if (def->file == NULL && def->text == NULL) {
         return weft_error_set(err, WEFT_INVALID, "a scene needs a file or a text");
     }
     weft_status status = take_text(def, &out->text, &out->length, err);
     status = status == WEFT_OK ? make_sources(def, out, err) : status;
+    if (status == WEFT_OK) {
+        report->sources = out->sources;
+        load_document(out, report);
+        status = report->no_memory ? no_memory(err) : WEFT_OK;
+    }
     if (status != WEFT_OK) {
-        weft__input_close(out);
+        weft__base_close(out);
     }
     return status;
 }
 
-void weft__input_close(weft__input *input)
+void weft__base_close(weft__base *base)
 {
-    free(input->sources);
-    free(input->text);
+    if (base->loaded) {
+        yaml_document_delete(&base->document);
+    }
+    free(base->sources);
+    free(base->text);
 }
 
-/* ---- loading ---------------------------------------------------------------- */
-
-/* What is needed while a scene is read and not after. */
-typedef struct loader {
-    const weft_scene_def *def;
-    const weft__input *input;
-    weft_scene *scene;
-    weft__report *report;
-    weft_sweep *sweep; /* to be filled in, or NULL */
-    yaml_document_t document;
-    bool changed; /* it is no longer what was read */
-    bool outside; /* the sweep has no such run */
-} loader;
-
-/* The values of one run are put in. Without a run of its own a scene with a sweep is
- * refused, and what else is wrong told of the first. */
-static void resolve_sweep(loader *self)
-{
-    const size_t wanted = self->def->run;
-    weft__sweep sweep;
-    weft__sweep_take(&self->document, self->def->set_count, self->report, &sweep);
-    self->changed = self->changed || sweep.present;
-    self->outside = wanted > sweep.runs && sweep.runs > 0;
-    if (self->sweep != NULL
-        && !weft__sweep_copy(self->sweep, &self->document, &sweep)) {
-        self->report->no_memory = true;
-    }
-    if (sweep.present && sweep.runs > 0 && wanted == 0) {
-        weft__report_error(self->report, sweep.at,
-                           "sweep makes %zu runs of this scene: 'weft batch' runs them",
-                           sweep.runs);
-    }
-    if (sweep.runs > 0 && !self->outside) {
-        weft__sweep_apply(&self->document, &sweep, wanted == 0 ? 1 : wanted,
-                          self->report);
-    }
-}
-
-/* Overrides and values of a sweep are put in before anything is checked. */
-static void read_document(loader *self)
-{
-    for (size_t i = 1; i <= self->def->set_count; ++i) {
-        weft__override_apply(&self->document, &self->input->sources[i], self->report);
-    }
-    self->changed = self->def->set_count > 0;
-    if (yaml_document_get_root_node(&self->document)->type == YAML_MAPPING_NODE) {
-        resolve_sweep(self);
-    }
-    if (!self->changed || weft__document_check(&self->document, self->report)) {
-        weft__reader reader = { self->scene, &self->document, self->report, self->def };
-        weft__read_section(&reader, &weft__root, weft__root.title,
-                           yaml_document_get_root_node(&self->document), self->scene);
-    }
-}
-
-static bool load_document(loader *self)
-{
-    const weft__source *file = &self->input->sources[0];
-    const yaml_mark_t start = { 0 };
-    if (file->length > WEFT__MAX_BYTES) {
-        weft__report_error(self->report, start, "the file is larger than 16 MiB");
-        return false;
-    }
-    if (!weft__document_load(file, 0, self->report, &self->document)) {
-        return false;
-    }
-    const yaml_node_t *root = yaml_document_get_root_node(&self->document);
-    if (root == NULL) {
-        weft__report_error(self->report, start,
-                           "the scene is empty: it begins with 'weft: 1'");
-    } else if (!weft__document_check(&self->document, self->report)) {
-        return true;
-    } else if (root->type != YAML_MAPPING_NODE) {
-        weft__report_error(self->report, root->start_mark,
-                           "a scene is a mapping that begins with 'weft: 1'");
-    } else {
-        read_document(self);
-    }
-    return true;
-}
+/* ---- reading ---------------------------------------------------------------- */
 
 /* What a right scene still lacks: its name, and its text as it was read or, if that was
  * changed, as it is now. */
-static weft_status complete(loader *self, weft_error *err)
+static weft_status complete(const weft__base *base, yaml_document_t *changed,
+                            weft_scene *scene, weft_error *err)
 {
-    weft_scene *scene = self->scene;
+    scene->config.threads = scene->run.threads;
     if (scene->name == NULL) {
-        scene->name = name_of_file(name_in_messages(self->def));
+        scene->name = name_of_file(name_in_messages(&base->def));
     }
-    if (self->changed) {
-        scene->text = weft__document_emit(&self->document);
+    if (changed != NULL) {
+        scene->text = weft__document_emit(changed);
     } else {
-        yaml_document_delete(&self->document);
-        scene->text = malloc(self->input->length + 1);
+        scene->text = malloc(base->length + 1);
         if (scene->text != NULL) {
-            memcpy(scene->text, self->input->text, self->input->length + 1);
+            memcpy(scene->text, base->text, base->length + 1);
         }
     }
     return scene->name == NULL || scene->text == NULL ? no_memory(err) : WEFT_OK;
 }
 
-static weft_status load(loader *self, weft_error *err)
+/* What was changed is read from a copy, which has the values of its run. */
+static weft_status read_scene(weft__base *base, size_t run, weft__report *report,
+                              weft_scene *scene, weft_error *err)
 {
-    self->scene->config.struct_size = sizeof self->scene->config;
-    const bool loaded = load_document(self);
-    const weft_status status
-        = self->report->no_memory           ? no_memory(err)
-          : self->report->found->errors > 0 ? WEFT_BAD_SCENE
-          : !self->outside                  ? WEFT_OK
-                                            : weft_error_set(err, WEFT_INVALID,
-                                                             "the sweep has no run %zu", self->def->run);
-    if (loaded && status == WEFT_OK) {
-        self->scene->config.threads = self->scene->run.threads;
-        return complete(self, err);
+    yaml_document_t copy;
+    if (base->changed) {
+        if (!weft__document_copy(&copy, &base->document, report)) {
+            return no_memory(err);
+        }
+        weft__sweep_apply(&copy, &base->document, &base->sweep, run, report);
     }
-    if (loaded) {
-        yaml_document_delete(&self->document);
+    if (!base->sweep.present || weft__document_check(&copy, report)) {
+        yaml_document_t *document = base->changed ? &copy : &base->document;
+        weft__reader reader = { scene, document, report, &base->def };
+        weft__read_section(&reader, &weft__root, weft__root.title,
+                           yaml_document_get_root_node(document), scene);
     }
-    return status;
+    if (!report->no_memory && report->found->errors == 0) {
+        return complete(base, base->changed ? &copy : NULL, scene, err);
+    }
+    if (base->changed) {
+        yaml_document_delete(&copy);
+    }
+    return report->no_memory ? no_memory(err) : WEFT_BAD_SCENE;
 }
 
 /* Numbers are read and shown with a decimal point, whatever the embedder's locale. */
-static weft_status load_in_c_locale(loader *self, weft_error *err)
+static weft_status read_in_c_locale(weft__base *base, size_t run, weft__report *report,
+                                    weft_scene *scene, weft_error *err)
 {
     const locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (plain == (locale_t)0) {
         return no_memory(err);
     }
     const locale_t before = uselocale(plain);
-    const weft_status status = load(self, err);
+    const weft_status status = read_scene(base, run, report, scene, err);
     (void)uselocale(before);
     freelocale(plain);
     return status;
 }
 
-weft_status weft__scene_read(const weft_scene_def *def, const weft__input *input,
-                             weft__report *report, weft_sweep *sweep, weft_scene **out,
-                             weft_error *err)
+weft_status weft__base_read(weft__base *base, size_t run, weft__report *report,
+                            weft_scene **out, weft_error *err)
 {
-    loader self = { .def = def, .input = input, .report = report, .sweep = sweep };
-    self.scene = calloc(1, sizeof *self.scene);
-    if (self.scene == NULL) {
+    if (!base->readable) {
+        return WEFT_BAD_SCENE;
+    }
+    weft_scene *scene = calloc(1, sizeof *scene);
+    if (scene == NULL) {
         return no_memory(err);
     }
-    const weft_status status = load_in_c_locale(&self, err);
+    scene->config.struct_size = sizeof scene->config;
+    const weft_status status = read_in_c_locale(base, run, report, scene, err);
     if (status != WEFT_OK) {
-        weft_scene_destroy(self.scene);
+        weft_scene_destroy(scene);
         return status;
     }
-    *out = self.scene;
+    *out = scene;
     return WEFT_OK;
 }
 
 weft_status weft_scene_load(const weft_scene_def *def, weft_scene **out,
                             weft_diagnostics *found, weft_error *err)
 {
-    weft__input input;
+    weft__base base;
     weft__report report = { .found = found };
     *out = NULL;
     memset(found, 0, sizeof *found);
-    weft_status status = weft__input_open(def, &input, err);
+    weft_status status = weft__base_open(def, &base, &report, err);
     if (status != WEFT_OK) {
         return status;
     }
-    report.sources = input.sources;
-    status = weft__scene_read(def, &input, &report, NULL, out, err);
+    if (base.sweep.present && base.readable) {
+        weft__report_error(&report, base.sweep.at,
+                           "sweep makes %zu runs of this scene: 'weft batch' runs them",
+                           base.sweep.runs);
+    }
+    status = weft__base_read(&base, 1, &report, out, err);
     if (status == WEFT_OK || status == WEFT_BAD_SCENE) {
         status = weft__report_end(&report, err);
     }
-    weft__input_close(&input);
+    weft__base_close(&base);
     return status;
 }
 

@@ -220,8 +220,8 @@ static size_t choice(const weft__sweep *sweep, size_t axis, size_t run)
     return sweep->zip ? index : index % sweep->axis[axis].count;
 }
 
-void weft__sweep_apply(yaml_document_t *document, const weft__sweep *sweep, size_t run,
-                       weft__report *report)
+void weft__sweep_apply(yaml_document_t *to, yaml_document_t *document,
+                       const weft__sweep *sweep, size_t run, weft__report *report)
 {
     for (size_t i = 0; i < sweep->keys; ++i) {
         const weft__axis *axis = &sweep->axis[i];
@@ -229,16 +229,16 @@ void weft__sweep_apply(yaml_document_t *document, const weft__sweep *sweep, size
         const yaml_node_t *list = yaml_document_get_node(document, axis->list);
         yaml_mark_t at = key->start_mark;
         at.column += key->data.scalar.style != YAML_PLAIN_SCALAR_STYLE; /* the quote */
-        weft__document_put(
-            document, (const char *)key->data.scalar.value, key->data.scalar.length, at,
-            list->data.sequence.items.start[choice(sweep, i, run)], report);
+        weft__document_put(to, (const char *)key->data.scalar.value, at, document,
+                           list->data.sequence.items.start[choice(sweep, i, run)],
+                           report);
     }
 }
 
 /* ---- in words ------------------------------------------------------------------ */
 
 struct weft_sweep {
-    weft__sweep shape;
+    weft__base *base;
     char *key[WEFT__SWEEP_KEYS];
     char **value[WEFT__SWEEP_KEYS];
 };
@@ -287,23 +287,24 @@ static char *value_text(yaml_document_t *document, int id)
     return text;
 }
 
-bool weft__sweep_copy(weft_sweep *to, yaml_document_t *document,
-                      const weft__sweep *from)
+/* Keys and values; false if memory ran out. */
+static bool keep_texts(weft_sweep *self)
 {
-    to->shape = *from;
-    for (size_t i = 0; i < from->keys; ++i) {
-        const weft__axis *axis = &from->axis[i];
-        to->key[i] = value_text(document, axis->key);
-        to->value[i] = calloc(axis->count, sizeof *to->value[i]);
-        for (size_t k = 0; to->value[i] != NULL && k < axis->count; ++k) {
-            const yaml_node_t *list = yaml_document_get_node(document, axis->list);
-            to->value[i][k] = value_text(document, list->data.sequence.items.start[k]);
-            if (to->value[i][k] == NULL) {
+    yaml_document_t *document = &self->base->document;
+    for (size_t i = 0; i < self->base->sweep.keys; ++i) {
+        const weft__axis *axis = &self->base->sweep.axis[i];
+        const int *items
+            = yaml_document_get_node(document, axis->list)->data.sequence.items.start;
+        self->key[i] = value_text(document, axis->key);
+        self->value[i] = calloc(axis->count, sizeof *self->value[i]);
+        if (self->key[i] == NULL || self->value[i] == NULL) {
+            return false;
+        }
+        for (size_t k = 0; k < axis->count; ++k) {
+            self->value[i][k] = value_text(document, items[k]);
+            if (self->value[i][k] == NULL) {
                 return false;
             }
-        }
-        if (to->key[i] == NULL || to->value[i] == NULL) {
-            return false;
         }
     }
     return true;
@@ -311,25 +312,32 @@ bool weft__sweep_copy(weft_sweep *to, yaml_document_t *document,
 
 void weft_sweep_destroy(weft_sweep *sweep)
 {
-    for (size_t i = 0; sweep != NULL && i < sweep->shape.keys; ++i) {
-        for (size_t k = 0; sweep->value[i] != NULL && k < sweep->shape.axis[i].count;
-             ++k) {
+    if (sweep == NULL) {
+        return;
+    }
+    for (size_t i = 0; i < WEFT__SWEEP_KEYS; ++i) {
+        for (size_t k = 0;
+             sweep->value[i] != NULL && k < sweep->base->sweep.axis[i].count; ++k) {
             free(sweep->value[i][k]);
         }
         free(sweep->value[i]);
         free(sweep->key[i]);
     }
+    if (sweep->base != NULL) {
+        weft__base_close(sweep->base);
+    }
+    free(sweep->base);
     free(sweep);
 }
 
 size_t weft_sweep_runs(const weft_sweep *sweep)
 {
-    return sweep->shape.runs;
+    return sweep->base->sweep.runs;
 }
 
 size_t weft_sweep_keys(const weft_sweep *sweep)
 {
-    return sweep->shape.keys;
+    return sweep->base->sweep.keys;
 }
 
 const char *weft_sweep_key(const weft_sweep *sweep, size_t key)
@@ -339,7 +347,7 @@ const char *weft_sweep_key(const weft_sweep *sweep, size_t key)
 
 const char *weft_sweep_value(const weft_sweep *sweep, size_t key, size_t run)
 {
-    return sweep->value[key][choice(&sweep->shape, key, run)];
+    return sweep->value[key][choice(&sweep->base->sweep, key, run)];
 }
 
 /* ---- all runs ------------------------------------------------------------------ */
@@ -352,14 +360,14 @@ static void name_runs(const weft_sweep *sweep, const weft__report *report, size_
         char *message = report->found->items[i].message;
         const size_t size = sizeof report->found->items[i].message;
         size_t used = strlen(message);
-        if (origin->runs == read) {
+        if (origin->runs == read || origin->first == 0) {
             continue;
         }
-        used += (size_t)snprintf(message + used, size - used,
-                                 " (in %zu of %zu runs, first", origin->runs, read);
+        used += (size_t)snprintf(message + used, size - used, " (in %zu of %zu runs,",
+                                 origin->runs, read);
         for (size_t k = 0; k < weft_sweep_keys(sweep) && used < size; ++k) {
             used += (size_t)snprintf(message + used, size - used, "%s %s=%s",
-                                     k == 0 ? "" : ",", weft_sweep_key(sweep, k),
+                                     k == 0 ? " first" : ",", weft_sweep_key(sweep, k),
                                      weft_sweep_value(sweep, k, origin->first));
         }
         if (used < size) {
@@ -370,49 +378,74 @@ static void name_runs(const weft_sweep *sweep, const weft__report *report, size_
 }
 
 /* Run by run until there are mistakes enough. */
-static weft_status check_runs(const weft_scene_def *def, const weft__input *input,
-                              weft_sweep *sweep, weft__report *report, weft_error *err)
+static weft_status check_runs(weft_sweep *sweep, weft__report *report, weft_error *err)
 {
-    weft_scene_def each = *def;
-    weft_status status = WEFT_OK;
-    size_t run = 0;
+    weft_status status;
     do {
         weft_scene *scene = NULL;
-        each.run = ++run;
-        report->run = run;
-        status = weft__scene_read(&each, input, report, run == 1 ? sweep : NULL, &scene,
-                                  err);
+        ++report->run;
+        status = weft__base_read(sweep->base, report->run, report, &scene, err);
         weft_scene_destroy(scene);
-    } while (run < sweep->shape.runs && (status == WEFT_OK || status == WEFT_BAD_SCENE)
+    } while (report->run < weft_sweep_runs(sweep)
+             && (status == WEFT_OK || status == WEFT_BAD_SCENE)
              && report->found->errors < WEFT_DIAGNOSTICS_MAX);
-    name_runs(sweep, report, run);
+    name_runs(sweep, report, report->run);
     return status;
+}
+
+static weft_status no_memory(weft_error *err)
+{
+    return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a sweep");
+}
+
+static weft_status load(weft_sweep *sweep, const weft_scene_def *def,
+                        weft__report *report, weft_error *err)
+{
+    weft__base *base = malloc(sizeof *base);
+    weft_status status
+        = base == NULL ? no_memory(err) : weft__base_open(def, base, report, err);
+    if (status != WEFT_OK) {
+        free(base);
+        return status;
+    }
+    sweep->base = base;
+    status = keep_texts(sweep) ? check_runs(sweep, report, err) : no_memory(err);
+    return status == WEFT_OK || status == WEFT_BAD_SCENE ? weft__report_end(report, err)
+                                                         : status;
 }
 
 weft_status weft_sweep_load(const weft_scene_def *def, weft_sweep **out,
                             weft_diagnostics *found, weft_error *err)
 {
-    weft__input input;
     weft__report report = { .found = found };
+    weft_sweep *sweep = calloc(1, sizeof *sweep);
     *out = NULL;
     memset(found, 0, sizeof *found);
-    weft_status status = weft__input_open(def, &input, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    report.sources = input.sources;
-    weft_sweep *sweep = calloc(1, sizeof *sweep);
-    status = sweep == NULL
-                 ? weft_error_set(err, WEFT_NO_MEMORY, "no memory for a sweep")
-                 : check_runs(def, &input, sweep, &report, err);
-    if (status == WEFT_OK || status == WEFT_BAD_SCENE) {
-        status = weft__report_end(&report, err);
-    }
-    weft__input_close(&input);
+    const weft_status status
+        = sweep == NULL ? no_memory(err) : load(sweep, def, &report, err);
     if (status != WEFT_OK) {
         weft_sweep_destroy(sweep);
         return status;
     }
     *out = sweep;
     return WEFT_OK;
+}
+
+weft_status weft_sweep_scene(const weft_sweep *sweep, size_t run, weft_scene **out,
+                             weft_error *err)
+{
+    weft_diagnostics *found = calloc(1, sizeof *found);
+    weft__report report
+        = { .found = found, .sources = sweep->base->sources, .run = run };
+    *out = NULL;
+    weft_status status
+        = found == NULL ? no_memory(err)
+          : run < 1 || run > weft_sweep_runs(sweep)
+              ? weft_error_set(err, WEFT_INVALID, "the sweep has no run %zu", run)
+              : weft__base_read(sweep->base, run, &report, out, err);
+    if (status == WEFT_BAD_SCENE) {
+        status = weft__report_end(&report, err);
+    }
+    free(found);
+    return status;
 }

@@ -25,12 +25,8 @@ typedef struct weft__sweep {
 void weft__sweep_take(yaml_document_t *document, size_t set_count, weft__report *report,
                       weft__sweep *out);
 
-/* Puts the values of one run, from 1, into the document. */
-void weft__sweep_apply(yaml_document_t *document, const weft__sweep *sweep, size_t run,
-                       weft__report *report);
-
-/* Keys and values in words, of a sweep that is right; false if memory ran out. */
-bool weft__sweep_copy(weft_sweep *to, yaml_document_t *document,
-                      const weft__sweep *from);
+/* Puts the values of one run, from 1, into a copy of the document. */
+void weft__sweep_apply(yaml_document_t *to, yaml_document_t *document,
+                       const weft__sweep *sweep, size_t run, weft__report *report);
 
 #endif
