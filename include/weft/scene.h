@@ -16,9 +16,10 @@ extern "C" {
 typedef struct weft_scene weft_scene;
 
 typedef struct weft_run_def {
-    double duration; /* [s] > 0 */
-    double fps;      /* [1/s] > 0 */
-    size_t threads;  /* >= 1; also in the stepper's config */
+    double duration;   /* [s] > 0 */
+    double fps;        /* [1/s] > 0 */
+    size_t threads;    /* >= 1; also in the stepper's config */
+    size_t checkpoint; /* frames from one to the next; 0: none */
 } weft_run_def;
 
 /* What a run may keep of each particle beside its position. */

@@ -97,8 +97,8 @@ typedef bool weft_correct_fn(void *ctx, double t, double h, double *y);
 typedef struct weft_sim_def {
     const weft_cloth *cloth;         /* outlives the simulation */
     const weft_stepper_type *method; /* likewise */
-    weft_stepper_config config;
-    weft_correct_fn *correct; /* NULL: none; comes after the limit */
+    weft_stepper_config config;      /* what it points to outlives it too */
+    weft_correct_fn *correct;        /* NULL: none; comes after the limit */
     void *correct_ctx;
     bool ledger; /* keep the energy ledger; the method needs WEFT_STEPPER_QUADRATURES */
     weft_limit_def limit; /* a correction after every accepted step; default: none */
@@ -174,6 +174,28 @@ WEFT_API void weft_sim_velocities(const weft_sim *sim, double *xyz); /* [m/s] */
  * and nothing is changed. */
 WEFT_API weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
                                         const double *velocities, weft_error *err);
+
+/* The stepper begins anew from the present state, with the h it would try next; all
+ * counts go on. Nothing else is left of its past then, whatever the method. On failure,
+ * WEFT_NO_MEMORY, nothing is changed. */
+WEFT_API weft_status weft_sim_restart(weft_sim *sim, weft_error *err);
+
+/* Save everything that the future of a simulation depends on: state, time, next h,
+ * counts, ledger and strain limit, to `size` bytes of the caller's. Restored into a
+ * simulation of the same definition, made by any program on any machine, both go on
+ * alike to the last bit, as saving restarts the stepper here too. What `correct` keeps
+ * for itself is the caller's to save. The bytes know their version and are checksummed.
+ * Errors: WEFT_INVALID (size is below that of weft_sim_save_size), those of
+ * weft_sim_restart. */
+WEFT_API size_t weft_sim_save_size(const weft_sim *sim);
+WEFT_API weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size,
+                                   weft_error *err);
+
+/* Errors: WEFT_INVALID with the reason (these are no saved simulation, damaged or cut
+ * off, of another version, grid or method, or with and without ledger), WEFT_NO_MEMORY.
+ * Nothing is changed then. */
+WEFT_API weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
+                                      weft_error *err);
 
 #ifdef __cplusplus
 }

@@ -25,8 +25,8 @@ typedef struct verb {
     int (*run)(int argc, char **argv);
 } verb;
 
-extern const verb verb_run, verb_check, verb_steppers, verb_scene_help, verb_export,
-    verb_view, verb_batch;
+extern const verb verb_resume, verb_run, verb_check, verb_steppers, verb_scene_help,
+    verb_export, verb_view, verb_batch;
 
 /* Options that several verbs take. */
 typedef struct options {
@@ -65,11 +65,6 @@ int open_scene(const char *file, const options *given, weft_registry *registry,
 int open_sweep(const char *file, const options *given, weft_registry *registry,
                weft_sweep **sweep);
 
-/* run.c: run a scene into a directory, prepared as `given` says. Returns the exit code.
- */
-int run_scene(const options *given, const char *out, const weft_scene *scene,
-              weft_registry *registry);
-
 /* view.c: write the page of one run or of two, into `out` or a default place, and print
  * its URL. Returns the exit code. */
 int view_runs(const char *const *directories, size_t count, const char *out);
@@ -92,9 +87,12 @@ void progress_end(progress *show);
 typedef struct player {
     weft_sim *sim;
     const weft_run_def *run;
-    size_t last; /* frame to end with */
+    size_t first, last; /* frames to begin and to end with */
     /* At frame i, its time reached. */
     weft_status (*frame)(void *ctx, size_t i, weft_error *err);
+    /* After a frame that run.checkpoint tells: to call weft_sim_save, which restarts
+     * the stepper. NULL: it is restarted. */
+    weft_status (*checkpoint)(void *ctx, size_t i, weft_error *err);
     /* After each accepted step; false: stop. NULL: never asked. */
     bool (*step)(void *ctx);
     void *ctx;

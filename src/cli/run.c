@@ -3,7 +3,9 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "cli/run.h"
 #include "cli/stability.h"
 #include "record/export.h"
 
@@ -22,21 +24,6 @@ static void catch_signals(void)
     (void)sigaction(SIGINT, &action, NULL);
     (void)sigaction(SIGTERM, &action, NULL);
 }
-
-typedef struct run {
-    const char *out;
-    bool obj; /* an OBJ a frame */
-    const weft_scene *scene;
-    weft_cloth *cloth;
-    weft_sim *sim;
-    record_series series;
-    record_vtkhdf *frames;
-    record_result result;
-    progress progress;
-    uint64_t limit_sweeps;            /* up to the last frame */
-    bool told_unconverged, told_held; /* warnings of the strain limit */
-    char reason[1024];
-} run;
 
 static void print_spring(const run *self, const weft_spring *spring)
 {
@@ -134,78 +121,22 @@ static bool on_step(void *ctx)
     return stop_signal == 0;
 }
 
-/* What can be known before the first step. */
-static weft_status write_first_files(const run *self, weft_registry *registry,
-                                     weft_error *err)
-{
-    const weft_plugin *plugin;
-    weft_status status
-        = weft_registry_find(registry, weft_scene_plugin(self->scene), &plugin, err);
-    const char *file = "";
-    for (size_t i = 0; i < weft_registry_count(registry); ++i) {
-        file = weft_registry_at(registry, i) == plugin ? weft_registry_file(registry, i)
-                                                       : file;
-    }
-    if (status == WEFT_OK) {
-        status
-            = record_text(self->out, "scene.yaml", weft_scene_text(self->scene), err);
-    }
-    if (status == WEFT_OK) {
-        status = record_manifest(self->out, self->scene, self->sim, plugin, file, err);
-    }
-    return status;
-}
-
-static weft_status open_records(run *self, weft_error *err)
-{
-    const record_vtkhdf_def frames = {
-        .directory = self->out,
-        .cloth = self->cloth,
-        .record = weft_scene_record(self->scene),
-        .last = self->result.planned - 1,
-        .series = &self->series,
-    };
-    weft_status status = record_series_open(
-        &self->series, self->out, weft_scene_record(self->scene)->ledger, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    status = record_vtkhdf_create(&frames, &self->frames, err);
-    if (status != WEFT_OK) {
-        (void)record_series_close(&self->series, NULL);
-    }
-    return status;
-}
-
-/* The first thing that went wrong is told. */
-static weft_status close_records(run *self, weft_status status, weft_error *err)
-{
-    const weft_status frames
-        = record_vtkhdf_close(self->frames, status == WEFT_OK ? err : NULL);
-    status = status == WEFT_OK ? frames : status;
-    const weft_status series
-        = record_series_close(&self->series, status == WEFT_OK ? err : NULL);
-    return status == WEFT_OK ? series : status;
-}
-
 static weft_status simulate(run *self, weft_error *err)
 {
-    weft_status status = open_records(self, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
     player show = {
         .sim = self->sim,
         .run = weft_scene_run(self->scene),
+        .first = self->result.frames,
         .last = self->result.planned - 1,
         .frame = on_frame,
+        .checkpoint = run_checkpoint,
         .step = on_step,
         .ctx = self,
     };
     progress_begin(&self->progress, self->progress.quiet);
-    status = play(&show, err);
+    const weft_status status = play(&show, err);
     progress_end(&self->progress);
-    return close_records(self, status, err);
+    return run_close(self, status, err);
 }
 
 static void print_limit(const run *self)
@@ -244,6 +175,9 @@ static void print_summary(const run *self)
     }
     print_limit(self);
     printf("  results in %s\n", self->out);
+    if (stop_signal != 0 && result->frames < result->planned) {
+        printf("  to go on: weft resume %s\n", self->out);
+    }
 }
 
 /* A simulation that failed in all its parts, anything else as ever. */
@@ -257,13 +191,13 @@ static int report_failure(const weft_error *why, const char *reason)
 }
 
 /* Everything that is written once the loop has ended, whatever ended it. */
-static int conclude(run *self, weft_status status, const weft_error *why, double began)
+static int conclude(run *self, weft_status status, const weft_error *why)
 {
     weft_error err = { 0 };
     /* A signal that came after the last frame has changed nothing. */
     const bool interrupted
         = stop_signal != 0 && self->result.frames < self->result.planned;
-    self->result.wall_time = wall_clock() - began;
+    self->result.wall_time = wall_clock() - self->began;
     self->result.sim = self->sim;
     if (status != WEFT_OK) {
         self->result.status = "failed";
@@ -282,6 +216,9 @@ static int conclude(run *self, weft_status status, const weft_error *why, double
     if (written != WEFT_OK) {
         return report_error(&err);
     }
+    if (strcmp(self->result.status, "done") == 0) {
+        run_remove(self, RECORD_CHECKPOINT);
+    }
     if (!self->progress.quiet) {
         print_summary(self);
     }
@@ -299,6 +236,9 @@ static int refuse(const run *self, const char *reason)
         = { .status = "failed", .reason = reason, .planned = self->result.planned };
     (void)snprintf(err.message, sizeof err.message, "%s", reason);
     (void)report_error(&err);
+    if (self->from != NULL) {
+        return EXIT_SIMULATION;
+    }
     if (record_text(self->out, "scene.yaml", weft_scene_text(self->scene), &err)
             != WEFT_OK
         || record_result_write(self->out, &result, &err) != WEFT_OK) {
@@ -307,34 +247,67 @@ static int refuse(const run *self, const char *reason)
     return EXIT_SIMULATION;
 }
 
-static int run_simulation(run *self, weft_registry *registry)
+static int run_prepared(run *self, weft_registry *registry)
 {
-    const double began = wall_clock();
     weft_error err = { 0 };
-    weft_status status = simulation_create(self->scene, &self->cloth, &self->sim, &err);
-    if (status != WEFT_OK) {
-        return refuse(self, err.message);
-    }
+    weft_status status = run_prepare(self, registry, &err);
     self->result.energy_start
         = record_total_energy(self->cloth, weft_sim_state(self->sim));
-    stability_warn(self->scene, self->sim);
-    status = write_first_files(self, registry, &err);
+    if (status == WEFT_OK && self->from != NULL) {
+        status = run_take_up(self, &err);
+        if (status != WEFT_OK) {
+            return report_error(&err);
+        }
+    } else if (status == WEFT_OK) {
+        stability_warn(self->scene, self->sim);
+        status = run_begin(self, registry, &err);
+    }
     if (status == WEFT_OK) {
         status = simulate(self, &err);
     }
-    const int code = conclude(self, status, &err, began);
+    return conclude(self, status, &err);
+}
+
+static int run_simulation(run *self, weft_registry *registry)
+{
+    weft_error err = { 0 };
+    self->began = wall_clock();
+    if (simulation_create(self->scene, &self->cloth, &self->sim, &err) != WEFT_OK) {
+        return refuse(self, err.message);
+    }
+    const int code = run_prepared(self, registry);
+    record_checkpoint_free(&self->checkpoint);
     weft_sim_destroy(self->sim);
     weft_cloth_destroy(self->cloth);
     return code;
 }
 
+/* A new directory, or one that may be taken over; claimed. */
+static weft_status open_directory(const run *self, bool force, int *lock,
+                                  weft_error *err)
+{
+    weft_status status = record_outdir_lock(self->out, lock, err);
+    if (status == WEFT_OK) {
+        status = record_outdir(self->out, force, err);
+    }
+    if (status == WEFT_OK && self->obj) {
+        char frames[RECORD_PATH];
+        status = record_path(self->out, "frames", frames, err);
+        status = status == WEFT_OK ? record_outdir(frames, force, err) : status;
+    }
+    return status;
+}
+
 int run_scene(const options *given, const char *out, const weft_scene *scene,
-              weft_registry *registry)
+              weft_registry *registry, const run_resumed *resumed)
 {
     weft_error err = { 0 };
+    int lock = -1, code = EXIT_DONE;
     run self = {
         .out = out,
         .obj = given->frames != NULL,
+        .again = resumed != NULL,
+        .from = resumed == NULL ? NULL : resumed->from,
         .scene = scene,
         .result = { .status = "done",
                     .reason = "",
@@ -342,20 +315,18 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
         .progress = { .quiet = given->quiet },
     };
     catch_signals();
-    weft_status status = record_outdir(out, given->force, &err);
-    if (status == WEFT_OK && self.obj) {
-        char frames[RECORD_PATH];
-        status = record_path(out, "frames", frames, &err);
-        status = status == WEFT_OK ? record_outdir(frames, given->force, &err) : status;
+    if (resumed == NULL
+        && open_directory(&self, given->force, &lock, &err) != WEFT_OK) {
+        code = report_error(&err);
+    } else {
+        const char *unsupported = scene_unsupported(scene);
+        code = unsupported != NULL ? refuse(&self, unsupported)
+                                   : run_simulation(&self, registry);
     }
-    if (status != WEFT_OK) {
-        return report_error(&err);
+    if (lock >= 0) {
+        (void)close(lock);
     }
-    const char *unsupported = scene_unsupported(scene);
-    if (unsupported != NULL) {
-        return refuse(&self, unsupported);
-    }
-    return run_simulation(&self, registry);
+    return code;
 }
 
 /* dir/flag.yaml is run into flag.run, unless told otherwise. */
@@ -395,7 +366,7 @@ static int run_verb(int argc, char **argv)
                    : open_scene(given.operands[0], &given, registry, &scene);
         if (code == EXIT_DONE) {
             const char *directory = given.out == NULL ? out : given.out;
-            code = run_scene(&given, directory, scene, registry);
+            code = run_scene(&given, directory, scene, registry, NULL);
             if (given.view) {
                 const int viewed = view_runs(&directory, 1, NULL);
                 code = code == EXIT_DONE ? viewed : code;

@@ -1,11 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* outdir.c -- the directory of a run: new, or empty, or taken over on request. */
+#define _DEFAULT_SOURCE /* flock, which takes a directory */
 #include "record/record.h"
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 /* mkdir -p */
 static bool make_directories(const char *directory)
@@ -96,6 +100,22 @@ weft_status record_outdir(const char *directory, bool force, weft_error *err)
         return weft_error_set(
             err, WEFT_IO,
             "%s: not empty; choose another --out, or --force to replace it", directory);
+    }
+    return WEFT_OK;
+}
+
+/* A file system that knows no locks is no reason not to run. */
+weft_status record_outdir_lock(const char *directory, int *lock, weft_error *err)
+{
+    *lock = make_directories(directory) ? open(directory, O_RDONLY | O_CLOEXEC) : -1;
+    if (*lock < 0) {
+        return weft_error_set(err, WEFT_IO, "%s: %s", directory, strerror(errno));
+    }
+    if (flock(*lock, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        (void)close(*lock);
+        *lock = -1;
+        return weft_error_set(err, WEFT_IO, "%s: another weft is running there",
+                              directory);
     }
     return WEFT_OK;
 }

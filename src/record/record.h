@@ -37,6 +37,10 @@ weft_status record_directory(const char *directory, weft_error *err);
  * unless `force`, which removes what an earlier run of weft left there. */
 weft_status record_outdir(const char *directory, bool force, weft_error *err);
 
+/* Makes `directory` if need be and claims it for this process until *lock is closed, or
+ * the process ends. WEFT_IO if another one has it. */
+weft_status record_outdir_lock(const char *directory, int *lock, weft_error *err);
+
 /* One frame of a run. */
 typedef struct record_frame {
     size_t index;
@@ -61,6 +65,13 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
                               weft_error *err);
 weft_status record_series_close(record_series *series, weft_error *err);
 
+/* One that is there, to go on once it is cut to its first `bytes`. */
+weft_status record_series_reopen(record_series *series, const char *directory,
+                                 bool ledger, weft_error *err);
+weft_status record_series_cut(record_series *series, size_t bytes, weft_error *err);
+/* Bring what was added to the disk; *bytes is the length of the file then. */
+weft_status record_series_sync(record_series *series, size_t *bytes, weft_error *err);
+
 /* vtkhdf.c: run.vtkhdf, VTKHDF 2.0, temporal. It appears with its first frame and holds
  * after a kill at any moment every frame that was added. docs/output.md has its layout.
  */
@@ -76,6 +87,12 @@ typedef struct record_vtkhdf_def {
 
 weft_status record_vtkhdf_create(const record_vtkhdf_def *def, record_vtkhdf **out,
                                  weft_error *err);
+/* The file that is there, cut to its first `count` frames, to go on. WEFT_IO, and the
+ * file is as before, if it is not as this definition would have it. */
+weft_status record_vtkhdf_reopen(const record_vtkhdf_def *def, size_t count,
+                                 record_vtkhdf **out, weft_error *err);
+/* Bring what was added to the disk; *count is the number of frames in the file. */
+weft_status record_vtkhdf_sync(record_vtkhdf *self, size_t *count, weft_error *err);
 /* A frame, once it is in the series; one that record.every leaves out is passed over.
  * After a failure the frames before are kept. */
 weft_status record_vtkhdf_add(record_vtkhdf *self, const record_frame *frame,
@@ -89,6 +106,18 @@ weft_status record_series_last(const char *directory, size_t *frame, weft_error 
 /* series.c: the hash that row `frame` of series.csv holds. WEFT_IO if there is none. */
 weft_status record_series_hash(const char *directory, size_t frame, uint64_t *hash,
                                weft_error *err);
+
+/* series_read.c: the rows of DIR/series.csv that are whole, later and later; the caller
+ * frees them. WEFT_IO if there are none. */
+typedef struct record_series_row {
+    size_t frame;
+    double time; /* [s] */
+    uint64_t hash;
+    size_t end; /* bytes of the file up to its end */
+} record_series_row;
+
+weft_status record_series_rows(const char *directory, record_series_row **rows,
+                               size_t *count, weft_error *err);
 
 /* report.c: versions, plugin, method and every option in force. */
 weft_status record_manifest(const char *directory, const weft_scene *scene,

@@ -104,6 +104,7 @@ static void write_run(yaml_out *out, const weft_run_def *run)
     yaml_out_real(out, "duration", run->duration);
     yaml_out_real(out, "fps", run->fps);
     yaml_out_plain(out, "threads", "%zu", run->threads);
+    yaml_out_plain(out, "checkpoint", "%zu", run->checkpoint);
     yaml_out_close_map(out);
 }
 

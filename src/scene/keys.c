@@ -390,6 +390,10 @@ static const weft__key run_keys[] = {
       AT(weft_run_def, threads),
       .meaning = "of the solver's vector work (plugin arkode); the result does not "
                  "depend on it" },
+    { "checkpoint", WEFT__INTEGER, .most = MANY, .fallback = "30",
+      AT(weft_run_def, checkpoint),
+      .meaning = "every so many frames the stepper is restarted, and what weft resume "
+                 "needs is kept; 0: never" },
 };
 
 static const weft__section run_section

@@ -6,21 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/ledger.h"
-#include "sim/limit.h"
-
-struct weft_sim {
-    const weft_cloth *cloth;
-    const weft_stepper_type *method;
-    void *stepper;
-    weft__limit *limit; /* NULL: none */
-    weft_correct_fn *correct;
-    void *correct_ctx;
-    double t;                   /* [s] */
-    double dissipated, heating; /* [J] so far, [W] at t; without ledger */
-    weft__ledger ledger;
-    double *y; /* 6 N, then with ledger its quadratures */
-};
+#include "sim/internal.h"
 
 weft_stepper_config weft_stepper_config_default(void)
 {
@@ -84,27 +70,38 @@ static weft_status check_config(const weft_stepper_config *config, weft_error *e
     return WEFT_OK;
 }
 
-static weft_status make_stepper(weft_sim *sim, const weft_sim_def *def, weft_error *err)
+/* Of any version, made complete. */
+static weft_status take_config(weft_sim *sim, const weft_sim_def *def, weft_error *err)
 {
-    /* The cloth is only read; weft_ode has no const, for solvers that know none. */
-    weft_ode ode = { weft_cloth_dim(def->cloth), rhs, (void *)def->cloth };
-    weft_stepper_config config = { 0 };
-    memcpy(&config, &def->config,
-           def->config.struct_size < sizeof config ? def->config.struct_size
-                                                   : sizeof config);
-    config.struct_size = sizeof config;
-    config.quadratures = def->ledger ? WEFT_POWERS : 0;
+    weft_stepper_config *config = &sim->config;
+    memcpy(config, &def->config,
+           def->config.struct_size < sizeof *config ? def->config.struct_size
+                                                    : sizeof *config);
+    config->struct_size = sizeof *config;
+    config->quadratures = def->ledger ? WEFT_POWERS : 0;
     if (def->ledger && (def->method->flags & WEFT_STEPPER_QUADRATURES) == 0) {
         return weft_error_set(err, WEFT_UNSUPPORTED,
                               "method '%.40s' cannot keep the energy ledger: it "
                               "integrates no quadratures",
                               def->method->name);
     }
-    if (def->ledger) {
-        ode.dim += WEFT_POWERS;
-        ode.rhs = weft__ledger_rhs;
-    }
-    return def->method->create(def->method, &ode, &config, &sim->stepper, err);
+    return WEFT_OK;
+}
+
+size_t weft__sim_dim(const weft_sim *sim)
+{
+    return weft_cloth_dim(sim->cloth) + sim->config.quadratures;
+}
+
+weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out,
+                              weft_error *err)
+{
+    /* The cloth is only read; weft_ode has no const, for solvers that know none. */
+    const weft_ode ode = { weft__sim_dim(sim), sim->ledger.on ? weft__ledger_rhs : rhs,
+                           (void *)sim->cloth };
+    weft_stepper_config config = sim->config;
+    config.first_step = first_step > 0.0 ? first_step : config.first_step;
+    return sim->method->create(sim->method, &ode, &config, out, err);
 }
 
 weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error *err)
@@ -135,7 +132,10 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
     sim->heating = weft_cloth_dissipation(sim->cloth, y);
     status = weft__limit_create(&def->limit, def->cloth, &sim->limit, err);
     if (status == WEFT_OK) {
-        status = make_stepper(sim, def, err);
+        status = take_config(sim, def, err);
+    }
+    if (status == WEFT_OK) {
+        status = weft__sim_stepper(sim, 0.0, &sim->stepper, err);
     }
     if (status != WEFT_OK) {
         weft_sim_destroy(sim);
@@ -299,6 +299,10 @@ weft_stepper_stats weft_sim_stats(const weft_sim *sim)
 {
     weft_stepper_stats stats = { .struct_size = sizeof stats };
     sim->method->stats(sim->stepper, &stats);
+    stats.last_step = stats.steps > 0 ? stats.last_step : sim->before.last_step;
+    stats.steps += sim->before.steps;
+    stats.rejected += sim->before.rejected;
+    stats.rhs_calls += sim->before.rhs_calls;
     return stats;
 }
 
