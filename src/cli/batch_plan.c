@@ -73,6 +73,20 @@ static int by_name(const void *a, const void *b)
 }
 
 /* Two runs with one directory: the same values twice, or files of one name. */
+static int report_twins(const batch_run *a, const batch_run *b)
+{
+    if (a->scene == b->scene) {
+        fprintf(stderr, "%s: error: runs %zu and %zu of its sweep are the same (%s)\n",
+                a->scene->file, a->number < b->number ? a->number : b->number,
+                a->number < b->number ? b->number : a->number, a->name);
+        return EXIT_SCENE;
+    }
+    return usage_error(&verb_batch,
+                       "%s and %s would both run into '%s': rename one, or give it "
+                       "another --out",
+                       a->scene->file, b->scene->file, a->name);
+}
+
 static int check_names(const batch *self)
 {
     const batch_run **sorted = malloc(self->run_count * sizeof *sorted);
@@ -85,17 +99,9 @@ static int check_names(const batch *self)
     }
     qsort(sorted, self->run_count, sizeof *sorted, by_name);
     for (size_t i = 1; i < self->run_count && code == EXIT_DONE; ++i) {
-        const batch_run *a = sorted[i - 1], *b = sorted[i];
-        if (strcmp(a->name, b->name) != 0) {
-            continue;
+        if (strcmp(sorted[i - 1]->name, sorted[i]->name) == 0) {
+            code = report_twins(sorted[i - 1], sorted[i]);
         }
-        code = usage_error(
-            &verb_batch,
-            a->scene == b->scene
-                ? "%s: runs %zu and %zu of its sweep are the same (%s)"
-                : "%s (run %zu) and another scene (run %zu) would both run "
-                  "into '%s'",
-            a->scene->file, a->number, b->number, a->name);
     }
     free(sorted);
     return code;
