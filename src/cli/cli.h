@@ -26,23 +26,25 @@ typedef struct verb {
     int (*run)(int argc, char **argv);
 } verb;
 
-extern const verb verb_diff, verb_resume, verb_run, verb_check, verb_steppers,
-    verb_scene_help, verb_export, verb_view;
+extern const verb verb_run, verb_resume, verb_batch, verb_check, verb_steppers,
+    verb_scene_help, verb_export, verb_view, verb_diff;
 
 /* Options that several verbs take. */
 typedef struct options {
     const char *plugin_path, *out, *frames, *format, *frame, *progress, *tolerance;
+    const char *jobs, *timeout, *shard;
     const char **sets;
     size_t set_count;
-    bool quiet, force, yaml, markdown, all, refine, view;
+    bool quiet, force, yaml, markdown, all, refine, view, retry_failed, summary;
     char **operands; /* what is left of argv */
     int operand_count;
 } options;
 
 /* Parse by the letters of `takes`: o --out, s --set, p --plugin-path, q --quiet,
  * F --force, r --frames, t --format, i --frame, y --yaml, m --markdown, a --all,
- * R --refine, v --view, P --progress, T --tol. Returns -1 to go on, or an exit code:
- * help was printed, or the command line is wrong. */
+ * R --refine, v --view, P --progress, L --tol, j --jobs, T --timeout, S --shard, E
+ * --retry-failed, U --summary. Returns -1 to go on, or an exit code: help was printed,
+ * or the command line is wrong. */
 int options_parse(const verb *self, const char *takes, int argc, char **argv,
                   options *out);
 void options_free(options *out);
@@ -60,6 +62,10 @@ weft_registry *open_registry(const char *plugin_path);
 /* Read a scene, print what is wrong with it. Returns EXIT_DONE or the exit code. */
 int open_scene(const char *file, const options *given, weft_registry *registry,
                weft_scene **scene);
+
+/* The same of all runs of a scene with a sweep; one run without. */
+int open_sweep(const char *file, const options *given, weft_registry *registry,
+               weft_sweep **sweep);
 
 /* view.c: write the page of one run or of two, into `out` or a default place, and print
  * its URL; with `yaml` as a document {event: page, url: ...}. Returns the exit code. */

@@ -340,7 +340,7 @@ static double parse_tolerance(const char *text)
 static int diff_verb(int argc, char **argv)
 {
     options given;
-    int code = options_parse(&verb_diff, "T", argc, argv, &given);
+    int code = options_parse(&verb_diff, "L", argc, argv, &given);
     if (code >= 0) {
         return code;
     }

@@ -7,7 +7,7 @@
 #include "cli/human.h"
 
 static const verb *const verbs[] = {
-    &verb_run,        &verb_resume, &verb_check, &verb_steppers,
+    &verb_run,        &verb_resume, &verb_batch, &verb_check, &verb_steppers,
     &verb_scene_help, &verb_export, &verb_view,  &verb_diff,
 };
 

@@ -75,8 +75,8 @@ static void print_found(const weft_diagnostics *found)
     }
 }
 
-int open_scene(const char *file, const options *given, weft_registry *registry,
-               weft_scene **scene)
+static weft_scene_def scene_def(const char *file, const options *given,
+                                weft_registry *registry)
 {
     weft_scene_def def = weft_scene_def_default();
     def.file = file;
@@ -84,13 +84,21 @@ int open_scene(const char *file, const options *given, weft_registry *registry,
     def.set_count = given->set_count;
     def.find_plugin = find_plugin;
     def.find_ctx = registry;
+    return def;
+}
+
+/* One of the two is wanted; the other is NULL. */
+static int open_either(const weft_scene_def *def, weft_scene **scene,
+                       weft_sweep **sweep)
+{
     weft_error err = { 0 };
     weft_diagnostics *found = calloc(1, sizeof *found);
     if (found == NULL) {
         weft_error_set(&err, WEFT_NO_MEMORY, "out of memory");
         return report_error(&err);
     }
-    const weft_status status = weft_scene_load(&def, scene, found, &err);
+    const weft_status status = sweep == NULL ? weft_scene_load(def, scene, found, &err)
+                                             : weft_sweep_load(def, sweep, found, &err);
     print_found(found);
     const bool told = found->errors > 0;
     free(found);
@@ -98,6 +106,20 @@ int open_scene(const char *file, const options *given, weft_registry *registry,
         return EXIT_DONE;
     }
     return told ? EXIT_SCENE : report_error(&err);
+}
+
+int open_scene(const char *file, const options *given, weft_registry *registry,
+               weft_scene **scene)
+{
+    const weft_scene_def def = scene_def(file, given, registry);
+    return open_either(&def, scene, NULL);
+}
+
+int open_sweep(const char *file, const options *given, weft_registry *registry,
+               weft_sweep **sweep)
+{
+    const weft_scene_def def = scene_def(file, given, registry);
+    return open_either(&def, NULL, sweep);
 }
 
 weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,

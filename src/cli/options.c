@@ -23,7 +23,12 @@ static const struct option known[] = {
     { "refine", no_argument, NULL, 'R' },
     { "view", no_argument, NULL, 'v' },
     { "progress", required_argument, NULL, 'P' },
-    { "tol", required_argument, NULL, 'T' },
+    { "tol", required_argument, NULL, 'L' },
+    { "jobs", required_argument, NULL, 'j' },
+    { "timeout", required_argument, NULL, 'T' },
+    { "shard", required_argument, NULL, 'S' },
+    { "retry-failed", no_argument, NULL, 'E' },
+    { "summary", no_argument, NULL, 'U' },
 };
 
 #define KNOWN (sizeof known / sizeof known[0])
@@ -83,8 +88,23 @@ static void apply(int letter, options *out)
     case 'v':
         out->view = true;
         break;
-    case 'T':
+    case 'L':
         out->tolerance = optarg;
+        break;
+    case 'j':
+        out->jobs = optarg;
+        break;
+    case 'T':
+        out->timeout = optarg;
+        break;
+    case 'S':
+        out->shard = optarg;
+        break;
+    case 'E':
+        out->retry_failed = true;
+        break;
+    case 'U':
+        out->summary = true;
         break;
     default:
         out->markdown = true;
@@ -106,9 +126,10 @@ int options_parse(const verb *self, const char *takes, int argc, char **argv,
     if (out->sets == NULL) {
         return usage_error(self, "out of memory");
     }
+    const char *letters = strchr(takes, 'j') == NULL ? ":h" : ":hj:";
     opterr = 0;
     optind = 1;
-    for (int letter; (letter = getopt_long(argc, argv, ":h", table, NULL)) != -1;) {
+    for (int letter; (letter = getopt_long(argc, argv, letters, table, NULL)) != -1;) {
         if (letter == 'h') {
             fputs(self->help, stdout);
             options_free(out);

@@ -109,7 +109,7 @@ static void read_status(const char *directory, char status[16])
     }
 }
 
-static int go_on(const options *given, const char *directory, const weft_scene *scene,
+int resume_scene(const options *given, const char *directory, const weft_scene *scene,
                  weft_registry *registry)
 {
     weft_error err = { 0 };
@@ -165,7 +165,7 @@ static int resume_claimed(const options *given, const char *directory,
     }
     int code = open_scene(path, given, registry, &scene);
     if (code == EXIT_DONE) {
-        code = go_on(given, directory, scene, registry);
+        code = resume_scene(given, directory, scene, registry);
     }
     weft_scene_destroy(scene);
     return code;

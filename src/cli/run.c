@@ -215,7 +215,7 @@ static int refuse(const run *self, const char *reason)
         = { .status = "failed", .reason = reason, .planned = self->result.planned };
     (void)snprintf(err.message, sizeof err.message, "%s", reason);
     (void)report_error(&err);
-    if (self->again) {
+    if (self->from != NULL) {
         return EXIT_SIMULATION;
     }
     if (record_text(self->out, "scene.yaml", weft_scene_text(self->scene), &err)

@@ -52,6 +52,11 @@ typedef struct run_resumed {
 int run_scene(const options *given, const char *out, const weft_scene *scene,
               weft_registry *registry, const run_resumed *resumed);
 
+/* resume.c: go on with the run of that scene in a directory that the caller has
+ * claimed. Returns the exit code. */
+int resume_scene(const options *given, const char *directory, const weft_scene *scene,
+                 weft_registry *registry);
+
 /* resume.c: the hash of the scene and what computes it, as a checkpoint tells them. */
 weft_status resume_identity(const weft_scene *scene, weft_registry *registry,
                             record_checkpoint *out, weft_error *err);

@@ -80,10 +80,19 @@ static long look_through(const char *directory, bool clear)
     return found;
 }
 
-weft_status record_outdir(const char *directory, bool force, weft_error *err)
+weft_status record_directory(const char *directory, weft_error *err)
 {
     if (!make_directories(directory)) {
         return weft_error_set(err, WEFT_IO, "%s: %s", directory, strerror(errno));
+    }
+    return WEFT_OK;
+}
+
+weft_status record_outdir(const char *directory, bool force, weft_error *err)
+{
+    const weft_status status = record_directory(directory, err);
+    if (status != WEFT_OK) {
+        return status;
     }
     const long found = look_through(directory, force);
     if (found < 0) {

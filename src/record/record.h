@@ -30,6 +30,9 @@ void record_file_discard(record_file *file);
 weft_status record_text(const char *directory, const char *name, const char *text,
                         weft_error *err);
 
+/* outdir.c: make `directory` and what is above it, or accept what is there. */
+weft_status record_directory(const char *directory, weft_error *err);
+
 /* outdir.c: make `directory`, or accept an empty one. One that is not empty is refused
  * unless `force`, which removes what an earlier run of weft left there. */
 weft_status record_outdir(const char *directory, bool force, weft_error *err);

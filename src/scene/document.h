@@ -17,6 +17,11 @@
 bool weft__document_load(const weft__source *source, size_t skip, weft__report *report,
                          yaml_document_t *out);
 
+/* The same of a default, without a parser if it is a plain value: parsing defaults
+ * would be most of the time that a scene takes. */
+bool weft__document_default(const char *text, weft__report *report,
+                            yaml_document_t *out);
+
 /* Looks for cycles, too many nodes, too much depth and foreign tags. */
 bool weft__document_check(yaml_document_t *document, weft__report *report);
 
@@ -25,6 +30,18 @@ bool weft__document_check(yaml_document_t *document, weft__report *report);
  * removed: its key is to be known, no more. */
 void weft__override_apply(yaml_document_t *document, const weft__source *source,
                           weft__report *report);
+
+/* The bytes of its key.path. */
+size_t weft__override_path(const weft__source *source);
+
+/* Puts a copy of a node of another document at a path of dotted keys that stands at
+ * `at`; a null removes what is there. */
+void weft__document_put(yaml_document_t *document, const char *path, yaml_mark_t at,
+                        yaml_document_t *from, int value, weft__report *report);
+
+/* A copy without anchors; false if memory ran out: *to then needs no delete. */
+bool weft__document_copy(yaml_document_t *to, yaml_document_t *from,
+                         weft__report *report);
 
 /* The document as YAML text, to be freed, or NULL if memory ran out. Deletes the
  * document. */

@@ -418,6 +418,9 @@ static const weft__key root_keys[] = {
       AT(weft_scene, run), .meaning = "duration and frames" },
     { "record", WEFT__MAPPING, .section = &record_section, .absent = "defaults",
       AT(weft_scene, record), .meaning = "what a run leaves behind" },
+    { "sweep", WEFT__SWEEP, .absent = "one run",
+      .meaning = "weft batch runs every combination of the values, or with zip: true "
+                 "beside them the first of each list, then the second, ..." },
 };
 
 const weft__section weft__root
