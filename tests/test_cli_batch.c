@@ -189,11 +189,11 @@ START_TEST(a_run_that_takes_too_long_costs_only_itself)
 {
     write_sweep("long.yaml", long_run, "sweep: {run.duration: [0.1, 1.0e+6]}\n");
     expect(shell("sed -i 's/duration: 100, //' " OUT "/long.yaml"), 0);
-    expect(shell(BATCH "/long.yaml --out " OUT "/o --timeout 0.5 2>&1"), 1);
+    expect(shell(BATCH "/long.yaml --out " OUT "/o --timeout 5 -j 2 2>&1"), 1);
     says("2 runs in " OUT "/o: 1 done, 1 timeout\n");
     expect(shell("cut -d, -f 1-4 " OUT "/o/summary.csv"), 0);
     ck_assert_str_eq(output, "run.duration,scene,status,reason\n0.1,long,done,\n"
-                             "1.0e+6,long,timeout,not done after 0.5 s\n");
+                             "1.0e+6,long,timeout,not done after 5 s\n");
     /* it is left alone, until it is asked for */
     expect(shell(BATCH "/long.yaml --out " OUT "/o 2>&1"), 1);
     ck_assert_ptr_null(strstr(output, "1/1"));
