@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* weft batch as its users meet it: directories, summary, interruptions. */
-#include <signal.h>
 #include <unistd.h>
 
 #include "shell.h"
@@ -133,29 +132,57 @@ START_TEST(a_run_of_a_changed_scene_is_refused_unless_forced)
 }
 END_TEST
 
-/* Run `command` in a session of its own and kill all of it after `seconds`. */
-static void kill_after(const char *command, const char *seconds)
+/* Kill -9 a batch and all its runs once so many of them have ended. */
+static void kill_after(const char *command, int ended)
 {
-    (void)shell("setsid sh -c '%s' > /dev/null 2>&1 & sleep %s; "
-                "kill -9 -- -$! 2>/dev/null; wait $! 2>/dev/null",
-                command, seconds);
+    (void)shell("setsid sh -c 'exec %s' > /dev/null 2>&1 & until [ $(ls " OUT
+                "/o/*/result.yaml 2>/dev/null | wc -l) -ge %d ]; do sleep 0.01; done; "
+                "kill -9 -$!; wait $! 2>/dev/null",
+                command, ended);
+    ck_assert(!exists(OUT "/o/summary.csv"));
 }
 
 START_TEST(twenty_four_runs_killed_twice_end_with_the_summary_of_an_undisturbed_batch)
 {
-    write_sweep("many.yaml", "run: {duration: 4, fps: 20, checkpoint: 3}\n",
+    write_sweep("many.yaml", "run: {duration: 2, fps: 20, checkpoint: 3}\n",
                 "sweep:\n  stepper.fixed_step: [2.0e-4, 3.0e-4]\n"
                 "  cloth.springs.stretch.stiffness: [10, 20, 30, 40, 50, 60]\n"
                 "  forces.damping: [0, 1.0e-3]\n");
     expect(shell(BATCH "/many.yaml --out " OUT "/calm --quiet -j 2 2>&1"), 0);
-    kill_after("exec " BATCH "/many.yaml --out " OUT "/o -j 2", "0.15");
-    kill_after("exec " BATCH "/many.yaml --out " OUT "/o -j 2", "0.25");
+    kill_after(BATCH "/many.yaml --out " OUT "/o -j 4", 3);
+    kill_after(BATCH "/many.yaml --out " OUT "/o -j 4", 12);
     expect(shell(BATCH "/many.yaml --out " OUT "/o -j 2 2>&1"), 0);
     says("24 runs in " OUT "/o: 24 done\n");
     expect_same_summaries(OUT "/calm", OUT "/o");
     expect(shell("cd " OUT "/calm && for d in */; do for f in scene.yaml manifest.yaml "
                  "series.csv final.csv; do cmp $d$f ../o/$d$f || exit 1; done; done"),
            0);
+}
+END_TEST
+
+/* What happens to the process of one run out of two, while the other is done. */
+static const struct {
+    const char *signal, *options, *status, *reason;
+} fates[] = {
+    { "SEGV", "", "crashed", "killed by signal 11 (Segmentation fault)" },
+    { "STOP", "--timeout 5", "timeout", "not done after 5 s" }, /* it hangs */
+};
+
+START_TEST(a_run_that_crashes_or_hangs_costs_only_itself)
+{
+    write_sweep("c.yaml", "run: {fps: 20, checkpoint: 3}\n",
+                "sweep: {run.duration: [100, 0.1]}\n");
+    expect(shell(BATCH "/c.yaml --out " OUT "/o -j 1 %s 2>" OUT "/err & pid=$!; until "
+                       "[ -e " OUT
+                       "/o/c_duration=100/checkpoint.weft ]; do sleep 0.01; "
+                       "done; kill -%s $(cat /proc/$pid/task/$pid/children); wait $pid",
+                 fates[_i].options, fates[_i].signal),
+           1);
+    expect(shell("cut -d, -f 1-4 " OUT "/o/summary.csv"), 0);
+    char wanted[256];
+    (void)snprintf(wanted, sizeof wanted, "100,c,%s,%s\n0.1,c,done,\n",
+                   fates[_i].status, fates[_i].reason);
+    says(wanted);
 }
 END_TEST
 
@@ -189,11 +216,11 @@ START_TEST(a_run_that_takes_too_long_costs_only_itself)
 {
     write_sweep("long.yaml", long_run, "sweep: {run.duration: [0.1, 1.0e+6]}\n");
     expect(shell("sed -i 's/duration: 100, //' " OUT "/long.yaml"), 0);
-    expect(shell(BATCH "/long.yaml --out " OUT "/o --timeout 0.5 2>&1"), 1);
+    expect(shell(BATCH "/long.yaml --out " OUT "/o --timeout 5 -j 2 2>&1"), 1);
     says("2 runs in " OUT "/o: 1 done, 1 timeout\n");
     expect(shell("cut -d, -f 1-4 " OUT "/o/summary.csv"), 0);
     ck_assert_str_eq(output, "run.duration,scene,status,reason\n0.1,long,done,\n"
-                             "1.0e+6,long,timeout,not done after 0.5 s\n");
+                             "1.0e+6,long,timeout,not done after 5 s\n");
     /* it is left alone, until it is asked for */
     expect(shell(BATCH "/long.yaml --out " OUT "/o 2>&1"), 1);
     ck_assert_ptr_null(strstr(output, "1/1"));
@@ -400,6 +427,8 @@ static Suite *suite(void)
         twenty_four_runs_killed_twice_end_with_the_summary_of_an_undisturbed_batch);
     tcase_add_loop_test(
         program, a_signal_ends_a_batch_with_valid_results_and_it_goes_on_later, 0, 2);
+    tcase_add_loop_test(program, a_run_that_crashes_or_hangs_costs_only_itself, 0,
+                        sizeof fates / sizeof fates[0]);
     tcase_add_test(program, a_run_that_takes_too_long_costs_only_itself);
     tcase_add_test(program, a_run_that_fails_keeps_its_report_and_the_others_go_on);
     tcase_add_test(program, shards_leave_together_what_one_batch_leaves);
