@@ -69,7 +69,7 @@ TEST_BIN := $(TESTS:%=$(BUILD)/tests/%)
 BROKEN := $(patsubst tests/broken/%.c,$(BUILD)/tests/broken/weft-%.so,$(wildcard tests/broken/*.c))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/*.c))
 
-.PHONY: all check check-run check-view viewer pictures verify bench demo demo-run deps docs lint format asan tsan \
+.PHONY: all check check-run check-view viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
         clang-build check-sundials7 valgrind symbols clean help
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -203,6 +203,13 @@ $(BUILD)/bench/%: $(BUILD)/bench/%.o $(BUILD)/libweft.a $(PLUGIN_SO)
 	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a \
 	    $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
 
+$(BUILD)/bench/guard/evaluate: $(BUILD)/bench/guard/evaluate.o $(BUILD)/libweft.a
+	$(call say,LD)$(LINK) -o $@ $^ $(LIB_LIBS)
+
+# Instructions of the right-hand side, which must not become many more.
+guard: $(BUILD)/bench/guard/evaluate
+	@tools/guard $(BUILD) $(CC)
+
 bench: all $(BENCHES:%=$(BUILD)/bench/%)
 	@for name in $(BENCH); do $(BUILD)/bench/$$name || exit 1; done
 
@@ -238,7 +245,7 @@ deps:
 # ---- care ------------------------------------------------------------------------
 
 C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] plugins/*/*.[ch] tests/*.[ch] \
-                     tests/verify/*.[ch] tests/broken/*.c examples/*.c bench/*.[ch] bench/levels/*.[ch])
+                     tests/verify/*.[ch] tests/broken/*.c examples/*.c bench/*.[ch] bench/levels/*.[ch] bench/guard/*.c)
 
 lint:
 	@tools/lint $(C_FILES)
@@ -281,6 +288,6 @@ clean:
 
 help:
 	@sed -n '2,9s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | tsan | clang-build | check-sundials7 | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | tsan | guard | clang-build | check-sundials7 | valgrind | symbols | clean"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)
