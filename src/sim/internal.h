@@ -3,6 +3,7 @@
 #ifndef WEFT_SIM_INTERNAL_H
 #define WEFT_SIM_INTERNAL_H
 
+#include "sim/forces.h"
 #include "sim/ledger.h"
 #include "sim/limit.h"
 
@@ -12,7 +13,8 @@ struct weft_sim {
     weft_stepper_config config;
     void *stepper;
     weft_stepper_stats before; /* of the steppers before this one */
-    weft__limit *limit;        /* NULL: none */
+    weft__forces forces;
+    weft__limit *limit; /* NULL: none */
     weft_correct_fn *correct;
     void *correct_ctx;
     double t;                   /* [s] */

@@ -35,7 +35,7 @@ weft_sim_def weft_sim_def_default(void)
 
 static int rhs(double t, const double *y, double *dydt, void *ctx)
 {
-    return weft_cloth_rhs(ctx, t, y, dydt);
+    return weft__forces_rhs(ctx, t, y, dydt);
 }
 
 static weft_status check_config(const weft_stepper_config *config, weft_error *err)
@@ -96,9 +96,9 @@ size_t weft__sim_dim(const weft_sim *sim)
 weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out,
                               weft_error *err)
 {
-    /* The cloth is only read; weft_ode has no const, for solvers that know none. */
+    /* Forces are only read; weft_ode has no const, for solvers that know none. */
     const weft_ode ode = { weft__sim_dim(sim), sim->ledger.on ? weft__ledger_rhs : rhs,
-                           (void *)sim->cloth };
+                           (void *)&sim->forces };
     weft_stepper_config config = sim->config;
     config.first_step = first_step > 0.0 ? first_step : config.first_step;
     return sim->method->create(sim->method, &ode, &config, out, err);
@@ -135,6 +135,7 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
         status = take_config(sim, def, err);
     }
     if (status == WEFT_OK) {
+        sim->forces = weft__forces_create(def->cloth, sim->config.threads);
         status = weft__sim_stepper(sim, 0.0, &sim->stepper, err);
     }
     if (status != WEFT_OK) {
@@ -149,6 +150,7 @@ void weft_sim_destroy(weft_sim *sim)
 {
     if (sim != NULL) {
         sim->method->destroy(sim->stepper);
+        weft__forces_destroy(&sim->forces);
         weft__limit_destroy(sim->limit);
         free(sim->y);
         free(sim);
