@@ -50,6 +50,10 @@ endif
 LIB_SRC  := $(wildcard src/cloth/*.c src/sim/*.c src/scene/*.c)
 PROG_SRC := $(wildcard src/record/*.c src/cli/*.c)
 LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
+# The kernels once more for each level of instructions that src/cloth/levels.c chooses from.
+KERNELS  := $(patsubst %.c,$(BUILD)/%,$(wildcard src/cloth/kernel*.c))
+LEVELS   := $(if $(filter x86_64%,$(shell $(CC) -dumpmachine)),v3 v4)
+LIB_OBJ  += $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o))
 PROG_OBJ := $(PROG_SRC:%.c=$(BUILD)/%.o) $(BUILD)/src/record/player_page.o
 LIB_LIBS := -lyaml -ldl -lm
 
@@ -89,6 +93,14 @@ $(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
 	    $(HDF5_LIBS) -lm
 
 $(BUILD)/src/record/%.o: INCS += $(HDF5_CFLAGS)
+
+KERNEL_FLAGS := $(if $(SAN),,-O2) -fno-math-errno -fno-trapping-math
+$(KERNELS:=.o): CFLAGS += $(KERNEL_FLAGS)
+$(KERNELS:=.v3.o): CFLAGS += $(KERNEL_FLAGS) -march=x86-64-v3 -DLEVEL=v3 -DLANES=4
+$(KERNELS:=.v4.o): CFLAGS += $(KERNEL_FLAGS) -march=x86-64-v4 -mprefer-vector-width=512 -DLEVEL=v4 -DLANES=8
+$(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): $(BUILD)/src/cloth/%.o:
+	@mkdir -p $(@D)
+	$(call say,CC)$(COMPILE) -c -o $@ src/cloth/$(basename $*).c
 
 $(BUILD)/src/%.o: src/%.c
 	@mkdir -p $(@D)
