@@ -4,57 +4,10 @@
  *
  *     dE/dt = -springs - drag + wind + pins                        (docs/physics.md)
  *
- * Each row is summed by itself, in LANES sums of every LANES-th spring that are then
- * added up, then the rows in their order: the same on every instruction set. */
-#include "cloth/internal.h"
+ * Each row is summed by itself, then the rows in their order. */
+#include "cloth/kernel.h"
 
 #include <math.h>
-
-enum { LANES = 8 };
-
-/* Wider vectors where the machine has them; found out before there is a sanitizer. */
-#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)                   \
-    && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define WIDE __attribute__((target_clones("default", "avx2")))
-#else
-#define WIDE
-#endif
-
-static double add_up(const double lane[LANES])
-{
-    return ((lane[0] + lane[1]) + (lane[2] + lane[3]))
-           + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
-}
-
-/* (w.d)^2 / (d.d), that is (w.u)^2, of `count` <= LANES springs that start at y and end
- * at z, to their lanes; 0 where L = 0. */
-static inline __attribute__((always_inline)) void
-add_rates(const double *y, const double *z, size_t n, size_t count, double *lane)
-{
-    for (size_t i = 0; i < count; ++i) {
-        double dd = 0.0, wd = 0.0;
-        for (size_t k = 0; k < 3; ++k) {
-            const double d = z[k * n + i] - y[k * n + i];
-            const double w = z[(k + 3) * n + i] - y[(k + 3) * n + i];
-            dd += d * d;
-            wd += w * d;
-        }
-        lane[i] += wd * wd / (dd == 0.0 ? 1.0 : dd);
-    }
-}
-
-/* Of the springs of a group that start at p and its next neighbours. */
-WIDE static double row_rate(const double *y, size_t n, size_t stride, size_t p,
-                            size_t count)
-{
-    double lane[LANES] = { 0.0 };
-    const double *at = y + p, *end = at + count;
-    for (; end - at >= LANES; at += LANES) {
-        add_rates(at, at + stride, n, LANES, lane);
-    }
-    add_rates(at, at + stride, n, (size_t)(end - at), lane);
-    return add_up(lane);
-}
 
 static double springs_power(const weft_cloth *cloth, size_t r, const double *y)
 {
@@ -62,10 +15,11 @@ static double springs_power(const weft_cloth *cloth, size_t r, const double *y)
     for (size_t g = 0; g < cloth->group_count; ++g) {
         const weft__group *group = &cloth->groups[g];
         if (group->damping != 0.0 && r < group->end_row) {
+            const size_t first = r * cloth->cols + group->first_col;
             power += group->damping
-                     * row_rate(y, cloth->particles, (size_t)group->stride,
-                                r * cloth->cols + group->first_col,
-                                group->end_col - group->first_col);
+                     * cloth->level->rates(y + first, cloth->particles,
+                                           (size_t)group->stride,
+                                           group->end_col - group->first_col);
         }
     }
     return power;
