@@ -6,6 +6,7 @@
 #include "cloth/kernel.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 enum { COLS_MAX = 41 };
 
