@@ -122,7 +122,7 @@ endef
 $(foreach p,$(PLUGINS),$(eval $(call PLUGIN_RULE,$(p))))
 
 # Loops over whole states, which gcc does not vectorise at -O2.
-$(BUILD)/plugins/arkode/arithmetic.o $(BUILD)/plugins/gsl/control.o: CFLAGS := $(CFLAGS) $(if $(SAN),,-O3)
+$(BUILD)/plugins/arkode/arithmetic.o $(BUILD)/plugins/gsl/control.o $(BUILD)/plugins/verlet/verlet.o: CFLAGS := $(CFLAGS) $(if $(SAN),,-O3)
 
 # All that include SUNDIALS.
 $(BUILD)/plugins/arkode/%.o $(BUILD)/tests/test_arkode_vector.o $(BUILD)/bench/vectors.o: INCS += $(MPI_INC)
