@@ -23,7 +23,8 @@ STRICT := -std=c11 -D_POSIX_C_SOURCE=200809L -ffp-contract=off -fvisibility=hidd
 INCS := -Iinclude -Isrc
 # `make V=1` shows the commands.
 say = $(if $(V),,@echo '  $(1)  $@';)
-COMPILE = $(CC) $(STRICT) $(WARN) $(CFLAGS) $(SAN) $(INCS) -MMD -MP
+COMPILE = $(CC) $(STRICT) $(WARN) $(CFLAGS) $(OWN) $(SAN) $(INCS) -MMD -MP
+OWN = # flags of some files, whatever CFLAGS are
 LINK = $(CC) $(CFLAGS) $(SAN) $(LDFLAGS)
 
 # A variable, as make 4.3 keeps the backslash of an escaped # within a function.
@@ -55,7 +56,7 @@ KERNELS  := $(patsubst %.c,$(BUILD)/%,$(wildcard src/cloth/kernel*.c))
 LEVELS   := $(if $(filter x86_64%,$(shell $(CC) -dumpmachine)),v3 v4)
 LIB_OBJ  += $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o))
 PROG_OBJ := $(PROG_SRC:%.c=$(BUILD)/%.o) $(BUILD)/src/record/player_page.o
-LIB_LIBS := -lyaml -ldl -lm
+LIB_LIBS := -lyaml -ldl -lm -pthread
 
 PLUGINS := verlet $(if $(HAVE_GSL),gsl) $(if $(HAVE_ARKODE),arkode)
 PLUGIN_SO := $(PLUGINS:%=$(BUILD)/plugins/weft-%.so)
@@ -68,7 +69,7 @@ TEST_BIN := $(TESTS:%=$(BUILD)/tests/%)
 BROKEN := $(patsubst tests/broken/%.c,$(BUILD)/tests/broken/weft-%.so,$(wildcard tests/broken/*.c))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/*.c))
 
-.PHONY: all check check-run check-view viewer pictures verify bench demo demo-run deps docs lint format asan \
+.PHONY: all check check-run check-view viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
         clang-build check-sundials7 valgrind symbols clean help
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -95,9 +96,9 @@ $(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
 $(BUILD)/src/record/%.o: INCS += $(HDF5_CFLAGS)
 
 KERNEL_FLAGS := $(if $(SAN),,-O2) -fno-math-errno -fno-trapping-math
-$(KERNELS:=.o): CFLAGS += $(KERNEL_FLAGS)
-$(KERNELS:=.v3.o): CFLAGS += $(KERNEL_FLAGS) -march=x86-64-v3 -DLEVEL=v3 -DLANES=4
-$(KERNELS:=.v4.o): CFLAGS += $(KERNEL_FLAGS) -march=x86-64-v4 -mprefer-vector-width=512 -DLEVEL=v4 -DLANES=8
+$(BUILD)/%.v3.o: OWN += -march=x86-64-v3 -DLEVEL=v3 -DLANES=4
+$(BUILD)/%.v4.o: OWN += -march=x86-64-v4 -mprefer-vector-width=512 -DLEVEL=v4 -DLANES=8
+$(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): OWN += $(KERNEL_FLAGS)
 $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): $(BUILD)/src/cloth/%.o:
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -c -o $@ src/cloth/$(basename $*).c
@@ -145,6 +146,13 @@ $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(BUILD)/tests/support.o \
                        $(BUILD)/libweft.a $(PLUGIN_SO)
 	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a $(TEST_LIBS)
 
+# The kernels 8 lanes wide on whatever machine: the compiler takes the vectors apart.
+$(BUILD)/tests/wide/%.o: src/cloth/%.c
+	@mkdir -p $(@D)
+	$(call say,CC)$(COMPILE) $(KERNEL_FLAGS) -Wno-psabi -Wno-missing-prototypes -DLEVEL=wide -DLANES=8 -c -o $@ $<
+
+$(BUILD)/tests/test_kernel: $(KERNELS:$(BUILD)/src/cloth/%=$(BUILD)/tests/wide/%.o)
+
 # What is verified, for the test and for the program; scenes run as in `weft run`.
 VERIFY_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/main.c,$(wildcard tests/verify/*.c))) \
               $(filter-out %/main.o,$(PROG_OBJ))
@@ -183,9 +191,24 @@ $(BUILD)/bench/%.o: bench/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) $(TEST_DEFS) -c -o $@ $<
 
+# The spring list of a lecture and the bound, with the flags of the kernels.
+BENCH_LEVELS := $(addprefix $(BUILD)/bench/levels/level,.o $(LEVELS:%=.%.o))
+$(BENCH_LEVELS): OWN += $(KERNEL_FLAGS)
+$(BENCH_LEVELS): bench/levels/level.c
+	@mkdir -p $(@D)
+	$(call say,CC)$(COMPILE) -c -o $@ $<
+
+$(BUILD)/bench/force: $(BENCH_LEVELS)
 $(BUILD)/bench/%: $(BUILD)/bench/%.o $(BUILD)/libweft.a $(PLUGIN_SO)
 	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a \
 	    $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
+
+$(BUILD)/bench/guard/evaluate: $(BUILD)/bench/guard/evaluate.o $(BUILD)/libweft.a
+	$(call say,LD)$(LINK) -o $@ $^ $(LIB_LIBS)
+
+# Instructions of the right-hand side, which must not become many more.
+guard: $(BUILD)/bench/guard/evaluate
+	@tools/guard $(BUILD) $(CC)
 
 bench: all $(BENCHES:%=$(BUILD)/bench/%)
 	@for name in $(BENCH); do $(BUILD)/bench/$$name || exit 1; done
@@ -222,7 +245,7 @@ deps:
 # ---- care ------------------------------------------------------------------------
 
 C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] plugins/*/*.[ch] tests/*.[ch] \
-                     tests/verify/*.[ch] tests/broken/*.c examples/*.c bench/*.[ch])
+                     tests/verify/*.[ch] tests/broken/*.c examples/*.c bench/*.[ch] bench/levels/*.[ch] bench/guard/*.c)
 
 lint:
 	@tools/lint $(C_FILES)
@@ -239,6 +262,12 @@ asan:
 	@$(MAKE) --no-print-directory BUILD=build/asan CFLAGS='-O1 -g' \
 	    SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \
 	    check-run
+
+# Races between threads.
+tsan:
+	@$(MAKE) --no-print-directory BUILD=build/tsan CFLAGS='-O1 -g' SAN='-fsanitize=thread' \
+	    build/tsan/tests/test_threads
+	CK_FORK=no build/tsan/tests/test_threads
 
 clang-build:
 	@$(MAKE) --no-print-directory BUILD=build/clang CC=clang all \
@@ -259,6 +288,6 @@ clean:
 
 help:
 	@sed -n '2,9s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | clang-build | check-sundials7 | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | tsan | guard | clang-build | check-sundials7 | valgrind | symbols | clean"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

@@ -102,7 +102,8 @@ typedef struct weft_stepper_config {
 
     /* appended: there if struct_size says so */
     const weft_controller *controller; /* for a method that takes one; NULL: default */
-    size_t threads;     /* for the solver's own arithmetic; 0 and 1: the caller's */
+    size_t threads;     /* for the solver's own arithmetic, and in a simulation for the
+                           forces; 0 and 1: the caller's */
     size_t quadratures; /* so many components at the end of y are neither positions nor
                            velocities: integrated along, without a say in any step.
                            Only for a method with WEFT_STEPPER_QUADRATURES */

@@ -32,7 +32,7 @@
 #define NAME(stem, level)  NAME_(stem, level)
 
 /* The groups, in the order of springs.c, and whether any is damped: bits of a set. */
-enum { RIGHT, DOWN, CROSS, ANTI, RIGHT2, DOWN2, DAMPED, ALL = (1 << 7) - 1 };
+enum { RIGHT, DOWN, CROSS, ANTI, RIGHT2, DOWN2, DAMPED };
 #define BIT(group) (1u << (group))
 
 /* TILE columns, with the rows that a block reads, stay in the first cache. */
@@ -237,35 +237,47 @@ INLINE void row(sweep *self, size_t r, size_t first, size_t end, unsigned has,
     const size_t m = self->detour ? SPAN : n;
     double *const to = self->detour ? self->aside : self->dydt + i;
     const double *p = self->y + i;
-    const size_t count = end - first;
+    const ptrdiff_t count = (ptrdiff_t)(end - first);
     carry left = { 0 };
-    if (first > 0) {
-        (void)block(self, p - LANES, n, cols, 0, has, &left, NULL);
-    }
-    for (size_t j = 0; j < count; j += LANES) {
-        const vec3 force = block(self, p + j, n, cols, LANES + j, has, &left, NULL);
-        if (emits) {
-            emit(self, p + j, n, i + j, force, NULL, LANES, to + j, m);
+    for (ptrdiff_t j = first > 0 ? -LANES : 0; j < count; j += LANES) {
+        const size_t at = (size_t)(LANES + j), b = i + (size_t)j;
+        const vec3 force = block(self, p + j, n, cols, at, has, &left, NULL);
+        if (emits && j >= 0) {
+            emit(self, p + j, n, b, force, NULL, LANES, to + j, m);
         }
     }
     if (end == self->inner) {
-        row_end(self, r, LANES + count, has, emits, &left, to + count, m);
+        row_end(self, r, LANES + (size_t)count, has, emits, &left, to + count, m);
     }
     if (emits && self->detour) {
-        leave_aside(self, i, end == self->inner ? cols - first : count);
+        leave_aside(self, i, (end == self->inner ? cols : end) - first);
     }
 }
 
-/* What most rows of most cloths have, without branches. */
-static void full_row(sweep *self, size_t r, size_t first, size_t end)
-{
-    row(self, r, first, end, ALL, true);
-}
-
+/* What most rows of most cloths have is compiled without branches. */
 static void any_row(sweep *self, size_t r, size_t first, size_t end, unsigned has,
                     bool emits)
 {
-    row(self, r, first, end, has, emits);
+    enum {
+        STRETCH = BIT(RIGHT) | BIT(DOWN),
+        WOVEN = STRETCH | BIT(CROSS) | BIT(ANTI),
+        FULL = WOVEN | BIT(RIGHT2) | BIT(DOWN2)
+    };
+    switch (emits ? has : 0u) {
+#define CASE(springs)                                                                  \
+    case springs:                                                                      \
+        row(self, r, first, end, springs, true);                                       \
+        break;
+        CASE(STRETCH)
+        CASE(STRETCH | BIT(DAMPED))
+        CASE(WOVEN)
+        CASE(WOVEN | BIT(DAMPED))
+        CASE(FULL)
+        CASE(FULL | BIT(DAMPED))
+#undef CASE
+    default:
+        row(self, r, first, end, has, emits);
+    }
 }
 
 /* Columns [first, end): the two rows above first_row send what ends in the others. */
@@ -286,11 +298,7 @@ static void tile(sweep *self, size_t first, size_t end, unsigned all, size_t fir
             has &= r + 1 < first_row ? BIT(DOWN2) | BIT(DAMPED)
                                      : ~(BIT(RIGHT) | BIT(RIGHT2));
         }
-        if (has == ALL) {
-            full_row(self, r, first, end);
-        } else {
-            any_row(self, r, first, end, has, r >= first_row);
-        }
+        any_row(self, r, first, end, has, r >= first_row);
     }
 }
 

@@ -3,11 +3,14 @@
 
 #include <math.h>
 
+#include "sim/forces.h"
+
 int weft__ledger_rhs(double t, const double *y, double *dydt, void *ctx)
 {
-    const weft_cloth *cloth = ctx;
+    const weft__forces *forces = ctx;
+    const weft_cloth *cloth = forces->cloth;
     double *power = dydt + weft_cloth_dim(cloth);
-    int failed = weft_cloth_rhs(cloth, t, y, dydt);
+    int failed = weft__forces_rhs(forces, t, y, dydt);
     weft_cloth_power(cloth, t, y, power);
     for (size_t k = 0; k < WEFT_POWERS; ++k) {
         failed |= !isfinite(power[k]);

@@ -15,7 +15,7 @@ typedef struct weft__ledger {
     double limit_work, outside_work; /* [J] */
 } weft__ledger;
 
-/* The equations of motion and the powers behind them; ctx is the cloth. */
+/* The equations of motion and the powers behind them; ctx is a weft__forces. */
 int weft__ledger_rhs(double t, const double *y, double *dydt, void *ctx);
 
 /* y at t = 0; puts the quadratures behind it to 0. */

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim/forces.h"
 #include "sim/ledger.h"
 #include "sim/limit.h"
 
@@ -13,6 +14,7 @@ struct weft_sim {
     const weft_cloth *cloth;
     const weft_stepper_type *method;
     void *stepper;
+    weft__forces forces;
     weft__limit *limit; /* NULL: none */
     weft_correct_fn *correct;
     void *correct_ctx;
@@ -49,7 +51,7 @@ weft_sim_def weft_sim_def_default(void)
 
 static int rhs(double t, const double *y, double *dydt, void *ctx)
 {
-    return weft_cloth_rhs(ctx, t, y, dydt);
+    return weft__forces_rhs(ctx, t, y, dydt);
 }
 
 static weft_status check_config(const weft_stepper_config *config, weft_error *err)
@@ -86,13 +88,13 @@ static weft_status check_config(const weft_stepper_config *config, weft_error *e
 
 static weft_status make_stepper(weft_sim *sim, const weft_sim_def *def, weft_error *err)
 {
-    /* The cloth is only read; weft_ode has no const, for solvers that know none. */
-    weft_ode ode = { weft_cloth_dim(def->cloth), rhs, (void *)def->cloth };
+    weft_ode ode = { weft_cloth_dim(def->cloth), rhs, &sim->forces };
     weft_stepper_config config = { 0 };
     memcpy(&config, &def->config,
            def->config.struct_size < sizeof config ? def->config.struct_size
                                                    : sizeof config);
     config.struct_size = sizeof config;
+    sim->forces = weft__forces_create(def->cloth, config.threads);
     config.quadratures = def->ledger ? WEFT_POWERS : 0;
     if (def->ledger && (def->method->flags & WEFT_STEPPER_QUADRATURES) == 0) {
         return weft_error_set(err, WEFT_UNSUPPORTED,
@@ -149,6 +151,7 @@ void weft_sim_destroy(weft_sim *sim)
 {
     if (sim != NULL) {
         sim->method->destroy(sim->stepper);
+        weft__forces_destroy(&sim->forces);
         weft__limit_destroy(sim->limit);
         free(sim->y);
         free(sim);
