@@ -1,126 +1,84 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* lecture.h -- a cloth as a lecture on numerical methods would program it: a list of
- * spring structs, one loop over it that adds each pull to both its ends, and GSL's
- * odeiv stepper as in the example of its manual. Springs, gravity, viscous drag, pins
- * and their motion; no wind. The denominator of whole-run figures. */
+/* lecture.h -- a cloth as a lecture on numerical methods would integrate it: the loop
+ * of naive.h under GSL's odeiv stepper, as in the example of its manual. Springs,
+ * gravity, viscous drag, pins and their motion; no wind. The denominator of whole-run
+ * figures. */
 #ifndef WEFT_BENCH_LECTURE_H
 #define WEFT_BENCH_LECTURE_H
 
 #include "cloth/internal.h"
+#include "naive.h"
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv.h>
-#include <math.h>
-#include <string.h>
-
-typedef struct lecture_spring {
-    size_t p, q;
-    double rest_length, stiffness, damping; /* [m], [N/m], [kg/s] */
-} lecture_spring;
 
 typedef struct lecture {
-    const weft_cloth *cloth; /* masses, pins, gravity */
-    size_t n, spring_count;
-    lecture_spring *springs;
-    double *y, *force; /* x y z of particle after particle; then velocities */
+    const weft_cloth *cloth;
+    naive_cloth naive;
+    double *y; /* x y z of particle after particle; then velocities */
     unsigned long steps, rejected, rhs_calls;
 } lecture;
 
-static inline void lecture_springs(lecture *self)
+static inline void lecture_springs(naive_cloth *naive, const weft_cloth *cloth)
 {
-    const weft_cloth *cloth = self->cloth;
     for (size_t g = 0; g < cloth->group_count; ++g) {
         const weft__group *group = &cloth->groups[g];
         for (size_t r = 0; r < group->end_row; ++r) {
             for (size_t c = group->first_col; c < group->end_col; ++c) {
                 const size_t p = r * cloth->cols + c;
-                self->springs[self->spring_count++]
-                    = (lecture_spring){ p, p + (size_t)group->stride,
-                                        group->rest_length, group->stiffness,
-                                        group->damping };
+                naive->springs[naive->count++]
+                    = (naive_spring){ (int)p, (int)(p + (size_t)group->stride),
+                                      group->stiffness, group->rest_length,
+                                      group->damping };
             }
         }
     }
 }
 
+/* At rest, as the simulation of the cloth starts; aborts without memory. */
 static inline void lecture_create(lecture *self, const weft_cloth *cloth)
 {
     const size_t n = cloth->particles;
-    *self = (lecture){ .cloth = cloth, .n = n };
-    self->springs = malloc(WEFT_GROUPS * n * sizeof *self->springs);
-    self->y = malloc(6 * n * sizeof *self->y);
-    self->force = malloc(3 * n * sizeof *self->force);
-    if (self->springs == NULL || self->y == NULL || self->force == NULL) {
+    naive_cloth naive = { .particles = n, .drag = cloth->drag };
+    double *planes = malloc(6 * n * sizeof *planes);
+    naive.springs = malloc(WEFT_GROUPS * n * sizeof *naive.springs);
+    naive.inverse_mass = malloc(n * sizeof *naive.inverse_mass);
+    *self = (lecture){ .cloth = cloth, .y = malloc(6 * n * sizeof *self->y) };
+    if (planes == NULL || naive.springs == NULL || naive.inverse_mass == NULL
+        || self->y == NULL) {
         abort();
     }
-    lecture_springs(self);
+    for (size_t i = 0; i < n; ++i) {
+        naive.inverse_mass[i] = cloth->pin[i] != 0 ? 0.0 : 1.0 / cloth->mass[i];
+    }
+    memcpy(naive.gravity, cloth->gravity, sizeof naive.gravity);
+    lecture_springs(&naive, cloth);
+    weft_cloth_start(cloth, planes);
+    naive_state(n, planes, self->y);
+    self->naive = naive;
+    free(planes);
 }
 
 static inline void lecture_destroy(lecture *self)
 {
-    free(self->springs);
+    naive_destroy(&self->naive);
     free(self->y);
-    free(self->force);
-}
-
-/* Planes of n to x y z of particle after particle. */
-static inline void lecture_start(lecture *self, const double *planes)
-{
-    for (size_t i = 0; i < self->n; ++i) {
-        for (size_t k = 0; k < 3; ++k) {
-            self->y[3 * i + k] = planes[k * self->n + i];
-            self->y[3 * (self->n + i) + k] = planes[(3 + k) * self->n + i];
-        }
-    }
-}
-
-static inline void lecture_pull(const lecture_spring *s, const double *x,
-                                const double *v, double *f)
-{
-    const double dx = x[3 * s->q] - x[3 * s->p];
-    const double dy = x[3 * s->q + 1] - x[3 * s->p + 1];
-    const double dz = x[3 * s->q + 2] - x[3 * s->p + 2];
-    const double length = sqrt(dx * dx + dy * dy + dz * dz);
-    const double rate
-        = ((v[3 * s->q] - v[3 * s->p]) * dx + (v[3 * s->q + 1] - v[3 * s->p + 1]) * dy
-           + (v[3 * s->q + 2] - v[3 * s->p + 2]) * dz)
-          / length;
-    const double pull
-        = (s->stiffness * (length - s->rest_length) + s->damping * rate) / length;
-    f[3 * s->p] += pull * dx;
-    f[3 * s->p + 1] += pull * dy;
-    f[3 * s->p + 2] += pull * dz;
-    f[3 * s->q] -= pull * dx;
-    f[3 * s->q + 1] -= pull * dy;
-    f[3 * s->q + 2] -= pull * dz;
 }
 
 static inline int lecture_rhs(double t, const double y[], double dydt[], void *ctx)
 {
     lecture *self = ctx;
     const weft_cloth *cloth = self->cloth;
-    const size_t n = self->n;
-    const double *v = y + 3 * n;
+    const size_t n = cloth->particles;
     ++self->rhs_calls;
-    for (size_t j = 0; j < 3 * n; ++j) {
-        self->force[j]
-            = cloth->mass[j / 3] * cloth->gravity[j % 3] - cloth->drag * v[j];
-    }
-    for (size_t i = 0; i < self->spring_count; ++i) {
-        lecture_pull(&self->springs[i], y, v, self->force);
-    }
+    naive_rhs(&self->naive, y, dydt);
     for (size_t i = 0; i < n; ++i) {
-        const weft__motion *motion
-            = cloth->pin[i] == 0 ? NULL : &cloth->motions[cloth->pin[i] - 1];
-        for (size_t k = 0; k < 3; ++k) {
-            const size_t j = 3 * i + k;
-            if (motion == NULL) {
-                dydt[j] = v[j];
-                dydt[3 * n + j] = self->force[j] / cloth->mass[i];
-            } else {
-                const double w = motion->omega;
-                dydt[j] = weft__motion_velocity(motion, k, t);
-                dydt[3 * n + j] = -w * w * motion->amplitude[k] * sin(w * t);
+        if (cloth->pin[i] != 0 && cloth->motions[cloth->pin[i] - 1].moves) {
+            const weft__motion *motion = &cloth->motions[cloth->pin[i] - 1];
+            const double w = motion->omega;
+            for (size_t k = 0; k < 3; ++k) {
+                dydt[3 * i + k] = weft__motion_velocity(motion, k, t);
+                dydt[3 * (n + i) + k] = -w * w * motion->amplitude[k] * sin(w * t);
             }
         }
     }
@@ -131,7 +89,7 @@ static inline int lecture_rhs(double t, const double y[], double dydt[], void *c
 static inline void lecture_run(lecture *self, double tolerance, double first_step,
                                double t1)
 {
-    const size_t dim = 6 * self->n;
+    const size_t dim = 6 * self->cloth->particles;
     gsl_odeiv_step *s = gsl_odeiv_step_alloc(gsl_odeiv_step_rkf45, dim);
     gsl_odeiv_control *c = gsl_odeiv_control_y_new(tolerance, 0.0);
     gsl_odeiv_evolve *e = gsl_odeiv_evolve_alloc(dim);

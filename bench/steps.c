@@ -13,6 +13,7 @@
 #if defined(HAVE_GSL) && defined(HAVE_ARKODE)
 
 #include "lecture.h"
+#include "problem.h"
 
 const weft_plugin *weft_plugin_gsl(void);
 const weft_plugin *weft_plugin_arkode(void);
@@ -23,16 +24,16 @@ const weft_plugin *weft_plugin_verlet(void);
 #define OF_STABLE  0.9  /* fixed steps, of the largest stable one */
 
 /* A cloth for a while, and where it is then. */
-typedef struct problem {
+typedef struct task {
     char name[64];
     weft_cloth *cloth;
     double duration;   /* [s] */
     double *reference; /* y at the end */
-} problem;
+} task;
 
 /* One of the runs that are compared. */
 typedef struct trial {
-    const problem *of;
+    const task *of;
     const weft_plugin *plugin; /* NULL: the lecture's way */
     const char *method;
     size_t threads;
@@ -50,42 +51,20 @@ static void must(weft_status status, const weft_error *err)
     }
 }
 
-/* P(n): a level sheet of 1 m x 1 m and 0.2 kg, two adjacent corners pinned. */
 static weft_cloth *make_sheet(size_t n)
 {
-    static const weft_pin corners[] = { { .cols = { 0, 0 } }, { .cols = { -1, -1 } } };
-    static const double stiffness[WEFT_FAMILIES] = { 100.0, 50.0, 10.0 };
-    weft_cloth_def def = weft_cloth_def_default();
+    const weft_cloth_def def = problem(n);
     weft_cloth *cloth = NULL;
     weft_error err = { 0 };
-    def.rows = def.cols = n;
-    def.spacing[0] = def.spacing[1] = 1.0 / (double)(n - 1);
-    def.down[1] = 0.0;
-    def.down[2] = 1.0;
-    def.density = 0.0;
-    def.mass = 0.2 / (double)(n * n);
-    for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
-        def.springs[k] = (weft_spring_def){ true, stiffness[k], 5e-4 * stiffness[k] };
-    }
-    def.pins = corners;
-    def.pin_count = 2;
     must(weft_cloth_create(&def, &cloth, &err), &err);
     return cloth;
 }
 
 static void run_lecture(trial *self)
 {
-    const problem *of = self->of;
-    double *start = malloc(weft_cloth_dim(of->cloth) * sizeof *start);
-    if (start == NULL) {
-        abort();
-    }
-    weft_cloth_start(of->cloth, start);
     lecture_destroy(&self->lecture);
-    lecture_create(&self->lecture, of->cloth);
-    lecture_start(&self->lecture, start);
-    lecture_run(&self->lecture, self->tolerance, FIRST_STEP, of->duration);
-    free(start);
+    lecture_create(&self->lecture, self->of->cloth);
+    lecture_run(&self->lecture, self->tolerance, FIRST_STEP, self->of->duration);
 }
 
 static void run(void *ctx)
@@ -130,7 +109,7 @@ static double error(const trial *self) /* [m] */
     return most;
 }
 
-static void make_reference(problem *of)
+static void make_reference(task *of)
 {
     const size_t bytes = weft_cloth_dim(of->cloth) * sizeof(double);
     trial tight = { .of = of,
@@ -147,7 +126,7 @@ static void make_reference(problem *of)
     end(&tight);
 }
 
-static double stable_step(const problem *of, const char *method)
+static double stable_step(const task *of, const char *method)
 {
     const double *y = of->reference;
     const weft_stiffness modes = weft_cloth_stiffness(of->cloth, y);
@@ -206,7 +185,7 @@ static void report(FILE *csv, const trial *it, double seconds, double lecture_se
     fflush(stdout);
 }
 
-static void compare(FILE *csv, problem *of, bool sheet, size_t rounds)
+static void compare(FILE *csv, task *of, bool sheet, size_t rounds)
 {
     trial trials[ENTRIES];
     bench_case cases[ENTRIES];
@@ -241,7 +220,7 @@ static void compare(FILE *csv, problem *of, bool sheet, size_t rounds)
 
 static void compare_sheet(FILE *csv, size_t n, double duration, size_t rounds)
 {
-    problem sheet = { .cloth = make_sheet(n), .duration = duration };
+    task sheet = { .cloth = make_sheet(n), .duration = duration };
     (void)snprintf(sheet.name, sizeof sheet.name, "P(%zu)", n);
     compare(csv, &sheet, true, rounds);
 }
@@ -253,7 +232,7 @@ static void compare_scene(FILE *csv, const char *name, double duration, size_t r
     weft_scene *scene = NULL;
     weft_scene_def def = weft_scene_def_default();
     weft_diagnostics *found = calloc(1, sizeof *found);
-    problem of = { .duration = duration };
+    task of = { .duration = duration };
     (void)snprintf(file, sizeof file, "scenes/%s.yaml", name);
     (void)snprintf(of.name, sizeof of.name, "%s", name);
     def.file = file;
@@ -272,7 +251,7 @@ static void compare_scene(FILE *csv, const char *name, double duration, size_t r
 /* A step of P(n) at all sizes, and what of it the forces take. */
 static void grow(FILE *csv, size_t n, double duration)
 {
-    problem of = { .cloth = make_sheet(n), .duration = duration };
+    task of = { .cloth = make_sheet(n), .duration = duration };
     trial trials[2];
     bench_case cases[2];
     for (size_t i = 0; i < 2; ++i) {
