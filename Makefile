@@ -123,7 +123,7 @@ endef
 $(foreach p,$(PLUGINS),$(eval $(call PLUGIN_RULE,$(p))))
 
 # Loops over whole states, which gcc does not vectorise at -O2.
-$(BUILD)/plugins/arkode/vector.o: CFLAGS := $(CFLAGS) $(if $(SAN),,-O3)
+$(BUILD)/plugins/arkode/arithmetic.o $(BUILD)/plugins/gsl/control.o $(BUILD)/plugins/verlet/verlet.o: CFLAGS := $(CFLAGS) $(if $(SAN),,-O3)
 
 # All that include SUNDIALS.
 $(BUILD)/plugins/arkode/%.o $(BUILD)/tests/test_arkode_vector.o $(BUILD)/bench/vectors.o: INCS += $(MPI_INC)
@@ -151,7 +151,7 @@ $(BUILD)/tests/wide/%.o: src/cloth/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) $(KERNEL_FLAGS) -Wno-psabi -Wno-missing-prototypes -DLEVEL=wide -DLANES=8 -c -o $@ $<
 
-$(BUILD)/tests/test_kernel: $(KERNELS:$(BUILD)/src/cloth/%=$(BUILD)/tests/wide/%.o)
+$(BUILD)/tests/test_kernel $(BUILD)/tests/test_heat: $(KERNELS:$(BUILD)/src/cloth/%=$(BUILD)/tests/wide/%.o)
 
 # What is verified, for the test and for the program; scenes run as in `weft run`.
 VERIFY_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/main.c,$(wildcard tests/verify/*.c))) \

@@ -15,6 +15,7 @@ enum { SEEDS = 400, MOST = 2200 };
 
 weft__springs_fn weft__springs_wide;
 weft__wind_fn weft__wind_wide;
+weft__rates_fn weft__rates_wide;
 
 /* Narrower and wider than any vector, one more than a multiple of it, wider than a
  * tile. */
@@ -140,7 +141,8 @@ END_TEST
 
 START_TEST(every_level_and_width_has_the_same_bits)
 {
-    const weft__level wide = { "8 lanes", weft__springs_wide, weft__wind_wide };
+    const weft__level wide
+        = { "8 lanes", weft__springs_wide, weft__wind_wide, weft__rates_wide };
     for (uint64_t number = 0; number < SEEDS; ++number) {
         make(number);
         weft__cloth_set_level(m.cloth, weft__level_at(0));

@@ -144,17 +144,19 @@ void weft__ark_team_free(ark_team *team);
 
 /* vector.c: n zeros, whose clones inherit the team and the norm. Operations on long
  * ones are shared with the team, which may be NULL, with the same results. NULL: no
- * memory. */
+ * memory. What NV_DATA_S points to may be shared: it is for reading. */
 N_Vector weft__ark_vector(size_t n, ark_team *team, SUNContext context);
 /* What ARKODE judges steps and tolerances by; before that, and with fixed steps, it
  * finds nothing wrong. */
 void weft__ark_judge_by(N_Vector v, weft_norm norm);
+/* Where its numbers may be written, all of them unless it was filled before. */
+double *weft__ark_fill(N_Vector v);
 void weft__ark_read(N_Vector v, double *to);
 void weft__ark_write(N_Vector v, const double *from);
 bool weft__ark_finite(N_Vector v);
-/* Whether the combination, or copy, was finite that was the last to be written to v. */
-bool weft__ark_made_finite(N_Vector v);
-void weft__ark_weigh(N_Vector y, N_Vector weights, size_t first, size_t count,
-                     double rtol, double atol); /* components from the first on */
+/* Makes weights of 1 / (rtol |y_i| + atol), of the first `half` components and of the
+ * second, 0 behind them: for norms alone. */
+void weft__ark_weigh(N_Vector y, N_Vector weights, size_t half, double rtol,
+                     const double atol[2]);
 
 #endif

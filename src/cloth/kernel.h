@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* kernel.h -- the fast path of the equations of motion: kernel.c and kernel_wind.c,
- * compiled for each level of instructions, and levels.c, which chooses one. They do
- * what weft_cloth_force says in plain loops, to the roundoff, with the same bits on
- * every level. */
+/* kernel.h -- the fast path of the equations of motion: kernel.c and kernel_wind.c, and
+ * of the heat that dampers make, kernel_heat.c, compiled for each level of
+ * instructions, and levels.c, which chooses one. They do what weft_cloth_force says in
+ * plain loops, to the roundoff, with the same bits on every level. */
 #ifndef WEFT_CLOTH_KERNEL_H
 #define WEFT_CLOTH_KERNEL_H
 
@@ -18,10 +18,15 @@ typedef int weft__springs_fn(const weft_cloth *cloth, const double *y, double *d
 typedef int weft__wind_fn(const weft_cloth *cloth, const double *y, double *dydt,
                           size_t first_row, size_t end_row);
 
+/* The sum of (w.u)^2 of `count` springs, of n particles, that start at y and those
+ * after it; 0 where L = 0. */
+typedef double weft__rates_fn(const double *y, size_t n, size_t stride, size_t count);
+
 struct weft__level {
     const char *name;
     weft__springs_fn *springs;
     weft__wind_fn *wind;
+    weft__rates_fn *rates;
 };
 
 /* Ends of names for each level; without instructions of its own, `plain` is what the
@@ -34,7 +39,8 @@ struct weft__level {
 
 #define WEFT_LEVEL_KERNELS(level)                                                      \
     weft__springs_fn weft__springs_##level;                                            \
-    weft__wind_fn weft__wind_##level;
+    weft__wind_fn weft__wind_##level;                                                  \
+    weft__rates_fn weft__rates_##level;
 WEFT_LEVELS(WEFT_LEVEL_KERNELS)
 #undef WEFT_LEVEL_KERNELS
 
