@@ -239,6 +239,16 @@ START_TEST(the_end_for_machines_says_what_result_yaml_says)
 }
 END_TEST
 
+/* Readers of YAML 1.1 take 1e-06 for a text. */
+START_TEST(a_number_with_an_exponent_has_a_point)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT
+                      "/r --progress yaml --set run.duration=2e-6"),
+           0);
+    says("duration: 2.0e-06}\n");
+}
+END_TEST
+
 START_TEST(what_is_no_way_to_show_progress_is_refused)
 {
     expect(shell(WEFT " run " OUT "/small.yaml --progress fast 2>&1"), 2);
@@ -405,6 +415,7 @@ static Suite *suite(void)
     tcase_add_test(runs,
                    for_machines_stdout_is_a_stream_of_yaml_documents_of_a_line_each);
     tcase_add_test(runs, the_end_for_machines_says_what_result_yaml_says);
+    tcase_add_test(runs, a_number_with_an_exponent_has_a_point);
     tcase_add_test(runs, what_is_no_way_to_show_progress_is_refused);
     tcase_add_test(runs, on_a_terminal_one_line_is_redrawn_within_its_width_and_wiped);
     tcase_add_test(runs, a_warning_and_an_error_stand_on_lines_of_their_own);

@@ -155,7 +155,7 @@ static void write_yaml(const progress *show, const progress_place *at)
     yaml_out_plain(&out, "rhs_calls", "%" PRIu64, stats.rhs_calls);
     yaml_out_real(&out, "step_size", stats.last_step);
     if (show->speed > 0.0) {
-        yaml_out_plain(&out, "steps_per_second", "%.4g", show->rate);
+        yaml_out_plain(&out, "steps_per_second", "%.0f", show->rate);
         yaml_out_plain(&out, "eta", "%.1f", left / show->speed);
     }
     (void)yaml_out_end(&out);

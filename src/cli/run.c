@@ -127,7 +127,9 @@ static bool on_step(void *ctx)
 {
     run *self = ctx;
     summary_step(&self->summary);
-    show_progress(self);
+    if (self->mode >= PROGRESS_TERMINAL) { /* lines come with frames */
+        show_progress(self);
+    }
     return stop_signal == 0;
 }
 

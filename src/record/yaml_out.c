@@ -139,6 +139,11 @@ void yaml_out_real(yaml_out *out, const char *key, double value)
         do {
             (void)snprintf(text, sizeof text, "%.*g", digits, value);
         } while (strtod(text, NULL) != value && ++digits <= 17);
+        char *e = strchr(text, 'e');
+        if (e != NULL && strchr(text, '.') == NULL) { /* YAML 1.1 wants a point */
+            memmove(e + 2, e, strlen(e) + 1);
+            memcpy(e, ".0", 2);
+        }
         yaml_out_plain(out, key, "%s", text);
     } else {
         yaml_out_plain(out, key, isnan(value) ? ".nan" : value > 0 ? ".inf" : "-.inf");
