@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sweeps: which runs a scene stands for, and what is said of wrong ones. */
+#include <stdlib.h>
+
 #include "scene_load.h"
 
 #define HEAD                                                                           \
