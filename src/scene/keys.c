@@ -388,8 +388,8 @@ static const weft__key run_keys[] = {
                  "at duration" },
     { "threads", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "1",
       AT(weft_run_def, threads),
-      .meaning = "of the solver's vector work (plugin arkode); the result does not "
-                 "depend on it" },
+      .meaning = "of the forces, from 64 x 64 particles on, and of the solver's vector "
+                 "work (plugin arkode); the result does not depend on it" },
     { "checkpoint", WEFT__INTEGER, .most = MANY, .fallback = "30",
       AT(weft_run_def, checkpoint),
       .meaning = "every so many frames the stepper is restarted, and what weft resume "

@@ -17,7 +17,7 @@
 
 /* Spins last some 10 us, as much as there is between two evaluations, yields some 50.
  */
-enum { HELPERS = 63, SPINS = 400, YIELDS = 100 };
+enum { HELPERS = 63, SPINS = 400, YIELDS = 500 };
 
 struct weft__team {
     atomic_uint_fast64_t job; /* number << 32 | count << 16 | next */
