@@ -26,11 +26,12 @@ typedef struct verb {
 } verb;
 
 extern const verb verb_run, verb_check, verb_steppers, verb_scene_help, verb_export,
-    verb_view;
+    verb_view, verb_compare;
 
 /* Options that several verbs take. */
 typedef struct options {
-    const char *plugin_path, *out, *frames, *format, *frame;
+    const char *plugin_path, *out, *frames, *format, *frame, *methods, *until;
+    size_t jobs; /* >= 1 */
     const char **sets;
     size_t set_count;
     bool quiet, force, yaml, markdown, all, refine, view;
@@ -40,7 +41,7 @@ typedef struct options {
 
 /* Parse by the letters of `takes`: o --out, s --set, p --plugin-path, q --quiet,
  * F --force, r --frames, t --format, i --frame, y --yaml, m --markdown, a --all,
- * R --refine, v --view. Returns -1 to go on, or an exit code: help was printed, or the
+ * R --refine, v --view, j --jobs, M --methods, u --until. Returns -1 to go on, or an exit code: help was printed, or the
  * command line is wrong. */
 int options_parse(const verb *self, const char *takes, int argc, char **argv,
                   options *out);
@@ -59,6 +60,9 @@ weft_registry *open_registry(const char *plugin_path);
 /* Read a scene, print what is wrong with it. Returns EXIT_DONE or the exit code. */
 int open_scene(const char *file, const options *given, weft_registry *registry,
                weft_scene **scene);
+
+/* dir/flag.yaml becomes flag followed by `suffix`; NULL: no memory. */
+char *default_directory(const char *file, const char *suffix);
 
 /* view.c: write the page of one run or of two, into `out` or a default place, and print
  * its URL. Returns the exit code. */

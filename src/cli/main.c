@@ -6,7 +6,7 @@
 #include "cli/cli.h"
 
 static const verb *const verbs[] = {
-    &verb_run, &verb_check, &verb_steppers, &verb_scene_help, &verb_export, &verb_view,
+    &verb_run, &verb_check, &verb_steppers, &verb_scene_help, &verb_export, &verb_view, &verb_compare,
 };
 
 #define VERBS (sizeof verbs / sizeof verbs[0])

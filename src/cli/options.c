@@ -21,6 +21,9 @@ static const struct option known[] = {
     { "all", no_argument, NULL, 'a' },
     { "refine", no_argument, NULL, 'R' },
     { "view", no_argument, NULL, 'v' },
+    { "jobs", required_argument, NULL, 'j' },
+    { "methods", required_argument, NULL, 'M' },
+    { "until", required_argument, NULL, 'u' },
 };
 
 #define KNOWN (sizeof known / sizeof known[0])
@@ -34,6 +37,14 @@ int usage_error(const verb *self, const char *format, ...)
     fprintf(stderr, "\n'weft %s --help' shows how it is used\n", self->name);
     va_end(args);
     return EXIT_USAGE;
+}
+
+/* 0: not a number of jobs. */
+static size_t jobs_of(const char *text)
+{
+    char *end;
+    const long jobs = strtol(text, &end, 10);
+    return *end == '\0' && jobs >= 1 && jobs <= 4096 ? (size_t)jobs : 0;
 }
 
 static void apply(int letter, options *out)
@@ -75,6 +86,15 @@ static void apply(int letter, options *out)
     case 'v':
         out->view = true;
         break;
+    case 'j':
+        out->jobs = jobs_of(optarg);
+        break;
+    case 'M':
+        out->methods = optarg;
+        break;
+    case 'u':
+        out->until = optarg;
+        break;
     default:
         out->markdown = true;
         break;
@@ -91,13 +111,14 @@ int options_parse(const verb *self, const char *takes, int argc, char **argv,
             table[count++] = known[i];
         }
     }
-    *out = (options){ .sets = calloc((size_t)argc, sizeof *out->sets) };
+    *out = (options){ .sets = calloc((size_t)argc, sizeof *out->sets), .jobs = 1 };
     if (out->sets == NULL) {
         return usage_error(self, "out of memory");
     }
     opterr = 0;
     optind = 1;
-    for (int letter; (letter = getopt_long(argc, argv, ":h", table, NULL)) != -1;) {
+    const char *letters = strchr(takes, 'j') != NULL ? ":hj:" : ":h";
+    for (int letter; (letter = getopt_long(argc, argv, letters, table, NULL)) != -1;) {
         if (letter == 'h') {
             fputs(self->help, stdout);
             options_free(out);
@@ -110,6 +131,10 @@ int options_parse(const verb *self, const char *takes, int argc, char **argv,
                 argv[optind - 1]);
         }
         apply(letter, out);
+        if (out->jobs == 0) {
+            options_free(out);
+            return usage_error(self, "--jobs %s: not a number from 1 to 4096", optarg);
+        }
     }
     out->operands = argv + optind;
     out->operand_count = argc - optind;

@@ -31,10 +31,10 @@ static bool make_directories(const char *directory)
 static bool is_ours(const char *name)
 {
     static const char *const names[] = {
-        "scene.yaml",  "manifest.yaml", "series.csv",      "final.csv",
-        "result.yaml", "run.vtkhdf",    "checkpoint.weft", "frames",
-        "run.mdd",     "run.pc2",       "run.pvd",         "rest.obj",
-        "final.obj",   "final.ply",     "run.html",        "compare.html",
+        "scene.yaml",   "manifest.yaml",   "series.csv", "final.csv", "result.yaml",
+        "run.vtkhdf",   "checkpoint.weft", "frames",     "run.mdd",   "run.pc2",
+        "run.pvd",      "rest.obj",        "final.obj",  "final.ply", "run.html",
+        "compare.html", "compare.csv",
     };
     const size_t length = strlen(name);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
