@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "cli/compare.h"
+#include "cli/stability.h"
 
 #define LEAST_ERROR 1e-300 /* in logarithms, for an error of 0 */
 
@@ -111,44 +112,44 @@ static void add(char *text, size_t size, const char *format, ...)
     va_end(args);
 }
 
-static const char *kind(const compare_method *method)
+static void add_cost(const compare_cost *cost, char *text, size_t size)
 {
-    return method->step > 0.0 ? "in steps of" : "at tolerance";
+    const compare_method *method = cost->method;
+    add(text, size, "%s %s %s %.1e%s, %.0f evaluations", method->by.plugin->id,
+        method->by.type->name, method->step > 0.0 ? "in steps of" : "at tolerance",
+        cost->setting, method->step > 0.0 ? " s" : "", cost->calls);
 }
 
-static void add_fewer(const compare_cost *best, const compare_cost *other,
-                      const char *of, char *text, size_t size)
+static void add_rival(const char *lead, const compare_cost *other, double times,
+                      char *text, size_t size)
 {
-    const stepper_method *by = &other->method->by;
-    add(text, size, "%.*f times fewer than %s%s %s",
-        other->calls < 9.95 * best->calls ? 1 : 0, other->calls / best->calls, of,
-        by->plugin->id, by->type->name);
+    add(text, size, "%s%s %s takes %.*f times", lead, other->method->by.plugin->id,
+        other->method->by.type->name,
+        times < 1.095  ? 2
+        : times < 9.95 ? 1
+                       : 0,
+        times);
 }
 
 void compare_say(const compare_rank *rank, char *text, size_t size)
 {
-    const compare_cost *best = &rank->best;
-    const bool rivals = rank->second.method != NULL;
+    const compare_cost *best = &rank->best, *second = &rank->second, *own = &rank->own,
+                       *fastest = &rank->fastest;
     text[0] = '\0';
-    add(text, size, "to %.0e m: %s %s %s %.1g%s, %.3g calls", rank->accuracy,
-        best->method->by.plugin->id, best->method->by.type->name, kind(best->method),
-        best->setting, best->method->step > 0.0 ? " s" : "", best->calls);
-    if (rivals) {
-        add(text, size, "; ");
-        add_fewer(best, &rank->second, "the next, ", text, size);
+    add_cost(best, text, size);
+    if (second->method != NULL) {
+        add_rival("; next, ", second, second->calls / best->calls, text, size);
+        add(text, size, " as many");
     }
-    if (rank->own.method != NULL && rank->own.method != best->method
-        && rank->own.method != rank->second.method) {
-        add(text, size, ", ");
-        add_fewer(best, &rank->own, "the scene's ", text, size);
-    } else if (rank->own.method == best->method) {
+    if (own->method == best->method) {
         add(text, size, "; it is the scene's");
+    } else if (own->method != NULL && own->method != second->method) {
+        add_rival(", the scene's ", own, own->calls / best->calls, text, size);
     }
-    const compare_method *fastest = rank->fastest.method;
-    if (fastest != NULL && fastest != best->method) {
-        add(text, size, "; by the clock %s %s, %.1f times as fast",
-            fastest->by.plugin->id, fastest->by.type->name,
-            best->time / rank->fastest.time);
+    if (fastest->method != NULL && fastest->time * WORTH < best->time) {
+        add(text, size, "; by the clock %s %s is %.1f times as fast",
+            fastest->method->by.plugin->id, fastest->method->by.type->name,
+            best->time / fastest->time);
     }
 }
 
@@ -162,18 +163,16 @@ void compare_say_as_is(const compare *self, char *text, size_t size)
     if (point->outcome != COMPARE_DONE) {
         add(text, size, ": %s",
             point->outcome == COMPARE_FAILED ? point->why
-                                             : "more calls than the reference");
+                                             : "more evaluations than the reference");
         return;
     }
-    add(text, size, ": error %.2g m for %llu calls", point->error,
+    add(text, size, ": error %.1e m for %llu evaluations", point->error,
         (unsigned long long)point->calls);
     rank_at(self, fmax(point->error, COMPARE_NEAR * self->apart), &rank);
-    if (rank.best.method != NULL && rank.best.calls < (double)point->calls) {
-        add(text, size, "; %s %s %s %.1g%s is as good for %.3g, %.1f times fewer",
-            rank.best.method->by.plugin->id, rank.best.method->by.type->name,
-            kind(rank.best.method), rank.best.setting,
-            rank.best.method->step > 0.0 ? " s" : "", rank.best.calls,
+    if (rank.best.method != NULL && rank.best.calls * WORTH < (double)point->calls) {
+        add(text, size, "; as good and %.1f times cheaper: ",
             (double)point->calls / rank.best.calls);
+        add_cost(&rank.best, text, size);
     }
 }
 

@@ -51,20 +51,23 @@ static void print_cell(double calls, bool best)
 
 static void print_method(const compare_method *method, const compare_advice *advice)
 {
-    bool some = false;
+    compare_cost cost;
     printf("%-8s %-17s %c", method->by.plugin->id, method->by.type->name,
            method->own ? '<' : ' ');
-    printf(method->call_time > 0.0 ? " %8.3g" : "        -", 1e6 * method->call_time);
+    if (advice->count == 0
+        || !compare_reach(method, advice->ranks[0].accuracy, &cost)) {
+        printf(" %s\n", remark(method));
+        return;
+    }
+    printf(" %8.3g", 1e6 * method->call_time);
     for (size_t i = 0; i < advice->count; ++i) {
-        compare_cost cost;
         if (compare_reach(method, advice->ranks[i].accuracy, &cost)) {
             print_cell(cost.calls, advice->ranks[i].best.method == method);
-            some = true;
         } else {
             printf("       -");
         }
     }
-    printf(some ? "\n" : "  %s\n", remark(method));
+    putchar('\n');
 }
 
 /* Those that reach the finest accuracy first, and of these the cheapest. */
@@ -122,11 +125,11 @@ void compare_print(const compare *self, const compare_advice *advice)
     printf("\n");
     print_rows(self, advice);
     printf("* the cheapest   < the scene's method   - not within %" PRIu64
-           " calls, or not at all\n\n",
+           " evaluations, or not at all\n\n",
            self->budget);
     for (size_t i = 0; i < advice->count; ++i) {
         compare_say(&advice->ranks[i], text, sizeof text);
-        printf("%s\n", text);
+        printf("%.0e m: %s\n", advice->ranks[i].accuracy, text);
     }
     compare_say_as_is(self, text, sizeof text);
     printf("%s\n", text);
@@ -252,9 +255,12 @@ static void put_method(const compare_method *method, FILE *stream)
     fputs("]}", stream);
 }
 
-static size_t index_of(const compare *self, const compare_cost *cost)
+static size_t index_of(const compare *self, const compare_rank *rank,
+                       const compare_cost *cost)
 {
-    return (size_t)(cost->method - self->shared->methods);
+    const compare_method *method
+        = cost->method == NULL ? rank->best.method : cost->method;
+    return (size_t)(method - self->shared->methods);
 }
 
 static void put_advice(const compare *self, const compare_advice *advice, FILE *stream)
@@ -264,9 +270,9 @@ static void put_advice(const compare *self, const compare_advice *advice, FILE *
     for (size_t i = 0; i < advice->count; ++i) {
         const compare_rank *rank = &advice->ranks[i];
         compare_say(rank, text, sizeof text);
-        fprintf(stream, "%s{\"accuracy\":%.0e,\"best\":%zu,\"calls\":%.6g,\"text\":",
-                i == 0 ? "" : ",", rank->accuracy, index_of(self, &rank->best),
-                rank->best.calls);
+        fprintf(stream, "%s{\"accuracy\":%.0e,\"best\":%zu,\"fastest\":%zu,\"text\":",
+                i == 0 ? "" : ",", rank->accuracy, index_of(self, rank, &rank->best),
+                index_of(self, rank, &rank->fastest));
         page_text(stream, text);
         putc('}', stream);
     }
@@ -277,7 +283,7 @@ static void put_description(const compare *self, const compare_advice *advice,
                             FILE *stream)
 {
     char text[SENTENCE];
-    fputs("<script type=\"application/json\" id=\"data\">{", stream);
+    fputs("<script type=\"application/json\" id=\"weft-data\">{", stream);
     put_member(stream, "weft", weft_version());
     put_member(stream, "scene", weft_scene_name(self->scene));
     put_member(stream, "yaml", weft_scene_text(self->scene));
