@@ -119,7 +119,7 @@ void pool_free(void *memory, size_t count, size_t size);
 typedef struct pool {
     size_t jobs, at_once;
     void (*work)(const compare *self, size_t job);
-    /* In the parent: `how` it was killed, or NULL. */
+    /* In the parent: `how` it came to a bad end, or NULL. */
     void (*ended)(compare *self, size_t job, const char *how);
 } pool;
 

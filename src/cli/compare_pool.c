@@ -53,12 +53,14 @@ static void await(const pool *self, compare *of, children *all)
     } while (pid < 0 && errno == EINTR);
     for (size_t job = 0; job < self->jobs; ++job) {
         if (pid > 0 && all->pids[job] == pid) {
+            const bool killed = WIFSIGNALED(status);
             char how[64];
-            (void)snprintf(how, sizeof how, "its process was ended by signal %d",
-                           WIFSIGNALED(status) ? WTERMSIG(status) : 0);
+            (void)snprintf(how, sizeof how, "its process was ended by %s %d",
+                           killed ? "signal" : "exit code",
+                           killed ? WTERMSIG(status) : WEXITSTATUS(status));
             all->pids[job] = 0;
             --all->running;
-            self->ended(of, job, WIFSIGNALED(status) ? how : NULL);
+            self->ended(of, job, status != 0 ? how : NULL);
         }
     }
     all->running = pid < 0 ? 0 : all->running;
