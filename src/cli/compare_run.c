@@ -7,7 +7,7 @@
 #include "cli/compare.h"
 
 enum { CALL_TIME_LEAST = 3 }; /* steps */
-#define CALL_TIME_SLICE 0.02  /* [s] */
+#define CALL_TIME_SLICE 0.01  /* [s] */
 #define EXPENSIVE_HINT  1.2   /* a foreseen cost of so many budgets is not tried */
 
 /* One run against the reference. */
