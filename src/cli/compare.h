@@ -55,8 +55,7 @@ typedef struct compare_method {
     bool own;           /* the scene's */
     double step;        /* [s] fixed step of the first rung; 0: adaptive */
     double step_calls;  /* RHS calls of such a step */
-    double call_time;   /* [s] of the clock, a call with all that belongs to it; 0: not
-                           known */
+    double call_time;   /* [s] a call, with all that belongs to it; 0: not known */
     char left_out[128]; /* why it has no ladder; "" if it has */
     compare_point points[COMPARE_RUNGS];
 } compare_method;

@@ -147,7 +147,7 @@ void compare_say(const compare_rank *rank, char *text, size_t size)
         add_rival(", the scene's ", own, own->calls / best->calls, text, size);
     }
     if (fastest->method != NULL && fastest->time * WORTH < best->time) {
-        add(text, size, "; by the clock %s %s is %.1f times as fast",
+        add(text, size, "; in time %s %s is %.1f times as fast",
             fastest->method->by.plugin->id, fastest->method->by.type->name,
             best->time / fastest->time);
     }

@@ -205,7 +205,7 @@ weft_status compare_csv(const compare *self, const char *directory, weft_error *
         return status;
     }
     fputs("plugin,method,order,kind,setting,outcome,error,error_rms,error_velocity,"
-          "near_reference,rhs_calls,steps,rejected,energy_error,wall_time,reason\n",
+          "near_reference,rhs_calls,steps,rejected,energy_error,time,reason\n",
           file.stream);
     for (size_t i = 0; i < self->count; ++i) {
         put_rows(self, &self->shared->methods[i], file.stream);

@@ -140,7 +140,7 @@ function draw() {
     const costs = shown().flatMap((method) => method.points.filter(drawable).map((p) => costOf(method, p)));
     const range = costs.length > 0 ? around(costs) : [1, 10];
     const width = $('plot').clientWidth;
-    const xAxis = { ...axis(style, true), size: 44, label: state.time ? 'wall time [s]' : 'evaluations of the forces', labelSize: 18, labelFont: '12px system-ui, sans-serif', splits: round125, filter: (_, ticks) => ticks, grid: { stroke: style('--line'), width: 1 }, ticks: { stroke: style('--line'), width: 1, size: 4 }, values: counts };
+    const xAxis = { ...axis(style, true), size: 44, label: state.time ? 'time [s]' : 'evaluations of the forces', labelSize: 18, labelFont: '12px system-ui, sans-serif', splits: round125, filter: (_, ticks) => ticks, grid: { stroke: style('--line'), width: 1 }, ticks: { stroke: style('--line'), width: 1, size: 4 }, values: counts };
     plot = new uPlot({
         width,
         height: Math.round(Math.min(Math.max(0.72 * width, 320), Math.max(360, innerHeight - 240))),

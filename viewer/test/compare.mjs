@@ -108,7 +108,7 @@ test('a point tells its method, tolerance, error and cost', async () => {
     assert.equal(await page.isVisible('#tip'), false);
 });
 
-test('the axis turns to wall time and back', async () => {
+test('the axis turns to time and back', async () => {
     const { page } = await open(browser, file);
     const at = await place(page, 'gsl rk8pd', 0);
     const before = await pixels(page, '#plot');
