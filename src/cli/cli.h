@@ -41,8 +41,8 @@ typedef struct options {
 
 /* Parse by the letters of `takes`: o --out, s --set, p --plugin-path, q --quiet,
  * F --force, r --frames, t --format, i --frame, y --yaml, m --markdown, a --all,
- * R --refine, v --view, j --jobs, M --methods, u --until. Returns -1 to go on, or an exit code: help was printed, or the
- * command line is wrong. */
+ * R --refine, v --view, j --jobs, M --methods, u --until. Returns -1 to go on, or an
+ * exit code: help was printed, or the command line is wrong. */
 int options_parse(const verb *self, const char *takes, int argc, char **argv,
                   options *out);
 void options_free(options *out);
