@@ -107,8 +107,8 @@ $(BUILD)/src/%.o: src/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -c -o $@ $<
 
-# The player, built from viewer/ by `make viewer` and committed.
-$(BUILD)/src/record/player_page.o: src/record/player_page.S viewer/dist/player.html
+# The pages, built from viewer/ by `make viewer` and committed.
+$(BUILD)/src/record/player_page.o: src/record/player_page.S viewer/dist/player.html viewer/dist/compare.html
 	@mkdir -p $(@D)
 	$(call say,AS)$(CC) -c -o $@ $<
 

@@ -9,8 +9,6 @@
 
 #include "cli/batch.h"
 
-enum { MAX_JOBS = 4096 };
-
 /* ---- the command line ---------------------------------------------------------- */
 
 /* A whole number from 1 that ends at `end`; 0 if it is none. */
@@ -40,13 +38,7 @@ static int take_options(batch *self)
     if (given->out == NULL || given->out[0] == '\0') {
         return usage_error(&verb_batch, "no --out DIR given");
     }
-    if (given->jobs != NULL) {
-        self->jobs = count_of(given->jobs, '\0', &rest);
-    }
-    if (self->jobs == 0 || self->jobs > MAX_JOBS) {
-        return usage_error(&verb_batch, "-j %s: not a number from 1 to %d", given->jobs,
-                           MAX_JOBS);
-    }
+    self->jobs = given->jobs > 0 ? given->jobs : self->jobs;
     if (given->timeout != NULL) {
         char *stop;
         self->timeout = strtod(given->timeout, &stop);

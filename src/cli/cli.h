@@ -27,12 +27,15 @@ typedef struct verb {
 } verb;
 
 extern const verb verb_run, verb_resume, verb_batch, verb_check, verb_steppers,
-    verb_scene_help, verb_export, verb_view, verb_diff;
+    verb_scene_help, verb_export, verb_view, verb_diff, verb_compare;
+
+enum { MOST_JOBS = 4096 };
 
 /* Options that several verbs take. */
 typedef struct options {
     const char *plugin_path, *out, *frames, *format, *frame, *progress, *tolerance;
-    const char *jobs, *timeout, *shard;
+    const char *timeout, *shard, *methods, *until;
+    size_t jobs; /* 0: not told */
     const char **sets;
     size_t set_count;
     bool quiet, force, yaml, markdown, all, refine, view, retry_failed, summary;
@@ -43,8 +46,8 @@ typedef struct options {
 /* Parse by the letters of `takes`: o --out, s --set, p --plugin-path, q --quiet,
  * F --force, r --frames, t --format, i --frame, y --yaml, m --markdown, a --all,
  * R --refine, v --view, P --progress, L --tol, j --jobs, T --timeout, S --shard, E
- * --retry-failed, U --summary. Returns -1 to go on, or an exit code: help was printed,
- * or the command line is wrong. */
+ * --retry-failed, U --summary, M --methods, u --until. Returns -1 to go on, or an exit
+ * code: help was printed, or the command line is wrong. */
 int options_parse(const verb *self, const char *takes, int argc, char **argv,
                   options *out);
 void options_free(options *out);
@@ -66,6 +69,9 @@ int open_scene(const char *file, const options *given, weft_registry *registry,
 /* The same of all runs of a scene with a sweep; one run without. */
 int open_sweep(const char *file, const options *given, weft_registry *registry,
                weft_sweep **sweep);
+
+/* dir/flag.yaml becomes flag followed by `suffix`; NULL: no memory. */
+char *default_directory(const char *file, const char *suffix);
 
 /* view.c: write the page of one run or of two, into `out` or a default place, and print
  * its URL; with `yaml` as a document {event: page, url: ...}. Returns the exit code. */

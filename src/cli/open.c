@@ -122,6 +122,21 @@ int open_sweep(const char *file, const options *given, weft_registry *registry,
     return open_either(&def, NULL, sweep);
 }
 
+char *default_directory(const char *file, const char *suffix)
+{
+    const char *slash = strrchr(file, '/');
+    const char *name = slash == NULL ? file : slash + 1;
+    const char *dot = strstr(name, ".yaml");
+    const size_t length
+        = dot == NULL || dot == name ? strlen(name) : (size_t)(dot - name);
+    char *out = malloc(length + strlen(suffix) + 1);
+    if (out != NULL) {
+        memcpy(out, name, length);
+        memcpy(out + length, suffix, strlen(suffix) + 1);
+    }
+    return out;
+}
+
 weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,
                               weft_sim **sim, weft_error *err)
 {

@@ -8,9 +8,10 @@
 #include "cli/cli.h"
 #include "cli/human.h"
 
-typedef enum kind { FLAG, TEXT, LIST } kind;
+typedef enum kind { FLAG, TEXT, LIST, JOBS } kind;
 
-/* An option: its value is a bool, a const char * or, for --set, one more of a list. */
+/* An option: its value is a bool, a const char *, a size_t for --jobs or, for --set,
+ * one more of a list. */
 static const struct {
     const char *name;
     int letter;
@@ -32,11 +33,13 @@ static const struct {
     { "view", 'v', FLAG, offsetof(options, view) },
     { "progress", 'P', TEXT, offsetof(options, progress) },
     { "tol", 'L', TEXT, offsetof(options, tolerance) },
-    { "jobs", 'j', TEXT, offsetof(options, jobs) },
+    { "jobs", 'j', JOBS, offsetof(options, jobs) },
     { "timeout", 'T', TEXT, offsetof(options, timeout) },
     { "shard", 'S', TEXT, offsetof(options, shard) },
     { "retry-failed", 'E', FLAG, offsetof(options, retry_failed) },
     { "summary", 'U', FLAG, offsetof(options, summary) },
+    { "methods", 'M', TEXT, offsetof(options, methods) },
+    { "until", 'u', TEXT, offsetof(options, until) },
 };
 
 #define KNOWN (sizeof known / sizeof known[0])
@@ -54,6 +57,14 @@ int usage_error(const verb *self, const char *format, ...)
     return EXIT_USAGE;
 }
 
+/* 0: not a number of jobs. */
+static size_t jobs_of(const char *text)
+{
+    char *end;
+    const long jobs = strtol(text, &end, 10);
+    return *end == '\0' && jobs >= 1 && jobs <= MOST_JOBS ? (size_t)jobs : 0;
+}
+
 static void apply(int letter, options *out)
 {
     size_t i = 0;
@@ -63,6 +74,8 @@ static void apply(int letter, options *out)
     void *value = (char *)out + known[i].at;
     if (known[i].kind == LIST) {
         out->sets[out->set_count++] = optarg;
+    } else if (known[i].kind == JOBS) {
+        *(size_t *)value = jobs_of(optarg);
     } else if (known[i].kind == TEXT) {
         *(const char **)value = optarg;
     } else {
@@ -110,6 +123,11 @@ int options_parse(const verb *self, const char *takes, int argc, char **argv,
                 argv[optind - 1]);
         }
         apply(letter, out);
+        if (letter == 'j' && out->jobs == 0) {
+            options_free(out);
+            return usage_error(self, "--jobs %s: not a number from 1 to %d", optarg,
+                               MOST_JOBS);
+        }
     }
     out->operands = argv + optind;
     out->operand_count = argc - optind;

@@ -319,22 +319,6 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
     return code;
 }
 
-/* dir/flag.yaml is run into flag.run, unless told otherwise. */
-static char *default_out(const char *file)
-{
-    const char *slash = strrchr(file, '/');
-    const char *name = slash == NULL ? file : slash + 1;
-    const char *dot = strstr(name, ".yaml");
-    const size_t length
-        = dot == NULL || dot == name ? strlen(name) : (size_t)(dot - name);
-    char *out = malloc(length + sizeof ".run");
-    if (out != NULL) {
-        memcpy(out, name, length);
-        memcpy(out + length, ".run", sizeof ".run");
-    }
-    return out;
-}
-
 static int run_verb(int argc, char **argv)
 {
     options given;
@@ -357,7 +341,7 @@ static int run_verb(int argc, char **argv)
     } else {
         weft_registry *registry = open_registry(given.plugin_path);
         weft_scene *scene = NULL;
-        char *out = default_out(given.operands[0]);
+        char *out = default_directory(given.operands[0], ".run");
         code = registry == NULL || out == NULL
                    ? EXIT_SIMULATION
                    : open_scene(given.operands[0], &given, registry, &scene);

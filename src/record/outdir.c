@@ -36,6 +36,7 @@ const char *const record_names[] = {
     "final.csv",  "checkpoint.weft", "result.yaml", "frames",
     "run.mdd",    "run.pc2",         "run.pvd",     "rest.obj",
     "final.obj",  "final.ply",       "run.html",    "compare.html",
+    "compare.csv",
     NULL,
 };
 

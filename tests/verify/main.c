@@ -30,7 +30,7 @@ static void print_failure(report *self, const weft_error *err)
     printf(" %s %s\n", lacks ? "not judged:" : mark(self, false), err->message);
 }
 
-static bool judges(const report *self, const verify_method *method)
+static bool judges(const report *self, const stepper_method *method)
 {
     return self->only == NULL || strcmp(self->only, method->plugin->id) == 0;
 }
@@ -98,7 +98,7 @@ static void print_order(report *self, const weft_stepper_type *type)
     }
 }
 
-static void print_accuracy(report *self, const verify_method *method, size_t i)
+static void print_accuracy(report *self, const stepper_method *method, size_t i)
 {
     const bool small = verify_small(method->type);
     const verify_reference *reference = &self->references[i][small ? 1 : 0];
@@ -120,7 +120,7 @@ static void print_accuracy(report *self, const verify_method *method, size_t i)
 
 static void print_methods(report *self)
 {
-    verify_method m;
+    stepper_method m;
     printf(
         "\nOrder, measured within %g of the claim; error after a short run, within %g "
         "tolerances of the\nreference (*: with %zu, %zu and %zu particles)\n",
@@ -135,13 +135,13 @@ static void print_methods(report *self)
         printf(" | error  steps  rej    rhs");
     }
     printf("\n");
-    for (size_t k = 0; verify_method_at(self->registry, k, &m); ++k) {
+    for (size_t k = 0; method_at(self->registry, k, &m); ++k) {
         if (!judges(self, &m)) {
             continue;
         }
         printf("%-8s %-24s", m.plugin->id, m.type->name);
         print_order(self, m.type);
-        if (!verify_adapts(m.type)) {
+        if (!method_adapts(m.type)) {
             printf("   -   fixed steps only\n");
             continue;
         }
@@ -181,7 +181,7 @@ static void print_pairs(report *self)
 /* ---- shipped scenes -------------------------------------------------------------- */
 
 static void print_shipped_run(report *self, const verify_scene *scene,
-                              const verify_method *method,
+                              const stepper_method *method,
                               const verify_frames *reference)
 {
     weft_error err = { 0 };
@@ -203,7 +203,7 @@ static void print_shipped_scene(report *self, const char *name)
     weft_error err = { 0 };
     verify_scene scene;
     verify_frames reference;
-    verify_method m;
+    stepper_method m;
     const weft_status status = verify_shipped_reference(self->registry, name, false,
                                                         &scene, &reference, &err);
     printf("%s, %zu particles%s%s\n", name, reference.dim / 6,
@@ -212,8 +212,7 @@ static void print_shipped_scene(report *self, const char *name)
     if (status != WEFT_OK) {
         print_failure(self, &err);
     }
-    for (size_t k = 0; status == WEFT_OK && verify_method_at(self->registry, k, &m);
-         ++k) {
+    for (size_t k = 0; status == WEFT_OK && method_at(self->registry, k, &m); ++k) {
         if (judges(self, &m) && verify_shipped_suits(m.type, &reference)) {
             print_shipped_run(self, &scene, &m, &reference);
         }

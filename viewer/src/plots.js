@@ -88,7 +88,7 @@ function decades(_, ticks) {
     return ticks.map((t) => ((wide ? /^1e/ : /^[125]e/).test(t.toExponential(0)) ? t : null));
 }
 
-function axis(style, log) {
+export function axis(style, log) {
     const filter = log ? { filter: decades } : {};
     return {
         stroke: style('--ink-soft'),
