@@ -148,7 +148,8 @@ verify: all $(BUILD)/weft-verify
 
 # These look into files as the program writes them.
 RECORD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/record/*.c)) $(BUILD)/src/record/player_page.o
-RECORD_TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_record*.c tests/test_export.c))
+RECORD_TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_record*.c tests/test_export.c \
+                  tests/test_checkpoint.c tests/test_cli_resume.c))
 $(RECORD_TESTS): $(RECORD_OBJ)
 $(RECORD_TESTS): TEST_LIBS += $(HDF5_LIBS)
 $(RECORD_TESTS:=.o): INCS += $(HDF5_CFLAGS)

@@ -184,7 +184,7 @@ static int run_batch(batch *self)
 static int batch_verb(int argc, char **argv)
 {
     options given;
-    int code = options_parse(&verb_batch, "ospqFjTSEU", argc, argv, &given);
+    int code = options_parse(&verb_batch, "ospqFjLSEU", argc, argv, &given);
     if (code >= 0) {
         return code;
     }

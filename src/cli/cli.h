@@ -9,6 +9,7 @@
 /* Exit codes. */
 enum {
     EXIT_DONE = 0,
+    EXIT_DIFFERENT = 1,  /* of weft diff */
     EXIT_SIMULATION = 1, /* the simulation failed; a report is written */
     EXIT_USAGE = 2,      /* wrong command line */
     EXIT_SCENE = 3,      /* wrong scene */
@@ -25,12 +26,13 @@ typedef struct verb {
     int (*run)(int argc, char **argv);
 } verb;
 
-extern const verb verb_resume, verb_run, verb_check, verb_steppers, verb_scene_help,
-    verb_export, verb_view, verb_batch;
+extern const verb verb_diff, verb_resume, verb_run, verb_check, verb_steppers,
+    verb_scene_help, verb_export, verb_view, verb_batch;
 
 /* Options that several verbs take. */
 typedef struct options {
-    const char *plugin_path, *out, *frames, *format, *frame, *jobs, *timeout, *shard;
+    const char *plugin_path, *out, *frames, *format, *frame, *tolerance, *jobs,
+        *timeout, *shard;
     const char **sets;
     size_t set_count;
     bool quiet, force, yaml, markdown, all, refine, view, retry_failed, summary;
@@ -40,8 +42,8 @@ typedef struct options {
 
 /* Parse by the letters of `takes`: o --out, s --set, p --plugin-path, q --quiet,
  * F --force, r --frames, t --format, i --frame, y --yaml, m --markdown, a --all,
- * R --refine, v --view, j --jobs, T --timeout, S --shard, E --retry-failed, U
- * --summary. Returns -1 to go on, or an exit code: help was printed, or the command
+ * R --refine, v --view, T --tol, j --jobs, L --timeout, S --shard, E --retry-failed,
+ * U --summary. Returns -1 to go on, or an exit code: help was printed, or the command
  * line is wrong. */
 int options_parse(const verb *self, const char *takes, int argc, char **argv,
                   options *out);

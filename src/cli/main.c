@@ -6,8 +6,8 @@
 #include "cli/cli.h"
 
 static const verb *const verbs[] = {
-    &verb_run,      &verb_resume,     &verb_batch,  &verb_check,
-    &verb_steppers, &verb_scene_help, &verb_export, &verb_view,
+    &verb_run,        &verb_resume, &verb_batch, &verb_check, &verb_steppers,
+    &verb_scene_help, &verb_export, &verb_view,  &verb_diff,
 };
 
 #define VERBS (sizeof verbs / sizeof verbs[0])

@@ -21,8 +21,9 @@ static const struct option known[] = {
     { "all", no_argument, NULL, 'a' },
     { "refine", no_argument, NULL, 'R' },
     { "view", no_argument, NULL, 'v' },
+    { "tol", required_argument, NULL, 'T' },
     { "jobs", required_argument, NULL, 'j' },
-    { "timeout", required_argument, NULL, 'T' },
+    { "timeout", required_argument, NULL, 'L' },
     { "shard", required_argument, NULL, 'S' },
     { "retry-failed", no_argument, NULL, 'E' },
     { "summary", no_argument, NULL, 'U' },
@@ -83,7 +84,7 @@ static void apply(int letter, options *out)
     case 'j':
         out->jobs = optarg;
         break;
-    case 'T':
+    case 'L':
         out->timeout = optarg;
         break;
     case 'S':
@@ -94,6 +95,9 @@ static void apply(int letter, options *out)
         break;
     case 'U':
         out->summary = true;
+        break;
+    case 'T':
+        out->tolerance = optarg;
         break;
     default:
         out->markdown = true;
