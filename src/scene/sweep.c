@@ -140,7 +140,7 @@ static void count_runs(taker *self)
                 axis->count, node_of(self, out->axis[0].key)->data.scalar.value, runs);
         }
         runs = out->zip ? runs
-                        : runs * (axis->count < MAX_RUNS ? axis->count : MAX_RUNS);
+                        : runs * (axis->count < MAX_RUNS ? axis->count : MAX_RUNS + 1);
         if (runs > MAX_RUNS) {
             weft__report_error(self->report, out->at, "more than %d combinations",
                                MAX_RUNS);
