@@ -3,8 +3,8 @@
 #ifndef WEFT_BENCH_LEVELS_H
 #define WEFT_BENCH_LEVELS_H
 
-#include "cloth/kernel.h"
 #include "../naive.h"
+#include "cloth/kernel.h"
 
 typedef void naive_fn(const naive_cloth *cloth, const double *y, double *dydt);
 
