@@ -32,12 +32,10 @@ static bool make_directories(const char *directory)
 }
 
 const char *const record_names[] = {
-    "scene.yaml", "manifest.yaml",   "series.csv",  "run.vtkhdf",
-    "final.csv",  "checkpoint.weft", "result.yaml", "frames",
-    "run.mdd",    "run.pc2",         "run.pvd",     "rest.obj",
-    "final.obj",  "final.ply",       "run.html",    "compare.html",
-    "compare.csv",
-    NULL,
+    "scene.yaml",      "manifest.yaml", "series.csv", "run.vtkhdf", "final.csv",
+    "checkpoint.weft", "result.yaml",   "frames",     "run.mdd",    "run.pc2",
+    "run.pvd",         "rest.obj",      "final.obj",  "final.ply",  "run.html",
+    "compare.html",    "compare.csv",   NULL,
 };
 
 /* A frame is told by its name. */
