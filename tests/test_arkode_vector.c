@@ -8,6 +8,7 @@
 
 #ifdef HAVE_ARKODE
 #include "../plugins/arkode/arkode_plugin.h"
+#include "sim/team.h"
 
 /* Around the sizes of blocks and slices, none, and long enough for threads; 21929 and
  * 22003 are prime. */
@@ -32,17 +33,25 @@ static double some(uint64_t i, uint64_t of)
 
 typedef struct setting {
     SUNContext context;
-    ark_team *team;
+    weft__team *team;
+    weft_team lent;
     N_Vector v[MOST + 1];
     size_t n;
 } setting;
 
+static void run_on_team(void *team, void (*task)(void *, size_t), void *ctx,
+                        size_t parts)
+{
+    weft__team_run(team, task, ctx, parts);
+}
+
 static void begin(setting *s, size_t n, size_t threads)
 {
-    *s = (setting){ .team = weft__ark_team(threads), .n = n };
+    *s = (setting){ .team = weft__team_create(threads), .n = n };
+    s->lent = (weft_team){ s->team, run_on_team };
     ck_assert((s->team != NULL) == (threads > 1));
     ck_assert_int_eq(SUNContext_Create(NO_COMM, &s->context), 0);
-    s->v[0] = weft__ark_vector(n, s->team, s->context);
+    s->v[0] = weft__ark_vector(n, s->team == NULL ? NULL : &s->lent, s->context);
     for (uint64_t k = 0; k <= MOST; ++k) {
         s->v[k] = k == 0 ? s->v[0] : N_VClone(s->v[0]);
         ck_assert_ptr_nonnull(s->v[k]);
@@ -63,7 +72,7 @@ static void end(setting *s)
     for (int k = MOST; k >= 0; --k) {
         N_VDestroy(s->v[k]);
     }
-    weft__ark_team_free(s->team);
+    weft__team_destroy(s->team);
     (void)SUNContext_Free(&s->context);
 }
 
@@ -398,6 +407,8 @@ static weft_stepper_stats many_steps(const way *how, size_t threads, size_t dim,
                                      double *y)
 {
     const weft_stepper_type *type = test_method_named(how->method);
+    weft__team *team = weft__team_create(threads);
+    const weft_team lent = { team, run_on_team };
     const weft_ode ode = { .dim = dim, .rhs = ring, .ctx = &dim };
     const weft_stepper_config config = { .struct_size = sizeof config,
                                          .norm = how->norm,
@@ -408,7 +419,7 @@ static weft_stepper_stats many_steps(const way *how, size_t threads, size_t dim,
                                          .min_step = 1e-12,
                                          .max_step = INFINITY,
                                          .fixed_step = how->fixed_step,
-                                         .threads = threads };
+                                         .team = team == NULL ? NULL : &lent };
     weft_stepper_stats stats = { .struct_size = sizeof stats };
     weft_error err = { 0 };
     void *self = NULL;
@@ -427,6 +438,7 @@ static weft_stepper_stats many_steps(const way *how, size_t threads, size_t dim,
     }
     type->stats(self, &stats);
     type->destroy(self);
+    weft__team_destroy(team);
     return stats;
 }
 

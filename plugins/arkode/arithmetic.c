@@ -71,26 +71,27 @@ typedef struct job {
     part *parts;
 } job;
 
-static void do_slice(void *ctx, int i)
+static void do_slice(void *ctx, size_t i)
 {
     const job *whole = ctx;
-    const size_t first = (size_t)i * whole->size;
+    const size_t first = i * whole->size;
     whole->parts[i]
         = whole->slice(whole->op, first, least(first + whole->size, whole->op->n));
 }
 
 /* Returns the number of slices. */
-static int run(ark_team *team, slice_fn *slice, const operation *op, part parts[SLICES])
+static int run(const weft_team *team, slice_fn *slice, const operation *op,
+               part parts[SLICES])
 {
     const size_t even = (op->n / (SLICES * LINE) + 1) * LINE;
     job whole = { slice, op, even > SLICE_LEAST ? even : SLICE_LEAST, parts };
     const int count = (int)((op->n + whole.size - 1) / whole.size);
     if (team != NULL && op->n >= PARALLEL_LEAST) {
-        weft__ark_team_run(team, do_slice, &whole, count);
+        team->run(team->self, do_slice, &whole, (size_t)count);
         return count;
     }
     for (int i = 0; i < count; ++i) {
-        do_slice(&whole, i);
+        do_slice(&whole, (size_t)i);
     }
     return count;
 }
@@ -221,8 +222,8 @@ static part combination_slice(const operation *op, size_t first, size_t last)
     return out;
 }
 
-bool weft__ark_combine(ark_team *team, size_t n, int count, const double *const *x,
-                       const double *c, double *z)
+bool weft__ark_combine(const weft_team *team, size_t n, int count,
+                       const double *const *x, const double *c, double *z)
 {
     const operation op = { .n = n, .count = count, .x = x, .c = c, .z = z };
     part parts[SLICES];
@@ -253,7 +254,7 @@ WIDE static part copy_slice(const operation *op, size_t first, size_t last)
     return (part){ bad >> 63 != 0 ? NAN : most[0], bad >> 63 != 0 };
 }
 
-double weft__ark_copy(ark_team *team, size_t n, const double *x, double *z)
+double weft__ark_copy(const weft_team *team, size_t n, const double *x, double *z)
 {
     const operation op = { .n = n, .x = &x, .z = z };
     part parts[SLICES];
@@ -270,7 +271,7 @@ WIDE static part set_slice(const operation *op, size_t first, size_t last)
     return (part){ 0 };
 }
 
-void weft__ark_set(ark_team *team, size_t n, double c, double *z)
+void weft__ark_set(const weft_team *team, size_t n, double c, double *z)
 {
     const operation op = { .n = n, .c = &c, .z = z };
     part parts[SLICES];
@@ -287,7 +288,7 @@ WIDE static part finite_slice(const operation *op, size_t first, size_t last)
     return (part){ .bad = bad >> 63 != 0 };
 }
 
-bool weft__ark_all_finite(ark_team *team, size_t n, const double *x)
+bool weft__ark_all_finite(const weft_team *team, size_t n, const double *x)
 {
     const operation op = { .n = n, .x = &x };
     part parts[SLICES];
@@ -377,8 +378,9 @@ static part judged_slice(const operation *op, size_t first, size_t last)
 }
 
 /* What has no weight has no say, nor in where slices end; NaN in it shows. */
-double weft__ark_judge(ark_team *team, size_t n, const ark_weights *weights, double *e,
-                       int count, const double *const *x, const double *c, bool *finite)
+double weft__ark_judge(const weft_team *team, size_t n, const ark_weights *weights,
+                       double *e, int count, const double *const *x, const double *c,
+                       bool *finite)
 {
     const size_t judged = weights->plain != NULL ? n : 2 * weights->half;
     const operation op

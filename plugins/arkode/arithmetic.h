@@ -22,16 +22,16 @@ typedef struct ark_weights {
 } ark_weights;
 
 /* z = sum of c[k] x[k], from left to right; whether all of it is finite. */
-bool weft__ark_combine(ark_team *team, size_t n, int count, const double *const *x,
-                       const double *c, double *z);
+bool weft__ark_combine(const weft_team *team, size_t n, int count,
+                       const double *const *x, const double *c, double *z);
 /* z = x; the largest magnitude, NaN where something is not finite. */
-double weft__ark_copy(ark_team *team, size_t n, const double *x, double *z);
-void weft__ark_set(ark_team *team, size_t n, double c, double *z);
-bool weft__ark_all_finite(ark_team *team, size_t n, const double *x);
+double weft__ark_copy(const weft_team *team, size_t n, const double *x, double *z);
+void weft__ark_set(const weft_team *team, size_t n, double c, double *z);
+bool weft__ark_all_finite(const weft_team *team, size_t n, const double *x);
 
 /* The norm of e, which is first combined as above if count > 0, and *finite with it. */
-double weft__ark_judge(ark_team *team, size_t n, const ark_weights *weights, double *e,
-                       int count, const double *const *x, const double *c,
+double weft__ark_judge(const weft_team *team, size_t n, const ark_weights *weights,
+                       double *e, int count, const double *const *x, const double *c,
                        bool *finite);
 
 #endif

@@ -37,7 +37,7 @@ typedef struct array {
 
 /* What a vector and its clones have in common. */
 typedef struct family {
-    ark_team *team;
+    const weft_team *team;
     size_t n;
     int members;
     array *free;
@@ -432,7 +432,7 @@ static void set_operations(N_Vector v)
     v->ops->nvcloneempty = NULL;
 }
 
-N_Vector weft__ark_vector(size_t n, ark_team *team, SUNContext context)
+N_Vector weft__ark_vector(size_t n, const weft_team *team, SUNContext context)
 {
     N_Vector serial = N_VNewEmpty_Serial((sunindextype)n, context);
     N_Vector v = serial == NULL ? NULL : N_VNewEmpty(context);

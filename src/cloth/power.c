@@ -6,6 +6,7 @@
  *
  * Each row is summed by itself, then the rows in their order. */
 #include "cloth/kernel.h"
+#include "cloth/rows.h"
 
 #include <math.h>
 
@@ -37,12 +38,17 @@ static double row_drag(const weft_cloth *cloth, size_t r, const double *y)
     return cloth->drag * sum;
 }
 
+double weft__row_heat(const weft_cloth *cloth, size_t r, const double *y)
+{
+    return springs_power(cloth, r, y)
+           + (cloth->drag > 0.0 ? row_drag(cloth, r, y) : 0.0);
+}
+
 double weft_cloth_dissipation(const weft_cloth *cloth, const double *y)
 {
     double heat = 0.0;
     for (size_t r = 0; r < cloth->rows; ++r) {
-        heat += springs_power(cloth, r, y);
-        heat += cloth->drag > 0.0 ? row_drag(cloth, r, y) : 0.0;
+        heat += weft__row_heat(cloth, r, y);
     }
     return heat;
 }

@@ -11,4 +11,8 @@
 int weft__rhs_rows(const weft_cloth *cloth, double t, const double *y, double *dydt,
                    size_t first, size_t end);
 
+/* power.c: [W], what the dampers and the drag of row r turn into heat; the springs are
+ * those that begin there. */
+double weft__row_heat(const weft_cloth *cloth, size_t r, const double *y);
+
 #endif

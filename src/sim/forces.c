@@ -2,6 +2,7 @@
 #include "sim/forces.h"
 
 #include <stdatomic.h>
+#include <stdlib.h>
 
 #include "cloth/rows.h"
 
@@ -16,18 +17,25 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads)
     const size_t worth = weft_cloth_particles(cloth) / PARTICLES_PER_THREAD;
     const size_t rows = weft_cloth_rows(cloth);
     const size_t useful = worth < rows ? worth : rows;
+    double *heat = NULL;
     weft__team *team = weft__team_create(threads < useful ? threads : useful);
+    if (team != NULL && (heat = malloc(rows * sizeof *heat)) == NULL) {
+        weft__team_destroy(team);
+        team = NULL;
+    }
     const size_t count = weft__team_threads(team);
     const size_t each = rows / (ROWS_PER_BAND * count);
     const size_t bands = count * (each > 1 ? each : 1);
     return (weft__forces){ .cloth = cloth,
                            .team = team,
-                           .bands = bands < WEFT_PARTS ? bands : WEFT_PARTS };
+                           .bands = bands < WEFT_PARTS ? bands : WEFT_PARTS,
+                           .heat = heat };
 }
 
 void weft__forces_destroy(weft__forces *forces)
 {
     weft__team_destroy(forces->team);
+    free(forces->heat);
 }
 
 typedef struct call {
@@ -38,13 +46,18 @@ typedef struct call {
     atomic_int failed;
 } call;
 
-static void band(void *ctx, size_t i)
+/* The first row of a band, the last that of none. */
+static size_t first_row(const weft__forces *forces, size_t band)
+{
+    const size_t rows = weft_cloth_rows(forces->cloth);
+    const size_t each = rows / forces->bands, more = rows % forces->bands;
+    return band * each + (band < more ? band : more);
+}
+
+static void force_band(void *ctx, size_t i)
 {
     call *of = ctx;
-    const size_t rows = weft_cloth_rows(of->forces->cloth), bands = of->forces->bands;
-    const size_t each = rows / bands, more = rows % bands;
-    const size_t first = i * each + (i < more ? i : more);
-    const size_t end = first + each + (i < more ? 1 : 0);
+    const size_t first = first_row(of->forces, i), end = first_row(of->forces, i + 1);
     if (weft__rhs_rows(of->forces->cloth, of->t, of->y, of->dydt, first, end) != 0) {
         atomic_store(&of->failed, 1);
     }
@@ -57,6 +70,29 @@ int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
         return weft_cloth_rhs(forces->cloth, t, y, dydt);
     }
     call all = { .forces = forces, .t = t, .y = y, .dydt = dydt };
-    weft__team_run(forces->team, band, &all, forces->bands);
+    weft__team_run(forces->team, force_band, &all, forces->bands);
     return atomic_load(&all.failed);
+}
+
+static void heat_band(void *ctx, size_t i)
+{
+    const call *of = ctx;
+    const size_t end = first_row(of->forces, i + 1);
+    for (size_t r = first_row(of->forces, i); r < end; ++r) {
+        of->forces->heat[r] = weft__row_heat(of->forces->cloth, r, of->y);
+    }
+}
+
+double weft__forces_heat(const weft__forces *forces, const double *y)
+{
+    if (forces->team == NULL) {
+        return weft_cloth_dissipation(forces->cloth, y);
+    }
+    call all = { .forces = forces, .y = y };
+    weft__team_run(forces->team, heat_band, &all, forces->bands);
+    double heat = 0.0;
+    for (size_t r = 0; r < weft_cloth_rows(forces->cloth); ++r) {
+        heat += forces->heat[r];
+    }
+    return heat;
 }

@@ -11,6 +11,7 @@ typedef struct weft__forces {
     const weft_cloth *cloth;
     weft__team *team; /* NULL: one thread */
     size_t bands;
+    double *heat; /* [W] of each row; NULL: one thread */
 } weft__forces;
 
 /* On so many threads at most: a cloth that is too small for that has fewer. */
@@ -20,5 +21,8 @@ void weft__forces_destroy(weft__forces *forces);
 /* As weft_cloth_rhs. */
 int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
                      double *dydt);
+
+/* As weft_cloth_dissipation. */
+double weft__forces_heat(const weft__forces *forces, const double *y);
 
 #endif

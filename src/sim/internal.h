@@ -14,6 +14,7 @@ struct weft_sim {
     void *stepper;
     weft_stepper_stats before; /* of the steppers before this one */
     weft__forces forces;
+    weft_team lent;     /* their threads */
     weft__limit *limit; /* NULL: none */
     weft_correct_fn *correct;
     void *correct_ctx;

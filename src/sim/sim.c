@@ -104,6 +104,22 @@ weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out
     return sim->method->create(sim->method, &ode, &config, out, err);
 }
 
+static void run_on_team(void *team, void (*task)(void *, size_t), void *ctx,
+                        size_t parts)
+{
+    weft__team_run(team, task, ctx, parts);
+}
+
+/* The stepper works when the forces do not. */
+static void lend_threads(weft_sim *sim)
+{
+    sim->forces = weft__forces_create(sim->cloth, sim->config.threads);
+    if (sim->forces.team != NULL && sim->config.team == NULL) {
+        sim->lent = (weft_team){ sim->forces.team, run_on_team };
+        sim->config.team = &sim->lent;
+    }
+}
+
 weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error *err)
 {
     *out = NULL;
@@ -135,7 +151,7 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
         status = take_config(sim, def, err);
     }
     if (status == WEFT_OK) {
-        sim->forces = weft__forces_create(def->cloth, sim->config.threads);
+        lend_threads(sim);
         status = weft__sim_stepper(sim, 0.0, &sim->stepper, err);
     }
     if (status != WEFT_OK) {
@@ -224,7 +240,7 @@ static bool all_finite(const double *values, size_t count)
 /* The trapezoid rule over the step, from the state before the corrections. */
 static void add_heat(weft_sim *sim, double h)
 {
-    const double heating = weft_cloth_dissipation(sim->cloth, sim->y);
+    const double heating = weft__forces_heat(&sim->forces, sim->y);
     sim->dissipated += 0.5 * h * (sim->heating + heating);
     sim->heating = heating;
 }
@@ -245,7 +261,7 @@ static void apply_corrections(weft_sim *sim, double h)
     }
     if (changed) {
         sim->method->state_changed(sim->stepper);
-        sim->heating = weft_cloth_dissipation(sim->cloth, sim->y);
+        sim->heating = weft__forces_heat(&sim->forces, sim->y);
     }
 }
 
@@ -390,7 +406,7 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
     set_planes(sim->cloth, positions, sim->y);
     set_planes(sim->cloth, velocities, sim->y + 3 * n);
     weft__ledger_account(&sim->ledger, sim->cloth, sim->y, &sim->ledger.outside_work);
-    sim->heating = weft_cloth_dissipation(sim->cloth, sim->y);
+    sim->heating = weft__forces_heat(&sim->forces, sim->y);
     sim->method->state_changed(sim->stepper);
     return WEFT_OK;
 }
