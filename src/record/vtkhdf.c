@@ -182,14 +182,16 @@ static weft_status check_frames(const record_vtkhdf *self, size_t count,
                                  self->path);
 }
 
-/* As after the commit of the last frame that is kept. */
+/* As after the commit of the last frame that is kept. A smaller extent overwrites the
+ * times behind it at once: by then NSteps has left them out. */
 static bool cut(record_vtkhdf *self, size_t count)
 {
     const int64_t steps = (int64_t)count;
     const hsize_t extent = count;
     self->count = count;
-    return H5Dset_extent(self->time.id, &extent) >= 0
-           && H5Awrite(self->step_count, H5T_NATIVE_INT64, &steps) >= 0
+    return H5Awrite(self->step_count, H5T_NATIVE_INT64, &steps) >= 0
+           && H5Fflush(self->file, H5F_SCOPE_GLOBAL) >= 0
+           && H5Dset_extent(self->time.id, &extent) >= 0
            && H5Fflush(self->file, H5F_SCOPE_GLOBAL) >= 0;
 }
 
