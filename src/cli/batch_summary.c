@@ -2,6 +2,7 @@
 /* batch_summary.c -- summary.csv, joined from the result.yaml of all runs. */
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cli/batch.h"
 
@@ -122,24 +123,38 @@ static weft_status write_row(FILE *out, const batch *self, const varied *keys,
     return WEFT_OK;
 }
 
-weft_status batch_summary(const batch *self, weft_error *err)
+static weft_status write_summary(const batch *self, const varied *keys, weft_error *err)
 {
     record_file file;
-    varied keys;
-    if (!collect_keys(self, &keys)) {
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for summary.csv");
-    }
     weft_status status = record_file_open(&file, self->out, "summary.csv", err);
     if (status == WEFT_OK) {
-        write_header(file.stream, &keys);
+        write_header(file.stream, keys);
         for (size_t i = 0; i < self->run_count && status == WEFT_OK; ++i) {
-            status = write_row(file.stream, self, &keys, &self->runs[i], err);
+            status = write_row(file.stream, self, keys, &self->runs[i], err);
         }
         if (status == WEFT_OK) {
             status = record_file_commit(&file, err);
         } else {
             record_file_discard(&file);
         }
+    }
+    return status;
+}
+
+weft_status batch_summary(const batch *self, weft_error *err)
+{
+    varied keys;
+    int lock;
+    if (!collect_keys(self, &keys)) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for summary.csv");
+    }
+    weft_status status = WEFT_OK;
+    if (batch_claim(self->out, &lock)) {
+        status = write_summary(self, &keys, err);
+        (void)close(lock);
+    } else {
+        status = weft_error_set(err, WEFT_IO, "%s: another weft writes its summary.csv",
+                                self->out);
     }
     free(keys.keys);
     return status;
