@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* batch_child.c -- one run, in a process of its own. */
 #include <fcntl.h>
-#include <time.h>
 #include <unistd.h>
 #ifdef __linux__
 #include <signal.h>
@@ -10,21 +9,6 @@
 
 #include "cli/batch.h"
 #include "cli/run.h"
-
-/* The claim goes when the process ends, however it ends. A run whose batch was killed a
- * moment ago may still be writing what it has. */
-static bool claim(const char *directory)
-{
-    enum { TRIES = 50 };
-    const struct timespec pause = { .tv_nsec = 100000000 };
-    for (int i = 0, lock; i < TRIES; ++i) {
-        if (record_outdir_lock(directory, &lock, NULL) == WEFT_OK) {
-            return true;
-        }
-        (void)nanosleep(&pause, NULL);
-    }
-    return false;
-}
 
 /* What a run prints goes into its directory. */
 static bool open_log(const char *directory, bool goes_on)
@@ -84,7 +68,9 @@ static int run_child(const batch *self, const batch_run *one)
         || record_directory(directory, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    return claim(directory) ? run_claimed(self, one, directory) : BATCH_EXIT_BUSY;
+    int lock; /* goes when the process ends, however it ends */
+    return batch_claim(directory, &lock) ? run_claimed(self, one, directory)
+                                         : BATCH_EXIT_BUSY;
 }
 
 void batch_child(const batch *self, const batch_run *one)

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* batch_summary.c -- summary.csv, joined from the result.yaml of all runs. */
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include "cli/batch.h"
@@ -129,34 +127,34 @@ static weft_status write_summary(const batch *self, const varied *keys, weft_err
 {
     record_file file;
     weft_status status = record_file_open(&file, self->out, "summary.csv", err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    write_header(file.stream, keys);
-    for (size_t i = 0; i < self->run_count && status == WEFT_OK; ++i) {
-        status = write_row(file.stream, self, keys, &self->runs[i], err);
-    }
     if (status == WEFT_OK) {
-        return record_file_commit(&file, err);
+        write_header(file.stream, keys);
+        for (size_t i = 0; i < self->run_count && status == WEFT_OK; ++i) {
+            status = write_row(file.stream, self, keys, &self->runs[i], err);
+        }
+        if (status == WEFT_OK) {
+            status = record_file_commit(&file, err);
+        } else {
+            record_file_discard(&file);
+        }
     }
-    record_file_discard(&file);
     return status;
 }
 
-/* Batches that end at once in one directory take turns: the temporary file is one. */
 weft_status batch_summary(const batch *self, weft_error *err)
 {
     varied keys;
+    int lock;
     if (!collect_keys(self, &keys)) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for summary.csv");
     }
-    const int turn = open(self->out, O_RDONLY | O_CLOEXEC);
-    if (turn >= 0) {
-        (void)flock(turn, LOCK_EX);
-    }
-    const weft_status status = write_summary(self, &keys, err);
-    if (turn >= 0) {
-        (void)close(turn);
+    weft_status status = WEFT_OK;
+    if (batch_claim(self->out, &lock)) {
+        status = write_summary(self, &keys, err);
+        (void)close(lock);
+    } else {
+        status = weft_error_set(err, WEFT_IO, "%s: another weft writes its summary.csv",
+                                self->out);
     }
     free(keys.keys);
     return status;
