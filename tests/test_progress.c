@@ -208,7 +208,8 @@ START_TEST(for_machines_stdout_is_a_stream_of_yaml_documents_of_a_line_each)
             has_value(&document, "name", "a: \"b\"\n--- c");
             has_value(&document, "frames_planned", "11");
         } else if (strcmp(event, "progress") == 0) {
-            ck_assert(atof(value_of(&document, "time")) > time);
+            /* a step and the frame it ends may both be told, where the disk is slow */
+            ck_assert(atof(value_of(&document, "time")) >= time);
             time = atof(value_of(&document, "time"));
         } else if (strcmp(event, "end") == 0) {
             has_value(&document, "status", "done");
