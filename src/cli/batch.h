@@ -68,9 +68,9 @@ batch_status batch_look(const batch *self, const batch_run *run,
 weft_status batch_directory(const batch *self, const batch_run *run,
                             char path[RECORD_PATH], weft_error *err);
 
-/* A lock on a directory, which is waited for for 5 s: a run whose batch was killed a
- * moment ago may still be writing what it has. */
-bool batch_claim(const char *directory, int *lock);
+/* [s] A lock is waited for: a run whose batch was killed a moment ago may still be
+ * writing what it has. */
+#define BATCH_PATIENCE 5.0
 
 /* Its result.yaml, a mapping; false if there is none. */
 bool batch_result_open(const char *directory, yaml_document_t *out);

@@ -69,8 +69,9 @@ static int run_child(const batch *self, const batch_run *one)
         return report_error(&err);
     }
     int lock; /* goes when the process ends, however it ends */
-    return batch_claim(directory, &lock) ? run_claimed(self, one, directory)
-                                         : BATCH_EXIT_BUSY;
+    return record_outdir_lock(directory, BATCH_PATIENCE, &lock, NULL) == WEFT_OK
+               ? run_claimed(self, one, directory)
+               : BATCH_EXIT_BUSY;
 }
 
 void batch_child(const batch *self, const batch_run *one)

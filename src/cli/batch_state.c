@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 
 #include "cli/batch.h"
 
@@ -127,17 +126,4 @@ batch_status batch_look(const batch *self, const batch_run *run,
         return missing ? BATCH_NEW : BATCH_CHANGED;
     }
     return result_status(directory);
-}
-
-bool batch_claim(const char *directory, int *lock)
-{
-    enum { TRIES = 50 };
-    const struct timespec pause = { .tv_nsec = 100000000 };
-    for (int i = 0; i < TRIES; ++i) {
-        if (record_outdir_lock(directory, lock, NULL) == WEFT_OK) {
-            return true;
-        }
-        (void)nanosleep(&pause, NULL);
-    }
-    return false;
 }

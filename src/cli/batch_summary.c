@@ -149,7 +149,7 @@ weft_status batch_summary(const batch *self, weft_error *err)
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for summary.csv");
     }
     weft_status status = WEFT_OK;
-    if (batch_claim(self->out, &lock)) {
+    if (record_outdir_lock(self->out, BATCH_PATIENCE, &lock, NULL) == WEFT_OK) {
         status = write_summary(self, &keys, err);
         (void)close(lock);
     } else {

@@ -180,7 +180,7 @@ static int resume_directory(const options *given, const char *directory,
         weft_error_set(&err, WEFT_IO, "%s: no scene.yaml: this is no run", directory);
         return report_error(&err);
     }
-    if (record_outdir_lock(directory, &lock, &err) != WEFT_OK) {
+    if (record_outdir_lock(directory, RECORD_PATIENCE, &lock, &err) != WEFT_OK) {
         return report_error(&err);
     }
     const int code = resume_claimed(given, directory, registry);

@@ -271,7 +271,7 @@ static int run_simulation(run *self, weft_registry *registry)
 static weft_status open_directory(const run *self, bool force, int *lock,
                                   weft_error *err)
 {
-    weft_status status = record_outdir_lock(self->out, lock, err);
+    weft_status status = record_outdir_lock(self->out, RECORD_PATIENCE, lock, err);
     if (status == WEFT_OK) {
         status = record_outdir(self->out, force, err);
     }

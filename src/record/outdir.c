@@ -106,29 +106,30 @@ weft_status record_outdir(const char *directory, bool force, weft_error *err)
     return WEFT_OK;
 }
 
-/* The process that tries run.vtkhdf (frames.c) shares the lock of the one it helps, and
- * outlives it for a moment where that is killed. */
-static bool taken(int lock)
+static bool taken(int lock, double patience)
 {
-    const struct timespec pause = { .tv_nsec = 20000000 };
-    bool held = true;
-    for (int i = 0; held && i < 50; ++i) {
-        held = flock(lock, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-        if (held) {
-            (void)nanosleep(&pause, NULL);
+    static const double pause = 0.02; /* [s] */
+    const struct timespec rest = { .tv_nsec = (long)(1e9 * pause) };
+    for (double waited = 0.0;; waited += pause) {
+        if (flock(lock, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) {
+            return false;
         }
+        if (waited >= patience) {
+            return true;
+        }
+        (void)nanosleep(&rest, NULL);
     }
-    return held;
 }
 
 /* A file system that knows no locks is no reason not to run. */
-weft_status record_outdir_lock(const char *directory, int *lock, weft_error *err)
+weft_status record_outdir_lock(const char *directory, double patience, int *lock,
+                               weft_error *err)
 {
     *lock = make_directories(directory) ? open(directory, O_RDONLY | O_CLOEXEC) : -1;
     if (*lock < 0) {
         return weft_error_set(err, WEFT_IO, "%s: %s", directory, strerror(errno));
     }
-    if (taken(*lock)) {
+    if (taken(*lock, patience)) {
         (void)close(*lock);
         *lock = -1;
         return weft_error_set(err, WEFT_IO, "%s: another weft is running there",

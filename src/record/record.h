@@ -38,8 +38,12 @@ weft_status record_directory(const char *directory, weft_error *err);
 weft_status record_outdir(const char *directory, bool force, weft_error *err);
 
 /* Makes `directory` if need be and claims it for this process until *lock is closed, or
- * the process ends. WEFT_IO if another one has it. */
-weft_status record_outdir_lock(const char *directory, int *lock, weft_error *err);
+ * the process ends. WEFT_IO if another one has it for `patience` [s]: even one that was
+ * killed may have it a moment longer, by the helper that tries run.vtkhdf (frames.c).
+ */
+#define RECORD_PATIENCE 1.0
+weft_status record_outdir_lock(const char *directory, double patience, int *lock,
+                               weft_error *err);
 
 /* outdir.c: the names of all that weft leaves there, NULL at their end. */
 extern const char *const record_names[];
