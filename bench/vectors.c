@@ -9,6 +9,7 @@
 
 #ifdef HAVE_ARKODE
 #include "../plugins/arkode/arkode_plugin.h"
+#include "sim/team.h"
 
 const weft_plugin *weft_plugin_arkode(void);
 
@@ -40,6 +41,8 @@ static void must(bool done, const char *what)
 typedef struct ours {
     const weft_stepper_type *type;
     size_t dim;
+    weft__team *team;
+    weft_team lent;
     void *stepper;
     double t, *y;
     int steps; /* of one run */
@@ -56,6 +59,9 @@ static const weft_stepper_type *method(const char *name)
 
 static void ours_start(ours *self, size_t dim, size_t threads, int steps)
 {
+    *self = (ours){ .type = method("dormand_prince"), .dim = dim, .steps = steps };
+    self->team = weft__team_create(threads);
+    self->lent = weft__team_lend(self->team);
     const weft_stepper_config config = {
         .struct_size = sizeof config,
         .rtol = 1e-6,
@@ -64,9 +70,8 @@ static void ours_start(ours *self, size_t dim, size_t threads, int steps)
         .first_step = MAX_STEP,
         .min_step = 1e-12,
         .max_step = MAX_STEP,
-        .threads = threads,
+        .team = self->team == NULL ? NULL : &self->lent,
     };
-    *self = (ours){ .type = method("dormand_prince"), .dim = dim, .steps = steps };
     const weft_ode ode = { .dim = dim, .rhs = constant, .ctx = &self->dim };
     weft_error err;
     self->y = calloc(dim, sizeof *self->y);
@@ -89,6 +94,7 @@ static void ours_run(void *ctx)
 static void ours_end(ours *self)
 {
     self->type->destroy(self->stepper);
+    weft__team_destroy(self->team);
     free(self->y);
 }
 

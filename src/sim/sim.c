@@ -104,18 +104,12 @@ weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out
     return sim->method->create(sim->method, &ode, &config, out, err);
 }
 
-static void run_on_team(void *team, void (*task)(void *, size_t), void *ctx,
-                        size_t parts)
-{
-    weft__team_run(team, task, ctx, parts);
-}
-
 /* The stepper works when the forces do not. */
 static void lend_threads(weft_sim *sim)
 {
     sim->forces = weft__forces_create(sim->cloth, sim->config.threads);
     if (sim->forces.team != NULL && sim->config.team == NULL) {
-        sim->lent = (weft_team){ sim->forces.team, run_on_team };
+        sim->lent = weft__team_lend(sim->forces.team);
         sim->config.team = &sim->lent;
     }
 }

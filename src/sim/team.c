@@ -181,3 +181,13 @@ size_t weft__team_threads(const weft__team *team)
 {
     return team == NULL ? 1 : team->helpers + 1;
 }
+
+static void run_lent(void *team, void (*task)(void *, size_t), void *ctx, size_t parts)
+{
+    weft__team_run(team, task, ctx, parts);
+}
+
+weft_team weft__team_lend(weft__team *team)
+{
+    return (weft_team){ team, run_lent };
+}

@@ -3,7 +3,7 @@
 #ifndef WEFT_SIM_TEAM_H
 #define WEFT_SIM_TEAM_H
 
-#include "weft/base.h"
+#include "weft/stepper.h"
 
 typedef struct weft__team weft__team;
 
@@ -20,5 +20,8 @@ size_t weft__team_threads(const weft__team *team);
  * Returns when they are done. Allocates nothing; no lock but to wake who sleeps. */
 enum { WEFT_PARTS = 0xffff };
 void weft__team_run(weft__team *team, weft__task *task, void *ctx, size_t count);
+
+/* As a stepper borrows it, for as long as the team is there. */
+weft_team weft__team_lend(weft__team *team);
 
 #endif
