@@ -74,6 +74,9 @@ typedef struct weft_scene_def {
      * would not use can be checked where they stand. NULL: not checked. */
     const weft_plugin *(*find_plugin)(void *ctx, const char *id, weft_error *err);
     void *find_ctx;
+
+    /* NULL: malloc's. libyaml takes what it needs while it reads from malloc always. */
+    const weft_allocator *allocator;
 } weft_scene_def;
 
 WEFT_API weft_scene_def weft_scene_def_default(void);

@@ -106,6 +106,8 @@ typedef struct weft_stepper_config {
     size_t quadratures; /* so many components at the end of y are neither positions nor
                            velocities: integrated along, without a say in any step.
                            Only for a method with WEFT_STEPPER_QUADRATURES */
+    const weft_allocator *allocator; /* for the plugin's own memory; solvers that know
+                                        malloc only go on using it. NULL: malloc's */
 } weft_stepper_config;
 
 /* What every version of the struct has. */
@@ -119,6 +121,13 @@ static inline size_t weft_stepper_half(const weft_ode *ode,
     const size_t apart
         = WEFT_HAS(config, weft_stepper_config, quadratures) ? config->quadratures : 0;
     return apart < ode->dim && (ode->dim - apart) % 2 == 0 ? (ode->dim - apart) / 2 : 0;
+}
+
+/* What a plugin takes its own memory from. */
+static inline weft_allocator weft_stepper_memory(const weft_stepper_config *config)
+{
+    return weft_allocator_or_malloc(
+        WEFT_HAS(config, weft_stepper_config, allocator) ? config->allocator : NULL);
 }
 
 typedef struct weft_stepper_stats {

@@ -3,8 +3,9 @@
 #include "cloth/internal.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
+
+#include "cloth/memory.h"
 
 /* 2 pi, correctly rounded */
 #define TWO_PI 6.283185307179586
@@ -194,15 +195,17 @@ weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
     if (valid != WEFT_OK) {
         return valid;
     }
-    weft_cloth *cloth = calloc(1, sizeof *cloth);
+    const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
+    weft_cloth *cloth = weft__zeroed(&memory, 1, sizeof *cloth);
     if (cloth == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a cloth");
     }
     copy_plain_fields(cloth, def);
     cloth->motion_count = def->pin_count;
-    cloth->mass = malloc(cloth->particles * sizeof *cloth->mass);
-    cloth->pin = calloc(cloth->particles, sizeof *cloth->pin);
-    cloth->motions = calloc(def->pin_count + 1, sizeof *cloth->motions);
+    cloth->memory = memory;
+    cloth->mass = weft__alloc(&memory, cloth->particles, sizeof *cloth->mass);
+    cloth->pin = weft__zeroed(&memory, cloth->particles, sizeof *cloth->pin);
+    cloth->motions = weft__zeroed(&memory, def->pin_count + 1, sizeof *cloth->motions);
     if (cloth->mass == NULL || cloth->pin == NULL || cloth->motions == NULL) {
         const size_t particles = cloth->particles;
         weft_cloth_destroy(cloth);
@@ -229,10 +232,11 @@ weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
 void weft_cloth_destroy(weft_cloth *cloth)
 {
     if (cloth != NULL) {
-        free(cloth->mass);
-        free(cloth->pin);
-        free(cloth->motions);
-        free(cloth);
+        const weft_allocator memory = cloth->memory;
+        weft__free(&memory, cloth->mass);
+        weft__free(&memory, cloth->pin);
+        weft__free(&memory, cloth->motions);
+        weft__free(&memory, cloth);
     }
 }
 

@@ -40,6 +40,8 @@ struct weft_cloth {
     uint32_t *pin; /* N: 0 free, else 1 + index into motions */
     weft__motion *motions;
     size_t motion_count;
+    size_t first_own; /* repin.c */
+    weft_allocator memory;
 };
 
 /* springs.c: fill cloth->groups from the definition. */

@@ -26,9 +26,9 @@ bool weft__document_check(yaml_document_t *document, weft__report *report);
 void weft__override_apply(yaml_document_t *document, const weft__source *source,
                           weft__report *report);
 
-/* The document as YAML text, to be freed, or NULL if memory ran out. Deletes the
- * document. */
-char *weft__document_emit(yaml_document_t *document);
+/* The document as YAML text, which is the caller's, or NULL if memory ran out. Deletes
+ * the document. */
+char *weft__document_emit(yaml_document_t *document, const weft_allocator *memory);
 
 /* The index of a key's pair in a mapping; -1 if it is not there. */
 ptrdiff_t weft__find_pair(yaml_document_t *document, const yaml_node_t *mapping,

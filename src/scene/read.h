@@ -31,6 +31,7 @@ typedef struct weft__control {
 /* Arrays and texts that the definition structs point to are owned by the scene. Fields
  * whose key is absent or wrong stay 0. */
 struct weft_scene {
+    weft_allocator memory;
     char *name, *text, *plugin, *method;
     size_t version;
     weft_cloth_def cloth;

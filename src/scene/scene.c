@@ -2,7 +2,6 @@
 /* scene.c -- a scene from its text and overrides: load, check, read, keep. */
 #include <errno.h>
 #include <locale.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "scene/read.h"
@@ -20,12 +19,15 @@ static weft_status no_memory(weft_error *err)
 }
 
 /* One byte more than is allowed is read, to know. */
-static weft_status read_stream(FILE *stream, const char *file, char **text,
+static weft_status read_stream(FILE *stream, const char *file,
+                               const weft_allocator *memory, char **text,
                                size_t *length, weft_error *err)
 {
-    size_t capacity = 1 << 14;
-    for (char *grown = NULL; (grown = realloc(*text, capacity)) != NULL;
-         capacity *= 2) {
+    for (size_t capacity = 1 << 14;; capacity *= 2) {
+        char *grown = weft__resize(memory, *text, capacity, 1);
+        if (grown == NULL) {
+            return no_memory(err);
+        }
         *text = grown;
         *length += fread(grown + *length, 1, capacity - 1 - *length, stream);
         grown[*length] = '\0';
@@ -36,28 +38,27 @@ static weft_status read_stream(FILE *stream, const char *file, char **text,
             return WEFT_OK;
         }
     }
-    return no_memory(err);
 }
 
-static weft_status read_file(const char *file, char **text, size_t *length,
-                             weft_error *err)
+static weft_status read_file(const char *file, const weft_allocator *memory,
+                             char **text, size_t *length, weft_error *err)
 {
     FILE *stream = fopen(file, "rb");
     if (stream == NULL) {
         return weft_error_set(err, WEFT_IO, "%.200s: %s", file, strerror(errno));
     }
-    const weft_status status = read_stream(stream, file, text, length, err);
+    const weft_status status = read_stream(stream, file, memory, text, length, err);
     (void)fclose(stream);
     return status;
 }
 
-static weft_status take_text(const weft_scene_def *def, char **text, size_t *length,
-                             weft_error *err)
+static weft_status take_text(const weft_scene_def *def, const weft_allocator *memory,
+                             char **text, size_t *length, weft_error *err)
 {
     if (def->text == NULL) {
-        return read_file(def->file, text, length, err);
+        return read_file(def->file, memory, text, length, err);
     }
-    *text = malloc(def->length + 1);
+    *text = def->length == SIZE_MAX ? NULL : weft__alloc(memory, def->length + 1, 1);
     if (*text == NULL) {
         return no_memory(err);
     }
@@ -68,11 +69,11 @@ static weft_status take_text(const weft_scene_def *def, char **text, size_t *len
 }
 
 /* The file's name without folders and without .yaml. */
-static char *name_of_file(const char *file)
+static char *name_of_file(const char *file, const weft_allocator *memory)
 {
     static const char *const endings[] = { ".yaml", ".yml" };
     const char *slash = strrchr(file, '/');
-    char *name = strdup(slash == NULL ? file : slash + 1);
+    char *name = weft__copy_text(memory, slash == NULL ? file : slash + 1);
     const size_t length = name == NULL ? 0 : strlen(name);
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; ++i) {
         const size_t ending = strlen(endings[i]);
@@ -105,7 +106,8 @@ static weft_status make_sources(loader *self, size_t length, weft_error *err)
 {
     const weft_scene_def *def = self->def;
     const bool mark = strncmp(self->scene->text, "\xEF\xBB\xBF", 3) == 0;
-    self->sources = calloc(def->set_count + 1, sizeof *self->sources);
+    self->sources
+        = weft__zeroed(self->report.memory, def->set_count + 1, sizeof *self->sources);
     if (self->sources == NULL) {
         return no_memory(err);
     }
@@ -183,11 +185,11 @@ static weft_status complete(loader *self, weft_error *err)
 {
     weft_scene *scene = self->scene;
     if (scene->name == NULL) {
-        scene->name = name_of_file(name_in_messages(self->def));
+        scene->name = name_of_file(name_in_messages(self->def), &scene->memory);
     }
     if (self->def->set_count > 0) {
-        free(scene->text);
-        scene->text = weft__document_emit(&self->document);
+        weft__free(&scene->memory, scene->text);
+        scene->text = weft__document_emit(&self->document, &scene->memory);
     } else {
         yaml_document_delete(&self->document);
     }
@@ -197,7 +199,8 @@ static weft_status complete(loader *self, weft_error *err)
 static weft_status load(loader *self, weft_error *err)
 {
     size_t length = 0;
-    weft_status status = take_text(self->def, &self->scene->text, &length, err);
+    weft_status status
+        = take_text(self->def, self->report.memory, &self->scene->text, &length, err);
     if (status == WEFT_OK) {
         status = make_sources(self, length, err);
     }
@@ -240,13 +243,15 @@ weft_status weft_scene_load(const weft_scene_def *def, weft_scene **out,
     if (def->file == NULL && def->text == NULL) {
         return weft_error_set(err, WEFT_INVALID, "a scene needs a file or a text");
     }
-    loader self = { .def = def, .report = { .found = found } };
-    self.scene = calloc(1, sizeof *self.scene);
+    const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
+    loader self = { .def = def, .report = { .found = found, .memory = &memory } };
+    self.scene = weft__zeroed(&memory, 1, sizeof *self.scene);
     if (self.scene == NULL) {
         return no_memory(err);
     }
+    self.scene->memory = memory;
     const weft_status status = load_in_c_locale(&self, err);
-    free(self.sources);
+    weft__free(&memory, self.sources);
     if (status != WEFT_OK) {
         weft_scene_destroy(self.scene);
         return status;
@@ -260,18 +265,22 @@ void weft_scene_destroy(weft_scene *scene)
     if (scene == NULL) {
         return;
     }
-    free(scene->name);
-    free(scene->text);
-    free(scene->plugin);
-    free(scene->method);
-    free(scene->tableau.a.values);
-    free(scene->tableau.b.values);
-    free(scene->tableau.c.values);
-    free(scene->tableau.b_embedded.values);
-    free(scene->control.gains.values);
-    free(scene->pins);
-    free(scene->loads);
-    free(scene);
+    const weft_allocator memory = scene->memory;
+    void *const parts[] = { scene->name,
+                            scene->text,
+                            scene->plugin,
+                            scene->method,
+                            scene->tableau.a.values,
+                            scene->tableau.b.values,
+                            scene->tableau.c.values,
+                            scene->tableau.b_embedded.values,
+                            scene->control.gains.values,
+                            scene->pins,
+                            scene->loads };
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) {
+        weft__free(&memory, parts[i]);
+    }
+    weft__free(&memory, scene);
 }
 
 /* ---- queries ---------------------------------------------------------------- */

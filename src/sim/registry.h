@@ -3,6 +3,7 @@
 #ifndef WEFT_SIM_REGISTRY_H
 #define WEFT_SIM_REGISTRY_H
 
+#include "sim/log.h"
 #include "weft/sim.h"
 
 /* plugin_check.c: what makes a plugin unusable, into err with WEFT_BAD_PLUGIN. */

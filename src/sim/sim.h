@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* sim.h -- what a simulation is made of, for the files of src/sim alone. */
+#ifndef WEFT_SIM_SIM_H
+#define WEFT_SIM_SIM_H
+
+#include "sim/ledger.h"
+#include "sim/limit.h"
+
+struct weft_sim {
+    const weft_cloth *cloth; /* the definition's, or `own` */
+    weft_cloth *own;         /* NULL until a pin is changed */
+    const weft_stepper_type *method;
+    void *stepper;
+    weft__limit *limit; /* NULL: none */
+    weft_correct_fn *correct;
+    void *correct_ctx;
+    weft_force_fn *force;
+    void *force_ctx;
+    double *forces; /* [N] 3 N, for `force` */
+    weft_log log;
+    weft_allocator memory;
+    uint64_t rejected;          /* attempts that were told of */
+    double t;                   /* [s] */
+    double dissipated, heating; /* [J] so far, [W] at t; without ledger */
+    weft__ledger ledger;
+    double *y; /* 6 N, then with ledger its quadratures */
+};
+
+/* motion.c: the right-hand side of a simulation, which is ctx. */
+int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx);
+
+/* Around a change of y or of the cloth from outside, between two steps. */
+void weft__sim_change_begins(weft_sim *sim);
+void weft__sim_changed(weft_sim *sim);
+
+#endif
