@@ -196,10 +196,24 @@ typedef struct weft_stepper_type {
     /* Tells every choice that the plugin made or passed on to the solver beyond what
      * stands in the config: all that a repetition of the run needs. */
     void (*options)(const void *self, weft_option_fn *tell, void *ctx);
+
+    /* The right-hand side itself has changed, y perhaps not: nothing that was computed
+     * from it may be carried over. NULL: state_changed does as well. */
+    void (*ode_changed)(void *self);
 } weft_stepper_type;
 
 /* What every version of the struct has. */
 #define WEFT_STEPPER_TYPE_LEAST offsetof(weft_stepper_type, full_name)
+
+/* Calls ode_changed, or state_changed where it is to do. */
+static inline void weft_stepper_ode_changed(const weft_stepper_type *type, void *self)
+{
+    if (WEFT_HAS(type, weft_stepper_type, ode_changed) && type->ode_changed != NULL) {
+        type->ode_changed(self);
+    } else {
+        type->state_changed(self);
+    }
+}
 
 static inline const char *weft_stepper_full_name(const weft_stepper_type *type)
 {

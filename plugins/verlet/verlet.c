@@ -194,6 +194,11 @@ static void state_changed(void *instance)
     (void)instance;
 }
 
+static void ode_changed(void *instance)
+{
+    ((stepper *)instance)->carries = false;
+}
+
 static void stats(const void *instance, weft_stepper_stats *out)
 {
     const stepper *self = instance;
@@ -226,7 +231,8 @@ enum { FLAGS = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_QUADRATURES };
                   .step = step,                                                        \
                   .state_changed = state_changed,                                      \
                   .stats = stats,                                                      \
-                  .destroy = destroy },                                                \
+                  .destroy = destroy,                                                  \
+                  .ode_changed = ode_changed },                                        \
         .advance = id                                                                  \
     }
 

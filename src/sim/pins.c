@@ -53,7 +53,7 @@ weft_status weft_sim_pin(weft_sim *sim, size_t i, const double velocity[3],
     for (size_t k = 0; k < 3; ++k) {
         sim->y[(3 + k) * n + i] = v[k];
     }
-    weft__sim_changed(sim);
+    weft__sim_ode_changed(sim);
     return WEFT_OK;
 }
 
@@ -72,7 +72,7 @@ weft_status weft_sim_move_pin(weft_sim *sim, size_t i, const double position[3],
     for (size_t k = 0; k < 3; ++k) {
         sim->y[k * n + i] = position[k];
     }
-    weft__sim_changed(sim);
+    weft__sim_state_changed(sim);
     return WEFT_OK;
 }
 
@@ -86,7 +86,7 @@ weft_status weft_sim_unpin(weft_sim *sim, size_t i, weft_error *err)
     if (status == WEFT_OK) {
         weft__sim_change_begins(sim);
         weft__cloth_unpin(sim->own, i);
-        weft__sim_changed(sim);
+        weft__sim_ode_changed(sim);
     }
     return status;
 }

@@ -119,8 +119,8 @@ static weft_status add_entry(weft_registry *registry, const weft_plugin *plugin,
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a plugin");
     }
     grown[registry->count++] = (entry){ plugin, handle, copy };
-    weft__log(&registry->log, WEFT_LOG_INFO, "plugin %s %s %s", plugin->id,
-              file[0] == '\0' ? "linked in" : "from", file);
+    weft__log(&registry->log, WEFT_LOG_INFO, "plugin %s %s%s", plugin->id,
+              file[0] == '\0' ? "linked in" : "from ", file);
     return WEFT_OK;
 }
 

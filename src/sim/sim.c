@@ -414,11 +414,22 @@ void weft__sim_change_begins(weft_sim *sim)
     weft__ledger_mark(&sim->ledger, sim->cloth, sim->y);
 }
 
-void weft__sim_changed(weft_sim *sim)
+static void account_change(weft_sim *sim)
 {
     weft__ledger_account(&sim->ledger, sim->cloth, sim->y, &sim->ledger.outside_work);
     sim->heating = weft_cloth_dissipation(sim->cloth, sim->y);
+}
+
+void weft__sim_state_changed(weft_sim *sim)
+{
+    account_change(sim);
     sim->method->state_changed(sim->stepper);
+}
+
+void weft__sim_ode_changed(weft_sim *sim)
+{
+    account_change(sim);
+    weft_stepper_ode_changed(sim->method, sim->stepper);
 }
 
 weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
@@ -432,6 +443,6 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
     weft__sim_change_begins(sim);
     set_planes(sim->cloth, positions, sim->y);
     set_planes(sim->cloth, velocities, sim->y + 3 * n);
-    weft__sim_changed(sim);
+    weft__sim_state_changed(sim);
     return WEFT_OK;
 }

@@ -31,6 +31,7 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx);
 
 /* Around a change of y or of the cloth from outside, between two steps. */
 void weft__sim_change_begins(weft_sim *sim);
-void weft__sim_changed(weft_sim *sim);
+void weft__sim_state_changed(weft_sim *sim);
+void weft__sim_ode_changed(weft_sim *sim);
 
 #endif
