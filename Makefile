@@ -47,6 +47,9 @@ HDF5_CFLAGS ?= $(shell pkg-config --cflags hdf5 2>/dev/null)
 HDF5_LIBS ?= $(shell pkg-config --libs hdf5 2>/dev/null || echo -lhdf5)
 endif
 
+VERSION := $(shell sed -n 's/^.define WEFT_VERSION "\(.*\)"/\1/p' include/weft/base.h)
+SOVERSION := $(firstword $(subst ., ,$(VERSION)))
+
 LIB_SRC  := $(wildcard src/cloth/*.c src/sim/*.c src/scene/*.c)
 PROG_SRC := $(wildcard src/record/*.c src/cli/*.c)
 LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
@@ -79,13 +82,14 @@ skipped:
 # ---- library and program ---------------------------------------------------------
 
 $(BUILD)/libweft.so: $(LIB_OBJ)
-	$(call say,LD)$(LINK) -shared -Wl,-soname,libweft.so -o $@ $^ $(LIB_LIBS)
+	$(call say,LD)$(LINK) -shared -Wl,-soname,libweft.so.$(SOVERSION) -o $@ $^ $(LIB_LIBS)
+	@ln -sf libweft.so $@.$(SOVERSION)
 
 $(BUILD)/libweft.a: $(LIB_OBJ)
 	$(call say,AR)rm -f $@ && ar rcs $@ $^
 
 $(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
-	$(call say,LD)$(LINK) -o $@ $(PROG_OBJ) -L$(BUILD) -Wl,-rpath,'$$ORIGIN' -lweft -lyaml \
+	$(call say,LD)$(LINK) -o $@ $(PROG_OBJ) -L$(BUILD) -Wl,-rpath,'$$ORIGIN:$$ORIGIN/../lib' -lweft -lyaml \
 	    $(HDF5_LIBS) -lm
 
 $(BUILD)/src/record/%.o: INCS += $(HDF5_CFLAGS)
@@ -160,7 +164,7 @@ $(BUILD)/tests/broken/weft-%.so: tests/broken/%.c
 $(BUILD)/examples/%: examples/%.c $(BUILD)/libweft.so $(BUILD)/plugins/weft-verlet.so
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -o $@ $< $(BUILD)/plugins/weft-verlet.so -L$(BUILD) \
-	    -Wl,-rpath,'$$ORIGIN/..' -Wl,-rpath,'$$ORIGIN/../plugins' -lweft -lm
+	    -Wl,-rpath,'$$ORIGIN/..' -Wl,-rpath,'$$ORIGIN/../plugins' -lweft -lm -pthread
 
 # ---- benchmarks: one program each; they measure and assert nothing ----------------
 
@@ -206,6 +210,8 @@ demo-run: all
 
 deps:
 	@CC="$(CC)" MPI_INC="$(MPI_INC)" tools/deps
+
+include install.mk
 
 # ---- care ------------------------------------------------------------------------
 

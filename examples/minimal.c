@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include <stdio.h>
+#include <weft/plugins.h>
 #include <weft/weft.h>
-
-const weft_plugin *
-weft_plugin_verlet(void); /* linked in; a weft_registry loads others */
 
 int main(void)
 {

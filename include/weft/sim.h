@@ -16,11 +16,14 @@ typedef struct weft_registry weft_registry;
 
 /* Where weft-<id>.so is looked for, in this order. Lists are separated by ':'. */
 typedef struct weft_registry_def {
-    const char *path;     /* searched first; NULL: none */
-    bool environment;     /* then WEFT_PLUGIN_PATH, if it is set */
-    const char *fallback; /* searched last: the installed directory; NULL: none */
-    weft_log log;         /* info: a plugin loaded; warning: one refused */
+    const char *path;                /* searched first; NULL: none */
+    bool environment;                /* then WEFT_PLUGIN_PATH, if it is set */
+    const char *fallback;            /* then; NULL: none */
+    weft_log log;                    /* info: a plugin loaded; warning: one refused */
     const weft_allocator *allocator; /* NULL: malloc's */
+    bool installed; /* searched last: weft/plugins-1 beside libweft.so. A program that
+                       libweft.a is linked into names that directory itself: `pkg-config
+                       --variable=plugindir weft` */
 } weft_registry_def;
 
 WEFT_API weft_registry_def weft_registry_def_default(void);

@@ -25,18 +25,20 @@ struct weft_registry {
 
 weft_registry_def weft_registry_def_default(void)
 {
-    return (weft_registry_def){ .environment = true };
+    return (weft_registry_def){ .environment = true, .installed = true };
 }
 
-/* The three lists as one, empty ones left out. */
-static char *join_paths(const weft_allocator *memory, const char *const lists[3])
+enum { LISTS = 4 };
+
+/* All lists as one, empty ones left out. */
+static char *join_paths(const weft_allocator *memory, const char *const lists[LISTS])
 {
     size_t length = 1;
-    for (size_t i = 0; i < 3; ++i) {
+    for (size_t i = 0; i < LISTS; ++i) {
         length += lists[i] == NULL ? 0 : strlen(lists[i]) + 1;
     }
     char *joined = weft__zeroed(memory, length, 1);
-    for (size_t i = 0; joined != NULL && i < 3; ++i) {
+    for (size_t i = 0; joined != NULL && i < LISTS; ++i) {
         if (lists[i] != NULL && lists[i][0] != '\0') {
             strcat(joined, joined[0] == '\0' ? "" : ":");
             strcat(joined, lists[i]);
@@ -48,10 +50,15 @@ static char *join_paths(const weft_allocator *memory, const char *const lists[3]
 weft_status weft_registry_create(const weft_registry_def *def, weft_registry **out,
                                  weft_error *err)
 {
-    const char *const lists[3] = {
+    char installed[2048] = "";
+    if (def->installed) {
+        weft__installed_plugins(installed, sizeof installed);
+    }
+    const char *const lists[LISTS] = {
         def->path,
         def->environment ? getenv("WEFT_PLUGIN_PATH") : NULL,
         def->fallback,
+        installed,
     };
     *out = NULL;
     const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
