@@ -48,7 +48,8 @@ HDF5_LIBS ?= $(shell pkg-config --libs hdf5 2>/dev/null || echo -lhdf5)
 endif
 
 VERSION := $(shell sed -n 's/^.define WEFT_VERSION "\(.*\)"/\1/p' include/weft/base.h)
-SOVERSION := $(firstword $(subst ., ,$(VERSION)))
+# Before 1.0 a second number that differs is another interface.
+SOVERSION := $(if $(filter 0.%,$(VERSION)),$(basename $(VERSION)),$(firstword $(subst ., ,$(VERSION))))
 
 LIB_SRC  := $(wildcard src/cloth/*.c src/sim/*.c src/scene/*.c)
 PROG_SRC := $(wildcard src/record/*.c src/cli/*.c)
@@ -186,7 +187,7 @@ bench: all $(BENCHES:%=$(BUILD)/bench/%)
 check: deps
 	@$(MAKE) --no-print-directory check-run
 
-check-run: all $(TEST_BIN) $(BROKEN) $(EXAMPLES) lint
+check-run: all $(TEST_BIN) $(BROKEN) $(EXAMPLES) lint check-docs
 	@tools/run-tests $(BUILD) $(TEST_BIN)
 
 # What is written, read by the programs it is meant for; what is not there is skipped.
@@ -254,5 +255,6 @@ clean:
 help:
 	@sed -n '2,9s/^# \{0,1\}//p' Makefile
 	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | clang-build | check-sundials7 | valgrind | symbols | clean"
+	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | check-abi | doxygen | tsan"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

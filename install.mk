@@ -18,7 +18,7 @@ MAN := $(SHARE)/man/weft.1 $(SHARE)/man/weft-scene.5 $(SHARE)/man/weft-plugin.7
 COMPLETIONS := $(SHARE)/weft.bash $(SHARE)/weft.zsh $(SHARE)/weft.fish
 PLUGIN_A := $(PLUGINS:%=$(BUILD)/libweft-plugin-%.a)
 
-.PHONY: install uninstall share check-install
+.PHONY: install uninstall share check-install check-docs check-abi doxygen tsan
 share: $(MAN) $(COMPLETIONS) $(PLUGIN_A)
 all: share
 
@@ -58,3 +58,24 @@ uninstall:
 # Installed, moved, embedded from C11 to C++17, removed.
 check-install: all $(EXAMPLES)
 	@tools/check-install $(BUILD)
+
+# The commands of the pages, as a reader runs them.
+check-docs: all $(EXAMPLES)
+	@tools/check-docs $(BUILD) README.md docs/tutorial.md docs/plugins.md docs/embedding.md
+
+# The interface of libweft.so against that of the last tag.
+check-abi: $(BUILD)/libweft.so
+	@tools/check-abi $(BUILD)
+
+# Pages of the public headers; a warning is an error.
+doxygen:
+	@mkdir -p $(BUILD)
+	@BUILD=$(BUILD) doxygen docs/Doxyfile
+	@echo "$(BUILD)/doxygen/html/index.html"
+
+# Simulations in eight threads, under ThreadSanitizer. In one process: forks after threads
+# are not for it.
+tsan:
+	@$(MAKE) --no-print-directory BUILD=build/tsan CFLAGS='-O1 -g' SAN=-fsanitize=thread \
+	    build/tsan/tests/test_embed
+	@CK_FORK=no CK_RUN_CASE=threads build/tsan/tests/test_embed

@@ -550,6 +550,10 @@ int main(void)
     tcase_add_test(tcase, steps_allocate_nothing);
     tcase_add_test(tcase, scenes_take_their_memory_from_there_too);
     tcase_add_test(tcase, so_do_registries);
+    suite_add_tcase(suite, tcase);
+    tcase = tcase_create("threads");
+    tcase_add_checked_fixture(tcase, setup, teardown);
+    tcase_set_timeout(tcase, 120.0);
     tcase_add_loop_test(tcase, threads_share_a_cloth_and_nothing_else, 0, methods);
     suite_add_tcase(suite, tcase);
     return test_run(suite);
