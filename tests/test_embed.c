@@ -125,13 +125,13 @@ START_TEST(every_method_sees_the_force)
     double x[3 * N], wanted[3 * N];
     use_method(_i);
     start();
-    go(0.3);
+    go(0.05);
     weft_sim_positions(sim, wanted);
     memset(model.gravity, 0, sizeof model.gravity);
     run.force = push_all;
     run.force_ctx = &with;
     start();
-    go(0.3);
+    go(0.05);
     weft_sim_positions(sim, x);
     for (size_t j = 0; j < 3 * N; ++j) {
         ck_assert_double_eq_tol(x[j], wanted[j], 1e-8);
@@ -142,7 +142,7 @@ END_TEST
 
 START_TEST(force_may_stop_a_run_and_the_state_is_the_last_good_one)
 {
-    push with = { .answer = -1, .from = 0.1 };
+    push with = { .answer = -1, .from = 0.01 };
     weft_error err = { 0 };
     double y[6 * N];
     use_method(_i);
@@ -155,10 +155,10 @@ START_TEST(force_may_stop_a_run_and_the_state_is_the_last_good_one)
         status = weft_sim_step(sim, 1.0, &err);
     }
     ck_assert_int_eq(status, WEFT_STOPPED);
-    ck_assert_double_le(weft_sim_time(sim), 0.102);
+    ck_assert_double_le(weft_sim_time(sim), 0.012);
     ck_assert_mem_eq(y, weft_sim_state(sim), sizeof y);
     with.answer = 0; /* and it may go on */
-    go(0.2);
+    go(0.02);
 }
 END_TEST
 
