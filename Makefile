@@ -4,7 +4,7 @@
 #   make            library, program and plugins
 #   make demo       a falling cloth in numbers and as OBJ, under build/demo
 #   make check      every test
-#   make verify     what is measured of every method of every plugin, a table
+#   make verify     what is measured of every method of every plugin, a table (VERIFY=gsl: of that alone)
 #   make help       the other targets
 
 BUILD  ?= build
@@ -23,7 +23,8 @@ STRICT := -std=c11 -D_POSIX_C_SOURCE=200809L -ffp-contract=off -fvisibility=hidd
 INCS := -Iinclude -Isrc
 # `make V=1` shows the commands.
 say = $(if $(V),,@echo '  $(1)  $@';)
-COMPILE = $(CC) $(STRICT) $(WARN) $(CFLAGS) $(SAN) $(INCS) -MMD -MP
+COMPILE = $(CC) $(STRICT) $(WARN) $(CFLAGS) $(OWN) $(SAN) $(INCS) -MMD -MP
+OWN = # flags of some files, whatever CFLAGS are
 LINK = $(CC) $(CFLAGS) $(SAN) $(LDFLAGS)
 
 # A variable, as make 4.3 keeps the backslash of an escaped # within a function.
@@ -54,8 +55,12 @@ SOVERSION := $(if $(filter 0.%,$(VERSION)),$(basename $(VERSION)),$(firstword $(
 LIB_SRC  := $(wildcard src/cloth/*.c src/sim/*.c src/scene/*.c)
 PROG_SRC := $(wildcard src/record/*.c src/cli/*.c)
 LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
+# The kernels once more for each level of instructions that src/cloth/levels.c chooses from.
+KERNELS  := $(patsubst %.c,$(BUILD)/%,$(wildcard src/cloth/kernel*.c))
+LEVELS   := $(if $(filter x86_64%,$(shell $(CC) -dumpmachine)),v3 v4)
+LIB_OBJ  += $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o))
 PROG_OBJ := $(PROG_SRC:%.c=$(BUILD)/%.o) $(BUILD)/src/record/player_page.o
-LIB_LIBS := -lyaml -ldl -lm
+LIB_LIBS := -lyaml -ldl -lm -pthread
 
 PLUGINS := verlet $(if $(HAVE_GSL),gsl) $(if $(HAVE_ARKODE),arkode)
 PLUGIN_SO := $(PLUGINS:%=$(BUILD)/plugins/weft-%.so)
@@ -68,7 +73,7 @@ TEST_BIN := $(TESTS:%=$(BUILD)/tests/%)
 BROKEN := $(patsubst tests/broken/%.c,$(BUILD)/tests/broken/weft-%.so,$(wildcard tests/broken/*.c))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/*.c))
 
-.PHONY: all check check-run check-view viewer pictures verify bench demo demo-run deps docs lint format asan \
+.PHONY: all check check-run check-view viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
         clang-build check-sundials7 valgrind symbols clean help
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -95,12 +100,20 @@ $(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
 
 $(BUILD)/src/record/%.o: INCS += $(HDF5_CFLAGS)
 
+KERNEL_FLAGS := $(if $(SAN),,-O2) -fno-math-errno -fno-trapping-math
+$(BUILD)/%.v3.o: OWN += -march=x86-64-v3 -DLEVEL=v3 -DLANES=4
+$(BUILD)/%.v4.o: OWN += -march=x86-64-v4 -mprefer-vector-width=512 -DLEVEL=v4 -DLANES=8
+$(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): OWN += $(KERNEL_FLAGS)
+$(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): $(BUILD)/src/cloth/%.o:
+	@mkdir -p $(@D)
+	$(call say,CC)$(COMPILE) -c -o $@ src/cloth/$(basename $*).c
+
 $(BUILD)/src/%.o: src/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -c -o $@ $<
 
-# The player, built from viewer/ by `make viewer` and committed.
-$(BUILD)/src/record/player_page.o: src/record/player_page.S viewer/dist/player.html
+# The pages, built from viewer/ by `make viewer` and committed.
+$(BUILD)/src/record/player_page.o: src/record/player_page.S viewer/dist/player.html viewer/dist/compare.html
 	@mkdir -p $(@D)
 	$(call say,AS)$(CC) -c -o $@ $<
 
@@ -115,7 +128,7 @@ endef
 $(foreach p,$(PLUGINS),$(eval $(call PLUGIN_RULE,$(p))))
 
 # Loops over whole states, which gcc does not vectorise at -O2.
-$(BUILD)/plugins/arkode/vector.o: CFLAGS := $(CFLAGS) $(if $(SAN),,-O3)
+$(BUILD)/plugins/arkode/arithmetic.o $(BUILD)/plugins/gsl/control.o $(BUILD)/plugins/verlet/verlet.o: CFLAGS := $(CFLAGS) $(if $(SAN),,-O3)
 
 # All that include SUNDIALS.
 $(BUILD)/plugins/arkode/%.o $(BUILD)/tests/test_arkode_vector.o $(BUILD)/bench/vectors.o: INCS += $(MPI_INC)
@@ -138,6 +151,13 @@ $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(BUILD)/tests/support.o \
                        $(BUILD)/libweft.a $(PLUGIN_SO)
 	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a $(TEST_LIBS)
 
+# The kernels 8 lanes wide on whatever machine: the compiler takes the vectors apart.
+$(BUILD)/tests/wide/%.o: src/cloth/%.c
+	@mkdir -p $(@D)
+	$(call say,CC)$(COMPILE) $(KERNEL_FLAGS) -Wno-psabi -Wno-missing-prototypes -DLEVEL=wide -DLANES=8 -c -o $@ $<
+
+$(BUILD)/tests/test_kernel $(BUILD)/tests/test_heat: $(KERNELS:$(BUILD)/src/cloth/%=$(BUILD)/tests/wide/%.o)
+
 # What is verified, for the test and for the program; scenes run as in `weft run`.
 VERIFY_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/main.c,$(wildcard tests/verify/*.c))) \
               $(filter-out %/main.o,$(PROG_OBJ))
@@ -149,11 +169,12 @@ $(BUILD)/weft-verify: $(BUILD)/tests/verify/main.o $(VERIFY_OBJ) $(BUILD)/libwef
 	$(call say,LD)$(LINK) -o $@ $^ $(LIB_LIBS) $(HDF5_LIBS)
 
 verify: all $(BUILD)/weft-verify
-	@$(BUILD)/weft-verify
+	@$(BUILD)/weft-verify $(VERIFY)
 
 # These look into files as the program writes them.
 RECORD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/record/*.c)) $(BUILD)/src/record/player_page.o
-RECORD_TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_record*.c tests/test_export.c))
+RECORD_TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_record*.c tests/test_export.c \
+                  tests/test_checkpoint.c tests/test_cli_resume.c))
 $(RECORD_TESTS): $(RECORD_OBJ)
 $(RECORD_TESTS): TEST_LIBS += $(HDF5_LIBS)
 $(RECORD_TESTS:=.o): INCS += $(HDF5_CFLAGS)
@@ -176,9 +197,24 @@ $(BUILD)/bench/%.o: bench/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) $(TEST_DEFS) -c -o $@ $<
 
+# The spring list of a lecture and the bound, with the flags of the kernels.
+BENCH_LEVELS := $(addprefix $(BUILD)/bench/levels/level,.o $(LEVELS:%=.%.o))
+$(BENCH_LEVELS): OWN += $(KERNEL_FLAGS)
+$(BENCH_LEVELS): bench/levels/level.c
+	@mkdir -p $(@D)
+	$(call say,CC)$(COMPILE) -c -o $@ $<
+
+$(BUILD)/bench/force: $(BENCH_LEVELS)
 $(BUILD)/bench/%: $(BUILD)/bench/%.o $(BUILD)/libweft.a $(PLUGIN_SO)
 	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a \
 	    $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
+
+$(BUILD)/bench/guard/evaluate: $(BUILD)/bench/guard/evaluate.o $(BUILD)/libweft.a
+	$(call say,LD)$(LINK) -o $@ $^ $(LIB_LIBS)
+
+# Instructions of the right-hand side, which must not become many more.
+guard: $(BUILD)/bench/guard/evaluate
+	@tools/guard $(BUILD) $(CC)
 
 bench: all $(BENCHES:%=$(BUILD)/bench/%)
 	@for name in $(BENCH); do $(BUILD)/bench/$$name || exit 1; done
@@ -217,7 +253,7 @@ include install.mk
 # ---- care ------------------------------------------------------------------------
 
 C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] plugins/*/*.[ch] tests/*.[ch] \
-                     tests/verify/*.[ch] tests/broken/*.c examples/*.c bench/*.[ch])
+                     tests/verify/*.[ch] tests/broken/*.c examples/*.c bench/*.[ch] bench/levels/*.[ch] bench/guard/*.c)
 
 lint:
 	@tools/lint $(C_FILES)
@@ -234,6 +270,14 @@ asan:
 	@$(MAKE) --no-print-directory BUILD=build/asan CFLAGS='-O1 -g' \
 	    SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \
 	    check-run
+
+# Races between threads: of a simulation, and of simulations. In one process each: forks
+# after threads are not for the sanitizer.
+tsan:
+	@$(MAKE) --no-print-directory BUILD=build/tsan CFLAGS='-O1 -g' SAN='-fsanitize=thread' \
+	    build/tsan/tests/test_threads build/tsan/tests/test_embed
+	CK_FORK=no build/tsan/tests/test_threads
+	CK_FORK=no CK_RUN_CASE=threads build/tsan/tests/test_embed
 
 clang-build:
 	@$(MAKE) --no-print-directory BUILD=build/clang CC=clang all \
@@ -254,7 +298,7 @@ clean:
 
 help:
 	@sed -n '2,9s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | clang-build | check-sundials7 | valgrind | symbols | clean"
-	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | check-abi | doxygen | tsan"
+	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | tsan | guard | clang-build | check-sundials7 | valgrind | symbols | clean"
+	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | check-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

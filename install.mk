@@ -72,10 +72,3 @@ doxygen:
 	@mkdir -p $(BUILD)
 	@BUILD=$(BUILD) doxygen docs/Doxyfile
 	@echo "$(BUILD)/doxygen/html/index.html"
-
-# Simulations in eight threads, under ThreadSanitizer. In one process: forks after threads
-# are not for it.
-tsan:
-	@$(MAKE) --no-print-directory BUILD=build/tsan CFLAGS='-O1 -g' SAN=-fsanitize=thread \
-	    build/tsan/tests/test_embed
-	@CK_FORK=no CK_RUN_CASE=threads build/tsan/tests/test_embed

@@ -4,8 +4,10 @@
 #ifndef WEFT_BENCH_H
 #define WEFT_BENCH_H
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
+#include <unistd.h>
 
 /* What runs on one thread may be measured by its own time, whoever else is at work. */
 #ifndef BENCH_CLOCK
@@ -63,6 +65,26 @@ static inline void bench_interleaved(bench_case *cases, size_t count, size_t rou
         cases[i].median = bench_median(times + i * rounds, rounds);
     }
     free(times);
+}
+
+/* BUILD_DIR/bench/<name>-<machine>.csv with its header line, for figures of a kind. */
+static inline FILE *bench_csv(const char *name, const char *header)
+{
+    char machine[64] = "machine", path[256];
+    (void)gethostname(machine, sizeof machine - 1);
+    (void)snprintf(path, sizeof path, "%s/bench/%s-%s.csv", BUILD_DIR, name, machine);
+    FILE *csv = fopen(path, "w");
+    if (csv == NULL) {
+        perror(path);
+        exit(1);
+    }
+    fprintf(csv, "%s\n", header);
+    return csv;
+}
+
+static inline int bench_csv_close(FILE *csv) /* the exit status */
+{
+    return fclose(csv) == 0 ? 0 : 1;
 }
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What run.vtkhdf costs a run of 100 x 100 particles at 30 frames a second: the program
- * with all frames, in both precisions, against the program with the first and the last.
+ * with all frames, in both precisions, against the program with the first and the last;
+ * and what a checkpoint at each of them costs.
  * The stepper is the cheapest there is, at the longest step that is stable: any other
  * spends more on a frame. */
 #include <stdio.h>
@@ -37,19 +38,21 @@ static void run_program(void *set)
 int main(void)
 {
     static char few[] = "every=1000000", single[] = "precision=single",
-                doubles[] = "precision=double";
+                doubles[] = "precision=double",
+                checkpoints[] = "precision=single --set run.checkpoint=1";
     bench_case cases[] = { { "first and last frame", run_program, few, 0.0 },
                            { "all, single precision", run_program, single, 0.0 },
-                           { "all, double precision", run_program, doubles, 0.0 } };
+                           { "all, double precision", run_program, doubles, 0.0 },
+                           { "single, checkpoints", run_program, checkpoints, 0.0 } };
     FILE *stream = NULL;
     if (system("mkdir -p " OUT) != 0 || (stream = fopen(OUT "/scene.yaml", "w")) == NULL
         || fputs(scene, stream) < 0 || fclose(stream) != 0) {
         perror(OUT "/scene.yaml");
         return 1;
     }
-    bench_interleaved(cases, 3, 7);
+    bench_interleaved(cases, 4, 7);
     puts("run.vtkhdf, 100 x 100 particles, 30 frames a second, 0.5 s:");
-    for (size_t i = 0; i < 3; ++i) {
+    for (size_t i = 0; i < 4; ++i) {
         printf("  %-22s %6.3f s  %+.1f %%\n", cases[i].name, cases[i].median,
                100.0 * (cases[i].median / cases[0].median - 1.0));
     }

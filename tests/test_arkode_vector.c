@@ -8,6 +8,7 @@
 
 #ifdef HAVE_ARKODE
 #include "../plugins/arkode/arkode_plugin.h"
+#include "sim/team.h"
 
 /* Around the sizes of blocks and slices, none, and long enough for threads; 21929 and
  * 22003 are prime. */
@@ -32,21 +33,29 @@ static double some(uint64_t i, uint64_t of)
 
 typedef struct setting {
     SUNContext context;
-    ark_team *team;
+    weft__team *team;
+    weft_team lent;
     N_Vector v[MOST + 1];
     size_t n;
 } setting;
 
+static void run_on_team(void *team, void (*task)(void *, size_t), void *ctx,
+                        size_t parts)
+{
+    weft__team_run(team, task, ctx, parts);
+}
+
 static void begin(setting *s, size_t n, size_t threads)
 {
-    *s = (setting){ .team = weft__ark_team(threads), .n = n };
+    *s = (setting){ .team = weft__team_create(threads, NULL), .n = n };
+    s->lent = (weft_team){ s->team, run_on_team };
     ck_assert((s->team != NULL) == (threads > 1));
     ck_assert_int_eq(SUNContext_Create(NO_COMM, &s->context), 0);
-    s->v[0] = weft__ark_vector(n, s->team, s->context);
+    s->v[0] = weft__ark_vector(n, s->team == NULL ? NULL : &s->lent, s->context);
     for (uint64_t k = 0; k <= MOST; ++k) {
         s->v[k] = k == 0 ? s->v[0] : N_VClone(s->v[0]);
         ck_assert_ptr_nonnull(s->v[k]);
-        double *x = NV_DATA_S(s->v[k]);
+        double *x = weft__ark_fill(s->v[k]);
         ck_assert_uint_eq((uintptr_t)x % 64, 0);
         ck_assert_uint_eq((size_t)NV_LENGTH_S(s->v[k]), n);
         size_t set = 0;
@@ -63,7 +72,7 @@ static void end(setting *s)
     for (int k = MOST; k >= 0; --k) {
         N_VDestroy(s->v[k]);
     }
-    weft__ark_team_free(s->team);
+    weft__team_destroy(s->team);
     (void)SUNContext_Free(&s->context);
 }
 
@@ -100,7 +109,7 @@ START_TEST(combinations_are_sums_from_left_to_right)
                 wrong += NV_DATA_S(s.v[MOST])[i] != plain_sum(&s, count, c, i);
             }
             ck_assert_uint_eq(wrong, 0);
-            ck_assert(weft__ark_made_finite(s.v[MOST]));
+            ck_assert(weft__ark_finite(s.v[MOST]));
         }
         end(&s);
     }
@@ -137,11 +146,10 @@ START_TEST(what_has_no_weight_is_not_looked_at)
     setting s;
     begin(&s, 21929, 2);
     N_VConst((double)NAN, s.v[1]);
-    ck_assert(!weft__ark_made_finite(s.v[1]));
     ck_assert(!weft__ark_finite(s.v[1]));
     sunrealtype c[] = { 2.0, 0.0, 1.0 }, none[] = { 0.0, 0.0 };
     ck_assert_int_eq(N_VLinearCombination(3, c, s.v, s.v[3]), 0);
-    ck_assert(weft__ark_made_finite(s.v[3]) && weft__ark_finite(s.v[3]));
+    ck_assert(weft__ark_finite(s.v[3]) && weft__ark_finite(s.v[3]));
     ck_assert_int_eq(N_VLinearCombination(2, none, s.v, s.v[3]), 0);
     ck_assert(NV_DATA_S(s.v[3])[0] == 0.0 && NV_DATA_S(s.v[3])[s.n - 1] == 0.0);
     end(&s);
@@ -156,20 +164,15 @@ START_TEST(the_simple_operations_are_plain_loops)
         begin(&s, lengths[l], teams[p]);
         const double *x = NV_DATA_S(s.v[0]), *y = NV_DATA_S(s.v[1]);
         const double *a = NV_DATA_S(s.v[2]), *b = NV_DATA_S(s.v[3]);
-        const double *w = NV_DATA_S(s.v[4]);
-        const size_t half = s.n / 2;
         N_VScale(-0.7, s.v[0], s.v[2]);
         N_VLinearSum(0.3, s.v[0], -1.9, s.v[1], s.v[3]);
-        weft__ark_weigh(s.v[0], s.v[4], 0, half, 1e-3, 0.5);
-        weft__ark_weigh(s.v[0], s.v[4], half, s.n - half, 1e-3, 0.25);
         weft__ark_write(s.v[6], x);
-        weft__ark_read(s.v[1], NV_DATA_S(s.v[7]));
+        weft__ark_read(s.v[1], weft__ark_fill(s.v[7]));
         N_VConst(1.5, s.v[5]);
         size_t wrong = 0;
         for (size_t i = 0; i < s.n; ++i) {
             wrong += a[i] != -0.7 * x[i];
             wrong += b[i] != 0.3 * x[i] + -1.9 * y[i];
-            wrong += w[i] != 1.0 / (1e-3 * fabs(x[i]) + (i < half ? 0.5 : 0.25));
             wrong += NV_DATA_S(s.v[5])[i] != 1.5;
             wrong += NV_DATA_S(s.v[6])[i] != x[i];
             wrong += NV_DATA_S(s.v[7])[i] != y[i];
@@ -219,25 +222,138 @@ START_TEST(one_bad_number_anywhere_is_seen)
                 c[k] = 0.5;
             }
             for (int j = 0; j < 4; ++j) {
-                double *x = NV_DATA_S(s.v[0]) + places[j];
-                const double kept = *x;
-                *x = bad[kind];
+                const double kept = NV_DATA_S(s.v[0])[places[j]];
+                weft__ark_fill(s.v[0])[places[j]] = bad[kind];
                 ck_assert(!weft__ark_finite(s.v[0]));
                 for (int count = 1; count < MOST; count += 4) {
                     N_VLinearCombination(count, c, s.v, s.v[MOST]);
-                    ck_assert(!weft__ark_made_finite(s.v[MOST]));
+                    ck_assert(!weft__ark_finite(s.v[MOST]));
                 }
                 for (int norm = 0; norm < 2; ++norm) {
                     weft__ark_judge_by(s.v[0], norm ? WEFT_NORM_RMS : WEFT_NORM_MAX);
                     const double got = N_VWrmsNorm(s.v[0], s.v[1]);
                     ck_assert(kind == 2 ? isinf(got) : isnan(got));
                 }
-                *x = kept;
+                weft__ark_fill(s.v[0])[places[j]] = kept;
                 ck_assert(weft__ark_finite(s.v[0]));
             }
             end(&s);
         }
     }
+}
+END_TEST
+
+/* 1 / (rtol |y_i| + atol) of two halves, and nothing behind them. */
+static double plain_weight(const double *y, size_t i, size_t half)
+{
+    return i >= 2 * half ? 0.0 : 1.0 / (1e-3 * fabs(y[i]) + (i < half ? 0.5 : 0.25));
+}
+
+/* The first norm is of what was combined before, the second of what is judged as it is
+ * combined; they are the same, and what is combined is, too. */
+START_TEST(what_is_judged_as_it_is_combined_is_the_same)
+{
+    static const double atol[] = { 0.5, 0.25 };
+    sunrealtype c[MOST];
+    for (uint64_t k = 0; k < MOST; ++k) {
+        c[k] = some(k, 99);
+    }
+    EVERYWHERE
+    {
+        const int count = l % 3 == 0 ? 12 : 6;
+        const size_t half = lengths[l] > 4 ? (lengths[l] - 4) / 2 : lengths[l] / 2;
+        for (int rms = 0; half > 0 && rms < 2; ++rms) {
+            setting s;
+            begin(&s, lengths[l], teams[p]);
+            const double *y = NV_DATA_S(s.v[0]);
+            double most = 0.0, sum = 0.0;
+            for (size_t i = 0; i < s.n; ++i) {
+                const double e = plain_sum(&s, count, c, i) * plain_weight(y, i, half);
+                most = fmax(most, fabs(e));
+                sum += e * e;
+            }
+            weft__ark_judge_by(s.v[MOST], rms ? WEFT_NORM_RMS : WEFT_NORM_MAX);
+            weft__ark_weigh(s.v[0], s.v[15], half, 1e-3, atol);
+            (void)N_VLinearCombination(count, c, s.v, s.v[MOST]);
+            const double apart = N_VWrmsNorm(s.v[MOST], s.v[15]);
+            weft__ark_fill(s.v[1])[0]
+                += 0.0; /* not the same numbers, for all it knows */
+            (void)N_VLinearCombination(count, c, s.v, s.v[MOST]);
+            ck_assert(N_VWrmsNorm(s.v[MOST], s.v[15]) == apart);
+            const double wanted = rms ? sqrt(sum / (2.0 * (double)half)) : most;
+            ck_assert(fabs(apart - wanted) <= (rms ? 1e-13 * wanted : 0.0));
+            size_t wrong = 0;
+            for (size_t i = 0; i < s.n; ++i) {
+                wrong += NV_DATA_S(s.v[MOST])[i] != plain_sum(&s, count, c, i);
+            }
+            ck_assert_uint_eq(wrong, 0);
+            end(&s);
+        }
+    }
+}
+END_TEST
+
+START_TEST(weights_are_those_of_the_state_as_it_was)
+{
+    static const double atol[] = { 0.5, 0.5 };
+    setting s;
+    begin(&s, 1000, 1);
+    weft__ark_judge_by(s.v[1], WEFT_NORM_MAX);
+    weft__ark_weigh(s.v[0], s.v[2], 500, 1.0, atol);
+    const double before = N_VWrmsNorm(s.v[1], s.v[2]);
+    N_VConst(100.0, s.v[0]);
+    ck_assert(N_VWrmsNorm(s.v[1], s.v[2]) == before);
+    weft__ark_weigh(s.v[0], s.v[2], 500, 1.0, atol);
+    ck_assert(N_VWrmsNorm(s.v[1], s.v[2]) < before);
+    end(&s);
+}
+END_TEST
+
+START_TEST(copies_are_shared_until_one_is_written_to)
+{
+    setting s;
+    begin(&s, 1000, 1);
+    const double first = NV_DATA_S(s.v[0])[0];
+    N_VScale(1.0, s.v[0], s.v[1]);
+    N_VScale(1.0, s.v[1], s.v[2]);
+    ck_assert_ptr_eq(NV_DATA_S(s.v[2]), NV_DATA_S(s.v[0]));
+    N_VConst(3.0, s.v[0]);
+    N_VAddConst(s.v[1], 1.0, s.v[1]);
+    ck_assert(NV_DATA_S(s.v[0])[0] == 3.0);
+    ck_assert(NV_DATA_S(s.v[1])[0] == first + 1.0);
+    ck_assert(NV_DATA_S(s.v[2])[0] == first);
+    N_VLinearSum(1.0, s.v[2], 1.0, s.v[0], s.v[2]);
+    ck_assert(NV_DATA_S(s.v[2])[0] == first + 3.0);
+    end(&s);
+}
+END_TEST
+
+START_TEST(a_combination_asked_for_again_is_never_stale)
+{
+    setting s;
+    sunrealtype c[] = { 0.5, 2.0 };
+    begin(&s, 1000, 1);
+    N_Vector z = s.v[MOST];
+    for (int round = 0; round < 4; ++round) {
+        ck_assert_int_eq(N_VLinearCombination(2, c, s.v, z), 0);
+        ck_assert_int_eq(N_VLinearCombination(2, c, s.v, z), 0);
+        ck_assert(NV_DATA_S(z)[7]
+                  == 0.5 * NV_DATA_S(s.v[0])[7] + c[1] * NV_DATA_S(s.v[1])[7]);
+        switch (round) {
+        case 0:
+            weft__ark_fill(s.v[1])[7] = 5.0;
+            break;
+        case 1:
+            weft__ark_fill(z)[7] = 5.0;
+            break;
+        case 2:
+            c[1] = 3.0;
+            break;
+        default:
+            break;
+        }
+    }
+    end(&s);
 }
 END_TEST
 
@@ -251,7 +367,7 @@ START_TEST(extreme_numbers_are_finite)
     for (int j = 0; j < 4; ++j) {
         N_VConst(extremes[j], s.v[0]);
         N_VScale(1.0, s.v[0], s.v[1]);
-        ck_assert(weft__ark_finite(s.v[0]) && weft__ark_made_finite(s.v[1]));
+        ck_assert(weft__ark_finite(s.v[0]) && weft__ark_finite(s.v[1]));
         ck_assert(NV_DATA_S(s.v[1])[999] == extremes[j]);
     }
     end(&s);
@@ -291,6 +407,8 @@ static weft_stepper_stats many_steps(const way *how, size_t threads, size_t dim,
                                      double *y)
 {
     const weft_stepper_type *type = test_method_named(how->method);
+    weft__team *team = weft__team_create(threads, NULL);
+    const weft_team lent = { team, run_on_team };
     const weft_ode ode = { .dim = dim, .rhs = ring, .ctx = &dim };
     const weft_stepper_config config = { .struct_size = sizeof config,
                                          .norm = how->norm,
@@ -301,7 +419,7 @@ static weft_stepper_stats many_steps(const way *how, size_t threads, size_t dim,
                                          .min_step = 1e-12,
                                          .max_step = INFINITY,
                                          .fixed_step = how->fixed_step,
-                                         .threads = threads };
+                                         .team = team == NULL ? NULL : &lent };
     weft_stepper_stats stats = { .struct_size = sizeof stats };
     weft_error err = { 0 };
     void *self = NULL;
@@ -320,6 +438,7 @@ static weft_stepper_stats many_steps(const way *how, size_t threads, size_t dim,
     }
     type->stats(self, &stats);
     type->destroy(self);
+    weft__team_destroy(team);
     return stats;
 }
 
@@ -363,6 +482,10 @@ int main(void)
     tcase_add_test(tcase, the_simple_operations_are_plain_loops);
     tcase_add_test(tcase, norms_are_those_of_a_plain_loop);
     tcase_add_test(tcase, one_bad_number_anywhere_is_seen);
+    tcase_add_test(tcase, what_is_judged_as_it_is_combined_is_the_same);
+    tcase_add_test(tcase, weights_are_those_of_the_state_as_it_was);
+    tcase_add_test(tcase, copies_are_shared_until_one_is_written_to);
+    tcase_add_test(tcase, a_combination_asked_for_again_is_never_stale);
     tcase_add_test(tcase, extreme_numbers_are_finite);
     tcase_add_loop_test(tcase, threads_do_not_show_in_the_results, 0,
                         (int)(sizeof ways / sizeof ways[0]));

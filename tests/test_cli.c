@@ -187,7 +187,8 @@ START_TEST(a_full_disk_is_an_error_that_names_the_file)
                  "/s --quiet --set run.fps=400 2>&1"),
            4);
     says(OUT "/s/");
-    ck_assert(!exists(OUT "/s/result.yaml") || exists(OUT "/s/series.csv"));
+    ck_assert(!exists(OUT "/s/result.yaml")
+              || strstr(read_file(OUT "/s/result.yaml"), "status: failed") != NULL);
 }
 END_TEST
 
@@ -245,7 +246,7 @@ START_TEST(a_limit_reports_what_it_did_and_what_it_could_not)
                       "/l --set 'limit={method: provot, strain: 0.01}' --set "
                       "'cloth.pins=[top-left, top-right]' 2>&1"),
            0);
-    says("strain limit: ");
+    says("limit      1 %: ");
     ck_assert_ptr_null(strstr(output, "warning"));
     expect(shell("cat " OUT "/l/result.yaml " OUT "/l/manifest.yaml"), 0);
     says("  unconverged: 0\n");
@@ -311,22 +312,6 @@ START_TEST(a_signal_ends_a_run_with_a_valid_result)
 {
     interrupt_with("INT", 130);
     interrupt_with("TERM", 143);
-}
-END_TEST
-
-/* Not one for every step; a terminal is made by script(1), where it can make one. */
-START_TEST(progress_on_a_terminal_is_a_line_twice_a_second)
-{
-    if (shell("script -qec true /dev/null 2>&1") != 0) {
-        return;
-    }
-    expect(shell("script -qec '" WEFT " run " OUT "/small.yaml --out " OUT
-                 "/p' /dev/null | tr '\\r' '\\n' | grep -c '^.\\[Kframe'"),
-           0);
-    ck_assert_int_ge(atoi(output), 2); /* the first and the last frame */
-    ck_assert_int_le(atoi(output), 10);
-    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/l 2>&1 >/dev/null"), 0);
-    says("frame 1/10  t 0.05 s  h 1.00e-03 s  50 steps, 0 rejected  ETA ");
 }
 END_TEST
 
@@ -428,7 +413,6 @@ static Suite *suite(void)
     tcase_add_test(program, a_limit_reports_what_it_did_and_what_it_could_not);
     tcase_add_test(program, a_run_that_blows_up_keeps_its_last_good_state_and_reports);
     tcase_add_test(program, a_signal_ends_a_run_with_a_valid_result);
-    tcase_add_test(program, progress_on_a_terminal_is_a_line_twice_a_second);
     tcase_add_test(program, exported_frames_are_those_of_the_run);
     tcase_add_test(program, an_export_that_does_not_match_the_run_is_refused);
     tcase_add_test(program,

@@ -411,11 +411,24 @@ START_TEST(a_movie_is_of_all_frames)
 }
 END_TEST
 
-START_TEST(an_export_that_cannot_be_written_names_the_file)
+START_TEST(an_export_that_cannot_be_written_names_the_file_and_why)
 {
-    expect(shell("ulimit -f 2; " WEFT " export " OUT "/r --format mdd 2>&1"), 4);
-    says(OUT "/r/r");
-    ck_assert(!exists(OUT "/r/run.mdd") && !exists(OUT "/r/run.mdd.tmp"));
+    static const char *const formats[] = { "obj", "ply", "csv", "mdd", "pc2", "pvd" };
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/big --quiet --set "
+                      "cloth.grid.rows=30 --set cloth.grid.cols=30 --set "
+                      "run.duration=0.01"),
+           0);
+    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; ++i) {
+        expect(shell("ulimit -f 2; " WEFT " export " OUT
+                     "/big --format %s --frame all 2>&1",
+                     formats[i]),
+               4);
+        says("weft: error: " OUT "/big/");
+        says(": File too large\n");
+        expect(shell("find " OUT "/big -name '*.tmp' -o -name '*.%s'", formats[i]), 0);
+        ck_assert_ptr_null(strstr(output, ".tmp"));
+        ck_assert(strcmp(formats[i], "csv") == 0 || output[0] == '\0');
+    }
 }
 END_TEST
 
@@ -439,7 +452,7 @@ static Suite *suite(void)
     tcase_add_test(files, without_a_final_state_the_last_frame_is_taken);
     tcase_add_test(files, without_run_vtkhdf_frames_are_computed_anew);
     tcase_add_test(files, a_movie_is_of_all_frames);
-    tcase_add_test(files, an_export_that_cannot_be_written_names_the_file);
+    tcase_add_test(files, an_export_that_cannot_be_written_names_the_file_and_why);
     suite_add_tcase(all, files);
     return all;
 }

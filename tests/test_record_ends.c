@@ -225,6 +225,16 @@ START_TEST(a_file_that_cannot_be_made_is_named)
                  "/v --quiet 2>&1"),
            4);
     says(OUT "/v/run.vtkhdf: File too large");
+    expect(shell("mkdir -p " OUT "/w/final.csv.tmp/x; " WEFT " run " OUT
+                 "/small.yaml --out " OUT "/w --force --quiet --view 2>&1"),
+           4);
+    says(OUT "/w/final.csv: Is a directory");
+    expect(shell("grep -c 'status: failed' " OUT "/w/result.yaml; test ! -e " OUT
+                 "/w/run.html"),
+           0);
+    record_frames *frames = open_frames(OUT "/w");
+    ck_assert_uint_eq(record_frames_count(frames), 11);
+    record_frames_close(frames);
 }
 END_TEST
 

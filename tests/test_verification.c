@@ -10,10 +10,10 @@ static weft_registry *registry;
 static verify_reference references[VERIFY_SCENES];
 static char shipped[VERIFY_SHIPPED_MOST][VERIFY_NAME];
 
-static verify_method method(int i)
+static stepper_method method(int i)
 {
-    verify_method m;
-    ck_assert(verify_method_at(registry, (size_t)i, &m));
+    stepper_method m;
+    ck_assert(method_at(registry, (size_t)i, &m));
     return m;
 }
 
@@ -102,8 +102,8 @@ END_TEST
 
 START_TEST(every_adaptive_method_reaches_the_reference)
 {
-    const verify_method m = method(_i);
-    for (size_t i = 0; i < VERIFY_SCENES && verify_adapts(m.type); ++i) {
+    const stepper_method m = method(_i);
+    for (size_t i = 0; i < VERIFY_SCENES && method_adapts(m.type); ++i) {
         weft_error err = { 0 };
         verify_accuracy a;
         check(verify_accuracy_of(registry, verify_scene_at(i, true), &m, &references[i],
@@ -121,11 +121,11 @@ START_TEST(every_method_runs_every_shipped_scene)
     weft_error err = { 0 };
     verify_scene scene;
     verify_frames reference;
-    verify_method m;
+    stepper_method m;
     check(
         verify_shipped_reference(registry, shipped[_i], true, &scene, &reference, &err),
         &err);
-    for (size_t k = 0; verify_method_at(registry, k, &m); ++k) {
+    for (size_t k = 0; method_at(registry, k, &m); ++k) {
         verify_shipped_result r = { 0 };
         if (verify_shipped_suits(m.type, &reference)) {
             const weft_status status
@@ -153,13 +153,13 @@ static TCase *add_case(Suite *suite, const char *name, const TTest *test, size_t
 int main(void)
 {
     Suite *suite = suite_create("verification");
-    verify_method m;
+    stepper_method m;
     size_t methods = 0, pairs = 0;
     registry = verify_registry();
     if (registry == NULL) {
         return 1;
     }
-    while (verify_method_at(registry, methods, &m)) {
+    while (method_at(registry, methods, &m)) {
         ++methods;
     }
     while (verify_pair_at(pairs) != NULL) {
@@ -168,7 +168,7 @@ int main(void)
     add_case(suite, "order", every_method_has_the_order_it_claims, methods);
     add_case(suite, "claims", a_wrong_claim_is_seen, methods);
     add_case(suite, "pairs", the_same_table_in_two_plugins_steps_alike, pairs);
-    if (verify_best_method(registry, NULL, &m)) { /* else there is nothing to compare */
+    if (method_best(registry, NULL, &m)) { /* else there is nothing to compare */
         TCase *accuracy = add_case(
             suite, "accuracy", every_adaptive_method_reaches_the_reference, methods);
         tcase_add_unchecked_fixture(accuracy, make_references, free_references);

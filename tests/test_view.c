@@ -135,7 +135,7 @@ START_TEST(what_cannot_be_shown_is_said)
     expect(4, WEFT " view " OUT "/a --out " OUT "/nowhere/page.html 2>&1");
     says("nowhere/page.html");
     expect(4, "ulimit -f 8; trap '' XFSZ; " WEFT " view " OUT "/a 2>&1");
-    says("a/run.html");
+    says("a/run.html: File too large");
     expect(0, "test ! -e " OUT "/a/run.html && test ! -e " OUT "/a/run.html.tmp");
 }
 END_TEST

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// build.mjs -- dist/player.html from src/: one page, nothing fetched when it is shown.
-// The same sources and versions give the same bytes. `node build.mjs FILE` writes there.
+// build.mjs -- dist/player.html and dist/compare.html from src/: pages that fetch nothing
+// when they are shown. The same sources and versions give the same bytes.
+// `node build.mjs FOLDER` writes there.
 import { createHash } from 'node:crypto';
 import { readFile, writeFile } from 'node:fs/promises';
 import { fileURLToPath } from 'node:url';
@@ -33,31 +34,34 @@ const licence = async (name) => {
 // What the page may do: run this script, apply this style, and nothing else.
 const hash = (text) => `'sha256-${createHash('sha256').update(text).digest('base64')}'`;
 
-const script = await bundle('src/main.js');
-const style = await bundle('src/page.css');
-const notices = [
-    `weft's player (BSD-3-Clause)\n\n${(await readFile(here('../LICENSE'), 'utf8')).trim()}`,
-    await licence('three'),
-    await licence('uplot'),
-].join('\n\n----\n\n');
-
-const fill = {
-    POLICY: `default-src 'none'; img-src data:; script-src ${hash(script)}; `
-        + `style-src ${hash(style)}; base-uri 'none'; form-action 'none'`,
-    NOTICES: notices,
-    STYLE: style,
-    SCRIPT: script,
-};
-for (const text of [script, style, notices]) {
-    if (/<\/script|<\/style|-->|<!--/i.test(text)) {
-        throw new Error('a part of the page would end its element');
+async function write(name, entry, shape, software) {
+    const script = await bundle(`src/${entry}.js`);
+    const style = await bundle(`src/${shape}.css`);
+    const notices = [
+        `weft's ${name} (BSD-3-Clause)\n\n${(await readFile(here('../LICENSE'), 'utf8')).trim()}`,
+        ...await Promise.all(software.map(licence)),
+    ].join('\n\n----\n\n');
+    const fill = {
+        POLICY: `default-src 'none'; img-src data:; script-src ${hash(script)}; `
+            + `style-src ${hash(style)}; base-uri 'none'; form-action 'none'`,
+        NOTICES: notices,
+        STYLE: style,
+        SCRIPT: script,
+    };
+    for (const text of [script, style, notices]) {
+        if (/<\/script|<\/style|-->|<!--/i.test(text)) {
+            throw new Error('a part of the page would end its element');
+        }
     }
+    const page = (await readFile(here(`src/${shape}.html`), 'utf8')).replace(
+        /@([A-Z]+)@/g,
+        (_, part) => fill[part],
+    );
+    if (page.split(MARK).length !== 2) {
+        throw new Error(`the page must have one ${MARK}`);
+    }
+    await writeFile(`${process.argv[2] ?? fileURLToPath(here('dist'))}/${name}.html`, page);
 }
-const page = (await readFile(here('src/page.html'), 'utf8')).replace(
-    /@([A-Z]+)@/g,
-    (_, name) => fill[name],
-);
-if (page.split(MARK).length !== 2) {
-    throw new Error(`the page must have one ${MARK}`);
-}
-await writeFile(process.argv[2] ?? here('dist/player.html'), page);
+
+await write('player', 'main', 'page', ['three', 'uplot']);
+await write('compare', 'compare', 'compare', ['uplot']);

@@ -123,12 +123,16 @@ typedef struct weft_limit_def {
  * the y axis. Set what differs. */
 WEFT_API weft_cloth_def weft_cloth_def_default(void);
 
-/* Makes a cloth. Errors: WEFT_INVALID (a value out of range, a pin outside the grid,
- * coincident rest positions, ...; the message names the field), WEFT_NO_MEMORY. */
+/* Makes a cloth. It will use the fastest instructions that this machine has, unless the
+ * environment variable WEFT_ISA names others that it has: "plain", "x86-64-v3" (AVX2),
+ * "x86-64-v4" (AVX-512). Errors: WEFT_INVALID (a value out of range, a pin outside the
+ * grid, coincident rest positions, ...; the message names the field), WEFT_NO_MEMORY.
+ */
 WEFT_API weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
                                        weft_error *err);
 WEFT_API void weft_cloth_destroy(weft_cloth *cloth); /* NULL is allowed */
 
+WEFT_API const char *weft_cloth_isa(const weft_cloth *cloth); /* those in use */
 WEFT_API size_t weft_cloth_rows(const weft_cloth *cloth);
 WEFT_API size_t weft_cloth_cols(const weft_cloth *cloth);
 WEFT_API size_t weft_cloth_particles(const weft_cloth *cloth);
@@ -146,8 +150,9 @@ WEFT_API void weft_cloth_start(const weft_cloth *cloth, double *y);
 /* Where the particles rest [m], x y z of particle 0, x y z of particle 1, ...: 3 N. */
 WEFT_API void weft_cloth_rest(const weft_cloth *cloth, double *xyz);
 
-/* dy/dt into dydt[6 N] at time t [s]. Returns 0, or 1 if it is not finite (then dydt
- * is not either). Calls nothing, allocates nothing; y and dydt do not overlap. */
+/* dy/dt into dydt[6 N] at time t [s]. Returns 0, or 1 if it, or a force on a pinned
+ * particle, is not finite. Calls nothing, allocates nothing; y and dydt do not overlap.
+ * The same bits on every machine, whatever instructions it has. */
 WEFT_API int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y,
                             double *dydt);
 

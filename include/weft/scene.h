@@ -16,9 +16,10 @@ extern "C" {
 typedef struct weft_scene weft_scene;
 
 typedef struct weft_run_def {
-    double duration; /* [s] > 0 */
-    double fps;      /* [1/s] > 0 */
-    size_t threads;  /* >= 1; also in the stepper's config */
+    double duration;   /* [s] > 0 */
+    double fps;        /* [1/s] > 0 */
+    size_t threads;    /* >= 1; also in the stepper's config */
+    size_t checkpoint; /* frames from one to the next; 0: none */
 } weft_run_def;
 
 /* What a run may keep of each particle beside its position. */
@@ -75,7 +76,8 @@ typedef struct weft_scene_def {
     const weft_plugin *(*find_plugin)(void *ctx, const char *id, weft_error *err);
     void *find_ctx;
 
-    /* NULL: malloc's. libyaml takes what it needs while it reads from malloc always. */
+    /* NULL: malloc's. From malloc always: what libyaml needs while it reads, and what a
+     * weft_sweep keeps beside the text and the scenes. */
     const weft_allocator *allocator;
 } weft_scene_def;
 
@@ -101,8 +103,32 @@ WEFT_API const weft_stepper_type *weft_scene_method_type(const weft_scene *scene
 WEFT_API const weft_stepper_config *weft_scene_config(const weft_scene *scene);
 
 /* The scene as it runs: the text that was read, or, if there were overrides, the same
- * document written anew with them applied. */
+ * document written anew with them applied. A name that came from the file's is put in.
+ */
 WEFT_API const char *weft_scene_text(const weft_scene *scene);
+
+/* A scene file with `sweep`: {key.path: [value, ...], ...} stands for many runs: every
+ * combination of the values, the last key varying fastest, or with zip: true as many as
+ * each list has values. A scene without it is a sweep of one run and no keys. For
+ * weft_scene_load a sweep is a mistake. */
+typedef struct weft_sweep weft_sweep;
+
+/* Reads and checks every run; what is wrong in some runs only says so. Errors and
+ * `found` as for weft_scene_load. def->sets and what find_plugin needs outlive the
+ * sweep. */
+WEFT_API weft_status weft_sweep_load(const weft_scene_def *def, weft_sweep **out,
+                                     weft_diagnostics *found, weft_error *err);
+WEFT_API void weft_sweep_destroy(weft_sweep *sweep); /* NULL is allowed */
+
+WEFT_API size_t weft_sweep_runs(const weft_sweep *sweep); /* 1 to 100000 */
+WEFT_API size_t weft_sweep_keys(const weft_sweep *sweep);
+/* The path of key 0, 1, ... and its value in run 1, 2, ... in one line. */
+WEFT_API const char *weft_sweep_key(const weft_sweep *sweep, size_t key);
+WEFT_API const char *weft_sweep_value(const weft_sweep *sweep, size_t key, size_t run);
+/* The scene of run 1, 2, ..., whose text has its values and no sweep. Errors:
+ * WEFT_INVALID, WEFT_NO_MEMORY. */
+WEFT_API weft_status weft_sweep_scene(const weft_sweep *sweep, size_t run,
+                                      weft_scene **out, weft_error *err);
 
 typedef enum weft_scene_help_format {
     WEFT_HELP_TEXT,

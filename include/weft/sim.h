@@ -115,8 +115,8 @@ typedef int weft_force_fn(void *ctx, double t, const double *y, double *f);
 typedef struct weft_sim_def {
     const weft_cloth *cloth;         /* outlives the simulation */
     const weft_stepper_type *method; /* likewise */
-    weft_stepper_config config;
-    weft_correct_fn *correct; /* NULL: none; comes after the limit */
+    weft_stepper_config config;      /* what it points to outlives it too */
+    weft_correct_fn *correct;        /* NULL: none; comes after the limit */
     void *correct_ctx;
     bool ledger; /* keep the energy ledger; the method needs WEFT_STEPPER_QUADRATURES */
     weft_limit_def limit; /* a correction after every accepted step; default: none */
@@ -203,9 +203,9 @@ WEFT_API weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
 
 /* Pins, changed while a simulation runs. The cloth that it was made from and all others
  * that share it keep theirs: the first change gives this one pins of its own. Particle
- * i is (i / cols, i % cols). Between two steps, in O(1) but for the first change and
- * for weft_sim_unpin, O(N). Errors: WEFT_INVALID (no such particle, a number that is
- * not finite), WEFT_NO_MEMORY, and nothing is changed. */
+ * i is (i / cols, i % cols). Between two steps, each in O(N). Errors: WEFT_INVALID (no
+ * such particle, a number that is not finite), WEFT_NO_MEMORY, and nothing is changed.
+ */
 
 /* Holds a particle, from where it is and from now on, and moves it at `velocity` [m/s]
  * (NULL: not at all, and it keeps its position bit for bit). One that is pinned already
@@ -222,6 +222,30 @@ WEFT_API weft_status weft_sim_move_pin(weft_sim *sim, size_t i,
 /* Lets a particle go, with the position and the velocity that it has. One that is not
  * pinned stays as it is. */
 WEFT_API weft_status weft_sim_unpin(weft_sim *sim, size_t i, weft_error *err);
+
+/* The stepper begins anew from the present state, with the h it would try next; all
+ * counts go on. Nothing else is left of its past then, whatever the method. On failure,
+ * WEFT_NO_MEMORY, nothing is changed. */
+WEFT_API weft_status weft_sim_restart(weft_sim *sim, weft_error *err);
+
+/* Save everything that the future of a simulation depends on: state, time, next h,
+ * counts, ledger and strain limit, to `size` bytes of the caller's. Restored into a
+ * simulation of the same definition, made by any program on any machine, both go on
+ * alike to the last bit, as saving restarts the stepper here too. What `correct` keeps
+ * and `force` keep for themselves is the caller's to save. The bytes know their version
+ * and are checksummed; they hold no pins, which are those of the definition: a
+ * simulation whose pins were changed can be neither saved nor restored into. Errors:
+ * WEFT_INVALID (changed pins, size is below that of weft_sim_save_size), those of
+ * weft_sim_restart. */
+WEFT_API size_t weft_sim_save_size(const weft_sim *sim);
+WEFT_API weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size,
+                                   weft_error *err);
+
+/* Errors: WEFT_INVALID with the reason (these are no saved simulation, damaged or cut
+ * off, of another version, grid or method, with and without ledger, or pins that were
+ * changed here), WEFT_NO_MEMORY. Nothing is changed then. */
+WEFT_API weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
+                                      weft_error *err);
 
 #ifdef __cplusplus
 }

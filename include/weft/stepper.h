@@ -85,6 +85,15 @@ typedef struct weft_controller {
     double failed_growth; /* > 0, < 1: of h after repeated rejections */
 } weft_controller;
 
+/* Threads of whoever steps, lent to the solver's own arithmetic: run calls
+ * task(ctx, part) for each part of [0, parts), parts <= 65535, once, on any thread and
+ * in any order, and returns when all are done. Only within create and step. */
+typedef struct weft_team {
+    void *self;
+    void (*run)(void *self, void (*task)(void *ctx, size_t part), void *ctx,
+                size_t parts);
+} weft_team;
+
 /* What the user asked of the solver, which then decides every step by itself. With
  * fixed_step > 0 there is no error control: the norm, the tolerances and the other
  * step sizes are not looked at. */
@@ -102,10 +111,13 @@ typedef struct weft_stepper_config {
 
     /* appended: there if struct_size says so */
     const weft_controller *controller; /* for a method that takes one; NULL: default */
-    size_t threads;     /* for the solver's own arithmetic; 0 and 1: the caller's */
+    size_t threads;     /* of a simulation, for the forces and as a team for the
+                           solver; 0 and 1: the caller's. Not for plugins */
     size_t quadratures; /* so many components at the end of y are neither positions nor
                            velocities: integrated along, without a say in any step.
                            Only for a method with WEFT_STEPPER_QUADRATURES */
+    const weft_team *team; /* outlives the stepper; NULL: there is none, or in the
+                              definition of a simulation: its own */
     const weft_allocator *allocator; /* for the plugin's own memory; solvers that know
                                         malloc only go on using it. NULL: malloc's */
 } weft_stepper_config;

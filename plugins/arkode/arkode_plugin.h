@@ -2,7 +2,7 @@
 /* arkode_plugin.h -- what the files of this plugin share. Reading order: plugin.c (the
  * methods), tables.c and order.c (coefficients and what they must meet), create.c (one
  * instance), control.c (how h is adapted), step.c (one accepted step), vector.c
- * (arithmetic), threads.c.
+ * (arithmetic).
  *
  * ERKStep, the explicit Runge-Kutta module of SUNDIALS' ARKODE, is driven whole: it
  * combines the stages, estimates the error, accepts, rejects and chooses h. SUNDIALS
@@ -81,7 +81,6 @@ typedef struct stepper {
     long failed_tests; /* rejections that ARKODE has counted so far */
 
     SUNContext context;
-    struct ark_team *team;
     N_Vector y; /* ours; ARKODE writes to it also when it fails */
     void *solver;
 #if SUNV >= 607
@@ -133,28 +132,21 @@ extern const weft_butcher weft__ark_euler, weft__ark_midpoint, weft__ark_heun,
 bool weft__ark_has_order(const weft_butcher *table, const double *weights, int order,
                          const char **what, double *is, double *wanted);
 
-/* threads.c: so many threads, the caller's among them, on parts of a job. The parts
- * must not depend on one another. NULL: the caller's alone, which is also what there is
- * where no more can be had. */
-typedef struct ark_team ark_team;
-typedef void ark_task(void *ctx, int part);
-ark_team *weft__ark_team(size_t threads);
-void weft__ark_team_run(ark_team *team, ark_task *task, void *ctx, int count);
-void weft__ark_team_free(ark_team *team);
-
 /* vector.c: n zeros, whose clones inherit the team and the norm. Operations on long
  * ones are shared with the team, which may be NULL, with the same results. NULL: no
- * memory. */
-N_Vector weft__ark_vector(size_t n, ark_team *team, SUNContext context);
+ * memory. What NV_DATA_S points to may be shared: it is for reading. */
+N_Vector weft__ark_vector(size_t n, const weft_team *team, SUNContext context);
 /* What ARKODE judges steps and tolerances by; before that, and with fixed steps, it
  * finds nothing wrong. */
 void weft__ark_judge_by(N_Vector v, weft_norm norm);
+/* Where its numbers may be written, all of them unless it was filled before. */
+double *weft__ark_fill(N_Vector v);
 void weft__ark_read(N_Vector v, double *to);
 void weft__ark_write(N_Vector v, const double *from);
 bool weft__ark_finite(N_Vector v);
-/* Whether the combination, or copy, was finite that was the last to be written to v. */
-bool weft__ark_made_finite(N_Vector v);
-void weft__ark_weigh(N_Vector y, N_Vector weights, size_t first, size_t count,
-                     double rtol, double atol); /* components from the first on */
+/* Makes weights of 1 / (rtol |y_i| + atol), of the first `half` components and of the
+ * second, 0 behind them: for norms alone. */
+void weft__ark_weigh(N_Vector y, N_Vector weights, size_t half, double rtol,
+                     const double atol[2]);
 
 #endif

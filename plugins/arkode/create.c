@@ -134,12 +134,11 @@ static bool settings(stepper *self)
 static bool make_solver(stepper *self, const weft_stepper_config *config,
                         ARKodeButcherTable table)
 {
-    const size_t threads
-        = WEFT_HAS(config, weft_stepper_config, threads) ? config->threads : 1;
+    const weft_team *team
+        = WEFT_HAS(config, weft_stepper_config, team) ? config->team : NULL;
     bool made = make_context(self);
     if (made) {
-        self->team = weft__ark_team(threads);
-        self->y = weft__ark_vector(self->ode.dim, self->team, self->context);
+        self->y = weft__ark_vector(self->ode.dim, team, self->context);
         made = self->y != NULL;
     }
     if (made) {
@@ -241,7 +240,6 @@ void weft__ark_destroy(void *instance)
     if (self->y != NULL) {
         N_VDestroy(self->y);
     }
-    weft__ark_team_free(self->team);
     if (self->context != NULL) {
         (void)SUNContext_Free(&self->context);
     }

@@ -29,7 +29,6 @@ int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance)
 {
     stepper *self = instance;
     const bool starting = self->starting;
-    double *dydt = NV_DATA_S(ydot);
     if (self->skip) {
         self->skip = false;
         return 0;
@@ -37,9 +36,9 @@ int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance)
     self->starting = false;
     self->since_bad += self->since_bad < INT32_MAX;
     int failed = 1;
-    if (weft__ark_made_finite(y)) {
+    if (weft__ark_finite(y)) {
         ++self->stats.rhs_calls;
-        failed = self->ode.rhs(t, NV_DATA_S(y), dydt, self->ode.ctx);
+        failed = self->ode.rhs(t, NV_DATA_S(y), weft__ark_fill(ydot), self->ode.ctx);
     }
     if (failed < 0) {
         self->stopped = true;
@@ -50,7 +49,7 @@ int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance)
         return 0;
     }
     self->since_bad = 0;
-    dydt[0] = NAN;
+    weft__ark_fill(ydot)[0] = NAN;
     return self->fixed_step > 0.0 || starting ? -1 : 0; /* a smaller h helps no start */
 }
 
@@ -58,11 +57,8 @@ int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance)
 int weft__ark_weights(N_Vector y, N_Vector weights, void *instance)
 {
     const stepper *self = instance;
-    const size_t half = self->half, dim = self->ode.dim;
     if (self->fixed_step == 0.0) {
-        weft__ark_weigh(y, weights, 0, half, self->rtol, self->atol[0]);
-        weft__ark_weigh(y, weights, half, half, self->rtol, self->atol[1]);
-        memset(NV_DATA_S(weights) + 2 * half, 0, (dim - 2 * half) * sizeof(double));
+        weft__ark_weigh(y, weights, self->half, self->rtol, self->atol);
     }
     return 0;
 }
@@ -158,7 +154,7 @@ static bool was_finite(stepper *self, int flag)
     }
     return flag != ARK_ERR_FAILURE
            || ARK(GetEstLocalErrors)(self->solver, self->y) != ARK_SUCCESS
-           || weft__ark_made_finite(self->y);
+           || weft__ark_finite(self->y);
 }
 
 static weft_status fail(stepper *self, int flag, double t, weft_error *err)
@@ -247,7 +243,7 @@ weft_status weft__ark_step(void *instance, double t_end, double *t, double *y,
         if (flag < 0) {
             return fail(self, flag, *t, err);
         }
-        if (weft__ark_made_finite(self->y)) {
+        if (weft__ark_finite(self->y)) {
             accept(self, h, rest, reached, t_end, t, y);
             return WEFT_OK;
         }

@@ -1,248 +1,187 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* vector.c -- SUNDIALS' serial vector with memory of our own, and with those operations
- * replaced that an explicit step consists of. To the others it is a serial vector.
+ * replaced that an explicit step consists of. To the others, which may read it, it is a
+ * serial vector.
  *
- * Debian compiles SUNDIALS at -O0. Beyond the caches it is memory that binds, so a
- * combination reads all its vectors side by side, once.
+ * A step of ERKStep's moves more than it computes. What it copies is shared here until
+ * one of the two is written to; a combination that already stands where it is wanted,
+ * as the solution of a method whose last stage is at the solution does, is not computed
+ * again; error weights are not stored, but made from the state while the error is
+ * judged; and where an error estimate is kept, which is seen when it is first judged,
+ * it is judged from then on as it is computed.
  *
- * Every component is computed by the same operations in the same order whatever the
- * instruction set, and a sum is taken over slices that depend on the length alone and
- * are added up in order: the same bits everywhere, on any number of threads. */
-#include "arkode_plugin.h"
+ * There are as many arrays as vectors. One that is free is taken by the next vector
+ * that needs one of its own: those needed by no step are never touched. */
+#include "arithmetic.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum {
-    SIDE_BY_SIDE = 8, /* vectors read at once */
     TERMS = WEFT__ARK_MAX_STAGES + 1,
-    BLOCK = 512,            /* components of a sum that stays in a cache */
-    LINE = 8,               /* components of a cache line */
-    LANES = 64,             /* partial results of a norm */
-    SLICES = 64,            /* a vector has at most so many, */
-    SLICE_LEAST = 2048,     /* of so many components at least */
-    PARALLEL_LEAST = 20000, /* components that are worth the waking of a thread */
+    REMEMBERED = 16, /* terms of a combination that may be asked for again */
+    LINE = 64,       /* bytes of a cache line */
 };
 
-/* Wider vectors where the machine has them, which is found out as the plugin is loaded:
- * before there is an address sanitizer. */
-#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)                   \
-    && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define WIDE __attribute__((target_clones("default", "avx2")))
-#else
-#define WIDE
-#endif
+/* Numbers that vectors may share. */
+typedef struct array {
+    double *data;
+    void *block;        /* that data lies in */
+    int users;          /* 0: it is free */
+    uint64_t version;   /* of the numbers, of all there have been */
+    bool known, finite; /* whether all are, if it is known */
+    double most;        /* their largest magnitude; NaN: not known */
+    struct array *next_free;
+} array;
 
-/* What is written may be one of the vectors read, but not a part of one. */
-#if defined(__clang__)
-#define ELEMENTWISE _Pragma("clang loop vectorize(assume_safety)")
-#else
-#define ELEMENTWISE _Pragma("GCC ivdep")
-#endif
+/* What a vector and its clones have in common. */
+typedef struct family {
+    const weft_team *team;
+    size_t n;
+    int members;
+    array *free;
+    uint64_t versions;
+    weft_norm norm;
+    struct content *weights; /* the member that weighs; NULL: none */
+} family;
+
+/* The version `is` of some numbers is the sum of factor[k] times version[k]. */
+typedef struct recipe {
+    int count; /* 0: it is not known how they were made */
+    uint64_t version[REMEMBERED], is;
+    double factor[REMEMBERED];
+} recipe;
+
+/* The norm of the version `of` by the weights of the version `by`. */
+typedef struct verdict {
+    uint64_t of, by;
+    double norm;
+} verdict;
 
 typedef struct content {
     struct _N_VectorContent_Serial serial; /* first: all that the library sees */
-    ark_team *team;
-    bool finite; /* all of the last combination written here */
+    family *family;
+    array *array;
+    recipe made;
+    bool judged; /* once: judged from then on as it is computed */
+    verdict verdict;
+    bool weighs; /* it is weights, of the numbers that it shares: */
+    double rtol, atol[2];
+    size_t half;
 } content;
 
-/* On vectors of n components. */
-typedef struct operation {
-    size_t n;
-    ark_team *team;
-    int count; /* of vectors read */
-    const double *const *x;
-    const double *c;
-    double *z;
-} operation;
-
-/* The components [first, last); returns what a reduction makes of them. */
-typedef double slice_fn(const operation *op, size_t first, size_t last);
-
-static size_t length(N_Vector v)
+static content *of(N_Vector v)
 {
-    return (size_t)NV_LENGTH_S(v);
+    return v->content;
 }
 
-static ark_team *team_of(N_Vector v)
-{
-    return ((const content *)v->content)->team;
-}
+/* ---- arrays ---------------------------------------------------------------------- */
 
-static size_t least(size_t a, size_t b)
+static void let_go(family *all, array *a)
 {
-    return a < b ? a : b;
-}
-
-/* A slice for each part of a job. */
-typedef struct job {
-    slice_fn *slice;
-    const operation *op;
-    size_t size; /* of a slice */
-    double *part;
-} job;
-
-static void do_slice(void *ctx, int i)
-{
-    const job *whole = ctx;
-    const size_t first = (size_t)i * whole->size;
-    whole->part[i]
-        = whole->slice(whole->op, first, least(first + whole->size, whole->op->n));
-}
-
-/* Returns the number of slices; part[i] is what came of the i-th. */
-static int run(slice_fn *slice, const operation *op, double part[SLICES])
-{
-    const size_t even = (op->n / (SLICES * LINE) + 1) * LINE;
-    job whole = { slice, op, even > SLICE_LEAST ? even : SLICE_LEAST, part };
-    const int count = (int)((op->n + whole.size - 1) / whole.size);
-    if (op->team != NULL && op->n >= PARALLEL_LEAST) {
-        weft__ark_team_run(op->team, do_slice, &whole, count);
-        return count;
+    if (a != NULL && --a->users == 0) {
+        a->next_free = all->free;
+        all->free = a;
     }
-    for (int i = 0; i < count; ++i) {
-        do_slice(&whole, i);
+}
+
+static void hold(content *v, array *a)
+{
+    ++a->users;
+    let_go(v->family, v->array);
+    v->array = a;
+    v->serial.data = a->data;
+    v->made.count = 0;
+    v->weighs = false;
+}
+
+/* Before it is written to. Where one is shared there is a free one. */
+static void own(content *v, bool keep)
+{
+    family *all = v->family;
+    const array *before = v->array;
+    if (before->users > 1) {
+        array *a = all->free;
+        all->free = a->next_free;
+        if (keep) {
+            memcpy(a->data, before->data, all->n * sizeof *a->data);
+        }
+        hold(v, a);
     }
-    return count;
+    v->array->version = ++all->versions;
+    v->array->known = false;
+    v->array->most = NAN;
+    v->made.count = 0;
+    v->weighs = false;
+}
+
+double *weft__ark_fill(N_Vector v)
+{
+    own(of(v), false);
+    return of(v)->array->data;
+}
+
+static void is_finite(content *v, bool finite)
+{
+    v->array->known = true;
+    v->array->finite = finite;
+}
+
+bool weft__ark_finite(N_Vector v)
+{
+    content *self = of(v);
+    if (!self->array->known) {
+        is_finite(self, weft__ark_all_finite(self->family->team, self->family->n,
+                                             self->array->data));
+    }
+    return self->array->finite;
 }
 
 /* ---- combinations ---------------------------------------------------------------- */
 
-/* Added to the bits of |x| these carry into the sign just for an x that is not finite,
- * whose exponent has all bits set, or that is NaN, which has bits behind them. */
-#define SHOWS_NOT_FINITE UINT64_C(0x0010000000000000)
-#define SHOWS_NAN        UINT64_C(0x000fffffffffffff)
-
-static inline uint64_t magnitude_bits(double x)
-{
-    uint64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits & INT64_MAX;
-}
-
-/* Returns whether something of z is not finite. */
-static inline __attribute__((always_inline)) bool
-add_up(int count, const double *const *x, const double *c, double *z, size_t n)
-{
-    const double *from[SIDE_BY_SIDE];
-    double factor[SIDE_BY_SIDE];
-    for (int k = 0; k < count; ++k) {
-        from[k] = x[k];
-        factor[k] = c[k];
-    }
-    uint64_t bad = 0;
-    ELEMENTWISE
-    for (size_t i = 0; i < n; ++i) {
-        double sum = factor[0] * from[0][i];
-        for (int k = 1; k < count; ++k) {
-            sum += factor[k] * from[k][i];
-        }
-        z[i] = sum;
-        bad |= magnitude_bits(sum) + SHOWS_NOT_FINITE;
-    }
-    return bad >> 63 != 0;
-}
-
-/* z = sum of c[k] x[k], from left to right; at most SIDE_BY_SIDE of them. */
-WIDE static bool combine(int count, const double *const *x, const double *c, double *z,
-                         size_t n)
-{
-    switch (count) {
-    case 1:
-        return add_up(1, x, c, z, n);
-    case 2:
-        return add_up(2, x, c, z, n);
-    case 3:
-        return add_up(3, x, c, z, n);
-    case 4:
-        return add_up(4, x, c, z, n);
-    case 5:
-        return add_up(5, x, c, z, n);
-    case 6:
-        return add_up(6, x, c, z, n);
-    case 7:
-        return add_up(7, x, c, z, n);
-    default:
-        return add_up(8, x, c, z, n);
-    }
-}
-
-/* More vectors than that: the sum so far is the first of the next lot. What is not
- * finite stays so. */
-static bool combine_many(const operation *op, size_t at, size_t n)
-{
-    double sum[BLOCK];
-    const double *x[SIDE_BY_SIDE] = { sum };
-    double c[SIDE_BY_SIDE] = { 1.0 };
-    bool bad = false;
-    for (int done = 0, lot = 0; done < op->count; done += lot) {
-        const int kept = done > 0;
-        for (lot = 0; kept + lot < SIDE_BY_SIDE && done + lot < op->count; ++lot) {
-            x[kept + lot] = op->x[done + lot] + at;
-            c[kept + lot] = op->c[done + lot];
-        }
-        bad = combine(kept + lot, x, c, sum, n);
-        x[0] = sum;
-        c[0] = 1.0;
-    }
-    memcpy(op->z + at, sum, n * sizeof *sum);
-    return bad;
-}
-
-static double combination_slice(const operation *op, size_t first, size_t last)
-{
-    const double *x[SIDE_BY_SIDE];
-    for (int k = 0; k < op->count && k < SIDE_BY_SIDE; ++k) {
-        x[k] = op->x[k] + first;
-    }
-    if (op->count <= SIDE_BY_SIDE) {
-        return combine(op->count, x, op->c, op->z + first, last - first);
-    }
-    bool bad = false;
-    for (size_t at = first; at < last; at += BLOCK) {
-        bad = combine_many(op, at, least(BLOCK, last - at)) || bad;
-    }
-    return bad;
-}
-
-WIDE static double set_slice(const operation *op, size_t first, size_t last)
-{
-    double *z = op->z;
-    const double c = op->c[0];
-    for (size_t i = first; i < last; ++i) {
-        z[i] = c;
-    }
-    return 0.0;
-}
-
 static void set_all(sunrealtype c, N_Vector z)
 {
-    double part[SLICES];
-    const operation op
-        = { .n = length(z), .team = team_of(z), .c = &c, .z = NV_DATA_S(z) };
-    (void)run(set_slice, &op, part);
-    ((content *)z->content)->finite = isfinite(c);
+    const family *all = of(z)->family;
+    weft__ark_set(all->team, all->n, c, weft__ark_fill(z));
+    is_finite(of(z), isfinite(c));
 }
 
-static bool all_zero(const double *part, int count)
+static bool stands_there(const content *z, const recipe *wanted)
 {
-    int i = 0;
-    while (i < count && part[i] == 0.0) {
-        ++i;
+    const recipe *made = &z->made;
+    const size_t count = (size_t)wanted->count;
+    return count > 0 && made->count == wanted->count && made->is == z->array->version
+           && memcmp(made->version, wanted->version, count * sizeof *made->version) == 0
+           && memcmp(made->factor, wanted->factor, count * sizeof *made->factor) == 0;
+}
+
+static ark_weights weights_of(const content *w)
+{
+    return (ark_weights){ .norm = w->family->norm,
+                          .plain = w->weighs ? NULL : w->array->data,
+                          .y = w->array->data,
+                          .half = w->half,
+                          .rtol = w->rtol,
+                          .atol = { w->atol[0], w->atol[1] } };
+}
+
+/* What is read is held by others, or written to in place. */
+static void combine(content *z, int count, const double *const *x, const double *c)
+{
+    const family *all = z->family;
+    bool finite;
+    own(z, false);
+    if (z->judged && all->weights != NULL) {
+        const ark_weights weights = weights_of(all->weights);
+        z->verdict.norm = weft__ark_judge(all->team, all->n, &weights, z->array->data,
+                                          count, x, c, &finite);
+        z->verdict.of = z->array->version;
+        z->verdict.by = all->weights->array->version;
+    } else {
+        finite = weft__ark_combine(all->team, all->n, count, x, c, z->array->data);
     }
-    return i == count;
-}
-
-/* Returns whether all of z is finite. */
-static bool add(int count, const double *const *x, const double *c, double *z,
-                N_Vector like)
-{
-    double part[SLICES];
-    const operation op = {
-        .n = length(like), .team = team_of(like), .count = count, .x = x, .c = c, .z = z
-    };
-    return all_zero(part, run(combination_slice, &op, part));
+    is_finite(z, finite);
 }
 
 /* What has the factor 0 is left out, NaN or not: a table that is given stages without
@@ -251,20 +190,33 @@ static int linear_combination(int count, sunrealtype *c, N_Vector *x, N_Vector z
 {
     const double *from[TERMS];
     double factor[TERMS];
+    recipe wanted = { 0 };
     int kept = 0;
+    array *last = NULL;
     for (int k = 0; k < count; ++k) {
-        if (c[k] != 0.0) {
-            if (kept == TERMS) {
-                return -1;
-            }
-            factor[kept] = c[k];
-            from[kept++] = NV_DATA_S(x[k]);
+        if (c[k] == 0.0) {
+            continue;
         }
+        if (kept == TERMS) {
+            return -1;
+        }
+        last = of(x[k])->array;
+        if (kept < REMEMBERED) {
+            wanted.version[kept] = last->version;
+            wanted.factor[kept] = c[k];
+        }
+        factor[kept] = c[k];
+        from[kept++] = last->data;
     }
+    wanted.count = kept <= REMEMBERED ? kept : 0;
     if (kept == 0) {
         set_all(0.0, z);
-    } else {
-        ((content *)z->content)->finite = add(kept, from, factor, NV_DATA_S(z), z);
+    } else if (kept == 1 && factor[0] == 1.0) {
+        hold(of(z), last);
+    } else if (!stands_there(of(z), &wanted)) {
+        combine(of(z), kept, from, factor);
+        wanted.is = of(z)->array->version;
+        of(z)->made = wanted;
     }
     return 0;
 }
@@ -281,92 +233,89 @@ static void linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_V
     (void)linear_combination(2, c, both, z);
 }
 
-static const double one = 1.0;
+/* ARKODE wants to be given these, but an explicit step does without. */
+static void absolute(N_Vector x, N_Vector z)
+{
+    own(of(z), true);
+    N_VAbs_Serial(x, z);
+}
+
+static void divide(N_Vector x, N_Vector y, N_Vector z)
+{
+    own(of(z), true);
+    N_VDiv_Serial(x, y, z);
+}
+
+static void add_constant(N_Vector x, sunrealtype b, N_Vector z)
+{
+    own(of(z), true);
+    N_VAddConst_Serial(x, b, z);
+}
+
+static void invert(N_Vector x, N_Vector z)
+{
+    own(of(z), true);
+    N_VInv_Serial(x, z);
+}
 
 void weft__ark_read(N_Vector v, double *to)
 {
-    const double *from = NV_DATA_S(v);
-    (void)add(1, &from, &one, to, v);
+    array *a = of(v)->array;
+    const family *all = of(v)->family;
+    a->most = weft__ark_copy(all->team, all->n, a->data, to);
+    is_finite(of(v), !isnan(a->most));
 }
 
 void weft__ark_write(N_Vector v, const double *from)
 {
-    (void)add(1, &from, &one, NV_DATA_S(v), v);
+    const family *all = of(v)->family;
+    double *to = weft__ark_fill(v);
+    of(v)->array->most = weft__ark_copy(all->team, all->n, from, to);
+    is_finite(of(v), !isnan(of(v)->array->most));
 }
 
-/* ---- tests and norms ------------------------------------------------------------- */
+/* ---- norms ----------------------------------------------------------------------- */
 
-/* A comparison drops NaN, which is kept apart. */
-WIDE static double max_slice(const operation *op, size_t first, size_t last)
+void weft__ark_weigh(N_Vector y, N_Vector weights, size_t half, double rtol,
+                     const double atol[2])
 {
-    double most[LANES] = { 0.0 };
-    uint64_t nan = 0;
-    for (size_t at = first; at < last; at += LANES) {
-        const double *p = op->x[0] + at, *w = op->x[1] + at;
-        const size_t m = least(LANES, last - at);
-        for (size_t i = 0; i < m; ++i) {
-            const double e = fabs(p[i] * w[i]);
-            most[i] = e > most[i] ? e : most[i];
-            nan |= magnitude_bits(e) + SHOWS_NAN;
-        }
-    }
-    for (size_t i = 1; i < LANES; ++i) {
-        most[0] = most[i] > most[0] ? most[i] : most[0];
-    }
-    return nan >> 63 != 0 ? NAN : most[0];
+    content *self = of(weights);
+    hold(self, of(y)->array);
+    self->weighs = true;
+    self->half = half;
+    self->rtol = rtol;
+    self->atol[0] = atol[0];
+    self->atol[1] = atol[1];
+    self->family->weights = self;
 }
 
-WIDE static double square_slice(const operation *op, size_t first, size_t last)
+/* What the norm of a state in its own weights cannot be above; infinite where its
+ * largest number is not known. */
+static double bound(const content *x, const content *w)
 {
-    double sum[LANES] = { 0.0 };
-    for (size_t at = first; at < last; at += LANES) {
-        const double *p = op->x[0] + at, *w = op->x[1] + at;
-        const size_t m = least(LANES, last - at);
-        for (size_t i = 0; i < m; ++i) {
-            const double e = p[i] * w[i];
-            sum[i] += e * e;
-        }
-    }
-    for (size_t i = 1; i < LANES; ++i) {
-        sum[0] += sum[i];
-    }
-    return sum[0];
+    const double most = x->array->most, atol = fmin(w->atol[0], w->atol[1]);
+    const bool own_weights = w->weighs && x->array == w->array && !isnan(most);
+    return own_weights ? most / (w->rtol * most + atol) : INFINITY;
 }
 
-static operation on_two(N_Vector x, N_Vector y, const double *both[2])
+/* Of a state ARKODE asks only whether its norm is 1 / roundoff. */
+static sunrealtype norm(N_Vector x, N_Vector weights)
 {
-    both[0] = NV_DATA_S(x);
-    both[1] = NV_DATA_S(y);
-    return (operation){ .n = length(x), .team = team_of(x), .x = both };
-}
-
-static sunrealtype max_norm(N_Vector x, N_Vector weights)
-{
-    const double *both[2];
-    const operation op = on_two(x, weights, both);
-    double part[SLICES], most = 0.0;
-    const int count = run(max_slice, &op, part);
-    for (int i = 0; i < count; ++i) {
-        most = part[i] > most || isnan(part[i]) ? part[i] : most;
+    content *self = of(x), *w = of(weights);
+    const family *all = self->family;
+    if (w == all->weights && self->verdict.of == self->array->version
+        && self->verdict.by == w->array->version) {
+        return self->verdict.norm;
     }
-    return most;
-}
-
-/* What has no weight at the end has no say, nor in where slices end; NaN in it shows.
- */
-static sunrealtype rms_norm(N_Vector x, N_Vector weights)
-{
-    const double *both[2];
-    operation op = on_two(x, weights, both);
-    double part[SLICES], sum = 0.0;
-    for (; op.n > 0 && both[1][op.n - 1] == 0.0; --op.n) {
-        sum += both[0][op.n - 1] * both[1][op.n - 1];
+    const double least = bound(self, w);
+    if (least < 0x1p50) {
+        return least;
     }
-    const int count = run(square_slice, &op, part);
-    for (int i = 0; i < count; ++i) {
-        sum += part[i];
-    }
-    return sqrt(sum / (double)op.n);
+    bool finite;
+    const ark_weights by = weights_of(w);
+    self->judged = w->weighs && self->array != w->array;
+    return weft__ark_judge(all->team, all->n, &by, self->array->data, 0, NULL, NULL,
+                           &finite);
 }
 
 /* With fixed steps: nothing is judged. */
@@ -377,118 +326,130 @@ static sunrealtype no_norm(N_Vector x, N_Vector weights)
     return 0.0;
 }
 
-WIDE static double finite_slice(const operation *op, size_t first, size_t last)
+void weft__ark_judge_by(N_Vector v, weft_norm by)
 {
-    const double *x = op->x[0];
-    uint64_t bad = 0;
-    for (size_t i = first; i < last; ++i) {
-        bad |= magnitude_bits(x[i]) + SHOWS_NOT_FINITE;
-    }
-    return bad >> 63 != 0;
-}
-
-bool weft__ark_finite(N_Vector v)
-{
-    const double *x = NV_DATA_S(v);
-    const operation op = { .n = length(v), .team = team_of(v), .x = &x };
-    double part[SLICES];
-    return all_zero(part, run(finite_slice, &op, part));
-}
-
-bool weft__ark_made_finite(N_Vector v)
-{
-    return ((const content *)v->content)->finite;
-}
-
-WIDE static double weigh_slice(const operation *op, size_t first, size_t last)
-{
-    const double *y = op->x[0], rtol = op->c[0], atol = op->c[1];
-    double *weights = op->z;
-    ELEMENTWISE
-    for (size_t i = first; i < last; ++i) {
-        weights[i] = 1.0 / (rtol * fabs(y[i]) + atol);
-    }
-    return 0.0;
-}
-
-void weft__ark_weigh(N_Vector y, N_Vector weights, size_t first, size_t count,
-                     double rtol, double atol)
-{
-    const double *from = NV_DATA_S(y) + first, c[] = { rtol, atol };
-    double part[SLICES];
-    const operation op = { .n = count,
-                           .team = team_of(y),
-                           .x = &from,
-                           .c = c,
-                           .z = NV_DATA_S(weights) + first };
-    (void)run(weigh_slice, &op, part);
+    of(v)->family->norm = by;
+    v->ops->nvwrmsnorm = norm;
 }
 
 /* ---- the vector itself ----------------------------------------------------------- */
 
+static void free_one(family *all)
+{
+    array *a = all->free;
+    all->free = a->next_free;
+    free(a->block);
+    free(a);
+}
+
+static void leave(content *self)
+{
+    family *all = self->family;
+    all->weights = all->weights == self ? NULL : all->weights;
+    let_go(all, self->array);
+    free_one(all); /* as there is one for each */
+    if (--all->members == 0) {
+        free(all);
+    }
+}
+
 static void destroy(N_Vector v)
 {
     if (v != NULL && v->content != NULL) {
-        free(NV_DATA_S(v));
+        leave(v->content);
         free(v->content);
     }
     N_VFreeEmpty(v);
 }
 
-/* Each thread is the first to touch what it works on later, and so has it near. */
-static bool give_content(N_Vector v, size_t n, ark_team *team)
+/* Zeros that the system gives when they are first touched, by who works on them. */
+static array *make_array(size_t n)
 {
-    const size_t line = LINE * sizeof(double);
-    content *own = calloc(1, sizeof *own);
-    if (own == NULL) {
+    array *a = calloc(1, sizeof *a);
+    const size_t line = LINE / sizeof(double);
+    if (a == NULL) {
+        return NULL;
+    }
+    a->block = n > SIZE_MAX - line ? NULL : calloc(n + line, sizeof(double));
+    if (a->block == NULL) {
+        free(a);
+        return NULL;
+    }
+    const uintptr_t past = (uintptr_t)a->block % LINE;
+    a->data = (double *)((char *)a->block + (past == 0 ? 0 : LINE - past));
+    a->most = NAN;
+    return a;
+}
+
+static bool join(N_Vector v, family *all)
+{
+    content *self = calloc(1, sizeof *self);
+    array *a = make_array(all->n);
+    if (self == NULL || a == NULL) {
+        free(self);
+        free(a == NULL ? NULL : a->block);
+        free(a);
         return false;
     }
-    v->content = own;
-    own->team = team;
-    own->serial.length = (sunindextype)n;
-    own->serial.own_data = SUNTRUE;
-    own->serial.data = n > (SIZE_MAX - line) / sizeof(double)
-                           ? NULL
-                           : aligned_alloc(line, (n / LINE + 1) * line);
-    if (own->serial.data == NULL) {
-        return false;
-    }
-    set_all(0.0, v);
+    self->family = all;
+    self->serial.length = (sunindextype)all->n;
+    self->serial.own_data = SUNTRUE;
+    a->version = ++all->versions;
+    ++all->members;
+    hold(self, a);
+    v->content = self;
     return true;
 }
 
 static N_Vector clone(N_Vector like)
 {
     N_Vector v = N_VNewEmpty(like->sunctx);
-    if (v == NULL || N_VCopyOps(like, v) != 0
-        || !give_content(v, length(like), team_of(like))) {
+    if (v == NULL || N_VCopyOps(like, v) != 0 || !join(v, of(like)->family)) {
         destroy(v);
         return NULL;
     }
     return v;
 }
 
-N_Vector weft__ark_vector(size_t n, ark_team *team, SUNContext context)
+static void set_operations(N_Vector v)
 {
-    N_Vector serial = N_VNewEmpty_Serial((sunindextype)n, context);
-    N_Vector v = serial == NULL ? NULL : N_VNewEmpty(context);
-    if (v == NULL || N_VCopyOps(serial, v) != 0 || !give_content(v, n, team)) {
-        N_VDestroy(serial);
-        destroy(v);
-        return NULL;
-    }
-    N_VDestroy(serial);
     v->ops->nvclone = clone;
     v->ops->nvdestroy = destroy;
     v->ops->nvscale = scale;
     v->ops->nvlinearsum = linear_sum;
     v->ops->nvlinearcombination = linear_combination;
     v->ops->nvconst = set_all;
+    v->ops->nvabs = absolute;
+    v->ops->nvdiv = divide;
+    v->ops->nvinv = invert;
+    v->ops->nvaddconst = add_constant;
     v->ops->nvwrmsnorm = no_norm;
-    return v;
+    v->ops->nvprod = NULL; /* these would write to what is shared */
+    v->ops->nvcompare = NULL;
+    v->ops->nvinvtest = NULL;
+    v->ops->nvconstrmask = NULL;
+    v->ops->nvsetarraypointer = NULL;
+    v->ops->nvcloneempty = NULL;
 }
 
-void weft__ark_judge_by(N_Vector v, weft_norm norm)
+N_Vector weft__ark_vector(size_t n, const weft_team *team, SUNContext context)
 {
-    v->ops->nvwrmsnorm = norm == WEFT_NORM_MAX ? max_norm : rms_norm;
+    N_Vector serial = N_VNewEmpty_Serial((sunindextype)n, context);
+    N_Vector v = serial == NULL ? NULL : N_VNewEmpty(context);
+    family *all = calloc(1, sizeof *all);
+    if (v == NULL || all == NULL || N_VCopyOps(serial, v) != 0) {
+        N_VDestroy(serial);
+        destroy(v);
+        free(all);
+        return NULL;
+    }
+    N_VDestroy(serial);
+    *all = (family){ .team = team, .n = n };
+    if (!join(v, all)) {
+        destroy(v);
+        free(all);
+        return NULL;
+    }
+    set_operations(v);
+    return v;
 }

@@ -6,84 +6,135 @@
  *     D_i = atol_i + rtol |y_i|,   atol_i of positions or of velocities,
  *
  * GSL's scaled control looks at r = max_i |e_i| / D_i: it rejects a step of r > 1.1 and
- * lengthens the next one where r < 0.5. That is WEFT_NORM_MAX, as it is. For
- * WEFT_NORM_RMS a control of our own computes
+ * lengthens the next one where r < 0.5. For WEFT_NORM_RMS
  *
  *     r = sqrt(1/n sum_i (e_i / D_i)^2)
  *
- * and has a control of GSL's judge this one number, with D = 1; so both norms decide by
- * the same rule. Either is shown the positions and velocities alone, so that
- * quadratures have no say. The scaled kind judges here too: the standard kind may
+ * Either r is computed here, in one pass with the test for numbers that are not finite,
+ * which GSL does not look for, and a control of GSL's judges this one number, with D =
+ * 1; so both norms decide by the same rule. Either is of the positions and velocities
+ * alone, so that quadratures have no say. The scaled kind judges: the standard kind may
  * lengthen h by exactly 5, where msbdf divides by zero (GSL bug 52336). */
 #include "gsl_plugin.h"
 
 #include <gsl/gsl_errno.h>
 #include <math.h>
+#include <string.h>
 
-static double tolerance(const rms_control *rms, size_t i, double y)
+enum { LANES = 8 };
+
+/* Wider vectors where the machine has them; found out before there is a sanitizer. */
+#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)                   \
+    && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define WIDE __attribute__((target_clones("default", "avx2")))
+#else
+#define WIDE
+#endif
+
+/* Added to the bits of |x| it carries into the sign just where x is not finite. */
+static inline uint64_t shows_not_finite(double x)
 {
-    return rms->atol[i < rms->half ? 0 : 1] + rms->rtol * fabs(y);
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return (bits & INT64_MAX) + UINT64_C(0x0010000000000000);
 }
 
-static int rms_hadjust(void *state, size_t dim, unsigned int order, const double y[],
-                       const double yerr[], const double yp[], double *h)
+/* Raises lane[0 .. count) to |e_i| / D_i. */
+static inline __attribute__((always_inline)) void
+raise_lanes(const double *y, const double *e, double rtol, double atol, size_t count,
+            double *lane, uint64_t *bad)
 {
-    const rms_control *rms = state;
-    double sum = 0.0;
-    for (size_t i = 0; i < dim; ++i) {
-        const double ratio = yerr[i] / tolerance(rms, i, y[i]);
-        sum += ratio * ratio;
+    for (size_t i = 0; i < count; ++i) {
+        const double r = fabs(e[i]) / (atol + rtol * fabs(y[i]));
+        lane[i] = r > lane[i] ? r : lane[i];
+        bad[i] |= shows_not_finite(y[i]) | shows_not_finite(e[i]);
     }
-    const double r = sqrt(sum / (double)dim), zero = 0.0;
-    (void)yp; /* a_dydt is 0 */
-    return rms->judge->type->hadjust(rms->judge->state, 1, order, &zero, &r, &zero, h);
+}
+
+WIDE static bool raise_ratio(const double *y, const double *e, size_t n, double rtol,
+                             double atol, double *most)
+{
+    double lane[LANES] = { 0.0 };
+    uint64_t bad[LANES] = { 0 }, any = 0;
+    size_t at = 0;
+    for (; at + LANES <= n; at += LANES) {
+        raise_lanes(y + at, e + at, rtol, atol, LANES, lane, bad);
+    }
+    raise_lanes(y + at, e + at, rtol, atol, n - at, lane, bad);
+    for (size_t i = 0; i < LANES; ++i) {
+        *most = lane[i] > *most ? lane[i] : *most;
+        any |= bad[i];
+    }
+    return any >> 63 == 0;
+}
+
+static bool rms_ratio(const stepper *self, const double *y, double *r)
+{
+    const size_t half = self->half;
+    double sum = 0.0;
+    uint64_t bad = 0;
+    for (size_t i = 0; i < 2 * half; ++i) {
+        const double ratio = self->yerr[i] / weft__gsl_tolerance(self, i, y[i]);
+        sum += ratio * ratio;
+        bad |= shows_not_finite(y[i]) | shows_not_finite(self->yerr[i]);
+    }
+    *r = sqrt(sum / (2.0 * (double)half));
+    return bad >> 63 == 0;
+}
+
+bool weft__gsl_ratio(const stepper *self, const double *y, double *r)
+{
+    const size_t half = self->half, rest = self->ode.dim - 2 * half;
+    bool finite;
+    *r = 0.0;
+    if (self->norm == WEFT_NORM_RMS) {
+        finite = rms_ratio(self, y, r);
+    } else {
+        finite = raise_ratio(y, self->yerr, half, self->rtol, self->atol[0], r);
+        finite = raise_ratio(y + half, self->yerr + half, half, self->rtol,
+                             self->atol[1], r)
+                 && finite;
+    }
+    return finite && weft__gsl_finite(y + 2 * half, rest)
+           && weft__gsl_finite(self->yerr + 2 * half, rest);
+}
+
+double weft__gsl_tolerance(const stepper *self, size_t i, double y)
+{
+    return self->atol[i < self->half ? 0 : 1] + self->rtol * fabs(y);
 }
 
 /* Implicit and multistep methods solve their equations to this accuracy. */
-static int rms_errlevel(void *state, const double y, const double dydt, const double h,
-                        const size_t i, double *level)
+static int errlevel(void *state, const double y, const double dydt, const double h,
+                    const size_t i, double *level)
 {
     (void)dydt;
     (void)h;
-    *level = tolerance(state, i, y);
+    *level = weft__gsl_tolerance(state, i, y);
     return GSL_SUCCESS;
 }
 
-static const gsl_odeiv2_control_type rms_type = {
-    .name = "rms",
-    .hadjust = rms_hadjust,
-    .errlevel = rms_errlevel,
+static const gsl_odeiv2_control_type control_type = {
+    .name = "weft",
+    .errlevel = errlevel,
 };
 
 bool weft__gsl_control_init(stepper *self, weft_norm norm, double rtol,
                             double atol_position, double atol_velocity)
 {
-    const size_t half = self->half, dim = 2 * half;
-    if (norm == WEFT_NORM_MAX) {
-        double *scale = self->y;
-        for (size_t i = 0; i < dim; ++i) {
-            scale[i] = i < half ? atol_position : atol_velocity;
-        }
-        self->scaled = gsl_odeiv2_control_scaled_new(1.0, rtol, 1.0, 0.0, scale, dim);
-        self->control = self->scaled;
-        return self->scaled != NULL;
-    }
     const double one = 1.0;
-    self->rms = (rms_control){
-        .base = { .type = &rms_type, .state = &self->rms },
-        .judge = gsl_odeiv2_control_scaled_new(1.0, 0.0, 1.0, 0.0, &one, 1),
-        .half = half,
-        .rtol = rtol,
-        .atol = { atol_position, atol_velocity },
-    };
-    self->control = &self->rms.base;
-    return self->rms.judge != NULL;
+    self->norm = norm;
+    self->rtol = rtol;
+    self->atol[0] = atol_position;
+    self->atol[1] = atol_velocity;
+    self->control = (gsl_odeiv2_control){ .type = &control_type, .state = self };
+    self->judge = gsl_odeiv2_control_scaled_new(1.0, 0.0, 1.0, 0.0, &one, 1);
+    return self->judge != NULL;
 }
 
 void weft__gsl_control_free(stepper *self)
 {
-    gsl_odeiv2_control_free(self->scaled); /* NULL is allowed */
-    gsl_odeiv2_control_free(self->rms.judge);
+    gsl_odeiv2_control_free(self->judge); /* NULL is allowed */
 }
 
 /* GSL's rule has no knobs; these are its constants (cstd.c). */

@@ -82,8 +82,8 @@ static weft_status check_memory(const gsl_method *method, size_t dim, weft_error
     return WEFT_OK;
 }
 
-/* Our own block: the instance, then y, yerr, the three vectors of the Jacobian and the
- * two of the shift. */
+/* Our own block: the instance, then start, yerr, the three vectors of the Jacobian and
+ * the two of the shift. */
 static stepper *allocate(const gsl_method *method, const weft_ode *ode)
 {
     const size_t dim = ode->dim;
@@ -94,8 +94,8 @@ static stepper *allocate(const gsl_method *method, const weft_ode *ode)
     }
     self->method = method;
     self->ode = *ode;
-    self->y = (double *)(self + 1);
-    self->yerr = self->y + dim;
+    self->start = (double *)(self + 1);
+    self->yerr = self->start + dim;
     if (method->matrices > 0) {
         self->f = self->yerr + dim;
         self->y_moved = self->f + dim;
@@ -139,7 +139,7 @@ static bool make_solver(stepper *self, const weft_stepper_config *config)
     }
     /* Steppers that solve equations ask driver.c how well; nothing else of it. */
     self->driver = (gsl_odeiv2_driver){
-        .sys = &self->system2, .s = self->v2, .c = self->control, .h = self->h
+        .sys = &self->system2, .s = self->v2, .c = &self->control, .h = self->h
     };
     gsl_odeiv2_step_set_driver(self->v2, &self->driver);
     return true;

@@ -46,14 +46,6 @@ typedef enum trouble {
     STOPPED     /* the RHS asked to end the run */
 } trouble;
 
-/* The rms norm is a control of our own around one of GSL's. */
-typedef struct rms_control {
-    gsl_odeiv2_control base;
-    gsl_odeiv2_control *judge; /* of one number, the rms */
-    size_t half;               /* y[half] is the first velocity */
-    double rtol, atol[2];      /* of positions [m], of velocities [m/s] */
-} rms_control;
-
 /* One instance. Our arrays lie behind it in one block; a step allocates none. */
 typedef struct stepper {
     const gsl_method *method;
@@ -68,15 +60,16 @@ typedef struct stepper {
     gsl_odeiv_step *v1;  /* or that */
     gsl_odeiv2_system system2;
     gsl_odeiv_system system1;
-    gsl_odeiv2_control *control; /* `scaled`, or in `rms` */
-    gsl_odeiv2_control *scaled;
-    rms_control rms;
-    gsl_odeiv2_driver driver; /* through which a stepper reads `control` */
+    weft_norm norm;
+    double rtol, atol[2];       /* of positions [m], of velocities [m/s] */
+    gsl_odeiv2_control control; /* that equations are solved by */
+    gsl_odeiv2_control *judge;  /* of one number, the norm */
+    gsl_odeiv2_driver driver;   /* through which a stepper reads `control` */
 
     /* the attempt under way */
-    trouble trouble;     /* seen by our RHS */
-    double t_end, h_try; /* [s] */
-    double *y, *yerr;
+    trouble trouble;               /* seen by our RHS */
+    double t_end, h_try;           /* [s] */
+    double *start, *yerr;          /* y before it */
     double *f, *y_moved, *f_moved; /* of the Jacobian; NULL without matrices */
     double *offset, *plain;        /* GSL's y is plain + offset; NULL without shift */
 } stepper;
@@ -88,8 +81,8 @@ weft_status weft__gsl_create(const weft_stepper_type *type, const weft_ode *ode,
 void weft__gsl_destroy(void *instance);
 
 /* shift.c: GSL's side of a state that is kept away from 0. */
-void weft__gsl_shift(stepper *self, const double *start);
-void weft__gsl_unshift(stepper *self, const double *start);
+void weft__gsl_shift(stepper *self, double *y);
+void weft__gsl_unshift(stepper *self, double *y);
 int weft__gsl_shifted_rhs(double t, const double y[], double dydt[], void *instance);
 int weft__gsl_shifted_jacobian(double t, const double y[], double *dfdy, double dfdt[],
                                void *instance);
@@ -102,9 +95,12 @@ weft_status weft__gsl_step(void *instance, double t_end, double *t, double *y,
 void weft__gsl_state_changed(void *instance);
 void weft__gsl_stats(const void *instance, weft_stepper_stats *out);
 
-/* control.c: false if memory fails. Needs self->y as scratch. */
+/* control.c: false if memory fails. */
 bool weft__gsl_control_init(stepper *self, weft_norm norm, double rtol,
                             double atol_position, double atol_velocity);
+/* r of an attempt that ended in y with self->yerr; false if one is not finite. */
+bool weft__gsl_ratio(const stepper *self, const double *y, double *r);
+double weft__gsl_tolerance(const stepper *self, size_t i, double y); /* D_i */
 void weft__gsl_control_free(stepper *self);
 void weft__gsl_options(const void *instance, weft_option_fn *tell, void *ctx);
 

@@ -6,20 +6,21 @@
 
 #include <math.h>
 
-/* self->y becomes z of the start of an attempt. */
-void weft__gsl_shift(stepper *self, const double *start)
+/* y, the start of an attempt, becomes z. */
+void weft__gsl_shift(stepper *self, double *y)
 {
     for (size_t i = 0; i < self->ode.dim; ++i) {
-        self->offset[i] = copysign(1.0, start[i]);
-        self->y[i] = start[i] + self->offset[i];
+        self->offset[i] = copysign(1.0, y[i]);
+        y[i] = y[i] + self->offset[i];
     }
 }
 
-/* self->y, a z, becomes y again. */
-void weft__gsl_unshift(stepper *self, const double *start)
+/* z becomes y again. */
+void weft__gsl_unshift(stepper *self, double *y)
 {
+    const double *start = self->start;
     for (size_t i = 0; i < self->ode.dim; ++i) {
-        self->y[i] = start[i] + (self->y[i] - (start[i] + self->offset[i]));
+        y[i] = start[i] + (y[i] - (start[i] + self->offset[i]));
     }
 }
 

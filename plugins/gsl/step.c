@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* step.c -- one accepted step: GSL's step_apply and hadjust, tried until both agree.
  *
- * An attempt works on self->y and the caller's y is written on success only, so that a
+ * An attempt works on the caller's y, which is put back if it was no step, so that a
  * failure leaves t, y and the next h as they were: a later call goes on as if the
  * failed one had not been. Nothing is carried from step to step but h and, by a
  * multistep method, its history. Every attempt evaluates f at its own start, so an
@@ -48,12 +48,12 @@ int weft__gsl_rhs(double t, const double y[], double dydt[], void *instance)
     return GSL_SUCCESS;
 }
 
-static int apply(stepper *self, double t, double h)
+static int apply(stepper *self, double t, double h, double *y)
 {
-    return self->v2 != NULL ? gsl_odeiv2_step_apply(self->v2, t, h, self->y, self->yerr,
-                                                    NULL, NULL, &self->system2)
-                            : gsl_odeiv_step_apply(self->v1, t, h, self->y, self->yerr,
-                                                   NULL, NULL, &self->system1);
+    return self->v2 != NULL ? gsl_odeiv2_step_apply(self->v2, t, h, y, self->yerr, NULL,
+                                                    NULL, &self->system2)
+                            : gsl_odeiv_step_apply(self->v1, t, h, y, self->yerr, NULL,
+                                                   NULL, &self->system1);
 }
 
 /* Not for rk2simp: its reset writes past the end of an array (GSL 2.7.1). */
@@ -67,50 +67,56 @@ static void forget(stepper *self)
     self->restart = false;
 }
 
-/* GSL's decision on an attempt from `start`. *h goes in as the attempt's and comes out
- * as the proposal. */
-static trouble judge(const stepper *self, const double *start, double *h)
+/* GSL's decision on an attempt with the norm r. *h goes in as the attempt's and comes
+ * out as the proposal. */
+static trouble judge(const stepper *self, double r, double *h)
 {
-    const gsl_odeiv2_control *control = self->control;
+    const gsl_odeiv2_control *control = self->judge;
     const unsigned int order = self->v2 != NULL ? gsl_odeiv2_step_order(self->v2)
                                                 : gsl_odeiv_step_order(self->v1);
-    /* The derivative is weighed with a_dydt = 0: any finite numbers will do for it. */
-    const int verdict = control->type->hadjust(control->state, 2 * self->half, order,
-                                               self->y, self->yerr, start, h);
+    const double zero = 0.0;
+    const int verdict
+        = control->type->hadjust(control->state, 1, order, &zero, &r, &zero, h);
     return verdict == GSL_ODEIV_HADJ_DEC ? INACCURATE : NO_TROUBLE;
 }
 
-/* From (t, start) by *h, which comes out as GSL's proposal if the attempt is finite.
- * GSL passes NaN in the result as in the error estimate. */
-static trouble attempt(stepper *self, double t, const double *start, double *h)
+/* What has become of y, from self->start. GSL passes NaN in the result as in the error
+ * estimate. */
+static trouble look(const stepper *self, const double *y, double *h)
 {
+    double r;
+    if (!weft__gsl_ratio(self, y, &r)) {
+        /* bsimp sets all to infinity when its extrapolation runs away */
+        return weft__gsl_finite(y, self->ode.dim) && isinf(self->yerr[0]) ? UNSOLVED
+                                                                          : NOT_FINITE;
+    }
+    return self->fixed_step > 0.0 ? NO_TROUBLE : judge(self, r, h);
+}
+
+/* From (t, y) by *h, which comes out as GSL's proposal if the attempt is finite. */
+static trouble attempt(stepper *self, double t, double *y, double *h)
+{
+    const size_t bytes = self->ode.dim * sizeof *y;
     if (self->restart || self->method->forget) {
         forget(self);
     }
     self->trouble = NO_TROUBLE;
     self->h_try = *h;
-    memcpy(self->y, start, self->ode.dim * sizeof *start);
+    memcpy(self->start, y, bytes);
     if (self->method->shift) {
-        weft__gsl_shift(self, start);
+        weft__gsl_shift(self, y);
     }
-    const int failed = apply(self, t, *h);
+    const int failed = apply(self, t, *h, y);
     if (self->method->shift) {
-        weft__gsl_unshift(self, start);
+        weft__gsl_unshift(self, y);
     }
-    if (self->trouble != NO_TROUBLE) {
-        return self->trouble;
+    const trouble why = self->trouble != NO_TROUBLE ? self->trouble
+                        : failed != GSL_SUCCESS     ? UNSOLVED
+                                                    : look(self, y, h);
+    if (why != NO_TROUBLE) {
+        memcpy(y, self->start, bytes);
     }
-    if (failed != GSL_SUCCESS) {
-        return UNSOLVED;
-    }
-    if (!weft__gsl_finite(self->y, self->ode.dim)) {
-        return NOT_FINITE;
-    }
-    if (!weft__gsl_finite(self->yerr, self->ode.dim)) {
-        /* bsimp sets all to infinity when its extrapolation runs away */
-        return isinf(self->yerr[0]) ? UNSOLVED : NOT_FINITE;
-    }
-    return self->fixed_step > 0.0 ? NO_TROUBLE : judge(self, start, h);
+    return why;
 }
 
 /* How far to go of `rest` when h is wanted: all of it if it is longer than h by
@@ -161,13 +167,6 @@ static weft_status fail(stepper *self, trouble why, double t, double h, weft_err
     }
 }
 
-static void accept(stepper *self, double taken, double *y)
-{
-    memcpy(y, self->y, self->ode.dim * sizeof *y);
-    ++self->stats.steps;
-    self->stats.last_step = taken;
-}
-
 weft_status weft__gsl_step(void *instance, double t_end, double *t, double *y,
                            weft_error *err)
 {
@@ -187,7 +186,8 @@ weft_status weft__gsl_step(void *instance, double t_end, double *t, double *y,
         }
         why = attempt(self, *t, y, &proposed);
         if (why == NO_TROUBLE) {
-            accept(self, taken, y);
+            ++self->stats.steps;
+            self->stats.last_step = taken;
             *t = taken < rest ? *t + taken : t_end;
             self->h = self->fixed_step > 0.0 ? h : next_step(self, h, taken, proposed);
             return WEFT_OK;

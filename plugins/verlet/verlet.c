@@ -29,8 +29,9 @@ typedef struct stepper {
     size_t half;       /* y: so many positions, so many velocities, quadratures */
     double fixed_step; /* [s] */
     weft_stepper_stats stats;
-    bool carries; /* f is that of `end`, the state the last step ended in */
-    double *y;    /* the state a step works on: the caller's is written on success */
+    bool carries;  /* f is that of `end`, the state the last step ended in */
+    bool changed;  /* y may have been edited since */
+    double *start; /* y before a step, to be put back if it fails */
     double *f;
     double *end;
 } stepper;
@@ -38,7 +39,8 @@ typedef struct stepper {
 /* The public record comes first: a pointer to it is a pointer to the method. */
 typedef struct method {
     weft_stepper_type type;
-    int (*advance)(stepper *self, double t, double h); /* what the RHS returned */
+    int (*advance)(stepper *self, double t, double h,
+                   double *y); /* what the RHS returned */
 } method;
 
 static int rhs(stepper *self, double t, const double *y)
@@ -55,52 +57,64 @@ static void add(double *y, double h, const double *f, size_t first, size_t last)
     }
 }
 
-static int euler(stepper *self, double t, double h)
+static int euler(stepper *self, double t, double h, double *y)
 {
-    const int failed = rhs(self, t, self->y);
-    add(self->y, h, self->f, 0, self->ode.dim);
+    const int failed = rhs(self, t, y);
+    add(y, h, self->f, 0, self->ode.dim);
     return failed;
 }
 
-static int midpoint(stepper *self, double t, double h)
+static int midpoint(stepper *self, double t, double h, double *y)
 {
-    int failed = rhs(self, t, self->y);
-    memcpy(self->end, self->y, self->ode.dim * sizeof *self->y);
+    int failed = rhs(self, t, y);
+    memcpy(self->end, y, self->ode.dim * sizeof *y);
     add(self->end, 0.5 * h, self->f, 0, self->ode.dim);
     failed = failed != 0 ? failed : rhs(self, t + 0.5 * h, self->end);
-    add(self->y, h, self->f, 0, self->ode.dim);
+    add(y, h, self->f, 0, self->ode.dim);
     return failed;
 }
 
-static int symplectic_euler(stepper *self, double t, double h)
+static int symplectic_euler(stepper *self, double t, double h, double *y)
 {
     const size_t half = self->half;
-    const int failed = rhs(self, t, self->y);
-    add(self->y, h, self->f, half, self->ode.dim);
-    add(self->y, h, self->f, 0, half);
-    add(self->y, h * h, self->f + half, 0, half);
+    const int failed = rhs(self, t, y);
+    const double *fx = self->f, *fv = self->f + half, hh = h * h;
+    double *x = y, *v = y + half;
+    for (size_t i = 0; i < half; ++i) {
+        v[i] += h * fv[i];
+        x[i] = x[i] + h * fx[i] + hh * fv[i];
+    }
+    add(y, h, self->f, 2 * half, self->ode.dim);
     return failed;
 }
 
-static int velocity_verlet(stepper *self, double t, double h)
+static int velocity_verlet(stepper *self, double t, double h, double *y)
 {
     const size_t half = self->half, dim = self->ode.dim;
     /* f is stale if y really was changed: a needless state_changed alters nothing. */
     const bool fresh
-        = self->carries && memcmp(self->y, self->end, 2 * half * sizeof *self->y) == 0;
-    int failed = fresh ? 0 : rhs(self, t, self->y);
-    self->carries = false;
-    add(self->y, h, self->f, 0, half);
-    add(self->y, 0.5 * h * h, self->f + half, 0, half);
-    memcpy(self->end, self->y, dim * sizeof *self->y);
-    add(self->end, h, self->f, half, dim);     /* predicted */
-    add(self->y, 0.5 * h, self->f, half, dim); /* first kick */
-    failed = failed != 0 ? failed : rhs(self, t + h, self->end);
-    add(self->y, 0.5 * h, self->f, half, dim); /* second kick */
-    for (size_t i = 0; i < half; ++i) { /* where fx is v: not the predicted one */
-        self->f[i] = self->f[i] == self->end[half + i] ? self->y[half + i] : self->f[i];
+        = self->carries
+          && (!self->changed || memcmp(y, self->end, 2 * half * sizeof *y) == 0);
+    int failed = fresh ? 0 : rhs(self, t, y);
+    double *x = y, *v = y + half, *fx = self->f, *fv = self->f + half;
+    double *ex = self->end, *ev = self->end + half;
+    const double kick = 0.5 * h, drift = 0.5 * h * h;
+    self->carries = self->changed = false;
+    for (size_t i = 0; i < half; ++i) {
+        x[i] = x[i] + h * fx[i] + drift * fv[i];
+        ex[i] = x[i];
+        ev[i] = v[i] + h * fv[i]; /* predicted */
+        v[i] += kick * fv[i];
     }
-    memcpy(self->end, self->y, dim * sizeof *self->y);
+    add(y, kick, self->f, 2 * half, dim);
+    failed = failed != 0 ? failed : rhs(self, t + h, self->end);
+    for (size_t i = 0; i < half; ++i) {
+        v[i] += kick * fv[i];
+        fx[i]
+            = fx[i] == ev[i] ? v[i] : fx[i]; /* where fx is v: not the predicted one */
+        ev[i] = v[i];
+    }
+    add(y, kick, self->f, 2 * half, dim);
     self->carries = failed == 0;
     return failed;
 }
@@ -143,18 +157,22 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
                        .half = weft_stepper_half(ode, config),
                        .fixed_step = config->fixed_step,
                        .stats = { .next_step = config->fixed_step } };
-    self->y = (double *)(self + 1), self->f = self->y + ode->dim;
+    self->start = (double *)(self + 1), self->f = self->start + ode->dim;
     self->end = self->f + ode->dim;
     *out = self;
     return WEFT_OK;
 }
 
+/* The exponent of what is not finite has all bits set, and 1 more carries into the
+ * sign: no branches, for the sake of vectors. */
 static bool all_finite(const double *y, size_t count)
 {
-    while (count > 0 && isfinite(y[count - 1])) {
-        --count;
+    uint64_t bad = 0, bits;
+    for (size_t i = 0; i < count; ++i) {
+        memcpy(&bits, &y[i], sizeof bits);
+        bad |= (bits & INT64_MAX) + UINT64_C(0x0010000000000000);
     }
-    return count == 0;
+    return bad >> 63 == 0;
 }
 
 static weft_status step(void *instance, double t_end, double *t, double *y,
@@ -173,25 +191,26 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
     if (!last && *t + h == *t) {
         return weft_error_set(err, WEFT_STEP_TOO_SMALL, "t + h == t at h = %g s", h);
     }
-    memcpy(self->y, y, bytes);
-    const int failed = self->method->advance(self, *t, h);
-    if (failed < 0) {
-        return weft_error_set(err, WEFT_STOPPED, "stopped by the model");
+    memcpy(self->start, y, bytes);
+    const int failed = self->method->advance(self, *t, h, y);
+    if (failed != 0 || !all_finite(y, self->ode.dim)) {
+        memcpy(y, self->start, bytes);
+        self->carries = false;
+        return failed < 0
+                   ? weft_error_set(err, WEFT_STOPPED, "stopped by the model")
+                   : weft_error_set(err, WEFT_NOT_FINITE, "not finite after %g s", h);
     }
-    if (failed > 0 || !all_finite(self->y, self->ode.dim)) {
-        return weft_error_set(err, WEFT_NOT_FINITE, "not finite after %g s", h);
-    }
-    memcpy(y, self->y, bytes);
     *t = last ? t_end : *t + h;
     ++self->stats.steps;
     self->stats.last_step = h;
     return WEFT_OK;
 }
 
-/* Nothing to do: three methods keep nothing, and Verlet looks at y itself. */
+/* Three methods keep nothing, and Verlet looks whether y really is another. */
 static void state_changed(void *instance)
 {
-    (void)instance;
+    stepper *self = instance;
+    self->changed = true;
 }
 
 static void ode_changed(void *instance)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* check.c -- weft check: validate scenes, say what they build, write nothing. */
+#include "cli/human.h"
 #include "cli/stability.h"
 
 const char *scene_unsupported(const weft_scene *scene)
@@ -117,7 +118,10 @@ static void print_scene(const char *file, const weft_scene *scene,
                         const weft_cloth *cloth, const survey *found, bool all)
 {
     const weft_run_def *run = weft_scene_run(scene);
-    printf("%s: ok: %s\n", file, weft_scene_name(scene));
+    print_plain(stdout, file, "");
+    fputs(": ok: ", stdout);
+    print_plain(stdout, weft_scene_name(scene), "");
+    putchar('\n');
     print_cloth(weft_scene_cloth(scene), cloth);
     print_limit(weft_scene_limit(scene));
     print_stepper(scene);
@@ -126,6 +130,19 @@ static void print_scene(const char *file, const weft_scene *scene,
     const char *unsupported = scene_unsupported(scene);
     if (unsupported != NULL) {
         printf("  note       %s\n", unsupported);
+    }
+}
+
+static void print_sweep(const char *file, const weft_sweep *sweep)
+{
+    const size_t keys = weft_sweep_keys(sweep);
+    if (keys == 0) {
+        return;
+    }
+    printf("%s: ok: a sweep of %zu runs; the first:\n", file, weft_sweep_runs(sweep));
+    for (size_t k = 0; k < keys; ++k) {
+        printf("  %s %s=%s\n", k == 0 ? "sweep     " : "          ",
+               weft_sweep_key(sweep, k), weft_sweep_value(sweep, k, 1));
     }
 }
 
@@ -171,15 +188,25 @@ static int describe(const char *file, const weft_scene *scene, weft_registry *re
     return status == WEFT_OK ? EXIT_DONE : report_error(&err);
 }
 
+/* Of a sweep all runs are validated, and the first is described. */
 static int check_file(const char *file, const options *given, weft_registry *registry,
                       yaml_out *out)
 {
+    weft_error err = { 0 };
+    weft_sweep *sweep = NULL;
     weft_scene *scene = NULL;
-    int code = open_scene(file, given, registry, &scene);
-    if (code == EXIT_DONE) {
-        code = describe(file, scene, registry, given, out);
+    int code = open_sweep(file, given, registry, &sweep);
+    if (code != EXIT_DONE) {
+        return code;
     }
+    if (out == NULL) {
+        print_sweep(file, sweep);
+    }
+    code = weft_sweep_scene(sweep, 1, &scene, &err) == WEFT_OK
+               ? describe(file, scene, registry, given, out)
+               : report_error(&err);
     weft_scene_destroy(scene);
+    weft_sweep_destroy(sweep);
     return code;
 }
 

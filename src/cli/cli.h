@@ -9,6 +9,7 @@
 /* Exit codes. */
 enum {
     EXIT_DONE = 0,
+    EXIT_DIFFERENT = 1,  /* of weft diff */
     EXIT_SIMULATION = 1, /* the simulation failed; a report is written */
     EXIT_USAGE = 2,      /* wrong command line */
     EXIT_SCENE = 3,      /* wrong scene */
@@ -25,23 +26,28 @@ typedef struct verb {
     int (*run)(int argc, char **argv);
 } verb;
 
-extern const verb verb_run, verb_check, verb_steppers, verb_scene_help, verb_export,
-    verb_view;
+extern const verb verb_run, verb_resume, verb_batch, verb_check, verb_steppers,
+    verb_scene_help, verb_export, verb_view, verb_diff, verb_compare;
+
+enum { MOST_JOBS = 4096 };
 
 /* Options that several verbs take. */
 typedef struct options {
-    const char *plugin_path, *out, *frames, *format, *frame;
+    const char *plugin_path, *out, *frames, *format, *frame, *progress, *tolerance;
+    const char *timeout, *shard, *methods, *until;
+    size_t jobs; /* 0: not told */
     const char **sets;
     size_t set_count;
-    bool quiet, force, yaml, markdown, all, refine, view;
+    bool quiet, force, yaml, markdown, all, refine, view, retry_failed, summary;
     char **operands; /* what is left of argv */
     int operand_count;
 } options;
 
 /* Parse by the letters of `takes`: o --out, s --set, p --plugin-path, q --quiet,
  * F --force, r --frames, t --format, i --frame, y --yaml, m --markdown, a --all,
- * R --refine, v --view. Returns -1 to go on, or an exit code: help was printed, or the
- * command line is wrong. */
+ * R --refine, v --view, P --progress, L --tol, j --jobs, T --timeout, S --shard, E
+ * --retry-failed, U --summary, M --methods, u --until. Returns -1 to go on, or an exit
+ * code: help was printed, or the command line is wrong. */
 int options_parse(const verb *self, const char *takes, int argc, char **argv,
                   options *out);
 void options_free(options *out);
@@ -60,31 +66,27 @@ weft_registry *open_registry(const char *plugin_path);
 int open_scene(const char *file, const options *given, weft_registry *registry,
                weft_scene **scene);
 
+/* The same of all runs of a scene with a sweep; one run without. */
+int open_sweep(const char *file, const options *given, weft_registry *registry,
+               weft_sweep **sweep);
+
+/* dir/flag.yaml becomes flag followed by `suffix`; NULL: no memory. */
+char *default_directory(const char *file, const char *suffix);
+
 /* view.c: write the page of one run or of two, into `out` or a default place, and print
- * its URL. Returns the exit code. */
-int view_runs(const char *const *directories, size_t count, const char *out);
-
-/* progress.c: one line that moves on a terminal, a line every tenth in a pipe. */
-typedef struct progress {
-    bool quiet, terminal;
-    double began, shown; /* [s] of the wall clock */
-    size_t tenth;
-} progress;
-
-double wall_clock(void); /* [s] */
-void progress_begin(progress *show, bool quiet);
-/* frame of last, at simulated time t of duration [s] */
-void progress_show(progress *show, size_t frame, size_t last, const weft_sim *sim,
-                   double duration);
-void progress_end(progress *show);
+ * its URL; with `yaml` as a document {event: page, url: ...}. Returns the exit code. */
+int view_runs(const char *const *directories, size_t count, const char *out, bool yaml);
 
 /* play.c: from frame to frame. */
 typedef struct player {
     weft_sim *sim;
     const weft_run_def *run;
-    size_t last; /* frame to end with */
+    size_t first, last; /* frames to begin and to end with */
     /* At frame i, its time reached. */
     weft_status (*frame)(void *ctx, size_t i, weft_error *err);
+    /* After a frame that run.checkpoint tells: to call weft_sim_save, which restarts
+     * the stepper. NULL: it is restarted. */
+    weft_status (*checkpoint)(void *ctx, size_t i, weft_error *err);
     /* After each accepted step; false: stop. NULL: never asked. */
     bool (*step)(void *ctx);
     void *ctx;

@@ -4,9 +4,11 @@
 #include <string.h>
 
 #include "cli/cli.h"
+#include "cli/human.h"
 
 static const verb *const verbs[] = {
-    &verb_run, &verb_check, &verb_steppers, &verb_scene_help, &verb_export, &verb_view,
+    &verb_run,        &verb_resume, &verb_batch, &verb_check, &verb_steppers,
+    &verb_scene_help, &verb_export, &verb_view,  &verb_diff,  &verb_compare,
 };
 
 #define VERBS (sizeof verbs / sizeof verbs[0])
@@ -49,7 +51,7 @@ static int print_version(void)
 
 static int flush_stdout(int code)
 {
-    if (fflush(stdout) != 0 && code == EXIT_DONE) {
+    if ((fflush(stdout) != 0 || ferror(stdout)) && code == EXIT_DONE) {
         fputs("weft: error: standard output could not be written\n", stderr);
         return EXIT_FILE;
     }
@@ -77,6 +79,8 @@ int main(int argc, char **argv)
         print_usage(stdout);
         return flush_stdout(EXIT_DONE);
     }
-    fprintf(stderr, "weft: no verb '%s'; 'weft --help' lists them\n", argv[1]);
+    fputs("weft: no verb '", stderr);
+    print_plain(stderr, argv[1], "");
+    fputs("'; 'weft --help' lists them\n", stderr);
     return EXIT_USAGE;
 }

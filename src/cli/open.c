@@ -6,14 +6,17 @@
 #include <unistd.h>
 
 #include "cli/cli.h"
+#include "cli/human.h"
 
 int report_error(const weft_error *err)
 {
     fputs("weft: error: ", stderr);
     if (err->file[0] != '\0') {
-        fprintf(stderr, "%s:%d:%d: ", err->file, err->line, err->column);
+        print_plain(stderr, err->file, "");
+        fprintf(stderr, ":%d:%d: ", err->line, err->column);
     }
-    fprintf(stderr, "%s\n", err->message);
+    print_plain(stderr, err->message, "");
+    fputc('\n', stderr);
     return err->status == WEFT_IO          ? EXIT_FILE
            : err->status == WEFT_BAD_SCENE ? EXIT_SCENE
                                            : EXIT_SIMULATION;
@@ -58,7 +61,8 @@ static void print_found(const weft_diagnostics *found)
     for (size_t i = 0; i < found->count; ++i) {
         char text[2048];
         (void)weft_diagnostic_format(&found->items[i], text, sizeof text);
-        fprintf(stderr, "%s\n", text);
+        print_plain(stderr, text, "\t\n");
+        fputc('\n', stderr);
     }
     if (found->errors + found->warnings > found->count) {
         fprintf(stderr, "... and %zu more\n",
@@ -66,8 +70,8 @@ static void print_found(const weft_diagnostics *found)
     }
 }
 
-int open_scene(const char *file, const options *given, weft_registry *registry,
-               weft_scene **scene)
+static weft_scene_def scene_def(const char *file, const options *given,
+                                weft_registry *registry)
 {
     weft_scene_def def = weft_scene_def_default();
     def.file = file;
@@ -75,13 +79,21 @@ int open_scene(const char *file, const options *given, weft_registry *registry,
     def.set_count = given->set_count;
     def.find_plugin = find_plugin;
     def.find_ctx = registry;
+    return def;
+}
+
+/* One of the two is wanted; the other is NULL. */
+static int open_either(const weft_scene_def *def, weft_scene **scene,
+                       weft_sweep **sweep)
+{
     weft_error err = { 0 };
     weft_diagnostics *found = calloc(1, sizeof *found);
     if (found == NULL) {
         weft_error_set(&err, WEFT_NO_MEMORY, "out of memory");
         return report_error(&err);
     }
-    const weft_status status = weft_scene_load(&def, scene, found, &err);
+    const weft_status status = sweep == NULL ? weft_scene_load(def, scene, found, &err)
+                                             : weft_sweep_load(def, sweep, found, &err);
     print_found(found);
     const bool told = found->errors > 0;
     free(found);
@@ -89,6 +101,35 @@ int open_scene(const char *file, const options *given, weft_registry *registry,
         return EXIT_DONE;
     }
     return told ? EXIT_SCENE : report_error(&err);
+}
+
+int open_scene(const char *file, const options *given, weft_registry *registry,
+               weft_scene **scene)
+{
+    const weft_scene_def def = scene_def(file, given, registry);
+    return open_either(&def, scene, NULL);
+}
+
+int open_sweep(const char *file, const options *given, weft_registry *registry,
+               weft_sweep **sweep)
+{
+    const weft_scene_def def = scene_def(file, given, registry);
+    return open_either(&def, NULL, sweep);
+}
+
+char *default_directory(const char *file, const char *suffix)
+{
+    const char *slash = strrchr(file, '/');
+    const char *name = slash == NULL ? file : slash + 1;
+    const char *dot = strstr(name, ".yaml");
+    const size_t length
+        = dot == NULL || dot == name ? strlen(name) : (size_t)(dot - name);
+    char *out = malloc(length + strlen(suffix) + 1);
+    if (out != NULL) {
+        memcpy(out, name, length);
+        memcpy(out + length, suffix, strlen(suffix) + 1);
+    }
+    return out;
 }
 
 weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,

@@ -34,12 +34,26 @@ static weft_status play_to(player *show, double t, weft_error *err)
     return WEFT_OK;
 }
 
+/* Part of the run, whoever plays it: a checkpoint restarts the stepper. */
+static weft_status pass_checkpoint(player *show, size_t i, weft_error *err)
+{
+    const size_t interval = show->run->checkpoint;
+    if (interval == 0 || i == 0 || i % interval != 0 || i == show->last) {
+        return WEFT_OK;
+    }
+    return show->checkpoint != NULL ? show->checkpoint(show->ctx, i, err)
+                                    : weft_sim_restart(show->sim, err);
+}
+
 weft_status play(player *show, weft_error *err)
 {
-    for (size_t i = 0; i <= show->last; ++i) {
+    for (size_t i = show->first; i <= show->last; ++i) {
         weft_status status = play_to(show, frame_time(show->run, i), err);
         if (status == WEFT_OK && !show->stopped) {
             status = show->frame(show->ctx, i, err);
+        }
+        if (status == WEFT_OK && !show->stopped) {
+            status = pass_checkpoint(show, i, err);
         }
         if (status != WEFT_OK || show->stopped) {
             return status;

@@ -3,7 +3,9 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "cli/run.h"
 #include "cli/stability.h"
 #include "record/export.h"
 
@@ -23,21 +25,6 @@ static void catch_signals(void)
     (void)sigaction(SIGTERM, &action, NULL);
 }
 
-typedef struct run {
-    const char *out;
-    bool obj; /* an OBJ a frame */
-    const weft_scene *scene;
-    weft_cloth *cloth;
-    weft_sim *sim;
-    record_series series;
-    record_vtkhdf *frames;
-    record_result result;
-    progress progress;
-    uint64_t limit_sweeps;            /* up to the last frame */
-    bool told_unconverged, told_held; /* warnings of the strain limit */
-    char reason[1024];
-} run;
-
 static void print_spring(const run *self, const weft_spring *spring)
 {
     const size_t cols = weft_cloth_cols(self->cloth);
@@ -52,6 +39,10 @@ static void warn_of_limit(run *self)
     const weft_spring worst = weft_sim_limit_worst(self->sim);
     const weft_limit_stats stats = weft_sim_limit_stats(self->sim);
     const size_t held = weft_sim_limit_held(self->sim);
+    if ((stats.unconverged > 0 && !self->told_unconverged)
+        || (held > 0 && !self->told_held)) {
+        progress_clear(&self->progress);
+    }
     if (stats.unconverged > 0 && !self->told_unconverged) {
         self->told_unconverged = true;
         fprintf(stderr,
@@ -98,6 +89,15 @@ static weft_status write_frame_obj(const run *self, size_t index, weft_error *er
     return write_state(self, name, record_obj, err);
 }
 
+static void show_progress(run *self)
+{
+    const progress_place at = { .frame = self->result.frames - 1,
+                                .last = self->result.planned - 1,
+                                .sim = self->sim,
+                                .duration = weft_scene_run(self->scene)->duration };
+    progress_show(&self->progress, &at);
+}
+
 static weft_status on_frame(void *ctx, size_t index, weft_error *err)
 {
     run *self = ctx;
@@ -117,8 +117,8 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
     }
     if (status == WEFT_OK) {
         self->result.frames = index + 1;
-        progress_show(&self->progress, index, self->result.planned - 1, self->sim,
-                      weft_scene_run(self->scene)->duration);
+        summary_frame(&self->summary, &self->series.worst);
+        show_progress(self);
     }
     return status;
 }
@@ -126,124 +126,33 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
 static bool on_step(void *ctx)
 {
     run *self = ctx;
-    if (self->progress.terminal) {
-        progress_show(&self->progress, self->result.frames - 1,
-                      self->result.planned - 1, self->sim,
-                      weft_scene_run(self->scene)->duration);
+    summary_step(&self->summary);
+    if (self->mode >= PROGRESS_TERMINAL) { /* lines come with frames */
+        show_progress(self);
     }
     return stop_signal == 0;
 }
 
-/* What can be known before the first step. */
-static weft_status write_first_files(const run *self, weft_registry *registry,
-                                     weft_error *err)
-{
-    const weft_plugin *plugin;
-    weft_status status
-        = weft_registry_find(registry, weft_scene_plugin(self->scene), &plugin, err);
-    const char *file = "";
-    for (size_t i = 0; i < weft_registry_count(registry); ++i) {
-        file = weft_registry_at(registry, i) == plugin ? weft_registry_file(registry, i)
-                                                       : file;
-    }
-    if (status == WEFT_OK) {
-        status
-            = record_text(self->out, "scene.yaml", weft_scene_text(self->scene), err);
-    }
-    if (status == WEFT_OK) {
-        status = record_manifest(self->out, self->scene, self->sim, plugin, file, err);
-    }
-    return status;
-}
-
-static weft_status open_records(run *self, weft_error *err)
-{
-    const record_vtkhdf_def frames = {
-        .directory = self->out,
-        .cloth = self->cloth,
-        .record = weft_scene_record(self->scene),
-        .last = self->result.planned - 1,
-        .series = &self->series,
-    };
-    weft_status status = record_series_open(
-        &self->series, self->out, weft_scene_record(self->scene)->ledger, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    status = record_vtkhdf_create(&frames, &self->frames, err);
-    if (status != WEFT_OK) {
-        (void)record_series_close(&self->series, NULL);
-    }
-    return status;
-}
-
-/* The first thing that went wrong is told. */
-static weft_status close_records(run *self, weft_status status, weft_error *err)
-{
-    const weft_status frames
-        = record_vtkhdf_close(self->frames, status == WEFT_OK ? err : NULL);
-    status = status == WEFT_OK ? frames : status;
-    const weft_status series
-        = record_series_close(&self->series, status == WEFT_OK ? err : NULL);
-    return status == WEFT_OK ? series : status;
-}
-
 static weft_status simulate(run *self, weft_error *err)
 {
-    weft_status status = open_records(self, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
     player show = {
         .sim = self->sim,
         .run = weft_scene_run(self->scene),
+        .first = self->result.frames,
         .last = self->result.planned - 1,
         .frame = on_frame,
+        .checkpoint = run_checkpoint,
         .step = on_step,
         .ctx = self,
     };
-    progress_begin(&self->progress, self->progress.quiet);
-    status = play(&show, err);
-    progress_end(&self->progress);
-    return close_records(self, status, err);
-}
-
-static void print_limit(const run *self)
-{
-    const weft_limit_stats stats = weft_sim_limit_stats(self->sim);
-    if (weft_scene_limit(self->scene)->method != WEFT_LIMIT_NONE) {
-        printf("  strain limit: %llu steps corrected in %llu sweeps, %llu not met; "
-               "largest limited strain %.4g %%\n",
-               (unsigned long long)stats.corrected, (unsigned long long)stats.sweeps,
-               (unsigned long long)stats.unconverged,
-               100.0 * weft_sim_limit_worst(self->sim).strain);
+    summary_begin(&self->summary);
+    if (self->mode == PROGRESS_YAML) {
+        summary_yaml_begin(&self->summary);
     }
-}
-
-static void print_summary(const run *self)
-{
-    const record_result *result = &self->result;
-    const weft_stepper_stats stats = weft_sim_stats(self->sim);
-    const double *y = weft_sim_state(self->sim);
-    const weft_spring worst = weft_cloth_worst_spring(self->cloth, y);
-    printf("%s: %s (%zu x %zu particles, %s %s)\n", result->status,
-           weft_scene_name(self->scene), weft_cloth_rows(self->cloth),
-           weft_cloth_cols(self->cloth), weft_scene_plugin(self->scene),
-           weft_scene_method(self->scene));
-    printf("  %zu of %zu frames, t = %.6g s, %.2f s of wall time\n", result->frames,
-           result->planned, weft_sim_time(self->sim), result->wall_time);
-    printf("  %llu steps, %llu rejected, %llu evaluations of the forces\n",
-           (unsigned long long)stats.steps, (unsigned long long)stats.rejected,
-           (unsigned long long)stats.rhs_calls);
-    printf("  largest strain at the end %.3g %%, energy %.6g -> %.6g J\n",
-           100.0 * worst.strain, result->energy_start,
-           record_total_energy(self->cloth, y));
-    const weft_ledger ledger = weft_sim_ledger(self->sim);
-    if (ledger.kept) {
-        printf("  energy ledger closes to %.3g J\n", ledger.residual);
-    }
-    print_limit(self);
-    printf("  results in %s\n", self->out);
+    progress_begin(&self->progress, self->mode, self->sim);
+    const weft_status status = play(&show, err);
+    progress_clear(&self->progress);
+    return run_close(self, status, err);
 }
 
 /* A simulation that failed in all its parts, anything else as ever. */
@@ -257,13 +166,13 @@ static int report_failure(const weft_error *why, const char *reason)
 }
 
 /* Everything that is written once the loop has ended, whatever ended it. */
-static int conclude(run *self, weft_status status, const weft_error *why, double began)
+static int conclude(run *self, weft_status status, const weft_error *why)
 {
     weft_error err = { 0 };
     /* A signal that came after the last frame has changed nothing. */
     const bool interrupted
         = stop_signal != 0 && self->result.frames < self->result.planned;
-    self->result.wall_time = wall_clock() - began;
+    self->result.wall_time = wall_clock() - self->began;
     self->result.sim = self->sim;
     if (status != WEFT_OK) {
         self->result.status = "failed";
@@ -275,15 +184,24 @@ static int conclude(run *self, weft_status status, const weft_error *why, double
         self->result.reason = stop_signal == SIGINT ? "SIGINT" : "SIGTERM";
     }
     weft_status written = write_state(self, "final.csv", record_csv, &err);
-    if (written == WEFT_OK) {
-        written = record_result_write(self->out, &self->result, &err);
+    if (written != WEFT_OK && status == WEFT_OK) {
+        self->result.status = "failed";
+        self->result.reason = err.message;
     }
+    const weft_status told = record_result_write(self->out, &self->result,
+                                                 written == WEFT_OK ? &err : NULL);
+    written = written == WEFT_OK ? told : written;
     const int code = status == WEFT_OK ? EXIT_DONE : report_failure(why, self->reason);
     if (written != WEFT_OK) {
         return report_error(&err);
     }
-    if (!self->progress.quiet) {
-        print_summary(self);
+    if (strcmp(self->result.status, "done") == 0) {
+        run_remove(self, RECORD_CHECKPOINT);
+    }
+    if (self->mode == PROGRESS_YAML) {
+        summary_yaml_end(&self->summary);
+    } else if (!self->quiet) {
+        summary_print(&self->summary);
     }
     if (interrupted && status == WEFT_OK) {
         return stop_signal == SIGINT ? EXIT_SIGINT : EXIT_SIGTERM;
@@ -299,6 +217,9 @@ static int refuse(const run *self, const char *reason)
         = { .status = "failed", .reason = reason, .planned = self->result.planned };
     (void)snprintf(err.message, sizeof err.message, "%s", reason);
     (void)report_error(&err);
+    if (self->from != NULL) {
+        return EXIT_SIMULATION;
+    }
     if (record_text(self->out, "scene.yaml", weft_scene_text(self->scene), &err)
             != WEFT_OK
         || record_result_write(self->out, &result, &err) != WEFT_OK) {
@@ -307,77 +228,102 @@ static int refuse(const run *self, const char *reason)
     return EXIT_SIMULATION;
 }
 
-static int run_simulation(run *self, weft_registry *registry)
+static int run_prepared(run *self, weft_registry *registry)
 {
-    const double began = wall_clock();
     weft_error err = { 0 };
-    weft_status status = simulation_create(self->scene, &self->cloth, &self->sim, &err);
-    if (status != WEFT_OK) {
-        return refuse(self, err.message);
-    }
+    self->summary = (summary){ .directory = self->out,
+                               .scene = self->scene,
+                               .sim = self->sim,
+                               .result = &self->result };
+    weft_status status = run_prepare(self, registry, &err);
     self->result.energy_start
         = record_total_energy(self->cloth, weft_sim_state(self->sim));
-    stability_warn(self->scene, self->sim);
-    status = write_first_files(self, registry, &err);
+    if (status == WEFT_OK && self->from != NULL) {
+        status = run_take_up(self, &err);
+        if (status != WEFT_OK) {
+            return report_error(&err);
+        }
+    } else if (status == WEFT_OK) {
+        stability_warn(self->scene, self->sim);
+        status = run_begin(self, registry, &err);
+    }
     if (status == WEFT_OK) {
         status = simulate(self, &err);
     }
-    const int code = conclude(self, status, &err, began);
+    return conclude(self, status, &err);
+}
+
+static int run_simulation(run *self, weft_registry *registry)
+{
+    weft_error err = { 0 };
+    self->began = wall_clock();
+    if (simulation_create(self->scene, &self->cloth, &self->sim, &err) != WEFT_OK) {
+        return refuse(self, err.message);
+    }
+    const int code = run_prepared(self, registry);
+    record_checkpoint_free(&self->checkpoint);
     weft_sim_destroy(self->sim);
     weft_cloth_destroy(self->cloth);
     return code;
 }
 
-static int run_scene(const options *given, const char *out, const weft_scene *scene,
-                     weft_registry *registry)
+/* A new directory, or one that may be taken over; claimed. */
+static weft_status open_directory(const run *self, bool force, int *lock,
+                                  weft_error *err)
+{
+    weft_status status = record_outdir_lock(self->out, lock, err);
+    if (status == WEFT_OK) {
+        status = record_outdir(self->out, force, err);
+    }
+    if (status == WEFT_OK && self->obj) {
+        char frames[RECORD_PATH];
+        status = record_path(self->out, "frames", frames, err);
+        status = status == WEFT_OK ? record_outdir(frames, force, err) : status;
+    }
+    return status;
+}
+
+int run_scene(const options *given, const char *out, const weft_scene *scene,
+              weft_registry *registry, const run_resumed *resumed)
 {
     weft_error err = { 0 };
+    int lock = -1, code = EXIT_DONE;
     run self = {
         .out = out,
         .obj = given->frames != NULL,
+        .again = resumed != NULL,
+        .from = resumed == NULL ? NULL : resumed->from,
         .scene = scene,
         .result = { .status = "done",
                     .reason = "",
                     .planned = frame_last(weft_scene_run(scene)) + 1 },
-        .progress = { .quiet = given->quiet },
+        .quiet = given->quiet,
     };
+    (void)progress_find(given->quiet ? "none" : given->progress, &self.mode);
     catch_signals();
-    weft_status status = record_outdir(out, given->force, &err);
-    if (status == WEFT_OK && self.obj) {
-        char frames[RECORD_PATH];
-        status = record_path(out, "frames", frames, &err);
-        status = status == WEFT_OK ? record_outdir(frames, given->force, &err) : status;
+    if (resumed == NULL
+        && open_directory(&self, given->force, &lock, &err) != WEFT_OK) {
+        code = report_error(&err);
+    } else {
+        const char *unsupported = scene_unsupported(scene);
+        code = unsupported != NULL ? refuse(&self, unsupported)
+                                   : run_simulation(&self, registry);
     }
-    if (status != WEFT_OK) {
-        return report_error(&err);
+    if (lock >= 0) {
+        (void)close(lock);
     }
-    const char *unsupported = scene_unsupported(scene);
-    if (unsupported != NULL) {
-        return refuse(&self, unsupported);
+    if (given->view && code != EXIT_FILE) {
+        const int viewed = view_runs(&out, 1, NULL, self.mode == PROGRESS_YAML);
+        return code == EXIT_DONE ? viewed : code;
     }
-    return run_simulation(&self, registry);
-}
-
-/* dir/flag.yaml is run into flag.run, unless told otherwise. */
-static char *default_out(const char *file)
-{
-    const char *slash = strrchr(file, '/');
-    const char *name = slash == NULL ? file : slash + 1;
-    const char *dot = strstr(name, ".yaml");
-    const size_t length
-        = dot == NULL || dot == name ? strlen(name) : (size_t)(dot - name);
-    char *out = malloc(length + sizeof ".run");
-    if (out != NULL) {
-        memcpy(out, name, length);
-        memcpy(out + length, ".run", sizeof ".run");
-    }
-    return out;
+    return code;
 }
 
 static int run_verb(int argc, char **argv)
 {
     options given;
-    int code = options_parse(&verb_run, "ospqFrv", argc, argv, &given);
+    progress_mode mode;
+    int code = options_parse(&verb_run, "ospqFrvP", argc, argv, &given);
     if (code >= 0) {
         return code;
     }
@@ -386,20 +332,22 @@ static int run_verb(int argc, char **argv)
                                                                : "more than one scene");
     } else if (given.frames != NULL && strcmp(given.frames, "obj") != 0) {
         code = usage_error(&verb_run, "--frames %s: only obj is known", given.frames);
+    } else if (!progress_find(given.progress, &mode)) {
+        code = usage_error(&verb_run,
+                           "--progress %s: auto, lines, terminal, yaml or none",
+                           given.progress);
+    } else if (given.quiet && given.progress != NULL) {
+        code = usage_error(&verb_run, "--quiet and --progress exclude each other");
     } else {
         weft_registry *registry = open_registry(given.plugin_path);
         weft_scene *scene = NULL;
-        char *out = default_out(given.operands[0]);
+        char *out = default_directory(given.operands[0], ".run");
         code = registry == NULL || out == NULL
                    ? EXIT_SIMULATION
                    : open_scene(given.operands[0], &given, registry, &scene);
         if (code == EXIT_DONE) {
             const char *directory = given.out == NULL ? out : given.out;
-            code = run_scene(&given, directory, scene, registry);
-            if (given.view) {
-                const int viewed = view_runs(&directory, 1, NULL);
-                code = code == EXIT_DONE ? viewed : code;
-            }
+            code = run_scene(&given, directory, scene, registry, NULL);
         }
         free(out);
         weft_scene_destroy(scene);
@@ -416,9 +364,11 @@ const verb verb_run = {
     = "usage: weft run SCENE.yaml [OPTIONS]\n\n"
       "Runs a scene and leaves in a directory: scene.yaml (as run), manifest.yaml "
       "(what\n"
-      "ran), series.csv (a row a frame), final.csv (the state at the end) and, last "
-      "of\n"
-      "all, result.yaml.\n\n"
+      "ran), series.csv (a row a frame), run.vtkhdf (the frames), final.csv (the "
+      "state\n"
+      "at the end) and, last of all, result.yaml. At the end it says in eight lines "
+      "what\n"
+      "that came to.\n\n"
       "  --out DIR            the directory; default: SCENE.run here. Must be new or "
       "empty\n"
       "  --force              replace what an earlier run left there\n"
@@ -428,6 +378,13 @@ const verb verb_run = {
       "print\n"
       "                       its URL\n"
       "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n"
+      "  --progress HOW       terminal: one line on stderr that is redrawn; lines: one "
+      "each\n"
+      "                       tenth of the frames; auto (default): which of the two "
+      "fits;\n"
+      "                       yaml: begin, progress and end as YAML documents of a "
+      "line\n"
+      "                       each on stdout, and nothing else there; none\n"
       "  --quiet              no progress, no summary\n\n"
       "examples:\n"
       "  weft run scenes/flag.yaml --out flag\n"

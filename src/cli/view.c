@@ -18,11 +18,10 @@ static void print_url(const char *file)
                            || (*c >= 'A' && *c <= 'Z') || strchr("/-_.~", *c) != NULL;
         printf(plain ? "%c" : "%%%02X", (unsigned char)*c);
     }
-    putchar('\n');
     free(path);
 }
 
-int view_runs(const char *const *directories, size_t count, const char *out)
+int view_runs(const char *const *directories, size_t count, const char *out, bool yaml)
 {
     char path[RECORD_PATH];
     weft_error err = { 0 };
@@ -39,7 +38,9 @@ int view_runs(const char *const *directories, size_t count, const char *out)
         const int code = report_error(&err);
         return status == WEFT_INVALID ? EXIT_USAGE : code;
     }
+    fputs(yaml ? "--- {event: page, url: \"" : "", stdout);
     print_url(out);
+    fputs(yaml ? "\"}\n" : "\n", stdout);
     return EXIT_DONE;
 }
 
@@ -54,7 +55,7 @@ static int view_verb(int argc, char **argv)
         code = usage_error(&verb_view, "needs the directory of one run, or of two");
     } else {
         code = view_runs((const char *const *)given.operands,
-                         (size_t)given.operand_count, given.out);
+                         (size_t)given.operand_count, given.out, false);
     }
     options_free(&given);
     return code;

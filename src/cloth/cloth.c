@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* cloth.c -- a cloth from its definition: masses, pins, the state at rest. */
 #include "cloth/internal.h"
+#include "cloth/kernel.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "cloth/memory.h"
@@ -108,7 +110,23 @@ static void pins_init(weft_cloth *cloth, const weft_cloth_def *def)
     }
     for (size_t i = 0; i < cloth->particles; ++i) {
         cloth->pinned += cloth->pin[i] != 0;
+        cloth->inverse_mass[i] = cloth->pin[i] != 0 ? 0.0 : 1.0 / cloth->mass[i];
     }
+}
+
+static weft_status list_pins(weft_cloth *cloth, weft_error *err)
+{
+    cloth->pins = weft__alloc(&cloth->memory, cloth->pinned, sizeof *cloth->pins);
+    if (cloth->pins == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu pins",
+                              cloth->pinned);
+    }
+    for (size_t i = 0, j = 0; i < cloth->particles; ++i) {
+        if (cloth->pin[i] != 0) {
+            cloth->pins[j++] = i;
+        }
+    }
+    return WEFT_OK;
 }
 
 /* Neighbours that a huge origin has rounded onto one another have no direction. */
@@ -147,7 +165,7 @@ static weft_status check_numbers(const weft_cloth *cloth, weft_error *err)
         }
     }
     for (size_t i = 0; i < cloth->particles; ++i) {
-        const bool usable = cloth->mass[i] > 0.0 && isfinite(cloth->mass[i]);
+        const bool usable = isfinite(cloth->mass[i]) && isfinite(1.0 / cloth->mass[i]);
         wrong = usable ? wrong : "masses";
     }
     for (size_t i = 0; i < cloth->group_count; ++i) {
@@ -187,6 +205,40 @@ static void copy_plain_fields(weft_cloth *cloth, const weft_cloth_def *def)
     normalise(def->down, cloth->down);
 }
 
+static weft_status allocate(weft_cloth *cloth, weft_error *err)
+{
+    const size_t n = cloth->particles;
+    const weft_allocator *memory = &cloth->memory;
+    cloth->mass = weft__alloc(memory, n, sizeof *cloth->mass);
+    cloth->inverse_mass
+        = weft__zeroed(memory, n + WEFT_PAST, sizeof *cloth->inverse_mass);
+    cloth->pin = weft__zeroed(memory, n, sizeof *cloth->pin);
+    cloth->motions
+        = weft__zeroed(memory, cloth->motion_count + 1, sizeof *cloth->motions);
+    if (cloth->mass == NULL || cloth->inverse_mass == NULL || cloth->pin == NULL
+        || cloth->motions == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu particles", n);
+    }
+    return WEFT_OK;
+}
+
+/* All of a cloth that has its plain fields. */
+static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error *err)
+{
+    weft_status status = allocate(cloth, err);
+    if (status == WEFT_OK) {
+        status = check_apart(cloth, err);
+    }
+    if (status != WEFT_OK) {
+        return status;
+    }
+    weft__groups_init(cloth, def);
+    masses_init(cloth, def);
+    pins_init(cloth, def);
+    status = list_pins(cloth, err);
+    return status == WEFT_OK ? check_numbers(cloth, err) : status;
+}
+
 weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
                               weft_error *err)
 {
@@ -203,27 +255,11 @@ weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
     copy_plain_fields(cloth, def);
     cloth->motion_count = def->pin_count;
     cloth->memory = memory;
-    cloth->mass = weft__alloc(&memory, cloth->particles, sizeof *cloth->mass);
-    cloth->pin = weft__zeroed(&memory, cloth->particles, sizeof *cloth->pin);
-    cloth->motions = weft__zeroed(&memory, def->pin_count + 1, sizeof *cloth->motions);
-    if (cloth->mass == NULL || cloth->pin == NULL || cloth->motions == NULL) {
-        const size_t particles = cloth->particles;
+    cloth->level = weft__level_named(getenv("WEFT_ISA"));
+    const weft_status status = fill(cloth, def, err);
+    if (status != WEFT_OK) {
         weft_cloth_destroy(cloth);
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu particles",
-                              particles);
-    }
-    const weft_status apart = check_apart(cloth, err);
-    if (apart != WEFT_OK) {
-        weft_cloth_destroy(cloth);
-        return apart;
-    }
-    weft__groups_init(cloth, def);
-    masses_init(cloth, def);
-    pins_init(cloth, def);
-    const weft_status numbers = check_numbers(cloth, err);
-    if (numbers != WEFT_OK) {
-        weft_cloth_destroy(cloth);
-        return numbers;
+        return status;
     }
     *out = cloth;
     return WEFT_OK;
@@ -234,7 +270,9 @@ void weft_cloth_destroy(weft_cloth *cloth)
     if (cloth != NULL) {
         const weft_allocator memory = cloth->memory;
         weft__free(&memory, cloth->mass);
+        weft__free(&memory, cloth->inverse_mass);
         weft__free(&memory, cloth->pin);
+        weft__free(&memory, cloth->pins);
         weft__free(&memory, cloth->motions);
         weft__free(&memory, cloth);
     }
@@ -315,7 +353,11 @@ size_t weft_cloth_pins(const weft_cloth *cloth)
 
 size_t weft_cloth_bytes(const weft_cloth *cloth)
 {
-    return sizeof *cloth + cloth->particles * (sizeof *cloth->mass + sizeof *cloth->pin)
+    const size_t each
+        = sizeof *cloth->mass + sizeof *cloth->inverse_mass + sizeof *cloth->pin;
+    return sizeof *cloth + cloth->particles * each
+           + WEFT_PAST * sizeof *cloth->inverse_mass
+           + cloth->pinned * sizeof *cloth->pins
            + (cloth->motion_count + 1) * sizeof *cloth->motions;
 }
 

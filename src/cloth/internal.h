@@ -12,6 +12,7 @@
  * c from first_col to below end_col. */
 typedef struct weft__group {
     weft_family family;
+    unsigned way; /* which of the directions of springs.c */
     size_t end_row, first_col, end_col;
     ptrdiff_t stride;   /* index of the far end minus that of the near one */
     double rest_length; /* [m] */
@@ -21,6 +22,9 @@ typedef struct weft__group {
 
 #define WEFT_GROUPS (2 * WEFT_FAMILIES)
 
+/* How far beyond the last particle kernels may read. */
+#define WEFT_PAST 16
+
 /* x(t) = x(0) + velocity t + amplitude sin(omega t) */
 typedef struct weft__motion {
     double velocity[3];  /* [m/s] */
@@ -29,6 +33,8 @@ typedef struct weft__motion {
     bool moves;
 } weft__motion;
 
+typedef struct weft__level weft__level; /* kernel.h */
+
 struct weft_cloth {
     size_t rows, cols, particles, pinned;
     double spacing[2], origin[3], right[3], down[3], scale; /* right, down: unit */
@@ -36,8 +42,11 @@ struct weft_cloth {
     double gravity[3], drag, wind_velocity[3], wind_drag;
     size_t group_count; /* groups that have springs */
     weft__group groups[WEFT_GROUPS];
-    double *mass;  /* [kg] N of them */
-    uint32_t *pin; /* N: 0 free, else 1 + index into motions */
+    double *mass;         /* [kg] N of them */
+    double *inverse_mass; /* [1/kg] N, 0 of the pinned, and WEFT_PAST more */
+    uint32_t *pin;        /* N: 0 free, else 1 + index into motions */
+    size_t *pins;         /* the pinned, in order; room for N if borrowed */
+    const weft__level *level;
     weft__motion *motions;
     size_t motion_count;
     size_t first_own; /* repin.c */

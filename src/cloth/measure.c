@@ -30,7 +30,6 @@ typedef struct measure {
     const double *y;
     const bool *families; /* that worst is sought in; NULL: all */
     double elastic[WEFT_FAMILIES];
-    double dissipation;
     double *strain; /* N of them */
     weft_spring worst;
     bool any;
@@ -65,44 +64,6 @@ weft_energy weft_cloth_energy(const weft_cloth *cloth, const double *y)
     each_spring(cloth, add_elastic, &sum);
     memcpy(energy.elastic, sum.elastic, sizeof energy.elastic);
     return energy;
-}
-
-/* A damper turns c (w.u)^2 into heat. */
-static void add_dissipation(void *ctx, const weft__group *group, size_t p, size_t q)
-{
-    measure *sum = ctx;
-    const weft__stance at = weft__spring_stance(sum->cloth->particles, p, q, sum->y);
-    if (at.length == 0.0) {
-        return;
-    }
-    const double along
-        = (at.w[0] * at.d[0] + at.w[1] * at.d[1] + at.w[2] * at.d[2]) / at.length;
-    sum->dissipation += group->damping * along * along;
-}
-
-static bool damped(const weft_cloth *cloth)
-{
-    for (size_t g = 0; g < cloth->group_count; ++g) {
-        if (cloth->groups[g].damping > 0.0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-double weft_cloth_dissipation(const weft_cloth *cloth, const double *y)
-{
-    const size_t n = cloth->particles;
-    measure sum = { .cloth = cloth, .y = y };
-    if (damped(cloth)) {
-        each_spring(cloth, add_dissipation, &sum);
-    }
-    for (size_t j = 3 * n; cloth->drag > 0.0 && j < 6 * n; ++j) {
-        if (cloth->pin[j % n] == 0) {
-            sum.dissipation += cloth->drag * y[j] * y[j];
-        }
-    }
-    return sum.dissipation;
 }
 
 void weft_cloth_momentum(const weft_cloth *cloth, const double *y, double p[3])

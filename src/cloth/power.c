@@ -5,31 +5,52 @@
  *     dE/dt = -springs - drag + wind + pins                        (docs/physics.md)
  *
  * Each row is summed by itself, then the rows in their order. */
-#include "cloth/internal.h"
+#include "cloth/kernel.h"
+#include "cloth/rows.h"
 
 #include <math.h>
 
-/* sum of (w.d)^2 / (d.d), that is (w.u)^2, of the springs of a group that start in row
- * r; 0 where L = 0 */
-static double row_rate(const weft_cloth *cloth, const weft__group *group, size_t r,
-                       const double *y)
+static double springs_power(const weft_cloth *cloth, size_t r, const double *y)
+{
+    double power = 0.0;
+    for (size_t g = 0; g < cloth->group_count; ++g) {
+        const weft__group *group = &cloth->groups[g];
+        if (group->damping != 0.0 && r < group->end_row) {
+            const size_t first = r * cloth->cols + group->first_col;
+            power += group->damping
+                     * cloth->level->rates(y + first, cloth->particles,
+                                           (size_t)group->stride,
+                                           group->end_col - group->first_col);
+        }
+    }
+    return power;
+}
+
+static double row_drag(const weft_cloth *cloth, size_t r, const double *y)
 {
     const size_t n = cloth->particles;
-    const size_t first = r * cloth->cols + group->first_col;
-    const size_t end = r * cloth->cols + group->end_col;
     double sum = 0.0;
-    for (size_t p = first; p < end; ++p) {
-        const size_t q = p + (size_t)group->stride;
-        double dd = 0.0, wd = 0.0;
-        for (size_t k = 0; k < 3; ++k) {
-            const double d = y[k * n + q] - y[k * n + p];
-            const double w = y[(k + 3) * n + q] - y[(k + 3) * n + p];
-            dd += d * d;
-            wd += w * d;
-        }
-        sum += dd == 0.0 ? 0.0 : wd * wd / dd;
+    for (size_t i = r * cloth->cols; i < (r + 1) * cloth->cols; ++i) {
+        const double *v = y + 3 * n + i;
+        sum += cloth->pin[i] != 0 ? 0.0
+                                  : v[0] * v[0] + v[n] * v[n] + v[2 * n] * v[2 * n];
     }
-    return sum;
+    return cloth->drag * sum;
+}
+
+double weft__row_heat(const weft_cloth *cloth, size_t r, const double *y)
+{
+    return springs_power(cloth, r, y)
+           + (cloth->drag > 0.0 ? row_drag(cloth, r, y) : 0.0);
+}
+
+double weft_cloth_dissipation(const weft_cloth *cloth, const double *y)
+{
+    double heat = 0.0;
+    for (size_t r = 0; r < cloth->rows; ++r) {
+        heat += weft__row_heat(cloth, r, y);
+    }
+    return heat;
 }
 
 /* Work of the wind and of drag on a free particle. */
@@ -96,12 +117,7 @@ static void row_power(const weft_cloth *cloth, size_t r, double t, const double 
                       double power[WEFT_POWERS])
 {
     const bool air = cloth->drag != 0.0 || cloth->wind_drag != 0.0;
-    for (size_t g = 0; g < cloth->group_count; ++g) {
-        const weft__group *group = &cloth->groups[g];
-        if (group->damping != 0.0 && r < group->end_row) {
-            power[WEFT_POWER_SPRINGS] += group->damping * row_rate(cloth, group, r, y);
-        }
-    }
+    power[WEFT_POWER_SPRINGS] += springs_power(cloth, r, y);
     for (size_t c = 0; c < cloth->cols; ++c) {
         const size_t i = r * cloth->cols + c;
         if (cloth->pin[i] == 0) {

@@ -6,24 +6,43 @@
 #include "cloth/internal.h"
 #include "cloth/memory.h"
 
-weft_cloth *weft__cloth_borrow(const weft_cloth *from, const weft_allocator *memory)
+/* A cloth with room for all that pins are known by. */
+static weft_cloth *allocate(const weft_cloth *from, const weft_allocator *memory)
 {
+    const size_t n = from->particles;
     weft_cloth *cloth = weft__alloc(memory, 1, sizeof *cloth);
-    uint32_t *pin = weft__alloc(memory, from->particles, sizeof *pin);
-    weft__motion *motions
-        = weft__alloc(memory, from->motion_count + 1, sizeof *motions);
-    if (cloth == NULL || pin == NULL || motions == NULL) {
-        weft__free(memory, cloth);
-        weft__free(memory, pin);
-        weft__free(memory, motions);
+    if (cloth == NULL) {
         return NULL;
     }
     *cloth = *from;
     cloth->memory = *memory;
-    cloth->first_own = from->motion_count;
-    cloth->pin = memcpy(pin, from->pin, from->particles * sizeof *pin);
+    cloth->pin = weft__alloc(memory, n, sizeof *cloth->pin);
+    cloth->pins = weft__alloc(memory, n, sizeof *cloth->pins);
+    cloth->inverse_mass
+        = weft__alloc(memory, n + WEFT_PAST, sizeof *cloth->inverse_mass);
     cloth->motions
-        = memcpy(motions, from->motions, from->motion_count * sizeof *motions);
+        = weft__alloc(memory, from->motion_count + 1, sizeof *cloth->motions);
+    if (cloth->pin == NULL || cloth->pins == NULL || cloth->inverse_mass == NULL
+        || cloth->motions == NULL) {
+        weft__cloth_return(cloth);
+        return NULL;
+    }
+    return cloth;
+}
+
+weft_cloth *weft__cloth_borrow(const weft_cloth *from, const weft_allocator *memory)
+{
+    const size_t n = from->particles;
+    weft_cloth *cloth = allocate(from, memory);
+    if (cloth != NULL) {
+        cloth->first_own = from->motion_count;
+        memcpy(cloth->pin, from->pin, n * sizeof *cloth->pin);
+        memcpy(cloth->pins, from->pins, from->pinned * sizeof *cloth->pins);
+        memcpy(cloth->inverse_mass, from->inverse_mass,
+               (n + WEFT_PAST) * sizeof *cloth->inverse_mass);
+        memcpy(cloth->motions, from->motions,
+               from->motion_count * sizeof *cloth->motions);
+    }
     return cloth;
 }
 
@@ -32,9 +51,43 @@ void weft__cloth_return(weft_cloth *borrowed)
     if (borrowed != NULL) {
         const weft_allocator memory = borrowed->memory;
         weft__free(&memory, borrowed->pin);
+        weft__free(&memory, borrowed->pins);
+        weft__free(&memory, borrowed->inverse_mass);
         weft__free(&memory, borrowed->motions);
         weft__free(&memory, borrowed);
     }
+}
+
+/* Where a particle stands in the list of pins, or would stand. */
+static size_t place_of(const weft_cloth *cloth, size_t i)
+{
+    size_t low = 0, high = cloth->pinned;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (cloth->pins[middle] < i) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+static void list(weft_cloth *cloth, size_t i)
+{
+    size_t *at = cloth->pins + place_of(cloth, i);
+    const size_t behind = cloth->pinned++ - (size_t)(at - cloth->pins);
+    memmove(at + 1, at, behind * sizeof *at);
+    *at = i;
+    cloth->inverse_mass[i] = 0.0;
+}
+
+static void unlist(weft_cloth *cloth, size_t i)
+{
+    size_t *at = cloth->pins + place_of(cloth, i);
+    const size_t behind = --cloth->pinned - (size_t)(at - cloth->pins);
+    memmove(at, at + 1, behind * sizeof *at);
+    cloth->inverse_mass[i] = 1.0 / cloth->mass[i];
 }
 
 /* A motion more, particle i's own. */
@@ -48,7 +101,9 @@ static bool add_motion(weft_cloth *cloth, size_t i)
     }
     cloth->motions = grown;
     cloth->motion_count = count;
-    cloth->pinned += cloth->pin[i] == 0;
+    if (cloth->pin[i] == 0) {
+        list(cloth, i);
+    }
     cloth->pin[i] = (uint32_t)count;
     return true;
 }
@@ -71,7 +126,7 @@ void weft__cloth_unpin(weft_cloth *borrowed, size_t i)
 {
     const uint32_t hole = borrowed->pin[i];
     borrowed->pin[i] = 0;
-    --borrowed->pinned;
+    unlist(borrowed, i);
     if (hole > borrowed->first_own) { /* the last motion moves there */
         const size_t last = borrowed->motion_count--;
         borrowed->motions[hole - 1] = borrowed->motions[last - 1];

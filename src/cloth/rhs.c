@@ -5,11 +5,15 @@
  *     pinned particle   x' = V + w A cos(w t),   v' = -w^2 A sin(w t),  w = 2 pi f
  *
  * A pinned particle has inverse mass 0 and follows its prescribed motion; one without
- * motion has x' = v' = 0 and keeps its position bit for bit. */
+ * motion has x' = v' = 0 and keeps its position bit for bit.
+ *
+ * weft_cloth_force is the plain form of the model; the kernels (kernel.h) are held to
+ * it by tests. */
 #include "cloth/internal.h"
+#include "cloth/kernel.h"
+#include "cloth/rows.h"
 
 #include <math.h>
-#include <string.h>
 
 void weft_cloth_force(const weft_cloth *cloth, const double *y, double *f)
 {
@@ -27,54 +31,55 @@ void weft_cloth_force(const weft_cloth *cloth, const double *y, double *f)
     weft__wind_add_force(cloth, y, f);
 }
 
-/* Forces in the velocity half of dydt become accelerations. */
-static void move_free(const weft_cloth *cloth, const double *y, double *dydt)
-{
-    const size_t n = cloth->particles;
-    memcpy(dydt, y + 3 * n, 3 * n * sizeof *dydt);
-    for (size_t k = 3; k < 6; ++k) {
-        for (size_t i = 0; i < n; ++i) {
-            dydt[k * n + i] /= cloth->mass[i];
-        }
-    }
-}
-
 double weft__motion_velocity(const weft__motion *motion, size_t k, double t)
 {
     const double w = motion->omega;
     return motion->velocity[k] + w * motion->amplitude[k] * cos(w * t);
 }
 
-static void move_pins(const weft_cloth *cloth, double t, double *dydt)
+static void move_pin(const weft__motion *motion, double t, size_t n, double *dydt)
 {
-    const size_t n = cloth->particles;
-    for (size_t i = 0; cloth->pinned > 0 && i < n; ++i) {
-        if (cloth->pin[i] == 0) {
-            continue;
-        }
-        const weft__motion *motion = &cloth->motions[cloth->pin[i] - 1];
-        const double w = motion->omega;
-        for (size_t k = 0; k < 3; ++k) {
-            dydt[k * n + i] = weft__motion_velocity(motion, k, t);
-            dydt[(k + 3) * n + i] = -w * w * motion->amplitude[k] * sin(w * t);
-        }
+    const double w = motion->omega;
+    for (size_t k = 0; k < 3; ++k) {
+        dydt[k * n] = weft__motion_velocity(motion, k, t);
+        dydt[(k + 3) * n] = -w * w * motion->amplitude[k] * sin(w * t);
     }
 }
 
-/* x 0 is 0 for a finite x and NaN for any other, and NaN stays in a sum. */
-static bool all_finite(const double *values, size_t count)
+/* Neighbours often share a motion. */
+static void move_pins(const weft_cloth *cloth, double t, double *dydt, size_t first,
+                      size_t end)
 {
-    double sum = 0.0;
-    for (size_t i = 0; i < count; ++i) {
-        sum += values[i] * 0.0;
+    const size_t n = cloth->particles;
+    size_t before = n;
+    for (size_t j = 0; j < cloth->pinned; ++j) {
+        const size_t i = cloth->pins[j];
+        if (i < first || i >= end) {
+            continue;
+        }
+        if (before < n && cloth->pin[before] == cloth->pin[i]) {
+            for (size_t k = 0; k < 6; ++k) {
+                dydt[k * n + i] = dydt[k * n + before];
+            }
+        } else {
+            move_pin(&cloth->motions[cloth->pin[i] - 1], t, n, dydt + i);
+        }
+        before = i;
     }
-    return sum == 0.0;
+}
+
+int weft__rhs_rows(const weft_cloth *cloth, double t, const double *y, double *dydt,
+                   size_t first, size_t end)
+{
+    int failed = cloth->level->springs(cloth, y, dydt, first, end);
+    if (cloth->wind_drag != 0.0) {
+        failed |= cloth->level->wind(cloth, y, dydt, first, end);
+    }
+    move_pins(cloth, t, dydt, first * cloth->cols, end * cloth->cols);
+    return failed;
 }
 
 int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y, double *dydt)
 {
-    weft_cloth_force(cloth, y, dydt + 3 * cloth->particles);
-    move_free(cloth, y, dydt);
-    move_pins(cloth, t, dydt);
-    return all_finite(dydt, weft_cloth_dim(cloth)) ? 0 : 1;
+    return weft__rhs_rows(cloth, t, y, dydt, 0, cloth->rows);
 }

@@ -100,6 +100,7 @@ static bool group_init(const weft_cloth *cloth, const weft_cloth_def *def,
     const double rest_length = sqrt(across * across + along * along);
     *group = (weft__group){
         .family = way->family,
+        .way = (unsigned)(way - directions),
         .end_row = cloth->rows - way->down,
         .first_col = way->right < 0 ? reach : 0,
         .end_col = way->right < 0 ? cloth->cols : cloth->cols - reach,

@@ -29,7 +29,7 @@ weft_status record_file_open(record_file *file, const char *directory, const cha
     strcat(file->temporary, ".tmp");
     file->stream = fopen(file->temporary, "w");
     if (file->stream == NULL) {
-        return weft_error_set(err, WEFT_IO, "%s: %s", file->temporary, strerror(errno));
+        return weft_error_set(err, WEFT_IO, "%s: %s", file->path, strerror(errno));
     }
     return WEFT_OK;
 }
@@ -37,7 +37,11 @@ weft_status record_file_open(record_file *file, const char *directory, const cha
 weft_status record_file_commit(record_file *file, weft_error *err)
 {
     errno = 0;
-    bool written = !ferror(file->stream) && fflush(file->stream) == 0;
+    bool written = !ferror(file->stream);
+    if (!written) {
+        (void)fputc('\n', file->stream); /* fails again, and tells why */
+    }
+    written = fflush(file->stream) == 0 && written;
     written = fsync(fileno(file->stream)) == 0 && written;
     int why = errno;
     if (fclose(file->stream) != 0) {

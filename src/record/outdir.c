@@ -1,11 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* outdir.c -- the directory of a run: new, or empty, or taken over on request. */
+#define _DEFAULT_SOURCE /* flock, which takes a directory */
 #include "record/record.h"
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
 
 /* mkdir -p */
 static bool make_directories(const char *directory)
@@ -27,19 +32,20 @@ static bool make_directories(const char *directory)
     return mkdir(path, 0777) == 0 || errno == EEXIST;
 }
 
-/* Files that a run of weft makes; a frame is told by its name. */
+const char *const record_names[] = {
+    "scene.yaml",      "manifest.yaml", "series.csv", "run.vtkhdf", "final.csv",
+    "checkpoint.weft", "result.yaml",   "frames",     "run.mdd",    "run.pc2",
+    "run.pvd",         "rest.obj",      "final.obj",  "final.ply",  "run.html",
+    "compare.html",    "compare.csv",   NULL,
+};
+
+/* A frame is told by its name. */
 static bool is_ours(const char *name)
 {
-    static const char *const names[] = {
-        "scene.yaml",  "manifest.yaml", "series.csv",      "final.csv",
-        "result.yaml", "run.vtkhdf",    "checkpoint.weft", "frames",
-        "run.mdd",     "run.pc2",       "run.pvd",         "rest.obj",
-        "final.obj",   "final.ply",     "run.html",        "compare.html",
-    };
     const size_t length = strlen(name);
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
-        const size_t known = strlen(names[i]);
-        if (strncmp(name, names[i], known) == 0
+    for (size_t i = 0; record_names[i] != NULL; ++i) {
+        const size_t known = strlen(record_names[i]);
+        if (strncmp(name, record_names[i], known) == 0
             && (length == known || strcmp(name + known, ".tmp") == 0)) {
             return true;
         }
@@ -74,10 +80,19 @@ static long look_through(const char *directory, bool clear)
     return found;
 }
 
-weft_status record_outdir(const char *directory, bool force, weft_error *err)
+weft_status record_directory(const char *directory, weft_error *err)
 {
     if (!make_directories(directory)) {
         return weft_error_set(err, WEFT_IO, "%s: %s", directory, strerror(errno));
+    }
+    return WEFT_OK;
+}
+
+weft_status record_outdir(const char *directory, bool force, weft_error *err)
+{
+    const weft_status status = record_directory(directory, err);
+    if (status != WEFT_OK) {
+        return status;
     }
     const long found = look_through(directory, force);
     if (found < 0) {
@@ -87,6 +102,37 @@ weft_status record_outdir(const char *directory, bool force, weft_error *err)
         return weft_error_set(
             err, WEFT_IO,
             "%s: not empty; choose another --out, or --force to replace it", directory);
+    }
+    return WEFT_OK;
+}
+
+/* The process that tries run.vtkhdf (frames.c) shares the lock of the one it helps, and
+ * outlives it for a moment where that is killed. */
+static bool taken(int lock)
+{
+    const struct timespec pause = { .tv_nsec = 20000000 };
+    bool held = true;
+    for (int i = 0; held && i < 50; ++i) {
+        held = flock(lock, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+        if (held) {
+            (void)nanosleep(&pause, NULL);
+        }
+    }
+    return held;
+}
+
+/* A file system that knows no locks is no reason not to run. */
+weft_status record_outdir_lock(const char *directory, int *lock, weft_error *err)
+{
+    *lock = make_directories(directory) ? open(directory, O_RDONLY | O_CLOEXEC) : -1;
+    if (*lock < 0) {
+        return weft_error_set(err, WEFT_IO, "%s: %s", directory, strerror(errno));
+    }
+    if (taken(*lock)) {
+        (void)close(*lock);
+        *lock = -1;
+        return weft_error_set(err, WEFT_IO, "%s: another weft is running there",
+                              directory);
     }
     return WEFT_OK;
 }

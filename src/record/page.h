@@ -7,8 +7,9 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* The player as built from viewer/, ended by a NUL; has PAGE_MARK where data belong. */
-extern const char weft__player_page[];
+/* The player and the diagram of weft compare as built from viewer/, each ended by a
+ * NUL; they have PAGE_MARK where data belong. */
+extern const char weft__player_page[], weft__compare_page[];
 #define PAGE_MARK "<!--WEFT-DATA-->"
 
 /* A JSON string in which <, > and & are escaped too. */

@@ -311,6 +311,11 @@ static void write_runs(const player *self)
         for (size_t i = 0; i < self->shown; ++i) {
             fprintf(self->stream, "%s%zu", i > 0 ? "," : "", run->index[i]);
         }
+        fputs("],\"numbers\":[", self->stream);
+        for (size_t i = 0; i < self->shown; ++i) {
+            fprintf(self->stream, "%s%zu", i > 0 ? "," : "",
+                    record_frames_number(run->frames, run->index[i]));
+        }
         fputc(']', self->stream);
         for (size_t f = 0; f < sizeof files / sizeof files[0]; ++f) {
             char name[32];

@@ -104,6 +104,7 @@ static void write_run(yaml_out *out, const weft_run_def *run)
     yaml_out_real(out, "duration", run->duration);
     yaml_out_real(out, "fps", run->fps);
     yaml_out_plain(out, "threads", "%zu", run->threads);
+    yaml_out_plain(out, "checkpoint", "%zu", run->checkpoint);
     yaml_out_close_map(out);
 }
 
@@ -224,6 +225,18 @@ static void write_outcome(yaml_out *out, const record_result *result)
     yaml_out_text(out, "hash", hash);
 }
 
+void record_result_items(yaml_out *out, const record_result *result)
+{
+    yaml_out_plain(out, "status", "%s", result->status);
+    yaml_out_text(out, "reason", result->reason);
+    yaml_out_plain(out, "frames", "%zu", result->frames);
+    yaml_out_plain(out, "frames_planned", "%zu", result->planned);
+    yaml_out_real(out, "wall_time", result->wall_time);
+    if (result->sim != NULL) {
+        write_outcome(out, result);
+    }
+}
+
 weft_status record_result_write(const char *directory, const record_result *result,
                                 weft_error *err)
 {
@@ -234,13 +247,6 @@ weft_status record_result_write(const char *directory, const record_result *resu
         return status;
     }
     yaml_out_begin(&out, file.stream);
-    yaml_out_plain(&out, "status", "%s", result->status);
-    yaml_out_text(&out, "reason", result->reason);
-    yaml_out_plain(&out, "frames", "%zu", result->frames);
-    yaml_out_plain(&out, "frames_planned", "%zu", result->planned);
-    yaml_out_real(&out, "wall_time", result->wall_time);
-    if (result->sim != NULL) {
-        write_outcome(&out, result);
-    }
+    record_result_items(&out, result);
     return commit(&out, &file, err);
 }

@@ -7,6 +7,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* X(name, format, value); `row` is the struct below. */
 #define COLUMNS(X)                                                                     \
@@ -19,7 +20,7 @@
     X(momentum_x, "%.17g", row.momentum[0])                                            \
     X(momentum_y, "%.17g", row.momentum[1])                                            \
     X(momentum_z, "%.17g", row.momentum[2])                                            \
-    X(max_strain, "%.17g", row.max_strain)                                             \
+    X(max_strain, "%.17g", row.worst.strain)                                           \
     X(steps, "%" PRIu64, row.stats.steps)                                              \
     X(rejected, "%" PRIu64, row.stats.rejected)                                        \
     X(rhs_calls, "%" PRIu64, row.stats.rhs_calls)                                      \
@@ -46,7 +47,8 @@ enum { COLUMNS(NUMBER) COLUMN_COUNT };
 
 typedef struct series_row {
     const record_frame *frame;
-    double time, elastic, dissipated, max_strain, limit_strain, momentum[3];
+    double time, elastic, dissipated, limit_strain, momentum[3];
+    weft_spring worst;
     weft_energy energy;
     weft_ledger ledger;
     weft_stepper_stats stats;
@@ -62,7 +64,7 @@ static series_row measure(const record_frame *frame)
         .frame = frame,
         .time = weft_sim_time(sim),
         .dissipated = weft_sim_dissipated(sim),
-        .max_strain = weft_cloth_worst_spring(cloth, y).strain,
+        .worst = weft_cloth_worst_spring(cloth, y),
         .ledger = weft_sim_ledger(sim),
         .limit_strain = weft_sim_limit_worst(sim).strain,
         .stats = weft_sim_stats(sim),
@@ -84,30 +86,70 @@ static weft_status flush(record_series *series, weft_error *err)
     return WEFT_OK;
 }
 
-weft_status record_series_open(record_series *series, const char *directory,
-                               bool ledger, weft_error *err)
+static void list_columns(record_series *series, bool ledger)
+{
+    series->columns = 0;
+#define NAME(name, format, value) series->names[series->columns++] = #name;
+    COLUMNS(NAME)
+    if (ledger) {
+        LEDGER_COLUMNS(NAME)
+    }
+#undef NAME
+}
+
+static weft_status open_stream(record_series *series, const char *directory,
+                               const char *mode, bool ledger, weft_error *err)
 {
     const weft_status status = record_path(directory, "series.csv", series->path, err);
     if (status != WEFT_OK) {
         return status;
     }
-    series->stream = fopen(series->path, "w");
+    series->stream = fopen(series->path, mode);
     if (series->stream == NULL) {
         return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
     }
-    const char *comma = "";
-    series->columns = 0;
-#define HEADER(name, format, value)                                                    \
-    fprintf(series->stream, "%s" #name, comma);                                        \
-    series->names[series->columns++] = #name;                                          \
-    comma = ",";
-    COLUMNS(HEADER)
-    if (ledger) {
-        LEDGER_COLUMNS(HEADER)
+    list_columns(series, ledger);
+    return WEFT_OK;
+}
+
+weft_status record_series_open(record_series *series, const char *directory,
+                               bool ledger, weft_error *err)
+{
+    const weft_status status = open_stream(series, directory, "w", ledger, err);
+    if (status != WEFT_OK) {
+        return status;
     }
-#undef HEADER
+    for (size_t i = 0; i < series->columns; ++i) {
+        fprintf(series->stream, "%s%s", i == 0 ? "" : ",", series->names[i]);
+    }
     fputc('\n', series->stream);
     return flush(series, err);
+}
+
+weft_status record_series_reopen(record_series *series, const char *directory,
+                                 bool ledger, weft_error *err)
+{
+    return open_stream(series, directory, "r+", ledger, err);
+}
+
+weft_status record_series_cut(record_series *series, size_t bytes, weft_error *err)
+{
+    if (ftruncate(fileno(series->stream), (off_t)bytes) == 0
+        && fseek(series->stream, 0, SEEK_END) == 0) {
+        return WEFT_OK;
+    }
+    return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
+}
+
+weft_status record_series_sync(record_series *series, size_t *bytes, weft_error *err)
+{
+    const weft_status status = flush(series, err);
+    const long at = status == WEFT_OK ? ftell(series->stream) : 0;
+    if (at < 0 || fsync(fileno(series->stream)) != 0) {
+        return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
+    }
+    *bytes = (size_t)at;
+    return status;
 }
 
 weft_status record_series_add(record_series *series, const record_frame *frame,
@@ -116,6 +158,7 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
     const series_row row = measure(frame);
     const char *comma = "";
     size_t column = 0;
+    series->worst = row.worst;
 #define CELL(name, format, value)                                                      \
     fprintf(series->stream, "%s" format, comma, value);                                \
     series->row[column++] = (double)(value);                                           \

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* vtkhdf.c -- frames into run.vtkhdf: first all of a frame's data, then, in one write,
  * that it is there. */
+#include "record/frames.h"
 #include "record/vtkhdf_file.h"
 
 #include <errno.h>
@@ -158,6 +159,62 @@ static bool close_file(record_vtkhdf *self)
     return file < 0 || H5Fclose(file) >= 0;
 }
 
+/* ---- opening again ---------------------------------------------------------- */
+
+/* Read by who trusts nothing before libhdf5 is let loose on it here. */
+static weft_status check_frames(const record_vtkhdf *self, size_t count,
+                                weft_error *err)
+{
+    const record_vtkhdf_def *def = &self->def;
+    record_frames *there = NULL;
+    const weft_status status = record_frames_open(def->directory, &there, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    const bool fits = record_frames_rows(there) == weft_cloth_rows(def->cloth)
+                      && record_frames_cols(there) == weft_cloth_cols(def->cloth)
+                      && record_frames_doubles(there) == def->record->doubles
+                      && record_frames_count(there) >= count && count > 0;
+    record_frames_close(there);
+    return fits ? WEFT_OK
+                : weft_error_set(err, WEFT_IO,
+                                 "%s: damaged: it has not the frames it had",
+                                 self->path);
+}
+
+/* As after the commit of the last frame that is kept. A smaller extent overwrites the
+ * times behind it at once: by then NSteps has left them out. */
+static bool cut(record_vtkhdf *self, size_t count)
+{
+    const int64_t steps = (int64_t)count;
+    const hsize_t extent = count;
+    self->count = count;
+    return H5Awrite(self->step_count, H5T_NATIVE_INT64, &steps) >= 0
+           && H5Fflush(self->file, H5F_SCOPE_GLOBAL) >= 0
+           && H5Dset_extent(self->time.id, &extent) >= 0
+           && H5Fflush(self->file, H5F_SCOPE_GLOBAL) >= 0;
+}
+
+weft_status record_vtkhdf_reopen(const record_vtkhdf_def *def, size_t count,
+                                 record_vtkhdf **out, weft_error *err)
+{
+    weft_status status = record_vtkhdf_create(def, out, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    record_vtkhdf *self = *out;
+    status = check_frames(self, count, err);
+    hdf_begin(&self->why);
+    if (status == WEFT_OK && !(open_file(self, self->path) && cut(self, count))) {
+        status = failed(self, err);
+    }
+    if (status != WEFT_OK) {
+        (void)record_vtkhdf_close(self, NULL);
+        *out = NULL;
+    }
+    return status;
+}
+
 /* ---- a frame ---------------------------------------------------------------- */
 
 static bool write_set(const record_vtkhdf *self, size_t set, const double *values)
@@ -275,6 +332,12 @@ static bool sync_file(record_vtkhdf *self)
         return false;
     }
     return true;
+}
+
+weft_status record_vtkhdf_sync(record_vtkhdf *self, size_t *count, weft_error *err)
+{
+    *count = self->count;
+    return sync_file(self) ? WEFT_OK : failed(self, err);
 }
 
 weft_status record_vtkhdf_close(record_vtkhdf *self, weft_error *err)

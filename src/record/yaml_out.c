@@ -12,12 +12,28 @@ static void emit(yaml_out *out, yaml_event_t *event, int initialised)
     }
 }
 
+/* Names of files may be no UTF-8, which YAML cannot hold. */
+static void ascii(char *text)
+{
+    for (; *text != '\0'; ++text) {
+        *text = (unsigned char)*text < 0x80 ? *text : '?';
+    }
+}
+
 static void scalar(yaml_out *out, const char *text, yaml_scalar_style_t style)
 {
     yaml_event_t event;
-    emit(out, &event,
-         yaml_scalar_event_initialize(&event, NULL, NULL, (const yaml_char_t *)text,
-                                      (int)strlen(text), 1, 1, style));
+    int made = yaml_scalar_event_initialize(
+        &event, NULL, NULL, (const yaml_char_t *)text, (int)strlen(text), 1, 1, style);
+    char *copy = made ? NULL : strdup(text);
+    if (copy != NULL) {
+        ascii(copy);
+        made = yaml_scalar_event_initialize(&event, NULL, NULL,
+                                            (const yaml_char_t *)copy,
+                                            (int)strlen(copy), 1, 1, style);
+    }
+    emit(out, &event, made);
+    free(copy);
 }
 
 static void key_scalar(yaml_out *out, const char *key)
@@ -27,7 +43,7 @@ static void key_scalar(yaml_out *out, const char *key)
     }
 }
 
-void yaml_out_begin(yaml_out *out, FILE *stream)
+static void begin(yaml_out *out, FILE *stream, int implicit, yaml_mapping_style_t style)
 {
     yaml_event_t event;
     out->failed = yaml_emitter_initialize(&out->emitter) == 0;
@@ -38,8 +54,19 @@ void yaml_out_begin(yaml_out *out, FILE *stream)
     }
     emit(out, &event, yaml_stream_start_event_initialize(&event, YAML_UTF8_ENCODING));
     emit(out, &event,
-         yaml_document_start_event_initialize(&event, NULL, NULL, NULL, 1));
-    yaml_out_item(out);
+         yaml_document_start_event_initialize(&event, NULL, NULL, NULL, implicit));
+    emit(out, &event,
+         yaml_mapping_start_event_initialize(&event, NULL, NULL, 1, style));
+}
+
+void yaml_out_begin(yaml_out *out, FILE *stream)
+{
+    begin(out, stream, 1, YAML_BLOCK_MAPPING_STYLE);
+}
+
+void yaml_out_begin_line(yaml_out *out, FILE *stream)
+{
+    begin(out, stream, 0, YAML_FLOW_MAPPING_STYLE);
 }
 
 bool yaml_out_end(yaml_out *out)
@@ -112,6 +139,11 @@ void yaml_out_real(yaml_out *out, const char *key, double value)
         do {
             (void)snprintf(text, sizeof text, "%.*g", digits, value);
         } while (strtod(text, NULL) != value && ++digits <= 17);
+        char *e = strchr(text, 'e');
+        if (e != NULL && strchr(text, '.') == NULL) { /* YAML 1.1 wants a point */
+            memmove(e + 2, e, strlen(e) + 1);
+            memcpy(e, ".0", 2);
+        }
         yaml_out_plain(out, key, "%s", text);
     } else {
         yaml_out_plain(out, key, isnan(value) ? ".nan" : value > 0 ? ".inf" : "-.inf");

@@ -15,6 +15,8 @@ typedef struct yaml_out {
 } yaml_out;
 
 void yaml_out_begin(yaml_out *out, FILE *stream);
+/* The same as `--- {key: value, ...}`, a document in a line of a stream of them. */
+void yaml_out_begin_line(yaml_out *out, FILE *stream);
 bool yaml_out_end(yaml_out *out); /* true if all went well */
 
 void yaml_out_map(yaml_out *out, const char *key);

@@ -252,6 +252,27 @@ bool weft__document_load(const weft__source *source, size_t skip, weft__report *
     return loaded;
 }
 
+bool weft__document_default(const char *text, weft__report *report,
+                            yaml_document_t *out)
+{
+    const weft__source source = { .file = "", .text = text, .length = strlen(text) };
+    if (text[0] == '[') {
+        return weft__document_load(&source, 0, report, out);
+    }
+    if (!yaml_document_initialize(out, NULL, NULL, NULL, 1, 1)) {
+        report->no_memory = true;
+        return false;
+    }
+    if (yaml_document_add_scalar(out, NULL, (const unsigned char *)text, -1,
+                                 YAML_PLAIN_SCALAR_STYLE)
+        == 0) {
+        report->no_memory = true;
+        yaml_document_delete(out);
+        return false;
+    }
+    return true;
+}
+
 ptrdiff_t weft__find_pair(yaml_document_t *document, const yaml_node_t *mapping,
                           const char *key, size_t length)
 {

@@ -17,6 +17,11 @@
 bool weft__document_load(const weft__source *source, size_t skip, weft__report *report,
                          yaml_document_t *out);
 
+/* The same of a default, without a parser if it is a plain value: parsing defaults
+ * would be most of the time that a scene takes. */
+bool weft__document_default(const char *text, weft__report *report,
+                            yaml_document_t *out);
+
 /* Looks for cycles, too many nodes, too much depth and foreign tags. */
 bool weft__document_check(yaml_document_t *document, weft__report *report);
 
@@ -26,9 +31,33 @@ bool weft__document_check(yaml_document_t *document, weft__report *report);
 void weft__override_apply(yaml_document_t *document, const weft__source *source,
                           weft__report *report);
 
+/* The bytes of its key.path. */
+size_t weft__override_path(const weft__source *source);
+
+/* Puts a copy of a node of another document at a path of dotted keys that stands at
+ * `at`; a null removes what is there. */
+void weft__document_put(yaml_document_t *document, const char *path, yaml_mark_t at,
+                        yaml_document_t *from, int value, weft__report *report);
+
+/* A copy without anchors; false if memory ran out: *to then needs no delete. */
+bool weft__document_copy(yaml_document_t *to, yaml_document_t *from,
+                         weft__report *report);
+
 /* The document as YAML text, which is the caller's, or NULL if memory ran out. Deletes
  * the document. */
 char *weft__document_emit(yaml_document_t *document, const weft_allocator *memory);
+
+/* name.c: the file's name without folders and without .yaml, which is the caller's;
+ * NULL if memory ran out. */
+char *weft__name_of_file(const char *file, const weft_allocator *memory);
+
+/* The text of a document with a line `name: ...` before its first key, which is the
+ * caller's; NULL if it is not written so that this can be done, or memory ran out. */
+char *weft__name_insert(yaml_document_t *document, const char *text, const char *name,
+                        const weft_allocator *memory);
+
+/* The same in the document itself. false: memory ran out. */
+bool weft__name_append(yaml_document_t *document, const char *name);
 
 /* The index of a key's pair in a mapping; -1 if it is not there. */
 ptrdiff_t weft__find_pair(yaml_document_t *document, const yaml_node_t *mapping,

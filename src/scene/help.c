@@ -70,6 +70,7 @@ const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
         [WEFT__LOADS] = "a list of loads",
         [WEFT__ROW] = "a list of numbers",
         [WEFT__ROWS] = "a list of rows",
+        [WEFT__SWEEP] = "a mapping {key.path: [values]}",
     };
     char bounds[80] = "", names[100] = "";
     if (key->kind == WEFT__CHOICE) {

@@ -388,8 +388,12 @@ static const weft__key run_keys[] = {
                  "at duration" },
     { "threads", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "1",
       AT(weft_run_def, threads),
-      .meaning = "of the solver's vector work (plugin arkode); the result does not "
-                 "depend on it" },
+      .meaning = "of the forces, from 64 x 64 particles on, and of the solver's vector "
+                 "work (plugin arkode); the result does not depend on it" },
+    { "checkpoint", WEFT__INTEGER, .most = MANY, .fallback = "30",
+      AT(weft_run_def, checkpoint),
+      .meaning = "every so many frames the stepper is restarted, and what weft resume "
+                 "needs is kept; 0: never" },
 };
 
 static const weft__section run_section
@@ -414,6 +418,9 @@ static const weft__key root_keys[] = {
       AT(weft_scene, run), .meaning = "duration and frames" },
     { "record", WEFT__MAPPING, .section = &record_section, .absent = "defaults",
       AT(weft_scene, record), .meaning = "what a run leaves behind" },
+    { "sweep", WEFT__SWEEP, .absent = "one run",
+      .meaning = "weft batch runs every combination of the values, or with zip: true "
+                 "beside them the first of each list, then the second, ..." },
 };
 
 const weft__section weft__root

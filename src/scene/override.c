@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* override.c -- "key.path=value" put into a document.
+/* override.c -- "key.path=value", or a value of a sweep, put into a document.
  *
  * Mappings and lists on the way are copied, as an alias may lead to the same node from
  * elsewhere, and only this path is to change. New nodes get the override's place; the
@@ -13,10 +13,11 @@
 
 typedef struct graft {
     yaml_document_t *document;
-    const weft__source *source;
     weft__report *report;
-    bool removes; /* the value is null */
-    int value;    /* node to put in */
+    const char *path;
+    yaml_mark_t at; /* of the path */
+    bool removes;   /* the value is null */
+    int value;      /* node to put in */
 } graft;
 
 typedef struct segment {
@@ -25,9 +26,12 @@ typedef struct segment {
     bool last;
 } segment;
 
+/* A path is in ASCII as far as it was walked. */
 static yaml_mark_t place(const graft *self, const char *at)
 {
-    return weft__source_mark(self->source, (size_t)(at - self->source->text));
+    yaml_mark_t mark = self->at;
+    mark.column += (size_t)(at - self->path);
+    return mark;
 }
 
 /* Give a new node its place; 0, which libyaml returns when memory runs out, stays. */
@@ -84,8 +88,11 @@ static bool copy_pairs(const graft *self, yaml_document_t *from,
     for (const yaml_node_pair_t *pair = node->data.mapping.pairs.start;
          pair < node->data.mapping.pairs.top; ++pair) {
         const int key = copy_tree(self, from, pair->key);
-        const int value = key == 0 ? 0 : copy_tree(self, from, pair->value);
-        if (value == 0 || !add_pair(self, copy, key, value)) {
+        const int value = key == 0 || pair->value == 0
+                              ? 0 /* removed */
+                              : copy_tree(self, from, pair->value);
+        if (key == 0 || (value == 0 && pair->value != 0)
+            || !add_pair(self, copy, key, value)) {
             return false;
         }
     }
@@ -271,7 +278,7 @@ static void walk_path(const graft *self, const char *end)
 {
     segment part, next;
     int parent = 1;
-    if (!next_segment(self, self->source->text, end, &part)) {
+    if (!next_segment(self, self->path, end, &part)) {
         return;
     }
     for (;; part = next) {
@@ -297,36 +304,73 @@ static void walk_path(const graft *self, const char *end)
     }
 }
 
-void weft__override_apply(yaml_document_t *document, const weft__source *source,
-                          weft__report *report)
+void weft__document_put(yaml_document_t *document, const char *path, yaml_mark_t at,
+                        yaml_document_t *from, int value, weft__report *report)
 {
-    graft self = { .document = document, .source = source, .report = report };
-    const char *equals = memchr(source->text, '=', source->length);
-    yaml_document_t given;
-    if (equals == NULL) {
-        weft__report_error(report, place(&self, source->text),
-                           "there is no '=': write key.path=value");
-        return;
+    graft self = { .document = document,
+                   .report = report,
+                   .path = path,
+                   .at = at,
+                   .removes = weft__is_null(yaml_document_get_node(from, value)) };
+    self.value = self.removes ? 0 : copy_tree(&self, from, value);
+    if (self.removes || self.value != 0) {
+        walk_path(&self, path + strlen(path));
     }
-    const char *end = equals;
+}
+
+bool weft__document_copy(yaml_document_t *to, yaml_document_t *from,
+                         weft__report *report)
+{
+    const graft self = { .document = to, .report = report };
+    if (!yaml_document_initialize(to, NULL, NULL, NULL, 1, 1)) {
+        report->no_memory = true;
+        return false;
+    }
+    if (copy_tree(&self, from, 1) == 0) {
+        yaml_document_delete(to);
+        return false;
+    }
+    return true;
+}
+
+size_t weft__override_path(const weft__source *source)
+{
+    const char *equals = memchr(source->text, '=', source->length);
+    const char *end = equals == NULL ? source->text : equals;
     while (end > source->text && end[-1] == ' ') {
         --end;
     }
-    if (!weft__document_load(source, (size_t)(equals - source->text) + 1, report,
-                             &given)) {
+    return (size_t)(end - source->text);
+}
+
+void weft__override_apply(yaml_document_t *document, const weft__source *source,
+                          weft__report *report)
+{
+    graft self = { .document = document,
+                   .report = report,
+                   .path = source->text,
+                   .at = weft__source_mark(source, 0) };
+    const char *equals = memchr(source->text, '=', source->length);
+    yaml_document_t given;
+    if (equals == NULL) {
+        weft__report_error(report, self.at, "there is no '=': write key.path=value");
+        return;
+    }
+    const size_t value = (size_t)(equals - source->text) + 1;
+    if (!weft__document_load(source, value, report, &given)) {
         return;
     }
     const yaml_node_t *root = yaml_document_get_root_node(&given);
     if (root == NULL
         || (root->type == YAML_SCALAR_NODE && weft__is_null(root)
             && root->data.scalar.length == 0)) {
-        weft__report_error(report, place(&self, equals + 1),
+        weft__report_error(report, weft__source_mark(source, value),
                            "there is no value; null would remove the key");
     } else if (weft__document_check(&given, report)) {
         self.removes = weft__is_null(root);
         self.value = self.removes ? 0 : copy_tree(&self, &given, 1);
         if (self.removes || self.value != 0) {
-            walk_path(&self, end);
+            walk_path(&self, source->text + weft__override_path(source));
         }
     }
     yaml_document_delete(&given);

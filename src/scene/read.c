@@ -276,10 +276,8 @@ void weft__read_value(weft__reader *reader, const weft__key *key,
 /* A default is read as if it stood in the scene. */
 static void read_fallback(weft__reader *reader, const weft__key *key, void *base)
 {
-    const weft__source source
-        = { .file = "", .text = key->fallback, .length = strlen(key->fallback) };
     yaml_document_t fallback, *scene = reader->document;
-    if (!weft__document_load(&source, 0, reader->report, &fallback)) {
+    if (!weft__document_default(key->fallback, reader->report, &fallback)) {
         return;
     }
     reader->document = &fallback;

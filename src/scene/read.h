@@ -5,6 +5,7 @@
 
 #include "scene/document.h"
 #include "scene/keys.h"
+#include "scene/sweep.h"
 
 typedef struct weft__place {
     weft_range rows, cols;
@@ -53,6 +54,33 @@ typedef struct weft__reader {
     weft__report *report;
     const weft_scene_def *def;
 } weft__reader;
+
+/* What scenes are read from: a text, and the document it gives with overrides put in.
+ */
+typedef struct weft__base {
+    weft_scene_def def;
+    weft_allocator memory;
+    char *text;
+    size_t length;
+    weft__source *sources; /* the file, then the overrides */
+    yaml_document_t document;
+    weft__sweep sweep;
+    bool loaded;   /* there is a document */
+    bool readable; /* it may be read as a scene */
+    bool changed;  /* it is not what the text says */
+} weft__base;
+
+/* What is wrong is added to a report, which the caller ends before the base is closed;
+ * it takes its memory as the base does.
+ * Errors: WEFT_INVALID, WEFT_IO, WEFT_NO_MEMORY. */
+weft_status weft__base_open(const weft_scene_def *def, weft__base *out,
+                            weft__report *report, weft_error *err);
+void weft__base_close(weft__base *base);
+
+/* Reads the scene of a run, from 1. WEFT_BAD_SCENE, also if the report had mistakes
+ * before. */
+weft_status weft__base_read(weft__base *base, size_t run, weft__report *report,
+                            weft_scene **out, weft_error *err);
 
 /* A mapping and which of its section's keys it has. */
 typedef struct weft__match {

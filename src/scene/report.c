@@ -31,7 +31,7 @@ static int as_int(size_t n)
 static yaml_mark_t place_of(const weft__report *report, size_t item)
 {
     const weft_diagnostic *kept = &report->found->items[item];
-    return (yaml_mark_t){ .index = report->source[item],
+    return (yaml_mark_t){ .index = report->origin[item].source,
                           .line = kept->line > 0 ? (size_t)kept->line - 1 : 0,
                           .column = (size_t)kept->column - 1 };
 }
@@ -46,13 +46,16 @@ static size_t find_slot(const weft__report *report, yaml_mark_t at)
     return slot;
 }
 
-/* A node that several aliases lead to is read as often, and complained of once. */
-static bool is_known(const weft__report *report, yaml_mark_t at, const char *message)
+/* A node that several aliases lead to is read as often, and so is a scene with a sweep:
+ * complained of once. */
+static bool is_known(weft__report *report, yaml_mark_t at, const char *message)
 {
     for (size_t i = 0; i < report->found->count; ++i) {
         const yaml_mark_t place = place_of(report, i);
         if (!weft__mark_before(place, at) && !weft__mark_before(at, place)
             && strcmp(report->found->items[i].message, message) == 0) {
+            report->origin[i].runs += report->origin[i].latest != report->run;
+            report->origin[i].latest = report->run;
             return true;
         }
     }
@@ -68,7 +71,7 @@ static void insert(weft__report *report, size_t slot, yaml_mark_t at, bool warni
     }
     for (size_t i = found->count - 1; i > slot; --i) {
         found->items[i] = found->items[i - 1];
-        report->source[i] = report->source[i - 1];
+        report->origin[i] = report->origin[i - 1];
     }
     weft_diagnostic *item = &found->items[slot];
     memset(item, 0, sizeof *item);
@@ -76,7 +79,9 @@ static void insert(weft__report *report, size_t slot, yaml_mark_t at, bool warni
     item->line = at.index > 0 ? 0 : as_int(at.line + 1);
     item->column = as_int(at.column + 1);
     strcpy(item->message, message);
-    report->source[slot] = at.index;
+    report->origin[slot] = (weft__origin){
+        .source = at.index, .runs = 1, .first = report->run, .latest = report->run
+    };
 }
 
 static void add(weft__report *report, bool warning, yaml_mark_t at, const char *format,
@@ -123,11 +128,30 @@ void weft__report_exclusive(weft__report *report, const yaml_node_t *a,
                        weft__place_text(first->start_mark, where, sizeof where));
 }
 
-void weft__report_finish(weft__report *report)
+/* The message for those who ask for one only. */
+static weft_status first_error(const weft_diagnostics *found, weft_error *err)
+{
+    const weft_diagnostic *item = NULL;
+    for (size_t i = 0; i < found->count && item == NULL; ++i) {
+        item = found->items[i].warning ? NULL : &found->items[i];
+    }
+    if (item == NULL) {
+        return weft_error_set(err, WEFT_BAD_SCENE, "the scene has mistakes");
+    }
+    weft_error_set(err, WEFT_BAD_SCENE, "%s", item->message);
+    if (err != NULL) {
+        (void)snprintf(err->file, sizeof err->file, "%s", item->place);
+        err->line = item->line;
+        err->column = item->column;
+    }
+    return WEFT_BAD_SCENE;
+}
+
+weft_status weft__report_end(weft__report *report, weft_error *err)
 {
     for (size_t i = 0; i < report->found->count; ++i) {
         weft_diagnostic *item = &report->found->items[i];
-        const weft__source *source = &report->sources[report->source[i]];
+        const weft__source *source = &report->sources[report->origin[i].source];
         const yaml_mark_t at = place_of(report, i);
         if (source->number == 0) {
             (void)snprintf(item->place, sizeof item->place, "%s", source->file);
@@ -138,6 +162,7 @@ void weft__report_finish(weft__report *report)
         item->caret
             = weft__source_excerpt(source, at, item->source, sizeof item->source);
     }
+    return report->found->errors > 0 ? first_error(report->found, err) : WEFT_OK;
 }
 
 /* Blanks up to the caret; tabs stay, so that the caret stands below its character. */

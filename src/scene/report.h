@@ -7,10 +7,16 @@
 #include "scene/source.h"
 #include "weft/scene.h"
 
+/* Of an item: its source, and the runs of a sweep it was found in. */
+typedef struct weft__origin {
+    size_t source, runs, first, latest;
+} weft__origin;
+
 typedef struct weft__report {
     weft_diagnostics *found;
-    const weft__source *sources;         /* [0] is the file, [n] the n-th override */
-    size_t source[WEFT_DIAGNOSTICS_MAX]; /* of found->items */
+    const weft__source *sources; /* [0] is the file, [n] the n-th override */
+    weft__origin origin[WEFT_DIAGNOSTICS_MAX]; /* of found->items */
+    size_t run;                                /* of a sweep, that is being read */
     bool no_memory; /* an allocation failed: nothing that was found counts */
     const weft_allocator *memory;
 } weft__report;
@@ -33,7 +39,8 @@ const char *weft__place_text(yaml_mark_t at, char *out, size_t size);
 /* Whether a stands before b. */
 bool weft__mark_before(yaml_mark_t a, yaml_mark_t b);
 
-/* Fill in the places and source lines of what was kept. */
-void weft__report_finish(weft__report *report);
+/* Fill in the places and source lines of what was kept. WEFT_BAD_SCENE and the first
+ * mistake in *err if there is one. */
+weft_status weft__report_end(weft__report *report, weft_error *err);
 
 #endif

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "scene/read.h"
+#include "scene/sweep.h"
 
 weft_scene_def weft_scene_def_default(void)
 {
@@ -68,33 +69,7 @@ static weft_status take_text(const weft_scene_def *def, const weft_allocator *me
     return WEFT_OK;
 }
 
-/* The file's name without folders and without .yaml. */
-static char *name_of_file(const char *file, const weft_allocator *memory)
-{
-    static const char *const endings[] = { ".yaml", ".yml" };
-    const char *slash = strrchr(file, '/');
-    char *name = weft__copy_text(memory, slash == NULL ? file : slash + 1);
-    const size_t length = name == NULL ? 0 : strlen(name);
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; ++i) {
-        const size_t ending = strlen(endings[i]);
-        if (length > ending && strcmp(name + length - ending, endings[i]) == 0) {
-            name[length - ending] = '\0';
-            break;
-        }
-    }
-    return name;
-}
-
-/* ---- loading ---------------------------------------------------------------- */
-
-/* What is needed while a scene is read and not after. */
-typedef struct loader {
-    const weft_scene_def *def;
-    weft_scene *scene;
-    weft__source *sources; /* the file, then the overrides */
-    weft__report report;
-    yaml_document_t document;
-} loader;
+/* ---- the document ----------------------------------------------------------- */
 
 static const char *name_in_messages(const weft_scene_def *def)
 {
@@ -102,162 +77,229 @@ static const char *name_in_messages(const weft_scene_def *def)
 }
 
 /* libyaml would count a byte order mark as a column. */
-static weft_status make_sources(loader *self, size_t length, weft_error *err)
+static weft_status make_sources(const weft_scene_def *def, weft__base *base,
+                                weft_error *err)
 {
-    const weft_scene_def *def = self->def;
-    const bool mark = strncmp(self->scene->text, "\xEF\xBB\xBF", 3) == 0;
-    self->sources
-        = weft__zeroed(self->report.memory, def->set_count + 1, sizeof *self->sources);
-    if (self->sources == NULL) {
+    const size_t mark = strncmp(base->text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
+    base->sources
+        = weft__zeroed(&base->memory, def->set_count + 1, sizeof *base->sources);
+    if (base->sources == NULL) {
         return no_memory(err);
     }
-    self->sources[0] = (weft__source){ .file = name_in_messages(def),
-                                       .text = self->scene->text + (mark ? 3 : 0),
-                                       .length = length - (mark ? 3 : 0) };
+    base->sources[0] = (weft__source){ .file = name_in_messages(def),
+                                       .text = base->text + mark,
+                                       .length = base->length - mark };
     for (size_t i = 0; i < def->set_count; ++i) {
-        self->sources[i + 1] = (weft__source){ .file = "",
+        base->sources[i + 1] = (weft__source){ .file = "",
                                                .text = def->sets[i],
                                                .length = strlen(def->sets[i]),
                                                .number = i + 1 };
     }
-    self->report.sources = self->sources;
     return WEFT_OK;
 }
 
 /* Overrides are put in before anything is checked. */
-static bool load_document(loader *self)
+static void resolve(weft__base *base, weft__report *report)
 {
-    const weft__source *file = &self->sources[0];
+    const size_t sets = base->def.set_count;
+    for (size_t i = 1; i <= sets; ++i) {
+        weft__override_apply(&base->document, &base->sources[i], report);
+    }
+    base->changed = sets > 0;
+    if (sets > 0 && !weft__document_check(&base->document, report)) {
+        return;
+    }
+    if (yaml_document_get_root_node(&base->document)->type == YAML_MAPPING_NODE) {
+        weft__sweep_take(&base->document, sets, report, &base->sweep);
+        base->changed = base->changed || base->sweep.present;
+    }
+    base->readable = base->sweep.runs > 0;
+}
+
+static void load_document(weft__base *base, weft__report *report)
+{
+    const weft__source *file = &base->sources[0];
     const yaml_mark_t start = { 0 };
     if (file->length > WEFT__MAX_BYTES) {
-        weft__report_error(&self->report, start, "the file is larger than 16 MiB");
-        return false;
+        weft__report_error(report, start, "the file is larger than 16 MiB");
+        return;
     }
-    if (!weft__document_load(file, 0, &self->report, &self->document)) {
-        return false;
+    base->loaded = weft__document_load(file, 0, report, &base->document);
+    if (!base->loaded) {
+        return;
     }
-    const yaml_node_t *root = yaml_document_get_root_node(&self->document);
+    const yaml_node_t *root = yaml_document_get_root_node(&base->document);
     if (root == NULL) {
-        weft__report_error(&self->report, start,
+        weft__report_error(report, start,
                            "the scene is empty: it begins with 'weft: 1'");
-    } else if (!weft__document_check(&self->document, &self->report)) {
-        return true;
+    } else if (!weft__document_check(&base->document, report)) {
+        return;
     } else if (root->type != YAML_MAPPING_NODE) {
-        weft__report_error(&self->report, root->start_mark,
+        weft__report_error(report, root->start_mark,
                            "a scene is a mapping that begins with 'weft: 1'");
     } else {
-        for (size_t i = 1; i <= self->def->set_count; ++i) {
-            weft__override_apply(&self->document, &self->sources[i], &self->report);
-        }
-        if (self->def->set_count == 0
-            || weft__document_check(&self->document, &self->report)) {
-            weft__reader reader
-                = { self->scene, &self->document, &self->report, self->def };
-            weft__read_section(&reader, &weft__root, weft__root.title,
-                               yaml_document_get_root_node(&self->document),
-                               self->scene);
-        }
+        resolve(base, report);
     }
-    return true;
 }
 
-/* The message for those who ask for one only. */
-static weft_status first_error(const weft_diagnostics *found, weft_error *err)
+weft_status weft__base_open(const weft_scene_def *def, weft__base *out,
+                            weft__report *report, weft_error *err)
 {
-    const weft_diagnostic *item = NULL;
-    for (size_t i = 0; i < found->count && item == NULL; ++i) {
-        item = found->items[i].warning ? NULL : &found->items[i];
+    *out = (weft__base){ .def = *def,
+                         .memory = weft_allocator_or_malloc(def->allocator),
+                         .sweep = { .runs = 1 } };
+    report->memory = &out->memory;
+    if (def->file == NULL && def->text == NULL) {
+        return weft_error_set(err, WEFT_INVALID, "a scene needs a file or a text");
     }
-    if (item == NULL) {
-        return weft_error_set(err, WEFT_BAD_SCENE, "the scene has mistakes");
-    }
-    weft_error_set(err, WEFT_BAD_SCENE, "%s", item->message);
-    if (err != NULL) {
-        (void)snprintf(err->file, sizeof err->file, "%s", item->place);
-        err->line = item->line;
-        err->column = item->column;
-    }
-    return WEFT_BAD_SCENE;
-}
-
-/* What a right scene still lacks: its name, and its text if overrides changed it. */
-static weft_status complete(loader *self, weft_error *err)
-{
-    weft_scene *scene = self->scene;
-    if (scene->name == NULL) {
-        scene->name = name_of_file(name_in_messages(self->def), &scene->memory);
-    }
-    if (self->def->set_count > 0) {
-        weft__free(&scene->memory, scene->text);
-        scene->text = weft__document_emit(&self->document, &scene->memory);
-    } else {
-        yaml_document_delete(&self->document);
-    }
-    return scene->name == NULL || scene->text == NULL ? no_memory(err) : WEFT_OK;
-}
-
-static weft_status load(loader *self, weft_error *err)
-{
-    size_t length = 0;
-    weft_status status
-        = take_text(self->def, self->report.memory, &self->scene->text, &length, err);
+    weft_status status = take_text(def, &out->memory, &out->text, &out->length, err);
+    status = status == WEFT_OK ? make_sources(def, out, err) : status;
     if (status == WEFT_OK) {
-        status = make_sources(self, length, err);
+        report->sources = out->sources;
+        load_document(out, report);
+        status = report->no_memory ? no_memory(err) : WEFT_OK;
     }
     if (status != WEFT_OK) {
-        return status;
+        weft__base_close(out);
     }
-    self->scene->config.struct_size = sizeof self->scene->config;
-    const bool loaded = load_document(self);
-    weft__report_finish(&self->report);
-    if (loaded && !self->report.no_memory && self->report.found->errors == 0) {
-        self->scene->config.threads = self->scene->run.threads;
-        return complete(self, err);
+    return status;
+}
+
+void weft__base_close(weft__base *base)
+{
+    if (base->loaded) {
+        yaml_document_delete(&base->document);
     }
-    if (loaded) {
-        yaml_document_delete(&self->document);
+    weft__free(&base->memory, base->sources);
+    weft__free(&base->memory, base->text);
+}
+
+/* ---- reading ---------------------------------------------------------------- */
+
+/* The name that a file gives a scene is written into its text, which may be run from
+ * another file: not where that is scene.yaml, as a run calls it. */
+static bool keep_name(weft__base *base, yaml_document_t **changed, weft_scene *scene)
+{
+    scene->name = weft__name_of_file(name_in_messages(&base->def), &base->memory);
+    if (scene->name == NULL || strcmp(scene->name, "scene") == 0) {
+        return scene->name != NULL;
     }
-    return self->report.no_memory ? no_memory(err)
-                                  : first_error(self->report.found, err);
+    if (*changed == NULL) {
+        scene->text = weft__name_insert(&base->document, base->text, scene->name,
+                                        &base->memory);
+        if (scene->text != NULL) {
+            return true;
+        }
+        *changed = &base->document;
+    }
+    return weft__name_append(*changed, scene->name);
+}
+
+/* What a right scene still lacks: its name, and its text as it was read or, if that was
+ * changed, as it is now. */
+static weft_status complete(weft__base *base, yaml_document_t *changed,
+                            weft_scene *scene, weft_error *err)
+{
+    scene->config.threads = scene->run.threads;
+    const bool named = scene->name != NULL || keep_name(base, &changed, scene);
+    if (changed != NULL) {
+        scene->text = weft__document_emit(changed, &base->memory);
+        if (changed == &base->document) {
+            base->loaded = false; /* emitting ends it */
+        }
+    } else if (scene->text == NULL) {
+        scene->text = weft__alloc(&base->memory, base->length + 1, 1);
+        if (scene->text != NULL) {
+            memcpy(scene->text, base->text, base->length + 1);
+        }
+    }
+    return !named || scene->text == NULL ? no_memory(err) : WEFT_OK;
+}
+
+/* What was changed is read from a copy, which has the values of its run. */
+static weft_status read_scene(weft__base *base, size_t run, weft__report *report,
+                              weft_scene *scene, weft_error *err)
+{
+    yaml_document_t copy;
+    if (base->changed) {
+        if (!weft__document_copy(&copy, &base->document, report)) {
+            return no_memory(err);
+        }
+        weft__sweep_apply(&copy, &base->document, &base->sweep, run, report);
+    }
+    if (!base->sweep.present || weft__document_check(&copy, report)) {
+        yaml_document_t *document = base->changed ? &copy : &base->document;
+        weft__reader reader = { scene, document, report, &base->def };
+        weft__read_section(&reader, &weft__root, weft__root.title,
+                           yaml_document_get_root_node(document), scene);
+    }
+    if (!report->no_memory && report->found->errors == 0) {
+        return complete(base, base->changed ? &copy : NULL, scene, err);
+    }
+    if (base->changed) {
+        yaml_document_delete(&copy);
+    }
+    return report->no_memory ? no_memory(err) : WEFT_BAD_SCENE;
 }
 
 /* Numbers are read and shown with a decimal point, whatever the embedder's locale. */
-static weft_status load_in_c_locale(loader *self, weft_error *err)
+static weft_status read_in_c_locale(weft__base *base, size_t run, weft__report *report,
+                                    weft_scene *scene, weft_error *err)
 {
     const locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (plain == (locale_t)0) {
         return no_memory(err);
     }
     const locale_t before = uselocale(plain);
-    const weft_status status = load(self, err);
+    const weft_status status = read_scene(base, run, report, scene, err);
     (void)uselocale(before);
     freelocale(plain);
     return status;
 }
 
+weft_status weft__base_read(weft__base *base, size_t run, weft__report *report,
+                            weft_scene **out, weft_error *err)
+{
+    if (!base->readable) {
+        return WEFT_BAD_SCENE;
+    }
+    weft_scene *scene = weft__zeroed(&base->memory, 1, sizeof *scene);
+    if (scene == NULL) {
+        return no_memory(err);
+    }
+    scene->memory = base->memory;
+    scene->config.struct_size = sizeof scene->config;
+    const weft_status status = read_in_c_locale(base, run, report, scene, err);
+    if (status != WEFT_OK) {
+        weft_scene_destroy(scene);
+        return status;
+    }
+    *out = scene;
+    return WEFT_OK;
+}
+
 weft_status weft_scene_load(const weft_scene_def *def, weft_scene **out,
                             weft_diagnostics *found, weft_error *err)
 {
+    weft__base base;
+    weft__report report = { .found = found };
     *out = NULL;
     memset(found, 0, sizeof *found);
-    if (def->file == NULL && def->text == NULL) {
-        return weft_error_set(err, WEFT_INVALID, "a scene needs a file or a text");
-    }
-    const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
-    loader self = { .def = def, .report = { .found = found, .memory = &memory } };
-    self.scene = weft__zeroed(&memory, 1, sizeof *self.scene);
-    if (self.scene == NULL) {
-        return no_memory(err);
-    }
-    self.scene->memory = memory;
-    const weft_status status = load_in_c_locale(&self, err);
-    weft__free(&memory, self.sources);
+    weft_status status = weft__base_open(def, &base, &report, err);
     if (status != WEFT_OK) {
-        weft_scene_destroy(self.scene);
         return status;
     }
-    *out = self.scene;
-    return WEFT_OK;
+    if (base.sweep.present && base.readable) {
+        weft__report_error(&report, base.sweep.at,
+                           "sweep makes %zu runs of this scene: 'weft batch' runs them",
+                           base.sweep.runs);
+    }
+    status = weft__base_read(&base, 1, &report, out, err);
+    if (status == WEFT_OK || status == WEFT_BAD_SCENE) {
+        status = weft__report_end(&report, err);
+    }
+    weft__base_close(&base);
+    return status;
 }
 
 void weft_scene_destroy(weft_scene *scene)

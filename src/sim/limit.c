@@ -236,6 +236,17 @@ weft_limit_stats weft__limit_stats(const weft__limit *limit)
     return limit != NULL ? limit->stats : (weft_limit_stats){ 0 };
 }
 
+double weft__limit_last_step(const weft__limit *limit)
+{
+    return limit != NULL ? limit->last_h : 0.0;
+}
+
+void weft__limit_resume(weft__limit *limit, double last_step, weft_limit_stats stats)
+{
+    limit->last_h = last_step;
+    limit->stats = stats;
+}
+
 const weft__limited *weft__limit_springs(const weft__limit *limit)
 {
     return &limit->springs;

@@ -22,6 +22,11 @@ bool weft__limit_apply(weft__limit *limit, double h, double *y);
 
 /* NULL is allowed: all 0. */
 weft_limit_stats weft__limit_stats(const weft__limit *limit);
+
+/* What it carries from step to step: the size of the last one [s], and the counts. */
+double weft__limit_last_step(const weft__limit *limit); /* NULL is allowed: 0 */
+void weft__limit_resume(weft__limit *limit, double last_step, weft_limit_stats stats);
+
 const weft__limited *weft__limit_springs(const weft__limit *limit);
 
 #endif

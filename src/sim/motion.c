@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "sim/sim.h"
+#include "sim/internal.h"
 
 /* v' += f / m of the free particles; the power f.v [W] of all of them. */
 static double accelerate(const weft_sim *sim, const double *y, double *dydt)
@@ -19,8 +19,8 @@ static double accelerate(const weft_sim *sim, const double *y, double *dydt)
         }
         const double mass = weft_cloth_particle_mass(sim->cloth, i);
         for (size_t j = i; j < 3 * n; j += n) {
-            dvdt[j] += sim->forces[j] / mass;
-            power += sim->forces[j] * v[j];
+            dvdt[j] += sim->added[j] / mass;
+            power += sim->added[j] * v[j];
         }
     }
     return power;
@@ -41,10 +41,10 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
     const weft_sim *sim = ctx;
     const size_t dim = weft_cloth_dim(sim->cloth);
     double power = 0.0;
-    int failed = weft_cloth_rhs(sim->cloth, t, y, dydt);
+    int failed = weft__forces_rhs(&sim->forces, t, y, dydt);
     if (sim->force != NULL && failed == 0) {
-        memset(sim->forces, 0, dim / 2 * sizeof *sim->forces);
-        failed = sim->force(sim->force_ctx, t, y, sim->forces);
+        memset(sim->added, 0, dim / 2 * sizeof *sim->added);
+        failed = sim->force(sim->force_ctx, t, y, sim->added);
         power = accelerate(sim, y, dydt);
         failed = failed == 0 && !all_finite(dydt + dim / 2, dim / 2) ? 1 : failed;
     }

@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "cloth/repin.h"
-#include "sim/sim.h"
+#include "sim/internal.h"
 
 static weft_status check(const weft_sim *sim, size_t i, const double numbers[3],
                          weft_error *err)
@@ -29,7 +29,7 @@ static weft_status own_pins(weft_sim *sim, weft_error *err)
         if (sim->own == NULL) {
             return weft_error_set(err, WEFT_NO_MEMORY, "no memory for pins");
         }
-        sim->cloth = sim->own;
+        sim->cloth = sim->forces.cloth = sim->own;
         weft__limit_use(sim->limit, sim->own);
     }
     return WEFT_OK;

@@ -8,8 +8,8 @@
 
 #include "cloth/memory.h"
 #include "cloth/repin.h"
+#include "sim/internal.h"
 #include "sim/log.h"
-#include "sim/sim.h"
 
 weft_stepper_config weft_stepper_config_default(void)
 {
@@ -68,24 +68,54 @@ static weft_status check_config(const weft_stepper_config *config, weft_error *e
     return WEFT_OK;
 }
 
-static weft_status make_stepper(weft_sim *sim, const weft_sim_def *def, weft_error *err)
+/* Of any version, made complete. */
+static weft_status take_config(weft_sim *sim, const weft_sim_def *def, weft_error *err)
 {
-    weft_ode ode = { weft_cloth_dim(def->cloth), weft__sim_rhs, sim };
-    weft_stepper_config config = { 0 };
-    memcpy(&config, &def->config,
-           def->config.struct_size < sizeof config ? def->config.struct_size
-                                                   : sizeof config);
-    config.struct_size = sizeof config;
-    config.quadratures = def->ledger ? WEFT__QUADRATURES : 0;
-    config.allocator = config.allocator != NULL ? config.allocator : &sim->memory;
+    weft_stepper_config *config = &sim->config;
+    memcpy(config, &def->config,
+           def->config.struct_size < sizeof *config ? def->config.struct_size
+                                                    : sizeof *config);
+    config->struct_size = sizeof *config;
+    config->quadratures = def->ledger ? WEFT__QUADRATURES : 0;
+    config->allocator = config->allocator != NULL ? config->allocator : &sim->memory;
     if (def->ledger && (def->method->flags & WEFT_STEPPER_QUADRATURES) == 0) {
         return weft_error_set(err, WEFT_UNSUPPORTED,
                               "method '%.40s' cannot keep the energy ledger: it "
                               "integrates no quadratures",
                               def->method->name);
     }
-    ode.dim += config.quadratures;
-    return def->method->create(def->method, &ode, &config, &sim->stepper, err);
+    return WEFT_OK;
+}
+
+size_t weft__sim_dim(const weft_sim *sim)
+{
+    return weft_cloth_dim(sim->cloth) + sim->config.quadratures;
+}
+
+weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out,
+                              weft_error *err)
+{
+    /* It is only read; weft_ode has no const, for solvers that know none. */
+    const weft_ode ode = { weft__sim_dim(sim), weft__sim_rhs, (void *)sim };
+    weft_stepper_config config = sim->config;
+    config.first_step = first_step > 0.0 ? first_step : config.first_step;
+    return sim->method->create(sim->method, &ode, &config, out, err);
+}
+
+static void run_on_team(void *team, void (*task)(void *, size_t), void *ctx,
+                        size_t parts)
+{
+    weft__team_run(team, task, ctx, parts);
+}
+
+/* The stepper works when the forces do not. */
+static void lend_threads(weft_sim *sim)
+{
+    sim->forces = weft__forces_create(sim->cloth, sim->config.threads, &sim->memory);
+    if (sim->forces.team != NULL && sim->config.team == NULL) {
+        sim->lent = (weft_team){ sim->forces.team, run_on_team };
+        sim->config.team = &sim->lent;
+    }
 }
 
 /* The simulation itself, filled as far as nothing else can fail. */
@@ -95,12 +125,12 @@ static weft_sim *make_sim(const weft_sim_def *def)
     const size_t dim = weft_cloth_dim(def->cloth);
     weft_sim *sim = weft__zeroed(&memory, 1, sizeof *sim);
     double *y = weft__alloc(&memory, dim + WEFT__QUADRATURES, sizeof *y);
-    double *forces
-        = def->force == NULL ? NULL : weft__alloc(&memory, dim / 2, sizeof *forces);
-    if (sim == NULL || y == NULL || (def->force != NULL && forces == NULL)) {
+    double *added
+        = def->force == NULL ? NULL : weft__alloc(&memory, dim / 2, sizeof *added);
+    if (sim == NULL || y == NULL || (def->force != NULL && added == NULL)) {
         weft__free(&memory, sim);
         weft__free(&memory, y);
-        weft__free(&memory, forces);
+        weft__free(&memory, added);
         return NULL;
     }
     *sim = (weft_sim){ .cloth = def->cloth,
@@ -109,7 +139,7 @@ static weft_sim *make_sim(const weft_sim_def *def)
                        .correct_ctx = def->correct_ctx,
                        .force = def->force,
                        .force_ctx = def->force_ctx,
-                       .forces = forces,
+                       .added = added,
                        .log = def->log,
                        .memory = memory,
                        .ledger = { .on = def->ledger },
@@ -137,7 +167,11 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
     status
         = weft__limit_create(&def->limit, def->cloth, &sim->memory, &sim->limit, err);
     if (status == WEFT_OK) {
-        status = make_stepper(sim, def, err);
+        status = take_config(sim, def, err);
+    }
+    if (status == WEFT_OK) {
+        lend_threads(sim);
+        status = weft__sim_stepper(sim, 0.0, &sim->stepper, err);
     }
     if (status != WEFT_OK) {
         weft_sim_destroy(sim);
@@ -154,10 +188,11 @@ void weft_sim_destroy(weft_sim *sim)
 {
     if (sim != NULL) {
         sim->method->destroy(sim->stepper);
+        weft__forces_destroy(&sim->forces);
         weft__limit_destroy(sim->limit);
         weft__cloth_return(sim->own);
         const weft_allocator memory = sim->memory;
-        weft__free(&memory, sim->forces);
+        weft__free(&memory, sim->added);
         weft__free(&memory, sim->y);
         weft__free(&memory, sim);
     }
@@ -230,7 +265,7 @@ static bool all_finite(const double *values, size_t count)
 /* The trapezoid rule over the step, from the state before the corrections. */
 static void add_heat(weft_sim *sim, double h)
 {
-    const double heating = weft_cloth_dissipation(sim->cloth, sim->y);
+    const double heating = weft__forces_heat(&sim->forces, sim->y);
     sim->dissipated += 0.5 * h * (sim->heating + heating);
     sim->heating = heating;
 }
@@ -262,7 +297,7 @@ static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
     }
     if (changed) {
         sim->method->state_changed(sim->stepper);
-        sim->heating = weft_cloth_dissipation(sim->cloth, sim->y);
+        sim->heating = weft__forces_heat(&sim->forces, sim->y);
     }
     return !changed || all_finite(sim->y, weft_cloth_dim(sim->cloth))
                ? WEFT_OK
@@ -336,6 +371,10 @@ weft_stepper_stats weft_sim_stats(const weft_sim *sim)
 {
     weft_stepper_stats stats = { .struct_size = sizeof stats };
     sim->method->stats(sim->stepper, &stats);
+    stats.last_step = stats.steps > 0 ? stats.last_step : sim->before.last_step;
+    stats.steps += sim->before.steps;
+    stats.rejected += sim->before.rejected;
+    stats.rhs_calls += sim->before.rhs_calls;
     return stats;
 }
 
@@ -417,7 +456,7 @@ void weft__sim_change_begins(weft_sim *sim)
 static void account_change(weft_sim *sim)
 {
     weft__ledger_account(&sim->ledger, sim->cloth, sim->y, &sim->ledger.outside_work);
-    sim->heating = weft_cloth_dissipation(sim->cloth, sim->y);
+    sim->heating = weft__forces_heat(&sim->forces, sim->y);
 }
 
 void weft__sim_state_changed(weft_sim *sim)

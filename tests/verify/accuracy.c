@@ -49,25 +49,6 @@ double verify_tolerance(const weft_stepper_type *type)
 
 /* ---- the reference --------------------------------------------------------------- */
 
-bool verify_best_method(const weft_registry *registry, const verify_method *but,
-                        verify_method *out)
-{
-    const uint32_t unfit = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_MULTISTEP
-                           | WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_DENSE;
-    verify_method m;
-    int best = 0;
-    for (size_t i = 0; verify_method_at(registry, i, &m); ++i) {
-        const bool other = but == NULL || m.plugin != but->plugin;
-        const int rank = m.type->order + (other ? 100 : 0);
-        if ((m.type->flags & unfit) == 0 && m.type->order > 0 && rank > best
-            && (but == NULL || m.type != but->type)) {
-            best = rank;
-            *out = m;
-        }
-    }
-    return best > 0;
-}
-
 weft_status verify_reference_make(weft_registry *registry, const verify_scene *scene,
                                   verify_reference *out, weft_error *err)
 {
@@ -75,8 +56,8 @@ weft_status verify_reference_make(weft_registry *registry, const verify_scene *s
     *out = (verify_reference){ 0 };
     for (int i = 0; i < 2; ++i) {
         out->by[i].tolerance = 1e-12;
-        if (!verify_best_method(registry, i == 0 ? NULL : &out->by[0].method,
-                                &out->by[i].method)) {
+        if (!method_best(registry, i == 0 ? NULL : &out->by[0].method,
+                         &out->by[i].method)) {
             return weft_error_set(err, WEFT_UNSUPPORTED,
                                   "no two explicit methods with error control");
         }
@@ -100,7 +81,7 @@ void verify_reference_free(verify_reference *reference)
 /* ---- a method -------------------------------------------------------------------- */
 
 weft_status verify_accuracy_of(weft_registry *registry, const verify_scene *scene,
-                               const verify_method *method,
+                               const stepper_method *method,
                                const verify_reference *reference, verify_accuracy *out,
                                weft_error *err)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* main.c -- the program behind `make verify`: a table on stdout; exit status 1 if a row
- * of it is out of bounds. What is out of bounds is marked with a !. */
+ * of it is out of bounds. What is out of bounds is marked with a !. With the id of a
+ * plugin as its argument it judges the methods of that one alone. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,14 +10,16 @@
 
 typedef struct report {
     weft_registry *registry;
+    const char *only;                              /* a plugin's id; NULL: all */
     verify_reference references[VERIFY_SCENES][2]; /* as shipped, small */
-    size_t judged, failed;
+    char shipped[VERIFY_SHIPPED_MOST][VERIFY_NAME];
+    verify_counts counts;
 } report;
 
 static const char *mark(report *self, bool good)
 {
-    ++self->judged;
-    self->failed += good ? 0 : 1;
+    ++self->counts.judged;
+    self->counts.failed += good ? 0 : 1;
     return good ? " " : "!";
 }
 
@@ -25,6 +28,11 @@ static void print_failure(report *self, const weft_error *err)
 {
     const bool lacks = err->status == WEFT_UNSUPPORTED;
     printf(" %s %s\n", lacks ? "not judged:" : mark(self, false), err->message);
+}
+
+static bool judges(const report *self, const stepper_method *method)
+{
+    return self->only == NULL || strcmp(self->only, method->plugin->id) == 0;
 }
 
 static void print_plugins(const report *self)
@@ -90,7 +98,7 @@ static void print_order(report *self, const weft_stepper_type *type)
     }
 }
 
-static void print_accuracy(report *self, const verify_method *method, size_t i)
+static void print_accuracy(report *self, const stepper_method *method, size_t i)
 {
     const bool small = verify_small(method->type);
     const verify_reference *reference = &self->references[i][small ? 1 : 0];
@@ -112,7 +120,7 @@ static void print_accuracy(report *self, const verify_method *method, size_t i)
 
 static void print_methods(report *self)
 {
-    verify_method m;
+    stepper_method m;
     printf(
         "\nOrder, measured within %g of the claim; error after a short run, within %g "
         "tolerances of the\nreference (*: with %zu, %zu and %zu particles)\n",
@@ -127,10 +135,13 @@ static void print_methods(report *self)
         printf(" | error  steps  rej    rhs");
     }
     printf("\n");
-    for (size_t k = 0; verify_method_at(self->registry, k, &m); ++k) {
+    for (size_t k = 0; method_at(self->registry, k, &m); ++k) {
+        if (!judges(self, &m)) {
+            continue;
+        }
         printf("%-8s %-24s", m.plugin->id, m.type->name);
         print_order(self, m.type);
-        if (!verify_adapts(m.type)) {
+        if (!method_adapts(m.type)) {
             printf("   -   fixed steps only\n");
             continue;
         }
@@ -170,7 +181,7 @@ static void print_pairs(report *self)
 /* ---- shipped scenes -------------------------------------------------------------- */
 
 static void print_shipped_run(report *self, const verify_scene *scene,
-                              const verify_method *method,
+                              const stepper_method *method,
                               const verify_frames *reference)
 {
     weft_error err = { 0 };
@@ -192,7 +203,7 @@ static void print_shipped_scene(report *self, const char *name)
     weft_error err = { 0 };
     verify_scene scene;
     verify_frames reference;
-    verify_method m;
+    stepper_method m;
     const weft_status status = verify_shipped_reference(self->registry, name, false,
                                                         &scene, &reference, &err);
     printf("%s, %zu particles%s%s\n", name, reference.dim / 6,
@@ -201,35 +212,38 @@ static void print_shipped_scene(report *self, const char *name)
     if (status != WEFT_OK) {
         print_failure(self, &err);
     }
-    for (size_t k = 0; status == WEFT_OK && verify_method_at(self->registry, k, &m);
-         ++k) {
-        if (verify_shipped_suits(m.type, &reference)) {
+    for (size_t k = 0; status == WEFT_OK && method_at(self->registry, k, &m); ++k) {
+        if (judges(self, &m) && verify_shipped_suits(m.type, &reference)) {
             print_shipped_run(self, &scene, &m, &reference);
         }
     }
     verify_frames_free(&reference);
 }
 
+static void print_shipped_part(void *ctx, size_t i, verify_counts *counts)
+{
+    report *self = ctx;
+    self->counts = (verify_counts){ 0 };
+    print_shipped_scene(self, self->shipped[i]);
+    *counts = self->counts;
+}
+
 static void print_shipped(report *self)
 {
-    static char names[VERIFY_SHIPPED_MOST][VERIFY_NAME];
-    const size_t count = verify_shipped(names);
+    const size_t count = verify_shipped(self->shipped);
     printf("\nEvery shipped scene by every method without dense matrices (multistep: "
            "without "
            "a limit): adaptive\nat %g (order 1: a tenth), or with the first of 2^-8, "
            "2^-9, ... s that is stable; energy within %g %%\nof what is at play\n",
            VERIFY_SHIPPED_TOLERANCE, 100.0 * VERIFY_ENERGY_BOUND);
-    for (size_t i = 0; i < count; ++i) {
-        print_shipped_scene(self, names[i]);
-    }
-    if (count == 0) {
-        printf("no scene found%s\n", mark(self, false));
+    if (count == 0 || !verify_apart(count, print_shipped_part, self, &self->counts)) {
+        printf("not all scenes were found and run%s\n", mark(self, false));
     }
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    report self = { .registry = verify_registry() };
+    report self = { .registry = verify_registry(), .only = argc > 1 ? argv[1] : NULL };
     if (self.registry == NULL) {
         return EXIT_FAILURE;
     }
@@ -238,11 +252,11 @@ int main(void)
     print_methods(&self);
     print_pairs(&self);
     print_shipped(&self);
-    printf("\n%zu facts, %zu out of bounds\n", self.judged, self.failed);
+    printf("\n%zu facts, %zu out of bounds\n", self.counts.judged, self.counts.failed);
     for (size_t i = 0; i < VERIFY_SCENES; ++i) {
         verify_reference_free(&self.references[i][0]);
         verify_reference_free(&self.references[i][1]);
     }
     weft_registry_destroy(self.registry);
-    return self.failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return self.counts.failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -63,7 +63,7 @@ weft_status verify_shipped_reference(weft_registry *registry, const char *name,
     verify_stepper stepper = { .tolerance = 0.01 * VERIFY_SHIPPED_TOLERANCE };
     *scene = (verify_scene){ .name = name };
     *out = (verify_frames){ 0 };
-    if (!verify_best_method(registry, NULL, &stepper.method)) {
+    if (!method_best(registry, NULL, &stepper.method)) {
         return weft_error_set(err, WEFT_UNSUPPORTED, "no method with error control");
     }
     const bool large
@@ -89,14 +89,14 @@ static weft_status run(weft_registry *registry, const verify_scene *scene,
 }
 
 weft_status verify_shipped_run(weft_registry *registry, const verify_scene *scene,
-                               const verify_method *method,
+                               const stepper_method *method,
                                const verify_frames *reference,
                                verify_shipped_result *out, weft_error *err)
 {
     verify_stepper stepper = { .method = *method,
                                .tolerance = VERIFY_SHIPPED_TOLERANCE
                                             * (method->type->order == 1 ? 0.1 : 1) };
-    if (verify_adapts(method->type)) {
+    if (method_adapts(method->type)) {
         return run(registry, scene, &stepper, reference, out, err);
     }
     weft_status status = WEFT_OK;

@@ -7,19 +7,11 @@
 #ifndef VERIFY_H
 #define VERIFY_H
 
+#include "cli/methods.h"
 #include "weft/weft.h"
-
-/* One method of a registry's plugins. */
-typedef struct verify_method {
-    const weft_plugin *plugin;
-    const weft_stepper_type *type;
-} verify_method;
 
 /* Every plugin beside the program or in WEFT_PLUGIN_PATH; NULL after printing why. */
 weft_registry *verify_registry(void);
-/* The i-th method of all; false past the last. */
-bool verify_method_at(const weft_registry *registry, size_t i, verify_method *out);
-bool verify_adapts(const weft_stepper_type *type);
 
 /* ---- order.c --------------------------------------------------------------------- */
 
@@ -47,7 +39,7 @@ typedef struct verify_scene {
 
 /* What takes the place of the scene's own stepper. */
 typedef struct verify_stepper {
-    verify_method method;
+    stepper_method method;
     double tolerance;  /* rtol and both atol */
     double fixed_step; /* [s]; 0: adaptive */
 } verify_stepper;
@@ -87,12 +79,6 @@ const verify_scene *verify_scene_at(size_t i, bool small);
 double verify_tolerance(const weft_stepper_type *type);
 bool verify_small(const weft_stepper_type *type);
 
-/* The explicit one-step method of the highest order that can adapt, of a plugin other
- * than that of `but` where there is one (NULL: of any); false if there is none, or none
- * but `but`. */
-bool verify_best_method(const weft_registry *registry, const verify_method *but,
-                        verify_method *out);
-
 /* The solution, by the best method there is, and by the best of another plugin. */
 typedef struct verify_reference {
     verify_stepper by[2];
@@ -113,7 +99,7 @@ typedef struct verify_accuracy {
 
 /* An adaptive method at its tolerance. */
 weft_status verify_accuracy_of(weft_registry *registry, const verify_scene *scene,
-                               const verify_method *method,
+                               const stepper_method *method,
                                const verify_reference *reference, verify_accuracy *out,
                                weft_error *err);
 
@@ -165,8 +151,20 @@ typedef struct verify_shipped_result {
 
 /* To the end: adaptive, or with the first of 2^-8, 2^-9, ... s that is stable. */
 weft_status verify_shipped_run(weft_registry *registry, const verify_scene *scene,
-                               const verify_method *method,
+                               const stepper_method *method,
                                const verify_frames *reference,
                                verify_shipped_result *out, weft_error *err);
+
+/* ---- apart.c --------------------------------------------------------------------- */
+
+typedef struct verify_counts {
+    size_t judged, failed;
+} verify_counts;
+
+typedef void verify_part(void *ctx, size_t i, verify_counts *counts);
+
+/* Parts 0 to count - 1, as many at once as there are processors; what they print comes
+ * in their order, what they count is added up. False if one has died. */
+bool verify_apart(size_t count, verify_part *print, void *ctx, verify_counts *counts);
 
 #endif

@@ -30,13 +30,13 @@ const plots = new Plots(page, $('plots'), (t) => {
 function seek(frame) {
     state.frame = Math.min(Math.max(Math.round(frame), 0), times.length - 1);
     const t = times[state.frame];
-    const number = page.runs[0].index[state.frame];
+    const number = page.runs[0].numbers[state.frame];
     stage?.show(state.frame, colours[state.colour]);
     plots.show(state.frame);
     $('scrub').value = state.frame;
     $('scrub').setAttribute('aria-valuetext', `frame ${number}, ${t.toFixed(3)} s`);
     $('clock').textContent = `${t.toFixed(3)} s`;
-    $('clock').title = `frame ${number} of ${page.runs[0].frames - 1}`;
+    $('clock').title = `frame ${number} of ${page.runs[0].numbers.at(-1)}`;
     $('canvas').setAttribute('aria-label', `the cloth at ${t.toFixed(3)} s, frame ${number}`);
 }
 

@@ -8,6 +8,8 @@ const INKS = 5;
 
 const perRow = (values) => values?.map((v, i) => (i > 0 ? v - values[i - 1] : null));
 const times100 = (values) => values?.map((v) => 100 * v);
+/** Without a limit its columns are there, and 0. */
+const nonzero = (values) => (values?.some((v) => v !== 0) ? values : undefined);
 const positive = (values) => values?.map((v) => (v > 0 ? v : null));
 
 function total(columns) {
@@ -34,7 +36,7 @@ const PLOTS = [
         title: 'largest strain [%]',
         curves: [
             { label: 'strain', ink: 0, brief: true, of: (c) => times100(c.get('max_strain')) },
-            { label: 'limit', ink: 3, of: (c) => times100(c.get('limit_strain')) },
+            { label: 'limited', ink: 3, of: (c) => times100(nonzero(c.get('limit_strain'))) },
         ],
     },
     {
@@ -86,7 +88,7 @@ function decades(_, ticks) {
     return ticks.map((t) => ((wide ? /^1e/ : /^[125]e/).test(t.toExponential(0)) ? t : null));
 }
 
-function axis(style, log) {
+export function axis(style, log) {
     const filter = log ? { filter: decades } : {};
     return {
         stroke: style('--ink-soft'),

@@ -88,13 +88,15 @@ export function writeHeader(page) {
     notes.hidden = notes.childElementCount === 0;
 }
 
-/** A name over each pane, where there is more than one. */
+/** What tells the panes apart, where there is more than one. */
 export function writeLabels(page, stacked) {
     const labels = document.getElementById('labels');
     labels.className = stacked ? 'stacked' : '';
+    const steppers = new Set(page.runs.map((run) => stepperName(run) + stepperChoice(run)));
+    const alike = steppers.size < page.runs.length || steppers.has('');
     labels.replaceChildren(...(page.runs.length < 2 ? [] : page.runs.map((run, i) => {
         const label = element('span', '');
-        label.append(element('b', 'AB'[i]), ` ${stepperName(run) || run.directory} `, element('i', stepperChoice(run)));
+        label.append(element('b', 'AB'[i]), ` ${alike ? run.directory : stepperName(run)} `, element('i', alike ? '' : stepperChoice(run)));
         return label;
     })));
 }

@@ -1,34 +1,45 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // picture.mjs -- node picture.mjs FOLDER ADDRESS PAGE...: the cloth of each page alone, as
-// FOLDER/PAGE.png, all from where the camera of the last page stands.
+// FOLDER/PAGE.png, all under one camera that just holds what they show. Two runs of a page
+// stand side by side.
 import { basename } from 'node:path';
 import { drawn, launch, open } from './browser.mjs';
 
-const ALONE = `body > :not(main), #controls, #side { display: none !important; }
+const SIDE = 420; // pixels of the picture of a run
+const ALONE = `body > :not(main), #controls, #side, #labels { display: none !important; }
     main { display: block !important; padding: 0 !important; }
     #stage { position: fixed !important; inset: 0; height: auto !important; border-radius: 0 !important; }`;
 
 const [folder, address, ...files] = process.argv.slice(2);
 const browser = await launch();
-let camera = null;
-for (const file of files.reverse()) {
+
+async function show(file) {
     const { page } = await open(browser, file, `${address}&quality=fine`, {
-        viewport: { width: 420, height: 420 }, bypassCSP: true,
+        viewport: { width: SIDE, height: SIDE }, bypassCSP: true,
     });
     await page.addStyleTag({ content: ALONE });
-    camera = await page.evaluate((given) => {
-        const { camera: eye, controls } = weft.stage;
-        weft.stage.resize();
-        weft.stage.moved = true; // by nobody else
-        if (given) {
-            eye.position.fromArray(given.eye);
-            controls.target.fromArray(given.target);
-            controls.update();
-        } else {
-            weft.stage.fit();
-        }
-        return { eye: eye.position.toArray(), target: controls.target.toArray() };
-    }, camera);
+    const boxes = await page.evaluate(() => weft.page.runs.map(
+        (run) => [0, 1, 2].map((axis) => run.blocks[weft.state.frame].range(axis)),
+    ));
+    await page.setViewportSize({ width: SIDE * boxes.length, height: SIDE });
+    return { file, page, boxes };
+}
+
+const shown = [];
+for (const file of files) {
+    shown.push(await show(file));
+}
+const boxes = shown.flatMap((one) => one.boxes);
+for (const { file, page } of shown) {
+    await drawn(page);
+    await page.evaluate((all) => {
+        const { stage } = weft;
+        const [any] = stage.corners;
+        stage.corners = all.flatMap(([x, y, z]) => [0, 1, 2, 3, 4, 5, 6, 7].map(
+            (i) => any.clone().set(x[i & 1], y[(i >> 1) & 1], z[i >> 2]),
+        ));
+        stage.fit();
+    }, boxes);
     await drawn(page);
     await page.screenshot({ path: `${folder}/${basename(file, '.html')}.png` });
 }

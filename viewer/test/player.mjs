@@ -199,6 +199,21 @@ test('plots show the columns there are', async () => {
     assert.deepEqual(other.said, []);
 });
 
+test('a limit has its curve, and without one there is none', async () => {
+    const strains = async (file) => {
+        const { page } = await open(browser, at(file));
+        return page.locator('.uplot').nth(1).textContent();
+    };
+    assert.match(await strains('limited/run.html'), /limited/);
+    assert.doesNotMatch(await strains('a/run.html'), /limited/);
+});
+
+test('frames that were left out keep their numbers', async () => {
+    const { page } = await open(browser, at('limited/run.html'), 'frame=2');
+    assert.equal(await page.getAttribute('#clock', 'title'), 'frame 8 of 15');
+    assert.equal(await page.textContent('#clock'), '0.267 s');
+});
+
 test('two runs are shown side by side with what parts them', async () => {
     const { page, said } = await open(browser, at('a/compare.html'), 'frame=40&quality=fine');
     assert.deepEqual(said, []);
@@ -227,6 +242,8 @@ test('runs of different frame times are shown at the times both have', async () 
     const times = await page.evaluate(() => weft.page.times);
     assert.deepEqual(times.map((t) => Math.round(t * 1e6)), [0, 166667, 333333, 500000]);
     assert.match(await page.textContent('#notes'), /4 times that both runs have/);
+    const labels = await page.locator('#labels span').allTextContents();
+    assert.deepEqual(labels.map((text) => text.trim()), ['A fps24', 'B fps30']);
 });
 
 test('a hostile scene name is only text', async () => {

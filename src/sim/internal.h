@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* sim.h -- what a simulation is made of, for the files of src/sim alone. */
-#ifndef WEFT_SIM_SIM_H
-#define WEFT_SIM_SIM_H
+/* internal.h -- what a simulation is made of, for the files of src/sim alone. */
+#ifndef WEFT_SIM_INTERNAL_H
+#define WEFT_SIM_INTERNAL_H
 
+#include "sim/forces.h"
 #include "sim/ledger.h"
 #include "sim/limit.h"
 
@@ -10,13 +11,17 @@ struct weft_sim {
     const weft_cloth *cloth; /* the definition's, or `own` */
     weft_cloth *own;         /* NULL until a pin is changed */
     const weft_stepper_type *method;
+    weft_stepper_config config;
     void *stepper;
+    weft_stepper_stats before; /* of the steppers before this one */
+    weft__forces forces;
+    weft_team lent;     /* their threads */
     weft__limit *limit; /* NULL: none */
     weft_correct_fn *correct;
     void *correct_ctx;
     weft_force_fn *force;
     void *force_ctx;
-    double *forces; /* [N] 3 N, for `force` */
+    double *added; /* [N] 3 N, by `force` */
     weft_log log;
     weft_allocator memory;
     uint64_t rejected;          /* attempts that were told of */
@@ -28,6 +33,13 @@ struct weft_sim {
 
 /* motion.c: the right-hand side of a simulation, which is ctx. */
 int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx);
+
+/* A stepper for the simulation as it is defined; first_step [s] 0: by the config. */
+weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out,
+                              weft_error *err);
+
+/* The length of y. */
+size_t weft__sim_dim(const weft_sim *sim);
 
 /* Around a change of y or of the cloth from outside, between two steps. */
 void weft__sim_change_begins(weft_sim *sim);

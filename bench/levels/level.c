@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "levels.h"
+
+#include "cloth/lanes.h"
+
+#ifndef LEVEL
+#define LEVEL plain
+#endif
+#define NAME_(stem, level) stem##_##level
+#define NAME(stem, level)  NAME_(stem, level)
+
+void NAME(naive, LEVEL)(const naive_cloth *cloth, const double *y, double *dydt)
+{
+    naive_rhs(cloth, y, dydt);
+}
+
+void NAME(bound, LEVEL)(const double *a, double *b, size_t count)
+{
+    for (size_t i = 0; i < count; i += LANES) {
+        const vec length = root(load(a + i));
+        store(b + i, length / load(a + i));
+    }
+}

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* levels.h -- what is compiled for each level of instructions, as the kernels are. */
+#ifndef WEFT_BENCH_LEVELS_H
+#define WEFT_BENCH_LEVELS_H
+
+#include "../naive.h"
+#include "cloth/kernel.h"
+
+typedef void naive_fn(const naive_cloth *cloth, const double *y, double *dydt);
+
+/* One root and one division of each a[i] > 0, count a multiple of 8, into b. */
+typedef void bound_fn(const double *a, double *b, size_t count);
+
+#define LEVEL_FUNCTIONS(level)                                                         \
+    naive_fn naive_##level;                                                            \
+    bound_fn bound_##level;
+WEFT_LEVELS(LEVEL_FUNCTIONS)
+#undef LEVEL_FUNCTIONS
+
+#endif

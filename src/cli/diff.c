@@ -1,0 +1,380 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* diff.c -- weft diff: where two runs begin to differ, and by how much.
+ *
+ * Whether they are equal is told by the hashes of their states, or, with a tolerance,
+ * by the positions of their frames; where and by how much, by the positions. Compared
+ * is at the times that both have. */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/cli.h"
+#include "record/frames.h"
+#include "record/record.h"
+
+#define TIME_MATCH 1e-9 /* relative: two frames of the same time */
+
+typedef struct side {
+    const char *directory;
+    record_series_row *rows;
+    size_t row_count;
+    record_frames *frames; /* NULL: no run.vtkhdf */
+    double *x;             /* [m] positions of one frame */
+} side;
+
+/* The largest distance of a particle in one frame of both. */
+typedef struct gap {
+    bool found;
+    size_t frame[2];
+    double time, distance; /* [s], [m] */
+    size_t particle;
+} gap;
+
+typedef struct comparison {
+    side side[2];
+    double tolerance;     /* [m]; < 0: bit for bit */
+    bool single;          /* one is recorded in single precision: so are both taken */
+    size_t rows, unequal; /* of series.csv: at common times, with other hashes */
+    size_t first[2];      /* frame of the first of those */
+    double first_time;    /* [s] */
+    size_t frames;        /* of run.vtkhdf, at common times */
+    gap begin, largest;   /* first beyond the tolerance; of all */
+} comparison;
+
+/* ---- opening ---------------------------------------------------------------- */
+
+static weft_status open_side(side *self, weft_error *err)
+{
+    char path[RECORD_PATH];
+    weft_status status = record_path(self->directory, "run.vtkhdf", path, err);
+    if (status == WEFT_OK) {
+        status
+            = record_series_rows(self->directory, &self->rows, &self->row_count, err);
+    }
+    if (status == WEFT_OK && access(path, F_OK) == 0) {
+        status = record_frames_open(self->directory, &self->frames, err);
+    }
+    return status;
+}
+
+static bool both_have_frames(const comparison *self)
+{
+    return self->side[0].frames != NULL && self->side[1].frames != NULL;
+}
+
+static weft_status prepare(comparison *self, weft_error *err)
+{
+    const record_frames *a = self->side[0].frames, *b = self->side[1].frames;
+    const size_t rows[2] = { record_frames_rows(a), record_frames_rows(b) };
+    const size_t cols[2] = { record_frames_cols(a), record_frames_cols(b) };
+    if (rows[0] != rows[1] || cols[0] != cols[1]) {
+        return weft_error_set(err, WEFT_BAD_SCENE,
+                              "runs of different grids: %s has %zu x %zu particles, %s "
+                              "%zu x %zu",
+                              self->side[0].directory, rows[0], cols[0],
+                              self->side[1].directory, rows[1], cols[1]);
+    }
+    self->single = !record_frames_doubles(a) || !record_frames_doubles(b);
+    for (size_t k = 0; k < 2; ++k) {
+        self->side[k].x = malloc(3 * rows[0] * cols[0] * sizeof(double));
+        if (self->side[k].x == NULL) {
+            return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a frame");
+        }
+    }
+    return WEFT_OK;
+}
+
+static weft_status open_both(comparison *self, weft_error *err)
+{
+    weft_status status = open_side(&self->side[0], err);
+    if (status == WEFT_OK) {
+        status = open_side(&self->side[1], err);
+    }
+    if (status == WEFT_OK && both_have_frames(self)) {
+        return prepare(self, err);
+    }
+    if (status == WEFT_OK && self->tolerance >= 0.0) {
+        const side *without = &self->side[self->side[0].frames == NULL ? 0 : 1];
+        status = weft_error_set(err, WEFT_IO,
+                                "%s/run.vtkhdf is missing: --tol compares the "
+                                "positions of frames",
+                                without->directory);
+    }
+    return status;
+}
+
+static void close_both(comparison *self)
+{
+    for (size_t k = 0; k < 2; ++k) {
+        record_frames_close(self->side[k].frames);
+        free(self->side[k].rows);
+        free(self->side[k].x);
+    }
+}
+
+/* ---- comparing -------------------------------------------------------------- */
+
+/* < 0, 0, > 0: a is earlier, the same, later */
+static int order(double a, double b)
+{
+    return fabs(a - b) <= TIME_MATCH * (1.0 + fabs(a)) ? 0 : a < b ? -1 : 1;
+}
+
+static void compare_hashes(comparison *self)
+{
+    const side *a = &self->side[0], *b = &self->side[1];
+    for (size_t i = 0, j = 0; i < a->row_count && j < b->row_count;) {
+        const record_series_row *p = &a->rows[i], *q = &b->rows[j];
+        const int which = order(p->time, q->time);
+        if (which == 0) {
+            ++self->rows;
+            self->unequal += p->hash != q->hash;
+            if (p->hash != q->hash && self->unequal == 1) {
+                self->first[0] = p->frame;
+                self->first[1] = q->frame;
+                self->first_time = p->time;
+            }
+        }
+        i += which <= 0;
+        j += which >= 0;
+    }
+}
+
+static double rounded(const comparison *self, double value)
+{
+    return self->single ? (double)(float)value : value;
+}
+
+static double distance(const comparison *self, size_t particle)
+{
+    double square = 0.0, most = 0.0;
+    for (size_t k = 3 * particle; k < 3 * particle + 3; ++k) {
+        const double d
+            = rounded(self, self->side[0].x[k]) - rounded(self, self->side[1].x[k]);
+        square += d * d;
+        most = fmax(most, fabs(d));
+    }
+    return square > 0.0 ? sqrt(square) : most; /* squares may underflow */
+}
+
+static weft_status compare_frame(comparison *self, size_t i, size_t j, weft_error *err)
+{
+    const side *a = &self->side[0], *b = &self->side[1];
+    const size_t n = record_frames_rows(a->frames) * record_frames_cols(a->frames);
+    gap here = { .frame = { record_frames_number(a->frames, i),
+                            record_frames_number(b->frames, j) },
+                 .time = record_frames_time(a->frames, i) };
+    weft_status status = record_frames_positions(a->frames, i, a->x, err);
+    if (status == WEFT_OK) {
+        status = record_frames_positions(b->frames, j, b->x, err);
+    }
+    if (status != WEFT_OK) {
+        return status;
+    }
+    for (size_t p = 0; p < n; ++p) {
+        const double d = distance(self, p);
+        if (d > here.distance) {
+            here.distance = d;
+            here.particle = p;
+            here.found = true;
+        }
+    }
+    if (!self->begin.found && here.distance > fmax(self->tolerance, 0.0)) {
+        self->begin = here;
+    }
+    if (here.distance > self->largest.distance) {
+        self->largest = here;
+    }
+    ++self->frames;
+    return WEFT_OK;
+}
+
+static weft_status compare_frames(comparison *self, weft_error *err)
+{
+    record_frames *a = self->side[0].frames, *b = self->side[1].frames;
+    weft_status status = WEFT_OK;
+    for (size_t i = 0, j = 0; status == WEFT_OK && i < record_frames_count(a)
+                              && j < record_frames_count(b);) {
+        const int which = order(record_frames_time(a, i), record_frames_time(b, j));
+        if (which == 0) {
+            status = compare_frame(self, i, j, err);
+        }
+        i += which <= 0;
+        j += which >= 0;
+    }
+    return status;
+}
+
+/* ---- telling ---------------------------------------------------------------- */
+
+static double end_of(const side *self)
+{
+    return self->rows[self->row_count - 1].time;
+}
+
+static bool ends_differ(const comparison *self)
+{
+    return order(end_of(&self->side[0]), end_of(&self->side[1])) != 0;
+}
+
+static bool differs(const comparison *self)
+{
+    return ends_differ(self)
+           || (self->tolerance < 0.0 ? self->unequal > 0 : self->begin.found);
+}
+
+static void print_frame(const size_t frame[2], double time)
+{
+    if (frame[0] == frame[1]) {
+        printf("frame %zu (t = %.9g s)", frame[0], time);
+    } else {
+        printf("frames %zu and %zu (t = %.9g s)", frame[0], frame[1], time);
+    }
+}
+
+static void print_gap(const comparison *self, const char *label, const gap *found)
+{
+    const size_t cols = record_frames_cols(self->side[0].frames);
+    printf("%s: ", label);
+    print_frame(found->frame, found->time);
+    printf(": particle (%zu, %zu) by %.3g m\n", found->particle / cols,
+           found->particle % cols, found->distance);
+}
+
+static void print_hashes(const comparison *self)
+{
+    if (self->unequal > 0) {
+        printf("first other state: ");
+        print_frame(self->first, self->first_time);
+        printf("; %zu of %zu states differ\n", self->unequal, self->rows);
+    }
+}
+
+static void print_positions(const comparison *self)
+{
+    if (self->begin.found) {
+        print_gap(self,
+                  self->tolerance < 0.0 ? "first other positions"
+                                        : "first beyond the tolerance",
+                  &self->begin);
+    } else if (self->tolerance < 0.0) {
+        printf("positions are equal in the %zu frames of run.vtkhdf that both have%s\n",
+               self->frames, self->single ? ", in single precision" : "");
+    }
+    if (self->largest.found) {
+        print_gap(self, "largest", &self->largest);
+    }
+}
+
+static void print_all(const comparison *self)
+{
+    const bool framed = both_have_frames(self);
+    if (self->tolerance >= 0.0) {
+        printf("%s at %zu times that both have\n",
+               self->begin.found ? "different" : "equal within the tolerance",
+               self->frames);
+    } else {
+        printf("%s at %zu times that both have\n",
+               self->unequal > 0 ? "different" : "equal", self->rows);
+    }
+    if (ends_differ(self)) {
+        printf("%s ends at t = %.9g s, %s at t = %.9g s\n", self->side[0].directory,
+               end_of(&self->side[0]), self->side[1].directory, end_of(&self->side[1]));
+    }
+    print_hashes(self);
+    if (framed && (self->unequal > 0 || self->tolerance >= 0.0)) {
+        print_positions(self);
+    } else if (!framed && self->unequal > 0) {
+        printf("no run.vtkhdf to tell where and by how much\n");
+    }
+}
+
+/* ---- the verb --------------------------------------------------------------- */
+
+static weft_status compare(comparison *self, weft_error *err)
+{
+    weft_status status = open_both(self, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    compare_hashes(self);
+    if (both_have_frames(self) && (self->unequal > 0 || self->tolerance >= 0.0)) {
+        status = compare_frames(self, err);
+    }
+    if (status == WEFT_OK && self->rows == 0) {
+        status = weft_error_set(err, WEFT_IO, "%s and %s have no time in common",
+                                self->side[0].directory, self->side[1].directory);
+    }
+    return status;
+}
+
+static int diff_runs(char *const *directories, double tolerance)
+{
+    weft_error err = { 0 };
+    comparison self = { .side = { { .directory = directories[0] },
+                                  { .directory = directories[1] } },
+                        .tolerance = tolerance };
+    const weft_status status = compare(&self, &err);
+    int code = EXIT_DONE;
+    if (status != WEFT_OK) {
+        code = report_error(&err);
+    } else {
+        print_all(&self);
+        code = differs(&self) ? EXIT_DIFFERENT : EXIT_DONE;
+    }
+    close_both(&self);
+    return code;
+}
+
+/* Metres; < 0: not a tolerance. */
+static double parse_tolerance(const char *text)
+{
+    char *end;
+    const double value = strtod(text, &end);
+    return end != text && *end == '\0' && value >= 0.0 && isfinite(value) ? value
+                                                                          : -1.0;
+}
+
+static int diff_verb(int argc, char **argv)
+{
+    options given;
+    int code = options_parse(&verb_diff, "L", argc, argv, &given);
+    if (code >= 0) {
+        return code;
+    }
+    const double tolerance
+        = given.tolerance == NULL ? -1.0 : parse_tolerance(given.tolerance);
+    if (given.operand_count != 2) {
+        code = usage_error(&verb_diff, "needs the directories of two runs");
+    } else if (given.tolerance != NULL && tolerance < 0.0) {
+        code = usage_error(&verb_diff, "--tol %s: must be a number >= 0 [m]",
+                           given.tolerance);
+    } else {
+        code = diff_runs(given.operands, tolerance);
+    }
+    options_free(&given);
+    return code;
+}
+
+const verb verb_diff = {
+    .name = "diff",
+    .summary = "where two runs begin to differ, and by how much",
+    .help
+    = "usage: weft diff DIR DIR2 [OPTIONS]\n\n"
+      "Compares two runs of the same grid at the times both have, and tells the first\n"
+      "frame that differs, the particle farthest off in it, how far, and the largest\n"
+      "such distance of all frames. States are compared bit for bit by the hashes in\n"
+      "series.csv.\n\n"
+      "  --tol X              positions of run.vtkhdf instead: equal is what is not\n"
+      "                       more than X metres apart\n\n"
+      "examples:\n"
+      "  weft diff flag flag-again\n"
+      "  weft diff flag-rkf45 flag-verlet --tol 1e-4\n\n"
+      "exit codes: 0 equal, 1 different, also where one ends before the other, 2 "
+      "wrong\n"
+      "command line, 3 other grids, 4 a file is missing or damaged, or no time in "
+      "common\n",
+    .run = diff_verb,
+};

@@ -1,0 +1,344 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* kernel.c -- springs, gravity and drag in one sweep over the rows, LANES columns at a
+ * time, each spring once.
+ *
+ * A block of columns takes the springs that start there, one of each group:
+ *
+ *     (r,c)---right---(r,c+1)            right2: (r,c)-(r,c+2)
+ *       |  \        /                    down2:  (r,c)-(r+2,c)
+ *     down   cross / anti
+ *       |      \ /
+ *     (r+1,c)  (r+1,c+1)
+ *
+ * Only anti, from (r,c+1) to (r+1,c), does not start at (r,c), so that all that ends in
+ * another column ends to the right: in lanes of this block, or of the next one, which
+ * they reach in registers. What ends in a later row is added up in a buffer of that
+ * row.
+ *
+ * The sum of a particle is the same expression whatever the width, the tile of columns
+ * or the band of rows. Springs are taken in three stages, a group one stage behind the
+ * other, because root and division are slow: while they are under way the next spring
+ * begins. */
+#include "cloth/kernel.h"
+#include "cloth/lanes.h"
+
+#include <float.h>
+#include <string.h>
+
+#ifndef LEVEL
+#define LEVEL plain
+#endif
+#define NAME_(stem, level) weft__##stem##_##level
+#define NAME(stem, level)  NAME_(stem, level)
+
+/* The groups, in the order of springs.c, and whether any is damped: bits of a set. */
+enum { RIGHT, DOWN, CROSS, ANTI, RIGHT2, DOWN2, DAMPED };
+#define BIT(group) (1u << (group))
+
+/* TILE columns, with the rows that a block reads, stay in the first cache. */
+enum { TILE = 256, SPAN = LANES + TILE + 2 * LANES, EDGE = LANES + 2 };
+
+typedef struct law {
+    vec stiffness, rest_length, damping;
+} law;
+
+/* Which lanes of a block at the end of a row are columns, and have a column 1 and 2
+ * to their right. */
+typedef struct edge {
+    mask inside, right, right2;
+} edge;
+
+typedef struct sweep {
+    double ended[3 * SPAN];  /* [N] pulls that end in this row, from rows above */
+    double ended2[3 * SPAN]; /* [N] of down2 in the row above */
+    double aside[6 * SPAN];  /* x' and v' of the row, before they go to dydt */
+    law laws[WEFT_GROUPS];
+    edge edges[2];
+    vec3 gravity;
+    vec drag;
+    vec bad; /* 0 or NaN */
+    const double *y, *inverse_mass;
+    double *dydt;
+    size_t n, rows, cols;
+    bool detour;  /* by aside */
+    size_t inner; /* columns in blocks with all their neighbours on the right */
+} sweep;
+
+/* A spring under way. */
+typedef struct spring {
+    vec3 d;             /* [m] */
+    vec dd, length;     /* [m^2], [m] */
+    vec wd;             /* [m^2/s] w.d */
+    vec pull_by_length; /* [N/m] T / L */
+} spring;
+
+/* From p to q, of planes n apart. */
+INLINE void begin(spring *springs, unsigned has, int group, const double *p,
+                  const double *q, size_t n)
+{
+    spring *at = &springs[group];
+    *at = (spring){ 0 };
+    if ((has & BIT(group)) == 0) {
+        return;
+    }
+    at->d = minus(load3(q, n), load3(p, n));
+    at->dd = dot(at->d, at->d);
+    at->length = root(at->dd);
+    if ((has & BIT(DAMPED)) != 0) {
+        const double *vp = p + 3 * n, *vq = q + 3 * n;
+        at->wd = dot(minus(load3(vq, n), load3(vp, n)), at->d);
+    }
+}
+
+/* T / L = (k L (L - s) + c w.d) / L^2, exactly 0 at rest and where L = 0. */
+INLINE void weigh(spring *springs, unsigned has, int group, const law *laws)
+{
+    spring *at = &springs[group];
+    const law *by = &laws[group];
+    if ((has & BIT(group)) == 0) {
+        return;
+    }
+    vec work = (by->stiffness * at->length) * (at->length - by->rest_length);
+    if ((has & BIT(DAMPED)) != 0) {
+        work += by->damping * at->wd;
+    }
+    at->pull_by_length = work / (at->dd + DBL_MIN);
+}
+
+/* On p; where NULL: in all lanes. */
+INLINE vec3 pull(const spring *springs, unsigned has, int group, const mask *where)
+{
+    const spring *at = &springs[group];
+    if ((has & BIT(group)) == 0) {
+        return (vec3){ 0 };
+    }
+    const vec3 force = scaled(at->pull_by_length, at->d);
+    return where != NULL ? only3(force, *where) : force;
+}
+
+/* What the block on the left sends to the right. */
+typedef struct carry {
+    vec3 beside, beside2, below;
+} carry;
+
+/* Forces of springs on the block at p, of planes n and rows `down` apart; `at` in the
+ * buffers; rim NULL: all neighbours are there. */
+INLINE vec3 block(sweep *self, const double *p, size_t n, size_t down, size_t at,
+                  unsigned has, carry *left, const edge *rim)
+{
+    const double *below = p + down;
+    const mask *in_1 = rim != NULL ? &rim->right : NULL;
+    const mask *in_2 = rim != NULL ? &rim->right2 : NULL;
+    spring s[WEFT_GROUPS];
+    vec3 ended = load3(self->ended + at, SPAN), next = load3(self->ended2 + at, SPAN);
+    begin(s, has, RIGHT, p, p + 1, n);
+    begin(s, has, DOWN, p, below, n);
+    weigh(s, has, RIGHT, self->laws);
+    begin(s, has, ANTI, p + 1, below, n);
+    weigh(s, has, DOWN, self->laws);
+    const vec3 right = pull(s, has, RIGHT, in_1);
+    begin(s, has, CROSS, p, below + 1, n);
+    weigh(s, has, ANTI, self->laws);
+    const vec3 fall = pull(s, has, DOWN, NULL);
+    begin(s, has, RIGHT2, p, p + 2, n);
+    weigh(s, has, CROSS, self->laws);
+    const vec3 anti = pull(s, has, ANTI, in_1), beside = minus(right, anti);
+    next = plus(next, plus(fall, anti));
+    ended = plus(ended, shift_1(left->beside, beside));
+    left->beside = beside;
+    begin(s, has, DOWN2, p, below + down, n);
+    weigh(s, has, RIGHT2, self->laws);
+    const vec3 cross = pull(s, has, CROSS, in_1);
+    next = plus(next, shift_1(left->below, cross));
+    left->below = cross;
+    store3(self->ended + at, SPAN, next);
+    weigh(s, has, DOWN2, self->laws);
+    const vec3 right2 = pull(s, has, RIGHT2, in_2);
+    ended = plus(ended, shift_2(left->beside2, right2));
+    left->beside2 = right2;
+    const vec3 fall2 = pull(s, has, DOWN2, NULL);
+    store3(self->ended2 + at, SPAN, fall2);
+    const vec3 own = plus(plus(plus(plus(right, fall), cross), right2), fall2);
+    return minus(own, ended);
+}
+
+/* x' and v' of the block at p, which is that of particle i, to planes m apart. */
+INLINE void emit(sweep *self, const double *p, size_t n, size_t i, vec3 force,
+                 const edge *rim, size_t count, double *to, size_t m)
+{
+    const vec3 v = load3(p + 3 * n, n);
+    const vec3 net = minus(force, scaled(self->drag, v));
+    const vec3 a = plus(self->gravity, scaled(load(self->inverse_mass + i), net));
+    const vec bad = trouble(a, v);
+    self->bad += rim != NULL ? only(bad, rim->inside) : bad;
+    store3_some(to, m, v, count);
+    store3_some(to + 3 * m, m, a, count);
+}
+
+static void leave_aside(const sweep *self, size_t i, size_t count)
+{
+    for (size_t k = 0; k < 6; ++k) {
+        const double *from = self->aside + k * SPAN;
+        double *to = self->dydt + k * self->n + i;
+        size_t j = 0;
+        for (; j + LANES <= count; j += LANES) {
+            store(to + j, load(from + j));
+        }
+        for (; j < count; ++j) {
+            to[j] = from[j];
+        }
+    }
+}
+
+/* The columns from c on of rows r, r + 1 and r + 2, where a block would read beyond the
+ * end of y. */
+static void copy_end(const sweep *self, size_t r, size_t c, double copy[6][3][EDGE])
+{
+    memset(copy, 0, 6 * sizeof *copy);
+    for (size_t k = 0; k < 6; ++k) {
+        for (size_t j = 0; j < 3 && r + j < self->rows; ++j) {
+            const double *from = self->y + k * self->n + (r + j) * self->cols;
+            for (size_t l = 0; l < EDGE && c + l < self->cols; ++l) {
+                copy[k][j][l] = from[c + l];
+            }
+        }
+    }
+}
+
+/* The last columns of a row. Lanes without a particle read others and are masked. */
+INLINE void row_end(sweep *self, size_t r, size_t at, unsigned has, bool emits,
+                    carry *left, double *to, size_t m)
+{
+    double copy[6][3][EDGE];
+    for (size_t c = self->inner, e = 0; c < self->cols; c += LANES, ++e) {
+        const size_t i = r * self->cols + c;
+        const size_t count = self->cols - c < LANES ? self->cols - c : LANES;
+        const bool inside = i + 2 * self->cols + EDGE <= self->n;
+        const double *p = self->y + i;
+        size_t n = self->n, down = self->cols;
+        if (!inside) {
+            copy_end(self, r, c, copy);
+            p = copy[0][0], n = 3 * EDGE, down = EDGE;
+        }
+        const edge *rim = &self->edges[e];
+        const size_t b = e * LANES;
+        const vec3 force = block(self, p, n, down, at + b, has, left, rim);
+        if (emits) {
+            emit(self, p, n, i, force, rim, count, to + b, m);
+        }
+    }
+}
+
+/* Columns [first, end) of row r; of the block on their left only what it sends. */
+INLINE void row(sweep *self, size_t r, size_t first, size_t end, unsigned has,
+                bool emits)
+{
+    const size_t n = self->n, cols = self->cols, i = r * cols + first;
+    const size_t m = self->detour ? SPAN : n;
+    double *const to = self->detour ? self->aside : self->dydt + i;
+    const double *p = self->y + i;
+    const ptrdiff_t count = (ptrdiff_t)(end - first);
+    carry left = { 0 };
+    for (ptrdiff_t j = first > 0 ? -LANES : 0; j < count; j += LANES) {
+        const size_t at = (size_t)(LANES + j), b = i + (size_t)j;
+        const vec3 force = block(self, p + j, n, cols, at, has, &left, NULL);
+        if (emits && j >= 0) {
+            emit(self, p + j, n, b, force, NULL, LANES, to + j, m);
+        }
+    }
+    if (end == self->inner) {
+        row_end(self, r, LANES + (size_t)count, has, emits, &left, to + count, m);
+    }
+    if (emits && self->detour) {
+        leave_aside(self, i, (end == self->inner ? cols : end) - first);
+    }
+}
+
+/* What most rows of most cloths have is compiled without branches. */
+static void any_row(sweep *self, size_t r, size_t first, size_t end, unsigned has,
+                    bool emits)
+{
+    enum {
+        STRETCH = BIT(RIGHT) | BIT(DOWN),
+        WOVEN = STRETCH | BIT(CROSS) | BIT(ANTI),
+        FULL = WOVEN | BIT(RIGHT2) | BIT(DOWN2)
+    };
+    switch (emits ? has : 0u) {
+#define CASE(springs)                                                                  \
+    case springs:                                                                      \
+        row(self, r, first, end, springs, true);                                       \
+        break;
+        CASE(STRETCH)
+        CASE(STRETCH | BIT(DAMPED))
+        CASE(WOVEN)
+        CASE(WOVEN | BIT(DAMPED))
+        CASE(FULL)
+        CASE(FULL | BIT(DAMPED))
+#undef CASE
+    default:
+        row(self, r, first, end, has, emits);
+    }
+}
+
+/* Columns [first, end): the two rows above first_row send what ends in the others. */
+static void tile(sweep *self, size_t first, size_t end, unsigned all, size_t first_row,
+                 size_t end_row)
+{
+    memset(self->ended, 0, sizeof self->ended);
+    memset(self->ended2, 0, sizeof self->ended2);
+    for (size_t r = first_row < 2 ? 0 : first_row - 2; r < end_row; ++r) {
+        unsigned has = all;
+        if (r + 1 >= self->rows) {
+            has &= ~(BIT(DOWN) | BIT(CROSS) | BIT(ANTI));
+        }
+        if (r + 2 >= self->rows) {
+            has &= ~BIT(DOWN2);
+        }
+        if (r < first_row) {
+            has &= r + 1 < first_row ? BIT(DOWN2) | BIT(DAMPED)
+                                     : ~(BIT(RIGHT) | BIT(RIGHT2));
+        }
+        any_row(self, r, first, end, has, r >= first_row);
+    }
+}
+
+static void start(sweep *self, const weft_cloth *cloth)
+{
+    const double *g = cloth->gravity;
+    self->inverse_mass = cloth->inverse_mass;
+    self->n = cloth->particles, self->rows = cloth->rows, self->cols = cloth->cols;
+    self->detour = (8 * self->n + 256) % 4096 < 512;
+    self->inner = cloth->cols < 2 ? 0 : (cloth->cols - 2) / LANES * LANES;
+    self->gravity = (vec3){ splat(g[0]), splat(g[1]), splat(g[2]) };
+    self->drag = splat(cloth->drag);
+    self->bad = splat(0.0);
+    for (size_t e = 0; e < 2; ++e) {
+        for (size_t l = 0; l < LANES; ++l) {
+            const size_t c = self->inner + e * LANES + l;
+            self->edges[e].inside[l] = c < cloth->cols ? -1 : 0;
+            self->edges[e].right[l] = c + 1 < cloth->cols ? -1 : 0;
+            self->edges[e].right2[l] = c + 2 < cloth->cols ? -1 : 0;
+        }
+    }
+}
+
+int NAME(springs, LEVEL)(const weft_cloth *cloth, const double *y, double *dydt,
+                         size_t first_row, size_t end_row)
+{
+    sweep self;
+    unsigned all = 0;
+    start(&self, cloth);
+    self.y = y, self.dydt = dydt;
+    for (size_t g = 0; g < cloth->group_count; ++g) {
+        const weft__group *group = &cloth->groups[g];
+        self.laws[group->way]
+            = (law){ splat(group->stiffness), splat(group->rest_length),
+                     splat(group->damping) };
+        all |= BIT(group->way) | (group->damping != 0.0 ? BIT(DAMPED) : 0u);
+    }
+    for (size_t c = 0; c == 0 || c < self.inner; c += TILE) {
+        const size_t end = self.inner - c < TILE ? self.inner : c + TILE;
+        tile(&self, c, end, all, first_row, end_row);
+    }
+    return sum(self.bad) == 0.0 ? 0 : 1;
+}

@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* checkpoint.c -- words (sim/words.h): "weftckpt", format, size of the file, the
+ * numbers below, what has computed it in 256 bytes, the state, a checksum. */
+#include "record/checkpoint.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim/words.h"
+
+static const unsigned char magic[WEFT__WORD] = "weftckpt";
+
+#define FORMAT 1
+
+enum {
+    AT_FORMAT = 1,
+    AT_SIZE,
+    AT_SCENE,
+    AT_FRAME,
+    AT_SERIES,
+    AT_FRAMES,
+    AT_WALL_TIME,
+    AT_PROGRAM,
+    HEAD = AT_PROGRAM + RECORD_PROGRAM / WEFT__WORD
+};
+
+uint64_t record_hash(const char *text)
+{
+    uint64_t hash = UINT64_C(0xcbf29ce484222325); /* FNV-1a */
+    for (; *text != '\0'; ++text) {
+        hash = (hash ^ (unsigned char)*text) * UINT64_C(0x100000001b3);
+    }
+    return hash;
+}
+
+static size_t size_of(size_t state_size)
+{
+    return HEAD * WEFT__WORD + state_size + WEFT__WORD;
+}
+
+/* The state of a simulation consists of words. */
+static void pack(const record_checkpoint *from, unsigned char *to, size_t size)
+{
+    const size_t words = size / WEFT__WORD;
+    memcpy(to, magic, sizeof magic);
+    weft__word_put(to + AT_FORMAT * WEFT__WORD, FORMAT);
+    weft__word_put(to + AT_SIZE * WEFT__WORD, size);
+    weft__word_put(to + AT_SCENE * WEFT__WORD, from->scene);
+    weft__word_put(to + AT_FRAME * WEFT__WORD, from->frame);
+    weft__word_put(to + AT_SERIES * WEFT__WORD, from->series_bytes);
+    weft__word_put(to + AT_FRAMES * WEFT__WORD, from->frames);
+    weft__real_put(to + AT_WALL_TIME * WEFT__WORD, from->wall_time);
+    memcpy(to + AT_PROGRAM * WEFT__WORD, from->program, RECORD_PROGRAM);
+    memcpy(to + HEAD * WEFT__WORD, from->state, from->state_size);
+    weft__word_put(to + (words - 1) * WEFT__WORD, weft__words_sum(to, words - 1));
+}
+
+weft_status record_checkpoint_write(const char *directory,
+                                    const record_checkpoint *checkpoint,
+                                    weft_error *err)
+{
+    record_file file;
+    const size_t size = size_of(checkpoint->state_size);
+    unsigned char *bytes = malloc(size);
+    if (bytes == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a checkpoint");
+    }
+    pack(checkpoint, bytes, size);
+    weft_status status = record_file_open(&file, directory, RECORD_CHECKPOINT, err);
+    if (status == WEFT_OK) {
+        (void)fwrite(bytes, 1, size, file.stream);
+        status = record_file_commit(&file, err);
+    }
+    free(bytes);
+    return status;
+}
+
+/* ---- reading ----------------------------------------------------------------- */
+
+static uint64_t word(const unsigned char *bytes, size_t at)
+{
+    return weft__word_at(bytes + at * WEFT__WORD);
+}
+
+/* What is wrong with a file of that size, or NULL. */
+static const char *check(const unsigned char *bytes, size_t size)
+{
+    if (size < size_of(0) || memcmp(bytes, magic, sizeof magic) != 0) {
+        return "damaged: no checkpoint";
+    }
+    if (word(bytes, AT_FORMAT) != FORMAT) {
+        return "a checkpoint of another version of weft";
+    }
+    if (word(bytes, AT_SIZE) != size || size % WEFT__WORD != 0) {
+        return "damaged: cut off, or longer than it was";
+    }
+    const size_t last = size / WEFT__WORD - 1;
+    return weft__words_sum(bytes, last) == word(bytes, last)
+               ? NULL
+               : "damaged: its checksum is wrong";
+}
+
+static void unpack(const unsigned char *bytes, record_checkpoint *out)
+{
+    out->scene = word(bytes, AT_SCENE);
+    out->frame = (size_t)word(bytes, AT_FRAME);
+    out->series_bytes = (size_t)word(bytes, AT_SERIES);
+    out->frames = (size_t)word(bytes, AT_FRAMES);
+    out->wall_time = weft__real_at(bytes + AT_WALL_TIME * WEFT__WORD);
+    memcpy(out->program, bytes + AT_PROGRAM * WEFT__WORD, RECORD_PROGRAM);
+    out->program[RECORD_PROGRAM - 1] = '\0';
+}
+
+/* The file whole, in memory of its own. */
+static weft_status slurp(const char *path, unsigned char **bytes, size_t *size,
+                         weft_error *err)
+{
+    FILE *stream = fopen(path, "rb");
+    long length = -1;
+    if (stream != NULL && fseek(stream, 0, SEEK_END) == 0) {
+        length = ftell(stream);
+        rewind(stream);
+    }
+    *size = length < 0 ? 0 : (size_t)length;
+    *bytes = length < 0 ? NULL : malloc(*size + 1);
+    const bool done = *bytes != NULL && fread(*bytes, 1, *size + 1, stream) == *size;
+    const int why = errno;
+    if (stream != NULL) {
+        (void)fclose(stream);
+    }
+    if (done) {
+        return WEFT_OK;
+    }
+    free(*bytes);
+    *bytes = NULL;
+    return weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(why));
+}
+
+weft_status record_checkpoint_read(const char *directory, record_checkpoint *out,
+                                   weft_error *err)
+{
+    char path[RECORD_PATH];
+    unsigned char *bytes = NULL;
+    size_t size = 0;
+    *out = (record_checkpoint){ .state = NULL };
+    weft_status status = record_path(directory, RECORD_CHECKPOINT, path, err);
+    if (status == WEFT_OK) {
+        status = slurp(path, &bytes, &size, err);
+    }
+    if (status != WEFT_OK) {
+        return status;
+    }
+    const char *wrong = check(bytes, size);
+    if (wrong != NULL) {
+        free(bytes);
+        return weft_error_set(err, WEFT_IO, "%s: %s", path, wrong);
+    }
+    unpack(bytes, out);
+    out->state = bytes;
+    out->state_size = size - size_of(0);
+    memmove(bytes, bytes + HEAD * WEFT__WORD, out->state_size);
+    return WEFT_OK;
+}
+
+void record_checkpoint_free(record_checkpoint *checkpoint)
+{
+    free(checkpoint->state);
+    checkpoint->state = NULL;
+}

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* series_read.c -- the rows of a series.csv: whose they are, and where they end. */
+#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "record/record.h"
+
+typedef struct reader {
+    FILE *stream;
+    char path[RECORD_PATH];
+    char line[4096];
+    size_t at; /* bytes read, in whole lines */
+} reader;
+
+/* A line that a kill has cut off is none. */
+static bool next_line(reader *self)
+{
+    if (fgets(self->line, sizeof self->line, self->stream) == NULL) {
+        return false;
+    }
+    const size_t length = strlen(self->line);
+    if (length == 0 || self->line[length - 1] != '\n') {
+        return false;
+    }
+    self->at += length;
+    return true;
+}
+
+/* Which cell of the header has that name; -1: none. */
+static int column_of(const char *header, const char *name)
+{
+    const size_t length = strlen(name);
+    int column = 0;
+    for (const char *at = header; at != NULL; ++column) {
+        if (strncmp(at, name, length) == 0 && strchr(",\n", at[length]) != NULL) {
+            return column;
+        }
+        at = strchr(at, ',');
+        at = at == NULL ? NULL : at + 1;
+    }
+    return -1;
+}
+
+static const char *cell(const char *line, int column)
+{
+    for (; column > 0 && line != NULL; --column) {
+        line = strchr(line, ',');
+        line = line == NULL ? NULL : line + 1;
+    }
+    return line == NULL ? "" : line;
+}
+
+static weft_status wrong(const reader *self, const char *what, weft_error *err)
+{
+    return weft_error_set(err, WEFT_IO, "%s: %s", self->path, what);
+}
+
+static weft_status read_rows(reader *self, record_series_row **rows, size_t *count,
+                             weft_error *err)
+{
+    size_t capacity = 0;
+    if (!next_line(self)) {
+        return wrong(self, "no header", err);
+    }
+    const int time = column_of(self->line, "time"),
+              hash = column_of(self->line, "hash");
+    if (time < 0 || hash < 0 || column_of(self->line, "frame") != 0) {
+        return wrong(self, "no columns frame, time and hash", err);
+    }
+    while (next_line(self)) {
+        if (*count == capacity) {
+            capacity = capacity == 0 ? 256 : 2 * capacity;
+            record_series_row *grown = realloc(*rows, capacity * sizeof *grown);
+            if (grown == NULL) {
+                return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a series");
+            }
+            *rows = grown;
+        }
+        record_series_row *row = &(*rows)[*count];
+        row->end = self->at;
+        if (sscanf(self->line, "%zu,", &row->frame) != 1
+            || sscanf(cell(self->line, time), "%lf,", &row->time) != 1
+            || sscanf(cell(self->line, hash), "%" SCNx64, &row->hash) != 1
+            || (*count > 0 && !(row->time > row[-1].time))) {
+            return wrong(self, "damaged: rows are not in order", err);
+        }
+        ++*count;
+    }
+    return WEFT_OK;
+}
+
+weft_status record_series_rows(const char *directory, record_series_row **rows,
+                               size_t *count, weft_error *err)
+{
+    reader self = { .at = 0 };
+    *rows = NULL;
+    *count = 0;
+    weft_status status = record_path(directory, "series.csv", self.path, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    self.stream = fopen(self.path, "r");
+    if (self.stream == NULL) {
+        return wrong(&self, strerror(errno), err);
+    }
+    status = read_rows(&self, rows, count, err);
+    (void)fclose(self.stream);
+    if (status == WEFT_OK && *count == 0) {
+        status = wrong(&self, "no frames", err);
+    }
+    if (status != WEFT_OK) {
+        free(*rows);
+        *rows = NULL;
+        *count = 0;
+    }
+    return status;
+}

@@ -1,0 +1,453 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* sweep.c -- `sweep`: one scene file that stands for many runs. */
+#include "scene/sweep.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/read.h"
+#include "scene/scalar.h"
+
+#define MAX_RUNS 100000
+
+/* Whether a path is another, or leads to it. */
+static bool leads_to(const char *path, size_t length, const char *other,
+                     size_t other_length)
+{
+    return length <= other_length && memcmp(path, other, length) == 0
+           && (length == other_length || other[length] == '.');
+}
+
+static bool overlap(const char *a, size_t a_length, const char *b, size_t b_length)
+{
+    return leads_to(a, a_length, b, b_length) || leads_to(b, b_length, a, a_length);
+}
+
+/* ---- reading ------------------------------------------------------------------- */
+
+typedef struct taker {
+    yaml_document_t *document;
+    weft__report *report;
+    size_t set_count;
+    weft__sweep *out;
+} taker;
+
+static const yaml_node_t *node_of(const taker *self, int id)
+{
+    return yaml_document_get_node(self->document, id);
+}
+
+/* The same key, or one inside the other, which would be lost. */
+static void check_overlap(const taker *self, const yaml_node_t *key)
+{
+    const char *name = (const char *)key->data.scalar.value;
+    const size_t length = key->data.scalar.length;
+    char where[64];
+    for (size_t i = 0; i < self->out->keys; ++i) {
+        const yaml_node_t *other = node_of(self, self->out->axis[i].key);
+        if (overlap(name, length, (const char *)other->data.scalar.value,
+                    other->data.scalar.length)) {
+            weft__report_error(
+                self->report, key->start_mark, "%s is varied twice (first at %s)", name,
+                weft__place_text(other->start_mark, where, sizeof where));
+        }
+    }
+    for (size_t i = 1; i <= self->set_count; ++i) {
+        const weft__source *set = &self->report->sources[i];
+        if (overlap(name, length, set->text, weft__override_path(set))) {
+            weft__report_error(self->report, weft__source_mark(set, 0),
+                               "%s is varied by sweep (%s)", name,
+                               weft__place_text(key->start_mark, where, sizeof where));
+        }
+    }
+}
+
+static void take_axis(taker *self, const yaml_node_t *key, const yaml_node_pair_t *pair)
+{
+    const yaml_node_t *list = node_of(self, pair->value);
+    const size_t count = weft__item_count(list);
+    const char *name = (const char *)key->data.scalar.value;
+    char shown[64];
+    if (list->type != YAML_SEQUENCE_NODE) {
+        weft__report_error(self->report, list->start_mark,
+                           "%s must be a list of values to run, not %s", name,
+                           weft__show(list, shown, sizeof shown));
+    } else if (count == 0) {
+        weft__report_error(self->report, list->start_mark, "%s has no value to run",
+                           name);
+    } else if (leads_to("sweep", 5, name, key->data.scalar.length)) {
+        weft__report_error(self->report, key->start_mark, "a sweep cannot vary itself");
+    } else if (self->out->keys == WEFT__SWEEP_KEYS) {
+        weft__report_error(self->report, key->start_mark, "more than %d keys",
+                           WEFT__SWEEP_KEYS);
+    } else {
+        check_overlap(self, key);
+        self->out->axis[self->out->keys++]
+            = (weft__axis){ pair->key, pair->value, count };
+    }
+}
+
+static void take_zip(taker *self, const yaml_node_t *value)
+{
+    const char *text = weft__text_of(value);
+    char shown[64], hint[128];
+    if (value->type == YAML_SCALAR_NODE && text != NULL
+        && value->data.scalar.style == YAML_PLAIN_SCALAR_STYLE
+        && (strcmp(text, "true") == 0 || strcmp(text, "false") == 0)) {
+        self->out->zip = strcmp(text, "true") == 0;
+        return;
+    }
+    weft__report_error(self->report, value->start_mark,
+                       "zip must be true or false, not %s%s",
+                       weft__show(value, shown, sizeof shown),
+                       value->type == YAML_SCALAR_NODE
+                           ? weft__hint(value, false, NULL, hint, sizeof hint)
+                           : "");
+}
+
+static void take_pairs(taker *self, const yaml_node_t *map)
+{
+    for (const yaml_node_pair_t *pair = map->data.mapping.pairs.start;
+         pair < map->data.mapping.pairs.top; ++pair) {
+        const yaml_node_t *key = node_of(self, pair->key);
+        const char *name = weft__text_of(key);
+        if (pair->value == 0) {
+            continue; /* an override removed it */
+        }
+        if (name == NULL) {
+            weft__report_error(self->report, key->start_mark,
+                               "the keys of a sweep are paths as stepper.method");
+        } else if (strcmp(name, "zip") == 0) {
+            take_zip(self, node_of(self, pair->value));
+        } else {
+            take_axis(self, key, pair);
+        }
+    }
+}
+
+/* Lists of one length if they are zipped; else not too many combinations. */
+static void count_runs(taker *self)
+{
+    weft__sweep *out = self->out;
+    size_t runs = out->zip ? out->axis[0].count : 1;
+    for (size_t i = 0; i < out->keys; ++i) {
+        const weft__axis *axis = &out->axis[i];
+        if (out->zip && axis->count != runs) {
+            weft__report_error(
+                self->report, node_of(self, axis->list)->start_mark,
+                "%zu values, but %s has %zu: zip takes lists of one "
+                "length",
+                axis->count, node_of(self, out->axis[0].key)->data.scalar.value, runs);
+        }
+        runs = out->zip ? runs
+                        : runs * (axis->count < MAX_RUNS ? axis->count : MAX_RUNS + 1);
+        if (runs > MAX_RUNS) {
+            weft__report_error(self->report, out->at, "more than %d combinations",
+                               MAX_RUNS);
+            return;
+        }
+    }
+    out->runs = runs;
+}
+
+/* Its pairs lose their values: removed. Returns the first, or NULL. */
+static const yaml_node_pair_t *take_out(const taker *self, yaml_node_pair_t *found)
+{
+    yaml_node_t *root = yaml_document_get_root_node(self->document);
+    const yaml_node_pair_t *first = NULL;
+    for (yaml_node_pair_t *pair = root->data.mapping.pairs.start;
+         pair < root->data.mapping.pairs.top; ++pair) {
+        const yaml_node_t *key = node_of(self, pair->key);
+        const char *name = weft__text_of(key);
+        char where[64];
+        if (pair->value == 0 || name == NULL || strcmp(name, "sweep") != 0) {
+            continue;
+        }
+        if (first == NULL) {
+            *found = *pair;
+            first = found;
+        } else {
+            weft__report_error(
+                self->report, key->start_mark,
+                "duplicate key 'sweep' in the scene (the first is at %s)",
+                weft__place_text(node_of(self, first->key)->start_mark, where,
+                                 sizeof where));
+        }
+        pair->value = 0;
+    }
+    return first;
+}
+
+void weft__sweep_take(yaml_document_t *document, size_t set_count, weft__report *report,
+                      weft__sweep *out)
+{
+    taker self = { document, report, set_count, out };
+    const size_t errors = report->found->errors;
+    yaml_node_pair_t pair;
+    char shown[64];
+    *out = (weft__sweep){ .runs = 1 };
+    if (take_out(&self, &pair) == NULL) {
+        return;
+    }
+    const yaml_node_t *map = node_of(&self, pair.value);
+    out->at = node_of(&self, pair.key)->start_mark;
+    out->present = true;
+    if (map->type != YAML_MAPPING_NODE) {
+        weft__report_error(report, map->start_mark,
+                           "sweep must be a mapping as {stepper.method: [rk4, rkf45]}, "
+                           "not %s",
+                           weft__show(map, shown, sizeof shown));
+    } else {
+        take_pairs(&self, map);
+    }
+    if (report->found->errors == errors && out->keys == 0) {
+        weft__report_error(report, out->at, "sweep varies no key");
+    } else if (report->found->errors == errors) {
+        count_runs(&self);
+    }
+    out->runs = report->found->errors == errors ? out->runs : 0;
+}
+
+/* ---- one run ------------------------------------------------------------------- */
+
+/* Which value of a list a run takes; the last key varies fastest. */
+static size_t choice(const weft__sweep *sweep, size_t axis, size_t run)
+{
+    size_t index = run - 1;
+    for (size_t i = sweep->keys; !sweep->zip && i-- > axis + 1;) {
+        index /= sweep->axis[i].count;
+    }
+    return sweep->zip ? index : index % sweep->axis[axis].count;
+}
+
+void weft__sweep_apply(yaml_document_t *to, yaml_document_t *document,
+                       const weft__sweep *sweep, size_t run, weft__report *report)
+{
+    for (size_t i = 0; i < sweep->keys; ++i) {
+        const weft__axis *axis = &sweep->axis[i];
+        const yaml_node_t *key = yaml_document_get_node(document, axis->key);
+        const yaml_node_t *list = yaml_document_get_node(document, axis->list);
+        yaml_mark_t at = key->start_mark;
+        at.column += key->data.scalar.style != YAML_PLAIN_SCALAR_STYLE; /* the quote */
+        weft__document_put(to, (const char *)key->data.scalar.value, at, document,
+                           list->data.sequence.items.start[choice(sweep, i, run)],
+                           report);
+    }
+}
+
+/* ---- in words ------------------------------------------------------------------ */
+
+struct weft_sweep {
+    weft__base *base;
+    char *key[WEFT__SWEEP_KEYS];
+    char **value[WEFT__SWEEP_KEYS];
+};
+
+static void print_value(FILE *out, yaml_document_t *document, int id)
+{
+    const yaml_node_t *node = yaml_document_get_node(document, id);
+    if (node->type == YAML_SCALAR_NODE) {
+        fputs(weft__is_null(node) ? "null" : (const char *)node->data.scalar.value,
+              out);
+    } else if (node->type == YAML_SEQUENCE_NODE) {
+        fputc('[', out);
+        for (const int *item = node->data.sequence.items.start;
+             item < node->data.sequence.items.top; ++item) {
+            fputs(item > node->data.sequence.items.start ? ", " : "", out);
+            print_value(out, document, *item);
+        }
+        fputc(']', out);
+    } else {
+        fputc('{', out);
+        for (const yaml_node_pair_t *pair = node->data.mapping.pairs.start;
+             pair < node->data.mapping.pairs.top; ++pair) {
+            fputs(pair > node->data.mapping.pairs.start ? ", " : "", out);
+            print_value(out, document, pair->key);
+            fputs(": ", out);
+            print_value(out, document, pair->value);
+        }
+        fputc('}', out);
+    }
+}
+
+/* A node in one line of YAML, as far as it goes without quotes. */
+static char *value_text(yaml_document_t *document, int id)
+{
+    char *text = NULL;
+    size_t length;
+    FILE *stream = open_memstream(&text, &length);
+    if (stream == NULL) {
+        return NULL;
+    }
+    print_value(stream, document, id);
+    if (fclose(stream) != 0) {
+        free(text);
+        return NULL;
+    }
+    return text;
+}
+
+/* Keys and values; false if memory ran out. */
+static bool keep_texts(weft_sweep *self)
+{
+    yaml_document_t *document = &self->base->document;
+    for (size_t i = 0; i < self->base->sweep.keys; ++i) {
+        const weft__axis *axis = &self->base->sweep.axis[i];
+        const int *items
+            = yaml_document_get_node(document, axis->list)->data.sequence.items.start;
+        self->key[i] = value_text(document, axis->key);
+        self->value[i] = calloc(axis->count, sizeof *self->value[i]);
+        if (self->key[i] == NULL || self->value[i] == NULL) {
+            return false;
+        }
+        for (size_t k = 0; k < axis->count; ++k) {
+            self->value[i][k] = value_text(document, items[k]);
+            if (self->value[i][k] == NULL) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+void weft_sweep_destroy(weft_sweep *sweep)
+{
+    if (sweep == NULL) {
+        return;
+    }
+    for (size_t i = 0; i < WEFT__SWEEP_KEYS; ++i) {
+        for (size_t k = 0;
+             sweep->value[i] != NULL && k < sweep->base->sweep.axis[i].count; ++k) {
+            free(sweep->value[i][k]);
+        }
+        free(sweep->value[i]);
+        free(sweep->key[i]);
+    }
+    if (sweep->base != NULL) {
+        weft__base_close(sweep->base);
+    }
+    free(sweep->base);
+    free(sweep);
+}
+
+size_t weft_sweep_runs(const weft_sweep *sweep)
+{
+    return sweep->base->sweep.runs;
+}
+
+size_t weft_sweep_keys(const weft_sweep *sweep)
+{
+    return sweep->base->sweep.keys;
+}
+
+const char *weft_sweep_key(const weft_sweep *sweep, size_t key)
+{
+    return sweep->key[key];
+}
+
+const char *weft_sweep_value(const weft_sweep *sweep, size_t key, size_t run)
+{
+    return sweep->value[key][choice(&sweep->base->sweep, key, run)];
+}
+
+/* ---- all runs ------------------------------------------------------------------ */
+
+/* What is wrong in some runs only says in which. */
+static void name_runs(const weft_sweep *sweep, const weft__report *report, size_t read)
+{
+    for (size_t i = 0; i < report->found->count; ++i) {
+        const weft__origin *origin = &report->origin[i];
+        char *message = report->found->items[i].message;
+        const size_t size = sizeof report->found->items[i].message;
+        size_t used = strlen(message);
+        if (origin->runs == read || origin->first == 0) {
+            continue;
+        }
+        used += (size_t)snprintf(message + used, size - used, " (in %zu of %zu runs,",
+                                 origin->runs, read);
+        for (size_t k = 0; k < weft_sweep_keys(sweep) && used < size; ++k) {
+            used += (size_t)snprintf(message + used, size - used, "%s %s=%s",
+                                     k == 0 ? " first" : ",", weft_sweep_key(sweep, k),
+                                     weft_sweep_value(sweep, k, origin->first));
+        }
+        if (used < size) {
+            (void)snprintf(message + used, size - used, ")");
+        }
+        weft__one_line(message);
+    }
+}
+
+/* Run by run until there are mistakes enough. */
+static weft_status check_runs(weft_sweep *sweep, weft__report *report, weft_error *err)
+{
+    weft_status status;
+    do {
+        weft_scene *scene = NULL;
+        ++report->run;
+        status = weft__base_read(sweep->base, report->run, report, &scene, err);
+        weft_scene_destroy(scene);
+    } while (report->run < weft_sweep_runs(sweep)
+             && (status == WEFT_OK || status == WEFT_BAD_SCENE)
+             && report->found->errors < WEFT_DIAGNOSTICS_MAX);
+    name_runs(sweep, report, report->run);
+    return status;
+}
+
+static weft_status no_memory(weft_error *err)
+{
+    return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a sweep");
+}
+
+static weft_status load(weft_sweep *sweep, const weft_scene_def *def,
+                        weft__report *report, weft_error *err)
+{
+    weft__base *base = malloc(sizeof *base);
+    weft_status status
+        = base == NULL ? no_memory(err) : weft__base_open(def, base, report, err);
+    if (status != WEFT_OK) {
+        free(base);
+        return status;
+    }
+    sweep->base = base;
+    status = keep_texts(sweep) ? check_runs(sweep, report, err) : no_memory(err);
+    return status == WEFT_OK || status == WEFT_BAD_SCENE ? weft__report_end(report, err)
+                                                         : status;
+}
+
+weft_status weft_sweep_load(const weft_scene_def *def, weft_sweep **out,
+                            weft_diagnostics *found, weft_error *err)
+{
+    weft__report report = { .found = found };
+    weft_sweep *sweep = calloc(1, sizeof *sweep);
+    *out = NULL;
+    memset(found, 0, sizeof *found);
+    const weft_status status
+        = sweep == NULL ? no_memory(err) : load(sweep, def, &report, err);
+    if (status != WEFT_OK) {
+        weft_sweep_destroy(sweep);
+        return status;
+    }
+    *out = sweep;
+    return WEFT_OK;
+}
+
+weft_status weft_sweep_scene(const weft_sweep *sweep, size_t run, weft_scene **out,
+                             weft_error *err)
+{
+    weft_diagnostics *found = calloc(1, sizeof *found);
+    weft__report report = { .found = found,
+                            .sources = sweep->base->sources,
+                            .run = run,
+                            .memory = &sweep->base->memory };
+    *out = NULL;
+    weft_status status
+        = found == NULL ? no_memory(err)
+          : run < 1 || run > weft_sweep_runs(sweep)
+              ? weft_error_set(err, WEFT_INVALID, "the sweep has no run %zu", run)
+              : weft__base_read(sweep->base, run, &report, out, err);
+    if (status == WEFT_BAD_SCENE) {
+        status = weft__report_end(&report, err);
+    }
+    free(found);
+    return status;
+}

@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "sim/forces.h"
+
+#include <stdatomic.h>
+
+#include "cloth/memory.h"
+#include "cloth/rows.h"
+
+/* Particles that are worth a thread: their evaluation takes ten times as long as it
+ * takes a thread that is awake to hear of it. More bands than threads, where each costs
+ * little beside its rows (a band takes one row twice), are less to wait for when a
+ * thread is kept from running. */
+enum { PARTICLES_PER_THREAD = 2048, ROWS_PER_BAND = 48 };
+
+weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
+                                 const weft_allocator *given)
+{
+    const weft_allocator memory = weft_allocator_or_malloc(given);
+    const size_t worth = weft_cloth_particles(cloth) / PARTICLES_PER_THREAD;
+    const size_t rows = weft_cloth_rows(cloth);
+    const size_t useful = worth < rows ? worth : rows;
+    double *heat = NULL;
+    weft__team *team = weft__team_create(threads < useful ? threads : useful, &memory);
+    if (team != NULL && (heat = weft__alloc(&memory, rows, sizeof *heat)) == NULL) {
+        weft__team_destroy(team);
+        team = NULL;
+    }
+    const size_t count = weft__team_threads(team);
+    const size_t each = rows / (ROWS_PER_BAND * count);
+    const size_t bands = count * (each > 1 ? each : 1);
+    return (weft__forces){ .cloth = cloth,
+                           .team = team,
+                           .bands = bands < WEFT_PARTS ? bands : WEFT_PARTS,
+                           .heat = heat,
+                           .memory = memory };
+}
+
+void weft__forces_destroy(weft__forces *forces)
+{
+    weft__team_destroy(forces->team);
+    weft__free(&forces->memory, forces->heat);
+}
+
+typedef struct call {
+    const weft__forces *forces;
+    double t;
+    const double *y;
+    double *dydt;
+    atomic_int failed;
+} call;
+
+/* The first row of a band, the last that of none. */
+static size_t first_row(const weft__forces *forces, size_t band)
+{
+    const size_t rows = weft_cloth_rows(forces->cloth);
+    const size_t each = rows / forces->bands, more = rows % forces->bands;
+    return band * each + (band < more ? band : more);
+}
+
+static void force_band(void *ctx, size_t i)
+{
+    call *of = ctx;
+    const size_t first = first_row(of->forces, i), end = first_row(of->forces, i + 1);
+    if (weft__rhs_rows(of->forces->cloth, of->t, of->y, of->dydt, first, end) != 0) {
+        atomic_store(&of->failed, 1);
+    }
+}
+
+int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
+                     double *dydt)
+{
+    if (forces->team == NULL) {
+        return weft_cloth_rhs(forces->cloth, t, y, dydt);
+    }
+    call all = { .forces = forces, .t = t, .y = y, .dydt = dydt };
+    weft__team_run(forces->team, force_band, &all, forces->bands);
+    return atomic_load(&all.failed);
+}
+
+static void heat_band(void *ctx, size_t i)
+{
+    const call *of = ctx;
+    const size_t end = first_row(of->forces, i + 1);
+    for (size_t r = first_row(of->forces, i); r < end; ++r) {
+        of->forces->heat[r] = weft__row_heat(of->forces->cloth, r, of->y);
+    }
+}
+
+double weft__forces_heat(const weft__forces *forces, const double *y)
+{
+    if (forces->team == NULL) {
+        return weft_cloth_dissipation(forces->cloth, y);
+    }
+    call all = { .forces = forces, .y = y };
+    weft__team_run(forces->team, heat_band, &all, forces->bands);
+    double heat = 0.0;
+    for (size_t r = 0; r < weft_cloth_rows(forces->cloth); ++r) {
+        heat += forces->heat[r];
+    }
+    return heat;
+}

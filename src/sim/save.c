@@ -1,0 +1,285 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* save.c -- a simulation as bytes, and back.
+ *
+ * A solver's memory of its past cannot be had, so it is given up: the stepper is made
+ * anew here as it will be there. Of the old one remain its counts and its next h.
+ * Pins are those of the definition: changed ones are refused on both sides.
+ *
+ * Words (words.h): "weftsave", version, rows, cols, quadratures, the method's name in
+ * 64 bytes, NUMBERS, COUNTS, y, checksum. */
+#include "sim/internal.h"
+#include "sim/words.h"
+
+static const unsigned char magic[WEFT__WORD] = "weftsave";
+
+/* Of the present layout. */
+#define VERSION 1
+
+#define NAME_WORDS 8
+
+/* [s] t to last_step and limit_step, [J] the others but heating [W] */
+#define NUMBERS(X)                                                                     \
+    X(t)                                                                               \
+    X(next_step)                                                                       \
+    X(last_step)                                                                       \
+    X(dissipated)                                                                      \
+    X(heating)                                                                         \
+    X(energy_start)                                                                    \
+    X(limit_work)                                                                      \
+    X(outside_work)                                                                    \
+    X(limit_step)
+
+#define COUNTS(X)                                                                      \
+    X(steps)                                                                           \
+    X(rejected)                                                                        \
+    X(rhs_calls)                                                                       \
+    X(corrected)                                                                       \
+    X(sweeps)                                                                          \
+    X(unconverged)
+
+#define REAL(name)  double name;
+#define COUNT(name) uint64_t name;
+#define ONE(name)   +1
+
+enum {
+    AT_VERSION = 1,
+    AT_ROWS,
+    AT_COLS,
+    AT_QUADRATURES,
+    AT_NAME,
+    AT_FIELDS = AT_NAME + NAME_WORDS,
+    AT_STATE = AT_FIELDS NUMBERS(ONE) COUNTS(ONE)
+};
+
+/* What there is besides the state. */
+typedef struct fields {
+    NUMBERS(REAL)
+    COUNTS(COUNT)
+} fields;
+
+static fields fields_of(const weft_sim *sim)
+{
+    const weft_stepper_stats stats = weft_sim_stats(sim);
+    const weft_limit_stats limit = weft__limit_stats(sim->limit);
+    return (fields){
+        .t = sim->t,
+        .next_step = stats.next_step,
+        .last_step = stats.last_step,
+        .dissipated = sim->dissipated,
+        .heating = sim->heating,
+        .energy_start = sim->ledger.start,
+        .limit_work = sim->ledger.limit_work,
+        .outside_work = sim->ledger.outside_work,
+        .limit_step = weft__limit_last_step(sim->limit),
+        .steps = stats.steps,
+        .rejected = stats.rejected,
+        .rhs_calls = stats.rhs_calls,
+        .corrected = limit.corrected,
+        .sweeps = limit.sweeps,
+        .unconverged = limit.unconverged,
+    };
+}
+
+static void take_fields(weft_sim *sim, const fields *from)
+{
+    const weft_limit_stats limit = { from->corrected, from->sweeps, from->unconverged };
+    sim->t = from->t;
+    sim->dissipated = from->dissipated;
+    sim->heating = from->heating;
+    sim->ledger.start = from->energy_start;
+    sim->ledger.limit_work = from->limit_work;
+    sim->ledger.outside_work = from->outside_work;
+    sim->rejected = from->rejected;
+    if (sim->limit != NULL) {
+        weft__limit_resume(sim->limit, from->limit_step, limit);
+    }
+}
+
+/* A stepper that knows nothing but the h to try and what has been counted. */
+static weft_status renew(weft_sim *sim, const fields *counted, weft_error *err)
+{
+    void *fresh = NULL;
+    const weft_status status = weft__sim_stepper(sim, counted->next_step, &fresh, err);
+    if (status == WEFT_OK) {
+        sim->method->destroy(sim->stepper);
+        sim->stepper = fresh;
+        sim->before = (weft_stepper_stats){ .steps = counted->steps,
+                                            .rejected = counted->rejected,
+                                            .rhs_calls = counted->rhs_calls,
+                                            .last_step = counted->last_step };
+    }
+    return status;
+}
+
+weft_status weft_sim_restart(weft_sim *sim, weft_error *err)
+{
+    const fields now = fields_of(sim);
+    return renew(sim, &now, err);
+}
+
+static weft_status check_pins(const weft_sim *sim, weft_error *err)
+{
+    return sim->own == NULL
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_INVALID,
+                                "pins were changed while this simulation ran, and "
+                                "saved ones have those of their definition");
+}
+
+/* ---- to bytes ---------------------------------------------------------------- */
+
+static size_t words_of(const weft_sim *sim)
+{
+    return AT_STATE + weft__sim_dim(sim) + 1;
+}
+
+size_t weft_sim_save_size(const weft_sim *sim)
+{
+    return words_of(sim) * WEFT__WORD;
+}
+
+/* The name of a method, as far as there is room, then zeros. */
+static void pad_name(const weft_sim *sim, char name[NAME_WORDS * WEFT__WORD])
+{
+    const size_t size = NAME_WORDS * WEFT__WORD - 1;
+    const char *full = sim->method->name;
+    const size_t length = strlen(full) < size ? strlen(full) : size;
+    memset(name, 0, size + 1);
+    memcpy(name, full, length);
+}
+
+static void put_head(const weft_sim *sim, unsigned char *to)
+{
+    char name[NAME_WORDS * WEFT__WORD];
+    pad_name(sim, name);
+    memcpy(to, magic, sizeof magic);
+    weft__word_put(to + AT_VERSION * WEFT__WORD, VERSION);
+    weft__word_put(to + AT_ROWS * WEFT__WORD, weft_cloth_rows(sim->cloth));
+    weft__word_put(to + AT_COLS * WEFT__WORD, weft_cloth_cols(sim->cloth));
+    weft__word_put(to + AT_QUADRATURES * WEFT__WORD, sim->config.quadratures);
+    memcpy(to + AT_NAME * WEFT__WORD, name, sizeof name);
+}
+
+static void put_fields(const fields *from, unsigned char *to)
+{
+#define PUT_REAL(name)                                                                 \
+    weft__real_put(to, from->name);                                                    \
+    to += WEFT__WORD;
+#define PUT_COUNT(name)                                                                \
+    weft__word_put(to, from->name);                                                    \
+    to += WEFT__WORD;
+    NUMBERS(PUT_REAL)
+    COUNTS(PUT_COUNT)
+}
+
+weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *err)
+{
+    const size_t words = words_of(sim), dim = weft__sim_dim(sim);
+    unsigned char *to = bytes;
+    if (size < words * WEFT__WORD) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "a saved simulation needs %zu bytes, not %zu",
+                              words * WEFT__WORD, size);
+    }
+    weft_status status = check_pins(sim, err);
+    status = status == WEFT_OK ? weft_sim_restart(sim, err) : status;
+    if (status != WEFT_OK) {
+        return status;
+    }
+    const fields now = fields_of(sim);
+    put_head(sim, to);
+    put_fields(&now, to + AT_FIELDS * WEFT__WORD);
+    for (size_t i = 0; i < dim; ++i) {
+        weft__real_put(to + (AT_STATE + i) * WEFT__WORD, sim->y[i]);
+    }
+    weft__word_put(to + (words - 1) * WEFT__WORD, weft__words_sum(to, words - 1));
+    return WEFT_OK;
+}
+
+/* ---- and back ---------------------------------------------------------------- */
+
+static uint64_t word(const unsigned char *from, size_t at)
+{
+    return weft__word_at(from + at * WEFT__WORD);
+}
+
+static weft_status check_whole(const unsigned char *from, size_t size, weft_error *err)
+{
+    const size_t words = size / WEFT__WORD;
+    if (words <= AT_STATE || memcmp(from, magic, sizeof magic) != 0) {
+        return weft_error_set(err, WEFT_INVALID, "this is no saved simulation");
+    }
+    if (word(from, AT_VERSION) != VERSION) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "a simulation saved in format %llu, and this is %d",
+                              (unsigned long long)word(from, AT_VERSION), VERSION);
+    }
+    if (size % WEFT__WORD != 0
+        || weft__words_sum(from, words - 1) != word(from, words - 1)) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "the saved simulation is damaged or cut off");
+    }
+    return WEFT_OK;
+}
+
+static weft_status check_kind(const weft_sim *sim, const unsigned char *from,
+                              size_t size, weft_error *err)
+{
+    char name[NAME_WORDS * WEFT__WORD];
+    const char *other = (const char *)from + AT_NAME * WEFT__WORD;
+    const size_t rows = weft_cloth_rows(sim->cloth), cols = weft_cloth_cols(sim->cloth);
+    pad_name(sim, name);
+    if (word(from, AT_ROWS) != rows || word(from, AT_COLS) != cols) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "saved of %llu x %llu particles, and these are %zu x %zu",
+                              (unsigned long long)word(from, AT_ROWS),
+                              (unsigned long long)word(from, AT_COLS), rows, cols);
+    }
+    if (memcmp(name, other, sizeof name) != 0) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "saved under method '%.63s', and this is '%.63s'", other,
+                              name);
+    }
+    if (word(from, AT_QUADRATURES) != sim->config.quadratures
+        || size != weft_sim_save_size(sim)) {
+        return weft_error_set(err, WEFT_INVALID, "saved %s energy ledger",
+                              sim->ledger.on ? "without" : "with");
+    }
+    return WEFT_OK;
+}
+
+static fields fields_at(const unsigned char *from)
+{
+    fields out;
+#define GET_REAL(name)                                                                 \
+    out.name = weft__real_at(from);                                                    \
+    from += WEFT__WORD;
+#define GET_COUNT(name)                                                                \
+    out.name = weft__word_at(from);                                                    \
+    from += WEFT__WORD;
+    NUMBERS(GET_REAL)
+    COUNTS(GET_COUNT)
+    return out;
+}
+
+weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
+                             weft_error *err)
+{
+    const unsigned char *from = bytes;
+    weft_status status = check_pins(sim, err);
+    status = status == WEFT_OK ? check_whole(from, size, err) : status;
+    status = status == WEFT_OK ? check_kind(sim, from, size, err) : status;
+    if (status != WEFT_OK) {
+        return status;
+    }
+    const fields saved = fields_at(from + AT_FIELDS * WEFT__WORD);
+    status = renew(sim, &saved, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    take_fields(sim, &saved);
+    for (size_t i = 0; i < weft__sim_dim(sim); ++i) {
+        sim->y[i] = weft__real_at(from + (AT_STATE + i) * WEFT__WORD);
+    }
+    return WEFT_OK;
+}

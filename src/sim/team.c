@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* team.c -- parts are taken as they come: who is kept from running, on a busy machine,
+ * leaves them to the others, and nobody waits for one who has not begun.
+ *
+ * One word tells all of the job under way: its number, how many parts it has and which
+ * is next. Who has raised `next` by an exchange of the whole word has a part, and as
+ * long as it is not done the job is not over: only then its task is looked at. After a
+ * job helpers look out for another one a while, since to be woken takes longer than
+ * many a job, then sleep. */
+#include "sim/team.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <signal.h>
+#include <stdatomic.h>
+
+#include "cloth/memory.h"
+
+/* Spins last some 10 us, as much as there is between two evaluations, yields some 50.
+ */
+enum { HELPERS = 63, SPINS = 400, YIELDS = 500 };
+
+struct weft__team {
+    atomic_uint_fast64_t job; /* number << 32 | count << 16 | next */
+    atomic_size_t done;       /* parts of it */
+    weft__task *task;
+    void *ctx;
+
+    pthread_mutex_t lock; /* of those who sleep */
+    pthread_cond_t news;
+    atomic_int asleep;
+    atomic_bool ended;
+    pthread_t helper[HELPERS];
+    size_t helpers;
+    weft_allocator memory;
+};
+
+static size_t count_of(uint_fast64_t job)
+{
+    return job >> 16 & WEFT_PARTS;
+}
+
+static size_t next_of(uint_fast64_t job)
+{
+    return job & WEFT_PARTS;
+}
+
+static void relax(void)
+{
+#ifdef __x86_64__
+    __builtin_ia32_pause();
+#endif
+}
+
+/* Takes parts until there are no more; returns the job as it was then. */
+static uint_fast64_t take_parts(weft__team *team)
+{
+    uint_fast64_t job = atomic_load(&team->job);
+    while (next_of(job) < count_of(job)) {
+        if (atomic_compare_exchange_weak(&team->job, &job, job + 1)) {
+            team->task(team->ctx, next_of(job));
+            atomic_fetch_add(&team->done, 1);
+            job = atomic_load(&team->job);
+        }
+    }
+    return job;
+}
+
+static bool news(const weft__team *team, uint_fast64_t seen)
+{
+    return atomic_load(&team->job) != seen || atomic_load(&team->ended);
+}
+
+static void await_news(weft__team *team, uint_fast64_t seen)
+{
+    for (int i = 0; i < SPINS + YIELDS; ++i) {
+        if (news(team, seen)) {
+            return;
+        }
+        if (i < SPINS) {
+            relax();
+        } else {
+            (void)sched_yield();
+        }
+    }
+    (void)pthread_mutex_lock(&team->lock);
+    atomic_fetch_add(&team->asleep, 1);
+    while (!news(team, seen)) {
+        (void)pthread_cond_wait(&team->news, &team->lock);
+    }
+    atomic_fetch_sub(&team->asleep, 1);
+    (void)pthread_mutex_unlock(&team->lock);
+}
+
+static void *help(void *shared)
+{
+    weft__team *team = shared;
+    while (!atomic_load(&team->ended)) {
+        await_news(team, take_parts(team));
+    }
+    return NULL;
+}
+
+static void wake(weft__team *team)
+{
+    (void)pthread_mutex_lock(&team->lock);
+    (void)pthread_cond_broadcast(&team->news);
+    (void)pthread_mutex_unlock(&team->lock);
+}
+
+void weft__team_run(weft__team *team, weft__task *task, void *ctx, size_t count)
+{
+    const uint_fast64_t number = (atomic_load(&team->job) >> 32) + 1;
+    team->task = task;
+    team->ctx = ctx;
+    atomic_store(&team->done, 0);
+    atomic_store(&team->job, number << 32 | (uint_fast64_t)count << 16);
+    if (atomic_load(&team->asleep) > 0) {
+        wake(team);
+    }
+    (void)take_parts(team);
+    for (int i = 0; atomic_load(&team->done) < count; ++i) {
+        if (i < SPINS) {
+            relax();
+        } else {
+            (void)sched_yield();
+        }
+    }
+}
+
+/* Signals are for the program's own threads. */
+static void start(weft__team *team, size_t threads)
+{
+    sigset_t all, before;
+    (void)sigfillset(&all);
+    (void)pthread_sigmask(SIG_SETMASK, &all, &before);
+    while (team->helpers < HELPERS && team->helpers + 1 < threads
+           && pthread_create(&team->helper[team->helpers], NULL, help, team) == 0) {
+        ++team->helpers;
+    }
+    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
+weft__team *weft__team_create(size_t threads, const weft_allocator *given)
+{
+    const weft_allocator memory = weft_allocator_or_malloc(given);
+    weft__team *team = threads > 1 ? weft__zeroed(&memory, 1, sizeof *team) : NULL;
+    if (team == NULL) {
+        return NULL;
+    }
+    team->memory = memory;
+    atomic_init(&team->job, 0);
+    atomic_init(&team->done, 0);
+    atomic_init(&team->asleep, 0);
+    atomic_init(&team->ended, false);
+    if (pthread_mutex_init(&team->lock, NULL) != 0) {
+        weft__free(&memory, team);
+        return NULL;
+    }
+    if (pthread_cond_init(&team->news, NULL) != 0) {
+        (void)pthread_mutex_destroy(&team->lock);
+        weft__free(&memory, team);
+        return NULL;
+    }
+    start(team, threads);
+    return team;
+}
+
+void weft__team_destroy(weft__team *team)
+{
+    if (team == NULL) {
+        return;
+    }
+    atomic_store(&team->ended, true);
+    wake(team);
+    while (team->helpers > 0) {
+        (void)pthread_join(team->helper[--team->helpers], NULL);
+    }
+    (void)pthread_cond_destroy(&team->news);
+    (void)pthread_mutex_destroy(&team->lock);
+    const weft_allocator memory = team->memory;
+    weft__free(&memory, team);
+}
+
+size_t weft__team_threads(const weft__team *team)
+{
+    return team == NULL ? 1 : team->helpers + 1;
+}

@@ -1,0 +1,437 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A simulation saved and restored goes on to the last bit as the one it was saved of,
+ * and nothing that is damaged, or of another kind, is restored. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "record/checkpoint.h"
+#include "shell.h"
+#include "sim/ledger.h"
+
+#define OUT BUILD_DIR "/checkpoint"
+
+enum { ROWS = 3, COLS = 4, DIM = 6 * ROWS * COLS, MOST = 8192 };
+
+static weft_error err;
+static unsigned char saved[MOST], again[MOST];
+
+/* ---- a cloth that makes use of everything ------------------------------------- */
+
+static weft_cloth *make_cloth(size_t rows)
+{
+    static const weft_pin pins[]
+        = { { .rows = { 0, 0 }, .cols = { 0, 0 } },
+            { .rows = { 0, 0 }, .cols = { -1, -1 }, .velocity = { 0.2, 0.0, 0.1 } } };
+    weft_cloth_def def = weft_cloth_def_default();
+    def.rows = rows;
+    def.cols = COLS;
+    def.spacing[0] = def.spacing[1] = 0.1;
+    def.springs[WEFT_STRETCH] = (weft_spring_def){ true, 20.0, 0.02 };
+    def.springs[WEFT_SHEAR] = (weft_spring_def){ true, 5.0, 0.01 };
+    def.wind_velocity[2] = 2.0;
+    def.wind_drag = 0.2;
+    def.drag = 1e-3;
+    def.pins = pins;
+    def.pin_count = 2;
+    return test_cloth(&def);
+}
+
+/* A spring to where it is at x = 0. */
+static int pull(void *ctx, double t, const double *y, double *f)
+{
+    (void)ctx, (void)t;
+    for (size_t i = 0; i < ROWS * COLS; ++i) {
+        f[i] -= 0.1 * y[i];
+    }
+    return 0;
+}
+
+typedef struct kind {
+    bool ledger, limit;
+} kind;
+
+static weft_sim_def define(const weft_cloth *cloth, const weft_stepper_type *method,
+                           kind wanted)
+{
+    weft_sim_def def = weft_sim_def_default();
+    def.cloth = cloth;
+    def.method = method;
+    def.config.rtol = 1e-4;
+    def.config.atol_position = def.config.atol_velocity = 1e-4;
+    def.config.fixed_step
+        = (method->flags & WEFT_STEPPER_FIXED_ONLY) != 0 ? 1.1e-3 : 0.0;
+    def.config = test_config(method, def.config);
+    def.ledger = wanted.ledger;
+    def.limit.method = wanted.limit ? WEFT_LIMIT_PROVOT : WEFT_LIMIT_NONE;
+    def.limit.strain = 0.02;
+    def.force = weft_cloth_rows(cloth) == ROWS ? pull : NULL;
+    return def;
+}
+
+static weft_sim *make(const weft_sim_def *def)
+{
+    weft_sim *sim = NULL;
+    ck_assert_msg(weft_sim_create(def, &sim, &err) == WEFT_OK, "%s", err.message);
+    return sim;
+}
+
+static void go(weft_sim *sim, double t)
+{
+    ck_assert_msg(weft_sim_advance(sim, t, &err) == WEFT_OK, "%s", err.message);
+}
+
+static void save(weft_sim *sim, unsigned char *to)
+{
+    ck_assert_uint_le(weft_sim_save_size(sim), MOST);
+    ck_assert_msg(weft_sim_save(sim, to, MOST, &err) == WEFT_OK, "%s", err.message);
+}
+
+static void restore(weft_sim *sim)
+{
+    ck_assert_msg(weft_sim_restore(sim, saved, weft_sim_save_size(sim), &err)
+                      == WEFT_OK,
+                  "%s", err.message);
+}
+
+static void same(const weft_sim *a, const weft_sim *b)
+{
+    const weft_stepper_stats p = weft_sim_stats(a), q = weft_sim_stats(b);
+    const weft_ledger m = weft_sim_ledger(a), n = weft_sim_ledger(b);
+    const weft_limit_stats u = weft_sim_limit_stats(a), v = weft_sim_limit_stats(b);
+    ck_assert(weft_sim_time(a) == weft_sim_time(b));
+    ck_assert_mem_eq(weft_sim_state(a), weft_sim_state(b), DIM * sizeof(double));
+    ck_assert_uint_eq(p.steps, q.steps);
+    ck_assert_uint_eq(p.rejected, q.rejected);
+    ck_assert_uint_eq(p.rhs_calls, q.rhs_calls);
+    ck_assert(p.last_step == q.last_step && p.next_step == q.next_step);
+    ck_assert(weft_sim_dissipated(a) == weft_sim_dissipated(b));
+    ck_assert(m.residual == n.residual && m.limit_work == n.limit_work);
+    ck_assert(m.outside_work == n.outside_work && m.wind_work == n.wind_work);
+    ck_assert(m.force_work == n.force_work);
+    ck_assert_uint_eq(u.corrected, v.corrected);
+    ck_assert_uint_eq(u.sweeps, v.sweeps);
+    ck_assert_uint_eq(u.unconverged, v.unconverged);
+}
+
+/* ---- saved and restored -------------------------------------------------------- */
+
+/* Times that are no multiples of a step; what is restored was somewhere else before. */
+static void goes_on_alike(const weft_stepper_type *method, kind wanted)
+{
+    weft_cloth *cloth = make_cloth(ROWS);
+    const weft_sim_def def = define(cloth, method, wanted);
+    weft_sim *one = make(&def), *other = make(&def);
+    go(one, 0.05);
+    go(other, 0.013);
+    save(one, saved);
+    restore(other);
+    same(one, other);
+    for (int i = 1; i <= 3; ++i) {
+        go(one, 0.05 + 0.017 * i);
+        go(other, 0.05 + 0.017 * i);
+        same(one, other);
+    }
+    weft_sim_destroy(one);
+    weft_sim_destroy(other);
+    weft_cloth_destroy(cloth);
+}
+
+START_TEST(every_method_goes_on_alike_to_the_last_bit)
+{
+    const weft_stepper_type *method = test_method((size_t)_i / 4);
+    const kind wanted = { (_i & 1) != 0, (_i & 2) != 0 };
+    if (!wanted.ledger || (method->flags & WEFT_STEPPER_QUADRATURES) != 0) {
+        goes_on_alike(method, wanted);
+    }
+}
+END_TEST
+
+static weft_cloth *cloth;
+static weft_sim *sim;
+
+static void begin(void)
+{
+    (void)shell("rm -rf " OUT " && mkdir -p " OUT);
+    cloth = make_cloth(ROWS);
+    const weft_sim_def def = define(cloth, test_method_named("verlet/velocity_verlet"),
+                                    (kind){ true, true });
+    sim = make(&def);
+    go(sim, 0.05);
+    save(sim, saved);
+}
+
+static void end(void)
+{
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+}
+
+START_TEST(a_second_save_gives_the_same_bytes)
+{
+    save(sim, again);
+    ck_assert_mem_eq(saved, again, weft_sim_save_size(sim));
+}
+END_TEST
+
+START_TEST(a_restored_simulation_saves_the_same_bytes)
+{
+    go(sim, 0.06);
+    restore(sim);
+    save(sim, again);
+    ck_assert_mem_eq(saved, again, weft_sim_save_size(sim));
+}
+END_TEST
+
+START_TEST(saving_keeps_all_counts)
+{
+    const weft_stepper_stats before = weft_sim_stats(sim);
+    ck_assert_uint_gt(before.steps, 0);
+    save(sim, again);
+    const weft_stepper_stats after = weft_sim_stats(sim);
+    ck_assert_mem_eq(&before, &after, sizeof before);
+}
+END_TEST
+
+/* It carries nothing from step to step but h. */
+START_TEST(a_restart_is_nothing_to_a_one_step_method)
+{
+    const weft_sim_def def
+        = define(cloth, test_method_named("verlet/midpoint"), (kind){ false, true });
+    weft_sim *plain = make(&def), *restarted = make(&def);
+    for (int i = 1; i <= 5; ++i) {
+        go(plain, 0.017 * i);
+        go(restarted, 0.017 * i);
+        ck_assert_int_eq(weft_sim_restart(restarted, &err), WEFT_OK);
+    }
+    same(plain, restarted);
+    weft_sim_destroy(plain);
+    weft_sim_destroy(restarted);
+}
+END_TEST
+
+/* ---- refused ------------------------------------------------------------------- */
+
+/* And nothing has changed. */
+static void refused(size_t size, const char *text)
+{
+    const uint64_t hash = weft_state_hash(weft_sim_state(sim), DIM);
+    const double t = weft_sim_time(sim);
+    const weft_stepper_stats before = weft_sim_stats(sim);
+    ck_assert_int_eq(weft_sim_restore(sim, again, size, &err), WEFT_INVALID);
+    ck_assert_msg(strstr(err.message, text) != NULL, "%s", err.message);
+    const weft_stepper_stats after = weft_sim_stats(sim);
+    ck_assert(weft_sim_time(sim) == t);
+    ck_assert_uint_eq(weft_state_hash(weft_sim_state(sim), DIM), hash);
+    ck_assert_mem_eq(&before, &after, sizeof before);
+}
+
+START_TEST(a_flipped_bit_anywhere_is_refused)
+{
+    const size_t size = weft_sim_save_size(sim);
+    memcpy(again, saved, size);
+    go(sim, 0.06);
+    for (size_t bit = 0; bit < 8 * size; ++bit) {
+        again[bit / 8] ^= (unsigned char)(1u << bit % 8);
+        refused(size, "saved");
+        again[bit / 8] ^= (unsigned char)(1u << bit % 8);
+    }
+}
+END_TEST
+
+START_TEST(bytes_that_are_cut_off_anywhere_are_refused)
+{
+    const size_t size = weft_sim_save_size(sim);
+    memcpy(again, saved, size);
+    for (size_t length = 0; length < size; ++length) {
+        refused(length, "saved");
+    }
+    again[size] = 0;
+    refused(size + 1, "damaged or cut off");
+    refused(size + 8, "damaged or cut off");
+}
+END_TEST
+
+static void save_other(const weft_cloth *other, const char *method, kind wanted)
+{
+    const weft_sim_def def = define(other, test_method_named(method), wanted);
+    weft_sim *made = make(&def);
+    save(made, again);
+    weft_sim_destroy(made);
+}
+
+START_TEST(another_kind_of_simulation_is_told_apart)
+{
+    const size_t size = weft_sim_save_size(sim);
+    weft_cloth *larger = make_cloth(ROWS + 1);
+    save_other(larger, "verlet/velocity_verlet", (kind){ true, true });
+    refused(size + 8 * 6 * COLS, "saved of 4 x 4 particles, and these are 3 x 4");
+    weft_cloth_destroy(larger);
+    save_other(cloth, "verlet/midpoint", (kind){ true, true });
+    refused(size, "saved under method 'midpoint', and this is 'velocity_verlet'");
+    save_other(cloth, "verlet/velocity_verlet", (kind){ false, true });
+    refused(size - 8 * WEFT__QUADRATURES, "saved without energy ledger");
+    memcpy(again, saved, size);
+    again[8] = 2;
+    refused(size, "saved in format 2, and this is 1");
+}
+END_TEST
+
+START_TEST(pins_that_were_changed_are_neither_saved_nor_lost)
+{
+    const size_t size = weft_sim_save_size(sim);
+    memcpy(again, saved, size);
+    ck_assert_int_eq(weft_sim_pin(sim, 7, NULL, &err), WEFT_OK);
+    refused(size, "pins were changed");
+    ck_assert_int_eq(weft_sim_save(sim, again, size, &err), WEFT_INVALID);
+    ck_assert_mem_eq(saved, again, size);
+    ck_assert(weft_cloth_pinned(weft_sim_cloth(sim), 7));
+}
+END_TEST
+
+START_TEST(too_little_room_is_refused)
+{
+    ck_assert_int_eq(weft_sim_save(sim, again, weft_sim_save_size(sim) - 1, &err),
+                     WEFT_INVALID);
+}
+END_TEST
+
+/* Verlet, until there is no memory left. */
+static bool exhausted;
+
+static weft_status make_or_fail(const weft_stepper_type *type, const weft_ode *ode,
+                                const weft_stepper_config *config, void **self,
+                                weft_error *why)
+{
+    const weft_stepper_type *verlet = test_method_named("verlet/velocity_verlet");
+    (void)type;
+    *self = NULL;
+    return exhausted ? weft_error_set(why, WEFT_NO_MEMORY, "no memory")
+                     : verlet->create(verlet, ode, config, self, why);
+}
+
+START_TEST(a_restart_that_fails_changes_nothing)
+{
+    weft_stepper_type fragile = *test_method_named("verlet/velocity_verlet");
+    fragile.create = make_or_fail;
+    const weft_sim_def def = define(cloth, &fragile, (kind){ false, false });
+    weft_sim *made = make(&def), *other = make(&def);
+    go(made, 0.05);
+    go(other, 0.05);
+    exhausted = true;
+    ck_assert_int_eq(weft_sim_restart(made, &err), WEFT_NO_MEMORY);
+    same(made, other);
+    ck_assert_int_eq(weft_sim_save(made, again, MOST, &err), WEFT_NO_MEMORY);
+    go(made, 0.06);
+    go(other, 0.06);
+    same(made, other);
+    weft_sim_destroy(made);
+    weft_sim_destroy(other);
+}
+END_TEST
+
+/* ---- the file ------------------------------------------------------------------ */
+
+static unsigned char bytes[2 * MOST];
+
+static size_t write_checkpoint(void)
+{
+    const record_checkpoint wanted = {
+        .scene = 42,
+        .program = "the tests",
+        .frame = 30,
+        .series_bytes = 12345,
+        .frames = 31,
+        .wall_time = 1.5,
+        .state = saved,
+        .state_size = weft_sim_save_size(sim),
+    };
+    ck_assert_int_eq(record_checkpoint_write(OUT, &wanted, &err), WEFT_OK);
+    FILE *stream = fopen(OUT "/" RECORD_CHECKPOINT, "rb");
+    const size_t size = fread(bytes, 1, sizeof bytes, stream);
+    ck_assert_int_eq(fclose(stream), 0);
+    return size;
+}
+
+START_TEST(a_checkpoint_is_read_as_it_was_written)
+{
+    record_checkpoint read;
+    (void)write_checkpoint();
+    ck_assert_int_eq(record_checkpoint_read(OUT, &read, &err), WEFT_OK);
+    ck_assert_uint_eq(read.scene, 42);
+    ck_assert_str_eq(read.program, "the tests");
+    ck_assert_uint_eq(read.frame, 30);
+    ck_assert_uint_eq(read.series_bytes, 12345);
+    ck_assert_uint_eq(read.frames, 31);
+    ck_assert(read.wall_time == 1.5);
+    ck_assert_uint_eq(read.state_size, weft_sim_save_size(sim));
+    ck_assert_mem_eq(read.state, saved, read.state_size);
+    record_checkpoint_free(&read);
+    ck_assert(!exists(OUT "/" RECORD_CHECKPOINT ".tmp"));
+}
+END_TEST
+
+static void file_refused(size_t size)
+{
+    record_checkpoint read;
+    FILE *stream = fopen(OUT "/" RECORD_CHECKPOINT, "wb");
+    ck_assert_uint_eq(fwrite(bytes, 1, size, stream), size);
+    ck_assert_int_eq(fclose(stream), 0);
+    ck_assert_int_eq(record_checkpoint_read(OUT, &read, &err), WEFT_IO);
+    ck_assert_ptr_null(read.state);
+    ck_assert_msg(strstr(err.message, OUT "/" RECORD_CHECKPOINT ": ") != NULL, "%s",
+                  err.message);
+}
+
+START_TEST(a_checkpoint_with_a_flipped_bit_is_refused_by_name)
+{
+    const size_t size = write_checkpoint();
+    for (size_t bit = 0; bit < 8 * size; bit += 1 + bit % 5) {
+        bytes[bit / 8] ^= (unsigned char)(1u << bit % 8);
+        file_refused(size);
+        bytes[bit / 8] ^= (unsigned char)(1u << bit % 8);
+    }
+}
+END_TEST
+
+START_TEST(a_checkpoint_that_is_cut_off_is_refused_by_name)
+{
+    const size_t size = write_checkpoint();
+    for (size_t length = 0; length < size; ++length) {
+        file_refused(length);
+    }
+    file_refused(size + 8);
+}
+END_TEST
+
+static Suite *suite(void)
+{
+    Suite *all = suite_create("checkpoint");
+    TCase *methods = tcase_create("methods"), *one = tcase_create("one");
+    tcase_set_timeout(methods, 120);
+    tcase_add_loop_test(methods, every_method_goes_on_alike_to_the_last_bit, 0,
+                        4 * (int)test_method_count());
+    tcase_add_checked_fixture(one, begin, end);
+    tcase_set_timeout(one, 120);
+    tcase_add_test(one, a_second_save_gives_the_same_bytes);
+    tcase_add_test(one, a_restored_simulation_saves_the_same_bytes);
+    tcase_add_test(one, saving_keeps_all_counts);
+    tcase_add_test(one, a_restart_is_nothing_to_a_one_step_method);
+    tcase_add_test(one, a_flipped_bit_anywhere_is_refused);
+    tcase_add_test(one, bytes_that_are_cut_off_anywhere_are_refused);
+    tcase_add_test(one, another_kind_of_simulation_is_told_apart);
+    tcase_add_test(one, pins_that_were_changed_are_neither_saved_nor_lost);
+    tcase_add_test(one, too_little_room_is_refused);
+    tcase_add_test(one, a_restart_that_fails_changes_nothing);
+    tcase_add_test(one, a_checkpoint_is_read_as_it_was_written);
+    tcase_add_test(one, a_checkpoint_with_a_flipped_bit_is_refused_by_name);
+    tcase_add_test(one, a_checkpoint_that_is_cut_off_is_refused_by_name);
+    suite_add_tcase(all, methods);
+    suite_add_tcase(all, one);
+    return all;
+}
+
+int main(void)
+{
+    return test_run(suite());
+}

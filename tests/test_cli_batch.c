@@ -1,0 +1,451 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* weft batch as its users meet it: directories, summary, interruptions. */
+#include <unistd.h>
+
+#include "shell.h"
+
+#define OUT   BUILD_DIR "/batch"
+#define BATCH WEFT " batch " OUT
+
+/* Long enough for a kill in between, with checkpoints. */
+static const char long_run[] = "run: {duration: 100, fps: 20, checkpoint: 3}\n";
+
+static void begin(void)
+{
+    (void)unsetenv("WEFT_PLUGIN_PATH");
+    (void)shell("rm -rf " OUT " && mkdir -p " OUT);
+    write_file(OUT "/small.yaml", small_scene);
+}
+
+static void write_sweep(const char *name, const char *run, const char *sweep)
+{
+    char text[4096], path[256];
+    const size_t head = (size_t)(strstr(small_scene, "run:") - small_scene);
+    (void)snprintf(text, sizeof text, "%.*s%s%s", (int)head, small_scene, run, sweep);
+    (void)snprintf(path, sizeof path, OUT "/%s", name);
+    write_file(path, text);
+}
+
+static const char short_run[] = "run: {duration: 0.1, fps: 20}\n";
+static const char six[] = "sweep:\n  stepper.fixed_step: [1.0e-3, 5.0e-4]\n"
+                          "  cloth.springs.stretch.stiffness: [10, 20, 30]\n";
+
+/* The summary without its last column, the wall time. */
+static void expect_same_summaries(const char *a, const char *b)
+{
+    expect(shell("sed 's/,[^,]*$//' %s/summary.csv > " OUT "/a.csv; "
+                 "sed 's/,[^,]*$//' %s/summary.csv > " OUT "/b.csv; "
+                 "diff " OUT "/a.csv " OUT "/b.csv",
+                 a, b),
+           0);
+}
+
+START_TEST(each_run_has_a_directory_that_says_what_is_varied)
+{
+    write_sweep("six.yaml", short_run, six);
+    expect(shell(BATCH "/six.yaml " OUT "/small.yaml --out " OUT "/o -j 2 2>&1"), 0);
+    says("7/7 done ");
+    says("7 runs in " OUT "/o: 7 done\n");
+    expect(shell("ls " OUT "/o"), 0);
+    ck_assert_str_eq(output, "six_fixed_step=1.0e-3_stiffness=10\n"
+                             "six_fixed_step=1.0e-3_stiffness=20\n"
+                             "six_fixed_step=1.0e-3_stiffness=30\n"
+                             "six_fixed_step=5.0e-4_stiffness=10\n"
+                             "six_fixed_step=5.0e-4_stiffness=20\n"
+                             "six_fixed_step=5.0e-4_stiffness=30\n"
+                             "small\n"
+                             "summary.csv\n");
+    /* what a batch runs is what weft run runs */
+    expect(shell(WEFT " run " OUT "/o/six_fixed_step=5.0e-4_stiffness=20/scene.yaml "
+                      "--out " OUT "/again --quiet 2>&1 && cmp " OUT
+                      "/again/series.csv " OUT
+                      "/o/six_fixed_step=5.0e-4_stiffness=20/series.csv"),
+           0);
+}
+END_TEST
+
+START_TEST(the_summary_has_a_row_a_run_and_varied_keys_first)
+{
+    write_sweep("six.yaml", short_run, six);
+    expect(shell(BATCH "/six.yaml " OUT "/small.yaml --out " OUT "/o --quiet"), 0);
+    ck_assert_str_eq(output, "");
+    expect(shell("cut -d, -f 1-5,8,10 " OUT "/o/summary.csv"), 0);
+    ck_assert_str_eq(output,
+                     "stepper.fixed_step,cloth.springs.stretch.stiffness,scene,status,"
+                     "reason,steps,rhs_calls\n"
+                     "1.0e-3,10,six,done,,100,101\n"
+                     "1.0e-3,20,six,done,,100,101\n"
+                     "1.0e-3,30,six,done,,100,101\n"
+                     "5.0e-4,10,six,done,,200,201\n"
+                     "5.0e-4,20,six,done,,200,201\n"
+                     "5.0e-4,30,six,done,,200,201\n"
+                     ",,small,done,,500,501\n");
+    expect(shell("head -1 " OUT "/o/summary.csv"), 0);
+    says("max_strain,energy_start,energy_end,dissipated,hash,directory,wall_time\n");
+}
+END_TEST
+
+START_TEST(cells_are_quoted_where_they_must)
+{
+    write_sweep("q.yaml", short_run,
+                "sweep: {name: ['say \"a, b\"'], forces.gravity: [[0, 0, -1]]}\n");
+    expect(shell(BATCH "/q.yaml --out " OUT "/o --quiet"), 0);
+    expect(shell("tail -1 " OUT "/o/summary.csv"), 0);
+    static const char wanted[] = "\"say \"\"a, b\"\"\",\"[0, 0, -1]\",q,done,,";
+    ck_assert_msg(strncmp(output, wanted, strlen(wanted)) == 0, "%s", output);
+}
+END_TEST
+
+START_TEST(called_again_it_skips_what_is_done)
+{
+    write_sweep("six.yaml", short_run, six);
+    expect(shell(BATCH "/six.yaml --out " OUT "/o --quiet && cp -a " OUT "/o " OUT
+                       "/before && " BATCH "/six.yaml --out " OUT
+                       "/o --quiet && diff -r " OUT "/o " OUT "/before"),
+           0);
+    /* only what is new is run */
+    write_sweep("six.yaml", short_run,
+                "sweep:\n  stepper.fixed_step: [5.0e-4, 1.0e-3]\n"
+                "  cloth.springs.stretch.stiffness: [30, 40]\n");
+    expect(shell(BATCH "/six.yaml --out " OUT "/o 2>&1"), 0);
+    says("2/2 done ");
+    says("4 runs in " OUT "/o: 4 done\n");
+}
+END_TEST
+
+START_TEST(a_run_of_a_changed_scene_is_refused_unless_forced)
+{
+    write_sweep("six.yaml", short_run, six);
+    expect(shell(BATCH "/six.yaml --out " OUT "/o --quiet"), 0);
+    write_sweep("six.yaml", "run: {duration: 0.2, fps: 20}\n", six);
+    expect(shell("cp -a " OUT "/o " OUT "/before; " BATCH "/six.yaml --out " OUT
+                 "/o 2>&1"),
+           4);
+    says("/o/six_fixed_step=1.0e-3_stiffness=10 holds a run of another scene");
+    says("6 runs in " OUT "/o: 6 changed\n");
+    expect(shell("rm " OUT "/o/summary.csv " OUT "/before/summary.csv; diff -r " OUT
+                 "/o " OUT "/before"),
+           0);
+    expect(shell(BATCH "/six.yaml --out " OUT "/o --force --quiet"), 0);
+    expect(shell("cut -d, -f7 " OUT "/o/summary.csv | sort -u"), 0);
+    ck_assert_str_eq(output, "0.2\ntime\n");
+}
+END_TEST
+
+/* Kill -9 a batch and all its runs once so many of them have ended. */
+static void kill_after(const char *command, int ended)
+{
+    (void)shell("setsid sh -c 'exec %s' > /dev/null 2>&1 & until [ $(ls " OUT
+                "/o/*/result.yaml 2>/dev/null | wc -l) -ge %d ]; do sleep 0.01; done; "
+                "kill -9 -$!; wait $! 2>/dev/null",
+                command, ended);
+    ck_assert(!exists(OUT "/o/summary.csv"));
+}
+
+START_TEST(twenty_four_runs_killed_twice_end_with_the_summary_of_an_undisturbed_batch)
+{
+    write_sweep("many.yaml", "run: {duration: 2, fps: 20, checkpoint: 3}\n",
+                "sweep:\n  stepper.fixed_step: [2.0e-4, 3.0e-4]\n"
+                "  cloth.springs.stretch.stiffness: [10, 20, 30, 40, 50, 60]\n"
+                "  forces.damping: [0, 1.0e-3]\n");
+    expect(shell(BATCH "/many.yaml --out " OUT "/calm --quiet -j 2 2>&1"), 0);
+    kill_after(BATCH "/many.yaml --out " OUT "/o -j 4", 3);
+    kill_after(BATCH "/many.yaml --out " OUT "/o -j 4", 12);
+    expect(shell(BATCH "/many.yaml --out " OUT "/o -j 2 2>&1"), 0);
+    says("24 runs in " OUT "/o: 24 done\n");
+    expect_same_summaries(OUT "/calm", OUT "/o");
+    expect(shell("cd " OUT "/calm && for d in */; do for f in scene.yaml manifest.yaml "
+                 "series.csv final.csv; do cmp $d$f ../o/$d$f || exit 1; done; done"),
+           0);
+}
+END_TEST
+
+/* What happens to the process of one run out of two, while the other is done. */
+static const struct {
+    const char *signal, *options, *status, *reason;
+} fates[] = {
+    { "KILL", "", "crashed", "killed by signal 9 (Killed)" },
+    { "STOP", "--timeout 5", "timeout", "not done after 5 s" }, /* it hangs */
+};
+
+START_TEST(a_run_that_crashes_or_hangs_costs_only_itself)
+{
+    write_sweep("c.yaml", "run: {fps: 20, checkpoint: 3}\n",
+                "sweep: {run.duration: [100, 0.1]}\n");
+    expect(shell(BATCH "/c.yaml --out " OUT "/o -j 1 %s 2>" OUT "/err & pid=$!; until "
+                       "[ -e " OUT
+                       "/o/c_duration=100/checkpoint.weft ]; do sleep 0.01; "
+                       "done; kill -%s $(cat /proc/$pid/task/$pid/children); wait $pid",
+                 fates[_i].options, fates[_i].signal),
+           1);
+    expect(shell("cut -d, -f 1-4 " OUT "/o/summary.csv"), 0);
+    char wanted[256];
+    (void)snprintf(wanted, sizeof wanted, "100,c,%s,%s\n0.1,c,done,\n",
+                   fates[_i].status, fates[_i].reason);
+    says(wanted);
+}
+END_TEST
+
+START_TEST(a_signal_ends_a_batch_with_valid_results_and_it_goes_on_later)
+{
+    static const char *const names[] = { "INT", "TERM" };
+    static const int codes[] = { 130, 143 };
+    write_sweep("long.yaml", long_run,
+                "sweep: {cloth.springs.stretch.stiffness: [10, 20, 30]}\n");
+    expect(shell(BATCH "/long.yaml --out " OUT "/o -j 2 2>" OUT "/err & pid=$!; "
+                       "until ls " OUT "/o/*=10*/checkpoint.weft " OUT
+                       "/o/*=20*/checkpoint.weft; do sleep 0.01; done 2>/dev/null >&2; "
+                       "kill -%s $pid; wait $pid",
+                 names[_i]),
+           codes[_i]);
+    says("3 runs in " OUT "/o: 1 missing, 2 interrupted\n");
+    expect(shell("grep -h status " OUT "/o/*/result.yaml"), 0);
+    ck_assert_str_eq(output, "status: interrupted\nstatus: interrupted\n");
+    expect(shell("cut -d, -f1-3,5 " OUT "/o/summary.csv"), 0);
+    says("10,long,interrupted,\n20,long,interrupted,\n30,long,missing,\n");
+    /* from where they were: not a byte of what was written differs */
+    expect(shell("cp -a " OUT "/o " OUT "/before; " BATCH "/long.yaml --out " OUT
+                 "/o --timeout 0.3 -j 2 --quiet 2>&1; cd " OUT
+                 "/o; for d in *=10 *=20; do cmp $d/series.csv ../before/$d/series.csv "
+                 "2>&1 | grep -v EOF; done"),
+           1);
+}
+END_TEST
+
+START_TEST(a_run_that_takes_too_long_is_left_until_it_is_asked_for)
+{
+    write_sweep("long.yaml", long_run, "sweep: {run.duration: [0.1, 1.0e+6]}\n");
+    expect(shell("sed -i 's/duration: 100, //' " OUT "/long.yaml"), 0);
+    expect(shell(BATCH "/long.yaml --out " OUT "/o --timeout 3 -j 2 2>&1"), 1);
+    says("2 runs in " OUT "/o: 1 done, 1 timeout\n");
+    expect(shell("cut -d, -f 1-4 " OUT "/o/summary.csv"), 0);
+    ck_assert_str_eq(output, "run.duration,scene,status,reason\n0.1,long,done,\n"
+                             "1.0e+6,long,timeout,not done after 3 s\n");
+    /* it is left alone, until it is asked for */
+    expect(shell(BATCH "/long.yaml --out " OUT "/o 2>&1"), 1);
+    ck_assert_ptr_null(strstr(output, "1/1"));
+    expect(shell(BATCH "/long.yaml --out " OUT "/o --timeout 0.5 --retry-failed 2>&1"),
+           1);
+    says("1/1 timeout ");
+}
+END_TEST
+
+START_TEST(a_run_that_fails_keeps_its_report_and_the_others_go_on)
+{
+    write_sweep("f.yaml", short_run, "sweep: {stepper.fixed_step: [0.1, 1.0e-3]}\n");
+    expect(
+        shell("sed -i 's/stiffness: 50/stiffness: 5.0e+9/; s/duration: 0.1/duration: "
+              "100/' " OUT "/f.yaml"),
+        0);
+    write_sweep("g.yaml", short_run, "");
+    expect(shell(BATCH "/f.yaml " OUT "/g.yaml --out " OUT "/o 2>&1"), 1);
+    says("3 runs in " OUT "/o: 1 done, 2 failed\n");
+    expect(shell("cat " OUT "/o/f_fixed_step=0.1/log.txt"), 0);
+    ck_assert_str_ne(output, "");
+    expect(shell("cut -d, -f1-3 " OUT "/o/summary.csv"), 0);
+    says("0.1,f,failed\n1.0e-3,f,failed\n,g,done\n");
+}
+END_TEST
+
+START_TEST(shards_leave_together_what_one_batch_leaves)
+{
+    write_sweep("six.yaml", short_run, six);
+    expect(shell(BATCH "/six.yaml --out " OUT "/whole --quiet"), 0);
+    expect(shell("for i in 3 1 2 4; do " BATCH "/six.yaml --out " OUT
+                 "/o --shard $i/4 2>&1 & done; wait"),
+           0);
+    says("2 runs in " OUT "/o: 2 done\n");
+    says("1 runs in " OUT "/o: 1 done\n");
+    ck_assert(!exists(OUT "/o/summary.csv"));
+    expect(shell(BATCH "/six.yaml --out " OUT "/o --summary 2>&1"), 0);
+    expect_same_summaries(OUT "/whole", OUT "/o");
+}
+END_TEST
+
+START_TEST(two_batches_at_once_run_each_run_once)
+{
+    write_sweep("six.yaml", "run: {duration: 2, fps: 20, checkpoint: 3}\n", six);
+    expect(shell(BATCH "/six.yaml --out " OUT "/whole --quiet"), 0);
+    expect(shell(BATCH "/six.yaml --out " OUT "/o -j 3 --quiet 2>&1 & " BATCH
+                       "/six.yaml --out " OUT "/o -j 3 --quiet 2>&1; a=$?; wait $! && "
+                       "exit $a"),
+           0);
+    expect_same_summaries(OUT "/whole", OUT "/o");
+}
+END_TEST
+
+START_TEST(the_script_for_clusters_runs_a_sweep_in_tasks)
+{
+    write_sweep("six.yaml", short_run, six);
+    expect(shell(BATCH "/six.yaml --out " OUT "/whole --quiet"), 0);
+    expect(shell("for i in 1 2 3; do PATH=" BUILD_DIR ":$PATH SLURM_ARRAY_TASK_ID=$i "
+                 "SLURM_ARRAY_TASK_MAX=3 SLURM_CPUS_PER_TASK=1 sh "
+                 "examples/slurm-array.sh " OUT "/six.yaml " OUT
+                 "/o 2>&1 || exit 1; done"),
+           0);
+    expect(shell(BATCH "/six.yaml --out " OUT "/o --summary"), 0);
+    expect_same_summaries(OUT "/whole", OUT "/o");
+}
+END_TEST
+
+START_TEST(whatever_names_hold_nothing_is_written_outside)
+{
+    write_sweep(
+        "n.yaml", short_run,
+        "sweep:\n  name: ['../x', '/', '', '.', '..', ' ', \"a\\nb\", \"\\e[1m\", "
+        "'-rf', 'a/../../b', 'über', 'a_b', 'a b', 'a,b']\n");
+    write_sweep("...yaml", short_run, "");
+    write_sweep("summary.csv.yaml", short_run, "");
+    write_sweep("-n \\$(x)'.yaml", short_run, "");
+    expect(
+        shell("mkdir " OUT "/in && cd " OUT "/in && ../../weft batch ../n.yaml "
+              "../...yaml ../summary.csv.yaml '../-n \\$(x)'\\''.yaml' --out ./o 2>&1"),
+        0);
+    says("17 runs in ./o: 17 done\n");
+    expect(shell("ls -A " OUT "/in"), 0);
+    ck_assert_str_eq(output, "o\n");
+    expect(shell("ls -A " OUT
+                 "/in/o | LC_ALL=C grep -v '^[A-Za-z0-9_][-A-Za-z0-9._+=~]*$'"),
+           1);
+    expect(shell("ls -A " OUT "/in/o | wc -l"), 0);
+    ck_assert_int_eq(atoi(output), 18);
+    expect(shell("ls -d " OUT "/in/o/n_name=a_b " OUT "/in/o/n_name=a_b~*"), 0);
+}
+END_TEST
+
+START_TEST(long_names_are_cut_and_stay_apart)
+{
+    char sweep[3000], a[1001];
+    memset(a, 'a', sizeof a - 1);
+    a[sizeof a - 1] = '\0';
+    (void)snprintf(sweep, sizeof sweep, "sweep: {name: [%s, %sb]}\n", a, a);
+    write_sweep("long-name.yaml", short_run, sweep);
+    expect(shell(BATCH "/long-name.yaml --out " OUT "/o --quiet"), 0);
+    expect(shell("ls " OUT "/o | awk '{print length}' | sort -u"), 0);
+    ck_assert_str_eq(output, "11\n120\n");
+}
+END_TEST
+
+START_TEST(a_link_in_the_place_of_a_run_is_not_followed)
+{
+    expect(shell("mkdir " OUT "/o " OUT "/elsewhere && ln -s ../elsewhere " OUT
+                 "/o/small && " BATCH "/small.yaml --out " OUT "/o 2>&1"),
+           4);
+    says("small is no directory");
+    expect(shell("ls -A " OUT "/elsewhere"), 0);
+    ck_assert_str_eq(output, "");
+}
+END_TEST
+
+START_TEST(two_runs_of_one_name_are_refused_before_anything_is_run)
+{
+    write_sweep("t.yaml", short_run, "sweep: {run.fps: [10, 20, 10]}\n");
+    expect(shell(BATCH "/t.yaml --out " OUT "/o 2>&1"), 3);
+    says("t.yaml: error: runs 1 and 3 of its sweep are the same (t_fps=10)");
+    expect(shell("mkdir " OUT "/d && cp " OUT "/small.yaml " OUT "/d && " BATCH
+                 "/small.yaml " OUT "/d/small.yaml --out " OUT "/o 2>&1"),
+           2);
+    says("would both run into 'small'");
+    ck_assert(!exists(OUT "/o"));
+}
+END_TEST
+
+START_TEST(a_wrong_run_is_told_before_anything_is_run)
+{
+    write_sweep("w.yaml", short_run, "sweep: {run.fps: [10, x]}\n");
+    expect(shell(BATCH "/small.yaml " OUT "/w.yaml --out " OUT "/o 2>&1"), 3);
+    says("w.yaml:12:23: error: fps must be a number");
+    ck_assert(!exists(OUT "/o"));
+    expect(shell(WEFT " check " OUT "/w.yaml 2>&1"), 3);
+    expect(shell(WEFT " run " OUT "/w.yaml --out " OUT "/o 2>&1"), 3);
+    says("'weft batch' runs them");
+    write_sweep("w.yaml", short_run, "sweep: {run.fps: [10, 20]}\n");
+    expect(shell(WEFT " check " OUT "/w.yaml 2>&1"), 0);
+    says("a sweep of 2 runs; the first:\n  sweep      run.fps=10\n");
+}
+END_TEST
+
+START_TEST(wrong_options_exit_with_2)
+{
+    static const char *const wrong[] = {
+        "",
+        "--out o",
+        "x.yaml",
+        "x.yaml --out ''",
+        "x.yaml --out o -j 0",
+        "x.yaml --out o -j two",
+        "x.yaml --out o -j -1",
+        "x.yaml --out o --jobs 1.5",
+        "x.yaml --out o --timeout 0",
+        "x.yaml --out o --timeout nan",
+        "x.yaml --out o --timeout inf",
+        "x.yaml --out o --timeout 5s",
+        "x.yaml --out o --shard 0/3",
+        "x.yaml --out o --shard 4/3",
+        "x.yaml --out o --shard 1",
+        "x.yaml --out o --shard /",
+        "x.yaml --out o --shard 1/",
+        "x.yaml --out o --shard 1/2/3",
+        "x.yaml --out o --shard ''",
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        ck_assert_msg(shell(WEFT " batch %s 2>&1", wrong[i]) == 2, "weft batch %s: %s",
+                      wrong[i], output);
+    }
+    expect(shell(WEFT " run " OUT "/small.yaml -j 2 2>&1"), 2);
+}
+END_TEST
+
+START_TEST(a_terminal_gets_a_table_that_moves)
+{
+    write_sweep("six.yaml", "run: {duration: 2, fps: 20}\n", six);
+    if (shell("command -v script") != 0) {
+        return;
+    }
+    expect(shell("script -qec '" BATCH "/six.yaml --out " OUT "/o -j 2' /dev/null"), 0);
+    says(" of 6 done, 0 failed, 2 running ");
+    says("ETA ");
+    says("six_fixed_step=1.0e-3_stiffness=10");
+    says("\033[3A\r\033[J");
+    ck_assert_ptr_null(strstr(output, "1/6"));
+}
+END_TEST
+
+static Suite *suite(void)
+{
+    Suite *all = suite_create("batch");
+    TCase *program = tcase_create("program");
+    tcase_set_timeout(program, 300);
+    tcase_add_checked_fixture(program, begin, NULL);
+    tcase_add_test(program, each_run_has_a_directory_that_says_what_is_varied);
+    tcase_add_test(program, the_summary_has_a_row_a_run_and_varied_keys_first);
+    tcase_add_test(program, cells_are_quoted_where_they_must);
+    tcase_add_test(program, called_again_it_skips_what_is_done);
+    tcase_add_test(program, a_run_of_a_changed_scene_is_refused_unless_forced);
+    tcase_add_test(
+        program,
+        twenty_four_runs_killed_twice_end_with_the_summary_of_an_undisturbed_batch);
+    tcase_add_loop_test(
+        program, a_signal_ends_a_batch_with_valid_results_and_it_goes_on_later, 0, 2);
+    tcase_add_loop_test(program, a_run_that_crashes_or_hangs_costs_only_itself, 0,
+                        sizeof fates / sizeof fates[0]);
+    tcase_add_test(program, a_run_that_takes_too_long_is_left_until_it_is_asked_for);
+    tcase_add_test(program, a_run_that_fails_keeps_its_report_and_the_others_go_on);
+    tcase_add_test(program, shards_leave_together_what_one_batch_leaves);
+    tcase_add_test(program, two_batches_at_once_run_each_run_once);
+    tcase_add_test(program, the_script_for_clusters_runs_a_sweep_in_tasks);
+    tcase_add_test(program, whatever_names_hold_nothing_is_written_outside);
+    tcase_add_test(program, long_names_are_cut_and_stay_apart);
+    tcase_add_test(program, a_link_in_the_place_of_a_run_is_not_followed);
+    tcase_add_test(program, two_runs_of_one_name_are_refused_before_anything_is_run);
+    tcase_add_test(program, a_wrong_run_is_told_before_anything_is_run);
+    tcase_add_test(program, wrong_options_exit_with_2);
+    tcase_add_test(program, a_terminal_gets_a_table_that_moves);
+    suite_add_tcase(all, program);
+    return all;
+}
+
+int main(void)
+{
+    return test_run(suite());
+}

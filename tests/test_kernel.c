@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* test_kernel.c -- the kernels against the plain loops of weft_cloth_force, and against
+ * one another, bit for bit: on every level of instructions that this machine has, and 8
+ * lanes wide in whatever instructions there are, in whatever bands of rows. */
+#include "support.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cloth/kernel.h"
+#include "cloth/rows.h"
+
+enum { SEEDS = 400, MOST = 2200 };
+
+weft__springs_fn weft__springs_wide;
+weft__wind_fn weft__wind_wide;
+weft__rates_fn weft__rates_wide;
+
+/* Narrower and wider than any vector, one more than a multiple of it, wider than a
+ * tile. */
+static const size_t sizes[][2]
+    = { { 2, 2 }, { 1, 2 },  { 2, 1 },  { 1, 11 },  { 11, 1 },  { 3, 3 },
+        { 2, 7 }, { 7, 2 },  { 5, 8 },  { 8, 9 },   { 4, 10 },  { 3, 17 },
+        { 6, 5 }, { 16, 4 }, { 5, 33 }, { 32, 32 }, { 4, 259 }, { 3, 530 } };
+
+static struct {
+    weft_cloth_def def;
+    weft_pin pins[2];
+    weft_load load;
+    weft_cloth *cloth;
+    size_t n;
+    double t, y[6 * MOST], dydt[6 * MOST], expected[6 * MOST];
+} m;
+
+/* 0 to 1, the same everywhere */
+static double chance(uint64_t *seed)
+{
+    *seed = *seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return (double)(*seed >> 11) * 0x1p-53;
+}
+
+static void fill(double *to, double scale, uint64_t *seed)
+{
+    for (size_t k = 0; k < 3; ++k) {
+        to[k] = scale * (2.0 * chance(seed) - 1.0);
+    }
+}
+
+/* Each feature is there as often as not. */
+static void define(uint64_t *seed)
+{
+    const size_t *size = sizes[*seed % (sizeof sizes / sizeof sizes[0])];
+    m.def = weft_cloth_def_default();
+    m.def.rows = size[0], m.def.cols = size[1];
+    m.def.spacing[0] = 0.7, m.def.spacing[1] = 0.4;
+    m.def.law = chance(seed) < 0.5 ? WEFT_LAW_HOOKE : WEFT_LAW_STRAIN;
+    for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
+        m.def.springs[f].present = chance(seed) < 0.7;
+        m.def.springs[f].stiffness = chance(seed) < 0.9 ? 100.0 * chance(seed) : 0.0;
+        m.def.springs[f].damping = chance(seed) < 0.5 ? chance(seed) : 0.0;
+    }
+    m.def.drag = chance(seed) < 0.5 ? chance(seed) : 0.0;
+    m.def.wind_drag = chance(seed) < 0.5 ? chance(seed) : 0.0;
+    fill(m.def.wind_velocity, 5.0, seed);
+    fill(m.def.gravity, 10.0, seed);
+    m.load = (weft_load){ { 0, -1 }, { -1, -1 }, 0.3 };
+    m.def.loads = &m.load;
+    m.def.load_count = chance(seed) < 0.5 ? 1 : 0;
+    m.pins[0] = (weft_pin){ .rows = { 0, 0 }, .cols = { 0, -1 } };
+    m.pins[1] = (weft_pin){ .cols = { -1, -1 }, .rows = { -1, -1 }, .frequency = 2.0 };
+    fill(m.pins[1].amplitude, 0.1, seed);
+    fill(m.pins[1].velocity, 1.0, seed);
+    m.def.pins = m.pins;
+    m.def.pin_count = (size_t)(3.0 * chance(seed));
+}
+
+/* A cloth of this number, strained and moving. */
+static void make(uint64_t number)
+{
+    uint64_t seed = number;
+    weft_cloth_destroy(m.cloth);
+    define(&seed);
+    m.cloth = test_cloth(&m.def);
+    m.n = weft_cloth_particles(m.cloth);
+    m.t = chance(&seed);
+    weft_cloth_start(m.cloth, m.y);
+    for (size_t j = 0; j < 6 * m.n; ++j) {
+        m.y[j] += (j < 3 * m.n ? 0.2 : 2.0) * (chance(&seed) - 0.5);
+    }
+    if (number % 7 == 0) { /* springs of no length */
+        for (size_t k = 0; k < 3; ++k) {
+            m.y[k * m.n] = m.y[k * m.n + 1];
+        }
+    }
+}
+
+/* By the plain loops, into m.expected; the largest acceleration. */
+static double expect(void)
+{
+    const size_t n = m.n;
+    double largest = 0.0;
+    weft_cloth_force(m.cloth, m.y, m.expected + 3 * n);
+    for (size_t j = 0; j < 3 * n; ++j) {
+        const size_t i = j % n, k = j / n, row = i / m.def.cols;
+        const bool last = m.def.pin_count > 1 && i == n - 1;
+        const double w = 4.0 * acos(-1.0), a = m.pins[1].amplitude[k];
+        double *x1 = &m.expected[j], *v1 = &m.expected[3 * n + j];
+        *v1 /= weft_cloth_particle_mass(m.cloth, i);
+        largest = fmax(largest, fabs(*v1));
+        *x1 = m.y[3 * n + j];
+        if (last) {
+            *x1 = m.pins[1].velocity[k] + w * a * cos(w * m.t);
+            *v1 = -w * w * a * sin(w * m.t);
+        } else if (m.def.pin_count > 0 && row == 0) {
+            *x1 = *v1 = 0.0;
+        }
+    }
+    return largest;
+}
+
+static uint64_t hash(void)
+{
+    return weft_state_hash(m.dydt, 6 * m.n);
+}
+
+START_TEST(kernels_are_the_plain_loops_to_roundoff)
+{
+    for (uint64_t number = 0; number < SEEDS; ++number) {
+        make(number);
+        const double tolerance = 1e-13 * fmax(1.0, expect());
+        ck_assert_int_eq(weft_cloth_rhs(m.cloth, m.t, m.y, m.dydt), 0);
+        for (size_t j = 0; j < 6 * m.n; ++j) {
+            ck_assert_msg(fabs(m.dydt[j] - m.expected[j]) <= tolerance,
+                          "%u: %zu x %zu: %zu: %.17g for %.17g", (unsigned)number,
+                          m.def.rows, m.def.cols, j, m.dydt[j], m.expected[j]);
+        }
+    }
+}
+END_TEST
+
+START_TEST(every_level_and_width_has_the_same_bits)
+{
+    const weft__level wide
+        = { "8 lanes", weft__springs_wide, weft__wind_wide, weft__rates_wide };
+    for (uint64_t number = 0; number < SEEDS; ++number) {
+        make(number);
+        weft__cloth_set_level(m.cloth, weft__level_at(0));
+        ck_assert_int_eq(weft_cloth_rhs(m.cloth, m.t, m.y, m.dydt), 0);
+        const uint64_t plain = hash();
+        for (size_t i = 1; i <= weft__level_count(); ++i) {
+            const weft__level *level
+                = i < weft__level_count() ? weft__level_at(i) : &wide;
+            weft__cloth_set_level(m.cloth, level);
+            memset(m.dydt, 0xff, sizeof m.dydt);
+            ck_assert_int_eq(weft_cloth_rhs(m.cloth, m.t, m.y, m.dydt), 0);
+            ck_assert_msg(hash() == plain, "%u: %zu x %zu on %s", (unsigned)number,
+                          m.def.rows, m.def.cols, level->name);
+        }
+    }
+}
+END_TEST
+
+/* Backwards, so that what a band writes beyond its rows stays. */
+START_TEST(bands_of_rows_have_the_bits_of_the_whole)
+{
+    for (uint64_t number = 0; number < SEEDS; ++number) {
+        make(number);
+        (void)weft_cloth_rhs(m.cloth, m.t, m.y, m.dydt);
+        const uint64_t whole = hash();
+        for (size_t each = 1; each <= 3; ++each) {
+            memset(m.dydt, 0xff, sizeof m.dydt);
+            for (size_t end = m.def.rows; end > 0;) {
+                const size_t first = end > each ? end - each : 0;
+                (void)weft__rhs_rows(m.cloth, m.t, m.y, m.dydt, first, end);
+                end = first;
+            }
+            ck_assert_msg(hash() == whole, "%u: %zu x %zu in %zu", (unsigned)number,
+                          m.def.rows, m.def.cols, each);
+        }
+    }
+}
+END_TEST
+
+/* One bad number anywhere, on a sheet wider than a vector. */
+START_TEST(every_level_refuses_whatever_is_not_finite)
+{
+    uint64_t number = 9;
+    make(number);
+    while (m.def.pin_count > 0 || !m.def.springs[WEFT_STRETCH].present) {
+        make(number += sizeof sizes / sizeof sizes[0]);
+    }
+    for (size_t i = 0; i < weft__level_count(); ++i) {
+        weft__cloth_set_level(m.cloth, weft__level_at(i));
+        for (size_t j = 0; j < 6 * m.n; ++j) {
+            const double kept = m.y[j];
+            m.y[j] = j % 2 == 0 ? (double)NAN : (double)INFINITY;
+            ck_assert_int_eq(weft_cloth_rhs(m.cloth, m.t, m.y, m.dydt), 1);
+            m.y[j] = kept;
+        }
+        ck_assert_int_eq(weft_cloth_rhs(m.cloth, m.t, m.y, m.dydt), 0);
+    }
+}
+END_TEST
+
+START_TEST(sheet_at_rest_feels_gravity_alone_exactly)
+{
+    m.def = weft_cloth_def_default();
+    m.def.rows = 9, m.def.cols = 13;
+    for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
+        m.def.springs[f] = (weft_spring_def){ true, 30.0, 0.1 };
+    }
+    m.cloth = test_cloth(&m.def);
+    m.n = weft_cloth_particles(m.cloth);
+    weft_cloth_start(m.cloth, m.y);
+    ck_assert_int_eq(weft_cloth_rhs(m.cloth, 0.0, m.y, m.dydt), 0);
+    for (size_t j = 0; j < 6 * m.n; ++j) {
+        ck_assert(m.dydt[j] == (j / m.n == 4 ? -9.81 : 0.0));
+    }
+}
+END_TEST
+
+START_TEST(level_is_the_fastest_or_the_one_asked_for)
+{
+    const size_t last = weft__level_count() - 1;
+    ck_assert_ptr_eq(weft__level_named(NULL), weft__level_at(last));
+    ck_assert_ptr_eq(weft__level_named("x86-64-v9"), weft__level_at(last));
+    for (size_t i = 0; i <= last; ++i) {
+        const char *name = weft__level_at(i)->name;
+        setenv("WEFT_ISA", name, 1);
+        m.def = weft_cloth_def_default();
+        m.cloth = test_cloth(&m.def);
+        ck_assert_str_eq(weft_cloth_isa(m.cloth), name);
+        weft_cloth_destroy(m.cloth);
+    }
+    m.cloth = NULL;
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("kernel");
+    TCase *tcase = tcase_create("kernel");
+    tcase_set_timeout(tcase, 60);
+    tcase_add_test(tcase, kernels_are_the_plain_loops_to_roundoff);
+    tcase_add_test(tcase, every_level_and_width_has_the_same_bits);
+    tcase_add_test(tcase, bands_of_rows_have_the_bits_of_the_whole);
+    tcase_add_test(tcase, every_level_refuses_whatever_is_not_finite);
+    tcase_add_test(tcase, sheet_at_rest_feels_gravity_alone_exactly);
+    tcase_add_test(tcase, level_is_the_fastest_or_the_one_asked_for);
+    suite_add_tcase(suite, tcase);
+    return test_run(suite);
+}

@@ -1,0 +1,383 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Sweeps: which runs a scene stands for, and what is said of wrong ones. */
+#include <stdlib.h>
+
+#include "scene_load.h"
+
+#define HEAD                                                                           \
+    "weft: 1\n"                                                                        \
+    "cloth:\n"                                                                         \
+    "  grid: {rows: 3, cols: 4, spacing: 0.1}\n"                                       \
+    "  mass: 1.0e-2\n"                                                                 \
+    "  springs: {stretch: {stiffness: 100}, shear: {stiffness: 7}}\n"                  \
+    "  pins: [top-left, top-right]\n"                                                  \
+    "stepper: {plugin: gsl, method: rkf45}\n"                                          \
+    "run: {duration: 1, fps: 3}\n"
+
+static weft_sweep *good_sweep(const weft_scene_def *def)
+{
+    weft_error err = { 0 };
+    weft_sweep *sweep = NULL;
+    const weft_status status = weft_sweep_load(def, &sweep, &found, &err);
+    ck_assert_msg(status == WEFT_OK, "%s\n%s", err.message, all_found());
+    return sweep;
+}
+
+static weft_sweep *sweep_of(const char *text)
+{
+    const weft_scene_def def = scene_of_text(text);
+    return good_sweep(&def);
+}
+
+static const char *bad_sweep(const weft_scene_def *def)
+{
+    weft_error err = { 0 };
+    weft_sweep *sweep = NULL;
+    ck_assert_int_eq(weft_sweep_load(def, &sweep, &found, &err), WEFT_BAD_SCENE);
+    ck_assert_ptr_null(sweep);
+    ck_assert_uint_gt(found.errors, 0);
+    return all_found();
+}
+
+static weft_scene *run_of(const weft_sweep *sweep, size_t run)
+{
+    weft_error err = { 0 };
+    weft_scene *scene = NULL;
+    const weft_status status = weft_sweep_scene(sweep, run, &scene, &err);
+    ck_assert_msg(status == WEFT_OK, "%s", err.message);
+    return scene;
+}
+
+static double stretch_of(const weft_scene *scene)
+{
+    return weft_scene_cloth(scene)->springs[WEFT_STRETCH].stiffness;
+}
+
+START_TEST(every_combination_is_a_run_and_the_last_key_varies_fastest)
+{
+    static const char *const methods[] = { "rk4", "rk8pd" };
+    static const double values[] = { 10.0, 200.0, 3000.0 };
+    weft_sweep *sweep = sweep_of(HEAD "sweep:\n"
+                                      "  stepper.method: [rk4, rk8pd]\n"
+                                      "  cloth.springs.stretch.stiffness: [10, 2.0e2, "
+                                      "3000]\n");
+    ck_assert_uint_eq(weft_sweep_runs(sweep), 6);
+    ck_assert_uint_eq(weft_sweep_keys(sweep), 2);
+    ck_assert_str_eq(weft_sweep_key(sweep, 0), "stepper.method");
+    ck_assert_str_eq(weft_sweep_key(sweep, 1), "cloth.springs.stretch.stiffness");
+    ck_assert_str_eq(weft_sweep_value(sweep, 1, 5), "2.0e2");
+    for (size_t i = 0; i < 6; ++i) {
+        weft_scene *scene = run_of(sweep, i + 1);
+        ck_assert_str_eq(weft_scene_method(scene), methods[i / 3]);
+        ck_assert_str_eq(weft_sweep_value(sweep, 0, i + 1), methods[i / 3]);
+        ck_assert(stretch_of(scene) == values[i % 3]);
+        ck_assert(weft_scene_cloth(scene)->springs[WEFT_SHEAR].stiffness == 7.0);
+        weft_scene_destroy(scene);
+    }
+    weft_sweep_destroy(sweep);
+}
+END_TEST
+
+START_TEST(zipped_lists_are_taken_side_by_side)
+{
+    weft_sweep *sweep = sweep_of(HEAD "sweep:\n"
+                                      "  run.fps: [10, 20, 30]\n"
+                                      "  zip: true\n"
+                                      "  'run.duration': [3, 2, 1]\n");
+    ck_assert_uint_eq(weft_sweep_runs(sweep), 3);
+    ck_assert_uint_eq(weft_sweep_keys(sweep), 2);
+    for (size_t i = 1; i <= 3; ++i) {
+        weft_scene *scene = run_of(sweep, i);
+        ck_assert(weft_scene_run(scene)->fps == 10.0 * (double)i);
+        ck_assert(weft_scene_run(scene)->duration == 4.0 - (double)i);
+        weft_scene_destroy(scene);
+    }
+    weft_sweep_destroy(sweep);
+}
+END_TEST
+
+START_TEST(values_may_be_lists_mappings_and_null_which_removes)
+{
+    weft_sweep *sweep
+        = sweep_of(HEAD "sweep:\n"
+                        "  zip: true\n"
+                        "  cloth.springs.shear: [null, {stiffness: 3, damping: 1}]\n"
+                        "  cloth.pins.1: [bottom-left, null]\n"
+                        "  forces.gravity: [[0, -1.6, 0], [0, 0, 0]]\n");
+    ck_assert_str_eq(weft_sweep_value(sweep, 0, 1), "null");
+    ck_assert_str_eq(weft_sweep_value(sweep, 0, 2), "{stiffness: 3, damping: 1}");
+    ck_assert_str_eq(weft_sweep_value(sweep, 2, 1), "[0, -1.6, 0]");
+    weft_scene *first = run_of(sweep, 1), *second = run_of(sweep, 2);
+    ck_assert(!weft_scene_cloth(first)->springs[WEFT_SHEAR].present);
+    ck_assert_uint_eq(weft_scene_cloth(first)->pin_count, 2);
+    ck_assert(weft_scene_cloth(first)->gravity[1] == -1.6);
+    ck_assert(weft_scene_cloth(second)->springs[WEFT_SHEAR].damping == 1.0);
+    ck_assert_uint_eq(weft_scene_cloth(second)->pin_count, 1);
+    weft_scene_destroy(second);
+    weft_scene_destroy(first);
+    weft_sweep_destroy(sweep);
+}
+END_TEST
+
+START_TEST(the_text_of_a_run_is_a_plain_scene_of_the_same_run)
+{
+    weft_sweep *sweep = sweep_of(HEAD "sweep: {cloth.springs.stretch: [{stiffness: 1}, "
+                                      "{stiffness: 2}], forces.wind.drag: [0.5, 0.25], "
+                                      "forces.wind.velocity: [[0, 0, 3]]}\n");
+    for (size_t i = 1; i <= 4; ++i) {
+        weft_scene *scene = run_of(sweep, i);
+        weft_scene *again = good_text(weft_scene_text(scene));
+        ck_assert_ptr_null(strstr(weft_scene_text(scene), "sweep"));
+        ck_assert_str_eq(weft_scene_text(again), weft_scene_text(scene));
+        ck_assert(stretch_of(again) == stretch_of(scene));
+        ck_assert(weft_scene_cloth(again)->wind_drag
+                  == weft_scene_cloth(scene)->wind_drag);
+        ck_assert_str_eq(weft_scene_name(scene), "scene");
+        weft_scene_destroy(again);
+        weft_scene_destroy(scene);
+    }
+    weft_sweep_destroy(sweep);
+}
+END_TEST
+
+START_TEST(a_key_shared_by_an_alias_is_changed_where_it_is_named_only)
+{
+    weft_sweep *sweep
+        = sweep_of("weft: 1\n"
+                   "cloth:\n"
+                   "  grid: {rows: 3, cols: 4, spacing: 0.1}\n"
+                   "  mass: 1\n"
+                   "  springs: {stretch: &soft {stiffness: 9}, shear: *soft}\n"
+                   "  pins: [top]\n"
+                   "stepper: {plugin: gsl, method: rk4}\n"
+                   "run: {duration: 1}\n"
+                   "sweep: {cloth.springs.shear.stiffness: [1, 2]}\n");
+    weft_scene *scene = run_of(sweep, 2);
+    ck_assert(stretch_of(scene) == 9.0);
+    ck_assert(weft_scene_cloth(scene)->springs[WEFT_SHEAR].stiffness == 2.0);
+    weft_scene_destroy(scene);
+    weft_sweep_destroy(sweep);
+}
+END_TEST
+
+START_TEST(a_scene_without_a_sweep_is_one_run_of_its_own_text)
+{
+    weft_error err = { 0 };
+    weft_scene *scene = NULL;
+    weft_sweep *sweep = sweep_of(HEAD);
+    ck_assert_uint_eq(weft_sweep_runs(sweep), 1);
+    ck_assert_uint_eq(weft_sweep_keys(sweep), 0);
+    for (int i = 0; i < 2; ++i) {
+        scene = run_of(sweep, 1);
+        ck_assert_str_eq(weft_scene_text(scene), HEAD);
+        weft_scene_destroy(scene);
+    }
+    ck_assert_int_eq(weft_sweep_scene(sweep, 2, &scene, &err), WEFT_INVALID);
+    ck_assert_int_eq(weft_sweep_scene(sweep, 0, &scene, &err), WEFT_INVALID);
+    ck_assert_ptr_null(scene);
+    weft_sweep_destroy(sweep);
+}
+END_TEST
+
+START_TEST(overrides_reach_the_sweep_and_are_part_of_every_run)
+{
+    static const char *const sets[]
+        = { "run.fps=7", "sweep={run.duration: [2, 3, 4], stepper.method: [rk4]}",
+            "sweep.zip=false" };
+    weft_scene_def def = scene_of_text(HEAD "sweep: {run.duration: [1, 2]}\n");
+    def.sets = sets;
+    def.set_count = 3;
+    weft_sweep *sweep = good_sweep(&def);
+    ck_assert_uint_eq(weft_sweep_runs(sweep), 3);
+    weft_scene *scene = run_of(sweep, 3);
+    ck_assert(weft_scene_run(scene)->duration == 4.0);
+    ck_assert(weft_scene_run(scene)->fps == 7.0);
+    ck_assert_ptr_null(strstr(weft_scene_text(scene), "sweep"));
+    weft_scene_destroy(scene);
+    weft_sweep_destroy(sweep);
+
+    static const char *const none[] = { "sweep=null" };
+    def.sets = none;
+    def.set_count = 1;
+    scene = good_scene(&def);
+    ck_assert(weft_scene_run(scene)->duration == 1.0);
+    weft_scene_destroy(scene);
+}
+END_TEST
+
+START_TEST(one_scene_is_not_read_from_a_sweep_and_the_error_names_batch)
+{
+    const weft_scene_def def
+        = scene_of_text(HEAD "sweep: {run.fps: [1, 2], run.duration: [1, 2, 3]}\n");
+    ck_assert_str_eq(bad_scene(&def),
+                     "scene.yaml:9:1: error: sweep makes 6 runs of this scene: 'weft "
+                     "batch' runs them\n"
+                     "sweep: {run.fps: [1, 2], run.duration: [1, 2, 3]}\n"
+                     "^\n");
+}
+END_TEST
+
+/* Told at the place in the sweep, once, whatever the number of runs. */
+static const struct {
+    const char *sweep, *told;
+} wrong[] = {
+    { "sweep: {stepper.methd: [rk4, rkf45]}\n",
+      "scene.yaml:9:17: error: unknown key 'methd' in stepper (did you mean "
+      "'method'?)\n" },
+    { "sweep: {'steper.method': [rk4]}\n",
+      "scene.yaml:9:10: error: unknown key 'steper' in the scene (did you mean "
+      "'stepper'?)\n" },
+    { "sweep: {run.fps: [1, abc, -3, 30]}\n",
+      "scene.yaml:9:22: error: fps must be a number > 0 [1/s], not 'abc' (in 1 of 4 "
+      "runs, first run.fps=abc)\n" },
+    { "sweep: {run.fps: [1, abc, -3, 30]}\n",
+      "scene.yaml:9:27: error: fps must be a number > 0 [1/s], not '-3' (in 1 of 4 "
+      "runs, first run.fps=-3)\n" },
+    { "sweep: {stepper.method: [rk4, rkf], run.fps: [1, 2]}\n", "method 'rkf'" },
+    { "sweep: {stepper.method: [rk4, rkf], run.fps: [1, 2]}\n",
+      "(in 2 of 4 runs, first stepper.method=rkf, run.fps=1)\n" },
+    { "sweep: {run.fps: []}\n",
+      "scene.yaml:9:18: error: run.fps has no value to run\n" },
+    { "sweep: {run.fps: 30}\n",
+      "scene.yaml:9:18: error: run.fps must be a list of values to run, not '30'\n" },
+    { "sweep: {}\n", "scene.yaml:9:1: error: sweep varies no key\n" },
+    { "sweep: {zip: true}\n", "scene.yaml:9:1: error: sweep varies no key\n" },
+    { "sweep: [run.fps]\n",
+      "scene.yaml:9:8: error: sweep must be a mapping as {stepper.method: [rk4, "
+      "rkf45]}, not a list of 1\n" },
+    { "sweep: {zip: yes, run.fps: [1]}\n",
+      "scene.yaml:9:14: error: zip must be true or false, not 'yes'" },
+    { "sweep: {zip: true, run.fps: [1, 2, 3], run.duration: [1, 2]}\n",
+      "scene.yaml:9:54: error: 2 values, but run.fps has 3: zip takes lists of one "
+      "length\n" },
+    { "sweep: {run.fps: [1], run.fps: [2]}\n",
+      "scene.yaml:9:23: error: run.fps is varied twice (first at line 9, column 9)\n" },
+    { "sweep: {stepper.method: [rk4], stepper: [{plugin: gsl, method: rk4}]}\n",
+      "scene.yaml:9:32: error: stepper is varied twice (first at line 9, column 9)\n" },
+    { "sweep: {sweep.zip: [true]}\n",
+      "scene.yaml:9:9: error: a sweep cannot vary itself\n" },
+    { "sweep: {run.fps: [1]}\nsweep: {run.fps: [2]}\n",
+      "scene.yaml:10:1: error: duplicate key 'sweep' in the scene (the first is at "
+      "line "
+      "9, column 1)\n" },
+    { "sweep: {[run.fps]: [1]}\n",
+      "scene.yaml:9:9: error: the keys of a sweep are paths as stepper.method\n" },
+    { "sweep: {run..fps: [1]}\n", "scene.yaml:9:13: error: a key is missing here" },
+    { "sweep: {cloth.pins.9: [top]}\n",
+      "scene.yaml:9:20: error: '9' is no element of this list of 2; the first is 0\n" },
+    { "sweep: {run.fps.x: [1]}\n",
+      "scene.yaml:9:17: error: 'fps' is a single value: nothing can be set inside\n" },
+};
+
+START_TEST(what_is_wrong_is_told_at_its_place_in_the_sweep)
+{
+    char text[1024];
+    (void)snprintf(text, sizeof text, HEAD "%s", wrong[_i].sweep);
+    const weft_scene_def def = scene_of_text(text);
+    const char *told = bad_sweep(&def);
+    ck_assert_msg(strstr(told, wrong[_i].told) != NULL, "no '%s' in:\n%s",
+                  wrong[_i].told, told);
+}
+END_TEST
+
+START_TEST(a_mistake_outside_the_sweep_is_told_once_and_without_runs)
+{
+    const weft_scene_def def
+        = scene_of_text("weft: 1\ncloth: {mass: 1, grid: {rows: 2, cols: 2, spacing: "
+                        "x}}\nstepper: {plugin: gsl, method: rk4}\nrun: {duration: 1}\n"
+                        "sweep: {run.fps: [1, 2, 3]}\n");
+    const char *told = bad_sweep(&def);
+    ck_assert_uint_eq(found.errors, 1);
+    ck_assert_ptr_nonnull(strstr(told, "scene.yaml:2:52: error: spacing must be"));
+    ck_assert_ptr_null(strstr(told, "runs"));
+}
+END_TEST
+
+START_TEST(an_override_of_what_is_varied_would_be_lost_and_is_refused)
+{
+    static const char *const sets[] = { "run.fps=3", "stepper={plugin: gsl}" };
+    weft_scene_def def
+        = scene_of_text(HEAD "sweep: {run.fps: [1], stepper.method: [rk4]}\n");
+    def.sets = sets;
+    def.set_count = 2;
+    const char *told = bad_sweep(&def);
+    ck_assert_uint_eq(found.errors, 2);
+    ck_assert_ptr_nonnull(strstr(told, "command line, --set number 1:1: error: run.fps "
+                                       "is varied by sweep (line 9, column 9)\n"));
+    ck_assert_ptr_nonnull(strstr(told, "command line, --set number 2:1: error: "
+                                       "stepper.method is varied by sweep"));
+}
+END_TEST
+
+START_TEST(the_number_of_runs_is_bounded)
+{
+    enum { MANY = 100001 };
+    static const char tens[] = HEAD "sweep:\n"
+                                    "  run.fps: [1,2,3,4,5,6,7,8,9,10]\n"
+                                    "  cloth.mass: [1,2,3,4,5,6,7,8,9,10]\n"
+                                    "  run.duration: [1,2,3,4,5,6,7,8,9,10]\n";
+    weft_sweep *sweep = sweep_of(tens);
+    ck_assert_uint_eq(weft_sweep_runs(sweep), 1000);
+    ck_assert_str_eq(weft_sweep_value(sweep, 0, 1000), "10");
+    ck_assert_str_eq(weft_sweep_value(sweep, 1, 11), "2");
+    ck_assert_str_eq(weft_sweep_value(sweep, 2, 11), "1");
+    weft_sweep_destroy(sweep);
+
+    char *text = malloc(sizeof HEAD + 2 * MANY + 64);
+    ck_assert_ptr_nonnull(text);
+    size_t used = (size_t)sprintf(text, HEAD "sweep:\n  run.fps: [");
+    for (int i = 0; i < MANY; ++i) {
+        used += (size_t)sprintf(text + used, "%s1", i == 0 ? "" : ",");
+    }
+    (void)sprintf(text + used, "]\n");
+    const weft_scene_def def = scene_of_text(text);
+    ck_assert_ptr_nonnull(
+        strstr(bad_sweep(&def), "scene.yaml:9:1: error: more than 100000 comb"));
+    free(text);
+}
+END_TEST
+
+START_TEST(more_keys_than_there_is_room_for_are_refused)
+{
+    char text[4096];
+    size_t used = (size_t)snprintf(text, sizeof text, "%ssweep:\n", HEAD);
+    for (int i = 0; i < 17; ++i) {
+        used += (size_t)snprintf(text + used, sizeof text - used,
+                                 "  cloth.loads.%d: [{at: left, mass: 1}]\n", i);
+    }
+    const weft_scene_def def = scene_of_text(text);
+    ck_assert_ptr_nonnull(
+        strstr(bad_sweep(&def), "scene.yaml:26:3: error: more than 16 keys\n"));
+}
+END_TEST
+
+static Suite *suite(void)
+{
+    Suite *all = suite_create("sweep");
+    TCase *runs = tcase_create("runs");
+    tcase_set_timeout(runs, 120);
+    tcase_add_test(runs, every_combination_is_a_run_and_the_last_key_varies_fastest);
+    tcase_add_test(runs, zipped_lists_are_taken_side_by_side);
+    tcase_add_test(runs, values_may_be_lists_mappings_and_null_which_removes);
+    tcase_add_test(runs, the_text_of_a_run_is_a_plain_scene_of_the_same_run);
+    tcase_add_test(runs, a_key_shared_by_an_alias_is_changed_where_it_is_named_only);
+    tcase_add_test(runs, a_scene_without_a_sweep_is_one_run_of_its_own_text);
+    tcase_add_test(runs, overrides_reach_the_sweep_and_are_part_of_every_run);
+    tcase_add_test(runs, one_scene_is_not_read_from_a_sweep_and_the_error_names_batch);
+    suite_add_tcase(all, runs);
+    TCase *errors = tcase_create("errors");
+    tcase_set_timeout(errors, 120);
+    tcase_add_loop_test(errors, what_is_wrong_is_told_at_its_place_in_the_sweep, 0,
+                        sizeof wrong / sizeof wrong[0]);
+    tcase_add_test(errors, a_mistake_outside_the_sweep_is_told_once_and_without_runs);
+    tcase_add_test(errors, an_override_of_what_is_varied_would_be_lost_and_is_refused);
+    tcase_add_test(errors, the_number_of_runs_is_bounded);
+    tcase_add_test(errors, more_keys_than_there_is_room_for_are_refused);
+    suite_add_tcase(all, errors);
+    return all;
+}
+
+int main(void)
+{
+    return test_run(suite());
+}

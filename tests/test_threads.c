@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* test_threads.c -- whole runs have the same bits on every level of instructions and on
+ * any number of threads; helpers do every part of a job once. `make tsan` looks for
+ * races in this one. */
+#include "support.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cloth/kernel.h"
+#include "sim/forces.h"
+
+enum { PARTS = 97, JOBS = 3000, SIDE = 130, STEPS = 4 };
+
+static void count(void *ctx, size_t i)
+{
+    unsigned *parts = ctx;
+    ++parts[i];
+}
+
+START_TEST(every_part_of_every_job_is_done_once)
+{
+    for (size_t threads = 2; threads <= 9; threads += 7) {
+        weft__team *team = weft__team_create(threads, NULL);
+        ck_assert_uint_eq(weft__team_threads(team), threads);
+        for (unsigned job = 1; job <= JOBS; ++job) {
+            unsigned parts[PARTS] = { 0 };
+            const size_t number = job % (PARTS + 1);
+            weft__team_run(team, count, parts, number);
+            for (size_t i = 0; i < PARTS; ++i) {
+                ck_assert_uint_eq(parts[i], i < number ? 1 : 0);
+            }
+        }
+        weft__team_destroy(team);
+    }
+    ck_assert_uint_eq(weft__team_threads(NULL), 1);
+}
+END_TEST
+
+/* A small cloth has one thread, whatever is asked for. */
+START_TEST(threads_are_no_more_than_pay)
+{
+    weft_cloth_def def = weft_cloth_def_default();
+    const size_t side[] = { 32, 64, 64, SIDE }, asked[] = { 8, 1, 8, 3 };
+    const size_t given[] = { 1, 1, 2, 3 };
+    for (size_t i = 0; i < 4; ++i) {
+        def.rows = def.cols = side[i];
+        weft_cloth *cloth = test_cloth(&def);
+        weft__forces forces = weft__forces_create(cloth, asked[i], NULL);
+        ck_assert_uint_eq(weft__team_threads(forces.team), given[i]);
+        weft__forces_destroy(&forces);
+        weft_cloth_destroy(cloth);
+    }
+}
+END_TEST
+
+/* Wind, drag, dampers, pins that move: all that a right-hand side can have. */
+static weft_cloth *flag(void)
+{
+    static const weft_pin pins[]
+        = { { .cols = { 0, 0 }, .rows = { 0, -1 } },
+            { { -1, -1 }, { -1, -1 }, { 0, 0, 1 }, { 0.001, 0, 0 }, 5.0 } };
+    weft_cloth_def def = weft_cloth_def_default();
+    def.rows = def.cols = SIDE;
+    def.spacing[0] = def.spacing[1] = 0.01;
+    def.scale = 1.02;
+    def.pins = pins;
+    def.pin_count = 2;
+    def.drag = 1e-5;
+    def.wind_drag = 0.5;
+    def.wind_velocity[2] = 3.0;
+    for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
+        def.springs[f] = (weft_spring_def){ true, 20.0, 0.001 };
+    }
+    return test_cloth(&def);
+}
+
+/* The state after some steps. */
+static uint64_t run(const weft_cloth *cloth, const weft_stepper_type *method,
+                    size_t threads, bool ledger)
+{
+    weft_sim *sim;
+    weft_error err;
+    weft_sim_def def = weft_sim_def_default();
+    def.cloth = cloth;
+    def.method = method;
+    def.config = test_config(method, def.config);
+    def.config.threads = threads;
+    def.config.fixed_step = 1e-4;
+    def.ledger = ledger;
+    ck_assert_msg(weft_sim_create(&def, &sim, &err) == WEFT_OK, "%s", err.message);
+    for (int i = 0; i < STEPS; ++i) {
+        ck_assert_msg(weft_sim_step(sim, 1.0, &err) == WEFT_OK, "%s", err.message);
+    }
+    const uint64_t hash = weft_state_hash(weft_sim_state(sim), weft_cloth_dim(cloth));
+    weft_sim_destroy(sim);
+    return hash;
+}
+
+START_TEST(runs_have_the_same_bits_on_any_threads_and_instructions)
+{
+    const char *const names[]
+        = { "verlet/velocity_verlet", "gsl/rkf45", "arkode/dormand_prince" };
+    const size_t threads[] = { 1, 2, 3, 8 };
+    weft_cloth *cloth = flag();
+    const weft_stepper_type *method = test_method_named(names[_i]);
+    uint64_t first = 0;
+    for (size_t i = 0; i < 4 * weft__level_count(); ++i) {
+        weft__cloth_set_level(cloth, weft__level_at(i / 4));
+        const uint64_t hash = run(cloth, method, threads[i % 4], false);
+        first = i == 0 ? hash : first;
+        ck_assert_msg(hash == first, "%s, %zu threads, %s", names[_i], threads[i % 4],
+                      weft_cloth_isa(cloth));
+    }
+    weft_cloth_destroy(cloth);
+}
+END_TEST
+
+START_TEST(ledger_has_the_same_state_on_threads)
+{
+    weft_cloth *cloth = flag();
+    const weft_stepper_type *method = test_method_named("gsl/rkf45");
+    ck_assert(run(cloth, method, 1, false) == run(cloth, method, 3, true));
+    weft_cloth_destroy(cloth);
+}
+END_TEST
+
+static int pull(void *ctx, double t, const double *y, double *f)
+{
+    (void)ctx;
+    for (size_t i = 0; i < SIDE * SIDE; ++i) {
+        f[i] -= 0.1 * (1.0 + t) * y[i];
+    }
+    return 0;
+}
+
+/* The state after steps with a force of the embedder's, between which pins change. */
+static uint64_t run_embedded(const weft_cloth *cloth, size_t threads)
+{
+    const double slow[3] = { 0.0, 0.0, 0.5 };
+    weft_sim *sim;
+    weft_sim_def def = weft_sim_def_default();
+    def.cloth = cloth;
+    def.method = test_method_named("verlet/velocity_verlet");
+    def.config.threads = threads;
+    def.config.fixed_step = 1e-4;
+    def.ledger = true;
+    def.force = pull;
+    ck_assert_int_eq(weft_sim_create(&def, &sim, NULL), WEFT_OK);
+    for (size_t i = 0; i < STEPS; ++i) {
+        ck_assert_int_eq(weft_sim_step(sim, 1.0, NULL), WEFT_OK);
+        ck_assert_int_eq(weft_sim_pin(sim, SIDE * (20 * i + 9) + 5, slow, NULL),
+                         WEFT_OK);
+        ck_assert_int_eq(weft_sim_unpin(sim, SIDE * 30 * i, NULL), WEFT_OK);
+    }
+    ck_assert_int_eq(weft_sim_step(sim, 1.0, NULL), WEFT_OK);
+    const uint64_t hash
+        = weft_state_hash(weft_sim_state(sim), weft_cloth_dim(cloth) + WEFT_POWERS);
+    weft_sim_destroy(sim);
+    return hash;
+}
+
+START_TEST(pins_that_change_and_outer_forces_have_the_same_bits_on_threads)
+{
+    weft_cloth *cloth = flag();
+    ck_assert(run_embedded(cloth, 1) == run_embedded(cloth, 3));
+    weft_cloth_destroy(cloth);
+}
+END_TEST
+
+typedef struct job {
+    const weft_cloth *cloth;
+    const weft_stepper_type *method;
+    uint64_t hash;
+} job;
+
+static void *work(void *ctx)
+{
+    job *of = ctx;
+    of->hash = run(of->cloth, of->method, 2, false);
+    return NULL;
+}
+
+START_TEST(simulations_in_several_threads_share_a_cloth)
+{
+    weft_cloth *cloth = flag();
+    const weft_stepper_type *method = test_method_named("verlet/velocity_verlet");
+    job jobs[3];
+    pthread_t threads[3];
+    for (int i = 0; i < 3; ++i) {
+        jobs[i] = (job){ cloth, method, 0 };
+        ck_assert_int_eq(pthread_create(&threads[i], NULL, work, &jobs[i]), 0);
+    }
+    for (int i = 0; i < 3; ++i) {
+        ck_assert_int_eq(pthread_join(threads[i], NULL), 0);
+    }
+    const uint64_t alone = run(cloth, method, 1, false);
+    for (int i = 0; i < 3; ++i) {
+        ck_assert(jobs[i].hash == alone);
+    }
+    weft_cloth_destroy(cloth);
+}
+END_TEST
+
+/* One bad number in the last band. */
+START_TEST(no_band_hides_what_is_not_finite)
+{
+    weft_cloth *cloth = flag();
+    const size_t n = weft_cloth_particles(cloth);
+    double *y = malloc(12 * n * sizeof *y);
+    ck_assert_ptr_nonnull(y);
+    weft_cloth_start(cloth, y);
+    weft__forces forces = weft__forces_create(cloth, 3, NULL);
+    ck_assert_int_eq(weft__forces_rhs(&forces, 0.0, y, y + 6 * n), 0);
+    for (size_t row = 0; row < SIDE; row += SIDE / 2 - 1) {
+        const size_t i = row * SIDE + 7;
+        y[i] = (double)NAN;
+        ck_assert_int_eq(weft__forces_rhs(&forces, 0.0, y, y + 6 * n), 1);
+        y[i] = 0.0;
+    }
+    weft__forces_destroy(&forces);
+    free(y);
+    weft_cloth_destroy(cloth);
+}
+END_TEST
+
+int main(void)
+{
+    int steppers = 1;
+#ifdef HAVE_GSL
+    steppers = 2;
+#ifdef HAVE_ARKODE
+    steppers = 3;
+#endif
+#endif
+    Suite *suite = suite_create("threads");
+    TCase *tcase = tcase_create("threads");
+    tcase_set_timeout(tcase, 120);
+    tcase_add_test(tcase, every_part_of_every_job_is_done_once);
+    tcase_add_test(tcase, threads_are_no_more_than_pay);
+    tcase_add_loop_test(tcase, runs_have_the_same_bits_on_any_threads_and_instructions,
+                        0, steppers);
+    if (steppers > 1) {
+        tcase_add_test(tcase, ledger_has_the_same_state_on_threads);
+    }
+    tcase_add_test(tcase,
+                   pins_that_change_and_outer_forces_have_the_same_bits_on_threads);
+    tcase_add_test(tcase, simulations_in_several_threads_share_a_cloth);
+    tcase_add_test(tcase, no_band_hides_what_is_not_finite);
+    suite_add_tcase(suite, tcase);
+    return test_run(suite);
+}
