@@ -223,7 +223,7 @@ bench: all $(BENCHES:%=$(BUILD)/bench/%)
 check: deps
 	@$(MAKE) --no-print-directory check-run
 
-check-run: all $(TEST_BIN) $(BROKEN) $(EXAMPLES) lint check-docs
+check-run: all $(TEST_BIN) $(BROKEN) $(EXAMPLES) lint
 	@tools/run-tests $(BUILD) $(TEST_BIN)
 
 # What is written, read by the programs it is meant for; what is not there is skipped.

@@ -18,7 +18,7 @@ MAN := $(SHARE)/man/weft.1 $(SHARE)/man/weft-scene.5 $(SHARE)/man/weft-plugin.7
 COMPLETIONS := $(SHARE)/weft.bash $(SHARE)/weft.zsh $(SHARE)/weft.fish
 PLUGIN_A := $(PLUGINS:%=$(BUILD)/libweft-plugin-%.a)
 
-.PHONY: install uninstall share check-install check-docs check-abi doxygen tsan
+.PHONY: install uninstall share check-install check-docs check-abi doxygen
 share: $(MAN) $(COMPLETIONS) $(PLUGIN_A)
 all: share
 
