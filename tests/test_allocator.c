@@ -164,14 +164,15 @@ static const char scene_text[]
 static weft_status load_scene(const weft_allocator *memory)
 {
     static weft_diagnostics found;
-    const char *const sets[] = { "run.fps=25", "name=a scene" };
+    const char *const sets[] = { "run.fps=25" };
     weft_scene *scene = NULL;
     weft_error err = { 0 };
     weft_scene_def def = weft_scene_def_default();
     def.text = scene_text;
     def.length = sizeof scene_text - 1;
     def.sets = sets;
-    def.set_count = 2;
+    def.set_count = 1;
+    def.file = "folder/a scene.yaml";
     def.allocator = memory;
     const weft_status status = weft_scene_load(&def, &scene, &found, &err);
     ck_assert_msg(status == WEFT_OK || err.status == status, "%s", err.message);
