@@ -240,6 +240,17 @@ START_TEST(bound_of_a_single_spring_is_exact_for_any_masses)
 }
 END_TEST
 
+START_TEST(the_power_method_needs_a_state)
+{
+    const weft_cloth_def def = weft_cloth_def_default();
+    weft_cloth *cloth = test_cloth(&def);
+    weft_stiffness fine;
+    ck_assert_int_eq(weft_cloth_stiffness_refined(cloth, NULL, 0, &fine, NULL),
+                     WEFT_INVALID);
+    weft_cloth_destroy(cloth);
+}
+END_TEST
+
 START_TEST(bound_of_a_state_that_is_not_finite_is_not_finite)
 {
     const weft_cloth_def def = chain_of_two();
@@ -271,6 +282,7 @@ static Suite *suite(void)
     tcase_add_loop_test(values, polygon_holds_stiffness_and_damping_of_every_shape, 0,
                         CLOTHS);
     tcase_add_test(values, bound_of_a_single_spring_is_exact_for_any_masses);
+    tcase_add_test(values, the_power_method_needs_a_state);
     tcase_add_test(values, bound_of_a_state_that_is_not_finite_is_not_finite);
     suite_add_tcase(suite, values);
     return suite;

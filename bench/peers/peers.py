@@ -5,9 +5,12 @@
 SciPy's solve_ivp (RK45) with NumPy slices, and symplectic Euler in NVIDIA Warp on the
 CPU. Not part of `make bench`; what is not installed is skipped:
 
+    make build/bench/steps
     python3 -m venv build/peers && build/peers/bin/pip install numpy scipy warp-lang
     build/peers/bin/python bench/peers/peers.py
 """
+import statistics
+import subprocess
 import time
 
 import numpy as np
@@ -120,6 +123,10 @@ except ImportError:
     wp = None
 
 
+def weft_run(n):
+    return float(subprocess.run(["build/bench/steps", "euler", str(n)], check=True, capture_output=True).stdout)
+
+
 def best(run, *args, rounds=3):
     return sorted((run(*args) for _ in range(rounds)), key=lambda r: r[0])[rounds // 2]
 
@@ -136,9 +143,14 @@ def main():
         if wp is None:
             print("peers: Warp skipped, not installed")
             continue
-        elapsed, x = best(warp_run, wp, n, t, h)
+        # round by round, so that both meet the same noise
+        rounds = [(warp_run(wp, n, t, h), weft_run(n)) for _ in range(7)]
+        elapsed = statistics.median(warp[0] for warp, _ in rounds)
+        own = statistics.median(weft for _, weft in rounds)
+        x = rounds[0][0][1]
         far = "" if seconds is None else f", {np.abs(x - reference).max():.1e} m from SciPy"
         print(f"peers P({n}) Warp symplectic Euler, h = {h:.3g} s: {elapsed:.4g} s{far}", flush=True)
+        print(f"peers P({n}) weft verlet symplectic_euler: {own:.4g} s, ratio {elapsed / own:.2f}", flush=True)
 
 
 if __name__ == "__main__":

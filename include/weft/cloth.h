@@ -196,10 +196,11 @@ typedef struct weft_stiffness {
  * One pass over the springs, without allocation; not finite where y is not. */
 WEFT_API weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, const double *y);
 
-/* The same, sharpened by so many steps of the power method (0: 100) from a fixed start:
- * omega2 and damping become Rayleigh quotients, which never exceed the largest values,
- * and the corners are cut down to a hair above them. So no guarantee, but together with
- * the guaranteed bounds an enclosure. Errors: WEFT_NO_MEMORY. */
+/* The same in a state y, sharpened by so many steps of the power method (0: 100) from a
+ * fixed start: omega2 and damping become Rayleigh quotients, which never exceed the
+ * largest values, and the corners are cut down to a hair above them. So no guarantee,
+ * but together with the guaranteed bounds an enclosure. Errors: WEFT_INVALID (y is
+ * NULL), WEFT_NO_MEMORY. */
 WEFT_API weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth,
                                                   const double *y, size_t iterations,
                                                   weft_stiffness *out, weft_error *err);

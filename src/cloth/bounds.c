@@ -321,6 +321,9 @@ weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth, const double *
                                          size_t iterations, weft_stiffness *out,
                                          weft_error *err)
 {
+    if (y == NULL) {
+        return weft_error_set(err, WEFT_INVALID, "the power method needs a state");
+    }
     const size_t size = 3 * cloth->particles;
     double *work = weft__alloc(&cloth->memory, 2 * size, sizeof *work);
     if (work == NULL) {

@@ -19,8 +19,10 @@ typedef int weft__wind_fn(const weft_cloth *cloth, const double *y, double *dydt
                           size_t first_row, size_t end_row);
 
 /* The sum of (w.u)^2 of `count` springs, of n particles, that start at y and those
- * after it; 0 where L = 0. */
-typedef double weft__rates_fn(const double *y, size_t n, size_t stride, size_t count);
+ * after it; 0 where L = 0. From the first end of them on, `room` numbers of a plane may
+ * be read. */
+typedef double weft__rates_fn(const double *y, size_t n, size_t stride, size_t count,
+                              size_t room);
 
 struct weft__level {
     const char *name;

@@ -33,7 +33,21 @@ static double rate_of_one(const double *from, const double *to, size_t n)
     return wd * wd / (dd == 0.0 ? 1.0 : dd);
 }
 
-double NAME(rates, LEVEL)(const double *y, size_t n, size_t stride, size_t count)
+/* The rest of a row by the same operations; lanes beyond it are read and not counted.
+ */
+INLINE void add_rest(vec *part, const double *from, size_t n, size_t stride,
+                     size_t count)
+{
+    static const double lane[SUMS] = { 0, 1, 2, 3, 4, 5, 6, 7 };
+    for (size_t k = 0; k < PARTS; ++k) {
+        const double *at = from + k * LANES;
+        const mask counts = load(lane + k * LANES) < splat((double)count);
+        part[k] += only(rate(at, at + stride, n), counts);
+    }
+}
+
+double NAME(rates, LEVEL)(const double *y, size_t n, size_t stride, size_t count,
+                          size_t room)
 {
     vec part[PARTS] = { { 0 } };
     double sum[SUMS], total = 0.0;
@@ -43,6 +57,10 @@ double NAME(rates, LEVEL)(const double *y, size_t n, size_t stride, size_t count
             const double *from = y + i + k * LANES;
             part[k] += rate(from, from + stride, n);
         }
+    }
+    if (i < count && i + SUMS <= room) {
+        add_rest(part, y + i, n, stride, count - i);
+        i = count;
     }
     for (size_t k = 0; k < PARTS; ++k) {
         store(sum + k * LANES, part[k]);

@@ -17,10 +17,11 @@ static double springs_power(const weft_cloth *cloth, size_t r, const double *y)
         const weft__group *group = &cloth->groups[g];
         if (group->damping != 0.0 && r < group->end_row) {
             const size_t first = r * cloth->cols + group->first_col;
+            const size_t stride = (size_t)group->stride;
             power += group->damping
-                     * cloth->level->rates(y + first, cloth->particles,
-                                           (size_t)group->stride,
-                                           group->end_col - group->first_col);
+                     * cloth->level->rates(y + first, cloth->particles, stride,
+                                           group->end_col - group->first_col,
+                                           cloth->particles - first - stride);
         }
     }
     return power;
