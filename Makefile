@@ -48,6 +48,10 @@ HDF5_CFLAGS ?= $(shell pkg-config --cflags hdf5 2>/dev/null)
 HDF5_LIBS ?= $(shell pkg-config --libs hdf5 2>/dev/null || echo -lhdf5)
 endif
 
+VERSION := $(shell sed -n 's/^.define WEFT_VERSION "\(.*\)"/\1/p' include/weft/base.h)
+# Before 1.0 a second number that differs is another interface.
+SOVERSION := $(if $(filter 0.%,$(VERSION)),$(basename $(VERSION)),$(firstword $(subst ., ,$(VERSION))))
+
 LIB_SRC  := $(wildcard src/cloth/*.c src/sim/*.c src/scene/*.c)
 PROG_SRC := $(wildcard src/record/*.c src/cli/*.c)
 LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
@@ -84,13 +88,14 @@ skipped:
 # ---- library and program ---------------------------------------------------------
 
 $(BUILD)/libweft.so: $(LIB_OBJ)
-	$(call say,LD)$(LINK) -shared -Wl,-soname,libweft.so -o $@ $^ $(LIB_LIBS)
+	$(call say,LD)$(LINK) -shared -Wl,-soname,libweft.so.$(SOVERSION) -o $@ $^ $(LIB_LIBS)
+	@ln -sf libweft.so $@.$(SOVERSION)
 
 $(BUILD)/libweft.a: $(LIB_OBJ)
 	$(call say,AR)rm -f $@ && ar rcs $@ $^
 
 $(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
-	$(call say,LD)$(LINK) -o $@ $(PROG_OBJ) -L$(BUILD) -Wl,-rpath,'$$ORIGIN' -lweft -lyaml \
+	$(call say,LD)$(LINK) -o $@ $(PROG_OBJ) -L$(BUILD) -Wl,-rpath,'$$ORIGIN:$$ORIGIN/../lib' -lweft -lyaml \
 	    $(HDF5_LIBS) -lm
 
 $(BUILD)/src/record/%.o: INCS += $(HDF5_CFLAGS)
@@ -184,7 +189,7 @@ $(BUILD)/tests/broken/weft-%.so: tests/broken/%.c
 $(BUILD)/examples/%: examples/%.c $(BUILD)/libweft.so $(BUILD)/plugins/weft-verlet.so
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -o $@ $< $(BUILD)/plugins/weft-verlet.so -L$(BUILD) \
-	    -Wl,-rpath,'$$ORIGIN/..' -Wl,-rpath,'$$ORIGIN/../plugins' -lweft -lm
+	    -Wl,-rpath,'$$ORIGIN/..' -Wl,-rpath,'$$ORIGIN/../plugins' -lweft -lm -pthread
 
 # ---- benchmarks: one program each; they measure and assert nothing ----------------
 
@@ -246,6 +251,8 @@ demo-run: all
 deps:
 	@CC="$(CC)" MPI_INC="$(MPI_INC)" tools/deps
 
+include install.mk
+
 # ---- care ------------------------------------------------------------------------
 
 C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] plugins/*/*.[ch] tests/*.[ch] \
@@ -267,11 +274,13 @@ asan:
 	    SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \
 	    check-run
 
-# Races between threads.
+# Races between threads: of a simulation, and of simulations. In one process each: forks
+# after threads are not for the sanitizer.
 tsan:
 	@$(MAKE) --no-print-directory BUILD=build/tsan CFLAGS='-O1 -g' SAN='-fsanitize=thread' \
-	    build/tsan/tests/test_threads
+	    build/tsan/tests/test_threads build/tsan/tests/test_embed
 	CK_FORK=no build/tsan/tests/test_threads
+	CK_FORK=no CK_RUN_CASE=threads build/tsan/tests/test_embed
 
 clang-build:
 	@$(MAKE) --no-print-directory BUILD=build/clang CC=clang all \
@@ -293,5 +302,6 @@ clean:
 help:
 	@sed -n '2,9s/^# \{0,1\}//p' Makefile
 	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | tsan | guard | clang-build | check-sundials7 | valgrind | symbols | clean"
+	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | check-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

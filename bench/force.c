@@ -158,7 +158,7 @@ static void size(FILE *csv, size_t n)
         at.numbers[i] = 1.0 + (double)i / BOUND;
     }
     for (size_t i = 0; i < THREADS; ++i) {
-        at.forces[i] = weft__forces_create(cloth, i + 1);
+        at.forces[i] = weft__forces_create(cloth, i + 1, NULL);
     }
     for (at.level = 0; at.level < weft__level_count(); ++at.level) {
         weft__cloth_set_level(cloth, weft__level_at(at.level));

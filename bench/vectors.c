@@ -60,7 +60,7 @@ static const weft_stepper_type *method(const char *name)
 static void ours_start(ours *self, size_t dim, size_t threads, int steps)
 {
     *self = (ours){ .type = method("dormand_prince"), .dim = dim, .steps = steps };
-    self->team = weft__team_create(threads);
+    self->team = weft__team_create(threads, NULL);
     self->lent = weft__team_lend(self->team);
     const weft_stepper_config config = {
         .struct_size = sizeof config,

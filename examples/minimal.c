@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include <stdio.h>
+#include <weft/plugins.h>
 #include <weft/weft.h>
-
-const weft_plugin *
-weft_plugin_verlet(void); /* linked in; a weft_registry loads others */
 
 int main(void)
 {
@@ -19,6 +17,7 @@ int main(void)
     weft_sim *sim = NULL;
     weft_error err;
     weft_sim_def run = weft_sim_def_default();
+    /* this plugin is linked in; a weft_registry loads others */
     run.method = weft_plugin_method(weft_plugin_verlet(), "velocity_verlet");
     run.config.fixed_step = 5e-4; /* [s] */
     bool ok = weft_cloth_create(&def, &cloth, &err) == WEFT_OK;

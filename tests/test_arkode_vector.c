@@ -41,7 +41,7 @@ typedef struct setting {
 
 static void begin(setting *s, size_t n, size_t threads)
 {
-    *s = (setting){ .team = weft__team_create(threads), .n = n };
+    *s = (setting){ .team = weft__team_create(threads, NULL), .n = n };
     s->lent = weft__team_lend(s->team);
     ck_assert((s->team != NULL) == (threads > 1));
     ck_assert_int_eq(SUNContext_Create(NO_COMM, &s->context), 0);
@@ -401,7 +401,7 @@ static weft_stepper_stats many_steps(const way *how, size_t threads, size_t dim,
                                      double *y)
 {
     const weft_stepper_type *type = test_method_named(how->method);
-    weft__team *team = weft__team_create(threads);
+    weft__team *team = weft__team_create(threads, NULL);
     const weft_team lent = weft__team_lend(team);
     const weft_ode ode = { .dim = dim, .rhs = ring, .ctx = &dim };
     const weft_stepper_config config = { .struct_size = sizeof config,

@@ -7,6 +7,7 @@
 
 #include "record/checkpoint.h"
 #include "shell.h"
+#include "sim/ledger.h"
 
 #define OUT BUILD_DIR "/checkpoint"
 
@@ -36,6 +37,16 @@ static weft_cloth *make_cloth(size_t rows)
     return test_cloth(&def);
 }
 
+/* A spring to where it is at x = 0. */
+static int pull(void *ctx, double t, const double *y, double *f)
+{
+    (void)ctx, (void)t;
+    for (size_t i = 0; i < ROWS * COLS; ++i) {
+        f[i] -= 0.1 * y[i];
+    }
+    return 0;
+}
+
 typedef struct kind {
     bool ledger, limit;
 } kind;
@@ -54,6 +65,7 @@ static weft_sim_def define(const weft_cloth *cloth, const weft_stepper_type *met
     def.ledger = wanted.ledger;
     def.limit.method = wanted.limit ? WEFT_LIMIT_PROVOT : WEFT_LIMIT_NONE;
     def.limit.strain = 0.02;
+    def.force = weft_cloth_rows(cloth) == ROWS ? pull : NULL;
     return def;
 }
 
@@ -96,6 +108,7 @@ static void same(const weft_sim *a, const weft_sim *b)
     ck_assert(weft_sim_dissipated(a) == weft_sim_dissipated(b));
     ck_assert(m.residual == n.residual && m.limit_work == n.limit_work);
     ck_assert(m.outside_work == n.outside_work && m.wind_work == n.wind_work);
+    ck_assert(m.force_work == n.force_work);
     ck_assert_uint_eq(u.corrected, v.corrected);
     ck_assert_uint_eq(u.sweeps, v.sweeps);
     ck_assert_uint_eq(u.unconverged, v.unconverged);
@@ -257,10 +270,22 @@ START_TEST(another_kind_of_simulation_is_told_apart)
     save_other(cloth, "verlet/midpoint", (kind){ true, true });
     refused(size, "saved under method 'midpoint', and this is 'velocity_verlet'");
     save_other(cloth, "verlet/velocity_verlet", (kind){ false, true });
-    refused(size - 8 * WEFT_POWERS, "saved without energy ledger");
+    refused(size - 8 * WEFT__QUADRATURES, "saved without energy ledger");
     memcpy(again, saved, size);
     again[8] = 2;
     refused(size, "saved in format 2, and this is 1");
+}
+END_TEST
+
+START_TEST(pins_that_were_changed_are_neither_saved_nor_lost)
+{
+    const size_t size = weft_sim_save_size(sim);
+    memcpy(again, saved, size);
+    ck_assert_int_eq(weft_sim_pin(sim, 7, NULL, &err), WEFT_OK);
+    refused(size, "pins were changed");
+    ck_assert_int_eq(weft_sim_save(sim, again, size, &err), WEFT_INVALID);
+    ck_assert_mem_eq(saved, again, size);
+    ck_assert(weft_cloth_pinned(weft_sim_cloth(sim), 7));
 }
 END_TEST
 
@@ -395,6 +420,7 @@ static Suite *suite(void)
     tcase_add_test(one, a_flipped_bit_anywhere_is_refused);
     tcase_add_test(one, bytes_that_are_cut_off_anywhere_are_refused);
     tcase_add_test(one, another_kind_of_simulation_is_told_apart);
+    tcase_add_test(one, pins_that_were_changed_are_neither_saved_nor_lost);
     tcase_add_test(one, too_little_room_is_refused);
     tcase_add_test(one, a_restart_that_fails_changes_nothing);
     tcase_add_test(one, a_checkpoint_is_read_as_it_was_written);

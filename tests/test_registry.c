@@ -88,7 +88,8 @@ static void teardown(void)
 /* A new registry instead of the last one. */
 static void look_in(const char *path, bool environment, const char *fallback)
 {
-    const weft_registry_def def = { path, environment, fallback };
+    const weft_registry_def def
+        = { .path = path, .environment = environment, .fallback = fallback };
     weft_registry_destroy(registry);
     ck_assert_int_eq(weft_registry_create(&def, &registry, &err), WEFT_OK);
     ck_assert_uint_eq(weft_registry_count(registry), 0);

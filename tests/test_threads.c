@@ -24,7 +24,7 @@ static void count(void *ctx, size_t i)
 START_TEST(every_part_of_every_job_is_done_once)
 {
     for (size_t threads = 2; threads <= 9; threads += 7) {
-        weft__team *team = weft__team_create(threads);
+        weft__team *team = weft__team_create(threads, NULL);
         ck_assert_uint_eq(weft__team_threads(team), threads);
         for (unsigned job = 1; job <= JOBS; ++job) {
             unsigned parts[PARTS] = { 0 };
@@ -49,7 +49,7 @@ START_TEST(threads_are_no_more_than_pay)
     for (size_t i = 0; i < 4; ++i) {
         def.rows = def.cols = side[i];
         weft_cloth *cloth = test_cloth(&def);
-        weft__forces forces = weft__forces_create(cloth, asked[i]);
+        weft__forces forces = weft__forces_create(cloth, asked[i], NULL);
         ck_assert_uint_eq(weft__team_threads(forces.team), given[i]);
         weft__forces_destroy(&forces);
         weft_cloth_destroy(cloth);
@@ -128,6 +128,49 @@ START_TEST(ledger_has_the_same_state_on_threads)
 }
 END_TEST
 
+static int pull(void *ctx, double t, const double *y, double *f)
+{
+    (void)ctx;
+    for (size_t i = 0; i < SIDE * SIDE; ++i) {
+        f[i] -= 0.1 * (1.0 + t) * y[i];
+    }
+    return 0;
+}
+
+/* The state after steps with a force of the embedder's, between which pins change. */
+static uint64_t run_embedded(const weft_cloth *cloth, size_t threads)
+{
+    const double slow[3] = { 0.0, 0.0, 0.5 };
+    weft_sim *sim;
+    weft_sim_def def = weft_sim_def_default();
+    def.cloth = cloth;
+    def.method = test_method_named("verlet/velocity_verlet");
+    def.config.threads = threads;
+    def.config.fixed_step = 1e-4;
+    def.ledger = true;
+    def.force = pull;
+    ck_assert_int_eq(weft_sim_create(&def, &sim, NULL), WEFT_OK);
+    for (size_t i = 0; i < STEPS; ++i) {
+        ck_assert_int_eq(weft_sim_step(sim, 1.0, NULL), WEFT_OK);
+        ck_assert_int_eq(weft_sim_pin(sim, SIDE * (20 * i + 9) + 5, slow, NULL),
+                         WEFT_OK);
+        ck_assert_int_eq(weft_sim_unpin(sim, SIDE * 30 * i, NULL), WEFT_OK);
+    }
+    ck_assert_int_eq(weft_sim_step(sim, 1.0, NULL), WEFT_OK);
+    const uint64_t hash
+        = weft_state_hash(weft_sim_state(sim), weft_cloth_dim(cloth) + WEFT_POWERS);
+    weft_sim_destroy(sim);
+    return hash;
+}
+
+START_TEST(pins_that_change_and_outer_forces_have_the_same_bits_on_threads)
+{
+    weft_cloth *cloth = flag();
+    ck_assert(run_embedded(cloth, 1) == run_embedded(cloth, 3));
+    weft_cloth_destroy(cloth);
+}
+END_TEST
+
 typedef struct job {
     const weft_cloth *cloth;
     const weft_stepper_type *method;
@@ -170,7 +213,7 @@ START_TEST(no_band_hides_what_is_not_finite)
     double *y = malloc(12 * n * sizeof *y);
     ck_assert_ptr_nonnull(y);
     weft_cloth_start(cloth, y);
-    weft__forces forces = weft__forces_create(cloth, 3);
+    weft__forces forces = weft__forces_create(cloth, 3, NULL);
     ck_assert_int_eq(weft__forces_rhs(&forces, 0.0, y, y + 6 * n), 0);
     for (size_t row = 0; row < SIDE; row += SIDE / 2 - 1) {
         const size_t i = row * SIDE + 7;
@@ -203,6 +246,8 @@ int main(void)
     if (steppers > 1) {
         tcase_add_test(tcase, ledger_has_the_same_state_on_threads);
     }
+    tcase_add_test(tcase,
+                   pins_that_change_and_outer_forces_have_the_same_bits_on_threads);
     tcase_add_test(tcase, simulations_in_several_threads_share_a_cloth);
     tcase_add_test(tcase, no_band_hides_what_is_not_finite);
     suite_add_tcase(suite, tcase);

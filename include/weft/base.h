@@ -11,6 +11,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #define WEFT_VERSION "0.1.0"
 
@@ -56,6 +57,29 @@ typedef struct weft_error {
     char message[512]; /* one line, without a trailing period */
 } weft_error;
 
+/* Where an object takes its memory from, for those who do not want malloc's. `resize`
+ * is as realloc, with memory aligned as malloc's, and with size 0 it frees and returns
+ * NULL; NULL for another size: there is none left, and the call fails with
+ * WEFT_NO_MEMORY. It is copied where it is given, called by the thread that calls weft,
+ * and *ctx outlives the object. Nothing is allocated inside a step. */
+typedef struct weft_allocator {
+    void *(*resize)(void *ctx, void *block, size_t size);
+    void *ctx;
+} weft_allocator;
+
+typedef enum weft_log_level {
+    WEFT_LOG_DEBUG,  /* steps that took more than one attempt */
+    WEFT_LOG_INFO,   /* what was made or loaded */
+    WEFT_LOG_WARNING /* what may be wrong with the results */
+} weft_log_level;
+
+/* What is worth telling but no failure, a line at a time without a newline; the library
+ * itself never prints. Called by the thread that calls weft. */
+typedef struct weft_log {
+    void (*write)(void *ctx, weft_log_level level, const char *text); /* NULL: nobody */
+    void *ctx;
+} weft_log;
+
 /* A short text for a status, never NULL. */
 WEFT_API const char *weft_status_text(weft_status status);
 
@@ -80,6 +104,24 @@ static inline weft_status weft_error_set(weft_error *err, weft_status status,
         va_end(args);
     }
     return status;
+}
+
+/* malloc's, as a weft_allocator.resize that needs no ctx. */
+static inline void *weft_malloc_resize(void *ctx, void *block, size_t size)
+{
+    (void)ctx;
+    if (size == 0) {
+        free(block);
+        return NULL;
+    }
+    return realloc(block, size);
+}
+
+/* A copy of *given; malloc's if it is NULL. Header-only, for plugins. */
+static inline weft_allocator weft_allocator_or_malloc(const weft_allocator *given)
+{
+    weft_allocator memory = { weft_malloc_resize, NULL };
+    return given != NULL ? *given : memory;
 }
 
 #ifdef __cplusplus

@@ -81,6 +81,7 @@ typedef struct weft_cloth_def {
     double drag;             /* [kg/s] >= 0, viscous: F = -drag v on each particle */
     double wind_velocity[3]; /* [m/s] */
     double wind_drag;        /* [kg/(m^2 s)] >= 0; 0: no wind */
+    const weft_allocator *allocator; /* NULL: malloc's */
 } weft_cloth_def;
 
 /* A spring between two particles, named by their indices; family tells which kind. */

@@ -75,6 +75,10 @@ typedef struct weft_scene_def {
      * would not use can be checked where they stand. NULL: not checked. */
     const weft_plugin *(*find_plugin)(void *ctx, const char *id, weft_error *err);
     void *find_ctx;
+
+    /* NULL: malloc's. From malloc always: what libyaml needs while it reads, and what a
+     * weft_sweep keeps beside the text and the scenes. */
+    const weft_allocator *allocator;
 } weft_scene_def;
 
 WEFT_API weft_scene_def weft_scene_def_default(void);

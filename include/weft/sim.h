@@ -16,9 +16,14 @@ typedef struct weft_registry weft_registry;
 
 /* Where weft-<id>.so is looked for, in this order. Lists are separated by ':'. */
 typedef struct weft_registry_def {
-    const char *path;     /* searched first; NULL: none */
-    bool environment;     /* then WEFT_PLUGIN_PATH, if it is set */
-    const char *fallback; /* searched last: the installed directory; NULL: none */
+    const char *path;                /* searched first; NULL: none */
+    bool environment;                /* then WEFT_PLUGIN_PATH, if it is set */
+    const char *fallback;            /* then; NULL: none */
+    weft_log log;                    /* info: a plugin loaded; warning: one refused */
+    const weft_allocator *allocator; /* NULL: malloc's */
+    bool installed; /* searched last: weft/plugins-1 beside libweft.so. A program that
+                       libweft.a is linked into names that directory itself: `pkg-config
+                       --variable=plugindir weft` */
 } weft_registry_def;
 
 WEFT_API weft_registry_def weft_registry_def_default(void);
@@ -90,10 +95,23 @@ WEFT_API weft_status weft_stability_step(const weft_stability *stability,
 /* One simulation under way. One thread at a time; many may share a cloth. */
 typedef struct weft_sim weft_sim;
 
-/* Called after every accepted step of size h [s] that ended at t [s]; may edit y[6 N].
- * Returns whether it did. */
+/* Called after every accepted step of size h [s] that ended at t [s], after the strain
+ * limit; may edit y[6 N], the pinned particles' part of it excepted. Returns whether it
+ * did. It must leave every number finite. */
 typedef bool weft_correct_fn(void *ctx, double t, double h, double *y);
 
+/* A force of the embedder's own: adds [N] to f[3 N], planes fx fy fz, at t [s] in the
+ * state y[6 N]. What is added to a pinned particle has no effect. Returns as
+ * weft_rhs_fn: 0; > 0 if y is unusable and a smaller step may help; < 0 to end the run,
+ * which then fails with WEFT_STOPPED.
+ *
+ * Called in every evaluation of the right-hand side, many a step, also for attempts
+ * that are rejected, by the thread that steps: it must be a function of (t, y) alone,
+ * and smooth where the order of a method matters. Then a run gives the same bits again.
+ */
+typedef int weft_force_fn(void *ctx, double t, const double *y, double *f);
+
+/* Neither callback may call a function that changes the simulation. */
 typedef struct weft_sim_def {
     const weft_cloth *cloth;         /* outlives the simulation */
     const weft_stepper_type *method; /* likewise */
@@ -102,6 +120,10 @@ typedef struct weft_sim_def {
     void *correct_ctx;
     bool ledger; /* keep the energy ledger; the method needs WEFT_STEPPER_QUADRATURES */
     weft_limit_def limit; /* a correction after every accepted step; default: none */
+    weft_force_fn *force; /* NULL: none; comes after all forces of the cloth */
+    void *force_ctx;
+    weft_log log;
+    const weft_allocator *allocator; /* also for the stepper; NULL: malloc's */
 } weft_sim_def;
 
 /* Where the energy went since t = 0, in [J]. Without ledger in the definition only
@@ -112,9 +134,11 @@ typedef struct weft_ledger {
     double dissipated_springs, dissipated_drag;
     double wind_work, pin_work; /* done on the cloth: may be negative */
     double limit_work;          /* added by the strain limit */
-    double outside_work;        /* added by `correct` and weft_sim_set_state */
-    double residual; /* energy - energy at t = 0 + dissipated - work: 0 but for the
-                        errors of the integration */
+    double
+        outside_work;  /* added by `correct`, weft_sim_set_state and changes of pins */
+    double residual;   /* energy - energy at t = 0 + dissipated - work: 0 but for the
+                          errors of the integration */
+    double force_work; /* done on the free particles by `force` */
 } weft_ledger;
 
 /* What the strain limit has done since t = 0. */
@@ -145,6 +169,8 @@ WEFT_API weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *e
 WEFT_API double weft_sim_time(const weft_sim *sim); /* [s] */
 WEFT_API const double *
 weft_sim_state(const weft_sim *sim); /* y[6 N], until next step */
+/* The cloth as it stands: the definition's, or, once a pin was changed, the
+ * simulation's own, which has the pins of now. Until the simulation is destroyed. */
 WEFT_API const weft_cloth *weft_sim_cloth(const weft_sim *sim);
 WEFT_API weft_stepper_stats weft_sim_stats(const weft_sim *sim);
 /* Every choice of the stepper beyond its config, one call of `tell` each. */
@@ -175,6 +201,28 @@ WEFT_API void weft_sim_velocities(const weft_sim *sim, double *xyz); /* [m/s] */
 WEFT_API weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
                                         const double *velocities, weft_error *err);
 
+/* Pins, changed while a simulation runs. The cloth that it was made from and all others
+ * that share it keep theirs: the first change gives this one pins of its own. Particle
+ * i is (i / cols, i % cols). Between two steps, each in O(N). Errors: WEFT_INVALID (no
+ * such particle, a number that is not finite), WEFT_NO_MEMORY, and nothing is changed.
+ */
+
+/* Holds a particle, from where it is and from now on, and moves it at `velocity` [m/s]
+ * (NULL: not at all, and it keeps its position bit for bit). One that is pinned already
+ * gets this motion instead of its own. To have it at x by the time t of the next frame:
+ * velocity = (x - position) / (t - time). */
+WEFT_API weft_status weft_sim_pin(weft_sim *sim, size_t i, const double velocity[3],
+                                  weft_error *err);
+
+/* Puts a pinned particle to `position` [m] at once; its velocity stays. Springs do not
+ * like jumps. Errors: WEFT_INVALID also if it is not pinned. */
+WEFT_API weft_status weft_sim_move_pin(weft_sim *sim, size_t i,
+                                       const double position[3], weft_error *err);
+
+/* Lets a particle go, with the position and the velocity that it has. One that is not
+ * pinned stays as it is. */
+WEFT_API weft_status weft_sim_unpin(weft_sim *sim, size_t i, weft_error *err);
+
 /* The stepper begins anew from the present state, with the h it would try next; all
  * counts go on. Nothing else is left of its past then, whatever the method. On failure,
  * WEFT_NO_MEMORY, nothing is changed. */
@@ -184,16 +232,18 @@ WEFT_API weft_status weft_sim_restart(weft_sim *sim, weft_error *err);
  * counts, ledger and strain limit, to `size` bytes of the caller's. Restored into a
  * simulation of the same definition, made by any program on any machine, both go on
  * alike to the last bit, as saving restarts the stepper here too. What `correct` keeps
- * for itself is the caller's to save. The bytes know their version and are checksummed.
- * Errors: WEFT_INVALID (size is below that of weft_sim_save_size), those of
+ * and `force` keep for themselves is the caller's to save. The bytes know their version
+ * and are checksummed; they hold no pins, which are those of the definition: a
+ * simulation whose pins were changed can be neither saved nor restored into. Errors:
+ * WEFT_INVALID (changed pins, size is below that of weft_sim_save_size), those of
  * weft_sim_restart. */
 WEFT_API size_t weft_sim_save_size(const weft_sim *sim);
 WEFT_API weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size,
                                    weft_error *err);
 
 /* Errors: WEFT_INVALID with the reason (these are no saved simulation, damaged or cut
- * off, of another version, grid or method, or with and without ledger), WEFT_NO_MEMORY.
- * Nothing is changed then. */
+ * off, of another version, grid or method, with and without ledger, or pins that were
+ * changed here), WEFT_NO_MEMORY. Nothing is changed then. */
 WEFT_API weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
                                       weft_error *err);
 

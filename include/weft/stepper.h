@@ -118,6 +118,8 @@ typedef struct weft_stepper_config {
                            Only for a method with WEFT_STEPPER_QUADRATURES */
     const weft_team *team; /* outlives the stepper; NULL: there is none, or in the
                               definition of a simulation: its own */
+    const weft_allocator *allocator; /* for the plugin's own memory; solvers that know
+                                        malloc only go on using it. NULL: malloc's */
 } weft_stepper_config;
 
 /* What every version of the struct has. */
@@ -131,6 +133,13 @@ static inline size_t weft_stepper_half(const weft_ode *ode,
     const size_t apart
         = WEFT_HAS(config, weft_stepper_config, quadratures) ? config->quadratures : 0;
     return apart < ode->dim && (ode->dim - apart) % 2 == 0 ? (ode->dim - apart) / 2 : 0;
+}
+
+/* What a plugin takes its own memory from. */
+static inline weft_allocator weft_stepper_memory(const weft_stepper_config *config)
+{
+    return weft_allocator_or_malloc(
+        WEFT_HAS(config, weft_stepper_config, allocator) ? config->allocator : NULL);
 }
 
 typedef struct weft_stepper_stats {
@@ -199,10 +208,24 @@ typedef struct weft_stepper_type {
     /* Tells every choice that the plugin made or passed on to the solver beyond what
      * stands in the config: all that a repetition of the run needs. */
     void (*options)(const void *self, weft_option_fn *tell, void *ctx);
+
+    /* The right-hand side itself has changed, y perhaps not: nothing that was computed
+     * from it may be carried over. NULL: state_changed does as well. */
+    void (*ode_changed)(void *self);
 } weft_stepper_type;
 
 /* What every version of the struct has. */
 #define WEFT_STEPPER_TYPE_LEAST offsetof(weft_stepper_type, full_name)
+
+/* Calls ode_changed, or state_changed where it is to do. */
+static inline void weft_stepper_ode_changed(const weft_stepper_type *type, void *self)
+{
+    if (WEFT_HAS(type, weft_stepper_type, ode_changed) && type->ode_changed != NULL) {
+        type->ode_changed(self);
+    } else {
+        type->state_changed(self);
+    }
+}
 
 static inline const char *weft_stepper_full_name(const weft_stepper_type *type)
 {

@@ -17,7 +17,6 @@
 #include "weft/stepper.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 const weft_plugin *weft_plugin_verlet(void);
@@ -26,6 +25,7 @@ const weft_plugin *weft_plugin_verlet(void);
 typedef struct stepper {
     const struct method *method;
     weft_ode ode;
+    weft_allocator memory;
     size_t half;       /* y: so many positions, so many velocities, quadratures */
     double fixed_step; /* [s] */
     weft_stepper_stats stats;
@@ -145,15 +145,18 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
     if (status != WEFT_OK) {
         return status;
     }
-    stepper *self = calloc(1, sizeof *self + 3 * ode->dim * sizeof(double));
+    const weft_allocator memory = weft_stepper_memory(config);
+    const size_t arrays = 3 * ode->dim * sizeof(double);
+    stepper *self = memory.resize(memory.ctx, NULL, sizeof *self + arrays);
     if (self == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory", type->name);
     }
-    self->method = (const method *)type;
-    self->ode = *ode;
-    self->half = weft_stepper_half(ode, config);
-    self->fixed_step = config->fixed_step;
-    self->stats.next_step = config->fixed_step;
+    *self = (stepper){ .method = (const method *)type,
+                       .ode = *ode,
+                       .memory = memory,
+                       .half = weft_stepper_half(ode, config),
+                       .fixed_step = config->fixed_step,
+                       .stats = { .next_step = config->fixed_step } };
     self->start = (double *)(self + 1), self->f = self->start + ode->dim;
     self->end = self->f + ode->dim;
     *out = self;
@@ -210,6 +213,11 @@ static void state_changed(void *instance)
     self->changed = true;
 }
 
+static void ode_changed(void *instance)
+{
+    ((stepper *)instance)->carries = false;
+}
+
 static void stats(const void *instance, weft_stepper_stats *out)
 {
     const stepper *self = instance;
@@ -220,7 +228,10 @@ static void stats(const void *instance, weft_stepper_stats *out)
 
 static void destroy(void *instance)
 {
-    free(instance);
+    if (instance != NULL) {
+        const weft_allocator memory = ((stepper *)instance)->memory;
+        (void)memory.resize(memory.ctx, instance, 0);
+    }
 }
 
 enum { FLAGS = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_QUADRATURES };
@@ -239,7 +250,8 @@ enum { FLAGS = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_QUADRATURES };
                   .step = step,                                                        \
                   .state_changed = state_changed,                                      \
                   .stats = stats,                                                      \
-                  .destroy = destroy },                                                \
+                  .destroy = destroy,                                                  \
+                  .ode_changed = ode_changed },                                        \
         .advance = id                                                                  \
     }
 

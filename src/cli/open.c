@@ -8,10 +8,6 @@
 #include "cli/cli.h"
 #include "cli/human.h"
 
-#ifndef WEFT_PLUGIN_DIR
-#define WEFT_PLUGIN_DIR "/usr/local/lib/weft/plugins-1"
-#endif
-
 int report_error(const weft_error *err)
 {
     fputs("weft: error: ", stderr);
@@ -41,8 +37,7 @@ weft_registry *open_registry(const char *plugin_path)
 {
     char directory[2048], fallback[4096];
     program_directory(directory, sizeof directory);
-    (void)snprintf(fallback, sizeof fallback, "%s/plugins:%s", directory,
-                   WEFT_PLUGIN_DIR);
+    (void)snprintf(fallback, sizeof fallback, "%s/plugins", directory);
     weft_error err;
     weft_registry *registry = NULL;
     weft_registry_def def = weft_registry_def_default();

@@ -18,8 +18,9 @@
 #include "cloth/internal.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
+
+#include "cloth/memory.h"
 
 /* Of closed forms that are exact but for roundoff. */
 #define ROUNDOFF 1e-12
@@ -324,7 +325,7 @@ weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth, const double *
         return weft_error_set(err, WEFT_INVALID, "the power method needs a state");
     }
     const size_t size = 3 * cloth->particles;
-    double *work = malloc(2 * size * sizeof *work);
+    double *work = weft__alloc(&cloth->memory, 2 * size, sizeof *work);
     if (work == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the power method");
     }
@@ -338,6 +339,6 @@ weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth, const double *
         *values[i] = fmin(*values[i], found.value);
         cut(out, &ways[i]);
     }
-    free(work);
+    weft__free(&cloth->memory, work);
     return WEFT_OK;
 }

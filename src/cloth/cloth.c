@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cloth/memory.h"
+
 /* 2 pi, correctly rounded */
 #define TWO_PI 6.283185307179586
 
@@ -114,7 +116,7 @@ static void pins_init(weft_cloth *cloth, const weft_cloth_def *def)
 
 static weft_status list_pins(weft_cloth *cloth, weft_error *err)
 {
-    cloth->pins = malloc((cloth->pinned + 1) * sizeof *cloth->pins);
+    cloth->pins = weft__alloc(&cloth->memory, cloth->pinned, sizeof *cloth->pins);
     if (cloth->pins == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu pins",
                               cloth->pinned);
@@ -206,10 +208,13 @@ static void copy_plain_fields(weft_cloth *cloth, const weft_cloth_def *def)
 static weft_status allocate(weft_cloth *cloth, weft_error *err)
 {
     const size_t n = cloth->particles;
-    cloth->mass = malloc(n * sizeof *cloth->mass);
-    cloth->inverse_mass = calloc(n + WEFT_PAST, sizeof *cloth->inverse_mass);
-    cloth->pin = calloc(n, sizeof *cloth->pin);
-    cloth->motions = calloc(cloth->motion_count + 1, sizeof *cloth->motions);
+    const weft_allocator *memory = &cloth->memory;
+    cloth->mass = weft__alloc(memory, n, sizeof *cloth->mass);
+    cloth->inverse_mass
+        = weft__zeroed(memory, n + WEFT_PAST, sizeof *cloth->inverse_mass);
+    cloth->pin = weft__zeroed(memory, n, sizeof *cloth->pin);
+    cloth->motions
+        = weft__zeroed(memory, cloth->motion_count + 1, sizeof *cloth->motions);
     if (cloth->mass == NULL || cloth->inverse_mass == NULL || cloth->pin == NULL
         || cloth->motions == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu particles", n);
@@ -242,12 +247,14 @@ weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
     if (valid != WEFT_OK) {
         return valid;
     }
-    weft_cloth *cloth = calloc(1, sizeof *cloth);
+    const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
+    weft_cloth *cloth = weft__zeroed(&memory, 1, sizeof *cloth);
     if (cloth == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a cloth");
     }
     copy_plain_fields(cloth, def);
     cloth->motion_count = def->pin_count;
+    cloth->memory = memory;
     cloth->level = weft__level_named(getenv("WEFT_ISA"));
     const weft_status status = fill(cloth, def, err);
     if (status != WEFT_OK) {
@@ -261,12 +268,13 @@ weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
 void weft_cloth_destroy(weft_cloth *cloth)
 {
     if (cloth != NULL) {
-        free(cloth->mass);
-        free(cloth->inverse_mass);
-        free(cloth->pin);
-        free(cloth->pins);
-        free(cloth->motions);
-        free(cloth);
+        const weft_allocator memory = cloth->memory;
+        weft__free(&memory, cloth->mass);
+        weft__free(&memory, cloth->inverse_mass);
+        weft__free(&memory, cloth->pin);
+        weft__free(&memory, cloth->pins);
+        weft__free(&memory, cloth->motions);
+        weft__free(&memory, cloth);
     }
 }
 
@@ -349,7 +357,7 @@ size_t weft_cloth_bytes(const weft_cloth *cloth)
         = sizeof *cloth->mass + sizeof *cloth->inverse_mass + sizeof *cloth->pin;
     return sizeof *cloth + cloth->particles * each
            + WEFT_PAST * sizeof *cloth->inverse_mass
-           + (cloth->pinned + 1) * sizeof *cloth->pins
+           + cloth->pinned * sizeof *cloth->pins
            + (cloth->motion_count + 1) * sizeof *cloth->motions;
 }
 

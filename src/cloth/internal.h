@@ -45,10 +45,12 @@ struct weft_cloth {
     double *mass;         /* [kg] N of them */
     double *inverse_mass; /* [1/kg] N, 0 of the pinned, and WEFT_PAST more */
     uint32_t *pin;        /* N: 0 free, else 1 + index into motions */
-    size_t *pins;         /* the pinned, in order */
+    size_t *pins;         /* the pinned, in order; room for N if borrowed */
     const weft__level *level;
     weft__motion *motions;
     size_t motion_count;
+    size_t first_own; /* repin.c */
+    weft_allocator memory;
 };
 
 /* springs.c: fill cloth->groups from the definition. */

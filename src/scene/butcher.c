@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* butcher.c -- an explicit Runge-Kutta table of the user's own. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "scene/read.h"
 #include "scene/scalar.h"
@@ -41,8 +40,8 @@ static bool has_stages(weft__reader *reader, const weft__key *key,
 /* Room for `count` values in a list that is empty so far. */
 static bool allocate(weft__reader *reader, weft__list *list, size_t count)
 {
-    free(list->values);
-    list->values = calloc(count, sizeof *list->values);
+    weft__free(reader->report->memory, list->values);
+    list->values = weft__zeroed(reader->report->memory, count, sizeof *list->values);
     reader->report->no_memory = reader->report->no_memory || list->values == NULL;
     return list->values != NULL;
 }

@@ -2,7 +2,6 @@
 /* checks.c -- what must hold between the keys of cloth, limit and run. A field that is
  * 0 was wrong and has been complained of. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "scene/read.h"
@@ -238,7 +237,8 @@ static size_t count_free(weft__reader *reader, const weft_cloth_def *cloth)
     if (cloth->rows * cloth->cols > (size_t)1 << 24) {
         return 1;
     }
-    int *steps = calloc((cloth->rows + 1) * width, sizeof *steps);
+    int *steps = weft__zeroed(reader->report->memory, (cloth->rows + 1) * width,
+                              sizeof *steps);
     if (steps == NULL) {
         reader->report->no_memory = true;
         return 1;
@@ -263,7 +263,7 @@ static size_t count_free(weft__reader *reader, const weft_cloth_def *cloth)
             free_ones += *here == 0;
         }
     }
-    free(steps);
+    weft__free(reader->report->memory, steps);
     return free_ones;
 }
 

@@ -43,17 +43,18 @@ void weft__document_put(yaml_document_t *document, const char *path, yaml_mark_t
 bool weft__document_copy(yaml_document_t *to, yaml_document_t *from,
                          weft__report *report);
 
-/* The document as YAML text, to be freed, or NULL if memory ran out. Deletes the
- * document. */
-char *weft__document_emit(yaml_document_t *document);
+/* The document as YAML text, which is the caller's, or NULL if memory ran out. Deletes
+ * the document. */
+char *weft__document_emit(yaml_document_t *document, const weft_allocator *memory);
 
-/* name.c: the file's name without folders and without .yaml, to be freed; NULL if
- * memory ran out. */
-char *weft__name_of_file(const char *file);
+/* name.c: the file's name without folders and without .yaml, which is the caller's;
+ * NULL if memory ran out. */
+char *weft__name_of_file(const char *file, const weft_allocator *memory);
 
-/* The text of a document with a line `name: ...` before its first key, to be freed;
- * NULL if it is not written so that this can be done, or memory ran out. */
-char *weft__name_insert(yaml_document_t *document, const char *text, const char *name);
+/* The text of a document with a line `name: ...` before its first key, which is the
+ * caller's; NULL if it is not written so that this can be done, or memory ran out. */
+char *weft__name_insert(yaml_document_t *document, const char *text, const char *name,
+                        const weft_allocator *memory);
 
 /* The same in the document itself. false: memory ran out. */
 bool weft__name_append(yaml_document_t *document, const char *name);

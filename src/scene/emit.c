@@ -3,12 +3,12 @@
  *
  * Numbers keep the text they were given in. Mappings are written a key a line, lists of
  * plain values in one line. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "scene/document.h"
 
 typedef struct buffer {
+    const weft_allocator *memory;
     char *text;
     size_t length, capacity;
 } buffer;
@@ -18,7 +18,7 @@ static int append(void *ctx, unsigned char *text, size_t size)
     buffer *out = ctx;
     if (size >= out->capacity - out->length) {
         const size_t capacity = 2 * out->capacity + size + 1;
-        char *grown = realloc(out->text, capacity);
+        char *grown = weft__resize(out->memory, out->text, capacity, 1);
         if (grown == NULL) {
             return 0;
         }
@@ -70,12 +70,13 @@ static void set_styles(yaml_document_t *document)
     }
 }
 
-char *weft__document_emit(yaml_document_t *document)
+char *weft__document_emit(yaml_document_t *document, const weft_allocator *memory)
 {
-    buffer out = { .text = calloc(1, 1), .capacity = 1 };
+    buffer out
+        = { .memory = memory, .text = weft__zeroed(memory, 1, 1), .capacity = 1 };
     yaml_emitter_t emitter;
     if (out.text == NULL || !yaml_emitter_initialize(&emitter)) {
-        free(out.text);
+        weft__free(memory, out.text);
         yaml_document_delete(document);
         return NULL;
     }
@@ -88,7 +89,7 @@ char *weft__document_emit(yaml_document_t *document)
                          && yaml_emitter_flush(&emitter);
     yaml_emitter_delete(&emitter);
     if (!written) {
-        free(out.text);
+        weft__free(memory, out.text);
         return NULL;
     }
     return out.text;

@@ -4,7 +4,6 @@
  * Every node is looked at once, however many ways lead to it; its size and height with
  * all aliases expanded are kept. */
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "scene/document.h"
@@ -127,15 +126,16 @@ static bool visit(walk *self, int id, uint32_t depth)
 bool weft__document_check(yaml_document_t *document, weft__report *report)
 {
     const size_t count = (size_t)(document->nodes.top - document->nodes.start);
-    walk self = { .document = document,
-                  .report = report,
-                  .extents = calloc(count + 1, sizeof *self.extents),
-                  .good = true };
+    walk self
+        = { .document = document,
+            .report = report,
+            .extents = weft__zeroed(report->memory, count + 1, sizeof *self.extents),
+            .good = true };
     if (self.extents == NULL) {
         report->no_memory = true;
         return false;
     }
     (void)(count > 0 && visit(&self, 1, 1));
-    free(self.extents);
+    weft__free(report->memory, self.extents);
     return self.good;
 }

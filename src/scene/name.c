@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* name.c -- the name of a scene that has none of its own. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "scene/document.h"
 
-char *weft__name_of_file(const char *file)
+char *weft__name_of_file(const char *file, const weft_allocator *memory)
 {
     static const char *const endings[] = { ".yaml", ".yml" };
     const char *slash = strrchr(file, '/');
-    char *name = strdup(slash == NULL ? file : slash + 1);
+    char *name = weft__copy_text(memory, slash == NULL ? file : slash + 1);
     const size_t length = name == NULL ? 0 : strlen(name);
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; ++i) {
         const size_t ending = strlen(endings[i]);
@@ -44,11 +43,12 @@ static const char *first_key(yaml_document_t *document, const char *text)
     return is_there ? text : NULL;
 }
 
-char *weft__name_insert(yaml_document_t *document, const char *text, const char *name)
+char *weft__name_insert(yaml_document_t *document, const char *text, const char *name,
+                        const weft_allocator *memory)
 {
     const char *before = first_key(document, text);
     const size_t room = strlen(text) + 2 * strlen(name) + sizeof "name: \"\"\n";
-    char *out = before == NULL ? NULL : malloc(room);
+    char *out = before == NULL ? NULL : weft__alloc(memory, room, 1);
     if (out == NULL) {
         return NULL;
     }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* pins.c -- places on the grid, and the pins and loads that are put there. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "scene/read.h"
@@ -277,7 +276,7 @@ static void *allocate_items(weft__reader *reader, const weft__key *key,
                      NULL);
         return NULL;
     }
-    void *items = count == 0 ? NULL : calloc(count, size);
+    void *items = count == 0 ? NULL : weft__zeroed(reader->report->memory, count, size);
     reader->report->no_memory
         = reader->report->no_memory || (count > 0 && items == NULL);
     return items;

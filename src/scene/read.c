@@ -3,7 +3,6 @@
 #include "scene/read.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "scene/scalar.h"
@@ -184,8 +183,8 @@ static void read_text(weft__reader *reader, const weft__key *key,
         refuse(reader, key, node);
         return;
     }
-    free(*text);
-    *text = strdup(value);
+    weft__free(reader->report->memory, *text);
+    *text = weft__copy_text(reader->report->memory, value);
     reader->report->no_memory = reader->report->no_memory || *text == NULL;
 }
 

@@ -32,6 +32,7 @@ typedef struct weft__control {
 /* Arrays and texts that the definition structs point to are owned by the scene. Fields
  * whose key is absent or wrong stay 0. */
 struct weft_scene {
+    weft_allocator memory;
     char *name, *text, *plugin, *method;
     size_t version;
     weft_cloth_def cloth;
@@ -58,6 +59,7 @@ typedef struct weft__reader {
  */
 typedef struct weft__base {
     weft_scene_def def;
+    weft_allocator memory;
     char *text;
     size_t length;
     weft__source *sources; /* the file, then the overrides */
@@ -68,7 +70,8 @@ typedef struct weft__base {
     bool changed;  /* it is not what the text says */
 } weft__base;
 
-/* What is wrong is added to a report, which the caller ends before the base is closed.
+/* What is wrong is added to a report, which the caller ends before the base is closed;
+ * it takes its memory as the base does.
  * Errors: WEFT_INVALID, WEFT_IO, WEFT_NO_MEMORY. */
 weft_status weft__base_open(const weft_scene_def *def, weft__base *out,
                             weft__report *report, weft_error *err);

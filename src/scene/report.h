@@ -3,6 +3,7 @@
 #ifndef WEFT_SCENE_REPORT_H
 #define WEFT_SCENE_REPORT_H
 
+#include "cloth/memory.h"
 #include "scene/source.h"
 #include "weft/scene.h"
 
@@ -17,6 +18,7 @@ typedef struct weft__report {
     weft__origin origin[WEFT_DIAGNOSTICS_MAX]; /* of found->items */
     size_t run;                                /* of a sweep, that is being read */
     bool no_memory; /* an allocation failed: nothing that was found counts */
+    const weft_allocator *memory;
 } weft__report;
 
 /* Add a mistake, or a warning, at a place. The first WEFT_DIAGNOSTICS_MAX in the order

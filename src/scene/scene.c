@@ -2,7 +2,6 @@
 /* scene.c -- a scene from its text and overrides: load, check, read, keep. */
 #include <errno.h>
 #include <locale.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "scene/read.h"
@@ -21,12 +20,15 @@ static weft_status no_memory(weft_error *err)
 }
 
 /* One byte more than is allowed is read, to know. */
-static weft_status read_stream(FILE *stream, const char *file, char **text,
+static weft_status read_stream(FILE *stream, const char *file,
+                               const weft_allocator *memory, char **text,
                                size_t *length, weft_error *err)
 {
-    size_t capacity = 1 << 14;
-    for (char *grown = NULL; (grown = realloc(*text, capacity)) != NULL;
-         capacity *= 2) {
+    for (size_t capacity = 1 << 14;; capacity *= 2) {
+        char *grown = weft__resize(memory, *text, capacity, 1);
+        if (grown == NULL) {
+            return no_memory(err);
+        }
         *text = grown;
         *length += fread(grown + *length, 1, capacity - 1 - *length, stream);
         grown[*length] = '\0';
@@ -37,28 +39,27 @@ static weft_status read_stream(FILE *stream, const char *file, char **text,
             return WEFT_OK;
         }
     }
-    return no_memory(err);
 }
 
-static weft_status read_file(const char *file, char **text, size_t *length,
-                             weft_error *err)
+static weft_status read_file(const char *file, const weft_allocator *memory,
+                             char **text, size_t *length, weft_error *err)
 {
     FILE *stream = fopen(file, "rb");
     if (stream == NULL) {
         return weft_error_set(err, WEFT_IO, "%.200s: %s", file, strerror(errno));
     }
-    const weft_status status = read_stream(stream, file, text, length, err);
+    const weft_status status = read_stream(stream, file, memory, text, length, err);
     (void)fclose(stream);
     return status;
 }
 
-static weft_status take_text(const weft_scene_def *def, char **text, size_t *length,
-                             weft_error *err)
+static weft_status take_text(const weft_scene_def *def, const weft_allocator *memory,
+                             char **text, size_t *length, weft_error *err)
 {
     if (def->text == NULL) {
-        return read_file(def->file, text, length, err);
+        return read_file(def->file, memory, text, length, err);
     }
-    *text = malloc(def->length + 1);
+    *text = def->length == SIZE_MAX ? NULL : weft__alloc(memory, def->length + 1, 1);
     if (*text == NULL) {
         return no_memory(err);
     }
@@ -80,7 +81,8 @@ static weft_status make_sources(const weft_scene_def *def, weft__base *base,
                                 weft_error *err)
 {
     const size_t mark = strncmp(base->text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
-    base->sources = calloc(def->set_count + 1, sizeof *base->sources);
+    base->sources
+        = weft__zeroed(&base->memory, def->set_count + 1, sizeof *base->sources);
     if (base->sources == NULL) {
         return no_memory(err);
     }
@@ -143,11 +145,14 @@ static void load_document(weft__base *base, weft__report *report)
 weft_status weft__base_open(const weft_scene_def *def, weft__base *out,
                             weft__report *report, weft_error *err)
 {
-    *out = (weft__base){ .def = *def, .sweep = { .runs = 1 } };
+    *out = (weft__base){ .def = *def,
+                         .memory = weft_allocator_or_malloc(def->allocator),
+                         .sweep = { .runs = 1 } };
+    report->memory = &out->memory;
     if (def->file == NULL && def->text == NULL) {
         return weft_error_set(err, WEFT_INVALID, "a scene needs a file or a text");
     }
-    weft_status status = take_text(def, &out->text, &out->length, err);
+    weft_status status = take_text(def, &out->memory, &out->text, &out->length, err);
     status = status == WEFT_OK ? make_sources(def, out, err) : status;
     if (status == WEFT_OK) {
         report->sources = out->sources;
@@ -165,8 +170,8 @@ void weft__base_close(weft__base *base)
     if (base->loaded) {
         yaml_document_delete(&base->document);
     }
-    free(base->sources);
-    free(base->text);
+    weft__free(&base->memory, base->sources);
+    weft__free(&base->memory, base->text);
 }
 
 /* ---- reading ---------------------------------------------------------------- */
@@ -175,12 +180,13 @@ void weft__base_close(weft__base *base)
  * another file: not where that is scene.yaml, as a run calls it. */
 static bool keep_name(weft__base *base, yaml_document_t **changed, weft_scene *scene)
 {
-    scene->name = weft__name_of_file(name_in_messages(&base->def));
+    scene->name = weft__name_of_file(name_in_messages(&base->def), &base->memory);
     if (scene->name == NULL || strcmp(scene->name, "scene") == 0) {
         return scene->name != NULL;
     }
     if (*changed == NULL) {
-        scene->text = weft__name_insert(&base->document, base->text, scene->name);
+        scene->text = weft__name_insert(&base->document, base->text, scene->name,
+                                        &base->memory);
         if (scene->text != NULL) {
             return true;
         }
@@ -197,12 +203,12 @@ static weft_status complete(weft__base *base, yaml_document_t *changed,
     scene->config.threads = scene->run.threads;
     const bool named = scene->name != NULL || keep_name(base, &changed, scene);
     if (changed != NULL) {
-        scene->text = weft__document_emit(changed);
+        scene->text = weft__document_emit(changed, &base->memory);
         if (changed == &base->document) {
             base->loaded = false; /* emitting ends it */
         }
     } else if (scene->text == NULL) {
-        scene->text = malloc(base->length + 1);
+        scene->text = weft__alloc(&base->memory, base->length + 1, 1);
         if (scene->text != NULL) {
             memcpy(scene->text, base->text, base->length + 1);
         }
@@ -257,10 +263,11 @@ weft_status weft__base_read(weft__base *base, size_t run, weft__report *report,
     if (!base->readable) {
         return WEFT_BAD_SCENE;
     }
-    weft_scene *scene = calloc(1, sizeof *scene);
+    weft_scene *scene = weft__zeroed(&base->memory, 1, sizeof *scene);
     if (scene == NULL) {
         return no_memory(err);
     }
+    scene->memory = base->memory;
     scene->config.struct_size = sizeof scene->config;
     const weft_status status = read_in_c_locale(base, run, report, scene, err);
     if (status != WEFT_OK) {
@@ -300,18 +307,22 @@ void weft_scene_destroy(weft_scene *scene)
     if (scene == NULL) {
         return;
     }
-    free(scene->name);
-    free(scene->text);
-    free(scene->plugin);
-    free(scene->method);
-    free(scene->tableau.a.values);
-    free(scene->tableau.b.values);
-    free(scene->tableau.c.values);
-    free(scene->tableau.b_embedded.values);
-    free(scene->control.gains.values);
-    free(scene->pins);
-    free(scene->loads);
-    free(scene);
+    const weft_allocator memory = scene->memory;
+    void *const parts[] = { scene->name,
+                            scene->text,
+                            scene->plugin,
+                            scene->method,
+                            scene->tableau.a.values,
+                            scene->tableau.b.values,
+                            scene->tableau.c.values,
+                            scene->tableau.b_embedded.values,
+                            scene->control.gains.values,
+                            scene->pins,
+                            scene->loads };
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) {
+        weft__free(&memory, parts[i]);
+    }
+    weft__free(&memory, scene);
 }
 
 /* ---- queries ---------------------------------------------------------------- */

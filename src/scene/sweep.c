@@ -435,8 +435,10 @@ weft_status weft_sweep_scene(const weft_sweep *sweep, size_t run, weft_scene **o
                              weft_error *err)
 {
     weft_diagnostics *found = calloc(1, sizeof *found);
-    weft__report report
-        = { .found = found, .sources = sweep->base->sources, .run = run };
+    weft__report report = { .found = found,
+                            .sources = sweep->base->sources,
+                            .run = run,
+                            .memory = &sweep->base->memory };
     *out = NULL;
     weft_status status
         = found == NULL ? no_memory(err)

@@ -2,6 +2,8 @@
 /* base.c -- texts of the status codes, version. */
 #include "weft/base.h"
 
+#include "sim/log.h"
+
 const char *weft_status_text(weft_status status)
 {
     static const char *const texts[] = {
@@ -16,4 +18,16 @@ const char *weft_status_text(weft_status status)
 const char *weft_version(void)
 {
     return WEFT_VERSION;
+}
+
+void weft__log(const weft_log *log, weft_log_level level, const char *format, ...)
+{
+    if (log->write != NULL) {
+        char text[1024];
+        va_list args;
+        va_start(args, format);
+        (void)vsnprintf(text, sizeof text, format, args);
+        va_end(args);
+        log->write(log->ctx, level, text);
+    }
 }

@@ -2,8 +2,8 @@
 #include "sim/forces.h"
 
 #include <stdatomic.h>
-#include <stdlib.h>
 
+#include "cloth/memory.h"
 #include "cloth/rows.h"
 
 /* Particles that are worth a thread: their evaluation takes ten times as long as it
@@ -12,14 +12,16 @@
  * thread is kept from running. */
 enum { PARTICLES_PER_THREAD = 2048, ROWS_PER_BAND = 48 };
 
-weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads)
+weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
+                                 const weft_allocator *given)
 {
+    const weft_allocator memory = weft_allocator_or_malloc(given);
     const size_t worth = weft_cloth_particles(cloth) / PARTICLES_PER_THREAD;
     const size_t rows = weft_cloth_rows(cloth);
     const size_t useful = worth < rows ? worth : rows;
     double *heat = NULL;
-    weft__team *team = weft__team_create(threads < useful ? threads : useful);
-    if (team != NULL && (heat = malloc(rows * sizeof *heat)) == NULL) {
+    weft__team *team = weft__team_create(threads < useful ? threads : useful, &memory);
+    if (team != NULL && (heat = weft__alloc(&memory, rows, sizeof *heat)) == NULL) {
         weft__team_destroy(team);
         team = NULL;
     }
@@ -29,13 +31,14 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads)
     return (weft__forces){ .cloth = cloth,
                            .team = team,
                            .bands = bands < WEFT_PARTS ? bands : WEFT_PARTS,
-                           .heat = heat };
+                           .heat = heat,
+                           .memory = memory };
 }
 
 void weft__forces_destroy(weft__forces *forces)
 {
     weft__team_destroy(forces->team);
-    free(forces->heat);
+    weft__free(&forces->memory, forces->heat);
 }
 
 typedef struct call {

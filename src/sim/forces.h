@@ -12,10 +12,13 @@ typedef struct weft__forces {
     weft__team *team; /* NULL: one thread */
     size_t bands;
     double *heat; /* [W] of each row; NULL: one thread */
+    weft_allocator memory;
 } weft__forces;
 
-/* On so many threads at most: a cloth that is too small for that has fewer. */
-weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads);
+/* On so many threads at most: a cloth that is too small for that has fewer. No
+ * memory given: malloc's. */
+weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
+                                 const weft_allocator *memory);
 void weft__forces_destroy(weft__forces *forces);
 
 /* As weft_cloth_rhs. */

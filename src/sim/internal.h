@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* internal.h -- what sim.c and save.c share of a simulation. */
+/* internal.h -- what a simulation is made of, for the files of src/sim alone. */
 #ifndef WEFT_SIM_INTERNAL_H
 #define WEFT_SIM_INTERNAL_H
 
@@ -8,7 +8,8 @@
 #include "sim/limit.h"
 
 struct weft_sim {
-    const weft_cloth *cloth;
+    const weft_cloth *cloth; /* the definition's, or `own` */
+    weft_cloth *own;         /* NULL until a pin is changed */
     const weft_stepper_type *method;
     weft_stepper_config config;
     void *stepper;
@@ -18,11 +19,20 @@ struct weft_sim {
     weft__limit *limit; /* NULL: none */
     weft_correct_fn *correct;
     void *correct_ctx;
+    weft_force_fn *force;
+    void *force_ctx;
+    double *added; /* [N] 3 N, by `force` */
+    weft_log log;
+    weft_allocator memory;
+    uint64_t rejected;          /* attempts that were told of */
     double t;                   /* [s] */
     double dissipated, heating; /* [J] so far, [W] at t; without ledger */
     weft__ledger ledger;
     double *y; /* 6 N, then with ledger its quadratures */
 };
+
+/* motion.c: the right-hand side of a simulation, which is ctx. */
+int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx);
 
 /* A stepper for the simulation as it is defined; first_step [s] 0: by the config. */
 weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out,
@@ -30,5 +40,10 @@ weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out
 
 /* The length of y. */
 size_t weft__sim_dim(const weft_sim *sim);
+
+/* Around a change of y or of the cloth from outside, between two steps. */
+void weft__sim_change_begins(weft_sim *sim);
+void weft__sim_state_changed(weft_sim *sim);
+void weft__sim_ode_changed(weft_sim *sim);
 
 #endif

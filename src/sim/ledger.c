@@ -3,19 +3,16 @@
 
 #include <math.h>
 
-#include "sim/forces.h"
-
-int weft__ledger_rhs(double t, const double *y, double *dydt, void *ctx)
+bool weft__ledger_rates(const weft_cloth *cloth, double t, const double *y,
+                        double force_power, double *rates)
 {
-    const weft__forces *forces = ctx;
-    const weft_cloth *cloth = forces->cloth;
-    double *power = dydt + weft_cloth_dim(cloth);
-    int failed = weft__forces_rhs(forces, t, y, dydt);
-    weft_cloth_power(cloth, t, y, power);
-    for (size_t k = 0; k < WEFT_POWERS; ++k) {
-        failed |= !isfinite(power[k]);
+    bool finite = true;
+    weft_cloth_power(cloth, t, y, rates);
+    rates[WEFT_POWERS] = force_power;
+    for (size_t k = 0; k < WEFT__QUADRATURES; ++k) {
+        finite = finite && isfinite(rates[k]);
     }
-    return failed;
+    return finite;
 }
 
 static double total(const weft_energy *energy)
@@ -36,7 +33,7 @@ static double total_of(const weft_cloth *cloth, const double *y)
 void weft__ledger_start(weft__ledger *ledger, const weft_cloth *cloth, double *y)
 {
     if (ledger->on) {
-        for (size_t k = 0; k < WEFT_POWERS; ++k) {
+        for (size_t k = 0; k < WEFT__QUADRATURES; ++k) {
             y[weft_cloth_dim(cloth) + k] = 0.0;
         }
         ledger->start = total_of(cloth, y);
@@ -70,11 +67,12 @@ weft_ledger weft__ledger_read(const weft__ledger *ledger, const weft_cloth *clot
         out.dissipated_drag = done[WEFT_POWER_DRAG];
         out.wind_work = done[WEFT_POWER_WIND];
         out.pin_work = done[WEFT_POWER_PINS];
+        out.force_work = done[WEFT_POWERS];
         out.limit_work = ledger->limit_work;
         out.outside_work = ledger->outside_work;
         out.residual = total(&out.energy) - ledger->start + out.dissipated_springs
                        + out.dissipated_drag - out.wind_work - out.pin_work
-                       - out.limit_work - out.outside_work;
+                       - out.limit_work - out.outside_work - out.force_work;
     }
     return out;
 }

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* ledger.h -- where the energy of a simulation went.
  *
- * The powers of weft_cloth_power are integrated with the state, as WEFT_POWERS
- * quadratures behind its 6 N numbers. What happens between the steps is work too. */
+ * The powers of weft_cloth_power and that of the embedder's force are integrated with
+ * the state, as quadratures behind its 6 N numbers. What happens between the steps is
+ * work too. */
 #ifndef WEFT_SIM_LEDGER_H
 #define WEFT_SIM_LEDGER_H
 
@@ -15,8 +16,11 @@ typedef struct weft__ledger {
     double limit_work, outside_work; /* [J] */
 } weft__ledger;
 
-/* The equations of motion and the powers behind them; ctx is a weft__forces. */
-int weft__ledger_rhs(double t, const double *y, double *dydt, void *ctx);
+enum { WEFT__QUADRATURES = WEFT_POWERS + 1 }; /* the last: the embedder's force */
+
+/* What changes the energy at t, into rates[WEFT__QUADRATURES]; whether it is finite. */
+bool weft__ledger_rates(const weft_cloth *cloth, double t, const double *y,
+                        double force_power, double *rates);
 
 /* y at t = 0; puts the quadratures behind it to 0. */
 void weft__ledger_start(weft__ledger *ledger, const weft_cloth *cloth, double *y);

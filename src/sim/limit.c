@@ -16,10 +16,12 @@
 #include "sim/limit.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "cloth/memory.h"
+
 struct weft__limit {
+    weft_allocator memory;
     weft_limit_def def;
     weft__limited springs;
     weft_limit_stats stats;
@@ -58,7 +60,8 @@ static weft_status check(const weft_limit_def *def, weft_error *err)
 }
 
 weft_status weft__limit_create(const weft_limit_def *def, const weft_cloth *cloth,
-                               weft__limit **out, weft_error *err)
+                               const weft_allocator *memory, weft__limit **out,
+                               weft_error *err)
 {
     *out = NULL;
     if (def->method == WEFT_LIMIT_NONE) {
@@ -70,13 +73,14 @@ weft_status weft__limit_create(const weft_limit_def *def, const weft_cloth *clot
     }
     const size_t count = 3 * weft_cloth_particles(cloth);
     const size_t arrays = def->solver == WEFT_LIMIT_FAST ? 3 : 1;
-    weft__limit *self = calloc(1, sizeof *self);
-    double *x = malloc(arrays * count * sizeof *x);
+    weft__limit *self = weft__zeroed(memory, 1, sizeof *self);
+    double *x = weft__alloc(memory, arrays * count, sizeof *x);
     if (self == NULL || x == NULL) {
-        free(self);
-        free(x);
+        weft__free(memory, self);
+        weft__free(memory, x);
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a strain limit");
     }
+    self->memory = *memory;
     self->def = *def;
     self->springs = (weft__limited){ .cloth = cloth,
                                      .stretch = 1.0 + def->strain,
@@ -93,8 +97,16 @@ weft_status weft__limit_create(const weft_limit_def *def, const weft_cloth *clot
 void weft__limit_destroy(weft__limit *limit)
 {
     if (limit != NULL) {
-        free(limit->x);
-        free(limit);
+        const weft_allocator memory = limit->memory;
+        weft__free(&memory, limit->x);
+        weft__free(&memory, limit);
+    }
+}
+
+void weft__limit_use(weft__limit *limit, const weft_cloth *cloth)
+{
+    if (limit != NULL) {
+        limit->springs.cloth = cloth;
     }
 }
 

@@ -4,9 +4,10 @@
 
 #include <dirent.h>
 #include <dlfcn.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+
+#include "cloth/memory.h"
 
 typedef struct entry {
     const weft_plugin *plugin;
@@ -18,22 +19,26 @@ struct weft_registry {
     char *path; /* directories, separated by ':' */
     entry *entries;
     size_t count;
+    weft_log log;
+    weft_allocator memory;
 };
 
 weft_registry_def weft_registry_def_default(void)
 {
-    return (weft_registry_def){ .environment = true };
+    return (weft_registry_def){ .environment = true, .installed = true };
 }
 
-/* The three lists as one, empty ones left out. */
-static char *join_paths(const char *const lists[3])
+enum { LISTS = 4 };
+
+/* All lists as one, empty ones left out. */
+static char *join_paths(const weft_allocator *memory, const char *const lists[LISTS])
 {
     size_t length = 1;
-    for (size_t i = 0; i < 3; ++i) {
+    for (size_t i = 0; i < LISTS; ++i) {
         length += lists[i] == NULL ? 0 : strlen(lists[i]) + 1;
     }
-    char *joined = calloc(1, length);
-    for (size_t i = 0; joined != NULL && i < 3; ++i) {
+    char *joined = weft__zeroed(memory, length, 1);
+    for (size_t i = 0; joined != NULL && i < LISTS; ++i) {
         if (lists[i] != NULL && lists[i][0] != '\0') {
             strcat(joined, joined[0] == '\0' ? "" : ":");
             strcat(joined, lists[i]);
@@ -45,20 +50,28 @@ static char *join_paths(const char *const lists[3])
 weft_status weft_registry_create(const weft_registry_def *def, weft_registry **out,
                                  weft_error *err)
 {
-    const char *const lists[3] = {
+    char installed[2048] = "";
+    if (def->installed) {
+        weft__installed_plugins(installed, sizeof installed);
+    }
+    const char *const lists[LISTS] = {
         def->path,
         def->environment ? getenv("WEFT_PLUGIN_PATH") : NULL,
         def->fallback,
+        installed,
     };
     *out = NULL;
-    weft_registry *registry = calloc(1, sizeof *registry);
-    char *path = join_paths(lists);
+    const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
+    weft_registry *registry = weft__zeroed(&memory, 1, sizeof *registry);
+    char *path = join_paths(&memory, lists);
     if (registry == NULL || path == NULL) {
-        free(registry);
-        free(path);
+        weft__free(&memory, registry);
+        weft__free(&memory, path);
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a plugin registry");
     }
     registry->path = path;
+    registry->log = def->log;
+    registry->memory = memory;
     *out = registry;
     return WEFT_OK;
 }
@@ -68,15 +81,16 @@ void weft_registry_destroy(weft_registry *registry)
     if (registry == NULL) {
         return;
     }
+    const weft_allocator memory = registry->memory;
     for (size_t i = 0; i < registry->count; ++i) {
         if (registry->entries[i].handle != NULL) {
             dlclose(registry->entries[i].handle);
         }
-        free(registry->entries[i].file);
+        weft__free(&memory, registry->entries[i].file);
     }
-    free(registry->entries);
-    free(registry->path);
-    free(registry);
+    weft__free(&memory, registry->entries);
+    weft__free(&memory, registry->path);
+    weft__free(&memory, registry);
 }
 
 static const weft_plugin *find_loaded(const weft_registry *registry, const char *id)
@@ -101,17 +115,19 @@ static weft_status add_entry(weft_registry *registry, const weft_plugin *plugin,
         return weft_error_set(err, WEFT_BAD_PLUGIN, "a plugin '%s' is there already",
                               plugin->id);
     }
-    entry *grown
-        = realloc(registry->entries, (registry->count + 1) * sizeof *registry->entries);
+    entry *grown = weft__resize(&registry->memory, registry->entries,
+                                registry->count + 1, sizeof *grown);
     if (grown == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a plugin");
     }
     registry->entries = grown;
-    char *copy = strdup(file);
+    char *copy = weft__copy_text(&registry->memory, file);
     if (copy == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a plugin");
     }
     grown[registry->count++] = (entry){ plugin, handle, copy };
+    weft__log(&registry->log, WEFT_LOG_INFO, "plugin %s %s%s", plugin->id,
+              file[0] == '\0' ? "linked in" : "from ", file);
     return WEFT_OK;
 }
 
@@ -199,6 +215,8 @@ weft_status weft_registry_load(weft_registry *registry, const char *file,
             dlclose(handle);
         }
         weft_error_set(err, status, "plugin refused: %s: %s", file, why.message);
+        weft__log(&registry->log, WEFT_LOG_WARNING, "plugin refused: %s: %s", file,
+                  why.message);
     }
     return status;
 }
@@ -263,7 +281,7 @@ static void load_directory(weft_registry *registry, const char *directory,
             && weft_registry_load(registry, file, &why) != WEFT_OK && refused != NULL) {
             refused(ctx, &why);
         }
-        free(items[i]);
+        free(items[i]); /* scandir's */
     }
     free(items);
 }

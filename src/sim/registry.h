@@ -3,9 +3,13 @@
 #ifndef WEFT_SIM_REGISTRY_H
 #define WEFT_SIM_REGISTRY_H
 
+#include "sim/log.h"
 #include "weft/sim.h"
 
 /* plugin_check.c: what makes a plugin unusable, into err with WEFT_BAD_PLUGIN. */
 weft_status weft__plugin_check(const weft_plugin *plugin, weft_error *err);
+
+/* installed.c: their directory; "" if there is none, or the library is a static one. */
+void weft__installed_plugins(char *directory, size_t size);
 
 #endif

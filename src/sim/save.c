@@ -3,6 +3,7 @@
  *
  * A solver's memory of its past cannot be had, so it is given up: the stepper is made
  * anew here as it will be there. Of the old one remain its counts and its next h.
+ * Pins are those of the definition: changed ones are refused on both sides.
  *
  * Words (words.h): "weftsave", version, rows, cols, quadratures, the method's name in
  * 64 bytes, NUMBERS, COUNTS, y, checksum. */
@@ -88,6 +89,7 @@ static void take_fields(weft_sim *sim, const fields *from)
     sim->ledger.start = from->energy_start;
     sim->ledger.limit_work = from->limit_work;
     sim->ledger.outside_work = from->outside_work;
+    sim->rejected = from->rejected;
     if (sim->limit != NULL) {
         weft__limit_resume(sim->limit, from->limit_step, limit);
     }
@@ -113,6 +115,15 @@ weft_status weft_sim_restart(weft_sim *sim, weft_error *err)
 {
     const fields now = fields_of(sim);
     return renew(sim, &now, err);
+}
+
+static weft_status check_pins(const weft_sim *sim, weft_error *err)
+{
+    return sim->own == NULL
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_INVALID,
+                                "pins were changed while this simulation ran, and "
+                                "saved ones have those of their definition");
 }
 
 /* ---- to bytes ---------------------------------------------------------------- */
@@ -170,7 +181,8 @@ weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *e
                               "a saved simulation needs %zu bytes, not %zu",
                               words * WEFT__WORD, size);
     }
-    const weft_status status = weft_sim_restart(sim, err);
+    weft_status status = check_pins(sim, err);
+    status = status == WEFT_OK ? weft_sim_restart(sim, err) : status;
     if (status != WEFT_OK) {
         return status;
     }
@@ -254,10 +266,9 @@ weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
                              weft_error *err)
 {
     const unsigned char *from = bytes;
-    weft_status status = check_whole(from, size, err);
-    if (status == WEFT_OK) {
-        status = check_kind(sim, from, size, err);
-    }
+    weft_status status = check_pins(sim, err);
+    status = status == WEFT_OK ? check_whole(from, size, err) : status;
+    status = status == WEFT_OK ? check_kind(sim, from, size, err) : status;
     if (status != WEFT_OK) {
         return status;
     }

@@ -2,11 +2,14 @@
 /* sim.c -- a cloth under integration: state, time, stepper, corrections. */
 #include "weft/sim.h"
 
+#include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "cloth/memory.h"
+#include "cloth/repin.h"
 #include "sim/internal.h"
+#include "sim/log.h"
 
 weft_stepper_config weft_stepper_config_default(void)
 {
@@ -31,11 +34,6 @@ weft_sim_def weft_sim_def_default(void)
                    .sweeps = 100,
                    .tolerance = 1e-3 },
     };
-}
-
-static int rhs(double t, const double *y, double *dydt, void *ctx)
-{
-    return weft__forces_rhs(ctx, t, y, dydt);
 }
 
 static weft_status check_config(const weft_stepper_config *config, weft_error *err)
@@ -78,7 +76,8 @@ static weft_status take_config(weft_sim *sim, const weft_sim_def *def, weft_erro
            def->config.struct_size < sizeof *config ? def->config.struct_size
                                                     : sizeof *config);
     config->struct_size = sizeof *config;
-    config->quadratures = def->ledger ? WEFT_POWERS : 0;
+    config->quadratures = def->ledger ? WEFT__QUADRATURES : 0;
+    config->allocator = config->allocator != NULL ? config->allocator : &sim->memory;
     if (def->ledger && (def->method->flags & WEFT_STEPPER_QUADRATURES) == 0) {
         return weft_error_set(err, WEFT_UNSUPPORTED,
                               "method '%.40s' cannot keep the energy ledger: it "
@@ -96,9 +95,8 @@ size_t weft__sim_dim(const weft_sim *sim)
 weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out,
                               weft_error *err)
 {
-    /* Forces are only read; weft_ode has no const, for solvers that know none. */
-    const weft_ode ode = { weft__sim_dim(sim), sim->ledger.on ? weft__ledger_rhs : rhs,
-                           (void *)&sim->forces };
+    /* It is only read; weft_ode has no const, for solvers that know none. */
+    const weft_ode ode = { weft__sim_dim(sim), weft__sim_rhs, (void *)sim };
     weft_stepper_config config = sim->config;
     config.first_step = first_step > 0.0 ? first_step : config.first_step;
     return sim->method->create(sim->method, &ode, &config, out, err);
@@ -107,11 +105,43 @@ weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out
 /* The stepper works when the forces do not. */
 static void lend_threads(weft_sim *sim)
 {
-    sim->forces = weft__forces_create(sim->cloth, sim->config.threads);
+    sim->forces = weft__forces_create(sim->cloth, sim->config.threads, &sim->memory);
     if (sim->forces.team != NULL && sim->config.team == NULL) {
         sim->lent = weft__team_lend(sim->forces.team);
         sim->config.team = &sim->lent;
     }
+}
+
+/* The simulation itself, filled as far as nothing else can fail. */
+static weft_sim *make_sim(const weft_sim_def *def)
+{
+    const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
+    const size_t dim = weft_cloth_dim(def->cloth);
+    weft_sim *sim = weft__zeroed(&memory, 1, sizeof *sim);
+    double *y = weft__alloc(&memory, dim + WEFT__QUADRATURES, sizeof *y);
+    double *added
+        = def->force == NULL ? NULL : weft__alloc(&memory, dim / 2, sizeof *added);
+    if (sim == NULL || y == NULL || (def->force != NULL && added == NULL)) {
+        weft__free(&memory, sim);
+        weft__free(&memory, y);
+        weft__free(&memory, added);
+        return NULL;
+    }
+    *sim = (weft_sim){ .cloth = def->cloth,
+                       .method = def->method,
+                       .correct = def->correct,
+                       .correct_ctx = def->correct_ctx,
+                       .force = def->force,
+                       .force_ctx = def->force_ctx,
+                       .added = added,
+                       .log = def->log,
+                       .memory = memory,
+                       .ledger = { .on = def->ledger },
+                       .y = y };
+    weft_cloth_start(sim->cloth, y);
+    weft__ledger_start(&sim->ledger, sim->cloth, y);
+    sim->heating = weft_cloth_dissipation(sim->cloth, y);
+    return sim;
 }
 
 weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error *err)
@@ -124,23 +154,12 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
     if (status != WEFT_OK) {
         return status;
     }
-    weft_sim *sim = calloc(1, sizeof *sim);
-    double *y = malloc((weft_cloth_dim(def->cloth) + WEFT_POWERS) * sizeof *y);
-    if (sim == NULL || y == NULL) {
-        free(sim);
-        free(y);
+    weft_sim *sim = make_sim(def);
+    if (sim == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
     }
-    sim->cloth = def->cloth;
-    sim->method = def->method;
-    sim->correct = def->correct;
-    sim->correct_ctx = def->correct_ctx;
-    sim->y = y;
-    sim->ledger.on = def->ledger;
-    weft_cloth_start(sim->cloth, y);
-    weft__ledger_start(&sim->ledger, sim->cloth, y);
-    sim->heating = weft_cloth_dissipation(sim->cloth, y);
-    status = weft__limit_create(&def->limit, def->cloth, &sim->limit, err);
+    status
+        = weft__limit_create(&def->limit, def->cloth, &sim->memory, &sim->limit, err);
     if (status == WEFT_OK) {
         status = take_config(sim, def, err);
     }
@@ -152,6 +171,9 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
         weft_sim_destroy(sim);
         return status;
     }
+    weft__log(&sim->log, WEFT_LOG_INFO, "%zu x %zu particles under %s",
+              weft_cloth_rows(def->cloth), weft_cloth_cols(def->cloth),
+              def->method->name);
     *out = sim;
     return WEFT_OK;
 }
@@ -162,8 +184,11 @@ void weft_sim_destroy(weft_sim *sim)
         sim->method->destroy(sim->stepper);
         weft__forces_destroy(&sim->forces);
         weft__limit_destroy(sim->limit);
-        free(sim->y);
-        free(sim);
+        weft__cloth_return(sim->own);
+        const weft_allocator memory = sim->memory;
+        weft__free(&memory, sim->added);
+        weft__free(&memory, sim->y);
+        weft__free(&memory, sim);
     }
 }
 
@@ -239,13 +264,24 @@ static void add_heat(weft_sim *sim, double h)
     sim->heating = heating;
 }
 
+static bool limit(weft_sim *sim, double h)
+{
+    const uint64_t before = weft__limit_stats(sim->limit).unconverged;
+    const bool changed = weft__limit_apply(sim->limit, h, sim->y);
+    if (before == 0 && weft__limit_stats(sim->limit).unconverged > 0) {
+        weft__log(&sim->log, WEFT_LOG_WARNING,
+                  "limit: not met within its sweeps at t = %.9g s; told once", sim->t);
+    }
+    return changed;
+}
+
 /* After an accepted step of h: the strain limit, then the embedder's own. */
-static void apply_corrections(weft_sim *sim, double h)
+static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
 {
     weft__ledger *ledger = &sim->ledger;
     bool changed = false;
     weft__ledger_mark(ledger, sim->cloth, sim->y);
-    if (sim->limit != NULL && weft__limit_apply(sim->limit, h, sim->y)) {
+    if (sim->limit != NULL && limit(sim, h)) {
         weft__ledger_account(ledger, sim->cloth, sim->y, &ledger->limit_work);
         changed = true;
     }
@@ -257,6 +293,23 @@ static void apply_corrections(weft_sim *sim, double h)
         sim->method->state_changed(sim->stepper);
         sim->heating = weft__forces_heat(&sim->forces, sim->y);
     }
+    return !changed || all_finite(sim->y, weft_cloth_dim(sim->cloth))
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_NOT_FINITE,
+                                "the correction at t = %.9g s left a state that is "
+                                "not finite",
+                                sim->t);
+}
+
+static void tell_rejected(weft_sim *sim, double h)
+{
+    const uint64_t rejected = weft_sim_stats(sim).rejected;
+    if (rejected > sim->rejected) {
+        weft__log(&sim->log, WEFT_LOG_DEBUG,
+                  "t = %.9g s: a step of %.3g s after %" PRIu64 " rejected", sim->t, h,
+                  rejected - sim->rejected);
+    }
+    sim->rejected = rejected;
 }
 
 weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
@@ -277,10 +330,11 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
     if (!sim->ledger.on) {
         add_heat(sim, h);
     }
-    if (sim->limit != NULL || sim->correct != NULL) {
-        apply_corrections(sim, h);
+    if (sim->log.write != NULL) {
+        tell_rejected(sim, h);
     }
-    return WEFT_OK;
+    return sim->limit != NULL || sim->correct != NULL ? apply_corrections(sim, h, err)
+                                                      : WEFT_OK;
 }
 
 weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *err)
@@ -388,6 +442,29 @@ static void set_planes(const weft_cloth *cloth, const double *xyz, double *plane
     }
 }
 
+void weft__sim_change_begins(weft_sim *sim)
+{
+    weft__ledger_mark(&sim->ledger, sim->cloth, sim->y);
+}
+
+static void account_change(weft_sim *sim)
+{
+    weft__ledger_account(&sim->ledger, sim->cloth, sim->y, &sim->ledger.outside_work);
+    sim->heating = weft__forces_heat(&sim->forces, sim->y);
+}
+
+void weft__sim_state_changed(weft_sim *sim)
+{
+    account_change(sim);
+    sim->method->state_changed(sim->stepper);
+}
+
+void weft__sim_ode_changed(weft_sim *sim)
+{
+    account_change(sim);
+    weft_stepper_ode_changed(sim->method, sim->stepper);
+}
+
 weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
                                const double *velocities, weft_error *err)
 {
@@ -396,11 +473,9 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
         || (velocities != NULL && !all_finite(velocities, 3 * n))) {
         return weft_error_set(err, WEFT_INVALID, "a state must be finite");
     }
-    weft__ledger_mark(&sim->ledger, sim->cloth, sim->y);
+    weft__sim_change_begins(sim);
     set_planes(sim->cloth, positions, sim->y);
     set_planes(sim->cloth, velocities, sim->y + 3 * n);
-    weft__ledger_account(&sim->ledger, sim->cloth, sim->y, &sim->ledger.outside_work);
-    sim->heating = weft__forces_heat(&sim->forces, sim->y);
-    sim->method->state_changed(sim->stepper);
+    weft__sim_state_changed(sim);
     return WEFT_OK;
 }

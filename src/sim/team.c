@@ -13,7 +13,8 @@
 #include <sched.h>
 #include <signal.h>
 #include <stdatomic.h>
-#include <stdlib.h>
+
+#include "cloth/memory.h"
 
 /* Spins last some 10 us, as much as there is between two evaluations, yields some 50.
  */
@@ -31,6 +32,7 @@ struct weft__team {
     atomic_bool ended;
     pthread_t helper[HELPERS];
     size_t helpers;
+    weft_allocator memory;
 };
 
 static size_t count_of(uint_fast64_t job)
@@ -139,23 +141,25 @@ static void start(weft__team *team, size_t threads)
     (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
-weft__team *weft__team_create(size_t threads)
+weft__team *weft__team_create(size_t threads, const weft_allocator *given)
 {
-    weft__team *team = threads > 1 ? calloc(1, sizeof *team) : NULL;
+    const weft_allocator memory = weft_allocator_or_malloc(given);
+    weft__team *team = threads > 1 ? weft__zeroed(&memory, 1, sizeof *team) : NULL;
     if (team == NULL) {
         return NULL;
     }
+    team->memory = memory;
     atomic_init(&team->job, 0);
     atomic_init(&team->done, 0);
     atomic_init(&team->asleep, 0);
     atomic_init(&team->ended, false);
     if (pthread_mutex_init(&team->lock, NULL) != 0) {
-        free(team);
+        weft__free(&memory, team);
         return NULL;
     }
     if (pthread_cond_init(&team->news, NULL) != 0) {
         (void)pthread_mutex_destroy(&team->lock);
-        free(team);
+        weft__free(&memory, team);
         return NULL;
     }
     start(team, threads);
@@ -174,7 +178,8 @@ void weft__team_destroy(weft__team *team)
     }
     (void)pthread_cond_destroy(&team->news);
     (void)pthread_mutex_destroy(&team->lock);
-    free(team);
+    const weft_allocator memory = team->memory;
+    weft__free(&memory, team);
 }
 
 size_t weft__team_threads(const weft__team *team)

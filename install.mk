@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Installation, included by the Makefile.
+#
+#   make install PREFIX=/usr/local DESTDIR=     everything that was built
+#   make uninstall PREFIX= DESTDIR=             removes the same files
+
+PREFIX     ?= /usr/local
+DESTDIR    ?=
+BINDIR     ?= $(PREFIX)/bin
+LIBDIR     ?= $(PREFIX)/lib
+INCLUDEDIR ?= $(PREFIX)/include
+DATADIR    ?= $(PREFIX)/share
+MANDIR     ?= $(DATADIR)/man
+PLUGINDIR  := $(LIBDIR)/weft/plugins-1
+
+SHARE := $(BUILD)/share
+MAN := $(SHARE)/man/weft.1 $(SHARE)/man/weft-scene.5 $(SHARE)/man/weft-plugin.7
+COMPLETIONS := $(SHARE)/weft.bash $(SHARE)/weft.zsh $(SHARE)/weft.fish
+PLUGIN_A := $(PLUGINS:%=$(BUILD)/libweft-plugin-%.a)
+
+.PHONY: install uninstall share check-install check-docs check-abi doxygen
+share: $(MAN) $(COMPLETIONS) $(PLUGIN_A)
+all: share
+
+# A plugin to be linked in: weft_registry_add, or its methods at once.
+define ARCHIVE_RULE
+$(BUILD)/libweft-plugin-$(1).a: $$(PLUGIN_OBJ_$(1))
+	$$(call say,AR)rm -f $$@ && ar rcs $$@ $$^
+endef
+$(foreach p,$(PLUGINS),$(eval $(call ARCHIVE_RULE,$(p))))
+
+# Manual pages and completions say what the program says of itself.
+$(MAN) $(COMPLETIONS) &: $(BUILD)/weft tools/manual tools/completion docs/man/weft-plugin.7
+	@mkdir -p $(SHARE)/man
+	$(call say,GEN)tools/manual $(BUILD) $(SHARE)/man && tools/completion $(BUILD) $(SHARE)
+
+# What is installed where: "from:to", to a directory if it ends with /.
+FILES = $(BUILD)/weft:$(BINDIR)/ \
+        $(foreach h,$(wildcard include/weft/*.h),$(h):$(INCLUDEDIR)/weft/) \
+        $(BUILD)/libweft.a:$(LIBDIR)/ $(BUILD)/libweft.so:$(LIBDIR)/libweft.so.$(VERSION) \
+        $(foreach p,$(PLUGINS),$(BUILD)/plugins/weft-$(p).so:$(PLUGINDIR)/ \
+            $(BUILD)/libweft-plugin-$(p).a:$(LIBDIR)/) \
+        $(foreach m,$(MAN),$(m):$(MANDIR)/man$(subst .,,$(suffix $(m)))/) \
+        $(SHARE)/weft.bash:$(DATADIR)/bash-completion/completions/weft \
+        $(SHARE)/weft.zsh:$(DATADIR)/zsh/site-functions/_weft \
+        $(SHARE)/weft.fish:$(DATADIR)/fish/vendor_completions.d/weft.fish
+
+install: all
+	@DESTDIR='$(DESTDIR)' tools/install put $(FILES)
+	@DESTDIR='$(DESTDIR)' PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' INCLUDEDIR='$(INCLUDEDIR)' \
+	    VERSION='$(VERSION)' SOVERSION='$(SOVERSION)' tools/install describe \
+	    $(foreach p,$(PLUGINS),'$(p):$(LIBS_$(p))')
+
+uninstall:
+	@DESTDIR='$(DESTDIR)' LIBDIR='$(LIBDIR)' INCLUDEDIR='$(INCLUDEDIR)' \
+	    VERSION='$(VERSION)' SOVERSION='$(SOVERSION)' tools/install remove $(FILES)
+
+# Installed, moved, embedded from C11 to C++17, removed.
+check-install: all $(EXAMPLES)
+	@tools/check-install $(BUILD)
+
+# The commands of the pages, as a reader runs them.
+check-docs: all $(EXAMPLES)
+	@tools/check-docs $(BUILD) README.md docs/tutorial.md docs/plugins.md docs/embedding.md
+
+# The interface of libweft.so against that of the last tag.
+check-abi: $(BUILD)/libweft.so
+	@tools/check-abi $(BUILD)
+
+# Pages of the public headers; a warning is an error.
+doxygen:
+	@mkdir -p $(BUILD)
+	@BUILD=$(BUILD) doxygen docs/Doxyfile
+	@echo "$(BUILD)/doxygen/html/index.html"

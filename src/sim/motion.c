@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* motion.c -- the right-hand side that a stepper sees: the cloth's, then the force of
+ * the embedder, then with ledger the powers. */
+#include <math.h>
+#include <string.h>
+
+#include "sim/internal.h"
+
+/* v' += f / m of the free particles; the power f.v [W] of all of them. */
+static double accelerate(const weft_sim *sim, const double *y, double *dydt)
+{
+    const size_t n = weft_cloth_particles(sim->cloth);
+    const double *v = y + 3 * n;
+    double *dvdt = dydt + 3 * n;
+    double power = 0.0;
+    for (size_t i = 0; i < n; ++i) {
+        if (weft_cloth_pinned(sim->cloth, i)) {
+            continue;
+        }
+        const double mass = weft_cloth_particle_mass(sim->cloth, i);
+        for (size_t j = i; j < 3 * n; j += n) {
+            dvdt[j] += sim->added[j] / mass;
+            power += sim->added[j] * v[j];
+        }
+    }
+    return power;
+}
+
+/* 0 x is NaN for an x that is not finite, and NaN stays in a sum. */
+static bool all_finite(const double *values, size_t count)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < count; ++i) {
+        sum += 0.0 * values[i];
+    }
+    return sum == 0.0;
+}
+
+int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
+{
+    const weft_sim *sim = ctx;
+    const size_t dim = weft_cloth_dim(sim->cloth);
+    double power = 0.0;
+    int failed = weft__forces_rhs(&sim->forces, t, y, dydt);
+    if (sim->force != NULL && failed == 0) {
+        memset(sim->added, 0, dim / 2 * sizeof *sim->added);
+        failed = sim->force(sim->force_ctx, t, y, sim->added);
+        power = accelerate(sim, y, dydt);
+        failed = failed == 0 && !all_finite(dydt + dim / 2, dim / 2) ? 1 : failed;
+    }
+    if (sim->ledger.on) {
+        const bool finite
+            = weft__ledger_rates(sim->cloth, t, y, power, dydt + dim) && failed >= 0;
+        failed = failed == 0 && !finite ? 1 : failed;
+    }
+    return failed;
+}

@@ -1,0 +1,388 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* test_embed.c -- what an embedding program hooks in: force, correction, log, threads.
+ */
+#include "support.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <pthread.h>
+#include <string.h>
+
+#define ROWS 3
+#define COLS 4
+#define N    (ROWS * COLS)
+
+static weft_pin corner;
+static weft_cloth_def model;
+static weft_sim_def run;
+static weft_cloth *cloth;
+static weft_sim *sim;
+
+static void setup(void)
+{
+    model = weft_cloth_def_default();
+    model.rows = ROWS;
+    model.cols = COLS;
+    model.density = 0.0;
+    model.mass = 0.25;
+    for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
+        model.springs[f] = (weft_spring_def){ true, 8.0, 0.05 };
+    }
+    corner = (weft_pin){ .rows = { 0, 0 }, .cols = { 0, 0 } };
+    model.pins = &corner;
+    model.pin_count = 1;
+    run = weft_sim_def_default();
+    run.method = test_method_named("verlet/velocity_verlet");
+    run.config.fixed_step = 1e-3;
+}
+
+static void teardown(void)
+{
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    sim = NULL;
+    cloth = NULL;
+}
+
+static void start(void)
+{
+    weft_error err = { 0 };
+    teardown();
+    cloth = test_cloth(&model);
+    run.cloth = cloth;
+    run.config = test_config(run.method, run.config);
+    ck_assert_msg(weft_sim_create(&run, &sim, &err) == WEFT_OK, "%s", err.message);
+}
+
+static void go(double t)
+{
+    weft_error err = { 0 };
+    ck_assert_msg(weft_sim_advance(sim, t, &err) == WEFT_OK, "%s: %s", run.method->name,
+                  err.message);
+}
+
+static void use_method(int i)
+{
+    run.method = test_method((size_t)i);
+    run.config = weft_stepper_config_default();
+    if ((run.method->flags & (WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_IMPLICIT)) != 0) {
+        run.config.fixed_step = 1e-3;
+    }
+}
+
+/* ---- force --------------------------------------------------------------------- */
+
+typedef struct push {
+    double f[3]; /* [N] on every particle */
+    int answer;
+    double from; /* [s] answered with from then on */
+    size_t calls;
+} push;
+
+static int push_all(void *ctx, double t, const double *y, double *f)
+{
+    push *with = ctx;
+    (void)y;
+    ++with->calls;
+    for (size_t j = 0; j < 3 * N; ++j) {
+        ck_assert(f[j] == 0.0);
+        f[j] += with->f[j / N];
+    }
+    return t < with->from ? 0 : with->answer;
+}
+
+/* Without springs and weight x = F t^2 / (2 m): exact for a method of order 2. */
+START_TEST(force_accelerates_free_particles_and_no_others)
+{
+    push with = { .f = { 1.0, -2.0, 0.5 } };
+    double x[3 * N], rest[3 * N];
+    for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
+        model.springs[f].present = false;
+    }
+    memset(model.gravity, 0, sizeof model.gravity);
+    run.force = push_all;
+    run.force_ctx = &with;
+    run.ledger = true;
+    start();
+    weft_cloth_rest(cloth, rest);
+    go(0.5);
+    weft_sim_positions(sim, x);
+    for (size_t j = 0; j < 3 * N; ++j) {
+        const double moved = j < 3 ? 0.0 : 0.5 * with.f[j % 3] / 0.25 * 0.25;
+        ck_assert_double_eq_tol(x[j] - rest[j], moved, 1e-13);
+    }
+    const weft_ledger ledger = weft_sim_ledger(sim);
+    ck_assert_double_gt(ledger.force_work, 1.0);
+    ck_assert_double_eq_tol(ledger.force_work, ledger.energy.kinetic, 1e-12);
+    ck_assert_double_eq_tol(ledger.residual, 0.0, 1e-12);
+}
+END_TEST
+
+/* Weight as a force of one's own: the cloth swings as under gravity. */
+START_TEST(every_method_sees_the_force)
+{
+    push with = { .f = { 0.0, -0.25 * 9.81, 0.0 } };
+    double x[3 * N], wanted[3 * N];
+    use_method(_i);
+    start();
+    go(0.05);
+    weft_sim_positions(sim, wanted);
+    memset(model.gravity, 0, sizeof model.gravity);
+    run.force = push_all;
+    run.force_ctx = &with;
+    start();
+    go(0.05);
+    weft_sim_positions(sim, x);
+    for (size_t j = 0; j < 3 * N; ++j) {
+        ck_assert_double_eq_tol(x[j], wanted[j], 1e-8);
+    }
+    ck_assert_uint_eq(with.calls, weft_sim_stats(sim).rhs_calls);
+}
+END_TEST
+
+START_TEST(force_may_stop_a_run_and_the_state_is_the_last_good_one)
+{
+    push with = { .answer = -1, .from = 0.01 };
+    weft_error err = { 0 };
+    double y[6 * N];
+    use_method(_i);
+    run.force = push_all;
+    run.force_ctx = &with;
+    start();
+    weft_status status = WEFT_OK;
+    while (status == WEFT_OK && weft_sim_time(sim) < 1.0) {
+        memcpy(y, weft_sim_state(sim), sizeof y);
+        status = weft_sim_step(sim, 1.0, &err);
+    }
+    ck_assert_int_eq(status, WEFT_STOPPED);
+    ck_assert_double_le(weft_sim_time(sim), 0.012);
+    ck_assert_mem_eq(y, weft_sim_state(sim), sizeof y);
+    with.answer = 0; /* and it may go on */
+    go(0.02);
+}
+END_TEST
+
+START_TEST(force_that_is_no_number_is_never_accepted)
+{
+    push with = { .f = { NAN, 0.0, 0.0 } };
+    double y[6 * N];
+    use_method(_i);
+    run.force = push_all;
+    run.force_ctx = &with;
+    start();
+    memcpy(y, weft_sim_state(sim), sizeof y);
+    ck_assert_int_ne(weft_sim_step(sim, 1.0, NULL), WEFT_OK);
+    ck_assert(weft_sim_time(sim) == 0.0);
+    ck_assert_mem_eq(y, weft_sim_state(sim), sizeof y);
+}
+END_TEST
+
+/* ---- correction and log ------------------------------------------------------------
+ */
+
+static bool above_floor(void *ctx, double t, double h, double *y)
+{
+    const double floor = *(const double *)ctx;
+    bool changed = false;
+    (void)t;
+    (void)h;
+    for (size_t i = N; i < 2 * N; ++i) {
+        if (!(y[i] >= floor)) {
+            y[i] = floor;
+            y[3 * N + i] = 0.0;
+            changed = true;
+        }
+    }
+    return changed;
+}
+
+START_TEST(correction_comes_after_the_limit)
+{
+    double floor = -2.2, x[3 * N];
+    bool touched = false;
+    run.correct = above_floor;
+    run.correct_ctx = &floor;
+    run.limit.method = WEFT_LIMIT_PROVOT;
+    start();
+    for (int step = 1; step <= 500; ++step) {
+        go(step * 1e-3);
+        weft_sim_positions(sim, x);
+        for (size_t i = 0; i < N; ++i) {
+            ck_assert_double_ge(x[3 * i + 1], floor);
+            touched = touched || x[3 * i + 1] == floor;
+        }
+    }
+    ck_assert(touched);
+    ck_assert_uint_gt(weft_sim_limit_stats(sim).corrected, 0);
+}
+END_TEST
+
+START_TEST(correction_that_spoils_the_state_is_told)
+{
+    double floor = NAN;
+    weft_error err = { 0 };
+    run.correct = above_floor;
+    run.correct_ctx = &floor;
+    start();
+    ck_assert_int_eq(weft_sim_step(sim, 1.0, &err), WEFT_NOT_FINITE);
+    ck_assert_ptr_nonnull(strstr(err.message, "correction at t = 0.001 s"));
+}
+END_TEST
+
+typedef struct heard {
+    size_t count[WEFT_LOG_WARNING + 1];
+    char last[256];
+} heard;
+
+static void listen(void *ctx, weft_log_level level, const char *text)
+{
+    heard *to = ctx;
+    ++to->count[level];
+    (void)snprintf(to->last, sizeof to->last, "%s", text);
+    ck_assert_ptr_null(strchr(text, '\n'));
+}
+
+START_TEST(limit_that_is_not_met_is_told_once)
+{
+    heard all = { { 0 }, "" };
+    run.log = (weft_log){ listen, &all };
+    run.limit.method = WEFT_LIMIT_PROVOT;
+    run.limit.strain = 0.0;
+    run.limit.sweeps = 1;
+    start();
+    ck_assert_str_eq(all.last, "3 x 4 particles under velocity_verlet");
+    go(0.5);
+    ck_assert_uint_gt(weft_sim_limit_stats(sim).unconverged, 1);
+    ck_assert_uint_eq(all.count[WEFT_LOG_WARNING], 1);
+    ck_assert_ptr_nonnull(strstr(all.last, "limit: not met"));
+}
+END_TEST
+
+#ifdef HAVE_GSL
+START_TEST(rejected_attempts_are_told)
+{
+    heard all = { { 0 }, "" };
+    run.log = (weft_log){ listen, &all };
+    run.method = test_method_named("gsl/rkf45");
+    run.config = weft_stepper_config_default();
+    run.config.first_step = 1.0;
+    start();
+    go(0.5);
+    ck_assert_uint_gt(weft_sim_stats(sim).rejected, 0);
+    ck_assert_uint_gt(all.count[WEFT_LOG_DEBUG], 0);
+    ck_assert_uint_le(all.count[WEFT_LOG_DEBUG], weft_sim_stats(sim).rejected);
+}
+END_TEST
+#endif
+
+START_TEST(registry_tells_what_it_loads_and_refuses)
+{
+    heard all = { { 0 }, "" };
+    weft_registry *registry = NULL;
+    weft_registry_def def = weft_registry_def_default();
+    def.path = BUILD_DIR "/tests/broken";
+    def.environment = false;
+    def.log = (weft_log){ listen, &all };
+    ck_assert_int_eq(weft_registry_create(&def, &registry, NULL), WEFT_OK);
+    ck_assert_int_eq(weft_registry_add(registry, test_plugin(0), NULL), WEFT_OK);
+    ck_assert_str_eq(all.last, "plugin verlet linked in");
+    (void)weft_registry_load_all(registry, NULL, NULL, NULL);
+    ck_assert_uint_eq(all.count[WEFT_LOG_INFO], weft_registry_count(registry));
+    ck_assert_uint_gt(all.count[WEFT_LOG_WARNING], 5);
+    weft_registry_destroy(registry);
+}
+END_TEST
+
+/* ---- threads --------------------------------------------------------------------- */
+
+static int no_force(void *ctx, double t, const double *y, double *f)
+{
+    (void)ctx;
+    (void)t;
+    (void)y;
+    (void)f;
+    return 0;
+}
+
+typedef struct job {
+    size_t number;
+    uint64_t hash;
+} job;
+
+/* A simulation with pins of its own on the cloth that all share. */
+static void *work(void *ctx)
+{
+    job *self = ctx;
+    weft_sim *own = NULL;
+    const double v[3] = { 0.1 * (double)self->number, 0.0, 0.0 };
+    bool good = weft_sim_create(&run, &own, NULL) == WEFT_OK;
+    for (int frame = 1; good && frame <= 8; ++frame) {
+        const size_t i = (self->number + (size_t)frame) % N;
+        good = (frame % 3 == 0 ? weft_sim_unpin(own, i, NULL)
+                               : weft_sim_pin(own, i, v, NULL))
+                   == WEFT_OK
+               && weft_sim_advance(own, frame / 20.0, NULL) == WEFT_OK;
+    }
+    self->hash = good ? weft_state_hash(weft_sim_state(own), 6 * N) : 0;
+    weft_sim_destroy(own);
+    return NULL;
+}
+
+START_TEST(threads_share_a_cloth_and_nothing_else)
+{
+    enum { THREADS = 8 };
+    pthread_t threads[THREADS];
+    job alone[THREADS], together[THREADS];
+    push with = { .f = { 0.1, 0.0, 0.0 } };
+    use_method(_i);
+    if ((run.method->flags & (WEFT_STEPPER_DENSE | WEFT_STEPPER_LEGACY)) != 0) {
+        return; /* minutes under a sanitizer */
+    }
+    run.force = no_force;
+    run.force_ctx = &with;
+    run.limit.method = WEFT_LIMIT_PROVOT;
+    cloth = test_cloth(&model);
+    run.cloth = cloth;
+    run.config = test_config(run.method, run.config);
+    for (size_t i = 0; i < THREADS; ++i) {
+        alone[i] = together[i] = (job){ .number = i };
+        work(&alone[i]);
+        ck_assert_uint_ne(alone[i].hash, 0);
+    }
+    for (size_t i = 0; i < THREADS; ++i) {
+        ck_assert_int_eq(pthread_create(&threads[i], NULL, work, &together[i]), 0);
+    }
+    for (size_t i = 0; i < THREADS; ++i) {
+        ck_assert_int_eq(pthread_join(threads[i], NULL), 0);
+        ck_assert_uint_eq(together[i].hash, alone[i].hash);
+    }
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("embed");
+    TCase *tcase = tcase_create("embed");
+    const int methods = (int)test_method_count();
+    tcase_add_checked_fixture(tcase, setup, teardown);
+    tcase_set_timeout(tcase, 60.0);
+    tcase_add_test(tcase, force_accelerates_free_particles_and_no_others);
+    tcase_add_loop_test(tcase, every_method_sees_the_force, 0, methods);
+    tcase_add_loop_test(tcase, force_may_stop_a_run_and_the_state_is_the_last_good_one,
+                        0, methods);
+    tcase_add_loop_test(tcase, force_that_is_no_number_is_never_accepted, 0, methods);
+    tcase_add_test(tcase, correction_comes_after_the_limit);
+    tcase_add_test(tcase, correction_that_spoils_the_state_is_told);
+    tcase_add_test(tcase, limit_that_is_not_met_is_told_once);
+#ifdef HAVE_GSL
+    tcase_add_test(tcase, rejected_attempts_are_told);
+#endif
+    tcase_add_test(tcase, registry_tells_what_it_loads_and_refuses);
+    suite_add_tcase(suite, tcase);
+    tcase = tcase_create("threads");
+    tcase_add_checked_fixture(tcase, setup, teardown);
+    tcase_set_timeout(tcase, 120.0);
+    tcase_add_loop_test(tcase, threads_share_a_cloth_and_nothing_else, 0, methods);
+    suite_add_tcase(suite, tcase);
+    return test_run(suite);
+}

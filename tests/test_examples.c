@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* test_examples.c -- the examples run, and print what is true. */
+#include <math.h>
+
+#include "shell.h"
+
+#define EXAMPLE(name) BUILD_DIR "/examples/" name
+
+static const char *line(int number)
+{
+    const char *at = output;
+    while (number-- > 0) {
+        at = strchr(at, '\n');
+        ck_assert_ptr_nonnull(at);
+        ++at;
+    }
+    return at;
+}
+
+static size_t lines(void)
+{
+    size_t count = 0;
+    for (const char *at = output; *at != '\0'; ++at) {
+        count += *at == '\n';
+    }
+    return count;
+}
+
+/* A sheet of 20 x 20, 5 cm apart, swings about the corner that it hangs by: the last
+ * corner falls as anything does while no wave of the springs has reached it. */
+START_TEST(minimal_prints_a_frame_a_line)
+{
+    double t, height;
+    expect(shell(EXAMPLE("minimal") " 2>&1"), 0);
+    ck_assert_uint_eq(lines(), 30);
+    for (int i = 0; i < 30; ++i) {
+        ck_assert_int_eq(
+            sscanf(line(i), "%lf s: last corner at height %lf", &t, &height), 2);
+        ck_assert_double_eq_tol(t, (i + 1) / 30.0, 6e-4);
+        if (i < 3) {
+            const double exact = (i + 1) / 30.0;
+            ck_assert_double_eq_tol(height, -0.95 - 0.5 * 9.81 * exact * exact, 1e-3);
+        }
+    }
+}
+END_TEST
+
+START_TEST(dragged_corner_is_where_the_hand_is)
+{
+    expect(shell(EXAMPLE("game_loop") " 2>&1"), 0);
+    ck_assert_uint_eq(lines(), 12);
+    double last[3] = { 0.0 };
+    for (int i = 0; i < 12; ++i) {
+        double printed, x[3];
+        char state[8];
+        ck_assert_int_eq(sscanf(line(i), "%lf s %7s %lf %lf %lf", &printed, state,
+                                &x[0], &x[1], &x[2]),
+                         5);
+        const double t = (i + 1) / 6.0;
+        const bool held = i >= 2 && i <= 8;
+        ck_assert_str_eq(state, held ? "held" : "free");
+        if (held) {
+            ck_assert_double_eq_tol(x[0], 0.95 - 0.4 * (t - 0.5), 1e-6);
+            ck_assert_double_eq_tol(x[1], -0.7 + 0.3 * (t - 0.5), 1e-6);
+            ck_assert_double_eq_tol(x[2], 0.5 * (t - 0.5), 1e-6);
+        }
+        memcpy(last, x, sizeof x);
+    }
+    ck_assert_double_lt(last[2], 0.3); /* it has swung back */
+}
+END_TEST
+
+START_TEST(own_force_and_floor_are_accounted_for)
+{
+    expect(shell(EXAMPLE("own_force") " 2>&1"), 0);
+    says("info: 8 x 12 particles under velocity_verlet");
+    ck_assert_uint_eq(lines(), 12);
+    for (int i = 0; i <= 10; ++i) {
+        double t, height, force, floor_work, residual;
+        ck_assert_int_eq(sscanf(line(i + 1),
+                                "%lf s height %lf m, force did %lf J, floor %lf J, "
+                                "residual %lf J",
+                                &t, &height, &force, &floor_work, &residual),
+                         5);
+        const double fall = -0.5 * 9.81 * t * t;
+        ck_assert_double_eq_tol(height, fmax(fall, -1.0), 1e-4);
+        ck_assert_double_eq_tol(residual, 0.0, 1e-5);
+        ck_assert(i == 0 || force > 0.0);
+        ck_assert(i < 5 ? floor_work == 0.0 : floor_work < -1.0);
+    }
+}
+END_TEST
+
+START_TEST(own_stepper_is_of_order_4)
+{
+    expect(shell(EXAMPLE("own_stepper") " 2>&1"), 0);
+    ck_assert_uint_eq(lines(), 4);
+    for (int i = 1; i < 4; ++i) {
+        double error, order;
+        int n;
+        ck_assert_int_eq(
+            sscanf(line(i), "h = 1/%d s: error %lf m, order %lf", &n, &error, &order),
+            3);
+        ck_assert_double_eq_tol(order, 4.0, 0.1);
+    }
+}
+END_TEST
+
+START_TEST(same_run_in_two_threads_has_the_same_bits)
+{
+    char before[200] = "";
+    expect(shell(EXAMPLE("threads") " 2>&1"), 0);
+    ck_assert_uint_eq(lines(), 8);
+    for (int i = 0; i < 8; i += 2) {
+        const char *a = line(i), *b = line(i + 1);
+        const size_t length = (size_t)(b - a);
+        ck_assert(strncmp(a, b, length) == 0);
+        ck_assert(strncmp(a, before, length) != 0);
+        memcpy(before, a, length);
+    }
+}
+END_TEST
+
+START_TEST(scene_from_memory_is_that_of_a_file)
+{
+    static char from_memory[sizeof output];
+    expect(shell(EXAMPLE("scene") " '' " BUILD_DIR "/plugins 2>&1"), 0);
+    ck_assert_uint_eq(lines(), 10);
+    memcpy(from_memory, output, sizeof output);
+    /* the text of the example, taken from its source */
+    expect(
+        shell(
+            "sed -n 's/^ *[=]* *\"\\(.*\\)\\\\n\".*/\\1/p' examples/scene.c >" BUILD_DIR
+            "/scene-example.yaml && " EXAMPLE("scene") " " BUILD_DIR
+                                                       "/scene-example.yaml " BUILD_DIR
+                                                       "/plugins 2>&1"),
+        0);
+    ck_assert_str_eq(output, from_memory);
+    write_file(BUILD_DIR "/scene-example.yaml", "weft: 2\n");
+    expect(shell(EXAMPLE("scene") " " BUILD_DIR "/scene-example.yaml " BUILD_DIR
+                                  "/plugins 2>&1"),
+           1);
+    says("scene-example.yaml:1:7: error: ");
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("examples");
+    TCase *tcase = tcase_create("examples");
+    tcase_set_timeout(tcase, 120.0);
+    tcase_add_test(tcase, minimal_prints_a_frame_a_line);
+    tcase_add_test(tcase, dragged_corner_is_where_the_hand_is);
+    tcase_add_test(tcase, own_force_and_floor_are_accounted_for);
+    tcase_add_test(tcase, own_stepper_is_of_order_4);
+    tcase_add_test(tcase, same_run_in_two_threads_has_the_same_bits);
+    tcase_add_test(tcase, scene_from_memory_is_that_of_a_file);
+    suite_add_tcase(suite, tcase);
+    return test_run(suite);
+}
