@@ -47,11 +47,11 @@ HDF5_CFLAGS ?= $(shell pkg-config --cflags hdf5 2>/dev/null)
 HDF5_LIBS ?= $(shell pkg-config --libs hdf5 2>/dev/null || echo -lhdf5)
 endif
 
-LIB_SRC  := $(wildcard src/cloth/*.c src/sim/*.c src/scene/*.c)
+LIB_SRC  := $(wildcard src/cloth/*.c src/sim/*.c src/scene/*.c src/conformance/*.c)
 PROG_SRC := $(wildcard src/record/*.c src/cli/*.c)
 LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
 PROG_OBJ := $(PROG_SRC:%.c=$(BUILD)/%.o) $(BUILD)/src/record/player_page.o
-LIB_LIBS := -lyaml -ldl -lm
+LIB_LIBS := -lyaml -ldl -lm -pthread
 
 PLUGINS := verlet $(if $(HAVE_GSL),gsl) $(if $(HAVE_ARKODE),arkode)
 PLUGIN_SO := $(PLUGINS:%=$(BUILD)/plugins/weft-%.so)
@@ -86,7 +86,7 @@ $(BUILD)/libweft.a: $(LIB_OBJ)
 
 $(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
 	$(call say,LD)$(LINK) -o $@ $(PROG_OBJ) -L$(BUILD) -Wl,-rpath,'$$ORIGIN' -lweft -lyaml \
-	    $(HDF5_LIBS) -lm
+	    $(HDF5_LIBS) -ldl -lm
 
 $(BUILD)/src/record/%.o: INCS += $(HDF5_CFLAGS)
 

@@ -26,7 +26,7 @@ typedef struct verb {
 } verb;
 
 extern const verb verb_run, verb_check, verb_steppers, verb_scene_help, verb_export,
-    verb_view;
+    verb_view, verb_plugin_test;
 
 /* Options that several verbs take. */
 typedef struct options {

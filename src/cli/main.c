@@ -6,7 +6,8 @@
 #include "cli/cli.h"
 
 static const verb *const verbs[] = {
-    &verb_run, &verb_check, &verb_steppers, &verb_scene_help, &verb_export, &verb_view,
+    &verb_run,    &verb_check, &verb_steppers,    &verb_scene_help,
+    &verb_export, &verb_view,  &verb_plugin_test,
 };
 
 #define VERBS (sizeof verbs / sizeof verbs[0])

@@ -21,20 +21,6 @@ weft_registry *verify_registry(void);
 bool verify_method_at(const weft_registry *registry, size_t i, verify_method *out);
 bool verify_adapts(const weft_stepper_type *type);
 
-/* ---- order.c --------------------------------------------------------------------- */
-
-enum { VERIFY_ORDER_MOST = 9 };
-#define VERIFY_ORDER_BOUND 0.2
-
-/* What the method, or the table that it is given here, claims; 0: variable. */
-int verify_order_claimed(const weft_stepper_type *type);
-
-/* log2 of the ratio of the errors with h and h/2, were `claimed` right; INFINITY if
- * there is no error to speak of, for then it is of higher order. `claimed` is at most
- * VERIFY_ORDER_MOST. Errors: what create and step give. */
-weft_status verify_order(const weft_stepper_type *type, int claimed, double *order,
-                         weft_error *err);
-
 /* ---- runs.c ---------------------------------------------------------------------- */
 
 enum { VERIFY_SETS = 6 };
