@@ -62,6 +62,7 @@ LIBS_arkode := -lsundials_arkode -lsundials_nvecserial $(if $(HAVE_SUNDIALS_7),-
 TESTS := $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
 TEST_BIN := $(TESTS:%=$(BUILD)/tests/%)
 BROKEN := $(patsubst tests/broken/%.c,$(BUILD)/tests/broken/weft-%.so,$(wildcard tests/broken/*.c))
+PROMISES := $(patsubst tests/promises/%.c,$(BUILD)/tests/promises/weft-%.so,$(wildcard tests/promises/*.c))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/*.c))
 
 .PHONY: all check check-run check-view viewer pictures verify bench demo demo-run deps docs lint format asan \
@@ -157,6 +158,10 @@ $(BUILD)/tests/broken/weft-%.so: tests/broken/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -shared -o $@ $<
 
+$(BUILD)/tests/promises/weft-%.so: tests/promises/%.c
+	@mkdir -p $(@D)
+	$(call say,CC)$(COMPILE) -shared -o $@ $< -lm
+
 $(BUILD)/examples/%: examples/%.c $(BUILD)/libweft.so $(BUILD)/plugins/weft-verlet.so
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -o $@ $< $(BUILD)/plugins/weft-verlet.so -L$(BUILD) \
@@ -182,7 +187,7 @@ bench: all $(BENCHES:%=$(BUILD)/bench/%)
 check: deps
 	@$(MAKE) --no-print-directory check-run
 
-check-run: all $(TEST_BIN) $(BROKEN) $(EXAMPLES) lint
+check-run: all $(TEST_BIN) $(BROKEN) $(PROMISES) $(EXAMPLES) lint
 	@tools/run-tests $(BUILD) $(TEST_BIN)
 
 # What is written, read by the programs it is meant for; what is not there is skipped.
@@ -210,7 +215,7 @@ deps:
 # ---- care ------------------------------------------------------------------------
 
 C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] plugins/*/*.[ch] tests/*.[ch] \
-                     tests/verify/*.[ch] tests/broken/*.c examples/*.c bench/*.[ch])
+                     tests/verify/*.[ch] tests/broken/*.c tests/promises/*.c examples/*.c bench/*.[ch])
 
 lint:
 	@tools/lint $(C_FILES)
@@ -232,7 +237,7 @@ clang-build:
 	@$(MAKE) --no-print-directory BUILD=build/clang CC=clang all \
 	    $(TESTS:%=build/clang/tests/%)
 
-valgrind: all $(TEST_BIN) $(BROKEN)
+valgrind: all $(TEST_BIN) $(BROKEN) $(PROMISES)
 	@tools/valgrind $(BUILD)
 
 # Tests and verification against Debian 13's SUNDIALS 7, in a system of its own; root, debootstrap.
