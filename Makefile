@@ -134,6 +134,9 @@ $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(BUILD)/tests/support.o \
                        $(BUILD)/libweft.a $(PLUGIN_SO)
 	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a $(TEST_LIBS)
 
+$(BUILD)/tests/test_no_memory: \
+    LINK += $(if $(findstring address,$(SAN)),$(foreach f,malloc calloc realloc aligned_alloc free,-Wl,--wrap=$(f)))
+
 # What is verified, for the test and for the program; scenes run as in `weft run`.
 VERIFY_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/main.c,$(wildcard tests/verify/*.c))) \
               $(filter-out %/main.o,$(PROG_OBJ))

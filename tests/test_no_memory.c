@@ -21,16 +21,26 @@
 
 /* ---- malloc ---------------------------------------------------------------------- */
 
+/* Under AddressSanitizer, whose malloc must come first, the linker wraps the calls of
+ * weft and its plugins; its own check of leaks then takes the place of ours. */
 #ifdef __SANITIZE_ADDRESS__
-#define REAL(name) __interceptor_##name
+#define MINE(name)  __wrap_##name
+#define REAL_(name) __real_##name
+#define ALIGNED     aligned_alloc
+enum { COUNTS_ALL = 0 };
 #else
-#define REAL(name) __libc_##name
+#define MINE(name)  name
+#define REAL_(name) __libc_##name
+#define ALIGNED     memalign
+enum { COUNTS_ALL = 1 };
 #endif
+
+#define REAL(name) REAL_(name)
 
 extern void *REAL(malloc)(size_t size);
 extern void *REAL(calloc)(size_t count, size_t size);
 extern void *REAL(realloc)(void *block, size_t size);
-extern void *REAL(memalign)(size_t alignment, size_t size);
+extern void *REAL(ALIGNED)(size_t alignment, size_t size);
 extern void REAL(free)(void *block);
 
 static bool armed;    /* calls are counted and may fail */
@@ -71,29 +81,35 @@ static void *taken(void *block)
     return block;
 }
 
+WEFT_API void *MINE(malloc)(size_t size);
+WEFT_API void *MINE(calloc)(size_t count, size_t size);
+WEFT_API void *MINE(realloc)(void *block, size_t size);
+WEFT_API void *MINE(aligned_alloc)(size_t alignment, size_t size);
+WEFT_API void MINE(free)(void *block);
+
 #define FAILS(size) fails(__builtin_return_address(0), size)
 
-WEFT_API void *malloc(size_t size)
+WEFT_API void *MINE(malloc)(size_t size)
 {
     return FAILS(size) ? NULL : given(REAL(malloc)(size));
 }
 
-WEFT_API void *calloc(size_t count, size_t size)
+WEFT_API void *MINE(calloc)(size_t count, size_t size)
 {
     return FAILS(count * size) ? NULL : given(REAL(calloc)(count, size));
 }
 
-WEFT_API void *realloc(void *block, size_t size)
+WEFT_API void *MINE(realloc)(void *block, size_t size)
 {
     return FAILS(size) ? NULL : given(REAL(realloc)(taken(block), size));
 }
 
-WEFT_API void *aligned_alloc(size_t alignment, size_t size)
+WEFT_API void *MINE(aligned_alloc)(size_t alignment, size_t size)
 {
-    return FAILS(size) ? NULL : given(REAL(memalign)(alignment, size));
+    return FAILS(size) ? NULL : given(REAL(ALIGNED)(alignment, size));
 }
 
-WEFT_API void free(void *block)
+WEFT_API void MINE(free)(void *block)
 {
     REAL(free)(taken(block));
 }
@@ -123,8 +139,9 @@ static long every_allocation_fails(trial *attempt, const void *ctx, const char *
             arm(n, on != 0);
             const weft_status status = attempt(ctx, &err);
             armed = false;
-            ck_assert_msg(live == before, "%s: %ld blocks kept, allocation %ld failed",
-                          label, live - before, n);
+            ck_assert_msg(live == before || !COUNTS_ALL,
+                          "%s: %ld blocks kept, allocation %ld failed", label,
+                          live - before, n);
             if (calls < n) {
                 ck_assert_msg(status == WEFT_OK, "%s: %s", label, err.message);
                 ck_assert_int_gt(n, 1);
@@ -320,8 +337,8 @@ START_TEST(every_method_survives_a_heap_of_any_size)
             budget = used + more;
             status = make_and_step(&m, &err);
             armed = false;
-            ck_assert_msg(live == before, "%s, %zu bytes: %ld blocks kept", label, more,
-                          live - before);
+            ck_assert_msg(live == before || !COUNTS_ALL,
+                          "%s, %zu bytes: %ld blocks kept", label, more, live - before);
             ck_assert_msg(status == WEFT_OK || status == WEFT_NO_MEMORY, "%s: %s",
                           label, err.message);
             ck_assert_uint_lt(more, 1 << 20);

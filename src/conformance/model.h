@@ -7,6 +7,7 @@
 #define WEFT_CONFORMANCE_MODEL_H
 
 #include <math.h>
+#include <pthread.h>
 
 #include "conformance/merson.h"
 
@@ -14,11 +15,21 @@ enum { DIM = 4, APART = 3 /* quadratures at most */ };
 
 typedef enum fault { NO_FAULT, REFUSE, STOP, GIVE_NAN, GIVE_INF, FAULTS } fault;
 
+/* Two threads take turns: each call of one model's rhs waits for one of the other's.
+ * What two steps share by mistake is then overwritten for sure. */
+typedef struct baton {
+    pthread_mutex_t lock;
+    pthread_cond_t passed;
+    int turn;
+    bool dropped; /* nobody waits any more */
+} baton;
+
 typedef struct model {
     double k;     /* [1/s^2] stiffness of the first oscillator */
     double edge;  /* [m] beyond it the state is refused; 0: nowhere */
     size_t apart; /* quadratures: t, x1 less its start, and the integral of v1 v2 */
-    bool yields;  /* to another thread, in every call */
+    baton *baton; /* NULL: no turns are taken */
+    int side;     /* 0 or 1 */
     uint64_t calls;
     fault fault; /* what goes wrong */
     uint64_t at; /* from this call on, */
@@ -29,6 +40,8 @@ extern const double weft__model_start[DIM];
 
 /* ctx is the model. */
 int weft__model_rhs(double t, const double *y, double *dydt, void *ctx);
+
+void weft__baton_drop(baton *self);
 
 /* y[DIM] at t becomes that at t_end, a multiple of 2^-13 s away; k = 1. */
 void weft__model_solve(double t, double t_end, double *y);

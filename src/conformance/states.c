@@ -174,10 +174,10 @@ typedef struct thread_run {
 static void *go_in_thread(void *ctx)
 {
     thread_run *mine = ctx;
-    mine->r->model.yields = true;
     while (mine->r->t < 1.0 && mine->status == WEFT_OK) {
         mine->status = weft__step(mine->self, mine->r, 1.0);
     }
+    weft__baton_drop(mine->r->model.baton);
     return NULL;
 }
 
@@ -188,6 +188,10 @@ static void two_threads_are_independent(trial *self)
     }
     thread_run here = { .self = self, .r = &self->runs[2] };
     thread_run there = { .self = self, .r = &self->runs[3] };
+    baton turns
+        = { .lock = PTHREAD_MUTEX_INITIALIZER, .passed = PTHREAD_COND_INITIALIZER };
+    here.r->model.baton = there.r->model.baton = &turns;
+    there.r->model.side = 1;
     pthread_t thread;
     if (!weft__expect(self, pthread_create(&thread, NULL, go_in_thread, &there) == 0,
                       "no thread could be started")) {
