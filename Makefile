@@ -66,7 +66,7 @@ PROMISES := $(patsubst tests/promises/%.c,$(BUILD)/tests/promises/weft-%.so,$(wi
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/*.c))
 
 .PHONY: all check check-run check-view viewer pictures verify bench demo demo-run deps docs lint format asan \
-        clang-build check-sundials7 valgrind symbols clean help
+        fuzz clang-build check-sundials7 valgrind symbols clean help
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -218,7 +218,7 @@ deps:
 # ---- care ------------------------------------------------------------------------
 
 C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] plugins/*/*.[ch] tests/*.[ch] \
-                     tests/verify/*.[ch] tests/broken/*.c tests/promises/*.c examples/*.c bench/*.[ch])
+                     tests/verify/*.[ch] tests/broken/*.c tests/promises/*.c tests/fuzz/*.[ch] examples/*.c bench/*.[ch])
 
 lint:
 	@tools/lint $(C_FILES)
@@ -235,6 +235,21 @@ asan:
 	@$(MAKE) --no-print-directory BUILD=build/asan CFLAGS='-O1 -g' \
 	    SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \
 	    check-run
+
+# libFuzzer, a minute a target: `make fuzz FUZZ_SECONDS=1200 FUZZ=scene`.
+FUZZ_SECONDS ?= 60
+FUZZ ?= $(patsubst tests/fuzz/%.c,%,$(wildcard tests/fuzz/*.c))
+
+$(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(BUILD)/libweft.a $(RECORD_OBJ)
+	@mkdir -p $(@D)
+	$(call say,LD)$(LINK) -fsanitize=fuzzer -o $@ $< $(filter-out $<,$(filter %.o,$^)) $(BUILD)/libweft.a \
+	    $(LIB_LIBS) $(HDF5_LIBS) -lcheck -lsubunit -lrt
+
+fuzz:
+	@$(MAKE) --no-print-directory BUILD=build/fuzz CC=clang CFLAGS='-O1 -g' \
+	    SAN='-Wno-pass-failed -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all' \
+	    all $(FUZZ:%=build/fuzz/fuzz/%)
+	@tools/fuzz build/fuzz $(FUZZ_SECONDS) $(FUZZ)
 
 clang-build:
 	@$(MAKE) --no-print-directory BUILD=build/clang CC=clang all \
@@ -255,6 +270,6 @@ clean:
 
 help:
 	@sed -n '2,9s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | clang-build | check-sundials7 | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | fuzz | clang-build | check-sundials7 | valgrind | symbols | clean"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)
