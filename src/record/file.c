@@ -37,7 +37,8 @@ weft_status record_file_open(record_file *file, const char *directory, const cha
 weft_status record_file_commit(record_file *file, weft_error *err)
 {
     errno = 0;
-    bool written = !ferror(file->stream) && fflush(file->stream) == 0;
+    bool written = fflush(file->stream) == 0; /* after an error: for its reason */
+    written = !ferror(file->stream) && written;
     written = fsync(fileno(file->stream)) == 0 && written;
     int why = errno;
     if (fclose(file->stream) != 0) {
