@@ -236,6 +236,15 @@ asan:
 	    SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \
 	    check-run
 
+# Lines of src/ and plugins/ that the tests run.
+COVERAGE_LEAST ?= 90
+
+coverage:
+	@find build/coverage -name '*.gcda' -delete 2>/dev/null || :
+	@$(MAKE) --no-print-directory BUILD=build/coverage CFLAGS='-O0 -g' \
+	    SAN='--coverage -fprofile-update=atomic' check-run
+	@tools/coverage build/coverage $(COVERAGE_LEAST)
+
 # libFuzzer, a minute a target: `make fuzz FUZZ_SECONDS=1200 FUZZ=scene`.
 FUZZ_SECONDS ?= 60
 FUZZ ?= $(patsubst tests/fuzz/%.c,%,$(wildcard tests/fuzz/*.c))

@@ -37,8 +37,10 @@ weft_status record_file_open(record_file *file, const char *directory, const cha
 weft_status record_file_commit(record_file *file, weft_error *err)
 {
     errno = 0;
-    bool written = fflush(file->stream) == 0; /* after an error: for its reason */
-    written = !ferror(file->stream) && written;
+    bool written = !ferror(file->stream) && fflush(file->stream) == 0;
+    if (ferror(file->stream) && errno == 0) { /* earlier: one byte more tells why */
+        written = write(fileno(file->stream), "", 1) < 0 && written;
+    }
     written = fsync(fileno(file->stream)) == 0 && written;
     int why = errno;
     if (fclose(file->stream) != 0) {
