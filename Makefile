@@ -66,7 +66,7 @@ PROMISES := $(patsubst tests/promises/%.c,$(BUILD)/tests/promises/weft-%.so,$(wi
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/*.c))
 
 .PHONY: all check check-run check-view viewer pictures verify bench demo demo-run deps docs lint format asan \
-        fuzz clang-build check-sundials7 valgrind symbols clean help
+        fuzz coverage static tsan check-determinism clang-build check-sundials7 valgrind symbols clean help
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -245,6 +245,23 @@ coverage:
 	    SAN='--coverage -fprofile-update=atomic' check-run
 	@tools/coverage build/coverage $(COVERAGE_LEAST)
 
+# Sources read by clang-tidy and cppcheck.
+static:
+	@tools/static "$(STRICT) $(INCS) $(HDF5_CFLAGS) $(MPI_INC)"
+
+# The tests that have threads, under ThreadSanitizer.
+TSAN_TESTS ?= test_steppers test_arkode_vector test_sim
+
+tsan:
+	@$(MAKE) --no-print-directory BUILD=build/tsan CFLAGS='-O1 -g' SAN=-fsanitize=thread \
+	    $(TSAN_TESTS:%=build/tsan/tests/%)
+	@for test in $(TSAN_TESTS); do build/tsan/tests/$$test || exit 1; done
+
+# The same bits from every compiler and at every level of optimisation.
+check-determinism:
+	@mkdir -p build/determinism
+	@MAKE="$(MAKE)" tools/check-determinism build/determinism
+
 # libFuzzer, a minute a target: `make fuzz FUZZ_SECONDS=1200 FUZZ=scene`.
 FUZZ_SECONDS ?= 60
 FUZZ ?= $(patsubst tests/fuzz/%.c,%,$(wildcard tests/fuzz/*.c))
@@ -279,6 +296,6 @@ clean:
 
 help:
 	@sed -n '2,9s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | fuzz | clang-build | check-sundials7 | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | fuzz | coverage | static | tsan | check-determinism | clang-build | check-sundials7 | valgrind | symbols | clean"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)
