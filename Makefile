@@ -241,7 +241,7 @@ COVERAGE_LEAST ?= 90
 
 coverage:
 	@find build/coverage -name '*.gcda' -delete 2>/dev/null || :
-	@$(MAKE) --no-print-directory BUILD=build/coverage CFLAGS='-O0 -g' \
+	@CK_TIMEOUT_MULTIPLIER=4 $(MAKE) --no-print-directory BUILD=build/coverage CFLAGS='-O1 -g' \
 	    SAN='--coverage -fprofile-update=atomic' check-run
 	@tools/coverage build/coverage $(COVERAGE_LEAST)
 
