@@ -15,12 +15,12 @@ enum { DIM = 4, APART = 3 /* quadratures at most */ };
 
 typedef enum fault { NO_FAULT, REFUSE, STOP, GIVE_NAN, GIVE_INF, FAULTS } fault;
 
-/* Two threads take turns: each call of one model's rhs waits for one of the other's.
- * What two steps share by mistake is then overwritten for sure. */
+/* Two threads take turns at first: each call of one model's rhs waits for one of the
+ * other's. What two steps share by mistake is then overwritten for sure. */
 typedef struct baton {
     pthread_mutex_t lock;
     pthread_cond_t passed;
-    int turn;
+    int turn, passes;
     bool dropped; /* nobody waits any more */
 } baton;
 
