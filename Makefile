@@ -52,7 +52,7 @@ VERSION := $(shell sed -n 's/^.define WEFT_VERSION "\(.*\)"/\1/p' include/weft/b
 # Before 1.0 a second number that differs is another interface.
 SOVERSION := $(if $(filter 0.%,$(VERSION)),$(basename $(VERSION)),$(firstword $(subst ., ,$(VERSION))))
 
-LIB_SRC  := $(wildcard src/cloth/*.c src/sim/*.c src/scene/*.c)
+LIB_SRC  := $(wildcard src/cloth/*.c src/sim/*.c src/scene/*.c src/conformance/*.c)
 PROG_SRC := $(wildcard src/record/*.c src/cli/*.c)
 LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
 # The kernels once more for each level of instructions that src/cloth/levels.c chooses from.
@@ -71,10 +71,11 @@ LIBS_arkode := -lsundials_arkode -lsundials_nvecserial $(if $(HAVE_SUNDIALS_7),-
 TESTS := $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
 TEST_BIN := $(TESTS:%=$(BUILD)/tests/%)
 BROKEN := $(patsubst tests/broken/%.c,$(BUILD)/tests/broken/weft-%.so,$(wildcard tests/broken/*.c))
+PROMISES := $(patsubst tests/promises/%.c,$(BUILD)/tests/promises/weft-%.so,$(wildcard tests/promises/*.c))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/*.c))
 
 .PHONY: all check check-run check-view viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
-        clang-build check-sundials7 valgrind symbols clean help
+        fuzz coverage static check-determinism clang-build check-sundials7 valgrind symbols clean help
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -96,7 +97,7 @@ $(BUILD)/libweft.a: $(LIB_OBJ)
 
 $(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
 	$(call say,LD)$(LINK) -o $@ $(PROG_OBJ) -L$(BUILD) -Wl,-rpath,'$$ORIGIN:$$ORIGIN/../lib' -lweft -lyaml \
-	    $(HDF5_LIBS) -lm
+	    $(HDF5_LIBS) -ldl -lm
 
 $(BUILD)/src/record/%.o: INCS += $(HDF5_CFLAGS)
 
@@ -161,6 +162,9 @@ $(BUILD)/tests/wide/%.o: src/cloth/%.c
 
 $(BUILD)/tests/test_kernel $(BUILD)/tests/test_heat: $(KERNELS:$(BUILD)/src/cloth/%=$(BUILD)/tests/wide/%.o)
 
+$(BUILD)/tests/test_no_memory: \
+    LINK += $(if $(findstring address,$(SAN)),$(foreach f,malloc calloc realloc aligned_alloc free,-Wl,--wrap=$(f)))
+
 # What is verified, for the test and for the program; scenes run as in `weft run`.
 VERIFY_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/main.c,$(wildcard tests/verify/*.c))) \
               $(filter-out %/main.o,$(PROG_OBJ))
@@ -185,6 +189,10 @@ $(RECORD_TESTS:=.o): INCS += $(HDF5_CFLAGS)
 $(BUILD)/tests/broken/weft-%.so: tests/broken/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -shared -o $@ $<
+
+$(BUILD)/tests/promises/weft-%.so: tests/promises/%.c
+	@mkdir -p $(@D)
+	$(call say,CC)$(COMPILE) -shared -o $@ $< -lm
 
 $(BUILD)/examples/%: examples/%.c $(BUILD)/libweft.so $(BUILD)/plugins/weft-verlet.so
 	@mkdir -p $(@D)
@@ -226,7 +234,7 @@ bench: all $(BENCHES:%=$(BUILD)/bench/%)
 check: deps
 	@$(MAKE) --no-print-directory check-run
 
-check-run: all $(TEST_BIN) $(BROKEN) $(EXAMPLES) lint
+check-run: all $(TEST_BIN) $(BROKEN) $(PROMISES) $(EXAMPLES) lint
 	@tools/run-tests $(BUILD) $(TEST_BIN)
 
 # What is written, read by the programs it is meant for; what is not there is skipped.
@@ -256,7 +264,7 @@ include install.mk
 # ---- care ------------------------------------------------------------------------
 
 C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] plugins/*/*.[ch] tests/*.[ch] \
-                     tests/verify/*.[ch] tests/broken/*.c examples/*.c bench/*.[ch] bench/levels/*.[ch] bench/guard/*.c)
+                     tests/verify/*.[ch] tests/broken/*.c tests/promises/*.c tests/fuzz/*.[ch] examples/*.c bench/*.[ch] bench/levels/*.[ch] bench/guard/*.c)
 
 lint:
 	@tools/lint $(C_FILES)
@@ -274,19 +282,56 @@ asan:
 	    SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \
 	    check-run
 
-# Races between threads: of a simulation, and of simulations. In one process each: forks
-# after threads are not for the sanitizer.
+# Races between threads: of a simulation, of simulations, and of the steppers alone.
+# Those of simulations in one process each: forks after threads are not for the sanitizer.
+TSAN_TESTS := test_threads test_embed test_steppers test_arkode_vector
+
 tsan:
 	@$(MAKE) --no-print-directory BUILD=build/tsan CFLAGS='-O1 -g' SAN='-fsanitize=thread' \
-	    build/tsan/tests/test_threads build/tsan/tests/test_embed
+	    $(TSAN_TESTS:%=build/tsan/tests/%)
 	CK_FORK=no build/tsan/tests/test_threads
 	CK_FORK=no CK_RUN_CASE=threads build/tsan/tests/test_embed
+	CK_TIMEOUT_MULTIPLIER=4 build/tsan/tests/test_arkode_vector
+	CK_TIMEOUT_MULTIPLIER=4 build/tsan/tests/test_steppers
+
+# Lines of src/ and plugins/ that the tests run.
+COVERAGE_LEAST ?= 90
+
+coverage:
+	@find build/coverage -name '*.gcda' -delete 2>/dev/null || :
+	@CK_TIMEOUT_MULTIPLIER=4 $(MAKE) --no-print-directory BUILD=build/coverage CFLAGS='-O1 -g' \
+	    SAN='--coverage -fprofile-update=atomic' check-run
+	@tools/coverage build/coverage $(COVERAGE_LEAST)
+
+# Sources read by clang-tidy and cppcheck.
+static:
+	@tools/static "$(STRICT) $(INCS) $(HDF5_CFLAGS) $(MPI_INC)"
+
+# The same bits from every compiler and at every level of optimisation.
+check-determinism:
+	@mkdir -p build/determinism
+	@MAKE="$(MAKE)" tools/check-determinism build/determinism
+
+# libFuzzer, a minute a target: `make fuzz FUZZ_SECONDS=1200 FUZZ=scene`.
+FUZZ_SECONDS ?= 60
+FUZZ ?= $(patsubst tests/fuzz/%.c,%,$(wildcard tests/fuzz/*.c))
+
+$(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(BUILD)/libweft.a $(RECORD_OBJ)
+	@mkdir -p $(@D)
+	$(call say,LD)$(LINK) -fsanitize=fuzzer -o $@ $< $(filter-out $<,$(filter %.o,$^)) $(BUILD)/libweft.a \
+	    $(LIB_LIBS) $(HDF5_LIBS) -lcheck -lsubunit -lrt
+
+fuzz:
+	@$(MAKE) --no-print-directory BUILD=build/fuzz CC=clang CFLAGS='-O1 -g' \
+	    SAN='-Wno-pass-failed -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all' \
+	    all $(FUZZ:%=build/fuzz/fuzz/%)
+	@tools/fuzz build/fuzz $(FUZZ_SECONDS) $(FUZZ)
 
 clang-build:
 	@$(MAKE) --no-print-directory BUILD=build/clang CC=clang all \
 	    $(TESTS:%=build/clang/tests/%)
 
-valgrind: all $(TEST_BIN) $(BROKEN)
+valgrind: all $(TEST_BIN) $(BROKEN) $(PROMISES)
 	@tools/valgrind $(BUILD)
 
 # Tests and verification against Debian 13's SUNDIALS 7, in a system of its own; root, debootstrap.
@@ -301,7 +346,7 @@ clean:
 
 help:
 	@sed -n '2,9s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | tsan | guard | clang-build | check-sundials7 | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | fuzz | coverage | static | check-determinism | tsan | guard | clang-build | check-sundials7 | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | check-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "verify/merson.h"
+#include "conformance/merson.h"
 
 const weft_plugin *weft_plugin_verlet(void);
 const weft_plugin *weft_plugin_gsl(void);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* test_stepper_accuracy.c -- whether tolerances and norms mean what weft/stepper.h
- * says; orders are measured in test_verification.c. */
+/* test_stepper_accuracy.c -- whether each tolerance and norm means what weft/stepper.h
+ * says, beyond weft/conformance.h; orders are measured in test_verification.c. */
 #include "stepper_run.h"
 
 typedef struct result {
@@ -17,28 +17,6 @@ static result at_4_s(const weft_stepper_type *type, const weft_stepper_config *c
     end(&r);
     return res;
 }
-
-/* The error at the end is not the error of a step, so a factor stays between them. */
-START_TEST(error_follows_the_tolerance)
-{
-    const weft_stepper_type *type = test_method((size_t)_i);
-    const double low = type->order == 1 ? 1e-5 : type->order == 2 ? 1e-7 : 1e-9;
-    const double most = type->order == 1 ? 2000.0 : 150.0;
-    for (int norm = WEFT_NORM_MAX; norm <= WEFT_NORM_RMS && can_adapt(type); ++norm) {
-        weft_stepper_config config = adaptive(1e-3);
-        config.norm = (weft_norm)norm;
-        const result rough = at_4_s(type, &config);
-        config = adaptive(low);
-        config.norm = (weft_norm)norm;
-        const result fine = at_4_s(type, &config);
-        ck_assert_double_le(rough.error, most * 1e-3);
-        ck_assert_double_le(fine.error,
-                            (norm == WEFT_NORM_MAX ? 1.0 : 2.0) * most * low);
-        ck_assert_double_le(fine.error, 0.11 * rough.error);
-        ck_assert_uint_gt(fine.steps, rough.steps);
-    }
-}
-END_TEST
 
 START_TEST(each_tolerance_counts)
 {
@@ -121,7 +99,6 @@ END_TEST
 int main(void)
 {
     Suite *suite = suite_create("stepper accuracy");
-    add_for_every_method(suite, "tolerance", error_follows_the_tolerance);
     add_for_every_method(suite, "tolerances", each_tolerance_counts);
     add_for_every_method(suite, "norms",
                          the_largest_norm_sees_one_particle_where_rms_does_not);

@@ -3,6 +3,7 @@
  * plugin that is found; scenes with few particles or cut short, for haste. */
 #include <math.h>
 
+#include "conformance/order.h"
 #include "support.h"
 #include "verify/verify.h"
 
@@ -28,16 +29,16 @@ static double order(const weft_stepper_type *type, int claimed)
 {
     weft_error err = { 0 };
     double measured = 0.0;
-    check(verify_order(type, claimed, &measured, &err), &err);
+    check(weft__order(type, claimed, &measured, &err), &err);
     return measured;
 }
 
 START_TEST(every_method_has_the_order_it_claims)
 {
     const weft_stepper_type *type = method(_i).type;
-    const int claimed = verify_order_claimed(type);
+    const int claimed = weft__order_claimed(type);
     if (claimed > 0) {
-        ck_assert_double_le(fabs(order(type, claimed) - claimed), VERIFY_ORDER_BOUND);
+        ck_assert_double_le(fabs(order(type, claimed) - claimed), WEFT__ORDER_BOUND);
     }
 }
 END_TEST
@@ -45,15 +46,15 @@ END_TEST
 START_TEST(a_wrong_claim_is_seen)
 {
     const weft_stepper_type *type = method(_i).type;
-    const int right = verify_order_claimed(type);
+    const int right = weft__order_claimed(type);
     if ((type->flags & WEFT_STEPPER_DENSE) != 0) {
         return; /* for haste */
     }
     if (right > 1) {
         ck_assert(isinf(order(type, right - 1)));
     }
-    if (right > 0 && right < VERIFY_ORDER_MOST) {
-        ck_assert_double_le(fabs(order(type, right + 1) - right), VERIFY_ORDER_BOUND);
+    if (right > 0 && right < WEFT__ORDER_MOST) {
+        ck_assert_double_le(fabs(order(type, right + 1) - right), WEFT__ORDER_BOUND);
     }
 }
 END_TEST

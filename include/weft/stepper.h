@@ -188,7 +188,9 @@ typedef struct weft_stepper_type {
     /* Advance y and *t < t_end by exactly ONE ACCEPTED step, never past t_end, and
      * onto t_end bit for bit when it gets there. y is as the last step left it unless
      * state_changed was called. An accepted y is finite, also with fixed_step. On
-     * failure *t and y are as before and step may be called again. */
+     * failure *t and y are as before and step may be called again. WEFT_STOPPED where
+     * the rhs returned < 0, WEFT_NOT_FINITE where it returned > 0 or y is not finite
+     * however small the step, WEFT_STEP_TOO_SMALL, WEFT_INVALID (t_end <= t). */
     weft_status (*step)(void *self, double t_end, double *t, double *y,
                         weft_error *err);
 

@@ -43,12 +43,14 @@ static const char *mistake(const ark_method *method, const weft_ode *ode,
                                            : NULL;
 }
 
-/* The stages, what ARKODE keeps besides, and what it keeps for interpolation. A granted
- * malloc must not be optimised away. */
+/* The stages, what ARKODE keeps besides, and what it keeps for interpolation; 32 KiB
+ * for tables and all else that does not grow with the state. Much of SUNDIALS does not
+ * look at what malloc returned. A granted malloc must not be optimised away. */
 static weft_status check_memory(const char *name, size_t dim, int stages,
                                 weft_error *err)
 {
-    const double bytes = sizeof(double) * (double)dim * (stages + 12), gib = 0x1p30;
+    const double gib = 0x1p30;
+    const double bytes = 0x1p15 + sizeof(double) * (double)dim * (stages + 12);
     const double most = sizeof(sunindextype) > 4 ? 0x1p60 : 0x1p31 - 1.0;
     void *volatile probe = NULL;
     if ((double)dim <= most && bytes <= 0x1p38) { /* 256 GiB */
@@ -194,7 +196,10 @@ weft_status weft__ark_create(const weft_stepper_type *type, const weft_ode *ode,
     if (wrong != NULL) {
         return weft_error_set(err, WEFT_INVALID, "%s: %s", type->name, wrong);
     }
-    weft_status status = weft__ark_table(method, config->butcher, &table, err);
+    weft_status status = check_memory(type->name, ode->dim, 0, err);
+    if (status == WEFT_OK) {
+        status = weft__ark_table(method, config->butcher, &table, err);
+    }
     if (status != WEFT_OK) {
         return status;
     }

@@ -15,6 +15,7 @@
  * wrong method. Vectors may take what the machine has. */
 #define MATRICES_LIMIT 0x1p31 /* 2 GiB */
 #define VECTORS_LIMIT  0x1p38 /* 256 GiB */
+#define SMALL_BLOCKS   0x1p15 /* whatever the state, all that is not a vector */
 #define NO_MATRICES    "; methods without matrices: rk2, rk4, rkf45, rkck, rk8pd, msadams"
 
 static bool positive(double x)
@@ -53,7 +54,7 @@ static const char *mistake(const weft_stepper_type *type, const weft_ode *ode,
 static double memory_needed(const gsl_method *method, size_t dim)
 {
     const double n = (double)dim;
-    return sizeof(double) * n * (method->vectors + method->matrices * n);
+    return SMALL_BLOCKS + sizeof(double) * n * (method->vectors + method->matrices * n);
 }
 
 /* A granted malloc must not be optimised away. */

@@ -70,7 +70,9 @@ static long look_through(const char *directory, bool clear)
         ++found;
         if (clear && is_ours(item->d_name)
             && record_path(directory, item->d_name, path, NULL) == WEFT_OK) {
-            if (strcmp(item->d_name, "frames") == 0) {
+            struct stat status; /* a link is removed, and what it leads to stays */
+            if (lstat(path, &status) == 0 && S_ISDIR(status.st_mode)
+                && strcmp(item->d_name, "frames") == 0) {
                 (void)look_through(path, true);
             }
             (void)remove(path);

@@ -308,25 +308,34 @@ static void mark_misspelt(weft__match *match, const char *name)
     }
 }
 
+/* Puts "name." before a path, or the name alone if it is empty. */
+static void prepend(const char *name, char *path, size_t size)
+{
+    const size_t length = strlen(name), rest = strlen(path), dot = rest > 0;
+    if (length + dot + rest < size) {
+        memmove(path + length + dot, path, rest + 1);
+        memcpy(path, name, length);
+        memset(path + length, '.', dot);
+    }
+}
+
 /* The first section below `from`, other than `other`, that has a key of that name; its
- * path is written to out. */
+ * path is written to out, from its end, as most names are nowhere. */
 static bool find_elsewhere(const weft__section *from, const weft__section *other,
-                           const char *name, const char *path, char *out, size_t size)
+                           const char *name, char *out, size_t size)
 {
     for (size_t i = 0; i < from->count; ++i) {
         if (from != other && from != &weft__root
             && strcmp(from->keys[i].name, name) == 0) {
-            (void)snprintf(out, size, "%s", path);
+            out[0] = '\0';
             return true;
         }
     }
     for (size_t i = 0; i < from->count; ++i) {
         const weft__key *key = &from->keys[i];
-        char below[120];
-        (void)snprintf(below, sizeof below, "%s%s%s", path, path[0] == '\0' ? "" : ".",
-                       key->name);
         if (key->kind == WEFT__MAPPING
-            && find_elsewhere(key->section, other, name, below, out, size)) {
+            && find_elsewhere(key->section, other, name, out, size)) {
+            prepend(key->name, out, size);
             return true;
         }
     }
@@ -345,7 +354,7 @@ static void unknown_hint(weft__match *match, const char *name, char *out, size_t
     if (guess.name != NULL) {
         mark_misspelt(match, guess.name);
         (void)weft__guess_text(&guess, out, size);
-    } else if (find_elsewhere(&weft__root, section, name, "", path, sizeof path)) {
+    } else if (find_elsewhere(&weft__root, section, name, path, sizeof path)) {
         (void)snprintf(out, size, " (it is a key of %s)", path);
     }
 }

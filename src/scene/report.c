@@ -84,17 +84,30 @@ static void insert(weft__report *report, size_t slot, yaml_mark_t at, bool warni
     };
 }
 
+/* Whether nothing at that place can be shown any more: it is counted alone. */
+static bool is_beyond(const weft__report *report, yaml_mark_t at)
+{
+    const size_t count = report->found->count;
+    return count == WEFT_DIAGNOSTICS_MAX
+           && weft__mark_before(place_of(report, count - 1), at);
+}
+
 static void add(weft__report *report, bool warning, yaml_mark_t at, const char *format,
                 va_list args)
 {
     char message[sizeof report->found->items[0].message];
+    size_t *count = warning ? &report->found->warnings : &report->found->errors;
+    if (is_beyond(report, at)) {
+        ++*count;
+        return;
+    }
     const size_t slot = find_slot(report, at);
     (void)vsnprintf(message, sizeof message, format, args);
     weft__one_line(message);
     if (is_known(report, at, message)) {
         return;
     }
-    *(warning ? &report->found->warnings : &report->found->errors) += 1;
+    ++*count;
     if (slot < WEFT_DIAGNOSTICS_MAX) {
         insert(report, slot, at, warning, message);
     }

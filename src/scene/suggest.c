@@ -57,6 +57,9 @@ void weft__guess_try(weft__guess *guess, const char *typed, const char *name)
     }
     const size_t longer = typed_length > length ? typed_length : length;
     const size_t limit = longer < 6 ? 1 : longer / 3;
+    if (longer - least(typed_length, length) > limit) {
+        return; /* the distance is no less */
+    }
     const size_t found = distance(typed, name);
     if (found <= limit && found < length
         && (guess->name == NULL || found < guess->distance)) {

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "conformance/order.h"
 #include "verify/verify.h"
 
 typedef struct report {
@@ -85,16 +86,16 @@ static void print_references(report *self)
 
 static void print_order(report *self, const weft_stepper_type *type)
 {
-    const int claimed = verify_order_claimed(type);
+    const int claimed = weft__order_claimed(type);
     weft_error err = { 0 };
     double order = 0.0;
     if (claimed == 0) {
         printf(" var    -  ");
-    } else if (verify_order(type, claimed, &order, &err) != WEFT_OK) {
+    } else if (weft__order(type, claimed, &order, &err) != WEFT_OK) {
         print_failure(self, &err);
     } else {
         printf(" %3d %5.2f%s", claimed, order,
-               mark(self, fabs(order - claimed) <= VERIFY_ORDER_BOUND));
+               mark(self, fabs(order - claimed) <= WEFT__ORDER_BOUND));
     }
 }
 
@@ -124,7 +125,7 @@ static void print_methods(report *self)
     printf(
         "\nOrder, measured within %g of the claim; error after a short run, within %g "
         "tolerances of the\nreference (*: with %zu, %zu and %zu particles)\n",
-        VERIFY_ORDER_BOUND, VERIFY_ERROR_BOUND, self->references[0][1].frames.dim / 6,
+        WEFT__ORDER_BOUND, VERIFY_ERROR_BOUND, self->references[0][1].frames.dim / 6,
         self->references[1][1].frames.dim / 6, self->references[2][1].frames.dim / 6);
     printf("%-35s order      tol", "");
     for (size_t i = 0; i < VERIFY_SCENES; ++i) {

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "cli/cli.h"
-#include "verify/merson.h"
+#include "conformance/merson.h"
 #include "verify/verify.h"
 
 enum { SETS_MOST = 8, TEXT_MOST = 512 };

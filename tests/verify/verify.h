@@ -13,20 +13,6 @@
 /* Every plugin beside the program or in WEFT_PLUGIN_PATH; NULL after printing why. */
 weft_registry *verify_registry(void);
 
-/* ---- order.c --------------------------------------------------------------------- */
-
-enum { VERIFY_ORDER_MOST = 9 };
-#define VERIFY_ORDER_BOUND 0.2
-
-/* What the method, or the table that it is given here, claims; 0: variable. */
-int verify_order_claimed(const weft_stepper_type *type);
-
-/* log2 of the ratio of the errors with h and h/2, were `claimed` right; INFINITY if
- * there is no error to speak of, for then it is of higher order. `claimed` is at most
- * VERIFY_ORDER_MOST. Errors: what create and step give. */
-weft_status verify_order(const weft_stepper_type *type, int claimed, double *order,
-                         weft_error *err);
-
 /* ---- runs.c ---------------------------------------------------------------------- */
 
 enum { VERIFY_SETS = 6 };

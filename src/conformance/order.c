@@ -17,12 +17,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "verify/merson.h"
-#include "verify/verify.h"
+#include "conformance/merson.h"
+#include "conformance/order.h"
 
 enum {
-    WEIGHTS = VERIFY_ORDER_MOST + 2, /* from 0, which no tree has */
-    TREES_MOST = 6964,               /* of less weight than that */
+    WEIGHTS = WEFT__ORDER_MOST + 2, /* from 0, which no tree has */
+    TREES_MOST = 6964,              /* of less weight than that */
     STEPS_MOST = 1024
 };
 
@@ -172,16 +172,16 @@ static weft_status halve(const weft_stepper_type *type, forest *f, double *order
     return status;
 }
 
-int verify_order_claimed(const weft_stepper_type *type)
+int weft__order_claimed(const weft_stepper_type *type)
 {
     const bool custom = (type->flags & WEFT_STEPPER_BUTCHER) != 0;
     return custom ? merson()->order : type->order;
 }
 
-weft_status verify_order(const weft_stepper_type *type, int claimed, double *order,
-                         weft_error *err)
+weft_status weft__order(const weft_stepper_type *type, int claimed, double *order,
+                        weft_error *err)
 {
-    if (claimed < 1 || claimed > VERIFY_ORDER_MOST) {
+    if (claimed < 1 || claimed > WEFT__ORDER_MOST) {
         return weft_error_set(err, WEFT_UNSUPPORTED, "order %d is not measured",
                               claimed);
     }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* merson.h -- a table for methods that take one: R. H. Merson's of order 4, which
  * compares its solution with one of order 3. */
-#ifndef VERIFY_MERSON_H
-#define VERIFY_MERSON_H
+#ifndef WEFT_CONFORMANCE_MERSON_H
+#define WEFT_CONFORMANCE_MERSON_H
 
 #include "weft/stepper.h"
 

@@ -1,0 +1,260 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* plugin_test.c -- weft plugin-test: a plugin's file held against the stepper contract,
+ * each check of each method in a process of its own. */
+#include <dlfcn.h>
+#include <errno.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "cli/cli.h"
+#include "weft/conformance.h"
+
+enum {
+    CPU_SECONDS = 60,   /* of a check; the longest of ours takes 2 */
+    WALL_SECONDS = 600, /* for one that sleeps */
+    PRINTED_MOST = 1 << 20,
+    CHECKS_MOST = 64
+};
+
+/* What GSL has for the program's own use, if the plugin brought GSL along. */
+typedef void gsl_handler(const char *reason, const char *file, int line, int code);
+typedef gsl_handler *gsl_set_handler(gsl_handler *handler);
+
+static int gsl_calls; /* in the process of a check alone */
+
+static void count_gsl(const char *reason, const char *file, int line, int code)
+{
+    (void)reason;
+    (void)file;
+    (void)line;
+    (void)code;
+    ++gsl_calls;
+}
+
+static gsl_set_handler *find_gsl(const char *file)
+{
+    gsl_set_handler *set = NULL;
+    char path[4096];
+    (void)snprintf(path, sizeof path, "%s%s", strchr(file, '/') == NULL ? "./" : "",
+                   file);
+    void *handle = dlopen(path, RTLD_NOW | RTLD_NOLOAD);
+    if (handle != NULL) {
+        void *symbol = dlsym(handle, "gsl_set_error_handler");
+        memcpy(&set, &symbol, sizeof set);
+        (void)dlclose(handle); /* the registry holds it open */
+    }
+    return set;
+}
+
+static void breaks(weft_conformance *out, const char *seen)
+{
+    if (out->verdict != WEFT_PROMISE_BROKEN) {
+        out->verdict = WEFT_PROMISE_BROKEN;
+        (void)snprintf(out->seen, sizeof out->seen, "%s", seen);
+    }
+}
+
+/* In the child: `to` takes the verdict, `printed` all that is printed. */
+static void check_and_tell(const weft_stepper_type *type, size_t check,
+                           gsl_set_handler *gsl, FILE *printed, int to)
+{
+    const struct rlimit cpu = { CPU_SECONDS, CPU_SECONDS };
+    const struct rlimit size = { PRINTED_MOST, PRINTED_MOST };
+    const struct rlimit core = { 0, 0 };
+    (void)setrlimit(RLIMIT_CPU, &cpu);
+    (void)setrlimit(RLIMIT_FSIZE, &size);
+    (void)setrlimit(RLIMIT_CORE, &core);
+    (void)alarm(WALL_SECONDS);
+    (void)dup2(fileno(printed), STDOUT_FILENO);
+    (void)dup2(fileno(printed), STDERR_FILENO);
+    if (gsl != NULL) {
+        (void)gsl(count_gsl);
+    }
+    weft_conformance out = weft_conformance_check(type, check);
+    if (gsl != NULL && gsl(NULL) != count_gsl) {
+        breaks(&out, "the plugin left another error handler in GSL");
+    } else if (gsl_calls > 0) {
+        breaks(&out, "GSL called the program's error handler");
+    }
+    (void)fflush(NULL);
+    const ssize_t told = write(to, &out, sizeof out);
+    _exit(told == (ssize_t)sizeof out ? 0 : 1);
+}
+
+/* Of a child that told nothing. */
+static void explain(int status, weft_conformance *out)
+{
+    char text[128];
+    *out = (weft_conformance){ .verdict = WEFT_PROMISE_KEPT };
+    if (WIFSIGNALED(status)
+        && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGALRM
+            || WTERMSIG(status) == SIGKILL)) {
+        (void)snprintf(text, sizeof text, "the check did not come to an end");
+    } else if (WIFSIGNALED(status)) {
+        (void)snprintf(text, sizeof text, "it crashed: %s",
+                       strsignal(WTERMSIG(status)));
+    } else {
+        (void)snprintf(text, sizeof text, "it ended the process with exit code %d",
+                       WEXITSTATUS(status));
+    }
+    breaks(out, text);
+}
+
+static void await(pid_t child, int from, FILE *printed, weft_conformance *out)
+{
+    int status = 0;
+    struct stat file;
+    const ssize_t got = read(from, out, sizeof *out); /* at once, or nothing */
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    if (got != (ssize_t)sizeof *out) {
+        explain(status, out);
+    }
+    if (fstat(fileno(printed), &file) == 0 && file.st_size > 0) {
+        char text[256];
+        rewind(printed);
+        const char *line = fgets(text, sizeof text, printed);
+        char seen[320];
+        (void)snprintf(seen, sizeof seen, "it printed: %.*s",
+                       line == NULL ? 0 : (int)strcspn(line, "\n"), text);
+        breaks(out, seen);
+    }
+}
+
+static bool check_apart(const weft_stepper_type *type, size_t check,
+                        gsl_set_handler *gsl, weft_conformance *out)
+{
+    int ends[2];
+    FILE *printed = tmpfile();
+    if (printed == NULL || pipe(ends) != 0) {
+        perror("weft: error: plugin-test");
+        return false;
+    }
+    (void)fflush(NULL);
+    const pid_t child = fork();
+    if (child == 0) {
+        (void)close(ends[0]);
+        check_and_tell(type, check, gsl, printed, ends[1]);
+    }
+    (void)close(ends[1]);
+    if (child > 0) {
+        await(child, ends[0], printed, out);
+    } else {
+        perror("weft: error: plugin-test");
+    }
+    (void)close(ends[0]);
+    (void)fclose(printed);
+    return child > 0;
+}
+
+static void print_verdict(const weft_conformance *found, size_t check, bool all)
+{
+    const char *name = weft_conformance_name(check);
+    if (found->verdict == WEFT_PROMISE_BROKEN) {
+        printf("  FAIL %-12s  %s\n       %-12s  seen: %s\n", name,
+               weft_conformance_promise(check), "", found->seen);
+    } else if (all) {
+        const bool kept = found->verdict == WEFT_PROMISE_KEPT;
+        printf("  %s %-12s  %s\n", kept ? "pass" : "  - ", name,
+               kept ? weft_conformance_promise(check) : found->seen);
+    }
+}
+
+/* Returns how many promises of the method are broken; -1: they could not be checked. */
+static int test_method(const weft_plugin *plugin, const weft_stepper_type *type,
+                       gsl_set_handler *gsl, bool all)
+{
+    size_t counts[WEFT_PROMISE_NOT_ASKED + 1] = { 0 };
+    const size_t count = weft_conformance_count();
+    const size_t checks = count < CHECKS_MOST ? count : CHECKS_MOST;
+    weft_conformance found[CHECKS_MOST];
+    for (size_t i = 0; i < checks; ++i) {
+        if (!check_apart(type, i, gsl, &found[i])) {
+            return -1;
+        }
+        ++counts[found[i].verdict];
+    }
+    printf("%s %s/%s: %zu kept, %zu broken, %zu not asked\n",
+           counts[WEFT_PROMISE_BROKEN] > 0 ? "FAIL" : "pass", plugin->id, type->name,
+           counts[WEFT_PROMISE_KEPT], counts[WEFT_PROMISE_BROKEN],
+           counts[WEFT_PROMISE_NOT_ASKED]);
+    for (size_t i = 0; i < checks; ++i) {
+        print_verdict(&found[i], i, all);
+    }
+    return (int)counts[WEFT_PROMISE_BROKEN];
+}
+
+static int test_plugin(const char *file, const weft_plugin *plugin, bool all)
+{
+    gsl_set_handler *gsl = find_gsl(file);
+    size_t methods = 0, bad = 0;
+    for (; plugin->types[methods] != NULL; ++methods) {
+        const int broken = test_method(plugin, plugin->types[methods], gsl, all);
+        if (broken < 0) {
+            return EXIT_FILE;
+        }
+        bad += broken > 0;
+    }
+    if (bad == 0) {
+        printf("%s keeps every promise with %zu methods\n", file, methods);
+        return EXIT_DONE;
+    }
+    printf("%s breaks promises with %zu of %zu methods\n", file, bad, methods);
+    return EXIT_SIMULATION;
+}
+
+static int test_file(const char *file, bool all)
+{
+    weft_error err = { 0 };
+    weft_registry *registry = NULL;
+    const weft_registry_def def = { 0 };
+    if (access(file, R_OK) != 0) {
+        weft_error_set(&err, WEFT_IO, "%s: %s", file, strerror(errno));
+        return report_error(&err);
+    }
+    if (weft_registry_create(&def, &registry, &err) != WEFT_OK) {
+        return report_error(&err);
+    }
+    int code = EXIT_SIMULATION;
+    if (weft_registry_load(registry, file, &err) != WEFT_OK) {
+        printf("FAIL %s\n", err.message);
+    } else {
+        code = test_plugin(file, weft_registry_at(registry, 0), all);
+    }
+    weft_registry_destroy(registry);
+    return code;
+}
+
+static int plugin_test_verb(int argc, char **argv)
+{
+    options given;
+    int code = options_parse(&verb_plugin_test, "a", argc, argv, &given);
+    if (code >= 0) {
+        return code;
+    }
+    code = given.operand_count == 1
+               ? test_file(given.operands[0], given.all)
+               : usage_error(&verb_plugin_test, "takes one file, weft-ID.so");
+    options_free(&given);
+    return code;
+}
+
+const verb verb_plugin_test = {
+    .name = "plugin-test",
+    .summary = "hold a stepper plugin against the contract",
+    .help = "usage: weft plugin-test weft-ID.so [--all]\n\n"
+            "Loads a stepper plugin and checks every promise of weft/stepper.h with "
+            "every\nmethod: the order claimed, where steps end, what a failure leaves "
+            "behind, edited\nstates, statistics, threads, memory. Each check runs in a "
+            "process of its own.\nDocumentation: docs/plugin-test.md\n\n"
+            "  --all   every verdict; default: a line a method, and what is broken\n\n"
+            "example: weft plugin-test build/plugins/weft-verlet.so --all\n\n"
+            "exit codes: 0 every promise is kept, 1 one is broken or the plugin is "
+            "refused,\n2 wrong command line, 4 the file cannot be read\n",
+    .run = plugin_test_verb,
+};

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* trial.h -- one check of one method under way. */
+#ifndef WEFT_CONFORMANCE_TRIAL_H
+#define WEFT_CONFORMANCE_TRIAL_H
+
+#include "conformance/model.h"
+#include "weft/conformance.h"
+
+/* One run of the method on the model. */
+typedef struct run {
+    model model;
+    weft_ode ode;
+    void *self;
+    double t, y[DIM + APART];
+    weft_error err;
+} run;
+
+enum { SLOTS = 4 };
+
+typedef struct trial {
+    const weft_stepper_type *type;
+    size_t apart; /* quadratures of every run */
+    weft_conformance *out;
+    run runs[SLOTS];
+} trial;
+
+/* The first expectation that is not met breaks the promise, and its text is what was
+ * seen. Returns ok. */
+WEFT_PRINTF(3, 4)
+bool weft__expect(trial *self, bool ok, const char *format, ...);
+
+/* A run from t = 0 in that slot, instead of the one that was there; NULL if it cannot
+ * be created, which breaks the promise. */
+run *weft__begin(trial *self, int slot, weft_stepper_config config);
+void weft__end(trial *self, int slot);
+
+weft_status weft__step(const trial *self, run *r, double t_end);
+/* A step, and steps up to t_end, that must succeed; false: they did not. */
+bool weft__good_step(trial *self, run *r, double t_end);
+bool weft__go(trial *self, run *r, double t_end);
+
+weft_stepper_stats weft__stats(const trial *self, const run *r);
+/* Whether two runs have the same y, bit for bit. */
+bool weft__same(const trial *self, const run *a, const run *b);
+double weft__error_at_end(const run *r);
+
+/* One promise. */
+typedef struct check {
+    const char *name, *promise;
+    void (*run)(trial *self);
+    const char *(*pointless)(const weft_stepper_type *type); /* why; NULL: it is not */
+    bool once; /* not again with quadratures */
+} check;
+
+/* The checks of each file, up to one without a name. */
+extern const check weft__creation_checks[], weft__step_checks[], weft__failure_checks[],
+    weft__state_checks[], weft__accuracy_checks[], weft__process_checks[];
+
+/* For `pointless`. */
+const char *weft__no_error_control(const weft_stepper_type *type);
+
+#endif

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* test_conformance.c -- weft plugin-test: a broken promise is found and named, and
+ * nothing else. The plugins are built from tests/promises and tests/broken. */
+#include "shell.h"
+
+#define PROMISES BUILD_DIR "/tests/promises/weft-"
+#define COUNT(a) (sizeof(a) / sizeof(a)[0])
+
+static const struct {
+    const char *id, *check, *seen;
+} broken[] = {
+    { "anything", "refusal", "fixed_step -0.001: create returned 'ok'" },
+    { "claim", "order", "order 3 is claimed, 2 is measured" },
+    { "crashes", "exact end", "it " },
+    { "eager", "create", "create called the rhs" },
+    { "exits", "exact end", "it ended the process with exit code 3" },
+    { "forgets", "counts", "a count fell at 0.005" },
+    { "handler", "process", "signal 8 has another handler" },
+    { "late", "landing", "towards 1.3e-07 s ended at 1.3000000000000003e-07 s" },
+#ifndef __SANITIZE_ADDRESS__ /* whose heap mallinfo2 does not see */
+    { "leaks", "memory", "bytes more are allocated after 7938 steps" },
+#endif
+    { "locale", "process", "the locale was 'C' and is 'C.UTF-8'" },
+    { "nan", "failure", "rhs gives NaN from call 1 of a step on: a state that is not" },
+    { "needless", "needless", "" },
+    { "overrun", "stats", "the caller's struct has 24 bytes, byte 24 was written" },
+    { "prints", "exact end", "it printed: stepping by 0.001" },
+    { "rounding", "process", "the floating-point environment is another" },
+    { "roundoff", "landing", "ended at 5.0364663570000022e-05 s" },
+    { "shared", "threads", "two instances in two threads: another result than alone" },
+    { "spoils", "failure", "y is not as before the failure" },
+};
+
+START_TEST(a_broken_promise_is_named_with_what_was_seen)
+{
+    expect(shell(WEFT " plugin-test " PROMISES "%s.so", broken[_i].id), 1);
+    char line[64];
+    (void)snprintf(line, sizeof line, "  FAIL %-12s  ", broken[_i].check);
+    says(line);
+    const char *seen = strstr(strstr(output, line), "seen: ");
+    ck_assert_msg(seen != NULL && strstr(seen, broken[_i].seen) != NULL, "%s", output);
+}
+END_TEST
+
+START_TEST(a_plugin_that_keeps_all_promises_passes)
+{
+    static const char *const files[]
+        = { PROMISES "working.so", BUILD_DIR "/plugins/weft-verlet.so" };
+    expect(shell(WEFT " plugin-test %s --all", files[_i]), 0);
+    says("pass exact end ");
+    says("keeps every promise");
+    ck_assert_ptr_null(strstr(output, "FAIL"));
+}
+END_TEST
+
+START_TEST(what_is_no_plugin_is_told)
+{
+    expect(shell(WEFT " plugin-test " BUILD_DIR "/tests/broken/weft-wrongabi.so"), 1);
+    says("FAIL plugin refused: ");
+    says("it is built for stepper abi 2, this weft has 1");
+    expect(shell(WEFT " plugin-test nowhere/weft-x.so 2>&1"), 4);
+    says("nowhere/weft-x.so: No such file");
+    expect(shell(WEFT " plugin-test 2>&1"), 2);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("conformance");
+    TCase *kit = tcase_create("plugin-test");
+    tcase_set_timeout(kit, 120.0);
+    tcase_add_loop_test(kit, a_broken_promise_is_named_with_what_was_seen, 0,
+                        (int)COUNT(broken));
+    tcase_add_loop_test(kit, a_plugin_that_keeps_all_promises_passes, 0, 2);
+    tcase_add_test(kit, what_is_no_plugin_is_told);
+    suite_add_tcase(suite, kit);
+    return test_run(suite);
+}

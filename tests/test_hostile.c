@@ -1,0 +1,242 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* test_hostile.c -- scenes made to cost too much, names that want to be paths, links
+ * laid out in the way, and a file system without room. */
+#include <sys/resource.h>
+
+#include "scene_load.h"
+#include "shell.h"
+
+#define OUT BUILD_DIR "/hostile"
+
+static void begin(void)
+{
+    (void)unsetenv("WEFT_PLUGIN_PATH");
+    (void)shell("rm -rf " OUT " && mkdir -p " OUT "/in/side");
+    write_file(OUT "/small.yaml", small_scene);
+}
+
+/* ---- cost ------------------------------------------------------------------------ */
+
+/* Beyond it the process is killed, or out of memory: either fails the test. A tool that
+ * watches memory needs more of both. */
+static void limit_to(rlim_t seconds, rlim_t megabytes)
+{
+#ifdef __SANITIZE_ADDRESS__
+    const struct rlimit cpu = { 20 * seconds, 20 * seconds };
+    (void)megabytes;
+#else
+    const struct rlimit cpu = { seconds, seconds };
+    const struct rlimit space = { megabytes << 20, megabytes << 20 };
+    ck_assert_int_eq(setrlimit(RLIMIT_AS, &space), 0);
+#endif
+    ck_assert_int_eq(setrlimit(RLIMIT_CPU, &cpu), 0);
+}
+
+static char *scene_buffer;
+static size_t scene_length;
+
+static void add(const char *text)
+{
+    const size_t length = strlen(text);
+    memcpy(scene_buffer + scene_length, text, length + 1);
+    scene_length += length;
+}
+
+static void grow_to(size_t bytes)
+{
+    scene_buffer = malloc(bytes + 256);
+    ck_assert_ptr_nonnull(scene_buffer);
+    scene_length = 0;
+    add("weft: 1\n");
+}
+
+/* Each names the one before ten times: 10^n nodes. */
+static void doubling(size_t i, char *line, size_t size)
+{
+    (void)snprintf(line, size,
+                   i == 0 ? "a%zu: &a%zu [x, x]\n"
+                          : "a%zu: &a%zu [*a%zu, *a%zu, *a%zu, *a%zu]\n",
+                   i, i, i - 1, i - 1, i - 1, i - 1);
+}
+
+static void nested(size_t i, char *line, size_t size)
+{
+    (void)snprintf(line, size, "%s&a%zu [", i == 0 ? "cloth: " : "", i);
+}
+
+static void deeper(size_t i, char *line, size_t size)
+{
+    (void)snprintf(line, size, "%s{&a%zu a: ", i == 0 ? "cloth: " : "", i);
+}
+
+static void rows_of_aliases(size_t i, char *line, size_t size)
+{
+    (void)snprintf(line, size, i == 0 ? "cloth: [&a [1, 2],\n" : "  *a, *a, *a, *a,\n");
+}
+
+START_TEST(a_megabyte_of_nested_anchors_costs_a_second_and_100_mb_at_most)
+{
+    static void (*const shapes[])(size_t i, char *line, size_t size)
+        = { doubling, nested, deeper, rows_of_aliases };
+    char line[256];
+    grow_to(1 << 20);
+    for (size_t i = 0; scene_length < 1 << 20; ++i) {
+        shapes[_i](i, line, sizeof line);
+        add(line);
+    }
+    limit_to(1, 100);
+    weft_scene *scene = NULL;
+    const weft_scene_def def = scene_of_text(scene_buffer);
+    ck_assert_int_eq(weft_scene_load(&def, &scene, &found, NULL), WEFT_BAD_SCENE);
+    ck_assert_uint_gt(found.errors, 0);
+    free(scene_buffer);
+}
+END_TEST
+
+START_TEST(a_scene_of_mistakes_alone_costs_little)
+{
+    char line[64];
+    grow_to(8 << 20);
+    for (size_t i = 0; i < 300000; ++i) {
+        (void)snprintf(line, sizeof line, "masse%zu: 1\n", i);
+        add(line);
+    }
+    limit_to(5, 400);
+    weft_scene *scene = NULL;
+    const weft_scene_def def = scene_of_text(scene_buffer);
+    ck_assert_int_eq(weft_scene_load(&def, &scene, &found, NULL), WEFT_BAD_SCENE);
+    ck_assert_uint_eq(found.errors, 300000 + 3); /* three required keys are missing */
+    free(scene_buffer);
+}
+END_TEST
+
+/* ---- names ----------------------------------------------------------------------- */
+
+static const char *const names[] = {
+    "../../up",
+    "/tmp/weft-hostile-name",
+    "a/b",
+    "..",
+    "$(touch in/shell)`touch in/shell`",
+    "</script><script>alert(1)</script>",
+    "%s%n%n",
+    "-rf",
+};
+
+START_TEST(a_name_is_no_path_and_no_command)
+{
+    expect(shell("find " OUT " | sort > " OUT "/../hostile.before"), 0);
+    expect(shell("cd " OUT " && ../weft run small.yaml --out in/side --quiet --view "
+                 "--set 'name=\"%s\"' 2>&1",
+                 names[_i]),
+           0);
+    expect(shell("cd " OUT " && ../weft export in/side --format pvd >/dev/null 2>&1"),
+           0);
+    expect(shell("find " OUT " | sort | comm -13 " OUT "/../hostile.before - | "
+                 "grep -v '^" OUT "/in/side/'"),
+           1); /* nothing but what is in there */
+    ck_assert(!exists("/tmp/weft-hostile-name"));
+    expect(shell("grep -c 'alert(1)</script>' " OUT "/in/side/run.html"), 1);
+}
+END_TEST
+
+START_TEST(a_scene_is_run_into_the_current_directory_whatever_its_path)
+{
+    static const char *const files[] = { "...yaml", ".yaml", "a.yaml.yaml", "-x.yaml" };
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; ++i) {
+        expect(shell("cd " OUT "/in/side && cp ../../small.yaml ../'%s' && "
+                     "../../../weft run ../%s --quiet 2>&1",
+                     files[i], files[i]),
+               0);
+    }
+    expect(
+        shell("cd " OUT "/in && find . -name result.yaml | grep -v '^./side/[^/]*/'"),
+        1);
+}
+END_TEST
+
+START_TEST(force_does_not_follow_links)
+{
+    expect(
+        shell("cd " OUT " && mkdir victim r && echo mine > victim/frame-000001.obj && "
+              "cp victim/frame-000001.obj victim/final.csv && ln -s ../victim r/frames "
+              "&& ln -s ../victim/final.csv r/series.csv && "
+              "ln -s ../victim/final.csv r/scene.yaml.tmp && "
+              "ln -s ../victim/final.csv r/run.vtkhdf && "
+              "../weft run small.yaml --out r --force --frames obj --quiet 2>&1"),
+        0);
+    expect(shell("cd " OUT " && cat victim/frame-000001.obj victim/final.csv; "
+                 "ls victim | wc -l; test ! -L r/frames"),
+           0);
+    ck_assert_str_eq(output, "mine\nmine\n2\n");
+}
+END_TEST
+
+/* ---- no room --------------------------------------------------------------------- */
+
+/* Of a complete run in full/r, with so many free pages: 4 and the reason, or 0. */
+static int with_room(const char *command, int pages)
+{
+    const int code = shell(
+        "unshare -rm sh -c 'mount -t tmpfs -o size=4m t " OUT "/full && cp -r " OUT
+        "/r " OUT "/full && { cat /dev/zero > " OUT "/full/fill || true; } "
+        "2>/dev/null; truncate -s -%dK " OUT "/full/fill && " WEFT " %s; code=$?; "
+        "ls -A " OUT "/full/* " OUT "/full/*/frames; exit $code' 2>&1",
+        4 * pages, command);
+    ck_assert_msg(code == 0 || code == 4, "%s, %d pages: exit code %d\n%s", command,
+                  pages, code, output);
+    if (code == 4) {
+        says("No space left on device");
+    }
+    ck_assert_msg(strstr(output, ".tmp") == NULL, "%s: half written\n%s", command,
+                  output);
+    return code;
+}
+
+static const char *const writers[] = {
+    "run " OUT "/small.yaml --out " OUT "/full/new --frames obj --quiet",
+    "view " OUT "/full/r",
+    "export " OUT "/full/r --format obj --frame all",
+    "export " OUT "/full/r --format ply --frame all",
+    "export " OUT "/full/r --format csv --frame all",
+    "export " OUT "/full/r --format mdd",
+    "export " OUT "/full/r --format pc2",
+    "export " OUT "/full/r --format pvd",
+};
+
+START_TEST(a_writer_without_room_says_so_and_leaves_nothing_half_written)
+{
+    if (shell("mkdir -p " OUT "/full && unshare -rm mount -t tmpfs t " OUT "/full 2>&1")
+        != 0) {
+        printf("SKIPPED: no file system may be mounted here: %s", output);
+        return;
+    }
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/r --quiet 2>&1"), 0);
+    ck_assert_int_eq(with_room(writers[_i], 0), 4);
+    int code = 4;
+    for (int pages = 1; code != 0; pages += 1 + pages / 4) {
+        code = with_room(writers[_i], pages);
+        ck_assert_int_lt(pages, 1024);
+    }
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("hostile");
+    TCase *tcase = tcase_create("hostile");
+    tcase_set_timeout(tcase, 300.0);
+    tcase_add_checked_fixture(tcase, begin, NULL);
+    tcase_add_loop_test(
+        tcase, a_megabyte_of_nested_anchors_costs_a_second_and_100_mb_at_most, 0, 4);
+    tcase_add_test(tcase, a_scene_of_mistakes_alone_costs_little);
+    tcase_add_loop_test(tcase, a_name_is_no_path_and_no_command, 0,
+                        (int)(sizeof names / sizeof names[0]));
+    tcase_add_test(tcase, a_scene_is_run_into_the_current_directory_whatever_its_path);
+    tcase_add_test(tcase, force_does_not_follow_links);
+    tcase_add_loop_test(tcase,
+                        a_writer_without_room_says_so_and_leaves_nothing_half_written,
+                        0, (int)(sizeof writers / sizeof writers[0]));
+    suite_add_tcase(suite, tcase);
+    return test_run(suite);
+}

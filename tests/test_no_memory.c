@@ -1,0 +1,433 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* test_no_memory.c -- memory runs out: at every single allocation of weft's and of
+ * libyaml's, and with a heap of any size. The functions of malloc are those of this
+ * program, also for the libraries.
+ *
+ * GSL and SUNDIALS crash where some of their allocations fail
+ * (gsl_odeiv2_control_scaled_new; ARKodeButcherTable_LoadERK, SUNContext_Create,
+ * N_VClone), so the plugins ask first whether there is enough for all that follows.
+ * Single allocations fail for plugin gsl alone, not for GSL, and not for plugin arkode,
+ * which allocates on behalf of N_VClone. */
+#include <malloc.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "conformance/model.h"
+#include "support.h"
+
+#ifdef HAVE_GSL
+#include <gsl/gsl_errno.h>
+#endif
+
+/* ---- malloc ---------------------------------------------------------------------- */
+
+/* Under AddressSanitizer, whose malloc must come first, the linker wraps the calls of
+ * weft and its plugins; its own check of leaks then takes the place of ours. */
+#ifdef __SANITIZE_ADDRESS__
+#define MINE(name)  __wrap_##name
+#define REAL_(name) __real_##name
+#define ALIGNED     aligned_alloc
+enum { COUNTS_ALL = 0 };
+#else
+#define MINE(name)  name
+#define REAL_(name) __libc_##name
+#define ALIGNED     memalign
+enum { COUNTS_ALL = 1 };
+#endif
+
+#define REAL(name) REAL_(name)
+
+extern void *REAL(malloc)(size_t size);
+extern void *REAL(calloc)(size_t count, size_t size);
+extern void *REAL(realloc)(void *block, size_t size);
+extern void *REAL(ALIGNED)(size_t alignment, size_t size);
+extern void REAL(free)(void *block);
+
+static bool armed;    /* calls are counted and may fail */
+static bool for_ever; /* from the fatal call on */
+static bool own_only; /* libraries are spared */
+static long calls, fatal, live;
+static size_t used, budget; /* [bytes]; budget 0: no end */
+
+extern char __executable_start, etext;
+
+static bool is_own(const void *caller)
+{
+    return (const char *)caller >= &__executable_start && (const char *)caller < &etext;
+}
+
+static bool fails(const void *caller, size_t size)
+{
+    if (!armed || (own_only && !is_own(caller))) {
+        return false;
+    }
+    ++calls;
+    return budget > 0 ? used + size > budget
+           : for_ever ? calls >= fatal
+                      : calls == fatal;
+}
+
+static void *given(void *block)
+{
+    live += block != NULL;
+    used += malloc_usable_size(block);
+    return block;
+}
+
+static void *taken(void *block)
+{
+    live -= block != NULL;
+    used -= malloc_usable_size(block);
+    return block;
+}
+
+WEFT_API void *MINE(malloc)(size_t size);
+WEFT_API void *MINE(calloc)(size_t count, size_t size);
+WEFT_API void *MINE(realloc)(void *block, size_t size);
+WEFT_API void *MINE(aligned_alloc)(size_t alignment, size_t size);
+WEFT_API void MINE(free)(void *block);
+
+#define FAILS(size) fails(__builtin_return_address(0), size)
+
+WEFT_API void *MINE(malloc)(size_t size)
+{
+    return FAILS(size) ? NULL : given(REAL(malloc)(size));
+}
+
+WEFT_API void *MINE(calloc)(size_t count, size_t size)
+{
+    return FAILS(count * size) ? NULL : given(REAL(calloc)(count, size));
+}
+
+WEFT_API void *MINE(realloc)(void *block, size_t size)
+{
+    return FAILS(size) ? NULL : given(REAL(realloc)(taken(block), size));
+}
+
+WEFT_API void *MINE(aligned_alloc)(size_t alignment, size_t size)
+{
+    return FAILS(size) ? NULL : given(REAL(ALIGNED)(alignment, size));
+}
+
+WEFT_API void MINE(free)(void *block)
+{
+    REAL(free)(taken(block));
+}
+
+/* ---- trials ---------------------------------------------------------------------- */
+
+/* Check allocates too: nothing is asserted within. */
+typedef weft_status trial(const void *ctx, weft_error *err);
+
+static void arm(long at, bool on)
+{
+    calls = 0;
+    budget = 0;
+    fatal = at;
+    for_ever = on;
+    armed = true;
+}
+
+/* The n-th allocation fails, for n = 1, 2, ... until there are none left: an error of
+ * its name each time, and nothing is kept. Returns how many there are. */
+static long every_allocation_fails(trial *attempt, const void *ctx, const char *label)
+{
+    for (int on = 0; on < 2; ++on) {
+        for (long n = 1;; ++n) {
+            weft_error err = { 0 };
+            const long before = live;
+            arm(n, on != 0);
+            const weft_status status = attempt(ctx, &err);
+            armed = false;
+            ck_assert_msg(live == before || !COUNTS_ALL,
+                          "%s: %ld blocks kept, allocation %ld failed", label,
+                          live - before, n);
+            if (calls < n) {
+                ck_assert_msg(status == WEFT_OK, "%s: %s", label, err.message);
+                ck_assert_int_gt(n, 1);
+                break;
+            }
+            ck_assert_msg(status == WEFT_NO_MEMORY && err.status == status
+                              && err.message[0] != '\0',
+                          "%s: '%s' (%s), allocation %ld failed", label,
+                          weft_status_text(status), err.message, n);
+        }
+    }
+    return calls;
+}
+
+static const char scene_text[]
+    = "weft: 1\n"
+      "name: all that allocates\n"
+      "cloth:\n"
+      "  grid: {rows: 4, cols: 5, spacing: [0.1, 0.2]}\n"
+      "  density: 0.3\n"
+      "  loads: [{at: [1, 1], mass: 0.1}]\n"
+      "  springs:\n"
+      "    stretch: &a {stiffness: 50, damping: 0.01}\n"
+      "    shear: *a\n"
+      "  pins: [top-left, {at: top-right, velocity: [0.1, 0, 0]}]\n"
+      "forces: {wind: {velocity: [0, 0, 1], drag: 0.1}}\n"
+      "limit: {method: provot, strain: 0.1}\n"
+      "record: {ledger: true}\n"
+      "stepper: {plugin: verlet, method: velocity_verlet, fixed_step: 1.0e-3}\n"
+      "run: {duration: 0.5, fps: 20}\n";
+
+static const weft_plugin *find_linked(void *ctx, const char *id, weft_error *err)
+{
+    (void)ctx;
+    (void)err;
+    for (size_t i = 0; test_plugin(i) != NULL; ++i) {
+        if (strcmp(test_plugin(i)->id, id) == 0) {
+            return test_plugin(i);
+        }
+    }
+    return NULL;
+}
+
+static weft_status run_scene(const weft_scene *scene, weft_error *err)
+{
+    weft_cloth *cloth = NULL;
+    weft_sim *sim = NULL;
+    weft_status status = weft_cloth_create(weft_scene_cloth(scene), &cloth, err);
+    if (status == WEFT_OK) {
+        weft_sim_def def = weft_sim_def_default();
+        def.cloth = cloth;
+        def.method = weft_scene_method_type(scene);
+        def.config = *weft_scene_config(scene);
+        def.ledger = weft_scene_record(scene)->ledger;
+        def.limit = *weft_scene_limit(scene);
+        status = weft_sim_create(&def, &sim, err);
+    }
+    for (int i = 1; status == WEFT_OK && i <= 5; ++i) {
+        status = weft_sim_advance(sim, i * 2e-3, err);
+    }
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    return status;
+}
+
+static weft_diagnostics found;
+
+static weft_status load_and_run(const void *ctx, weft_error *err)
+{
+    const weft_scene_def *def = ctx;
+    weft_scene *scene = NULL;
+    weft_status status = weft_scene_load(def, &scene, &found, err);
+    if ((status == WEFT_OK) != (scene != NULL)) {
+        abort();
+    }
+    if (status == WEFT_OK) {
+        status = run_scene(scene, err);
+    }
+    weft_scene_destroy(scene);
+    return status;
+}
+
+static weft_scene_def whole_scene(void)
+{
+    weft_scene_def def = weft_scene_def_default();
+    def.file = "scene.yaml";
+    def.text = scene_text;
+    def.length = strlen(scene_text);
+    def.find_plugin = find_linked;
+    return def;
+}
+
+START_TEST(scene_load_and_run_survive_every_failing_allocation)
+{
+    const weft_scene_def def = whole_scene();
+    (void)every_allocation_fails(load_and_run, &def, "scene");
+}
+END_TEST
+
+START_TEST(overrides_survive_every_failing_allocation)
+{
+    static const char *const sets[]
+        = { "cloth.pins.1.velocity=[0, 0.1, 0]", "cloth.springs.shear.stiffness=7",
+            "limit=null", "forces.gravity=[0, -1, 0]" };
+    weft_scene_def def = whole_scene();
+    def.sets = sets;
+    def.set_count = sizeof sets / sizeof sets[0];
+    (void)every_allocation_fails(load_and_run, &def, "overrides");
+}
+END_TEST
+
+/* A wrong scene is told to be wrong, or that memory ran out: not that it is right. */
+static weft_status load_wrong(const void *ctx, weft_error *err)
+{
+    weft_scene *scene = NULL;
+    const weft_status status = weft_scene_load(ctx, &scene, &found, err);
+    return status == WEFT_BAD_SCENE && scene == NULL && found.errors == 2 ? WEFT_OK
+                                                                          : status;
+}
+
+START_TEST(mistakes_survive_every_failing_allocation)
+{
+    weft_scene_def def = whole_scene();
+    static const char text[] = "weft: 1\ncloth: {grid: {rows: x, cols: 5, spacing: 1}, "
+                               "mass: 1, masss: 2}\nstepper: {plugin: verlet, method: "
+                               "euler, fixed_step: 1}\nrun: {duration: 1}\n";
+    def.text = text;
+    def.length = strlen(text);
+    (void)every_allocation_fails(load_wrong, &def, "mistakes");
+}
+END_TEST
+
+/* ---- methods --------------------------------------------------------------------- */
+
+typedef struct made {
+    const weft_stepper_type *type;
+    bool adaptive;
+} made;
+
+static weft_status make_and_step(const void *ctx, weft_error *err)
+{
+    const made *m = ctx;
+    model oscillators = { .k = 1.0 };
+    const weft_ode ode = { .dim = DIM, .rhs = weft__model_rhs, .ctx = &oscillators };
+    const weft_stepper_config config
+        = weft__with_table(m->type, weft__usual(m->type, m->adaptive ? 0 : 1));
+    double t = 0.0, y[DIM];
+    void *self = NULL;
+    memcpy(y, weft__model_start, sizeof y);
+    weft_status status = m->type->create(m->type, &ode, &config, &self, err);
+    if ((status == WEFT_OK) != (self != NULL)) {
+        abort();
+    }
+    for (int i = 0; status == WEFT_OK && i < 20 && t < 1.0; ++i) {
+        status = m->type->step(self, 1.0, &t, y, err);
+    }
+    m->type->destroy(self);
+    return status;
+}
+
+static void spare_libraries(void)
+{
+    own_only = true;
+#ifdef HAVE_GSL
+    (void)gsl_set_error_handler_off(); /* the default ends the program */
+#endif
+}
+
+START_TEST(every_method_survives_every_failing_allocation)
+{
+    const char *label = test_method_label((size_t)_i);
+    spare_libraries();
+    for (int mode = 0; mode < 2 && strncmp(label, "arkode/", 7) != 0; ++mode) {
+        const made m = { test_method((size_t)_i), mode == 0 };
+        (void)every_allocation_fails(make_and_step, &m, label);
+    }
+}
+END_TEST
+
+/* A little more each time, up to where it is enough. */
+START_TEST(every_method_survives_a_heap_of_any_size)
+{
+    const char *label = test_method_label((size_t)_i);
+    spare_libraries();
+    own_only = false;
+    for (int mode = 0; mode < 2; ++mode) {
+        const made m = { test_method((size_t)_i), mode == 0 };
+        weft_status status = WEFT_NO_MEMORY;
+        for (size_t more = 64; status != WEFT_OK; more += 64) {
+            weft_error err = { 0 };
+            const long before = live;
+            arm(0, false);
+            budget = used + more;
+            status = make_and_step(&m, &err);
+            armed = false;
+            ck_assert_msg(live == before || !COUNTS_ALL,
+                          "%s, %zu bytes: %ld blocks kept", label, more, live - before);
+            ck_assert_msg(status == WEFT_OK || status == WEFT_NO_MEMORY, "%s: %s",
+                          label, err.message);
+            ck_assert_uint_lt(more, 1 << 20);
+        }
+    }
+}
+END_TEST
+
+/* GSL solves its dense systems with a permutation that it allocates each time. */
+static bool gsl_allocates(const weft_stepper_type *type)
+{
+    return (type->flags & WEFT_STEPPER_DENSE) != 0;
+}
+
+START_TEST(a_step_allocates_nothing)
+{
+    const weft_stepper_type *type = test_method((size_t)_i);
+    for (int mode = 0; mode < 2 && !gsl_allocates(type); ++mode) {
+        model oscillators = { .k = 1.0 };
+        const weft_ode ode
+            = { .dim = DIM, .rhs = weft__model_rhs, .ctx = &oscillators };
+        const weft_stepper_config config
+            = weft__with_table(type, weft__usual(type, mode));
+        double t = 0.0, y[DIM];
+        void *self = NULL;
+        memcpy(y, weft__model_start, sizeof y);
+        ck_assert_int_eq(type->create(type, &ode, &config, &self, NULL), WEFT_OK);
+        ck_assert_int_eq(type->step(self, 8.0, &t, y, NULL), WEFT_OK);
+        arm(0, false);
+        while (t < 8.0 && type->step(self, 8.0, &t, y, NULL) == WEFT_OK) {
+            oscillators.fault = NO_FAULT;
+        }
+        armed = false;
+        type->destroy(self);
+        ck_assert_msg(t == 8.0 && calls == 0, "%s: %ld allocations up to %g s",
+                      test_method_label((size_t)_i), calls, t);
+    }
+}
+END_TEST
+
+/* ---- plugins --------------------------------------------------------------------- */
+
+static weft_status register_all(const void *ctx, weft_error *err)
+{
+    (void)ctx;
+    const weft_registry_def def = { .path = "nowhere" };
+    weft_registry *registry = NULL;
+    weft_status status = weft_registry_create(&def, &registry, err);
+    for (size_t i = 0; status == WEFT_OK && test_plugin(i) != NULL; ++i) {
+        status = weft_registry_add(registry, test_plugin(i), err);
+    }
+    weft_registry_destroy(registry);
+    return status;
+}
+
+START_TEST(a_registry_survives_every_failing_allocation)
+{
+    (void)every_allocation_fails(register_all, NULL, "registry");
+}
+END_TEST
+
+static weft_status stable_step(const void *ctx, weft_error *err)
+{
+    weft_stability stability;
+    return weft_stability_create(ctx, NULL, &stability, err);
+}
+
+START_TEST(stability_survives_every_failing_allocation)
+{
+    (void)every_allocation_fails(stable_step, test_method_named("verlet/midpoint"),
+                                 "stability");
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("no memory");
+    TCase *tcase = tcase_create("allocations");
+    tcase_set_timeout(tcase, 120.0);
+    tcase_add_test(tcase, scene_load_and_run_survive_every_failing_allocation);
+    tcase_add_test(tcase, overrides_survive_every_failing_allocation);
+    tcase_add_test(tcase, mistakes_survive_every_failing_allocation);
+    tcase_add_loop_test(tcase, every_method_survives_every_failing_allocation, 0,
+                        (int)test_method_count());
+    tcase_add_loop_test(tcase, every_method_survives_a_heap_of_any_size, 0,
+                        COUNTS_ALL * (int)test_method_count());
+    tcase_add_loop_test(tcase, a_step_allocates_nothing, 0, (int)test_method_count());
+    tcase_add_test(tcase, a_registry_survives_every_failing_allocation);
+    tcase_add_test(tcase, stability_survives_every_failing_allocation);
+    suite_add_tcase(suite, tcase);
+    return test_run(suite);
+}
