@@ -5,7 +5,6 @@
 #define WEFT_CLI_BATCH_H
 
 #include <sys/types.h>
-#include <yaml.h>
 
 #include "cli/cli.h"
 #include "record/record.h"
@@ -71,11 +70,6 @@ weft_status batch_directory(const batch *self, const batch_run *run,
 /* [s] A lock is waited for: a run whose batch was killed a moment ago may still be
  * writing what it has. */
 #define BATCH_PATIENCE 5.0
-
-/* Its result.yaml, a mapping; false if there is none. */
-bool batch_result_open(const char *directory, yaml_document_t *out);
-/* The text of a key, or NULL. */
-const char *batch_result_value(yaml_document_t *result, const char *key);
 
 /* batch_child.c: one run, in this process, which ends with it. */
 _Noreturn void batch_child(const batch *self, const batch_run *run);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "cli/batch.h"
+#include "cloth/hash.h"
 
 enum { NAME_MAX_CHARS = 120, HASH_DIGITS = 12 };
 
@@ -12,12 +13,12 @@ typedef struct namer {
     char text[NAME_MAX_CHARS + 1];
     size_t used;
     bool lossy;
-    uint64_t hash; /* FNV-1a of all that went in */
+    uint64_t hash; /* of all that went in */
 } namer;
 
 static void add_char(namer *self, char c, bool safe)
 {
-    self->hash = (self->hash ^ (unsigned char)c) * UINT64_C(0x100000001b3);
+    self->hash = weft__hash_byte(self->hash, (unsigned char)c);
     /* a leading dot hides a directory, or is none; a leading '-' is an option */
     safe = safe && !(self->used == 0 && (c == '.' || c == '-'));
     self->lossy = self->lossy || !safe || self->used == NAME_MAX_CHARS;
@@ -66,7 +67,7 @@ static const char *short_key(const weft_sweep *sweep, size_t key)
 
 char *batch_name(const char *stem, const weft_sweep *sweep, size_t number)
 {
-    namer self = { .hash = UINT64_C(0xcbf29ce484222325) };
+    namer self = { .hash = WEFT__HASH_START };
     add(&self, stem);
     /* not the place of the summary */
     self.lossy = self.lossy || stem[0] == '\0' || strncmp(stem, "summary.csv", 11) == 0;

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include "cli/batch.h"
+#include "record/result_read.h"
 
 static const char *const names[BATCH_STATUSES] = {
     [BATCH_NEW] = "missing",
@@ -47,57 +48,16 @@ static bool holds(const char *path, const char *text, bool *missing)
     return same;
 }
 
-bool batch_result_open(const char *directory, yaml_document_t *out)
-{
-    char path[RECORD_PATH];
-    yaml_parser_t parser;
-    FILE *stream = record_path(directory, "result.yaml", path, NULL) == WEFT_OK
-                       ? fopen(path, "rb")
-                       : NULL;
-    if (stream == NULL) {
-        return false;
-    }
-    bool good = yaml_parser_initialize(&parser) != 0;
-    if (good) {
-        yaml_parser_set_input_file(&parser, stream);
-        good = yaml_parser_load(&parser, out) != 0;
-        yaml_parser_delete(&parser);
-    }
-    (void)fclose(stream);
-    if (good
-        && (out->nodes.start == out->nodes.top
-            || out->nodes.start->type != YAML_MAPPING_NODE)) {
-        yaml_document_delete(out);
-        return false;
-    }
-    return good;
-}
-
-const char *batch_result_value(yaml_document_t *result, const char *key)
-{
-    const yaml_node_t *map = yaml_document_get_root_node(result);
-    for (const yaml_node_pair_t *pair = map->data.mapping.pairs.start;
-         pair < map->data.mapping.pairs.top; ++pair) {
-        const yaml_node_t *name = yaml_document_get_node(result, pair->key);
-        const yaml_node_t *value = yaml_document_get_node(result, pair->value);
-        if (name->type == YAML_SCALAR_NODE && value->type == YAML_SCALAR_NODE
-            && strcmp((const char *)name->data.scalar.value, key) == 0) {
-            return (const char *)value->data.scalar.value;
-        }
-    }
-    return NULL;
-}
-
 static batch_status result_status(const char *directory)
 {
     static const batch_status over[]
         = { BATCH_DONE, BATCH_FAILED, BATCH_CRASHED, BATCH_TIMEOUT };
     yaml_document_t result;
     batch_status status = BATCH_PARTIAL;
-    if (!batch_result_open(directory, &result)) {
+    if (!record_result_open(directory, &result)) {
         return status;
     }
-    const char *said = batch_result_value(&result, "status");
+    const char *said = record_result_value(&result, "status");
     for (size_t i = 0; said != NULL && i < sizeof over / sizeof over[0]; ++i) {
         status = strcmp(said, names[over[i]]) == 0 ? over[i] : status;
     }

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "cli/batch.h"
+#include "record/result_read.h"
 
 /* Keys of result.yaml. The wall time is the last column, as it alone differs from one
  * batch to the next. */
@@ -107,15 +108,15 @@ static weft_status write_row(FILE *out, const batch *self, const varied *keys,
     if (status != WEFT_OK) {
         return status;
     }
-    const bool known = is_over(run->status) && batch_result_open(directory, &result);
+    const bool known = is_over(run->status) && record_result_open(directory, &result);
     write_varied(out, keys, run);
     cell(out, batch_status_name(run->status), ',');
     for (size_t i = 0; i < OUTCOMES; ++i) {
-        const char *text = known ? batch_result_value(&result, outcome[i]) : NULL;
+        const char *text = known ? record_result_value(&result, outcome[i]) : NULL;
         cell(out, text == NULL ? "" : text, ',');
     }
     cell(out, run->name, ',');
-    const char *wall = known ? batch_result_value(&result, "wall_time") : NULL;
+    const char *wall = known ? record_result_value(&result, "wall_time") : NULL;
     cell(out, wall == NULL ? "" : wall, '\n');
     if (known) {
         yaml_document_delete(&result);

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "cli/run.h"
+#include "record/result_read.h"
 
 /* ---- is it the same run? ------------------------------------------------------ */
 
@@ -93,20 +94,17 @@ static bool has(const char *directory, const char *name)
            && access(path, F_OK) == 0;
 }
 
-/* How it ended, from the first line of result.yaml: "" if it did not. */
-static void read_status(const char *directory, char status[16])
+/* Whether its result.yaml says so. */
+static bool ended_as(const char *directory, const char *status)
 {
-    char path[RECORD_PATH];
-    status[0] = '\0';
-    FILE *stream = record_path(directory, "result.yaml", path, NULL) == WEFT_OK
-                       ? fopen(path, "r")
-                       : NULL;
-    if (stream != NULL) {
-        if (fscanf(stream, "status: %15[a-z]", status) != 1) {
-            status[0] = '\0';
-        }
-        (void)fclose(stream);
+    yaml_document_t result;
+    if (!record_result_open(directory, &result)) {
+        return false;
     }
+    const char *said = record_result_value(&result, "status");
+    const bool same = said != NULL && strcmp(said, status) == 0;
+    yaml_document_delete(&result);
+    return same;
 }
 
 int resume_scene(const options *given, const char *directory, const weft_scene *scene,
@@ -143,17 +141,16 @@ int resume_scene(const options *given, const char *directory, const weft_scene *
 static int resume_claimed(const options *given, const char *directory,
                           weft_registry *registry)
 {
-    char path[RECORD_PATH], ended[16];
+    char path[RECORD_PATH];
     weft_scene *scene = NULL;
     weft_error err = { 0 };
-    read_status(directory, ended);
-    if (strcmp(ended, "done") == 0) {
+    if (ended_as(directory, "done")) {
         if (!given->quiet) {
             fprintf(stderr, "%s: is done already\n", directory);
         }
         return EXIT_DONE;
     }
-    if (strcmp(ended, "failed") == 0 && !given->force) {
+    if (!given->force && ended_as(directory, "failed")) {
         fprintf(stderr,
                 "weft: error: %s: this run failed, and would again: see its "
                 "result.yaml; --force tries all the same\n",

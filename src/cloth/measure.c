@@ -3,6 +3,7 @@
  *
  * Sums run in index order, so that they are the same on every machine. Kinetic and
  * gravitational energy and both momenta are those of the free particles. */
+#include "cloth/hash.h"
 #include "cloth/internal.h"
 #include "cloth/limited.h"
 
@@ -152,16 +153,13 @@ void weft_cloth_strains(const weft_cloth *cloth, const double *y, double *strain
     }
 }
 
-/* FNV-1a over 64-bit words instead of bytes, each folded onto itself first: the prime
- * carries differences upwards only. (Fowler, Noll, Vo.) */
 uint64_t weft_state_hash(const double *y, size_t n)
 {
-    uint64_t hash = UINT64_C(0xcbf29ce484222325);
+    uint64_t hash = WEFT__HASH_START;
     for (size_t i = 0; i < n; ++i) {
         uint64_t word;
         memcpy(&word, &y[i], sizeof word);
-        hash = (hash ^ word ^ (word >> 32)) * UINT64_C(0x100000001b3);
-        hash ^= hash >> 29;
+        hash = weft__hash_word(hash, word);
     }
     return hash;
 }

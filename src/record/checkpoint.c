@@ -27,9 +27,9 @@ enum {
 
 uint64_t record_hash(const char *text)
 {
-    uint64_t hash = UINT64_C(0xcbf29ce484222325); /* FNV-1a */
+    uint64_t hash = WEFT__HASH_START;
     for (; *text != '\0'; ++text) {
-        hash = (hash ^ (unsigned char)*text) * UINT64_C(0x100000001b3);
+        hash = weft__hash_byte(hash, (unsigned char)*text);
     }
     return hash;
 }

@@ -8,6 +8,8 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "cloth/hash.h"
+
 enum { WEFT__WORD = 8 }; /* [bytes] */
 
 static inline void weft__word_put(unsigned char *to, uint64_t value)
@@ -41,15 +43,11 @@ static inline double weft__real_at(const unsigned char *from)
     return value;
 }
 
-/* A checksum. A change within one word always shows: for any hash, and for any word,
- * this is a bijection. */
 static inline uint64_t weft__words_sum(const unsigned char *bytes, size_t words)
 {
-    uint64_t hash = UINT64_C(0xcbf29ce484222325);
+    uint64_t hash = WEFT__HASH_START;
     for (size_t i = 0; i < words; ++i) {
-        const uint64_t word = weft__word_at(bytes + i * WEFT__WORD);
-        hash = (hash ^ word ^ (word >> 32)) * UINT64_C(0x100000001b3);
-        hash ^= hash >> 29;
+        hash = weft__hash_word(hash, weft__word_at(bytes + i * WEFT__WORD));
     }
     return hash;
 }

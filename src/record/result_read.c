@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* result_read.c -- what result.yaml says of a run that is over. */
+#include "record/result_read.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "record/record.h"
+
+bool record_result_open(const char *directory, yaml_document_t *out)
+{
+    char path[RECORD_PATH];
+    yaml_parser_t parser;
+    FILE *stream = record_path(directory, "result.yaml", path, NULL) == WEFT_OK
+                       ? fopen(path, "rb")
+                       : NULL;
+    if (stream == NULL) {
+        return false;
+    }
+    bool good = yaml_parser_initialize(&parser) != 0;
+    if (good) {
+        yaml_parser_set_input_file(&parser, stream);
+        good = yaml_parser_load(&parser, out) != 0;
+        yaml_parser_delete(&parser);
+    }
+    (void)fclose(stream);
+    if (good
+        && (out->nodes.start == out->nodes.top
+            || out->nodes.start->type != YAML_MAPPING_NODE)) {
+        yaml_document_delete(out);
+        return false;
+    }
+    return good;
+}
+
+const char *record_result_value(yaml_document_t *result, const char *key)
+{
+    const yaml_node_t *map = yaml_document_get_root_node(result);
+    for (const yaml_node_pair_t *pair = map->data.mapping.pairs.start;
+         pair < map->data.mapping.pairs.top; ++pair) {
+        const yaml_node_t *name = yaml_document_get_node(result, pair->key);
+        const yaml_node_t *value = yaml_document_get_node(result, pair->value);
+        if (name->type == YAML_SCALAR_NODE && value->type == YAML_SCALAR_NODE
+            && strcmp((const char *)name->data.scalar.value, key) == 0) {
+            return (const char *)value->data.scalar.value;
+        }
+    }
+    return NULL;
+}

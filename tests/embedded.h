@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* embedded.h -- a simulation as a program would set it up: a small cloth of all
+ * springs, hung by a corner. */
+#ifndef WEFT_TESTS_EMBEDDED_H
+#define WEFT_TESTS_EMBEDDED_H
+
+#include "support.h"
+
+#define ROWS 3
+#define COLS 4
+#define N    (ROWS * COLS)
+
+static weft_pin corner;
+static weft_cloth_def model;
+static weft_sim_def run;
+static weft_cloth *cloth;
+static weft_sim *sim;
+
+static void setup(void)
+{
+    model = weft_cloth_def_default();
+    model.rows = ROWS;
+    model.cols = COLS;
+    model.density = 0.0;
+    model.mass = 0.25;
+    for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
+        model.springs[f] = (weft_spring_def){ true, 8.0, 0.05 };
+    }
+    corner = (weft_pin){ .rows = { 0, 0 }, .cols = { 0, 0 } };
+    model.pins = &corner;
+    model.pin_count = 1;
+    run = weft_sim_def_default();
+    run.method = test_method_named("verlet/velocity_verlet");
+    run.config.fixed_step = 1e-3;
+}
+
+static void teardown(void)
+{
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    sim = NULL;
+    cloth = NULL;
+}
+
+static void start(void)
+{
+    weft_error err = { 0 };
+    teardown();
+    cloth = test_cloth(&model);
+    run.cloth = cloth;
+    run.config = test_config(run.method, run.config);
+    ck_assert_msg(weft_sim_create(&run, &sim, &err) == WEFT_OK, "%s", err.message);
+}
+
+static void go(double t)
+{
+    weft_error err = { 0 };
+    ck_assert_msg(weft_sim_advance(sim, t, &err) == WEFT_OK, "%s: %s", run.method->name,
+                  err.message);
+}
+
+#endif
