@@ -61,7 +61,7 @@ check-install: all $(EXAMPLES)
 
 # The commands of the pages, as a reader runs them.
 check-docs: all $(EXAMPLES)
-	@tools/check-docs $(BUILD) README.md docs/tutorial.md docs/plugins.md docs/embedding.md
+	@tools/check-docs $(BUILD) README.md docs/*.md CONTRIBUTING.md
 
 # The interface of libweft.so against that of the last tag.
 check-abi: $(BUILD)/libweft.so
