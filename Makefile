@@ -292,7 +292,7 @@ tsan:
 	CK_FORK=no build/tsan/tests/test_threads
 	CK_FORK=no CK_RUN_CASE=threads build/tsan/tests/test_embed
 	CK_TIMEOUT_MULTIPLIER=4 build/tsan/tests/test_arkode_vector
-	CK_TIMEOUT_MULTIPLIER=4 build/tsan/tests/test_steppers
+	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads build/tsan/tests/test_steppers
 
 # Lines of src/ and plugins/ that the tests run.
 COVERAGE_LEAST ?= 90

@@ -33,6 +33,20 @@ START_TEST(every_promise_is_asked_of_some_method)
 }
 END_TEST
 
+/* By itself, for ThreadSanitizer (make tsan). */
+START_TEST(instances_in_two_threads_do_not_meet)
+{
+    const weft_stepper_type *type = test_method((size_t)_i);
+    size_t i = 0;
+    while (strcmp(weft_conformance_name(i), "threads") != 0) {
+        ++i;
+    }
+    const weft_conformance found = weft_conformance_check(type, i);
+    ck_assert_msg(found.verdict == WEFT_PROMISE_KEPT, "%s: %s",
+                  test_method_label((size_t)_i), found.seen);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("steppers");
@@ -45,5 +59,10 @@ int main(void)
     tcase_add_loop_test(promises, every_promise_is_asked_of_some_method, 0, checks());
 #endif
     suite_add_tcase(suite, promises);
+    TCase *threads = tcase_create("threads");
+    tcase_set_timeout(threads, 120.0);
+    tcase_add_loop_test(threads, instances_in_two_threads_do_not_meet, 0,
+                        (int)test_method_count());
+    suite_add_tcase(suite, threads);
     return test_run(suite);
 }
