@@ -8,10 +8,11 @@
 #include "record/checkpoint.h"
 #include "shell.h"
 #include "sim/ledger.h"
+#include "sim/words.h"
 
 #define OUT BUILD_DIR "/checkpoint"
 
-enum { ROWS = 3, COLS = 4, DIM = 6 * ROWS * COLS, MOST = 8192 };
+enum { ROWS = 3, COLS = 4, PARTICLES = ROWS * COLS, DIM = 6 * PARTICLES, MOST = 8192 };
 
 static weft_error err;
 static unsigned char saved[MOST], again[MOST];
@@ -277,14 +278,70 @@ START_TEST(another_kind_of_simulation_is_told_apart)
 }
 END_TEST
 
-START_TEST(pins_that_were_changed_are_neither_saved_nor_lost)
+/* One held, one let go, one that moves; into a simulation that has other pins. */
+START_TEST(changed_pins_are_saved_and_restored)
+{
+    static const double up[3] = { 0.0, 0.5, 0.0 };
+    const weft_sim_def def = define(cloth, test_method_named("verlet/velocity_verlet"),
+                                    (kind){ true, true });
+    weft_sim *other = make(&def);
+    ck_assert(weft_cloth_pinned(cloth, 0) && !weft_cloth_pinned(cloth, 7));
+    ck_assert_int_eq(weft_sim_pin(sim, 7, NULL, &err), WEFT_OK);
+    ck_assert_int_eq(weft_sim_unpin(sim, 0, &err), WEFT_OK);
+    ck_assert_int_eq(weft_sim_pin(sim, 9, up, &err), WEFT_OK);
+    go(sim, 0.06);
+    const size_t size = weft_sim_save_size(sim);
+    save(sim, saved);
+    for (size_t twice = 0; twice < 2; ++twice) {
+        ck_assert_int_eq(weft_sim_restore(other, saved, size, &err), WEFT_OK);
+        for (size_t i = 0; i < PARTICLES; ++i) {
+            ck_assert(weft_cloth_pinned(weft_sim_cloth(other), i)
+                      == weft_cloth_pinned(weft_sim_cloth(sim), i));
+        }
+        same(sim, other);
+        ck_assert_int_eq(weft_sim_unpin(other, 9, &err), WEFT_OK);
+        ck_assert_int_eq(weft_sim_pin(other, 4, up, &err), WEFT_OK);
+        go(other, 0.08);
+    }
+    ck_assert_int_eq(weft_sim_restore(other, saved, size, &err), WEFT_OK);
+    go(sim, 0.09);
+    go(other, 0.09);
+    same(sim, other);
+    weft_sim_destroy(other);
+}
+END_TEST
+
+START_TEST(what_was_saved_before_a_pin_brings_the_old_pins_back)
 {
     const size_t size = weft_sim_save_size(sim);
-    memcpy(again, saved, size);
+    const weft_cloth *before;
     ck_assert_int_eq(weft_sim_pin(sim, 7, NULL, &err), WEFT_OK);
-    refused(size, "pins were changed");
-    ck_assert_int_eq(weft_sim_save(sim, again, size, &err), WEFT_INVALID);
+    before = weft_sim_cloth(sim);
+    ck_assert_uint_eq(weft_sim_save_size(sim), size + 5 * 8);
+    ck_assert_int_eq(weft_sim_restore(sim, saved, size, &err), WEFT_OK);
+    ck_assert(!weft_cloth_pinned(weft_sim_cloth(sim), 7));
+    ck_assert_ptr_eq(weft_sim_cloth(sim), before); /* who holds it may go on */
+    ck_assert_uint_eq(weft_sim_save_size(sim), size);
+    save(sim, again);
     ck_assert_mem_eq(saved, again, size);
+}
+END_TEST
+
+/* With a checksum that is right. */
+START_TEST(saved_pins_that_make_no_sense_are_refused)
+{
+    static const uint64_t wrong[][2] = { { PARTICLES, 1 }, { 7, 2 }, { 7, 0 } };
+    ck_assert_int_eq(weft_sim_pin(sim, 7, NULL, &err), WEFT_OK);
+    const size_t size = weft_sim_save_size(sim), pin = size - 6 * 8;
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        save(sim, again);
+        weft__word_put(again + pin, wrong[i][0]);
+        weft__word_put(again + pin + 8, wrong[i][1]);
+        weft__word_put(again + size - 8, weft__words_sum(again, size / 8 - 1));
+        refused(size, "makes no sense");
+    }
+    weft__word_put(again + size - 16, weft__words_sum(again, size / 8 - 2));
+    refused(size - 8, "cut off");
     ck_assert(weft_cloth_pinned(weft_sim_cloth(sim), 7));
 }
 END_TEST
@@ -420,7 +477,9 @@ static Suite *suite(void)
     tcase_add_test(one, a_flipped_bit_anywhere_is_refused);
     tcase_add_test(one, bytes_that_are_cut_off_anywhere_are_refused);
     tcase_add_test(one, another_kind_of_simulation_is_told_apart);
-    tcase_add_test(one, pins_that_were_changed_are_neither_saved_nor_lost);
+    tcase_add_test(one, changed_pins_are_saved_and_restored);
+    tcase_add_test(one, what_was_saved_before_a_pin_brings_the_old_pins_back);
+    tcase_add_test(one, saved_pins_that_make_no_sense_are_refused);
     tcase_add_test(one, too_little_room_is_refused);
     tcase_add_test(one, a_restart_that_fails_changes_nothing);
     tcase_add_test(one, a_checkpoint_is_read_as_it_was_written);

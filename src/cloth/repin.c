@@ -135,3 +135,16 @@ void weft__cloth_unpin(weft_cloth *borrowed, size_t i)
         }
     }
 }
+
+const double *weft__cloth_own_pin(const weft_cloth *borrowed, size_t i)
+{
+    const uint32_t pin = borrowed->pin[i];
+    return pin > borrowed->first_own ? borrowed->motions[pin - 1].velocity : NULL;
+}
+
+void weft__cloth_trade(weft_cloth *one, weft_cloth *other)
+{
+    const weft_cloth before = *one;
+    *one = *other;
+    *other = before;
+}

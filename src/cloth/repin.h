@@ -15,4 +15,9 @@ void weft__cloth_return(weft_cloth *borrowed); /* NULL is allowed */
 bool weft__cloth_pin(weft_cloth *borrowed, size_t i, const double velocity[3]);
 void weft__cloth_unpin(weft_cloth *borrowed, size_t i); /* one that is pinned */
 
+/* [m/s] of a pin that `from` does not have; NULL: i is as it is there, or free. */
+const double *weft__cloth_own_pin(const weft_cloth *borrowed, size_t i);
+/* Trade pins with one that was borrowed from the same cloth. */
+void weft__cloth_trade(weft_cloth *one, weft_cloth *other);
+
 #endif

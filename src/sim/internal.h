@@ -8,7 +8,8 @@
 #include "sim/limit.h"
 
 struct weft_sim {
-    const weft_cloth *cloth; /* the definition's, or `own` */
+    const weft_cloth *given; /* the definition's */
+    const weft_cloth *cloth; /* that, or `own` */
     weft_cloth *own;         /* NULL until a pin is changed */
     const weft_stepper_type *method;
     weft_stepper_config config;
@@ -45,5 +46,16 @@ size_t weft__sim_dim(const weft_sim *sim);
 void weft__sim_change_begins(weft_sim *sim);
 void weft__sim_state_changed(weft_sim *sim);
 void weft__sim_ode_changed(weft_sim *sim);
+
+/* pins.c: the simulation takes over a cloth borrowed from the given one. */
+void weft__sim_use_pins(weft_sim *sim, weft_cloth *own);
+
+/* save_pins.c: the pins that are not those of the definition, as words. */
+size_t weft__saved_pins_words(const weft_sim *sim);
+void weft__saved_pins_put(const weft_sim *sim, unsigned char *to);
+/* *out is a cloth with these pins, to be used or returned; NULL if there are none, and
+ * never were. */
+weft_status weft__saved_pins_cloth(const weft_sim *sim, const unsigned char *from,
+                                   size_t words, weft_cloth **out, weft_error *err);
 
 #endif

@@ -21,16 +21,27 @@ static weft_status check(const weft_sim *sim, size_t i, const double numbers[3],
     return WEFT_OK;
 }
 
+void weft__sim_use_pins(weft_sim *sim, weft_cloth *own)
+{
+    if (sim->own != NULL) { /* others may look at it */
+        weft__cloth_trade(sim->own, own);
+        weft__cloth_return(own);
+        return;
+    }
+    sim->own = own;
+    sim->cloth = sim->forces.cloth = own;
+    weft__limit_use(sim->limit, own);
+}
+
 /* The first change. */
 static weft_status own_pins(weft_sim *sim, weft_error *err)
 {
     if (sim->own == NULL) {
-        sim->own = weft__cloth_borrow(sim->cloth, &sim->memory);
-        if (sim->own == NULL) {
+        weft_cloth *own = weft__cloth_borrow(sim->given, &sim->memory);
+        if (own == NULL) {
             return weft_error_set(err, WEFT_NO_MEMORY, "no memory for pins");
         }
-        sim->cloth = sim->forces.cloth = sim->own;
-        weft__limit_use(sim->limit, sim->own);
+        weft__sim_use_pins(sim, own);
     }
     return WEFT_OK;
 }

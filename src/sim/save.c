@@ -3,10 +3,10 @@
  *
  * A solver's memory of its past cannot be had, so it is given up: the stepper is made
  * anew here as it will be there. Of the old one remain its counts and its next h.
- * Pins are those of the definition: changed ones are refused on both sides.
  *
  * Words (words.h): "weftsave", version, rows, cols, quadratures, the method's name in
- * 64 bytes, NUMBERS, COUNTS, y, checksum. */
+ * 64 bytes, NUMBERS, COUNTS, y, the pins that were changed (save_pins.c), checksum. */
+#include "cloth/repin.h"
 #include "sim/internal.h"
 #include "sim/words.h"
 
@@ -117,20 +117,11 @@ weft_status weft_sim_restart(weft_sim *sim, weft_error *err)
     return renew(sim, &now, err);
 }
 
-static weft_status check_pins(const weft_sim *sim, weft_error *err)
-{
-    return sim->own == NULL
-               ? WEFT_OK
-               : weft_error_set(err, WEFT_INVALID,
-                                "pins were changed while this simulation ran, and "
-                                "saved ones have those of their definition");
-}
-
 /* ---- to bytes ---------------------------------------------------------------- */
 
 static size_t words_of(const weft_sim *sim)
 {
-    return AT_STATE + weft__sim_dim(sim) + 1;
+    return AT_STATE + weft__sim_dim(sim) + weft__saved_pins_words(sim) + 1;
 }
 
 size_t weft_sim_save_size(const weft_sim *sim)
@@ -181,8 +172,7 @@ weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *e
                               "a saved simulation needs %zu bytes, not %zu",
                               words * WEFT__WORD, size);
     }
-    weft_status status = check_pins(sim, err);
-    status = status == WEFT_OK ? weft_sim_restart(sim, err) : status;
+    const weft_status status = weft_sim_restart(sim, err);
     if (status != WEFT_OK) {
         return status;
     }
@@ -192,6 +182,7 @@ weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *e
     for (size_t i = 0; i < dim; ++i) {
         weft__real_put(to + (AT_STATE + i) * WEFT__WORD, sim->y[i]);
     }
+    weft__saved_pins_put(sim, to + (AT_STATE + dim) * WEFT__WORD);
     weft__word_put(to + (words - 1) * WEFT__WORD, weft__words_sum(to, words - 1));
     return WEFT_OK;
 }
@@ -241,7 +232,7 @@ static weft_status check_kind(const weft_sim *sim, const unsigned char *from,
                               name);
     }
     if (word(from, AT_QUADRATURES) != sim->config.quadratures
-        || size != weft_sim_save_size(sim)) {
+        || size / WEFT__WORD < AT_STATE + weft__sim_dim(sim) + 1) {
         return weft_error_set(err, WEFT_INVALID, "saved %s energy ledger",
                               sim->ledger.on ? "without" : "with");
     }
@@ -266,19 +257,26 @@ weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
                              weft_error *err)
 {
     const unsigned char *from = bytes;
-    weft_status status = check_pins(sim, err);
-    status = status == WEFT_OK ? check_whole(from, size, err) : status;
+    weft_status status = check_whole(from, size, err);
     status = status == WEFT_OK ? check_kind(sim, from, size, err) : status;
     if (status != WEFT_OK) {
         return status;
     }
+    const size_t dim = weft__sim_dim(sim), behind = AT_STATE + dim;
     const fields saved = fields_at(from + AT_FIELDS * WEFT__WORD);
-    status = renew(sim, &saved, err);
+    weft_cloth *own = NULL;
+    status = weft__saved_pins_cloth(sim, from + behind * WEFT__WORD,
+                                    size / WEFT__WORD - behind - 1, &own, err);
+    status = status == WEFT_OK ? renew(sim, &saved, err) : status;
     if (status != WEFT_OK) {
+        weft__cloth_return(own);
         return status;
     }
+    if (own != NULL) {
+        weft__sim_use_pins(sim, own);
+    }
     take_fields(sim, &saved);
-    for (size_t i = 0; i < weft__sim_dim(sim); ++i) {
+    for (size_t i = 0; i < dim; ++i) {
         sim->y[i] = weft__real_at(from + (AT_STATE + i) * WEFT__WORD);
     }
     return WEFT_OK;

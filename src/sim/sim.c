@@ -127,7 +127,8 @@ static weft_sim *make_sim(const weft_sim_def *def)
         weft__free(&memory, added);
         return NULL;
     }
-    *sim = (weft_sim){ .cloth = def->cloth,
+    *sim = (weft_sim){ .given = def->cloth,
+                       .cloth = def->cloth,
                        .method = def->method,
                        .correct = def->correct,
                        .correct_ctx = def->correct_ctx,
