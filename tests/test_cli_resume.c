@@ -189,6 +189,8 @@ START_TEST(an_interrupted_run_goes_on)
     expect(shell("grep 'status: interrupted' " OUT "/k/result.yaml"), 0);
     expect(shell(WEFT " resume " OUT "/k 2>&1"), 0);
     says("goes on after frame ");
+    says(" since it was resumed at ");
+    says(" frames, 0.6 s simulated in ");
     says("121 of 121 frames");
     ends_as_reference();
 }

@@ -52,7 +52,7 @@ static void print_time(const summary *self)
 {
     char wall[HUMAN];
     const record_result *result = self->result;
-    const double t = weft_sim_time(self->sim) - self->began;
+    const double t = weft_sim_time(self->sim); /* both are of all parts of the run */
     printf("  time       %zu of %zu frames, %.6g s simulated in %s", result->frames,
            result->planned, t, human_time(result->wall_time, wall));
     if (t > 0.0 && result->wall_time > 0.0) {
@@ -70,6 +70,14 @@ static void print_steps(const summary *self)
     printf(", %s evaluations of the forces\n", human_count(stats.rhs_calls, text));
 }
 
+/* Of the parts before, nothing is known of each step and spring. */
+static void print_since(const summary *self)
+{
+    if (self->began > 0.0) {
+        printf(" since it was resumed at %.4g s", self->began);
+    }
+}
+
 static void print_step_sizes(const summary *self)
 {
     char mean[HUMAN], least[HUMAN], most[HUMAN];
@@ -79,8 +87,10 @@ static void print_step_sizes(const summary *self)
         return;
     }
     const double h = (weft_sim_time(self->sim) - self->began) / (double)steps;
-    printf("  step size  %s on average, %s to %s\n", human_time(h, mean),
+    printf("  step size  %s on average, %s to %s", human_time(h, mean),
            human_time(self->short_step, least), human_time(self->long_step, most));
+    print_since(self);
+    putchar('\n');
 }
 
 static void print_strain(const summary *self)
@@ -93,11 +103,12 @@ static void print_strain(const summary *self)
         return;
     }
     printf(
-        "  strain     at most %.3g %% at t = %.4g s, %s spring (%zu, %zu)-(%zu, %zu); "
-        "%.3g %% at the end\n",
+        "  strain     at most %.3g %% at t = %.4g s, %s spring (%zu, %zu)-(%zu, %zu)",
         100.0 * most->strain, self->strained_at, weft_family_name(most->family),
-        most->p / cols, most->p % cols, most->q / cols, most->q % cols,
-        100.0 * weft_cloth_worst_spring(cloth, weft_sim_state(self->sim)).strain);
+        most->p / cols, most->p % cols, most->q / cols, most->q % cols);
+    print_since(self);
+    printf("; %.3g %% at the end\n",
+           100.0 * weft_cloth_worst_spring(cloth, weft_sim_state(self->sim)).strain);
 }
 
 static void print_energy(const summary *self)
