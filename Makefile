@@ -100,8 +100,6 @@ $(BUILD)/plugins/verlet/verlet.o: OWN += -O3 # its loops as vectors
 $(BUILD)/%.v3.o: OWN += -march=x86-64-v3 -DLEVEL=v3 -DLANES=4
 $(BUILD)/%.v4.o: OWN += -march=x86-64-v4 -mprefer-vector-width=512 -DLEVEL=v4 -DLANES=8
 $(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): OWN += $(KERNEL_FLAGS)
-# sums of a row in registers: its loops are unrolled
-$(foreach level,. $(LEVELS:%=.%.),$(BUILD)/src/cloth/kernel_heat$(level)o): OWN += $(if $(SAN),,-O3)
 $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): $(BUILD)/src/cloth/%.o:
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -c -o $@ src/cloth/$(basename $*).c

@@ -29,9 +29,10 @@ typedef struct model {
     double k;    /* [1/s^2] stiffness of the first oscillator */
     double edge; /* [m] beyond it the state is refused; 0: nowhere */
     uint64_t calls;
-    fault fault; /* what goes wrong */
-    uint64_t at; /* from this call on, */
-    bool once;   /* or at it alone */
+    double first[1 + DIM + APART]; /* t and y of the call after calls = 0 */
+    fault fault;                   /* what goes wrong */
+    uint64_t at;                   /* from this call on, */
+    bool once;                     /* or at it alone */
 } model;
 
 static const double y_start[DIM] = { 0.613, -0.387, 0.271, 0.829 };
@@ -39,7 +40,10 @@ static const double y_start[DIM] = { 0.613, -0.387, 0.271, 0.829 };
 static inline int rhs(double t, const double *y, double *dydt, void *ctx)
 {
     model *m = ctx;
-    ++m->calls;
+    if (m->calls++ == 0) {
+        m->first[0] = t;
+        memcpy(m->first + 1, y, (DIM + quadratures) * sizeof *y);
+    }
     dydt[0] = y[2];
     dydt[1] = y[3];
     dydt[2] = -m->k * sin(2.385 * y[0]) + 0.713 * (y[1] - y[0]) - 0.131 * y[2];

@@ -123,8 +123,8 @@ except ImportError:
     wp = None
 
 
-def weft_run(n):
-    return float(subprocess.run(["build/bench/steps", "euler", str(n)], check=True, capture_output=True).stdout)
+def weft_run(n, t, steps):
+    return float(subprocess.run(["build/bench/steps", "euler", str(n), str(t), str(steps)], check=True, capture_output=True).stdout)
 
 
 def best(run, *args, rounds=3):

@@ -11,16 +11,16 @@ typedef struct weft__forces {
     const weft_cloth *cloth;
     weft__team *team; /* NULL: one thread */
     size_t bands;
-    double *heat; /* [W] of each row; NULL: one thread */
+    double *heat; /* [W] WEFT_SUMS of each row; NULL: no memory */
 } weft__forces;
 
 /* On so many threads at most: a cloth that is too small for that has fewer. */
 weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads);
 void weft__forces_destroy(weft__forces *forces);
 
-/* As weft_cloth_rhs. */
+/* As weft_cloth_rhs; where heat is not NULL, also *heat [W], as below. */
 int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
-                     double *dydt);
+                     double *dydt, double *heat);
 
 /* As weft_cloth_dissipation. */
 double weft__forces_heat(const weft__forces *forces, const double *y);

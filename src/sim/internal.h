@@ -19,7 +19,8 @@ struct weft_sim {
     weft_correct_fn *correct;
     void *correct_ctx;
     double t;                   /* [s] */
-    double dissipated, heating; /* [J] so far, [W] at t; without ledger */
+    double dissipated, heating; /* [J] so far, [W] then; without ledger */
+    double unheated;            /* [s] before t that dissipated lacks */
     weft__ledger ledger;
     double *y; /* 6 N, then with ledger its quadratures */
 };
@@ -27,6 +28,9 @@ struct weft_sim {
 /* A stepper for the simulation as it is defined; first_step [s] 0: by the config. */
 weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out,
                               weft_error *err);
+
+/* Brings dissipated and heating up to t. */
+void weft__sim_settle(weft_sim *sim);
 
 /* The length of y. */
 size_t weft__sim_dim(const weft_sim *sim);

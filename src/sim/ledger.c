@@ -10,7 +10,7 @@ int weft__ledger_rhs(double t, const double *y, double *dydt, void *ctx)
     const weft__forces *forces = ctx;
     const weft_cloth *cloth = forces->cloth;
     double *power = dydt + weft_cloth_dim(cloth);
-    int failed = weft__forces_rhs(forces, t, y, dydt);
+    int failed = weft__forces_rhs(forces, t, y, dydt, NULL);
     weft_cloth_power(cloth, t, y, power);
     for (size_t k = 0; k < WEFT_POWERS; ++k) {
         failed |= !isfinite(power[k]);

@@ -33,9 +33,25 @@ weft_sim_def weft_sim_def_default(void)
     };
 }
 
+/* The trapezoid rule over the step that ended in a state of that heating [W]. */
+static void add_heat(weft_sim *sim, double h, double heating)
+{
+    sim->dissipated += 0.5 * h * (sim->heating + heating);
+    sim->heating = heating;
+    sim->unheated = 0.0;
+}
+
+/* The first call of a step may have to tell the heating in y as well. */
 static int rhs(double t, const double *y, double *dydt, void *ctx)
 {
-    return weft__forces_rhs(ctx, t, y, dydt);
+    weft_sim *sim = ctx;
+    double heating;
+    if (sim->unheated == 0.0) {
+        return weft__forces_rhs(&sim->forces, t, y, dydt, NULL);
+    }
+    const int failed = weft__forces_rhs(&sim->forces, t, y, dydt, &heating);
+    add_heat(sim, sim->unheated, heating);
+    return failed;
 }
 
 static weft_status check_config(const weft_stepper_config *config, weft_error *err)
@@ -96,22 +112,25 @@ size_t weft__sim_dim(const weft_sim *sim)
 weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out,
                               weft_error *err)
 {
-    /* Forces are only read; weft_ode has no const, for solvers that know none. */
     const weft_ode ode = { weft__sim_dim(sim), sim->ledger.on ? weft__ledger_rhs : rhs,
-                           (void *)&sim->forces };
+                           sim->ledger.on ? (void *)&sim->forces : (void *)sim };
     weft_stepper_config config = sim->config;
     config.first_step = first_step > 0.0 ? first_step : config.first_step;
     return sim->method->create(sim->method, &ode, &config, out, err);
 }
 
-/* The stepper works when the forces do not. */
-static void lend_threads(weft_sim *sim)
+/* Their threads are lent: the stepper works when the forces do not. */
+static weft_status make_forces(weft_sim *sim, weft_error *err)
 {
     sim->forces = weft__forces_create(sim->cloth, sim->config.threads);
+    if (sim->forces.heat == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
+    }
     if (sim->forces.team != NULL && sim->config.team == NULL) {
         sim->lent = weft__team_lend(sim->forces.team);
         sim->config.team = &sim->lent;
     }
+    return WEFT_OK;
 }
 
 weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error *err)
@@ -145,7 +164,9 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
         status = take_config(sim, def, err);
     }
     if (status == WEFT_OK) {
-        lend_threads(sim);
+        status = make_forces(sim, err);
+    }
+    if (status == WEFT_OK) {
         status = weft__sim_stepper(sim, 0.0, &sim->stepper, err);
     }
     if (status != WEFT_OK) {
@@ -231,12 +252,22 @@ static bool all_finite(const double *values, size_t count)
     return true;
 }
 
-/* The trapezoid rule over the step, from the state before the corrections. */
-static void add_heat(weft_sim *sim, double h)
+void weft__sim_settle(weft_sim *sim)
 {
-    const double heating = weft__forces_heat(&sim->forces, sim->y);
-    sim->dissipated += 0.5 * h * (sim->heating + heating);
-    sim->heating = heating;
+    if (sim->unheated > 0.0) {
+        add_heat(sim, sim->unheated, weft__forces_heat(&sim->forces, sim->y));
+    }
+}
+
+/* The heating in y, before the corrections, is for the next step to tell where y is
+ * sure to be what it first looks at. */
+static void account_heat(weft_sim *sim, double h)
+{
+    sim->unheated = sim->ledger.on ? 0.0 : h;
+    if ((sim->method->flags & WEFT_STEPPER_FIRST_AT_Y) == 0 || sim->limit != NULL
+        || sim->correct != NULL) {
+        weft__sim_settle(sim);
+    }
 }
 
 /* After an accepted step of h: the strain limit, then the embedder's own. */
@@ -274,9 +305,7 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
         return status;
     }
     const double h = sim->t - before;
-    if (!sim->ledger.on) {
-        add_heat(sim, h);
-    }
+    account_heat(sim, h);
     if (sim->limit != NULL || sim->correct != NULL) {
         apply_corrections(sim, h);
     }
@@ -329,8 +358,14 @@ void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx)
 double weft_sim_dissipated(const weft_sim *sim)
 {
     const double *done = sim->y + weft_cloth_dim(sim->cloth);
-    return sim->ledger.on ? done[WEFT_POWER_SPRINGS] + done[WEFT_POWER_DRAG]
-                          : sim->dissipated;
+    if (sim->ledger.on) {
+        return done[WEFT_POWER_SPRINGS] + done[WEFT_POWER_DRAG];
+    }
+    if (sim->unheated == 0.0) {
+        return sim->dissipated;
+    }
+    const double heating = weft_cloth_dissipation(sim->cloth, sim->y);
+    return sim->dissipated + 0.5 * sim->unheated * (sim->heating + heating);
 }
 
 weft_ledger weft_sim_ledger(const weft_sim *sim)
@@ -396,6 +431,7 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
         || (velocities != NULL && !all_finite(velocities, 3 * n))) {
         return weft_error_set(err, WEFT_INVALID, "a state must be finite");
     }
+    weft__sim_settle(sim);
     weft__ledger_mark(&sim->ledger, sim->cloth, sim->y);
     set_planes(sim->cloth, positions, sim->y);
     set_planes(sim->cloth, velocities, sim->y + 3 * n);
