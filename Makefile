@@ -205,8 +205,9 @@ $(BUILD)/bench/%: $(BUILD)/bench/%.o $(BUILD)/libweft.a $(PLUGIN_SO)
 	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a \
 	    $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
 
+# Without what debuggers want: older valgrinds cannot read what clang writes of it.
 $(BUILD)/bench/guard/evaluate: $(BUILD)/bench/guard/evaluate.o $(BUILD)/libweft.a
-	$(call say,LD)$(LINK) -o $@ $^ $(LIB_LIBS)
+	$(call say,LD)$(LINK) -Wl,--strip-debug -o $@ $^ $(LIB_LIBS)
 
 # Instructions of the right-hand side, which must not become many more.
 guard: $(BUILD)/bench/guard/evaluate

@@ -77,17 +77,11 @@ typedef struct spring {
     vec pull_by_length; /* [N/m] T / L */
 } spring;
 
-/* The one that starts at p, of planes n and rows `down` apart. */
-INLINE void begin(spring *springs, unsigned has, int group, const double *p, size_t n,
-                  size_t down)
+/* From p to q, of planes n apart. */
+INLINE void begin(spring *springs, unsigned has, int group, const double *p,
+                  const double *q, size_t n)
 {
-    const double *q = group == RIGHT    ? p + 1
-                      : group == RIGHT2 ? p + 2
-                      : group == CROSS  ? p + down + 1
-                      : group == DOWN2  ? p + 2 * down
-                                        : p + down;
     spring *at = &springs[group];
-    p += group == ANTI ? 1 : 0;
     *at = (spring){ 0 };
     if ((has & BIT(group)) == 0) {
         return;
@@ -145,27 +139,28 @@ typedef struct carry {
 INLINE vec3 block(sweep *self, const double *p, size_t n, size_t down, size_t at,
                   unsigned has, carry *left, const edge *rim, vec *heat)
 {
+    const double *below = p + down;
     const mask *in = rim != NULL ? &rim->inside : NULL;
     const mask *in_1 = rim != NULL ? &rim->right : NULL;
     const mask *in_2 = rim != NULL ? &rim->right2 : NULL;
     spring s[WEFT_GROUPS];
     vec3 ended = load3(self->ended + at, SPAN), next = load3(self->ended2 + at, SPAN);
-    begin(s, has, RIGHT, p, n, down);
-    begin(s, has, DOWN, p, n, down);
+    begin(s, has, RIGHT, p, p + 1, n);
+    begin(s, has, DOWN, p, below, n);
     weigh(s, has, RIGHT, self->laws, in_1, heat);
-    begin(s, has, ANTI, p, n, down);
+    begin(s, has, ANTI, p + 1, below, n);
     weigh(s, has, DOWN, self->laws, in, heat);
     const vec3 right = pull(s, has, RIGHT, in_1);
-    begin(s, has, CROSS, p, n, down);
+    begin(s, has, CROSS, p, below + 1, n);
     weigh(s, has, ANTI, self->laws, in_1, heat);
     const vec3 fall = pull(s, has, DOWN, NULL);
-    begin(s, has, RIGHT2, p, n, down);
+    begin(s, has, RIGHT2, p, p + 2, n);
     weigh(s, has, CROSS, self->laws, in_1, heat);
     const vec3 anti = pull(s, has, ANTI, in_1), beside = minus(right, anti);
     next = plus(next, plus(fall, anti));
     ended = plus(ended, shift_1(left->beside, beside));
     left->beside = beside;
-    begin(s, has, DOWN2, p, n, down);
+    begin(s, has, DOWN2, p, below + down, n);
     weigh(s, has, RIGHT2, self->laws, in_2, heat);
     const vec3 cross = pull(s, has, CROSS, in_1);
     next = plus(next, shift_1(left->below, cross));
@@ -413,17 +408,18 @@ int NAME(springs, LEVEL)(const weft_cloth *cloth, const double *y, double *dydt,
 /* As block, in its order. */
 INLINE vec heat_of(const sweep *self, place of, unsigned has, const edge *rim)
 {
+    const double *p = of.p, *below = p + of.down;
     spring s[WEFT_GROUPS];
     vec heat = splat(0.0);
-#define ADD(group, where)                                                              \
-    begin(s, has, group, of.p, of.n, of.down);                                         \
+#define ADD(group, p, q, where)                                                        \
+    begin(s, has, group, p, q, of.n);                                                  \
     weigh(s, has, group, self->laws, rim != NULL ? &rim->where : NULL, &heat);
-    ADD(RIGHT, right)
-    ADD(DOWN, inside)
-    ADD(ANTI, right)
-    ADD(CROSS, right)
-    ADD(RIGHT2, right2)
-    ADD(DOWN2, inside)
+    ADD(RIGHT, p, p + 1, right)
+    ADD(DOWN, p, below, inside)
+    ADD(ANTI, p + 1, below, right)
+    ADD(CROSS, p, below + 1, right)
+    ADD(RIGHT2, p, p + 2, right2)
+    ADD(DOWN2, p, below + of.down, inside)
 #undef ADD
     return heat;
 }
