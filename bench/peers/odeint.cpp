@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// odeint.cpp -- P(n) of docs/speed.md for t seconds under boost::odeint's runge_kutta_dopri5
+// odeint.cpp -- P(n) of docs/speed.md for t seconds under boost::odeint's dopri5
 // at a tolerance of 1e-6, its right-hand side a loop over a list of springs: n t file.
-// Prints the seconds that it took; positions at the end go to the file, x y z of particle
-// after particle.
+// Prints the seconds that it took; positions at the end go to the file, x y z of
+// particle after particle.
 #include <boost/numeric/odeint.hpp>
 
 #include <chrono>
@@ -12,7 +12,8 @@
 #include <cstdlib>
 #include <vector>
 
-namespace {
+namespace
+{
 
 using State = std::vector<double>; // x y z of all particles, then their velocities
 
@@ -36,7 +37,8 @@ struct Cloth {
         const double rest = std::hypot(down, right) / static_cast<double>(n - 1);
         const int side = static_cast<int>(n);
         for (int r = 0; r + down < side; ++r) {
-            for (int c = right < 0 ? -right : 0; c + (right > 0 ? right : 0) < side; ++c) {
+            for (int c = right < 0 ? -right : 0; c + (right > 0 ? right : 0) < side;
+                 ++c) {
                 const auto p = static_cast<std::size_t>(r * side + c);
                 const auto q = static_cast<std::size_t>((r + down) * side + c + right);
                 springs.push_back({ p, q, stiffness, rest, 5e-4 * stiffness });
@@ -71,8 +73,8 @@ struct Cloth {
                 rate += (v[3 * s.q + k] - v[3 * s.p + k]) * d[k];
             }
             const double length = std::sqrt(square);
-            const double pull
-                = (s.stiffness * (length - s.rest) + s.damping * rate / length) / length;
+            const double pull =
+                (s.stiffness * (length - s.rest) + s.damping * rate / length) / length;
             for (std::size_t k = 0; k < 3; ++k) {
                 a[3 * s.p + k] += pull * d[k];
                 a[3 * s.q + k] -= pull * d[k];
@@ -104,10 +106,12 @@ int main(int argc, char **argv)
     odeint::integrate_adaptive(
         odeint::make_controlled(1e-6, 0.0, odeint::runge_kutta_dopri5<State>()),
         std::cref(cloth), y, 0.0, std::atof(argv[2]), 1e-5);
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - began;
+    const std::chrono::duration<double> seconds =
+        std::chrono::steady_clock::now() - began;
     std::FILE *file = std::fopen(argv[3], "wb");
-    if (file == nullptr || std::fwrite(y.data(), sizeof y[0], y.size() / 2, file) != y.size() / 2
-        || std::fclose(file) != 0) {
+    if (file == nullptr ||
+        std::fwrite(y.data(), sizeof y[0], y.size() / 2, file) != y.size() / 2 ||
+        std::fclose(file) != 0) {
         std::perror(argv[3]);
         return 1;
     }
