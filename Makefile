@@ -106,8 +106,6 @@ $(BUILD)/plugins/verlet/verlet.o: OWN += -O3 # its loops as vectors
 $(BUILD)/%.v3.o: OWN += -march=x86-64-v3 -DLEVEL=v3 -DLANES=4
 $(BUILD)/%.v4.o: OWN += -march=x86-64-v4 -mprefer-vector-width=512 -DLEVEL=v4 -DLANES=8
 $(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): OWN += $(KERNEL_FLAGS)
-# sums of a row in registers: its loops are unrolled
-$(foreach level,. $(LEVELS:%=.%.),$(BUILD)/src/cloth/kernel_heat$(level)o): OWN += $(if $(SAN),,-O3)
 $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): $(BUILD)/src/cloth/%.o:
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -c -o $@ src/cloth/$(basename $*).c
@@ -220,8 +218,9 @@ $(BUILD)/bench/%: $(BUILD)/bench/%.o $(BUILD)/libweft.a $(PLUGIN_SO)
 	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a \
 	    $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
 
+# Without what debuggers want: older valgrinds cannot read what clang writes of it.
 $(BUILD)/bench/guard/evaluate: $(BUILD)/bench/guard/evaluate.o $(BUILD)/libweft.a
-	$(call say,LD)$(LINK) -o $@ $^ $(LIB_LIBS)
+	$(call say,LD)$(LINK) -Wl,--strip-debug -o $@ $^ $(LIB_LIBS)
 
 # Instructions of the right-hand side, which must not become many more.
 guard: $(BUILD)/bench/guard/evaluate

@@ -281,16 +281,16 @@ static void grow(FILE *csv, size_t n, double duration)
     weft_cloth_destroy(of.cloth);
 }
 
-/* One run of P(n), the shorter time of two, for a program that alternates it with a
- * peer's. */
-static void time_euler(size_t n, double duration)
+/* One run of P(n) in so many equal steps, the shorter time of two, for a program that
+ * alternates it with a peer's. */
+static void time_euler(size_t n, double duration, double steps)
 {
     task of = { .cloth = make_sheet(n), .duration = duration };
     trial it = { .of = &of,
                  .plugin = weft_plugin_verlet(),
                  .method = "symplectic_euler",
-                 .threads = 1 };
-    it.fixed_step = stable_step(&of, it.method);
+                 .threads = 1,
+                 .fixed_step = duration / steps };
     double least = INFINITY;
     for (int i = 0; i < 2; ++i) {
         const double began = bench_now();
@@ -305,9 +305,8 @@ static void time_euler(size_t n, double duration)
 int main(int argc, char **argv)
 {
     const char *only = argc > 1 ? argv[1] : "";
-    if (strcmp(only, "euler") == 0) {
-        const bool small = argc > 2 && strcmp(argv[2], "32") == 0;
-        time_euler(small ? 32 : 100, small ? 0.5 : 0.1);
+    if (strcmp(only, "euler") == 0 && argc == 5) { /* n, duration [s], steps */
+        time_euler((size_t)atoi(argv[2]), atof(argv[3]), atof(argv[4]));
         return 0;
     }
     FILE *csv = bench_csv("steps", "problem,plugin,method,threads,seconds,seconds_per_"

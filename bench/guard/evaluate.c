@@ -1,21 +1,25 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* evaluate.c -- evaluates the forces of P(100) three times, for tools/guard, which
  * counts instructions; prints how many springs that were. Argument: all, all springs;
- * undamped; stretch, that family alone and undamped; wind, the springs of stretch and
- * wind. */
+ * heated, these and the heat they make; undamped; stretch, that family alone and
+ * undamped; wind, the springs of stretch and wind. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "../problem.h"
+#include "cloth/rows.h"
 
 enum { SIDE = 100, CALLS = 3 };
 
 int main(int argc, char **argv)
 {
     static double y[6 * SIDE * SIDE], dydt[6 * SIDE * SIDE];
+    static double heat[WEFT_SUMS * SIDE];
     const char *what = argc > 1 ? argv[1] : "all";
-    const bool all = strcmp(what, "all") == 0, undamped = strcmp(what, "undamped") == 0;
+    const bool heated = strcmp(what, "heated") == 0;
+    const bool all = heated || strcmp(what, "all") == 0,
+               undamped = strcmp(what, "undamped") == 0;
     weft_cloth_def def = problem(SIDE);
     weft_cloth *cloth;
     weft_error err;
@@ -34,7 +38,7 @@ int main(int argc, char **argv)
         springs += weft_cloth_springs(cloth, (weft_family)f);
     }
     for (int i = 0; i < CALLS; ++i) {
-        (void)weft_cloth_rhs(cloth, 0.0, y, dydt);
+        (void)weft__rhs_rows(cloth, 0.0, y, dydt, heated ? heat : NULL, 0, SIDE);
     }
     printf("%zu %s\n", CALLS * springs, weft_cloth_isa(cloth));
     weft_cloth_destroy(cloth);

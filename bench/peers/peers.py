@@ -2,15 +2,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The sheets P(32) and P(100) of docs/speed.md by others, on this machine:
 
-SciPy's solve_ivp (RK45) with NumPy slices, and symplectic Euler in NVIDIA Warp on the
-CPU. Not part of `make bench`; what is not installed is skipped:
+SciPy's solve_ivp (RK45) with NumPy slices and with Numba's loop over a list of springs,
+boost::odeint's dopri5 with that loop in C++ (odeint.cpp, Debian's libboost-dev), all at
+a tolerance of 1e-6; and symplectic Euler in NVIDIA Warp on the CPU, which uses one
+thread. Not part of `make bench`; what is not installed is skipped:
 
     make build/bench/steps
-    python3 -m venv build/peers && build/peers/bin/pip install numpy scipy warp-lang
+    python3 -m venv build/peers && build/peers/bin/pip install numpy scipy numba warp-lang
     build/peers/bin/python bench/peers/peers.py
 """
+import os
 import statistics
 import subprocess
+import tempfile
 import time
 
 import numpy as np
@@ -52,9 +56,28 @@ def accelerations(x, v, inverse, cell):
     return np.where(inverse > 0.0, GRAVITY + inverse * f, 0.0)
 
 
-def scipy_run(n, t):
+def spring_list(n):
+    """Ends, stiffness [N/m] and rest length [m] of every spring."""
+    index = np.arange(n * n).reshape(n, n)
+    parts = [(*(a.ravel() for a in ends(index, down, right)), k, np.hypot(down, right) / (n - 1))
+             for down, right, k in WAYS]
+    p, q = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
+    k, s = (np.concatenate([np.full(part[0].size, part[i]) for part in parts]) for i in (2, 3))
+    return p, q, k, s
+
+
+def solve(rhs, n, t):
+    """Seconds and final positions of SciPy's RK45 from rest."""
     from scipy.integrate import solve_ivp
 
+    x, _ = sheet(n)
+    start = np.concatenate((x.ravel(), np.zeros(x.size)))
+    began = time.perf_counter()
+    done = solve_ivp(rhs, (0.0, t), start, rtol=1e-12, atol=1e-6, t_eval=[t])
+    return time.perf_counter() - began, done.y[: x.size, -1].reshape(x.shape)
+
+
+def numpy_run(n, t):
     x, inverse = sheet(n)
     half = x.size
 
@@ -63,33 +86,82 @@ def scipy_run(n, t):
         a = accelerations(y[:half].reshape(x.shape), v, inverse, 1.0 / (n - 1))
         return np.concatenate((y[half:], a.ravel()))
 
-    start = np.concatenate((x.ravel(), np.zeros(half)))
-    began = time.perf_counter()
-    done = solve_ivp(rhs, (0.0, t), start, rtol=1e-12, atol=1e-6, t_eval=[t])
-    return time.perf_counter() - began, done.y[:half, -1].reshape(x.shape)
+    return solve(rhs, n, t)
 
 
-def warp_run(wp, n, t, h):
+def list_loop(y, p, q, k, s, inverse):
+    n = inverse.size
+    x, v = y[: 3 * n].reshape(n, 3), y[3 * n :].reshape(n, 3)
+    out = np.zeros(6 * n)
+    out[: 3 * n] = y[3 * n :]
+    a = out[3 * n :].reshape(n, 3)
+    for i in range(p.size):
+        d0, d1, d2 = x[q[i], 0] - x[p[i], 0], x[q[i], 1] - x[p[i], 1], x[q[i], 2] - x[p[i], 2]
+        w0, w1, w2 = v[q[i], 0] - v[p[i], 0], v[q[i], 1] - v[p[i], 1], v[q[i], 2] - v[p[i], 2]
+        length = np.sqrt(d0 * d0 + d1 * d1 + d2 * d2)
+        rate = (w0 * d0 + w1 * d1 + w2 * d2) / length
+        pull = (k[i] * (length - s[i]) + 5e-4 * k[i] * rate) / length
+        a[p[i], 0] += pull * d0
+        a[p[i], 1] += pull * d1
+        a[p[i], 2] += pull * d2
+        a[q[i], 0] -= pull * d0
+        a[q[i], 1] -= pull * d1
+        a[q[i], 2] -= pull * d2
+    for i in range(n):
+        for j in range(3):
+            a[i, j] *= inverse[i]
+        if inverse[i] > 0.0:
+            a[i, 1] -= 9.81
+    return out
+
+
+def numba_run(n, t):
+    import numba
+
+    springs = spring_list(n)
     x, inverse = sheet(n)
-    ps, qs, ks, rest = [], [], [], []
-    index = np.arange(n * n).reshape(n, n)
-    for down, right, k in WAYS:
-        p, q = ends(index, down, right)
-        ps.append(p.ravel()), qs.append(q.ravel())
-        ks.append(np.full(p.size, k)), rest.append(np.full(p.size, np.hypot(down, right) / (n - 1)))
-    p, q = (wp.array(np.concatenate(a), dtype=int, device="cpu") for a in (ps, qs))
-    k, s = (wp.array(np.concatenate(a), dtype=wp.float64, device="cpu") for a in (ks, rest))
+    loop = COMPILED.setdefault("loop", numba.njit(list_loop))
+    loop(np.concatenate((x.ravel(), np.zeros(x.size))), *springs, inverse.ravel())
+    return solve(lambda _, y: loop(y, *springs, inverse.ravel()), n, t)
+
+
+def odeint_run(n, t):
+    if "odeint" not in COMPILED:
+        program = os.path.join(tempfile.mkdtemp(), "odeint")
+        source = os.path.join(os.path.dirname(os.path.abspath(__file__)), "odeint.cpp")
+        made = subprocess.run(["c++", "-std=c++17", "-O3", "-march=native", "-o", program, source],
+                              capture_output=True)
+        if made.returncode != 0:
+            raise ImportError("boost")
+        COMPILED["odeint"] = program
+    with tempfile.NamedTemporaryFile() as out:
+        told = subprocess.run([COMPILED["odeint"], str(n), str(t), out.name], check=True, capture_output=True)
+        return float(told.stdout), np.fromfile(out.name).reshape(n, n, 3)
+
+
+COMPILED = {}
+
+
+def warp_run(n, t, steps, recorded):
+    """With recorded launches Python packs arguments once, not at every step."""
+    x, inverse = sheet(n)
+    springs = spring_list(n)
+    p, q = (wp.array(a, dtype=int, device="cpu") for a in springs[:2])
+    k, s = (wp.array(a, dtype=wp.float64, device="cpu") for a in springs[2:])
     m = wp.array(inverse.ravel(), dtype=wp.float64, device="cpu")
     px = wp.array(x.reshape(-1, 3), dtype=wp.vec3d, device="cpu")
     pv, pf = wp.zeros_like(px), wp.zeros_like(px)
-    steps = int(np.ceil(t / h))
     pull, move = KERNELS
-    wp.launch(pull, dim=0, inputs=[px, pv, p, q, k, s, pf], device="cpu")
-    wp.launch(move, dim=0, inputs=[px, pv, pf, m, wp.float64(t / steps)], device="cpu")
+    launches = ((pull, p.size, [px, pv, p, q, k, s, pf]), (move, n * n, [px, pv, pf, m, wp.float64(t / steps)]))
+    kept = [wp.launch(what, dim=dim, inputs=inputs, device="cpu", record_cmd=True) for what, dim, inputs in launches]
     began = time.perf_counter()
     for _ in range(steps):
-        wp.launch(pull, dim=p.size, inputs=[px, pv, p, q, k, s, pf], device="cpu")
-        wp.launch(move, dim=n * n, inputs=[px, pv, pf, m, wp.float64(t / steps)], device="cpu")
+        if recorded:
+            kept[0].launch()
+            kept[1].launch()
+        else:
+            for what, dim, inputs in launches:
+                wp.launch(what, dim=dim, inputs=inputs, device="cpu")
     return time.perf_counter() - began, px.numpy().reshape(n, n, 3)
 
 
@@ -123,34 +195,50 @@ except ImportError:
     wp = None
 
 
-def weft_run(n):
-    return float(subprocess.run(["build/bench/steps", "euler", str(n)], check=True, capture_output=True).stdout)
+def weft_run(n, t, steps):
+    return float(subprocess.run(["build/bench/steps", "euler", str(n), str(t), str(steps)], check=True, capture_output=True).stdout)
 
 
-def best(run, *args, rounds=3):
+def middle(run, *args, rounds):
     return sorted((run(*args) for _ in range(rounds)), key=lambda r: r[0])[rounds // 2]
 
 
-def main():
-    # the steps of `make bench BENCH=steps`: 858 and 1025
-    for n, t, h in ((32, 0.5, 0.5 / 858), (100, 0.1, 0.1 / 1025)):
-        seconds = None
+def adaptive(n, t, rounds):
+    """Runge-Kutta with error control; positions at the end by the first there is."""
+    reference = None
+    for name, run in (("boost::odeint dopri5, spring list in C++", odeint_run),
+                      ("SciPy RK45, NumPy slices", numpy_run),
+                      ("SciPy RK45, Numba's loop over springs", numba_run)):
         try:
-            seconds, reference = best(scipy_run, n, t, rounds=1 if n > 32 else 3)
-            print(f"peers P({n}) SciPy RK45, NumPy slices: {seconds:.4g} s", flush=True)
-        except ImportError:
-            print("peers: SciPy skipped, not installed")
-        if wp is None:
-            print("peers: Warp skipped, not installed")
+            seconds, x = middle(run, n, t, rounds=rounds)
+        except ImportError as missing:
+            print(f"peers: {name} skipped, not installed: {missing.name or missing}")
             continue
-        # round by round, so that both meet the same noise
-        rounds = [(warp_run(wp, n, t, h), weft_run(n)) for _ in range(7)]
-        elapsed = statistics.median(warp[0] for warp, _ in rounds)
-        own = statistics.median(weft for _, weft in rounds)
-        x = rounds[0][0][1]
-        far = "" if seconds is None else f", {np.abs(x - reference).max():.1e} m from SciPy"
-        print(f"peers P({n}) Warp symplectic Euler, h = {h:.3g} s: {elapsed:.4g} s{far}", flush=True)
-        print(f"peers P({n}) weft verlet symplectic_euler: {own:.4g} s, ratio {elapsed / own:.2f}", flush=True)
+        far = "" if reference is None else f", {np.abs(x - reference).max():.1e} m from the first"
+        reference = x if reference is None else reference
+        print(f"peers P({n}) {name}: {seconds:.4g} s{far}", flush=True)
+    return reference
+
+
+def fixed(n, t, steps, reference):
+    """Symplectic Euler, round by round so that both meet the same noise."""
+    if wp is None:
+        print("peers: Warp skipped, not installed")
+        return
+    rounds = [(warp_run(n, t, steps, False), warp_run(n, t, steps, True), weft_run(n, t, steps)) for _ in range(7)]
+    plain, kept = (statistics.median(r[i][0] for r in rounds) for i in (0, 1))
+    own = statistics.median(r[2] for r in rounds)
+    x = rounds[0][0][1]
+    far = "" if reference is None else f", {np.abs(x - reference).max():.1e} m from the first"
+    print(f"peers P({n}) Warp symplectic Euler, {steps} steps: {plain:.4g} s, launches recorded {kept:.4g} s{far}")
+    print(f"peers P({n}) weft verlet symplectic_euler, {steps} steps: {own:.4g} s, "
+          f"ratio {plain / own:.2f}, recorded {kept / own:.2f}", flush=True)
+
+
+def main():
+    # steps of 0.9 of the largest stable one, as in `make bench BENCH=steps`
+    for n, t, steps in ((32, 0.5, 858), (100, 0.1, 1025)):
+        fixed(n, t, steps, adaptive(n, t, 3 if n == 32 else 1))
 
 
 if __name__ == "__main__":

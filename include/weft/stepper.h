@@ -156,11 +156,13 @@ enum {
     WEFT_STEPPER_FSAL = 1 << 1,       /* last stage is the next step's first */
     WEFT_STEPPER_MULTISTEP = 1 << 2,  /* a changed state restarts its history */
     WEFT_STEPPER_IMPLICIT = 1 << 3,
-    WEFT_STEPPER_LEGACY = 1 << 4,     /* kept for comparison, not recommended */
-    WEFT_STEPPER_BUTCHER = 1 << 5,    /* takes its table from config->butcher */
-    WEFT_STEPPER_DENSE = 1 << 6,      /* keeps dim x dim matrices: small states only */
-    WEFT_STEPPER_CONTROLLER = 1 << 7, /* adaptive steps look at config->controller */
-    WEFT_STEPPER_QUADRATURES = 1 << 8 /* config->quadratures may be > 0 */
+    WEFT_STEPPER_LEGACY = 1 << 4,      /* kept for comparison, not recommended */
+    WEFT_STEPPER_BUTCHER = 1 << 5,     /* takes its table from config->butcher */
+    WEFT_STEPPER_DENSE = 1 << 6,       /* keeps dim x dim matrices: small states only */
+    WEFT_STEPPER_CONTROLLER = 1 << 7,  /* adaptive steps look at config->controller */
+    WEFT_STEPPER_QUADRATURES = 1 << 8, /* config->quadratures may be > 0 */
+    WEFT_STEPPER_FIRST_AT_Y = 1 << 9 /* the first RHS call of every step is at the t and
+                                        y that it was given: saves weft a pass */
 };
 
 /* An option in force, in words: "safety", "0.96". */

@@ -29,18 +29,19 @@ typedef struct stepper {
     size_t half;       /* y: so many positions, so many velocities, quadratures */
     double fixed_step; /* [s] */
     weft_stepper_stats stats;
-    bool carries;  /* f is that of `end`, the state the last step ended in */
-    bool changed;  /* y may have been edited since */
-    double *start; /* y before a step, to be put back if it fails */
+    bool carries; /* f is that of `end`, the state the last step ended in */
+    bool changed; /* y may have been edited since */
     double *f;
-    double *end;
+    double *end;      /* where a step leads: y stays as it is until that is known */
+    double *half_way; /* v + (h/2) fv */
 } stepper;
 
 /* The public record comes first: a pointer to it is a pointer to the method. */
 typedef struct method {
     weft_stepper_type type;
     int (*advance)(stepper *self, double t, double h,
-                   double *y); /* what the RHS returned */
+                   double *y); /* what the RHS returned; > 0, too: not finite. Then y
+                                  is as it was */
 } method;
 
 static int rhs(stepper *self, double t, const double *y)
@@ -49,43 +50,88 @@ static int rhs(stepper *self, double t, const double *y)
     return self->ode.rhs(t, y, self->f, self->ode.ctx);
 }
 
-/* y += h f over [first, last) of the state */
-static void add(double *y, double h, const double *f, size_t first, size_t last)
+/* The exponent of what is not finite has all bits set, and 1 more carries into the
+ * sign: no branches, for the sake of vectors. */
+static inline uint64_t wild(double a)
+{
+    uint64_t bits;
+    memcpy(&bits, &a, sizeof bits);
+    return (bits & INT64_MAX) + UINT64_C(0x0010000000000000);
+}
+
+static bool all_tame(uint64_t wilds)
+{
+    return wilds >> 63 == 0;
+}
+
+/* to = y + h f over [first, last) of the state */
+static void add(double *to, const double *y, double h, const double *f, size_t first,
+                size_t last)
 {
     for (size_t i = first; i < last; ++i) {
-        y[i] += h * f[i];
+        to[i] = y[i] + h * f[i];
     }
+}
+
+/* Whether that would be finite: looked at first, so that a failed step need not be
+ * undone. */
+static bool adds(const double *y, double h, const double *f, size_t first, size_t last)
+{
+    uint64_t wilds = 0;
+    for (size_t i = first; i < last; ++i) {
+        wilds |= wild(y[i] + h * f[i]);
+    }
+    return all_tame(wilds);
 }
 
 static int euler(stepper *self, double t, double h, double *y)
 {
+    const size_t dim = self->ode.dim;
     const int failed = rhs(self, t, y);
-    add(y, h, self->f, 0, self->ode.dim);
-    return failed;
+    if (failed != 0 || !adds(y, h, self->f, 0, dim)) {
+        return failed != 0 ? failed : 1;
+    }
+    add(y, y, h, self->f, 0, dim);
+    return 0;
 }
 
 static int midpoint(stepper *self, double t, double h, double *y)
 {
+    const size_t dim = self->ode.dim;
     int failed = rhs(self, t, y);
-    memcpy(self->end, y, self->ode.dim * sizeof *y);
-    add(self->end, 0.5 * h, self->f, 0, self->ode.dim);
+    add(self->end, y, 0.5 * h, self->f, 0, dim);
     failed = failed != 0 ? failed : rhs(self, t + 0.5 * h, self->end);
-    add(y, h, self->f, 0, self->ode.dim);
-    return failed;
+    if (failed != 0 || !adds(y, h, self->f, 0, dim)) {
+        return failed != 0 ? failed : 1;
+    }
+    add(y, y, h, self->f, 0, dim);
+    return 0;
+}
+
+static inline double moved(double x, double h, double fx, double fv)
+{
+    return x + h * fx + h * h * fv;
 }
 
 static int symplectic_euler(stepper *self, double t, double h, double *y)
 {
-    const size_t half = self->half;
+    const size_t half = self->half, dim = self->ode.dim;
     const int failed = rhs(self, t, y);
-    const double *fx = self->f, *fv = self->f + half, hh = h * h;
+    const double *fx = self->f, *fv = self->f + half;
     double *x = y, *v = y + half;
+    uint64_t wilds = 0;
+    for (size_t i = 0; i < half; ++i) {
+        wilds |= wild(v[i] + h * fv[i]) | wild(moved(x[i], h, fx[i], fv[i]));
+    }
+    if (failed != 0 || !all_tame(wilds) || !adds(y, h, self->f, 2 * half, dim)) {
+        return failed != 0 ? failed : 1;
+    }
     for (size_t i = 0; i < half; ++i) {
         v[i] += h * fv[i];
-        x[i] = x[i] + h * fx[i] + hh * fv[i];
+        x[i] = moved(x[i], h, fx[i], fv[i]);
     }
-    add(y, h, self->f, 2 * half, self->ode.dim);
-    return failed;
+    add(y, y, h, self->f, 2 * half, dim);
+    return 0;
 }
 
 static int velocity_verlet(stepper *self, double t, double h, double *y)
@@ -96,27 +142,32 @@ static int velocity_verlet(stepper *self, double t, double h, double *y)
         = self->carries
           && (!self->changed || memcmp(y, self->end, 2 * half * sizeof *y) == 0);
     int failed = fresh ? 0 : rhs(self, t, y);
-    double *x = y, *v = y + half, *fx = self->f, *fv = self->f + half;
+    const double *x = y, *v = y + half, kick = 0.5 * h, drift = 0.5 * h * h;
+    double *fx = self->f, *fv = self->f + half, *half_way = self->half_way;
     double *ex = self->end, *ev = self->end + half;
-    const double kick = 0.5 * h, drift = 0.5 * h * h;
+    uint64_t wilds = 0;
     self->carries = self->changed = false;
     for (size_t i = 0; i < half; ++i) {
-        x[i] = x[i] + h * fx[i] + drift * fv[i];
-        ex[i] = x[i];
+        ex[i] = x[i] + h * fx[i] + drift * fv[i];
         ev[i] = v[i] + h * fv[i]; /* predicted */
-        v[i] += kick * fv[i];
+        half_way[i] = v[i] + kick * fv[i];
     }
-    add(y, kick, self->f, 2 * half, dim);
+    add(self->end, y, kick, self->f, 2 * half, dim);
     failed = failed != 0 ? failed : rhs(self, t + h, self->end);
     for (size_t i = 0; i < half; ++i) {
-        v[i] += kick * fv[i];
-        fx[i]
-            = fx[i] == ev[i] ? v[i] : fx[i]; /* where fx is v: not the predicted one */
-        ev[i] = v[i];
+        const double end = half_way[i] + kick * fv[i];
+        fx[i] = fx[i] == ev[i] ? end : fx[i]; /* where fx is v: not the predicted one */
+        ev[i] = end;
+        wilds |= wild(ex[i]) | wild(end);
     }
-    add(y, kick, self->f, 2 * half, dim);
-    self->carries = failed == 0;
-    return failed;
+    if (failed != 0 || !all_tame(wilds)
+        || !adds(self->end, kick, self->f, 2 * half, dim)) {
+        return failed != 0 ? failed : 1;
+    }
+    add(self->end, self->end, kick, self->f, 2 * half, dim);
+    memcpy(y, self->end, dim * sizeof *y);
+    self->carries = true;
+    return 0;
 }
 
 static weft_status check(const weft_stepper_type *type, const weft_ode *ode,
@@ -157,29 +208,16 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
                        .half = weft_stepper_half(ode, config),
                        .fixed_step = config->fixed_step,
                        .stats = { .next_step = config->fixed_step } };
-    self->start = (double *)(self + 1), self->f = self->start + ode->dim;
-    self->end = self->f + ode->dim;
+    self->f = (double *)(self + 1), self->end = self->f + ode->dim;
+    self->half_way = self->end + ode->dim;
     *out = self;
     return WEFT_OK;
-}
-
-/* The exponent of what is not finite has all bits set, and 1 more carries into the
- * sign: no branches, for the sake of vectors. */
-static bool all_finite(const double *y, size_t count)
-{
-    uint64_t bad = 0, bits;
-    for (size_t i = 0; i < count; ++i) {
-        memcpy(&bits, &y[i], sizeof bits);
-        bad |= (bits & INT64_MAX) + UINT64_C(0x0010000000000000);
-    }
-    return bad >> 63 == 0;
 }
 
 static weft_status step(void *instance, double t_end, double *t, double *y,
                         weft_error *err)
 {
     stepper *self = instance;
-    const size_t bytes = self->ode.dim * sizeof *y;
     const double rest = t_end - *t;
     if (!(rest > 0.0)) {
         return weft_error_set(err, WEFT_INVALID, "step from %.17g to %.17g s", *t,
@@ -191,11 +229,8 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
     if (!last && *t + h == *t) {
         return weft_error_set(err, WEFT_STEP_TOO_SMALL, "t + h == t at h = %g s", h);
     }
-    memcpy(self->start, y, bytes);
     const int failed = self->method->advance(self, *t, h, y);
-    if (failed != 0 || !all_finite(y, self->ode.dim)) {
-        memcpy(y, self->start, bytes);
-        self->carries = false;
+    if (failed != 0) {
         return failed < 0
                    ? weft_error_set(err, WEFT_STOPPED, "stopped by the model")
                    : weft_error_set(err, WEFT_NOT_FINITE, "not finite after %g s", h);
@@ -234,7 +269,10 @@ static void destroy(void *instance)
     }
 }
 
-enum { FLAGS = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_QUADRATURES };
+enum {
+    FLAGS = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_QUADRATURES,
+    FIRST = WEFT_STEPPER_FIRST_AT_Y
+};
 
 #define METHOD(id, p, calls, more, source)                                             \
     {                                                                                  \
@@ -256,11 +294,11 @@ enum { FLAGS = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_QUADRATURES };
     }
 
 static const method methods[] = {
-    METHOD(symplectic_euler, 1, 1, 0, "X. Provot, Graphics Interface, 1995"),
+    METHOD(symplectic_euler, 1, 1, FIRST, "X. Provot, Graphics Interface, 1995"),
     METHOD(velocity_verlet, 2, 1, WEFT_STEPPER_FSAL,
            "W. C. Swope et al., J. Chem. Phys. 76, 1982"),
-    METHOD(euler, 1, 1, 0, "L. Euler, Institutiones calculi integralis I, 1768"),
-    METHOD(midpoint, 2, 2, 0, "C. Runge, Math. Ann. 46, 1895"),
+    METHOD(euler, 1, 1, FIRST, "L. Euler, Institutiones calculi integralis I, 1768"),
+    METHOD(midpoint, 2, 2, FIRST, "C. Runge, Math. Ann. 46, 1895"),
 };
 
 WEFT_API const weft_plugin *weft_plugin_verlet(void)

@@ -10,48 +10,45 @@
 
 #include <math.h>
 
+static double sum_of(const double sums[WEFT_SUMS])
+{
+    double sum = 0.0;
+    for (size_t k = 0; k < WEFT_SUMS; ++k) {
+        sum += sums[k];
+    }
+    return sum;
+}
+
 static double springs_power(const weft_cloth *cloth, size_t r, const double *y)
 {
-    double power = 0.0;
-    for (size_t g = 0; g < cloth->group_count; ++g) {
-        const weft__group *group = &cloth->groups[g];
-        if (group->damping != 0.0 && r < group->end_row) {
-            const size_t first = r * cloth->cols + group->first_col;
-            const size_t stride = (size_t)group->stride;
-            power += group->damping
-                     * cloth->level->rates(y + first, cloth->particles, stride,
-                                           group->end_col - group->first_col,
-                                           cloth->particles - first - stride);
-        }
-    }
-    return power;
+    double sums[WEFT_SUMS];
+    cloth->level->heat(cloth, y, 0.0, r, sums);
+    return sum_of(sums);
 }
 
-static double row_drag(const weft_cloth *cloth, size_t r, const double *y)
+void weft__row_heat(const weft_cloth *cloth, size_t r, const double *y,
+                    double heat[WEFT_SUMS])
 {
-    const size_t n = cloth->particles;
+    cloth->level->heat(cloth, y, cloth->drag, r, heat);
+}
+
+double weft__heat_sum(const double *heat, size_t rows)
+{
     double sum = 0.0;
-    for (size_t i = r * cloth->cols; i < (r + 1) * cloth->cols; ++i) {
-        const double *v = y + 3 * n + i;
-        sum += cloth->pin[i] != 0 ? 0.0
-                                  : v[0] * v[0] + v[n] * v[n] + v[2 * n] * v[2 * n];
+    for (size_t r = 0; r < rows; ++r) {
+        sum += sum_of(heat + WEFT_SUMS * r);
     }
-    return cloth->drag * sum;
-}
-
-double weft__row_heat(const weft_cloth *cloth, size_t r, const double *y)
-{
-    return springs_power(cloth, r, y)
-           + (cloth->drag > 0.0 ? row_drag(cloth, r, y) : 0.0);
+    return sum;
 }
 
 double weft_cloth_dissipation(const weft_cloth *cloth, const double *y)
 {
-    double heat = 0.0;
+    double sum = 0.0, heat[WEFT_SUMS];
     for (size_t r = 0; r < cloth->rows; ++r) {
-        heat += weft__row_heat(cloth, r, y);
+        weft__row_heat(cloth, r, y, heat);
+        sum += sum_of(heat);
     }
-    return heat;
+    return sum;
 }
 
 /* Work of the wind and of drag on a free particle. */

@@ -19,12 +19,8 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
     const size_t worth = weft_cloth_particles(cloth) / PARTICLES_PER_THREAD;
     const size_t rows = weft_cloth_rows(cloth);
     const size_t useful = worth < rows ? worth : rows;
-    double *heat = NULL;
+    double *heat = weft__alloc(&memory, WEFT_SUMS * rows, sizeof *heat);
     weft__team *team = weft__team_create(threads < useful ? threads : useful, &memory);
-    if (team != NULL && (heat = weft__alloc(&memory, rows, sizeof *heat)) == NULL) {
-        weft__team_destroy(team);
-        team = NULL;
-    }
     const size_t count = weft__team_threads(team);
     const size_t each = rows / (ROWS_PER_BAND * count);
     const size_t bands = count * (each > 1 ? each : 1);
@@ -45,7 +41,7 @@ typedef struct call {
     const weft__forces *forces;
     double t;
     const double *y;
-    double *dydt;
+    double *dydt, *heat;
     atomic_int failed;
 } call;
 
@@ -61,19 +57,26 @@ static void force_band(void *ctx, size_t i)
 {
     call *of = ctx;
     const size_t first = first_row(of->forces, i), end = first_row(of->forces, i + 1);
-    if (weft__rhs_rows(of->forces->cloth, of->t, of->y, of->dydt, first, end) != 0) {
+    if (weft__rhs_rows(of->forces->cloth, of->t, of->y, of->dydt, of->heat, first, end)
+        != 0) {
         atomic_store(&of->failed, 1);
     }
 }
 
 int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
-                     double *dydt)
+                     double *dydt, double *heat)
 {
+    const size_t rows = weft_cloth_rows(forces->cloth);
+    double *sums = heat != NULL ? forces->heat : NULL;
+    call all = { .forces = forces, .t = t, .y = y, .dydt = dydt, .heat = sums };
     if (forces->team == NULL) {
-        return weft_cloth_rhs(forces->cloth, t, y, dydt);
+        all.failed = weft__rhs_rows(forces->cloth, t, y, dydt, sums, 0, rows);
+    } else {
+        weft__team_run(forces->team, force_band, &all, forces->bands);
     }
-    call all = { .forces = forces, .t = t, .y = y, .dydt = dydt };
-    weft__team_run(forces->team, force_band, &all, forces->bands);
+    if (heat != NULL) {
+        *heat = weft__heat_sum(sums, rows);
+    }
     return atomic_load(&all.failed);
 }
 
@@ -82,7 +85,7 @@ static void heat_band(void *ctx, size_t i)
     const call *of = ctx;
     const size_t end = first_row(of->forces, i + 1);
     for (size_t r = first_row(of->forces, i); r < end; ++r) {
-        of->forces->heat[r] = weft__row_heat(of->forces->cloth, r, of->y);
+        weft__row_heat(of->forces->cloth, r, of->y, of->heat + WEFT_SUMS * r);
     }
 }
 
@@ -91,11 +94,7 @@ double weft__forces_heat(const weft__forces *forces, const double *y)
     if (forces->team == NULL) {
         return weft_cloth_dissipation(forces->cloth, y);
     }
-    call all = { .forces = forces, .y = y };
+    call all = { .forces = forces, .y = y, .heat = forces->heat };
     weft__team_run(forces->team, heat_band, &all, forces->bands);
-    double heat = 0.0;
-    for (size_t r = 0; r < weft_cloth_rows(forces->cloth); ++r) {
-        heat += forces->heat[r];
-    }
-    return heat;
+    return weft__heat_sum(forces->heat, weft_cloth_rows(forces->cloth));
 }

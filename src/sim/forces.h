@@ -11,7 +11,7 @@ typedef struct weft__forces {
     const weft_cloth *cloth;
     weft__team *team; /* NULL: one thread */
     size_t bands;
-    double *heat; /* [W] of each row; NULL: one thread */
+    double *heat; /* [W] WEFT_SUMS of each row; NULL: no memory */
     weft_allocator memory;
 } weft__forces;
 
@@ -21,9 +21,9 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
                                  const weft_allocator *memory);
 void weft__forces_destroy(weft__forces *forces);
 
-/* As weft_cloth_rhs. */
+/* As weft_cloth_rhs; where heat is not NULL, also *heat [W], as below. */
 int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
-                     double *dydt);
+                     double *dydt, double *heat);
 
 /* As weft_cloth_dissipation. */
 double weft__forces_heat(const weft__forces *forces, const double *y);

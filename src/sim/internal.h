@@ -27,7 +27,8 @@ struct weft_sim {
     weft_allocator memory;
     uint64_t rejected;          /* attempts that were told of */
     double t;                   /* [s] */
-    double dissipated, heating; /* [J] so far, [W] at t; without ledger */
+    double dissipated, heating; /* [J] so far, [W] then; without ledger */
+    double unheated;            /* [s] before t that dissipated lacks */
     weft__ledger ledger;
     double *y; /* 6 N, then with ledger its quadratures */
 };
@@ -38,6 +39,14 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx);
 /* A stepper for the simulation as it is defined; first_step [s] 0: by the config. */
 weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out,
                               weft_error *err);
+
+/* heat.c: the trapezoid rule over the h [s] before t, in whose state the heating [W]
+ * is this. */
+void weft__sim_add_heat(weft_sim *sim, double h, double heating);
+/* After a step of h [s], before the corrections. */
+void weft__sim_account_heat(weft_sim *sim, double h);
+/* Brings dissipated and heating up to t. */
+void weft__sim_settle(weft_sim *sim);
 
 /* The length of y. */
 size_t weft__sim_dim(const weft_sim *sim);

@@ -86,6 +86,7 @@ static void take_fields(weft_sim *sim, const fields *from)
     sim->t = from->t;
     sim->dissipated = from->dissipated;
     sim->heating = from->heating;
+    sim->unheated = 0.0;
     sim->ledger.start = from->energy_start;
     sim->ledger.limit_work = from->limit_work;
     sim->ledger.outside_work = from->outside_work;
@@ -176,6 +177,7 @@ weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *e
     if (status != WEFT_OK) {
         return status;
     }
+    weft__sim_settle(sim);
     const fields now = fields_of(sim);
     put_head(sim, to);
     put_fields(&now, to + AT_FIELDS * WEFT__WORD);

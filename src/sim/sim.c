@@ -95,21 +95,25 @@ size_t weft__sim_dim(const weft_sim *sim)
 weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out,
                               weft_error *err)
 {
-    /* It is only read; weft_ode has no const, for solvers that know none. */
+    /* weft_ode has no const, for solvers that know none */
     const weft_ode ode = { weft__sim_dim(sim), weft__sim_rhs, (void *)sim };
     weft_stepper_config config = sim->config;
     config.first_step = first_step > 0.0 ? first_step : config.first_step;
     return sim->method->create(sim->method, &ode, &config, out, err);
 }
 
-/* The stepper works when the forces do not. */
-static void lend_threads(weft_sim *sim)
+/* Their threads are lent: the stepper works when the forces do not. */
+static weft_status make_forces(weft_sim *sim, weft_error *err)
 {
     sim->forces = weft__forces_create(sim->cloth, sim->config.threads, &sim->memory);
+    if (sim->forces.heat == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
+    }
     if (sim->forces.team != NULL && sim->config.team == NULL) {
         sim->lent = weft__team_lend(sim->forces.team);
         sim->config.team = &sim->lent;
     }
+    return WEFT_OK;
 }
 
 /* The simulation itself, filled as far as nothing else can fail. */
@@ -165,7 +169,9 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
         status = take_config(sim, def, err);
     }
     if (status == WEFT_OK) {
-        lend_threads(sim);
+        status = make_forces(sim, err);
+    }
+    if (status == WEFT_OK) {
         status = weft__sim_stepper(sim, 0.0, &sim->stepper, err);
     }
     if (status != WEFT_OK) {
@@ -257,14 +263,6 @@ static bool all_finite(const double *values, size_t count)
     return true;
 }
 
-/* The trapezoid rule over the step, from the state before the corrections. */
-static void add_heat(weft_sim *sim, double h)
-{
-    const double heating = weft__forces_heat(&sim->forces, sim->y);
-    sim->dissipated += 0.5 * h * (sim->heating + heating);
-    sim->heating = heating;
-}
-
 static bool limit(weft_sim *sim, double h)
 {
     const uint64_t before = weft__limit_stats(sim->limit).unconverged;
@@ -328,9 +326,7 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
         return status;
     }
     const double h = sim->t - before;
-    if (!sim->ledger.on) {
-        add_heat(sim, h);
-    }
+    weft__sim_account_heat(sim, h);
     if (sim->log.write != NULL) {
         tell_rejected(sim, h);
     }
@@ -379,13 +375,6 @@ void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx)
     if (WEFT_HAS(method, weft_stepper_type, options) && method->options != NULL) {
         method->options(sim->stepper, tell, ctx);
     }
-}
-
-double weft_sim_dissipated(const weft_sim *sim)
-{
-    const double *done = sim->y + weft_cloth_dim(sim->cloth);
-    return sim->ledger.on ? done[WEFT_POWER_SPRINGS] + done[WEFT_POWER_DRAG]
-                          : sim->dissipated;
 }
 
 weft_ledger weft_sim_ledger(const weft_sim *sim)
@@ -445,6 +434,7 @@ static void set_planes(const weft_cloth *cloth, const double *xyz, double *plane
 
 void weft__sim_change_begins(weft_sim *sim)
 {
+    weft__sim_settle(sim);
     weft__ledger_mark(&sim->ledger, sim->cloth, sim->y);
 }
 
