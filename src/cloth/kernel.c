@@ -330,6 +330,8 @@ static void any_row(sweep *self, size_t r, size_t first, size_t end, unsigned ha
         CASE(WOVEN | BIT(DAMPED))
         CASE(FULL)
         CASE(FULL | BIT(DAMPED))
+        CASE(STRETCH | BIT(DAMPED) | BIT(HEATED))
+        CASE(WOVEN | BIT(DAMPED) | BIT(HEATED))
         CASE(FULL | BIT(DAMPED) | BIT(HEATED))
 #undef CASE
     default:
@@ -385,24 +387,6 @@ static unsigned start(sweep *self, const weft_cloth *cloth, const double *y)
     return all;
 }
 
-int NAME(springs, LEVEL)(const weft_cloth *cloth, const double *y, double *dydt,
-                         double *heat, size_t first_row, size_t end_row)
-{
-    sweep self;
-    unsigned all = start(&self, cloth, y);
-    self.dydt = dydt;
-    if (heat != NULL) {
-        memset(heat + WEFT_SUMS * first_row, 0,
-               WEFT_SUMS * (end_row - first_row) * sizeof *heat);
-        all |= BIT(HEATED);
-    }
-    for (size_t c = 0; c == 0 || c < self.inner; c += TILE) {
-        const size_t end = self.inner - c < TILE ? self.inner : c + TILE;
-        tile(&self, c, end, all, first_row, end_row, heat);
-    }
-    return sum(self.bad) == 0.0 ? 0 : 1;
-}
-
 /* ---- heat by itself ------------------------------------------------------------ */
 
 /* As block, in its order. */
@@ -447,14 +431,39 @@ void NAME(heat, LEVEL)(const weft_cloth *cloth, const double *y, double drag, si
 {
     sweep self;
     const unsigned most = FULL | BIT(DAMPED) | BIT(HEATED);
-    const unsigned all = start(&self, cloth, y) | BIT(HEATED);
-    const unsigned has = of_row(&self, r, all);
+    const unsigned all = start(&self, cloth, y);
+    const unsigned has = of_row(&self, r, all) | BIT(HEATED);
     memset(sums, 0, WEFT_SUMS * sizeof *sums);
     self.sums = sums;
     self.drag = splat(drag);
     if (has == most) {
         heat_row(&self, r, most);
-    } else {
+    } else if ((all & BIT(DAMPED)) != 0) {
         heat_row(&self, r, has);
+    } else if (drag != 0.0) {
+        heat_row(&self, r, 0);
     }
+}
+
+/* ---- forces, and heat ----------------------------------------------------------- */
+
+int NAME(springs, LEVEL)(const weft_cloth *cloth, const double *y, double *dydt,
+                         double *heat, size_t first_row, size_t end_row)
+{
+    sweep self;
+    unsigned all = start(&self, cloth, y);
+    self.dydt = dydt;
+    for (size_t r = first_row; heat != NULL && r < end_row; ++r) {
+        if ((all & BIT(DAMPED)) != 0) {
+            memset(heat + WEFT_SUMS * r, 0, WEFT_SUMS * sizeof *heat);
+        } else {
+            NAME(heat, LEVEL)(cloth, y, cloth->drag, r, heat + WEFT_SUMS * r);
+        }
+    }
+    all |= heat != NULL && (all & BIT(DAMPED)) != 0 ? BIT(HEATED) : 0u;
+    for (size_t c = 0; c == 0 || c < self.inner; c += TILE) {
+        const size_t end = self.inner - c < TILE ? self.inner : c + TILE;
+        tile(&self, c, end, all, first_row, end_row, heat);
+    }
+    return sum(self.bad) == 0.0 ? 0 : 1;
 }
