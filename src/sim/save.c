@@ -7,6 +7,8 @@
  *
  * Words (words.h): "weftsave", version, rows, cols, quadratures, the method's name in
  * 64 bytes, NUMBERS, COUNTS, y, checksum. */
+#include <math.h>
+
 #include "sim/internal.h"
 #include "sim/words.h"
 
@@ -262,6 +264,26 @@ static fields fields_at(const unsigned char *from)
     return out;
 }
 
+static bool is_step(double h)
+{
+    return h >= 0.0 && isfinite(h);
+}
+
+/* Checksums that are right prove nothing of bytes that somebody made up. */
+static weft_status check_numbers(const weft_sim *sim, const fields *saved,
+                                 const unsigned char *y, weft_error *err)
+{
+    bool good = isfinite(saved->t) && is_step(saved->next_step)
+                && is_step(saved->last_step) && is_step(saved->limit_step);
+    for (size_t i = 0; good && i < weft_cloth_dim(sim->cloth); ++i) {
+        good = isfinite(weft__real_at(y + i * WEFT__WORD));
+    }
+    return good ? WEFT_OK
+                : weft_error_set(err, WEFT_INVALID,
+                                 "the saved simulation has a time, a step or a state "
+                                 "that is not finite");
+}
+
 weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
                              weft_error *err)
 {
@@ -272,14 +294,16 @@ weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
     if (status != WEFT_OK) {
         return status;
     }
+    const unsigned char *y = from + AT_STATE * WEFT__WORD;
     const fields saved = fields_at(from + AT_FIELDS * WEFT__WORD);
-    status = renew(sim, &saved, err);
+    status = check_numbers(sim, &saved, y, err);
+    status = status == WEFT_OK ? renew(sim, &saved, err) : status;
     if (status != WEFT_OK) {
         return status;
     }
     take_fields(sim, &saved);
     for (size_t i = 0; i < weft__sim_dim(sim); ++i) {
-        sim->y[i] = weft__real_at(from + (AT_STATE + i) * WEFT__WORD);
+        sim->y[i] = weft__real_at(y + i * WEFT__WORD);
     }
     return WEFT_OK;
 }
