@@ -4,32 +4,14 @@
  * simulation is of the method and has the ledger that the bytes tell. */
 #include <math.h>
 #include <stdbool.h>
-#include <stdio.h>
-#include <unistd.h>
 
-#include "fuzz/fuzz.h"
+#include "fuzz/file.h"
 #include "record/checkpoint.h"
 #include "sim/words.h"
 
 /* [words] Of the file: the state begins behind the head; of the state: docs/output.md
  */
 enum { STATE = 8 + RECORD_PROGRAM / WEFT__WORD, QUADRATURES = 4, NAME = 5, MOST = 512 };
-
-static char directory[64], file[96];
-
-static void clean(void)
-{
-    (void)unlink(file);
-    (void)rmdir(directory);
-}
-
-static void make_directory(void)
-{
-    strcpy(directory, "/tmp/weft-fuzz-XXXXXX");
-    HOLDS(mkdtemp(directory) != NULL);
-    (void)snprintf(file, sizeof file, "%s/" RECORD_CHECKPOINT, directory);
-    HOLDS(atexit(clean) == 0);
-}
 
 static const weft_plugin *find_linked(void *ctx, const char *id, weft_error *err)
 {
@@ -142,11 +124,9 @@ static void try_bytes(const unsigned char *bytes, size_t size)
 {
     record_checkpoint from;
     weft_error err = { 0 };
-    FILE *stream = fopen(file, "w");
-    HOLDS(stream != NULL && fwrite(bytes, 1, size, stream) == size);
-    HOLDS(fclose(stream) == 0);
-    if (record_checkpoint_read(directory, &from, &err) != WEFT_OK) {
-        HOLDS(err.status == WEFT_IO && strncmp(err.message, file, strlen(file)) == 0);
+    fuzz_write(RECORD_CHECKPOINT, bytes, size);
+    if (record_checkpoint_read(fuzz_directory, &from, &err) != WEFT_OK) {
+        HOLDS(err.status == WEFT_IO && strstr(err.message, RECORD_CHECKPOINT) != NULL);
         HOLDS(from.state == NULL);
         return;
     }
@@ -169,8 +149,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     unsigned char *bytes = malloc(size + 1);
     HOLDS(bytes != NULL);
     memcpy(bytes, data, size);
-    if (directory[0] == '\0') {
-        make_directory();
+    if (cloth == NULL) {
         make_cloth();
     }
     try_bytes(bytes, size);

@@ -2,8 +2,6 @@
 /* frames.c -- files that libhdf5 can read, of any content, as run.vtkhdf: refused, or
  * frames that are finite. The bytes choose sizes, types and values of all that the
  * reader asks for; broken HDF5 is that of the target `vtkhdf`. */
-#include <stdbool.h>
-
 #include "fuzz/frames.h"
 #include "record/hdf.h"
 
@@ -32,13 +30,13 @@ static hid_t type_of(bytes *from, hid_t right)
     return byte < 240 ? right : others[byte % (sizeof others / sizeof others[0])];
 }
 
-/* Numbers that rise by 1, or what the bytes are. */
-static void fill(bytes *from, double *values, size_t count)
+/* Numbers that rise by 1, mostly. */
+static void fill(bytes *from, double first, double *values, size_t count)
 {
     static const double odd[] = { NAN, INFINITY, -1.0, 1e300, 0.5, 0.0 };
     for (size_t i = 0; i < count; ++i) {
         const unsigned byte = next(from);
-        values[i] = byte < 250 ? (double)i : odd[byte - 250];
+        values[i] = byte < 250 ? first + (double)i : odd[byte - 250];
     }
 }
 
@@ -55,21 +53,19 @@ static hid_t space_of(bytes *from, hsize_t rows, hsize_t width)
                                          extent, NULL);
 }
 
-static void put_values(bytes *from, hid_t id, hid_t space, bool attribute)
+static void put_values(bytes *from, hid_t id, hid_t space, double first)
 {
     static double values[MOST];
     const hssize_t count = H5Sget_simple_extent_npoints(space);
     if (count > 0 && count <= MOST) {
-        fill(from, values, (size_t)count);
-        (void)(attribute ? H5Awrite(id, H5T_NATIVE_DOUBLE, values)
-                         : H5Dwrite(id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL,
-                                    H5P_DEFAULT, values));
+        fill(from, first, values, (size_t)count);
+        (void)H5Dwrite(id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
     }
 }
 
 /* A set, which may be missing. */
 static void put_set(bytes *from, hid_t file, const char *path, hid_t type, hsize_t rows,
-                    hsize_t width)
+                    hsize_t width, double first)
 {
     if (next(from) > 240) {
         return;
@@ -79,7 +75,7 @@ static void put_set(bytes *from, hid_t file, const char *path, hid_t type, hsize
     const hid_t of = type_of(from, type), space = space_of(from, rows, width);
     const hid_t id = H5Dcreate2(file, path, of, space, links, H5P_DEFAULT, H5P_DEFAULT);
     if (id >= 0) {
-        put_values(from, id, space, false);
+        put_values(from, id, space, first);
     }
     (void)H5Dclose(id);
     (void)H5Sclose(space);
@@ -113,16 +109,17 @@ static void make_file(bytes *from)
     const hsize_t count = 1 + next(from) % 3;
     const hid_t real = next(from) % 2 == 0 ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
     const hid_t access = hdf_access();
-    const hid_t file = H5Fcreate(frames_file(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
+    const hid_t file
+        = H5Fcreate(fuzz_file("run.vtkhdf"), H5F_ACC_TRUNC, H5P_DEFAULT, access);
     HOLDS(file >= 0);
-    put_set(from, file, "/weft/Rest", H5T_IEEE_F64LE, n, 3);
-    put_set(from, file, "/VTKHDF/Steps/Values", H5T_IEEE_F64LE, count, 1);
-    put_set(from, file, "/VTKHDF/FieldData/frame", H5T_IEEE_F64LE, count, 1);
-    put_set(from, file, "/VTKHDF/NumberOfPoints", H5T_STD_I64LE, 1, 1);
-    put_set(from, file, "/VTKHDF/Points", real, count * n, 3);
-    put_set(from, file, "/VTKHDF/PointData/velocity", real, count * n, 3);
-    put_set(from, file, "/VTKHDF/PointData/strain", real, count * n, 1);
-    put_set(from, file, "/VTKHDF/PointData/pinned", H5T_STD_U8LE, n, 1);
+    put_set(from, file, "/weft/Rest", H5T_IEEE_F64LE, n, 3, 0.0);
+    put_set(from, file, "/VTKHDF/Steps/Values", H5T_IEEE_F64LE, count, 1, 0.0);
+    put_set(from, file, "/VTKHDF/FieldData/frame", H5T_IEEE_F64LE, count, 1, 0.0);
+    put_set(from, file, "/VTKHDF/NumberOfPoints", H5T_STD_I64LE, 1, 1, (double)n);
+    put_set(from, file, "/VTKHDF/Points", real, count * n, 3, 0.0);
+    put_set(from, file, "/VTKHDF/PointData/velocity", real, count * n, 3, 0.0);
+    put_set(from, file, "/VTKHDF/PointData/strain", real, count * n, 1, 0.0);
+    put_set(from, file, "/VTKHDF/PointData/pinned", H5T_STD_U8LE, n, 1, 0.0);
     put_integer(from, file, "/weft", "rows", rows);
     put_integer(from, file, "/weft", "cols", cols);
     put_integer(from, file, "/VTKHDF/Steps", "NSteps", count);

@@ -8,11 +8,9 @@
 #define FUZZ_FRAMES_H
 
 #include <math.h>
-#include <stdio.h>
 #include <sys/types.h>
-#include <unistd.h>
 
-#include "fuzz/fuzz.h"
+#include "fuzz/file.h"
 #include "record/frames.h"
 
 pid_t __real_fork(void);
@@ -30,27 +28,6 @@ pid_t __wrap_waitpid(pid_t pid, int *status, int options)
     *status = 0;
     return getenv("WEFT_FUZZ_CHILD") != NULL ? __real_waitpid(pid, status, options)
                                              : pid;
-}
-
-static char frames_directory[64], frames_path[96];
-
-static inline void frames_clean(void)
-{
-    (void)unlink(frames_path);
-    (void)rmdir(frames_directory);
-}
-
-/* The file that is read. */
-static inline const char *frames_file(void)
-{
-    if (frames_path[0] == '\0') {
-        strcpy(frames_directory, "/tmp/weft-fuzz-XXXXXX");
-        HOLDS(mkdtemp(frames_directory) != NULL);
-        (void)snprintf(frames_path, sizeof frames_path, "%s/run.vtkhdf",
-                       frames_directory);
-        HOLDS(atexit(frames_clean) == 0);
-    }
-    return frames_path;
 }
 
 static inline void frames_read(record_frames *frames)
@@ -78,7 +55,7 @@ static inline void frames_check(void)
 {
     record_frames *frames = NULL;
     weft_error err = { 0 };
-    if (record_frames_open(frames_directory, &frames, &err) == WEFT_OK) {
+    if (record_frames_open(fuzz_directory, &frames, &err) == WEFT_OK) {
         frames_read(frames);
     } else {
         HOLDS(frames == NULL && err.message[0] != '\0');

@@ -5,10 +5,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    FILE *stream = fopen(frames_file(), "w");
-    HOLDS(stream != NULL);
-    HOLDS(fwrite(data, 1, size, stream) == size);
-    HOLDS(fclose(stream) == 0);
+    fuzz_write("run.vtkhdf", data, size);
     frames_check();
     return 0;
 }
