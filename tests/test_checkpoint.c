@@ -8,6 +8,7 @@
 #include "record/checkpoint.h"
 #include "shell.h"
 #include "sim/ledger.h"
+#include "sim/words.h"
 
 #define OUT BUILD_DIR "/checkpoint"
 
@@ -277,6 +278,22 @@ START_TEST(another_kind_of_simulation_is_told_apart)
 }
 END_TEST
 
+/* Bytes made up with a checksum that is right: t, the next h, the first x and the last
+ * vz, each in its word (docs/output.md). */
+START_TEST(numbers_that_are_not_finite_are_refused)
+{
+    const size_t size = weft_sim_save_size(sim), sum = size - 8;
+    const size_t words[] = { 13, 14, 28, 28 + DIM - 1 };
+    const double odd[] = { (double)NAN, (double)INFINITY };
+    for (size_t i = 0; i < sizeof words / sizeof words[0] * 2; ++i) {
+        memcpy(again, saved, size);
+        weft__real_put(again + 8 * words[i / 2], odd[i % 2]);
+        weft__word_put(again + sum, weft__words_sum(again, sum / 8));
+        refused(size, "not finite");
+    }
+}
+END_TEST
+
 START_TEST(pins_that_were_changed_are_neither_saved_nor_lost)
 {
     const size_t size = weft_sim_save_size(sim);
@@ -420,6 +437,7 @@ static Suite *suite(void)
     tcase_add_test(one, a_flipped_bit_anywhere_is_refused);
     tcase_add_test(one, bytes_that_are_cut_off_anywhere_are_refused);
     tcase_add_test(one, another_kind_of_simulation_is_told_apart);
+    tcase_add_test(one, numbers_that_are_not_finite_are_refused);
     tcase_add_test(one, pins_that_were_changed_are_neither_saved_nor_lost);
     tcase_add_test(one, too_little_room_is_refused);
     tcase_add_test(one, a_restart_that_fails_changes_nothing);
