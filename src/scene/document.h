@@ -25,6 +25,9 @@ bool weft__document_default(const char *text, weft__report *report,
 /* Looks for cycles, too many nodes, too much depth and foreign tags. */
 bool weft__document_check(yaml_document_t *document, weft__report *report);
 
+/* The nodes of a tree with anchors expanded, in a document that was checked. */
+size_t weft__document_size(yaml_document_t *document, int id);
+
 /* Puts an override "key.path=value" into a document whose root is a mapping. What is
  * wrong with it is added to the report. A pair of a mapping whose value is 0 was
  * removed: its key is to be known, no more. */
