@@ -112,6 +112,11 @@ END_TEST
 
 /* ---- names ----------------------------------------------------------------------- */
 
+/* 100 letters. */
+#define LONG                                                                           \
+    "abcdefghijklmnopqrstuvwxyzabcdefghijklmnopqrstuvwxyz"                             \
+    "abcdefghijklmnopqrstuvwxyzabcdefghijklmnopqrstuv"
+
 static const char *const names[] = {
     "../../up",
     "/tmp/weft-hostile-name",
@@ -121,15 +126,30 @@ static const char *const names[] = {
     "</script><script>alert(1)</script>",
     "%s%n%n",
     "-rf",
+    ".",
+    "\\n../up\\r",
+    "\\e]0;up\\a\\e[31m\\x7f\\x9b2J\\u009b2J",
+    LONG LONG LONG,
 };
+
+/* What a terminal might take for a command of its own. */
+static void expect_plain(void)
+{
+    for (const unsigned char *c = (const unsigned char *)output; *c != '\0'; ++c) {
+        ck_assert_msg(*c == '\n' || (*c >= ' ' && *c != 0x7F), "byte %02X in:\n%s", *c,
+                      output);
+        ck_assert_msg(*c != 0xC2 || c[1] > 0x9F, "U+%04X in:\n%s", c[1], output);
+    }
+}
 
 START_TEST(a_name_is_no_path_and_no_command)
 {
     expect(shell("find " OUT " | sort > " OUT "/../hostile.before"), 0);
-    expect(shell("cd " OUT " && ../weft run small.yaml --out in/side --quiet --view "
-                 "--set 'name=\"%s\"' 2>&1",
-                 names[_i]),
+    expect(shell("cd " OUT " && ../weft check small.yaml --set 'name=\"%s\"' 2>&1 && "
+                 "../weft run small.yaml --out in/side --view --set 'name=\"%s\"' 2>&1",
+                 names[_i], names[_i]),
            0);
+    expect_plain();
     expect(shell("cd " OUT " && ../weft export in/side --format pvd >/dev/null 2>&1"),
            0);
     expect(shell("find " OUT " | sort | comm -13 " OUT "/../hostile.before - | "
@@ -155,6 +175,53 @@ START_TEST(a_scene_is_run_into_the_current_directory_whatever_its_path)
 }
 END_TEST
 
+#if defined HAVE_GSL && defined HAVE_ARKODE
+START_TEST(a_comparison_prints_no_control_characters_of_a_name)
+{
+    expect(shell("cd " OUT
+                 " && ../weft compare small.yaml --out in/side/c --until 0.05 "
+                 "--methods verlet --set 'name=\"\\e[31m\\a\"' 2>&1"),
+           0);
+    says("\\x1b[31m");
+    expect_plain();
+}
+END_TEST
+#endif
+
+/* All names at once, as values of a sweep; files too are named by who wrote them. */
+START_TEST(the_runs_of_a_batch_stay_in_its_directory)
+{
+    static const char *const files[]
+        = { "..yaml", "-x.yaml", "a b;c.yaml", "x\n.yaml" };
+    enum { COUNT = sizeof names / sizeof names[0], FILES = 4 };
+    char text[8192], path[128];
+    size_t used = (size_t)snprintf(text, sizeof text, "weft: 1\n%ssweep: {name: [x",
+                                   strstr(small_scene, "cloth:"));
+    for (size_t i = 0; i < COUNT; ++i) {
+        used += (size_t)snprintf(text + used, sizeof text - used, ", \"%s\"", names[i]);
+    }
+    (void)snprintf(text + used, sizeof text - used, "]}\n");
+    for (size_t i = 0; i < FILES; ++i) {
+        (void)snprintf(path, sizeof path, OUT "/in/%s", files[i]);
+        write_file(path, text);
+    }
+    expect(shell("find " OUT " | sort > " OUT "/../hostile.before"), 0);
+    expect(shell("cd " OUT "/in && ../../weft batch ./*.yaml ./..yaml --out side/b "
+                 "--set run.duration=0.05 2>&1"),
+           0);
+    expect_plain();
+    expect(shell("find " OUT " | sort | comm -13 " OUT "/../hostile.before - | "
+                 "grep -v '^" OUT "/in/side/b'"),
+           1); /* nothing but what is in there */
+    expect(
+        shell("ls -A " OUT "/in/side/b | grep -v '^[A-Za-z0-9_+][A-Za-z0-9._+=~-]*$'"),
+        1);
+    expect(shell("ls " OUT "/in/side/b | wc -l"), 0);
+    ck_assert_int_eq(atoi(output), FILES * (COUNT + 1) + 1); /* and the summary */
+    ck_assert(!exists("/tmp/weft-hostile-name"));
+}
+END_TEST
+
 START_TEST(force_does_not_follow_links)
 {
     expect(
@@ -169,6 +236,90 @@ START_TEST(force_does_not_follow_links)
                  "ls victim | wc -l; test ! -L r/frames"),
            0);
     ck_assert_str_eq(output, "mine\nmine\n2\n");
+}
+END_TEST
+
+/* A run in OUT/long, and in OUT/killed the same, killed behind a checkpoint. */
+static void make_killed(void)
+{
+    static const char set[] = "--set run.duration=3 --set run.fps=200 --set "
+                              "run.checkpoint=10 --quiet";
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/long %s 2>&1", set), 0);
+    do {
+        (void)shell("cd " OUT
+                    " && rm -rf killed; ../weft run small.yaml --out killed %s "
+                    "& run=$!; while kill -0 $run && [ ! -e killed/checkpoint.weft ]; "
+                    "do sleep 0.01; done; kill -9 $run; wait $run",
+                    set);
+    } while (!exists(OUT "/killed/checkpoint.weft"));
+    (void)shell("rm -f " OUT "/killed/*.tmp"); /* where it was caught at one */
+}
+
+/* OUT/r is a copy of the directory `from`; where `name` would be in there is a link to
+ * mine/name, which holds what r/name did. Runs a command and looks whether it is so
+ * still. Returns the exit code. */
+static int with_link(const char *from, const char *name, const char *command)
+{
+    const int code = shell(
+        "cd " OUT " && rm -rf r mine && cp -r %s r && mkdir mine && "
+        "if [ -e r/%s ]; then mv r/%s mine; else : > mine/%s; fi && "
+        "cp -r mine before && ln -s ../mine/%s r/%s && { ../weft %s 2>&1; code=$?; "
+        "diff -r before mine || echo CHANGED; rm -r before; exit $code; }",
+        from, name, name, name, name, name, command);
+    ck_assert_msg(strstr(output, "CHANGED") == NULL, "%s, %s is a link:\n%s", command,
+                  name, output);
+    return code;
+}
+
+START_TEST(nothing_is_written_through_a_link)
+{
+    expect(
+        shell(WEFT " run " OUT "/small.yaml --out " OUT "/done --frames obj --quiet"),
+        0);
+    expect(with_link("done", "run.html.tmp", "view r >/dev/null"), 0);
+    expect(with_link("done", "run.html", "view r >/dev/null"), 0);
+    expect(with_link("done", "final.ply.tmp", "export r --format ply"), 0);
+    expect(with_link("done", "run.mdd.tmp", "export r --format mdd"), 0);
+    expect(with_link("done", "frames", "export r --format obj --frame all"), 4);
+    make_killed();
+    expect(with_link("killed", "series.csv", "resume r"), 4);
+    says("r/series.csv: a symbolic link");
+    expect(with_link("killed", "run.vtkhdf", "resume r"), 4);
+    says("r/run.vtkhdf: a symbolic link");
+    expect(with_link("killed", "checkpoint.weft.tmp", "resume r --quiet"), 0);
+    expect(with_link("killed", "result.yaml.tmp", "resume r --quiet"), 0);
+    expect(with_link("killed", "final.csv", "resume r --quiet"), 0);
+}
+END_TEST
+
+START_TEST(a_batch_writes_nothing_through_a_link)
+{
+    static const char run[] = "batch small.yaml --out r --set run.duration=0.05";
+    expect(
+        shell("cd " OUT " && ../weft %s --quiet 2>&1 && mv r done && mkdir empty", run),
+        0);
+    expect(with_link("done", "summary.csv", run), 0);
+    expect(with_link("done", "summary.csv.tmp", run), 0);
+    expect(with_link("done", "small", run), 4);
+    says("r/small is no directory");
+    expect(with_link("empty", "small", run), 4);
+    expect(shell("cd " OUT " && rm done/small/run.vtkhdf.tmp done/small/result.yaml; "
+                 "rm done/small/scene.yaml && : > mine/x && "
+                 "ln -s ../../mine/x done/small/run.vtkhdf.tmp && "
+                 "ln -s ../../mine/x done/small/scene.yaml.tmp && ../weft batch "
+                 "small.yaml --out done --set run.duration=0.05 --quiet 2>&1; "
+                 "ls done/small; [ ! -s mine/x ]"),
+           0);
+    says("result.yaml");
+}
+END_TEST
+
+START_TEST(the_out_directory_itself_may_be_a_link)
+{
+    expect(
+        shell("cd " OUT " && mkdir there && ln -s there here && "
+              "../weft run small.yaml --out here --quiet && [ -e there/result.yaml ]"),
+        0);
 }
 END_TEST
 
@@ -227,21 +378,6 @@ static int with_room(const writer *of, int pages)
     return code;
 }
 
-/* A run in OUT/long, and in OUT/killed the same, killed behind a checkpoint. */
-static void make_killed(void)
-{
-    static const char set[] = "--set run.duration=3 --set run.fps=200 --set "
-                              "run.checkpoint=10 --quiet";
-    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/long %s 2>&1", set), 0);
-    do {
-        (void)shell("cd " OUT
-                    " && rm -rf killed; ../weft run small.yaml --out killed %s "
-                    "& run=$!; while kill -0 $run && [ ! -e killed/checkpoint.weft ]; "
-                    "do sleep 0.01; done; kill -9 $run; wait $run",
-                    set);
-    } while (!exists(OUT "/killed/checkpoint.weft"));
-}
-
 START_TEST(a_writer_without_room_says_so_and_leaves_nothing_half_written)
 {
     const writer *of = &writers[_i];
@@ -275,7 +411,14 @@ int main(void)
     tcase_add_loop_test(tcase, a_name_is_no_path_and_no_command, 0,
                         (int)(sizeof names / sizeof names[0]));
     tcase_add_test(tcase, a_scene_is_run_into_the_current_directory_whatever_its_path);
+    tcase_add_test(tcase, the_runs_of_a_batch_stay_in_its_directory);
     tcase_add_test(tcase, force_does_not_follow_links);
+    tcase_add_test(tcase, nothing_is_written_through_a_link);
+    tcase_add_test(tcase, a_batch_writes_nothing_through_a_link);
+    tcase_add_test(tcase, the_out_directory_itself_may_be_a_link);
+#if defined HAVE_GSL && defined HAVE_ARKODE
+    tcase_add_test(tcase, a_comparison_prints_no_control_characters_of_a_name);
+#endif
     tcase_add_loop_test(tcase,
                         a_writer_without_room_says_so_and_leaves_nothing_half_written,
                         0, (int)(sizeof writers / sizeof writers[0]));
