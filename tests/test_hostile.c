@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* test_hostile.c -- scenes made to cost too much, names that want to be paths, links
- * laid out in the way, and a file system without room. */
-#include <sys/resource.h>
-
-#include "scene_load.h"
+/* test_hostile.c -- names that want to be paths, links laid out in the way, and a file
+ * system without room. */
 #include "shell.h"
 
 #define OUT BUILD_DIR "/hostile"
@@ -14,101 +11,6 @@ static void begin(void)
     (void)shell("rm -rf " OUT " && mkdir -p " OUT "/in/side");
     write_file(OUT "/small.yaml", small_scene);
 }
-
-/* ---- cost ------------------------------------------------------------------------ */
-
-/* Beyond it the process is killed, or out of memory: either fails the test. A tool that
- * watches memory needs more of both. */
-static void limit_to(rlim_t seconds, rlim_t megabytes)
-{
-#ifdef __SANITIZE_ADDRESS__
-    const struct rlimit cpu = { 20 * seconds, 20 * seconds };
-    (void)megabytes;
-#else
-    const struct rlimit cpu = { seconds, seconds };
-    const struct rlimit space = { megabytes << 20, megabytes << 20 };
-    ck_assert_int_eq(setrlimit(RLIMIT_AS, &space), 0);
-#endif
-    ck_assert_int_eq(setrlimit(RLIMIT_CPU, &cpu), 0);
-}
-
-static char *scene_buffer;
-static size_t scene_length;
-
-static void add(const char *text)
-{
-    const size_t length = strlen(text);
-    memcpy(scene_buffer + scene_length, text, length + 1);
-    scene_length += length;
-}
-
-static void grow_to(size_t bytes)
-{
-    scene_buffer = malloc(bytes + 256);
-    ck_assert_ptr_nonnull(scene_buffer);
-    scene_length = 0;
-    add("weft: 1\n");
-}
-
-/* Each names the one before ten times: 10^n nodes. */
-static void doubling(size_t i, char *line, size_t size)
-{
-    (void)snprintf(line, size,
-                   i == 0 ? "a%zu: &a%zu [x, x]\n"
-                          : "a%zu: &a%zu [*a%zu, *a%zu, *a%zu, *a%zu]\n",
-                   i, i, i - 1, i - 1, i - 1, i - 1);
-}
-
-static void nested(size_t i, char *line, size_t size)
-{
-    (void)snprintf(line, size, "%s&a%zu [", i == 0 ? "cloth: " : "", i);
-}
-
-static void deeper(size_t i, char *line, size_t size)
-{
-    (void)snprintf(line, size, "%s{&a%zu a: ", i == 0 ? "cloth: " : "", i);
-}
-
-static void rows_of_aliases(size_t i, char *line, size_t size)
-{
-    (void)snprintf(line, size, i == 0 ? "cloth: [&a [1, 2],\n" : "  *a, *a, *a, *a,\n");
-}
-
-START_TEST(a_megabyte_of_nested_anchors_costs_a_second_and_100_mb_at_most)
-{
-    static void (*const shapes[])(size_t i, char *line, size_t size)
-        = { doubling, nested, deeper, rows_of_aliases };
-    char line[256];
-    grow_to(1 << 20);
-    for (size_t i = 0; scene_length < 1 << 20; ++i) {
-        shapes[_i](i, line, sizeof line);
-        add(line);
-    }
-    limit_to(1, 100);
-    weft_scene *scene = NULL;
-    const weft_scene_def def = scene_of_text(scene_buffer);
-    ck_assert_int_eq(weft_scene_load(&def, &scene, &found, NULL), WEFT_BAD_SCENE);
-    ck_assert_uint_gt(found.errors, 0);
-    free(scene_buffer);
-}
-END_TEST
-
-START_TEST(a_scene_of_mistakes_alone_costs_little)
-{
-    char line[64];
-    grow_to(8 << 20);
-    for (size_t i = 0; i < 300000; ++i) {
-        (void)snprintf(line, sizeof line, "masse%zu: 1\n", i);
-        add(line);
-    }
-    limit_to(5, 400);
-    weft_scene *scene = NULL;
-    const weft_scene_def def = scene_of_text(scene_buffer);
-    ck_assert_int_eq(weft_scene_load(&def, &scene, &found, NULL), WEFT_BAD_SCENE);
-    ck_assert_uint_eq(found.errors, 300000 + 3); /* three required keys are missing */
-    free(scene_buffer);
-}
-END_TEST
 
 /* ---- names ----------------------------------------------------------------------- */
 
@@ -405,9 +307,6 @@ int main(void)
     TCase *tcase = tcase_create("hostile");
     tcase_set_timeout(tcase, 300.0);
     tcase_add_checked_fixture(tcase, begin, NULL);
-    tcase_add_loop_test(
-        tcase, a_megabyte_of_nested_anchors_costs_a_second_and_100_mb_at_most, 0, 4);
-    tcase_add_test(tcase, a_scene_of_mistakes_alone_costs_little);
     tcase_add_loop_test(tcase, a_name_is_no_path_and_no_command, 0,
                         (int)(sizeof names / sizeof names[0]));
     tcase_add_test(tcase, a_scene_is_run_into_the_current_directory_whatever_its_path);
