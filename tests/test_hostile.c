@@ -77,6 +77,28 @@ START_TEST(a_scene_is_run_into_the_current_directory_whatever_its_path)
 }
 END_TEST
 
+/* What is no character, or none that YAML takes, becomes '?' in the name that the file
+ * gives the scene. */
+START_TEST(a_scene_is_read_back_whatever_its_file_was_called)
+{
+    static const char *const files[]
+        = { "\t\\\"'",          "\x1B[31m",        "\xC2\x9B", "\xE2\x80\xA8",
+            "\xEF\xBF\xBE",     "\xED\xA0\x80",    "\xFF",     "\xC0\xAF",
+            "\xF4\x90\x80\x80", "\xF0\x9F\xA7\xB5" };
+    char path[128], text[1024];
+    (void)snprintf(path, sizeof path, OUT "/in/%s.yaml", files[_i]);
+    (void)snprintf(text, sizeof text, "weft: 1\n%s", strstr(small_scene, "cloth:"));
+    write_file(path, text);
+    expect(
+        shell("cd " OUT "/in && "
+              "../../weft run ./*.yaml --out o 2>&1 && ../../weft check o/scene.yaml "
+              "2>&1"),
+        0);
+    expect_plain();
+    ck_assert_ptr_nonnull(strstr(read_file(OUT "/in/o/scene.yaml"), "name: \""));
+}
+END_TEST
+
 #if defined HAVE_GSL && defined HAVE_ARKODE
 START_TEST(a_comparison_prints_no_control_characters_of_a_name)
 {
@@ -310,6 +332,8 @@ int main(void)
     tcase_add_loop_test(tcase, a_name_is_no_path_and_no_command, 0,
                         (int)(sizeof names / sizeof names[0]));
     tcase_add_test(tcase, a_scene_is_run_into_the_current_directory_whatever_its_path);
+    tcase_add_loop_test(tcase, a_scene_is_read_back_whatever_its_file_was_called, 0,
+                        10);
     tcase_add_test(tcase, the_runs_of_a_batch_stay_in_its_directory);
     tcase_add_test(tcase, force_does_not_follow_links);
     tcase_add_test(tcase, nothing_is_written_through_a_link);

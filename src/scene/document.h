@@ -55,9 +55,10 @@ char *weft__document_emit(yaml_document_t *document, const weft_allocator *memor
 char *weft__name_of_file(const char *file, const weft_allocator *memory);
 
 /* The text of a document with a line `name: ...` before its first key, which is the
- * caller's; NULL if it is not written so that this can be done, or memory ran out. */
-char *weft__name_insert(yaml_document_t *document, const char *text, const char *name,
-                        const weft_allocator *memory);
+ * caller's; *out is NULL if it is not written so that this can be done. false: memory
+ * ran out. */
+bool weft__name_insert(yaml_document_t *document, const char *text, const char *name,
+                       const weft_allocator *memory, char **out);
 
 /* The same in the document itself. false: memory ran out. */
 bool weft__name_append(yaml_document_t *document, const char *name);
