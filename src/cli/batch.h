@@ -78,7 +78,7 @@ bool batch_result_open(const char *directory, yaml_document_t *out);
 const char *batch_result_value(yaml_document_t *result, const char *key);
 
 /* batch_child.c: one run, in this process, which ends with it. */
-_Noreturn void batch_child(const batch *self, const batch_run *run);
+_Noreturn void batch_child(const batch *self, const batch_run *one);
 
 /* batch_show.c: what is going on, on stderr. */
 typedef struct batch_slot {

@@ -48,7 +48,8 @@ static weft_status check_folder(const char *directory, const char *name,
 static FILE *open_new(const char *path)
 {
     (void)remove(path);
-    const int file = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    const int file
+        = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
     return file < 0 ? NULL : fdopen(file, "w");
 }
 
