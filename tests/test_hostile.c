@@ -323,6 +323,42 @@ START_TEST(a_writer_without_room_says_so_and_leaves_nothing_half_written)
 }
 END_TEST
 
+/* ---- no memory ------------------------------------------------------------------- */
+
+#ifndef __SANITIZE_ADDRESS__
+/* 2500 runs that are looked for, within more and more memory, up to where it is enough.
+ */
+START_TEST(a_batch_without_memory_says_so)
+{
+    char text[8192];
+    size_t used = (size_t)snprintf(text, sizeof text, "%ssweep:\n", small_scene);
+    for (int key = 0; key < 2; ++key) {
+        used += (size_t)snprintf(text + used, sizeof text - used, "  %s: [1",
+                                 key == 0 ? "run.duration" : "cloth.density");
+        for (int i = 2; i <= 50; ++i) {
+            used += (size_t)snprintf(text + used, sizeof text - used, ", %d", i);
+        }
+        used += (size_t)snprintf(text + used, sizeof text - used, "]\n");
+    }
+    write_file(OUT "/many.yaml", text);
+    bool told = false, enough = false;
+    for (int kilobytes = 15000; !enough; kilobytes += 500) {
+        const int code = shell("ulimit -v %d; " WEFT " batch " OUT
+                               "/many.yaml --out " OUT "/b --summary --quiet 2>&1",
+                               kilobytes);
+        ck_assert_int_lt(kilobytes, 1000000);
+        ck_assert_msg(code == 1 || code == 127, "%d kB: exit code %d\n%s", kilobytes,
+                      code, output);
+        const bool asks = strstr(output, "memory") != NULL;
+        told = told || (code == 1 && asks);
+        enough = code == 1 && output[0] == '\0';
+        ck_assert_msg(enough || code == 127 || asks, "%d kB: %s", kilobytes, output);
+    }
+    ck_assert(told);
+}
+END_TEST
+#endif
+
 int main(void)
 {
     Suite *suite = suite_create("hostile");
@@ -345,6 +381,9 @@ int main(void)
     tcase_add_loop_test(tcase,
                         a_writer_without_room_says_so_and_leaves_nothing_half_written,
                         0, (int)(sizeof writers / sizeof writers[0]));
+#ifndef __SANITIZE_ADDRESS__
+    tcase_add_test(tcase, a_batch_without_memory_says_so);
+#endif
     suite_add_tcase(suite, tcase);
     return test_run(suite);
 }
