@@ -315,10 +315,16 @@ check-determinism:
 FUZZ_SECONDS ?= 60
 FUZZ ?= $(patsubst tests/fuzz/%.c,%,$(wildcard tests/fuzz/*.c))
 
-$(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(BUILD)/libweft.a $(RECORD_OBJ)
+$(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(BUILD)/tests/support.o $(BUILD)/libweft.a $(RECORD_OBJ) \
+                 $(BUILD)/src/cli/batch_name.o $(PLUGIN_SO)
 	@mkdir -p $(@D)
-	$(call say,LD)$(LINK) -fsanitize=fuzzer -o $@ $< $(filter-out $<,$(filter %.o,$^)) $(BUILD)/libweft.a \
-	    $(LIB_LIBS) $(HDF5_LIBS) -lcheck -lsubunit -lrt
+	$(call say,LD)$(LINK) -fsanitize=fuzzer -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a \
+	    $(TEST_LIBS) $(HDF5_LIBS)
+
+# These read in one process what the program reads in two.
+FUZZ_HDF := frames vtkhdf
+$(FUZZ_HDF:%=$(BUILD)/tests/fuzz/%.o): INCS += $(HDF5_CFLAGS)
+$(FUZZ_HDF:%=$(BUILD)/fuzz/%): LINK += -Wl,--wrap=fork,--wrap=waitpid
 
 fuzz:
 	@$(MAKE) --no-print-directory BUILD=build/fuzz CC=clang CFLAGS='-O1 -g' \
