@@ -231,7 +231,8 @@ WEFT_API weft_status weft_sim_restart(weft_sim *sim, weft_error *err);
 /* Save everything that the future of a simulation depends on: state, time, next h,
  * counts, ledger and strain limit, to `size` bytes of the caller's. Restored into a
  * simulation of the same definition, made by any program on any machine, both go on
- * alike to the last bit, as saving restarts the stepper here too. What `correct`
+ * alike to the last bit, as saving restarts the stepper here too. Threads, allocators
+ * and log may differ, all else that counts is compared by hashes. What `correct`
  * and `force` keep for themselves is the caller's to save. The bytes know their version
  * and are checksummed; their size, that of weft_sim_save_size, grows with the pins that
  * were changed. Errors: WEFT_INVALID (size is less), those of weft_sim_restart. */
@@ -240,8 +241,8 @@ WEFT_API weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size,
                                    weft_error *err);
 
 /* Errors: WEFT_INVALID with the reason (these are no saved simulation, damaged or cut
- * off, of another version, grid or method, with and without ledger, not finite),
- * WEFT_NO_MEMORY. Nothing is changed then. */
+ * off, of another version, grid or method, with and without ledger, of another cloth or
+ * under other settings, not finite), WEFT_NO_MEMORY. Nothing is changed then. */
 WEFT_API weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
                                       weft_error *err);
 

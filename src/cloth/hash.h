@@ -4,7 +4,9 @@
 #ifndef WEFT_CLOTH_HASH_H
 #define WEFT_CLOTH_HASH_H
 
-#include <stdint.h>
+#include <string.h>
+
+#include "weft/cloth.h"
 
 #define WEFT__HASH_START UINT64_C(0xcbf29ce484222325)
 #define WEFT__HASH_PRIME UINT64_C(0x100000001b3)
@@ -22,5 +24,17 @@ static inline uint64_t weft__hash_word(uint64_t hash, uint64_t word)
     hash = (hash ^ word ^ (word >> 32)) * WEFT__HASH_PRIME;
     return hash ^ (hash >> 29);
 }
+
+/* Its bits; -0 is 0. */
+static inline uint64_t weft__hash_real(uint64_t hash, double value)
+{
+    const double number = value + 0.0;
+    uint64_t word;
+    memcpy(&word, &number, sizeof word);
+    return weft__hash_word(hash, word);
+}
+
+/* hash.c: of all that moves a cloth but its state: springs, masses, pins, forces. */
+uint64_t weft__cloth_hash(const weft_cloth *cloth);
 
 #endif

@@ -25,6 +25,7 @@ struct weft_sim {
     double *added; /* [N] 3 N, by `force` */
     weft_log log;
     weft_allocator memory;
+    uint64_t settings;          /* weft__settings_hash of the definition */
     uint64_t rejected;          /* attempts that were told of */
     double t;                   /* [s] */
     double dissipated, heating; /* [J] so far, [W] then; without ledger */
@@ -58,6 +59,11 @@ void weft__sim_ode_changed(weft_sim *sim);
 
 /* pins.c: the simulation takes over a cloth borrowed from the given one. */
 void weft__sim_use_pins(weft_sim *sim, weft_cloth *own);
+
+/* settings.c: hash of all in a definition that the results depend on besides cloth and
+ * method; `config` is its config, completed, which the method has accepted. */
+uint64_t weft__settings_hash(const weft_sim_def *def,
+                             const weft_stepper_config *config);
 
 /* save_pins.c: the pins that are not those of the definition, as words. */
 size_t weft__saved_pins_words(const weft_sim *sim);

@@ -4,8 +4,9 @@
  * A solver's memory of its past cannot be had, so it is given up: the stepper is made
  * anew here as it will be there. Of the old one remain its counts and its next h.
  *
- * Words (words.h): "weftsave", version, rows, cols, quadratures, the method's name in
- * 64 bytes, NUMBERS, COUNTS, y, the pins that were changed (save_pins.c), checksum. */
+ * Words (words.h): "weftsave", version, rows, cols, quadratures, hashes of the cloth's
+ * definition and of the settings, the method's name in 64 bytes, NUMBERS, COUNTS, y,
+ * the pins that were changed (save_pins.c), checksum. */
 #include <math.h>
 
 #include "cloth/repin.h"
@@ -15,7 +16,7 @@
 static const unsigned char magic[WEFT__WORD] = "weftsave";
 
 /* Of the present layout. */
-#define VERSION 1
+#define VERSION 2
 
 #define NAME_WORDS 8
 
@@ -48,6 +49,8 @@ enum {
     AT_ROWS,
     AT_COLS,
     AT_QUADRATURES,
+    AT_CLOTH,
+    AT_SETTINGS,
     AT_NAME,
     AT_FIELDS = AT_NAME + NAME_WORDS,
     AT_STATE = AT_FIELDS NUMBERS(ONE) COUNTS(ONE)
@@ -151,6 +154,8 @@ static void put_head(const weft_sim *sim, unsigned char *to)
     weft__word_put(to + AT_ROWS * WEFT__WORD, weft_cloth_rows(sim->cloth));
     weft__word_put(to + AT_COLS * WEFT__WORD, weft_cloth_cols(sim->cloth));
     weft__word_put(to + AT_QUADRATURES * WEFT__WORD, sim->config.quadratures);
+    weft__word_put(to + AT_CLOTH * WEFT__WORD, weft__cloth_hash(sim->given));
+    weft__word_put(to + AT_SETTINGS * WEFT__WORD, sim->settings);
     memcpy(to + AT_NAME * WEFT__WORD, name, sizeof name);
 }
 
@@ -243,6 +248,22 @@ static weft_status check_kind(const weft_sim *sim, const unsigned char *from,
     return WEFT_OK;
 }
 
+static weft_status check_definition(const weft_sim *sim, const unsigned char *from,
+                                    weft_error *err)
+{
+    if (word(from, AT_CLOTH) != weft__cloth_hash(sim->given)) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "saved of another cloth (springs, masses, pins or forces "
+                              "differ)");
+    }
+    if (word(from, AT_SETTINGS) != sim->settings) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "saved under other settings of the stepper or the limit, "
+                              "or other callbacks");
+    }
+    return WEFT_OK;
+}
+
 static fields fields_at(const unsigned char *from)
 {
     fields out;
@@ -283,6 +304,7 @@ weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
     const unsigned char *from = bytes;
     weft_status status = check_whole(from, size, err);
     status = status == WEFT_OK ? check_kind(sim, from, size, err) : status;
+    status = status == WEFT_OK ? check_definition(sim, from, err) : status;
     if (status != WEFT_OK) {
         return status;
     }

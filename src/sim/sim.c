@@ -178,6 +178,7 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
         weft_sim_destroy(sim);
         return status;
     }
+    sim->settings = weft__settings_hash(def, &sim->config);
     weft__log(&sim->log, WEFT_LOG_INFO, "%zu x %zu particles under %s",
               weft_cloth_rows(def->cloth), weft_cloth_cols(def->cloth),
               def->method->name);
