@@ -311,7 +311,7 @@ check-determinism:
 	@mkdir -p build/determinism
 	@MAKE="$(MAKE)" tools/check-determinism build/determinism
 
-# libFuzzer, a minute a target: `make fuzz FUZZ_SECONDS=1200 FUZZ=scene`.
+# libFuzzer, a minute a target, as many at once as there are processors: `make fuzz FUZZ_SECONDS=1200 FUZZ=scene`.
 FUZZ_SECONDS ?= 60
 FUZZ ?= $(patsubst tests/fuzz/%.c,%,$(wildcard tests/fuzz/*.c))
 
@@ -330,7 +330,7 @@ fuzz:
 	@$(MAKE) --no-print-directory BUILD=build/fuzz CC=clang CFLAGS='-O1 -g' \
 	    SAN='-Wno-pass-failed -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all' \
 	    all $(FUZZ:%=build/fuzz/fuzz/%)
-	@tools/fuzz build/fuzz $(FUZZ_SECONDS) $(FUZZ)
+	@printf "%s\n" $(FUZZ) | xargs -P "$$(nproc)" -L 1 tools/fuzz build/fuzz $(FUZZ_SECONDS)
 
 clang-build:
 	@$(MAKE) --no-print-directory BUILD=build/clang CC=clang all \
