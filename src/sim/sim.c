@@ -153,7 +153,8 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
 {
     *out = NULL;
     if (def->cloth == NULL || def->method == NULL) {
-        return weft_error_set(err, WEFT_INVALID, "a simulation needs cloth and method");
+        return weft_error_set(err, WEFT_INVALID, "a simulation needs a %s: it is NULL",
+                              def->cloth == NULL ? "cloth" : "method");
     }
     weft_status status = check_config(&def->config, err);
     if (status != WEFT_OK) {
