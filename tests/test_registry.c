@@ -448,16 +448,15 @@ START_TEST(bad_configs_are_refused)
     refused_config(config, "stepper config: start from weft_stepper_config_default");
     refused_config(good, "velocity_verlet: no error control: needs a fixed_step > 0 s");
     weft_sim_def nothing = weft_sim_def_default();
-    const weft_cloth_def model = weft_cloth_def_default();
     weft_sim *sim = (weft_sim *)&config;
     ck_assert_int_eq(weft_sim_create(&nothing, &sim, &err), WEFT_INVALID);
     ck_assert_str_eq(err.message, "a simulation needs a cloth: it is NULL");
-    ck_assert_ptr_null(sim);
-    weft_cloth *cloth = test_cloth(&model);
-    nothing.cloth = cloth;
+    const weft_cloth_def model = weft_cloth_def_default();
+    nothing.cloth = test_cloth(&model);
     ck_assert_int_eq(weft_sim_create(&nothing, &sim, &err), WEFT_INVALID);
     ck_assert_str_eq(err.message, "a simulation needs a method: it is NULL");
-    weft_cloth_destroy(cloth);
+    ck_assert_ptr_null(sim);
+    weft_cloth_destroy((weft_cloth *)nothing.cloth);
 }
 END_TEST
 
