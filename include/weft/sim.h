@@ -119,7 +119,8 @@ typedef bool weft_correct_fn(void *ctx, double t, double h, double *y);
  */
 typedef int weft_force_fn(void *ctx, double t, const double *y, double *f);
 
-/* Neither callback may call a function that changes the simulation. */
+/* Neither callback may call a function that changes the simulation, or saves it: they
+ * return WEFT_INVALID then. */
 typedef struct weft_sim_def {
     const weft_cloth *cloth;         /* outlives the simulation */
     const weft_stepper_type *method; /* likewise */

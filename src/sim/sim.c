@@ -87,6 +87,14 @@ static weft_status take_config(weft_sim *sim, const weft_sim_def *def, weft_erro
     return WEFT_OK;
 }
 
+weft_status weft__sim_outside(const weft_sim *sim, const char *function,
+                              weft_error *err)
+{
+    return sim->in_callback ? weft_error_set(
+               err, WEFT_INVALID, "%s may not be called from a callback", function)
+                            : WEFT_OK;
+}
+
 size_t weft__sim_dim(const weft_sim *sim)
 {
     return weft_cloth_dim(sim->cloth) + sim->config.quadratures;
@@ -276,6 +284,14 @@ static bool limit(weft_sim *sim, double h)
     return changed;
 }
 
+static bool correct(weft_sim *sim, double h)
+{
+    sim->in_callback = true;
+    const bool changed = sim->correct(sim->correct_ctx, sim->t, h, sim->y);
+    sim->in_callback = false;
+    return changed;
+}
+
 /* After an accepted step of h: the strain limit, then the embedder's own. */
 static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
 {
@@ -286,7 +302,7 @@ static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
         weft__ledger_account(ledger, sim->cloth, sim->y, &ledger->limit_work);
         changed = true;
     }
-    if (sim->correct != NULL && sim->correct(sim->correct_ctx, sim->t, h, sim->y)) {
+    if (sim->correct != NULL && correct(sim, h)) {
         weft__ledger_account(ledger, sim->cloth, sim->y, &ledger->outside_work);
         changed = true;
     }
@@ -315,6 +331,9 @@ static void tell_rejected(weft_sim *sim, double h)
 
 weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
 {
+    if (weft__sim_outside(sim, "weft_sim_step", err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
     if (!(t_end > sim->t) || !isfinite(t_end)) {
         return weft_error_set(err, WEFT_INVALID, "step from %.17g s to %.17g s", sim->t,
                               t_end);
@@ -461,6 +480,9 @@ void weft__sim_ode_changed(weft_sim *sim)
 weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
                                const double *velocities, weft_error *err)
 {
+    if (weft__sim_outside(sim, "weft_sim_set_state", err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
     const size_t n = weft_cloth_particles(sim->cloth);
     if ((positions != NULL && !all_finite(positions, 3 * n))
         || (velocities != NULL && !all_finite(velocities, 3 * n))) {
