@@ -104,6 +104,9 @@ START_TEST(force_may_stop_a_run_and_the_state_is_the_last_good_one)
     ck_assert_int_eq(status, WEFT_STOPPED);
     ck_assert_double_le(weft_sim_time(sim), 0.012);
     ck_assert_mem_eq(y, weft_sim_state(sim), sizeof y);
+    const char *told = strstr(err.message, " t = "); /* once, by whomever */
+    ck_assert_ptr_nonnull(told);
+    ck_assert_msg(strstr(told + 1, " t = ") == NULL, "%s", err.message);
     with.answer = 0; /* and it may go on */
     go(0.02);
 }

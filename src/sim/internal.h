@@ -54,6 +54,9 @@ void weft__sim_settle(weft_sim *sim);
 weft_status weft__sim_outside(const weft_sim *sim, const char *function,
                               weft_error *err);
 
+/* trouble.c: why a step has failed, and the state that it failed in. */
+void weft__sim_trouble(const weft_sim *sim, const weft_error *why, weft_error *err);
+
 /* The length of y. */
 size_t weft__sim_dim(const weft_sim *sim);
 
