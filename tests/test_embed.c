@@ -104,6 +104,9 @@ START_TEST(force_may_stop_a_run_and_the_state_is_the_last_good_one)
     ck_assert_int_eq(status, WEFT_STOPPED);
     ck_assert_double_le(weft_sim_time(sim), 0.012);
     ck_assert_mem_eq(y, weft_sim_state(sim), sizeof y);
+    const char *told = strstr(err.message, " t = "); /* once, by whomever */
+    ck_assert_ptr_nonnull(told);
+    ck_assert_msg(strstr(told + 1, " t = ") == NULL, "%s", err.message);
     with.answer = 0; /* and it may go on */
     go(0.02);
 }
@@ -188,6 +191,69 @@ static void listen(void *ctx, weft_log_level level, const char *text)
     (void)snprintf(to->last, sizeof to->last, "%s", text);
     ck_assert_ptr_null(strchr(text, '\n'));
 }
+
+/* ---- what a callback may not do ------------------------------------------------ */
+
+static unsigned char bytes[16384];
+static size_t refusals;
+
+static void refused(weft_status status, const weft_error *err, const char *function)
+{
+    char text[80];
+    (void)snprintf(text, sizeof text, "%s may not be called from a callback", function);
+    ck_assert_int_eq(status, WEFT_INVALID);
+    ck_assert_str_eq(err->message, text);
+    ++refusals;
+}
+
+static void meddle(void)
+{
+    weft_error err = { 0 };
+    const double place[3] = { 0.0 };
+    const size_t size = sizeof bytes;
+    refused(weft_sim_pin(sim, 5, NULL, &err), &err, "weft_sim_pin");
+    refused(weft_sim_unpin(sim, 0, &err), &err, "weft_sim_unpin");
+    refused(weft_sim_move_pin(sim, 0, place, &err), &err, "weft_sim_move_pin");
+    refused(weft_sim_set_state(sim, NULL, NULL, &err), &err, "weft_sim_set_state");
+    refused(weft_sim_save(sim, bytes, size, &err), &err, "weft_sim_save");
+    refused(weft_sim_restore(sim, bytes, size, &err), &err, "weft_sim_restore");
+    refused(weft_sim_restart(sim, &err), &err, "weft_sim_restart");
+    refused(weft_sim_step(sim, 9.0, &err), &err, "weft_sim_step");
+    refused(weft_sim_advance(sim, 9.0, &err), &err, "weft_sim_step");
+}
+
+static int meddling_force(void *ctx, double t, const double *y, double *f)
+{
+    (void)ctx, (void)t, (void)y, (void)f;
+    meddle();
+    return 0;
+}
+
+static bool meddling_correction(void *ctx, double t, double h, double *y)
+{
+    (void)ctx, (void)t, (void)h, (void)y;
+    meddle();
+    return false;
+}
+
+START_TEST(callbacks_cannot_change_their_simulation)
+{
+    weft_error err;
+    start();
+    go(0.01);
+    const uint64_t plain = weft_state_hash(weft_sim_state(sim), weft_cloth_dim(cloth));
+    for (int i = 0; i < 2; ++i) {
+        run.force = i == 0 ? meddling_force : NULL;
+        run.correct = i == 1 ? meddling_correction : NULL;
+        refusals = 0;
+        start();
+        go(0.01);
+        ck_assert_uint_ge(refusals, 9 * weft_sim_stats(sim).steps);
+        ck_assert(weft_state_hash(weft_sim_state(sim), weft_cloth_dim(cloth)) == plain);
+        ck_assert_int_eq(weft_sim_unpin(sim, 0, &err), WEFT_OK); /* between steps */
+    }
+}
+END_TEST
 
 START_TEST(limit_that_is_not_met_is_told_once)
 {
@@ -320,6 +386,7 @@ int main(void)
     tcase_add_loop_test(tcase, force_that_is_no_number_is_never_accepted, 0, methods);
     tcase_add_test(tcase, correction_comes_after_the_limit);
     tcase_add_test(tcase, correction_that_spoils_the_state_is_told);
+    tcase_add_test(tcase, callbacks_cannot_change_their_simulation);
     tcase_add_test(tcase, limit_that_is_not_met_is_told_once);
 #ifdef HAVE_GSL
     tcase_add_test(tcase, rejected_attempts_are_told);

@@ -121,6 +121,23 @@ START_TEST(same_run_in_two_threads_has_the_same_bits)
 }
 END_TEST
 
+#ifdef HAVE_ARKODE
+/* Inside, m = 0.002 kg; a row swings with w2 = 4 k / m at most, and h = 2 / w. Where a
+ * particle is lighter, on the rim, h is shorter. */
+START_TEST(restored_simulation_ends_in_the_same_state)
+{
+    double h;
+    expect(shell(EXAMPLE("adaptive") " " BUILD_DIR "/plugins 2>&1"), 0);
+    ck_assert_uint_eq(lines(), 4);
+    ck_assert_int_eq(sscanf(line(0), "velocity_verlet is stable up to %lf s", &h), 1);
+    ck_assert(h > 1e-3 && h < 2.0 / sqrt(4.0 * 100.0 / 0.002));
+    ck_assert_int_eq(strncmp(line(1), "1.0 s: ", 7), 0);
+    ck_assert_int_eq(strncmp(line(2), "2.0 s: ", 7), 0);
+    ck_assert_mem_eq(line(2), line(3), (size_t)(line(3) - line(2)));
+}
+END_TEST
+#endif
+
 START_TEST(scene_from_memory_is_that_of_a_file)
 {
     static char from_memory[sizeof output];
@@ -154,6 +171,9 @@ int main(void)
     tcase_add_test(tcase, own_force_and_floor_are_accounted_for);
     tcase_add_test(tcase, own_stepper_is_of_order_4);
     tcase_add_test(tcase, same_run_in_two_threads_has_the_same_bits);
+#ifdef HAVE_ARKODE
+    tcase_add_test(tcase, restored_simulation_ends_in_the_same_state);
+#endif
     tcase_add_test(tcase, scene_from_memory_is_that_of_a_file);
     suite_add_tcase(suite, tcase);
     return test_run(suite);

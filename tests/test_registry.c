@@ -119,7 +119,8 @@ static const struct {
     size_t size;
 } mistakes[] = {
     { "weft-nocreate.so", "method 'second' has no create", 0 },
-    { "weft-noentry.so", "it has no function weft_plugin_noentry()", 0 },
+    { "weft-noentry.so",
+      "it has no function weft_plugin_noentry() (is it exported, with WEFT_API?)", 0 },
     { "weft-nomethods.so", "it lacks an id, a version, a solver text or methods", 0 },
     { "weft-noname.so", "method 1 has no name", 0 },
     { "weft-nostep.so", "method 'second' has no step", 0 },
@@ -325,9 +326,11 @@ START_TEST(plugin_not_found_is_told_with_the_folders)
     ck_assert_ptr_null(plugin);
     look_in(NULL, false, NULL);
     refused(weft_registry_find(registry, "nix", &plugin, &err),
-            "plugin 'nix' not found: no weft-nix.so in an empty search path");
+            "plugin 'nix' not found: no weft-nix.so in an empty search path; set "
+            "WEFT_PLUGIN_PATH or weft_registry_def.path");
     refused(weft_registry_load_all(registry, NULL, NULL, &err),
-            "no stepper plugin in an empty search path");
+            "no stepper plugin in an empty search path; set WEFT_PLUGIN_PATH or "
+            "weft_registry_def.path");
 }
 END_TEST
 
@@ -338,8 +341,10 @@ START_TEST(search_does_not_pass_over_a_broken_file)
     const char *file
         = make_link(in(a, "weft-good.so"), in(broken, "weft-nullplugin.so"));
     look_in(a, false, broken);
-    refused(weft_registry_find(registry, "good", &plugin, &err),
-            why(file, "it has no function weft_plugin_good()"));
+    refused(
+        weft_registry_find(registry, "good", &plugin, &err),
+        why(file,
+            "it has no function weft_plugin_good() (is it exported, with WEFT_API?)"));
     ck_assert_ptr_null(plugin);
 }
 END_TEST
@@ -442,11 +447,16 @@ START_TEST(bad_configs_are_refused)
     config.struct_size = 8;
     refused_config(config, "stepper config: start from weft_stepper_config_default");
     refused_config(good, "velocity_verlet: no error control: needs a fixed_step > 0 s");
-    const weft_sim_def nothing = weft_sim_def_default();
+    weft_sim_def nothing = weft_sim_def_default();
     weft_sim *sim = (weft_sim *)&config;
     ck_assert_int_eq(weft_sim_create(&nothing, &sim, &err), WEFT_INVALID);
-    ck_assert_str_eq(err.message, "a simulation needs cloth and method");
+    ck_assert_str_eq(err.message, "a simulation needs a cloth: it is NULL");
+    const weft_cloth_def model = weft_cloth_def_default();
+    nothing.cloth = test_cloth(&model);
+    ck_assert_int_eq(weft_sim_create(&nothing, &sim, &err), WEFT_INVALID);
+    ck_assert_str_eq(err.message, "a simulation needs a method: it is NULL");
     ck_assert_ptr_null(sim);
+    weft_cloth_destroy((weft_cloth *)nothing.cloth);
 }
 END_TEST
 

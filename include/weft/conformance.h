@@ -22,12 +22,14 @@ extern "C" {
 typedef enum weft_verdict {
     WEFT_PROMISE_KEPT,
     WEFT_PROMISE_BROKEN,
-    WEFT_PROMISE_NOT_ASKED /* means nothing for such a method */
+    WEFT_PROMISE_NOT_ASKED, /* means nothing for such a method */
+    WEFT_PROMISE_NOTED      /* not kept, as is allowed */
 } weft_verdict;
 
 typedef struct weft_conformance {
     weft_verdict verdict;
-    char seen[512]; /* "" if kept; else what was expected and seen, or why not asked */
+    char seen[512]; /* "" if kept; else what was expected and seen, or noted, or why not
+                       asked */
 } weft_conformance;
 
 WEFT_API size_t weft_conformance_count(void);

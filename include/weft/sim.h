@@ -57,9 +57,17 @@ WEFT_API const weft_plugin *weft_registry_at(const weft_registry *registry, size
 /* The file a plugin came from; "" if it is linked in. */
 WEFT_API const char *weft_registry_file(const weft_registry *registry, size_t i);
 
-/* The method of that name or full name, or NULL. */
+/* The method of that name or full name; NULL: none, or there is no plugin. */
 WEFT_API const weft_stepper_type *weft_plugin_method(const weft_plugin *plugin,
                                                      const char *name);
+
+/* Both in one: plugin "arkode", method "dormand_prince". Errors: those of
+ * weft_registry_find, WEFT_INVALID (no such method); the message tells what there is.
+ */
+WEFT_API weft_status weft_registry_method(weft_registry *registry, const char *plugin,
+                                          const char *method,
+                                          const weft_stepper_type **out,
+                                          weft_error *err);
 
 /* Adaptive, rtol = atol = 1e-6, max norm, first step 1 ms, min 1 ps. */
 WEFT_API weft_stepper_config weft_stepper_config_default(void);
@@ -111,7 +119,8 @@ typedef bool weft_correct_fn(void *ctx, double t, double h, double *y);
  */
 typedef int weft_force_fn(void *ctx, double t, const double *y, double *f);
 
-/* Neither callback may call a function that changes the simulation. */
+/* Neither callback may call a function that changes the simulation, or saves it: they
+ * return WEFT_INVALID then. */
 typedef struct weft_sim_def {
     const weft_cloth *cloth;         /* outlives the simulation */
     const weft_stepper_type *method; /* likewise */

@@ -42,8 +42,8 @@ static void advise_fixed(double h, const bounds *found, char *text, size_t size)
 {
     if (h > found->start) {
         (void)snprintf(text, size,
-                       "try stepper.fixed_step=%.2g, or see weft check for a method "
-                       "with a larger stable step",
+                       "try stepper.fixed_step=%.2g, 0.9 of the stable step at the "
+                       "start, or see weft check for a method with a larger one",
                        0.9 * found->start);
     } else if (h > found->now) {
         (void)snprintf(text, size,

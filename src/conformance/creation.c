@@ -98,7 +98,7 @@ static void numbers_are_refused(trial *self, const weft_stepper_config *good)
     }
 }
 
-static void mistakes_are_refused(trial *self)
+void weft__refuse_mistakes(trial *self)
 {
     const weft_butcher table = { .stages = 1 };
     weft_stepper_config good = weft__with_table(self->type, weft__usual(self->type, 0)),
@@ -190,7 +190,7 @@ const check weft__creation_checks[] = {
       .run = create_calls_no_rhs },
     { .name = "refusal",
       .promise = "create refuses every number that makes no sense, with a reason",
-      .run = mistakes_are_refused,
+      .run = weft__refuse_mistakes,
       .once = true },
     { .name = "versions",
       .promise = "a config of an older or a newer program is read as far as it goes",

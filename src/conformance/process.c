@@ -5,50 +5,7 @@
 #include <fenv.h>
 #include <float.h>
 #include <locale.h>
-#include <malloc.h>
 #include <signal.h>
-
-/* glibc since 2.33 tells it in numbers that do not wrap. */
-#if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 33)
-#define HEAP_IS_KNOWN 1
-static size_t heap_in_use(void)
-{
-    const struct mallinfo2 info = mallinfo2();
-    return info.uordblks + info.hblkhd;
-}
-#else
-#define HEAP_IS_KNOWN 0
-static size_t heap_in_use(void)
-{
-    return 0;
-}
-#endif
-
-static const char *no_heap(const weft_stepper_type *type)
-{
-    (void)type;
-    return HEAP_IS_KNOWN ? NULL : "this C library does not tell what is allocated";
-}
-
-/* The first steps may still stock up what free() keeps for the next malloc(). */
-static void the_heap_does_not_grow(trial *self)
-{
-    for (int mode = 0; mode < 2; ++mode) {
-        run *r = weft__begin(self, 0, weft__usual(self->type, mode));
-        if (r == NULL || !weft__go(self, r, 0.0625)) {
-            return;
-        }
-        const size_t before = heap_in_use();
-        const uint64_t first = weft__stats(self, r).steps;
-        if (!weft__go(self, r, 8.0)) {
-            return;
-        }
-        const size_t after = heap_in_use();
-        (void)weft__expect(
-            self, after <= before, "%zu bytes more are allocated after %llu steps",
-            after - before, (unsigned long long)(weft__stats(self, r).steps - first));
-    }
-}
 
 enum { SIGNALS = 65 };
 
@@ -102,11 +59,7 @@ static void the_process_is_left_alone(trial *self)
 }
 
 const check weft__process_checks[]
-    = { { .name = "memory",
-          .promise = "steps leave no more memory allocated than there was",
-          .run = the_heap_does_not_grow,
-          .pointless = no_heap },
-        { .name = "process",
+    = { { .name = "process",
           .promise
           = "locale, signal handlers and floating-point environment stay as they "
             "are",

@@ -4,7 +4,8 @@
 
 static const check *const lists[]
     = { weft__creation_checks, weft__step_checks,     weft__failure_checks,
-        weft__state_checks,    weft__accuracy_checks, weft__process_checks };
+        weft__state_checks,    weft__accuracy_checks, weft__memory_checks,
+        weft__process_checks };
 
 /* NULL past the last. */
 static const check *check_at(size_t i)

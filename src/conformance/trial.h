@@ -54,7 +54,11 @@ typedef struct check {
 
 /* The checks of each file, up to one without a name. */
 extern const check weft__creation_checks[], weft__step_checks[], weft__failure_checks[],
-    weft__state_checks[], weft__accuracy_checks[], weft__process_checks[];
+    weft__state_checks[], weft__accuracy_checks[], weft__memory_checks[],
+    weft__process_checks[];
+
+/* Asks create for all that it must refuse. */
+void weft__refuse_mistakes(trial *self);
 
 /* For `pointless`. */
 const char *weft__no_error_control(const weft_stepper_type *type);

@@ -4,7 +4,7 @@
 
 #include "scene/read.h"
 #include "scene/scalar.h"
-#include "scene/suggest.h"
+#include "sim/suggest.h"
 
 _Static_assert(offsetof(weft_pin, cols) - offsetof(weft_pin, rows)
                        == offsetof(weft__place, cols)

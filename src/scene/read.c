@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "scene/scalar.h"
-#include "scene/suggest.h"
+#include "sim/suggest.h"
 
 typedef void read_fn(weft__reader *reader, const weft__key *key,
                      const yaml_node_t *node, void *to);

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "scene/read.h"
-#include "scene/suggest.h"
+#include "sim/methods.h"
 
 /* Keys that steer the error control. */
 static const char *const adaptive_keys[]
@@ -82,43 +82,17 @@ static void check_sizes(weft__reader *reader, const weft__match *match)
 
 /* ---- plugin and method ------------------------------------------------------ */
 
-/* The names of a plugin's methods that have the flags, as many as fit. */
-static void list_methods(const weft_plugin *plugin, uint32_t flags, char *out,
-                         size_t size)
-{
-    size_t used = 0;
-    out[0] = '\0';
-    for (size_t i = 0; plugin->types[i] != NULL; ++i) {
-        const char *name = plugin->types[i]->name;
-        if ((plugin->types[i]->flags & flags) != flags) {
-            continue;
-        }
-        if (used + strlen(name) + sizeof ", ..." >= size) {
-            (void)snprintf(out + used, size - used, ", ...");
-            return;
-        }
-        used += (size_t)snprintf(out + used, size - used, "%s%s", used > 0 ? ", " : "",
-                                 name);
-    }
-}
-
 static const weft_stepper_type *
 find_method(weft__reader *reader, const weft__match *match, const weft_plugin *plugin)
 {
-    const char *wanted = reader->scene->method;
-    weft__guess guess = { 0 };
-    char near[80], names[240];
-    for (size_t i = 0; plugin->types[i] != NULL; ++i) {
-        if (weft_stepper_is(plugin->types[i], wanted)) {
-            return plugin->types[i];
-        }
-        weft__guess_try(&guess, wanted, plugin->types[i]->name);
+    weft_error why;
+    const weft_stepper_type *type
+        = weft__method_named(plugin, reader->scene->method, &why);
+    if (type == NULL) {
+        weft__report_error(reader->report, weft__value_in(match, "method")->start_mark,
+                           "%s", why.message);
     }
-    list_methods(plugin, 0, names, sizeof names);
-    weft__report_error(reader->report, weft__value_in(match, "method")->start_mark,
-                       "plugin '%.32s' has no method '%.40s'%s; it has %s", plugin->id,
-                       wanted, weft__guess_text(&guess, near, sizeof near), names);
-    return NULL;
+    return type;
 }
 
 /* An id becomes part of a file's name and of a function's. */
@@ -135,17 +109,6 @@ static bool check_id(weft__reader *reader, const weft__match *match)
                        "and _",
                        id);
     return false;
-}
-
-static const char *const shipped[] = { "gsl", "arkode", "verlet" };
-
-static bool is_shipped(const char *id)
-{
-    bool found = false;
-    for (size_t i = 0; i < sizeof shipped / sizeof shipped[0]; ++i) {
-        found = found || strcmp(shipped[i], id) == 0;
-    }
-    return found;
 }
 
 /* The method that takes a table of the scene's own. Where its plugin is not there, such
@@ -168,16 +131,10 @@ static const weft_stepper_type *find_type(weft__reader *reader,
     const weft_plugin *plugin
         = reader->def->find_plugin(reader->def->find_ctx, scene->plugin, &why);
     if (plugin == NULL && !asks_for_table(scene)) {
-        weft__guess guess = { 0 };
         char near[80];
-        for (size_t i = 0; i < sizeof shipped / sizeof shipped[0]; ++i) {
-            weft__guess_try(&guess, scene->plugin, shipped[i]);
-        }
         weft__report_error(reader->report, weft__value_in(match, "plugin")->start_mark,
                            "%s%s", why.message,
-                           is_shipped(scene->plugin)
-                               ? ""
-                               : weft__guess_text(&guess, near, sizeof near));
+                           weft__plugin_guess(scene->plugin, near, sizeof near));
     }
     return plugin == NULL || scene->method == NULL ? NULL
                                                    : find_method(reader, match, plugin);
@@ -317,8 +274,9 @@ void weft__check_record(weft__reader *reader, const weft__match *match, void *ba
         || (scene->type->flags & WEFT_STEPPER_QUADRATURES) != 0) {
         return;
     }
-    list_methods(reader->def->find_plugin(reader->def->find_ctx, scene->plugin, &why),
-                 WEFT_STEPPER_QUADRATURES, names, sizeof names);
+    weft__methods_list(
+        reader->def->find_plugin(reader->def->find_ctx, scene->plugin, &why),
+        WEFT_STEPPER_QUADRATURES, names, sizeof names);
     weft__report_error(reader->report, weft__value_in(match, "ledger")->start_mark,
                        "method '%.40s' of plugin '%.40s' cannot keep the energy "
                        "ledger%s%s",

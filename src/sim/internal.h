@@ -23,6 +23,7 @@ struct weft_sim {
     weft_force_fn *force;
     void *force_ctx;
     double *added; /* [N] 3 N, by `force` */
+    bool in_callback;
     weft_log log;
     weft_allocator memory;
     uint64_t settings;          /* weft__settings_hash of the definition */
@@ -48,6 +49,13 @@ void weft__sim_add_heat(weft_sim *sim, double h, double heating);
 void weft__sim_account_heat(weft_sim *sim, double h);
 /* Brings dissipated and heating up to t. */
 void weft__sim_settle(weft_sim *sim);
+
+/* WEFT_INVALID for a function that is called from within a callback. */
+weft_status weft__sim_outside(const weft_sim *sim, const char *function,
+                              weft_error *err);
+
+/* trouble.c: why a step has failed, and the state that it failed in. */
+void weft__sim_trouble(const weft_sim *sim, const weft_error *why, weft_error *err);
 
 /* The length of y. */
 size_t weft__sim_dim(const weft_sim *sim);

@@ -56,7 +56,9 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
     int failed = forces(sim, t, y, dydt);
     if (sim->force != NULL && failed == 0) {
         memset(sim->added, 0, dim / 2 * sizeof *sim->added);
+        sim->in_callback = true;
         failed = sim->force(sim->force_ctx, t, y, sim->added);
+        sim->in_callback = false;
         power = accelerate(sim, y, dydt);
         failed = failed == 0 && !all_finite(dydt + dim / 2, dim / 2) ? 1 : failed;
     }

@@ -5,9 +5,12 @@
 #include "cloth/repin.h"
 #include "sim/internal.h"
 
-static weft_status check(const weft_sim *sim, size_t i, const double numbers[3],
-                         weft_error *err)
+static weft_status check(const weft_sim *sim, const char *function, size_t i,
+                         const double numbers[3], weft_error *err)
 {
+    if (weft__sim_outside(sim, function, err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
     if (i >= weft_cloth_particles(sim->cloth)) {
         return weft_error_set(err, WEFT_INVALID, "no particle %zu: there are %zu", i,
                               weft_cloth_particles(sim->cloth));
@@ -52,7 +55,7 @@ weft_status weft_sim_pin(weft_sim *sim, size_t i, const double velocity[3],
     static const double still[3] = { 0.0, 0.0, 0.0 };
     const double *v = velocity != NULL ? velocity : still;
     const size_t n = weft_cloth_particles(sim->cloth);
-    weft_status status = check(sim, i, v, err);
+    weft_status status = check(sim, "weft_sim_pin", i, v, err);
     status = status == WEFT_OK ? own_pins(sim, err) : status;
     if (status != WEFT_OK) {
         return status;
@@ -72,7 +75,7 @@ weft_status weft_sim_move_pin(weft_sim *sim, size_t i, const double position[3],
                               weft_error *err)
 {
     const size_t n = weft_cloth_particles(sim->cloth);
-    const weft_status status = check(sim, i, position, err);
+    const weft_status status = check(sim, "weft_sim_move_pin", i, position, err);
     if (status != WEFT_OK) {
         return status;
     }
@@ -89,7 +92,7 @@ weft_status weft_sim_move_pin(weft_sim *sim, size_t i, const double position[3],
 
 weft_status weft_sim_unpin(weft_sim *sim, size_t i, weft_error *err)
 {
-    weft_status status = check(sim, i, NULL, err);
+    weft_status status = check(sim, "weft_sim_unpin", i, NULL, err);
     if (status != WEFT_OK || !weft_cloth_pinned(sim->cloth, i)) {
         return status;
     }

@@ -160,7 +160,9 @@ static weft_status call_entry(void *handle, const char *id, const weft_plugin **
     (void)snprintf(name, sizeof name, "weft_plugin_%s", id);
     void *symbol = dlsym(handle, name);
     if (symbol == NULL) {
-        return weft_error_set(err, WEFT_BAD_PLUGIN, "it has no function %s()", name);
+        return weft_error_set(
+            err, WEFT_BAD_PLUGIN,
+            "it has no function %s() (is it exported, with WEFT_API?)", name);
     }
     /* POSIX makes the conversion work that ISO C does not know. */
     weft_plugin_fn *function;
@@ -193,6 +195,16 @@ static void *open_file(const char *file)
     return dlopen(path, RTLD_NOW | RTLD_LOCAL);
 }
 
+/* What dlerror says often begins with "file: ", as open_file has named it. */
+static const char *without_name(const char *reason, const char *file)
+{
+    const size_t length = strlen(file);
+    reason += strchr(file, '/') == NULL && strncmp(reason, "./", 2) == 0 ? 2 : 0;
+    return strncmp(reason, file, length) == 0 && strncmp(reason + length, ": ", 2) == 0
+               ? reason + length + 2
+               : reason;
+}
+
 weft_status weft_registry_load(weft_registry *registry, const char *file,
                                weft_error *err)
 {
@@ -206,7 +218,8 @@ weft_status weft_registry_load(weft_registry *registry, const char *file,
     } else if ((handle = open_file(file)) == NULL) {
         const char *reason = dlerror();
         status = weft_error_set(&why, WEFT_BAD_PLUGIN, "%s",
-                                reason == NULL ? "it cannot be opened" : reason);
+                                reason == NULL ? "it cannot be opened"
+                                               : without_name(reason, file));
     } else {
         status = load_open(registry, handle, id, file, &why);
     }
@@ -237,6 +250,14 @@ static const char *next_directory(const char *list, char *directory, size_t size
     return NULL;
 }
 
+/* In words. */
+static const char *searched(const weft_registry *registry)
+{
+    return registry->path[0] != '\0'
+               ? registry->path
+               : "an empty search path; set WEFT_PLUGIN_PATH or weft_registry_def.path";
+}
+
 weft_status weft_registry_find(weft_registry *registry, const char *id,
                                const weft_plugin **out, weft_error *err)
 {
@@ -255,9 +276,9 @@ weft_status weft_registry_find(weft_registry *registry, const char *id,
             return loaded;
         }
     }
-    return weft_error_set(
-        err, WEFT_BAD_PLUGIN, "plugin '%s' not found: no weft-%s.so in %s", id, id,
-        registry->path[0] == '\0' ? "an empty search path" : registry->path);
+    return weft_error_set(err, WEFT_BAD_PLUGIN,
+                          "plugin '%s' not found: no weft-%s.so in %s", id, id,
+                          searched(registry));
 }
 
 static int is_plugin_file(const struct dirent *item)
@@ -266,39 +287,77 @@ static int is_plugin_file(const struct dirent *item)
     return id_of_file(item->d_name, id, sizeof id);
 }
 
-/* Every weft-*.so of a directory, in the order of their names. */
-static void load_directory(weft_registry *registry, const char *directory,
-                           void (*refused)(void *ctx, const weft_error *why), void *ctx)
+typedef void visit_fn(void *ctx, const char *id, const char *file);
+
+/* Every weft-*.so of the search path that is not there yet, in the order of the
+ * directories and of their names. */
+static void each_file(const weft_registry *registry, visit_fn *visit, void *ctx)
 {
-    struct dirent **items = NULL;
-    const int count = scandir(directory, &items, is_plugin_file, alphasort);
-    for (int i = 0; i < count; ++i) {
-        char id[64], file[4096];
-        weft_error why = { 0 };
-        (void)id_of_file(items[i]->d_name, id, sizeof id);
-        (void)snprintf(file, sizeof file, "%s/%s", directory, items[i]->d_name);
-        if (find_loaded(registry, id) == NULL
-            && weft_registry_load(registry, file, &why) != WEFT_OK && refused != NULL) {
-            refused(ctx, &why);
+    char directory[2048], id[64], file[4096];
+    const char *list = registry->path;
+    while ((list = next_directory(list, directory, sizeof directory)) != NULL) {
+        struct dirent **items = NULL;
+        const int count = scandir(directory, &items, is_plugin_file, alphasort);
+        for (int i = 0; i < count; ++i) {
+            (void)id_of_file(items[i]->d_name, id, sizeof id);
+            (void)snprintf(file, sizeof file, "%s/%s", directory, items[i]->d_name);
+            if (find_loaded(registry, id) == NULL) {
+                visit(ctx, id, file);
+            }
+            free(items[i]); /* scandir's */
         }
-        free(items[i]); /* scandir's */
+        free(items);
     }
-    free(items);
+}
+
+typedef struct loading {
+    weft_registry *registry;
+    void (*refused)(void *ctx, const weft_error *why);
+    void *ctx;
+} loading;
+
+static void load_one(void *ctx, const char *id, const char *file)
+{
+    const loading *self = ctx;
+    weft_error why = { 0 };
+    (void)id;
+    if (weft_registry_load(self->registry, file, &why) != WEFT_OK
+        && self->refused != NULL) {
+        self->refused(self->ctx, &why);
+    }
+}
+
+typedef struct naming {
+    void (*visit)(void *ctx, const char *id);
+    void *ctx;
+} naming;
+
+static void name_one(void *ctx, const char *id, const char *file)
+{
+    const naming *self = ctx;
+    (void)file;
+    self->visit(self->ctx, id);
+}
+
+void weft__registry_names(const weft_registry *registry,
+                          void (*visit)(void *ctx, const char *id), void *ctx)
+{
+    naming self = { visit, ctx };
+    for (size_t i = 0; i < registry->count; ++i) {
+        visit(ctx, registry->entries[i].plugin->id);
+    }
+    each_file(registry, name_one, &self);
 }
 
 weft_status weft_registry_load_all(weft_registry *registry,
                                    void (*refused)(void *ctx, const weft_error *why),
                                    void *ctx, weft_error *err)
 {
-    char directory[2048];
-    const char *list = registry->path;
-    while ((list = next_directory(list, directory, sizeof directory)) != NULL) {
-        load_directory(registry, directory, refused, ctx);
-    }
+    loading self = { registry, refused, ctx };
+    each_file(registry, load_one, &self);
     if (registry->count == 0) {
         return weft_error_set(err, WEFT_BAD_PLUGIN, "no stepper plugin in %s",
-                              registry->path[0] == '\0' ? "an empty search path"
-                                                        : registry->path);
+                              searched(registry));
     }
     return WEFT_OK;
 }
@@ -316,14 +375,4 @@ const weft_plugin *weft_registry_at(const weft_registry *registry, size_t i)
 const char *weft_registry_file(const weft_registry *registry, size_t i)
 {
     return registry->entries[i].file;
-}
-
-const weft_stepper_type *weft_plugin_method(const weft_plugin *plugin, const char *name)
-{
-    for (size_t i = 0; plugin->types[i] != NULL; ++i) {
-        if (weft_stepper_is(plugin->types[i], name)) {
-            return plugin->types[i];
-        }
-    }
-    return NULL;
 }

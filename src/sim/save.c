@@ -119,6 +119,9 @@ static weft_status renew(weft_sim *sim, const fields *counted, weft_error *err)
 
 weft_status weft_sim_restart(weft_sim *sim, weft_error *err)
 {
+    if (weft__sim_outside(sim, "weft_sim_restart", err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
     const fields now = fields_of(sim);
     return renew(sim, &now, err);
 }
@@ -173,6 +176,9 @@ static void put_fields(const fields *from, unsigned char *to)
 
 weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *err)
 {
+    if (weft__sim_outside(sim, "weft_sim_save", err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
     const size_t words = words_of(sim), dim = weft__sim_dim(sim);
     unsigned char *to = bytes;
     if (size < words * WEFT__WORD) {
@@ -301,6 +307,9 @@ static weft_status check_numbers(const weft_sim *sim, const fields *saved,
 weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
                              weft_error *err)
 {
+    if (weft__sim_outside(sim, "weft_sim_restore", err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
     const unsigned char *from = bytes;
     weft_status status = check_whole(from, size, err);
     status = status == WEFT_OK ? check_kind(sim, from, size, err) : status;

@@ -87,6 +87,14 @@ static weft_status take_config(weft_sim *sim, const weft_sim_def *def, weft_erro
     return WEFT_OK;
 }
 
+weft_status weft__sim_outside(const weft_sim *sim, const char *function,
+                              weft_error *err)
+{
+    return sim->in_callback ? weft_error_set(
+               err, WEFT_INVALID, "%s may not be called from a callback", function)
+                            : WEFT_OK;
+}
+
 size_t weft__sim_dim(const weft_sim *sim)
 {
     return weft_cloth_dim(sim->cloth) + sim->config.quadratures;
@@ -153,7 +161,8 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
 {
     *out = NULL;
     if (def->cloth == NULL || def->method == NULL) {
-        return weft_error_set(err, WEFT_INVALID, "a simulation needs cloth and method");
+        return weft_error_set(err, WEFT_INVALID, "a simulation needs a %s: it is NULL",
+                              def->cloth == NULL ? "cloth" : "method");
     }
     weft_status status = check_config(&def->config, err);
     if (status != WEFT_OK) {
@@ -200,60 +209,6 @@ void weft_sim_destroy(weft_sim *sim)
     }
 }
 
-static size_t fastest_particle(const weft_sim *sim, double *speed)
-{
-    const size_t n = weft_cloth_particles(sim->cloth);
-    const double *v = sim->y + 3 * n;
-    size_t fastest = 0;
-    *speed = 0.0;
-    for (size_t i = 0; i < n; ++i) {
-        const double here
-            = sqrt(v[i] * v[i] + v[n + i] * v[n + i] + v[2 * n + i] * v[2 * n + i]);
-        if (here > *speed) {
-            *speed = here;
-            fastest = i;
-        }
-    }
-    return fastest;
-}
-
-static double total_energy(const weft_sim *sim)
-{
-    const weft_energy energy = weft_cloth_energy(sim->cloth, sim->y);
-    double total = energy.kinetic + energy.gravitational;
-    for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
-        total += energy.elastic[i];
-    }
-    return total;
-}
-
-/* Where a run that cannot go on hurts most: its fastest particle and its most strained
- * spring in the last good state. */
-static void describe_trouble(const weft_sim *sim, const weft_error *why,
-                             weft_error *err)
-{
-    const size_t cols = weft_cloth_cols(sim->cloth);
-    const weft_spring worst = weft_cloth_worst_spring(sim->cloth, sim->y);
-    const weft_stepper_stats stats = weft_sim_stats(sim);
-    double speed;
-    const size_t fastest = fastest_particle(sim, &speed);
-    char spring[128] = "no springs";
-    if (worst.p != worst.q) {
-        (void)snprintf(spring, sizeof spring,
-                       "most strained %s spring (%zu, %zu)-(%zu, %zu) at %.3g %%",
-                       weft_family_name(worst.family), worst.p / cols, worst.p % cols,
-                       worst.q / cols, worst.q % cols, 100.0 * worst.strain);
-    }
-    const size_t n = weft_cloth_particles(sim->cloth);
-    const double *x = sim->y + fastest;
-    weft_error_set(err, why->status,
-                   "%s at t = %.9g s, last h = %.3g s; fastest particle (%zu, %zu) at "
-                   "(%.3g, %.3g, %.3g) m, %.3g m/s; %s; energy %.4g J before that step",
-                   why->message, sim->t, stats.last_step, fastest / cols,
-                   fastest % cols, x[0], x[n], x[2 * n], speed, spring,
-                   total_energy(sim));
-}
-
 static bool all_finite(const double *values, size_t count)
 {
     for (size_t i = 0; i < count; ++i) {
@@ -275,6 +230,14 @@ static bool limit(weft_sim *sim, double h)
     return changed;
 }
 
+static bool correct(weft_sim *sim, double h)
+{
+    sim->in_callback = true;
+    const bool changed = sim->correct(sim->correct_ctx, sim->t, h, sim->y);
+    sim->in_callback = false;
+    return changed;
+}
+
 /* After an accepted step of h: the strain limit, then the embedder's own. */
 static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
 {
@@ -285,7 +248,7 @@ static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
         weft__ledger_account(ledger, sim->cloth, sim->y, &ledger->limit_work);
         changed = true;
     }
-    if (sim->correct != NULL && sim->correct(sim->correct_ctx, sim->t, h, sim->y)) {
+    if (sim->correct != NULL && correct(sim, h)) {
         weft__ledger_account(ledger, sim->cloth, sim->y, &ledger->outside_work);
         changed = true;
     }
@@ -314,6 +277,9 @@ static void tell_rejected(weft_sim *sim, double h)
 
 weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
 {
+    if (weft__sim_outside(sim, "weft_sim_step", err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
     if (!(t_end > sim->t) || !isfinite(t_end)) {
         return weft_error_set(err, WEFT_INVALID, "step from %.17g s to %.17g s", sim->t,
                               t_end);
@@ -323,7 +289,7 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
     const weft_status status
         = sim->method->step(sim->stepper, t_end, &sim->t, sim->y, &why);
     if (status != WEFT_OK) {
-        describe_trouble(sim, &why, err);
+        weft__sim_trouble(sim, &why, err);
         return status;
     }
     const double h = sim->t - before;
@@ -460,6 +426,9 @@ void weft__sim_ode_changed(weft_sim *sim)
 weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
                                const double *velocities, weft_error *err)
 {
+    if (weft__sim_outside(sim, "weft_sim_set_state", err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
     const size_t n = weft_cloth_particles(sim->cloth);
     if ((positions != NULL && !all_finite(positions, 3 * n))
         || (velocities != NULL && !all_finite(velocities, 3 * n))) {

@@ -43,6 +43,12 @@
 #define STATS_BYTES(size)                                                              \
     ((size) < sizeof(weft_stepper_stats) ? (size) : sizeof(weft_stepper_stats))
 #endif
+#ifndef ON_REFUSAL
+#define ON_REFUSAL(config) ((void)(config))
+#endif
+#ifndef ON_DESTROY
+#define ON_DESTROY(self) free(self)
+#endif
 #ifndef REFUSES
 #define REFUSES(config)                                                                \
     (!((config)->fixed_step > 0.0) || !isfinite((config)->fixed_step))
@@ -77,6 +83,7 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
         || (WEFT_HAS(config, weft_stepper_config, quadratures)
             && config->quadratures > 0)
         || REFUSES(config)) {
+        ON_REFUSAL(config);
         return weft_error_set(err, WEFT_INVALID, "%s: wrong numbers", type->name);
     }
     stepper *made = calloc(1, sizeof *made);
@@ -153,7 +160,7 @@ static void stats(const void *instance, weft_stepper_stats *out)
 
 static void destroy(void *instance)
 {
-    free(instance);
+    ON_DESTROY(instance);
 }
 
 WEFT_API const weft_plugin *ENTRY(void)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* suggest.h -- the name that somebody may have meant. */
-#ifndef WEFT_SCENE_SUGGEST_H
-#define WEFT_SCENE_SUGGEST_H
+#ifndef WEFT_SIM_SUGGEST_H
+#define WEFT_SIM_SUGGEST_H
 
 #include <stddef.h>
 

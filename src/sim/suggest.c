@@ -3,7 +3,7 @@
  *
  * Distance: Damerau-Levenshtein in its restricted form (optimal string alignment), the
  * number of characters inserted, left out, replaced or swapped with a neighbour. */
-#include "scene/suggest.h"
+#include "sim/suggest.h"
 
 #include <ctype.h>
 #include <stdio.h>

@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* memory.c -- what a method takes it gives back. */
+#include "conformance/trial.h"
+
+#include <malloc.h>
+
+/* glibc since 2.33 tells it in numbers that do not wrap. */
+#if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 33)
+#define HEAP_IS_KNOWN 1
+static size_t heap_in_use(void)
+{
+    const struct mallinfo2 info = mallinfo2();
+    return info.uordblks + info.hblkhd;
+}
+#else
+#define HEAP_IS_KNOWN 0
+static size_t heap_in_use(void)
+{
+    return 0;
+}
+#endif
+
+static const char *no_heap(const weft_stepper_type *type)
+{
+    (void)type;
+    return HEAP_IS_KNOWN ? NULL : "this C library does not tell what is allocated";
+}
+
+/* The first steps may still stock up what free() keeps for the next malloc(). */
+static void the_heap_does_not_grow(trial *self)
+{
+    for (int mode = 0; mode < 2; ++mode) {
+        run *r = weft__begin(self, 0, weft__usual(self->type, mode));
+        if (r == NULL || !weft__go(self, r, 0.0625)) {
+            return;
+        }
+        const size_t before = heap_in_use();
+        const uint64_t first = weft__stats(self, r).steps;
+        if (!weft__go(self, r, 8.0)) {
+            return;
+        }
+        const size_t after = heap_in_use();
+        (void)weft__expect(
+            self, after <= before, "%zu bytes more are allocated after %llu steps",
+            after - before, (unsigned long long)(weft__stats(self, r).steps - first));
+    }
+}
+
+/* free() and solvers keep things for the next time, now more and now less: only what
+ * grows in every row of rounds is lost. The least that malloc() gives is 16 bytes, in a
+ * chunk of more. */
+enum { ROWS = 6, ROUNDS = 32, LEAST = 16 };
+
+static size_t grows_in_a_row(trial *self, void (*round)(trial *self))
+{
+    const size_t before = heap_in_use();
+    for (int i = 0; i < ROUNDS; ++i) {
+        round(self);
+    }
+    const size_t after = heap_in_use();
+    return after > before ? after - before : 0;
+}
+
+static void nothing_is_left_of(trial *self, void (*round)(trial *self),
+                               const char *what)
+{
+    size_t least = SIZE_MAX;
+    (void)grows_in_a_row(self, round);
+    for (int i = 0; i < ROWS && least >= ROUNDS * LEAST; ++i) {
+        const size_t grown = grows_in_a_row(self, round);
+        least = grown < least ? grown : least;
+    }
+    (void)weft__expect(self, least < ROUNDS * LEAST,
+                       "%zu bytes more are allocated each time after %s",
+                       least / ROUNDS, what);
+}
+
+static void live(trial *self)
+{
+    for (int mode = 0; mode < 2; ++mode) {
+        run *r = weft__begin(self, 0, weft__usual(self->type, mode));
+        if (r != NULL) {
+            (void)weft__go(self, r, 0.0078125);
+        }
+        weft__end(self, 0);
+    }
+}
+
+static void lives_leave_nothing(trial *self)
+{
+    nothing_is_left_of(self, live, "create, some steps and destroy");
+}
+
+static void refusals_leave_nothing(trial *self)
+{
+    nothing_is_left_of(self, weft__refuse_mistakes, "all that create must refuse");
+}
+
+/* An allocator that counts. */
+typedef struct account {
+    size_t calls;
+    long blocks; /* that are out */
+} account;
+
+static void *resize(void *ctx, void *block, size_t size)
+{
+    account *self = ctx;
+    void *out = weft_malloc_resize(NULL, block, size);
+    ++self->calls;
+    self->blocks += (block == NULL && out != NULL) ? 1 : 0;
+    self->blocks -= (block != NULL && size == 0) ? 1 : 0;
+    return out;
+}
+
+static void the_allocator_is_used(trial *self)
+{
+    account count = { 0 };
+    const weft_allocator memory = { resize, &count };
+    weft_stepper_config config = weft__usual(self->type, 0);
+    config.allocator = &memory;
+    run *r = weft__begin(self, 0, config);
+    if (r == NULL || !weft__go(self, r, 0.0625)) {
+        return;
+    }
+    weft__end(self, 0);
+    if (weft__expect(self, count.blocks == 0,
+                     "blocks of config->allocator not given back to it: %ld",
+                     count.blocks)
+        && count.calls == 0) {
+        self->out->verdict = WEFT_PROMISE_NOTED;
+        (void)snprintf(self->out->seen, sizeof self->out->seen,
+                       "it takes no memory from config->allocator");
+    }
+}
+
+const check weft__memory_checks[]
+    = { { .name = "memory",
+          .promise = "steps leave no more memory allocated than there was",
+          .run = the_heap_does_not_grow,
+          .pointless = no_heap },
+        { .name = "destroy",
+          .promise = "destroy gives back all that create and steps have allocated",
+          .run = lives_leave_nothing,
+          .pointless = no_heap },
+        { .name = "refused",
+          .promise = "a create that refuses leaves no memory allocated",
+          .run = refusals_leave_nothing,
+          .pointless = no_heap,
+          .once = true },
+        { .name = "allocator",
+          .promise = "memory is taken from config->allocator and given back to it",
+          .run = the_allocator_is_used,
+          .once = true },
+        { 0 } };

@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* test_methods.c -- a method by the names of its plugin and its own, and what is said
+ * of one that is not there. */
+#include <string.h>
+
+#include "support.h"
+
+#define PLUGINS BUILD_DIR "/plugins"
+#define BROKEN  BUILD_DIR "/tests/broken"
+
+static weft_registry *registry;
+static weft_error err;
+
+static void look_in(const char *path)
+{
+    const weft_registry_def def = { .path = path };
+    ck_assert_int_eq(weft_registry_create(&def, &registry, &err), WEFT_OK);
+}
+
+static void end(void)
+{
+    weft_registry_destroy(registry);
+}
+
+static void not_found(weft_status wanted, const char *plugin, const char *method)
+{
+    const weft_stepper_type *type = test_method(0);
+    ck_assert_int_eq(weft_registry_method(registry, plugin, method, &type, &err),
+                     wanted);
+    ck_assert_int_eq(err.status, wanted);
+    ck_assert_ptr_null(type);
+}
+
+START_TEST(no_plugin_has_no_method)
+{
+    ck_assert_ptr_null(weft_plugin_method(NULL, "midpoint"));
+}
+END_TEST
+
+START_TEST(a_method_is_found_or_what_there_is_told)
+{
+    const weft_stepper_type *type = NULL;
+    look_in(PLUGINS);
+    ck_assert_msg(weft_registry_method(registry, "verlet", "midpoint", &type, &err)
+                      == WEFT_OK,
+                  "%s", err.message);
+    ck_assert_str_eq(type->name, "midpoint");
+    not_found(WEFT_INVALID, "verlet", "midpiont");
+    ck_assert_str_eq(err.message,
+                     "plugin 'verlet' has no method 'midpiont' (did you mean "
+                     "'midpoint'?); it has symplectic_euler, velocity_verlet, euler, "
+                     "midpoint");
+}
+END_TEST
+
+/* Each once, though it is there already or lies in two folders; nothing is loaded. */
+START_TEST(a_plugin_that_is_not_there_is_told_with_those_that_are)
+{
+    const weft_plugin *plugin = NULL;
+    look_in(PLUGINS ":" PLUGINS);
+    ck_assert_int_eq(weft_registry_find(registry, "verlet", &plugin, &err), WEFT_OK);
+    not_found(WEFT_BAD_PLUGIN, "velret", "midpoint");
+    const char *names = strstr(err.message, " (did you mean 'verlet'?); there are ");
+    ck_assert_msg(names != NULL, "%s", err.message);
+    names = strstr(names, "there are ");
+    ck_assert_ptr_eq(strstr(names, "verlet"), names + strlen("there are "));
+    ck_assert_ptr_null(strstr(strstr(names, "verlet") + 1, "verlet"));
+    ck_assert_uint_eq(weft_registry_count(registry), 1);
+}
+END_TEST
+
+START_TEST(an_empty_search_path_is_told_with_what_to_do)
+{
+    look_in("");
+    not_found(WEFT_BAD_PLUGIN, "arkode", "dormand_prince");
+    ck_assert_str_eq(err.message,
+                     "plugin 'arkode' not found: no weft-arkode.so in an empty search "
+                     "path; set WEFT_PLUGIN_PATH or weft_registry_def.path");
+}
+END_TEST
+
+START_TEST(a_plugin_that_is_refused_is_told_with_the_reason_alone)
+{
+    look_in(BROKEN);
+    not_found(WEFT_BAD_PLUGIN, "noentry", "first");
+    ck_assert_str_eq(err.message,
+                     "plugin refused: " BROKEN "/weft-noentry.so: it has no function "
+                     "weft_plugin_noentry() (is it exported, with "
+                     "WEFT_API?)");
+}
+END_TEST
+
+START_TEST(a_file_that_cannot_be_opened_is_named_once)
+{
+    static const char file[] = BUILD_DIR "/weft-text.so";
+    static const char start[] = "plugin refused: " BUILD_DIR "/weft-text.so: ";
+    FILE *stream = fopen(file, "w");
+    ck_assert_ptr_nonnull(stream);
+    fputs("no plugin\n", stream);
+    fclose(stream);
+    look_in("");
+    ck_assert_int_eq(weft_registry_load(registry, file, &err), WEFT_BAD_PLUGIN);
+    ck_assert_int_eq(strncmp(err.message, start, strlen(start)), 0);
+    ck_assert_uint_gt(strlen(err.message), strlen(start));
+    ck_assert_ptr_null(strstr(err.message + strlen(start), "weft-text"));
+    ck_assert_int_eq(remove(file), 0);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("methods");
+    TCase *tcase = tcase_create("methods");
+    tcase_add_checked_fixture(tcase, NULL, end);
+    tcase_add_test(tcase, no_plugin_has_no_method);
+    tcase_add_test(tcase, a_method_is_found_or_what_there_is_told);
+    tcase_add_test(tcase, a_plugin_that_is_not_there_is_told_with_those_that_are);
+    tcase_add_test(tcase, an_empty_search_path_is_told_with_what_to_do);
+    tcase_add_test(tcase, a_plugin_that_is_refused_is_told_with_the_reason_alone);
+    tcase_add_test(tcase, a_file_that_cannot_be_opened_is_named_once);
+    suite_add_tcase(suite, tcase);
+    return test_run(suite);
+}
