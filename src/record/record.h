@@ -7,9 +7,19 @@
 #ifndef WEFT_RECORD_H
 #define WEFT_RECORD_H
 
+#include <float.h>
+
 #include "weft/weft.h"
 
 #define RECORD_PATH 4096
+
+/* In single precision: what is beyond its range is the largest float of its sign. */
+static inline float record_single(double value)
+{
+    return value > (double)FLT_MAX    ? FLT_MAX
+           : value < -(double)FLT_MAX ? -FLT_MAX
+                                      : (float)value;
+}
 
 /* file.c: a file that is written beside its place and renamed into it. */
 typedef struct record_file {
