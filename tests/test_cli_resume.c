@@ -121,6 +121,7 @@ static const char *const setups[] = {
     "--set record.ledger=true --set 'limit={method: bridson, strain: 0.02}' --set "
     "record.every=7",
     "--set stepper.method=symplectic_euler --set record.precision=double",
+    "--set stepper.fixed_step=6.1e-3", /* with a warning */
 #ifdef HAVE_GSL
     "--set 'stepper={plugin: gsl, method: rkf45}' --set record.ledger=true",
     "--set 'stepper={plugin: gsl, method: rk8pd}'",

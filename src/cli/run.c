@@ -60,6 +60,15 @@ static void warn_of_limit(run *self)
     }
 }
 
+/* Of the states at both ends and what a checkpoint keeps, so that a run that was resumed
+ * has as many. */
+static size_t count_warnings(const run *self)
+{
+    return (size_t)self->beyond
+           + (size_t)(weft_sim_limit_stats(self->sim).unconverged > 0)
+           + (size_t)(weft_sim_limit_held(self->sim) > 0);
+}
+
 static weft_status write_state(const run *self, const char *name,
                                record_write_fn *write, weft_error *err)
 {
@@ -174,6 +183,7 @@ static int conclude(run *self, weft_status status, const weft_error *why)
         = stop_signal != 0 && self->result.frames < self->result.planned;
     self->result.wall_time = wall_clock() - self->began;
     self->result.sim = self->sim;
+    self->result.warnings = count_warnings(self);
     if (status != WEFT_OK) {
         self->result.status = "failed";
         trouble_describe(self->scene, self->sim, why, self->reason,
@@ -236,6 +246,7 @@ static int run_prepared(run *self, weft_registry *registry)
                                .sim = self->sim,
                                .result = &self->result };
     weft_status status = run_prepare(self, registry, &err);
+    self->beyond = stability_warn(self->scene, self->sim, self->from != NULL);
     self->result.energy_start
         = record_total_energy(self->cloth, weft_sim_state(self->sim));
     if (status == WEFT_OK && self->from != NULL) {
@@ -244,7 +255,6 @@ static int run_prepared(run *self, weft_registry *registry)
             return report_error(&err);
         }
     } else if (status == WEFT_OK) {
-        stability_warn(self->scene, self->sim);
         status = run_begin(self, registry, &err);
     }
     if (status == WEFT_OK) {

@@ -150,6 +150,7 @@ typedef struct record_result {
     double wall_time;    /* [s] */
     const weft_sim *sim; /* NULL: it never began */
     double energy_start; /* [J] kinetic + elastic + gravitational */
+    size_t warnings;
 } record_result;
 
 /* The last file of a run: its presence says that the run is over. */
