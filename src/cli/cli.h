@@ -78,6 +78,9 @@ char *default_directory(const char *file, const char *suffix);
  * its URL; with `yaml` as a document {event: page, url: ...}. Returns the exit code. */
 int view_runs(const char *const *directories, size_t count, const char *out, bool yaml);
 
+/* view.c: "DIR: unfinished: 116 of 721 frames" to stderr if the run is that. */
+void tell_unfinished(const char *directory);
+
 /* play.c: from frame to frame. */
 typedef struct player {
     weft_sim *sim;

@@ -425,6 +425,7 @@ static int export_verb(int argc, char **argv)
                            job.format->name);
     } else {
         job.directory = given.operands[0];
+        tell_unfinished(job.directory);
         code = export_run(&given, &job);
     }
     options_free(&given);

@@ -55,6 +55,9 @@ weft_status record_outdir(const char *directory, bool force, weft_error *err);
 weft_status record_outdir_lock(const char *directory, double patience, int *lock,
                                weft_error *err);
 
+/* result_read.c: whether a run was begun there that did not end by itself. */
+bool record_unfinished(const char *directory);
+
 /* outdir.c: the names of all that weft leaves there, NULL at their end. */
 extern const char *const record_names[];
 
