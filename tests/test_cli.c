@@ -232,6 +232,16 @@ START_TEST(what_this_version_cannot_run_it_says_and_exits_with_1)
     expect(shell(WEFT " check " OUT "/small.yaml %s", table), 0);
 #ifdef HAVE_ARKODE
     expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/b %s", table), 0);
+    /* of order 2 it is, and not of 3 */
+    static const char *const verbs[] = { "check", "run --out " OUT "/c" };
+    (void)shell("sed 's/order: 2/order: 3/' " OUT "/b/scene.yaml >" OUT "/3.yaml");
+    for (size_t i = 0; i < 2; ++i) {
+        expect(shell(WEFT " %s " OUT "/3.yaml 2>&1", verbs[i]), 3);
+        says("/3.yaml:");
+        says("error: custom: b is not of order 3");
+        says("butcher:");
+    }
+    ck_assert(!exists(OUT "/c"));
 #else
     expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/b %s", table), 1);
     says("butcher");

@@ -56,6 +56,10 @@ void options_free(options *out);
 /* "weft run: <text>" and a hint at --help, to stderr; returns EXIT_USAGE. */
 WEFT_PRINTF(2, 3) int usage_error(const verb *self, const char *format, ...);
 
+/* The same of a value that is none of the names, which NULL ends. */
+int usage_choice(const verb *self, const char *option, const char *typed,
+                 const char *const *names);
+
 /* "weft: error: file:line: message" to stderr; returns the exit code of its status. */
 int report_error(const weft_error *err);
 

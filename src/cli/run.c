@@ -341,11 +341,10 @@ static int run_verb(int argc, char **argv)
         code = usage_error(&verb_run, given.operand_count == 0 ? "no scene given"
                                                                : "more than one scene");
     } else if (given.frames != NULL && strcmp(given.frames, "obj") != 0) {
-        code = usage_error(&verb_run, "--frames %s: only obj is known", given.frames);
+        code = usage_choice(&verb_run, "frames", given.frames,
+                            (const char *const[]){ "obj", NULL });
     } else if (!progress_find(given.progress, &mode)) {
-        code = usage_error(&verb_run,
-                           "--progress %s: auto, lines, terminal, yaml or none",
-                           given.progress);
+        code = usage_choice(&verb_run, "progress", given.progress, progress_names);
     } else if (given.quiet && given.progress != NULL) {
         code = usage_error(&verb_run, "--quiet and --progress exclude each other");
     } else {

@@ -102,6 +102,24 @@ static void list_methods(const weft_plugin *plugin, uint32_t flags, char *out,
     }
 }
 
+static const char *const shipped[] = { "gsl", "arkode", "verlet" };
+
+/* The shipped plugin that has a method; NULL: none that is there. */
+static const char *find_elsewhere(const weft__reader *reader, const char *method)
+{
+    for (size_t k = 0; k < sizeof shipped / sizeof shipped[0]; ++k) {
+        weft_error why;
+        const weft_plugin *plugin
+            = reader->def->find_plugin(reader->def->find_ctx, shipped[k], &why);
+        for (size_t i = 0; plugin != NULL && plugin->types[i] != NULL; ++i) {
+            if (weft_stepper_is(plugin->types[i], method)) {
+                return shipped[k];
+            }
+        }
+    }
+    return NULL;
+}
+
 static const weft_stepper_type *
 find_method(weft__reader *reader, const weft__match *match, const weft_plugin *plugin)
 {
@@ -115,9 +133,15 @@ find_method(weft__reader *reader, const weft__match *match, const weft_plugin *p
         weft__guess_try(&guess, wanted, plugin->types[i]->name);
     }
     list_methods(plugin, 0, names, sizeof names);
+    const char *other = find_elsewhere(reader, wanted);
+    if (other == NULL) {
+        (void)weft__guess_text(&guess, near, sizeof near);
+    } else {
+        (void)snprintf(near, sizeof near, " (%s has)", other);
+    }
     weft__report_error(reader->report, weft__value_in(match, "method")->start_mark,
                        "plugin '%.32s' has no method '%.40s'%s; it has %s", plugin->id,
-                       wanted, weft__guess_text(&guess, near, sizeof near), names);
+                       wanted, near, names);
     return NULL;
 }
 
@@ -136,8 +160,6 @@ static bool check_id(weft__reader *reader, const weft__match *match)
                        id);
     return false;
 }
-
-static const char *const shipped[] = { "gsl", "arkode", "verlet" };
 
 static bool is_shipped(const char *id)
 {
@@ -284,6 +306,40 @@ static void check_control(weft__reader *reader, const weft__match *match,
     }
 }
 
+static int no_rhs(double t, const double *y, double *dydt, void *ctx)
+{
+    (void)t;
+    (void)y;
+    (void)dydt;
+    (void)ctx;
+    return -1;
+}
+
+/* What the method itself refuses, such as a table that is not of its order, is told by
+ * making a stepper of it, of one particle. */
+static void check_creation(weft__reader *reader, const weft__match *match)
+{
+    const weft_scene *scene = reader->scene;
+    const weft_ode one = { .dim = 6, .rhs = no_rhs };
+    const yaml_node_t *table = weft__key_in(match, "butcher");
+    weft_stepper_config config = scene->config;
+    weft_error why = { 0 };
+    void *stepper = NULL;
+    config.allocator = reader->report->memory;
+    const weft_status status
+        = scene->type->create(scene->type, &one, &config, &stepper, &why);
+    if (status == WEFT_OK) {
+        scene->type->destroy(stepper);
+    } else if (status == WEFT_NO_MEMORY) {
+        reader->report->no_memory = true;
+    } else {
+        weft__report_error(reader->report,
+                           table != NULL ? table->start_mark
+                                         : weft__value_in(match, "method")->start_mark,
+                           "%s", why.message);
+    }
+}
+
 void weft__check_stepper(weft__reader *reader, const weft__match *match, void *base)
 {
     weft_scene *scene = base;
@@ -303,6 +359,10 @@ void weft__check_stepper(weft__reader *reader, const weft__match *match, void *b
                || (reader->def->find_plugin == NULL && scene->plugin != NULL
                    && scene->method != NULL)) {
         check_table(reader, match, asks_for_table(scene));
+    }
+    if (scene->type != NULL && scene->type->create != NULL
+        && weft__report_clean(reader->report)) {
+        check_creation(reader, match);
     }
 }
 
