@@ -284,17 +284,7 @@ static bool may_hold_all(const weft_cloth_def *cloth)
 void weft__check_cloth(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_cloth_def *cloth = base;
-    const yaml_node_t *springs = weft__key_in(match, "springs");
-    bool none = true;
-    for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
-        none = none && !cloth->springs[i].present;
-    }
     check_mass(reader, match);
-    if (none && cloth->rows * cloth->cols > 1 && reader->report->found->errors == 0) {
-        weft__report_warning(reader->report,
-                             (springs == NULL ? match->map : springs)->start_mark,
-                             "cloth has no springs: nothing holds it together");
-    }
     if (cloth->pin_count > 0 && reader->report->found->errors == 0
         && may_hold_all(cloth) && count_free(reader, cloth) == 0) {
         weft__report_warning(reader->report, weft__key_in(match, "pins")->start_mark,
