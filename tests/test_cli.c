@@ -114,6 +114,35 @@ START_TEST(wrong_command_lines_exit_with_2)
 }
 END_TEST
 
+START_TEST(a_misspelt_word_of_the_command_line_is_told_with_the_one_that_is_near)
+{
+    static const char *const wrong[][2] = {
+        { "rn", "no verb 'rn' (did you mean 'run'?)" },
+        { "fly", "no verb 'fly'; 'weft --help' lists them" },
+        { "run x --ot=y", "unknown option --ot=y (did you mean '--out'?)" },
+        { "run x --frames ply", "--frames 'ply' is not obj\n" },
+        { "run x --progress line", "--progress 'line' is not auto, lines, terminal, yaml "
+                                   "or none (did you mean 'lines'?)" },
+        { "resume x --progress foo", "--progress 'foo' is not auto, lines" },
+        { "export x --format stl",
+          "--format 'stl' is not obj, ply, csv, mdd, pc2 or pvd\n" },
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        expect(shell(WEFT " %s 2>&1", wrong[i][0]), 2);
+        says(wrong[i][1]);
+    }
+}
+END_TEST
+
+START_TEST(a_cloth_without_springs_is_warned_of)
+{
+    expect(shell(WEFT " check " OUT "/small.yaml --set cloth.springs=null 2>&1"), 0);
+    says("small.yaml: warning: cloth has no springs: nothing holds it together");
+    expect(shell(WEFT " check " OUT "/small.yaml 2>&1"), 0);
+    ck_assert_ptr_null(strstr(output, "warning"));
+}
+END_TEST
+
 START_TEST(every_verb_has_help_on_stdout)
 {
     static const char *const verbs[]
@@ -161,6 +190,10 @@ START_TEST(a_method_or_plugin_that_is_not_there_is_a_wrong_scene)
                       "/small.yaml --set stepper.method=velocity_verlt 2>&1"),
            3);
     says("velocity_verlet");
+#ifdef HAVE_GSL
+    expect(shell(WEFT " check " OUT "/small.yaml --set stepper.method=rkck 2>&1"), 3);
+    says("plugin 'verlet' has no method 'rkck' (gsl has); it has");
+#endif
     expect(shell(WEFT " check " OUT "/small.yaml --set stepper.plugin=nowhere 2>&1"),
            3);
     says("weft-nowhere.so");
@@ -232,6 +265,16 @@ START_TEST(what_this_version_cannot_run_it_says_and_exits_with_1)
     expect(shell(WEFT " check " OUT "/small.yaml %s", table), 0);
 #ifdef HAVE_ARKODE
     expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/b %s", table), 0);
+    /* of order 2 it is, and not of 3 */
+    static const char *const verbs[] = { "check", "run --out " OUT "/c" };
+    (void)shell("sed 's/order: 2/order: 3/' " OUT "/b/scene.yaml >" OUT "/3.yaml");
+    for (size_t i = 0; i < 2; ++i) {
+        expect(shell(WEFT " %s " OUT "/3.yaml 2>&1", verbs[i]), 3);
+        says("/3.yaml:");
+        says("error: custom: b is not of order 3");
+        says("butcher:");
+    }
+    ck_assert(!exists(OUT "/c"));
 #else
     expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/b %s", table), 1);
     says("butcher");
@@ -402,6 +445,9 @@ static Suite *suite(void)
     tcase_add_test(program, a_run_can_be_repeated_from_the_scene_it_left);
     tcase_add_test(program, a_directory_that_is_not_empty_is_refused_unless_forced);
     tcase_add_test(program, wrong_command_lines_exit_with_2);
+    tcase_add_test(
+        program, a_misspelt_word_of_the_command_line_is_told_with_the_one_that_is_near);
+    tcase_add_test(program, a_cloth_without_springs_is_warned_of);
     tcase_add_test(program, every_verb_has_help_on_stdout);
     tcase_add_test(program, a_wrong_scene_exits_with_3_and_shows_the_place);
     tcase_add_test(program, overrides_are_checked_like_a_scene);

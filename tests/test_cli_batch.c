@@ -81,7 +81,37 @@ START_TEST(the_summary_has_a_row_a_run_and_varied_keys_first)
                      "5.0e-4,30,six,done,,200,201\n"
                      ",,small,done,,500,501\n");
     expect(shell("head -1 " OUT "/o/summary.csv"), 0);
-    says("max_strain,energy_start,energy_end,dissipated,hash,directory,wall_time\n");
+    says("max_strain,energy_start,energy_end,dissipated,hash,directory,warnings,"
+         "wall_time\n");
+}
+END_TEST
+
+/* Velocity Verlet at 0.05 s is beyond its stable step and blows up. */
+START_TEST(a_run_with_warnings_is_told_in_the_last_line_and_in_its_row)
+{
+    write_sweep("w.yaml", "run: {duration: 1, fps: 20}\n",
+                "sweep: {stepper.fixed_step: [1.0e-3, 0.05], run.duration: [0.2, 1]}\n");
+    expect(shell(BATCH "/w.yaml --out " OUT "/o -j 2 2>&1"), 0);
+    says("4 runs in " OUT "/o: 4 done (2 of them with warnings: see " OUT
+         "/o/w_fixed_step=0.05_duration=0.2/log.txt)\n");
+    expect(shell("grep -c warning: " OUT "/o/w_fixed_step=0.05_duration=0.2/log.txt"),
+           0);
+    expect(shell("cut -d, -f 1,2,4,17 " OUT "/o/summary.csv"), 0);
+    ck_assert_str_eq(output, "stepper.fixed_step,run.duration,status,warnings\n"
+                             "1.0e-3,0.2,done,0\n1.0e-3,1,done,0\n"
+                             "0.05,0.2,done,1\n0.05,1,done,1\n");
+}
+END_TEST
+
+START_TEST(numbers_beyond_all_numbers_are_spelt_as_in_series_csv)
+{
+    write_sweep("w.yaml", "run: {duration: 50, fps: 20}\n",
+                "sweep: {stepper.fixed_step: [0.05]}\n");
+    expect(shell(BATCH "/w.yaml --out " OUT "/o --quiet 2>&1"), 1);
+    expect(shell("grep -F .inf " OUT "/o/*/result.yaml"), 0);
+    expect(shell("tail -1 " OUT "/o/summary.csv"), 0);
+    says(",inf,");
+    ck_assert_ptr_null(strstr(output, ".inf"));
 }
 END_TEST
 
@@ -419,6 +449,9 @@ static Suite *suite(void)
     tcase_add_checked_fixture(program, begin, NULL);
     tcase_add_test(program, each_run_has_a_directory_that_says_what_is_varied);
     tcase_add_test(program, the_summary_has_a_row_a_run_and_varied_keys_first);
+    tcase_add_test(program,
+                   a_run_with_warnings_is_told_in_the_last_line_and_in_its_row);
+    tcase_add_test(program, numbers_beyond_all_numbers_are_spelt_as_in_series_csv);
     tcase_add_test(program, cells_are_quoted_where_they_must);
     tcase_add_test(program, called_again_it_skips_what_is_done);
     tcase_add_test(program, a_run_of_a_changed_scene_is_refused_unless_forced);

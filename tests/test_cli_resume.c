@@ -121,6 +121,7 @@ static const char *const setups[] = {
     "--set record.ledger=true --set 'limit={method: bridson, strain: 0.02}' --set "
     "record.every=7",
     "--set stepper.method=symplectic_euler --set record.precision=double",
+    "--set stepper.fixed_step=6.1e-3", /* with a warning */
 #ifdef HAVE_GSL
     "--set 'stepper={plugin: gsl, method: rkf45}' --set record.ledger=true",
     "--set 'stepper={plugin: gsl, method: rk8pd}'",
@@ -193,6 +194,32 @@ START_TEST(an_interrupted_run_goes_on)
     says(" frames, 0.6 s simulated in ");
     says("121 of 121 frames");
     ends_as_reference();
+}
+END_TEST
+
+START_TEST(an_unfinished_run_is_told_as_that_wherever_it_is_met)
+{
+    static const int signals[] = { SIGKILL, SIGINT };
+    make_reference("");
+    for (size_t i = 0; i < 2; ++i) {
+        (void)shell("rm -rf " OUT "/k");
+        stop_midway(signals[i], "");
+        expect(shell(WEFT " run " OUT "/s.yaml --out " OUT "/k 2>&1"), 4);
+        says("/k: holds an unfinished run: 'weft resume " OUT "/k' goes on with it; or "
+             "choose another --out, or --force to replace it\n");
+        expect(shell(WEFT " export " OUT "/k --format obj 2>&1 >/dev/null"), 0);
+        says(" of 121 frames\n");
+        expect(shell("rm -rf " OUT "/k/final.obj " OUT "/k/frames; " WEFT " view " OUT "/k 2>&1 >/dev/null"),
+               0);
+        says("/k: unfinished: ");
+        ck_assert(exists(OUT "/k/run.html"));
+        expect(shell(WEFT " resume " OUT "/k --quiet 2>&1"), 0);
+        ends_as_reference();
+        expect(shell(WEFT " view " OUT "/k 2>&1 >/dev/null"), 0);
+        ck_assert_str_eq(output, "");
+        expect(shell(WEFT " run " OUT "/s.yaml --out " OUT "/k 2>&1"), 4);
+        says("/k: not empty; choose another --out");
+    }
 }
 END_TEST
 
@@ -404,6 +431,7 @@ static Suite *suite(void)
     tcase_add_checked_fixture(others, begin, NULL);
     tcase_set_timeout(others, 120);
     tcase_add_test(others, an_interrupted_run_goes_on);
+    tcase_add_test(others, an_unfinished_run_is_told_as_that_wherever_it_is_met);
     tcase_add_test(others, a_run_that_is_done_is_left_alone);
     tcase_add_test(others, without_a_checkpoint_a_run_begins_anew);
     tcase_add_test(others, a_run_that_failed_is_refused_unless_forced);

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* run.vtkhdf of runs that are killed, interrupted, fail or find no room, and while they
  * go on. */
+#include <float.h>
 #include <hdf5.h>
+#include <math.h>
 #include <signal.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "record/record.h"
 #include "run_frames.h"
 
 #define OUT BUILD_DIR "/record-ends"
@@ -185,6 +188,49 @@ START_TEST(a_run_that_fails_leaves_the_frames_before)
 }
 END_TEST
 
+/* Velocity Verlet beyond its stable step: positions of 1e150 m before it fails. */
+#define BLOWS_UP                                                                       \
+    " --set stepper.fixed_step=0.05 --set run.duration=50 --set run.fps=2 --quiet "
+
+START_TEST(a_run_that_blows_up_can_be_read_in_all_its_frames)
+{
+    static const char *const precisions[] = { "single", "double" };
+    static const char *const formats[] = { "obj", "ply", "csv", "mdd", "pc2", "pvd" };
+    for (size_t k = 0; k < 2; ++k) {
+        expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/%s" BLOWS_UP
+                          "--set record.precision=%s 2>&1",
+                     precisions[k], precisions[k]),
+               1);
+        expect(shell(WEFT " view " OUT "/%s 2>&1", precisions[k]), 0);
+        for (size_t f = 0; f < sizeof formats / sizeof formats[0]; ++f) {
+            expect(shell(WEFT " export " OUT "/%s --frame all --format %s 2>&1",
+                         precisions[k], formats[f]),
+                   0);
+        }
+    }
+    expect(shell(WEFT " diff " OUT "/single " OUT "/double --tol 0 2>&1"), 0);
+    says("equal");
+}
+END_TEST
+
+START_TEST(what_is_beyond_single_precision_is_its_largest_number)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/f" BLOWS_UP "2>&1"), 1);
+    record_frames *frames = open_frames(OUT "/f");
+    const size_t last = record_frames_count(frames) - 1;
+    double x[3 * N], most = 0.0;
+    ck_assert_int_eq(record_frames_positions(frames, last, x, NULL), WEFT_OK);
+    for (size_t i = 0; i < sizeof x / sizeof x[0]; ++i) {
+        ck_assert(fabs(x[i]) <= (double)FLT_MAX);
+        most = fmax(most, fabs(x[i]));
+    }
+    ck_assert(most == (double)FLT_MAX);
+    record_frames_close(frames);
+    ck_assert(record_single(1e300) == FLT_MAX && record_single(-1e300) == -FLT_MAX);
+    ck_assert(record_single(-HUGE_VAL) == -FLT_MAX && record_single(0.5) == 0.5f);
+}
+END_TEST
+
 /* A file system of its own that is too small; where none can be made, nothing is
  * tested. */
 START_TEST(a_full_disk_keeps_the_frames_before)
@@ -257,6 +303,8 @@ static Suite *suite(void)
     tcase_add_test(runs, a_file_can_be_read_while_it_grows);
     tcase_add_test(runs, an_interrupted_run_leaves_its_frames_closed);
     tcase_add_test(runs, a_run_that_fails_leaves_the_frames_before);
+    tcase_add_test(runs, a_run_that_blows_up_can_be_read_in_all_its_frames);
+    tcase_add_test(runs, what_is_beyond_single_precision_is_its_largest_number);
     tcase_add_test(runs, a_full_disk_keeps_the_frames_before);
     tcase_add_test(runs, a_file_that_cannot_be_made_is_named);
     tcase_add_test(runs, the_same_scene_gives_the_same_file);

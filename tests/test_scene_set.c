@@ -146,11 +146,12 @@ static const struct {
       ":9: error: 'fps' is a single value: nothing can be set inside\n"
       "run.fps.rate=60\n        ^\n" },
     { "cloth.pins.first=top",
-      ":12: error: 'first' is no element of this list of 2; the first is 0\n"
+      ":12: error: 'first' is no element of this list of 2; the first is 0, the next "
+      "free one 2\n"
       "cloth.pins.first=top\n           ^\n" },
     { "cloth.pins.3=top",
       ":12: error: '3' is no element of this list of 2; the first is "
-      "0\ncloth.pins.3=top\n           ^\n" },
+      "0, the next free one 2\ncloth.pins.3=top\n           ^\n" },
     { "cloth.pins.2=null",
       ":12: error: '2' is no element of this list of 2; the first is 0\n"
       "cloth.pins.2=null\n           ^\n" },

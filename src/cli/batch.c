@@ -120,7 +120,24 @@ static void print_refused(const batch *self, const batch_run *run)
     }
 }
 
-/* "24 runs in DIR: 20 done, 4 failed" */
+static void print_warned(const batch *self)
+{
+    const batch_run *first = NULL;
+    size_t count = 0;
+    for (size_t i = 0; i < self->run_count; ++i) {
+        if (is_mine(self, i) && batch_warned(self, &self->runs[i])) {
+            first = first == NULL ? &self->runs[i] : first;
+            ++count;
+        }
+    }
+    if (count > 0) {
+        printf(" (%zu of them with warnings: see %s/%s/log.txt)", count, self->out,
+               first->name);
+    }
+}
+
+/* "24 runs in DIR: 20 done (2 of them with warnings: see DIR/flag_n=2/log.txt), 4
+ * failed" */
 static int print_counts(const batch *self)
 {
     size_t counts[BATCH_STATUSES] = { 0 }, mine = 0;
@@ -138,6 +155,9 @@ static int print_counts(const batch *self)
             if (counts[i] > 0) {
                 printf("%s%zu %s", join, counts[i], batch_status_name((batch_status)i));
                 join = ", ";
+                if (i == BATCH_DONE) {
+                    print_warned(self);
+                }
             }
         }
         putchar('\n');

@@ -64,6 +64,8 @@ void batch_free(batch *self);
 /* batch_state.c: what is in a run's directory, of this scene. */
 batch_status batch_look(const batch *self, const batch_run *run,
                         const weft_scene *scene);
+/* Whether it is done, and its log.txt has warnings. */
+bool batch_warned(const batch *self, const batch_run *run);
 weft_status batch_directory(const batch *self, const batch_run *run,
                             char path[RECORD_PATH], weft_error *err);
 

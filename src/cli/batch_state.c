@@ -87,3 +87,18 @@ batch_status batch_look(const batch *self, const batch_run *run,
     }
     return result_status(directory);
 }
+
+bool batch_warned(const batch *self, const batch_run *run)
+{
+    char directory[RECORD_PATH];
+    yaml_document_t result;
+    if (run->status != BATCH_DONE
+        || batch_directory(self, run, directory, NULL) != WEFT_OK
+        || !record_result_open(directory, &result)) {
+        return false;
+    }
+    const char *said = record_result_value(&result, "warnings");
+    const bool warned = said != NULL && strcmp(said, "0") != 0;
+    yaml_document_delete(&result);
+    return warned;
+}

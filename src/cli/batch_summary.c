@@ -65,6 +65,19 @@ static void cell(FILE *out, const char *text, char next)
     fputc(next, out);
 }
 
+/* A value of result.yaml; empty if it has none. Numbers as in series.csv. */
+static void value_cell(FILE *out, yaml_document_t *result, const char *key, char next)
+{
+    static const char *const spelled[][2]
+        = { { ".inf", "inf" }, { "-.inf", "-inf" }, { ".nan", "nan" } };
+    const char *text = result == NULL ? NULL : record_result_value(result, key);
+    text = text == NULL ? "" : text;
+    for (size_t i = 0; i < sizeof spelled / sizeof spelled[0]; ++i) {
+        text = strcmp(text, spelled[i][0]) == 0 ? spelled[i][1] : text;
+    }
+    cell(out, text, next);
+}
+
 static void write_header(FILE *out, const varied *keys)
 {
     for (size_t i = 0; i < keys->count; ++i) {
@@ -74,7 +87,7 @@ static void write_header(FILE *out, const varied *keys)
     for (size_t i = 0; i < OUTCOMES; ++i) {
         cell(out, outcome[i], ',');
     }
-    fputs("directory,wall_time\n", out);
+    fputs("directory,warnings,wall_time\n", out);
 }
 
 static void write_varied(FILE *out, const varied *keys, const batch_run *run)
@@ -108,17 +121,18 @@ static weft_status write_row(FILE *out, const batch *self, const varied *keys,
     if (status != WEFT_OK) {
         return status;
     }
-    const bool known = is_over(run->status) && record_result_open(directory, &result);
+    yaml_document_t *known
+        = is_over(run->status) && record_result_open(directory, &result) ? &result
+                                                                         : NULL;
     write_varied(out, keys, run);
     cell(out, batch_status_name(run->status), ',');
     for (size_t i = 0; i < OUTCOMES; ++i) {
-        const char *text = known ? record_result_value(&result, outcome[i]) : NULL;
-        cell(out, text == NULL ? "" : text, ',');
+        value_cell(out, known, outcome[i], ',');
     }
     cell(out, run->name, ',');
-    const char *wall = known ? record_result_value(&result, "wall_time") : NULL;
-    cell(out, wall == NULL ? "" : wall, '\n');
-    if (known) {
+    value_cell(out, known, "warnings", ',');
+    value_cell(out, known, "wall_time", '\n');
+    if (known != NULL) {
         yaml_document_delete(&result);
     }
     return WEFT_OK;

@@ -158,6 +158,19 @@ static void scene_yaml(yaml_out *out, const char *file, const weft_scene *scene,
     yaml_out_close_map(out);
 }
 
+/* A scene may mean it. */
+static void warn_of_springs(const char *file, const weft_cloth *cloth)
+{
+    size_t springs = 0;
+    for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
+        springs += weft_cloth_springs(cloth, (weft_family)i);
+    }
+    if (springs == 0) {
+        print_plain(stderr, file, "");
+        fputs(": warning: cloth has no springs: nothing holds it together\n", stderr);
+    }
+}
+
 /* All that is said of a right scene, to *out or if that is NULL in words. */
 static int describe(const char *file, const weft_scene *scene, weft_registry *registry,
                     const options *given, yaml_out *out)
@@ -171,6 +184,7 @@ static int describe(const char *file, const weft_scene *scene, weft_registry *re
                              ? simulation_create(scene, &cloth, &sim, &err)
                              : weft_cloth_create(weft_scene_cloth(scene), &cloth, &err);
     if (status == WEFT_OK) {
+        warn_of_springs(file, cloth);
         status
             = survey_create(scene, cloth, sim, registry, given->refine, &found, &err);
     }

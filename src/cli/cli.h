@@ -56,6 +56,10 @@ void options_free(options *out);
 /* "weft run: <text>" and a hint at --help, to stderr; returns EXIT_USAGE. */
 WEFT_PRINTF(2, 3) int usage_error(const verb *self, const char *format, ...);
 
+/* The same of a value that is none of the names, which NULL ends. */
+int usage_choice(const verb *self, const char *option, const char *typed,
+                 const char *const *names);
+
 /* "weft: error: file:line: message" to stderr; returns the exit code of its status. */
 int report_error(const weft_error *err);
 
@@ -77,6 +81,9 @@ char *default_directory(const char *file, const char *suffix);
 /* view.c: write the page of one run or of two, into `out` or a default place, and print
  * its URL; with `yaml` as a document {event: page, url: ...}. Returns the exit code. */
 int view_runs(const char *const *directories, size_t count, const char *out, bool yaml);
+
+/* view.c: "DIR: unfinished: 116 of 721 frames" to stderr if the run is that. */
+void tell_unfinished(const char *directory);
 
 /* play.c: from frame to frame. */
 typedef struct player {

@@ -247,9 +247,12 @@ static void ladder_ended(compare *self, size_t job, const char *how)
         }
     }
     ++self->over;
+    const size_t all = self->count + 1;
     if (!self->quiet && isatty(STDERR_FILENO) == 1) {
-        fprintf(stderr, "\r\033[K%zu of %zu methods", self->over, self->count + 1);
+        fprintf(stderr, "\r\033[K%zu of %zu methods", self->over, all);
         fputs(self->over > self->count ? "\r\033[K" : "", stderr);
+    } else if (!self->quiet && 10 * self->over / all > 10 * (self->over - 1) / all) {
+        fprintf(stderr, "%zu of %zu methods\n", self->over, all); /* each tenth */
     }
 }
 

@@ -144,19 +144,17 @@ static void compare_hashes(comparison *self)
 
 static double rounded(const comparison *self, double value)
 {
-    return self->single ? (double)(float)value : value;
+    return self->single ? (double)record_single(value) : value;
 }
 
 static double distance(const comparison *self, size_t particle)
 {
-    double square = 0.0, most = 0.0;
-    for (size_t k = 3 * particle; k < 3 * particle + 3; ++k) {
-        const double d
-            = rounded(self, self->side[0].x[k]) - rounded(self, self->side[1].x[k]);
-        square += d * d;
-        most = fmax(most, fabs(d));
+    double d[3];
+    for (size_t k = 0; k < 3; ++k) {
+        const size_t i = 3 * particle + k;
+        d[k] = rounded(self, self->side[0].x[i]) - rounded(self, self->side[1].x[i]);
     }
-    return square > 0.0 ? sqrt(square) : most; /* squares may underflow */
+    return hypot(hypot(d[0], d[1]), d[2]); /* squares may overflow or underflow */
 }
 
 static weft_status compare_frame(comparison *self, size_t i, size_t j, weft_error *err)

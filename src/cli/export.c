@@ -406,6 +406,16 @@ static const export_format *find_format(const char *name)
     return NULL;
 }
 
+static int unknown_format(const char *typed)
+{
+    enum { FORMATS = sizeof formats / sizeof formats[0] };
+    const char *names[FORMATS + 1] = { NULL };
+    for (size_t i = 0; i < FORMATS; ++i) {
+        names[i] = formats[i].name;
+    }
+    return usage_choice(&verb_export, "format", typed, names);
+}
+
 static int export_verb(int argc, char **argv)
 {
     options given;
@@ -416,15 +426,18 @@ static int export_verb(int argc, char **argv)
     export_job job = { .format = find_format(given.format) };
     if (given.operand_count != 1) {
         code = usage_error(&verb_export, "needs the directory of one run");
-    } else if (job.format == NULL) {
+    } else if (given.format == NULL) {
         code = usage_error(&verb_export,
                            "--format obj, ply, csv, mdd, pc2 or pvd is needed");
+    } else if (job.format == NULL) {
+        code = unknown_format(given.format);
     } else if (job.format->movie != NULL && given.frame != NULL
                && strcmp(given.frame, "all") != 0) {
         code = usage_error(&verb_export, "--frame %s: %s holds all frames", given.frame,
                            job.format->name);
     } else {
         job.directory = given.operands[0];
+        tell_unfinished(job.directory);
         code = export_run(&given, &job);
     }
     options_free(&given);

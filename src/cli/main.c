@@ -5,6 +5,7 @@
 
 #include "cli/cli.h"
 #include "cli/human.h"
+#include "sim/suggest.h"
 
 static const verb *const verbs[] = {
     &verb_run,        &verb_resume, &verb_batch, &verb_check, &verb_steppers,
@@ -59,6 +60,20 @@ static int flush_stdout(int code)
     return code;
 }
 
+static int no_verb(const char *typed)
+{
+    weft__guess guess = { 0 };
+    char near[80];
+    for (size_t i = 0; i < VERBS; ++i) {
+        weft__guess_try(&guess, typed, verbs[i]->name);
+    }
+    fputs("weft: no verb '", stderr);
+    print_plain(stderr, typed, "");
+    fprintf(stderr, "'%s; 'weft --help' lists them\n",
+            weft__guess_text(&guess, near, sizeof near));
+    return EXIT_USAGE;
+}
+
 int main(int argc, char **argv)
 {
     /* Beyond the limit of file sizes a write then fails, and is reported. */
@@ -80,8 +95,5 @@ int main(int argc, char **argv)
         print_usage(stdout);
         return flush_stdout(EXIT_DONE);
     }
-    fputs("weft: no verb '", stderr);
-    print_plain(stderr, argv[1], "");
-    fputs("'; 'weft --help' lists them\n", stderr);
-    return EXIT_USAGE;
+    return no_verb(argv[1]);
 }

@@ -7,6 +7,7 @@
 
 #include "cli/cli.h"
 #include "cli/human.h"
+#include "sim/suggest.h"
 
 typedef enum kind { FLAG, TEXT, LIST, JOBS } kind;
 
@@ -98,6 +99,41 @@ static void make_table(const char *takes, struct option *table)
     }
 }
 
+static int unknown_option(const verb *self, const char *typed,
+                          const struct option *table)
+{
+    weft__guess guess = { 0 };
+    char word[80] = "", near[80] = "";
+    const size_t dashes = strspn(typed, "-");
+    (void)snprintf(word, sizeof word, "%.*s", (int)strcspn(typed + dashes, "="),
+                   typed + dashes);
+    for (size_t i = 0; table[i].name != NULL; ++i) {
+        weft__guess_try(&guess, word, table[i].name);
+    }
+    if (guess.name != NULL) {
+        (void)snprintf(near, sizeof near, " (did you mean '--%s'?)", guess.name);
+    }
+    return usage_error(self, "unknown option %s%s", typed, near);
+}
+
+int usage_choice(const verb *self, const char *option, const char *typed,
+                 const char *const *names)
+{
+    weft__guess guess = { 0 };
+    char list[200] = "", near[80];
+    size_t used = 0;
+    for (size_t i = 0; names[i] != NULL && used < sizeof list; ++i) {
+        weft__guess_try(&guess, typed, names[i]);
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s%s",
+                                 i == 0                  ? ""
+                                 : names[i + 1] == NULL ? " or "
+                                                         : ", ",
+                                 names[i]);
+    }
+    return usage_error(self, "--%s '%s' is not %s%s", option, typed, list,
+                       weft__guess_text(&guess, near, sizeof near));
+}
+
 int options_parse(const verb *self, const char *takes, int argc, char **argv,
                   options *out)
 {
@@ -118,9 +154,9 @@ int options_parse(const verb *self, const char *takes, int argc, char **argv,
         }
         if (letter == '?' || letter == ':') {
             options_free(out);
-            return usage_error(
-                self, letter == '?' ? "unknown option %s" : "option %s needs a value",
-                argv[optind - 1]);
+            return letter == '?'
+                       ? unknown_option(self, argv[optind - 1], table)
+                       : usage_error(self, "option %s needs a value", argv[optind - 1]);
         }
         apply(letter, out);
         if (letter == 'j' && out->jobs == 0) {

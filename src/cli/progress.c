@@ -31,6 +31,9 @@ static bool can_redraw(void)
     return isatty(STDERR_FILENO) == 1 && kind != NULL && strcmp(kind, "dumb") != 0;
 }
 
+const char *const progress_names[]
+    = { "auto", "lines", "terminal", "yaml", "none", NULL };
+
 bool progress_find(const char *name, progress_mode *mode)
 {
     static const char *const names[] = { [PROGRESS_NONE] = "none",

@@ -32,6 +32,7 @@ typedef struct progress_place {
 
 /* none, lines, terminal, yaml; auto or NULL: terminal if stderr is one, else lines.
  * False: no such name. */
+extern const char *const progress_names[]; /* with auto; NULL at their end */
 bool progress_find(const char *name, progress_mode *mode);
 
 void progress_begin(progress *show, progress_mode mode, const weft_sim *sim);

@@ -98,8 +98,10 @@ static weft_status open_records(run *self, weft_error *err)
     return status;
 }
 
+/* What was written of how far it had come. */
 static void remove_ends(const run *self)
 {
+    run_remove(self, "run.html");
     run_remove(self, "result.yaml");
     run_remove(self, "final.csv");
 }

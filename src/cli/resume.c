@@ -215,8 +215,12 @@ static int resume_verb(int argc, char **argv)
     if (code >= 0) {
         return code;
     }
-    code = given.operand_count == 0 ? usage_error(&verb_resume, "no directory given")
-                                    : resume_all(&given);
+    progress_mode mode;
+    code = given.operand_count == 0
+               ? usage_error(&verb_resume, "no directory given")
+           : progress_find(given.progress, &mode)
+               ? resume_all(&given)
+               : usage_choice(&verb_resume, "progress", given.progress, progress_names);
     options_free(&given);
     return code;
 }

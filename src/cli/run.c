@@ -60,6 +60,15 @@ static void warn_of_limit(run *self)
     }
 }
 
+/* Of the states at both ends and what a checkpoint keeps, so that a run that was resumed
+ * has as many. */
+static size_t count_warnings(const run *self)
+{
+    return (size_t)self->beyond
+           + (size_t)(weft_sim_limit_stats(self->sim).unconverged > 0)
+           + (size_t)(weft_sim_limit_held(self->sim) > 0);
+}
+
 static weft_status write_state(const run *self, const char *name,
                                record_write_fn *write, weft_error *err)
 {
@@ -174,6 +183,7 @@ static int conclude(run *self, weft_status status, const weft_error *why)
         = stop_signal != 0 && self->result.frames < self->result.planned;
     self->result.wall_time = wall_clock() - self->began;
     self->result.sim = self->sim;
+    self->result.warnings = count_warnings(self);
     if (status != WEFT_OK) {
         self->result.status = "failed";
         trouble_describe(self->scene, self->sim, why, self->reason,
@@ -237,6 +247,7 @@ static int run_prepared(run *self, weft_registry *registry)
                                .sim = self->sim,
                                .result = &self->result };
     weft_status status = run_prepare(self, registry, &err);
+    self->beyond = stability_warn(self->scene, self->sim, self->from != NULL);
     self->result.energy_start
         = record_total_energy(self->cloth, weft_sim_state(self->sim));
     if (status == WEFT_OK && self->from != NULL) {
@@ -245,7 +256,6 @@ static int run_prepared(run *self, weft_registry *registry)
             return report_error(&err);
         }
     } else if (status == WEFT_OK) {
-        stability_warn(self->scene, self->sim);
         status = run_begin(self, registry, &err);
     }
     if (status == WEFT_OK) {
@@ -332,11 +342,10 @@ static int run_verb(int argc, char **argv)
         code = usage_error(&verb_run, given.operand_count == 0 ? "no scene given"
                                                                : "more than one scene");
     } else if (given.frames != NULL && strcmp(given.frames, "obj") != 0) {
-        code = usage_error(&verb_run, "--frames %s: only obj is known", given.frames);
+        code = usage_choice(&verb_run, "frames", given.frames,
+                            (const char *const[]){ "obj", NULL });
     } else if (!progress_find(given.progress, &mode)) {
-        code = usage_error(&verb_run,
-                           "--progress %s: auto, lines, terminal, yaml or none",
-                           given.progress);
+        code = usage_choice(&verb_run, "progress", given.progress, progress_names);
     } else if (given.quiet && given.progress != NULL) {
         code = usage_error(&verb_run, "--quiet and --progress exclude each other");
     } else {

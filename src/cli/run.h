@@ -26,6 +26,7 @@ typedef struct run {
     progress progress;
     summary summary;
     uint64_t limit_sweeps;            /* up to the last frame */
+    bool beyond;                      /* fixed_step the stable one, at t = 0 */
     bool told_unconverged, told_held; /* warnings of the strain limit */
     char reason[1024];
 } run;

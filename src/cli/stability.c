@@ -216,15 +216,17 @@ void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of)
     yaml_out_text(out, "advice", advice);
 }
 
-void stability_warn(const weft_scene *scene, const weft_sim *sim)
+bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet)
 {
     const weft_stiffness modes
         = weft_cloth_stiffness(weft_sim_cloth(sim), weft_sim_state(sim));
     survey_method own;
-    if (fixed_step(scene) > 0.0
-        && stable_step(scene, weft_scene_method_type(scene), &modes, &own, NULL)
-               == WEFT_OK
-        && fixed_step(scene) > own.step) {
+    const bool beyond
+        = fixed_step(scene) > 0.0
+          && stable_step(scene, weft_scene_method_type(scene), &modes, &own, NULL)
+                 == WEFT_OK
+          && fixed_step(scene) > own.step;
+    if (beyond && !quiet) {
         fprintf(stderr,
                 "weft: warning: fixed_step %.4g s is beyond the largest stable step "
                 "%.4g s of %s %s on this cloth\n"
@@ -234,4 +236,5 @@ void stability_warn(const weft_scene *scene, const weft_sim *sim)
                 weft_scene_method(scene), sqrt(modes.omega2), modes.damping,
                 0.9 * own.step);
     }
+    return beyond;
 }

@@ -54,8 +54,9 @@ weft_status stable_step(const weft_scene *scene, const weft_stepper_type *type,
 void stability_print(const weft_scene *scene, const survey *of, bool all);
 void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of);
 
-/* To stderr if the scene's fixed step is beyond the stable one of the present state. */
-void stability_warn(const weft_scene *scene, const weft_sim *sim);
+/* Whether the scene's fixed step is beyond the stable one of the present state; then,
+ * unless quiet, it says so to stderr. */
+bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet);
 
 /* The message of a failed run with the stable step and what to try, in parts that are
  * separated by "; "; and to stderr, a part a line. */

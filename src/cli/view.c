@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "cli/cli.h"
+#include "record/frames.h"
 #include "record/player.h"
 #include "record/record.h"
 
@@ -44,6 +45,17 @@ int view_runs(const char *const *directories, size_t count, const char *out, boo
     return EXIT_DONE;
 }
 
+void tell_unfinished(const char *directory)
+{
+    record_frames *frames;
+    if (record_unfinished(directory)
+        && record_frames_open(directory, &frames, NULL) == WEFT_OK) {
+        fprintf(stderr, "%s: unfinished: %zu of %zu frames\n", directory,
+                record_frames_count(frames), record_frames_planned(frames));
+        record_frames_close(frames);
+    }
+}
+
 static int view_verb(int argc, char **argv)
 {
     options given;
@@ -54,6 +66,9 @@ static int view_verb(int argc, char **argv)
     if (given.operand_count < 1 || given.operand_count > 2) {
         code = usage_error(&verb_view, "needs the directory of one run, or of two");
     } else {
+        for (int i = 0; i < given.operand_count; ++i) {
+            tell_unfinished(given.operands[i]);
+        }
         code = view_runs((const char *const *)given.operands,
                          (size_t)given.operand_count, given.out, false);
     }

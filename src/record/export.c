@@ -35,7 +35,7 @@ void record_put(FILE *stream, uint64_t bits, size_t bytes, bool big)
 
 void record_put_float(FILE *stream, double value, bool big)
 {
-    const float rounded = (float)value;
+    const float rounded = record_single(value);
     uint32_t bits;
     memcpy(&bits, &rounded, sizeof bits);
     record_put(stream, bits, sizeof bits, big);

@@ -23,7 +23,7 @@ struct record_frames {
     char path[RECORD_PATH];
     hid_t file;
     hdf_set points, velocity, strain; /* id < 0: not recorded */
-    size_t rows, cols, n, count;
+    size_t rows, cols, n, count, planned;
     bool doubles;
     double *times, *numbers, *rest; /* count, count, 3 N */
     uint8_t *pinned;                /* N; NULL: not recorded */
@@ -153,6 +153,7 @@ static const char *load_points(record_frames *self)
         return "Points are missing or wrong";
     }
     self->doubles = has_type(self->points.id, H5T_IEEE_F64LE);
+    self->planned = set_rows(self->points.id, 3) / n;
     return NULL;
 }
 
@@ -390,6 +391,11 @@ void record_frames_close(record_frames *frames)
 size_t record_frames_count(const record_frames *frames)
 {
     return frames->count;
+}
+
+size_t record_frames_planned(const record_frames *frames)
+{
+    return frames->planned;
 }
 
 size_t record_frames_rows(const record_frames *frames)

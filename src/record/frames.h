@@ -16,6 +16,7 @@ weft_status record_frames_open(const char *directory, record_frames **out,
 void record_frames_close(record_frames *frames); /* NULL is allowed */
 
 size_t record_frames_count(const record_frames *frames);
+size_t record_frames_planned(const record_frames *frames); /* there is room for */
 size_t record_frames_rows(const record_frames *frames);
 size_t record_frames_cols(const record_frames *frames);
 double record_frames_time(const record_frames *frames, size_t i); /* [s] */

@@ -101,9 +101,14 @@ weft_status record_outdir(const char *directory, bool force, weft_error *err)
         return weft_error_set(err, WEFT_IO, "%s: %s", directory, strerror(errno));
     }
     if (found > 0 && !force) {
-        return weft_error_set(
-            err, WEFT_IO,
-            "%s: not empty; choose another --out, or --force to replace it", directory);
+        const bool unfinished = record_unfinished(directory);
+        return weft_error_set(err, WEFT_IO,
+                              "%s: %s%s%schoose another --out, or --force to replace it",
+                              directory,
+                              unfinished ? "holds an unfinished run: 'weft resume "
+                                         : "not empty; ",
+                              unfinished ? directory : "",
+                              unfinished ? "' goes on with it; or " : "");
     }
     return WEFT_OK;
 }

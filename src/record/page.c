@@ -84,9 +84,9 @@ static void put_float(unsigned char *out, float value)
 void page_plane(unsigned char *block, size_t planes, size_t plane, const double *values,
                 size_t count)
 {
-    float lo = (float)values[0], hi = lo;
+    float lo = record_single(values[0]), hi = lo;
     for (size_t i = 1; i < count; ++i) {
-        const float value = (float)values[i];
+        const float value = record_single(values[i]);
         lo = value < lo ? value : lo;
         hi = value > hi ? value : hi;
     }

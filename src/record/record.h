@@ -7,9 +7,19 @@
 #ifndef WEFT_RECORD_H
 #define WEFT_RECORD_H
 
+#include <float.h>
+
 #include "weft/weft.h"
 
 #define RECORD_PATH 4096
+
+/* In single precision: what is beyond its range is the largest float of its sign. */
+static inline float record_single(double value)
+{
+    return value > (double)FLT_MAX    ? FLT_MAX
+           : value < -(double)FLT_MAX ? -FLT_MAX
+                                      : (float)value;
+}
 
 /* file.c: a file that is written beside its place and renamed into it. */
 typedef struct record_file {
@@ -46,6 +56,9 @@ weft_status record_outdir(const char *directory, bool force, weft_error *err);
 #define RECORD_PATIENCE 1.0
 weft_status record_outdir_lock(const char *directory, double patience, int *lock,
                                weft_error *err);
+
+/* result_read.c: whether a run was begun there that did not end by itself. */
+bool record_unfinished(const char *directory);
 
 /* outdir.c: the names of all that weft leaves there, NULL at their end. */
 extern const char *const record_names[];
@@ -142,6 +155,7 @@ typedef struct record_result {
     double wall_time;    /* [s] */
     const weft_sim *sim; /* NULL: it never began */
     double energy_start; /* [J] kinetic + elastic + gravitational */
+    size_t warnings;
 } record_result;
 
 /* The last file of a run: its presence says that the run is over. */

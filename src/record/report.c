@@ -219,6 +219,7 @@ static void write_outcome(yaml_out *out, const record_result *result)
     yaml_out_real(out, "dissipated", weft_sim_dissipated(result->sim));
     write_ledger(out, result->sim);
     write_limit(out, result->sim);
+    yaml_out_plain(out, "warnings", "%zu", result->warnings);
     char hash[20];
     (void)snprintf(hash, sizeof hash, "%016" PRIx64,
                    weft_state_hash(y, weft_cloth_dim(cloth)));

@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "record/record.h"
 
@@ -46,4 +47,21 @@ const char *record_result_value(yaml_document_t *result, const char *key)
         }
     }
     return NULL;
+}
+
+bool record_unfinished(const char *directory)
+{
+    char path[RECORD_PATH];
+    yaml_document_t result;
+    if (record_path(directory, "scene.yaml", path, NULL) != WEFT_OK
+        || access(path, F_OK) != 0) {
+        return false;
+    }
+    if (!record_result_open(directory, &result)) {
+        return true;
+    }
+    const char *status = record_result_value(&result, "status");
+    const bool interrupted = status != NULL && strcmp(status, "interrupted") == 0;
+    yaml_document_delete(&result);
+    return interrupted;
 }

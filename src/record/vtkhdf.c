@@ -5,6 +5,7 @@
 #include "record/vtkhdf_file.h"
 
 #include <errno.h>
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -219,9 +220,15 @@ weft_status record_vtkhdf_reopen(const record_vtkhdf_def *def, size_t count,
 
 /* ---- a frame ---------------------------------------------------------------- */
 
-static bool write_set(const record_vtkhdf *self, size_t set, const double *values)
+/* The buffer; of a run that blows up, what the file has room for. */
+static bool write_set(const record_vtkhdf *self, size_t set)
 {
-    return hdf_write(&self->sets[set], self->count, H5T_NATIVE_DOUBLE, values);
+    const double most = self->def.record->doubles ? DBL_MAX : (double)FLT_MAX;
+    for (size_t i = 0; i < self->n * layout[set].width; ++i) {
+        const double value = self->buffer[i];
+        self->buffer[i] = value > most ? most : value < -most ? -most : value;
+    }
+    return hdf_write(&self->sets[set], self->count, H5T_NATIVE_DOUBLE, self->buffer);
 }
 
 static bool write_integers(const record_vtkhdf *self, size_t set, const int64_t *values)
@@ -232,14 +239,14 @@ static bool write_integers(const record_vtkhdf *self, size_t set, const int64_t 
 static bool write_particles(record_vtkhdf *self, const weft_sim *sim)
 {
     weft_sim_positions(sim, self->buffer);
-    bool good = write_set(self, POINTS, self->buffer);
+    bool good = write_set(self, POINTS);
     if (good && !is_left_out(self, VELOCITY)) {
         weft_sim_velocities(sim, self->buffer);
-        good = write_set(self, VELOCITY, self->buffer);
+        good = write_set(self, VELOCITY);
     }
     if (good && !is_left_out(self, STRAIN)) {
         weft_cloth_strains(self->def.cloth, weft_sim_state(sim), self->buffer);
-        good = write_set(self, STRAIN, self->buffer);
+        good = write_set(self, STRAIN);
     }
     return good;
 }

@@ -168,10 +168,14 @@ static bool find_slot(const graft *self, const yaml_node_t *parent, const segmen
         = parent->data.sequence.items.top - parent->data.sequence.items.start;
     *slot = is_index(part) ? strtol(part->name, NULL, 10) : -1;
     if (*slot < 0 || *slot > count || (*slot == count && self->removes)) {
+        char free_one[64] = "";
+        if (!self->removes) {
+            (void)snprintf(free_one, sizeof free_one, ", the next free one %td", count);
+        }
         weft__report_error(self->report, place(self, part->name),
-                           "'%.*s' is no element of this list of %td; the first is 0",
+                           "'%.*s' is no element of this list of %td; the first is 0%s",
                            (int)(part->length < 40 ? part->length : 40), part->name,
-                           count);
+                           count, free_one);
         return false;
     }
     *id = *slot == count ? 0 : parent->data.sequence.items.start[*slot];

@@ -141,6 +141,17 @@ void weft__report_exclusive(weft__report *report, const yaml_node_t *a,
                        weft__place_text(first->start_mark, where, sizeof where));
 }
 
+bool weft__report_clean(const weft__report *report)
+{
+    bool clean = report->found->errors <= report->found->count;
+    for (size_t i = 0; i < report->found->count; ++i) {
+        clean = clean
+                && (report->found->items[i].warning
+                    || report->origin[i].latest != report->run);
+    }
+    return clean;
+}
+
 /* The message for those who ask for one only. */
 static weft_status first_error(const weft_diagnostics *found, weft_error *err)
 {

@@ -39,6 +39,9 @@ const char *weft__place_text(yaml_mark_t at, char *out, size_t size);
 /* Whether a stands before b. */
 bool weft__mark_before(yaml_mark_t a, yaml_mark_t b);
 
+/* Whether no mistake was found so far in the run that is being read. */
+bool weft__report_clean(const weft__report *report);
+
 /* Fill in the places and source lines of what was kept. WEFT_BAD_SCENE and the first
  * mistake in *err if there is one. */
 weft_status weft__report_end(weft__report *report, weft_error *err);

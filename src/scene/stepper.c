@@ -82,13 +82,28 @@ static void check_sizes(weft__reader *reader, const weft__match *match)
 
 /* ---- plugin and method ------------------------------------------------------ */
 
+/* The shipped plugin that has a method; NULL: none that is there. */
+static const char *find_elsewhere(const weft__reader *reader, const char *method)
+{
+    for (const char *const *id = weft__shipped; *id != NULL; ++id) {
+        weft_error why;
+        if (weft_plugin_method(
+                reader->def->find_plugin(reader->def->find_ctx, *id, &why), method)
+            != NULL) {
+            return *id;
+        }
+    }
+    return NULL;
+}
+
 static const weft_stepper_type *
 find_method(weft__reader *reader, const weft__match *match, const weft_plugin *plugin)
 {
-    weft_error why;
-    const weft_stepper_type *type
-        = weft__method_named(plugin, reader->scene->method, &why);
+    const char *wanted = reader->scene->method;
+    const weft_stepper_type *type = weft_plugin_method(plugin, wanted);
     if (type == NULL) {
+        weft_error why;
+        (void)weft__method_named(plugin, wanted, find_elsewhere(reader, wanted), &why);
         weft__report_error(reader->report, weft__value_in(match, "method")->start_mark,
                            "%s", why.message);
     }
@@ -241,6 +256,40 @@ static void check_control(weft__reader *reader, const weft__match *match,
     }
 }
 
+static int no_rhs(double t, const double *y, double *dydt, void *ctx)
+{
+    (void)t;
+    (void)y;
+    (void)dydt;
+    (void)ctx;
+    return -1;
+}
+
+/* What the method itself refuses, such as a table that is not of its order, is told by
+ * making a stepper of it, of one particle. */
+static void check_creation(weft__reader *reader, const weft__match *match)
+{
+    const weft_scene *scene = reader->scene;
+    const weft_ode one = { .dim = 6, .rhs = no_rhs };
+    const yaml_node_t *table = weft__key_in(match, "butcher");
+    weft_stepper_config config = scene->config;
+    weft_error why = { 0 };
+    void *stepper = NULL;
+    config.allocator = reader->report->memory;
+    const weft_status status
+        = scene->type->create(scene->type, &one, &config, &stepper, &why);
+    if (status == WEFT_OK) {
+        scene->type->destroy(stepper);
+    } else if (status == WEFT_NO_MEMORY) {
+        reader->report->no_memory = true;
+    } else {
+        weft__report_error(reader->report,
+                           table != NULL ? table->start_mark
+                                         : weft__value_in(match, "method")->start_mark,
+                           "%s", why.message);
+    }
+}
+
 void weft__check_stepper(weft__reader *reader, const weft__match *match, void *base)
 {
     weft_scene *scene = base;
@@ -260,6 +309,10 @@ void weft__check_stepper(weft__reader *reader, const weft__match *match, void *b
                || (reader->def->find_plugin == NULL && scene->plugin != NULL
                    && scene->method != NULL)) {
         check_table(reader, match, asks_for_table(scene));
+    }
+    if (scene->type != NULL && scene->type->create != NULL
+        && weft__report_clean(reader->report)) {
+        check_creation(reader, match);
     }
 }
 

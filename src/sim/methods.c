@@ -31,7 +31,7 @@ void weft__methods_list(const weft_plugin *plugin, uint32_t flags, char *out,
 }
 
 const weft_stepper_type *weft__method_named(const weft_plugin *plugin, const char *name,
-                                            weft_error *err)
+                                            const char *other, weft_error *err)
 {
     const weft_stepper_type *type = weft_plugin_method(plugin, name);
     weft__guess guess = { 0 };
@@ -41,9 +41,13 @@ const weft_stepper_type *weft__method_named(const weft_plugin *plugin, const cha
     }
     if (type == NULL) {
         weft__methods_list(plugin, 0, names, sizeof names);
+        (void)weft__guess_text(&guess, near, sizeof near);
+        if (other != NULL) {
+            (void)snprintf(near, sizeof near, " (%.40s has)", other);
+        }
         weft_error_set(err, WEFT_INVALID,
                        "plugin '%.32s' has no method '%.40s'%s; it has %s", plugin->id,
-                       name, weft__guess_text(&guess, near, sizeof near), names);
+                       name, near, names);
     }
     return type;
 }
@@ -60,14 +64,15 @@ const weft_stepper_type *weft_plugin_method(const weft_plugin *plugin, const cha
 
 /* ---- of a registry ----------------------------------------------------------- */
 
+const char *const weft__shipped[] = { "gsl", "arkode", "verlet", NULL };
+
 const char *weft__plugin_guess(const char *id, char *out, size_t size)
 {
-    static const char *const shipped[] = { "gsl", "arkode", "verlet" };
     weft__guess guess = { 0 };
     bool exact = false;
-    for (size_t i = 0; i < sizeof shipped / sizeof shipped[0]; ++i) {
-        weft__guess_try(&guess, id, shipped[i]);
-        exact = exact || strcmp(id, shipped[i]) == 0;
+    for (size_t i = 0; weft__shipped[i] != NULL; ++i) {
+        weft__guess_try(&guess, id, weft__shipped[i]);
+        exact = exact || strcmp(id, weft__shipped[i]) == 0;
     }
     guess.name = exact ? NULL : guess.name;
     return weft__guess_text(&guess, out, size);
@@ -120,7 +125,7 @@ weft_status weft_registry_method(weft_registry *registry, const char *plugin,
     *out = NULL;
     const weft_status status = weft_registry_find(registry, plugin, &found, &why);
     if (status == WEFT_OK) {
-        *out = weft__method_named(found, method, err);
+        *out = weft__method_named(found, method, NULL, err);
         return *out != NULL ? WEFT_OK : WEFT_INVALID;
     }
     choice all = { .wanted = plugin };

@@ -10,9 +10,13 @@
 void weft__methods_list(const weft_plugin *plugin, uint32_t flags, char *out,
                         size_t size);
 
-/* As weft_plugin_method; where it is NULL, *err tells what there is. */
+/* As weft_plugin_method; where it is NULL, *err tells what there is, and which other
+ * plugin has it (NULL: none is known). */
 const weft_stepper_type *weft__method_named(const weft_plugin *plugin, const char *name,
-                                            weft_error *err);
+                                            const char *other, weft_error *err);
+
+/* The ids of weft's own plugins, NULL at their end. */
+extern const char *const weft__shipped[];
 
 /* " (did you mean 'gsl'?)" of an id that weft's own plugins do not have; else "". */
 const char *weft__plugin_guess(const char *id, char *out, size_t size);

@@ -74,7 +74,7 @@ function decades(most, unit) {
 
 /** What the page offers, by name; `blocks(run)` and `plane` tell where the numbers are. */
 export function quantities(page) {
-    const all = page.runs.flatMap((run) => run.blocks);
+    const all = page.runs.flatMap((run) => run.blocks.slice(0, page.calm));
     const known = {
         strain: (plane) => evenly(highest(page, all, plane), '%', 100),
         speed: (plane) => evenly(highest(page, all, plane), 'm/s', 1),
@@ -84,7 +84,7 @@ export function quantities(page) {
         ...known[name](3 + page.fields.indexOf(name)),
     }));
     if (page.apart.length > 0) {
-        const most = Math.max(...page.apart.map((block) => block.range(0)[1]));
+        const most = Math.max(...page.apart.slice(0, page.calm).map((block) => block.range(0)[1]));
         list.unshift({ name: 'difference', plane: 0, blocks: () => page.apart, ...decades(most, 'm') });
     }
     return list;

@@ -87,6 +87,21 @@ const readRun = (run) => ({
     columns: readSeries(run.series),
 });
 
+const REACH = 10; // a cloth that gets so many times as large has blown up
+
+const box = (block) => [0, 1, 2].map((k) => block.range(k));
+const size = (block) => Math.hypot(...box(block).map(([lo, hi]) => hi - lo));
+
+/** How many frames there are before the first run blows up; all, if none does. */
+function calmFrames(runs, frames) {
+    for (let i = 1; i < frames; ++i) {
+        if (runs.some(({ blocks }) => size(blocks[i]) > REACH * size(blocks[0]))) {
+            return i;
+        }
+    }
+    return frames;
+}
+
 export function readPage(root) {
     const meta = JSON.parse(root.getElementById('weft-data').textContent);
     const elements = [...root.querySelectorAll('script[type="weft/frame"]')];
@@ -101,9 +116,9 @@ export function readPage(root) {
     const apart = stride > 1
         ? meta.times.map((_, i) => new Block(elements[i * stride + runs.length], 1, count))
         : [];
-    return { ...meta, runs, apart, count, obstacles: meta.obstacles ?? [] };
+    const calm = calmFrames(runs, meta.times.length);
+    return { ...meta, runs, apart, count, calm, obstacles: meta.obstacles ?? [] };
 }
 
-/** The box around each frame of each run: [lo x, hi x], [lo y, hi y], [lo z, hi z]. */
-export const boxes = (page) => page.runs.flatMap((run) => run.blocks)
-    .map((block) => [0, 1, 2].map((k) => block.range(k)));
+/** The box around each calm frame of each run: [lo x, hi x], [lo y, hi y], [lo z, hi z]. */
+export const boxes = (page) => page.runs.flatMap((run) => run.blocks.slice(0, page.calm)).map(box);

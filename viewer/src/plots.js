@@ -77,10 +77,17 @@ function short(v) {
     if (v === null || v === undefined) {
         return '–';
     }
-    return v !== 0 && Math.abs(v) < 1e-3 ? v.toExponential(2) : Number(v.toPrecision(3)).toString();
+    return v !== 0 && !(Math.abs(v) >= 1e-3 && Math.abs(v) < 1e7) ? v.toExponential(2) : Number(v.toPrecision(3)).toString();
 }
 
 const fromZero = (_, lo, hi) => [Math.min(0, lo), 1.1 * hi || 1];
+
+/** Of a run that blows up the axis of what was before, up to time t; it goes on beyond. */
+function before(data, t, log) {
+    const values = data.slice(1).flatMap((list) => list.filter((v, i) => data[0][i] <= t && Number.isFinite(v)));
+    const [lo, hi] = [Math.min(...values), Math.max(...values)];
+    return () => (log ? uPlot.rangeLog(lo, hi, 10, true) : uPlot.rangeNum(lo, hi, 0.1, true));
+}
 
 /** Lines of a logarithmic axis: at powers of ten, and where these are few at 2 and 5 too. */
 function decades(_, ticks) {
@@ -136,12 +143,15 @@ export class Plots {
             points: { show: data[0].length < 3 },
             value: (_, v) => short(v),
         })));
+        const { times, calm } = this.page;
+        const ends = calm < times.length ? before(data, times[calm - 1], plot.log) : undefined;
+        const range = plot.zero ? fromZero : ends;
         const made = new uPlot({
             title: plot.title,
             class: series.length > 1 ? 'several' : 'single',
             width: this.element.clientWidth,
             height: HEIGHT,
-            scales: { x: { time: false }, y: { distr: plot.log ? 3 : 1, ...(plot.zero ? { range: fromZero } : {}) } },
+            scales: { x: { time: false }, y: { distr: plot.log ? 3 : 1, ...(range ? { range } : {}) } },
             axes: [
                 { ...axis(style), size: 28 },
                 { ...axis(style, plot.log), size: 54 },

@@ -58,6 +58,9 @@ function omissions(page) {
     if (page.stride > 1) {
         said.push(`thinned to every ${page.stride}. of ${page.grid.join(' × ')} particles a side`);
     }
+    if (page.calm < page.times.length) {
+        said.push(`blows up by ${page.times[page.calm].toFixed(3)} s: view, colours and plots fit the frames before`);
+    }
     const most = Math.max(...page.runs.map((run) => run.frames));
     if (page.chosen < most) {
         said.push(`shown at the ${page.chosen} times that both runs have`);

@@ -283,6 +283,20 @@ test('an interrupted run says so', async () => {
     assert.equal(await page.textContent('.bad'), 'failed: h < 1e-12');
 });
 
+test('a run that blows up is shown as it was before', async () => {
+    const { page, said } = await open(browser, at('blown/run.html'), 'colour=plain&frame=0');
+    const calm = await page.evaluate(() => [weft.page.calm, weft.page.times.length, weft.stage.size]);
+    assert.ok(calm[0] > 0 && calm[0] < calm[1] && calm[2] < 10, String(calm));
+    assert.match(await page.textContent('#notes'), /blows up by/);
+    assert.ok(await clothShare(page) > 0.01);
+    await page.evaluate(() => weft.setColour(1));
+    assert.ok(Number(await page.textContent('#legend-ticks span:last-child')) < 1000);
+    await shot(page, 'blown.png');
+    await page.evaluate(() => weft.seek(Infinity));
+    await drawn(page);
+    assert.deepEqual(said, []);
+});
+
 test('obstacles are drawn', async () => {
     const body = '"obstacles":[{"type":"sphere","centre":[0.5,-0.5,0.5],"radius":0.2},'
         + '{"type":"plane","point":[0,-1,0],"normal":[0,1,0]}],"pinned"';
