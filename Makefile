@@ -325,7 +325,7 @@ $(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(BUILD)/tests/support.o $(BUILD)/libwe
 # These read in one process what the program reads in two.
 FUZZ_HDF := frames vtkhdf
 $(FUZZ_HDF:%=$(BUILD)/tests/fuzz/%.o): INCS += $(HDF5_CFLAGS)
-$(FUZZ_HDF:%=$(BUILD)/fuzz/%): LINK += -Wl,--wrap=fork,--wrap=waitpid
+$(FUZZ_HDF:%=$(BUILD)/fuzz/%): private LINK += -Wl,--wrap=fork,--wrap=waitpid
 
 fuzz:
 	@$(MAKE) --no-print-directory BUILD=build/fuzz CC=clang CFLAGS='-O1 -g' \
