@@ -303,7 +303,7 @@ coverage:
 	    SAN='--coverage -fprofile-update=atomic' check-run
 	@tools/coverage build/coverage $(COVERAGE_LEAST)
 
-# Sources read by clang-tidy and cppcheck.
+# Sources read by clang-tidy, cppcheck and gcc -fanalyzer.
 static:
 	@tools/static "$(STRICT) $(INCS) $(HDF5_CFLAGS) $(MPI_INC)"
 
