@@ -302,7 +302,7 @@ coverage:
 	    SAN='--coverage -fprofile-update=atomic' check-run
 	@tools/coverage build/coverage $(COVERAGE_LEAST)
 
-# Sources read by clang-tidy and cppcheck.
+# Sources read by clang-tidy, cppcheck and gcc -fanalyzer.
 static:
 	@tools/static "$(STRICT) $(INCS) $(HDF5_CFLAGS) $(MPI_INC)"
 
@@ -324,7 +324,7 @@ $(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(BUILD)/tests/support.o $(BUILD)/libwe
 # These read in one process what the program reads in two.
 FUZZ_HDF := frames vtkhdf
 $(FUZZ_HDF:%=$(BUILD)/tests/fuzz/%.o): INCS += $(HDF5_CFLAGS)
-$(FUZZ_HDF:%=$(BUILD)/fuzz/%): LINK += -Wl,--wrap=fork,--wrap=waitpid
+$(FUZZ_HDF:%=$(BUILD)/fuzz/%): private LINK += -Wl,--wrap=fork,--wrap=waitpid
 
 fuzz:
 	@$(MAKE) --no-print-directory BUILD=build/fuzz CC=clang CFLAGS='-O1 -g' \
