@@ -161,7 +161,7 @@ $(BUILD)/tests/wide/%.o: src/cloth/%.c
 $(BUILD)/tests/test_kernel $(BUILD)/tests/test_heat: $(KERNELS:$(BUILD)/src/cloth/%=$(BUILD)/tests/wide/%.o)
 
 $(BUILD)/tests/test_no_memory: \
-    LINK += $(if $(findstring address,$(SAN)),$(foreach f,malloc calloc realloc aligned_alloc free,-Wl,--wrap=$(f)))
+    private LINK += $(if $(findstring address,$(SAN)),$(foreach f,malloc calloc realloc aligned_alloc free,-Wl,--wrap=$(f)))
 
 # What is verified, for the test and for the program; scenes run as in `weft run`.
 VERIFY_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/main.c,$(wildcard tests/verify/*.c))) \
