@@ -60,6 +60,8 @@ KERNELS  := $(patsubst %.c,$(BUILD)/%,$(wildcard src/cloth/kernel*.c))
 LEVELS   := $(if $(filter x86_64%,$(shell $(CC) -dumpmachine)),v3 v4)
 LIB_OBJ  += $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o))
 PROG_OBJ := $(PROG_SRC:%.c=$(BUILD)/%.o) $(BUILD)/src/record/player_page.o
+# libweft has it for scenes, and does not export it.
+PROG_OBJ += $(BUILD)/src/sim/suggest.o
 LIB_LIBS := -lyaml -ldl -lm -pthread
 
 PLUGINS := verlet $(if $(HAVE_GSL),gsl) $(if $(HAVE_ARKODE),arkode)
