@@ -121,8 +121,9 @@ START_TEST(a_misspelt_word_of_the_command_line_is_told_with_the_one_that_is_near
         { "fly", "no verb 'fly'; 'weft --help' lists them" },
         { "run x --ot=y", "unknown option --ot=y (did you mean '--out'?)" },
         { "run x --frames ply", "--frames 'ply' is not obj\n" },
-        { "run x --progress line", "--progress 'line' is not auto, lines, terminal, yaml "
-                                   "or none (did you mean 'lines'?)" },
+        { "run x --progress line",
+          "--progress 'line' is not auto, lines, terminal, yaml "
+          "or none (did you mean 'lines'?)" },
         { "resume x --progress foo", "--progress 'foo' is not auto, lines" },
         { "export x --format stl",
           "--format 'stl' is not obj, ply, csv, mdd, pc2 or pvd\n" },

@@ -89,8 +89,9 @@ END_TEST
 /* Velocity Verlet at 0.05 s is beyond its stable step and blows up. */
 START_TEST(a_run_with_warnings_is_told_in_the_last_line_and_in_its_row)
 {
-    write_sweep("w.yaml", "run: {duration: 1, fps: 20}\n",
-                "sweep: {stepper.fixed_step: [1.0e-3, 0.05], run.duration: [0.2, 1]}\n");
+    write_sweep(
+        "w.yaml", "run: {duration: 1, fps: 20}\n",
+        "sweep: {stepper.fixed_step: [1.0e-3, 0.05], run.duration: [0.2, 1]}\n");
     expect(shell(BATCH "/w.yaml --out " OUT "/o -j 2 2>&1"), 0);
     says("4 runs in " OUT "/o: 4 done (2 of them with warnings: see " OUT
          "/o/w_fixed_step=0.05_duration=0.2/log.txt)\n");

@@ -209,7 +209,8 @@ START_TEST(an_unfinished_run_is_told_as_that_wherever_it_is_met)
              "choose another --out, or --force to replace it\n");
         expect(shell(WEFT " export " OUT "/k --format obj 2>&1 >/dev/null"), 0);
         says(" of 121 frames\n");
-        expect(shell("rm -rf " OUT "/k/final.obj " OUT "/k/frames; " WEFT " view " OUT "/k 2>&1 >/dev/null"),
+        expect(shell("rm -rf " OUT "/k/final.obj " OUT "/k/frames; " WEFT " view " OUT
+                     "/k 2>&1 >/dev/null"),
                0);
         says("/k: unfinished: ");
         ck_assert(exists(OUT "/k/run.html"));

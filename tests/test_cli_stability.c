@@ -84,6 +84,19 @@ START_TEST(a_step_beyond_the_bound_is_warned_of_and_run)
 END_TEST
 
 /* Also those whose trial and table are the longest; the case's timeout ends them. */
+START_TEST(check_of_a_sweep_tells_how_many_runs_are_beyond_their_bound)
+{
+    expect(shell(WEFT " check " OUT "/sheet.yaml --set 'sweep={stepper.fixed_step: "
+                      "[1.0e-3, 0.02, 0.03]}'"),
+           0);
+    says("fixed_step is beyond the stable step in 2 of the 3 runs\n");
+    expect(shell(WEFT " check " OUT "/sheet.yaml --set 'sweep={stepper.fixed_step: "
+                      "[1.0e-3, 2.0e-3]}'"),
+           0);
+    ck_assert_ptr_null(strstr(output, "is beyond"));
+}
+END_TEST
+
 START_TEST(shipped_scenes_are_surveyed_each)
 {
     glob_t found;
@@ -126,6 +139,7 @@ static Suite *suite(void)
     tcase_add_checked_fixture(tcase, begin, NULL);
     tcase_add_test(tcase, check_shows_the_bound_of_a_flat_sheet);
     tcase_add_test(tcase, all_methods_are_listed_on_request_and_for_machines);
+    tcase_add_test(tcase, check_of_a_sweep_tells_how_many_runs_are_beyond_their_bound);
     tcase_add_test(tcase, shipped_scenes_are_surveyed_each);
     tcase_add_test(tcase, a_step_beyond_the_bound_is_warned_of_and_run);
 #ifdef HAVE_GSL

@@ -263,9 +263,9 @@ static const struct {
     { "sweep: {[run.fps]: [1]}\n",
       "scene.yaml:9:9: error: the keys of a sweep are paths as stepper.method\n" },
     { "sweep: {run..fps: [1]}\n", "scene.yaml:9:13: error: a key is missing here" },
-    { "sweep: {cloth.pins.9: [top]}\n",
-      "scene.yaml:9:20: error: '9' is no element of this list of 2; the first is 0, the "
-      "next free one 2\n" },
+    { "sweep: {cloth.pins.9: [top]}\n", "scene.yaml:9:20: error: '9' is no element of "
+                                        "this list of 2; the first is 0, the "
+                                        "next free one 2\n" },
     { "sweep: {run.fps.x: [1]}\n",
       "scene.yaml:9:17: error: 'fps' is a single value: nothing can be set inside\n" },
 };

@@ -202,6 +202,37 @@ static int describe(const char *file, const weft_scene *scene, weft_registry *re
     return status == WEFT_OK ? EXIT_DONE : report_error(&err);
 }
 
+static bool is_beyond(const weft_sweep *sweep, size_t run)
+{
+    weft_scene *scene = NULL;
+    weft_cloth *cloth = NULL;
+    weft_sim *sim = NULL;
+    const bool beyond = weft_sweep_scene(sweep, run, &scene, NULL) == WEFT_OK
+                        && weft_scene_config(scene)->fixed_step > 0.0
+                        && scene_unsupported(scene) == NULL
+                        && simulation_create(scene, &cloth, &sim, NULL) == WEFT_OK
+                        && stability_warn(scene, sim, true);
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    weft_scene_destroy(scene);
+    return beyond;
+}
+
+/* Each takes a simulation: of no more than the first hundred. */
+static void print_beyond(const weft_sweep *sweep)
+{
+    const size_t runs = weft_sweep_runs(sweep), most = runs < 100 ? runs : 100;
+    size_t beyond = 0;
+    for (size_t run = 1; runs > 1 && run <= most; ++run) {
+        beyond += is_beyond(sweep, run);
+    }
+    if (beyond > 0) {
+        printf("  warning    fixed_step is beyond the stable step in %zu of the %s%zu "
+               "runs\n",
+               beyond, most < runs ? "first " : "", most);
+    }
+}
+
 /* Of a sweep all runs are validated, and the first is described. */
 static int check_file(const char *file, const options *given, weft_registry *registry,
                       yaml_out *out)
@@ -219,6 +250,9 @@ static int check_file(const char *file, const options *given, weft_registry *reg
     code = weft_sweep_scene(sweep, 1, &scene, &err) == WEFT_OK
                ? describe(file, scene, registry, given, out)
                : report_error(&err);
+    if (code == EXIT_DONE && out == NULL) {
+        print_beyond(sweep);
+    }
     weft_scene_destroy(scene);
     weft_sweep_destroy(sweep);
     return code;

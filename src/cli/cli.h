@@ -27,8 +27,7 @@ typedef struct verb {
 } verb;
 
 extern const verb verb_run, verb_resume, verb_batch, verb_check, verb_steppers,
-    verb_scene_help, verb_export, verb_view, verb_diff, verb_compare,
-    verb_plugin_test;
+    verb_scene_help, verb_export, verb_view, verb_diff, verb_compare, verb_plugin_test;
 
 enum { MOST_JOBS = 4096 };
 

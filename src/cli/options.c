@@ -125,9 +125,9 @@ int usage_choice(const verb *self, const char *option, const char *typed,
     for (size_t i = 0; names[i] != NULL && used < sizeof list; ++i) {
         weft__guess_try(&guess, typed, names[i]);
         used += (size_t)snprintf(list + used, sizeof list - used, "%s%s",
-                                 i == 0                  ? ""
+                                 i == 0                 ? ""
                                  : names[i + 1] == NULL ? " or "
-                                                         : ", ",
+                                                        : ", ",
                                  names[i]);
     }
     return usage_error(self, "--%s '%s' is not %s%s", option, typed, list,

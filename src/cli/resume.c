@@ -216,8 +216,7 @@ static int resume_verb(int argc, char **argv)
         return code;
     }
     progress_mode mode;
-    code = given.operand_count == 0
-               ? usage_error(&verb_resume, "no directory given")
+    code = given.operand_count == 0 ? usage_error(&verb_resume, "no directory given")
            : progress_find(given.progress, &mode)
                ? resume_all(&given)
                : usage_choice(&verb_resume, "progress", given.progress, progress_names);

@@ -60,8 +60,8 @@ static void warn_of_limit(run *self)
     }
 }
 
-/* Of the states at both ends and what a checkpoint keeps, so that a run that was resumed
- * has as many. */
+/* Of the states at both ends and what a checkpoint keeps, so that a run that was
+ * resumed has as many. */
 static size_t count_warnings(const run *self)
 {
     return (size_t)self->beyond

@@ -102,13 +102,11 @@ weft_status record_outdir(const char *directory, bool force, weft_error *err)
     }
     if (found > 0 && !force) {
         const bool unfinished = record_unfinished(directory);
-        return weft_error_set(err, WEFT_IO,
-                              "%s: %s%s%schoose another --out, or --force to replace it",
-                              directory,
-                              unfinished ? "holds an unfinished run: 'weft resume "
-                                         : "not empty; ",
-                              unfinished ? directory : "",
-                              unfinished ? "' goes on with it; or " : "");
+        return weft_error_set(
+            err, WEFT_IO, "%s: %s%s%schoose another --out, or --force to replace it",
+            directory,
+            unfinished ? "holds an unfinished run: 'weft resume " : "not empty; ",
+            unfinished ? directory : "", unfinished ? "' goes on with it; or " : "");
     }
     return WEFT_OK;
 }
