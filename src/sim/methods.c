@@ -36,10 +36,10 @@ const weft_stepper_type *weft__method_named(const weft_plugin *plugin, const cha
     const weft_stepper_type *type = weft_plugin_method(plugin, name);
     weft__guess guess = { 0 };
     char near[80], names[240];
-    for (size_t i = 0; type == NULL && plugin->types[i] != NULL; ++i) {
-        weft__guess_try(&guess, name, plugin->types[i]->name);
-    }
-    if (type == NULL) {
+    if (type == NULL && plugin != NULL) {
+        for (size_t i = 0; plugin->types[i] != NULL; ++i) {
+            weft__guess_try(&guess, name, plugin->types[i]->name);
+        }
         weft__methods_list(plugin, 0, names, sizeof names);
         (void)weft__guess_text(&guess, near, sizeof near);
         if (other != NULL) {
