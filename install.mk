@@ -11,6 +11,7 @@ LIBDIR     ?= $(PREFIX)/lib
 INCLUDEDIR ?= $(PREFIX)/include
 DATADIR    ?= $(PREFIX)/share
 MANDIR     ?= $(DATADIR)/man
+DOCDIR     ?= $(DATADIR)/doc/weft
 PLUGINDIR  := $(LIBDIR)/weft/plugins-1
 
 SHARE := $(BUILD)/share
@@ -34,6 +35,9 @@ $(MAN) $(COMPLETIONS) &: $(BUILD)/weft tools/manual tools/completion docs/man/we
 	@mkdir -p $(SHARE)/man
 	$(call say,GEN)tools/manual $(BUILD) $(SHARE)/man && tools/completion $(BUILD) $(SHARE)
 
+# For readers, in the folders that the pages know.
+DOCS = README.md CHANGELOG.md LICENSE $(wildcard docs/*.md docs/pictures/* examples/* scenes/*.yaml) plugins/verlet/verlet.c
+
 # What is installed where: "from:to", to a directory if it ends with /.
 FILES = $(BUILD)/weft:$(BINDIR)/ \
         $(foreach h,$(wildcard include/weft/*.h),$(h):$(INCLUDEDIR)/weft/) \
@@ -41,6 +45,7 @@ FILES = $(BUILD)/weft:$(BINDIR)/ \
         $(foreach p,$(PLUGINS),$(BUILD)/plugins/weft-$(p).so:$(PLUGINDIR)/ \
             $(BUILD)/libweft-plugin-$(p).a:$(LIBDIR)/) \
         $(foreach m,$(MAN),$(m):$(MANDIR)/man$(subst .,,$(suffix $(m)))/) \
+        $(foreach d,$(DOCS),$(d):$(DOCDIR)/$(dir $(d))) \
         $(SHARE)/weft.bash:$(DATADIR)/bash-completion/completions/weft \
         $(SHARE)/weft.zsh:$(DATADIR)/zsh/site-functions/_weft \
         $(SHARE)/weft.fish:$(DATADIR)/fish/vendor_completions.d/weft.fish
@@ -52,7 +57,7 @@ install: all
 	    $(foreach p,$(PLUGINS),'$(p):$(LIBS_$(p))')
 
 uninstall:
-	@DESTDIR='$(DESTDIR)' LIBDIR='$(LIBDIR)' INCLUDEDIR='$(INCLUDEDIR)' \
+	@DESTDIR='$(DESTDIR)' DOCDIR='$(DOCDIR)' LIBDIR='$(LIBDIR)' INCLUDEDIR='$(INCLUDEDIR)' \
 	    VERSION='$(VERSION)' SOVERSION='$(SOVERSION)' tools/install remove $(FILES)
 
 # Installed, moved, embedded from C11 to C++17, removed.

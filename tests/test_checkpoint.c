@@ -175,6 +175,22 @@ START_TEST(another_kind_of_simulation_is_told_apart)
 }
 END_TEST
 
+/* Bytes made up with a checksum that is right: t, the next h, the first x and the last
+ * vz, each in its word (docs/output.md). */
+START_TEST(numbers_that_are_not_finite_are_refused)
+{
+    const size_t size = weft_sim_save_size(sim), sum = size - 8;
+    const size_t words[] = { 15, 16, 30, 30 + DIM - 1 };
+    const double odd[] = { (double)NAN, (double)INFINITY };
+    for (size_t i = 0; i < sizeof words / sizeof words[0] * 2; ++i) {
+        memcpy(again, saved, size);
+        weft__real_put(again + 8 * words[i / 2], odd[i % 2]);
+        weft__word_put(again + sum, weft__words_sum(again, sum / 8));
+        refused(size, "not finite");
+    }
+}
+END_TEST
+
 /* One held, one let go, one that moves; into a simulation that has other pins. */
 START_TEST(changed_pins_are_saved_and_restored)
 {
@@ -374,6 +390,7 @@ static Suite *suite(void)
     tcase_add_test(one, a_flipped_bit_anywhere_is_refused);
     tcase_add_test(one, bytes_that_are_cut_off_anywhere_are_refused);
     tcase_add_test(one, another_kind_of_simulation_is_told_apart);
+    tcase_add_test(one, numbers_that_are_not_finite_are_refused);
     tcase_add_test(one, changed_pins_are_saved_and_restored);
     tcase_add_test(one, what_was_saved_before_a_pin_brings_the_old_pins_back);
     tcase_add_test(one, saved_pins_that_make_no_sense_are_refused);

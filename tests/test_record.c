@@ -309,6 +309,24 @@ START_TEST(the_counts_of_steps_stand_in_the_first_page)
 }
 END_TEST
 
+START_TEST(a_rest_pose_that_is_not_finite_is_refused)
+{
+    double rest[3 * N] = { 0.0 };
+    record_frames *frames = NULL;
+    weft_error err;
+    rest[3 * N - 1] = (double)NAN;
+    record(&all_single);
+    const hid_t file = H5Fopen(OUT "/r/run.vtkhdf", H5F_ACC_RDWR, H5P_DEFAULT);
+    const hid_t set = H5Dopen2(file, "/weft/Rest", H5P_DEFAULT);
+    ck_assert_int_ge(
+        H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, rest), 0);
+    (void)H5Dclose(set);
+    (void)H5Fclose(file);
+    ck_assert_int_eq(record_frames_open(OUT "/r", &frames, &err), WEFT_IO);
+    ck_assert_ptr_nonnull(strstr(err.message, "damaged: /weft/Rest is not finite"));
+}
+END_TEST
+
 START_TEST(export_of_a_damaged_file_names_it)
 {
     expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/x --quiet"), 0);
@@ -333,6 +351,7 @@ static Suite *suite(void)
     tcase_add_test(frames, strain_at_a_particle_is_the_largest_of_its_springs);
     tcase_add_test(frames, a_file_cut_off_anywhere_is_refused_by_name);
     tcase_add_test(frames, flipped_bytes_never_end_the_program);
+    tcase_add_test(frames, a_rest_pose_that_is_not_finite_is_refused);
     tcase_add_test(frames, export_of_a_damaged_file_names_it);
     tcase_add_test(frames, the_counts_of_steps_stand_in_the_first_page);
     suite_add_tcase(all, frames);

@@ -33,6 +33,32 @@ START_TEST(every_promise_is_asked_of_some_method)
 }
 END_TEST
 
+/* So late that the steps which the oscillator needs vanish beside t. */
+START_TEST(a_step_that_succeeds_moves_the_time)
+{
+    const weft_stepper_type *type = test_method((size_t)_i);
+    weft_stepper_config config = weft__usual(type, 0);
+    config.first_step = 1.0;
+    run late;
+    start(&late, type, &config);
+    late.model.k = 1e6;
+    late.t = 0x1p50; /* [s] the next number is 0.25 s later */
+    for (int i = 0; i < 10; ++i) {
+        const double before = late.t;
+        if (step(&late, 0x1p50 + 4.0) != WEFT_OK) {
+            ck_assert(late.t == before && late.err.message[0] != '\0');
+            break;
+        }
+        ck_assert_msg(late.t > before, "%s stands still",
+                      test_method_label((size_t)_i));
+        if (late.t == 0x1p50 + 4.0) {
+            break;
+        }
+    }
+    end(&late);
+}
+END_TEST
+
 /* By itself, for ThreadSanitizer (make tsan). */
 START_TEST(instances_in_two_threads_do_not_meet)
 {
@@ -55,6 +81,8 @@ int main(void)
     tcase_add_checked_fixture(promises, watch_gsl, gsl_was_silent);
     tcase_add_loop_test(promises, every_promise_is_kept, 0,
                         checks() * (int)test_method_count());
+    tcase_add_loop_test(promises, a_step_that_succeeds_moves_the_time, 0,
+                        (int)test_method_count());
 #ifdef HAVE_GSL
     tcase_add_loop_test(promises, every_promise_is_asked_of_some_method, 0, checks());
 #endif

@@ -251,7 +251,7 @@ WEFT_API weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size,
 
 /* Errors: WEFT_INVALID with the reason (these are no saved simulation, damaged or cut
  * off, of another version, grid or method, with and without ledger, of another cloth or
- * under other settings), WEFT_NO_MEMORY. Nothing is changed then. */
+ * under other settings, not finite), WEFT_NO_MEMORY. Nothing is changed then. */
 WEFT_API weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
                                       weft_error *err);
 

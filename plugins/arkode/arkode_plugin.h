@@ -138,7 +138,7 @@ bool weft__ark_has_order(const weft_butcher *table, const double *weights, int o
 N_Vector weft__ark_vector(size_t n, const weft_team *team, SUNContext context);
 /* What ARKODE judges steps and tolerances by; before that, and with fixed steps, it
  * finds nothing wrong. */
-void weft__ark_judge_by(N_Vector v, weft_norm norm);
+void weft__ark_judge_by(N_Vector v, weft_norm by);
 /* Where its numbers may be written, all of them unless it was filled before. */
 double *weft__ark_fill(N_Vector v);
 void weft__ark_read(N_Vector v, double *to);

@@ -222,6 +222,15 @@ static void accept(stepper *self, double tried, double rest, double reached,
     propose(self, tried, reached - before);
 }
 
+/* An OK from here would be one for ever. */
+static weft_status stands_still(stepper *self, double h, double t, weft_error *err)
+{
+    forget(self);
+    return weft_error_set(err, WEFT_STEP_TOO_SMALL,
+                          "%s: a step of %.3g s does not move t = %.17g s",
+                          self->method->type.name, h, t);
+}
+
 weft_status weft__ark_step(void *instance, double t_end, double *t, double *y,
                            weft_error *err)
 {
@@ -234,14 +243,15 @@ weft_status weft__ark_step(void *instance, double t_end, double *t, double *y,
     for (double h = fit(self, rest);;) {
         double reached = *t;
         if (h < rest && *t + h == *t) {
-            forget(self);
-            return weft_error_set(err, WEFT_STEP_TOO_SMALL,
-                                  "%s: a step of %.3g s does not move t = %.17g s",
-                                  self->method->type.name, h, *t);
+            return stands_still(self, h, *t, err);
         }
         const int flag = evolve(self, *t, y, h, t_end, &reached);
         if (flag < 0) {
             return fail(self, flag, *t, err);
+        }
+        if (!(reached > *t)) { /* of an h that became less in there */
+            (void)ARK(GetLastStep)(self->solver, &h);
+            return stands_still(self, h, *t, err);
         }
         if (weft__ark_finite(self->y)) {
             accept(self, h, rest, reached, t_end, t, y);

@@ -72,7 +72,7 @@ weft_status batch_directory(const batch *self, const batch_run *run,
 #define BATCH_PATIENCE 5.0
 
 /* batch_child.c: one run, in this process, which ends with it. */
-_Noreturn void batch_child(const batch *self, const batch_run *run);
+_Noreturn void batch_child(const batch *self, const batch_run *one);
 
 /* batch_show.c: what is going on, on stderr. */
 typedef struct batch_slot {

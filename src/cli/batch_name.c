@@ -50,7 +50,7 @@ static const char *tail(const char *path, size_t parts)
 /* As little of a key's path as tells it from the other keys. */
 static const char *short_key(const weft_sweep *sweep, size_t key)
 {
-    const char *path = weft_sweep_key(sweep, key), *shown = path;
+    const char *path = weft_sweep_key(sweep, key), *shown;
     for (size_t parts = 1; (shown = tail(path, parts)) != path; ++parts) {
         bool single = true;
         for (size_t i = 0; i < weft_sweep_keys(sweep); ++i) {

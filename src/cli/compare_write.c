@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "cli/compare.h"
+#include "cli/human.h"
 #include "record/page.h"
 #include "record/record.h"
 
@@ -109,8 +110,9 @@ static void print_rows(const compare *self, const compare_advice *advice)
 void compare_print(const compare *self, const compare_advice *advice)
 {
     char text[SENTENCE];
-    printf("%s, %zu x %zu particles\n", weft_scene_name(self->scene),
-           weft_cloth_rows(self->cloth), weft_cloth_cols(self->cloth));
+    print_plain(stdout, weft_scene_name(self->scene), "");
+    printf(", %zu x %zu particles\n", weft_cloth_rows(self->cloth),
+           weft_cloth_cols(self->cloth));
     compare_say_horizon(self, text, sizeof text);
     printf("%s\n", text);
     compare_say_reference(self, text, sizeof text);

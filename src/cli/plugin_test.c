@@ -133,6 +133,9 @@ static bool check_apart(const weft_stepper_type *type, size_t check,
     FILE *printed = tmpfile();
     if (printed == NULL || pipe(ends) != 0) {
         perror("weft: error: plugin-test");
+        if (printed != NULL) {
+            (void)fclose(printed);
+        }
         return false;
     }
     (void)fflush(NULL);

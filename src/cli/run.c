@@ -185,8 +185,9 @@ static int conclude(run *self, weft_status status, const weft_error *why)
     }
     weft_status written = write_state(self, "final.csv", record_csv, &err);
     if (written != WEFT_OK && status == WEFT_OK) {
+        (void)snprintf(self->reason, sizeof self->reason, "%s", err.message);
         self->result.status = "failed";
-        self->result.reason = err.message;
+        self->result.reason = self->reason;
     }
     const weft_status told = record_result_write(self->out, &self->result,
                                                  written == WEFT_OK ? &err : NULL);

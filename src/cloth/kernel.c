@@ -351,7 +351,7 @@ static void tile(sweep *self, size_t first, size_t end, unsigned all, size_t fir
             has &= r + 1 < first_row ? BIT(DOWN2) | BIT(DAMPED)
                                      : ~(BIT(RIGHT) | BIT(RIGHT2) | BIT(HEATED));
         }
-        self->sums = heat + (r < first_row || heat == NULL ? 0 : WEFT_SUMS * r);
+        self->sums = heat == NULL || r < first_row ? heat : heat + WEFT_SUMS * r;
         any_row(self, r, first, end, has, r >= first_row);
     }
 }

@@ -3,7 +3,9 @@
 #include "record/record.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 weft_status record_path(const char *directory, const char *name, char path[RECORD_PATH],
@@ -18,16 +20,50 @@ weft_status record_path(const char *directory, const char *name, char path[RECOR
     return WEFT_OK;
 }
 
+weft_status record_no_link(const char *path, weft_error *err)
+{
+    struct stat status;
+    return lstat(path, &status) == 0 && S_ISLNK(status.st_mode)
+               ? weft_error_set(err, WEFT_IO,
+                                "%s: a symbolic link: nothing is written through one",
+                                path)
+               : WEFT_OK;
+}
+
+/* That of a folder in the directory, if the name has one. */
+static weft_status check_folder(const char *directory, const char *name,
+                                weft_error *err)
+{
+    char path[RECORD_PATH];
+    const weft_status status = record_path(directory, name, path, err);
+    const bool inside = strchr(name, '/') != NULL;
+    if (status == WEFT_OK && inside) {
+        *strrchr(path, '/') = '\0';
+        return record_no_link(path, err);
+    }
+    return status;
+}
+
+/* A file that is there already under that name may be a link too. */
+static FILE *open_new(const char *path)
+{
+    (void)remove(path);
+    const int file
+        = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
+    return file < 0 ? NULL : fdopen(file, "w");
+}
+
 weft_status record_file_open(record_file *file, const char *directory, const char *name,
                              weft_error *err)
 {
-    const weft_status status = record_path(directory, name, file->path, err);
+    weft_status status = check_folder(directory, name, err);
+    status = status == WEFT_OK ? record_path(directory, name, file->path, err) : status;
     if (status != WEFT_OK) {
         return status;
     }
     memcpy(file->temporary, file->path, strlen(file->path) + 1);
     strcat(file->temporary, ".tmp");
-    file->stream = fopen(file->temporary, "w");
+    file->stream = open_new(file->temporary);
     if (file->stream == NULL) {
         return weft_error_set(err, WEFT_IO, "%s: %s", file->path, strerror(errno));
     }

@@ -185,6 +185,16 @@ static const char *load_fields(record_frames *self)
     return NULL;
 }
 
+static bool all_finite(const double *values, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        if (!isfinite(values[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
 static const char *load_tables(record_frames *self)
 {
     const hid_t type = H5T_IEEE_F64LE;
@@ -195,6 +205,9 @@ static const char *load_tables(record_frames *self)
     if (self->rest == NULL || self->times == NULL || self->numbers == NULL) {
         return "/weft/Rest, Steps/Values or FieldData/" VTKHDF_FRAME_FIELD
                " are missing or wrong";
+    }
+    if (!all_finite(self->rest, 3 * self->n)) {
+        return "/weft/Rest is not finite";
     }
     for (size_t i = 0; i < self->count; ++i) {
         const double number = self->numbers[i];
@@ -249,12 +262,10 @@ static weft_status read_frame(const record_frames *self, const hdf_set *set, siz
         return weft_error_set(err, WEFT_INVALID, "%s: frame %zu of %zu", self->path, i,
                               self->count);
     }
-    bool good = hdf_read(set, i, H5T_NATIVE_DOUBLE, values);
-    for (size_t k = 0; good && k < set->rows * set->width; ++k) {
-        good = isfinite(values[k]);
-    }
-    return good ? WEFT_OK
-                : weft_error_set(err, WEFT_IO, "%s: damaged: frame %zu", self->path, i);
+    return hdf_read(set, i, H5T_NATIVE_DOUBLE, values)
+                   && all_finite(values, set->rows * set->width)
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_IO, "%s: damaged: frame %zu", self->path, i);
 }
 
 weft_status record_frames_positions(record_frames *frames, size_t i, double *xyz,

@@ -22,6 +22,8 @@ weft_status record_path(const char *directory, const char *name, char path[RECOR
                         weft_error *err);
 weft_status record_file_open(record_file *file, const char *directory, const char *name,
                              weft_error *err);
+/* A directory may come from anywhere: WEFT_IO if a link lies at `path`. */
+weft_status record_no_link(const char *path, weft_error *err);
 /* Flush, sync, rename; on failure the temporary file is gone and the place untouched.
  */
 weft_status record_file_commit(record_file *file, weft_error *err);

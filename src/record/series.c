@@ -100,7 +100,8 @@ static void list_columns(record_series *series, bool ledger)
 static weft_status open_stream(record_series *series, const char *directory,
                                const char *mode, bool ledger, weft_error *err)
 {
-    const weft_status status = record_path(directory, "series.csv", series->path, err);
+    weft_status status = record_path(directory, "series.csv", series->path, err);
+    status = status == WEFT_OK ? record_no_link(series->path, err) : status;
     if (status != WEFT_OK) {
         return status;
     }

@@ -167,7 +167,9 @@ static weft_status check_frames(const record_vtkhdf *self, size_t count,
 {
     const record_vtkhdf_def *def = &self->def;
     record_frames *there = NULL;
-    const weft_status status = record_frames_open(def->directory, &there, err);
+    weft_status status = record_no_link(self->path, err);
+    status
+        = status == WEFT_OK ? record_frames_open(def->directory, &there, err) : status;
     if (status != WEFT_OK) {
         return status;
     }
@@ -285,6 +287,7 @@ static bool write_frame(record_vtkhdf *self, const weft_sim *sim)
  * in between: the first closing gives back room in the file. */
 static bool write_first(record_vtkhdf *self, const weft_sim *sim)
 {
+    (void)remove(self->temporary); /* it may be a link */
     const bool made = vtkhdf_file_create(self->temporary, &self->def, self->capacity)
                       && open_file(self, self->temporary) && write_frame(self, sim);
     if (!close_file(self) || !made) {

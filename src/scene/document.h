@@ -25,6 +25,9 @@ bool weft__document_default(const char *text, weft__report *report,
 /* Looks for cycles, too many nodes, too much depth and foreign tags. */
 bool weft__document_check(yaml_document_t *document, weft__report *report);
 
+/* The nodes of a tree with anchors expanded, in a document that was checked. */
+size_t weft__document_size(yaml_document_t *document, int id);
+
 /* Puts an override "key.path=value" into a document whose root is a mapping. What is
  * wrong with it is added to the report. A pair of a mapping whose value is 0 was
  * removed: its key is to be known, no more. */
@@ -52,9 +55,10 @@ char *weft__document_emit(yaml_document_t *document, const weft_allocator *memor
 char *weft__name_of_file(const char *file, const weft_allocator *memory);
 
 /* The text of a document with a line `name: ...` before its first key, which is the
- * caller's; NULL if it is not written so that this can be done, or memory ran out. */
-char *weft__name_insert(yaml_document_t *document, const char *text, const char *name,
-                        const weft_allocator *memory);
+ * caller's; *out is NULL if it is not written so that this can be done. false: memory
+ * ran out. */
+bool weft__name_insert(yaml_document_t *document, const char *text, const char *name,
+                       const weft_allocator *memory, char **out);
 
 /* The same in the document itself. false: memory ran out. */
 bool weft__name_append(yaml_document_t *document, const char *name);

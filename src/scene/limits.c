@@ -123,6 +123,17 @@ static bool visit(walk *self, int id, uint32_t depth)
     return true;
 }
 
+size_t weft__document_size(yaml_document_t *document, int id)
+{
+    const yaml_node_t *node = yaml_document_get_node(document, id);
+    size_t size = 1;
+    for (size_t i = 0; i < child_count(node); ++i) {
+        const int part = child(node, i);
+        size += part == 0 ? 0 : weft__document_size(document, part);
+    }
+    return size;
+}
+
 bool weft__document_check(yaml_document_t *document, weft__report *report)
 {
     const size_t count = (size_t)(document->nodes.top - document->nodes.start);

@@ -43,17 +43,17 @@ static const char *first_key(yaml_document_t *document, const char *text)
     return is_there ? text : NULL;
 }
 
-char *weft__name_insert(yaml_document_t *document, const char *text, const char *name,
-                        const weft_allocator *memory)
+bool weft__name_insert(yaml_document_t *document, const char *text, const char *name,
+                       const weft_allocator *memory, char **out)
 {
     const char *before = first_key(document, text);
     const size_t room = strlen(text) + 2 * strlen(name) + sizeof "name: \"\"\n";
-    char *out = before == NULL ? NULL : weft__alloc(memory, room, 1);
-    if (out == NULL) {
-        return NULL;
+    *out = before == NULL ? NULL : weft__alloc(memory, room, 1);
+    if (*out == NULL) {
+        return before == NULL;
     }
-    char *to = out + (before - text);
-    memcpy(out, text, (size_t)(before - text));
+    char *to = *out + (before - text);
+    memcpy(*out, text, (size_t)(before - text));
     to = stpcpy(to, "name: \"");
     for (; *name != '\0'; ++name) {
         if (*name == '"' || *name == '\\') {
@@ -62,7 +62,7 @@ char *weft__name_insert(yaml_document_t *document, const char *text, const char 
         *to++ = *name;
     }
     (void)strcpy(stpcpy(to, "\"\n"), before);
-    return out;
+    return true;
 }
 
 bool weft__name_append(yaml_document_t *document, const char *name)

@@ -185,8 +185,10 @@ static bool keep_name(weft__base *base, yaml_document_t **changed, weft_scene *s
         return scene->name != NULL;
     }
     if (*changed == NULL) {
-        scene->text = weft__name_insert(&base->document, base->text, scene->name,
-                                        &base->memory);
+        if (!weft__name_insert(&base->document, base->text, scene->name, &base->memory,
+                               &scene->text)) {
+            return false;
+        }
         if (scene->text != NULL) {
             return true;
         }

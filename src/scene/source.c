@@ -150,6 +150,30 @@ int weft__source_excerpt(const weft__source *source, yaml_mark_t mark, char *out
     return (int)((skipped > 0 ? 3 : 0) + mark.column - skipped + 1);
 }
 
+/* The code point of a character in UTF-8; 0 if it is written too long. */
+static uint32_t code_point(const char *text, size_t length)
+{
+    static const uint32_t least[] = { 0, 0, 0x80, 0x800, 0x10000 };
+    const unsigned char *bytes = (const unsigned char *)text;
+    uint32_t code = length == 1 ? bytes[0] : bytes[0] & (0x7Fu >> length);
+    for (size_t i = 1; i < length; ++i) {
+        code = code << 6 | (bytes[i] & 0x3Fu);
+    }
+    return code >= least[length] ? code : 0;
+}
+
+/* What YAML takes as it is and a terminal shows within the line. */
+static bool is_shown(const char *text, size_t left)
+{
+    if (!is_utf8(text, left) || break_length(text, left) > 0) {
+        return false;
+    }
+    const uint32_t code = code_point(text, announced((unsigned char)text[0]));
+    return code >= 0x20 && !(code >= 0x7F && code < 0xA0)
+           && !(code >= 0xD800 && code < 0xE000) && (code | 1) != 0xFFFF
+           && code <= 0x10FFFF;
+}
+
 void weft__one_line(char *text)
 {
     size_t used = 0;
@@ -157,8 +181,7 @@ void weft__one_line(char *text)
     for (size_t i = 0; i < length;) {
         const size_t step = weft__char_length(text + i, length - i);
         const bool cut = announced((unsigned char)text[i]) > length - i;
-        const bool shown = (unsigned char)text[i] >= 0x20 && text[i] != 0x7F
-                           && is_utf8(text + i, length - i);
+        const bool shown = is_shown(text + i, length - i);
         if (cut) {
             break;
         }

@@ -9,6 +9,7 @@
 #include "scene/scalar.h"
 
 #define MAX_RUNS 100000
+#define MAX_READ 20000000 /* nodes, in all runs: each takes a microsecond */
 
 /* Whether a path is another, or leads to it. */
 static bool leads_to(const char *path, size_t length, const char *other,
@@ -125,6 +126,22 @@ static void take_pairs(taker *self, const yaml_node_t *map)
     }
 }
 
+/* Every run is read from what is left of the document and a value of each list. */
+static void check_cost(const taker *self)
+{
+    const weft__sweep *out = self->out;
+    size_t nodes = weft__document_size(self->document, 1);
+    for (size_t i = 0; i < out->keys; ++i) {
+        const weft__axis *axis = &out->axis[i];
+        nodes += weft__document_size(self->document, axis->list) / axis->count;
+    }
+    if (out->runs > MAX_READ / nodes) {
+        weft__report_error(self->report, out->at,
+                           "%zu runs of a scene of %zu nodes: more than %d in all",
+                           out->runs, nodes, MAX_READ);
+    }
+}
+
 /* Lists of one length if they are zipped; else not too many combinations. */
 static void count_runs(taker *self)
 {
@@ -148,6 +165,7 @@ static void count_runs(taker *self)
         }
     }
     out->runs = runs;
+    check_cost(self);
 }
 
 /* Its pairs lose their values: removed. Returns the first, or NULL. */

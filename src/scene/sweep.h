@@ -21,7 +21,8 @@ typedef struct weft__sweep {
 } weft__sweep;
 
 /* Finds and checks the sweep of a document whose root is a mapping, and takes it out of
- * there. Keys that one of set_count overrides sets as well are mistakes. */
+ * there. Keys that one of set_count overrides sets as well are mistakes, and so are so
+ * many runs that reading them all would take more than half a minute. */
 void weft__sweep_take(yaml_document_t *document, size_t set_count, weft__report *report,
                       weft__sweep *out);
 

@@ -18,7 +18,7 @@ typedef struct weft__forces {
 /* On so many threads at most: a cloth that is too small for that has fewer. No
  * memory given: malloc's. */
 weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
-                                 const weft_allocator *memory);
+                                 const weft_allocator *given);
 void weft__forces_destroy(weft__forces *forces);
 
 /* As weft_cloth_rhs; where heat is not NULL, also *heat [W], as below. */

@@ -7,6 +7,8 @@
  * Words (words.h): "weftsave", version, rows, cols, quadratures, hashes of the cloth's
  * definition and of the settings, the method's name in 64 bytes, NUMBERS, COUNTS, y,
  * the pins that were changed (save_pins.c), checksum. */
+#include <math.h>
+
 #include "cloth/repin.h"
 #include "sim/internal.h"
 #include "sim/words.h"
@@ -282,6 +284,26 @@ static fields fields_at(const unsigned char *from)
     return out;
 }
 
+static bool is_step(double h)
+{
+    return h >= 0.0 && isfinite(h);
+}
+
+/* Checksums that are right prove nothing of bytes that somebody made up. */
+static weft_status check_numbers(const weft_sim *sim, const fields *saved,
+                                 const unsigned char *y, weft_error *err)
+{
+    bool good = isfinite(saved->t) && is_step(saved->next_step)
+                && is_step(saved->last_step) && is_step(saved->limit_step);
+    for (size_t i = 0; good && i < weft_cloth_dim(sim->cloth); ++i) {
+        good = isfinite(weft__real_at(y + i * WEFT__WORD));
+    }
+    return good ? WEFT_OK
+                : weft_error_set(err, WEFT_INVALID,
+                                 "the saved simulation has a time, a step or a state "
+                                 "that is not finite");
+}
+
 weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
                              weft_error *err)
 {
@@ -296,10 +318,14 @@ weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
         return status;
     }
     const size_t dim = weft__sim_dim(sim), behind = AT_STATE + dim;
+    const unsigned char *y = from + AT_STATE * WEFT__WORD;
     const fields saved = fields_at(from + AT_FIELDS * WEFT__WORD);
     weft_cloth *own = NULL;
-    status = weft__saved_pins_cloth(sim, from + behind * WEFT__WORD,
-                                    size / WEFT__WORD - behind - 1, &own, err);
+    status = check_numbers(sim, &saved, y, err);
+    if (status == WEFT_OK) {
+        status = weft__saved_pins_cloth(sim, from + behind * WEFT__WORD,
+                                        size / WEFT__WORD - behind - 1, &own, err);
+    }
     status = status == WEFT_OK ? renew(sim, &saved, err) : status;
     if (status != WEFT_OK) {
         weft__cloth_return(own);
@@ -310,7 +336,7 @@ weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
     }
     take_fields(sim, &saved);
     for (size_t i = 0; i < dim; ++i) {
-        sim->y[i] = weft__real_at(from + (AT_STATE + i) * WEFT__WORD);
+        sim->y[i] = weft__real_at(y + i * WEFT__WORD);
     }
     return WEFT_OK;
 }

@@ -12,7 +12,7 @@ typedef void weft__task(void *ctx, size_t i);
 
 /* So many threads, the caller's among them; as many as there are to be had. NULL:
  * the caller's alone. No memory given: malloc's. */
-weft__team *weft__team_create(size_t threads, const weft_allocator *memory);
+weft__team *weft__team_create(size_t threads, const weft_allocator *given);
 void weft__team_destroy(weft__team *team); /* NULL is allowed */
 size_t weft__team_threads(const weft__team *team);
 

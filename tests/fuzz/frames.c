@@ -1,70 +1,137 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* frames.c -- any bytes as run.vtkhdf: refused, or frames that are finite. libhdf5
- * crashes on some; that happens in a child that record_frames_open makes for it. */
-#include <math.h>
-#include <stdio.h>
-#include <unistd.h>
+/* frames.c -- files that libhdf5 can read, of any content, as run.vtkhdf: refused, or
+ * frames that are finite. The bytes choose sizes, types and values of all that the
+ * reader asks for; broken HDF5 is that of the target `vtkhdf`. */
+#include "fuzz/frames.h"
+#include "record/hdf.h"
 
-#include "fuzz/fuzz.h"
-#include "record/frames.h"
+typedef struct bytes {
+    const uint8_t *at, *end;
+} bytes;
 
-static char directory[64], file[96];
-
-static void clean(void)
+static unsigned next(bytes *from)
 {
-    (void)unlink(file);
-    (void)rmdir(directory);
+    return from->at < from->end ? *from->at++ : 0;
 }
 
-static void make_directory(void)
+/* Mostly right, so that what comes after is looked at too. */
+static hsize_t near(bytes *from, hsize_t right)
 {
-    strcpy(directory, "/tmp/weft-fuzz-XXXXXX");
-    HOLDS(mkdtemp(directory) != NULL);
-    (void)snprintf(file, sizeof file, "%s/run.vtkhdf", directory);
-    HOLDS(atexit(clean) == 0);
+    const unsigned byte = next(from);
+    return byte < 224 ? right : byte < 240 ? right + byte - 232 : byte - 240;
 }
 
-static void write_file(const uint8_t *data, size_t size)
+static hid_t type_of(bytes *from, hid_t right)
 {
-    FILE *stream = fopen(file, "w");
-    HOLDS(stream != NULL);
-    HOLDS(fwrite(data, 1, size, stream) == size);
-    HOLDS(fclose(stream) == 0);
+    const hid_t others[]
+        = { H5T_STD_I64LE,  H5T_STD_U8LE,   H5T_STD_I32BE, H5T_IEEE_F32LE,
+            H5T_IEEE_F64LE, H5T_IEEE_F64BE, H5T_C_S1 };
+    const unsigned byte = next(from);
+    return byte < 240 ? right : others[byte % (sizeof others / sizeof others[0])];
 }
 
-static void read_all(record_frames *frames)
+/* Numbers that rise by 1, mostly. */
+static void fill(bytes *from, double first, double *values, size_t count)
 {
-    const size_t n = record_frames_rows(frames) * record_frames_cols(frames);
-    double *xyz = calloc(3 * n, sizeof *xyz);
-    HOLDS(xyz != NULL);
-    for (size_t i = 0; i < record_frames_count(frames) && i < 10; ++i) {
-        HOLDS(isfinite(record_frames_time(frames, i)));
-        if (record_frames_positions(frames, i, xyz, NULL) == WEFT_OK) {
-            HOLDS(isfinite(xyz[0]) && isfinite(xyz[3 * n - 1]));
-        }
-        (void)record_frames_velocities(frames, i, xyz, NULL);
-        (void)record_frames_strain(frames, i, xyz, NULL);
+    static const double odd[] = { NAN, INFINITY, -1.0, 1e300, 0.5, 0.0 };
+    for (size_t i = 0; i < count; ++i) {
+        const unsigned byte = next(from);
+        values[i] = byte < 250 ? first + (double)i : odd[byte - 250];
     }
-    for (size_t k = 0; k < n; ++k) {
-        (void)record_frames_pinned(frames, k);
-        HOLDS(isfinite(record_frames_rest(frames)[3 * k]));
+}
+
+enum { MOST = 4096 };
+
+static hid_t space_of(bytes *from, hsize_t rows, hsize_t width)
+{
+    const hsize_t extent[3] = { near(from, rows), near(from, width), 1 };
+    const unsigned rank = next(from);
+    return rank > 250 ? H5Screate(H5S_SCALAR)
+                      : H5Screate_simple(rank > 245  ? 3
+                                         : width > 1 ? 2
+                                                     : 1,
+                                         extent, NULL);
+}
+
+static void put_values(bytes *from, hid_t id, hid_t space, double first)
+{
+    static double values[MOST];
+    const hssize_t count = H5Sget_simple_extent_npoints(space);
+    if (count > 0 && count <= MOST) {
+        fill(from, first, values, (size_t)count);
+        (void)H5Dwrite(id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
     }
-    free(xyz);
+}
+
+/* A set, which may be missing. */
+static void put_set(bytes *from, hid_t file, const char *path, hid_t type, hsize_t rows,
+                    hsize_t width, double first)
+{
+    if (next(from) > 240) {
+        return;
+    }
+    const hid_t links = H5Pcreate(H5P_LINK_CREATE);
+    (void)H5Pset_create_intermediate_group(links, 1);
+    const hid_t of = type_of(from, type), space = space_of(from, rows, width);
+    const hid_t id = H5Dcreate2(file, path, of, space, links, H5P_DEFAULT, H5P_DEFAULT);
+    if (id >= 0) {
+        put_values(from, id, space, first);
+    }
+    (void)H5Dclose(id);
+    (void)H5Sclose(space);
+    (void)H5Pclose(links);
+}
+
+/* An integer of an object, which may be missing, or be wrong. */
+static void put_integer(bytes *from, hid_t file, const char *object, const char *name,
+                        hsize_t right)
+{
+    static const int64_t odd[] = { 0, -1, INT64_MAX, INT64_MIN, (int64_t)1 << 31 };
+    const unsigned byte = next(from);
+    const size_t count = sizeof odd / sizeof odd[0];
+    const int64_t value
+        = byte >= 256 - count ? odd[256 - byte - 1] : (int64_t)near(from, right);
+    const hid_t of = type_of(from, H5T_STD_I64LE);
+    const hid_t space = next(from) < 250 ? H5Screate(H5S_SCALAR) : space_of(from, 1, 1);
+    const hid_t group = H5Oopen(file, object, H5P_DEFAULT);
+    const hid_t id = H5Acreate2(group, name, of, space, H5P_DEFAULT, H5P_DEFAULT);
+    if (id >= 0 && H5Sget_simple_extent_npoints(space) == 1) {
+        (void)H5Awrite(id, H5T_NATIVE_INT64, &value);
+    }
+    (void)H5Aclose(id);
+    (void)H5Oclose(group);
+    (void)H5Sclose(space);
+}
+
+static void make_file(bytes *from)
+{
+    const hsize_t rows = 2, cols = 2 + next(from) % 2, n = rows * cols;
+    const hsize_t count = 1 + next(from) % 3;
+    const hid_t real = next(from) % 2 == 0 ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
+    const hid_t access = hdf_access();
+    const hid_t file
+        = H5Fcreate(fuzz_file("run.vtkhdf"), H5F_ACC_TRUNC, H5P_DEFAULT, access);
+    HOLDS(file >= 0);
+    put_set(from, file, "/weft/Rest", H5T_IEEE_F64LE, n, 3, 0.0);
+    put_set(from, file, "/VTKHDF/Steps/Values", H5T_IEEE_F64LE, count, 1, 0.0);
+    put_set(from, file, "/VTKHDF/FieldData/frame", H5T_IEEE_F64LE, count, 1, 0.0);
+    put_set(from, file, "/VTKHDF/NumberOfPoints", H5T_STD_I64LE, 1, 1, (double)n);
+    put_set(from, file, "/VTKHDF/Points", real, count * n, 3, 0.0);
+    put_set(from, file, "/VTKHDF/PointData/velocity", real, count * n, 3, 0.0);
+    put_set(from, file, "/VTKHDF/PointData/strain", real, count * n, 1, 0.0);
+    put_set(from, file, "/VTKHDF/PointData/pinned", H5T_STD_U8LE, n, 1, 0.0);
+    put_integer(from, file, "/weft", "rows", rows);
+    put_integer(from, file, "/weft", "cols", cols);
+    put_integer(from, file, "/VTKHDF/Steps", "NSteps", count);
+    (void)H5Pclose(access);
+    HOLDS(H5Fclose(file) >= 0);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    record_frames *frames = NULL;
-    weft_error err = { 0 };
-    if (directory[0] == '\0') {
-        make_directory();
-    }
-    write_file(data, size);
-    if (record_frames_open(directory, &frames, &err) == WEFT_OK) {
-        read_all(frames);
-    } else {
-        HOLDS(frames == NULL && err.message[0] != '\0');
-    }
-    record_frames_close(frames);
+    bytes from = { data, data + size };
+    hdf_begin(NULL);
+    make_file(&from);
+    frames_check();
     return 0;
 }

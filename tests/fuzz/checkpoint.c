@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* checkpoint.c -- any bytes as checkpoint.weft, first as they are and then with both
+ * checksums made right: refused with nothing changed, or restored and stepped. The
+ * simulation is of the method and has the ledger that the bytes tell. */
+#include <math.h>
+#include <stdbool.h>
+
+#include "fuzz/file.h"
+#include "record/checkpoint.h"
+#include "sim/words.h"
+
+/* [words] Of the file: the state begins behind the head; of the state: docs/output.md
+ */
+enum { STATE = 8 + RECORD_PROGRAM / WEFT__WORD, QUADRATURES = 4, NAME = 5, MOST = 512 };
+
+static const weft_plugin *find_linked(void *ctx, const char *id, weft_error *err)
+{
+    (void)ctx;
+    for (size_t i = 0; test_plugin(i) != NULL; ++i) {
+        if (strcmp(test_plugin(i)->id, id) == 0) {
+            return test_plugin(i);
+        }
+    }
+    (void)weft_error_set(err, WEFT_BAD_PLUGIN, "no plugin %s", id);
+    return NULL;
+}
+
+static const weft_scene *scene;
+static const weft_cloth *cloth;
+
+static void make_cloth(void)
+{
+    weft_scene_def def = weft_scene_def_default();
+    weft_cloth *made = NULL;
+    weft_scene *loaded = NULL;
+    def.file = "tests/fuzz/checkpoint.yaml";
+    def.find_plugin = find_linked;
+    HOLDS(weft_scene_load(&def, &loaded, &found, NULL) == WEFT_OK);
+    HOLDS(weft_cloth_create(weft_scene_cloth(loaded), &made, NULL) == WEFT_OK);
+    scene = loaded;
+    cloth = made;
+}
+
+/* The method of that name, or the scene's. */
+static const weft_stepper_type *method_named(const char *name)
+{
+    const weft_stepper_type *method = NULL;
+    for (size_t i = 0; method == NULL && test_plugin(i) != NULL; ++i) {
+        method = weft_plugin_method(test_plugin(i), name);
+    }
+    return method == NULL || (method->flags & WEFT_STEPPER_BUTCHER) != 0
+               ? weft_scene_method_type(scene)
+               : method;
+}
+
+/* As the bytes want it, if it may be so. */
+static weft_sim *make_sim(const unsigned char *bytes, size_t words)
+{
+    char name[64] = "";
+    weft_sim *sim = NULL;
+    weft_sim_def def = weft_sim_def_default();
+    if (words > STATE + NAME + 8) {
+        memcpy(name, bytes + (STATE + NAME) * WEFT__WORD, sizeof name);
+        name[sizeof name - 1] = '\0';
+        def.ledger = bytes[(STATE + QUADRATURES) * WEFT__WORD] != 0;
+    }
+    def.cloth = cloth;
+    def.method = method_named(name);
+    def.config = *weft_scene_config(scene);
+    if ((def.method->flags & WEFT_STEPPER_FIXED_ONLY) == 0) {
+        def.config.fixed_step = 0.0;
+    }
+    def.ledger = def.ledger && (def.method->flags & WEFT_STEPPER_QUADRATURES) != 0;
+    def.limit = *weft_scene_limit(scene);
+    HOLDS(weft_sim_create(&def, &sim, NULL) == WEFT_OK);
+    return sim;
+}
+
+/* A little further, or an error that tells why not. */
+static void step(weft_sim *sim)
+{
+    weft_error err = { 0 };
+    const double t = weft_sim_time(sim);
+    const double t_end = t + 1e-2 > t ? t + 1e-2 : nextafter(t, INFINITY);
+    if (weft_sim_step(sim, t_end, &err) != WEFT_OK) {
+        HOLDS(err.message[0] != '\0' && weft_sim_time(sim) == t);
+        return;
+    }
+    HOLDS(weft_sim_time(sim) > t && weft_sim_time(sim) <= t_end);
+    for (size_t i = 0; i < weft_cloth_dim(cloth); ++i) {
+        HOLDS(isfinite(weft_sim_state(sim)[i]));
+    }
+    (void)weft_sim_ledger(sim);
+    (void)weft_sim_limit_worst(sim);
+}
+
+/* Refused, it goes on as if nothing had been. */
+static void restore(weft_sim *sim, const record_checkpoint *from)
+{
+    weft_error err = { 0 };
+    double y[MOST];
+    const size_t size = weft_cloth_dim(cloth) * sizeof *y;
+    HOLDS(size <= sizeof y);
+    HOLDS(weft_sim_step(sim, 1e-2, NULL) == WEFT_OK);
+    const double t = weft_sim_time(sim);
+    const weft_stepper_stats stats = weft_sim_stats(sim);
+    memcpy(y, weft_sim_state(sim), size);
+    if (weft_sim_restore(sim, from->state, from->state_size, &err) == WEFT_OK) {
+        for (size_t i = 0; i < weft_cloth_dim(cloth); ++i) {
+            HOLDS(isfinite(weft_sim_state(sim)[i]));
+        }
+        HOLDS(isfinite(weft_sim_time(sim)));
+    } else {
+        const weft_stepper_stats now = weft_sim_stats(sim);
+        HOLDS(err.status == WEFT_INVALID && err.message[0] != '\0');
+        HOLDS(weft_sim_time(sim) == t && memcmp(y, weft_sim_state(sim), size) == 0);
+        HOLDS(now.steps == stats.steps && now.next_step == stats.next_step);
+        HOLDS(weft_sim_step(sim, t + 1e-2, NULL) == WEFT_OK);
+    }
+    step(sim);
+}
+
+static void try_bytes(const unsigned char *bytes, size_t size)
+{
+    record_checkpoint from;
+    weft_error err = { 0 };
+    fuzz_write(RECORD_CHECKPOINT, bytes, size);
+    if (record_checkpoint_read(fuzz_directory, &from, &err) != WEFT_OK) {
+        HOLDS(err.status == WEFT_IO && strstr(err.message, RECORD_CHECKPOINT) != NULL);
+        HOLDS(from.state == NULL);
+        return;
+    }
+    HOLDS(strlen(from.program) < sizeof from.program);
+    weft_sim *sim = make_sim(bytes, size / WEFT__WORD);
+    restore(sim, &from);
+    weft_sim_destroy(sim);
+    record_checkpoint_free(&from);
+}
+
+/* The sum of `words` words stands behind them. */
+static void mend(unsigned char *bytes, size_t words)
+{
+    weft__word_put(bytes + words * WEFT__WORD, weft__words_sum(bytes, words));
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    const size_t words = size / WEFT__WORD;
+    unsigned char *bytes = malloc(size + 1);
+    HOLDS(bytes != NULL);
+    memcpy(bytes, data, size);
+    if (cloth == NULL) {
+        make_cloth();
+    }
+    try_bytes(bytes, size);
+    if (words > STATE + 2) {
+        weft__word_put(bytes + 2 * WEFT__WORD, size);
+        mend(bytes + STATE * WEFT__WORD, words - STATE - 2);
+        mend(bytes, words - 1);
+        try_bytes(bytes, size);
+    }
+    free(bytes);
+    return 0;
+}
