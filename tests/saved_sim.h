@@ -52,8 +52,8 @@ typedef struct kind {
     bool ledger, limit;
 } kind;
 
-static inline weft_sim_def define(const weft_cloth *of,
-                                  const weft_stepper_type *method, kind wanted)
+static inline weft_sim_def define(const weft_cloth *of, const weft_stepper_type *method,
+                                  kind wanted)
 {
     weft_sim_def def = weft_sim_def_default();
     def.cloth = of;
