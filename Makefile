@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+$(if $(filter 3.% 4.0 4.0.% 4.1 4.1.% 4.2 4.2.%,$(MAKE_VERSION)),$(error weft needs GNU make 4.3 or later; this is $(MAKE_VERSION)))
 # weft: the only build. Everything that is built goes under $(BUILD).
 #
 #   make            library, program and plugins
@@ -8,13 +9,15 @@
 #   make help       the other targets
 
 BUILD  ?= build
-CC     ?= cc
 CFLAGS ?= -O2 -g
 SAN    ?=
+# In a cross build: a weft that runs on this machine, which manual pages and completions quote.
+HOST_WEFT ?= $(BUILD)/weft
 
 ifeq ($(origin CC),default)
-CC := gcc
+CC := $(shell for c in cc gcc clang; do command -v $$c >/dev/null && echo $$c && exit; done; echo cc)
 endif
+TARGET := $(shell $(CC) -dumpmachine 2>/dev/null)
 
 WARN := -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wmissing-prototypes \
         -Wstrict-prototypes -Werror
@@ -23,21 +26,17 @@ STRICT := -std=c11 -D_POSIX_C_SOURCE=200809L -ffp-contract=off -fvisibility=hidd
 INCS := -Iinclude -Isrc
 # `make V=1` shows the commands.
 say = $(if $(V),,@echo '  $(1)  $@';)
-COMPILE = $(CC) $(STRICT) $(WARN) $(CFLAGS) $(OWN) $(SAN) $(INCS) -MMD -MP
+COMPILE = $(CC) $(STRICT) $(WARN) $(INCS) $(CPPFLAGS) $(CFLAGS) $(OWN) $(SAN) -MMD -MP
 OWN = # flags of some files, whatever CFLAGS are
 LINK = $(CC) $(CFLAGS) $(SAN) $(LDFLAGS)
-
-# A variable, as make 4.3 keeps the backslash of an escaped # within a function.
-hash := \#
-has = $(shell echo '$(hash)include <$(1)>' | $(CC) $(MPI_INC) -E - >/dev/null 2>&1 && echo yes)
-HAVE_GSL := $(call has,gsl/gsl_odeiv2.h)
-# SUNDIALS 7 that was built with MPI includes mpi.h everywhere.
-mpi = $(shell pkg-config --$(1) mpi-c 2>/dev/null || mpicc --showme:$(2) 2>/dev/null)
-MPI_INC := $(if $(call has,arkode/arkode_erkstep.h),,$(patsubst -I%,-isystem %,$(call mpi,cflags,compile)))
-MPI_LIBS := $(if $(MPI_INC),$(call mpi,libs,link))
-HAVE_ARKODE := $(call has,arkode/arkode_erkstep.h)
-# SUNDIALS 7 has a library more.
-HAVE_SUNDIALS_7 := $(call has,sundials/sundials_errors.h)
+ifneq ($(findstring darwin,$(TARGET)),)
+STRICT += -D_DARWIN_C_SOURCE # flock, dladdr and the like
+soname = -Wl,-install_name,@rpath/$(1)
+rpath = $(foreach d,$(1),-Wl,-rpath,'@loader_path/$(d)')
+else
+soname = -Wl,-soname,$(1)
+rpath = $(foreach d,$(1),-Wl,-rpath,'$$ORIGIN/$(d)')
+endif
 
 # Serial HDF5, of the program alone. Debian keeps it apart from the one for MPI.
 ifneq ($(wildcard /usr/include/hdf5/serial/hdf5.h),)
@@ -48,21 +47,39 @@ HDF5_CFLAGS ?= $(shell pkg-config --cflags hdf5 2>/dev/null)
 HDF5_LIBS ?= $(shell pkg-config --libs hdf5 2>/dev/null || echo -lhdf5)
 endif
 
+PREPROCESS = $(CC) $(CPPFLAGS) $(CFLAGS) $(MPI_INC) -E
+# A variable, as make 4.3 keeps the backslash of an escaped # within a function.
+hash := \#
+probe = echo '$(hash)include <$(1)>' | $(PREPROCESS) $(2) -
+has = $(shell $(probe) >/dev/null 2>&1 && echo yes)
+ifneq ($(call has,stdio.h),yes)
+$(error CC=$(CC) cannot compile: $(shell $(call probe,stdio.h) 2>&1 >/dev/null | grep -m 1 -e error -e found) (packages gcc or clang, libc6-dev))
+endif
+HAVE_HDF5 := $(call has,hdf5.h,$(HDF5_CFLAGS))
+HAVE_GSL := $(call has,gsl/gsl_odeiv2.h)
+# SUNDIALS 7 that was built with MPI includes mpi.h everywhere.
+mpi = $(shell pkg-config --$(1) mpi-c 2>/dev/null || mpicc --showme:$(2) 2>/dev/null)
+MPI_INC := $(if $(call has,arkode/arkode_erkstep.h),,$(patsubst -I%,-isystem %,$(call mpi,cflags,compile)))
+MPI_LIBS := $(if $(MPI_INC),$(call mpi,libs,link))
+HAVE_ARKODE := $(call has,arkode/arkode_erkstep.h)
+# SUNDIALS 7 has a library more.
+HAVE_SUNDIALS_7 := $(call has,sundials/sundials_errors.h)
+
 VERSION := $(shell sed -n 's/^.define WEFT_VERSION "\(.*\)"/\1/p' include/weft/base.h)
 # Before 1.0 a second number that differs is another interface.
 SOVERSION := $(if $(filter 0.%,$(VERSION)),$(basename $(VERSION)),$(firstword $(subst ., ,$(VERSION))))
 
 LIB_SRC  := $(wildcard src/cloth/*.c src/sim/*.c src/scene/*.c src/conformance/*.c)
-PROG_SRC := $(wildcard src/record/*.c src/cli/*.c)
 LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
 # The kernels once more for each level of instructions that src/cloth/levels.c chooses from.
 KERNELS  := $(patsubst %.c,$(BUILD)/%,$(wildcard src/cloth/kernel*.c))
-LEVELS   := $(if $(filter x86_64%,$(shell $(CC) -dumpmachine)),v3 v4)
+LEVELS   := $(if $(filter x86_64%,$(TARGET)),v3 v4)
 LIB_OBJ  += $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o))
-PROG_OBJ := $(PROG_SRC:%.c=$(BUILD)/%.o) $(BUILD)/src/record/player_page.o
-# libweft has it for scenes, and does not export it.
-PROG_OBJ += $(BUILD)/src/sim/suggest.o
-LIB_LIBS := -lyaml -ldl -lm -pthread
+RECORD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/record/*.c)) $(BUILD)/src/record/pages.o
+PROG_OBJ := $(RECORD_OBJ) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/cli/*.c))
+# libweft has them for scenes, and does not export them.
+PROG_OBJ += $(BUILD)/src/sim/suggest.o $(BUILD)/src/sim/file.o
+LIB_LIBS := -lyaml -ldl -lm -pthread $(LDLIBS)
 
 PLUGINS := verlet $(if $(HAVE_GSL),gsl) $(if $(HAVE_ARKODE),arkode)
 PLUGIN_SO := $(PLUGINS:%=$(BUILD)/plugins/weft-%.so)
@@ -70,14 +87,20 @@ LIBS_gsl := -lgsl -lgslcblas -lm
 LIBS_verlet := -lm
 LIBS_arkode := -lsundials_arkode -lsundials_nvecserial $(if $(HAVE_SUNDIALS_7),-lsundials_core) $(MPI_LIBS) -lm
 
-TESTS := $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
+# Those that take longest begin first, so that all processors end together.
+LONGEST := cli_batch hostile cli_resume record_ends arkode_vector steppers compare
+TESTS := $(patsubst tests/%.c,%,$(wildcard $(LONGEST:%=tests/test_%.c)) \
+           $(filter-out $(LONGEST:%=tests/test_%.c),$(wildcard tests/test_*.c)))
 TEST_BIN := $(TESTS:%=$(BUILD)/tests/%)
 BROKEN := $(patsubst tests/broken/%.c,$(BUILD)/tests/broken/weft-%.so,$(wildcard tests/broken/*.c))
 PROMISES := $(patsubst tests/promises/%.c,$(BUILD)/tests/promises/weft-%.so,$(wildcard tests/promises/*.c))
-EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(wildcard examples/*.c))
+# examples/weft-ID.c are plugins.
+EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(filter-out examples/weft-%,$(wildcard examples/*.c))) \
+            $(patsubst examples/%.c,$(BUILD)/examples/%.so,$(wildcard examples/weft-*.c))
 
 .PHONY: all check check-run check-view viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
-        fuzz coverage static check-determinism clang-build check-sundials7 valgrind symbols clean help
+        fuzz coverage static check-determinism check-libm clang-syntax check-sundials7 check-aarch64 check-elsewhere nightly \
+        valgrind symbols clean help
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -91,20 +114,18 @@ skipped:
 # ---- library and program ---------------------------------------------------------
 
 $(BUILD)/libweft.so: $(LIB_OBJ)
-	$(call say,LD)$(LINK) -shared -Wl,-soname,libweft.so.$(SOVERSION) -o $@ $^ $(LIB_LIBS)
+	$(call say,LD)$(LINK) -shared $(call soname,libweft.so.$(SOVERSION)) -o $@ $^ $(LIB_LIBS)
 	@ln -sf libweft.so $@.$(SOVERSION)
 
 $(BUILD)/libweft.a: $(LIB_OBJ)
 	$(call say,AR)rm -f $@ && ar rcs $@ $^
 
 $(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
-	$(call say,LD)$(LINK) -o $@ $(PROG_OBJ) -L$(BUILD) -Wl,-rpath,'$$ORIGIN:$$ORIGIN/../lib' -lweft -lyaml \
-	    $(HDF5_LIBS) -ldl -lm
+	$(call say,LD)$(LINK) -o $@ $^ $(call rpath,. ../lib) $(HDF5_LIBS) $(LIB_LIBS)
 
 $(BUILD)/src/record/%.o: INCS += $(HDF5_CFLAGS)
 
 KERNEL_FLAGS := $(if $(SAN),,-O2) -fno-math-errno -fno-trapping-math
-$(BUILD)/plugins/verlet/verlet.o: OWN += -O3 # its loops as vectors
 $(BUILD)/%.v3.o: OWN += -march=x86-64-v3 -DLEVEL=v3 -DLANES=4
 $(BUILD)/%.v4.o: OWN += -march=x86-64-v4 -mprefer-vector-width=512 -DLEVEL=v4 -DLANES=8
 $(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): OWN += $(KERNEL_FLAGS)
@@ -116,23 +137,35 @@ $(BUILD)/src/%.o: src/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -c -o $@ $<
 
-# The pages, built from viewer/ by `make viewer` and committed.
-$(BUILD)/src/record/player_page.o: src/record/player_page.S viewer/dist/player.html viewer/dist/compare.html
+# The pages, built from viewer/ by `make viewer` and committed, as strings: src/record/page.h.
+$(BUILD)/src/record/pages.c: viewer/dist/player.html viewer/dist/compare.html
 	@mkdir -p $(@D)
-	$(call say,AS)$(CC) -c -o $@ $<
+	$(call say,GEN)for page in $^; do \
+	    name=$${page##*/} && echo "const char weft__$${name%.html}_page[] =" && \
+	    LC_ALL=C sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/' "$$page" && echo ';'; done >$@
 
-# ---- plugins: each sees weft/stepper.h and nothing else of weft -------------------
+$(BUILD)/src/record/pages.o: $(BUILD)/src/record/pages.c
+	$(call say,CC)$(CC) $(STRICT) $(CPPFLAGS) $(CFLAGS) $(SAN) -c -o $@ $<
+
+ifneq ($(HAVE_HDF5),yes)
+$(filter-out %/pages.o,$(RECORD_OBJ)):
+	@echo "weft, the program, needs hdf5.h, which CC with HDF5_CFLAGS='$(HDF5_CFLAGS)' does not find (package libhdf5-dev);" >&2
+	@echo "the library and the plugins do without: make $(BUILD)/libweft.so $(PLUGIN_SO)" >&2
+	@exit 1
+endif
+
+# ---- plugins: each sees weft/stepper.h and weft/elementary.h, nothing else of weft -
 
 define PLUGIN_RULE
 PLUGIN_OBJ_$(1) := $$(patsubst %.c,$(BUILD)/%.o,$$(wildcard plugins/$(1)/*.c))
 $(BUILD)/plugins/weft-$(1).so: $$(PLUGIN_OBJ_$(1))
 	@mkdir -p $$(@D)
-	$$(call say,LD)$$(LINK) -shared -Wl,-soname,weft-$(1).so -o $$@ $$^ $$(LIBS_$(1))
+	$$(call say,LD)$$(LINK) -shared $$(call soname,weft-$(1).so) -o $$@ $$^ $$(LIBS_$(1)) $$(LDLIBS)
 endef
 $(foreach p,$(PLUGINS),$(eval $(call PLUGIN_RULE,$(p))))
 
 # Loops over whole states, which gcc does not vectorise at -O2.
-$(BUILD)/plugins/arkode/arithmetic.o $(BUILD)/plugins/gsl/control.o $(BUILD)/plugins/verlet/verlet.o: CFLAGS := $(CFLAGS) $(if $(SAN),,-O3)
+$(BUILD)/plugins/arkode/arithmetic.o $(BUILD)/plugins/gsl/control.o $(BUILD)/plugins/verlet/verlet.o: OWN += $(if $(SAN),,-O3)
 
 # All that include SUNDIALS.
 $(BUILD)/plugins/arkode/%.o $(BUILD)/tests/test_arkode_vector.o $(BUILD)/bench/vectors.o: INCS += $(MPI_INC)
@@ -179,9 +212,8 @@ verify: all $(BUILD)/weft-verify
 	@$(BUILD)/weft-verify $(VERIFY)
 
 # These look into files as the program writes them.
-RECORD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/record/*.c)) $(BUILD)/src/record/player_page.o
 RECORD_TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_record*.c tests/test_export.c \
-                  tests/test_checkpoint.c tests/test_cli_resume.c))
+                  tests/test_checkpoint.c tests/test_cli_resume.c tests/test_interrupt.c))
 $(RECORD_TESTS): $(RECORD_OBJ)
 $(RECORD_TESTS): TEST_LIBS += $(HDF5_LIBS)
 $(RECORD_TESTS:=.o): INCS += $(HDF5_CFLAGS)
@@ -194,10 +226,19 @@ $(BUILD)/tests/promises/weft-%.so: tests/promises/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -shared -o $@ $< -lm
 
+# A libm for test_libm to preload.
+WRONG_LIBM := $(BUILD)/tests/wrong_libm.so
+$(WRONG_LIBM): tests/wrong_libm.c
+	@mkdir -p $(@D)
+	$(call say,CC)$(CC) $(STRICT) $(WARN) -O1 -fno-builtin -shared -o $@ $< -ldl -lm
+
 $(BUILD)/examples/%: examples/%.c $(BUILD)/libweft.so $(BUILD)/plugins/weft-verlet.so
 	@mkdir -p $(@D)
-	$(call say,CC)$(COMPILE) -o $@ $< $(BUILD)/plugins/weft-verlet.so -L$(BUILD) \
-	    -Wl,-rpath,'$$ORIGIN/..' -Wl,-rpath,'$$ORIGIN/../plugins' -lweft -lm -pthread
+	$(call say,CC)$(COMPILE) $(LDFLAGS) -o $@ $^ $(call rpath,.. ../plugins) -lm -pthread $(LDLIBS)
+
+$(BUILD)/examples/%.so: examples/%.c
+	@mkdir -p $(@D)
+	$(call say,CC)$(COMPILE) -shared -o $@ $< -lm
 
 # ---- benchmarks: one program each; they measure and assert nothing ----------------
 
@@ -232,10 +273,13 @@ bench: all $(BENCHES:%=$(BUILD)/bench/%)
 	@for name in $(BENCH); do $(BUILD)/bench/$$name || exit 1; done
 
 # Packages first, then a second make: what the first one knew of them is out of date.
-check: deps
-	@$(MAKE) --no-print-directory check-run
+# On all processors, if no -j says otherwise.
+ALL_OF_THEM = $(if $(findstring -j,$(MAKEFLAGS)),,-j $(shell getconf _NPROCESSORS_ONLN))
 
-check-run: all $(TEST_BIN) $(BROKEN) $(PROMISES) $(EXAMPLES) lint
+check: deps
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) check-run
+
+check-run: all $(TEST_BIN) $(BROKEN) $(PROMISES) $(WRONG_LIBM) $(EXAMPLES) lint
 	@tools/run-tests $(BUILD) $(TEST_BIN)
 
 # What is written, read by the programs it is meant for; what is not there is skipped.
@@ -252,13 +296,13 @@ pictures: all
 	@tools/pictures $(BUILD)
 
 demo: deps
-	@$(MAKE) --no-print-directory demo-run
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) demo-run
 
 demo-run: all
 	@tools/demo $(BUILD)
 
 deps:
-	@CC="$(CC)" MPI_INC="$(MPI_INC)" tools/deps
+	@PREPROCESS='$(PREPROCESS) $(HDF5_CFLAGS)' tools/deps
 
 include install.mk
 
@@ -279,39 +323,50 @@ docs: all
 
 # Check's tests under AddressSanitizer and UBSan, in a build of its own.
 asan:
-	@$(MAKE) --no-print-directory BUILD=build/asan CFLAGS='-O1 -g' \
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/asan CFLAGS='-O1 -g' \
 	    SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \
 	    check-run
-
-# Races between threads: of a simulation, of simulations, and of the steppers alone.
-# Those of simulations in one process each: forks after threads are not for the sanitizer.
-TSAN_TESTS := test_threads test_embed test_steppers test_arkode_vector
-
-tsan:
-	@$(MAKE) --no-print-directory BUILD=build/tsan CFLAGS='-O1 -g' SAN='-fsanitize=thread' \
-	    $(TSAN_TESTS:%=build/tsan/tests/%)
-	CK_FORK=no build/tsan/tests/test_threads
-	CK_FORK=no CK_RUN_CASE=threads build/tsan/tests/test_embed
-	CK_TIMEOUT_MULTIPLIER=4 build/tsan/tests/test_arkode_vector
-	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads build/tsan/tests/test_steppers
 
 # Lines of src/ and plugins/ that the tests run.
 COVERAGE_LEAST ?= 90
 
 coverage:
 	@find build/coverage -name '*.gcda' -delete 2>/dev/null || :
-	@CK_TIMEOUT_MULTIPLIER=4 $(MAKE) --no-print-directory BUILD=build/coverage CFLAGS='-O1 -g' \
+	@CK_TIMEOUT_MULTIPLIER=4 $(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/coverage CFLAGS='-O1 -g' \
 	    SAN='--coverage -fprofile-update=atomic' check-run
 	@tools/coverage build/coverage $(COVERAGE_LEAST)
 
-# Sources read by clang-tidy, cppcheck and gcc -fanalyzer.
-static:
-	@tools/static "$(STRICT) $(INCS) $(HDF5_CFLAGS) $(MPI_INC)"
+# Races between threads: of a simulation, of simulations, and of the steppers alone.
+# Those of simulations in one process each: forks after threads are not for the sanitizer.
+TSAN_TESTS := test_threads test_embed test_steppers test_arkode_vector
 
-# The same bits from every compiler and at every level of optimisation.
+tsan:
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/tsan CFLAGS='-O1 -g' SAN='-fsanitize=thread' \
+	    $(TSAN_TESTS:%=build/tsan/tests/%)
+	CK_FORK=no build/tsan/tests/test_threads
+	CK_FORK=no CK_RUN_CASE=threads build/tsan/tests/test_embed
+	CK_TIMEOUT_MULTIPLIER=4 build/tsan/tests/test_arkode_vector
+	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads build/tsan/tests/test_steppers
+
+# Sources read by clang-tidy and cppcheck; DEEP=1: and by gcc -fanalyzer.
+static:
+	@tools/static "$(STRICT) $(INCS) $(HDF5_CFLAGS) $(MPI_INC)" $(DEEP)
+
+# Prints hashes of states, for builds that are compared.
+$(BUILD)/hashes: $(BUILD)/tests/hashes.o $(BUILD)/libweft.a
+	$(call say,LD)$(LINK) -o $@ $^ $(LIB_LIBS)
+
+.PHONY: hashes
+hashes: $(BUILD)/hashes $(PLUGIN_SO)
+
+# The same bits from every compiler and at every level of optimization.
 check-determinism:
 	@mkdir -p build/determinism
 	@MAKE="$(MAKE)" tools/check-determinism build/determinism
+
+# The same bits whatever libm and whatever processor; wants qemu-user.
+check-libm: all $(BUILD)/tests/test_libm $(WRONG_LIBM)
+	@tools/check-libm $(BUILD)
 
 # libFuzzer, a minute a target, as many at once as there are processors: `make fuzz FUZZ_SECONDS=1200 FUZZ=scene`.
 FUZZ_SECONDS ?= 60
@@ -329,31 +384,51 @@ $(FUZZ_HDF:%=$(BUILD)/tests/fuzz/%.o): INCS += $(HDF5_CFLAGS)
 $(FUZZ_HDF:%=$(BUILD)/fuzz/%): private LINK += -Wl,--wrap=fork,--wrap=waitpid
 
 fuzz:
-	@$(MAKE) --no-print-directory BUILD=build/fuzz CC=clang CFLAGS='-O1 -g' \
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/fuzz CC=clang CFLAGS='-O1 -g' \
 	    SAN='-Wno-pass-failed -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all' \
 	    all $(FUZZ:%=build/fuzz/fuzz/%)
 	@printf "%s\n" $(FUZZ) | xargs -P "$$(nproc)" -L 1 tools/fuzz build/fuzz $(FUZZ_SECONDS)
 
-clang-build:
-	@$(MAKE) --no-print-directory BUILD=build/clang CC=clang all \
-	    $(TESTS:%=build/clang/tests/%)
+# clang's warnings, without a build. `make fuzz` builds with clang.
+clang-syntax:
+	@printf '%s\n' $(filter %.c,$(C_FILES)) | xargs -P "$$(nproc)" -L 16 clang $(STRICT) $(WARN) \
+	    $(INCS) -Itests $(HDF5_CFLAGS) $(MPI_INC) $(TEST_DEFS) -fsyntax-only
 
 valgrind: all $(TEST_BIN) $(BROKEN) $(PROMISES)
 	@tools/valgrind $(BUILD)
 
-# Tests and verification against Debian 13's SUNDIALS 7, in a system of its own; root, debootstrap.
+# Tests of the steppers against Debian 13's SUNDIALS 7, in a system of its own; root,
+# debootstrap. WHOLE=1: every test, and the verification.
 check-sundials7:
-	@tools/check-sundials7 $(BUILD)
+	@tools/check-sundials7 $(BUILD) $(WHOLE)
 
-symbols: $(BUILD)/libweft.so $(PLUGIN_SO)
+# What .ci/run leaves out because it is slow.
+nightly: all
+	$(MAKE) static DEEP=1
+	$(MAKE) coverage
+	$(MAKE) verify
+	$(MAKE) fuzz FUZZ_SECONDS=300
+	$(MAKE) check-libm
+	$(MAKE) check-aarch64
+	$(MAKE) check-sundials7 WHOLE=1
+
+# Built for 64-bit ARM and run by qemu-user: which methods have the same bits there.
+check-aarch64: all
+	@MAKE="$(MAKE)" tools/check-aarch64 $(BUILD)
+
+# Built where libraries, compilers or HDF5 are elsewhere or missing.
+check-elsewhere: all $(BUILD)/examples/minimal
+	@tools/check-elsewhere $(BUILD)
+
+symbols: $(BUILD)/libweft.so $(BUILD)/libweft.a $(PLUGIN_SO)
 	@tools/symbols $^
 
 clean:
 	rm -rf $(BUILD)
 
 help:
-	@sed -n '2,9s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | fuzz | coverage | static | check-determinism | tsan | guard | clang-build | check-sundials7 | valgrind | symbols | clean"
+	@sed -n '3,10s/^# \{0,1\}//p' Makefile
+	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | fuzz | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-elsewhere | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | check-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

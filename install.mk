@@ -33,7 +33,9 @@ $(foreach p,$(PLUGINS),$(eval $(call ARCHIVE_RULE,$(p))))
 # Manual pages and completions say what the program says of itself.
 $(MAN) $(COMPLETIONS) &: $(BUILD)/weft tools/manual tools/completion docs/man/weft-plugin.7
 	@mkdir -p $(SHARE)/man
-	$(call say,GEN)tools/manual $(BUILD) $(SHARE)/man && tools/completion $(BUILD) $(SHARE)
+	@$(HOST_WEFT) --version >/dev/null || { \
+	    echo "$(HOST_WEFT) does not run here: HOST_WEFT= names a weft that does" >&2; exit 1; }
+	$(call say,GEN)tools/manual '$(HOST_WEFT)' $(SHARE)/man && tools/completion '$(HOST_WEFT)' $(SHARE)
 
 # For readers, in the folders that the pages know.
 DOCS = README.md CHANGELOG.md LICENSE $(wildcard docs/*.md docs/pictures/* examples/* scenes/*.yaml) plugins/verlet/verlet.c
