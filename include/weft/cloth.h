@@ -126,8 +126,8 @@ WEFT_API weft_cloth_def weft_cloth_def_default(void);
 /* Makes a cloth. It will use the fastest instructions that this machine has, unless the
  * environment variable WEFT_ISA names others that it has: "plain", "x86-64-v3" (AVX2),
  * "x86-64-v4" (AVX-512). Errors: WEFT_INVALID (a value out of range, a pin outside the
- * grid, coincident rest positions, ...; the message names the field), WEFT_NO_MEMORY.
- */
+ * grid, coincident rest positions, another name in WEFT_ISA, ...; the message names the
+ * field), WEFT_NO_MEMORY. */
 WEFT_API weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
                                        weft_error *err);
 WEFT_API void weft_cloth_destroy(weft_cloth *cloth); /* NULL is allowed */

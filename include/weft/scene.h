@@ -65,7 +65,7 @@ WEFT_API int weft_diagnostic_format(const weft_diagnostic *diagnostic, char *tex
                                     size_t size);
 
 typedef struct weft_scene_def {
-    const char *file;        /* path to read, or a name for `text` in messages */
+    const char *file;        /* regular file to read, or `text`'s name in messages */
     const char *text;        /* scene text in memory; NULL: read `file` */
     size_t length;           /* of text */
     const char *const *sets; /* set_count overrides "key.path=value" */
@@ -138,6 +138,12 @@ typedef enum weft_scene_help_format {
 /* Every key with type, unit, default and meaning, line by line to `line`. */
 WEFT_API void weft_scene_help(weft_scene_help_format format,
                               void (*line)(void *ctx, const char *text), void *ctx);
+
+/* The same of one key, as text: "stepper.rtol", or "cloth.pins" with the keys below it.
+ * WEFT_INVALID: there is no such key. */
+WEFT_API weft_status weft_scene_help_key(const char *path,
+                                         void (*line)(void *ctx, const char *text),
+                                         void *ctx, weft_error *err);
 
 #ifdef __cplusplus
 }

@@ -24,6 +24,10 @@ typedef struct weft_registry_def {
     bool installed; /* searched last: weft/plugins-1 beside libweft.so. A program that
                        libweft.a is linked into names that directory itself: `pkg-config
                        --variable=plugindir weft` */
+    /* Asked before a file is loaded, as loading runs its code: anything but WEFT_OK
+     * refuses it, for the reason in *err. NULL: nobody. */
+    weft_status (*admit)(void *ctx, const char *file, weft_error *err);
+    void *admit_ctx;
 } weft_registry_def;
 
 WEFT_API weft_registry_def weft_registry_def_default(void);
@@ -69,6 +73,12 @@ WEFT_API weft_status weft_registry_method(weft_registry *registry, const char *p
                                           const weft_stepper_type **out,
                                           weft_error *err);
 
+/* What the dense matrices of a method come to on so many particles: their bytes, and as
+ * text "matrices of 1734 x 1734, 48.11 MB in all, about 1734 evaluations for each
+ * Jacobian". 0 and "" without WEFT_STEPPER_DENSE. */
+WEFT_API double weft_stepper_matrices(const weft_stepper_type *type, size_t particles,
+                                      char *text, size_t size);
+
 /* Adaptive, rtol = atol = 1e-6, max norm, first step 1 ms, min 1 ps. */
 WEFT_API weft_stepper_config weft_stepper_config_default(void);
 
@@ -91,16 +101,28 @@ WEFT_API weft_status weft_stability_create(const weft_stepper_type *type,
                                            const weft_butcher *butcher,
                                            weft_stability *out, weft_error *err);
 
-/* The largest h [s] up to which no mode in the polygon grows by more than exp(growth h)
- * a step, or to twice itself; INFINITY if none ever does. growth [1/s] is 0 for
- * stability proper. Methods of Runge-Kutta type with |R(i y)| > 1 for small y have no
- * stable step on undamped modes then; with growth = log(2) / T none more than doubles
- * in T seconds. Of other methods growth is not looked at. Errors: WEFT_NO_MEMORY. */
+/* The largest h [s] up to which no mode in the polygon grows; INFINITY if none ever
+ * does. With growth [1/s] 0 this is stability proper: |R(h mu)| <= 1 for the roots of
+ * mu^2 + c mu + w2 = 0.
+ *
+ * Methods of Runge-Kutta type with |R(i y)| > 1 for small y have no stable step on
+ * undamped modes then. A growth > 0 allows these, and no others, to grow: an
+ * oscillating mode of damping rate c / 2 < growth by at most exp((growth - c / 2) h) a
+ * step, and to twice itself. With growth = log(2) / T none more than doubles in T
+ * seconds. Modes that do not oscillate, on the real axis, and those damped at a rate of
+ * growth or more are held to |R| <= 1. Of other methods growth is not looked at.
+ * Errors: WEFT_NO_MEMORY. */
 WEFT_API weft_status weft_stability_step(const weft_stability *stability,
                                          const weft_stiffness *modes, double growth,
                                          double *h, weft_error *err);
 
-/* One simulation under way. One thread at a time; many may share a cloth. */
+/* One simulation under way. One thread at a time; many may share a cloth.
+ *
+ * The same definition gives the same bits on every x86-64 machine and on any number of
+ * threads, if the method is without WEFT_STEPPER_LIBM, its solver library was built
+ * without contraction of a b + c, callbacks are functions of their arguments alone, and
+ * the processor rounds to nearest and keeps denormal numbers. 64-bit ARM has the same
+ * bits under the same conditions; Debian's GSL for it is contracted. */
 typedef struct weft_sim weft_sim;
 
 /* Called after every accepted step of size h [s] that ended at t [s], after the strain
@@ -119,8 +141,16 @@ typedef bool weft_correct_fn(void *ctx, double t, double h, double *y);
  */
 typedef int weft_force_fn(void *ctx, double t, const double *y, double *f);
 
-/* Neither callback may call a function that changes the simulation, or saves it: they
- * return WEFT_INVALID then. */
+/* Asked before every evaluation of the right-hand side, by the thread that steps;
+ * true: the step is given up and fails with WEFT_STOPPED, the state and the time are as
+ * before it, and a later step may go on. For a signal, a deadline or a button: return
+ * what another thread or a handler has set. How often a step evaluates is the method's
+ * matter: those with dense matrices may factorise for minutes in between. */
+typedef bool weft_stop_fn(void *ctx);
+
+/* No callback may call a function that changes the simulation, or saves it: they
+ * return WEFT_INVALID then. All must return: after one that was left by an exception or
+ * by longjmp these functions return WEFT_INVALID for ever. */
 typedef struct weft_sim_def {
     const weft_cloth *cloth;         /* outlives the simulation */
     const weft_stepper_type *method; /* likewise */
@@ -133,6 +163,8 @@ typedef struct weft_sim_def {
     void *force_ctx;
     weft_log log;
     const weft_allocator *allocator; /* also for the stepper; NULL: malloc's */
+    weft_stop_fn *stop;              /* NULL: never */
+    void *stop_ctx;
 } weft_sim_def;
 
 /* Where the energy went since t = 0, in [J]. Without ledger in the definition only

@@ -158,11 +158,15 @@ enum {
     WEFT_STEPPER_IMPLICIT = 1 << 3,
     WEFT_STEPPER_LEGACY = 1 << 4,      /* kept for comparison, not recommended */
     WEFT_STEPPER_BUTCHER = 1 << 5,     /* takes its table from config->butcher */
-    WEFT_STEPPER_DENSE = 1 << 6,       /* keeps dim x dim matrices: small states only */
+    WEFT_STEPPER_DENSE = 1 << 6,       /* keeps dim x dim matrices, a column a RHS call:
+                                          small states only */
     WEFT_STEPPER_CONTROLLER = 1 << 7,  /* adaptive steps look at config->controller */
     WEFT_STEPPER_QUADRATURES = 1 << 8, /* config->quadratures may be > 0 */
-    WEFT_STEPPER_FIRST_AT_Y = 1 << 9 /* the first RHS call of every step is at the t and
-                                        y that it was given: saves weft a pass */
+    WEFT_STEPPER_FIRST_AT_Y = 1 << 9,  /* the first RHS call of every step is at the t
+                                          and y that it was given: saves weft a pass */
+    WEFT_STEPPER_LIBM = 1 << 10 /* the solver decides by powers, sines, ... of libm,
+                                   which rounds them as it likes: no promise of the same
+                                   bits on another machine */
 };
 
 /* An option in force, in words: "safety", "0.96". */
@@ -216,6 +220,10 @@ typedef struct weft_stepper_type {
     /* The right-hand side itself has changed, y perhaps not: nothing that was computed
      * from it may be carried over. NULL: state_changed does as well. */
     void (*ode_changed)(void *self);
+
+    /* Of a method with WEFT_STEPPER_DENSE: how many matrices of dim x dim an instance
+     * keeps. 0: one at least. */
+    int matrices;
 } weft_stepper_type;
 
 /* What every version of the struct has. */

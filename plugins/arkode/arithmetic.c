@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* arithmetic.c -- the loops of vector.c over plain arrays.
+/* arithmetic.c -- the loops of vector.c over plain arrays. Debian compiles those of
+ * SUNDIALS at -O0.
  *
- * Debian compiles SUNDIALS at -O0. Beyond the caches it is memory that binds, so a
- * combination reads all its vectors side by side, once; and where it is an error
- * estimate it is judged block by block, while it still is in the first cache.
- *
- * Every component is computed by the same operations in the same order whatever the
- * instruction set, and a sum is taken over slices that depend on the length alone and
- * are added up in order: the same bits everywhere, on any number of threads. */
+ * Every component is computed by the same operations in the same order on any set of
+ * instructions, and a sum is taken over slices that depend on the length alone and are
+ * added up in order: the same bits everywhere, on any number of threads. */
 #include "arithmetic.h"
 
 #include <math.h>
@@ -15,108 +12,82 @@
 
 enum {
     SIDE_BY_SIDE = 8,       /* vectors read at once */
-    BLOCK = 512,            /* components of a part that stays in a cache */
+    BLOCK = 1024,           /* components of a partial sum, which stays in a cache */
     LINE = 8,               /* components of a cache line */
-    LANES = 64,             /* partial results of a norm; BLOCK is a multiple */
+    LANES = 64,             /* partial results of a norm */
     SLICES = 64,            /* a vector has at most so many, */
     SLICE_LEAST = 2048,     /* of so many components at least */
-    PARALLEL_LEAST = 20000, /* components that are worth the waking of a thread */
+    PARALLEL_LEAST = 20000, /* components that are worth waking a thread for */
 };
 
-/* Wider vectors where the machine has them, which is found out as the plugin is loaded:
- * before there is an address sanitizer. */
+/* Wider vectors where the machine has them. The choice is made as the plugin is loaded,
+ * which is before an address sanitizer works. */
 #if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)                   \
     && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define WIDE __attribute__((target_clones("default", "avx2")))
+#define WIDE __attribute__((target_clones("default", "avx2", "avx512f")))
 #else
 #define WIDE
 #endif
 
-/* What is written may be one of the vectors read, but not a part of one. */
+/* The output may be one of the vectors read, but not a part of one. */
 #if defined(__clang__)
 #define ELEMENTWISE _Pragma("clang loop vectorize(assume_safety)")
 #else
 #define ELEMENTWISE _Pragma("GCC ivdep")
 #endif
 
-/* What came of a slice. */
-typedef struct part {
-    double value; /* of a norm, or the largest magnitude */
-    bool bad;     /* something is not finite */
-} part;
+/* A loop over n components, slice by slice. */
+typedef struct loop loop;
+typedef double slice_fn(const loop *self, size_t first, size_t end);
 
-/* On arrays of n components. */
-typedef struct operation {
+struct loop {
+    slice_fn *slice;
     size_t n;
     int count; /* of vectors read */
     const double *const *x;
     const double *c;
     double *z;
-    const ark_weights *weights; /* NULL: it is not judged */
-} operation;
-
-/* The components [first, last). */
-typedef part slice_fn(const operation *op, size_t first, size_t last);
+    size_t size; /* of a slice */
+    double results[SLICES];
+};
 
 static size_t least(size_t a, size_t b)
 {
     return a < b ? a : b;
 }
 
-/* A slice for each part of a job. */
-typedef struct job {
-    slice_fn *slice;
-    const operation *op;
-    size_t size; /* of a slice */
-    part *parts;
-} job;
-
 static void do_slice(void *ctx, size_t i)
 {
-    const job *whole = ctx;
-    const size_t first = i * whole->size;
-    whole->parts[i]
-        = whole->slice(whole->op, first, least(first + whole->size, whole->op->n));
+    loop *self = ctx;
+    const size_t first = i * self->size;
+    self->results[i] = self->slice(self, first, least(first + self->size, self->n));
 }
 
 /* Returns the number of slices. */
-static int run(const weft_team *team, slice_fn *slice, const operation *op,
-               part parts[SLICES])
+static size_t run(loop *self, const weft_team *team)
 {
-    const size_t even = (op->n / (SLICES * LINE) + 1) * LINE;
-    job whole = { slice, op, even > SLICE_LEAST ? even : SLICE_LEAST, parts };
-    const int count = (int)((op->n + whole.size - 1) / whole.size);
-    if (team != NULL && op->n >= PARALLEL_LEAST) {
-        team->run(team->self, do_slice, &whole, (size_t)count);
+    const size_t even = (self->n / (SLICES * LINE) + 1) * LINE;
+    self->size = even > SLICE_LEAST ? even : SLICE_LEAST;
+    const size_t count = (self->n + self->size - 1) / self->size;
+    if (team != NULL && self->n >= PARALLEL_LEAST) {
+        team->run(team->self, do_slice, self, count);
         return count;
     }
-    for (int i = 0; i < count; ++i) {
-        do_slice(&whole, (size_t)i);
+    for (size_t i = 0; i < count; ++i) {
+        do_slice(self, i);
     }
     return count;
 }
 
-static bool any_bad(const part *parts, int count)
-{
-    int i = 0;
-    while (i < count && !parts[i].bad) {
-        ++i;
-    }
-    return i < count;
-}
-
-/* The largest value, NaN if one is. */
-static double largest(const part *parts, int count)
+/* NaN if one is. */
+static double largest(const double *values, size_t count)
 {
     double most = 0.0;
-    for (int i = 0; i < count; ++i) {
-        const double value = parts[i].value;
-        most = value > most || isnan(value) ? value : most;
+    for (size_t i = 0; i < count; ++i) {
+        most = values[i] > most || isnan(values[i]) ? values[i] : most;
     }
     return most;
 }
-
-/* ---- combinations ---------------------------------------------------------------- */
 
 /* Added to the bits of |x| these carry into the sign just for an x that is not finite,
  * whose exponent has all bits set, or that is NaN, which has bits behind them. */
@@ -129,6 +100,8 @@ static inline uint64_t magnitude_bits(double x)
     memcpy(&bits, &x, sizeof bits);
     return bits & INT64_MAX;
 }
+
+/* ---- combinations ---------------------------------------------------------------- */
 
 /* Returns whether something of z is not finite. */
 static inline __attribute__((always_inline)) bool
@@ -153,252 +126,164 @@ add_up(int count, const double *const *x, const double *c, double *z, size_t n)
     return bad >> 63 != 0;
 }
 
-/* z = sum of c[k] x[k], from left to right; at most SIDE_BY_SIDE of them. */
-WIDE static bool combine(int count, const double *const *x, const double *c, double *z,
-                         size_t n)
+/* At most SIDE_BY_SIDE vectors. */
+WIDE static bool add(int count, const double *const *x, const double *c, double *z,
+                     size_t n)
 {
     switch (count) {
-    case 1:
-        return add_up(1, x, c, z, n);
-    case 2:
-        return add_up(2, x, c, z, n);
-    case 3:
-        return add_up(3, x, c, z, n);
-    case 4:
-        return add_up(4, x, c, z, n);
-    case 5:
-        return add_up(5, x, c, z, n);
-    case 6:
-        return add_up(6, x, c, z, n);
-    case 7:
-        return add_up(7, x, c, z, n);
+#define CASE(m)                                                                        \
+    case m:                                                                            \
+        return add_up(m, x, c, z, n);
+        CASE(1)
+        CASE(2)
+        CASE(3)
+        CASE(4)
+        CASE(5)
+        CASE(6)
+        CASE(7)
+#undef CASE
     default:
-        return add_up(8, x, c, z, n);
+        return add_up(SIDE_BY_SIDE, x, c, z, n);
     }
 }
 
-/* More vectors than that: the sum so far is the first of the next lot. What is not
- * finite stays so. */
-static bool combine_many(const operation *op, size_t at, size_t n)
+/* Of more vectors the sum so far is the first of the next lot. What is not finite stays
+ * so. Returns NaN if something of z is not finite. */
+static double combine_slice(const loop *self, size_t first, size_t end)
 {
     double sum[BLOCK];
-    const double *x[SIDE_BY_SIDE] = { sum };
-    double c[SIDE_BY_SIDE] = { 1.0 };
     bool bad = false;
-    for (int done = 0, lot = 0; done < op->count; done += lot) {
-        const int kept = done > 0;
-        for (lot = 0; kept + lot < SIDE_BY_SIDE && done + lot < op->count; ++lot) {
-            x[kept + lot] = op->x[done + lot] + at;
-            c[kept + lot] = op->c[done + lot];
+    for (size_t at = first; at < end; at += BLOCK) {
+        const size_t n = least(BLOCK, end - at);
+        const double *x[SIDE_BY_SIDE] = { sum };
+        double c[SIDE_BY_SIDE] = { 1.0 };
+        for (int done = 0, lot = 0; done < self->count; lot = 1) {
+            for (; lot < SIDE_BY_SIDE && done < self->count; ++lot, ++done) {
+                x[lot] = self->x[done] + at;
+                c[lot] = self->c[done];
+            }
+            bad = add(lot, x, c, done < self->count ? sum : self->z + at, n) || bad;
+            x[0] = sum;
+            c[0] = 1.0;
         }
-        bad = combine(kept + lot, x, c, sum, n);
-        x[0] = sum;
-        c[0] = 1.0;
     }
-    memcpy(op->z + at, sum, n * sizeof *sum);
-    return bad;
-}
-
-/* As many as there are; n <= BLOCK if they are many. */
-static bool combine_part(const operation *op, size_t at, size_t n)
-{
-    const double *x[SIDE_BY_SIDE];
-    if (op->count > SIDE_BY_SIDE) {
-        return combine_many(op, at, n);
-    }
-    for (int k = 0; k < op->count; ++k) {
-        x[k] = op->x[k] + at;
-    }
-    return combine(op->count, x, op->c, op->z + at, n);
-}
-
-static part combination_slice(const operation *op, size_t first, size_t last)
-{
-    part out = { 0 };
-    const size_t most = op->count > SIDE_BY_SIDE ? BLOCK : last - first;
-    for (size_t at = first; at < last; at += most) {
-        out.bad = combine_part(op, at, least(most, last - at)) || out.bad;
-    }
-    return out;
+    return bad ? (double)NAN : 0.0;
 }
 
 bool weft__ark_combine(const weft_team *team, size_t n, int count,
                        const double *const *x, const double *c, double *z)
 {
-    const operation op = { .n = n, .count = count, .x = x, .c = c, .z = z };
-    part parts[SLICES];
-    return !any_bad(parts, run(team, combination_slice, &op, parts));
+    loop all
+        = { .slice = combine_slice, .n = n, .count = count, .x = x, .c = c, .z = z };
+    return !isnan(largest(all.results, run(&all, team)));
 }
 
-/* ---- other loops ----------------------------------------------------------------- */
-
-/* A comparison drops NaN, which is kept apart. */
-WIDE static part copy_slice(const operation *op, size_t first, size_t last)
+WIDE static double set_slice(const loop *self, size_t first, size_t end)
 {
-    double most[LINE] = { 0.0 };
-    uint64_t bad = 0;
-    for (size_t at = first; at < last; at += LINE) {
-        const double *from = op->x[0] + at;
-        double *to = op->z + at;
-        const size_t m = least(LINE, last - at);
-        for (size_t i = 0; i < m; ++i) {
-            const double size = fabs(from[i]);
-            most[i] = size > most[i] ? size : most[i];
-            bad |= magnitude_bits(size) + SHOWS_NOT_FINITE;
-            to[i] = from[i];
-        }
+    for (size_t i = first; i < end; ++i) {
+        self->z[i] = self->c[0];
     }
-    for (size_t i = 1; i < LINE; ++i) {
-        most[0] = most[i] > most[0] ? most[i] : most[0];
-    }
-    return (part){ bad >> 63 != 0 ? NAN : most[0], bad >> 63 != 0 };
-}
-
-double weft__ark_copy(const weft_team *team, size_t n, const double *x, double *z)
-{
-    const operation op = { .n = n, .x = &x, .z = z };
-    part parts[SLICES];
-    return largest(parts, run(team, copy_slice, &op, parts));
-}
-
-WIDE static part set_slice(const operation *op, size_t first, size_t last)
-{
-    double *z = op->z;
-    const double c = op->c[0];
-    for (size_t i = first; i < last; ++i) {
-        z[i] = c;
-    }
-    return (part){ 0 };
+    return 0.0;
 }
 
 void weft__ark_set(const weft_team *team, size_t n, double c, double *z)
 {
-    const operation op = { .n = n, .c = &c, .z = z };
-    part parts[SLICES];
-    (void)run(team, set_slice, &op, parts);
+    loop all = { .slice = set_slice, .n = n, .c = &c, .z = z };
+    (void)run(&all, team);
 }
 
-WIDE static part finite_slice(const operation *op, size_t first, size_t last)
+WIDE static double finite_slice(const loop *self, size_t first, size_t end)
 {
-    const double *x = op->x[0];
+    const double *x = self->x[0];
     uint64_t bad = 0;
-    for (size_t i = first; i < last; ++i) {
+    for (size_t i = first; i < end; ++i) {
         bad |= magnitude_bits(x[i]) + SHOWS_NOT_FINITE;
     }
-    return (part){ .bad = bad >> 63 != 0 };
+    return bad >> 63 != 0 ? (double)NAN : 0.0;
 }
 
 bool weft__ark_all_finite(const weft_team *team, size_t n, const double *x)
 {
-    const operation op = { .n = n, .x = &x };
-    part parts[SLICES];
-    return !any_bad(parts, run(team, finite_slice, &op, parts));
+    loop all = { .slice = finite_slice, .n = n, .x = &x };
+    return !isnan(largest(all.results, run(&all, team)));
 }
 
 /* ---- norms ----------------------------------------------------------------------- */
 
-WIDE static void weigh(const double *y, double *to, size_t n, double rtol, double atol)
+WIDE static void weigh(const double *y, double *w, size_t n, double rtol, double atol)
 {
     ELEMENTWISE
     for (size_t i = 0; i < n; ++i) {
-        to[i] = 1.0 / (rtol * fabs(y[i]) + atol);
+        w[i] = 1.0 / (rtol * fabs(y[i]) + atol);
     }
 }
 
-/* Weights [at, at + n), into `room` where they stand nowhere. */
-static const double *weights_at(const ark_weights *w, size_t at, size_t n,
-                                double room[BLOCK])
+/* c: rtol and both of atol. */
+static double weights_slice(const loop *self, size_t first, size_t end)
 {
-    if (w->plain != NULL) {
-        return w->plain + at;
-    }
-    const size_t x = at >= w->half ? 0 : least(n, w->half - at);
-    weigh(w->y + at, room, x, w->rtol, w->atol[0]);
-    weigh(w->y + at + x, room + x, n - x, w->rtol, w->atol[1]);
-    return room;
+    const size_t half = self->n / 2, mid = half < first ? first : least(half, end);
+    const double *y = self->x[0], *c = self->c;
+    weigh(y + first, self->z + first, mid - first, c[0], c[1]);
+    weigh(y + mid, self->z + mid, end - mid, c[0], c[2]);
+    return 0.0;
 }
 
-/* In the lanes the largest e w; returns whether one is NaN. */
-WIDE static bool raise_lanes(const double *e, const double *w, size_t n, double *lane)
+void weft__ark_weights_of(const weft_team *team, size_t n, const double *y, double rtol,
+                          const double atol[2], double *w)
 {
+    const double c[] = { rtol, atol[0], atol[1] };
+    loop all = { .slice = weights_slice, .n = n, .x = &y, .c = c, .z = w };
+    (void)run(&all, team);
+}
+
+/* The largest |e w|. */
+WIDE static double max_slice(const loop *self, size_t first, size_t end)
+{
+    const double *e = self->x[0], *w = self->x[1];
+    double lane[LANES] = { 0.0 };
     uint64_t nan = 0;
-    for (size_t at = 0; at < n; at += LANES) {
-        const size_t m = least(LANES, n - at);
+    for (size_t at = first; at < end; at += LANES) {
+        const size_t m = least(LANES, end - at);
         for (size_t i = 0; i < m; ++i) {
             const double size = fabs(e[at + i] * w[at + i]);
             lane[i] = size > lane[i] ? size : lane[i];
             nan |= magnitude_bits(size) + SHOWS_NAN;
         }
     }
-    return nan >> 63 != 0;
+    return nan >> 63 != 0 ? (double)NAN : largest(lane, LANES);
 }
 
-/* In the lanes the sums of (e w)^2. */
-WIDE static void add_to_lanes(const double *e, const double *w, size_t n, double *lane)
+static double sum_of(const double *values, size_t count)
 {
-    for (size_t at = 0; at < n; at += LANES) {
-        const size_t m = least(LANES, n - at);
+    double sum = 0.0;
+    for (size_t i = 0; i < count; ++i) {
+        sum += values[i];
+    }
+    return sum;
+}
+
+/* The sum of (e w)^2. */
+WIDE static double squares_slice(const loop *self, size_t first, size_t end)
+{
+    const double *e = self->x[0], *w = self->x[1];
+    double lane[LANES] = { 0.0 };
+    for (size_t at = first; at < end; at += LANES) {
+        const size_t m = least(LANES, end - at);
         for (size_t i = 0; i < m; ++i) {
             const double size = e[at + i] * w[at + i];
             lane[i] += size * size;
         }
     }
+    return sum_of(lane, LANES);
 }
 
-static double together(const double *lane, bool max)
+double weft__ark_norm(const weft_team *team, size_t n, weft_norm norm, const double *e,
+                      const double *w)
 {
-    double sum = lane[0];
-    for (size_t i = 1; i < LANES; ++i) {
-        sum = !max ? sum + lane[i] : lane[i] > sum ? lane[i] : sum;
-    }
-    return sum;
-}
-
-/* Combined first if there are vectors to combine. */
-static part judged_slice(const operation *op, size_t first, size_t last)
-{
-    const bool max = op->weights->norm == WEFT_NORM_MAX;
-    double lane[LANES] = { 0.0 }, room[BLOCK];
-    bool nan = false;
-    part out = { 0 };
-    for (size_t at = first; at < last; at += BLOCK) {
-        const size_t n = least(BLOCK, last - at);
-        const double *w = weights_at(op->weights, at, n, room);
-        if (op->count > 0) {
-            out.bad = combine_part(op, at, n) || out.bad;
-        }
-        if (max) {
-            nan = raise_lanes(op->z + at, w, n, lane) || nan;
-        } else {
-            add_to_lanes(op->z + at, w, n, lane);
-        }
-    }
-    out.value = nan ? NAN : together(lane, max);
-    return out;
-}
-
-/* What has no weight has no say, nor in where slices end; NaN in it shows. */
-double weft__ark_judge(const weft_team *team, size_t n, const ark_weights *weights,
-                       double *e, int count, const double *const *x, const double *c,
-                       bool *finite)
-{
-    const size_t judged = weights->plain != NULL ? n : 2 * weights->half;
-    const operation op
-        = { .n = judged, .count = count, .x = x, .c = c, .z = e, .weights = weights };
-    part parts[SLICES];
-    const int slices = run(team, judged_slice, &op, parts);
-    double sum = 0.0, unjudged = 0.0;
-    bool bad = any_bad(parts, slices);
-    for (size_t at = judged; at < n; ++at) {
-        bad = (count > 0 && combine_part(&op, at, 1)) || bad;
-        unjudged += e[at] * 0.0;
-    }
-    *finite = !bad;
-    if (weights->norm == WEFT_NORM_MAX) {
-        return largest(parts, slices) + unjudged;
-    }
-    for (int i = 0; i < slices; ++i) {
-        sum += parts[i].value;
-    }
-    return sqrt((sum + unjudged) / (double)judged);
+    const double *both[] = { e, w };
+    const bool max = norm == WEFT_NORM_MAX;
+    loop all = { .slice = max ? max_slice : squares_slice, .n = n, .x = both };
+    const size_t slices = run(&all, team);
+    return max ? largest(all.results, slices)
+               : sqrt(sum_of(all.results, slices) / (double)n);
 }

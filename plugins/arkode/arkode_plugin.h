@@ -10,6 +10,7 @@
 #ifndef ARKODE_PLUGIN_H
 #define ARKODE_PLUGIN_H
 
+#include "weft/elementary.h"
 #include "weft/stepper.h"
 
 #if defined(__GNUC__) /* headers of others do not meet our warnings */
@@ -29,8 +30,7 @@
 #include <sundials/sundials_core.h>
 #endif
 #if SUNV >= 607
-#include <sunadaptcontroller/sunadaptcontroller_imexgus.h>
-#include <sunadaptcontroller/sunadaptcontroller_soderlind.h>
+#include <sundials/sundials_adaptcontroller.h>
 #endif
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
@@ -63,6 +63,12 @@ typedef struct ark_method {
     const weft_butcher *table; /* NULL: not one of ours */
 } ark_method;
 
+/* The last two accepted steps: their biased errors, 1 where there was none, and their
+ * lengths [s], 0 where there was none. */
+typedef struct ark_past {
+    double e[2], h[2];
+} ark_past;
+
 /* One instance. */
 typedef struct stepper {
     const ark_method *method;
@@ -85,6 +91,7 @@ typedef struct stepper {
     void *solver;
 #if SUNV >= 607
     SUNAdaptController controller;
+    ark_past past; /* as that controller knows it */
 #endif
 
     /* the step under way */
@@ -136,17 +143,15 @@ bool weft__ark_has_order(const weft_butcher *table, const double *weights, int o
  * ones are shared with the team, which may be NULL, with the same results. NULL: no
  * memory. What NV_DATA_S points to may be shared: it is for reading. */
 N_Vector weft__ark_vector(size_t n, const weft_team *team, SUNContext context);
-/* What ARKODE judges steps and tolerances by; before that, and with fixed steps, it
- * finds nothing wrong. */
-void weft__ark_judge_by(N_Vector v, weft_norm by);
+/* What ARKODE judges steps and tolerances by: the first `judged` components. Before
+ * that, and with fixed steps, it finds nothing wrong. */
+void weft__ark_judge_by(N_Vector v, weft_norm by, size_t judged);
 /* Where its numbers may be written, all of them unless it was filled before. */
 double *weft__ark_fill(N_Vector v);
 void weft__ark_read(N_Vector v, double *to);
 void weft__ark_write(N_Vector v, const double *from);
 bool weft__ark_finite(N_Vector v);
-/* Makes weights of 1 / (rtol |y_i| + atol), of the first `half` components and of the
- * second, 0 behind them: for norms alone. */
-void weft__ark_weigh(N_Vector y, N_Vector weights, size_t half, double rtol,
-                     const double atol[2]);
+/* The weights 1 / (rtol |y_i| + atol) of what is judged, in two halves. */
+void weft__ark_weigh(N_Vector y, N_Vector weights, double rtol, const double atol[2]);
 
 #endif

@@ -1,27 +1,25 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* control.c -- how h is adapted: ARKODE's controllers, every knob set by us. What is
- * not asked for is what ERKStep's default was until 7.2, which 7.3 changed. */
+/* control.c -- how h is adapted: ARKODE calls the laws of its own controllers, written
+ * out here, and gets every other knob from us. ARKODE's laws take libm's pow, whose
+ * bits differ between machines. What is not asked for is what ERKStep's default was
+ * until 7.2, which 7.3 changed. */
 #include "arkode_plugin.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Gains as in ARKODE's manual (6.4, "Time step adaptivity"): with e1, e2, e3 the last
- * errors and p the embedded order,
- *   pid  h e1^(-k1/p) e2^(k2/p) e3^(-k3/p); pi and i: the same with fewer,
- *   explicit_gustafsson  h e1^(-k1/p) (e1/e2)^(-k2/p), ... */
+/* Gains as in ARKODE's manual (6.4, "Time step adaptivity"). */
 static const struct {
     weft_controller_type type;
-    int method; /* of ERKStepSetAdaptivityMethod, until 6.6 */
     double gains[3];
 } laws[] = {
-    { WEFT_CONTROLLER_PID, ARK_ADAPT_PID, { 0.58, 0.21, 0.1 } },
-    { WEFT_CONTROLLER_PI, ARK_ADAPT_PI, { 0.8, 0.31, 0.0 } },
-    { WEFT_CONTROLLER_I, ARK_ADAPT_I, { 1.0, 0.0, 0.0 } },
-    { WEFT_CONTROLLER_EXPLICIT_GUSTAFSSON, ARK_ADAPT_EXP_GUS, { 0.367, 0.268, 0.0 } },
-    { WEFT_CONTROLLER_IMPLICIT_GUSTAFSSON, ARK_ADAPT_IMP_GUS, { 0.98, 0.95, 0.0 } },
-    { WEFT_CONTROLLER_IMEX_GUSTAFSSON, ARK_ADAPT_IMEX_GUS, { 0.367, 0.268, 0.95 } },
+    { WEFT_CONTROLLER_PID, { 0.58, 0.21, 0.1 } },
+    { WEFT_CONTROLLER_PI, { 0.8, 0.31, 0.0 } },
+    { WEFT_CONTROLLER_I, { 1.0, 0.0, 0.0 } },
+    { WEFT_CONTROLLER_EXPLICIT_GUSTAFSSON, { 0.367, 0.268, 0.0 } },
+    { WEFT_CONTROLLER_IMPLICIT_GUSTAFSSON, { 0.98, 0.95, 0.0 } },
+    { WEFT_CONTROLLER_IMEX_GUSTAFSSON, { 0.367, 0.268, 0.95 } },
 };
 
 #define LAWS (sizeof laws / sizeof laws[0])
@@ -112,56 +110,117 @@ weft_controller weft__ark_control(const weft_controller *asked)
     return c;
 }
 
-#if SUNV >= 607
-/* In 6.7 the gains of pid and pi became those of Soderlind's law, where all exponents
- * are negative. */
-static int make_law(stepper *self, const double k[3])
+static double gustafsson(double e1, double e2, double k1, double k2)
 {
-    SUNContext context = self->context;
-    SUNAdaptController *made = &self->controller;
-    switch (self->control.type) {
+    return weft_pow(e1, -k1) * weft_pow(e1 / e2, -k2);
+}
+
+/* The next h after a step of h by ARKODE's laws (manual of 6.4, "Time step
+ * adaptivity"): p is the embedded order, e1 the biased error of the step, e2 and e3 are
+ * those of the accepted steps before it. Without a step before, 6.4 and 7.1 take other
+ * Gustafsson laws: these are 7.1's. */
+static double next_h(const weft_controller *c, int p, double h, double e,
+                     const ark_past *past)
+{
+    const double least = 1e-10; /* ARKODE's */
+    const double e1 = fmax(e, least), e2 = fmax(past->e[0], least);
+    const double k1 = c->gains[0] / p, k2 = c->gains[1] / p, k3 = c->gains[2] / p;
+    const bool first = past->h[0] == 0.0;
+    const double ratio = first ? 1.0 : h / past->h[0];
+    switch (c->type) {
     case WEFT_CONTROLLER_PID:
-        *made = SUNAdaptController_PID(context);
-        return *made == NULL
-               || SUNAdaptController_SetParams_PID(*made, k[0], -k[1], k[2]);
+        return h * weft_pow(e1, -k1) * weft_pow(e2, k2)
+               * weft_pow(fmax(past->e[1], least), -k3);
     case WEFT_CONTROLLER_I:
-        *made = SUNAdaptController_I(context);
-        return *made == NULL || SUNAdaptController_SetParams_I(*made, k[0]);
+        return h * weft_pow(e1, -k1);
     case WEFT_CONTROLLER_EXPLICIT_GUSTAFSSON:
-        *made = SUNAdaptController_ExpGus(context);
-        return *made == NULL || SUNAdaptController_SetParams_ExpGus(*made, k[0], k[1]);
+        return h * gustafsson(e1, e2, k1, k2);
     case WEFT_CONTROLLER_IMPLICIT_GUSTAFSSON:
-        *made = SUNAdaptController_ImpGus(context);
-        return *made == NULL || SUNAdaptController_SetParams_ImpGus(*made, k[0], k[1]);
+        return h * ratio * gustafsson(e1, e2, k1, k2);
     case WEFT_CONTROLLER_IMEX_GUSTAFSSON:
-        *made = SUNAdaptController_ImExGus(context);
-        return *made == NULL
-               || SUNAdaptController_SetParams_ImExGus(*made, k[0], k[1], k[2], k[2]);
+        return first ? h * weft_pow(e1, -1.0 / p)
+                     : h
+                           * fmin(ratio * gustafsson(e1, e2, k3, k3),
+                                  gustafsson(e1, e2, k1, k2));
     default:
-        *made = SUNAdaptController_PI(context);
-        return *made == NULL || SUNAdaptController_SetParams_PI(*made, k[0], -k[1]);
+        return h * weft_pow(e1, -k1) * weft_pow(e2, k2);
     }
 }
-#endif
+
+/* How ARKODE gets that law: a function until 6.6, an object from 6.7 on. */
+#if SUNV >= 607
+static SUNAdaptController_Type law_type(SUNAdaptController controller)
+{
+    (void)controller;
+    return SUN_ADAPTCONTROLLER_H;
+}
+
+static int law_estimate(SUNAdaptController controller, sunrealtype h, int p,
+                        sunrealtype error, sunrealtype *next)
+{
+    const stepper *self = controller->content;
+    const weft_controller *c = &self->control;
+    *next = next_h(c, p + 1, h, c->bias * error, &self->past);
+    return 0;
+}
+
+static int law_reset(SUNAdaptController controller)
+{
+    stepper *self = controller->content;
+    self->past = (ark_past){ .e = { 1.0, 1.0 } };
+    return 0;
+}
+
+static int law_accepted(SUNAdaptController controller, sunrealtype h, sunrealtype error)
+{
+    stepper *self = controller->content;
+    const ark_past before = self->past;
+    self->past
+        = (ark_past){ { self->control.bias * error, before.e[0] }, { h, before.h[0] } };
+    return 0;
+}
+
+/* SUNDIALS' own would free the content, which is the stepper. */
+static int law_destroy(SUNAdaptController controller)
+{
+    SUNAdaptController_DestroyEmpty(controller);
+    return 0;
+}
 
 static int set_law(stepper *self)
 {
-    const weft_controller *c = &self->control;
-#if SUNV >= 607
-    int bad = make_law(self, c->gains);
-    if (bad == 0) {
-        bad |= (int)SUNAdaptController_SetErrorBias(self->controller, c->bias);
-        bad |= ARK(SetAdaptController)(self->solver, self->controller);
-        bad |= ARK(SetAdaptivityAdjustment)(self->solver, -1); /* h ~ error^(-1/p) */
+    SUNAdaptController made = SUNAdaptController_NewEmpty(self->context);
+    if (made == NULL) {
+        return 1;
     }
-    return bad;
-#else
-    sunrealtype k[3] = { c->gains[0], c->gains[1], c->gains[2] };
-    return ERKStepSetAdaptivityMethod(self->solver, laws[law_of(c->type)].method, 0, 0,
-                                      k) /* 0: by p */
-           | ERKStepSetErrorBias(self->solver, c->bias);
-#endif
+    self->controller = made;
+    made->content = self;
+    made->ops->gettype = law_type;
+    made->ops->estimatestep = law_estimate;
+    made->ops->reset = law_reset;
+    made->ops->updateh = law_accepted;
+    made->ops->destroy = law_destroy;
+    return law_reset(made) | ARK(SetAdaptController)(self->solver, made)
+           | ARK(SetAdaptivityAdjustment)(self->solver, -1); /* h ~ error^(-1/p) */
 }
+#else
+static int law(N_Vector y, sunrealtype t, sunrealtype h, sunrealtype h1, sunrealtype h2,
+               sunrealtype e, sunrealtype e1, sunrealtype e2, int q, int p,
+               sunrealtype *next, void *instance)
+{
+    const stepper *self = instance;
+    const ark_past past = { { e1, e2 }, { h1, h2 } };
+    (void)y, (void)t, (void)q;
+    *next = next_h(&self->control, p, h, e, &past);
+    return 0;
+}
+
+static int set_law(stepper *self)
+{
+    return ERKStepSetAdaptivityFn(self->solver, law, self)
+           | ERKStepSetErrorBias(self->solver, self->control.bias);
+}
+#endif
 
 int weft__ark_set_control(stepper *self)
 {

@@ -145,7 +145,7 @@ static bool make_solver(stepper *self, const weft_stepper_config *config,
     }
     if (made) {
         if (self->fixed_step == 0.0) {
-            weft__ark_judge_by(self->y, config->norm);
+            weft__ark_judge_by(self->y, config->norm, 2 * self->half);
         }
         self->solver = ERKStepCreate(weft__ark_rhs, 0.0, self->y, self->context);
         made = self->solver != NULL && settings(self)

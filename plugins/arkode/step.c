@@ -58,7 +58,7 @@ int weft__ark_weights(N_Vector y, N_Vector weights, void *instance)
 {
     const stepper *self = instance;
     if (self->fixed_step == 0.0) {
-        weft__ark_weigh(y, weights, self->half, self->rtol, self->atol);
+        weft__ark_weigh(y, weights, self->rtol, self->atol);
     }
     return 0;
 }
@@ -188,7 +188,9 @@ static weft_status fail(stepper *self, int flag, double t, weft_error *err)
 }
 
 /* The h to try next, after a step where h was tried for self->h. One cut short by the
- * frame's end says little of it, unless ARKODE had to go below that. */
+ * frame's end says little of it, unless ARKODE had to go below that. Where max_step
+ * binds ARKODE's h may be longer by roundoff: it is accepted, as a restart costs an
+ * evaluation. */
 static void propose(stepper *self, double tried, double taken)
 {
     if (self->fixed_step > 0.0) {
@@ -197,7 +199,8 @@ static void propose(stepper *self, double tried, double taken)
     double next = self->h;
     (void)ARK(GetCurrentStep)(self->solver, &next);
     const bool cut = tried < self->h && taken >= tried * (1.0 - 1e-9);
-    self->own_h = !(next > 0.0 && next <= self->max_step && next >= self->min_step);
+    self->own_h = !(next > 0.0 && next <= self->max_step * (1.0 + 1e-15)
+                    && next >= self->min_step);
     if (self->own_h) {
         next = fmin(fmax(next > 0.0 ? next : 0.0, self->min_step), self->max_step);
     }

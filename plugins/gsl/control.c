@@ -11,12 +11,14 @@
  *     r = sqrt(1/n sum_i (e_i / D_i)^2)
  *
  * Either r is computed here, in one pass with the test for numbers that are not finite,
- * which GSL does not look for, and a control of GSL's judges this one number, with D =
- * 1; so both norms decide by the same rule. Either is of the positions and velocities
- * alone, so that quadratures have no say. The scaled kind judges: the standard kind may
- * lengthen h by exactly 5, where msbdf divides by zero (GSL bug 52336). */
+ * which GSL does not look for; so both norms decide by the same rule. Either is of the
+ * positions and velocities alone, so that quadratures have no say. The rule is that of
+ * the scaled kind, as the standard kind may lengthen h by exactly 5, where msbdf
+ * divides by zero (GSL bug 52336). It is written out here, as GSL's takes libm's pow,
+ * whose bits differ between machines. */
 #include "gsl_plugin.h"
 
+#include <float.h>
 #include <gsl/gsl_errno.h>
 #include <math.h>
 #include <string.h>
@@ -119,34 +121,48 @@ static const gsl_odeiv2_control_type control_type = {
     .errlevel = errlevel,
 };
 
-bool weft__gsl_control_init(stepper *self, weft_norm norm, double rtol,
+void weft__gsl_control_init(stepper *self, weft_norm norm, double rtol,
                             double atol_position, double atol_velocity)
 {
-    const double one = 1.0;
     self->norm = norm;
     self->rtol = rtol;
     self->atol[0] = atol_position;
     self->atol[1] = atol_velocity;
     self->control = (gsl_odeiv2_control){ .type = &control_type, .state = self };
-    self->judge = gsl_odeiv2_control_scaled_new(1.0, 0.0, 1.0, 0.0, &one, 1);
-    return self->judge != NULL;
 }
 
-void weft__gsl_control_free(stepper *self)
+/* The rule has no knobs; these are GSL's constants (cscal.c). */
+#define SAFETY        0.9
+#define REJECT_ABOVE  1.1
+#define GROW_BELOW    0.5
+#define MAX_GROWTH    4.9
+#define MIN_REDUCTION 0.2
+
+bool weft__gsl_rejects(unsigned int order, double r, double *h)
 {
-    gsl_odeiv2_control_free(self->judge); /* NULL is allowed */
+    if (r > REJECT_ABOVE) {
+        *h *= fmax(SAFETY / weft_pow(r, 1.0 / order), MIN_REDUCTION);
+        return true;
+    }
+    if (r < GROW_BELOW) {
+        const double wanted = SAFETY / weft_pow(fmax(r, DBL_MIN), 1.0 / (order + 1.0));
+        *h *= fmax(fmin(wanted, MAX_GROWTH), 1.0);
+    }
+    return false;
 }
 
-/* GSL's rule has no knobs; these are its constants (cstd.c). */
+#define TEXT(number)  #number
+#define VALUE(number) TEXT(number)
+
 void weft__gsl_options(const void *instance, weft_option_fn *tell, void *ctx)
 {
     const stepper *self = instance;
     if (self->fixed_step == 0.0) {
         tell(ctx, "controller", "gsl_scaled");
-        tell(ctx, "safety", "0.9");
-        tell(ctx, "reject_above", "1.1");
-        tell(ctx, "grow_below", "0.5");
-        tell(ctx, "max_growth", "4.9");
-        tell(ctx, "min_reduction", "0.2");
+        tell(ctx, "safety", VALUE(SAFETY));
+        tell(ctx, "reject_above", VALUE(REJECT_ABOVE));
+        tell(ctx, "grow_below", VALUE(GROW_BELOW));
+        tell(ctx, "max_growth", VALUE(MAX_GROWTH));
+        tell(ctx, "min_reduction", VALUE(MIN_REDUCTION));
     }
 }

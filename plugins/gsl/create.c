@@ -54,7 +54,8 @@ static const char *mistake(const weft_stepper_type *type, const weft_ode *ode,
 static double memory_needed(const gsl_method *method, size_t dim)
 {
     const double n = (double)dim;
-    return SMALL_BLOCKS + sizeof(double) * n * (method->vectors + method->matrices * n);
+    return SMALL_BLOCKS
+           + sizeof(double) * n * (method->vectors + method->type.matrices * n);
 }
 
 /* A granted malloc must not be optimised away. */
@@ -69,12 +70,12 @@ static bool memory_is_there(size_t bytes)
 static weft_status check_memory(const gsl_method *method, size_t dim, weft_error *err)
 {
     const double bytes = memory_needed(method, dim), gib = 0x1p30;
-    const double limit = method->matrices > 0 ? MATRICES_LIMIT : VECTORS_LIMIT;
+    const double limit = method->type.matrices > 0 ? MATRICES_LIMIT : VECTORS_LIMIT;
     if (bytes > limit) {
         return weft_error_set(err, WEFT_NO_MEMORY,
                               "%s: %zu numbers need %.3g GiB, more than %g GiB%s",
                               method->type.name, dim, bytes / gib, limit / gib,
-                              method->matrices > 0 ? NO_MATRICES : "");
+                              method->type.matrices > 0 ? NO_MATRICES : "");
     }
     if (!memory_is_there((size_t)bytes)) {
         return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory: %.3g GiB needed",
@@ -88,7 +89,7 @@ static weft_status check_memory(const gsl_method *method, size_t dim, weft_error
 static stepper *allocate(const gsl_method *method, const weft_ode *ode)
 {
     const size_t dim = ode->dim;
-    const size_t vectors = method->shift ? 7 : method->matrices > 0 ? 5 : 2;
+    const size_t vectors = method->shift ? 7 : method->type.matrices > 0 ? 5 : 2;
     stepper *self = calloc(1, sizeof *self + vectors * dim * sizeof(double));
     if (self == NULL) {
         return NULL;
@@ -97,7 +98,7 @@ static stepper *allocate(const gsl_method *method, const weft_ode *ode)
     self->ode = *ode;
     self->start = (double *)(self + 1);
     self->yerr = self->start + dim;
-    if (method->matrices > 0) {
+    if (method->type.matrices > 0) {
         self->f = self->yerr + dim;
         self->y_moved = self->f + dim;
         self->f_moved = self->y_moved + dim;
@@ -114,14 +115,12 @@ static bool make_solver(stepper *self, const weft_stepper_config *config)
 {
     const gsl_method *method = self->method;
     const size_t dim = self->ode.dim;
-    const bool made
-        = config->fixed_step > 0.0
-              ? weft__gsl_control_init(self, WEFT_NORM_MAX, method->solver_tol,
-                                       method->solver_tol, method->solver_tol)
-              : weft__gsl_control_init(self, config->norm, config->rtol,
-                                       config->atol_position, config->atol_velocity);
-    if (!made) {
-        return false;
+    if (config->fixed_step > 0.0) {
+        weft__gsl_control_init(self, WEFT_NORM_MAX, method->solver_tol,
+                               method->solver_tol, method->solver_tol);
+    } else {
+        weft__gsl_control_init(self, config->norm, config->rtol, config->atol_position,
+                               config->atol_velocity);
     }
     if (method->v1 != NULL) {
         self->system1
@@ -189,6 +188,5 @@ void weft__gsl_destroy(void *instance)
         gsl_odeiv_step_free(self->v1);
     }
     gsl_odeiv2_step_free(self->v2); /* NULL is allowed */
-    weft__gsl_control_free(self);
     free(self);
 }

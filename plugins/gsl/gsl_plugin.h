@@ -13,6 +13,7 @@
 #ifndef GSL_PLUGIN_H
 #define GSL_PLUGIN_H
 
+#include "weft/elementary.h"
 #include "weft/stepper.h"
 
 #include <gsl/gsl_odeiv.h>
@@ -31,7 +32,6 @@ typedef struct gsl_method {
     const gsl_odeiv2_step_type **v2;
     const gsl_odeiv_step_type **v1;
     int vectors;       /* of length dim that an instance keeps, at most */
-    int matrices;      /* dim x dim */
     bool forget;       /* what the stepper remembers of past steps is wrong */
     bool shift;        /* it measures against |y_i|: keep y_i away from 0 */
     double solver_tol; /* with a fixed step: to which it solves its equations */
@@ -63,7 +63,6 @@ typedef struct stepper {
     weft_norm norm;
     double rtol, atol[2];       /* of positions [m], of velocities [m/s] */
     gsl_odeiv2_control control; /* that equations are solved by */
-    gsl_odeiv2_control *judge;  /* of one number, the norm */
     gsl_odeiv2_driver driver;   /* through which a stepper reads `control` */
 
     /* the attempt under way */
@@ -95,13 +94,15 @@ weft_status weft__gsl_step(void *instance, double t_end, double *t, double *y,
 void weft__gsl_state_changed(void *instance);
 void weft__gsl_stats(const void *instance, weft_stepper_stats *out);
 
-/* control.c: false if memory fails. */
-bool weft__gsl_control_init(stepper *self, weft_norm norm, double rtol,
+/* control.c */
+void weft__gsl_control_init(stepper *self, weft_norm norm, double rtol,
                             double atol_position, double atol_velocity);
 /* r of an attempt that ended in y with self->yerr; false if one is not finite. */
 bool weft__gsl_ratio(const stepper *self, const double *y, double *r);
 double weft__gsl_tolerance(const stepper *self, size_t i, double y); /* D_i */
-void weft__gsl_control_free(stepper *self);
+/* Whether an attempt of order `order` with the norm r is rejected. *h [s] goes in as
+ * the attempt's and comes out as the proposal. */
+bool weft__gsl_rejects(unsigned int order, double r, double *h);
 void weft__gsl_options(const void *instance, weft_option_fn *tell, void *ctx);
 
 /* jacobian.c */

@@ -28,6 +28,7 @@ WEFT_API const weft_plugin *weft_plugin_gsl(void);
     "P. N. Brown, G. D. Byrne, A. C. Hindmarsh, SIAM J. Sci. Stat. Comput. 10, 1989"
 
 enum {
+    LIBM = WEFT_STEPPER_LIBM, /* GSL compares powers: of orders, iterations, columns */
     MULTISTEP = WEFT_STEPPER_MULTISTEP,
     NEWTON = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_DENSE,
     APART = WEFT_STEPPER_QUADRATURES,
@@ -74,24 +75,25 @@ static const gsl_method methods[] = {
     METHOD(rk8pd, 8, 7, 13, EXPLICIT,
            "P. J. Prince, J. R. Dormand, J. Comp. Appl. Math. 7, 1981", V2(rk8pd),
            .vectors = 19),
-    METHOD(msadams, 0, 0, 0, MULTISTEP, VODE, V2(msadams), .vectors = 37,
+    METHOD(msadams, 0, 0, 0, MULTISTEP | LIBM, VODE, V2(msadams), .vectors = 37,
            .solver_tol = 1e-2),
-    METHOD(rk1imp, 1, 1, 0, NEWTON, ASCHER_PETZOLD, V2(rk1imp), .vectors = 24,
-           .matrices = 2, .solver_tol = 1e-9),
-    METHOD(rk2imp, 2, 2, 0, NEWTON, ASCHER_PETZOLD, V2(rk2imp), .vectors = 24,
-           .matrices = 2, .solver_tol = 1e-9),
-    METHOD(rk4imp, 4, 4, 0, NEWTON, ASCHER_PETZOLD, V2(rk4imp), .vectors = 32,
-           .matrices = 5, .solver_tol = 1e-9),
-    METHOD(bsimp, 0, 0, 0, NEWTON, "G. Bader, P. Deuflhard, Numer. Math. 41, 1983",
-           V2(bsimp), .vectors = 34, .matrices = 2, .shift = true),
-    METHOD(msbdf, 0, 0, 0, NEWTON | MULTISTEP, VODE, V2(msbdf), .vectors = 36,
-           .matrices = 2, .solver_tol = 1e-2),
+    METHOD(rk1imp, 1, 1, 0, NEWTON | LIBM, ASCHER_PETZOLD, V2(rk1imp), .vectors = 24,
+           .type.matrices = 2, .solver_tol = 1e-9),
+    METHOD(rk2imp, 2, 2, 0, NEWTON | LIBM, ASCHER_PETZOLD, V2(rk2imp), .vectors = 24,
+           .type.matrices = 2, .solver_tol = 1e-9),
+    METHOD(rk4imp, 4, 4, 0, NEWTON | LIBM, ASCHER_PETZOLD, V2(rk4imp), .vectors = 32,
+           .type.matrices = 5, .solver_tol = 1e-9),
+    METHOD(bsimp, 0, 0, 0, NEWTON | LIBM,
+           "G. Bader, P. Deuflhard, Numer. Math. 41, 1983", V2(bsimp), .vectors = 34,
+           .type.matrices = 2, .shift = true),
+    METHOD(msbdf, 0, 0, 0, NEWTON | MULTISTEP | LIBM, VODE, V2(msbdf), .vectors = 36,
+           .type.matrices = 2, .solver_tol = 1e-2),
     METHOD(gear1, 1, 1, 9, FUNCTIONAL, "C. W. Gear, Prentice-Hall, 1971", V1(gear1),
            .vectors = 10),
     METHOD(gear2, 4, 4, 20, FUNCTIONAL, ASCHER_PETZOLD, V1(gear2), .vectors = 18,
            .forget = true),
     METHOD(rk2simp, 2, 2, 0, NEWTON | WEFT_STEPPER_LEGACY, ASCHER_PETZOLD, V1(rk2simp),
-           .vectors = 16, .matrices = 1),
+           .vectors = 16, .type.matrices = 1),
 };
 
 WEFT_API const weft_plugin *weft_plugin_gsl(void)

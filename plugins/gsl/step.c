@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* step.c -- one accepted step: GSL's step_apply and hadjust, tried until both agree.
+/* step.c -- one accepted step: GSL's step_apply and its rule for h, tried until both
+ * agree.
  *
  * An attempt works on the caller's y, which is put back if it was no step, so that a
  * failure leaves t, y and the next h as they were: a later call goes on as if the
@@ -67,19 +68,6 @@ static void forget(stepper *self)
     self->restart = false;
 }
 
-/* GSL's decision on an attempt with the norm r. *h goes in as the attempt's and comes
- * out as the proposal. */
-static trouble judge(const stepper *self, double r, double *h)
-{
-    const gsl_odeiv2_control *control = self->judge;
-    const unsigned int order = self->v2 != NULL ? gsl_odeiv2_step_order(self->v2)
-                                                : gsl_odeiv_step_order(self->v1);
-    const double zero = 0.0;
-    const int verdict
-        = control->type->hadjust(control->state, 1, order, &zero, &r, &zero, h);
-    return verdict == GSL_ODEIV_HADJ_DEC ? INACCURATE : NO_TROUBLE;
-}
-
 /* What has become of y, from self->start. GSL passes NaN in the result as in the error
  * estimate. */
 static trouble look(const stepper *self, const double *y, double *h)
@@ -90,7 +78,10 @@ static trouble look(const stepper *self, const double *y, double *h)
         return weft__gsl_finite(y, self->ode.dim) && isinf(self->yerr[0]) ? UNSOLVED
                                                                           : NOT_FINITE;
     }
-    return self->fixed_step > 0.0 ? NO_TROUBLE : judge(self, r, h);
+    const unsigned int order = self->v2 != NULL ? gsl_odeiv2_step_order(self->v2)
+                                                : gsl_odeiv_step_order(self->v1);
+    return self->fixed_step == 0.0 && weft__gsl_rejects(order, r, h) ? INACCURATE
+                                                                     : NO_TROUBLE;
 }
 
 /* From (t, y) by *h, which comes out as GSL's proposal if the attempt is finite. */
