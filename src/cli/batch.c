@@ -65,6 +65,7 @@ static bool to_run(const batch *self, const batch_run *run)
     switch (run->status) {
     case BATCH_NEW:
     case BATCH_PARTIAL:
+    case BATCH_IO_ERROR:
         return true;
     case BATCH_FAILED:
     case BATCH_CRASHED:
@@ -162,8 +163,9 @@ static int print_counts(const batch *self)
         }
         putchar('\n');
     }
-    return counts[BATCH_CHANGED] + counts[BATCH_BUSY] + counts[BATCH_UNREADABLE] > 0
-               ? EXIT_FILE
+    const size_t refused = counts[BATCH_CHANGED] + counts[BATCH_BUSY]
+                           + counts[BATCH_UNREADABLE] + counts[BATCH_IO_ERROR];
+    return refused > 0                 ? EXIT_FILE
            : counts[BATCH_DONE] < mine ? EXIT_SIMULATION
                                        : EXIT_DONE;
 }

@@ -14,6 +14,7 @@ typedef enum batch_status {
     BATCH_PARTIAL,    /* begun, and interrupted or killed */
     BATCH_DONE,       /* status done */
     BATCH_FAILED,     /* status failed */
+    BATCH_IO_ERROR,   /* status io_error */
     BATCH_CRASHED,    /* the process died */
     BATCH_TIMEOUT,    /* it took longer than --timeout */
     BATCH_CHANGED,    /* another scene's run is there */
@@ -59,6 +60,8 @@ char *batch_name(const char *stem, const weft_sweep *sweep, size_t number);
 
 /* batch_plan.c: reads all scenes and names their runs. Returns the exit code. */
 int batch_plan(batch *self);
+/* The same check of one sweep alone: EXIT_SCENE if two of its runs are the same. */
+int batch_check(const char *file, weft_sweep *sweep);
 void batch_free(batch *self);
 
 /* batch_state.c: what is in a run's directory, of this scene. */

@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* batch_child.c -- one run, in a process of its own. */
 #include <fcntl.h>
-#include <unistd.h>
-#ifdef __linux__
 #include <signal.h>
-#include <sys/prctl.h>
-#endif
+#include <unistd.h>
 
 #include "cli/batch.h"
 #include "cli/run.h"
@@ -14,7 +11,7 @@
 static bool open_log(const char *directory, bool goes_on)
 {
     char path[RECORD_PATH];
-    const int start = goes_on ? O_APPEND : O_TRUNC;
+    const int start = O_NONBLOCK | (goes_on ? O_APPEND : O_TRUNC);
     const int log = record_path(directory, "log.txt", path, NULL) == WEFT_OK
                         ? open(path, O_WRONLY | O_CREAT | O_NOFOLLOW | start, 0666)
                         : -1;
@@ -50,7 +47,8 @@ static int run_claimed(const batch *self, const batch_run *one, const char *dire
         return report_error(&err);
     }
     const batch_status status = batch_look(self, one, scene);
-    const bool goes_on = status == BATCH_PARTIAL || status == BATCH_TIMEOUT;
+    const bool goes_on = status == BATCH_PARTIAL || status == BATCH_IO_ERROR
+                         || status == BATCH_TIMEOUT;
     if (status == BATCH_DONE) {
         return EXIT_DONE;
     }
@@ -76,9 +74,7 @@ static int run_child(const batch *self, const batch_run *one)
 
 void batch_child(const batch *self, const batch_run *one)
 {
-#ifdef __linux__
-    (void)prctl(PR_SET_PDEATHSIG, SIGTERM); /* a killed batch leaves nobody behind */
-#endif
+    process_ends_with_parent(SIGTERM); /* a killed batch leaves nobody behind */
     const int code = run_child(self, one);
     (void)fflush(NULL);
     _exit(code);

@@ -28,12 +28,14 @@ static void add_char(namer *self, char c, bool safe)
     }
 }
 
-static void add(namer *self, const char *text)
+/* The slash of plugin/method becomes a hyphen, and stays readable. */
+static void add(namer *self, const char *text, bool method)
 {
     static const char letters[]
         = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._+-";
     for (; *text != '\0'; ++text) {
-        add_char(self, *text, strchr(letters, *text) != NULL);
+        const char c = method && *text == '/' ? '-' : *text;
+        add_char(self, c, strchr(letters, c) != NULL);
     }
 }
 
@@ -68,14 +70,15 @@ static const char *short_key(const weft_sweep *sweep, size_t key)
 char *batch_name(const char *stem, const weft_sweep *sweep, size_t number)
 {
     namer self = { .hash = WEFT__HASH_START };
-    add(&self, stem);
+    add(&self, stem, false);
     /* not the place of the summary */
     self.lossy = self.lossy || stem[0] == '\0' || strncmp(stem, "summary.csv", 11) == 0;
     for (size_t i = 0; i < weft_sweep_keys(sweep); ++i) {
         add_char(&self, '_', true);
-        add(&self, short_key(sweep, i));
+        add(&self, short_key(sweep, i), false);
         add_char(&self, '=', true);
-        add(&self, weft_sweep_value(sweep, i, number));
+        add(&self, weft_sweep_value(sweep, i, number),
+            strcmp(weft_sweep_key(sweep, i), "stepper.method") == 0);
     }
     if (self.lossy) {
         const size_t most = NAME_MAX_CHARS - HASH_DIGITS - 1;

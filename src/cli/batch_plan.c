@@ -107,6 +107,25 @@ static int check_names(const batch *self)
     return code;
 }
 
+static void free_runs(batch *self)
+{
+    for (size_t i = 0; self->runs != NULL && i < self->run_count; ++i) {
+        free(self->runs[i].name);
+    }
+    free(self->runs);
+}
+
+int batch_check(const char *file, weft_sweep *sweep)
+{
+    batch_scene scene = { .file = file, .stem = stem_of(file), .sweep = sweep };
+    batch self = { .scenes = &scene, .scene_count = 1 };
+    const int code
+        = scene.stem != NULL && name_runs(&self) ? check_names(&self) : no_memory();
+    free_runs(&self);
+    free(scene.stem);
+    return code;
+}
+
 int batch_plan(batch *self)
 {
     const int code = read_scenes(self);
@@ -118,13 +137,10 @@ int batch_plan(batch *self)
 
 void batch_free(batch *self)
 {
-    for (size_t i = 0; self->runs != NULL && i < self->run_count; ++i) {
-        free(self->runs[i].name);
-    }
+    free_runs(self);
     for (size_t i = 0; self->scenes != NULL && i < self->scene_count; ++i) {
         weft_sweep_destroy(self->scenes[i].sweep);
         free(self->scenes[i].stem);
     }
-    free(self->runs);
     free(self->scenes);
 }

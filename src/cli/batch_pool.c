@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* batch_pool.c -- a few processes at a time, until all runs had theirs. */
+#define _XOPEN_SOURCE 700 /* setitimer */
 #include <errno.h>
 #include <math.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/time.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "cli/batch.h"
@@ -27,7 +28,7 @@ typedef struct pool {
 /* They are waited for instead of being handled; a shell may have them ignored. */
 static void take_signals(pool *self)
 {
-    static const int numbers[] = { SIGCHLD, SIGINT, SIGTERM };
+    static const int numbers[] = { SIGCHLD, SIGINT, SIGTERM, SIGALRM };
     (void)sigemptyset(&self->waited);
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i) {
         (void)sigaddset(&self->waited, numbers[i]);
@@ -63,24 +64,47 @@ static bool start(pool *self, batch_slot *slot, batch_run *run)
 
 /* ---- the end of a run ---------------------------------------------------------- */
 
-/* What the run itself could not write. */
-static batch_status write_end(const pool *self, const batch_run *run,
+/* What the files of a run tell that died without a result. */
+static record_result find_result(const batch_slot *slot, const char *directory)
+{
+    const batch_run *run = slot->run;
+    record_result result = { .wall_time = wall_clock() - slot->began };
+    weft_scene *scene = NULL;
+    size_t last;
+    if (record_series_last(directory, &last, NULL) == WEFT_OK) {
+        result.frames = last + 1;
+    }
+    if (weft_sweep_scene(run->scene->sweep, run->number, &scene, NULL) == WEFT_OK) {
+        result.planned = frame_last(weft_scene_run(scene)) + 1;
+        weft_scene_destroy(scene);
+    }
+    return result;
+}
+
+/* Keeps all but status and reason of the result that the run has left. */
+static batch_status write_end(const pool *self, const batch_slot *slot,
                               batch_status status, const char *reason)
 {
     char directory[RECORD_PATH];
     weft_error err = { 0 };
-    const record_result result
-        = { .status = batch_status_name(status), .reason = reason };
-    if (batch_directory(self->batch, run, directory, &err) != WEFT_OK
-        || record_result_write(directory, &result, &err) != WEFT_OK) {
+    weft_status written = batch_directory(self->batch, slot->run, directory, &err);
+    if (written == WEFT_OK) {
+        record_result result = find_result(slot, directory);
+        result.status = batch_status_name(status);
+        result.reason = reason;
+        written = record_result_amend(directory, &result, &err);
+    }
+    if (written != WEFT_OK) {
         (void)report_error(&err);
+        return BATCH_IO_ERROR;
     }
     return status;
 }
 
-static batch_status status_of_exit(const pool *self, const batch_run *run, int code)
+static batch_status status_of_exit(const pool *self, const batch_slot *slot, int code)
 {
     char reason[64];
+    const batch_run *run = slot->run;
     weft_scene *scene = NULL;
     batch_status status = BATCH_UNREADABLE;
     if (code == BATCH_EXIT_BUSY) {
@@ -91,30 +115,31 @@ static batch_status status_of_exit(const pool *self, const batch_run *run, int c
         weft_scene_destroy(scene);
     }
     const bool stopped = code == EXIT_SIGINT || code == EXIT_SIGTERM;
-    if (status == BATCH_DONE || status == BATCH_FAILED || stopped) {
+    if (status == BATCH_DONE || status == BATCH_FAILED || status == BATCH_IO_ERROR
+        || stopped) {
         return stopped ? BATCH_PARTIAL : status;
     }
     (void)snprintf(reason, sizeof reason, "exit code %d: see log.txt", code);
-    return write_end(self, run, BATCH_FAILED, reason);
+    return write_end(self, slot, BATCH_FAILED, reason);
 }
 
 static batch_status status_of_end(const pool *self, const batch_slot *slot, int status)
 {
     char reason[128];
-    if (slot->late && !(WIFEXITED(status) && WEXITSTATUS(status) == EXIT_DONE)) {
+    if (slot->late && !(WIFEXITED(status) && WEXITSTATUS(status) != EXIT_SIGTERM)) {
         (void)snprintf(reason, sizeof reason, "not done after %g s",
                        self->batch->timeout);
-        return write_end(self, slot->run, BATCH_TIMEOUT, reason);
+        return write_end(self, slot, BATCH_TIMEOUT, reason);
     }
     if (WIFEXITED(status)) {
-        return status_of_exit(self, slot->run, WEXITSTATUS(status));
+        return status_of_exit(self, slot, WEXITSTATUS(status));
     }
     if (self->stop != 0) {
         return BATCH_PARTIAL; /* it was we who killed it */
     }
     (void)snprintf(reason, sizeof reason, "killed by signal %d (%.60s)",
                    WTERMSIG(status), strsignal(WTERMSIG(status)));
-    return write_end(self, slot->run, BATCH_CRASHED, reason);
+    return write_end(self, slot, BATCH_CRASHED, reason);
 }
 
 static void reap(pool *self)
@@ -157,13 +182,21 @@ static void end_late(pool *self)
     }
 }
 
+/* For a look at the clock five times a second; macOS has no sigtimedwait. */
+static void take_alarms(const pool *self, bool wanted)
+{
+    if (self->batch->timeout > 0.0 || self->show.terminal) {
+        const struct timeval pause = { .tv_usec = wanted ? 200000 : 0 };
+        const struct itimerval timer = { pause, pause };
+        (void)setitimer(ITIMER_REAL, &timer, NULL);
+    }
+}
+
 /* Until a process ends, a signal comes, or it is time to look at the clock. */
 static void wait_for_news(pool *self)
 {
-    const bool clock = self->batch->timeout > 0.0 || self->show.terminal;
-    const struct timespec pause
-        = { .tv_sec = clock ? 0 : 3600, .tv_nsec = clock ? 200000000 : 0 };
-    const int number = sigtimedwait(&self->waited, NULL, &pause);
+    int number = 0;
+    (void)sigwait(&self->waited, &number);
     if (number == SIGINT || number == SIGTERM) {
         tell(self, self->stop == 0 ? number : SIGKILL);
         self->stop = self->stop == 0 ? number : self->stop;
@@ -204,6 +237,7 @@ int batch_pool_run(batch *self, const bool *wanted)
     }
     take_signals(&all);
     batch_show_begin(&all.show);
+    take_alarms(&all, true);
     do {
         starts = starts && fill(&all, wanted, &next);
         batch_show_table(&all.show);
@@ -211,6 +245,7 @@ int batch_pool_run(batch *self, const bool *wanted)
             wait_for_news(&all);
         }
     } while (all.active > 0 || (starts && all.stop == 0 && next < self->run_count));
+    take_alarms(&all, false);
     batch_show_end(&all.show);
     free(all.slots);
     return all.stop;

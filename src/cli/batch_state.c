@@ -7,17 +7,14 @@
 
 #include "cli/batch.h"
 #include "record/result_read.h"
+#include "sim/file.h"
 
 static const char *const names[BATCH_STATUSES] = {
-    [BATCH_NEW] = "missing",
-    [BATCH_PARTIAL] = "interrupted",
-    [BATCH_DONE] = "done",
-    [BATCH_FAILED] = "failed",
-    [BATCH_CRASHED] = "crashed",
-    [BATCH_TIMEOUT] = "timeout",
-    [BATCH_CHANGED] = "changed",
-    [BATCH_BUSY] = "busy",
-    [BATCH_UNREADABLE] = "unreadable",
+    [BATCH_NEW] = "missing",       [BATCH_PARTIAL] = "interrupted",
+    [BATCH_DONE] = "done",         [BATCH_FAILED] = "failed",
+    [BATCH_IO_ERROR] = "io_error", [BATCH_CRASHED] = "crashed",
+    [BATCH_TIMEOUT] = "timeout",   [BATCH_CHANGED] = "changed",
+    [BATCH_BUSY] = "busy",         [BATCH_UNREADABLE] = "unreadable",
 };
 
 const char *batch_status_name(batch_status status)
@@ -34,7 +31,7 @@ weft_status batch_directory(const batch *self, const batch_run *run,
 /* Whether a file holds a text and nothing else; *missing if there is no such file. */
 static bool holds(const char *path, const char *text, bool *missing)
 {
-    FILE *stream = fopen(path, "rb");
+    FILE *stream = weft__file_open(path, "r", NULL);
     *missing = stream == NULL && errno == ENOENT;
     if (stream == NULL) {
         return false;
@@ -51,7 +48,7 @@ static bool holds(const char *path, const char *text, bool *missing)
 static batch_status result_status(const char *directory)
 {
     static const batch_status over[]
-        = { BATCH_DONE, BATCH_FAILED, BATCH_CRASHED, BATCH_TIMEOUT };
+        = { BATCH_DONE, BATCH_FAILED, BATCH_IO_ERROR, BATCH_CRASHED, BATCH_TIMEOUT };
     yaml_document_t result;
     batch_status status = BATCH_PARTIAL;
     if (!record_result_open(directory, &result)) {

@@ -108,8 +108,8 @@ static void write_varied(FILE *out, const varied *keys, const batch_run *run)
 /* Values of another scene's run, or of one that goes on, are none of this one. */
 static bool is_over(batch_status status)
 {
-    return status == BATCH_DONE || status == BATCH_FAILED || status == BATCH_CRASHED
-           || status == BATCH_TIMEOUT;
+    return status == BATCH_DONE || status == BATCH_FAILED || status == BATCH_IO_ERROR
+           || status == BATCH_CRASHED || status == BATCH_TIMEOUT;
 }
 
 static weft_status write_row(FILE *out, const batch *self, const varied *keys,

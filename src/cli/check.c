@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* check.c -- weft check: validate scenes, say what they build, write nothing. */
+#include <string.h>
+
+#include "cli/batch.h"
 #include "cli/human.h"
 #include "cli/stability.h"
 
@@ -88,21 +91,32 @@ static void print_cloth(const weft_cloth_def *def, const weft_cloth *cloth)
     putchar('\n');
 }
 
+static void print_matrices(const weft_scene *scene, size_t particles)
+{
+    const weft_stepper_type *type = weft_scene_method_type(scene);
+    char text[160];
+    if (type != NULL
+        && weft_stepper_matrices(type, particles, text, sizeof text) > 0.0) {
+        print_item("matrices", "%s", text + strlen("matrices "));
+    }
+}
+
 static void print_stepper(const weft_scene *scene)
 {
     const weft_stepper_type *type = weft_scene_method_type(scene);
     const weft_stepper_config *config = weft_scene_config(scene);
     const int order = type != NULL ? type->order : config->butcher->order;
-    printf("  stepper    %s %s, order ", weft_scene_plugin(scene),
-           weft_scene_method(scene));
-    printf(order > 0 ? "%d" : "variable", order);
+    char number[16], steps[120];
+    (void)snprintf(number, sizeof number, order > 0 ? "%d" : "variable", order);
     if (config->fixed_step > 0.0) {
-        printf(", fixed step %g s\n", config->fixed_step);
+        (void)snprintf(steps, sizeof steps, "fixed step %g s", config->fixed_step);
     } else {
-        printf(", rtol %g, atol %g m and %g m/s, %s norm\n", config->rtol,
-               config->atol_position, config->atol_velocity,
-               config->norm == WEFT_NORM_MAX ? "max" : "rms");
+        (void)snprintf(steps, sizeof steps, "rtol %g, atol %g m and %g m/s, %s norm",
+                       config->rtol, config->atol_position, config->atol_velocity,
+                       config->norm == WEFT_NORM_MAX ? "max" : "rms");
     }
+    print_item("stepper", "%s %s, order %s, %s", weft_scene_plugin(scene),
+               weft_scene_method(scene), number, steps);
 }
 
 static void print_limit(const weft_limit_def *limit)
@@ -125,11 +139,12 @@ static void print_scene(const char *file, const weft_scene *scene,
     print_cloth(weft_scene_cloth(scene), cloth);
     print_limit(weft_scene_limit(scene));
     print_stepper(scene);
+    print_matrices(scene, weft_cloth_particles(cloth));
     printf("  run        %g s in %zu frames\n", run->duration, frame_last(run) + 1);
     stability_print(scene, found, all);
     const char *unsupported = scene_unsupported(scene);
     if (unsupported != NULL) {
-        printf("  note       %s\n", unsupported);
+        print_item("note", "%s", unsupported);
     }
 }
 
@@ -180,9 +195,11 @@ static int describe(const char *file, const weft_scene *scene, weft_registry *re
     weft_sim *sim = NULL;
     survey found = { 0 };
     const bool runs = weft_scene_method_type(scene) != NULL;
-    weft_status status = runs
-                             ? simulation_create(scene, &cloth, &sim, &err)
-                             : weft_cloth_create(weft_scene_cloth(scene), &cloth, &err);
+    weft_status status = frames_have_room(scene, &err);
+    if (status == WEFT_OK) {
+        status = runs ? simulation_create(scene, &cloth, &sim, &err)
+                      : cloth_create(scene, &cloth, &err);
+    }
     if (status == WEFT_OK) {
         warn_of_springs(file, cloth);
         status
@@ -241,7 +258,9 @@ static int check_file(const char *file, const options *given, weft_registry *reg
     weft_sweep *sweep = NULL;
     weft_scene *scene = NULL;
     int code = open_sweep(file, given, registry, &sweep);
+    code = code == EXIT_DONE ? batch_check(file, sweep) : code;
     if (code != EXIT_DONE) {
+        weft_sweep_destroy(sweep);
         return code;
     }
     if (out == NULL) {
@@ -307,8 +326,10 @@ const verb verb_check = {
       "that\nmatched, memory, stepper and frames. All mistakes of a file are shown "
       "at once.\n"
       "Then how fast the cloth vibrates at most, and for the cheapest methods the "
-      "largest\nstep at which no vibration more than doubles during the run, with the "
-      "evaluations\nof the forces that it takes per simulated second.\n\n"
+      "largest\nstep at which no vibration grows, with the evaluations of the forces "
+      "that it takes\nper simulated second. A method marked * has none on undamped "
+      "vibrations: its step is\nthe one at which none of these more than doubles "
+      "during the run.\n\n"
       "  --all                every method of every plugin\n"
       "  --refine             sharper by the power method, but no longer guaranteed\n"
       "  --yaml               for machines: the stable steps of every method\n"

@@ -4,6 +4,7 @@
 #ifndef WEFT_CLI_H
 #define WEFT_CLI_H
 
+#include "cli/interrupt.h"
 #include "weft/weft.h"
 
 /* Exit codes. */
@@ -66,6 +67,18 @@ int report_error(const weft_error *err);
  * the installed directory. NULL after printing why. */
 weft_registry *open_registry(const char *plugin_path);
 
+/* Load all plugins that are found and warn of those that are refused; later calls do
+ * nothing. WEFT_BAD_PLUGIN if there are none. */
+weft_status load_plugins(weft_registry *registry, weft_error *err);
+
+/* admit.c: weft_registry_def.admit, which loads the file in a child first. */
+weft_status admit_plugin(void *ctx, const char *file, weft_error *err);
+
+/* admit.c: "it crashed: Aborted" or the like, of what waitpid gives. */
+void process_end(int status, char *text, size_t size);
+/* admit.c: from now on this process gets the signal when its parent ends, on Linux. */
+void process_ends_with_parent(int signal_number);
+
 /* Read a scene, print what is wrong with it. Returns EXIT_DONE or the exit code. */
 int open_scene(const char *file, const options *given, weft_registry *registry,
                weft_scene **scene);
@@ -96,6 +109,7 @@ typedef struct player {
     weft_status (*checkpoint)(void *ctx, size_t i, weft_error *err);
     /* After each accepted step; false: stop. NULL: never asked. */
     bool (*step)(void *ctx);
+    interrupt_watch *watch; /* lent the records within a step; NULL: none */
     void *ctx;
     bool stopped; /* by `step` */
 } player;
@@ -103,10 +117,19 @@ typedef struct player {
 /* The index of the last frame; frame i is at exactly i / fps, the last at duration. */
 size_t frame_last(const weft_run_def *run);
 double frame_time(const weft_run_def *run, size_t i);
+/* How many fixed steps of h [s] a frame takes: none crosses its end. */
+double frame_steps(const weft_run_def *run, double h);
 weft_status play(player *show, weft_error *err);
 
 /* Why this weft cannot run a scene that is right, or NULL if it can. */
 const char *scene_unsupported(const weft_scene *scene);
+
+/* The cloth of a scene. WEFT_NO_MEMORY also if a run of it cannot fit into the memory
+ * of the machine, or into this process's limit. */
+weft_status cloth_create(const weft_scene *scene, weft_cloth **cloth, weft_error *err);
+
+/* records.c: WEFT_BAD_SCENE if run.vtkhdf cannot hold the frames of a scene. */
+weft_status frames_have_room(const weft_scene *scene, weft_error *err);
 
 /* A simulation of a scene: cloth and sim, or NULL both. */
 weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,

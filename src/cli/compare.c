@@ -3,16 +3,15 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "cli/compare.h"
 #include "cli/stability.h"
 #include "record/record.h"
+#include "sim/methods.h"
 
 enum { CALL_TIMES = 5, NAME_MOST = 64 };
 
 #define RUNGS_WORTH 2.5 /* a ladder of runs costs so many of its dearest */
-#define SLIVER      1e-9
 
 double compare_time(const compare *self, size_t frame)
 {
@@ -82,8 +81,7 @@ static weft_status set_steps(const compare *self, const weft_stiffness *modes,
                        "no error control, and no step is known to be stable");
         return WEFT_OK;
     }
-    const double frame = compare_time(self, 1);
-    method->step = frame / fmax(1.0, ceil(frame / stable.step));
+    method->step = compare_time(self, 1) / frame_steps(&self->run, stable.step);
     method->step_calls = stable.calls;
     return WEFT_OK;
 }
@@ -95,9 +93,11 @@ static weft_status add_method(compare *self, const stepper_method *by,
     const size_t n = weft_cloth_particles(self->cloth);
     method->by = *by;
     method->own = by->type == weft_scene_method_type(self->scene);
-    if ((by->type->flags & WEFT_STEPPER_DENSE) != 0 && n > COMPARE_DENSE_MOST) {
+    char matrices[128];
+    if (weft_stepper_matrices(by->type, n, matrices, sizeof matrices) > 0.0
+        && n > WEFT__DENSE_MOST) {
         (void)snprintf(method->left_out, sizeof method->left_out,
-                       "matrices of %zu x %zu: for small cloths only", 6 * n, 6 * n);
+                       "%s: for small cloths only", matrices);
         return WEFT_OK;
     }
     return method_adapts(by->type) ? WEFT_OK : set_steps(self, modes, method, err);
@@ -247,13 +247,7 @@ static void ladder_ended(compare *self, size_t job, const char *how)
         }
     }
     ++self->over;
-    const size_t all = self->count + 1;
-    if (!self->quiet && isatty(STDERR_FILENO) == 1) {
-        fprintf(stderr, "\r\033[K%zu of %zu methods", self->over, all);
-        fputs(self->over > self->count ? "\r\033[K" : "", stderr);
-    } else if (!self->quiet && 10 * self->over / all > 10 * (self->over - 1) / all) {
-        fprintf(stderr, "%zu of %zu methods\n", self->over, all); /* each tenth */
-    }
+    progress_count(&self->progress, "methods", self->over, self->count + 1);
 }
 
 /* No more than the reference itself, nor than its part of COMPARE_WORK. */
@@ -294,18 +288,15 @@ static weft_status take_times(const compare *self, weft_error *err)
     return WEFT_OK;
 }
 
-static weft_status compare_all(compare *self, const weft_registry *registry,
-                               const char *list, weft_error *err)
+static weft_status compare_all(compare *self, weft_error *err)
 {
     weft_status status = make_references(self, err);
-    if (status == WEFT_OK) {
-        status = add_methods(self, registry, list, err);
-    }
     if (status == WEFT_OK) {
         set_budget(self);
         const pool ladders
             = { self->count + 1, self->jobs, compare_ladder, ladder_ended };
         status = pool_run(&ladders, self, err);
+        progress_clear(&self->progress);
     }
     return status == WEFT_OK ? take_times(self, err) : status;
 }
@@ -358,7 +349,7 @@ static weft_status conclude(const compare *self, const char *directory, weft_err
     if (status == WEFT_OK) {
         status = compare_html(self, &advice, directory, err);
     }
-    if (status == WEFT_OK && !self->quiet) {
+    if (status == WEFT_OK && !self->quiet && self->progress.mode != PROGRESS_YAML) {
         compare_print(self, &advice);
         printf("written: %s/compare.csv, %s/compare.html\n", directory, directory);
     }
@@ -374,9 +365,10 @@ static int compare_scene(const options *given, const char *directory, double unt
                      .run = *weft_scene_run(scene),
                      .jobs = given->jobs > 0 ? given->jobs : 1,
                      .quiet = given->quiet };
+    (void)progress_find(given->quiet ? "none" : given->progress, &self.progress.mode);
     self.run.duration = fmin(self.run.duration, until);
     self.planned = frame_last(&self.run);
-    weft_status status = weft_cloth_create(weft_scene_cloth(scene), &cloth, &err);
+    weft_status status = cloth_create(scene, &cloth, &err);
     self.cloth = cloth;
     if (status == WEFT_OK
         && !(method_best(registry, NULL, &self.by[0])
@@ -391,10 +383,13 @@ static int compare_scene(const options *given, const char *directory, double unt
     if (status == WEFT_OK) {
         status = open_memory(&self, registry, &err);
         if (status == WEFT_OK) {
-            status = compare_all(&self, registry, given->methods, &err);
+            status = add_methods(&self, registry, given->methods, &err);
         }
         if (status == WEFT_OK) {
-            status = conclude(&self, directory, &err);
+            compare_begin(&self, directory);
+            status = compare_all(&self, &err);
+            status = status == WEFT_OK ? conclude(&self, directory, &err) : status;
+            compare_end(&self, status == WEFT_OK ? NULL : err.message);
         }
         close_memory(&self, registry);
     }
@@ -411,7 +406,7 @@ static int open_and_compare(const options *given, double until)
                    ? EXIT_SIMULATION
                    : open_scene(given->operands[0], given, registry, &scene);
     if (code == EXIT_DONE) {
-        (void)weft_registry_load_all(registry, NULL, NULL, NULL);
+        (void)load_plugins(registry, NULL);
         const char *word = unknown_word(registry, given->methods);
         const char *unsupported = scene_unsupported(scene);
         if (word != NULL) {
@@ -436,11 +431,12 @@ static int open_and_compare(const options *given, double until)
 static int compare_verb(int argc, char **argv)
 {
     options given;
-    int code = options_parse(&verb_compare, "ospqFjMu", argc, argv, &given);
+    int code = options_parse(&verb_compare, "ospqFjMuP", argc, argv, &given);
     if (code >= 0) {
         return code;
     }
     char *end = NULL;
+    progress_mode mode;
     const double until = given.until == NULL ? INFINITY : strtod(given.until, &end);
     if (given.operand_count != 1) {
         code = usage_error(&verb_compare, given.operand_count == 0
@@ -449,7 +445,7 @@ static int compare_verb(int argc, char **argv)
     } else if (!(until > 0.0) || (end != NULL && *end != '\0')) {
         code
             = usage_error(&verb_compare, "--until %s: not a time [s] > 0", given.until);
-    } else {
+    } else if ((code = progress_choose(&verb_compare, &given, &mode)) == EXIT_DONE) {
         code = open_and_compare(&given, until);
     }
     options_free(&given);
@@ -487,6 +483,7 @@ const verb verb_compare = {
       "  --force              replace what an earlier run left there\n"
       "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
       "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n"
+      "  --progress HOW       auto, lines, terminal, yaml or none, as of weft run\n"
       "  --quiet              no progress, no table\n\n"
       "examples:\n"
       "  weft compare scenes/two-corners.yaml -j 2\n"

@@ -15,14 +15,14 @@
 
 #include "cli/cli.h"
 #include "cli/methods.h"
+#include "cli/progress.h"
 
 enum {
     COMPARE_RUNGS = 9,
     COMPARE_DECADES = 9,
-    COMPARE_DENSE_MOST = 36 /* particles, for methods with dense matrices */
+    COMPARE_FIRST = 2 /* 1e-2 is the tolerance of the first rung, 1e-3 of the next */
 };
 
-#define COMPARE_FIRST    1e-2  /* tolerance of the first rung; each is a tenth of it */
 #define COMPARE_TIGHTEST 1e-12 /* tolerance of the reference */
 #define COMPARE_NUDGE    1e-10 /* [m] */
 #define COMPARE_GROWTH   1e4   /* of the nudge, to which the scene is predictable */
@@ -56,7 +56,7 @@ typedef struct compare_method {
     double step;        /* [s] fixed step of the first rung; 0: adaptive */
     double step_calls;  /* RHS calls of such a step */
     double call_time;   /* [s] a call, with all that belongs to it; 0: not known */
-    char left_out[128]; /* why it has no ladder; "" if it has */
+    char left_out[160]; /* why it has no ladder; "" if it has */
     compare_point points[COMPARE_RUNGS];
 } compare_method;
 
@@ -79,6 +79,7 @@ typedef struct compare {
     size_t planned; /* and were to be */
     size_t jobs;
     bool quiet;
+    progress progress; /* of the ladders */
 
     /* shared; frames of 6 N numbers, planned + 1 of them */
     compare_shared *shared;
@@ -97,6 +98,7 @@ typedef struct compare {
 } compare;
 
 double compare_time(const compare *self, size_t frame); /* [s] */
+double compare_decade(size_t k); /* 10^-k, k <= 22: the nearest double */
 
 /* ---- compare_run.c: in a process of their own
  * ---------------------------------------- */
@@ -156,6 +158,10 @@ void compare_say_reference(const compare *self, char *text, size_t size);
 /* ---- compare_write.c
  * ----------------------------------------------------------------- */
 
+/* With --progress yaml: documents before anything is run and after all was. `failed`:
+ * why, or NULL. */
+void compare_begin(const compare *self, const char *directory);
+void compare_end(const compare *self, const char *failed);
 void compare_print(const compare *self, const compare_advice *advice);
 weft_status compare_csv(const compare *self, const char *directory, weft_error *err);
 weft_status compare_html(const compare *self, const compare_advice *advice,

@@ -8,6 +8,15 @@
 
 #define LEAST_ERROR 1e-300 /* in logarithms, for an error of 0 */
 
+double compare_decade(size_t k)
+{
+    double power = 1.0;
+    while (k-- > 0) {
+        power *= 10.0;
+    }
+    return 1.0 / power;
+}
+
 static double between(double from, double to, double part)
 {
     return exp(log(from) + part * (log(to) - log(from)));
@@ -33,6 +42,18 @@ static const compare_point *first_good(const compare_method *method, double accu
     return good;
 }
 
+/* A finer setting may cost less: its cost bounds that of every coarser accuracy. */
+static void take_cheaper(const compare_method *method, const compare_point *good,
+                         compare_cost *out)
+{
+    for (const compare_point *p = good; p < method->points + COMPARE_RUNGS; ++p) {
+        if (p->outcome == COMPARE_DONE && (double)p->calls < out->calls) {
+            out->calls = (double)p->calls;
+            out->setting = p->setting;
+        }
+    }
+}
+
 bool compare_reach(const compare_method *method, double accuracy, compare_cost *out)
 {
     const compare_point *before, *good = first_good(method, accuracy, &before);
@@ -50,6 +71,7 @@ bool compare_reach(const compare_method *method, double accuracy, compare_cost *
         out->calls = between((double)before->calls, out->calls, part);
         out->setting = between(before->setting, out->setting, part);
     }
+    take_cheaper(method, good, out);
     out->time = out->calls * method->call_time;
     return true;
 }
@@ -83,9 +105,9 @@ void compare_advise(const compare *self, compare_advice *out)
 {
     double above = 0.0;
     out->count = 0;
-    for (int k = 1; k <= COMPARE_DECADES; ++k) {
+    for (size_t k = 1; k <= COMPARE_DECADES; ++k) {
         compare_rank rank;
-        const double accuracy = pow(10.0, -k);
+        const double accuracy = compare_decade(k);
         if (accuracy < COMPARE_NEAR * self->apart) {
             break;
         }

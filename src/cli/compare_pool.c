@@ -36,6 +36,7 @@ static bool begin(const pool *self, const compare *of, children *all, size_t job
 {
     const pid_t pid = fork();
     if (pid == 0) {
+        process_ends_with_parent(SIGKILL); /* they write to shared memory alone */
         self->work(of, job);
         _exit(EXIT_DONE);
     }

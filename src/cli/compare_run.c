@@ -225,7 +225,7 @@ static void set_rung(const compare *self, const compare_method *method, size_t r
         *config = adaptive(self, &method->by, 1e-6);
         config->fixed_step = point->setting = ldexp(method->step, -(int)rung);
     } else {
-        point->setting = COMPARE_FIRST * pow(10.0, -(double)rung);
+        point->setting = compare_decade(COMPARE_FIRST + rung);
         *config = adaptive(self, &method->by, point->setting);
     }
 }

@@ -9,6 +9,7 @@
 #include "cli/human.h"
 #include "record/page.h"
 #include "record/record.h"
+#include "record/yaml_out.h"
 
 enum { SENTENCE = 512 };
 
@@ -38,34 +39,37 @@ static const char *remark(const compare_method *method)
 /* ---- the terminal -----------------------------------------------------------------
  */
 
+/* Two digits; compare.csv has all. */
 static void print_cell(double calls, bool best)
 {
-    char text[32];
     const double unit = calls < 999.5 ? 1.0 : calls < 999.5e3 ? 1e3 : 1e6;
-    (void)snprintf(text, sizeof text, "%.3g%s%s", calls / unit,
+    const double shown = calls / unit;
+    char text[32];
+    (void)snprintf(text, sizeof text, "%s%.*f%s", best ? "*" : "",
+                   unit > 1.0 && shown < 9.95 ? 1 : 0, shown,
                    unit > 1e3   ? "M"
                    : unit > 1.0 ? "k"
-                                : "",
-                   best ? "*" : "");
-    printf(" %7s", text);
+                                : "");
+    printf(" %5s", text);
 }
 
 static void print_method(const compare_method *method, const compare_advice *advice)
 {
     compare_cost cost;
-    printf("%-8s %-17s %c", method->by.plugin->id, method->by.type->name,
-           method->own ? '<' : ' ');
+    const int used = printf("%-6s %-17s%c", method->by.plugin->id,
+                            method->by.type->name, method->own ? '<' : ' ');
     if (advice->count == 0
         || !compare_reach(method, advice->ranks[0].accuracy, &cost)) {
-        printf(" %s\n", remark(method));
+        putchar(' ');
+        print_wrapped(stdout, (size_t)used + 1, 26, PAGE_WIDTH, remark(method));
         return;
     }
-    printf(" %8.3g", 1e6 * method->call_time);
+    printf(" %5.3g", 1e6 * method->call_time);
     for (size_t i = 0; i < advice->count; ++i) {
         if (compare_reach(method, advice->ranks[i].accuracy, &cost)) {
             print_cell(cost.calls, advice->ranks[i].best.method == method);
         } else {
-            printf("       -");
+            printf("     -");
         }
     }
     putchar('\n');
@@ -114,27 +118,66 @@ void compare_print(const compare *self, const compare_advice *advice)
     printf(", %zu x %zu particles\n", weft_cloth_rows(self->cloth),
            weft_cloth_cols(self->cloth));
     compare_say_horizon(self, text, sizeof text);
-    printf("%s\n", text);
+    print_wrapped(stdout, 0, 2, PAGE_WIDTH, text);
     compare_say_reference(self, text, sizeof text);
-    printf("reference: %s\n", text);
+    printf("reference: ");
+    print_wrapped(stdout, 11, 11, PAGE_WIDTH, text);
     printf("\nevaluations of the forces until no particle is further off in any frame "
            "than "
-           "[m]\n%-28s  us/call",
+           "[m]\n%-24sus/call",
            "");
     for (size_t i = 0; i < advice->count; ++i) {
-        printf("   %.0e", advice->ranks[i].accuracy);
+        printf(" %.0e", advice->ranks[i].accuracy);
     }
     printf("\n");
     print_rows(self, advice);
-    printf("* the cheapest   < the scene's method   - not within %" PRIu64
-           " evaluations, or not at all\n\n",
-           self->budget);
+    (void)snprintf(text, sizeof text,
+                   "* the cheapest, < the scene's method, - not within %" PRIu64
+                   " evaluations, or not at all",
+                   self->budget);
+    print_wrapped(stdout, 0, 2, PAGE_WIDTH, text);
+    putchar('\n');
     for (size_t i = 0; i < advice->count; ++i) {
         compare_say(&advice->ranks[i], text, sizeof text);
-        printf("%.0e m: %s\n", advice->ranks[i].accuracy, text);
+        printf("%.0e m: ", advice->ranks[i].accuracy);
+        print_wrapped(stdout, 9, 9, PAGE_WIDTH, text);
     }
     compare_say_as_is(self, text, sizeof text);
-    printf("%s\n", text);
+    print_wrapped(stdout, 0, 2, PAGE_WIDTH, text);
+}
+
+/* ---- for machines -----------------------------------------------------------------
+ */
+
+void compare_begin(const compare *self, const char *directory)
+{
+    yaml_out out;
+    if (self->progress.mode == PROGRESS_YAML) {
+        yaml_out_begin_line(&out, stdout);
+        yaml_out_plain(&out, "event", "begin");
+        yaml_out_text(&out, "name", weft_scene_name(self->scene));
+        yaml_out_text(&out, "directory", directory);
+        yaml_out_plain(&out, "rows", "%zu", weft_cloth_rows(self->cloth));
+        yaml_out_plain(&out, "cols", "%zu", weft_cloth_cols(self->cloth));
+        yaml_out_plain(&out, "methods_planned", "%zu", self->count + 1);
+        yaml_out_real(&out, "duration", self->run.duration);
+        (void)yaml_out_end(&out);
+        (void)fflush(stdout);
+    }
+}
+
+void compare_end(const compare *self, const char *failed)
+{
+    yaml_out out;
+    if (self->progress.mode == PROGRESS_YAML) {
+        yaml_out_begin_line(&out, stdout);
+        yaml_out_plain(&out, "event", "end");
+        yaml_out_plain(&out, "status", failed == NULL ? "done" : "failed");
+        yaml_out_text(&out, "reason", failed == NULL ? "" : failed);
+        yaml_out_plain(&out, "methods", "%zu", self->over);
+        (void)yaml_out_end(&out);
+        (void)fflush(stdout);
+    }
 }
 
 /* ---- compare.csv ------------------------------------------------------------------

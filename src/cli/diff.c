@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* diff.c -- weft diff: where two runs begin to differ, and by how much.
  *
- * Whether they are equal is told by the hashes of their states, or, with a tolerance,
- * by the positions of their frames; where and by how much, by the positions. Compared
- * is at the times that both have. */
+ * Runs are equal whose states have equal hashes in series.csv and whose frames in
+ * run.vtkhdf are equal; with a tolerance, whose positions in run.vtkhdf are that close.
+ * Positions tell where they differ and by how much. Only times that both have count. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -41,7 +41,22 @@ typedef struct comparison {
     double first_time;    /* [s] */
     size_t frames;        /* of run.vtkhdf, at common times */
     gap begin, largest;   /* first beyond the tolerance; of all */
+    const char *field; /* NULL: none; else the first other than positions to differ, */
+    gap other;         /* in that frame */
 } comparison;
+
+/* Compared beside the positions. */
+static const struct {
+    const char *name;
+    weft_record_field field;
+    size_t width;
+    weft_status (*read)(record_frames *, size_t, double *, weft_error *);
+} fields[] = {
+    { "velocities", WEFT_RECORD_VELOCITY, 3, record_frames_velocities },
+    { "strain", WEFT_RECORD_STRAIN, 1, record_frames_strain },
+};
+
+enum { FIELDS = sizeof fields / sizeof fields[0] };
 
 /* ---- opening ---------------------------------------------------------------- */
 
@@ -157,6 +172,42 @@ static double distance(const comparison *self, size_t particle)
     return hypot(hypot(d[0], d[1]), d[2]); /* squares may overflow or underflow */
 }
 
+static bool are_equal(const comparison *self, size_t count)
+{
+    const double *a = self->side[0].x, *b = self->side[1].x;
+    size_t i = 0;
+    while (i < count && rounded(self, a[i]) == rounded(self, b[i])) {
+        ++i;
+    }
+    return i == count;
+}
+
+static bool both_have_field(const comparison *self, size_t k)
+{
+    return record_frames_has(self->side[0].frames, fields[k].field)
+           && record_frames_has(self->side[1].frames, fields[k].field);
+}
+
+static weft_status compare_fields(comparison *self, size_t i, size_t j, const gap *here,
+                                  weft_error *err)
+{
+    const side *a = &self->side[0], *b = &self->side[1];
+    const size_t n = record_frames_rows(a->frames) * record_frames_cols(a->frames);
+    weft_status status = WEFT_OK;
+    for (size_t k = 0; status == WEFT_OK && self->field == NULL && k < FIELDS; ++k) {
+        if (both_have_field(self, k)) {
+            status = fields[k].read(a->frames, i, a->x, err);
+            status
+                = status == WEFT_OK ? fields[k].read(b->frames, j, b->x, err) : status;
+            if (status == WEFT_OK && !are_equal(self, fields[k].width * n)) {
+                self->field = fields[k].name;
+                self->other = *here;
+            }
+        }
+    }
+    return status;
+}
+
 static weft_status compare_frame(comparison *self, size_t i, size_t j, weft_error *err)
 {
     const side *a = &self->side[0], *b = &self->side[1];
@@ -171,13 +222,17 @@ static weft_status compare_frame(comparison *self, size_t i, size_t j, weft_erro
     if (status != WEFT_OK) {
         return status;
     }
-    for (size_t p = 0; p < n; ++p) {
+    const size_t unequal = are_equal(self, 3 * n) ? 0 : n;
+    for (size_t p = 0; p < unequal; ++p) {
         const double d = distance(self, p);
         if (d > here.distance) {
             here.distance = d;
             here.particle = p;
             here.found = true;
         }
+    }
+    if (self->tolerance < 0.0 && self->unequal == 0) {
+        status = compare_fields(self, i, j, &here, err);
     }
     if (!self->begin.found && here.distance > fmax(self->tolerance, 0.0)) {
         self->begin = here;
@@ -186,7 +241,7 @@ static weft_status compare_frame(comparison *self, size_t i, size_t j, weft_erro
         self->largest = here;
     }
     ++self->frames;
-    return WEFT_OK;
+    return status;
 }
 
 static weft_status compare_frames(comparison *self, weft_error *err)
@@ -219,8 +274,8 @@ static bool ends_differ(const comparison *self)
 
 static bool differs(const comparison *self)
 {
-    return ends_differ(self)
-           || (self->tolerance < 0.0 ? self->unequal > 0 : self->begin.found);
+    return ends_differ(self) || self->begin.found
+           || (self->tolerance < 0.0 && (self->unequal > 0 || self->field != NULL));
 }
 
 static void print_frame(const size_t frame[2], double time)
@@ -266,26 +321,67 @@ static void print_positions(const comparison *self)
     }
 }
 
+/* Of equal states positions and velocities are equal, but not the strain of other
+ * springs. */
+static void print_other_frames(const comparison *self)
+{
+    const bool damaged = self->begin.found || self->field == fields[0].name;
+    printf("the states are equal by their hashes in series.csv: %s\n",
+           damaged ? "one run.vtkhdf is damaged"
+                   : "the springs differ, or one run.vtkhdf is damaged");
+    if (self->begin.found) {
+        print_positions(self);
+    }
+    if (self->field != NULL) {
+        printf("first other %s: ", self->field);
+        print_frame(self->other.frame, self->other.time);
+        putchar('\n');
+    }
+}
+
+static void print_compared(const comparison *self)
+{
+    fputs("compared: states by their hashes in series.csv; ", stdout);
+    if (!both_have_frames(self)) {
+        puts("not run.vtkhdf, which only one of them has, or none");
+        return;
+    }
+    fputs("positions", stdout);
+    for (size_t k = 0; k < FIELDS; ++k) {
+        printf("%s%s", both_have_field(self, k) ? ", " : "",
+               both_have_field(self, k) ? fields[k].name : "");
+    }
+    printf(" in %zu frames of run.vtkhdf\n", self->frames);
+}
+
 static void print_all(const comparison *self)
 {
     const bool framed = both_have_frames(self);
-    if (self->tolerance >= 0.0) {
+    const bool bitwise = self->tolerance < 0.0;
+    const bool other_frames
+        = bitwise && self->unequal == 0 && (self->begin.found || self->field != NULL);
+    const bool other = other_frames || self->unequal > 0;
+    if (!bitwise) {
         printf("%s at %zu times that both have\n",
                self->begin.found ? "different" : "equal within the tolerance",
                self->frames);
     } else {
-        printf("%s at %zu times that both have\n",
-               self->unequal > 0 ? "different" : "equal", self->rows);
+        printf("%s at %zu times that both have\n", other ? "different" : "equal",
+               self->rows);
     }
     if (ends_differ(self)) {
         printf("%s ends at t = %.9g s, %s at t = %.9g s\n", self->side[0].directory,
                end_of(&self->side[0]), self->side[1].directory, end_of(&self->side[1]));
     }
     print_hashes(self);
-    if (framed && (self->unequal > 0 || self->tolerance >= 0.0)) {
+    if (other_frames) {
+        print_other_frames(self);
+    } else if (framed && (self->unequal > 0 || !bitwise)) {
         print_positions(self);
     } else if (!framed && self->unequal > 0) {
         printf("no run.vtkhdf to tell where and by how much\n");
+    } else if (bitwise) {
+        print_compared(self);
     }
 }
 
@@ -298,7 +394,7 @@ static weft_status compare(comparison *self, weft_error *err)
         return status;
     }
     compare_hashes(self);
-    if (both_have_frames(self) && (self->unequal > 0 || self->tolerance >= 0.0)) {
+    if (both_have_frames(self)) {
         status = compare_frames(self, err);
     }
     if (status == WEFT_OK && self->rows == 0) {
@@ -364,7 +460,8 @@ const verb verb_diff = {
       "Compares two runs of the same grid at the times both have, and tells the first\n"
       "frame that differs, the particle farthest off in it, how far, and the largest\n"
       "such distance of all frames. States are compared bit for bit by the hashes in\n"
-      "series.csv.\n\n"
+      "series.csv, and frames by the positions, velocities and strain in "
+      "run.vtkhdf.\n\n"
       "  --tol X              positions of run.vtkhdf instead: equal is what is not\n"
       "                       more than X metres apart\n\n"
       "examples:\n"

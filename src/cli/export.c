@@ -14,6 +14,7 @@
 #include "cli/cli.h"
 #include "record/export.h"
 #include "record/frames.h"
+#include "record/result_read.h"
 
 typedef struct export_format {
     const char *name;
@@ -48,14 +49,26 @@ typedef struct export_job {
 
 /* ---- one frame, wherever it comes from -------------------------------------- */
 
-static weft_status write_surface(const export_job *job, const char *name,
-                                 const record_surface *surface, weft_error *err)
+#define FRAME_NAME "frames/frame-%06zu.%s"
+
+static size_t number_of(const export_job *job, size_t i)
 {
-    const weft_status status = job->format->write(job->directory, name, surface, err);
-    if (status == WEFT_OK) {
-        printf("%s/%s\n", job->directory, name);
+    return job->frames == NULL ? i : record_frames_number(job->frames, i);
+}
+
+/* One line, however many they are. */
+static void print_files(const export_job *job)
+{
+    if (job->format->write == NULL) {
+        return;
     }
-    return status;
+    printf("%s/" FRAME_NAME, job->directory, number_of(job, job->first),
+           job->format->suffix);
+    if (job->last > job->first) {
+        printf(" to frame-%06zu.%s, %zu files", number_of(job, job->last),
+               job->format->suffix, job->last - job->first + 1);
+    }
+    putchar('\n');
 }
 
 static weft_status write_frame(export_job *job, size_t number, double time,
@@ -64,9 +77,8 @@ static weft_status write_frame(export_job *job, size_t number, double time,
     char name[64] = "";
     weft_status status = WEFT_OK;
     if (job->format->write != NULL) {
-        (void)snprintf(name, sizeof name, "frames/frame-%06zu.%s", number,
-                       job->format->suffix);
-        status = write_surface(job, name, surface, err);
+        (void)snprintf(name, sizeof name, FRAME_NAME, number, job->format->suffix);
+        status = job->format->write(job->directory, name, surface, err);
     }
     if (status == WEFT_OK && job->format->movie != NULL) {
         job->format->movie->frame(job->movie.stream, time, name, surface);
@@ -175,12 +187,15 @@ static weft_status make_frames_folder(const export_job *job, weft_error *err)
 
 static weft_status export_frames(export_job *job, weft_error *err)
 {
-    const weft_status status
+    weft_status status
         = job->format->write == NULL ? WEFT_OK : make_frames_folder(job, err);
-    if (status != WEFT_OK) {
-        return status;
+    if (status == WEFT_OK) {
+        status = job->frames == NULL ? compute_frames(job, err) : read_frames(job, err);
     }
-    return job->frames == NULL ? compute_frames(job, err) : read_frames(job, err);
+    if (status == WEFT_OK) {
+        print_files(job);
+    }
+    return status;
 }
 
 static double time_of(const export_job *job, size_t i)
@@ -261,24 +276,21 @@ static weft_status export_final(const export_job *job, weft_error *err)
         .velocity = job->values + 3 * n,
         .doubles = true,
     };
-    weft_status status
-        = record_csv_read(job->directory, "final.csv", job->rows, job->cols,
-                          job->values, job->values + 3 * n, err);
+    weft_status status = record_final_read(job->directory, job->rows, job->cols,
+                                           job->values, job->values + 3 * n, err);
     if (status == WEFT_OK && job->format->write == record_csv) {
         printf("%s/final.csv\n", job->directory); /* it is there already */
     } else if (status == WEFT_OK) {
         (void)snprintf(name, sizeof name, "final.%s", job->format->suffix);
-        status = write_surface(job, name, &surface, err);
+        status = job->format->write(job->directory, name, &surface, err);
+        if (status == WEFT_OK) {
+            printf("%s/%s\n", job->directory, name);
+        }
     }
     return status;
 }
 
 /* ---- which frames ----------------------------------------------------------- */
-
-static size_t number_of(const export_job *job, size_t i)
-{
-    return job->frames == NULL ? i : record_frames_number(job->frames, i);
-}
 
 /* A number in digits, among those of the frames there are. */
 static bool find_frame(const char *text, export_job *job)
@@ -301,8 +313,9 @@ static bool find_frame(const char *text, export_job *job)
 static bool has_final(const export_job *job)
 {
     char path[RECORD_PATH];
+    uint64_t hash;
     return record_path(job->directory, "final.csv", path, NULL) == WEFT_OK
-           && access(path, F_OK) == 0;
+           && access(path, F_OK) == 0 && record_result_hash(job->directory, &hash);
 }
 
 static int export_wanted(const options *given, export_job *job)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* human.c -- numbers and foreign text as people read them. */
 #include <math.h>
+#include <stdarg.h>
 #include <string.h>
 
 #include "cli/human.h"
@@ -64,5 +65,104 @@ void print_plain(FILE *stream, const char *text, const char *keep)
         } else {
             putc(*c, stream);
         }
+    }
+}
+
+/* ---- lines -------------------------------------------------------------------- */
+
+enum { LABEL = 13, HELP_WIDTH = 75, TEXT = 8192 };
+
+static size_t count_chars(const char *text, size_t length)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < length; ++i) {
+        count += ((unsigned char)text[i] & 0xC0) != 0x80; /* UTF-8 */
+    }
+    return count;
+}
+
+/* The bytes up to the next blank where a line may end: not between number and unit. */
+static size_t unbroken(const char *text)
+{
+    size_t length = strcspn(text, " ");
+    while (text[length] == ' ' && length > 0
+           && strchr("0123456789", text[length - 1]) != NULL) {
+        length += 1 + strcspn(text + length + 1, " ");
+    }
+    return length;
+}
+
+void print_wrapped(FILE *stream, size_t used, size_t indent, size_t width,
+                   const char *text)
+{
+    char word[TEXT];
+    for (bool first = true;; first = false) {
+        const size_t length = unbroken(text);
+        const size_t chars = count_chars(text, length);
+        if (!first && used > indent && used + 1 + chars > width) {
+            fprintf(stream, "\n%*s", (int)indent, "");
+            used = indent;
+        } else if (!first) {
+            putc(' ', stream);
+            ++used;
+        }
+        (void)snprintf(word, sizeof word, "%.*s", (int)length, text);
+        print_plain(stream, word, "");
+        used += chars;
+        text += length;
+        if (*text == '\0') {
+            break;
+        }
+        ++text;
+    }
+    putc('\n', stream);
+}
+
+void print_item(const char *label, const char *format, ...)
+{
+    char text[TEXT];
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    printf("  %-*s", LABEL - 2, label);
+    print_wrapped(stdout, LABEL, LABEL, PAGE_WIDTH, text);
+}
+
+/* Where the text of a line begins that has a name before it: behind two blanks. 0: a
+ * line of a paragraph; the whole length: one that is to stay as it is. */
+static size_t text_column(const char *line, size_t length)
+{
+    size_t column = strspn(line, " ");
+    if (column == 0) {
+        return 0;
+    }
+    while (column < length && strncmp(line + column, "  ", 2) != 0) {
+        ++column;
+    }
+    return column < length ? column + strspn(line + column, " ") : length;
+}
+
+/* Whether a line goes on with a text that begins at a column. */
+static bool continues(const char *line, size_t column)
+{
+    return *line != '\0' && *line != '\n' && strspn(line, " ") == column;
+}
+
+void print_help(const char *text)
+{
+    while (*text != '\0') {
+        const size_t column = text_column(text, strcspn(text, "\n"));
+        char filled[TEXT] = "";
+        size_t used = 0;
+        printf("%.*s", (int)column, text);
+        do {
+            text += column;
+            const size_t length = strcspn(text, "\n");
+            used += (size_t)snprintf(filled + used, sizeof filled - used, "%s%.*s",
+                                     used == 0 ? "" : " ", (int)length, text);
+            text += length + (text[length] == '\n');
+        } while (used > 0 && used < sizeof filled && continues(text, column));
+        print_wrapped(stdout, column, column, HELP_WIDTH, filled);
     }
 }

@@ -6,7 +6,12 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-enum { HUMAN = 32 }; /* bytes that hold any of the following */
+#include "weft/base.h"
+
+enum {
+    HUMAN = 32,     /* bytes that hold any of the following */
+    PAGE_WIDTH = 80 /* characters of a line */
+};
 
 /* "298 us", "5.74 s", "3 min 05 s", "2 h 07 min", "3 d 04 h". Both return out. */
 const char *human_time(double seconds, char out[HUMAN]);
@@ -15,5 +20,18 @@ const char *human_count(uint64_t count, char out[HUMAN]); /* "40,530" */
 /* Text that came from a file or a command line: control characters, which a terminal
  * would obey, are written as \x1b; those in `keep` are left. */
 void print_plain(FILE *stream, const char *text, const char *keep);
+
+/* Such text in lines of at most `width` characters, broken at blanks, the last line
+ * ended: `used` characters stand in the first one already, the others begin with
+ * `indent` blanks. */
+void print_wrapped(FILE *stream, size_t used, size_t indent, size_t width,
+                   const char *text);
+
+/* "  label      text" to stdout, in lines of 80 characters. */
+WEFT_PRINTF(2, 3) void print_item(const char *label, const char *format, ...);
+
+/* The help of a verb to stdout, its paragraphs and the texts beside its options filled
+ * to lines that a manual page can indent by 5. */
+void print_help(const char *text);
 
 #endif

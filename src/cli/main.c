@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* main.c -- the weft program: find the verb, run it. */
+#include <fcntl.h>
 #include <signal.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cli/cli.h"
 #include "cli/human.h"
@@ -40,7 +42,7 @@ static int print_version(void)
     if (registry == NULL) {
         return EXIT_SIMULATION;
     }
-    (void)weft_registry_load_all(registry, NULL, NULL, NULL);
+    (void)load_plugins(registry, NULL);
     for (size_t i = 0; i < weft_registry_count(registry); ++i) {
         const weft_plugin *plugin = weft_registry_at(registry, i);
         printf("plugin %s %s%s%s: %s\n", plugin->id, plugin->version,
@@ -74,8 +76,38 @@ static int no_verb(const char *typed)
     return EXIT_USAGE;
 }
 
+/* A file opened later takes the number of a standard stream that is closed, and would
+ * get the messages. */
+static bool open_standard_streams(void)
+{
+    for (int i = STDIN_FILENO; i <= STDERR_FILENO; ++i) {
+        if (fcntl(i, F_GETFD) < 0 && open("/dev/null", O_RDWR) != i) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* A wrong WEFT_ISA is reported before a verb writes anything. */
+static int check_environment(void)
+{
+    weft_error err = { 0 };
+    weft_cloth *cloth = NULL;
+    const weft_cloth_def any = weft_cloth_def_default();
+    const weft_status status = weft_cloth_create(&any, &cloth, &err);
+    weft_cloth_destroy(cloth);
+    if (status == WEFT_INVALID) {
+        (void)report_error(&err);
+        return EXIT_USAGE;
+    }
+    return EXIT_DONE;
+}
+
 int main(int argc, char **argv)
 {
+    if (!open_standard_streams()) {
+        return EXIT_FILE;
+    }
     /* Beyond the limit of file sizes a write then fails, and is reported. */
     (void)signal(SIGXFSZ, SIG_IGN);
     if (argc < 2) {
@@ -84,7 +116,9 @@ int main(int argc, char **argv)
     }
     for (size_t i = 0; i < VERBS; ++i) {
         if (strcmp(argv[1], verbs[i]->name) == 0) {
-            return flush_stdout(verbs[i]->run(argc - 1, argv + 1));
+            const int code = check_environment();
+            return code != EXIT_DONE ? code
+                                     : flush_stdout(verbs[i]->run(argc - 1, argv + 1));
         }
     }
     if (strcmp(argv[1], "--version") == 0) {

@@ -1,8 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* open.c -- plugins, scenes and simulations for the verbs, with their errors printed.
  */
+#define _GNU_SOURCE /* dladdr, in POSIX since 2024 */
+
+#include <dlfcn.h>
+#include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "cli/cli.h"
@@ -22,31 +28,53 @@ int report_error(const weft_error *err)
                                            : EXIT_SIMULATION;
 }
 
-/* Where the program lies, without a trailing slash; "" if that cannot be told. */
-static void program_directory(char *directory, size_t size)
+/* The build tree has its plugins beside libweft; "" if that was found by no path. */
+static void tree_plugins(char *directory, size_t size)
 {
-    const ssize_t length = readlink("/proc/self/exe", directory, size - 1);
-    directory[length < 0 ? 0 : length] = '\0';
-    char *slash = strrchr(directory, '/');
-    if (slash != NULL) {
-        *slash = '\0';
+    const char *(*const function)(void) = weft_version;
+    char library[PATH_MAX];
+    const void *address; /* POSIX has functions and data of one size */
+    Dl_info info;
+    memcpy(&address, &function, sizeof address);
+    directory[0] = '\0';
+    if (dladdr(address, &info) != 0 && strchr(info.dli_fname, '/') != NULL
+        && realpath(info.dli_fname, library) != NULL) {
+        *strrchr(library, '/') = '\0';
+        (void)snprintf(directory, size, "%s/plugins", library);
     }
 }
 
 weft_registry *open_registry(const char *plugin_path)
 {
-    char directory[2048], fallback[4096];
-    program_directory(directory, sizeof directory);
-    (void)snprintf(fallback, sizeof fallback, "%s/plugins", directory);
+    char fallback[PATH_MAX + 16];
+    tree_plugins(fallback, sizeof fallback);
     weft_error err;
     weft_registry *registry = NULL;
     weft_registry_def def = weft_registry_def_default();
     def.path = plugin_path;
     def.fallback = fallback;
+    def.admit = admit_plugin;
     if (weft_registry_create(&def, &registry, &err) != WEFT_OK) {
         (void)report_error(&err);
     }
     return registry;
+}
+
+static void warn_of_refused(void *ctx, const weft_error *why)
+{
+    (void)ctx;
+    fputs("weft: warning: ", stderr);
+    print_plain(stderr, why->message, "");
+    fputc('\n', stderr);
+}
+
+weft_status load_plugins(weft_registry *registry, weft_error *err)
+{
+    static bool done; /* a program has one registry */
+    const weft_status status
+        = done ? WEFT_OK : weft_registry_load_all(registry, warn_of_refused, NULL, err);
+    done = true;
+    return status;
 }
 
 static const weft_plugin *find_plugin(void *ctx, const char *id, weft_error *err)
@@ -132,11 +160,44 @@ char *default_directory(const char *file, const char *suffix)
     return out;
 }
 
+/* A lower bound: the arrays of the cloth, two states, and one for each stage. Most
+ * methods have some three states more. */
+static weft_status check_memory(const weft_scene *scene, weft_error *err)
+{
+    const weft_cloth_def *cloth = weft_scene_cloth(scene);
+    const weft_stepper_type *type = weft_scene_method_type(scene);
+    const double states = 2.0 + (type == NULL ? 0.0 : type->stages);
+    const double bytes = (double)cloth->rows * (double)cloth->cols
+                         * (20.0 + states * 6.0 * sizeof(double));
+    struct rlimit limit = { .rlim_cur = RLIM_INFINITY };
+    double room = INFINITY;
+#ifdef _SC_PHYS_PAGES
+    room = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+#endif
+    if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
+        room = fmin(room, (double)limit.rlim_cur);
+    }
+    return bytes <= room
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_NO_MEMORY,
+                                "%zu x %zu particles need at least %.4g GB of memory; "
+                                "this process can have %.4g GB",
+                                cloth->rows, cloth->cols, 1e-9 * bytes, 1e-9 * room);
+}
+
+weft_status cloth_create(const weft_scene *scene, weft_cloth **cloth, weft_error *err)
+{
+    const weft_status status = check_memory(scene, err);
+    *cloth = NULL;
+    return status == WEFT_OK ? weft_cloth_create(weft_scene_cloth(scene), cloth, err)
+                             : status;
+}
+
 weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,
                               weft_sim **sim, weft_error *err)
 {
     *sim = NULL;
-    weft_status status = weft_cloth_create(weft_scene_cloth(scene), cloth, err);
+    weft_status status = cloth_create(scene, cloth, err);
     if (status != WEFT_OK) {
         return status;
     }
@@ -146,6 +207,7 @@ weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,
     def.config = *weft_scene_config(scene);
     def.ledger = weft_scene_record(scene)->ledger;
     def.limit = *weft_scene_limit(scene);
+    def.stop = interrupt_pending;
     status = weft_sim_create(&def, sim, err);
     if (status != WEFT_OK) {
         weft_cloth_destroy(*cloth);

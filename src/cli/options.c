@@ -148,7 +148,7 @@ int options_parse(const verb *self, const char *takes, int argc, char **argv,
     optind = 1;
     for (int letter; (letter = getopt_long(argc, argv, letters, table, NULL)) != -1;) {
         if (letter == 'h') {
-            fputs(self->help, stdout);
+            print_help(self->help);
             options_free(out);
             return EXIT_DONE;
         }

@@ -19,10 +19,20 @@ double frame_time(const weft_run_def *run, size_t i)
     return i >= frame_last(run) ? run->duration : (double)i / run->fps;
 }
 
+/* Steppers take what is left of a frame whole if it is longer than h by this part. */
+#define REST 1e-6
+
+double frame_steps(const weft_run_def *run, double h)
+{
+    return fmax(1.0, ceil(frame_time(run, 1) / h - REST));
+}
+
 static weft_status play_to(player *show, double t, weft_error *err)
 {
     while (weft_sim_time(show->sim) < t) {
+        interrupt_lend(show->watch);
         const weft_status status = weft_sim_step(show->sim, t, err);
+        interrupt_take(show->watch);
         if (status != WEFT_OK) {
             return status;
         }

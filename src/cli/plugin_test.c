@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "cli/cli.h"
+#include "cli/human.h"
 #include "weft/conformance.h"
 
 enum {
@@ -95,12 +96,8 @@ static void explain(int status, weft_conformance *out)
         && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGALRM
             || WTERMSIG(status) == SIGKILL)) {
         (void)snprintf(text, sizeof text, "the check did not come to an end");
-    } else if (WIFSIGNALED(status)) {
-        (void)snprintf(text, sizeof text, "it crashed: %s",
-                       strsignal(WTERMSIG(status)));
     } else {
-        (void)snprintf(text, sizeof text, "it ended the process with exit code %d",
-                       WEXITSTATUS(status));
+        process_end(status, text, sizeof text);
     }
     breaks(out, text);
 }
@@ -187,17 +184,28 @@ static size_t count_same(const found *self, size_t check, size_t from, size_t to
     return count;
 }
 
+static void print_finding(const char *mark, const char *name, const char *text)
+{
+    enum { COLUMN = 21 };
+    printf("  %-4s %-12s  ", mark, name);
+    print_wrapped(stdout, COLUMN, COLUMN, PAGE_WIDTH, text);
+}
+
 static void print_broken(const found *self, size_t check, bool all)
 {
+    char seen[sizeof self->checks->seen + 8];
     const size_t again = count_same(self, check, check + 1, self->count);
     if (!all && count_same(self, check, 0, check) > 0) {
         return;
     }
-    printf("  FAIL %-12s  %s\n       %-12s  seen: %s\n", weft_conformance_name(check),
-           weft_conformance_promise(check), "", self->checks[check].seen);
+    print_finding("FAIL", weft_conformance_name(check),
+                  weft_conformance_promise(check));
+    (void)snprintf(seen, sizeof seen, "seen: %s", self->checks[check].seen);
+    print_finding("", "", seen);
     if (!all && again > 0) {
-        printf("       %-12s  and the same in %zu more check%s\n", "", again,
-               again == 1 ? "" : "s");
+        (void)snprintf(seen, sizeof seen, "and the same in %zu more check%s", again,
+                       again == 1 ? "" : "s");
+        print_finding("", "", seen);
     }
 }
 
@@ -210,9 +218,10 @@ static void print_verdict(const found *self, size_t check, bool all)
     if (one->verdict == WEFT_PROMISE_BROKEN) {
         print_broken(self, check, all);
     } else if (all) {
-        printf("  %s %-12s  %s\n", marks[one->verdict], weft_conformance_name(check),
-               one->verdict == WEFT_PROMISE_KEPT ? weft_conformance_promise(check)
-                                                 : one->seen);
+        print_finding(marks[one->verdict], weft_conformance_name(check),
+                      one->verdict == WEFT_PROMISE_KEPT
+                          ? weft_conformance_promise(check)
+                          : one->seen);
     }
 }
 
@@ -248,6 +257,7 @@ static int test_plugin(const char *file, const weft_plugin *plugin, bool all)
 {
     gsl_set_handler *gsl = find_gsl(file);
     tally of = { 0 };
+    char note[sizeof of.note.seen + 100];
     for (size_t i = 0; plugin->types[i] != NULL; ++i) {
         if (!test_method(plugin, plugin->types[i], gsl, all, &of)) {
             return EXIT_FILE;
@@ -255,8 +265,10 @@ static int test_plugin(const char *file, const weft_plugin *plugin, bool all)
     }
     const char *plural = of.methods == 1 ? "" : "s";
     if (of.noted > 0) {
-        printf("note: with %zu of %zu method%s %s, as is allowed\n", of.noted,
-               of.methods, plural, of.note.seen);
+        (void)snprintf(note, sizeof note,
+                       "note: with %zu of %zu method%s %s, as is allowed", of.noted,
+                       of.methods, plural, of.note.seen);
+        print_wrapped(stdout, 0, 6, PAGE_WIDTH, note);
     }
     if (of.bad == 0) {
         printf("%s keeps every promise with %zu method%s\n", file, of.methods, plural);
@@ -271,7 +283,7 @@ static int test_file(const char *file, bool all)
 {
     weft_error err = { 0 };
     weft_registry *registry = NULL;
-    const weft_registry_def def = { 0 };
+    const weft_registry_def def = { .admit = admit_plugin };
     if (access(file, R_OK) != 0) {
         weft_error_set(&err, WEFT_IO, "%s: %s", file, strerror(errno));
         return report_error(&err);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* progress.c -- how far a run has come: one line of a terminal, drawn over and over; a
- * line each tenth of the frames; or YAML documents. */
+/* progress.c -- how far a run, or a set of them, has come: one line of a terminal,
+ * drawn over and over; a line each tenth of the frames; or YAML documents. */
 #include "cli/progress.h"
 
 #include <math.h>
@@ -31,7 +31,7 @@ static bool can_redraw(void)
     return isatty(STDERR_FILENO) == 1 && kind != NULL && strcmp(kind, "dumb") != 0;
 }
 
-const char *const progress_names[]
+static const char *const choices[]
     = { "auto", "lines", "terminal", "yaml", "none", NULL };
 
 bool progress_find(const char *name, progress_mode *mode)
@@ -51,6 +51,16 @@ bool progress_find(const char *name, progress_mode *mode)
         }
     }
     return false;
+}
+
+int progress_choose(const verb *self, const options *given, progress_mode *mode)
+{
+    if (!progress_find(given->progress, mode)) {
+        return usage_choice(self, "progress", given->progress, choices);
+    }
+    return given->quiet && given->progress != NULL
+               ? usage_error(self, "--quiet and --progress exclude each other")
+               : EXIT_DONE;
 }
 
 void progress_begin(progress *show, progress_mode mode, const weft_sim *sim)
@@ -112,7 +122,14 @@ static void add(char *line, size_t width, const char *name, const char *value)
     }
 }
 
-static void print_line(const progress *show, const progress_place *at)
+static void put_line(progress *show, const char *line)
+{
+    show->drawn = show->mode == PROGRESS_TERMINAL;
+    fprintf(stderr, show->drawn ? "\r%s\033[K" : "%s\n", line);
+    (void)fflush(stderr);
+}
+
+static void print_line(progress *show, const progress_place *at)
 {
     enum { LONGEST = 160 };
     char line[LONGEST + 1] = "", text[2 * HUMAN];
@@ -129,8 +146,7 @@ static void print_line(const progress *show, const progress_place *at)
     add(line, width, "h", human_time(weft_sim_stats(at->sim).last_step, text));
     add(line, width, "steps/s",
         show->speed > 0.0 ? human_count((uint64_t)(show->rate + 0.5), text) : "--");
-    fprintf(stderr, redraw ? "\r%s\033[K" : "%s\n", line);
-    (void)fflush(stderr);
+    put_line(show, line);
 }
 
 void progress_clear(progress *show)
@@ -176,6 +192,24 @@ void progress_show(progress *show, const progress_place *at)
         write_yaml(show, at);
     } else {
         print_line(show, at);
-        show->drawn = show->mode == PROGRESS_TERMINAL;
+    }
+}
+
+void progress_count(progress *show, const char *what, size_t done, size_t all)
+{
+    yaml_out out;
+    char line[80];
+    if (show->mode == PROGRESS_NONE || !due(show, done, all, wall_clock())) {
+        return;
+    }
+    if (show->mode == PROGRESS_YAML) {
+        yaml_out_begin_line(&out, stdout);
+        yaml_out_plain(&out, "event", "progress");
+        yaml_out_plain(&out, what, "%zu", done);
+        (void)yaml_out_end(&out);
+        (void)fflush(stdout);
+    } else {
+        (void)snprintf(line, sizeof line, "%zu of %zu %s", done, all, what);
+        put_line(show, line);
     }
 }

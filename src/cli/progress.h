@@ -4,7 +4,7 @@
 #ifndef WEFT_CLI_PROGRESS_H
 #define WEFT_CLI_PROGRESS_H
 
-#include "weft/weft.h"
+#include "cli/cli.h"
 
 typedef enum progress_mode {
     PROGRESS_NONE,
@@ -32,12 +32,16 @@ typedef struct progress_place {
 
 /* none, lines, terminal, yaml; auto or NULL: terminal if stderr is one, else lines.
  * False: no such name. */
-extern const char *const progress_names[]; /* with auto; NULL at their end */
 bool progress_find(const char *name, progress_mode *mode);
+
+/* --progress of a verb that has --quiet too: EXIT_DONE, or the usage error printed. */
+int progress_choose(const verb *self, const options *given, progress_mode *mode);
 
 void progress_begin(progress *show, progress_mode mode, const weft_sim *sim);
 /* After a frame or a step: shown if it is time to. */
 void progress_show(progress *show, const progress_place *at);
+/* So many methods, say, have ended: due by the same rule. */
+void progress_count(progress *show, const char *what, size_t done, size_t all);
 /* Wipes the line off the terminal: before anything else is printed, and at the end. */
 void progress_clear(progress *show);
 

@@ -9,22 +9,6 @@
 #include "cli/stability.h"
 #include "record/export.h"
 
-static volatile sig_atomic_t stop_signal;
-
-static void on_signal(int number)
-{
-    stop_signal = number;
-}
-
-static void catch_signals(void)
-{
-    struct sigaction action = { .sa_handler = on_signal };
-    (void)sigemptyset(&action.sa_mask);
-    action.sa_flags = SA_RESTART;
-    (void)sigaction(SIGINT, &action, NULL);
-    (void)sigaction(SIGTERM, &action, NULL);
-}
-
 static void print_spring(const run *self, const weft_spring *spring)
 {
     const size_t cols = weft_cloth_cols(self->cloth);
@@ -94,8 +78,9 @@ static weft_status write_state(const run *self, const char *name,
 static weft_status write_frame_obj(const run *self, size_t index, weft_error *err)
 {
     char name[64];
+    const weft_status status = run_in_place(self, err);
     (void)snprintf(name, sizeof name, "frames/frame-%06zu.obj", index);
-    return write_state(self, name, record_obj, err);
+    return status == WEFT_OK ? write_state(self, name, record_obj, err) : status;
 }
 
 static void show_progress(run *self)
@@ -139,11 +124,49 @@ static bool on_step(void *ctx)
     if (self->mode >= PROGRESS_TERMINAL) { /* lines come with frames */
         show_progress(self);
     }
-    return stop_signal == 0;
+    return interrupt_signal() == 0;
+}
+
+static const char *signal_name(void)
+{
+    return interrupt_signal() == SIGINT ? "SIGINT" : "SIGTERM";
+}
+
+static int signal_code(void)
+{
+    return interrupt_signal() == SIGINT ? EXIT_SIGINT : EXIT_SIGTERM;
+}
+
+/* The step under way does not end. Nothing is known of the simulation but the frames
+ * before: the thread that steps may be changing it. */
+static void give_up(void *ctx)
+{
+    run *self = ctx;
+    weft_error err = { 0 };
+    progress_clear(&self->progress);
+    weft_status status = run_close(self, WEFT_OK, &err);
+    (void)snprintf(self->reason, sizeof self->reason, "%s within a step",
+                   signal_name());
+    self->result.status = "interrupted";
+    self->result.reason = self->reason;
+    self->result.wall_time = wall_clock() - self->began;
+    status = status == WEFT_OK ? run_in_place(self, &err) : status;
+    if (status == WEFT_OK) {
+        status = record_result_write(self->out, &self->result, &err);
+    }
+    if (status == WEFT_OK && self->mode == PROGRESS_YAML) {
+        summary_yaml_end(&self->summary);
+    } else if (status == WEFT_OK && !self->quiet) {
+        summary_print_frames(&self->summary);
+    }
+    const int code = status == WEFT_OK ? signal_code() : report_error(&err);
+    (void)fflush(stdout);
+    _exit(code);
 }
 
 static weft_status simulate(run *self, weft_error *err)
 {
+    interrupt_watch watch;
     player show = {
         .sim = self->sim,
         .run = weft_scene_run(self->scene),
@@ -152,14 +175,19 @@ static weft_status simulate(run *self, weft_error *err)
         .frame = on_frame,
         .checkpoint = run_checkpoint,
         .step = on_step,
+        .watch = &watch,
         .ctx = self,
     };
-    summary_begin(&self->summary);
     if (self->mode == PROGRESS_YAML) {
         summary_yaml_begin(&self->summary);
     }
     progress_begin(&self->progress, self->mode, self->sim);
-    const weft_status status = play(&show, err);
+    interrupt_begin(&watch, give_up, self);
+    weft_status status = play(&show, err);
+    interrupt_end(&watch);
+    if (status == WEFT_STOPPED && interrupt_signal() != 0) {
+        status = WEFT_OK;
+    }
     progress_clear(&self->progress);
     return run_close(self, status, err);
 }
@@ -174,34 +202,47 @@ static int report_failure(const weft_error *why, const char *reason)
     return EXIT_SIMULATION;
 }
 
+/* Another attempt may well succeed after an I/O error, not after another failure. */
+static void note_failure(run *self, const weft_error *why)
+{
+    self->result.status = why->status == WEFT_IO ? "io_error" : "failed";
+    trouble_describe(self->scene, self->sim, why, self->reason, sizeof self->reason);
+    self->result.reason = self->reason;
+}
+
+/* The state at the end, then the result. */
+static weft_status write_ends(run *self, bool failed, weft_error *err)
+{
+    weft_status written = run_in_place(self, err);
+    if (written != WEFT_OK) {
+        return written;
+    }
+    written = write_state(self, "final.csv", record_csv, err);
+    if (written != WEFT_OK && !failed) {
+        note_failure(self, err);
+    }
+    const weft_status told = record_result_write(self->out, &self->result,
+                                                 written == WEFT_OK ? err : NULL);
+    return written == WEFT_OK ? told : written;
+}
+
 /* Everything that is written once the loop has ended, whatever ended it. */
 static int conclude(run *self, weft_status status, const weft_error *why)
 {
     weft_error err = { 0 };
     /* A signal that came after the last frame has changed nothing. */
     const bool interrupted
-        = stop_signal != 0 && self->result.frames < self->result.planned;
+        = interrupt_signal() != 0 && self->result.frames < self->result.planned;
     self->result.wall_time = wall_clock() - self->began;
     self->result.sim = self->sim;
     self->result.warnings = count_warnings(self);
     if (status != WEFT_OK) {
-        self->result.status = "failed";
-        trouble_describe(self->scene, self->sim, why, self->reason,
-                         sizeof self->reason);
-        self->result.reason = self->reason;
+        note_failure(self, why);
     } else if (interrupted) {
         self->result.status = "interrupted";
-        self->result.reason = stop_signal == SIGINT ? "SIGINT" : "SIGTERM";
+        self->result.reason = signal_name();
     }
-    weft_status written = write_state(self, "final.csv", record_csv, &err);
-    if (written != WEFT_OK && status == WEFT_OK) {
-        (void)snprintf(self->reason, sizeof self->reason, "%s", err.message);
-        self->result.status = "failed";
-        self->result.reason = self->reason;
-    }
-    const weft_status told = record_result_write(self->out, &self->result,
-                                                 written == WEFT_OK ? &err : NULL);
-    written = written == WEFT_OK ? told : written;
+    const weft_status written = write_ends(self, status != WEFT_OK, &err);
     const int code = status == WEFT_OK ? EXIT_DONE : report_failure(why, self->reason);
     if (written != WEFT_OK) {
         return report_error(&err);
@@ -215,7 +256,7 @@ static int conclude(run *self, weft_status status, const weft_error *why)
         summary_print(&self->summary);
     }
     if (interrupted && status == WEFT_OK) {
-        return stop_signal == SIGINT ? EXIT_SIGINT : EXIT_SIGTERM;
+        return signal_code();
     }
     return code;
 }
@@ -251,7 +292,7 @@ static int run_prepared(run *self, weft_registry *registry)
     self->result.energy_start
         = record_total_energy(self->cloth, weft_sim_state(self->sim));
     if (status == WEFT_OK && self->from != NULL) {
-        status = run_take_up(self, &err);
+        status = run_take_up(self, registry, &err);
         if (status != WEFT_OK) {
             return report_error(&err);
         }
@@ -289,7 +330,7 @@ static weft_status open_directory(const run *self, bool force, int *lock,
     if (status == WEFT_OK && self->obj) {
         char frames[RECORD_PATH];
         status = record_path(self->out, "frames", frames, err);
-        status = status == WEFT_OK ? record_outdir(frames, force, err) : status;
+        status = status == WEFT_OK ? record_directory(frames, err) : status;
     }
     return status;
 }
@@ -311,11 +352,13 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
         .quiet = given->quiet,
     };
     (void)progress_find(given->quiet ? "none" : given->progress, &self.mode);
-    catch_signals();
-    if (resumed == NULL
-        && open_directory(&self, given->force, &lock, &err) != WEFT_OK) {
+    interrupt_catch();
+    if (frames_have_room(scene, &err) != WEFT_OK
+        || (resumed == NULL
+            && open_directory(&self, given->force, &lock, &err) != WEFT_OK)) {
         code = report_error(&err);
     } else {
+        (void)stat(out, &self.place);
         const char *unsupported = scene_unsupported(scene);
         code = unsupported != NULL ? refuse(&self, unsupported)
                                    : run_simulation(&self, registry);
@@ -324,6 +367,7 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
         (void)close(lock);
     }
     if (given->view && code != EXIT_FILE) {
+        interrupt_restore();
         const int viewed = view_runs(&out, 1, NULL, self.mode == PROGRESS_YAML);
         return code == EXIT_DONE ? viewed : code;
     }
@@ -344,11 +388,7 @@ static int run_verb(int argc, char **argv)
     } else if (given.frames != NULL && strcmp(given.frames, "obj") != 0) {
         code = usage_choice(&verb_run, "frames", given.frames,
                             (const char *const[]){ "obj", NULL });
-    } else if (!progress_find(given.progress, &mode)) {
-        code = usage_choice(&verb_run, "progress", given.progress, progress_names);
-    } else if (given.quiet && given.progress != NULL) {
-        code = usage_error(&verb_run, "--quiet and --progress exclude each other");
-    } else {
+    } else if ((code = progress_choose(&verb_run, &given, &mode)) == EXIT_DONE) {
         weft_registry *registry = open_registry(given.plugin_path);
         weft_scene *scene = NULL;
         char *out = default_directory(given.operands[0], ".run");
@@ -376,9 +416,8 @@ const verb verb_run = {
       "(what\n"
       "ran), series.csv (a row a frame), run.vtkhdf (the frames), final.csv (the "
       "state\n"
-      "at the end) and, last of all, result.yaml. At the end it says in eight lines "
-      "what\n"
-      "that came to.\n\n"
+      "at the end) and, last of all, result.yaml. It ends with a "
+      "summary.\n\n"
       "  --out DIR            the directory; default: SCENE.run here. Must be new or "
       "empty\n"
       "  --force              replace what an earlier run left there\n"
@@ -398,7 +437,7 @@ const verb verb_run = {
       "  --quiet              no progress, no summary\n\n"
       "examples:\n"
       "  weft run scenes/flag.yaml --out flag\n"
-      "  weft run scenes/flag.yaml --set stepper.rtol=1e-8 --set cloth.grid.rows=40\n\n"
+      "  weft run scenes/flag.yaml --set stepper.rtol=1e-8 --set run.fps=60\n\n"
       "exit codes: 0 done, 1 the simulation failed, 2 wrong command line, 3 wrong "
       "scene,\n"
       "4 a file could not be read or written, 130 SIGINT, 143 SIGTERM\n",

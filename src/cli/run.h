@@ -3,6 +3,8 @@
 #ifndef WEFT_CLI_RUN_H
 #define WEFT_CLI_RUN_H
 
+#include <sys/stat.h>
+
 #include "cli/cli.h"
 #include "cli/progress.h"
 #include "cli/summary.h"
@@ -10,6 +12,7 @@
 
 typedef struct run {
     const char *out;
+    struct stat place;             /* of that directory, while it is claimed */
     bool obj;                      /* an OBJ a frame */
     bool quiet;                    /* no progress, no summary */
     bool again;                    /* the directory is that of an earlier attempt */
@@ -35,14 +38,16 @@ typedef struct run {
 weft_status run_prepare(run *self, weft_registry *registry, weft_error *err);
 /* Opens the files of a run from t = 0. */
 weft_status run_begin(run *self, weft_registry *registry, weft_error *err);
-/* Opens them as they were at the checkpoint, and takes its state. On failure all are as
- * before. */
-weft_status run_take_up(run *self, weft_error *err);
+/* Opens them as they were at the checkpoint, and takes its state. Nothing is written
+ * before all of them are checked. */
+weft_status run_take_up(run *self, weft_registry *registry, weft_error *err);
 /* player.checkpoint; ctx is the run. */
 weft_status run_checkpoint(void *ctx, size_t index, weft_error *err);
 /* Closes them after `status`, which is returned unless it was the better one. */
 weft_status run_close(run *self, weft_status status, weft_error *err);
 void run_remove(const run *self, const char *name);
+/* WEFT_IO if another directory has taken the place of that of the run. */
+weft_status run_in_place(const run *self, weft_error *err);
 
 /* A directory that an earlier attempt has left, claimed by the caller. */
 typedef struct run_resumed {
@@ -62,8 +67,8 @@ int resume_scene(const options *given, const char *directory, const weft_scene *
 weft_status resume_identity(const weft_scene *scene, weft_registry *registry,
                             record_checkpoint *out, weft_error *err);
 
-/* resume.c: the state of the checkpoint into a simulation of its scene, if DIR's
- * series.csv has it too. Errors name the file. */
+/* resume.c: the state of the checkpoint into a simulation of its scene. Errors name the
+ * file. */
 weft_status resume_state(const char *directory, const record_checkpoint *from,
                          weft_sim *sim, weft_error *err);
 

@@ -8,27 +8,45 @@ static void print_line(void *ctx, const char *text)
     puts(text);
 }
 
+static int print_keys(const options *given)
+{
+    weft_error err = { 0 };
+    for (int i = 0; i < given->operand_count; ++i) {
+        if (weft_scene_help_key(given->operands[i], print_line, NULL, &err)
+            != WEFT_OK) {
+            return usage_error(&verb_scene_help, "%s", err.message);
+        }
+    }
+    return EXIT_DONE;
+}
+
 static int scene_help_verb(int argc, char **argv)
 {
     options given;
-    const int code = options_parse(&verb_scene_help, "m", argc, argv, &given);
+    int code = options_parse(&verb_scene_help, "m", argc, argv, &given);
     if (code >= 0) {
         return code;
     }
-    options_free(&given);
-    if (given.operand_count > 0) {
-        return usage_error(&verb_scene_help, "takes no file");
+    code = EXIT_DONE;
+    if (given.operand_count == 0) {
+        weft_scene_help(given.markdown ? WEFT_HELP_MARKDOWN : WEFT_HELP_TEXT,
+                        print_line, NULL);
+    } else if (given.markdown) {
+        code = usage_error(&verb_scene_help, "--markdown prints all keys");
+    } else {
+        code = print_keys(&given);
     }
-    weft_scene_help(given.markdown ? WEFT_HELP_MARKDOWN : WEFT_HELP_TEXT, print_line,
-                    NULL);
-    return EXIT_DONE;
+    options_free(&given);
+    return code;
 }
 
 const verb verb_scene_help = {
     .name = "scene-help",
-    .summary = "print every key of a scene with type, unit and default",
-    .help = "usage: weft scene-help [--markdown]\n\n"
-            "Prints every key that a scene may have: type, unit, default, meaning.\n\n"
-            "  --markdown           as the table of docs/scene.md\n",
+    .summary = "print keys of a scene with type, unit and default",
+    .help = "usage: weft scene-help [KEY... | --markdown]\n\n"
+            "Prints type, unit, default and meaning of keys, and of the keys below\n"
+            "them; without KEY those of every key that a scene may have.\n\n"
+            "  --markdown           as the table of docs/scene.md\n\n"
+            "example: weft scene-help stepper.rtol cloth.pins\n",
     .run = scene_help_verb,
 };

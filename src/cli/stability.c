@@ -4,20 +4,25 @@
 
 #include <math.h>
 
+#include "cli/human.h"
+
 /* Methods in the short table, with the scene's own; what a higher order may cost. */
 enum { SHORT_TABLE = 5 };
 #define ORDER 1.25
 
-static double fixed_step(const weft_scene *scene)
+double step_taken(const weft_scene *scene)
 {
-    return weft_scene_config(scene)->fixed_step;
+    const weft_run_def *run = weft_scene_run(scene);
+    const double h = weft_scene_config(scene)->fixed_step;
+    return h > 0.0 && !(frame_steps(run, h) > 1.0) ? frame_time(run, 1) : h;
 }
 
 /* RHS calls per simulated second of the scene as it stands; 0: not known. */
 static double own_cost(const weft_scene *scene, const survey *of)
 {
-    const double h = fixed_step(scene);
-    return h > 0.0 && of->own != NULL ? of->own->calls / h : of->trial_calls;
+    const double h = step_taken(scene);
+    return h > 0.0 && of->own != NULL ? calls_per_second(scene, of->own, h)
+                                      : of->trial_calls;
 }
 
 /* The cheapest, or one of higher order that costs little more. */
@@ -41,7 +46,10 @@ static void say_cheapest(const weft_scene *scene, const survey *of, char *text,
     const survey_method *best = recommended(of);
     const double factor = own_cost(scene, of) / best->per_second;
     if (!(factor >= WORTH) || !isfinite(factor)) {
-        (void)snprintf(text, size, "no method needs notably fewer evaluations");
+        (void)snprintf(text, size, "no method needs notably fewer evaluations%s",
+                       step_taken(scene) < frame_time(weft_scene_run(scene), 1)
+                           ? ""
+                           : " at this run.fps");
     } else if (best == of->own) {
         (void)snprintf(text, size, "that step needs %.2g x fewer evaluations", factor);
     } else {
@@ -55,17 +63,16 @@ static void say_cheapest(const weft_scene *scene, const survey *of, char *text,
 static void advise_fixed(const weft_scene *scene, const survey *of, char *text,
                          size_t size)
 {
-    const double h = fixed_step(scene), most = of->own->step;
+    const double h = step_taken(scene), most = of->own->step;
     char cheapest[200];
     say_cheapest(scene, of, cheapest, sizeof cheapest);
     if (h > most) {
         (void)snprintf(
             text, size,
-            "fixed_step %.3g s is beyond the stable %.3g s: the run may blow "
-            "up",
+            "a fixed step of %.3g s is beyond the stable %.3g s: the run may blow up",
             h, most);
     } else {
-        (void)snprintf(text, size, "fixed_step is %.2g %% of the stable step: %s",
+        (void)snprintf(text, size, "the fixed step is %.2g %% of the stable step: %s",
                        100.0 * h / most, cheapest);
     }
 }
@@ -112,7 +119,7 @@ static void advise(const weft_scene *scene, const survey *of, char *text, size_t
     if (of->own == NULL || !(of->now.omega2 + of->now.damping > 0.0)) {
         return;
     }
-    if (fixed_step(scene) > 0.0 && of->own->step > 0.0) {
+    if (step_taken(scene) > 0.0 && of->own->step > 0.0) {
         advise_fixed(scene, of, text, size);
     } else if (of->trial_steps > 0) {
         advise_adaptive(scene, of, text, size);
@@ -123,7 +130,8 @@ static void print_method(const survey_method *method)
 {
     printf("             %-8s %-18s", method->plugin->id, method->type->name);
     if (method->step > 0.0) {
-        printf(" %10.4g s %12.4g\n", method->step, method->per_second);
+        printf(" %10.4g s %12.4g%s\n", method->step, method->per_second,
+               method->doubling ? " *" : "");
     } else {
         printf(" %10s   %12s\n", "-", "-");
     }
@@ -136,41 +144,59 @@ static bool is_new(const survey *of, size_t i)
            || of->methods[i].calls != of->methods[i - 1].calls;
 }
 
-static void print_table(const survey *of, bool all)
+static void print_doubling(const weft_scene *scene)
+{
+    print_item("",
+               "* no step is stable on undamped modes; at this one none more than "
+               "doubles in the %g s of the run",
+               weft_scene_run(scene)->duration);
+}
+
+/* Whether a method with an allowance was shown. */
+static bool print_table(const survey *of, bool all)
 {
     printf("             %-8s %-18s %12s  %s\n", "plugin", "method", "stable step",
-           "evaluations per simulated second");
+           "evaluations/simulated s");
     size_t shown = 0;
+    bool doubling = false;
     for (size_t i = 0; i < of->count; ++i) {
         const survey_method *method = &of->methods[i];
         const bool brief = shown < SHORT_TABLE && method->step > 0.0 && is_new(of, i);
         if (all || method == of->own || brief) {
             print_method(method);
             ++shown;
+            doubling = doubling || method->doubling;
         }
     }
+    return doubling;
 }
 
 void stability_print(const weft_scene *scene, const survey *of, bool all)
 {
     char advice[512];
-    printf("  stability  omega <= %.4g 1/s, damping <= %.4g 1/s at the start; <= %.4g "
-           "and %.4g 1/s in any state\n",
-           sqrt(of->now.omega2), of->now.damping, sqrt(of->any.omega2),
-           of->any.damping);
+    print_item("stability",
+               "omega <= %.4g 1/s, damping <= %.4g 1/s at the start; <= %.4g "
+               "and %.4g 1/s in any state",
+               sqrt(of->now.omega2), of->now.damping, sqrt(of->any.omega2),
+               of->any.damping);
     if (of->refined) {
-        printf("             omega >= %.4g 1/s, damping >= %.4g 1/s by the power "
-               "method; the steps are from these\n",
-               sqrt(of->modes.omega2), of->modes.damping);
+        print_item("",
+                   "omega >= %.4g 1/s, damping >= %.4g 1/s by the power "
+                   "method; the steps are from these",
+                   sqrt(of->modes.omega2), of->modes.damping);
     }
-    print_table(of, all);
-    if (of->any_step > 0.0) {
-        printf("             in any state %s %s is stable up to %.4g s\n",
-               of->own->plugin->id, of->own->type->name, of->any_step);
+    const bool doubling = print_table(of, all);
+    if (of->any_state.step > 0.0) {
+        print_item("", "in any state %s %s is stable up to %.4g s%s",
+                   of->own->plugin->id, of->own->type->name, of->any_state.step,
+                   of->any_state.doubling ? " *" : "");
+    }
+    if (doubling || of->any_state.doubling) {
+        print_doubling(scene);
     }
     advise(scene, of, advice, sizeof advice);
     if (advice[0] != '\0') {
-        printf("  advice     %s\n", advice);
+        print_item("advice", "%s", advice);
     }
 }
 
@@ -200,6 +226,8 @@ void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of)
         if (method->step > 0.0) {
             yaml_out_real(out, "stable_step", method->step);
             yaml_out_real(out, "rhs_calls_per_second", method->per_second);
+            yaml_out_plain(out, "undamped_modes_double",
+                           method->doubling ? "true" : "false");
         }
         yaml_out_close_map(out);
     }
@@ -220,21 +248,22 @@ bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet)
 {
     const weft_stiffness modes
         = weft_cloth_stiffness(weft_sim_cloth(sim), weft_sim_state(sim));
-    survey_method own;
+    const double h = step_taken(scene);
+    survey_method own = { 0 };
     const bool beyond
-        = fixed_step(scene) > 0.0
+        = h > 0.0
           && stable_step(scene, weft_scene_method_type(scene), &modes, &own, NULL)
                  == WEFT_OK
-          && fixed_step(scene) > own.step;
+          && h > own.step;
     if (beyond && !quiet) {
-        fprintf(stderr,
-                "weft: warning: fixed_step %.4g s is beyond the largest stable step "
-                "%.4g s of %s %s on this cloth\n"
-                "  omega <= %.4g 1/s, damping <= %.4g 1/s at the start\n"
-                "  try stepper.fixed_step=%.2g, or see weft check for other methods\n",
-                fixed_step(scene), own.step, weft_scene_plugin(scene),
-                weft_scene_method(scene), sqrt(modes.omega2), modes.damping,
-                0.9 * own.step);
+        fprintf(
+            stderr,
+            "weft: warning: a fixed step of %.4g s is beyond the largest stable step "
+            "%.4g s of %s %s on this cloth\n"
+            "  omega <= %.4g 1/s, damping <= %.4g 1/s at the start\n"
+            "  try stepper.fixed_step=%.2g, or see weft check for other methods\n",
+            h, own.step, weft_scene_plugin(scene), weft_scene_method(scene),
+            sqrt(modes.omega2), modes.damping, 0.9 * own.step);
     }
     return beyond;
 }

@@ -13,8 +13,9 @@
 typedef struct survey_method {
     const weft_plugin *plugin;
     const weft_stepper_type *type;
-    double step;       /* [s] up to which no mode more than doubles in the run; 0: the
-                          method has none */
+    double step;       /* [s] up to which no mode grows; 0: the method has none */
+    bool doubling;     /* undamped ones do, as no step of the method is stable on them:
+                          the step at which none more than doubles in the run */
     double calls;      /* RHS calls a step */
     double per_second; /* RHS calls per simulated second at that step */
 } survey_method;
@@ -26,7 +27,7 @@ typedef struct survey {
     survey_method *methods;  /* the cheapest first, those without a step last */
     size_t count;
     const survey_method *own;   /* the scene's; NULL: its plugin is not there */
-    double any_step;            /* [s] the scene's method in whatever state */
+    survey_method any_state;    /* the scene's method in whatever state */
     size_t trial_steps;         /* of that method under its tolerances; 0: no trial */
     double trial_held;          /* part of them that stability has held */
     double trial_mean;          /* [s] */
@@ -45,10 +46,17 @@ void survey_destroy(survey *self);
 /* Part of the trial's steps that stability has held; 0 without a stable step. */
 double survey_held(const survey *of);
 
-/* Type, step and calls of one method. WEFT_UNSUPPORTED: it has no stable step. */
+/* Type, step, doubling and calls of one method. WEFT_UNSUPPORTED: it has no stable
+ * step. */
 weft_status stable_step(const weft_scene *scene, const weft_stepper_type *type,
                         const weft_stiffness *modes, survey_method *out,
                         weft_error *err);
+
+/* The longest step [s] that a fixed step comes to, as a frame cuts it; 0: adaptive. */
+double step_taken(const weft_scene *scene);
+
+/* RHS calls per simulated second of a method in fixed steps of h [s]. */
+double calls_per_second(const weft_scene *scene, const survey_method *method, double h);
 
 /* A survey in words, the cheapest methods or all; the same for machines. */
 void stability_print(const weft_scene *scene, const survey *of, bool all);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* steppers.c -- weft steppers: the methods of all plugins that are found. */
 #include "cli/cli.h"
+#include "cli/human.h"
+#include "cli/methods.h"
 #include "record/yaml_out.h"
 
 typedef struct flag_name {
@@ -20,6 +22,7 @@ static const flag_name flag_names[] = {
     { WEFT_STEPPER_CONTROLLER, "controller", true },
     { WEFT_STEPPER_QUADRATURES, "quadratures", true },
     { WEFT_STEPPER_FIRST_AT_Y, "first-at-y", true },
+    { WEFT_STEPPER_LIBM, "libm", false },
 };
 
 #define FLAG_NAMES (sizeof flag_names / sizeof flag_names[0])
@@ -44,29 +47,29 @@ static const char *number(int value, const char *zero, char text[16])
     return value == 0 ? zero : text;
 }
 
-static void print_methods(const weft_plugin *plugin, const char *format, bool full)
+static void print_row(const weft_plugin *plugin, const weft_stepper_type *type,
+                      const char *format, const char *flags)
 {
-    for (size_t i = 0; plugin->types[i] != NULL; ++i) {
-        const weft_stepper_type *type = plugin->types[i];
-        const char *full_name = full ? weft_stepper_full_name(type) : NULL;
-        char flags[128], order[16], error_order[16], stages[16];
-        printf(format, plugin->id, type->name, number(type->order, "var", order),
-               number(type->error_order, "-", error_order),
-               number(type->stages, "var", stages),
-               flags_text(type->flags, flags, sizeof flags), type->reference,
-               full_name == NULL ? "" : "; ", full_name == NULL ? "" : full_name);
-    }
+    char order[16], error_order[16], stages[16];
+    printf(format, plugin->id, type->name, number(type->order, "var", order),
+           number(type->error_order, "-", error_order),
+           number(type->stages, "var", stages), flags, type->reference);
 }
 
 static void print_text(const weft_registry *registry)
 {
-    const char *format = "%-8s %-17s %5s %5s %6s  %-32s %s%s%s\n";
-    printf(format, "plugin", "method", "order", "error", "stages", "kind",
-           "reference; full name", "", "");
-    for (size_t i = 0; i < weft_registry_count(registry); ++i) {
-        print_methods(weft_registry_at(registry, i), format, true);
+    const char *format = "%-8s %-17s %5s %5s %6s";
+    enum { KIND = 47 }; /* the column */
+    stepper_method m;
+    char kind[130] = "  ";
+    printf("%-8s %-17s %5s %5s %6s  kind\n", "plugin", "method", "order", "error",
+           "stages");
+    for (size_t i = 0; method_at(registry, i, &m); ++i) {
+        print_row(m.plugin, m.type, format, "");
+        (void)flags_text(m.type->flags, kind + 2, sizeof kind - 2);
+        print_wrapped(stdout, KIND - 2, KIND, PAGE_WIDTH, kind[2] == '\0' ? "" : kind);
     }
-    putchar('\n');
+    puts("\nreferences and the methods' full names: weft steppers --yaml");
     for (size_t i = 0; i < weft_registry_count(registry); ++i) {
         const weft_plugin *plugin = weft_registry_at(registry, i);
         printf("%s %s: %s%s%s, %s\n", plugin->id, plugin->version, plugin->solver,
@@ -77,11 +80,13 @@ static void print_text(const weft_registry *registry)
 
 static void print_markdown(const weft_registry *registry)
 {
+    stepper_method m;
+    char flags[128];
     puts("| plugin | method | order | error order | stages | kind | reference |\n"
          "|---|---|---|---|---|---|---|");
-    for (size_t i = 0; i < weft_registry_count(registry); ++i) {
-        print_methods(weft_registry_at(registry, i),
-                      "| %s | `%s` | %s | %s | %s | %s | %s%s%s |\n", false);
+    for (size_t i = 0; method_at(registry, i, &m); ++i) {
+        print_row(m.plugin, m.type, "| %s | `%s` | %s | %s | %s | %s | %s |\n",
+                  flags_text(m.type->flags, flags, sizeof flags));
     }
 }
 
@@ -127,16 +132,10 @@ static int print_yaml(const weft_registry *registry)
     return yaml_out_end(&out) ? EXIT_DONE : EXIT_FILE;
 }
 
-static void print_refused(void *ctx, const weft_error *why)
-{
-    (void)ctx;
-    (void)report_error(why);
-}
-
 static int list(const options *given, weft_registry *registry)
 {
     weft_error err = { 0 };
-    if (weft_registry_load_all(registry, print_refused, NULL, &err) != WEFT_OK) {
+    if (load_plugins(registry, &err) != WEFT_OK) {
         return report_error(&err);
     }
     if (given->yaml) {
@@ -173,10 +172,12 @@ const verb verb_steppers = {
       "Lists every method of every plugin: order of the solution, order of the one "
       "its\nerror is measured against, evaluations of the forces a step, kind, "
       "source.\n\n"
-      "  --yaml               for machines\n"
+      "  --yaml               for machines, with references and full names\n"
       "  --markdown           the table of the documentation\n"
       "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n\n"
       "kinds: fixed-step (no error control), fsal (last stage is the next first),\n"
-      "multistep, implicit, small-cloths (dense matrices), legacy\n",
+      "multistep, implicit, small-cloths (dense matrices), legacy, libm (decides by "
+      "powers\n"
+      "of libm: the same bits on every machine are likely, not promised)\n",
     .run = steppers_verb,
 };

@@ -10,20 +10,16 @@ typedef struct summary {
     const weft_scene *scene;
     const weft_sim *sim;
     const record_result *result;
-    double began;         /* [s] simulated, where this part of the run started */
-    uint64_t steps;       /* that were there then */
-    double short_step;    /* [s] the shortest one accepted; 0: there was none */
-    double long_step;     /* [s] the longest */
-    weft_spring strained; /* at its largest strain of all frames */
-    double strained_at;   /* [s] */
+    record_extremes extremes;
 } summary;
 
-void summary_begin(summary *self);
 void summary_step(summary *self); /* after each accepted step */
 /* After each frame, with the spring of the largest strain in it. */
 void summary_frame(summary *self, const weft_spring *now);
 
 void summary_print(const summary *self);
+/* What is known within a step. */
+void summary_print_frames(const summary *self);
 /* The same as YAML documents of a line each, at the begin and at the end. */
 void summary_yaml_begin(const summary *self);
 void summary_yaml_end(const summary *self);

@@ -10,16 +10,23 @@
 #define TRIAL_WORK 1.5e6
 enum { TRIAL_SKIPPED = 3, TRIAL_LEAST = 10 };
 
+/* The allowance for undamped modes may lengthen a stable step a little: it is the step
+ * if without it there is less than so much of it. */
+#define DOUBLING 0.9
+
 /* A step of so much of the stable one or more was held by stability. */
 #define HELD 0.8
+
+#define LN_2 0.69314718055994531
 
 weft_status stable_step(const weft_scene *scene, const weft_stepper_type *type,
                         const weft_stiffness *modes, survey_method *out,
                         weft_error *err)
 {
     const bool custom = (type->flags & WEFT_STEPPER_BUTCHER) != 0;
-    const double growth = log(2.0) / weft_scene_run(scene)->duration;
+    const double growth = LN_2 / weft_scene_run(scene)->duration;
     weft_stability stability;
+    double strict = 0.0;
     out->type = type;
     out->step = 0.0;
     weft_status status = weft_stability_create(
@@ -28,15 +35,28 @@ weft_status stable_step(const weft_scene *scene, const weft_stepper_type *type,
         status = weft_stability_step(&stability, modes, growth, &out->step, err);
         out->calls = stability.calls;
     }
+    if (status == WEFT_OK && stability.degree >= 0) {
+        status = weft_stability_step(&stability, modes, 0.0, &strict, err);
+        out->doubling = strict < DOUBLING * out->step;
+    }
     return status;
 }
 
-/* The cheapest first, of equal ones that of higher order. */
+double calls_per_second(const weft_scene *scene, const survey_method *method, double h)
+{
+    const weft_run_def *run = weft_scene_run(scene);
+    return method->calls * frame_steps(run, h) / frame_time(run, 1);
+}
+
+/* The cheapest first, of equal ones that of higher order, then of the longer step. */
 static int compare(const void *first, const void *second)
 {
     const survey_method *a = first, *b = second;
     const int costs = (a->per_second > b->per_second) - (a->per_second < b->per_second);
-    return costs != 0 ? costs : b->type->order - a->type->order;
+    const int order = b->type->order - a->type->order;
+    return costs != 0   ? costs
+           : order != 0 ? order
+                        : (b->step > a->step) - (b->step < a->step);
 }
 
 /* Tables of one's own are no method but in the scene that has them. */
@@ -60,8 +80,9 @@ static weft_status add_methods(const weft_scene *scene, const weft_plugin *plugi
             return status;
         }
         method->plugin = plugin;
-        method->per_second
-            = method->step > 0.0 ? method->calls / method->step : INFINITY;
+        method->per_second = method->step > 0.0
+                                 ? calls_per_second(scene, method, method->step)
+                                 : INFINITY;
     }
     return WEFT_OK;
 }
@@ -190,15 +211,13 @@ weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
                           survey *out, weft_error *err)
 {
     *out = (survey){ 0 };
-    (void)weft_registry_load_all(registry, NULL, NULL, NULL);
+    (void)load_plugins(registry, NULL);
     weft_status status = survey_cloth(cloth, sim, refine, out, err);
     if (status == WEFT_OK) {
         status = survey_methods(scene, registry, out, err);
     }
     if (status == WEFT_OK && out->own != NULL && out->own->step > 0.0) {
-        survey_method any;
-        status = stable_step(scene, out->own->type, &out->any, &any, err);
-        out->any_step = any.step;
+        status = stable_step(scene, out->own->type, &out->any, &out->any_state, err);
     }
     const bool adaptive = weft_scene_config(scene)->fixed_step == 0.0;
     const bool small

@@ -60,7 +60,7 @@ static void advise_fixed(double h, const bounds *found, char *text, size_t size)
 void trouble_describe(const weft_scene *scene, const weft_sim *sim,
                       const weft_error *why, char *text, size_t size)
 {
-    const double h = weft_scene_config(scene)->fixed_step;
+    const double h = step_taken(scene);
     (void)snprintf(text, size, "%s", why->message);
     if (why->status == WEFT_IO || why->status == WEFT_NO_MEMORY) {
         return;

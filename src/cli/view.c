@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "cli/cli.h"
+#include "cli/human.h"
 #include "record/frames.h"
 #include "record/player.h"
 #include "record/record.h"
@@ -20,6 +21,20 @@ static void print_url(const char *file)
         printf(plain ? "%c" : "%%%02X", (unsigned char)*c);
     }
     free(path);
+}
+
+/* Damage stops no page: its plots are then wrong or missing. */
+static void warn_of_series(const char *directory)
+{
+    record_series_row *rows;
+    size_t count;
+    weft_error err = { 0 };
+    if (record_series_rows(directory, &rows, &count, &err) != WEFT_OK) {
+        fputs("weft: warning: ", stderr);
+        print_plain(stderr, err.message, "");
+        fputs("; the page lacks plots\n", stderr);
+    }
+    free(rows);
 }
 
 int view_runs(const char *const *directories, size_t count, const char *out, bool yaml)
@@ -38,6 +53,9 @@ int view_runs(const char *const *directories, size_t count, const char *out, boo
     if (status != WEFT_OK) {
         const int code = report_error(&err);
         return status == WEFT_INVALID ? EXIT_USAGE : code;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        warn_of_series(directories[i]);
     }
     fputs(yaml ? "--- {event: page, url: \"" : "", stdout);
     print_url(out);

@@ -25,6 +25,18 @@
 /* Of closed forms that are exact but for roundoff. */
 #define ROUNDOFF 1e-12
 
+/* cos(acos(r) / 3) for |r| <= 1: the largest root of 4 c^3 - 3 c = r, from above, by
+ * Newton's method, whose bits are the same everywhere. */
+static double third_of_angle(double r)
+{
+    double c = 1.0, next = 1.0;
+    do {
+        c = next;
+        next = c - ((4.0 * c * c - 3.0) * c - r) / (12.0 * c * c - 3.0);
+    } while (next < c);
+    return c;
+}
+
 /* Largest eigenvalue of a symmetric 3 x 3 matrix xx, yy, zz, xy, xz, yz or a hair more:
  * the trigonometric solution of its cubic (O. K. Smith, Comm. ACM 4, 1961). */
 static double largest_eigenvalue(const double b[6])
@@ -45,8 +57,8 @@ static double largest_eigenvalue(const double b[6])
     const double r
         = 0.5
           * (x * (y * z - yz * yz) - xy * (xy * z - yz * xz) + xz * (xy * yz - y * xz));
-    const double angle = acos(fmax(-1.0, fmin(1.0, r))) / 3.0;
-    return mean + 2.0 * p * cos(angle) + ROUNDOFF * (fabs(mean) + 2.0 * p);
+    return mean + 2.0 * p * third_of_angle(fmax(-1.0, fmin(1.0, r)))
+           + ROUNDOFF * (fabs(mean) + 2.0 * p);
 }
 
 /* The sums over the springs of one particle, in the six numbers of a matrix each. */

@@ -98,6 +98,7 @@ static void pins_init(weft_cloth *cloth, const weft_cloth_def *def)
         size_t r0, r1, c0, c1;
         weft__range_resolve(pin->rows, cloth->rows, &r0, &r1);
         weft__range_resolve(pin->cols, cloth->cols, &c0, &c1);
+        cloth->motions[i].frequency = pin->frequency;
         cloth->motions[i].omega = TWO_PI * pin->frequency;
         memcpy(cloth->motions[i].velocity, pin->velocity, sizeof pin->velocity);
         memcpy(cloth->motions[i].amplitude, pin->amplitude, sizeof pin->amplitude);
@@ -255,8 +256,10 @@ weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
     copy_plain_fields(cloth, def);
     cloth->motion_count = def->pin_count;
     cloth->memory = memory;
-    cloth->level = weft__level_named(getenv("WEFT_ISA"));
-    const weft_status status = fill(cloth, def, err);
+    weft_status status = weft__level_find(getenv("WEFT_ISA"), &cloth->level, err);
+    if (status == WEFT_OK) {
+        status = fill(cloth, def, err);
+    }
     if (status != WEFT_OK) {
         weft_cloth_destroy(cloth);
         return status;

@@ -6,7 +6,17 @@
 #ifndef WEFT_CLOTH_INTERNAL_H
 #define WEFT_CLOTH_INTERNAL_H
 
+#include <float.h>
+
 #include "weft/cloth.h"
+
+#if SIZE_MAX < UINT64_MAX || DBL_MANT_DIG != 53 || FLT_EVAL_METHOD != 0                \
+    || __FINITE_MATH_ONLY__
+#error "weft needs a 64-bit target with IEEE double arithmetic: \
+no -m32, -mfpmath=387 or -ffast-math"
+#elif defined __GNUC__ && !defined __clang__ && __GNUC__ < 12
+#error "weft needs gcc 12 or later, or clang, for __builtin_shufflevector"
+#endif
 
 /* All springs that join particle (r, c) to (r + down, c + right): r below end_row,
  * c from first_col to below end_col. */
@@ -25,11 +35,12 @@ typedef struct weft__group {
 /* How far beyond the last particle kernels may read. */
 #define WEFT_PAST 16
 
-/* x(t) = x(0) + velocity t + amplitude sin(omega t) */
+/* x(t) = x(0) + velocity t + amplitude sin(2 pi frequency t) */
 typedef struct weft__motion {
     double velocity[3];  /* [m/s] */
     double amplitude[3]; /* [m] */
-    double omega;        /* [rad/s] */
+    double frequency;    /* [Hz] */
+    double omega;        /* [rad/s] 2 pi frequency */
     bool moves;
 } weft__motion;
 
@@ -88,7 +99,7 @@ void weft__wind_add_force(const weft_cloth *cloth, const double *y, double *f);
 bool weft__wind_force(const weft_cloth *cloth, size_t r, size_t c, const double *y,
                       double force[3]);
 
-/* rhs.c: component k of the velocity [m/s] of a motion. */
-double weft__motion_velocity(const weft__motion *motion, size_t k, double t);
+/* rhs.c: velocity [m/s] of a motion, then its acceleration [m/s^2]. */
+void weft__motion_rate(const weft__motion *motion, double t, double rate[6]);
 
 #endif

@@ -356,6 +356,16 @@ static void tile(sweep *self, size_t first, size_t end, unsigned all, size_t fir
     }
 }
 
+/* A load waits for a store before it whose address has the same low twelve bits. Where
+ * planes are a multiple of 4096 bytes apart, but for a few columns, stores meet the
+ * loads of the next blocks in every row if dydt is that little ahead of y. */
+static bool stores_delay_loads(const sweep *self)
+{
+    const size_t ahead = ((uintptr_t)self->dydt - (uintptr_t)self->y) % 4096;
+    return (8 * self->n + 256) % 4096 < 512 && ahead < 256
+           && (ahead > 0 || (uintptr_t)self->y % 64 != 0);
+}
+
 /* Returns what its springs are. */
 static unsigned start(sweep *self, const weft_cloth *cloth, const double *y)
 {
@@ -364,7 +374,6 @@ static unsigned start(sweep *self, const weft_cloth *cloth, const double *y)
     self->y = y;
     self->inverse_mass = cloth->inverse_mass;
     self->n = cloth->particles, self->rows = cloth->rows, self->cols = cloth->cols;
-    self->detour = (8 * self->n + 256) % 4096 < 512;
     self->inner = cloth->cols < 2 ? 0 : (cloth->cols - 2) / LANES * LANES;
     self->gravity = (vec3){ splat(g[0]), splat(g[1]), splat(g[2]) };
     self->drag = splat(cloth->drag);
@@ -453,6 +462,7 @@ int NAME(springs, LEVEL)(const weft_cloth *cloth, const double *y, double *dydt,
     sweep self;
     unsigned all = start(&self, cloth, y);
     self.dydt = dydt;
+    self.detour = stores_delay_loads(&self);
     for (size_t r = first_row; heat != NULL && r < end_row; ++r) {
         if ((all & BIT(DAMPED)) != 0) {
             memset(heat + WEFT_SUMS * r, 0, WEFT_SUMS * sizeof *heat);

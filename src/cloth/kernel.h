@@ -51,8 +51,9 @@ WEFT_LEVELS(WEFT_LEVEL_KERNELS)
 size_t weft__level_count(void);
 const weft__level *weft__level_at(size_t i);
 
-/* The one of that name; NULL or not there: the fastest. */
-const weft__level *weft__level_named(const char *name);
+/* The one of that name, which this machine must have; NULL or "": the fastest. */
+weft_status weft__level_find(const char *name, const weft__level **out,
+                             weft_error *err);
 
 /* For tests and measurements. */
 void weft__cloth_set_level(weft_cloth *cloth, const weft__level *level);

@@ -34,15 +34,23 @@ const weft__level *weft__level_at(size_t i)
     return &levels[i];
 }
 
-const weft__level *weft__level_named(const char *name)
+weft_status weft__level_find(const char *name, const weft__level **out, weft_error *err)
 {
     const size_t count = weft__level_count();
-    for (size_t i = 0; name != NULL && i < count; ++i) {
-        if (strcmp(levels[i].name, name) == 0) {
-            return &levels[i];
-        }
+    char names[64] = "";
+    *out = &levels[count - 1];
+    if (name == NULL || name[0] == '\0') {
+        return WEFT_OK;
     }
-    return &levels[count - 1];
+    for (size_t i = 0; i < count; ++i) {
+        *out = &levels[i];
+        if (strcmp(levels[i].name, name) == 0) {
+            return WEFT_OK;
+        }
+        strcat(strcat(names, i == 0 ? "" : ", "), levels[i].name);
+    }
+    return weft_error_set(err, WEFT_INVALID, "WEFT_ISA is '%.40s'; this machine has %s",
+                          name, names);
 }
 
 void weft__cloth_set_level(weft_cloth *cloth, const weft__level *level)

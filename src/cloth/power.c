@@ -94,7 +94,8 @@ static double pin_power(const weft_cloth *cloth, size_t i, double t, const doubl
 {
     const weft__motion *motion = &cloth->motions[cloth->pin[i] - 1];
     const size_t cols = cloth->cols;
-    double force[3] = { 0.0 }, power = 0.0;
+    double force[3] = { 0.0 }, rate[6], power = 0.0;
+    weft__motion_rate(motion, t, rate);
     for (size_t g = 0; g < cloth->group_count; ++g) {
         const weft__group *group = &cloth->groups[g];
         const size_t stride = (size_t)group->stride;
@@ -106,7 +107,7 @@ static double pin_power(const weft_cloth *cloth, size_t i, double t, const doubl
         }
     }
     for (size_t k = 0; k < 3; ++k) {
-        power -= force[k] * weft__motion_velocity(motion, k, t);
+        power -= force[k] * rate[k];
     }
     return power;
 }

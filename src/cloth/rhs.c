@@ -13,7 +13,7 @@
 #include "cloth/kernel.h"
 #include "cloth/rows.h"
 
-#include <math.h>
+#include "weft/elementary.h"
 
 void weft_cloth_force(const weft_cloth *cloth, const double *y, double *f)
 {
@@ -31,40 +31,40 @@ void weft_cloth_force(const weft_cloth *cloth, const double *y, double *f)
     weft__wind_add_force(cloth, y, f);
 }
 
-double weft__motion_velocity(const weft__motion *motion, size_t k, double t)
+void weft__motion_rate(const weft__motion *motion, double t, double rate[6])
 {
     const double w = motion->omega;
-    return motion->velocity[k] + w * motion->amplitude[k] * cos(w * t);
-}
-
-static void move_pin(const weft__motion *motion, double t, size_t n, double *dydt)
-{
-    const double w = motion->omega;
+    double sine = 0.0, cosine = 1.0;
+    if (w != 0.0) {
+        weft_sincos_turns(motion->frequency, t, &sine, &cosine);
+    }
     for (size_t k = 0; k < 3; ++k) {
-        dydt[k * n] = weft__motion_velocity(motion, k, t);
-        dydt[(k + 3) * n] = -w * w * motion->amplitude[k] * sin(w * t);
+        rate[k] = motion->velocity[k] + w * motion->amplitude[k] * cosine;
+        rate[k + 3] = -w * w * motion->amplitude[k] * sine;
     }
 }
 
-/* Neighbours often share a motion. */
+enum { KEPT = 8 }; /* motions whose rates a pass remembers */
+
 static void move_pins(const weft_cloth *cloth, double t, double *dydt, size_t first,
                       size_t end)
 {
     const size_t n = cloth->particles;
-    size_t before = n;
+    uint32_t kept[KEPT] = { 0 };
+    double rates[KEPT][6];
     for (size_t j = 0; j < cloth->pinned; ++j) {
         const size_t i = cloth->pins[j];
         if (i < first || i >= end) {
             continue;
         }
-        if (before < n && cloth->pin[before] == cloth->pin[i]) {
-            for (size_t k = 0; k < 6; ++k) {
-                dydt[k * n + i] = dydt[k * n + before];
-            }
-        } else {
-            move_pin(&cloth->motions[cloth->pin[i] - 1], t, n, dydt + i);
+        const uint32_t pin = cloth->pin[i], at = pin % KEPT;
+        if (kept[at] != pin) {
+            kept[at] = pin;
+            weft__motion_rate(&cloth->motions[pin - 1], t, rates[at]);
         }
-        before = i;
+        for (size_t k = 0; k < 6; ++k) {
+            dydt[k * n + i] = rates[at][k];
+        }
     }
 }
 

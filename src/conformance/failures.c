@@ -30,9 +30,8 @@ static bool heals(trial *self, run *r, const char *what)
     if (!weft__go(self, r, 0.25)) {
         return false;
     }
-    const double error = weft__error_at_end(r);
-    return weft__expect(self, error <= weft__allowed(self->type),
-                        "%s: healed, it is off by %g at 0.25 s", what, error);
+    return weft__near(self, r, weft__error_at_end(r), weft__allowed(self->type),
+                      "%s, and healed", what);
 }
 
 /* After three good steps every rhs call from the k-th on fails. True if that was
@@ -100,9 +99,8 @@ static void one_refusal_costs_a_smaller_step(trial *self)
         }
         (void)weft__expect(self, weft__stats(self, r).rejected > rejected,
                            "rhs %s once: no step was rejected", fault_names[kind]);
-        const double error = weft__error_at_end(r);
-        (void)weft__expect(self, error <= weft__allowed(self->type),
-                           "rhs %s once: off by %g at 1 s", fault_names[kind], error);
+        (void)weft__near(self, r, weft__error_at_end(r), weft__allowed(self->type),
+                         "rhs %s once", fault_names[kind]);
     }
 }
 
@@ -123,9 +121,9 @@ static void a_first_step_too_large_is_rescued(trial *self)
                        "taken",
                        r->t);
     if (r->t < 4.0 && weft__go(self, r, 4.0)) {
-        const double error = weft__error_at_end(r);
-        (void)weft__expect(self, error <= 4.0 * weft__allowed(self->type),
-                           "off by %g at 4 s", error);
+        (void)weft__near(
+            self, r, weft__error_at_end(r), 4.0 * weft__allowed(self->type),
+            "first_step %g s, beyond what the rhs accepts", config.first_step);
     }
 }
 
@@ -149,9 +147,8 @@ static void needing_less_than_min_step_fails(trial *self)
                        "the failure changed t or y");
     r->model.k = 1.0;
     if (status == WEFT_STEP_TOO_SMALL && weft__go(self, r, 1.0)) {
-        const double error = weft__error_at_end(r);
-        (void)weft__expect(self, error <= weft__allowed(self->type),
-                           "off by %g at 1 s, after the failure", error);
+        (void)weft__near(self, r, weft__error_at_end(r), weft__allowed(self->type),
+                         "after the failure");
     }
 }
 

@@ -19,7 +19,8 @@ static void pass(baton *self, int side)
     self->dropped = self->dropped || ++self->passes >= PASSES;
     (void)pthread_cond_broadcast(&self->passed);
     while (self->turn != side && !self->dropped) {
-        self->dropped = pthread_cond_timedwait(&self->passed, &self->lock, &until) != 0;
+        self->late = pthread_cond_timedwait(&self->passed, &self->lock, &until) != 0;
+        self->dropped = self->dropped || self->late;
     }
     (void)pthread_mutex_unlock(&self->lock);
 }

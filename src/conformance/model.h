@@ -22,6 +22,7 @@ typedef struct baton {
     pthread_cond_t passed;
     int turn, passes;
     bool dropped; /* nobody waits any more */
+    bool late;    /* the last wait ended by its time limit */
 } baton;
 
 typedef struct model {

@@ -27,8 +27,8 @@ static void needless_changes_change_nothing(trial *self)
             "state_changed after every step, and no change: another "
             "result, of %.3g",
             weft__model_distance(quiet->y, told->y));
-        const double error = weft__error_at_end(told);
-        (void)weft__expect(self, error <= 5e-3, "off by %g at 1 s", error);
+        (void)weft__near(self, told, weft__error_at_end(told), 5e-3,
+                         "state_changed after every step, and no change");
     }
 }
 
@@ -48,9 +48,8 @@ static void an_edited_state_is_used(trial *self)
         if (!weft__go(self, r, 1.0)) {
             return;
         }
-        const double error = weft__model_distance(r->y, want);
-        (void)weft__expect(self, error <= weft__allowed(self->type),
-                           "y edited at 0.5 s: off by %g at 1 s", error);
+        (void)weft__near(self, r, weft__model_distance(r->y, want),
+                         weft__allowed(self->type), "y edited at 0.5 s");
     }
 }
 

@@ -98,6 +98,7 @@ run *weft__begin(trial *self, int slot, weft_stepper_config config)
                          .rhs = weft__model_rhs,
                          .ctx = &r->model };
     memcpy(r->y, weft__model_start, sizeof weft__model_start);
+    r->config = config;
     config = weft__with_table(self->type, config);
     config.quadratures = self->apart;
     const weft_status status
@@ -155,4 +156,24 @@ double weft__error_at_end(const run *r)
     memcpy(y, weft__model_start, sizeof y);
     weft__model_solve(0.0, r->t, y);
     return weft__model_distance(r->y, y);
+}
+
+bool weft__near(trial *self, const run *r, double error, double allowed,
+                const char *what, ...)
+{
+    char done[96];
+    va_list args;
+    if (error <= allowed) {
+        return true;
+    }
+    run *quiet = weft__begin(self, SLOTS - 1, r->config);
+    if (quiet == NULL || !weft__go(self, quiet, r->t)) {
+        return false;
+    }
+    va_start(args, what);
+    (void)vsnprintf(done, sizeof done, what, args);
+    va_end(args);
+    return weft__expect(self, false,
+                        "%s: off by %.3g at %g s, %g allowed; without that %.2g", done,
+                        error, r->t, allowed, weft__error_at_end(quiet));
 }

@@ -10,12 +10,13 @@
 typedef struct run {
     model model;
     weft_ode ode;
+    weft_stepper_config config;
     void *self;
     double t, y[DIM + APART];
     weft_error err;
 } run;
 
-enum { SLOTS = 4 };
+enum { SLOTS = 5 }; /* the last is that of weft__near's undisturbed run */
 
 typedef struct trial {
     const weft_stepper_type *type;
@@ -43,6 +44,12 @@ weft_stepper_stats weft__stats(const trial *self, const run *r);
 /* Whether two runs have the same y, bit for bit. */
 bool weft__same(const trial *self, const run *a, const run *b);
 double weft__error_at_end(const run *r);
+
+/* Expects an error at the end of a run that something has disturbed to be allowed, or
+ * tells what an undisturbed run of the same config comes to; `what` was done to it. */
+WEFT_PRINTF(5, 6)
+bool weft__near(trial *self, const run *r, double error, double allowed,
+                const char *what, ...);
 
 /* One promise. */
 typedef struct check {

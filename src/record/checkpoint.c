@@ -1,28 +1,49 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* checkpoint.c -- words (sim/words.h): "weftckpt", format, size of the file, the
- * numbers below, what has computed it in 256 bytes, the state, a checksum. */
+ * numbers below, what has computed it in 256 bytes, the first page of run.vtkhdf, the
+ * state, a checksum. */
 #include "record/checkpoint.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim/file.h"
 #include "sim/words.h"
 
 static const unsigned char magic[WEFT__WORD] = "weftckpt";
 
-#define FORMAT 1
+#define FORMAT 2
+
+#define COUNTS(X)                                                                      \
+    X(scene)                                                                           \
+    X(frame)                                                                           \
+    X(series.length)                                                                   \
+    X(series.sum)                                                                      \
+    X(vtkhdf.frames.length)                                                            \
+    X(vtkhdf.frames.sum)                                                               \
+    X(vtkhdf.head.length)                                                              \
+    X(vtkhdf.head.sum)                                                                 \
+    X(extremes.strain.p)                                                               \
+    X(extremes.strain.q)
+
+#define NUMBERS(X)                                                                     \
+    X(extremes.strain.strain)                                                          \
+    X(extremes.strain_time)                                                            \
+    X(extremes.short_step)                                                             \
+    X(extremes.long_step)                                                              \
+    X(wall_time)
+
+#define ONE(name) +1
 
 enum {
     AT_FORMAT = 1,
     AT_SIZE,
-    AT_SCENE,
-    AT_FRAME,
-    AT_SERIES,
-    AT_FRAMES,
-    AT_WALL_TIME,
+    AT_FIELDS,
+    AT_FAMILY = AT_FIELDS COUNTS(ONE) NUMBERS(ONE),
     AT_PROGRAM,
-    HEAD = AT_PROGRAM + RECORD_PROGRAM / WEFT__WORD
+    AT_PAGE = AT_PROGRAM + RECORD_PROGRAM / WEFT__WORD,
+    HEAD = AT_PAGE + RECORD_PAGE / WEFT__WORD
 };
 
 uint64_t record_hash(const char *text)
@@ -46,12 +67,18 @@ static void pack(const record_checkpoint *from, unsigned char *to, size_t size)
     memcpy(to, magic, sizeof magic);
     weft__word_put(to + AT_FORMAT * WEFT__WORD, FORMAT);
     weft__word_put(to + AT_SIZE * WEFT__WORD, size);
-    weft__word_put(to + AT_SCENE * WEFT__WORD, from->scene);
-    weft__word_put(to + AT_FRAME * WEFT__WORD, from->frame);
-    weft__word_put(to + AT_SERIES * WEFT__WORD, from->series_bytes);
-    weft__word_put(to + AT_FRAMES * WEFT__WORD, from->frames);
-    weft__real_put(to + AT_WALL_TIME * WEFT__WORD, from->wall_time);
+    unsigned char *field = to + AT_FIELDS * WEFT__WORD;
+#define PUT_COUNT(name)                                                                \
+    weft__word_put(field, from->name);                                                 \
+    field += WEFT__WORD;
+#define PUT_NUMBER(name)                                                               \
+    weft__real_put(field, from->name);                                                 \
+    field += WEFT__WORD;
+    COUNTS(PUT_COUNT)
+    NUMBERS(PUT_NUMBER)
+    weft__word_put(to + AT_FAMILY * WEFT__WORD, from->extremes.strain.family);
     memcpy(to + AT_PROGRAM * WEFT__WORD, from->program, RECORD_PROGRAM);
+    memcpy(to + AT_PAGE * WEFT__WORD, from->vtkhdf.page, RECORD_PAGE);
     memcpy(to + HEAD * WEFT__WORD, from->state, from->state_size);
     weft__word_put(to + (words - 1) * WEFT__WORD, weft__words_sum(to, words - 1));
 }
@@ -95,6 +122,9 @@ static const char *check(const unsigned char *bytes, size_t size)
     if (word(bytes, AT_SIZE) != size || size % WEFT__WORD != 0) {
         return "damaged: cut off, or longer than it was";
     }
+    if (word(bytes, AT_FAMILY) >= WEFT_FAMILIES) {
+        return "damaged: no such spring";
+    }
     const size_t last = size / WEFT__WORD - 1;
     return weft__words_sum(bytes, last) == word(bytes, last)
                ? NULL
@@ -103,12 +133,18 @@ static const char *check(const unsigned char *bytes, size_t size)
 
 static void unpack(const unsigned char *bytes, record_checkpoint *out)
 {
-    out->scene = word(bytes, AT_SCENE);
-    out->frame = (size_t)word(bytes, AT_FRAME);
-    out->series_bytes = (size_t)word(bytes, AT_SERIES);
-    out->frames = (size_t)word(bytes, AT_FRAMES);
-    out->wall_time = weft__real_at(bytes + AT_WALL_TIME * WEFT__WORD);
+    const unsigned char *field = bytes + AT_FIELDS * WEFT__WORD;
+#define GET_COUNT(name)                                                                \
+    out->name = weft__word_at(field);                                                  \
+    field += WEFT__WORD;
+#define GET_NUMBER(name)                                                               \
+    out->name = weft__real_at(field);                                                  \
+    field += WEFT__WORD;
+    COUNTS(GET_COUNT)
+    NUMBERS(GET_NUMBER)
+    out->extremes.strain.family = (weft_family)word(bytes, AT_FAMILY);
     memcpy(out->program, bytes + AT_PROGRAM * WEFT__WORD, RECORD_PROGRAM);
+    memcpy(out->vtkhdf.page, bytes + AT_PAGE * WEFT__WORD, RECORD_PAGE);
     out->program[RECORD_PROGRAM - 1] = '\0';
 }
 
@@ -116,9 +152,12 @@ static void unpack(const unsigned char *bytes, record_checkpoint *out)
 static weft_status slurp(const char *path, unsigned char **bytes, size_t *size,
                          weft_error *err)
 {
-    FILE *stream = fopen(path, "rb");
+    FILE *stream = weft__file_open(path, "r", err);
     long length = -1;
-    if (stream != NULL && fseek(stream, 0, SEEK_END) == 0) {
+    if (stream == NULL) {
+        return WEFT_IO;
+    }
+    if (fseek(stream, 0, SEEK_END) == 0) {
         length = ftell(stream);
         rewind(stream);
     }
@@ -126,9 +165,7 @@ static weft_status slurp(const char *path, unsigned char **bytes, size_t *size,
     *bytes = length < 0 ? NULL : malloc(*size + 1);
     const bool done = *bytes != NULL && fread(*bytes, 1, *size + 1, stream) == *size;
     const int why = errno;
-    if (stream != NULL) {
-        (void)fclose(stream);
-    }
+    (void)fclose(stream);
     if (done) {
         return WEFT_OK;
     }

@@ -13,11 +13,12 @@ enum { RECORD_PROGRAM = 256 }; /* [bytes] */
 typedef struct record_checkpoint {
     uint64_t scene;               /* record_hash of scene.yaml */
     char program[RECORD_PROGRAM]; /* in words, what has computed the run */
-    size_t frame;                 /* the last one; all below is up to it */
-    size_t series_bytes;          /* of series.csv */
-    size_t frames;                /* in run.vtkhdf */
+    uint64_t frame;               /* the last one; all below is up to it */
+    record_extent series;         /* [bytes] of series.csv */
+    record_vtkhdf_mark vtkhdf;    /* of run.vtkhdf */
     double wall_time;             /* [s] */
-    unsigned char *state;         /* weft_sim_save */
+    record_extremes extremes;
+    unsigned char *state; /* weft_sim_save */
     size_t state_size;
 } record_checkpoint;
 

@@ -39,10 +39,10 @@ typedef struct record_movie {
  */
 extern const record_movie record_mdd, record_pc2, record_pvd;
 
-/* export_csv.c: what record_csv wrote, into vectors of 3 N each. */
-weft_status record_csv_read(const char *directory, const char *name, size_t rows,
-                            size_t cols, double *position, double *velocity,
-                            weft_error *err);
+/* export_csv.c: final.csv, into vectors of 3 N each. WEFT_IO if it is damaged or does
+ * not have the hash in result.yaml. */
+weft_status record_final_read(const char *directory, size_t rows, size_t cols,
+                              double *position, double *velocity, weft_error *err);
 
 /* What several formats share. */
 

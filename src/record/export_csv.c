@@ -2,8 +2,12 @@
 /* export_csv.c -- one state as CSV, and back. */
 #include "record/export.h"
 
-#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
 #include <string.h>
+
+#include "record/result_read.h"
+#include "sim/file.h"
 
 #define CSV_HEADER "row,col,x,y,z,vx,vy,vz\n"
 
@@ -43,18 +47,14 @@ static bool read_row(FILE *stream, size_t cols, size_t i, double *x, double *v)
            && row == i / cols && col == i % cols;
 }
 
-weft_status record_csv_read(const char *directory, const char *name, size_t rows,
-                            size_t cols, double *position, double *velocity,
-                            weft_error *err)
+static weft_status read_state(const char *path, size_t rows, size_t cols,
+                              double *position, double *velocity, weft_error *err)
 {
-    char path[RECORD_PATH], header[sizeof CSV_HEADER];
-    weft_status status = record_path(directory, name, path, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    FILE *stream = fopen(path, "r");
+    char header[sizeof CSV_HEADER];
+    weft_status status = WEFT_OK;
+    FILE *stream = weft__file_open(path, "r", err);
     if (stream == NULL) {
-        return weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(errno));
+        return WEFT_IO;
     }
     if (fgets(header, sizeof header, stream) == NULL
         || strcmp(header, CSV_HEADER) != 0) {
@@ -68,4 +68,39 @@ weft_status record_csv_read(const char *directory, const char *name, size_t rows
     }
     (void)fclose(stream);
     return status;
+}
+
+static weft_status check_hash(const char *directory, size_t n, const double *position,
+                              const double *velocity, weft_error *err)
+{
+    uint64_t recorded = 0;
+    double *y = malloc(6 * n * sizeof *y);
+    if (y == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state");
+    }
+    for (size_t i = 0; i < 3 * n; ++i) { /* planes */
+        y[i % 3 * n + i / 3] = position[i];
+        y[(3 + i % 3) * n + i / 3] = velocity[i];
+    }
+    const uint64_t hash = weft_state_hash(y, 6 * n);
+    free(y);
+    return record_result_hash(directory, &recorded) && hash == recorded
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_IO,
+                                "%s/final.csv: damaged: its state has hash %016" PRIx64
+                                ", that of result.yaml %016" PRIx64,
+                                directory, hash, recorded);
+}
+
+weft_status record_final_read(const char *directory, size_t rows, size_t cols,
+                              double *position, double *velocity, weft_error *err)
+{
+    char path[RECORD_PATH];
+    weft_status status = record_path(directory, "final.csv", path, err);
+    if (status == WEFT_OK) {
+        status = read_state(path, rows, cols, position, velocity, err);
+    }
+    return status == WEFT_OK
+               ? check_hash(directory, rows * cols, position, velocity, err)
+               : status;
 }

@@ -8,6 +8,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "cloth/hash.h"
+#include "sim/file.h"
+
 weft_status record_path(const char *directory, const char *name, char path[RECORD_PATH],
                         weft_error *err)
 {
@@ -109,4 +112,21 @@ weft_status record_text(const char *directory, const char *name, const char *tex
     }
     (void)fputs(text, file.stream);
     return record_file_commit(&file, err);
+}
+
+uint64_t record_bytes_sum(const char *path, size_t begin, size_t end)
+{
+    uint64_t sum = WEFT__HASH_START;
+    size_t at = begin;
+    FILE *stream = weft__file_open(path, "r", NULL);
+    if (stream == NULL) {
+        return 0;
+    }
+    int byte = fseek(stream, (long)begin, SEEK_SET) == 0 ? 0 : EOF;
+    while (at < end && byte != EOF && (byte = getc(stream)) != EOF) {
+        sum = weft__hash_byte(sum, (unsigned char)byte);
+        ++at;
+    }
+    (void)fclose(stream);
+    return at == end ? sum : 0;
 }

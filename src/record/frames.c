@@ -18,6 +18,7 @@
 #include "record/hdf.h"
 #include "record/record.h"
 #include "record/vtkhdf_file.h"
+#include "sim/file.h"
 
 struct record_frames {
     char path[RECORD_PATH];
@@ -345,9 +346,11 @@ static weft_status open_frames(record_frames *self, const char *directory,
     if (status != WEFT_OK) {
         return status;
     }
-    if (access(self->path, R_OK) != 0) {
-        return weft_error_set(err, WEFT_IO, "%s: %s", self->path, strerror(errno));
+    FILE *stream = weft__file_open(self->path, "r", err);
+    if (stream == NULL) {
+        return WEFT_IO;
     }
+    (void)fclose(stream);
     status = try_in_child(self, err);
     if (status != WEFT_OK) {
         return status;

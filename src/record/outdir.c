@@ -29,7 +29,9 @@ static bool make_directories(const char *directory)
         }
         *slash = '/';
     }
-    return mkdir(path, 0777) == 0 || errno == EEXIST;
+    struct stat status;
+    return mkdir(path, 0777) == 0
+           || (errno == EEXIST && stat(path, &status) == 0 && S_ISDIR(status.st_mode));
 }
 
 const char *const record_names[] = {
@@ -39,23 +41,40 @@ const char *const record_names[] = {
     "compare.html",    "compare.csv",   NULL,
 };
 
-/* A frame is told by its name. */
-static bool is_ours(const char *name)
+/* Whether a name is one of a list, or that of its temporary file. */
+static bool is_listed(const char *name, const char *const *list)
 {
-    const size_t length = strlen(name);
-    for (size_t i = 0; record_names[i] != NULL; ++i) {
-        const size_t known = strlen(record_names[i]);
-        if (strncmp(name, record_names[i], known) == 0
-            && (length == known || strcmp(name + known, ".tmp") == 0)) {
+    for (; *list != NULL; ++list) {
+        const size_t known = strlen(*list);
+        if (strncmp(name, *list, known) == 0
+            && (name[known] == '\0' || strcmp(name + known, ".tmp") == 0)) {
             return true;
         }
     }
-    return strncmp(name, "frame-", 6) == 0;
+    return false;
 }
 
-/* Count what is in a directory; with `clear`, remove what weft made instead and count
- * nothing. Returns a negative number if it cannot be read or cleared. */
-static long look_through(const char *directory, bool clear)
+typedef bool ours_fn(const char *name);
+
+/* Of what lies in the directory of a run. */
+static bool is_of_run(const char *name)
+{
+    return is_listed(name, record_names);
+}
+
+/* Of what lies in its frames/: frame-000012.obj and the like. */
+static bool is_frame(const char *name)
+{
+    static const char *const endings[] = { ".obj", ".ply", ".csv", ".vtp", NULL };
+    const size_t digits
+        = strncmp(name, "frame-", 6) == 0 ? strspn(name + 6, "0123456789") : 0;
+    return (digits == 6 || (digits > 6 && name[6] != '0'))
+           && is_listed(name + 6 + digits, endings);
+}
+
+/* Count what is in a directory and remove what weft made (ours == NULL: nothing).
+ * Returns a negative number if it cannot be read. */
+static long look_through(const char *directory, ours_fn *ours)
 {
     DIR *open = opendir(directory);
     if (open == NULL) {
@@ -68,14 +87,17 @@ static long look_through(const char *directory, bool clear)
             continue;
         }
         ++found;
-        if (clear && is_ours(item->d_name)
+        if (ours != NULL && ours(item->d_name)
             && record_path(directory, item->d_name, path, NULL) == WEFT_OK) {
-            struct stat status; /* a link is removed, and what it leads to stays */
-            if (lstat(path, &status) == 0 && S_ISDIR(status.st_mode)
-                && strcmp(item->d_name, "frames") == 0) {
-                (void)look_through(path, true);
+            const bool frames = strcmp(item->d_name, "frames") == 0;
+            struct stat status = { 0 }; /* of a link itself: its target stays */
+            (void)lstat(path, &status);
+            if (frames && S_ISDIR(status.st_mode)) {
+                (void)look_through(path, is_frame);
+                (void)rmdir(path);
+            } else if (!frames || S_ISLNK(status.st_mode)) {
+                (void)unlink(path);
             }
-            (void)remove(path);
         }
     }
     closedir(open);
@@ -96,7 +118,7 @@ weft_status record_outdir(const char *directory, bool force, weft_error *err)
     if (status != WEFT_OK) {
         return status;
     }
-    const long found = look_through(directory, force);
+    const long found = look_through(directory, force ? is_of_run : NULL);
     if (found < 0) {
         return weft_error_set(err, WEFT_IO, "%s: %s", directory, strerror(errno));
     }
@@ -130,7 +152,9 @@ static bool taken(int lock, double patience)
 weft_status record_outdir_lock(const char *directory, double patience, int *lock,
                                weft_error *err)
 {
-    *lock = make_directories(directory) ? open(directory, O_RDONLY | O_CLOEXEC) : -1;
+    *lock = make_directories(directory)
+                ? open(directory, O_DIRECTORY | O_RDONLY | O_CLOEXEC)
+                : -1;
     if (*lock < 0) {
         return weft_error_set(err, WEFT_IO, "%s: %s", directory, strerror(errno));
     }

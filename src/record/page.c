@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "record/record.h"
+#include "sim/file.h"
 
 static void put_character(FILE *stream, int c)
 {
@@ -30,8 +31,9 @@ void page_text(FILE *stream, const char *text)
 void page_file(FILE *stream, const char *directory, const char *name)
 {
     char path[RECORD_PATH];
-    FILE *file
-        = record_path(directory, name, path, NULL) == WEFT_OK ? fopen(path, "r") : NULL;
+    FILE *file = record_path(directory, name, path, NULL) == WEFT_OK
+                     ? weft__file_open(path, "r", NULL)
+                     : NULL;
     if (file == NULL) {
         fputs("null", stream);
         return;

@@ -7,8 +7,8 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* The player and the diagram of weft compare as built from viewer/, each ended by a
- * NUL; they have PAGE_MARK where data belong. */
+/* The player and the diagram of weft compare as built from viewer/: strings that have
+ * PAGE_MARK where data belong, in pages.c, which the Makefile writes. */
 extern const char weft__player_page[], weft__compare_page[];
 #define PAGE_MARK "<!--WEFT-DATA-->"
 

@@ -42,6 +42,14 @@ void record_file_discard(record_file *file);
 weft_status record_text(const char *directory, const char *name, const char *text,
                         weft_error *err);
 
+/* How much of a file a checkpoint counts on, in bytes or frames, and its checksum. */
+typedef struct record_extent {
+    uint64_t length, sum;
+} record_extent;
+
+/* The checksum of the bytes from `begin` to `end`; 0 if the file lacks them. */
+uint64_t record_bytes_sum(const char *path, size_t begin, size_t end);
+
 /* outdir.c: make `directory` and what is above it, or accept what is there. */
 weft_status record_directory(const char *directory, weft_error *err);
 
@@ -50,10 +58,9 @@ weft_status record_directory(const char *directory, weft_error *err);
 weft_status record_outdir(const char *directory, bool force, weft_error *err);
 
 /* Makes `directory` if need be and claims it for this process until *lock is closed, or
- * the process ends. WEFT_IO if another one has it for `patience` [s]: even one that was
- * killed may have it a moment longer, by the helper that tries run.vtkhdf (frames.c).
- */
-#define RECORD_PATIENCE 1.0
+ * the process ends. WEFT_IO if another one has it for `patience` [s]: one that was
+ * killed has it until the system has cleaned up. */
+#define RECORD_PATIENCE 0.2
 weft_status record_outdir_lock(const char *directory, double patience, int *lock,
                                weft_error *err);
 
@@ -70,6 +77,13 @@ typedef struct record_frame {
     uint64_t limit_sweeps; /* since the last frame */
 } record_frame;
 
+/* Of all steps and frames of a run so far. */
+typedef struct record_extremes {
+    double short_step, long_step; /* [s] accepted ones; 0: there was none */
+    double strain_time;           /* [s] */
+    weft_spring strain;           /* at its largest strain; no spring: p == q */
+} record_extremes;
+
 #define RECORD_COLUMNS_MAX 64
 
 /* series.c: a row a frame; `ledger` if the simulations keep it. */
@@ -80,20 +94,24 @@ typedef struct record_series {
     const char *names[RECORD_COLUMNS_MAX];
     double row[RECORD_COLUMNS_MAX]; /* the last one written, as far as doubles go */
     weft_spring worst;              /* of the last row: its max_strain */
+    record_extent extent;           /* bytes written */
 } record_series;
 
 weft_status record_series_open(record_series *series, const char *directory,
                                bool ledger, weft_error *err);
 weft_status record_series_add(record_series *series, const record_frame *frame,
                               weft_error *err);
+/* One that is not open is allowed. */
 weft_status record_series_close(record_series *series, weft_error *err);
 
-/* One that is there, to go on once it is cut to its first `bytes`. */
+/* Opens an existing one for reading and writing; record_series_cut, which keeps its
+ * first part, must follow. */
 weft_status record_series_reopen(record_series *series, const char *directory,
                                  bool ledger, weft_error *err);
-weft_status record_series_cut(record_series *series, size_t bytes, weft_error *err);
-/* Bring what was added to the disk; *bytes is the length of the file then. */
-weft_status record_series_sync(record_series *series, size_t *bytes, weft_error *err);
+weft_status record_series_cut(record_series *series, const record_extent *kept,
+                              weft_error *err);
+/* Writes series->extent to the disk. */
+weft_status record_series_sync(record_series *series, weft_error *err);
 
 /* vtkhdf.c: run.vtkhdf, VTKHDF 2.0, temporal. It appears with its first frame and holds
  * after a kill at any moment every frame that was added. docs/output.md has its layout.
@@ -104,18 +122,40 @@ typedef struct record_vtkhdf_def {
     const char *directory;
     const weft_cloth *cloth; /* outlives it */
     const weft_record_def *record;
-    size_t last;                 /* frame of the run: room is made for all of them */
+    size_t last; /* frame of the run: room is made for all of them, if there is any */
     const record_series *series; /* open; outlives it. Its rows become field data */
 } record_vtkhdf_def;
 
+/* The frames of a run that ends with frame `last`; the most that a file has room for.
+ */
+size_t record_vtkhdf_planned(const weft_record_def *record, size_t last);
+size_t record_vtkhdf_most(size_t particles);
+
 weft_status record_vtkhdf_create(const record_vtkhdf_def *def, record_vtkhdf **out,
                                  weft_error *err);
-/* The file that is there, cut to its first `count` frames, to go on. WEFT_IO, and the
- * file is as before, if it is not as this definition would have it. */
-weft_status record_vtkhdf_reopen(const record_vtkhdf_def *def, size_t count,
-                                 record_vtkhdf **out, weft_error *err);
-/* Bring what was added to the disk; *count is the number of frames in the file. */
-weft_status record_vtkhdf_sync(record_vtkhdf *self, size_t *count, weft_error *err);
+/* The state of the file on the disk, for a checkpoint: its first page, which changes
+ * with each frame, what follows up to the first frame, and the frames. */
+#define RECORD_PAGE 4096
+typedef struct record_vtkhdf_mark {
+    unsigned char page[RECORD_PAGE];
+    record_extent head, frames; /* head: up to that byte of the file */
+} record_vtkhdf_mark;
+
+/* Opens an existing file for reading and checks it against `mark`; *equal tells whether
+ * its frames have the checksum. record_vtkhdf_cut must follow. WEFT_IO if the file is
+ * damaged, or is not as this definition and `mark` would have it. */
+weft_status record_vtkhdf_reopen(const record_vtkhdf_def *def,
+                                 const record_vtkhdf_mark *mark, record_vtkhdf **out,
+                                 bool *equal, weft_error *err);
+/* WEFT_IO names the first frame whose field data are not those of its row in
+ * series.csv, and `damaged` as the file at fault. */
+weft_status record_vtkhdf_compare(record_vtkhdf *self, const char *damaged,
+                                  weft_error *err);
+/* Keeps the frames of the mark and opens the file for writing. */
+weft_status record_vtkhdf_cut(record_vtkhdf *self, weft_error *err);
+/* Writes all frames to the disk. */
+weft_status record_vtkhdf_sync(record_vtkhdf *self, record_vtkhdf_mark *mark,
+                               weft_error *err);
 /* A frame, once it is in the series; one that record.every leaves out is passed over.
  * After a failure the frames before are kept. */
 weft_status record_vtkhdf_add(record_vtkhdf *self, const record_frame *frame,
@@ -136,11 +176,20 @@ typedef struct record_series_row {
     size_t frame;
     double time; /* [s] */
     uint64_t hash;
-    size_t end; /* bytes of the file up to its end */
 } record_series_row;
 
 weft_status record_series_rows(const char *directory, record_series_row **rows,
                                size_t *count, weft_error *err);
+
+/* series_read.c: the numbers of a frame, one for each of names[]; false: not known. */
+typedef bool record_numbers_fn(void *ctx, size_t frame, double *numbers);
+
+/* Compares the cells of DIR/series.csv with the numbers of the same frames. WEFT_IO
+ * names the first pair that differs, and `damaged` as the file at fault. */
+weft_status record_series_compare(const char *directory, const char *damaged,
+                                  const char *const *names, size_t count,
+                                  record_numbers_fn *numbers, void *ctx,
+                                  weft_error *err);
 
 /* report.c: versions, plugin, method and every option in force. */
 weft_status record_manifest(const char *directory, const weft_scene *scene,
@@ -149,7 +198,7 @@ weft_status record_manifest(const char *directory, const weft_scene *scene,
 
 /* How a run ended. */
 typedef struct record_result {
-    const char *status; /* done | failed | interrupted */
+    const char *status; /* done | failed | io_error | interrupted */
     const char *reason; /* "" if done */
     size_t frames, planned;
     double wall_time;    /* [s] */
@@ -160,6 +209,11 @@ typedef struct record_result {
 
 /* The last file of a run: its presence says that the run is over. */
 weft_status record_result_write(const char *directory, const record_result *result,
+                                weft_error *err);
+
+/* Writes DIR/result.yaml as record_result_write does; if there is one, only its status
+ * and reason change. */
+weft_status record_result_amend(const char *directory, const record_result *result,
                                 weft_error *err);
 
 /* What result.yaml says, as items of a mapping (yaml_out.h). */

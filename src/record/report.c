@@ -4,6 +4,7 @@
 
 #include "record/record.h"
 #include "record/yaml_out.h"
+#include "sim/file.h"
 
 static const char *compiler(void)
 {
@@ -115,11 +116,10 @@ static void write_record(yaml_out *out, const weft_record_def *record)
     yaml_out_close_map(out);
 }
 
-static weft_status commit(yaml_out *out, record_file *file, weft_error *err)
+static weft_status commit(bool good, record_file *file, weft_error *err)
 {
-    if (!yaml_out_end(out)) {
-        (void)fclose(file->stream);
-        (void)remove(file->temporary);
+    if (!good) {
+        record_file_discard(file);
         return weft_error_set(err, WEFT_IO, "%s: write failed", file->path);
     }
     return record_file_commit(file, err);
@@ -145,7 +145,7 @@ weft_status record_manifest(const char *directory, const weft_scene *scene,
     write_limit_def(&out, weft_scene_limit(scene));
     write_run(&out, weft_scene_run(scene));
     write_record(&out, weft_scene_record(scene));
-    return commit(&out, &file, err);
+    return commit(yaml_out_end(&out), &file, err);
 }
 
 double record_total_energy(const weft_cloth *cloth, const double *y)
@@ -226,10 +226,15 @@ static void write_outcome(yaml_out *out, const record_result *result)
     yaml_out_text(out, "hash", hash);
 }
 
-void record_result_items(yaml_out *out, const record_result *result)
+static void write_end(yaml_out *out, const record_result *result)
 {
     yaml_out_plain(out, "status", "%s", result->status);
     yaml_out_text(out, "reason", result->reason);
+}
+
+void record_result_items(yaml_out *out, const record_result *result)
+{
+    write_end(out, result);
     yaml_out_plain(out, "frames", "%zu", result->frames);
     yaml_out_plain(out, "frames_planned", "%zu", result->planned);
     yaml_out_real(out, "wall_time", result->wall_time);
@@ -249,5 +254,39 @@ weft_status record_result_write(const char *directory, const record_result *resu
     }
     yaml_out_begin(&out, file.stream);
     record_result_items(&out, result);
-    return commit(&out, &file, err);
+    return commit(yaml_out_end(&out), &file, err);
+}
+
+/* The lines after the first two, which say status and reason. */
+static void copy_outcome(FILE *from, FILE *to)
+{
+    int line = 1;
+    for (int c; (c = getc(from)) != EOF; line += c == '\n') {
+        if (line > 2) {
+            (void)putc(c, to);
+        }
+    }
+}
+
+weft_status record_result_amend(const char *directory, const record_result *result,
+                                weft_error *err)
+{
+    record_file file;
+    yaml_out out;
+    char path[RECORD_PATH];
+    weft_status status = record_path(directory, "result.yaml", path, err);
+    FILE *former = status == WEFT_OK ? weft__file_open(path, "r", NULL) : NULL;
+    if (former == NULL) {
+        return status == WEFT_OK ? record_result_write(directory, result, err) : status;
+    }
+    status = record_file_open(&file, directory, "result.yaml", err);
+    if (status == WEFT_OK) {
+        yaml_out_begin(&out, file.stream);
+        write_end(&out, result);
+        const bool good = yaml_out_end(&out);
+        copy_outcome(former, file.stream);
+        status = commit(good, &file, err);
+    }
+    (void)fclose(former);
+    return status;
 }

@@ -2,18 +2,20 @@
 /* result_read.c -- what result.yaml says of a run that is over. */
 #include "record/result_read.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "record/record.h"
+#include "sim/file.h"
 
 bool record_result_open(const char *directory, yaml_document_t *out)
 {
     char path[RECORD_PATH];
     yaml_parser_t parser;
     FILE *stream = record_path(directory, "result.yaml", path, NULL) == WEFT_OK
-                       ? fopen(path, "rb")
+                       ? weft__file_open(path, "r", NULL)
                        : NULL;
     if (stream == NULL) {
         return false;
@@ -49,6 +51,18 @@ const char *record_result_value(yaml_document_t *result, const char *key)
     return NULL;
 }
 
+bool record_result_hash(const char *directory, uint64_t *hash)
+{
+    yaml_document_t result;
+    if (!record_result_open(directory, &result)) {
+        return false;
+    }
+    const char *text = record_result_value(&result, "hash");
+    const bool found = text != NULL && sscanf(text, "%16" SCNx64, hash) == 1;
+    yaml_document_delete(&result);
+    return found;
+}
+
 bool record_unfinished(const char *directory)
 {
     char path[RECORD_PATH];
@@ -61,7 +75,9 @@ bool record_unfinished(const char *directory)
         return true;
     }
     const char *status = record_result_value(&result, "status");
-    const bool interrupted = status != NULL && strcmp(status, "interrupted") == 0;
+    const bool goes_on
+        = status != NULL
+          && (strcmp(status, "interrupted") == 0 || strcmp(status, "io_error") == 0);
     yaml_document_delete(&result);
-    return interrupted;
+    return goes_on;
 }

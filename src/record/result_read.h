@@ -4,6 +4,7 @@
 #define WEFT_RECORD_RESULT_READ_H
 
 #include <stdbool.h>
+#include <stdint.h>
 #include <yaml.h>
 
 /* DIR/result.yaml, a mapping; false if there is none. The caller deletes the document.
@@ -11,5 +12,8 @@
 bool record_result_open(const char *directory, yaml_document_t *out);
 /* The text of a key, or NULL. */
 const char *record_result_value(yaml_document_t *result, const char *key);
+
+/* The hash of the last state; false if there is none, as after a kill. */
+bool record_result_hash(const char *directory, uint64_t *hash);
 
 #endif

@@ -9,6 +9,9 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "cloth/hash.h"
+#include "sim/file.h"
+
 /* X(name, format, value); `row` is the struct below. */
 #define COLUMNS(X)                                                                     \
     X(frame, "%zu", row.frame->index)                                                  \
@@ -40,6 +43,9 @@
     X(work_pins, "%.17g", row.ledger.pin_work)                                         \
     X(work_limit, "%.17g", row.ledger.limit_work)                                      \
     X(residual, "%.17g", row.ledger.residual)
+
+/* [bytes] A cell has at most 24 characters and a comma. */
+enum { LINE = 32 * RECORD_COLUMNS_MAX };
 
 #define NUMBER(name, format, value) COLUMN_##name,
 enum { COLUMNS(NUMBER) COLUMN_COUNT };
@@ -78,8 +84,15 @@ static series_row measure(const record_frame *frame)
     return row;
 }
 
-static weft_status flush(record_series *series, weft_error *err)
+static weft_status write_line(record_series *series, const char *line, weft_error *err)
 {
+    const size_t length = strlen(line);
+    for (size_t i = 0; i < length; ++i) {
+        series->extent.sum
+            = weft__hash_byte(series->extent.sum, (unsigned char)line[i]);
+    }
+    series->extent.length += length;
+    (void)fputs(line, series->stream);
     if (ferror(series->stream) || fflush(series->stream) != 0) {
         return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
     }
@@ -105,9 +118,9 @@ static weft_status open_stream(record_series *series, const char *directory,
     if (status != WEFT_OK) {
         return status;
     }
-    series->stream = fopen(series->path, mode);
+    series->stream = weft__file_open(series->path, mode, err);
     if (series->stream == NULL) {
-        return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
+        return WEFT_IO;
     }
     list_columns(series, ledger);
     return WEFT_OK;
@@ -120,11 +133,15 @@ weft_status record_series_open(record_series *series, const char *directory,
     if (status != WEFT_OK) {
         return status;
     }
+    char line[LINE];
+    size_t used = 0;
+    series->extent = (record_extent){ .sum = WEFT__HASH_START };
     for (size_t i = 0; i < series->columns; ++i) {
-        fprintf(series->stream, "%s%s", i == 0 ? "" : ",", series->names[i]);
+        used
+            += (size_t)snprintf(line + used, sizeof line - used, "%s%c",
+                                series->names[i], i + 1 < series->columns ? ',' : '\n');
     }
-    fputc('\n', series->stream);
-    return flush(series, err);
+    return write_line(series, line, err);
 }
 
 weft_status record_series_reopen(record_series *series, const char *directory,
@@ -133,53 +150,55 @@ weft_status record_series_reopen(record_series *series, const char *directory,
     return open_stream(series, directory, "r+", ledger, err);
 }
 
-weft_status record_series_cut(record_series *series, size_t bytes, weft_error *err)
+weft_status record_series_cut(record_series *series, const record_extent *kept,
+                              weft_error *err)
 {
-    if (ftruncate(fileno(series->stream), (off_t)bytes) == 0
+    series->extent = *kept;
+    if (ftruncate(fileno(series->stream), (off_t)kept->length) == 0
         && fseek(series->stream, 0, SEEK_END) == 0) {
         return WEFT_OK;
     }
     return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
 }
 
-weft_status record_series_sync(record_series *series, size_t *bytes, weft_error *err)
+weft_status record_series_sync(record_series *series, weft_error *err)
 {
-    const weft_status status = flush(series, err);
-    const long at = status == WEFT_OK ? ftell(series->stream) : 0;
-    if (at < 0 || fsync(fileno(series->stream)) != 0) {
-        return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
-    }
-    *bytes = (size_t)at;
-    return status;
+    const weft_status status = write_line(series, "", err);
+    return status != WEFT_OK || fsync(fileno(series->stream)) == 0
+               ? status
+               : weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
 }
 
 weft_status record_series_add(record_series *series, const record_frame *frame,
                               weft_error *err)
 {
     const series_row row = measure(frame);
-    const char *comma = "";
-    size_t column = 0;
+    char line[LINE];
+    size_t column = 0, used = 0;
     series->worst = row.worst;
 #define CELL(name, format, value)                                                      \
-    fprintf(series->stream, "%s" format, comma, value);                                \
-    series->row[column++] = (double)(value);                                           \
-    comma = ",";
+    used += (size_t)snprintf(line + used, sizeof line - used, format ",", value);      \
+    series->row[column++] = (double)(value);
     COLUMNS(CELL)
     if (row.ledger.kept) {
         LEDGER_COLUMNS(CELL)
     }
 #undef CELL
-    fputc('\n', series->stream);
-    return flush(series, err);
+    line[used - 1] = '\n';
+    return write_line(series, line, err);
 }
 
 weft_status record_series_close(record_series *series, weft_error *err)
 {
-    const weft_status status = flush(series, err);
-    if (fclose(series->stream) != 0 && status == WEFT_OK) {
-        return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
+    if (series->stream == NULL) {
+        return WEFT_OK;
     }
-    return status;
+    const weft_status status = write_line(series, "", err);
+    const bool closed = fclose(series->stream) == 0;
+    series->stream = NULL;
+    return closed || status != WEFT_OK
+               ? status
+               : weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
 }
 
 /* What is looked for in the rows of a series.csv. */
@@ -207,9 +226,9 @@ static weft_status search(const char *directory, series_search *wanted, weft_err
     if (status != WEFT_OK) {
         return status;
     }
-    FILE *stream = fopen(path, "r");
+    FILE *stream = weft__file_open(path, "r", err);
     if (stream == NULL) {
-        return weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(errno));
+        return WEFT_IO;
     }
     const bool any = wanted->frame == SIZE_MAX;
     while ((any || !wanted->found) && fgets(line, sizeof line, stream) != NULL) {

@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* series_read.c -- the rows of a series.csv: whose they are, and where they end. */
-#include <errno.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "record/record.h"
+#include "sim/file.h"
 
 typedef struct reader {
     FILE *stream;
     char path[RECORD_PATH];
     char line[4096];
-    size_t at; /* bytes read, in whole lines */
+    size_t number; /* of the line, from 1 */
 } reader;
 
 /* A line that a kill has cut off is none. */
@@ -24,7 +25,7 @@ static bool next_line(reader *self)
     if (length == 0 || self->line[length - 1] != '\n') {
         return false;
     }
-    self->at += length;
+    ++self->number;
     return true;
 }
 
@@ -57,6 +58,16 @@ static weft_status wrong(const reader *self, const char *what, weft_error *err)
     return weft_error_set(err, WEFT_IO, "%s: %s", self->path, what);
 }
 
+static weft_status open_reader(reader *self, const char *directory, weft_error *err)
+{
+    *self = (reader){ .number = 0 };
+    const weft_status status = record_path(directory, "series.csv", self->path, err);
+    if (status == WEFT_OK) {
+        self->stream = weft__file_open(self->path, "r", err);
+    }
+    return status != WEFT_OK || self->stream != NULL ? status : WEFT_IO;
+}
+
 static weft_status read_rows(reader *self, record_series_row **rows, size_t *count,
                              weft_error *err)
 {
@@ -79,12 +90,12 @@ static weft_status read_rows(reader *self, record_series_row **rows, size_t *cou
             *rows = grown;
         }
         record_series_row *row = &(*rows)[*count];
-        row->end = self->at;
         if (sscanf(self->line, "%zu,", &row->frame) != 1
             || sscanf(cell(self->line, time), "%lf,", &row->time) != 1
             || sscanf(cell(self->line, hash), "%" SCNx64, &row->hash) != 1
             || (*count > 0 && !(row->time > row[-1].time))) {
-            return wrong(self, "damaged: rows are not in order", err);
+            return weft_error_set(err, WEFT_IO, "%s: damaged: line %zu is not in order",
+                                  self->path, self->number);
         }
         ++*count;
     }
@@ -94,16 +105,12 @@ static weft_status read_rows(reader *self, record_series_row **rows, size_t *cou
 weft_status record_series_rows(const char *directory, record_series_row **rows,
                                size_t *count, weft_error *err)
 {
-    reader self = { .at = 0 };
+    reader self;
     *rows = NULL;
     *count = 0;
-    weft_status status = record_path(directory, "series.csv", self.path, err);
+    weft_status status = open_reader(&self, directory, err);
     if (status != WEFT_OK) {
         return status;
-    }
-    self.stream = fopen(self.path, "r");
-    if (self.stream == NULL) {
-        return wrong(&self, strerror(errno), err);
     }
     status = read_rows(&self, rows, count, err);
     (void)fclose(self.stream);
@@ -115,5 +122,45 @@ weft_status record_series_rows(const char *directory, record_series_row **rows,
         *rows = NULL;
         *count = 0;
     }
+    return status;
+}
+
+/* Frame i is on line i + 2. */
+static weft_status compare_line(const reader *self, const char *damaged,
+                                const char *const *names, const double *numbers,
+                                size_t count, weft_error *err)
+{
+    for (size_t i = 0; i < count; ++i) {
+        const double here = strtod(cell(self->line, (int)i), NULL);
+        const bool equal = here == numbers[i] || (isnan(here) && isnan(numbers[i]));
+        if (!equal && strcmp(names[i], "hash") != 0) {
+            return weft_error_set(
+                err, WEFT_IO,
+                "%s: damaged: %s of frame %zu is %.17g on line %zu of "
+                "series.csv and %.17g in run.vtkhdf",
+                damaged, names[i], self->number - 2, here, self->number, numbers[i]);
+        }
+    }
+    return WEFT_OK;
+}
+
+weft_status record_series_compare(const char *directory, const char *damaged,
+                                  const char *const *names, size_t count,
+                                  record_numbers_fn *numbers, void *ctx,
+                                  weft_error *err)
+{
+    reader self;
+    double values[RECORD_COLUMNS_MAX];
+    weft_status status = open_reader(&self, directory, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    (void)next_line(&self);
+    while (status == WEFT_OK && next_line(&self)) {
+        if (numbers(ctx, self.number - 2, values)) {
+            status = compare_line(&self, damaged, names, values, count, err);
+        }
+    }
+    (void)fclose(self.stream);
     return status;
 }

@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim/file.h"
+#include "sim/words.h"
+
 #define ROOT  "/VTKHDF/"
 #define STEPS "/VTKHDF/Steps/"
 
@@ -187,7 +190,6 @@ static void pinned(builder *self)
     dataset(self, ROOT "PointData/pinned", H5T_STD_U8LE, self->n, 1, H5T_NATIVE_UINT8,
             flags);
     free(flags);
-    integers(self, STEPS "PointDataOffsets/pinned", self->capacity, 1, NULL);
 }
 
 static void rest(builder *self)
@@ -202,16 +204,26 @@ static void rest(builder *self)
     free(xyz);
 }
 
+/* What no frame changes. */
+static void fixed(builder *self)
+{
+    const int64_t count = (int64_t)self->n;
+    integers(self, ROOT "NumberOfPoints", 1, 1, &count);
+    make_group(self, ROOT "PointData");
+    if (self->def->record->fields[WEFT_RECORD_PINNED]) {
+        pinned(self);
+    }
+    rest(self);
+    topology(self);
+}
+
 static void particles(builder *self)
 {
     const weft_record_def *record = self->def->record;
     const hid_t real = record->doubles ? H5T_IEEE_F64LE : H5T_IEEE_F32LE;
     const size_t rows = self->capacity * self->n;
-    const int64_t count = (int64_t)self->n;
-    integers(self, ROOT "NumberOfPoints", 1, 1, &count);
     dataset(self, ROOT "Points", real, rows, 3, 0, NULL);
     integers(self, STEPS "PointOffsets", self->capacity, 1, NULL);
-    make_group(self, ROOT "PointData");
     make_group(self, STEPS "PointDataOffsets");
     if (record->fields[WEFT_RECORD_VELOCITY]) {
         dataset(self, ROOT "PointData/velocity", real, rows, 3, 0, NULL);
@@ -222,9 +234,8 @@ static void particles(builder *self)
         same(self, STEPS "PointOffsets", STEPS "PointDataOffsets/strain");
     }
     if (record->fields[WEFT_RECORD_PINNED]) {
-        pinned(self);
+        integers(self, STEPS "PointDataOffsets/pinned", self->capacity, 1, NULL);
     }
-    rest(self);
 }
 
 /* ---- steps ------------------------------------------------------------------ */
@@ -243,7 +254,8 @@ static void steps(builder *self)
 }
 
 /* The one dataset that grows. Its only chunk holds every time there may be; 2^28 of
- * them are the most that a chunk may hold. */
+ * them are the most that a chunk may hold. allocate_times makes it, behind all that no
+ * frame changes. */
 static void times(builder *self)
 {
     const hsize_t one = 1, unlimited = H5S_UNLIMITED;
@@ -252,6 +264,7 @@ static void times(builder *self)
         return;
     }
     const hid_t chunked = H5Pcopy(self->early);
+    note(self, H5Pset_alloc_time(chunked, H5D_ALLOC_TIME_INCR) >= 0);
     const hid_t space = H5Screate_simple(1, &one, &unlimited);
     note(self, H5Pset_chunk(chunked, 1, &chunk) >= 0);
     const hid_t made = H5Dcreate2(self->file, STEPS "Values", H5T_IEEE_F64LE, space,
@@ -269,6 +282,17 @@ static void counts(builder *self)
     make_group(self, STEPS);
     integer_attribute(self, STEPS, "NSteps", 0);
     times(self);
+}
+
+static void allocate_times(builder *self)
+{
+    const double none = 0.0;
+    if (!self->failed) {
+        const hid_t id = H5Dopen2(self->file, STEPS "Values", H5P_DEFAULT);
+        note(self, H5Dwrite(id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, &none)
+                       >= 0);
+        (void)H5Dclose(id);
+    }
 }
 
 static void heads(builder *self)
@@ -290,6 +314,8 @@ static void heads(builder *self)
 bool vtkhdf_file_create(const char *path, const record_vtkhdf_def *def, size_t capacity)
 {
     const hid_t access = hdf_access();
+    /* room before the frames for all that describes the file */
+    (void)H5Pset_meta_block_size(access, (16 + def->series->columns) << 10);
     builder self = {
         .file = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access),
         .parents = H5Pcreate(H5P_LINK_CREATE),
@@ -304,12 +330,41 @@ bool vtkhdf_file_create(const char *path, const record_vtkhdf_def *def, size_t c
                     && H5Pset_obj_track_times(self.early, false) >= 0);
     counts(&self);
     heads(&self);
+    fixed(&self);
     particles(&self);
-    topology(&self);
+    allocate_times(&self);
     steps(&self);
     note(&self, self.file >= 0 && H5Fclose(self.file) >= 0);
     (void)H5Pclose(self.parents);
     (void)H5Pclose(self.early);
     (void)H5Pclose(access);
     return !self.failed;
+}
+
+/* ---- the first page --------------------------------------------------------- */
+
+bool vtkhdf_read_page(const char *path, unsigned char page[RECORD_PAGE])
+{
+    FILE *stream = weft__file_open(path, "r", NULL);
+    const bool good
+        = stream != NULL && fread(page, 1, RECORD_PAGE, stream) == RECORD_PAGE;
+    if (stream != NULL) {
+        (void)fclose(stream);
+    }
+    return good;
+}
+
+/* The upper half of word 2 says whether the file was closed. */
+bool vtkhdf_is_same_page(const unsigned char *before, const unsigned char *now,
+                         size_t frames, size_t capacity)
+{
+    bool same = true;
+    for (size_t at = 0; at < RECORD_PAGE; at += WEFT__WORD) {
+        const uint64_t a = weft__word_at(before + at), b = weft__word_at(now + at);
+        const bool added = a == frames && b >= frames && b <= capacity;
+        const bool closed
+            = at == 2 * WEFT__WORD && (uint32_t)a == (uint32_t)b && b >> 32 <= 1;
+        same = same && (a == b || added || closed);
+    }
+    return same;
 }

@@ -22,4 +22,10 @@ bool vtkhdf_is_field(const char *column);
 bool vtkhdf_file_create(const char *path, const record_vtkhdf_def *def,
                         size_t capacity);
 
+/* The page that has the counts of frames, NSteps and the extent of Steps/Values. */
+bool vtkhdf_read_page(const char *path, unsigned char page[RECORD_PAGE]);
+/* Whether `now` is `before`, or the same with more frames. */
+bool vtkhdf_is_same_page(const unsigned char *before, const unsigned char *now,
+                         size_t frames, size_t capacity);
+
 #endif

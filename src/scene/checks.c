@@ -317,6 +317,21 @@ void weft__check_limit(weft__reader *reader, const weft__match *match, void *bas
     }
 }
 
+/* No step crosses a frame. Told where the cure is: the stepper has been read before. */
+static void check_frame(weft__reader *reader, const weft__match *match,
+                        const weft_run_def *run)
+{
+    const double h = reader->scene->config.fixed_step;
+    const yaml_node_t *fps = weft__key_in(match, "fps");
+    if (h * run->fps > 1.0 + 1e-6) {
+        weft__report_warning(reader->report,
+                             (fps == NULL ? match->map : fps)->start_mark,
+                             "fixed_step %g s is longer than a frame (%.4g s): every "
+                             "step will be %.4g s; run.fps=%.7g makes frames of %g s",
+                             h, 1.0 / run->fps, 1.0 / run->fps, 1.0 / h, h);
+    }
+}
+
 void weft__check_run(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_run_def *run = base;
@@ -328,4 +343,5 @@ void weft__check_run(weft__reader *reader, const weft__match *match, void *base)
                            "counted (2^53)",
                            run->duration, run->fps);
     }
+    check_frame(reader, match, run);
 }

@@ -108,7 +108,7 @@ typedef struct printer {
     void *ctx;
 } printer;
 
-enum { KEY_WIDTH = 20, TYPE_WIDTH = 28, DEFAULT_WIDTH = 18, MEANING_WIDTH = 34 };
+enum { KEY_WIDTH = 20, TEXT_WIDTH = 60 };
 
 /* Moves as many words as fit into width characters from *text to out. */
 static void take_words(const char **text, size_t width, char *out)
@@ -128,41 +128,43 @@ static void take_words(const char **text, size_t width, char *out)
     *text = from + (*from == ' ');
 }
 
-static void print_columns(const printer *to, const char *name, const char *type,
-                          const char *fallback, const char *meaning)
+/* A text in the second column, beside a name in the first. */
+static void print_beside(const printer *to, const char *name, const char *text)
 {
-    const char *left = name;
-    while (*left != '\0' || *type != '\0' || *fallback != '\0' || *meaning != '\0') {
-        char a[KEY_WIDTH + 1], b[TYPE_WIDTH + 1], c[DEFAULT_WIDTH + 1],
-            d[MEANING_WIDTH + 1], line[128];
-        take_words(&type, TYPE_WIDTH - 1, b);
-        take_words(&fallback, DEFAULT_WIDTH - 1, c);
-        take_words(&meaning, MEANING_WIDTH, d);
-        (void)snprintf(a, sizeof a, "%s", left);
-        left = "";
-        int used = snprintf(line, sizeof line, "%-*s%-*s%-*s%s", KEY_WIDTH, a,
-                            TYPE_WIDTH, b, DEFAULT_WIDTH, c, d);
-        while (used > 0 && line[used - 1] == ' ') {
-            line[--used] = '\0';
-        }
-        to->line(to->ctx, line);
+    char words[TEXT_WIDTH + 1], line[KEY_WIDTH + TEXT_WIDTH + 1];
+    if (strlen(name) >= KEY_WIDTH) {
+        to->line(to->ctx, name);
+        name = "";
     }
+    while (*text != '\0') {
+        take_words(&text, TEXT_WIDTH, words);
+        (void)snprintf(line, sizeof line, "%-*s%s", KEY_WIDTH, name, words);
+        to->line(to->ctx, line);
+        name = "";
+    }
+}
+
+static void print_key(const printer *to, const weft__key *key, const char *name)
+{
+    char type[200], text[300];
+    (void)snprintf(text, sizeof text, "%s; %s%s",
+                   weft__wanted(key, true, true, type, sizeof type),
+                   key->required ? "" : "default ", default_text(key));
+    print_beside(to, name, text);
+    print_beside(to, "", key->meaning);
 }
 
 static void print_tree(const printer *to, const weft__section *section, int depth)
 {
-    for (size_t i = 0; i < section->count; ++i) {
+    for (size_t i = 0; section != NULL && i < section->count; ++i) {
         const weft__key *key = &section->keys[i];
-        char name[40], type[200];
+        char name[40];
         if (depth == 0) {
             to->line(to->ctx, "");
         }
         (void)snprintf(name, sizeof name, "%*s%s", 2 * depth, "", key->name);
-        print_columns(to, name, weft__wanted(key, true, true, type, sizeof type),
-                      default_text(key), key->meaning);
-        if (key->section != NULL) {
-            print_tree(to, key->section, depth + 1);
-        }
+        print_key(to, key, name);
+        print_tree(to, key->section, depth + 1);
     }
 }
 
@@ -170,14 +172,13 @@ static void print_text(const printer *to)
 {
     static const char *const places[] = {
         "",
-        "A place is a corner (top-left, top-right, bottom-left, bottom-right), an edge "
-        "(top,",
-        "bottom, left, right), [row, column], or {rows: ..., cols: ...} with an index, "
-        "an",
-        "inclusive [first, last] or all for each. Negative indices count from the end.",
-        "Units are SI and are never written in a scene.",
+        "A place is a corner (top-left, top-right, bottom-left, bottom-right), an",
+        "edge (top, bottom, left, right), [row, column], or {rows: ..., cols: ...}",
+        "with an index, an inclusive [first, last] or all for each. Negative indices",
+        "count from the end. Units are SI and are never written in a scene.",
     };
-    print_columns(to, "key", "type [unit]", "default", "meaning");
+    print_beside(to, "key", "type [unit]; default");
+    print_beside(to, "", "meaning");
     print_tree(to, &weft__root, 0);
     for (size_t i = 0; i < sizeof places / sizeof places[0]; ++i) {
         to->line(to->ctx, places[i]);
@@ -246,4 +247,45 @@ void weft_scene_help(weft_scene_help_format format,
     } else {
         print_text(&to);
     }
+}
+
+/* The key of a section that a path begins with, up to its next dot; *path is moved
+ * behind that and behind indices of lists. NULL: there is none of that name. */
+static const weft__key *next_key(const weft__section *section, const char **path,
+                                 char *name, size_t size)
+{
+    const weft__key *found = NULL;
+    const size_t length = strcspn(*path, ".[");
+    (void)snprintf(name, size, "%.*s", (int)length, *path);
+    for (size_t i = 0; section != NULL && i < section->count; ++i) {
+        found = strcmp(section->keys[i].name, name) == 0 ? &section->keys[i] : found;
+    }
+    *path += length + strspn(*path + length, ".[]0123456789");
+    return found;
+}
+
+weft_status weft_scene_help_key(const char *path,
+                                void (*line)(void *ctx, const char *text), void *ctx,
+                                weft_error *err)
+{
+    const printer to = { line, ctx };
+    const weft__section *section = &weft__root;
+    const char *title = weft__root.title, *rest = path;
+    const weft__key *key = NULL;
+    do {
+        char name[64], hint[300] = "; it has no keys";
+        key = next_key(section, &rest, name, sizeof name);
+        if (key == NULL) {
+            if (section != NULL) {
+                (void)weft__unknown_hint(section, title, name, hint, sizeof hint);
+            }
+            return weft_error_set(err, WEFT_INVALID, "unknown key '%s' in %s%s", name,
+                                  title, hint);
+        }
+        section = key->section;
+        title = section != NULL && section->title != NULL ? section->title : key->name;
+    } while (*rest != '\0');
+    print_key(&to, key, path);
+    print_tree(&to, key->section, 1);
+    return WEFT_OK;
 }

@@ -315,7 +315,8 @@ static const weft__key stepper_keys[] = {
     { "plugin", WEFT__TEXT, .required = true, AT(weft_scene, plugin),
       .meaning = "gsl, arkode, verlet or any installed stepper plugin" },
     { "method", WEFT__TEXT, .required = true, AT(weft_scene, method),
-      .meaning = "a method of that plugin (weft steppers lists them)" },
+      .meaning
+      = "a method of that plugin (weft steppers lists them), or plugin/method" },
     { "rtol", WEFT__NUMBER, .fallback = "1.0e-6", AT(weft_scene, config.rtol),
       .meaning = "relative tolerance" },
     { "atol", WEFT__ATOL, .strict = true, .unit = "m, m/s", .section = &atol_section,
@@ -332,7 +333,11 @@ static const weft__key stepper_keys[] = {
       .meaning = "no step is longer" },
     { "fixed_step", WEFT__NUMBER, .strict = true, .unit = "s", .absent = "adaptive",
       AT(weft_scene, config.fixed_step),
-      .meaning = "no error control; excludes the keys from rtol to max_step" },
+      .meaning = "no error control; excludes the keys from rtol to max_step. Steps end "
+                 "at frames, which cut them" },
+    { "large_matrices", WEFT__BOOLEAN, .fallback = "false",
+      AT(weft_scene, large_matrices),
+      .meaning = "methods for small cloths may take more than 1 GB for matrices" },
     { "controller", WEFT__MAPPING, .section = &controller_section,
       .absent = "the plugin's", AT(weft_scene, control),
       .meaning = "how h is adapted, for the methods of plugin arkode with an error "

@@ -74,6 +74,12 @@ extern const weft__section weft__load_section;  /* {at, mass} */
 const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
                          size_t size);
 
+/* unknown.c: what to say of a name that is no key of a section: the key that may have
+ * been meant, which is returned (NULL: none is near), or the path of a section that has
+ * such a key, and up to eight keys of this one. */
+const char *weft__unknown_hint(const weft__section *section, const char *title,
+                               const char *name, char *out, size_t size);
+
 /* "a mapping {stiffness, damping}" */
 const char *weft__wanted_mapping(const weft__section *section, char *out, size_t size);
 

@@ -13,6 +13,25 @@ typedef void read_fn(weft__reader *reader, const weft__key *key,
 
 /* ---- messages --------------------------------------------------------------- */
 
+/* A list as [0, -9,81, 0]: blanks behind some of its commas, but not behind all. */
+static bool has_decimal_comma(const weft__reader *reader, const yaml_node_t *list)
+{
+    size_t tight = 0;
+    const size_t count = weft__item_count(list);
+    for (size_t i = 1; i < count; ++i) {
+        double value;
+        const yaml_node_t *a = weft__item(reader, list, i - 1);
+        const yaml_node_t *b = weft__item(reader, list, i);
+        if (!weft__number_of(a, &value) || !weft__number_of(b, &value)) {
+            return false;
+        }
+        tight += b->start_mark.line == a->start_mark.line
+                 && b->start_mark.column
+                        == a->start_mark.column + a->data.scalar.length + 1;
+    }
+    return tight > 0 && tight + 1 < count;
+}
+
 void weft__refuse(weft__reader *reader, const yaml_node_t *node, const char *name,
                   const char *wanted, bool number, const char *unit)
 {
@@ -26,7 +45,8 @@ void weft__refuse(weft__reader *reader, const yaml_node_t *node, const char *nam
                        name, wanted, weft__show(node, value, sizeof value),
                        node->type == YAML_SCALAR_NODE
                            ? weft__hint(node, number, unit, hint, sizeof hint)
-                           : "");
+                       : has_decimal_comma(reader, node) ? " (write a decimal point)"
+                                                         : "");
 }
 
 static void refuse(weft__reader *reader, const weft__key *key, const yaml_node_t *node)
@@ -308,63 +328,12 @@ static void mark_misspelt(weft__match *match, const char *name)
     }
 }
 
-/* Puts "name." before a path, or the name alone if it is empty. */
-static void prepend(const char *name, char *path, size_t size)
-{
-    const size_t length = strlen(name), rest = strlen(path), dot = rest > 0;
-    if (length + dot + rest < size) {
-        memmove(path + length + dot, path, rest + 1);
-        memcpy(path, name, length);
-        memset(path + length, '.', dot);
-    }
-}
-
-/* The first section below `from`, other than `other`, that has a key of that name; its
- * path is written to out, from its end, as most names are nowhere. */
-static bool find_elsewhere(const weft__section *from, const weft__section *other,
-                           const char *name, char *out, size_t size)
-{
-    for (size_t i = 0; i < from->count; ++i) {
-        if (from != other && from != &weft__root
-            && strcmp(from->keys[i].name, name) == 0) {
-            out[0] = '\0';
-            return true;
-        }
-    }
-    for (size_t i = 0; i < from->count; ++i) {
-        const weft__key *key = &from->keys[i];
-        if (key->kind == WEFT__MAPPING
-            && find_elsewhere(key->section, other, name, out, size)) {
-            prepend(key->name, out, size);
-            return true;
-        }
-    }
-    return false;
-}
-
-/* What to tell of a key that is not in the table, from its name. */
-static void unknown_hint(weft__match *match, const char *name, char *out, size_t size)
-{
-    const weft__section *section = match->section;
-    weft__guess guess = { 0 };
-    char path[120];
-    for (size_t i = 0; i < section->count; ++i) {
-        weft__guess_try(&guess, name, section->keys[i].name);
-    }
-    if (guess.name != NULL) {
-        mark_misspelt(match, guess.name);
-        (void)weft__guess_text(&guess, out, size);
-    } else if (find_elsewhere(&weft__root, section, name, path, sizeof path)) {
-        (void)snprintf(out, size, " (it is a key of %s)", path);
-    }
-}
-
 static void report_unknown(weft__reader *reader, weft__match *match,
-                           const yaml_node_t *node)
+                           const yaml_node_t *node, const yaml_node_t *value)
 {
     const weft__section *beside = match->section->beside;
     const char *name = weft__text_of(node);
-    char shown[64], hint[160] = "";
+    char shown[64], hint[300] = "";
     (void)weft__show(node, shown, sizeof shown);
     if (node->type != YAML_SCALAR_NODE || name == NULL) {
         weft__report_error(reader->report, node->start_mark,
@@ -391,7 +360,13 @@ static void report_unknown(weft__reader *reader, weft__match *match,
             return;
         }
     }
-    unknown_hint(match, name, hint, sizeof hint);
+    if (value != NULL && weft__is_null(value) && name[0] >= '0' && name[0] <= '9') {
+        /* {spacing: 1,0} */
+        (void)snprintf(hint, sizeof hint, " (write a decimal point)");
+    } else {
+        mark_misspelt(match, weft__unknown_hint(match->section, match->title, name,
+                                                hint, sizeof hint));
+    }
     weft__report_error(reader->report, node->start_mark, "unknown key %s in %s%s",
                        shown, match->title, hint);
 }
@@ -403,7 +378,8 @@ static void match_pair(weft__reader *reader, weft__match *match,
     const size_t i = index_of(match->section, weft__text_of(key));
     char where[64];
     if (i == match->section->count) {
-        report_unknown(reader, match, key);
+        report_unknown(reader, match, key,
+                       yaml_document_get_node(reader->document, pair->value));
     } else if (match->key[i] != NULL) {
         weft__report_error(
             reader->report, key->start_mark,

@@ -44,6 +44,7 @@ struct weft_scene {
     weft__tableau tableau;
     weft__control control;
     weft_butcher butcher;
+    bool large_matrices; /* are allowed */
     weft_pin *pins;
     weft_load *loads;
 };
@@ -150,7 +151,15 @@ void weft__check_cloth(weft__reader *reader, const weft__match *match, void *bas
 void weft__check_limit(weft__reader *reader, const weft__match *match, void *base);
 void weft__check_run(weft__reader *reader, const weft__match *match, void *base);
 
+/* method.c: takes stepper.method apart where it is plugin/method, and removes keys of
+ * stepper that a choice of the command line or the sweep leaves without use, with a
+ * warning. Before anything is read of the document. */
+void weft__resolve_method(weft__reader *reader, weft__base *base);
+
 /* stepper.c */
+enum { WEFT__ADAPTIVE = 7 };
+extern const char *const weft__adaptive_keys[WEFT__ADAPTIVE]; /* of error control */
+bool weft__is_plugin_id(const char *id);
 void weft__check_controller(weft__reader *reader, const weft__match *match, void *base);
 void weft__check_stepper(weft__reader *reader, const weft__match *match, void *base);
 void weft__check_record(weft__reader *reader, const weft__match *match, void *base);

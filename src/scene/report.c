@@ -92,6 +92,18 @@ static bool is_beyond(const weft__report *report, yaml_mark_t at)
            && weft__mark_before(place_of(report, count - 1), at);
 }
 
+void weft__fit(char *text, size_t size, int length)
+{
+    static const char more[] = " ...";
+    if (length >= 0 && (size_t)length >= size) {
+        char *end = text + size - sizeof more;
+        while (end > text && *end != ' ') {
+            --end;
+        }
+        strcpy(end > text ? end : text + size - sizeof more, more);
+    }
+}
+
 static void add(weft__report *report, bool warning, yaml_mark_t at, const char *format,
                 va_list args)
 {
@@ -102,7 +114,8 @@ static void add(weft__report *report, bool warning, yaml_mark_t at, const char *
         return;
     }
     const size_t slot = find_slot(report, at);
-    (void)vsnprintf(message, sizeof message, format, args);
+    weft__fit(message, sizeof message,
+              vsnprintf(message, sizeof message, format, args));
     weft__one_line(message);
     if (is_known(report, at, message)) {
         return;

@@ -29,6 +29,10 @@ WEFT_PRINTF(3, 4)
 void weft__report_warning(weft__report *report, yaml_mark_t at, const char *format,
                           ...);
 
+/* Ends text[size] with " ..." behind its last whole word if it was to have more than
+ * fits: `length` characters, as snprintf returns it. */
+void weft__fit(char *text, size_t size, int length);
+
 /* Two keys of one mapping that may not stand together: told at the later one. */
 void weft__report_exclusive(weft__report *report, const yaml_node_t *a,
                             const yaml_node_t *b);

@@ -6,6 +6,7 @@
 
 #include "scene/read.h"
 #include "scene/sweep.h"
+#include "sim/file.h"
 
 weft_scene_def weft_scene_def_default(void)
 {
@@ -44,9 +45,9 @@ static weft_status read_stream(FILE *stream, const char *file,
 static weft_status read_file(const char *file, const weft_allocator *memory,
                              char **text, size_t *length, weft_error *err)
 {
-    FILE *stream = fopen(file, "rb");
+    FILE *stream = weft__file_open(file, "r", err);
     if (stream == NULL) {
-        return weft_error_set(err, WEFT_IO, "%.200s: %s", file, strerror(errno));
+        return WEFT_IO;
     }
     const weft_status status = read_stream(stream, file, memory, text, length, err);
     (void)fclose(stream);
@@ -177,38 +178,43 @@ void weft__base_close(weft__base *base)
 /* ---- reading ---------------------------------------------------------------- */
 
 /* The name that a file gives a scene is written into its text, which may be run from
- * another file: not where that is scene.yaml, as a run calls it. */
-static bool keep_name(weft__base *base, yaml_document_t **changed, weft_scene *scene)
+ * another file: not where that is scene.yaml, as a run calls it. Where the text has no
+ * place for it, into a copy of the document. */
+static bool keep_name(weft__base *base, yaml_document_t *copy,
+                      yaml_document_t **changed, weft__report *report,
+                      weft_scene *scene)
 {
     scene->name = weft__name_of_file(name_in_messages(&base->def), &base->memory);
     if (scene->name == NULL || strcmp(scene->name, "scene") == 0) {
         return scene->name != NULL;
     }
     if (*changed == NULL) {
-        if (!weft__name_insert(&base->document, base->text, scene->name, &base->memory,
-                               &scene->text)) {
+        if (!weft__name_insert(&base->document, base->sources[0].text, scene->name,
+                               &base->memory, &scene->text)) {
             return false;
         }
         if (scene->text != NULL) {
             return true;
         }
-        *changed = &base->document;
+        if (!weft__document_copy(copy, &base->document, report)) {
+            return false;
+        }
+        *changed = copy;
     }
     return weft__name_append(*changed, scene->name);
 }
 
 /* What a right scene still lacks: its name, and its text as it was read or, if that was
- * changed, as it is now. */
-static weft_status complete(weft__base *base, yaml_document_t *changed,
-                            weft_scene *scene, weft_error *err)
+ * changed, as it is now in the copy. */
+static weft_status complete(weft__base *base, yaml_document_t *copy,
+                            weft__report *report, weft_scene *scene, weft_error *err)
 {
+    yaml_document_t *changed = base->changed ? copy : NULL;
     scene->config.threads = scene->run.threads;
-    const bool named = scene->name != NULL || keep_name(base, &changed, scene);
+    const bool named
+        = scene->name != NULL || keep_name(base, copy, &changed, report, scene);
     if (changed != NULL) {
         scene->text = weft__document_emit(changed, &base->memory);
-        if (changed == &base->document) {
-            base->loaded = false; /* emitting ends it */
-        }
     } else if (scene->text == NULL) {
         scene->text = weft__alloc(&base->memory, base->length + 1, 1);
         if (scene->text != NULL) {
@@ -232,11 +238,12 @@ static weft_status read_scene(weft__base *base, size_t run, weft__report *report
     if (!base->sweep.present || weft__document_check(&copy, report)) {
         yaml_document_t *document = base->changed ? &copy : &base->document;
         weft__reader reader = { scene, document, report, &base->def };
+        weft__resolve_method(&reader, base);
         weft__read_section(&reader, &weft__root, weft__root.title,
                            yaml_document_get_root_node(document), scene);
     }
     if (!report->no_memory && report->found->errors == 0) {
-        return complete(base, base->changed ? &copy : NULL, scene, err);
+        return complete(base, &copy, report, scene, err);
     }
     if (base->changed) {
         yaml_document_delete(&copy);

@@ -6,11 +6,8 @@
 #include "scene/read.h"
 #include "sim/methods.h"
 
-/* Keys that steer the error control. */
-static const char *const adaptive_keys[]
+const char *const weft__adaptive_keys[WEFT__ADAPTIVE]
     = { "rtol", "atol", "norm", "first_step", "min_step", "max_step", "controller" };
-
-#define ADAPTIVE (sizeof adaptive_keys / sizeof adaptive_keys[0])
 
 /* ---- step sizes ------------------------------------------------------------- */
 
@@ -20,8 +17,8 @@ static void check_exclusive(weft__reader *reader, const weft__match *match)
     const yaml_node_t *fixed = weft__key_in(match, "fixed_step");
     char before[320] = "";
     size_t used = 0;
-    for (size_t i = 0; fixed != NULL && i < ADAPTIVE; ++i) {
-        const yaml_node_t *key = weft__key_in(match, adaptive_keys[i]);
+    for (size_t i = 0; fixed != NULL && i < WEFT__ADAPTIVE; ++i) {
+        const yaml_node_t *key = weft__key_in(match, weft__adaptive_keys[i]);
         char where[64];
         if (key == NULL) {
             continue;
@@ -31,7 +28,7 @@ static void check_exclusive(weft__reader *reader, const weft__match *match)
         } else if (used < sizeof before) {
             used += (size_t)snprintf(
                 before + used, sizeof before - used, "%s%s (%s)", used == 0 ? "" : ", ",
-                adaptive_keys[i],
+                weft__adaptive_keys[i],
                 weft__place_text(key->start_mark, where, sizeof where));
         }
     }
@@ -82,41 +79,39 @@ static void check_sizes(weft__reader *reader, const weft__match *match)
 
 /* ---- plugin and method ------------------------------------------------------ */
 
-/* The shipped plugin that has a method; NULL: none that is there. */
-static const char *find_elsewhere(const weft__reader *reader, const char *method)
-{
-    for (const char *const *id = weft__shipped; *id != NULL; ++id) {
-        weft_error why;
-        if (weft_plugin_method(
-                reader->def->find_plugin(reader->def->find_ctx, *id, &why), method)
-            != NULL) {
-            return *id;
-        }
-    }
-    return NULL;
-}
-
 static const weft_stepper_type *
 find_method(weft__reader *reader, const weft__match *match, const weft_plugin *plugin)
 {
     const char *wanted = reader->scene->method;
     const weft_stepper_type *type = weft_plugin_method(plugin, wanted);
-    if (type == NULL) {
-        weft_error why;
-        (void)weft__method_named(plugin, wanted, find_elsewhere(reader, wanted), &why);
-        weft__report_error(reader->report, weft__value_in(match, "method")->start_mark,
-                           "%s", why.message);
+    const weft_plugin *others[WEFT__SHIPPED + 1] = { NULL };
+    weft_error why;
+    if (type != NULL) {
+        return type;
     }
-    return type;
+    for (size_t i = 0, count = 0; i < WEFT__SHIPPED; ++i) {
+        others[count]
+            = reader->def->find_plugin(reader->def->find_ctx, weft__shipped[i], &why);
+        count += others[count] != NULL;
+    }
+    (void)weft__method_named(plugin, wanted, others, &why);
+    weft__report_error(reader->report, weft__value_in(match, "method")->start_mark,
+                       "%s", why.message);
+    return NULL;
 }
 
 /* An id becomes part of a file's name and of a function's. */
-static bool check_id(weft__reader *reader, const weft__match *match)
+bool weft__is_plugin_id(const char *id)
 {
     static const char allowed[]
         = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+    return id[0] != '\0' && strspn(id, allowed) == strlen(id) && strlen(id) <= 48;
+}
+
+static bool check_id(weft__reader *reader, const weft__match *match)
+{
     const char *id = reader->scene->plugin;
-    if (id[0] != '\0' && strspn(id, allowed) == strlen(id) && strlen(id) <= 48) {
+    if (weft__is_plugin_id(id)) {
         return true;
     }
     weft__report_error(reader->report, weft__value_in(match, "plugin")->start_mark,
@@ -163,17 +158,17 @@ static void check_fixed_only(weft__reader *reader, const weft__match *match,
     if (weft__key_in(match, "fixed_step") == NULL
         && !weft__misspelt(match, "fixed_step")) {
         weft__report_error(reader->report, weft__value_in(match, "method")->start_mark,
-                           "method '%.40s' has no error control: it needs fixed_step "
-                           "[s]",
+                           "method '%.40s' has no error control: it needs "
+                           "stepper.fixed_step [s]",
                            method);
     }
-    for (size_t i = 0; i < ADAPTIVE; ++i) {
-        const yaml_node_t *key = weft__key_in(match, adaptive_keys[i]);
+    for (size_t i = 0; i < WEFT__ADAPTIVE; ++i) {
+        const yaml_node_t *key = weft__key_in(match, weft__adaptive_keys[i]);
         if (key != NULL) {
             weft__report_error(reader->report, key->start_mark,
                                "%s would not be used by method '%.40s', which has no "
                                "error control",
-                               adaptive_keys[i], method);
+                               weft__adaptive_keys[i], method);
         }
     }
 }
@@ -256,6 +251,30 @@ static void check_control(weft__reader *reader, const weft__match *match,
     }
 }
 
+/* [bytes] */
+#define LARGE_MATRICES 1e9
+
+/* Of the grid that was read before; of a wrong one it says nothing. */
+static void check_matrices(weft__reader *reader, const weft__match *match)
+{
+    const weft_scene *scene = reader->scene;
+    const size_t particles = scene->cloth.rows * scene->cloth.cols;
+    const yaml_mark_t at = weft__value_in(match, "method")->start_mark;
+    char text[160];
+    const double bytes
+        = weft_stepper_matrices(scene->type, particles, text, sizeof text);
+    if (bytes > LARGE_MATRICES && !scene->large_matrices) {
+        weft__report_error(reader->report, at,
+                           "method '%.40s' keeps %s: more than %g MB need "
+                           "stepper.large_matrices: true",
+                           scene->method, text, 1e-6 * LARGE_MATRICES);
+    } else if (bytes > 0.0 && particles > WEFT__DENSE_MOST) {
+        weft__report_warning(reader->report, at,
+                             "method '%.40s' keeps %s: for small cloths only",
+                             scene->method, text);
+    }
+}
+
 static int no_rhs(double t, const double *y, double *dydt, void *ctx)
 {
     (void)t;
@@ -305,6 +324,7 @@ void weft__check_stepper(weft__reader *reader, const weft__match *match, void *b
     check_control(reader, match, scene);
     if (scene->type != NULL) {
         check_table(reader, match, (scene->type->flags & WEFT_STEPPER_BUTCHER) != 0);
+        check_matrices(reader, match);
     } else if (asks_for_table(scene)
                || (reader->def->find_plugin == NULL && scene->plugin != NULL
                    && scene->method != NULL)) {

@@ -228,6 +228,19 @@ void weft__sweep_take(yaml_document_t *document, size_t set_count, weft__report 
 
 /* ---- one run ------------------------------------------------------------------- */
 
+bool weft__sweep_varies(const weft__sweep *sweep, yaml_document_t *document,
+                        const char *path)
+{
+    bool varies = false;
+    for (size_t i = 0; i < sweep->keys; ++i) {
+        const yaml_node_t *key = yaml_document_get_node(document, sweep->axis[i].key);
+        varies = varies
+                 || overlap(path, strlen(path), (const char *)key->data.scalar.value,
+                            key->data.scalar.length);
+    }
+    return varies;
+}
+
 /* Which value of a list a run takes; the last key varies fastest. */
 static size_t choice(const weft__sweep *sweep, size_t axis, size_t run)
 {
@@ -384,13 +397,12 @@ static void name_runs(const weft_sweep *sweep, const weft__report *report, size_
         used += (size_t)snprintf(message + used, size - used, " (in %zu of %zu runs,",
                                  origin->runs, read);
         for (size_t k = 0; k < weft_sweep_keys(sweep) && used < size; ++k) {
-            used += (size_t)snprintf(message + used, size - used, "%s %s=%s",
+            used += (size_t)snprintf(message + used, size - used, "%s %s=%s%s",
                                      k == 0 ? " first" : ",", weft_sweep_key(sweep, k),
-                                     weft_sweep_value(sweep, k, origin->first));
+                                     weft_sweep_value(sweep, k, origin->first),
+                                     k + 1 == weft_sweep_keys(sweep) ? ")" : "");
         }
-        if (used < size) {
-            (void)snprintf(message + used, size - used, ")");
-        }
+        weft__fit(message, size, (int)used);
         weft__one_line(message);
     }
 }

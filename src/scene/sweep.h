@@ -26,6 +26,10 @@ typedef struct weft__sweep {
 void weft__sweep_take(yaml_document_t *document, size_t set_count, weft__report *report,
                       weft__sweep *out);
 
+/* Whether it varies the key at a path, or a part of its value. */
+bool weft__sweep_varies(const weft__sweep *sweep, yaml_document_t *document,
+                        const char *path);
+
 /* Puts the values of one run, from 1, into a copy of the document. */
 void weft__sweep_apply(yaml_document_t *to, yaml_document_t *document,
                        const weft__sweep *sweep, size_t run, weft__report *report);

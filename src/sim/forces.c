@@ -9,8 +9,10 @@
 /* Particles that are worth a thread: their evaluation takes ten times as long as it
  * takes a thread that is awake to hear of it. More bands than threads, where each costs
  * little beside its rows (a band takes one row twice), are less to wait for when a
- * thread is kept from running. */
-enum { PARTICLES_PER_THREAD = 2048, ROWS_PER_BAND = 48 };
+ * thread is kept from running. One thread takes bands where the state is beyond the
+ * caches: the kernel takes tile after tile of columns, and long tiles leave nothing
+ * there for the next (1000 x 1000: 8 % of a step). */
+enum { PARTICLES_PER_THREAD = 2048, PARTICLES_CACHED = 1 << 17, ROWS_PER_BAND = 48 };
 
 weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
                                  const weft_allocator *given)
@@ -23,7 +25,8 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
     weft__team *team = weft__team_create(threads < useful ? threads : useful, &memory);
     const size_t count = weft__team_threads(team);
     const size_t each = rows / (ROWS_PER_BAND * count);
-    const size_t bands = count * (each > 1 ? each : 1);
+    const bool many = count > 1 || weft_cloth_particles(cloth) > PARTICLES_CACHED;
+    const size_t bands = count * (many && each > 1 ? each : 1);
     return (weft__forces){ .cloth = cloth,
                            .team = team,
                            .bands = bands < WEFT_PARTS ? bands : WEFT_PARTS,
@@ -70,7 +73,9 @@ int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
     double *sums = heat != NULL ? forces->heat : NULL;
     call all = { .forces = forces, .t = t, .y = y, .dydt = dydt, .heat = sums };
     if (forces->team == NULL) {
-        all.failed = weft__rhs_rows(forces->cloth, t, y, dydt, sums, 0, rows);
+        for (size_t i = 0; i < forces->bands; ++i) {
+            force_band(&all, i);
+        }
     } else {
         weft__team_run(forces->team, force_band, &all, forces->bands);
     }

@@ -22,6 +22,8 @@ struct weft_sim {
     void *correct_ctx;
     weft_force_fn *force;
     void *force_ctx;
+    weft_stop_fn *stop;
+    void *stop_ctx;
     double *added; /* [N] 3 N, by `force` */
     bool in_callback;
     weft_log log;

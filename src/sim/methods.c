@@ -30,26 +30,67 @@ void weft__methods_list(const weft_plugin *plugin, uint32_t flags, char *out,
     }
 }
 
+static void guess_method(weft__guess *guess, const char *name, const weft_plugin *of)
+{
+    for (size_t i = 0; of->types[i] != NULL; ++i) {
+        weft__guess_try(guess, name, of->types[i]->name);
+    }
+}
+
+/* The plugin of the others that has a method of that name, or a nearer one. */
+static void near_text(const weft_plugin *plugin, const char *name,
+                      const weft_plugin *const *others, char *out, size_t size)
+{
+    weft__guess guess = { 0 };
+    const char *of = NULL;
+    guess_method(&guess, name, plugin);
+    for (; others != NULL && *others != NULL; ++others) {
+        const char *before = guess.name;
+        if (weft_plugin_method(*others, name) != NULL) {
+            (void)snprintf(out, size, " (%.40s has)", (*others)->id);
+            return;
+        }
+        guess_method(&guess, name, *others);
+        of = guess.name == before ? of : (*others)->id;
+    }
+    if (of == NULL) {
+        (void)weft__guess_text(&guess, out, size);
+    } else {
+        (void)snprintf(out, size, " (did you mean '%.32s/%s'?)", of, guess.name);
+    }
+}
+
 const weft_stepper_type *weft__method_named(const weft_plugin *plugin, const char *name,
-                                            const char *other, weft_error *err)
+                                            const weft_plugin *const *others,
+                                            weft_error *err)
 {
     const weft_stepper_type *type = weft_plugin_method(plugin, name);
-    weft__guess guess = { 0 };
-    char near[80], names[240];
+    char near[120], names[240];
     if (type == NULL && plugin != NULL) {
-        for (size_t i = 0; plugin->types[i] != NULL; ++i) {
-            weft__guess_try(&guess, name, plugin->types[i]->name);
-        }
+        near_text(plugin, name, others, near, sizeof near);
         weft__methods_list(plugin, 0, names, sizeof names);
-        (void)weft__guess_text(&guess, near, sizeof near);
-        if (other != NULL) {
-            (void)snprintf(near, sizeof near, " (%.40s has)", other);
-        }
         weft_error_set(err, WEFT_INVALID,
                        "plugin '%.32s' has no method '%.40s'%s; it has %s", plugin->id,
                        name, near, names);
     }
     return type;
+}
+
+double weft_stepper_matrices(const weft_stepper_type *type, size_t particles,
+                             char *text, size_t size)
+{
+    const size_t dim = 6 * particles;
+    text[0] = '\0';
+    if ((type->flags & WEFT_STEPPER_DENSE) == 0) {
+        return 0.0;
+    }
+    const bool told = WEFT_HAS(type, weft_stepper_type, matrices) && type->matrices > 0;
+    const double bytes = 8.0 * (double)dim * (double)dim * (told ? type->matrices : 1);
+    (void)snprintf(text, size,
+                   "matrices of %zu x %zu, %.4g MB in all, about %zu evaluations for "
+                   "each Jacobian",
+                   dim, dim, 1e-6 * bytes, dim);
+    return bytes;
 }
 
 const weft_stepper_type *weft_plugin_method(const weft_plugin *plugin, const char *name)
@@ -64,7 +105,8 @@ const weft_stepper_type *weft_plugin_method(const weft_plugin *plugin, const cha
 
 /* ---- of a registry ----------------------------------------------------------- */
 
-const char *const weft__shipped[] = { "gsl", "arkode", "verlet", NULL };
+const char *const weft__shipped[WEFT__SHIPPED + 1]
+    = { "gsl", "arkode", "verlet", NULL };
 
 const char *weft__plugin_guess(const char *id, char *out, size_t size)
 {

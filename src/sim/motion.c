@@ -53,6 +53,9 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
     weft_sim *sim = ctx;
     const size_t dim = weft_cloth_dim(sim->cloth);
     double power = 0.0;
+    if (sim->stop != NULL && sim->stop(sim->stop_ctx)) {
+        return -1;
+    }
     int failed = forces(sim, t, y, dydt);
     if (sim->force != NULL && failed == 0) {
         memset(sim->added, 0, dim / 2 * sizeof *sim->added);

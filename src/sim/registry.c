@@ -20,6 +20,8 @@ struct weft_registry {
     entry *entries;
     size_t count;
     weft_log log;
+    weft_status (*admit)(void *ctx, const char *file, weft_error *err);
+    void *admit_ctx;
     weft_allocator memory;
 };
 
@@ -71,6 +73,8 @@ weft_status weft_registry_create(const weft_registry_def *def, weft_registry **o
     }
     registry->path = path;
     registry->log = def->log;
+    registry->admit = def->admit;
+    registry->admit_ctx = def->admit_ctx;
     registry->memory = memory;
     *out = registry;
     return WEFT_OK;
@@ -186,6 +190,22 @@ static weft_status load_open(weft_registry *registry, void *handle, const char *
     return status == WEFT_OK ? add_entry(registry, plugin, handle, file, err) : status;
 }
 
+/* Whether a file may be loaded. One that is missing is left to dlopen. */
+static weft_status check_file(const weft_registry *registry, const char *file,
+                              const char *id, weft_error *err)
+{
+    struct stat status;
+    if (id == NULL) {
+        return weft_error_set(err, WEFT_BAD_PLUGIN,
+                              "its name is not of the form weft-<id>.so");
+    }
+    if (stat(file, &status) == 0 && !S_ISREG(status.st_mode)) {
+        return weft_error_set(err, WEFT_BAD_PLUGIN, "not a regular file");
+    }
+    return registry->admit == NULL ? WEFT_OK
+                                   : registry->admit(registry->admit_ctx, file, err);
+}
+
 /* dlopen takes a name without a slash for a library of the system. */
 static void *open_file(const char *file)
 {
@@ -209,18 +229,16 @@ weft_status weft_registry_load(weft_registry *registry, const char *file,
                                weft_error *err)
 {
     weft_error why = { 0 };
-    weft_status status = WEFT_OK;
     char id[64];
     void *handle = NULL;
-    if (!id_of_file(file, id, sizeof id)) {
-        status = weft_error_set(&why, WEFT_BAD_PLUGIN,
-                                "its name is not of the form weft-<id>.so");
-    } else if ((handle = open_file(file)) == NULL) {
+    weft_status status
+        = check_file(registry, file, id_of_file(file, id, sizeof id) ? id : NULL, &why);
+    if (status == WEFT_OK && (handle = open_file(file)) == NULL) {
         const char *reason = dlerror();
         status = weft_error_set(&why, WEFT_BAD_PLUGIN, "%s",
                                 reason == NULL ? "it cannot be opened"
                                                : without_name(reason, file));
-    } else {
+    } else if (status == WEFT_OK) {
         status = load_open(registry, handle, id, file, &why);
     }
     if (status != WEFT_OK) {

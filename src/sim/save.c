@@ -9,6 +9,7 @@
  * the pins that were changed (save_pins.c), checksum. */
 #include <math.h>
 
+#include "cloth/memory.h"
 #include "cloth/repin.h"
 #include "sim/internal.h"
 #include "sim/words.h"
@@ -289,19 +290,68 @@ static bool is_step(double h)
     return h >= 0.0 && isfinite(h);
 }
 
-/* Checksums that are right prove nothing of bytes that somebody made up. */
-static weft_status check_numbers(const weft_sim *sim, const fields *saved,
-                                 const unsigned char *y, weft_error *err)
+static weft_status not_finite(const char *what, weft_error *err)
 {
-    bool good = isfinite(saved->t) && is_step(saved->next_step)
-                && is_step(saved->last_step) && is_step(saved->limit_step);
-    for (size_t i = 0; good && i < weft_cloth_dim(sim->cloth); ++i) {
-        good = isfinite(weft__real_at(y + i * WEFT__WORD));
+    return weft_error_set(err, WEFT_INVALID,
+                          "the saved simulation has %s that is not finite", what);
+}
+
+static bool all_finite(const double *values, size_t count)
+{
+    bool finite = true;
+    for (size_t i = 0; i < count; ++i) {
+        finite = finite && isfinite(values[i]);
     }
-    return good ? WEFT_OK
-                : weft_error_set(err, WEFT_INVALID,
-                                 "the saved simulation has a time, a step or a state "
-                                 "that is not finite");
+    return finite;
+}
+
+/* Checksums that are right prove nothing of bytes that somebody made up. The residual
+ * is not finite if any of the ledger's numbers is not. */
+static weft_status check_numbers(const weft_sim *sim, const fields *saved,
+                                 const double *y, weft_error *err)
+{
+    const weft__ledger ledger = { .on = sim->ledger.on,
+                                  .start = saved->energy_start,
+                                  .limit_work = saved->limit_work,
+                                  .outside_work = saved->outside_work };
+    if (!(isfinite(saved->t) && is_step(saved->next_step) && is_step(saved->last_step)
+          && is_step(saved->limit_step) && all_finite(y, weft_cloth_dim(sim->cloth)))) {
+        return not_finite("a time, a step or a state", err);
+    }
+    if (!(isfinite(saved->dissipated) && isfinite(saved->heating))) {
+        return not_finite("heat", err);
+    }
+    return isfinite(weft__ledger_read(&ledger, sim->given, y).residual)
+               ? WEFT_OK
+               : not_finite("an energy ledger", err);
+}
+
+/* The checked bytes, into y[weft__sim_dim]. */
+static weft_status restore_to(weft_sim *sim, const unsigned char *from, size_t size,
+                              double *y, weft_error *err)
+{
+    const size_t dim = weft__sim_dim(sim), behind = AT_STATE + dim;
+    const fields saved = fields_at(from + AT_FIELDS * WEFT__WORD);
+    weft_cloth *own = NULL;
+    for (size_t i = 0; i < dim; ++i) {
+        y[i] = weft__real_at(from + (AT_STATE + i) * WEFT__WORD);
+    }
+    weft_status status = check_numbers(sim, &saved, y, err);
+    if (status == WEFT_OK) {
+        status = weft__saved_pins_cloth(sim, from + behind * WEFT__WORD,
+                                        size / WEFT__WORD - behind - 1, &own, err);
+    }
+    status = status == WEFT_OK ? renew(sim, &saved, err) : status;
+    if (status != WEFT_OK) {
+        weft__cloth_return(own);
+        return status;
+    }
+    if (own != NULL) {
+        weft__sim_use_pins(sim, own);
+    }
+    take_fields(sim, &saved);
+    memcpy(sim->y, y, dim * sizeof *y);
+    return WEFT_OK;
 }
 
 weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
@@ -317,26 +367,11 @@ weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
     if (status != WEFT_OK) {
         return status;
     }
-    const size_t dim = weft__sim_dim(sim), behind = AT_STATE + dim;
-    const unsigned char *y = from + AT_STATE * WEFT__WORD;
-    const fields saved = fields_at(from + AT_FIELDS * WEFT__WORD);
-    weft_cloth *own = NULL;
-    status = check_numbers(sim, &saved, y, err);
-    if (status == WEFT_OK) {
-        status = weft__saved_pins_cloth(sim, from + behind * WEFT__WORD,
-                                        size / WEFT__WORD - behind - 1, &own, err);
-    }
-    status = status == WEFT_OK ? renew(sim, &saved, err) : status;
-    if (status != WEFT_OK) {
-        weft__cloth_return(own);
-        return status;
-    }
-    if (own != NULL) {
-        weft__sim_use_pins(sim, own);
-    }
-    take_fields(sim, &saved);
-    for (size_t i = 0; i < dim; ++i) {
-        sim->y[i] = weft__real_at(y + i * WEFT__WORD);
-    }
-    return WEFT_OK;
+    const weft_allocator memory = sim->memory;
+    double *y = weft__alloc(&memory, weft__sim_dim(sim), sizeof *y);
+    status = y == NULL
+                 ? weft_error_set(err, WEFT_NO_MEMORY, "no memory to restore a state")
+                 : restore_to(sim, from, size, y, err);
+    weft__free(&memory, y);
+    return status;
 }

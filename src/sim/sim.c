@@ -146,6 +146,8 @@ static weft_sim *make_sim(const weft_sim_def *def)
                        .correct_ctx = def->correct_ctx,
                        .force = def->force,
                        .force_ctx = def->force_ctx,
+                       .stop = def->stop,
+                       .stop_ctx = def->stop_ctx,
                        .added = added,
                        .log = def->log,
                        .memory = memory,

@@ -9,10 +9,14 @@
  * many a job, then sleep. */
 #include "sim/team.h"
 
+#include <fenv.h>
 #include <pthread.h>
 #include <sched.h>
 #include <signal.h>
 #include <stdatomic.h>
+#ifdef __SSE2__
+#include <xmmintrin.h>
+#endif
 
 #include "cloth/memory.h"
 
@@ -20,11 +24,24 @@
  */
 enum { HELPERS = 63, SPINS = 400, YIELDS = 500 };
 
+/* Rounding, and on x86-64 what becomes of subnormal numbers, of the SSE unit alone:
+ * that of the x87 would cost as much as a small job. */
+#ifdef __SSE2__
+typedef unsigned fp_mode;
+#define fp_mode_get(mode) ((void)(*(mode) = _mm_getcsr()))
+#define fp_mode_set(mode) _mm_setcsr(*(mode))
+#else
+typedef fenv_t fp_mode;
+#define fp_mode_get(mode) ((void)fegetenv(mode))
+#define fp_mode_set(mode) ((void)fesetenv(mode))
+#endif
+
 struct weft__team {
     atomic_uint_fast64_t job; /* number << 32 | count << 16 | next */
     atomic_size_t done;       /* parts of it */
     weft__task *task;
     void *ctx;
+    fp_mode mode; /* the caller's, for all parts */
 
     pthread_mutex_t lock; /* of those who sleep */
     pthread_cond_t news;
@@ -53,11 +70,14 @@ static void relax(void)
 }
 
 /* Takes parts until there are no more; returns the job as it was then. */
-static uint_fast64_t take_parts(weft__team *team)
+static uint_fast64_t take_parts(weft__team *team, bool helps)
 {
     uint_fast64_t job = atomic_load(&team->job);
     while (next_of(job) < count_of(job)) {
         if (atomic_compare_exchange_weak(&team->job, &job, job + 1)) {
+            if (helps) {
+                fp_mode_set(&team->mode);
+            }
             team->task(team->ctx, next_of(job));
             atomic_fetch_add(&team->done, 1);
             job = atomic_load(&team->job);
@@ -96,7 +116,7 @@ static void *help(void *shared)
 {
     weft__team *team = shared;
     while (!atomic_load(&team->ended)) {
-        await_news(team, take_parts(team));
+        await_news(team, take_parts(team, true));
     }
     return NULL;
 }
@@ -113,12 +133,13 @@ void weft__team_run(weft__team *team, weft__task *task, void *ctx, size_t count)
     const uint_fast64_t number = (atomic_load(&team->job) >> 32) + 1;
     team->task = task;
     team->ctx = ctx;
+    fp_mode_get(&team->mode);
     atomic_store(&team->done, 0);
     atomic_store(&team->job, number << 32 | (uint_fast64_t)count << 16);
     if (atomic_load(&team->asleep) > 0) {
         wake(team);
     }
-    (void)take_parts(team);
+    (void)take_parts(team, false);
     for (int i = 0; atomic_load(&team->done) < count; ++i) {
         if (i < SPINS) {
             relax();

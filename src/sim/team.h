@@ -17,7 +17,8 @@ void weft__team_destroy(weft__team *team); /* NULL is allowed */
 size_t weft__team_threads(const weft__team *team);
 
 /* All parts of [0, count), each once, by whoever comes first; count <= WEFT_PARTS.
- * Returns when they are done. Allocates nothing; no lock but to wake who sleeps. */
+ * All have the floating-point mode of the caller. Returns when they are done. Allocates
+ * nothing; no lock but to wake who sleeps. */
 enum { WEFT_PARTS = 0xffff };
 void weft__team_run(weft__team *team, weft__task *task, void *ctx, size_t count);
 
