@@ -179,6 +179,24 @@ START_TEST(short_frames_are_one_step_each)
 }
 END_TEST
 
+/* Six evaluations for each step, and one at the start. */
+START_TEST(steps_of_max_step_need_no_restart)
+{
+    for (int i = 0; i < 40; ++i) {
+        weft_stepper_config config = adaptive(1e-2);
+        config.first_step = config.max_step = 1e-3 * (1.0 + 0.0123 * i);
+        run r;
+        start(&r, test_method_named("arkode/dormand_prince"), &config);
+        for (int k = 0; k < 50; ++k) {
+            ck_assert_int_eq(step(&r, 1e3), WEFT_OK);
+            ck_assert_double_le(stats(&r).next_step, config.max_step * (1.0 + 1e-15));
+        }
+        ck_assert_uint_eq(stats(&r).rhs_calls, 6 * 50 + 1);
+        end(&r);
+    }
+}
+END_TEST
+
 /* A state that is edited after every step, over frames of all lengths. */
 START_TEST(needless_news_changes_no_bits_whatever_the_frames)
 {
@@ -278,6 +296,7 @@ int main(void)
     tcase_add_test(tcase, a_claim_of_too_high_an_order_names_the_condition);
     tcase_add_test(tcase, good_tables_meet_every_condition);
     tcase_add_test(tcase, what_is_no_table_is_refused);
+    tcase_add_test(tcase, steps_of_max_step_need_no_restart);
     tcase_add_test(tcase, tolerances_below_roundoff_are_an_error);
     tcase_add_test(tcase, memory_that_is_not_there_is_an_error);
     suite_add_tcase(suite, tcase);

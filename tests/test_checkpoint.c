@@ -191,6 +191,40 @@ START_TEST(numbers_that_are_not_finite_are_refused)
 }
 END_TEST
 
+static void refused_with(size_t word, double value, const char *text)
+{
+    const size_t size = weft_sim_save_size(sim), sum = size - 8;
+    save(sim, again);
+    weft__real_put(again + 8 * word, value);
+    weft__word_put(again + sum, weft__words_sum(again, sum / 8));
+    refused(size, text);
+}
+
+/* Words of docs/output.md: heat of a simulation without, sums of one with ledger. */
+START_TEST(heat_and_ledgers_that_are_not_finite_are_refused)
+{
+    const double odd[] = { (double)NAN, (double)INFINITY, -(double)INFINITY };
+    const weft_sim_def plain = define(
+        cloth, test_method_named("verlet/velocity_verlet"), (kind){ false, false });
+    weft_sim *const with = sim;
+    for (size_t i = 0; i < sizeof odd / sizeof odd[0]; ++i) {
+        for (size_t word = 20; word < 23; ++word) {
+            refused_with(word, odd[i], "an energy ledger that is not finite");
+        }
+        for (size_t k = 0; k < 4; ++k) {
+            refused_with(30 + DIM + k, odd[i], "an energy ledger that is not finite");
+        }
+    }
+    /* a velocity whose square overflows */
+    refused_with(30 + DIM - 1, 1e200, "an energy ledger that is not finite");
+    sim = make(&plain);
+    refused_with(18, odd[0], "heat that is not finite");
+    refused_with(19, odd[1], "heat that is not finite");
+    weft_sim_destroy(sim);
+    sim = with;
+}
+END_TEST
+
 /* One held, one let go, one that moves; into a simulation that has other pins. */
 START_TEST(changed_pins_are_saved_and_restored)
 {
@@ -310,8 +344,9 @@ static size_t write_checkpoint(void)
         .scene = 42,
         .program = "the tests",
         .frame = 30,
-        .series_bytes = 12345,
-        .frames = 31,
+        .series = { 12345, 77 },
+        .vtkhdf = { .page = "first page", .head = { 4096, 78 }, .frames = { 31, 79 } },
+        .extremes = { 0.25, 0.5, 0.75, { WEFT_SHEAR, 3, 4, 0.125 } },
         .wall_time = 1.5,
         .state = saved,
         .state_size = weft_sim_save_size(sim),
@@ -331,8 +366,19 @@ START_TEST(a_checkpoint_is_read_as_it_was_written)
     ck_assert_uint_eq(read.scene, 42);
     ck_assert_str_eq(read.program, "the tests");
     ck_assert_uint_eq(read.frame, 30);
-    ck_assert_uint_eq(read.series_bytes, 12345);
-    ck_assert_uint_eq(read.frames, 31);
+    ck_assert_uint_eq(read.series.length, 12345);
+    ck_assert_uint_eq(read.series.sum, 77);
+    ck_assert_str_eq((const char *)read.vtkhdf.page, "first page");
+    ck_assert_uint_eq(read.vtkhdf.head.length, 4096);
+    ck_assert_uint_eq(read.vtkhdf.head.sum, 78);
+    ck_assert_uint_eq(read.vtkhdf.frames.length, 31);
+    ck_assert_uint_eq(read.vtkhdf.frames.sum, 79);
+    ck_assert(read.extremes.short_step == 0.25 && read.extremes.long_step == 0.5);
+    ck_assert(read.extremes.strain_time == 0.75);
+    ck_assert_int_eq(read.extremes.strain.family, WEFT_SHEAR);
+    ck_assert_uint_eq(read.extremes.strain.p, 3);
+    ck_assert_uint_eq(read.extremes.strain.q, 4);
+    ck_assert(read.extremes.strain.strain == 0.125);
     ck_assert(read.wall_time == 1.5);
     ck_assert_uint_eq(read.state_size, weft_sim_save_size(sim));
     ck_assert_mem_eq(read.state, saved, read.state_size);
@@ -391,6 +437,7 @@ static Suite *suite(void)
     tcase_add_test(one, bytes_that_are_cut_off_anywhere_are_refused);
     tcase_add_test(one, another_kind_of_simulation_is_told_apart);
     tcase_add_test(one, numbers_that_are_not_finite_are_refused);
+    tcase_add_test(one, heat_and_ledgers_that_are_not_finite_are_refused);
     tcase_add_test(one, changed_pins_are_saved_and_restored);
     tcase_add_test(one, what_was_saved_before_a_pin_brings_the_old_pins_back);
     tcase_add_test(one, saved_pins_that_make_no_sense_are_refused);

@@ -1,44 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* weft batch as its users meet it: directories, summary, interruptions. */
-#include <unistd.h>
+#define OUT BUILD_DIR "/batch"
 
-#include "shell.h"
-
-#define OUT   BUILD_DIR "/batch"
-#define BATCH WEFT " batch " OUT
-
-/* Long enough for a kill in between, with checkpoints. */
-static const char long_run[] = "run: {duration: 100, fps: 20, checkpoint: 3}\n";
-
-static void begin(void)
-{
-    (void)unsetenv("WEFT_PLUGIN_PATH");
-    (void)shell("rm -rf " OUT " && mkdir -p " OUT);
-    write_file(OUT "/small.yaml", small_scene);
-}
-
-static void write_sweep(const char *name, const char *run, const char *sweep)
-{
-    char text[4096], path[256];
-    const size_t head = (size_t)(strstr(small_scene, "run:") - small_scene);
-    (void)snprintf(text, sizeof text, "%.*s%s%s", (int)head, small_scene, run, sweep);
-    (void)snprintf(path, sizeof path, OUT "/%s", name);
-    write_file(path, text);
-}
-
-static const char short_run[] = "run: {duration: 0.1, fps: 20}\n";
-static const char six[] = "sweep:\n  stepper.fixed_step: [1.0e-3, 5.0e-4]\n"
-                          "  cloth.springs.stretch.stiffness: [10, 20, 30]\n";
-
-/* The summary without its last column, the wall time. */
-static void expect_same_summaries(const char *a, const char *b)
-{
-    expect(shell("sed 's/,[^,]*$//' %s/summary.csv > " OUT "/a.csv; "
-                 "sed 's/,[^,]*$//' %s/summary.csv > " OUT "/b.csv; "
-                 "diff " OUT "/a.csv " OUT "/b.csv",
-                 a, b),
-           0);
-}
+#include "batch_sweeps.h"
 
 START_TEST(each_run_has_a_directory_that_says_what_is_varied)
 {
@@ -191,93 +155,6 @@ START_TEST(twenty_four_runs_killed_twice_end_with_the_summary_of_an_undisturbed_
 }
 END_TEST
 
-/* What happens to the process of one run out of two, while the other is done. */
-static const struct {
-    const char *signal, *options, *status, *reason;
-} fates[] = {
-    { "KILL", "", "crashed", "killed by signal 9 (Killed)" },
-    { "STOP", "--timeout 5", "timeout", "not done after 5 s" }, /* it hangs */
-};
-
-START_TEST(a_run_that_crashes_or_hangs_costs_only_itself)
-{
-    write_sweep("c.yaml", "run: {fps: 20, checkpoint: 3}\n",
-                "sweep: {run.duration: [100, 0.1]}\n");
-    expect(shell(BATCH "/c.yaml --out " OUT "/o -j 1 %s 2>" OUT "/err & pid=$!; until "
-                       "[ -e " OUT
-                       "/o/c_duration=100/checkpoint.weft ]; do sleep 0.01; "
-                       "done; kill -%s $(cat /proc/$pid/task/$pid/children); wait $pid",
-                 fates[_i].options, fates[_i].signal),
-           1);
-    expect(shell("cut -d, -f 1-4 " OUT "/o/summary.csv"), 0);
-    char wanted[256];
-    (void)snprintf(wanted, sizeof wanted, "100,c,%s,%s\n0.1,c,done,\n",
-                   fates[_i].status, fates[_i].reason);
-    says(wanted);
-}
-END_TEST
-
-START_TEST(a_signal_ends_a_batch_with_valid_results_and_it_goes_on_later)
-{
-    static const char *const names[] = { "INT", "TERM" };
-    static const int codes[] = { 130, 143 };
-    write_sweep("long.yaml", long_run,
-                "sweep: {cloth.springs.stretch.stiffness: [10, 20, 30]}\n");
-    expect(shell(BATCH "/long.yaml --out " OUT "/o -j 2 2>" OUT "/err & pid=$!; "
-                       "until ls " OUT "/o/*=10*/checkpoint.weft " OUT
-                       "/o/*=20*/checkpoint.weft; do sleep 0.01; done 2>/dev/null >&2; "
-                       "kill -%s $pid; wait $pid",
-                 names[_i]),
-           codes[_i]);
-    says("3 runs in " OUT "/o: 1 missing, 2 interrupted\n");
-    expect(shell("grep -h status " OUT "/o/*/result.yaml"), 0);
-    ck_assert_str_eq(output, "status: interrupted\nstatus: interrupted\n");
-    expect(shell("cut -d, -f1-3,5 " OUT "/o/summary.csv"), 0);
-    says("10,long,interrupted,\n20,long,interrupted,\n30,long,missing,\n");
-    /* from where they were: not a byte of what was written differs */
-    expect(shell("cp -a " OUT "/o " OUT "/before; " BATCH "/long.yaml --out " OUT
-                 "/o --timeout 0.3 -j 2 --quiet 2>&1; cd " OUT
-                 "/o; for d in *=10 *=20; do cmp $d/series.csv ../before/$d/series.csv "
-                 "2>&1 | grep -v EOF; done"),
-           1);
-}
-END_TEST
-
-START_TEST(a_run_that_takes_too_long_is_left_until_it_is_asked_for)
-{
-    write_sweep("long.yaml", long_run, "sweep: {run.duration: [0.1, 1.0e+6]}\n");
-    expect(shell("sed -i 's/duration: 100, //' " OUT "/long.yaml"), 0);
-    expect(shell(BATCH "/long.yaml --out " OUT "/o --timeout 3 -j 2 2>&1"), 1);
-    says("2 runs in " OUT "/o: 1 done, 1 timeout\n");
-    expect(shell("cut -d, -f 1-4 " OUT "/o/summary.csv"), 0);
-    ck_assert_str_eq(output, "run.duration,scene,status,reason\n0.1,long,done,\n"
-                             "1.0e+6,long,timeout,not done after 3 s\n");
-    /* it is left alone, until it is asked for */
-    expect(shell(BATCH "/long.yaml --out " OUT "/o 2>&1"), 1);
-    ck_assert_ptr_null(strstr(output, "1/1"));
-    expect(shell(BATCH "/long.yaml --out " OUT "/o --timeout 0.5 --retry-failed 2>&1"),
-           1);
-    says("1/1 timeout ");
-}
-END_TEST
-
-START_TEST(a_run_that_fails_keeps_its_report_and_the_others_go_on)
-{
-    write_sweep("f.yaml", short_run, "sweep: {stepper.fixed_step: [0.1, 1.0e-3]}\n");
-    expect(
-        shell("sed -i 's/stiffness: 50/stiffness: 5.0e+9/; s/duration: 0.1/duration: "
-              "100/' " OUT "/f.yaml"),
-        0);
-    write_sweep("g.yaml", short_run, "");
-    expect(shell(BATCH "/f.yaml " OUT "/g.yaml --out " OUT "/o 2>&1"), 1);
-    says("3 runs in " OUT "/o: 1 done, 2 failed\n");
-    expect(shell("cat " OUT "/o/f_fixed_step=0.1/log.txt"), 0);
-    ck_assert_str_ne(output, "");
-    expect(shell("cut -d, -f1-3 " OUT "/o/summary.csv"), 0);
-    says("0.1,f,failed\n1.0e-3,f,failed\n,g,done\n");
-}
-END_TEST
-
 START_TEST(shards_leave_together_what_one_batch_leaves)
 {
     write_sweep("six.yaml", short_run, six);
@@ -295,7 +172,7 @@ END_TEST
 
 START_TEST(two_batches_at_once_run_each_run_once)
 {
-    write_sweep("six.yaml", "run: {duration: 2, fps: 20, checkpoint: 3}\n", six);
+    write_sweep("six.yaml", "run: {duration: 0.5, fps: 20, checkpoint: 3}\n", six);
     expect(shell(BATCH "/six.yaml --out " OUT "/whole --quiet"), 0);
     expect(shell(BATCH "/six.yaml --out " OUT "/o -j 3 --quiet 2>&1 & " BATCH
                        "/six.yaml --out " OUT "/o -j 3 --quiet 2>&1; a=$?; wait $! && "
@@ -372,6 +249,8 @@ START_TEST(two_runs_of_one_name_are_refused_before_anything_is_run)
 {
     write_sweep("t.yaml", short_run, "sweep: {run.fps: [10, 20, 10]}\n");
     expect(shell(BATCH "/t.yaml --out " OUT "/o 2>&1"), 3);
+    says("t.yaml: error: runs 1 and 3 of its sweep are the same (t_fps=10)");
+    expect(shell(WEFT " check " OUT "/t.yaml 2>&1"), 3);
     says("t.yaml: error: runs 1 and 3 of its sweep are the same (t_fps=10)");
     expect(shell("mkdir " OUT "/d && cp " OUT "/small.yaml " OUT "/d && " BATCH
                  "/small.yaml " OUT "/d/small.yaml --out " OUT "/o 2>&1"),
@@ -459,12 +338,6 @@ static Suite *suite(void)
     tcase_add_test(
         program,
         twenty_four_runs_killed_twice_end_with_the_summary_of_an_undisturbed_batch);
-    tcase_add_loop_test(
-        program, a_signal_ends_a_batch_with_valid_results_and_it_goes_on_later, 0, 2);
-    tcase_add_loop_test(program, a_run_that_crashes_or_hangs_costs_only_itself, 0,
-                        sizeof fates / sizeof fates[0]);
-    tcase_add_test(program, a_run_that_takes_too_long_is_left_until_it_is_asked_for);
-    tcase_add_test(program, a_run_that_fails_keeps_its_report_and_the_others_go_on);
     tcase_add_test(program, shards_leave_together_what_one_batch_leaves);
     tcase_add_test(program, two_batches_at_once_run_each_run_once);
     tcase_add_test(program, the_script_for_clusters_runs_a_sweep_in_tasks);

@@ -138,6 +138,48 @@ START_TEST(without_frames_only_states_are_compared)
     run("c", HELD);
     expect(shell("rm " OUT "/c/run.vtkhdf"), 0);
     diff("a c", 0);
+    says("compared: states by their hashes in series.csv; not run.vtkhdf, which only "
+         "one "
+         "of them has, or none\n");
+}
+END_TEST
+
+/* A bit of a number in b's run.vtkhdf: of its first occurrence after so many others. */
+static void flip(double number, int others)
+{
+    static unsigned char bytes[1 << 20];
+    size_t at = 0;
+    run("b", "--force " MOVED("0.3141592653589793"));
+    FILE *stream = fopen(OUT "/b/run.vtkhdf", "r+b");
+    const size_t size = fread(bytes, 1, sizeof bytes, stream);
+    while (at < size
+           && (memcmp(bytes + at, &number, sizeof number) != 0 || others-- > 0)) {
+        ++at;
+    }
+    ck_assert_uint_lt(at, size);
+    ck_assert_int_eq(fseek(stream, (long)at, SEEK_SET), 0);
+    ck_assert_int_eq(putc(bytes[at] ^ 4, stream), bytes[at] ^ 4);
+    ck_assert_int_eq(fclose(stream), 0);
+}
+
+START_TEST(a_flipped_bit_of_a_frame_is_a_difference)
+{
+    const double v = 0.3141592653589793;
+    run("c", MOVED("0.3141592653589793"));
+    diff("c c", 0);
+    says(
+        "equal at 9 times that both have\n"
+        "compared: states by their hashes in series.csv; positions, velocities, strain "
+        "in 9 frames of run.vtkhdf\n");
+    flip(0.25 * v, 0);
+    diff("c b", 1);
+    says("different at 9 times that both have\n"
+         "the states are equal by their hashes in series.csv: one run.vtkhdf is "
+         "damaged\n"
+         "first other positions: frame 1 (t = 0.25 s): particle (0, 2) by ");
+    flip(v, 1); /* z at 1 s is the same number */
+    diff("c b", 1);
+    says("one run.vtkhdf is damaged\nfirst other velocities: frame 0 (t = 0 s)\n");
 }
 END_TEST
 
@@ -162,7 +204,7 @@ START_TEST(what_is_missing_or_damaged_is_named)
     says("b/series.csv: no frames");
     write_file(OUT "/b/series.csv", "frame,time,hash\n0,0,1\n1,x,2\n");
     diff("a b", 4);
-    says("b/series.csv: damaged");
+    says("b/series.csv: damaged: line 3 is not in order");
     write_file(OUT "/b/series.csv", "nothing\n");
     diff("a b", 4);
     says("b/series.csv: no columns frame, time and hash");
@@ -205,6 +247,7 @@ static Suite *suite(void)
     tcase_add_test(program, single_precision_is_compared_as_such);
     tcase_add_test(program, a_run_that_ends_early_is_different);
     tcase_add_test(program, without_frames_only_states_are_compared);
+    tcase_add_test(program, a_flipped_bit_of_a_frame_is_a_difference);
     tcase_add_test(program, other_grids_are_an_error);
     tcase_add_test(program, what_is_missing_or_damaged_is_named);
     tcase_add_test(program, a_row_that_a_kill_cut_off_does_not_count);

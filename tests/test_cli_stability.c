@@ -8,6 +8,17 @@
 
 #define OUT BUILD_DIR "/cli-stability"
 
+/* x' = -v, and Euler's factor 1 - h of each step. */
+static const char decay[] = "weft: 1\n"
+                            "name: decay\n"
+                            "cloth:\n"
+                            "  grid: {rows: 1, cols: 2, spacing: 1}\n"
+                            "  mass: 1\n"
+                            "  velocity: [1, 0, 0]\n"
+                            "forces: {gravity: [0, 0, 0], damping: 1}\n"
+                            "stepper: {plugin: verlet, method: euler, fixed_step: 1}\n"
+                            "run: {duration: 20.1, fps: 0.04}\n";
+
 /* Equal masses, two families: w^2 <= 4 (100 + 50) / 0.01 = 6e4 1/s^2, h <= 2 / w. */
 static const char sheet[] = "weft: 1\n"
                             "name: sheet\n"
@@ -27,14 +38,15 @@ static void begin(void)
     (void)unsetenv("WEFT_PLUGIN_PATH");
     (void)shell("rm -rf " OUT " && mkdir -p " OUT);
     write_file(OUT "/sheet.yaml", sheet);
+    write_file(OUT "/decay.yaml", decay);
 }
 
 START_TEST(check_shows_the_bound_of_a_flat_sheet)
 {
     expect(shell(WEFT " check " OUT "/sheet.yaml 2>&1"), 0);
     says("omega <= 244.9 1/s, damping <= 0 1/s at the start");
-    says("verlet   velocity_verlet      0.008163 s        122.5\n");
-    says("fixed_step is 12 % of the stable step: that step needs 8.2 x fewer");
+    says("verlet   velocity_verlet      0.008163 s          150\n");
+    says("the fixed step is 12 % of the stable step: that step needs 6.8 x fewer");
     expect(shell(WEFT " check " OUT "/sheet.yaml --refine 2>&1"), 0);
     says("by the power method");
     const char *at = strstr(output, "omega >= ");
@@ -59,7 +71,7 @@ START_TEST(all_methods_are_listed_on_request_and_for_machines)
     const double h = strtod(at + strlen("stable_step: "), NULL);
     ck_assert_double_eq_tol(h, 2.0 / sqrt(6e4), 1e-3 * h);
     says("of_the_scene: true");
-    says("advice: \"fixed_step is 12 %");
+    says("advice: \"the fixed step is 12 %");
     const char *first = strstr(output, "- file: ");
     ck_assert_ptr_nonnull(strstr(first + 1, "- file: "));
 }
@@ -72,14 +84,13 @@ START_TEST(a_step_beyond_the_bound_is_warned_of_and_run)
     expect(shell(WEFT " run " OUT "/sheet.yaml --out " OUT "/b --quiet --set "
                       "stepper.fixed_step=0.0082 --set run.fps=10 2>&1"),
            0);
-    says(
-        "weft: warning: fixed_step 0.0082 s is beyond the largest stable step 0.008163 "
-        "s of verlet velocity_verlet");
+    says("weft: warning: a fixed step of 0.0082 s is beyond the largest stable step "
+         "0.008163 s of verlet velocity_verlet");
     says("try stepper.fixed_step=0.0073");
     says("omega <= 244.9 1/s");
     ck_assert(exists(OUT "/b/result.yaml"));
     expect(shell(WEFT " check " OUT "/sheet.yaml --set stepper.fixed_step=0.0082"), 0);
-    says("advice     fixed_step 0.0082 s is beyond the stable 0.00816 s");
+    says("advice     a fixed step of 0.0082 s is beyond the stable 0.00816 s");
 }
 END_TEST
 
@@ -97,13 +108,113 @@ START_TEST(check_of_a_sweep_tells_how_many_runs_are_beyond_their_bound)
 }
 END_TEST
 
+START_TEST(a_fixed_step_longer_than_a_frame_is_warned_of_and_judged_as_the_frame)
+{
+    static const char *const verbs[] = { "check", "run --out " OUT "/a --quiet" };
+    for (size_t i = 0; i < 2; ++i) {
+        expect(shell(WEFT " %s " OUT "/decay.yaml --set stepper.fixed_step=2.2 --set "
+                          "run.fps=10 2>&1",
+                     verbs[i]),
+               0);
+        says(":5: warning: fixed_step 2.2 s is longer than a frame (0.1 s): every step "
+             "will be 0.1 s; run.fps=0.4545455 makes frames of 2.2 s\n");
+        ck_assert_ptr_null(strstr(output, "is beyond"));
+        ck_assert_ptr_null(strstr(output, "x fewer"));
+    }
+    expect(shell("tail -n 1 " OUT "/a/series.csv | cut -d, -f11"), 0);
+    ck_assert_str_eq(output, "201\n"); /* steps */
+    expect(shell(WEFT " check " OUT "/decay.yaml --set stepper.fixed_step=2.2 --set "
+                      "run.fps=0.4545455 2>&1"),
+           0);
+    ck_assert_ptr_null(strstr(output, "longer than a frame"));
+    says("a fixed step of 2.2 s is beyond the stable 2 s");
+    expect(shell(WEFT " check " OUT "/decay.yaml --set stepper.fixed_step=2.2 --set "
+                      "run.fps=0.475 2>&1"), /* every step 2.105 s */
+           0);
+    says("longer than a frame");
+    says("a fixed step of 2.11 s is beyond the stable 2 s");
+}
+END_TEST
+
+/* A step of 0.06 s goes into a frame of 0.1 s once, and leaves another of 0.04 s. */
+START_TEST(evaluations_are_those_of_steps_that_end_at_frames)
+{
+    static const struct {
+        const char *step, *fps;
+        double calls; /* of velocity_verlet at 0.008163 s, per simulated second */
+    } frames[] = { { "1.0e-3", "30", 150.0 },
+                   { "1.0e-3", "1", 123.0 },
+                   { "1.0e-3", "1000", 1000.0 },
+                   { "1.0e-3", "122.51", 122.51 } };
+    for (size_t i = 0; i < sizeof frames / sizeof frames[0]; ++i) {
+        expect(shell(WEFT " check --yaml " OUT "/sheet.yaml --set run.duration=2 --set "
+                          "stepper.fixed_step=%s --set run.fps=%s 2>&1",
+                     frames[i].step, frames[i].fps),
+               0);
+        const char *at = strstr(output, "velocity_verlet");
+        at = at == NULL ? NULL : strstr(at, "rhs_calls_per_second: ");
+        ck_assert_ptr_nonnull(at);
+        ck_assert_double_eq_tol(strtod(strchr(at, ' '), NULL), frames[i].calls,
+                                1e-9 * frames[i].calls);
+    }
+}
+END_TEST
+
+/* The lesson of docs/tutorial.md: h > 2/k. */
+START_TEST(one_sweep_shows_where_a_decay_begins_to_grow)
+{
+    static const double steps[] = { 0.5, 0.99, 1.01, 1.5, 1.99, 2.01, 2.2 };
+    static char hashes[7][20];
+    expect(shell(WEFT " batch " OUT "/decay.yaml --out " OUT "/steps --quiet --set "
+                      "'sweep={stepper.fixed_step: [0.5, 0.99, 1.01, 1.5, 1.99, 2.01, "
+                      "2.2]}' 2>&1"),
+           0);
+    ck_assert_str_eq(output, "");
+    FILE *table = fopen(OUT "/steps/summary.csv", "r");
+    ck_assert_ptr_nonnull(table);
+    (void)fgets(output, sizeof output, table);
+    for (size_t i = 0; i < 7; ++i) {
+        double h = 0.0, start = 0.0, end = 0.0;
+        ck_assert_ptr_nonnull(fgets(output, sizeof output, table));
+        ck_assert_int_eq(sscanf(output,
+                                "%lf,decay,done,,2,%*[^,],%*[^,],%*[^,],%*[^,],%*[^,],"
+                                "%lf,%lf,%*[^,],%16s",
+                                &h, &start, &end, hashes[i]),
+                         4);
+        ck_assert(h == steps[i]);
+        ck_assert_msg((end > start) == (h > 2.0), "h = %g s: %g -> %g J", h, start,
+                      end);
+        for (size_t k = 0; k < i; ++k) {
+            ck_assert_str_ne(hashes[i], hashes[k]);
+        }
+    }
+    (void)fclose(table);
+}
+END_TEST
+
+/* Damped modes have a step that is stable, undamped ones none under Euler. */
+START_TEST(the_allowance_is_named_where_it_is_used)
+{
+    expect(shell(WEFT " check scenes/stiffness.yaml 2>&1"), 0);
+    says("verlet   euler                       4 s ");
+    says("in any state verlet euler is stable up to 4 s\n");
+    ck_assert_ptr_null(strstr(output, " *"));
+    expect(shell(WEFT " check scenes/stiffness.yaml --set forces.damping=2.05 2>&1"),
+           0);
+    says("a fixed step of 1 s is beyond the stable 0.976 s");
+    expect(shell(WEFT " check " OUT "/sheet.yaml --set stepper.method=euler 2>&1"), 0);
+    says(" * * no step is stable on undamped modes; at this one none more than "
+         "doubles in the 0.5 s of the run\n");
+}
+END_TEST
+
 START_TEST(shipped_scenes_are_surveyed_each)
 {
     glob_t found;
     ck_assert_int_eq(glob("scenes/*.yaml", 0, NULL, &found), 0);
     for (size_t i = 0; i < found.gl_pathc; ++i) {
         expect(shell(WEFT " check %s 2>&1", found.gl_pathv[i]), 0);
-        says("evaluations per simulated second\n");
+        says("evaluations/simulated s\n");
     }
     globfree(&found);
 }
@@ -142,6 +253,11 @@ static Suite *suite(void)
     tcase_add_test(tcase, check_of_a_sweep_tells_how_many_runs_are_beyond_their_bound);
     tcase_add_test(tcase, shipped_scenes_are_surveyed_each);
     tcase_add_test(tcase, a_step_beyond_the_bound_is_warned_of_and_run);
+    tcase_add_test(
+        tcase, a_fixed_step_longer_than_a_frame_is_warned_of_and_judged_as_the_frame);
+    tcase_add_test(tcase, evaluations_are_those_of_steps_that_end_at_frames);
+    tcase_add_test(tcase, one_sweep_shows_where_a_decay_begins_to_grow);
+    tcase_add_test(tcase, the_allowance_is_named_where_it_is_used);
 #ifdef HAVE_GSL
     tcase_add_test(tcase, advice_tells_what_limits_an_adaptive_method);
 #endif

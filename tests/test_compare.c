@@ -230,6 +230,87 @@ START_TEST(jobs_do_not_change_the_numbers)
 }
 END_TEST
 
+/* ---- the table ---------------------------------------------------------------------
+ */
+
+/* The calls in a cell such as " *1.1k", or NAN for "-" and the end of the line. */
+static double next_cell(const char **at)
+{
+    char *end;
+    const char *from = *at + strspn(*at, " *");
+    const double digits = strtod(from, &end);
+    if (end == from || *from == '\n') {
+        return NAN;
+    }
+    const double unit = *end == 'M' ? 1e6 : *end == 'k' ? 1e3 : 1.0;
+    *at = end + strcspn(end, " \n");
+    return digits * unit;
+}
+
+START_TEST(a_coarser_accuracy_never_costs_more)
+{
+    expect(shell(WEFT " compare " OUT
+                      "/smooth.yaml --methods rk8pd,msadams,rkf45,bsimp "
+                      "--out " OUT "/table 2>/dev/null"),
+           0);
+    size_t cells = 0;
+    for (const char *line = strstr(output, "\ngsl ") + 1; strncmp(line, "gsl ", 4) == 0;
+         line = strchr(line, '\n') + 1) {
+        const char *at = line + strlen("gsl    rk8pd             <");
+        (void)next_cell(&at); /* us/call */
+        double before = 0.0;
+        for (double calls; !isnan(calls = next_cell(&at)); before = calls) {
+            ck_assert_msg(calls >= before, "%g calls, then %g in: %.90s", before, calls,
+                          line);
+            ++cells;
+        }
+        ck_assert_int_le(strchr(line, '\n') - line, 80);
+    }
+    ck_assert_uint_gt(cells, 20);
+}
+END_TEST
+
+/* ---- progress ----------------------------------------------------------------------
+ */
+
+#define COMPARE_ONE                                                                    \
+    WEFT " compare " OUT "/smooth.yaml --methods velocity_verlet --force --out " OUT   \
+         "/progress "
+
+START_TEST(progress_is_shown_as_by_run)
+{
+    expect(shell(COMPARE_ONE "--progress lines 2>&1 >/dev/null"), 0);
+    ck_assert_str_eq(output, "1 of 3 methods\n2 of 3 methods\n3 of 3 methods\n");
+    expect(shell(COMPARE_ONE "--progress none 2>&1 >/dev/null"), 0);
+    ck_assert_str_eq(output, "");
+    expect(shell(COMPARE_ONE "--progress terminal 2>&1 >/dev/null"), 0);
+    says("\r1 of 3 methods\033[K");
+    ck_assert_str_eq(strrchr(output, '\r'), "\r\033[K"); /* wiped at the end */
+    expect(shell(COMPARE_ONE "--progress fast 2>&1"), 2);
+    says("--progress 'fast' is not auto, lines, terminal, yaml or none");
+    expect(shell(COMPARE_ONE "--progress yaml --quiet 2>&1"), 2);
+    says("exclude each other");
+}
+END_TEST
+
+START_TEST(progress_for_machines_is_a_document_a_line)
+{
+    expect(shell(COMPARE_ONE "--progress yaml 2>&1"), 0);
+    ck_assert_str_eq(output, "--- {event: begin, name: \"smooth\", directory: \"" OUT
+                             "/progress\", rows: 4, cols: 4, methods_planned: 3, "
+                             "duration: 3}\n"
+                             "--- {event: progress, methods: 1}\n"
+                             "--- {event: progress, methods: 2}\n"
+                             "--- {event: progress, methods: 3}\n"
+                             "--- {event: end, status: done, reason: \"\", methods: "
+                             "3}\n");
+    expect(shell(COMPARE_ONE "--progress yaml --set run.fps=5 --set "
+                             "'limit={method: provot, strain: 0.001}' 2>/dev/null"),
+           1);
+    says("--- {event: end, status: failed, reason: \"not predictable: ");
+}
+END_TEST
+
 /* ---- the horizon -------------------------------------------------------------------
  */
 
@@ -301,7 +382,9 @@ START_TEST(what_is_not_worth_its_while_is_told)
     expect(shell(WEFT " compare " OUT "/smooth.yaml --methods bsimp,verlet/euler "
                       "--set cloth.grid.cols=10 --until 0.5 --out " OUT "/dear 2>&1"),
            0);
-    says("matrices of 240 x 240: for small cloths only");
+    unwrap(26);
+    says("matrices of 240 x 240, 0.9216 MB in all, about 240 evaluations for each "
+         "Jacobian: for small cloths only");
     read_rows(OUT "/dear/compare.csv");
     ck_assert_str_eq(next("gsl", "bsimp", NULL)->outcome, "left out");
     const run_row *last = NULL;
@@ -357,6 +440,9 @@ int main(void)
     tcase_add_test(cases, slopes_of_the_diagram_equal_the_orders);
     tcase_add_test(cases, errors_and_calls_are_those_of_two_runs);
     tcase_add_test(cases, jobs_do_not_change_the_numbers);
+    tcase_add_test(cases, a_coarser_accuracy_never_costs_more);
+    tcase_add_test(cases, progress_is_shown_as_by_run);
+    tcase_add_test(cases, progress_for_machines_is_a_document_a_line);
     tcase_add_test(cases, a_chaotic_scene_is_compared_to_its_horizon_only);
     tcase_add_test(cases, a_calm_scene_is_compared_to_its_end_or_as_told);
     tcase_add_test(cases, without_a_reference_nothing_is_ranked);

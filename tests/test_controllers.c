@@ -136,6 +136,82 @@ START_TEST(what_makes_no_sense_is_refused)
 }
 END_TEST
 
+/* x' = k t: Heun's step of h and Euler's differ by k h^2 / 2. */
+static int climb(double t, const double *y, double *dydt, void *ctx)
+{
+    (void)y;
+    dydt[0] = *(const double *)ctx * t;
+    dydt[1] = 0.0;
+    return 0;
+}
+
+static double gustafsson(double k1, double k2, double e1, double e2)
+{
+    return pow(e1, -k1) * pow(e1 / e2, -k2);
+}
+
+/* The table of docs/steppers.md for p = 1, with e of the last step first; h[1] and the
+ * e before are those of no step at the start. */
+static double next_by_law(weft_controller_type type, const double h[2],
+                          const double e[3])
+{
+    const double ratio = h[1] > 0.0 ? h[0] / h[1] : 1.0;
+    switch (type) {
+    case WEFT_CONTROLLER_PID:
+        return h[0] * pow(e[0], -0.58) * pow(e[1], 0.21) * pow(e[2], -0.1);
+    case WEFT_CONTROLLER_PI:
+        return h[0] * pow(e[0], -0.8) * pow(e[1], 0.31);
+    case WEFT_CONTROLLER_I:
+        return h[0] / e[0];
+    case WEFT_CONTROLLER_EXPLICIT_GUSTAFSSON:
+        return h[0] * gustafsson(0.367, 0.268, e[0], e[1]);
+    case WEFT_CONTROLLER_IMPLICIT_GUSTAFSSON:
+        return h[0] * ratio * gustafsson(0.98, 0.95, e[0], e[1]);
+    default:
+        return h[1] == 0.0 ? h[0] / e[0]
+                           : h[0]
+                                 * fmin(ratio * gustafsson(0.95, 0.95, e[0], e[1]),
+                                        gustafsson(0.367, 0.268, e[0], e[1]));
+    }
+}
+
+/* Every step is given the error that it shall have. */
+START_TEST(every_type_follows_its_law)
+{
+    static const double errors[] = { 0.4, 1.1, 0.06, 1.2, 0.9, 0.3, 0.02 };
+    const weft_controller controller = { .type = (weft_controller_type)_i,
+                                         .safety = 0.9,
+                                         .bias = 1.25,
+                                         .first_growth = 25.0 };
+    weft_stepper_config config = controlled(&controller);
+    double k, t = 0.0, y[2] = { 0.0, 0.0 }, h[2] = { 0.0 }, e[3] = { 1.0, 1.0, 1.0 };
+    config.rtol = 0.0;
+    config.atol_position = 1e-3;
+    config.first_step = 0.01;
+    const weft_ode ode = { .dim = 2, .rhs = climb, .ctx = &k };
+    const weft_stepper_type *heun = test_method_named("arkode/heun_euler");
+    weft_stepper_stats s = { .struct_size = sizeof s, .next_step = config.first_step };
+    void *self;
+    int changes = 0;
+    ck_assert_int_eq(heun->create(heun, &ode, &config, &self, NULL), WEFT_OK);
+    for (int i = 0; i < 14; ++i) {
+        e[2] = e[1], e[1] = e[0], e[0] = errors[i % 7];
+        h[1] = h[0], h[0] = s.next_step;
+        k = 2.0 * e[0] / 1.25 * 1e-3 / (h[0] * h[0]);
+        ck_assert_int_eq(heun->step(self, 1e6, &t, y, NULL), WEFT_OK);
+        heun->stats(self, &s);
+        ck_assert_double_eq_tol(s.last_step, h[0], 1e-9 * h[0]);
+        const double law = 0.9 * next_by_law(controller.type, h, e);
+        const double wanted = fmax(fmin(law, 25.0 * h[0]), 0.1 * h[0]);
+        const bool kept = wanted > h[0] && wanted < 1.5 * h[0];
+        ck_assert_double_eq_tol(s.next_step, kept ? h[0] : wanted, 1e-9 * h[0]);
+        changes += !kept && wanted == law;
+    }
+    heun->destroy(self);
+    ck_assert_int_ge(changes, 5);
+}
+END_TEST
+
 typedef struct told {
     char text[1024];
 } told;
@@ -234,6 +310,7 @@ int main(void)
     TCase *tcase = tcase_create("controllers");
 #ifdef HAVE_ARKODE
     tcase_add_test(tcase, every_type_keeps_the_tolerance_by_steps_of_its_own);
+    tcase_add_loop_test(tcase, every_type_follows_its_law, 1, TYPES);
     tcase_add_test(tcase, pi_is_the_default);
     tcase_add_test(tcase, every_knob_changes_the_steps);
     tcase_add_test(tcase, careful_controllers_take_more_steps);

@@ -112,6 +112,41 @@ START_TEST(force_may_stop_a_run_and_the_state_is_the_last_good_one)
 }
 END_TEST
 
+/* At the n-th evaluation, once. */
+static bool stop_once(void *ctx)
+{
+    size_t *left = ctx;
+    return *left > 0 && --*left == 0;
+}
+
+START_TEST(stop_gives_up_a_step_and_a_later_one_goes_on)
+{
+    size_t left = 9;
+    double y[6 * N], undisturbed[6 * N];
+    use_method(_i);
+    start();
+    go(0.02);
+    memcpy(undisturbed, weft_sim_state(sim), sizeof y);
+    run.stop = stop_once;
+    run.stop_ctx = &left;
+    start();
+    weft_status status = WEFT_OK;
+    double t = 0.0;
+    while (status == WEFT_OK && weft_sim_time(sim) < 0.02) {
+        t = weft_sim_time(sim);
+        memcpy(y, weft_sim_state(sim), sizeof y);
+        status = weft_sim_step(sim, 0.02, NULL);
+    }
+    ck_assert_int_eq(status, WEFT_STOPPED);
+    ck_assert(weft_sim_time(sim) == t);
+    ck_assert_mem_eq(y, weft_sim_state(sim), sizeof y);
+    go(0.02);
+    for (size_t j = 0; j < 6 * N; ++j) {
+        ck_assert_double_eq_tol(weft_sim_state(sim)[j], undisturbed[j], 1e-5);
+    }
+}
+END_TEST
+
 START_TEST(force_that_is_no_number_is_never_accepted)
 {
     push with = { .f = { NAN, 0.0, 0.0 } };
@@ -381,6 +416,8 @@ int main(void)
     tcase_set_timeout(tcase, 60.0);
     tcase_add_test(tcase, force_accelerates_free_particles_and_no_others);
     tcase_add_loop_test(tcase, every_method_sees_the_force, 0, methods);
+    tcase_add_loop_test(tcase, stop_gives_up_a_step_and_a_later_one_goes_on, 0,
+                        (int)test_method_count());
     tcase_add_loop_test(tcase, force_may_stop_a_run_and_the_state_is_the_last_good_one,
                         0, methods);
     tcase_add_loop_test(tcase, force_that_is_no_number_is_never_accepted, 0, methods);

@@ -106,6 +106,36 @@ START_TEST(own_stepper_is_of_order_4)
 }
 END_TEST
 
+START_TEST(plugin_of_one_file_keeps_every_promise)
+{
+    expect(shell(WEFT " plugin-test " EXAMPLE("weft-bogacki.so") " --all"), 0);
+    says("pass tolerance ");
+    says("pass min step ");
+    says("keeps every promise with 1 method");
+}
+END_TEST
+
+/* The laws of ARKODE's controller are others: no more than the same price is asked. */
+START_TEST(plugin_of_one_file_reaches_its_tolerance_at_a_fair_price)
+{
+    static const char scene[]
+        = WEFT " run " BUILD_DIR "/plugin.yaml --plugin-path " BUILD_DIR
+               "/examples:" BUILD_DIR "/plugins --force --quiet --out " BUILD_DIR
+               "/plugin --set 'stepper={plugin: %s, method: %s, rtol: 1e-6, atol: "
+               "1e-6}' && awk '$1 == \"rhs_calls:\" { print $2 }' " BUILD_DIR
+               "/plugin/result.yaml 2>&1";
+    write_file(BUILD_DIR "/plugin.yaml", small_scene);
+    expect(shell(scene, "bogacki", "bs32"), 0);
+    const double own = atof(output);
+    ck_assert_double_gt(own, 0.0);
+    expect(shell("grep 'safety: 0.9' " BUILD_DIR "/plugin/manifest.yaml"), 0);
+#ifdef HAVE_ARKODE
+    expect(shell(scene, "arkode", "bogacki_shampine"), 0);
+    ck_assert_double_lt(own, 1.5 * atof(output));
+#endif
+}
+END_TEST
+
 START_TEST(same_run_in_two_threads_has_the_same_bits)
 {
     char before[200] = "";
@@ -170,6 +200,8 @@ int main(void)
     tcase_add_test(tcase, dragged_corner_is_where_the_hand_is);
     tcase_add_test(tcase, own_force_and_floor_are_accounted_for);
     tcase_add_test(tcase, own_stepper_is_of_order_4);
+    tcase_add_test(tcase, plugin_of_one_file_keeps_every_promise);
+    tcase_add_test(tcase, plugin_of_one_file_reaches_its_tolerance_at_a_fair_price);
     tcase_add_test(tcase, same_run_in_two_threads_has_the_same_bits);
 #ifdef HAVE_ARKODE
     tcase_add_test(tcase, restored_simulation_ends_in_the_same_state);

@@ -388,6 +388,28 @@ START_TEST(without_a_final_state_the_last_frame_is_taken)
 }
 END_TEST
 
+/* One digit changed; the state of a longer run. */
+START_TEST(a_final_state_that_is_not_that_of_the_result_is_refused)
+{
+    static const char *const formats[] = { "obj", "ply", "csv" };
+    expect(shell("cp " OUT "/r/final.csv " OUT "/good; " WEFT " run " OUT
+                 "/small.yaml --out " OUT "/longer --quiet --set run.duration=0.6; sed "
+                 "'9s/\\.[0-8]/.9/' " OUT "/good > " OUT "/changed; ! cmp -s " OUT
+                 "/good " OUT "/changed"),
+           0);
+    for (size_t i = 0; i < 6; ++i) {
+        expect(shell("cp " OUT "/%s " OUT "/r/final.csv; " WEFT " export " OUT
+                     "/r --format %s 2>&1; code=$?; cp " OUT "/good " OUT
+                     "/r/final.csv; exit $code",
+                     i < 3 ? "changed" : "longer/final.csv", formats[i % 3]),
+               4);
+        says("/r/final.csv: damaged: its state has hash ");
+        says(", that of result.yaml ");
+    }
+    ck_assert(!exists(OUT "/r/final.obj"));
+}
+END_TEST
+
 START_TEST(without_run_vtkhdf_frames_are_computed_anew)
 {
     static const char *const formats[] = { "mdd", "pc2" };
@@ -450,6 +472,7 @@ static Suite *suite(void)
     tcase_add_test(files, a_chain_is_a_line_in_every_format);
     tcase_add_test(files, frames_have_their_numbers_in_the_run);
     tcase_add_test(files, without_a_final_state_the_last_frame_is_taken);
+    tcase_add_test(files, a_final_state_that_is_not_that_of_the_result_is_refused);
     tcase_add_test(files, without_run_vtkhdf_frames_are_computed_anew);
     tcase_add_test(files, a_movie_is_of_all_frames);
     tcase_add_test(files, an_export_that_cannot_be_written_names_the_file_and_why);

@@ -6,6 +6,10 @@
 #include <stdlib.h>
 #include <sys/resource.h>
 
+#ifdef HAVE_GSL
+#include "../plugins/gsl/gsl_plugin.h"
+#endif
+
 START_TEST(matrices_too_large_are_refused_at_once)
 {
     const weft_stepper_type *type = test_method((size_t)_i);
@@ -211,6 +215,25 @@ START_TEST(memory_that_is_not_there_is_an_error)
 }
 END_TEST
 
+/* GSL's control looks at one error estimate, r, and D = 1. */
+START_TEST(h_follows_the_rule_of_gsl)
+{
+    const double one = 1.0, zero = 0.0;
+    gsl_odeiv2_control *control = gsl_odeiv2_control_scaled_new(1, 0, 1, 0, &one, 1);
+    for (unsigned int order = 1; order <= 12; ++order) {
+        for (double r = 1e-12; r < 1e12; r *= 1.03) {
+            double wanted = 0.125, h = 0.125;
+            const int verdict = control->type->hadjust(control->state, 1, order, &zero,
+                                                       &r, &zero, &wanted);
+            ck_assert_int_eq(weft__gsl_rejects(order, r, &h),
+                             verdict == GSL_ODEIV_HADJ_DEC);
+            ck_assert_double_eq_tol(h, wanted, 1e-15 * wanted);
+        }
+    }
+    gsl_odeiv2_control_free(control);
+}
+END_TEST
+
 #endif
 
 int main(void)
@@ -226,6 +249,7 @@ int main(void)
     tcase_add_test(tcase, a_runaway_is_no_step);
     tcase_add_test(tcase, a_component_near_zero_does_not_stop_bsimp);
     tcase_add_test(tcase, memory_that_is_not_there_is_an_error);
+    tcase_add_test(tcase, h_follows_the_rule_of_gsl);
     suite_add_tcase(suite, tcase);
 #endif
     return test_run(suite);

@@ -210,6 +210,24 @@ START_TEST(bands_of_rows_have_the_bits_of_the_whole)
 }
 END_TEST
 
+/* Sheets of 32 x 32, whose planes are 8192 bytes apart: at some of these addresses rows
+ * are written to a buffer first. */
+START_TEST(rates_have_the_same_bits_at_every_address)
+{
+    static double room[6 * 1024 + 512];
+    for (uint64_t number = 15; number < SEEDS; number += sizeof sizes / sizeof *sizes) {
+        make(number);
+        ck_assert_uint_eq(m.n, 1024);
+        (void)weft_cloth_rhs(m.cloth, m.t, m.y, m.dydt);
+        const uint64_t elsewhere = hash();
+        for (size_t shift = 0; shift < 512; ++shift) {
+            (void)weft_cloth_rhs(m.cloth, m.t, m.y, room + shift);
+            ck_assert_uint_eq(weft_state_hash(room + shift, 6 * m.n), elsewhere);
+        }
+    }
+}
+END_TEST
+
 /* One bad number anywhere, on a sheet wider than a vector. */
 START_TEST(every_level_refuses_whatever_is_not_finite)
 {
@@ -251,8 +269,12 @@ END_TEST
 START_TEST(level_is_the_fastest_or_the_one_asked_for)
 {
     const size_t last = weft__level_count() - 1;
-    ck_assert_ptr_eq(weft__level_named(NULL), weft__level_at(last));
-    ck_assert_ptr_eq(weft__level_named("x86-64-v9"), weft__level_at(last));
+    const weft__level *found;
+    weft_error err = { 0 };
+    ck_assert_int_eq(weft__level_find(NULL, &found, NULL), WEFT_OK);
+    ck_assert_ptr_eq(found, weft__level_at(last));
+    ck_assert_int_eq(weft__level_find("", &found, NULL), WEFT_OK);
+    ck_assert_ptr_eq(found, weft__level_at(last));
     for (size_t i = 0; i <= last; ++i) {
         const char *name = weft__level_at(i)->name;
         setenv("WEFT_ISA", name, 1);
@@ -262,6 +284,12 @@ START_TEST(level_is_the_fastest_or_the_one_asked_for)
         weft_cloth_destroy(m.cloth);
     }
     m.cloth = NULL;
+    setenv("WEFT_ISA", "x86-64-v9", 1);
+    ck_assert_int_eq(weft_cloth_create(&m.def, &m.cloth, &err), WEFT_INVALID);
+    ck_assert_ptr_null(m.cloth);
+    const char *said = "WEFT_ISA is 'x86-64-v9'; this machine has plain";
+    ck_assert_msg(strncmp(err.message, said, strlen(said)) == 0, "%s", err.message);
+    ck_assert_ptr_nonnull(strstr(err.message, weft__level_at(last)->name));
 }
 END_TEST
 
@@ -274,6 +302,7 @@ int main(void)
     tcase_add_test(tcase, every_level_and_width_has_the_same_bits);
     tcase_add_test(tcase, heat_has_the_same_bits_with_the_forces_and_without);
     tcase_add_test(tcase, bands_of_rows_have_the_bits_of_the_whole);
+    tcase_add_test(tcase, rates_have_the_same_bits_at_every_address);
     tcase_add_test(tcase, every_level_refuses_whatever_is_not_finite);
     tcase_add_test(tcase, sheet_at_rest_feels_gravity_alone_exactly);
     tcase_add_test(tcase, level_is_the_fastest_or_the_one_asked_for);

@@ -107,6 +107,34 @@ START_TEST(a_file_that_cannot_be_opened_is_named_once)
 }
 END_TEST
 
+static weft_status refuse_verlet(void *ctx, const char *file, weft_error *why)
+{
+    ++*(size_t *)ctx;
+    return strstr(file, "verlet") == NULL
+               ? WEFT_OK
+               : weft_error_set(why, WEFT_BAD_PLUGIN, "not today");
+}
+
+START_TEST(a_plugin_that_is_not_admitted_is_refused_and_not_loaded)
+{
+    size_t asked = 0;
+    const weft_plugin *plugin = NULL;
+    const weft_registry_def def
+        = { .path = PLUGINS, .admit = refuse_verlet, .admit_ctx = &asked };
+    ck_assert_int_eq(weft_registry_create(&def, &registry, &err), WEFT_OK);
+    ck_assert_int_eq(weft_registry_find(registry, "verlet", &plugin, &err),
+                     WEFT_BAD_PLUGIN);
+    ck_assert_str_eq(err.message,
+                     "plugin refused: " PLUGINS "/weft-verlet.so: not today");
+    ck_assert_uint_eq(asked, 1);
+    (void)weft_registry_load_all(registry, NULL, NULL, NULL);
+    for (size_t i = 0; i < weft_registry_count(registry); ++i) {
+        ck_assert_str_ne(weft_registry_at(registry, i)->id, "verlet");
+    }
+    ck_assert_uint_eq(asked, 2 + weft_registry_count(registry));
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("methods");
@@ -117,6 +145,7 @@ int main(void)
     tcase_add_test(tcase, a_plugin_that_is_not_there_is_told_with_those_that_are);
     tcase_add_test(tcase, an_empty_search_path_is_told_with_what_to_do);
     tcase_add_test(tcase, a_plugin_that_is_refused_is_told_with_the_reason_alone);
+    tcase_add_test(tcase, a_plugin_that_is_not_admitted_is_refused_and_not_loaded);
     tcase_add_test(tcase, a_file_that_cannot_be_opened_is_named_once);
     suite_add_tcase(suite, tcase);
     return test_run(suite);

@@ -231,9 +231,8 @@ START_TEST(what_is_beyond_single_precision_is_its_largest_number)
 }
 END_TEST
 
-/* A file system of its own that is too small; where none can be made, nothing is
- * tested. */
-START_TEST(a_full_disk_keeps_the_frames_before)
+/* How to get a file system of one's own; NULL: not possible here. */
+static const char *can_mount(void)
 {
     expect(shell("mkdir -p " OUT "/disk"), 0);
     const char *alone = shell("unshare -m true 2>&1") == 0     ? "unshare -m"
@@ -242,6 +241,16 @@ START_TEST(a_full_disk_keeps_the_frames_before)
     if (alone == NULL
         || shell("%s mount -t tmpfs -o size=1m none " OUT "/disk 2>&1", alone) != 0) {
         puts("skipped: no file system can be mounted to be filled");
+        return NULL;
+    }
+    return alone;
+}
+
+/* A file system that is too small; where none can be made, nothing is tested. */
+START_TEST(a_full_disk_keeps_the_frames_before)
+{
+    const char *alone = can_mount();
+    if (alone == NULL) {
         return;
     }
     const int code
@@ -252,11 +261,37 @@ START_TEST(a_full_disk_keeps_the_frames_before)
                 "/r/; exit $code' 2>&1",
                 alone);
     expect(code, 4);
-    says("run.vtkhdf: No space left on device");
+    says(OUT "/disk/r/"); /* run.vtkhdf or series.csv, whichever needs the next page */
+    says(": No space left on device");
     record_frames *frames = open_frames(OUT "/r");
     ck_assert_uint_gt(record_frames_count(frames), 5);
     ck_assert_uint_lt(record_frames_count(frames), 501);
     record_frames_close(frames);
+}
+END_TEST
+
+/* At every size: with no frame, with some of them, with all but the final state. */
+START_TEST(after_a_full_disk_a_run_goes_on_to_the_same_bytes)
+{
+    const char *alone = can_mount();
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT
+                      "/ref --quiet --set run.checkpoint=2"),
+           0);
+    for (int size = 16; alone != NULL && size <= 72; size += 8) {
+        expect(
+            shell("%s sh -c 'mount -t tmpfs -o size=%dk none " OUT "/disk; " WEFT
+                  " run " OUT "/small.yaml --out " OUT
+                  "/disk/r --quiet --set run.checkpoint=2; code=$?; test $code = 0 || "
+                  "test $code = 4 || exit 99; mount -o remount,size=1m " OUT "/disk; "
+                  "test $code = 0 || grep -q \"status: io_error\" " OUT
+                  "/disk/r/result.yaml || test ! -e " OUT "/disk/r/result.yaml || exit "
+                  "98; test ! -e " OUT "/disk/r/scene.yaml || " WEFT
+                  " resume --quiet " OUT "/disk/r || exit 97; cd " OUT "; for f in "
+                  "series.csv final.csv run.vtkhdf; do test ! -e disk/r/scene.yaml || "
+                  "cmp ref/$f disk/r/$f || exit 96; done' 2>&1",
+                  alone, size),
+            0);
+    }
 }
 END_TEST
 
@@ -266,7 +301,7 @@ START_TEST(a_file_that_cannot_be_made_is_named)
                  "/small.yaml --out " OUT "/u --force --quiet 2>&1"),
            4);
     says(OUT "/u/run.vtkhdf: Is a directory");
-    expect(shell("grep -c 'status: failed' " OUT "/u/result.yaml"), 0);
+    expect(shell("grep -c 'status: io_error' " OUT "/u/result.yaml"), 0);
     expect(shell("ulimit -f 8; " WEFT " run " OUT "/small.yaml --out " OUT
                  "/v --quiet 2>&1"),
            4);
@@ -275,7 +310,7 @@ START_TEST(a_file_that_cannot_be_made_is_named)
                  "/small.yaml --out " OUT "/w --force --quiet --view 2>&1"),
            4);
     says(OUT "/w/final.csv: Is a directory");
-    expect(shell("grep -c 'status: failed' " OUT "/w/result.yaml; test ! -e " OUT
+    expect(shell("grep -c 'status: io_error' " OUT "/w/result.yaml; test ! -e " OUT
                  "/w/run.html"),
            0);
     record_frames *frames = open_frames(OUT "/w");
@@ -283,6 +318,87 @@ START_TEST(a_file_that_cannot_be_made_is_named)
     record_frames_close(frames);
 }
 END_TEST
+
+START_TEST(a_run_that_could_not_write_is_unfinished_and_goes_on)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/ref --quiet"), 0);
+    expect(shell("mkdir -p " OUT "/w/final.csv.tmp/x; " WEFT " run " OUT
+                 "/small.yaml --out " OUT "/w --force --quiet 2>&1"),
+           4);
+    expect(shell("rm -r " OUT "/w/final.csv.tmp; " WEFT " run " OUT
+                 "/small.yaml --out " OUT "/w 2>&1"),
+           4);
+    says("/w: holds an unfinished run: 'weft resume " OUT "/w' goes on with it");
+    expect(shell(WEFT " export " OUT "/w --format obj 2>&1"), 0);
+    says("/w: unfinished: 11 of 11 frames\n");
+    expect(shell("rm -r " OUT "/w/frames; " WEFT " resume " OUT "/w --quiet && rm " OUT
+                 "/?*/result.yaml && diff -r " OUT "/ref " OUT "/w 2>&1"),
+           0);
+}
+END_TEST
+
+/* Each run holds its own directory, wherever it is moved. */
+START_TEST(a_run_whose_directory_was_replaced_leaves_the_other_one_alone)
+{
+    static const char *const checkpoints[] = { "0", "7" };
+    for (size_t i = 0; i < 2; ++i) {
+        expect(
+            shell("rm -rf " OUT "/d " OUT "/moved; " WEFT " run " OUT
+                  "/small.yaml --out " OUT "/d --quiet --set run.duration=1e6 --set "
+                  "run.checkpoint=%s 2>" OUT "/err & pid=$!; until [ $(cat " OUT
+                  "/d/series.csv 2>/dev/null | wc -l) -gt 5 ]; do sleep 0.01; done; "
+                  "mv " OUT "/d " OUT "/moved; " WEFT " run " OUT
+                  "/small.yaml --out " OUT "/d --quiet; cksum " OUT "/d/* > " OUT
+                  "/sums; kill -TERM $pid 2>/dev/null; wait $pid; code=$?; cksum " OUT
+                  "/d/* | cmp - " OUT "/sums && exit $code",
+                  checkpoints[i]),
+            4);
+        expect(shell("cat " OUT "/err; ls " OUT "/moved"), 0);
+        /* a checkpoint may come before the other directory is there */
+        says(i == 0
+                 ? "/d: another directory than that of this run, which was moved away"
+                 : "/d: ");
+        ck_assert_ptr_null(strstr(output, "result.yaml"));
+    }
+}
+END_TEST
+
+START_TEST(frames_beyond_the_room_of_the_file_are_refused_at_once)
+{
+    static const char *const verbs[] = { "check", "run --out " OUT "/big" };
+    for (size_t i = 0; i < 2; ++i) {
+        expect(
+            shell(WEFT " %s " OUT "/small.yaml --set run.duration=1e9 2>&1", verbs[i]),
+            3);
+        says("run.vtkhdf has room for 4102655327 frames of this cloth, and the scene "
+             "plans 20000000001: record.every must be larger");
+    }
+    ck_assert(!exists(OUT "/big"));
+    expect(shell(WEFT " check " OUT "/small.yaml --set run.duration=1e9 --set "
+                      "record.every=10"),
+           0);
+}
+END_TEST
+
+#ifndef __SANITIZE_ADDRESS__ /* which needs terabytes of it */
+/* Address space from too little for libhdf5 to enough for the run. */
+START_TEST(short_memory_is_told_and_crashes_nothing)
+{
+    int told = 0, done = 0;
+    for (int kilobytes = 20000; kilobytes < 200000 && done < 3; kilobytes += 250) {
+        const int code = shell("ulimit -v %d; " WEFT " run " OUT
+                               "/small.yaml --out " OUT "/v --force --quiet 2>&1",
+                               kilobytes);
+        ck_assert_msg(code < 128, "exit code %d with %d kB", code, kilobytes);
+        told += strstr(output, "/v/run.vtkhdf: Cannot allocate memory") != NULL;
+        done += code == 0;
+        ck_assert_ptr_null(strstr(output, "write failed"));
+    }
+    ck_assert_int_gt(told, 0);
+    ck_assert_int_gt(done, 0);
+}
+END_TEST
+#endif
 
 START_TEST(the_same_scene_gives_the_same_file)
 {
@@ -306,7 +422,14 @@ static Suite *suite(void)
     tcase_add_test(runs, a_run_that_blows_up_can_be_read_in_all_its_frames);
     tcase_add_test(runs, what_is_beyond_single_precision_is_its_largest_number);
     tcase_add_test(runs, a_full_disk_keeps_the_frames_before);
+    tcase_add_test(runs, after_a_full_disk_a_run_goes_on_to_the_same_bytes);
     tcase_add_test(runs, a_file_that_cannot_be_made_is_named);
+    tcase_add_test(runs, a_run_that_could_not_write_is_unfinished_and_goes_on);
+    tcase_add_test(runs, a_run_whose_directory_was_replaced_leaves_the_other_one_alone);
+    tcase_add_test(runs, frames_beyond_the_room_of_the_file_are_refused_at_once);
+#ifndef __SANITIZE_ADDRESS__
+    tcase_add_test(runs, short_memory_is_told_and_crashes_nothing);
+#endif
     tcase_add_test(runs, the_same_scene_gives_the_same_file);
     suite_add_tcase(all, runs);
     return all;

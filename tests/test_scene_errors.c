@@ -129,7 +129,22 @@ static const struct {
       "families it limits\n"
       "limit: {method: provot}\n"
       "       ^\n" },
-    { "weft: 1\n" CLOTH RUN "stepper: {plugin: arkode, method: custom, fixed_step: 1,\n"
+    { "weft: 1\n" CLOTH "stepper: {plugin: gsl, method: rkf45, fixed_step: 0.05}\n" RUN,
+      "scene.yaml:6:6: warning: fixed_step 0.05 s is longer than a frame (0.03333 s): "
+      "every step will be 0.03333 s; run.fps=20 makes frames of 0.05 s\n"
+      "run: {duration: 1}\n"
+      "     ^\n" },
+    { "weft: 1\n" CLOTH "stepper: {plugin: gsl, method: rkf45, fixed_step: 0.05}\n"
+      "run: {duration: 0.2, fps: 50}\n",
+      "scene.yaml:6:22: warning: fixed_step 0.05 s is longer than a frame (0.02 s): "
+      "every step will be 0.02 s; run.fps=20 makes frames of 0.05 s\n"
+      "run: {duration: 0.2, fps: 50}\n"
+      "                     ^\n" },
+    { "weft: 1\n" CLOTH "stepper: {plugin: gsl, method: rkf45, fixed_step: 0.0333333}\n"
+      "run: {duration: 0.02}\n",
+      "" },
+    { "weft: 1\n" CLOTH RUN
+      "stepper: {plugin: arkode, method: custom, fixed_step: 0.01,\n"
       "  butcher: {A: [[], [1]], b: [0.5, 0.4], c: [0, 0.5], order: 2}}\n",
       "scene.yaml:7:21: warning: row 1 of A adds up to 1 instead of 0.5\n"
       "  butcher: {A: [[], [1]], b: [0.5, 0.4], c: [0, 0.5], order: 2}}\n"

@@ -164,6 +164,62 @@ START_TEST(limits_of_symplectic_methods_are_exact_and_never_above)
 }
 END_TEST
 
+/* |R(-z)| = 1 and |R(i z)| = 1: roots of the polynomials. A run of 8 s changes nothing
+ * on the real axis, nor where an oscillation halves sooner than that. */
+START_TEST(damped_modes_have_the_limits_of_the_polynomial_whatever_the_run)
+{
+    static const struct {
+        const char *label;
+        double real, imaginary; /* 0: none */
+    } exact[] = {
+        { "verlet/euler", 2.0, 0.0 },
+        { "verlet/midpoint", 2.0, 0.0 },
+#ifdef HAVE_GSL
+        { "gsl/rk2", 2.5127453266183286, 1.7320508075688772 },
+#endif
+#ifdef HAVE_ARKODE
+        { "arkode/heun", 2.0, 0.0 },
+        { "arkode/rk4", 2.7852935634052816, 2.8284271247461903 },
+#endif
+    };
+    const double growth = log(2.0) / 8.0;
+    for (size_t i = 0; i < sizeof exact / sizeof exact[0]; ++i) {
+        const weft_stability of = stability_of(test_method_named(exact[i].label));
+        for (int k = 0; k < 2; ++k) { /* without, with allowance */
+            ck_assert_double_eq_tol(limit(&of, 0.0, 1.0, k * growth), exact[i].real,
+                                    1e-9);
+            ck_assert_double_eq_tol(limit(&of, 1.0, 2.0, k * growth), exact[i].real,
+                                    1e-6);
+        }
+        for (int k = 1; k < 20; ++k) { /* from c / 2 = growth to beyond critical */
+            const double c = 2.0 * k * growth * (1.0 + 1e-12);
+            ck_assert_double_eq_tol(limit(&of, 1.0, c, growth), limit(&of, 1.0, c, 0.0),
+                                    1e-9);
+        }
+        if (exact[i].imaginary > 0.0) {
+            ck_assert_double_eq_tol(limit(&of, 1.0, 0.0, 0.0), exact[i].imaginary,
+                                    1e-9);
+        }
+        ck_assert_double_gt(limit(&of, 1.0, 0.0, growth), exact[i].imaginary + 0.01);
+    }
+}
+END_TEST
+
+/* A little damping never shortens the step. */
+START_TEST(allowance_ends_without_a_jump)
+{
+    const double growth = log(2.0) / 300.0;
+    const weft_stability of = stability_of(test_method_named("verlet/euler"));
+    double before = limit(&of, 1.0, 0.0, growth);
+    for (int k = 1; k <= 40; ++k) {
+        const double h = limit(&of, 1.0, 0.1 * k * growth, growth);
+        ck_assert_double_ge(h, before * (1.0 - 1e-3));
+        ck_assert_double_le(h, before * 1.1);
+        before = h;
+    }
+}
+END_TEST
+
 /* With growth = log(2) / T nothing more than doubles in T, and twice the step would. */
 START_TEST(growth_allows_a_doubling_in_the_run_and_no_more)
 {
@@ -248,6 +304,9 @@ static Suite *suite(void)
     tcase_set_timeout(limits, 120.0);
     tcase_add_loop_test(limits, limits_are_those_of_the_tables, 0, ROWS);
     tcase_add_test(limits, limits_of_symplectic_methods_are_exact_and_never_above);
+    tcase_add_test(limits,
+                   damped_modes_have_the_limits_of_the_polynomial_whatever_the_run);
+    tcase_add_test(limits, allowance_ends_without_a_jump);
     tcase_add_test(limits, growth_allows_a_doubling_in_the_run_and_no_more);
     tcase_add_test(limits, one_step_doubles_a_slow_mode_at_most);
     tcase_add_test(limits, nothing_limits_a_cloth_without_springs);

@@ -73,6 +73,33 @@ START_TEST(instances_in_two_threads_do_not_meet)
 }
 END_TEST
 
+static void *take_a_turn(void *arg)
+{
+    double dydt[DIM + APART];
+    (void)weft__model_rhs(0.0, weft__model_start, dydt, arg);
+    return NULL;
+}
+
+/* The waiting thread gives up its turn and its lock in one: seen from here, it waits.
+ */
+START_TEST(a_dropped_baton_is_not_waited_for)
+{
+    baton turns
+        = { .lock = PTHREAD_MUTEX_INITIALIZER, .passed = PTHREAD_COND_INITIALIZER };
+    model waiting = { .k = 1.0, .baton = &turns };
+    pthread_t thread;
+    ck_assert(pthread_create(&thread, NULL, take_a_turn, &waiting) == 0);
+    for (bool waits = false; !waits;) {
+        (void)pthread_mutex_lock(&turns.lock);
+        waits = turns.turn == 1;
+        (void)pthread_mutex_unlock(&turns.lock);
+    }
+    weft__baton_drop(&turns);
+    (void)pthread_join(thread, NULL);
+    ck_assert(!turns.late && turns.dropped);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("steppers");
@@ -89,6 +116,7 @@ int main(void)
     suite_add_tcase(suite, promises);
     TCase *threads = tcase_create("threads");
     tcase_set_timeout(threads, 120.0);
+    tcase_add_test(threads, a_dropped_baton_is_not_waited_for);
     tcase_add_loop_test(threads, instances_in_two_threads_do_not_meet, 0,
                         (int)test_method_count());
     suite_add_tcase(suite, threads);

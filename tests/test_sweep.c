@@ -119,6 +119,57 @@ START_TEST(values_may_be_lists_mappings_and_null_which_removes)
 }
 END_TEST
 
+START_TEST(methods_are_varied_with_their_plugins_and_crossed_with_other_keys)
+{
+    static const char *const plugins[] = { "verlet", "arkode", "gsl" };
+    weft_sweep *sweep
+        = sweep_of(HEAD "sweep:\n"
+                        "  stepper.method: [verlet/velocity_verlet, arkode/cash_karp, "
+                        "rk4]\n"
+                        "  stepper.fixed_step: [0.1, 0.2]\n");
+    ck_assert_msg(found.count == 0, "%s", all_found());
+    ck_assert_uint_eq(weft_sweep_runs(sweep), 6);
+    ck_assert_str_eq(weft_sweep_value(sweep, 0, 1), "verlet/velocity_verlet");
+    for (size_t i = 0; i < 6; ++i) {
+        weft_scene *scene = run_of(sweep, i + 1);
+        weft_scene *again = good_text(weft_scene_text(scene));
+        ck_assert_str_eq(weft_scene_plugin(scene), plugins[i / 2]);
+        ck_assert_str_eq(weft_scene_plugin(again), plugins[i / 2]);
+        ck_assert_str_eq(weft_scene_method(again), weft_scene_method(scene));
+        ck_assert(weft_scene_config(again)->fixed_step == (i % 2 == 0 ? 0.1 : 0.2));
+        weft_scene_destroy(again);
+        weft_scene_destroy(scene);
+    }
+    weft_sweep_destroy(sweep);
+}
+END_TEST
+
+START_TEST(a_sweep_over_methods_drops_keys_of_the_scene_and_the_command_line)
+{
+    static const char *const sets[] = { "stepper.atol=1e-3" };
+    weft_scene_def def
+        = scene_of_text("weft: 1\ncloth: {mass: 1, grid: {rows: 2, cols: 2, spacing: "
+                        "1}}\nstepper: {plugin: gsl, method: rk4, rtol: 1}\nrun: "
+                        "{duration: 1}\nsweep:\n  zip: true\n"
+                        "  stepper.method: [rk4, verlet/velocity_verlet]\n"
+                        "  stepper.fixed_step: [null, 0.01]\n");
+    def.sets = sets;
+    def.set_count = 1;
+    weft_sweep *sweep = good_sweep(&def);
+    ck_assert_ptr_nonnull(strstr(
+        all_found(),
+        "scene.yaml:7:11: warning: rtol (line 3, column 37), atol (command line, "
+        "--set number 1) dropped: the method has no error control (in 1 of 2 "
+        "runs, first stepper.method=verlet/velocity_verlet, "
+        "stepper.fixed_step=0.01)\n"));
+    ck_assert_uint_eq(found.warnings, 1);
+    weft_scene *adaptive = run_of(sweep, 1);
+    ck_assert(weft_scene_config(adaptive)->atol_position == 1e-3);
+    weft_scene_destroy(adaptive);
+    weft_sweep_destroy(sweep);
+}
+END_TEST
+
 START_TEST(the_text_of_a_run_is_a_plain_scene_of_the_same_run)
 {
     weft_sweep *sweep = sweep_of(HEAD "sweep: {cloth.springs.stretch: [{stiffness: 1}, "
@@ -175,6 +226,62 @@ START_TEST(a_scene_without_a_sweep_is_one_run_of_its_own_text)
     ck_assert_int_eq(weft_sweep_scene(sweep, 2, &scene, &err), WEFT_INVALID);
     ck_assert_int_eq(weft_sweep_scene(sweep, 0, &scene, &err), WEFT_INVALID);
     ck_assert_ptr_null(scene);
+    weft_sweep_destroy(sweep);
+}
+END_TEST
+
+#define FLOW                                                                           \
+    "\"cloth\": {\"grid\": {\"rows\": 3, \"cols\": 4, \"spacing\": 0.1}, "             \
+    "\"mass\": 0.01, \"springs\": {\"stretch\": {\"stiffness\": 100}}}, "              \
+    "\"stepper\": {\"plugin\": \"gsl\", \"method\": \"rkf45\"}, "                      \
+    "\"run\": {\"duration\": 1}"
+#define REST                                                                           \
+    "cloth: {grid: {rows: 3, cols: 4, spacing: 0.1}, mass: 0.01, springs: {stretch: "  \
+    "&s {stiffness: 100}, shear: *s}}\n"                                               \
+    "stepper: {plugin: gsl, method: rkf45}\n"                                          \
+    "run: {duration: 1}\n"
+
+/* Ways to write one scene, most of them without a line that another could precede. */
+static const char *const forms[] = {
+    "weft: 1\n" REST,
+    "{\"weft\":1," FLOW "}",
+    "{weft: 1,\n " FLOW "\n}\n",
+    "# head\n%YAML 1.1\n---\n{\"weft\":1," FLOW "}\n...\n",
+    "# head\n%YAML 1.1\n---\nweft: 1\n" REST,
+    "--- # head\nweft: 1\n" REST "...\n# tail\n",
+    "\xEF\xBB\xBFweft: 1\n" REST,
+    "\xEF\xBB\xBF{\"weft\":1," FLOW "}",
+    "  # head\n  weft: 1\n  run: {duration: 1}\n  stepper: {plugin: gsl, method: "
+    "rkf45}\n  cloth: {grid: {rows: 3, cols: 4, spacing: 0.1}, mass: 1}\n",
+    "\"weft\": 1\n" REST,
+    "'weft': 1\n" REST,
+    "? weft\n: 1\n" REST,
+    "&key weft: &one 1\n" REST,
+    "&root\nweft: 1\n" REST,
+    "&root {\"weft\":1," FLOW "}",
+    "!!map\nweft: 1\n" REST,
+    "!!map {\"weft\":1," FLOW "}",
+    "weft: 1\rrun: {duration: 1}\rstepper: {plugin: gsl, method: rkf45}\r"
+    "cloth: {grid: {rows: 3, cols: 4, spacing: 0.1}, mass: 1}\r",
+    "# \xE2\x80\xA8weft: 1\r\n" REST,
+};
+
+START_TEST(a_scene_without_a_name_is_read_again_and_again_however_it_is_written)
+{
+    weft_scene_def def = scene_of_text(forms[_i]);
+    def.file = "folder/forms.yaml";
+    weft_sweep *sweep = good_sweep(&def);
+    weft_scene *first = run_of(sweep, 1), *again = run_of(sweep, 1);
+    weft_scene *alone = good_scene(&def), *back = good_text(weft_scene_text(first));
+    ck_assert_str_eq(weft_scene_name(first), "forms");
+    ck_assert_str_eq(weft_scene_name(back), "forms");
+    ck_assert_str_eq(weft_scene_text(again), weft_scene_text(first));
+    ck_assert_str_eq(weft_scene_text(alone), weft_scene_text(first));
+    ck_assert_uint_eq(weft_scene_cloth(back)->cols, 4);
+    weft_scene_destroy(back);
+    weft_scene_destroy(alone);
+    weft_scene_destroy(again);
+    weft_scene_destroy(first);
     weft_sweep_destroy(sweep);
 }
 END_TEST
@@ -254,6 +361,9 @@ static const struct {
       "scene.yaml:9:23: error: run.fps is varied twice (first at line 9, column 9)\n" },
     { "sweep: {stepper.method: [rk4], stepper: [{plugin: gsl, method: rk4}]}\n",
       "scene.yaml:9:32: error: stepper is varied twice (first at line 9, column 9)\n" },
+    { "sweep: {stepper.method: [verlet/velocity_verlet], stepper.fixed_step: [1], "
+      "stepper.rtol: [1]}\n",
+      "scene.yaml:9:84: error: rtol would not be used by method 'velocity_verlet'" },
     { "sweep: {sweep.zip: [true]}\n",
       "scene.yaml:9:9: error: a sweep cannot vary itself\n" },
     { "sweep: {run.fps: [1]}\nsweep: {run.fps: [2]}\n",
@@ -291,6 +401,26 @@ START_TEST(a_mistake_outside_the_sweep_is_told_once_and_without_runs)
     ck_assert_uint_eq(found.errors, 1);
     ck_assert_ptr_nonnull(strstr(told, "scene.yaml:2:52: error: spacing must be"));
     ck_assert_ptr_null(strstr(told, "runs"));
+}
+END_TEST
+
+START_TEST(a_message_that_is_too_long_ends_behind_a_word)
+{
+    char text[4096], *message = found.items[0].message;
+    for (int width = 1; width < 40; ++width) {
+        size_t used = (size_t)snprintf(text, sizeof text, "%s",
+                                       HEAD "sweep:\n  run.fps: [1, -1]\n");
+        for (int i = 0; i < 12; ++i) {
+            used += (size_t)snprintf(text + used, sizeof text - used,
+                                     "  cloth.loads.%d: [{at: left, mass: 7.%0*d}]\n",
+                                     i, width, 0);
+        }
+        const weft_scene_def def = scene_of_text(text);
+        (void)bad_sweep(&def);
+        const char *end = message + strlen(message) - strlen(" ...");
+        ck_assert_msg(strcmp(end, " ...") == 0, "%s", message);
+        ck_assert_msg(end[-1] == ',' || end[-1] == ':', "%s", message);
+    }
 }
 END_TEST
 
@@ -360,9 +490,16 @@ static Suite *suite(void)
     tcase_add_test(runs, every_combination_is_a_run_and_the_last_key_varies_fastest);
     tcase_add_test(runs, zipped_lists_are_taken_side_by_side);
     tcase_add_test(runs, values_may_be_lists_mappings_and_null_which_removes);
+    tcase_add_test(runs,
+                   methods_are_varied_with_their_plugins_and_crossed_with_other_keys);
+    tcase_add_test(runs,
+                   a_sweep_over_methods_drops_keys_of_the_scene_and_the_command_line);
     tcase_add_test(runs, the_text_of_a_run_is_a_plain_scene_of_the_same_run);
     tcase_add_test(runs, a_key_shared_by_an_alias_is_changed_where_it_is_named_only);
     tcase_add_test(runs, a_scene_without_a_sweep_is_one_run_of_its_own_text);
+    tcase_add_loop_test(
+        runs, a_scene_without_a_name_is_read_again_and_again_however_it_is_written, 0,
+        sizeof forms / sizeof forms[0]);
     tcase_add_test(runs, overrides_reach_the_sweep_and_are_part_of_every_run);
     tcase_add_test(runs, one_scene_is_not_read_from_a_sweep_and_the_error_names_batch);
     suite_add_tcase(all, runs);
@@ -371,6 +508,7 @@ static Suite *suite(void)
     tcase_add_loop_test(errors, what_is_wrong_is_told_at_its_place_in_the_sweep, 0,
                         sizeof wrong / sizeof wrong[0]);
     tcase_add_test(errors, a_mistake_outside_the_sweep_is_told_once_and_without_runs);
+    tcase_add_test(errors, a_message_that_is_too_long_ends_behind_a_word);
     tcase_add_test(errors, an_override_of_what_is_varied_would_be_lost_and_is_refused);
     tcase_add_test(errors, the_number_of_runs_is_bounded);
     tcase_add_test(errors, more_keys_than_there_is_room_for_are_refused);

@@ -4,11 +4,17 @@
  * races in this one. */
 #include "support.h"
 
+#include <fenv.h>
+#include <float.h>
 #include <math.h>
 #include <pthread.h>
+#include <sched.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef __SSE2__
+#include <xmmintrin.h>
+#endif
 
 #include "cloth/kernel.h"
 #include "sim/forces.h"
@@ -40,6 +46,59 @@ START_TEST(every_part_of_every_job_is_done_once)
 }
 END_TEST
 
+/* What the mode makes of 1 + 1e-30, -1 - 1e-30 and half of the least normal number. */
+typedef struct mode {
+    double up, down, half;
+} mode;
+
+static mode try_mode(void)
+{
+    const volatile double one = 1.0, tiny = 1e-30, least = DBL_MIN;
+    return (mode){ one + tiny, -one - tiny, least / 2.0 };
+}
+
+/* Two parts of a job that wait for one another, so that each has a thread of its own.
+ */
+typedef struct pair {
+    atomic_int begun;
+    mode seen[2];
+} pair;
+
+static void meet(void *ctx, size_t i)
+{
+    pair *both = ctx;
+    atomic_fetch_add(&both->begun, 1);
+    while (atomic_load(&both->begun) < 2) {
+        (void)sched_yield();
+    }
+    both->seen[i] = try_mode();
+}
+
+START_TEST(helpers_take_the_floating_point_mode_of_the_caller_for_every_job)
+{
+    static const int roundings[] = { FE_UPWARD, FE_DOWNWARD, FE_TONEAREST };
+    weft__team *team = weft__team_create(2, NULL);
+    for (int i = 0; i < 12; ++i) {
+        pair both = { .begun = 0 };
+        ck_assert_int_eq(fesetround(roundings[i % 3]), 0);
+#ifdef __SSE2__
+        const unsigned flush = i % 2 == 0 ? 0x8040 : 0; /* FTZ and DAZ */
+        _mm_setcsr((_mm_getcsr() & ~0x8040u) | flush);
+#endif
+        const mode own = try_mode();
+        weft__team_run(team, meet, &both, 2);
+        (void)fesetenv(FE_DFL_ENV);
+        ck_assert((own.up > 1.0) == (i % 3 == 0) && (own.down < -1.0) == (i % 3 == 1));
+        for (int part = 0; part < 2; ++part) {
+            ck_assert(both.seen[part].up == own.up);
+            ck_assert(both.seen[part].down == own.down);
+            ck_assert(both.seen[part].half == own.half);
+        }
+    }
+    weft__team_destroy(team);
+}
+END_TEST
+
 /* A small cloth has one thread, whatever is asked for. */
 START_TEST(threads_are_no_more_than_pay)
 {
@@ -58,13 +117,13 @@ START_TEST(threads_are_no_more_than_pay)
 END_TEST
 
 /* Wind, drag, dampers, pins that move: all that a right-hand side can have. */
-static weft_cloth *flag(void)
+static weft_cloth *flag(size_t rows, size_t cols)
 {
     static const weft_pin pins[]
         = { { .cols = { 0, 0 }, .rows = { 0, -1 } },
             { { -1, -1 }, { -1, -1 }, { 0, 0, 1 }, { 0.001, 0, 0 }, 5.0 } };
     weft_cloth_def def = weft_cloth_def_default();
-    def.rows = def.cols = SIDE;
+    def.rows = rows, def.cols = cols;
     def.spacing[0] = def.spacing[1] = 0.01;
     def.scale = 1.02;
     def.pins = pins;
@@ -77,6 +136,9 @@ static weft_cloth *flag(void)
     }
     return test_cloth(&def);
 }
+
+/* Set once a simulation is there. */
+static int rounding = FE_TONEAREST;
 
 /* The state after some steps. */
 static uint64_t run(const weft_cloth *cloth, const weft_stepper_type *method,
@@ -92,9 +154,11 @@ static uint64_t run(const weft_cloth *cloth, const weft_stepper_type *method,
     def.config.fixed_step = 1e-4;
     def.ledger = ledger;
     ck_assert_msg(weft_sim_create(&def, &sim, &err) == WEFT_OK, "%s", err.message);
+    (void)fesetround(rounding);
     for (int i = 0; i < STEPS; ++i) {
         ck_assert_msg(weft_sim_step(sim, 1.0, &err) == WEFT_OK, "%s", err.message);
     }
+    (void)fesetround(FE_TONEAREST);
     const uint64_t hash = weft_state_hash(weft_sim_state(sim), weft_cloth_dim(cloth));
     weft_sim_destroy(sim);
     return hash;
@@ -105,7 +169,7 @@ START_TEST(runs_have_the_same_bits_on_any_threads_and_instructions)
     const char *const names[]
         = { "verlet/velocity_verlet", "gsl/rkf45", "arkode/dormand_prince" };
     const size_t threads[] = { 1, 2, 3, 8 };
-    weft_cloth *cloth = flag();
+    weft_cloth *cloth = flag(SIDE, SIDE);
     const weft_stepper_type *method = test_method_named(names[_i]);
     uint64_t first = 0;
     for (size_t i = 0; i < 4 * weft__level_count(); ++i) {
@@ -119,9 +183,27 @@ START_TEST(runs_have_the_same_bits_on_any_threads_and_instructions)
 }
 END_TEST
 
+START_TEST(a_rounding_mode_set_late_gives_the_same_bits_on_any_threads)
+{
+    const char *const names[]
+        = { "verlet/velocity_verlet", "gsl/rkf45", "arkode/dormand_prince" };
+    weft_cloth *cloth = flag(SIDE, SIDE);
+    const weft_stepper_type *method = test_method_named(names[_i]);
+    const uint64_t nearest = run(cloth, method, 1, false);
+    rounding = FE_UPWARD;
+    const uint64_t upward = run(cloth, method, 1, false);
+    ck_assert(upward != nearest);
+    for (size_t i = 0; i < 8; ++i) {
+        ck_assert(run(cloth, method, 2 + i % 2, false) == upward);
+    }
+    rounding = FE_TONEAREST; /* also where no test has a process of its own */
+    weft_cloth_destroy(cloth);
+}
+END_TEST
+
 START_TEST(ledger_has_the_same_state_on_threads)
 {
-    weft_cloth *cloth = flag();
+    weft_cloth *cloth = flag(SIDE, SIDE);
     const weft_stepper_type *method = test_method_named("gsl/rkf45");
     ck_assert(run(cloth, method, 1, false) == run(cloth, method, 3, true));
     weft_cloth_destroy(cloth);
@@ -165,7 +247,7 @@ static uint64_t run_embedded(const weft_cloth *cloth, size_t threads)
 
 START_TEST(pins_that_change_and_outer_forces_have_the_same_bits_on_threads)
 {
-    weft_cloth *cloth = flag();
+    weft_cloth *cloth = flag(SIDE, SIDE);
     ck_assert(run_embedded(cloth, 1) == run_embedded(cloth, 3));
     weft_cloth_destroy(cloth);
 }
@@ -186,7 +268,7 @@ static void *work(void *ctx)
 
 START_TEST(simulations_in_several_threads_share_a_cloth)
 {
-    weft_cloth *cloth = flag();
+    weft_cloth *cloth = flag(SIDE, SIDE);
     const weft_stepper_type *method = test_method_named("verlet/velocity_verlet");
     job jobs[3];
     pthread_t threads[3];
@@ -208,7 +290,7 @@ END_TEST
 /* One bad number in the last band. */
 START_TEST(no_band_hides_what_is_not_finite)
 {
-    weft_cloth *cloth = flag();
+    weft_cloth *cloth = flag(SIDE, SIDE);
     const size_t n = weft_cloth_particles(cloth);
     double *y = malloc(12 * n * sizeof *y);
     ck_assert_ptr_nonnull(y);
@@ -221,6 +303,29 @@ START_TEST(no_band_hides_what_is_not_finite)
         ck_assert_int_eq(weft__forces_rhs(&forces, 0.0, y, y + 6 * n, NULL), 1);
         y[i] = 0.0;
     }
+    weft__forces_destroy(&forces);
+    free(y);
+    weft_cloth_destroy(cloth);
+}
+END_TEST
+
+START_TEST(bands_on_one_thread_have_the_bits_of_the_whole)
+{
+    weft_cloth *cloth = flag(1100, 240);
+    const size_t dim = weft_cloth_dim(cloth);
+    double *y = malloc(3 * dim * sizeof *y), *whole = y + dim, *banded = whole + dim;
+    ck_assert_ptr_nonnull(y);
+    weft_cloth_start(cloth, y);
+    for (size_t j = 0; j < dim; ++j) {
+        y[j] += 1e-3 * sin((double)j);
+    }
+    weft__forces forces = weft__forces_create(cloth, 1, NULL);
+    ck_assert_uint_gt(forces.bands, 1);
+    ck_assert_int_eq(weft_cloth_rhs(cloth, 0.0, y, whole), 0);
+    ck_assert_int_eq(weft__forces_rhs(&forces, 0.0, y, banded, NULL), 0);
+    ck_assert_int_eq(memcmp(whole, banded, dim * sizeof *y), 0);
+    y[7] = (double)NAN;
+    ck_assert_int_eq(weft__forces_rhs(&forces, 0.0, y, banded, NULL), 1);
     weft__forces_destroy(&forces);
     free(y);
     weft_cloth_destroy(cloth);
@@ -240,9 +345,14 @@ int main(void)
     TCase *tcase = tcase_create("threads");
     tcase_set_timeout(tcase, 120);
     tcase_add_test(tcase, every_part_of_every_job_is_done_once);
+    tcase_add_test(tcase,
+                   helpers_take_the_floating_point_mode_of_the_caller_for_every_job);
     tcase_add_test(tcase, threads_are_no_more_than_pay);
     tcase_add_loop_test(tcase, runs_have_the_same_bits_on_any_threads_and_instructions,
                         0, steppers);
+    tcase_add_loop_test(tcase,
+                        a_rounding_mode_set_late_gives_the_same_bits_on_any_threads, 0,
+                        steppers);
     if (steppers > 1) {
         tcase_add_test(tcase, ledger_has_the_same_state_on_threads);
     }
@@ -250,6 +360,7 @@ int main(void)
                    pins_that_change_and_outer_forces_have_the_same_bits_on_threads);
     tcase_add_test(tcase, simulations_in_several_threads_share_a_cloth);
     tcase_add_test(tcase, no_band_hides_what_is_not_finite);
+    tcase_add_test(tcase, bands_on_one_thread_have_the_bits_of_the_whole);
     suite_add_tcase(suite, tcase);
     return test_run(suite);
 }

@@ -27,6 +27,9 @@
 #ifndef BUFFER
 #define BUFFER(self) ((self)->buffer)
 #endif
+#ifndef ON_ENTRY
+#define ON_ENTRY() ((void)0)
+#endif
 #ifndef ON_CREATE
 #define ON_CREATE(self, config) ((void)(config))
 #endif
@@ -180,6 +183,7 @@ WEFT_API const weft_plugin *ENTRY(void)
         .stats = stats,
         .destroy = destroy,
     };
+    ON_ENTRY();
     static const weft_stepper_type *const types[] = { &type, NULL };
     static const weft_plugin plugin = {
         .abi = WEFT_STEPPER_ABI,

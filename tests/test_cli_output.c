@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the program prints: how wide its lines are, how many there are, and the help on
+ * single keys. */
+#include "shell.h"
+
+#define OUT BUILD_DIR "/output"
+
+static void begin(void)
+{
+    (void)unsetenv("WEFT_PLUGIN_PATH");
+    (void)shell("rm -rf " OUT " && mkdir -p " OUT);
+    write_file(OUT "/small.yaml", small_scene);
+}
+
+/* Of UTF-8 text; lines with a path may be as wide as that asks for. */
+static void expect_narrow(size_t most)
+{
+    for (const char *line = output; *line != '\0'; line += line[0] == '\n') {
+        const size_t length = strcspn(line, "\n");
+        size_t width = 0;
+        for (size_t i = 0; i < length; ++i) {
+            width += ((unsigned char)line[i] & 0xC0) != 0x80;
+        }
+        const char *path = strstr(line, BUILD_DIR "/");
+        ck_assert_msg(width <= most || (path != NULL && path < line + length),
+                      "%zu characters: %.*s", width, (int)length, line);
+        line += length;
+    }
+}
+
+START_TEST(help_leaves_room_for_the_margin_of_a_manual_page)
+{
+    static const char *const verbs[]
+        = { "",           "run",  "resume", "batch",  "check",   "steppers",
+            "scene-help", "view", "diff",   "export", "compare", "plugin-test" };
+    for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; ++i) {
+        expect(shell(WEFT " %s --help", verbs[i]), 0);
+        says("usage: weft ");
+        expect_narrow(75);
+    }
+}
+END_TEST
+
+START_TEST(lists_are_at_most_80_characters_wide)
+{
+    static const char *const verbs[]
+        = { "scene-help", "scene-help cloth.springs.stretch.stiffness", "steppers",
+            "plugin-test --all " BUILD_DIR "/plugins/weft-verlet.so",
+            "plugin-test --all " BUILD_DIR "/tests/promises/weft-spoils.so || :" };
+    expect(shell(WEFT " %s", verbs[_i]), 0);
+    expect_narrow(80);
+}
+END_TEST
+
+START_TEST(what_is_said_of_a_scene_is_at_most_80_characters_wide)
+{
+    const char *scene = OUT "/small.yaml";
+#ifdef HAVE_GSL
+    scene = _i == 0 ? scene : "scenes/flag.yaml";
+#endif
+    expect(shell(WEFT " check --all --refine %s", scene), 0);
+    says("  stability  omega <= ");
+    expect_narrow(80);
+    expect(shell(WEFT
+                 " run %s --out " OUT "/run --set run.duration=0.2 --set "
+                 "'name=a name of many words that goes on and on until it is wider "
+                 "than a line' --set 'limit={method: provot}' 2>/dev/null",
+                 scene),
+           0);
+    says("  strain     at most ");
+    expect_narrow(80);
+}
+END_TEST
+
+START_TEST(many_exported_frames_are_one_line)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/r --quiet"), 0);
+    expect(shell(WEFT " export " OUT "/r --format obj --frame all"), 0);
+    ck_assert_str_eq(output, OUT "/r/frames/frame-000000.obj to frame-000010.obj, 11 "
+                                 "files\n");
+    expect(shell("ls " OUT "/r/frames | wc -l"), 0);
+    ck_assert_int_eq(atoi(output), 11);
+    expect(shell(WEFT " export " OUT "/r --format pvd"), 0);
+    ck_assert_str_eq(output, OUT "/r/frames/frame-000000.vtp to frame-000010.vtp, 11 "
+                                 "files\n" OUT "/r/run.pvd\n");
+    expect(shell(WEFT " export " OUT "/r --format csv --frame 3"), 0);
+    ck_assert_str_eq(output, OUT "/r/frames/frame-000003.csv\n");
+    expect(shell("rm " OUT "/r/run.vtkhdf && " WEFT " export " OUT
+                 "/r --format ply --frame all 2>/dev/null"),
+           0);
+    ck_assert_str_eq(output, OUT "/r/frames/frame-000000.ply to frame-000010.ply, 11 "
+                                 "files\n");
+}
+END_TEST
+
+START_TEST(help_on_a_key_prints_that_key_and_those_below_it)
+{
+    expect(shell(WEFT " scene-help stepper.rtol"), 0);
+    ck_assert_str_eq(output, "stepper.rtol        number >= 0; default 1.0e-6\n"
+                             "                    relative tolerance\n");
+    expect(shell(WEFT " scene-help forces.wind"), 0);
+    ck_assert_str_eq(output,
+                     "forces.wind         mapping; default no wind\n"
+                     "                    air that moves\n"
+                     "  velocity          vector [x, y, z] [m/s]; required\n"
+                     "                    of the air\n"
+                     "  drag              number >= 0 [kg/(m^2 s)]; required\n"
+                     "                    F = drag * area * (n . (velocity - v)) n\n");
+    expect(shell(WEFT " scene-help cloth.pins.0.at.rows 'cloth.loads[].mass'"), 0);
+    ck_assert_str_eq(output,
+                     "cloth.pins.0.at.rows\n"
+                     "                    index, [first, last] or all; default rows or "
+                     "row\n"
+                     "                    row 0 is the top; negative counts from the "
+                     "end\n"
+                     "cloth.loads[].mass  number > 0 [kg]; required\n"
+                     "                    goes to each of them\n");
+}
+END_TEST
+
+START_TEST(help_on_a_key_that_is_not_there_names_those_that_are)
+{
+    static const char *const wrong[][2] = {
+        { "stepper.rtoll", "unknown key 'rtoll' in stepper (did you mean 'rtol'?)\n" },
+        { "run.frames", "unknown key 'frames' in run; run has duration, fps, threads, "
+                        "checkpoint\n" },
+        { "drag",
+          "unknown key 'drag' in the scene (it is a key of forces.wind); the " },
+        { "run.fps.x", "unknown key 'x' in fps; it has no keys\n" },
+        { "''", "unknown key '' in the scene; the scene has " },
+        { "run --markdown", "--markdown prints all keys\n" },
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        expect(shell(WEFT " scene-help %s 2>&1", wrong[i][0]), 2);
+        says(wrong[i][1]);
+    }
+}
+END_TEST
+
+START_TEST(runs_of_a_sweep_over_methods_have_readable_names)
+{
+    expect(shell("echo 'sweep: {stepper.method: [verlet/euler, midpoint], "
+                 "stepper.fixed_step: [1.0e-3, 5.0e-4]}' >> " OUT "/small.yaml && " WEFT
+                 " batch " OUT "/small.yaml --set run.duration=0.05 --quiet --out " OUT
+                 "/b"),
+           0);
+    expect(shell("ls " OUT "/b"), 0);
+    ck_assert_str_eq(output, "small_method=midpoint_fixed_step=1.0e-3\n"
+                             "small_method=midpoint_fixed_step=5.0e-4\n"
+                             "small_method=verlet-euler_fixed_step=1.0e-3\n"
+                             "small_method=verlet-euler_fixed_step=5.0e-4\n"
+                             "summary.csv\n");
+    expect(shell("cut -d, -f1-4 " OUT "/b/summary.csv"), 0);
+    ck_assert_str_eq(output, "stepper.method,stepper.fixed_step,scene,status\n"
+                             "verlet/euler,1.0e-3,small,done\n"
+                             "verlet/euler,5.0e-4,small,done\n"
+                             "midpoint,1.0e-3,small,done\n"
+                             "midpoint,5.0e-4,small,done\n");
+    expect(shell(WEFT " resume " OUT
+                      "/b/small_method=verlet-euler_fixed_step=5.0e-4 2>&1"),
+           0);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("cli output");
+    TCase *program = tcase_create("output");
+    tcase_add_checked_fixture(program, begin, NULL);
+    tcase_set_timeout(program, 120.0);
+    tcase_add_test(program, help_leaves_room_for_the_margin_of_a_manual_page);
+    tcase_add_loop_test(program, lists_are_at_most_80_characters_wide, 0, 5);
+    tcase_add_loop_test(program, what_is_said_of_a_scene_is_at_most_80_characters_wide,
+                        0, 2);
+    tcase_add_test(program, many_exported_frames_are_one_line);
+    tcase_add_test(program, help_on_a_key_prints_that_key_and_those_below_it);
+    tcase_add_test(program, help_on_a_key_that_is_not_there_names_those_that_are);
+    tcase_add_test(program, runs_of_a_sweep_over_methods_have_readable_names);
+    suite_add_tcase(suite, program);
+    return test_run(suite);
+}
