@@ -64,4 +64,4 @@ async function write(name, entry, shape, software) {
 }
 
 await write('player', 'main', 'page', ['three', 'uplot']);
-await write('compare', 'compare', 'compare', ['uplot']);
+await write('compare', 'compare', 'compare', []);

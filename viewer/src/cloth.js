@@ -132,28 +132,38 @@ export class Cloth {
             new MeshLambertMaterial(), this.beadAt.length,
         );
         const pinned = new Set(page.pinned);
-        this.beadAt.forEach((i, k) => {
-            beads.setColorAt(k, pinned.has(i) ? PIN : FRONT);
-        });
+        this.beadAt.forEach((i, k) => beads.setColorAt(k, PIN));
+        this.painted = this.beadAt.filter((i) => !pinned.has(i));
         beads.castShadow = this.chain;
         return beads;
     }
 
-    show(frame, quantity) {
+    /** `place`, if there is one: { from, scale, to }, p is drawn at to + (p - from) / scale. */
+    show(frame, quantity, place) {
         const [rows, cols] = this.page.shown;
         const { position, normal, color } = this.geometry.attributes;
         for (let k = 0; k < 3; ++k) {
             this.run.blocks[frame].read(k, position.array, k, 3);
+            for (let i = k; place && i < position.array.length; i += 3) {
+                position.array[i] = place.to[k] + (position.array[i] - place.from[k]) / place.scale;
+            }
         }
         normals(position.array, rows, cols, normal.array);
         this.colour(frame, quantity, color.array);
-        const place = new Matrix4();
+        const matrix = new Matrix4();
         this.beadAt.forEach((i, k) => {
-            this.beads.setMatrixAt(k, place.makeTranslation(...position.array.subarray(3 * i, 3 * i + 3)));
+            this.beads.setMatrixAt(k, matrix.makeTranslation(...position.array.subarray(3 * i, 3 * i + 3)));
         });
-        for (const changed of [position, normal, color, this.beads.instanceMatrix]) {
+        const ink = new Color();
+        this.painted.forEach((i) => this.beads.setColorAt(i, ink.fromArray(color.array, 3 * i)));
+        for (const changed of [position, normal, color, this.beads.instanceMatrix, this.beads.instanceColor].filter(Boolean)) {
             changed.needsUpdate = true;
         }
+    }
+
+    /** The line of a chain lies on nothing but the background. */
+    setInk(dark) {
+        this.lines.material.color.set(this.chain && dark ? '#d9d5cc' : '#000000');
     }
 
     colour(frame, quantity, out) {

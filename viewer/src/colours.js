@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // colours.js -- quantities a cloth is coloured by, their ranges, and the bar beside it.
+import { fitted } from './data.js';
 
 // From linen to dark red, darker all the way: calm cloth looks like cloth, and a person who
 // sees no colours still sees the order.
@@ -61,30 +62,36 @@ function evenly(most, unit, factor) {
     };
 }
 
-// Runs part by powers of ten: six of them below the largest distance.
-function decades(most, unit) {
-    const top = Math.ceil(Math.log10(most > 0 ? most : 1e-12));
-    const low = top - 6;
+// Runs part by powers of ten: six of them below the largest distance, or from `least` on.
+function decades(most, unit, factor = 1, least = 0) {
+    const top = Math.ceil(Math.log10(most > 0 ? most * factor : 1e-12));
+    const low = least > 0 ? Math.floor(Math.log10(least)) : top - 6;
     return {
         unit,
-        place: (value) => (value > 0 ? (Math.log10(value) - low) / 6 : 0),
-        ticks: [0, 2, 4, 6].map((k) => `1e${low + k}`),
+        place: (value) => (value > 0 ? (Math.log10(value * factor) - low) / (top - low) : 0),
+        ticks: [0, 1, 2, 3].map((k) => `1e${low + Math.round((k / 3) * (top - low))}`),
     };
+}
+
+/** Of a run that blows up, all of it: from what it was before, or a unit, by powers of ten. */
+function blownUp(page, plane, unit, factor) {
+    const calm = page.runs.flatMap((run) => run.blocks.slice(0, page.calm));
+    const most = Math.max(...page.runs.flatMap((run) => run.blocks.map((block) => block.range(plane)[1])));
+    return decades(most, unit, factor, Math.max(1, factor * highest(page, calm, plane)));
 }
 
 /** What the page offers, by name; `blocks(run)` and `plane` tell where the numbers are. */
 export function quantities(page) {
-    const all = page.runs.flatMap((run) => run.blocks.slice(0, page.calm));
-    const known = {
-        strain: (plane) => evenly(highest(page, all, plane), '%', 100),
-        speed: (plane) => evenly(highest(page, all, plane), 'm/s', 1),
-    };
+    const all = page.runs.flatMap((run) => fitted(page, run.blocks));
+    const made = (unit, factor) => (plane) => (page.all
+        ? blownUp(page, plane, unit, factor) : evenly(highest(page, all, plane), unit, factor));
+    const known = { strain: made('%', 100), speed: made('m/s', 1) };
     const list = page.fields.filter((name) => known[name]).map((name) => ({
         name, plane: 3 + page.fields.indexOf(name), blocks: (run) => run.blocks,
         ...known[name](3 + page.fields.indexOf(name)),
     }));
     if (page.apart.length > 0) {
-        const most = Math.max(...page.apart.slice(0, page.calm).map((block) => block.range(0)[1]));
+        const most = Math.max(...fitted(page, page.apart).map((block) => block.range(0)[1]));
         list.unshift({ name: 'difference', plane: 0, blocks: () => page.apart, ...decades(most, 'm') });
     }
     return list;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // compare.js -- work and precision: the error of every method against what it costs.
-import uPlot from 'uplot';
-import { axis } from './plots.js';
+import { decades, powerText } from './decades.js';
 
 const INKS = 10;
 const REACH = 24; // px: a point nearer to the pointer is meant
@@ -32,7 +31,6 @@ page.methods.forEach((method, i) => {
     method.colour = best.has(i) || method.own ? `--curve-${ink++ % INKS}` : '--curve-other';
     method.other = method.colour === '--curve-other';
 });
-const style = (name) => getComputedStyle(document.body).getPropertyValue(name).trim();
 const visible = (method) => !state.hidden.has(method) && (state.others || !method.other)
     && (!state.time || method.callTime > 0);
 // Grey ones below.
@@ -42,137 +40,133 @@ const decade = (round, v) => 10 ** round(Math.log10(v));
 const all = page.methods.flatMap((method) => method.points.filter(drawable));
 const ERRORS = [decade(Math.floor, Math.min(TOP, ...all.map((p) => p.error))), decade(Math.ceil, Math.max(1e-12, ...all.map((p) => p.error)))];
 
-let plot = null;
+// ---- the diagram --------------------------------------------------------------------
 
-/** Along the ladder, whatever way its costs go. */
-function line(u, method) {
-    const lit = state.lit?.method === method;
-    u.ctx.beginPath();
-    method.points.filter(drawable).forEach((point) => u.ctx.lineTo(u.valToPos(costOf(method, point), 'x', true), u.valToPos(point.error, 'y', true)));
-    u.ctx.lineWidth = (lit ? 3 : method.other ? 1 : 2) * devicePixelRatio;
-    u.ctx.strokeStyle = style(lit && method.other ? '--ink' : method.colour);
-    u.ctx.stroke();
+const LEFT = 66; // px around the curves
+const RIGHT = 12;
+const ABOVE = 10;
+const BELOW = 48;
+let plot = null; // { x, y }: px in the diagram of costs and of errors
+
+function shape(tag, attributes, ...children) {
+    const made = document.createElementNS('http://www.w3.org/2000/svg', tag);
+    Object.entries(attributes).forEach(([name, value]) => made.setAttribute(name, value));
+    made.append(...children);
+    return made;
 }
 
-function circle(u, method, point) {
-    const x = u.valToPos(costOf(method, point), 'x', true);
-    const y = u.valToPos(point.error, 'y', true);
-    const lit = state.lit?.point === point;
-    u.ctx.beginPath();
-    u.ctx.arc(x, y, (lit ? 6 : method.other ? 2.5 : 3.5) * devicePixelRatio, 0, 2 * Math.PI);
-    u.ctx.lineWidth = 1.5 * devicePixelRatio;
-    u.ctx.strokeStyle = style(lit && method.other ? '--ink' : method.colour);
-    u.ctx.fillStyle = point.error < page.near ? style('--card') : u.ctx.strokeStyle;
-    u.ctx.fill();
-    u.ctx.stroke();
+const word = (x, y, text, className = '', more = {}) => shape('text', { x, y, class: className, ...more }, text);
+const logarithmic = ([lo, hi], from, to) => (v) => from + ((to - from) * Math.log(v / lo)) / Math.log(hi / lo);
+const count = (t) => (t >= 1e6 ? `${t / 1e6}M` : t >= 1e3 ? `${t / 1e3}k` : String(Number(t.toPrecision(1))));
+
+/** The scene with its own settings. */
+function own() {
+    const method = page.methods.find((m) => m.own);
+    return page.own && method && visible(method) && drawable(page.own) ? [{ method, point: page.own }] : [];
+}
+
+const points = () => [...shown().flatMap((method) => method.points.filter(drawable).map((p) => ({ method, point: p }))), ...own()];
+
+function axes(range, [left, top, right, bottom]) {
+    const grid = (x1, y1, x2, y2) => shape('line', { x1, y1, x2, y2, class: 'grid' });
+    return [
+        ...decades(...range, (right - left) / 50).flatMap((v) => [grid(plot.x(v), top, plot.x(v), bottom + 4), word(plot.x(v), bottom + 17, count(v), 'middle')]),
+        ...decades(...ERRORS, 14).flatMap((v) => [grid(left - 4, plot.y(v), right, plot.y(v)), word(left - 8, plot.y(v) + 4, powerText(v), 'end')]),
+        word((left + right) / 2, bottom + 38, state.time ? 'time [s]' : 'evaluations of the forces', 'middle'),
+        word(0, 0, 'error [m]', 'middle', { transform: `translate(14 ${(top + bottom) / 2}) rotate(-90)` }),
+    ];
 }
 
 /** What is nearer to the reference than its own error allows to be judged. */
-function band(u) {
-    const y = Math.max(u.valToPos(page.near, 'y', true), u.bbox.top);
-    const bottom = u.bbox.top + u.bbox.height;
-    if (page.near > 0 && y < bottom) {
-        u.ctx.fillStyle = style('--band');
-        u.ctx.fillRect(u.bbox.left, y, u.bbox.width, bottom - y);
-        u.ctx.fillStyle = style('--ink-soft');
-        u.ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
-        u.ctx.textAlign = 'left';
-        u.ctx.textBaseline = 'alphabetic';
-        u.ctx.fillText('not judged: the reference is no better', u.bbox.left + 8 * devicePixelRatio, Math.min(y + 15 * devicePixelRatio, bottom - 4 * devicePixelRatio));
-    }
+function band([left, top, right, bottom]) {
+    const y = Math.max(page.near > 0 ? plot.y(page.near) : bottom, top);
+    return y >= bottom ? [] : [
+        shape('rect', { x: left, y, width: right - left, height: bottom - y, class: 'band' }),
+        word(left + 8, Math.min(y + 15, bottom - 4), 'not judged: the reference is no better'),
+    ];
 }
 
-/** The scene with its own settings: a diamond. */
-function diamond(u) {
-    const own = page.methods.find((method) => method.own);
-    if (!page.own || !own || !visible(own) || !drawable(page.own)) {
-        return;
-    }
-    const x = u.valToPos(costOf(own, page.own), 'x', true);
-    const y = u.valToPos(page.own.error, 'y', true);
-    const r = (state.lit?.point === page.own ? 10 : 7) * devicePixelRatio;
-    u.ctx.beginPath();
-    u.ctx.moveTo(x, y - r);
-    u.ctx.lineTo(x + r, y);
-    u.ctx.lineTo(x, y + r);
-    u.ctx.lineTo(x - r, y);
-    u.ctx.closePath();
-    u.ctx.fillStyle = style(own.colour);
-    u.ctx.strokeStyle = style('--card');
-    u.ctx.lineWidth = 2 * devicePixelRatio;
-    u.ctx.fill();
-    u.ctx.stroke();
+/** Along the ladder, whatever way its costs go. */
+function curve(method) {
+    const places = method.points.filter(drawable).map((p) => ({ p, x: plot.x(costOf(method, p)), y: plot.y(p.error) }));
+    const made = shape('g', { class: method.other ? 'curve other' : 'curve' }, shape('polyline', { points: places.map(({ x, y }) => `${x},${y}`).join(' ') }), ...places.map(({ p, x, y }) => {
+        const dot = shape('circle', { cx: x, cy: y, r: method.other ? 2.5 : 3.5, class: p.error < page.near ? 'near' : '' });
+        dot.point = p;
+        return dot;
+    }));
+    made.method = method;
+    made.style.setProperty('--ink-of', `var(${method.colour})`);
+    return made;
 }
 
-function drawPoints(u) {
-    u.ctx.save();
-    u.ctx.beginPath();
-    u.ctx.rect(u.bbox.left - 8, u.bbox.top - 8, u.bbox.width + 16, u.bbox.height + 16);
-    u.ctx.clip();
-    shown().forEach((method) => {
-        line(u, method);
-        method.points.filter(drawable).forEach((point) => circle(u, method, point));
-    });
-    diamond(u);
-    u.ctx.restore();
-}
-
-/** 1, 2 and 5 times powers of ten; these alone where there are many. */
-function round125(_, __, low, high) {
-    const powers = [];
-    for (let k = Math.floor(Math.log10(low)); k <= Math.ceil(Math.log10(high)); ++k) {
-        powers.push(k);
-    }
-    const factors = powers.length > 4 ? [1] : [1, 2, 5];
-    return powers.flatMap((k) => factors.map((m) => Number(`${m}e${k}`))).filter((v) => v >= low && v <= high);
-}
-
-const counts = (_, ticks) => ticks.map((t) => (t === null ? '' : t >= 1e6 ? `${t / 1e6}M` : t >= 1e3 ? `${t / 1e3}k` : String(Number(t.toPrecision(1)))));
-
-function around(costs) {
-    const own = page.methods.find((method) => method.own);
-    const list = page.own && own && visible(own) ? [...costs, costOf(own, page.own)] : costs;
-    return [0.8 * Math.min(...list), 1.25 * Math.max(...list)];
+function diamond({ method, point: p }) {
+    const made = shape('path', { d: 'M0-7 7 0 0 7-7 0z', class: 'own', transform: `translate(${plot.x(costOf(method, p))} ${plot.y(p.error)})` });
+    made.point = p;
+    made.style.setProperty('--ink-of', `var(${method.colour})`);
+    return made;
 }
 
 function draw() {
-    plot?.destroy();
-    const costs = shown().flatMap((method) => method.points.filter(drawable).map((p) => costOf(method, p)));
-    const range = costs.length > 0 ? around(costs) : [1, 10];
-    const width = $('plot').clientWidth;
-    const xAxis = { ...axis(style, true), size: 44, label: state.time ? 'time [s]' : 'evaluations of the forces', labelSize: 18, labelFont: '12px system-ui, sans-serif', splits: round125, filter: (_, ticks) => ticks, grid: { stroke: style('--line'), width: 1 }, ticks: { stroke: style('--line'), width: 1, size: 4 }, values: counts };
-    plot = new uPlot({
-        width,
-        height: Math.round(Math.min(Math.max(0.72 * width, 320), Math.max(360, innerHeight - 240))),
-        padding: [10, 12, 0, 0],
-        legend: { show: false },
-        cursor: { show: false },
-        scales: { x: { time: false, distr: 3, range: () => range }, y: { distr: 3, range: () => ERRORS } },
-        axes: [xAxis, { ...axis(style, true), size: 56, label: 'error [m]', labelSize: 16, labelFont: '12px system-ui, sans-serif' }],
-        series: [{}, {}],
-        hooks: { drawAxes: [band], draw: [drawPoints] },
-    }, [range, [null, null]], $('plot'));
-    plot.over.addEventListener('pointermove', point);
-    plot.over.addEventListener('pointerdown', point);
-    plot.over.addEventListener('pointerleave', () => light(null));
+    const costs = points().map(({ method, point: p }) => costOf(method, p));
+    const range = costs.length > 0 ? [0.8 * Math.min(...costs), 1.25 * Math.max(...costs)] : [1, 10];
+    const width = Math.max($('plot').clientWidth, 160); // 0 before a phone has its layout
+    const height = Math.round(Math.min(Math.max(0.72 * width, 320), Math.max(360, innerHeight - 240)));
+    const sides = [LEFT, ABOVE, width - RIGHT, height - BELOW];
+    plot = { x: logarithmic(range, sides[0], sides[2]), y: logarithmic(ERRORS, sides[3], sides[1]) };
+    $('plot').replaceChildren(shape('svg', { width, height, viewBox: `0 0 ${width} ${height}`, 'aria-hidden': true }, ...band(sides), ...axes(range, sides), ...shown().map(curve), ...own().map(diamond)));
+}
+
+// ---- as a file ----------------------------------------------------------------------
+
+const KEPT = ['fill', 'stroke', 'stroke-width', 'font-size', 'font-family', 'text-anchor']; // inherited, all of them
+
+/** A copy with the styles in force as attributes, for programs that know no style sheet. */
+function frozen(live, parent = {}) {
+    const style = getComputedStyle(live);
+    const copy = live.cloneNode(false);
+    ['class', 'style', 'aria-hidden'].forEach((name) => copy.removeAttribute(name));
+    KEPT.filter((name) => style[name] !== parent[name]).forEach((name) => copy.setAttribute(name, style[name]));
+    copy.append(...[...live.childNodes].map((child) => (child.nodeType === Node.TEXT_NODE ? child.data : frozen(child, style))));
+    return copy;
+}
+
+/** The diagram with its scene's name, its names of coloured curves, and its background. */
+function asFile() {
+    const svg = $('plot').firstChild;
+    const [width, height] = ['width', 'height'].map((name) => Number(svg.getAttribute(name)));
+    const methods = shown().filter((method) => !method.other && method.points.some(drawable));
+    const columns = Math.max(1, Math.floor((width - LEFT) / 190));
+    const tall = height + 18 * Math.ceil(methods.length / columns) + 10;
+    const names = methods.map((method, i) => {
+        const [x, y] = [LEFT + 190 * (i % columns), height + 10 + 18 * Math.floor(i / columns)];
+        const made = shape('g', { class: 'curve' }, shape('line', { x1: x, y1: y - 4, x2: x + 14, y2: y - 4 }), word(x + 20, y, nameOf(method)));
+        made.style.setProperty('--ink-of', `var(${method.colour})`);
+        return made;
+    });
+    const more = [shape('rect', { y: -30, width, height: tall + 30, class: 'card' }), word(LEFT, -12, page.scene, 'title'), ...names];
+    svg.prepend(...more);
+    const copy = frozen(svg);
+    more.forEach((part) => part.remove());
+    copy.setAttribute('viewBox', `0 -30 ${width} ${tall + 30}`);
+    copy.setAttribute('height', tall + 30);
+    return new XMLSerializer().serializeToString(copy);
+}
+
+function save() {
+    const link = element('a');
+    link.href = URL.createObjectURL(new Blob([asFile()], { type: 'image/svg+xml' }));
+    link.download = 'compare.svg';
+    link.click();
+    URL.revokeObjectURL(link.href);
 }
 
 // ---- the point under the pointer --------------------------------------------------
 
 function nearest(left, top) {
-    let found = null;
-    const consider = (method, p) => {
-        const far = Math.hypot(plot.valToPos(costOf(method, p), 'x') - left, plot.valToPos(p.error, 'y') - top);
-        if (far < (found?.far ?? REACH)) {
-            found = { method, point: p, far };
-        }
-    };
-    shown().forEach((method) => method.points.filter(drawable).forEach((p) => consider(method, p)));
-    const own = page.methods.find((method) => method.own);
-    if (page.own && own && visible(own)) {
-        consider(own, page.own);
-    }
-    return found;
+    const found = points().map(({ method, point: p }) => ({
+        method, point: p, far: Math.hypot(plot.x(costOf(method, p)) - left, plot.y(p.error) - top),
+    })).filter(({ far }) => far < REACH);
+    return found.reduce((least, one) => (one.far < (least?.far ?? Infinity) ? one : least), null);
 }
 
 function lines(method, p) {
@@ -201,12 +195,13 @@ function light(found, event) {
 }
 
 function lightMethod() {
-    document.querySelectorAll('#legend button').forEach((button) => button.classList.toggle('lit', button.method === state.lit?.method));
-    plot.redraw(false);
+    const { method, point: p } = state.lit ?? {};
+    document.querySelectorAll('#legend button, .curve').forEach((made) => made.classList.toggle('lit', made.method === method));
+    document.querySelectorAll('#plot circle, .own').forEach((made) => made.classList.toggle('lit', made.point === p));
 }
 
 function point(event) {
-    const box = plot.over.getBoundingClientRect();
+    const box = $('plot').getBoundingClientRect();
     light(nearest(event.clientX - box.left, event.clientY - box.top), event);
 }
 
@@ -272,14 +267,14 @@ function fillFiles() {
     $('files').append(
         element('details', '', element('summary', '', 'every run'), element('div', 'scroll', element('table', '', row('th', head), ...rows))),
         element('details', '', element('summary', '', 'the scene'), element('pre', '', page.yaml)),
-        element('p', '', `made by weft ${page.weft}; uPlot inside, licences in the source of this page`),
+        element('p', '', `made by weft ${page.weft}`),
     );
 }
 
 function update() {
     $('by-calls').setAttribute('aria-pressed', !state.time);
     $('by-time').setAttribute('aria-pressed', state.time);
-    $('all').setAttribute('aria-pressed', state.others);
+    $('all').checked = state.others;
     document.querySelectorAll('#legend button').forEach((button) => {
         button.setAttribute('aria-pressed', !state.hidden.has(button.method));
         button.hidden = button.method.other && !state.others;
@@ -293,21 +288,23 @@ const isDark = () => (document.documentElement.dataset.theme ?? (prefersDark.mat
 
 function toggleTheme() {
     document.documentElement.dataset.theme = isDark() ? 'light' : 'dark';
-    draw();
 }
 
 function listen() {
     const on = (id, action) => $(id).addEventListener('click', action);
+    $('plot').addEventListener('pointermove', point);
+    $('plot').addEventListener('pointerdown', point);
+    $('plot').addEventListener('pointerleave', () => light(null));
     on('by-calls', () => { state.time = false; update(); });
     on('by-time', () => { state.time = true; update(); });
-    on('all', () => { state.others = !state.others; update(); });
+    on('all', () => { state.others = $('all').checked; update(); });
+    on('save', save);
     on('theme', toggleTheme);
     addEventListener('keydown', (event) => {
         if (event.key === 'd' && !event.ctrlKey && !event.metaKey && !event.altKey) {
             toggleTheme();
         }
     });
-    prefersDark.addEventListener('change', draw);
     let width = $('plot').clientWidth;
     new ResizeObserver(() => {
         if ($('plot').clientWidth !== width) {
@@ -323,4 +320,5 @@ fillFiles();
 listen();
 update();
 document.documentElement.dataset.ready = '';
+/** For tests and for the console. */
 window.weft = { page, state, get plot() { return plot; }, shown, costOf };

@@ -90,7 +90,8 @@ const readRun = (run) => ({
 const REACH = 10; // a cloth that gets so many times as large has blown up
 
 const box = (block) => [0, 1, 2].map((k) => block.range(k));
-const size = (block) => Math.hypot(...box(block).map(([lo, hi]) => hi - lo));
+const length = (sides) => Math.hypot(...sides.map(([lo, hi]) => hi - lo));
+const size = (block) => length(box(block));
 
 /** How many frames there are before the first run blows up; all, if none does. */
 function calmFrames(runs, frames) {
@@ -117,7 +118,25 @@ export function readPage(root) {
         ? meta.times.map((_, i) => new Block(elements[i * stride + runs.length], 1, count))
         : [];
     const calm = calmFrames(runs, meta.times.length);
-    return { ...meta, runs, apart, count, calm, obstacles: meta.obstacles ?? [] };
+    const blown = calm < meta.times.length;
+    // Two frames make no plot.
+    return { ...meta, runs, apart, count, calm, blown, all: blown && calm < 3, obstacles: meta.obstacles ?? [] };
+}
+
+/** Frames that view, colours and plots fit: all, or those before a run blows up. */
+export const fitted = (page, list) => (page.all ? list : list.slice(0, page.calm));
+
+/** Where the runs are in a frame, and how many times as large as `most` [m]: 1, 2 or 5
+ * times a power of ten, 1 at least. */
+export function extent(page, frame, most) {
+    const boxes = page.runs.map((run) => box(run.blocks[frame]));
+    const sides = [0, 1, 2].map((k) => [Math.min(...boxes.map((b) => b[k][0])), Math.max(...boxes.map((b) => b[k][1]))]);
+    const times = Math.max(1, length(sides) / most);
+    const power = 10 ** Math.floor(Math.log10(times));
+    return {
+        centre: sides.map(([lo, hi]) => (lo + hi) / 2),
+        scale: power * [1, 2, 5, 10].find((m) => m * power >= times),
+    };
 }
 
 /** The box around each calm frame of each run: [lo x, hi x], [lo y, hi y], [lo z, hi z]. */

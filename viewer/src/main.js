@@ -4,16 +4,17 @@ import { drawLegend, quantities } from './colours.js';
 import { boxes, readPage } from './data.js';
 import { nearest, Plots } from './plots.js';
 import { isSoftware, Stage } from './stage.js';
-import { writeFiles, writeHeader, writeLabels } from './words.js';
+import { writeFiles, writeHeader, writeLabels, writeNotes } from './words.js';
 
 const RATES = [0.1, 0.25, 0.5, 1, 2, 4];
 const THREADS_BELOW = 50; // particles along a side: more would be a grey veil
 const $ = (id) => document.getElementById(id);
-const asked = new URLSearchParams(location.hash.slice(1)); // #frame=30&colour=strain&play=0&quality=fine
+const asked = new URLSearchParams(location.hash.slice(1)); // #frame=30&colour=strain&all=1&play=0&quality=fine
 
 const page = readPage(document);
+page.all = page.blown && (asked.has('all') ? asked.get('all') === '1' : page.all);
 const { times } = page;
-const colours = [null, ...quantities(page)];
+let colours = [null, ...quantities(page)];
 const state = { frame: 0, colour: colours.length > 1 && page.apart.length > 0 ? 1 : 0, rate: 3, playing: false };
 let stage = null;
 try {
@@ -31,7 +32,8 @@ function seek(frame) {
     state.frame = Math.min(Math.max(Math.round(frame), 0), times.length - 1);
     const t = times[state.frame];
     const number = page.runs[0].numbers[state.frame];
-    stage?.show(state.frame, colours[state.colour]);
+    const scale = stage?.show(state.frame, colours[state.colour]);
+    $('scale').textContent = stage ? `floor: ${Number((stage.cell * scale).toPrecision(3))} m a square` : '';
     plots.show(state.frame);
     $('scrub').value = state.frame;
     $('scrub').setAttribute('aria-valuetext', `frame ${number}, ${t.toFixed(3)} s`);
@@ -106,6 +108,16 @@ function setThreads(on) {
     stage?.setThreads(on);
 }
 
+/** Of a run that blows up: fit every finite frame, or those before. */
+function setAll(on) {
+    page.all = page.blown && on;
+    $('all').checked = page.all;
+    colours = [null, ...quantities(page)];
+    writeNotes(page);
+    plots.draw();
+    setColour(state.colour);
+}
+
 const prefersDark = matchMedia('(prefers-color-scheme: dark)');
 const isDark = () => (document.documentElement.dataset.theme ?? (prefersDark.matches ? 'dark' : 'light')) === 'dark';
 
@@ -145,6 +157,7 @@ const KEYS = {
     '-': () => setRate(state.rate - 1),
     c: () => setColour(state.colour + 1),
     t: () => setThreads(!$('threads').checked),
+    a: () => setAll(!page.all),
     r: fit,
     d: toggleTheme,
     '?': showHelp,
@@ -167,6 +180,8 @@ function fillChoices() {
     $('colour').append(...colours.map((c) => option(c ? c.name : 'plain')));
     $('rate').append(...RATES.map((rate) => option(`${rate}×`)));
     $('scrub').max = times.length - 1;
+    $('fit-all').hidden = !page.blown;
+    $('all').checked = page.all;
 }
 
 function listen() {
@@ -181,6 +196,7 @@ function listen() {
     on('colour', 'change', () => setColour($('colour').selectedIndex));
     on('rate', 'change', () => setRate($('rate').selectedIndex));
     on('threads', 'change', () => setThreads($('threads').checked));
+    on('all', 'change', () => setAll($('all').checked));
     on('reset', 'click', fit);
     on('theme', 'click', toggleTheme);
     on('help', 'click', showHelp);
@@ -191,6 +207,7 @@ function listen() {
 
 function start() {
     writeHeader(page);
+    writeNotes(page);
     writeFiles(page);
     fillChoices();
     listen();
@@ -200,7 +217,6 @@ function start() {
             writeLabels(page, stage.stacked);
         }).observe($('canvas'));
         stage.resize();
-        $('scale').textContent = `floor: ${stage.cell} m a square`;
     }
     applyTheme();
     setRate(state.rate);

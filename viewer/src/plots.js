@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // plots.js -- columns of series.csv against time, with a line at the frame shown.
 import uPlot from 'uplot';
+import { decades, powerText } from './decades.js';
 
 const HEIGHT = 132;
+const SPAN = 1e3; // an axis that reaches so far beyond what it must show has powers of ten
 const DASHES = [[], [5, 4]]; // first run, second run
 const INKS = 5;
 
@@ -20,7 +22,8 @@ function total(columns) {
 const column = (name, ink, label = name) => ({ label, ink, of: (c) => c.get(name) });
 
 /** Every plot: a title with its unit, and curves made of columns; a curve whose columns
- * a run does not have is left out. `brief` curves are those kept when two runs share it. */
+ * a run does not have is left out. `brief` curves are those kept when two runs share it.
+ * `early`: what is small at first must be seen, too; `least` is as small as it matters. */
 const PLOTS = [
     {
         title: 'energy [J]',
@@ -33,7 +36,13 @@ const PLOTS = [
         ],
     },
     {
+        title: 'energy error (residual) [J]',
+        early: true,
+        curves: [{ ...column('residual', 3), brief: true }],
+    },
+    {
         title: 'largest strain [%]',
+        least: 1,
         curves: [
             { label: 'strain', ink: 0, brief: true, of: (c) => times100(c.get('max_strain')) },
             { label: 'limited', ink: 3, of: (c) => times100(nonzero(c.get('limit_strain'))) },
@@ -60,14 +69,16 @@ const difference = (page) => ({
     }] }],
 });
 
-const some = (values) => values?.some((v) => Number.isFinite(v));
+const some = (values) => values?.some(Number.isFinite);
+/** Gaps in the place of what is not finite. */
+const finite = (values) => values?.map((v) => (Number.isFinite(v) ? v : null));
 
 function assemble(page, plot) {
     const runs = page.runs.map((run) => ({
         time: run.columns.get('time') ?? [],
         curves: plot.curves
             .filter((curve) => page.runs.length === 1 || curve.brief)
-            .map((curve) => ({ ...curve, values: curve.of(run.columns) }))
+            .map((curve) => ({ ...curve, values: finite(curve.of(run.columns)) }))
             .filter((curve) => some(curve.values)),
     }));
     return { ...plot, runs };
@@ -82,28 +93,84 @@ function short(v) {
 
 const fromZero = (_, lo, hi) => [Math.min(0, lo), 1.1 * hi || 1];
 
-/** Of a run that blows up the axis of what was before, up to time t; it goes on beyond. */
-function before(data, t, log) {
-    const values = data.slice(1).flatMap((list) => list.filter((v, i) => data[0][i] <= t && Number.isFinite(v)));
-    const [lo, hi] = [Math.min(...values), Math.max(...values)];
-    return () => (log ? uPlot.rangeLog(lo, hi, 10, true) : uPlot.rangeNum(lo, hi, 0.1, true));
+/** What the sizes of a curve are above for most of the time. */
+const usual = (sizes) => sizes.sort((a, b) => a - b)[Math.floor(0.1 * sizes.length)] ?? Infinity;
+
+// Of lists too long for Math.max(...list).
+const largest = (list) => list.reduce((a, b) => Math.max(a, b), -Infinity);
+const smallest = (list) => list.reduce((a, b) => Math.min(a, b), Infinity);
+
+/** The size up to which an axis is even before powers of ten follow; Infinity: it is even. */
+function evenTo(plot, page, data, calm) {
+    const sizes = data.slice(1).map((list) => list.filter((v) => v).map(Math.abs));
+    const all = sizes.flat();
+    const small = page.all ? Math.max(plot.least ?? 0, largest(calm.map(Math.abs))) || smallest(all)
+        : plot.early ? smallest(sizes.map(usual)) : Infinity;
+    const even = 10 ** Math.floor(Math.log10(small));
+    return largest(all) > SPAN * even ? even : Infinity;
 }
 
-/** Lines of a logarithmic axis: at powers of ten, and where these are few at 2 and 5 too. */
-function decades(_, ticks) {
-    const wide = ticks.at(-1) / ticks[0] > 50;
-    return ticks.map((t) => ((wide ? /^1e/ : /^[125]e/).test(t.toExponential(0)) ? t : null));
+/** With room around, and no narrower than 1, 2, 5, 10 are apart. */
+const padded = (_, lo, hi) => {
+    const room = Math.max(0.05 * (hi - lo), 0.4 - (hi - lo) / 2);
+    return [lo - room, hi + room];
+};
+
+const LOGARITHMIC = {
+    to: Math.log10, range: padded, ticks: (lo, hi) => decades(10 ** lo, 10 ** hi, 6),
+};
+
+/** Even up to a size, on both sides of 0, and logarithmic beyond. */
+function bothWays(even) {
+    const to = (v) => Math.asinh(v / even);
+    const side = (end, most) => (end > to(10 * even) ? decades(even, even * Math.min(Math.sinh(end), 1e300 / even), most) : []);
+    return {
+        to,
+        range: (_, lo, hi) => padded(_, Math.min(lo, 0), Math.max(hi, 0)),
+        ticks: (lo, hi) => {
+            const most = lo < 0 && -lo > 0.3 * hi ? 2 : 4;
+            return [...side(-lo, most).map((v) => -v).reverse(), 0, ...side(hi, most)]
+                .filter((v) => v === 0 || Math.abs(to(v)) > 0.15 * (hi - lo));
+        },
+    };
 }
 
-export function axis(style, log) {
-    const filter = log ? { filter: decades } : {};
+/** How values become heights, their range, and the values with a line; uPlot's own even
+ * axis where there is no `to`. Its logarithmic ones know no more than 1e16. */
+function vertical(plot, page, data) {
+    if (plot.log || plot.zero) {
+        return plot.log ? LOGARITHMIC : { range: fromZero };
+    }
+    const calm = data.slice(1).flatMap((list) => list.filter((v, i) => Number.isFinite(v) && !(data[0][i] >= page.times[page.calm])));
+    const even = evenTo(plot, page, data, calm);
+    if (even < Infinity) {
+        return bothWays(even);
+    }
+    const fits = page.blown && !page.all && calm.length > 0;
+    return fits ? { range: () => uPlot.rangeNum(smallest(calm), largest(calm), 0.1, true) } : {};
+}
+
+const label = (v) => (v !== 0 && (Math.abs(v) < 1e-3 || Math.abs(v) >= 1e6)
+    ? Number(v.toPrecision(3)).toExponential() : Number(v.toPrecision(6)).toString());
+
+function axis(style, { to, ticks } = {}) {
+    let shown = [];
+    const own = to && {
+        incrs: [1], // not looked at, but to be had
+        space: 0,
+        splits: (_, __, lo, hi) => {
+            shown = ticks(lo, hi);
+            return shown.map(to);
+        },
+        values: () => shown.map((t) => (t === 0 ? '0' : powerText(t))),
+    };
     return {
         stroke: style('--ink-soft'),
-        grid: { stroke: style('--line'), width: 1, ...filter },
-        ticks: { stroke: style('--line'), width: 1, size: 4, ...filter },
+        grid: { stroke: style('--line'), width: 1 },
+        ticks: { stroke: style('--line'), width: 1, size: 4 },
         font: '11px system-ui, sans-serif',
-        ...filter,
-        ...(log ? { values: (_, ticks) => ticks.map((t) => t?.toExponential(0) ?? '') } : {}),
+        values: (_, list) => list.map(label),
+        ...own,
     };
 }
 
@@ -141,25 +208,25 @@ export class Plots {
             dash: DASHES[r],
             spanGaps: plot.runs.length > 1,
             points: { show: data[0].length < 3 },
-            value: (_, v) => short(v),
+            value: (_, __, i, at) => short(at === null ? null : data[i][at]),
         })));
-        const { times, calm } = this.page;
-        const ends = calm < times.length ? before(data, times[calm - 1], plot.log) : undefined;
-        const range = plot.zero ? fromZero : ends;
+        const y = vertical(plot, this.page, data);
+        const heights = y.to ? data.map((list, i) => (i === 0 ? list : finite(list.map((v) => (v === null ? v : y.to(v)))))) : data;
         const made = new uPlot({
             title: plot.title,
             class: series.length > 1 ? 'several' : 'single',
             width: this.element.clientWidth,
             height: HEIGHT,
-            scales: { x: { time: false }, y: { distr: plot.log ? 3 : 1, ...(range ? { range } : {}) } },
+            scales: { x: { time: false }, y: y.range ? { range: y.range } : {} },
             axes: [
                 { ...axis(style), size: 28 },
-                { ...axis(style, plot.log), size: 54 },
+                { ...axis(style, y), size: 54 },
             ],
             series: [{ label: 't [s]' }, ...series],
+            legend: { markers: { dash: (_, i) => (series[i - 1].dash.length > 0 ? 'dashed' : 'solid') } },
             cursor: { drag: { x: false, y: false }, y: false, points: { size: 6 } },
             hooks: { setSize: [() => this.place()], ready: [() => this.show(this.frame)] },
-        }, data, this.element);
+        }, heights, this.element);
         const line = document.createElement('div');
         line.className = 'now';
         made.over.append(line);

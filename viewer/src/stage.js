@@ -7,6 +7,7 @@ import {
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { Cloth } from './cloth.js';
+import { extent } from './data.js';
 
 const DIRECTION = new Vector3(0.6, 0.27, 1).normalize(); // from the cloth to the camera
 const MARGIN = 1.12;
@@ -147,6 +148,7 @@ export class Stage {
     setInk(dark) {
         this.grid.uniforms.ink.value.setScalar(dark ? 0.75 : 0.1);
         this.shade.opacity = dark ? 0.45 : 0.2;
+        this.views.forEach(({ cloth }) => cloth.setInk(dark));
         this.request();
     }
 
@@ -157,11 +159,15 @@ export class Stage {
         this.request();
     }
 
+    /** Returns how many times smaller than the floor's squares say it is drawn. */
     show(frame, quantity) {
+        const { centre, scale } = this.page.all ? extent(this.page, frame, this.size) : { scale: 1 };
+        const place = scale > 1 ? { from: centre, scale, to: this.centre.toArray() } : null;
         for (const { cloth } of this.views) {
-            cloth.show(frame, quantity);
+            cloth.show(frame, quantity, place);
         }
         this.request();
+        return scale;
     }
 
     resize() {

@@ -58,8 +58,10 @@ function omissions(page) {
     if (page.stride > 1) {
         said.push(`thinned to every ${page.stride}. of ${page.grid.join(' × ')} particles a side`);
     }
-    if (page.calm < page.times.length) {
-        said.push(`blows up by ${page.times[page.calm].toFixed(3)} s: view, colours and plots fit the frames before`);
+    if (page.blown) {
+        said.push(`blows up by ${page.times[page.calm].toFixed(3)} s: ${page.all
+            ? 'every frame has a scale of its own, colours and plots have powers of ten'
+            : 'view, colours and plots fit the frames before'}`);
     }
     const most = Math.max(...page.runs.map((run) => run.frames));
     if (page.chosen < most) {
@@ -86,6 +88,9 @@ export function writeHeader(page) {
         }
         summary.append(line);
     });
+}
+
+export function writeNotes(page) {
     const notes = document.getElementById('notes');
     notes.replaceChildren(...omissions(page).map((text) => element('span', text, 'fact')));
     notes.hidden = notes.childElementCount === 0;

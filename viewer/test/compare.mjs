@@ -20,8 +20,8 @@ function runs() {
 const place = (page, name, index) => page.evaluate(([wanted, i]) => {
     const method = weft.page.methods.find((m) => `${m.plugin} ${m.name}` === wanted);
     const point = method.points[i];
-    const box = weft.plot.over.getBoundingClientRect();
-    return [box.left + weft.plot.valToPos(weft.costOf(method, point), 'x'), box.top + weft.plot.valToPos(point.error, 'y')];
+    const box = document.getElementById('plot').getBoundingClientRect();
+    return [box.left + weft.plot.x(weft.costOf(method, point)), box.top + weft.plot.y(point.error)];
 }, [name, index]);
 
 const button = (page, name) => page.locator('#legend button').filter({ hasText: new RegExp(`^${name}$`) });
@@ -51,6 +51,7 @@ test('the diagram loads without an error, a warning or a request', async () => {
     assert.match(await page.title(), /^<\/script><script>alert\(1\)<\/script>: which stepper\? - weft$/);
     assert.match(await page.textContent('#summary'), /7 × 7 particles/);
     assert.match(await page.textContent('#horizon'), /predictable to t = .* displaced by 1e-10 m/);
+    assert.match(await page.textContent('#choices'), /show all methods/);
     assert.match(await page.textContent('#as-is'), /as the scene is \(gsl rkf45\): error .* evaluations/);
     await page.screenshot({ path: `${root}/compare-light.png` });
 });
@@ -65,8 +66,8 @@ test('nothing but its own script may run, and its software is named', async () =
     }), false);
     const text = readFileSync(file, 'utf8');
     assert.match(text, /default-src 'none'/);
-    assert.match(text, /uplot \S+ \(MIT\)[\s\S]*Permission is hereby granted/);
-    assert.doesNotMatch(text, /three \S+ \(MIT\)/);
+    assert.match(text, /weft's compare \(BSD-3-Clause\)/);
+    assert.doesNotMatch(text, /(three|uplot) \S+ \(MIT\)|u-wrap/); // nor any part of them
 });
 
 test('every run of the table is a point', async () => {
@@ -121,6 +122,30 @@ test('the axis turns to time and back', async () => {
     assert.ok(after.some((p, i) => p.some((c, k) => Math.abs(c - before[i][k]) > 24)));
     await page.click('#by-calls');
     assert.deepEqual(await place(page, 'gsl rk8pd', 0), at);
+});
+
+test('the diagram is saved as an SVG that needs nothing else', async () => {
+    const { page, said } = await open(browser, file);
+    const [download] = await Promise.all([page.waitForEvent('download'), page.click('#save')]);
+    assert.equal(download.suggestedFilename(), 'compare.svg');
+    await download.saveAs(`${root}/compare.svg`);
+    const text = readFileSync(`${root}/compare.svg`, 'utf8');
+    assert.doesNotMatch(text, /var\(|class=|style|script>|href/);
+    const { points, inks } = await page.evaluate(() => ({
+        points: weft.shown().flatMap((m) => m.points.filter((p) => p.error > 0 && p.error <= 1)).length,
+        inks: [...document.querySelectorAll('.curve:not(.other)')].map((g) => getComputedStyle(g).stroke),
+    }));
+    assert.ok(points > 50 && inks.length > 2);
+    assert.equal(text.match(/<circle/g).length, points);
+    const alone = await page.context().newPage();
+    await alone.goto(`file://${root}/compare.svg`);
+    assert.ok(inks.every((ink) => text.includes(`stroke="${ink}"`)));
+    assert.equal(await alone.textContent('text'), '</script><script>alert(1)</script>');
+    const all = await pixels(alone, 'svg');
+    const coloured = all.filter((p) => inks.some((ink) => ink.match(/\d+/g).every((c, k) => Math.abs(c - p[k]) < 8)));
+    assert.ok(coloured.length > 0.002 * all.length, `${coloured.length}`);
+    await alone.screenshot({ path: `${root}/compare-svg.png` });
+    assert.deepEqual(said, []);
 });
 
 test('dark where that is preferred, and by the button', async () => {

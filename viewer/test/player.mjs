@@ -273,6 +273,25 @@ test('a chain is a line of beads', async () => {
     assert.deepEqual(said, []);
     assert.ok(await clothShare(page) > 1e-4);
     await shot(page, 'chain.png');
+    const plain = await pixels(page, '#canvas');
+    await page.selectOption('#colour', 'speed');
+    await page.evaluate(() => { document.getElementById('legend').hidden = true; });
+    const speed = await pixels(page, '#canvas');
+    assert.ok(speed.filter((p, i) => p.some((c, k) => Math.abs(c - plain[i][k]) > 24)).length > 100);
+});
+
+test('the line of a chain is light on dark and dark on light', async () => {
+    for (const [colorScheme, sign] of [['light', -1], ['dark', 1]]) {
+        const { page } = await open(browser, at('chain/run.html'), 'frame=20&quality=fine', { colorScheme });
+        const seen = await pixels(page, '#canvas');
+        await page.evaluate(() => {
+            weft.stage.views[0].cloth.lines.visible = false;
+            weft.stage.request();
+        });
+        const bare = await pixels(page, '#canvas');
+        const changes = seen.map((p, i) => p[0] - bare[i][0]).filter((d) => Math.abs(d) > 40);
+        assert.ok(changes.length > 100 && changes.filter((d) => sign * d > 0).length > 0.9 * changes.length, colorScheme);
+    }
 });
 
 test('an interrupted run says so', async () => {
@@ -284,7 +303,7 @@ test('an interrupted run says so', async () => {
 });
 
 test('a run that blows up is shown as it was before', async () => {
-    const { page, said } = await open(browser, at('blown/run.html'), 'colour=plain&frame=0');
+    const { page, said } = await open(browser, at('blown/run.html'), 'colour=plain&frame=0&all=0');
     const calm = await page.evaluate(() => [weft.page.calm, weft.page.times.length, weft.stage.size]);
     assert.ok(calm[0] > 0 && calm[0] < calm[1] && calm[2] < 10, String(calm));
     assert.match(await page.textContent('#notes'), /blows up by/);
@@ -295,6 +314,71 @@ test('a run that blows up is shown as it was before', async () => {
     await page.evaluate(() => weft.seek(Infinity));
     await drawn(page);
     assert.deepEqual(said, []);
+});
+
+/** What a plot of this title shows: the labels of its vertical axis, and of each curve
+ * the heights [px] of its values. */
+const plotted = (page, title) => page.evaluate((wanted) => {
+    const u = weft.plots.drawn.find((one) => one.root.querySelector('.u-title').textContent === wanted);
+    return {
+        labels: u.axes[1]._values,
+        heights: u.data.slice(1).map((list) => list.map((v) => (v === null ? null : u.valToPos(v, 'y')))),
+        tall: u.over.clientHeight,
+    };
+}, title);
+
+test('a run that blows up at once shows all that is finite', async () => {
+    const { page, said } = await open(browser, at('early/run.html'), 'colour=plain&quality=fine');
+    assert.equal(await page.isChecked('#all'), true);
+    assert.match(await page.textContent('#notes'), /blows up by 0\.033 s: every frame has a scale/);
+    for (const title of ['energy [J]', 'largest strain [%]']) {
+        const { labels, heights, tall } = await plotted(page, title);
+        assert.ok(labels.length > 2 && labels.includes('0') && labels.some((text) => /^1e\d\d/.test(text)), labels.join());
+        const last = heights.at(-1);
+        assert.ok(last.every((y, i) => y >= 0 && y <= tall && (i === 0 || y < last[i - 1])), last.join());
+    }
+    assert.ok((await plotted(page, 'step size [s]')).labels.length > 0);
+    const floors = [];
+    for (const i of [1, 3, 5]) {
+        await page.evaluate((k) => weft.seek(k), i);
+        floors.push(Number(/floor: (\S+) m/.exec(await page.textContent('#scale'))[1]));
+        const cloth = await page.evaluate(() => [...weft.stage.views[0].cloth.geometry.attributes.position.array].every((x, k) => Math.abs(x - weft.stage.centre.toArray()[k % 3]) <= weft.stage.size));
+        assert.ok(cloth, `frame ${i}`);
+    }
+    assert.ok(floors[0] > 1e3 && floors[1] > 1e3 * floors[0] && floors[2] >= floors[1], floors.join());
+    await page.selectOption('#colour', 'strain');
+    assert.match(await page.textContent('#legend-ticks'), /^1e0.*1e\d\d$/);
+    await shot(page, 'early.png');
+    await page.keyboard.press('a');
+    assert.equal(await page.isChecked('#all'), false);
+    assert.match(await page.textContent('#notes'), /fit the frames before/);
+    assert.equal(await page.textContent('#scale'), 'floor: 0.2 m a square');
+    assert.deepEqual(said, []);
+    const calm = await open(browser, at('a/run.html'));
+    assert.ok(await calm.page.isHidden('#fit-all'));
+});
+
+test('the drift of an oscillator is seen in its own plot', async () => {
+    const title = 'energy error (residual) [J]';
+    const range = (list) => Math.max(...list) - Math.min(...list);
+    const alone = await open(browser, at('spring/run.html'));
+    const { labels, heights, tall } = await plotted(alone.page, title);
+    assert.ok(range(heights[0]) > 0.7 * tall && labels.some((text) => /e-6/.test(text)), labels.join());
+    const two = await open(browser, at('drift.html'));
+    await shot(two.page, 'drift.png');
+    const both = await plotted(two.page, title);
+    assert.ok(both.heights.every((list) => range(list) > 0.1 * tall), both.heights.map(range).join());
+    const none = await open(browser, at('a/run.html'));
+    assert.doesNotMatch(await none.page.textContent('#plots'), /residual/);
+});
+
+test('the second run is dashed in the legends, too', async () => {
+    const { page } = await open(browser, at('a/compare.html'));
+    const styles = await page.locator('.uplot').nth(1).locator('.u-series').evaluateAll((list) => list
+        .map((row) => [row.textContent.slice(0, 1), getComputedStyle(row.querySelector('.u-marker')).borderTopStyle]));
+    const shown = styles.filter(([name]) => 'AB'.includes(name));
+    assert.equal(shown.length, 6);
+    assert.ok(shown.every(([name, style]) => style === (name === 'A' ? 'solid' : 'dashed')), shown.join());
 });
 
 test('obstacles are drawn', async () => {
