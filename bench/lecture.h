@@ -77,7 +77,8 @@ static inline int lecture_rhs(double t, const double y[], double dydt[], void *c
             const weft__motion *motion = &cloth->motions[cloth->pin[i] - 1];
             const double w = motion->omega;
             for (size_t k = 0; k < 3; ++k) {
-                dydt[3 * i + k] = weft__motion_velocity(motion, k, t);
+                dydt[3 * i + k]
+                    = motion->velocity[k] + w * motion->amplitude[k] * cos(w * t);
                 dydt[3 * (n + i) + k] = -w * w * motion->amplitude[k] * sin(w * t);
             }
         }

@@ -27,7 +27,9 @@ static int pull(void *ctx, double t, const double *y, double *f)
     return 0;
 }
 
-/* After each accepted step: what is below the floor is put onto it and stays there. */
+/* After each accepted step: what is below the floor is put onto it and stays there. It
+ * comes after the strain limit, if there is one, and works against it: a cloth that a
+ * collider stretches beyond the limit costs all sweeps in every step. */
 static bool land(void *ctx, double t, double h, double *y)
 {
     const world *of = (const world *)ctx;

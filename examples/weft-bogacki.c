@@ -1,0 +1,300 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* weft-bogacki.c -- an adaptive stepper plugin in one file, to be copied: the pair of
+ * Bogacki and Shampine. It is built and tested by
+ *
+ *     cc -std=c11 -O2 -ffp-contract=off -fPIC -fvisibility=hidden -shared -Iinclude
+ *         examples/weft-bogacki.c -lm -o weft-bogacki.so
+ *     weft plugin-test weft-bogacki.so
+ *
+ * plugins/verlet has fixed steps; this adds what an error estimate brings: tolerances,
+ * a norm, the first, smallest and largest step, rejected attempts, and steps that are
+ * cut short by a frame's end. */
+#include "weft/stepper.h"
+
+#include <math.h>
+
+enum { STAGES = 4 }; /* the last is the next step's first */
+
+/* Row i: stage i + 1 is at t + c[i] h, y + h sum a[i][j] k[j]; the last row is the step
+ * of order 3, and e its difference from the embedded one of order 2. */
+static const double c[STAGES - 1] = { 0.5, 0.75, 1.0 };
+static const double a[STAGES - 1][STAGES - 1]
+    = { { 0.5 }, { 0.0, 0.75 }, { 2.0 / 9.0, 1.0 / 3.0, 4.0 / 9.0 } };
+static const double e[STAGES] = { -5.0 / 72.0, 1.0 / 12.0, 1.0 / 9.0, -1.0 / 8.0 };
+
+static const double safety = 0.9, max_growth = 5.0, min_reduction = 0.2;
+
+typedef struct stepper {
+    weft_ode ode;
+    weft_stepper_config config;
+    weft_allocator memory;
+    size_t half; /* positions, as many velocities; quadratures behind have no say */
+    double h;    /* [s] to be tried next, before any cut */
+    bool fresh;  /* k[0] is f(t, y) */
+    weft_stepper_stats stats;
+    double *k[STAGES], *end; /* dim each, in one block behind */
+} stepper;
+
+/* ---- one attempt: looks at y and leaves it alone ----------------------------------
+ */
+
+static int evaluate(stepper *self, double t, const double *y, double *f)
+{
+    ++self->stats.rhs_calls;
+    return self->ode.rhs(t, y, f, self->ode.ctx);
+}
+
+/* The error in units of the tolerances: at most 1 is accepted. Positions and velocities
+ * have each their own absolute one. */
+static double error_of(const stepper *self, double h, const double *y)
+{
+    double most = 0.0, squares = 0.0;
+    for (size_t i = 0; i < 2 * self->half; ++i) {
+        const double absolute
+            = i < self->half ? self->config.atol_position : self->config.atol_velocity;
+        const double size = fmax(fabs(y[i]), fabs(self->end[i]));
+        double sum = 0.0;
+        for (size_t j = 0; j < STAGES; ++j) {
+            sum += e[j] * self->k[j][i];
+        }
+        const double one = fabs(h * sum) / (absolute + self->config.rtol * size);
+        most = fmax(most, one);
+        squares += one * one;
+    }
+    return self->config.norm == WEFT_NORM_MAX
+               ? most
+               : sqrt(squares / (2.0 * (double)self->half));
+}
+
+/* From t to t_new = t + h into `end`; *error is INFINITY where that is of no use.
+ * Returns what the right-hand side said. */
+static int attempt(stepper *self, double t, double h, double t_new, const double *y,
+                   double *error)
+{
+    int failed = self->fresh ? 0 : evaluate(self, t, y, self->k[0]);
+    bool finite = true;
+    self->fresh = failed == 0;
+    for (size_t s = 1; s < STAGES && failed == 0; ++s) {
+        const double *row = a[s - 1];
+        for (size_t i = 0; i < self->ode.dim; ++i) {
+            double sum = 0.0; /* in a fixed order: part of the result */
+            for (size_t j = 0; j < s; ++j) {
+                sum += row[j] * self->k[j][i];
+            }
+            self->end[i] = y[i] + h * sum;
+        }
+        failed = evaluate(self, s + 1 < STAGES ? t + c[s - 1] * h : t_new, self->end,
+                          self->k[s]);
+    }
+    for (size_t i = 0; i < self->ode.dim && failed == 0; ++i) {
+        finite = finite && isfinite(self->end[i]) && isfinite(self->k[STAGES - 1][i]);
+    }
+    *error = failed != 0 || !finite          ? (double)INFINITY
+             : self->config.fixed_step > 0.0 ? 0.0
+                                             : error_of(self, h, y);
+    return failed;
+}
+
+/* What h is to be multiplied by. The error goes with h^3, but cbrt and pow give other
+ * bits from one libm to the next, and sqrt does not: a fourth root is a little more
+ * cautious and has the same aim. */
+static double change(double error)
+{
+    const double factor = safety / sqrt(sqrt(error));
+    return factor > max_growth      ? max_growth
+           : factor > min_reduction ? factor
+                                    : min_reduction; /* NaN too */
+}
+
+/* ---- the step ---------------------------------------------------------------------
+ */
+
+/* y is written here and nowhere else. */
+static void accept(stepper *self, double t_new, double h, double *t, double *y)
+{
+    double *last = self->k[STAGES - 1];
+    memcpy(y, self->end, self->ode.dim * sizeof *y);
+    *t = t_new;
+    self->k[STAGES - 1] = self->k[0];
+    self->k[0] = last; /* fresh: it was evaluated at t_new and `end`, bit for bit */
+    ++self->stats.steps;
+    self->stats.last_step = h;
+}
+
+static double limited(const stepper *self, double h)
+{
+    return fmax(fmin(h, self->config.max_step), self->config.min_step);
+}
+
+static weft_status step(void *instance, double t_end, double *t, double *y,
+                        weft_error *err)
+{
+    stepper *self = (stepper *)instance;
+    const bool adapts = !(self->config.fixed_step > 0.0);
+    const double rest = t_end - *t;
+    if (!(rest > 0.0)) {
+        return weft_error_set(err, WEFT_INVALID, "step from %.17g to %.17g s", *t,
+                              t_end);
+    }
+    double most = max_growth, h = self->h;
+    for (;;) {
+        /* A rest that is longer than h by roundoff alone is taken whole. */
+        const bool last = h >= rest * (1.0 - 1e-6);
+        const double now = last ? rest : h, t_new = last ? t_end : *t + h;
+        double error;
+        if (t_new == *t) {
+            return weft_error_set(err, WEFT_STEP_TOO_SMALL, "t + h == t at h = %g s",
+                                  now);
+        }
+        if (attempt(self, *t, now, t_new, y, &error) < 0) {
+            return weft_error_set(err, WEFT_STOPPED, "stopped by the model");
+        }
+        const double next = now * fmin(change(error), most);
+        if (error <= 1.0) {
+            accept(self, t_new, now, t, y);
+            /* A step that a frame's end cut short says nothing against h. */
+            h = now < h ? fmax(h, next) : next;
+            self->h = adapts ? limited(self, h) : self->h;
+            return WEFT_OK;
+        }
+        ++self->stats.rejected;
+        if (!adapts || now <= self->config.min_step) {
+            return isfinite(error) ? weft_error_set(err, WEFT_STEP_TOO_SMALL,
+                                                    "needs less than %g s", now)
+                                   : weft_error_set(err, WEFT_NOT_FINITE,
+                                                    "not finite after %g s", now);
+        }
+        most = 1.0; /* no growth right after a rejection */
+        h = fmax(next, self->config.min_step);
+    }
+}
+
+/* y was edited, or f is another: k[0] is stale. A needless call costs one evaluation,
+ * which gives the same bits again. */
+static void state_changed(void *instance)
+{
+    ((stepper *)instance)->fresh = false;
+}
+
+/* ---- making, asking, ending -------------------------------------------------------
+ */
+
+static bool positive(double x)
+{
+    return x > 0.0 && isfinite(x);
+}
+
+/* With fixed_step the tolerances and the other step sizes are not looked at. Every
+ * comparison fails for NaN. */
+static const char *mistake(const weft_ode *ode, const weft_stepper_config *config)
+{
+    if (config->struct_size < WEFT_STEPPER_CONFIG_LEAST || config->butcher != NULL) {
+        return "config of another version, or with a Butcher table";
+    }
+    if (weft_stepper_half(ode, config) == 0 || ode->dim > SIZE_MAX / 64) {
+        return "the state must be an even count of numbers, and quadratures";
+    }
+    if (positive(config->fixed_step)) {
+        return NULL;
+    }
+    return config->fixed_step != 0.0 ? "fixed_step must be > 0 s, or 0"
+           : config->norm != WEFT_NORM_MAX && config->norm != WEFT_NORM_RMS
+               ? "norm is neither max nor rms"
+           : !(config->rtol >= 0.0) || !isfinite(config->rtol) ? "rtol must be >= 0"
+           : !positive(config->atol_position) || !positive(config->atol_velocity)
+               ? "atol must be > 0"
+           : !positive(config->first_step) || !positive(config->min_step)
+               ? "first_step and min_step must be > 0 s"
+           : !(config->max_step >= config->min_step) ? "max_step is below min_step"
+                                                     : NULL;
+}
+
+static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
+                          const weft_stepper_config *config, void **out,
+                          weft_error *err)
+{
+    const char *wrong = mistake(ode, config);
+    *out = NULL;
+    if (wrong != NULL) {
+        return weft_error_set(err, WEFT_INVALID, "%s: %s", type->name, wrong);
+    }
+    const weft_allocator memory = weft_stepper_memory(config);
+    const size_t arrays = (STAGES + 1) * ode->dim * sizeof(double);
+    stepper *self = (stepper *)memory.resize(memory.ctx, NULL, sizeof *self + arrays);
+    if (self == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory", type->name);
+    }
+    const bool adapts = !(config->fixed_step > 0.0);
+    *self = (stepper){ .ode = *ode, .memory = memory };
+    memcpy(&self->config, config, WEFT_STEPPER_CONFIG_LEAST); /* older ones end there */
+    self->half = weft_stepper_half(ode, config);
+    self->h = adapts ? limited(self, config->first_step) : config->fixed_step;
+    self->end = (double *)(self + 1);
+    for (size_t s = 0; s < STAGES; ++s) {
+        self->k[s] = self->end + (s + 1) * ode->dim;
+    }
+    *out = self;
+    return WEFT_OK;
+}
+
+static void stats(const void *instance, weft_stepper_stats *out)
+{
+    const stepper *self = (const stepper *)instance;
+    weft_stepper_stats all = self->stats;
+    const uint32_t size = out->struct_size; /* an older caller's struct is shorter */
+    all.next_step = self->h;
+    memcpy(out, &all, size < sizeof all ? size : sizeof all);
+    out->struct_size = size;
+}
+
+/* Choices beyond the config, for the manifest of a run. */
+static void options(const void *instance, weft_option_fn *tell, void *ctx)
+{
+    if (!(((const stepper *)instance)->config.fixed_step > 0.0)) {
+        tell(ctx, "safety", "0.9");
+        tell(ctx, "max_growth", "5");
+        tell(ctx, "min_reduction", "0.2");
+    }
+}
+
+static void destroy(void *instance)
+{
+    if (instance != NULL) {
+        const weft_allocator memory = ((stepper *)instance)->memory;
+        (void)memory.resize(memory.ctx, instance, 0);
+    }
+}
+
+static const weft_stepper_type bs32 = {
+    .abi = WEFT_STEPPER_ABI,
+    .struct_size = sizeof(weft_stepper_type),
+    .name = "bs32",
+    .reference = "P. Bogacki, L. F. Shampine, Appl. Math. Lett. 2, 1989",
+    .license = "BSD-3-Clause",
+    .order = 3,
+    .error_order = 2,
+    .stages = 3, /* of a step that reuses the last one's */
+    .flags = WEFT_STEPPER_FSAL | WEFT_STEPPER_QUADRATURES,
+    .create = create,
+    .step = step,
+    .state_changed = state_changed,
+    .stats = stats,
+    .destroy = destroy,
+    .options = options,
+};
+
+const weft_plugin *weft_plugin_bogacki(void);
+
+WEFT_API const weft_plugin *weft_plugin_bogacki(void)
+{
+    static const weft_stepper_type *const types[] = { &bs32, NULL };
+    static const weft_plugin plugin = {
+        .abi = WEFT_STEPPER_ABI,
+        .struct_size = sizeof(weft_plugin),
+        .id = "bogacki",
+        .version = "1.0",
+        .solver = "",
+        .types = types,
+    };
+    return &plugin;
+}
