@@ -301,8 +301,9 @@ demo: deps
 demo-run: all
 	@tools/demo $(BUILD)
 
+# Debian's place of HDF5, though it may be there only once the package is installed.
 deps:
-	@PREPROCESS='$(PREPROCESS) $(HDF5_CFLAGS)' tools/deps
+	@PREPROCESS='$(PREPROCESS) $(HDF5_CFLAGS) -isystem /usr/include/hdf5/serial' tools/deps
 
 include install.mk
 
