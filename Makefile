@@ -69,16 +69,16 @@ VERSION := $(shell sed -n 's/^.define WEFT_VERSION "\(.*\)"/\1/p' include/weft/b
 # Before 1.0 a second number that differs is another interface.
 SOVERSION := $(if $(filter 0.%,$(VERSION)),$(basename $(VERSION)),$(firstword $(subst ., ,$(VERSION))))
 
-LIB_SRC  := $(wildcard src/cloth/*.c src/sim/*.c src/scene/*.c src/conformance/*.c)
+LIB_SRC  := $(wildcard $(patsubst %,src/%/*.c,base cloth kernel sim plugin stability scene))
 LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
-# The kernels once more for each level of instructions that src/cloth/levels.c chooses from.
-KERNELS  := $(patsubst %.c,$(BUILD)/%,$(wildcard src/cloth/kernel*.c))
+# The kernels once more for each level of instructions that src/kernel/levels.c chooses from.
+KERNELS  := $(patsubst %.c,$(BUILD)/%,$(wildcard src/kernel/kernel*.c))
 LEVELS   := $(if $(filter x86_64%,$(TARGET)),v3 v4)
 LIB_OBJ  += $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o))
-RECORD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/record/*.c)) $(BUILD)/src/record/pages.o
-PROG_OBJ := $(RECORD_OBJ) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/cli/*.c))
+RECORD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/record/*.c src/record/*/*.c)) $(BUILD)/src/record/pages.o
+PROG_OBJ := $(RECORD_OBJ) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/cli/*.c src/cli/*/*.c src/conformance/*.c))
 # libweft has them for scenes, and does not export them.
-PROG_OBJ += $(BUILD)/src/sim/suggest.o $(BUILD)/src/sim/file.o
+PROG_OBJ += $(BUILD)/src/base/suggest.o $(BUILD)/src/base/file.o
 LIB_LIBS := -lyaml -ldl -lm -pthread $(LDLIBS)
 
 PLUGINS := verlet $(if $(HAVE_GSL),gsl) $(if $(HAVE_ARKODE),arkode)
@@ -129,9 +129,9 @@ KERNEL_FLAGS := $(if $(SAN),,-O2) -fno-math-errno -fno-trapping-math
 $(BUILD)/%.v3.o: OWN += -march=x86-64-v3 -DLEVEL=v3 -DLANES=4
 $(BUILD)/%.v4.o: OWN += -march=x86-64-v4 -mprefer-vector-width=512 -DLEVEL=v4 -DLANES=8
 $(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): OWN += $(KERNEL_FLAGS)
-$(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): $(BUILD)/src/cloth/%.o:
+$(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): $(BUILD)/src/kernel/%.o:
 	@mkdir -p $(@D)
-	$(call say,CC)$(COMPILE) -c -o $@ src/cloth/$(basename $*).c
+	$(call say,CC)$(COMPILE) -c -o $@ src/kernel/$(basename $*).c
 
 $(BUILD)/src/%.o: src/%.c
 	@mkdir -p $(@D)
@@ -165,7 +165,7 @@ endef
 $(foreach p,$(PLUGINS),$(eval $(call PLUGIN_RULE,$(p))))
 
 # Loops over whole states, which gcc does not vectorise at -O2.
-$(BUILD)/plugins/arkode/arithmetic.o $(BUILD)/plugins/gsl/control.o $(BUILD)/plugins/verlet/verlet.o: OWN += $(if $(SAN),,-O3)
+$(BUILD)/plugins/arkode/arkode_arithmetic.o $(BUILD)/plugins/gsl/gsl_control.o $(BUILD)/plugins/verlet/verlet.o: OWN += $(if $(SAN),,-O3)
 
 # All that include SUNDIALS.
 $(BUILD)/plugins/arkode/%.o $(BUILD)/tests/test_arkode_vector.o $(BUILD)/bench/vectors.o: INCS += $(MPI_INC)
@@ -178,45 +178,45 @@ $(BUILD)/plugins/%.o: plugins/%.c
 
 TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_GSL),-DHAVE_GSL) $(if $(HAVE_ARKODE),-DHAVE_ARKODE)
 TEST_PLUGINS = $(foreach p,$(PLUGINS),$(PLUGIN_OBJ_$(p)))
-TEST_LIBS = -lcheck -lsubunit -lrt $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
+TEST_LIBS = -lcheck -lsubunit -lrt $(HDF5_LIBS) $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
+
+# All of the program but main, for tests of its parts.
+PROGRAM := $(BUILD)/program.a
+$(PROGRAM): $(filter-out %/main.o,$(PROG_OBJ))
+	$(call say,AR)rm -f $@ && ar rcs $@ $^
 
 $(BUILD)/tests/%.o: tests/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) $(TEST_DEFS) -c -o $@ $<
 
 $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(BUILD)/tests/support.o \
-                       $(BUILD)/libweft.a $(PLUGIN_SO)
-	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a $(TEST_LIBS)
+                       $(PROGRAM) $(BUILD)/libweft.a $(PLUGIN_SO)
+	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(filter %.a,$^) $(TEST_LIBS)
 
 # The kernels 8 lanes wide on whatever machine: the compiler takes the vectors apart.
-$(BUILD)/tests/wide/%.o: src/cloth/%.c
+$(BUILD)/tests/wide/%.o: src/kernel/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) $(KERNEL_FLAGS) -Wno-psabi -Wno-missing-prototypes -DLEVEL=wide -DLANES=8 -c -o $@ $<
 
-$(BUILD)/tests/test_kernel $(BUILD)/tests/test_heat: $(KERNELS:$(BUILD)/src/cloth/%=$(BUILD)/tests/wide/%.o)
+$(BUILD)/tests/test_kernel $(BUILD)/tests/test_heat: $(KERNELS:$(BUILD)/src/kernel/%=$(BUILD)/tests/wide/%.o)
 
 $(BUILD)/tests/test_no_memory: \
     private LINK += $(if $(findstring address,$(SAN)),$(foreach f,malloc calloc realloc aligned_alloc free,-Wl,--wrap=$(f)))
 
 # What is verified, for the test and for the program; scenes run as in `weft run`.
-VERIFY_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/main.c,$(wildcard tests/verify/*.c))) \
-              $(filter-out %/main.o,$(PROG_OBJ))
+VERIFY_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/main.c,$(wildcard tests/verify/*.c)))
 $(BUILD)/tests/%.o: INCS += -Itests
 $(BUILD)/tests/test_verification: $(VERIFY_OBJ)
-$(BUILD)/tests/test_verification: TEST_LIBS += $(HDF5_LIBS)
 
-$(BUILD)/weft-verify: $(BUILD)/tests/verify/main.o $(VERIFY_OBJ) $(BUILD)/libweft.a
+$(BUILD)/weft-verify: $(BUILD)/tests/verify/main.o $(VERIFY_OBJ) $(PROGRAM) $(BUILD)/libweft.a
 	$(call say,LD)$(LINK) -o $@ $^ $(LIB_LIBS) $(HDF5_LIBS)
 
 verify: all $(BUILD)/weft-verify
 	@$(BUILD)/weft-verify $(VERIFY)
 
 # These look into files as the program writes them.
-RECORD_TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/test_record*.c tests/test_export.c \
-                  tests/test_checkpoint.c tests/test_cli_resume.c tests/test_interrupt.c))
-$(RECORD_TESTS): $(RECORD_OBJ)
-$(RECORD_TESTS): TEST_LIBS += $(HDF5_LIBS)
-$(RECORD_TESTS:=.o): INCS += $(HDF5_CFLAGS)
+$(patsubst tests/%.c,$(BUILD)/tests/%.o,$(wildcard tests/test_record*.c tests/test_export.c \
+    tests/test_checkpoint.c tests/test_cli_resume.c tests/test_interrupt.c)): INCS += $(HDF5_CFLAGS)
 
 $(BUILD)/tests/broken/weft-%.so: tests/broken/%.c
 	@mkdir -p $(@D)
@@ -309,7 +309,7 @@ include install.mk
 
 # ---- care ------------------------------------------------------------------------
 
-C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] plugins/*/*.[ch] tests/*.[ch] \
+C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] src/*/*/*.[ch] plugins/*/*.[ch] tests/*.[ch] \
                      tests/verify/*.[ch] tests/broken/*.c tests/promises/*.c tests/fuzz/*.[ch] examples/*.c bench/*.[ch] bench/levels/*.[ch] bench/guard/*.c)
 
 lint:
@@ -373,11 +373,9 @@ check-libm: all $(BUILD)/tests/test_libm $(WRONG_LIBM)
 FUZZ_SECONDS ?= 60
 FUZZ ?= $(patsubst tests/fuzz/%.c,%,$(wildcard tests/fuzz/*.c))
 
-$(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(BUILD)/tests/support.o $(BUILD)/libweft.a $(RECORD_OBJ) \
-                 $(BUILD)/src/cli/batch_name.o $(PLUGIN_SO)
+$(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(BUILD)/tests/support.o $(PROGRAM) $(BUILD)/libweft.a $(PLUGIN_SO)
 	@mkdir -p $(@D)
-	$(call say,LD)$(LINK) -fsanitize=fuzzer -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a \
-	    $(TEST_LIBS) $(HDF5_LIBS)
+	$(call say,LD)$(LINK) -fsanitize=fuzzer -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(filter %.a,$^) $(TEST_LIBS)
 
 # These read in one process what the program reads in two.
 FUZZ_HDF := frames vtkhdf

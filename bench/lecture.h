@@ -6,7 +6,7 @@
 #ifndef WEFT_BENCH_LECTURE_H
 #define WEFT_BENCH_LECTURE_H
 
-#include "cloth/internal.h"
+#include "cloth/model.h"
 #include "naive.h"
 
 #include <gsl/gsl_errno.h>

@@ -4,7 +4,7 @@
 #ifndef STEPPER_RUN_H
 #define STEPPER_RUN_H
 
-#include "conformance/model.h"
+#include "conformance/oscillators.h"
 #include "support.h"
 
 #ifdef HAVE_GSL
@@ -22,19 +22,19 @@ static inline int rhs(double t, const double *y, double *dydt, void *ctx)
 }
 
 /* One run of one method on the model. */
-typedef struct run {
+typedef struct trial_run {
     const weft_stepper_type *type;
     model model;
     weft_ode ode;
     void *self;
     double t, y[DIM + APART];
     weft_error err;
-} run;
+} trial_run;
 
-static inline void start(run *r, const weft_stepper_type *type,
+static inline void start(trial_run *r, const weft_stepper_type *type,
                          const weft_stepper_config *config)
 {
-    *r = (run){ .type = type, .model = { .k = 1.0, .apart = quadratures } };
+    *r = (trial_run){ .type = type, .model = { .k = 1.0, .apart = quadratures } };
     r->ode = (weft_ode){ .dim = DIM + quadratures, .rhs = rhs, .ctx = &r->model };
     memcpy(r->y, weft__model_start, sizeof weft__model_start);
     weft_stepper_config whole = test_config(type, *config);
@@ -43,24 +43,24 @@ static inline void start(run *r, const weft_stepper_type *type,
     ck_assert_msg(status == WEFT_OK, "%s", r->err.message);
 }
 
-static inline weft_status step(run *r, double t_end)
+static inline weft_status step(trial_run *r, double t_end)
 {
     return r->type->step(r->self, t_end, &r->t, r->y, &r->err);
 }
 
-static inline void go(run *r, double t_end)
+static inline void go(trial_run *r, double t_end)
 {
     while (r->t < t_end) {
         ck_assert_msg(step(r, t_end) == WEFT_OK, "%s", r->err.message);
     }
 }
 
-static inline void end(run *r)
+static inline void end(trial_run *r)
 {
     r->type->destroy(r->self);
 }
 
-static inline weft_stepper_stats stats(const run *r)
+static inline weft_stepper_stats stats(const trial_run *r)
 {
     weft_stepper_stats s = { .struct_size = sizeof s };
     r->type->stats(r->self, &s);
@@ -75,7 +75,7 @@ static inline weft_stepper_stats stats(const run *r)
 #define distance  weft__model_distance
 #define y_start   weft__model_start
 
-static inline double error_at_end(const run *r)
+static inline double error_at_end(const trial_run *r)
 {
     static double t = 0.0, y[DIM]; /* asked for again and again */
     if (t != r->t) {

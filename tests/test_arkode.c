@@ -41,7 +41,7 @@ START_TEST(a_custom_table_is_the_method_it_says)
     const weft_stepper_type *named = test_method_named("arkode/rk4");
     const weft_stepper_type *type = test_method_named("arkode/custom");
     weft_stepper_config config = fixed(0x1p-8);
-    run a, b;
+    trial_run a, b;
     start(&a, named, &config);
     config.butcher = &rk4;
     start(&b, type, &config);
@@ -105,7 +105,7 @@ START_TEST(good_tables_meet_every_condition)
     weft_stepper_config config = adaptive(1e-8);
     t.a = a;
     config.butcher = &t;
-    run mine, theirs;
+    trial_run mine, theirs;
     start(&mine, type, &config);
     config.butcher = NULL;
     start(&theirs, test_method_named("arkode/cash_karp"), &config);
@@ -163,7 +163,7 @@ START_TEST(short_frames_are_one_step_each)
         return;
     }
     weft_stepper_config config = adaptive(1e-4);
-    run r, free_run;
+    trial_run r, free_run;
     start(&free_run, type, &config);
     go(&free_run, 4.0);
     ck_assert_uint_lt(stats(&free_run).steps, 400);
@@ -185,7 +185,7 @@ START_TEST(steps_of_max_step_need_no_restart)
     for (int i = 0; i < 40; ++i) {
         weft_stepper_config config = adaptive(1e-2);
         config.first_step = config.max_step = 1e-3 * (1.0 + 0.0123 * i);
-        run r;
+        trial_run r;
         start(&r, test_method_named("arkode/dormand_prince"), &config);
         for (int k = 0; k < 50; ++k) {
             ck_assert_int_eq(step(&r, 1e3), WEFT_OK);
@@ -204,7 +204,7 @@ START_TEST(needless_news_changes_no_bits_whatever_the_frames)
     const bool multistep = (type->flags & WEFT_STEPPER_MULTISTEP) != 0;
     for (int mode = 0; mode < 2 && !multistep; ++mode) {
         const weft_stepper_config config = usual(type, mode);
-        run quiet, told;
+        trial_run quiet, told;
         start(&quiet, type, &config);
         start(&told, type, &config);
         double t_end = 0.0;
@@ -237,7 +237,7 @@ START_TEST(nothing_is_printed_when_arkode_fails)
     for (int mode = 0; mode < 2; ++mode) {
         for (fault kind = REFUSE; kind < FAULTS; ++kind) {
             const weft_stepper_config config = usual(type, mode);
-            run r;
+            trial_run r;
             start(&r, type, &config);
             (void)step(&r, 1.0);
             r.model.fault = kind;
@@ -260,7 +260,7 @@ END_TEST
 START_TEST(tolerances_below_roundoff_are_an_error)
 {
     const weft_stepper_config config = adaptive(1e-30);
-    run r;
+    trial_run r;
     start(&r, test_method_named("arkode/dormand_prince"), &config);
     ck_assert_int_eq(step(&r, 1.0), WEFT_STEP_TOO_SMALL);
     ck_assert(r.t == 0.0);

@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/bytes.h"
 #include "record/checkpoint.h"
 #include "saved_sim.h"
 #include "shell.h"
 #include "sim/ledger.h"
-#include "sim/words.h"
 
 #define OUT BUILD_DIR "/checkpoint"
 

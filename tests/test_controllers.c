@@ -22,7 +22,7 @@ static weft_stepper_config controlled(const weft_controller *controller)
 static weft_stepper_stats drive(const weft_controller *controller, double *y)
 {
     const weft_stepper_config config = controlled(controller);
-    run r;
+    trial_run r;
     start(&r, dormand_prince(), &config);
     go(&r, 6.0);
     ck_assert_double_lt(error_at_end(&r), 1e-5);
@@ -77,7 +77,7 @@ START_TEST(every_knob_changes_the_steps)
         const double first_steps[] = { 0.5, 1e-5, 20.0 };
         bool differs = false;
         for (int k = 0; k < 3; ++k) {
-            run plain, turned;
+            trial_run plain, turned;
             weft_stepper_config config = controlled(NULL);
             config.first_step = first_steps[k];
             start(&plain, dormand_prince(), &config);
@@ -228,7 +228,7 @@ START_TEST(what_is_in_force_is_told)
     const weft_controller controller
         = { .type = WEFT_CONTROLLER_PID, .safety = 0.9, .max_growth = 10.0 };
     const weft_stepper_config config = controlled(&controller);
-    run r;
+    trial_run r;
     told all = { "" };
     start(&r, dormand_prince(), &config);
     r.type->options(r.self, note, &all);
@@ -245,7 +245,7 @@ START_TEST(a_config_of_an_older_version_has_no_controller)
     const weft_controller wrong = { .safety = -1.0 };
     weft_stepper_config config = controlled(&wrong);
     config.struct_size = WEFT_STEPPER_CONFIG_LEAST;
-    run r;
+    trial_run r;
     start(&r, dormand_prince(), &config);
     go(&r, 0.5);
     end(&r);

@@ -4,7 +4,7 @@
  * loop over the springs gives; and its sum in time, whenever it is taken. */
 #include "stepper_run.h"
 
-#include "cloth/kernel.h"
+#include "kernel/kernel.h"
 
 #include <stdlib.h>
 

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cloth/kernel.h"
 #include "cloth/rows.h"
+#include "kernel/kernel.h"
 
 enum { SEEDS = 400, MOST = 2200 };
 

@@ -80,7 +80,7 @@ START_TEST(methods_that_ask_libm_for_powers_say_so)
     const weft_stepper_type *type = test_method((size_t)_i);
     const bool fixed_only = (type->flags & WEFT_STEPPER_FIXED_ONLY) != 0;
     const weft_stepper_config config = fixed_only ? fixed(0.01) : adaptive(1e-5);
-    run r;
+    trial_run r;
     powers = 0;
     start(&r, type, &config);
     go(&r, 1.0);

@@ -9,7 +9,7 @@
  * which allocates on behalf of N_VClone. */
 #include <string.h>
 
-#include "conformance/model.h"
+#include "conformance/oscillators.h"
 #include "failing_malloc.h"
 
 #ifdef HAVE_GSL

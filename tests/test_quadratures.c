@@ -20,10 +20,10 @@ static weft_stepper_config in_mode(const weft_stepper_type *type, int mode)
 }
 
 /* Over three frames, with an edit of the state after the first. */
-static run with_quadratures_go(const weft_stepper_type *type, int mode, size_t count)
+static trial_run with_quadratures_go(const weft_stepper_type *type, int mode, size_t count)
 {
     const weft_stepper_config config = in_mode(type, mode);
-    run r;
+    trial_run r;
     quadratures = count;
     start(&r, type, &config);
     go(&r, 0.3);
@@ -38,10 +38,10 @@ START_TEST(steps_have_the_same_bits_with_and_without)
 {
     const weft_stepper_type *type = test_method((size_t)_i);
     for (int mode = 0; mode < 3 && takes(type); ++mode) {
-        run plain = with_quadratures_go(type, mode, 0);
+        trial_run plain = with_quadratures_go(type, mode, 0);
         const weft_stepper_stats a = stats(&plain);
         for (size_t count = 1; count <= APART; ++count) {
-            run with = with_quadratures_go(type, mode, count);
+            trial_run with = with_quadratures_go(type, mode, count);
             const weft_stepper_stats b = stats(&with);
             ck_assert_mem_eq(plain.y, with.y, DIM * sizeof *plain.y);
             ck_assert_uint_eq(a.steps, b.steps);
@@ -116,7 +116,7 @@ START_TEST(quadratures_are_integrated_along)
     const weft_stepper_type *type = test_method((size_t)_i);
     for (int mode = 0; mode < 3 && takes(type); ++mode) {
         const weft_stepper_config config = in_mode(type, mode);
-        run r;
+        trial_run r;
         quadratures = APART;
         start(&r, type, &config);
         go(&r, 1.0);
@@ -132,7 +132,7 @@ START_TEST(quadratures_go_on_from_any_value)
 {
     const weft_stepper_type *type = test_method((size_t)_i);
     const weft_stepper_config config = in_mode(type, 0);
-    run zero, large;
+    trial_run zero, large;
     if (!takes(type)) {
         return;
     }

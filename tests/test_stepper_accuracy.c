@@ -10,7 +10,7 @@ typedef struct result {
 
 static result at_4_s(const weft_stepper_type *type, const weft_stepper_config *config)
 {
-    run r;
+    trial_run r;
     start(&r, type, config);
     go(&r, 4.0);
     const result res = { error_at_end(&r), stats(&r).steps };

@@ -2,8 +2,8 @@
 /* test_steppers.c -- the stepper contract (weft/stepper.h), held against every method
  * of every plugin by the checks of weft/conformance.h, and GSL's error handler watched.
  */
+#include "conformance/conformance.h"
 #include "stepper_run.h"
-#include "weft/conformance.h"
 
 static int checks(void)
 {
@@ -39,7 +39,7 @@ START_TEST(a_step_that_succeeds_moves_the_time)
     const weft_stepper_type *type = test_method((size_t)_i);
     weft_stepper_config config = weft__usual(type, 0);
     config.first_step = 1.0;
-    run late;
+    trial_run late;
     start(&late, type, &config);
     late.model.k = 1e6;
     late.t = 0x1p50; /* [s] the next number is 0.25 s later */

@@ -16,7 +16,7 @@
 #include <xmmintrin.h>
 #endif
 
-#include "cloth/kernel.h"
+#include "kernel/kernel.h"
 #include "sim/forces.h"
 
 enum { PARTS = 97, JOBS = 3000, SIDE = 130, STEPS = 4 };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "levels.h"
 
-#include "cloth/lanes.h"
+#include "kernel/lanes.h"
 
 #ifndef LEVEL
 #define LEVEL plain

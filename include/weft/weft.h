@@ -5,7 +5,6 @@
 
 #include "weft/base.h"
 #include "weft/cloth.h"
-#include "weft/conformance.h"
 #include "weft/scene.h"
 #include "weft/sim.h"
 #include "weft/stepper.h"

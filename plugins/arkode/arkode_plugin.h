@@ -70,7 +70,7 @@ typedef struct ark_past {
 } ark_past;
 
 /* One instance. */
-typedef struct stepper {
+typedef struct arkode_stepper {
     const ark_method *method;
     weft_ode ode;
     size_t half;          /* of the positions; the velocities; then quadratures */
@@ -99,7 +99,7 @@ typedef struct stepper {
     bool skip;     /* the next RHS call is for nothing (step.c) */
     bool stopped;  /* the RHS asked to end the run */
     int since_bad; /* RHS calls since one whose result was of no use */
-} stepper;
+} arkode_stepper;
 
 /* create.c */
 weft_status weft__ark_create(const weft_stepper_type *type, const weft_ode *ode,
@@ -111,7 +111,7 @@ void weft__ark_destroy(void *instance);
  * ARKODE told of it, 0 if that went well; what is in force. */
 const char *weft__ark_control_mistake(const weft_controller *c);
 weft_controller weft__ark_control(const weft_controller *asked);
-int weft__ark_set_control(stepper *self);
+int weft__ark_set_control(arkode_stepper *self);
 void weft__ark_options(const void *instance, weft_option_fn *tell, void *ctx);
 
 /* step.c */

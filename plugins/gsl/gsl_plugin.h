@@ -47,7 +47,7 @@ typedef enum trouble {
 } trouble;
 
 /* One instance. Our arrays lie behind it in one block; a step allocates none. */
-typedef struct stepper {
+typedef struct gsl_stepper {
     const gsl_method *method;
     weft_ode ode;
     size_t half; /* of the positions; the velocities; then quadratures */
@@ -71,7 +71,7 @@ typedef struct stepper {
     double *start, *yerr;          /* y before it */
     double *f, *y_moved, *f_moved; /* of the Jacobian; NULL without matrices */
     double *offset, *plain;        /* GSL's y is plain + offset; NULL without shift */
-} stepper;
+} gsl_stepper;
 
 /* create.c */
 weft_status weft__gsl_create(const weft_stepper_type *type, const weft_ode *ode,
@@ -80,8 +80,8 @@ weft_status weft__gsl_create(const weft_stepper_type *type, const weft_ode *ode,
 void weft__gsl_destroy(void *instance);
 
 /* shift.c: GSL's side of a state that is kept away from 0. */
-void weft__gsl_shift(stepper *self, double *y);
-void weft__gsl_unshift(stepper *self, double *y);
+void weft__gsl_shift(gsl_stepper *self, double *y);
+void weft__gsl_unshift(gsl_stepper *self, double *y);
 int weft__gsl_shifted_rhs(double t, const double y[], double dydt[], void *instance);
 int weft__gsl_shifted_jacobian(double t, const double y[], double *dfdy, double dfdt[],
                                void *instance);
@@ -95,11 +95,11 @@ void weft__gsl_state_changed(void *instance);
 void weft__gsl_stats(const void *instance, weft_stepper_stats *out);
 
 /* control.c */
-void weft__gsl_control_init(stepper *self, weft_norm norm, double rtol,
+void weft__gsl_control_init(gsl_stepper *self, weft_norm norm, double rtol,
                             double atol_position, double atol_velocity);
 /* r of an attempt that ended in y with self->yerr; false if one is not finite. */
-bool weft__gsl_ratio(const stepper *self, const double *y, double *r);
-double weft__gsl_tolerance(const stepper *self, size_t i, double y); /* D_i */
+bool weft__gsl_ratio(const gsl_stepper *self, const double *y, double *r);
+double weft__gsl_tolerance(const gsl_stepper *self, size_t i, double y); /* D_i */
 /* Whether an attempt of order `order` with the norm r is rejected. *h [s] goes in as
  * the attempt's and comes out as the proposal. */
 bool weft__gsl_rejects(unsigned int order, double r, double *h);

@@ -4,7 +4,7 @@
 #ifndef WEFT_CLI_H
 #define WEFT_CLI_H
 
-#include "cli/interrupt.h"
+#include "cli/run/interrupt.h"
 #include "weft/weft.h"
 
 /* Exit codes. */
@@ -98,7 +98,7 @@ int view_runs(const char *const *directories, size_t count, const char *out, boo
 void tell_unfinished(const char *directory);
 
 /* play.c: from frame to frame. */
-typedef struct player {
+typedef struct frame_loop {
     weft_sim *sim;
     const weft_run_def *run;
     size_t first, last; /* frames to begin and to end with */
@@ -112,14 +112,14 @@ typedef struct player {
     interrupt_watch *watch; /* lent the records within a step; NULL: none */
     void *ctx;
     bool stopped; /* by `step` */
-} player;
+} frame_loop;
 
 /* The index of the last frame; frame i is at exactly i / fps, the last at duration. */
 size_t frame_last(const weft_run_def *run);
 double frame_time(const weft_run_def *run, size_t i);
 /* How many fixed steps of h [s] a frame takes: none crosses its end. */
 double frame_steps(const weft_run_def *run, double h);
-weft_status play(player *show, weft_error *err);
+weft_status play(frame_loop *show, weft_error *err);
 
 /* Why this weft cannot run a scene that is right, or NULL if it can. */
 const char *scene_unsupported(const weft_scene *scene);

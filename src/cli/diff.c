@@ -16,13 +16,13 @@
 
 #define TIME_MATCH 1e-9 /* relative: two frames of the same time */
 
-typedef struct side {
+typedef struct diff_side {
     const char *directory;
     record_series_row *rows;
     size_t row_count;
     record_frames *frames; /* NULL: no run.vtkhdf */
     double *x;             /* [m] positions of one frame */
-} side;
+} diff_side;
 
 /* The largest distance of a particle in one frame of both. */
 typedef struct gap {
@@ -33,7 +33,7 @@ typedef struct gap {
 } gap;
 
 typedef struct comparison {
-    side side[2];
+    diff_side side[2];
     double tolerance;     /* [m]; < 0: bit for bit */
     bool single;          /* one is recorded in single precision: so are both taken */
     size_t rows, unequal; /* of series.csv: at common times, with other hashes */
@@ -60,7 +60,7 @@ enum { FIELDS = sizeof fields / sizeof fields[0] };
 
 /* ---- opening ---------------------------------------------------------------- */
 
-static weft_status open_side(side *self, weft_error *err)
+static weft_status open_side(diff_side *self, weft_error *err)
 {
     char path[RECORD_PATH];
     weft_status status = record_path(self->directory, "run.vtkhdf", path, err);
@@ -111,7 +111,7 @@ static weft_status open_both(comparison *self, weft_error *err)
         return prepare(self, err);
     }
     if (status == WEFT_OK && self->tolerance >= 0.0) {
-        const side *without = &self->side[self->side[0].frames == NULL ? 0 : 1];
+        const diff_side *without = &self->side[self->side[0].frames == NULL ? 0 : 1];
         status = weft_error_set(err, WEFT_IO,
                                 "%s/run.vtkhdf is missing: --tol compares the "
                                 "positions of frames",
@@ -139,7 +139,7 @@ static int order(double a, double b)
 
 static void compare_hashes(comparison *self)
 {
-    const side *a = &self->side[0], *b = &self->side[1];
+    const diff_side *a = &self->side[0], *b = &self->side[1];
     for (size_t i = 0, j = 0; i < a->row_count && j < b->row_count;) {
         const record_series_row *p = &a->rows[i], *q = &b->rows[j];
         const int which = order(p->time, q->time);
@@ -191,7 +191,7 @@ static bool both_have_field(const comparison *self, size_t k)
 static weft_status compare_fields(comparison *self, size_t i, size_t j, const gap *here,
                                   weft_error *err)
 {
-    const side *a = &self->side[0], *b = &self->side[1];
+    const diff_side *a = &self->side[0], *b = &self->side[1];
     const size_t n = record_frames_rows(a->frames) * record_frames_cols(a->frames);
     weft_status status = WEFT_OK;
     for (size_t k = 0; status == WEFT_OK && self->field == NULL && k < FIELDS; ++k) {
@@ -210,7 +210,7 @@ static weft_status compare_fields(comparison *self, size_t i, size_t j, const ga
 
 static weft_status compare_frame(comparison *self, size_t i, size_t j, weft_error *err)
 {
-    const side *a = &self->side[0], *b = &self->side[1];
+    const diff_side *a = &self->side[0], *b = &self->side[1];
     const size_t n = record_frames_rows(a->frames) * record_frames_cols(a->frames);
     gap here = { .frame = { record_frames_number(a->frames, i),
                             record_frames_number(b->frames, j) },
@@ -262,7 +262,7 @@ static weft_status compare_frames(comparison *self, weft_error *err)
 
 /* ---- telling ---------------------------------------------------------------- */
 
-static double end_of(const side *self)
+static double end_of(const diff_side *self)
 {
     return self->rows[self->row_count - 1].time;
 }

@@ -5,9 +5,9 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/suggest.h"
 #include "cli/cli.h"
 #include "cli/human.h"
-#include "sim/suggest.h"
 
 static const verb *const verbs[] = {
     &verb_run,      &verb_resume,     &verb_batch,       &verb_check,

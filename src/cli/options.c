@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/suggest.h"
 #include "cli/cli.h"
 #include "cli/human.h"
-#include "sim/suggest.h"
 
 typedef enum kind { FLAG, TEXT, LIST, JOBS } kind;
 

@@ -13,7 +13,7 @@
 
 #include "cli/cli.h"
 #include "cli/human.h"
-#include "weft/conformance.h"
+#include "conformance/conformance.h"
 
 enum {
     CPU_SECONDS = 60,   /* of a check; the longest of ours takes 2 */

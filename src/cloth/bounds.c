@@ -15,12 +15,12 @@
  * with 1 / m_j = 0 for a pin. K has A = k u u^T + (T / L) (I - u u^T), C has
  * A = c u u^T; where a A_K + b A_C is negative, 0 bounds it. In any state whatever
  * A_K <= k I, as T / L = k (1 - s / L) < k. */
-#include "cloth/internal.h"
+#include "cloth/model.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "cloth/memory.h"
+#include "base/memory.h"
 
 /* Of closed forms that are exact but for roundoff. */
 #define ROUNDOFF 1e-12
@@ -133,19 +133,19 @@ static void gather(const weft_cloth *cloth, size_t i, const double *y, node *sum
 }
 
 /* a w + b c <= most */
-typedef struct side {
+typedef struct grid_side {
     double a, b, most;
-} side;
+} grid_side;
 
 /* Bounds of w and of c from both sides, and three for each ratio c / k of springs. */
 enum { SIDES_MAX = 3 + 3 * WEFT_GROUPS };
 
-static size_t sides_init(const weft_cloth *cloth, const double *y, side *sides)
+static size_t sides_init(const weft_cloth *cloth, const double *y, grid_side *sides)
 {
     size_t count = 0;
-    sides[count++] = (side){ 1.0, 0.0, -INFINITY };
-    sides[count++] = (side){ 0.0, 1.0, -INFINITY };
-    sides[count++] = (side){ 0.0, -1.0, -INFINITY };
+    sides[count++] = (grid_side){ 1.0, 0.0, -INFINITY };
+    sides[count++] = (grid_side){ 0.0, 1.0, -INFINITY };
+    sides[count++] = (grid_side){ 0.0, -1.0, -INFINITY };
     for (size_t g = 0; y != NULL && g < cloth->group_count; ++g) {
         const double ratio
             = cloth->groups[g].damping / cloth->groups[g].stiffness; /* [s] */
@@ -154,16 +154,16 @@ static size_t sides_init(const weft_cloth *cloth, const double *y, side *sides)
             fresh = fresh && sides[s].a != ratio;
         }
         if (fresh) { /* damping alike in all springs makes the polygon a line */
-            sides[count++] = (side){ ratio, 1.0, -INFINITY };
-            sides[count++] = (side){ ratio, -1.0, -INFINITY };
-            sides[count++] = (side){ -ratio, 1.0, -INFINITY };
+            sides[count++] = (grid_side){ ratio, 1.0, -INFINITY };
+            sides[count++] = (grid_side){ ratio, -1.0, -INFINITY };
+            sides[count++] = (grid_side){ -ratio, 1.0, -INFINITY };
         }
     }
     return count;
 }
 
 /* The bound that particle sum has on one side. */
-static double node_bound(const weft_cloth *cloth, const node *sum, const side *of)
+static double node_bound(const weft_cloth *cloth, const node *sum, const grid_side *of)
 {
     const double damp = of->b * sum->drag + fmax(0.0, of->b) * sum->wind;
     double b[6] = { damp, damp, damp, 0.0, 0.0, 0.0 };
@@ -184,7 +184,7 @@ static double node_bound(const weft_cloth *cloth, const node *sum, const side *o
 }
 
 /* What is on the right side of `by` of the polygon in from. */
-static void cut(weft_stiffness *from, const side *by)
+static void cut(weft_stiffness *from, const grid_side *by)
 {
     weft_stiffness left = *from;
     left.count = 0;
@@ -209,7 +209,7 @@ static void cut(weft_stiffness *from, const side *by)
 
 weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, const double *y)
 {
-    side sides[SIDES_MAX];
+    grid_side sides[SIDES_MAX];
     const size_t count = sides_init(cloth, y, sides);
     for (size_t i = 0; i < cloth->particles; ++i) {
         if (cloth->pin[i] != 0) {
@@ -239,7 +239,7 @@ weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, const double *y)
 
 /* out += (a K + b C) x of one spring: slack springs are taken for straight ones. */
 static void multiply_spring(const weft_cloth *cloth, const weft__group *group, size_t p,
-                            const double *y, const side *way, const double *x,
+                            const double *y, const grid_side *way, const double *x,
                             double *out)
 {
     const size_t n = cloth->particles, q = p + (size_t)group->stride;
@@ -264,7 +264,7 @@ static void multiply_spring(const weft_cloth *cloth, const weft__group *group, s
 }
 
 /* M^-1 (a K + b C) x, zero on pins. */
-static void multiply(const weft_cloth *cloth, const double *y, const side *way,
+static void multiply(const weft_cloth *cloth, const double *y, const grid_side *way,
                      const double *x, double *out)
 {
     const size_t n = cloth->particles;
@@ -309,7 +309,7 @@ typedef struct estimate {
     double spread; /* |M^-1 A x - value x| of the x it is of, |x| = 1 */
 } estimate;
 
-static estimate power(const weft_cloth *cloth, const double *y, const side *way,
+static estimate power(const weft_cloth *cloth, const double *y, const grid_side *way,
                       size_t iterations, double *x, double *z)
 {
     estimate best = { 0.0, 0.0 };
@@ -342,7 +342,7 @@ weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth, const double *
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the power method");
     }
     *out = weft_cloth_stiffness(cloth, y);
-    side ways[2] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 } };
+    grid_side ways[2] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 } };
     double *values[2] = { &out->omega2, &out->damping };
     for (size_t i = 0; i < 2 && isfinite(*values[i]); ++i) {
         const estimate found = power(

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* cloth.c -- a cloth from its definition: masses, pins, the state at rest. */
-#include "cloth/internal.h"
-#include "cloth/kernel.h"
+#include "cloth/model.h"
+#include "kernel/kernel.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "cloth/memory.h"
+#include "base/memory.h"
 
 /* 2 pi, correctly rounded */
 #define TWO_PI 6.283185307179586

@@ -3,9 +3,9 @@
  *
  * Sums run in index order, so that they are the same on every machine. Kinetic and
  * gravitational energy and both momenta are those of the free particles. */
-#include "cloth/hash.h"
-#include "cloth/internal.h"
-#include "cloth/limited.h"
+#include "base/hash.h"
+#include "cloth/limit_springs.h"
+#include "cloth/model.h"
 
 #include <math.h>
 #include <string.h>

@@ -5,8 +5,8 @@
  *     dE/dt = -springs - drag + wind + pins                        (docs/physics.md)
  *
  * Each row is summed by itself, then the rows in their order. */
-#include "cloth/kernel.h"
 #include "cloth/rows.h"
+#include "kernel/kernel.h"
 
 #include <math.h>
 

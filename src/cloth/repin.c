@@ -3,8 +3,8 @@
  * each of one particle alone. */
 #include "cloth/repin.h"
 
-#include "cloth/internal.h"
-#include "cloth/memory.h"
+#include "base/memory.h"
+#include "cloth/model.h"
 
 /* A cloth with room for all that pins are known by. */
 static weft_cloth *allocate(const weft_cloth *from, const weft_allocator *memory)

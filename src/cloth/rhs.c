@@ -9,9 +9,9 @@
  *
  * weft_cloth_force is the plain form of the model; the kernels (kernel.h) are held to
  * it by tests. */
-#include "cloth/internal.h"
-#include "cloth/kernel.h"
+#include "cloth/model.h"
 #include "cloth/rows.h"
+#include "kernel/kernel.h"
 
 #include "weft/elementary.h"
 

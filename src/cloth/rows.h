@@ -23,4 +23,8 @@ void weft__row_heat(const weft_cloth *cloth, size_t r, const double *y,
 /* Of so many rows, in their order: weft_cloth_dissipation. */
 double weft__heat_sum(const double *heat, size_t rows);
 
+/* cloth_hash.c: of all that moves a cloth but its state: springs, masses, pins, forces.
+ */
+uint64_t weft__cloth_hash(const weft_cloth *cloth);
+
 #endif

@@ -10,7 +10,7 @@
  * k = K / s. The elastic part is -dE/dx of E = k (L - s)^2 / 2; the damped part acts
  * along the spring only, so that both kinds of momentum stay. The three families are
  * those of Provot 1995; the damped law is the one of the lecture (docs/physics.md). */
-#include "cloth/internal.h"
+#include "cloth/model.h"
 
 #include <math.h>
 

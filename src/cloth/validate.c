@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* validate.c -- all that can be wrong with the definition of a cloth. Comparisons are
  * written so that NaN fails. */
-#include "cloth/internal.h"
+#include "cloth/model.h"
 
 #include <math.h>
 

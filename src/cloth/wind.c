@@ -6,7 +6,7 @@
  * with n the unit normal, the cross product of the column tangent
  * x(r, c+1) - x(r, c-1) and the row tangent x(r+1, c) - x(r-1, c), one-sided on the
  * rim; no force where they are parallel or a direction has a single particle. */
-#include "cloth/internal.h"
+#include "cloth/model.h"
 
 #include <math.h>
 

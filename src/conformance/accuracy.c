@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* accuracy.c -- whether order and tolerance mean what they say. */
-#include "conformance/order.h"
+#include "conformance/measured_order.h"
 #include "conformance/trial.h"
 
 static const char *no_order(const weft_stepper_type *type)
@@ -33,7 +33,7 @@ static bool at_4_s(trial *self, weft_norm norm, double tolerance, result *out)
 {
     weft_stepper_config config = weft__adaptive(tolerance);
     config.norm = norm;
-    run *r = weft__begin(self, 0, config);
+    trial_run *r = weft__begin(self, 0, config);
     if (r == NULL || !weft__go(self, r, 4.0)) {
         return false;
     }

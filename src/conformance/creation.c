@@ -20,7 +20,7 @@ static void table_is_sane(trial *self)
 static void create_calls_no_rhs(trial *self)
 {
     for (int mode = 0; mode < 2; ++mode) {
-        const run *r = weft__begin(self, 0, weft__usual(self->type, mode));
+        const trial_run *r = weft__begin(self, 0, weft__usual(self->type, mode));
         if (r != NULL) {
             (void)weft__expect(self, r->model.calls == 0, "create called the rhs");
             const weft_stepper_stats stats = weft__stats(self, r);
@@ -140,7 +140,7 @@ static void other_versions_are_served(trial *self)
     const uint32_t sizes[]
         = { sizeof newer, sizeof newer.config, WEFT_STEPPER_CONFIG_LEAST };
     for (int i = 0; i < 3; ++i) {
-        run *r = weft__begin(self, i, newer.config);
+        trial_run *r = weft__begin(self, i, newer.config);
         if (r == NULL) {
             return;
         }
@@ -164,11 +164,11 @@ static void other_versions_are_served(trial *self)
 static void fixed_steps_look_at_no_tolerance(trial *self)
 {
     weft_stepper_config config = weft__fixed(0x1p-9);
-    run *plain = weft__begin(self, 0, config);
+    trial_run *plain = weft__begin(self, 0, config);
     config.norm = WEFT_NORM_RMS;
     config.rtol = config.atol_position = config.atol_velocity = (double)NAN;
     config.first_step = config.min_step = config.max_step = -1.0;
-    run *odd = weft__begin(self, 1, config);
+    trial_run *odd = weft__begin(self, 1, config);
     if (plain == NULL || odd == NULL || !weft__go(self, plain, 0.5)
         || !weft__go(self, odd, 0.5)) {
         return;

@@ -7,7 +7,7 @@ static const char *const fault_names[FAULTS] = {
 };
 
 /* Of a step that failed, told by the fault and the call that began it. */
-static bool left_untouched(trial *self, const run *r, const run *before,
+static bool left_untouched(trial *self, const trial_run *r, const trial_run *before,
                            const char *what)
 {
     const weft_stepper_stats s = weft__stats(self, r);
@@ -24,7 +24,7 @@ static bool left_untouched(trial *self, const run *r, const run *before,
 }
 
 /* Healed, the run goes on and arrives at the right place. */
-static bool heals(trial *self, run *r, const char *what)
+static bool heals(trial *self, trial_run *r, const char *what)
 {
     r->model.fault = NO_FAULT;
     if (!weft__go(self, r, 0.25)) {
@@ -38,7 +38,7 @@ static bool heals(trial *self, run *r, const char *what)
  * noticed within one step, and all is well. */
 static bool fails_and_heals(trial *self, int mode, fault kind, uint64_t k)
 {
-    run *r = weft__begin(self, 0, weft__usual(self->type, mode));
+    trial_run *r = weft__begin(self, 0, weft__usual(self->type, mode));
     for (int i = 0; i < 3; ++i) {
         if (r == NULL || !weft__good_step(self, r, 1.0)) {
             return false;
@@ -47,7 +47,7 @@ static bool fails_and_heals(trial *self, int mode, fault kind, uint64_t k)
     char what[64];
     (void)snprintf(what, sizeof what, "rhs %s from call %llu of a step on",
                    fault_names[kind], (unsigned long long)k);
-    const run before = *r;
+    const trial_run before = *r;
     r->model.fault = kind;
     r->model.at = r->model.calls + k;
     const weft_status status = weft__step(self, r, 1.0);
@@ -86,7 +86,8 @@ static void a_failed_step_leaves_all_untouched(trial *self)
 static void one_refusal_costs_a_smaller_step(trial *self)
 {
     for (fault kind = REFUSE; kind < FAULTS; ++kind) {
-        run *r = kind == STOP ? NULL : weft__begin(self, 0, weft__usual(self->type, 0));
+        trial_run *r
+            = kind == STOP ? NULL : weft__begin(self, 0, weft__usual(self->type, 0));
         if (r == NULL || !weft__go(self, r, 0.125)) {
             continue;
         }
@@ -108,7 +109,7 @@ static void a_first_step_too_large_is_rescued(trial *self)
 {
     weft_stepper_config config = weft__adaptive(1e-6);
     config.first_step = 47.3;
-    run *r = weft__begin(self, 0, config);
+    trial_run *r = weft__begin(self, 0, config);
     if (r == NULL) {
         return;
     }
@@ -131,11 +132,11 @@ static void needing_less_than_min_step_fails(trial *self)
 {
     weft_stepper_config config = weft__adaptive(1e-6);
     config.min_step = 0.9e-6;
-    run *r = weft__begin(self, 0, config);
+    trial_run *r = weft__begin(self, 0, config);
     if (r == NULL || !weft__go(self, r, 0.125)) {
         return;
     }
-    const run before = *r;
+    const trial_run before = *r;
     r->model.k = 1e14; /* 1e-6 s is a period and a half */
     const weft_status status = weft__step(self, r, 1.0);
     (void)weft__expect(self, status == WEFT_STEP_TOO_SMALL,

@@ -30,7 +30,7 @@ static const char *no_heap(const weft_stepper_type *type)
 static void the_heap_does_not_grow(trial *self)
 {
     for (int mode = 0; mode < 2; ++mode) {
-        run *r = weft__begin(self, 0, weft__usual(self->type, mode));
+        trial_run *r = weft__begin(self, 0, weft__usual(self->type, mode));
         if (r == NULL || !weft__go(self, r, 0.0625)) {
             return;
         }
@@ -78,7 +78,7 @@ static void nothing_is_left_of(trial *self, void (*round)(trial *self),
 static void live(trial *self)
 {
     for (int mode = 0; mode < 2; ++mode) {
-        run *r = weft__begin(self, 0, weft__usual(self->type, mode));
+        trial_run *r = weft__begin(self, 0, weft__usual(self->type, mode));
         if (r != NULL) {
             (void)weft__go(self, r, 0.0078125);
         }
@@ -118,7 +118,7 @@ static void the_allocator_is_used(trial *self)
     const weft_allocator memory = { resize, &count };
     weft_stepper_config config = weft__usual(self->type, 0);
     config.allocator = &memory;
-    run *r = weft__begin(self, 0, config);
+    trial_run *r = weft__begin(self, 0, config);
     if (r == NULL || !weft__go(self, r, 0.0625)) {
         return;
     }

@@ -35,7 +35,7 @@ static void the_process_is_left_alone(trial *self)
     surroundings before, after;
     look_around(&before);
     for (int mode = 0; mode < 2; ++mode) {
-        run *r = weft__begin(self, 0, weft__usual(self->type, mode));
+        trial_run *r = weft__begin(self, 0, weft__usual(self->type, mode));
         if (r == NULL || !weft__go(self, r, 0.125)) {
             break;
         }

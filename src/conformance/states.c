@@ -8,8 +8,8 @@ static void needless_changes_change_nothing(trial *self)
 {
     const bool multistep = (self->type->flags & WEFT_STEPPER_MULTISTEP) != 0;
     for (int mode = 0; mode < 2; ++mode) {
-        run *quiet = weft__begin(self, 0, weft__usual(self->type, mode));
-        run *told = weft__begin(self, 1, weft__usual(self->type, mode));
+        trial_run *quiet = weft__begin(self, 0, weft__usual(self->type, mode));
+        trial_run *told = weft__begin(self, 1, weft__usual(self->type, mode));
         if (quiet == NULL || told == NULL || !weft__go(self, quiet, 1.0)) {
             return;
         }
@@ -35,7 +35,7 @@ static void needless_changes_change_nothing(trial *self)
 static void an_edited_state_is_used(trial *self)
 {
     for (int mode = 0; mode < 2; ++mode) {
-        run *r = weft__begin(self, 0, weft__usual(self->type, mode));
+        trial_run *r = weft__begin(self, 0, weft__usual(self->type, mode));
         if (r == NULL || !weft__go(self, r, 0.5)) {
             return;
         }
@@ -56,7 +56,7 @@ static void an_edited_state_is_used(trial *self)
 enum { BEYOND = 24, FILL = 0xA7 };
 
 /* Fields beyond what the caller has are not written, the others are. */
-static bool stats_fit(trial *self, const run *r, size_t size)
+static bool stats_fit(trial *self, const trial_run *r, size_t size)
 {
     const weft_stepper_stats whole = weft__stats(self, r);
     union {
@@ -89,7 +89,7 @@ static void stats_write_no_further(trial *self)
         = { offsetof(weft_stepper_stats, rhs_calls),
             offsetof(weft_stepper_stats, last_step), sizeof(weft_stepper_stats),
             sizeof(weft_stepper_stats) + BEYOND };
-    run *r = weft__begin(self, 0, weft__usual(self->type, 0));
+    trial_run *r = weft__begin(self, 0, weft__usual(self->type, 0));
     if (r == NULL || !weft__go(self, r, 0.125)) {
         return;
     }
@@ -99,7 +99,7 @@ static void stats_write_no_further(trial *self)
 
 static void stats_never_fall(trial *self)
 {
-    run *r = weft__begin(self, 0, weft__usual(self->type, 0));
+    trial_run *r = weft__begin(self, 0, weft__usual(self->type, 0));
     weft_stepper_stats last = { 0 };
     for (int i = 0; r != NULL && r->t < 1.0; ++i) {
         r->model.fault = i % 7 == 6 ? REFUSE : NO_FAULT;
@@ -130,7 +130,7 @@ static void stats_never_fall(trial *self)
 static bool pairs(trial *self)
 {
     for (int i = 0; i < SLOTS; ++i) {
-        run *r = weft__begin(self, i, weft__usual(self->type, 0));
+        trial_run *r = weft__begin(self, i, weft__usual(self->type, 0));
         if (r == NULL) {
             return false;
         }
@@ -150,7 +150,7 @@ static void both_as_alone(trial *self, const char *how)
 
 static void two_instances_are_independent(trial *self)
 {
-    run *mixed = &self->runs[2];
+    trial_run *mixed = &self->runs[2];
     if (!pairs(self)) {
         return;
     }
@@ -166,7 +166,7 @@ static void two_instances_are_independent(trial *self)
 
 typedef struct thread_run {
     const trial *self;
-    run *r;
+    trial_run *r;
     weft_status status;
 } thread_run;
 

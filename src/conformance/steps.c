@@ -2,14 +2,14 @@
 /* steps.c -- where steps end, and what they are said to have cost. */
 #include "conformance/trial.h"
 
-static bool at_exactly(trial *self, const run *r, double t_end)
+static bool at_exactly(trial *self, const trial_run *r, double t_end)
 {
     return weft__expect(self, memcmp(&r->t, &t_end, sizeof t_end) == 0,
                         "t is %.17g where t_end was %.17g", r->t, t_end);
 }
 
 /* What the statistics say of the step just taken from t = before. */
-static bool counted(trial *self, const run *r, double before, uint64_t steps)
+static bool counted(trial *self, const trial_run *r, double before, uint64_t steps)
 {
     const weft_stepper_stats s = weft__stats(self, r);
     return weft__expect(self, s.steps == steps + 1, "one step made steps %llu of %llu",
@@ -28,7 +28,7 @@ static bool counted(trial *self, const run *r, double before, uint64_t steps)
 static void every_end_is_met(trial *self)
 {
     for (int mode = 0; mode < 2; ++mode) {
-        run *r = weft__begin(self, 0, weft__usual(self->type, mode));
+        trial_run *r = weft__begin(self, 0, weft__usual(self->type, mode));
         for (int frame = 1; r != NULL && frame <= 43; ++frame) {
             const double t_end = frame / 29.97;
             while (r->t < t_end) {
@@ -52,7 +52,7 @@ static void every_end_is_met(trial *self)
 /* t + (t_end - t) is not t_end where t < t_end / 2. */
 static void a_single_step_lands_as_exactly(trial *self)
 {
-    run *r = weft__begin(self, 0, weft__fixed(1.0));
+    trial_run *r = weft__begin(self, 0, weft__fixed(1.0));
     for (double t_end = 1.3e-7; r != NULL && t_end < 0.02; t_end *= 2.7) {
         if (!weft__good_step(self, r, t_end) || !at_exactly(self, r, t_end)) {
             return;
@@ -60,7 +60,7 @@ static void a_single_step_lands_as_exactly(trial *self)
     }
 }
 
-static bool takes_steps(trial *self, run *r, double t_end, uint64_t wanted)
+static bool takes_steps(trial *self, trial_run *r, double t_end, uint64_t wanted)
 {
     if (!weft__go(self, r, t_end)) {
         return false;
@@ -73,8 +73,8 @@ static bool takes_steps(trial *self, run *r, double t_end, uint64_t wanted)
 
 static void steps_that_fit_leave_no_sliver(trial *self)
 {
-    run *r = weft__begin(self, 0, weft__fixed(1.0 / 2997.0));
-    run *rough = weft__begin(self, 1, weft__fixed(3.0 / 2997.0));
+    trial_run *r = weft__begin(self, 0, weft__fixed(1.0 / 2997.0));
+    trial_run *rough = weft__begin(self, 1, weft__fixed(3.0 / 2997.0));
     for (unsigned frame = 1; r != NULL && rough != NULL && frame <= 60; ++frame) {
         if (!takes_steps(self, r, frame / 299.7, 10 * frame)
             || !takes_steps(self, rough, frame / 299.7, 4 * frame)) {
@@ -93,7 +93,7 @@ static const char *no_stages(const weft_stepper_type *type)
 
 static void stages_are_the_rhs_calls(trial *self)
 {
-    run *r = weft__begin(self, 0, weft__fixed(1e-3));
+    trial_run *r = weft__begin(self, 0, weft__fixed(1e-3));
     if (r == NULL || !weft__good_step(self, r, 1.0)) {
         return;
     }
@@ -122,9 +122,9 @@ static const char *looks_anywhere(const weft_stepper_type *type)
 /* Also after a step that failed, and where y was edited. */
 static void the_first_look_is_at_y(trial *self)
 {
-    run *r = weft__begin(self, 0, weft__usual(self->type, 0));
+    trial_run *r = weft__begin(self, 0, weft__usual(self->type, 0));
     for (int i = 0; r != NULL && i < 20; ++i) {
-        const run before = *r;
+        const trial_run before = *r;
         r->model.watch = true;
         r->model.fault = i % 7 == 3 ? GIVE_NAN : NO_FAULT;
         r->model.at = r->model.calls + 1;
@@ -152,7 +152,7 @@ static void step_sizes_are_kept(trial *self)
     weft_stepper_config config = weft__adaptive(1e-3);
     config.first_step = 1.7e-5;
     config.max_step = 0.0113;
-    run *r = weft__begin(self, 0, config);
+    trial_run *r = weft__begin(self, 0, config);
     if (r == NULL || !weft__good_step(self, r, 1.0)
         || !weft__expect(self, fabs(r->t - 1.7e-5) <= 1e-18,
                          "first_step 1.7e-5 s became %.17g s", r->t)) {
@@ -174,11 +174,11 @@ static void step_sizes_are_kept(trial *self)
 static void no_step_goes_backwards(trial *self)
 {
     const double t_ends[] = { 0.25, 0.125, -1.0, (double)NAN };
-    run *r = weft__begin(self, 0, weft__usual(self->type, 0));
+    trial_run *r = weft__begin(self, 0, weft__usual(self->type, 0));
     if (r == NULL || !weft__go(self, r, 0.25)) {
         return;
     }
-    const run before = *r;
+    const trial_run before = *r;
     for (int i = 0; i < 4; ++i) {
         const weft_status status = weft__step(self, r, t_ends[i]);
         (void)weft__expect(self, status == WEFT_INVALID,

@@ -89,11 +89,11 @@ void weft__end(trial *self, int slot)
     }
 }
 
-run *weft__begin(trial *self, int slot, weft_stepper_config config)
+trial_run *weft__begin(trial *self, int slot, weft_stepper_config config)
 {
-    run *r = &self->runs[slot];
+    trial_run *r = &self->runs[slot];
     weft__end(self, slot);
-    *r = (run){ .model = { .k = 1.0, .apart = self->apart } };
+    *r = (trial_run){ .model = { .k = 1.0, .apart = self->apart } };
     r->ode = (weft_ode){ .dim = DIM + self->apart,
                          .rhs = weft__model_rhs,
                          .ctx = &r->model };
@@ -110,12 +110,12 @@ run *weft__begin(trial *self, int slot, weft_stepper_config config)
     return made ? r : NULL;
 }
 
-weft_status weft__step(const trial *self, run *r, double t_end)
+weft_status weft__step(const trial *self, trial_run *r, double t_end)
 {
     return self->type->step(r->self, t_end, &r->t, r->y, &r->err);
 }
 
-bool weft__good_step(trial *self, run *r, double t_end)
+bool weft__good_step(trial *self, trial_run *r, double t_end)
 {
     const double before = r->t;
     return weft__expect(self, weft__step(self, r, t_end) == WEFT_OK,
@@ -126,7 +126,7 @@ bool weft__good_step(trial *self, run *r, double t_end)
                            t_end, r->t);
 }
 
-bool weft__go(trial *self, run *r, double t_end)
+bool weft__go(trial *self, trial_run *r, double t_end)
 {
     for (long steps = 1; r->t < t_end; ++steps) {
         if (!weft__good_step(self, r, t_end)
@@ -138,19 +138,19 @@ bool weft__go(trial *self, run *r, double t_end)
     return true;
 }
 
-weft_stepper_stats weft__stats(const trial *self, const run *r)
+weft_stepper_stats weft__stats(const trial *self, const trial_run *r)
 {
     weft_stepper_stats stats = { .struct_size = sizeof stats };
     self->type->stats(r->self, &stats);
     return stats;
 }
 
-bool weft__same(const trial *self, const run *a, const run *b)
+bool weft__same(const trial *self, const trial_run *a, const trial_run *b)
 {
     return memcmp(a->y, b->y, (DIM + self->apart) * sizeof *a->y) == 0;
 }
 
-double weft__error_at_end(const run *r)
+double weft__error_at_end(const trial_run *r)
 {
     double y[DIM];
     memcpy(y, weft__model_start, sizeof y);
@@ -158,7 +158,7 @@ double weft__error_at_end(const run *r)
     return weft__model_distance(r->y, y);
 }
 
-bool weft__near(trial *self, const run *r, double error, double allowed,
+bool weft__near(trial *self, const trial_run *r, double error, double allowed,
                 const char *what, ...)
 {
     char done[96];
@@ -166,7 +166,7 @@ bool weft__near(trial *self, const run *r, double error, double allowed,
     if (error <= allowed) {
         return true;
     }
-    run *quiet = weft__begin(self, SLOTS - 1, r->config);
+    trial_run *quiet = weft__begin(self, SLOTS - 1, r->config);
     if (quiet == NULL || !weft__go(self, quiet, r->t)) {
         return false;
     }

@@ -3,18 +3,18 @@
 #ifndef WEFT_CONFORMANCE_TRIAL_H
 #define WEFT_CONFORMANCE_TRIAL_H
 
-#include "conformance/model.h"
-#include "weft/conformance.h"
+#include "conformance/conformance.h"
+#include "conformance/oscillators.h"
 
 /* One run of the method on the model. */
-typedef struct run {
+typedef struct trial_run {
     model model;
     weft_ode ode;
     weft_stepper_config config;
     void *self;
     double t, y[DIM + APART];
     weft_error err;
-} run;
+} trial_run;
 
 enum { SLOTS = 5 }; /* the last is that of weft__near's undisturbed run */
 
@@ -22,7 +22,7 @@ typedef struct trial {
     const weft_stepper_type *type;
     size_t apart; /* quadratures of every run */
     weft_conformance *out;
-    run runs[SLOTS];
+    trial_run runs[SLOTS];
 } trial;
 
 /* The first expectation that is not met breaks the promise, and its text is what was
@@ -32,23 +32,23 @@ bool weft__expect(trial *self, bool ok, const char *format, ...);
 
 /* A run from t = 0 in that slot, instead of the one that was there; NULL if it cannot
  * be created, which breaks the promise. */
-run *weft__begin(trial *self, int slot, weft_stepper_config config);
+trial_run *weft__begin(trial *self, int slot, weft_stepper_config config);
 void weft__end(trial *self, int slot);
 
-weft_status weft__step(const trial *self, run *r, double t_end);
+weft_status weft__step(const trial *self, trial_run *r, double t_end);
 /* A step, and steps up to t_end, that must succeed; false: they did not. */
-bool weft__good_step(trial *self, run *r, double t_end);
-bool weft__go(trial *self, run *r, double t_end);
+bool weft__good_step(trial *self, trial_run *r, double t_end);
+bool weft__go(trial *self, trial_run *r, double t_end);
 
-weft_stepper_stats weft__stats(const trial *self, const run *r);
+weft_stepper_stats weft__stats(const trial *self, const trial_run *r);
 /* Whether two runs have the same y, bit for bit. */
-bool weft__same(const trial *self, const run *a, const run *b);
-double weft__error_at_end(const run *r);
+bool weft__same(const trial *self, const trial_run *a, const trial_run *b);
+double weft__error_at_end(const trial_run *r);
 
 /* Expects an error at the end of a run that something has disturbed to be allowed, or
  * tells what an undisturbed run of the same config comes to; `what` was done to it. */
 WEFT_PRINTF(5, 6)
-bool weft__near(trial *self, const run *r, double error, double allowed,
+bool weft__near(trial *self, const trial_run *r, double error, double allowed,
                 const char *what, ...);
 
 /* One promise. */

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/file.h"
-#include "sim/words.h"
+#include "base/bytes.h"
+#include "base/file.h"
 
 static const unsigned char magic[WEFT__WORD] = "weftckpt";
 

@@ -15,10 +15,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "record/hdf.h"
 #include "record/record.h"
 #include "record/vtkhdf_file.h"
-#include "sim/file.h"
 
 struct record_frames {
     char path[RECORD_PATH];

@@ -4,8 +4,8 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "record/record.h"
-#include "sim/file.h"
 
 static void put_character(FILE *stream, int c)
 {

@@ -7,8 +7,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "record/record.h"
-#include "sim/file.h"
 
 bool record_result_open(const char *directory, yaml_document_t *out)
 {

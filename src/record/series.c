@@ -9,8 +9,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "cloth/hash.h"
-#include "sim/file.h"
+#include "base/file.h"
+#include "base/hash.h"
 
 /* X(name, format, value); `row` is the struct below. */
 #define COLUMNS(X)                                                                     \

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "record/record.h"
-#include "sim/file.h"
 
 typedef struct reader {
     FILE *stream;

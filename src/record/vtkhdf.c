@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "cloth/hash.h"
+#include "base/hash.h"
 
 /* Room is made for all frames at once, which costs no space before they come; a file
  * system may refuse a file beyond 16 TiB. */

@@ -3,7 +3,7 @@
 #ifndef WEFT_SCENE_DOCUMENT_H
 #define WEFT_SCENE_DOCUMENT_H
 
-#include "scene/report.h"
+#include "scene/diagnostics.h"
 
 #define WEFT__MAX_BYTES   ((size_t)16 << 20)
 #define WEFT__MAX_NODES   1000000 /* anchors expanded */

@@ -3,7 +3,7 @@
 #ifndef WEFT_SCENE_KEYS_H
 #define WEFT_SCENE_KEYS_H
 
-#include "scene/report.h"
+#include "scene/diagnostics.h"
 
 typedef enum weft__kind {
     WEFT__MAPPING,   /* keys of its own */

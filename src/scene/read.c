@@ -5,8 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/suggest.h"
 #include "scene/scalar.h"
-#include "sim/suggest.h"
 
 typedef void read_fn(weft__reader *reader, const weft__key *key,
                      const yaml_node_t *node, void *to);

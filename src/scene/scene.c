@@ -4,9 +4,9 @@
 #include <locale.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "scene/read.h"
 #include "scene/sweep.h"
-#include "sim/file.h"
 
 weft_scene_def weft_scene_def_default(void)
 {

@@ -2,8 +2,8 @@
 /* unknown.c -- what to say of a key that is not in the table. */
 #include <string.h>
 
+#include "base/suggest.h"
 #include "scene/keys.h"
-#include "sim/suggest.h"
 
 enum { LISTED = 8 };
 
@@ -41,16 +41,12 @@ static bool find_elsewhere(const weft__section *from, const weft__section *other
     return false;
 }
 
-/* The key nearest to a name of those that are not listed yet. */
-static size_t nearest(const weft__section *section, const char *name,
-                      const bool *listed)
+/* The nearest of the keys that are not listed yet. */
+static size_t nearest(const double *unlikeness, const bool *listed, size_t count)
 {
-    size_t best = section->count;
-    for (size_t i = 0; i < section->count; ++i) {
-        if (!listed[i]
-            && (best == section->count
-                || weft__unlikeness(name, section->keys[i].name)
-                       < weft__unlikeness(name, section->keys[best].name))) {
+    size_t best = count;
+    for (size_t i = 0; i < count; ++i) {
+        if (!listed[i] && (best == count || unlikeness[i] < unlikeness[best])) {
             best = i;
         }
     }
@@ -63,9 +59,14 @@ static void list_keys(const weft__section *section, const char *title, const cha
                       char *out, size_t size)
 {
     bool listed[WEFT__MAX_KEYS] = { false };
+    double unlikeness[WEFT__MAX_KEYS];
+    for (size_t i = 0; i < section->count && section->count > LISTED; ++i) {
+        unlikeness[i] = weft__unlikeness(name, section->keys[i].name);
+    }
     size_t used = (size_t)snprintf(out, size, "; %s has", title);
     for (size_t n = 0; n < section->count && n < LISTED && used < size; ++n) {
-        const size_t i = section->count > LISTED ? nearest(section, name, listed) : n;
+        const size_t i
+            = section->count > LISTED ? nearest(unlikeness, listed, section->count) : n;
         listed[i] = true;
         used += (size_t)snprintf(out + used, size - used, "%s %s", n == 0 ? "" : ",",
                                  section->keys[i].name);

@@ -3,7 +3,7 @@
 
 #include <stdatomic.h>
 
-#include "cloth/memory.h"
+#include "base/memory.h"
 #include "cloth/rows.h"
 
 /* Particles that are worth a thread: their evaluation takes ten times as long as it

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* heat.c -- what the dampers have taken, where no ledger is kept. */
-#include "sim/internal.h"
+#include "sim/simulation.h"
 
 void weft__sim_add_heat(weft_sim *sim, double h, double heating)
 {

@@ -18,7 +18,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "cloth/memory.h"
+#include "base/memory.h"
 
 struct weft__limit {
     weft_allocator memory;
@@ -111,15 +111,15 @@ void weft__limit_use(weft__limit *limit, const weft_cloth *cloth)
 }
 
 /* What the last sweep did, in the product of the projections. */
-typedef struct progress {
+typedef struct limit_progress {
     double back;   /* (z - x_(k+1), x_(k+1) - x_k) */
     double moved2; /* |z - x_(k+1)|^2 */
-} progress;
+} limit_progress;
 
-static progress look_back(const weft__limit *self)
+static limit_progress look_back(const weft__limit *self)
 {
     const size_t n = self->count / 3;
-    progress sum = { 0 };
+    limit_progress sum = { 0 };
     for (size_t i = 0; i < n; ++i) {
         const double mass = weft_cloth_particle_mass(self->springs.cloth, i);
         for (size_t j = i; j < self->count; j += n) {
@@ -134,7 +134,7 @@ static progress look_back(const weft__limit *self)
 /* From x_(k+1) to the z of the next sweep. */
 static void extrapolate(weft__limit *self)
 {
-    const progress last = look_back(self);
+    const limit_progress last = look_back(self);
     const bool grown = last.moved2 > GROWTH * GROWTH * self->least2;
     const bool restart = grown || last.back > 0.0;
     if (grown && self->t > 1.0) {

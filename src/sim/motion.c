@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "sim/internal.h"
+#include "sim/simulation.h"
 
 /* v' += f / m of the free particles; the power f.v [W] of all of them. */
 static double accelerate(const weft_sim *sim, const double *y, double *dydt)

@@ -9,10 +9,11 @@
  * the pins that were changed (save_pins.c), checksum. */
 #include <math.h>
 
-#include "cloth/memory.h"
+#include "base/bytes.h"
+#include "base/memory.h"
 #include "cloth/repin.h"
-#include "sim/internal.h"
-#include "sim/words.h"
+#include "cloth/rows.h"
+#include "sim/simulation.h"
 
 static const unsigned char magic[WEFT__WORD] = "weftsave";
 

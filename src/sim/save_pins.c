@@ -3,9 +3,9 @@
  * its index, 1 if it is held or 0 if it was let go, and its velocity [m/s]. */
 #include <math.h>
 
+#include "base/bytes.h"
 #include "cloth/repin.h"
-#include "sim/internal.h"
-#include "sim/words.h"
+#include "sim/simulation.h"
 
 enum { AT_INDEX, AT_HELD, AT_VELOCITY, WORDS = AT_VELOCITY + 3 };
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* settings.c -- by what a simulation that is restored is known to step as the saved one
  * did. Threads, allocators and the log change no result. */
-#include "cloth/hash.h"
-#include "sim/internal.h"
+#include "base/hash.h"
+#include "sim/simulation.h"
 
 static uint64_t hash_reals(uint64_t hash, const double *values, size_t count)
 {

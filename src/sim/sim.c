@@ -6,10 +6,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "cloth/memory.h"
+#include "base/log.h"
+#include "base/memory.h"
 #include "cloth/repin.h"
-#include "sim/internal.h"
-#include "sim/log.h"
+#include "sim/simulation.h"
 
 weft_stepper_config weft_stepper_config_default(void)
 {

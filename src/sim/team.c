@@ -18,7 +18,7 @@
 #include <xmmintrin.h>
 #endif
 
-#include "cloth/memory.h"
+#include "base/memory.h"
 
 /* Spins last some 10 us, as much as there is between two evaluations, yields some 50.
  */

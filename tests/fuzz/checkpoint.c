@@ -5,9 +5,9 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "base/bytes.h"
 #include "fuzz/file.h"
 #include "record/checkpoint.h"
-#include "sim/words.h"
 
 /* [words] Of the file: the state begins behind the head; of the state: docs/output.md
  */

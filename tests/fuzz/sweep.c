@@ -3,7 +3,7 @@
 #include <limits.h>
 #include <stdbool.h>
 
-#include "cli/batch.h"
+#include "cli/batch/batch.h"
 #include "fuzz/fuzz.h"
 
 /* What a run's directory may be called, wherever it is made. */

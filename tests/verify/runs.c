@@ -88,11 +88,11 @@ static weft_status play_scene(const weft_scene *scene, weft_sim *sim,
                               verify_frames *out, weft_error *err)
 {
     keeper self = { out, sim };
-    player show = { .sim = sim,
-                    .run = weft_scene_run(scene),
-                    .last = frame_last(weft_scene_run(scene)),
-                    .frame = keep,
-                    .ctx = &self };
+    frame_loop show = { .sim = sim,
+                        .run = weft_scene_run(scene),
+                        .last = frame_last(weft_scene_run(scene)),
+                        .frame = keep,
+                        .ctx = &self };
     out->count = show.last + 1;
     out->dim = weft_cloth_dim(weft_sim_cloth(sim));
     out->y = calloc(out->count * out->dim, sizeof *out->y);

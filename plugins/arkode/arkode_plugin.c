@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* arkode_plugin.c -- the methods: every table of the ARKODE that it is built with, the
+ * classics, and `custom`. Orders are measured by tests/test_stepper_accuracy.c. */
+#include "arkode_plugin.h"
+
+WEFT_API const weft_plugin *weft_plugin_arkode(void);
+
+#define KENNEDY_CARPENTER "C. A. Kennedy, M. H. Carpenter, Appl. Numer. Math. 44, 2003"
+#define KENNEDY_CARPENTER_2019                                                         \
+    "C. A. Kennedy, M. H. Carpenter, Appl. Numer. Math. 136, 2019"
+#define VERNER_2010 "J. H. Verner, Numer. Algorithms 53, 2010"
+
+enum {
+    FIXED = WEFT_STEPPER_FIXED_ONLY,
+    FSAL = WEFT_STEPPER_FSAL,
+    CUSTOM = WEFT_STEPPER_BUTCHER
+};
+
+/* Who has an error estimate has a controller; all are explicit, and their weighted
+ * norms can leave components out. */
+#define KIND(flags)                                                                    \
+    ((flags) | WEFT_STEPPER_QUADRATURES | ((flags)&FIXED ? 0 : WEFT_STEPPER_CONTROLLER))
+
+/* X(name, ARKODE's name after ARKODE_, order, error order, RHS calls, flags, source).
+ * FSAL tables have one stage more than RHS calls. */
+#define SINCE_6_4(X)                                                                   \
+    X(heun_euler, HEUN_EULER_2_1_2, 2, 1, 2, 0, "K. Heun, Z. Math. Phys. 45, 1900")    \
+    X(bogacki_shampine, BOGACKI_SHAMPINE_4_2_3, 3, 2, 3, FSAL,                         \
+      "P. Bogacki, L. F. Shampine, Appl. Math. Lett. 2, 1989")                         \
+    X(ark324l2sa, ARK324L2SA_ERK_4_2_3, 3, 2, 4, 0, KENNEDY_CARPENTER)                 \
+    X(zonneveld, ZONNEVELD_5_3_4, 4, 3, 5, 0,                                          \
+      "J. A. Zonneveld, Mathematisch Centrum, Amsterdam, 1963")                        \
+    X(ark436l2sa, ARK436L2SA_ERK_6_3_4, 4, 3, 6, 0, KENNEDY_CARPENTER)                 \
+    X(sayfy_aburub, SAYFY_ABURUB_6_3_4, 4, 3, 6, 0,                                    \
+      "A. Sayfy, A. Aburub, Intern. J. Comput. Math. 79, 2002")                        \
+    X(cash_karp, CASH_KARP_6_4_5, 5, 4, 6, 0,                                          \
+      "J. R. Cash, A. H. Karp, ACM TOMS 16, 1990")                                     \
+    X(fehlberg45, FEHLBERG_6_4_5, 5, 4, 6, 0, "E. Fehlberg, NASA TR R-315, 1969")      \
+    X(dormand_prince, DORMAND_PRINCE_7_4_5, 5, 4, 6, FSAL,                             \
+      "J. R. Dormand, P. J. Prince, J. Comp. Appl. Math. 6, 1980")                     \
+    X(ark548l2sa, ARK548L2SA_ERK_8_4_5, 5, 4, 8, 0, KENNEDY_CARPENTER)                 \
+    X(verner65, VERNER_8_5_6, 6, 5, 8, 0,                                              \
+      "J. H. Verner, SIAM J. Numer. Anal. 15, 1978")                                   \
+    X(fehlberg87, FEHLBERG_13_7_8, 8, 7, 13, 0, "E. Fehlberg, NASA TR R-287, 1968")    \
+    X(knoth_wolke, KNOTH_WOLKE_3_3, 3, 0, 3, FIXED,                                    \
+      "O. Knoth, R. Wolke, Appl. Numer. Math. 28, 1998")                               \
+    X(ark437l2sa, ARK437L2SA_ERK_7_3_4, 4, 3, 7, 0, KENNEDY_CARPENTER_2019)            \
+    X(ark548l2sab, ARK548L2SAb_ERK_8_4_5, 5, 4, 8, 0, KENNEDY_CARPENTER_2019)
+
+#if SUNV >= 606
+#define SINCE_6_6(X)                                                                   \
+    X(ark2, ARK2_ERK_3_1_2, 2, 1, 3, 0,                                                \
+      "F. X. Giraldo, J. F. Kelly, E. M. Constantinescu, SIAM J. Sci. Comput. 35, "    \
+      "2013")
+#else
+#define SINCE_6_6(X)
+#endif
+
+#if SUNV >= 607
+#define SINCE_6_7(X)                                                                   \
+    X(sofroniou_spaletta, SOFRONIOU_SPALETTA_5_3_4, 4, 3, 4, FSAL,                     \
+      "M. Sofroniou, G. Spaletta, Math. Comput. Model. 40, 2004")                      \
+    X(shu_osher, SHU_OSHER_3_2_3, 3, 2, 3, 0,                                          \
+      "C.-W. Shu, S. Osher, J. Comp. Phys. 77, 1988")                                  \
+    X(verner65_9, VERNER_9_5_6, 6, 5, 8, FSAL, VERNER_2010)                            \
+    X(verner76, VERNER_10_6_7, 7, 6, 10, 0, VERNER_2010)                               \
+    X(verner87, VERNER_13_7_8, 8, 7, 13, 0, VERNER_2010)                               \
+    X(verner98, VERNER_16_8_9, 9, 8, 16, 0, VERNER_2010)
+#else
+#define SINCE_6_7(X)
+#endif
+
+#if SUNV >= 701
+#define SINCE_7_1(X)                                                                   \
+    X(forward_euler, FORWARD_EULER_1_1, 1, 0, 1, FIXED,                                \
+      "L. Euler, Institutiones calculi integralis I, 1768")                            \
+    X(ralston_euler, RALSTON_EULER_2_1_2, 2, 1, 2, 0,                                  \
+      "A. Ralston, Math. Comput. 16, 1962")                                            \
+    X(midpoint_euler, EXPLICIT_MIDPOINT_EULER_2_1_2, 2, 1, 2, 0,                       \
+      "C. Runge, Math. Ann. 46, 1895")
+#else
+#define SINCE_7_1(X)
+#endif
+
+#if SUNV >= 703
+#define SINCE_7_3(X)                                                                   \
+    X(ralston, RALSTON_3_1_2, 2, 1, 2, FSAL, "A. Ralston, Math. Comput. 16, 1962")     \
+    X(tsitouras, TSITOURAS_7_4_5, 5, 4, 6, FSAL,                                       \
+      "Ch. Tsitouras, Comput. Math. Appl. 62, 2011")
+#else
+#define SINCE_7_3(X)
+#endif
+
+#define ARKODE_TABLES(X)                                                               \
+    SINCE_6_4(X) SINCE_6_6(X) SINCE_6_7(X) SINCE_7_1(X) SINCE_7_3(X)
+
+/* X(name, our table, order, RHS calls, flags, source) */
+#define OUR_TABLES(X)                                                                  \
+    X(euler, &weft__ark_euler, 1, 1, FIXED,                                            \
+      "L. Euler, Institutiones calculi integralis I, 1768")                            \
+    X(midpoint, &weft__ark_midpoint, 2, 2, FIXED, "C. Runge, Math. Ann. 46, 1895")     \
+    X(heun, &weft__ark_heun, 2, 2, FIXED, "K. Heun, Z. Math. Phys. 45, 1900")          \
+    X(rk4, &weft__ark_rk4, 4, 4, FIXED, "W. Kutta, Z. Math. Phys. 46, 1901")           \
+    X(rk38, &weft__ark_rk38, 4, 4, FIXED, "W. Kutta, Z. Math. Phys. 46, 1901")         \
+    X(custom, NULL, 0, 0, CUSTOM, "the table of the scene (stepper.butcher)")
+
+#define TYPE(label, full, p, q, calls, kind, source)                                   \
+    {                                                                                  \
+        .abi = WEFT_STEPPER_ABI, .struct_size = sizeof(weft_stepper_type),             \
+        .name = #label, .reference = (source), .license = "BSD-3-Clause",              \
+        .order = (p), .error_order = (q), .stages = (calls), .flags = KIND(kind),      \
+        .create = weft__ark_create, .step = weft__ark_step,                            \
+        .state_changed = weft__ark_state_changed, .stats = weft__ark_stats,            \
+        .destroy = weft__ark_destroy, .full_name = (full),                             \
+        .options = weft__ark_options,                                                  \
+    }
+
+#define ARKODE_METHOD(label, full, p, q, calls, kind, source)                          \
+    static const ark_method method_##label                                             \
+        = { TYPE(label, "ARKODE_" #full, p, q, calls, kind, source), ARKODE_##full,    \
+            NULL };
+#define OUR_METHOD(label, from, p, calls, kind, source)                                \
+    static const ark_method method_##label                                             \
+        = { TYPE(label, NULL, p, 0, calls, kind, source), ARKODE_ERK_NONE, from };
+
+ARKODE_TABLES(ARKODE_METHOD)
+OUR_TABLES(OUR_METHOD)
+
+WEFT_API const weft_plugin *weft_plugin_arkode(void)
+{
+#define ADDRESS(label, ...) &method_##label.type,
+    static const weft_stepper_type *const types[]
+        = { ARKODE_TABLES(ADDRESS) OUR_TABLES(ADDRESS) NULL };
+    static const weft_plugin plugin = {
+        .abi = WEFT_STEPPER_ABI,
+        .struct_size = sizeof(weft_plugin),
+        .id = "arkode",
+        .version = WEFT_VERSION,
+        .solver = "SUNDIALS " SUNDIALS_VERSION,
+        .types = types,
+    };
+    return &plugin;
+}

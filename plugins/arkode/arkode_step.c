@@ -1,0 +1,287 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* arkode_step.c -- one accepted step: one call of Evolve, on a vector of ours that is
+ * copied to the caller's on success only.
+ *
+ * No stop time is given to ARKODE. After a step that ended at one, its proposal for the
+ * next cannot be read; after a Reset it does not shorten a step that leads past one
+ * (6.4). Instead h is handed over where it must not be ARKODE's own, that is before the
+ * end of a frame and after it, by SetInitStep and Reset: these forget the error of the
+ * last step but no count.
+ *
+ * f(t, y) at the start of a step is the last stage of the step before if the table is
+ * made for that (FSAL). SUNDIALS before 6.7 takes it so for every table whose last node
+ * is 1, and loses orders, and evaluates f once too often for the others. So with tables
+ * that are not FSAL every step begins with a Reset, after which f is evaluated, and the
+ * call of f at the end of a step, which a hook announces, is not passed on. The results
+ * are those of 6.7 and later.
+ *
+ * An RHS of no use must be a NaN to ARKODE: its error test fails and h shrinks, while
+ * the code for "try a smaller step" ends the run. What the RHS gives is not read for
+ * that: a NaN in it shows in whatever is combined from it, a stage or the solution or
+ * the error, and there it costs nothing to look (vector.c). It is read where it need
+ * not show, and at the start of a step, where no smaller h helps. */
+#include "arkode_plugin.h"
+
+#include <math.h>
+#include <string.h>
+
+int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance)
+{
+    arkode_stepper *self = instance;
+    const bool starting = self->starting;
+    if (self->skip) {
+        self->skip = false;
+        return 0;
+    }
+    self->starting = false;
+    self->since_bad += self->since_bad < INT32_MAX;
+    int failed = 1;
+    if (weft__ark_finite(y)) {
+        ++self->stats.rhs_calls;
+        failed = self->ode.rhs(t, NV_DATA_S(y), weft__ark_fill(ydot), self->ode.ctx);
+    }
+    if (failed < 0) {
+        self->stopped = true;
+        return -1;
+    }
+    const bool look = starting || self->hidden;
+    if (failed == 0 && (!look || weft__ark_finite(ydot))) {
+        return 0;
+    }
+    self->since_bad = 0;
+    weft__ark_fill(ydot)[0] = NAN;
+    return self->fixed_step > 0.0 || starting ? -1 : 0; /* a smaller h helps no start */
+}
+
+/* A quadrature has the weight 0: no say, but NaN in it is NaN. */
+int weft__ark_weights(N_Vector y, N_Vector weights, void *instance)
+{
+    const arkode_stepper *self = instance;
+    if (self->fixed_step == 0.0) {
+        weft__ark_weigh(y, weights, self->rtol, self->atol);
+    }
+    return 0;
+}
+
+int weft__ark_step_done(sunrealtype t, N_Vector y, void *instance)
+{
+    arkode_stepper *self = instance;
+    (void)t;
+    (void)y;
+    self->skip = true;
+    return 0;
+}
+
+/* How far to go of `rest` when h is wanted: all of it if it is longer than h by
+ * roundoff alone, half of it if h would leave a sliver, else h. */
+static double fit(const arkode_stepper *self, double rest)
+{
+    const double h = self->h;
+    if (h >= rest * (1.0 - 1e-6)) {
+        return rest;
+    }
+    return self->fixed_step == 0.0 && h > 0.9 * rest ? 0.5 * rest : h;
+}
+
+/* Before the first step ARKODE has no stages yet, which ReInit makes it allocate. */
+static int give_state(arkode_stepper *self, double t, const double *y)
+{
+    if (self->restart) { /* else it is what Evolve left there */
+        weft__ark_write(self->y, y);
+    }
+    self->starting = true;
+    if (self->stats.steps > 0) {
+        return ARK(Reset)(self->solver, t, self->y);
+    }
+    self->failed_tests = 0;
+    return ERKStepReInit(self->solver, weft__ark_rhs, t, self->y);
+}
+
+/* Makes ARKODE start from (t, y), by h. */
+static int prepare(arkode_stepper *self, double t, const double *y, double h)
+{
+    void *solver = self->solver;
+    const bool forced = self->own_h || h != self->h;
+    int flag = ARK_SUCCESS;
+    if (self->fixed_step > 0.0) {
+        flag = forced ? ARK(SetFixedStep)(solver, h) : ARK_SUCCESS;
+        self->own_h = h != self->h;
+    } else {
+        /* a step shortened below min_step is no failure yet */
+        flag = ARK(SetMinStep)(solver, fmin(self->min_step, h));
+        if (forced && flag == ARK_SUCCESS) {
+            flag = ARK(SetInitStep)(solver, h);
+            self->restart = true;
+        }
+    }
+    if (flag == ARK_SUCCESS && (self->restart || !self->fsal)) {
+        flag = give_state(self, t, y);
+    }
+    return flag;
+}
+
+/* Whatever happened: what ARKODE has is not to be gone on with. */
+static void forget(arkode_stepper *self)
+{
+    self->own_h = self->restart = true;
+    self->skip = self->starting = false;
+}
+
+/* One call of Evolve, which tries smaller and smaller steps. *reached is its t. */
+static int evolve(arkode_stepper *self, double t, const double *y, double h,
+                  double t_end, double *reached)
+{
+    self->stopped = false;
+    self->since_bad = INT32_MAX;
+    int flag = prepare(self, t, y, h);
+    if (flag == ARK_SUCCESS) {
+        flag = ARK(Evolve)(self->solver, t_end, self->y, reached, ARK_ONE_STEP);
+    }
+    self->skip = false;
+    long int failed = self->failed_tests;
+    (void)ARK(GetNumErrTestFails)(self->solver, &failed);
+    self->stats.rejected += (uint64_t)(failed - self->failed_tests);
+    self->failed_tests = failed;
+    self->stats.rejected += flag < 0 && flag != ARK_ERR_FAILURE;
+    return flag;
+}
+
+/* Whether the last attempt was, which may show first in what was made of its stages. */
+static bool was_finite(arkode_stepper *self, int flag)
+{
+    if (flag >= 0 || self->since_bad <= self->stages) {
+        return false;
+    }
+    return flag != ARK_ERR_FAILURE
+           || ARK(GetEstLocalErrors)(self->solver, self->y) != ARK_SUCCESS
+           || weft__ark_finite(self->y);
+}
+
+static weft_status fail(arkode_stepper *self, int flag, double t, weft_error *err)
+{
+    const char *name = self->method->type.name;
+    forget(self);
+    if (self->stopped) {
+        return weft_error_set(err, WEFT_STOPPED,
+                              "%s: stopped by the model at t = %.9g s", name, t);
+    }
+    if (!was_finite(self, flag)) {
+        return weft_error_set(err, WEFT_NOT_FINITE,
+                              "%s: not finite after a step from t = %.9g s", name, t);
+    }
+    switch (flag) {
+    case ARK_ERR_FAILURE:
+        return weft_error_set(err, WEFT_STEP_TOO_SMALL,
+                              "%s: at t = %.9g s even a step of %.3g s is not accurate "
+                              "enough",
+                              name, t, self->min_step);
+    case ARK_TOO_MUCH_ACC:
+        return weft_error_set(err, WEFT_STEP_TOO_SMALL,
+                              "%s: at t = %.9g s the tolerances are below roundoff",
+                              name, t);
+    case ARK_MEM_FAIL:
+        return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory for ARKODE", name);
+    default:
+        return weft_error_set(err, WEFT_SOLVER, "%s: ARKODE's error %d at t = %.9g s",
+                              name, flag, t);
+    }
+}
+
+/* The h to try next, after a step where h was tried for self->h. One cut short by the
+ * frame's end says little of it, unless ARKODE had to go below that. Where max_step
+ * binds ARKODE's h may be longer by roundoff: it is accepted, as a restart costs an
+ * evaluation. */
+static void propose(arkode_stepper *self, double tried, double taken)
+{
+    if (self->fixed_step > 0.0) {
+        return;
+    }
+    double next = self->h;
+    (void)ARK(GetCurrentStep)(self->solver, &next);
+    const bool cut = tried < self->h && taken >= tried * (1.0 - 1e-9);
+    self->own_h = !(next > 0.0 && next <= self->max_step * (1.0 + 1e-15)
+                    && next >= self->min_step);
+    if (self->own_h) {
+        next = fmin(fmax(next > 0.0 ? next : 0.0, self->min_step), self->max_step);
+    }
+    if (cut && next < self->h && next >= tried) {
+        next = self->h;
+        self->own_h = true;
+    }
+    self->h = next;
+}
+
+/* `tried` is as long as `rest` if the step is to end the frame. */
+static void accept(arkode_stepper *self, double tried, double rest, double reached,
+                   double t_end, double *t, double *y)
+{
+    const double before = *t;
+    const bool at_end = reached - before >= rest * (1.0 - 1e-12) || reached >= t_end;
+    weft__ark_read(self->y, y);
+    *t = at_end ? t_end : reached;
+    self->restart = *t != reached;
+    ++self->stats.steps;
+    self->stats.last_step = at_end && tried == rest ? rest : *t - before;
+    propose(self, tried, reached - before);
+}
+
+/* An OK from here would be one for ever. */
+static weft_status stands_still(arkode_stepper *self, double h, double t,
+                                weft_error *err)
+{
+    forget(self);
+    return weft_error_set(err, WEFT_STEP_TOO_SMALL,
+                          "%s: a step of %.3g s does not move t = %.17g s",
+                          self->method->type.name, h, t);
+}
+
+weft_status weft__ark_step(void *instance, double t_end, double *t, double *y,
+                           weft_error *err)
+{
+    arkode_stepper *self = instance;
+    const double rest = t_end - *t;
+    if (!(rest > 0.0 && isfinite(rest))) {
+        return weft_error_set(err, WEFT_INVALID, "%s: a step from %.17g s to %.17g s",
+                              self->method->type.name, *t, t_end);
+    }
+    for (double h = fit(self, rest);;) {
+        double reached = *t;
+        if (h < rest && *t + h == *t) {
+            return stands_still(self, h, *t, err);
+        }
+        const int flag = evolve(self, *t, y, h, t_end, &reached);
+        if (flag < 0) {
+            return fail(self, flag, *t, err);
+        }
+        if (!(reached > *t)) { /* of an h that became less in there */
+            (void)ARK(GetLastStep)(self->solver, &h);
+            return stands_still(self, h, *t, err);
+        }
+        if (weft__ark_finite(self->y)) {
+            accept(self, h, rest, reached, t_end, t, y);
+            return WEFT_OK;
+        }
+        ++self->stats.rejected;
+        if (self->fixed_step > 0.0 || h <= self->min_step) {
+            return fail(self, flag, *t, err);
+        }
+        forget(self);
+        h = fmax(0.3 * h, self->min_step);
+    }
+}
+
+void weft__ark_state_changed(void *instance)
+{
+    arkode_stepper *self = instance;
+    self->restart = true;
+}
+
+void weft__ark_stats(const void *instance, weft_stepper_stats *out)
+{
+    const arkode_stepper *self = instance;
+    weft_stepper_stats stats = self->stats;
+    stats.struct_size = out->struct_size; /* an older caller's struct is shorter */
+    stats.next_step = self->h;
+    memcpy(out, &stats,
+           out->struct_size < sizeof stats ? out->struct_size : sizeof stats);
+}

@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* gsl_create.c -- one instance: its arguments checked, its memory reckoned, then made.
+ *
+ * GSL calls the aborting error handler when its own malloc fails, and bsimp does not
+ * even look at what malloc returned. So what GSL is going to ask for is reckoned first,
+ * refused above a limit, and asked for once by us: if that is granted, so will be the
+ * same amount in pieces. (gsl_linalg_LU_decomp allocates 4 bytes a row in every call;
+ * that is beyond our reach.) */
+#include "gsl_plugin.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* [bytes] Matrices grow with the square of the state: a large cloth is asking for the
+ * wrong method. Vectors may take what the machine has. */
+#define MATRICES_LIMIT 0x1p31 /* 2 GiB */
+#define VECTORS_LIMIT  0x1p38 /* 256 GiB */
+#define SMALL_BLOCKS   0x1p15 /* whatever the state, all that is not a vector */
+#define NO_MATRICES    "; methods without matrices: rk2, rk4, rkf45, rkck, rk8pd, msadams"
+
+static bool positive(double x)
+{
+    return x > 0.0 && isfinite(x);
+}
+
+/* What is wrong with the numbers, or NULL. NaN fails every comparison. */
+static const char *mistake(const weft_stepper_type *type, const weft_ode *ode,
+                           const weft_stepper_config *config)
+{
+    const weft_stepper_config *c = config;
+    const size_t half = weft_stepper_half(ode, config);
+    const bool apart = (type->flags & WEFT_STEPPER_QUADRATURES) != 0;
+    const bool adaptive
+        = c->struct_size >= WEFT_STEPPER_CONFIG_LEAST && c->fixed_step == 0.0;
+    return c->struct_size < WEFT_STEPPER_CONFIG_LEAST ? "config of an older version"
+           : ode->rhs == NULL                         ? "no right-hand side"
+           : half == 0 ? "dim less the quadratures must be even and > 0"
+           : ode->dim > 2 * half && !apart ? "takes no quadratures"
+           : c->butcher != NULL            ? "takes no Butcher table"
+           : !adaptive && !positive(c->fixed_step)
+               ? "fixed_step must be > 0 s, or 0 for adaptive steps"
+           : !adaptive                                            ? NULL
+           : c->norm != WEFT_NORM_MAX && c->norm != WEFT_NORM_RMS ? "unknown norm"
+           : !(c->rtol >= 0.0 && isfinite(c->rtol))               ? "rtol must be >= 0"
+           : !positive(c->atol_position)   ? "atol_position must be > 0 m"
+           : !positive(c->atol_velocity)   ? "atol_velocity must be > 0 m/s"
+           : !positive(c->first_step)      ? "first_step must be > 0 s"
+           : !positive(c->min_step)        ? "min_step must be > 0 s"
+           : !(c->max_step >= c->min_step) ? "max_step must be >= min_step"
+                                           : NULL;
+}
+
+/* [bytes] In floating point, which does not overflow. */
+static double memory_needed(const gsl_method *method, size_t dim)
+{
+    const double n = (double)dim;
+    return SMALL_BLOCKS
+           + sizeof(double) * n * (method->vectors + method->type.matrices * n);
+}
+
+/* A granted malloc must not be optimised away. */
+static bool memory_is_there(size_t bytes)
+{
+    void *volatile probe = malloc(bytes);
+    const bool there = probe != NULL;
+    free(probe);
+    return there;
+}
+
+static weft_status check_memory(const gsl_method *method, size_t dim, weft_error *err)
+{
+    const double bytes = memory_needed(method, dim), gib = 0x1p30;
+    const double limit = method->type.matrices > 0 ? MATRICES_LIMIT : VECTORS_LIMIT;
+    if (bytes > limit) {
+        return weft_error_set(err, WEFT_NO_MEMORY,
+                              "%s: %zu numbers need %.3g GiB, more than %g GiB%s",
+                              method->type.name, dim, bytes / gib, limit / gib,
+                              method->type.matrices > 0 ? NO_MATRICES : "");
+    }
+    if (!memory_is_there((size_t)bytes)) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory: %.3g GiB needed",
+                              method->type.name, bytes / gib);
+    }
+    return WEFT_OK;
+}
+
+/* Our own block: the instance, then start, yerr, the three vectors of the Jacobian and
+ * the two of the shift. */
+static gsl_stepper *allocate(const gsl_method *method, const weft_ode *ode)
+{
+    const size_t dim = ode->dim;
+    const size_t vectors = method->shift ? 7 : method->type.matrices > 0 ? 5 : 2;
+    gsl_stepper *self = calloc(1, sizeof *self + vectors * dim * sizeof(double));
+    if (self == NULL) {
+        return NULL;
+    }
+    self->method = method;
+    self->ode = *ode;
+    self->start = (double *)(self + 1);
+    self->yerr = self->start + dim;
+    if (method->type.matrices > 0) {
+        self->f = self->yerr + dim;
+        self->y_moved = self->f + dim;
+        self->f_moved = self->y_moved + dim;
+    }
+    if (method->shift) {
+        self->offset = self->f_moved + dim;
+        self->plain = self->offset + dim;
+    }
+    return self;
+}
+
+/* GSL's side. False if its memory fails and the program's handler returned. */
+static bool make_solver(gsl_stepper *self, const weft_stepper_config *config)
+{
+    const gsl_method *method = self->method;
+    const size_t dim = self->ode.dim;
+    if (config->fixed_step > 0.0) {
+        weft__gsl_control_init(self, WEFT_NORM_MAX, method->solver_tol,
+                               method->solver_tol, method->solver_tol);
+    } else {
+        weft__gsl_control_init(self, config->norm, config->rtol, config->atol_position,
+                               config->atol_velocity);
+    }
+    if (method->v1 != NULL) {
+        self->system1
+            = (gsl_odeiv_system){ weft__gsl_rhs, weft__gsl_jacobian, dim, self };
+        self->v1 = gsl_odeiv_step_alloc(*method->v1, dim);
+        return self->v1 != NULL;
+    }
+    self->system2
+        = method->shift
+              ? (gsl_odeiv2_system){ weft__gsl_shifted_rhs, weft__gsl_shifted_jacobian,
+                                     dim, self }
+              : (gsl_odeiv2_system){ weft__gsl_rhs, weft__gsl_jacobian, dim, self };
+    self->v2 = gsl_odeiv2_step_alloc(*method->v2, dim);
+    if (self->v2 == NULL) {
+        return false;
+    }
+    /* Steppers that solve equations ask driver.c how well; nothing else of it. */
+    self->driver = (gsl_odeiv2_driver){
+        .sys = &self->system2, .s = self->v2, .c = &self->control, .h = self->h
+    };
+    gsl_odeiv2_step_set_driver(self->v2, &self->driver);
+    return true;
+}
+
+weft_status weft__gsl_create(const weft_stepper_type *type, const weft_ode *ode,
+                             const weft_stepper_config *config, void **out,
+                             weft_error *err)
+{
+    const gsl_method *method = (const gsl_method *)type;
+    *out = NULL;
+    const char *wrong = mistake(type, ode, config);
+    if (wrong != NULL) {
+        return weft_error_set(err, WEFT_INVALID, "%s: %s", type->name, wrong);
+    }
+    const weft_status status = check_memory(method, ode->dim, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    gsl_stepper *self = allocate(method, ode);
+    if (self == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory", type->name);
+    }
+    self->half = weft_stepper_half(ode, config);
+    self->fixed_step = config->fixed_step;
+    self->min_step = config->min_step;
+    self->max_step = config->max_step;
+    self->h = config->fixed_step > 0.0
+                  ? config->fixed_step
+                  : fmin(fmax(config->first_step, config->min_step), config->max_step);
+    if (!make_solver(self, config)) {
+        weft__gsl_destroy(self);
+        return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory for GSL", type->name);
+    }
+    *out = self;
+    return WEFT_OK;
+}
+
+void weft__gsl_destroy(void *instance)
+{
+    gsl_stepper *self = instance;
+    if (self == NULL) {
+        return;
+    }
+    if (self->v1 != NULL) {
+        gsl_odeiv_step_free(self->v1);
+    }
+    gsl_odeiv2_step_free(self->v2); /* NULL is allowed */
+    free(self);
+}

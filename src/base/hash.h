@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* hash.h -- hashes that are the same on every machine: FNV-1a (Fowler, Noll, Vo), and
+ * the same with words in place of bytes. */
+#ifndef WEFT_BASE_HASH_H
+#define WEFT_BASE_HASH_H
+
+#include <stdint.h>
+#include <string.h>
+
+#define WEFT__HASH_START UINT64_C(0xcbf29ce484222325)
+#define WEFT__HASH_PRIME UINT64_C(0x100000001b3)
+
+static inline uint64_t weft__hash_byte(uint64_t hash, unsigned char byte)
+{
+    return (hash ^ byte) * WEFT__HASH_PRIME;
+}
+
+/* Of words instead of bytes, each folded onto itself first: the prime carries
+ * differences upwards only. For any hash, and for any word, a bijection: a change
+ * within one word always shows. */
+static inline uint64_t weft__hash_word(uint64_t hash, uint64_t word)
+{
+    hash = (hash ^ word ^ (word >> 32)) * WEFT__HASH_PRIME;
+    return hash ^ (hash >> 29);
+}
+
+/* Its bits; -0 is 0. */
+static inline uint64_t weft__hash_real(uint64_t hash, double value)
+{
+    const double number = value + 0.0;
+    uint64_t word;
+    memcpy(&word, &number, sizeof word);
+    return weft__hash_word(hash, word);
+}
+
+#endif

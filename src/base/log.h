@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#ifndef WEFT_BASE_LOG_H
+#define WEFT_BASE_LOG_H
+
+#include "weft/base.h"
+
+/* base.c: a line to whoever listens. */
+WEFT_PRINTF(3, 4)
+void weft__log(const weft_log *log, weft_log_level level, const char *format, ...);
+
+#endif

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* memory.h -- allocation by weft_allocator, for all of libweft. */
+#ifndef WEFT_BASE_MEMORY_H
+#define WEFT_BASE_MEMORY_H
+
+#include <string.h>
+
+#include "weft/base.h"
+
+/* Room for at least one byte; NULL also where the product is too large. */
+static inline void *weft__resize(const weft_allocator *memory, void *block,
+                                 size_t count, size_t size)
+{
+    if (count > SIZE_MAX / size) {
+        return NULL;
+    }
+    return memory->resize(memory->ctx, block, count == 0 ? 1 : count * size);
+}
+
+static inline void *weft__alloc(const weft_allocator *memory, size_t count, size_t size)
+{
+    return weft__resize(memory, NULL, count, size);
+}
+
+static inline void *weft__zeroed(const weft_allocator *memory, size_t count,
+                                 size_t size)
+{
+    void *block = weft__alloc(memory, count, size);
+    return block == NULL ? NULL : memset(block, 0, count * size);
+}
+
+static inline char *weft__copy_text(const weft_allocator *memory, const char *text)
+{
+    const size_t size = strlen(text) + 1;
+    char *copy = weft__alloc(memory, size, 1);
+    return copy == NULL ? NULL : memcpy(copy, text, size);
+}
+
+static inline void weft__free(const weft_allocator *memory, void *block)
+{
+    if (block != NULL) {
+        (void)memory->resize(memory->ctx, block, 0);
+    }
+}
+
+#endif

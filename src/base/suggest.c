@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* suggest.c -- the name that somebody may have meant.
+ *
+ * Distance: Damerau-Levenshtein in its restricted form (optimal string alignment), the
+ * number of characters inserted, left out, replaced or swapped with a neighbour. */
+#include "base/suggest.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+
+#define MAX_LENGTH 48 /* longer words are nobody's misspelt key */
+
+static size_t least(size_t a, size_t b)
+{
+    return a < b ? a : b;
+}
+
+/* Case is passed over: 'Rows' is as good as 'rows'. */
+static int same(char a, char b)
+{
+    return tolower((unsigned char)a) == tolower((unsigned char)b);
+}
+
+/* rows[0] is the row to fill, for the first i + 1 characters of a; rows[1] and rows[2]
+ * are the two before it. */
+static void fill_row(const char *a, size_t i, const char *b, size_t *const rows[3])
+{
+    rows[0][0] = i + 1;
+    for (size_t j = 0; b[j] != '\0'; ++j) {
+        const size_t replaced = rows[1][j] + !same(a[i], b[j]);
+        rows[0][j + 1] = least(replaced, 1 + least(rows[0][j], rows[1][j + 1]));
+        if (i > 0 && j > 0 && same(a[i], b[j - 1]) && same(a[i - 1], b[j])) {
+            rows[0][j + 1] = least(rows[0][j + 1], rows[2][j - 1] + 1);
+        }
+    }
+}
+
+static size_t distance(const char *a, const char *b)
+{
+    size_t rows[3][MAX_LENGTH + 1];
+    for (size_t j = 0; j <= MAX_LENGTH; ++j) {
+        rows[2][j] = j; /* before the first character of a */
+    }
+    for (size_t i = 0; a[i] != '\0'; ++i) {
+        size_t *const turn[3] = { rows[i % 3], rows[(i + 2) % 3], rows[(i + 1) % 3] };
+        fill_row(a, i, b, turn);
+    }
+    return rows[(strlen(a) + 2) % 3][strlen(b)];
+}
+
+void weft__guess_try(weft__guess *guess, const char *typed, const char *name)
+{
+    const size_t typed_length = strlen(typed), length = strlen(name);
+    if (typed_length > MAX_LENGTH || length > MAX_LENGTH || typed_length == 0) {
+        return;
+    }
+    const size_t longer = typed_length > length ? typed_length : length;
+    const size_t limit = longer < 6 ? 1 : longer / 3;
+    if (longer - least(typed_length, length) > limit) {
+        return; /* the distance is no less */
+    }
+    const size_t found = distance(typed, name);
+    if (found <= limit && found < length
+        && (guess->name == NULL || found < guess->distance
+            || (found == guess->distance && length > strlen(guess->name)))) {
+        guess->name = name;
+        guess->distance = found;
+    }
+}
+
+double weft__unlikeness(const char *typed, const char *name)
+{
+    const size_t typed_length = strlen(typed), length = strlen(name);
+    const size_t longer = typed_length > length ? typed_length : length;
+    return longer == 0 || longer > MAX_LENGTH
+               ? 1.0
+               : (double)distance(typed, name) / (double)longer;
+}
+
+const char *weft__guess_text(const weft__guess *guess, char *out, size_t size)
+{
+    out[0] = '\0';
+    if (guess->name != NULL) {
+        (void)snprintf(out, size, " (did you mean '%s'?)", guess->name);
+    }
+    return out;
+}

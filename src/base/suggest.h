@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* suggest.h -- the name that somebody may have meant. */
+#ifndef WEFT_BASE_SUGGEST_H
+#define WEFT_BASE_SUGGEST_H
+
+#include <stddef.h>
+
+/* A candidate so far; start from { 0 }. */
+typedef struct weft__guess {
+    const char *name; /* NULL: none is near */
+    size_t distance;
+} weft__guess;
+
+/* Make `name` the guess for `typed` if it is near enough and nearer than the last; of
+ * two that are equally near the longer one, as who shortens a name leaves letters out:
+ * rk45 is rkf45, not rk4. */
+void weft__guess_try(weft__guess *guess, const char *typed, const char *name);
+
+/* Edits from one name to the other by characters of the longer one: 0 to 1. */
+double weft__unlikeness(const char *typed, const char *name);
+
+/* " (did you mean 'name'?)", or "" without a guess, into out[size]. */
+const char *weft__guess_text(const weft__guess *guess, char *out, size_t size);
+
+#endif

@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* batch.c -- weft batch: many runs, each in a process and a directory of its own. */
+#include <errno.h>
+#include <math.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/batch/batch.h"
+
+/* ---- the command line ---------------------------------------------------------- */
+
+/* A whole number from 1 that ends at `end`; 0 if it is none. */
+static size_t count_of(const char *text, char end, const char **rest)
+{
+    char *stop;
+    errno = 0;
+    const unsigned long long count = strtoull(text, &stop, 10);
+    *rest = stop + (*stop != '\0');
+    return text[0] >= '0' && text[0] <= '9' && *stop == end && errno == 0
+                   && count <= SIZE_MAX
+               ? (size_t)count
+               : 0;
+}
+
+static int take_options(batch *self)
+{
+    const options *given = self->given;
+    const char *rest;
+    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    self->out = given->out;
+    self->jobs = cores < 1 ? 1 : (size_t)cores;
+    self->shard = self->shards = 1;
+    if (given->operand_count == 0) {
+        return usage_error(&verb_batch, "no scene given");
+    }
+    if (given->out == NULL || given->out[0] == '\0') {
+        return usage_error(&verb_batch, "no --out DIR given");
+    }
+    self->jobs = given->jobs > 0 ? given->jobs : self->jobs;
+    if (given->timeout != NULL) {
+        char *stop;
+        self->timeout = strtod(given->timeout, &stop);
+        if (*stop != '\0' || !(self->timeout > 0.0) || !isfinite(self->timeout)) {
+            return usage_error(&verb_batch, "--timeout %s: not a number of seconds > 0",
+                               given->timeout);
+        }
+    }
+    if (given->shard != NULL) {
+        self->shard = count_of(given->shard, '/', &rest);
+        self->shards = count_of(rest, '\0', &rest);
+        if (self->shard == 0 || self->shard > self->shards) {
+            return usage_error(&verb_batch, "--shard %s: not i/n with i from 1 to n",
+                               given->shard);
+        }
+    }
+    return EXIT_DONE;
+}
+
+/* ---- what is to be run --------------------------------------------------------- */
+
+static bool to_run(const batch *self, const batch_run *run)
+{
+    switch (run->status) {
+    case BATCH_NEW:
+    case BATCH_PARTIAL:
+    case BATCH_IO_ERROR:
+        return true;
+    case BATCH_FAILED:
+    case BATCH_CRASHED:
+    case BATCH_TIMEOUT:
+        return self->given->retry_failed;
+    case BATCH_CHANGED:
+        return self->given->force;
+    default:
+        return false;
+    }
+}
+
+/* The state of every run, and which are for this process. */
+static weft_status look(batch *self, bool *wanted, weft_error *err)
+{
+    for (size_t i = 0; i < self->run_count; ++i) {
+        batch_run *run = &self->runs[i];
+        weft_scene *scene = NULL;
+        const weft_status status
+            = weft_sweep_scene(run->scene->sweep, run->number, &scene, err);
+        if (status != WEFT_OK) {
+            return status;
+        }
+        run->status = batch_look(self, run, scene);
+        weft_scene_destroy(scene);
+        wanted[i] = !self->given->summary && i % self->shards == self->shard - 1
+                    && to_run(self, run);
+    }
+    return WEFT_OK;
+}
+
+/* ---- the end ------------------------------------------------------------------- */
+
+static bool is_mine(const batch *self, size_t run)
+{
+    return self->given->summary || run % self->shards == self->shard - 1;
+}
+
+static void print_refused(const batch *self, const batch_run *run)
+{
+    if (run->status == BATCH_CHANGED) {
+        fprintf(
+            stderr,
+            "weft: error: %s/%s holds a run of another scene, or of this one before "
+            "it was changed: --force runs it anew\n",
+            self->out, run->name);
+    } else if (run->status == BATCH_BUSY) {
+        fprintf(stderr, "weft: error: %s/%s is being run by another process\n",
+                self->out, run->name);
+    } else if (run->status == BATCH_UNREADABLE) {
+        fprintf(stderr, "weft: error: %s/%s is no directory that can be read\n",
+                self->out, run->name);
+    }
+}
+
+static void print_warned(const batch *self)
+{
+    const batch_run *first = NULL;
+    size_t count = 0;
+    for (size_t i = 0; i < self->run_count; ++i) {
+        if (is_mine(self, i) && batch_warned(self, &self->runs[i])) {
+            first = first == NULL ? &self->runs[i] : first;
+            ++count;
+        }
+    }
+    if (count > 0) {
+        printf(" (%zu of them with warnings: see %s/%s/log.txt)", count, self->out,
+               first->name);
+    }
+}
+
+/* "24 runs in DIR: 20 done (2 of them with warnings: see DIR/flag_n=2/log.txt), 4
+ * failed" */
+static int print_counts(const batch *self)
+{
+    size_t counts[BATCH_STATUSES] = { 0 }, mine = 0;
+    for (size_t i = 0; i < self->run_count; ++i) {
+        if (is_mine(self, i)) {
+            ++mine;
+            ++counts[self->runs[i].status];
+            print_refused(self, &self->runs[i]);
+        }
+    }
+    if (!self->given->quiet) {
+        const char *join = ": ";
+        printf("%zu runs in %s", mine, self->out);
+        for (size_t i = 0; i < BATCH_STATUSES; ++i) {
+            if (counts[i] > 0) {
+                printf("%s%zu %s", join, counts[i], batch_status_name((batch_status)i));
+                join = ", ";
+                if (i == BATCH_DONE) {
+                    print_warned(self);
+                }
+            }
+        }
+        putchar('\n');
+    }
+    const size_t refused = counts[BATCH_CHANGED] + counts[BATCH_BUSY]
+                           + counts[BATCH_UNREADABLE] + counts[BATCH_IO_ERROR];
+    return refused > 0                 ? EXIT_FILE
+           : counts[BATCH_DONE] < mine ? EXIT_SIMULATION
+                                       : EXIT_DONE;
+}
+
+static int run_batch(batch *self)
+{
+    weft_error err = { 0 };
+    bool *wanted = calloc(self->run_count, sizeof *wanted);
+    weft_status status = wanted == NULL ? weft_error_set(&err, WEFT_NO_MEMORY,
+                                                         "no memory for the runs")
+                                        : record_directory(self->out, &err);
+    status = status == WEFT_OK ? look(self, wanted, &err) : status;
+    if (status != WEFT_OK) {
+        free(wanted);
+        return report_error(&err);
+    }
+    const int stop = batch_pool_run(self, wanted);
+    free(wanted);
+    /* One shard does not know of the others. */
+    if (self->shards == 1) {
+        status = batch_summary(self, &err);
+    }
+    const int code = print_counts(self);
+    if (status != WEFT_OK) {
+        return report_error(&err);
+    }
+    return stop == SIGINT ? EXIT_SIGINT : stop == SIGTERM ? EXIT_SIGTERM : code;
+}
+
+static int batch_verb(int argc, char **argv)
+{
+    options given;
+    int code = options_parse(&verb_batch, "ospqFjTSEU", argc, argv, &given);
+    if (code >= 0) {
+        return code;
+    }
+    batch self = { .given = &given };
+    code = take_options(&self);
+    if (code == EXIT_DONE) {
+        self.registry = open_registry(given.plugin_path);
+        code = self.registry == NULL ? EXIT_SIMULATION : batch_plan(&self);
+    }
+    if (code == EXIT_DONE) {
+        code = run_batch(&self);
+    }
+    batch_free(&self);
+    weft_registry_destroy(self.registry);
+    options_free(&given);
+    return code;
+}
+
+const verb verb_batch = {
+    .name = "batch",
+    .summary = "run many scenes and sweeps, a process and a directory each",
+    .help
+    = "usage: weft batch SCENE.yaml... --out DIR [OPTIONS]\n\n"
+      "Runs every scene, and of a scene with 'sweep' every run it stands for, each in "
+      "a\nprocess of its own into DIR/NAME, and joins the results in DIR/summary.csv. "
+      "Called\nagain it skips what is done and goes on with what is not.\n\n"
+      "  --out DIR            where the directories of the runs are\n"
+      "  -j, --jobs N         so many at a time; default: the number of processors\n"
+      "  --timeout S          end a run that takes longer [s]\n"
+      "  --retry-failed       run what failed, crashed or took too long once more\n"
+      "  --force              run anew what is there of a scene that has changed "
+      "since\n"
+      "  --shard I/N          only every N-th run, from the I-th (1 to N) on; no "
+      "summary\n"
+      "  --summary            run nothing, only write summary.csv\n"
+      "  --set KEY.PATH=VALUE override a key of all scenes; may be repeated\n"
+      "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n"
+      "  --quiet              no progress, no summary line\n\n"
+      "examples:\n"
+      "  weft batch scenes/flag.yaml scenes/curtain.yaml --out both -j 2\n"
+      "  weft batch sweep.yaml --out sweep --timeout 600 --retry-failed\n\n"
+      "exit codes: 0 all done, 1 a run is not done, 2 wrong command line, 3 wrong "
+      "scene,\n"
+      "4 a file could not be read or written, or a directory holds another scene's "
+      "run,\n"
+      "130 SIGINT, 143 SIGTERM\n",
+    .run = batch_verb,
+};

@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* batch.h -- many runs, each in a process and a directory of its own. What is known of
+ * a batch stands in those directories alone. */
+#ifndef WEFT_CLI_BATCH_BATCH_H
+#define WEFT_CLI_BATCH_BATCH_H
+
+#include <sys/types.h>
+
+#include "cli/cli.h"
+#include "record/record.h"
+
+typedef enum batch_status {
+    BATCH_NEW,        /* nothing is there */
+    BATCH_PARTIAL,    /* begun, and interrupted or killed */
+    BATCH_DONE,       /* status done */
+    BATCH_FAILED,     /* status failed */
+    BATCH_IO_ERROR,   /* status io_error */
+    BATCH_CRASHED,    /* the process died */
+    BATCH_TIMEOUT,    /* it took longer than --timeout */
+    BATCH_CHANGED,    /* another scene's run is there */
+    BATCH_BUSY,       /* another process runs it */
+    BATCH_UNREADABLE, /* what is there cannot be read */
+    BATCH_STATUSES    /* how many there are */
+} batch_status;
+
+/* Exit code of a process beside those of a run: another one runs it. */
+#define BATCH_EXIT_BUSY 75
+
+typedef struct batch_scene {
+    const char *file;
+    char *stem; /* of the file's name */
+    weft_sweep *sweep;
+} batch_scene;
+
+typedef struct batch_run {
+    const batch_scene *scene;
+    size_t number; /* of the sweep, from 1 */
+    char *name;    /* of its directory */
+    batch_status status;
+} batch_run;
+
+typedef struct batch {
+    const options *given;
+    const char *out;
+    size_t jobs, shard, shards; /* shard from 1 */
+    double timeout;             /* [s] of a run; 0: none */
+    weft_registry *registry;
+    batch_scene *scenes;
+    size_t scene_count;
+    batch_run *runs; /* in the order of scenes and sweeps */
+    size_t run_count;
+} batch;
+
+const char *batch_status_name(batch_status status);
+
+/* batch_name.c: the directory of a run: the file's stem, then key=value of what is
+ * varied. Of safe characters, at most 120 of them; where a character or the end was
+ * lost, a hash of the whole is added. To be freed; NULL if memory ran out. */
+char *batch_name(const char *stem, const weft_sweep *sweep, size_t number);
+
+/* batch_plan.c: reads all scenes and names their runs. Returns the exit code. */
+int batch_plan(batch *self);
+/* The same check of one sweep alone: EXIT_SCENE if two of its runs are the same. */
+int batch_check(const char *file, weft_sweep *sweep);
+void batch_free(batch *self);
+
+/* batch_state.c: what is in a run's directory, of this scene. */
+batch_status batch_look(const batch *self, const batch_run *run,
+                        const weft_scene *scene);
+/* Whether it is done, and its log.txt has warnings. */
+bool batch_warned(const batch *self, const batch_run *run);
+weft_status batch_directory(const batch *self, const batch_run *run,
+                            char path[RECORD_PATH], weft_error *err);
+
+/* [s] A lock is waited for: a run whose batch was killed a moment ago may still be
+ * writing what it has. */
+#define BATCH_PATIENCE 5.0
+
+/* batch_child.c: one run, in this process, which ends with it. */
+_Noreturn void batch_child(const batch *self, const batch_run *one);
+
+/* batch_show.c: what is going on, on stderr. */
+typedef struct batch_slot {
+    pid_t pid; /* 0: free */
+    batch_run *run;
+    double began, deadline; /* [s] of the wall clock */
+    bool late;              /* past its deadline, and asked to end */
+} batch_slot;
+
+typedef struct batch_show {
+    const batch *batch;
+    const batch_slot *slots;
+    bool quiet, terminal;
+    size_t planned, ended, failed; /* runs of this call */
+    size_t lines;                  /* of the table on the terminal */
+    double began, shown;           /* [s] of the wall clock */
+} batch_show;
+
+void batch_show_begin(batch_show *self);
+void batch_show_ended(batch_show *self, const batch_slot *slot);
+void batch_show_table(batch_show *self);
+void batch_show_end(batch_show *self);
+
+/* batch_pool.c: run what is to be run. Returns the signal that stopped it, or 0. */
+int batch_pool_run(batch *self, const bool *wanted);
+
+/* batch_summary.c: summary.csv, a row a run. */
+weft_status batch_summary(const batch *self, weft_error *err);
+
+#endif

@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* batch_show.c -- a table that moves on a terminal, a line a run in a pipe. */
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/batch/batch.h"
+#include "cli/run/progress.h"
+
+enum { SHOWN_SLOTS = 16, WIDTH = 79 };
+
+void batch_show_begin(batch_show *self)
+{
+    self->quiet = self->batch->given->quiet;
+    self->terminal = !self->quiet && isatty(STDERR_FILENO) == 1;
+    self->began = wall_clock();
+}
+
+/* Back to the first line of the table. */
+static void erase(batch_show *self)
+{
+    if (self->lines > 0) {
+        fprintf(stderr, "\033[%zuA\r\033[J", self->lines);
+        self->lines = 0;
+    }
+}
+
+void batch_show_ended(batch_show *self, const batch_slot *slot)
+{
+    const batch_status status = slot->run->status;
+    ++self->ended;
+    self->failed += status != BATCH_DONE && status != BATCH_PARTIAL;
+    if (self->quiet || (self->terminal && status == BATCH_DONE)) {
+        return;
+    }
+    erase(self);
+    fprintf(stderr, "%zu/%zu %s %s (%.2f s)\n", self->ended, self->planned,
+            batch_status_name(status), slot->run->name, wall_clock() - slot->began);
+}
+
+/* "3:07" */
+static const char *clock_text(double seconds, char *out, size_t size)
+{
+    const long whole = (long)seconds;
+    if (whole < 3600) {
+        (void)snprintf(out, size, "%ld:%02ld", whole / 60, whole % 60);
+    } else {
+        (void)snprintf(out, size, "%ld:%02ld:%02ld", whole / 3600, whole / 60 % 60,
+                       whole % 60);
+    }
+    return out;
+}
+
+static size_t print_slots(const batch_show *self, double now)
+{
+    size_t shown = 0;
+    for (size_t i = 0; i < self->batch->jobs && shown < SHOWN_SLOTS; ++i) {
+        const batch_slot *slot = &self->slots[i];
+        char time[32];
+        if (slot->pid > 0) {
+            (void)clock_text(now - slot->began, time, sizeof time);
+            fprintf(stderr, "  %8s  %.*s\n", time, WIDTH - 12, slot->run->name);
+            ++shown;
+        }
+    }
+    return shown;
+}
+
+void batch_show_table(batch_show *self)
+{
+    const double now = wall_clock();
+    if (!self->terminal || now - self->shown < 0.2) {
+        return;
+    }
+    size_t running = 0;
+    for (size_t i = 0; i < self->batch->jobs; ++i) {
+        running += self->slots[i].pid > 0;
+    }
+    const double spent = now - self->began;
+    const double left = (double)(self->planned - self->ended);
+    char took[32], eta[32] = "?";
+    if (self->ended > 0) {
+        (void)clock_text(spent * left / (double)self->ended, eta, sizeof eta);
+    }
+    erase(self);
+    fprintf(stderr, "%zu of %zu done, %zu failed, %zu running   %s   ETA %s\n",
+            self->ended - self->failed, self->planned, self->failed, running,
+            clock_text(spent, took, sizeof took), eta);
+    self->lines = 1 + print_slots(self, now);
+    self->shown = now;
+    (void)fflush(stderr);
+}
+
+void batch_show_end(batch_show *self)
+{
+    erase(self);
+    (void)fflush(stderr);
+}

@@ -1,0 +1,342 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* check.c -- weft check: validate scenes, say what they build, write nothing. */
+#include <string.h>
+
+#include "cli/batch/batch.h"
+#include "cli/check/stable_steps.h"
+#include "cli/human.h"
+
+const char *scene_unsupported(const weft_scene *scene)
+{
+    if (weft_scene_method_type(scene) == NULL) {
+        return "stepper.butcher: tables of one's own are read, but the plugin arkode "
+               "that "
+               "runs them is not there";
+    }
+    return NULL;
+}
+
+static void print_bytes(const char *what, double bytes)
+{
+    static const char *const units[] = { "B", "kB", "MB", "GB", "TB" };
+    size_t unit = 0;
+    while (bytes >= 1000.0 && unit + 1 < sizeof units / sizeof units[0]) {
+        bytes /= 1000.0;
+        ++unit;
+    }
+    printf("%s %.3g %s", what, bytes, units[unit]);
+}
+
+static void print_range(const char *what, weft_range range)
+{
+    if (range.first == range.last) {
+        printf(" %s %td", what, range.first);
+    } else if (range.first == 0 && range.last == -1) {
+        printf(" all %ss", what);
+    } else {
+        printf(" %ss %td to %td", what, range.first, range.last);
+    }
+}
+
+static size_t matched(weft_range range, size_t count)
+{
+    const ptrdiff_t n = (ptrdiff_t)count;
+    const ptrdiff_t first = range.first < 0 ? range.first + n : range.first;
+    const ptrdiff_t last = range.last < 0 ? range.last + n : range.last;
+    return (size_t)(last - first + 1);
+}
+
+static void print_pins(const weft_cloth_def *def, const weft_cloth *cloth)
+{
+    printf("  pins       %zu particles held\n", weft_cloth_pins(cloth));
+    for (size_t i = 0; i < def->pin_count; ++i) {
+        const weft_pin *pin = &def->pins[i];
+        const bool moves = pin->frequency > 0.0 || pin->velocity[0] != 0.0
+                           || pin->velocity[1] != 0.0 || pin->velocity[2] != 0.0;
+        printf("             pin %zu:", i);
+        print_range("row", pin->rows);
+        print_range("column", pin->cols);
+        printf(", %zu matched%s\n",
+               matched(pin->rows, def->rows) * matched(pin->cols, def->cols),
+               moves ? ", moved" : "");
+    }
+}
+
+static void print_masses(const weft_cloth *cloth)
+{
+    double least = weft_cloth_particle_mass(cloth, 0), most = least;
+    for (size_t i = 1; i < weft_cloth_particles(cloth); ++i) {
+        const double mass = weft_cloth_particle_mass(cloth, i);
+        least = mass < least ? mass : least;
+        most = mass > most ? mass : most;
+    }
+    printf("  masses     %.6g kg in all, %.6g to %.6g kg a particle\n",
+           weft_cloth_mass(cloth), least, most);
+}
+
+static void print_cloth(const weft_cloth_def *def, const weft_cloth *cloth)
+{
+    printf("  particles  %zu (%zu rows x %zu columns)\n", weft_cloth_particles(cloth),
+           def->rows, def->cols);
+    fputs("  springs   ", stdout);
+    for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
+        printf(" %zu %s%s", weft_cloth_springs(cloth, (weft_family)i),
+               weft_family_name((weft_family)i), i + 1 < WEFT_FAMILIES ? "," : "\n");
+    }
+    print_masses(cloth);
+    print_pins(def, cloth);
+    fputs("  memory     ", stdout);
+    print_bytes("cloth", (double)weft_cloth_bytes(cloth));
+    print_bytes(", each state vector", (double)weft_cloth_dim(cloth) * sizeof(double));
+    putchar('\n');
+}
+
+static void print_matrices(const weft_scene *scene, size_t particles)
+{
+    const weft_stepper_type *type = weft_scene_method_type(scene);
+    char text[160];
+    if (type != NULL
+        && weft_stepper_matrices(type, particles, text, sizeof text) > 0.0) {
+        print_item("matrices", "%s", text + strlen("matrices "));
+    }
+}
+
+static void print_stepper(const weft_scene *scene)
+{
+    const weft_stepper_type *type = weft_scene_method_type(scene);
+    const weft_stepper_config *config = weft_scene_config(scene);
+    const int order = type != NULL ? type->order : config->butcher->order;
+    char number[16], steps[120];
+    (void)snprintf(number, sizeof number, order > 0 ? "%d" : "variable", order);
+    if (config->fixed_step > 0.0) {
+        (void)snprintf(steps, sizeof steps, "fixed step %g s", config->fixed_step);
+    } else {
+        (void)snprintf(steps, sizeof steps, "rtol %g, atol %g m and %g m/s, %s norm",
+                       config->rtol, config->atol_position, config->atol_velocity,
+                       config->norm == WEFT_NORM_MAX ? "max" : "rms");
+    }
+    print_item("stepper", "%s %s, order %s, %s", weft_scene_plugin(scene),
+               weft_scene_method(scene), number, steps);
+}
+
+static void print_limit(const weft_limit_def *limit)
+{
+    if (limit->method != WEFT_LIMIT_NONE) {
+        printf("  limit      %s, strain %g, %s, %zu sweeps at most\n",
+               limit->method == WEFT_LIMIT_PROVOT ? "provot" : "bridson", limit->strain,
+               limit->solver == WEFT_LIMIT_FAST ? "fast" : "sweep", limit->sweeps);
+    }
+}
+
+static void print_scene(const char *file, const weft_scene *scene,
+                        const weft_cloth *cloth, const survey *found, bool all)
+{
+    const weft_run_def *run = weft_scene_run(scene);
+    print_plain(stdout, file, "");
+    fputs(": ok: ", stdout);
+    print_plain(stdout, weft_scene_name(scene), "");
+    putchar('\n');
+    print_cloth(weft_scene_cloth(scene), cloth);
+    print_limit(weft_scene_limit(scene));
+    print_stepper(scene);
+    print_matrices(scene, weft_cloth_particles(cloth));
+    printf("  run        %g s in %zu frames\n", run->duration, frame_last(run) + 1);
+    stability_print(scene, found, all);
+    const char *unsupported = scene_unsupported(scene);
+    if (unsupported != NULL) {
+        print_item("note", "%s", unsupported);
+    }
+}
+
+static void print_sweep(const char *file, const weft_sweep *sweep)
+{
+    const size_t keys = weft_sweep_keys(sweep);
+    if (keys == 0) {
+        return;
+    }
+    printf("%s: ok: a sweep of %zu runs; the first:\n", file, weft_sweep_runs(sweep));
+    for (size_t k = 0; k < keys; ++k) {
+        printf("  %s %s=%s\n", k == 0 ? "sweep     " : "          ",
+               weft_sweep_key(sweep, k), weft_sweep_value(sweep, k, 1));
+    }
+}
+
+static void scene_yaml(yaml_out *out, const char *file, const weft_scene *scene,
+                       const weft_cloth *cloth, const survey *found)
+{
+    yaml_out_item(out);
+    yaml_out_text(out, "file", file);
+    yaml_out_text(out, "name", weft_scene_name(scene));
+    yaml_out_plain(out, "particles", "%zu", weft_cloth_particles(cloth));
+    yaml_out_plain(out, "pinned", "%zu", weft_cloth_pins(cloth));
+    stability_yaml(out, scene, found);
+    yaml_out_close_map(out);
+}
+
+/* A scene may mean it. */
+static void warn_of_springs(const char *file, const weft_cloth *cloth)
+{
+    size_t springs = 0;
+    for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
+        springs += weft_cloth_springs(cloth, (weft_family)i);
+    }
+    if (springs == 0) {
+        print_plain(stderr, file, "");
+        fputs(": warning: cloth has no springs: nothing holds it together\n", stderr);
+    }
+}
+
+/* All that is said of a right scene, to *out or if that is NULL in words. */
+static int describe(const char *file, const weft_scene *scene, weft_registry *registry,
+                    const options *given, yaml_out *out)
+{
+    weft_error err = { 0 };
+    weft_cloth *cloth = NULL;
+    weft_sim *sim = NULL;
+    survey found = { 0 };
+    const bool runs = weft_scene_method_type(scene) != NULL;
+    weft_status status = frames_have_room(scene, &err);
+    if (status == WEFT_OK) {
+        status = runs ? simulation_create(scene, &cloth, &sim, &err)
+                      : cloth_create(scene, &cloth, &err);
+    }
+    if (status == WEFT_OK) {
+        warn_of_springs(file, cloth);
+        status
+            = survey_create(scene, cloth, sim, registry, given->refine, &found, &err);
+    }
+    if (status != WEFT_OK) {
+        (void)snprintf(err.file, sizeof err.file, "%.200s", file);
+        err.line = err.column = 1;
+    } else if (out != NULL) {
+        scene_yaml(out, file, scene, cloth, &found);
+    } else {
+        print_scene(file, scene, cloth, &found, given->all);
+    }
+    survey_destroy(&found);
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    return status == WEFT_OK ? EXIT_DONE : report_error(&err);
+}
+
+static bool is_beyond(const weft_sweep *sweep, size_t run)
+{
+    weft_scene *scene = NULL;
+    weft_cloth *cloth = NULL;
+    weft_sim *sim = NULL;
+    const bool beyond = weft_sweep_scene(sweep, run, &scene, NULL) == WEFT_OK
+                        && weft_scene_config(scene)->fixed_step > 0.0
+                        && scene_unsupported(scene) == NULL
+                        && simulation_create(scene, &cloth, &sim, NULL) == WEFT_OK
+                        && stability_warn(scene, sim, true);
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    weft_scene_destroy(scene);
+    return beyond;
+}
+
+/* Each takes a simulation: of no more than the first hundred. */
+static void print_beyond(const weft_sweep *sweep)
+{
+    const size_t runs = weft_sweep_runs(sweep), most = runs < 100 ? runs : 100;
+    size_t beyond = 0;
+    for (size_t run = 1; runs > 1 && run <= most; ++run) {
+        beyond += is_beyond(sweep, run);
+    }
+    if (beyond > 0) {
+        printf("  warning    fixed_step is beyond the stable step in %zu of the %s%zu "
+               "runs\n",
+               beyond, most < runs ? "first " : "", most);
+    }
+}
+
+/* Of a sweep all runs are validated, and the first is described. */
+static int check_file(const char *file, const options *given, weft_registry *registry,
+                      yaml_out *out)
+{
+    weft_error err = { 0 };
+    weft_sweep *sweep = NULL;
+    weft_scene *scene = NULL;
+    int code = open_sweep(file, given, registry, &sweep);
+    code = code == EXIT_DONE ? batch_check(file, sweep) : code;
+    if (code != EXIT_DONE) {
+        weft_sweep_destroy(sweep);
+        return code;
+    }
+    if (out == NULL) {
+        print_sweep(file, sweep);
+    }
+    code = weft_sweep_scene(sweep, 1, &scene, &err) == WEFT_OK
+               ? describe(file, scene, registry, given, out)
+               : report_error(&err);
+    if (code == EXIT_DONE && out == NULL) {
+        print_beyond(sweep);
+    }
+    weft_scene_destroy(scene);
+    weft_sweep_destroy(sweep);
+    return code;
+}
+
+static int check_files(const options *given, weft_registry *registry)
+{
+    yaml_out out;
+    int code = EXIT_DONE;
+    if (given->yaml) {
+        yaml_out_begin(&out, stdout);
+        yaml_out_list(&out, "scenes");
+    }
+    for (int i = 0; i < given->operand_count; ++i) {
+        const int one = check_file(given->operands[i], given, registry,
+                                   given->yaml ? &out : NULL);
+        code = code == EXIT_DONE ? one : code;
+    }
+    if (given->yaml) {
+        yaml_out_close_list(&out);
+        code = yaml_out_end(&out) || code != EXIT_DONE ? code : EXIT_FILE;
+    }
+    return code;
+}
+
+static int check_verb(int argc, char **argv)
+{
+    options given;
+    int code = options_parse(&verb_check, "spyaR", argc, argv, &given);
+    if (code >= 0) {
+        return code;
+    }
+    weft_registry *registry = NULL;
+    if (given.operand_count == 0) {
+        code = usage_error(&verb_check, "no scene given");
+    } else if ((registry = open_registry(given.plugin_path)) == NULL) {
+        code = EXIT_SIMULATION;
+    } else {
+        code = check_files(&given, registry);
+    }
+    weft_registry_destroy(registry);
+    options_free(&given);
+    return code;
+}
+
+const verb verb_check = {
+    .name = "check",
+    .summary = "validate scenes, show what they build; write nothing",
+    .help
+    = "usage: weft check SCENE.yaml... [OPTIONS]\n\n"
+      "Reads and validates scenes and prints particles, springs, masses, the pins "
+      "that\nmatched, memory, stepper and frames. All mistakes of a file are shown "
+      "at once.\n"
+      "Then how fast the cloth vibrates at most, and for the cheapest methods the "
+      "largest\nstep at which no vibration grows, with the evaluations of the forces "
+      "that it takes\nper simulated second. A method marked * has none on undamped "
+      "vibrations: its step is\nthe one at which none of these more than doubles "
+      "during the run.\n\n"
+      "  --all                every method of every plugin\n"
+      "  --refine             sharper by the power method, but no longer guaranteed\n"
+      "  --yaml               for machines: the stable steps of every method\n"
+      "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
+      "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n\n"
+      "example: weft check scenes/*.yaml\n\n"
+      "exit codes: 0 all are right, 3 a scene is wrong, 4 a file could not be "
+      "read\n",
+    .run = check_verb,
+};

@@ -1,0 +1,269 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* stable_steps.c -- a survey of stable steps in words, and the advice that follows. */
+#include "cli/check/stable_steps.h"
+
+#include <math.h>
+
+#include "cli/human.h"
+
+/* Methods in the short table, with the scene's own; what a higher order may cost. */
+enum { SHORT_TABLE = 5 };
+#define ORDER 1.25
+
+double step_taken(const weft_scene *scene)
+{
+    const weft_run_def *run = weft_scene_run(scene);
+    const double h = weft_scene_config(scene)->fixed_step;
+    return h > 0.0 && !(frame_steps(run, h) > 1.0) ? frame_time(run, 1) : h;
+}
+
+/* RHS calls per simulated second of the scene as it stands; 0: not known. */
+static double own_cost(const weft_scene *scene, const survey *of)
+{
+    const double h = step_taken(scene);
+    return h > 0.0 && of->own != NULL ? calls_per_second(scene, of->own, h)
+                                      : of->trial_calls;
+}
+
+/* The cheapest, or one of higher order that costs little more. */
+static const survey_method *recommended(const survey *of)
+{
+    const survey_method *best = &of->methods[0];
+    for (size_t i = 1; i < of->count; ++i) {
+        const survey_method *other = &of->methods[i];
+        if (other->per_second <= ORDER * of->methods[0].per_second
+            && other->type->order > best->type->order) {
+            best = other;
+        }
+    }
+    return best;
+}
+
+/* "verlet velocity_verlet at its stable step needs 3.1 x fewer evaluations" */
+static void say_cheapest(const weft_scene *scene, const survey *of, char *text,
+                         size_t size)
+{
+    const survey_method *best = recommended(of);
+    const double factor = own_cost(scene, of) / best->per_second;
+    if (!(factor >= WORTH) || !isfinite(factor)) {
+        (void)snprintf(text, size, "no method needs notably fewer evaluations%s",
+                       step_taken(scene) < frame_time(weft_scene_run(scene), 1)
+                           ? ""
+                           : " at this run.fps");
+    } else if (best == of->own) {
+        (void)snprintf(text, size, "that step needs %.2g x fewer evaluations", factor);
+    } else {
+        (void)snprintf(text, size,
+                       "%s %s at its stable step needs %.2g x fewer evaluations%s",
+                       best->plugin->id, best->type->name, factor,
+                       best->type->error_order == 0 ? ", without error control" : "");
+    }
+}
+
+static void advise_fixed(const weft_scene *scene, const survey *of, char *text,
+                         size_t size)
+{
+    const double h = step_taken(scene), most = of->own->step;
+    char cheapest[200];
+    say_cheapest(scene, of, cheapest, sizeof cheapest);
+    if (h > most) {
+        (void)snprintf(
+            text, size,
+            "a fixed step of %.3g s is beyond the stable %.3g s: the run may blow up",
+            h, most);
+    } else {
+        (void)snprintf(text, size, "the fixed step is %.2g %% of the stable step: %s",
+                       100.0 * h / most, cheapest);
+    }
+}
+
+static void advise_tolerance(const survey *of, char *text, size_t size)
+{
+    const int used = snprintf(text, size,
+                              "the tolerances limit the step (%.2g s on average in a "
+                              "trial, %.0f %% of the stable one): ",
+                              of->trial_mean, 100.0 * of->trial_mean / of->own->step);
+    if (of->rival != NULL) {
+        (void)snprintf(text + used, size - (size_t)used,
+                       "%s %s needs %.2g x fewer evaluations under them",
+                       of->rival->plugin->id, of->rival->type->name, of->rival_saves);
+    } else {
+        (void)snprintf(text + used, size - (size_t)used,
+                       "only looser ones save evaluations");
+    }
+}
+
+static void advise_adaptive(const weft_scene *scene, const survey *of, char *text,
+                            size_t size)
+{
+    char cheapest[200];
+    say_cheapest(scene, of, cheapest, sizeof cheapest);
+    if (survey_held(of) >= 0.5) {
+        (void)snprintf(text, size,
+                       "%.0f %% stability-limited (a trial of %zu steps): %s",
+                       100.0 * of->trial_held, of->trial_steps, cheapest);
+    } else if (of->own->step > 0.0) {
+        advise_tolerance(of, text, size);
+    } else {
+        (void)snprintf(text, size,
+                       "%s %s has no stable step to compare with, %.2g s on average in "
+                       "a trial: %s",
+                       of->own->plugin->id, of->own->type->name, of->trial_mean,
+                       cheapest);
+    }
+}
+
+static void advise(const weft_scene *scene, const survey *of, char *text, size_t size)
+{
+    text[0] = '\0';
+    if (of->own == NULL || !(of->now.omega2 + of->now.damping > 0.0)) {
+        return;
+    }
+    if (step_taken(scene) > 0.0 && of->own->step > 0.0) {
+        advise_fixed(scene, of, text, size);
+    } else if (of->trial_steps > 0) {
+        advise_adaptive(scene, of, text, size);
+    }
+}
+
+static void print_method(const survey_method *method)
+{
+    printf("             %-8s %-18s", method->plugin->id, method->type->name);
+    if (method->step > 0.0) {
+        printf(" %10.4g s %12.4g%s\n", method->step, method->per_second,
+               method->doubling ? " *" : "");
+    } else {
+        printf(" %10s   %12s\n", "-", "-");
+    }
+}
+
+/* Methods of one polynomial are one method here. */
+static bool is_new(const survey *of, size_t i)
+{
+    return i == 0 || of->methods[i].step != of->methods[i - 1].step
+           || of->methods[i].calls != of->methods[i - 1].calls;
+}
+
+static void print_doubling(const weft_scene *scene)
+{
+    print_item("",
+               "* no step is stable on undamped modes; at this one none more than "
+               "doubles in the %g s of the run",
+               weft_scene_run(scene)->duration);
+}
+
+/* Whether a method with an allowance was shown. */
+static bool print_table(const survey *of, bool all)
+{
+    printf("             %-8s %-18s %12s  %s\n", "plugin", "method", "stable step",
+           "evaluations/simulated s");
+    size_t shown = 0;
+    bool doubling = false;
+    for (size_t i = 0; i < of->count; ++i) {
+        const survey_method *method = &of->methods[i];
+        const bool brief = shown < SHORT_TABLE && method->step > 0.0 && is_new(of, i);
+        if (all || method == of->own || brief) {
+            print_method(method);
+            ++shown;
+            doubling = doubling || method->doubling;
+        }
+    }
+    return doubling;
+}
+
+void stability_print(const weft_scene *scene, const survey *of, bool all)
+{
+    char advice[512];
+    print_item("stability",
+               "omega <= %.4g 1/s, damping <= %.4g 1/s at the start; <= %.4g "
+               "and %.4g 1/s in any state",
+               sqrt(of->now.omega2), of->now.damping, sqrt(of->any.omega2),
+               of->any.damping);
+    if (of->refined) {
+        print_item("",
+                   "omega >= %.4g 1/s, damping >= %.4g 1/s by the power "
+                   "method; the steps are from these",
+                   sqrt(of->modes.omega2), of->modes.damping);
+    }
+    const bool doubling = print_table(of, all);
+    if (of->any_state.step > 0.0) {
+        print_item("", "in any state %s %s is stable up to %.4g s%s",
+                   of->own->plugin->id, of->own->type->name, of->any_state.step,
+                   of->any_state.doubling ? " *" : "");
+    }
+    if (doubling || of->any_state.doubling) {
+        print_doubling(scene);
+    }
+    advise(scene, of, advice, sizeof advice);
+    if (advice[0] != '\0') {
+        print_item("advice", "%s", advice);
+    }
+}
+
+static void modes_yaml(yaml_out *out, const char *key, const weft_stiffness *modes)
+{
+    yaml_out_map(out, key);
+    yaml_out_real(out, "omega", sqrt(modes->omega2));
+    yaml_out_real(out, "damping", modes->damping);
+    yaml_out_close_map(out);
+}
+
+void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of)
+{
+    char advice[512];
+    modes_yaml(out, "at_the_start", &of->now);
+    modes_yaml(out, "in_any_state", &of->any);
+    if (of->refined) {
+        modes_yaml(out, "power_method", &of->modes);
+    }
+    yaml_out_list(out, "methods");
+    for (size_t i = 0; i < of->count; ++i) {
+        const survey_method *method = &of->methods[i];
+        yaml_out_item(out);
+        yaml_out_text(out, "plugin", method->plugin->id);
+        yaml_out_text(out, "method", method->type->name);
+        yaml_out_plain(out, "of_the_scene", method == of->own ? "true" : "false");
+        if (method->step > 0.0) {
+            yaml_out_real(out, "stable_step", method->step);
+            yaml_out_real(out, "rhs_calls_per_second", method->per_second);
+            yaml_out_plain(out, "undamped_modes_double",
+                           method->doubling ? "true" : "false");
+        }
+        yaml_out_close_map(out);
+    }
+    yaml_out_close_list(out);
+    if (of->trial_steps > 0) {
+        yaml_out_map(out, "trial");
+        yaml_out_plain(out, "steps", "%zu", of->trial_steps);
+        yaml_out_real(out, "held_by_stability", of->trial_held);
+        yaml_out_real(out, "mean_step", of->trial_mean);
+        yaml_out_real(out, "rhs_calls_per_second", of->trial_calls);
+        yaml_out_close_map(out);
+    }
+    advise(scene, of, advice, sizeof advice);
+    yaml_out_text(out, "advice", advice);
+}
+
+bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet)
+{
+    const weft_stiffness modes
+        = weft_cloth_stiffness(weft_sim_cloth(sim), weft_sim_state(sim));
+    const double h = step_taken(scene);
+    survey_method own = { 0 };
+    const bool beyond
+        = h > 0.0
+          && stable_step(scene, weft_scene_method_type(scene), &modes, &own, NULL)
+                 == WEFT_OK
+          && h > own.step;
+    if (beyond && !quiet) {
+        fprintf(
+            stderr,
+            "weft: warning: a fixed step of %.4g s is beyond the largest stable step "
+            "%.4g s of %s %s on this cloth\n"
+            "  omega <= %.4g 1/s, damping <= %.4g 1/s at the start\n"
+            "  try stepper.fixed_step=%.2g, or see weft check for other methods\n",
+            h, own.step, weft_scene_plugin(scene), weft_scene_method(scene),
+            sqrt(modes.omega2), modes.damping, 0.9 * own.step);
+    }
+    return beyond;
+}

@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* stable_steps.h -- stable steps in the program: weft check's table and advice, weft
+ * run's warning, the report of a failed run. */
+#ifndef WEFT_CLI_CHECK_STABLE_STEPS_H
+#define WEFT_CLI_CHECK_STABLE_STEPS_H
+
+#include "cli/cli.h"
+#include "record/yaml_out.h"
+
+#define WORTH 1.2 /* a saving of evaluations worth a word */
+
+/* What a method costs on a cloth if stability alone limits its step. */
+typedef struct survey_method {
+    const weft_plugin *plugin;
+    const weft_stepper_type *type;
+    double step;       /* [s] up to which no mode grows; 0: the method has none */
+    bool doubling;     /* undamped ones do, as no step of the method is stable on them:
+                          the step at which none more than doubles in the run */
+    double calls;      /* RHS calls a step */
+    double per_second; /* RHS calls per simulated second at that step */
+} survey_method;
+
+typedef struct survey {
+    bool refined;
+    weft_stiffness now, any; /* guaranteed: in the first state; in whatever state */
+    weft_stiffness modes;    /* what the steps are from: now, refined if asked for */
+    survey_method *methods;  /* the cheapest first, those without a step last */
+    size_t count;
+    const survey_method *own;   /* the scene's; NULL: its plugin is not there */
+    survey_method any_state;    /* the scene's method in whatever state */
+    size_t trial_steps;         /* of that method under its tolerances; 0: no trial */
+    double trial_held;          /* part of them that stability has held */
+    double trial_mean;          /* [s] */
+    double trial_calls;         /* RHS calls per simulated second */
+    const survey_method *rival; /* of higher order, tried too; NULL: no or no better */
+    double rival_saves;         /* trial's RHS calls / those that it took */
+} survey;
+
+/* sim is of the scene, at t = 0, and is used up by the trial; NULL: no trial,
+ * and `now` is what holds in any state. */
+weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
+                          weft_sim *sim, weft_registry *registry, bool refine,
+                          survey *out, weft_error *err);
+void survey_destroy(survey *self);
+
+/* Part of the trial's steps that stability has held; 0 without a stable step. */
+double survey_held(const survey *of);
+
+/* Type, step, doubling and calls of one method. WEFT_UNSUPPORTED: it has no stable
+ * step. */
+weft_status stable_step(const weft_scene *scene, const weft_stepper_type *type,
+                        const weft_stiffness *modes, survey_method *out,
+                        weft_error *err);
+
+/* The longest step [s] that a fixed step comes to, as a frame cuts it; 0: adaptive. */
+double step_taken(const weft_scene *scene);
+
+/* RHS calls per simulated second of a method in fixed steps of h [s]. */
+double calls_per_second(const weft_scene *scene, const survey_method *method, double h);
+
+/* A survey in words, the cheapest methods or all; the same for machines. */
+void stability_print(const weft_scene *scene, const survey *of, bool all);
+void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of);
+
+/* Whether the scene's fixed step is beyond the stable one of the present state; then,
+ * unless quiet, it says so to stderr. */
+bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet);
+
+/* The message of a failed run with the stable step and what to try, in parts that are
+ * separated by "; "; and to stderr, a part a line. */
+void trouble_describe(const weft_scene *scene, const weft_sim *sim,
+                      const weft_error *why, char *text, size_t size);
+void trouble_print(const char *text);
+
+#endif

@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* survey.c -- what every method would cost on a scene: the largest stable step of each,
+ * and a short trial of the scene's own under its tolerances. */
+#include "cli/check/stable_steps.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* RHS calls times particles of a trial, and the steps it is to have at least. */
+#define TRIAL_WORK 1.5e6
+enum { TRIAL_SKIPPED = 3, TRIAL_LEAST = 10 };
+
+/* The allowance for undamped modes may lengthen a stable step a little: it is the step
+ * if without it there is less than so much of it. */
+#define DOUBLING 0.9
+
+/* A step of so much of the stable one or more was held by stability. */
+#define HELD 0.8
+
+#define LN_2 0.69314718055994531
+
+weft_status stable_step(const weft_scene *scene, const weft_stepper_type *type,
+                        const weft_stiffness *modes, survey_method *out,
+                        weft_error *err)
+{
+    const bool custom = (type->flags & WEFT_STEPPER_BUTCHER) != 0;
+    const double growth = LN_2 / weft_scene_run(scene)->duration;
+    weft_stability stability;
+    double strict = 0.0;
+    out->type = type;
+    out->step = 0.0;
+    weft_status status = weft_stability_create(
+        type, custom ? weft_scene_config(scene)->butcher : NULL, &stability, err);
+    if (status == WEFT_OK) {
+        status = weft_stability_step(&stability, modes, growth, &out->step, err);
+        out->calls = stability.calls;
+    }
+    if (status == WEFT_OK && stability.degree >= 0) {
+        status = weft_stability_step(&stability, modes, 0.0, &strict, err);
+        out->doubling = strict < DOUBLING * out->step;
+    }
+    return status;
+}
+
+double calls_per_second(const weft_scene *scene, const survey_method *method, double h)
+{
+    const weft_run_def *run = weft_scene_run(scene);
+    return method->calls * frame_steps(run, h) / frame_time(run, 1);
+}
+
+/* The cheapest first, of equal ones that of higher order, then of the longer step. */
+static int compare(const void *first, const void *second)
+{
+    const survey_method *a = first, *b = second;
+    const int costs = (a->per_second > b->per_second) - (a->per_second < b->per_second);
+    const int order = b->type->order - a->type->order;
+    return costs != 0   ? costs
+           : order != 0 ? order
+                        : (b->step > a->step) - (b->step < a->step);
+}
+
+/* Tables of one's own are no method but in the scene that has them. */
+static bool counts(const weft_scene *scene, const weft_stepper_type *type)
+{
+    return (type->flags & WEFT_STEPPER_BUTCHER) == 0
+           || type == weft_scene_method_type(scene);
+}
+
+static weft_status add_methods(const weft_scene *scene, const weft_plugin *plugin,
+                               survey *out, weft_error *err)
+{
+    for (size_t i = 0; plugin->types[i] != NULL; ++i) {
+        const weft_stepper_type *type = plugin->types[i];
+        if (!counts(scene, type)) {
+            continue;
+        }
+        survey_method *method = &out->methods[out->count++];
+        const weft_status status = stable_step(scene, type, &out->modes, method, err);
+        if (status == WEFT_NO_MEMORY) {
+            return status;
+        }
+        method->plugin = plugin;
+        method->per_second = method->step > 0.0
+                                 ? calls_per_second(scene, method, method->step)
+                                 : INFINITY;
+    }
+    return WEFT_OK;
+}
+
+static weft_status survey_methods(const weft_scene *scene, weft_registry *registry,
+                                  survey *out, weft_error *err)
+{
+    size_t room = 0;
+    for (size_t i = 0; i < weft_registry_count(registry); ++i) {
+        const weft_plugin *plugin = weft_registry_at(registry, i);
+        for (size_t m = 0; plugin->types[m] != NULL; ++m) {
+            ++room;
+        }
+    }
+    out->methods = calloc(room + 1, sizeof *out->methods);
+    if (out->methods == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu methods", room);
+    }
+    weft_status status = WEFT_OK;
+    for (size_t i = 0; i < weft_registry_count(registry) && status == WEFT_OK; ++i) {
+        status = add_methods(scene, weft_registry_at(registry, i), out, err);
+    }
+    qsort(out->methods, out->count, sizeof *out->methods, compare);
+    for (size_t i = 0; i < out->count; ++i) {
+        if (out->methods[i].type == weft_scene_method_type(scene)) {
+            out->own = &out->methods[i];
+        }
+    }
+    return status;
+}
+
+/* The scene's method from t = 0 on, past its first steps. What has failed by then is
+ * no matter of this. */
+static void trial(const weft_scene *scene, weft_sim *sim, survey *out)
+{
+    const double end = weft_scene_run(scene)->duration;
+    const double budget
+        = TRIAL_WORK / (double)weft_cloth_particles(weft_sim_cloth(sim));
+    const double held = HELD * (out->own == NULL ? 0.0 : out->own->step);
+    double from = 0.0, calls = 0.0, steps = 0.0, stable = 0.0;
+    for (int i = 0; weft_sim_time(sim) < end; ++i) {
+        const weft_stepper_stats stats = weft_sim_stats(sim);
+        if (i == TRIAL_SKIPPED) {
+            from = weft_sim_time(sim);
+            calls = (double)stats.rhs_calls;
+        }
+        if ((double)stats.rhs_calls > budget
+            || weft_sim_step(sim, end, NULL) != WEFT_OK) {
+            break;
+        }
+        if (i >= TRIAL_SKIPPED) {
+            steps += 1.0;
+            stable += weft_sim_stats(sim).last_step >= held ? 1.0 : 0.0;
+        }
+    }
+    if (steps >= TRIAL_LEAST) {
+        const double time = weft_sim_time(sim) - from;
+        out->trial_steps = (size_t)steps;
+        out->trial_held = stable / steps;
+        out->trial_mean = time / steps;
+        out->trial_calls = ((double)weft_sim_stats(sim).rhs_calls - calls) / time;
+    }
+}
+
+/* Without a state, whose plugin is not there, what holds in every state. */
+static weft_status survey_cloth(const weft_cloth *cloth, const weft_sim *sim,
+                                bool refine, survey *out, weft_error *err)
+{
+    const double *y = sim == NULL ? NULL : weft_sim_state(sim);
+    out->any = weft_cloth_stiffness(cloth, NULL);
+    out->now = out->modes = y == NULL ? out->any : weft_cloth_stiffness(cloth, y);
+    out->refined = refine && y != NULL;
+    return out->refined ? weft_cloth_stiffness_refined(cloth, y, 0, &out->modes, err)
+                        : WEFT_OK;
+}
+
+/* The adaptive method of the highest order above that of the scene. */
+static const survey_method *find_rival(const survey *of)
+{
+    const survey_method *best = of->own;
+    for (size_t i = 0; i < of->count; ++i) {
+        const survey_method *other = &of->methods[i];
+        const bool adaptive = (other->type->flags & WEFT_STEPPER_FIXED_ONLY) == 0;
+        if (adaptive && other->step > 0.0 && other->type->order > best->type->order) {
+            best = other;
+        }
+    }
+    return best == of->own ? NULL : best;
+}
+
+/* How many RHS calls a method of higher order takes to the time that the trial came to.
+ */
+static weft_status try_rival(const weft_scene *scene, const weft_sim *tried,
+                             survey *out, weft_error *err)
+{
+    const survey_method *rival = find_rival(out);
+    if (rival == NULL) {
+        return WEFT_OK;
+    }
+    weft_sim *sim = NULL;
+    weft_sim_def def = weft_sim_def_default();
+    def.cloth = weft_sim_cloth(tried);
+    def.method = rival->type;
+    def.config = *weft_scene_config(scene);
+    def.config.butcher = NULL;
+    const weft_status status = weft_sim_create(&def, &sim, err);
+    const double calls = (double)weft_sim_stats(tried).rhs_calls;
+    const double end = weft_sim_time(tried);
+    if (status == WEFT_UNSUPPORTED || status == WEFT_INVALID) {
+        return WEFT_OK; /* not with these settings */
+    }
+    while (status == WEFT_OK && weft_sim_time(sim) < end
+           && (double)weft_sim_stats(sim).rhs_calls < calls / WORTH
+           && weft_sim_step(sim, end, NULL) == WEFT_OK) {
+    }
+    if (status == WEFT_OK && weft_sim_time(sim) == end) {
+        out->rival = rival;
+        out->rival_saves = calls / (double)weft_sim_stats(sim).rhs_calls;
+    }
+    weft_sim_destroy(sim);
+    return status;
+}
+
+weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
+                          weft_sim *sim, weft_registry *registry, bool refine,
+                          survey *out, weft_error *err)
+{
+    *out = (survey){ 0 };
+    (void)load_plugins(registry, NULL);
+    weft_status status = survey_cloth(cloth, sim, refine, out, err);
+    if (status == WEFT_OK) {
+        status = survey_methods(scene, registry, out, err);
+    }
+    if (status == WEFT_OK && out->own != NULL && out->own->step > 0.0) {
+        status = stable_step(scene, out->own->type, &out->any, &out->any_state, err);
+    }
+    const bool adaptive = weft_scene_config(scene)->fixed_step == 0.0;
+    const bool small
+        = out->own != NULL && (out->own->type->flags & WEFT_STEPPER_DENSE) != 0;
+    if (status == WEFT_OK && sim != NULL && adaptive && !small) {
+        trial(scene, sim, out);
+        const bool limited = weft_scene_limit(scene)->method != WEFT_LIMIT_NONE;
+        if (out->trial_steps > 0 && survey_held(out) < 0.5 && !limited) {
+            status = try_rival(scene, sim, out, err);
+        }
+    }
+    return status;
+}
+
+double survey_held(const survey *of)
+{
+    return of->own != NULL && of->own->step > 0.0 ? of->trial_held : 0.0;
+}
+
+void survey_destroy(survey *self)
+{
+    free(self->methods);
+}

@@ -1,0 +1,495 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* compare.c -- weft compare: references, horizon, ladders, times, advice. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/check/stable_steps.h"
+#include "cli/compare/compare.h"
+#include "plugin/methods.h"
+#include "record/record.h"
+
+enum { CALL_TIMES = 5, NAME_MOST = 64 };
+
+#define RUNGS_WORTH 2.5 /* a ladder of runs costs so many of its dearest */
+
+double compare_time(const compare *self, size_t frame)
+{
+    return frame_time(&self->run, frame);
+}
+
+/* ---- methods ----------------------------------------------------------------------
+ */
+
+/* "gsl", "rkf45" or "gsl/rkf45", of `length` letters. */
+static bool is_meant(const stepper_method *m, const char *word, size_t length)
+{
+    char text[NAME_MOST];
+    const size_t id = strlen(m->plugin->id);
+    if (length >= sizeof text) {
+        return false;
+    }
+    memcpy(text, word, length);
+    text[length] = '\0';
+    return strcmp(text, m->plugin->id) == 0 || weft_stepper_is(m->type, text)
+           || (strncmp(text, m->plugin->id, id) == 0 && text[id] == '/'
+               && weft_stepper_is(m->type, text + id + 1));
+}
+
+/* NULL: all. */
+static bool is_listed(const stepper_method *m, const char *list)
+{
+    bool found = list == NULL;
+    while (!found && *list != '\0') {
+        const size_t length = strcspn(list, ",");
+        found = is_meant(m, list, length);
+        list += length + (list[length] == ',');
+    }
+    return found;
+}
+
+/* The first word of a list that is no method; NULL: all are. */
+static const char *unknown_word(const weft_registry *registry, const char *list)
+{
+    while (list != NULL && *list != '\0') {
+        const size_t length = strcspn(list, ",");
+        stepper_method m;
+        bool found = false;
+        for (size_t i = 0; !found && method_at(registry, i, &m); ++i) {
+            found = is_meant(&m, list, length);
+        }
+        if (!found) {
+            return list;
+        }
+        list += length + (list[length] == ',');
+    }
+    return NULL;
+}
+
+/* Frames are met, so the steps divide the time between them. */
+static weft_status set_steps(const compare *self, const weft_stiffness *modes,
+                             compare_method *method, weft_error *err)
+{
+    survey_method stable = { 0 };
+    const weft_status status
+        = stable_step(self->scene, method->by.type, modes, &stable, err);
+    if (status == WEFT_NO_MEMORY) {
+        return status;
+    }
+    if (status != WEFT_OK || !(stable.step > 0.0)) {
+        (void)snprintf(method->left_out, sizeof method->left_out,
+                       "no error control, and no step is known to be stable");
+        return WEFT_OK;
+    }
+    method->step = compare_time(self, 1) / frame_steps(&self->run, stable.step);
+    method->step_calls = stable.calls;
+    return WEFT_OK;
+}
+
+static weft_status add_method(compare *self, const stepper_method *by,
+                              const weft_stiffness *modes, weft_error *err)
+{
+    compare_method *method = &self->shared->methods[self->count++];
+    const size_t n = weft_cloth_particles(self->cloth);
+    method->by = *by;
+    method->own = by->type == weft_scene_method_type(self->scene);
+    char matrices[128];
+    if (weft_stepper_matrices(by->type, n, matrices, sizeof matrices) > 0.0
+        && n > WEFT__DENSE_MOST) {
+        (void)snprintf(method->left_out, sizeof method->left_out,
+                       "%s: for small cloths only", matrices);
+        return WEFT_OK;
+    }
+    return method_adapts(by->type) ? WEFT_OK : set_steps(self, modes, method, err);
+}
+
+/* The scene's own whether listed or not. */
+static weft_status add_methods(compare *self, const weft_registry *registry,
+                               const char *list, weft_error *err)
+{
+    weft_stiffness modes;
+    stepper_method m;
+    double *y = calloc(weft_cloth_dim(self->cloth), sizeof *y);
+    if (y == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state");
+    }
+    weft_cloth_start(self->cloth, y);
+    modes = weft_cloth_stiffness(self->cloth, y);
+    free(y);
+    weft_status status = WEFT_OK;
+    for (size_t i = 0; status == WEFT_OK && method_at(registry, i, &m); ++i) {
+        const bool own = m.type == weft_scene_method_type(self->scene);
+        if (own
+            || (is_listed(&m, list) && (m.type->flags & WEFT_STEPPER_BUTCHER) == 0)) {
+            status = add_method(self, &m, &modes, err);
+        }
+    }
+    return status;
+}
+
+/* ---- references and horizon --------------------------------------------------------
+ */
+
+static void reference_ended(compare *self, size_t job, const char *how)
+{
+    if (how != NULL) {
+        self->shared->status[job]
+            = weft_error_set(&self->shared->err[job], WEFT_SOLVER, "%s", how);
+    }
+}
+
+static double distance(const compare *self, size_t frame)
+{
+    const size_t n = weft_cloth_particles(self->cloth);
+    const double *a = self->frames[0] + frame * 6 * n;
+    const double *b = self->frames[1] + frame * 6 * n;
+    double top = 0.0;
+    for (size_t i = 0; i < n; ++i) {
+        const double d[3]
+            = { a[i] - b[i], a[n + i] - b[n + i], a[2 * n + i] - b[2 * n + i] };
+        top = fmax(top, sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
+    }
+    return top;
+}
+
+/* Least squares of log(distance of the twin) over time. */
+static double growth_rate(const compare *self)
+{
+    double t = 0.0, d = 0.0, tt = 0.0, td = 0.0, n = 0.0;
+    for (size_t i = 0; i <= self->last; ++i) {
+        const double x = compare_time(self, i), y = log(fmax(self->twin[i], 1e-300));
+        n += 1.0, t += x, d += y, tt += x * x, td += x * y;
+    }
+    return (n * td - t * d) / (n * tt - t * t);
+}
+
+static void find_energy(compare *self)
+{
+    const size_t n = weft_cloth_particles(self->cloth);
+    double low = self->energy[0], high = low, kinetic = 0.0;
+    for (size_t i = 0; i <= self->last; ++i) {
+        low = fmin(low, self->energy[i]), high = fmax(high, self->energy[i]);
+        kinetic
+            = fmax(kinetic,
+                   weft_cloth_energy(self->cloth, self->frames[0] + i * 6 * n).kinetic);
+    }
+    self->at_play = fmax(high - low, kinetic);
+}
+
+static weft_status no_horizon(const compare *self, weft_error *err)
+{
+    const char *hint = weft_scene_limit(self->scene)->method == WEFT_LIMIT_NONE
+                           ? ""
+                           : "; what a strain limit does depends on the steps";
+    if (!self->parted) {
+        return weft_error_set(err, WEFT_UNSUPPORTED,
+                              "not predictable: a twin displaced by %g m is more than "
+                              "%g m off at the first frame%s",
+                              COMPARE_NUDGE, COMPARE_GROWTH * COMPARE_NUDGE, hint);
+    }
+    return weft_error_set(err, WEFT_UNSUPPORTED,
+                          "no reference: %s and %s at tolerance %g differ by more than "
+                          "%g m at the first frame%s",
+                          self->by[0].type->name, self->by[1].type->name,
+                          COMPARE_TIGHTEST, COMPARE_PARTED, hint);
+}
+
+static weft_status find_horizon(compare *self, weft_error *err)
+{
+    self->last = atomic_load(&self->shared->last);
+    self->chaotic = self->last < self->planned;
+    self->apart = 0.0;
+    for (size_t i = 0; i <= self->last; ++i) {
+        const double apart = distance(self, i);
+        if (!(apart <= COMPARE_PARTED)) {
+            self->last = i - 1;
+            self->parted = true;
+            break;
+        }
+        self->apart = fmax(self->apart, apart);
+    }
+    if (self->last == 0) {
+        return no_horizon(self, err);
+    }
+    self->growth = growth_rate(self);
+    find_energy(self);
+    return WEFT_OK;
+}
+
+static weft_status make_references(compare *self, weft_error *err)
+{
+    const compare_pool references
+        = { 2, self->jobs < 2 ? 1 : 2, compare_reference, reference_ended };
+    weft_status status = pool_run(&references, self, err);
+    for (size_t i = 0; i < 2 && status == WEFT_OK; ++i) {
+        status = self->shared->status[i];
+        if (status != WEFT_OK) {
+            return weft_error_set(err, status, "no reference: %s %s: %s",
+                                  self->by[i].plugin->id, self->by[i].type->name,
+                                  self->shared->err[i].message);
+        }
+    }
+    return status == WEFT_OK ? find_horizon(self, err) : status;
+}
+
+/* ---- ladders and times --------------------------------------------------------------
+ */
+
+static void ladder_ended(compare *self, size_t job, const char *how)
+{
+    compare_method *method = &self->shared->methods[job];
+    compare_point *points = job < self->count ? method->points : &self->shared->as_is;
+    for (size_t i = 0; how != NULL && i < (job < self->count ? COMPARE_RUNGS : 1);
+         ++i) {
+        if (points[i].outcome == COMPARE_RUNNING) {
+            points[i].outcome = COMPARE_FAILED;
+            (void)snprintf(points[i].why, sizeof points[i].why, "%s", how);
+        }
+    }
+    ++self->over;
+    progress_count(&self->progress, "methods", self->over, self->count + 1);
+}
+
+/* No more than the reference itself, nor than its part of COMPARE_WORK. */
+static void set_budget(compare *self)
+{
+    const double particles = (double)weft_cloth_particles(self->cloth);
+    const double share
+        = COMPARE_WORK / (particles * RUNGS_WORTH * (double)(self->count + 1));
+    const uint64_t dearest = self->shared->calls[0] > self->shared->calls[1]
+                                 ? self->shared->calls[0]
+                                 : self->shared->calls[1];
+    self->budget = share < (double)dearest ? (uint64_t)share : dearest;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const double *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+/* Turn by turn, so that what else the machine does falls on all alike. */
+static weft_status take_times(const compare *self, weft_error *err)
+{
+    double(*times)[CALL_TIMES] = calloc(self->count, sizeof *times);
+    if (times == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for times");
+    }
+    for (size_t turn = 0; turn < CALL_TIMES; ++turn) {
+        for (size_t i = 0; i < self->count; ++i) {
+            times[i][turn] = compare_call_time(self, &self->shared->methods[i]);
+        }
+    }
+    for (size_t i = 0; i < self->count; ++i) {
+        qsort(times[i], CALL_TIMES, sizeof times[i][0], by_value);
+        self->shared->methods[i].call_time = times[i][CALL_TIMES / 2];
+    }
+    free(times);
+    return WEFT_OK;
+}
+
+static weft_status compare_all(compare *self, weft_error *err)
+{
+    weft_status status = make_references(self, err);
+    if (status == WEFT_OK) {
+        set_budget(self);
+        const compare_pool ladders
+            = { self->count + 1, self->jobs, compare_ladder, ladder_ended };
+        status = pool_run(&ladders, self, err);
+        progress_clear(&self->progress);
+    }
+    return status == WEFT_OK ? take_times(self, err) : status;
+}
+
+/* ---- the verb -----------------------------------------------------------------------
+ */
+
+static size_t shared_size(const weft_registry *registry)
+{
+    stepper_method m;
+    size_t count = 0;
+    while (method_at(registry, count, &m)) {
+        ++count;
+    }
+    return sizeof(compare_shared) + (count + 1) * sizeof(compare_method);
+}
+
+static weft_status open_memory(compare *self, const weft_registry *registry,
+                               weft_error *err)
+{
+    const size_t frames = self->planned + 1, dim = weft_cloth_dim(self->cloth);
+    self->shared = pool_memory(1, shared_size(registry));
+    self->frames[0] = pool_memory(frames, dim * sizeof(double));
+    self->frames[1] = pool_memory(frames, dim * sizeof(double));
+    self->twin = pool_memory(frames, sizeof(double));
+    self->energy = pool_memory(frames, sizeof(double));
+    if (self->shared == NULL || self->frames[0] == NULL || self->frames[1] == NULL
+        || self->twin == NULL || self->energy == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu frames", frames);
+    }
+    atomic_store(&self->shared->last, self->planned);
+    return WEFT_OK;
+}
+
+static void close_memory(compare *self, const weft_registry *registry)
+{
+    const size_t frames = self->planned + 1, dim = weft_cloth_dim(self->cloth);
+    pool_free(self->shared, 1, shared_size(registry));
+    pool_free(self->frames[0], frames, dim * sizeof(double));
+    pool_free(self->frames[1], frames, dim * sizeof(double));
+    pool_free(self->twin, frames, sizeof(double));
+    pool_free(self->energy, frames, sizeof(double));
+}
+
+static weft_status conclude(const compare *self, const char *directory, weft_error *err)
+{
+    compare_advice advice;
+    compare_advise(self, &advice);
+    weft_status status = compare_csv(self, directory, err);
+    if (status == WEFT_OK) {
+        status = compare_html(self, &advice, directory, err);
+    }
+    if (status == WEFT_OK && !self->quiet && self->progress.mode != PROGRESS_YAML) {
+        compare_print(self, &advice);
+        printf("written: %s/compare.csv, %s/compare.html\n", directory, directory);
+    }
+    return status;
+}
+
+static int compare_scene(const options *given, const char *directory, double until,
+                         const weft_scene *scene, weft_registry *registry)
+{
+    weft_error err = { 0 };
+    weft_cloth *cloth = NULL;
+    compare self = { .scene = scene,
+                     .run = *weft_scene_run(scene),
+                     .jobs = given->jobs > 0 ? given->jobs : 1,
+                     .quiet = given->quiet };
+    (void)progress_find(given->quiet ? "none" : given->progress, &self.progress.mode);
+    self.run.duration = fmin(self.run.duration, until);
+    self.planned = frame_last(&self.run);
+    weft_status status = cloth_create(scene, &cloth, &err);
+    self.cloth = cloth;
+    if (status == WEFT_OK
+        && !(method_best(registry, NULL, &self.by[0])
+             && method_best(registry, &self.by[0], &self.by[1]))) {
+        status = weft_error_set(&err, WEFT_UNSUPPORTED,
+                                "no two explicit methods with error control, of which "
+                                "one would check the other");
+    }
+    if (status == WEFT_OK) {
+        status = record_outdir(directory, given->force, &err);
+    }
+    if (status == WEFT_OK) {
+        status = open_memory(&self, registry, &err);
+        if (status == WEFT_OK) {
+            status = add_methods(&self, registry, given->methods, &err);
+        }
+        if (status == WEFT_OK) {
+            compare_begin(&self, directory);
+            status = compare_all(&self, &err);
+            status = status == WEFT_OK ? conclude(&self, directory, &err) : status;
+            compare_end(&self, status == WEFT_OK ? NULL : err.message);
+        }
+        close_memory(&self, registry);
+    }
+    weft_cloth_destroy(cloth);
+    return status == WEFT_OK ? EXIT_DONE : report_error(&err);
+}
+
+static int open_and_compare(const options *given, double until)
+{
+    weft_scene *scene = NULL;
+    weft_registry *registry = open_registry(given->plugin_path);
+    char *out = default_directory(given->operands[0], ".compare");
+    int code = registry == NULL || out == NULL
+                   ? EXIT_SIMULATION
+                   : open_scene(given->operands[0], given, registry, &scene);
+    if (code == EXIT_DONE) {
+        (void)load_plugins(registry, NULL);
+        const char *word = unknown_word(registry, given->methods);
+        const char *unsupported = scene_unsupported(scene);
+        if (word != NULL) {
+            code = usage_error(&verb_compare,
+                               "--methods: no method '%.*s'; weft steppers lists them",
+                               (int)strcspn(word, ","), word);
+        } else if (unsupported != NULL) {
+            weft_error err;
+            (void)weft_error_set(&err, WEFT_UNSUPPORTED, "%s", unsupported);
+            code = report_error(&err);
+        } else {
+            code = compare_scene(given, given->out == NULL ? out : given->out, until,
+                                 scene, registry);
+        }
+    }
+    free(out);
+    weft_scene_destroy(scene);
+    weft_registry_destroy(registry);
+    return code;
+}
+
+static int compare_verb(int argc, char **argv)
+{
+    options given;
+    int code = options_parse(&verb_compare, "ospqFjMuP", argc, argv, &given);
+    if (code >= 0) {
+        return code;
+    }
+    char *end = NULL;
+    progress_mode mode;
+    const double until = given.until == NULL ? INFINITY : strtod(given.until, &end);
+    if (given.operand_count != 1) {
+        code = usage_error(&verb_compare, given.operand_count == 0
+                                              ? "no scene given"
+                                              : "more than one scene");
+    } else if (!(until > 0.0) || (end != NULL && *end != '\0')) {
+        code
+            = usage_error(&verb_compare, "--until %s: not a time [s] > 0", given.until);
+    } else if ((code = progress_choose(&verb_compare, &given, &mode)) == EXIT_DONE) {
+        code = open_and_compare(&given, until);
+    }
+    options_free(&given);
+    return code;
+}
+
+const verb verb_compare = {
+    .name = "compare",
+    .summary = "what every method costs on a scene, at every accuracy",
+    .help
+    = "usage: weft compare SCENE.yaml [OPTIONS]\n\n"
+      "Runs a scene by every method of every plugin, over tolerances from 1e-2 to "
+      "1e-10 or\n"
+      "over fixed steps, and measures how far each comes off a reference [m] and how "
+      "many\n"
+      "evaluations of the forces (RHS calls) it takes. Prints which method is the "
+      "cheapest\n"
+      "for which accuracy, and leaves compare.csv and compare.html, a diagram for a "
+      "browser.\n\n"
+      "The reference is the scene at tolerance 1e-12 by the methods of the highest "
+      "order of\n"
+      "two plugins; where they do not agree nothing is judged. Cloth may be chaotic: "
+      "nothing\n"
+      "is compared beyond the time to which a difference of 1e-10 m at the start has "
+      "grown\n"
+      "10 000 times.\n\n"
+      "  --methods LIST       only these, and the scene's own: gsl, rkf45, gsl/rkf45, "
+      "...\n"
+      "                       separated by commas\n"
+      "  --until T            compare up to T [s] at most, not to the scene's end\n"
+      "  -j, --jobs N         so many processes at once; default 1. Times are taken by "
+      "one\n"
+      "  --out DIR            where to; default: SCENE.compare here. Must be new or "
+      "empty\n"
+      "  --force              replace what an earlier run left there\n"
+      "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
+      "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n"
+      "  --progress HOW       auto, lines, terminal, yaml or none, as of weft run\n"
+      "  --quiet              no progress, no table\n\n"
+      "examples:\n"
+      "  weft compare scenes/two-corners.yaml -j 2\n"
+      "  weft compare scenes/curtain.yaml --methods gsl,verlet --until 0.5\n\n"
+      "exit codes: 0 done, 1 there is no reference, 2 wrong command line, 3 wrong "
+      "scene, 4 a\n"
+      "file could not be read or written\n",
+    .run = compare_verb,
+};

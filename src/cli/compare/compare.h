@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* compare.h -- weft compare: what every method costs on a scene, at every accuracy.
+ *
+ * Errors are positions [m] against a reference: the scene by the best method there is
+ * at COMPARE_TIGHTEST, checked by the best of another plugin. Both, and a twin
+ * displaced by COMPARE_NUDGE at the start, are run first; how fast the twin parts
+ * bounds the time that is compared. Then every method climbs its ladder: of tolerances,
+ * or of fixed steps from its largest stable one downwards by halves. Each reference and
+ * each ladder is a process of its own, which leaves its numbers in shared memory. Times
+ * are taken last, by one process alone. */
+#ifndef WEFT_CLI_COMPARE_COMPARE_H
+#define WEFT_CLI_COMPARE_COMPARE_H
+
+#include <stdatomic.h>
+
+#include "cli/cli.h"
+#include "cli/method_list.h"
+#include "cli/run/progress.h"
+
+enum {
+    COMPARE_RUNGS = 9,
+    COMPARE_DECADES = 9,
+    COMPARE_FIRST = 2 /* 1e-2 is the tolerance of the first rung, 1e-3 of the next */
+};
+
+#define COMPARE_TIGHTEST 1e-12 /* tolerance of the reference */
+#define COMPARE_NUDGE    1e-10 /* [m] */
+#define COMPARE_GROWTH   1e4   /* of the nudge, to which the scene is predictable */
+#define COMPARE_PARTED   1e-4  /* [m] the two references, likewise */
+#define COMPARE_NEAR     10.0  /* times the error of the reference: not to be judged */
+#define COMPARE_WORK     3e8 /* RHS calls times particles, of all runs but references */
+
+typedef enum compare_outcome {
+    COMPARE_NOT_RUN,
+    COMPARE_RUNNING,
+    COMPARE_DONE,
+    COMPARE_EXPENSIVE, /* would take more calls than the budget */
+    COMPARE_FAILED
+} compare_outcome;
+
+/* One run. */
+typedef struct compare_point {
+    compare_outcome outcome;
+    double setting;  /* tolerance, or fixed step [s] */
+    double error;    /* [m] largest distance of a particle in a frame */
+    double rms;      /* [m] of all of them */
+    double velocity; /* [m/s] largest, as `error` */
+    double energy;   /* largest difference in a frame, part of the energy at play */
+    uint64_t calls, steps, rejected;
+    char why[200]; /* FAILED */
+} compare_point;
+
+typedef struct compare_method {
+    stepper_method by;
+    bool own;           /* the scene's */
+    double step;        /* [s] fixed step of the first rung; 0: adaptive */
+    double step_calls;  /* RHS calls of such a step */
+    double call_time;   /* [s] a call, with all that belongs to it; 0: not known */
+    char left_out[160]; /* why it has no ladder; "" if it has */
+    compare_point points[COMPARE_RUNGS];
+} compare_method;
+
+/* What the processes leave for one another. */
+typedef struct compare_shared {
+    _Atomic size_t last;   /* frame, lowered when the twin has parted */
+    weft_status status[2]; /* of the references */
+    weft_error err[2];
+    uint64_t calls[2];
+    compare_point as_is;      /* the scene with its own method and settings */
+    compare_method methods[]; /* count of them */
+} compare_shared;
+
+typedef struct compare {
+    const weft_scene *scene;
+    const weft_cloth *cloth;
+    weft_run_def run; /* of the scene, cut to what was asked for */
+    stepper_method by[2];
+    size_t last;    /* frame up to which errors are judged */
+    size_t planned; /* and were to be */
+    size_t jobs;
+    bool quiet;
+    progress progress; /* of the ladders */
+
+    /* shared; frames of 6 N numbers, planned + 1 of them */
+    compare_shared *shared;
+    double *frames[2]; /* of the references */
+    double *twin;      /* [m] how far it is off, by frames */
+    double *energy;    /* [J] kinetic, elastic and gravitational, by frames */
+
+    size_t count;    /* of methods */
+    double at_play;  /* [J] range of the energy, or the largest kinetic */
+    double apart;    /* [m] between the references */
+    double growth;   /* [1/s] of the twin's distance */
+    bool chaotic;    /* `last` is where the twin has parted, */
+    bool parted;     /* or the references */
+    size_t over;     /* ladders */
+    uint64_t budget; /* RHS calls of a run */
+} compare;
+
+double compare_time(const compare *self, size_t frame); /* [s] */
+double compare_decade(size_t k); /* 10^-k, k <= 22: the nearest double */
+
+/* ---- compare_run.c: in a process of their own
+ * ---------------------------------------- */
+
+/* Frames, energies and twin of by[0]; frames of by[1]. */
+void compare_reference(const compare *self, size_t which);
+/* The ladder of a method; past the last method: the scene as it is. */
+void compare_ladder(const compare *self, size_t i);
+/* [s] a call takes, measured for a moment; 0 if it fails. */
+double compare_call_time(const compare *self, const compare_method *method);
+
+/* ---- compare_pool.c
+ * ------------------------------------------------------------------ */
+
+/* Zeroed memory that children share with their parent; NULL if there is none. */
+void *pool_memory(size_t count, size_t size);
+void pool_free(void *memory, size_t count, size_t size);
+
+typedef struct compare_pool {
+    size_t jobs, at_once;
+    void (*work)(const compare *self, size_t job);
+    /* In the parent: `how` it came to a bad end, or NULL. */
+    void (*ended)(compare *self, size_t job, const char *how);
+} compare_pool;
+
+/* Every job in a child; WEFT_SOLVER if none can be made. */
+weft_status pool_run(const compare_pool *self, compare *of, weft_error *err);
+
+/* ---- compare_advice.c
+ * ---------------------------------------------------------------- */
+
+/* What a method takes to reach an accuracy: between two points of its ladder along a
+ * straight line of logarithms. */
+typedef struct compare_cost {
+    const compare_method *method; /* NULL: none reaches it */
+    double setting, calls, time;  /* time [s]: 0 if not known */
+} compare_cost;
+
+typedef struct compare_rank {
+    double accuracy; /* [m] */
+    compare_cost best, second, own, fastest;
+} compare_rank;
+
+typedef struct compare_advice {
+    size_t count;
+    compare_rank ranks[COMPARE_DECADES];
+} compare_advice;
+
+bool compare_reach(const compare_method *method, double accuracy, compare_cost *out);
+void compare_advise(const compare *self, compare_advice *out);
+/* A rank, and what is known of the scene, in words. */
+void compare_say(const compare_rank *rank, char *text, size_t size);
+void compare_say_as_is(const compare *self, char *text, size_t size);
+void compare_say_horizon(const compare *self, char *text, size_t size);
+void compare_say_reference(const compare *self, char *text, size_t size);
+
+/* ---- compare_write.c
+ * ----------------------------------------------------------------- */
+
+/* With --progress yaml: documents before anything is run and after all was. `failed`:
+ * why, or NULL. */
+void compare_begin(const compare *self, const char *directory);
+void compare_end(const compare *self, const char *failed);
+void compare_print(const compare *self, const compare_advice *advice);
+weft_status compare_csv(const compare *self, const char *directory, weft_error *err);
+weft_status compare_html(const compare *self, const compare_advice *advice,
+                         const char *directory, weft_error *err);
+
+#endif

@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* compare_advice.c -- which method for which accuracy, and why, in words. */
+#include <math.h>
+#include <string.h>
+
+#include "cli/check/stable_steps.h"
+#include "cli/compare/compare.h"
+
+#define LEAST_ERROR 1e-300 /* in logarithms, for an error of 0 */
+
+double compare_decade(size_t k)
+{
+    double power = 1.0;
+    while (k-- > 0) {
+        power *= 10.0;
+    }
+    return 1.0 / power;
+}
+
+static double between(double from, double to, double part)
+{
+    return exp(log(from) + part * (log(to) - log(from)));
+}
+
+/* A lucky point does not count: all that are finer must be as good. */
+static const compare_point *first_good(const compare_method *method, double accuracy,
+                                       const compare_point **before)
+{
+    const compare_point *good = NULL;
+    *before = NULL;
+    for (size_t i = COMPARE_RUNGS; i-- > 0;) {
+        const compare_point *point = &method->points[i];
+        if (point->outcome != COMPARE_DONE) {
+            continue;
+        }
+        if (!(point->error <= accuracy)) {
+            *before = isfinite(point->error) ? point : NULL;
+            return good;
+        }
+        good = point;
+    }
+    return good;
+}
+
+/* A finer setting may cost less: its cost bounds that of every coarser accuracy. */
+static void take_cheaper(const compare_method *method, const compare_point *good,
+                         compare_cost *out)
+{
+    for (const compare_point *p = good; p < method->points + COMPARE_RUNGS; ++p) {
+        if (p->outcome == COMPARE_DONE && (double)p->calls < out->calls) {
+            out->calls = (double)p->calls;
+            out->setting = p->setting;
+        }
+    }
+}
+
+bool compare_reach(const compare_method *method, double accuracy, compare_cost *out)
+{
+    const compare_point *before, *good = first_good(method, accuracy, &before);
+    *out = (compare_cost){ 0 };
+    if (good == NULL) {
+        return false;
+    }
+    out->method = method;
+    out->calls = (double)good->calls;
+    out->setting = good->setting;
+    if (before != NULL) {
+        const double e = log(fmax(good->error, LEAST_ERROR));
+        const double part
+            = (log(accuracy) - log(before->error)) / (e - log(before->error));
+        out->calls = between((double)before->calls, out->calls, part);
+        out->setting = between(before->setting, out->setting, part);
+    }
+    take_cheaper(method, good, out);
+    out->time = out->calls * method->call_time;
+    return true;
+}
+
+static void rank_at(const compare *self, double accuracy, compare_rank *out)
+{
+    *out = (compare_rank){ .accuracy = accuracy };
+    for (size_t i = 0; i < self->count; ++i) {
+        compare_cost cost;
+        if (!compare_reach(&self->shared->methods[i], accuracy, &cost)) {
+            continue;
+        }
+        if (out->best.method == NULL || cost.calls < out->best.calls) {
+            out->second = out->best;
+            out->best = cost;
+        } else if (out->second.method == NULL || cost.calls < out->second.calls) {
+            out->second = cost;
+        }
+        if (cost.time > 0.0
+            && (out->fastest.method == NULL || cost.time < out->fastest.time)) {
+            out->fastest = cost;
+        }
+        if (cost.method->own) {
+            out->own = cost;
+        }
+    }
+}
+
+/* Coarse accuracies that cost no less than the next one are left out. */
+void compare_advise(const compare *self, compare_advice *out)
+{
+    double above = 0.0;
+    out->count = 0;
+    for (size_t k = 1; k <= COMPARE_DECADES; ++k) {
+        compare_rank rank;
+        const double accuracy = compare_decade(k);
+        if (accuracy < COMPARE_NEAR * self->apart) {
+            break;
+        }
+        rank_at(self, accuracy, &rank);
+        if (rank.best.method == NULL) {
+            break;
+        }
+        out->count -= out->count > 0 && rank.best.calls <= above;
+        out->ranks[out->count++] = rank;
+        above = rank.best.calls;
+    }
+}
+
+/* ---- words ------------------------------------------------------------------------
+ */
+
+WEFT_PRINTF(3, 4)
+static void add(char *text, size_t size, const char *format, ...)
+{
+    const size_t used = strlen(text);
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(text + used, size - used, format, args);
+    va_end(args);
+}
+
+static void add_cost(const compare_cost *cost, char *text, size_t size)
+{
+    const compare_method *method = cost->method;
+    add(text, size, "%s %s %s %.1e%s, %.0f evaluations", method->by.plugin->id,
+        method->by.type->name, method->step > 0.0 ? "in steps of" : "at tolerance",
+        cost->setting, method->step > 0.0 ? " s" : "", cost->calls);
+}
+
+static void add_rival(const char *lead, const compare_cost *other, double times,
+                      char *text, size_t size)
+{
+    add(text, size, "%s%s %s takes %.*f times", lead, other->method->by.plugin->id,
+        other->method->by.type->name,
+        times < 1.095  ? 2
+        : times < 9.95 ? 1
+                       : 0,
+        times);
+}
+
+void compare_say(const compare_rank *rank, char *text, size_t size)
+{
+    const compare_cost *best = &rank->best, *second = &rank->second, *own = &rank->own,
+                       *fastest = &rank->fastest;
+    text[0] = '\0';
+    add_cost(best, text, size);
+    if (second->method != NULL) {
+        add_rival("; next, ", second, second->calls / best->calls, text, size);
+        add(text, size, " as many");
+    }
+    if (own->method == best->method) {
+        add(text, size, "; it is the scene's");
+    } else if (own->method != NULL && own->method != second->method) {
+        add_rival(", the scene's ", own, own->calls / best->calls, text, size);
+    }
+    if (fastest->method != NULL && fastest->time * WORTH < best->time) {
+        add(text, size, "; in time %s %s is %.1f times as fast",
+            fastest->method->by.plugin->id, fastest->method->by.type->name,
+            best->time / fastest->time);
+    }
+}
+
+void compare_say_as_is(const compare *self, char *text, size_t size)
+{
+    const compare_point *point = &self->shared->as_is;
+    compare_rank rank;
+    text[0] = '\0';
+    add(text, size, "as the scene is (%s %s)", weft_scene_plugin(self->scene),
+        weft_scene_method(self->scene));
+    if (point->outcome != COMPARE_DONE) {
+        add(text, size, ": %s",
+            point->outcome == COMPARE_FAILED ? point->why
+                                             : "more evaluations than the reference");
+        return;
+    }
+    add(text, size, ": error %.1e m for %llu evaluations", point->error,
+        (unsigned long long)point->calls);
+    rank_at(self, fmax(point->error, COMPARE_NEAR * self->apart), &rank);
+    if (rank.best.method != NULL && rank.best.calls * WORTH < (double)point->calls) {
+        add(text, size, "; as good and %.1f times cheaper: ",
+            (double)point->calls / rank.best.calls);
+        add_cost(&rank.best, text, size);
+    }
+}
+
+void compare_say_horizon(const compare *self, char *text, size_t size)
+{
+    const double t = compare_time(self, self->last), far = self->twin[self->last];
+    text[0] = '\0';
+    if (self->chaotic) {
+        add(text, size,
+            "predictable to t = %.4g s: a twin displaced by %.0e m has come %.0e m off "
+            "by "
+            "then (rate %.3g 1/s: 10 times every %.2g s); compared up to there, not to "
+            "%.4g s",
+            t, COMPARE_NUDGE, far, self->growth, log(10.0) / self->growth,
+            self->run.duration);
+    } else {
+        add(text, size,
+            "predictable to t = %.4g s at least: a twin displaced by %.0e m is %.1e m "
+            "off "
+            "by then (rate %.3g 1/s)",
+            t, COMPARE_NUDGE, far, self->growth);
+    }
+}
+
+void compare_say_reference(const compare *self, char *text, size_t size)
+{
+    text[0] = '\0';
+    add(text, size,
+        "%s %s and %s %s at tolerance %.0e, %.1e m apart: errors below %.0e m are "
+        "marked and not judged",
+        self->by[0].plugin->id, self->by[0].type->name, self->by[1].plugin->id,
+        self->by[1].type->name, COMPARE_TIGHTEST, self->apart,
+        COMPARE_NEAR * self->apart);
+}

@@ -1,0 +1,315 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* compare_run.c -- the runs of weft compare: references, twin, ladders. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "cli/compare/compare.h"
+
+enum { CALL_TIME_LEAST = 3 }; /* steps */
+#define CALL_TIME_SLICE 0.01  /* [s] */
+#define EXPENSIVE_HINT  1.2   /* a foreseen cost of so many budgets is not tried */
+
+/* One run against the reference. */
+typedef struct compare_trial {
+    const compare *self;
+    weft_sim *sim, *twin; /* twin NULL: none */
+    uint64_t budget;      /* RHS calls; 0: as many as it takes */
+    size_t which;         /* reference that is made */
+    double square;        /* [m^2] summed over particles and frames */
+    compare_point *point;
+} compare_trial;
+
+static weft_stepper_config adaptive(const compare *self, const stepper_method *by,
+                                    double tolerance)
+{
+    const weft_stepper_config *own = weft_scene_config(self->scene);
+    weft_stepper_config config = weft_stepper_config_default();
+    config.norm = own->norm;
+    config.rtol = config.atol_position = config.atol_velocity = tolerance;
+    config.threads = own->threads;
+    config.butcher
+        = (by->type->flags & WEFT_STEPPER_BUTCHER) != 0 ? own->butcher : NULL;
+    return config;
+}
+
+static weft_status create(const compare *self, const stepper_method *by,
+                          const weft_stepper_config *config, weft_sim **out,
+                          weft_error *err)
+{
+    weft_sim_def def = weft_sim_def_default();
+    def.cloth = self->cloth;
+    def.method = by->type;
+    def.config = *config;
+    def.limit = *weft_scene_limit(self->scene);
+    return weft_sim_create(&def, out, err);
+}
+
+/* ---- references and twin --------------------------------------------------------- */
+
+/* Every free particle off by COMPARE_NUDGE, in directions that are always the same. */
+static weft_status nudge(weft_sim *twin, weft_error *err)
+{
+    const size_t n = weft_cloth_particles(weft_sim_cloth(twin));
+    double *xyz = malloc(3 * n * sizeof *xyz);
+    uint32_t state = 1;
+    if (xyz == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a twin");
+    }
+    weft_sim_positions(twin, xyz);
+    for (size_t i = 0; i < n; ++i) {
+        double d[3];
+        for (size_t k = 0; k < 3; ++k) {
+            state = state * 1664525u + 1013904223u; /* Numerical Recipes' LCG */
+            d[k] = (double)state / 2147483648.0 - 1.0;
+        }
+        const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+        for (size_t k = 0; k < 3; ++k) {
+            xyz[3 * i + k] += COMPARE_NUDGE * d[k] / length;
+        }
+    }
+    const weft_status status = weft_sim_set_state(twin, xyz, NULL, err);
+    free(xyz);
+    return status;
+}
+
+/* The largest length of a difference of 3-vectors in n entries of three planes each;
+ * INFINITY if one is not finite. Their squares are added to *square. */
+static double farthest(const double *a, const double *b, size_t n, double *square)
+{
+    double top = 0.0;
+    for (size_t i = 0; i < n; ++i) {
+        double sum = 0.0;
+        for (size_t k = 0; k < 3; ++k) {
+            const double apart = a[k * n + i] - b[k * n + i];
+            sum += apart * apart;
+        }
+        top = sum <= top ? top : isfinite(sum) ? sum : (double)INFINITY;
+        *square += sum;
+    }
+    return sqrt(top);
+}
+
+static double total(const weft_energy *energy)
+{
+    return energy->kinetic + energy->gravitational + energy->elastic[0]
+           + energy->elastic[1] + energy->elastic[2];
+}
+
+static weft_status keep(void *ctx, size_t i, weft_error *err)
+{
+    compare_trial *of = ctx;
+    const compare *self = of->self;
+    const size_t n = weft_cloth_particles(self->cloth);
+    const double *y = weft_sim_state(of->sim);
+    double square = 0.0;
+    memcpy(self->frames[of->which] + i * 6 * n, y, 6 * n * sizeof *y);
+    if (of->twin == NULL) {
+        return WEFT_OK;
+    }
+    const weft_energy energy = weft_cloth_energy(self->cloth, y);
+    self->energy[i] = total(&energy);
+    const weft_status status = weft_sim_advance(of->twin, compare_time(self, i), err);
+    if (status == WEFT_OK) {
+        self->twin[i] = farthest(y, weft_sim_state(of->twin), n, &square);
+        if (self->twin[i] > COMPARE_GROWTH * COMPARE_NUDGE) {
+            atomic_store(&self->shared->last, i - 1);
+        }
+    }
+    return status;
+}
+
+/* One reference need not go on where the other's twin has parted. */
+static bool go_on(void *ctx)
+{
+    const compare_trial *of = ctx;
+    const size_t last = atomic_load(&of->self->shared->last);
+    return weft_sim_time(of->sim) < compare_time(of->self, last + 1)
+           || last == of->self->planned;
+}
+
+static weft_status play_to_end(compare_trial *of, frame_loop *show, weft_error *err)
+{
+    show->sim = of->sim;
+    show->run = &of->self->run;
+    show->ctx = of;
+    const weft_status status = play(show, err);
+    of->point->calls = weft_sim_stats(of->sim).rhs_calls;
+    of->point->steps = weft_sim_stats(of->sim).steps;
+    of->point->rejected = weft_sim_stats(of->sim).rejected;
+    return status;
+}
+
+void compare_reference(const compare *self, size_t which)
+{
+    const weft_stepper_config config
+        = adaptive(self, &self->by[which], COMPARE_TIGHTEST);
+    weft_error *err = &self->shared->err[which];
+    compare_point point = { 0 };
+    compare_trial of = { .self = self, .which = which, .point = &point };
+    frame_loop show = { .last = self->planned, .frame = keep, .step = go_on };
+    weft_status status = create(self, &self->by[which], &config, &of.sim, err);
+    if (status == WEFT_OK && which == 0) {
+        status = create(self, &self->by[which], &config, &of.twin, err);
+        status = status == WEFT_OK ? nudge(of.twin, err) : status;
+    }
+    if (status == WEFT_OK) {
+        status = play_to_end(&of, &show, err);
+    }
+    self->shared->status[which] = status;
+    self->shared->calls[which] = point.calls;
+    weft_sim_destroy(of.sim);
+    weft_sim_destroy(of.twin);
+}
+
+/* ---- a run against the reference --------------------------------------------------
+ */
+
+static weft_status judge(void *ctx, size_t i, weft_error *err)
+{
+    compare_trial *of = ctx;
+    const compare *self = of->self;
+    compare_point *point = of->point;
+    const size_t n = weft_cloth_particles(self->cloth);
+    const double *y = weft_sim_state(of->sim), *right = self->frames[0] + i * 6 * n;
+    const weft_energy energy = weft_cloth_energy(self->cloth, y);
+    double unused = 0.0;
+    (void)err;
+    point->error = fmax(point->error, farthest(y, right, n, &of->square));
+    point->velocity
+        = fmax(point->velocity, farthest(y + 3 * n, right + 3 * n, n, &unused));
+    point->energy
+        = fmax(point->energy, fabs(total(&energy) - self->energy[i]) / self->at_play);
+    return WEFT_OK;
+}
+
+static bool affordable(void *ctx)
+{
+    const compare_trial *of = ctx;
+    return of->budget == 0 || weft_sim_stats(of->sim).rhs_calls <= of->budget;
+}
+
+static void run(const compare *self, const stepper_method *by,
+                const weft_stepper_config *config, uint64_t budget,
+                compare_point *point)
+{
+    weft_error err = { 0 };
+    compare_trial of = { .self = self, .budget = budget, .point = point };
+    frame_loop show = { .last = self->last, .frame = judge, .step = affordable };
+    point->outcome = COMPARE_RUNNING;
+    weft_status status = create(self, by, config, &of.sim, &err);
+    if (status == WEFT_OK) {
+        status = play_to_end(&of, &show, &err);
+        const double count
+            = (double)weft_cloth_particles(self->cloth) * (double)(self->last + 1);
+        point->rms = sqrt(of.square / count);
+    }
+    weft_sim_destroy(of.sim);
+    point->outcome = status != WEFT_OK ? COMPARE_FAILED
+                     : show.stopped    ? COMPARE_EXPENSIVE
+                                       : COMPARE_DONE;
+    if (status != WEFT_OK) {
+        (void)snprintf(point->why, sizeof point->why, "%.*s",
+                       (int)sizeof point->why - 1, err.message);
+    }
+}
+
+/* ---- ladders ----------------------------------------------------------------------
+ */
+
+static void set_rung(const compare *self, const compare_method *method, size_t rung,
+                     weft_stepper_config *config, compare_point *point)
+{
+    if (method->step > 0.0) {
+        *config = adaptive(self, &method->by, 1e-6);
+        config->fixed_step = point->setting = ldexp(method->step, -(int)rung);
+    } else {
+        point->setting = compare_decade(COMPARE_FIRST + rung);
+        *config = adaptive(self, &method->by, point->setting);
+    }
+}
+
+/* RHS calls, as far as they can be told before: of fixed steps by their number, of
+ * others as the last two rungs grew. */
+static double foresee(const compare *self, const compare_method *method, size_t rung)
+{
+    const compare_point *points = method->points;
+    if (method->step > 0.0) {
+        return method->step_calls * compare_time(self, self->last)
+               / ldexp(method->step, -(int)rung);
+    }
+    if (rung < 2 || points[rung - 1].outcome != COMPARE_DONE
+        || points[rung - 2].outcome != COMPARE_DONE) {
+        return 0.0;
+    }
+    const double before = (double)points[rung - 2].calls,
+                 last = (double)points[rung - 1].calls;
+    return last * fmax(1.0, last / before);
+}
+
+void compare_ladder(const compare *self, size_t i)
+{
+    compare_method *method = &self->shared->methods[i];
+    if (i == self->count) {
+        const stepper_method by = { NULL, weft_scene_method_type(self->scene) };
+        run(self, &by, weft_scene_config(self->scene), self->shared->calls[0],
+            &self->shared->as_is);
+        return;
+    }
+    bool dear = false, done = method->left_out[0] != '\0';
+    for (size_t rung = 0; rung < COMPARE_RUNGS && !done; ++rung) {
+        compare_point *point = &method->points[rung];
+        weft_stepper_config config;
+        set_rung(self, method, rung, &config, point);
+        const double foreseen = foresee(self, method, rung);
+        if (dear || foreseen > EXPENSIVE_HINT * (double)self->budget) {
+            point->outcome = COMPARE_EXPENSIVE;
+        } else {
+            run(self, &method->by, &config, self->budget, point);
+        }
+        dear = point->outcome == COMPARE_EXPENSIVE;
+        done = point->outcome == COMPARE_DONE && point->error < self->apart;
+    }
+}
+
+/* ---- time -------------------------------------------------------------------------
+ */
+
+/* [s] Of one thread the processor's time, into which no other's work enters. */
+static double work_clock(const compare *self)
+{
+    struct timespec now;
+    (void)clock_gettime(
+        self->run.threads > 1 ? CLOCK_MONOTONIC : CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+double compare_call_time(const compare *self, const compare_method *method)
+{
+    weft_stepper_config config;
+    compare_point point = { 0 };
+    weft_sim *sim = NULL;
+    size_t rung = COMPARE_RUNGS;
+    while (rung > 0 && method->points[rung - 1].outcome != COMPARE_DONE) {
+        --rung;
+    }
+    if (rung == 0) {
+        return 0.0;
+    }
+    set_rung(self, method, (rung - 1) / 2, &config, &point);
+    const double end = compare_time(self, self->last);
+    weft_status status = create(self, &method->by, &config, &sim, NULL);
+    const double began = work_clock(self);
+    for (int i = 0;
+         status == WEFT_OK && weft_sim_time(sim) < end
+         && (i < CALL_TIME_LEAST || work_clock(self) - began < CALL_TIME_SLICE);
+         ++i) {
+        status = weft_sim_step(sim, end, NULL);
+    }
+    const double spent = work_clock(self) - began;
+    const double calls
+        = status == WEFT_OK ? (double)weft_sim_stats(sim).rhs_calls : INFINITY;
+    weft_sim_destroy(sim);
+    return spent / calls;
+}

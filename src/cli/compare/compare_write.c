@@ -1,0 +1,374 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* compare_write.c -- what weft compare leaves: a table, compare.csv, compare.html. */
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/compare/compare.h"
+#include "cli/human.h"
+#include "record/page.h"
+#include "record/record.h"
+#include "record/yaml_out.h"
+
+enum { SENTENCE = 512 };
+
+static bool judged(const compare_point *point)
+{
+    return point->outcome == COMPARE_DONE && isfinite(point->error);
+}
+
+static bool near(const compare *self, const compare_point *point)
+{
+    return point->error < COMPARE_NEAR * self->apart;
+}
+
+/* Why the ladder ends where it does, or "". */
+static const char *remark(const compare_method *method)
+{
+    const char *why = method->left_out;
+    for (size_t i = 0; why[0] == '\0' && i < COMPARE_RUNGS; ++i) {
+        const compare_point *point = &method->points[i];
+        why = point->outcome == COMPARE_EXPENSIVE ? "finer: too expensive"
+              : point->outcome == COMPARE_FAILED  ? point->why
+                                                  : "";
+    }
+    return why;
+}
+
+/* ---- the terminal -----------------------------------------------------------------
+ */
+
+/* Two digits; compare.csv has all. */
+static void print_cell(double calls, bool best)
+{
+    const double unit = calls < 999.5 ? 1.0 : calls < 999.5e3 ? 1e3 : 1e6;
+    const double shown = calls / unit;
+    char text[32];
+    (void)snprintf(text, sizeof text, "%s%.*f%s", best ? "*" : "",
+                   unit > 1.0 && shown < 9.95 ? 1 : 0, shown,
+                   unit > 1e3   ? "M"
+                   : unit > 1.0 ? "k"
+                                : "");
+    printf(" %5s", text);
+}
+
+static void print_method(const compare_method *method, const compare_advice *advice)
+{
+    compare_cost cost;
+    const int used = printf("%-6s %-17s%c", method->by.plugin->id,
+                            method->by.type->name, method->own ? '<' : ' ');
+    if (advice->count == 0
+        || !compare_reach(method, advice->ranks[0].accuracy, &cost)) {
+        putchar(' ');
+        print_wrapped(stdout, (size_t)used + 1, 26, PAGE_WIDTH, remark(method));
+        return;
+    }
+    printf(" %5.3g", 1e6 * method->call_time);
+    for (size_t i = 0; i < advice->count; ++i) {
+        if (compare_reach(method, advice->ranks[i].accuracy, &cost)) {
+            print_cell(cost.calls, advice->ranks[i].best.method == method);
+        } else {
+            printf("     -");
+        }
+    }
+    putchar('\n');
+}
+
+/* Those that reach the finest accuracy first, and of these the cheapest. */
+typedef struct row {
+    const compare_method *method;
+    size_t reached;
+    double calls;
+} row;
+
+static int by_reach(const void *a, const void *b)
+{
+    const row *x = a, *y = b;
+    const int reached = (x->reached < y->reached) - (x->reached > y->reached);
+    return reached != 0 ? reached : (x->calls > y->calls) - (x->calls < y->calls);
+}
+
+static void print_rows(const compare *self, const compare_advice *advice)
+{
+    row *rows = calloc(self->count, sizeof *rows);
+    for (size_t m = 0; m < self->count && rows != NULL; ++m) {
+        rows[m] = (row){ .method = &self->shared->methods[m] };
+        for (size_t i = 0; i < advice->count; ++i) {
+            compare_cost cost;
+            if (compare_reach(rows[m].method, advice->ranks[i].accuracy, &cost)) {
+                rows[m].reached = i + 1;
+                rows[m].calls = cost.calls;
+            }
+        }
+    }
+    if (rows != NULL) {
+        qsort(rows, self->count, sizeof *rows, by_reach);
+    }
+    for (size_t m = 0; m < self->count; ++m) {
+        print_method(rows == NULL ? &self->shared->methods[m] : rows[m].method, advice);
+    }
+    free(rows);
+}
+
+void compare_print(const compare *self, const compare_advice *advice)
+{
+    char text[SENTENCE];
+    print_plain(stdout, weft_scene_name(self->scene), "");
+    printf(", %zu x %zu particles\n", weft_cloth_rows(self->cloth),
+           weft_cloth_cols(self->cloth));
+    compare_say_horizon(self, text, sizeof text);
+    print_wrapped(stdout, 0, 2, PAGE_WIDTH, text);
+    compare_say_reference(self, text, sizeof text);
+    printf("reference: ");
+    print_wrapped(stdout, 11, 11, PAGE_WIDTH, text);
+    printf("\nevaluations of the forces until no particle is further off in any frame "
+           "than "
+           "[m]\n%-24sus/call",
+           "");
+    for (size_t i = 0; i < advice->count; ++i) {
+        printf(" %.0e", advice->ranks[i].accuracy);
+    }
+    printf("\n");
+    print_rows(self, advice);
+    (void)snprintf(text, sizeof text,
+                   "* the cheapest, < the scene's method, - not within %" PRIu64
+                   " evaluations, or not at all",
+                   self->budget);
+    print_wrapped(stdout, 0, 2, PAGE_WIDTH, text);
+    putchar('\n');
+    for (size_t i = 0; i < advice->count; ++i) {
+        compare_say(&advice->ranks[i], text, sizeof text);
+        printf("%.0e m: ", advice->ranks[i].accuracy);
+        print_wrapped(stdout, 9, 9, PAGE_WIDTH, text);
+    }
+    compare_say_as_is(self, text, sizeof text);
+    print_wrapped(stdout, 0, 2, PAGE_WIDTH, text);
+}
+
+/* ---- for machines -----------------------------------------------------------------
+ */
+
+void compare_begin(const compare *self, const char *directory)
+{
+    yaml_out out;
+    if (self->progress.mode == PROGRESS_YAML) {
+        yaml_out_begin_line(&out, stdout);
+        yaml_out_plain(&out, "event", "begin");
+        yaml_out_text(&out, "name", weft_scene_name(self->scene));
+        yaml_out_text(&out, "directory", directory);
+        yaml_out_plain(&out, "rows", "%zu", weft_cloth_rows(self->cloth));
+        yaml_out_plain(&out, "cols", "%zu", weft_cloth_cols(self->cloth));
+        yaml_out_plain(&out, "methods_planned", "%zu", self->count + 1);
+        yaml_out_real(&out, "duration", self->run.duration);
+        (void)yaml_out_end(&out);
+        (void)fflush(stdout);
+    }
+}
+
+void compare_end(const compare *self, const char *failed)
+{
+    yaml_out out;
+    if (self->progress.mode == PROGRESS_YAML) {
+        yaml_out_begin_line(&out, stdout);
+        yaml_out_plain(&out, "event", "end");
+        yaml_out_plain(&out, "status", failed == NULL ? "done" : "failed");
+        yaml_out_text(&out, "reason", failed == NULL ? "" : failed);
+        yaml_out_plain(&out, "methods", "%zu", self->over);
+        (void)yaml_out_end(&out);
+        (void)fflush(stdout);
+    }
+}
+
+/* ---- compare.csv ------------------------------------------------------------------
+ */
+
+static const char *outcome_text(compare_outcome outcome)
+{
+    static const char *const texts[] = {
+        [COMPARE_NOT_RUN] = "not run", [COMPARE_RUNNING] = "crashed",
+        [COMPARE_DONE] = "done",       [COMPARE_EXPENSIVE] = "too expensive",
+        [COMPARE_FAILED] = "failed",
+    };
+    return texts[outcome];
+}
+
+/* Quoted, with quotes doubled (RFC 4180). */
+static void put_quoted(FILE *stream, const char *text)
+{
+    putc('"', stream);
+    for (; *text != '\0'; ++text) {
+        if (*text == '"') {
+            putc('"', stream);
+        }
+        putc(*text, stream);
+    }
+    putc('"', stream);
+}
+
+static void put_row(const compare *self, const compare_method *method,
+                    const compare_point *point, FILE *stream)
+{
+    const bool done = point->outcome == COMPARE_DONE;
+    fprintf(stream, "%s,%s,%d,%s,%.9g,", method->by.plugin->id, method->by.type->name,
+            method->by.type->order, method->step > 0.0 ? "fixed_step" : "tolerance",
+            point->setting);
+    if (done) {
+        fprintf(stream,
+                "done,%.9g,%.9g,%.9g,%d,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",%.9g,%.9g,",
+                point->error, point->rms, point->velocity, near(self, point),
+                point->calls, point->steps, point->rejected, point->energy,
+                (double)point->calls * method->call_time);
+    } else {
+        fprintf(stream, "%s,,,,,,,,,,", outcome_text(point->outcome));
+    }
+    put_quoted(stream, point->why);
+    putc('\n', stream);
+}
+
+static void put_rows(const compare *self, const compare_method *method, FILE *stream)
+{
+    if (method->left_out[0] != '\0') {
+        fprintf(stream, "%s,%s,%d,,,left out,,,,,,,,,,", method->by.plugin->id,
+                method->by.type->name, method->by.type->order);
+        put_quoted(stream, method->left_out);
+        putc('\n', stream);
+        return;
+    }
+    for (size_t i = 0; i < COMPARE_RUNGS; ++i) {
+        if (method->points[i].outcome != COMPARE_NOT_RUN) {
+            put_row(self, method, &method->points[i], stream);
+        }
+    }
+}
+
+weft_status compare_csv(const compare *self, const char *directory, weft_error *err)
+{
+    record_file file;
+    const weft_status status = record_file_open(&file, directory, "compare.csv", err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    fputs("plugin,method,order,kind,setting,outcome,error,error_rms,error_velocity,"
+          "near_reference,rhs_calls,steps,rejected,energy_error,time,reason\n",
+          file.stream);
+    for (size_t i = 0; i < self->count; ++i) {
+        put_rows(self, &self->shared->methods[i], file.stream);
+    }
+    return record_file_commit(&file, err);
+}
+
+/* ---- compare.html -----------------------------------------------------------------
+ */
+
+static void put_member(FILE *stream, const char *name, const char *text)
+{
+    page_text(stream, name);
+    putc(':', stream);
+    page_text(stream, text);
+    putc(',', stream);
+}
+
+static void put_point(const compare_point *point, FILE *stream)
+{
+    fprintf(
+        stream,
+        "{\"setting\":%.9g,\"error\":%.9g,\"rms\":%.9g,\"velocity\":%.9g,\"energy\":%."
+        "9g,\"calls\":%" PRIu64 ",\"steps\":%" PRIu64 ",\"rejected\":%" PRIu64 "}",
+        point->setting, point->error, point->rms, point->velocity, point->energy,
+        point->calls, point->steps, point->rejected);
+}
+
+static void put_method(const compare_method *method, FILE *stream)
+{
+    const char *comma = "";
+    putc('{', stream);
+    put_member(stream, "plugin", method->by.plugin->id);
+    put_member(stream, "name", method->by.type->name);
+    put_member(stream, "remark", remark(method));
+    fprintf(stream,
+            "\"order\":%d,\"own\":%s,\"fixed\":%s,\"callTime\":%.6g,\"points\":[",
+            method->by.type->order, method->own ? "true" : "false",
+            method->step > 0.0 ? "true" : "false", method->call_time);
+    for (size_t i = 0; i < COMPARE_RUNGS; ++i) {
+        if (judged(&method->points[i])) {
+            fputs(comma, stream);
+            put_point(&method->points[i], stream);
+            comma = ",";
+        }
+    }
+    fputs("]}", stream);
+}
+
+static size_t index_of(const compare *self, const compare_rank *rank,
+                       const compare_cost *cost)
+{
+    const compare_method *method
+        = cost->method == NULL ? rank->best.method : cost->method;
+    return (size_t)(method - self->shared->methods);
+}
+
+static void put_advice(const compare *self, const compare_advice *advice, FILE *stream)
+{
+    char text[SENTENCE];
+    fputs("\"ranks\":[", stream);
+    for (size_t i = 0; i < advice->count; ++i) {
+        const compare_rank *rank = &advice->ranks[i];
+        compare_say(rank, text, sizeof text);
+        fprintf(stream, "%s{\"accuracy\":%.0e,\"best\":%zu,\"fastest\":%zu,\"text\":",
+                i == 0 ? "" : ",", rank->accuracy, index_of(self, rank, &rank->best),
+                index_of(self, rank, &rank->fastest));
+        page_text(stream, text);
+        putc('}', stream);
+    }
+    fputs("],", stream);
+}
+
+static void put_description(const compare *self, const compare_advice *advice,
+                            FILE *stream)
+{
+    char text[SENTENCE];
+    fputs("<script type=\"application/json\" id=\"weft-data\">{", stream);
+    put_member(stream, "weft", weft_version());
+    put_member(stream, "scene", weft_scene_name(self->scene));
+    put_member(stream, "yaml", weft_scene_text(self->scene));
+    compare_say_horizon(self, text, sizeof text);
+    put_member(stream, "horizon", text);
+    compare_say_reference(self, text, sizeof text);
+    put_member(stream, "reference", text);
+    compare_say_as_is(self, text, sizeof text);
+    put_member(stream, "asIs", text);
+    put_advice(self, advice, stream);
+    if (judged(&self->shared->as_is)) {
+        fputs("\"own\":", stream);
+        put_point(&self->shared->as_is, stream);
+        putc(',', stream);
+    }
+    fprintf(stream,
+            "\"rows\":%zu,\"cols\":%zu,\"time\":%.9g,\"apart\":%.9g,\"near\":%.9g,"
+            "\"budget\":%" PRIu64 ",\"methods\":[",
+            weft_cloth_rows(self->cloth), weft_cloth_cols(self->cloth),
+            compare_time(self, self->last), self->apart, COMPARE_NEAR * self->apart,
+            self->budget);
+    for (size_t i = 0; i < self->count; ++i) {
+        fputs(i == 0 ? "" : ",", stream);
+        put_method(&self->shared->methods[i], stream);
+    }
+    fputs("]}</script>\n", stream);
+}
+
+weft_status compare_html(const compare *self, const compare_advice *advice,
+                         const char *directory, weft_error *err)
+{
+    const char *mark = strstr(weft__compare_page, PAGE_MARK);
+    record_file file;
+    const weft_status status = record_file_open(&file, directory, "compare.html", err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    (void)fwrite(weft__compare_page, 1, (size_t)(mark - weft__compare_page),
+                 file.stream);
+    put_description(self, advice, file.stream);
+    (void)fputs(mark + strlen(PAGE_MARK), file.stream);
+    return record_file_commit(&file, err);
+}

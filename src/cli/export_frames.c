@@ -1,0 +1,484 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* export_frames.c -- weft export: frames of a run as files that other programs read.
+ *
+ * Frames come from run.vtkhdf, the state at the end from final.csv. Without run.vtkhdf
+ * frames are computed anew from the run's own scene.yaml, which gives the same bits,
+ * and each is checked against the hash in its row of series.csv. */
+#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "cli/cli.h"
+#include "record/export/export.h"
+#include "record/frames.h"
+#include "record/result_read.h"
+
+typedef struct export_format {
+    const char *name;
+    record_write_fn *write;    /* a file for a frame; NULL: none */
+    const char *suffix;        /* of that */
+    const record_movie *movie; /* one file over all frames; NULL: none */
+    bool rest;                 /* needs rest.obj beside it */
+} export_format;
+
+static const export_format formats[] = {
+    { "obj", .write = record_obj, .suffix = "obj" },
+    { "ply", .write = record_ply, .suffix = "ply" },
+    { "csv", .write = record_csv, .suffix = "csv" },
+    { "mdd", .movie = &record_mdd, .rest = true },
+    { "pc2", .movie = &record_pc2, .rest = true },
+    { "pvd", .write = record_vtp, .suffix = "vtp", .movie = &record_pvd },
+};
+
+typedef struct export_job {
+    const char *directory;
+    const export_format *format;
+    size_t rows, cols, count; /* count of frames there are */
+    record_frames *frames;    /* NULL: they are computed anew with the following */
+    weft_registry *registry;
+    weft_scene *scene;
+    weft_cloth *cloth;
+    weft_sim *sim;
+    size_t first, last; /* wanted, as indices below count */
+    double *values;     /* 7 N: positions, velocities, strains */
+    record_file movie;
+} export_job;
+
+/* ---- one frame, wherever it comes from -------------------------------------- */
+
+#define FRAME_NAME "frames/frame-%06zu.%s"
+
+static size_t number_of(const export_job *job, size_t i)
+{
+    return job->frames == NULL ? i : record_frames_number(job->frames, i);
+}
+
+/* One line, however many they are. */
+static void print_files(const export_job *job)
+{
+    if (job->format->write == NULL) {
+        return;
+    }
+    printf("%s/" FRAME_NAME, job->directory, number_of(job, job->first),
+           job->format->suffix);
+    if (job->last > job->first) {
+        printf(" to frame-%06zu.%s, %zu files", number_of(job, job->last),
+               job->format->suffix, job->last - job->first + 1);
+    }
+    putchar('\n');
+}
+
+static weft_status write_frame(export_job *job, size_t number, double time,
+                               const record_surface *surface, weft_error *err)
+{
+    char name[64] = "";
+    weft_status status = WEFT_OK;
+    if (job->format->write != NULL) {
+        (void)snprintf(name, sizeof name, FRAME_NAME, number, job->format->suffix);
+        status = job->format->write(job->directory, name, surface, err);
+    }
+    if (status == WEFT_OK && job->format->movie != NULL) {
+        job->format->movie->frame(job->movie.stream, time, name, surface);
+    }
+    return status;
+}
+
+/* ---- frames of run.vtkhdf --------------------------------------------------- */
+
+static weft_status read_frames(export_job *job, weft_error *err)
+{
+    const size_t n = job->rows * job->cols;
+    const bool velocity = record_frames_has(job->frames, WEFT_RECORD_VELOCITY);
+    const bool strain = record_frames_has(job->frames, WEFT_RECORD_STRAIN);
+    const record_surface surface = {
+        .rows = job->rows,
+        .cols = job->cols,
+        .position = job->values,
+        .velocity = velocity ? job->values + 3 * n : NULL,
+        .strain = strain ? job->values + 6 * n : NULL,
+        .doubles = record_frames_doubles(job->frames),
+    };
+    weft_status status = WEFT_OK;
+    for (size_t i = job->first; status == WEFT_OK && i <= job->last; ++i) {
+        status = record_frames_positions(job->frames, i, job->values, err);
+        if (status == WEFT_OK && velocity) {
+            status = record_frames_velocities(job->frames, i, job->values + 3 * n, err);
+        }
+        if (status == WEFT_OK && strain) {
+            status = record_frames_strain(job->frames, i, job->values + 6 * n, err);
+        }
+        if (status == WEFT_OK) {
+            status = write_frame(job, record_frames_number(job->frames, i),
+                                 record_frames_time(job->frames, i), &surface, err);
+        }
+    }
+    return status;
+}
+
+/* ---- frames computed anew --------------------------------------------------- */
+
+static weft_status check_hash(const export_job *job, size_t index, weft_error *err)
+{
+    uint64_t recorded;
+    const uint64_t hash
+        = weft_state_hash(weft_sim_state(job->sim), weft_cloth_dim(job->cloth));
+    const weft_status status
+        = record_series_hash(job->directory, index, &recorded, err);
+    if (status != WEFT_OK || hash == recorded) {
+        return status;
+    }
+    return weft_error_set(err, WEFT_SOLVER,
+                          "frame %zu computed anew has hash %016" PRIx64
+                          ", the run had %016" PRIx64
+                          ": other versions? see manifest.yaml",
+                          index, hash, recorded);
+}
+
+static weft_status on_frame(void *ctx, size_t index, weft_error *err)
+{
+    export_job *job = ctx;
+    const size_t n = job->rows * job->cols;
+    const record_surface surface = {
+        .rows = job->rows,
+        .cols = job->cols,
+        .position = job->values,
+        .velocity = job->values + 3 * n,
+        .strain = job->values + 6 * n,
+        .doubles = true,
+    };
+    if (index < job->first) {
+        return WEFT_OK;
+    }
+    weft_sim_positions(job->sim, job->values);
+    weft_sim_velocities(job->sim, job->values + 3 * n);
+    weft_cloth_strains(job->cloth, weft_sim_state(job->sim), job->values + 6 * n);
+    const weft_status status = check_hash(job, index, err);
+    return status == WEFT_OK
+               ? write_frame(job, index, weft_sim_time(job->sim), &surface, err)
+               : status;
+}
+
+static weft_status compute_frames(export_job *job, weft_error *err)
+{
+    frame_loop show = {
+        .sim = job->sim,
+        .run = weft_scene_run(job->scene),
+        .last = job->last,
+        .frame = on_frame,
+        .ctx = job,
+    };
+    return play(&show, err);
+}
+
+/* ---- what is written -------------------------------------------------------- */
+
+static weft_status make_frames_folder(const export_job *job, weft_error *err)
+{
+    char path[RECORD_PATH];
+    const weft_status status = record_path(job->directory, "frames", path, err);
+    if (status == WEFT_OK && mkdir(path, 0777) != 0 && errno != EEXIST) {
+        return weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(errno));
+    }
+    return status;
+}
+
+static weft_status export_frames(export_job *job, weft_error *err)
+{
+    weft_status status
+        = job->format->write == NULL ? WEFT_OK : make_frames_folder(job, err);
+    if (status == WEFT_OK) {
+        status = job->frames == NULL ? compute_frames(job, err) : read_frames(job, err);
+    }
+    if (status == WEFT_OK) {
+        print_files(job);
+    }
+    return status;
+}
+
+static double time_of(const export_job *job, size_t i)
+{
+    return job->frames == NULL ? frame_time(weft_scene_run(job->scene), i)
+                               : record_frames_time(job->frames, i);
+}
+
+static weft_status begin_movie(export_job *job, weft_error *err)
+{
+    const size_t n = job->rows * job->cols;
+    double *times = malloc(job->count * sizeof *times);
+    char name[16];
+    if (times == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the times");
+    }
+    for (size_t i = 0; i < job->count; ++i) {
+        times[i] = time_of(job, i);
+    }
+    (void)snprintf(name, sizeof name, "run.%s", job->format->name);
+    const weft_status status = record_file_open(&job->movie, job->directory, name, err);
+    if (status == WEFT_OK) {
+        job->format->movie->begin(job->movie.stream, times, job->count, n);
+    }
+    free(times);
+    return status;
+}
+
+/* The pose that a cache moves: the same particles, where they rest. */
+static weft_status write_rest(export_job *job, weft_error *err)
+{
+    const record_surface surface
+        = { .rows = job->rows, .cols = job->cols, .position = job->values };
+    if (job->frames == NULL) {
+        weft_cloth_rest(job->cloth, job->values);
+    } else {
+        memcpy(job->values, record_frames_rest(job->frames),
+               3 * job->rows * job->cols * sizeof *job->values);
+    }
+    const weft_status status = record_obj(job->directory, "rest.obj", &surface, err);
+    if (status == WEFT_OK) {
+        printf("%s/rest.obj\n", job->directory);
+    }
+    return status;
+}
+
+static weft_status export_movie(export_job *job, weft_error *err)
+{
+    const record_movie *movie = job->format->movie;
+    weft_status status = job->format->rest ? write_rest(job, err) : WEFT_OK;
+    if (status == WEFT_OK) {
+        status = begin_movie(job, err);
+    }
+    if (status != WEFT_OK) {
+        return status;
+    }
+    status = export_frames(job, err);
+    if (status != WEFT_OK) {
+        record_file_discard(&job->movie);
+        return status;
+    }
+    movie->end(job->movie.stream);
+    status = record_file_commit(&job->movie, err);
+    if (status == WEFT_OK) {
+        printf("%s\n", job->movie.path);
+    }
+    return status;
+}
+
+static weft_status export_final(const export_job *job, weft_error *err)
+{
+    const size_t n = job->rows * job->cols;
+    char name[16];
+    const record_surface surface = {
+        .rows = job->rows,
+        .cols = job->cols,
+        .position = job->values,
+        .velocity = job->values + 3 * n,
+        .doubles = true,
+    };
+    weft_status status = record_final_read(job->directory, job->rows, job->cols,
+                                           job->values, job->values + 3 * n, err);
+    if (status == WEFT_OK && job->format->write == record_csv) {
+        printf("%s/final.csv\n", job->directory); /* it is there already */
+    } else if (status == WEFT_OK) {
+        (void)snprintf(name, sizeof name, "final.%s", job->format->suffix);
+        status = job->format->write(job->directory, name, &surface, err);
+        if (status == WEFT_OK) {
+            printf("%s/%s\n", job->directory, name);
+        }
+    }
+    return status;
+}
+
+/* ---- which frames ----------------------------------------------------------- */
+
+/* A number in digits, among those of the frames there are. */
+static bool find_frame(const char *text, export_job *job)
+{
+    char *end;
+    errno = 0;
+    const unsigned long long number = strtoull(text, &end, 10);
+    if (text[0] < '0' || text[0] > '9' || *end != '\0' || errno != 0) {
+        return false;
+    }
+    for (size_t i = 0; i < job->count; ++i) {
+        if (number_of(job, i) == number) {
+            job->first = job->last = i;
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool has_final(const export_job *job)
+{
+    char path[RECORD_PATH];
+    uint64_t hash;
+    return record_path(job->directory, "final.csv", path, NULL) == WEFT_OK
+           && access(path, F_OK) == 0 && record_result_hash(job->directory, &hash);
+}
+
+static int export_wanted(const options *given, export_job *job)
+{
+    weft_error err = { 0 };
+    weft_status status;
+    const bool all = given->frame == NULL ? job->format->movie != NULL
+                                          : strcmp(given->frame, "all") == 0;
+    const bool final
+        = !all && (given->frame == NULL || strcmp(given->frame, "last") == 0);
+    job->first = all ? 0 : job->count - 1;
+    job->last = job->count - 1;
+    if (!all && !final && !find_frame(given->frame, job)) {
+        return usage_error(&verb_export,
+                           "--frame %s: last, all or one recorded of 0 to %zu",
+                           given->frame, number_of(job, job->count - 1));
+    }
+    if (job->format->movie != NULL) {
+        status = export_movie(job, &err);
+    } else if (final && has_final(job)) {
+        status = export_final(job, &err);
+    } else {
+        status = export_frames(job, &err);
+    }
+    return status == WEFT_OK ? EXIT_DONE : report_error(&err);
+}
+
+/* ---- where they come from --------------------------------------------------- */
+
+static bool is_recorded(const char *directory)
+{
+    char path[RECORD_PATH];
+    return record_path(directory, "run.vtkhdf", path, NULL) == WEFT_OK
+           && access(path, F_OK) == 0;
+}
+
+static int open_recorded(export_job *job)
+{
+    weft_error err = { 0 };
+    if (record_frames_open(job->directory, &job->frames, &err) != WEFT_OK) {
+        return report_error(&err);
+    }
+    job->rows = record_frames_rows(job->frames);
+    job->cols = record_frames_cols(job->frames);
+    job->count = record_frames_count(job->frames);
+    return EXIT_DONE;
+}
+
+static int open_anew(const options *given, export_job *job)
+{
+    char path[RECORD_PATH];
+    weft_error err = { 0 };
+    size_t last = 0;
+    if (record_path(job->directory, "scene.yaml", path, &err) != WEFT_OK) {
+        return report_error(&err);
+    }
+    job->registry = open_registry(given->plugin_path);
+    const int code = job->registry == NULL
+                         ? EXIT_SIMULATION
+                         : open_scene(path, given, job->registry, &job->scene);
+    if (code != EXIT_DONE) {
+        return code;
+    }
+    if (record_series_last(job->directory, &last, &err) != WEFT_OK
+        || simulation_create(job->scene, &job->cloth, &job->sim, &err) != WEFT_OK) {
+        return report_error(&err);
+    }
+    fprintf(stderr, "%s/run.vtkhdf is missing: frames are computed anew\n",
+            job->directory);
+    job->rows = weft_cloth_rows(job->cloth);
+    job->cols = weft_cloth_cols(job->cloth);
+    job->count = last + 1;
+    return EXIT_DONE;
+}
+
+static int export_run(const options *given, export_job *job)
+{
+    int code = is_recorded(job->directory) ? open_recorded(job) : open_anew(given, job);
+    if (code == EXIT_DONE) {
+        weft_error err = { 0 };
+        job->values = malloc(7 * job->rows * job->cols * sizeof *job->values);
+        weft_error_set(&err, WEFT_NO_MEMORY, "no memory for a frame");
+        code = job->values == NULL ? report_error(&err) : export_wanted(given, job);
+    }
+    free(job->values);
+    record_frames_close(job->frames);
+    weft_sim_destroy(job->sim);
+    weft_cloth_destroy(job->cloth);
+    weft_scene_destroy(job->scene);
+    weft_registry_destroy(job->registry);
+    return code;
+}
+
+static const export_format *find_format(const char *name)
+{
+    for (size_t i = 0; name != NULL && i < sizeof formats / sizeof formats[0]; ++i) {
+        if (strcmp(formats[i].name, name) == 0) {
+            return &formats[i];
+        }
+    }
+    return NULL;
+}
+
+static int unknown_format(const char *typed)
+{
+    enum { FORMATS = sizeof formats / sizeof formats[0] };
+    const char *names[FORMATS + 1] = { NULL };
+    for (size_t i = 0; i < FORMATS; ++i) {
+        names[i] = formats[i].name;
+    }
+    return usage_choice(&verb_export, "format", typed, names);
+}
+
+static int export_verb(int argc, char **argv)
+{
+    options given;
+    int code = options_parse(&verb_export, "tip", argc, argv, &given);
+    if (code >= 0) {
+        return code;
+    }
+    export_job job = { .format = find_format(given.format) };
+    if (given.operand_count != 1) {
+        code = usage_error(&verb_export, "needs the directory of one run");
+    } else if (given.format == NULL) {
+        code = usage_error(&verb_export,
+                           "--format obj, ply, csv, mdd, pc2 or pvd is needed");
+    } else if (job.format == NULL) {
+        code = unknown_format(given.format);
+    } else if (job.format->movie != NULL && given.frame != NULL
+               && strcmp(given.frame, "all") != 0) {
+        code = usage_error(&verb_export, "--frame %s: %s holds all frames", given.frame,
+                           job.format->name);
+    } else {
+        job.directory = given.operands[0];
+        tell_unfinished(job.directory);
+        code = export_run(&given, &job);
+    }
+    options_free(&given);
+    return code;
+}
+
+const verb verb_export = {
+    .name = "export",
+    .summary = "write frames of a run for other programs",
+    .help
+    = "usage: weft export DIR --format FORMAT [OPTIONS]\n\n"
+      "Writes frames of a run into its directory and prints the names of the files.\n\n"
+      "  --format obj         Wavefront OBJ: quads, texture coordinates\n"
+      "           ply         the same, binary\n"
+      "           csv         row,col,x,y,z,vx,vy,vz\n"
+      "           mdd, pc2    all frames in run.mdd or run.pc2, with rest.obj: for\n"
+      "                       Blender's Mesh Cache\n"
+      "           pvd         all frames as VTP files and run.pvd, for ParaView "
+      "before\n"
+      "                       5.12; later ones open run.vtkhdf itself\n"
+      "  --frame last|all|N   of obj, ply and csv; default: last, into DIR/final.obj;\n"
+      "                       others go into DIR/frames/frame-000012.obj\n"
+      "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n\n"
+      "Frames are those of DIR/run.vtkhdf, the last state is that of DIR/final.csv. "
+      "If\n"
+      "run.vtkhdf is missing they are computed anew from DIR/scene.yaml and must "
+      "match\n"
+      "the hash in series.csv.\n\n"
+      "example: weft export flag --format obj --frame all\n",
+    .run = export_verb,
+};

@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* interrupt.c -- signals remembered, and a thread for steps that do not end: a solver
+ * may be in its linear algebra for minutes. That thread cannot end the step. It waits
+ * until the records are lent, as nothing is written to them within a step, and closes
+ * them. */
+#include "cli/run/interrupt.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <unistd.h>
+
+/* [ms] An evaluation of the forces, or a step, has to end by itself. */
+enum { PATIENCE = 1000 };
+
+static volatile sig_atomic_t came, wake = -1;
+
+static void on_signal(int number)
+{
+    const int kept = errno;
+    came = number;
+    if (wake >= 0) {
+        (void)!write(wake, "", 1);
+    }
+    errno = kept;
+}
+
+static void set_handlers(void (*handler)(int number))
+{
+    struct sigaction action = { .sa_handler = handler };
+    (void)sigemptyset(&action.sa_mask);
+    action.sa_flags = SA_RESTART;
+    (void)sigaction(SIGINT, &action, NULL);
+    (void)sigaction(SIGTERM, &action, NULL);
+}
+
+void interrupt_catch(void)
+{
+    set_handlers(on_signal);
+}
+
+void interrupt_restore(void)
+{
+    set_handlers(SIG_DFL);
+}
+
+int interrupt_signal(void)
+{
+    return came;
+}
+
+bool interrupt_pending(void *unused)
+{
+    (void)unused;
+    return came != 0;
+}
+
+/* ---- the thread --------------------------------------------------------------- */
+
+static void wait_for_news(const interrupt_watch *self, int patience)
+{
+    struct pollfd news = { .fd = self->news[0], .events = POLLIN };
+    char byte;
+    if (poll(&news, 1, patience) > 0) {
+        (void)!read(news.fd, &byte, 1);
+    }
+}
+
+static bool is_over(interrupt_watch *self)
+{
+    (void)pthread_mutex_lock(&self->records);
+    const bool over = self->over;
+    (void)pthread_mutex_unlock(&self->records);
+    return over;
+}
+
+static void *watch(void *ctx)
+{
+    interrupt_watch *self = ctx;
+    wait_for_news(self, -1);
+    if (!is_over(self)) {
+        wait_for_news(self, PATIENCE);
+    }
+    (void)pthread_mutex_lock(&self->records);
+    if (!self->over) {
+        self->give_up(self->ctx);
+    }
+    (void)pthread_mutex_unlock(&self->records);
+    return NULL;
+}
+
+/* Signals are for the thread that steps. */
+static bool start(interrupt_watch *self)
+{
+    sigset_t all, before;
+    if (pipe(self->news) != 0) {
+        return false;
+    }
+    (void)fcntl(self->news[0], F_SETFD, FD_CLOEXEC);
+    (void)fcntl(self->news[1], F_SETFD, FD_CLOEXEC);
+    (void)sigfillset(&all);
+    (void)pthread_sigmask(SIG_SETMASK, &all, &before);
+    const bool started = pthread_create(&self->thread, NULL, watch, self) == 0;
+    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
+    if (!started) {
+        (void)close(self->news[0]);
+        (void)close(self->news[1]);
+    }
+    return started;
+}
+
+void interrupt_begin(interrupt_watch *self, void (*give_up)(void *ctx), void *ctx)
+{
+    *self = (interrupt_watch){ .give_up = give_up, .ctx = ctx };
+    (void)pthread_mutex_init(&self->records, NULL);
+    (void)pthread_mutex_lock(&self->records);
+    self->watched = start(self);
+    wake = self->watched ? self->news[1] : -1;
+    if (self->watched && came != 0) {
+        (void)!write(wake, "", 1);
+    }
+}
+
+void interrupt_lend(interrupt_watch *self)
+{
+    if (self != NULL) {
+        (void)pthread_mutex_unlock(&self->records);
+    }
+}
+
+void interrupt_take(interrupt_watch *self)
+{
+    if (self != NULL) {
+        (void)pthread_mutex_lock(&self->records);
+    }
+}
+
+void interrupt_end(interrupt_watch *self)
+{
+    self->over = true;
+    (void)pthread_mutex_unlock(&self->records);
+    if (self->watched) {
+        (void)!write(self->news[1], "", 1);
+        (void)pthread_join(self->thread, NULL);
+        wake = -1;
+        (void)close(self->news[0]);
+        (void)close(self->news[1]);
+    }
+    (void)pthread_mutex_destroy(&self->records);
+}

@@ -1,0 +1,215 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* progress.c -- how far a run, or a set of them, has come: one line of a terminal,
+ * drawn over and over; a line each tenth of the frames; or YAML documents. */
+#include "cli/run/progress.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "cli/human.h"
+#include "record/yaml_out.h"
+
+#define TERMINAL_PERIOD 0.2 /* [s] */
+#define YAML_PERIOD     0.1 /* [s] */
+#define NEW_WEIGHT      0.3 /* of the newest in smoothed rates */
+
+double wall_clock(void)
+{
+    struct timespec now;
+    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* A terminal that can go back to the start of a line. */
+static bool can_redraw(void)
+{
+    const char *kind = getenv("TERM");
+    return isatty(STDERR_FILENO) == 1 && kind != NULL && strcmp(kind, "dumb") != 0;
+}
+
+static const char *const choices[]
+    = { "auto", "lines", "terminal", "yaml", "none", NULL };
+
+bool progress_find(const char *name, progress_mode *mode)
+{
+    static const char *const names[] = { [PROGRESS_NONE] = "none",
+                                         [PROGRESS_LINES] = "lines",
+                                         [PROGRESS_TERMINAL] = "terminal",
+                                         [PROGRESS_YAML] = "yaml" };
+    if (name == NULL || strcmp(name, "auto") == 0) {
+        *mode = can_redraw() ? PROGRESS_TERMINAL : PROGRESS_LINES;
+        return true;
+    }
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        if (strcmp(names[i], name) == 0) {
+            *mode = (progress_mode)i;
+            return true;
+        }
+    }
+    return false;
+}
+
+int progress_choose(const verb *self, const options *given, progress_mode *mode)
+{
+    if (!progress_find(given->progress, mode)) {
+        return usage_choice(self, "progress", given->progress, choices);
+    }
+    return given->quiet && given->progress != NULL
+               ? usage_error(self, "--quiet and --progress exclude each other")
+               : EXIT_DONE;
+}
+
+void progress_begin(progress *show, progress_mode mode, const weft_sim *sim)
+{
+    const double now = wall_clock();
+    *show = (progress){ .mode = mode,
+                        .shown = now,
+                        .measured = now,
+                        .time = weft_sim_time(sim),
+                        .steps = weft_sim_stats(sim).steps };
+}
+
+static bool due(progress *show, size_t frame, size_t last, double now)
+{
+    const size_t tenth = 10 * frame / last;
+    const double period = show->mode == PROGRESS_LINES  ? INFINITY
+                          : show->mode == PROGRESS_YAML ? YAML_PERIOD
+                                                        : TERMINAL_PERIOD;
+    const bool is_due = tenth > show->tenth || now - show->shown >= period;
+    show->tenth = tenth;
+    show->shown = is_due ? now : show->shown;
+    return is_due;
+}
+
+/* Rates since the last report, smoothed, as steps get longer and shorter. */
+static void measure(progress *show, const weft_sim *sim, double now)
+{
+    const double spent = now - show->measured;
+    if (spent < 1e-3) {
+        return;
+    }
+    const double t = weft_sim_time(sim);
+    const uint64_t steps = weft_sim_stats(sim).steps;
+    const double weight = show->speed > 0.0 ? NEW_WEIGHT : 1.0;
+    show->speed += weight * ((t - show->time) / spent - show->speed);
+    show->rate += weight * ((double)(steps - show->steps) / spent - show->rate);
+    show->measured = now;
+    show->time = t;
+    show->steps = steps;
+}
+
+/* ---- for people ------------------------------------------------------------- */
+
+static size_t terminal_width(void)
+{
+    struct winsize size = { 0 };
+    return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col
+                                                                           : 80;
+}
+
+/* Add a part if it fits as a whole: the most important ones come first. */
+static void add(char *line, size_t width, const char *name, const char *value)
+{
+    const size_t used = strlen(line), more = strlen(name) + 1 + strlen(value);
+    const size_t gap = used == 0 ? 0 : 2;
+    if (used + gap + more <= width) {
+        (void)snprintf(line + used, gap + more + 1, "%s%s %s", gap == 0 ? "" : "  ",
+                       name, value);
+    }
+}
+
+static void put_line(progress *show, const char *line)
+{
+    show->drawn = show->mode == PROGRESS_TERMINAL;
+    fprintf(stderr, show->drawn ? "\r%s\033[K" : "%s\n", line);
+    (void)fflush(stderr);
+}
+
+static void print_line(progress *show, const progress_place *at)
+{
+    enum { LONGEST = 160 };
+    char line[LONGEST + 1] = "", text[2 * HUMAN];
+    const bool redraw = show->mode == PROGRESS_TERMINAL;
+    size_t width = redraw ? terminal_width() - 1 : LONGEST;
+    width = width < LONGEST ? width : LONGEST;
+    const double left = at->duration - weft_sim_time(at->sim);
+    (void)snprintf(text, sizeof text, "%zu/%zu", at->frame, at->last);
+    add(line, width, "frame", text);
+    add(line, width, "ETA",
+        show->speed > 0.0 ? human_time(ceil(left / show->speed), text) : "--");
+    (void)snprintf(text, sizeof text, "%.4g s", weft_sim_time(at->sim));
+    add(line, width, "t", text);
+    add(line, width, "h", human_time(weft_sim_stats(at->sim).last_step, text));
+    add(line, width, "steps/s",
+        show->speed > 0.0 ? human_count((uint64_t)(show->rate + 0.5), text) : "--");
+    put_line(show, line);
+}
+
+void progress_clear(progress *show)
+{
+    if (show->drawn) {
+        fputs("\r\033[K", stderr);
+        (void)fflush(stderr);
+        show->drawn = false;
+    }
+}
+
+/* ---- for machines ----------------------------------------------------------- */
+
+static void write_yaml(const progress *show, const progress_place *at)
+{
+    yaml_out out;
+    const weft_stepper_stats stats = weft_sim_stats(at->sim);
+    const double left = at->duration - weft_sim_time(at->sim);
+    yaml_out_begin_line(&out, stdout);
+    yaml_out_plain(&out, "event", "progress");
+    yaml_out_plain(&out, "frame", "%zu", at->frame);
+    yaml_out_real(&out, "time", weft_sim_time(at->sim));
+    yaml_out_plain(&out, "steps", "%" PRIu64, stats.steps);
+    yaml_out_plain(&out, "rejected", "%" PRIu64, stats.rejected);
+    yaml_out_plain(&out, "rhs_calls", "%" PRIu64, stats.rhs_calls);
+    yaml_out_real(&out, "step_size", stats.last_step);
+    if (show->speed > 0.0) {
+        yaml_out_plain(&out, "steps_per_second", "%.0f", show->rate);
+        yaml_out_plain(&out, "eta", "%.1f", left / show->speed);
+    }
+    (void)yaml_out_end(&out);
+    (void)fflush(stdout);
+}
+
+void progress_show(progress *show, const progress_place *at)
+{
+    const double now = wall_clock();
+    if (show->mode == PROGRESS_NONE || !due(show, at->frame, at->last, now)) {
+        return;
+    }
+    measure(show, at->sim, now);
+    if (show->mode == PROGRESS_YAML) {
+        write_yaml(show, at);
+    } else {
+        print_line(show, at);
+    }
+}
+
+void progress_count(progress *show, const char *what, size_t done, size_t all)
+{
+    yaml_out out;
+    char line[80];
+    if (show->mode == PROGRESS_NONE || !due(show, done, all, wall_clock())) {
+        return;
+    }
+    if (show->mode == PROGRESS_YAML) {
+        yaml_out_begin_line(&out, stdout);
+        yaml_out_plain(&out, "event", "progress");
+        yaml_out_plain(&out, what, "%zu", done);
+        (void)yaml_out_end(&out);
+        (void)fflush(stdout);
+    } else {
+        (void)snprintf(line, sizeof line, "%zu of %zu %s", done, all, what);
+        put_line(show, line);
+    }
+}

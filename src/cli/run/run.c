@@ -1,0 +1,445 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* run.c -- weft run: a scene from t = 0 to its end, into a directory. */
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/check/stable_steps.h"
+#include "cli/run/run.h"
+#include "record/export/export.h"
+
+static void print_spring(const run *self, const weft_spring *spring)
+{
+    const size_t cols = weft_cloth_cols(self->cloth);
+    fprintf(stderr, "%s spring (%zu, %zu)-(%zu, %zu) is at %.3g %%\n",
+            weft_family_name(spring->family), spring->p / cols, spring->p % cols,
+            spring->q / cols, spring->q % cols, 100.0 * spring->strain);
+}
+
+/* Each at most once a run, also when quiet. */
+static void warn_of_limit(run *self)
+{
+    const weft_spring worst = weft_sim_limit_worst(self->sim);
+    const weft_limit_stats stats = weft_sim_limit_stats(self->sim);
+    const size_t held = weft_sim_limit_held(self->sim);
+    if ((stats.unconverged > 0 && !self->told_unconverged)
+        || (held > 0 && !self->told_held)) {
+        progress_clear(&self->progress);
+    }
+    if (stats.unconverged > 0 && !self->told_unconverged) {
+        self->told_unconverged = true;
+        fprintf(stderr,
+                "weft: warning: limit: not met within limit.sweeps by t = %.6g s; ",
+                weft_sim_time(self->sim));
+        print_spring(self, &worst);
+    }
+    if (held > 0 && !self->told_held) {
+        self->told_held = true;
+        fprintf(stderr,
+                "weft: warning: limit: %zu springs with both ends pinned are too long "
+                "at t = %.6g s and cannot be corrected; ",
+                held, weft_sim_time(self->sim));
+        print_spring(self, &worst);
+    }
+}
+
+/* Of the states at both ends and what a checkpoint keeps, so that a run that was
+ * resumed has as many. */
+static size_t count_warnings(const run *self)
+{
+    return (size_t)self->beyond
+           + (size_t)(weft_sim_limit_stats(self->sim).unconverged > 0)
+           + (size_t)(weft_sim_limit_held(self->sim) > 0);
+}
+
+static weft_status write_state(const run *self, const char *name,
+                               record_write_fn *write, weft_error *err)
+{
+    const size_t n = weft_cloth_particles(self->cloth);
+    double *values = malloc(6 * n * sizeof *values);
+    if (values == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %s", name);
+    }
+    const record_surface surface = {
+        .rows = weft_cloth_rows(self->cloth),
+        .cols = weft_cloth_cols(self->cloth),
+        .position = values,
+        .velocity = values + 3 * n,
+        .doubles = true,
+    };
+    weft_sim_positions(self->sim, values);
+    weft_sim_velocities(self->sim, values + 3 * n);
+    const weft_status status = write(self->out, name, &surface, err);
+    free(values);
+    return status;
+}
+
+static weft_status write_frame_obj(const run *self, size_t index, weft_error *err)
+{
+    char name[64];
+    const weft_status status = run_in_place(self, err);
+    (void)snprintf(name, sizeof name, "frames/frame-%06zu.obj", index);
+    return status == WEFT_OK ? write_state(self, name, record_obj, err) : status;
+}
+
+static void show_progress(run *self)
+{
+    const progress_place at = { .frame = self->result.frames - 1,
+                                .last = self->result.planned - 1,
+                                .sim = self->sim,
+                                .duration = weft_scene_run(self->scene)->duration };
+    progress_show(&self->progress, &at);
+}
+
+static weft_status on_frame(void *ctx, size_t index, weft_error *err)
+{
+    run *self = ctx;
+    const weft_limit_stats limit = weft_sim_limit_stats(self->sim);
+    const record_frame frame = { .index = index,
+                                 .sim = self->sim,
+                                 .limit_sweeps = limit.sweeps - self->limit_sweeps };
+    self->limit_sweeps = limit.sweeps;
+    warn_of_limit(self);
+    /* The row first: run.vtkhdf never has a frame that the series has not. */
+    weft_status status = record_series_add(&self->series, &frame, err);
+    if (status == WEFT_OK) {
+        status = record_vtkhdf_add(self->frames, &frame, err);
+    }
+    if (status == WEFT_OK && self->obj) {
+        status = write_frame_obj(self, index, err);
+    }
+    if (status == WEFT_OK) {
+        self->result.frames = index + 1;
+        summary_frame(&self->summary, &self->series.worst);
+        show_progress(self);
+    }
+    return status;
+}
+
+static bool on_step(void *ctx)
+{
+    run *self = ctx;
+    summary_step(&self->summary);
+    if (self->mode >= PROGRESS_TERMINAL) { /* lines come with frames */
+        show_progress(self);
+    }
+    return interrupt_signal() == 0;
+}
+
+static const char *signal_name(void)
+{
+    return interrupt_signal() == SIGINT ? "SIGINT" : "SIGTERM";
+}
+
+static int signal_code(void)
+{
+    return interrupt_signal() == SIGINT ? EXIT_SIGINT : EXIT_SIGTERM;
+}
+
+/* The step under way does not end. Nothing is known of the simulation but the frames
+ * before: the thread that steps may be changing it. */
+static void give_up(void *ctx)
+{
+    run *self = ctx;
+    weft_error err = { 0 };
+    progress_clear(&self->progress);
+    weft_status status = run_close(self, WEFT_OK, &err);
+    (void)snprintf(self->reason, sizeof self->reason, "%s within a step",
+                   signal_name());
+    self->result.status = "interrupted";
+    self->result.reason = self->reason;
+    self->result.wall_time = wall_clock() - self->began;
+    status = status == WEFT_OK ? run_in_place(self, &err) : status;
+    if (status == WEFT_OK) {
+        status = record_result_write(self->out, &self->result, &err);
+    }
+    if (status == WEFT_OK && self->mode == PROGRESS_YAML) {
+        summary_yaml_end(&self->summary);
+    } else if (status == WEFT_OK && !self->quiet) {
+        summary_print_frames(&self->summary);
+    }
+    const int code = status == WEFT_OK ? signal_code() : report_error(&err);
+    (void)fflush(stdout);
+    _exit(code);
+}
+
+static weft_status simulate(run *self, weft_error *err)
+{
+    interrupt_watch watch;
+    frame_loop show = {
+        .sim = self->sim,
+        .run = weft_scene_run(self->scene),
+        .first = self->result.frames,
+        .last = self->result.planned - 1,
+        .frame = on_frame,
+        .checkpoint = run_checkpoint,
+        .step = on_step,
+        .watch = &watch,
+        .ctx = self,
+    };
+    if (self->mode == PROGRESS_YAML) {
+        summary_yaml_begin(&self->summary);
+    }
+    progress_begin(&self->progress, self->mode, self->sim);
+    interrupt_begin(&watch, give_up, self);
+    weft_status status = play(&show, err);
+    interrupt_end(&watch);
+    if (status == WEFT_STOPPED && interrupt_signal() != 0) {
+        status = WEFT_OK;
+    }
+    progress_clear(&self->progress);
+    return run_close(self, status, err);
+}
+
+/* A simulation that failed in all its parts, anything else as ever. */
+static int report_failure(const weft_error *why, const char *reason)
+{
+    if (why->status == WEFT_IO) {
+        return report_error(why);
+    }
+    trouble_print(reason);
+    return EXIT_SIMULATION;
+}
+
+/* Another attempt may well succeed after an I/O error, not after another failure. */
+static void note_failure(run *self, const weft_error *why)
+{
+    self->result.status = why->status == WEFT_IO ? "io_error" : "failed";
+    trouble_describe(self->scene, self->sim, why, self->reason, sizeof self->reason);
+    self->result.reason = self->reason;
+}
+
+/* The state at the end, then the result. */
+static weft_status write_ends(run *self, bool failed, weft_error *err)
+{
+    weft_status written = run_in_place(self, err);
+    if (written != WEFT_OK) {
+        return written;
+    }
+    written = write_state(self, "final.csv", record_csv, err);
+    if (written != WEFT_OK && !failed) {
+        note_failure(self, err);
+    }
+    const weft_status told = record_result_write(self->out, &self->result,
+                                                 written == WEFT_OK ? err : NULL);
+    return written == WEFT_OK ? told : written;
+}
+
+/* Everything that is written once the loop has ended, whatever ended it. */
+static int conclude(run *self, weft_status status, const weft_error *why)
+{
+    weft_error err = { 0 };
+    /* A signal that came after the last frame has changed nothing. */
+    const bool interrupted
+        = interrupt_signal() != 0 && self->result.frames < self->result.planned;
+    self->result.wall_time = wall_clock() - self->began;
+    self->result.sim = self->sim;
+    self->result.warnings = count_warnings(self);
+    if (status != WEFT_OK) {
+        note_failure(self, why);
+    } else if (interrupted) {
+        self->result.status = "interrupted";
+        self->result.reason = signal_name();
+    }
+    const weft_status written = write_ends(self, status != WEFT_OK, &err);
+    const int code = status == WEFT_OK ? EXIT_DONE : report_failure(why, self->reason);
+    if (written != WEFT_OK) {
+        return report_error(&err);
+    }
+    if (strcmp(self->result.status, "done") == 0) {
+        run_remove(self, RECORD_CHECKPOINT);
+    }
+    if (self->mode == PROGRESS_YAML) {
+        summary_yaml_end(&self->summary);
+    } else if (!self->quiet) {
+        summary_print(&self->summary);
+    }
+    if (interrupted && status == WEFT_OK) {
+        return signal_code();
+    }
+    return code;
+}
+
+/* A right scene that cannot be run: say so, leave a report. */
+static int refuse(const run *self, const char *reason)
+{
+    weft_error err = { .status = WEFT_UNSUPPORTED };
+    const record_result result
+        = { .status = "failed", .reason = reason, .planned = self->result.planned };
+    (void)snprintf(err.message, sizeof err.message, "%s", reason);
+    (void)report_error(&err);
+    if (self->from != NULL) {
+        return EXIT_SIMULATION;
+    }
+    if (record_text(self->out, "scene.yaml", weft_scene_text(self->scene), &err)
+            != WEFT_OK
+        || record_result_write(self->out, &result, &err) != WEFT_OK) {
+        return report_error(&err);
+    }
+    return EXIT_SIMULATION;
+}
+
+static int run_prepared(run *self, weft_registry *registry)
+{
+    weft_error err = { 0 };
+    self->summary = (summary){ .directory = self->out,
+                               .scene = self->scene,
+                               .sim = self->sim,
+                               .result = &self->result };
+    weft_status status = run_prepare(self, registry, &err);
+    self->beyond = stability_warn(self->scene, self->sim, self->from != NULL);
+    self->result.energy_start
+        = record_total_energy(self->cloth, weft_sim_state(self->sim));
+    if (status == WEFT_OK && self->from != NULL) {
+        status = run_take_up(self, registry, &err);
+        if (status != WEFT_OK) {
+            return report_error(&err);
+        }
+    } else if (status == WEFT_OK) {
+        status = run_begin(self, registry, &err);
+    }
+    if (status == WEFT_OK) {
+        status = simulate(self, &err);
+    }
+    return conclude(self, status, &err);
+}
+
+static int run_simulation(run *self, weft_registry *registry)
+{
+    weft_error err = { 0 };
+    self->began = wall_clock();
+    if (simulation_create(self->scene, &self->cloth, &self->sim, &err) != WEFT_OK) {
+        return refuse(self, err.message);
+    }
+    const int code = run_prepared(self, registry);
+    record_checkpoint_free(&self->checkpoint);
+    weft_sim_destroy(self->sim);
+    weft_cloth_destroy(self->cloth);
+    return code;
+}
+
+/* A new directory, or one that may be taken over; claimed. */
+static weft_status open_directory(const run *self, bool force, int *lock,
+                                  weft_error *err)
+{
+    weft_status status = record_outdir_lock(self->out, RECORD_PATIENCE, lock, err);
+    if (status == WEFT_OK) {
+        status = record_outdir(self->out, force, err);
+    }
+    if (status == WEFT_OK && self->obj) {
+        char frames[RECORD_PATH];
+        status = record_path(self->out, "frames", frames, err);
+        status = status == WEFT_OK ? record_directory(frames, err) : status;
+    }
+    return status;
+}
+
+int run_scene(const options *given, const char *out, const weft_scene *scene,
+              weft_registry *registry, const run_resumed *resumed)
+{
+    weft_error err = { 0 };
+    int lock = -1, code = EXIT_DONE;
+    run self = {
+        .out = out,
+        .obj = given->frames != NULL,
+        .again = resumed != NULL,
+        .from = resumed == NULL ? NULL : resumed->from,
+        .scene = scene,
+        .result = { .status = "done",
+                    .reason = "",
+                    .planned = frame_last(weft_scene_run(scene)) + 1 },
+        .quiet = given->quiet,
+    };
+    (void)progress_find(given->quiet ? "none" : given->progress, &self.mode);
+    interrupt_catch();
+    if (frames_have_room(scene, &err) != WEFT_OK
+        || (resumed == NULL
+            && open_directory(&self, given->force, &lock, &err) != WEFT_OK)) {
+        code = report_error(&err);
+    } else {
+        (void)stat(out, &self.place);
+        const char *unsupported = scene_unsupported(scene);
+        code = unsupported != NULL ? refuse(&self, unsupported)
+                                   : run_simulation(&self, registry);
+    }
+    if (lock >= 0) {
+        (void)close(lock);
+    }
+    if (given->view && code != EXIT_FILE) {
+        interrupt_restore();
+        const int viewed = view_runs(&out, 1, NULL, self.mode == PROGRESS_YAML);
+        return code == EXIT_DONE ? viewed : code;
+    }
+    return code;
+}
+
+static int run_verb(int argc, char **argv)
+{
+    options given;
+    progress_mode mode;
+    int code = options_parse(&verb_run, "ospqFrvP", argc, argv, &given);
+    if (code >= 0) {
+        return code;
+    }
+    if (given.operand_count != 1) {
+        code = usage_error(&verb_run, given.operand_count == 0 ? "no scene given"
+                                                               : "more than one scene");
+    } else if (given.frames != NULL && strcmp(given.frames, "obj") != 0) {
+        code = usage_choice(&verb_run, "frames", given.frames,
+                            (const char *const[]){ "obj", NULL });
+    } else if ((code = progress_choose(&verb_run, &given, &mode)) == EXIT_DONE) {
+        weft_registry *registry = open_registry(given.plugin_path);
+        weft_scene *scene = NULL;
+        char *out = default_directory(given.operands[0], ".run");
+        code = registry == NULL || out == NULL
+                   ? EXIT_SIMULATION
+                   : open_scene(given.operands[0], &given, registry, &scene);
+        if (code == EXIT_DONE) {
+            const char *directory = given.out == NULL ? out : given.out;
+            code = run_scene(&given, directory, scene, registry, NULL);
+        }
+        free(out);
+        weft_scene_destroy(scene);
+        weft_registry_destroy(registry);
+    }
+    options_free(&given);
+    return code;
+}
+
+const verb verb_run = {
+    .name = "run",
+    .summary = "run a scene into a directory",
+    .help
+    = "usage: weft run SCENE.yaml [OPTIONS]\n\n"
+      "Runs a scene and leaves in a directory: scene.yaml (as run), manifest.yaml "
+      "(what\n"
+      "ran), series.csv (a row a frame), run.vtkhdf (the frames), final.csv (the "
+      "state\n"
+      "at the end) and, last of all, result.yaml. It ends with a "
+      "summary.\n\n"
+      "  --out DIR            the directory; default: SCENE.run here. Must be new or "
+      "empty\n"
+      "  --force              replace what an earlier run left there\n"
+      "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
+      "  --frames obj         write frames/frame-000000.obj ... as well\n"
+      "  --view               make run.html as well, a page that plays the run, and "
+      "print\n"
+      "                       its URL\n"
+      "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n"
+      "  --progress HOW       terminal: one line on stderr that is redrawn; lines: one "
+      "each\n"
+      "                       tenth of the frames; auto (default): which of the two "
+      "fits;\n"
+      "                       yaml: begin, progress and end as YAML documents of a "
+      "line\n"
+      "                       each on stdout, and nothing else there; none\n"
+      "  --quiet              no progress, no summary\n\n"
+      "examples:\n"
+      "  weft run scenes/flag.yaml --out flag\n"
+      "  weft run scenes/flag.yaml --set stepper.rtol=1e-8 --set run.fps=60\n\n"
+      "exit codes: 0 done, 1 the simulation failed, 2 wrong command line, 3 wrong "
+      "scene,\n"
+      "4 a file could not be read or written, 130 SIGINT, 143 SIGTERM\n",
+    .run = run_verb,
+};

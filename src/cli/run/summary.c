@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* summary.c -- what a run was and came to, to stdout. */
+#include "cli/run/summary.h"
+
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/human.h"
+#include "record/yaml_out.h"
+
+void summary_step(summary *self)
+{
+    const double h = weft_sim_stats(self->sim).last_step;
+    record_extremes *all = &self->extremes;
+    if (!(all->short_step > 0.0) || h < all->short_step) {
+        all->short_step = h;
+    }
+    all->long_step = h > all->long_step ? h : all->long_step;
+}
+
+void summary_frame(summary *self, const weft_spring *now)
+{
+    record_extremes *all = &self->extremes;
+    if (all->strain.p == all->strain.q || now->strain > all->strain.strain) {
+        all->strain = *now;
+        all->strain_time = weft_sim_time(self->sim);
+    }
+}
+
+/* ---- for people: eight lines ------------------------------------------------ */
+
+static void print_what(const summary *self)
+{
+    char text[RECORD_PATH];
+    const weft_cloth *cloth = weft_sim_cloth(self->sim);
+    const bool stopped = strcmp(self->result->status, "interrupted") == 0;
+    (void)snprintf(text, sizeof text, "%s%s%s: %s (%zu x %zu particles, %s %s)",
+                   self->result->status, stopped ? " by " : "",
+                   stopped ? self->result->reason : "", weft_scene_name(self->scene),
+                   weft_cloth_rows(cloth), weft_cloth_cols(cloth),
+                   weft_scene_plugin(self->scene), weft_scene_method(self->scene));
+    print_wrapped(stdout, 0, 2, PAGE_WIDTH, text);
+}
+
+static void print_time(const summary *self)
+{
+    char wall[HUMAN], speed[48] = "";
+    const record_result *result = self->result;
+    const double t = weft_sim_time(self->sim); /* both are of all parts of the run */
+    if (t > 0.0 && result->wall_time > 0.0) {
+        (void)snprintf(speed, sizeof speed, ", %.3g times real time",
+                       t / result->wall_time);
+    }
+    print_item("time", "%zu of %zu frames, %.6g s simulated in %s%s", result->frames,
+               result->planned, t, human_time(result->wall_time, wall), speed);
+}
+
+static void print_steps(const summary *self)
+{
+    char steps[HUMAN], rejected[HUMAN], calls[HUMAN];
+    const weft_stepper_stats stats = weft_sim_stats(self->sim);
+    print_item("steps", "%s (%s rejected), %s evaluations of the forces",
+               human_count(stats.steps, steps), human_count(stats.rejected, rejected),
+               human_count(stats.rhs_calls, calls));
+}
+
+static void print_step_sizes(const summary *self)
+{
+    char mean[HUMAN], least[HUMAN], most[HUMAN];
+    const uint64_t steps = weft_sim_stats(self->sim).steps;
+    const record_extremes *all = &self->extremes;
+    if (!(all->short_step > 0.0) || steps == 0) {
+        print_item("step size", "no step was taken");
+        return;
+    }
+    print_item("step size", "%s on average, %s to %s",
+               human_time(weft_sim_time(self->sim) / (double)steps, mean),
+               human_time(all->short_step, least), human_time(all->long_step, most));
+}
+
+static void print_strain(const summary *self)
+{
+    const weft_cloth *cloth = weft_sim_cloth(self->sim);
+    const weft_spring *most = &self->extremes.strain;
+    const size_t cols = weft_cloth_cols(cloth);
+    if (most->p == most->q) {
+        print_item("strain", "none: there are no springs");
+        return;
+    }
+    print_item("strain",
+               "at most %.3g %% at t = %.4g s, %s spring (%zu, %zu)-(%zu, %zu); %.3g "
+               "%% at the end",
+               100.0 * most->strain, self->extremes.strain_time,
+               weft_family_name(most->family), most->p / cols, most->p % cols,
+               most->q / cols, most->q % cols,
+               100.0
+                   * weft_cloth_worst_spring(cloth, weft_sim_state(self->sim)).strain);
+}
+
+static void print_energy(const summary *self)
+{
+    const weft_cloth *cloth = weft_sim_cloth(self->sim);
+    const weft_ledger ledger = weft_sim_ledger(self->sim);
+    char kept[160] = "";
+    if (ledger.kept) {
+        (void)snprintf(kept, sizeof kept,
+                       ", work of wind %.4g J, of pins %.4g J; ledger closes to %.2g J",
+                       ledger.wind_work, ledger.pin_work, ledger.residual);
+    }
+    print_item("energy", "%.6g -> %.6g J, %.4g J dissipated%s",
+               self->result->energy_start,
+               record_total_energy(cloth, weft_sim_state(self->sim)),
+               weft_sim_dissipated(self->sim), kept);
+}
+
+static void print_limit(const summary *self)
+{
+    char steps[HUMAN], sweeps[HUMAN], unmet[HUMAN];
+    const weft_limit_stats stats = weft_sim_limit_stats(self->sim);
+    const weft_limit_def *limit = weft_scene_limit(self->scene);
+    if (limit->method == WEFT_LIMIT_NONE) {
+        print_item("limit", "none");
+        return;
+    }
+    print_item("limit",
+               "%.3g %%: %s steps corrected in %s sweeps, %s not met; largest limited "
+               "strain %.4g %%",
+               100.0 * limit->strain, human_count(stats.corrected, steps),
+               human_count(stats.sweeps, sweeps), human_count(stats.unconverged, unmet),
+               100.0 * weft_sim_limit_worst(self->sim).strain);
+}
+
+static void print_files(const summary *self)
+{
+    char path[RECORD_PATH], names[200] = "";
+    size_t used = 0;
+    for (size_t i = 0; record_names[i] != NULL; ++i) {
+        if (record_path(self->directory, record_names[i], path, NULL) == WEFT_OK
+            && access(path, F_OK) == 0) {
+            used += (size_t)snprintf(names + used, sizeof names - used, "%s %s",
+                                     used == 0 ? ":" : "", record_names[i]);
+        }
+    }
+    print_item("files", "in %s%s", self->directory, names);
+}
+
+void summary_print(const summary *self)
+{
+    print_what(self);
+    print_time(self);
+    print_steps(self);
+    print_step_sizes(self);
+    print_strain(self);
+    print_energy(self);
+    print_limit(self);
+    print_files(self);
+}
+
+void summary_print_frames(const summary *self)
+{
+    char wall[HUMAN];
+    print_what(self);
+    print_item("time", "%zu of %zu frames in %s", self->result->frames,
+               self->result->planned, human_time(self->result->wall_time, wall));
+    print_files(self);
+}
+
+/* ---- for machines ----------------------------------------------------------- */
+
+void summary_yaml_begin(const summary *self)
+{
+    yaml_out out;
+    const weft_cloth *cloth = weft_sim_cloth(self->sim);
+    yaml_out_begin_line(&out, stdout);
+    yaml_out_plain(&out, "event", "begin");
+    yaml_out_text(&out, "name", weft_scene_name(self->scene));
+    yaml_out_text(&out, "directory", self->directory);
+    yaml_out_text(&out, "plugin", weft_scene_plugin(self->scene));
+    yaml_out_text(&out, "method", weft_scene_method(self->scene));
+    yaml_out_plain(&out, "rows", "%zu", weft_cloth_rows(cloth));
+    yaml_out_plain(&out, "cols", "%zu", weft_cloth_cols(cloth));
+    yaml_out_plain(&out, "frames_planned", "%zu", self->result->planned);
+    yaml_out_real(&out, "duration", weft_scene_run(self->scene)->duration);
+    (void)yaml_out_end(&out);
+    (void)fflush(stdout);
+}
+
+void summary_yaml_end(const summary *self)
+{
+    yaml_out out;
+    yaml_out_begin_line(&out, stdout);
+    yaml_out_plain(&out, "event", "end");
+    record_result_items(&out, self->result);
+    (void)yaml_out_end(&out);
+    (void)fflush(stdout);
+}

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* model.h -- what a cloth is made of, for the files of src/cloth alone.
+ *
+ * Springs are implicit: a family has two groups, one for each direction, and all the
+ * springs of a group are alike but for where they start. Nothing is kept per spring. */
+#ifndef WEFT_CLOTH_MODEL_H
+#define WEFT_CLOTH_MODEL_H
+
+#include <float.h>
+
+#include "weft/cloth.h"
+
+#if SIZE_MAX < UINT64_MAX || DBL_MANT_DIG != 53 || FLT_EVAL_METHOD != 0                \
+    || __FINITE_MATH_ONLY__
+#error "weft needs a 64-bit target with IEEE double arithmetic: \
+no -m32, -mfpmath=387 or -ffast-math"
+#elif defined __GNUC__ && !defined __clang__ && __GNUC__ < 12
+#error "weft needs gcc 12 or later, or clang, for __builtin_shufflevector"
+#endif
+
+/* All springs that join particle (r, c) to (r + down, c + right): r below end_row,
+ * c from first_col to below end_col. */
+typedef struct weft__group {
+    weft_family family;
+    unsigned way; /* which of the directions of springs.c */
+    size_t end_row, first_col, end_col;
+    ptrdiff_t stride;   /* index of the far end minus that of the near one */
+    double rest_length; /* [m] */
+    double stiffness;   /* [N/m]; under the strain law k / s */
+    double damping;     /* [kg/s] */
+} weft__group;
+
+#define WEFT_GROUPS (2 * WEFT_FAMILIES)
+
+/* How far beyond the last particle kernels may read. */
+#define WEFT_PAST 16
+
+/* x(t) = x(0) + velocity t + amplitude sin(2 pi frequency t) */
+typedef struct weft__motion {
+    double velocity[3];  /* [m/s] */
+    double amplitude[3]; /* [m] */
+    double frequency;    /* [Hz] */
+    double omega;        /* [rad/s] 2 pi frequency */
+    bool moves;
+} weft__motion;
+
+typedef struct weft__level weft__level; /* kernel.h */
+
+struct weft_cloth {
+    size_t rows, cols, particles, pinned;
+    double spacing[2], origin[3], right[3], down[3], scale; /* right, down: unit */
+    double velocity[3];
+    double gravity[3], drag, wind_velocity[3], wind_drag;
+    size_t group_count; /* groups that have springs */
+    weft__group groups[WEFT_GROUPS];
+    double *mass;         /* [kg] N of them */
+    double *inverse_mass; /* [1/kg] N, 0 of the pinned, and WEFT_PAST more */
+    uint32_t *pin;        /* N: 0 free, else 1 + index into motions */
+    size_t *pins;         /* the pinned, in order; room for N if borrowed */
+    const weft__level *level;
+    weft__motion *motions;
+    size_t motion_count;
+    size_t first_own; /* repin.c */
+    weft_allocator memory;
+};
+
+/* springs.c: fill cloth->groups from the definition. */
+void weft__groups_init(weft_cloth *cloth, const weft_cloth_def *def);
+
+/* validate.c: all that can be wrong with a definition. */
+weft_status weft__cloth_def_check(const weft_cloth_def *def, weft_error *err);
+
+/* A range of def with negative ends resolved; false if it leaves [0, count). */
+bool weft__range_resolve(weft_range range, size_t count, size_t *first, size_t *last);
+
+/* Rest position [m] of particle (r, c). */
+void weft__rest_position(const weft_cloth *cloth, size_t r, size_t c, double x[3]);
+
+/* Lumped area [m^2] of particle (r, c): halved on each edge it lies on; a direction
+ * with a single row or column counts as 1 m wide. */
+double weft__area(const weft_cloth *cloth, size_t r, size_t c);
+
+/* Springs of a group, and their forces [N] added to f. */
+size_t weft__group_springs(const weft__group *group);
+void weft__group_add_force(const weft_cloth *cloth, const weft__group *group,
+                           const double *y, double *f);
+
+/* Where a spring of stride `stride` that starts at p stands at present. */
+typedef struct weft__stance {
+    double d[3];   /* [m] x_q - x_p */
+    double w[3];   /* [m/s] v_q - v_p */
+    double length; /* [m] |d| */
+} weft__stance;
+
+weft__stance weft__spring_stance(size_t particles, size_t p, size_t q, const double *y);
+
+/* wind.c: force [N] of the wind added to f; on particle (r, c) alone, false: none. */
+void weft__wind_add_force(const weft_cloth *cloth, const double *y, double *f);
+bool weft__wind_force(const weft_cloth *cloth, size_t r, size_t c, const double *y,
+                      double force[3]);
+
+/* rhs.c: velocity [m/s] of a motion, then its acceleration [m/s^2]. */
+void weft__motion_rate(const weft__motion *motion, double t, double rate[6]);
+
+#endif

@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* measured_order.c -- the order of a method, measured where it can be seen without a
+ * doubt.
+ *
+ * One equation for each rooted tree up to a weight, one more than the order claimed:
+ * v' of a tree is the product of what hangs on its root, be it the v of a tree or its
+ * x, x' = v, and all begin at 0. A leaf that hangs on a root is t itself. So
+ *
+ *     v(t) = t^w / gamma, x(t) = t^(w+1) / ((w+1) gamma)       with w the weight,
+ *
+ * and a Runge-Kutta method of order p is exact for the trees of weight p or less
+ * (Butcher, Numerical Methods for ODEs, 3rd ed., theorem 315A). The step error of
+ * weight p + 1 is c h^(p+1) with c free of t, h and y, as there is no weight left for
+ * more: the errors of the steps add up to c h^p, and the ratio of the errors with h and
+ * h/2 is 2^p without terms of higher order, at any h. On other problems the tables of
+ * high order show their order between those terms and roundoff for a short range of h
+ * or not at all. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "conformance/measured_order.h"
+#include "conformance/merson.h"
+
+enum {
+    WEIGHTS = WEFT__ORDER_MOST + 2, /* from 0, which no tree has */
+    TREES_MOST = 6964,              /* of less weight than that */
+    STEPS_MOST = 1024
+};
+
+/* Near 1e-11 a relative error is no longer one of the method: implicit ones iterate
+ * until they are that near to the solution, and some tables weigh their stages by
+ * hundreds. This much above it leaves 0.05 of the order at most. */
+#define ROUNDOFF 3e-10
+
+typedef struct branch {
+    size_t tree;
+    bool x; /* the tree's x, of one weight more; or its v */
+} branch;
+
+typedef struct forest {
+    size_t count;
+    int weight[TREES_MOST];
+    double gamma[TREES_MOST];
+    size_t rest[TREES_MOST]; /* the tree without its last branch */
+    branch last[TREES_MOST];
+} forest;
+
+static bool in_order(const forest *f, size_t rest, branch last)
+{
+    const branch before = f->last[rest];
+    return rest == 0 || last.tree < before.tree
+           || (last.tree == before.tree && last.x <= before.x);
+}
+
+static void add_tree(forest *f, int weight, size_t rest, branch last)
+{
+    const size_t k = f->count++;
+    const double of_x = last.x ? f->weight[last.tree] + 1 : 1;
+    f->weight[k] = weight;
+    f->rest[k] = rest;
+    f->last[k] = last;
+    f->gamma[k]
+        = weight * (f->gamma[rest] / f->weight[rest]) * of_x * f->gamma[last.tree];
+}
+
+/* Weight after weight; the branches of a root in falling order, so that no tree comes
+ * twice. */
+static void grow(forest *f, int most)
+{
+    f->count = 1;
+    f->weight[0] = 1;
+    f->gamma[0] = 1.0;
+    for (int weight = 2; weight <= most; ++weight) {
+        const size_t smaller = f->count;
+        for (size_t rest = 0; rest < smaller; ++rest) {
+            for (size_t i = 0; i < 2 * smaller; ++i) {
+                const branch last = { i / 2, i % 2 != 0 };
+                if (f->weight[rest] + f->weight[last.tree] + last.x == weight
+                    && in_order(f, rest, last)) {
+                    add_tree(f, weight, rest, last);
+                }
+            }
+        }
+    }
+}
+
+/* y = (x of every tree, v of every tree) */
+static int rate(double t, const double *y, double *dydt, void *ctx)
+{
+    const forest *f = ctx;
+    const double *x = y, *v = y + f->count;
+    double *dv = dydt + f->count;
+    dv[0] = 1.0;
+    for (size_t k = 1; k < f->count; ++k) {
+        const branch last = f->last[k];
+        const double factor = last.x ? x[last.tree] : last.tree == 0 ? t : v[last.tree];
+        dv[k] = dv[f->rest[k]] * factor;
+    }
+    for (size_t k = 0; k < f->count; ++k) {
+        dydt[k] = v[k];
+    }
+    return 0;
+}
+
+/* At t = 1 s, the largest of each weight; x are of one more than v, as far as there are
+ * v of that too. */
+static void find_errors(const forest *f, const double *y, double error[WEIGHTS])
+{
+    const int most = f->weight[f->count - 1];
+    for (size_t w = 0; w < WEIGHTS; ++w) {
+        error[w] = 0.0;
+    }
+    for (size_t k = 0; k < f->count; ++k) {
+        const int w = f->weight[k];
+        const double of_v = fabs(y[f->count + k] * f->gamma[k] - 1.0);
+        error[w] = fmax(error[w], of_v);
+        if (w < most) {
+            const double of_x = fabs(y[k] * f->gamma[k] * (w + 1) - 1.0);
+            error[w + 1] = fmax(error[w + 1], of_x);
+        }
+    }
+}
+
+static weft_status errors_with(const weft_stepper_type *type, forest *f, int steps,
+                               double error[WEIGHTS], weft_error *err)
+{
+    const weft_ode ode = { .dim = 2 * f->count, .rhs = rate, .ctx = f };
+    const weft_stepper_config config
+        = { .struct_size = sizeof config,
+            .fixed_step = 1.0 / steps,
+            .butcher = (type->flags & WEFT_STEPPER_BUTCHER) != 0 ? merson() : NULL };
+    void *self = NULL;
+    double t = 0.0, *y = calloc(ode.dim, sizeof *y);
+    weft_status status = y == NULL ? weft_error_set(err, WEFT_NO_MEMORY, "no memory")
+                                   : type->create(type, &ode, &config, &self, err);
+    while (status == WEFT_OK && t < 1.0) {
+        status = type->step(self, 1.0, &t, y, err);
+    }
+    if (status == WEFT_OK) {
+        find_errors(f, y, error);
+    }
+    type->destroy(self);
+    free(y);
+    return status;
+}
+
+/* Of each weight by the finest steps whose error stands out from roundoff; the least of
+ * all weights. */
+static weft_status halve(const weft_stepper_type *type, forest *f, double *order,
+                         weft_error *err)
+{
+    double error[WEIGHTS], finer[WEIGHTS], orders[WEIGHTS];
+    bool seen = true;
+    weft_status status = errors_with(type, f, 1, error, err);
+    for (size_t w = 0; w < WEIGHTS; ++w) {
+        orders[w] = (double)INFINITY;
+    }
+    for (int steps = 2; status == WEFT_OK && seen && steps <= STEPS_MOST; steps *= 2) {
+        status = errors_with(type, f, steps, finer, err);
+        seen = false;
+        for (size_t w = 0; status == WEFT_OK && w < WEIGHTS; ++w) {
+            if (!(finer[w] <= ROUNDOFF)) {
+                orders[w] = log2(error[w] / finer[w]);
+                seen = true;
+            }
+            error[w] = finer[w];
+        }
+    }
+    *order = (double)INFINITY;
+    for (size_t w = 0; w < WEIGHTS; ++w) {
+        *order = fmin(*order, orders[w]);
+    }
+    return status;
+}
+
+int weft__order_claimed(const weft_stepper_type *type)
+{
+    const bool custom = (type->flags & WEFT_STEPPER_BUTCHER) != 0;
+    return custom ? merson()->order : type->order;
+}
+
+weft_status weft__order(const weft_stepper_type *type, int claimed, double *order,
+                        weft_error *err)
+{
+    if (claimed < 1 || claimed > WEFT__ORDER_MOST) {
+        return weft_error_set(err, WEFT_UNSUPPORTED, "order %d is not measured",
+                              claimed);
+    }
+    forest *f = calloc(1, sizeof *f);
+    if (f == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory");
+    }
+    grow(f, claimed + 1);
+    const weft_status status = halve(type, f, order, err);
+    free(f);
+    return status;
+}

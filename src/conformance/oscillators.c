@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "conformance/oscillators.h"
+
+#include <time.h>
+
+const double weft__model_start[DIM] = { 0.613, -0.387, 0.271, 0.829 };
+
+enum { PASSES = 256 }; /* each waits for the scheduler */
+
+/* A method that lets one thread at a time step never calls the other rhs: then the
+ * baton is dropped after a while. */
+static void pass(baton *self, int side)
+{
+    struct timespec until;
+    (void)clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_sec += 2;
+    (void)pthread_mutex_lock(&self->lock);
+    self->turn = 1 - side;
+    self->dropped = self->dropped || ++self->passes >= PASSES;
+    (void)pthread_cond_broadcast(&self->passed);
+    while (self->turn != side && !self->dropped) {
+        self->late = pthread_cond_timedwait(&self->passed, &self->lock, &until) != 0;
+        self->dropped = self->dropped || self->late;
+    }
+    (void)pthread_mutex_unlock(&self->lock);
+}
+
+void weft__baton_drop(baton *self)
+{
+    (void)pthread_mutex_lock(&self->lock);
+    self->dropped = true;
+    (void)pthread_cond_broadcast(&self->passed);
+    (void)pthread_mutex_unlock(&self->lock);
+}
+
+int weft__model_rhs(double t, const double *y, double *dydt, void *ctx)
+{
+    model *m = ctx;
+    ++m->calls;
+    if (m->watch) {
+        m->watch = false;
+        m->first[0] = t;
+        memcpy(m->first + 1, y, (DIM + m->apart) * sizeof *y);
+    }
+    dydt[0] = y[2];
+    dydt[1] = y[3];
+    dydt[2] = -m->k * sin(2.385 * y[0]) + 0.713 * (y[1] - y[0]) - 0.131 * y[2];
+    dydt[3]
+        = -1.618 * y[1] * y[1] * y[1] + 0.713 * (y[0] - y[1]) + 0.257 * cos(1.37 * t);
+    if (m->baton != NULL) {
+        pass(m->baton, m->side);
+    }
+    if (m->edge > 0.0 && !(fabs(y[0]) < m->edge)) {
+        return 1;
+    }
+    const bool fails
+        = m->fault != NO_FAULT && (m->once ? m->calls == m->at : m->calls >= m->at);
+    const double rates[APART] = { 1.0, y[2], y[2] * y[3] };
+    memcpy(dydt + DIM, rates, m->apart * sizeof *rates);
+    if (fails && (m->fault == GIVE_NAN || m->fault == GIVE_INF)) {
+        dydt[m->apart > 0 ? DIM + m->apart - 1 : 2]
+            = m->fault == GIVE_NAN ? (double)NAN : (double)INFINITY;
+    }
+    return fails && m->fault == REFUSE ? 1 : fails && m->fault == STOP ? -1 : 0;
+}
+
+double weft__model_distance(const double *a, const double *b)
+{
+    double top = 0.0;
+    for (int i = 0; i < DIM; ++i) {
+        top = fmax(top, isfinite(a[i]) ? fabs(a[i] - b[i]) : (double)INFINITY);
+    }
+    return top;
+}
+
+static void runge_kutta(model *m, double t, double h, double *y)
+{
+    double k[4][DIM], z[DIM];
+    const double c[4] = { 0.0, 0.5, 0.5, 1.0 };
+    for (int s = 0; s < 4; ++s) {
+        for (int i = 0; i < DIM; ++i) {
+            z[i] = y[i] + (s == 0 ? 0.0 : h * c[s] * k[s - 1][i]);
+        }
+        (void)weft__model_rhs(t + h * c[s], z, k[s], m);
+    }
+    for (int i = 0; i < DIM; ++i) {
+        y[i] += h / 6.0 * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]);
+    }
+}
+
+void weft__model_solve(double t, double t_end, double *y)
+{
+    model m = { .k = 1.0 };
+    const double h = 0x1p-13;
+    for (int i = 0; t + i * h < t_end; ++i) {
+        runge_kutta(&m, t + i * h, h, y);
+    }
+}

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* oscillators.h -- what a method is tried on: two coupled oscillators, damped, driven
+ * and not linear, with y = (x1, x2, v1, v2) and up to three quadratures behind. It can
+ * be told to fail. The reference solution is made here, by the classical Runge-Kutta
+ * method with 2^-13 s, and good to 1e-13. */
+#ifndef WEFT_CONFORMANCE_OSCILLATORS_H
+#define WEFT_CONFORMANCE_OSCILLATORS_H
+
+#include <math.h>
+#include <pthread.h>
+
+#include "conformance/merson.h"
+
+enum { DIM = 4, APART = 3 /* quadratures at most */ };
+
+typedef enum fault { NO_FAULT, REFUSE, STOP, GIVE_NAN, GIVE_INF, FAULTS } fault;
+
+/* Two threads take turns at first: each call of one model's rhs waits for one of the
+ * other's. What two steps share by mistake is then overwritten for sure. */
+typedef struct baton {
+    pthread_mutex_t lock;
+    pthread_cond_t passed;
+    int turn, passes;
+    bool dropped; /* nobody waits any more */
+    bool late;    /* the last wait ended by its time limit */
+} baton;
+
+typedef struct model {
+    double k;     /* [1/s^2] stiffness of the first oscillator */
+    double edge;  /* [m] beyond it the state is refused; 0: nowhere */
+    size_t apart; /* quadratures: t, x1 less its start, and the integral of v1 v2 */
+    baton *baton; /* NULL: no turns are taken */
+    int side;     /* 0 or 1 */
+    uint64_t calls;
+    bool watch;                    /* for the next call, */
+    double first[1 + DIM + APART]; /* whose t and y are kept here */
+    fault fault;                   /* what goes wrong */
+    uint64_t at;                   /* from this call on, */
+    bool once;                     /* or at it alone */
+} model;
+
+extern const double weft__model_start[DIM];
+
+/* ctx is the model. */
+int weft__model_rhs(double t, const double *y, double *dydt, void *ctx);
+
+void weft__baton_drop(baton *self);
+
+/* y[DIM] at t becomes that at t_end, a multiple of 2^-13 s away; k = 1. */
+void weft__model_solve(double t, double t_end, double *y);
+
+/* The largest difference; INFINITY if an a is not finite. */
+double weft__model_distance(const double *a, const double *b);
+
+static inline weft_stepper_config weft__adaptive(double tolerance)
+{
+    return (weft_stepper_config){
+        .struct_size = sizeof(weft_stepper_config),
+        .atol_position = tolerance,
+        .atol_velocity = tolerance,
+        .first_step = 1.3e-3,
+        .min_step = 1e-10,
+        .max_step = (double)INFINITY,
+    };
+}
+
+static inline weft_stepper_config weft__fixed(double h)
+{
+    return (weft_stepper_config){ .struct_size = sizeof(weft_stepper_config),
+                                  .fixed_step = h };
+}
+
+static inline bool weft__adapts(const weft_stepper_type *type)
+{
+    return (type->flags & WEFT_STEPPER_FIXED_ONLY) == 0;
+}
+
+/* Adaptive where the method can, in mode 0; mode 1 is fixed steps. */
+static inline weft_stepper_config weft__usual(const weft_stepper_type *type, int mode)
+{
+    return mode == 0 && weft__adapts(type) ? weft__adaptive(1e-6) : weft__fixed(1e-3);
+}
+
+/* What that must reach at 1 s. */
+static inline double weft__allowed(const weft_stepper_type *type)
+{
+    return type->order == 1 ? 5e-3 : 1e-4;
+}
+
+/* For a method that takes a table and has none: Merson's. */
+static inline weft_stepper_config weft__with_table(const weft_stepper_type *type,
+                                                   weft_stepper_config config)
+{
+    if ((type->flags & WEFT_STEPPER_BUTCHER) != 0 && config.butcher == NULL) {
+        config.butcher = merson();
+    }
+    return config;
+}
+
+#endif

@@ -1,0 +1,479 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* kernel.c -- springs, gravity and drag in one sweep over the rows, LANES columns at a
+ * time, each spring once; and the heat that dampers and drag make of it, in the same
+ * sweep or by itself.
+ *
+ * A block of columns takes the springs that start there, one of each group:
+ *
+ *     (r,c)---right---(r,c+1)            right2: (r,c)-(r,c+2)
+ *       |  \        /                    down2:  (r,c)-(r+2,c)
+ *     down   cross / anti
+ *       |      \ /
+ *     (r+1,c)  (r+1,c+1)
+ *
+ * Only anti, from (r,c+1) to (r+1,c), does not start at (r,c), so that all that ends in
+ * another column ends to the right: in lanes of this block, or of the next one, which
+ * they reach in registers. What ends in a later row is added up in a buffer of that
+ * row.
+ *
+ * The sum of a particle is the same expression whatever the width, the tile of columns
+ * or the band of rows. Springs are taken in three stages, a group one stage behind the
+ * other, because root and division are slow: while they are under way the next spring
+ * begins. */
+#include "kernel/kernel.h"
+#include "kernel/lanes.h"
+
+#include <float.h>
+#include <string.h>
+
+#ifndef LEVEL
+#define LEVEL plain
+#endif
+#define NAME_(stem, level) weft__##stem##_##level
+#define NAME(stem, level)  NAME_(stem, level)
+
+/* The groups, in the order of springs.c, whether any is damped, and whether heat is
+ * asked for: bits of a set. */
+enum { RIGHT, DOWN, CROSS, ANTI, RIGHT2, DOWN2, DAMPED, HEATED };
+#define BIT(group) (1u << (group))
+
+/* TILE columns, with the rows that a block reads, stay in the first cache. */
+enum { TILE = 256, SPAN = LANES + TILE + 2 * LANES, EDGE = LANES + 2 };
+
+typedef struct law {
+    vec stiffness, rest_length, damping;
+    mask damped; /* 0 times infinity is not 0 */
+} law;
+
+/* Which lanes of a block at the end of a row are columns, and have a column 1 and 2
+ * to their right. */
+typedef struct edge {
+    mask inside, right, right2;
+} edge;
+
+typedef struct sweep {
+    double ended[3 * SPAN];  /* [N] pulls that end in this row, from rows above */
+    double ended2[3 * SPAN]; /* [N] of down2 in the row above */
+    double aside[6 * SPAN];  /* x' and v' of the row, before they go to dydt */
+    law laws[WEFT_GROUPS];
+    edge edges[2];
+    vec3 gravity;
+    vec drag;
+    vec bad; /* 0 or NaN */
+    const double *y, *inverse_mass;
+    double *dydt;
+    double *sums; /* [W] WEFT_SUMS of the row in hand */
+    size_t n, rows, cols;
+    bool detour;  /* by aside */
+    size_t inner; /* columns in blocks with all their neighbours on the right */
+} sweep;
+
+/* A spring under way. */
+typedef struct spring {
+    vec3 d;             /* [m] */
+    vec length;         /* [m] */
+    vec inverse;        /* [1/m^2] of the square of the length */
+    vec wd;             /* [m^2/s] w.d */
+    vec pull_by_length; /* [N/m] T / L */
+} spring;
+
+/* From p to q, of planes n apart. */
+INLINE void begin(spring *springs, unsigned has, int group, const double *p,
+                  const double *q, size_t n)
+{
+    spring *at = &springs[group];
+    *at = (spring){ 0 };
+    if ((has & BIT(group)) == 0) {
+        return;
+    }
+    at->d = minus(load3(q, n), load3(p, n));
+    const vec dd = dot(at->d, at->d);
+    at->length = root(dd);
+    at->inverse = 1.0 / (dd + DBL_MIN);
+    if ((has & BIT(DAMPED)) != 0) {
+        const double *vp = p + 3 * n, *vq = q + 3 * n;
+        at->wd = dot(minus(load3(vq, n), load3(vp, n)), at->d);
+    }
+}
+
+/* T / L = (k L (L - s) + c w.d) / L^2, exactly 0 at rest and where L = 0; its
+ * c (w.u)^2 [W] added to *heat. Where NULL: in all lanes. */
+INLINE void weigh(spring *springs, unsigned has, int group, const law *laws,
+                  const mask *where, vec *heat)
+{
+    spring *at = &springs[group];
+    const law *by = &laws[group];
+    if ((has & BIT(group)) == 0) {
+        return;
+    }
+    vec work = (by->stiffness * at->length) * (at->length - by->rest_length);
+    if ((has & BIT(DAMPED)) != 0) {
+        const vec drive = by->damping * at->wd;
+        work += drive;
+        if ((has & BIT(HEATED)) != 0) {
+            const vec made = only(drive * (at->wd * at->inverse), by->damped);
+            *heat += where != NULL ? only(made, *where) : made;
+        }
+    }
+    at->pull_by_length = work * at->inverse;
+}
+
+/* On p. */
+INLINE vec3 pull(const spring *springs, unsigned has, int group, const mask *where)
+{
+    const spring *at = &springs[group];
+    if ((has & BIT(group)) == 0) {
+        return (vec3){ 0 };
+    }
+    const vec3 force = scaled(at->pull_by_length, at->d);
+    return where != NULL ? only3(force, *where) : force;
+}
+
+/* What the block on the left sends to the right. */
+typedef struct carry {
+    vec3 beside, beside2, below;
+} carry;
+
+/* Forces of springs on the block at p, of planes n and rows `down` apart; `at` in the
+ * buffers; rim NULL: all neighbours are there. Heat is added to *heat. */
+INLINE vec3 block(sweep *self, const double *p, size_t n, size_t down, size_t at,
+                  unsigned has, carry *left, const edge *rim, vec *heat)
+{
+    const double *below = p + down;
+    const mask *in = rim != NULL ? &rim->inside : NULL;
+    const mask *in_1 = rim != NULL ? &rim->right : NULL;
+    const mask *in_2 = rim != NULL ? &rim->right2 : NULL;
+    spring s[WEFT_GROUPS];
+    vec3 ended = load3(self->ended + at, SPAN), next = load3(self->ended2 + at, SPAN);
+    begin(s, has, RIGHT, p, p + 1, n);
+    begin(s, has, DOWN, p, below, n);
+    weigh(s, has, RIGHT, self->laws, in_1, heat);
+    begin(s, has, ANTI, p + 1, below, n);
+    weigh(s, has, DOWN, self->laws, in, heat);
+    const vec3 right = pull(s, has, RIGHT, in_1);
+    begin(s, has, CROSS, p, below + 1, n);
+    weigh(s, has, ANTI, self->laws, in_1, heat);
+    const vec3 fall = pull(s, has, DOWN, NULL);
+    begin(s, has, RIGHT2, p, p + 2, n);
+    weigh(s, has, CROSS, self->laws, in_1, heat);
+    const vec3 anti = pull(s, has, ANTI, in_1), beside = minus(right, anti);
+    next = plus(next, plus(fall, anti));
+    ended = plus(ended, shift_1(left->beside, beside));
+    left->beside = beside;
+    begin(s, has, DOWN2, p, below + down, n);
+    weigh(s, has, RIGHT2, self->laws, in_2, heat);
+    const vec3 cross = pull(s, has, CROSS, in_1);
+    next = plus(next, shift_1(left->below, cross));
+    left->below = cross;
+    store3(self->ended + at, SPAN, next);
+    weigh(s, has, DOWN2, self->laws, in, heat);
+    const vec3 right2 = pull(s, has, RIGHT2, in_2);
+    ended = plus(ended, shift_2(left->beside2, right2));
+    left->beside2 = right2;
+    const vec3 fall2 = pull(s, has, DOWN2, NULL);
+    store3(self->ended2 + at, SPAN, fall2);
+    const vec3 own = plus(plus(plus(plus(right, fall), cross), right2), fall2);
+    return minus(own, ended);
+}
+
+/* x' and v' of the block at p, which is that of particle i, to planes m apart. */
+INLINE void emit(sweep *self, const double *p, size_t n, size_t i, vec3 force,
+                 const edge *rim, size_t count, double *to, size_t m)
+{
+    const vec3 v = load3(p + 3 * n, n);
+    const vec3 net = minus(force, scaled(self->drag, v));
+    const vec3 a = plus(self->gravity, scaled(load(self->inverse_mass + i), net));
+    const vec bad = trouble(a, v);
+    self->bad += rim != NULL ? only(bad, rim->inside) : bad;
+    store3_some(to, m, v, count);
+    store3_some(to + 3 * m, m, a, count);
+}
+
+/* Adds the heat of the block at column c, that of particle i, and what drag makes on
+ * it, to the sums of its row: each of every WEFT_SUMS-th column, whatever the width.
+ */
+INLINE void warm(const sweep *self, const double *p, size_t n, size_t i, size_t c,
+                 vec springs, const edge *rim)
+{
+    double *to = self->sums + c % WEFT_SUMS;
+    const vec3 v = load3(p + 3 * n, n);
+    const mask slowed = (load(self->inverse_mass + i) != 0.0) & (self->drag != 0.0);
+    const vec drag = only(self->drag * dot(v, v), slowed);
+    const vec all = springs + (rim != NULL ? only(drag, rim->inside) : drag);
+    store(to, load(to) + all);
+}
+
+static void leave_aside(const sweep *self, size_t i, size_t count)
+{
+    for (size_t k = 0; k < 6; ++k) {
+        const double *from = self->aside + k * SPAN;
+        double *to = self->dydt + k * self->n + i;
+        size_t j = 0;
+        for (; j + LANES <= count; j += LANES) {
+            store(to + j, load(from + j));
+        }
+        for (; j < count; ++j) {
+            to[j] = from[j];
+        }
+    }
+}
+
+/* The columns from c on of rows r, r + 1 and r + 2, where a block would read beyond the
+ * end of y. */
+static void copy_end(const sweep *self, size_t r, size_t c, double copy[6][3][EDGE])
+{
+    memset(copy, 0, 6 * sizeof *copy);
+    for (size_t k = 0; k < 6; ++k) {
+        for (size_t j = 0; j < 3 && r + j < self->rows; ++j) {
+            const double *from = self->y + k * self->n + (r + j) * self->cols;
+            for (size_t l = 0; l < EDGE && c + l < self->cols; ++l) {
+                copy[k][j][l] = from[c + l];
+            }
+        }
+    }
+}
+
+/* The block of row r at column c, of planes n and rows `down` apart. */
+typedef struct place {
+    const double *p;
+    size_t n, down;
+} place;
+
+INLINE place place_at(const sweep *self, size_t r, size_t c, double copy[6][3][EDGE])
+{
+    const size_t i = r * self->cols + c;
+    if (i + 2 * self->cols + EDGE <= self->n) {
+        return (place){ self->y + i, self->n, self->cols };
+    }
+    copy_end(self, r, c, copy);
+    return (place){ copy[0][0], 3 * EDGE, EDGE };
+}
+
+/* The last columns of a row. Lanes without a particle read others and are masked. */
+INLINE void row_end(sweep *self, size_t r, size_t at, unsigned has, bool emits,
+                    carry *left, double *to, size_t m)
+{
+    double copy[6][3][EDGE];
+    for (size_t c = self->inner, e = 0; c < self->cols; c += LANES, ++e) {
+        const size_t i = r * self->cols + c, b = e * LANES;
+        const size_t count = self->cols - c < LANES ? self->cols - c : LANES;
+        const place of = place_at(self, r, c, copy);
+        const edge *rim = &self->edges[e];
+        vec heat = splat(0.0);
+        const vec3 force
+            = block(self, of.p, of.n, of.down, at + b, has, left, rim, &heat);
+        if (emits) {
+            emit(self, of.p, of.n, i, force, rim, count, to + b, m);
+        }
+        if (emits && (has & BIT(HEATED)) != 0) {
+            warm(self, of.p, of.n, i, c, heat, rim);
+        }
+    }
+}
+
+/* Columns [first, end) of row r; of the block on their left only what it sends. */
+INLINE void row(sweep *self, size_t r, size_t first, size_t end, unsigned has,
+                bool emits)
+{
+    const size_t n = self->n, cols = self->cols, i = r * cols + first;
+    const size_t m = self->detour ? SPAN : n;
+    double *const to = self->detour ? self->aside : self->dydt + i;
+    const double *p = self->y + i;
+    const ptrdiff_t count = (ptrdiff_t)(end - first);
+    carry left = { 0 };
+    for (ptrdiff_t j = first > 0 ? -LANES : 0; j < count; j += LANES) {
+        const size_t at = (size_t)(LANES + j), b = i + (size_t)j;
+        vec heat = splat(0.0);
+        const vec3 force = block(self, p + j, n, cols, at, has, &left, NULL, &heat);
+        if (emits && j >= 0) {
+            emit(self, p + j, n, b, force, NULL, LANES, to + j, m);
+        }
+        if (emits && j >= 0 && (has & BIT(HEATED)) != 0) {
+            warm(self, p + j, n, b, b - r * cols, heat, NULL);
+        }
+    }
+    if (end == self->inner) {
+        row_end(self, r, LANES + (size_t)count, has, emits, &left, to + count, m);
+    }
+    if (emits && self->detour) {
+        leave_aside(self, i, (end == self->inner ? cols : end) - first);
+    }
+}
+
+enum {
+    STRETCH = BIT(RIGHT) | BIT(DOWN),
+    WOVEN = STRETCH | BIT(CROSS) | BIT(ANTI),
+    FULL = WOVEN | BIT(RIGHT2) | BIT(DOWN2)
+};
+
+/* What row r has of all that the cloth has. */
+static unsigned of_row(const sweep *self, size_t r, unsigned all)
+{
+    if (r + 1 >= self->rows) {
+        all &= ~(BIT(DOWN) | BIT(CROSS) | BIT(ANTI));
+    }
+    return r + 2 >= self->rows ? all & ~BIT(DOWN2) : all;
+}
+
+/* What most rows of most cloths have is compiled without branches. */
+static void any_row(sweep *self, size_t r, size_t first, size_t end, unsigned has,
+                    bool emits)
+{
+    switch (emits ? has : 0u) {
+#define CASE(springs)                                                                  \
+    case springs:                                                                      \
+        row(self, r, first, end, springs, true);                                       \
+        break;
+        CASE(STRETCH)
+        CASE(STRETCH | BIT(DAMPED))
+        CASE(WOVEN)
+        CASE(WOVEN | BIT(DAMPED))
+        CASE(FULL)
+        CASE(FULL | BIT(DAMPED))
+        CASE(STRETCH | BIT(DAMPED) | BIT(HEATED))
+        CASE(WOVEN | BIT(DAMPED) | BIT(HEATED))
+        CASE(FULL | BIT(DAMPED) | BIT(HEATED))
+#undef CASE
+    default:
+        row(self, r, first, end, has, emits);
+    }
+}
+
+/* Columns [first, end): the two rows above first_row send what ends in the others. */
+static void tile(sweep *self, size_t first, size_t end, unsigned all, size_t first_row,
+                 size_t end_row, double *heat)
+{
+    memset(self->ended, 0, sizeof self->ended);
+    memset(self->ended2, 0, sizeof self->ended2);
+    for (size_t r = first_row < 2 ? 0 : first_row - 2; r < end_row; ++r) {
+        unsigned has = of_row(self, r, all);
+        if (r < first_row) {
+            has &= r + 1 < first_row ? BIT(DOWN2) | BIT(DAMPED)
+                                     : ~(BIT(RIGHT) | BIT(RIGHT2) | BIT(HEATED));
+        }
+        self->sums = heat == NULL || r < first_row ? heat : heat + WEFT_SUMS * r;
+        any_row(self, r, first, end, has, r >= first_row);
+    }
+}
+
+/* A load waits for a store before it whose address has the same low twelve bits. Where
+ * planes are a multiple of 4096 bytes apart, but for a few columns, stores meet the
+ * loads of the next blocks in every row if dydt is that little ahead of y. */
+static bool stores_delay_loads(const sweep *self)
+{
+    const size_t ahead = ((uintptr_t)self->dydt - (uintptr_t)self->y) % 4096;
+    return (8 * self->n + 256) % 4096 < 512 && ahead < 256
+           && (ahead > 0 || (uintptr_t)self->y % 64 != 0);
+}
+
+/* Returns what its springs are. */
+static unsigned start(sweep *self, const weft_cloth *cloth, const double *y)
+{
+    const double *g = cloth->gravity;
+    unsigned all = 0;
+    self->y = y;
+    self->inverse_mass = cloth->inverse_mass;
+    self->n = cloth->particles, self->rows = cloth->rows, self->cols = cloth->cols;
+    self->inner = cloth->cols < 2 ? 0 : (cloth->cols - 2) / LANES * LANES;
+    self->gravity = (vec3){ splat(g[0]), splat(g[1]), splat(g[2]) };
+    self->drag = splat(cloth->drag);
+    self->bad = splat(0.0);
+    for (size_t e = 0; e < 2; ++e) {
+        for (size_t l = 0; l < LANES; ++l) {
+            const size_t c = self->inner + e * LANES + l;
+            self->edges[e].inside[l] = c < cloth->cols ? -1 : 0;
+            self->edges[e].right[l] = c + 1 < cloth->cols ? -1 : 0;
+            self->edges[e].right2[l] = c + 2 < cloth->cols ? -1 : 0;
+        }
+    }
+    for (size_t i = 0; i < cloth->group_count; ++i) {
+        const weft__group *group = &cloth->groups[i];
+        self->laws[group->way]
+            = (law){ splat(group->stiffness), splat(group->rest_length),
+                     splat(group->damping), splat(group->damping) != 0.0 };
+        all |= BIT(group->way) | (group->damping != 0.0 ? BIT(DAMPED) : 0u);
+    }
+    return all;
+}
+
+/* ---- heat by itself ------------------------------------------------------------ */
+
+/* As block, in its order. */
+INLINE vec heat_of(const sweep *self, place of, unsigned has, const edge *rim)
+{
+    const double *p = of.p, *below = p + of.down;
+    spring s[WEFT_GROUPS];
+    vec heat = splat(0.0);
+#define ADD(group, p, q, where)                                                        \
+    begin(s, has, group, p, q, of.n);                                                  \
+    weigh(s, has, group, self->laws, rim != NULL ? &rim->where : NULL, &heat);
+    ADD(RIGHT, p, p + 1, right)
+    ADD(DOWN, p, below, inside)
+    ADD(ANTI, p + 1, below, right)
+    ADD(CROSS, p, below + 1, right)
+    ADD(RIGHT2, p, p + 2, right2)
+    ADD(DOWN2, p, below + of.down, inside)
+#undef ADD
+    return heat;
+}
+
+INLINE void heat_row(const sweep *self, size_t r, unsigned has)
+{
+    double copy[6][3][EDGE];
+    size_t c = 0;
+    for (; c < self->inner; c += LANES) {
+        const size_t i = r * self->cols + c;
+        const place of = { self->y + i, self->n, self->cols };
+        const vec heat = heat_of(self, of, has, NULL);
+        warm(self, of.p, of.n, i, c, heat, NULL);
+    }
+    for (size_t e = 0; c < self->cols; c += LANES, ++e) {
+        const place of = place_at(self, r, c, copy);
+        const edge *rim = &self->edges[e];
+        const vec heat = heat_of(self, of, has, rim);
+        warm(self, of.p, of.n, r * self->cols + c, c, heat, rim);
+    }
+}
+
+void NAME(heat, LEVEL)(const weft_cloth *cloth, const double *y, double drag, size_t r,
+                       double sums[WEFT_SUMS])
+{
+    sweep self;
+    const unsigned most = FULL | BIT(DAMPED) | BIT(HEATED);
+    const unsigned all = start(&self, cloth, y);
+    const unsigned has = of_row(&self, r, all) | BIT(HEATED);
+    memset(sums, 0, WEFT_SUMS * sizeof *sums);
+    self.sums = sums;
+    self.drag = splat(drag);
+    if (has == most) {
+        heat_row(&self, r, most);
+    } else if ((all & BIT(DAMPED)) != 0) {
+        heat_row(&self, r, has);
+    } else if (drag != 0.0) {
+        heat_row(&self, r, 0);
+    }
+}
+
+/* ---- forces, and heat ----------------------------------------------------------- */
+
+int NAME(springs, LEVEL)(const weft_cloth *cloth, const double *y, double *dydt,
+                         double *heat, size_t first_row, size_t end_row)
+{
+    sweep self;
+    unsigned all = start(&self, cloth, y);
+    self.dydt = dydt;
+    self.detour = stores_delay_loads(&self);
+    for (size_t r = first_row; heat != NULL && r < end_row; ++r) {
+        if ((all & BIT(DAMPED)) != 0) {
+            memset(heat + WEFT_SUMS * r, 0, WEFT_SUMS * sizeof *heat);
+        } else {
+            NAME(heat, LEVEL)(cloth, y, cloth->drag, r, heat + WEFT_SUMS * r);
+        }
+    }
+    all |= heat != NULL && (all & BIT(DAMPED)) != 0 ? BIT(HEATED) : 0u;
+    for (size_t c = 0; c == 0 || c < self.inner; c += TILE) {
+        const size_t end = self.inner - c < TILE ? self.inner : c + TILE;
+        tile(&self, c, end, all, first_row, end_row, heat);
+    }
+    return sum(self.bad) == 0.0 ? 0 : 1;
+}

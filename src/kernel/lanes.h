@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* lanes.h -- LANES doubles at a time, by the vector extensions of GCC and Clang: the
+ * same source for every width, in the instructions of the level that it is compiled
+ * for. What has no instruction there is taken apart by the compiler. */
+#ifndef WEFT_KERNEL_LANES_H
+#define WEFT_KERNEL_LANES_H
+
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __SSE2__
+#include <immintrin.h>
+#endif
+
+#ifndef LANES
+#define LANES 2
+#endif
+
+#define INLINE static inline __attribute__((always_inline))
+
+typedef double vec __attribute__((vector_size(8 * LANES)));
+typedef int64_t mask __attribute__((vector_size(8 * LANES))); /* -1: yes, 0: no */
+typedef double vec_anywhere
+    __attribute__((vector_size(8 * LANES), aligned(8), may_alias));
+
+/* Vectors in space. */
+typedef struct vec3 {
+    vec x, y, z;
+} vec3;
+
+INLINE vec load(const double *from)
+{
+    return *(const vec_anywhere *)from;
+}
+
+INLINE void store(double *to, vec a)
+{
+    *(vec_anywhere *)to = a;
+}
+
+INLINE vec splat(double a)
+{
+    return a - (vec){ 0 };
+}
+
+INLINE vec only(vec a, mask where)
+{
+    return (vec)((mask)a & where);
+}
+
+INLINE double sum(vec a)
+{
+    double total = 0.0;
+    for (int i = 0; i < LANES; ++i) {
+        total += a[i];
+    }
+    return total;
+}
+
+/* Correctly rounded, as a division is. */
+INLINE vec root(vec a)
+{
+#if defined __AVX512F__ && LANES == 8
+    return (vec)_mm512_sqrt_pd((__m512d)a);
+#elif defined __AVX__ && LANES == 4
+    return (vec)_mm256_sqrt_pd((__m256d)a);
+#elif defined __SSE2__ && LANES == 2
+    return (vec)_mm_sqrt_pd((__m128d)a);
+#else
+    for (int i = 0; i < LANES; ++i) {
+        a[i] = sqrt(a[i]);
+    }
+    return a;
+#endif
+}
+
+/* The last lane, the last two, of a, then those of b that still fit. */
+#if LANES == 2
+#define SHIFT_1(a, b) __builtin_shufflevector(a, b, 1, 2)
+#define SHIFT_2(a, b) __builtin_shufflevector(a, b, 0, 1)
+#elif LANES == 4
+#define SHIFT_1(a, b) __builtin_shufflevector(a, b, 3, 4, 5, 6)
+#define SHIFT_2(a, b) __builtin_shufflevector(a, b, 2, 3, 4, 5)
+#elif LANES == 8
+#define SHIFT_1(a, b) __builtin_shufflevector(a, b, 7, 8, 9, 10, 11, 12, 13, 14)
+#define SHIFT_2(a, b) __builtin_shufflevector(a, b, 6, 7, 8, 9, 10, 11, 12, 13)
+#endif
+
+INLINE vec3 load3(const double *from, size_t plane)
+{
+    return (vec3){ load(from), load(from + plane), load(from + 2 * plane) };
+}
+
+INLINE void store3(double *to, size_t plane, vec3 a)
+{
+    store(to, a.x);
+    store(to + plane, a.y);
+    store(to + 2 * plane, a.z);
+}
+
+/* The first `count` lanes. */
+INLINE void store3_some(double *to, size_t plane, vec3 a, size_t count)
+{
+    if (count == LANES) {
+        store3(to, plane, a);
+        return;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        to[i] = a.x[i];
+        to[plane + i] = a.y[i];
+        to[2 * plane + i] = a.z[i];
+    }
+}
+
+INLINE vec3 plus(vec3 a, vec3 b)
+{
+    return (vec3){ a.x + b.x, a.y + b.y, a.z + b.z };
+}
+
+INLINE vec3 minus(vec3 a, vec3 b)
+{
+    return (vec3){ a.x - b.x, a.y - b.y, a.z - b.z };
+}
+
+INLINE vec3 scaled(vec a, vec3 b)
+{
+    return (vec3){ a * b.x, a * b.y, a * b.z };
+}
+
+INLINE vec dot(vec3 a, vec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+INLINE vec3 only3(vec3 a, mask where)
+{
+    return (vec3){ only(a.x, where), only(a.y, where), only(a.z, where) };
+}
+
+INLINE vec3 shift_1(vec3 a, vec3 b)
+{
+    return (vec3){ SHIFT_1(a.x, b.x), SHIFT_1(a.y, b.y), SHIFT_1(a.z, b.z) };
+}
+
+INLINE vec3 shift_2(vec3 a, vec3 b)
+{
+    return (vec3){ SHIFT_2(a.x, b.x), SHIFT_2(a.y, b.y), SHIFT_2(a.z, b.z) };
+}
+
+/* 0 where both are finite, else NaN, or where a sum of all would overflow. */
+INLINE vec trouble(vec3 a, vec3 b)
+{
+    return (((a.x + a.y) + a.z) + ((b.x + b.y) + b.z)) * 0.0;
+}
+
+#endif

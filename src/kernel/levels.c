@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* levels.c -- which instructions this machine has. */
+#include "kernel/kernel.h"
+
+#include <string.h>
+
+static const weft__level levels[] = {
+    { "plain", weft__springs_plain, weft__wind_plain, weft__heat_plain },
+#ifdef __x86_64__
+    { "x86-64-v3", weft__springs_v3, weft__wind_v3, weft__heat_v3 },
+    { "x86-64-v4", weft__springs_v4, weft__wind_v4, weft__heat_v4 },
+#endif
+};
+
+size_t weft__level_count(void)
+{
+#ifdef __x86_64__
+    /* what the compiler may use of a level, not merely its vectors */
+    __builtin_cpu_init();
+    const bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")
+                    && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+    const bool v4
+        = v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw")
+          && __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq")
+          && __builtin_cpu_supports("avx512vl");
+    return v4 ? 3 : v3 ? 2 : 1;
+#else
+    return 1;
+#endif
+}
+
+const weft__level *weft__level_at(size_t i)
+{
+    return &levels[i];
+}
+
+weft_status weft__level_find(const char *name, const weft__level **out, weft_error *err)
+{
+    const size_t count = weft__level_count();
+    char names[64] = "";
+    *out = &levels[count - 1];
+    if (name == NULL || name[0] == '\0') {
+        return WEFT_OK;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        *out = &levels[i];
+        if (strcmp(levels[i].name, name) == 0) {
+            return WEFT_OK;
+        }
+        strcat(strcat(names, i == 0 ? "" : ", "), levels[i].name);
+    }
+    return weft_error_set(err, WEFT_INVALID, "WEFT_ISA is '%.40s'; this machine has %s",
+                          name, names);
+}
+
+void weft__cloth_set_level(weft_cloth *cloth, const weft__level *level)
+{
+    cloth->level = level;
+}
+
+const char *weft_cloth_isa(const weft_cloth *cloth)
+{
+    return cloth->level->name;
+}

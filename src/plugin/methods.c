@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "plugin/methods.h"
+
+#include <string.h>
+
+#include "base/suggest.h"
+#include "plugin/registry.h"
+
+/* ---- of a plugin ------------------------------------------------------------- */
+
+/* One more of a list, while there is room for it and for what tells of others. */
+static void append(char *list, size_t size, const char *name)
+{
+    const size_t used = strlen(list);
+    if (used + strlen(name) + sizeof ", , ..." <= size) {
+        (void)snprintf(list + used, size - used, "%s%s", used > 0 ? ", " : "", name);
+    } else if (used < 3 || strcmp(list + used - 3, "...") != 0) {
+        (void)snprintf(list + used, size - used, ", ...");
+    }
+}
+
+void weft__methods_list(const weft_plugin *plugin, uint32_t flags, char *out,
+                        size_t size)
+{
+    out[0] = '\0';
+    for (size_t i = 0; plugin->types[i] != NULL; ++i) {
+        if ((plugin->types[i]->flags & flags) == flags) {
+            append(out, size, plugin->types[i]->name);
+        }
+    }
+}
+
+static void guess_method(weft__guess *guess, const char *name, const weft_plugin *of)
+{
+    for (size_t i = 0; of->types[i] != NULL; ++i) {
+        weft__guess_try(guess, name, of->types[i]->name);
+    }
+}
+
+/* The plugin of the others that has a method of that name, or a nearer one. */
+static void near_text(const weft_plugin *plugin, const char *name,
+                      const weft_plugin *const *others, char *out, size_t size)
+{
+    weft__guess guess = { 0 };
+    const char *of = NULL;
+    guess_method(&guess, name, plugin);
+    for (; others != NULL && *others != NULL; ++others) {
+        const char *before = guess.name;
+        if (weft_plugin_method(*others, name) != NULL) {
+            (void)snprintf(out, size, " (%.40s has)", (*others)->id);
+            return;
+        }
+        guess_method(&guess, name, *others);
+        of = guess.name == before ? of : (*others)->id;
+    }
+    if (of == NULL) {
+        (void)weft__guess_text(&guess, out, size);
+    } else {
+        (void)snprintf(out, size, " (did you mean '%.32s/%s'?)", of, guess.name);
+    }
+}
+
+const weft_stepper_type *weft__method_named(const weft_plugin *plugin, const char *name,
+                                            const weft_plugin *const *others,
+                                            weft_error *err)
+{
+    const weft_stepper_type *type = weft_plugin_method(plugin, name);
+    char near[120], names[240];
+    if (type == NULL && plugin != NULL) {
+        near_text(plugin, name, others, near, sizeof near);
+        weft__methods_list(plugin, 0, names, sizeof names);
+        weft_error_set(err, WEFT_INVALID,
+                       "plugin '%.32s' has no method '%.40s'%s; it has %s", plugin->id,
+                       name, near, names);
+    }
+    return type;
+}
+
+double weft_stepper_matrices(const weft_stepper_type *type, size_t particles,
+                             char *text, size_t size)
+{
+    const size_t dim = 6 * particles;
+    text[0] = '\0';
+    if ((type->flags & WEFT_STEPPER_DENSE) == 0) {
+        return 0.0;
+    }
+    const bool told = WEFT_HAS(type, weft_stepper_type, matrices) && type->matrices > 0;
+    const double bytes = 8.0 * (double)dim * (double)dim * (told ? type->matrices : 1);
+    (void)snprintf(text, size,
+                   "matrices of %zu x %zu, %.4g MB in all, about %zu evaluations for "
+                   "each Jacobian",
+                   dim, dim, 1e-6 * bytes, dim);
+    return bytes;
+}
+
+const weft_stepper_type *weft_plugin_method(const weft_plugin *plugin, const char *name)
+{
+    for (size_t i = 0; plugin != NULL && plugin->types[i] != NULL; ++i) {
+        if (weft_stepper_is(plugin->types[i], name)) {
+            return plugin->types[i];
+        }
+    }
+    return NULL;
+}
+
+/* ---- of a registry ----------------------------------------------------------- */
+
+const char *const weft__shipped[WEFT__SHIPPED + 1]
+    = { "gsl", "arkode", "verlet", NULL };
+
+const char *weft__plugin_guess(const char *id, char *out, size_t size)
+{
+    weft__guess guess = { 0 };
+    bool exact = false;
+    for (size_t i = 0; weft__shipped[i] != NULL; ++i) {
+        weft__guess_try(&guess, id, weft__shipped[i]);
+        exact = exact || strcmp(id, weft__shipped[i]) == 0;
+    }
+    guess.name = exact ? NULL : guess.name;
+    return weft__guess_text(&guess, out, size);
+}
+
+/* Plugins that a registry has or could load. */
+typedef struct choice {
+    const char *wanted;
+    bool there;
+    size_t distance; /* of the nearest */
+    char nearest[64], names[160];
+} choice;
+
+static bool is_listed(const char *list, const char *name)
+{
+    const size_t length = strlen(name);
+    for (const char *at = list; *at != '\0'; at += strcspn(at, ", ")) {
+        at += strspn(at, ", ");
+        if (strcspn(at, ", ") == length && strncmp(at, name, length) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void consider(void *ctx, const char *id)
+{
+    choice *self = ctx;
+    weft__guess guess
+        = { self->nearest[0] != '\0' ? self->nearest : NULL, self->distance };
+    const char *before = guess.name;
+    self->there = self->there || strcmp(id, self->wanted) == 0;
+    if (is_listed(self->names, id)) {
+        return;
+    }
+    append(self->names, sizeof self->names, id);
+    weft__guess_try(&guess, self->wanted, id);
+    if (guess.name != before) {
+        (void)snprintf(self->nearest, sizeof self->nearest, "%s", id);
+        self->distance = guess.distance;
+    }
+}
+
+weft_status weft_registry_method(weft_registry *registry, const char *plugin,
+                                 const char *method, const weft_stepper_type **out,
+                                 weft_error *err)
+{
+    const weft_plugin *found = NULL;
+    weft_error why = { 0 };
+    *out = NULL;
+    const weft_status status = weft_registry_find(registry, plugin, &found, &why);
+    if (status == WEFT_OK) {
+        *out = weft__method_named(found, method, NULL, err);
+        return *out != NULL ? WEFT_OK : WEFT_INVALID;
+    }
+    choice all = { .wanted = plugin };
+    char near[80];
+    weft__registry_names(registry, consider, &all);
+    const weft__guess guess = { all.nearest[0] != '\0' ? all.nearest : NULL, 0 };
+    const bool refused = all.there;
+    return weft_error_set(err, status, "%.300s%s%s%s", why.message,
+                          refused ? "" : weft__guess_text(&guess, near, sizeof near),
+                          refused || all.names[0] == '\0' ? "" : "; there are ",
+                          refused ? "" : all.names);
+}

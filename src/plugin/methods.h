@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* methods.h -- methods and plugins by their names, and what to say of one that is not
+ * there. */
+#ifndef WEFT_PLUGIN_METHODS_H
+#define WEFT_PLUGIN_METHODS_H
+
+#include "weft/sim.h"
+
+/* The names of a plugin's methods that have the flags, as many as fit. */
+void weft__methods_list(const weft_plugin *plugin, uint32_t flags, char *out,
+                        size_t size);
+
+/* As weft_plugin_method; where it is NULL, *err lists the plugin's methods and names
+ * the nearest one, or the one of the others, which NULL ends (NULL: there are none). */
+const weft_stepper_type *weft__method_named(const weft_plugin *plugin, const char *name,
+                                            const weft_plugin *const *others,
+                                            weft_error *err);
+
+/* [particles] Methods with dense matrices are for so many at most. */
+enum { WEFT__DENSE_MOST = 36 };
+
+/* The ids of weft's own plugins, NULL at their end. */
+enum { WEFT__SHIPPED = 3 };
+extern const char *const weft__shipped[WEFT__SHIPPED + 1];
+
+/* " (did you mean 'gsl'?)" of an id that weft's own plugins do not have; else "". */
+const char *weft__plugin_guess(const char *id, char *out, size_t size);
+
+#endif

@@ -1,0 +1,396 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* registry.c -- the plugins a program has, linked in or loaded from weft-<id>.so. */
+#include "plugin/registry.h"
+
+#include <dirent.h>
+#include <dlfcn.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/memory.h"
+
+typedef struct entry {
+    const weft_plugin *plugin;
+    void *handle; /* NULL: linked in */
+    char *file;
+} entry;
+
+struct weft_registry {
+    char *path; /* directories, separated by ':' */
+    entry *entries;
+    size_t count;
+    weft_log log;
+    weft_status (*admit)(void *ctx, const char *file, weft_error *err);
+    void *admit_ctx;
+    weft_allocator memory;
+};
+
+weft_registry_def weft_registry_def_default(void)
+{
+    return (weft_registry_def){ .environment = true, .installed = true };
+}
+
+enum { LISTS = 4 };
+
+/* All lists as one, empty ones left out. */
+static char *join_paths(const weft_allocator *memory, const char *const lists[LISTS])
+{
+    size_t length = 1;
+    for (size_t i = 0; i < LISTS; ++i) {
+        length += lists[i] == NULL ? 0 : strlen(lists[i]) + 1;
+    }
+    char *joined = weft__zeroed(memory, length, 1);
+    for (size_t i = 0; joined != NULL && i < LISTS; ++i) {
+        if (lists[i] != NULL && lists[i][0] != '\0') {
+            strcat(joined, joined[0] == '\0' ? "" : ":");
+            strcat(joined, lists[i]);
+        }
+    }
+    return joined;
+}
+
+weft_status weft_registry_create(const weft_registry_def *def, weft_registry **out,
+                                 weft_error *err)
+{
+    char installed[2048] = "";
+    if (def->installed) {
+        weft__installed_plugins(installed, sizeof installed);
+    }
+    const char *const lists[LISTS] = {
+        def->path,
+        def->environment ? getenv("WEFT_PLUGIN_PATH") : NULL,
+        def->fallback,
+        installed,
+    };
+    *out = NULL;
+    const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
+    weft_registry *registry = weft__zeroed(&memory, 1, sizeof *registry);
+    char *path = join_paths(&memory, lists);
+    if (registry == NULL || path == NULL) {
+        weft__free(&memory, registry);
+        weft__free(&memory, path);
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a plugin registry");
+    }
+    registry->path = path;
+    registry->log = def->log;
+    registry->admit = def->admit;
+    registry->admit_ctx = def->admit_ctx;
+    registry->memory = memory;
+    *out = registry;
+    return WEFT_OK;
+}
+
+void weft_registry_destroy(weft_registry *registry)
+{
+    if (registry == NULL) {
+        return;
+    }
+    const weft_allocator memory = registry->memory;
+    for (size_t i = 0; i < registry->count; ++i) {
+        if (registry->entries[i].handle != NULL) {
+            dlclose(registry->entries[i].handle);
+        }
+        weft__free(&memory, registry->entries[i].file);
+    }
+    weft__free(&memory, registry->entries);
+    weft__free(&memory, registry->path);
+    weft__free(&memory, registry);
+}
+
+static const weft_plugin *find_loaded(const weft_registry *registry, const char *id)
+{
+    for (size_t i = 0; i < registry->count; ++i) {
+        if (strcmp(registry->entries[i].plugin->id, id) == 0) {
+            return registry->entries[i].plugin;
+        }
+    }
+    return NULL;
+}
+
+/* Takes over nothing on failure. */
+static weft_status add_entry(weft_registry *registry, const weft_plugin *plugin,
+                             void *handle, const char *file, weft_error *err)
+{
+    const weft_status status = weft__plugin_check(plugin, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    if (find_loaded(registry, plugin->id) != NULL) {
+        return weft_error_set(err, WEFT_BAD_PLUGIN, "a plugin '%s' is there already",
+                              plugin->id);
+    }
+    entry *grown = weft__resize(&registry->memory, registry->entries,
+                                registry->count + 1, sizeof *grown);
+    if (grown == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a plugin");
+    }
+    registry->entries = grown;
+    char *copy = weft__copy_text(&registry->memory, file);
+    if (copy == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a plugin");
+    }
+    grown[registry->count++] = (entry){ plugin, handle, copy };
+    weft__log(&registry->log, WEFT_LOG_INFO, "plugin %s %s%s", plugin->id,
+              file[0] == '\0' ? "linked in" : "from ", file);
+    return WEFT_OK;
+}
+
+weft_status weft_registry_add(weft_registry *registry, const weft_plugin *plugin,
+                              weft_error *err)
+{
+    return add_entry(registry, plugin, NULL, "", err);
+}
+
+/* The <id> of .../weft-<id>.so; false if the name has another shape. */
+static bool id_of_file(const char *file, char *id, size_t size)
+{
+    const char *slash = strrchr(file, '/');
+    const char *name = slash == NULL ? file : slash + 1;
+    const size_t length = strlen(name);
+    if (strncmp(name, "weft-", 5) != 0 || length <= 8
+        || strcmp(name + length - 3, ".so") != 0 || length - 8 >= size) {
+        return false;
+    }
+    memcpy(id, name + 5, length - 8);
+    id[length - 8] = '\0';
+    return true;
+}
+
+/* weft_plugin_<id> of an open plugin, called; NULL if it has none. */
+static weft_status call_entry(void *handle, const char *id, const weft_plugin **plugin,
+                              weft_error *err)
+{
+    char name[128];
+    (void)snprintf(name, sizeof name, "weft_plugin_%s", id);
+    void *symbol = dlsym(handle, name);
+    if (symbol == NULL) {
+        return weft_error_set(
+            err, WEFT_BAD_PLUGIN,
+            "it has no function %s() (is it exported, with WEFT_API?)", name);
+    }
+    /* POSIX makes the conversion work that ISO C does not know. */
+    weft_plugin_fn *function;
+    memcpy(&function, &symbol, sizeof function);
+    *plugin = function();
+    return WEFT_OK;
+}
+
+static weft_status load_open(weft_registry *registry, void *handle, const char *id,
+                             const char *file, weft_error *err)
+{
+    const weft_plugin *plugin = NULL;
+    weft_status status = call_entry(handle, id, &plugin, err);
+    if (status == WEFT_OK) {
+        status = weft__plugin_check(plugin, err);
+    }
+    if (status == WEFT_OK && strcmp(plugin->id, id) != 0) {
+        status
+            = weft_error_set(err, WEFT_BAD_PLUGIN, "it calls itself '%s'", plugin->id);
+    }
+    return status == WEFT_OK ? add_entry(registry, plugin, handle, file, err) : status;
+}
+
+/* Whether a file may be loaded. One that is missing is left to dlopen. */
+static weft_status check_file(const weft_registry *registry, const char *file,
+                              const char *id, weft_error *err)
+{
+    struct stat status;
+    if (id == NULL) {
+        return weft_error_set(err, WEFT_BAD_PLUGIN,
+                              "its name is not of the form weft-<id>.so");
+    }
+    if (stat(file, &status) == 0 && !S_ISREG(status.st_mode)) {
+        return weft_error_set(err, WEFT_BAD_PLUGIN, "not a regular file");
+    }
+    return registry->admit == NULL ? WEFT_OK
+                                   : registry->admit(registry->admit_ctx, file, err);
+}
+
+/* dlopen takes a name without a slash for a library of the system. */
+static void *open_file(const char *file)
+{
+    char path[4096];
+    (void)snprintf(path, sizeof path, "%s%s", strchr(file, '/') == NULL ? "./" : "",
+                   file);
+    return dlopen(path, RTLD_NOW | RTLD_LOCAL);
+}
+
+/* What dlerror says often begins with "file: ", as open_file has named it. */
+static const char *without_name(const char *reason, const char *file)
+{
+    const size_t length = strlen(file);
+    reason += strchr(file, '/') == NULL && strncmp(reason, "./", 2) == 0 ? 2 : 0;
+    return strncmp(reason, file, length) == 0 && strncmp(reason + length, ": ", 2) == 0
+               ? reason + length + 2
+               : reason;
+}
+
+weft_status weft_registry_load(weft_registry *registry, const char *file,
+                               weft_error *err)
+{
+    weft_error why = { 0 };
+    char id[64];
+    void *handle = NULL;
+    weft_status status
+        = check_file(registry, file, id_of_file(file, id, sizeof id) ? id : NULL, &why);
+    if (status == WEFT_OK && (handle = open_file(file)) == NULL) {
+        const char *reason = dlerror();
+        status = weft_error_set(&why, WEFT_BAD_PLUGIN, "%s",
+                                reason == NULL ? "it cannot be opened"
+                                               : without_name(reason, file));
+    } else if (status == WEFT_OK) {
+        status = load_open(registry, handle, id, file, &why);
+    }
+    if (status != WEFT_OK) {
+        if (handle != NULL) {
+            dlclose(handle);
+        }
+        weft_error_set(err, status, "plugin refused: %s: %s", file, why.message);
+        weft__log(&registry->log, WEFT_LOG_WARNING, "plugin refused: %s: %s", file,
+                  why.message);
+    }
+    return status;
+}
+
+/* The next directory of a list separated by ':'; NULL at the end. One that is too long
+ * to be a path is passed over. */
+static const char *next_directory(const char *list, char *directory, size_t size)
+{
+    for (size_t length; *list != '\0'; list += length) {
+        list += strspn(list, ":");
+        length = strcspn(list, ":");
+        if (length > 0 && length < size) {
+            memcpy(directory, list, length);
+            directory[length] = '\0';
+            return list + length;
+        }
+    }
+    return NULL;
+}
+
+/* In words. */
+static const char *searched(const weft_registry *registry)
+{
+    return registry->path[0] != '\0'
+               ? registry->path
+               : "an empty search path; set WEFT_PLUGIN_PATH or weft_registry_def.path";
+}
+
+weft_status weft_registry_find(weft_registry *registry, const char *id,
+                               const weft_plugin **out, weft_error *err)
+{
+    char directory[2048], file[4096];
+    *out = find_loaded(registry, id);
+    if (*out != NULL) {
+        return WEFT_OK;
+    }
+    const char *list = strchr(id, '/') == NULL ? registry->path : "";
+    while ((list = next_directory(list, directory, sizeof directory)) != NULL) {
+        struct stat status;
+        (void)snprintf(file, sizeof file, "%s/weft-%s.so", directory, id);
+        if (stat(file, &status) == 0) {
+            const weft_status loaded = weft_registry_load(registry, file, err);
+            *out = find_loaded(registry, id);
+            return loaded;
+        }
+    }
+    return weft_error_set(err, WEFT_BAD_PLUGIN,
+                          "plugin '%s' not found: no weft-%s.so in %s", id, id,
+                          searched(registry));
+}
+
+static int is_plugin_file(const struct dirent *item)
+{
+    char id[64];
+    return id_of_file(item->d_name, id, sizeof id);
+}
+
+typedef void visit_fn(void *ctx, const char *id, const char *file);
+
+/* Every weft-*.so of the search path that is not there yet, in the order of the
+ * directories and of their names. */
+static void each_file(const weft_registry *registry, visit_fn *visit, void *ctx)
+{
+    char directory[2048], id[64], file[4096];
+    const char *list = registry->path;
+    while ((list = next_directory(list, directory, sizeof directory)) != NULL) {
+        struct dirent **items = NULL;
+        const int count = scandir(directory, &items, is_plugin_file, alphasort);
+        for (int i = 0; i < count; ++i) {
+            (void)id_of_file(items[i]->d_name, id, sizeof id);
+            (void)snprintf(file, sizeof file, "%s/%s", directory, items[i]->d_name);
+            if (find_loaded(registry, id) == NULL) {
+                visit(ctx, id, file);
+            }
+            free(items[i]); /* scandir's */
+        }
+        free(items);
+    }
+}
+
+typedef struct loading {
+    weft_registry *registry;
+    void (*refused)(void *ctx, const weft_error *why);
+    void *ctx;
+} loading;
+
+static void load_one(void *ctx, const char *id, const char *file)
+{
+    const loading *self = ctx;
+    weft_error why = { 0 };
+    (void)id;
+    if (weft_registry_load(self->registry, file, &why) != WEFT_OK
+        && self->refused != NULL) {
+        self->refused(self->ctx, &why);
+    }
+}
+
+typedef struct naming {
+    void (*visit)(void *ctx, const char *id);
+    void *ctx;
+} naming;
+
+static void name_one(void *ctx, const char *id, const char *file)
+{
+    const naming *self = ctx;
+    (void)file;
+    self->visit(self->ctx, id);
+}
+
+void weft__registry_names(const weft_registry *registry,
+                          void (*visit)(void *ctx, const char *id), void *ctx)
+{
+    naming self = { visit, ctx };
+    for (size_t i = 0; i < registry->count; ++i) {
+        visit(ctx, registry->entries[i].plugin->id);
+    }
+    each_file(registry, name_one, &self);
+}
+
+weft_status weft_registry_load_all(weft_registry *registry,
+                                   void (*refused)(void *ctx, const weft_error *why),
+                                   void *ctx, weft_error *err)
+{
+    loading self = { registry, refused, ctx };
+    each_file(registry, load_one, &self);
+    if (registry->count == 0) {
+        return weft_error_set(err, WEFT_BAD_PLUGIN, "no stepper plugin in %s",
+                              searched(registry));
+    }
+    return WEFT_OK;
+}
+
+size_t weft_registry_count(const weft_registry *registry)
+{
+    return registry->count;
+}
+
+const weft_plugin *weft_registry_at(const weft_registry *registry, size_t i)
+{
+    return registry->entries[i].plugin;
+}
+
+const char *weft_registry_file(const weft_registry *registry, size_t i)
+{
+    return registry->entries[i].file;
+}

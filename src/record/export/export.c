@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* export.c -- what several formats share. */
+#include "record/export/export.h"
+
+#include <string.h>
+
+void record_quad(const record_surface *surface, size_t q, size_t corners[4])
+{
+    const size_t cols = surface->cols;
+    const size_t a = q / (cols - 1) * cols + q % (cols - 1);
+    corners[0] = a;
+    corners[1] = a + cols;
+    corners[2] = a + cols + 1;
+    corners[3] = a + 1;
+}
+
+static double fraction(size_t index, size_t count)
+{
+    return count > 1 ? (double)index / (double)(count - 1) : 0.0;
+}
+
+void record_texture(const record_surface *surface, size_t i, double uv[2])
+{
+    uv[0] = fraction(i % surface->cols, surface->cols);
+    uv[1] = 1.0 - fraction(i / surface->cols, surface->rows);
+}
+
+void record_put(FILE *stream, uint64_t bits, size_t bytes, bool big)
+{
+    for (size_t i = 0; i < bytes; ++i) {
+        const size_t byte = big ? bytes - 1 - i : i;
+        (void)putc((int)(bits >> (8 * byte) & 0xff), stream);
+    }
+}
+
+void record_put_float(FILE *stream, double value, bool big)
+{
+    const float rounded = record_single(value);
+    uint32_t bits;
+    memcpy(&bits, &rounded, sizeof bits);
+    record_put(stream, bits, sizeof bits, big);
+}

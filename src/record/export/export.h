@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* export.h -- frames as files that other programs read. Layouts are in docs/output.md.
+ */
+#ifndef WEFT_RECORD_EXPORT_EXPORT_H
+#define WEFT_RECORD_EXPORT_EXPORT_H
+
+#include "record/record.h"
+
+/* The particles of one frame. Vectors are x y z of particle 0, x y z of particle 1, ...
+ */
+typedef struct record_surface {
+    size_t rows, cols;
+    const double *position; /* [m] */
+    const double *velocity; /* [m/s]; NULL: not known */
+    const double *strain;   /* NULL: not known */
+    bool doubles;           /* else all are floats, and no more digits are written */
+} record_surface;
+
+/* A file for a frame. It appears complete, or not at all. */
+typedef weft_status record_write_fn(const char *directory, const char *name,
+                                    const record_surface *surface, weft_error *err);
+
+/* export_obj.c: Wavefront OBJ, quads and texture coordinates; a chain is a line.
+ * export_ply.c: the same as binary PLY; a chain is edges.
+ * export_csv.c: row,col,x,y,z,vx,vy,vz; no velocities if they are not known.
+ * export_vtp.c: VTK PolyData in XML, arrays appended raw. */
+record_write_fn record_obj, record_ply, record_csv, record_vtp;
+
+/* One file over all frames: it is begun, given every frame, and ended. `file` is the
+ * frame's own file, relative to that of the movie. */
+typedef struct record_movie {
+    void (*begin)(FILE *stream, const double *times, size_t frames, size_t particles);
+    void (*frame)(FILE *stream, double time, const char *file,
+                  const record_surface *surface);
+    void (*end)(FILE *stream);
+} record_movie;
+
+/* export_cache.c: point caches of other programs. export_vtp.c: an index of VTP files.
+ */
+extern const record_movie record_mdd, record_pc2, record_pvd;
+
+/* export_csv.c: final.csv, into vectors of 3 N each. WEFT_IO if it is damaged or does
+ * not have the hash in result.yaml. */
+weft_status record_final_read(const char *directory, size_t rows, size_t cols,
+                              double *position, double *velocity, weft_error *err);
+
+/* What several formats share. */
+
+static inline size_t record_particles(const record_surface *surface)
+{
+    return surface->rows * surface->cols;
+}
+
+static inline size_t record_quads(const record_surface *surface)
+{
+    return (surface->rows - 1) * (surface->cols - 1);
+}
+
+/* Corners of quad q, around it, the same way round in every format. */
+void record_quad(const record_surface *surface, size_t q, size_t corners[4]);
+
+/* Texture coordinates: u along a row, v up a column, from 0 to 1. */
+void record_texture(const record_surface *surface, size_t i, double uv[2]);
+
+/* Bytes of numbers, least significant first unless `big`. */
+void record_put(FILE *stream, uint64_t bits, size_t bytes, bool big);
+void record_put_float(FILE *stream, double value, bool big);
+
+#endif

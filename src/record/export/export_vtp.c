@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* export_vtp.c -- VTK's XML: a VTP file a frame, and the PVD file that lists them.
+ *
+ * Numbers stand behind the XML: for each array its length in bytes, then its values.
+ * The offsets in the XML count from the byte after the underscore. */
+#include "record/export/export.h"
+
+#include <string.h>
+
+#define HEAD(type)                                                                     \
+    "<?xml version=\"1.0\"?>\n<VTKFile type=\"" type                                   \
+    "\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+
+/* ---- arrays ----------------------------------------------------------------- */
+
+static void put_double(FILE *stream, double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    record_put(stream, bits, sizeof bits, false);
+}
+
+static size_t real_size(const record_surface *surface)
+{
+    return surface->doubles ? 8 : 4;
+}
+
+/* The tag of an array at *offset, which moves on by the array's size. */
+static void tag(FILE *stream, const char *type, const char *name, size_t components,
+                size_t bytes, size_t *offset)
+{
+    fprintf(stream,
+            "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%zu\" "
+            "format=\"appended\" offset=\"%zu\"/>\n",
+            type, name, components, *offset);
+    *offset += sizeof(uint64_t) + bytes;
+}
+
+static void tag_reals(FILE *stream, const record_surface *surface, const char *name,
+                      size_t components, size_t *offset)
+{
+    tag(stream, surface->doubles ? "Float64" : "Float32", name, components,
+        record_particles(surface) * components * real_size(surface), offset);
+}
+
+static void put_reals(FILE *stream, const record_surface *surface, const double *values,
+                      size_t components)
+{
+    const size_t count = record_particles(surface) * components;
+    record_put(stream, count * real_size(surface), 8, false);
+    for (size_t i = 0; i < count; ++i) {
+        if (surface->doubles) {
+            put_double(stream, values[i]);
+        } else {
+            record_put_float(stream, values[i], false);
+        }
+    }
+}
+
+/* ---- cells: quads, or one line ---------------------------------------------- */
+
+static size_t cell_count(const record_surface *surface)
+{
+    const size_t quads = record_quads(surface);
+    return quads > 0 ? quads : 1;
+}
+
+static size_t cell_size(const record_surface *surface)
+{
+    return record_quads(surface) > 0 ? 4 : record_particles(surface);
+}
+
+static void put_cells(FILE *stream, const record_surface *surface)
+{
+    const size_t cells = cell_count(surface), size = cell_size(surface);
+    record_put(stream, 8 * cells * size, 8, false);
+    for (size_t c = 0; c < cells; ++c) {
+        size_t corners[4] = { 0 };
+        if (record_quads(surface) > 0) {
+            record_quad(surface, c, corners);
+        }
+        for (size_t k = 0; k < size; ++k) {
+            record_put(stream, record_quads(surface) > 0 ? corners[k] : k, 8, false);
+        }
+    }
+    record_put(stream, 8 * cells, 8, false);
+    for (size_t c = 1; c <= cells; ++c) {
+        record_put(stream, c * size, 8, false);
+    }
+}
+
+/* ---- VTP -------------------------------------------------------------------- */
+
+static void write_tags(FILE *stream, const record_surface *surface)
+{
+    const char *cells = record_quads(surface) > 0 ? "Polys" : "Lines";
+    size_t offset = 0;
+    fprintf(stream,
+            HEAD("PolyData") "<PolyData><Piece NumberOfPoints=\"%zu\" "
+                             "NumberOf%s=\"%zu\">\n<Points>\n",
+            record_particles(surface), cells, cell_count(surface));
+    tag_reals(stream, surface, "Points", 3, &offset);
+    fputs("</Points>\n<PointData>\n", stream);
+    if (surface->velocity != NULL) {
+        tag_reals(stream, surface, "velocity", 3, &offset);
+    }
+    if (surface->strain != NULL) {
+        tag_reals(stream, surface, "strain", 1, &offset);
+    }
+    fprintf(stream, "</PointData>\n<%s>\n", cells);
+    tag(stream, "Int64", "connectivity", 1,
+        8 * cell_count(surface) * cell_size(surface), &offset);
+    tag(stream, "Int64", "offsets", 1, 8 * cell_count(surface), &offset);
+    fprintf(stream, "</%s>\n</Piece></PolyData>\n<AppendedData encoding=\"raw\">\n_",
+            cells);
+}
+
+weft_status record_vtp(const char *directory, const char *name,
+                       const record_surface *surface, weft_error *err)
+{
+    record_file file;
+    const weft_status status = record_file_open(&file, directory, name, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    write_tags(file.stream, surface);
+    put_reals(file.stream, surface, surface->position, 3);
+    if (surface->velocity != NULL) {
+        put_reals(file.stream, surface, surface->velocity, 3);
+    }
+    if (surface->strain != NULL) {
+        put_reals(file.stream, surface, surface->strain, 1);
+    }
+    put_cells(file.stream, surface);
+    fputs("\n</AppendedData></VTKFile>\n", file.stream);
+    return record_file_commit(&file, err);
+}
+
+/* ---- PVD -------------------------------------------------------------------- */
+
+static void begin_pvd(FILE *stream, const double *times, size_t frames,
+                      size_t particles)
+{
+    (void)times;
+    (void)frames;
+    (void)particles;
+    fputs(HEAD("Collection") "<Collection>\n", stream);
+}
+
+static void frame_pvd(FILE *stream, double time, const char *file,
+                      const record_surface *surface)
+{
+    (void)surface;
+    fprintf(stream, "<DataSet timestep=\"%.17g\" part=\"0\" file=\"%s\"/>\n", time,
+            file);
+}
+
+static void end_pvd(FILE *stream)
+{
+    fputs("</Collection></VTKFile>\n", stream);
+}
+
+const record_movie record_pvd
+    = { .begin = begin_pvd, .frame = frame_pvd, .end = end_pvd };

@@ -1,0 +1,413 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* player_page.c -- which frames and particles the page shows, and their numbers. */
+#include "record/player_page.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "record/frames.h"
+#include "record/page.h"
+#include "record/record.h"
+
+#define FRAME_BUDGET 64e6 /* [B] of all frames; more are thinned */
+#define SIDE_MAX     256  /* particles shown along a side; more are thinned */
+#define RUNS_MAX     2
+#define TIME_MATCH   1e-9 /* relative: two frames of the same time */
+
+typedef weft_status field_reader(record_frames *, size_t, double *, weft_error *);
+
+/* What a cloth may be coloured by; a field of width 3 by its length. */
+static const struct field {
+    const char *name;
+    field_reader *read;
+    size_t width;
+} fields[] = {
+    { "strain", record_frames_strain, 1 },
+    { "speed", record_frames_velocities, 3 },
+};
+
+#define FIELDS (sizeof fields / sizeof fields[0])
+
+typedef struct player_run {
+    const char *directory;
+    record_frames *frames;
+    size_t *index; /* frames to choose from, then those shown */
+} player_run;
+
+typedef struct player_page {
+    player_run runs[RUNS_MAX];
+    size_t run_count, rows, cols;
+    size_t chosen, shown; /* frames: to choose from, left after thinning */
+    size_t stride, shown_rows, shown_cols, count; /* particles shown */
+    size_t *particles;                            /* their indices */
+    bool present[FIELDS];
+    size_t planes;          /* x, y, z and the fields that are present */
+    double *xyz[RUNS_MAX];  /* 3 N, positions of one frame */
+    double *field, *values; /* 3 N as read, one plane as shown */
+    unsigned char *block;
+    FILE *stream;
+} player_page;
+
+static weft_status open_runs(player_page *self, weft_error *err)
+{
+    weft_status status = WEFT_OK;
+    for (size_t r = 0; status == WEFT_OK && r < self->run_count; ++r) {
+        player_run *run = &self->runs[r];
+        status = record_frames_open(run->directory, &run->frames, err);
+    }
+    if (status != WEFT_OK) {
+        return status;
+    }
+    self->rows = record_frames_rows(self->runs[0].frames);
+    self->cols = record_frames_cols(self->runs[0].frames);
+    for (size_t r = 0; r < self->run_count; ++r) {
+        const size_t rows = record_frames_rows(self->runs[r].frames);
+        const size_t cols = record_frames_cols(self->runs[r].frames);
+        if (record_frames_count(self->runs[r].frames) == 0) {
+            return weft_error_set(err, WEFT_INVALID, "%s: no frames",
+                                  self->runs[r].directory);
+        }
+        if (rows != self->rows || cols != self->cols) {
+            return weft_error_set(err, WEFT_INVALID,
+                                  "runs of different grids: %s has %zu x %zu "
+                                  "particles, %s %zu x %zu",
+                                  self->runs[0].directory, self->rows, self->cols,
+                                  self->runs[r].directory, rows, cols);
+        }
+    }
+    return WEFT_OK;
+}
+
+/* Which frames have a time that every run has. */
+static size_t match(player_run *runs, size_t run_count)
+{
+    size_t at[RUNS_MAX] = { 0 }, found = 0;
+    const size_t other = run_count - 1;
+    while (at[0] < record_frames_count(runs[0].frames)
+           && at[other] < record_frames_count(runs[other].frames)) {
+        const double t = record_frames_time(runs[0].frames, at[0]);
+        const double ahead = t - record_frames_time(runs[other].frames, at[other]);
+        const bool same = fabs(ahead) <= TIME_MATCH * (1.0 + fabs(t));
+        if (same) {
+            runs[0].index[found] = at[0];
+            runs[other].index[found++] = at[other];
+        }
+        at[0] += same || ahead < 0.0;
+        at[other] += other > 0 && (same || ahead > 0.0);
+    }
+    return found;
+}
+
+/* Keep every n-th frame and the last, so that the page stays within its budget. */
+static void thin(player_page *self)
+{
+    const size_t blocks = self->run_count;
+    const double bytes
+        = 4.0 / 3.0
+          * ((double)(blocks * page_block_size(self->planes, self->count))
+             + (blocks > 1 ? (double)page_block_size(1, self->count) : 0.0));
+    const double step
+        = ceil((double)self->chosen * bytes / (FRAME_BUDGET - 2.0 * bytes));
+    const size_t last = self->chosen - 1;
+    for (size_t i = 0; i < self->chosen; i += (size_t)step) {
+        for (size_t r = 0; r < self->run_count; ++r) {
+            self->runs[r].index[self->shown] = self->runs[r].index[i];
+        }
+        ++self->shown;
+    }
+    if (last % (size_t)step != 0) {
+        for (size_t r = 0; r < self->run_count; ++r) {
+            self->runs[r].index[self->shown] = self->runs[r].index[last];
+        }
+        ++self->shown;
+    }
+}
+
+static weft_status choose_frames(player_page *self, weft_error *err)
+{
+    for (size_t r = 0; r < self->run_count; ++r) {
+        player_run *run = &self->runs[r];
+        run->index = calloc(record_frames_count(run->frames), sizeof *run->index);
+        if (run->index == NULL) {
+            return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a page");
+        }
+    }
+    self->chosen = match(self->runs, self->run_count);
+    if (self->chosen == 0) {
+        return weft_error_set(err, WEFT_INVALID, "%s and %s have no time in common",
+                              self->runs[0].directory, self->runs[1].directory);
+    }
+    thin(self);
+    return WEFT_OK;
+}
+
+static size_t thinned(size_t side, size_t stride)
+{
+    return (side - 1 + stride - 1) / stride + 1;
+}
+
+static size_t kept(size_t i, size_t stride, size_t side)
+{
+    return i * stride < side ? i * stride : side - 1;
+}
+
+static weft_status choose_particles(player_page *self, weft_error *err)
+{
+    const size_t n = self->rows * self->cols;
+    const size_t side = self->rows > self->cols ? self->rows : self->cols;
+    self->stride = (side + SIDE_MAX - 1) / SIDE_MAX;
+    self->shown_rows = thinned(self->rows, self->stride);
+    self->shown_cols = thinned(self->cols, self->stride);
+    self->count = self->shown_rows * self->shown_cols;
+    self->particles = calloc(self->count, sizeof *self->particles);
+    self->values = calloc(self->count, sizeof *self->values);
+    self->field = calloc(3 * n, sizeof *self->field);
+    self->block = malloc(page_block_size(3 + FIELDS, self->count));
+    bool there = self->particles && self->values && self->field && self->block;
+    for (size_t r = 0; r < self->run_count; ++r) {
+        self->xyz[r] = calloc(3 * n, sizeof *self->xyz[r]);
+        there = there && self->xyz[r] != NULL;
+    }
+    if (!there) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a page");
+    }
+    for (size_t i = 0; i < self->count; ++i) {
+        const size_t r = kept(i / self->shown_cols, self->stride, self->rows);
+        const size_t c = kept(i % self->shown_cols, self->stride, self->cols);
+        self->particles[i] = r * self->cols + c;
+    }
+    return WEFT_OK;
+}
+
+/* A run need not have recorded every field. */
+static weft_status find_fields(player_page *self, weft_error *err)
+{
+    self->planes = 3;
+    for (size_t f = 0; f < FIELDS; ++f) {
+        self->present[f] = true;
+        for (size_t r = 0; r < self->run_count; ++r) {
+            const weft_status status
+                = fields[f].read(self->runs[r].frames, 0, self->field, err);
+            if (status != WEFT_OK && status != WEFT_UNSUPPORTED) {
+                return status;
+            }
+            self->present[f] = self->present[f] && status == WEFT_OK;
+        }
+        self->planes += self->present[f];
+    }
+    return WEFT_OK;
+}
+
+static void put_coordinates(player_page *self, const double *xyz)
+{
+    for (size_t k = 0; k < 3; ++k) {
+        for (size_t i = 0; i < self->count; ++i) {
+            self->values[i] = xyz[3 * self->particles[i] + k];
+        }
+        page_plane(self->block, self->planes, k, self->values, self->count);
+    }
+}
+
+static void put_field(player_page *self, size_t plane, size_t width)
+{
+    for (size_t i = 0; i < self->count; ++i) {
+        const double *v = self->field + width * self->particles[i];
+        self->values[i]
+            = width == 1 ? v[0] : sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    }
+    page_plane(self->block, self->planes, plane, self->values, self->count);
+}
+
+static weft_status write_frame(player_page *self, size_t r, size_t i, weft_error *err)
+{
+    record_frames *frames = self->runs[r].frames;
+    const size_t index = self->runs[r].index[i];
+    size_t plane = 3;
+    weft_status status = record_frames_positions(frames, index, self->xyz[r], err);
+    if (status == WEFT_OK) {
+        put_coordinates(self, self->xyz[r]);
+    }
+    for (size_t f = 0; status == WEFT_OK && f < FIELDS; ++f) {
+        if (self->present[f]) {
+            status = fields[f].read(frames, index, self->field, err);
+            put_field(self, plane++, fields[f].width);
+        }
+    }
+    if (status == WEFT_OK) {
+        page_bytes(self->stream, self->block,
+                   page_block_size(self->planes, self->count));
+    }
+    return status;
+}
+
+/* How far the two runs are apart, particle by particle, from their unrounded frames. */
+static void write_difference(player_page *self)
+{
+    for (size_t i = 0; i < self->count; ++i) {
+        const double *a = self->xyz[0] + 3 * self->particles[i];
+        const double *b = self->xyz[1] + 3 * self->particles[i];
+        const double d[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
+        self->values[i] = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    }
+    page_plane(self->block, 1, 0, self->values, self->count);
+    page_bytes(self->stream, self->block, page_block_size(1, self->count));
+}
+
+static weft_status write_frames(player_page *self, weft_error *err)
+{
+    for (size_t i = 0; i < self->shown; ++i) {
+        for (size_t r = 0; r < self->run_count; ++r) {
+            const weft_status status = write_frame(self, r, i, err);
+            if (status != WEFT_OK) {
+                return status;
+            }
+        }
+        if (self->run_count > 1) {
+            write_difference(self);
+        }
+    }
+    return WEFT_OK;
+}
+
+/* A pinned particle that is not shown marks the nearest one that is. */
+static void write_pinned(const player_page *self)
+{
+    const char *comma = "";
+    bool *marks = calloc(self->count, sizeof *marks);
+    const size_t half = self->stride / 2;
+    for (size_t p = 0; marks != NULL && p < self->rows * self->cols; ++p) {
+        if (record_frames_pinned(self->runs[0].frames, p)) {
+            const size_t r = (p / self->cols + half) / self->stride;
+            const size_t c = (p % self->cols + half) / self->stride;
+            marks[r * self->shown_cols + c] = true;
+        }
+    }
+    for (size_t i = 0; marks != NULL && i < self->count; ++i) {
+        if (marks[i]) {
+            fprintf(self->stream, "%s%zu", comma, i);
+            comma = ",";
+        }
+    }
+    free(marks);
+}
+
+/* The page does not tell where on its maker's disk the run lies. */
+static const char *directory_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash == NULL || slash[1] == '\0' ? path : slash + 1;
+}
+
+static void write_runs(const player_page *self)
+{
+    static const char *const files[] = { "scene", "manifest", "result", "series" };
+    for (size_t r = 0; r < self->run_count; ++r) {
+        const player_run *run = &self->runs[r];
+        fprintf(self->stream, "%s{\"directory\":", r > 0 ? "," : "");
+        page_text(self->stream, directory_name(run->directory));
+        fprintf(self->stream, ",\"frames\":%zu,\"index\":[",
+                record_frames_count(run->frames));
+        for (size_t i = 0; i < self->shown; ++i) {
+            fprintf(self->stream, "%s%zu", i > 0 ? "," : "", run->index[i]);
+        }
+        fputs("],\"numbers\":[", self->stream);
+        for (size_t i = 0; i < self->shown; ++i) {
+            fprintf(self->stream, "%s%zu", i > 0 ? "," : "",
+                    record_frames_number(run->frames, run->index[i]));
+        }
+        fputc(']', self->stream);
+        for (size_t f = 0; f < sizeof files / sizeof files[0]; ++f) {
+            char name[32];
+            (void)snprintf(name, sizeof name, "%s.%s", files[f],
+                           strcmp(files[f], "series") == 0 ? "csv" : "yaml");
+            fprintf(self->stream, ",\"%s\":", files[f]);
+            page_file(self->stream, run->directory, name);
+        }
+        fputc('}', self->stream);
+    }
+}
+
+static void write_description(const player_page *self)
+{
+    FILE *stream = self->stream;
+    const char *comma = "";
+    fputs("<script id=\"weft-data\" type=\"application/json\">{\"weft\":", stream);
+    page_text(stream, weft_version());
+    fprintf(stream, ",\"grid\":[%zu,%zu],\"shown\":[%zu,%zu],\"stride\":%zu",
+            self->rows, self->cols, self->shown_rows, self->shown_cols, self->stride);
+    fprintf(stream, ",\"chosen\":%zu,\"fields\":[", self->chosen);
+    for (size_t f = 0; f < FIELDS; ++f) {
+        if (self->present[f]) {
+            fprintf(stream, "%s\"%s\"", comma, fields[f].name);
+            comma = ",";
+        }
+    }
+    fputs("],\"times\":[", stream);
+    for (size_t i = 0; i < self->shown; ++i) {
+        const size_t index = self->runs[0].index[i];
+        fprintf(stream, "%s%.17g", i > 0 ? "," : "",
+                record_frames_time(self->runs[0].frames, index));
+    }
+    fputs("],\"pinned\":[", stream);
+    write_pinned(self);
+    fputs("],\"runs\":[", stream);
+    write_runs(self);
+    fputs("]}</script>\n", stream);
+}
+
+static weft_status write_page(player_page *self, const char *path, weft_error *err)
+{
+    const char *slash = strrchr(path, '/');
+    const char *mark = strstr(weft__player_page, PAGE_MARK);
+    char directory[RECORD_PATH];
+    record_file file;
+    (void)snprintf(directory, sizeof directory, "%.*s",
+                   slash == NULL ? 1 : (int)(slash - path + (slash == path)),
+                   slash == NULL ? "." : path);
+    weft_status status
+        = record_file_open(&file, directory, slash == NULL ? path : slash + 1, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    self->stream = file.stream;
+    (void)fwrite(weft__player_page, 1, (size_t)(mark - weft__player_page), file.stream);
+    write_description(self);
+    status = write_frames(self, err);
+    (void)fputs(mark + strlen(PAGE_MARK), file.stream);
+    if (status != WEFT_OK) {
+        (void)fclose(file.stream);
+        (void)remove(file.temporary);
+        return status;
+    }
+    return record_file_commit(&file, err);
+}
+
+static void release(player_page *self)
+{
+    for (size_t r = 0; r < self->run_count; ++r) {
+        record_frames_close(self->runs[r].frames);
+        free(self->runs[r].index);
+        free(self->xyz[r]);
+    }
+    free(self->particles);
+    free(self->values);
+    free(self->field);
+    free(self->block);
+}
+
+weft_status record_player(const char *const *directories, size_t count,
+                          const char *file, weft_error *err)
+{
+    player_page self = { .run_count = count };
+    for (size_t r = 0; r < count; ++r) {
+        self.runs[r].directory = directories[r];
+    }
+    weft_status status = open_runs(&self, err);
+    status = status == WEFT_OK ? choose_particles(&self, err) : status;
+    status = status == WEFT_OK ? find_fields(&self, err) : status;
+    status = status == WEFT_OK ? choose_frames(&self, err) : status;
+    status = status == WEFT_OK ? write_page(&self, file, err) : status;
+    release(&self);
+    return status;
+}

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* record_file.c -- files that appear complete or not at all. */
+#include "record/record.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/hash.h"
+
+weft_status record_path(const char *directory, const char *name, char path[RECORD_PATH],
+                        weft_error *err)
+{
+    const int length = snprintf(path, RECORD_PATH, "%s/%s", directory, name);
+    /* room for the suffix of the temporary file */
+    if (length < 0 || length + 8 >= RECORD_PATH) {
+        return weft_error_set(err, WEFT_IO, "path too long: %.200s/%s", directory,
+                              name);
+    }
+    return WEFT_OK;
+}
+
+weft_status record_no_link(const char *path, weft_error *err)
+{
+    struct stat status;
+    return lstat(path, &status) == 0 && S_ISLNK(status.st_mode)
+               ? weft_error_set(err, WEFT_IO,
+                                "%s: a symbolic link: nothing is written through one",
+                                path)
+               : WEFT_OK;
+}
+
+/* That of a folder in the directory, if the name has one. */
+static weft_status check_folder(const char *directory, const char *name,
+                                weft_error *err)
+{
+    char path[RECORD_PATH];
+    const weft_status status = record_path(directory, name, path, err);
+    const bool inside = strchr(name, '/') != NULL;
+    if (status == WEFT_OK && inside) {
+        *strrchr(path, '/') = '\0';
+        return record_no_link(path, err);
+    }
+    return status;
+}
+
+/* A file that is there already under that name may be a link too. */
+static FILE *open_new(const char *path)
+{
+    (void)remove(path);
+    const int file
+        = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
+    return file < 0 ? NULL : fdopen(file, "w");
+}
+
+weft_status record_file_open(record_file *file, const char *directory, const char *name,
+                             weft_error *err)
+{
+    weft_status status = check_folder(directory, name, err);
+    status = status == WEFT_OK ? record_path(directory, name, file->path, err) : status;
+    if (status != WEFT_OK) {
+        return status;
+    }
+    memcpy(file->temporary, file->path, strlen(file->path) + 1);
+    strcat(file->temporary, ".tmp");
+    file->stream = open_new(file->temporary);
+    if (file->stream == NULL) {
+        return weft_error_set(err, WEFT_IO, "%s: %s", file->path, strerror(errno));
+    }
+    return WEFT_OK;
+}
+
+weft_status record_file_commit(record_file *file, weft_error *err)
+{
+    errno = 0;
+    bool written = !ferror(file->stream);
+    if (!written) {
+        (void)fputc('\n', file->stream); /* fails again, and tells why */
+    }
+    written = fflush(file->stream) == 0 && written;
+    written = fsync(fileno(file->stream)) == 0 && written;
+    int why = errno;
+    if (fclose(file->stream) != 0) {
+        written = false;
+        why = errno;
+    }
+    if (written && rename(file->temporary, file->path) == 0) {
+        return WEFT_OK;
+    }
+    why = written ? errno : why;
+    (void)remove(file->temporary);
+    return weft_error_set(err, WEFT_IO, "%s: %s", file->path,
+                          why == 0 ? "write failed" : strerror(why));
+}
+
+void record_file_discard(record_file *file)
+{
+    (void)fclose(file->stream);
+    (void)remove(file->temporary);
+}
+
+weft_status record_text(const char *directory, const char *name, const char *text,
+                        weft_error *err)
+{
+    record_file file;
+    const weft_status status = record_file_open(&file, directory, name, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    (void)fputs(text, file.stream);
+    return record_file_commit(&file, err);
+}
+
+uint64_t record_bytes_sum(const char *path, size_t begin, size_t end)
+{
+    uint64_t sum = WEFT__HASH_START;
+    size_t at = begin;
+    FILE *stream = weft__file_open(path, "r", NULL);
+    if (stream == NULL) {
+        return 0;
+    }
+    int byte = fseek(stream, (long)begin, SEEK_SET) == 0 ? 0 : EOF;
+    while (at < end && byte != EOF && (byte = getc(stream)) != EOF) {
+        sum = weft__hash_byte(sum, (unsigned char)byte);
+        ++at;
+    }
+    (void)fclose(stream);
+    return at == end ? sum : 0;
+}

@@ -1,0 +1,236 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* diagnostics.c -- what was found wrong with a scene, put in order and given its place.
+ */
+#include "scene/diagnostics.h"
+
+#include <limits.h>
+#include <string.h>
+
+bool weft__mark_before(yaml_mark_t a, yaml_mark_t b)
+{
+    if (a.index != b.index) {
+        return a.index < b.index;
+    }
+    return a.line != b.line ? a.line < b.line : a.column < b.column;
+}
+
+const char *weft__place_text(yaml_mark_t at, char *out, size_t size)
+{
+    if (at.index > 0) {
+        (void)snprintf(out, size, "command line, --set number %zu", at.index);
+    } else {
+        (void)snprintf(out, size, "line %zu, column %zu", at.line + 1, at.column + 1);
+    }
+    return out;
+}
+
+static int as_int(size_t n)
+{
+    return n < INT_MAX ? (int)n : INT_MAX;
+}
+
+static yaml_mark_t place_of(const weft__report *report, size_t item)
+{
+    const weft_diagnostic *kept = &report->found->items[item];
+    return (yaml_mark_t){ .index = report->origin[item].source,
+                          .line = kept->line > 0 ? (size_t)kept->line - 1 : 0,
+                          .column = (size_t)kept->column - 1 };
+}
+
+/* Where a new item goes: behind all that stand before it or at the same place. */
+static size_t find_slot(const weft__report *report, yaml_mark_t at)
+{
+    size_t slot = report->found->count;
+    while (slot > 0 && weft__mark_before(at, place_of(report, slot - 1))) {
+        --slot;
+    }
+    return slot;
+}
+
+/* A node that several aliases lead to is read as often, and so is a scene with a sweep:
+ * complained of once. */
+static bool is_known(weft__report *report, yaml_mark_t at, const char *message)
+{
+    for (size_t i = 0; i < report->found->count; ++i) {
+        const yaml_mark_t place = place_of(report, i);
+        if (!weft__mark_before(place, at) && !weft__mark_before(at, place)
+            && strcmp(report->found->items[i].message, message) == 0) {
+            report->origin[i].runs += report->origin[i].latest != report->run;
+            report->origin[i].latest = report->run;
+            return true;
+        }
+    }
+    return false;
+}
+
+static void insert(weft__report *report, size_t slot, yaml_mark_t at, bool warning,
+                   const char *message)
+{
+    weft_diagnostics *found = report->found;
+    if (found->count < WEFT_DIAGNOSTICS_MAX) {
+        ++found->count;
+    }
+    for (size_t i = found->count - 1; i > slot; --i) {
+        found->items[i] = found->items[i - 1];
+        report->origin[i] = report->origin[i - 1];
+    }
+    weft_diagnostic *item = &found->items[slot];
+    memset(item, 0, sizeof *item);
+    item->warning = warning;
+    item->line = at.index > 0 ? 0 : as_int(at.line + 1);
+    item->column = as_int(at.column + 1);
+    strcpy(item->message, message);
+    report->origin[slot] = (weft__origin){
+        .source = at.index, .runs = 1, .first = report->run, .latest = report->run
+    };
+}
+
+/* Whether nothing at that place can be shown any more: it is counted alone. */
+static bool is_beyond(const weft__report *report, yaml_mark_t at)
+{
+    const size_t count = report->found->count;
+    return count == WEFT_DIAGNOSTICS_MAX
+           && weft__mark_before(place_of(report, count - 1), at);
+}
+
+void weft__fit(char *text, size_t size, int length)
+{
+    static const char more[] = " ...";
+    if (length >= 0 && (size_t)length >= size) {
+        char *end = text + size - sizeof more;
+        while (end > text && *end != ' ') {
+            --end;
+        }
+        strcpy(end > text ? end : text + size - sizeof more, more);
+    }
+}
+
+static void add(weft__report *report, bool warning, yaml_mark_t at, const char *format,
+                va_list args)
+{
+    char message[sizeof report->found->items[0].message];
+    size_t *count = warning ? &report->found->warnings : &report->found->errors;
+    if (is_beyond(report, at)) {
+        ++*count;
+        return;
+    }
+    const size_t slot = find_slot(report, at);
+    weft__fit(message, sizeof message,
+              vsnprintf(message, sizeof message, format, args));
+    weft__one_line(message);
+    if (is_known(report, at, message)) {
+        return;
+    }
+    ++*count;
+    if (slot < WEFT_DIAGNOSTICS_MAX) {
+        insert(report, slot, at, warning, message);
+    }
+}
+
+void weft__report_error(weft__report *report, yaml_mark_t at, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    add(report, false, at, format, args);
+    va_end(args);
+}
+
+void weft__report_warning(weft__report *report, yaml_mark_t at, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    add(report, true, at, format, args);
+    va_end(args);
+}
+
+void weft__report_exclusive(weft__report *report, const yaml_node_t *a,
+                            const yaml_node_t *b)
+{
+    const bool in_order = weft__mark_before(a->start_mark, b->start_mark);
+    const yaml_node_t *first = in_order ? a : b, *second = in_order ? b : a;
+    char where[64];
+    weft__report_error(report, second->start_mark, "%s excludes %s (%s)",
+                       (const char *)second->data.scalar.value,
+                       (const char *)first->data.scalar.value,
+                       weft__place_text(first->start_mark, where, sizeof where));
+}
+
+bool weft__report_clean(const weft__report *report)
+{
+    bool clean = report->found->errors <= report->found->count;
+    for (size_t i = 0; i < report->found->count; ++i) {
+        clean = clean
+                && (report->found->items[i].warning
+                    || report->origin[i].latest != report->run);
+    }
+    return clean;
+}
+
+/* The message for those who ask for one only. */
+static weft_status first_error(const weft_diagnostics *found, weft_error *err)
+{
+    const weft_diagnostic *item = NULL;
+    for (size_t i = 0; i < found->count && item == NULL; ++i) {
+        item = found->items[i].warning ? NULL : &found->items[i];
+    }
+    if (item == NULL) {
+        return weft_error_set(err, WEFT_BAD_SCENE, "the scene has mistakes");
+    }
+    weft_error_set(err, WEFT_BAD_SCENE, "%s", item->message);
+    if (err != NULL) {
+        (void)snprintf(err->file, sizeof err->file, "%s", item->place);
+        err->line = item->line;
+        err->column = item->column;
+    }
+    return WEFT_BAD_SCENE;
+}
+
+weft_status weft__report_end(weft__report *report, weft_error *err)
+{
+    for (size_t i = 0; i < report->found->count; ++i) {
+        weft_diagnostic *item = &report->found->items[i];
+        const weft__source *source = &report->sources[report->origin[i].source];
+        const yaml_mark_t at = place_of(report, i);
+        if (source->number == 0) {
+            (void)snprintf(item->place, sizeof item->place, "%s", source->file);
+        } else {
+            (void)weft__place_text(at, item->place, sizeof item->place);
+        }
+        weft__one_line(item->place);
+        item->caret
+            = weft__source_excerpt(source, at, item->source, sizeof item->source);
+    }
+    return report->found->errors > 0 ? first_error(report->found, err) : WEFT_OK;
+}
+
+/* Blanks up to the caret; tabs stay, so that the caret stands below its character. */
+static void caret_line(const weft_diagnostic *item, char *out, size_t size)
+{
+    size_t used = 0;
+    const char *text = item->source;
+    const size_t length = strlen(text);
+    size_t i = 0;
+    for (int column = 1; column < item->caret && used + 2 < size; ++column) {
+        out[used++] = i < length && text[i] == '\t' ? '\t' : ' ';
+        i += i < length ? weft__char_length(text + i, length - i) : 0;
+    }
+    strcpy(out + used, "^");
+}
+
+int weft_diagnostic_format(const weft_diagnostic *diagnostic, char *text, size_t size)
+{
+    char where[64] = "", caret[sizeof diagnostic->source + 8], source[600] = "";
+    if (diagnostic->line > 0) {
+        (void)snprintf(where, sizeof where, ":%d:%d", diagnostic->line,
+                       diagnostic->column);
+    } else if (diagnostic->column > 0) {
+        (void)snprintf(where, sizeof where, ":%d", diagnostic->column);
+    }
+    if (diagnostic->caret > 0) {
+        caret_line(diagnostic, caret, sizeof caret);
+        (void)snprintf(source, sizeof source, "\n%s\n%s", diagnostic->source, caret);
+    }
+    return snprintf(text, size, "%s%s: %s: %s%s", diagnostic->place, where,
+                    diagnostic->warning ? "warning" : "error", diagnostic->message,
+                    source);
+}

@@ -1,0 +1,312 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* scene_pins.c -- places on the grid, and the pins and loads that are put there. */
+#include <string.h>
+
+#include "base/suggest.h"
+#include "scene/read.h"
+#include "scene/scalar.h"
+
+_Static_assert(offsetof(weft_pin, cols) - offsetof(weft_pin, rows)
+                       == offsetof(weft__place, cols)
+                   && offsetof(weft_load, cols) - offsetof(weft_load, rows)
+                          == offsetof(weft__place, cols),
+               "a place is put where rows and cols of a pin or a load stand");
+
+#define ALL                                                                            \
+    {                                                                                  \
+        0, -1                                                                          \
+    }
+#define FIRST                                                                          \
+    {                                                                                  \
+        0, 0                                                                           \
+    }
+#define LAST                                                                           \
+    {                                                                                  \
+        -1, -1                                                                         \
+    }
+
+/* Row 0 is the top, column 0 the left. */
+static const struct {
+    const char *name;
+    weft__place place;
+} named_places[] = {
+    { "top-left", { FIRST, FIRST } },   { "top-right", { FIRST, LAST } },
+    { "bottom-left", { LAST, FIRST } }, { "bottom-right", { LAST, LAST } },
+    { "top", { FIRST, ALL } },          { "bottom", { LAST, ALL } },
+    { "left", { ALL, FIRST } },         { "right", { ALL, LAST } },
+};
+
+#define NAMED (sizeof named_places / sizeof named_places[0])
+
+/* ---- an index or a range of them -------------------------------------------- */
+
+/* Rows or columns; count is 0 while the grid is wrong, and nothing is checked then. */
+typedef struct axis {
+    const char *what;
+    size_t count;
+} axis;
+
+static ptrdiff_t from_start(const axis *along, ptrdiff_t index)
+{
+    return index < 0 ? index + (ptrdiff_t)along->count : index;
+}
+
+static bool read_one(weft__reader *reader, const axis *along, const char *name,
+                     const yaml_node_t *node, ptrdiff_t *out)
+{
+    const ptrdiff_t count = (ptrdiff_t)along->count;
+    long long index;
+    if (!weft__integer_of(node, &index)) {
+        weft__refuse(reader, node, name, "an integer", true, NULL);
+        return false;
+    }
+    if (count > 0 && (index < -count || index >= count)) {
+        weft__report_error(reader->report, node->start_mark,
+                           "%s %lld is outside the grid: it has %s 0 to %td, or from "
+                           "the end %td to -1",
+                           name, index, along->what, count - 1, -count);
+        return false;
+    }
+    *out = (ptrdiff_t)index;
+    return true;
+}
+
+static bool read_pair(weft__reader *reader, const axis *along, const char *name,
+                      const yaml_node_t *node, weft_range *out)
+{
+    weft_range range;
+    const bool first
+        = read_one(reader, along, name, weft__item(reader, node, 0), &range.first);
+    const bool last
+        = read_one(reader, along, name, weft__item(reader, node, 1), &range.last);
+    if (!first || !last) {
+        return false;
+    }
+    if (along->count > 0
+        && from_start(along, range.first) > from_start(along, range.last)) {
+        weft__report_error(reader->report, node->start_mark,
+                           "%s [%td, %td] hold nothing: the first is behind the last",
+                           name, range.first, range.last);
+        return false;
+    }
+    *out = range;
+    return true;
+}
+
+void weft__read_index(weft__reader *reader, const weft__key *key,
+                      const yaml_node_t *node, void *to)
+{
+    const bool rows = key->at == offsetof(weft__place, rows);
+    const weft_cloth_def *cloth = &reader->scene->cloth;
+    const axis along
+        = rows ? (axis){ "rows", cloth->rows } : (axis){ "columns", cloth->cols };
+    const char *text = weft__text_of(node);
+    weft_range *range = to;
+    long long index;
+    if (text != NULL && strcmp(text, "all") == 0) {
+        *range = (weft_range)ALL;
+    } else if (weft__item_count(node) == 2) {
+        (void)read_pair(reader, &along, key->name, node, range);
+    } else if (weft__integer_of(node, &index)) {
+        if (read_one(reader, &along, key->name, node, &range->first)) {
+            range->last = range->first;
+        }
+    } else {
+        char wanted[200];
+        weft__refuse(reader, node, key->name,
+                     weft__wanted(key, true, false, wanted, sizeof wanted), true, NULL);
+    }
+}
+
+/* ---- places ----------------------------------------------------------------- */
+
+static void read_name(weft__reader *reader, const weft__key *key,
+                      const yaml_node_t *node, weft__place *place)
+{
+    const char *text = weft__text_of(node);
+    weft__guess guess = { 0 };
+    char value[64], near[80], wanted[200];
+    for (size_t i = 0; text != NULL && i < NAMED; ++i) {
+        if (strcmp(text, named_places[i].name) == 0) {
+            *place = named_places[i].place;
+            return;
+        }
+        weft__guess_try(&guess, text, named_places[i].name);
+    }
+    (void)weft__wanted(key, true, false, wanted, sizeof wanted);
+    if (guess.name == NULL) {
+        weft__refuse(reader, node, key->name, wanted, false, NULL);
+        return;
+    }
+    weft__report_error(reader->report, node->start_mark, "%s must be %s, not %s%s",
+                       key->name, wanted, weft__show(node, value, sizeof value),
+                       weft__guess_text(&guess, near, sizeof near));
+}
+
+static void read_particle(weft__reader *reader, const yaml_node_t *node,
+                          weft__place *place)
+{
+    const weft_cloth_def *cloth = &reader->scene->cloth;
+    const axis down = { "rows", cloth->rows }, across = { "columns", cloth->cols };
+    ptrdiff_t row, col;
+    const bool has_row
+        = read_one(reader, &down, "row", weft__item(reader, node, 0), &row);
+    const bool has_col
+        = read_one(reader, &across, "column", weft__item(reader, node, 1), &col);
+    if (has_row && has_col) {
+        *place = (weft__place){ { row, row }, { col, col } };
+    }
+}
+
+void weft__read_place(weft__reader *reader, const weft__key *key,
+                      const yaml_node_t *node, void *to)
+{
+    weft__place place = { FIRST, FIRST };
+    char wanted[200];
+    if (node->type == YAML_SCALAR_NODE) {
+        read_name(reader, key, node, &place);
+    } else if (node->type == YAML_MAPPING_NODE) {
+        weft__read_section(reader, &weft__place_section, weft__place_section.title,
+                           node, &place);
+    } else if (weft__item_count(node) == 2) {
+        read_particle(reader, node, &place);
+    } else {
+        weft__refuse(reader, node, key->name,
+                     weft__wanted(key, true, false, wanted, sizeof wanted), false,
+                     NULL);
+    }
+    memcpy(to, &place, sizeof place);
+}
+
+/* Both names of an axis mean the same: one of them, and only one. */
+static void check_axis(weft__reader *reader, const weft__match *match,
+                       const char *plural, const char *singular)
+{
+    const yaml_node_t *many = weft__key_in(match, plural);
+    const yaml_node_t *one = weft__key_in(match, singular);
+    if (many != NULL && one != NULL) {
+        weft__report_error(
+            reader->report,
+            weft__mark_before(many->start_mark, one->start_mark) ? one->start_mark
+                                                                 : many->start_mark,
+            "'%s' and '%s' mean the same: one is enough", plural, singular);
+    } else if (many == NULL && one == NULL && !weft__misspelt(match, plural)
+               && !weft__misspelt(match, singular)) {
+        weft__report_error(
+            reader->report, match->map->start_mark,
+            "%s lacks '%s': rows and cols are both needed, each an index, "
+            "[first, last] or all",
+            match->title, plural);
+    }
+}
+
+void weft__check_place(weft__reader *reader, const weft__match *match, void *base)
+{
+    (void)base;
+    check_axis(reader, match, "rows", "row");
+    check_axis(reader, match, "cols", "col");
+}
+
+/* ---- pins and loads --------------------------------------------------------- */
+
+void weft__check_pin(weft__reader *reader, const weft__match *match, void *base)
+{
+    const yaml_node_t *amplitude = weft__key_in(match, "amplitude");
+    const yaml_node_t *frequency = weft__key_in(match, "frequency");
+    (void)base;
+    if (amplitude != NULL && frequency == NULL && !weft__misspelt(match, "frequency")) {
+        weft__report_error(reader->report, amplitude->start_mark,
+                           "amplitude has no effect without frequency [Hz]");
+    }
+    if (frequency != NULL && amplitude == NULL && !weft__misspelt(match, "amplitude")) {
+        weft__report_error(reader->report, frequency->start_mark,
+                           "frequency has no effect without amplitude [m]");
+    }
+}
+
+/* How many keys of a mapping are, or are nearly, keys of a section. */
+static size_t likeness(const weft__reader *reader, const yaml_node_t *mapping,
+                       const weft__section *section)
+{
+    size_t hits = 0;
+    for (const yaml_node_pair_t *pair = mapping->data.mapping.pairs.start;
+         pair < mapping->data.mapping.pairs.top; ++pair) {
+        const yaml_node_t *key = yaml_document_get_node(reader->document, pair->key);
+        const char *name = weft__text_of(key);
+        weft__guess guess = { 0 };
+        for (size_t i = 0; name != NULL && i < section->count; ++i) {
+            weft__guess_try(&guess, name, section->keys[i].name);
+        }
+        hits += guess.name != NULL;
+    }
+    return hits;
+}
+
+/* A mapping is a pin with `at`, or else the place of one at rest. */
+static bool is_place(const weft__reader *reader, const yaml_node_t *node)
+{
+    return node->type != YAML_MAPPING_NODE
+           || (weft__find_pair(reader->document, node, "at", 2) < 0
+               && likeness(reader, node, &weft__place_section)
+                      >= likeness(reader, node, &weft__pin_section));
+}
+
+static void read_pin(weft__reader *reader, const yaml_node_t *node, weft_pin *pin)
+{
+    static const weft__key at_rest
+        = { "a pin", WEFT__PLACE, .section = &weft__place_section };
+    if (is_place(reader, node)) {
+        weft__read_place(reader, &at_rest, node, &pin->rows);
+    } else {
+        weft__read_section(reader, &weft__pin_section, weft__pin_section.title, node,
+                           pin);
+    }
+}
+
+/* An array of `size` each for the items of a list; NULL without a complaint if it is
+ * empty. */
+static void *allocate_items(weft__reader *reader, const weft__key *key,
+                            const yaml_node_t *node, size_t size)
+{
+    const size_t count = weft__item_count(node);
+    char wanted[200];
+    if (node->type != YAML_SEQUENCE_NODE) {
+        weft__refuse(reader, node, key->name,
+                     weft__wanted(key, true, false, wanted, sizeof wanted), false,
+                     NULL);
+        return NULL;
+    }
+    void *items = count == 0 ? NULL : weft__zeroed(reader->report->memory, count, size);
+    reader->report->no_memory
+        = reader->report->no_memory || (count > 0 && items == NULL);
+    return items;
+}
+
+void weft__read_pins(weft__reader *reader, const weft__key *key,
+                     const yaml_node_t *node, void *to)
+{
+    weft_scene *scene = reader->scene;
+    (void)to;
+    scene->pins = allocate_items(reader, key, node, sizeof *scene->pins);
+    const size_t count = scene->pins == NULL ? 0 : weft__item_count(node);
+    for (size_t i = 0; i < count; ++i) {
+        read_pin(reader, weft__item(reader, node, i), &scene->pins[i]);
+    }
+    scene->cloth.pins = scene->pins;
+    scene->cloth.pin_count = count;
+}
+
+void weft__read_loads(weft__reader *reader, const weft__key *key,
+                      const yaml_node_t *node, void *to)
+{
+    weft_scene *scene = reader->scene;
+    (void)to;
+    scene->loads = allocate_items(reader, key, node, sizeof *scene->loads);
+    const size_t count = scene->loads == NULL ? 0 : weft__item_count(node);
+    for (size_t i = 0; i < count; ++i) {
+        weft__read_section(reader, &weft__load_section, weft__load_section.title,
+                           weft__item(reader, node, i), &scene->loads[i]);
+    }
+    scene->cloth.loads = scene->loads;
+    scene->cloth.load_count = count;
+}

@@ -1,0 +1,358 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* scene_stepper.c -- what must hold between the keys of stepper: which exclude each
+ * other, and which the chosen method would not use. */
+#include <string.h>
+
+#include "plugin/methods.h"
+#include "scene/read.h"
+
+const char *const weft__adaptive_keys[WEFT__ADAPTIVE]
+    = { "rtol", "atol", "norm", "first_step", "min_step", "max_step", "controller" };
+
+/* ---- step sizes ------------------------------------------------------------- */
+
+/* Told at the later key of each pair: at fixed_step once for all that stand before. */
+static void check_exclusive(weft__reader *reader, const weft__match *match)
+{
+    const yaml_node_t *fixed = weft__key_in(match, "fixed_step");
+    char before[320] = "";
+    size_t used = 0;
+    for (size_t i = 0; fixed != NULL && i < WEFT__ADAPTIVE; ++i) {
+        const yaml_node_t *key = weft__key_in(match, weft__adaptive_keys[i]);
+        char where[64];
+        if (key == NULL) {
+            continue;
+        }
+        if (weft__mark_before(fixed->start_mark, key->start_mark)) {
+            weft__report_exclusive(reader->report, fixed, key);
+        } else if (used < sizeof before) {
+            used += (size_t)snprintf(
+                before + used, sizeof before - used, "%s%s (%s)", used == 0 ? "" : ", ",
+                weft__adaptive_keys[i],
+                weft__place_text(key->start_mark, where, sizeof where));
+        }
+    }
+    if (used > 0) {
+        weft__report_error(reader->report, fixed->start_mark, "fixed_step excludes %s",
+                           before);
+    }
+}
+
+/* That one given size is not above another, which may be a default. */
+static void check_order(weft__reader *reader, const weft__match *match,
+                        const char *small_name, double small, const char *large_name,
+                        double large)
+{
+    const yaml_node_t *a = weft__value_in(match, small_name);
+    const yaml_node_t *b = weft__value_in(match, large_name);
+    if (small <= large || small == 0.0 || large == 0.0) {
+        return;
+    }
+    weft__report_error(
+        reader->report,
+        b == NULL || (a != NULL && weft__mark_before(b->start_mark, a->start_mark))
+            ? a->start_mark
+            : b->start_mark,
+        "%s, %g s%s, is above %s, %g s", small_name, small,
+        a == NULL ? " by default" : "", large_name, large);
+}
+
+static void check_sizes(weft__reader *reader, const weft__match *match)
+{
+    const weft_stepper_config *config = &reader->scene->config;
+    const bool first = weft__key_in(match, "first_step") != NULL;
+    const bool least = weft__key_in(match, "min_step") != NULL;
+    const bool most = weft__key_in(match, "max_step") != NULL;
+    if (least || most) {
+        check_order(reader, match, "min_step", config->min_step, "max_step",
+                    config->max_step);
+    }
+    if (least && first) {
+        check_order(reader, match, "min_step", config->min_step, "first_step",
+                    config->first_step);
+    }
+    if (first && most) {
+        check_order(reader, match, "first_step", config->first_step, "max_step",
+                    config->max_step);
+    }
+}
+
+/* ---- plugin and method ------------------------------------------------------ */
+
+static const weft_stepper_type *
+find_method(weft__reader *reader, const weft__match *match, const weft_plugin *plugin)
+{
+    const char *wanted = reader->scene->method;
+    const weft_stepper_type *type = weft_plugin_method(plugin, wanted);
+    const weft_plugin *others[WEFT__SHIPPED + 1] = { NULL };
+    weft_error why;
+    if (type != NULL) {
+        return type;
+    }
+    for (size_t i = 0, count = 0; i < WEFT__SHIPPED; ++i) {
+        others[count]
+            = reader->def->find_plugin(reader->def->find_ctx, weft__shipped[i], &why);
+        count += others[count] != NULL;
+    }
+    (void)weft__method_named(plugin, wanted, others, &why);
+    weft__report_error(reader->report, weft__value_in(match, "method")->start_mark,
+                       "%s", why.message);
+    return NULL;
+}
+
+/* An id becomes part of a file's name and of a function's. */
+bool weft__is_plugin_id(const char *id)
+{
+    static const char allowed[]
+        = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+    return id[0] != '\0' && strspn(id, allowed) == strlen(id) && strlen(id) <= 48;
+}
+
+static bool check_id(weft__reader *reader, const weft__match *match)
+{
+    const char *id = reader->scene->plugin;
+    if (weft__is_plugin_id(id)) {
+        return true;
+    }
+    weft__report_error(reader->report, weft__value_in(match, "plugin")->start_mark,
+                       "plugin '%.40s' is no plugin's name: at most 48 letters, digits "
+                       "and _",
+                       id);
+    return false;
+}
+
+/* The method that takes a table of the scene's own. Where its plugin is not there, such
+ * a scene is read and checked all the same: it is right, and only cannot be run. */
+static bool asks_for_table(const weft_scene *scene)
+{
+    return scene->plugin != NULL && strcmp(scene->plugin, "arkode") == 0
+           && scene->method != NULL && strcmp(scene->method, "custom") == 0;
+}
+
+static const weft_stepper_type *find_type(weft__reader *reader,
+                                          const weft__match *match)
+{
+    const weft_scene *scene = reader->scene;
+    weft_error why = { .message = "not found" };
+    if (scene->plugin == NULL || !check_id(reader, match)
+        || reader->def->find_plugin == NULL) {
+        return NULL;
+    }
+    const weft_plugin *plugin
+        = reader->def->find_plugin(reader->def->find_ctx, scene->plugin, &why);
+    if (plugin == NULL && !asks_for_table(scene)) {
+        char near[80];
+        weft__report_error(reader->report, weft__value_in(match, "plugin")->start_mark,
+                           "%s%s", why.message,
+                           weft__plugin_guess(scene->plugin, near, sizeof near));
+    }
+    return plugin == NULL || scene->method == NULL ? NULL
+                                                   : find_method(reader, match, plugin);
+}
+
+/* ---- what the method would use ---------------------------------------------- */
+
+static void check_fixed_only(weft__reader *reader, const weft__match *match,
+                             const char *method)
+{
+    if (weft__key_in(match, "fixed_step") == NULL
+        && !weft__misspelt(match, "fixed_step")) {
+        weft__report_error(reader->report, weft__value_in(match, "method")->start_mark,
+                           "method '%.40s' has no error control: it needs "
+                           "stepper.fixed_step [s]",
+                           method);
+    }
+    for (size_t i = 0; i < WEFT__ADAPTIVE; ++i) {
+        const yaml_node_t *key = weft__key_in(match, weft__adaptive_keys[i]);
+        if (key != NULL) {
+            weft__report_error(reader->report, key->start_mark,
+                               "%s would not be used by method '%.40s', which has no "
+                               "error control",
+                               weft__adaptive_keys[i], method);
+        }
+    }
+}
+
+static void check_table(weft__reader *reader, const weft__match *match, bool takes_one)
+{
+    const weft_scene *scene = reader->scene;
+    const yaml_node_t *table = weft__key_in(match, "butcher");
+    const bool fixed = weft__key_in(match, "fixed_step") != NULL;
+    if (table != NULL && !takes_one) {
+        weft__report_error(reader->report, table->start_mark,
+                           "butcher would not be used by method '%.40s' of plugin "
+                           "'%.40s'; it is for method custom of plugin arkode",
+                           scene->method, scene->plugin);
+    }
+    if (table == NULL && takes_one && !weft__misspelt(match, "butcher")) {
+        weft__report_error(reader->report, weft__value_in(match, "method")->start_mark,
+                           "method '%.40s' of plugin '%.40s' needs a table: butcher "
+                           "with A, b, c and order",
+                           scene->method, scene->plugin);
+    }
+    if (table != NULL && takes_one && !fixed && scene->tableau.b_embedded.side == 0
+        && scene->tableau.embedded_order == 0) {
+        weft__report_error(reader->report, table->start_mark,
+                           "without b_embedded and embedded_order there is no error "
+                           "control: fixed_step [s] is needed");
+    }
+}
+
+/* Gains as many as the law takes, factors below 1. */
+void weft__check_controller(weft__reader *reader, const weft__match *match, void *base)
+{
+    static const size_t counts[] = { 0,
+#define COUNT(label, name, gains) gains,
+                                     WEFT_CONTROLLERS(COUNT)
+#undef COUNT
+    };
+    static const char *const factors[] = { "min_reduction", "failed_growth" };
+    weft__control *control = base;
+    weft_controller *set = &control->set;
+    const double values[] = { set->min_reduction, set->failed_growth };
+    const yaml_node_t *gains = weft__value_in(match, "gains");
+    for (size_t i = 0; i < 2; ++i) {
+        if (values[i] >= 1.0) {
+            weft__report_error(
+                reader->report, weft__value_in(match, factors[i])->start_mark,
+                "%s must be a number > 0 and < 1, not %g", factors[i], values[i]);
+        }
+    }
+    if (gains != NULL && set->type == WEFT_CONTROLLER_DEFAULT) {
+        weft__report_error(reader->report, gains->start_mark,
+                           "gains need the type that they are for");
+    } else if (control->gains.count > 0 && control->gains.count != counts[set->type]) {
+        weft__report_error(reader->report, gains->start_mark,
+                           "%zu gains, where this type takes %zu", control->gains.count,
+                           counts[set->type]);
+    } else {
+        for (size_t i = 0; i < control->gains.count; ++i) {
+            set->gains[i] = control->gains.values[i];
+        }
+        set->gain_count = (int)control->gains.count;
+    }
+}
+
+static void check_control(weft__reader *reader, const weft__match *match,
+                          weft_scene *scene)
+{
+    const yaml_node_t *key = weft__key_in(match, "controller");
+    if (key == NULL) {
+        return;
+    }
+    scene->config.controller = &scene->control.set;
+    if (scene->type != NULL
+        && (scene->type->flags & (WEFT_STEPPER_CONTROLLER | WEFT_STEPPER_FIXED_ONLY))
+               == 0) {
+        weft__report_error(reader->report, key->start_mark,
+                           "controller would not be used by method '%.40s' of plugin "
+                           "'%.40s', which has its own",
+                           scene->method, scene->plugin);
+    }
+}
+
+/* [bytes] */
+#define LARGE_MATRICES 1e9
+
+/* Of the grid that was read before; of a wrong one it says nothing. */
+static void check_matrices(weft__reader *reader, const weft__match *match)
+{
+    const weft_scene *scene = reader->scene;
+    const size_t particles = scene->cloth.rows * scene->cloth.cols;
+    const yaml_mark_t at = weft__value_in(match, "method")->start_mark;
+    char text[160];
+    const double bytes
+        = weft_stepper_matrices(scene->type, particles, text, sizeof text);
+    if (bytes > LARGE_MATRICES && !scene->large_matrices) {
+        weft__report_error(reader->report, at,
+                           "method '%.40s' keeps %s: more than %g MB need "
+                           "stepper.large_matrices: true",
+                           scene->method, text, 1e-6 * LARGE_MATRICES);
+    } else if (bytes > 0.0 && particles > WEFT__DENSE_MOST) {
+        weft__report_warning(reader->report, at,
+                             "method '%.40s' keeps %s: for small cloths only",
+                             scene->method, text);
+    }
+}
+
+static int no_rhs(double t, const double *y, double *dydt, void *ctx)
+{
+    (void)t;
+    (void)y;
+    (void)dydt;
+    (void)ctx;
+    return -1;
+}
+
+/* What the method itself refuses, such as a table that is not of its order, is told by
+ * making a stepper of it, of one particle. */
+static void check_creation(weft__reader *reader, const weft__match *match)
+{
+    const weft_scene *scene = reader->scene;
+    const weft_ode one = { .dim = 6, .rhs = no_rhs };
+    const yaml_node_t *table = weft__key_in(match, "butcher");
+    weft_stepper_config config = scene->config;
+    weft_error why = { 0 };
+    void *stepper = NULL;
+    config.allocator = reader->report->memory;
+    const weft_status status
+        = scene->type->create(scene->type, &one, &config, &stepper, &why);
+    if (status == WEFT_OK) {
+        scene->type->destroy(stepper);
+    } else if (status == WEFT_NO_MEMORY) {
+        reader->report->no_memory = true;
+    } else {
+        weft__report_error(reader->report,
+                           table != NULL ? table->start_mark
+                                         : weft__value_in(match, "method")->start_mark,
+                           "%s", why.message);
+    }
+}
+
+void weft__check_stepper(weft__reader *reader, const weft__match *match, void *base)
+{
+    weft_scene *scene = base;
+    scene->type = find_type(reader, match);
+    const bool fixed_only
+        = scene->type != NULL && (scene->type->flags & WEFT_STEPPER_FIXED_ONLY) != 0;
+    if (fixed_only) {
+        check_fixed_only(reader, match, scene->method);
+    } else {
+        check_exclusive(reader, match);
+    }
+    check_sizes(reader, match);
+    check_control(reader, match, scene);
+    if (scene->type != NULL) {
+        check_table(reader, match, (scene->type->flags & WEFT_STEPPER_BUTCHER) != 0);
+        check_matrices(reader, match);
+    } else if (asks_for_table(scene)
+               || (reader->def->find_plugin == NULL && scene->plugin != NULL
+                   && scene->method != NULL)) {
+        check_table(reader, match, asks_for_table(scene));
+    }
+    if (scene->type != NULL && scene->type->create != NULL
+        && weft__report_clean(reader->report)) {
+        check_creation(reader, match);
+    }
+}
+
+/* Told where the ledger is asked for: the stepper has been read before. */
+void weft__check_record(weft__reader *reader, const weft__match *match, void *base)
+{
+    const weft_record_def *record = base;
+    const weft_scene *scene = reader->scene;
+    weft_error why;
+    char names[240];
+    if (!record->ledger || scene->type == NULL
+        || (scene->type->flags & WEFT_STEPPER_QUADRATURES) != 0) {
+        return;
+    }
+    weft__methods_list(
+        reader->def->find_plugin(reader->def->find_ctx, scene->plugin, &why),
+        WEFT_STEPPER_QUADRATURES, names, sizeof names);
+    weft__report_error(reader->report, weft__value_in(match, "ledger")->start_mark,
+                       "method '%.40s' of plugin '%.40s' cannot keep the energy "
+                       "ledger%s%s",
+                       scene->method, scene->plugin,
+                       names[0] == '\0' ? "" : "; of that plugin these can: ", names);
+}
