@@ -87,11 +87,14 @@ LIBS_gsl := -lgsl -lgslcblas -lm
 LIBS_verlet := -lm
 LIBS_arkode := -lsundials_arkode -lsundials_nvecserial $(if $(HAVE_SUNDIALS_7),-lsundials_core) $(MPI_LIBS) -lm
 
-# Those that take longest begin first, so that all processors end together.
+# The suites, each of tests/test_NAME.c: `make check TESTS='cloth scene'`. Those that take longest
+# begin first, so that all processors end together.
 LONGEST := cli_batch hostile cli_resume record_ends arkode_vector steppers compare
-TESTS := $(patsubst tests/%.c,%,$(wildcard $(LONGEST:%=tests/test_%.c)) \
-           $(filter-out $(LONGEST:%=tests/test_%.c),$(wildcard tests/test_*.c)))
-TEST_BIN := $(TESTS:%=$(BUILD)/tests/%)
+TESTS := $(LONGEST) $(filter-out $(LONGEST),$(patsubst tests/test_%.c,%,$(wildcard tests/test_*.c)))
+# Programs of their own, as they replace functions of libc: malloc and its like, and pow.
+ALONE := no_memory libm
+SUITES = $(filter-out $(ALONE),$(TESTS))
+TEST_BIN = $(BUILD)/tests/run $(patsubst %,$(BUILD)/tests/test_%,$(filter $(ALONE),$(TESTS)))
 BROKEN := $(patsubst tests/broken/%.c,$(BUILD)/tests/broken/weft-%.so,$(wildcard tests/broken/*.c))
 PROMISES := $(patsubst tests/promises/%.c,$(BUILD)/tests/promises/weft-%.so,$(wildcard tests/promises/*.c))
 # examples/weft-ID.c are plugins.
@@ -189,8 +192,20 @@ $(BUILD)/tests/%.o: tests/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) $(TEST_DEFS) -c -o $@ $<
 
-$(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(BUILD)/tests/support.o \
-                       $(PROGRAM) $(BUILD)/libweft.a $(PLUGIN_SO)
+# One program of all suites but those ALONE; run.c includes the list of them.
+$(BUILD)/tests/run: $(SUITES:%=$(BUILD)/tests/test_%.o) $(BUILD)/tests/run.o
+$(BUILD)/tests/run.o: INCS += -I$(BUILD)/tests
+$(BUILD)/tests/run.o: $(BUILD)/tests/suites.h
+SUITE_LIST = $(foreach name,$(SUITES),SUITE($(name)))
+$(BUILD)/tests/suites.h: always
+	@mkdir -p $(@D)
+	@echo '$(SUITE_LIST)' | cmp -s - $@ || echo '$(SUITE_LIST)' >$@
+
+.PHONY: always
+always:
+
+$(ALONE:%=$(BUILD)/tests/test_%): $(BUILD)/tests/%: $(BUILD)/tests/%.o
+$(BUILD)/tests/run $(ALONE:%=$(BUILD)/tests/test_%): $(BUILD)/tests/support.o $(PROGRAM) $(BUILD)/libweft.a $(PLUGIN_SO)
 	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(filter %.a,$^) $(TEST_LIBS)
 
 # The kernels 8 lanes wide on whatever machine: the compiler takes the vectors apart.
@@ -198,7 +213,7 @@ $(BUILD)/tests/wide/%.o: src/kernel/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) $(KERNEL_FLAGS) -Wno-psabi -Wno-missing-prototypes -DLEVEL=wide -DLANES=8 -c -o $@ $<
 
-$(BUILD)/tests/test_kernel $(BUILD)/tests/test_heat: $(KERNELS:$(BUILD)/src/kernel/%=$(BUILD)/tests/wide/%.o)
+$(BUILD)/tests/run: $(if $(filter kernel heat,$(TESTS)),$(KERNELS:$(BUILD)/src/kernel/%=$(BUILD)/tests/wide/%.o))
 
 $(BUILD)/tests/test_no_memory: \
     private LINK += $(if $(findstring address,$(SAN)),$(foreach f,malloc calloc realloc aligned_alloc free,-Wl,--wrap=$(f)))
@@ -206,7 +221,7 @@ $(BUILD)/tests/test_no_memory: \
 # What is verified, for the test and for the program; scenes run as in `weft run`.
 VERIFY_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/main.c,$(wildcard tests/verify/*.c)))
 $(BUILD)/tests/%.o: INCS += -Itests
-$(BUILD)/tests/test_verification: $(VERIFY_OBJ)
+$(BUILD)/tests/run: $(if $(filter verification,$(TESTS)),$(VERIFY_OBJ))
 
 $(BUILD)/weft-verify: $(BUILD)/tests/verify/main.o $(VERIFY_OBJ) $(PROGRAM) $(BUILD)/libweft.a
 	$(call say,LD)$(LINK) -o $@ $^ $(LIB_LIBS) $(HDF5_LIBS)
@@ -280,7 +295,7 @@ check: deps
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) check-run
 
 check-run: all $(TEST_BIN) $(BROKEN) $(PROMISES) $(WRONG_LIBM) $(EXAMPLES) lint
-	@tools/run-tests $(BUILD) $(TEST_BIN)
+	@tools/run-tests $(BUILD) $(foreach t,$(TESTS),$(if $(filter $t,$(ALONE)),test_$t,'run $t'))
 
 # What is written, read by the programs it is meant for; what is not there is skipped.
 check-view: all
@@ -339,15 +354,16 @@ coverage:
 
 # Races between threads: of a simulation, of simulations, and of the steppers alone.
 # Those of simulations in one process each: forks after threads are not for the sanitizer.
-TSAN_TESTS := test_threads test_embed test_steppers test_arkode_vector
+TSAN_TESTS := threads embed steppers arkode_vector
+TSAN_RUN := build/tsan/tests/run
 
 tsan:
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/tsan CFLAGS='-O1 -g' SAN='-fsanitize=thread' \
-	    $(TSAN_TESTS:%=build/tsan/tests/%)
-	CK_FORK=no build/tsan/tests/test_threads
-	CK_FORK=no CK_RUN_CASE=threads build/tsan/tests/test_embed
-	CK_TIMEOUT_MULTIPLIER=4 build/tsan/tests/test_arkode_vector
-	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads build/tsan/tests/test_steppers
+	    TESTS='$(TSAN_TESTS)' $(TSAN_RUN)
+	CK_FORK=no $(TSAN_RUN) threads
+	CK_FORK=no CK_RUN_CASE=threads $(TSAN_RUN) embed
+	CK_TIMEOUT_MULTIPLIER=4 $(TSAN_RUN) arkode_vector
+	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads $(TSAN_RUN) steppers
 
 # Sources read by clang-tidy and cppcheck; DEEP=1: and by gcc -fanalyzer.
 static:
@@ -393,7 +409,7 @@ clang-syntax:
 	@printf '%s\n' $(filter %.c,$(C_FILES)) | xargs -P "$$(nproc)" -L 16 clang $(STRICT) $(WARN) \
 	    $(INCS) -Itests $(HDF5_CFLAGS) $(MPI_INC) $(TEST_DEFS) -fsyntax-only
 
-valgrind: all $(TEST_BIN) $(BROKEN) $(PROMISES)
+valgrind: all
 	@tools/valgrind $(BUILD)
 
 # Tests of the steppers against Debian 13's SUNDIALS 7, in a system of its own; root,
