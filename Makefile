@@ -339,7 +339,7 @@ docs: all
 
 # Check's tests under AddressSanitizer and UBSan, in a build of its own.
 asan:
-	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/asan CFLAGS='-O1 -g' \
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/asan CFLAGS='-O1 -g1' \
 	    SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \
 	    check-run
 
@@ -348,7 +348,7 @@ COVERAGE_LEAST ?= 90
 
 coverage:
 	@find build/coverage -name '*.gcda' -delete 2>/dev/null || :
-	@CK_TIMEOUT_MULTIPLIER=4 $(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/coverage CFLAGS='-O1 -g' \
+	@CK_TIMEOUT_MULTIPLIER=4 $(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/coverage CFLAGS='-O1 -g1' \
 	    SAN='--coverage -fprofile-update=atomic' check-run
 	@tools/coverage build/coverage $(COVERAGE_LEAST)
 
@@ -358,14 +358,14 @@ TSAN_TESTS := threads embed steppers arkode_vector
 TSAN_RUN := build/tsan/tests/run
 
 tsan:
-	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/tsan CFLAGS='-O1 -g' SAN='-fsanitize=thread' \
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/tsan CFLAGS='-O1 -g1' SAN='-fsanitize=thread' \
 	    TESTS='$(TSAN_TESTS)' $(TSAN_RUN)
 	CK_FORK=no $(TSAN_RUN) threads
 	CK_FORK=no CK_RUN_CASE=threads $(TSAN_RUN) embed
 	CK_TIMEOUT_MULTIPLIER=4 $(TSAN_RUN) arkode_vector
 	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads $(TSAN_RUN) steppers
 
-# Sources read by clang-tidy and cppcheck; DEEP=1: and by gcc -fanalyzer.
+# Sources read by clang-tidy and cppcheck; DEEP=1: also by gcc -fanalyzer, and clang-tidy follows calls.
 static:
 	@tools/static "$(STRICT) $(INCS) $(HDF5_CFLAGS) $(MPI_INC)" $(DEEP)
 
@@ -377,9 +377,8 @@ $(BUILD)/hashes: $(BUILD)/tests/hashes.o $(BUILD)/libweft.a
 hashes: $(BUILD)/hashes $(PLUGIN_SO)
 
 # The same bits from every compiler and at every level of optimization.
-check-determinism:
-	@mkdir -p build/determinism
-	@MAKE="$(MAKE)" tools/check-determinism build/determinism
+check-determinism: hashes
+	@MAKE="$(MAKE)" tools/check-determinism $(BUILD)
 
 # The same bits whatever libm and whatever processor; wants qemu-user.
 check-libm: all $(BUILD)/tests/test_libm $(WRONG_LIBM)
@@ -399,7 +398,7 @@ $(FUZZ_HDF:%=$(BUILD)/tests/fuzz/%.o): INCS += $(HDF5_CFLAGS)
 $(FUZZ_HDF:%=$(BUILD)/fuzz/%): private LINK += -Wl,--wrap=fork,--wrap=waitpid
 
 fuzz:
-	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/fuzz CC=clang CFLAGS='-O1 -g' \
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/fuzz CC=clang CFLAGS='-O1 -g1' \
 	    SAN='-Wno-pass-failed -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all' \
 	    all $(FUZZ:%=build/fuzz/fuzz/%)
 	@printf "%s\n" $(FUZZ) | xargs -P "$$(nproc)" -L 1 tools/fuzz build/fuzz $(FUZZ_SECONDS)
