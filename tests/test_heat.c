@@ -123,7 +123,7 @@ START_TEST(heat_is_the_same_however_often_it_is_asked_for)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(heat)
 {
     Suite *suite = suite_create("heat");
     TCase *tcase = tcase_create("heat");
@@ -132,5 +132,5 @@ int main(void)
     suite_add_tcase(suite, tcase);
     add_for_every_method(suite, "asked",
                          heat_is_the_same_however_often_it_is_asked_for);
-    return test_run(suite);
+    return suite;
 }

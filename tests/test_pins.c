@@ -331,7 +331,7 @@ START_TEST(changes_of_pins_are_accounted_for)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(pins)
 {
     Suite *suite = suite_create("pins");
     TCase *tcase = tcase_create("pins");
@@ -348,5 +348,5 @@ int main(void)
     tcase_add_test(tcase, others_on_the_same_cloth_keep_their_pins);
     tcase_add_test(tcase, changes_of_pins_are_accounted_for);
     suite_add_tcase(suite, tcase);
-    return test_run(suite);
+    return suite;
 }

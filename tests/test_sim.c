@@ -473,7 +473,7 @@ START_TEST(nothing_turns_into_heat_without_dampers)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(sim)
 {
     const int methods = (int)test_method_count();
     Suite *suite = suite_create("sim");
@@ -496,5 +496,5 @@ int main(void)
                         methods);
     tcase_add_test(tcase, energy_and_heat_balance_to_order_2);
     tcase_add_test(tcase, nothing_turns_into_heat_without_dampers);
-    return test_run(suite);
+    return suite;
 }
