@@ -216,8 +216,8 @@ WEFT_API const weft_cloth *weft_sim_cloth(const weft_sim *sim);
 WEFT_API weft_stepper_stats weft_sim_stats(const weft_sim *sim);
 /* Every choice of the stepper beyond its config, one call of `tell` each. */
 WEFT_API void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx);
-/* [J] turned into heat so far by springs and viscous drag: the ledger's, if it is kept,
- * else the trapezoid rule over the accepted steps, of second order in h. */
+/* [J] turned into heat so far by springs and viscous drag: dissipated_springs +
+ * dissipated_drag of the ledger; NaN without ledger. */
 WEFT_API double weft_sim_dissipated(const weft_sim *sim);
 
 /* The powers of weft_cloth_power were integrated with the state, by the method itself:

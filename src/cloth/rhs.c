@@ -69,9 +69,9 @@ static void move_pins(const weft_cloth *cloth, double t, double *dydt, size_t fi
 }
 
 int weft__rhs_rows(const weft_cloth *cloth, double t, const double *y, double *dydt,
-                   double *heat, size_t first, size_t end)
+                   size_t first, size_t end)
 {
-    int failed = cloth->level->springs(cloth, y, dydt, heat, first, end);
+    int failed = cloth->level->springs(cloth, y, dydt, first, end);
     if (cloth->wind_drag != 0.0) {
         failed |= cloth->level->wind(cloth, y, dydt, first, end);
     }
@@ -81,5 +81,5 @@ int weft__rhs_rows(const weft_cloth *cloth, double t, const double *y, double *d
 
 int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y, double *dydt)
 {
-    return weft__rhs_rows(cloth, t, y, dydt, NULL, 0, cloth->rows);
+    return weft__rhs_rows(cloth, t, y, dydt, 0, cloth->rows);
 }

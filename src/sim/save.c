@@ -18,17 +18,15 @@
 static const unsigned char magic[WEFT__WORD] = "weftsave";
 
 /* Of the present layout. */
-#define VERSION 2
+#define VERSION 3
 
 #define NAME_WORDS 8
 
-/* [s] t to last_step and limit_step, [J] the others but heating [W] */
+/* [s] t to last_step and limit_step, [J] the others */
 #define NUMBERS(X)                                                                     \
     X(t)                                                                               \
     X(next_step)                                                                       \
     X(last_step)                                                                       \
-    X(dissipated)                                                                      \
-    X(heating)                                                                         \
     X(energy_start)                                                                    \
     X(limit_work)                                                                      \
     X(outside_work)                                                                    \
@@ -72,8 +70,6 @@ static fields fields_of(const weft_sim *sim)
         .t = sim->t,
         .next_step = stats.next_step,
         .last_step = stats.last_step,
-        .dissipated = sim->dissipated,
-        .heating = sim->heating,
         .energy_start = sim->ledger.start,
         .limit_work = sim->ledger.limit_work,
         .outside_work = sim->ledger.outside_work,
@@ -91,9 +87,6 @@ static void take_fields(weft_sim *sim, const fields *from)
 {
     const weft_limit_stats limit = { from->corrected, from->sweeps, from->unconverged };
     sim->t = from->t;
-    sim->dissipated = from->dissipated;
-    sim->heating = from->heating;
-    sim->unheated = 0.0;
     sim->ledger.start = from->energy_start;
     sim->ledger.limit_work = from->limit_work;
     sim->ledger.outside_work = from->outside_work;
@@ -192,7 +185,6 @@ weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *e
     if (status != WEFT_OK) {
         return status;
     }
-    weft__sim_settle(sim);
     const fields now = fields_of(sim);
     put_head(sim, to);
     put_fields(&now, to + AT_FIELDS * WEFT__WORD);
@@ -318,9 +310,6 @@ static weft_status check_numbers(const weft_sim *sim, const fields *saved,
     if (!(isfinite(saved->t) && is_step(saved->next_step) && is_step(saved->last_step)
           && is_step(saved->limit_step) && all_finite(y, weft_cloth_dim(sim->cloth)))) {
         return not_finite("a time, a step or a state", err);
-    }
-    if (!(isfinite(saved->dissipated) && isfinite(saved->heating))) {
-        return not_finite("heat", err);
     }
     return isfinite(weft__ledger_read(&ledger, sim->given, y).residual)
                ? WEFT_OK

@@ -111,17 +111,13 @@ weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out
 }
 
 /* Their threads are lent: the stepper works when the forces do not. */
-static weft_status make_forces(weft_sim *sim, weft_error *err)
+static void make_forces(weft_sim *sim)
 {
     sim->forces = weft__forces_create(sim->cloth, sim->config.threads, &sim->memory);
-    if (sim->forces.heat == NULL) {
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
-    }
     if (sim->forces.team != NULL && sim->config.team == NULL) {
-        sim->lent = weft__team_lend(sim->forces.team);
-        sim->config.team = &sim->lent;
+        sim->worker_team = weft__team_lend(sim->forces.team);
+        sim->config.team = &sim->worker_team;
     }
-    return WEFT_OK;
 }
 
 /* The simulation itself, filled as far as nothing else can fail. */
@@ -155,7 +151,6 @@ static weft_sim *make_sim(const weft_sim_def *def)
                        .y = y };
     weft_cloth_start(sim->cloth, y);
     weft__ledger_start(&sim->ledger, sim->cloth, y);
-    sim->heating = weft_cloth_dissipation(sim->cloth, y);
     return sim;
 }
 
@@ -180,9 +175,7 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
         status = take_config(sim, def, err);
     }
     if (status == WEFT_OK) {
-        status = make_forces(sim, err);
-    }
-    if (status == WEFT_OK) {
+        make_forces(sim);
         status = weft__sim_stepper(sim, 0.0, &sim->stepper, err);
     }
     if (status != WEFT_OK) {
@@ -256,7 +249,6 @@ static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
     }
     if (changed) {
         sim->method->state_changed(sim->stepper);
-        sim->heating = weft__forces_heat(&sim->forces, sim->y);
     }
     return !changed || all_finite(sim->y, weft_cloth_dim(sim->cloth))
                ? WEFT_OK
@@ -295,7 +287,6 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
         return status;
     }
     const double h = sim->t - before;
-    weft__sim_account_heat(sim, h);
     if (sim->log.write != NULL) {
         tell_rejected(sim, h);
     }
@@ -351,6 +342,12 @@ weft_ledger weft_sim_ledger(const weft_sim *sim)
     return weft__ledger_read(&sim->ledger, sim->cloth, sim->y);
 }
 
+double weft_sim_dissipated(const weft_sim *sim)
+{
+    const double *taken = sim->y + weft_cloth_dim(sim->cloth); /* [J] */
+    return sim->ledger.on ? taken[WEFT_POWER_SPRINGS] + taken[WEFT_POWER_DRAG] : NAN;
+}
+
 weft_limit_stats weft_sim_limit_stats(const weft_sim *sim)
 {
     return weft__limit_stats(sim->limit);
@@ -403,14 +400,12 @@ static void set_planes(const weft_cloth *cloth, const double *xyz, double *plane
 
 void weft__sim_change_begins(weft_sim *sim)
 {
-    weft__sim_settle(sim);
     weft__ledger_mark(&sim->ledger, sim->cloth, sim->y);
 }
 
 static void account_change(weft_sim *sim)
 {
     weft__ledger_account(&sim->ledger, sim->cloth, sim->y, &sim->ledger.outside_work);
-    sim->heating = weft__forces_heat(&sim->forces, sim->y);
 }
 
 void weft__sim_state_changed(weft_sim *sim)

@@ -16,8 +16,8 @@ struct weft_sim {
     void *stepper;
     weft_stepper_stats before; /* of the steppers before this one */
     weft__forces forces;
-    weft_team lent;     /* their threads */
-    weft__limit *limit; /* NULL: none */
+    weft_team worker_team; /* the forces' threads, for the stepper */
+    weft__limit *limit;    /* NULL: none */
     weft_correct_fn *correct;
     void *correct_ctx;
     weft_force_fn *force;
@@ -28,11 +28,9 @@ struct weft_sim {
     bool in_callback;
     weft_log log;
     weft_allocator memory;
-    uint64_t settings;          /* weft__settings_hash of the definition */
-    uint64_t rejected;          /* attempts that were told of */
-    double t;                   /* [s] */
-    double dissipated, heating; /* [J] so far, [W] then; without ledger */
-    double unheated;            /* [s] before t that dissipated lacks */
+    uint64_t settings; /* weft__settings_hash of the definition */
+    uint64_t rejected; /* attempts that were told of */
+    double t;          /* [s] */
     weft__ledger ledger;
     double *y; /* 6 N, then with ledger its quadratures */
 };
@@ -43,14 +41,6 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx);
 /* A stepper for the simulation as it is defined; first_step [s] 0: by the config. */
 weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out,
                               weft_error *err);
-
-/* heat.c: the trapezoid rule over the h [s] before t, in whose state the heating [W]
- * is this. */
-void weft__sim_add_heat(weft_sim *sim, double h, double heating);
-/* After a step of h [s], before the corrections. */
-void weft__sim_account_heat(weft_sim *sim, double h);
-/* Brings dissipated and heating up to t. */
-void weft__sim_settle(weft_sim *sim);
 
 /* WEFT_INVALID for a function that is called from within a callback. */
 weft_status weft__sim_outside(const weft_sim *sim, const char *function,
