@@ -50,10 +50,9 @@ static bool starts_at(const weft__group *group, size_t r, size_t c)
 /* What moves a pin works against the springs that hold on to it. */
 static double pin_power(const weft_cloth *cloth, size_t i, double t, const double *y)
 {
-    const weft__motion *motion = &cloth->motions[cloth->pin[i] - 1];
     const size_t cols = cloth->cols;
     double force[3] = { 0.0 }, rate[6], power = 0.0;
-    weft__motion_rate(motion, t, rate);
+    weft__pin_rate(cloth, i, t, rate);
     for (size_t g = 0; g < cloth->group_count; ++g) {
         const weft__group *group = &cloth->groups[g];
         const size_t stride = (size_t)group->stride;

@@ -8,7 +8,8 @@
 
 #include "base/log.h"
 #include "base/memory.h"
-#include "cloth/repin.h"
+#include "cloth/pins.h"
+#include "cloth/rows.h"
 #include "sim/simulation.h"
 
 weft_stepper_config weft_stepper_config_default(void)
@@ -110,7 +111,7 @@ weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out
     return sim->method->create(sim->method, &ode, &config, out, err);
 }
 
-/* Their threads are lent: the stepper works when the forces do not. */
+/* The stepper uses the threads of the forces: it works when they do not. */
 static void make_forces(weft_sim *sim)
 {
     sim->forces = weft__forces_create(sim->cloth, sim->config.threads, &sim->memory);
@@ -126,17 +127,20 @@ static weft_sim *make_sim(const weft_sim_def *def)
     const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
     const size_t dim = weft_cloth_dim(def->cloth);
     weft_sim *sim = weft__zeroed(&memory, 1, sizeof *sim);
+    weft_cloth *cloth = weft__cloth_copy(def->cloth, &memory);
     double *y = weft__alloc(&memory, dim + WEFT__QUADRATURES, sizeof *y);
     double *added
         = def->force == NULL ? NULL : weft__alloc(&memory, dim / 2, sizeof *added);
-    if (sim == NULL || y == NULL || (def->force != NULL && added == NULL)) {
+    if (sim == NULL || cloth == NULL || y == NULL
+        || (def->force != NULL && added == NULL)) {
+        weft_cloth_destroy(cloth);
         weft__free(&memory, sim);
         weft__free(&memory, y);
         weft__free(&memory, added);
         return NULL;
     }
-    *sim = (weft_sim){ .given = def->cloth,
-                       .cloth = def->cloth,
+    *sim = (weft_sim){ .cloth = cloth,
+                       .cloth_hash = weft__cloth_hash(def->cloth),
                        .method = def->method,
                        .correct = def->correct,
                        .correct_ctx = def->correct_ctx,
@@ -170,7 +174,7 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
     }
     status
-        = weft__limit_create(&def->limit, def->cloth, &sim->memory, &sim->limit, err);
+        = weft__limit_create(&def->limit, sim->cloth, &sim->memory, &sim->limit, err);
     if (status == WEFT_OK) {
         status = take_config(sim, def, err);
     }
@@ -196,7 +200,7 @@ void weft_sim_destroy(weft_sim *sim)
         sim->method->destroy(sim->stepper);
         weft__forces_destroy(&sim->forces);
         weft__limit_destroy(sim->limit);
-        weft__cloth_return(sim->own);
+        weft_cloth_destroy(sim->cloth);
         const weft_allocator memory = sim->memory;
         weft__free(&memory, sim->added);
         weft__free(&memory, sim->y);
@@ -322,10 +326,10 @@ weft_stepper_stats weft_sim_stats(const weft_sim *sim)
 {
     weft_stepper_stats stats = { .struct_size = sizeof stats };
     sim->method->stats(sim->stepper, &stats);
-    stats.last_step = stats.steps > 0 ? stats.last_step : sim->before.last_step;
-    stats.steps += sim->before.steps;
-    stats.rejected += sim->before.rejected;
-    stats.rhs_calls += sim->before.rhs_calls;
+    stats.last_step = stats.steps > 0 ? stats.last_step : sim->earlier.last_step;
+    stats.steps += sim->earlier.steps;
+    stats.rejected += sim->earlier.rejected;
+    stats.rhs_calls += sim->earlier.rhs_calls;
     return stats;
 }
 

@@ -8,13 +8,12 @@
 #include "sim/limit.h"
 
 struct weft_sim {
-    const weft_cloth *given; /* the definition's */
-    const weft_cloth *cloth; /* that, or `own` */
-    weft_cloth *own;         /* NULL until a pin is changed */
+    weft_cloth *cloth;   /* the definition's with pins of its own */
+    uint64_t cloth_hash; /* weft__cloth_hash of the definition's */
     const weft_stepper_type *method;
     weft_stepper_config config;
     void *stepper;
-    weft_stepper_stats before; /* of the steppers before this one */
+    weft_stepper_stats earlier; /* of the steppers before this one */
     weft__forces forces;
     weft_team worker_team; /* the forces' threads, for the stepper */
     weft__limit *limit;    /* NULL: none */
@@ -57,20 +56,9 @@ void weft__sim_change_begins(weft_sim *sim);
 void weft__sim_state_changed(weft_sim *sim);
 void weft__sim_ode_changed(weft_sim *sim);
 
-/* pins.c: the simulation takes over a cloth borrowed from the given one. */
-void weft__sim_use_pins(weft_sim *sim, weft_cloth *own);
-
 /* settings.c: hash of all in a definition that the results depend on besides cloth and
  * method; `config` is its config, completed, which the method has accepted. */
 uint64_t weft__settings_hash(const weft_sim_def *def,
                              const weft_stepper_config *config);
-
-/* save_pins.c: the pins that are not those of the definition, as words. */
-size_t weft__saved_pins_words(const weft_sim *sim);
-void weft__saved_pins_put(const weft_sim *sim, unsigned char *to);
-/* *out is a cloth with these pins, to be used or returned; NULL if there are none, and
- * never were. */
-weft_status weft__saved_pins_cloth(const weft_sim *sim, const unsigned char *from,
-                                   size_t words, weft_cloth **out, weft_error *err);
 
 #endif
