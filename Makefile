@@ -213,7 +213,7 @@ $(BUILD)/tests/wide/%.o: src/kernel/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) $(KERNEL_FLAGS) -Wno-psabi -Wno-missing-prototypes -DLEVEL=wide -DLANES=8 -c -o $@ $<
 
-$(BUILD)/tests/run: $(if $(filter kernel heat,$(TESTS)),$(KERNELS:$(BUILD)/src/kernel/%=$(BUILD)/tests/wide/%.o))
+$(BUILD)/tests/run: $(if $(filter kernel damping,$(TESTS)),$(KERNELS:$(BUILD)/src/kernel/%=$(BUILD)/tests/wide/%.o))
 
 $(BUILD)/tests/test_no_memory: \
     private LINK += $(if $(findstring address,$(SAN)),$(foreach f,malloc calloc realloc aligned_alloc free,-Wl,--wrap=$(f)))

@@ -216,14 +216,14 @@ WEFT_API weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *e
 WEFT_API double weft_sim_time(const weft_sim *sim); /* [s] */
 WEFT_API const double *
 weft_sim_state(const weft_sim *sim); /* y[6 N], valid until the next step */
-/* The cloth as it stands: the definition's, or, once a pin was changed, the
- * simulation's own, which has the pins of now. Until the simulation is destroyed. */
+/* The definition's cloth with the pins that the simulation has at present. Valid until
+ * the simulation is destroyed. */
 WEFT_API const weft_cloth *weft_sim_cloth(const weft_sim *sim);
 WEFT_API weft_stepper_stats weft_sim_stats(const weft_sim *sim);
 /* Calls `tell` for each choice of the stepper beyond its config. */
 WEFT_API void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx);
-/* [J] turned into heat so far by springs and viscous drag: the ledger's, if it is kept,
- * else the trapezoid rule over the accepted steps, of second order in h. */
+/* [J] turned into heat so far by springs and viscous drag: dissipated_springs +
+ * dissipated_drag of the ledger; NaN without ledger. */
 WEFT_API double weft_sim_dissipated(const weft_sim *sim);
 
 /* The method integrates the powers of weft_cloth_power with the state: the residual has
@@ -248,11 +248,10 @@ WEFT_API void weft_sim_velocities(const weft_sim *sim, double *xyz); /* [m/s] */
 WEFT_API weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
                                         const double *velocities, weft_error *err);
 
-/* Pins, changed while a simulation runs. The cloth that it was made from and all others
- * that share it keep theirs: the first change gives this one pins of its own. Particle
- * i is (i / cols, i % cols). Between two steps, each in O(N). Errors: WEFT_INVALID (no
- * such particle, a number that is not finite), WEFT_NO_MEMORY, and nothing is changed.
- */
+/* Pins, changed while a simulation runs. Every simulation has pins of its own: the
+ * cloth that it was made from and all others that share it keep theirs. Particle i is
+ * (i / cols, i % cols). Between two steps, each in O(N). Errors: WEFT_INVALID (no such
+ * particle, a number that is not finite), and nothing is changed. */
 
 /* Holds a particle at its present position, and moves it from now on at `velocity`
  * [m/s] (NULL: it keeps its position bit for bit). A particle that is already pinned
@@ -281,8 +280,8 @@ WEFT_API weft_status weft_sim_restart(weft_sim *sim, weft_error *err);
  * alike to the last bit, as saving restarts the stepper here too. Threads, allocators
  * and log may differ, all else that counts is compared by hashes. What `correct`
  * and `force` keep for themselves is the caller's to save. The bytes know their version
- * and are checksummed; their size, that of weft_sim_save_size, grows with the pins that
- * were changed. Errors: WEFT_INVALID (size is less), those of weft_sim_restart. */
+ * and are checksummed; their size, that of weft_sim_save_size, never changes. Errors:
+ * WEFT_INVALID (size is less), those of weft_sim_restart. */
 WEFT_API size_t weft_sim_save_size(const weft_sim *sim);
 WEFT_API weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size,
                                    weft_error *err);

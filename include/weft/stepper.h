@@ -162,8 +162,7 @@ enum {
                                           call: small states only */
     WEFT_STEPPER_CONTROLLER = 1 << 7,  /* adaptive steps use config->controller */
     WEFT_STEPPER_QUADRATURES = 1 << 8, /* config->quadratures may be > 0 */
-    WEFT_STEPPER_FIRST_AT_Y = 1 << 9,  /* the first RHS call of every step is at the
-                                          given t and y: saves weft a pass */
+    /* 1 << 9 is reserved: plugins for earlier versions of weft may set it */
     WEFT_STEPPER_LIBM = 1 << 10 /* the solver decides by powers, sines, ... of libm,
                                    whose rounding differs between machines: no promise
                                    of the same bits on another machine */

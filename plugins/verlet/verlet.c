@@ -261,10 +261,7 @@ static void destroy(void *instance)
     }
 }
 
-enum {
-    FLAGS = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_QUADRATURES,
-    FIRST = WEFT_STEPPER_FIRST_AT_Y
-};
+enum { FLAGS = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_QUADRATURES };
 
 #define METHOD(id, p, calls, more, source)                                             \
     {                                                                                  \
@@ -286,11 +283,11 @@ enum {
     }
 
 static const method methods[] = {
-    METHOD(symplectic_euler, 1, 1, FIRST, "X. Provot, Graphics Interface, 1995"),
+    METHOD(symplectic_euler, 1, 1, 0, "X. Provot, Graphics Interface, 1995"),
     METHOD(velocity_verlet, 2, 1, WEFT_STEPPER_FSAL,
            "W. C. Swope et al., J. Chem. Phys. 76, 1982"),
-    METHOD(euler, 1, 1, FIRST, "L. Euler, Institutiones calculi integralis I, 1768"),
-    METHOD(midpoint, 2, 2, FIRST, "C. Runge, Math. Ann. 46, 1895"),
+    METHOD(euler, 1, 1, 0, "L. Euler, Institutiones calculi integralis I, 1768"),
+    METHOD(midpoint, 2, 2, 0, "C. Runge, Math. Ann. 46, 1895"),
 };
 
 WEFT_API const weft_plugin *weft_plugin_verlet(void)
