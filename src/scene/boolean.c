@@ -33,7 +33,7 @@ static const spelling *find_spelling(const char *text)
 }
 
 void weft__read_boolean(weft__reader *reader, const weft__key *key,
-                        const yaml_node_t *node, void *to)
+                        const weft__node *node, void *to)
 {
     const spelling *found = find_spelling(weft__text_of(node));
     char value[64];
@@ -41,12 +41,12 @@ void weft__read_boolean(weft__reader *reader, const weft__key *key,
         weft__refuse(reader, node, key->name, "true or false", false, NULL);
         return;
     }
-    const bool quoted = node->data.scalar.style != YAML_PLAIN_SCALAR_STYLE;
+    const bool quoted = node->style != YAML_PLAIN_SCALAR_STYLE;
     if (found->good && !quoted) {
         *(bool *)to = found->value;
         return;
     }
-    weft__report_error(reader->report, node->start_mark,
+    weft__report_error(reader->report, node->at,
                        "%s must be true or false, not %s (%s)", key->name,
                        weft__show(node, value, sizeof value),
                        quoted && found->good ? "remove the quotes"

@@ -11,9 +11,9 @@
 void weft__check_root(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_scene *scene = base;
-    const yaml_node_t *version = weft__value_in(match, "weft");
+    const weft__node *version = weft__value_in(match, "weft");
     if (version != NULL && scene->version > 1) {
-        weft__report_error(reader->report, version->start_mark,
+        weft__report_error(reader->report, version->at,
                            "version %zu of the scene format is not known: this is a "
                            "reader of version 1",
                            scene->version);
@@ -29,13 +29,13 @@ static bool check_size(weft__reader *reader, const weft__match *match,
         return false;
     }
     if (cloth->rows * cloth->cols < 2) {
-        weft__report_error(reader->report, weft__value_in(match, "cols")->start_mark,
+        weft__report_error(reader->report, weft__value_in(match, "cols")->at,
                            "a grid of 1 x 1 is a single particle: rows * cols must be "
                            ">= 2");
         return false;
     }
     if (cloth->rows > MAX_PARTICLES / cloth->cols) {
-        weft__report_error(reader->report, weft__value_in(match, "cols")->start_mark,
+        weft__report_error(reader->report, weft__value_in(match, "cols")->at,
                            "a grid of %zu x %zu has more than %zu particles",
                            cloth->rows, cloth->cols, MAX_PARTICLES);
         return false;
@@ -54,7 +54,7 @@ static bool check_axes(weft__reader *reader, const weft__match *match,
 {
     const double *right = cloth->right, *down = cloth->down;
     const double a = length(right), b = length(down);
-    const yaml_node_t *node = weft__value_in(match, "down");
+    const weft__node *node = weft__value_in(match, "down");
     if (a == 0.0 || b == 0.0) {
         return false;
     }
@@ -64,7 +64,7 @@ static bool check_axes(weft__reader *reader, const weft__match *match,
     }
     if (!(fabs(cosine) <= 1e-9)) {
         node = node == NULL ? weft__value_in(match, "right") : node;
-        weft__report_error(reader->report, node->start_mark,
+        weft__report_error(reader->report, node->at,
                            "down [%g, %g, %g] is not perpendicular to right [%g, %g, "
                            "%g]: the cosine is %.3g, not below 1e-9",
                            down[0], down[1], down[2], right[0], right[1], right[2],
@@ -138,7 +138,7 @@ static void check_apart(weft__reader *reader, const weft__match *match,
             const bool along = r + 1 < cloth->rows && coincide(grid, r, c, r + 1, c);
             if (across || along) {
                 weft__report_error(
-                    reader->report, weft__value_in(match, "spacing")->start_mark,
+                    reader->report, weft__value_in(match, "spacing")->at,
                     "coincident rest positions: the spacing %g m from row %zu, column "
                     "%zu to the next %s is lost in rounding",
                     cloth->spacing[across ? 1 : 0], r, c, across ? "column" : "row");
@@ -160,8 +160,7 @@ static bool check_finite(weft__reader *reader, const weft__match *match,
         for (size_t k = 0; k < 3; ++k) {
             const double from = cloth->origin[k];
             if (!isfinite(x[k]) || !isfinite(from + cloth->scale * (x[k] - from))) {
-                weft__report_error(reader->report,
-                                   weft__value_in(match, "spacing")->start_mark,
+                weft__report_error(reader->report, weft__value_in(match, "spacing")->at,
                                    "the grid is too large: positions are not finite");
                 return false;
             }
@@ -200,10 +199,10 @@ void weft__check_springs(weft__reader *reader, const weft__match *match, void *b
     };
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
         const char *name = weft_family_name((weft_family)i);
-        const yaml_node_t *key = weft__key_in(match, name);
+        const weft__node *key = weft__key_in(match, name);
         cloth->springs[i].present = key != NULL;
         if (key != NULL && none[i]) {
-            weft__report_warning(reader->report, key->start_mark,
+            weft__report_warning(reader->report, key->at,
                                  "a grid of %zu x %zu has no %s springs", cloth->rows,
                                  cloth->cols, name);
         }
@@ -212,13 +211,13 @@ void weft__check_springs(weft__reader *reader, const weft__match *match, void *b
 
 static void check_mass(weft__reader *reader, const weft__match *match)
 {
-    const yaml_node_t *mass = weft__key_in(match, "mass");
-    const yaml_node_t *density = weft__key_in(match, "density");
+    const weft__node *mass = weft__key_in(match, "mass");
+    const weft__node *density = weft__key_in(match, "density");
     if (mass != NULL && density != NULL) {
         weft__report_exclusive(reader->report, mass, density);
     } else if (mass == NULL && density == NULL && !weft__misspelt(match, "mass")
                && !weft__misspelt(match, "density")) {
-        weft__report_error(reader->report, match->map->start_mark,
+        weft__report_error(reader->report, match->map->at,
                            "cloth lacks 'mass' [kg] or 'density' [kg/m^2]: exactly one "
                            "is required");
     }
@@ -287,7 +286,7 @@ void weft__check_cloth(weft__reader *reader, const weft__match *match, void *bas
     check_mass(reader, match);
     if (cloth->pin_count > 0 && reader->report->found->errors == 0
         && may_hold_all(cloth) && count_free(reader, cloth) == 0) {
-        weft__report_warning(reader->report, weft__key_in(match, "pins")->start_mark,
+        weft__report_warning(reader->report, weft__key_in(match, "pins")->at,
                              "all %zu particles are pinned: nothing will move freely",
                              cloth->rows * cloth->cols);
     }
@@ -298,10 +297,10 @@ void weft__check_cloth(weft__reader *reader, const weft__match *match, void *bas
 void weft__check_limit(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_limit_def *limit = base;
-    const yaml_node_t *velocity = weft__value_in(match, "velocity");
+    const weft__node *velocity = weft__value_in(match, "velocity");
     bool limits = false;
     if (limit->method == WEFT_LIMIT_BRIDSON && limit->keep_velocity) {
-        weft__report_error(reader->report, velocity->start_mark,
+        weft__report_error(reader->report, velocity->at,
                            "method bridson would not use 'keep': it works on "
                            "velocities");
     }
@@ -311,7 +310,7 @@ void weft__check_limit(weft__reader *reader, const weft__match *match, void *bas
     }
     if (!limits && reader->report->found->errors == 0) {
         weft__report_warning(
-            reader->report, match->map->start_mark,
+            reader->report, match->map->at,
             "limit has no effect: cloth has no springs of the families "
             "it limits");
     }
@@ -322,10 +321,9 @@ static void check_frame(weft__reader *reader, const weft__match *match,
                         const weft_run_def *run)
 {
     const double h = reader->scene->config.fixed_step;
-    const yaml_node_t *fps = weft__key_in(match, "fps");
+    const weft__node *fps = weft__key_in(match, "fps");
     if (h * run->fps > 1.0 + 1e-6) {
-        weft__report_warning(reader->report,
-                             (fps == NULL ? match->map : fps)->start_mark,
+        weft__report_warning(reader->report, (fps == NULL ? match->map : fps)->at,
                              "fixed_step %g s is longer than a frame (%.4g s): every "
                              "step will be %.4g s; run.fps=%.7g makes frames of %g s",
                              h, 1.0 / run->fps, 1.0 / run->fps, 1.0 / h, h);
@@ -336,9 +334,9 @@ void weft__check_run(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_run_def *run = base;
     if (run->duration * run->fps > 0x1p53) {
-        const yaml_node_t *node = weft__value_in(match, "fps");
+        const weft__node *node = weft__value_in(match, "fps");
         node = node == NULL ? weft__value_in(match, "duration") : node;
-        weft__report_error(reader->report, node->start_mark,
+        weft__report_error(reader->report, node->at,
                            "%g s at %g frames per second are more frames than can be "
                            "counted (2^53)",
                            run->duration, run->fps);

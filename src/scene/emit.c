@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* emit.c -- a document as YAML text, for a scene that was changed by overrides.
+/* emit.c -- a tree as YAML text, for a scene that was changed by overrides.
  *
- * Numbers keep the text they were given in. Mappings are written a key a line, lists of
- * plain values in one line. */
+ * Numbers keep the text they were given in. A mapping has a line for each key, a list
+ * of plain values a single line. */
 #include <string.h>
 
-#include "scene/document.h"
+#include "scene/tree.h"
 
 typedef struct buffer {
     const weft_allocator *memory;
@@ -31,63 +31,62 @@ static int append(void *ctx, unsigned char *text, size_t size)
     return 1;
 }
 
-static bool holds_scalars_only(yaml_document_t *document, const yaml_node_t *list)
+/* `made`: what the function returned that made the event. */
+static bool emit(yaml_emitter_t *to, yaml_event_t *event, int made)
 {
-    for (const int *item = list->data.sequence.items.start;
-         item < list->data.sequence.items.top; ++item) {
-        if (yaml_document_get_node(document, *item)->type != YAML_SCALAR_NODE) {
-            return false;
-        }
-    }
-    return true;
+    return made && yaml_emitter_emit(to, event);
 }
 
-/* Drop the pairs that an override removed. */
-static void drop_removed(yaml_node_t *mapping)
+static bool emit_node(yaml_emitter_t *to, const weft__node *node)
 {
-    yaml_node_pair_t *to = mapping->data.mapping.pairs.start;
-    for (const yaml_node_pair_t *pair = to; pair < mapping->data.mapping.pairs.top;
-         ++pair) {
-        if (pair->value != 0) {
-            *to++ = *pair;
-        }
+    const bool is_map = node->type == WEFT__MAP;
+    yaml_event_t event;
+    if (node->type == WEFT__SCALAR) {
+        return emit(to, &event,
+                    yaml_scalar_event_initialize(
+                        &event, NULL, NULL, (const yaml_char_t *)node->text,
+                        (int)node->count, 1, 1, (yaml_scalar_style_t)node->style));
     }
-    mapping->data.mapping.pairs.top = to;
+    bool good = emit(to, &event,
+                     is_map ? yaml_mapping_start_event_initialize(
+                         &event, NULL, NULL, 1, YAML_BLOCK_MAPPING_STYLE)
+                            : yaml_sequence_start_event_initialize(
+                                &event, NULL, NULL, 1,
+                                node->height > 1 ? YAML_BLOCK_SEQUENCE_STYLE
+                                                 : YAML_FLOW_SEQUENCE_STYLE));
+    for (size_t i = 0; i < node->count && good; ++i) {
+        const weft__entry *entry = &node->entries[i];
+        good = entry->value == NULL
+               || ((entry->key == NULL || emit_node(to, entry->key))
+                   && emit_node(to, entry->value));
+    }
+    return good
+           && emit(to, &event,
+                   is_map ? yaml_mapping_end_event_initialize(&event)
+                          : yaml_sequence_end_event_initialize(&event));
 }
 
-static void set_styles(yaml_document_t *document)
-{
-    for (yaml_node_t *node = document->nodes.start; node < document->nodes.top;
-         ++node) {
-        if (node->type == YAML_MAPPING_NODE) {
-            drop_removed(node);
-            node->data.mapping.style = YAML_BLOCK_MAPPING_STYLE;
-        } else if (node->type == YAML_SEQUENCE_NODE) {
-            node->data.sequence.style = holds_scalars_only(document, node)
-                                            ? YAML_FLOW_SEQUENCE_STYLE
-                                            : YAML_BLOCK_SEQUENCE_STYLE;
-        }
-    }
-}
-
-char *weft__document_emit(yaml_document_t *document, const weft_allocator *memory)
+char *weft__tree_emit(const weft__node *root, const weft_allocator *memory)
 {
     buffer out
         = { .memory = memory, .text = weft__zeroed(memory, 1, 1), .capacity = 1 };
-    yaml_emitter_t emitter;
-    if (out.text == NULL || !yaml_emitter_initialize(&emitter)) {
+    yaml_emitter_t to;
+    yaml_event_t event;
+    if (out.text == NULL || !yaml_emitter_initialize(&to)) {
         weft__free(memory, out.text);
-        yaml_document_delete(document);
         return NULL;
     }
-    set_styles(document);
-    yaml_emitter_set_output(&emitter, append, &out);
-    yaml_emitter_set_unicode(&emitter, 1);
-    yaml_emitter_set_width(&emitter, -1);
-    const bool written = yaml_emitter_dump(&emitter, document)
-                         && yaml_emitter_close(&emitter)
-                         && yaml_emitter_flush(&emitter);
-    yaml_emitter_delete(&emitter);
+    yaml_emitter_set_output(&to, append, &out);
+    yaml_emitter_set_unicode(&to, 1);
+    yaml_emitter_set_width(&to, -1);
+    const bool written
+        = yaml_emitter_open(&to)
+          && emit(&to, &event,
+                  yaml_document_start_event_initialize(&event, NULL, NULL, NULL, 1))
+          && emit_node(&to, root)
+          && emit(&to, &event, yaml_document_end_event_initialize(&event, 1))
+          && yaml_emitter_close(&to) && yaml_emitter_flush(&to);
+    yaml_emitter_delete(&to);
     if (!written) {
         weft__free(memory, out.text);
         return NULL;

@@ -12,15 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *chars_of(const yaml_node_t *node)
+static bool is_plain(const weft__node *node)
 {
-    return (const char *)node->data.scalar.value;
-}
-
-static bool is_plain(const yaml_node_t *node)
-{
-    return node->type == YAML_SCALAR_NODE
-           && node->data.scalar.style == YAML_PLAIN_SCALAR_STYLE;
+    return node->type == WEFT__SCALAR && node->style == YAML_PLAIN_SCALAR_STYLE;
 }
 
 static bool is_one_of(const char *text, const char *const *names)
@@ -33,19 +27,19 @@ static bool is_one_of(const char *text, const char *const *names)
     return false;
 }
 
-bool weft__is_null(const yaml_node_t *node)
+bool weft__is_null(const weft__node *node)
 {
     static const char *const names[] = { "", "~", "null", "Null", "NULL", NULL };
-    return is_plain(node) && is_one_of(chars_of(node), names);
+    return is_plain(node) && is_one_of(node->text, names);
 }
 
-const char *weft__text_of(const yaml_node_t *node)
+const char *weft__text_of(const weft__node *node)
 {
-    if (node->type != YAML_SCALAR_NODE || weft__is_null(node)
-        || strlen(chars_of(node)) != node->data.scalar.length) {
+    if (node->type != WEFT__SCALAR || weft__is_null(node)
+        || strlen(node->text) != node->count) {
         return NULL;
     }
-    return chars_of(node);
+    return node->text;
 }
 
 static size_t digits(const char *text)
@@ -100,7 +94,7 @@ static bool parse_number(const char *text, double *out)
     return isfinite(*out);
 }
 
-bool weft__number_of(const yaml_node_t *node, double *out)
+bool weft__number_of(const weft__node *node, double *out)
 {
     return is_plain(node) && weft__text_of(node) != NULL
            && parse_number(weft__text_of(node), out);
@@ -125,7 +119,7 @@ static bool parse_side(const char *text, size_t length, double *out)
     return parse_number(side, out) && isfinite(*out);
 }
 
-bool weft__fraction_of(const yaml_node_t *node, double *out)
+bool weft__fraction_of(const weft__node *node, double *out)
 {
     const char *text = weft__text_of(node);
     const char *slash = text == NULL ? NULL : strchr(text, '/');
@@ -141,7 +135,7 @@ bool weft__fraction_of(const yaml_node_t *node, double *out)
     return isfinite(*out);
 }
 
-bool weft__integer_of(const yaml_node_t *node, long long *out)
+bool weft__integer_of(const weft__node *node, long long *out)
 {
     const char *text = weft__text_of(node);
     if (!is_plain(node) || text == NULL) {
@@ -156,20 +150,18 @@ bool weft__integer_of(const yaml_node_t *node, long long *out)
     return true;
 }
 
-const char *weft__show(const yaml_node_t *node, char *out, size_t size)
+const char *weft__show(const weft__node *node, char *out, size_t size)
 {
-    if (node->type == YAML_MAPPING_NODE) {
+    if (node->type == WEFT__MAP) {
         return "a mapping";
     }
-    if (node->type == YAML_SEQUENCE_NODE) {
-        const ptrdiff_t count
-            = node->data.sequence.items.top - node->data.sequence.items.start;
-        (void)snprintf(out, size, "a list of %td", count);
+    if (node->type == WEFT__LIST) {
+        (void)snprintf(out, size, "a list of %zu", node->count);
         return out;
     }
-    const int length = (int)strnlen(chars_of(node), 40);
+    const int length = (int)strnlen(node->text, 40);
     (void)snprintf(out, size, "%s'%.*s%s'", is_plain(node) ? "" : "the text ", length,
-                   chars_of(node), chars_of(node)[length] == '\0' ? "" : "...");
+                   node->text, node->text[length] == '\0' ? "" : "...");
     return out;
 }
 
@@ -210,15 +202,15 @@ static const char *number_hint(const char *text)
                                     : "";
 }
 
-const char *weft__hint(const yaml_node_t *node, bool number, const char *unit,
-                       char *out, size_t size)
+const char *weft__hint(const weft__node *node, bool number, const char *unit, char *out,
+                       size_t size)
 {
     const char *text = weft__text_of(node);
     const char *hint = "";
     double value;
     out[0] = '\0';
     if (text == NULL) {
-        if (node->type == YAML_SCALAR_NODE && !weft__is_null(node)) {
+        if (node->type == WEFT__SCALAR && !weft__is_null(node)) {
             (void)snprintf(out, size, " (it holds a NUL character)");
         }
         return out;

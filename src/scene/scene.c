@@ -70,7 +70,7 @@ static weft_status take_text(const weft_scene_def *def, const weft_allocator *me
     return WEFT_OK;
 }
 
-/* ---- the document ----------------------------------------------------------- */
+/* ---- the tree --------------------------------------------------------------- */
 
 static const char *name_in_messages(const weft_scene_def *def)
 {
@@ -100,46 +100,34 @@ static weft_status make_sources(const weft_scene_def *def, weft__base *base,
 }
 
 /* Overrides are put in before anything is checked. */
-static void resolve(weft__base *base, weft__report *report)
+static void resolve(weft__base *base)
 {
     const size_t sets = base->def.set_count;
     for (size_t i = 1; i <= sets; ++i) {
-        weft__override_apply(&base->document, &base->sources[i], report);
+        weft__override_apply(&base->tree, &base->sources[i]);
     }
-    base->changed = sets > 0;
-    if (sets > 0 && !weft__document_check(&base->document, report)) {
-        return;
-    }
-    if (yaml_document_get_root_node(&base->document)->type == YAML_MAPPING_NODE) {
-        weft__sweep_take(&base->document, sets, report, &base->sweep);
-        base->changed = base->changed || base->sweep.present;
-    }
+    weft__sweep_take(&base->tree, sets, &base->sweep);
+    base->changed = sets > 0 || base->sweep.present;
     base->readable = base->sweep.runs > 0;
 }
 
-static void load_document(weft__base *base, weft__report *report)
+static void load_tree(weft__base *base)
 {
     const weft__source *file = &base->sources[0];
-    const yaml_mark_t start = { 0 };
+    const weft__mark start = { 0 };
+    weft__tree *tree = &base->tree;
     if (file->length > WEFT__MAX_BYTES) {
-        weft__report_error(report, start, "the file is larger than 16 MiB");
-        return;
-    }
-    base->loaded = weft__document_load(file, 0, report, &base->document);
-    if (!base->loaded) {
-        return;
-    }
-    const yaml_node_t *root = yaml_document_get_root_node(&base->document);
-    if (root == NULL) {
-        weft__report_error(report, start,
+        weft__report_error(tree->report, start, "the file is larger than 16 MiB");
+    } else if (!weft__tree_parse(tree, file, 0, &tree->root)) {
+        return; /* reported */
+    } else if (tree->root == NULL) {
+        weft__report_error(tree->report, start,
                            "the scene is empty: it begins with 'weft: 1'");
-    } else if (!weft__document_check(&base->document, report)) {
-        return;
-    } else if (root->type != YAML_MAPPING_NODE) {
-        weft__report_error(report, root->start_mark,
+    } else if (tree->root->type != WEFT__MAP) {
+        weft__report_error(tree->report, tree->root->at,
                            "a scene is a mapping that begins with 'weft: 1'");
     } else {
-        resolve(base, report);
+        resolve(base);
     }
 }
 
@@ -157,7 +145,8 @@ weft_status weft__base_open(const weft_scene_def *def, weft__base *out,
     status = status == WEFT_OK ? make_sources(def, out, err) : status;
     if (status == WEFT_OK) {
         report->sources = out->sources;
-        load_document(out, report);
+        out->tree.report = report;
+        load_tree(out);
         status = report->no_memory ? no_memory(err) : WEFT_OK;
     }
     if (status != WEFT_OK) {
@@ -168,9 +157,7 @@ weft_status weft__base_open(const weft_scene_def *def, weft__base *out,
 
 void weft__base_close(weft__base *base)
 {
-    if (base->loaded) {
-        yaml_document_delete(&base->document);
-    }
+    weft__tree_free(&base->tree, &base->memory);
     weft__free(&base->memory, base->sources);
     weft__free(&base->memory, base->text);
 }
@@ -179,76 +166,71 @@ void weft__base_close(weft__base *base)
 
 /* The name that a file gives a scene is written into its text, which may be run from
  * another file: not where that is scene.yaml, as a run calls it. Where the text has no
- * place for it, into a copy of the document. */
-static bool keep_name(weft__base *base, yaml_document_t *copy,
-                      yaml_document_t **changed, weft__report *report,
+ * place for it, into the tree, which is then changed. */
+static bool keep_name(weft__base *base, weft__tree *tree, bool *changed,
                       weft_scene *scene)
 {
+    const weft__mark at = { 0 };
     scene->name = weft__name_of_file(name_in_messages(&base->def), &base->memory);
     if (scene->name == NULL || strcmp(scene->name, "scene") == 0) {
         return scene->name != NULL;
     }
-    if (*changed == NULL) {
-        if (!weft__name_insert(&base->document, base->sources[0].text, scene->name,
+    if (!*changed) {
+        if (!weft__name_insert(tree->root, base->sources[0].text, scene->name,
                                &base->memory, &scene->text)) {
             return false;
         }
-        if (scene->text != NULL) {
-            return true;
-        }
-        if (!weft__document_copy(copy, &base->document, report)) {
-            return false;
-        }
-        *changed = copy;
+        *changed = scene->text == NULL;
     }
-    return weft__name_append(*changed, scene->name);
+    if (*changed) {
+        const weft__entry pair = {
+            weft__scalar_new(tree, "name", 4, YAML_PLAIN_SCALAR_STYLE, at),
+            weft__scalar_new(tree, scene->name, strlen(scene->name),
+                             YAML_DOUBLE_QUOTED_SCALAR_STYLE, at),
+        };
+        tree->root = pair.key == NULL || pair.value == NULL
+                         ? NULL
+                         : weft__node_with(tree, tree->root, tree->root->count, pair);
+    }
+    return tree->root != NULL;
 }
 
 /* What a right scene still lacks: its name, and its text as it was read or, if that was
- * changed, as it is now in the copy. */
-static weft_status complete(weft__base *base, yaml_document_t *copy,
-                            weft__report *report, weft_scene *scene, weft_error *err)
+ * changed, as the tree is now. */
+static weft_status complete(weft__base *base, weft__tree *tree, weft_scene *scene,
+                            weft_error *err)
 {
-    yaml_document_t *changed = base->changed ? copy : NULL;
+    bool changed = base->changed;
     scene->config.threads = scene->run.threads;
-    const bool named
-        = scene->name != NULL || keep_name(base, copy, &changed, report, scene);
-    if (changed != NULL) {
-        scene->text = weft__document_emit(changed, &base->memory);
+    if (scene->name == NULL && !keep_name(base, tree, &changed, scene)) {
+        return no_memory(err);
+    }
+    if (changed) {
+        scene->text = weft__tree_emit(tree->root, &base->memory);
     } else if (scene->text == NULL) {
         scene->text = weft__alloc(&base->memory, base->length + 1, 1);
         if (scene->text != NULL) {
             memcpy(scene->text, base->text, base->length + 1);
         }
     }
-    return !named || scene->text == NULL ? no_memory(err) : WEFT_OK;
+    return scene->text == NULL ? no_memory(err) : WEFT_OK;
 }
 
-/* What was changed is read from a copy, which has the values of its run. */
+/* The tree of a run shares what it does not change. */
 static weft_status read_scene(weft__base *base, size_t run, weft__report *report,
                               weft_scene *scene, weft_error *err)
 {
-    yaml_document_t copy;
-    if (base->changed) {
-        if (!weft__document_copy(&copy, &base->document, report)) {
-            return no_memory(err);
-        }
-        weft__sweep_apply(&copy, &base->document, &base->sweep, run, report);
-    }
-    if (!base->sweep.present || weft__document_check(&copy, report)) {
-        yaml_document_t *document = base->changed ? &copy : &base->document;
-        weft__reader reader = { scene, document, report, &base->def };
-        weft__resolve_method(&reader, base);
-        weft__read_section(&reader, &weft__root, weft__root.title,
-                           yaml_document_get_root_node(document), scene);
-    }
-    if (!report->no_memory && report->found->errors == 0) {
-        return complete(base, &copy, report, scene, err);
-    }
-    if (base->changed) {
-        yaml_document_delete(&copy);
-    }
-    return report->no_memory ? no_memory(err) : WEFT_BAD_SCENE;
+    weft__tree tree = { .report = report, .root = base->tree.root };
+    weft__reader reader = { scene, &tree, report, &base->def };
+    weft__sweep_apply(&tree, &base->sweep, run);
+    weft__resolve_method(&reader, &base->sweep);
+    weft__read_section(&reader, &weft__root, weft__root.title, tree.root, scene);
+    const weft_status status = report->no_memory ? no_memory(err)
+                               : report->found->errors == 0
+                                   ? complete(base, &tree, scene, err)
+                                   : WEFT_BAD_SCENE;
+    weft__tree_free(&tree, &base->memory);
+    return status;
 }
 
 /* Numbers are read and shown with a decimal point, whatever the embedder's locale. */
