@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* checks.c -- what must hold between the keys of cloth, limit and run. A field that is
- * 0 was wrong and has been complained of. */
-#include <math.h>
-#include <string.h>
-
+/* checks.c -- what must hold between the keys of cloth, limit and run. */
+#include "cloth/model.h"
 #include "scene/read.h"
-
-#define MAX_PARTICLES ((size_t)1 << 31)
 
 void weft__check_root(weft__reader *reader, const weft__match *match, void *base)
 {
@@ -22,168 +17,45 @@ void weft__check_root(weft__reader *reader, const weft__match *match, void *base
 
 /* ---- grid ------------------------------------------------------------------- */
 
-static bool check_size(weft__reader *reader, const weft__match *match,
-                       weft_cloth_def *cloth)
+/* Of larger ones weft_cloth_create compares the neighbours: it takes time. */
+#define MAX_COMPARED ((size_t)1 << 24)
+
+typedef struct grid_check {
+    weft__reader *reader;
+    const weft__match *match;
+} grid_check;
+
+/* The key that fills a field of the grid; its count if none does. */
+static size_t key_of(const weft__section *section, size_t field)
 {
-    if (cloth->rows == 0 || cloth->cols == 0) {
-        return false;
+    size_t i = 0;
+    while (i < section->count && section->keys[i].at != field) {
+        ++i;
     }
-    if (cloth->rows * cloth->cols < 2) {
-        weft__report_error(reader->report, weft__value_in(match, "cols")->at,
-                           "a grid of 1 x 1 is a single particle: rows * cols must be "
-                           ">= 2");
-        return false;
-    }
-    if (cloth->rows > MAX_PARTICLES / cloth->cols) {
-        weft__report_error(reader->report, weft__value_in(match, "cols")->at,
-                           "a grid of %zu x %zu has more than %zu particles",
-                           cloth->rows, cloth->cols, MAX_PARTICLES);
-        return false;
-    }
-    return true;
+    return i;
 }
 
-static double length(const double v[3])
+/* Reports a fault of a field at its key's value, where that is a default at the other
+ * one. A value that was refused before is not at fault again. */
+static void report_fault(void *ctx, size_t field, size_t other, const char *message)
 {
-    /* hypot, as squares may overflow or vanish */
-    return hypot(hypot(v[0], v[1]), v[2]);
-}
-
-static bool check_axes(weft__reader *reader, const weft__match *match,
-                       const weft_cloth_def *cloth)
-{
-    const double *right = cloth->right, *down = cloth->down;
-    const double a = length(right), b = length(down);
-    const weft__node *node = weft__value_in(match, "down");
-    if (a == 0.0 || b == 0.0) {
-        return false;
+    const grid_check *self = ctx;
+    const weft__match *match = self->match;
+    const size_t i = key_of(match->section, field), j = key_of(match->section, other);
+    const weft__node *node
+        = match->value[i] == NULL ? match->value[j] : match->value[i];
+    if (node != NULL && !match->wrong[i] && !match->wrong[j]) {
+        weft__report_error(self->reader->report, node->at, "%s", message);
     }
-    double cosine = 0.0;
-    for (size_t k = 0; k < 3; ++k) {
-        cosine += (right[k] / a) * (down[k] / b);
-    }
-    if (!(fabs(cosine) <= 1e-9)) {
-        node = node == NULL ? weft__value_in(match, "right") : node;
-        weft__report_error(reader->report, node->at,
-                           "down [%g, %g, %g] is not perpendicular to right [%g, %g, "
-                           "%g]: the cosine is %.3g, not below 1e-9",
-                           down[0], down[1], down[2], right[0], right[1], right[2],
-                           cosine);
-        return false;
-    }
-    return true;
-}
-
-/* A grid with its directions normalised. */
-typedef struct frame {
-    const weft_cloth_def *cloth;
-    double right[3], down[3];
-} frame;
-
-static frame make_frame(const weft_cloth_def *cloth)
-{
-    const double right = length(cloth->right), down = length(cloth->down);
-    frame made = { .cloth = cloth };
-    for (size_t k = 0; k < 3; ++k) {
-        made.right[k] = cloth->right[k] / right;
-        made.down[k] = cloth->down[k] / down;
-    }
-    return made;
-}
-
-/* As weft_cloth_create places it. */
-static void rest_position(const frame *grid, size_t r, size_t c, double x[3])
-{
-    const double across = (double)c * grid->cloth->spacing[1];
-    const double along = (double)r * grid->cloth->spacing[0];
-    for (size_t k = 0; k < 3; ++k) {
-        x[k] = grid->cloth->origin[k] + across * grid->right[k] + along * grid->down[k];
-    }
-}
-
-/* Also if the distance is too small for its square. */
-static bool coincide(const frame *grid, size_t r, size_t c, size_t r2, size_t c2)
-{
-    double a[3], b[3], square = 0.0;
-    rest_position(grid, r, c, a);
-    rest_position(grid, r2, c2, b);
-    for (size_t k = 0; k < 3; ++k) {
-        square += (b[k] - a[k]) * (b[k] - a[k]);
-    }
-    return square == 0.0;
-}
-
-/* Neighbours can only be rounded onto one another if the spacing is near the last bits
- * of the coordinates. Then all are compared, but for grids so large that it takes time:
- * weft_cloth_create compares them again. */
-static bool may_coincide(const weft_cloth_def *cloth)
-{
-    const double extent = (double)cloth->rows * cloth->spacing[0]
-                          + (double)cloth->cols * cloth->spacing[1];
-    const double smaller
-        = cloth->spacing[0] < cloth->spacing[1] ? cloth->spacing[0] : cloth->spacing[1];
-    /* a unit vector has a component of 0.57 or more; 2^-52 is the spacing of doubles */
-    const double limit = 16.0 * 0x1p-52 * (length(cloth->origin) + extent);
-    return cloth->rows * cloth->cols <= (size_t)1 << 24
-           && !(smaller > limit && smaller > 1e-150);
-}
-
-static void check_apart(weft__reader *reader, const weft__match *match,
-                        const frame *grid)
-{
-    const weft_cloth_def *cloth = grid->cloth;
-    for (size_t r = 0; r < cloth->rows; ++r) {
-        for (size_t c = 0; c < cloth->cols; ++c) {
-            const bool across = c + 1 < cloth->cols && coincide(grid, r, c, r, c + 1);
-            const bool along = r + 1 < cloth->rows && coincide(grid, r, c, r + 1, c);
-            if (across || along) {
-                weft__report_error(
-                    reader->report, weft__value_in(match, "spacing")->at,
-                    "coincident rest positions: the spacing %g m from row %zu, column "
-                    "%zu to the next %s is lost in rounding",
-                    cloth->spacing[across ? 1 : 0], r, c, across ? "column" : "row");
-                return;
-            }
-        }
-    }
-}
-
-/* Positions must be numbers, at rest and as they start. */
-static bool check_finite(weft__reader *reader, const weft__match *match,
-                         const frame *grid)
-{
-    const weft_cloth_def *cloth = grid->cloth;
-    for (size_t corner = 0; corner < 4; ++corner) {
-        double x[3];
-        rest_position(grid, corner & 1 ? cloth->rows - 1 : 0,
-                      corner & 2 ? cloth->cols - 1 : 0, x);
-        for (size_t k = 0; k < 3; ++k) {
-            const double from = cloth->origin[k];
-            if (!isfinite(x[k]) || !isfinite(from + cloth->scale * (x[k] - from))) {
-                weft__report_error(reader->report, weft__value_in(match, "spacing")->at,
-                                   "the grid is too large: positions are not finite");
-                return false;
-            }
-        }
-    }
-    return true;
 }
 
 void weft__check_grid(weft__reader *reader, const weft__match *match, void *base)
 {
     weft_cloth_def *cloth = base;
-    const bool sized = check_size(reader, match, cloth);
-    const bool square = check_axes(reader, match, cloth);
-    if (!sized) {
+    grid_check self = { reader, match };
+    const weft__faults to = { report_fault, &self };
+    if (!weft__grid_check(cloth, MAX_COMPARED, &to)) {
         cloth->rows = cloth->cols = 0; /* nothing more is checked against the grid */
-        return;
-    }
-    if (!square || cloth->spacing[0] == 0.0 || cloth->scale == 0.0) {
-        return;
-    }
-    const frame grid = make_frame(cloth);
-    if (check_finite(reader, match, &grid) && may_coincide(cloth)) {
-        check_apart(reader, match, &grid);
     }
 }
 

@@ -110,6 +110,7 @@ static void add(weft__report *report, bool warning, weft__mark at, const char *f
 {
     char message[sizeof report->found->items[0].message];
     size_t *count = warning ? &report->found->warnings : &report->found->errors;
+    report->mistakes += !warning;
     if (is_beyond(report, at)) {
         ++*count;
         return;
@@ -141,17 +142,6 @@ void weft__report_warning(weft__report *report, weft__mark at, const char *forma
     va_start(args, format);
     add(report, true, at, format, args);
     va_end(args);
-}
-
-bool weft__report_clean(const weft__report *report)
-{
-    bool clean = report->found->errors <= report->found->count;
-    for (size_t i = 0; i < report->found->count; ++i) {
-        clean = clean
-                && (report->found->items[i].warning
-                    || report->origin[i].latest != report->run);
-    }
-    return clean;
 }
 
 /* The message for those who ask for one only. */

@@ -20,7 +20,8 @@ typedef struct weft__report {
     const weft__source *sources; /* [0] is the file, [n] the n-th override */
     weft__origin origin[WEFT_DIAGNOSTICS_MAX]; /* of found->items */
     size_t run;                                /* of a sweep, that is being read */
-    bool no_memory; /* an allocation failed: nothing that was found counts */
+    size_t mistakes; /* found in it, those that are known already too */
+    bool no_memory;  /* an allocation failed: nothing that was found counts */
     const weft_allocator *memory;
 } weft__report;
 
@@ -40,9 +41,6 @@ const char *weft__place_text(weft__mark at, char *out, size_t size);
 
 /* Whether a stands before b. */
 bool weft__mark_before(weft__mark a, weft__mark b);
-
-/* Whether no mistake was found so far in the run that is being read. */
-bool weft__report_clean(const weft__report *report);
 
 /* Fill in the places and source lines of what was kept. WEFT_BAD_SCENE and the first
  * mistake in *err if there is one. */

@@ -389,12 +389,13 @@ static bool needs_keys(const weft__section *section)
     return false;
 }
 
-static void read_key(weft__reader *reader, const weft__match *match, size_t i,
-                     void *base)
+static void read_key(weft__reader *reader, weft__match *match, size_t i, void *base)
 {
     const weft__key *key = &match->section->keys[i];
     if (match->value[i] != NULL) {
+        const size_t mistakes = reader->report->mistakes;
         weft__read_value(reader, key, match->value[i], base);
+        match->wrong[i] = reader->report->mistakes > mistakes;
     } else if (key->required && !match->misspelt[i]) {
         report_missing(reader, match, key);
     } else if (key->fallback != NULL) {

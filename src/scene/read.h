@@ -87,6 +87,7 @@ typedef struct weft__match {
     const char *title;
     const weft__node *map;
     const weft__node *key[WEFT__MAX_KEYS], *value[WEFT__MAX_KEYS]; /* NULL: absent */
+    bool wrong[WEFT__MAX_KEYS];    /* the value was refused, or a part of it */
     bool misspelt[WEFT__MAX_KEYS]; /* absent, but for an unknown key that is near */
 } weft__match;
 

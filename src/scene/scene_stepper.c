@@ -327,7 +327,7 @@ void weft__check_stepper(weft__reader *reader, const weft__match *match, void *b
         check_table(reader, match, asks_for_table(scene));
     }
     if (scene->type != NULL && scene->type->create != NULL
-        && weft__report_clean(reader->report)) {
+        && reader->report->mistakes == 0) {
         check_creation(reader, match);
     }
 }

@@ -383,6 +383,7 @@ static weft_status check_runs(weft_sweep *sweep, weft__report *report, weft_erro
     do {
         weft_scene *scene = NULL;
         ++report->run;
+        report->mistakes = 0;
         status = weft__base_read(sweep->base, report->run, report, &scene, err);
         weft_scene_destroy(scene);
     } while (report->run < weft_sweep_runs(sweep)
