@@ -23,12 +23,9 @@ static bool read_coefficient(weft__reader *reader, const char *name,
 static bool has_stages(weft__reader *reader, const weft__key *key,
                        const weft__node *node)
 {
-    char wanted[200];
     const size_t count = weft__item_count(node);
     if (count == 0) {
-        weft__refuse(reader, node, key->name,
-                     weft__wanted(key, true, false, wanted, sizeof wanted), false,
-                     NULL);
+        weft__refuse_value(reader, key, node);
     } else if (count > MAX_STAGES) {
         weft__report_error(reader->report, node->at,
                            "%s has %zu stages; the most is %d", key->name, count,
@@ -37,12 +34,10 @@ static bool has_stages(weft__reader *reader, const weft__key *key,
     return count > 0 && count <= MAX_STAGES;
 }
 
-/* Room for `count` values in a list that is empty so far. */
-static bool allocate(weft__reader *reader, weft__list *list, size_t count)
+/* Room for `count` values in a list; false: no memory. */
+static bool take_values(weft__reader *reader, weft__list *list, size_t count)
 {
-    weft__free(reader->report->memory, list->values);
-    list->values = weft__zeroed(reader->report->memory, count, sizeof *list->values);
-    reader->report->no_memory = reader->report->no_memory || list->values == NULL;
+    list->values = weft__tree_take(reader->tree, count, sizeof *list->values);
     return list->values != NULL;
 }
 
@@ -52,7 +47,7 @@ void weft__read_row(weft__reader *reader, const weft__key *key, const weft__node
     weft__list *list = to;
     const size_t count = weft__item_count(node);
     bool good = true;
-    if (!has_stages(reader, key, node) || !allocate(reader, list, count)) {
+    if (!has_stages(reader, key, node) || !take_values(reader, list, count)) {
         return;
     }
     for (size_t i = 0; i < count; ++i) {
@@ -104,7 +99,7 @@ void weft__read_rows(weft__reader *reader, const weft__key *key, const weft__nod
     weft__list *list = to;
     const size_t side = weft__item_count(node);
     bool good = true;
-    if (!has_stages(reader, key, node) || !allocate(reader, list, side * side)) {
+    if (!has_stages(reader, key, node) || !take_values(reader, list, side * side)) {
         return;
     }
     for (size_t i = 0; i < side; ++i) {

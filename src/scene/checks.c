@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* checks.c -- what must hold between the keys of cloth, limit and run. */
+#include <string.h>
+
 #include "cloth/model.h"
 #include "scene/read.h"
 
@@ -95,61 +97,47 @@ static void check_mass(weft__reader *reader, const weft__match *match)
     }
 }
 
-static size_t resolve(ptrdiff_t index, size_t count)
+/* Particles that pins may name in all: to mark them takes time. */
+#define MAX_NAMED ((size_t)1 << 30)
+
+/* The first and the last row and column of a pin. */
+typedef struct pinned {
+    size_t top, bottom, left, right;
+} pinned;
+
+static pinned range_of(const weft_pin *pin, const weft_cloth_def *cloth)
 {
-    return (size_t)(index < 0 ? index + (ptrdiff_t)count : index);
+    pinned of;
+    (void)weft__range_resolve(pin->rows, cloth->rows, &of.top, &of.bottom);
+    (void)weft__range_resolve(pin->cols, cloth->cols, &of.left, &of.right);
+    return of;
 }
 
-/* Particles that no pin holds, counted by a sum over the corners of the pins' ranges;
- * 1 if that would take too much memory. */
-static size_t count_free(weft__reader *reader, const weft_cloth_def *cloth)
+/* Whether pins hold every particle. */
+static bool holds_all(weft__reader *reader, const weft_cloth_def *cloth)
 {
-    const size_t width = cloth->cols + 1;
-    if (cloth->rows * cloth->cols > (size_t)1 << 24) {
-        return 1;
+    const size_t count = cloth->rows * cloth->cols;
+    size_t named = 0, held = 0;
+    for (size_t i = 0; i < cloth->pin_count && named <= MAX_NAMED; ++i) {
+        const pinned of = range_of(&cloth->pins[i], cloth);
+        named += (of.bottom - of.top + 1) * (of.right - of.left + 1);
     }
-    int *steps = weft__zeroed(reader->report->memory, (cloth->rows + 1) * width,
-                              sizeof *steps);
-    if (steps == NULL) {
-        reader->report->no_memory = true;
-        return 1;
+    if (named < count || named > MAX_NAMED || count > MAX_COMPARED) {
+        return false;
     }
-    for (size_t i = 0; i < cloth->pin_count; ++i) {
-        const weft_pin *pin = &cloth->pins[i];
-        const size_t top = resolve(pin->rows.first, cloth->rows);
-        const size_t bottom = resolve(pin->rows.last, cloth->rows) + 1;
-        const size_t left = resolve(pin->cols.first, cloth->cols);
-        const size_t right = resolve(pin->cols.last, cloth->cols) + 1;
-        ++steps[top * width + left];
-        --steps[top * width + right];
-        --steps[bottom * width + left];
-        ++steps[bottom * width + right];
-    }
-    size_t free_ones = 0;
-    for (size_t r = 0; r < cloth->rows; ++r) {
-        for (size_t c = 0; c < cloth->cols; ++c) {
-            int *here = &steps[r * width + c];
-            *here += (r > 0 ? here[-(ptrdiff_t)width] : 0) + (c > 0 ? here[-1] : 0)
-                     - (r > 0 && c > 0 ? here[-(ptrdiff_t)width - 1] : 0);
-            free_ones += *here == 0;
+    bool *marks = weft__zeroed(reader->report->memory, count, sizeof *marks);
+    reader->report->no_memory = reader->report->no_memory || marks == NULL;
+    for (size_t i = 0; marks != NULL && i < cloth->pin_count; ++i) {
+        const pinned of = range_of(&cloth->pins[i], cloth);
+        for (size_t r = of.top; r <= of.bottom; ++r) {
+            memset(&marks[r * cloth->cols + of.left], true, of.right - of.left + 1);
         }
     }
-    weft__free(reader->report->memory, steps);
-    return free_ones;
-}
-
-/* Only where the pins might hold all: the count takes time. */
-static bool may_hold_all(const weft_cloth_def *cloth)
-{
-    double held = 0.0;
-    for (size_t i = 0; i < cloth->pin_count; ++i) {
-        const weft_pin *pin = &cloth->pins[i];
-        held += ((double)resolve(pin->rows.last, cloth->rows)
-                 - (double)resolve(pin->rows.first, cloth->rows) + 1.0)
-                * ((double)resolve(pin->cols.last, cloth->cols)
-                   - (double)resolve(pin->cols.first, cloth->cols) + 1.0);
+    for (size_t i = 0; marks != NULL && i < count; ++i) {
+        held += marks[i];
     }
-    return held >= (double)cloth->rows * (double)cloth->cols;
+    weft__free(reader->report->memory, marks);
+    return held == count;
 }
 
 void weft__check_cloth(weft__reader *reader, const weft__match *match, void *base)
@@ -157,7 +145,7 @@ void weft__check_cloth(weft__reader *reader, const weft__match *match, void *bas
     const weft_cloth_def *cloth = base;
     check_mass(reader, match);
     if (cloth->pin_count > 0 && reader->report->found->errors == 0
-        && may_hold_all(cloth) && count_free(reader, cloth) == 0) {
+        && holds_all(reader, cloth)) {
         weft__report_warning(reader->report, weft__key_in(match, "pins")->at,
                              "all %zu particles are pinned: nothing will move freely",
                              cloth->rows * cloth->cols);

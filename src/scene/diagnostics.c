@@ -29,19 +29,11 @@ static int as_int(size_t n)
     return n < INT_MAX ? (int)n : INT_MAX;
 }
 
-static weft__mark place_of(const weft__report *report, size_t item)
-{
-    const weft_diagnostic *kept = &report->found->items[item];
-    return (weft__mark){ .source = report->origin[item].source,
-                         .line = kept->line > 0 ? (size_t)kept->line - 1 : 0,
-                         .column = (size_t)kept->column - 1 };
-}
-
 /* Where a new item goes: behind all that stand before it or at the same place. */
 static size_t find_slot(const weft__report *report, weft__mark at)
 {
     size_t slot = report->found->count;
-    while (slot > 0 && weft__mark_before(at, place_of(report, slot - 1))) {
+    while (slot > 0 && weft__mark_before(at, report->origin[slot - 1].at)) {
         --slot;
     }
     return slot;
@@ -52,7 +44,7 @@ static size_t find_slot(const weft__report *report, weft__mark at)
 static bool is_known(weft__report *report, weft__mark at, const char *message)
 {
     for (size_t i = 0; i < report->found->count; ++i) {
-        const weft__mark place = place_of(report, i);
+        const weft__mark place = report->origin[i].at;
         if (!weft__mark_before(place, at) && !weft__mark_before(at, place)
             && strcmp(report->found->items[i].message, message) == 0) {
             report->origin[i].runs += report->origin[i].latest != report->run;
@@ -77,11 +69,9 @@ static void insert(weft__report *report, size_t slot, weft__mark at, bool warnin
     weft_diagnostic *item = &found->items[slot];
     memset(item, 0, sizeof *item);
     item->warning = warning;
-    item->line = at.source > 0 ? 0 : as_int(at.line + 1);
-    item->column = as_int(at.column + 1);
     strcpy(item->message, message);
     report->origin[slot] = (weft__origin){
-        .source = at.source, .runs = 1, .first = report->run, .latest = report->run
+        .at = at, .runs = 1, .first = report->run, .latest = report->run
     };
 }
 
@@ -90,7 +80,7 @@ static bool is_beyond(const weft__report *report, weft__mark at)
 {
     const size_t count = report->found->count;
     return count == WEFT_DIAGNOSTICS_MAX
-           && weft__mark_before(place_of(report, count - 1), at);
+           && weft__mark_before(report->origin[count - 1].at, at);
 }
 
 void weft__fit(char *text, size_t size, int length)
@@ -167,8 +157,10 @@ weft_status weft__report_end(weft__report *report, weft_error *err)
 {
     for (size_t i = 0; i < report->found->count; ++i) {
         weft_diagnostic *item = &report->found->items[i];
-        const weft__source *source = &report->sources[report->origin[i].source];
-        const weft__mark at = place_of(report, i);
+        const weft__mark at = report->origin[i].at;
+        const weft__source *source = &report->sources[at.source];
+        item->line = at.source > 0 ? 0 : as_int(at.line + 1);
+        item->column = as_int(at.column + 1);
         if (source->number == 0) {
             (void)snprintf(item->place, sizeof item->place, "%s", source->file);
         } else {

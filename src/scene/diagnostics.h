@@ -10,9 +10,10 @@
 
 typedef struct weft__node weft__node; /* tree.h */
 
-/* Of an item: its source, and the runs of a sweep it was found in. */
+/* Of an item: its place, and the runs of a sweep it was found in. */
 typedef struct weft__origin {
-    size_t source, runs, first, latest;
+    weft__mark at;
+    size_t runs, first, latest;
 } weft__origin;
 
 typedef struct weft__report {

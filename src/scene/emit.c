@@ -16,8 +16,8 @@ typedef struct buffer {
 static int append(void *ctx, unsigned char *text, size_t size)
 {
     buffer *out = ctx;
-    if (size >= out->capacity - out->length) {
-        const size_t capacity = 2 * out->capacity + size + 1;
+    if (size > out->capacity - out->length) {
+        const size_t capacity = 2 * out->capacity + size;
         char *grown = weft__resize(out->memory, out->text, capacity, 1);
         if (grown == NULL) {
             return 0;
@@ -27,7 +27,6 @@ static int append(void *ctx, unsigned char *text, size_t size)
     }
     memcpy(out->text + out->length, text, size);
     out->length += size;
-    out->text[out->length] = '\0';
     return 1;
 }
 
@@ -66,30 +65,31 @@ static bool emit_node(yaml_emitter_t *to, const weft__node *node)
                           : yaml_sequence_end_event_initialize(&event));
 }
 
-char *weft__tree_emit(const weft__node *root, const weft_allocator *memory)
+static bool emit_tree(yaml_emitter_t *to, const weft__node *root)
 {
-    buffer out
-        = { .memory = memory, .text = weft__zeroed(memory, 1, 1), .capacity = 1 };
-    yaml_emitter_t to;
     yaml_event_t event;
-    if (out.text == NULL || !yaml_emitter_initialize(&to)) {
-        weft__free(memory, out.text);
-        return NULL;
+    yaml_emitter_set_unicode(to, 1);
+    yaml_emitter_set_width(to, -1);
+    return yaml_emitter_open(to)
+           && emit(to, &event,
+                   yaml_document_start_event_initialize(&event, NULL, NULL, NULL, 1))
+           && emit_node(to, root)
+           && emit(to, &event, yaml_document_end_event_initialize(&event, 1))
+           && yaml_emitter_close(to) && yaml_emitter_flush(to);
+}
+
+char *weft__tree_emit(weft__tree *tree)
+{
+    buffer out = { .memory = tree->report->memory };
+    yaml_emitter_t to;
+    char *text = NULL;
+    if (yaml_emitter_initialize(&to)) {
+        yaml_emitter_set_output(&to, append, &out);
+        if (emit_tree(&to, tree->root)) {
+            text = weft__tree_text(tree, out.text, out.length);
+        }
+        yaml_emitter_delete(&to);
     }
-    yaml_emitter_set_output(&to, append, &out);
-    yaml_emitter_set_unicode(&to, 1);
-    yaml_emitter_set_width(&to, -1);
-    const bool written
-        = yaml_emitter_open(&to)
-          && emit(&to, &event,
-                  yaml_document_start_event_initialize(&event, NULL, NULL, NULL, 1))
-          && emit_node(&to, root)
-          && emit(&to, &event, yaml_document_end_event_initialize(&event, 1))
-          && yaml_emitter_close(&to) && yaml_emitter_flush(&to);
-    yaml_emitter_delete(&to);
-    if (!written) {
-        weft__free(memory, out.text);
-        return NULL;
-    }
-    return out.text;
+    weft__free(out.memory, out.text);
+    return text;
 }

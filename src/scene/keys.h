@@ -11,7 +11,7 @@ typedef enum weft__kind {
     WEFT__INTEGER,   /* size_t */
     WEFT__VECTOR,    /* double[3] */
     WEFT__DIRECTION, /* double[3], not zero */
-    WEFT__TEXT,      /* char *, allocated */
+    WEFT__TEXT,      /* char *, of the tree */
     WEFT__BOOLEAN,   /* bool */
     WEFT__CHOICE,    /* one of names, stored by `choose` */
     WEFT__NAMES,     /* bool of each of names: a list of at least `least` of them */

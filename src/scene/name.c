@@ -4,12 +4,16 @@
 
 #include "scene/tree.h"
 
-char *weft__name_of_file(const char *file, const weft_allocator *memory)
+char *weft__name_of_file(weft__tree *tree, const char *file)
 {
     static const char *const endings[] = { ".yaml", ".yml" };
     const char *slash = strrchr(file, '/');
-    char *name = weft__copy_text(memory, slash == NULL ? file : slash + 1);
-    const size_t length = name == NULL ? 0 : strlen(name);
+    const char *base = slash == NULL ? file : slash + 1;
+    const size_t length = strlen(base);
+    char *name = weft__tree_text(tree, base, length);
+    if (name == NULL) {
+        return NULL;
+    }
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; ++i) {
         const size_t ending = strlen(endings[i]);
         if (length > ending && strcmp(name + length - ending, endings[i]) == 0) {
@@ -17,9 +21,7 @@ char *weft__name_of_file(const char *file, const weft_allocator *memory)
             break;
         }
     }
-    if (name != NULL) {
-        weft__one_line(name);
-    }
+    weft__one_line(name);
     return name;
 }
 
@@ -38,18 +40,16 @@ static const char *first_key(const weft__node *root, const char *text)
     return is_there ? text : NULL;
 }
 
-bool weft__name_insert(const weft__node *root, const char *text, const char *name,
-                       const weft_allocator *memory, char **out)
+char *weft__name_insert(weft__tree *tree, const char *text, const char *name)
 {
-    const char *before = first_key(root, text);
+    const char *before = first_key(tree->root, text);
     const size_t room = strlen(text) + 2 * strlen(name) + sizeof "name: \"\"\n";
-    *out = before == NULL ? NULL : weft__alloc(memory, room, 1);
-    if (*out == NULL) {
-        return before == NULL;
+    char *made = before == NULL ? NULL : weft__tree_take(tree, room, 1);
+    if (made == NULL) {
+        return NULL;
     }
-    char *to = *out + (before - text);
-    memcpy(*out, text, (size_t)(before - text));
-    to = stpcpy(to, "name: \"");
+    memcpy(made, text, (size_t)(before - text));
+    char *to = stpcpy(made + (before - text), "name: \"");
     for (; *name != '\0'; ++name) {
         if (*name == '"' || *name == '\\') {
             *to++ = '\\';
@@ -57,5 +57,5 @@ bool weft__name_insert(const weft__node *root, const char *text, const char *nam
         *to++ = *name;
     }
     (void)strcpy(stpcpy(to, "\"\n"), before);
-    return true;
+    return made;
 }

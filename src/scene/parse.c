@@ -4,7 +4,7 @@
 
 #include "scene/tree.h"
 
-typedef struct builder {
+typedef struct tree_builder {
     weft__tree *tree;
     const weft__source *source;
     size_t skip;
@@ -14,9 +14,9 @@ typedef struct builder {
     size_t nodes, documents;
     weft__node anchors; /* a mapping of their names */
     weft__entry entries[WEFT__MAX_ANCHORS];
-} builder;
+} tree_builder;
 
-static weft__mark place(const builder *self, yaml_mark_t mark)
+static weft__mark place(const tree_builder *self, yaml_mark_t mark)
 {
     if (self->source->number > 0) {
         return (weft__mark){ .source = self->source->number,
@@ -28,7 +28,7 @@ static weft__mark place(const builder *self, yaml_mark_t mark)
 /* ---- mistakes of syntax ------------------------------------------------------- */
 
 /* In place of libyaml's words about tokens and contexts. */
-static const char *explain(const builder *self)
+static const char *explain(const tree_builder *self)
 {
     const char *problem = self->parser.problem;
     char line[256];
@@ -59,7 +59,7 @@ static const char *spot(weft__mark at, char *out, size_t size)
 /* Reports where libyaml stopped and where the mapping, list or text began that it was
  * in, which is often where the mistake is, and the only useful place where it ran to
  * the end. */
-static void report_syntax(const builder *self)
+static void report_syntax(const tree_builder *self)
 {
     weft__report *report = self->tree->report;
     const char *problem = explain(self), *context = self->parser.context;
@@ -81,7 +81,7 @@ static void report_syntax(const builder *self)
 
 /* libyaml gives no mark to what is not text, but a byte, and of a character that is cut
  * short the byte after. */
-static void report_reader(const builder *self)
+static void report_reader(const tree_builder *self)
 {
     const weft__source *source = self->source;
     const yaml_parser_t *parser = &self->parser;
@@ -100,7 +100,7 @@ static void report_reader(const builder *self)
 }
 
 /* The next event; false if there is none, which is reported. */
-static bool next_event(builder *self, yaml_event_t *event)
+static bool next_event(tree_builder *self, yaml_event_t *event)
 {
     if (yaml_parser_parse(&self->parser, event)) {
         return true;
@@ -119,14 +119,15 @@ static bool next_event(builder *self, yaml_event_t *event)
 /* ---- nodes -------------------------------------------------------------------- */
 
 /* Reports a mistake at a place; returns NULL, as no node can be made. */
-static const weft__node *fail(const builder *self, weft__mark at, const char *message)
+static const weft__node *fail(const tree_builder *self, weft__mark at,
+                              const char *message)
 {
     weft__report_error(self->tree->report, at, "%s", message);
     return NULL;
 }
 
 /* The node of an anchor; NULL: there is none of that name. */
-static const weft__node *find_anchor(const builder *self, const yaml_char_t *name)
+static const weft__node *find_anchor(const tree_builder *self, const yaml_char_t *name)
 {
     const size_t i = weft__find_key(&self->anchors, (const char *)name,
                                     strlen((const char *)name));
@@ -134,7 +135,7 @@ static const weft__node *find_anchor(const builder *self, const yaml_char_t *nam
 }
 
 /* The node of an alias; in place of one that cannot be, which is reported, nothing. */
-static const weft__node *follow_alias(builder *self, const yaml_event_t *event,
+static const weft__node *follow_alias(tree_builder *self, const yaml_event_t *event,
                                       size_t depth)
 {
     static const weft__node nothing
@@ -152,7 +153,7 @@ static const weft__node *follow_alias(builder *self, const yaml_event_t *event,
 }
 
 /* Keeps the node of an anchor. NULL: there are too many, or no memory. */
-static const weft__node *keep_anchor(builder *self, const yaml_char_t *name,
+static const weft__node *keep_anchor(tree_builder *self, const yaml_char_t *name,
                                      const weft__node *node)
 {
     const weft__node *first = find_anchor(self, name);
@@ -179,7 +180,7 @@ static bool is_tag(const yaml_char_t *tag, const char *other)
     return strcmp((const char *)tag, "!") == 0 || strcmp((const char *)tag, other) == 0;
 }
 
-static void check_tag(const builder *self, const yaml_char_t *tag,
+static void check_tag(const tree_builder *self, const yaml_char_t *tag,
                       const char *const *known, weft__mark at)
 {
     while (tag != NULL && *known != NULL && !is_tag(tag, *known)) {
@@ -191,7 +192,7 @@ static void check_tag(const builder *self, const yaml_char_t *tag,
     }
 }
 
-static const weft__node *build_scalar(builder *self, const yaml_event_t *event)
+static const weft__node *build_scalar(tree_builder *self, const yaml_event_t *event)
 {
     static const char *const tags[] = { YAML_STR_TAG,  YAML_INT_TAG,  YAML_FLOAT_TAG,
                                         YAML_BOOL_TAG, YAML_NULL_TAG, NULL };
@@ -211,10 +212,11 @@ static const weft__node *build_scalar(builder *self, const yaml_event_t *event)
                : keep_anchor(self, event->data.scalar.anchor, node);
 }
 
-static const weft__node *build_node(builder *self, yaml_event_t *event, size_t depth);
+static const weft__node *build_node(tree_builder *self, yaml_event_t *event,
+                                    size_t depth);
 
 /* The entries of a mapping or list, up to its end. */
-static bool build_entries(builder *self, weft__node *parent, size_t depth)
+static bool build_entries(tree_builder *self, weft__node *parent, size_t depth)
 {
     const weft__node *key = NULL;
     yaml_event_t event;
@@ -239,7 +241,7 @@ static bool build_entries(builder *self, weft__node *parent, size_t depth)
     return false;
 }
 
-static const weft__node *build_parent(builder *self, const yaml_event_t *event,
+static const weft__node *build_parent(tree_builder *self, const yaml_event_t *event,
                                       size_t depth)
 {
     const bool is_map = event->type == YAML_MAPPING_START_EVENT;
@@ -266,7 +268,8 @@ static const weft__node *build_parent(builder *self, const yaml_event_t *event,
 }
 
 /* The node that an event begins, which is deleted; NULL: the text is not read on. */
-static const weft__node *build_node(builder *self, yaml_event_t *event, size_t depth)
+static const weft__node *build_node(tree_builder *self, yaml_event_t *event,
+                                    size_t depth)
 {
     const weft__node *node
         = ++self->nodes > WEFT__MAX_NODES
@@ -281,7 +284,7 @@ static const weft__node *build_node(builder *self, yaml_event_t *event, size_t d
 /* ---- the document ------------------------------------------------------------- */
 
 /* A second document is a mistake, and the first is read all the same. */
-static bool build_document(builder *self, const weft__node **root)
+static bool build_document(tree_builder *self, const weft__node **root)
 {
     yaml_event_t event;
     while (next_event(self, &event)) {
@@ -314,10 +317,10 @@ static bool build_document(builder *self, const weft__node **root)
 bool weft__tree_parse(weft__tree *tree, const weft__source *source, size_t skip,
                       const weft__node **root)
 {
-    builder self = { .tree = tree,
-                     .source = source,
-                     .skip = skip,
-                     .start = weft__source_mark(source, skip) };
+    tree_builder self = { .tree = tree,
+                          .source = source,
+                          .skip = skip,
+                          .start = weft__source_mark(source, skip) };
     self.anchors.entries = self.entries;
     *root = NULL;
     if (!yaml_parser_initialize(&self.parser)) {

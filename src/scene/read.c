@@ -48,11 +48,13 @@ void weft__refuse(weft__reader *reader, const weft__node *node, const char *name
                                                  : "");
 }
 
-static void refuse(weft__reader *reader, const weft__key *key, const weft__node *node)
+void weft__refuse_value(weft__reader *reader, const weft__key *key,
+                        const weft__node *node)
 {
     char wanted[200];
     const bool number = key->kind == WEFT__NUMBER || key->kind == WEFT__INTEGER
-                        || key->kind == WEFT__SPACING || key->kind == WEFT__ATOL;
+                        || key->kind == WEFT__SPACING || key->kind == WEFT__ATOL
+                        || key->kind == WEFT__INDEX;
     weft__refuse(reader, node, key->name,
                  weft__wanted(key, true, false, wanted, sizeof wanted), number,
                  key->unit);
@@ -75,12 +77,10 @@ bool weft__read_number(weft__reader *reader, const weft__key *key, const char *n
         *out = value;
         return true;
     }
-    char wanted[200];
     weft__key like = *key;
+    like.name = name;
     like.kind = WEFT__NUMBER;
-    weft__refuse(reader, node, name,
-                 weft__wanted(&like, true, false, wanted, sizeof wanted), true,
-                 key->unit);
+    weft__refuse_value(reader, &like, node);
     return false;
 }
 
@@ -102,7 +102,7 @@ static void read_integer(weft__reader *reader, const weft__key *key,
     if (key->most > WEFT__MANY && (double)value <= key->most) {
         shown.most = 0.0;
     }
-    refuse(reader, &shown, node);
+    weft__refuse_value(reader, &shown, node);
 }
 
 /* The first `count` items of a list; false if one is wrong. */
@@ -125,7 +125,7 @@ static void read_vector(weft__reader *reader, const weft__key *key,
     weft__key element = *key;
     double value[3];
     if (weft__item_count(node) != 3) {
-        refuse(reader, key, node);
+        weft__refuse_value(reader, key, node);
         return;
     }
     element.least = -HUGE_VAL;
@@ -154,7 +154,7 @@ static void read_spacing(weft__reader *reader, const weft__key *key,
             memcpy(to, value, sizeof value);
         }
     } else if (weft__item_count(node) != 2) {
-        refuse(reader, key, node);
+        weft__refuse_value(reader, key, node);
     } else if (read_numbers(reader, key, node, 2, value)) {
         memcpy(to, value, sizeof value);
     }
@@ -170,7 +170,7 @@ static void read_atol(weft__reader *reader, const weft__key *key,
     if (node->type == WEFT__MAP) {
         weft__read_section(reader, key->section, key->name, node, config);
     } else if (node->type == WEFT__LIST || weft__is_null(node)) {
-        refuse(reader, key, node);
+        weft__refuse_value(reader, key, node);
     } else if (weft__read_number(reader, &plain, key->name, node, &value)) {
         config->atol_position = config->atol_velocity = value;
     }
@@ -182,19 +182,16 @@ static void read_text(weft__reader *reader, const weft__key *key,
     char **text = to;
     const char *value = weft__text_of(node);
     if (value == NULL) {
-        refuse(reader, key, node);
+        weft__refuse_value(reader, key, node);
         return;
     }
-    weft__free(reader->report->memory, *text);
-    *text = weft__copy_text(reader->report->memory, value);
-    reader->report->no_memory = reader->report->no_memory || *text == NULL;
+    *text = weft__tree_text(reader->tree, value, node->count);
 }
 
 /* ---- names ------------------------------------------------------------------ */
 
-/* The index of a name in a list that ends with NULL, complaining if it is not there. */
-static bool find_name(weft__reader *reader, const weft__key *key,
-                      const weft__node *node, size_t *index)
+bool weft__find_name(weft__reader *reader, const weft__key *key, const weft__node *node,
+                     size_t *index)
 {
     char wanted[200], value[64], near[80], hint[128];
     const char *text = weft__text_of(node);
@@ -206,7 +203,7 @@ static bool find_name(weft__reader *reader, const weft__key *key,
         weft__guess_try(&guess, text, key->names[*index]);
     }
     if (guess.name == NULL) {
-        refuse(reader, key, node);
+        weft__refuse_value(reader, key, node);
     } else {
         weft__report_error(reader->report, node->at, "%s must be %s, not %s%s%s",
                            key->name,
@@ -227,11 +224,11 @@ static void read_names(weft__reader *reader, const weft__key *key,
     const weft__key element
         = { .name = title, .kind = WEFT__CHOICE, .names = key->names };
     if (node->type != WEFT__LIST || (double)weft__item_count(node) < key->least) {
-        refuse(reader, key, node);
+        weft__refuse_value(reader, key, node);
     }
     for (size_t i = 0; i < weft__item_count(node); ++i) {
         size_t name;
-        if (find_name(reader, &element, weft__item(node, i), &name)) {
+        if (weft__find_name(reader, &element, weft__item(node, i), &name)) {
             listed[name] = true;
         }
     }
@@ -266,7 +263,7 @@ void weft__read_value(weft__reader *reader, const weft__key *key,
             reader, key->section,
             key->section->title == NULL ? key->name : key->section->title, node, to);
     } else if (key->kind == WEFT__CHOICE) {
-        if (find_name(reader, key, node, &name)) {
+        if (weft__find_name(reader, key, node, &name)) {
             key->choose(base, name);
         }
     } else {

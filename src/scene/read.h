@@ -29,10 +29,11 @@ typedef struct weft__control {
     weft__list gains;
 } weft__control;
 
-/* Arrays and texts that the definition structs point to are owned by the scene. Fields
- * whose key is absent or wrong stay 0. */
+/* Its tree owns the arrays and texts that the definition structs point to. Fields whose
+ * key is absent or wrong stay 0. */
 struct weft_scene {
     weft_allocator memory;
+    weft__tree tree;
     char *name, *text, *plugin, *method;
     size_t version;
     weft_cloth_def cloth;
@@ -45,8 +46,6 @@ struct weft_scene {
     weft__control control;
     weft_butcher butcher;
     bool large_matrices; /* are allowed */
-    weft_pin *pins;
-    weft_load *loads;
 };
 
 typedef struct weft__reader {
@@ -70,7 +69,7 @@ typedef struct weft__base {
 } weft__base;
 
 /* What is wrong is added to a report, which the caller ends before the base is closed;
- * it takes its memory as the base does.
+ * it takes its memory as the base does. The base must be closed also after an error.
  * Errors: WEFT_INVALID, WEFT_IO, WEFT_NO_MEMORY. */
 weft_status weft__base_open(const weft_scene_def *def, weft__base *out,
                             weft__report *report, weft_error *err);
@@ -78,7 +77,7 @@ void weft__base_close(weft__base *base);
 
 /* Reads the scene of a run, from 1. WEFT_BAD_SCENE, also if the report had mistakes
  * before. */
-weft_status weft__base_read(weft__base *base, size_t run, weft__report *report,
+weft_status weft__base_read(const weft__base *base, size_t run, weft__report *report,
                             weft_scene **out, weft_error *err);
 
 /* A mapping and which of its section's keys it has. */
@@ -106,9 +105,18 @@ const weft__node *weft__key_in(const weft__match *match, const char *name);
 const weft__node *weft__value_in(const weft__match *match, const char *name);
 bool weft__misspelt(const weft__match *match, const char *name);
 
-/* "NAME must be WANTED, not VALUE (hint)". */
+/* "KEY must be what it wants, not VALUE (hint)". */
+void weft__refuse_value(weft__reader *reader, const weft__key *key,
+                        const weft__node *node);
+
+/* The same of another name and wish. */
 void weft__refuse(weft__reader *reader, const weft__node *node, const char *name,
                   const char *wanted, bool number, const char *unit);
+
+/* The index in key->names of the name that is the value; false: it is none of them,
+ * which is reported. */
+bool weft__find_name(weft__reader *reader, const weft__key *key, const weft__node *node,
+                     size_t *index);
 
 /* A number within the bounds of a key, called `name` in messages. */
 bool weft__read_number(weft__reader *reader, const weft__key *key, const char *name,

@@ -149,9 +149,6 @@ weft_status weft__base_open(const weft_scene_def *def, weft__base *out,
         load_tree(out);
         status = report->no_memory ? no_memory(err) : WEFT_OK;
     }
-    if (status != WEFT_OK) {
-        weft__base_close(out);
-    }
     return status;
 }
 
@@ -166,76 +163,70 @@ void weft__base_close(weft__base *base)
 
 /* The name that a file gives a scene is written into its text, which may be run from
  * another file: not where that is scene.yaml, as a run calls it. Where the text has no
- * place for it, into the tree, which is then changed. */
-static bool keep_name(weft__base *base, weft__tree *tree, bool *changed,
-                      weft_scene *scene)
+ * place for it, into the tree, which is then emitted. false: no memory. */
+static bool keep_name(const weft__base *base, weft_scene *scene)
 {
     const weft__mark at = { 0 };
-    scene->name = weft__name_of_file(name_in_messages(&base->def), &base->memory);
+    weft__tree *tree = &scene->tree;
+    scene->name = weft__name_of_file(tree, name_in_messages(&base->def));
     if (scene->name == NULL || strcmp(scene->name, "scene") == 0) {
         return scene->name != NULL;
     }
-    if (!*changed) {
-        if (!weft__name_insert(tree->root, base->sources[0].text, scene->name,
-                               &base->memory, &scene->text)) {
-            return false;
+    if (!base->changed) {
+        scene->text = weft__name_insert(tree, base->sources[0].text, scene->name);
+        if (scene->text != NULL) {
+            return true;
         }
-        *changed = scene->text == NULL;
     }
-    if (*changed) {
-        const weft__entry pair = {
-            weft__scalar_new(tree, "name", 4, YAML_PLAIN_SCALAR_STYLE, at),
-            weft__scalar_new(tree, scene->name, strlen(scene->name),
-                             YAML_DOUBLE_QUOTED_SCALAR_STYLE, at),
-        };
-        tree->root = pair.key == NULL || pair.value == NULL
-                         ? NULL
-                         : weft__node_with(tree, tree->root, tree->root->count, pair);
+    const weft__entry pair = {
+        weft__scalar_new(tree, "name", 4, YAML_PLAIN_SCALAR_STYLE, at),
+        weft__scalar_new(tree, scene->name, strlen(scene->name),
+                         YAML_DOUBLE_QUOTED_SCALAR_STYLE, at),
+    };
+    if (pair.key == NULL || pair.value == NULL) {
+        return false;
     }
-    return tree->root != NULL;
+    tree->root = weft__node_with(tree, tree->root, tree->root->count, pair);
+    scene->text = tree->root == NULL ? NULL : weft__tree_emit(tree);
+    return scene->text != NULL;
 }
 
 /* What a right scene still lacks: its name, and its text as it was read or, if that was
  * changed, as the tree is now. */
-static weft_status complete(weft__base *base, weft__tree *tree, weft_scene *scene,
-                            weft_error *err)
+static weft_status complete(const weft__base *base, weft_scene *scene, weft_error *err)
 {
-    bool changed = base->changed;
     scene->config.threads = scene->run.threads;
-    if (scene->name == NULL && !keep_name(base, tree, &changed, scene)) {
+    if (scene->name == NULL && !keep_name(base, scene)) {
         return no_memory(err);
     }
-    if (changed) {
-        scene->text = weft__tree_emit(tree->root, &base->memory);
-    } else if (scene->text == NULL) {
-        scene->text = weft__alloc(&base->memory, base->length + 1, 1);
-        if (scene->text != NULL) {
-            memcpy(scene->text, base->text, base->length + 1);
-        }
+    if (scene->text == NULL) {
+        scene->text = base->changed
+                          ? weft__tree_emit(&scene->tree)
+                          : weft__tree_text(&scene->tree, base->text, base->length);
     }
-    return scene->text == NULL ? no_memory(err) : WEFT_OK;
+    return scene->tree.report->no_memory || scene->text == NULL ? no_memory(err)
+                                                                : WEFT_OK;
 }
 
 /* The tree of a run shares what it does not change. */
-static weft_status read_scene(weft__base *base, size_t run, weft__report *report,
+static weft_status read_scene(const weft__base *base, size_t run, weft__report *report,
                               weft_scene *scene, weft_error *err)
 {
-    weft__tree tree = { .report = report, .root = base->tree.root };
-    weft__reader reader = { scene, &tree, report, &base->def };
-    weft__sweep_apply(&tree, &base->sweep, run);
+    weft__tree *tree = &scene->tree;
+    weft__reader reader = { scene, tree, report, &base->def };
+    *tree = (weft__tree){ .report = report, .root = base->tree.root };
+    weft__sweep_apply(tree, &base->sweep, run);
     weft__resolve_method(&reader, &base->sweep);
-    weft__read_section(&reader, &weft__root, weft__root.title, tree.root, scene);
-    const weft_status status = report->no_memory ? no_memory(err)
-                               : report->found->errors == 0
-                                   ? complete(base, &tree, scene, err)
-                                   : WEFT_BAD_SCENE;
-    weft__tree_free(&tree, &base->memory);
-    return status;
+    weft__read_section(&reader, &weft__root, weft__root.title, tree->root, scene);
+    return report->no_memory            ? no_memory(err)
+           : report->found->errors == 0 ? complete(base, scene, err)
+                                        : WEFT_BAD_SCENE;
 }
 
 /* Numbers are read and shown with a decimal point, whatever the embedder's locale. */
-static weft_status read_in_c_locale(weft__base *base, size_t run, weft__report *report,
-                                    weft_scene *scene, weft_error *err)
+static weft_status read_in_c_locale(const weft__base *base, size_t run,
+                                    weft__report *report, weft_scene *scene,
+                                    weft_error *err)
 {
     const locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (plain == (locale_t)0) {
@@ -248,7 +239,7 @@ static weft_status read_in_c_locale(weft__base *base, size_t run, weft__report *
     return status;
 }
 
-weft_status weft__base_read(weft__base *base, size_t run, weft__report *report,
+weft_status weft__base_read(const weft__base *base, size_t run, weft__report *report,
                             weft_scene **out, weft_error *err)
 {
     if (!base->readable) {
@@ -261,6 +252,8 @@ weft_status weft__base_read(weft__base *base, size_t run, weft__report *report,
     scene->memory = base->memory;
     scene->config.struct_size = sizeof scene->config;
     const weft_status status = read_in_c_locale(base, run, report, scene, err);
+    scene->tree.root = NULL; /* of nodes of the base */
+    scene->tree.report = NULL;
     if (status != WEFT_OK) {
         weft_scene_destroy(scene);
         return status;
@@ -277,15 +270,15 @@ weft_status weft_scene_load(const weft_scene_def *def, weft_scene **out,
     *out = NULL;
     memset(found, 0, sizeof *found);
     weft_status status = weft__base_open(def, &base, &report, err);
-    if (status != WEFT_OK) {
-        return status;
+    if (status == WEFT_OK) {
+        if (base.sweep.present && base.readable) {
+            weft__report_error(
+                &report, base.sweep.at,
+                "sweep makes %zu runs of this scene: 'weft batch' runs them",
+                base.sweep.runs);
+        }
+        status = weft__base_read(&base, 1, &report, out, err);
     }
-    if (base.sweep.present && base.readable) {
-        weft__report_error(&report, base.sweep.at,
-                           "sweep makes %zu runs of this scene: 'weft batch' runs them",
-                           base.sweep.runs);
-    }
-    status = weft__base_read(&base, 1, &report, out, err);
     if (status == WEFT_OK || status == WEFT_BAD_SCENE) {
         status = weft__report_end(&report, err);
     }
@@ -299,20 +292,7 @@ void weft_scene_destroy(weft_scene *scene)
         return;
     }
     const weft_allocator memory = scene->memory;
-    void *const parts[] = { scene->name,
-                            scene->text,
-                            scene->plugin,
-                            scene->method,
-                            scene->tableau.a.values,
-                            scene->tableau.b.values,
-                            scene->tableau.c.values,
-                            scene->tableau.b_embedded.values,
-                            scene->control.gains.values,
-                            scene->pins,
-                            scene->loads };
-    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) {
-        weft__free(&memory, parts[i]);
-    }
+    weft__tree_free(&scene->tree, &memory);
     weft__free(&memory, scene);
 }
 

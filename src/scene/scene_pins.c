@@ -26,17 +26,12 @@ _Static_assert(offsetof(weft_pin, cols) - offsetof(weft_pin, rows)
     }
 
 /* Row 0 is the top, column 0 the left. */
-static const struct {
-    const char *name;
-    weft__place place;
-} named_places[] = {
-    { "top-left", { FIRST, FIRST } },   { "top-right", { FIRST, LAST } },
-    { "bottom-left", { LAST, FIRST } }, { "bottom-right", { LAST, LAST } },
-    { "top", { FIRST, ALL } },          { "bottom", { LAST, ALL } },
-    { "left", { ALL, FIRST } },         { "right", { ALL, LAST } },
-};
-
-#define NAMED (sizeof named_places / sizeof named_places[0])
+static const char *const place_names[]
+    = { "top-left", "top-right", "bottom-left", "bottom-right", "top", "bottom",
+        "left",     "right",     NULL };
+static const weft__place named_places[]
+    = { { FIRST, FIRST }, { FIRST, LAST }, { LAST, FIRST }, { LAST, LAST },
+        { FIRST, ALL },   { LAST, ALL },   { ALL, FIRST },  { ALL, LAST } };
 
 /* ---- an index or a range of them -------------------------------------------- */
 
@@ -110,36 +105,11 @@ void weft__read_index(weft__reader *reader, const weft__key *key,
             range->last = range->first;
         }
     } else {
-        char wanted[200];
-        weft__refuse(reader, node, key->name,
-                     weft__wanted(key, true, false, wanted, sizeof wanted), true, NULL);
+        weft__refuse_value(reader, key, node);
     }
 }
 
 /* ---- places ----------------------------------------------------------------- */
-
-static void read_name(weft__reader *reader, const weft__key *key,
-                      const weft__node *node, weft__place *place)
-{
-    const char *text = weft__text_of(node);
-    weft__guess guess = { 0 };
-    char value[64], near[80], wanted[200];
-    for (size_t i = 0; text != NULL && i < NAMED; ++i) {
-        if (strcmp(text, named_places[i].name) == 0) {
-            *place = named_places[i].place;
-            return;
-        }
-        weft__guess_try(&guess, text, named_places[i].name);
-    }
-    (void)weft__wanted(key, true, false, wanted, sizeof wanted);
-    if (guess.name == NULL) {
-        weft__refuse(reader, node, key->name, wanted, false, NULL);
-        return;
-    }
-    weft__report_error(reader->report, node->at, "%s must be %s, not %s%s", key->name,
-                       wanted, weft__show(node, value, sizeof value),
-                       weft__guess_text(&guess, near, sizeof near));
-}
 
 static void read_particle(weft__reader *reader, const weft__node *node,
                           weft__place *place)
@@ -158,18 +128,20 @@ void weft__read_place(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *to)
 {
     weft__place place = { FIRST, FIRST };
-    char wanted[200];
     if (node->type == WEFT__SCALAR) {
-        read_name(reader, key, node, &place);
+        weft__key named = *key;
+        size_t name;
+        named.names = place_names;
+        if (weft__find_name(reader, &named, node, &name)) {
+            place = named_places[name];
+        }
     } else if (node->type == WEFT__MAP) {
         weft__read_section(reader, &weft__place_section, weft__place_section.title,
                            node, &place);
-    } else if (weft__item_count(node) == 2) {
+    } else if (node->count == 2) {
         read_particle(reader, node, &place);
     } else {
-        weft__refuse(reader, node, key->name,
-                     weft__wanted(key, true, false, wanted, sizeof wanted), false,
-                     NULL);
+        weft__refuse_value(reader, key, node);
     }
     memcpy(to, &place, sizeof place);
 }
@@ -254,50 +226,41 @@ static void read_pin(weft__reader *reader, const weft__node *node, weft_pin *pin
     }
 }
 
-/* An array of `size` each for the items of a list; NULL without a complaint if it is
- * empty. */
-static void *allocate_items(weft__reader *reader, const weft__key *key,
-                            const weft__node *node, size_t size)
+/* An array of `size` each for the items of a list, whose number is *count; NULL: it is
+ * empty, wrong or there is no memory. */
+static void *take_items(weft__reader *reader, const weft__key *key,
+                        const weft__node *node, size_t size, size_t *count)
 {
-    const size_t count = weft__item_count(node);
-    char wanted[200];
+    *count = weft__item_count(node);
     if (node->type != WEFT__LIST) {
-        weft__refuse(reader, node, key->name,
-                     weft__wanted(key, true, false, wanted, sizeof wanted), false,
-                     NULL);
-        return NULL;
+        weft__refuse_value(reader, key, node);
     }
-    void *items = count == 0 ? NULL : weft__zeroed(reader->report->memory, count, size);
-    reader->report->no_memory
-        = reader->report->no_memory || (count > 0 && items == NULL);
+    void *items = *count == 0 ? NULL : weft__tree_take(reader->tree, *count, size);
+    *count = items == NULL ? 0 : *count;
     return items;
 }
 
 void weft__read_pins(weft__reader *reader, const weft__key *key, const weft__node *node,
                      void *to)
 {
-    weft_scene *scene = reader->scene;
+    weft_cloth_def *cloth = &reader->scene->cloth;
+    weft_pin *pins = take_items(reader, key, node, sizeof *pins, &cloth->pin_count);
     (void)to;
-    scene->pins = allocate_items(reader, key, node, sizeof *scene->pins);
-    const size_t count = scene->pins == NULL ? 0 : weft__item_count(node);
-    for (size_t i = 0; i < count; ++i) {
-        read_pin(reader, weft__item(node, i), &scene->pins[i]);
+    for (size_t i = 0; i < cloth->pin_count; ++i) {
+        read_pin(reader, weft__item(node, i), &pins[i]);
     }
-    scene->cloth.pins = scene->pins;
-    scene->cloth.pin_count = count;
+    cloth->pins = pins;
 }
 
 void weft__read_loads(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *to)
 {
-    weft_scene *scene = reader->scene;
+    weft_cloth_def *cloth = &reader->scene->cloth;
+    weft_load *loads = take_items(reader, key, node, sizeof *loads, &cloth->load_count);
     (void)to;
-    scene->loads = allocate_items(reader, key, node, sizeof *scene->loads);
-    const size_t count = scene->loads == NULL ? 0 : weft__item_count(node);
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = 0; i < cloth->load_count; ++i) {
         weft__read_section(reader, &weft__load_section, weft__load_section.title,
-                           weft__item(node, i), &scene->loads[i]);
+                           weft__item(node, i), &loads[i]);
     }
-    scene->cloth.loads = scene->loads;
-    scene->cloth.load_count = count;
+    cloth->loads = loads;
 }

@@ -75,25 +75,10 @@ static void take_axis(taker *self, const weft__node *key, const weft__node *list
     }
 }
 
-static void take_zip(taker *self, const weft__node *value)
-{
-    const char *text = weft__text_of(value);
-    char shown[64], hint[128];
-    if (value->type == WEFT__SCALAR && text != NULL
-        && value->style == YAML_PLAIN_SCALAR_STYLE
-        && (strcmp(text, "true") == 0 || strcmp(text, "false") == 0)) {
-        self->out->zip = strcmp(text, "true") == 0;
-        return;
-    }
-    weft__report_error(self->report, value->at, "zip must be true or false, not %s%s",
-                       weft__show(value, shown, sizeof shown),
-                       value->type == WEFT__SCALAR
-                           ? weft__hint(value, false, NULL, hint, sizeof hint)
-                           : "");
-}
-
 static void take_pairs(taker *self, const weft__node *map)
 {
+    static const weft__key zip
+        = { "zip", WEFT__BOOLEAN, .at = offsetof(weft__sweep, zip) };
     for (size_t i = 0; i < map->count; ++i) {
         const weft__node *key = map->entries[i].key, *value = map->entries[i].value;
         const char *name = weft__text_of(key);
@@ -104,7 +89,8 @@ static void take_pairs(taker *self, const weft__node *map)
             weft__report_error(self->report, key->at,
                                "the keys of a sweep are paths as stepper.method");
         } else if (strcmp(name, "zip") == 0) {
-            take_zip(self, value);
+            weft__read_value(&(weft__reader){ .report = self->report }, &zip, value,
+                             self->out);
         } else {
             take_axis(self, key, value);
         }
@@ -248,16 +234,16 @@ void weft__sweep_apply(weft__tree *to, const weft__sweep *sweep, size_t run)
 /* ---- in words ------------------------------------------------------------------ */
 
 struct weft_sweep {
-    weft__base *base;
-    char *key[WEFT__SWEEP_KEYS];
-    char **value[WEFT__SWEEP_KEYS];
+    weft__base base;
+    const char **value[WEFT__SWEEP_KEYS]; /* of each list, in the tree */
 };
 
+/* In YAML, as far as it goes without quotes. */
 static void print_value(FILE *out, const weft__node *node)
 {
-    const bool is_map = node->type == WEFT__MAP;
-    if (node->type == WEFT__SCALAR) {
-        fputs(weft__is_null(node) ? "null" : node->text, out);
+    const bool is_map = node != NULL && node->type == WEFT__MAP;
+    if (node == NULL || node->type == WEFT__SCALAR) {
+        fputs(node == NULL || weft__is_null(node) ? "null" : node->text, out);
         return;
     }
     fputc(is_map ? '{' : '[', out);
@@ -272,82 +258,64 @@ static void print_value(FILE *out, const weft__node *node)
     fputc(is_map ? '}' : ']', out);
 }
 
-/* A node in one line of YAML, as far as it goes without quotes. */
-static char *value_text(const weft__node *node)
+/* A node in one line; NULL: no memory. */
+static const char *value_text(weft__tree *tree, const weft__node *node)
 {
-    char *text = NULL;
+    char *printed = NULL, *text = NULL;
     size_t length;
-    FILE *stream = open_memstream(&text, &length);
-    if (stream == NULL) {
-        return NULL;
+    FILE *stream = open_memstream(&printed, &length);
+    if (stream != NULL) {
+        print_value(stream, node);
+        (void)fclose(stream);
     }
-    print_value(stream, node);
-    if (fclose(stream) != 0) {
-        free(text);
-        return NULL;
-    }
+    text = printed == NULL ? NULL : weft__tree_text(tree, printed, length);
+    free(printed);
     return text;
 }
 
-/* Keys and values; false if memory ran out. */
+/* The values as texts; false: no memory. */
 static bool keep_texts(weft_sweep *self)
 {
-    for (size_t i = 0; i < self->base->sweep.keys; ++i) {
-        const weft__axis *axis = &self->base->sweep.axis[i];
-        self->key[i] = value_text(axis->key);
-        self->value[i] = calloc(axis->list->count, sizeof *self->value[i]);
-        if (self->key[i] == NULL || self->value[i] == NULL) {
-            return false;
-        }
-        for (size_t k = 0; k < axis->list->count; ++k) {
-            self->value[i][k] = value_text(weft__item(axis->list, k));
+    weft__tree *tree = &self->base.tree;
+    for (size_t i = 0; i < self->base.sweep.keys; ++i) {
+        const weft__node *list = self->base.sweep.axis[i].list;
+        self->value[i] = weft__tree_take(tree, list->count, sizeof *self->value[i]);
+        for (size_t k = 0; self->value[i] != NULL && k < list->count; ++k) {
+            self->value[i][k] = value_text(tree, weft__item(list, k));
             if (self->value[i][k] == NULL) {
                 return false;
             }
         }
     }
-    return true;
+    return !tree->report->no_memory;
 }
 
 void weft_sweep_destroy(weft_sweep *sweep)
 {
-    if (sweep == NULL) {
-        return;
+    if (sweep != NULL) {
+        weft__base_close(&sweep->base);
+        free(sweep);
     }
-    for (size_t i = 0; i < WEFT__SWEEP_KEYS; ++i) {
-        for (size_t k = 0;
-             sweep->value[i] != NULL && k < sweep->base->sweep.axis[i].list->count;
-             ++k) {
-            free(sweep->value[i][k]);
-        }
-        free(sweep->value[i]);
-        free(sweep->key[i]);
-    }
-    if (sweep->base != NULL) {
-        weft__base_close(sweep->base);
-    }
-    free(sweep->base);
-    free(sweep);
 }
 
 size_t weft_sweep_runs(const weft_sweep *sweep)
 {
-    return sweep->base->sweep.runs;
+    return sweep->base.sweep.runs;
 }
 
 size_t weft_sweep_keys(const weft_sweep *sweep)
 {
-    return sweep->base->sweep.keys;
+    return sweep->base.sweep.keys;
 }
 
 const char *weft_sweep_key(const weft_sweep *sweep, size_t key)
 {
-    return sweep->key[key];
+    return sweep->base.sweep.axis[key].key->text;
 }
 
 const char *weft_sweep_value(const weft_sweep *sweep, size_t key, size_t run)
 {
-    return sweep->value[key][choice(&sweep->base->sweep, key, run)];
+    return sweep->value[key][choice(&sweep->base.sweep, key, run)];
 }
 
 /* ---- all runs ------------------------------------------------------------------ */
@@ -384,7 +352,7 @@ static weft_status check_runs(weft_sweep *sweep, weft__report *report, weft_erro
         weft_scene *scene = NULL;
         ++report->run;
         report->mistakes = 0;
-        status = weft__base_read(sweep->base, report->run, report, &scene, err);
+        status = weft__base_read(&sweep->base, report->run, report, &scene, err);
         weft_scene_destroy(scene);
     } while (report->run < weft_sweep_runs(sweep)
              && (status == WEFT_OK || status == WEFT_BAD_SCENE)
@@ -401,15 +369,10 @@ static weft_status no_memory(weft_error *err)
 static weft_status load(weft_sweep *sweep, const weft_scene_def *def,
                         weft__report *report, weft_error *err)
 {
-    weft__base *base = malloc(sizeof *base);
-    weft_status status
-        = base == NULL ? no_memory(err) : weft__base_open(def, base, report, err);
-    if (status != WEFT_OK) {
-        free(base);
-        return status;
+    weft_status status = weft__base_open(def, &sweep->base, report, err);
+    if (status == WEFT_OK) {
+        status = keep_texts(sweep) ? check_runs(sweep, report, err) : no_memory(err);
     }
-    sweep->base = base;
-    status = keep_texts(sweep) ? check_runs(sweep, report, err) : no_memory(err);
     return status == WEFT_OK || status == WEFT_BAD_SCENE ? weft__report_end(report, err)
                                                          : status;
 }
@@ -436,15 +399,15 @@ weft_status weft_sweep_scene(const weft_sweep *sweep, size_t run, weft_scene **o
 {
     weft_diagnostics *found = calloc(1, sizeof *found);
     weft__report report = { .found = found,
-                            .sources = sweep->base->sources,
+                            .sources = sweep->base.sources,
                             .run = run,
-                            .memory = &sweep->base->memory };
+                            .memory = &sweep->base.memory };
     *out = NULL;
     weft_status status
         = found == NULL ? no_memory(err)
           : run < 1 || run > weft_sweep_runs(sweep)
               ? weft_error_set(err, WEFT_INVALID, "the sweep has no run %zu", run)
-              : weft__base_read(sweep->base, run, &report, out, err);
+              : weft__base_read(&sweep->base, run, &report, out, err);
     if (status == WEFT_BAD_SCENE) {
         status = weft__report_end(&report, err);
     }

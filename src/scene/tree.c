@@ -15,23 +15,30 @@ struct weft__block {
 
 enum { BLOCK_BYTES = 8 << 10 };
 
-static void *take(weft__tree *tree, size_t size)
+void *weft__tree_take(weft__tree *tree, size_t count, size_t size)
 {
+    const size_t unit = alignof(max_align_t);
+    const size_t bytes = (count * size + unit - 1) / unit * unit;
     struct weft__block *block = tree->blocks;
-    size = (size + alignof(max_align_t) - 1) / alignof(max_align_t)
-           * alignof(max_align_t);
-    if (block == NULL || size > block->size - block->used) {
-        const size_t room = size > BLOCK_BYTES ? size : BLOCK_BYTES;
-        block = weft__alloc(tree->report->memory, 1, sizeof *block + room);
+    if (block == NULL || bytes > block->size - block->used) {
+        const size_t room = bytes > BLOCK_BYTES ? bytes : BLOCK_BYTES;
+        block = weft__zeroed(tree->report->memory, 1, sizeof *block + room);
         if (block == NULL) {
             tree->report->no_memory = true;
             return NULL;
         }
-        *block = (struct weft__block){ .next = tree->blocks, .size = room };
+        block->next = tree->blocks;
+        block->size = room;
         tree->blocks = block;
     }
-    block->used += size;
-    return block->bytes + block->used - size;
+    block->used += bytes;
+    return block->bytes + block->used - bytes;
+}
+
+char *weft__tree_text(weft__tree *tree, const char *text, size_t length)
+{
+    char *copy = weft__tree_take(tree, length + 1, 1);
+    return copy == NULL ? NULL : memcpy(copy, text, length);
 }
 
 void weft__tree_free(weft__tree *tree, const weft_allocator *memory)
@@ -45,7 +52,7 @@ void weft__tree_free(weft__tree *tree, const weft_allocator *memory)
 
 weft__node *weft__node_new(weft__tree *tree, weft__node like)
 {
-    weft__node *node = take(tree, sizeof *node);
+    weft__node *node = weft__tree_take(tree, 1, sizeof *node);
     if (node != NULL) {
         *node = like;
         node->entries = NULL;
@@ -61,15 +68,11 @@ const weft__node *weft__scalar_new(weft__tree *tree, const char *text, size_t le
 {
     weft__node *node = weft__node_new(
         tree, (weft__node){ .type = WEFT__SCALAR, .style = style, .at = at });
-    char *copy = node == NULL ? NULL : take(tree, length + 1);
-    if (copy == NULL) {
-        return NULL;
+    if (node != NULL) {
+        node->text = weft__tree_text(tree, text, length);
+        node->count = length;
     }
-    memcpy(copy, text, length);
-    copy[length] = '\0';
-    node->text = copy;
-    node->count = length;
-    return node;
+    return node == NULL || node->text == NULL ? NULL : node;
 }
 
 /* Room for one entry more, doubled where their number is a power of two. */
@@ -79,7 +82,8 @@ static bool grow(weft__tree *tree, weft__node *parent)
     if ((count & (count - 1)) != 0) {
         return true;
     }
-    weft__entry *entries = take(tree, (count == 0 ? 1 : 2 * count) * sizeof *entries);
+    weft__entry *entries
+        = weft__tree_take(tree, count == 0 ? 1 : 2 * count, sizeof *entries);
     if (entries == NULL) {
         return false;
     }

@@ -42,6 +42,10 @@ typedef struct weft__tree {
 
 void weft__tree_free(weft__tree *tree, const weft_allocator *memory);
 
+/* Zeroed memory, and a copy of a text, that live as long as the tree; NULL: none. */
+void *weft__tree_take(weft__tree *tree, size_t count, size_t size);
+char *weft__tree_text(weft__tree *tree, const char *text, size_t length);
+
 /* parse.c: reads the one document of a source, from byte `skip` on; NULL root: there is
  * none. false: it was refused, and a mistake reported, or memory ran out. */
 bool weft__tree_parse(weft__tree *tree, const weft__source *source, size_t skip,
@@ -87,16 +91,14 @@ size_t weft__override_path(const weft__source *source);
 void weft__tree_put(weft__tree *tree, const char *path, size_t length, weft__mark at,
                     const weft__node *value);
 
-/* emit.c: a tree as YAML text, which is the caller's; NULL: no memory. */
-char *weft__tree_emit(const weft__node *root, const weft_allocator *memory);
+/* emit.c: the tree as YAML text, which it owns. NULL: no memory. */
+char *weft__tree_emit(weft__tree *tree);
 
-/* name.c: the file's name without folders and without .yaml, which is the caller's;
- * NULL if memory ran out. */
-char *weft__name_of_file(const char *file, const weft_allocator *memory);
+/* name.c: the file's name without folders and without .yaml. NULL: no memory. */
+char *weft__name_of_file(weft__tree *tree, const char *file);
 
-/* The text of a tree with a line `name: ...` before its first key, which is the
- * caller's; *out is NULL if the text has no place for one. false: memory ran out. */
-bool weft__name_insert(const weft__node *root, const char *text, const char *name,
-                       const weft_allocator *memory, char **out);
+/* The text of the tree with a line `name: ...` before its first key. NULL: it has no
+ * place for one, or no memory. */
+char *weft__name_insert(weft__tree *tree, const char *text, const char *name);
 
 #endif
