@@ -164,19 +164,13 @@ void weft__check_butcher(weft__reader *reader, const weft__match *match, void *b
 {
     weft__tableau *table = base;
     const size_t stages = table->a.side;
-    const weft__node *weights = weft__key_in(match, "b_embedded");
-    const weft__node *order = weft__key_in(match, "embedded_order");
     check_length(reader, match, "b", &table->b, stages);
     check_length(reader, match, "c", &table->c, stages);
     check_length(reader, match, "b_embedded", &table->b_embedded, stages);
-    if (weights != NULL && order == NULL && !weft__misspelt(match, "embedded_order")) {
-        weft__report_error(reader->report, weights->at,
-                           "b_embedded needs embedded_order");
-    }
-    if (order != NULL && weights == NULL && !weft__misspelt(match, "b_embedded")) {
-        weft__report_error(reader->report, order->at,
-                           "embedded_order needs b_embedded");
-    }
+    weft__check_companion(reader, match, "b_embedded", "embedded_order",
+                          "b_embedded needs embedded_order");
+    weft__check_companion(reader, match, "embedded_order", "b_embedded",
+                          "embedded_order needs b_embedded");
     check_sums(reader, match, table);
     reader->scene->butcher = (weft_butcher){
         .stages = (int)stages,

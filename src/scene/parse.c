@@ -152,64 +152,63 @@ static const weft__node *follow_alias(tree_builder *self, const yaml_event_t *ev
     return &nothing;
 }
 
-/* Keeps the node of an anchor. NULL: there are too many, or no memory. */
-static const weft__node *keep_anchor(tree_builder *self, const yaml_char_t *name,
-                                     const weft__node *node)
+/* Keeps the node of an anchor (NULL: none) for its aliases. false: there are too many,
+ * or no memory. */
+static bool keep_anchor(tree_builder *self, const yaml_char_t *name,
+                        const weft__node *node)
 {
-    const weft__node *first = find_anchor(self, name);
+    const weft__node *first = name == NULL ? NULL : find_anchor(self, name);
     char where[64];
     if (first != NULL) {
         self->refused = true;
         weft__report_error(self->tree->report, node->at,
                            "duplicate anchor (the first is at %s)",
                            spot(first->at, where, sizeof where));
-        return node;
+    }
+    if (name == NULL || first != NULL) {
+        return true;
     }
     if (self->anchors.count == WEFT__MAX_ANCHORS) {
-        return fail(self, node->at, "more than 1000 anchors");
+        return fail(self, node->at, "more than 1000 anchors") != NULL;
     }
     const weft__node *key = weft__scalar_new(self->tree, (const char *)name,
                                              strlen((const char *)name), 0, node->at);
     self->entries[self->anchors.count++] = (weft__entry){ key, node };
-    return key == NULL ? NULL : node;
-}
-
-/* Whether a tag is "!" or another one. */
-static bool is_tag(const yaml_char_t *tag, const char *other)
-{
-    return strcmp((const char *)tag, "!") == 0 || strcmp((const char *)tag, other) == 0;
+    return key != NULL;
 }
 
 static void check_tag(const tree_builder *self, const yaml_char_t *tag,
-                      const char *const *known, weft__mark at)
+                      const weft__node *node)
 {
-    while (tag != NULL && *known != NULL && !is_tag(tag, *known)) {
-        ++known;
+    static const struct {
+        int type;
+        const char *tag;
+    } known[] = { { WEFT__SCALAR, YAML_STR_TAG },   { WEFT__SCALAR, YAML_INT_TAG },
+                  { WEFT__SCALAR, YAML_FLOAT_TAG }, { WEFT__SCALAR, YAML_BOOL_TAG },
+                  { WEFT__SCALAR, YAML_NULL_TAG },  { WEFT__LIST, YAML_SEQ_TAG },
+                  { WEFT__MAP, YAML_MAP_TAG } };
+    bool good = tag == NULL || strcmp((const char *)tag, "!") == 0;
+    for (size_t i = 0; !good && i < sizeof known / sizeof known[0]; ++i) {
+        good = (int)node->type == known[i].type
+               && strcmp((const char *)tag, known[i].tag) == 0;
     }
-    if (tag != NULL && *known == NULL) {
-        weft__report_error(self->tree->report, at,
+    if (!good) {
+        weft__report_error(self->tree->report, node->at,
                            "tag '%.60s' means nothing in a scene", (const char *)tag);
     }
 }
 
 static const weft__node *build_scalar(tree_builder *self, const yaml_event_t *event)
 {
-    static const char *const tags[] = { YAML_STR_TAG,  YAML_INT_TAG,  YAML_FLOAT_TAG,
-                                        YAML_BOOL_TAG, YAML_NULL_TAG, NULL };
-    const yaml_char_t *tag = event->data.scalar.tag;
-    const bool is_text = tag != NULL && is_tag(tag, YAML_STR_TAG);
+    const char *tag = (const char *)event->data.scalar.tag;
+    const bool is_text
+        = tag != NULL && (strcmp(tag, "!") == 0 || strcmp(tag, YAML_STR_TAG) == 0);
     const yaml_scalar_style_t style = event->data.scalar.style;
-    const weft__node *node = weft__scalar_new(
+    return weft__scalar_new(
         self->tree, (const char *)event->data.scalar.value, event->data.scalar.length,
         is_text && style == YAML_PLAIN_SCALAR_STYLE ? YAML_SINGLE_QUOTED_SCALAR_STYLE
                                                     : (int)style,
         place(self, event->start_mark));
-    if (node != NULL) {
-        check_tag(self, tag, tags, node->at);
-    }
-    return node == NULL || event->data.scalar.anchor == NULL
-               ? node
-               : keep_anchor(self, event->data.scalar.anchor, node);
 }
 
 static const weft__node *build_node(tree_builder *self, yaml_event_t *event,
@@ -241,44 +240,51 @@ static bool build_entries(tree_builder *self, weft__node *parent, size_t depth)
     return false;
 }
 
-static const weft__node *build_parent(tree_builder *self, const yaml_event_t *event,
-                                      size_t depth)
+static weft__node *begin_parent(const tree_builder *self, const yaml_event_t *event,
+                                size_t depth)
 {
     const bool is_map = event->type == YAML_MAPPING_START_EVENT;
-    const char *const tags[] = { is_map ? YAML_MAP_TAG : YAML_SEQ_TAG, NULL };
-    const yaml_char_t *name
-        = is_map ? event->data.mapping_start.anchor : event->data.sequence_start.anchor;
     const weft__mark at = place(self, event->start_mark);
     if (depth > WEFT__MAX_DEPTH) {
-        return fail(self, at, "nested more than 32 deep");
+        (void)fail(self, at, "nested more than 32 deep");
+        return NULL;
     }
-    weft__node *node = weft__node_new(
+    return weft__node_new(
         self->tree,
         (weft__node){ .type = is_map ? WEFT__MAP : WEFT__LIST,
                       .style = is_map ? (int)event->data.mapping_start.style : 0,
                       .open = true,
                       .at = at });
-    if (node == NULL || (name != NULL && keep_anchor(self, name, node) == NULL)) {
-        return NULL;
-    }
-    check_tag(self,
-              is_map ? event->data.mapping_start.tag : event->data.sequence_start.tag,
-              tags, at);
-    return build_entries(self, node, depth) ? node : NULL;
 }
 
 /* The node that an event begins, which is deleted; NULL: the text is not read on. */
 static const weft__node *build_node(tree_builder *self, yaml_event_t *event,
                                     size_t depth)
 {
-    const weft__node *node
-        = ++self->nodes > WEFT__MAX_NODES
-              ? fail(self, place(self, event->start_mark), "more than 1000000 nodes")
-          : event->type == YAML_ALIAS_EVENT  ? follow_alias(self, event, depth)
-          : event->type == YAML_SCALAR_EVENT ? build_scalar(self, event)
-                                             : build_parent(self, event, depth);
+    const weft__node *node = NULL;
+    weft__node *parent = NULL;
+    const yaml_char_t *anchor = NULL, *tag = NULL;
+    if (++self->nodes > WEFT__MAX_NODES) {
+        (void)fail(self, place(self, event->start_mark), "more than 1000000 nodes");
+    } else if (event->type == YAML_ALIAS_EVENT) {
+        node = follow_alias(self, event, depth);
+    } else if (event->type == YAML_SCALAR_EVENT) {
+        node = build_scalar(self, event);
+        anchor = event->data.scalar.anchor;
+        tag = event->data.scalar.tag;
+    } else {
+        const bool is_map = event->type == YAML_MAPPING_START_EVENT;
+        node = parent = begin_parent(self, event, depth);
+        anchor = is_map ? event->data.mapping_start.anchor
+                        : event->data.sequence_start.anchor;
+        tag = is_map ? event->data.mapping_start.tag : event->data.sequence_start.tag;
+    }
+    const bool kept = node != NULL && keep_anchor(self, anchor, node);
+    if (kept) {
+        check_tag(self, tag, node);
+    }
     yaml_event_delete(event);
-    return node;
+    return kept && (parent == NULL || build_entries(self, parent, depth)) ? node : NULL;
 }
 
 /* ---- the document ------------------------------------------------------------- */

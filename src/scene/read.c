@@ -176,6 +176,28 @@ static void read_atol(weft__reader *reader, const weft__key *key,
     }
 }
 
+static void read_boolean(weft__reader *reader, const weft__key *key,
+                         const weft__node *node, void *to)
+{
+    const weft__switch *found = weft__find_switch(weft__text_of(node));
+    char value[64];
+    if (found == NULL) {
+        weft__refuse_value(reader, key, node);
+        return;
+    }
+    const bool quoted = node->style != YAML_PLAIN_SCALAR_STYLE;
+    if (found->good && !quoted) {
+        *(bool *)to = found->value;
+        return;
+    }
+    weft__report_error(reader->report, node->at,
+                       "%s must be true or false, not %s (%s)", key->name,
+                       weft__show(node, value, sizeof value),
+                       quoted && found->good ? "remove the quotes"
+                       : found->value        ? "write true"
+                                             : "write false");
+}
+
 static void read_text(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *to)
 {
@@ -234,41 +256,50 @@ static void read_names(weft__reader *reader, const weft__key *key,
     }
 }
 
+static void read_choice(weft__reader *reader, const weft__key *key,
+                        const weft__node *node, void *to)
+{
+    size_t name;
+    if (weft__find_name(reader, key, node, &name)) {
+        const unsigned value = (unsigned)name + key->first;
+        memcpy(to, &value, sizeof value);
+    }
+}
+
+static void read_either(weft__reader *reader, const weft__key *key,
+                        const weft__node *node, void *to)
+{
+    size_t name;
+    if (weft__find_name(reader, key, node, &name)) {
+        *(bool *)to = name == 1;
+    }
+}
+
+static void read_mapping(weft__reader *reader, const weft__key *key,
+                         const weft__node *node, void *to)
+{
+    const char *title = key->section->title;
+    weft__read_section(reader, key->section, title == NULL ? key->name : title, node,
+                       to);
+}
+
 /* ---- values by kind --------------------------------------------------------- */
 
 void weft__read_value(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *base)
 {
     static read_fn *const readers[WEFT__KINDS] = {
-        [WEFT__NUMBER] = read_number,
-        [WEFT__INTEGER] = read_integer,
-        [WEFT__VECTOR] = read_vector,
-        [WEFT__DIRECTION] = read_vector,
-        [WEFT__TEXT] = read_text,
-        [WEFT__NAMES] = read_names,
-        [WEFT__SPACING] = read_spacing,
-        [WEFT__ATOL] = read_atol,
-        [WEFT__INDEX] = weft__read_index,
-        [WEFT__PLACE] = weft__read_place,
-        [WEFT__PINS] = weft__read_pins,
-        [WEFT__LOADS] = weft__read_loads,
-        [WEFT__ROW] = weft__read_row,
-        [WEFT__ROWS] = weft__read_rows,
-        [WEFT__BOOLEAN] = weft__read_boolean,
+        [WEFT__MAPPING] = read_mapping,   [WEFT__NUMBER] = read_number,
+        [WEFT__INTEGER] = read_integer,   [WEFT__VECTOR] = read_vector,
+        [WEFT__DIRECTION] = read_vector,  [WEFT__TEXT] = read_text,
+        [WEFT__CHOICE] = read_choice,     [WEFT__EITHER] = read_either,
+        [WEFT__NAMES] = read_names,       [WEFT__SPACING] = read_spacing,
+        [WEFT__ATOL] = read_atol,         [WEFT__INDEX] = weft__read_index,
+        [WEFT__PLACE] = weft__read_place, [WEFT__PINS] = weft__read_pins,
+        [WEFT__LOADS] = weft__read_loads, [WEFT__ROW] = weft__read_row,
+        [WEFT__ROWS] = weft__read_rows,   [WEFT__BOOLEAN] = read_boolean,
     };
-    void *to = (char *)base + key->at;
-    size_t name;
-    if (key->kind == WEFT__MAPPING) {
-        weft__read_section(
-            reader, key->section,
-            key->section->title == NULL ? key->name : key->section->title, node, to);
-    } else if (key->kind == WEFT__CHOICE) {
-        if (weft__find_name(reader, key, node, &name)) {
-            key->choose(base, name);
-        }
-    } else {
-        readers[key->kind](reader, key, node, to);
-    }
+    readers[key->kind](reader, key, node, (char *)base + key->at);
 }
 
 /* A default is read as if it stood in the scene, without a parser if it is a plain
@@ -450,4 +481,14 @@ void weft__report_exclusive(weft__report *report, const weft__node *a,
     char where[64];
     weft__report_error(report, second->at, "%s excludes %s (%s)", second->text,
                        first->text, weft__place_text(first->at, where, sizeof where));
+}
+
+void weft__check_companion(weft__reader *reader, const weft__match *match,
+                           const char *name, const char *companion, const char *message)
+{
+    const weft__node *key = weft__key_in(match, name);
+    if (key != NULL && weft__key_in(match, companion) == NULL
+        && !weft__misspelt(match, companion)) {
+        weft__report_error(reader->report, key->at, "%s", message);
+    }
 }

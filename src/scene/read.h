@@ -122,6 +122,11 @@ bool weft__find_name(weft__reader *reader, const weft__key *key, const weft__nod
 bool weft__read_number(weft__reader *reader, const weft__key *key, const char *name,
                        const weft__node *node, double *out);
 
+/* Reports a key whose companion is absent. */
+void weft__check_companion(weft__reader *reader, const weft__match *match,
+                           const char *name, const char *companion,
+                           const char *message);
+
 /* Two keys of one mapping that may not stand together: reported at the later one. */
 void weft__report_exclusive(weft__report *report, const weft__node *a,
                             const weft__node *b);
@@ -137,10 +142,6 @@ void weft__read_loads(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *to);
 void weft__check_place(weft__reader *reader, const weft__match *match, void *base);
 void weft__check_pin(weft__reader *reader, const weft__match *match, void *base);
-
-/* boolean.c */
-void weft__read_boolean(weft__reader *reader, const weft__key *key,
-                        const weft__node *node, void *to);
 
 /* butcher.c */
 void weft__read_row(weft__reader *reader, const weft__key *key, const weft__node *node,

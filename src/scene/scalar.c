@@ -17,6 +17,26 @@ static bool is_plain(const weft__node *node)
     return node->type == WEFT__SCALAR && node->style == YAML_PLAIN_SCALAR_STYLE;
 }
 
+static const weft__switch switches[] = {
+    { "true", true, true },   { "True", true, true },   { "TRUE", true, true },
+    { "false", false, true }, { "False", false, true }, { "FALSE", false, true },
+    { "yes", true, false },   { "Yes", true, false },   { "YES", true, false },
+    { "no", false, false },   { "No", false, false },   { "NO", false, false },
+    { "on", true, false },    { "On", true, false },    { "ON", true, false },
+    { "off", false, false },  { "Off", false, false },  { "OFF", false, false },
+    { "1", true, false },     { "0", false, false },
+};
+
+const weft__switch *weft__find_switch(const char *text)
+{
+    for (size_t i = 0; text != NULL && i < sizeof switches / sizeof switches[0]; ++i) {
+        if (strcmp(text, switches[i].text) == 0) {
+            return &switches[i];
+        }
+    }
+    return NULL;
+}
+
 static bool is_one_of(const char *text, const char *const *names)
 {
     for (; *names != NULL; ++names) {
@@ -165,15 +185,6 @@ const char *weft__show(const weft__node *node, char *out, size_t size)
     return out;
 }
 
-static bool is_switch(const char *text)
-{
-    static const char *const names[]
-        = { "yes",  "Yes",   "YES",   "no",    "No",  "NO",   "on",
-            "On",   "ON",    "off",   "Off",   "OFF", "true", "True",
-            "TRUE", "false", "False", "FALSE", NULL };
-    return is_one_of(text, names);
-}
-
 static bool is_not_finite(const char *text)
 {
     static const char *const names[] = { ".nan", ".NaN", ".NAN", "nan", "NaN", NULL };
@@ -219,7 +230,7 @@ const char *weft__hint(const weft__node *node, bool number, const char *unit, ch
     const char *rest = text + length + (text[length] == ' ');
     if (!is_plain(node)) {
         hint = number && parse_number(text, &value) ? "remove the quotes" : "";
-    } else if (is_switch(text)) {
+    } else if (strchr("01", text[0]) == NULL && weft__find_switch(text) != NULL) {
         hint = "this key takes no yes or no, on or off, true or false";
     } else if (number) {
         hint = number_hint(text);

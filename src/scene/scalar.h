@@ -21,6 +21,15 @@ bool weft__fraction_of(const weft__node *node, double *out);
 /* An integer in decimal digits; one that is too large gives the largest there is. */
 bool weft__integer_of(const weft__node *node, long long *out);
 
+/* What people write for true and false: in YAML 1.2 (`good`), or only elsewhere. */
+typedef struct weft__switch {
+    const char *text;
+    bool value, good;
+} weft__switch;
+
+/* NULL: the text is none of them. */
+const weft__switch *weft__find_switch(const char *text);
+
 /* What a node is, for messages: 'text', the text 'text' if quoted, a mapping, ... */
 const char *weft__show(const weft__node *node, char *out, size_t size);
 

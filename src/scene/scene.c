@@ -21,53 +21,38 @@ static weft_status no_memory(weft_error *err)
 }
 
 /* One byte more than is allowed is read, to know. */
-static weft_status read_stream(FILE *stream, const char *file,
-                               const weft_allocator *memory, char **text,
-                               size_t *length, weft_error *err)
+static weft_status read_file(weft__base *base, weft_error *err)
 {
-    for (size_t capacity = 1 << 14;; capacity *= 2) {
-        char *grown = weft__resize(memory, *text, capacity, 1);
-        if (grown == NULL) {
-            return no_memory(err);
-        }
-        *text = grown;
-        *length += fread(grown + *length, 1, capacity - 1 - *length, stream);
-        grown[*length] = '\0';
-        if (ferror(stream)) {
-            return weft_error_set(err, WEFT_IO, "%.200s: %s", file, strerror(errno));
-        }
-        if (*length < capacity - 1 || *length > WEFT__MAX_BYTES) {
-            return WEFT_OK;
-        }
-    }
-}
-
-static weft_status read_file(const char *file, const weft_allocator *memory,
-                             char **text, size_t *length, weft_error *err)
-{
-    FILE *stream = weft__file_open(file, "r", err);
+    FILE *stream = weft__file_open(base->def.file, "r", err);
     if (stream == NULL) {
         return WEFT_IO;
     }
-    const weft_status status = read_stream(stream, file, memory, text, length, err);
+    const bool sought = fseek(stream, 0, SEEK_END) == 0;
+    const long size = sought ? ftell(stream) : -1;
+    const size_t most = size < 0 || (size_t)size > WEFT__MAX_BYTES ? WEFT__MAX_BYTES + 1
+                                                                   : (size_t)size;
+    rewind(stream);
+    base->text = weft__tree_take(&base->tree, most + 1, 1);
+    weft_status status = base->text == NULL ? no_memory(err) : WEFT_OK;
+    if (status == WEFT_OK) {
+        base->length = fread(base->text, 1, most, stream);
+        if (ferror(stream)) {
+            status = weft_error_set(err, WEFT_IO, "%.200s: %s", base->def.file,
+                                    strerror(errno));
+        }
+    }
     (void)fclose(stream);
     return status;
 }
 
-static weft_status take_text(const weft_scene_def *def, const weft_allocator *memory,
-                             char **text, size_t *length, weft_error *err)
+static weft_status take_text(weft__base *base, weft_error *err)
 {
-    if (def->text == NULL) {
-        return read_file(def->file, memory, text, length, err);
+    if (base->def.text == NULL) {
+        return read_file(base, err);
     }
-    *text = def->length == SIZE_MAX ? NULL : weft__alloc(memory, def->length + 1, 1);
-    if (*text == NULL) {
-        return no_memory(err);
-    }
-    memcpy(*text, def->text, def->length);
-    (*text)[def->length] = '\0';
-    *length = def->length;
-    return WEFT_OK;
+    base->length = base->def.length;
+    base->text = weft__tree_text(&base->tree, base->def.text, base->length);
+    return base->text == NULL ? no_memory(err) : WEFT_OK;
 }
 
 /* ---- the tree --------------------------------------------------------------- */
@@ -78,23 +63,21 @@ static const char *name_in_messages(const weft_scene_def *def)
 }
 
 /* libyaml would count a byte order mark as a column. */
-static weft_status make_sources(const weft_scene_def *def, weft__base *base,
-                                weft_error *err)
+static weft_status make_sources(weft__base *base, weft_error *err)
 {
+    const weft_scene_def *def = &base->def;
     const size_t mark = strncmp(base->text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
     base->sources
-        = weft__zeroed(&base->memory, def->set_count + 1, sizeof *base->sources);
+        = weft__tree_take(&base->tree, def->set_count + 1, sizeof *base->sources);
     if (base->sources == NULL) {
         return no_memory(err);
     }
     base->sources[0] = (weft__source){ .file = name_in_messages(def),
                                        .text = base->text + mark,
                                        .length = base->length - mark };
-    for (size_t i = 0; i < def->set_count; ++i) {
-        base->sources[i + 1] = (weft__source){ .file = "",
-                                               .text = def->sets[i],
-                                               .length = strlen(def->sets[i]),
-                                               .number = i + 1 };
+    for (size_t i = 1; i <= def->set_count; ++i) {
+        const char *set = def->sets[i - 1];
+        base->sources[i] = (weft__source){ "", set, strlen(set), i };
     }
     return WEFT_OK;
 }
@@ -138,14 +121,14 @@ weft_status weft__base_open(const weft_scene_def *def, weft__base *out,
                          .memory = weft_allocator_or_malloc(def->allocator),
                          .sweep = { .runs = 1 } };
     report->memory = &out->memory;
+    out->tree.report = report;
     if (def->file == NULL && def->text == NULL) {
         return weft_error_set(err, WEFT_INVALID, "a scene needs a file or a text");
     }
-    weft_status status = take_text(def, &out->memory, &out->text, &out->length, err);
-    status = status == WEFT_OK ? make_sources(def, out, err) : status;
+    weft_status status = take_text(out, err);
+    status = status == WEFT_OK ? make_sources(out, err) : status;
     if (status == WEFT_OK) {
         report->sources = out->sources;
-        out->tree.report = report;
         load_tree(out);
         status = report->no_memory ? no_memory(err) : WEFT_OK;
     }
@@ -155,8 +138,6 @@ weft_status weft__base_open(const weft_scene_def *def, weft__base *out,
 void weft__base_close(weft__base *base)
 {
     weft__tree_free(&base->tree, &base->memory);
-    weft__free(&base->memory, base->sources);
-    weft__free(&base->memory, base->text);
 }
 
 /* ---- reading ---------------------------------------------------------------- */

@@ -12,26 +12,15 @@ _Static_assert(offsetof(weft_pin, cols) - offsetof(weft_pin, rows)
                           == offsetof(weft__place, cols),
                "a place is put where rows and cols of a pin or a load stand");
 
-#define ALL                                                                            \
-    {                                                                                  \
-        0, -1                                                                          \
-    }
-#define FIRST                                                                          \
-    {                                                                                  \
-        0, 0                                                                           \
-    }
-#define LAST                                                                           \
-    {                                                                                  \
-        -1, -1                                                                         \
-    }
-
-/* Row 0 is the top, column 0 the left. */
+/* Row 0 is the top, column 0 the left, -1 the last of either. */
 static const char *const place_names[]
     = { "top-left", "top-right", "bottom-left", "bottom-right", "top", "bottom",
         "left",     "right",     NULL };
-static const weft__place named_places[]
-    = { { FIRST, FIRST }, { FIRST, LAST }, { LAST, FIRST }, { LAST, LAST },
-        { FIRST, ALL },   { LAST, ALL },   { ALL, FIRST },  { ALL, LAST } };
+static const weft__place named_places[] = {
+    { { 0, 0 }, { 0, 0 } },     { { 0, 0 }, { -1, -1 } },  { { -1, -1 }, { 0, 0 } },
+    { { -1, -1 }, { -1, -1 } }, { { 0, 0 }, { 0, -1 } },   { { -1, -1 }, { 0, -1 } },
+    { { 0, -1 }, { 0, 0 } },    { { 0, -1 }, { -1, -1 } },
+};
 
 /* ---- an index or a range of them -------------------------------------------- */
 
@@ -97,7 +86,7 @@ void weft__read_index(weft__reader *reader, const weft__key *key,
     weft_range *range = to;
     long long index;
     if (text != NULL && strcmp(text, "all") == 0) {
-        *range = (weft_range)ALL;
+        *range = (weft_range){ 0, -1 };
     } else if (weft__item_count(node) == 2) {
         (void)read_pair(reader, &along, key->name, node, range);
     } else if (weft__integer_of(node, &index)) {
@@ -127,7 +116,7 @@ static void read_particle(weft__reader *reader, const weft__node *node,
 void weft__read_place(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *to)
 {
-    weft__place place = { FIRST, FIRST };
+    weft__place place = { { 0, 0 }, { 0, 0 } };
     if (node->type == WEFT__SCALAR) {
         weft__key named = *key;
         size_t name;
@@ -177,17 +166,11 @@ void weft__check_place(weft__reader *reader, const weft__match *match, void *bas
 
 void weft__check_pin(weft__reader *reader, const weft__match *match, void *base)
 {
-    const weft__node *amplitude = weft__key_in(match, "amplitude");
-    const weft__node *frequency = weft__key_in(match, "frequency");
     (void)base;
-    if (amplitude != NULL && frequency == NULL && !weft__misspelt(match, "frequency")) {
-        weft__report_error(reader->report, amplitude->at,
-                           "amplitude has no effect without frequency [Hz]");
-    }
-    if (frequency != NULL && amplitude == NULL && !weft__misspelt(match, "amplitude")) {
-        weft__report_error(reader->report, frequency->at,
-                           "frequency has no effect without amplitude [m]");
-    }
+    weft__check_companion(reader, match, "amplitude", "frequency",
+                          "amplitude has no effect without frequency [Hz]");
+    weft__check_companion(reader, match, "frequency", "amplitude",
+                          "frequency has no effect without amplitude [m]");
 }
 
 /* How many keys of a mapping are, or are nearly, keys of a section. */

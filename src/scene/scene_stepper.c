@@ -36,40 +36,30 @@ static void check_exclusive(weft__reader *reader, const weft__match *match)
     }
 }
 
-/* That one given size is not above another, which may be a default. */
-static void check_order(weft__reader *reader, const weft__match *match,
-                        const char *small_name, double small, const char *large_name,
-                        double large)
-{
-    const weft__node *a = weft__value_in(match, small_name);
-    const weft__node *b = weft__value_in(match, large_name);
-    if (small <= large || small == 0.0 || large == 0.0) {
-        return;
-    }
-    weft__report_error(
-        reader->report,
-        b == NULL || (a != NULL && weft__mark_before(b->at, a->at)) ? a->at : b->at,
-        "%s, %g s%s, is above %s, %g s", small_name, small,
-        a == NULL ? " by default" : "", large_name, large);
-}
-
+/* Of two sizes that are given the smaller one must not be the larger; one that bounds
+ * the other is also held against its default. */
 static void check_sizes(weft__reader *reader, const weft__match *match)
 {
     const weft_stepper_config *config = &reader->scene->config;
-    const bool first = weft__key_in(match, "first_step") != NULL;
-    const bool least = weft__key_in(match, "min_step") != NULL;
-    const bool most = weft__key_in(match, "max_step") != NULL;
-    if (least || most) {
-        check_order(reader, match, "min_step", config->min_step, "max_step",
-                    config->max_step);
-    }
-    if (least && first) {
-        check_order(reader, match, "min_step", config->min_step, "first_step",
-                    config->first_step);
-    }
-    if (first && most) {
-        check_order(reader, match, "first_step", config->first_step, "max_step",
-                    config->max_step);
+    const struct {
+        const char *name;
+        double h;
+    } sizes[] = { { "min_step", config->min_step },
+                  { "first_step", config->first_step },
+                  { "max_step", config->max_step } };
+    for (size_t k = 0; k < 3; ++k) {
+        const size_t i = k / 2, j = k == 0 ? 2 : k; /* 0, 2; 0, 1; 1, 2 */
+        const weft__node *a = weft__value_in(match, sizes[i].name);
+        const weft__node *b = weft__value_in(match, sizes[j].name);
+        const bool given = k == 0 ? a != NULL || b != NULL : a != NULL && b != NULL;
+        if (given && sizes[i].h > sizes[j].h && sizes[j].h > 0.0) {
+            const bool at_first
+                = b == NULL || (a != NULL && weft__mark_before(b->at, a->at));
+            weft__report_error(reader->report, at_first ? a->at : b->at,
+                               "%s, %g s%s, is above %s, %g s", sizes[i].name,
+                               sizes[i].h, a == NULL ? " by default" : "",
+                               sizes[j].name, sizes[j].h);
+        }
     }
 }
 

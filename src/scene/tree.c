@@ -4,6 +4,7 @@
 #include "scene/tree.h"
 
 #include <stdalign.h>
+#include <stdint.h>
 #include <string.h>
 
 /* Nodes are kept in blocks, and freed with them. */
@@ -18,7 +19,9 @@ enum { BLOCK_BYTES = 8 << 10 };
 void *weft__tree_take(weft__tree *tree, size_t count, size_t size)
 {
     const size_t unit = alignof(max_align_t);
-    const size_t bytes = (count * size + unit - 1) / unit * unit;
+    const size_t units = count > SIZE_MAX / 2 / size ? SIZE_MAX / 2 / unit
+                                                     : (count * size + unit - 1) / unit;
+    const size_t bytes = units * unit;
     struct weft__block *block = tree->blocks;
     if (block == NULL || bytes > block->size - block->used) {
         const size_t room = bytes > BLOCK_BYTES ? bytes : BLOCK_BYTES;
