@@ -183,7 +183,7 @@ START_TEST(so_do_registries)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(allocator)
 {
     Suite *suite = suite_create("allocator");
     TCase *tcase = tcase_create("allocator");
@@ -193,5 +193,5 @@ int main(void)
     tcase_add_test(tcase, scenes_take_their_memory_from_there_too);
     tcase_add_test(tcase, so_do_registries);
     suite_add_tcase(suite, tcase);
-    return test_run(suite);
+    return suite;
 }

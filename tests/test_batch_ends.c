@@ -140,7 +140,7 @@ START_TEST(a_run_that_fails_keeps_its_report_and_the_others_go_on)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(batch_ends)
 {
     Suite *all = suite_create("batch ends");
     TCase *program = tcase_create("program");
@@ -156,9 +156,4 @@ static Suite *suite(void)
     tcase_add_test(program, a_run_that_fails_keeps_its_report_and_the_others_go_on);
     suite_add_tcase(all, program);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

@@ -409,7 +409,7 @@ START_TEST(a_checkpoint_that_is_cut_off_is_refused_by_name)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(checkpoint)
 {
     Suite *all = suite_create("checkpoint");
     TCase *methods = tcase_create("methods"), *one = tcase_create("one");
@@ -438,9 +438,4 @@ static Suite *suite(void)
     suite_add_tcase(all, methods);
     suite_add_tcase(all, one);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

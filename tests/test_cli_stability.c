@@ -242,7 +242,7 @@ START_TEST(advice_tells_what_limits_an_adaptive_method)
 END_TEST
 #endif
 
-static Suite *suite(void)
+TEST_SUITE(cli_stability)
 {
     Suite *suite = suite_create("cli stability");
     TCase *tcase = tcase_create("stability");
@@ -263,9 +263,4 @@ static Suite *suite(void)
 #endif
     suite_add_tcase(suite, tcase);
     return suite;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

@@ -470,7 +470,7 @@ START_TEST(hash_is_the_same_everywhere)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(cloth)
 {
     const TTest *const tests[] = {
         springs_are_counted_by_family,
@@ -496,5 +496,5 @@ int main(void)
     for (size_t i = 0; i < COUNT(tests); ++i) {
         tcase_add_test(tcase, tests[i]);
     }
-    return test_run(suite);
+    return suite;
 }

@@ -100,12 +100,12 @@ START_TEST(a_spring_without_length_takes_nothing)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(damping)
 {
     Suite *suite = suite_create("damping");
     TCase *tcase = tcase_create("damping");
     tcase_add_test(tcase, every_level_has_the_same_bits);
     tcase_add_test(tcase, a_spring_without_length_takes_nothing);
     suite_add_tcase(suite, tcase);
-    return test_run(suite);
+    return suite;
 }

@@ -267,7 +267,7 @@ START_TEST(level_is_the_fastest_or_the_one_asked_for)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(kernel)
 {
     Suite *suite = suite_create("kernel");
     TCase *tcase = tcase_create("kernel");
@@ -280,5 +280,5 @@ int main(void)
     tcase_add_test(tcase, sheet_at_rest_feels_gravity_alone_exactly);
     tcase_add_test(tcase, level_is_the_fastest_or_the_one_asked_for);
     suite_add_tcase(suite, tcase);
-    return test_run(suite);
+    return suite;
 }

@@ -353,7 +353,7 @@ START_TEST(changes_of_pins_are_accounted_for)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(pins)
 {
     Suite *suite = suite_create("pins");
     TCase *tcase = tcase_create("pins");
@@ -371,5 +371,5 @@ int main(void)
     tcase_add_test(tcase, a_simulation_may_start_with_the_pins_of_another);
     tcase_add_test(tcase, changes_of_pins_are_accounted_for);
     suite_add_tcase(suite, tcase);
-    return test_run(suite);
+    return suite;
 }

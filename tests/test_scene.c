@@ -460,7 +460,7 @@ START_TEST(version_1_is_the_default)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(scene)
 {
     Suite *all = suite_create("scene");
     TCase *values = tcase_create("values");
@@ -486,9 +486,4 @@ static Suite *suite(void)
     tcase_add_test(loading, the_name_defaults_to_that_of_the_file);
     suite_add_tcase(all, loading);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

@@ -418,7 +418,7 @@ START_TEST(pins_stay_on_their_way_or_do_not_move_at_all)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(sim)
 {
     const int methods = (int)test_method_count();
     Suite *suite = suite_create("sim");
@@ -438,5 +438,5 @@ int main(void)
     tcase_add_test(tcase, threads_share_a_cloth_and_get_the_same_bits);
     tcase_add_loop_test(tcase, pins_stay_on_their_way_or_do_not_move_at_all, 0,
                         methods);
-    return test_run(suite);
+    return suite;
 }

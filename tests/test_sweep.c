@@ -482,7 +482,7 @@ START_TEST(more_keys_than_there_is_room_for_are_refused)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(sweep)
 {
     Suite *all = suite_create("sweep");
     TCase *runs = tcase_create("runs");
@@ -514,9 +514,4 @@ static Suite *suite(void)
     tcase_add_test(errors, more_keys_than_there_is_room_for_are_refused);
     suite_add_tcase(all, errors);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

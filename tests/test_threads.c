@@ -332,7 +332,7 @@ START_TEST(bands_on_one_thread_have_the_bits_of_the_whole)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(threads)
 {
     int steppers = 1;
 #ifdef HAVE_GSL
@@ -362,5 +362,5 @@ int main(void)
     tcase_add_test(tcase, no_band_hides_what_is_not_finite);
     tcase_add_test(tcase, bands_on_one_thread_have_the_bits_of_the_whole);
     suite_add_tcase(suite, tcase);
-    return test_run(suite);
+    return suite;
 }
