@@ -339,7 +339,8 @@ docs: all
 
 # Check's tests under AddressSanitizer and UBSan, in a build of its own. A process for each test
 # takes most of the time of some suites there.
-ASAN_TOGETHER := steppers quadratures arkode embed ledger_order sim stepper_accuracy stability verification
+ASAN_TOGETHER := steppers quadratures arkode embed ledger_order sim stepper_accuracy stability verification \
+                 gsl heat pins limit_sheet
 
 asan:
 	@TEST_TOGETHER='$(ASAN_TOGETHER)' $(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/asan CFLAGS='-O1 -g1' \
