@@ -213,7 +213,7 @@ $(BUILD)/tests/wide/%.o: src/kernel/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) $(KERNEL_FLAGS) -Wno-psabi -Wno-missing-prototypes -DLEVEL=wide -DLANES=8 -c -o $@ $<
 
-$(BUILD)/tests/run: $(if $(filter kernel heat,$(TESTS)),$(KERNELS:$(BUILD)/src/kernel/%=$(BUILD)/tests/wide/%.o))
+$(BUILD)/tests/run: $(if $(filter kernel damping,$(TESTS)),$(KERNELS:$(BUILD)/src/kernel/%=$(BUILD)/tests/wide/%.o))
 
 $(BUILD)/tests/test_no_memory: \
     private LINK += $(if $(findstring address,$(SAN)),$(foreach f,malloc calloc realloc aligned_alloc free,-Wl,--wrap=$(f)))
@@ -340,7 +340,7 @@ docs: all
 # Check's tests under AddressSanitizer and UBSan, in a build of its own. A process for each test
 # takes most of the time of some suites there.
 ASAN_TOGETHER := steppers quadratures arkode embed ledger_order sim stepper_accuracy stability verification \
-                 gsl heat pins limit_sheet
+                 gsl pins limit_sheet
 
 asan:
 	@TEST_TOGETHER='$(ASAN_TOGETHER)' $(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/asan CFLAGS='-O1 -g1' \

@@ -51,7 +51,8 @@ START_TEST(a_run_that_takes_too_long_keeps_its_own_result)
                  "energy_end|hash):' result.yaml | wc -l; tail -1 ../summary.csv"),
            0);
     says("\n6\nt,timeout,not done after 1 s,");
-    ck_assert_ptr_null(strstr(output, ",,"));
+    const char *empty = strstr(output, ",,"); /* dissipated, without ledger */
+    ck_assert(empty != NULL && strstr(empty + 1, ",,") == NULL);
 }
 END_TEST
 

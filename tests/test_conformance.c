@@ -14,8 +14,6 @@ static const struct {
     { "claim", "order", "order 3 is claimed, 2 is measured; within " },
     { "crashes", "versions", "it " },
     { "eager", "create", "create called the rhs" },
-    { "elsewhere", "first look",
-      "a step from 0 s called the rhs first at 1.0000000000000002e-12" },
     { "exits", "versions", "it ended the process with exit code 3" },
     { "forgets", "counts", "a count fell at 0.005" },
     { "handler", "process", "signal 8 has another handler" },

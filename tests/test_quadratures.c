@@ -20,7 +20,8 @@ static weft_stepper_config in_mode(const weft_stepper_type *type, int mode)
 }
 
 /* Over three frames, with an edit of the state after the first. */
-static trial_run with_quadratures_go(const weft_stepper_type *type, int mode, size_t count)
+static trial_run with_quadratures_go(const weft_stepper_type *type, int mode,
+                                     size_t count)
 {
     const weft_stepper_config config = in_mode(type, mode);
     trial_run r;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* cloth.c -- a cloth from its definition: masses, pins, the state at rest. */
 #include "cloth/model.h"
+#include "cloth/pins.h"
 #include "kernel/kernel.h"
 
 #include <math.h>
@@ -109,9 +110,9 @@ static void pins_init(weft_cloth *cloth, const weft_cloth_def *def)
             }
         }
     }
+    cloth->motions[def->pin_count] = (weft__motion){ .moves = true, .coasts = true };
     for (size_t i = 0; i < cloth->particles; ++i) {
         cloth->pinned += cloth->pin[i] != 0;
-        cloth->inverse_mass[i] = cloth->pin[i] != 0 ? 0.0 : 1.0 / cloth->mass[i];
     }
 }
 
@@ -122,11 +123,7 @@ static weft_status list_pins(weft_cloth *cloth, weft_error *err)
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu pins",
                               cloth->pinned);
     }
-    for (size_t i = 0, j = 0; i < cloth->particles; ++i) {
-        if (cloth->pin[i] != 0) {
-            cloth->pins[j++] = i;
-        }
-    }
+    weft__cloth_list_pins(cloth);
     return WEFT_OK;
 }
 
@@ -272,24 +269,15 @@ void weft_cloth_destroy(weft_cloth *cloth)
 {
     if (cloth != NULL) {
         const weft_allocator memory = cloth->memory;
-        weft__free(&memory, cloth->mass);
+        if (cloth->defined_pin == NULL) { /* no copy */
+            weft__free(&memory, cloth->mass);
+            weft__free(&memory, cloth->motions);
+        }
         weft__free(&memory, cloth->inverse_mass);
         weft__free(&memory, cloth->pin);
         weft__free(&memory, cloth->pins);
-        weft__free(&memory, cloth->motions);
+        weft__free(&memory, cloth->coast);
         weft__free(&memory, cloth);
-    }
-}
-
-/* The velocity at t = 0. */
-static void start_velocity(const weft_cloth *cloth, size_t i, double v[3])
-{
-    memcpy(v, cloth->velocity, sizeof cloth->velocity);
-    if (cloth->pin[i] != 0) {
-        const weft__motion *motion = &cloth->motions[cloth->pin[i] - 1];
-        for (size_t k = 0; k < 3; ++k) {
-            v[k] = motion->velocity[k] + motion->omega * motion->amplitude[k];
-        }
     }
 }
 
@@ -299,9 +287,12 @@ void weft_cloth_start(const weft_cloth *cloth, double *y)
     for (size_t r = 0; r < cloth->rows; ++r) {
         for (size_t c = 0; c < cloth->cols; ++c) {
             const size_t i = r * cloth->cols + c;
-            double x[3], v[3];
+            double x[3], v[6];
             weft__rest_position(cloth, r, c, x);
-            start_velocity(cloth, i, v);
+            memcpy(v, cloth->velocity, sizeof cloth->velocity);
+            if (cloth->pin[i] != 0) {
+                weft__pin_rate(cloth, i, 0.0, v);
+            }
             for (size_t k = 0; k < 3; ++k) {
                 const double from = cloth->origin[k];
                 y[k * n + i] = from + cloth->scale * (x[k] - from);

@@ -42,6 +42,7 @@ typedef struct weft__motion {
     double frequency;    /* [Hz] */
     double omega;        /* [rad/s] 2 pi frequency */
     bool moves;
+    bool coasts; /* instead of all that, at a velocity of each particle's own */
 } weft__motion;
 
 typedef struct weft__level weft__level; /* kernel.h */
@@ -56,11 +57,12 @@ struct weft_cloth {
     double *mass;         /* [kg] N of them */
     double *inverse_mass; /* [1/kg] N, 0 of the pinned, and WEFT_PAST more */
     uint32_t *pin;        /* N: 0 free, else 1 + index into motions */
-    size_t *pins;         /* the pinned, in order; room for N if borrowed */
+    size_t *pins;         /* the pinned, in order */
     const weft__level *level;
-    weft__motion *motions;
+    const uint32_t *defined_pin; /* of a copy (pins.h): the model's pin */
+    double *coast;               /* [m/s] of a copy: 3 N, x y z of each that coasts */
+    weft__motion *motions;       /* motion_count of them, and one that coasts */
     size_t motion_count;
-    size_t first_own; /* repin.c */
     weft_allocator memory;
 };
 
@@ -99,7 +101,7 @@ void weft__wind_add_force(const weft_cloth *cloth, const double *y, double *f);
 bool weft__wind_force(const weft_cloth *cloth, size_t r, size_t c, const double *y,
                       double force[3]);
 
-/* rhs.c: velocity [m/s] of a motion, then its acceleration [m/s^2]. */
-void weft__motion_rate(const weft__motion *motion, double t, double rate[6]);
+/* rhs.c: velocity [m/s] of pinned particle i, then its acceleration [m/s^2]. */
+void weft__pin_rate(const weft_cloth *cloth, size_t i, double t, double rate[6]);
 
 #endif

@@ -333,8 +333,9 @@ static const weft__key stepper_keys[] = {
       .meaning = "no step is longer" },
     { "fixed_step", WEFT__NUMBER, .strict = true, .unit = "s", .absent = "adaptive",
       AT(weft_scene, config.fixed_step),
-      .meaning = "no error control; excludes the keys from rtol to max_step. Steps end "
-                 "at frames, which cut them" },
+      .meaning
+      = "no error control; excludes the keys from rtol to max_step; frames cut "
+        "steps short" },
     { "large_matrices", WEFT__BOOLEAN, .fallback = "false",
       AT(weft_scene, large_matrices),
       .meaning = "methods for small cloths may take more than 1 GB for matrices" },

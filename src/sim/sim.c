@@ -8,7 +8,8 @@
 
 #include "base/log.h"
 #include "base/memory.h"
-#include "cloth/repin.h"
+#include "cloth/pins.h"
+#include "cloth/rows.h"
 #include "sim/simulation.h"
 
 weft_stepper_config weft_stepper_config_default(void)
@@ -110,18 +111,14 @@ weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out
     return sim->method->create(sim->method, &ode, &config, out, err);
 }
 
-/* Their threads are lent: the stepper works when the forces do not. */
-static weft_status make_forces(weft_sim *sim, weft_error *err)
+/* The stepper uses the threads of the forces: it works when they do not. */
+static void make_forces(weft_sim *sim)
 {
     sim->forces = weft__forces_create(sim->cloth, sim->config.threads, &sim->memory);
-    if (sim->forces.heat == NULL) {
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
-    }
     if (sim->forces.team != NULL && sim->config.team == NULL) {
-        sim->lent = weft__team_lend(sim->forces.team);
-        sim->config.team = &sim->lent;
+        sim->worker_team = weft__team_lend(sim->forces.team);
+        sim->config.team = &sim->worker_team;
     }
-    return WEFT_OK;
 }
 
 /* The simulation itself, filled as far as nothing else can fail. */
@@ -130,17 +127,20 @@ static weft_sim *make_sim(const weft_sim_def *def)
     const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
     const size_t dim = weft_cloth_dim(def->cloth);
     weft_sim *sim = weft__zeroed(&memory, 1, sizeof *sim);
+    weft_cloth *cloth = weft__cloth_copy(def->cloth, &memory);
     double *y = weft__alloc(&memory, dim + WEFT__QUADRATURES, sizeof *y);
     double *added
         = def->force == NULL ? NULL : weft__alloc(&memory, dim / 2, sizeof *added);
-    if (sim == NULL || y == NULL || (def->force != NULL && added == NULL)) {
+    if (sim == NULL || cloth == NULL || y == NULL
+        || (def->force != NULL && added == NULL)) {
+        weft_cloth_destroy(cloth);
         weft__free(&memory, sim);
         weft__free(&memory, y);
         weft__free(&memory, added);
         return NULL;
     }
-    *sim = (weft_sim){ .given = def->cloth,
-                       .cloth = def->cloth,
+    *sim = (weft_sim){ .cloth = cloth,
+                       .cloth_hash = weft__cloth_hash(def->cloth),
                        .method = def->method,
                        .correct = def->correct,
                        .correct_ctx = def->correct_ctx,
@@ -155,7 +155,6 @@ static weft_sim *make_sim(const weft_sim_def *def)
                        .y = y };
     weft_cloth_start(sim->cloth, y);
     weft__ledger_start(&sim->ledger, sim->cloth, y);
-    sim->heating = weft_cloth_dissipation(sim->cloth, y);
     return sim;
 }
 
@@ -175,14 +174,12 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
     }
     status
-        = weft__limit_create(&def->limit, def->cloth, &sim->memory, &sim->limit, err);
+        = weft__limit_create(&def->limit, sim->cloth, &sim->memory, &sim->limit, err);
     if (status == WEFT_OK) {
         status = take_config(sim, def, err);
     }
     if (status == WEFT_OK) {
-        status = make_forces(sim, err);
-    }
-    if (status == WEFT_OK) {
+        make_forces(sim);
         status = weft__sim_stepper(sim, 0.0, &sim->stepper, err);
     }
     if (status != WEFT_OK) {
@@ -203,7 +200,7 @@ void weft_sim_destroy(weft_sim *sim)
         sim->method->destroy(sim->stepper);
         weft__forces_destroy(&sim->forces);
         weft__limit_destroy(sim->limit);
-        weft__cloth_return(sim->own);
+        weft_cloth_destroy(sim->cloth);
         const weft_allocator memory = sim->memory;
         weft__free(&memory, sim->added);
         weft__free(&memory, sim->y);
@@ -256,7 +253,6 @@ static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
     }
     if (changed) {
         sim->method->state_changed(sim->stepper);
-        sim->heating = weft__forces_heat(&sim->forces, sim->y);
     }
     return !changed || all_finite(sim->y, weft_cloth_dim(sim->cloth))
                ? WEFT_OK
@@ -295,7 +291,6 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
         return status;
     }
     const double h = sim->t - before;
-    weft__sim_account_heat(sim, h);
     if (sim->log.write != NULL) {
         tell_rejected(sim, h);
     }
@@ -331,10 +326,10 @@ weft_stepper_stats weft_sim_stats(const weft_sim *sim)
 {
     weft_stepper_stats stats = { .struct_size = sizeof stats };
     sim->method->stats(sim->stepper, &stats);
-    stats.last_step = stats.steps > 0 ? stats.last_step : sim->before.last_step;
-    stats.steps += sim->before.steps;
-    stats.rejected += sim->before.rejected;
-    stats.rhs_calls += sim->before.rhs_calls;
+    stats.last_step = stats.steps > 0 ? stats.last_step : sim->earlier.last_step;
+    stats.steps += sim->earlier.steps;
+    stats.rejected += sim->earlier.rejected;
+    stats.rhs_calls += sim->earlier.rhs_calls;
     return stats;
 }
 
@@ -349,6 +344,12 @@ void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx)
 weft_ledger weft_sim_ledger(const weft_sim *sim)
 {
     return weft__ledger_read(&sim->ledger, sim->cloth, sim->y);
+}
+
+double weft_sim_dissipated(const weft_sim *sim)
+{
+    const double *taken = sim->y + weft_cloth_dim(sim->cloth); /* [J] */
+    return sim->ledger.on ? taken[WEFT_POWER_SPRINGS] + taken[WEFT_POWER_DRAG] : NAN;
 }
 
 weft_limit_stats weft_sim_limit_stats(const weft_sim *sim)
@@ -403,14 +404,12 @@ static void set_planes(const weft_cloth *cloth, const double *xyz, double *plane
 
 void weft__sim_change_begins(weft_sim *sim)
 {
-    weft__sim_settle(sim);
     weft__ledger_mark(&sim->ledger, sim->cloth, sim->y);
 }
 
 static void account_change(weft_sim *sim)
 {
     weft__ledger_account(&sim->ledger, sim->cloth, sim->y, &sim->ledger.outside_work);
-    sim->heating = weft__forces_heat(&sim->forces, sim->y);
 }
 
 void weft__sim_state_changed(weft_sim *sim)

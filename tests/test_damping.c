@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* test_heat.c -- the rate of dissipation by its fast path: at every level of
+/* test_damping.c -- the power that dampers take, by its fast path: at every level of
  * instructions, and 8 lanes wide in whatever there are, the same bits, and what a plain
- * loop over the springs gives; and its sum in time, whenever it is taken. */
+ * loop over the springs gives. */
 #include "stepper_run.h"
 
 #include "kernel/kernel.h"
 
 #include <stdlib.h>
 
-weft__heat_fn weft__heat_wide;
+weft__damping_fn weft__damping_wide;
 
 enum { COLS_MAX = 41 };
 
@@ -38,10 +38,10 @@ static double *stir(const weft_cloth *cloth)
     return y;
 }
 
-static double plain_heat(const weft_cloth *cloth, const double *y)
+static double plain_power(const weft_cloth *cloth, const double *y)
 {
     const size_t n = cloth->particles;
-    double heat = 0.0;
+    double power = 0.0;
     for (size_t g = 0; g < cloth->group_count; ++g) {
         const weft__group *group = &cloth->groups[g];
         for (size_t r = 0; r < group->end_row; ++r) {
@@ -52,14 +52,14 @@ static double plain_heat(const weft_cloth *cloth, const double *y)
                 const double along
                     = (at.w[0] * at.d[0] + at.w[1] * at.d[1] + at.w[2] * at.d[2])
                       / at.length;
-                heat += group->damping * along * along;
+                power += group->damping * along * along;
             }
         }
     }
     for (size_t j = 3 * n; j < 6 * n; ++j) {
-        heat += cloth->drag * y[j] * y[j];
+        power += cloth->drag * y[j] * y[j];
     }
-    return heat;
+    return power;
 }
 
 START_TEST(every_level_has_the_same_bits)
@@ -69,8 +69,8 @@ START_TEST(every_level_has_the_same_bits)
         double *y = stir(cloth);
         weft__cloth_set_level(cloth, weft__level_at(0));
         const double plain = weft_cloth_dissipation(cloth, y);
-        const weft__level wide = { .name = "8 lanes", .heat = weft__heat_wide };
-        const double wanted = plain_heat(cloth, y);
+        const weft__level wide = { .name = "8 lanes", .damping = weft__damping_wide };
+        const double wanted = plain_power(cloth, y);
         ck_assert_double_eq_tol(plain, wanted, 1e-13 * wanted);
         for (size_t i = 1; i <= weft__level_count(); ++i) {
             weft__cloth_set_level(cloth,
@@ -83,7 +83,7 @@ START_TEST(every_level_has_the_same_bits)
 }
 END_TEST
 
-START_TEST(a_spring_without_length_makes_no_heat)
+START_TEST(a_spring_without_length_takes_nothing)
 {
     weft_cloth *cloth = make(1, COLS_MAX);
     double *y = stir(cloth);
@@ -100,37 +100,12 @@ START_TEST(a_spring_without_length_makes_no_heat)
 }
 END_TEST
 
-/* Before the step that would have told it, too. */
-START_TEST(heat_is_the_same_however_often_it_is_asked_for)
+TEST_SUITE(damping)
 {
-    const weft_stepper_type *type = test_method((size_t)_i);
-    weft_stepper_config config = weft_stepper_config_default();
-    config.fixed_step = 1e-3;
-    double heat[2];
-    weft_cloth *cloth = make(4, 5);
-    for (int i = 0; i < 2; ++i) {
-        weft_sim *sim = test_sim(cloth, type, &config);
-        for (int k = 1; k <= 50; ++k) {
-            ck_assert_int_eq(weft_sim_advance(sim, 0.001 * k, NULL), WEFT_OK);
-            heat[i] = i == 0 ? weft_sim_dissipated(sim) : 0.0;
-        }
-        heat[i] = weft_sim_dissipated(sim);
-        weft_sim_destroy(sim);
-    }
-    ck_assert_double_gt(heat[0], 0.0);
-    ck_assert(heat[0] == heat[1]);
-    weft_cloth_destroy(cloth);
-}
-END_TEST
-
-TEST_SUITE(heat)
-{
-    Suite *suite = suite_create("heat");
-    TCase *tcase = tcase_create("heat");
+    Suite *suite = suite_create("damping");
+    TCase *tcase = tcase_create("damping");
     tcase_add_test(tcase, every_level_has_the_same_bits);
-    tcase_add_test(tcase, a_spring_without_length_makes_no_heat);
+    tcase_add_test(tcase, a_spring_without_length_takes_nothing);
     suite_add_tcase(suite, tcase);
-    add_for_every_method(suite, "asked",
-                         heat_is_the_same_however_often_it_is_asked_for);
     return suite;
 }
