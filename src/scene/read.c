@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* read.c -- a document read by the table of keys. */
+/* read.c -- a tree read by the table of keys. */
 #include "scene/read.h"
 
 #include <math.h>
