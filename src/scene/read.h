@@ -99,8 +99,8 @@ void weft__read_section(weft__reader *reader, const weft__section *section,
 void weft__read_value(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *base);
 
-/* Key and value of a name in a match; NULL if it is absent. Whether it is absent
- * because somebody misspelt it, who has been told so. */
+/* Key and value of a name in a match; NULL if it is absent. Whether a misspelt key that
+ * was reported stands for it. */
 const weft__node *weft__key_in(const weft__match *match, const char *name);
 const weft__node *weft__value_in(const weft__match *match, const char *name);
 bool weft__misspelt(const weft__match *match, const char *name);
