@@ -40,7 +40,7 @@ static size_t find_slot(const weft__report *report, weft__mark at)
 }
 
 /* A node that several aliases lead to is read as often, and so is a scene with a sweep:
- * complained of once. */
+ * reported once. */
 static bool is_known(weft__report *report, weft__mark at, const char *message)
 {
     for (size_t i = 0; i < report->found->count; ++i) {

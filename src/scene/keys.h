@@ -24,7 +24,7 @@ typedef enum weft__kind {
     WEFT__LOADS,     /* its loads */
     WEFT__ROW,       /* weft__list: numbers of a Butcher table */
     WEFT__ROWS,      /* weft__list: its matrix */
-    WEFT__SWEEP,     /* taken out of the document before it is read */
+    WEFT__SWEEP,     /* taken out of the tree before it is read */
     WEFT__KINDS
 } weft__kind;
 

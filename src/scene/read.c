@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* read.c -- a document read by the table of keys. */
+/* read.c -- a tree read by the table of keys. */
 #include "scene/read.h"
 
 #include <math.h>
@@ -330,7 +330,7 @@ static size_t index_of(const weft__section *section, const char *name)
     return i;
 }
 
-/* Its absence is explained: it is not to be complained of again. */
+/* Its absence is explained: it is not reported again. */
 static void mark_misspelt(weft__match *match, const char *name)
 {
     const size_t i = index_of(match->section, name);

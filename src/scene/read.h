@@ -99,8 +99,8 @@ void weft__read_section(weft__reader *reader, const weft__section *section,
 void weft__read_value(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *base);
 
-/* Key and value of a name in a match; NULL if it is absent. Whether it is absent
- * because somebody misspelt it, who has been told so. */
+/* Key and value of a name in a match; NULL if it is absent. Whether a misspelt key that
+ * was reported stands for it. */
 const weft__node *weft__key_in(const weft__match *match, const char *name);
 const weft__node *weft__value_in(const weft__match *match, const char *name);
 bool weft__misspelt(const weft__match *match, const char *name);
@@ -131,7 +131,7 @@ void weft__check_companion(weft__reader *reader, const weft__match *match,
 void weft__report_exclusive(weft__report *report, const weft__node *a,
                             const weft__node *b);
 
-/* pins.c */
+/* scene_pins.c */
 void weft__read_index(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *to);
 void weft__read_place(weft__reader *reader, const weft__key *key,
@@ -158,12 +158,12 @@ void weft__check_cloth(weft__reader *reader, const weft__match *match, void *bas
 void weft__check_limit(weft__reader *reader, const weft__match *match, void *base);
 void weft__check_run(weft__reader *reader, const weft__match *match, void *base);
 
-/* method.c: takes stepper.method apart where it is plugin/method, and removes keys of
+/* scene_method.c: takes stepper.method apart where it is plugin/method, and removes keys of
  * stepper that a choice of the command line or the sweep leaves without use, with a
- * warning. Before anything is read of the document. */
+ * warning. Before anything is read of the tree. */
 void weft__resolve_method(weft__reader *reader, const weft__sweep *sweep);
 
-/* stepper.c */
+/* scene_stepper.c */
 enum { WEFT__ADAPTIVE = 7 };
 extern const char *const weft__adaptive_keys[WEFT__ADAPTIVE]; /* of error control */
 bool weft__is_plugin_id(const char *id);

@@ -270,7 +270,7 @@ static int no_rhs(double t, const double *y, double *dydt, void *ctx)
     return -1;
 }
 
-/* What the method itself refuses, such as a table that is not of its order, is told by
+/* What the method itself refuses, such as a table that is not of its order, is found by
  * making a stepper of it, of one particle. */
 static void check_creation(weft__reader *reader, const weft__match *match)
 {
