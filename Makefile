@@ -89,7 +89,8 @@ LIBS_arkode := -lsundials_arkode -lsundials_nvecserial $(if $(HAVE_SUNDIALS_7),-
 
 # The suites, each of tests/test_NAME.c: `make check TESTS='cloth scene'`. Those that take longest
 # begin first, so that all processors end together.
-LONGEST := cli_batch hostile cli_resume record_ends arkode_vector steppers compare
+LONGEST := hostile surroundings record_ends compare cli_resume cli_batch interrupt checkpoint steppers \
+           record_damage quadratures arkode_vector libm
 TESTS := $(LONGEST) $(filter-out $(LONGEST),$(patsubst tests/test_%.c,%,$(wildcard tests/test_*.c)))
 # Programs of their own, as they replace functions of libc: malloc and its like, and pow.
 ALONE := no_memory libm
@@ -366,8 +367,7 @@ tsan:
 	    TESTS='$(TSAN_TESTS)' PARTS=conformance $(TSAN_RUN)
 	CK_FORK=no $(TSAN_RUN) threads
 	CK_FORK=no CK_RUN_CASE=threads $(TSAN_RUN) embed
-	CK_TIMEOUT_MULTIPLIER=4 $(TSAN_RUN) arkode_vector
-	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads $(TSAN_RUN) steppers
+	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads $(TSAN_RUN) arkode_vector steppers
 
 # Sources read by clang-tidy and cppcheck; DEEP=1: also by gcc -fanalyzer, and clang-tidy follows calls.
 static:

@@ -484,10 +484,13 @@ TEST_SUITE(arkode_vector)
     tcase_add_test(tcase, a_combination_into_one_of_its_terms_is_computed_each_time);
     tcase_add_test(tcase, a_combination_of_a_vector_since_destroyed_is_forgotten);
     tcase_add_test(tcase, extreme_numbers_are_finite);
-    tcase_add_loop_test(tcase, threads_do_not_show_in_the_results, 0,
+    TCase *threads = tcase_create("threads");
+    tcase_set_timeout(threads, 240.0);
+    tcase_add_loop_test(threads, threads_do_not_show_in_the_results, 0,
                         (int)(sizeof ways / sizeof ways[0]));
-    tcase_add_test(tcase, more_threads_than_can_be_had_are_no_error);
+    tcase_add_test(threads, more_threads_than_can_be_had_are_no_error);
     suite_add_tcase(suite, tcase);
+    suite_add_tcase(suite, threads);
 #endif
     return suite;
 }
