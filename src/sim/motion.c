@@ -26,16 +26,6 @@ static double accelerate(const weft_sim *sim, const double *y, double *dydt)
     return power;
 }
 
-/* 0 x is NaN for an x that is not finite, and NaN stays in a sum. */
-static bool all_finite(const double *values, size_t count)
-{
-    double sum = 0.0;
-    for (size_t i = 0; i < count; ++i) {
-        sum += 0.0 * values[i];
-    }
-    return sum == 0.0;
-}
-
 int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
 {
     weft_sim *sim = ctx;
@@ -51,7 +41,7 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
         failed = sim->force(sim->force_ctx, t, y, sim->added);
         sim->in_callback = false;
         power = accelerate(sim, y, dydt);
-        failed = failed == 0 && !all_finite(dydt + dim / 2, dim / 2) ? 1 : failed;
+        failed = failed == 0 && !weft__all_finite(dydt + dim / 2, dim / 2) ? 1 : failed;
     }
     if (sim->ledger.on) {
         const bool finite

@@ -294,15 +294,6 @@ static weft_status not_finite(const char *what, weft_error *err)
                           "the saved simulation has %s that is not finite", what);
 }
 
-static bool all_finite(const double *values, size_t count)
-{
-    bool finite = true;
-    for (size_t i = 0; i < count; ++i) {
-        finite = finite && isfinite(values[i]);
-    }
-    return finite;
-}
-
 /* Checksums that are right prove nothing of bytes that somebody made up. The residual
  * is not finite if any of the ledger's numbers is not. */
 static weft_status check_numbers(const weft_sim *sim, const fields *saved,
@@ -313,7 +304,8 @@ static weft_status check_numbers(const weft_sim *sim, const fields *saved,
                                   .limit_work = saved->limit_work,
                                   .outside_work = saved->outside_work };
     if (!(isfinite(saved->t) && is_step(saved->next_step) && is_step(saved->last_step)
-          && is_step(saved->limit_step) && all_finite(y, weft_cloth_dim(sim->cloth)))) {
+          && is_step(saved->limit_step)
+          && weft__all_finite(y, weft_cloth_dim(sim->cloth)))) {
         return not_finite("a time, a step or a state", err);
     }
     return isfinite(weft__ledger_read(&ledger, sim->cloth, y).residual)

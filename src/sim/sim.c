@@ -127,34 +127,33 @@ static weft_sim *make_sim(const weft_sim_def *def)
     const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
     const size_t dim = weft_cloth_dim(def->cloth);
     weft_sim *sim = weft__zeroed(&memory, 1, sizeof *sim);
-    weft_cloth *cloth = weft__cloth_copy(def->cloth, &memory);
-    double *y = weft__alloc(&memory, dim + WEFT__QUADRATURES, sizeof *y);
-    double *added
-        = def->force == NULL ? NULL : weft__alloc(&memory, dim / 2, sizeof *added);
-    if (sim == NULL || cloth == NULL || y == NULL
-        || (def->force != NULL && added == NULL)) {
-        weft_cloth_destroy(cloth);
-        weft__free(&memory, sim);
-        weft__free(&memory, y);
-        weft__free(&memory, added);
+    if (sim == NULL) {
         return NULL;
     }
-    *sim = (weft_sim){ .cloth = cloth,
-                       .cloth_hash = weft__cloth_hash(def->cloth),
-                       .method = def->method,
-                       .correct = def->correct,
-                       .correct_ctx = def->correct_ctx,
-                       .force = def->force,
-                       .force_ctx = def->force_ctx,
-                       .stop = def->stop,
-                       .stop_ctx = def->stop_ctx,
-                       .added = added,
-                       .log = def->log,
-                       .memory = memory,
-                       .ledger = { .on = def->ledger },
-                       .y = y };
-    weft_cloth_start(sim->cloth, y);
-    weft__ledger_start(&sim->ledger, sim->cloth, y);
+    *sim = (weft_sim){
+        .cloth = weft__cloth_copy(def->cloth, &memory),
+        .cloth_hash = weft__cloth_hash(def->cloth),
+        .method = def->method,
+        .correct = def->correct,
+        .correct_ctx = def->correct_ctx,
+        .force = def->force,
+        .force_ctx = def->force_ctx,
+        .stop = def->stop,
+        .stop_ctx = def->stop_ctx,
+        .added
+        = def->force == NULL ? NULL : weft__alloc(&memory, dim / 2, sizeof(double)),
+        .log = def->log,
+        .memory = memory,
+        .ledger = { .on = def->ledger },
+        .y = weft__alloc(&memory, dim + WEFT__QUADRATURES, sizeof(double)),
+    };
+    if (sim->cloth == NULL || sim->y == NULL
+        || (def->force != NULL && sim->added == NULL)) {
+        weft_sim_destroy(sim);
+        return NULL;
+    }
+    weft_cloth_start(sim->cloth, sim->y);
+    weft__ledger_start(&sim->ledger, sim->cloth, sim->y);
     return sim;
 }
 
@@ -208,14 +207,14 @@ void weft_sim_destroy(weft_sim *sim)
     }
 }
 
-static bool all_finite(const double *values, size_t count)
+bool weft__all_finite(const double *values, size_t count)
 {
+    /* 0 x is NaN for an x that is not finite, and NaN stays in a sum */
+    double sum = 0.0;
     for (size_t i = 0; i < count; ++i) {
-        if (!isfinite(values[i])) {
-            return false;
-        }
+        sum += 0.0 * values[i];
     }
-    return true;
+    return sum == 0.0;
 }
 
 static bool limit(weft_sim *sim, double h)
@@ -254,7 +253,7 @@ static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
     if (changed) {
         sim->method->state_changed(sim->stepper);
     }
-    return !changed || all_finite(sim->y, weft_cloth_dim(sim->cloth))
+    return !changed || weft__all_finite(sim->y, weft_cloth_dim(sim->cloth))
                ? WEFT_OK
                : weft_error_set(err, WEFT_NOT_FINITE,
                                 "the correction at t = %.9g s left a state that is "
@@ -431,8 +430,8 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
         return WEFT_INVALID;
     }
     const size_t n = weft_cloth_particles(sim->cloth);
-    if ((positions != NULL && !all_finite(positions, 3 * n))
-        || (velocities != NULL && !all_finite(velocities, 3 * n))) {
+    if ((positions != NULL && !weft__all_finite(positions, 3 * n))
+        || (velocities != NULL && !weft__all_finite(velocities, 3 * n))) {
         return weft_error_set(err, WEFT_INVALID, "a state must be finite");
     }
     weft__sim_change_begins(sim);

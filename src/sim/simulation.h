@@ -51,6 +51,8 @@ void weft__sim_trouble(const weft_sim *sim, const weft_error *why, weft_error *e
 /* The length of y. */
 size_t weft__sim_dim(const weft_sim *sim);
 
+bool weft__all_finite(const double *values, size_t count);
+
 /* Around a change of y or of the cloth from outside, between two steps. */
 void weft__sim_change_begins(weft_sim *sim);
 void weft__sim_state_changed(weft_sim *sim);
