@@ -101,9 +101,9 @@ START_TEST(help_on_a_key_prints_that_key_and_those_below_it)
     expect(shell(WEFT " scene-help forces.wind"), 0);
     ck_assert_str_eq(output,
                      "forces.wind         mapping; default no wind\n"
-                     "                    air that moves\n"
+                     "                    moving air\n"
                      "  velocity          vector [x, y, z] [m/s]; required\n"
-                     "                    of the air\n"
+                     "                    velocity of the air\n"
                      "  drag              number >= 0 [kg/(m^2 s)]; required\n"
                      "                    F = drag * area * (n . (velocity - v)) n\n");
     expect(shell(WEFT " scene-help cloth.pins.0.at.rows 'cloth.loads[].mass'"), 0);

@@ -216,14 +216,14 @@ WEFT_API weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *e
 WEFT_API double weft_sim_time(const weft_sim *sim); /* [s] */
 WEFT_API const double *
 weft_sim_state(const weft_sim *sim); /* y[6 N], valid until the next step */
-/* The definition's cloth with the pins that the simulation has at present. Valid until
- * the simulation is destroyed. */
+/* The definition's cloth with the present pins of the simulation. Valid until the
+ * simulation is destroyed. */
 WEFT_API const weft_cloth *weft_sim_cloth(const weft_sim *sim);
 WEFT_API weft_stepper_stats weft_sim_stats(const weft_sim *sim);
 /* Calls `tell` for each choice of the stepper beyond its config. */
 WEFT_API void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx);
 /* [J] turned into heat so far by springs and viscous drag: dissipated_springs +
- * dissipated_drag of the ledger; NaN without ledger. */
+ * dissipated_drag of the ledger; NaN without a ledger. */
 WEFT_API double weft_sim_dissipated(const weft_sim *sim);
 
 /* The method integrates the powers of weft_cloth_power with the state: the residual has
@@ -248,10 +248,10 @@ WEFT_API void weft_sim_velocities(const weft_sim *sim, double *xyz); /* [m/s] */
 WEFT_API weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
                                         const double *velocities, weft_error *err);
 
-/* Pins, changed while a simulation runs. Every simulation has pins of its own: the
- * cloth that it was made from and all others that share it keep theirs. Particle i is
- * (i / cols, i % cols). Between two steps, each in O(N). Errors: WEFT_INVALID (no such
- * particle, a number that is not finite), and nothing is changed. */
+/* These functions change pins between two steps, each in O(N). Every simulation has its
+ * own pins: the definition's cloth, and other simulations that share it, do not change.
+ * Particle i is (i / cols, i % cols). Errors: WEFT_INVALID (no such particle, a number
+ * that is not finite); then nothing changes. */
 
 /* Holds a particle at its present position, and moves it from now on at `velocity`
  * [m/s] (NULL: it keeps its position bit for bit). A particle that is already pinned
@@ -274,13 +274,13 @@ WEFT_API weft_status weft_sim_unpin(weft_sim *sim, size_t i, weft_error *err);
  * failure (WEFT_NO_MEMORY) nothing changes. */
 WEFT_API weft_status weft_sim_restart(weft_sim *sim, weft_error *err);
 
-/* Save everything that the future of a simulation depends on: state, time, next h,
- * counts, ledger and strain limit, to `size` bytes of the caller's. Restored into a
- * simulation of the same definition, made by any program on any machine, both go on
- * alike to the last bit, as saving restarts the stepper here too. Threads, allocators
- * and log may differ, all else that counts is compared by hashes. What `correct`
- * and `force` keep for themselves is the caller's to save. The bytes know their version
- * and are checksummed; their size, that of weft_sim_save_size, never changes. Errors:
+/* Saves all data that the future of a simulation depends on to the caller's `size`
+ * bytes: state, time, next h, counts, ledger, strain limit and pins. Restored into a
+ * simulation of the same definition, by any program on any machine, both continue
+ * identically to the last bit, because saving also restarts the stepper here. Threads,
+ * allocators and log may differ; all other settings that matter are compared by hashes.
+ * The caller must save the data of `correct` and `force`. The bytes contain their
+ * version and a checksum; their number, weft_sim_save_size, never changes. Errors:
  * WEFT_INVALID (size is less), those of weft_sim_restart. */
 WEFT_API size_t weft_sim_save_size(const weft_sim *sim);
 WEFT_API weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size,

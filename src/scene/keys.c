@@ -22,18 +22,18 @@ static const weft__key grid_keys[] = {
                  "makes a chain" },
     { "spacing", WEFT__SPACING, .required = true, .strict = true, .unit = "m",
       AT(weft_cloth_def, spacing),
-      .meaning = "between neighbours: one number, or [along a column, along a row], "
-                 "that is row to row, then column to column" },
+      .meaning
+      = "distance of neighbours: one number, or [row to row, column to column]" },
     { "origin", WEFT__VECTOR, .unit = "m", .fallback = "[0, 0, 0]",
-      AT(weft_cloth_def, origin), .meaning = "where particle (0, 0) rests" },
+      AT(weft_cloth_def, origin), .meaning = "rest position of particle (0, 0)" },
     { "right", WEFT__DIRECTION, .fallback = "[1, 0, 0]", AT(weft_cloth_def, right),
-      .meaning = "direction of growing column; normalised on reading" },
+      .meaning = "direction of increasing column; normalised on reading" },
     { "down", WEFT__DIRECTION, .fallback = "[0, -1, 0]", AT(weft_cloth_def, down),
-      .meaning = "direction of growing row; perpendicular to right (1e-9)" },
+      .meaning = "direction of increasing row; perpendicular to right (1e-9)" },
     { "scale", WEFT__NUMBER, .strict = true, .fallback = "1.0",
       AT(weft_cloth_def, scale),
-      .meaning = "initial positions = origin + scale * (rest - origin); rest lengths "
-                 "keep" },
+      .meaning = "initial positions = origin + scale * (rest - origin); rest "
+                 "lengths do not change" },
 };
 
 static const weft__section grid_section
@@ -76,13 +76,12 @@ static const weft__key pin_keys[] = {
     { "at", WEFT__PLACE, .required = true, .section = &weft__place_section,
       AT(weft_pin, rows), .meaning = "which particles" },
     { "velocity", WEFT__VECTOR, .unit = "m/s", .fallback = "[0, 0, 0]",
-      AT(weft_pin, velocity), .meaning = "they move at" },
+      AT(weft_pin, velocity), .meaning = "velocity of the pinned particles" },
     { "amplitude", WEFT__VECTOR, .unit = "m", .fallback = "[0, 0, 0]",
       AT(weft_pin, amplitude),
-      .meaning = "they swing: + amplitude * sin(2 pi frequency t)" },
+      .meaning = "oscillation: + amplitude * sin(2 pi frequency t)" },
     { "frequency", WEFT__NUMBER, .unit = "Hz", .fallback = "0", AT(weft_pin, frequency),
-      .meaning = "of that; amplitude and frequency go "
-                 "together" },
+      .meaning = "frequency of the oscillation; amplitude and frequency go together" },
 };
 
 const weft__section weft__pin_section
@@ -95,9 +94,9 @@ const weft__section weft__pin_section
 
 static const weft__key family_keys[] = {
     { "stiffness", WEFT__NUMBER, .required = true, .unit = "N/m or N",
-      AT(weft_spring_def, stiffness), .meaning = "of each spring" },
+      AT(weft_spring_def, stiffness), .meaning = "stiffness of each spring" },
     { "damping", WEFT__NUMBER, .unit = "kg/s", .fallback = "0",
-      AT(weft_spring_def, damping), .meaning = "along the spring" },
+      AT(weft_spring_def, damping), .meaning = "damping along the spring" },
 };
 
 static const weft__section family_section = { SECTION(family_keys) };
@@ -140,17 +139,17 @@ static const weft__key cloth_keys[] = {
                  "spacing * down" },
     { "mass", WEFT__NUMBER, .strict = true, .unit = "kg", .absent = "mass or density",
       AT(weft_cloth_def, mass),
-      .meaning = "of each particle; exactly one of mass and density is required" },
+      .meaning = "mass of each particle; exactly one of mass and density is required" },
     { "density", WEFT__NUMBER, .strict = true, .unit = "kg/m^2",
       .absent = "mass or density", AT(weft_cloth_def, density),
-      .meaning = "lumped by area" },
+      .meaning = "mass per area, lumped to the particles" },
     { "velocity", WEFT__VECTOR, .unit = "m/s", .fallback = "[0, 0, 0]",
       AT(weft_cloth_def, velocity),
-      .meaning = "initial, of the particles that are not pinned" },
+      .meaning = "initial velocity of particles without a pin" },
     { "loads", WEFT__LOADS, .section = &weft__load_section, .absent = "none",
       .meaning = "point masses added to particles" },
     { "springs", WEFT__MAPPING, .section = &spring_section, .absent = "none",
-      .meaning = "a family that is absent has no springs" },
+      .meaning = "families of springs; a missing family has no springs" },
     { "pins", WEFT__PINS, .section = &weft__pin_section, .absent = "none",
       .meaning = "particles that are held or moved: a place, or {at: place, ...}; a "
                  "later entry wins" },
@@ -163,7 +162,7 @@ static const weft__section cloth_section
 
 static const weft__key wind_keys[] = {
     { "velocity", WEFT__VECTOR, .required = true, .unit = "m/s",
-      AT(weft_cloth_def, wind_velocity), .meaning = "of the air" },
+      AT(weft_cloth_def, wind_velocity), .meaning = "velocity of the air" },
     { "drag", WEFT__NUMBER, .required = true, .unit = "kg/(m^2 s)",
       AT(weft_cloth_def, wind_drag),
       .meaning = "F = drag * area * (n . (velocity - v)) n" },
@@ -176,9 +175,9 @@ static const weft__key force_keys[] = {
       AT(weft_cloth_def, gravity), .meaning = "acceleration of free fall" },
     { "damping", WEFT__NUMBER, .unit = "kg/s", .fallback = "0",
       AT(weft_cloth_def, drag),
-      .meaning = "viscous, on each particle: F = -damping * v" },
+      .meaning = "viscous damping of each particle: F = -damping * v" },
     { "wind", WEFT__MAPPING, .section = &wind_section, .absent = "no wind",
-      .meaning = "air that moves" },
+      .meaning = "moving air" },
 };
 
 static const weft__section force_section = { SECTION(force_keys) };
@@ -194,25 +193,25 @@ static const char *const solver_names[] = { "fast", "sweep", NULL };
 static const weft__key limit_keys[] = {
     { "method", WEFT__CHOICE, .required = true, .names = limit_names,
       AT(weft_limit_def, method), .first = WEFT_LIMIT_PROVOT,
-      .meaning = "provot: on positions; bridson: on velocities" },
+      .meaning = "provot corrects positions, bridson velocities" },
     { "strain", WEFT__NUMBER, .fallback = "0.1", AT(weft_limit_def, strain),
       .meaning = "no limited spring longer than (1 + strain) * rest length" },
     { "springs", WEFT__NAMES, .names = family_names, .least = 1,
       .fallback = "[stretch, shear]", AT(weft_limit_def, families),
-      .meaning = "families that are limited" },
+      .meaning = "limited families" },
     { "sweeps", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "100",
-      AT(weft_limit_def, sweeps), .meaning = "at most so many passes a step ..." },
+      AT(weft_limit_def, sweeps), .meaning = "maximum of passes per step" },
     { "tolerance", WEFT__NUMBER, .strict = true, .fallback = "1.0e-3",
       AT(weft_limit_def, tolerance),
-      .meaning = "... or until no spring exceeds (1 + strain)(1 + tolerance) rest "
-                 "lengths" },
+      .meaning = "passes end when no spring exceeds (1 + strain)(1 + tolerance) "
+                 "rest lengths" },
     { "velocity", WEFT__EITHER, .names = velocity_names,
       AT(weft_limit_def, keep_velocity), .fallback = "update",
       .meaning = "update: v += dx / h of the correction; keep: positions only, as in "
                  "the paper (provot)" },
     { "solver", WEFT__CHOICE, .names = solver_names, AT(weft_limit_def, solver),
       .fallback = "fast",
-      .meaning = "fast: sweeps with momentum; sweep: plain ones, as in the paper" },
+      .meaning = "fast: sweeps with momentum; sweep: plain sweeps, as in the paper" },
 };
 
 static const weft__section limit_section
@@ -224,29 +223,29 @@ static const char *const norm_names[] = { "max", "rms", NULL };
 
 static const weft__key atol_keys[] = {
     { "position", WEFT__NUMBER, .required = true, .strict = true, .unit = "m",
-      AT(weft_stepper_config, atol_position), .meaning = "of positions" },
+      AT(weft_stepper_config, atol_position), .meaning = "tolerance of positions" },
     { "velocity", WEFT__NUMBER, .required = true, .strict = true, .unit = "m/s",
-      AT(weft_stepper_config, atol_velocity), .meaning = "of velocities" },
+      AT(weft_stepper_config, atol_velocity), .meaning = "tolerance of velocities" },
 };
 
 static const weft__section atol_section = { SECTION(atol_keys) };
 
 static const weft__key butcher_keys[] = {
     { "A", WEFT__ROWS, .required = true, AT(weft__tableau, a),
-      .meaning = "a row for each stage, strictly lower triangular; zeros at the end of "
-                 "a row may be left out" },
+      .meaning = "one row per stage, strictly lower triangular; zeros at the end of "
+                 "a row may be omitted" },
     { "b", WEFT__ROW, .required = true, AT(weft__tableau, b),
-      .meaning = "weights, one for each stage" },
+      .meaning = "weights, one per stage" },
     { "c", WEFT__ROW, .required = true, AT(weft__tableau, c),
-      .meaning = "nodes, one for each stage" },
+      .meaning = "nodes, one per stage" },
     { "order", WEFT__INTEGER, .required = true, .least = 1, .most = 99,
-      AT(weft__tableau, order), .meaning = "of the solution carried on" },
+      AT(weft__tableau, order), .meaning = "order of the continued solution" },
     { "b_embedded", WEFT__ROW, .absent = "fixed steps only",
-      AT(weft__tableau, b_embedded),
-      .meaning = "weights of the solution it is compared with" },
+      AT(weft__tableau, b_embedded), .meaning = "weights of the embedded solution" },
     { "embedded_order", WEFT__INTEGER, .least = 1, .most = 99,
       .absent = "fixed steps only", AT(weft__tableau, embedded_order),
-      .meaning = "of that; b_embedded and embedded_order go together" },
+      .meaning = "order of the embedded solution; b_embedded and embedded_order go "
+                 "together" },
 };
 
 static const weft__section butcher_section
@@ -262,27 +261,27 @@ static const char *const controller_names[] = {
 static const weft__key controller_keys[] = {
     { "type", WEFT__CHOICE, .names = controller_names, AT(weft__control, set.type),
       .first = WEFT_CONTROLLER_DEFAULT + 1, .absent = "arkode: pi",
-      .meaning = "the law by which h follows the errors" },
+      .meaning = "the law that computes h from the errors" },
     { "gains", WEFT__ROW, AT(weft__control, gains), .absent = "of the type",
       .meaning
       = "k1, k2, k3 of the law: pid and imex_gustafsson take three, i one, the "
         "others two" },
     { "safety", WEFT__NUMBER, .strict = true, .most = 1.0, .absent = "arkode: 0.96",
-      AT(weft__control, set.safety), .meaning = "part of the h that would just do" },
+      AT(weft__control, set.safety), .meaning = "part of the largest acceptable h" },
     { "bias", WEFT__NUMBER, .least = 1.0, .absent = "arkode: 1.2",
-      AT(weft__control, set.bias), .meaning = "factor on the error estimate" },
+      AT(weft__control, set.bias), .meaning = "factor of the error estimate" },
     { "max_growth", WEFT__NUMBER, .strict = true, .least = 1.0, .absent = "arkode: 25",
       AT(weft__control, set.max_growth),
-      .meaning = "of h from step to step, a factor" },
+      .meaning = "largest factor of h from step to step" },
     { "first_growth", WEFT__NUMBER, .strict = true, .least = 1.0,
       .absent = "arkode: 1e4", AT(weft__control, set.first_growth),
-      .meaning = "the same after the first step" },
+      .meaning = "max_growth after the first step" },
     { "min_reduction", WEFT__NUMBER, .strict = true, .most = 1.0,
       .absent = "arkode: 0.1", AT(weft__control, set.min_reduction),
-      .meaning = "of h from step to step, a factor < 1" },
+      .meaning = "smallest factor of h from step to step, < 1" },
     { "failed_growth", WEFT__NUMBER, .strict = true, .most = 1.0,
       .absent = "arkode: 0.3", AT(weft__control, set.failed_growth),
-      .meaning = "of h after repeated rejections, a factor < 1" },
+      .meaning = "factor of h after repeated rejections, < 1" },
 };
 
 static const weft__section controller_section
@@ -293,7 +292,7 @@ static const weft__key stepper_keys[] = {
       .meaning = "gsl, arkode, verlet or any installed stepper plugin" },
     { "method", WEFT__TEXT, .required = true, AT(weft_scene, method),
       .meaning
-      = "a method of that plugin (weft steppers lists them), or plugin/method" },
+      = "a method of the plugin (weft steppers lists them), or plugin/method" },
     { "rtol", WEFT__NUMBER, .fallback = "1.0e-6", AT(weft_scene, config.rtol),
       .meaning = "relative tolerance" },
     { "atol", WEFT__ATOL, .strict = true, .unit = "m, m/s", .section = &atol_section,
@@ -302,12 +301,14 @@ static const weft__key stepper_keys[] = {
     { "norm", WEFT__CHOICE, .names = norm_names, AT(weft_scene, config.norm),
       .fallback = "max", .meaning = "error norm over all components" },
     { "first_step", WEFT__NUMBER, .strict = true, .unit = "s", .fallback = "1.0e-3",
-      AT(weft_scene, config.first_step), .meaning = "first trial" },
+      AT(weft_scene, config.first_step), .meaning = "first step size to try" },
     { "min_step", WEFT__NUMBER, .strict = true, .unit = "s", .fallback = "1.0e-12",
-      AT(weft_scene, config.min_step), .meaning = "needing less is a failure" },
+      AT(weft_scene, config.min_step),
+      .meaning = "smallest step size; a smaller "
+                 "one is a failure" },
     { "max_step", WEFT__NUMBER, .strict = true, .infinite = true, .unit = "s",
       .fallback = ".inf", AT(weft_scene, config.max_step),
-      .meaning = "no step is longer" },
+      .meaning = "largest step size" },
     { "fixed_step", WEFT__NUMBER, .strict = true, .unit = "s", .absent = "adaptive",
       AT(weft_scene, config.fixed_step),
       .meaning
@@ -315,15 +316,15 @@ static const weft__key stepper_keys[] = {
         "steps short" },
     { "large_matrices", WEFT__BOOLEAN, .fallback = "false",
       AT(weft_scene, large_matrices),
-      .meaning = "methods for small cloths may take more than 1 GB for matrices" },
+      .meaning = "permits more than 1 GB for matrices of methods for small cloths" },
     { "controller", WEFT__MAPPING, .section = &controller_section,
       .absent = "the plugin's", AT(weft_scene, control),
-      .meaning = "how h is adapted, for the methods of plugin arkode with an error "
+      .meaning = "step size control, for the methods of plugin arkode with an error "
                  "estimate" },
     { "butcher", WEFT__MAPPING, .section = &butcher_section, .absent = "none",
       AT(weft_scene, tableau),
-      .meaning = "an explicit Runge-Kutta table, for method custom of plugin arkode; "
-                 "values are numbers or fractions as 19/32" },
+      .meaning = "an explicit Runge-Kutta table, for method custom of plugin "
+                 "arkode; values are numbers or fractions such as 19/32" },
 };
 
 static const weft__section stepper_section
@@ -338,15 +339,15 @@ static const char *const field_names[] = { "velocity", "strain", "pinned", NULL 
 static const weft__key record_keys[] = {
     { "precision", WEFT__EITHER, .names = precision_names, AT(weft_record_def, doubles),
       .fallback = "single",
-      .meaning = "of positions, velocities and strains in run.vtkhdf" },
+      .meaning = "precision of positions, velocities and strains in run.vtkhdf" },
     { "fields", WEFT__NAMES, .names = field_names,
       .fallback = "[velocity, strain, pinned]", AT(weft_record_def, fields),
-      .meaning = "what run.vtkhdf holds of each particle beside its position; strain: "
-                 "the largest (L - s) / s of its springs" },
+      .meaning = "fields in run.vtkhdf beside the positions; strain: the largest (L "
+                 "- s) / s of a particle's springs" },
     { "every", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "1",
       AT(weft_record_def, every),
       .meaning
-      = "every n-th frame goes into run.vtkhdf, the first and the last always" },
+      = "run.vtkhdf holds every n-th frame, and always the first and the last" },
     { "ledger", WEFT__BOOLEAN, .fallback = "false", AT(weft_record_def, ledger),
       .meaning = "integrate the powers of springs, drag, wind and pins with the state, "
                  "and add the energy ledger to series.csv" },
@@ -366,12 +367,13 @@ static const weft__key run_keys[] = {
                  "at duration" },
     { "threads", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "1",
       AT(weft_run_def, threads),
-      .meaning = "of the forces, from 64 x 64 particles on, and of the solver's vector "
-                 "work (plugin arkode); the result does not depend on it" },
+      .meaning = "threads for the forces, from 64 x 64 particles on, and for the "
+                 "solver's vector work (plugin arkode); the result does not depend "
+                 "on it" },
     { "checkpoint", WEFT__INTEGER, .most = MANY, .fallback = "30",
       AT(weft_run_def, checkpoint),
-      .meaning = "every so many frames the stepper is restarted, and what weft resume "
-                 "needs is kept; 0: never" },
+      .meaning = "interval in frames: the stepper restarts and a checkpoint for "
+                 "weft resume is written; 0: never" },
 };
 
 static const weft__section run_section
@@ -386,19 +388,19 @@ static const weft__key root_keys[] = {
     { "cloth", WEFT__MAPPING, .required = true, .section = &cloth_section,
       AT(weft_scene, cloth), .meaning = "the model: grid, masses, springs, pins" },
     { "forces", WEFT__MAPPING, .section = &force_section, .absent = "gravity",
-      AT(weft_scene, cloth), .meaning = "what else acts on it" },
+      AT(weft_scene, cloth), .meaning = "other forces on the cloth" },
     { "limit", WEFT__MAPPING, .section = &limit_section, .absent = "none",
       AT(weft_scene, limit),
       .meaning = "strain limit, applied after every accepted step" },
     { "stepper", WEFT__MAPPING, .required = true, .section = &stepper_section,
-      .meaning = "the solver that integrates it" },
+      .meaning = "the solver that integrates the cloth" },
     { "run", WEFT__MAPPING, .required = true, .section = &run_section,
       AT(weft_scene, run), .meaning = "duration and frames" },
     { "record", WEFT__MAPPING, .section = &record_section, .absent = "defaults",
-      AT(weft_scene, record), .meaning = "what a run leaves behind" },
+      AT(weft_scene, record), .meaning = "output of a run" },
     { "sweep", WEFT__SWEEP, .absent = "one run",
-      .meaning = "weft batch runs every combination of the values, or with zip: true "
-                 "beside them the first of each list, then the second, ..." },
+      .meaning = "weft batch runs every combination of the values, or, with zip: "
+                 "true, the first value of each list, then the second, ..." },
 };
 
 const weft__section weft__root
