@@ -74,11 +74,6 @@ weft_status load_plugins(weft_registry *registry, weft_error *err);
 /* admit.c: weft_registry_def.admit, which loads the file in a child first. */
 weft_status admit_plugin(void *ctx, const char *file, weft_error *err);
 
-/* admit.c: "it crashed: Aborted" or the like, of what waitpid gives. */
-void process_end(int status, char *text, size_t size);
-/* admit.c: from now on this process gets the signal when its parent ends, on Linux. */
-void process_ends_with_parent(int signal_number);
-
 /* Read a scene, print what is wrong with it. Returns EXIT_DONE or the exit code. */
 int open_scene(const char *file, const options *given, weft_registry *registry,
                weft_scene **scene);

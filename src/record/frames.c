@@ -6,17 +6,15 @@
 #include "record/frames.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "base/file.h"
 #include "record/hdf.h"
+#include "record/process.h"
 #include "record/record.h"
 #include "record/vtkhdf_file.h"
 
@@ -292,23 +290,19 @@ weft_status record_frames_strain(record_frames *frames, size_t i, double *strain
 
 /* A damaged file may also send libhdf5 round in circles: far more than reading takes.
  */
-static rlim_t seconds_allowed(const record_frames *self)
+static unsigned seconds_allowed(const record_frames *self)
 {
     struct stat status;
     const off_t size = stat(self->path, &status) == 0 ? status.st_size : 0;
-    return size >> 26 > 58 ? 60 : 2 + (rlim_t)(size >> 26);
+    return size >> 26 > 58 ? 60 : 2 + (unsigned)(size >> 26);
 }
 
 /* In the child: all that the parent will do, once. */
-static void try_all(record_frames *self)
+static int read_some(void *ctx, size_t job)
 {
-    const rlim_t limit = seconds_allowed(self);
-    const struct rlimit no_core = { 0, 0 }, seconds = { limit, limit };
-    const int nowhere = open("/dev/null", O_WRONLY);
-    (void)setrlimit(RLIMIT_CORE, &no_core);
-    (void)setrlimit(RLIMIT_CPU, &seconds);
-    (void)dup2(nowhere, STDERR_FILENO);
+    record_frames *self = ctx;
     double *values = load(self) == NULL ? malloc(3 * self->n * sizeof *values) : NULL;
+    (void)job;
     for (size_t i = 0; values != NULL && i < 2; ++i) {
         const size_t frame = i * (self->count - 1);
         (void)record_frames_positions(self, frame, values, NULL);
@@ -317,23 +311,22 @@ static void try_all(record_frames *self)
     }
     free(values);
     unload(self);
-    _exit(0);
+    return 0;
 }
 
 static weft_status try_in_child(record_frames *self, weft_error *err)
 {
-    int status = 0;
-    const pid_t child = fork();
-    if (child == 0) {
-        try_all(self);
-    }
-    while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
-    if (child < 0) {
+    process child;
+    const process_def def = { .work = read_some,
+                              .ctx = self,
+                              .end_signal = SIGKILL,
+                              .cpu_seconds = seconds_allowed(self),
+                              .untrusted = true };
+    if (!process_run(&def, 0, &child)) {
         return weft_error_set(err, WEFT_IO, "%s: no process to check it: %s",
                               self->path, strerror(errno));
     }
-    return WIFEXITED(status) && WEXITSTATUS(status) == 0
+    return child.status == 0
                ? WEFT_OK
                : weft_error_set(err, WEFT_IO, "%s: damaged: libhdf5 fails on it",
                                 self->path);

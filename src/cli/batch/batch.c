@@ -78,8 +78,8 @@ static bool to_run(const batch *self, const batch_run *run)
     }
 }
 
-/* The state of every run, and which are for this process. */
-static weft_status look(batch *self, bool *wanted, weft_error *err)
+/* The state of every run; those that this process runs are added to wanted. */
+static weft_status look(batch *self, batch_run **wanted, size_t *count, weft_error *err)
 {
     for (size_t i = 0; i < self->run_count; ++i) {
         batch_run *run = &self->runs[i];
@@ -91,8 +91,10 @@ static weft_status look(batch *self, bool *wanted, weft_error *err)
         }
         run->status = batch_look(self, run, scene);
         weft_scene_destroy(scene);
-        wanted[i] = !self->given->summary && i % self->shards == self->shard - 1
-                    && to_run(self, run);
+        if (!self->given->summary && i % self->shards == self->shard - 1
+            && to_run(self, run)) {
+            wanted[(*count)++] = run;
+        }
     }
     return WEFT_OK;
 }
@@ -173,16 +175,17 @@ static int print_counts(const batch *self)
 static int run_batch(batch *self)
 {
     weft_error err = { 0 };
-    bool *wanted = calloc(self->run_count, sizeof *wanted);
+    size_t count = 0;
+    batch_run **wanted = calloc(self->run_count, sizeof *wanted);
     weft_status status = wanted == NULL ? weft_error_set(&err, WEFT_NO_MEMORY,
                                                          "no memory for the runs")
                                         : record_directory(self->out, &err);
-    status = status == WEFT_OK ? look(self, wanted, &err) : status;
+    status = status == WEFT_OK ? look(self, wanted, &count, &err) : status;
     if (status != WEFT_OK) {
         free(wanted);
         return report_error(&err);
     }
-    const int stop = batch_pool_run(self, wanted);
+    const int stop = batch_pool_run(self, wanted, count);
     free(wanted);
     /* One shard does not know of the others. */
     if (self->shards == 1) {

@@ -4,9 +4,8 @@
 #ifndef WEFT_CLI_BATCH_BATCH_H
 #define WEFT_CLI_BATCH_BATCH_H
 
-#include <sys/types.h>
-
 #include "cli/cli.h"
+#include "record/process.h"
 #include "record/record.h"
 
 typedef enum batch_status {
@@ -76,33 +75,28 @@ weft_status batch_directory(const batch *self, const batch_run *run,
  * writing what it has. */
 #define BATCH_PATIENCE 5.0
 
-/* batch_child.c: one run, in this process, which ends with it. */
-_Noreturn void batch_child(const batch *self, const batch_run *one);
+/* batch_child.c: one run, in this process, which ends with it. Returns the exit code.
+ */
+int batch_child(const batch *self, const batch_run *one);
 
 /* batch_show.c: what is going on, on stderr. */
-typedef struct batch_slot {
-    pid_t pid; /* 0: free */
-    batch_run *run;
-    double began, deadline; /* [s] of the wall clock */
-    bool late;              /* past its deadline, and asked to end */
-} batch_slot;
-
 typedef struct batch_show {
     const batch *batch;
-    const batch_slot *slots;
+    batch_run **runs; /* of this call */
     bool quiet, terminal;
-    size_t planned, ended, failed; /* runs of this call */
+    size_t planned, ended, failed; /* of them */
     size_t lines;                  /* of the table on the terminal */
     double began, shown;           /* [s] of the wall clock */
 } batch_show;
 
 void batch_show_begin(batch_show *self);
-void batch_show_ended(batch_show *self, const batch_slot *slot);
-void batch_show_table(batch_show *self);
+void batch_show_ended(batch_show *self, const batch_run *run, double began);
+/* `all`: the processes of the pool. */
+void batch_show_table(batch_show *self, const process *all);
 void batch_show_end(batch_show *self);
 
-/* batch_pool.c: run what is to be run. Returns the signal that stopped it, or 0. */
-int batch_pool_run(batch *self, const bool *wanted);
+/* batch_pool.c: runs all of these. Returns the signal that stopped it, or 0. */
+int batch_pool_run(batch *self, batch_run **runs, size_t count);
 
 /* batch_summary.c: summary.csv, a row a run. */
 weft_status batch_summary(const batch *self, weft_error *err);

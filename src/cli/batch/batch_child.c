@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* batch_child.c -- one run, in a process of its own. */
 #include <fcntl.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include "cli/batch/batch.h"
@@ -58,7 +57,7 @@ static int run_claimed(const batch *self, const batch_run *one, const char *dire
     return goes_on ? go_on(self, directory, scene) : start_over(self, directory, scene);
 }
 
-static int run_child(const batch *self, const batch_run *one)
+int batch_child(const batch *self, const batch_run *one)
 {
     char directory[RECORD_PATH];
     weft_error err = { 0 };
@@ -70,12 +69,4 @@ static int run_child(const batch *self, const batch_run *one)
     return record_outdir_lock(directory, BATCH_PATIENCE, &lock, NULL) == WEFT_OK
                ? run_claimed(self, one, directory)
                : BATCH_EXIT_BUSY;
-}
-
-void batch_child(const batch *self, const batch_run *one)
-{
-    process_ends_with_parent(SIGTERM); /* a killed batch leaves nobody behind */
-    const int code = run_child(self, one);
-    (void)fflush(NULL);
-    _exit(code);
 }

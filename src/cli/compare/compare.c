@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* compare.c -- weft compare: references, horizon, ladders, times, advice. */
+#include <errno.h>
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 
 #include "cli/check/stable_steps.h"
 #include "cli/compare/compare.h"
 #include "plugin/methods.h"
+#include "record/process.h"
 #include "record/record.h"
 
 enum { CALL_TIMES = 5, NAME_MOST = 64 };
@@ -130,12 +134,40 @@ static weft_status add_methods(compare *self, const weft_registry *registry,
 /* ---- references and horizon --------------------------------------------------------
  */
 
-static void reference_ended(compare *self, size_t job, const char *how)
+/* "its process was ended by signal 11" into text; false: it ended well. */
+static bool ended_badly(int status, char *text, size_t size)
 {
-    if (how != NULL) {
-        self->shared->status[job]
-            = weft_error_set(&self->shared->err[job], WEFT_SOLVER, "%s", how);
+    const bool killed = WIFSIGNALED(status);
+    (void)snprintf(text, size, "its process was ended by %s %d",
+                   killed ? "signal" : "exit code",
+                   killed ? WTERMSIG(status) : WEXITSTATUS(status));
+    return status != 0;
+}
+
+static void reference_ended(void *ctx, const process *one)
+{
+    const compare *self = ctx;
+    char how[64];
+    if (ended_badly(one->status, how, sizeof how)) {
+        self->shared->status[one->job]
+            = weft_error_set(&self->shared->err[one->job], WEFT_SOLVER, "%s", how);
     }
+}
+
+/* Every job in a child; WEFT_SOLVER if none can be made. */
+static weft_status run_jobs(compare *self, size_t jobs,
+                            int (*work)(void *ctx, size_t job),
+                            void (*ended)(void *ctx, const process *one),
+                            weft_error *err)
+{
+    process_pool pool = { .def = { .work = work, .ctx = self, .end_signal = SIGKILL },
+                          .jobs = jobs,
+                          .at_once = self->jobs,
+                          .ended = ended };
+    return process_pool_run(&pool)
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_SOLVER, "no process for a run: %s",
+                                strerror(errno));
 }
 
 static double distance(const compare *self, size_t frame)
@@ -218,9 +250,7 @@ static weft_status find_horizon(compare *self, weft_error *err)
 
 static weft_status make_references(compare *self, weft_error *err)
 {
-    const compare_pool references
-        = { 2, self->jobs < 2 ? 1 : 2, compare_reference, reference_ended };
-    weft_status status = pool_run(&references, self, err);
+    weft_status status = run_jobs(self, 2, compare_reference, reference_ended, err);
     for (size_t i = 0; i < 2 && status == WEFT_OK; ++i) {
         status = self->shared->status[i];
         if (status != WEFT_OK) {
@@ -235,12 +265,15 @@ static weft_status make_references(compare *self, weft_error *err)
 /* ---- ladders and times --------------------------------------------------------------
  */
 
-static void ladder_ended(compare *self, size_t job, const char *how)
+static void ladder_ended(void *ctx, const process *one)
 {
-    compare_method *method = &self->shared->methods[job];
-    compare_point *points = job < self->count ? method->points : &self->shared->as_is;
-    for (size_t i = 0; how != NULL && i < (job < self->count ? COMPARE_RUNGS : 1);
-         ++i) {
+    compare *self = ctx;
+    char how[64];
+    const bool as_is = one->job == self->count;
+    compare_point *points
+        = as_is ? &self->shared->as_is : self->shared->methods[one->job].points;
+    const size_t count = as_is ? 1 : COMPARE_RUNGS;
+    for (size_t i = 0; ended_badly(one->status, how, sizeof how) && i < count; ++i) {
         if (points[i].outcome == COMPARE_RUNNING) {
             points[i].outcome = COMPARE_FAILED;
             (void)snprintf(points[i].why, sizeof points[i].why, "%s", how);
@@ -293,9 +326,7 @@ static weft_status compare_all(compare *self, weft_error *err)
     weft_status status = make_references(self, err);
     if (status == WEFT_OK) {
         set_budget(self);
-        const compare_pool ladders
-            = { self->count + 1, self->jobs, compare_ladder, ladder_ended };
-        status = pool_run(&ladders, self, err);
+        status = run_jobs(self, self->count + 1, compare_ladder, ladder_ended, err);
         progress_clear(&self->progress);
     }
     return status == WEFT_OK ? take_times(self, err) : status;
@@ -318,11 +349,11 @@ static weft_status open_memory(compare *self, const weft_registry *registry,
                                weft_error *err)
 {
     const size_t frames = self->planned + 1, dim = weft_cloth_dim(self->cloth);
-    self->shared = pool_memory(1, shared_size(registry));
-    self->frames[0] = pool_memory(frames, dim * sizeof(double));
-    self->frames[1] = pool_memory(frames, dim * sizeof(double));
-    self->twin = pool_memory(frames, sizeof(double));
-    self->energy = pool_memory(frames, sizeof(double));
+    self->shared = process_memory(1, shared_size(registry));
+    self->frames[0] = process_memory(frames, dim * sizeof(double));
+    self->frames[1] = process_memory(frames, dim * sizeof(double));
+    self->twin = process_memory(frames, sizeof(double));
+    self->energy = process_memory(frames, sizeof(double));
     if (self->shared == NULL || self->frames[0] == NULL || self->frames[1] == NULL
         || self->twin == NULL || self->energy == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu frames", frames);
@@ -334,11 +365,11 @@ static weft_status open_memory(compare *self, const weft_registry *registry,
 static void close_memory(compare *self, const weft_registry *registry)
 {
     const size_t frames = self->planned + 1, dim = weft_cloth_dim(self->cloth);
-    pool_free(self->shared, 1, shared_size(registry));
-    pool_free(self->frames[0], frames, dim * sizeof(double));
-    pool_free(self->frames[1], frames, dim * sizeof(double));
-    pool_free(self->twin, frames, sizeof(double));
-    pool_free(self->energy, frames, sizeof(double));
+    process_memory_free(self->shared, 1, shared_size(registry));
+    process_memory_free(self->frames[0], frames, dim * sizeof(double));
+    process_memory_free(self->frames[1], frames, dim * sizeof(double));
+    process_memory_free(self->twin, frames, sizeof(double));
+    process_memory_free(self->energy, frames, sizeof(double));
 }
 
 static weft_status conclude(const compare *self, const char *directory, weft_error *err)

@@ -141,8 +141,9 @@ static weft_status play_to_end(compare_trial *of, frame_loop *show, weft_error *
     return status;
 }
 
-void compare_reference(const compare *self, size_t which)
+int compare_reference(void *ctx, size_t which)
 {
+    const compare *self = ctx;
     const weft_stepper_config config
         = adaptive(self, &self->by[which], COMPARE_TIGHTEST);
     weft_error *err = &self->shared->err[which];
@@ -161,6 +162,7 @@ void compare_reference(const compare *self, size_t which)
     self->shared->calls[which] = point.calls;
     weft_sim_destroy(of.sim);
     weft_sim_destroy(of.twin);
+    return EXIT_DONE;
 }
 
 /* ---- a run against the reference --------------------------------------------------
@@ -248,14 +250,15 @@ static double foresee(const compare *self, const compare_method *method, size_t 
     return last * fmax(1.0, last / before);
 }
 
-void compare_ladder(const compare *self, size_t i)
+int compare_ladder(void *ctx, size_t i)
 {
+    const compare *self = ctx;
     compare_method *method = &self->shared->methods[i];
     if (i == self->count) {
         const stepper_method by = { NULL, weft_scene_method_type(self->scene) };
         run(self, &by, weft_scene_config(self->scene), self->shared->calls[0],
             &self->shared->as_is);
-        return;
+        return EXIT_DONE;
     }
     bool dear = false, done = method->left_out[0] != '\0';
     for (size_t rung = 0; rung < COMPARE_RUNGS && !done; ++rung) {
@@ -271,6 +274,7 @@ void compare_ladder(const compare *self, size_t i)
         dear = point->outcome == COMPARE_EXPENSIVE;
         done = point->outcome == COMPARE_DONE && point->error < self->apart;
     }
+    return EXIT_DONE;
 }
 
 /* ---- time -------------------------------------------------------------------------

@@ -50,6 +50,15 @@ int interrupt_signal(void)
     return came;
 }
 
+int interrupt_next(void)
+{
+    const int number = came;
+    if (number != 0) {
+        came = 0;
+    }
+    return number;
+}
+
 bool interrupt_pending(void *unused)
 {
     (void)unused;

@@ -13,6 +13,8 @@ void interrupt_restore(void);
 
 /* The signal that came; 0: none. */
 int interrupt_signal(void);
+/* The same, and forgets it. */
+int interrupt_next(void);
 
 /* A weft_stop_fn. */
 bool interrupt_pending(void *unused);

@@ -7,22 +7,15 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
-#include <time.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "cli/human.h"
 #include "record/yaml_out.h"
 
 #define TERMINAL_PERIOD 0.2 /* [s] */
 #define YAML_PERIOD     0.1 /* [s] */
 #define NEW_WEIGHT      0.3 /* of the newest in smoothed rates */
-
-double wall_clock(void)
-{
-    struct timespec now;
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /* A terminal that can go back to the start of a line. */
 static bool can_redraw(void)
@@ -65,7 +58,7 @@ int progress_choose(const verb *self, const options *given, progress_mode *mode)
 
 void progress_begin(progress *show, progress_mode mode, const weft_sim *sim)
 {
-    const double now = wall_clock();
+    const double now = weft__wall_clock();
     *show = (progress){ .mode = mode,
                         .shown = now,
                         .measured = now,
@@ -183,7 +176,7 @@ static void write_yaml(const progress *show, const progress_place *at)
 
 void progress_show(progress *show, const progress_place *at)
 {
-    const double now = wall_clock();
+    const double now = weft__wall_clock();
     if (show->mode == PROGRESS_NONE || !due(show, at->frame, at->last, now)) {
         return;
     }
@@ -199,7 +192,7 @@ void progress_count(progress *show, const char *what, size_t done, size_t all)
 {
     yaml_out out;
     char line[80];
-    if (show->mode == PROGRESS_NONE || !due(show, done, all, wall_clock())) {
+    if (show->mode == PROGRESS_NONE || !due(show, done, all, weft__wall_clock())) {
         return;
     }
     if (show->mode == PROGRESS_YAML) {

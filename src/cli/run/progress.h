@@ -45,6 +45,4 @@ void progress_count(progress *show, const char *what, size_t done, size_t all);
 /* Wipes the line off the terminal: before anything else is printed, and at the end. */
 void progress_clear(progress *show);
 
-double wall_clock(void); /* [s] */
-
 #endif

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "cli/run/run.h"
 
 void run_remove(const run *self, const char *name)
@@ -73,7 +74,7 @@ weft_status run_checkpoint(void *ctx, size_t index, weft_error *err)
     now->frame = index;
     now->series = self->series.extent;
     now->extremes = self->summary.extremes;
-    now->wall_time = wall_clock() - self->began;
+    now->wall_time = weft__wall_clock() - self->began;
     weft_status status = weft_sim_save(self->sim, now->state, now->state_size, err);
     status = status == WEFT_OK ? run_in_place(self, err) : status;
     if (status != WEFT_OK || !can_be_restored(self->sim)) {

@@ -5,6 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "cli/check/stable_steps.h"
 #include "cli/run/run.h"
 #include "record/export/export.h"
@@ -149,7 +150,7 @@ static void give_up(void *ctx)
                    signal_name());
     self->result.status = "interrupted";
     self->result.reason = self->reason;
-    self->result.wall_time = wall_clock() - self->began;
+    self->result.wall_time = weft__wall_clock() - self->began;
     status = status == WEFT_OK ? run_in_place(self, &err) : status;
     if (status == WEFT_OK) {
         status = record_result_write(self->out, &self->result, &err);
@@ -233,7 +234,7 @@ static int conclude(run *self, weft_status status, const weft_error *why)
     /* A signal that came after the last frame has changed nothing. */
     const bool interrupted
         = interrupt_signal() != 0 && self->result.frames < self->result.planned;
-    self->result.wall_time = wall_clock() - self->began;
+    self->result.wall_time = weft__wall_clock() - self->began;
     self->result.sim = self->sim;
     self->result.warnings = count_warnings(self);
     if (status != WEFT_OK) {
@@ -308,7 +309,7 @@ static int run_prepared(run *self, weft_registry *registry)
 static int run_simulation(run *self, weft_registry *registry)
 {
     weft_error err = { 0 };
-    self->began = wall_clock();
+    self->began = weft__wall_clock();
     if (simulation_create(self->scene, &self->cloth, &self->sim, &err) != WEFT_OK) {
         return refuse(self, err.message);
     }
