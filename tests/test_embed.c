@@ -210,7 +210,9 @@ START_TEST(correction_that_spoils_the_state_is_told)
     run.correct_ctx = &floor;
     start();
     ck_assert_int_eq(weft_sim_step(sim, 1.0, &err), WEFT_NOT_FINITE);
-    ck_assert_ptr_nonnull(strstr(err.message, "correction at t = 0.001 s"));
+    ck_assert_ptr_nonnull(
+        strstr(err.message, "the correction left a state that is not finite at t = "
+                            "0.001 s, last h = 0.001 s;"));
 }
 END_TEST
 

@@ -201,11 +201,27 @@ WEFT_API weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out,
 WEFT_API void weft_sim_destroy(weft_sim *sim); /* NULL is allowed */
 
 /* One accepted step towards t_end [s] > time, never past it. On failure the state and
- * the time are those of the last good step; the message tells particle, t and h. */
+ * the time are those of the last good step, and weft_sim_failure describes it. */
 WEFT_API weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err);
 
 /* Steps until the time is t_end [s] exactly: none if it is that already. */
 WEFT_API weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *err);
+
+/* Why a step failed, and the last good state, or the one that a correction spoiled. */
+typedef struct weft_failure {
+    weft_status status;
+    double time;        /* [s] */
+    double last_step;   /* [s] the one before; 0: none */
+    weft_spring spring; /* the most strained; p == q: there are no springs */
+    size_t particle;    /* the fastest */
+    double position[3]; /* [m] of that particle */
+    double speed;       /* [m/s] of that particle */
+    double energy;      /* [J] kinetic + elastic + gravitational */
+    char reason[512];   /* the stepper's own message, without the time */
+} weft_failure;
+
+/* Whether the last step failed; the message of weft_sim_step has the same in words. */
+WEFT_API bool weft_sim_failure(const weft_sim *sim, weft_failure *out);
 
 WEFT_API double weft_sim_time(const weft_sim *sim); /* [s] */
 WEFT_API const double *

@@ -56,7 +56,7 @@ typedef struct bench {
     const weft_stepper_type *type;
     gsl_set_handler *gsl;
     FILE *printed; /* takes all output */
-    bool returned; /* with a verdict: */
+    bool returned; /* with a verdict */
     weft_conformance seen;
 } bench;
 
@@ -105,9 +105,10 @@ static void explain(const process *child, weft_conformance *out)
     breaks(out, text);
 }
 
-/* The first line printed. */
-static void report_output(FILE *printed, weft_conformance *out)
+/* The first line printed. Whether that is what breaks the promise. */
+static bool report_output(FILE *printed, weft_conformance *out)
 {
+    const bool kept = out->verdict != WEFT_PROMISE_BROKEN;
     char line[256], seen[320];
     rewind(printed);
     if (fgets(line, sizeof line, printed) != NULL) {
@@ -115,9 +116,15 @@ static void report_output(FILE *printed, weft_conformance *out)
                        line);
         breaks(out, seen);
     }
+    return kept && out->verdict == WEFT_PROMISE_BROKEN;
 }
 
-static bool run_check(bench *self, size_t check, weft_conformance *out)
+typedef struct finding {
+    weft_conformance of;
+    bool printed; /* the promise is broken by output */
+} finding;
+
+static bool run_check(bench *self, size_t check, finding *out)
 {
     process child;
     const process_def def = { .work = check_promise,
@@ -132,17 +139,17 @@ static bool run_check(bench *self, size_t check, weft_conformance *out)
         perror("weft: error: plugin-test");
         return false;
     }
-    *out = self->seen;
+    out->of = self->seen;
     if (!self->returned) {
-        explain(&child, out);
+        explain(&child, &out->of);
     }
-    report_output(self->printed, out);
+    out->printed = report_output(self->printed, &out->of);
     return true;
 }
 
 typedef struct found {
     size_t count;
-    weft_conformance checks[CHECKS_MOST];
+    finding checks[CHECKS_MOST];
 } found;
 
 /* What a plugin's methods came to. */
@@ -152,14 +159,10 @@ typedef struct tally {
 } tally;
 
 /* One crash, or one line printed, breaks many promises. */
-static bool same_finding(const weft_conformance *a, const weft_conformance *b)
+static bool same_finding(const finding *a, const finding *b)
 {
-    static const char printed[] = "it printed: ";
-    const size_t size = sizeof printed - 1;
-    return a->verdict == b->verdict
-           && (strcmp(a->seen, b->seen) == 0
-               || (strncmp(a->seen, printed, size) == 0
-                   && strncmp(b->seen, printed, size) == 0));
+    return a->of.verdict == b->of.verdict
+           && ((a->printed && b->printed) || strcmp(a->of.seen, b->of.seen) == 0);
 }
 
 /* How many of checks [from, to) found the same. */
@@ -181,14 +184,14 @@ static void print_finding(const char *mark, const char *name, const char *text)
 
 static void print_broken(const found *self, size_t check, bool all)
 {
-    char seen[sizeof self->checks->seen + 8];
+    char seen[sizeof self->checks->of.seen + 8];
     const size_t again = count_same(self, check, check + 1, self->count);
     if (!all && count_same(self, check, 0, check) > 0) {
         return;
     }
     print_finding("FAIL", weft_conformance_name(check),
                   weft_conformance_promise(check));
-    (void)snprintf(seen, sizeof seen, "seen: %s", self->checks[check].seen);
+    (void)snprintf(seen, sizeof seen, "seen: %s", self->checks[check].of.seen);
     print_finding("", "", seen);
     if (!all && again > 0) {
         (void)snprintf(seen, sizeof seen, "and the same in %zu more check%s", again,
@@ -202,7 +205,7 @@ static void print_verdict(const found *self, size_t check, bool all)
     static const char *const marks[] = { [WEFT_PROMISE_KEPT] = "pass",
                                          [WEFT_PROMISE_NOT_ASKED] = "  - ",
                                          [WEFT_PROMISE_NOTED] = "note" };
-    const weft_conformance *one = &self->checks[check];
+    const weft_conformance *one = &self->checks[check].of;
     if (one->verdict == WEFT_PROMISE_BROKEN) {
         print_broken(self, check, all);
     } else if (all) {
@@ -220,7 +223,7 @@ static bool test_method(const weft_plugin *plugin, bench *on, bool all, tally *o
     const size_t count = weft_conformance_count();
     found seen = { .count = count < CHECKS_MOST ? count : CHECKS_MOST };
     for (size_t i = 0; i < seen.count; ++i) {
-        const weft_conformance *one = &seen.checks[i];
+        const weft_conformance *one = &seen.checks[i].of;
         if (!run_check(on, i, &seen.checks[i])) {
             return false;
         }

@@ -66,10 +66,4 @@ void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of);
  * unless quiet, it says so to stderr. */
 bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet);
 
-/* The message of a failed run with the stable step and what to try, in parts that are
- * separated by "; "; and to stderr, a part a line. */
-void trouble_describe(const weft_scene *scene, const weft_sim *sim,
-                      const weft_error *why, char *text, size_t size);
-void trouble_print(const char *text);
-
 #endif

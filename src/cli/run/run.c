@@ -193,22 +193,23 @@ static weft_status simulate(run *self, weft_error *err)
     return run_close(self, status, err);
 }
 
-/* A simulation that failed in all its parts, anything else as ever. */
-static int report_failure(const weft_error *why, const char *reason)
-{
-    if (why->status == WEFT_IO) {
-        return report_error(why);
-    }
-    trouble_print(reason);
-    return EXIT_SIMULATION;
-}
-
 /* Another attempt may well succeed after an I/O error, not after another failure. */
 static void note_failure(run *self, const weft_error *why)
 {
     self->result.status = why->status == WEFT_IO ? "io_error" : "failed";
-    trouble_describe(self->scene, self->sim, why, self->reason, sizeof self->reason);
     self->result.reason = self->reason;
+    (void)snprintf(self->reason, sizeof self->reason, "%s", why->message);
+}
+
+static int report_failure(run *self, const weft_error *why)
+{
+    weft_failure failure;
+    note_failure(self, why);
+    if (why->status == WEFT_IO || !weft_sim_failure(self->sim, &failure)) {
+        return report_error(why);
+    }
+    failure_report(self->scene, self->sim, &failure, self->reason, sizeof self->reason);
+    return EXIT_SIMULATION;
 }
 
 /* The state at the end, then the result. */
@@ -231,6 +232,7 @@ static weft_status write_ends(run *self, bool failed, weft_error *err)
 static int conclude(run *self, weft_status status, const weft_error *why)
 {
     weft_error err = { 0 };
+    int code = EXIT_DONE;
     /* A signal that came after the last frame has changed nothing. */
     const bool interrupted
         = interrupt_signal() != 0 && self->result.frames < self->result.planned;
@@ -238,14 +240,12 @@ static int conclude(run *self, weft_status status, const weft_error *why)
     self->result.sim = self->sim;
     self->result.warnings = count_warnings(self);
     if (status != WEFT_OK) {
-        note_failure(self, why);
+        code = report_failure(self, why);
     } else if (interrupted) {
         self->result.status = "interrupted";
         self->result.reason = signal_name();
     }
-    const weft_status written = write_ends(self, status != WEFT_OK, &err);
-    const int code = status == WEFT_OK ? EXIT_DONE : report_failure(why, self->reason);
-    if (written != WEFT_OK) {
+    if (write_ends(self, status != WEFT_OK, &err) != WEFT_OK) {
         return report_error(&err);
     }
     if (strcmp(self->result.status, "done") == 0) {

@@ -58,6 +58,11 @@ typedef struct run_resumed {
 int run_scene(const options *given, const char *out, const weft_scene *scene,
               weft_registry *registry, const run_resumed *resumed);
 
+/* failure_report.c: the failure, the stable step and what to try, as lines to stderr
+ * and as one text. */
+void failure_report(const weft_scene *scene, const weft_sim *sim,
+                    const weft_failure *failure, char *text, size_t size);
+
 /* resume.c: go on with the run of that scene in a directory that the caller has
  * claimed. Returns the exit code. */
 int resume_scene(const options *given, const char *directory, const weft_scene *scene,
