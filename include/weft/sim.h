@@ -207,6 +207,35 @@ WEFT_API weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
 /* Steps until the time is t_end [s] exactly: none if it is that already. */
 WEFT_API weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *err);
 
+/* A run in frames: frame i is at i / fps [s], the last one at `duration`. */
+typedef struct weft_run_def {
+    double duration;   /* [s] > 0 */
+    double fps;        /* [1/s] > 0 */
+    size_t threads;    /* >= 1, of a scene: weft_sim_play takes those of the config */
+    size_t checkpoint; /* frames from one to the next; 0: none */
+} weft_run_def;
+
+WEFT_API size_t weft_run_last_frame(const weft_run_def *run);
+WEFT_API double weft_run_frame_time(const weft_run_def *run, size_t i); /* [s] */
+
+typedef struct weft_play {
+    const weft_run_def *run;
+    size_t first, last; /* frames; the time is at most that of `first` */
+    /* At the time of frame i. Anything but WEFT_OK ends the call. */
+    weft_status (*frame)(void *ctx, size_t i, weft_error *err);
+    /* After each frame that run->checkpoint names but the last: must call weft_sim_save
+     * or weft_sim_restart. NULL: weft_sim_restart is called. */
+    weft_status (*checkpoint)(void *ctx, size_t i, weft_error *err);
+    bool (*step)(void *ctx); /* after each step; false: WEFT_STOPPED. NULL: none */
+    void *ctx;
+} weft_play;
+
+/* Steps from frame to frame and calls `frame` at each, as `weft run` does. A checkpoint
+ * restarts the stepper, which changes results: by this function a run has the same bits
+ * whether checkpoints are kept or not. Errors: those of weft_sim_step and callbacks. */
+WEFT_API weft_status weft_sim_play(weft_sim *sim, const weft_play *play,
+                                   weft_error *err);
+
 /* Why a step failed, and the last good state, or the one that a correction spoiled. */
 typedef struct weft_failure {
     weft_status status;

@@ -5,7 +5,7 @@
 #include <sys/wait.h>
 
 #include "cli/cli.h"
-#include "record/process.h"
+#include "record/child_process.h"
 
 enum { LOAD_SECONDS = 10 }; /* ours take some milliseconds */
 

@@ -431,25 +431,18 @@ static double parse_tolerance(const char *text)
                                                                           : -1.0;
 }
 
-static int diff_verb(int argc, char **argv)
+static int diff_verb(const options *given)
 {
-    options given;
-    int code = options_parse(&verb_diff, "L", argc, argv, &given);
-    if (code >= 0) {
-        return code;
-    }
     const double tolerance
-        = given.tolerance == NULL ? -1.0 : parse_tolerance(given.tolerance);
-    if (given.operand_count != 2) {
-        code = usage_error(&verb_diff, "needs the directories of two runs");
-    } else if (given.tolerance != NULL && tolerance < 0.0) {
-        code = usage_error(&verb_diff, "--tol %s: must be a number >= 0 [m]",
-                           given.tolerance);
-    } else {
-        code = diff_runs(given.operands, tolerance);
+        = given->tolerance == NULL ? -1.0 : parse_tolerance(given->tolerance);
+    if (given->operand_count != 2) {
+        return usage_error(&verb_diff, "needs the directories of two runs");
     }
-    options_free(&given);
-    return code;
+    if (given->tolerance != NULL && tolerance < 0.0) {
+        return usage_error(&verb_diff, "--tol %s: must be a number >= 0 [m]",
+                           given->tolerance);
+    }
+    return diff_runs(given->operands, tolerance);
 }
 
 const verb verb_diff = {
@@ -471,5 +464,6 @@ const verb verb_diff = {
       "wrong\n"
       "command line, 3 other grids, 4 a file is missing or damaged, or no time in "
       "common\n",
+    .options = OPTIONS(OPTION_VALUE("tol", tolerance)),
     .run = diff_verb,
 };

@@ -38,7 +38,6 @@ typedef struct export_job {
     const export_format *format;
     size_t rows, cols, count; /* count of frames there are */
     record_frames *frames;    /* NULL: they are computed anew with the following */
-    weft_registry *registry;
     weft_scene *scene;
     weft_cloth *cloth;
     weft_sim *sim;
@@ -163,14 +162,11 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
 
 static weft_status compute_frames(export_job *job, weft_error *err)
 {
-    frame_loop show = {
-        .sim = job->sim,
-        .run = weft_scene_run(job->scene),
-        .last = job->last,
-        .frame = on_frame,
-        .ctx = job,
-    };
-    return play(&show, err);
+    const weft_play frames = { .run = weft_scene_run(job->scene),
+                               .last = job->last,
+                               .frame = on_frame,
+                               .ctx = job };
+    return weft_sim_play(job->sim, &frames, err);
 }
 
 /* ---- what is written -------------------------------------------------------- */
@@ -200,7 +196,7 @@ static weft_status export_frames(export_job *job, weft_error *err)
 
 static double time_of(const export_job *job, size_t i)
 {
-    return job->frames == NULL ? frame_time(weft_scene_run(job->scene), i)
+    return job->frames == NULL ? weft_run_frame_time(weft_scene_run(job->scene), i)
                                : record_frames_time(job->frames, i);
 }
 
@@ -372,10 +368,7 @@ static int open_anew(const options *given, export_job *job)
     if (record_path(job->directory, "scene.yaml", path, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    job->registry = open_registry(given->plugin_path);
-    const int code = job->registry == NULL
-                         ? EXIT_SIMULATION
-                         : open_scene(path, given, job->registry, &job->scene);
+    const int code = open_scene(path, given, &job->scene);
     if (code != EXIT_DONE) {
         return code;
     }
@@ -405,7 +398,6 @@ static int export_run(const options *given, export_job *job)
     weft_sim_destroy(job->sim);
     weft_cloth_destroy(job->cloth);
     weft_scene_destroy(job->scene);
-    weft_registry_destroy(job->registry);
     return code;
 }
 
@@ -429,32 +421,27 @@ static int unknown_format(const char *typed)
     return usage_choice(&verb_export, "format", typed, names);
 }
 
-static int export_verb(int argc, char **argv)
+static int export_verb(const options *given)
 {
-    options given;
-    int code = options_parse(&verb_export, "tip", argc, argv, &given);
-    if (code >= 0) {
-        return code;
+    export_job job = { .format = find_format(given->format) };
+    if (given->operand_count != 1) {
+        return usage_error(&verb_export, "needs the directory of one run");
     }
-    export_job job = { .format = find_format(given.format) };
-    if (given.operand_count != 1) {
-        code = usage_error(&verb_export, "needs the directory of one run");
-    } else if (given.format == NULL) {
-        code = usage_error(&verb_export,
+    if (given->format == NULL) {
+        return usage_error(&verb_export,
                            "--format obj, ply, csv, mdd, pc2 or pvd is needed");
-    } else if (job.format == NULL) {
-        code = unknown_format(given.format);
-    } else if (job.format->movie != NULL && given.frame != NULL
-               && strcmp(given.frame, "all") != 0) {
-        code = usage_error(&verb_export, "--frame %s: %s holds all frames", given.frame,
-                           job.format->name);
-    } else {
-        job.directory = given.operands[0];
-        tell_unfinished(job.directory);
-        code = export_run(&given, &job);
     }
-    options_free(&given);
-    return code;
+    if (job.format == NULL) {
+        return unknown_format(given->format);
+    }
+    if (job.format->movie != NULL && given->frame != NULL
+        && strcmp(given->frame, "all") != 0) {
+        return usage_error(&verb_export, "--frame %s: %s holds all frames",
+                           given->frame, job.format->name);
+    }
+    job.directory = given->operands[0];
+    tell_unfinished(job.directory);
+    return export_run(given, &job);
 }
 
 const verb verb_export = {
@@ -480,5 +467,7 @@ const verb verb_export = {
       "match\n"
       "the hash in series.csv.\n\n"
       "example: weft export flag --format obj --frame all\n",
+    .options = OPTIONS(OPTION_VALUE("plugin-path", plugin_path),
+                       OPTION_VALUE("format", format), OPTION_VALUE("frame", frame)),
     .run = export_verb,
 };

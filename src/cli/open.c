@@ -13,6 +13,7 @@
 
 #include "cli/cli.h"
 #include "cli/human.h"
+#include "cli/run/interrupt.h"
 
 int report_error(const weft_error *err)
 {
@@ -98,15 +99,14 @@ static void print_found(const weft_diagnostics *found)
     }
 }
 
-static weft_scene_def scene_def(const char *file, const options *given,
-                                weft_registry *registry)
+static weft_scene_def scene_def(const char *file, const options *given)
 {
     weft_scene_def def = weft_scene_def_default();
     def.file = file;
     def.sets = given->sets;
     def.set_count = given->set_count;
     def.find_plugin = find_plugin;
-    def.find_ctx = registry;
+    def.find_ctx = given->registry;
     return def;
 }
 
@@ -131,33 +131,37 @@ static int open_either(const weft_scene_def *def, weft_scene **scene,
     return told ? EXIT_SCENE : report_error(&err);
 }
 
-int open_scene(const char *file, const options *given, weft_registry *registry,
-               weft_scene **scene)
+int open_scene(const char *file, const options *given, weft_scene **scene)
 {
-    const weft_scene_def def = scene_def(file, given, registry);
+    const weft_scene_def def = scene_def(file, given);
     return open_either(&def, scene, NULL);
 }
 
-int open_sweep(const char *file, const options *given, weft_registry *registry,
-               weft_sweep **sweep)
+int open_sweep(const char *file, const options *given, weft_sweep **sweep)
 {
-    const weft_scene_def def = scene_def(file, given, registry);
+    const weft_scene_def def = scene_def(file, given);
     return open_either(&def, NULL, sweep);
 }
 
-char *default_directory(const char *file, const char *suffix)
+const char *out_directory(const options *given, const char *suffix,
+                          char text[RECORD_PATH])
 {
-    const char *slash = strrchr(file, '/');
-    const char *name = slash == NULL ? file : slash + 1;
+    const char *slash = strrchr(given->operands[0], '/');
+    const char *name = slash == NULL ? given->operands[0] : slash + 1;
     const char *dot = strstr(name, ".yaml");
     const size_t length
         = dot == NULL || dot == name ? strlen(name) : (size_t)(dot - name);
-    char *out = malloc(length + strlen(suffix) + 1);
-    if (out != NULL) {
-        memcpy(out, name, length);
-        memcpy(out + length, suffix, strlen(suffix) + 1);
-    }
-    return out;
+    (void)snprintf(text, RECORD_PATH, "%.*s%s", (int)length, name, suffix);
+    return given->out != NULL ? given->out : text;
+}
+
+weft_status scene_supported(const weft_scene *scene, weft_error *err)
+{
+    return weft_scene_method_type(scene) != NULL
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_UNSUPPORTED,
+                                "stepper.butcher: tables of one's own are read, but "
+                                "the plugin arkode that runs them is not there");
 }
 
 /* A lower bound: the arrays of the cloth, two states, and one for each stage. Most
@@ -197,7 +201,9 @@ weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,
                               weft_sim **sim, weft_error *err)
 {
     *sim = NULL;
-    weft_status status = cloth_create(scene, cloth, err);
+    *cloth = NULL;
+    weft_status status = scene_supported(scene, err);
+    status = status == WEFT_OK ? cloth_create(scene, cloth, err) : status;
     if (status != WEFT_OK) {
         return status;
     }

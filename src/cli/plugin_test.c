@@ -12,7 +12,7 @@
 #include "cli/cli.h"
 #include "cli/human.h"
 #include "conformance/conformance.h"
-#include "record/process.h"
+#include "record/child_process.h"
 
 enum {
     CPU_SECONDS = 60,   /* of a check; the longest of ours takes 2 */
@@ -306,18 +306,11 @@ static int test_file(const char *file, bool all)
     return code;
 }
 
-static int plugin_test_verb(int argc, char **argv)
+static int plugin_test_verb(const options *given)
 {
-    options given;
-    int code = options_parse(&verb_plugin_test, "a", argc, argv, &given);
-    if (code >= 0) {
-        return code;
-    }
-    code = given.operand_count == 1
-               ? test_file(given.operands[0], given.all)
+    return given->operand_count == 1
+               ? test_file(given->operands[0], given->all)
                : usage_error(&verb_plugin_test, "takes one file, weft-ID.so");
-    options_free(&given);
-    return code;
 }
 
 const verb verb_plugin_test = {
@@ -332,5 +325,6 @@ const verb verb_plugin_test = {
             "example: weft plugin-test build/plugins/weft-verlet.so --all\n\n"
             "exit codes: 0 every promise is kept, 1 one is broken or the plugin is "
             "refused,\n2 wrong command line, 4 the file cannot be read\n",
+    .options = OPTIONS(OPTION_FLAG("all", all)),
     .run = plugin_test_verb,
 };

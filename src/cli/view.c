@@ -74,24 +74,16 @@ void tell_unfinished(const char *directory)
     }
 }
 
-static int view_verb(int argc, char **argv)
+static int view_verb(const options *given)
 {
-    options given;
-    int code = options_parse(&verb_view, "o", argc, argv, &given);
-    if (code >= 0) {
-        return code;
+    if (given->operand_count < 1 || given->operand_count > 2) {
+        return usage_error(&verb_view, "needs the directory of one run, or of two");
     }
-    if (given.operand_count < 1 || given.operand_count > 2) {
-        code = usage_error(&verb_view, "needs the directory of one run, or of two");
-    } else {
-        for (int i = 0; i < given.operand_count; ++i) {
-            tell_unfinished(given.operands[i]);
-        }
-        code = view_runs((const char *const *)given.operands,
-                         (size_t)given.operand_count, given.out, false);
+    for (int i = 0; i < given->operand_count; ++i) {
+        tell_unfinished(given->operands[i]);
     }
-    options_free(&given);
-    return code;
+    return view_runs((const char *const *)given->operands, (size_t)given->operand_count,
+                     given->out, false);
 }
 
 const verb verb_view = {
@@ -111,5 +103,6 @@ const verb verb_view = {
       "exit codes: 0 done, 2 wrong command line, or runs that do not fit together, 4 "
       "a\n"
       "file could not be read or written\n",
+    .options = OPTIONS(OPTION_VALUE("out", out)),
     .run = view_verb,
 };

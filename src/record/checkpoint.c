@@ -83,6 +83,22 @@ static void pack(const record_checkpoint *from, unsigned char *to, size_t size)
     weft__word_put(to + (words - 1) * WEFT__WORD, weft__words_sum(to, words - 1));
 }
 
+weft_status record_checkpoint_identify(record_checkpoint *out, const weft_scene *scene,
+                                       weft_registry *registry, weft_error *err)
+{
+    const weft_plugin *plugin;
+    const weft_status status
+        = weft_registry_find(registry, weft_scene_plugin(scene), &plugin, err);
+    if (status == WEFT_OK) {
+        memset(out->program, 0, sizeof out->program);
+        out->scene = record_hash(weft_scene_text(scene));
+        (void)snprintf(out->program, sizeof out->program, "weft %s, plugin %s %s%s%s",
+                       weft_version(), plugin->id, plugin->version,
+                       plugin->solver[0] == '\0' ? "" : ", ", plugin->solver);
+    }
+    return status;
+}
+
 weft_status record_checkpoint_write(const char *directory,
                                     const record_checkpoint *checkpoint,
                                     weft_error *err)

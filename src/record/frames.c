@@ -14,7 +14,7 @@
 
 #include "base/file.h"
 #include "record/hdf.h"
-#include "record/process.h"
+#include "record/child_process.h"
 #include "record/record.h"
 #include "record/vtkhdf_file.h"
 

@@ -198,25 +198,13 @@ static int run_batch(batch *self)
     return stop == SIGINT ? EXIT_SIGINT : stop == SIGTERM ? EXIT_SIGTERM : code;
 }
 
-static int batch_verb(int argc, char **argv)
+static int batch_verb(const options *given)
 {
-    options given;
-    int code = options_parse(&verb_batch, "ospqFjTSEU", argc, argv, &given);
-    if (code >= 0) {
-        return code;
-    }
-    batch self = { .given = &given };
-    code = take_options(&self);
-    if (code == EXIT_DONE) {
-        self.registry = open_registry(given.plugin_path);
-        code = self.registry == NULL ? EXIT_SIMULATION : batch_plan(&self);
-    }
-    if (code == EXIT_DONE) {
-        code = run_batch(&self);
-    }
+    batch self = { .given = given };
+    int code = take_options(&self);
+    code = code == EXIT_DONE ? batch_plan(&self) : code;
+    code = code == EXIT_DONE ? run_batch(&self) : code;
     batch_free(&self);
-    weft_registry_destroy(self.registry);
-    options_free(&given);
     return code;
 }
 
@@ -248,5 +236,11 @@ const verb verb_batch = {
       "4 a file could not be read or written, or a directory holds another scene's "
       "run,\n"
       "130 SIGINT, 143 SIGTERM\n",
+    .options = OPTIONS(
+        OPTION_VALUE("out", out), OPTION_VALUE("set", sets),
+        OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
+        OPTION_FLAG("force", force), OPTION_VALUE("jobs", jobs),
+        OPTION_VALUE("timeout", timeout), OPTION_VALUE("shard", shard),
+        OPTION_FLAG("retry-failed", retry_failed), OPTION_FLAG("summary", summary)),
     .run = batch_verb,
 };

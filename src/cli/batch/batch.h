@@ -5,7 +5,7 @@
 #define WEFT_CLI_BATCH_BATCH_H
 
 #include "cli/cli.h"
-#include "record/process.h"
+#include "record/child_process.h"
 #include "record/record.h"
 
 typedef enum batch_status {
@@ -43,7 +43,6 @@ typedef struct batch {
     const char *out;
     size_t jobs, shard, shards; /* shard from 1 */
     double timeout;             /* [s] of a run; 0: none */
-    weft_registry *registry;
     batch_scene *scenes;
     size_t scene_count;
     batch_run *runs; /* in the order of scenes and sweeps */

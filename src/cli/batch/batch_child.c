@@ -17,26 +17,6 @@ static bool open_log(const char *directory, bool goes_on)
     return log >= 0 && dup2(log, STDOUT_FILENO) >= 0 && dup2(log, STDERR_FILENO) >= 0;
 }
 
-/* From the start, over what an earlier attempt has left. */
-static int start_over(const batch *self, const char *directory, const weft_scene *scene)
-{
-    const run_resumed from_start = { .from = NULL };
-    weft_error err = { 0 };
-    options given = *self->given;
-    given.quiet = true;
-    if (record_outdir(directory, true, &err) != WEFT_OK) {
-        return report_error(&err);
-    }
-    return run_scene(&given, directory, scene, self->registry, &from_start);
-}
-
-static int go_on(const batch *self, const char *directory, const weft_scene *scene)
-{
-    options given = *self->given;
-    given.quiet = true;
-    return resume_scene(&given, directory, scene, self->registry);
-}
-
 /* Between a look of the batch and the claim somebody else may have run it. */
 static int run_claimed(const batch *self, const batch_run *one, const char *directory)
 {
@@ -54,7 +34,15 @@ static int run_claimed(const batch *self, const batch_run *one, const char *dire
     if (!open_log(directory, goes_on)) {
         return EXIT_FILE;
     }
-    return goes_on ? go_on(self, directory, scene) : start_over(self, directory, scene);
+    options given = *self->given;
+    given.quiet = true;
+    if (goes_on) {
+        return resume_scene(&given, directory, scene);
+    }
+    /* from the start, over what an earlier attempt has left */
+    return record_outdir(directory, true, &err) == WEFT_OK
+               ? run_scene(&given, directory, scene, true, NULL)
+               : report_error(&err);
 }
 
 int batch_child(const batch *self, const batch_run *one)

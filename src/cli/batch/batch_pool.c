@@ -8,6 +8,7 @@
 
 #include "base/clock.h"
 #include "cli/batch/batch.h"
+#include "cli/run/interrupt.h"
 
 typedef struct batch_pool {
     batch *batch;
@@ -30,7 +31,7 @@ static record_result find_result(const batch_run *run, double began,
         result.frames = last + 1;
     }
     if (weft_sweep_scene(run->scene->sweep, run->number, &scene, NULL) == WEFT_OK) {
-        result.planned = frame_last(weft_scene_run(scene)) + 1;
+        result.planned = weft_run_last_frame(weft_scene_run(scene)) + 1;
         weft_scene_destroy(scene);
     }
     return result;

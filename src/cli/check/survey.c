@@ -45,7 +45,7 @@ weft_status stable_step(const weft_scene *scene, const weft_stepper_type *type,
 double calls_per_second(const weft_scene *scene, const survey_method *method, double h)
 {
     const weft_run_def *run = weft_scene_run(scene);
-    return method->calls * frame_steps(run, h) / frame_time(run, 1);
+    return method->calls * frame_steps(run, h) / weft_run_frame_time(run, 1);
 }
 
 /* The cheapest first, of equal ones that of higher order, then of the longer step. */
@@ -207,14 +207,14 @@ static weft_status try_rival(const weft_scene *scene, const weft_sim *tried,
 }
 
 weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
-                          weft_sim *sim, weft_registry *registry, bool refine,
-                          survey *out, weft_error *err)
+                          weft_sim *sim, const options *given, survey *out,
+                          weft_error *err)
 {
     *out = (survey){ 0 };
-    (void)load_plugins(registry, NULL);
-    weft_status status = survey_cloth(cloth, sim, refine, out, err);
+    (void)load_plugins(given->registry, NULL);
+    weft_status status = survey_cloth(cloth, sim, given->refine, out, err);
     if (status == WEFT_OK) {
-        status = survey_methods(scene, registry, out, err);
+        status = survey_methods(scene, given->registry, out, err);
     }
     if (status == WEFT_OK && out->own != NULL && out->own->step > 0.0) {
         status = stable_step(scene, out->own->type, &out->any, &out->any_state, err);

@@ -10,7 +10,7 @@
 #include "cli/check/stable_steps.h"
 #include "cli/compare/compare.h"
 #include "plugin/methods.h"
-#include "record/process.h"
+#include "record/child_process.h"
 #include "record/record.h"
 
 enum { CALL_TIMES = 5, NAME_MOST = 64 };
@@ -19,7 +19,7 @@ enum { CALL_TIMES = 5, NAME_MOST = 64 };
 
 double compare_time(const compare *self, size_t frame)
 {
-    return frame_time(&self->run, frame);
+    return weft_run_frame_time(&self->run, frame);
 }
 
 /* ---- methods ----------------------------------------------------------------------
@@ -387,9 +387,38 @@ static weft_status conclude(const compare *self, const char *directory, weft_err
     return status;
 }
 
-static int compare_scene(const options *given, const char *directory, double until,
-                         const weft_scene *scene, weft_registry *registry)
+static weft_status find_references(compare *self, const weft_registry *registry,
+                                   weft_error *err)
 {
+    return method_best(registry, NULL, &self->by[0])
+                   && method_best(registry, &self->by[0], &self->by[1])
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_UNSUPPORTED,
+                                "no two explicit methods with error control, of which "
+                                "one would check the other");
+}
+
+static weft_status compare_into(compare *self, const options *given,
+                                const char *directory, weft_error *err)
+{
+    weft_status status = open_memory(self, given->registry, err);
+    if (status == WEFT_OK) {
+        status = add_methods(self, given->registry, given->methods, err);
+    }
+    if (status == WEFT_OK) {
+        compare_begin(self, directory);
+        status = compare_all(self, err);
+        status = status == WEFT_OK ? conclude(self, directory, err) : status;
+        compare_end(self, status == WEFT_OK ? NULL : err->message);
+    }
+    close_memory(self, given->registry);
+    return status;
+}
+
+static int compare_scene(const options *given, double until, const weft_scene *scene)
+{
+    char text[RECORD_PATH];
+    const char *directory = out_directory(given, ".compare", text);
     weft_error err = { 0 };
     weft_cloth *cloth = NULL;
     compare self = { .scene = scene,
@@ -398,32 +427,13 @@ static int compare_scene(const options *given, const char *directory, double unt
                      .quiet = given->quiet };
     (void)progress_find(given->quiet ? "none" : given->progress, &self.progress.mode);
     self.run.duration = fmin(self.run.duration, until);
-    self.planned = frame_last(&self.run);
-    weft_status status = cloth_create(scene, &cloth, &err);
+    self.planned = weft_run_last_frame(&self.run);
+    weft_status status = scene_supported(scene, &err);
+    status = status == WEFT_OK ? cloth_create(scene, &cloth, &err) : status;
     self.cloth = cloth;
-    if (status == WEFT_OK
-        && !(method_best(registry, NULL, &self.by[0])
-             && method_best(registry, &self.by[0], &self.by[1]))) {
-        status = weft_error_set(&err, WEFT_UNSUPPORTED,
-                                "no two explicit methods with error control, of which "
-                                "one would check the other");
-    }
-    if (status == WEFT_OK) {
-        status = record_outdir(directory, given->force, &err);
-    }
-    if (status == WEFT_OK) {
-        status = open_memory(&self, registry, &err);
-        if (status == WEFT_OK) {
-            status = add_methods(&self, registry, given->methods, &err);
-        }
-        if (status == WEFT_OK) {
-            compare_begin(&self, directory);
-            status = compare_all(&self, &err);
-            status = status == WEFT_OK ? conclude(&self, directory, &err) : status;
-            compare_end(&self, status == WEFT_OK ? NULL : err.message);
-        }
-        close_memory(&self, registry);
-    }
+    status = status == WEFT_OK ? find_references(&self, given->registry, &err) : status;
+    status = status == WEFT_OK ? record_outdir(directory, given->force, &err) : status;
+    status = status == WEFT_OK ? compare_into(&self, given, directory, &err) : status;
     weft_cloth_destroy(cloth);
     return status == WEFT_OK ? EXIT_DONE : report_error(&err);
 }
@@ -431,56 +441,38 @@ static int compare_scene(const options *given, const char *directory, double unt
 static int open_and_compare(const options *given, double until)
 {
     weft_scene *scene = NULL;
-    weft_registry *registry = open_registry(given->plugin_path);
-    char *out = default_directory(given->operands[0], ".compare");
-    int code = registry == NULL || out == NULL
-                   ? EXIT_SIMULATION
-                   : open_scene(given->operands[0], given, registry, &scene);
-    if (code == EXIT_DONE) {
-        (void)load_plugins(registry, NULL);
-        const char *word = unknown_word(registry, given->methods);
-        const char *unsupported = scene_unsupported(scene);
-        if (word != NULL) {
-            code = usage_error(&verb_compare,
-                               "--methods: no method '%.*s'; weft steppers lists them",
-                               (int)strcspn(word, ","), word);
-        } else if (unsupported != NULL) {
-            weft_error err;
-            (void)weft_error_set(&err, WEFT_UNSUPPORTED, "%s", unsupported);
-            code = report_error(&err);
-        } else {
-            code = compare_scene(given, given->out == NULL ? out : given->out, until,
-                                 scene, registry);
-        }
-    }
-    free(out);
-    weft_scene_destroy(scene);
-    weft_registry_destroy(registry);
-    return code;
-}
-
-static int compare_verb(int argc, char **argv)
-{
-    options given;
-    int code = options_parse(&verb_compare, "ospqFjMuP", argc, argv, &given);
-    if (code >= 0) {
+    const int code = open_scene(given->operands[0], given, &scene);
+    if (code != EXIT_DONE) {
         return code;
     }
+    (void)load_plugins(given->registry, NULL);
+    const char *word = unknown_word(given->registry, given->methods);
+    const int compared
+        = word == NULL
+              ? compare_scene(given, until, scene)
+              : usage_error(&verb_compare,
+                            "--methods: no method '%.*s'; weft steppers lists them",
+                            (int)strcspn(word, ","), word);
+    weft_scene_destroy(scene);
+    return compared;
+}
+
+static int compare_verb(const options *given)
+{
     char *end = NULL;
     progress_mode mode;
-    const double until = given.until == NULL ? INFINITY : strtod(given.until, &end);
-    if (given.operand_count != 1) {
-        code = usage_error(&verb_compare, given.operand_count == 0
+    const double until = given->until == NULL ? INFINITY : strtod(given->until, &end);
+    if (given->operand_count != 1) {
+        return usage_error(&verb_compare, given->operand_count == 0
                                               ? "no scene given"
                                               : "more than one scene");
-    } else if (!(until > 0.0) || (end != NULL && *end != '\0')) {
-        code
-            = usage_error(&verb_compare, "--until %s: not a time [s] > 0", given.until);
-    } else if ((code = progress_choose(&verb_compare, &given, &mode)) == EXIT_DONE) {
-        code = open_and_compare(&given, until);
     }
-    options_free(&given);
-    return code;
+    if (!(until > 0.0) || (end != NULL && *end != '\0')) {
+        return usage_error(&verb_compare, "--until %s: not a time [s] > 0",
+                           given->until);
+    }
+    const int code = progress_choose(&verb_compare, given, &mode);
+    return code == EXIT_DONE ? open_and_compare(given, until) : code;
 }
 
 const verb verb_compare = {
@@ -522,5 +514,10 @@ const verb verb_compare = {
       "exit codes: 0 done, 1 there is no reference, 2 wrong command line, 3 wrong "
       "scene, 4 a\n"
       "file could not be read or written\n",
+    .options = OPTIONS(OPTION_VALUE("out", out), OPTION_VALUE("set", sets),
+                       OPTION_VALUE("plugin-path", plugin_path),
+                       OPTION_FLAG("quiet", quiet), OPTION_FLAG("force", force),
+                       OPTION_VALUE("progress", progress), OPTION_VALUE("jobs", jobs),
+                       OPTION_VALUE("methods", methods), OPTION_VALUE("until", until)),
     .run = compare_verb,
 };

@@ -129,12 +129,12 @@ static bool go_on(void *ctx)
            || last == of->self->planned;
 }
 
-static weft_status play_to_end(compare_trial *of, frame_loop *show, weft_error *err)
+/* `frames` lacks run and ctx. */
+static weft_status play(compare_trial *of, weft_play frames, weft_error *err)
 {
-    show->sim = of->sim;
-    show->run = &of->self->run;
-    show->ctx = of;
-    const weft_status status = play(show, err);
+    frames.run = &of->self->run;
+    frames.ctx = of;
+    const weft_status status = weft_sim_play(of->sim, &frames, err);
     of->point->calls = weft_sim_stats(of->sim).rhs_calls;
     of->point->steps = weft_sim_stats(of->sim).steps;
     of->point->rejected = weft_sim_stats(of->sim).rejected;
@@ -149,16 +149,16 @@ int compare_reference(void *ctx, size_t which)
     weft_error *err = &self->shared->err[which];
     compare_point point = { 0 };
     compare_trial of = { .self = self, .which = which, .point = &point };
-    frame_loop show = { .last = self->planned, .frame = keep, .step = go_on };
+    const weft_play frames = { .last = self->planned, .frame = keep, .step = go_on };
     weft_status status = create(self, &self->by[which], &config, &of.sim, err);
     if (status == WEFT_OK && which == 0) {
         status = create(self, &self->by[which], &config, &of.twin, err);
         status = status == WEFT_OK ? nudge(of.twin, err) : status;
     }
     if (status == WEFT_OK) {
-        status = play_to_end(&of, &show, err);
+        status = play(&of, frames, err);
     }
-    self->shared->status[which] = status;
+    self->shared->status[which] = status == WEFT_STOPPED ? WEFT_OK : status;
     self->shared->calls[which] = point.calls;
     weft_sim_destroy(of.sim);
     weft_sim_destroy(of.twin);
@@ -198,20 +198,20 @@ static void run(const compare *self, const stepper_method *by,
 {
     weft_error err = { 0 };
     compare_trial of = { .self = self, .budget = budget, .point = point };
-    frame_loop show = { .last = self->last, .frame = judge, .step = affordable };
+    const weft_play frames = { .last = self->last, .frame = judge, .step = affordable };
     point->outcome = COMPARE_RUNNING;
     weft_status status = create(self, by, config, &of.sim, &err);
     if (status == WEFT_OK) {
-        status = play_to_end(&of, &show, &err);
+        status = play(&of, frames, &err);
         const double count
             = (double)weft_cloth_particles(self->cloth) * (double)(self->last + 1);
         point->rms = sqrt(of.square / count);
     }
     weft_sim_destroy(of.sim);
-    point->outcome = status != WEFT_OK ? COMPARE_FAILED
-                     : show.stopped    ? COMPARE_EXPENSIVE
-                                       : COMPARE_DONE;
-    if (status != WEFT_OK) {
+    point->outcome = status == WEFT_OK        ? COMPARE_DONE
+                     : status == WEFT_STOPPED ? COMPARE_EXPENSIVE
+                                              : COMPARE_FAILED;
+    if (point->outcome == COMPARE_FAILED) {
         (void)snprintf(point->why, sizeof point->why, "%.*s",
                        (int)sizeof point->why - 1, err.message);
     }

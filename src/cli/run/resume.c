@@ -11,28 +11,12 @@
 
 /* ---- is it the same run? ------------------------------------------------------ */
 
-weft_status resume_identity(const weft_scene *scene, weft_registry *registry,
-                            record_checkpoint *out, weft_error *err)
-{
-    const weft_plugin *plugin;
-    const weft_status status
-        = weft_registry_find(registry, weft_scene_plugin(scene), &plugin, err);
-    if (status == WEFT_OK) {
-        memset(out->program, 0, sizeof out->program);
-        out->scene = record_hash(weft_scene_text(scene));
-        (void)snprintf(out->program, sizeof out->program, "weft %s, plugin %s %s%s%s",
-                       weft_version(), plugin->id, plugin->version,
-                       plugin->solver[0] == '\0' ? "" : ", ", plugin->solver);
-    }
-    return status;
-}
-
 static weft_status check_identity(const char *directory, const record_checkpoint *from,
                                   const weft_scene *scene, weft_registry *registry,
                                   weft_error *err)
 {
     record_checkpoint own = { 0 };
-    const weft_status status = resume_identity(scene, registry, &own, err);
+    const weft_status status = record_checkpoint_identify(&own, scene, registry, err);
     if (status != WEFT_OK) {
         return status;
     }
@@ -46,17 +30,6 @@ static weft_status check_identity(const char *directory, const record_checkpoint
         return weft_error_set(err, WEFT_IO,
                               "%s/" RECORD_CHECKPOINT ": of %s; this is %s", directory,
                               from->program, own.program);
-    }
-    return WEFT_OK;
-}
-
-weft_status resume_state(const char *directory, const record_checkpoint *from,
-                         weft_sim *sim, weft_error *err)
-{
-    weft_error why = { 0 };
-    if (weft_sim_restore(sim, from->state, from->state_size, &why) != WEFT_OK) {
-        return weft_error_set(err, WEFT_IO, "%s/" RECORD_CHECKPOINT ": %s", directory,
-                              why.message);
     }
     return WEFT_OK;
 }
@@ -83,39 +56,36 @@ static bool ended_as(const char *directory, const char *status)
     return same;
 }
 
-int resume_scene(const options *given, const char *directory, const weft_scene *scene,
-                 weft_registry *registry)
+int resume_scene(const options *given, const char *directory, const weft_scene *scene)
 {
     weft_error err = { 0 };
     record_checkpoint from = { 0 };
-    run_resumed resumed = { .from = NULL };
     options own = *given;
     own.frames = has(directory, "frames/frame-000000.obj") ? "obj" : NULL;
-    if (has(directory, RECORD_CHECKPOINT)) {
+    const bool begun = has(directory, RECORD_CHECKPOINT);
+    if (begun) {
         weft_status status = record_checkpoint_read(directory, &from, &err);
         if (status == WEFT_OK) {
-            status = check_identity(directory, &from, scene, registry, &err);
+            status = check_identity(directory, &from, scene, given->registry, &err);
         }
         if (status != WEFT_OK) {
             record_checkpoint_free(&from);
             return report_error(&err);
         }
-        resumed.from = &from;
     }
-    if (!given->quiet && resumed.from != NULL) {
+    if (!given->quiet && begun) {
         fprintf(stderr, "%s: goes on after frame %" PRIu64 " of %zu\n", directory,
-                from.frame, frame_last(weft_scene_run(scene)));
+                from.frame, weft_run_last_frame(weft_scene_run(scene)));
     } else if (!given->quiet) {
         fprintf(stderr, "%s: no checkpoint yet: runs from the beginning\n", directory);
     }
-    const int code = run_scene(&own, directory, scene, registry, &resumed);
+    const int code = run_scene(&own, directory, scene, true, begun ? &from : NULL);
     record_checkpoint_free(&from);
     return code;
 }
 
 /* In a directory that is claimed. */
-static int resume_claimed(const options *given, const char *directory,
-                          weft_registry *registry)
+static int resume_claimed(const options *given, const char *directory)
 {
     char path[RECORD_PATH];
     weft_scene *scene = NULL;
@@ -136,16 +106,15 @@ static int resume_claimed(const options *given, const char *directory,
     if (record_path(directory, "scene.yaml", path, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    int code = open_scene(path, given, registry, &scene);
+    int code = open_scene(path, given, &scene);
     if (code == EXIT_DONE) {
-        code = resume_scene(given, directory, scene, registry);
+        code = resume_scene(given, directory, scene);
     }
     weft_scene_destroy(scene);
     return code;
 }
 
-static int resume_directory(const options *given, const char *directory,
-                            weft_registry *registry)
+static int resume_directory(const options *given, const char *directory)
 {
     int lock = -1;
     weft_error err = { 0 };
@@ -156,7 +125,7 @@ static int resume_directory(const options *given, const char *directory,
     if (record_outdir_lock(directory, RECORD_PATIENCE, &lock, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    const int code = resume_claimed(given, directory, registry);
+    const int code = resume_claimed(given, directory);
     (void)close(lock);
     return code;
 }
@@ -168,35 +137,24 @@ static int resume_directory(const options *given, const char *directory,
 static int resume_all(const options *given)
 {
     int code = EXIT_DONE;
-    weft_registry *registry = open_registry(given->plugin_path);
-    if (registry == NULL) {
-        return EXIT_SIMULATION;
-    }
     for (int i = 0; i < given->operand_count; ++i) {
-        const int one = resume_directory(given, given->operands[i], registry);
-        code = code == EXIT_DONE ? one : code;
+        const int one = resume_directory(given, given->operands[i]);
         if (one == EXIT_SIGINT || one == EXIT_SIGTERM) {
-            code = one;
-            break;
+            return one;
         }
+        code = code == EXIT_DONE ? one : code;
     }
-    weft_registry_destroy(registry);
     return code;
 }
 
-static int resume_verb(int argc, char **argv)
+static int resume_verb(const options *given)
 {
-    options given;
-    int code = options_parse(&verb_resume, "pqFP", argc, argv, &given);
-    if (code >= 0) {
-        return code;
-    }
     progress_mode mode;
-    code = given.operand_count == 0 ? usage_error(&verb_resume, "no directory given")
-                                    : progress_choose(&verb_resume, &given, &mode);
-    code = code == EXIT_DONE ? resume_all(&given) : code;
-    options_free(&given);
-    return code;
+    if (given->operand_count == 0) {
+        return usage_error(&verb_resume, "no directory given");
+    }
+    const int code = progress_choose(&verb_resume, given, &mode);
+    return code == EXIT_DONE ? resume_all(given) : code;
 }
 
 const verb verb_resume = {
@@ -218,5 +176,8 @@ const verb verb_resume = {
       "scene,\n"
       "or not that of the checkpoint, 4 a file could not be read or written, or is\n"
       "damaged, 130 SIGINT, 143 SIGTERM; of several runs the first that is not 0\n",
+    .options
+    = OPTIONS(OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
+              OPTION_FLAG("force", force), OPTION_VALUE("progress", progress)),
     .run = resume_verb,
 };

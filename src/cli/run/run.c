@@ -93,9 +93,8 @@ static void show_progress(run *self)
     progress_show(&self->progress, &at);
 }
 
-static weft_status on_frame(void *ctx, size_t index, weft_error *err)
+static weft_status write_frame(run *self, size_t index, weft_error *err)
 {
-    run *self = ctx;
     const weft_limit_stats limit = weft_sim_limit_stats(self->sim);
     const record_frame frame = { .index = index,
                                  .sim = self->sim,
@@ -118,13 +117,35 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
     return status;
 }
 
+/* ---- the frame loop: it has lent the records, and these take them ------------- */
+
+static weft_status on_frame(void *ctx, size_t index, weft_error *err)
+{
+    run *self = ctx;
+    interrupt_take(&self->watch);
+    const weft_status status = write_frame(self, index, err);
+    interrupt_lend(&self->watch);
+    return status;
+}
+
+static weft_status on_checkpoint(void *ctx, size_t index, weft_error *err)
+{
+    run *self = ctx;
+    interrupt_take(&self->watch);
+    const weft_status status = run_checkpoint(self, index, err);
+    interrupt_lend(&self->watch);
+    return status;
+}
+
 static bool on_step(void *ctx)
 {
     run *self = ctx;
+    interrupt_take(&self->watch);
     summary_step(&self->summary);
     if (self->mode >= PROGRESS_TERMINAL) { /* lines come with frames */
         show_progress(self);
     }
+    interrupt_lend(&self->watch);
     return interrupt_signal() == 0;
 }
 
@@ -167,25 +188,22 @@ static void give_up(void *ctx)
 
 static weft_status simulate(run *self, weft_error *err)
 {
-    interrupt_watch watch;
-    frame_loop show = {
-        .sim = self->sim,
-        .run = weft_scene_run(self->scene),
-        .first = self->result.frames,
-        .last = self->result.planned - 1,
-        .frame = on_frame,
-        .checkpoint = run_checkpoint,
-        .step = on_step,
-        .watch = &watch,
-        .ctx = self,
-    };
+    const weft_play frames = { .run = weft_scene_run(self->scene),
+                               .first = self->result.frames,
+                               .last = self->result.planned - 1,
+                               .frame = on_frame,
+                               .checkpoint = on_checkpoint,
+                               .step = on_step,
+                               .ctx = self };
     if (self->mode == PROGRESS_YAML) {
         summary_yaml_begin(&self->summary);
     }
     progress_begin(&self->progress, self->mode, self->sim);
-    interrupt_begin(&watch, give_up, self);
-    weft_status status = play(&show, err);
-    interrupt_end(&watch);
+    interrupt_begin(&self->watch, give_up, self);
+    interrupt_lend(&self->watch);
+    weft_status status = weft_sim_play(self->sim, &frames, err);
+    interrupt_take(&self->watch);
+    interrupt_end(&self->watch);
     if (status == WEFT_STOPPED && interrupt_signal() != 0) {
         status = WEFT_OK;
     }
@@ -281,24 +299,24 @@ static int refuse(const run *self, const char *reason)
     return EXIT_SIMULATION;
 }
 
-static int run_prepared(run *self, weft_registry *registry)
+static int run_prepared(run *self)
 {
     weft_error err = { 0 };
     self->summary = (summary){ .directory = self->out,
                                .scene = self->scene,
                                .sim = self->sim,
                                .result = &self->result };
-    weft_status status = run_prepare(self, registry, &err);
+    weft_status status = run_prepare(self, &err);
     self->beyond = stability_warn(self->scene, self->sim, self->from != NULL);
     self->result.energy_start
         = record_total_energy(self->cloth, weft_sim_state(self->sim));
     if (status == WEFT_OK && self->from != NULL) {
-        status = run_take_up(self, registry, &err);
+        status = run_take_up(self, &err);
         if (status != WEFT_OK) {
             return report_error(&err);
         }
     } else if (status == WEFT_OK) {
-        status = run_begin(self, registry, &err);
+        status = run_begin(self, &err);
     }
     if (status == WEFT_OK) {
         status = simulate(self, &err);
@@ -306,14 +324,14 @@ static int run_prepared(run *self, weft_registry *registry)
     return conclude(self, status, &err);
 }
 
-static int run_simulation(run *self, weft_registry *registry)
+static int run_simulation(run *self)
 {
     weft_error err = { 0 };
     self->began = weft__wall_clock();
     if (simulation_create(self->scene, &self->cloth, &self->sim, &err) != WEFT_OK) {
         return refuse(self, err.message);
     }
-    const int code = run_prepared(self, registry);
+    const int code = run_prepared(self);
     record_checkpoint_free(&self->checkpoint);
     weft_sim_destroy(self->sim);
     weft_cloth_destroy(self->cloth);
@@ -337,32 +355,30 @@ static weft_status open_directory(const run *self, bool force, int *lock,
 }
 
 int run_scene(const options *given, const char *out, const weft_scene *scene,
-              weft_registry *registry, const run_resumed *resumed)
+              bool claimed, const record_checkpoint *from)
 {
     weft_error err = { 0 };
     int lock = -1, code = EXIT_DONE;
     run self = {
         .out = out,
         .obj = given->frames != NULL,
-        .again = resumed != NULL,
-        .from = resumed == NULL ? NULL : resumed->from,
+        .again = claimed,
+        .from = from,
         .scene = scene,
+        .registry = given->registry,
         .result = { .status = "done",
                     .reason = "",
-                    .planned = frame_last(weft_scene_run(scene)) + 1 },
+                    .planned = weft_run_last_frame(weft_scene_run(scene)) + 1 },
         .quiet = given->quiet,
     };
     (void)progress_find(given->quiet ? "none" : given->progress, &self.mode);
     interrupt_catch();
     if (frames_have_room(scene, &err) != WEFT_OK
-        || (resumed == NULL
-            && open_directory(&self, given->force, &lock, &err) != WEFT_OK)) {
+        || (!claimed && open_directory(&self, given->force, &lock, &err) != WEFT_OK)) {
         code = report_error(&err);
     } else {
         (void)stat(out, &self.place);
-        const char *unsupported = scene_unsupported(scene);
-        code = unsupported != NULL ? refuse(&self, unsupported)
-                                   : run_simulation(&self, registry);
+        code = run_simulation(&self);
     }
     if (lock >= 0) {
         (void)close(lock);
@@ -375,37 +391,32 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
     return code;
 }
 
-static int run_verb(int argc, char **argv)
+static int run_file(const options *given)
 {
-    options given;
-    progress_mode mode;
-    int code = options_parse(&verb_run, "ospqFrvP", argc, argv, &given);
-    if (code >= 0) {
-        return code;
+    char out[RECORD_PATH];
+    weft_scene *scene = NULL;
+    int code = open_scene(given->operands[0], given, &scene);
+    if (code == EXIT_DONE) {
+        code = run_scene(given, out_directory(given, ".run", out), scene, false, NULL);
     }
-    if (given.operand_count != 1) {
-        code = usage_error(&verb_run, given.operand_count == 0 ? "no scene given"
-                                                               : "more than one scene");
-    } else if (given.frames != NULL && strcmp(given.frames, "obj") != 0) {
-        code = usage_choice(&verb_run, "frames", given.frames,
-                            (const char *const[]){ "obj", NULL });
-    } else if ((code = progress_choose(&verb_run, &given, &mode)) == EXIT_DONE) {
-        weft_registry *registry = open_registry(given.plugin_path);
-        weft_scene *scene = NULL;
-        char *out = default_directory(given.operands[0], ".run");
-        code = registry == NULL || out == NULL
-                   ? EXIT_SIMULATION
-                   : open_scene(given.operands[0], &given, registry, &scene);
-        if (code == EXIT_DONE) {
-            const char *directory = given.out == NULL ? out : given.out;
-            code = run_scene(&given, directory, scene, registry, NULL);
-        }
-        free(out);
-        weft_scene_destroy(scene);
-        weft_registry_destroy(registry);
-    }
-    options_free(&given);
+    weft_scene_destroy(scene);
     return code;
+}
+
+static int run_verb(const options *given)
+{
+    progress_mode mode;
+    if (given->operand_count != 1) {
+        return usage_error(&verb_run, given->operand_count == 0
+                                          ? "no scene given"
+                                          : "more than one scene");
+    }
+    if (given->frames != NULL && strcmp(given->frames, "obj") != 0) {
+        return usage_choice(&verb_run, "frames", given->frames,
+                            (const char *const[]){ "obj", NULL });
+    }
+    const int code = progress_choose(&verb_run, given, &mode);
+    return code == EXIT_DONE ? run_file(given) : code;
 }
 
 const verb verb_run = {
@@ -442,5 +453,10 @@ const verb verb_run = {
       "exit codes: 0 done, 1 the simulation failed, 2 wrong command line, 3 wrong "
       "scene,\n"
       "4 a file could not be read or written, 130 SIGINT, 143 SIGTERM\n",
+    .options
+    = OPTIONS(OPTION_VALUE("out", out), OPTION_VALUE("set", sets),
+              OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
+              OPTION_FLAG("force", force), OPTION_VALUE("frames", frames),
+              OPTION_FLAG("view", view), OPTION_VALUE("progress", progress)),
     .run = run_verb,
 };

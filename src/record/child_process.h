@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* process.h -- functions that run in child processes, since they may crash, never
+/* child_process.h -- functions that run in child processes, since they may crash, never
  * return, or take long and be many. A child that returns results writes them to
  * memory from process_memory. */
-#ifndef WEFT_RECORD_PROCESS_H
-#define WEFT_RECORD_PROCESS_H
+#ifndef WEFT_RECORD_CHILD_PROCESS_H
+#define WEFT_RECORD_CHILD_PROCESS_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #define _DEFAULT_SOURCE /* MAP_ANONYMOUS */
-#include "record/process.h"
+#include "record/child_process.h"
 
 #include <errno.h>
 #include <fcntl.h>
