@@ -450,18 +450,17 @@ const verb verb_diff = {
     .summary = "where two runs begin to differ, and by how much",
     .help
     = "usage: weft diff DIR DIR2 [OPTIONS]\n\n"
-      "Compares two runs of the same grid at the times both have, and tells the first\n"
-      "frame that differs, the particle farthest off in it, how far, and the largest\n"
-      "such distance of all frames. States are compared bit for bit by the hashes in\n"
+      "Compares two runs of the same grid at the times both have, and tells the first "
+      "frame that differs, the particle farthest off in it, how far, and the largest "
+      "such distance of all frames. States are compared bit for bit by the hashes in "
       "series.csv, and frames by the positions, velocities and strain in "
       "run.vtkhdf.\n\n"
-      "  --tol X              positions of run.vtkhdf instead: equal is what is not\n"
-      "                       more than X metres apart\n\n"
+      "  --tol X              positions of run.vtkhdf instead: equal is what is not "
+      "more than X metres apart\n\n"
       "examples:\n"
       "  weft diff flag flag-again\n"
       "  weft diff flag-rkf45 flag-verlet --tol 1e-4\n\n"
-      "exit codes: 0 equal, 1 different, also where one ends before the other, 2 "
-      "wrong\n"
+      "exit codes: 0 equal, 1 different, also where one ends before the other, 2 wrong "
       "command line, 3 other grids, 4 a file is missing or damaged, or no time in "
       "common\n",
     .options = OPTIONS(OPTION_VALUE("tol", tolerance)),

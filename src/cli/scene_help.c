@@ -35,11 +35,12 @@ static int scene_help_verb(const options *given)
 const verb verb_scene_help = {
     .name = "scene-help",
     .summary = "print keys of a scene with type, unit and default",
-    .help = "usage: weft scene-help [KEY... | --markdown]\n\n"
-            "Prints type, unit, default and meaning of keys, and of the keys below\n"
-            "them; without KEY those of every key that a scene may have.\n\n"
-            "  --markdown           as the table of docs/scene.md\n\n"
-            "example: weft scene-help stepper.rtol cloth.pins\n",
+    .help
+    = "usage: weft scene-help [KEY... | --markdown]\n\n"
+      "Prints type, unit, default and meaning of keys, and of the keys below them; "
+      "without KEY those of every key that a scene may have.\n\n"
+      "  --markdown           as the table of docs/scene.md\n\n"
+      "example: weft scene-help stepper.rtol cloth.pins\n",
     .options = OPTIONS(OPTION_FLAG("markdown", markdown)),
     .run = scene_help_verb,
 };

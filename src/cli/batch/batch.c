@@ -214,8 +214,8 @@ const verb verb_batch = {
     .help
     = "usage: weft batch SCENE.yaml... --out DIR [OPTIONS]\n\n"
       "Runs every scene, and of a scene with 'sweep' every run it stands for, each in "
-      "a\nprocess of its own into DIR/NAME, and joins the results in DIR/summary.csv. "
-      "Called\nagain it skips what is done and goes on with what is not.\n\n"
+      "a process of its own into DIR/NAME, and joins the results in DIR/summary.csv. "
+      "Called again it skips what is done and goes on with what is not.\n\n"
       "  --out DIR            where the directories of the runs are\n"
       "  -j, --jobs N         so many at a time; default: the number of processors\n"
       "  --timeout S          end a run that takes longer [s]\n"
@@ -232,10 +232,8 @@ const verb verb_batch = {
       "  weft batch scenes/flag.yaml scenes/curtain.yaml --out both -j 2\n"
       "  weft batch sweep.yaml --out sweep --timeout 600 --retry-failed\n\n"
       "exit codes: 0 all done, 1 a run is not done, 2 wrong command line, 3 wrong "
-      "scene,\n"
-      "4 a file could not be read or written, or a directory holds another scene's "
-      "run,\n"
-      "130 SIGINT, 143 SIGTERM\n",
+      "scene, 4 a file could not be read or written, or a directory holds another "
+      "scene's run, 130 SIGINT, 143 SIGTERM\n",
     .options = OPTIONS(
         OPTION_VALUE("out", out), OPTION_VALUE("set", sets),
         OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),

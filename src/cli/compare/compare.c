@@ -481,23 +481,16 @@ const verb verb_compare = {
     .help
     = "usage: weft compare SCENE.yaml [OPTIONS]\n\n"
       "Runs a scene by every method of every plugin, over tolerances from 1e-2 to "
-      "1e-10 or\n"
-      "over fixed steps, and measures how far each comes off a reference [m] and how "
-      "many\n"
-      "evaluations of the forces (RHS calls) it takes. Prints which method is the "
-      "cheapest\n"
-      "for which accuracy, and leaves compare.csv and compare.html, a diagram for a "
-      "browser.\n\n"
+      "1e-10 or over fixed steps, and measures how far each comes off a reference [m] "
+      "and how many evaluations of the forces (RHS calls) it takes. Prints which "
+      "method is the cheapest for which accuracy, and leaves compare.csv and "
+      "compare.html, a diagram for a browser.\n\n"
       "The reference is the scene at tolerance 1e-12 by the methods of the highest "
-      "order of\n"
-      "two plugins; where they do not agree nothing is judged. Cloth may be chaotic: "
-      "nothing\n"
-      "is compared beyond the time to which a difference of 1e-10 m at the start has "
-      "grown\n"
-      "10 000 times.\n\n"
+      "order of two plugins; where they do not agree nothing is judged. Cloth may be "
+      "chaotic: nothing is compared beyond the time to which a difference of 1e-10 m "
+      "at the start has grown 10 000 times.\n\n"
       "  --methods LIST       only these, and the scene's own: gsl, rkf45, gsl/rkf45, "
-      "...\n"
-      "                       separated by commas\n"
+      "... separated by commas\n"
       "  --until T            compare up to T [s] at most, not to the scene's end\n"
       "  -j, --jobs N         so many processes at once; default 1. Times are taken by "
       "one\n"
@@ -512,8 +505,7 @@ const verb verb_compare = {
       "  weft compare scenes/two-corners.yaml -j 2\n"
       "  weft compare scenes/curtain.yaml --methods gsl,verlet --until 0.5\n\n"
       "exit codes: 0 done, 1 there is no reference, 2 wrong command line, 3 wrong "
-      "scene, 4 a\n"
-      "file could not be read or written\n",
+      "scene, 4 a file could not be read or written\n",
     .options = OPTIONS(OPTION_VALUE("out", out), OPTION_VALUE("set", sets),
                        OPTION_VALUE("plugin-path", plugin_path),
                        OPTION_FLAG("quiet", quiet), OPTION_FLAG("force", force),

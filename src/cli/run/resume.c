@@ -162,8 +162,8 @@ const verb verb_resume = {
     .summary = "go on with runs that were killed or interrupted",
     .help
     = "usage: weft resume DIR... [OPTIONS]\n\n"
-      "Goes on with each run at its last checkpoint (run.checkpoint in its scene), to\n"
-      "the same files, byte for byte, that it would have left undisturbed. A run that\n"
+      "Goes on with each run at its last checkpoint (run.checkpoint in its scene), to "
+      "the same files, byte for byte, that it would have left undisturbed. A run that "
       "has none yet begins anew; one that is done is left alone.\n\n"
       "  --force              also runs that failed\n"
       "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n"
@@ -173,9 +173,8 @@ const verb verb_resume = {
       "  weft resume flag\n"
       "  weft resume sweep/*\n\n"
       "exit codes: 0 done, 1 the simulation failed, 2 wrong command line, 3 wrong "
-      "scene,\n"
-      "or not that of the checkpoint, 4 a file could not be read or written, or is\n"
-      "damaged, 130 SIGINT, 143 SIGTERM; of several runs the first that is not 0\n",
+      "scene, or not that of the checkpoint, 4 a file could not be read or written, or "
+      "is damaged, 130 SIGINT, 143 SIGTERM; of several runs the first that is not 0\n",
     .options
     = OPTIONS(OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
               OPTION_FLAG("force", force), OPTION_VALUE("progress", progress)),
