@@ -82,8 +82,8 @@ static bool both_have_frames(const comparison *self)
 static weft_status prepare(comparison *self, weft_error *err)
 {
     const record_frames *a = self->side[0].frames, *b = self->side[1].frames;
-    const size_t rows[2] = { record_frames_rows(a), record_frames_rows(b) };
-    const size_t cols[2] = { record_frames_cols(a), record_frames_cols(b) };
+    const size_t rows[2] = { a->rows, b->rows };
+    const size_t cols[2] = { a->cols, b->cols };
     if (rows[0] != rows[1] || cols[0] != cols[1]) {
         return weft_error_set(err, WEFT_BAD_SCENE,
                               "runs of different grids: %s has %zu x %zu particles, %s "
@@ -91,7 +91,7 @@ static weft_status prepare(comparison *self, weft_error *err)
                               self->side[0].directory, rows[0], cols[0],
                               self->side[1].directory, rows[1], cols[1]);
     }
-    self->single = !record_frames_doubles(a) || !record_frames_doubles(b);
+    self->single = !a->doubles || !b->doubles;
     for (size_t k = 0; k < 2; ++k) {
         self->side[k].x = malloc(3 * rows[0] * cols[0] * sizeof(double));
         if (self->side[k].x == NULL) {
@@ -184,15 +184,15 @@ static bool are_equal(const comparison *self, size_t count)
 
 static bool both_have_field(const comparison *self, size_t k)
 {
-    return record_frames_has(self->side[0].frames, fields[k].field)
-           && record_frames_has(self->side[1].frames, fields[k].field);
+    return self->side[0].frames->fields[fields[k].field]
+           && self->side[1].frames->fields[fields[k].field];
 }
 
 static weft_status compare_fields(comparison *self, size_t i, size_t j, const gap *here,
                                   weft_error *err)
 {
     const diff_side *a = &self->side[0], *b = &self->side[1];
-    const size_t n = record_frames_rows(a->frames) * record_frames_cols(a->frames);
+    const size_t n = a->frames->rows * a->frames->cols;
     weft_status status = WEFT_OK;
     for (size_t k = 0; status == WEFT_OK && self->field == NULL && k < FIELDS; ++k) {
         if (both_have_field(self, k)) {
@@ -211,10 +211,10 @@ static weft_status compare_fields(comparison *self, size_t i, size_t j, const ga
 static weft_status compare_frame(comparison *self, size_t i, size_t j, weft_error *err)
 {
     const diff_side *a = &self->side[0], *b = &self->side[1];
-    const size_t n = record_frames_rows(a->frames) * record_frames_cols(a->frames);
-    gap here = { .frame = { record_frames_number(a->frames, i),
-                            record_frames_number(b->frames, j) },
-                 .time = record_frames_time(a->frames, i) };
+    const size_t n = a->frames->rows * a->frames->cols;
+    gap here
+        = { .frame = { (size_t)a->frames->numbers[i], (size_t)b->frames->numbers[j] },
+            .time = a->frames->times[i] };
     weft_status status = record_frames_positions(a->frames, i, a->x, err);
     if (status == WEFT_OK) {
         status = record_frames_positions(b->frames, j, b->x, err);
@@ -248,9 +248,8 @@ static weft_status compare_frames(comparison *self, weft_error *err)
 {
     record_frames *a = self->side[0].frames, *b = self->side[1].frames;
     weft_status status = WEFT_OK;
-    for (size_t i = 0, j = 0; status == WEFT_OK && i < record_frames_count(a)
-                              && j < record_frames_count(b);) {
-        const int which = order(record_frames_time(a, i), record_frames_time(b, j));
+    for (size_t i = 0, j = 0; status == WEFT_OK && i < a->count && j < b->count;) {
+        const int which = order(a->times[i], b->times[j]);
         if (which == 0) {
             status = compare_frame(self, i, j, err);
         }
@@ -289,7 +288,7 @@ static void print_frame(const size_t frame[2], double time)
 
 static void print_gap(const comparison *self, const char *label, const gap *found)
 {
-    const size_t cols = record_frames_cols(self->side[0].frames);
+    const size_t cols = self->side[0].frames->cols;
     printf("%s: ", label);
     print_frame(found->frame, found->time);
     printf(": particle (%zu, %zu) by %.3g m\n", found->particle / cols,

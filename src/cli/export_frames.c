@@ -52,7 +52,7 @@ typedef struct export_job {
 
 static size_t number_of(const export_job *job, size_t i)
 {
-    return job->frames == NULL ? i : record_frames_number(job->frames, i);
+    return job->frames == NULL ? i : (size_t)job->frames->numbers[i];
 }
 
 /* One line, however many they are. */
@@ -90,15 +90,15 @@ static weft_status write_frame(export_job *job, size_t number, double time,
 static weft_status read_frames(export_job *job, weft_error *err)
 {
     const size_t n = job->rows * job->cols;
-    const bool velocity = record_frames_has(job->frames, WEFT_RECORD_VELOCITY);
-    const bool strain = record_frames_has(job->frames, WEFT_RECORD_STRAIN);
+    const bool velocity = job->frames->fields[WEFT_RECORD_VELOCITY];
+    const bool strain = job->frames->fields[WEFT_RECORD_STRAIN];
     const record_surface surface = {
         .rows = job->rows,
         .cols = job->cols,
         .position = job->values,
         .velocity = velocity ? job->values + 3 * n : NULL,
         .strain = strain ? job->values + 6 * n : NULL,
-        .doubles = record_frames_doubles(job->frames),
+        .doubles = job->frames->doubles,
     };
     weft_status status = WEFT_OK;
     for (size_t i = job->first; status == WEFT_OK && i <= job->last; ++i) {
@@ -110,8 +110,8 @@ static weft_status read_frames(export_job *job, weft_error *err)
             status = record_frames_strain(job->frames, i, job->values + 6 * n, err);
         }
         if (status == WEFT_OK) {
-            status = write_frame(job, record_frames_number(job->frames, i),
-                                 record_frames_time(job->frames, i), &surface, err);
+            status = write_frame(job, (size_t)job->frames->numbers[i],
+                                 job->frames->times[i], &surface, err);
         }
     }
     return status;
@@ -197,7 +197,7 @@ static weft_status export_frames(export_job *job, weft_error *err)
 static double time_of(const export_job *job, size_t i)
 {
     return job->frames == NULL ? weft_run_frame_time(weft_scene_run(job->scene), i)
-                               : record_frames_time(job->frames, i);
+                               : job->frames->times[i];
 }
 
 static weft_status begin_movie(export_job *job, weft_error *err)
@@ -228,7 +228,7 @@ static weft_status write_rest(export_job *job, weft_error *err)
     if (job->frames == NULL) {
         weft_cloth_rest(job->cloth, job->values);
     } else {
-        memcpy(job->values, record_frames_rest(job->frames),
+        memcpy(job->values, job->frames->rest,
                3 * job->rows * job->cols * sizeof *job->values);
     }
     const weft_status status = record_obj(job->directory, "rest.obj", &surface, err);
@@ -354,9 +354,9 @@ static int open_recorded(export_job *job)
     if (record_frames_open(job->directory, &job->frames, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    job->rows = record_frames_rows(job->frames);
-    job->cols = record_frames_cols(job->frames);
-    job->count = record_frames_count(job->frames);
+    job->rows = job->frames->rows;
+    job->cols = job->frames->cols;
+    job->count = job->frames->count;
     return EXIT_DONE;
 }
 

@@ -68,8 +68,8 @@ void tell_unfinished(const char *directory)
     record_frames *frames;
     if (record_unfinished(directory)
         && record_frames_open(directory, &frames, NULL) == WEFT_OK) {
-        fprintf(stderr, "%s: unfinished: %zu of %zu frames\n", directory,
-                record_frames_count(frames), record_frames_planned(frames));
+        fprintf(stderr, "%s: unfinished: %zu of %zu frames\n", directory, frames->count,
+                frames->planned);
         record_frames_close(frames);
     }
 }

@@ -59,12 +59,12 @@ static weft_status open_runs(player_page *self, weft_error *err)
     if (status != WEFT_OK) {
         return status;
     }
-    self->rows = record_frames_rows(self->runs[0].frames);
-    self->cols = record_frames_cols(self->runs[0].frames);
+    self->rows = self->runs[0].frames->rows;
+    self->cols = self->runs[0].frames->cols;
     for (size_t r = 0; r < self->run_count; ++r) {
-        const size_t rows = record_frames_rows(self->runs[r].frames);
-        const size_t cols = record_frames_cols(self->runs[r].frames);
-        if (record_frames_count(self->runs[r].frames) == 0) {
+        const size_t rows = self->runs[r].frames->rows;
+        const size_t cols = self->runs[r].frames->cols;
+        if (self->runs[r].frames->count == 0) {
             return weft_error_set(err, WEFT_INVALID, "%s: no frames",
                                   self->runs[r].directory);
         }
@@ -84,10 +84,9 @@ static size_t match(player_run *runs, size_t run_count)
 {
     size_t at[RUNS_MAX] = { 0 }, found = 0;
     const size_t other = run_count - 1;
-    while (at[0] < record_frames_count(runs[0].frames)
-           && at[other] < record_frames_count(runs[other].frames)) {
-        const double t = record_frames_time(runs[0].frames, at[0]);
-        const double ahead = t - record_frames_time(runs[other].frames, at[other]);
+    while (at[0] < runs[0].frames->count && at[other] < runs[other].frames->count) {
+        const double t = runs[0].frames->times[at[0]];
+        const double ahead = t - runs[other].frames->times[at[other]];
         const bool same = fabs(ahead) <= TIME_MATCH * (1.0 + fabs(t));
         if (same) {
             runs[0].index[found] = at[0];
@@ -128,7 +127,7 @@ static weft_status choose_frames(player_page *self, weft_error *err)
 {
     for (size_t r = 0; r < self->run_count; ++r) {
         player_run *run = &self->runs[r];
-        run->index = calloc(record_frames_count(run->frames), sizeof *run->index);
+        run->index = calloc(run->frames->count, sizeof *run->index);
         if (run->index == NULL) {
             return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a page");
         }
@@ -276,8 +275,10 @@ static void write_pinned(const player_page *self)
     const char *comma = "";
     bool *marks = calloc(self->count, sizeof *marks);
     const size_t half = self->stride / 2;
-    for (size_t p = 0; marks != NULL && p < self->rows * self->cols; ++p) {
-        if (record_frames_pinned(self->runs[0].frames, p)) {
+    const uint8_t *pinned = self->runs[0].frames->pinned;
+    const size_t n = pinned == NULL ? 0 : self->rows * self->cols;
+    for (size_t p = 0; marks != NULL && p < n; ++p) {
+        if (pinned[p] != 0) {
             const size_t r = (p / self->cols + half) / self->stride;
             const size_t c = (p % self->cols + half) / self->stride;
             marks[r * self->shown_cols + c] = true;
@@ -306,15 +307,14 @@ static void write_runs(const player_page *self)
         const player_run *run = &self->runs[r];
         fprintf(self->stream, "%s{\"directory\":", r > 0 ? "," : "");
         page_text(self->stream, directory_name(run->directory));
-        fprintf(self->stream, ",\"frames\":%zu,\"index\":[",
-                record_frames_count(run->frames));
+        fprintf(self->stream, ",\"frames\":%zu,\"index\":[", run->frames->count);
         for (size_t i = 0; i < self->shown; ++i) {
             fprintf(self->stream, "%s%zu", i > 0 ? "," : "", run->index[i]);
         }
         fputs("],\"numbers\":[", self->stream);
         for (size_t i = 0; i < self->shown; ++i) {
             fprintf(self->stream, "%s%zu", i > 0 ? "," : "",
-                    record_frames_number(run->frames, run->index[i]));
+                    (size_t)run->frames->numbers[run->index[i]]);
         }
         fputc(']', self->stream);
         for (size_t f = 0; f < sizeof files / sizeof files[0]; ++f) {
@@ -347,7 +347,7 @@ static void write_description(const player_page *self)
     for (size_t i = 0; i < self->shown; ++i) {
         const size_t index = self->runs[0].index[i];
         fprintf(stream, "%s%.17g", i > 0 ? "," : "",
-                record_frames_time(self->runs[0].frames, index));
+                self->runs[0].frames->times[index]);
     }
     fputs("],\"pinned\":[", stream);
     write_pinned(self);
