@@ -4,7 +4,6 @@
  * Runs are equal whose states have equal hashes in series.csv and whose frames in
  * run.vtkhdf are equal; with a tolerance, whose positions in run.vtkhdf are that close.
  * Positions tell where they differ and by how much. Only times that both have count. */
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,16 +61,11 @@ enum { FIELDS = sizeof fields / sizeof fields[0] };
 
 static weft_status open_side(diff_side *self, weft_error *err)
 {
-    char path[RECORD_PATH];
-    weft_status status = record_path(self->directory, "run.vtkhdf", path, err);
-    if (status == WEFT_OK) {
-        status
-            = record_series_rows(self->directory, &self->rows, &self->row_count, err);
-    }
-    if (status == WEFT_OK && access(path, F_OK) == 0) {
-        status = record_frames_open(self->directory, &self->frames, err);
-    }
-    return status;
+    const weft_status status
+        = record_series_rows(self->directory, &self->rows, &self->row_count, err);
+    return status == WEFT_OK && record_exists(self->directory, "run.vtkhdf")
+               ? record_frames_open(self->directory, &self->frames, err)
+               : status;
 }
 
 static bool both_have_frames(const comparison *self)

@@ -36,8 +36,9 @@ static const export_format formats[] = {
 typedef struct export_job {
     const char *directory;
     const export_format *format;
-    size_t rows, cols, count; /* count of frames there are */
-    record_frames *frames;    /* NULL: they are computed anew with the following */
+    size_t rows, cols, count;  /* count of frames there are */
+    record_frames *frames;     /* NULL: they are computed anew with the following */
+    record_series_row *series; /* count of them: what the run had */
     weft_scene *scene;
     weft_cloth *cloth;
     weft_sim *sim;
@@ -121,19 +122,16 @@ static weft_status read_frames(export_job *job, weft_error *err)
 
 static weft_status check_hash(const export_job *job, size_t index, weft_error *err)
 {
-    uint64_t recorded;
+    const uint64_t recorded = job->series[index].hash;
     const uint64_t hash
         = weft_state_hash(weft_sim_state(job->sim), weft_cloth_dim(job->cloth));
-    const weft_status status
-        = record_series_hash(job->directory, index, &recorded, err);
-    if (status != WEFT_OK || hash == recorded) {
-        return status;
-    }
-    return weft_error_set(err, WEFT_SOLVER,
-                          "frame %zu computed anew has hash %016" PRIx64
-                          ", the run had %016" PRIx64
-                          ": other versions? see manifest.yaml",
-                          index, hash, recorded);
+    return hash == recorded
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_SOLVER,
+                                "frame %zu computed anew has hash %016" PRIx64
+                                ", the run had %016" PRIx64
+                                ": other versions? see manifest.yaml",
+                                index, hash, recorded);
 }
 
 static weft_status on_frame(void *ctx, size_t index, weft_error *err)
@@ -308,10 +306,9 @@ static bool find_frame(const char *text, export_job *job)
 
 static bool has_final(const export_job *job)
 {
-    char path[RECORD_PATH];
     uint64_t hash;
-    return record_path(job->directory, "final.csv", path, NULL) == WEFT_OK
-           && access(path, F_OK) == 0 && record_result_hash(job->directory, &hash);
+    return record_exists(job->directory, "final.csv")
+           && record_result_hash(job->directory, &hash);
 }
 
 static int export_wanted(const options *given, export_job *job)
@@ -341,13 +338,6 @@ static int export_wanted(const options *given, export_job *job)
 
 /* ---- where they come from --------------------------------------------------- */
 
-static bool is_recorded(const char *directory)
-{
-    char path[RECORD_PATH];
-    return record_path(directory, "run.vtkhdf", path, NULL) == WEFT_OK
-           && access(path, F_OK) == 0;
-}
-
 static int open_recorded(export_job *job)
 {
     weft_error err = { 0 };
@@ -364,7 +354,6 @@ static int open_anew(const options *given, export_job *job)
 {
     char path[RECORD_PATH];
     weft_error err = { 0 };
-    size_t last = 0;
     if (record_path(job->directory, "scene.yaml", path, &err) != WEFT_OK) {
         return report_error(&err);
     }
@@ -372,7 +361,7 @@ static int open_anew(const options *given, export_job *job)
     if (code != EXIT_DONE) {
         return code;
     }
-    if (record_series_last(job->directory, &last, &err) != WEFT_OK
+    if (record_series_rows(job->directory, &job->series, &job->count, &err) != WEFT_OK
         || simulation_create(job->scene, &job->cloth, &job->sim, &err) != WEFT_OK) {
         return report_error(&err);
     }
@@ -380,13 +369,13 @@ static int open_anew(const options *given, export_job *job)
             job->directory);
     job->rows = weft_cloth_rows(job->cloth);
     job->cols = weft_cloth_cols(job->cloth);
-    job->count = last + 1;
     return EXIT_DONE;
 }
 
 static int export_run(const options *given, export_job *job)
 {
-    int code = is_recorded(job->directory) ? open_recorded(job) : open_anew(given, job);
+    int code = record_exists(job->directory, "run.vtkhdf") ? open_recorded(job)
+                                                           : open_anew(given, job);
     if (code == EXIT_DONE) {
         weft_error err = { 0 };
         job->values = malloc(7 * job->rows * job->cols * sizeof *job->values);
@@ -394,6 +383,7 @@ static int export_run(const options *given, export_job *job)
         code = job->values == NULL ? report_error(&err) : export_wanted(given, job);
     }
     free(job->values);
+    free(job->series);
     record_frames_close(job->frames);
     weft_sim_destroy(job->sim);
     weft_cloth_destroy(job->cloth);

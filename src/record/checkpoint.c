@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "base/bytes.h"
-#include "base/file.h"
 
 static const unsigned char magic[WEFT__WORD] = "weftckpt";
 
@@ -165,10 +164,10 @@ static void unpack(const unsigned char *bytes, record_checkpoint *out)
 }
 
 /* The file whole, in memory of its own. */
-static weft_status slurp(const char *path, unsigned char **bytes, size_t *size,
-                         weft_error *err)
+static weft_status slurp(const char *directory, char path[RECORD_PATH],
+                         unsigned char **bytes, size_t *size, weft_error *err)
 {
-    FILE *stream = weft__file_open(path, "r", err);
+    FILE *stream = record_open(directory, RECORD_CHECKPOINT, path, err);
     long length = -1;
     if (stream == NULL) {
         return WEFT_IO;
@@ -197,10 +196,7 @@ weft_status record_checkpoint_read(const char *directory, record_checkpoint *out
     unsigned char *bytes = NULL;
     size_t size = 0;
     *out = (record_checkpoint){ .state = NULL };
-    weft_status status = record_path(directory, RECORD_CHECKPOINT, path, err);
-    if (status == WEFT_OK) {
-        status = slurp(path, &bytes, &size, err);
-    }
+    const weft_status status = slurp(directory, path, &bytes, &size, err);
     if (status != WEFT_OK) {
         return status;
     }

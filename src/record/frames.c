@@ -12,7 +12,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "base/file.h"
 #include "record/child_process.h"
 #include "record/hdf.h"
 #include "record/record.h"
@@ -342,16 +341,12 @@ static weft_status try_in_child(frames_file *self, weft_error *err)
 static weft_status open_frames(frames_file *self, const char *directory,
                                weft_error *err)
 {
-    weft_status status = record_path(directory, "run.vtkhdf", self->path, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    FILE *stream = weft__file_open(self->path, "r", err);
+    FILE *stream = record_open(directory, "run.vtkhdf", self->path, err);
     if (stream == NULL) {
         return WEFT_IO;
     }
     (void)fclose(stream);
-    status = try_in_child(self, err);
+    const weft_status status = try_in_child(self, err);
     if (status != WEFT_OK) {
         return status;
     }

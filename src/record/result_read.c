@@ -5,18 +5,14 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "base/file.h"
 #include "record/record.h"
 
 bool record_result_open(const char *directory, yaml_document_t *out)
 {
     char path[RECORD_PATH];
     yaml_parser_t parser;
-    FILE *stream = record_path(directory, "result.yaml", path, NULL) == WEFT_OK
-                       ? weft__file_open(path, "r", NULL)
-                       : NULL;
+    FILE *stream = record_open(directory, "result.yaml", path, NULL);
     if (stream == NULL) {
         return false;
     }
@@ -65,10 +61,8 @@ bool record_result_hash(const char *directory, uint64_t *hash)
 
 bool record_unfinished(const char *directory)
 {
-    char path[RECORD_PATH];
     yaml_document_t result;
-    if (record_path(directory, "scene.yaml", path, NULL) != WEFT_OK
-        || access(path, F_OK) != 0) {
+    if (!record_exists(directory, "scene.yaml")) {
         return false;
     }
     if (!record_result_open(directory, &result)) {

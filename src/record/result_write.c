@@ -2,7 +2,6 @@
 /* result_write.c -- manifest.yaml: what ran; result.yaml: how it ended. */
 #include <inttypes.h>
 
-#include "base/file.h"
 #include "record/record.h"
 #include "record/yaml_out.h"
 
@@ -274,12 +273,11 @@ weft_status record_result_amend(const char *directory, const record_result *resu
     record_file file;
     yaml_out out;
     char path[RECORD_PATH];
-    weft_status status = record_path(directory, "result.yaml", path, err);
-    FILE *former = status == WEFT_OK ? weft__file_open(path, "r", NULL) : NULL;
+    FILE *former = record_open(directory, "result.yaml", path, NULL);
     if (former == NULL) {
-        return status == WEFT_OK ? record_result_write(directory, result, err) : status;
+        return record_result_write(directory, result, err);
     }
-    status = record_file_open(&file, directory, "result.yaml", err);
+    weft_status status = record_file_open(&file, directory, "result.yaml", err);
     if (status == WEFT_OK) {
         yaml_out_begin(&out, file.stream);
         write_end(&out, result);

@@ -26,10 +26,9 @@ static record_result find_result(const batch_run *run, double began,
 {
     record_result result = { .wall_time = weft__wall_clock() - began };
     weft_scene *scene = NULL;
-    size_t last;
-    if (record_series_last(directory, &last, NULL) == WEFT_OK) {
-        result.frames = last + 1;
-    }
+    record_series_row *rows;
+    (void)record_series_rows(directory, &rows, &result.frames, NULL);
+    free(rows);
     if (weft_sweep_scene(run->scene->sweep, run->number, &scene, NULL) == WEFT_OK) {
         result.planned = weft_run_last_frame(weft_scene_run(scene)) + 1;
         weft_scene_destroy(scene);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* batch_show.c -- a table that moves on a terminal, a line a run in a pipe. */
-#include <string.h>
 #include <unistd.h>
 
 #include "base/clock.h"

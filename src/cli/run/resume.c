@@ -2,7 +2,6 @@
 /* resume.c -- weft resume: runs that were killed or interrupted, taken up again at
  * their last checkpoint. All that is there is checked before anything is written. */
 #include <inttypes.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -36,13 +35,6 @@ static weft_status check_identity(const char *directory, const record_checkpoint
 
 /* ---- one directory ------------------------------------------------------------ */
 
-static bool has(const char *directory, const char *name)
-{
-    char path[RECORD_PATH];
-    return record_path(directory, name, path, NULL) == WEFT_OK
-           && access(path, F_OK) == 0;
-}
-
 /* Whether its result.yaml says so. */
 static bool ended_as(const char *directory, const char *status)
 {
@@ -61,8 +53,8 @@ int resume_scene(const options *given, const char *directory, const weft_scene *
     weft_error err = { 0 };
     record_checkpoint from = { 0 };
     options own = *given;
-    own.frames = has(directory, "frames/frame-000000.obj") ? "obj" : NULL;
-    const bool begun = has(directory, RECORD_CHECKPOINT);
+    own.frames = record_exists(directory, "frames/frame-000000.obj") ? "obj" : NULL;
+    const bool begun = record_exists(directory, RECORD_CHECKPOINT);
     if (begun) {
         weft_status status = record_checkpoint_read(directory, &from, &err);
         if (status == WEFT_OK) {
@@ -118,7 +110,7 @@ static int resume_directory(const options *given, const char *directory)
 {
     int lock = -1;
     weft_error err = { 0 };
-    if (!has(directory, "scene.yaml")) {
+    if (!record_exists(directory, "scene.yaml")) {
         weft_error_set(&err, WEFT_IO, "%s: no scene.yaml: this is no run", directory);
         return report_error(&err);
     }

@@ -3,7 +3,6 @@
 #include "cli/run/summary.h"
 
 #include <string.h>
-#include <unistd.h>
 
 #include "cli/human.h"
 #include "record/yaml_out.h"
@@ -132,11 +131,10 @@ static void print_limit(const summary *self)
 
 static void print_files(const summary *self)
 {
-    char path[RECORD_PATH], names[200] = "";
+    char names[200] = "";
     size_t used = 0;
     for (size_t i = 0; record_names[i] != NULL; ++i) {
-        if (record_path(self->directory, record_names[i], path, NULL) == WEFT_OK
-            && access(path, F_OK) == 0) {
+        if (record_exists(self->directory, record_names[i])) {
             used += (size_t)snprintf(names + used, sizeof names - used, "%s %s",
                                      used == 0 ? ":" : "", record_names[i]);
         }
