@@ -24,8 +24,9 @@ static void run_scene(const char *precision)
     for (size_t i = 0; i <= LAST; ++i) {
         times[i] = read->times[i];
         ck_assert_int_eq(record_frames_positions(read, i, frames[i], &err), WEFT_OK);
-        ck_assert_int_eq(record_frames_velocities(read, i, velocities[i], &err),
-                         WEFT_OK);
+        ck_assert_int_eq(
+            record_frames_field(read, WEFT_RECORD_VELOCITY, i, velocities[i], &err),
+            WEFT_OK);
     }
     record_frames_close(read);
 }

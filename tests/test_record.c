@@ -105,8 +105,10 @@ static void same_frame(record_frames *frames, size_t at, size_t i, bool doubles)
     ck_assert(frames->times[at] == given.time[i]);
     ck_assert_uint_eq((size_t)frames->numbers[at], i);
     ck_assert_int_eq(record_frames_positions(frames, at, x, NULL), WEFT_OK);
-    ck_assert_int_eq(record_frames_velocities(frames, at, v, NULL), WEFT_OK);
-    ck_assert_int_eq(record_frames_strain(frames, at, strain, NULL), WEFT_OK);
+    ck_assert_int_eq(record_frames_field(frames, WEFT_RECORD_VELOCITY, at, v, NULL),
+                     WEFT_OK);
+    ck_assert_int_eq(record_frames_field(frames, WEFT_RECORD_STRAIN, at, strain, NULL),
+                     WEFT_OK);
     same_values(x, given.x[i], 3 * N, doubles);
     same_values(v, given.v[i], 3 * N, doubles);
     same_values(strain, given.strain[i], N, doubles);
@@ -171,9 +173,10 @@ START_TEST(a_field_not_recorded_is_told_apart_from_damage)
     record_frames *frames = open_frames(OUT "/r");
     ck_assert_int_eq(record_frames_positions(frames, LAST, values, &err), WEFT_OK);
     same_values(values, given.x[LAST], 3 * N, false);
-    ck_assert_int_eq(record_frames_velocities(frames, 0, values, &err),
+    ck_assert_int_eq(record_frames_field(frames, WEFT_RECORD_VELOCITY, 0, values, &err),
                      WEFT_UNSUPPORTED);
-    ck_assert_int_eq(record_frames_strain(frames, 0, values, &err), WEFT_UNSUPPORTED);
+    ck_assert_int_eq(record_frames_field(frames, WEFT_RECORD_STRAIN, 0, values, &err),
+                     WEFT_UNSUPPORTED);
     ck_assert_ptr_nonnull(strstr(err.message, "record.fields"));
     ck_assert(frames->pinned == NULL);
     record_frames_close(frames);
@@ -234,10 +237,12 @@ static bool is_refused(size_t size)
         /* the header may tell of another grid by now */
         ck_assert_uint_eq(frames->rows * frames->cols, N);
         status = record_frames_positions(frames, i, values, &err);
-        status = status == WEFT_OK ? record_frames_velocities(frames, i, values, &err)
+        status = status == WEFT_OK ? record_frames_field(frames, WEFT_RECORD_VELOCITY,
+                                                         i, values, &err)
                                    : status;
-        status = status == WEFT_OK ? record_frames_strain(frames, i, values, &err)
-                                   : status;
+        status = status == WEFT_OK
+                     ? record_frames_field(frames, WEFT_RECORD_STRAIN, i, values, &err)
+                     : status;
     }
     record_frames_close(frames);
     if (status != WEFT_OK) {

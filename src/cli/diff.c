@@ -49,10 +49,9 @@ static const struct {
     const char *name;
     weft_record_field field;
     size_t width;
-    weft_status (*read)(record_frames *, size_t, double *, weft_error *);
 } fields[] = {
-    { "velocities", WEFT_RECORD_VELOCITY, 3, record_frames_velocities },
-    { "strain", WEFT_RECORD_STRAIN, 1, record_frames_strain },
+    { "velocities", WEFT_RECORD_VELOCITY, 3 },
+    { "strain", WEFT_RECORD_STRAIN, 1 },
 };
 
 enum { FIELDS = sizeof fields / sizeof fields[0] };
@@ -190,9 +189,10 @@ static weft_status compare_fields(comparison *self, size_t i, size_t j, const ga
     weft_status status = WEFT_OK;
     for (size_t k = 0; status == WEFT_OK && self->field == NULL && k < FIELDS; ++k) {
         if (both_have_field(self, k)) {
-            status = fields[k].read(a->frames, i, a->x, err);
-            status
-                = status == WEFT_OK ? fields[k].read(b->frames, j, b->x, err) : status;
+            status = record_frames_field(a->frames, fields[k].field, i, a->x, err);
+            status = status == WEFT_OK
+                         ? record_frames_field(b->frames, fields[k].field, j, b->x, err)
+                         : status;
             if (status == WEFT_OK && !are_equal(self, fields[k].width * n)) {
                 self->field = fields[k].name;
                 self->other = *here;

@@ -36,14 +36,15 @@ static const export_format formats[] = {
 typedef struct export_job {
     const char *directory;
     const export_format *format;
-    size_t rows, cols, count;  /* count of frames there are */
+    size_t n, count;           /* particles; frames there are */
     record_frames *frames;     /* NULL: they are computed anew with the following */
     record_series_row *series; /* count of them: what the run had */
     weft_scene *scene;
     weft_cloth *cloth;
     weft_sim *sim;
-    size_t first, last; /* wanted, as indices below count */
-    double *values;     /* 7 N: positions, velocities, strains */
+    size_t first, last;     /* wanted, as indices below count */
+    double *values;         /* 7 N: positions, velocities, strains */
+    record_surface surface; /* of values: of one frame */
     record_file movie;
 } export_job;
 
@@ -72,8 +73,9 @@ static void print_files(const export_job *job)
 }
 
 static weft_status write_frame(export_job *job, size_t number, double time,
-                               const record_surface *surface, weft_error *err)
+                               weft_error *err)
 {
+    const record_surface *surface = &job->surface;
     char name[64] = "";
     weft_status status = WEFT_OK;
     if (job->format->write != NULL) {
@@ -90,29 +92,21 @@ static weft_status write_frame(export_job *job, size_t number, double time,
 
 static weft_status read_frames(export_job *job, weft_error *err)
 {
-    const size_t n = job->rows * job->cols;
-    const bool velocity = job->frames->fields[WEFT_RECORD_VELOCITY];
-    const bool strain = job->frames->fields[WEFT_RECORD_STRAIN];
-    const record_surface surface = {
-        .rows = job->rows,
-        .cols = job->cols,
-        .position = job->values,
-        .velocity = velocity ? job->values + 3 * n : NULL,
-        .strain = strain ? job->values + 6 * n : NULL,
-        .doubles = job->frames->doubles,
-    };
+    double *velocity = job->values + 3 * job->n, *strain = job->values + 6 * job->n;
     weft_status status = WEFT_OK;
     for (size_t i = job->first; status == WEFT_OK && i <= job->last; ++i) {
         status = record_frames_positions(job->frames, i, job->values, err);
-        if (status == WEFT_OK && velocity) {
-            status = record_frames_velocities(job->frames, i, job->values + 3 * n, err);
+        if (status == WEFT_OK && job->surface.velocity != NULL) {
+            status = record_frames_field(job->frames, WEFT_RECORD_VELOCITY, i, velocity,
+                                         err);
         }
-        if (status == WEFT_OK && strain) {
-            status = record_frames_strain(job->frames, i, job->values + 6 * n, err);
+        if (status == WEFT_OK && job->surface.strain != NULL) {
+            status
+                = record_frames_field(job->frames, WEFT_RECORD_STRAIN, i, strain, err);
         }
         if (status == WEFT_OK) {
             status = write_frame(job, (size_t)job->frames->numbers[i],
-                                 job->frames->times[i], &surface, err);
+                                 job->frames->times[i], err);
         }
     }
     return status;
@@ -137,25 +131,15 @@ static weft_status check_hash(const export_job *job, size_t index, weft_error *e
 static weft_status on_frame(void *ctx, size_t index, weft_error *err)
 {
     export_job *job = ctx;
-    const size_t n = job->rows * job->cols;
-    const record_surface surface = {
-        .rows = job->rows,
-        .cols = job->cols,
-        .position = job->values,
-        .velocity = job->values + 3 * n,
-        .strain = job->values + 6 * n,
-        .doubles = true,
-    };
     if (index < job->first) {
         return WEFT_OK;
     }
     weft_sim_positions(job->sim, job->values);
-    weft_sim_velocities(job->sim, job->values + 3 * n);
-    weft_cloth_strains(job->cloth, weft_sim_state(job->sim), job->values + 6 * n);
+    weft_sim_velocities(job->sim, job->values + 3 * job->n);
+    weft_cloth_strains(job->cloth, weft_sim_state(job->sim), job->values + 6 * job->n);
     const weft_status status = check_hash(job, index, err);
-    return status == WEFT_OK
-               ? write_frame(job, index, weft_sim_time(job->sim), &surface, err)
-               : status;
+    return status == WEFT_OK ? write_frame(job, index, weft_sim_time(job->sim), err)
+                             : status;
 }
 
 static weft_status compute_frames(export_job *job, weft_error *err)
@@ -200,7 +184,6 @@ static double time_of(const export_job *job, size_t i)
 
 static weft_status begin_movie(export_job *job, weft_error *err)
 {
-    const size_t n = job->rows * job->cols;
     double *times = malloc(job->count * sizeof *times);
     char name[16];
     if (times == NULL) {
@@ -212,7 +195,7 @@ static weft_status begin_movie(export_job *job, weft_error *err)
     (void)snprintf(name, sizeof name, "run.%s", job->format->name);
     const weft_status status = record_file_open(&job->movie, job->directory, name, err);
     if (status == WEFT_OK) {
-        job->format->movie->begin(job->movie.stream, times, job->count, n);
+        job->format->movie->begin(job->movie.stream, times, job->count, job->n);
     }
     free(times);
     return status;
@@ -221,15 +204,13 @@ static weft_status begin_movie(export_job *job, weft_error *err)
 /* The pose that a cache moves: the same particles, where they rest. */
 static weft_status write_rest(export_job *job, weft_error *err)
 {
-    const record_surface surface
-        = { .rows = job->rows, .cols = job->cols, .position = job->values };
     if (job->frames == NULL) {
         weft_cloth_rest(job->cloth, job->values);
     } else {
-        memcpy(job->values, job->frames->rest,
-               3 * job->rows * job->cols * sizeof *job->values);
+        memcpy(job->values, job->frames->rest, 3 * job->n * sizeof *job->values);
     }
-    const weft_status status = record_obj(job->directory, "rest.obj", &surface, err);
+    const weft_status status
+        = record_obj(job->directory, "rest.obj", &job->surface, err);
     if (status == WEFT_OK) {
         printf("%s/rest.obj\n", job->directory);
     }
@@ -251,7 +232,9 @@ static weft_status export_movie(export_job *job, weft_error *err)
         record_file_discard(&job->movie);
         return status;
     }
-    movie->end(job->movie.stream);
+    if (movie->end != NULL) {
+        movie->end(job->movie.stream);
+    }
     status = record_file_commit(&job->movie, err);
     if (status == WEFT_OK) {
         printf("%s\n", job->movie.path);
@@ -261,17 +244,14 @@ static weft_status export_movie(export_job *job, weft_error *err)
 
 static weft_status export_final(const export_job *job, weft_error *err)
 {
-    const size_t n = job->rows * job->cols;
     char name[16];
-    const record_surface surface = {
-        .rows = job->rows,
-        .cols = job->cols,
-        .position = job->values,
-        .velocity = job->values + 3 * n,
-        .doubles = true,
-    };
-    weft_status status = record_final_read(job->directory, job->rows, job->cols,
-                                           job->values, job->values + 3 * n, err);
+    double *velocity = job->values + 3 * job->n;
+    record_surface surface = job->surface;
+    surface.velocity = velocity;
+    surface.strain = NULL;
+    surface.doubles = true;
+    weft_status status = record_final_read(job->directory, surface.rows, surface.cols,
+                                           job->values, velocity, err);
     if (status == WEFT_OK && job->format->write == record_csv) {
         printf("%s/final.csv\n", job->directory); /* it is there already */
     } else if (status == WEFT_OK) {
@@ -344,8 +324,8 @@ static int open_recorded(export_job *job)
     if (record_frames_open(job->directory, &job->frames, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    job->rows = job->frames->rows;
-    job->cols = job->frames->cols;
+    job->surface.rows = job->frames->rows;
+    job->surface.cols = job->frames->cols;
     job->count = job->frames->count;
     return EXIT_DONE;
 }
@@ -367,8 +347,30 @@ static int open_anew(const options *given, export_job *job)
     }
     fprintf(stderr, "%s/run.vtkhdf is missing: frames are computed anew\n",
             job->directory);
-    job->rows = weft_cloth_rows(job->cloth);
-    job->cols = weft_cloth_cols(job->cloth);
+    job->surface.rows = weft_cloth_rows(job->cloth);
+    job->surface.cols = weft_cloth_cols(job->cloth);
+    return EXIT_DONE;
+}
+
+/* Room for one frame. */
+static int make_surface(export_job *job)
+{
+    weft_error err = { 0 };
+    const record_frames *frames = job->frames;
+    job->n = job->surface.rows * job->surface.cols;
+    job->values = malloc(7 * job->n * sizeof *job->values);
+    if (job->values == NULL) {
+        weft_error_set(&err, WEFT_NO_MEMORY, "no memory for a frame");
+        return report_error(&err);
+    }
+    job->surface.position = job->values;
+    if (frames == NULL || frames->fields[WEFT_RECORD_VELOCITY]) {
+        job->surface.velocity = job->values + 3 * job->n;
+    }
+    if (frames == NULL || frames->fields[WEFT_RECORD_STRAIN]) {
+        job->surface.strain = job->values + 6 * job->n;
+    }
+    job->surface.doubles = frames == NULL || frames->doubles;
     return EXIT_DONE;
 }
 
@@ -376,12 +378,8 @@ static int export_run(const options *given, export_job *job)
 {
     int code = record_exists(job->directory, "run.vtkhdf") ? open_recorded(job)
                                                            : open_anew(given, job);
-    if (code == EXIT_DONE) {
-        weft_error err = { 0 };
-        job->values = malloc(7 * job->rows * job->cols * sizeof *job->values);
-        weft_error_set(&err, WEFT_NO_MEMORY, "no memory for a frame");
-        code = job->values == NULL ? report_error(&err) : export_wanted(given, job);
-    }
+    code = code == EXIT_DONE ? make_surface(job) : code;
+    code = code == EXIT_DONE ? export_wanted(given, job) : code;
     free(job->values);
     free(job->series);
     record_frames_close(job->frames);

@@ -277,7 +277,6 @@ static int test_plugin(const char *file, const weft_plugin *plugin, bool all)
         on->printed = printed;
         able = test_method(plugin, on, all, &of);
     }
-    process_memory_free(on, 1, sizeof *on);
     if (printed != NULL) {
         (void)fclose(printed);
     }

@@ -181,10 +181,3 @@ void *process_memory(size_t count, size_t size)
                         MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     return memory == MAP_FAILED ? NULL : memory;
 }
-
-void process_memory_free(void *memory, size_t count, size_t size)
-{
-    if (memory != NULL) {
-        (void)munmap(memory, count * size);
-    }
-}

@@ -52,8 +52,8 @@ typedef struct process_pool {
 /* False: no process could be had for job `started` (errno). */
 bool process_pool_run(process_pool *pool);
 
-/* Zeroed memory that a process shares with its later children; NULL: there is none. */
+/* Zeroed memory that a process shares with its later children, as long as it lives.
+ * NULL: there is none. */
 void *process_memory(size_t count, size_t size);
-void process_memory_free(void *memory, size_t count, size_t size);
 
 #endif

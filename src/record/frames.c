@@ -21,7 +21,7 @@ typedef struct frames_file {
     record_frames seen; /* first: what its reader sees */
     char path[RECORD_PATH];
     hid_t file;
-    hdf_set points, velocity, strain; /* id < 0: not recorded */
+    hdf_set points, fields[WEFT_RECORD_PINNED]; /* id < 0: not recorded */
     size_t n;
 } frames_file;
 
@@ -155,26 +155,26 @@ static const char *load_points(frames_file *self)
 }
 
 /* A field that is not there was not recorded. */
-static const char *load_fields(frames_file *self)
+static bool load_field(frames_file *self, weft_record_field field, const char *path,
+                       size_t width)
 {
     const hid_t type = self->seen.doubles ? H5T_IEEE_F64LE : H5T_IEEE_F32LE;
-    const size_t rows = self->seen.count * self->n;
-    const wanted_set velocity = { "/VTKHDF/PointData/velocity", type, type, rows, 3 };
-    const wanted_set strain = { "/VTKHDF/PointData/strain", type, type, rows, 1 };
+    const wanted_set wanted = { path, type, type, self->seen.count * self->n, width };
+    const bool there = H5Lexists(self->file, path, H5P_DEFAULT) > 0;
+    self->seen.fields[field] = there;
+    self->fields[field] = (hdf_set){ there ? open_set(self, &wanted) : H5I_INVALID_HID,
+                                     self->n, width };
+    return !there || self->fields[field].id >= 0;
+}
+
+static const char *load_fields(frames_file *self)
+{
     const char *pinned = "/VTKHDF/PointData/pinned";
-    if (H5Lexists(self->file, velocity.path, H5P_DEFAULT) > 0) {
-        self->velocity = (hdf_set){ open_set(self, &velocity), self->n, 3 };
-        self->seen.fields[WEFT_RECORD_VELOCITY] = true;
-        if (self->velocity.id < 0) {
-            return "PointData/velocity is wrong";
-        }
+    if (!load_field(self, WEFT_RECORD_VELOCITY, "/VTKHDF/PointData/velocity", 3)) {
+        return "PointData/velocity is wrong";
     }
-    if (H5Lexists(self->file, strain.path, H5P_DEFAULT) > 0) {
-        self->strain = (hdf_set){ open_set(self, &strain), self->n, 1 };
-        self->seen.fields[WEFT_RECORD_STRAIN] = true;
-        if (self->strain.id < 0) {
-            return "PointData/strain is wrong";
-        }
+    if (!load_field(self, WEFT_RECORD_STRAIN, "/VTKHDF/PointData/strain", 1)) {
+        return "PointData/strain is wrong";
     }
     if (H5Lexists(self->file, pinned, H5P_DEFAULT) > 0) {
         self->seen.pinned = read_all(self, pinned, H5T_STD_U8LE, self->n, 1);
@@ -278,18 +278,11 @@ weft_status record_frames_positions(record_frames *frames, size_t i, double *xyz
     return read_frame(self, &self->points, i, xyz, err);
 }
 
-weft_status record_frames_velocities(record_frames *frames, size_t i, double *xyz,
-                                     weft_error *err)
+weft_status record_frames_field(record_frames *frames, weft_record_field field,
+                                size_t i, double *values, weft_error *err)
 {
     const frames_file *self = (frames_file *)frames;
-    return read_frame(self, &self->velocity, i, xyz, err);
-}
-
-weft_status record_frames_strain(record_frames *frames, size_t i, double *strain,
-                                 weft_error *err)
-{
-    const frames_file *self = (frames_file *)frames;
-    return read_frame(self, &self->strain, i, strain, err);
+    return read_frame(self, &self->fields[field], i, values, err);
 }
 
 /* ---- opening ---------------------------------------------------------------- */
@@ -312,8 +305,9 @@ static int read_some(void *ctx, size_t job)
     for (size_t i = 0; values != NULL && i < 2; ++i) {
         const size_t frame = i * (self->seen.count - 1);
         (void)record_frames_positions(&self->seen, frame, values, NULL);
-        (void)record_frames_velocities(&self->seen, frame, values, NULL);
-        (void)record_frames_strain(&self->seen, frame, values, NULL);
+        (void)record_frames_field(&self->seen, WEFT_RECORD_VELOCITY, frame, values,
+                                  NULL);
+        (void)record_frames_field(&self->seen, WEFT_RECORD_STRAIN, frame, values, NULL);
     }
     free(values);
     unload(self);
@@ -365,8 +359,7 @@ weft_status record_frames_open(const char *directory, record_frames **out,
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory to read frames");
     }
     hdf_begin(NULL);
-    self->file = self->points.id = self->velocity.id = self->strain.id
-        = H5I_INVALID_HID;
+    self->file = H5I_INVALID_HID;
     const weft_status status = open_frames(self, directory, err);
     if (status != WEFT_OK) {
         record_frames_close(&self->seen);

@@ -24,14 +24,12 @@ weft_status record_frames_open(const char *directory, record_frames **out,
                                weft_error *err);
 void record_frames_close(record_frames *frames); /* NULL is allowed */
 
-/* x y z of particle 0, x y z of particle 1, ...: 3 N doubles each. Velocities may be
- * absent (record.fields): WEFT_UNSUPPORTED. */
+/* [m] x y z of particle 0, x y z of particle 1, ...: 3 N doubles. */
 weft_status record_frames_positions(record_frames *frames, size_t i, double *xyz,
-                                    weft_error *err); /* [m] */
-weft_status record_frames_velocities(record_frames *frames, size_t i, double *xyz,
-                                     weft_error *err); /* [m/s] */
-/* Largest (L - s) / s of the springs at each particle: N doubles. */
-weft_status record_frames_strain(record_frames *frames, size_t i, double *strain,
-                                 weft_error *err);
+                                    weft_error *err);
+/* Velocities [m/s], 3 N doubles likewise, or the largest strain (L - s) / s of the
+ * springs at each particle, N doubles. WEFT_UNSUPPORTED: not recorded. */
+weft_status record_frames_field(record_frames *frames, weft_record_field field,
+                                size_t i, double *values, weft_error *err);
 
 #endif

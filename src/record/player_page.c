@@ -15,16 +15,14 @@
 #define RUNS_MAX     2
 #define TIME_MATCH   1e-9 /* relative: two frames of the same time */
 
-typedef weft_status field_reader(record_frames *, size_t, double *, weft_error *);
-
 /* What a cloth may be coloured by; a field of width 3 by its length. */
 static const struct field {
     const char *name;
-    field_reader *read;
+    weft_record_field field;
     size_t width;
 } fields[] = {
-    { "strain", record_frames_strain, 1 },
-    { "speed", record_frames_velocities, 3 },
+    { "strain", WEFT_RECORD_STRAIN, 1 },
+    { "speed", WEFT_RECORD_VELOCITY, 3 },
 };
 
 #define FIELDS (sizeof fields / sizeof fields[0])
@@ -108,16 +106,12 @@ static void thin(player_page *self)
              + (blocks > 1 ? (double)page_block_size(1, self->count) : 0.0));
     const double step
         = ceil((double)self->chosen * bytes / (FRAME_BUDGET - 2.0 * bytes));
-    const size_t last = self->chosen - 1;
-    for (size_t i = 0; i < self->chosen; i += (size_t)step) {
+    for (size_t i = 0; i < self->chosen; ++i) {
+        if (i % (size_t)step != 0 && i + 1 < self->chosen) {
+            continue;
+        }
         for (size_t r = 0; r < self->run_count; ++r) {
             self->runs[r].index[self->shown] = self->runs[r].index[i];
-        }
-        ++self->shown;
-    }
-    if (last % (size_t)step != 0) {
-        for (size_t r = 0; r < self->run_count; ++r) {
-            self->runs[r].index[self->shown] = self->runs[r].index[last];
         }
         ++self->shown;
     }
@@ -186,8 +180,8 @@ static weft_status find_fields(player_page *self, weft_error *err)
     for (size_t f = 0; f < FIELDS; ++f) {
         self->present[f] = true;
         for (size_t r = 0; r < self->run_count; ++r) {
-            const weft_status status
-                = fields[f].read(self->runs[r].frames, 0, self->field, err);
+            const weft_status status = record_frames_field(
+                self->runs[r].frames, fields[f].field, 0, self->field, err);
             if (status != WEFT_OK && status != WEFT_UNSUPPORTED) {
                 return status;
             }
@@ -229,7 +223,8 @@ static weft_status write_frame(player_page *self, size_t r, size_t i, weft_error
     }
     for (size_t f = 0; status == WEFT_OK && f < FIELDS; ++f) {
         if (self->present[f]) {
-            status = fields[f].read(frames, index, self->field, err);
+            status
+                = record_frames_field(frames, fields[f].field, index, self->field, err);
             put_field(self, plane++, fields[f].width);
         }
     }
@@ -376,8 +371,7 @@ static weft_status write_page(player_page *self, const char *path, weft_error *e
     status = write_frames(self, err);
     (void)fputs(mark + strlen(PAGE_MARK), file.stream);
     if (status != WEFT_OK) {
-        (void)fclose(file.stream);
-        (void)remove(file.temporary);
+        record_file_discard(&file);
         return status;
     }
     return record_file_commit(&file, err);

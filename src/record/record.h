@@ -43,6 +43,8 @@ weft_status record_no_link(const char *path, weft_error *err);
 weft_status record_file_commit(record_file *file, weft_error *err);
 /* Give it up instead: the place stays untouched. */
 void record_file_discard(record_file *file);
+/* In quotes that are doubled inside (RFC 4180). */
+void record_csv_quoted(FILE *stream, const char *text);
 weft_status record_text(const char *directory, const char *name, const char *text,
                         weft_error *err);
 

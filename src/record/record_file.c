@@ -117,6 +117,15 @@ void record_file_discard(record_file *file)
     (void)remove(file->temporary);
 }
 
+void record_csv_quoted(FILE *stream, const char *text)
+{
+    putc('"', stream);
+    for (; *text != '\0'; ++text) {
+        fputs(*text == '"' ? "\"\"" : (char[]){ *text, '\0' }, stream);
+    }
+    putc('"', stream);
+}
+
 weft_status record_text(const char *directory, const char *name, const char *text,
                         weft_error *err)
 {

@@ -79,6 +79,11 @@ static series_row measure(const record_frame *frame)
     return row;
 }
 
+static weft_status failed(const record_series *series, weft_error *err)
+{
+    return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
+}
+
 static weft_status write_line(record_series *series, const char *line, weft_error *err)
 {
     const size_t length = strlen(line);
@@ -89,7 +94,7 @@ static weft_status write_line(record_series *series, const char *line, weft_erro
     series->extent.length += length;
     (void)fputs(line, series->stream);
     if (ferror(series->stream) || fflush(series->stream) != 0) {
-        return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
+        return failed(series, err);
     }
     return WEFT_OK;
 }
@@ -153,7 +158,7 @@ weft_status record_series_cut(record_series *series, const record_extent *kept,
         && fseek(series->stream, 0, SEEK_END) == 0) {
         return WEFT_OK;
     }
-    return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
+    return failed(series, err);
 }
 
 weft_status record_series_sync(record_series *series, weft_error *err)
@@ -161,7 +166,7 @@ weft_status record_series_sync(record_series *series, weft_error *err)
     const weft_status status = write_line(series, "", err);
     return status != WEFT_OK || fsync(fileno(series->stream)) == 0
                ? status
-               : weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
+               : failed(series, err);
 }
 
 weft_status record_series_add(record_series *series, const record_frame *frame,
@@ -191,7 +196,5 @@ weft_status record_series_close(record_series *series, weft_error *err)
     const weft_status status = write_line(series, "", err);
     const bool closed = fclose(series->stream) == 0;
     series->stream = NULL;
-    return closed || status != WEFT_OK
-               ? status
-               : weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
+    return closed || status != WEFT_OK ? status : failed(series, err);
 }

@@ -40,8 +40,8 @@ static inline void frames_read(record_frames *frames)
         if (record_frames_positions(frames, i, xyz, NULL) == WEFT_OK) {
             HOLDS(isfinite(xyz[0]) && isfinite(xyz[3 * n - 1]));
         }
-        (void)record_frames_velocities(frames, i, xyz, NULL);
-        (void)record_frames_strain(frames, i, xyz, NULL);
+        (void)record_frames_field(frames, WEFT_RECORD_VELOCITY, i, xyz, NULL);
+        (void)record_frames_field(frames, WEFT_RECORD_STRAIN, i, xyz, NULL);
     }
     for (size_t k = 0; k < n; ++k) {
         (void)(frames->pinned != NULL && frames->pinned[k] != 0);

@@ -50,6 +50,8 @@ typedef struct batch {
 } batch;
 
 const char *batch_status_name(batch_status status);
+/* Whether a run has ended by itself or was ended for good, with a result. */
+bool batch_is_over(batch_status status);
 
 /* batch_name.c: the directory of a run: the file's stem, then key=value of what is
  * varied. Of safe characters, at most 120 of them; where a character or the end was
@@ -88,7 +90,6 @@ typedef struct batch_show {
     double began, shown;           /* [s] of the wall clock */
 } batch_show;
 
-void batch_show_begin(batch_show *self);
 void batch_show_ended(batch_show *self, const batch_run *run, double began);
 /* `all`: the processes of the pool. */
 void batch_show_table(batch_show *self, const process *all);

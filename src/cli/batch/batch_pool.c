@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include "base/clock.h"
 #include "cli/batch/batch.h"
@@ -145,9 +146,13 @@ int batch_pool_run(batch *self, batch_run **runs, size_t count)
                       .ended = on_end,
                       .tick = on_tick,
                       .stop = take_signal },
-            .show = { .batch = self, .runs = runs, .planned = count } };
+            .show = { .batch = self,
+                      .runs = runs,
+                      .planned = count,
+                      .quiet = self->given->quiet,
+                      .terminal = !self->given->quiet && isatty(STDERR_FILENO) == 1,
+                      .began = weft__wall_clock() } };
     interrupt_catch();
-    batch_show_begin(&all.show);
     const bool able = process_pool_run(&all.pool);
     const int why = errno;
     batch_show_end(&all.show);

@@ -7,13 +7,6 @@
 
 enum { SHOWN_SLOTS = 16, WIDTH = 79 };
 
-void batch_show_begin(batch_show *self)
-{
-    self->quiet = self->batch->given->quiet;
-    self->terminal = !self->quiet && isatty(STDERR_FILENO) == 1;
-    self->began = weft__wall_clock();
-}
-
 /* Back to the first line of the table. */
 static void erase(batch_show *self)
 {

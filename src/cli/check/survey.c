@@ -6,6 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "cli/method_list.h"
+
 /* RHS calls times particles of a trial, and the steps it is to have at least. */
 #define TRIAL_WORK 1.5e6
 enum { TRIAL_SKIPPED = 3, TRIAL_LEAST = 10 };
@@ -59,57 +61,38 @@ static int compare(const void *first, const void *second)
                         : (b->step > a->step) - (b->step < a->step);
 }
 
-/* Tables of one's own are no method but in the scene that has them. */
-static bool counts(const weft_scene *scene, const weft_stepper_type *type)
+static weft_status add_method(const weft_scene *scene, const stepper_method *m,
+                              survey *out, weft_error *err)
 {
-    return (type->flags & WEFT_STEPPER_BUTCHER) == 0
-           || type == weft_scene_method_type(scene);
+    survey_method *method = &out->methods[out->count++];
+    const weft_status status = stable_step(scene, m->type, &out->modes, method, err);
+    method->plugin = m->plugin;
+    method->per_second
+        = method->step > 0.0 ? calls_per_second(scene, method, method->step) : INFINITY;
+    return status == WEFT_NO_MEMORY ? status : WEFT_OK;
 }
 
-static weft_status add_methods(const weft_scene *scene, const weft_plugin *plugin,
-                               survey *out, weft_error *err)
+static weft_status survey_methods(const weft_scene *scene,
+                                  const weft_registry *registry, survey *out,
+                                  weft_error *err)
 {
-    for (size_t i = 0; plugin->types[i] != NULL; ++i) {
-        const weft_stepper_type *type = plugin->types[i];
-        if (!counts(scene, type)) {
-            continue;
-        }
-        survey_method *method = &out->methods[out->count++];
-        const weft_status status = stable_step(scene, type, &out->modes, method, err);
-        if (status == WEFT_NO_MEMORY) {
-            return status;
-        }
-        method->plugin = plugin;
-        method->per_second = method->step > 0.0
-                                 ? calls_per_second(scene, method, method->step)
-                                 : INFINITY;
-    }
-    return WEFT_OK;
-}
-
-static weft_status survey_methods(const weft_scene *scene, weft_registry *registry,
-                                  survey *out, weft_error *err)
-{
-    size_t room = 0;
-    for (size_t i = 0; i < weft_registry_count(registry); ++i) {
-        const weft_plugin *plugin = weft_registry_at(registry, i);
-        for (size_t m = 0; plugin->types[m] != NULL; ++m) {
-            ++room;
-        }
-    }
+    const weft_stepper_type *own = weft_scene_method_type(scene);
+    stepper_method m;
+    const size_t room = method_count(registry);
     out->methods = calloc(room + 1, sizeof *out->methods);
     if (out->methods == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu methods", room);
     }
     weft_status status = WEFT_OK;
-    for (size_t i = 0; i < weft_registry_count(registry) && status == WEFT_OK; ++i) {
-        status = add_methods(scene, weft_registry_at(registry, i), out, err);
+    for (size_t i = 0; status == WEFT_OK && method_at(registry, i, &m); ++i) {
+        /* tables of one's own are no method but in the scene that has them */
+        if ((m.type->flags & WEFT_STEPPER_BUTCHER) == 0 || m.type == own) {
+            status = add_method(scene, &m, out, err);
+        }
     }
     qsort(out->methods, out->count, sizeof *out->methods, compare);
     for (size_t i = 0; i < out->count; ++i) {
-        if (out->methods[i].type == weft_scene_method_type(scene)) {
-            out->own = &out->methods[i];
-        }
+        out->own = out->methods[i].type == own ? &out->methods[i] : out->own;
     }
     return status;
 }
@@ -165,8 +148,8 @@ static const survey_method *find_rival(const survey *of)
     const survey_method *best = of->own;
     for (size_t i = 0; i < of->count; ++i) {
         const survey_method *other = &of->methods[i];
-        const bool adaptive = (other->type->flags & WEFT_STEPPER_FIXED_ONLY) == 0;
-        if (adaptive && other->step > 0.0 && other->type->order > best->type->order) {
+        if (method_adapts(other->type) && other->step > 0.0
+            && other->type->order > best->type->order) {
             best = other;
         }
     }

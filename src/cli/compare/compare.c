@@ -22,8 +22,7 @@ double compare_time(const compare *self, size_t frame)
     return weft_run_frame_time(&self->run, frame);
 }
 
-/* ---- methods ----------------------------------------------------------------------
- */
+/* ---- methods ---------------------------------------------------------------- */
 
 /* "gsl", "rkf45" or "gsl/rkf45", of `length` letters. */
 static bool is_meant(const stepper_method *m, const char *word, size_t length)
@@ -131,8 +130,7 @@ static weft_status add_methods(compare *self, const weft_registry *registry,
     return status;
 }
 
-/* ---- references and horizon --------------------------------------------------------
- */
+/* ---- references and horizon ------------------------------------------------- */
 
 /* "its process was ended by signal 11" into text; false: it ended well. */
 static bool ended_badly(int status, char *text, size_t size)
@@ -262,8 +260,7 @@ static weft_status make_references(compare *self, weft_error *err)
     return status == WEFT_OK ? find_horizon(self, err) : status;
 }
 
-/* ---- ladders and times --------------------------------------------------------------
- */
+/* ---- ladders and times ------------------------------------------------------ */
 
 static void ladder_ended(void *ctx, const process *one)
 {
@@ -332,24 +329,15 @@ static weft_status compare_all(compare *self, weft_error *err)
     return status == WEFT_OK ? take_times(self, err) : status;
 }
 
-/* ---- the verb -----------------------------------------------------------------------
- */
-
-static size_t shared_size(const weft_registry *registry)
-{
-    stepper_method m;
-    size_t count = 0;
-    while (method_at(registry, count, &m)) {
-        ++count;
-    }
-    return sizeof(compare_shared) + (count + 1) * sizeof(compare_method);
-}
+/* ---- the verb --------------------------------------------------------------- */
 
 static weft_status open_memory(compare *self, const weft_registry *registry,
                                weft_error *err)
 {
     const size_t frames = self->planned + 1, dim = weft_cloth_dim(self->cloth);
-    self->shared = process_memory(1, shared_size(registry));
+    self->shared = process_memory(
+        1,
+        sizeof *self->shared + method_count(registry) * sizeof *self->shared->methods);
     self->frames[0] = process_memory(frames, dim * sizeof(double));
     self->frames[1] = process_memory(frames, dim * sizeof(double));
     self->twin = process_memory(frames, sizeof(double));
@@ -360,16 +348,6 @@ static weft_status open_memory(compare *self, const weft_registry *registry,
     }
     atomic_store(&self->shared->last, self->planned);
     return WEFT_OK;
-}
-
-static void close_memory(compare *self, const weft_registry *registry)
-{
-    const size_t frames = self->planned + 1, dim = weft_cloth_dim(self->cloth);
-    process_memory_free(self->shared, 1, shared_size(registry));
-    process_memory_free(self->frames[0], frames, dim * sizeof(double));
-    process_memory_free(self->frames[1], frames, dim * sizeof(double));
-    process_memory_free(self->twin, frames, sizeof(double));
-    process_memory_free(self->energy, frames, sizeof(double));
 }
 
 static weft_status conclude(const compare *self, const char *directory, weft_error *err)
@@ -411,7 +389,6 @@ static weft_status compare_into(compare *self, const options *given,
         status = status == WEFT_OK ? conclude(self, directory, err) : status;
         compare_end(self, status == WEFT_OK ? NULL : err->message);
     }
-    close_memory(self, given->registry);
     return status;
 }
 

@@ -100,8 +100,7 @@ typedef struct compare {
 double compare_time(const compare *self, size_t frame); /* [s] */
 double compare_decade(size_t k); /* 10^-k, k <= 22: the nearest double */
 
-/* ---- compare_run.c: in a process of their own
- * ---------------------------------------- */
+/* ---- compare_run.c: in a process of their own ------------------------------- */
 
 /* process_def.work. Frames, energies and twin of by[0]; frames of by[1]. */
 int compare_reference(void *self, size_t which);
@@ -110,8 +109,7 @@ int compare_ladder(void *self, size_t i);
 /* [s] a call takes, measured for a moment; 0 if it fails. */
 double compare_call_time(const compare *self, const compare_method *method);
 
-/* ---- compare_advice.c
- * ---------------------------------------------------------------- */
+/* ---- compare_advice.c ------------------------------------------------------- */
 
 /* What a method takes to reach an accuracy: between two points of its ladder along a
  * straight line of logarithms. */
@@ -138,8 +136,7 @@ void compare_say_as_is(const compare *self, char *text, size_t size);
 void compare_say_horizon(const compare *self, char *text, size_t size);
 void compare_say_reference(const compare *self, char *text, size_t size);
 
-/* ---- compare_write.c
- * ----------------------------------------------------------------- */
+/* ---- compare_write.c -------------------------------------------------------- */
 
 /* With --progress yaml: documents before anything is run and after all was. `failed`:
  * why, or NULL. */

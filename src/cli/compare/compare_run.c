@@ -91,12 +91,6 @@ static double farthest(const double *a, const double *b, size_t n, double *squar
     return sqrt(top);
 }
 
-static double total(const weft_energy *energy)
-{
-    return energy->kinetic + energy->gravitational + energy->elastic[0]
-           + energy->elastic[1] + energy->elastic[2];
-}
-
 static weft_status keep(void *ctx, size_t i, weft_error *err)
 {
     compare_trial *of = ctx;
@@ -108,8 +102,7 @@ static weft_status keep(void *ctx, size_t i, weft_error *err)
     if (of->twin == NULL) {
         return WEFT_OK;
     }
-    const weft_energy energy = weft_cloth_energy(self->cloth, y);
-    self->energy[i] = total(&energy);
+    self->energy[i] = record_total_energy(self->cloth, y);
     const weft_status status = weft_sim_advance(of->twin, compare_time(self, i), err);
     if (status == WEFT_OK) {
         self->twin[i] = farthest(y, weft_sim_state(of->twin), n, &square);
@@ -165,8 +158,7 @@ int compare_reference(void *ctx, size_t which)
     return EXIT_DONE;
 }
 
-/* ---- a run against the reference --------------------------------------------------
- */
+/* ---- a run against the reference -------------------------------------------- */
 
 static weft_status judge(void *ctx, size_t i, weft_error *err)
 {
@@ -175,14 +167,13 @@ static weft_status judge(void *ctx, size_t i, weft_error *err)
     compare_point *point = of->point;
     const size_t n = weft_cloth_particles(self->cloth);
     const double *y = weft_sim_state(of->sim), *right = self->frames[0] + i * 6 * n;
-    const weft_energy energy = weft_cloth_energy(self->cloth, y);
+    const double energy = record_total_energy(self->cloth, y);
     double unused = 0.0;
     (void)err;
     point->error = fmax(point->error, farthest(y, right, n, &of->square));
     point->velocity
         = fmax(point->velocity, farthest(y + 3 * n, right + 3 * n, n, &unused));
-    point->energy
-        = fmax(point->energy, fabs(total(&energy) - self->energy[i]) / self->at_play);
+    point->energy = fmax(point->energy, fabs(energy - self->energy[i]) / self->at_play);
     return WEFT_OK;
 }
 
@@ -217,8 +208,7 @@ static void run(const compare *self, const stepper_method *by,
     }
 }
 
-/* ---- ladders ----------------------------------------------------------------------
- */
+/* ---- ladders ---------------------------------------------------------------- */
 
 static void set_rung(const compare *self, const compare_method *method, size_t rung,
                      weft_stepper_config *config, compare_point *point)
@@ -277,8 +267,7 @@ int compare_ladder(void *ctx, size_t i)
     return EXIT_DONE;
 }
 
-/* ---- time -------------------------------------------------------------------------
- */
+/* ---- time ------------------------------------------------------------------- */
 
 /* [s] Of one thread the processor's time, into which no other's work enters. */
 static double work_clock(const compare *self)

@@ -92,6 +92,7 @@ static void add_state(const weft_failure *failure, size_t cols, char *text, size
 {
     const weft_spring *worst = &failure->spring;
     const double *x = failure->position;
+    char spring[SPRING];
     add_line(text, size, "%s at t = %.9g s, last h = %.3g s", failure->reason,
              failure->time, failure->last_step);
     add_line(text, size,
@@ -101,9 +102,8 @@ static void add_state(const weft_failure *failure, size_t cols, char *text, size
     if (worst->p == worst->q) {
         add_line(text, size, "no springs");
     } else {
-        add_line(text, size, "most strained %s spring (%zu, %zu)-(%zu, %zu) at %.3g %%",
-                 weft_family_name(worst->family), worst->p / cols, worst->p % cols,
-                 worst->q / cols, worst->q % cols, 100.0 * worst->strain);
+        add_line(text, size, "most strained %s at %.3g %%",
+                 spring_text(worst, cols, spring), 100.0 * worst->strain);
     }
     add_line(text, size, "energy %.4g J before that step", failure->energy);
 }

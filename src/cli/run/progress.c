@@ -29,21 +29,15 @@ static const char *const choices[]
 
 bool progress_find(const char *name, progress_mode *mode)
 {
-    static const char *const names[] = { [PROGRESS_NONE] = "none",
-                                         [PROGRESS_LINES] = "lines",
-                                         [PROGRESS_TERMINAL] = "terminal",
-                                         [PROGRESS_YAML] = "yaml" };
-    if (name == NULL || strcmp(name, "auto") == 0) {
-        *mode = can_redraw() ? PROGRESS_TERMINAL : PROGRESS_LINES;
-        return true;
+    const progress_mode modes[]
+        = { can_redraw() ? PROGRESS_TERMINAL : PROGRESS_LINES, PROGRESS_LINES,
+            PROGRESS_TERMINAL, PROGRESS_YAML, PROGRESS_NONE };
+    size_t i = 0;
+    while (name != NULL && choices[i] != NULL && strcmp(choices[i], name) != 0) {
+        ++i;
     }
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
-        if (strcmp(names[i], name) == 0) {
-            *mode = (progress_mode)i;
-            return true;
-        }
-    }
-    return false;
+    *mode = modes[choices[i] == NULL ? 0 : i];
+    return choices[i] != NULL;
 }
 
 int progress_choose(const verb *self, const options *given, progress_mode *mode)
@@ -158,8 +152,7 @@ static void write_yaml(const progress *show, const progress_place *at)
     yaml_out out;
     const weft_stepper_stats stats = weft_sim_stats(at->sim);
     const double left = at->duration - weft_sim_time(at->sim);
-    yaml_out_begin_line(&out, stdout);
-    yaml_out_plain(&out, "event", "progress");
+    yaml_out_begin_event(&out, "progress");
     yaml_out_plain(&out, "frame", "%zu", at->frame);
     yaml_out_real(&out, "time", weft_sim_time(at->sim));
     yaml_out_plain(&out, "steps", "%" PRIu64, stats.steps);
@@ -170,8 +163,7 @@ static void write_yaml(const progress *show, const progress_place *at)
         yaml_out_plain(&out, "steps_per_second", "%.0f", show->rate);
         yaml_out_plain(&out, "eta", "%.1f", left / show->speed);
     }
-    (void)yaml_out_end(&out);
-    (void)fflush(stdout);
+    yaml_out_end_event(&out);
 }
 
 void progress_show(progress *show, const progress_place *at)
@@ -196,11 +188,9 @@ void progress_count(progress *show, const char *what, size_t done, size_t all)
         return;
     }
     if (show->mode == PROGRESS_YAML) {
-        yaml_out_begin_line(&out, stdout);
-        yaml_out_plain(&out, "event", "progress");
+        yaml_out_begin_event(&out, "progress");
         yaml_out_plain(&out, what, "%zu", done);
-        (void)yaml_out_end(&out);
-        (void)fflush(stdout);
+        yaml_out_end_event(&out);
     } else {
         (void)snprintf(line, sizeof line, "%zu of %zu %s", done, all, what);
         put_line(show, line);

@@ -38,14 +38,8 @@ static weft_status check_identity(const char *directory, const record_checkpoint
 /* Whether its result.yaml says so. */
 static bool ended_as(const char *directory, const char *status)
 {
-    yaml_document_t result;
-    if (!record_result_open(directory, &result)) {
-        return false;
-    }
-    const char *said = record_result_value(&result, "status");
-    const bool same = said != NULL && strcmp(said, status) == 0;
-    yaml_document_delete(&result);
-    return same;
+    char said[RECORD_RESULT_TEXT];
+    return strcmp(record_result_get(directory, "status", said), status) == 0;
 }
 
 int resume_scene(const options *given, const char *directory, const weft_scene *scene)

@@ -7,21 +7,16 @@
 
 #include "base/clock.h"
 #include "cli/check/stable_steps.h"
+#include "cli/human.h"
 #include "cli/run/run.h"
 #include "record/export/export.h"
-
-static void print_spring(const run *self, const weft_spring *spring)
-{
-    const size_t cols = weft_cloth_cols(self->cloth);
-    fprintf(stderr, "%s spring (%zu, %zu)-(%zu, %zu) is at %.3g %%\n",
-            weft_family_name(spring->family), spring->p / cols, spring->p % cols,
-            spring->q / cols, spring->q % cols, 100.0 * spring->strain);
-}
 
 /* Each at most once a run, also when quiet. */
 static void warn_of_limit(run *self)
 {
+    char spring[SPRING];
     const weft_spring worst = weft_sim_limit_worst(self->sim);
+    (void)spring_text(&worst, weft_cloth_cols(self->cloth), spring);
     const weft_limit_stats stats = weft_sim_limit_stats(self->sim);
     const size_t held = weft_sim_limit_held(self->sim);
     if ((stats.unconverged > 0 && !self->told_unconverged)
@@ -30,18 +25,18 @@ static void warn_of_limit(run *self)
     }
     if (stats.unconverged > 0 && !self->told_unconverged) {
         self->told_unconverged = true;
-        fprintf(stderr,
-                "weft: warning: limit: not met within limit.sweeps by t = %.6g s; ",
-                weft_sim_time(self->sim));
-        print_spring(self, &worst);
+        fprintf(
+            stderr,
+            "weft: warning: limit: not met within limit.sweeps by t = %.6g s; %s is "
+            "at %.3g %%\n",
+            weft_sim_time(self->sim), spring, 100.0 * worst.strain);
     }
     if (held > 0 && !self->told_held) {
         self->told_held = true;
         fprintf(stderr,
                 "weft: warning: limit: %zu springs with both ends pinned are too long "
-                "at t = %.6g s and cannot be corrected; ",
-                held, weft_sim_time(self->sim));
-        print_spring(self, &worst);
+                "at t = %.6g s and cannot be corrected; %s is at %.3g %%\n",
+                held, weft_sim_time(self->sim), spring, 100.0 * worst.strain);
     }
 }
 
@@ -93,8 +88,12 @@ static void show_progress(run *self)
     progress_show(&self->progress, &at);
 }
 
-static weft_status write_frame(run *self, size_t index, weft_error *err)
+/* ---- the frame loop: it has lent the records, and these take them ------------- */
+
+static weft_status on_frame(void *ctx, size_t index, weft_error *err)
 {
+    run *self = ctx;
+    interrupt_take(&self->watch);
     const weft_limit_stats limit = weft_sim_limit_stats(self->sim);
     const record_frame frame = { .index = index,
                                  .sim = self->sim,
@@ -114,16 +113,6 @@ static weft_status write_frame(run *self, size_t index, weft_error *err)
         summary_frame(&self->summary, &self->series.worst);
         show_progress(self);
     }
-    return status;
-}
-
-/* ---- the frame loop: it has lent the records, and these take them ------------- */
-
-static weft_status on_frame(void *ctx, size_t index, weft_error *err)
-{
-    run *self = ctx;
-    interrupt_take(&self->watch);
-    const weft_status status = write_frame(self, index, err);
     interrupt_lend(&self->watch);
     return status;
 }
