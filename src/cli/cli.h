@@ -70,6 +70,9 @@ extern const verb verb_run, verb_resume, verb_batch, verb_check, verb_steppers,
  * exit code. */
 int verb_start(const verb *self, int argc, char **argv);
 
+/* The number that is all of the text, or NAN. */
+double option_real(const char *text);
+
 /* "weft run: <text>" and a hint at --help, to stderr; returns EXIT_USAGE. */
 WEFT_PRINTF(2, 3) int usage_error(const verb *self, const char *format, ...);
 

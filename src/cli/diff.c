@@ -97,9 +97,7 @@ static weft_status prepare(comparison *self, weft_error *err)
 static weft_status open_both(comparison *self, weft_error *err)
 {
     weft_status status = open_side(&self->side[0], err);
-    if (status == WEFT_OK) {
-        status = open_side(&self->side[1], err);
-    }
+    status = status == WEFT_OK ? open_side(&self->side[1], err) : status;
     if (status == WEFT_OK && both_have_frames(self)) {
         return prepare(self, err);
     }
@@ -415,23 +413,14 @@ static int diff_runs(char *const *directories, double tolerance)
     return code;
 }
 
-/* Metres; < 0: not a tolerance. */
-static double parse_tolerance(const char *text)
-{
-    char *end;
-    const double value = strtod(text, &end);
-    return end != text && *end == '\0' && value >= 0.0 && isfinite(value) ? value
-                                                                          : -1.0;
-}
-
 static int diff_verb(const options *given)
 {
     const double tolerance
-        = given->tolerance == NULL ? -1.0 : parse_tolerance(given->tolerance);
+        = given->tolerance == NULL ? -1.0 : option_real(given->tolerance);
     if (given->operand_count != 2) {
         return usage_error(&verb_diff, "needs the directories of two runs");
     }
-    if (given->tolerance != NULL && tolerance < 0.0) {
+    if (given->tolerance != NULL && !(tolerance >= 0.0 && isfinite(tolerance))) {
         return usage_error(&verb_diff, "--tol %s: must be a number >= 0 [m]",
                            given->tolerance);
     }

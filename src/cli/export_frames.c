@@ -221,9 +221,7 @@ static weft_status export_movie(export_job *job, weft_error *err)
 {
     const record_movie *movie = job->format->movie;
     weft_status status = job->format->rest ? write_rest(job, err) : WEFT_OK;
-    if (status == WEFT_OK) {
-        status = begin_movie(job, err);
-    }
+    status = status == WEFT_OK ? begin_movie(job, err) : status;
     if (status != WEFT_OK) {
         return status;
     }

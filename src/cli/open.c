@@ -99,48 +99,39 @@ static void print_found(const weft_diagnostics *found)
     }
 }
 
-static weft_scene_def scene_def(const char *file, const options *given)
-{
-    weft_scene_def def = weft_scene_def_default();
-    def.file = file;
-    def.sets = given->sets;
-    def.set_count = given->set_count;
-    def.find_plugin = find_plugin;
-    def.find_ctx = given->registry;
-    return def;
-}
-
 /* One of the two is wanted; the other is NULL. */
-static int open_either(const weft_scene_def *def, weft_scene **scene,
+static int open_either(const char *file, const options *given, weft_scene **scene,
                        weft_sweep **sweep)
 {
     weft_error err = { 0 };
+    weft_scene_def def = weft_scene_def_default();
     weft_diagnostics *found = calloc(1, sizeof *found);
     if (found == NULL) {
         weft_error_set(&err, WEFT_NO_MEMORY, "out of memory");
         return report_error(&err);
     }
-    const weft_status status = sweep == NULL ? weft_scene_load(def, scene, found, &err)
-                                             : weft_sweep_load(def, sweep, found, &err);
+    def.file = file;
+    def.sets = given->sets;
+    def.set_count = given->set_count;
+    def.find_plugin = find_plugin;
+    def.find_ctx = given->registry;
+    const weft_status status = sweep == NULL
+                                   ? weft_scene_load(&def, scene, found, &err)
+                                   : weft_sweep_load(&def, sweep, found, &err);
     print_found(found);
     const bool told = found->errors > 0;
     free(found);
-    if (status == WEFT_OK) {
-        return EXIT_DONE;
-    }
-    return told ? EXIT_SCENE : report_error(&err);
+    return status == WEFT_OK ? EXIT_DONE : told ? EXIT_SCENE : report_error(&err);
 }
 
 int open_scene(const char *file, const options *given, weft_scene **scene)
 {
-    const weft_scene_def def = scene_def(file, given);
-    return open_either(&def, scene, NULL);
+    return open_either(file, given, scene, NULL);
 }
 
 int open_sweep(const char *file, const options *given, weft_sweep **sweep)
 {
-    const weft_scene_def def = scene_def(file, given);
-    return open_either(&def, NULL, sweep);
+    return open_either(file, given, NULL, sweep);
 }
 
 const char *out_directory(const options *given, const char *suffix,

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* options.c -- the command line of a verb. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,6 +19,13 @@ int usage_error(const verb *self, const char *format, ...)
     fprintf(stderr, "\n'weft %s --help' shows how it is used\n", self->name);
     va_end(args);
     return EXIT_USAGE;
+}
+
+double option_real(const char *text)
+{
+    char *end;
+    const double value = strtod(text, &end);
+    return end != text && *end == '\0' ? value : (double)NAN;
 }
 
 /* 0: not a number of jobs. */

@@ -283,33 +283,22 @@ static int test_plugin(const char *file, const weft_plugin *plugin, bool all)
     return able ? print_tally(file, &of) : EXIT_FILE;
 }
 
-static int test_file(const char *file, bool all)
+static int plugin_test_verb(const options *given)
 {
     weft_error err = { 0 };
-    weft_registry *registry = NULL;
-    const weft_registry_def def = { .admit = admit_plugin };
+    const char *file = given->operands[0];
+    if (given->operand_count != 1) {
+        return usage_error(&verb_plugin_test, "takes one file, weft-ID.so");
+    }
     if (access(file, R_OK) != 0) {
         weft_error_set(&err, WEFT_IO, "%s: %s", file, strerror(errno));
         return report_error(&err);
     }
-    if (weft_registry_create(&def, &registry, &err) != WEFT_OK) {
-        return report_error(&err);
-    }
-    int code = EXIT_SIMULATION;
-    if (weft_registry_load(registry, file, &err) != WEFT_OK) {
+    if (weft_registry_load(given->registry, file, &err) != WEFT_OK) {
         printf("FAIL %s\n", err.message);
-    } else {
-        code = test_plugin(file, weft_registry_at(registry, 0), all);
+        return EXIT_SIMULATION;
     }
-    weft_registry_destroy(registry);
-    return code;
-}
-
-static int plugin_test_verb(const options *given)
-{
-    return given->operand_count == 1
-               ? test_file(given->operands[0], given->all)
-               : usage_error(&verb_plugin_test, "takes one file, weft-ID.so");
+    return test_plugin(file, weft_registry_at(given->registry, 0), given->all);
 }
 
 const verb verb_plugin_test = {

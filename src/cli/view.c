@@ -47,9 +47,7 @@ int view_runs(const char *const *directories, size_t count, const char *out, boo
                              path, &err);
         out = path;
     }
-    if (status == WEFT_OK) {
-        status = record_player(directories, count, out, &err);
-    }
+    status = status == WEFT_OK ? record_player(directories, count, out, &err) : status;
     if (status != WEFT_OK) {
         const int code = report_error(&err);
         return status == WEFT_INVALID ? EXIT_USAGE : code;

@@ -108,13 +108,6 @@ static void write_run(yaml_out *out, const weft_run_def *run)
     yaml_out_close_map(out);
 }
 
-static void write_record(yaml_out *out, const weft_record_def *record)
-{
-    yaml_out_map(out, "record");
-    yaml_out_plain(out, "ledger", record->ledger ? "true" : "false");
-    yaml_out_close_map(out);
-}
-
 static weft_status commit(bool good, record_file *file, weft_error *err)
 {
     if (!good) {
@@ -143,7 +136,9 @@ weft_status record_manifest(const char *directory, const weft_scene *scene,
     write_cloth(&out, weft_sim_cloth(sim));
     write_limit_def(&out, weft_scene_limit(scene));
     write_run(&out, weft_scene_run(scene));
-    write_record(&out, weft_scene_record(scene));
+    yaml_out_map(&out, "record");
+    yaml_out_plain(&out, "ledger", weft_scene_record(scene)->ledger ? "true" : "false");
+    yaml_out_close_map(&out);
     return commit(yaml_out_end(&out), &file, err);
 }
 

@@ -40,9 +40,8 @@ static int take_options(batch *self)
     }
     self->jobs = given->jobs > 0 ? given->jobs : self->jobs;
     if (given->timeout != NULL) {
-        char *stop;
-        self->timeout = strtod(given->timeout, &stop);
-        if (*stop != '\0' || !(self->timeout > 0.0) || !isfinite(self->timeout)) {
+        self->timeout = option_real(given->timeout);
+        if (!(self->timeout > 0.0) || !isfinite(self->timeout)) {
             return usage_error(&verb_batch, "--timeout %s: not a number of seconds > 0",
                                given->timeout);
         }

@@ -355,9 +355,7 @@ static weft_status conclude(const compare *self, const char *directory, weft_err
     compare_advice advice;
     compare_advise(self, &advice);
     weft_status status = compare_csv(self, directory, err);
-    if (status == WEFT_OK) {
-        status = compare_html(self, &advice, directory, err);
-    }
+    status = status == WEFT_OK ? compare_html(self, &advice, directory, err) : status;
     if (status == WEFT_OK && !self->quiet && self->progress.mode != PROGRESS_YAML) {
         compare_print(self, &advice);
         printf("written: %s/compare.csv, %s/compare.html\n", directory, directory);
@@ -436,15 +434,15 @@ static int open_and_compare(const options *given, double until)
 
 static int compare_verb(const options *given)
 {
-    char *end = NULL;
     progress_mode mode;
-    const double until = given->until == NULL ? INFINITY : strtod(given->until, &end);
+    const double until
+        = given->until == NULL ? (double)INFINITY : option_real(given->until);
     if (given->operand_count != 1) {
         return usage_error(&verb_compare, given->operand_count == 0
                                               ? "no scene given"
                                               : "more than one scene");
     }
-    if (!(until > 0.0) || (end != NULL && *end != '\0')) {
+    if (!(until > 0.0)) {
         return usage_error(&verb_compare, "--until %s: not a time [s] > 0",
                            given->until);
     }

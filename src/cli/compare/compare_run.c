@@ -148,9 +148,7 @@ int compare_reference(void *ctx, size_t which)
         status = create(self, &self->by[which], &config, &of.twin, err);
         status = status == WEFT_OK ? nudge(of.twin, err) : status;
     }
-    if (status == WEFT_OK) {
-        status = play(&of, frames, err);
-    }
+    status = status == WEFT_OK ? play(&of, frames, err) : status;
     self->shared->status[which] = status == WEFT_STOPPED ? WEFT_OK : status;
     self->shared->calls[which] = point.calls;
     weft_sim_destroy(of.sim);

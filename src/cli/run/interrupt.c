@@ -133,16 +133,12 @@ void interrupt_begin(interrupt_watch *self, void (*give_up)(void *ctx), void *ct
 
 void interrupt_lend(interrupt_watch *self)
 {
-    if (self != NULL) {
-        (void)pthread_mutex_unlock(&self->records);
-    }
+    (void)pthread_mutex_unlock(&self->records);
 }
 
 void interrupt_take(interrupt_watch *self)
 {
-    if (self != NULL) {
-        (void)pthread_mutex_lock(&self->records);
-    }
+    (void)pthread_mutex_lock(&self->records);
 }
 
 void interrupt_end(interrupt_watch *self)

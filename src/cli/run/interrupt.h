@@ -34,8 +34,8 @@ typedef struct interrupt_watch {
 } interrupt_watch;
 
 void interrupt_begin(interrupt_watch *self, void (*give_up)(void *ctx), void *ctx);
-void interrupt_lend(interrupt_watch *self); /* NULL is allowed */
-void interrupt_take(interrupt_watch *self); /* likewise */
+void interrupt_lend(interrupt_watch *self);
+void interrupt_take(interrupt_watch *self);
 void interrupt_end(interrupt_watch *self);
 
 #endif

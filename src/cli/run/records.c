@@ -154,9 +154,7 @@ static weft_status look_at_records(run *self, weft_error *err)
 static weft_status cut_records(run *self, weft_error *err)
 {
     weft_status status = write_manifest(self, err);
-    if (status == WEFT_OK) {
-        status = record_vtkhdf_cut(self->frames, err);
-    }
+    status = status == WEFT_OK ? record_vtkhdf_cut(self->frames, err) : status;
     return status == WEFT_OK
                ? record_series_cut(&self->series, &self->from->series, err)
                : status;

@@ -79,15 +79,6 @@ static weft_status write_frame_obj(const run *self, size_t index, weft_error *er
     return status == WEFT_OK ? write_state(self, name, record_obj, err) : status;
 }
 
-static void show_progress(run *self)
-{
-    const progress_place at = { .frame = self->result.frames - 1,
-                                .last = self->result.planned - 1,
-                                .sim = self->sim,
-                                .duration = weft_scene_run(self->scene)->duration };
-    progress_show(&self->progress, &at);
-}
-
 /* ---- the frame loop: it has lent the records, and these take them ------------- */
 
 static weft_status on_frame(void *ctx, size_t index, weft_error *err)
@@ -102,16 +93,14 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
     warn_of_limit(self);
     /* The row first: run.vtkhdf never has a frame that the series has not. */
     weft_status status = record_series_add(&self->series, &frame, err);
-    if (status == WEFT_OK) {
-        status = record_vtkhdf_add(self->frames, &frame, err);
-    }
+    status = status == WEFT_OK ? record_vtkhdf_add(self->frames, &frame, err) : status;
     if (status == WEFT_OK && self->obj) {
         status = write_frame_obj(self, index, err);
     }
     if (status == WEFT_OK) {
         self->result.frames = index + 1;
         summary_frame(&self->summary, &self->series.worst);
-        show_progress(self);
+        progress_show(&self->progress, self->result.frames - 1);
     }
     interrupt_lend(&self->watch);
     return status;
@@ -132,7 +121,7 @@ static bool on_step(void *ctx)
     interrupt_take(&self->watch);
     summary_step(&self->summary);
     if (self->mode >= PROGRESS_TERMINAL) { /* lines come with frames */
-        show_progress(self);
+        progress_show(&self->progress, self->result.frames - 1);
     }
     interrupt_lend(&self->watch);
     return interrupt_signal() == 0;
@@ -187,7 +176,7 @@ static weft_status simulate(run *self, weft_error *err)
     if (self->mode == PROGRESS_YAML) {
         summary_yaml_begin(&self->summary);
     }
-    progress_begin(&self->progress, self->mode, self->sim);
+    progress_begin(&self->progress, self->mode, self->sim, frames.run);
     interrupt_begin(&self->watch, give_up, self);
     interrupt_lend(&self->watch);
     weft_status status = weft_sim_play(self->sim, &frames, err);
@@ -304,12 +293,9 @@ static int run_prepared(run *self)
         if (status != WEFT_OK) {
             return report_error(&err);
         }
-    } else if (status == WEFT_OK) {
-        status = run_begin(self, &err);
-    }
-    if (status == WEFT_OK) {
-        status = simulate(self, &err);
-    }
+    } else
+        status = status == WEFT_OK ? run_begin(self, &err) : status;
+    status = status == WEFT_OK ? simulate(self, &err) : status;
     return conclude(self, status, &err);
 }
 
@@ -332,9 +318,7 @@ static weft_status open_directory(const run *self, bool force, int *lock,
                                   weft_error *err)
 {
     weft_status status = record_outdir_lock(self->out, RECORD_PATIENCE, lock, err);
-    if (status == WEFT_OK) {
-        status = record_outdir(self->out, force, err);
-    }
+    status = status == WEFT_OK ? record_outdir(self->out, force, err) : status;
     if (status == WEFT_OK && self->obj) {
         char frames[RECORD_PATH];
         status = record_path(self->out, "frames", frames, err);
