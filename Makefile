@@ -87,11 +87,14 @@ LIBS_gsl := -lgsl -lgslcblas -lm
 LIBS_verlet := -lm
 LIBS_arkode := -lsundials_arkode -lsundials_nvecserial $(if $(HAVE_SUNDIALS_7),-lsundials_core) $(MPI_LIBS) -lm
 
-# Those that take longest begin first, so that all processors end together.
+# The suites, each of tests/test_NAME.c: `make check TESTS='cloth scene'`. Those that take longest
+# begin first, so that all processors end together.
 LONGEST := cli_batch hostile cli_resume record_ends arkode_vector steppers compare
-TESTS := $(patsubst tests/%.c,%,$(wildcard $(LONGEST:%=tests/test_%.c)) \
-           $(filter-out $(LONGEST:%=tests/test_%.c),$(wildcard tests/test_*.c)))
-TEST_BIN := $(TESTS:%=$(BUILD)/tests/%)
+TESTS := $(LONGEST) $(filter-out $(LONGEST),$(patsubst tests/test_%.c,%,$(wildcard tests/test_*.c)))
+# Programs of their own, as they replace functions of libc: malloc and its like, and pow.
+ALONE := no_memory libm
+SUITES = $(filter-out $(ALONE),$(TESTS))
+TEST_BIN = $(BUILD)/tests/run $(patsubst %,$(BUILD)/tests/test_%,$(filter $(ALONE),$(TESTS)))
 BROKEN := $(patsubst tests/broken/%.c,$(BUILD)/tests/broken/weft-%.so,$(wildcard tests/broken/*.c))
 PROMISES := $(patsubst tests/promises/%.c,$(BUILD)/tests/promises/weft-%.so,$(wildcard tests/promises/*.c))
 # examples/weft-ID.c are plugins.
@@ -99,7 +102,7 @@ EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(filter-out examples/we
             $(patsubst examples/%.c,$(BUILD)/examples/%.so,$(wildcard examples/weft-*.c))
 
 .PHONY: all check check-run check-view viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
-        fuzz coverage static check-determinism check-libm clang-syntax check-sundials7 check-aarch64 check-elsewhere nightly \
+        fuzz fuzz-corpus coverage static check-determinism check-libm clang-syntax check-steppers check-sundials7 check-aarch64 check-elsewhere nightly \
         valgrind symbols clean help
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -180,17 +183,29 @@ TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_GSL),-DHAVE_GSL) $(if $(HAVE_AR
 TEST_PLUGINS = $(foreach p,$(PLUGINS),$(PLUGIN_OBJ_$(p)))
 TEST_LIBS = -lcheck -lsubunit -lrt $(HDF5_LIBS) $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
 
-# All of the program but main, for tests of its parts.
+# All of the program but main, for tests of its parts; PARTS=conformance: of that alone.
 PROGRAM := $(BUILD)/program.a
-$(PROGRAM): $(filter-out %/main.o,$(PROG_OBJ))
+$(PROGRAM): $(filter-out %/main.o,$(if $(PARTS),$(filter $(PARTS:%=$(BUILD)/src/%/%),$(PROG_OBJ)),$(PROG_OBJ)))
 	$(call say,AR)rm -f $@ && ar rcs $@ $^
 
 $(BUILD)/tests/%.o: tests/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) $(TEST_DEFS) -c -o $@ $<
 
-$(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(BUILD)/tests/support.o \
-                       $(PROGRAM) $(BUILD)/libweft.a $(PLUGIN_SO)
+# One program of all suites but those ALONE; run.c includes the list of them.
+$(BUILD)/tests/run: $(SUITES:%=$(BUILD)/tests/test_%.o) $(BUILD)/tests/run.o
+$(BUILD)/tests/run.o: INCS += -I$(BUILD)/tests
+$(BUILD)/tests/run.o: $(BUILD)/tests/suites.h
+SUITE_LIST = $(foreach name,$(SUITES),SUITE($(name)))
+$(BUILD)/tests/suites.h: always
+	@mkdir -p $(@D)
+	@echo '$(SUITE_LIST)' | cmp -s - $@ || echo '$(SUITE_LIST)' >$@
+
+.PHONY: always
+always:
+
+$(ALONE:%=$(BUILD)/tests/test_%): $(BUILD)/tests/%: $(BUILD)/tests/%.o
+$(BUILD)/tests/run $(ALONE:%=$(BUILD)/tests/test_%): $(BUILD)/tests/support.o $(PROGRAM) $(BUILD)/libweft.a $(PLUGIN_SO)
 	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(filter %.a,$^) $(TEST_LIBS)
 
 # The kernels 8 lanes wide on whatever machine: the compiler takes the vectors apart.
@@ -198,7 +213,7 @@ $(BUILD)/tests/wide/%.o: src/kernel/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) $(KERNEL_FLAGS) -Wno-psabi -Wno-missing-prototypes -DLEVEL=wide -DLANES=8 -c -o $@ $<
 
-$(BUILD)/tests/test_kernel $(BUILD)/tests/test_heat: $(KERNELS:$(BUILD)/src/kernel/%=$(BUILD)/tests/wide/%.o)
+$(BUILD)/tests/run: $(if $(filter kernel damping,$(TESTS)),$(KERNELS:$(BUILD)/src/kernel/%=$(BUILD)/tests/wide/%.o))
 
 $(BUILD)/tests/test_no_memory: \
     private LINK += $(if $(findstring address,$(SAN)),$(foreach f,malloc calloc realloc aligned_alloc free,-Wl,--wrap=$(f)))
@@ -206,7 +221,7 @@ $(BUILD)/tests/test_no_memory: \
 # What is verified, for the test and for the program; scenes run as in `weft run`.
 VERIFY_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/main.c,$(wildcard tests/verify/*.c)))
 $(BUILD)/tests/%.o: INCS += -Itests
-$(BUILD)/tests/test_verification: $(VERIFY_OBJ)
+$(BUILD)/tests/run: $(if $(filter verification,$(TESTS)),$(VERIFY_OBJ))
 
 $(BUILD)/weft-verify: $(BUILD)/tests/verify/main.o $(VERIFY_OBJ) $(PROGRAM) $(BUILD)/libweft.a
 	$(call say,LD)$(LINK) -o $@ $^ $(LIB_LIBS) $(HDF5_LIBS)
@@ -280,7 +295,7 @@ check: deps
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) check-run
 
 check-run: all $(TEST_BIN) $(BROKEN) $(PROMISES) $(WRONG_LIBM) $(EXAMPLES) lint
-	@tools/run-tests $(BUILD) $(TEST_BIN)
+	@tools/run-tests $(BUILD) $(foreach t,$(TESTS),$(if $(filter $t,$(ALONE)),test_$t,'run $t'))
 
 # What is written, read by the programs it is meant for; what is not there is skipped.
 check-view: all
@@ -322,9 +337,13 @@ format:
 docs: all
 	@tools/docs $(BUILD)
 
-# Check's tests under AddressSanitizer and UBSan, in a build of its own.
+# Check's tests under AddressSanitizer and UBSan, in a build of its own. A process for each test
+# takes most of the time of some suites there.
+ASAN_TOGETHER := steppers quadratures arkode embed ledger_order sim stepper_accuracy stability verification \
+                 gsl pins limit_sheet
+
 asan:
-	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/asan CFLAGS='-O1 -g' \
+	@TEST_TOGETHER='$(ASAN_TOGETHER)' $(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/asan CFLAGS='-O1 -g1' \
 	    SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \
 	    check-run
 
@@ -333,23 +352,24 @@ COVERAGE_LEAST ?= 90
 
 coverage:
 	@find build/coverage -name '*.gcda' -delete 2>/dev/null || :
-	@CK_TIMEOUT_MULTIPLIER=4 $(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/coverage CFLAGS='-O1 -g' \
+	@CK_TIMEOUT_MULTIPLIER=4 $(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/coverage CFLAGS='-O1 -g1' \
 	    SAN='--coverage -fprofile-update=atomic' check-run
 	@tools/coverage build/coverage $(COVERAGE_LEAST)
 
 # Races between threads: of a simulation, of simulations, and of the steppers alone.
 # Those of simulations in one process each: forks after threads are not for the sanitizer.
-TSAN_TESTS := test_threads test_embed test_steppers test_arkode_vector
+TSAN_TESTS := threads embed steppers arkode_vector
+TSAN_RUN := build/tsan/tests/run
 
 tsan:
-	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/tsan CFLAGS='-O1 -g' SAN='-fsanitize=thread' \
-	    $(TSAN_TESTS:%=build/tsan/tests/%)
-	CK_FORK=no build/tsan/tests/test_threads
-	CK_FORK=no CK_RUN_CASE=threads build/tsan/tests/test_embed
-	CK_TIMEOUT_MULTIPLIER=4 build/tsan/tests/test_arkode_vector
-	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads build/tsan/tests/test_steppers
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/tsan CFLAGS='-O1 -g1' SAN='-fsanitize=thread' \
+	    TESTS='$(TSAN_TESTS)' PARTS=conformance $(TSAN_RUN)
+	CK_FORK=no $(TSAN_RUN) threads
+	CK_FORK=no CK_RUN_CASE=threads $(TSAN_RUN) embed
+	CK_TIMEOUT_MULTIPLIER=4 $(TSAN_RUN) arkode_vector
+	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads $(TSAN_RUN) steppers
 
-# Sources read by clang-tidy and cppcheck; DEEP=1: and by gcc -fanalyzer.
+# Sources read by clang-tidy and cppcheck; DEEP=1: also by gcc -fanalyzer, and clang-tidy follows calls.
 static:
 	@tools/static "$(STRICT) $(INCS) $(HDF5_CFLAGS) $(MPI_INC)" $(DEEP)
 
@@ -361,9 +381,8 @@ $(BUILD)/hashes: $(BUILD)/tests/hashes.o $(BUILD)/libweft.a
 hashes: $(BUILD)/hashes $(PLUGIN_SO)
 
 # The same bits from every compiler and at every level of optimization.
-check-determinism:
-	@mkdir -p build/determinism
-	@MAKE="$(MAKE)" tools/check-determinism build/determinism
+check-determinism: hashes
+	@MAKE="$(MAKE)" tools/check-determinism $(BUILD)
 
 # The same bits whatever libm and whatever processor; wants qemu-user.
 check-libm: all $(BUILD)/tests/test_libm $(WRONG_LIBM)
@@ -383,18 +402,29 @@ $(FUZZ_HDF:%=$(BUILD)/tests/fuzz/%.o): INCS += $(HDF5_CFLAGS)
 $(FUZZ_HDF:%=$(BUILD)/fuzz/%): private LINK += -Wl,--wrap=fork,--wrap=waitpid
 
 fuzz:
-	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/fuzz CC=clang CFLAGS='-O1 -g' \
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/fuzz CC=clang CFLAGS='-O1 -g1' \
 	    SAN='-Wno-pass-failed -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all' \
-	    all $(FUZZ:%=build/fuzz/fuzz/%)
+	    build/fuzz/weft $(PLUGINS:%=build/fuzz/plugins/weft-%.so) $(FUZZ:%=build/fuzz/fuzz/%)
 	@printf "%s\n" $(FUZZ) | xargs -P "$$(nproc)" -L 1 tools/fuzz build/fuzz $(FUZZ_SECONDS)
+
+# The smallest inputs that `make fuzz` has found for every branch, to be committed. Those of vtkhdf
+# are too large: 35 kB each.
+fuzz-corpus:
+	@tools/fuzz-corpus build/fuzz $(filter-out vtkhdf,$(FUZZ))
 
 # clang's warnings, without a build. `make fuzz` builds with clang.
 clang-syntax:
 	@printf '%s\n' $(filter %.c,$(C_FILES)) | xargs -P "$$(nproc)" -L 16 clang $(STRICT) $(WARN) \
 	    $(INCS) -Itests $(HDF5_CFLAGS) $(MPI_INC) $(TEST_DEFS) -fsyntax-only
 
-valgrind: all $(TEST_BIN) $(BROKEN) $(PROMISES)
+valgrind: all
 	@tools/valgrind $(BUILD)
+
+# Tests of the steppers alone, with no more built than they need.
+STEPPER_TESTS := arkode arkode_vector controllers methods quadratures steppers verification
+check-steppers:
+	@$(MAKE) --no-print-directory TESTS='$(STEPPER_TESTS)' $(BUILD)/tests/run $(BUILD)/weft $(PLUGIN_SO) $(BROKEN)
+	@tools/run-tests $(BUILD) $(STEPPER_TESTS:%='run %')
 
 # Tests of the steppers against Debian 13's SUNDIALS 7, in a system of its own; root,
 # debootstrap. WHOLE=1: every test, and the verification.
@@ -427,7 +457,7 @@ clean:
 
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | fuzz | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-elsewhere | nightly | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-elsewhere | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | check-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

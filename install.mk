@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Installation, included by the Makefile.
 #
-#   make install PREFIX=/usr/local DESTDIR=     everything that was built
+#   make install PREFIX=/usr/local DESTDIR=     installs everything that was built
 #   make uninstall PREFIX= DESTDIR=             removes the same files
 
 PREFIX     ?= /usr/local
@@ -23,24 +23,24 @@ PLUGIN_A := $(PLUGINS:%=$(BUILD)/libweft-plugin-%.a)
 share: $(MAN) $(COMPLETIONS) $(PLUGIN_A)
 all: share
 
-# A plugin to be linked in: weft_registry_add, or its methods at once.
+# A plugin to link into a program, for weft_registry_add or weft_plugin_method.
 define ARCHIVE_RULE
 $(BUILD)/libweft-plugin-$(1).a: $$(PLUGIN_OBJ_$(1))
 	$$(call say,AR)rm -f $$@ && ar rcs $$@ $$^
 endef
 $(foreach p,$(PLUGINS),$(eval $(call ARCHIVE_RULE,$(p))))
 
-# Manual pages and completions say what the program says of itself.
+# Manual pages and completions come from the program's help.
 $(MAN) $(COMPLETIONS) &: $(BUILD)/weft tools/manual tools/completion docs/man/weft-plugin.7
 	@mkdir -p $(SHARE)/man
 	@$(HOST_WEFT) --version >/dev/null || { \
 	    echo "$(HOST_WEFT) does not run here: HOST_WEFT= names a weft that does" >&2; exit 1; }
 	$(call say,GEN)tools/manual '$(HOST_WEFT)' $(SHARE)/man && tools/completion '$(HOST_WEFT)' $(SHARE)
 
-# For readers, in the folders that the pages know.
+# Documentation, in the folders that its links use.
 DOCS = README.md CHANGELOG.md LICENSE $(wildcard docs/*.md docs/pictures/* examples/* scenes/*.yaml) plugins/verlet/verlet.c
 
-# What is installed where: "from:to", to a directory if it ends with /.
+# Files to install, "from:to"; `to` is a directory if it ends with /.
 FILES = $(BUILD)/weft:$(BINDIR)/ \
         $(foreach h,$(wildcard include/weft/*.h),$(h):$(INCLUDEDIR)/weft/) \
         $(BUILD)/libweft.a:$(LIBDIR)/ $(BUILD)/libweft.so:$(LIBDIR)/libweft.so.$(VERSION) \
@@ -62,19 +62,19 @@ uninstall:
 	@DESTDIR='$(DESTDIR)' DOCDIR='$(DOCDIR)' LIBDIR='$(LIBDIR)' INCLUDEDIR='$(INCLUDEDIR)' \
 	    VERSION='$(VERSION)' SOVERSION='$(SOVERSION)' tools/install remove $(FILES)
 
-# Installed, moved, embedded from C11 to C++17, removed.
+# Installs weft, moves it, builds the examples as C11 to C++17, removes it.
 check-install: all $(EXAMPLES)
 	@tools/check-install $(BUILD)
 
-# The commands of the pages, as a reader runs them.
+# Runs the commands of the pages.
 check-docs: all $(EXAMPLES)
 	@tools/check-docs $(BUILD) README.md docs/*.md CONTRIBUTING.md
 
-# The interface of libweft.so against that of the last tag.
+# Compares the interface of libweft.so with that of the last tag.
 check-abi: $(BUILD)/libweft.so
 	@tools/check-abi $(BUILD)
 
-# Pages of the public headers; a warning is an error.
+# Makes pages from the public headers; a warning is an error.
 doxygen:
 	@mkdir -p $(BUILD)
 	@BUILD=$(BUILD) doxygen docs/Doxyfile

@@ -46,7 +46,7 @@ static void run_list(subject *at, size_t threads)
 
 static void run_forces(subject *at, size_t threads)
 {
-    (void)weft__forces_rhs(&at->forces[threads - 1], 0.0, at->y, at->dydt, NULL);
+    (void)weft__forces_rhs(&at->forces[threads - 1], 0.0, at->y, at->dydt);
 }
 
 /* Some 100 ns. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* adaptive.c -- a method with error control, found when the program runs; the longest
- * step of one without, to compare; a simulation saved at half time and gone on with. */
+/* adaptive.c -- a method with error control, found at run time; the longest stable step
+ * of a method without, for comparison; a simulation that is saved and continued. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,8 +8,8 @@
 
 enum { FRAMES = 20, HALF = FRAMES / 2 };
 
-static weft_status tell_stable_step(weft_registry *registry, const weft_cloth *cloth,
-                                    weft_error *err)
+static weft_status print_stable_step(weft_registry *registry, const weft_cloth *cloth,
+                                     weft_error *err)
 {
     const weft_stiffness modes = weft_cloth_stiffness(cloth, NULL); /* in any state */
     const weft_stepper_type *verlet = NULL;
@@ -29,7 +29,7 @@ static weft_status tell_stable_step(weft_registry *registry, const weft_cloth *c
     return status;
 }
 
-/* Frames (from, to], of a tenth of a second. */
+/* Frames (from, to], one tenth of a second each. */
 static weft_status play(weft_sim *sim, int from, int to, weft_error *err)
 {
     weft_status status = WEFT_OK;
@@ -44,7 +44,7 @@ static weft_status play(weft_sim *sim, int from, int to, weft_error *err)
     return status;
 }
 
-/* To the end, and again from half time in a simulation of its own. */
+/* To the end, and again from half time in a second simulation. */
 static weft_status play_twice(const weft_sim_def *run, weft_error *err)
 {
     weft_sim *sim = NULL, *other = NULL;
@@ -77,7 +77,7 @@ int main(int argc, char **argv)
     weft_registry *registry = NULL;
     weft_cloth *cloth = NULL;
     weft_error err = { WEFT_NO_MEMORY, 0, 0, "", "no memory" };
-    plugins.path = argc > 1 ? argv[1] : NULL; /* else those that are installed */
+    plugins.path = argc > 1 ? argv[1] : NULL; /* else the installed ones */
     def.rows = def.cols = 10;
     def.spacing[0] = def.spacing[1] = 0.1; /* [m] */
     def.springs[WEFT_STRETCH] = springs;
@@ -89,7 +89,7 @@ int main(int argc, char **argv)
     weft_status status = weft_registry_create(&plugins, &registry, &err);
     status = status == WEFT_OK ? weft_cloth_create(&def, &cloth, &err) : status;
     run.cloth = cloth;
-    status = status == WEFT_OK ? tell_stable_step(registry, cloth, &err) : status;
+    status = status == WEFT_OK ? print_stable_step(registry, cloth, &err) : status;
     if (status == WEFT_OK) {
         status = weft_registry_method(registry, "arkode", "dormand_prince", &run.method,
                                       &err);
@@ -99,6 +99,6 @@ int main(int argc, char **argv)
         fprintf(stderr, "%s\n", err.message);
     }
     weft_cloth_destroy(cloth);
-    weft_registry_destroy(registry); /* last: it holds the plugins */
+    weft_registry_destroy(registry); /* last: it keeps the plugins loaded */
     return status == WEFT_OK ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* game_loop.c -- a cloth in a loop of fixed frames; a corner is grabbed by its
- * particle, dragged along and let go. */
+/* game_loop.c -- a cloth in a loop of fixed frames; a hand grabs a corner particle,
+ * drags it along and releases it. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <weft/plugins.h>
@@ -8,7 +8,7 @@
 
 enum { ROWS = 15, COLS = 20, GRABBED = ROWS * COLS - 1 };
 
-/* Where the hand wants the particle at time t [s]; false: it holds nothing. */
+/* The place of the hand at time t [s]; false: it holds nothing. */
 static bool hand(double t, double place[3])
 {
     place[0] = 0.95 - 0.4 * (t - 0.5);
@@ -17,12 +17,12 @@ static bool hand(double t, double place[3])
     return t >= 0.5 && t <= 1.5;
 }
 
-/* Called once a frame: the hand reaches its place when the frame ends. */
+/* Called once per frame: the hand reaches its place when the frame ends. */
 static weft_status drag(weft_sim *sim, double t_end, weft_error *err)
 {
     double xyz[3 * ROWS * COLS], place[3], velocity[3];
     if (!hand(t_end, place)) {
-        return weft_sim_unpin(sim, GRABBED, err); /* of one that is free: nothing */
+        return weft_sim_unpin(sim, GRABBED, err); /* no effect on a free one */
     }
     weft_sim_positions(sim, xyz);
     for (int k = 0; k < 3; ++k) {
@@ -35,7 +35,7 @@ static weft_status play(weft_sim *sim, weft_error *err)
 {
     weft_status status = WEFT_OK;
     for (int frame = 1; status == WEFT_OK && frame <= 120; ++frame) {
-        const double t = frame / 60.0; /* computed, never summed up */
+        const double t = frame / 60.0; /* computed, never summed */
         status = drag(sim, t, err);
         if (status == WEFT_OK) {
             status = weft_sim_advance(sim, t, err);
@@ -70,8 +70,7 @@ int main(void)
     weft_error err;
     weft_sim_def run = weft_sim_def_default();
     run.method = weft_plugin_method(weft_plugin_verlet(), "velocity_verlet");
-    run.config.fixed_step
-        = 1e-3; /* [s]; a frame ends exactly at its time all the same */
+    run.config.fixed_step = 1e-3; /* [s]; a frame still ends exactly at its time */
     weft_status status = weft_cloth_create(&def, &cloth, &err);
     run.cloth = cloth;
     status = status == WEFT_OK ? weft_sim_create(&run, &sim, &err) : status;

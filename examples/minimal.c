@@ -3,11 +3,13 @@
 #include <weft/plugins.h>
 #include <weft/weft.h>
 
+enum { SIDE = 20, LAST = SIDE * SIDE - 1 };
+
 int main(void)
 {
     const weft_pin corner = { .rows = { 0, 0 }, .cols = { 0, 0 } };
     weft_cloth_def def = weft_cloth_def_default(); /* SI units throughout */
-    def.rows = def.cols = 20;
+    def.rows = def.cols = SIDE;
     def.spacing[0] = def.spacing[1] = 0.05;
     def.springs[WEFT_STRETCH] = (weft_spring_def){ true, 100.0, 0.02 };
     def.pins = &corner;
@@ -25,8 +27,10 @@ int main(void)
     ok = ok && weft_sim_create(&run, &sim, &err) == WEFT_OK;
     for (int frame = 1; ok && frame <= 30; ++frame) {
         ok = weft_sim_advance(sim, frame / 30.0, &err) == WEFT_OK;
-        const double *y = weft_sim_state(sim); /* planes x[N] y[N] z[N] vx[N] ... */
-        printf("%.3f s: last corner at height %+.4f m\n", weft_sim_time(sim), y[799]);
+        double xyz[SIDE * SIDE][3]; /* [m] */
+        weft_sim_positions(sim, xyz[0]);
+        printf("%.3f s: last corner at height %+.4f m\n", weft_sim_time(sim),
+               xyz[LAST][1]);
     }
     if (!ok) {
         fprintf(stderr, "%s\n", err.message);

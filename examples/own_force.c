@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* own_force.c -- a force and a correction of one's own: a sheet that is drawn to a post
- * and may not sink below a floor; the energy ledger tells what both have done. */
+/* own_force.c -- a user's own force and correction: a post attracts a sheet, which may
+ * not sink below a floor; the energy ledger shows the work of both. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <weft/plugins.h>
@@ -9,12 +9,12 @@
 typedef struct world {
     size_t particles;
     double post[2];   /* [m] x, z of an upright line */
-    double stiffness; /* [N/m] of the pull towards it */
+    double stiffness; /* [N/m] of the pull towards the post */
     double floor;     /* [m] height */
 } world;
 
-/* F = -k (x - post) across the line: adds to planes fx[N] fy[N] fz[N]. A function of
- * (t, y) alone, so that the same run gives the same bits. */
+/* F = -k (x - post), horizontal: adds to planes fx[N] fy[N] fz[N]. A function of (t, y)
+ * alone, so that the same run gives the same bits. */
 static int pull(void *ctx, double t, const double *y, double *f)
 {
     const world *of = (const world *)ctx;
@@ -27,9 +27,9 @@ static int pull(void *ctx, double t, const double *y, double *f)
     return 0;
 }
 
-/* After each accepted step: what is below the floor is put onto it and stays there. It
+/* Called after each accepted step: puts particles below the floor onto it, at rest. It
  * comes after the strain limit, if there is one, and works against it: a cloth that a
- * collider stretches beyond the limit costs all sweeps in every step. */
+ * collider stretches beyond the limit takes all sweeps in every step. */
 static bool land(void *ctx, double t, double h, double *y)
 {
     const world *of = (const world *)ctx;

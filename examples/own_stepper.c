@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* own_stepper.c -- a time stepper of one's own, linked in: classical Runge-Kutta of
- * order 4 in fixed steps. docs/plugins.md tells how to make a plugin file of it. */
+/* own_stepper.c -- a user's own time stepper, linked in: classical Runge-Kutta of order
+ * 4 in fixed steps. docs/plugins.md shows how to make a plugin file of it. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,7 +10,7 @@ typedef struct kutta {
     weft_ode ode;
     double h; /* [s] */
     weft_stepper_stats stats;
-    double *y, *k, *sum; /* dim each, in one block behind */
+    double *y, *k, *sum; /* dim each, in one block after the struct */
 } kutta;
 
 static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
@@ -34,7 +34,7 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
     return WEFT_OK;
 }
 
-/* k = f(t + c h, y0 + c h k), sum += b k: one of the four stages; 0, or what f said */
+/* k = f(t + c h, y0 + c h k), sum += b k: one of the four stages; returns f's result */
 static int stage(kutta *self, double t, double h, double c, double b, const double *y0)
 {
     for (size_t i = 0; i < self->ode.dim; ++i) {
@@ -48,7 +48,7 @@ static int stage(kutta *self, double t, double h, double c, double b, const doub
     return failed;
 }
 
-/* One accepted step, never past t_end; t and y are untouched if it fails. */
+/* One accepted step, never past t_end; a failure leaves t and y unchanged. */
 static weft_status step(void *instance, double t_end, double *t, double *y,
                         weft_error *err)
 {
@@ -75,7 +75,7 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
     for (size_t i = 0; i < self->ode.dim; ++i) {
         y[i] = self->y[i];
     }
-    *t = last ? t_end : *t + h; /* lands on t_end bit for bit */
+    *t = last ? t_end : *t + h; /* ends on t_end bit for bit */
     ++self->stats.steps;
     self->stats.last_step = h;
     return WEFT_OK;
@@ -89,7 +89,7 @@ static void state_changed(void *instance)
 static void stats(const void *instance, weft_stepper_stats *out)
 {
     const kutta *self = (const kutta *)instance;
-    const uint32_t size = out->struct_size; /* of the caller's version */
+    const uint32_t size = out->struct_size; /* the caller's version */
     memcpy(out, &self->stats, size < sizeof *out ? size : sizeof *out);
     out->struct_size = size;
 }
@@ -111,7 +111,7 @@ static const weft_stepper_type kutta_type = {
     .destroy = free,
 };
 
-/* Height [m] of the last corner after 1 s in steps of h [s]; NAN if that failed. */
+/* Height [m] of the last corner after 1 s in steps of h [s]; NAN on failure. */
 static double corner_after(const weft_cloth *cloth, double h)
 {
     weft_error err;
@@ -119,7 +119,7 @@ static double corner_after(const weft_cloth *cloth, double h)
     double height = NAN;
     weft_sim_def run = weft_sim_def_default();
     run.cloth = cloth;
-    run.method = &kutta_type; /* no registry is needed for it */
+    run.method = &kutta_type; /* needs no registry */
     run.config.fixed_step = h;
     if (weft_sim_create(&run, &sim, &err) == WEFT_OK
         && weft_sim_advance(sim, 1.0, &err) == WEFT_OK) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* scene.c -- a scene from a file, or from memory without one, under the plugin that it
+/* scene.c -- a scene from a file, or else from memory, under the plugin that the scene
  * names. */
 #include <stdio.h>
 #include <stdlib.h>
@@ -69,7 +69,7 @@ int main(int argc, char **argv)
     weft_scene *scene = NULL;
     weft_error err;
     weft_registry_def plugins = weft_registry_def_default();
-    plugins.path = argc > 2 ? argv[2] : NULL; /* else those that are installed */
+    plugins.path = argc > 2 ? argv[2] : NULL; /* else the installed ones */
     weft_status status = weft_registry_create(&plugins, &registry, &err);
     if (status == WEFT_OK) {
         status = load(argc > 1 && argv[1][0] != '\0' ? argv[1] : NULL, registry, &scene,
@@ -80,6 +80,6 @@ int main(int argc, char **argv)
         fprintf(stderr, "%s\n", err.message);
     }
     weft_scene_destroy(scene);
-    weft_registry_destroy(registry); /* last: it holds the plugin */
+    weft_registry_destroy(registry); /* last: it keeps the plugin loaded */
     return status == WEFT_OK ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* threads.c -- many simulations at once: a cloth is constant and shared, each thread
- * has simulations of its own. The same run gives the same bits in every thread. */
+/* threads.c -- many simulations at once: all threads share one constant cloth, each
+ * simulation belongs to one thread. A run gives the same bits in every thread. */
 #include <inttypes.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -15,7 +15,7 @@ typedef struct job {
     double step; /* [s] */
     weft_status status;
     weft_error err;
-    uint64_t hash; /* of the state at the end */
+    uint64_t hash; /* of the final state */
     double height; /* [m] of the last particle */
 } job;
 
@@ -57,7 +57,7 @@ int main(void)
         fprintf(stderr, "%s\n", err.message);
         return EXIT_FAILURE;
     }
-    for (int i = 0; i < THREADS; ++i) { /* four steps, each by two threads */
+    for (int i = 0; i < THREADS; ++i) { /* four step sizes, two threads each */
         jobs[i] = (job){ .cloth = cloth, .step = 1e-3 / (1 + i / 2) };
         if (pthread_create(&threads[i], NULL, work, &jobs[i]) != 0) {
             return EXIT_FAILURE;

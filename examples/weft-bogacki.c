@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* weft-bogacki.c -- an adaptive stepper plugin in one file, to be copied: the pair of
- * Bogacki and Shampine. It is built and tested by
+/* weft-bogacki.c -- an adaptive stepper plugin in one file, as a template: the pair of
+ * Bogacki and Shampine. Build and test it with
  *
  *     cc -std=c11 -O2 -ffp-contract=off -fPIC -fvisibility=hidden -shared -Iinclude
  *         examples/weft-bogacki.c -lm -o weft-bogacki.so
  *     weft plugin-test weft-bogacki.so
  *
- * plugins/verlet has fixed steps; this adds what an error estimate brings: tolerances,
- * a norm, the first, smallest and largest step, rejected attempts, and steps that are
- * cut short by a frame's end. */
+ * plugins/verlet has fixed steps; this adds step size control: an error estimate,
+ * tolerances, a norm, the first, smallest and largest step, rejected attempts, and
+ * steps cut short by the end of a frame. */
 #include "weft/stepper.h"
 
 #include <math.h>
 
-enum { STAGES = 4 }; /* the last is the next step's first */
+enum { STAGES = 4 }; /* the last one is the first of the next step */
 
 /* Row i: stage i + 1 is at t + c[i] h, y + h sum a[i][j] k[j]; the last row is the step
  * of order 3, and e its difference from the embedded one of order 2. */
@@ -28,14 +28,14 @@ typedef struct stepper {
     weft_ode ode;
     weft_stepper_config config;
     weft_allocator memory;
-    size_t half; /* positions, as many velocities; quadratures behind have no say */
-    double h;    /* [s] to be tried next, before any cut */
+    size_t half; /* number of positions, and of velocities; then quadratures */
+    double h;    /* [s] next to try, before any cut */
     bool fresh;  /* k[0] is f(t, y) */
     weft_stepper_stats stats;
-    double *k[STAGES], *end; /* dim each, in one block behind */
+    double *k[STAGES], *end; /* dim each, in one block after the struct */
 } stepper;
 
-/* ---- one attempt: looks at y and leaves it alone ----------------------------------
+/* ---- one attempt: reads y, does not change it -------------------------------------
  */
 
 static int evaluate(stepper *self, double t, const double *y, double *f)
@@ -45,7 +45,7 @@ static int evaluate(stepper *self, double t, const double *y, double *f)
 }
 
 /* The error in units of the tolerances: at most 1 is accepted. Positions and velocities
- * have each their own absolute one. */
+ * have separate absolute tolerances. */
 static double error_of(const stepper *self, double h, const double *y)
 {
     double most = 0.0, squares = 0.0;
@@ -66,8 +66,8 @@ static double error_of(const stepper *self, double h, const double *y)
                : sqrt(squares / (2.0 * (double)self->half));
 }
 
-/* From t to t_new = t + h into `end`; *error is INFINITY where that is of no use.
- * Returns what the right-hand side said. */
+/* Computes `end`, the state at t_new = t + h; *error is INFINITY if it is unusable.
+ * Returns the result of the right-hand side. */
 static int attempt(stepper *self, double t, double h, double t_new, const double *y,
                    double *error)
 {
@@ -95,9 +95,9 @@ static int attempt(stepper *self, double t, double h, double t_new, const double
     return failed;
 }
 
-/* What h is to be multiplied by. The error goes with h^3, but cbrt and pow give other
- * bits from one libm to the next, and sqrt does not: a fourth root is a little more
- * cautious and has the same aim. */
+/* The factor for h. The error is proportional to h^3, but cbrt and pow differ in the
+ * last bit from libm to libm, and sqrt does not: a fourth root is a little more
+ * cautious and has the same target. */
 static double change(double error)
 {
     const double factor = safety / sqrt(sqrt(error));
@@ -109,14 +109,14 @@ static double change(double error)
 /* ---- the step ---------------------------------------------------------------------
  */
 
-/* y is written here and nowhere else. */
+/* Only this function writes y. */
 static void accept(stepper *self, double t_new, double h, double *t, double *y)
 {
     double *last = self->k[STAGES - 1];
     memcpy(y, self->end, self->ode.dim * sizeof *y);
     *t = t_new;
     self->k[STAGES - 1] = self->k[0];
-    self->k[0] = last; /* fresh: it was evaluated at t_new and `end`, bit for bit */
+    self->k[0] = last; /* fresh: evaluated at t_new and `end`, bit for bit */
     ++self->stats.steps;
     self->stats.last_step = h;
 }
@@ -138,7 +138,7 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
     }
     double most = max_growth, h = self->h;
     for (;;) {
-        /* A rest that is longer than h by roundoff alone is taken whole. */
+        /* If only roundoff makes the rest longer than h, take it in one step. */
         const bool last = h >= rest * (1.0 - 1e-6);
         const double now = last ? rest : h, t_new = last ? t_end : *t + h;
         double error;
@@ -152,7 +152,7 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
         const double next = now * fmin(change(error), most);
         if (error <= 1.0) {
             accept(self, t_new, now, t, y);
-            /* A step that a frame's end cut short says nothing against h. */
+            /* A step cut short by the end of a frame does not reduce h. */
             h = now < h ? fmax(h, next) : next;
             self->h = adapts ? limited(self, h) : self->h;
             return WEFT_OK;
@@ -169,14 +169,14 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
     }
 }
 
-/* y was edited, or f is another: k[0] is stale. A needless call costs one evaluation,
+/* y was edited, or f has changed: k[0] is stale. A needless call costs one evaluation,
  * which gives the same bits again. */
 static void state_changed(void *instance)
 {
     ((stepper *)instance)->fresh = false;
 }
 
-/* ---- making, asking, ending -------------------------------------------------------
+/* ---- create, query, destroy -------------------------------------------------------
  */
 
 static bool positive(double x)
@@ -184,8 +184,8 @@ static bool positive(double x)
     return x > 0.0 && isfinite(x);
 }
 
-/* With fixed_step the tolerances and the other step sizes are not looked at. Every
- * comparison fails for NaN. */
+/* With fixed_step the tolerances and the other step sizes are ignored. Every comparison
+ * fails for NaN. */
 static const char *mistake(const weft_ode *ode, const weft_stepper_config *config)
 {
     if (config->struct_size < WEFT_STEPPER_CONFIG_LEAST || config->butcher != NULL) {
@@ -273,7 +273,7 @@ static const weft_stepper_type bs32 = {
     .license = "BSD-3-Clause",
     .order = 3,
     .error_order = 2,
-    .stages = 3, /* of a step that reuses the last one's */
+    .stages = 3, /* when the step reuses the stage of the last one */
     .flags = WEFT_STEPPER_FSAL | WEFT_STEPPER_QUADRATURES,
     .create = create,
     .step = step,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* support.h -- what the test programs share. */
+/* support.h -- what the tests share. */
 #ifndef SUPPORT_H
 #define SUPPORT_H
 
@@ -28,7 +28,13 @@ weft_cloth *test_cloth(const weft_cloth_def *def);
 weft_sim *test_sim(const weft_cloth *cloth, const weft_stepper_type *method,
                    const weft_stepper_config *config);
 
-/* The body of main: runs the suite, prints Check's summary, returns the exit status. */
+/* TEST_SUITE(cloth) { ... return suite; } ends tests/test_cloth.c; tests/run.c runs it
+ * as `run cloth`. NULL is a suite that cannot be made, which fails. */
+#define TEST_SUITE(name)                                                               \
+    Suite *name##_suite(void);                                                         \
+    Suite *name##_suite(void)
+
+/* Runs the suite, prints Check's summary, returns the exit status. */
 int test_run(Suite *suite);
 
 #endif

@@ -286,7 +286,7 @@ END_TEST
 
 #endif
 
-int main(void)
+TEST_SUITE(arkode)
 {
     Suite *suite = suite_create("arkode");
 #ifdef HAVE_ARKODE
@@ -305,5 +305,5 @@ int main(void)
                          needless_news_changes_no_bits_whatever_the_frames);
     add_for_every_method(suite, "silence", nothing_is_printed_when_arkode_fails);
 #endif
-    return test_run(suite);
+    return suite;
 }

@@ -466,7 +466,7 @@ END_TEST
 
 #endif
 
-int main(void)
+TEST_SUITE(arkode_vector)
 {
     Suite *suite = suite_create("arkode vector");
 #ifdef HAVE_ARKODE
@@ -489,5 +489,5 @@ int main(void)
     tcase_add_test(tcase, more_threads_than_can_be_had_are_no_error);
     suite_add_tcase(suite, tcase);
 #endif
-    return test_run(suite);
+    return suite;
 }

@@ -51,7 +51,8 @@ START_TEST(a_run_that_takes_too_long_keeps_its_own_result)
                  "energy_end|hash):' result.yaml | wc -l; tail -1 ../summary.csv"),
            0);
     says("\n6\nt,timeout,not done after 1 s,");
-    ck_assert_ptr_null(strstr(output, ",,"));
+    const char *empty = strstr(output, ",,"); /* dissipated, without ledger */
+    ck_assert(empty != NULL && strstr(empty + 1, ",,") == NULL);
 }
 END_TEST
 
@@ -139,7 +140,7 @@ START_TEST(a_run_that_fails_keeps_its_report_and_the_others_go_on)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(batch_ends)
 {
     Suite *all = suite_create("batch ends");
     TCase *program = tcase_create("program");
@@ -155,9 +156,4 @@ static Suite *suite(void)
     tcase_add_test(program, a_run_that_fails_keeps_its_report_and_the_others_go_on);
     suite_add_tcase(all, program);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

@@ -101,7 +101,7 @@ START_TEST(stable_step_of_third_order_is_safe_and_within_a_quarter)
 END_TEST
 #endif
 
-static Suite *suite(void)
+TEST_SUITE(bounds)
 {
     Suite *suite = suite_create("bounds");
     TCase *steps = tcase_create("steps");
@@ -120,9 +120,4 @@ static Suite *suite(void)
 #endif
     suite_add_tcase(suite, steps);
     return suite;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

@@ -433,7 +433,7 @@ START_TEST(the_example_program_runs)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(cli)
 {
     Suite *all = suite_create("cli");
     TCase *program = tcase_create("program");
@@ -468,9 +468,4 @@ static Suite *suite(void)
     tcase_add_test(program, the_example_program_runs);
     suite_add_tcase(all, program);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

@@ -321,7 +321,7 @@ START_TEST(a_terminal_gets_a_table_that_moves)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(cli_batch)
 {
     Suite *all = suite_create("batch");
     TCase *program = tcase_create("program");
@@ -350,9 +350,4 @@ static Suite *suite(void)
     tcase_add_test(program, a_terminal_gets_a_table_that_moves);
     suite_add_tcase(all, program);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

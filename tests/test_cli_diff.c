@@ -233,7 +233,7 @@ START_TEST(a_wrong_command_line_is_told)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(cli_diff)
 {
     Suite *all = suite_create("diff");
     TCase *program = tcase_create("program");
@@ -254,9 +254,4 @@ static Suite *suite(void)
     tcase_add_test(program, a_wrong_command_line_is_told);
     suite_add_tcase(all, program);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

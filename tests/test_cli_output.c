@@ -162,7 +162,7 @@ START_TEST(runs_of_a_sweep_over_methods_have_readable_names)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(cli_output)
 {
     Suite *suite = suite_create("cli output");
     TCase *program = tcase_create("output");
@@ -177,5 +177,5 @@ int main(void)
     tcase_add_test(program, help_on_a_key_that_is_not_there_names_those_that_are);
     tcase_add_test(program, runs_of_a_sweep_over_methods_have_readable_names);
     suite_add_tcase(suite, program);
-    return test_run(suite);
+    return suite;
 }

@@ -251,7 +251,7 @@ START_TEST(a_wrong_command_line_is_told)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(cli_resume)
 {
     Suite *all = suite_create("resume");
     TCase *kills = tcase_create("kills"), *others = tcase_create("others");
@@ -274,9 +274,4 @@ static Suite *suite(void)
     suite_add_tcase(all, kills);
     suite_add_tcase(all, others);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

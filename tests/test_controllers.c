@@ -304,7 +304,7 @@ START_TEST(a_scene_without_the_key_has_no_controller)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(controllers)
 {
     Suite *suite = suite_create("controllers");
     TCase *tcase = tcase_create("controllers");
@@ -322,5 +322,5 @@ int main(void)
     tcase_add_test(tcase, a_scene_sets_every_knob);
     tcase_add_test(tcase, a_scene_without_the_key_has_no_controller);
     suite_add_tcase(suite, tcase);
-    return test_run(suite);
+    return suite;
 }

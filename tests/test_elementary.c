@@ -220,7 +220,7 @@ START_TEST(bits_are_those_of_every_other_machine)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(elementary)
 {
     Suite *suite = suite_create("elementary");
     TCase *tcase = tcase_create("elementary");
@@ -236,5 +236,5 @@ int main(void)
     tcase_add_test(tcase, no_number_has_no_sine);
     tcase_add_test(tcase, bits_are_those_of_every_other_machine);
     suite_add_tcase(suite, tcase);
-    return test_run(suite);
+    return suite;
 }

@@ -492,7 +492,7 @@ START_TEST(threads_share_a_cloth_and_nothing_else)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(embed)
 {
     Suite *suite = suite_create("embed");
     TCase *tcase = tcase_create("embed");
@@ -524,5 +524,5 @@ int main(void)
     tcase_set_timeout(tcase, 120.0);
     tcase_add_loop_test(tcase, threads_share_a_cloth_and_nothing_else, 0, methods);
     suite_add_tcase(suite, tcase);
-    return test_run(suite);
+    return suite;
 }

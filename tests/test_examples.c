@@ -191,7 +191,7 @@ START_TEST(scene_from_memory_is_that_of_a_file)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(examples)
 {
     Suite *suite = suite_create("examples");
     TCase *tcase = tcase_create("examples");
@@ -208,5 +208,5 @@ int main(void)
 #endif
     tcase_add_test(tcase, scene_from_memory_is_that_of_a_file);
     suite_add_tcase(suite, tcase);
-    return test_run(suite);
+    return suite;
 }

@@ -455,7 +455,7 @@ START_TEST(an_export_that_cannot_be_written_names_the_file_and_why)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(export)
 {
     Suite *all = suite_create("export");
     TCase *files = tcase_create("files");
@@ -479,9 +479,4 @@ static Suite *suite(void)
     tcase_add_test(files, an_export_that_cannot_be_written_names_the_file_and_why);
     suite_add_tcase(all, files);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

@@ -473,7 +473,7 @@ START_TEST(worst_spring_is_the_most_strained_or_not_a_number)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(forces)
 {
     const TTest *const tests[] = {
         force_is_minus_the_gradient_of_the_energy,
@@ -495,5 +495,5 @@ int main(void)
     for (size_t i = 0; i < COUNT(tests); ++i) { /* the first six under both laws */
         tcase_add_loop_test(tcase, tests[i], 0, i < 6 ? 2 : 1);
     }
-    return test_run(suite);
+    return suite;
 }

@@ -360,7 +360,7 @@ START_TEST(a_batch_without_memory_says_so)
 END_TEST
 #endif
 
-int main(void)
+TEST_SUITE(hostile)
 {
     Suite *suite = suite_create("hostile");
     TCase *tcase = tcase_create("hostile");
@@ -386,5 +386,5 @@ int main(void)
     tcase_add_test(tcase, a_batch_without_memory_says_so);
 #endif
     suite_add_tcase(suite, tcase);
-    return test_run(suite);
+    return suite;
 }

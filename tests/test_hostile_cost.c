@@ -199,7 +199,7 @@ START_TEST(a_sweep_that_is_too_much_costs_a_second_and_100_mb_at_most)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(hostile_cost)
 {
     Suite *suite = suite_create("hostile cost");
     TCase *tcase = tcase_create("cost");
@@ -211,5 +211,5 @@ int main(void)
                         (int)(sizeof sweeps / sizeof sweeps[0]));
     tcase_add_test(tcase, a_scene_of_mistakes_alone_costs_little);
     suite_add_tcase(suite, tcase);
-    return test_run(suite);
+    return suite;
 }

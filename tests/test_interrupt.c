@@ -210,7 +210,7 @@ START_TEST(more_than_a_gigabyte_needs_consent_and_nothing_is_written_without)
 END_TEST
 #endif
 
-static Suite *suite(void)
+TEST_SUITE(interrupt)
 {
     Suite *suite = suite_create("interrupt");
     TCase *tcase = tcase_create("signals");
@@ -233,9 +233,4 @@ static Suite *suite(void)
 #endif
     suite_add_tcase(suite, tcase);
     return suite;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

@@ -404,7 +404,7 @@ END_TEST
 /* ---- main --------------------------------------------------------------------------
  */
 
-int main(void)
+TEST_SUITE(ledger)
 {
     Suite *suite = suite_create("ledger");
     add(suite, "free fall", free_fall_moves_energy_and_makes_none, FINE);
@@ -419,5 +419,5 @@ int main(void)
     add(suite, "powers", powers_are_the_rate_of_the_energy, 20);
     add(suite, "no length", a_spring_without_length_has_no_power, 1);
     add(suite, "program", series_has_its_columns_where_it_is_asked_for, 1);
-    return test_run(suite);
+    return suite;
 }

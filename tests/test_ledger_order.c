@@ -117,7 +117,7 @@ START_TEST(other_methods_refuse_it)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(ledger_order)
 {
     Suite *suite = suite_create("order of the ledger");
     const int methods = (int)test_method_count();
@@ -125,5 +125,5 @@ int main(void)
     add(suite, "tolerance", residual_shrinks_with_the_tolerance, methods);
     add(suite, "bits", state_and_steps_are_the_same_without_it, methods);
     add(suite, "refusal", other_methods_refuse_it, methods);
-    return test_run(suite);
+    return suite;
 }

@@ -185,7 +185,7 @@ START_TEST(wrong_definitions_are_refused)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(limit)
 {
     Suite *all = suite_create("limit");
     TCase *tests = tcase_create("limit");
@@ -203,9 +203,4 @@ static Suite *suite(void)
     tcase_add_test(tests, wrong_definitions_are_refused);
     suite_add_tcase(all, tests);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

@@ -240,7 +240,7 @@ START_TEST(a_cloth_that_falls_is_never_above_its_limit)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(limit_sheet)
 {
     Suite *all = suite_create("limit_sheet");
     TCase *tests = tcase_create("limit_sheet");
@@ -257,9 +257,4 @@ static Suite *suite(void)
     tcase_add_loop_test(tests, a_cloth_that_falls_is_never_above_its_limit, 0, 2);
     suite_add_tcase(all, tests);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

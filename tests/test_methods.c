@@ -135,7 +135,7 @@ START_TEST(a_plugin_that_is_not_admitted_is_refused_and_not_loaded)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(methods)
 {
     Suite *suite = suite_create("methods");
     TCase *tcase = tcase_create("methods");
@@ -148,5 +148,5 @@ int main(void)
     tcase_add_test(tcase, a_plugin_that_is_not_admitted_is_refused_and_not_loaded);
     tcase_add_test(tcase, a_file_that_cannot_be_opened_is_named_once);
     suite_add_tcase(suite, tcase);
-    return test_run(suite);
+    return suite;
 }

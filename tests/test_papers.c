@@ -179,7 +179,7 @@ START_TEST(eulers_factor_is_1_minus_k_h)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(papers)
 {
     Suite *all = suite_create("papers");
     TCase *tests = tcase_create("papers");
@@ -189,9 +189,4 @@ static Suite *suite(void)
     tcase_add_loop_test(tests, eulers_factor_is_1_minus_k_h, 0, 5);
     suite_add_tcase(all, tests);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

@@ -183,7 +183,7 @@ START_TEST(mistakes_change_nothing)
     ck_assert_int_eq(weft_sim_move_pin(sim, 0, wrong, &err), WEFT_INVALID);
     ck_assert_int_eq(weft_sim_unpin(sim, N, &err), WEFT_INVALID);
     fine(weft_sim_unpin(sim, 3, &err)); /* is free */
-    ck_assert_ptr_eq(weft_sim_cloth(sim), cloth);
+    ck_assert_uint_eq(weft_cloth_pins(weft_sim_cloth(sim)), 1);
     ck_assert_mem_eq(y, weft_sim_state(sim), sizeof y);
 }
 END_TEST
@@ -281,6 +281,28 @@ START_TEST(others_on_the_same_cloth_keep_their_pins)
 }
 END_TEST
 
+START_TEST(a_simulation_may_start_with_the_pins_of_another)
+{
+    const double up[3] = { 0.0, 0.5, 0.0 };
+    double from[3], x[3], v[3];
+    start();
+    fine(weft_sim_pin(sim, 7, up, NULL));
+    fine(weft_sim_unpin(sim, 0, NULL));
+    const weft_cloth *shared = cloth;
+    cloth = (weft_cloth *)weft_sim_cloth(sim);
+    weft_sim *other = another();
+    cloth = (weft_cloth *)shared;
+    ck_assert(!weft_cloth_pinned(weft_sim_cloth(other), 0));
+    at(other, 7, from, v);
+    ck_assert_mem_eq(v, up, sizeof v);
+    go(other, 0.1);
+    at(other, 7, x, v);
+    ck_assert_mem_eq(v, up, sizeof v);
+    ck_assert_double_eq_tol(x[1], from[1] + 0.05, 1e-12);
+    weft_sim_destroy(other);
+}
+END_TEST
+
 /* ---- energy ---------------------------------------------------------------------- */
 
 static double total(const weft_energy *energy)
@@ -331,7 +353,7 @@ START_TEST(changes_of_pins_are_accounted_for)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(pins)
 {
     Suite *suite = suite_create("pins");
     TCase *tcase = tcase_create("pins");
@@ -346,7 +368,8 @@ int main(void)
                         methods);
     tcase_add_test(tcase, any_sequence_of_changes_leaves_the_pins_it_should);
     tcase_add_test(tcase, others_on_the_same_cloth_keep_their_pins);
+    tcase_add_test(tcase, a_simulation_may_start_with_the_pins_of_another);
     tcase_add_test(tcase, changes_of_pins_are_accounted_for);
     suite_add_tcase(suite, tcase);
-    return test_run(suite);
+    return suite;
 }

@@ -404,7 +404,7 @@ START_TEST(a_run_repeated_from_what_it_left_keeps_its_name)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(progress)
 {
     Suite *all = suite_create("progress");
     TCase *runs = tcase_create("runs");
@@ -428,9 +428,4 @@ static Suite *suite(void)
     tcase_add_test(runs, a_run_repeated_from_what_it_left_keeps_its_name);
     suite_add_tcase(all, runs);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

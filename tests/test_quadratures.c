@@ -20,7 +20,8 @@ static weft_stepper_config in_mode(const weft_stepper_type *type, int mode)
 }
 
 /* Over three frames, with an edit of the state after the first. */
-static trial_run with_quadratures_go(const weft_stepper_type *type, int mode, size_t count)
+static trial_run with_quadratures_go(const weft_stepper_type *type, int mode,
+                                     size_t count)
 {
     const weft_stepper_config config = in_mode(type, mode);
     trial_run r;
@@ -190,7 +191,7 @@ START_TEST(a_config_without_the_field_has_no_quadratures)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(quadratures)
 {
     Suite *suite = suite_create("quadratures");
     add_for_every_method(suite, "bits", steps_have_the_same_bits_with_and_without);
@@ -199,5 +200,5 @@ int main(void)
     add_for_every_method(suite, "any value", quadratures_go_on_from_any_value);
     add_for_every_method(suite, "counts", counts_that_do_not_fit_are_refused);
     add_for_every_method(suite, "old", a_config_without_the_field_has_no_quadratures);
-    return test_run(suite);
+    return suite;
 }

@@ -343,7 +343,7 @@ START_TEST(export_of_a_damaged_file_names_it)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(record)
 {
     Suite *all = suite_create("record");
     TCase *frames = tcase_create("frames");
@@ -361,9 +361,4 @@ static Suite *suite(void)
     tcase_add_test(frames, the_counts_of_steps_stand_in_the_first_page);
     suite_add_tcase(all, frames);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

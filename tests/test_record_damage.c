@@ -207,7 +207,7 @@ START_TEST(the_manifest_is_written_anew)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(record_damage)
 {
     Suite *all = suite_create("damage");
     TCase *others = tcase_create("others");
@@ -226,9 +226,4 @@ static Suite *suite(void)
     tcase_add_test(others, the_manifest_is_written_anew);
     suite_add_tcase(all, others);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

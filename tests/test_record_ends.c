@@ -407,7 +407,7 @@ START_TEST(the_same_scene_gives_the_same_file)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(record_ends)
 {
     Suite *all = suite_create("record ends");
     TCase *runs = tcase_create("runs");
@@ -431,9 +431,4 @@ static Suite *suite(void)
     tcase_add_test(runs, the_same_scene_gives_the_same_file);
     suite_add_tcase(all, runs);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

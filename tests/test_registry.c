@@ -476,7 +476,7 @@ START_TEST(statuses_have_texts_of_their_own)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(registry)
 {
     Suite *suite = suite_create("registry");
     TCase *tcase = tcase_create("registry");
@@ -496,5 +496,5 @@ int main(void)
     tcase_add_test(tcase, loading_all_tells_of_the_refused_and_goes_on);
     tcase_add_test(tcase, bad_configs_are_refused);
     tcase_add_test(tcase, statuses_have_texts_of_their_own);
-    return test_run(suite);
+    return suite;
 }

@@ -196,7 +196,7 @@ START_TEST(threads_and_allocator_may_differ)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(saved_definition)
 {
     Suite *suite = suite_create("saved definition");
     TCase *tcase = tcase_create("definition");
@@ -207,5 +207,5 @@ int main(void)
     tcase_add_test(tcase, other_tolerances_and_tables_are_refused);
     tcase_add_test(tcase, threads_and_allocator_may_differ);
     suite_add_tcase(suite, tcase);
-    return test_run(suite);
+    return suite;
 }

@@ -200,7 +200,7 @@ START_TEST(the_error_is_the_first_of_those_found)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(scene_errors)
 {
     Suite *all = suite_create("scene errors");
     TCase *messages = tcase_create("messages");
@@ -215,9 +215,4 @@ static Suite *suite(void)
     tcase_add_test(messages, the_error_is_the_first_of_those_found);
     suite_add_tcase(all, messages);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

@@ -246,7 +246,7 @@ START_TEST(a_damaged_override_is_right_or_has_located_mistakes)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(scene_fuzz)
 {
     Suite *all = suite_create("scene fuzz");
     TCase *fuzz = tcase_create("fuzz");
@@ -256,9 +256,4 @@ static Suite *suite(void)
     tcase_add_test(fuzz, a_damaged_override_is_right_or_has_located_mistakes);
     suite_add_tcase(all, fuzz);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

@@ -122,7 +122,7 @@ START_TEST(a_method_may_bring_its_plugin_in_a_scene)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(scene_method)
 {
     Suite *suite = suite_create("scene method");
     TCase *methods = tcase_create("methods");
@@ -131,5 +131,5 @@ int main(void)
     tcase_add_test(methods, an_override_of_a_tolerance_ends_fixed_steps);
     tcase_add_loop_test(methods, a_method_may_bring_its_plugin_in_a_scene, 0, 2);
     suite_add_tcase(suite, methods);
-    return test_run(suite);
+    return suite;
 }

@@ -379,7 +379,7 @@ START_TEST(help_lists_every_key_with_unit_and_default)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(scene_set)
 {
     Suite *all = suite_create("scene set");
     TCase *sets = tcase_create("overrides");
@@ -397,9 +397,4 @@ static Suite *suite(void)
     tcase_add_test(texts, help_lists_every_key_with_unit_and_default);
     suite_add_tcase(all, texts);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

@@ -159,7 +159,7 @@ START_TEST(every_shipped_scene_is_in_the_list)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(scenes)
 {
     Suite *all = suite_create("scenes");
     TCase *bounds_case = tcase_create("bounds");
@@ -168,9 +168,4 @@ static Suite *suite(void)
     tcase_add_test(bounds_case, every_shipped_scene_is_in_the_list);
     suite_add_tcase(all, bounds_case);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

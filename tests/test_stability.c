@@ -297,7 +297,7 @@ START_TEST(custom_table_has_its_own_polynomial)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(stability)
 {
     Suite *suite = suite_create("stability");
     TCase *limits = tcase_create("limits");
@@ -319,9 +319,4 @@ static Suite *suite(void)
     add_for_every_method(suite, "polygons",
                          polygon_is_no_more_stable_than_any_mode_in_it);
     return suite;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

@@ -96,11 +96,11 @@ START_TEST(the_largest_norm_sees_one_particle_where_rms_does_not)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(stepper_accuracy)
 {
     Suite *suite = suite_create("stepper accuracy");
     add_for_every_method(suite, "tolerances", each_tolerance_counts);
     add_for_every_method(suite, "norms",
                          the_largest_norm_sees_one_particle_where_rms_does_not);
-    return test_run(suite);
+    return suite;
 }

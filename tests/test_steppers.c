@@ -100,7 +100,7 @@ START_TEST(a_dropped_baton_is_not_waited_for)
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(steppers)
 {
     Suite *suite = suite_create("steppers");
     TCase *promises = tcase_create("promises");
@@ -120,5 +120,5 @@ int main(void)
     tcase_add_loop_test(threads, instances_in_two_threads_do_not_meet, 0,
                         (int)test_method_count());
     suite_add_tcase(suite, threads);
-    return test_run(suite);
+    return suite;
 }

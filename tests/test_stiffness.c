@@ -271,7 +271,7 @@ START_TEST(bound_of_a_state_that_is_not_finite_is_not_finite)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(stiffness)
 {
     Suite *suite = suite_create("stiffness");
     TCase *values = tcase_create("values");
@@ -286,9 +286,4 @@ static Suite *suite(void)
     tcase_add_test(values, bound_of_a_state_that_is_not_finite_is_not_finite);
     suite_add_tcase(suite, values);
     return suite;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

@@ -246,7 +246,7 @@ START_TEST(a_plugin_that_ends_or_blocks_its_loader_is_refused_and_others_are_use
 }
 END_TEST
 
-int main(void)
+TEST_SUITE(surroundings)
 {
     Suite *suite = suite_create("surroundings");
     TCase *tcase = tcase_create("surroundings");
@@ -268,5 +268,5 @@ int main(void)
         tcase, a_plugin_that_ends_or_blocks_its_loader_is_refused_and_others_are_used,
         0, (int)(sizeof traps / sizeof traps[0]));
     suite_add_tcase(suite, tcase);
-    return test_run(suite);
+    return suite;
 }

@@ -151,14 +151,14 @@ static TCase *add_case(Suite *suite, const char *name, const TTest *test, size_t
     return tcase;
 }
 
-int main(void)
+TEST_SUITE(verification)
 {
     Suite *suite = suite_create("verification");
     stepper_method m;
     size_t methods = 0, pairs = 0;
     registry = verify_registry();
     if (registry == NULL) {
-        return 1;
+        return NULL;
     }
     while (method_at(registry, methods, &m)) {
         ++methods;
@@ -178,7 +178,5 @@ int main(void)
         add_case(suite, "shipped", every_method_runs_every_shipped_scene,
                  verify_shipped(shipped));
     }
-    const int failed = test_run(suite);
-    weft_registry_destroy(registry);
-    return failed;
+    return suite;
 }

@@ -155,7 +155,7 @@ START_TEST(force_replaces_the_pages_too)
 }
 END_TEST
 
-static Suite *suite(void)
+TEST_SUITE(view)
 {
     Suite *all = suite_create("view");
     TCase *pages = tcase_create("pages");
@@ -171,9 +171,4 @@ static Suite *suite(void)
     tcase_add_test(pages, force_replaces_the_pages_too);
     suite_add_tcase(all, pages);
     return all;
-}
-
-int main(void)
-{
-    return test_run(suite());
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* evaluate.c -- evaluates the forces of P(100) three times, for tools/guard, which
  * counts instructions; prints how many springs that were. Argument: all, all springs;
- * heated, these and the heat they make; undamped; stretch, that family alone and
- * undamped; wind, the springs of stretch and wind. */
+ * undamped; stretch, that family alone and undamped; wind, the springs of stretch and
+ * wind. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,11 +15,8 @@ enum { SIDE = 100, CALLS = 3 };
 int main(int argc, char **argv)
 {
     static double y[6 * SIDE * SIDE], dydt[6 * SIDE * SIDE];
-    static double heat[WEFT_SUMS * SIDE];
     const char *what = argc > 1 ? argv[1] : "all";
-    const bool heated = strcmp(what, "heated") == 0;
-    const bool all = heated || strcmp(what, "all") == 0,
-               undamped = strcmp(what, "undamped") == 0;
+    const bool all = strcmp(what, "all") == 0, undamped = strcmp(what, "undamped") == 0;
     weft_cloth_def def = problem(SIDE);
     weft_cloth *cloth;
     weft_error err;
@@ -38,7 +35,7 @@ int main(int argc, char **argv)
         springs += weft_cloth_springs(cloth, (weft_family)f);
     }
     for (int i = 0; i < CALLS; ++i) {
-        (void)weft__rhs_rows(cloth, 0.0, y, dydt, heated ? heat : NULL, 0, SIDE);
+        (void)weft__rhs_rows(cloth, 0.0, y, dydt, 0, SIDE);
     }
     printf("%zu %s\n", CALLS * springs, weft_cloth_isa(cloth));
     weft_cloth_destroy(cloth);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* weft/base.h -- what every weft header shares: version, export mark, status, error.
+/* weft/base.h -- shared by all weft headers: version, export mark, status, error.
  *
  * Nothing here needs the library: a stepper plugin includes weft/stepper.h, which
- * includes this, and links to nothing of weft. */
+ * includes this header, and does not link with weft. */
 #ifndef WEFT_BASE_H
 #define WEFT_BASE_H
 
@@ -15,7 +15,7 @@
 
 #define WEFT_VERSION "0.1.0"
 
-/* The library is built with hidden visibility: what is marked is all it exports. */
+/* The library is built with hidden visibility: it exports only marked names. */
 #if defined(__GNUC__)
 #define WEFT_API                 __attribute__((visibility("default")))
 #define WEFT_PRINTF(text, first) __attribute__((format(printf, text, first)))
@@ -28,7 +28,7 @@
 extern "C" {
 #endif
 
-/* X(name, text). The enum and weft_status_text() are made from this one list. */
+/* X(name, text): the source of the enum and of weft_status_text(). */
 #define WEFT_STATUS_LIST(X)                                                            \
     X(OK, "ok")                                                                        \
     X(INVALID, "invalid argument")                                                     \
@@ -48,8 +48,8 @@ typedef enum weft_status {
 #undef WEFT_STATUS_ENUM
 } weft_status;
 
-/* What went wrong and where. The caller owns it and passes it last; NULL is allowed
- * everywhere. It is written only on failure. */
+/* An error and its place. The caller owns it and passes it as the last argument; NULL
+ * is allowed everywhere. It is written only on failure. */
 typedef struct weft_error {
     weft_status status;
     int line, column;  /* from 1; 0: no place in a file */
@@ -57,11 +57,11 @@ typedef struct weft_error {
     char message[512]; /* one line, without a trailing period */
 } weft_error;
 
-/* Where an object takes its memory from, for those who do not want malloc's. `resize`
- * is as realloc, with memory aligned as malloc's, and with size 0 it frees and returns
- * NULL; NULL for another size: there is none left, and the call fails with
- * WEFT_NO_MEMORY. It is copied where it is given, called by the thread that calls weft,
- * and *ctx outlives the object. Nothing is allocated inside a step. */
+/* The allocator of an object, to replace malloc. `resize` works like realloc, and
+ * returns memory aligned like malloc's. With size 0 it frees the block and returns
+ * NULL; with another size NULL means that there is no memory left, and the call fails
+ * with WEFT_NO_MEMORY. weft copies this struct and calls `resize` in the thread that
+ * calls weft; *ctx must outlive the object. Nothing is allocated inside a step. */
 typedef struct weft_allocator {
     void *(*resize)(void *ctx, void *block, size_t size);
     void *ctx;
@@ -69,24 +69,24 @@ typedef struct weft_allocator {
 
 typedef enum weft_log_level {
     WEFT_LOG_DEBUG,  /* steps that took more than one attempt */
-    WEFT_LOG_INFO,   /* what was made or loaded */
-    WEFT_LOG_WARNING /* what may be wrong with the results */
+    WEFT_LOG_INFO,   /* an object created or a file loaded */
+    WEFT_LOG_WARNING /* a possible fault of the results */
 } weft_log_level;
 
-/* What is worth telling but no failure, a line at a time without a newline; the library
- * itself never prints. Called by the thread that calls weft. */
+/* Messages that are not failures, one line per call without a newline; the library
+ * itself never prints. Called in the thread that calls weft. */
 typedef struct weft_log {
-    void (*write)(void *ctx, weft_log_level level, const char *text); /* NULL: nobody */
+    void (*write)(void *ctx, weft_log_level level, const char *text); /* NULL: none */
     void *ctx;
 } weft_log;
 
 /* A short text for a status, never NULL. */
 WEFT_API const char *weft_status_text(weft_status status);
 
-/* The version of the library that is running, as WEFT_VERSION. */
+/* The version of the running library, as WEFT_VERSION. */
 WEFT_API const char *weft_version(void);
 
-/* Fill *err (NULL allowed) and return status, so that a failing function may end in
+/* Fills *err (NULL allowed) and returns status, so that a failing function may end with
  * `return weft_error_set(err, WEFT_INVALID, "rows is %zu", rows);`. Header-only, for
  * plugins. */
 WEFT_PRINTF(3, 4)
@@ -106,7 +106,7 @@ static inline weft_status weft_error_set(weft_error *err, weft_status status,
     return status;
 }
 
-/* malloc's, as a weft_allocator.resize that needs no ctx. */
+/* malloc as a weft_allocator.resize; it needs no ctx. */
 static inline void *weft_malloc_resize(void *ctx, void *block, size_t size)
 {
     (void)ctx;
@@ -117,7 +117,7 @@ static inline void *weft_malloc_resize(void *ctx, void *block, size_t size)
     return realloc(block, size);
 }
 
-/* A copy of *given; malloc's if it is NULL. Header-only, for plugins. */
+/* A copy of *given, or malloc's if it is NULL. Header-only, for plugins. */
 static inline weft_allocator weft_allocator_or_malloc(const weft_allocator *given)
 {
     weft_allocator memory = { weft_malloc_resize, NULL };

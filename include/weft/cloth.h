@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* weft/cloth.h -- the model: particles and springs on a grid, and what pulls at them.
+/* weft/cloth.h -- the model: particles and springs on a grid, and the forces on them.
  *
- * A weft_cloth is constant once made: every function here that takes one is pure and
- * may be called from many threads at once. The state is not in it; the caller owns
+ * A weft_cloth is constant after creation: every function here that takes one is pure
+ * and may be called in many threads at once. The caller owns the state
  *
  *     double y[6 N]: planes x[N] y[N] z[N] [m], then vx[N] vy[N] vz[N] [m/s]
  *
@@ -19,13 +19,13 @@ extern "C" {
 
 typedef struct weft_cloth weft_cloth;
 
-/* Springs of (r, c): stretch to the next column and row, shear across both diagonals
- * of a cell, bend to the next but one column and row. */
+/* Springs of (r, c): stretch to the next column and row, shear across both diagonals of
+ * a cell, bend to the second next column and row. */
 typedef enum weft_family {
     WEFT_STRETCH,
     WEFT_SHEAR,
     WEFT_BEND,
-    WEFT_FAMILIES /* how many there are */
+    WEFT_FAMILIES /* their number */
 } weft_family;
 
 /* "stretch", "shear" or "bend"; never NULL. */
@@ -60,22 +60,22 @@ typedef struct weft_pin {
     double frequency;    /* [Hz] >= 0 */
 } weft_pin;
 
-/* Everything a cloth is made of. Arrays are copied by weft_cloth_create. */
+/* The definition of a cloth. weft_cloth_create copies the arrays. */
 typedef struct weft_cloth_def {
     size_t rows, cols; /* particles down and across, >= 1 each, rows * cols >= 2 */
     double spacing[2]; /* [m] > 0: row to row (along a column), then column to column */
-    double origin[3];  /* [m] where particle (0, 0) rests */
-    double right[3];   /* direction of growing column; normalised by create */
-    double down[3];    /* direction of growing row; perpendicular to right (1e-9) */
+    double origin[3];  /* [m] rest position of particle (0, 0) */
+    double right[3];   /* direction of increasing column; create normalises it */
+    double down[3];    /* direction of increasing row; perpendicular to right (1e-9) */
     double scale;      /* > 0: initial = origin + scale (rest - origin) */
     double mass;       /* [kg] > 0 of each particle; 0: density is used */
     double density;    /* [kg/m^2] > 0, lumped by area; 0: mass is used */
-    double velocity[3];     /* [m/s] initial, of particles that are not pinned */
+    double velocity[3];     /* [m/s] initial velocity of particles without a pin */
     const weft_load *loads; /* load_count of them */
     size_t load_count;
     weft_law law;
     weft_spring_def springs[WEFT_FAMILIES];
-    const weft_pin *pins; /* pin_count of them; a later one wins over an earlier */
+    const weft_pin *pins; /* pin_count of them; a later one overrides an earlier one */
     size_t pin_count;
     double gravity[3];       /* [m/s^2] */
     double drag;             /* [kg/s] >= 0, viscous: F = -drag v on each particle */
@@ -84,7 +84,7 @@ typedef struct weft_cloth_def {
     const weft_allocator *allocator; /* NULL: malloc's */
 } weft_cloth_def;
 
-/* A spring between two particles, named by their indices; family tells which kind. */
+/* A spring between two particles, given by family and indices. */
 typedef struct weft_spring {
     weft_family family;
     size_t p, q;
@@ -108,116 +108,118 @@ typedef enum weft_limit_solver {
     WEFT_LIMIT_SWEEP /* plain sweeps, as in the paper: some n^3 */
 } weft_limit_solver;
 
-/* No limited spring longer than (1 + strain) rest lengths: docs/physics.md. */
+/* The strain limit: no limited spring is longer than (1 + strain) rest lengths;
+ * docs/physics.md. */
 typedef struct weft_limit_def {
     weft_limit_method method;
     double strain;                /* >= 0 */
-    bool families[WEFT_FAMILIES]; /* which are limited */
-    size_t sweeps;                /* >= 1 passes a step at most, or until */
-    double tolerance;             /* > 0: none exceeds (1 + strain)(1 + tolerance) */
+    bool families[WEFT_FAMILIES]; /* the limited families */
+    size_t sweeps;                /* >= 1: maximum of passes per step */
+    double tolerance;             /* > 0: met up to (1 + strain)(1 + tolerance) */
     bool keep_velocity;           /* provot: positions only, as in the paper */
     weft_limit_solver solver;
 } weft_limit_def;
 
-/* 2 x 2 particles, 1 m apart, 0.2 kg/m^2, no springs, no pins, earth's gravity down
- * the y axis. Set what differs. */
+/* 2 x 2 particles, 1 m apart, 0.2 kg/m^2, no springs, no pins, earth's gravity along
+ * -y. Set the fields that differ. */
 WEFT_API weft_cloth_def weft_cloth_def_default(void);
 
-/* Makes a cloth. It will use the fastest instructions that this machine has, unless the
- * environment variable WEFT_ISA names others that it has: "plain", "x86-64-v3" (AVX2),
- * "x86-64-v4" (AVX-512). Errors: WEFT_INVALID (a value out of range, a pin outside the
- * grid, coincident rest positions, another name in WEFT_ISA, ...; the message names the
- * field), WEFT_NO_MEMORY. */
+/* Creates a cloth. It uses the fastest instructions of this machine, unless the
+ * environment variable WEFT_ISA selects other supported ones: "plain", "x86-64-v3"
+ * (AVX2), "x86-64-v4" (AVX-512). Errors: WEFT_INVALID (a value out of range, a pin
+ * outside the grid, coincident rest positions, another name in WEFT_ISA, ...; the
+ * message names the field), WEFT_NO_MEMORY. */
 WEFT_API weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
                                        weft_error *err);
 WEFT_API void weft_cloth_destroy(weft_cloth *cloth); /* NULL is allowed */
 
-WEFT_API const char *weft_cloth_isa(const weft_cloth *cloth); /* those in use */
+WEFT_API const char *weft_cloth_isa(const weft_cloth *cloth); /* instructions in use */
 WEFT_API size_t weft_cloth_rows(const weft_cloth *cloth);
 WEFT_API size_t weft_cloth_cols(const weft_cloth *cloth);
 WEFT_API size_t weft_cloth_particles(const weft_cloth *cloth);
 WEFT_API size_t weft_cloth_dim(const weft_cloth *cloth); /* 6 N, doubles of a state */
 WEFT_API size_t weft_cloth_springs(const weft_cloth *cloth, weft_family family);
 WEFT_API size_t weft_cloth_pins(const weft_cloth *cloth);  /* pinned particles */
-WEFT_API size_t weft_cloth_bytes(const weft_cloth *cloth); /* memory it holds */
-WEFT_API double weft_cloth_mass(const weft_cloth *cloth);  /* [kg] of all, pinned too */
+WEFT_API size_t weft_cloth_bytes(const weft_cloth *cloth); /* its memory */
+WEFT_API double weft_cloth_mass(const weft_cloth *cloth); /* [kg] in all, also pinned */
 WEFT_API double weft_cloth_particle_mass(const weft_cloth *cloth, size_t i); /* [kg] */
 WEFT_API bool weft_cloth_pinned(const weft_cloth *cloth, size_t i);
 
-/* The state at t = 0 into y[6 N]. */
+/* Writes the state at t = 0 to y[6 N]. */
 WEFT_API void weft_cloth_start(const weft_cloth *cloth, double *y);
 
-/* Where the particles rest [m], x y z of particle 0, x y z of particle 1, ...: 3 N. */
+/* Rest positions [m]: x y z of particle 0, x y z of particle 1, ...: 3 N. */
 WEFT_API void weft_cloth_rest(const weft_cloth *cloth, double *xyz);
 
-/* dy/dt into dydt[6 N] at time t [s]. Returns 0, or 1 if it, or a force on a pinned
- * particle, is not finite. Calls nothing, allocates nothing; y and dydt do not overlap.
- * The same bits on every machine, whatever instructions it has. */
+/* Writes dy/dt at time t [s] to dydt[6 N]. Returns 0, or 1 if dy/dt, or a force on a
+ * pinned particle, is not finite. Calls nothing, allocates nothing; y and dydt must not
+ * overlap. The bits are the same on every machine, whatever its instructions. */
 WEFT_API int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y,
                             double *dydt);
 
-/* Force [N] on every particle as if none were pinned, into f[3 N]: planes fx fy fz. */
+/* Writes the force [N] on every particle, as if none were pinned, to f[3 N]: planes fx
+ * fy fz. */
 WEFT_API void weft_cloth_force(const weft_cloth *cloth, const double *y, double *f);
 
 WEFT_API weft_energy weft_cloth_energy(const weft_cloth *cloth, const double *y);
 
 /* Rate [W] >= 0 at which springs and viscous drag turn energy into heat. The drag of
- * pinned particles is not counted: their motion is prescribed. */
+ * pinned particles does not count, because their motion is prescribed. */
 WEFT_API double weft_cloth_dissipation(const weft_cloth *cloth, const double *y);
 
-/* What changes the sum of all energies, each a power [W]. */
+/* The powers [W] that change the total energy. */
 typedef enum weft_power {
     WEFT_POWER_SPRINGS, /* turned into heat by spring damping, >= 0 */
     WEFT_POWER_DRAG,    /* turned into heat by viscous drag of free particles, >= 0 */
     WEFT_POWER_WIND,    /* put into free particles by the wind */
-    WEFT_POWER_PINS,    /* put into springs by the pins that they hold on to */
-    WEFT_POWERS         /* how many there are */
+    WEFT_POWER_PINS,    /* put into springs by moving pins */
+    WEFT_POWERS         /* their number */
 } weft_power;
 
-/* All of them at time t [s]: d(energy)/dt = wind + pins - springs - drag, exactly. */
+/* All powers at time t [s]: d(energy)/dt = wind + pins - springs - drag, exactly. */
 WEFT_API void weft_cloth_power(const weft_cloth *cloth, double t, const double *y,
                                double power[WEFT_POWERS]);
 
-/* How fast a cloth answers: bounds on all its modes, linearised about a state. A mode
- * x'' + c x' + w2 x = 0 has stiffness w2 [1/s^2] and damping rate c [1/s]; every mode's
- * pair (w2, c) lies in the convex polygon of the corners. Negative w2, the buckling of
- * slack springs, is motion rather than instability of a method and is left out, as is
- * the stiffness of the wind. */
+/* Bounds on the stiffness and damping of all modes, linearised about a state. A mode
+ * x'' + c x' + w2 x = 0 has stiffness w2 [1/s^2] and damping rate c [1/s]; the pair
+ * (w2, c) of every mode lies in the convex polygon of the corners. Negative w2, the
+ * buckling of slack springs, is motion rather than instability of a method and is left
+ * out, as is the stiffness of the wind. */
 enum { WEFT_STIFFNESS_CORNERS = 40 };
 
 typedef struct weft_stiffness {
     double omega2;  /* [1/s^2] no mode is stiffer */
-    double damping; /* [1/s] none is damped more */
+    double damping; /* [1/s] no mode is damped more */
     size_t count;
     double corners[WEFT_STIFFNESS_CORNERS][2]; /* (w2, c), in order round the polygon */
 } weft_stiffness;
 
-/* Guaranteed bounds in the state y; y NULL: in whatever state, which costs sharpness.
- * One pass over the springs, without allocation; not finite where y is not. */
+/* Guaranteed bounds in the state y. With y NULL they hold in any state and are less
+ * sharp. One pass over the springs, without allocation; not finite if y is not. */
 WEFT_API weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, const double *y);
 
-/* The same in a state y, sharpened by so many steps of the power method (0: 100) from a
- * fixed start: omega2 and damping become Rayleigh quotients, which never exceed the
- * largest values, and the corners are cut down to a hair above them. So no guarantee,
- * but together with the guaranteed bounds an enclosure. Errors: WEFT_INVALID (y is
- * NULL), WEFT_NO_MEMORY. */
+/* The same in a state y, sharpened by `iterations` steps of the power method (0: 100)
+ * from a fixed start. omega2 and damping become Rayleigh quotients, which never exceed
+ * the largest values, and the corners are cut down to slightly above them. The result
+ * is not guaranteed; together with the guaranteed bounds it encloses the true values.
+ * Errors: WEFT_INVALID (y is NULL), WEFT_NO_MEMORY. */
 WEFT_API weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth,
                                                   const double *y, size_t iterations,
                                                   weft_stiffness *out, weft_error *err);
 
-/* Of the free particles: sum m v [kg m/s] and sum m x cross v [kg m^2/s] about the
+/* Sums over the free particles: m v [kg m/s], and m x cross v [kg m^2/s] about the
  * origin of the coordinates. */
 WEFT_API void weft_cloth_momentum(const weft_cloth *cloth, const double *y,
                                   double p[3]);
 WEFT_API void weft_cloth_angular_momentum(const weft_cloth *cloth, const double *y,
                                           double l[3]);
 
-/* The spring with the largest strain; NaN wins over every number. Strain 0 and
- * p = q = 0 for a cloth without springs. */
+/* The spring with the largest strain; NaN counts as larger than every number. A cloth
+ * without springs gives strain 0 and p = q = 0. */
 WEFT_API weft_spring weft_cloth_worst_spring(const weft_cloth *cloth, const double *y);
 
-/* The largest strain (L - s) / s of the springs at each particle, negative where all
- * are compressed, into strain[N]; 0 at one without springs. */
+/* Writes the largest strain (L - s) / s of the springs at each particle to strain[N]:
+ * negative if all are compressed, 0 without springs. */
 WEFT_API void weft_cloth_strains(const weft_cloth *cloth, const double *y,
                                  double *strain);
 

@@ -2,11 +2,11 @@
 /* weft/elementary.h -- a power, and sine and cosine of a phase, with the same bits on
  * every machine: for step sizes and prescribed motions, in weft and in its plugins.
  *
- * libm rounds these functions as it likes: libraries differ in the last bit, and glibc
- * differs from itself between processors with and without fused multiply-add. The
+ * libm's rounding of these functions is not standardised: libraries differ in the last
+ * bit, and glibc differs between processors with and without fused multiply-add. The
  * functions below use + - * / of IEEE 754 binary64, and frexp, ldexp, rint and fabs,
- * which are exact in every libm. They need rounding to nearest and no contraction: gcc
- * must be given -ffp-contract=off.
+ * which are exact in every libm. They need rounding to nearest and no contraction: use
+ * gcc's -ffp-contract=off.
  *
  * Numbers of more than 53 bits are pairs hi + lo, |lo| <= ulp(hi) / 2: sums and
  * products after T. J. Dekker, Numer. Math. 18 (1971), D. E. Knuth, The Art of Computer
@@ -26,7 +26,7 @@
 extern "C" {
 #endif
 
-/* hi + lo. This type and the functions named after it serve the two at the end. */
+/* hi + lo. This type and its functions serve the two functions at the end. */
 typedef struct weft_pair {
     double hi, lo;
 } weft_pair;
@@ -84,7 +84,7 @@ static inline weft_pair weft_pair_log(double x)
         --e;
     }
     const weft_pair below = weft_pair_sum(m, 1.0);
-    const double q = (m - 1.0) / below.hi; /* m - 1 is exact, and so is the rest */
+    const double q = (m - 1.0) / below.hi; /* m - 1 is exact, and so is the remainder */
     const weft_pair back = weft_pair_product(q, below.hi);
     const double rest = (m - 1.0 - back.hi) - back.lo - q * below.lo;
     const weft_pair s = weft_pair_sum(q, rest / below.hi);
@@ -122,8 +122,8 @@ static inline double weft_pair_exp(weft_pair t)
     return ldexp(sum.hi, (int)k);
 }
 
-/* x^y for x >= 0. Zeros, infinities and NaN give what pow gives; x < 0 gives NaN for
- * every y but 0. At 1e6 points the result was the double nearest to x^y each time;
+/* x^y for x >= 0. Zeros, infinities and NaN give the results of pow; x < 0 gives NaN
+ * for every y but 0. At 1e6 points the result was the double nearest to x^y each time;
  * below DBL_MIN the last bit may be wrong. */
 static inline double weft_pow(double x, double y)
 {

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* weft/scene.h -- a scene file read: definition structs for cloth, stepper and run.
+/* weft/scene.h -- reads a scene file into definition structs for cloth, stepper and
+ * run.
  *
  * docs/scene.md lists every key. A scene that loads without errors is complete: all
- * values are in range and of the right unit. */
+ * values are present and in range. */
 #ifndef WEFT_SCENE_H
 #define WEFT_SCENE_H
 
@@ -14,70 +15,70 @@ extern "C" {
 
 typedef struct weft_scene weft_scene;
 
-/* What a run may keep of each particle beside its position. */
+/* Data that a run may record for each particle beside its position. */
 typedef enum weft_record_field {
     WEFT_RECORD_VELOCITY,
     WEFT_RECORD_STRAIN, /* largest (L - s) / s of its springs */
     WEFT_RECORD_PINNED,
-    WEFT_RECORD_FIELDS /* how many there are */
+    WEFT_RECORD_FIELDS /* their number */
 } weft_record_field;
 
-/* What a run leaves behind. */
+/* The contents of run.vtkhdf and series.csv. */
 typedef struct weft_record_def {
     bool doubles; /* else single precision */
     bool fields[WEFT_RECORD_FIELDS];
-    size_t every; /* >= 1: every n-th frame, the first and the last always */
+    size_t every; /* >= 1: every n-th frame, and always the first and the last */
     bool ledger;  /* the energy ledger: weft_sim_def.ledger */
 } weft_record_def;
 
-/* One mistake, or one warning. */
+/* One error or one warning. */
 typedef struct weft_diagnostic {
     bool warning;
-    int line, column; /* from 1; 0, 0: the place could not be told */
+    int line, column; /* from 1; 0, 0: place unknown */
     char place[256];  /* the file, or "command line, --set number 2" */
     char message[384];
-    char source[256]; /* the line of text it stands in */
+    char source[256]; /* the line of text that contains it */
     int caret;        /* column of source to point at, from 1; 0: none */
 } weft_diagnostic;
 
 #define WEFT_DIAGNOSTICS_MAX 20
 
-/* All that was found, in the order of the file. Owned by the caller; its size is
- * constant, nothing in it is allocated. */
+/* All diagnostics, in the order of the file. Owned by the caller; its size is constant,
+ * and nothing in it is allocated. */
 typedef struct weft_diagnostics {
-    size_t count;  /* filled in items */
-    size_t errors; /* found in all, also beyond WEFT_DIAGNOSTICS_MAX */
+    size_t count;  /* number of items filled */
+    size_t errors; /* total, also beyond WEFT_DIAGNOSTICS_MAX */
     size_t warnings;
     weft_diagnostic items[WEFT_DIAGNOSTICS_MAX];
 } weft_diagnostics;
 
-/* `file:line:column: error: message`, the source line and a caret, into text[size];
+/* Writes `file:line:column: error: message`, the source line and a caret to text[size];
  * returns the length as snprintf does. */
 WEFT_API int weft_diagnostic_format(const weft_diagnostic *diagnostic, char *text,
                                     size_t size);
 
 typedef struct weft_scene_def {
-    const char *file;        /* regular file to read, or `text`'s name in messages */
-    const char *text;        /* scene text in memory; NULL: read `file` */
-    size_t length;           /* of text */
+    const char *file; /* regular file to read, or the name of `text` in messages */
+    const char *text; /* scene text in memory; NULL: read `file` */
+    size_t length;    /* of text */
     const char *const *sets; /* set_count overrides "key.path=value" */
     size_t set_count;
 
-    /* Finds the plugin that stepper.plugin names, so that the method and the keys it
-     * would not use can be checked where they stand. NULL: not checked. */
+    /* Finds the plugin named by stepper.plugin, so that the method and keys without use
+     * are checked and reported at their place. NULL: not checked. */
     const weft_plugin *(*find_plugin)(void *ctx, const char *id, weft_error *err);
     void *find_ctx;
 
-    /* NULL: malloc's. From malloc always: what libyaml needs while it reads, and what a
-     * weft_sweep keeps beside the text and the scenes. */
+    /* NULL: malloc's. libyaml's reading and writing, and a weft_sweep itself, always
+     * use malloc. */
     const weft_allocator *allocator;
 } weft_scene_def;
 
 WEFT_API weft_scene_def weft_scene_def_default(void);
 
 /* Reads, checks and resolves a scene. Errors: WEFT_BAD_SCENE (found->errors > 0),
- * WEFT_IO (the file could not be read), WEFT_NO_MEMORY; *out is then NULL. Warnings
- * may be found in a scene that loads. `found` must not be NULL. */
+ * WEFT_IO (the file could not be read), WEFT_NO_MEMORY; then *out is NULL. A scene that
+ * loads may have warnings. `found` must not be NULL. */
 WEFT_API weft_status weft_scene_load(const weft_scene_def *def, weft_scene **out,
                                      weft_diagnostics *found, weft_error *err);
 WEFT_API void weft_scene_destroy(weft_scene *scene); /* NULL is allowed */
@@ -89,35 +90,35 @@ WEFT_API const weft_run_def *weft_scene_run(const weft_scene *scene);
 WEFT_API const weft_record_def *weft_scene_record(const weft_scene *scene);
 WEFT_API const char *weft_scene_plugin(const weft_scene *scene);
 WEFT_API const char *weft_scene_method(const weft_scene *scene);
-/* NULL if the scene was loaded without find_plugin, or has a Butcher table whose plugin
- * was not found. */
+/* NULL if the scene was loaded without find_plugin, or if it has a Butcher table whose
+ * plugin was not found. */
 WEFT_API const weft_stepper_type *weft_scene_method_type(const weft_scene *scene);
 WEFT_API const weft_stepper_config *weft_scene_config(const weft_scene *scene);
 
-/* The scene as it runs: the text that was read, or, if there were overrides, the same
- * document written anew with them applied. A name that came from the file's is put in.
- */
+/* The scene as it runs: the text that was read, or, with overrides, the same document
+ * written again with them applied. It includes the default name, if that came from the
+ * file's name. */
 WEFT_API const char *weft_scene_text(const weft_scene *scene);
 
-/* A scene file with `sweep`: {key.path: [value, ...], ...} stands for many runs: every
- * combination of the values, the last key varying fastest, or with zip: true as many as
- * each list has values. A scene without it is a sweep of one run and no keys. For
- * weft_scene_load a sweep is a mistake. */
+/* A scene file with `sweep`: {key.path: [value, ...], ...} describes many runs: every
+ * combination of the values, the last key varying fastest, or, with zip: true, one run
+ * for each position in the lists. A scene without it is a sweep of one run and no keys.
+ * weft_scene_load treats a sweep as a mistake. */
 typedef struct weft_sweep weft_sweep;
 
-/* Reads and checks every run; what is wrong in some runs only says so. Errors and
- * `found` as for weft_scene_load. def->sets and what find_plugin needs outlive the
- * sweep. */
+/* Reads and checks every run; a diagnostic says so if it concerns only some runs.
+ * Errors and `found` as for weft_scene_load. def->sets, and the data that find_plugin
+ * uses, must outlive the sweep. */
 WEFT_API weft_status weft_sweep_load(const weft_scene_def *def, weft_sweep **out,
                                      weft_diagnostics *found, weft_error *err);
 WEFT_API void weft_sweep_destroy(weft_sweep *sweep); /* NULL is allowed */
 
 WEFT_API size_t weft_sweep_runs(const weft_sweep *sweep); /* 1 to 100000 */
 WEFT_API size_t weft_sweep_keys(const weft_sweep *sweep);
-/* The path of key 0, 1, ... and its value in run 1, 2, ... in one line. */
+/* The path of key 0, 1, ..., and its value in run 1, 2, ... on one line. */
 WEFT_API const char *weft_sweep_key(const weft_sweep *sweep, size_t key);
 WEFT_API const char *weft_sweep_value(const weft_sweep *sweep, size_t key, size_t run);
-/* The scene of run 1, 2, ..., whose text has its values and no sweep. Errors:
+/* The scene of run 1, 2, ...; its text has the values of the run and no sweep. Errors:
  * WEFT_INVALID, WEFT_NO_MEMORY. */
 WEFT_API weft_status weft_sweep_scene(const weft_sweep *sweep, size_t run,
                                       weft_scene **out, weft_error *err);
@@ -127,12 +128,13 @@ typedef enum weft_scene_help_format {
     WEFT_HELP_MARKDOWN
 } weft_scene_help_format;
 
-/* Every key with type, unit, default and meaning, line by line to `line`. */
+/* Passes every key with type, unit, default and meaning to `line`, one line at a time.
+ */
 WEFT_API void weft_scene_help(weft_scene_help_format format,
                               void (*line)(void *ctx, const char *text), void *ctx);
 
-/* The same of one key, as text: "stepper.rtol", or "cloth.pins" with the keys below it.
- * WEFT_INVALID: there is no such key. */
+/* The same for one key, as text: "stepper.rtol", or "cloth.pins" with the keys below
+ * it. WEFT_INVALID: there is no such key. */
 WEFT_API weft_status weft_scene_help_key(const char *path,
                                          void (*line)(void *ctx, const char *text),
                                          void *ctx, weft_error *err);

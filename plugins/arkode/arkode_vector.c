@@ -3,13 +3,10 @@
  * of an explicit step replaced (arithmetic.c). Functions that read vectors see a serial
  * one.
  *
- * A step of ERKStep moves more than it computes, so two things are avoided:
- * - copies: vectors share an array until one of them is written to;
- * - computing a combination again that already stands in its output, as the solution of
- *   a method whose last stage is at the solution (FSAL) does.
- * A step of Dormand and Prince's on 32 x 32 particles takes 8 % less time by the first,
- * 4 % less by the second and 12 % less by both; on 300 x 300 9, 5 and 13 %, with two
- * threads 13, 6 and 19 % (docs/speed.md).
+ * A step of ERKStep moves more than it computes, so vectors share an array until one of
+ * them is written to. Without these copies a step of Dormand and Prince's takes 8 %
+ * less time on 32 x 32 particles, on 300 x 300 9 % and with two threads 13 %
+ * (docs/speed.md).
  *
  * There are as many arrays as vectors. A free one is taken by the next vector that
  * needs one of its own, so arrays that no step needs are never touched. */
@@ -33,21 +30,12 @@ typedef struct array {
     struct array *next_free;
 } array;
 
-/* z = sum of c[k] x[k]. */
-typedef struct combination {
-    array *z, *x[TERMS];
-    double c[TERMS];
-    int count;
-} combination;
-
 /* What a vector and its clones have in common. */
 typedef struct family {
     const weft_team *team;
     size_t n;
     int members;
     array *free;
-    combination made[2];
-    int last; /* of these, which still holds if its count is not 0 */
     weft_norm norm;
     size_t judged; /* components that have a say in the norm */
 } family;
@@ -81,15 +69,6 @@ static void share(content *v, array *a)
     v->serial.data = a->data;
 }
 
-static bool reads(const combination *made, const array *a)
-{
-    int k = 0;
-    while (k < made->count && made->x[k] != a) {
-        ++k;
-    }
-    return k < made->count;
-}
-
 /* Before it is written to, all of it unless `keep`. Where an array is shared there is a
  * free one. */
 static array *make_writable(content *v, bool keep)
@@ -103,10 +82,6 @@ static array *make_writable(content *v, bool keep)
             memcpy(a->data, shared->data, all->n * sizeof *a->data);
         }
         share(v, a);
-    }
-    combination *last = &all->made[all->last];
-    if (last->z == v->array || reads(last, v->array)) {
-        last->count = 0;
     }
     v->array->known = false;
     return v->array;
@@ -159,53 +134,34 @@ static void set_all(sunrealtype c, N_Vector z)
     set_finite(a, isfinite(c));
 }
 
-static bool same(const combination *a, const combination *b)
-{
-    const size_t count = (size_t)a->count;
-    return a->count == b->count && a->z == b->z
-           && memcmp(a->x, b->x, count * sizeof *a->x) == 0
-           && memcmp(a->c, b->c, count * sizeof *a->c) == 0;
-}
-
-static void combine(content *z, combination *wanted)
-{
-    family *all = z->family;
-    const double *from[TERMS];
-    for (int k = 0; k < wanted->count; ++k) {
-        from[k] = wanted->x[k]->data;
-    }
-    array *a = wanted->z = make_writable(z, false);
-    set_finite(a, weft__ark_combine(all->team, all->n, wanted->count, from, wanted->c,
-                                    a->data));
-    if (!reads(wanted, a)) {
-        all->last = 1 - all->last;
-    }
-}
-
 /* Terms with the factor 0 are left out, NaN or not: a table with stages of no weight
- * gives the same bits as without them. */
+ * gives the same bits as without them. z may be one of x. */
 static int linear_combination(int count, sunrealtype *c, N_Vector *x, N_Vector z)
 {
-    family *all = of(z)->family;
-    combination *wanted = &all->made[1 - all->last];
-    wanted->z = of(z)->array;
-    wanted->count = 0;
+    const family *all = of(z)->family;
+    const double *from[TERMS];
+    double factor[TERMS];
+    array *only = NULL;
+    int terms = 0;
     for (int k = 0; k < count; ++k) {
         if (c[k] == 0.0) {
             continue;
         }
-        if (wanted->count == TERMS) {
+        if (terms == TERMS) {
             return -1;
         }
-        wanted->c[wanted->count] = c[k];
-        wanted->x[wanted->count++] = of(x[k])->array;
+        only = of(x[k])->array;
+        from[terms] = only->data;
+        factor[terms++] = c[k];
     }
-    if (wanted->count == 0) {
+    if (terms == 0) {
         set_all(0.0, z);
-    } else if (wanted->count == 1 && wanted->c[0] == 1.0) {
-        share(of(z), wanted->x[0]);
-    } else if (!same(wanted, &all->made[all->last])) {
-        combine(of(z), wanted);
+    } else if (terms == 1 && factor[0] == 1.0) {
+        share(of(z), only);
+    } else {
+        array *a = make_writable(of(z), false);
+        set_finite(a,
+                   weft__ark_combine(all->team, all->n, terms, from, factor, a->data));
     }
     return 0;
 }
@@ -295,7 +251,6 @@ static void free_array(array *a)
 static void leave(content *self)
 {
     family *all = self->family;
-    all->made[all->last].count = 0;
     release(all, self->array);
     array *a = all->free; /* as there is one for each */
     all->free = a->next_free;

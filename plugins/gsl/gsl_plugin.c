@@ -32,7 +32,6 @@ enum {
     MULTISTEP = WEFT_STEPPER_MULTISTEP,
     NEWTON = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_DENSE,
     APART = WEFT_STEPPER_QUADRATURES,
-    EXPLICIT = APART | WEFT_STEPPER_FIRST_AT_Y,
     FUNCTIONAL = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_LEGACY | APART
 };
 
@@ -64,15 +63,15 @@ enum {
  * chooses its order by it: the order rises where the error is far below, and stays at 1
  * with a small one. */
 static const gsl_method methods[] = {
-    METHOD(rk2, 3, 2, 3, EXPLICIT, "W. Kutta, Z. Math. Phys. 46, 1901 (third order)",
+    METHOD(rk2, 3, 2, 3, APART, "W. Kutta, Z. Math. Phys. 46, 1901 (third order)",
            V2(rk2), .vectors = 8),
-    METHOD(rk4, 4, 4, 11, EXPLICIT, "W. Kutta, Z. Math. Phys. 46, 1901", V2(rk4),
+    METHOD(rk4, 4, 4, 11, APART, "W. Kutta, Z. Math. Phys. 46, 1901", V2(rk4),
            .vectors = 9),
-    METHOD(rkf45, 5, 4, 6, EXPLICIT, "E. Fehlberg, NASA TR R-315, 1969", V2(rkf45),
+    METHOD(rkf45, 5, 4, 6, APART, "E. Fehlberg, NASA TR R-315, 1969", V2(rkf45),
            .vectors = 12),
-    METHOD(rkck, 5, 4, 6, EXPLICIT, "J. R. Cash, A. H. Karp, ACM TOMS 16, 1990",
-           V2(rkck), .vectors = 12),
-    METHOD(rk8pd, 8, 7, 13, EXPLICIT,
+    METHOD(rkck, 5, 4, 6, APART, "J. R. Cash, A. H. Karp, ACM TOMS 16, 1990", V2(rkck),
+           .vectors = 12),
+    METHOD(rk8pd, 8, 7, 13, APART,
            "P. J. Prince, J. R. Dormand, J. Comp. Appl. Math. 7, 1981", V2(rk8pd),
            .vectors = 19),
     METHOD(msadams, 0, 0, 0, MULTISTEP | LIBM, VODE, V2(msadams), .vectors = 37,

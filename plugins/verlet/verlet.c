@@ -50,18 +50,10 @@ static int rhs(stepper *self, double t, const double *y)
     return self->ode.rhs(t, y, self->f, self->ode.ctx);
 }
 
-/* The exponent of what is not finite has all bits set, and 1 more carries into the
- * sign: no branches, for the sake of vectors. */
-static inline uint64_t wild(double a)
+/* To be counted: a sum, unlike a branch, can be vectorised. */
+static inline size_t not_finite(double a)
 {
-    uint64_t bits;
-    memcpy(&bits, &a, sizeof bits);
-    return (bits & INT64_MAX) + UINT64_C(0x0010000000000000);
-}
-
-static bool all_tame(uint64_t wilds)
-{
-    return wilds >> 63 == 0;
+    return (size_t)!isfinite(a);
 }
 
 /* to = y + h f over [first, last) of the state */
@@ -73,22 +65,23 @@ static void add(double *to, const double *y, double h, const double *f, size_t f
     }
 }
 
-/* Whether that would be finite: looked at first, so that a failed step need not be
- * undone. */
-static bool adds(const double *y, double h, const double *f, size_t first, size_t last)
+/* How many of these would not be finite: counted first, so that a failed step need not
+ * be undone. */
+static size_t spoilt(const double *y, double h, const double *f, size_t first,
+                     size_t last)
 {
-    uint64_t wilds = 0;
+    size_t bad = 0;
     for (size_t i = first; i < last; ++i) {
-        wilds |= wild(y[i] + h * f[i]);
+        bad += not_finite(y[i] + h * f[i]);
     }
-    return all_tame(wilds);
+    return bad;
 }
 
 static int euler(stepper *self, double t, double h, double *y)
 {
     const size_t dim = self->ode.dim;
     const int failed = rhs(self, t, y);
-    if (failed != 0 || !adds(y, h, self->f, 0, dim)) {
+    if (failed != 0 || spoilt(y, h, self->f, 0, dim) > 0) {
         return failed != 0 ? failed : 1;
     }
     add(y, y, h, self->f, 0, dim);
@@ -101,7 +94,7 @@ static int midpoint(stepper *self, double t, double h, double *y)
     int failed = rhs(self, t, y);
     add(self->end, y, 0.5 * h, self->f, 0, dim);
     failed = failed != 0 ? failed : rhs(self, t + 0.5 * h, self->end);
-    if (failed != 0 || !adds(y, h, self->f, 0, dim)) {
+    if (failed != 0 || spoilt(y, h, self->f, 0, dim) > 0) {
         return failed != 0 ? failed : 1;
     }
     add(y, y, h, self->f, 0, dim);
@@ -119,11 +112,11 @@ static int symplectic_euler(stepper *self, double t, double h, double *y)
     const int failed = rhs(self, t, y);
     const double *fx = self->f, *fv = self->f + half;
     double *x = y, *v = y + half;
-    uint64_t wilds = 0;
+    size_t bad = 0;
     for (size_t i = 0; i < half; ++i) {
-        wilds |= wild(v[i] + h * fv[i]) | wild(moved(x[i], h, fx[i], fv[i]));
+        bad += not_finite(v[i] + h * fv[i]) + not_finite(moved(x[i], h, fx[i], fv[i]));
     }
-    if (failed != 0 || !all_tame(wilds) || !adds(y, h, self->f, 2 * half, dim)) {
+    if (failed != 0 || bad + spoilt(y, h, self->f, 2 * half, dim) > 0) {
         return failed != 0 ? failed : 1;
     }
     for (size_t i = 0; i < half; ++i) {
@@ -145,7 +138,7 @@ static int velocity_verlet(stepper *self, double t, double h, double *y)
     const double *x = y, *v = y + half, kick = 0.5 * h, drift = 0.5 * h * h;
     double *fx = self->f, *fv = self->f + half, *half_way = self->half_way;
     double *ex = self->end, *ev = self->end + half;
-    uint64_t wilds = 0;
+    size_t bad = 0;
     self->carries = self->changed = false;
     for (size_t i = 0; i < half; ++i) {
         ex[i] = x[i] + h * fx[i] + drift * fv[i];
@@ -158,10 +151,9 @@ static int velocity_verlet(stepper *self, double t, double h, double *y)
         const double end = half_way[i] + kick * fv[i];
         fx[i] = fx[i] == ev[i] ? end : fx[i]; /* where fx is v: not the predicted one */
         ev[i] = end;
-        wilds |= wild(ex[i]) | wild(end);
+        bad += not_finite(ex[i]) + not_finite(end);
     }
-    if (failed != 0 || !all_tame(wilds)
-        || !adds(self->end, kick, self->f, 2 * half, dim)) {
+    if (failed != 0 || bad + spoilt(self->end, kick, self->f, 2 * half, dim) > 0) {
         return failed != 0 ? failed : 1;
     }
     add(self->end, self->end, kick, self->f, 2 * half, dim);
@@ -269,10 +261,7 @@ static void destroy(void *instance)
     }
 }
 
-enum {
-    FLAGS = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_QUADRATURES,
-    FIRST = WEFT_STEPPER_FIRST_AT_Y
-};
+enum { FLAGS = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_QUADRATURES };
 
 #define METHOD(id, p, calls, more, source)                                             \
     {                                                                                  \
@@ -294,11 +283,11 @@ enum {
     }
 
 static const method methods[] = {
-    METHOD(symplectic_euler, 1, 1, FIRST, "X. Provot, Graphics Interface, 1995"),
+    METHOD(symplectic_euler, 1, 1, 0, "X. Provot, Graphics Interface, 1995"),
     METHOD(velocity_verlet, 2, 1, WEFT_STEPPER_FSAL,
            "W. C. Swope et al., J. Chem. Phys. 76, 1982"),
-    METHOD(euler, 1, 1, FIRST, "L. Euler, Institutiones calculi integralis I, 1768"),
-    METHOD(midpoint, 2, 2, FIRST, "C. Runge, Math. Ann. 46, 1895"),
+    METHOD(euler, 1, 1, 0, "L. Euler, Institutiones calculi integralis I, 1768"),
+    METHOD(midpoint, 2, 2, 0, "C. Runge, Math. Ann. 46, 1895"),
 };
 
 WEFT_API const weft_plugin *weft_plugin_verlet(void)

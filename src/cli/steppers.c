@@ -21,7 +21,6 @@ static const flag_name flag_names[] = {
     { WEFT_STEPPER_DENSE, "small-cloths", false },
     { WEFT_STEPPER_CONTROLLER, "controller", true },
     { WEFT_STEPPER_QUADRATURES, "quadratures", true },
-    { WEFT_STEPPER_FIRST_AT_Y, "first-at-y", true },
     { WEFT_STEPPER_LIBM, "libm", false },
 };
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* model.h -- what a cloth is made of, for the files of src/cloth alone.
+/* model.h -- what a cloth is made of, for the files of src/cloth, and the check of a
+ * definition, for src/scene too.
  *
  * Springs are implicit: a family has two groups, one for each direction, and all the
  * springs of a group are alike but for where they start. Nothing is kept per spring. */
@@ -42,6 +43,7 @@ typedef struct weft__motion {
     double frequency;    /* [Hz] */
     double omega;        /* [rad/s] 2 pi frequency */
     bool moves;
+    bool coasts; /* instead of all that, at a velocity of each particle's own */
 } weft__motion;
 
 typedef struct weft__level weft__level; /* kernel.h */
@@ -56,19 +58,34 @@ struct weft_cloth {
     double *mass;         /* [kg] N of them */
     double *inverse_mass; /* [1/kg] N, 0 of the pinned, and WEFT_PAST more */
     uint32_t *pin;        /* N: 0 free, else 1 + index into motions */
-    size_t *pins;         /* the pinned, in order; room for N if borrowed */
+    size_t *pins;         /* the pinned, in order */
     const weft__level *level;
-    weft__motion *motions;
+    const uint32_t *defined_pin; /* of a copy (pins.h): the model's pin */
+    double *coast;               /* [m/s] of a copy: 3 N, x y z of each that coasts */
+    weft__motion *motions;       /* motion_count of them, and one that coasts */
     size_t motion_count;
-    size_t first_own; /* repin.c */
     weft_allocator memory;
 };
 
 /* springs.c: fill cloth->groups from the definition. */
 void weft__groups_init(weft_cloth *cloth, const weft_cloth_def *def);
 
+/* cloth.c: the rows, columns and plain values of a definition, directions made unit. */
+void weft__grid_init(weft_cloth *cloth, const weft_cloth_def *def);
+
+/* Takes faults of a definition: `field` is the offset in weft_cloth_def of the one at
+ * fault, `other` that of one it does not go together with, or the same. */
+typedef struct weft__faults {
+    void (*found)(void *ctx, size_t field, size_t other, const char *message);
+    void *ctx;
+} weft__faults;
+
 /* validate.c: all that can be wrong with a definition. */
-weft_status weft__cloth_def_check(const weft_cloth_def *def, weft_error *err);
+void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to);
+
+/* Of the grid alone: rows to velocity; neighbours are compared in grids of up to `most`
+ * particles. false: its size is wrong. */
+bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults *to);
 
 /* A range of def with negative ends resolved; false if it leaves [0, count). */
 bool weft__range_resolve(weft_range range, size_t count, size_t *first, size_t *last);
@@ -99,7 +116,7 @@ void weft__wind_add_force(const weft_cloth *cloth, const double *y, double *f);
 bool weft__wind_force(const weft_cloth *cloth, size_t r, size_t c, const double *y,
                       double force[3]);
 
-/* rhs.c: velocity [m/s] of a motion, then its acceleration [m/s^2]. */
-void weft__motion_rate(const weft__motion *motion, double t, double rate[6]);
+/* rhs.c: velocity [m/s] of pinned particle i, then its acceleration [m/s^2]. */
+void weft__pin_rate(const weft_cloth *cloth, size_t i, double t, double rate[6]);
 
 #endif

@@ -5,51 +5,9 @@
  *     dE/dt = -springs - drag + wind + pins                        (docs/physics.md)
  *
  * Each row is summed by itself, then the rows in their order. */
-#include "cloth/rows.h"
 #include "kernel/kernel.h"
 
 #include <math.h>
-
-static double sum_of(const double sums[WEFT_SUMS])
-{
-    double sum = 0.0;
-    for (size_t k = 0; k < WEFT_SUMS; ++k) {
-        sum += sums[k];
-    }
-    return sum;
-}
-
-static double springs_power(const weft_cloth *cloth, size_t r, const double *y)
-{
-    double sums[WEFT_SUMS];
-    cloth->level->heat(cloth, y, 0.0, r, sums);
-    return sum_of(sums);
-}
-
-void weft__row_heat(const weft_cloth *cloth, size_t r, const double *y,
-                    double heat[WEFT_SUMS])
-{
-    cloth->level->heat(cloth, y, cloth->drag, r, heat);
-}
-
-double weft__heat_sum(const double *heat, size_t rows)
-{
-    double sum = 0.0;
-    for (size_t r = 0; r < rows; ++r) {
-        sum += sum_of(heat + WEFT_SUMS * r);
-    }
-    return sum;
-}
-
-double weft_cloth_dissipation(const weft_cloth *cloth, const double *y)
-{
-    double sum = 0.0, heat[WEFT_SUMS];
-    for (size_t r = 0; r < cloth->rows; ++r) {
-        weft__row_heat(cloth, r, y, heat);
-        sum += sum_of(heat);
-    }
-    return sum;
-}
 
 /* Work of the wind and of drag on a free particle. */
 static void add_air(const weft_cloth *cloth, size_t r, size_t c, const double *y,
@@ -92,10 +50,9 @@ static bool starts_at(const weft__group *group, size_t r, size_t c)
 /* What moves a pin works against the springs that hold on to it. */
 static double pin_power(const weft_cloth *cloth, size_t i, double t, const double *y)
 {
-    const weft__motion *motion = &cloth->motions[cloth->pin[i] - 1];
     const size_t cols = cloth->cols;
     double force[3] = { 0.0 }, rate[6], power = 0.0;
-    weft__motion_rate(motion, t, rate);
+    weft__pin_rate(cloth, i, t, rate);
     for (size_t g = 0; g < cloth->group_count; ++g) {
         const weft__group *group = &cloth->groups[g];
         const size_t stride = (size_t)group->stride;
@@ -116,7 +73,7 @@ static void row_power(const weft_cloth *cloth, size_t r, double t, const double 
                       double power[WEFT_POWERS])
 {
     const bool air = cloth->drag != 0.0 || cloth->wind_drag != 0.0;
-    power[WEFT_POWER_SPRINGS] += springs_power(cloth, r, y);
+    power[WEFT_POWER_SPRINGS] += cloth->level->damping(cloth, y, r);
     for (size_t c = 0; c < cloth->cols; ++c) {
         const size_t i = r * cloth->cols + c;
         if (cloth->pin[i] == 0) {
@@ -142,4 +99,11 @@ void weft_cloth_power(const weft_cloth *cloth, double t, const double *y,
             power[k] += row[k];
         }
     }
+}
+
+double weft_cloth_dissipation(const weft_cloth *cloth, const double *y)
+{
+    double power[WEFT_POWERS];
+    weft_cloth_power(cloth, 0.0, y, power); /* pins alone depend on t */
+    return power[WEFT_POWER_SPRINGS] + power[WEFT_POWER_DRAG];
 }

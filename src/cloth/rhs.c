@@ -31,15 +31,17 @@ void weft_cloth_force(const weft_cloth *cloth, const double *y, double *f)
     weft__wind_add_force(cloth, y, f);
 }
 
-void weft__motion_rate(const weft__motion *motion, double t, double rate[6])
+void weft__pin_rate(const weft_cloth *cloth, size_t i, double t, double rate[6])
 {
+    const weft__motion *motion = &cloth->motions[cloth->pin[i] - 1];
+    const double *velocity = motion->coasts ? cloth->coast + 3 * i : motion->velocity;
     const double w = motion->omega;
     double sine = 0.0, cosine = 1.0;
     if (w != 0.0) {
         weft_sincos_turns(motion->frequency, t, &sine, &cosine);
     }
     for (size_t k = 0; k < 3; ++k) {
-        rate[k] = motion->velocity[k] + w * motion->amplitude[k] * cosine;
+        rate[k] = velocity[k] + w * motion->amplitude[k] * cosine;
         rate[k + 3] = -w * w * motion->amplitude[k] * sine;
     }
 }
@@ -58,9 +60,9 @@ static void move_pins(const weft_cloth *cloth, double t, double *dydt, size_t fi
             continue;
         }
         const uint32_t pin = cloth->pin[i], at = pin % KEPT;
-        if (kept[at] != pin) {
+        if (kept[at] != pin || cloth->motions[pin - 1].coasts) {
             kept[at] = pin;
-            weft__motion_rate(&cloth->motions[pin - 1], t, rates[at]);
+            weft__pin_rate(cloth, i, t, rates[at]);
         }
         for (size_t k = 0; k < 6; ++k) {
             dydt[k * n + i] = rates[at][k];
@@ -69,9 +71,9 @@ static void move_pins(const weft_cloth *cloth, double t, double *dydt, size_t fi
 }
 
 int weft__rhs_rows(const weft_cloth *cloth, double t, const double *y, double *dydt,
-                   double *heat, size_t first, size_t end)
+                   size_t first, size_t end)
 {
-    int failed = cloth->level->springs(cloth, y, dydt, heat, first, end);
+    int failed = cloth->level->springs(cloth, y, dydt, first, end);
     if (cloth->wind_drag != 0.0) {
         failed |= cloth->level->wind(cloth, y, dydt, first, end);
     }
@@ -81,5 +83,5 @@ int weft__rhs_rows(const weft_cloth *cloth, double t, const double *y, double *d
 
 int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y, double *dydt)
 {
-    return weft__rhs_rows(cloth, t, y, dydt, NULL, 0, cloth->rows);
+    return weft__rhs_rows(cloth, t, y, dydt, 0, cloth->rows);
 }

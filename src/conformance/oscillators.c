@@ -37,11 +37,6 @@ int weft__model_rhs(double t, const double *y, double *dydt, void *ctx)
 {
     model *m = ctx;
     ++m->calls;
-    if (m->watch) {
-        m->watch = false;
-        m->first[0] = t;
-        memcpy(m->first + 1, y, (DIM + m->apart) * sizeof *y);
-    }
     dydt[0] = y[2];
     dydt[1] = y[3];
     dydt[2] = -m->k * sin(2.385 * y[0]) + 0.713 * (y[1] - y[0]) - 0.131 * y[2];

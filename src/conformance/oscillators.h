@@ -32,11 +32,9 @@ typedef struct model {
     baton *baton; /* NULL: no turns are taken */
     int side;     /* 0 or 1 */
     uint64_t calls;
-    bool watch;                    /* for the next call, */
-    double first[1 + DIM + APART]; /* whose t and y are kept here */
-    fault fault;                   /* what goes wrong */
-    uint64_t at;                   /* from this call on, */
-    bool once;                     /* or at it alone */
+    fault fault; /* what goes wrong */
+    uint64_t at; /* from this call on, */
+    bool once;   /* or at it alone */
 } model;
 
 extern const double weft__model_start[DIM];

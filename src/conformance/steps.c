@@ -112,41 +112,6 @@ static void stages_are_the_rhs_calls(trial *self)
         (unsigned long long)first, (unsigned long long)second);
 }
 
-static const char *looks_anywhere(const weft_stepper_type *type)
-{
-    return (type->flags & WEFT_STEPPER_FIRST_AT_Y) != 0
-               ? NULL
-               : "it does not say where it looks first";
-}
-
-/* Also after a step that failed, and where y was edited. */
-static void the_first_look_is_at_y(trial *self)
-{
-    trial_run *r = weft__begin(self, 0, weft__usual(self->type, 0));
-    for (int i = 0; r != NULL && i < 20; ++i) {
-        const trial_run before = *r;
-        r->model.watch = true;
-        r->model.fault = i % 7 == 3 ? GIVE_NAN : NO_FAULT;
-        r->model.at = r->model.calls + 1;
-        (void)weft__step(self, r, 100.0);
-        if (!weft__expect(self, !r->model.watch, "a step did not call the rhs")
-            || !weft__expect(
-                self,
-                memcmp(r->model.first, &before.t, sizeof before.t) == 0
-                    && memcmp(r->model.first + 1, before.y,
-                              (DIM + self->apart) * sizeof *before.y)
-                           == 0,
-                "a step from %.17g s called the rhs first at %.17g s, or at another y",
-                before.t, r->model.first[0])) {
-            return;
-        }
-        if (i % 5 == 2) {
-            r->y[0] += 0.01;
-            self->type->state_changed(r->self);
-        }
-    }
-}
-
 static void step_sizes_are_kept(trial *self)
 {
     weft_stepper_config config = weft__adaptive(1e-3);
@@ -208,11 +173,6 @@ const check weft__step_checks[] = {
       .promise = "a step calls the rhs as often as the table says",
       .run = stages_are_the_rhs_calls,
       .pointless = no_stages },
-    { .name = "first look",
-      .promise
-      = "with WEFT_STEPPER_FIRST_AT_Y a step calls the rhs first at its t and y",
-      .run = the_first_look_is_at_y,
-      .pointless = looks_anywhere },
     { .name = "step sizes",
       .promise = "first_step and max_step are kept to",
       .run = step_sizes_are_kept,

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* kernel.c -- springs, gravity and drag in one sweep over the rows, LANES columns at a
- * time, each spring once; and the heat that dampers and drag make of it, in the same
- * sweep or by itself.
+ * time, each spring once.
  *
  * A block of columns takes the springs that start there, one of each group:
  *
@@ -26,15 +25,8 @@
 #include <float.h>
 #include <string.h>
 
-#ifndef LEVEL
-#define LEVEL plain
-#endif
-#define NAME_(stem, level) weft__##stem##_##level
-#define NAME(stem, level)  NAME_(stem, level)
-
-/* The groups, in the order of springs.c, whether any is damped, and whether heat is
- * asked for: bits of a set. */
-enum { RIGHT, DOWN, CROSS, ANTI, RIGHT2, DOWN2, DAMPED, HEATED };
+/* The groups, in the order of springs.c, and whether any is damped: bits of a set. */
+enum { RIGHT, DOWN, CROSS, ANTI, RIGHT2, DOWN2, DAMPED };
 #define BIT(group) (1u << (group))
 
 /* TILE columns, with the rows that a block reads, stay in the first cache. */
@@ -42,7 +34,6 @@ enum { TILE = 256, SPAN = LANES + TILE + 2 * LANES, EDGE = LANES + 2 };
 
 typedef struct law {
     vec stiffness, rest_length, damping;
-    mask damped; /* 0 times infinity is not 0 */
 } law;
 
 /* Which lanes of a block at the end of a row are columns, and have a column 1 and 2
@@ -62,7 +53,6 @@ typedef struct sweep {
     vec bad; /* 0 or NaN */
     const double *y, *inverse_mass;
     double *dydt;
-    double *sums; /* [W] WEFT_SUMS of the row in hand */
     size_t n, rows, cols;
     bool detour;  /* by aside */
     size_t inner; /* columns in blocks with all their neighbours on the right */
@@ -96,10 +86,8 @@ INLINE void begin(spring *springs, unsigned has, int group, const double *p,
     }
 }
 
-/* T / L = (k L (L - s) + c w.d) / L^2, exactly 0 at rest and where L = 0; its
- * c (w.u)^2 [W] added to *heat. Where NULL: in all lanes. */
-INLINE void weigh(spring *springs, unsigned has, int group, const law *laws,
-                  const mask *where, vec *heat)
+/* T / L = (k L (L - s) + c w.d) / L^2, exactly 0 at rest and where L = 0. */
+INLINE void find_tension(spring *springs, unsigned has, int group, const law *laws)
 {
     spring *at = &springs[group];
     const law *by = &laws[group];
@@ -108,12 +96,7 @@ INLINE void weigh(spring *springs, unsigned has, int group, const law *laws,
     }
     vec work = (by->stiffness * at->length) * (at->length - by->rest_length);
     if ((has & BIT(DAMPED)) != 0) {
-        const vec drive = by->damping * at->wd;
-        work += drive;
-        if ((has & BIT(HEATED)) != 0) {
-            const vec made = only(drive * (at->wd * at->inverse), by->damped);
-            *heat += where != NULL ? only(made, *where) : made;
-        }
+        work += by->damping * at->wd;
     }
     at->pull_by_length = work * at->inverse;
 }
@@ -135,38 +118,37 @@ typedef struct carry {
 } carry;
 
 /* Forces of springs on the block at p, of planes n and rows `down` apart; `at` in the
- * buffers; rim NULL: all neighbours are there. Heat is added to *heat. */
+ * buffers; rim NULL: all neighbours are there. */
 INLINE vec3 block(sweep *self, const double *p, size_t n, size_t down, size_t at,
-                  unsigned has, carry *left, const edge *rim, vec *heat)
+                  unsigned has, carry *left, const edge *rim)
 {
     const double *below = p + down;
-    const mask *in = rim != NULL ? &rim->inside : NULL;
     const mask *in_1 = rim != NULL ? &rim->right : NULL;
     const mask *in_2 = rim != NULL ? &rim->right2 : NULL;
     spring s[WEFT_GROUPS];
     vec3 ended = load3(self->ended + at, SPAN), next = load3(self->ended2 + at, SPAN);
     begin(s, has, RIGHT, p, p + 1, n);
     begin(s, has, DOWN, p, below, n);
-    weigh(s, has, RIGHT, self->laws, in_1, heat);
+    find_tension(s, has, RIGHT, self->laws);
     begin(s, has, ANTI, p + 1, below, n);
-    weigh(s, has, DOWN, self->laws, in, heat);
+    find_tension(s, has, DOWN, self->laws);
     const vec3 right = pull(s, has, RIGHT, in_1);
     begin(s, has, CROSS, p, below + 1, n);
-    weigh(s, has, ANTI, self->laws, in_1, heat);
+    find_tension(s, has, ANTI, self->laws);
     const vec3 fall = pull(s, has, DOWN, NULL);
     begin(s, has, RIGHT2, p, p + 2, n);
-    weigh(s, has, CROSS, self->laws, in_1, heat);
+    find_tension(s, has, CROSS, self->laws);
     const vec3 anti = pull(s, has, ANTI, in_1), beside = minus(right, anti);
     next = plus(next, plus(fall, anti));
     ended = plus(ended, shift_1(left->beside, beside));
     left->beside = beside;
     begin(s, has, DOWN2, p, below + down, n);
-    weigh(s, has, RIGHT2, self->laws, in_2, heat);
+    find_tension(s, has, RIGHT2, self->laws);
     const vec3 cross = pull(s, has, CROSS, in_1);
     next = plus(next, shift_1(left->below, cross));
     left->below = cross;
     store3(self->ended + at, SPAN, next);
-    weigh(s, has, DOWN2, self->laws, in, heat);
+    find_tension(s, has, DOWN2, self->laws);
     const vec3 right2 = pull(s, has, RIGHT2, in_2);
     ended = plus(ended, shift_2(left->beside2, right2));
     left->beside2 = right2;
@@ -187,20 +169,6 @@ INLINE void emit(sweep *self, const double *p, size_t n, size_t i, vec3 force,
     self->bad += rim != NULL ? only(bad, rim->inside) : bad;
     store3_some(to, m, v, count);
     store3_some(to + 3 * m, m, a, count);
-}
-
-/* Adds the heat of the block at column c, that of particle i, and what drag makes on
- * it, to the sums of its row: each of every WEFT_SUMS-th column, whatever the width.
- */
-INLINE void warm(const sweep *self, const double *p, size_t n, size_t i, size_t c,
-                 vec springs, const edge *rim)
-{
-    double *to = self->sums + c % WEFT_SUMS;
-    const vec3 v = load3(p + 3 * n, n);
-    const mask slowed = (load(self->inverse_mass + i) != 0.0) & (self->drag != 0.0);
-    const vec drag = only(self->drag * dot(v, v), slowed);
-    const vec all = springs + (rim != NULL ? only(drag, rim->inside) : drag);
-    store(to, load(to) + all);
 }
 
 static void leave_aside(const sweep *self, size_t i, size_t count)
@@ -259,14 +227,9 @@ INLINE void row_end(sweep *self, size_t r, size_t at, unsigned has, bool emits,
         const size_t count = self->cols - c < LANES ? self->cols - c : LANES;
         const place of = place_at(self, r, c, copy);
         const edge *rim = &self->edges[e];
-        vec heat = splat(0.0);
-        const vec3 force
-            = block(self, of.p, of.n, of.down, at + b, has, left, rim, &heat);
+        const vec3 force = block(self, of.p, of.n, of.down, at + b, has, left, rim);
         if (emits) {
             emit(self, of.p, of.n, i, force, rim, count, to + b, m);
-        }
-        if (emits && (has & BIT(HEATED)) != 0) {
-            warm(self, of.p, of.n, i, c, heat, rim);
         }
     }
 }
@@ -283,13 +246,9 @@ INLINE void row(sweep *self, size_t r, size_t first, size_t end, unsigned has,
     carry left = { 0 };
     for (ptrdiff_t j = first > 0 ? -LANES : 0; j < count; j += LANES) {
         const size_t at = (size_t)(LANES + j), b = i + (size_t)j;
-        vec heat = splat(0.0);
-        const vec3 force = block(self, p + j, n, cols, at, has, &left, NULL, &heat);
+        const vec3 force = block(self, p + j, n, cols, at, has, &left, NULL);
         if (emits && j >= 0) {
             emit(self, p + j, n, b, force, NULL, LANES, to + j, m);
-        }
-        if (emits && j >= 0 && (has & BIT(HEATED)) != 0) {
-            warm(self, p + j, n, b, b - r * cols, heat, NULL);
         }
     }
     if (end == self->inner) {
@@ -330,9 +289,6 @@ static void any_row(sweep *self, size_t r, size_t first, size_t end, unsigned ha
         CASE(WOVEN | BIT(DAMPED))
         CASE(FULL)
         CASE(FULL | BIT(DAMPED))
-        CASE(STRETCH | BIT(DAMPED) | BIT(HEATED))
-        CASE(WOVEN | BIT(DAMPED) | BIT(HEATED))
-        CASE(FULL | BIT(DAMPED) | BIT(HEATED))
 #undef CASE
     default:
         row(self, r, first, end, has, emits);
@@ -341,7 +297,7 @@ static void any_row(sweep *self, size_t r, size_t first, size_t end, unsigned ha
 
 /* Columns [first, end): the two rows above first_row send what ends in the others. */
 static void tile(sweep *self, size_t first, size_t end, unsigned all, size_t first_row,
-                 size_t end_row, double *heat)
+                 size_t end_row)
 {
     memset(self->ended, 0, sizeof self->ended);
     memset(self->ended2, 0, sizeof self->ended2);
@@ -349,9 +305,8 @@ static void tile(sweep *self, size_t first, size_t end, unsigned all, size_t fir
         unsigned has = of_row(self, r, all);
         if (r < first_row) {
             has &= r + 1 < first_row ? BIT(DOWN2) | BIT(DAMPED)
-                                     : ~(BIT(RIGHT) | BIT(RIGHT2) | BIT(HEATED));
+                                     : ~(BIT(RIGHT) | BIT(RIGHT2));
         }
-        self->sums = heat == NULL || r < first_row ? heat : heat + WEFT_SUMS * r;
         any_row(self, r, first, end, has, r >= first_row);
     }
 }
@@ -390,90 +345,22 @@ static unsigned start(sweep *self, const weft_cloth *cloth, const double *y)
         const weft__group *group = &cloth->groups[i];
         self->laws[group->way]
             = (law){ splat(group->stiffness), splat(group->rest_length),
-                     splat(group->damping), splat(group->damping) != 0.0 };
+                     splat(group->damping) };
         all |= BIT(group->way) | (group->damping != 0.0 ? BIT(DAMPED) : 0u);
     }
     return all;
 }
 
-/* ---- heat by itself ------------------------------------------------------------ */
-
-/* As block, in its order. */
-INLINE vec heat_of(const sweep *self, place of, unsigned has, const edge *rim)
-{
-    const double *p = of.p, *below = p + of.down;
-    spring s[WEFT_GROUPS];
-    vec heat = splat(0.0);
-#define ADD(group, p, q, where)                                                        \
-    begin(s, has, group, p, q, of.n);                                                  \
-    weigh(s, has, group, self->laws, rim != NULL ? &rim->where : NULL, &heat);
-    ADD(RIGHT, p, p + 1, right)
-    ADD(DOWN, p, below, inside)
-    ADD(ANTI, p + 1, below, right)
-    ADD(CROSS, p, below + 1, right)
-    ADD(RIGHT2, p, p + 2, right2)
-    ADD(DOWN2, p, below + of.down, inside)
-#undef ADD
-    return heat;
-}
-
-INLINE void heat_row(const sweep *self, size_t r, unsigned has)
-{
-    double copy[6][3][EDGE];
-    size_t c = 0;
-    for (; c < self->inner; c += LANES) {
-        const size_t i = r * self->cols + c;
-        const place of = { self->y + i, self->n, self->cols };
-        const vec heat = heat_of(self, of, has, NULL);
-        warm(self, of.p, of.n, i, c, heat, NULL);
-    }
-    for (size_t e = 0; c < self->cols; c += LANES, ++e) {
-        const place of = place_at(self, r, c, copy);
-        const edge *rim = &self->edges[e];
-        const vec heat = heat_of(self, of, has, rim);
-        warm(self, of.p, of.n, r * self->cols + c, c, heat, rim);
-    }
-}
-
-void NAME(heat, LEVEL)(const weft_cloth *cloth, const double *y, double drag, size_t r,
-                       double sums[WEFT_SUMS])
-{
-    sweep self;
-    const unsigned most = FULL | BIT(DAMPED) | BIT(HEATED);
-    const unsigned all = start(&self, cloth, y);
-    const unsigned has = of_row(&self, r, all) | BIT(HEATED);
-    memset(sums, 0, WEFT_SUMS * sizeof *sums);
-    self.sums = sums;
-    self.drag = splat(drag);
-    if (has == most) {
-        heat_row(&self, r, most);
-    } else if ((all & BIT(DAMPED)) != 0) {
-        heat_row(&self, r, has);
-    } else if (drag != 0.0) {
-        heat_row(&self, r, 0);
-    }
-}
-
-/* ---- forces, and heat ----------------------------------------------------------- */
-
 int NAME(springs, LEVEL)(const weft_cloth *cloth, const double *y, double *dydt,
-                         double *heat, size_t first_row, size_t end_row)
+                         size_t first_row, size_t end_row)
 {
     sweep self;
-    unsigned all = start(&self, cloth, y);
+    const unsigned all = start(&self, cloth, y);
     self.dydt = dydt;
     self.detour = stores_delay_loads(&self);
-    for (size_t r = first_row; heat != NULL && r < end_row; ++r) {
-        if ((all & BIT(DAMPED)) != 0) {
-            memset(heat + WEFT_SUMS * r, 0, WEFT_SUMS * sizeof *heat);
-        } else {
-            NAME(heat, LEVEL)(cloth, y, cloth->drag, r, heat + WEFT_SUMS * r);
-        }
-    }
-    all |= heat != NULL && (all & BIT(DAMPED)) != 0 ? BIT(HEATED) : 0u;
     for (size_t c = 0; c == 0 || c < self.inner; c += TILE) {
         const size_t end = self.inner - c < TILE ? self.inner : c + TILE;
-        tile(&self, c, end, all, first_row, end_row, heat);
+        tile(&self, c, end, all, first_row, end_row);
     }
     return sum(self.bad) == 0.0 ? 0 : 1;
 }

@@ -6,12 +6,6 @@
 
 #include <float.h>
 
-#ifndef LEVEL
-#define LEVEL plain
-#endif
-#define NAME_(stem, level) weft__##stem##_##level
-#define NAME(stem, level)  NAME_(stem, level)
-
 /* A block of particles and those around it. */
 typedef struct patch {
     vec3 left, right, up, down; /* [m] */

@@ -17,6 +17,13 @@
 #define LANES 2
 #endif
 
+/* The functions of a level have its name at their end. */
+#ifndef LEVEL
+#define LEVEL plain
+#endif
+#define NAME_(stem, level) weft__##stem##_##level
+#define NAME(stem, level)  NAME_(stem, level)
+
 #define INLINE static inline __attribute__((always_inline))
 
 typedef double vec __attribute__((vector_size(8 * LANES)));
@@ -90,6 +97,21 @@ INLINE vec root(vec a)
 INLINE vec3 load3(const double *from, size_t plane)
 {
     return (vec3){ load(from), load(from + plane), load(from + 2 * plane) };
+}
+
+/* The first `count` lanes; 0 in the others. */
+INLINE vec3 load3_some(const double *from, size_t plane, size_t count)
+{
+    vec3 a = { 0 };
+    if (count == LANES) {
+        return load3(from, plane);
+    }
+    for (size_t i = 0; i < count; ++i) {
+        a.x[i] = from[i];
+        a.y[i] = from[plane + i];
+        a.z[i] = from[2 * plane + i];
+    }
+    return a;
 }
 
 INLINE void store3(double *to, size_t plane, vec3 a)

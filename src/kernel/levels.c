@@ -5,10 +5,10 @@
 #include <string.h>
 
 static const weft__level levels[] = {
-    { "plain", weft__springs_plain, weft__wind_plain, weft__heat_plain },
+    { "plain", weft__springs_plain, weft__wind_plain, weft__damping_plain },
 #ifdef __x86_64__
-    { "x86-64-v3", weft__springs_v3, weft__wind_v3, weft__heat_v3 },
-    { "x86-64-v4", weft__springs_v4, weft__wind_v4, weft__heat_v4 },
+    { "x86-64-v3", weft__springs_v3, weft__wind_v3, weft__damping_v3 },
+    { "x86-64-v4", weft__springs_v4, weft__wind_v4, weft__damping_v4 },
 #endif
 };
 

@@ -172,6 +172,7 @@ static void write_ledger(yaml_out *out, const weft_sim *sim)
 {
     const weft_ledger ledger = weft_sim_ledger(sim);
     if (ledger.kept) {
+        yaml_out_real(out, "dissipated", weft_sim_dissipated(sim));
         yaml_out_map(out, "ledger");
         yaml_out_real(out, "dissipated_springs", ledger.dissipated_springs);
         yaml_out_real(out, "dissipated_drag", ledger.dissipated_drag);
@@ -210,7 +211,6 @@ static void write_outcome(yaml_out *out, const record_result *result)
     write_spring(out, cloth, &worst);
     yaml_out_real(out, "energy_start", result->energy_start);
     yaml_out_real(out, "energy_end", energy);
-    yaml_out_real(out, "dissipated", weft_sim_dissipated(result->sim));
     write_ledger(out, result->sim);
     write_limit(out, result->sim);
     yaml_out_plain(out, "warnings", "%zu", result->warnings);

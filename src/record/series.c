@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* series.c -- series.csv: a row a frame. A column is a name, a format and a value: the
- * header and the rows come from one list. */
+/* series.c -- series.csv: one row per frame. A column is a name, a format and a value:
+ * the header and the rows come from one list. The cell of a NaN is empty. */
 #include "record/record.h"
 
 #include <errno.h>
 #include <inttypes.h>
+#include <math.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -177,7 +178,10 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
     size_t column = 0, used = 0;
     series->worst = row.worst;
 #define CELL(name, format, value)                                                      \
-    used += (size_t)snprintf(line + used, sizeof line - used, format ",", value);      \
+    used += (size_t)(isnan((double)(value))                                            \
+                         ? snprintf(line + used, sizeof line - used, ",")              \
+                         : snprintf(line + used, sizeof line - used, format ",",       \
+                                    value));                                           \
     series->row[column++] = (double)(value);
     COLUMNS(CELL)
     if (row.ledger.kept) {

@@ -3,7 +3,6 @@
 
 #include <stdatomic.h>
 
-#include "base/memory.h"
 #include "cloth/rows.h"
 
 /* Particles that are worth a thread: their evaluation takes ten times as long as it
@@ -15,36 +14,31 @@
 enum { PARTICLES_PER_THREAD = 2048, PARTICLES_CACHED = 1 << 17, ROWS_PER_BAND = 48 };
 
 weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
-                                 const weft_allocator *given)
+                                 const weft_allocator *memory)
 {
-    const weft_allocator memory = weft_allocator_or_malloc(given);
     const size_t worth = weft_cloth_particles(cloth) / PARTICLES_PER_THREAD;
     const size_t rows = weft_cloth_rows(cloth);
     const size_t useful = worth < rows ? worth : rows;
-    double *heat = weft__alloc(&memory, WEFT_SUMS * rows, sizeof *heat);
-    weft__team *team = weft__team_create(threads < useful ? threads : useful, &memory);
+    weft__team *team = weft__team_create(threads < useful ? threads : useful, memory);
     const size_t count = weft__team_threads(team);
     const size_t each = rows / (ROWS_PER_BAND * count);
     const bool many = count > 1 || weft_cloth_particles(cloth) > PARTICLES_CACHED;
     const size_t bands = count * (many && each > 1 ? each : 1);
     return (weft__forces){ .cloth = cloth,
                            .team = team,
-                           .bands = bands < WEFT_PARTS ? bands : WEFT_PARTS,
-                           .heat = heat,
-                           .memory = memory };
+                           .bands = bands < WEFT_PARTS ? bands : WEFT_PARTS };
 }
 
 void weft__forces_destroy(weft__forces *forces)
 {
     weft__team_destroy(forces->team);
-    weft__free(&forces->memory, forces->heat);
 }
 
 typedef struct call {
     const weft__forces *forces;
     double t;
     const double *y;
-    double *dydt, *heat;
+    double *dydt;
     atomic_int failed;
 } call;
 
@@ -60,18 +54,15 @@ static void force_band(void *ctx, size_t i)
 {
     call *of = ctx;
     const size_t first = first_row(of->forces, i), end = first_row(of->forces, i + 1);
-    if (weft__rhs_rows(of->forces->cloth, of->t, of->y, of->dydt, of->heat, first, end)
-        != 0) {
+    if (weft__rhs_rows(of->forces->cloth, of->t, of->y, of->dydt, first, end) != 0) {
         atomic_store(&of->failed, 1);
     }
 }
 
 int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
-                     double *dydt, double *heat)
+                     double *dydt)
 {
-    const size_t rows = weft_cloth_rows(forces->cloth);
-    double *sums = heat != NULL ? forces->heat : NULL;
-    call all = { .forces = forces, .t = t, .y = y, .dydt = dydt, .heat = sums };
+    call all = { .forces = forces, .t = t, .y = y, .dydt = dydt };
     if (forces->team == NULL) {
         for (size_t i = 0; i < forces->bands; ++i) {
             force_band(&all, i);
@@ -79,27 +70,5 @@ int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
     } else {
         weft__team_run(forces->team, force_band, &all, forces->bands);
     }
-    if (heat != NULL) {
-        *heat = weft__heat_sum(sums, rows);
-    }
     return atomic_load(&all.failed);
-}
-
-static void heat_band(void *ctx, size_t i)
-{
-    const call *of = ctx;
-    const size_t end = first_row(of->forces, i + 1);
-    for (size_t r = first_row(of->forces, i); r < end; ++r) {
-        weft__row_heat(of->forces->cloth, r, of->y, of->heat + WEFT_SUMS * r);
-    }
-}
-
-double weft__forces_heat(const weft__forces *forces, const double *y)
-{
-    if (forces->team == NULL) {
-        return weft_cloth_dissipation(forces->cloth, y);
-    }
-    call all = { .forces = forces, .y = y, .heat = forces->heat };
-    weft__team_run(forces->team, heat_band, &all, forces->bands);
-    return weft__heat_sum(forces->heat, weft_cloth_rows(forces->cloth));
 }

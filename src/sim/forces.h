@@ -11,21 +11,16 @@ typedef struct weft__forces {
     const weft_cloth *cloth;
     weft__team *team; /* NULL: one thread */
     size_t bands;
-    double *heat; /* [W] WEFT_SUMS of each row; NULL: no memory */
-    weft_allocator memory;
 } weft__forces;
 
-/* On so many threads at most: a cloth that is too small for that has fewer. No
- * memory given: malloc's. */
+/* On so many threads at most: a cloth that is too small for that has fewer. memory
+ * NULL: malloc's. */
 weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
-                                 const weft_allocator *given);
+                                 const weft_allocator *memory);
 void weft__forces_destroy(weft__forces *forces);
 
-/* As weft_cloth_rhs; where heat is not NULL, also *heat [W], as below. */
+/* As weft_cloth_rhs. */
 int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
-                     double *dydt, double *heat);
-
-/* As weft_cloth_dissipation. */
-double weft__forces_heat(const weft__forces *forces, const double *y);
+                     double *dydt);
 
 #endif

@@ -103,13 +103,6 @@ void weft__limit_destroy(weft__limit *limit)
     }
 }
 
-void weft__limit_use(weft__limit *limit, const weft_cloth *cloth)
-{
-    if (limit != NULL) {
-        limit->springs.cloth = cloth;
-    }
-}
-
 /* What the last sweep did, in the product of the projections. */
 typedef struct limit_progress {
     double back;   /* (z - x_(k+1), x_(k+1) - x_k) */

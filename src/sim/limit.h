@@ -14,9 +14,6 @@ weft_status weft__limit_create(const weft_limit_def *def, const weft_cloth *clot
                                weft_error *err);
 void weft__limit_destroy(weft__limit *limit); /* NULL is allowed */
 
-/* The same cloth with other pins; a limit that is NULL is allowed. */
-void weft__limit_use(weft__limit *limit, const weft_cloth *cloth);
-
 /* Corrects y[6 N] after a step of size h [s]; whether it changed anything. */
 bool weft__limit_apply(weft__limit *limit, double h, double *y);
 

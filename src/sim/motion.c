@@ -26,28 +26,6 @@ static double accelerate(const weft_sim *sim, const double *y, double *dydt)
     return power;
 }
 
-/* 0 x is NaN for an x that is not finite, and NaN stays in a sum. */
-static bool all_finite(const double *values, size_t count)
-{
-    double sum = 0.0;
-    for (size_t i = 0; i < count; ++i) {
-        sum += 0.0 * values[i];
-    }
-    return sum == 0.0;
-}
-
-/* The first call of a step may have to tell the heating in y as well. */
-static int forces(weft_sim *sim, double t, const double *y, double *dydt)
-{
-    double heating;
-    if (sim->unheated == 0.0) {
-        return weft__forces_rhs(&sim->forces, t, y, dydt, NULL);
-    }
-    const int failed = weft__forces_rhs(&sim->forces, t, y, dydt, &heating);
-    weft__sim_add_heat(sim, sim->unheated, heating);
-    return failed;
-}
-
 int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
 {
     weft_sim *sim = ctx;
@@ -56,14 +34,14 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
     if (sim->stop != NULL && sim->stop(sim->stop_ctx)) {
         return -1;
     }
-    int failed = forces(sim, t, y, dydt);
+    int failed = weft__forces_rhs(&sim->forces, t, y, dydt);
     if (sim->force != NULL && failed == 0) {
         memset(sim->added, 0, dim / 2 * sizeof *sim->added);
         sim->in_callback = true;
         failed = sim->force(sim->force_ctx, t, y, sim->added);
         sim->in_callback = false;
         power = accelerate(sim, y, dydt);
-        failed = failed == 0 && !all_finite(dydt + dim / 2, dim / 2) ? 1 : failed;
+        failed = failed == 0 && !weft__all_finite(dydt + dim / 2, dim / 2) ? 1 : failed;
     }
     if (sim->ledger.on) {
         const bool finite

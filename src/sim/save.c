@@ -6,29 +6,26 @@
  *
  * Words (words.h): "weftsave", version, rows, cols, quadratures, hashes of the cloth's
  * definition and of the settings, the method's name in 64 bytes, NUMBERS, COUNTS, y,
- * the pins that were changed (save_pins.c), checksum. */
+ * how each particle is held, checksum. */
 #include <math.h>
 
 #include "base/bytes.h"
 #include "base/memory.h"
-#include "cloth/repin.h"
-#include "cloth/rows.h"
+#include "cloth/pins.h"
 #include "sim/simulation.h"
 
 static const unsigned char magic[WEFT__WORD] = "weftsave";
 
 /* Of the present layout. */
-#define VERSION 2
+#define VERSION 3
 
 #define NAME_WORDS 8
 
-/* [s] t to last_step and limit_step, [J] the others but heating [W] */
+/* [s] t to last_step and limit_step, [J] the others */
 #define NUMBERS(X)                                                                     \
     X(t)                                                                               \
     X(next_step)                                                                       \
     X(last_step)                                                                       \
-    X(dissipated)                                                                      \
-    X(heating)                                                                         \
     X(energy_start)                                                                    \
     X(limit_work)                                                                      \
     X(outside_work)                                                                    \
@@ -72,8 +69,6 @@ static fields fields_of(const weft_sim *sim)
         .t = sim->t,
         .next_step = stats.next_step,
         .last_step = stats.last_step,
-        .dissipated = sim->dissipated,
-        .heating = sim->heating,
         .energy_start = sim->ledger.start,
         .limit_work = sim->ledger.limit_work,
         .outside_work = sim->ledger.outside_work,
@@ -91,9 +86,6 @@ static void take_fields(weft_sim *sim, const fields *from)
 {
     const weft_limit_stats limit = { from->corrected, from->sweeps, from->unconverged };
     sim->t = from->t;
-    sim->dissipated = from->dissipated;
-    sim->heating = from->heating;
-    sim->unheated = 0.0;
     sim->ledger.start = from->energy_start;
     sim->ledger.limit_work = from->limit_work;
     sim->ledger.outside_work = from->outside_work;
@@ -111,10 +103,10 @@ static weft_status renew(weft_sim *sim, const fields *counted, weft_error *err)
     if (status == WEFT_OK) {
         sim->method->destroy(sim->stepper);
         sim->stepper = fresh;
-        sim->before = (weft_stepper_stats){ .steps = counted->steps,
-                                            .rejected = counted->rejected,
-                                            .rhs_calls = counted->rhs_calls,
-                                            .last_step = counted->last_step };
+        sim->earlier = (weft_stepper_stats){ .steps = counted->steps,
+                                             .rejected = counted->rejected,
+                                             .rhs_calls = counted->rhs_calls,
+                                             .last_step = counted->last_step };
     }
     return status;
 }
@@ -130,14 +122,14 @@ weft_status weft_sim_restart(weft_sim *sim, weft_error *err)
 
 /* ---- to bytes ---------------------------------------------------------------- */
 
-static size_t words_of(const weft_sim *sim)
+static size_t saved_words(const weft_sim *sim)
 {
-    return AT_STATE + weft__sim_dim(sim) + weft__saved_pins_words(sim) + 1;
+    return AT_STATE + weft__sim_dim(sim) + weft_cloth_particles(sim->cloth) + 1;
 }
 
 size_t weft_sim_save_size(const weft_sim *sim)
 {
-    return words_of(sim) * WEFT__WORD;
+    return saved_words(sim) * WEFT__WORD;
 }
 
 /* The name of a method, as far as there is room, then zeros. */
@@ -159,7 +151,7 @@ static void put_head(const weft_sim *sim, unsigned char *to)
     weft__word_put(to + AT_ROWS * WEFT__WORD, weft_cloth_rows(sim->cloth));
     weft__word_put(to + AT_COLS * WEFT__WORD, weft_cloth_cols(sim->cloth));
     weft__word_put(to + AT_QUADRATURES * WEFT__WORD, sim->config.quadratures);
-    weft__word_put(to + AT_CLOTH * WEFT__WORD, weft__cloth_hash(sim->given));
+    weft__word_put(to + AT_CLOTH * WEFT__WORD, sim->cloth_hash);
     weft__word_put(to + AT_SETTINGS * WEFT__WORD, sim->settings);
     memcpy(to + AT_NAME * WEFT__WORD, name, sizeof name);
 }
@@ -181,8 +173,8 @@ weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *e
     if (weft__sim_outside(sim, "weft_sim_save", err) != WEFT_OK) {
         return WEFT_INVALID;
     }
-    const size_t words = words_of(sim), dim = weft__sim_dim(sim);
-    unsigned char *to = bytes;
+    const size_t words = saved_words(sim), dim = weft__sim_dim(sim);
+    unsigned char *to = bytes, *holds = to + (AT_STATE + dim) * WEFT__WORD;
     if (size < words * WEFT__WORD) {
         return weft_error_set(err, WEFT_INVALID,
                               "a saved simulation needs %zu bytes, not %zu",
@@ -192,14 +184,16 @@ weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *e
     if (status != WEFT_OK) {
         return status;
     }
-    weft__sim_settle(sim);
+    weft__cloth_pins_changed(sim->cloth, sim->y); /* as restore will */
     const fields now = fields_of(sim);
     put_head(sim, to);
     put_fields(&now, to + AT_FIELDS * WEFT__WORD);
     for (size_t i = 0; i < dim; ++i) {
         weft__real_put(to + (AT_STATE + i) * WEFT__WORD, sim->y[i]);
     }
-    weft__saved_pins_put(sim, to + (AT_STATE + dim) * WEFT__WORD);
+    for (size_t i = 0; i < weft_cloth_particles(sim->cloth); ++i) {
+        weft__word_put(holds + i * WEFT__WORD, weft__cloth_hold(sim->cloth, i));
+    }
     weft__word_put(to + (words - 1) * WEFT__WORD, weft__words_sum(to, words - 1));
     return WEFT_OK;
 }
@@ -209,6 +203,12 @@ weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *e
 static uint64_t word(const unsigned char *from, size_t at)
 {
     return weft__word_at(from + at * WEFT__WORD);
+}
+
+static weft_status damaged(weft_error *err)
+{
+    return weft_error_set(err, WEFT_INVALID,
+                          "the saved simulation is damaged or cut off");
 }
 
 static weft_status check_whole(const unsigned char *from, size_t size, weft_error *err)
@@ -222,12 +222,10 @@ static weft_status check_whole(const unsigned char *from, size_t size, weft_erro
                               "a simulation saved in format %llu, and this is %d",
                               (unsigned long long)word(from, AT_VERSION), VERSION);
     }
-    if (size % WEFT__WORD != 0
-        || weft__words_sum(from, words - 1) != word(from, words - 1)) {
-        return weft_error_set(err, WEFT_INVALID,
-                              "the saved simulation is damaged or cut off");
-    }
-    return WEFT_OK;
+    return size % WEFT__WORD == 0
+                   && weft__words_sum(from, words - 1) == word(from, words - 1)
+               ? WEFT_OK
+               : damaged(err);
 }
 
 static weft_status check_kind(const weft_sim *sim, const unsigned char *from,
@@ -248,18 +246,17 @@ static weft_status check_kind(const weft_sim *sim, const unsigned char *from,
                               "saved under method '%.63s', and this is '%.63s'", other,
                               name);
     }
-    if (word(from, AT_QUADRATURES) != sim->config.quadratures
-        || size / WEFT__WORD < AT_STATE + weft__sim_dim(sim) + 1) {
+    if (word(from, AT_QUADRATURES) != sim->config.quadratures) {
         return weft_error_set(err, WEFT_INVALID, "saved %s energy ledger",
                               sim->ledger.on ? "without" : "with");
     }
-    return WEFT_OK;
+    return size == weft_sim_save_size(sim) ? WEFT_OK : damaged(err);
 }
 
 static weft_status check_definition(const weft_sim *sim, const unsigned char *from,
                                     weft_error *err)
 {
-    if (word(from, AT_CLOTH) != weft__cloth_hash(sim->given)) {
+    if (word(from, AT_CLOTH) != sim->cloth_hash) {
         return weft_error_set(err, WEFT_INVALID,
                               "saved of another cloth (springs, masses, pins or forces "
                               "differ)");
@@ -297,15 +294,6 @@ static weft_status not_finite(const char *what, weft_error *err)
                           "the saved simulation has %s that is not finite", what);
 }
 
-static bool all_finite(const double *values, size_t count)
-{
-    bool finite = true;
-    for (size_t i = 0; i < count; ++i) {
-        finite = finite && isfinite(values[i]);
-    }
-    return finite;
-}
-
 /* Checksums that are right prove nothing of bytes that somebody made up. The residual
  * is not finite if any of the ledger's numbers is not. */
 static weft_status check_numbers(const weft_sim *sim, const fields *saved,
@@ -316,40 +304,46 @@ static weft_status check_numbers(const weft_sim *sim, const fields *saved,
                                   .limit_work = saved->limit_work,
                                   .outside_work = saved->outside_work };
     if (!(isfinite(saved->t) && is_step(saved->next_step) && is_step(saved->last_step)
-          && is_step(saved->limit_step) && all_finite(y, weft_cloth_dim(sim->cloth)))) {
+          && is_step(saved->limit_step)
+          && weft__all_finite(y, weft_cloth_dim(sim->cloth)))) {
         return not_finite("a time, a step or a state", err);
     }
-    if (!(isfinite(saved->dissipated) && isfinite(saved->heating))) {
-        return not_finite("heat", err);
-    }
-    return isfinite(weft__ledger_read(&ledger, sim->given, y).residual)
+    return isfinite(weft__ledger_read(&ledger, sim->cloth, y).residual)
                ? WEFT_OK
                : not_finite("an energy ledger", err);
 }
 
-/* The checked bytes, into y[weft__sim_dim]. */
-static weft_status restore_to(weft_sim *sim, const unsigned char *from, size_t size,
-                              double *y, weft_error *err)
+static weft_status check_holds(const weft_sim *sim, const unsigned char *holds,
+                               weft_error *err)
 {
-    const size_t dim = weft__sim_dim(sim), behind = AT_STATE + dim;
+    for (size_t i = 0; i < weft_cloth_particles(sim->cloth); ++i) {
+        if (!weft__cloth_can_hold(sim->cloth, i, word(holds, i))) {
+            return weft_error_set(err, WEFT_INVALID, "a saved pin makes no sense");
+        }
+    }
+    return WEFT_OK;
+}
+
+/* The checked bytes, into y[weft__sim_dim]. */
+static weft_status restore_to(weft_sim *sim, const unsigned char *from, double *y,
+                              weft_error *err)
+{
+    const size_t dim = weft__sim_dim(sim);
+    const unsigned char *holds = from + (AT_STATE + dim) * WEFT__WORD;
     const fields saved = fields_at(from + AT_FIELDS * WEFT__WORD);
-    weft_cloth *own = NULL;
     for (size_t i = 0; i < dim; ++i) {
         y[i] = weft__real_at(from + (AT_STATE + i) * WEFT__WORD);
     }
     weft_status status = check_numbers(sim, &saved, y, err);
-    if (status == WEFT_OK) {
-        status = weft__saved_pins_cloth(sim, from + behind * WEFT__WORD,
-                                        size / WEFT__WORD - behind - 1, &own, err);
-    }
+    status = status == WEFT_OK ? check_holds(sim, holds, err) : status;
     status = status == WEFT_OK ? renew(sim, &saved, err) : status;
     if (status != WEFT_OK) {
-        weft__cloth_return(own);
         return status;
     }
-    if (own != NULL) {
-        weft__sim_use_pins(sim, own);
+    for (size_t i = 0; i < weft_cloth_particles(sim->cloth); ++i) {
+        weft__cloth_set_hold(sim->cloth, i, (weft__hold)word(holds, i));
     }
+    weft__cloth_pins_changed(sim->cloth, y);
     take_fields(sim, &saved);
     memcpy(sim->y, y, dim * sizeof *y);
     return WEFT_OK;
@@ -372,7 +366,7 @@ weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
     double *y = weft__alloc(&memory, weft__sim_dim(sim), sizeof *y);
     status = y == NULL
                  ? weft_error_set(err, WEFT_NO_MEMORY, "no memory to restore a state")
-                 : restore_to(sim, from, size, y, err);
+                 : restore_to(sim, from, y, err);
     weft__free(&memory, y);
     return status;
 }

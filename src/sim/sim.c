@@ -8,7 +8,8 @@
 
 #include "base/log.h"
 #include "base/memory.h"
-#include "cloth/repin.h"
+#include "cloth/pins.h"
+#include "cloth/rows.h"
 #include "sim/simulation.h"
 
 weft_stepper_config weft_stepper_config_default(void)
@@ -110,18 +111,14 @@ weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out
     return sim->method->create(sim->method, &ode, &config, out, err);
 }
 
-/* Their threads are lent: the stepper works when the forces do not. */
-static weft_status make_forces(weft_sim *sim, weft_error *err)
+/* The stepper uses the threads of the forces: it works when they do not. */
+static void make_forces(weft_sim *sim)
 {
     sim->forces = weft__forces_create(sim->cloth, sim->config.threads, &sim->memory);
-    if (sim->forces.heat == NULL) {
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
-    }
     if (sim->forces.team != NULL && sim->config.team == NULL) {
-        sim->lent = weft__team_lend(sim->forces.team);
-        sim->config.team = &sim->lent;
+        sim->worker_team = weft__team_lend(sim->forces.team);
+        sim->config.team = &sim->worker_team;
     }
-    return WEFT_OK;
 }
 
 /* The simulation itself, filled as far as nothing else can fail. */
@@ -130,32 +127,33 @@ static weft_sim *make_sim(const weft_sim_def *def)
     const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
     const size_t dim = weft_cloth_dim(def->cloth);
     weft_sim *sim = weft__zeroed(&memory, 1, sizeof *sim);
-    double *y = weft__alloc(&memory, dim + WEFT__QUADRATURES, sizeof *y);
-    double *added
-        = def->force == NULL ? NULL : weft__alloc(&memory, dim / 2, sizeof *added);
-    if (sim == NULL || y == NULL || (def->force != NULL && added == NULL)) {
-        weft__free(&memory, sim);
-        weft__free(&memory, y);
-        weft__free(&memory, added);
+    if (sim == NULL) {
         return NULL;
     }
-    *sim = (weft_sim){ .given = def->cloth,
-                       .cloth = def->cloth,
-                       .method = def->method,
-                       .correct = def->correct,
-                       .correct_ctx = def->correct_ctx,
-                       .force = def->force,
-                       .force_ctx = def->force_ctx,
-                       .stop = def->stop,
-                       .stop_ctx = def->stop_ctx,
-                       .added = added,
-                       .log = def->log,
-                       .memory = memory,
-                       .ledger = { .on = def->ledger },
-                       .y = y };
-    weft_cloth_start(sim->cloth, y);
-    weft__ledger_start(&sim->ledger, sim->cloth, y);
-    sim->heating = weft_cloth_dissipation(sim->cloth, y);
+    *sim = (weft_sim){
+        .cloth = weft__cloth_copy(def->cloth, &memory),
+        .cloth_hash = weft__cloth_hash(def->cloth),
+        .method = def->method,
+        .correct = def->correct,
+        .correct_ctx = def->correct_ctx,
+        .force = def->force,
+        .force_ctx = def->force_ctx,
+        .stop = def->stop,
+        .stop_ctx = def->stop_ctx,
+        .added
+        = def->force == NULL ? NULL : weft__alloc(&memory, dim / 2, sizeof(double)),
+        .log = def->log,
+        .memory = memory,
+        .ledger = { .on = def->ledger },
+        .y = weft__alloc(&memory, dim + WEFT__QUADRATURES, sizeof(double)),
+    };
+    if (sim->cloth == NULL || sim->y == NULL
+        || (def->force != NULL && sim->added == NULL)) {
+        weft_sim_destroy(sim);
+        return NULL;
+    }
+    weft_cloth_start(sim->cloth, sim->y);
+    weft__ledger_start(&sim->ledger, sim->cloth, sim->y);
     return sim;
 }
 
@@ -175,14 +173,12 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
     }
     status
-        = weft__limit_create(&def->limit, def->cloth, &sim->memory, &sim->limit, err);
+        = weft__limit_create(&def->limit, sim->cloth, &sim->memory, &sim->limit, err);
     if (status == WEFT_OK) {
         status = take_config(sim, def, err);
     }
     if (status == WEFT_OK) {
-        status = make_forces(sim, err);
-    }
-    if (status == WEFT_OK) {
+        make_forces(sim);
         status = weft__sim_stepper(sim, 0.0, &sim->stepper, err);
     }
     if (status != WEFT_OK) {
@@ -203,7 +199,7 @@ void weft_sim_destroy(weft_sim *sim)
         sim->method->destroy(sim->stepper);
         weft__forces_destroy(&sim->forces);
         weft__limit_destroy(sim->limit);
-        weft__cloth_return(sim->own);
+        weft_cloth_destroy(sim->cloth);
         const weft_allocator memory = sim->memory;
         weft__free(&memory, sim->added);
         weft__free(&memory, sim->y);
@@ -211,14 +207,14 @@ void weft_sim_destroy(weft_sim *sim)
     }
 }
 
-static bool all_finite(const double *values, size_t count)
+bool weft__all_finite(const double *values, size_t count)
 {
+    /* 0 x is NaN for an x that is not finite, and NaN stays in a sum */
+    double sum = 0.0;
     for (size_t i = 0; i < count; ++i) {
-        if (!isfinite(values[i])) {
-            return false;
-        }
+        sum += 0.0 * values[i];
     }
-    return true;
+    return sum == 0.0;
 }
 
 static bool limit(weft_sim *sim, double h)
@@ -256,9 +252,8 @@ static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
     }
     if (changed) {
         sim->method->state_changed(sim->stepper);
-        sim->heating = weft__forces_heat(&sim->forces, sim->y);
     }
-    if (!changed || all_finite(sim->y, weft_cloth_dim(sim->cloth))) {
+    if (!changed || weft__all_finite(sim->y, weft_cloth_dim(sim->cloth))) {
         return WEFT_OK;
     }
     weft_error why = { 0 };
@@ -297,7 +292,6 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
         return weft__sim_fail(sim, &why, err);
     }
     const double h = sim->t - before;
-    weft__sim_account_heat(sim, h);
     if (sim->log.write != NULL) {
         tell_rejected(sim, h);
     }
@@ -333,10 +327,10 @@ weft_stepper_stats weft_sim_stats(const weft_sim *sim)
 {
     weft_stepper_stats stats = { .struct_size = sizeof stats };
     sim->method->stats(sim->stepper, &stats);
-    stats.last_step = stats.steps > 0 ? stats.last_step : sim->before.last_step;
-    stats.steps += sim->before.steps;
-    stats.rejected += sim->before.rejected;
-    stats.rhs_calls += sim->before.rhs_calls;
+    stats.last_step = stats.steps > 0 ? stats.last_step : sim->earlier.last_step;
+    stats.steps += sim->earlier.steps;
+    stats.rejected += sim->earlier.rejected;
+    stats.rhs_calls += sim->earlier.rhs_calls;
     return stats;
 }
 
@@ -351,6 +345,12 @@ void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx)
 weft_ledger weft_sim_ledger(const weft_sim *sim)
 {
     return weft__ledger_read(&sim->ledger, sim->cloth, sim->y);
+}
+
+double weft_sim_dissipated(const weft_sim *sim)
+{
+    const double *taken = sim->y + weft_cloth_dim(sim->cloth); /* [J] */
+    return sim->ledger.on ? taken[WEFT_POWER_SPRINGS] + taken[WEFT_POWER_DRAG] : NAN;
 }
 
 weft_limit_stats weft_sim_limit_stats(const weft_sim *sim)
@@ -405,14 +405,12 @@ static void set_planes(const weft_cloth *cloth, const double *xyz, double *plane
 
 void weft__sim_change_begins(weft_sim *sim)
 {
-    weft__sim_settle(sim);
     weft__ledger_mark(&sim->ledger, sim->cloth, sim->y);
 }
 
 static void account_change(weft_sim *sim)
 {
     weft__ledger_account(&sim->ledger, sim->cloth, sim->y, &sim->ledger.outside_work);
-    sim->heating = weft__forces_heat(&sim->forces, sim->y);
 }
 
 void weft__sim_state_changed(weft_sim *sim)
@@ -434,8 +432,8 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
         return WEFT_INVALID;
     }
     const size_t n = weft_cloth_particles(sim->cloth);
-    if ((positions != NULL && !all_finite(positions, 3 * n))
-        || (velocities != NULL && !all_finite(velocities, 3 * n))) {
+    if ((positions != NULL && !weft__all_finite(positions, 3 * n))
+        || (velocities != NULL && !weft__all_finite(velocities, 3 * n))) {
         return weft_error_set(err, WEFT_INVALID, "a state must be finite");
     }
     weft__sim_change_begins(sim);

@@ -8,16 +8,15 @@
 #include "sim/limit.h"
 
 struct weft_sim {
-    const weft_cloth *given; /* the definition's */
-    const weft_cloth *cloth; /* that, or `own` */
-    weft_cloth *own;         /* NULL until a pin is changed */
+    weft_cloth *cloth;   /* the definition's with pins of its own */
+    uint64_t cloth_hash; /* weft__cloth_hash of the definition's */
     const weft_stepper_type *method;
     weft_stepper_config config;
     void *stepper;
-    weft_stepper_stats before; /* of the steppers before this one */
+    weft_stepper_stats earlier; /* of the steppers before this one */
     weft__forces forces;
-    weft_team lent;     /* their threads */
-    weft__limit *limit; /* NULL: none */
+    weft_team worker_team; /* the forces' threads, for the stepper */
+    weft__limit *limit;    /* NULL: none */
     weft_correct_fn *correct;
     void *correct_ctx;
     weft_force_fn *force;
@@ -28,11 +27,9 @@ struct weft_sim {
     bool in_callback;
     weft_log log;
     weft_allocator memory;
-    uint64_t settings;          /* weft__settings_hash of the definition */
-    uint64_t rejected;          /* attempts that were told of */
-    double t;                   /* [s] */
-    double dissipated, heating; /* [J] so far, [W] then; without ledger */
-    double unheated;            /* [s] before t that dissipated lacks */
+    uint64_t settings; /* weft__settings_hash of the definition */
+    uint64_t rejected; /* attempts that were told of */
+    double t;          /* [s] */
     weft__ledger ledger;
     weft_failure failure; /* of the last step; status WEFT_OK: it did not fail */
     double *y;            /* 6 N, then with ledger its quadratures */
@@ -45,14 +42,6 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx);
 weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out,
                               weft_error *err);
 
-/* heat.c: the trapezoid rule over the h [s] before t, in whose state the heating [W]
- * is this. */
-void weft__sim_add_heat(weft_sim *sim, double h, double heating);
-/* After a step of h [s], before the corrections. */
-void weft__sim_account_heat(weft_sim *sim, double h);
-/* Brings dissipated and heating up to t. */
-void weft__sim_settle(weft_sim *sim);
-
 /* WEFT_INVALID for a function that is called from within a callback. */
 weft_status weft__sim_outside(const weft_sim *sim, const char *function,
                               weft_error *err);
@@ -64,25 +53,16 @@ weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err
 /* The length of y. */
 size_t weft__sim_dim(const weft_sim *sim);
 
+bool weft__all_finite(const double *values, size_t count);
+
 /* Around a change of y or of the cloth from outside, between two steps. */
 void weft__sim_change_begins(weft_sim *sim);
 void weft__sim_state_changed(weft_sim *sim);
 void weft__sim_ode_changed(weft_sim *sim);
 
-/* pins.c: the simulation takes over a cloth borrowed from the given one. */
-void weft__sim_use_pins(weft_sim *sim, weft_cloth *own);
-
 /* settings.c: hash of all in a definition that the results depend on besides cloth and
  * method; `config` is its config, completed, which the method has accepted. */
 uint64_t weft__settings_hash(const weft_sim_def *def,
                              const weft_stepper_config *config);
-
-/* save_pins.c: the pins that are not those of the definition, as words. */
-size_t weft__saved_pins_words(const weft_sim *sim);
-void weft__saved_pins_put(const weft_sim *sim, unsigned char *to);
-/* *out is a cloth with these pins, to be used or returned; NULL if there are none, and
- * never were. */
-weft_status weft__saved_pins_cloth(const weft_sim *sim, const unsigned char *from,
-                                   size_t words, weft_cloth **out, weft_error *err);
 
 #endif

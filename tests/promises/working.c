@@ -18,9 +18,6 @@
 #ifndef T_AFTER
 #define T_AFTER(t, h, last, t_end) ((last) ? (t_end) : (t) + (h))
 #endif
-#ifndef T_FIRST
-#define T_FIRST(t, h) (t)
-#endif
 #ifndef ACCEPTS
 #define ACCEPTS(y, count) all_finite(y, count)
 #endif
@@ -106,7 +103,7 @@ static int midpoint(stepper *self, double t, double h, const double *y)
     const size_t dim = self->ode.dim;
     double *next = BUFFER(self), *f = next + dim, *g = f + dim;
     ++self->stats.rhs_calls;
-    int failed = self->ode.rhs(T_FIRST(t, h), y, f, self->ode.ctx);
+    int failed = self->ode.rhs(t, y, f, self->ode.ctx);
     for (size_t i = 0; i < dim; ++i) {
         next[i] = y[i] + 0.5 * h * f[i];
     }
@@ -176,7 +173,7 @@ WEFT_API const weft_plugin *ENTRY(void)
         .license = "BSD-3-Clause",
         .order = ORDER,
         .stages = 2,
-        .flags = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_FIRST_AT_Y,
+        .flags = WEFT_STEPPER_FIXED_ONLY | 1 << 9, /* reserved, and accepted */
         .create = create,
         .step = step,
         .state_changed = state_changed,

@@ -71,12 +71,12 @@ export function readReport(text) {
     return found;
 }
 
-/** The columns of series.csv by name; a last row that was cut short is left out. */
+/** The columns of series.csv by name, NaN for an empty cell; a last row that was cut short is left out. */
 export function readSeries(text) {
     const lines = (text ?? '').split('\n').filter((line) => line !== '');
     const names = (lines.shift() ?? '').split(',');
     const rows = lines.map((line) => line.split(',')).filter((r) => r.length === names.length);
-    const columns = names.map((name, i) => [name, rows.map((row) => Number(row[i]))]);
+    const columns = names.map((name, i) => [name, rows.map((row) => (row[i] === '' ? NaN : Number(row[i])))]);
     return new Map(columns);
 }
 

@@ -58,13 +58,6 @@ weft_status run_prepare(run *self, weft_error *err)
     return record_checkpoint_identify(next, self->scene, self->registry, err);
 }
 
-/* weft_sim_restore refuses energies that are not finite. */
-static bool can_be_restored(const weft_sim *sim)
-{
-    return isfinite(weft_sim_dissipated(sim))
-           && isfinite(weft_sim_ledger(sim).residual);
-}
-
 /* What the checkpoint counts on is on the disk before it is. Of a run that blows up the
  * last one that can be restored is kept. */
 weft_status run_checkpoint(run *self, size_t index, weft_error *err)
@@ -76,7 +69,7 @@ weft_status run_checkpoint(run *self, size_t index, weft_error *err)
     now->wall_time = weft__wall_clock() - self->began;
     weft_status status = weft_sim_save(self->sim, now->state, now->state_size, err);
     status = status == WEFT_OK ? run_in_place(self, err) : status;
-    if (status != WEFT_OK || !can_be_restored(self->sim)) {
+    if (status != WEFT_OK || !isfinite(weft_sim_ledger(self->sim).residual)) {
         return status;
     }
     status = record_series_sync(&self->series, err);

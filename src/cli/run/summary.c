@@ -97,16 +97,16 @@ static void print_energy(const summary *self)
 {
     const weft_cloth *cloth = weft_sim_cloth(self->sim);
     const weft_ledger ledger = weft_sim_ledger(self->sim);
-    char kept[160] = "";
+    char balance[160] = "";
     if (ledger.kept) {
-        (void)snprintf(kept, sizeof kept,
-                       ", work of wind %.4g J, of pins %.4g J; ledger closes to %.2g J",
-                       ledger.wind_work, ledger.pin_work, ledger.residual);
+        (void)snprintf(balance, sizeof balance,
+                       ", %.4g J dissipated, work of wind %.4g J, of pins %.4g J; "
+                       "ledger closes to %.2g J",
+                       weft_sim_dissipated(self->sim), ledger.wind_work,
+                       ledger.pin_work, ledger.residual);
     }
-    print_item("energy", "%.6g -> %.6g J, %.4g J dissipated%s",
-               self->result->energy_start,
-               record_total_energy(cloth, weft_sim_state(self->sim)),
-               weft_sim_dissipated(self->sim), kept);
+    print_item("energy", "%.6g -> %.6g J%s", self->result->energy_start,
+               record_total_energy(cloth, weft_sim_state(self->sim)), balance);
 }
 
 static void print_limit(const summary *self)

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* kernel_damping.c -- what the dampers of springs take, LANES springs at a time:
+ * c (w.u)^2 = c (w.d)^2 / d.d, and 0 where d = 0. */
+#include "kernel/kernel.h"
+#include "kernel/lanes.h"
+
+#include <float.h>
+
+enum { SUMS = 8 }; /* of every eighth spring, whatever the width */
+
+/* (w.u)^2 [m^2/s^2] of `count` springs from p to q, of planes n apart. */
+INLINE vec square_rate(const double *p, const double *q, size_t n, size_t count)
+{
+    const vec3 d = minus(load3_some(q, n, count), load3_some(p, n, count));
+    const vec3 w
+        = minus(load3_some(q + 3 * n, n, count), load3_some(p + 3 * n, n, count));
+    const vec wd = dot(w, d);
+    return wd * (wd / (dot(d, d) + DBL_MIN));
+}
+
+/* As above, summed over the springs of a group that start at p. */
+static double group_sum(const double *p, const double *q, size_t n, size_t count)
+{
+    double sums[SUMS] = { 0.0 }, total = 0.0;
+    size_t c = 0;
+    for (; c + LANES <= count; c += LANES) {
+        double *to = sums + c % SUMS;
+        store(to, load(to) + square_rate(p + c, q + c, n, LANES));
+    }
+    if (c < count) {
+        double *to = sums + c % SUMS;
+        store(to, load(to) + square_rate(p + c, q + c, n, count - c));
+    }
+    for (size_t k = 0; k < SUMS; ++k) {
+        total += sums[k];
+    }
+    return total;
+}
+
+double NAME(damping, LEVEL)(const weft_cloth *cloth, const double *y, size_t r)
+{
+    double power = 0.0;
+    for (size_t g = 0; g < cloth->group_count; ++g) {
+        const weft__group *group = &cloth->groups[g];
+        if (r < group->end_row && group->damping != 0.0) {
+            const double *p = y + r * cloth->cols + group->first_col;
+            power += group->damping
+                     * group_sum(p, p + group->stride, cloth->particles,
+                                 group->end_col - group->first_col);
+        }
+    }
+    return power;
+}

@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* test_damping.c -- the power that dampers take, by its fast path: at every level of
+ * instructions, and 8 lanes wide in whatever there are, the same bits, and what a plain
+ * loop over the springs gives. */
+#include "stepper_run.h"
+
+#include "kernel/kernel.h"
+
+#include <stdlib.h>
+
+weft__damping_fn weft__damping_wide;
+
+enum { COLS_MAX = 41 };
+
+static weft_cloth *make(size_t rows, size_t cols)
+{
+    weft_cloth_def def = weft_cloth_def_default();
+    weft_cloth *cloth = NULL;
+    def.rows = rows;
+    def.cols = cols;
+    def.drag = 0.01;
+    for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
+        def.springs[k] = (weft_spring_def){ true, 10.0, 0.1 * (double)(k + 1) };
+    }
+    ck_assert_int_eq(weft_cloth_create(&def, &cloth, NULL), WEFT_OK);
+    return cloth;
+}
+
+static double *stir(const weft_cloth *cloth)
+{
+    const size_t dim = weft_cloth_dim(cloth);
+    double *y = malloc(dim * sizeof *y);
+    ck_assert_ptr_nonnull(y);
+    weft_cloth_start(cloth, y);
+    for (size_t i = 0; i < dim; ++i) {
+        y[i] += 0.02 * sin(0.7 * (double)(i * i % 1009));
+    }
+    return y;
+}
+
+static double plain_power(const weft_cloth *cloth, const double *y)
+{
+    const size_t n = cloth->particles;
+    double power = 0.0;
+    for (size_t g = 0; g < cloth->group_count; ++g) {
+        const weft__group *group = &cloth->groups[g];
+        for (size_t r = 0; r < group->end_row; ++r) {
+            for (size_t c = group->first_col; c < group->end_col; ++c) {
+                const size_t p = r * cloth->cols + c;
+                const weft__stance at
+                    = weft__spring_stance(n, p, p + (size_t)group->stride, y);
+                const double along
+                    = (at.w[0] * at.d[0] + at.w[1] * at.d[1] + at.w[2] * at.d[2])
+                      / at.length;
+                power += group->damping * along * along;
+            }
+        }
+    }
+    for (size_t j = 3 * n; j < 6 * n; ++j) {
+        power += cloth->drag * y[j] * y[j];
+    }
+    return power;
+}
+
+START_TEST(every_level_has_the_same_bits)
+{
+    for (size_t cols = 1; cols <= COLS_MAX; ++cols) {
+        weft_cloth *cloth = make(4, cols);
+        double *y = stir(cloth);
+        weft__cloth_set_level(cloth, weft__level_at(0));
+        const double plain = weft_cloth_dissipation(cloth, y);
+        const weft__level wide = { .name = "8 lanes", .damping = weft__damping_wide };
+        const double wanted = plain_power(cloth, y);
+        ck_assert_double_eq_tol(plain, wanted, 1e-13 * wanted);
+        for (size_t i = 1; i <= weft__level_count(); ++i) {
+            weft__cloth_set_level(cloth,
+                                  i < weft__level_count() ? weft__level_at(i) : &wide);
+            ck_assert(weft_cloth_dissipation(cloth, y) == plain);
+        }
+        free(y);
+        weft_cloth_destroy(cloth);
+    }
+}
+END_TEST
+
+START_TEST(a_spring_without_length_takes_nothing)
+{
+    weft_cloth *cloth = make(1, COLS_MAX);
+    double *y = stir(cloth);
+    for (size_t i = 0; i < COLS_MAX; ++i) { /* all at one place: none has a direction */
+        y[i] = y[COLS_MAX + i] = y[2 * COLS_MAX + i] = 1.0;
+    }
+    double drag = 0.0;
+    for (size_t j = 3 * COLS_MAX; j < 6 * COLS_MAX; ++j) {
+        drag += cloth->drag * y[j] * y[j];
+    }
+    ck_assert_double_eq_tol(weft_cloth_dissipation(cloth, y), drag, 1e-13 * drag);
+    free(y);
+    weft_cloth_destroy(cloth);
+}
+END_TEST
+
+TEST_SUITE(damping)
+{
+    Suite *suite = suite_create("damping");
+    TCase *tcase = tcase_create("damping");
+    tcase_add_test(tcase, every_level_has_the_same_bits);
+    tcase_add_test(tcase, a_spring_without_length_takes_nothing);
+    suite_add_tcase(suite, tcase);
+    return suite;
+}
