@@ -210,7 +210,9 @@ START_TEST(correction_that_spoils_the_state_is_told)
     run.correct_ctx = &floor;
     start();
     ck_assert_int_eq(weft_sim_step(sim, 1.0, &err), WEFT_NOT_FINITE);
-    ck_assert_ptr_nonnull(strstr(err.message, "correction at t = 0.001 s"));
+    ck_assert_ptr_nonnull(
+        strstr(err.message, "the correction left a state that is not finite at t = "
+                            "0.001 s, last h = 0.001 s;"));
 }
 END_TEST
 
@@ -352,6 +354,89 @@ static int no_force(void *ctx, double t, const double *y, double *f)
     return 0;
 }
 
+/* ---- frames -------------------------------------------------------------------- */
+
+/* 0.25 s at 10 frames a second: the last frame comes sooner. */
+static const weft_run_def quarter
+    = { .duration = 0.25, .fps = 10.0, .threads = 1, .checkpoint = 2 };
+
+typedef struct film {
+    double times[4]; /* [s] */
+    size_t frames, checkpoints, steps, steps_most;
+} film;
+
+static weft_status take_frame(void *ctx, size_t i, weft_error *err)
+{
+    film *self = ctx;
+    (void)err;
+    ck_assert_uint_eq(i, self->frames);
+    self->times[self->frames++] = weft_sim_time(sim);
+    return WEFT_OK;
+}
+
+static weft_status take_checkpoint(void *ctx, size_t i, weft_error *err)
+{
+    film *self = ctx;
+    unsigned char saved[4096];
+    ck_assert_uint_eq(i, 2);
+    ++self->checkpoints;
+    return weft_sim_save(sim, saved, sizeof saved, err);
+}
+
+static bool count_step(void *ctx)
+{
+    film *self = ctx;
+    return ++self->steps < self->steps_most;
+}
+
+static uint64_t play(weft_play frames, film *self)
+{
+    *self = (film){ .steps_most = SIZE_MAX };
+    frames.run = &quarter;
+    frames.last = weft_run_last_frame(&quarter);
+    frames.frame = take_frame;
+    frames.ctx = self;
+    start();
+    ck_assert_int_eq(weft_sim_play(sim, &frames, NULL), WEFT_OK);
+    ck_assert_uint_eq(self->frames, 4);
+    return weft_state_hash(weft_sim_state(sim), 6 * N);
+}
+
+START_TEST(frames_come_at_their_times_and_checkpoints_do_not_change_them)
+{
+    static const double times[] = { 0.0, 1.0 / 10.0, 2.0 / 10.0, 0.25 };
+    film kept, plain;
+    use_method(_i);
+    const uint64_t hash
+        = play((weft_play){ .checkpoint = take_checkpoint, .step = count_step }, &kept);
+    ck_assert_mem_eq(kept.times, times, sizeof times);
+    ck_assert_uint_eq(kept.checkpoints, 1);
+    ck_assert_uint_eq(kept.steps, weft_sim_stats(sim).steps);
+    ck_assert_uint_eq(play((weft_play){ 0 }, &plain), hash);
+    ck_assert_mem_eq(plain.times, times, sizeof times);
+}
+END_TEST
+
+START_TEST(a_step_callback_stops_between_two_steps)
+{
+    film self = { .steps_most = 3 };
+    weft_error err = { 0 };
+    weft_failure failure;
+    const weft_play frames = { .run = &quarter,
+                               .last = 3,
+                               .frame = take_frame,
+                               .step = count_step,
+                               .ctx = &self };
+    run.config.fixed_step = 0.01;
+    start();
+    ck_assert_int_eq(weft_sim_play(sim, &frames, &err), WEFT_STOPPED);
+    ck_assert_str_eq(err.message, "stopped at t = 0.03 s");
+    ck_assert(!weft_sim_failure(sim, &failure));
+    ck_assert_uint_eq(self.frames, 1);
+    go(0.1); /* and it may go on */
+}
+END_TEST
+
 typedef struct job {
     size_t number;
     uint64_t hash;
@@ -429,6 +514,10 @@ TEST_SUITE(embed)
     tcase_add_test(tcase, rejected_attempts_are_told);
 #endif
     tcase_add_test(tcase, registry_tells_what_it_loads_and_refuses);
+    tcase_add_loop_test(tcase,
+                        frames_come_at_their_times_and_checkpoints_do_not_change_them,
+                        0, methods);
+    tcase_add_test(tcase, a_step_callback_stops_between_two_steps);
     suite_add_tcase(suite, tcase);
     tcase = tcase_create("threads");
     tcase_add_checked_fixture(tcase, setup, teardown);

@@ -20,12 +20,13 @@ static void run_scene(const char *precision)
                  precision),
            0);
     ck_assert_int_eq(record_frames_open(OUT "/r", &read, &err), WEFT_OK);
-    ck_assert_uint_eq(record_frames_count(read), LAST + 1);
+    ck_assert_uint_eq(read->count, LAST + 1);
     for (size_t i = 0; i <= LAST; ++i) {
-        times[i] = record_frames_time(read, i);
+        times[i] = read->times[i];
         ck_assert_int_eq(record_frames_positions(read, i, frames[i], &err), WEFT_OK);
-        ck_assert_int_eq(record_frames_velocities(read, i, velocities[i], &err),
-                         WEFT_OK);
+        ck_assert_int_eq(
+            record_frames_field(read, WEFT_RECORD_VELOCITY, i, velocities[i], &err),
+            WEFT_OK);
     }
     record_frames_close(read);
 }

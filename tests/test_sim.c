@@ -319,11 +319,31 @@ START_TEST(failure_leaves_the_state_and_tells_where_it_hurts)
         "no luck at t = 0.5 s, last h = 0 s; fastest particle (1, 2) at "
         "(2, -1, 0) m, 50 m/s; most strained stretch spring (0, 1)-(0, 2) at "
         "50 %; energy 63.24 J before that step");
+    weft_failure failure;
+    ck_assert(weft_sim_failure(sim, &failure));
+    ck_assert_int_eq(failure.status, WEFT_SOLVER);
+    ck_assert_str_eq(failure.reason, "no luck");
+    ck_assert_double_eq(failure.time, 0.5);
+    ck_assert_double_eq(failure.last_step, 0.0);
+    ck_assert_int_eq(failure.spring.family, WEFT_STRETCH);
+    ck_assert_uint_eq(failure.spring.p, 1);
+    ck_assert_uint_eq(failure.spring.q, 2);
+    ck_assert_double_eq_tol(failure.spring.strain, 0.5, 1e-12);
+    ck_assert_uint_eq(failure.particle, 5);
+    ck_assert_double_eq(failure.position[0], 2.0);
+    ck_assert_double_eq(failure.position[1], -1.0);
+    ck_assert_double_eq(failure.speed, 50.0);
+    const weft_energy energy = weft_cloth_energy(cloth, weft_sim_state(sim));
+    ck_assert_double_eq_tol(failure.energy,
+                            energy.kinetic + energy.gravitational + energy.elastic[0]
+                                + energy.elastic[1] + energy.elastic[2],
+                            1e-12);
     ck_assert_int_eq(weft_sim_step(sim, 1.0, NULL), WEFT_SOLVER);
     ck_assert_double_eq(weft_sim_time(sim), 0.5);
     ck_assert_uint_eq(weft_state_hash(weft_sim_state(sim), 6 * N), hash);
     fake.fails = false; /* and it may go on */
     go(1.0);
+    ck_assert(!weft_sim_failure(sim, &failure));
     memset(model.springs, 0, sizeof model.springs);
     start_fake();
     fake.fails = true;

@@ -7,21 +7,13 @@
 #ifndef WEFT_SCENE_H
 #define WEFT_SCENE_H
 
-#include "weft/cloth.h"
-#include "weft/stepper.h"
+#include "weft/sim.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
 typedef struct weft_scene weft_scene;
-
-typedef struct weft_run_def {
-    double duration;   /* [s] > 0 */
-    double fps;        /* [1/s] > 0 */
-    size_t threads;    /* >= 1; also in the stepper's config */
-    size_t checkpoint; /* frames between checkpoints; 0: none */
-} weft_run_def;
 
 /* Data that a run may record for each particle beside its position. */
 typedef enum weft_record_field {

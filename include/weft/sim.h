@@ -206,12 +206,57 @@ WEFT_API weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out,
 WEFT_API void weft_sim_destroy(weft_sim *sim); /* NULL is allowed */
 
 /* Takes one accepted step towards t_end [s] > time, never past it. After a failure the
- * state and the time are those of the last good step; the message names particle, t and
- * h. */
+ * state and the time are those of the last good step, and weft_sim_failure describes
+ * it. */
 WEFT_API weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err);
 
 /* Steps until the time is exactly t_end [s]; no step if it is t_end already. */
 WEFT_API weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *err);
+
+/* A run in frames: frame i is at i / fps [s], the last one at `duration`. */
+typedef struct weft_run_def {
+    double duration;   /* [s] > 0 */
+    double fps;        /* [1/s] > 0 */
+    size_t threads;    /* >= 1, of a scene: weft_sim_play takes those of the config */
+    size_t checkpoint; /* frames between checkpoints; 0: none */
+} weft_run_def;
+
+WEFT_API size_t weft_run_last_frame(const weft_run_def *run);
+WEFT_API double weft_run_frame_time(const weft_run_def *run, size_t i); /* [s] */
+
+typedef struct weft_play {
+    const weft_run_def *run;
+    size_t first, last; /* frames; the time is at most that of `first` */
+    /* At the time of frame i. Anything but WEFT_OK ends the call. */
+    weft_status (*frame)(void *ctx, size_t i, weft_error *err);
+    /* After each frame that run->checkpoint names but the last: must call weft_sim_save
+     * or weft_sim_restart. NULL: weft_sim_restart is called. */
+    weft_status (*checkpoint)(void *ctx, size_t i, weft_error *err);
+    bool (*step)(void *ctx); /* after each step; false: WEFT_STOPPED. NULL: none */
+    void *ctx;
+} weft_play;
+
+/* Steps from frame to frame and calls `frame` at each, as `weft run` does. A checkpoint
+ * restarts the stepper, which changes results: by this function a run has the same bits
+ * whether checkpoints are kept or not. Errors: those of weft_sim_step and callbacks. */
+WEFT_API weft_status weft_sim_play(weft_sim *sim, const weft_play *play,
+                                   weft_error *err);
+
+/* Why a step failed, and the last good state, or the one that a correction spoiled. */
+typedef struct weft_failure {
+    weft_status status;
+    double time;        /* [s] */
+    double last_step;   /* [s] the one before; 0: none */
+    weft_spring spring; /* the most strained; p == q: there are no springs */
+    size_t particle;    /* the fastest */
+    double position[3]; /* [m] of that particle */
+    double speed;       /* [m/s] of that particle */
+    double energy;      /* [J] kinetic + elastic + gravitational */
+    char reason[512];   /* the stepper's own message, without the time */
+} weft_failure;
+
+/* Whether the last step failed; the message of weft_sim_step has the same in words. */
+WEFT_API bool weft_sim_failure(const weft_sim *sim, weft_failure *out);
 
 WEFT_API double weft_sim_time(const weft_sim *sim); /* [s] */
 WEFT_API const double *

@@ -195,7 +195,8 @@ typedef struct weft_stepper_type {
      * unless state_changed was called. An accepted y is finite, also with fixed_step.
      * On failure *t and y are unchanged and step may be called again. WEFT_STOPPED if
      * the rhs returned < 0; WEFT_NOT_FINITE if it returned > 0 or y is not finite
-     * however small the step; WEFT_STEP_TOO_SMALL; WEFT_INVALID (t_end <= t). */
+     * however small the step; WEFT_STEP_TOO_SMALL; WEFT_INVALID (t_end <= t). *err
+     * does not name t: weft adds the time to the message. */
     weft_status (*step)(void *self, double t_end, double *t, double *y,
                         weft_error *err);
 

@@ -157,33 +157,29 @@ static bool was_finite(arkode_stepper *self, int flag)
            || weft__ark_finite(self->y);
 }
 
-static weft_status fail(arkode_stepper *self, int flag, double t, weft_error *err)
+static weft_status fail(arkode_stepper *self, int flag, weft_error *err)
 {
     const char *name = self->method->type.name;
     forget(self);
     if (self->stopped) {
-        return weft_error_set(err, WEFT_STOPPED,
-                              "%s: stopped by the model at t = %.9g s", name, t);
+        return weft_error_set(err, WEFT_STOPPED, "%s: stopped by the model", name);
     }
     if (!was_finite(self, flag)) {
-        return weft_error_set(err, WEFT_NOT_FINITE,
-                              "%s: not finite after a step from t = %.9g s", name, t);
+        return weft_error_set(err, WEFT_NOT_FINITE, "%s: not finite after a step",
+                              name);
     }
     switch (flag) {
     case ARK_ERR_FAILURE:
         return weft_error_set(err, WEFT_STEP_TOO_SMALL,
-                              "%s: at t = %.9g s even a step of %.3g s is not accurate "
-                              "enough",
-                              name, t, self->min_step);
+                              "%s: even a step of %.3g s is not accurate enough", name,
+                              self->min_step);
     case ARK_TOO_MUCH_ACC:
         return weft_error_set(err, WEFT_STEP_TOO_SMALL,
-                              "%s: at t = %.9g s the tolerances are below roundoff",
-                              name, t);
+                              "%s: the tolerances are below roundoff", name);
     case ARK_MEM_FAIL:
         return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory for ARKODE", name);
     default:
-        return weft_error_set(err, WEFT_SOLVER, "%s: ARKODE's error %d at t = %.9g s",
-                              name, flag, t);
+        return weft_error_set(err, WEFT_SOLVER, "%s: ARKODE's error %d", name, flag);
     }
 }
 
@@ -251,7 +247,7 @@ weft_status weft__ark_step(void *instance, double t_end, double *t, double *y,
         }
         const int flag = evolve(self, *t, y, h, t_end, &reached);
         if (flag < 0) {
-            return fail(self, flag, *t, err);
+            return fail(self, flag, err);
         }
         if (!(reached > *t)) { /* of an h that became less in there */
             (void)ARK(GetLastStep)(self->solver, &h);
@@ -263,7 +259,7 @@ weft_status weft__ark_step(void *instance, double t_end, double *t, double *y,
         }
         ++self->stats.rejected;
         if (self->fixed_step > 0.0 || h <= self->min_step) {
-            return fail(self, flag, *t, err);
+            return fail(self, flag, err);
         }
         forget(self);
         h = fmax(0.3 * h, self->min_step);

@@ -132,8 +132,7 @@ static double next_step(const gsl_stepper *self, double h, double taken,
 }
 
 /* The history of a multistep method may hold the failed attempt. */
-static weft_status fail(gsl_stepper *self, trouble why, double t, double h,
-                        weft_error *err)
+static weft_status fail(gsl_stepper *self, trouble why, double h, weft_error *err)
 {
     const char *name = self->method->type.name;
     const bool fixed = self->fixed_step > 0.0;
@@ -155,8 +154,8 @@ static weft_status fail(gsl_stepper *self, trouble why, double t, double h,
                               h);
     default:
         return weft_error_set(err, WEFT_STEP_TOO_SMALL,
-                              "%s: a step of %.3g s does not move t = %.17g s", name, h,
-                              t);
+                              "%s: a step of %.3g s does not advance the time", name,
+                              h);
     }
 }
 
@@ -175,7 +174,7 @@ weft_status weft__gsl_step(void *instance, double t_end, double *t, double *y,
         const double taken = fit(self, h, rest);
         double proposed = taken;
         if (taken < rest && *t + taken == *t) {
-            return fail(self, why, *t, taken, err);
+            return fail(self, why, taken, err);
         }
         why = attempt(self, *t, y, &proposed);
         if (why == NO_TROUBLE) {
@@ -187,7 +186,7 @@ weft_status weft__gsl_step(void *instance, double t_end, double *t, double *y,
         }
         ++self->stats.rejected;
         if (why == STOPPED || self->fixed_step > 0.0 || taken <= self->min_step) {
-            return fail(self, why, *t, taken, err);
+            return fail(self, why, taken, err);
         }
         h = fmax(why == INACCURATE ? proposed : 0.5 * taken, self->min_step);
     }

@@ -4,8 +4,9 @@
 #ifndef WEFT_CLI_H
 #define WEFT_CLI_H
 
-#include "cli/run/interrupt.h"
-#include "weft/weft.h"
+#include <getopt.h>
+
+#include "record/record.h"
 
 /* Exit codes. */
 enum {
@@ -19,20 +20,9 @@ enum {
     EXIT_SIGTERM = 143
 };
 
-/* One verb: argv[0] is its name. */
-typedef struct verb {
-    const char *name;
-    const char *summary; /* one line */
-    const char *help;    /* usage, options, examples */
-    int (*run)(int argc, char **argv);
-} verb;
-
-extern const verb verb_run, verb_resume, verb_batch, verb_check, verb_steppers,
-    verb_scene_help, verb_export, verb_view, verb_diff, verb_compare, verb_plugin_test;
-
 enum { MOST_JOBS = 4096 };
 
-/* Options that several verbs take. */
+/* The command line of a verb. */
 typedef struct options {
     const char *plugin_path, *out, *frames, *format, *frame, *progress, *tolerance;
     const char *timeout, *shard, *methods, *until;
@@ -42,16 +32,46 @@ typedef struct options {
     bool quiet, force, yaml, markdown, all, refine, view, retry_failed, summary;
     char **operands; /* what is left of argv */
     int operand_count;
+    weft_registry *registry; /* from open_registry */
 } options;
 
-/* Parse by the letters of `takes`: o --out, s --set, p --plugin-path, q --quiet,
- * F --force, r --frames, t --format, i --frame, y --yaml, m --markdown, a --all,
- * R --refine, v --view, P --progress, L --tol, j --jobs, T --timeout, S --shard, E
- * --retry-failed, U --summary, M --methods, u --until. Returns -1 to go on, or an exit
- * code: help was printed, or the command line is wrong. */
-int options_parse(const verb *self, const char *takes, int argc, char **argv,
-                  options *out);
-void options_free(options *out);
+/* A table for getopt_long: each option fills a member of struct options, a bool or a
+ * text; --set adds to `sets`, --jobs is a number. */
+#define OPTION_AT(member) (256 + (int)offsetof(options, member))
+#define OPTION_FLAG(name, member)                                                      \
+    {                                                                                  \
+        name, no_argument, NULL, OPTION_AT(member)                                     \
+    }
+#define OPTION_VALUE(name, member)                                                     \
+    {                                                                                  \
+        name, required_argument, NULL, OPTION_AT(member)                               \
+    }
+#define OPTIONS(...)                                                                   \
+    (const struct option[])                                                            \
+    {                                                                                  \
+        { "help", no_argument, NULL, 'h' }, __VA_ARGS__,                               \
+        {                                                                              \
+            NULL, 0, NULL, 0                                                           \
+        }                                                                              \
+    }
+
+typedef struct verb {
+    const char *name;
+    const char *summary; /* one line */
+    const char *help;    /* usage, options, examples */
+    const struct option *options;
+    int (*run)(const options *given); /* returns the exit code */
+} verb;
+
+extern const verb verb_run, verb_resume, verb_batch, verb_check, verb_steppers,
+    verb_scene_help, verb_export, verb_view, verb_diff, verb_compare, verb_plugin_test;
+
+/* options.c: parses the command line, argv[0] being the verb, and runs it. Returns the
+ * exit code. */
+int verb_start(const verb *self, int argc, char **argv);
+
+/* The number that is all of the text, or NAN. */
+double option_real(const char *text);
 
 /* "weft run: <text>" and a hint at --help, to stderr; returns EXIT_USAGE. */
 WEFT_PRINTF(2, 3) int usage_error(const verb *self, const char *format, ...);
@@ -74,21 +94,15 @@ weft_status load_plugins(weft_registry *registry, weft_error *err);
 /* admit.c: weft_registry_def.admit, which loads the file in a child first. */
 weft_status admit_plugin(void *ctx, const char *file, weft_error *err);
 
-/* admit.c: "it crashed: Aborted" or the like, of what waitpid gives. */
-void process_end(int status, char *text, size_t size);
-/* admit.c: from now on this process gets the signal when its parent ends, on Linux. */
-void process_ends_with_parent(int signal_number);
-
 /* Read a scene, print what is wrong with it. Returns EXIT_DONE or the exit code. */
-int open_scene(const char *file, const options *given, weft_registry *registry,
-               weft_scene **scene);
+int open_scene(const char *file, const options *given, weft_scene **scene);
 
 /* The same of all runs of a scene with a sweep; one run without. */
-int open_sweep(const char *file, const options *given, weft_registry *registry,
-               weft_sweep **sweep);
+int open_sweep(const char *file, const options *given, weft_sweep **sweep);
 
-/* dir/flag.yaml becomes flag followed by `suffix`; NULL: no memory. */
-char *default_directory(const char *file, const char *suffix);
+/* --out, or the name of the scene, dir/flag.yaml, as flag followed by `suffix`. */
+const char *out_directory(const options *given, const char *suffix,
+                          char text[RECORD_PATH]);
 
 /* view.c: write the page of one run or of two, into `out` or a default place, and print
  * its URL; with `yaml` as a document {event: page, url: ...}. Returns the exit code. */
@@ -97,32 +111,8 @@ int view_runs(const char *const *directories, size_t count, const char *out, boo
 /* view.c: "DIR: unfinished: 116 of 721 frames" to stderr if the run is that. */
 void tell_unfinished(const char *directory);
 
-/* play.c: from frame to frame. */
-typedef struct frame_loop {
-    weft_sim *sim;
-    const weft_run_def *run;
-    size_t first, last; /* frames to begin and to end with */
-    /* At frame i, its time reached. */
-    weft_status (*frame)(void *ctx, size_t i, weft_error *err);
-    /* After a frame that run.checkpoint tells: to call weft_sim_save, which restarts
-     * the stepper. NULL: it is restarted. */
-    weft_status (*checkpoint)(void *ctx, size_t i, weft_error *err);
-    /* After each accepted step; false: stop. NULL: never asked. */
-    bool (*step)(void *ctx);
-    interrupt_watch *watch; /* lent the records within a step; NULL: none */
-    void *ctx;
-    bool stopped; /* by `step` */
-} frame_loop;
-
-/* The index of the last frame; frame i is at exactly i / fps, the last at duration. */
-size_t frame_last(const weft_run_def *run);
-double frame_time(const weft_run_def *run, size_t i);
-/* How many fixed steps of h [s] a frame takes: none crosses its end. */
-double frame_steps(const weft_run_def *run, double h);
-weft_status play(frame_loop *show, weft_error *err);
-
-/* Why this weft cannot run a scene that is right, or NULL if it can. */
-const char *scene_unsupported(const weft_scene *scene);
+/* WEFT_UNSUPPORTED with the reason if this weft cannot run a scene that is right. */
+weft_status scene_supported(const weft_scene *scene, weft_error *err);
 
 /* The cloth of a scene. WEFT_NO_MEMORY also if a run of it cannot fit into the memory
  * of the machine, or into this process's limit. */

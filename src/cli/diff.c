@@ -4,7 +4,6 @@
  * Runs are equal whose states have equal hashes in series.csv and whose frames in
  * run.vtkhdf are equal; with a tolerance, whose positions in run.vtkhdf are that close.
  * Positions tell where they differ and by how much. Only times that both have count. */
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,10 +49,9 @@ static const struct {
     const char *name;
     weft_record_field field;
     size_t width;
-    weft_status (*read)(record_frames *, size_t, double *, weft_error *);
 } fields[] = {
-    { "velocities", WEFT_RECORD_VELOCITY, 3, record_frames_velocities },
-    { "strain", WEFT_RECORD_STRAIN, 1, record_frames_strain },
+    { "velocities", WEFT_RECORD_VELOCITY, 3 },
+    { "strain", WEFT_RECORD_STRAIN, 1 },
 };
 
 enum { FIELDS = sizeof fields / sizeof fields[0] };
@@ -62,16 +60,11 @@ enum { FIELDS = sizeof fields / sizeof fields[0] };
 
 static weft_status open_side(diff_side *self, weft_error *err)
 {
-    char path[RECORD_PATH];
-    weft_status status = record_path(self->directory, "run.vtkhdf", path, err);
-    if (status == WEFT_OK) {
-        status
-            = record_series_rows(self->directory, &self->rows, &self->row_count, err);
-    }
-    if (status == WEFT_OK && access(path, F_OK) == 0) {
-        status = record_frames_open(self->directory, &self->frames, err);
-    }
-    return status;
+    const weft_status status
+        = record_series_rows(self->directory, &self->rows, &self->row_count, err);
+    return status == WEFT_OK && record_exists(self->directory, "run.vtkhdf")
+               ? record_frames_open(self->directory, &self->frames, err)
+               : status;
 }
 
 static bool both_have_frames(const comparison *self)
@@ -82,8 +75,8 @@ static bool both_have_frames(const comparison *self)
 static weft_status prepare(comparison *self, weft_error *err)
 {
     const record_frames *a = self->side[0].frames, *b = self->side[1].frames;
-    const size_t rows[2] = { record_frames_rows(a), record_frames_rows(b) };
-    const size_t cols[2] = { record_frames_cols(a), record_frames_cols(b) };
+    const size_t rows[2] = { a->rows, b->rows };
+    const size_t cols[2] = { a->cols, b->cols };
     if (rows[0] != rows[1] || cols[0] != cols[1]) {
         return weft_error_set(err, WEFT_BAD_SCENE,
                               "runs of different grids: %s has %zu x %zu particles, %s "
@@ -91,7 +84,7 @@ static weft_status prepare(comparison *self, weft_error *err)
                               self->side[0].directory, rows[0], cols[0],
                               self->side[1].directory, rows[1], cols[1]);
     }
-    self->single = !record_frames_doubles(a) || !record_frames_doubles(b);
+    self->single = !a->doubles || !b->doubles;
     for (size_t k = 0; k < 2; ++k) {
         self->side[k].x = malloc(3 * rows[0] * cols[0] * sizeof(double));
         if (self->side[k].x == NULL) {
@@ -104,9 +97,7 @@ static weft_status prepare(comparison *self, weft_error *err)
 static weft_status open_both(comparison *self, weft_error *err)
 {
     weft_status status = open_side(&self->side[0], err);
-    if (status == WEFT_OK) {
-        status = open_side(&self->side[1], err);
-    }
+    status = status == WEFT_OK ? open_side(&self->side[1], err) : status;
     if (status == WEFT_OK && both_have_frames(self)) {
         return prepare(self, err);
     }
@@ -184,21 +175,22 @@ static bool are_equal(const comparison *self, size_t count)
 
 static bool both_have_field(const comparison *self, size_t k)
 {
-    return record_frames_has(self->side[0].frames, fields[k].field)
-           && record_frames_has(self->side[1].frames, fields[k].field);
+    return self->side[0].frames->fields[fields[k].field]
+           && self->side[1].frames->fields[fields[k].field];
 }
 
 static weft_status compare_fields(comparison *self, size_t i, size_t j, const gap *here,
                                   weft_error *err)
 {
     const diff_side *a = &self->side[0], *b = &self->side[1];
-    const size_t n = record_frames_rows(a->frames) * record_frames_cols(a->frames);
+    const size_t n = a->frames->rows * a->frames->cols;
     weft_status status = WEFT_OK;
     for (size_t k = 0; status == WEFT_OK && self->field == NULL && k < FIELDS; ++k) {
         if (both_have_field(self, k)) {
-            status = fields[k].read(a->frames, i, a->x, err);
-            status
-                = status == WEFT_OK ? fields[k].read(b->frames, j, b->x, err) : status;
+            status = record_frames_field(a->frames, fields[k].field, i, a->x, err);
+            status = status == WEFT_OK
+                         ? record_frames_field(b->frames, fields[k].field, j, b->x, err)
+                         : status;
             if (status == WEFT_OK && !are_equal(self, fields[k].width * n)) {
                 self->field = fields[k].name;
                 self->other = *here;
@@ -211,10 +203,10 @@ static weft_status compare_fields(comparison *self, size_t i, size_t j, const ga
 static weft_status compare_frame(comparison *self, size_t i, size_t j, weft_error *err)
 {
     const diff_side *a = &self->side[0], *b = &self->side[1];
-    const size_t n = record_frames_rows(a->frames) * record_frames_cols(a->frames);
-    gap here = { .frame = { record_frames_number(a->frames, i),
-                            record_frames_number(b->frames, j) },
-                 .time = record_frames_time(a->frames, i) };
+    const size_t n = a->frames->rows * a->frames->cols;
+    gap here
+        = { .frame = { (size_t)a->frames->numbers[i], (size_t)b->frames->numbers[j] },
+            .time = a->frames->times[i] };
     weft_status status = record_frames_positions(a->frames, i, a->x, err);
     if (status == WEFT_OK) {
         status = record_frames_positions(b->frames, j, b->x, err);
@@ -248,9 +240,8 @@ static weft_status compare_frames(comparison *self, weft_error *err)
 {
     record_frames *a = self->side[0].frames, *b = self->side[1].frames;
     weft_status status = WEFT_OK;
-    for (size_t i = 0, j = 0; status == WEFT_OK && i < record_frames_count(a)
-                              && j < record_frames_count(b);) {
-        const int which = order(record_frames_time(a, i), record_frames_time(b, j));
+    for (size_t i = 0, j = 0; status == WEFT_OK && i < a->count && j < b->count;) {
+        const int which = order(a->times[i], b->times[j]);
         if (which == 0) {
             status = compare_frame(self, i, j, err);
         }
@@ -289,7 +280,7 @@ static void print_frame(const size_t frame[2], double time)
 
 static void print_gap(const comparison *self, const char *label, const gap *found)
 {
-    const size_t cols = record_frames_cols(self->side[0].frames);
+    const size_t cols = self->side[0].frames->cols;
     printf("%s: ", label);
     print_frame(found->frame, found->time);
     printf(": particle (%zu, %zu) by %.3g m\n", found->particle / cols,
@@ -422,34 +413,18 @@ static int diff_runs(char *const *directories, double tolerance)
     return code;
 }
 
-/* Metres; < 0: not a tolerance. */
-static double parse_tolerance(const char *text)
+static int diff_verb(const options *given)
 {
-    char *end;
-    const double value = strtod(text, &end);
-    return end != text && *end == '\0' && value >= 0.0 && isfinite(value) ? value
-                                                                          : -1.0;
-}
-
-static int diff_verb(int argc, char **argv)
-{
-    options given;
-    int code = options_parse(&verb_diff, "L", argc, argv, &given);
-    if (code >= 0) {
-        return code;
-    }
     const double tolerance
-        = given.tolerance == NULL ? -1.0 : parse_tolerance(given.tolerance);
-    if (given.operand_count != 2) {
-        code = usage_error(&verb_diff, "needs the directories of two runs");
-    } else if (given.tolerance != NULL && tolerance < 0.0) {
-        code = usage_error(&verb_diff, "--tol %s: must be a number >= 0 [m]",
-                           given.tolerance);
-    } else {
-        code = diff_runs(given.operands, tolerance);
+        = given->tolerance == NULL ? -1.0 : option_real(given->tolerance);
+    if (given->operand_count != 2) {
+        return usage_error(&verb_diff, "needs the directories of two runs");
     }
-    options_free(&given);
-    return code;
+    if (given->tolerance != NULL && !(tolerance >= 0.0 && isfinite(tolerance))) {
+        return usage_error(&verb_diff, "--tol %s: must be a number >= 0 [m]",
+                           given->tolerance);
+    }
+    return diff_runs(given->operands, tolerance);
 }
 
 const verb verb_diff = {
@@ -457,19 +432,19 @@ const verb verb_diff = {
     .summary = "where two runs begin to differ, and by how much",
     .help
     = "usage: weft diff DIR DIR2 [OPTIONS]\n\n"
-      "Compares two runs of the same grid at the times both have, and tells the first\n"
-      "frame that differs, the particle farthest off in it, how far, and the largest\n"
-      "such distance of all frames. States are compared bit for bit by the hashes in\n"
+      "Compares two runs of the same grid at the times both have, and tells the first "
+      "frame that differs, the particle farthest off in it, how far, and the largest "
+      "such distance of all frames. States are compared bit for bit by the hashes in "
       "series.csv, and frames by the positions, velocities and strain in "
       "run.vtkhdf.\n\n"
-      "  --tol X              positions of run.vtkhdf instead: equal is what is not\n"
-      "                       more than X metres apart\n\n"
+      "  --tol X              positions of run.vtkhdf instead: equal is what is not "
+      "more than X metres apart\n\n"
       "examples:\n"
       "  weft diff flag flag-again\n"
       "  weft diff flag-rkf45 flag-verlet --tol 1e-4\n\n"
-      "exit codes: 0 equal, 1 different, also where one ends before the other, 2 "
-      "wrong\n"
+      "exit codes: 0 equal, 1 different, also where one ends before the other, 2 wrong "
       "command line, 3 other grids, 4 a file is missing or damaged, or no time in "
       "common\n",
+    .options = OPTIONS(OPTION_VALUE("tol", tolerance)),
     .run = diff_verb,
 };

@@ -36,14 +36,15 @@ static const export_format formats[] = {
 typedef struct export_job {
     const char *directory;
     const export_format *format;
-    size_t rows, cols, count; /* count of frames there are */
-    record_frames *frames;    /* NULL: they are computed anew with the following */
-    weft_registry *registry;
+    size_t n, count;           /* particles; frames there are */
+    record_frames *frames;     /* NULL: they are computed anew with the following */
+    record_series_row *series; /* count of them: what the run had */
     weft_scene *scene;
     weft_cloth *cloth;
     weft_sim *sim;
-    size_t first, last; /* wanted, as indices below count */
-    double *values;     /* 7 N: positions, velocities, strains */
+    size_t first, last;     /* wanted, as indices below count */
+    double *values;         /* 7 N: positions, velocities, strains */
+    record_surface surface; /* of values: of one frame */
     record_file movie;
 } export_job;
 
@@ -53,7 +54,7 @@ typedef struct export_job {
 
 static size_t number_of(const export_job *job, size_t i)
 {
-    return job->frames == NULL ? i : record_frames_number(job->frames, i);
+    return job->frames == NULL ? i : (size_t)job->frames->numbers[i];
 }
 
 /* One line, however many they are. */
@@ -72,8 +73,9 @@ static void print_files(const export_job *job)
 }
 
 static weft_status write_frame(export_job *job, size_t number, double time,
-                               const record_surface *surface, weft_error *err)
+                               weft_error *err)
 {
+    const record_surface *surface = &job->surface;
     char name[64] = "";
     weft_status status = WEFT_OK;
     if (job->format->write != NULL) {
@@ -90,29 +92,21 @@ static weft_status write_frame(export_job *job, size_t number, double time,
 
 static weft_status read_frames(export_job *job, weft_error *err)
 {
-    const size_t n = job->rows * job->cols;
-    const bool velocity = record_frames_has(job->frames, WEFT_RECORD_VELOCITY);
-    const bool strain = record_frames_has(job->frames, WEFT_RECORD_STRAIN);
-    const record_surface surface = {
-        .rows = job->rows,
-        .cols = job->cols,
-        .position = job->values,
-        .velocity = velocity ? job->values + 3 * n : NULL,
-        .strain = strain ? job->values + 6 * n : NULL,
-        .doubles = record_frames_doubles(job->frames),
-    };
+    double *velocity = job->values + 3 * job->n, *strain = job->values + 6 * job->n;
     weft_status status = WEFT_OK;
     for (size_t i = job->first; status == WEFT_OK && i <= job->last; ++i) {
         status = record_frames_positions(job->frames, i, job->values, err);
-        if (status == WEFT_OK && velocity) {
-            status = record_frames_velocities(job->frames, i, job->values + 3 * n, err);
+        if (status == WEFT_OK && job->surface.velocity != NULL) {
+            status = record_frames_field(job->frames, WEFT_RECORD_VELOCITY, i, velocity,
+                                         err);
         }
-        if (status == WEFT_OK && strain) {
-            status = record_frames_strain(job->frames, i, job->values + 6 * n, err);
+        if (status == WEFT_OK && job->surface.strain != NULL) {
+            status
+                = record_frames_field(job->frames, WEFT_RECORD_STRAIN, i, strain, err);
         }
         if (status == WEFT_OK) {
-            status = write_frame(job, record_frames_number(job->frames, i),
-                                 record_frames_time(job->frames, i), &surface, err);
+            status = write_frame(job, (size_t)job->frames->numbers[i],
+                                 job->frames->times[i], err);
         }
     }
     return status;
@@ -122,55 +116,39 @@ static weft_status read_frames(export_job *job, weft_error *err)
 
 static weft_status check_hash(const export_job *job, size_t index, weft_error *err)
 {
-    uint64_t recorded;
+    const uint64_t recorded = job->series[index].hash;
     const uint64_t hash
         = weft_state_hash(weft_sim_state(job->sim), weft_cloth_dim(job->cloth));
-    const weft_status status
-        = record_series_hash(job->directory, index, &recorded, err);
-    if (status != WEFT_OK || hash == recorded) {
-        return status;
-    }
-    return weft_error_set(err, WEFT_SOLVER,
-                          "frame %zu computed anew has hash %016" PRIx64
-                          ", the run had %016" PRIx64
-                          ": other versions? see manifest.yaml",
-                          index, hash, recorded);
+    return hash == recorded
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_SOLVER,
+                                "frame %zu computed anew has hash %016" PRIx64
+                                ", the run had %016" PRIx64
+                                ": other versions? see manifest.yaml",
+                                index, hash, recorded);
 }
 
 static weft_status on_frame(void *ctx, size_t index, weft_error *err)
 {
     export_job *job = ctx;
-    const size_t n = job->rows * job->cols;
-    const record_surface surface = {
-        .rows = job->rows,
-        .cols = job->cols,
-        .position = job->values,
-        .velocity = job->values + 3 * n,
-        .strain = job->values + 6 * n,
-        .doubles = true,
-    };
     if (index < job->first) {
         return WEFT_OK;
     }
     weft_sim_positions(job->sim, job->values);
-    weft_sim_velocities(job->sim, job->values + 3 * n);
-    weft_cloth_strains(job->cloth, weft_sim_state(job->sim), job->values + 6 * n);
+    weft_sim_velocities(job->sim, job->values + 3 * job->n);
+    weft_cloth_strains(job->cloth, weft_sim_state(job->sim), job->values + 6 * job->n);
     const weft_status status = check_hash(job, index, err);
-    return status == WEFT_OK
-               ? write_frame(job, index, weft_sim_time(job->sim), &surface, err)
-               : status;
+    return status == WEFT_OK ? write_frame(job, index, weft_sim_time(job->sim), err)
+                             : status;
 }
 
 static weft_status compute_frames(export_job *job, weft_error *err)
 {
-    frame_loop show = {
-        .sim = job->sim,
-        .run = weft_scene_run(job->scene),
-        .last = job->last,
-        .frame = on_frame,
-        .ctx = job,
-    };
-    return play(&show, err);
+    const weft_play frames = { .run = weft_scene_run(job->scene),
+                               .last = job->last,
+                               .frame = on_frame,
+                               .ctx = job };
+    return weft_sim_play(job->sim, &frames, err);
 }
 
 /* ---- what is written -------------------------------------------------------- */
@@ -200,13 +178,12 @@ static weft_status export_frames(export_job *job, weft_error *err)
 
 static double time_of(const export_job *job, size_t i)
 {
-    return job->frames == NULL ? frame_time(weft_scene_run(job->scene), i)
-                               : record_frames_time(job->frames, i);
+    return job->frames == NULL ? weft_run_frame_time(weft_scene_run(job->scene), i)
+                               : job->frames->times[i];
 }
 
 static weft_status begin_movie(export_job *job, weft_error *err)
 {
-    const size_t n = job->rows * job->cols;
     double *times = malloc(job->count * sizeof *times);
     char name[16];
     if (times == NULL) {
@@ -218,7 +195,7 @@ static weft_status begin_movie(export_job *job, weft_error *err)
     (void)snprintf(name, sizeof name, "run.%s", job->format->name);
     const weft_status status = record_file_open(&job->movie, job->directory, name, err);
     if (status == WEFT_OK) {
-        job->format->movie->begin(job->movie.stream, times, job->count, n);
+        job->format->movie->begin(job->movie.stream, times, job->count, job->n);
     }
     free(times);
     return status;
@@ -227,15 +204,13 @@ static weft_status begin_movie(export_job *job, weft_error *err)
 /* The pose that a cache moves: the same particles, where they rest. */
 static weft_status write_rest(export_job *job, weft_error *err)
 {
-    const record_surface surface
-        = { .rows = job->rows, .cols = job->cols, .position = job->values };
     if (job->frames == NULL) {
         weft_cloth_rest(job->cloth, job->values);
     } else {
-        memcpy(job->values, record_frames_rest(job->frames),
-               3 * job->rows * job->cols * sizeof *job->values);
+        memcpy(job->values, job->frames->rest, 3 * job->n * sizeof *job->values);
     }
-    const weft_status status = record_obj(job->directory, "rest.obj", &surface, err);
+    const weft_status status
+        = record_obj(job->directory, "rest.obj", &job->surface, err);
     if (status == WEFT_OK) {
         printf("%s/rest.obj\n", job->directory);
     }
@@ -246,9 +221,7 @@ static weft_status export_movie(export_job *job, weft_error *err)
 {
     const record_movie *movie = job->format->movie;
     weft_status status = job->format->rest ? write_rest(job, err) : WEFT_OK;
-    if (status == WEFT_OK) {
-        status = begin_movie(job, err);
-    }
+    status = status == WEFT_OK ? begin_movie(job, err) : status;
     if (status != WEFT_OK) {
         return status;
     }
@@ -257,7 +230,9 @@ static weft_status export_movie(export_job *job, weft_error *err)
         record_file_discard(&job->movie);
         return status;
     }
-    movie->end(job->movie.stream);
+    if (movie->end != NULL) {
+        movie->end(job->movie.stream);
+    }
     status = record_file_commit(&job->movie, err);
     if (status == WEFT_OK) {
         printf("%s\n", job->movie.path);
@@ -267,17 +242,14 @@ static weft_status export_movie(export_job *job, weft_error *err)
 
 static weft_status export_final(const export_job *job, weft_error *err)
 {
-    const size_t n = job->rows * job->cols;
     char name[16];
-    const record_surface surface = {
-        .rows = job->rows,
-        .cols = job->cols,
-        .position = job->values,
-        .velocity = job->values + 3 * n,
-        .doubles = true,
-    };
-    weft_status status = record_final_read(job->directory, job->rows, job->cols,
-                                           job->values, job->values + 3 * n, err);
+    double *velocity = job->values + 3 * job->n;
+    record_surface surface = job->surface;
+    surface.velocity = velocity;
+    surface.strain = NULL;
+    surface.doubles = true;
+    weft_status status = record_final_read(job->directory, surface.rows, surface.cols,
+                                           job->values, velocity, err);
     if (status == WEFT_OK && job->format->write == record_csv) {
         printf("%s/final.csv\n", job->directory); /* it is there already */
     } else if (status == WEFT_OK) {
@@ -312,10 +284,9 @@ static bool find_frame(const char *text, export_job *job)
 
 static bool has_final(const export_job *job)
 {
-    char path[RECORD_PATH];
     uint64_t hash;
-    return record_path(job->directory, "final.csv", path, NULL) == WEFT_OK
-           && access(path, F_OK) == 0 && record_result_hash(job->directory, &hash);
+    return record_exists(job->directory, "final.csv")
+           && record_result_hash(job->directory, &hash);
 }
 
 static int export_wanted(const options *given, export_job *job)
@@ -345,22 +316,15 @@ static int export_wanted(const options *given, export_job *job)
 
 /* ---- where they come from --------------------------------------------------- */
 
-static bool is_recorded(const char *directory)
-{
-    char path[RECORD_PATH];
-    return record_path(directory, "run.vtkhdf", path, NULL) == WEFT_OK
-           && access(path, F_OK) == 0;
-}
-
 static int open_recorded(export_job *job)
 {
     weft_error err = { 0 };
     if (record_frames_open(job->directory, &job->frames, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    job->rows = record_frames_rows(job->frames);
-    job->cols = record_frames_cols(job->frames);
-    job->count = record_frames_count(job->frames);
+    job->surface.rows = job->frames->rows;
+    job->surface.cols = job->frames->cols;
+    job->count = job->frames->count;
     return EXIT_DONE;
 }
 
@@ -368,44 +332,58 @@ static int open_anew(const options *given, export_job *job)
 {
     char path[RECORD_PATH];
     weft_error err = { 0 };
-    size_t last = 0;
     if (record_path(job->directory, "scene.yaml", path, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    job->registry = open_registry(given->plugin_path);
-    const int code = job->registry == NULL
-                         ? EXIT_SIMULATION
-                         : open_scene(path, given, job->registry, &job->scene);
+    const int code = open_scene(path, given, &job->scene);
     if (code != EXIT_DONE) {
         return code;
     }
-    if (record_series_last(job->directory, &last, &err) != WEFT_OK
+    if (record_series_rows(job->directory, &job->series, &job->count, &err) != WEFT_OK
         || simulation_create(job->scene, &job->cloth, &job->sim, &err) != WEFT_OK) {
         return report_error(&err);
     }
     fprintf(stderr, "%s/run.vtkhdf is missing: frames are computed anew\n",
             job->directory);
-    job->rows = weft_cloth_rows(job->cloth);
-    job->cols = weft_cloth_cols(job->cloth);
-    job->count = last + 1;
+    job->surface.rows = weft_cloth_rows(job->cloth);
+    job->surface.cols = weft_cloth_cols(job->cloth);
+    return EXIT_DONE;
+}
+
+/* Room for one frame. */
+static int make_surface(export_job *job)
+{
+    weft_error err = { 0 };
+    const record_frames *frames = job->frames;
+    job->n = job->surface.rows * job->surface.cols;
+    job->values = malloc(7 * job->n * sizeof *job->values);
+    if (job->values == NULL) {
+        weft_error_set(&err, WEFT_NO_MEMORY, "no memory for a frame");
+        return report_error(&err);
+    }
+    job->surface.position = job->values;
+    if (frames == NULL || frames->fields[WEFT_RECORD_VELOCITY]) {
+        job->surface.velocity = job->values + 3 * job->n;
+    }
+    if (frames == NULL || frames->fields[WEFT_RECORD_STRAIN]) {
+        job->surface.strain = job->values + 6 * job->n;
+    }
+    job->surface.doubles = frames == NULL || frames->doubles;
     return EXIT_DONE;
 }
 
 static int export_run(const options *given, export_job *job)
 {
-    int code = is_recorded(job->directory) ? open_recorded(job) : open_anew(given, job);
-    if (code == EXIT_DONE) {
-        weft_error err = { 0 };
-        job->values = malloc(7 * job->rows * job->cols * sizeof *job->values);
-        weft_error_set(&err, WEFT_NO_MEMORY, "no memory for a frame");
-        code = job->values == NULL ? report_error(&err) : export_wanted(given, job);
-    }
+    int code = record_exists(job->directory, "run.vtkhdf") ? open_recorded(job)
+                                                           : open_anew(given, job);
+    code = code == EXIT_DONE ? make_surface(job) : code;
+    code = code == EXIT_DONE ? export_wanted(given, job) : code;
     free(job->values);
+    free(job->series);
     record_frames_close(job->frames);
     weft_sim_destroy(job->sim);
     weft_cloth_destroy(job->cloth);
     weft_scene_destroy(job->scene);
-    weft_registry_destroy(job->registry);
     return code;
 }
 
@@ -429,32 +407,27 @@ static int unknown_format(const char *typed)
     return usage_choice(&verb_export, "format", typed, names);
 }
 
-static int export_verb(int argc, char **argv)
+static int export_verb(const options *given)
 {
-    options given;
-    int code = options_parse(&verb_export, "tip", argc, argv, &given);
-    if (code >= 0) {
-        return code;
+    export_job job = { .format = find_format(given->format) };
+    if (given->operand_count != 1) {
+        return usage_error(&verb_export, "needs the directory of one run");
     }
-    export_job job = { .format = find_format(given.format) };
-    if (given.operand_count != 1) {
-        code = usage_error(&verb_export, "needs the directory of one run");
-    } else if (given.format == NULL) {
-        code = usage_error(&verb_export,
+    if (given->format == NULL) {
+        return usage_error(&verb_export,
                            "--format obj, ply, csv, mdd, pc2 or pvd is needed");
-    } else if (job.format == NULL) {
-        code = unknown_format(given.format);
-    } else if (job.format->movie != NULL && given.frame != NULL
-               && strcmp(given.frame, "all") != 0) {
-        code = usage_error(&verb_export, "--frame %s: %s holds all frames", given.frame,
-                           job.format->name);
-    } else {
-        job.directory = given.operands[0];
-        tell_unfinished(job.directory);
-        code = export_run(&given, &job);
     }
-    options_free(&given);
-    return code;
+    if (job.format == NULL) {
+        return unknown_format(given->format);
+    }
+    if (job.format->movie != NULL && given->frame != NULL
+        && strcmp(given->frame, "all") != 0) {
+        return usage_error(&verb_export, "--frame %s: %s holds all frames",
+                           given->frame, job.format->name);
+    }
+    job.directory = given->operands[0];
+    tell_unfinished(job.directory);
+    return export_run(given, &job);
 }
 
 const verb verb_export = {
@@ -466,19 +439,18 @@ const verb verb_export = {
       "  --format obj         Wavefront OBJ: quads, texture coordinates\n"
       "           ply         the same, binary\n"
       "           csv         row,col,x,y,z,vx,vy,vz\n"
-      "           mdd, pc2    all frames in run.mdd or run.pc2, with rest.obj: for\n"
-      "                       Blender's Mesh Cache\n"
-      "           pvd         all frames as VTP files and run.pvd, for ParaView "
-      "before\n"
-      "                       5.12; later ones open run.vtkhdf itself\n"
-      "  --frame last|all|N   of obj, ply and csv; default: last, into DIR/final.obj;\n"
-      "                       others go into DIR/frames/frame-000012.obj\n"
+      "           mdd, pc2    all frames in run.mdd or run.pc2, with rest.obj: for "
+      "Blender's Mesh Cache\n"
+      "           pvd         all frames as VTP files and run.pvd, for ParaView before "
+      "5.12; later ones open run.vtkhdf itself\n"
+      "  --frame last|all|N   of obj, ply and csv; default: last, into DIR/final.obj; "
+      "others go into DIR/frames/frame-000012.obj\n"
       "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n\n"
-      "Frames are those of DIR/run.vtkhdf, the last state is that of DIR/final.csv. "
-      "If\n"
-      "run.vtkhdf is missing they are computed anew from DIR/scene.yaml and must "
-      "match\n"
+      "Frames are those of DIR/run.vtkhdf, the last state is that of DIR/final.csv. If "
+      "run.vtkhdf is missing they are computed anew from DIR/scene.yaml and must match "
       "the hash in series.csv.\n\n"
       "example: weft export flag --format obj --frame all\n",
+    .options = OPTIONS(OPTION_VALUE("plugin-path", plugin_path),
+                       OPTION_VALUE("format", format), OPTION_VALUE("frame", frame)),
     .run = export_verb,
 };

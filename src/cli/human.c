@@ -6,16 +6,12 @@
 
 #include "cli/human.h"
 
-static const char *in_units(double seconds, double unit, const char *big,
-                            const char *small, char out[HUMAN])
+static const char *in_units(double seconds, double big, const char *big_name,
+                            double small, const char *small_name, char out[HUMAN])
 {
-    const double whole = floor(seconds / unit);
-    (void)snprintf(out, HUMAN, "%.0f %s %02.0f %s", whole, big,
-                   floor((seconds - whole * unit)
-                         / (unit == 86400.0  ? 3600.0
-                            : unit == 3600.0 ? 60.0
-                                             : 1.0)),
-                   small);
+    const double whole = floor(seconds / big);
+    (void)snprintf(out, HUMAN, "%.0f %s %02.0f %s", whole, big_name,
+                   floor((seconds - whole * big) / small), small_name);
     return out;
 }
 
@@ -27,10 +23,10 @@ const char *human_time(double seconds, char out[HUMAN])
     } small[] = { { 1.0, "s" }, { 1e-3, "ms" }, { 1e-6, "us" }, { 1e-9, "ns" } };
     size_t i = 0;
     if (seconds >= 59.95) {
-        return seconds >= 86400.0 ? in_units(seconds, 86400.0, "d", "h", out)
+        return seconds >= 86400.0 ? in_units(seconds, 86400.0, "d", 3600.0, "h", out)
                : seconds >= 3600.0
-                   ? in_units(seconds, 3600.0, "h", "min", out)
-                   : in_units(fmax(seconds, 60.0), 60.0, "min", "s", out);
+                   ? in_units(seconds, 3600.0, "h", 60.0, "min", out)
+                   : in_units(fmax(seconds, 60.0), 60.0, "min", 1.0, "s", out);
     }
     while (i < 3 && seconds > 0.0 && seconds < 0.9995 * small[i].unit) {
         ++i;
@@ -51,6 +47,14 @@ const char *human_count(uint64_t count, char out[HUMAN])
         *to++ = digits[i];
     }
     *to = '\0';
+    return out;
+}
+
+const char *spring_text(const weft_spring *spring, size_t cols, char out[SPRING])
+{
+    (void)snprintf(out, SPRING, "%s spring (%zu, %zu)-(%zu, %zu)",
+                   weft_family_name(spring->family), spring->p / cols, spring->p % cols,
+                   spring->q / cols, spring->q % cols);
     return out;
 }
 

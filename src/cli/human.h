@@ -6,7 +6,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-#include "weft/base.h"
+#include "weft/cloth.h"
 
 enum {
     HUMAN = 32,     /* bytes that hold any of the following */
@@ -16,6 +16,10 @@ enum {
 /* "298 us", "5.74 s", "3 min 05 s", "2 h 07 min", "3 d 04 h". Both return out. */
 const char *human_time(double seconds, char out[HUMAN]);
 const char *human_count(uint64_t count, char out[HUMAN]); /* "40,530" */
+
+/* "shear spring (3, 4)-(4, 5)", in a cloth of `cols` columns. Returns out. */
+enum { SPRING = 128 };
+const char *spring_text(const weft_spring *spring, size_t cols, char out[SPRING]);
 
 /* Text that came from a file or a command line: control characters, which a terminal
  * would obey, are written as \x1b; those in `keep` are left. */

@@ -117,8 +117,9 @@ int main(int argc, char **argv)
     for (size_t i = 0; i < VERBS; ++i) {
         if (strcmp(argv[1], verbs[i]->name) == 0) {
             const int code = check_environment();
-            return code != EXIT_DONE ? code
-                                     : flush_stdout(verbs[i]->run(argc - 1, argv + 1));
+            return code != EXIT_DONE
+                       ? code
+                       : flush_stdout(verb_start(verbs[i], argc - 1, argv + 1));
         }
     }
     if (strcmp(argv[1], "--version") == 0) {

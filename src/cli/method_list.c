@@ -15,6 +15,16 @@ bool method_at(const weft_registry *registry, size_t i, stepper_method *out)
     return false;
 }
 
+size_t method_count(const weft_registry *registry)
+{
+    stepper_method m;
+    size_t count = 0;
+    while (method_at(registry, count, &m)) {
+        ++count;
+    }
+    return count;
+}
+
 bool method_adapts(const weft_stepper_type *type)
 {
     return (type->flags & WEFT_STEPPER_FIXED_ONLY) == 0;

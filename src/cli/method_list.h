@@ -12,6 +12,7 @@ typedef struct stepper_method {
 
 /* The i-th method of all; false past the last. */
 bool method_at(const weft_registry *registry, size_t i, stepper_method *out);
+size_t method_count(const weft_registry *registry);
 bool method_adapts(const weft_stepper_type *type);
 
 /* The explicit one-step method of the highest order that can adapt, of a plugin other

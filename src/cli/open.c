@@ -13,6 +13,7 @@
 
 #include "cli/cli.h"
 #include "cli/human.h"
+#include "cli/run/interrupt.h"
 
 int report_error(const weft_error *err)
 {
@@ -98,66 +99,60 @@ static void print_found(const weft_diagnostics *found)
     }
 }
 
-static weft_scene_def scene_def(const char *file, const options *given,
-                                weft_registry *registry)
-{
-    weft_scene_def def = weft_scene_def_default();
-    def.file = file;
-    def.sets = given->sets;
-    def.set_count = given->set_count;
-    def.find_plugin = find_plugin;
-    def.find_ctx = registry;
-    return def;
-}
-
 /* One of the two is wanted; the other is NULL. */
-static int open_either(const weft_scene_def *def, weft_scene **scene,
+static int open_either(const char *file, const options *given, weft_scene **scene,
                        weft_sweep **sweep)
 {
     weft_error err = { 0 };
+    weft_scene_def def = weft_scene_def_default();
     weft_diagnostics *found = calloc(1, sizeof *found);
     if (found == NULL) {
         weft_error_set(&err, WEFT_NO_MEMORY, "out of memory");
         return report_error(&err);
     }
-    const weft_status status = sweep == NULL ? weft_scene_load(def, scene, found, &err)
-                                             : weft_sweep_load(def, sweep, found, &err);
+    def.file = file;
+    def.sets = given->sets;
+    def.set_count = given->set_count;
+    def.find_plugin = find_plugin;
+    def.find_ctx = given->registry;
+    const weft_status status = sweep == NULL
+                                   ? weft_scene_load(&def, scene, found, &err)
+                                   : weft_sweep_load(&def, sweep, found, &err);
     print_found(found);
     const bool told = found->errors > 0;
     free(found);
-    if (status == WEFT_OK) {
-        return EXIT_DONE;
-    }
-    return told ? EXIT_SCENE : report_error(&err);
+    return status == WEFT_OK ? EXIT_DONE : told ? EXIT_SCENE : report_error(&err);
 }
 
-int open_scene(const char *file, const options *given, weft_registry *registry,
-               weft_scene **scene)
+int open_scene(const char *file, const options *given, weft_scene **scene)
 {
-    const weft_scene_def def = scene_def(file, given, registry);
-    return open_either(&def, scene, NULL);
+    return open_either(file, given, scene, NULL);
 }
 
-int open_sweep(const char *file, const options *given, weft_registry *registry,
-               weft_sweep **sweep)
+int open_sweep(const char *file, const options *given, weft_sweep **sweep)
 {
-    const weft_scene_def def = scene_def(file, given, registry);
-    return open_either(&def, NULL, sweep);
+    return open_either(file, given, NULL, sweep);
 }
 
-char *default_directory(const char *file, const char *suffix)
+const char *out_directory(const options *given, const char *suffix,
+                          char text[RECORD_PATH])
 {
-    const char *slash = strrchr(file, '/');
-    const char *name = slash == NULL ? file : slash + 1;
+    const char *slash = strrchr(given->operands[0], '/');
+    const char *name = slash == NULL ? given->operands[0] : slash + 1;
     const char *dot = strstr(name, ".yaml");
     const size_t length
         = dot == NULL || dot == name ? strlen(name) : (size_t)(dot - name);
-    char *out = malloc(length + strlen(suffix) + 1);
-    if (out != NULL) {
-        memcpy(out, name, length);
-        memcpy(out + length, suffix, strlen(suffix) + 1);
-    }
-    return out;
+    (void)snprintf(text, RECORD_PATH, "%.*s%s", (int)length, name, suffix);
+    return given->out != NULL ? given->out : text;
+}
+
+weft_status scene_supported(const weft_scene *scene, weft_error *err)
+{
+    return weft_scene_method_type(scene) != NULL
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_UNSUPPORTED,
+                                "stepper.butcher: tables of one's own are read, but "
+                                "the plugin arkode that runs them is not there");
 }
 
 /* A lower bound: the arrays of the cloth, two states, and one for each stage. Most
@@ -197,7 +192,9 @@ weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,
                               weft_sim **sim, weft_error *err)
 {
     *sim = NULL;
-    weft_status status = cloth_create(scene, cloth, err);
+    *cloth = NULL;
+    weft_status status = scene_supported(scene, err);
+    status = status == WEFT_OK ? cloth_create(scene, cloth, err) : status;
     if (status != WEFT_OK) {
         return status;
     }

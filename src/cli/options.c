@@ -1,49 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* options.c -- the command line of a verb. */
-#include <getopt.h>
-#include <stddef.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/suggest.h"
 #include "cli/cli.h"
 #include "cli/human.h"
-
-typedef enum kind { FLAG, TEXT, LIST, JOBS } kind;
-
-/* An option: its value is a bool, a const char *, a size_t for --jobs or, for --set,
- * one more of a list. */
-static const struct {
-    const char *name;
-    int letter;
-    kind kind;
-    size_t at; /* in options */
-} known[] = {
-    { "out", 'o', TEXT, offsetof(options, out) },
-    { "set", 's', LIST, offsetof(options, sets) },
-    { "plugin-path", 'p', TEXT, offsetof(options, plugin_path) },
-    { "quiet", 'q', FLAG, offsetof(options, quiet) },
-    { "force", 'F', FLAG, offsetof(options, force) },
-    { "frames", 'r', TEXT, offsetof(options, frames) },
-    { "format", 't', TEXT, offsetof(options, format) },
-    { "frame", 'i', TEXT, offsetof(options, frame) },
-    { "yaml", 'y', FLAG, offsetof(options, yaml) },
-    { "markdown", 'm', FLAG, offsetof(options, markdown) },
-    { "all", 'a', FLAG, offsetof(options, all) },
-    { "refine", 'R', FLAG, offsetof(options, refine) },
-    { "view", 'v', FLAG, offsetof(options, view) },
-    { "progress", 'P', TEXT, offsetof(options, progress) },
-    { "tol", 'L', TEXT, offsetof(options, tolerance) },
-    { "jobs", 'j', JOBS, offsetof(options, jobs) },
-    { "timeout", 'T', TEXT, offsetof(options, timeout) },
-    { "shard", 'S', TEXT, offsetof(options, shard) },
-    { "retry-failed", 'E', FLAG, offsetof(options, retry_failed) },
-    { "summary", 'U', FLAG, offsetof(options, summary) },
-    { "methods", 'M', TEXT, offsetof(options, methods) },
-    { "until", 'u', TEXT, offsetof(options, until) },
-};
-
-#define KNOWN (sizeof known / sizeof known[0])
 
 int usage_error(const verb *self, const char *format, ...)
 {
@@ -58,6 +21,13 @@ int usage_error(const verb *self, const char *format, ...)
     return EXIT_USAGE;
 }
 
+double option_real(const char *text)
+{
+    char *end;
+    const double value = strtod(text, &end);
+    return end != text && *end == '\0' ? value : (double)NAN;
+}
+
 /* 0: not a number of jobs. */
 static size_t jobs_of(const char *text)
 {
@@ -66,42 +36,31 @@ static size_t jobs_of(const char *text)
     return *end == '\0' && jobs >= 1 && jobs <= MOST_JOBS ? (size_t)jobs : 0;
 }
 
-static void apply(int letter, options *out)
+static const struct option *find(const struct option *table, int value)
 {
-    size_t i = 0;
-    while (known[i].letter != letter) {
-        ++i;
+    while (table->name != NULL && table->val != value) {
+        ++table;
     }
-    void *value = (char *)out + known[i].at;
-    if (known[i].kind == LIST) {
+    return table->name != NULL ? table : NULL;
+}
+
+static void apply(const struct option *option, options *out)
+{
+    void *member = (char *)out + (option->val - 256);
+    if (option->val == OPTION_AT(sets)) {
         out->sets[out->set_count++] = optarg;
-    } else if (known[i].kind == JOBS) {
-        *(size_t *)value = jobs_of(optarg);
-    } else if (known[i].kind == TEXT) {
-        *(const char **)value = optarg;
+    } else if (option->val == OPTION_AT(jobs)) {
+        out->jobs = jobs_of(optarg);
+    } else if (option->has_arg == required_argument) {
+        *(const char **)member = optarg;
     } else {
-        *(bool *)value = true;
+        *(bool *)member = true;
     }
 }
 
-/* The options that a verb takes, as getopt_long has them. */
-static void make_table(const char *takes, struct option *table)
+static int unknown_option(const verb *self, const char *typed)
 {
-    size_t count = 0;
-    table[count++] = (struct option){ "help", no_argument, NULL, 'h' };
-    for (size_t i = 0; i < KNOWN; ++i) {
-        if (strchr(takes, known[i].letter) != NULL) {
-            table[count++] = (struct option){ known[i].name,
-                                              known[i].kind == FLAG ? no_argument
-                                                                    : required_argument,
-                                              NULL, known[i].letter };
-        }
-    }
-}
-
-static int unknown_option(const verb *self, const char *typed,
-                          const struct option *table)
-{
+    const struct option *table = self->options;
     weft__guess guess = { 0 };
     char word[80] = "", near[80] = "";
     const size_t dashes = strspn(typed, "-");
@@ -134,33 +93,28 @@ int usage_choice(const verb *self, const char *option, const char *typed,
                        weft__guess_text(&guess, near, sizeof near));
 }
 
-int options_parse(const verb *self, const char *takes, int argc, char **argv,
-                  options *out)
+/* -1: run the verb. Else an exit code: help was printed, or the command line is wrong.
+ */
+static int parse(const verb *self, int argc, char **argv, options *out)
 {
-    struct option table[KNOWN + 2] = { { 0 } };
-    make_table(takes, table);
-    *out = (options){ .sets = calloc((size_t)argc, sizeof *out->sets) };
-    if (out->sets == NULL) {
-        return usage_error(self, "out of memory");
-    }
-    const char *letters = strchr(takes, 'j') == NULL ? ":h" : ":hj:";
+    const struct option *jobs = find(self->options, OPTION_AT(jobs));
+    const char *letters = jobs == NULL ? ":h" : ":hj:";
     opterr = 0;
     optind = 1;
-    for (int letter; (letter = getopt_long(argc, argv, letters, table, NULL)) != -1;) {
-        if (letter == 'h') {
+    for (int value;
+         (value = getopt_long(argc, argv, letters, self->options, NULL)) != -1;) {
+        switch (value) {
+        case 'h':
             print_help(self->help);
-            options_free(out);
             return EXIT_DONE;
+        case '?':
+            return unknown_option(self, argv[optind - 1]);
+        case ':':
+            return usage_error(self, "option %s needs a value", argv[optind - 1]);
+        default:
+            apply(value == 'j' ? jobs : find(self->options, value), out);
         }
-        if (letter == '?' || letter == ':') {
-            options_free(out);
-            return letter == '?'
-                       ? unknown_option(self, argv[optind - 1], table)
-                       : usage_error(self, "option %s needs a value", argv[optind - 1]);
-        }
-        apply(letter, out);
-        if (letter == 'j' && out->jobs == 0) {
-            options_free(out);
+        if ((value == 'j' || value == OPTION_AT(jobs)) && out->jobs == 0) {
             return usage_error(self, "--jobs %s: not a number from 1 to %d", optarg,
                                MOST_JOBS);
         }
@@ -170,8 +124,18 @@ int options_parse(const verb *self, const char *takes, int argc, char **argv,
     return -1;
 }
 
-void options_free(options *out)
+int verb_start(const verb *self, int argc, char **argv)
 {
-    free(out->sets);
-    out->sets = NULL;
+    options given = { .sets = calloc((size_t)argc, sizeof *given.sets) };
+    if (given.sets == NULL) {
+        return usage_error(self, "out of memory");
+    }
+    int code = parse(self, argc, argv, &given);
+    if (code < 0) {
+        given.registry = open_registry(given.plugin_path);
+        code = given.registry == NULL ? EXIT_SIMULATION : self->run(&given);
+        weft_registry_destroy(given.registry);
+    }
+    free(given.sets);
+    return code;
 }

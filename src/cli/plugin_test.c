@@ -4,16 +4,15 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <signal.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "cli/cli.h"
 #include "cli/human.h"
 #include "conformance/conformance.h"
+#include "record/child_process.h"
 
 enum {
     CPU_SECONDS = 60,   /* of a check; the longest of ours takes 2 */
@@ -52,6 +51,15 @@ static gsl_set_handler *find_gsl(const char *file)
     return set;
 }
 
+/* Shared with the process of a check. */
+typedef struct bench {
+    const weft_stepper_type *type;
+    gsl_set_handler *gsl;
+    FILE *printed; /* takes all output */
+    bool returned; /* with a verdict */
+    weft_conformance seen;
+} bench;
+
 static void breaks(weft_conformance *out, const char *seen)
 {
     if (out->verdict != WEFT_PROMISE_BROKEN) {
@@ -60,101 +68,88 @@ static void breaks(weft_conformance *out, const char *seen)
     }
 }
 
-/* In the child: `to` takes the verdict, `printed` all that is printed. */
-static void check_and_tell(const weft_stepper_type *type, size_t check,
-                           gsl_set_handler *gsl, FILE *printed, int to)
+static int check_promise(void *ctx, size_t check)
 {
-    const struct rlimit cpu = { CPU_SECONDS, CPU_SECONDS };
+    bench *self = ctx;
     const struct rlimit size = { PRINTED_MOST, PRINTED_MOST };
-    const struct rlimit core = { 0, 0 };
-    (void)setrlimit(RLIMIT_CPU, &cpu);
     (void)setrlimit(RLIMIT_FSIZE, &size);
-    (void)setrlimit(RLIMIT_CORE, &core);
-    (void)alarm(WALL_SECONDS);
-    (void)dup2(fileno(printed), STDOUT_FILENO);
-    (void)dup2(fileno(printed), STDERR_FILENO);
-    if (gsl != NULL) {
-        (void)gsl(count_gsl);
+    (void)dup2(fileno(self->printed), STDOUT_FILENO);
+    (void)dup2(fileno(self->printed), STDERR_FILENO);
+    if (self->gsl != NULL) {
+        (void)self->gsl(count_gsl);
     }
-    weft_conformance out = weft_conformance_check(type, check);
-    if (gsl != NULL && gsl(NULL) != count_gsl) {
+    weft_conformance out = weft_conformance_check(self->type, check);
+    if (self->gsl != NULL && self->gsl(NULL) != count_gsl) {
         breaks(&out, "the plugin left another error handler in GSL");
     } else if (gsl_calls > 0) {
         breaks(&out, "GSL called the program's error handler");
     }
     (void)fflush(NULL);
-    const ssize_t told = write(to, &out, sizeof out);
-    _exit(told == (ssize_t)sizeof out ? 0 : 1);
+    self->seen = out;
+    self->returned = true;
+    return EXIT_DONE;
 }
 
-/* Of a child that told nothing. */
-static void explain(int status, weft_conformance *out)
+/* A check whose process returned no verdict. */
+static void explain(const process *child, weft_conformance *out)
 {
     char text[128];
+    const int status = child->status;
     *out = (weft_conformance){ .verdict = WEFT_PROMISE_KEPT };
     if (WIFSIGNALED(status)
-        && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGALRM
-            || WTERMSIG(status) == SIGKILL)) {
+        && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL)) {
         (void)snprintf(text, sizeof text, "the check did not come to an end");
     } else {
-        process_end(status, text, sizeof text);
+        process_describe(status, text, sizeof text);
     }
     breaks(out, text);
 }
 
-static void await(pid_t child, int from, FILE *printed, weft_conformance *out)
+/* The first line printed. Whether that is what breaks the promise. */
+static bool report_output(FILE *printed, weft_conformance *out)
 {
-    int status = 0;
-    struct stat file;
-    const ssize_t got = read(from, out, sizeof *out); /* at once, or nothing */
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
-    if (got != (ssize_t)sizeof *out) {
-        explain(status, out);
-    }
-    if (fstat(fileno(printed), &file) == 0 && file.st_size > 0) {
-        char text[256];
-        rewind(printed);
-        const char *line = fgets(text, sizeof text, printed);
-        char seen[320];
-        (void)snprintf(seen, sizeof seen, "it printed: %.*s",
-                       line == NULL ? 0 : (int)strcspn(line, "\n"), text);
+    const bool kept = out->verdict != WEFT_PROMISE_BROKEN;
+    char line[256], seen[320];
+    rewind(printed);
+    if (fgets(line, sizeof line, printed) != NULL) {
+        (void)snprintf(seen, sizeof seen, "it printed: %.*s", (int)strcspn(line, "\n"),
+                       line);
         breaks(out, seen);
     }
+    return kept && out->verdict == WEFT_PROMISE_BROKEN;
 }
 
-static bool check_apart(const weft_stepper_type *type, size_t check,
-                        gsl_set_handler *gsl, weft_conformance *out)
+typedef struct finding {
+    weft_conformance of;
+    bool printed; /* the promise is broken by output */
+} finding;
+
+static bool run_check(bench *self, size_t check, finding *out)
 {
-    int ends[2];
-    FILE *printed = tmpfile();
-    if (printed == NULL || pipe(ends) != 0) {
+    process child;
+    const process_def def = { .work = check_promise,
+                              .ctx = self,
+                              .end_signal = SIGKILL,
+                              .seconds = WALL_SECONDS,
+                              .cpu_seconds = CPU_SECONDS,
+                              .untrusted = true };
+    self->returned = false;
+    rewind(self->printed);
+    if (ftruncate(fileno(self->printed), 0) != 0 || !process_run(&def, check, &child)) {
         perror("weft: error: plugin-test");
-        if (printed != NULL) {
-            (void)fclose(printed);
-        }
         return false;
     }
-    (void)fflush(NULL);
-    const pid_t child = fork();
-    if (child == 0) {
-        (void)close(ends[0]);
-        check_and_tell(type, check, gsl, printed, ends[1]);
+    out->of = self->seen;
+    if (!self->returned) {
+        explain(&child, &out->of);
     }
-    (void)close(ends[1]);
-    if (child > 0) {
-        await(child, ends[0], printed, out);
-    } else {
-        perror("weft: error: plugin-test");
-    }
-    (void)close(ends[0]);
-    (void)fclose(printed);
-    return child > 0;
+    out->printed = report_output(self->printed, &out->of);
+    return true;
 }
 
 typedef struct found {
     size_t count;
-    weft_conformance checks[CHECKS_MOST];
+    finding checks[CHECKS_MOST];
 } found;
 
 /* What a plugin's methods came to. */
@@ -164,14 +159,10 @@ typedef struct tally {
 } tally;
 
 /* One crash, or one line printed, breaks many promises. */
-static bool same_finding(const weft_conformance *a, const weft_conformance *b)
+static bool same_finding(const finding *a, const finding *b)
 {
-    static const char printed[] = "it printed: ";
-    const size_t size = sizeof printed - 1;
-    return a->verdict == b->verdict
-           && (strcmp(a->seen, b->seen) == 0
-               || (strncmp(a->seen, printed, size) == 0
-                   && strncmp(b->seen, printed, size) == 0));
+    return a->of.verdict == b->of.verdict
+           && ((a->printed && b->printed) || strcmp(a->of.seen, b->of.seen) == 0);
 }
 
 /* How many of checks [from, to) found the same. */
@@ -193,14 +184,14 @@ static void print_finding(const char *mark, const char *name, const char *text)
 
 static void print_broken(const found *self, size_t check, bool all)
 {
-    char seen[sizeof self->checks->seen + 8];
+    char seen[sizeof self->checks->of.seen + 8];
     const size_t again = count_same(self, check, check + 1, self->count);
     if (!all && count_same(self, check, 0, check) > 0) {
         return;
     }
     print_finding("FAIL", weft_conformance_name(check),
                   weft_conformance_promise(check));
-    (void)snprintf(seen, sizeof seen, "seen: %s", self->checks[check].seen);
+    (void)snprintf(seen, sizeof seen, "seen: %s", self->checks[check].of.seen);
     print_finding("", "", seen);
     if (!all && again > 0) {
         (void)snprintf(seen, sizeof seen, "and the same in %zu more check%s", again,
@@ -214,7 +205,7 @@ static void print_verdict(const found *self, size_t check, bool all)
     static const char *const marks[] = { [WEFT_PROMISE_KEPT] = "pass",
                                          [WEFT_PROMISE_NOT_ASKED] = "  - ",
                                          [WEFT_PROMISE_NOTED] = "note" };
-    const weft_conformance *one = &self->checks[check];
+    const weft_conformance *one = &self->checks[check].of;
     if (one->verdict == WEFT_PROMISE_BROKEN) {
         print_broken(self, check, all);
     } else if (all) {
@@ -226,23 +217,22 @@ static void print_verdict(const found *self, size_t check, bool all)
 }
 
 /* false: they could not be checked. */
-static bool test_method(const weft_plugin *plugin, const weft_stepper_type *type,
-                        gsl_set_handler *gsl, bool all, tally *of)
+static bool test_method(const weft_plugin *plugin, bench *on, bool all, tally *of)
 {
     size_t counts[WEFT_PROMISE_NOTED + 1] = { 0 };
     const size_t count = weft_conformance_count();
     found seen = { .count = count < CHECKS_MOST ? count : CHECKS_MOST };
     for (size_t i = 0; i < seen.count; ++i) {
-        const weft_conformance *one = &seen.checks[i];
-        if (!check_apart(type, i, gsl, &seen.checks[i])) {
+        const weft_conformance *one = &seen.checks[i].of;
+        if (!run_check(on, i, &seen.checks[i])) {
             return false;
         }
         ++counts[one->verdict];
         of->note = one->verdict == WEFT_PROMISE_NOTED ? *one : of->note;
     }
     printf("%s %s/%s: %zu kept, %zu broken, %zu not asked\n",
-           counts[WEFT_PROMISE_BROKEN] > 0 ? "FAIL" : "pass", plugin->id, type->name,
-           counts[WEFT_PROMISE_KEPT], counts[WEFT_PROMISE_BROKEN],
+           counts[WEFT_PROMISE_BROKEN] > 0 ? "FAIL" : "pass", plugin->id,
+           on->type->name, counts[WEFT_PROMISE_KEPT], counts[WEFT_PROMISE_BROKEN],
            counts[WEFT_PROMISE_NOT_ASKED] + counts[WEFT_PROMISE_NOTED]);
     for (size_t i = 0; i < seen.count; ++i) {
         print_verdict(&seen, i, all);
@@ -253,79 +243,77 @@ static bool test_method(const weft_plugin *plugin, const weft_stepper_type *type
     return true;
 }
 
-static int test_plugin(const char *file, const weft_plugin *plugin, bool all)
+static int print_tally(const char *file, const tally *of)
 {
-    gsl_set_handler *gsl = find_gsl(file);
-    tally of = { 0 };
-    char note[sizeof of.note.seen + 100];
-    for (size_t i = 0; plugin->types[i] != NULL; ++i) {
-        if (!test_method(plugin, plugin->types[i], gsl, all, &of)) {
-            return EXIT_FILE;
-        }
-    }
-    const char *plural = of.methods == 1 ? "" : "s";
-    if (of.noted > 0) {
+    char note[sizeof of->note.seen + 100];
+    const char *plural = of->methods == 1 ? "" : "s";
+    if (of->noted > 0) {
         (void)snprintf(note, sizeof note,
-                       "note: with %zu of %zu method%s %s, as is allowed", of.noted,
-                       of.methods, plural, of.note.seen);
+                       "note: with %zu of %zu method%s %s, as is allowed", of->noted,
+                       of->methods, plural, of->note.seen);
         print_wrapped(stdout, 0, 6, PAGE_WIDTH, note);
     }
-    if (of.bad == 0) {
-        printf("%s keeps every promise with %zu method%s\n", file, of.methods, plural);
+    if (of->bad == 0) {
+        printf("%s keeps every promise with %zu method%s\n", file, of->methods, plural);
         return EXIT_DONE;
     }
-    printf("%s breaks promises with %zu of %zu method%s\n", file, of.bad, of.methods,
+    printf("%s breaks promises with %zu of %zu method%s\n", file, of->bad, of->methods,
            plural);
     return EXIT_SIMULATION;
 }
 
-static int test_file(const char *file, bool all)
+static int test_plugin(const char *file, const weft_plugin *plugin, bool all)
+{
+    tally of = { 0 };
+    bench *on = process_memory(1, sizeof *on);
+    FILE *printed = tmpfile();
+    bool able = on != NULL && printed != NULL;
+    if (!able) {
+        perror("weft: error: plugin-test");
+    }
+    for (size_t i = 0; able && plugin->types[i] != NULL; ++i) {
+        on->type = plugin->types[i];
+        on->gsl = find_gsl(file);
+        on->printed = printed;
+        able = test_method(plugin, on, all, &of);
+    }
+    if (printed != NULL) {
+        (void)fclose(printed);
+    }
+    return able ? print_tally(file, &of) : EXIT_FILE;
+}
+
+static int plugin_test_verb(const options *given)
 {
     weft_error err = { 0 };
-    weft_registry *registry = NULL;
-    const weft_registry_def def = { .admit = admit_plugin };
+    const char *file = given->operands[0];
+    if (given->operand_count != 1) {
+        return usage_error(&verb_plugin_test, "takes one file, weft-ID.so");
+    }
     if (access(file, R_OK) != 0) {
         weft_error_set(&err, WEFT_IO, "%s: %s", file, strerror(errno));
         return report_error(&err);
     }
-    if (weft_registry_create(&def, &registry, &err) != WEFT_OK) {
-        return report_error(&err);
-    }
-    int code = EXIT_SIMULATION;
-    if (weft_registry_load(registry, file, &err) != WEFT_OK) {
+    if (weft_registry_load(given->registry, file, &err) != WEFT_OK) {
         printf("FAIL %s\n", err.message);
-    } else {
-        code = test_plugin(file, weft_registry_at(registry, 0), all);
+        return EXIT_SIMULATION;
     }
-    weft_registry_destroy(registry);
-    return code;
-}
-
-static int plugin_test_verb(int argc, char **argv)
-{
-    options given;
-    int code = options_parse(&verb_plugin_test, "a", argc, argv, &given);
-    if (code >= 0) {
-        return code;
-    }
-    code = given.operand_count == 1
-               ? test_file(given.operands[0], given.all)
-               : usage_error(&verb_plugin_test, "takes one file, weft-ID.so");
-    options_free(&given);
-    return code;
+    return test_plugin(file, weft_registry_at(given->registry, 0), given->all);
 }
 
 const verb verb_plugin_test = {
     .name = "plugin-test",
     .summary = "hold a stepper plugin against the contract",
-    .help = "usage: weft plugin-test weft-ID.so [--all]\n\n"
-            "Loads a stepper plugin and checks every promise of weft/stepper.h with "
-            "every\nmethod: the order claimed, where steps end, what a failure leaves "
-            "behind, edited\nstates, statistics, threads, memory. Each check runs in a "
-            "process of its own.\nDocumentation: docs/plugin-test.md\n\n"
-            "  --all   every verdict; default: a line a method, and what is broken\n\n"
-            "example: weft plugin-test build/plugins/weft-verlet.so --all\n\n"
-            "exit codes: 0 every promise is kept, 1 one is broken or the plugin is "
-            "refused,\n2 wrong command line, 4 the file cannot be read\n",
+    .help
+    = "usage: weft plugin-test weft-ID.so [--all]\n\n"
+      "Loads a stepper plugin and checks every promise of weft/stepper.h with every "
+      "method: the order claimed, where steps end, what a failure leaves behind, "
+      "edited states, statistics, threads, memory. Each check runs in a process of its "
+      "own. Documentation: docs/plugin-test.md\n\n"
+      "  --all   every verdict; default: a line a method, and what is broken\n\n"
+      "example: weft plugin-test build/plugins/weft-verlet.so --all\n\n"
+      "exit codes: 0 every promise is kept, 1 one is broken or the plugin is refused, "
+      "2 wrong command line, 4 the file cannot be read\n",
+    .options = OPTIONS(OPTION_FLAG("all", all)),
     .run = plugin_test_verb,
 };

@@ -20,33 +20,27 @@ static int print_keys(const options *given)
     return EXIT_DONE;
 }
 
-static int scene_help_verb(int argc, char **argv)
+static int scene_help_verb(const options *given)
 {
-    options given;
-    int code = options_parse(&verb_scene_help, "m", argc, argv, &given);
-    if (code >= 0) {
-        return code;
+    if (given->operand_count > 0) {
+        return given->markdown
+                   ? usage_error(&verb_scene_help, "--markdown prints all keys")
+                   : print_keys(given);
     }
-    code = EXIT_DONE;
-    if (given.operand_count == 0) {
-        weft_scene_help(given.markdown ? WEFT_HELP_MARKDOWN : WEFT_HELP_TEXT,
-                        print_line, NULL);
-    } else if (given.markdown) {
-        code = usage_error(&verb_scene_help, "--markdown prints all keys");
-    } else {
-        code = print_keys(&given);
-    }
-    options_free(&given);
-    return code;
+    weft_scene_help(given->markdown ? WEFT_HELP_MARKDOWN : WEFT_HELP_TEXT, print_line,
+                    NULL);
+    return EXIT_DONE;
 }
 
 const verb verb_scene_help = {
     .name = "scene-help",
     .summary = "print keys of a scene with type, unit and default",
-    .help = "usage: weft scene-help [KEY... | --markdown]\n\n"
-            "Prints type, unit, default and meaning of keys, and of the keys below\n"
-            "them; without KEY those of every key that a scene may have.\n\n"
-            "  --markdown           as the table of docs/scene.md\n\n"
-            "example: weft scene-help stepper.rtol cloth.pins\n",
+    .help
+    = "usage: weft scene-help [KEY... | --markdown]\n\n"
+      "Prints type, unit, default and meaning of keys, and of the keys below them; "
+      "without KEY those of every key that a scene may have.\n\n"
+      "  --markdown           as the table of docs/scene.md\n\n"
+      "example: weft scene-help stepper.rtol cloth.pins\n",
+    .options = OPTIONS(OPTION_FLAG("markdown", markdown)),
     .run = scene_help_verb,
 };

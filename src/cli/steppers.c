@@ -131,36 +131,20 @@ static int print_yaml(const weft_registry *registry)
     return yaml_out_end(&out) ? EXIT_DONE : EXIT_FILE;
 }
 
-static int list(const options *given, weft_registry *registry)
+static int steppers_verb(const options *given)
 {
     weft_error err = { 0 };
-    if (load_plugins(registry, &err) != WEFT_OK) {
+    if (given->operand_count > 0) {
+        return usage_error(&verb_steppers, "takes no file");
+    }
+    if (load_plugins(given->registry, &err) != WEFT_OK) {
         return report_error(&err);
     }
     if (given->yaml) {
-        return print_yaml(registry);
+        return print_yaml(given->registry);
     }
-    (given->markdown ? print_markdown : print_text)(registry);
+    (given->markdown ? print_markdown : print_text)(given->registry);
     return EXIT_DONE;
-}
-
-static int steppers_verb(int argc, char **argv)
-{
-    options given;
-    int code = options_parse(&verb_steppers, "pym", argc, argv, &given);
-    if (code >= 0) {
-        return code;
-    }
-    weft_registry *registry = NULL;
-    if (given.operand_count > 0) {
-        code = usage_error(&verb_steppers, "takes no file");
-    } else {
-        registry = open_registry(given.plugin_path);
-        code = registry == NULL ? EXIT_SIMULATION : list(&given, registry);
-    }
-    weft_registry_destroy(registry);
-    options_free(&given);
-    return code;
 }
 
 const verb verb_steppers = {
@@ -168,15 +152,15 @@ const verb verb_steppers = {
     .summary = "list the methods of all stepper plugins",
     .help
     = "usage: weft steppers [OPTIONS]\n\n"
-      "Lists every method of every plugin: order of the solution, order of the one "
-      "its\nerror is measured against, evaluations of the forces a step, kind, "
-      "source.\n\n"
+      "Lists every method of every plugin: order of the solution, order of the one its "
+      "error is measured against, evaluations of the forces a step, kind, source.\n\n"
       "  --yaml               for machines, with references and full names\n"
       "  --markdown           the table of the documentation\n"
       "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n\n"
-      "kinds: fixed-step (no error control), fsal (last stage is the next first),\n"
+      "kinds: fixed-step (no error control), fsal (last stage is the next first), "
       "multistep, implicit, small-cloths (dense matrices), legacy, libm (decides by "
-      "powers\n"
-      "of libm: the same bits on every machine are likely, not promised)\n",
+      "powers of libm: the same bits on every machine are likely, not promised)\n",
+    .options = OPTIONS(OPTION_VALUE("plugin-path", plugin_path),
+                       OPTION_FLAG("yaml", yaml), OPTION_FLAG("markdown", markdown)),
     .run = steppers_verb,
 };

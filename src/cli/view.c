@@ -47,9 +47,7 @@ int view_runs(const char *const *directories, size_t count, const char *out, boo
                              path, &err);
         out = path;
     }
-    if (status == WEFT_OK) {
-        status = record_player(directories, count, out, &err);
-    }
+    status = status == WEFT_OK ? record_player(directories, count, out, &err) : status;
     if (status != WEFT_OK) {
         const int code = report_error(&err);
         return status == WEFT_INVALID ? EXIT_USAGE : code;
@@ -68,30 +66,22 @@ void tell_unfinished(const char *directory)
     record_frames *frames;
     if (record_unfinished(directory)
         && record_frames_open(directory, &frames, NULL) == WEFT_OK) {
-        fprintf(stderr, "%s: unfinished: %zu of %zu frames\n", directory,
-                record_frames_count(frames), record_frames_planned(frames));
+        fprintf(stderr, "%s: unfinished: %zu of %zu frames\n", directory, frames->count,
+                frames->planned);
         record_frames_close(frames);
     }
 }
 
-static int view_verb(int argc, char **argv)
+static int view_verb(const options *given)
 {
-    options given;
-    int code = options_parse(&verb_view, "o", argc, argv, &given);
-    if (code >= 0) {
-        return code;
+    if (given->operand_count < 1 || given->operand_count > 2) {
+        return usage_error(&verb_view, "needs the directory of one run, or of two");
     }
-    if (given.operand_count < 1 || given.operand_count > 2) {
-        code = usage_error(&verb_view, "needs the directory of one run, or of two");
-    } else {
-        for (int i = 0; i < given.operand_count; ++i) {
-            tell_unfinished(given.operands[i]);
-        }
-        code = view_runs((const char *const *)given.operands,
-                         (size_t)given.operand_count, given.out, false);
+    for (int i = 0; i < given->operand_count; ++i) {
+        tell_unfinished(given->operands[i]);
     }
-    options_free(&given);
-    return code;
+    return view_runs((const char *const *)given->operands, (size_t)given->operand_count,
+                     given->out, false);
 }
 
 const verb verb_view = {
@@ -99,17 +89,16 @@ const verb verb_view = {
     .summary = "make a page that plays a run, or two side by side",
     .help
     = "usage: weft view DIR [DIR2] [OPTIONS]\n\n"
-      "Writes one self-contained HTML page with the frames and the plots of a run, "
-      "and\n"
-      "prints its URL: a browser plays it, nothing is fetched from anywhere. Two runs\n"
-      "of the same grid are shown side by side, at the times both have, coloured by\n"
+      "Writes one self-contained HTML page with the frames and the plots of a run, and "
+      "prints its URL: a browser plays it, nothing is fetched from anywhere. Two runs "
+      "of the same grid are shown side by side, at the times both have, coloured by "
       "how far they are apart.\n\n"
       "  --out FILE           default: DIR/run.html, of two runs DIR/compare.html\n\n"
       "examples:\n"
       "  weft view flag\n"
       "  weft view flag-rkf45 flag-verlet --out steppers.html\n\n"
-      "exit codes: 0 done, 2 wrong command line, or runs that do not fit together, 4 "
-      "a\n"
+      "exit codes: 0 done, 2 wrong command line, or runs that do not fit together, 4 a "
       "file could not be read or written\n",
+    .options = OPTIONS(OPTION_VALUE("out", out)),
     .run = view_verb,
 };

@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "base/bytes.h"
-#include "base/file.h"
 
 static const unsigned char magic[WEFT__WORD] = "weftckpt";
 
@@ -83,6 +82,22 @@ static void pack(const record_checkpoint *from, unsigned char *to, size_t size)
     weft__word_put(to + (words - 1) * WEFT__WORD, weft__words_sum(to, words - 1));
 }
 
+weft_status record_checkpoint_identify(record_checkpoint *out, const weft_scene *scene,
+                                       weft_registry *registry, weft_error *err)
+{
+    const weft_plugin *plugin;
+    const weft_status status
+        = weft_registry_find(registry, weft_scene_plugin(scene), &plugin, err);
+    if (status == WEFT_OK) {
+        memset(out->program, 0, sizeof out->program);
+        out->scene = record_hash(weft_scene_text(scene));
+        (void)snprintf(out->program, sizeof out->program, "weft %s, plugin %s %s%s%s",
+                       weft_version(), plugin->id, plugin->version,
+                       plugin->solver[0] == '\0' ? "" : ", ", plugin->solver);
+    }
+    return status;
+}
+
 weft_status record_checkpoint_write(const char *directory,
                                     const record_checkpoint *checkpoint,
                                     weft_error *err)
@@ -149,10 +164,10 @@ static void unpack(const unsigned char *bytes, record_checkpoint *out)
 }
 
 /* The file whole, in memory of its own. */
-static weft_status slurp(const char *path, unsigned char **bytes, size_t *size,
-                         weft_error *err)
+static weft_status slurp(const char *directory, char path[RECORD_PATH],
+                         unsigned char **bytes, size_t *size, weft_error *err)
 {
-    FILE *stream = weft__file_open(path, "r", err);
+    FILE *stream = record_open(directory, RECORD_CHECKPOINT, path, err);
     long length = -1;
     if (stream == NULL) {
         return WEFT_IO;
@@ -181,10 +196,7 @@ weft_status record_checkpoint_read(const char *directory, record_checkpoint *out
     unsigned char *bytes = NULL;
     size_t size = 0;
     *out = (record_checkpoint){ .state = NULL };
-    weft_status status = record_path(directory, RECORD_CHECKPOINT, path, err);
-    if (status == WEFT_OK) {
-        status = slurp(path, &bytes, &size, err);
-    }
+    const weft_status status = slurp(directory, path, &bytes, &size, err);
     if (status != WEFT_OK) {
         return status;
     }

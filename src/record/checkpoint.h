@@ -24,6 +24,10 @@ typedef struct record_checkpoint {
 
 uint64_t record_hash(const char *text);
 
+/* Fills in the scene and the program that would run it now. */
+weft_status record_checkpoint_identify(record_checkpoint *out, const weft_scene *scene,
+                                       weft_registry *registry, weft_error *err);
+
 /* All that it counts on must have been synced. */
 weft_status record_checkpoint_write(const char *directory,
                                     const record_checkpoint *checkpoint,

@@ -6,29 +6,24 @@
 #include "record/frames.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include "base/file.h"
+#include "record/child_process.h"
 #include "record/hdf.h"
 #include "record/record.h"
 #include "record/vtkhdf_file.h"
 
-struct record_frames {
+typedef struct frames_file {
+    record_frames seen; /* first: what its reader sees */
     char path[RECORD_PATH];
     hid_t file;
-    hdf_set points, velocity, strain; /* id < 0: not recorded */
-    size_t rows, cols, n, count, planned;
-    bool doubles;
-    double *times, *numbers, *rest; /* count, count, 3 N */
-    uint8_t *pinned;                /* N; NULL: not recorded */
-};
+    hdf_set points, fields[WEFT_RECORD_PINNED]; /* id < 0: not recorded */
+    size_t n;
+} frames_file;
 
 /* A set that the file must have, or may have. */
 typedef struct wanted_set {
@@ -62,7 +57,7 @@ static size_t set_rows(hid_t id, size_t width)
 }
 
 /* Opens a set, or returns an invalid id if it is not as wanted. */
-static hid_t open_set(const record_frames *self, const wanted_set *wanted)
+static hid_t open_set(const frames_file *self, const wanted_set *wanted)
 {
     const hid_t id = H5Dopen2(self->file, wanted->path, H5P_DEFAULT);
     if (id >= 0 && (has_type(id, wanted->type) || has_type(id, wanted->other))
@@ -74,7 +69,7 @@ static hid_t open_set(const record_frames *self, const wanted_set *wanted)
 }
 
 /* `count` rows of a set into memory of its own; NULL if that cannot be done. */
-static void *read_all(const record_frames *self, const char *path, hid_t type,
+static void *read_all(const frames_file *self, const char *path, hid_t type,
                       size_t count, size_t width)
 {
     const wanted_set wanted = { path, type, type, count, width };
@@ -89,7 +84,7 @@ static void *read_all(const record_frames *self, const char *path, hid_t type,
     return values;
 }
 
-static size_t read_integer(const record_frames *self, const char *object,
+static size_t read_integer(const frames_file *self, const char *object,
                            const char *name)
 {
     int64_t value = 0;
@@ -107,15 +102,16 @@ static size_t read_integer(const record_frames *self, const char *object,
 
 /* ---- the whole: each returns what is wrong, or NULL -------------------------- */
 
-static const char *load_size(record_frames *self)
+static const char *load_size(frames_file *self)
 {
     const size_t most = (size_t)1 << 31;
-    self->rows = read_integer(self, "/weft", "rows");
-    self->cols = read_integer(self, "/weft", "cols");
-    if (self->rows == 0 || self->cols == 0 || self->rows > most / self->cols) {
+    self->seen.rows = read_integer(self, "/weft", "rows");
+    self->seen.cols = read_integer(self, "/weft", "cols");
+    if (self->seen.rows == 0 || self->seen.cols == 0
+        || self->seen.rows > most / self->seen.cols) {
         return "rows and cols of /weft are missing or wrong";
     }
-    self->n = self->rows * self->cols;
+    self->n = self->seen.rows * self->seen.cols;
     int64_t *points = read_all(self, "/VTKHDF/NumberOfPoints", H5T_STD_I64LE, 1, 1);
     const bool equal = points != NULL && *points == (int64_t)self->n;
     free(points);
@@ -123,64 +119,67 @@ static const char *load_size(record_frames *self)
 }
 
 /* Committed are the frames that NSteps and Steps/Values both tell. */
-static const char *load_count(record_frames *self)
+static const char *load_count(frames_file *self)
 {
     const wanted_set values
         = { "/VTKHDF/Steps/Values", H5T_IEEE_F64LE, H5T_IEEE_F64LE, 1, 1 };
     const hid_t id = open_set(self, &values);
     const size_t times = id < 0 ? 0 : set_rows(id, 1);
     (void)H5Dclose(id);
-    self->count = read_integer(self, "/VTKHDF/Steps", "NSteps");
-    self->count = self->count < times ? self->count : times;
-    return self->count > 0 ? NULL : "NSteps or Steps/Values are missing or wrong";
+    self->seen.count = read_integer(self, "/VTKHDF/Steps", "NSteps");
+    self->seen.count = self->seen.count < times ? self->seen.count : times;
+    return self->seen.count > 0 ? NULL : "NSteps or Steps/Values are missing or wrong";
 }
 
-static const char *load_points(record_frames *self)
+static const char *load_points(frames_file *self)
 {
     struct stat status;
     const size_t n = self->n;
     /* The most that zlib can make of a byte, should the file be repacked. */
     const double expansion = 1032.0;
     if (stat(self->path, &status) != 0
-        || (double)self->count * (double)n * 12.0
+        || (double)self->seen.count * (double)n * 12.0
                > expansion * (double)status.st_size) {
         return "more frames than the file has room for";
     }
-    const size_t rows = self->count * n;
+    const size_t rows = self->seen.count * n;
     const wanted_set points
         = { "/VTKHDF/Points", H5T_IEEE_F32LE, H5T_IEEE_F64LE, rows, 3 };
     self->points = (hdf_set){ open_set(self, &points), n, 3 };
     if (self->points.id < 0) {
         return "Points are missing or wrong";
     }
-    self->doubles = has_type(self->points.id, H5T_IEEE_F64LE);
-    self->planned = set_rows(self->points.id, 3) / n;
+    self->seen.doubles = has_type(self->points.id, H5T_IEEE_F64LE);
+    self->seen.planned = set_rows(self->points.id, 3) / n;
     return NULL;
 }
 
 /* A field that is not there was not recorded. */
-static const char *load_fields(record_frames *self)
+static bool load_field(frames_file *self, weft_record_field field, const char *path,
+                       size_t width)
 {
-    const hid_t type = self->doubles ? H5T_IEEE_F64LE : H5T_IEEE_F32LE;
-    const size_t rows = self->count * self->n;
-    const wanted_set velocity = { "/VTKHDF/PointData/velocity", type, type, rows, 3 };
-    const wanted_set strain = { "/VTKHDF/PointData/strain", type, type, rows, 1 };
+    const hid_t type = self->seen.doubles ? H5T_IEEE_F64LE : H5T_IEEE_F32LE;
+    const wanted_set wanted = { path, type, type, self->seen.count * self->n, width };
+    const bool there = H5Lexists(self->file, path, H5P_DEFAULT) > 0;
+    self->seen.fields[field] = there;
+    self->fields[field] = (hdf_set){ there ? open_set(self, &wanted) : H5I_INVALID_HID,
+                                     self->n, width };
+    return !there || self->fields[field].id >= 0;
+}
+
+static const char *load_fields(frames_file *self)
+{
     const char *pinned = "/VTKHDF/PointData/pinned";
-    if (H5Lexists(self->file, velocity.path, H5P_DEFAULT) > 0) {
-        self->velocity = (hdf_set){ open_set(self, &velocity), self->n, 3 };
-        if (self->velocity.id < 0) {
-            return "PointData/velocity is wrong";
-        }
+    if (!load_field(self, WEFT_RECORD_VELOCITY, "/VTKHDF/PointData/velocity", 3)) {
+        return "PointData/velocity is wrong";
     }
-    if (H5Lexists(self->file, strain.path, H5P_DEFAULT) > 0) {
-        self->strain = (hdf_set){ open_set(self, &strain), self->n, 1 };
-        if (self->strain.id < 0) {
-            return "PointData/strain is wrong";
-        }
+    if (!load_field(self, WEFT_RECORD_STRAIN, "/VTKHDF/PointData/strain", 1)) {
+        return "PointData/strain is wrong";
     }
     if (H5Lexists(self->file, pinned, H5P_DEFAULT) > 0) {
-        self->pinned = read_all(self, pinned, H5T_STD_U8LE, self->n, 1);
-        if (self->pinned == NULL) {
+        self->seen.pinned = read_all(self, pinned, H5T_STD_U8LE, self->n, 1);
+        self->seen.fields[WEFT_RECORD_PINNED] = true;
+        if (self->seen.pinned == NULL) {
             return "PointData/pinned is wrong";
         }
     }
@@ -197,34 +196,36 @@ static bool all_finite(const double *values, size_t count)
     return true;
 }
 
-static const char *load_tables(record_frames *self)
+static const char *load_tables(frames_file *self)
 {
     const hid_t type = H5T_IEEE_F64LE;
-    self->rest = read_all(self, "/weft/Rest", type, self->n, 3);
-    self->times = read_all(self, "/VTKHDF/Steps/Values", type, self->count, 1);
-    self->numbers
-        = read_all(self, "/VTKHDF/FieldData/" VTKHDF_FRAME_FIELD, type, self->count, 1);
-    if (self->rest == NULL || self->times == NULL || self->numbers == NULL) {
+    self->seen.rest = read_all(self, "/weft/Rest", type, self->n, 3);
+    self->seen.times
+        = read_all(self, "/VTKHDF/Steps/Values", type, self->seen.count, 1);
+    self->seen.numbers = read_all(self, "/VTKHDF/FieldData/" VTKHDF_FRAME_FIELD, type,
+                                  self->seen.count, 1);
+    if (self->seen.rest == NULL || self->seen.times == NULL
+        || self->seen.numbers == NULL) {
         return "/weft/Rest, Steps/Values or FieldData/" VTKHDF_FRAME_FIELD
                " are missing or wrong";
     }
-    if (!all_finite(self->rest, 3 * self->n)) {
+    if (!all_finite(self->seen.rest, 3 * self->n)) {
         return "/weft/Rest is not finite";
     }
-    for (size_t i = 0; i < self->count; ++i) {
-        const double number = self->numbers[i];
-        const bool later
-            = i == 0
-              || (self->times[i] > self->times[i - 1] && number > self->numbers[i - 1]);
-        if (!later || !isfinite(self->times[i]) || !(number >= 0.0 && number < 0x1p53)
-            || floor(number) != number) {
+    for (size_t i = 0; i < self->seen.count; ++i) {
+        const double number = self->seen.numbers[i];
+        const bool later = i == 0
+                           || (self->seen.times[i] > self->seen.times[i - 1]
+                               && number > self->seen.numbers[i - 1]);
+        if (!later || !isfinite(self->seen.times[i])
+            || !(number >= 0.0 && number < 0x1p53) || floor(number) != number) {
             return "times or numbers of frames are not in order";
         }
     }
     return NULL;
 }
 
-static const char *load(record_frames *self)
+static const char *load(frames_file *self)
 {
     const hid_t access = hdf_access();
     const char *wrong = NULL;
@@ -240,29 +241,29 @@ static const char *load(record_frames *self)
     return wrong == NULL ? load_tables(self) : wrong;
 }
 
-static void unload(record_frames *self)
+static void unload(frames_file *self)
 {
     if (self->file >= 0) {
         (void)H5Fclose(self->file);
     }
-    free(self->times);
-    free(self->numbers);
-    free(self->rest);
-    free(self->pinned);
+    free((void *)self->seen.times);
+    free((void *)self->seen.numbers);
+    free((void *)self->seen.rest);
+    free((void *)self->seen.pinned);
 }
 
 /* ---- reading ---------------------------------------------------------------- */
 
-static weft_status read_frame(const record_frames *self, const hdf_set *set, size_t i,
+static weft_status read_frame(const frames_file *self, const hdf_set *set, size_t i,
                               double *values, weft_error *err)
 {
     if (set->id < 0) {
         return weft_error_set(err, WEFT_UNSUPPORTED, "%s: not recorded (record.fields)",
                               self->path);
     }
-    if (i >= self->count) {
+    if (i >= self->seen.count) {
         return weft_error_set(err, WEFT_INVALID, "%s: frame %zu of %zu", self->path, i,
-                              self->count);
+                              self->seen.count);
     }
     return hdf_read(set, i, H5T_NATIVE_DOUBLE, values)
                    && all_finite(values, set->rows * set->width)
@@ -273,85 +274,73 @@ static weft_status read_frame(const record_frames *self, const hdf_set *set, siz
 weft_status record_frames_positions(record_frames *frames, size_t i, double *xyz,
                                     weft_error *err)
 {
-    return read_frame(frames, &frames->points, i, xyz, err);
+    const frames_file *self = (frames_file *)frames;
+    return read_frame(self, &self->points, i, xyz, err);
 }
 
-weft_status record_frames_velocities(record_frames *frames, size_t i, double *xyz,
-                                     weft_error *err)
+weft_status record_frames_field(record_frames *frames, weft_record_field field,
+                                size_t i, double *values, weft_error *err)
 {
-    return read_frame(frames, &frames->velocity, i, xyz, err);
-}
-
-weft_status record_frames_strain(record_frames *frames, size_t i, double *strain,
-                                 weft_error *err)
-{
-    return read_frame(frames, &frames->strain, i, strain, err);
+    const frames_file *self = (frames_file *)frames;
+    return read_frame(self, &self->fields[field], i, values, err);
 }
 
 /* ---- opening ---------------------------------------------------------------- */
 
 /* A damaged file may also send libhdf5 round in circles: far more than reading takes.
  */
-static rlim_t seconds_allowed(const record_frames *self)
+static unsigned seconds_allowed(const frames_file *self)
 {
     struct stat status;
     const off_t size = stat(self->path, &status) == 0 ? status.st_size : 0;
-    return size >> 26 > 58 ? 60 : 2 + (rlim_t)(size >> 26);
+    return size >> 26 > 58 ? 60 : 2 + (unsigned)(size >> 26);
 }
 
 /* In the child: all that the parent will do, once. */
-static void try_all(record_frames *self)
+static int read_some(void *ctx, size_t job)
 {
-    const rlim_t limit = seconds_allowed(self);
-    const struct rlimit no_core = { 0, 0 }, seconds = { limit, limit };
-    const int nowhere = open("/dev/null", O_WRONLY);
-    (void)setrlimit(RLIMIT_CORE, &no_core);
-    (void)setrlimit(RLIMIT_CPU, &seconds);
-    (void)dup2(nowhere, STDERR_FILENO);
+    frames_file *self = ctx;
     double *values = load(self) == NULL ? malloc(3 * self->n * sizeof *values) : NULL;
+    (void)job;
     for (size_t i = 0; values != NULL && i < 2; ++i) {
-        const size_t frame = i * (self->count - 1);
-        (void)record_frames_positions(self, frame, values, NULL);
-        (void)record_frames_velocities(self, frame, values, NULL);
-        (void)record_frames_strain(self, frame, values, NULL);
+        const size_t frame = i * (self->seen.count - 1);
+        (void)record_frames_positions(&self->seen, frame, values, NULL);
+        (void)record_frames_field(&self->seen, WEFT_RECORD_VELOCITY, frame, values,
+                                  NULL);
+        (void)record_frames_field(&self->seen, WEFT_RECORD_STRAIN, frame, values, NULL);
     }
     free(values);
     unload(self);
-    _exit(0);
+    return 0;
 }
 
-static weft_status try_in_child(record_frames *self, weft_error *err)
+static weft_status try_in_child(frames_file *self, weft_error *err)
 {
-    int status = 0;
-    const pid_t child = fork();
-    if (child == 0) {
-        try_all(self);
-    }
-    while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
-    if (child < 0) {
+    process child;
+    const process_def def = { .work = read_some,
+                              .ctx = self,
+                              .end_signal = SIGKILL,
+                              .cpu_seconds = seconds_allowed(self),
+                              .untrusted = true };
+    if (!process_run(&def, 0, &child)) {
         return weft_error_set(err, WEFT_IO, "%s: no process to check it: %s",
                               self->path, strerror(errno));
     }
-    return WIFEXITED(status) && WEXITSTATUS(status) == 0
+    return child.status == 0
                ? WEFT_OK
                : weft_error_set(err, WEFT_IO, "%s: damaged: libhdf5 fails on it",
                                 self->path);
 }
 
-static weft_status open_frames(record_frames *self, const char *directory,
+static weft_status open_frames(frames_file *self, const char *directory,
                                weft_error *err)
 {
-    weft_status status = record_path(directory, "run.vtkhdf", self->path, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    FILE *stream = weft__file_open(self->path, "r", err);
+    FILE *stream = record_open(directory, "run.vtkhdf", self->path, err);
     if (stream == NULL) {
         return WEFT_IO;
     }
     (void)fclose(stream);
-    status = try_in_child(self, err);
+    const weft_status status = try_in_child(self, err);
     if (status != WEFT_OK) {
         return status;
     }
@@ -365,80 +354,25 @@ weft_status record_frames_open(const char *directory, record_frames **out,
                                weft_error *err)
 {
     *out = NULL;
-    record_frames *self = calloc(1, sizeof *self);
+    frames_file *self = calloc(1, sizeof *self);
     if (self == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory to read frames");
     }
     hdf_begin(NULL);
-    self->file = self->points.id = self->velocity.id = self->strain.id
-        = H5I_INVALID_HID;
+    self->file = H5I_INVALID_HID;
     const weft_status status = open_frames(self, directory, err);
     if (status != WEFT_OK) {
-        record_frames_close(self);
+        record_frames_close(&self->seen);
         return status;
     }
-    *out = self;
+    *out = &self->seen;
     return WEFT_OK;
 }
 
 void record_frames_close(record_frames *frames)
 {
     if (frames != NULL) {
-        unload(frames);
+        unload((frames_file *)frames);
         free(frames);
     }
-}
-
-/* ---- queries ---------------------------------------------------------------- */
-
-size_t record_frames_count(const record_frames *frames)
-{
-    return frames->count;
-}
-
-size_t record_frames_planned(const record_frames *frames)
-{
-    return frames->planned;
-}
-
-size_t record_frames_rows(const record_frames *frames)
-{
-    return frames->rows;
-}
-
-size_t record_frames_cols(const record_frames *frames)
-{
-    return frames->cols;
-}
-
-double record_frames_time(const record_frames *frames, size_t i)
-{
-    return frames->times[i];
-}
-
-size_t record_frames_number(const record_frames *frames, size_t i)
-{
-    return (size_t)frames->numbers[i];
-}
-
-bool record_frames_doubles(const record_frames *frames)
-{
-    return frames->doubles;
-}
-
-bool record_frames_has(const record_frames *frames, weft_record_field field)
-{
-    return field == WEFT_RECORD_VELOCITY ? frames->velocity.id >= 0
-           : field == WEFT_RECORD_STRAIN ? frames->strain.id >= 0
-                                         : frames->pinned != NULL;
-}
-
-bool record_frames_pinned(const record_frames *frames, size_t particle)
-{
-    return frames->pinned != NULL && frames->pinned[particle] != 0;
-}
-
-const double *record_frames_rest(const record_frames *frames)
-{
-    return frames->rest;
 }

@@ -4,7 +4,6 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "base/file.h"
 #include "record/record.h"
 
 static void put_character(FILE *stream, int c)
@@ -31,9 +30,7 @@ void page_text(FILE *stream, const char *text)
 void page_file(FILE *stream, const char *directory, const char *name)
 {
     char path[RECORD_PATH];
-    FILE *file = record_path(directory, name, path, NULL) == WEFT_OK
-                     ? weft__file_open(path, "r", NULL)
-                     : NULL;
+    FILE *file = record_open(directory, name, path, NULL);
     if (file == NULL) {
         fputs("null", stream);
         return;

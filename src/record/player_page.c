@@ -15,16 +15,14 @@
 #define RUNS_MAX     2
 #define TIME_MATCH   1e-9 /* relative: two frames of the same time */
 
-typedef weft_status field_reader(record_frames *, size_t, double *, weft_error *);
-
 /* What a cloth may be coloured by; a field of width 3 by its length. */
 static const struct field {
     const char *name;
-    field_reader *read;
+    weft_record_field field;
     size_t width;
 } fields[] = {
-    { "strain", record_frames_strain, 1 },
-    { "speed", record_frames_velocities, 3 },
+    { "strain", WEFT_RECORD_STRAIN, 1 },
+    { "speed", WEFT_RECORD_VELOCITY, 3 },
 };
 
 #define FIELDS (sizeof fields / sizeof fields[0])
@@ -59,12 +57,12 @@ static weft_status open_runs(player_page *self, weft_error *err)
     if (status != WEFT_OK) {
         return status;
     }
-    self->rows = record_frames_rows(self->runs[0].frames);
-    self->cols = record_frames_cols(self->runs[0].frames);
+    self->rows = self->runs[0].frames->rows;
+    self->cols = self->runs[0].frames->cols;
     for (size_t r = 0; r < self->run_count; ++r) {
-        const size_t rows = record_frames_rows(self->runs[r].frames);
-        const size_t cols = record_frames_cols(self->runs[r].frames);
-        if (record_frames_count(self->runs[r].frames) == 0) {
+        const size_t rows = self->runs[r].frames->rows;
+        const size_t cols = self->runs[r].frames->cols;
+        if (self->runs[r].frames->count == 0) {
             return weft_error_set(err, WEFT_INVALID, "%s: no frames",
                                   self->runs[r].directory);
         }
@@ -84,10 +82,9 @@ static size_t match(player_run *runs, size_t run_count)
 {
     size_t at[RUNS_MAX] = { 0 }, found = 0;
     const size_t other = run_count - 1;
-    while (at[0] < record_frames_count(runs[0].frames)
-           && at[other] < record_frames_count(runs[other].frames)) {
-        const double t = record_frames_time(runs[0].frames, at[0]);
-        const double ahead = t - record_frames_time(runs[other].frames, at[other]);
+    while (at[0] < runs[0].frames->count && at[other] < runs[other].frames->count) {
+        const double t = runs[0].frames->times[at[0]];
+        const double ahead = t - runs[other].frames->times[at[other]];
         const bool same = fabs(ahead) <= TIME_MATCH * (1.0 + fabs(t));
         if (same) {
             runs[0].index[found] = at[0];
@@ -109,16 +106,12 @@ static void thin(player_page *self)
              + (blocks > 1 ? (double)page_block_size(1, self->count) : 0.0));
     const double step
         = ceil((double)self->chosen * bytes / (FRAME_BUDGET - 2.0 * bytes));
-    const size_t last = self->chosen - 1;
-    for (size_t i = 0; i < self->chosen; i += (size_t)step) {
+    for (size_t i = 0; i < self->chosen; ++i) {
+        if (i % (size_t)step != 0 && i + 1 < self->chosen) {
+            continue;
+        }
         for (size_t r = 0; r < self->run_count; ++r) {
             self->runs[r].index[self->shown] = self->runs[r].index[i];
-        }
-        ++self->shown;
-    }
-    if (last % (size_t)step != 0) {
-        for (size_t r = 0; r < self->run_count; ++r) {
-            self->runs[r].index[self->shown] = self->runs[r].index[last];
         }
         ++self->shown;
     }
@@ -128,7 +121,7 @@ static weft_status choose_frames(player_page *self, weft_error *err)
 {
     for (size_t r = 0; r < self->run_count; ++r) {
         player_run *run = &self->runs[r];
-        run->index = calloc(record_frames_count(run->frames), sizeof *run->index);
+        run->index = calloc(run->frames->count, sizeof *run->index);
         if (run->index == NULL) {
             return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a page");
         }
@@ -187,8 +180,8 @@ static weft_status find_fields(player_page *self, weft_error *err)
     for (size_t f = 0; f < FIELDS; ++f) {
         self->present[f] = true;
         for (size_t r = 0; r < self->run_count; ++r) {
-            const weft_status status
-                = fields[f].read(self->runs[r].frames, 0, self->field, err);
+            const weft_status status = record_frames_field(
+                self->runs[r].frames, fields[f].field, 0, self->field, err);
             if (status != WEFT_OK && status != WEFT_UNSUPPORTED) {
                 return status;
             }
@@ -230,7 +223,8 @@ static weft_status write_frame(player_page *self, size_t r, size_t i, weft_error
     }
     for (size_t f = 0; status == WEFT_OK && f < FIELDS; ++f) {
         if (self->present[f]) {
-            status = fields[f].read(frames, index, self->field, err);
+            status
+                = record_frames_field(frames, fields[f].field, index, self->field, err);
             put_field(self, plane++, fields[f].width);
         }
     }
@@ -276,8 +270,10 @@ static void write_pinned(const player_page *self)
     const char *comma = "";
     bool *marks = calloc(self->count, sizeof *marks);
     const size_t half = self->stride / 2;
-    for (size_t p = 0; marks != NULL && p < self->rows * self->cols; ++p) {
-        if (record_frames_pinned(self->runs[0].frames, p)) {
+    const uint8_t *pinned = self->runs[0].frames->pinned;
+    const size_t n = pinned == NULL ? 0 : self->rows * self->cols;
+    for (size_t p = 0; marks != NULL && p < n; ++p) {
+        if (pinned[p] != 0) {
             const size_t r = (p / self->cols + half) / self->stride;
             const size_t c = (p % self->cols + half) / self->stride;
             marks[r * self->shown_cols + c] = true;
@@ -306,15 +302,14 @@ static void write_runs(const player_page *self)
         const player_run *run = &self->runs[r];
         fprintf(self->stream, "%s{\"directory\":", r > 0 ? "," : "");
         page_text(self->stream, directory_name(run->directory));
-        fprintf(self->stream, ",\"frames\":%zu,\"index\":[",
-                record_frames_count(run->frames));
+        fprintf(self->stream, ",\"frames\":%zu,\"index\":[", run->frames->count);
         for (size_t i = 0; i < self->shown; ++i) {
             fprintf(self->stream, "%s%zu", i > 0 ? "," : "", run->index[i]);
         }
         fputs("],\"numbers\":[", self->stream);
         for (size_t i = 0; i < self->shown; ++i) {
             fprintf(self->stream, "%s%zu", i > 0 ? "," : "",
-                    record_frames_number(run->frames, run->index[i]));
+                    (size_t)run->frames->numbers[run->index[i]]);
         }
         fputc(']', self->stream);
         for (size_t f = 0; f < sizeof files / sizeof files[0]; ++f) {
@@ -347,7 +342,7 @@ static void write_description(const player_page *self)
     for (size_t i = 0; i < self->shown; ++i) {
         const size_t index = self->runs[0].index[i];
         fprintf(stream, "%s%.17g", i > 0 ? "," : "",
-                record_frames_time(self->runs[0].frames, index));
+                self->runs[0].frames->times[index]);
     }
     fputs("],\"pinned\":[", stream);
     write_pinned(self);
@@ -376,8 +371,7 @@ static weft_status write_page(player_page *self, const char *path, weft_error *e
     status = write_frames(self, err);
     (void)fputs(mark + strlen(PAGE_MARK), file.stream);
     if (status != WEFT_OK) {
-        (void)fclose(file.stream);
-        (void)remove(file.temporary);
+        record_file_discard(&file);
         return status;
     }
     return record_file_commit(&file, err);

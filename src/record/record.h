@@ -30,6 +30,10 @@ typedef struct record_file {
 /* `directory`/`name` into path; WEFT_IO if that is too long. */
 weft_status record_path(const char *directory, const char *name, char path[RECORD_PATH],
                         weft_error *err);
+/* Opens it for reading; path is filled in. NULL: WEFT_IO. */
+FILE *record_open(const char *directory, const char *name, char path[RECORD_PATH],
+                  weft_error *err);
+bool record_exists(const char *directory, const char *name);
 weft_status record_file_open(record_file *file, const char *directory, const char *name,
                              weft_error *err);
 /* A directory may come from anywhere: WEFT_IO if a link lies at `path`. */
@@ -39,6 +43,8 @@ weft_status record_no_link(const char *path, weft_error *err);
 weft_status record_file_commit(record_file *file, weft_error *err);
 /* Give it up instead: the place stays untouched. */
 void record_file_discard(record_file *file);
+/* In quotes that are doubled inside (RFC 4180). */
+void record_csv_quoted(FILE *stream, const char *text);
 weft_status record_text(const char *directory, const char *name, const char *text,
                         weft_error *err);
 
@@ -162,13 +168,6 @@ weft_status record_vtkhdf_add(record_vtkhdf *self, const record_frame *frame,
                               weft_error *err);
 /* Frees it also if the file cannot be closed well. NULL is allowed. */
 weft_status record_vtkhdf_close(record_vtkhdf *self, weft_error *err);
-
-/* series.c: the last frame that series.csv has. WEFT_IO if it has none. */
-weft_status record_series_last(const char *directory, size_t *frame, weft_error *err);
-
-/* series.c: the hash that row `frame` of series.csv holds. WEFT_IO if there is none. */
-weft_status record_series_hash(const char *directory, size_t frame, uint64_t *hash,
-                               weft_error *err);
 
 /* series_read.c: the rows of DIR/series.csv that are whole, later and later; the caller
  * frees them. WEFT_IO if there are none. */

@@ -23,6 +23,21 @@ weft_status record_path(const char *directory, const char *name, char path[RECOR
     return WEFT_OK;
 }
 
+FILE *record_open(const char *directory, const char *name, char path[RECORD_PATH],
+                  weft_error *err)
+{
+    return record_path(directory, name, path, err) == WEFT_OK
+               ? weft__file_open(path, "r", err)
+               : NULL;
+}
+
+bool record_exists(const char *directory, const char *name)
+{
+    char path[RECORD_PATH];
+    return record_path(directory, name, path, NULL) == WEFT_OK
+           && access(path, F_OK) == 0;
+}
+
 weft_status record_no_link(const char *path, weft_error *err)
 {
     struct stat status;
@@ -100,6 +115,15 @@ void record_file_discard(record_file *file)
 {
     (void)fclose(file->stream);
     (void)remove(file->temporary);
+}
+
+void record_csv_quoted(FILE *stream, const char *text)
+{
+    putc('"', stream);
+    for (; *text != '\0'; ++text) {
+        fputs(*text == '"' ? "\"\"" : (char[]){ *text, '\0' }, stream);
+    }
+    putc('"', stream);
 }
 
 weft_status record_text(const char *directory, const char *name, const char *text,

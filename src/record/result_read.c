@@ -5,18 +5,14 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "base/file.h"
 #include "record/record.h"
 
 bool record_result_open(const char *directory, yaml_document_t *out)
 {
     char path[RECORD_PATH];
     yaml_parser_t parser;
-    FILE *stream = record_path(directory, "result.yaml", path, NULL) == WEFT_OK
-                       ? weft__file_open(path, "r", NULL)
-                       : NULL;
+    FILE *stream = record_open(directory, "result.yaml", path, NULL);
     if (stream == NULL) {
         return false;
     }
@@ -51,33 +47,32 @@ const char *record_result_value(yaml_document_t *result, const char *key)
     return NULL;
 }
 
-bool record_result_hash(const char *directory, uint64_t *hash)
+const char *record_result_get(const char *directory, const char *key,
+                              char out[RECORD_RESULT_TEXT])
 {
     yaml_document_t result;
-    if (!record_result_open(directory, &result)) {
-        return false;
+    out[0] = '\0';
+    if (record_result_open(directory, &result)) {
+        const char *text = record_result_value(&result, key);
+        (void)snprintf(out, RECORD_RESULT_TEXT, "%s", text == NULL ? "" : text);
+        yaml_document_delete(&result);
     }
-    const char *text = record_result_value(&result, "hash");
-    const bool found = text != NULL && sscanf(text, "%16" SCNx64, hash) == 1;
-    yaml_document_delete(&result);
-    return found;
+    return out;
+}
+
+bool record_result_hash(const char *directory, uint64_t *hash)
+{
+    char text[RECORD_RESULT_TEXT];
+    return sscanf(record_result_get(directory, "hash", text), "%16" SCNx64, hash) == 1;
 }
 
 bool record_unfinished(const char *directory)
 {
-    char path[RECORD_PATH];
-    yaml_document_t result;
-    if (record_path(directory, "scene.yaml", path, NULL) != WEFT_OK
-        || access(path, F_OK) != 0) {
+    char status[RECORD_RESULT_TEXT];
+    if (!record_exists(directory, "scene.yaml")) {
         return false;
     }
-    if (!record_result_open(directory, &result)) {
-        return true;
-    }
-    const char *status = record_result_value(&result, "status");
-    const bool goes_on
-        = status != NULL
-          && (strcmp(status, "interrupted") == 0 || strcmp(status, "io_error") == 0);
-    yaml_document_delete(&result);
-    return goes_on;
+    (void)record_result_get(directory, "status", status);
+    return status[0] == '\0' || strcmp(status, "interrupted") == 0
+           || strcmp(status, "io_error") == 0;
 }

@@ -2,7 +2,6 @@
 /* result_write.c -- manifest.yaml: what ran; result.yaml: how it ended. */
 #include <inttypes.h>
 
-#include "base/file.h"
 #include "record/record.h"
 #include "record/yaml_out.h"
 
@@ -109,13 +108,6 @@ static void write_run(yaml_out *out, const weft_run_def *run)
     yaml_out_close_map(out);
 }
 
-static void write_record(yaml_out *out, const weft_record_def *record)
-{
-    yaml_out_map(out, "record");
-    yaml_out_plain(out, "ledger", record->ledger ? "true" : "false");
-    yaml_out_close_map(out);
-}
-
 static weft_status commit(bool good, record_file *file, weft_error *err)
 {
     if (!good) {
@@ -144,7 +136,9 @@ weft_status record_manifest(const char *directory, const weft_scene *scene,
     write_cloth(&out, weft_sim_cloth(sim));
     write_limit_def(&out, weft_scene_limit(scene));
     write_run(&out, weft_scene_run(scene));
-    write_record(&out, weft_scene_record(scene));
+    yaml_out_map(&out, "record");
+    yaml_out_plain(&out, "ledger", weft_scene_record(scene)->ledger ? "true" : "false");
+    yaml_out_close_map(&out);
     return commit(yaml_out_end(&out), &file, err);
 }
 
@@ -274,12 +268,11 @@ weft_status record_result_amend(const char *directory, const record_result *resu
     record_file file;
     yaml_out out;
     char path[RECORD_PATH];
-    weft_status status = record_path(directory, "result.yaml", path, err);
-    FILE *former = status == WEFT_OK ? weft__file_open(path, "r", NULL) : NULL;
+    FILE *former = record_open(directory, "result.yaml", path, NULL);
     if (former == NULL) {
-        return status == WEFT_OK ? record_result_write(directory, result, err) : status;
+        return record_result_write(directory, result, err);
     }
-    status = record_file_open(&file, directory, "result.yaml", err);
+    weft_status status = record_file_open(&file, directory, "result.yaml", err);
     if (status == WEFT_OK) {
         yaml_out_begin(&out, file.stream);
         write_end(&out, result);

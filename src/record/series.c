@@ -6,7 +6,6 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -48,10 +47,6 @@
 /* [bytes] A cell has at most 24 characters and a comma. */
 enum { LINE = 32 * RECORD_COLUMNS_MAX };
 
-#define NUMBER(name, format, value) COLUMN_##name,
-enum { COLUMNS(NUMBER) COLUMN_COUNT };
-#undef NUMBER
-
 typedef struct series_row {
     const record_frame *frame;
     double time, elastic, dissipated, limit_strain, momentum[3];
@@ -85,6 +80,11 @@ static series_row measure(const record_frame *frame)
     return row;
 }
 
+static weft_status failed(const record_series *series, weft_error *err)
+{
+    return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
+}
+
 static weft_status write_line(record_series *series, const char *line, weft_error *err)
 {
     const size_t length = strlen(line);
@@ -95,7 +95,7 @@ static weft_status write_line(record_series *series, const char *line, weft_erro
     series->extent.length += length;
     (void)fputs(line, series->stream);
     if (ferror(series->stream) || fflush(series->stream) != 0) {
-        return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
+        return failed(series, err);
     }
     return WEFT_OK;
 }
@@ -159,7 +159,7 @@ weft_status record_series_cut(record_series *series, const record_extent *kept,
         && fseek(series->stream, 0, SEEK_END) == 0) {
         return WEFT_OK;
     }
-    return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
+    return failed(series, err);
 }
 
 weft_status record_series_sync(record_series *series, weft_error *err)
@@ -167,7 +167,7 @@ weft_status record_series_sync(record_series *series, weft_error *err)
     const weft_status status = write_line(series, "", err);
     return status != WEFT_OK || fsync(fileno(series->stream)) == 0
                ? status
-               : weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
+               : failed(series, err);
 }
 
 weft_status record_series_add(record_series *series, const record_frame *frame,
@@ -200,68 +200,5 @@ weft_status record_series_close(record_series *series, weft_error *err)
     const weft_status status = write_line(series, "", err);
     const bool closed = fclose(series->stream) == 0;
     series->stream = NULL;
-    return closed || status != WEFT_OK
-               ? status
-               : weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
-}
-
-/* What is looked for in the rows of a series.csv. */
-typedef struct series_search {
-    size_t frame; /* wanted; SIZE_MAX: the last */
-    size_t last;  /* found */
-    uint64_t hash;
-    bool found;
-} series_search;
-
-/* Cell `column` of a row, or "". */
-static const char *cell(const char *line, int column)
-{
-    for (; column > 0 && line != NULL; --column) {
-        line = strchr(line, ',');
-        line = line == NULL ? NULL : line + 1;
-    }
-    return line == NULL ? "" : line;
-}
-
-static weft_status search(const char *directory, series_search *wanted, weft_error *err)
-{
-    char path[RECORD_PATH], line[1024];
-    const weft_status status = record_path(directory, "series.csv", path, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    FILE *stream = weft__file_open(path, "r", err);
-    if (stream == NULL) {
-        return WEFT_IO;
-    }
-    const bool any = wanted->frame == SIZE_MAX;
-    while ((any || !wanted->found) && fgets(line, sizeof line, stream) != NULL) {
-        char *end;
-        const unsigned long long frame = strtoull(line, &end, 10);
-        if (end != line && *end == ',' && (any || frame == wanted->frame)
-            && sscanf(cell(line, COLUMN_hash), "%" SCNx64, &wanted->hash) == 1) {
-            wanted->found = true;
-            wanted->last = (size_t)frame;
-        }
-    }
-    (void)fclose(stream);
-    return wanted->found ? WEFT_OK
-                         : weft_error_set(err, WEFT_IO, "%s: no such frame", path);
-}
-
-weft_status record_series_last(const char *directory, size_t *frame, weft_error *err)
-{
-    series_search wanted = { .frame = SIZE_MAX };
-    const weft_status status = search(directory, &wanted, err);
-    *frame = wanted.last;
-    return status;
-}
-
-weft_status record_series_hash(const char *directory, size_t frame, uint64_t *hash,
-                               weft_error *err)
-{
-    series_search wanted = { .frame = frame };
-    const weft_status status = search(directory, &wanted, err);
-    *hash = wanted.hash;
-    return status;
+    return closed || status != WEFT_OK ? status : failed(series, err);
 }

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
 #include "record/record.h"
 
 typedef struct reader {
@@ -61,11 +60,8 @@ static weft_status wrong(const reader *self, const char *what, weft_error *err)
 static weft_status open_reader(reader *self, const char *directory, weft_error *err)
 {
     *self = (reader){ .number = 0 };
-    const weft_status status = record_path(directory, "series.csv", self->path, err);
-    if (status == WEFT_OK) {
-        self->stream = weft__file_open(self->path, "r", err);
-    }
-    return status != WEFT_OK || self->stream != NULL ? status : WEFT_IO;
+    self->stream = record_open(directory, "series.csv", self->path, err);
+    return self->stream != NULL ? WEFT_OK : WEFT_IO;
 }
 
 static weft_status read_rows(reader *self, record_series_row **rows, size_t *count,

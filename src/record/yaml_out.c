@@ -64,9 +64,16 @@ void yaml_out_begin(yaml_out *out, FILE *stream)
     begin(out, stream, 1, YAML_BLOCK_MAPPING_STYLE);
 }
 
-void yaml_out_begin_line(yaml_out *out, FILE *stream)
+void yaml_out_begin_event(yaml_out *out, const char *name)
 {
-    begin(out, stream, 0, YAML_FLOW_MAPPING_STYLE);
+    begin(out, stdout, 0, YAML_FLOW_MAPPING_STYLE);
+    yaml_out_plain(out, "event", "%s", name);
+}
+
+void yaml_out_end_event(yaml_out *out)
+{
+    (void)yaml_out_end(out);
+    (void)fflush(stdout);
 }
 
 bool yaml_out_end(yaml_out *out)

@@ -15,9 +15,11 @@ typedef struct yaml_out {
 } yaml_out;
 
 void yaml_out_begin(yaml_out *out, FILE *stream);
-/* The same as `--- {key: value, ...}`, a document in a line of a stream of them. */
-void yaml_out_begin_line(yaml_out *out, FILE *stream);
 bool yaml_out_end(yaml_out *out); /* true if all went well */
+
+/* An event for machines, a document in a line of stdout: --- {event: name, ...}. */
+void yaml_out_begin_event(yaml_out *out, const char *name);
+void yaml_out_end_event(yaml_out *out);
 
 void yaml_out_map(yaml_out *out, const char *key);
 void yaml_out_list(yaml_out *out, const char *key);

@@ -1,26 +1,24 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* failure.c -- where a run that cannot go on hurts most: its fastest particle and its
- * most strained spring in the last good state. */
+/* failure.c -- the state in which a step failed, for programs and as a message. */
 #include <math.h>
-#include <string.h>
 
 #include "sim/simulation.h"
 
-static size_t fastest_particle(const weft_sim *sim, double *speed)
+static void find_fastest(const weft_sim *sim, weft_failure *out)
 {
     const size_t n = weft_cloth_particles(sim->cloth);
-    const double *v = sim->y + 3 * n;
-    size_t fastest = 0;
-    *speed = 0.0;
+    const double *x = sim->y, *v = sim->y + 3 * n;
     for (size_t i = 0; i < n; ++i) {
-        const double here
+        const double speed
             = sqrt(v[i] * v[i] + v[n + i] * v[n + i] + v[2 * n + i] * v[2 * n + i]);
-        if (here > *speed) {
-            *speed = here;
-            fastest = i;
+        if (speed > out->speed) {
+            out->speed = speed;
+            out->particle = i;
         }
     }
-    return fastest;
+    for (size_t k = 0; k < 3; ++k) {
+        out->position[k] = x[k * n + out->particle];
+    }
 }
 
 static double total_energy(const weft_sim *sim)
@@ -33,28 +31,41 @@ static double total_energy(const weft_sim *sim)
     return total;
 }
 
-void weft__sim_trouble(const weft_sim *sim, const weft_error *why, weft_error *err)
+static void set_message(const weft_failure *self, size_t cols, weft_error *err)
 {
-    const size_t cols = weft_cloth_cols(sim->cloth);
-    const weft_spring worst = weft_cloth_worst_spring(sim->cloth, sim->y);
-    const weft_stepper_stats stats = weft_sim_stats(sim);
-    double speed;
-    const size_t fastest = fastest_particle(sim, &speed);
-    char spring[128] = "no springs", time[64] = "";
-    if (worst.p != worst.q) {
+    const weft_spring *worst = &self->spring;
+    char spring[128] = "no springs";
+    if (worst->p != worst->q) {
         (void)snprintf(spring, sizeof spring,
                        "most strained %s spring (%zu, %zu)-(%zu, %zu) at %.3g %%",
-                       weft_family_name(worst.family), worst.p / cols, worst.p % cols,
-                       worst.q / cols, worst.q % cols, 100.0 * worst.strain);
+                       weft_family_name(worst->family), worst->p / cols,
+                       worst->p % cols, worst->q / cols, worst->q % cols,
+                       100.0 * worst->strain);
     }
-    if (strstr(why->message, " t = ") == NULL) { /* else the stepper has told it */
-        (void)snprintf(time, sizeof time, " at t = %.9g s", sim->t);
-    }
-    const size_t n = weft_cloth_particles(sim->cloth);
-    const double *x = sim->y + fastest;
-    weft_error_set(err, why->status,
-                   "%s%s, last h = %.3g s; fastest particle (%zu, %zu) at "
+    weft_error_set(err, self->status,
+                   "%s at t = %.9g s, last h = %.3g s; fastest particle (%zu, %zu) at "
                    "(%.3g, %.3g, %.3g) m, %.3g m/s; %s; energy %.4g J before that step",
-                   why->message, time, stats.last_step, fastest / cols, fastest % cols,
-                   x[0], x[n], x[2 * n], speed, spring, total_energy(sim));
+                   self->reason, self->time, self->last_step, self->particle / cols,
+                   self->particle % cols, self->position[0], self->position[1],
+                   self->position[2], self->speed, spring, self->energy);
+}
+
+weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err)
+{
+    weft_failure *failure = &sim->failure;
+    *failure = (weft_failure){ .status = why->status,
+                               .time = sim->t,
+                               .last_step = weft_sim_stats(sim).last_step,
+                               .spring = weft_cloth_worst_spring(sim->cloth, sim->y),
+                               .energy = total_energy(sim) };
+    (void)snprintf(failure->reason, sizeof failure->reason, "%s", why->message);
+    find_fastest(sim, failure);
+    set_message(failure, weft_cloth_cols(sim->cloth), err);
+    return why->status;
+}
+
+bool weft_sim_failure(const weft_sim *sim, weft_failure *out)
+{
+    *out = sim->failure;
+    return out->status != WEFT_OK;
 }

@@ -253,12 +253,13 @@ static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
     if (changed) {
         sim->method->state_changed(sim->stepper);
     }
-    return !changed || weft__all_finite(sim->y, weft_cloth_dim(sim->cloth))
-               ? WEFT_OK
-               : weft_error_set(err, WEFT_NOT_FINITE,
-                                "the correction at t = %.9g s left a state that is "
-                                "not finite",
-                                sim->t);
+    if (!changed || weft__all_finite(sim->y, weft_cloth_dim(sim->cloth))) {
+        return WEFT_OK;
+    }
+    weft_error why = { 0 };
+    weft_error_set(&why, WEFT_NOT_FINITE,
+                   "the correction left a state that is not finite");
+    return weft__sim_fail(sim, &why, err);
 }
 
 static void tell_rejected(weft_sim *sim, double h)
@@ -283,11 +284,12 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
     }
     weft_error why = { 0 };
     const double before = sim->t;
+    sim->failure.status = WEFT_OK;
     const weft_status status
         = sim->method->step(sim->stepper, t_end, &sim->t, sim->y, &why);
     if (status != WEFT_OK) {
-        weft__sim_trouble(sim, &why, err);
-        return status;
+        why.status = status;
+        return weft__sim_fail(sim, &why, err);
     }
     const double h = sim->t - before;
     if (sim->log.write != NULL) {

@@ -31,7 +31,8 @@ struct weft_sim {
     uint64_t rejected; /* attempts that were told of */
     double t;          /* [s] */
     weft__ledger ledger;
-    double *y; /* 6 N, then with ledger its quadratures */
+    weft_failure failure; /* of the last step; status WEFT_OK: it did not fail */
+    double *y;            /* 6 N, then with ledger its quadratures */
 };
 
 /* motion.c: the right-hand side of a simulation, which is ctx. */
@@ -45,8 +46,9 @@ weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out
 weft_status weft__sim_outside(const weft_sim *sim, const char *function,
                               weft_error *err);
 
-/* trouble.c: why a step has failed, and the state that it failed in. */
-void weft__sim_trouble(const weft_sim *sim, const weft_error *why, weft_error *err);
+/* failure.c: keeps why a step has failed and the state that it failed in; *err gets
+ * them as a message. Returns the status of *why. */
+weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err);
 
 /* The length of y. */
 size_t weft__sim_dim(const weft_sim *sim);

@@ -32,20 +32,20 @@ pid_t __wrap_waitpid(pid_t pid, int *status, int options)
 
 static inline void frames_read(record_frames *frames)
 {
-    const size_t n = record_frames_rows(frames) * record_frames_cols(frames);
+    const size_t n = frames->rows * frames->cols;
     double *xyz = calloc(3 * n, sizeof *xyz);
     HOLDS(xyz != NULL);
-    for (size_t i = 0; i < record_frames_count(frames) && i < 10; ++i) {
-        HOLDS(isfinite(record_frames_time(frames, i)));
+    for (size_t i = 0; i < frames->count && i < 10; ++i) {
+        HOLDS(isfinite(frames->times[i]));
         if (record_frames_positions(frames, i, xyz, NULL) == WEFT_OK) {
             HOLDS(isfinite(xyz[0]) && isfinite(xyz[3 * n - 1]));
         }
-        (void)record_frames_velocities(frames, i, xyz, NULL);
-        (void)record_frames_strain(frames, i, xyz, NULL);
+        (void)record_frames_field(frames, WEFT_RECORD_VELOCITY, i, xyz, NULL);
+        (void)record_frames_field(frames, WEFT_RECORD_STRAIN, i, xyz, NULL);
     }
     for (size_t k = 0; k < n; ++k) {
-        (void)record_frames_pinned(frames, k);
-        HOLDS(isfinite(record_frames_rest(frames)[3 * k]));
+        (void)(frames->pinned != NULL && frames->pinned[k] != 0);
+        HOLDS(isfinite(frames->rest[3 * k]));
     }
     free(xyz);
 }

@@ -32,23 +32,22 @@ static weft_status load(weft_registry *registry, const verify_scene *scene,
 {
     char file[TEXT_MOST], text[TEXT_MOST];
     const char *sets[SETS_MOST];
-    options given = { .sets = sets };
+    options given = { .sets = sets, .registry = registry };
     (void)snprintf(file, sizeof file, "scenes/%s.yaml", scene->name);
     stepper_text(stepper, text);
     sets[given.set_count++] = text;
     for (size_t i = 0; i < VERIFY_SETS && scene->sets[i] != NULL; ++i) {
         sets[given.set_count++] = scene->sets[i];
     }
-    if (open_scene(file, &given, registry, out) != EXIT_DONE) {
+    if (open_scene(file, &given, out) != EXIT_DONE) {
         return weft_error_set(err, WEFT_BAD_SCENE, "%s does not load", file);
     }
-    const char *why = scene_unsupported(*out);
-    if (why != NULL) {
+    const weft_status status = scene_supported(*out, err);
+    if (status != WEFT_OK) {
         weft_scene_destroy(*out);
         *out = NULL;
-        return weft_error_set(err, WEFT_BAD_SCENE, "%s", why);
     }
-    return WEFT_OK;
+    return status;
 }
 
 size_t verify_particles(weft_registry *registry, const verify_scene *scene,
@@ -88,19 +87,18 @@ static weft_status play_scene(const weft_scene *scene, weft_sim *sim,
                               verify_frames *out, weft_error *err)
 {
     keeper self = { out, sim };
-    frame_loop show = { .sim = sim,
-                        .run = weft_scene_run(scene),
-                        .last = frame_last(weft_scene_run(scene)),
-                        .frame = keep,
-                        .ctx = &self };
-    out->count = show.last + 1;
+    const weft_play frames = { .run = weft_scene_run(scene),
+                               .last = weft_run_last_frame(weft_scene_run(scene)),
+                               .frame = keep,
+                               .ctx = &self };
+    out->count = frames.last + 1;
     out->dim = weft_cloth_dim(weft_sim_cloth(sim));
     out->y = calloc(out->count * out->dim, sizeof *out->y);
     out->energy = calloc(out->count, sizeof *out->energy);
     out->limited = weft_scene_limit(scene)->method != WEFT_LIMIT_NONE;
     weft_status status = out->y == NULL || out->energy == NULL
                              ? weft_error_set(err, WEFT_NO_MEMORY, "no memory")
-                             : play(&show, err);
+                             : weft_sim_play(sim, &frames, err);
     out->stats = weft_sim_stats(sim);
     return status;
 }

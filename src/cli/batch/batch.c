@@ -40,9 +40,8 @@ static int take_options(batch *self)
     }
     self->jobs = given->jobs > 0 ? given->jobs : self->jobs;
     if (given->timeout != NULL) {
-        char *stop;
-        self->timeout = strtod(given->timeout, &stop);
-        if (*stop != '\0' || !(self->timeout > 0.0) || !isfinite(self->timeout)) {
+        self->timeout = option_real(given->timeout);
+        if (!(self->timeout > 0.0) || !isfinite(self->timeout)) {
             return usage_error(&verb_batch, "--timeout %s: not a number of seconds > 0",
                                given->timeout);
         }
@@ -78,8 +77,8 @@ static bool to_run(const batch *self, const batch_run *run)
     }
 }
 
-/* The state of every run, and which are for this process. */
-static weft_status look(batch *self, bool *wanted, weft_error *err)
+/* The state of every run; those that this process runs are added to wanted. */
+static weft_status look(batch *self, batch_run **wanted, size_t *count, weft_error *err)
 {
     for (size_t i = 0; i < self->run_count; ++i) {
         batch_run *run = &self->runs[i];
@@ -91,8 +90,10 @@ static weft_status look(batch *self, bool *wanted, weft_error *err)
         }
         run->status = batch_look(self, run, scene);
         weft_scene_destroy(scene);
-        wanted[i] = !self->given->summary && i % self->shards == self->shard - 1
-                    && to_run(self, run);
+        if (!self->given->summary && i % self->shards == self->shard - 1
+            && to_run(self, run)) {
+            wanted[(*count)++] = run;
+        }
     }
     return WEFT_OK;
 }
@@ -173,16 +174,17 @@ static int print_counts(const batch *self)
 static int run_batch(batch *self)
 {
     weft_error err = { 0 };
-    bool *wanted = calloc(self->run_count, sizeof *wanted);
+    size_t count = 0;
+    batch_run **wanted = calloc(self->run_count, sizeof *wanted);
     weft_status status = wanted == NULL ? weft_error_set(&err, WEFT_NO_MEMORY,
                                                          "no memory for the runs")
                                         : record_directory(self->out, &err);
-    status = status == WEFT_OK ? look(self, wanted, &err) : status;
+    status = status == WEFT_OK ? look(self, wanted, &count, &err) : status;
     if (status != WEFT_OK) {
         free(wanted);
         return report_error(&err);
     }
-    const int stop = batch_pool_run(self, wanted);
+    const int stop = batch_pool_run(self, wanted, count);
     free(wanted);
     /* One shard does not know of the others. */
     if (self->shards == 1) {
@@ -195,25 +197,13 @@ static int run_batch(batch *self)
     return stop == SIGINT ? EXIT_SIGINT : stop == SIGTERM ? EXIT_SIGTERM : code;
 }
 
-static int batch_verb(int argc, char **argv)
+static int batch_verb(const options *given)
 {
-    options given;
-    int code = options_parse(&verb_batch, "ospqFjTSEU", argc, argv, &given);
-    if (code >= 0) {
-        return code;
-    }
-    batch self = { .given = &given };
-    code = take_options(&self);
-    if (code == EXIT_DONE) {
-        self.registry = open_registry(given.plugin_path);
-        code = self.registry == NULL ? EXIT_SIMULATION : batch_plan(&self);
-    }
-    if (code == EXIT_DONE) {
-        code = run_batch(&self);
-    }
+    batch self = { .given = given };
+    int code = take_options(&self);
+    code = code == EXIT_DONE ? batch_plan(&self) : code;
+    code = code == EXIT_DONE ? run_batch(&self) : code;
     batch_free(&self);
-    weft_registry_destroy(self.registry);
-    options_free(&given);
     return code;
 }
 
@@ -223,8 +213,8 @@ const verb verb_batch = {
     .help
     = "usage: weft batch SCENE.yaml... --out DIR [OPTIONS]\n\n"
       "Runs every scene, and of a scene with 'sweep' every run it stands for, each in "
-      "a\nprocess of its own into DIR/NAME, and joins the results in DIR/summary.csv. "
-      "Called\nagain it skips what is done and goes on with what is not.\n\n"
+      "a process of its own into DIR/NAME, and joins the results in DIR/summary.csv. "
+      "Called again it skips what is done and goes on with what is not.\n\n"
       "  --out DIR            where the directories of the runs are\n"
       "  -j, --jobs N         so many at a time; default: the number of processors\n"
       "  --timeout S          end a run that takes longer [s]\n"
@@ -241,9 +231,13 @@ const verb verb_batch = {
       "  weft batch scenes/flag.yaml scenes/curtain.yaml --out both -j 2\n"
       "  weft batch sweep.yaml --out sweep --timeout 600 --retry-failed\n\n"
       "exit codes: 0 all done, 1 a run is not done, 2 wrong command line, 3 wrong "
-      "scene,\n"
-      "4 a file could not be read or written, or a directory holds another scene's "
-      "run,\n"
-      "130 SIGINT, 143 SIGTERM\n",
+      "scene, 4 a file could not be read or written, or a directory holds another "
+      "scene's run, 130 SIGINT, 143 SIGTERM\n",
+    .options = OPTIONS(
+        OPTION_VALUE("out", out), OPTION_VALUE("set", sets),
+        OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
+        OPTION_FLAG("force", force), OPTION_VALUE("jobs", jobs),
+        OPTION_VALUE("timeout", timeout), OPTION_VALUE("shard", shard),
+        OPTION_FLAG("retry-failed", retry_failed), OPTION_FLAG("summary", summary)),
     .run = batch_verb,
 };

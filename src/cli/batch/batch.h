@@ -4,9 +4,8 @@
 #ifndef WEFT_CLI_BATCH_BATCH_H
 #define WEFT_CLI_BATCH_BATCH_H
 
-#include <sys/types.h>
-
 #include "cli/cli.h"
+#include "record/child_process.h"
 #include "record/record.h"
 
 typedef enum batch_status {
@@ -44,7 +43,6 @@ typedef struct batch {
     const char *out;
     size_t jobs, shard, shards; /* shard from 1 */
     double timeout;             /* [s] of a run; 0: none */
-    weft_registry *registry;
     batch_scene *scenes;
     size_t scene_count;
     batch_run *runs; /* in the order of scenes and sweeps */
@@ -52,6 +50,8 @@ typedef struct batch {
 } batch;
 
 const char *batch_status_name(batch_status status);
+/* Whether a run has ended by itself or was ended for good, with a result. */
+bool batch_is_over(batch_status status);
 
 /* batch_name.c: the directory of a run: the file's stem, then key=value of what is
  * varied. Of safe characters, at most 120 of them; where a character or the end was
@@ -76,33 +76,27 @@ weft_status batch_directory(const batch *self, const batch_run *run,
  * writing what it has. */
 #define BATCH_PATIENCE 5.0
 
-/* batch_child.c: one run, in this process, which ends with it. */
-_Noreturn void batch_child(const batch *self, const batch_run *one);
+/* batch_child.c: one run, in this process, which ends with it. Returns the exit code.
+ */
+int batch_child(const batch *self, const batch_run *one);
 
 /* batch_show.c: what is going on, on stderr. */
-typedef struct batch_slot {
-    pid_t pid; /* 0: free */
-    batch_run *run;
-    double began, deadline; /* [s] of the wall clock */
-    bool late;              /* past its deadline, and asked to end */
-} batch_slot;
-
 typedef struct batch_show {
     const batch *batch;
-    const batch_slot *slots;
+    batch_run **runs; /* of this call */
     bool quiet, terminal;
-    size_t planned, ended, failed; /* runs of this call */
+    size_t planned, ended, failed; /* of them */
     size_t lines;                  /* of the table on the terminal */
     double began, shown;           /* [s] of the wall clock */
 } batch_show;
 
-void batch_show_begin(batch_show *self);
-void batch_show_ended(batch_show *self, const batch_slot *slot);
-void batch_show_table(batch_show *self);
+void batch_show_ended(batch_show *self, const batch_run *run, double began);
+/* `all`: the processes of the pool. */
+void batch_show_table(batch_show *self, const process *all);
 void batch_show_end(batch_show *self);
 
-/* batch_pool.c: run what is to be run. Returns the signal that stopped it, or 0. */
-int batch_pool_run(batch *self, const bool *wanted);
+/* batch_pool.c: runs all of these. Returns the signal that stopped it, or 0. */
+int batch_pool_run(batch *self, batch_run **runs, size_t count);
 
 /* batch_summary.c: summary.csv, a row a run. */
 weft_status batch_summary(const batch *self, weft_error *err);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* batch_child.c -- one run, in a process of its own. */
 #include <fcntl.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include "cli/batch/batch.h"
@@ -16,26 +15,6 @@ static bool open_log(const char *directory, bool goes_on)
                         ? open(path, O_WRONLY | O_CREAT | O_NOFOLLOW | start, 0666)
                         : -1;
     return log >= 0 && dup2(log, STDOUT_FILENO) >= 0 && dup2(log, STDERR_FILENO) >= 0;
-}
-
-/* From the start, over what an earlier attempt has left. */
-static int start_over(const batch *self, const char *directory, const weft_scene *scene)
-{
-    const run_resumed from_start = { .from = NULL };
-    weft_error err = { 0 };
-    options given = *self->given;
-    given.quiet = true;
-    if (record_outdir(directory, true, &err) != WEFT_OK) {
-        return report_error(&err);
-    }
-    return run_scene(&given, directory, scene, self->registry, &from_start);
-}
-
-static int go_on(const batch *self, const char *directory, const weft_scene *scene)
-{
-    options given = *self->given;
-    given.quiet = true;
-    return resume_scene(&given, directory, scene, self->registry);
 }
 
 /* Between a look of the batch and the claim somebody else may have run it. */
@@ -55,10 +34,18 @@ static int run_claimed(const batch *self, const batch_run *one, const char *dire
     if (!open_log(directory, goes_on)) {
         return EXIT_FILE;
     }
-    return goes_on ? go_on(self, directory, scene) : start_over(self, directory, scene);
+    options given = *self->given;
+    given.quiet = true;
+    if (goes_on) {
+        return resume_scene(&given, directory, scene);
+    }
+    /* from the start, over what an earlier attempt has left */
+    return record_outdir(directory, true, &err) == WEFT_OK
+               ? run_scene(&given, directory, scene, true, NULL)
+               : report_error(&err);
 }
 
-static int run_child(const batch *self, const batch_run *one)
+int batch_child(const batch *self, const batch_run *one)
 {
     char directory[RECORD_PATH];
     weft_error err = { 0 };
@@ -70,12 +57,4 @@ static int run_child(const batch *self, const batch_run *one)
     return record_outdir_lock(directory, BATCH_PATIENCE, &lock, NULL) == WEFT_OK
                ? run_claimed(self, one, directory)
                : BATCH_EXIT_BUSY;
-}
-
-void batch_child(const batch *self, const batch_run *one)
-{
-    process_ends_with_parent(SIGTERM); /* a killed batch leaves nobody behind */
-    const int code = run_child(self, one);
-    (void)fflush(NULL);
-    _exit(code);
 }

@@ -37,9 +37,9 @@ static int read_scenes(batch *self)
         batch_scene *scene = &self->scenes[i];
         scene->file = self->given->operands[i];
         scene->stem = stem_of(scene->file);
-        const int one = scene->stem == NULL ? no_memory()
-                                            : open_sweep(scene->file, self->given,
-                                                         self->registry, &scene->sweep);
+        const int one = scene->stem == NULL
+                            ? no_memory()
+                            : open_sweep(scene->file, self->given, &scene->sweep);
         code = code == EXIT_DONE ? one : code;
     }
     return code;

@@ -1,19 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* batch_show.c -- a table that moves on a terminal, a line a run in a pipe. */
-#include <string.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "cli/batch/batch.h"
-#include "cli/run/progress.h"
 
 enum { SHOWN_SLOTS = 16, WIDTH = 79 };
-
-void batch_show_begin(batch_show *self)
-{
-    self->quiet = self->batch->given->quiet;
-    self->terminal = !self->quiet && isatty(STDERR_FILENO) == 1;
-    self->began = wall_clock();
-}
 
 /* Back to the first line of the table. */
 static void erase(batch_show *self)
@@ -24,9 +16,9 @@ static void erase(batch_show *self)
     }
 }
 
-void batch_show_ended(batch_show *self, const batch_slot *slot)
+void batch_show_ended(batch_show *self, const batch_run *run, double began)
 {
-    const batch_status status = slot->run->status;
+    const batch_status status = run->status;
     ++self->ended;
     self->failed += status != BATCH_DONE && status != BATCH_PARTIAL;
     if (self->quiet || (self->terminal && status == BATCH_DONE)) {
@@ -34,7 +26,7 @@ void batch_show_ended(batch_show *self, const batch_slot *slot)
     }
     erase(self);
     fprintf(stderr, "%zu/%zu %s %s (%.2f s)\n", self->ended, self->planned,
-            batch_status_name(status), slot->run->name, wall_clock() - slot->began);
+            batch_status_name(status), run->name, weft__wall_clock() - began);
 }
 
 /* "3:07" */
@@ -50,30 +42,30 @@ static const char *clock_text(double seconds, char *out, size_t size)
     return out;
 }
 
-static size_t print_slots(const batch_show *self, double now)
+static size_t print_slots(const batch_show *self, const process *all, double now)
 {
     size_t shown = 0;
     for (size_t i = 0; i < self->batch->jobs && shown < SHOWN_SLOTS; ++i) {
-        const batch_slot *slot = &self->slots[i];
         char time[32];
-        if (slot->pid > 0) {
-            (void)clock_text(now - slot->began, time, sizeof time);
-            fprintf(stderr, "  %8s  %.*s\n", time, WIDTH - 12, slot->run->name);
+        if (all[i].pid > 0) {
+            (void)clock_text(now - all[i].began, time, sizeof time);
+            fprintf(stderr, "  %8s  %.*s\n", time, WIDTH - 12,
+                    self->runs[all[i].job]->name);
             ++shown;
         }
     }
     return shown;
 }
 
-void batch_show_table(batch_show *self)
+void batch_show_table(batch_show *self, const process *all)
 {
-    const double now = wall_clock();
+    const double now = weft__wall_clock();
     if (!self->terminal || now - self->shown < 0.2) {
         return;
     }
     size_t running = 0;
     for (size_t i = 0; i < self->batch->jobs; ++i) {
-        running += self->slots[i].pid > 0;
+        running += all[i].pid > 0;
     }
     const double spent = now - self->began;
     const double left = (double)(self->planned - self->ended);
@@ -85,7 +77,7 @@ void batch_show_table(batch_show *self)
     fprintf(stderr, "%zu of %zu done, %zu failed, %zu running   %s   ETA %s\n",
             self->ended - self->failed, self->planned, self->failed, running,
             clock_text(spent, took, sizeof took), eta);
-    self->lines = 1 + print_slots(self, now);
+    self->lines = 1 + print_slots(self, all, now);
     self->shown = now;
     (void)fflush(stderr);
 }

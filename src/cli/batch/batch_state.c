@@ -45,21 +45,20 @@ static bool holds(const char *path, const char *text, bool *missing)
     return same;
 }
 
+bool batch_is_over(batch_status status)
+{
+    return status >= BATCH_DONE && status <= BATCH_TIMEOUT;
+}
+
 static batch_status result_status(const char *directory)
 {
-    static const batch_status over[]
-        = { BATCH_DONE, BATCH_FAILED, BATCH_IO_ERROR, BATCH_CRASHED, BATCH_TIMEOUT };
-    yaml_document_t result;
-    batch_status status = BATCH_PARTIAL;
-    if (!record_result_open(directory, &result)) {
-        return status;
+    char said[RECORD_RESULT_TEXT];
+    batch_status status = BATCH_DONE;
+    (void)record_result_get(directory, "status", said);
+    while (batch_is_over(status) && strcmp(said, names[status]) != 0) {
+        ++status;
     }
-    const char *said = record_result_value(&result, "status");
-    for (size_t i = 0; said != NULL && i < sizeof over / sizeof over[0]; ++i) {
-        status = strcmp(said, names[over[i]]) == 0 ? over[i] : status;
-    }
-    yaml_document_delete(&result);
-    return status;
+    return batch_is_over(status) ? status : BATCH_PARTIAL;
 }
 
 batch_status batch_look(const batch *self, const batch_run *run,
@@ -87,15 +86,8 @@ batch_status batch_look(const batch *self, const batch_run *run,
 
 bool batch_warned(const batch *self, const batch_run *run)
 {
-    char directory[RECORD_PATH];
-    yaml_document_t result;
-    if (run->status != BATCH_DONE
-        || batch_directory(self, run, directory, NULL) != WEFT_OK
-        || !record_result_open(directory, &result)) {
-        return false;
-    }
-    const char *said = record_result_value(&result, "warnings");
-    const bool warned = said != NULL && strcmp(said, "0") != 0;
-    yaml_document_delete(&result);
-    return warned;
+    char directory[RECORD_PATH], said[RECORD_RESULT_TEXT];
+    return run->status == BATCH_DONE
+           && batch_directory(self, run, directory, NULL) == WEFT_OK
+           && atoi(record_result_get(directory, "warnings", said)) > 0;
 }

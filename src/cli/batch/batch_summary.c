@@ -56,11 +56,7 @@ static void cell(FILE *out, const char *text, char next)
     if (strpbrk(text, ",\"\r\n") == NULL) {
         fputs(text, out);
     } else {
-        fputc('"', out);
-        for (; *text != '\0'; ++text) {
-            fputs(*text == '"' ? "\"\"" : (char[]){ *text, '\0' }, out);
-        }
-        fputc('"', out);
+        record_csv_quoted(out, text);
     }
     fputc(next, out);
 }
@@ -105,13 +101,6 @@ static void write_varied(FILE *out, const varied *keys, const batch_run *run)
     cell(out, run->scene->stem, ',');
 }
 
-/* Values of another scene's run, or of one that goes on, are none of this one. */
-static bool is_over(batch_status status)
-{
-    return status == BATCH_DONE || status == BATCH_FAILED || status == BATCH_IO_ERROR
-           || status == BATCH_CRASHED || status == BATCH_TIMEOUT;
-}
-
 static weft_status write_row(FILE *out, const batch *self, const varied *keys,
                              const batch_run *run, weft_error *err)
 {
@@ -121,9 +110,10 @@ static weft_status write_row(FILE *out, const batch *self, const varied *keys,
     if (status != WEFT_OK) {
         return status;
     }
+    /* values of another scene's run, or of one that goes on, are none of this one */
     yaml_document_t *known
-        = is_over(run->status) && record_result_open(directory, &result) ? &result
-                                                                         : NULL;
+        = batch_is_over(run->status) && record_result_open(directory, &result) ? &result
+                                                                               : NULL;
     write_varied(out, keys, run);
     cell(out, batch_status_name(run->status), ',');
     for (size_t i = 0; i < OUTCOMES; ++i) {

@@ -6,16 +6,6 @@
 #include "cli/check/stable_steps.h"
 #include "cli/human.h"
 
-const char *scene_unsupported(const weft_scene *scene)
-{
-    if (weft_scene_method_type(scene) == NULL) {
-        return "stepper.butcher: tables of one's own are read, but the plugin arkode "
-               "that "
-               "runs them is not there";
-    }
-    return NULL;
-}
-
 static void print_bytes(const char *what, double bytes)
 {
     static const char *const units[] = { "B", "kB", "MB", "GB", "TB" };
@@ -132,6 +122,7 @@ static void print_scene(const char *file, const weft_scene *scene,
                         const weft_cloth *cloth, const survey *found, bool all)
 {
     const weft_run_def *run = weft_scene_run(scene);
+    weft_error err;
     print_plain(stdout, file, "");
     fputs(": ok: ", stdout);
     print_plain(stdout, weft_scene_name(scene), "");
@@ -140,11 +131,11 @@ static void print_scene(const char *file, const weft_scene *scene,
     print_limit(weft_scene_limit(scene));
     print_stepper(scene);
     print_matrices(scene, weft_cloth_particles(cloth));
-    printf("  run        %g s in %zu frames\n", run->duration, frame_last(run) + 1);
+    printf("  run        %g s in %zu frames\n", run->duration,
+           weft_run_last_frame(run) + 1);
     stability_print(scene, found, all);
-    const char *unsupported = scene_unsupported(scene);
-    if (unsupported != NULL) {
-        print_item("note", "%s", unsupported);
+    if (scene_supported(scene, &err) != WEFT_OK) {
+        print_item("note", "%s", err.message);
     }
 }
 
@@ -187,8 +178,8 @@ static void warn_of_springs(const char *file, const weft_cloth *cloth)
 }
 
 /* All that is said of a right scene, to *out or if that is NULL in words. */
-static int describe(const char *file, const weft_scene *scene, weft_registry *registry,
-                    const options *given, yaml_out *out)
+static int describe(const char *file, const weft_scene *scene, const options *given,
+                    yaml_out *out)
 {
     weft_error err = { 0 };
     weft_cloth *cloth = NULL;
@@ -202,8 +193,7 @@ static int describe(const char *file, const weft_scene *scene, weft_registry *re
     }
     if (status == WEFT_OK) {
         warn_of_springs(file, cloth);
-        status
-            = survey_create(scene, cloth, sim, registry, given->refine, &found, &err);
+        status = survey_create(scene, cloth, sim, given, &found, &err);
     }
     if (status != WEFT_OK) {
         (void)snprintf(err.file, sizeof err.file, "%.200s", file);
@@ -226,7 +216,6 @@ static bool is_beyond(const weft_sweep *sweep, size_t run)
     weft_sim *sim = NULL;
     const bool beyond = weft_sweep_scene(sweep, run, &scene, NULL) == WEFT_OK
                         && weft_scene_config(scene)->fixed_step > 0.0
-                        && scene_unsupported(scene) == NULL
                         && simulation_create(scene, &cloth, &sim, NULL) == WEFT_OK
                         && stability_warn(scene, sim, true);
     weft_sim_destroy(sim);
@@ -251,13 +240,12 @@ static void print_beyond(const weft_sweep *sweep)
 }
 
 /* Of a sweep all runs are validated, and the first is described. */
-static int check_file(const char *file, const options *given, weft_registry *registry,
-                      yaml_out *out)
+static int check_file(const char *file, const options *given, yaml_out *out)
 {
     weft_error err = { 0 };
     weft_sweep *sweep = NULL;
     weft_scene *scene = NULL;
-    int code = open_sweep(file, given, registry, &sweep);
+    int code = open_sweep(file, given, &sweep);
     code = code == EXIT_DONE ? batch_check(file, sweep) : code;
     if (code != EXIT_DONE) {
         weft_sweep_destroy(sweep);
@@ -267,7 +255,7 @@ static int check_file(const char *file, const options *given, weft_registry *reg
         print_sweep(file, sweep);
     }
     code = weft_sweep_scene(sweep, 1, &scene, &err) == WEFT_OK
-               ? describe(file, scene, registry, given, out)
+               ? describe(file, scene, given, out)
                : report_error(&err);
     if (code == EXIT_DONE && out == NULL) {
         print_beyond(sweep);
@@ -277,7 +265,7 @@ static int check_file(const char *file, const options *given, weft_registry *reg
     return code;
 }
 
-static int check_files(const options *given, weft_registry *registry)
+static int check_files(const options *given)
 {
     yaml_out out;
     int code = EXIT_DONE;
@@ -286,8 +274,8 @@ static int check_files(const options *given, weft_registry *registry)
         yaml_out_list(&out, "scenes");
     }
     for (int i = 0; i < given->operand_count; ++i) {
-        const int one = check_file(given->operands[i], given, registry,
-                                   given->yaml ? &out : NULL);
+        const int one
+            = check_file(given->operands[i], given, given->yaml ? &out : NULL);
         code = code == EXIT_DONE ? one : code;
     }
     if (given->yaml) {
@@ -297,24 +285,10 @@ static int check_files(const options *given, weft_registry *registry)
     return code;
 }
 
-static int check_verb(int argc, char **argv)
+static int check_verb(const options *given)
 {
-    options given;
-    int code = options_parse(&verb_check, "spyaR", argc, argv, &given);
-    if (code >= 0) {
-        return code;
-    }
-    weft_registry *registry = NULL;
-    if (given.operand_count == 0) {
-        code = usage_error(&verb_check, "no scene given");
-    } else if ((registry = open_registry(given.plugin_path)) == NULL) {
-        code = EXIT_SIMULATION;
-    } else {
-        code = check_files(&given, registry);
-    }
-    weft_registry_destroy(registry);
-    options_free(&given);
-    return code;
+    return given->operand_count == 0 ? usage_error(&verb_check, "no scene given")
+                                     : check_files(given);
 }
 
 const verb verb_check = {
@@ -322,21 +296,23 @@ const verb verb_check = {
     .summary = "validate scenes, show what they build; write nothing",
     .help
     = "usage: weft check SCENE.yaml... [OPTIONS]\n\n"
-      "Reads and validates scenes and prints particles, springs, masses, the pins "
-      "that\nmatched, memory, stepper and frames. All mistakes of a file are shown "
-      "at once.\n"
+      "Reads and validates scenes and prints particles, springs, masses, the pins that "
+      "matched, memory, stepper and frames. All mistakes of a file are shown at once. "
       "Then how fast the cloth vibrates at most, and for the cheapest methods the "
-      "largest\nstep at which no vibration grows, with the evaluations of the forces "
-      "that it takes\nper simulated second. A method marked * has none on undamped "
-      "vibrations: its step is\nthe one at which none of these more than doubles "
-      "during the run.\n\n"
+      "largest step at which no vibration grows, with the evaluations of the forces "
+      "that it takes per simulated second. A method marked * has none on undamped "
+      "vibrations: its step is the one at which none of these more than doubles during "
+      "the run.\n\n"
       "  --all                every method of every plugin\n"
       "  --refine             sharper by the power method, but no longer guaranteed\n"
       "  --yaml               for machines: the stable steps of every method\n"
       "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
       "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n\n"
       "example: weft check scenes/*.yaml\n\n"
-      "exit codes: 0 all are right, 3 a scene is wrong, 4 a file could not be "
-      "read\n",
+      "exit codes: 0 all are right, 3 a scene is wrong, 4 a file could not be read\n",
+    .options
+    = OPTIONS(OPTION_VALUE("set", sets), OPTION_VALUE("plugin-path", plugin_path),
+              OPTION_FLAG("yaml", yaml), OPTION_FLAG("all", all),
+              OPTION_FLAG("refine", refine)),
     .run = check_verb,
 };

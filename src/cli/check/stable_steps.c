@@ -10,11 +10,19 @@
 enum { SHORT_TABLE = 5 };
 #define ORDER 1.25
 
+/* Steppers take what is left of a frame whole if it is longer than h by this part. */
+#define REST 1e-6
+
+double frame_steps(const weft_run_def *run, double h)
+{
+    return fmax(1.0, ceil(weft_run_frame_time(run, 1) / h - REST));
+}
+
 double step_taken(const weft_scene *scene)
 {
     const weft_run_def *run = weft_scene_run(scene);
     const double h = weft_scene_config(scene)->fixed_step;
-    return h > 0.0 && !(frame_steps(run, h) > 1.0) ? frame_time(run, 1) : h;
+    return h > 0.0 && !(frame_steps(run, h) > 1.0) ? weft_run_frame_time(run, 1) : h;
 }
 
 /* RHS calls per simulated second of the scene as it stands; 0: not known. */
@@ -47,7 +55,7 @@ static void say_cheapest(const weft_scene *scene, const survey *of, char *text,
     const double factor = own_cost(scene, of) / best->per_second;
     if (!(factor >= WORTH) || !isfinite(factor)) {
         (void)snprintf(text, size, "no method needs notably fewer evaluations%s",
-                       step_taken(scene) < frame_time(weft_scene_run(scene), 1)
+                       step_taken(scene) < weft_run_frame_time(weft_scene_run(scene), 1)
                            ? ""
                            : " at this run.fps");
     } else if (best == of->own) {

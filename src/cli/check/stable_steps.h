@@ -39,8 +39,8 @@ typedef struct survey {
 /* sim is of the scene, at t = 0, and is used up by the trial; NULL: no trial,
  * and `now` is what holds in any state. */
 weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
-                          weft_sim *sim, weft_registry *registry, bool refine,
-                          survey *out, weft_error *err);
+                          weft_sim *sim, const options *given, survey *out,
+                          weft_error *err);
 void survey_destroy(survey *self);
 
 /* Part of the trial's steps that stability has held; 0 without a stable step. */
@@ -51,6 +51,9 @@ double survey_held(const survey *of);
 weft_status stable_step(const weft_scene *scene, const weft_stepper_type *type,
                         const weft_stiffness *modes, survey_method *out,
                         weft_error *err);
+
+/* How many fixed steps of h [s] a frame takes: none crosses its end. */
+double frame_steps(const weft_run_def *run, double h);
 
 /* The longest step [s] that a fixed step comes to, as a frame cuts it; 0: adaptive. */
 double step_taken(const weft_scene *scene);
@@ -65,11 +68,5 @@ void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of);
 /* Whether the scene's fixed step is beyond the stable one of the present state; then,
  * unless quiet, it says so to stderr. */
 bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet);
-
-/* The message of a failed run with the stable step and what to try, in parts that are
- * separated by "; "; and to stderr, a part a line. */
-void trouble_describe(const weft_scene *scene, const weft_sim *sim,
-                      const weft_error *why, char *text, size_t size);
-void trouble_print(const char *text);
 
 #endif

@@ -6,6 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "cli/method_list.h"
+
 /* RHS calls times particles of a trial, and the steps it is to have at least. */
 #define TRIAL_WORK 1.5e6
 enum { TRIAL_SKIPPED = 3, TRIAL_LEAST = 10 };
@@ -45,7 +47,7 @@ weft_status stable_step(const weft_scene *scene, const weft_stepper_type *type,
 double calls_per_second(const weft_scene *scene, const survey_method *method, double h)
 {
     const weft_run_def *run = weft_scene_run(scene);
-    return method->calls * frame_steps(run, h) / frame_time(run, 1);
+    return method->calls * frame_steps(run, h) / weft_run_frame_time(run, 1);
 }
 
 /* The cheapest first, of equal ones that of higher order, then of the longer step. */
@@ -59,57 +61,38 @@ static int compare(const void *first, const void *second)
                         : (b->step > a->step) - (b->step < a->step);
 }
 
-/* Tables of one's own are no method but in the scene that has them. */
-static bool counts(const weft_scene *scene, const weft_stepper_type *type)
+static weft_status add_method(const weft_scene *scene, const stepper_method *m,
+                              survey *out, weft_error *err)
 {
-    return (type->flags & WEFT_STEPPER_BUTCHER) == 0
-           || type == weft_scene_method_type(scene);
+    survey_method *method = &out->methods[out->count++];
+    const weft_status status = stable_step(scene, m->type, &out->modes, method, err);
+    method->plugin = m->plugin;
+    method->per_second
+        = method->step > 0.0 ? calls_per_second(scene, method, method->step) : INFINITY;
+    return status == WEFT_NO_MEMORY ? status : WEFT_OK;
 }
 
-static weft_status add_methods(const weft_scene *scene, const weft_plugin *plugin,
-                               survey *out, weft_error *err)
+static weft_status survey_methods(const weft_scene *scene,
+                                  const weft_registry *registry, survey *out,
+                                  weft_error *err)
 {
-    for (size_t i = 0; plugin->types[i] != NULL; ++i) {
-        const weft_stepper_type *type = plugin->types[i];
-        if (!counts(scene, type)) {
-            continue;
-        }
-        survey_method *method = &out->methods[out->count++];
-        const weft_status status = stable_step(scene, type, &out->modes, method, err);
-        if (status == WEFT_NO_MEMORY) {
-            return status;
-        }
-        method->plugin = plugin;
-        method->per_second = method->step > 0.0
-                                 ? calls_per_second(scene, method, method->step)
-                                 : INFINITY;
-    }
-    return WEFT_OK;
-}
-
-static weft_status survey_methods(const weft_scene *scene, weft_registry *registry,
-                                  survey *out, weft_error *err)
-{
-    size_t room = 0;
-    for (size_t i = 0; i < weft_registry_count(registry); ++i) {
-        const weft_plugin *plugin = weft_registry_at(registry, i);
-        for (size_t m = 0; plugin->types[m] != NULL; ++m) {
-            ++room;
-        }
-    }
+    const weft_stepper_type *own = weft_scene_method_type(scene);
+    stepper_method m;
+    const size_t room = method_count(registry);
     out->methods = calloc(room + 1, sizeof *out->methods);
     if (out->methods == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu methods", room);
     }
     weft_status status = WEFT_OK;
-    for (size_t i = 0; i < weft_registry_count(registry) && status == WEFT_OK; ++i) {
-        status = add_methods(scene, weft_registry_at(registry, i), out, err);
+    for (size_t i = 0; status == WEFT_OK && method_at(registry, i, &m); ++i) {
+        /* tables of one's own are no method but in the scene that has them */
+        if ((m.type->flags & WEFT_STEPPER_BUTCHER) == 0 || m.type == own) {
+            status = add_method(scene, &m, out, err);
+        }
     }
     qsort(out->methods, out->count, sizeof *out->methods, compare);
     for (size_t i = 0; i < out->count; ++i) {
-        if (out->methods[i].type == weft_scene_method_type(scene)) {
-            out->own = &out->methods[i];
-        }
+        out->own = out->methods[i].type == own ? &out->methods[i] : out->own;
     }
     return status;
 }
@@ -165,8 +148,8 @@ static const survey_method *find_rival(const survey *of)
     const survey_method *best = of->own;
     for (size_t i = 0; i < of->count; ++i) {
         const survey_method *other = &of->methods[i];
-        const bool adaptive = (other->type->flags & WEFT_STEPPER_FIXED_ONLY) == 0;
-        if (adaptive && other->step > 0.0 && other->type->order > best->type->order) {
+        if (method_adapts(other->type) && other->step > 0.0
+            && other->type->order > best->type->order) {
             best = other;
         }
     }
@@ -207,14 +190,14 @@ static weft_status try_rival(const weft_scene *scene, const weft_sim *tried,
 }
 
 weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
-                          weft_sim *sim, weft_registry *registry, bool refine,
-                          survey *out, weft_error *err)
+                          weft_sim *sim, const options *given, survey *out,
+                          weft_error *err)
 {
     *out = (survey){ 0 };
-    (void)load_plugins(registry, NULL);
-    weft_status status = survey_cloth(cloth, sim, refine, out, err);
+    (void)load_plugins(given->registry, NULL);
+    weft_status status = survey_cloth(cloth, sim, given->refine, out, err);
     if (status == WEFT_OK) {
-        status = survey_methods(scene, registry, out, err);
+        status = survey_methods(scene, given->registry, out, err);
     }
     if (status == WEFT_OK && out->own != NULL && out->own->step > 0.0) {
         status = stable_step(scene, out->own->type, &out->any, &out->any_state, err);

@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* compare.c -- weft compare: references, horizon, ladders, times, advice. */
+#include <errno.h>
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 
 #include "cli/check/stable_steps.h"
 #include "cli/compare/compare.h"
 #include "plugin/methods.h"
+#include "record/child_process.h"
 #include "record/record.h"
 
 enum { CALL_TIMES = 5, NAME_MOST = 64 };
@@ -15,11 +19,10 @@ enum { CALL_TIMES = 5, NAME_MOST = 64 };
 
 double compare_time(const compare *self, size_t frame)
 {
-    return frame_time(&self->run, frame);
+    return weft_run_frame_time(&self->run, frame);
 }
 
-/* ---- methods ----------------------------------------------------------------------
- */
+/* ---- methods ---------------------------------------------------------------- */
 
 /* "gsl", "rkf45" or "gsl/rkf45", of `length` letters. */
 static bool is_meant(const stepper_method *m, const char *word, size_t length)
@@ -127,15 +130,42 @@ static weft_status add_methods(compare *self, const weft_registry *registry,
     return status;
 }
 
-/* ---- references and horizon --------------------------------------------------------
- */
+/* ---- references and horizon ------------------------------------------------- */
 
-static void reference_ended(compare *self, size_t job, const char *how)
+/* "its process was ended by signal 11" into text; false: it ended well. */
+static bool ended_badly(int status, char *text, size_t size)
 {
-    if (how != NULL) {
-        self->shared->status[job]
-            = weft_error_set(&self->shared->err[job], WEFT_SOLVER, "%s", how);
+    const bool killed = WIFSIGNALED(status);
+    (void)snprintf(text, size, "its process was ended by %s %d",
+                   killed ? "signal" : "exit code",
+                   killed ? WTERMSIG(status) : WEXITSTATUS(status));
+    return status != 0;
+}
+
+static void reference_ended(void *ctx, const process *one)
+{
+    const compare *self = ctx;
+    char how[64];
+    if (ended_badly(one->status, how, sizeof how)) {
+        self->shared->status[one->job]
+            = weft_error_set(&self->shared->err[one->job], WEFT_SOLVER, "%s", how);
     }
+}
+
+/* Every job in a child; WEFT_SOLVER if none can be made. */
+static weft_status run_jobs(compare *self, size_t jobs,
+                            int (*work)(void *ctx, size_t job),
+                            void (*ended)(void *ctx, const process *one),
+                            weft_error *err)
+{
+    process_pool pool = { .def = { .work = work, .ctx = self, .end_signal = SIGKILL },
+                          .jobs = jobs,
+                          .at_once = self->jobs,
+                          .ended = ended };
+    return process_pool_run(&pool)
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_SOLVER, "no process for a run: %s",
+                                strerror(errno));
 }
 
 static double distance(const compare *self, size_t frame)
@@ -218,9 +248,7 @@ static weft_status find_horizon(compare *self, weft_error *err)
 
 static weft_status make_references(compare *self, weft_error *err)
 {
-    const compare_pool references
-        = { 2, self->jobs < 2 ? 1 : 2, compare_reference, reference_ended };
-    weft_status status = pool_run(&references, self, err);
+    weft_status status = run_jobs(self, 2, compare_reference, reference_ended, err);
     for (size_t i = 0; i < 2 && status == WEFT_OK; ++i) {
         status = self->shared->status[i];
         if (status != WEFT_OK) {
@@ -232,15 +260,17 @@ static weft_status make_references(compare *self, weft_error *err)
     return status == WEFT_OK ? find_horizon(self, err) : status;
 }
 
-/* ---- ladders and times --------------------------------------------------------------
- */
+/* ---- ladders and times ------------------------------------------------------ */
 
-static void ladder_ended(compare *self, size_t job, const char *how)
+static void ladder_ended(void *ctx, const process *one)
 {
-    compare_method *method = &self->shared->methods[job];
-    compare_point *points = job < self->count ? method->points : &self->shared->as_is;
-    for (size_t i = 0; how != NULL && i < (job < self->count ? COMPARE_RUNGS : 1);
-         ++i) {
+    compare *self = ctx;
+    char how[64];
+    const bool as_is = one->job == self->count;
+    compare_point *points
+        = as_is ? &self->shared->as_is : self->shared->methods[one->job].points;
+    const size_t count = as_is ? 1 : COMPARE_RUNGS;
+    for (size_t i = 0; ended_badly(one->status, how, sizeof how) && i < count; ++i) {
         if (points[i].outcome == COMPARE_RUNNING) {
             points[i].outcome = COMPARE_FAILED;
             (void)snprintf(points[i].why, sizeof points[i].why, "%s", how);
@@ -293,36 +323,25 @@ static weft_status compare_all(compare *self, weft_error *err)
     weft_status status = make_references(self, err);
     if (status == WEFT_OK) {
         set_budget(self);
-        const compare_pool ladders
-            = { self->count + 1, self->jobs, compare_ladder, ladder_ended };
-        status = pool_run(&ladders, self, err);
+        status = run_jobs(self, self->count + 1, compare_ladder, ladder_ended, err);
         progress_clear(&self->progress);
     }
     return status == WEFT_OK ? take_times(self, err) : status;
 }
 
-/* ---- the verb -----------------------------------------------------------------------
- */
-
-static size_t shared_size(const weft_registry *registry)
-{
-    stepper_method m;
-    size_t count = 0;
-    while (method_at(registry, count, &m)) {
-        ++count;
-    }
-    return sizeof(compare_shared) + (count + 1) * sizeof(compare_method);
-}
+/* ---- the verb --------------------------------------------------------------- */
 
 static weft_status open_memory(compare *self, const weft_registry *registry,
                                weft_error *err)
 {
     const size_t frames = self->planned + 1, dim = weft_cloth_dim(self->cloth);
-    self->shared = pool_memory(1, shared_size(registry));
-    self->frames[0] = pool_memory(frames, dim * sizeof(double));
-    self->frames[1] = pool_memory(frames, dim * sizeof(double));
-    self->twin = pool_memory(frames, sizeof(double));
-    self->energy = pool_memory(frames, sizeof(double));
+    self->shared = process_memory(
+        1,
+        sizeof *self->shared + method_count(registry) * sizeof *self->shared->methods);
+    self->frames[0] = process_memory(frames, dim * sizeof(double));
+    self->frames[1] = process_memory(frames, dim * sizeof(double));
+    self->twin = process_memory(frames, sizeof(double));
+    self->energy = process_memory(frames, sizeof(double));
     if (self->shared == NULL || self->frames[0] == NULL || self->frames[1] == NULL
         || self->twin == NULL || self->energy == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu frames", frames);
@@ -331,24 +350,12 @@ static weft_status open_memory(compare *self, const weft_registry *registry,
     return WEFT_OK;
 }
 
-static void close_memory(compare *self, const weft_registry *registry)
-{
-    const size_t frames = self->planned + 1, dim = weft_cloth_dim(self->cloth);
-    pool_free(self->shared, 1, shared_size(registry));
-    pool_free(self->frames[0], frames, dim * sizeof(double));
-    pool_free(self->frames[1], frames, dim * sizeof(double));
-    pool_free(self->twin, frames, sizeof(double));
-    pool_free(self->energy, frames, sizeof(double));
-}
-
 static weft_status conclude(const compare *self, const char *directory, weft_error *err)
 {
     compare_advice advice;
     compare_advise(self, &advice);
     weft_status status = compare_csv(self, directory, err);
-    if (status == WEFT_OK) {
-        status = compare_html(self, &advice, directory, err);
-    }
+    status = status == WEFT_OK ? compare_html(self, &advice, directory, err) : status;
     if (status == WEFT_OK && !self->quiet && self->progress.mode != PROGRESS_YAML) {
         compare_print(self, &advice);
         printf("written: %s/compare.csv, %s/compare.html\n", directory, directory);
@@ -356,9 +363,37 @@ static weft_status conclude(const compare *self, const char *directory, weft_err
     return status;
 }
 
-static int compare_scene(const options *given, const char *directory, double until,
-                         const weft_scene *scene, weft_registry *registry)
+static weft_status find_references(compare *self, const weft_registry *registry,
+                                   weft_error *err)
 {
+    return method_best(registry, NULL, &self->by[0])
+                   && method_best(registry, &self->by[0], &self->by[1])
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_UNSUPPORTED,
+                                "no two explicit methods with error control, of which "
+                                "one would check the other");
+}
+
+static weft_status compare_into(compare *self, const options *given,
+                                const char *directory, weft_error *err)
+{
+    weft_status status = open_memory(self, given->registry, err);
+    if (status == WEFT_OK) {
+        status = add_methods(self, given->registry, given->methods, err);
+    }
+    if (status == WEFT_OK) {
+        compare_begin(self, directory);
+        status = compare_all(self, err);
+        status = status == WEFT_OK ? conclude(self, directory, err) : status;
+        compare_end(self, status == WEFT_OK ? NULL : err->message);
+    }
+    return status;
+}
+
+static int compare_scene(const options *given, double until, const weft_scene *scene)
+{
+    char text[RECORD_PATH];
+    const char *directory = out_directory(given, ".compare", text);
     weft_error err = { 0 };
     weft_cloth *cloth = NULL;
     compare self = { .scene = scene,
@@ -367,32 +402,13 @@ static int compare_scene(const options *given, const char *directory, double unt
                      .quiet = given->quiet };
     (void)progress_find(given->quiet ? "none" : given->progress, &self.progress.mode);
     self.run.duration = fmin(self.run.duration, until);
-    self.planned = frame_last(&self.run);
-    weft_status status = cloth_create(scene, &cloth, &err);
+    self.planned = weft_run_last_frame(&self.run);
+    weft_status status = scene_supported(scene, &err);
+    status = status == WEFT_OK ? cloth_create(scene, &cloth, &err) : status;
     self.cloth = cloth;
-    if (status == WEFT_OK
-        && !(method_best(registry, NULL, &self.by[0])
-             && method_best(registry, &self.by[0], &self.by[1]))) {
-        status = weft_error_set(&err, WEFT_UNSUPPORTED,
-                                "no two explicit methods with error control, of which "
-                                "one would check the other");
-    }
-    if (status == WEFT_OK) {
-        status = record_outdir(directory, given->force, &err);
-    }
-    if (status == WEFT_OK) {
-        status = open_memory(&self, registry, &err);
-        if (status == WEFT_OK) {
-            status = add_methods(&self, registry, given->methods, &err);
-        }
-        if (status == WEFT_OK) {
-            compare_begin(&self, directory);
-            status = compare_all(&self, &err);
-            status = status == WEFT_OK ? conclude(&self, directory, &err) : status;
-            compare_end(&self, status == WEFT_OK ? NULL : err.message);
-        }
-        close_memory(&self, registry);
-    }
+    status = status == WEFT_OK ? find_references(&self, given->registry, &err) : status;
+    status = status == WEFT_OK ? record_outdir(directory, given->force, &err) : status;
+    status = status == WEFT_OK ? compare_into(&self, given, directory, &err) : status;
     weft_cloth_destroy(cloth);
     return status == WEFT_OK ? EXIT_DONE : report_error(&err);
 }
@@ -400,56 +416,38 @@ static int compare_scene(const options *given, const char *directory, double unt
 static int open_and_compare(const options *given, double until)
 {
     weft_scene *scene = NULL;
-    weft_registry *registry = open_registry(given->plugin_path);
-    char *out = default_directory(given->operands[0], ".compare");
-    int code = registry == NULL || out == NULL
-                   ? EXIT_SIMULATION
-                   : open_scene(given->operands[0], given, registry, &scene);
-    if (code == EXIT_DONE) {
-        (void)load_plugins(registry, NULL);
-        const char *word = unknown_word(registry, given->methods);
-        const char *unsupported = scene_unsupported(scene);
-        if (word != NULL) {
-            code = usage_error(&verb_compare,
-                               "--methods: no method '%.*s'; weft steppers lists them",
-                               (int)strcspn(word, ","), word);
-        } else if (unsupported != NULL) {
-            weft_error err;
-            (void)weft_error_set(&err, WEFT_UNSUPPORTED, "%s", unsupported);
-            code = report_error(&err);
-        } else {
-            code = compare_scene(given, given->out == NULL ? out : given->out, until,
-                                 scene, registry);
-        }
-    }
-    free(out);
-    weft_scene_destroy(scene);
-    weft_registry_destroy(registry);
-    return code;
-}
-
-static int compare_verb(int argc, char **argv)
-{
-    options given;
-    int code = options_parse(&verb_compare, "ospqFjMuP", argc, argv, &given);
-    if (code >= 0) {
+    const int code = open_scene(given->operands[0], given, &scene);
+    if (code != EXIT_DONE) {
         return code;
     }
-    char *end = NULL;
+    (void)load_plugins(given->registry, NULL);
+    const char *word = unknown_word(given->registry, given->methods);
+    const int compared
+        = word == NULL
+              ? compare_scene(given, until, scene)
+              : usage_error(&verb_compare,
+                            "--methods: no method '%.*s'; weft steppers lists them",
+                            (int)strcspn(word, ","), word);
+    weft_scene_destroy(scene);
+    return compared;
+}
+
+static int compare_verb(const options *given)
+{
     progress_mode mode;
-    const double until = given.until == NULL ? INFINITY : strtod(given.until, &end);
-    if (given.operand_count != 1) {
-        code = usage_error(&verb_compare, given.operand_count == 0
+    const double until
+        = given->until == NULL ? (double)INFINITY : option_real(given->until);
+    if (given->operand_count != 1) {
+        return usage_error(&verb_compare, given->operand_count == 0
                                               ? "no scene given"
                                               : "more than one scene");
-    } else if (!(until > 0.0) || (end != NULL && *end != '\0')) {
-        code
-            = usage_error(&verb_compare, "--until %s: not a time [s] > 0", given.until);
-    } else if ((code = progress_choose(&verb_compare, &given, &mode)) == EXIT_DONE) {
-        code = open_and_compare(&given, until);
     }
-    options_free(&given);
-    return code;
+    if (!(until > 0.0)) {
+        return usage_error(&verb_compare, "--until %s: not a time [s] > 0",
+                           given->until);
+    }
+    const int code = progress_choose(&verb_compare, given, &mode);
+    return code == EXIT_DONE ? open_and_compare(given, until) : code;
 }
 
 const verb verb_compare = {
@@ -458,23 +456,16 @@ const verb verb_compare = {
     .help
     = "usage: weft compare SCENE.yaml [OPTIONS]\n\n"
       "Runs a scene by every method of every plugin, over tolerances from 1e-2 to "
-      "1e-10 or\n"
-      "over fixed steps, and measures how far each comes off a reference [m] and how "
-      "many\n"
-      "evaluations of the forces (RHS calls) it takes. Prints which method is the "
-      "cheapest\n"
-      "for which accuracy, and leaves compare.csv and compare.html, a diagram for a "
-      "browser.\n\n"
+      "1e-10 or over fixed steps, and measures how far each comes off a reference [m] "
+      "and how many evaluations of the forces (RHS calls) it takes. Prints which "
+      "method is the cheapest for which accuracy, and leaves compare.csv and "
+      "compare.html, a diagram for a browser.\n\n"
       "The reference is the scene at tolerance 1e-12 by the methods of the highest "
-      "order of\n"
-      "two plugins; where they do not agree nothing is judged. Cloth may be chaotic: "
-      "nothing\n"
-      "is compared beyond the time to which a difference of 1e-10 m at the start has "
-      "grown\n"
-      "10 000 times.\n\n"
+      "order of two plugins; where they do not agree nothing is judged. Cloth may be "
+      "chaotic: nothing is compared beyond the time to which a difference of 1e-10 m "
+      "at the start has grown 10 000 times.\n\n"
       "  --methods LIST       only these, and the scene's own: gsl, rkf45, gsl/rkf45, "
-      "...\n"
-      "                       separated by commas\n"
+      "... separated by commas\n"
       "  --until T            compare up to T [s] at most, not to the scene's end\n"
       "  -j, --jobs N         so many processes at once; default 1. Times are taken by "
       "one\n"
@@ -489,7 +480,11 @@ const verb verb_compare = {
       "  weft compare scenes/two-corners.yaml -j 2\n"
       "  weft compare scenes/curtain.yaml --methods gsl,verlet --until 0.5\n\n"
       "exit codes: 0 done, 1 there is no reference, 2 wrong command line, 3 wrong "
-      "scene, 4 a\n"
-      "file could not be read or written\n",
+      "scene, 4 a file could not be read or written\n",
+    .options = OPTIONS(OPTION_VALUE("out", out), OPTION_VALUE("set", sets),
+                       OPTION_VALUE("plugin-path", plugin_path),
+                       OPTION_FLAG("quiet", quiet), OPTION_FLAG("force", force),
+                       OPTION_VALUE("progress", progress), OPTION_VALUE("jobs", jobs),
+                       OPTION_VALUE("methods", methods), OPTION_VALUE("until", until)),
     .run = compare_verb,
 };

@@ -100,35 +100,16 @@ typedef struct compare {
 double compare_time(const compare *self, size_t frame); /* [s] */
 double compare_decade(size_t k); /* 10^-k, k <= 22: the nearest double */
 
-/* ---- compare_run.c: in a process of their own
- * ---------------------------------------- */
+/* ---- compare_run.c: in a process of their own ------------------------------- */
 
-/* Frames, energies and twin of by[0]; frames of by[1]. */
-void compare_reference(const compare *self, size_t which);
+/* process_def.work. Frames, energies and twin of by[0]; frames of by[1]. */
+int compare_reference(void *self, size_t which);
 /* The ladder of a method; past the last method: the scene as it is. */
-void compare_ladder(const compare *self, size_t i);
+int compare_ladder(void *self, size_t i);
 /* [s] a call takes, measured for a moment; 0 if it fails. */
 double compare_call_time(const compare *self, const compare_method *method);
 
-/* ---- compare_pool.c
- * ------------------------------------------------------------------ */
-
-/* Zeroed memory that children share with their parent; NULL if there is none. */
-void *pool_memory(size_t count, size_t size);
-void pool_free(void *memory, size_t count, size_t size);
-
-typedef struct compare_pool {
-    size_t jobs, at_once;
-    void (*work)(const compare *self, size_t job);
-    /* In the parent: `how` it came to a bad end, or NULL. */
-    void (*ended)(compare *self, size_t job, const char *how);
-} compare_pool;
-
-/* Every job in a child; WEFT_SOLVER if none can be made. */
-weft_status pool_run(const compare_pool *self, compare *of, weft_error *err);
-
-/* ---- compare_advice.c
- * ---------------------------------------------------------------- */
+/* ---- compare_advice.c ------------------------------------------------------- */
 
 /* What a method takes to reach an accuracy: between two points of its ladder along a
  * straight line of logarithms. */
@@ -155,8 +136,7 @@ void compare_say_as_is(const compare *self, char *text, size_t size);
 void compare_say_horizon(const compare *self, char *text, size_t size);
 void compare_say_reference(const compare *self, char *text, size_t size);
 
-/* ---- compare_write.c
- * ----------------------------------------------------------------- */
+/* ---- compare_write.c -------------------------------------------------------- */
 
 /* With --progress yaml: documents before anything is run and after all was. `failed`:
  * why, or NULL. */

@@ -121,8 +121,7 @@ void compare_advise(const compare *self, compare_advice *out)
     }
 }
 
-/* ---- words ------------------------------------------------------------------------
- */
+/* ---- words ------------------------------------------------------------------ */
 
 WEFT_PRINTF(3, 4)
 static void add(char *text, size_t size, const char *format, ...)

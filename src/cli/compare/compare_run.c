@@ -91,12 +91,6 @@ static double farthest(const double *a, const double *b, size_t n, double *squar
     return sqrt(top);
 }
 
-static double total(const weft_energy *energy)
-{
-    return energy->kinetic + energy->gravitational + energy->elastic[0]
-           + energy->elastic[1] + energy->elastic[2];
-}
-
 static weft_status keep(void *ctx, size_t i, weft_error *err)
 {
     compare_trial *of = ctx;
@@ -108,8 +102,7 @@ static weft_status keep(void *ctx, size_t i, weft_error *err)
     if (of->twin == NULL) {
         return WEFT_OK;
     }
-    const weft_energy energy = weft_cloth_energy(self->cloth, y);
-    self->energy[i] = total(&energy);
+    self->energy[i] = record_total_energy(self->cloth, y);
     const weft_status status = weft_sim_advance(of->twin, compare_time(self, i), err);
     if (status == WEFT_OK) {
         self->twin[i] = farthest(y, weft_sim_state(of->twin), n, &square);
@@ -129,42 +122,41 @@ static bool go_on(void *ctx)
            || last == of->self->planned;
 }
 
-static weft_status play_to_end(compare_trial *of, frame_loop *show, weft_error *err)
+/* `frames` lacks run and ctx. */
+static weft_status play(compare_trial *of, weft_play frames, weft_error *err)
 {
-    show->sim = of->sim;
-    show->run = &of->self->run;
-    show->ctx = of;
-    const weft_status status = play(show, err);
+    frames.run = &of->self->run;
+    frames.ctx = of;
+    const weft_status status = weft_sim_play(of->sim, &frames, err);
     of->point->calls = weft_sim_stats(of->sim).rhs_calls;
     of->point->steps = weft_sim_stats(of->sim).steps;
     of->point->rejected = weft_sim_stats(of->sim).rejected;
     return status;
 }
 
-void compare_reference(const compare *self, size_t which)
+int compare_reference(void *ctx, size_t which)
 {
+    const compare *self = ctx;
     const weft_stepper_config config
         = adaptive(self, &self->by[which], COMPARE_TIGHTEST);
     weft_error *err = &self->shared->err[which];
     compare_point point = { 0 };
     compare_trial of = { .self = self, .which = which, .point = &point };
-    frame_loop show = { .last = self->planned, .frame = keep, .step = go_on };
+    const weft_play frames = { .last = self->planned, .frame = keep, .step = go_on };
     weft_status status = create(self, &self->by[which], &config, &of.sim, err);
     if (status == WEFT_OK && which == 0) {
         status = create(self, &self->by[which], &config, &of.twin, err);
         status = status == WEFT_OK ? nudge(of.twin, err) : status;
     }
-    if (status == WEFT_OK) {
-        status = play_to_end(&of, &show, err);
-    }
-    self->shared->status[which] = status;
+    status = status == WEFT_OK ? play(&of, frames, err) : status;
+    self->shared->status[which] = status == WEFT_STOPPED ? WEFT_OK : status;
     self->shared->calls[which] = point.calls;
     weft_sim_destroy(of.sim);
     weft_sim_destroy(of.twin);
+    return EXIT_DONE;
 }
 
-/* ---- a run against the reference --------------------------------------------------
- */
+/* ---- a run against the reference -------------------------------------------- */
 
 static weft_status judge(void *ctx, size_t i, weft_error *err)
 {
@@ -173,14 +165,13 @@ static weft_status judge(void *ctx, size_t i, weft_error *err)
     compare_point *point = of->point;
     const size_t n = weft_cloth_particles(self->cloth);
     const double *y = weft_sim_state(of->sim), *right = self->frames[0] + i * 6 * n;
-    const weft_energy energy = weft_cloth_energy(self->cloth, y);
+    const double energy = record_total_energy(self->cloth, y);
     double unused = 0.0;
     (void)err;
     point->error = fmax(point->error, farthest(y, right, n, &of->square));
     point->velocity
         = fmax(point->velocity, farthest(y + 3 * n, right + 3 * n, n, &unused));
-    point->energy
-        = fmax(point->energy, fabs(total(&energy) - self->energy[i]) / self->at_play);
+    point->energy = fmax(point->energy, fabs(energy - self->energy[i]) / self->at_play);
     return WEFT_OK;
 }
 
@@ -196,27 +187,26 @@ static void run(const compare *self, const stepper_method *by,
 {
     weft_error err = { 0 };
     compare_trial of = { .self = self, .budget = budget, .point = point };
-    frame_loop show = { .last = self->last, .frame = judge, .step = affordable };
+    const weft_play frames = { .last = self->last, .frame = judge, .step = affordable };
     point->outcome = COMPARE_RUNNING;
     weft_status status = create(self, by, config, &of.sim, &err);
     if (status == WEFT_OK) {
-        status = play_to_end(&of, &show, &err);
+        status = play(&of, frames, &err);
         const double count
             = (double)weft_cloth_particles(self->cloth) * (double)(self->last + 1);
         point->rms = sqrt(of.square / count);
     }
     weft_sim_destroy(of.sim);
-    point->outcome = status != WEFT_OK ? COMPARE_FAILED
-                     : show.stopped    ? COMPARE_EXPENSIVE
-                                       : COMPARE_DONE;
-    if (status != WEFT_OK) {
+    point->outcome = status == WEFT_OK        ? COMPARE_DONE
+                     : status == WEFT_STOPPED ? COMPARE_EXPENSIVE
+                                              : COMPARE_FAILED;
+    if (point->outcome == COMPARE_FAILED) {
         (void)snprintf(point->why, sizeof point->why, "%.*s",
                        (int)sizeof point->why - 1, err.message);
     }
 }
 
-/* ---- ladders ----------------------------------------------------------------------
- */
+/* ---- ladders ---------------------------------------------------------------- */
 
 static void set_rung(const compare *self, const compare_method *method, size_t rung,
                      weft_stepper_config *config, compare_point *point)
@@ -248,14 +238,15 @@ static double foresee(const compare *self, const compare_method *method, size_t 
     return last * fmax(1.0, last / before);
 }
 
-void compare_ladder(const compare *self, size_t i)
+int compare_ladder(void *ctx, size_t i)
 {
+    const compare *self = ctx;
     compare_method *method = &self->shared->methods[i];
     if (i == self->count) {
         const stepper_method by = { NULL, weft_scene_method_type(self->scene) };
         run(self, &by, weft_scene_config(self->scene), self->shared->calls[0],
             &self->shared->as_is);
-        return;
+        return EXIT_DONE;
     }
     bool dear = false, done = method->left_out[0] != '\0';
     for (size_t rung = 0; rung < COMPARE_RUNGS && !done; ++rung) {
@@ -271,10 +262,10 @@ void compare_ladder(const compare *self, size_t i)
         dear = point->outcome == COMPARE_EXPENSIVE;
         done = point->outcome == COMPARE_DONE && point->error < self->apart;
     }
+    return EXIT_DONE;
 }
 
-/* ---- time -------------------------------------------------------------------------
- */
+/* ---- time ------------------------------------------------------------------- */
 
 /* [s] Of one thread the processor's time, into which no other's work enters. */
 static double work_clock(const compare *self)

@@ -36,8 +36,7 @@ static const char *remark(const compare_method *method)
     return why;
 }
 
-/* ---- the terminal -----------------------------------------------------------------
- */
+/* ---- the terminal ----------------------------------------------------------- */
 
 /* Two digits; compare.csv has all. */
 static void print_cell(double calls, bool best)
@@ -146,23 +145,20 @@ void compare_print(const compare *self, const compare_advice *advice)
     print_wrapped(stdout, 0, 2, PAGE_WIDTH, text);
 }
 
-/* ---- for machines -----------------------------------------------------------------
- */
+/* ---- for machines ----------------------------------------------------------- */
 
 void compare_begin(const compare *self, const char *directory)
 {
     yaml_out out;
     if (self->progress.mode == PROGRESS_YAML) {
-        yaml_out_begin_line(&out, stdout);
-        yaml_out_plain(&out, "event", "begin");
+        yaml_out_begin_event(&out, "begin");
         yaml_out_text(&out, "name", weft_scene_name(self->scene));
         yaml_out_text(&out, "directory", directory);
         yaml_out_plain(&out, "rows", "%zu", weft_cloth_rows(self->cloth));
         yaml_out_plain(&out, "cols", "%zu", weft_cloth_cols(self->cloth));
         yaml_out_plain(&out, "methods_planned", "%zu", self->count + 1);
         yaml_out_real(&out, "duration", self->run.duration);
-        (void)yaml_out_end(&out);
-        (void)fflush(stdout);
+        yaml_out_end_event(&out);
     }
 }
 
@@ -170,18 +166,15 @@ void compare_end(const compare *self, const char *failed)
 {
     yaml_out out;
     if (self->progress.mode == PROGRESS_YAML) {
-        yaml_out_begin_line(&out, stdout);
-        yaml_out_plain(&out, "event", "end");
+        yaml_out_begin_event(&out, "end");
         yaml_out_plain(&out, "status", failed == NULL ? "done" : "failed");
         yaml_out_text(&out, "reason", failed == NULL ? "" : failed);
         yaml_out_plain(&out, "methods", "%zu", self->over);
-        (void)yaml_out_end(&out);
-        (void)fflush(stdout);
+        yaml_out_end_event(&out);
     }
 }
 
-/* ---- compare.csv ------------------------------------------------------------------
- */
+/* ---- compare.csv ------------------------------------------------------------ */
 
 static const char *outcome_text(compare_outcome outcome)
 {
@@ -191,19 +184,6 @@ static const char *outcome_text(compare_outcome outcome)
         [COMPARE_FAILED] = "failed",
     };
     return texts[outcome];
-}
-
-/* Quoted, with quotes doubled (RFC 4180). */
-static void put_quoted(FILE *stream, const char *text)
-{
-    putc('"', stream);
-    for (; *text != '\0'; ++text) {
-        if (*text == '"') {
-            putc('"', stream);
-        }
-        putc(*text, stream);
-    }
-    putc('"', stream);
 }
 
 static void put_row(const compare *self, const compare_method *method,
@@ -222,7 +202,7 @@ static void put_row(const compare *self, const compare_method *method,
     } else {
         fprintf(stream, "%s,,,,,,,,,,", outcome_text(point->outcome));
     }
-    put_quoted(stream, point->why);
+    record_csv_quoted(stream, point->why);
     putc('\n', stream);
 }
 
@@ -231,7 +211,7 @@ static void put_rows(const compare *self, const compare_method *method, FILE *st
     if (method->left_out[0] != '\0') {
         fprintf(stream, "%s,%s,%d,,,left out,,,,,,,,,,", method->by.plugin->id,
                 method->by.type->name, method->by.type->order);
-        put_quoted(stream, method->left_out);
+        record_csv_quoted(stream, method->left_out);
         putc('\n', stream);
         return;
     }
@@ -258,8 +238,7 @@ weft_status compare_csv(const compare *self, const char *directory, weft_error *
     return record_file_commit(&file, err);
 }
 
-/* ---- compare.html -----------------------------------------------------------------
- */
+/* ---- compare.html ----------------------------------------------------------- */
 
 static void put_member(FILE *stream, const char *name, const char *text)
 {

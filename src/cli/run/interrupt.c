@@ -50,6 +50,15 @@ int interrupt_signal(void)
     return came;
 }
 
+int interrupt_next(void)
+{
+    const int number = came;
+    if (number != 0) {
+        came = 0;
+    }
+    return number;
+}
+
 bool interrupt_pending(void *unused)
 {
     (void)unused;
@@ -124,16 +133,12 @@ void interrupt_begin(interrupt_watch *self, void (*give_up)(void *ctx), void *ct
 
 void interrupt_lend(interrupt_watch *self)
 {
-    if (self != NULL) {
-        (void)pthread_mutex_unlock(&self->records);
-    }
+    (void)pthread_mutex_unlock(&self->records);
 }
 
 void interrupt_take(interrupt_watch *self)
 {
-    if (self != NULL) {
-        (void)pthread_mutex_lock(&self->records);
-    }
+    (void)pthread_mutex_lock(&self->records);
 }
 
 void interrupt_end(interrupt_watch *self)

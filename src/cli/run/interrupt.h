@@ -13,6 +13,8 @@ void interrupt_restore(void);
 
 /* The signal that came; 0: none. */
 int interrupt_signal(void);
+/* The same, and forgets it. */
+int interrupt_next(void);
 
 /* A weft_stop_fn. */
 bool interrupt_pending(void *unused);
@@ -32,8 +34,8 @@ typedef struct interrupt_watch {
 } interrupt_watch;
 
 void interrupt_begin(interrupt_watch *self, void (*give_up)(void *ctx), void *ctx);
-void interrupt_lend(interrupt_watch *self); /* NULL is allowed */
-void interrupt_take(interrupt_watch *self); /* likewise */
+void interrupt_lend(interrupt_watch *self);
+void interrupt_take(interrupt_watch *self);
 void interrupt_end(interrupt_watch *self);
 
 #endif

@@ -7,22 +7,15 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
-#include <time.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "cli/human.h"
 #include "record/yaml_out.h"
 
 #define TERMINAL_PERIOD 0.2 /* [s] */
 #define YAML_PERIOD     0.1 /* [s] */
 #define NEW_WEIGHT      0.3 /* of the newest in smoothed rates */
-
-double wall_clock(void)
-{
-    struct timespec now;
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /* A terminal that can go back to the start of a line. */
 static bool can_redraw(void)
@@ -36,21 +29,15 @@ static const char *const choices[]
 
 bool progress_find(const char *name, progress_mode *mode)
 {
-    static const char *const names[] = { [PROGRESS_NONE] = "none",
-                                         [PROGRESS_LINES] = "lines",
-                                         [PROGRESS_TERMINAL] = "terminal",
-                                         [PROGRESS_YAML] = "yaml" };
-    if (name == NULL || strcmp(name, "auto") == 0) {
-        *mode = can_redraw() ? PROGRESS_TERMINAL : PROGRESS_LINES;
-        return true;
+    const progress_mode modes[]
+        = { can_redraw() ? PROGRESS_TERMINAL : PROGRESS_LINES, PROGRESS_LINES,
+            PROGRESS_TERMINAL, PROGRESS_YAML, PROGRESS_NONE };
+    size_t i = 0;
+    while (name != NULL && choices[i] != NULL && strcmp(choices[i], name) != 0) {
+        ++i;
     }
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
-        if (strcmp(names[i], name) == 0) {
-            *mode = (progress_mode)i;
-            return true;
-        }
-    }
-    return false;
+    *mode = modes[choices[i] == NULL ? 0 : i];
+    return choices[i] != NULL;
 }
 
 int progress_choose(const verb *self, const options *given, progress_mode *mode)
@@ -63,14 +50,17 @@ int progress_choose(const verb *self, const options *given, progress_mode *mode)
                : EXIT_DONE;
 }
 
-void progress_begin(progress *show, progress_mode mode, const weft_sim *sim)
+void progress_begin(progress *show, progress_mode mode, const weft_sim *sim,
+                    const weft_run_def *run)
 {
-    const double now = wall_clock();
+    const double now = weft__wall_clock();
     *show = (progress){ .mode = mode,
                         .shown = now,
                         .measured = now,
                         .time = weft_sim_time(sim),
-                        .steps = weft_sim_stats(sim).steps };
+                        .steps = weft_sim_stats(sim).steps,
+                        .sim = sim,
+                        .run = run };
 }
 
 static bool due(progress *show, size_t frame, size_t last, double now)
@@ -86,14 +76,14 @@ static bool due(progress *show, size_t frame, size_t last, double now)
 }
 
 /* Rates since the last report, smoothed, as steps get longer and shorter. */
-static void measure(progress *show, const weft_sim *sim, double now)
+static void measure(progress *show, double now)
 {
     const double spent = now - show->measured;
     if (spent < 1e-3) {
         return;
     }
-    const double t = weft_sim_time(sim);
-    const uint64_t steps = weft_sim_stats(sim).steps;
+    const double t = weft_sim_time(show->sim);
+    const uint64_t steps = weft_sim_stats(show->sim).steps;
     const double weight = show->speed > 0.0 ? NEW_WEIGHT : 1.0;
     show->speed += weight * ((t - show->time) / spent - show->speed);
     show->rate += weight * ((double)(steps - show->steps) / spent - show->rate);
@@ -129,21 +119,21 @@ static void put_line(progress *show, const char *line)
     (void)fflush(stderr);
 }
 
-static void print_line(progress *show, const progress_place *at)
+static void print_line(progress *show, size_t frame)
 {
     enum { LONGEST = 160 };
     char line[LONGEST + 1] = "", text[2 * HUMAN];
     const bool redraw = show->mode == PROGRESS_TERMINAL;
     size_t width = redraw ? terminal_width() - 1 : LONGEST;
     width = width < LONGEST ? width : LONGEST;
-    const double left = at->duration - weft_sim_time(at->sim);
-    (void)snprintf(text, sizeof text, "%zu/%zu", at->frame, at->last);
+    const double left = show->run->duration - weft_sim_time(show->sim);
+    (void)snprintf(text, sizeof text, "%zu/%zu", frame, weft_run_last_frame(show->run));
     add(line, width, "frame", text);
     add(line, width, "ETA",
         show->speed > 0.0 ? human_time(ceil(left / show->speed), text) : "--");
-    (void)snprintf(text, sizeof text, "%.4g s", weft_sim_time(at->sim));
+    (void)snprintf(text, sizeof text, "%.4g s", weft_sim_time(show->sim));
     add(line, width, "t", text);
-    add(line, width, "h", human_time(weft_sim_stats(at->sim).last_step, text));
+    add(line, width, "h", human_time(weft_sim_stats(show->sim).last_step, text));
     add(line, width, "steps/s",
         show->speed > 0.0 ? human_count((uint64_t)(show->rate + 0.5), text) : "--");
     put_line(show, line);
@@ -160,15 +150,14 @@ void progress_clear(progress *show)
 
 /* ---- for machines ----------------------------------------------------------- */
 
-static void write_yaml(const progress *show, const progress_place *at)
+static void write_yaml(const progress *show, size_t frame)
 {
     yaml_out out;
-    const weft_stepper_stats stats = weft_sim_stats(at->sim);
-    const double left = at->duration - weft_sim_time(at->sim);
-    yaml_out_begin_line(&out, stdout);
-    yaml_out_plain(&out, "event", "progress");
-    yaml_out_plain(&out, "frame", "%zu", at->frame);
-    yaml_out_real(&out, "time", weft_sim_time(at->sim));
+    const weft_stepper_stats stats = weft_sim_stats(show->sim);
+    const double left = show->run->duration - weft_sim_time(show->sim);
+    yaml_out_begin_event(&out, "progress");
+    yaml_out_plain(&out, "frame", "%zu", frame);
+    yaml_out_real(&out, "time", weft_sim_time(show->sim));
     yaml_out_plain(&out, "steps", "%" PRIu64, stats.steps);
     yaml_out_plain(&out, "rejected", "%" PRIu64, stats.rejected);
     yaml_out_plain(&out, "rhs_calls", "%" PRIu64, stats.rhs_calls);
@@ -177,21 +166,21 @@ static void write_yaml(const progress *show, const progress_place *at)
         yaml_out_plain(&out, "steps_per_second", "%.0f", show->rate);
         yaml_out_plain(&out, "eta", "%.1f", left / show->speed);
     }
-    (void)yaml_out_end(&out);
-    (void)fflush(stdout);
+    yaml_out_end_event(&out);
 }
 
-void progress_show(progress *show, const progress_place *at)
+void progress_show(progress *show, size_t frame)
 {
-    const double now = wall_clock();
-    if (show->mode == PROGRESS_NONE || !due(show, at->frame, at->last, now)) {
+    const double now = weft__wall_clock();
+    if (show->mode == PROGRESS_NONE
+        || !due(show, frame, weft_run_last_frame(show->run), now)) {
         return;
     }
-    measure(show, at->sim, now);
+    measure(show, now);
     if (show->mode == PROGRESS_YAML) {
-        write_yaml(show, at);
+        write_yaml(show, frame);
     } else {
-        print_line(show, at);
+        print_line(show, frame);
     }
 }
 
@@ -199,15 +188,13 @@ void progress_count(progress *show, const char *what, size_t done, size_t all)
 {
     yaml_out out;
     char line[80];
-    if (show->mode == PROGRESS_NONE || !due(show, done, all, wall_clock())) {
+    if (show->mode == PROGRESS_NONE || !due(show, done, all, weft__wall_clock())) {
         return;
     }
     if (show->mode == PROGRESS_YAML) {
-        yaml_out_begin_line(&out, stdout);
-        yaml_out_plain(&out, "event", "progress");
+        yaml_out_begin_event(&out, "progress");
         yaml_out_plain(&out, what, "%zu", done);
-        (void)yaml_out_end(&out);
-        (void)fflush(stdout);
+        yaml_out_end_event(&out);
     } else {
         (void)snprintf(line, sizeof line, "%zu of %zu %s", done, all, what);
         put_line(show, line);

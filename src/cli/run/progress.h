@@ -22,13 +22,9 @@ typedef struct progress {
     double time;        /* [s] of simulated time */
     uint64_t steps;     /* and these */
     double speed, rate; /* [s/s] simulated, [1/s] steps: smoothed; speed 0: unknown */
-} progress;
-
-typedef struct progress_place {
-    size_t frame, last;
     const weft_sim *sim;
-    double duration; /* [s] */
-} progress_place;
+    const weft_run_def *run;
+} progress;
 
 /* none, lines, terminal, yaml; auto or NULL: terminal if stderr is one, else lines.
  * False: no such name. */
@@ -37,14 +33,13 @@ bool progress_find(const char *name, progress_mode *mode);
 /* --progress of a verb that has --quiet too: EXIT_DONE, or the usage error printed. */
 int progress_choose(const verb *self, const options *given, progress_mode *mode);
 
-void progress_begin(progress *show, progress_mode mode, const weft_sim *sim);
-/* After a frame or a step: shown if it is time to. */
-void progress_show(progress *show, const progress_place *at);
+void progress_begin(progress *show, progress_mode mode, const weft_sim *sim,
+                    const weft_run_def *run);
+/* After frame `frame` or a step behind it: shown if it is time to. */
+void progress_show(progress *show, size_t frame);
 /* So many methods, say, have ended: due by the same rule. */
 void progress_count(progress *show, const char *what, size_t done, size_t all);
 /* Wipes the line off the terminal: before anything else is printed, and at the end. */
 void progress_clear(progress *show);
-
-double wall_clock(void); /* [s] */
 
 #endif

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "cli/run/run.h"
 
 void run_remove(const run *self, const char *name)
@@ -34,8 +35,8 @@ weft_status run_in_place(const run *self, weft_error *err)
 weft_status frames_have_room(const weft_scene *scene, weft_error *err)
 {
     const weft_cloth_def *cloth = weft_scene_cloth(scene);
-    const size_t planned = record_vtkhdf_planned(weft_scene_record(scene),
-                                                 frame_last(weft_scene_run(scene)));
+    const size_t planned = record_vtkhdf_planned(
+        weft_scene_record(scene), weft_run_last_frame(weft_scene_run(scene)));
     const size_t most = record_vtkhdf_most(cloth->rows * cloth->cols);
     return planned <= most
                ? WEFT_OK
@@ -46,7 +47,7 @@ weft_status frames_have_room(const weft_scene *scene, weft_error *err)
                                 most, planned);
 }
 
-weft_status run_prepare(run *self, weft_registry *registry, weft_error *err)
+weft_status run_prepare(run *self, weft_error *err)
 {
     record_checkpoint *next = &self->checkpoint;
     next->state_size = weft_sim_save_size(self->sim);
@@ -54,19 +55,18 @@ weft_status run_prepare(run *self, weft_registry *registry, weft_error *err)
     if (next->state == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a checkpoint");
     }
-    return resume_identity(self->scene, registry, next, err);
+    return record_checkpoint_identify(next, self->scene, self->registry, err);
 }
 
 /* What the checkpoint counts on is on the disk before it is. Of a run that blows up the
  * last one that can be restored is kept. */
-weft_status run_checkpoint(void *ctx, size_t index, weft_error *err)
+weft_status run_checkpoint(run *self, size_t index, weft_error *err)
 {
-    run *self = ctx;
     record_checkpoint *now = &self->checkpoint;
     now->frame = index;
     now->series = self->series.extent;
     now->extremes = self->summary.extremes;
-    now->wall_time = wall_clock() - self->began;
+    now->wall_time = weft__wall_clock() - self->began;
     weft_status status = weft_sim_save(self->sim, now->state, now->state_size, err);
     status = status == WEFT_OK ? run_in_place(self, err) : status;
     if (status != WEFT_OK || !isfinite(weft_sim_ledger(self->sim).residual)) {
@@ -79,9 +79,9 @@ weft_status run_checkpoint(void *ctx, size_t index, weft_error *err)
     return status == WEFT_OK ? record_checkpoint_write(self->out, now, err) : status;
 }
 
-static weft_status write_manifest(const run *self, weft_registry *registry,
-                                  weft_error *err)
+static weft_status write_manifest(const run *self, weft_error *err)
 {
+    weft_registry *registry = self->registry;
     const weft_plugin *plugin;
     const weft_status status
         = weft_registry_find(registry, weft_scene_plugin(self->scene), &plugin, err);
@@ -144,12 +144,10 @@ static weft_status look_at_records(run *self, weft_error *err)
     return status;
 }
 
-static weft_status cut_records(run *self, weft_registry *registry, weft_error *err)
+static weft_status cut_records(run *self, weft_error *err)
 {
-    weft_status status = write_manifest(self, registry, err);
-    if (status == WEFT_OK) {
-        status = record_vtkhdf_cut(self->frames, err);
-    }
+    weft_status status = write_manifest(self, err);
+    status = status == WEFT_OK ? record_vtkhdf_cut(self->frames, err) : status;
     return status == WEFT_OK
                ? record_series_cut(&self->series, &self->from->series, err)
                : status;
@@ -164,7 +162,7 @@ static void remove_ends(const run *self)
 }
 
 /* From t = 0. */
-weft_status run_begin(run *self, weft_registry *registry, weft_error *err)
+weft_status run_begin(run *self, weft_error *err)
 {
     if (self->again) {
         remove_ends(self);
@@ -173,7 +171,7 @@ weft_status run_begin(run *self, weft_registry *registry, weft_error *err)
     const record_vtkhdf_def def = frames_of(self);
     weft_status status
         = record_text(self->out, "scene.yaml", weft_scene_text(self->scene), err);
-    status = status == WEFT_OK ? write_manifest(self, registry, err) : status;
+    status = status == WEFT_OK ? write_manifest(self, err) : status;
     if (status == WEFT_OK) {
         status = record_series_open(&self->series, self->out,
                                     weft_scene_record(self->scene)->ledger, err);
@@ -183,14 +181,24 @@ weft_status run_begin(run *self, weft_registry *registry, weft_error *err)
     return status == WEFT_OK ? WEFT_OK : run_close(self, status, NULL);
 }
 
+static weft_status restore(const run *self, weft_error *err)
+{
+    weft_error why = { 0 };
+    const record_checkpoint *from = self->from;
+    return weft_sim_restore(self->sim, from->state, from->state_size, &why) == WEFT_OK
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_IO, "%s/" RECORD_CHECKPOINT ": %s", self->out,
+                                why.message);
+}
+
 /* From the checkpoint. */
-weft_status run_take_up(run *self, weft_registry *registry, weft_error *err)
+weft_status run_take_up(run *self, weft_error *err)
 {
     const record_checkpoint *from = self->from;
-    weft_status status = resume_state(self->out, from, self->sim, err);
+    weft_status status = restore(self, err);
     if (status == WEFT_OK) {
         status = look_at_records(self, err);
-        status = status == WEFT_OK ? cut_records(self, registry, err) : status;
+        status = status == WEFT_OK ? cut_records(self, err) : status;
         if (status != WEFT_OK) {
             return run_close(self, status, NULL);
         }

@@ -2,7 +2,6 @@
 /* resume.c -- weft resume: runs that were killed or interrupted, taken up again at
  * their last checkpoint. All that is there is checked before anything is written. */
 #include <inttypes.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -11,28 +10,12 @@
 
 /* ---- is it the same run? ------------------------------------------------------ */
 
-weft_status resume_identity(const weft_scene *scene, weft_registry *registry,
-                            record_checkpoint *out, weft_error *err)
-{
-    const weft_plugin *plugin;
-    const weft_status status
-        = weft_registry_find(registry, weft_scene_plugin(scene), &plugin, err);
-    if (status == WEFT_OK) {
-        memset(out->program, 0, sizeof out->program);
-        out->scene = record_hash(weft_scene_text(scene));
-        (void)snprintf(out->program, sizeof out->program, "weft %s, plugin %s %s%s%s",
-                       weft_version(), plugin->id, plugin->version,
-                       plugin->solver[0] == '\0' ? "" : ", ", plugin->solver);
-    }
-    return status;
-}
-
 static weft_status check_identity(const char *directory, const record_checkpoint *from,
                                   const weft_scene *scene, weft_registry *registry,
                                   weft_error *err)
 {
     record_checkpoint own = { 0 };
-    const weft_status status = resume_identity(scene, registry, &own, err);
+    const weft_status status = record_checkpoint_identify(&own, scene, registry, err);
     if (status != WEFT_OK) {
         return status;
     }
@@ -50,72 +33,45 @@ static weft_status check_identity(const char *directory, const record_checkpoint
     return WEFT_OK;
 }
 
-weft_status resume_state(const char *directory, const record_checkpoint *from,
-                         weft_sim *sim, weft_error *err)
-{
-    weft_error why = { 0 };
-    if (weft_sim_restore(sim, from->state, from->state_size, &why) != WEFT_OK) {
-        return weft_error_set(err, WEFT_IO, "%s/" RECORD_CHECKPOINT ": %s", directory,
-                              why.message);
-    }
-    return WEFT_OK;
-}
-
 /* ---- one directory ------------------------------------------------------------ */
-
-static bool has(const char *directory, const char *name)
-{
-    char path[RECORD_PATH];
-    return record_path(directory, name, path, NULL) == WEFT_OK
-           && access(path, F_OK) == 0;
-}
 
 /* Whether its result.yaml says so. */
 static bool ended_as(const char *directory, const char *status)
 {
-    yaml_document_t result;
-    if (!record_result_open(directory, &result)) {
-        return false;
-    }
-    const char *said = record_result_value(&result, "status");
-    const bool same = said != NULL && strcmp(said, status) == 0;
-    yaml_document_delete(&result);
-    return same;
+    char said[RECORD_RESULT_TEXT];
+    return strcmp(record_result_get(directory, "status", said), status) == 0;
 }
 
-int resume_scene(const options *given, const char *directory, const weft_scene *scene,
-                 weft_registry *registry)
+int resume_scene(const options *given, const char *directory, const weft_scene *scene)
 {
     weft_error err = { 0 };
     record_checkpoint from = { 0 };
-    run_resumed resumed = { .from = NULL };
     options own = *given;
-    own.frames = has(directory, "frames/frame-000000.obj") ? "obj" : NULL;
-    if (has(directory, RECORD_CHECKPOINT)) {
+    own.frames = record_exists(directory, "frames/frame-000000.obj") ? "obj" : NULL;
+    const bool begun = record_exists(directory, RECORD_CHECKPOINT);
+    if (begun) {
         weft_status status = record_checkpoint_read(directory, &from, &err);
         if (status == WEFT_OK) {
-            status = check_identity(directory, &from, scene, registry, &err);
+            status = check_identity(directory, &from, scene, given->registry, &err);
         }
         if (status != WEFT_OK) {
             record_checkpoint_free(&from);
             return report_error(&err);
         }
-        resumed.from = &from;
     }
-    if (!given->quiet && resumed.from != NULL) {
+    if (!given->quiet && begun) {
         fprintf(stderr, "%s: goes on after frame %" PRIu64 " of %zu\n", directory,
-                from.frame, frame_last(weft_scene_run(scene)));
+                from.frame, weft_run_last_frame(weft_scene_run(scene)));
     } else if (!given->quiet) {
         fprintf(stderr, "%s: no checkpoint yet: runs from the beginning\n", directory);
     }
-    const int code = run_scene(&own, directory, scene, registry, &resumed);
+    const int code = run_scene(&own, directory, scene, true, begun ? &from : NULL);
     record_checkpoint_free(&from);
     return code;
 }
 
 /* In a directory that is claimed. */
-static int resume_claimed(const options *given, const char *directory,
-                          weft_registry *registry)
+static int resume_claimed(const options *given, const char *directory)
 {
     char path[RECORD_PATH];
     weft_scene *scene = NULL;
@@ -136,27 +92,26 @@ static int resume_claimed(const options *given, const char *directory,
     if (record_path(directory, "scene.yaml", path, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    int code = open_scene(path, given, registry, &scene);
+    int code = open_scene(path, given, &scene);
     if (code == EXIT_DONE) {
-        code = resume_scene(given, directory, scene, registry);
+        code = resume_scene(given, directory, scene);
     }
     weft_scene_destroy(scene);
     return code;
 }
 
-static int resume_directory(const options *given, const char *directory,
-                            weft_registry *registry)
+static int resume_directory(const options *given, const char *directory)
 {
     int lock = -1;
     weft_error err = { 0 };
-    if (!has(directory, "scene.yaml")) {
+    if (!record_exists(directory, "scene.yaml")) {
         weft_error_set(&err, WEFT_IO, "%s: no scene.yaml: this is no run", directory);
         return report_error(&err);
     }
     if (record_outdir_lock(directory, RECORD_PATIENCE, &lock, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    const int code = resume_claimed(given, directory, registry);
+    const int code = resume_claimed(given, directory);
     (void)close(lock);
     return code;
 }
@@ -168,35 +123,24 @@ static int resume_directory(const options *given, const char *directory,
 static int resume_all(const options *given)
 {
     int code = EXIT_DONE;
-    weft_registry *registry = open_registry(given->plugin_path);
-    if (registry == NULL) {
-        return EXIT_SIMULATION;
-    }
     for (int i = 0; i < given->operand_count; ++i) {
-        const int one = resume_directory(given, given->operands[i], registry);
-        code = code == EXIT_DONE ? one : code;
+        const int one = resume_directory(given, given->operands[i]);
         if (one == EXIT_SIGINT || one == EXIT_SIGTERM) {
-            code = one;
-            break;
+            return one;
         }
+        code = code == EXIT_DONE ? one : code;
     }
-    weft_registry_destroy(registry);
     return code;
 }
 
-static int resume_verb(int argc, char **argv)
+static int resume_verb(const options *given)
 {
-    options given;
-    int code = options_parse(&verb_resume, "pqFP", argc, argv, &given);
-    if (code >= 0) {
-        return code;
-    }
     progress_mode mode;
-    code = given.operand_count == 0 ? usage_error(&verb_resume, "no directory given")
-                                    : progress_choose(&verb_resume, &given, &mode);
-    code = code == EXIT_DONE ? resume_all(&given) : code;
-    options_free(&given);
-    return code;
+    if (given->operand_count == 0) {
+        return usage_error(&verb_resume, "no directory given");
+    }
+    const int code = progress_choose(&verb_resume, given, &mode);
+    return code == EXIT_DONE ? resume_all(given) : code;
 }
 
 const verb verb_resume = {
@@ -204,8 +148,8 @@ const verb verb_resume = {
     .summary = "go on with runs that were killed or interrupted",
     .help
     = "usage: weft resume DIR... [OPTIONS]\n\n"
-      "Goes on with each run at its last checkpoint (run.checkpoint in its scene), to\n"
-      "the same files, byte for byte, that it would have left undisturbed. A run that\n"
+      "Goes on with each run at its last checkpoint (run.checkpoint in its scene), to "
+      "the same files, byte for byte, that it would have left undisturbed. A run that "
       "has none yet begins anew; one that is done is left alone.\n\n"
       "  --force              also runs that failed\n"
       "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n"
@@ -215,8 +159,10 @@ const verb verb_resume = {
       "  weft resume flag\n"
       "  weft resume sweep/*\n\n"
       "exit codes: 0 done, 1 the simulation failed, 2 wrong command line, 3 wrong "
-      "scene,\n"
-      "or not that of the checkpoint, 4 a file could not be read or written, or is\n"
-      "damaged, 130 SIGINT, 143 SIGTERM; of several runs the first that is not 0\n",
+      "scene, or not that of the checkpoint, 4 a file could not be read or written, or "
+      "is damaged, 130 SIGINT, 143 SIGTERM; of several runs the first that is not 0\n",
+    .options
+    = OPTIONS(OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
+              OPTION_FLAG("force", force), OPTION_VALUE("progress", progress)),
     .run = resume_verb,
 };

@@ -5,22 +5,18 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "cli/check/stable_steps.h"
+#include "cli/human.h"
 #include "cli/run/run.h"
 #include "record/export/export.h"
-
-static void print_spring(const run *self, const weft_spring *spring)
-{
-    const size_t cols = weft_cloth_cols(self->cloth);
-    fprintf(stderr, "%s spring (%zu, %zu)-(%zu, %zu) is at %.3g %%\n",
-            weft_family_name(spring->family), spring->p / cols, spring->p % cols,
-            spring->q / cols, spring->q % cols, 100.0 * spring->strain);
-}
 
 /* Each at most once a run, also when quiet. */
 static void warn_of_limit(run *self)
 {
+    char spring[SPRING];
     const weft_spring worst = weft_sim_limit_worst(self->sim);
+    (void)spring_text(&worst, weft_cloth_cols(self->cloth), spring);
     const weft_limit_stats stats = weft_sim_limit_stats(self->sim);
     const size_t held = weft_sim_limit_held(self->sim);
     if ((stats.unconverged > 0 && !self->told_unconverged)
@@ -29,18 +25,18 @@ static void warn_of_limit(run *self)
     }
     if (stats.unconverged > 0 && !self->told_unconverged) {
         self->told_unconverged = true;
-        fprintf(stderr,
-                "weft: warning: limit: not met within limit.sweeps by t = %.6g s; ",
-                weft_sim_time(self->sim));
-        print_spring(self, &worst);
+        fprintf(
+            stderr,
+            "weft: warning: limit: not met within limit.sweeps by t = %.6g s; %s is "
+            "at %.3g %%\n",
+            weft_sim_time(self->sim), spring, 100.0 * worst.strain);
     }
     if (held > 0 && !self->told_held) {
         self->told_held = true;
         fprintf(stderr,
                 "weft: warning: limit: %zu springs with both ends pinned are too long "
-                "at t = %.6g s and cannot be corrected; ",
-                held, weft_sim_time(self->sim));
-        print_spring(self, &worst);
+                "at t = %.6g s and cannot be corrected; %s is at %.3g %%\n",
+                held, weft_sim_time(self->sim), spring, 100.0 * worst.strain);
     }
 }
 
@@ -83,18 +79,12 @@ static weft_status write_frame_obj(const run *self, size_t index, weft_error *er
     return status == WEFT_OK ? write_state(self, name, record_obj, err) : status;
 }
 
-static void show_progress(run *self)
-{
-    const progress_place at = { .frame = self->result.frames - 1,
-                                .last = self->result.planned - 1,
-                                .sim = self->sim,
-                                .duration = weft_scene_run(self->scene)->duration };
-    progress_show(&self->progress, &at);
-}
+/* ---- the frame loop: it has lent the records, and these take them ------------- */
 
 static weft_status on_frame(void *ctx, size_t index, weft_error *err)
 {
     run *self = ctx;
+    interrupt_take(&self->watch);
     const weft_limit_stats limit = weft_sim_limit_stats(self->sim);
     const record_frame frame = { .index = index,
                                  .sim = self->sim,
@@ -103,27 +93,37 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
     warn_of_limit(self);
     /* The row first: run.vtkhdf never has a frame that the series has not. */
     weft_status status = record_series_add(&self->series, &frame, err);
-    if (status == WEFT_OK) {
-        status = record_vtkhdf_add(self->frames, &frame, err);
-    }
+    status = status == WEFT_OK ? record_vtkhdf_add(self->frames, &frame, err) : status;
     if (status == WEFT_OK && self->obj) {
         status = write_frame_obj(self, index, err);
     }
     if (status == WEFT_OK) {
         self->result.frames = index + 1;
         summary_frame(&self->summary, &self->series.worst);
-        show_progress(self);
+        progress_show(&self->progress, self->result.frames - 1);
     }
+    interrupt_lend(&self->watch);
+    return status;
+}
+
+static weft_status on_checkpoint(void *ctx, size_t index, weft_error *err)
+{
+    run *self = ctx;
+    interrupt_take(&self->watch);
+    const weft_status status = run_checkpoint(self, index, err);
+    interrupt_lend(&self->watch);
     return status;
 }
 
 static bool on_step(void *ctx)
 {
     run *self = ctx;
+    interrupt_take(&self->watch);
     summary_step(&self->summary);
     if (self->mode >= PROGRESS_TERMINAL) { /* lines come with frames */
-        show_progress(self);
+        progress_show(&self->progress, self->result.frames - 1);
     }
+    interrupt_lend(&self->watch);
     return interrupt_signal() == 0;
 }
 
@@ -149,7 +149,7 @@ static void give_up(void *ctx)
                    signal_name());
     self->result.status = "interrupted";
     self->result.reason = self->reason;
-    self->result.wall_time = wall_clock() - self->began;
+    self->result.wall_time = weft__wall_clock() - self->began;
     status = status == WEFT_OK ? run_in_place(self, &err) : status;
     if (status == WEFT_OK) {
         status = record_result_write(self->out, &self->result, &err);
@@ -166,25 +166,22 @@ static void give_up(void *ctx)
 
 static weft_status simulate(run *self, weft_error *err)
 {
-    interrupt_watch watch;
-    frame_loop show = {
-        .sim = self->sim,
-        .run = weft_scene_run(self->scene),
-        .first = self->result.frames,
-        .last = self->result.planned - 1,
-        .frame = on_frame,
-        .checkpoint = run_checkpoint,
-        .step = on_step,
-        .watch = &watch,
-        .ctx = self,
-    };
+    const weft_play frames = { .run = weft_scene_run(self->scene),
+                               .first = self->result.frames,
+                               .last = self->result.planned - 1,
+                               .frame = on_frame,
+                               .checkpoint = on_checkpoint,
+                               .step = on_step,
+                               .ctx = self };
     if (self->mode == PROGRESS_YAML) {
         summary_yaml_begin(&self->summary);
     }
-    progress_begin(&self->progress, self->mode, self->sim);
-    interrupt_begin(&watch, give_up, self);
-    weft_status status = play(&show, err);
-    interrupt_end(&watch);
+    progress_begin(&self->progress, self->mode, self->sim, frames.run);
+    interrupt_begin(&self->watch, give_up, self);
+    interrupt_lend(&self->watch);
+    weft_status status = weft_sim_play(self->sim, &frames, err);
+    interrupt_take(&self->watch);
+    interrupt_end(&self->watch);
     if (status == WEFT_STOPPED && interrupt_signal() != 0) {
         status = WEFT_OK;
     }
@@ -192,22 +189,23 @@ static weft_status simulate(run *self, weft_error *err)
     return run_close(self, status, err);
 }
 
-/* A simulation that failed in all its parts, anything else as ever. */
-static int report_failure(const weft_error *why, const char *reason)
-{
-    if (why->status == WEFT_IO) {
-        return report_error(why);
-    }
-    trouble_print(reason);
-    return EXIT_SIMULATION;
-}
-
 /* Another attempt may well succeed after an I/O error, not after another failure. */
 static void note_failure(run *self, const weft_error *why)
 {
     self->result.status = why->status == WEFT_IO ? "io_error" : "failed";
-    trouble_describe(self->scene, self->sim, why, self->reason, sizeof self->reason);
     self->result.reason = self->reason;
+    (void)snprintf(self->reason, sizeof self->reason, "%s", why->message);
+}
+
+static int report_failure(run *self, const weft_error *why)
+{
+    weft_failure failure;
+    note_failure(self, why);
+    if (why->status == WEFT_IO || !weft_sim_failure(self->sim, &failure)) {
+        return report_error(why);
+    }
+    failure_report(self->scene, self->sim, &failure, self->reason, sizeof self->reason);
+    return EXIT_SIMULATION;
 }
 
 /* The state at the end, then the result. */
@@ -230,21 +228,20 @@ static weft_status write_ends(run *self, bool failed, weft_error *err)
 static int conclude(run *self, weft_status status, const weft_error *why)
 {
     weft_error err = { 0 };
+    int code = EXIT_DONE;
     /* A signal that came after the last frame has changed nothing. */
     const bool interrupted
         = interrupt_signal() != 0 && self->result.frames < self->result.planned;
-    self->result.wall_time = wall_clock() - self->began;
+    self->result.wall_time = weft__wall_clock() - self->began;
     self->result.sim = self->sim;
     self->result.warnings = count_warnings(self);
     if (status != WEFT_OK) {
-        note_failure(self, why);
+        code = report_failure(self, why);
     } else if (interrupted) {
         self->result.status = "interrupted";
         self->result.reason = signal_name();
     }
-    const weft_status written = write_ends(self, status != WEFT_OK, &err);
-    const int code = status == WEFT_OK ? EXIT_DONE : report_failure(why, self->reason);
-    if (written != WEFT_OK) {
+    if (write_ends(self, status != WEFT_OK, &err) != WEFT_OK) {
         return report_error(&err);
     }
     if (strcmp(self->result.status, "done") == 0) {
@@ -280,39 +277,36 @@ static int refuse(const run *self, const char *reason)
     return EXIT_SIMULATION;
 }
 
-static int run_prepared(run *self, weft_registry *registry)
+static int run_prepared(run *self)
 {
     weft_error err = { 0 };
     self->summary = (summary){ .directory = self->out,
                                .scene = self->scene,
                                .sim = self->sim,
                                .result = &self->result };
-    weft_status status = run_prepare(self, registry, &err);
+    weft_status status = run_prepare(self, &err);
     self->beyond = stability_warn(self->scene, self->sim, self->from != NULL);
     self->result.energy_start
         = record_total_energy(self->cloth, weft_sim_state(self->sim));
     if (status == WEFT_OK && self->from != NULL) {
-        status = run_take_up(self, registry, &err);
+        status = run_take_up(self, &err);
         if (status != WEFT_OK) {
             return report_error(&err);
         }
-    } else if (status == WEFT_OK) {
-        status = run_begin(self, registry, &err);
-    }
-    if (status == WEFT_OK) {
-        status = simulate(self, &err);
-    }
+    } else
+        status = status == WEFT_OK ? run_begin(self, &err) : status;
+    status = status == WEFT_OK ? simulate(self, &err) : status;
     return conclude(self, status, &err);
 }
 
-static int run_simulation(run *self, weft_registry *registry)
+static int run_simulation(run *self)
 {
     weft_error err = { 0 };
-    self->began = wall_clock();
+    self->began = weft__wall_clock();
     if (simulation_create(self->scene, &self->cloth, &self->sim, &err) != WEFT_OK) {
         return refuse(self, err.message);
     }
-    const int code = run_prepared(self, registry);
+    const int code = run_prepared(self);
     record_checkpoint_free(&self->checkpoint);
     weft_sim_destroy(self->sim);
     weft_cloth_destroy(self->cloth);
@@ -324,9 +318,7 @@ static weft_status open_directory(const run *self, bool force, int *lock,
                                   weft_error *err)
 {
     weft_status status = record_outdir_lock(self->out, RECORD_PATIENCE, lock, err);
-    if (status == WEFT_OK) {
-        status = record_outdir(self->out, force, err);
-    }
+    status = status == WEFT_OK ? record_outdir(self->out, force, err) : status;
     if (status == WEFT_OK && self->obj) {
         char frames[RECORD_PATH];
         status = record_path(self->out, "frames", frames, err);
@@ -336,32 +328,30 @@ static weft_status open_directory(const run *self, bool force, int *lock,
 }
 
 int run_scene(const options *given, const char *out, const weft_scene *scene,
-              weft_registry *registry, const run_resumed *resumed)
+              bool claimed, const record_checkpoint *from)
 {
     weft_error err = { 0 };
     int lock = -1, code = EXIT_DONE;
     run self = {
         .out = out,
         .obj = given->frames != NULL,
-        .again = resumed != NULL,
-        .from = resumed == NULL ? NULL : resumed->from,
+        .again = claimed,
+        .from = from,
         .scene = scene,
+        .registry = given->registry,
         .result = { .status = "done",
                     .reason = "",
-                    .planned = frame_last(weft_scene_run(scene)) + 1 },
+                    .planned = weft_run_last_frame(weft_scene_run(scene)) + 1 },
         .quiet = given->quiet,
     };
     (void)progress_find(given->quiet ? "none" : given->progress, &self.mode);
     interrupt_catch();
     if (frames_have_room(scene, &err) != WEFT_OK
-        || (resumed == NULL
-            && open_directory(&self, given->force, &lock, &err) != WEFT_OK)) {
+        || (!claimed && open_directory(&self, given->force, &lock, &err) != WEFT_OK)) {
         code = report_error(&err);
     } else {
         (void)stat(out, &self.place);
-        const char *unsupported = scene_unsupported(scene);
-        code = unsupported != NULL ? refuse(&self, unsupported)
-                                   : run_simulation(&self, registry);
+        code = run_simulation(&self);
     }
     if (lock >= 0) {
         (void)close(lock);
@@ -374,37 +364,32 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
     return code;
 }
 
-static int run_verb(int argc, char **argv)
+static int run_file(const options *given)
 {
-    options given;
-    progress_mode mode;
-    int code = options_parse(&verb_run, "ospqFrvP", argc, argv, &given);
-    if (code >= 0) {
-        return code;
+    char out[RECORD_PATH];
+    weft_scene *scene = NULL;
+    int code = open_scene(given->operands[0], given, &scene);
+    if (code == EXIT_DONE) {
+        code = run_scene(given, out_directory(given, ".run", out), scene, false, NULL);
     }
-    if (given.operand_count != 1) {
-        code = usage_error(&verb_run, given.operand_count == 0 ? "no scene given"
-                                                               : "more than one scene");
-    } else if (given.frames != NULL && strcmp(given.frames, "obj") != 0) {
-        code = usage_choice(&verb_run, "frames", given.frames,
-                            (const char *const[]){ "obj", NULL });
-    } else if ((code = progress_choose(&verb_run, &given, &mode)) == EXIT_DONE) {
-        weft_registry *registry = open_registry(given.plugin_path);
-        weft_scene *scene = NULL;
-        char *out = default_directory(given.operands[0], ".run");
-        code = registry == NULL || out == NULL
-                   ? EXIT_SIMULATION
-                   : open_scene(given.operands[0], &given, registry, &scene);
-        if (code == EXIT_DONE) {
-            const char *directory = given.out == NULL ? out : given.out;
-            code = run_scene(&given, directory, scene, registry, NULL);
-        }
-        free(out);
-        weft_scene_destroy(scene);
-        weft_registry_destroy(registry);
-    }
-    options_free(&given);
+    weft_scene_destroy(scene);
     return code;
+}
+
+static int run_verb(const options *given)
+{
+    progress_mode mode;
+    if (given->operand_count != 1) {
+        return usage_error(&verb_run, given->operand_count == 0
+                                          ? "no scene given"
+                                          : "more than one scene");
+    }
+    if (given->frames != NULL && strcmp(given->frames, "obj") != 0) {
+        return usage_choice(&verb_run, "frames", given->frames,
+                            (const char *const[]){ "obj", NULL });
+    }
+    const int code = progress_choose(&verb_run, given, &mode);
+    return code == EXIT_DONE ? run_file(given) : code;
 }
 
 const verb verb_run = {
@@ -413,33 +398,30 @@ const verb verb_run = {
     .help
     = "usage: weft run SCENE.yaml [OPTIONS]\n\n"
       "Runs a scene and leaves in a directory: scene.yaml (as run), manifest.yaml "
-      "(what\n"
-      "ran), series.csv (a row a frame), run.vtkhdf (the frames), final.csv (the "
-      "state\n"
-      "at the end) and, last of all, result.yaml. It ends with a "
-      "summary.\n\n"
+      "(what ran), series.csv (a row a frame), run.vtkhdf (the frames), final.csv (the "
+      "state at the end) and, last of all, result.yaml. It ends with a summary.\n\n"
       "  --out DIR            the directory; default: SCENE.run here. Must be new or "
       "empty\n"
       "  --force              replace what an earlier run left there\n"
       "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
       "  --frames obj         write frames/frame-000000.obj ... as well\n"
       "  --view               make run.html as well, a page that plays the run, and "
-      "print\n"
-      "                       its URL\n"
+      "print its URL\n"
       "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n"
       "  --progress HOW       terminal: one line on stderr that is redrawn; lines: one "
-      "each\n"
-      "                       tenth of the frames; auto (default): which of the two "
-      "fits;\n"
-      "                       yaml: begin, progress and end as YAML documents of a "
-      "line\n"
-      "                       each on stdout, and nothing else there; none\n"
+      "each tenth of the frames; auto (default): which of the two fits; yaml: begin, "
+      "progress and end as YAML documents of a line each on stdout, and nothing else "
+      "there; none\n"
       "  --quiet              no progress, no summary\n\n"
       "examples:\n"
       "  weft run scenes/flag.yaml --out flag\n"
       "  weft run scenes/flag.yaml --set stepper.rtol=1e-8 --set run.fps=60\n\n"
       "exit codes: 0 done, 1 the simulation failed, 2 wrong command line, 3 wrong "
-      "scene,\n"
-      "4 a file could not be read or written, 130 SIGINT, 143 SIGTERM\n",
+      "scene, 4 a file could not be read or written, 130 SIGINT, 143 SIGTERM\n",
+    .options
+    = OPTIONS(OPTION_VALUE("out", out), OPTION_VALUE("set", sets),
+              OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
+              OPTION_FLAG("force", force), OPTION_VALUE("frames", frames),
+              OPTION_FLAG("view", view), OPTION_VALUE("progress", progress)),
     .run = run_verb,
 };

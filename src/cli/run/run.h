@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include "cli/cli.h"
+#include "cli/run/interrupt.h"
 #include "cli/run/progress.h"
 #include "cli/run/summary.h"
 #include "record/checkpoint.h"
@@ -18,6 +19,7 @@ typedef struct run {
     bool again;                    /* the directory is that of an earlier attempt */
     const record_checkpoint *from; /* NULL: from t = 0 */
     const weft_scene *scene;
+    weft_registry *registry;
     weft_cloth *cloth;
     weft_sim *sim;
     record_series series;
@@ -25,6 +27,7 @@ typedef struct run {
     record_result result;
     record_checkpoint checkpoint; /* the next one */
     double began; /* [s] of the wall clock, less what was spent before */
+    interrupt_watch watch;
     progress_mode mode;
     progress progress;
     summary summary;
@@ -35,41 +38,33 @@ typedef struct run {
 } run;
 
 /* records.c. Makes what the run writes its checkpoints from. */
-weft_status run_prepare(run *self, weft_registry *registry, weft_error *err);
+weft_status run_prepare(run *self, weft_error *err);
 /* Opens the files of a run from t = 0. */
-weft_status run_begin(run *self, weft_registry *registry, weft_error *err);
+weft_status run_begin(run *self, weft_error *err);
 /* Opens them as they were at the checkpoint, and takes its state. Nothing is written
  * before all of them are checked. */
-weft_status run_take_up(run *self, weft_registry *registry, weft_error *err);
-/* player.checkpoint; ctx is the run. */
-weft_status run_checkpoint(void *ctx, size_t index, weft_error *err);
+weft_status run_take_up(run *self, weft_error *err);
+/* Writes checkpoint.weft after frame `index`. */
+weft_status run_checkpoint(run *self, size_t index, weft_error *err);
 /* Closes them after `status`, which is returned unless it was the better one. */
 weft_status run_close(run *self, weft_status status, weft_error *err);
 void run_remove(const run *self, const char *name);
 /* WEFT_IO if another directory has taken the place of that of the run. */
 weft_status run_in_place(const run *self, weft_error *err);
 
-/* A directory that an earlier attempt has left, claimed by the caller. */
-typedef struct run_resumed {
-    const record_checkpoint *from; /* NULL: from the beginning */
-} run_resumed;
-
-/* run.c: resumed NULL: a new run. Returns the exit code. */
+/* run.c: `claimed`: the caller has claimed a directory that an earlier attempt has
+ * left, up to the checkpoint `from` (NULL: runs from the beginning). Returns the exit
+ * code. */
 int run_scene(const options *given, const char *out, const weft_scene *scene,
-              weft_registry *registry, const run_resumed *resumed);
+              bool claimed, const record_checkpoint *from);
+
+/* failure_report.c: the failure, the stable step and what to try, as lines to stderr
+ * and as one text. */
+void failure_report(const weft_scene *scene, const weft_sim *sim,
+                    const weft_failure *failure, char *text, size_t size);
 
 /* resume.c: go on with the run of that scene in a directory that the caller has
  * claimed. Returns the exit code. */
-int resume_scene(const options *given, const char *directory, const weft_scene *scene,
-                 weft_registry *registry);
-
-/* resume.c: the hash of the scene and what computes it, as a checkpoint tells them. */
-weft_status resume_identity(const weft_scene *scene, weft_registry *registry,
-                            record_checkpoint *out, weft_error *err);
-
-/* resume.c: the state of the checkpoint into a simulation of its scene. Errors name the
- * file. */
-weft_status resume_state(const char *directory, const record_checkpoint *from,
-                         weft_sim *sim, weft_error *err);
+int resume_scene(const options *given, const char *directory, const weft_scene *scene);
 
 #endif

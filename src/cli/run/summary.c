@@ -3,7 +3,6 @@
 #include "cli/run/summary.h"
 
 #include <string.h>
-#include <unistd.h>
 
 #include "cli/human.h"
 #include "record/yaml_out.h"
@@ -82,17 +81,14 @@ static void print_strain(const summary *self)
 {
     const weft_cloth *cloth = weft_sim_cloth(self->sim);
     const weft_spring *most = &self->extremes.strain;
-    const size_t cols = weft_cloth_cols(cloth);
+    char spring[SPRING];
     if (most->p == most->q) {
         print_item("strain", "none: there are no springs");
         return;
     }
-    print_item("strain",
-               "at most %.3g %% at t = %.4g s, %s spring (%zu, %zu)-(%zu, %zu); %.3g "
-               "%% at the end",
+    print_item("strain", "at most %.3g %% at t = %.4g s, %s; %.3g %% at the end",
                100.0 * most->strain, self->extremes.strain_time,
-               weft_family_name(most->family), most->p / cols, most->p % cols,
-               most->q / cols, most->q % cols,
+               spring_text(most, weft_cloth_cols(cloth), spring),
                100.0
                    * weft_cloth_worst_spring(cloth, weft_sim_state(self->sim)).strain);
 }
@@ -132,11 +128,10 @@ static void print_limit(const summary *self)
 
 static void print_files(const summary *self)
 {
-    char path[RECORD_PATH], names[200] = "";
+    char names[200] = "";
     size_t used = 0;
     for (size_t i = 0; record_names[i] != NULL; ++i) {
-        if (record_path(self->directory, record_names[i], path, NULL) == WEFT_OK
-            && access(path, F_OK) == 0) {
+        if (record_exists(self->directory, record_names[i])) {
             used += (size_t)snprintf(names + used, sizeof names - used, "%s %s",
                                      used == 0 ? ":" : "", record_names[i]);
         }
@@ -171,8 +166,7 @@ void summary_yaml_begin(const summary *self)
 {
     yaml_out out;
     const weft_cloth *cloth = weft_sim_cloth(self->sim);
-    yaml_out_begin_line(&out, stdout);
-    yaml_out_plain(&out, "event", "begin");
+    yaml_out_begin_event(&out, "begin");
     yaml_out_text(&out, "name", weft_scene_name(self->scene));
     yaml_out_text(&out, "directory", self->directory);
     yaml_out_text(&out, "plugin", weft_scene_plugin(self->scene));
@@ -181,16 +175,13 @@ void summary_yaml_begin(const summary *self)
     yaml_out_plain(&out, "cols", "%zu", weft_cloth_cols(cloth));
     yaml_out_plain(&out, "frames_planned", "%zu", self->result->planned);
     yaml_out_real(&out, "duration", weft_scene_run(self->scene)->duration);
-    (void)yaml_out_end(&out);
-    (void)fflush(stdout);
+    yaml_out_end_event(&out);
 }
 
 void summary_yaml_end(const summary *self)
 {
     yaml_out out;
-    yaml_out_begin_line(&out, stdout);
-    yaml_out_plain(&out, "event", "end");
+    yaml_out_begin_event(&out, "end");
     record_result_items(&out, self->result);
-    (void)yaml_out_end(&out);
-    (void)fflush(stdout);
+    yaml_out_end_event(&out);
 }

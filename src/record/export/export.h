@@ -32,7 +32,7 @@ typedef struct record_movie {
     void (*begin)(FILE *stream, const double *times, size_t frames, size_t particles);
     void (*frame)(FILE *stream, double time, const char *file,
                   const record_surface *surface);
-    void (*end)(FILE *stream);
+    void (*end)(FILE *stream); /* NULL: nothing is left to write */
 } record_movie;
 
 /* export_cache.c: point caches of other programs. export_vtp.c: an index of VTP files.

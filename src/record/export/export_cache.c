@@ -9,11 +9,6 @@ static void write_points(FILE *stream, const record_surface *surface, bool big)
     }
 }
 
-static void end(FILE *stream)
-{
-    (void)stream;
-}
-
 /* ---- MDD: big-endian; frames, points, times [s], positions -------------------- */
 
 static void begin_mdd(FILE *stream, const double *times, size_t frames,
@@ -34,7 +29,7 @@ static void frame_mdd(FILE *stream, double time, const char *file,
     write_points(stream, surface, true);
 }
 
-const record_movie record_mdd = { .begin = begin_mdd, .frame = frame_mdd, .end = end };
+const record_movie record_mdd = { .begin = begin_mdd, .frame = frame_mdd };
 
 /* ---- PC2: little-endian; a sample a frame, from frame 0 ------------------------ */
 
@@ -58,4 +53,4 @@ static void frame_pc2(FILE *stream, double time, const char *file,
     write_points(stream, surface, false);
 }
 
-const record_movie record_pc2 = { .begin = begin_pc2, .frame = frame_pc2, .end = end };
+const record_movie record_pc2 = { .begin = begin_pc2, .frame = frame_pc2 };

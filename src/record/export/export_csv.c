@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
 #include "record/result_read.h"
 
 #define CSV_HEADER "row,col,x,y,z,vx,vy,vz\n"
@@ -47,12 +46,13 @@ static bool read_row(FILE *stream, size_t cols, size_t i, double *x, double *v)
            && row == i / cols && col == i % cols;
 }
 
-static weft_status read_state(const char *path, size_t rows, size_t cols,
+static weft_status read_state(const char *directory, size_t rows, size_t cols,
                               double *position, double *velocity, weft_error *err)
 {
+    char path[RECORD_PATH];
     char header[sizeof CSV_HEADER];
     weft_status status = WEFT_OK;
-    FILE *stream = weft__file_open(path, "r", err);
+    FILE *stream = record_open(directory, "final.csv", path, err);
     if (stream == NULL) {
         return WEFT_IO;
     }
@@ -95,11 +95,8 @@ static weft_status check_hash(const char *directory, size_t n, const double *pos
 weft_status record_final_read(const char *directory, size_t rows, size_t cols,
                               double *position, double *velocity, weft_error *err)
 {
-    char path[RECORD_PATH];
-    weft_status status = record_path(directory, "final.csv", path, err);
-    if (status == WEFT_OK) {
-        status = read_state(path, rows, cols, position, velocity, err);
-    }
+    const weft_status status
+        = read_state(directory, rows, cols, position, velocity, err);
     return status == WEFT_OK
                ? check_hash(directory, rows * cols, position, velocity, err)
                : status;

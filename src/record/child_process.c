@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#define _DEFAULT_SOURCE /* MAP_ANONYMOUS */
+#include "record/child_process.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <signal.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
+
+#include "base/clock.h"
+
+#define GRACE 3.0 /* [s] from SIGTERM to SIGKILL */
+
+static void set_limit(int resource, rlim_t most)
+{
+    const struct rlimit limit = { most, most };
+    (void)setrlimit(resource, &limit);
+}
+
+_Noreturn static void run_child(const process_def *def, size_t job)
+{
+#ifdef __linux__
+    (void)prctl(PR_SET_PDEATHSIG, def->end_signal);
+#endif
+    if (def->cpu_seconds > 0) {
+        set_limit(RLIMIT_CPU, def->cpu_seconds);
+    }
+    if (def->untrusted) {
+        const int nowhere = open("/dev/null", O_WRONLY);
+        set_limit(RLIMIT_CORE, 0);
+        (void)dup2(nowhere, STDOUT_FILENO);
+        (void)dup2(nowhere, STDERR_FILENO);
+    }
+    const int code = def->work(def->ctx, job);
+    (void)fflush(NULL);
+    _exit(code);
+}
+
+static bool start(const process_def *def, size_t job, process *out)
+{
+    (void)signal(SIGCHLD, SIG_DFL); /* a shell may have it ignored: no status then */
+    (void)fflush(NULL);             /* the child flushes as well */
+    const double now = weft__wall_clock();
+    *out = (process){ .pid = fork(),
+                      .job = job,
+                      .began = now,
+                      .deadline = def->seconds > 0.0 ? now + def->seconds : HUGE_VAL };
+    if (out->pid == 0) {
+        run_child(def, job);
+    }
+    out->pid = out->pid < 0 ? 0 : out->pid;
+    return out->pid > 0;
+}
+
+/* Grandchildren are not waited for. */
+static bool has_ended(const process_def *def, process *one)
+{
+    const double now = weft__wall_clock();
+    if (waitpid(one->pid, &one->status, WNOHANG) != 0) {
+        one->pid = 0;
+    } else if (now >= one->deadline) {
+        (void)kill(one->pid, one->late ? SIGKILL : def->end_signal);
+        one->late = true;
+        one->deadline = now + GRACE;
+    }
+    return one->pid == 0;
+}
+
+/* A sixteenth of the time waited since `from`, 1 to 50 ms: a signal ends it early.
+ * There is no portable way to wait for a child or a time limit. */
+static void nap(double from)
+{
+    const double seconds = (weft__wall_clock() - from) / 16.0;
+    const struct timespec pause
+        = { .tv_nsec = (long)(1e9 * fmin(fmax(seconds, 0.001), 0.05)) };
+    (void)nanosleep(&pause, NULL);
+}
+
+bool process_run(const process_def *def, size_t job, process *out)
+{
+    const bool started = start(def, job, out);
+    while (started && !has_ended(def, out)) {
+        nap(out->began);
+    }
+    return started;
+}
+
+void process_describe(int status, char *text, size_t size)
+{
+    if (WIFSIGNALED(status)) {
+        (void)snprintf(text, size, "it crashed: %s", strsignal(WTERMSIG(status)));
+    } else {
+        (void)snprintf(text, size, "it ended the process with exit code %d",
+                       WEXITSTATUS(status));
+    }
+}
+
+/* ---- many ------------------------------------------------------------------------ */
+
+static bool may_start(const process_pool *pool)
+{
+    return !pool->stopped && pool->started < pool->jobs;
+}
+
+static bool fill(process_pool *pool)
+{
+    bool able = true;
+    for (size_t i = 0; i < pool->at_once && able && may_start(pool); ++i) {
+        if (pool->all[i].pid == 0) {
+            able = start(&pool->def, pool->started, &pool->all[i]);
+            pool->started += able;
+            pool->running += able;
+        }
+    }
+    return able;
+}
+
+static void pass_signal(process_pool *pool)
+{
+    const int number = pool->stop == NULL ? 0 : pool->stop(pool->def.ctx);
+    for (size_t i = 0; number != 0 && i < pool->at_once; ++i) {
+        if (pool->all[i].pid > 0) {
+            (void)kill(pool->all[i].pid, pool->stopped ? SIGKILL : number);
+        }
+    }
+    pool->stopped = pool->stopped || number != 0;
+}
+
+static void reap(process_pool *pool)
+{
+    for (size_t i = 0; i < pool->at_once; ++i) {
+        if (pool->all[i].pid > 0 && has_ended(&pool->def, &pool->all[i])) {
+            --pool->running;
+            pool->ended(pool->def.ctx, &pool->all[i]);
+        }
+    }
+}
+
+bool process_pool_run(process_pool *pool)
+{
+    double last = weft__wall_clock(); /* when one ended */
+    int failed = 0;
+    pool->all = calloc(pool->at_once, sizeof *pool->all);
+    bool able = pool->all != NULL;
+    while ((able && may_start(pool)) || pool->running > 0) {
+        if (able && !fill(pool)) {
+            able = false;
+            failed = errno;
+        }
+        if (pool->tick != NULL) {
+            pool->tick(pool->def.ctx);
+        }
+        nap(last);
+        pass_signal(pool);
+        const size_t running = pool->running;
+        reap(pool);
+        last = pool->running < running ? weft__wall_clock() : last;
+    }
+    free(pool->all);
+    errno = failed;
+    return able;
+}
+
+void *process_memory(size_t count, size_t size)
+{
+    if (count > SIZE_MAX / size) {
+        return NULL;
+    }
+    void *memory = mmap(NULL, count * size, PROT_READ | PROT_WRITE,
+                        MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    return memory == MAP_FAILED ? NULL : memory;
+}

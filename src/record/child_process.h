@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* child_process.h -- functions that run in child processes, since they may crash, never
+ * return, or take long and be many. A child that returns results writes them to
+ * memory from process_memory. */
+#ifndef WEFT_RECORD_CHILD_PROCESS_H
+#define WEFT_RECORD_CHILD_PROCESS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <sys/types.h>
+
+typedef struct process_def {
+    /* In the child; returns its exit code. */
+    int (*work)(void *ctx, size_t job);
+    void *ctx;
+    /* SIGKILL, or SIGTERM and 3 s later SIGKILL: sent at the time limit and, on Linux,
+     * when the parent ends. */
+    int end_signal;
+    double seconds;       /* time limit; 0: none */
+    unsigned cpu_seconds; /* limit of processor time; 0: none */
+    bool untrusted;       /* writes no core file, prints to /dev/null */
+} process_def;
+
+typedef struct process {
+    pid_t pid; /* 0: not running */
+    size_t job;
+    double began, deadline; /* [s] on weft__wall_clock */
+    bool late;              /* reached its time limit */
+    int status;             /* after its end, as waitpid reports it */
+} process;
+
+/* Runs one job and waits for its end. False: no process could be started (errno). */
+bool process_run(const process_def *def, size_t job, process *out);
+
+/* "it crashed: Aborted" or "it ended the process with exit code 3". */
+void process_describe(int status, char *text, size_t size);
+
+typedef struct process_pool {
+    process_def def;
+    size_t jobs, at_once;
+    void (*ended)(void *ctx, const process *one); /* after each job */
+    void (*tick)(void *ctx);                      /* while jobs run; NULL: not called */
+    /* A signal that came since the last call, or 0: no more jobs start, and it is sent
+     * to the children, from the second one on SIGKILL. NULL: none is caught. */
+    int (*stop)(void *ctx);
+
+    process *all; /* at_once of them, while it runs */
+    size_t started, running;
+    bool stopped;
+} process_pool;
+
+/* False: no process could be had for job `started` (errno). */
+bool process_pool_run(process_pool *pool);
+
+/* Zeroed memory that a process shares with its later children, as long as it lives.
+ * NULL: there is none. */
+void *process_memory(size_t count, size_t size);
+
+#endif
