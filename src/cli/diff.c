@@ -429,22 +429,22 @@ static int diff_verb(const options *given)
 
 const verb verb_diff = {
     .name = "diff",
-    .summary = "where two runs begin to differ, and by how much",
+    .summary = "find where two runs begin to differ, and by how much",
     .help
     = "usage: weft diff DIR DIR2 [OPTIONS]\n\n"
-      "Compares two runs of the same grid at the times both have, and tells the first "
-      "frame that differs, the particle farthest off in it, how far, and the largest "
-      "such distance of all frames. States are compared bit for bit by the hashes in "
-      "series.csv, and frames by the positions, velocities and strain in "
-      "run.vtkhdf.\n\n"
-      "  --tol X              positions of run.vtkhdf instead: equal is what is not "
-      "more than X metres apart\n\n"
+      "Compares two runs of the same grid at their common times. Prints the first "
+      "frame that differs, the particle with the largest distance in it, this "
+      "distance, and the largest distance of all frames. States are compared bit for "
+      "bit by the hashes in series.csv, and frames by the positions, velocities and "
+      "strain in run.vtkhdf.\n\n"
+      "  --tol X              compare the positions of run.vtkhdf: equal if none "
+      "differ by more than X metres\n\n"
       "examples:\n"
       "  weft diff flag flag-again\n"
       "  weft diff flag-rkf45 flag-verlet --tol 1e-4\n\n"
-      "exit codes: 0 equal, 1 different, also where one ends before the other, 2 wrong "
-      "command line, 3 other grids, 4 a file is missing or damaged, or no time in "
-      "common\n",
+      "exit codes: 0 equal, 1 different, also if one ends before the other, 2 wrong "
+      "command line, 3 different grids, 4 a file is missing or damaged, or there is "
+      "no common time\n",
     .options = OPTIONS(OPTION_VALUE("tol", tolerance)),
     .run = diff_verb,
 };

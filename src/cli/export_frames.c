@@ -441,14 +441,14 @@ const verb verb_export = {
       "           csv         row,col,x,y,z,vx,vy,vz\n"
       "           mdd, pc2    all frames in run.mdd or run.pc2, with rest.obj: for "
       "Blender's Mesh Cache\n"
-      "           pvd         all frames as VTP files and run.pvd, for ParaView before "
-      "5.12; later ones open run.vtkhdf itself\n"
-      "  --frame last|all|N   of obj, ply and csv; default: last, into DIR/final.obj; "
-      "others go into DIR/frames/frame-000012.obj\n"
-      "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n\n"
-      "Frames are those of DIR/run.vtkhdf, the last state is that of DIR/final.csv. If "
-      "run.vtkhdf is missing they are computed anew from DIR/scene.yaml and must match "
-      "the hash in series.csv.\n\n"
+      "           pvd         all frames as VTP files and run.pvd, for ParaView "
+      "before 5.12; later versions open run.vtkhdf\n"
+      "  --frame last|all|N   for obj, ply and csv; default: last, to DIR/final.obj; "
+      "others to DIR/frames/frame-000012.obj\n"
+      "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n\n"
+      "Frames come from DIR/run.vtkhdf, the last state from DIR/final.csv. If "
+      "run.vtkhdf is missing, the frames are computed again from DIR/scene.yaml and "
+      "must match the hash in series.csv.\n\n"
       "example: weft export flag --format obj --frame all\n",
     .options = OPTIONS(OPTION_VALUE("plugin-path", plugin_path),
                        OPTION_VALUE("format", format), OPTION_VALUE("frame", frame)),

@@ -21,7 +21,7 @@ static void print_usage(FILE *stream)
 {
     fputs(
         "usage: weft VERB [OPTIONS] [FILES]\n\n"
-        "weft simulates cloth as a mass-spring network under solvers people trust.\n\n",
+        "weft simulates cloth as a mass-spring network under established solvers.\n\n",
         stream);
     for (size_t i = 0; i < VERBS; ++i) {
         fprintf(stream, "  %-12s %s\n", verbs[i]->name, verbs[i]->summary);

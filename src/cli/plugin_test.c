@@ -303,14 +303,15 @@ static int plugin_test_verb(const options *given)
 
 const verb verb_plugin_test = {
     .name = "plugin-test",
-    .summary = "hold a stepper plugin against the contract",
+    .summary = "check a stepper plugin against the contract",
     .help
     = "usage: weft plugin-test weft-ID.so [--all]\n\n"
       "Loads a stepper plugin and checks every promise of weft/stepper.h with every "
-      "method: the order claimed, where steps end, what a failure leaves behind, "
-      "edited states, statistics, threads, memory. Each check runs in a process of its "
-      "own. Documentation: docs/plugin-test.md\n\n"
-      "  --all   every verdict; default: a line a method, and what is broken\n\n"
+      "method: the order, the ends of steps, the state after a failure, edited "
+      "states, statistics, threads, memory. Each check runs in its own process. "
+      "Documentation: docs/plugin-test.md\n\n"
+      "  --all   every verdict; default: one line per method, and the broken "
+      "promises\n\n"
       "example: weft plugin-test build/plugins/weft-verlet.so --all\n\n"
       "exit codes: 0 every promise is kept, 1 one is broken or the plugin is refused, "
       "2 wrong command line, 4 the file cannot be read\n",

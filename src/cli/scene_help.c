@@ -38,7 +38,7 @@ const verb verb_scene_help = {
     .help
     = "usage: weft scene-help [KEY... | --markdown]\n\n"
       "Prints type, unit, default and meaning of keys, and of the keys below them; "
-      "without KEY those of every key that a scene may have.\n\n"
+      "without KEY, of every key of a scene.\n\n"
       "  --markdown           as the table of docs/scene.md\n\n"
       "example: weft scene-help stepper.rtol cloth.pins\n",
     .options = OPTIONS(OPTION_FLAG("markdown", markdown)),

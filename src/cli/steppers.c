@@ -152,14 +152,16 @@ const verb verb_steppers = {
     .summary = "list the methods of all stepper plugins",
     .help
     = "usage: weft steppers [OPTIONS]\n\n"
-      "Lists every method of every plugin: order of the solution, order of the one its "
-      "error is measured against, evaluations of the forces a step, kind, source.\n\n"
-      "  --yaml               for machines, with references and full names\n"
+      "Lists every method of every plugin: order of the solution, order of the "
+      "solution it is compared with, evaluations of the forces per step, kind, "
+      "source.\n\n"
+      "  --yaml               as YAML, with references and full names\n"
       "  --markdown           the table of the documentation\n"
-      "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n\n"
-      "kinds: fixed-step (no error control), fsal (last stage is the next first), "
-      "multistep, implicit, small-cloths (dense matrices), legacy, libm (decides by "
-      "powers of libm: the same bits on every machine are likely, not promised)\n",
+      "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n\n"
+      "kinds: fixed-step (no error control), fsal (the last stage is the first of the "
+      "next step), multistep, implicit, small-cloths (dense matrices), legacy, libm "
+      "(uses powers of libm: the same bits on every machine are likely, not "
+      "promised)\n",
     .options = OPTIONS(OPTION_VALUE("plugin-path", plugin_path),
                        OPTION_FLAG("yaml", yaml), OPTION_FLAG("markdown", markdown)),
     .run = steppers_verb,

@@ -89,15 +89,15 @@ const verb verb_view = {
     .summary = "make a page that plays a run, or two side by side",
     .help
     = "usage: weft view DIR [DIR2] [OPTIONS]\n\n"
-      "Writes one self-contained HTML page with the frames and the plots of a run, and "
-      "prints its URL: a browser plays it, nothing is fetched from anywhere. Two runs "
-      "of the same grid are shown side by side, at the times both have, coloured by "
-      "how far they are apart.\n\n"
-      "  --out FILE           default: DIR/run.html, of two runs DIR/compare.html\n\n"
+      "Writes one self-contained HTML page with the frames and the plots of a run, "
+      "and prints its URL. A browser plays it without fetching anything. Two runs of "
+      "the same grid are shown side by side at their common times, coloured by their "
+      "difference.\n\n"
+      "  --out FILE           default: DIR/run.html, for two runs DIR/compare.html\n\n"
       "examples:\n"
       "  weft view flag\n"
       "  weft view flag-rkf45 flag-verlet --out steppers.html\n\n"
-      "exit codes: 0 done, 2 wrong command line, or runs that do not fit together, 4 a "
+      "exit codes: 0 done, 2 wrong command line, or runs that cannot be compared, 4 a "
       "file could not be read or written\n",
     .options = OPTIONS(OPTION_VALUE("out", out)),
     .run = view_verb,

@@ -158,9 +158,9 @@ void weft__check_cloth(weft__reader *reader, const weft__match *match, void *bas
 void weft__check_limit(weft__reader *reader, const weft__match *match, void *base);
 void weft__check_run(weft__reader *reader, const weft__match *match, void *base);
 
-/* scene_method.c: takes stepper.method apart where it is plugin/method, and removes keys of
- * stepper that a choice of the command line or the sweep leaves without use, with a
- * warning. Before anything is read of the tree. */
+/* scene_method.c: takes stepper.method apart where it is plugin/method, and removes
+ * keys of stepper that a choice of the command line or the sweep leaves without use,
+ * with a warning. Before anything is read of the tree. */
 void weft__resolve_method(weft__reader *reader, const weft__sweep *sweep);
 
 /* scene_stepper.c */

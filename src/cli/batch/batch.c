@@ -209,23 +209,22 @@ static int batch_verb(const options *given)
 
 const verb verb_batch = {
     .name = "batch",
-    .summary = "run many scenes and sweeps, a process and a directory each",
+    .summary = "run many scenes and sweeps, one process and directory each",
     .help
     = "usage: weft batch SCENE.yaml... --out DIR [OPTIONS]\n\n"
-      "Runs every scene, and of a scene with 'sweep' every run it stands for, each in "
-      "a process of its own into DIR/NAME, and joins the results in DIR/summary.csv. "
-      "Called again it skips what is done and goes on with what is not.\n\n"
-      "  --out DIR            where the directories of the runs are\n"
-      "  -j, --jobs N         so many at a time; default: the number of processors\n"
+      "Runs every scene, and every run of a scene with 'sweep', each in its own "
+      "process and directory DIR/NAME. Joins the results in DIR/summary.csv. A "
+      "repeated call skips finished runs and continues the others.\n\n"
+      "  --out DIR            the directory of the runs' directories\n"
+      "  -j, --jobs N         runs at a time; default: the number of processors\n"
       "  --timeout S          end a run that takes longer [s]\n"
-      "  --retry-failed       run what failed, crashed or took too long once more\n"
-      "  --force              run anew what is there of a scene that has changed "
-      "since\n"
+      "  --retry-failed       repeat runs that failed, crashed or took too long\n"
+      "  --force              repeat existing runs whose scene has changed\n"
       "  --shard I/N          only every N-th run, from the I-th (1 to N) on; no "
       "summary\n"
       "  --summary            run nothing, only write summary.csv\n"
       "  --set KEY.PATH=VALUE override a key of all scenes; may be repeated\n"
-      "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n"
+      "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n"
       "  --quiet              no progress, no summary line\n\n"
       "examples:\n"
       "  weft batch scenes/flag.yaml scenes/curtain.yaml --out both -j 2\n"

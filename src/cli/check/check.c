@@ -293,23 +293,24 @@ static int check_verb(const options *given)
 
 const verb verb_check = {
     .name = "check",
-    .summary = "validate scenes, show what they build; write nothing",
+    .summary = "validate scenes, print their contents; write nothing",
     .help
     = "usage: weft check SCENE.yaml... [OPTIONS]\n\n"
-      "Reads and validates scenes and prints particles, springs, masses, the pins that "
-      "matched, memory, stepper and frames. All mistakes of a file are shown at once. "
-      "Then how fast the cloth vibrates at most, and for the cheapest methods the "
+      "Validates scenes and prints particles, springs, masses, the matching pins, "
+      "memory, stepper and frames. Reports all mistakes of a file at once. Also "
+      "prints the fastest vibration of the cloth, and for the cheapest methods the "
       "largest step at which no vibration grows, with the evaluations of the forces "
-      "that it takes per simulated second. A method marked * has none on undamped "
-      "vibrations: its step is the one at which none of these more than doubles during "
-      "the run.\n\n"
+      "per simulated second. A method marked * has no such step on undamped "
+      "vibrations: its step is the one at which none of these more than doubles "
+      "during the run.\n\n"
       "  --all                every method of every plugin\n"
-      "  --refine             sharper by the power method, but no longer guaranteed\n"
-      "  --yaml               for machines: the stable steps of every method\n"
+      "  --refine             sharper bounds by the power method, not guaranteed\n"
+      "  --yaml               as YAML: the stable steps of every method\n"
       "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
-      "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n\n"
+      "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n\n"
       "example: weft check scenes/*.yaml\n\n"
-      "exit codes: 0 all are right, 3 a scene is wrong, 4 a file could not be read\n",
+      "exit codes: 0 all scenes are valid, 3 a scene is wrong, 4 a file could not be "
+      "read\n",
     .options
     = OPTIONS(OPTION_VALUE("set", sets), OPTION_VALUE("plugin-path", plugin_path),
               OPTION_FLAG("yaml", yaml), OPTION_FLAG("all", all),

@@ -145,22 +145,23 @@ static int resume_verb(const options *given)
 
 const verb verb_resume = {
     .name = "resume",
-    .summary = "go on with runs that were killed or interrupted",
+    .summary = "continue runs that were killed or interrupted",
     .help
     = "usage: weft resume DIR... [OPTIONS]\n\n"
-      "Goes on with each run at its last checkpoint (run.checkpoint in its scene), to "
-      "the same files, byte for byte, that it would have left undisturbed. A run that "
-      "has none yet begins anew; one that is done is left alone.\n\n"
-      "  --force              also runs that failed\n"
-      "  --plugin-path DIRS   look for stepper plugins there first ('a:b')\n"
-      "  --progress HOW       auto, lines, terminal, yaml or none, as of weft run\n"
+      "Continues each run from its last checkpoint (run.checkpoint in its scene), to "
+      "the same files, byte for byte, as an uninterrupted run. A run without a "
+      "checkpoint starts again; a finished run is left alone.\n\n"
+      "  --force              also repeat runs that failed\n"
+      "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n"
+      "  --progress HOW       auto, lines, terminal, yaml or none, as for weft run\n"
       "  --quiet              no progress, no summary\n\n"
       "examples:\n"
       "  weft resume flag\n"
       "  weft resume sweep/*\n\n"
       "exit codes: 0 done, 1 the simulation failed, 2 wrong command line, 3 wrong "
-      "scene, or not that of the checkpoint, 4 a file could not be read or written, or "
-      "is damaged, 130 SIGINT, 143 SIGTERM; of several runs the first that is not 0\n",
+      "scene, or one that differs from that of the checkpoint, 4 a file could not be "
+      "read or written, or is damaged, 130 SIGINT, 143 SIGTERM; with several runs the "
+      "first code that is not 0\n",
     .options
     = OPTIONS(OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
               OPTION_FLAG("force", force), OPTION_VALUE("progress", progress)),
