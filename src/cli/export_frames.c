@@ -123,8 +123,7 @@ static weft_status read_frames(export_job *job, weft_error *err)
 static weft_status check_hash(const export_job *job, size_t index, weft_error *err)
 {
     uint64_t recorded;
-    const uint64_t hash
-        = weft_state_hash(weft_sim_state(job->sim), weft_cloth_dim(job->cloth));
+    const uint64_t hash = weft_sim_measure(job->sim).hash;
     const weft_status status
         = record_series_hash(job->directory, index, &recorded, err);
     if (status != WEFT_OK || hash == recorded) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* kernel_damping.c -- what the dampers of springs take, LANES springs at a time:
  * c (w.u)^2 = c (w.d)^2 / d.d, and 0 where d = 0. */
-#include "kernel/kernel.h"
+#include "cloth/levels.h"
 #include "kernel/lanes.h"
 
 #include <float.h>
@@ -12,7 +12,8 @@ enum { SUMS = 8 }; /* of every eighth spring, whatever the width */
 INLINE vec square_rate(const double *p, const double *q, size_t n, size_t count)
 {
     const vec3 d = minus(load3_some(q, n, count), load3_some(p, n, count));
-    const vec3 w = minus(load3_some(q + 3 * n, n, count), load3_some(p + 3 * n, n, count));
+    const vec3 w
+        = minus(load3_some(q + 3 * n, n, count), load3_some(p + 3 * n, n, count));
     const vec wd = dot(w, d);
     return wd * (wd / (dot(d, d) + DBL_MIN));
 }

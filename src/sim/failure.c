@@ -23,20 +23,11 @@ static size_t fastest_particle(const weft_sim *sim, double *speed)
     return fastest;
 }
 
-static double total_energy(const weft_sim *sim)
-{
-    const weft_energy energy = weft_cloth_energy(sim->cloth, sim->y);
-    double total = energy.kinetic + energy.gravitational;
-    for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
-        total += energy.elastic[i];
-    }
-    return total;
-}
-
 void weft__sim_trouble(const weft_sim *sim, const weft_error *why, weft_error *err)
 {
     const size_t cols = weft_cloth_cols(sim->cloth);
-    const weft_spring worst = weft_cloth_worst_spring(sim->cloth, sim->y);
+    const weft_measures all = weft_sim_measure(sim);
+    const weft_spring worst = all.worst;
     const weft_stepper_stats stats = weft_sim_stats(sim);
     double speed;
     const size_t fastest = fastest_particle(sim, &speed);
@@ -56,5 +47,5 @@ void weft__sim_trouble(const weft_sim *sim, const weft_error *why, weft_error *e
                    "%s%s, last h = %.3g s; fastest particle (%zu, %zu) at "
                    "(%.3g, %.3g, %.3g) m, %.3g m/s; %s; energy %.4g J before that step",
                    why->message, time, stats.last_step, fastest / cols, fastest % cols,
-                   x[0], x[n], x[2 * n], speed, spring, total_energy(sim));
+                   x[0], x[n], x[2 * n], speed, spring, weft_energy_total(all.energy));
 }

@@ -91,12 +91,6 @@ static double farthest(const double *a, const double *b, size_t n, double *squar
     return sqrt(top);
 }
 
-static double total(const weft_energy *energy)
-{
-    return energy->kinetic + energy->gravitational + energy->elastic[0]
-           + energy->elastic[1] + energy->elastic[2];
-}
-
 static weft_status keep(void *ctx, size_t i, weft_error *err)
 {
     compare_trial *of = ctx;
@@ -108,8 +102,7 @@ static weft_status keep(void *ctx, size_t i, weft_error *err)
     if (of->twin == NULL) {
         return WEFT_OK;
     }
-    const weft_energy energy = weft_cloth_energy(self->cloth, y);
-    self->energy[i] = total(&energy);
+    self->energy[i] = weft_energy_total(weft_sim_measure(of->sim).energy);
     const weft_status status = weft_sim_advance(of->twin, compare_time(self, i), err);
     if (status == WEFT_OK) {
         self->twin[i] = farthest(y, weft_sim_state(of->twin), n, &square);
@@ -173,14 +166,13 @@ static weft_status judge(void *ctx, size_t i, weft_error *err)
     compare_point *point = of->point;
     const size_t n = weft_cloth_particles(self->cloth);
     const double *y = weft_sim_state(of->sim), *right = self->frames[0] + i * 6 * n;
-    const weft_energy energy = weft_cloth_energy(self->cloth, y);
+    const double energy = weft_energy_total(weft_sim_measure(of->sim).energy);
     double unused = 0.0;
     (void)err;
     point->error = fmax(point->error, farthest(y, right, n, &of->square));
     point->velocity
         = fmax(point->velocity, farthest(y + 3 * n, right + 3 * n, n, &unused));
-    point->energy
-        = fmax(point->energy, fabs(total(&energy) - self->energy[i]) / self->at_play);
+    point->energy = fmax(point->energy, fabs(energy - self->energy[i]) / self->at_play);
     return WEFT_OK;
 }
 

@@ -289,8 +289,7 @@ static int run_prepared(run *self, weft_registry *registry)
                                .result = &self->result };
     weft_status status = run_prepare(self, registry, &err);
     self->beyond = stability_warn(self->scene, self->sim, self->from != NULL);
-    self->result.energy_start
-        = record_total_energy(self->cloth, weft_sim_state(self->sim));
+    self->result.energy_start = weft_energy_total(weft_sim_measure(self->sim).energy);
     if (status == WEFT_OK && self->from != NULL) {
         status = run_take_up(self, registry, &err);
         if (status != WEFT_OK) {
