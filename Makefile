@@ -105,7 +105,7 @@ EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(filter-out examples/we
             $(patsubst examples/%.c,$(BUILD)/examples/%.so,$(wildcard examples/weft-*.c))
 
 .PHONY: all check check-run check-view viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
-        fuzz fuzz-corpus coverage static check-determinism check-libm clang-syntax check-sundials7 check-aarch64 check-elsewhere nightly \
+        fuzz fuzz-corpus coverage static check-determinism check-libm clang-syntax check-steppers check-sundials7 check-aarch64 check-elsewhere nightly \
         valgrind symbols clean help
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -187,9 +187,9 @@ TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_GSL),-DHAVE_GSL) $(if $(HAVE_AR
 TEST_PLUGINS = $(foreach p,$(PLUGINS),$(PLUGIN_OBJ_$(p)))
 TEST_LIBS = -lcheck -lsubunit -lrt $(HDF5_LIBS) $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
 
-# All of the program but main, for tests of its parts.
+# All of the program but main, for tests of its parts; PARTS=conformance: of that alone.
 PROGRAM := $(BUILD)/program.a
-$(PROGRAM): $(filter-out %/main.o,$(PROG_OBJ))
+$(PROGRAM): $(filter-out %/main.o,$(if $(PARTS),$(filter $(PARTS:%=$(BUILD)/src/%/%),$(PROG_OBJ)),$(PROG_OBJ)))
 	$(call say,AR)rm -f $@ && ar rcs $@ $^
 
 $(BUILD)/tests/%.o: tests/%.c
@@ -341,9 +341,13 @@ format:
 docs: all
 	@tools/docs $(BUILD)
 
-# Check's tests under AddressSanitizer and UBSan, in a build of its own.
+# Check's tests under AddressSanitizer and UBSan, in a build of its own. A process for each test
+# takes most of the time of some suites there.
+ASAN_TOGETHER := steppers quadratures arkode embed ledger_order sim stepper_accuracy stability verification \
+                 gsl pins limit_sheet
+
 asan:
-	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/asan CFLAGS='-O1 -g1' \
+	@TEST_TOGETHER='$(ASAN_TOGETHER)' $(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/asan CFLAGS='-O1 -g1' \
 	    SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \
 	    check-run
 
@@ -363,7 +367,7 @@ TSAN_RUN := build/tsan/tests/run
 
 tsan:
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/tsan CFLAGS='-O1 -g1' SAN='-fsanitize=thread' \
-	    TESTS='$(TSAN_TESTS)' $(TSAN_RUN)
+	    TESTS='$(TSAN_TESTS)' PARTS=conformance $(TSAN_RUN)
 	CK_FORK=no $(TSAN_RUN) threads
 	CK_FORK=no CK_RUN_CASE=threads $(TSAN_RUN) embed
 	CK_TIMEOUT_MULTIPLIER=4 $(TSAN_RUN) arkode_vector
@@ -419,6 +423,12 @@ clang-syntax:
 
 valgrind: all
 	@tools/valgrind $(BUILD)
+
+# Tests of the steppers alone, with no more built than they need.
+STEPPER_TESTS := arkode arkode_vector controllers methods quadratures steppers verification
+check-steppers:
+	@$(MAKE) --no-print-directory TESTS='$(STEPPER_TESTS)' $(BUILD)/tests/run $(BUILD)/weft $(PLUGIN_SO) $(BROKEN)
+	@tools/run-tests $(BUILD) $(STEPPER_TESTS:%='run %')
 
 # Tests of the steppers against Debian 13's SUNDIALS 7, in a system of its own; root,
 # debootstrap. WHOLE=1: every test, and the verification.

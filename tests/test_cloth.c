@@ -351,17 +351,23 @@ END_TEST
 
 START_TEST(refusals_name_the_field)
 {
-    REFUSED("grid of 0 x 4: needs 2 to 2147483648 particles", b.def.rows = 0);
-    REFUSED("grid of 1 x 1: needs 2 to 2147483648 particles",
+    REFUSED("a grid of 0 x 4 has no particles", b.def.rows = 0);
+    REFUSED("a grid of 1 x 1 is a single particle: rows * cols must be >= 2",
             b.def.rows = b.def.cols = 1);
-    REFUSED("grid of 65537 x 32768: needs 2 to 2147483648 particles",
+    REFUSED("a grid of 65537 x 32768 has more than 2147483648 particles",
             b.def.rows = 65537, b.def.cols = 32768);
-    REFUSED("grid of 18446744073709551615 x 4: needs 2 to 2147483648 particles",
+    REFUSED("a grid of 18446744073709551615 x 4 has more than 2147483648 particles",
             b.def.rows = SIZE_MAX);
     REFUSED("spacing 1, -2 m: must be > 0", b.def.spacing[1] = -2.0);
     REFUSED("right and down must be finite and not zero", b.def.right[0] = 0.0);
-    REFUSED("down must be perpendicular to right (cosine 0.6)", b.def.down[0] = 0.75);
-    REFUSED("down must be perpendicular to right (cosine 2e-09)", b.def.down[0] = 2e-9);
+    REFUSED("down [0.75, -1, 0] is not perpendicular to right [1, 0, 0]: the cosine is "
+            "0.6, not below 1e-9",
+            b.def.down[0] = 0.75);
+    REFUSED(
+        "down [2e-09, -1, 0] is not perpendicular to right [1, 0, 0]: the cosine is "
+        "2e-09, not below 1e-9",
+        b.def.down[0] = 2e-9);
+    REFUSED("the grid is too large: positions are not finite", b.def.scale = 1e308);
     REFUSED("mass 2 kg, density 0.2 kg/m^2: exactly one must be > 0", b.def.mass = 2.0);
     REFUSED("load 1: rows 0 to 3 are outside the grid of 3 rows",
             b.loads[1].rows.last = 3);
@@ -385,13 +391,19 @@ END_TEST
 
 START_TEST(neighbours_that_coincide_are_refused)
 {
-    REFUSED("coincident rest positions: row 0, column 0 and its neighbour",
-            b.def.origin[0] = 1e17);
-    REFUSED("coincident rest positions: row 0, column 0 and its neighbour",
-            b.def.origin[1] = -1e17);
+    REFUSED(
+        "coincident rest positions: the spacing 1 m from row 0, column 0 to the next "
+        "column is lost in rounding",
+        b.def.origin[0] = 1e17);
+    REFUSED(
+        "coincident rest positions: the spacing 1 m from row 0, column 0 to the next "
+        "row is lost in rounding",
+        b.def.origin[1] = -1e17);
     /* 2^53 + 1 is rounded to 2^53, 2^53 + 3 to 2^53 + 4 */
-    REFUSED("coincident rest positions: row 1, column 0 and its neighbour",
-            b.def.origin[1] = -0x1p53 + 1.0);
+    REFUSED(
+        "coincident rest positions: the spacing 1 m from row 1, column 0 to the next "
+        "row is lost in rounding",
+        b.def.origin[1] = -0x1p53 + 1.0);
     weft_cloth_def fine = grid(3, 4);
     set(fine.origin, 0x1p52, 0x1p52, 0.0); /* whole numbers still */
     weft_cloth_destroy(test_cloth(&fine));

@@ -308,10 +308,10 @@ START_TEST(decimal_numbers_are_read_to_the_last_bit)
 END_TEST
 
 static const char *const no_numbers[]
-    = { "010", "1_000",    "0x10",  "0o10", "\"5\"", "'5'",  "!!str 5", "1,000",
-        "5s",  "5 s",      "one",   "yes",  ".nan",  ".inf", "1e999",   "--5",
-        "5-",  "1e",       "e5",    ".",    "-.",    "~",    "[5]",     "{a: 5}",
-        "0b1", "Infinity", "1.2.3", "00.5", "1e5.5", "\"\"" };
+    = { "010",    "1_000", "0x10",     "0o10",  "\"5\"", "'5'",   "!!str 5", "! 5",
+        "1,000",  "5s",    "5 s",      "one",   "yes",   ".nan",  ".inf",    "1e999",
+        "--5",    "5-",    "1e",       "e5",    ".",     "-.",    "~",       "[5]",
+        "{a: 5}", "0b1",   "Infinity", "1.2.3", "00.5",  "1e5.5", "\"\"" };
 
 START_TEST(what_is_no_decimal_number_is_refused_where_it_stands)
 {

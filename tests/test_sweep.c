@@ -312,6 +312,21 @@ START_TEST(overrides_reach_the_sweep_and_are_part_of_every_run)
 }
 END_TEST
 
+START_TEST(a_key_that_an_override_removes_from_a_value_is_shown_as_null)
+{
+    static const char *const sets[] = { "sweep.run.0.fps=null" };
+    weft_scene_def def = scene_of_text(HEAD "sweep: {run: [{duration: 1, fps: 3}]}\n");
+    def.sets = sets;
+    def.set_count = 1;
+    weft_sweep *sweep = good_sweep(&def);
+    ck_assert_str_eq(weft_sweep_value(sweep, 0, 1), "{duration: 1, fps: null}");
+    weft_scene *scene = run_of(sweep, 1);
+    ck_assert(weft_scene_run(scene)->fps == 30.0);
+    weft_scene_destroy(scene);
+    weft_sweep_destroy(sweep);
+}
+END_TEST
+
 START_TEST(one_scene_is_not_read_from_a_sweep_and_the_error_names_batch)
 {
     const weft_scene_def def
@@ -354,6 +369,9 @@ static const struct {
       "rkf45]}, not a list of 1\n" },
     { "sweep: {zip: yes, run.fps: [1]}\n",
       "scene.yaml:9:14: error: zip must be true or false, not 'yes'" },
+    { "sweep: {zip: 'true', run.fps: [1]}\n",
+      "9:14: error: zip must be true or false, not the text 'true' (remove the "
+      "quotes)" },
     { "sweep: {zip: true, run.fps: [1, 2, 3], run.duration: [1, 2]}\n",
       "scene.yaml:9:54: error: 2 values, but run.fps has 3: zip takes lists of one "
       "length\n" },
@@ -501,6 +519,7 @@ TEST_SUITE(sweep)
         runs, a_scene_without_a_name_is_read_again_and_again_however_it_is_written, 0,
         sizeof forms / sizeof forms[0]);
     tcase_add_test(runs, overrides_reach_the_sweep_and_are_part_of_every_run);
+    tcase_add_test(runs, a_key_that_an_override_removes_from_a_value_is_shown_as_null);
     tcase_add_test(runs, one_scene_is_not_read_from_a_sweep_and_the_error_names_batch);
     suite_add_tcase(all, runs);
     TCase *errors = tcase_create("errors");

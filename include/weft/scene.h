@@ -77,8 +77,8 @@ typedef struct weft_scene_def {
     const weft_plugin *(*find_plugin)(void *ctx, const char *id, weft_error *err);
     void *find_ctx;
 
-    /* NULL: malloc's. libyaml's reading, and the data of a weft_sweep other than the
-     * text and the scenes, always use malloc. */
+    /* NULL: malloc's. libyaml's reading and writing, and a weft_sweep itself, always
+     * use malloc. */
     const weft_allocator *allocator;
 } weft_scene_def;
 

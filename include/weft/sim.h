@@ -216,8 +216,8 @@ WEFT_API weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *e
 WEFT_API double weft_sim_time(const weft_sim *sim); /* [s] */
 WEFT_API const double *
 weft_sim_state(const weft_sim *sim); /* y[6 N], valid until the next step */
-/* The definition's cloth with the pins that the simulation has at present. Until the
- * simulation is destroyed. */
+/* The definition's cloth with the pins that the simulation has at present. Valid until
+ * the simulation is destroyed. */
 WEFT_API const weft_cloth *weft_sim_cloth(const weft_sim *sim);
 WEFT_API weft_stepper_stats weft_sim_stats(const weft_sim *sim);
 /* Calls `tell` for each choice of the stepper beyond its config. */

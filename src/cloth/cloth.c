@@ -127,41 +127,11 @@ static weft_status list_pins(weft_cloth *cloth, weft_error *err)
     return WEFT_OK;
 }
 
-/* Neighbours that a huge origin has rounded onto one another have no direction. */
-static weft_status check_apart(const weft_cloth *cloth, weft_error *err)
-{
-    for (size_t r = 0; r < cloth->rows; ++r) {
-        for (size_t c = 0; c < cloth->cols; ++c) {
-            double x[3], across[3], along[3];
-            weft__rest_position(cloth, r, c, x);
-            weft__rest_position(cloth, r, c + 1, across);
-            weft__rest_position(cloth, r + 1, c, along);
-            if ((c + 1 < cloth->cols && memcmp(x, across, sizeof x) == 0)
-                || (r + 1 < cloth->rows && memcmp(x, along, sizeof x) == 0)) {
-                return weft_error_set(
-                    err, WEFT_INVALID,
-                    "coincident rest positions: row %zu, column %zu and its neighbour",
-                    r, c);
-            }
-        }
-    }
-    return WEFT_OK;
-}
-
 /* Products of what was in range may not be: nothing infinite may get into a state, and
  * nothing that is divided by may be 0. */
 static weft_status check_numbers(const weft_cloth *cloth, weft_error *err)
 {
     const char *wrong = NULL;
-    for (size_t corner = 0; corner < 4; ++corner) {
-        double x[3];
-        weft__rest_position(cloth, corner / 2 * (cloth->rows - 1),
-                            corner % 2 * (cloth->cols - 1), x);
-        for (size_t k = 0; k < 3; ++k) {
-            const double start = cloth->scale * (x[k] - cloth->origin[k]);
-            wrong = isfinite(x[k]) && isfinite(start) ? wrong : "positions";
-        }
-    }
     for (size_t i = 0; i < cloth->particles; ++i) {
         const bool usable = isfinite(cloth->mass[i]) && isfinite(1.0 / cloth->mass[i]);
         wrong = usable ? wrong : "masses";
@@ -186,7 +156,7 @@ static weft_status check_numbers(const weft_cloth *cloth, weft_error *err)
                                           wrong);
 }
 
-static void copy_plain_fields(weft_cloth *cloth, const weft_cloth_def *def)
+void weft__grid_init(weft_cloth *cloth, const weft_cloth_def *def)
 {
     cloth->rows = def->rows;
     cloth->cols = def->cols;
@@ -224,9 +194,6 @@ static weft_status allocate(weft_cloth *cloth, weft_error *err)
 static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error *err)
 {
     weft_status status = allocate(cloth, err);
-    if (status == WEFT_OK) {
-        status = check_apart(cloth, err);
-    }
     if (status != WEFT_OK) {
         return status;
     }
@@ -237,20 +204,37 @@ static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error
     return status == WEFT_OK ? check_numbers(cloth, err) : status;
 }
 
+/* The first fault of a definition. */
+typedef struct refusal {
+    weft_status status;
+    weft_error *err;
+} refusal;
+
+static void keep_first(void *ctx, size_t field, size_t other, const char *message)
+{
+    refusal *first = ctx;
+    (void)field;
+    (void)other;
+    if (first->status == WEFT_OK) {
+        first->status = weft_error_set(first->err, WEFT_INVALID, "%s", message);
+    }
+}
+
 weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
                               weft_error *err)
 {
     *out = NULL;
-    const weft_status valid = weft__cloth_def_check(def, err);
-    if (valid != WEFT_OK) {
-        return valid;
+    refusal first = { WEFT_OK, err };
+    weft__cloth_def_check(def, &(weft__faults){ keep_first, &first });
+    if (first.status != WEFT_OK) {
+        return first.status;
     }
     const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
     weft_cloth *cloth = weft__zeroed(&memory, 1, sizeof *cloth);
     if (cloth == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a cloth");
     }
-    copy_plain_fields(cloth, def);
+    weft__grid_init(cloth, def);
     cloth->motion_count = def->pin_count;
     cloth->memory = memory;
     weft_status status = weft__level_find(getenv("WEFT_ISA"), &cloth->level, err);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* model.h -- what a cloth is made of, for the files of src/cloth alone.
+/* model.h -- what a cloth is made of, for the files of src/cloth, and the check of a
+ * definition, for src/scene too.
  *
  * Springs are implicit: a family has two groups, one for each direction, and all the
  * springs of a group are alike but for where they start. Nothing is kept per spring. */
@@ -69,8 +70,22 @@ struct weft_cloth {
 /* springs.c: fill cloth->groups from the definition. */
 void weft__groups_init(weft_cloth *cloth, const weft_cloth_def *def);
 
+/* cloth.c: the rows, columns and plain values of a definition, directions made unit. */
+void weft__grid_init(weft_cloth *cloth, const weft_cloth_def *def);
+
+/* Takes faults of a definition: `field` is the offset in weft_cloth_def of the one at
+ * fault, `other` that of one it does not go together with, or the same. */
+typedef struct weft__faults {
+    void (*found)(void *ctx, size_t field, size_t other, const char *message);
+    void *ctx;
+} weft__faults;
+
 /* validate.c: all that can be wrong with a definition. */
-weft_status weft__cloth_def_check(const weft_cloth_def *def, weft_error *err);
+void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to);
+
+/* Of the grid alone: rows to velocity; neighbours are compared in grids of up to `most`
+ * particles. false: its size is wrong. */
+bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults *to);
 
 /* A range of def with negative ends resolved; false if it leaves [0, count). */
 bool weft__range_resolve(weft_range range, size_t count, size_t *first, size_t *last);

@@ -4,8 +4,24 @@
 #include "cloth/model.h"
 
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 
 #define MAX_PARTICLES ((size_t)1 << 31)
+
+#define FIELD(name) offsetof(weft_cloth_def, name)
+
+WEFT_PRINTF(4, 5)
+static void fault(const weft__faults *to, size_t field, size_t other,
+                  const char *format, ...)
+{
+    char message[256];
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    to->found(to->ctx, field, other, message);
+}
 
 static bool finite3(const double v[3])
 {
@@ -32,145 +48,228 @@ bool weft__range_resolve(weft_range range, size_t count, size_t *first, size_t *
     return a >= 0 && b < n && a <= b;
 }
 
-static weft_status check_range(const weft_cloth_def *def, const char *what,
-                               size_t index, weft_range rows, weft_range cols,
-                               weft_error *err)
+/* `field`: of the array that the range belongs to. */
+static void check_ranges(const weft_cloth_def *def, const weft__faults *to,
+                         size_t field, const char *what, size_t index, weft_range rows,
+                         weft_range cols)
 {
     size_t first, last;
     if (!weft__range_resolve(rows, def->rows, &first, &last)) {
-        return weft_error_set(
-            err, WEFT_INVALID,
-            "%s %zu: rows %td to %td are outside the grid of %zu rows", what, index,
-            rows.first, rows.last, def->rows);
+        fault(to, field, field,
+              "%s %zu: rows %td to %td are outside the grid of %zu rows", what, index,
+              rows.first, rows.last, def->rows);
     }
     if (!weft__range_resolve(cols, def->cols, &first, &last)) {
-        return weft_error_set(
-            err, WEFT_INVALID,
-            "%s %zu: columns %td to %td are outside the grid of %zu columns", what,
-            index, cols.first, cols.last, def->cols);
+        fault(to, field, field,
+              "%s %zu: columns %td to %td are outside the grid of %zu columns", what,
+              index, cols.first, cols.last, def->cols);
     }
-    return WEFT_OK;
 }
 
-static weft_status check_grid(const weft_cloth_def *def, weft_error *err)
+/* ---- grid ------------------------------------------------------------------------ */
+
+static bool check_size(const weft_cloth_def *def, const weft__faults *to)
 {
-    if (def->rows < 1 || def->cols < 1 || def->rows > MAX_PARTICLES / def->cols
-        || def->rows * def->cols < 2) {
-        return weft_error_set(err, WEFT_INVALID,
-                              "grid of %zu x %zu: needs 2 to %zu particles", def->rows,
-                              def->cols, MAX_PARTICLES);
+    const size_t rows = def->rows, cols = def->cols;
+    if (rows == 0 || cols == 0) {
+        const size_t field = rows == 0 ? FIELD(rows) : FIELD(cols);
+        fault(to, field, field, "a grid of %zu x %zu has no particles", rows, cols);
+    } else if (rows * cols < 2) {
+        fault(to, FIELD(cols), FIELD(rows),
+              "a grid of 1 x 1 is a single particle: rows * cols must be >= 2");
+    } else if (rows > MAX_PARTICLES / cols) {
+        fault(to, FIELD(cols), FIELD(rows),
+              "a grid of %zu x %zu has more than %zu particles", rows, cols,
+              MAX_PARTICLES);
+    } else {
+        return true;
     }
-    if (!positive(def->spacing[0]) || !positive(def->spacing[1])) {
-        return weft_error_set(err, WEFT_INVALID, "spacing %g, %g m: must be > 0",
-                              def->spacing[0], def->spacing[1]);
+    return false;
+}
+
+static bool check_lengths(const weft_cloth_def *def, const weft__faults *to)
+{
+    const bool spaced = positive(def->spacing[0]) && positive(def->spacing[1]);
+    const bool scaled = positive(def->scale);
+    if (!spaced) {
+        fault(to, FIELD(spacing), FIELD(spacing), "spacing %g, %g m: must be > 0",
+              def->spacing[0], def->spacing[1]);
+    }
+    if (!scaled) {
+        fault(to, FIELD(scale), FIELD(scale), "scale %g: must be > 0", def->scale);
     }
     if (!finite3(def->origin) || !finite3(def->velocity)) {
-        return weft_error_set(err, WEFT_INVALID, "origin and velocity must be finite");
+        fault(to, FIELD(origin), FIELD(velocity), "origin and velocity must be finite");
     }
-    if (!positive(def->scale)) {
-        return weft_error_set(err, WEFT_INVALID, "scale %g: must be > 0", def->scale);
-    }
-    return WEFT_OK;
+    return spaced && scaled && finite3(def->origin);
 }
 
-static weft_status check_axes(const weft_cloth_def *def, weft_error *err)
+static double length(const double v[3])
+{
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+static bool check_axes(const weft_cloth_def *def, const weft__faults *to)
 {
     const double *a = def->right, *b = def->down;
-    const double la = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
-    const double lb = sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2]);
-    if (!positive(la) || !positive(lb)) {
-        return weft_error_set(err, WEFT_INVALID,
-                              "right and down must be finite and not zero");
+    if (!positive(length(a)) || !positive(length(b))) {
+        const size_t field = positive(length(a)) ? FIELD(down) : FIELD(right);
+        fault(to, field, field, "right and down must be finite and not zero");
+        return false;
     }
-    const double cosine = (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / (la * lb);
+    const double cosine
+        = (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / (length(a) * length(b));
     if (!(fabs(cosine) <= 1e-9)) {
-        return weft_error_set(err, WEFT_INVALID,
-                              "down must be perpendicular to right (cosine %g)",
-                              cosine);
+        fault(
+            to, FIELD(down), FIELD(right),
+            "down [%g, %g, %g] is not perpendicular to right [%g, %g, %g]: the cosine "
+            "is %.3g, not below 1e-9",
+            b[0], b[1], b[2], a[0], a[1], a[2], cosine);
+        return false;
     }
-    return WEFT_OK;
+    return true;
 }
 
-static weft_status check_mass(const weft_cloth_def *def, weft_error *err)
+/* Positions must be numbers, at rest and as they start. */
+static bool check_finite(const weft_cloth *grid, const weft__faults *to)
+{
+    bool finite = true;
+    for (size_t corner = 0; corner < 4; ++corner) {
+        double x[3];
+        weft__rest_position(grid, corner / 2 * (grid->rows - 1),
+                            corner % 2 * (grid->cols - 1), x);
+        for (size_t k = 0; k < 3; ++k) {
+            const double from = grid->origin[k];
+            finite = finite && isfinite(x[k])
+                     && isfinite(from + grid->scale * (x[k] - from));
+        }
+    }
+    if (!finite) {
+        fault(to, FIELD(spacing), FIELD(spacing),
+              "the grid is too large: positions are not finite");
+    }
+    return finite;
+}
+
+/* Neighbours can only be rounded onto one another if the spacing is near the last bits
+ * of the coordinates. */
+static bool may_coincide(const weft_cloth *grid)
+{
+    const double extent
+        = (double)grid->rows * grid->spacing[0] + (double)grid->cols * grid->spacing[1];
+    const double smaller = fmin(grid->spacing[0], grid->spacing[1]);
+    /* a unit vector has a component of 0.57 or more; 2^-52 is the spacing of doubles */
+    const double limit = 16.0 * 0x1p-52 * (length(grid->origin) + extent);
+    return !(smaller > limit && smaller > 1e-150);
+}
+
+/* Also if the distance is too small for its square. */
+static bool coincide(const weft_cloth *grid, size_t r, size_t c, size_t r2, size_t c2)
+{
+    double a[3], b[3];
+    weft__rest_position(grid, r, c, a);
+    weft__rest_position(grid, r2, c2, b);
+    const double d[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
+    return r2 < grid->rows && c2 < grid->cols && length(d) == 0.0;
+}
+
+static void check_apart(const weft_cloth *grid, const weft__faults *to)
+{
+    for (size_t r = 0; r < grid->rows; ++r) {
+        for (size_t c = 0; c < grid->cols; ++c) {
+            const bool across = coincide(grid, r, c, r, c + 1);
+            if (across || coincide(grid, r, c, r + 1, c)) {
+                fault(
+                    to, FIELD(spacing), FIELD(spacing),
+                    "coincident rest positions: the spacing %g m from row %zu, column "
+                    "%zu to the next %s is lost in rounding",
+                    grid->spacing[across ? 1 : 0], r, c, across ? "column" : "row");
+                return;
+            }
+        }
+    }
+}
+
+bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults *to)
+{
+    weft_cloth grid = { .rows = 0 };
+    const bool sized = check_size(def, to);
+    const bool spaced = check_lengths(def, to);
+    if (!check_axes(def, to) || !sized || !spaced) {
+        return sized;
+    }
+    weft__grid_init(&grid, def);
+    if (check_finite(&grid, to) && may_coincide(&grid) && grid.particles <= most) {
+        check_apart(&grid, to);
+    }
+    return true;
+}
+
+/* ---- what is on it --------------------------------------------------------------- */
+
+static void check_mass(const weft_cloth_def *def, const weft__faults *to)
 {
     if (!not_negative(def->mass) || !not_negative(def->density)
         || (def->mass > 0.0) == (def->density > 0.0)) {
-        return weft_error_set(err, WEFT_INVALID,
-                              "mass %g kg, density %g kg/m^2: exactly one must be > 0",
-                              def->mass, def->density);
+        fault(to, FIELD(mass), FIELD(density),
+              "mass %g kg, density %g kg/m^2: exactly one must be > 0", def->mass,
+              def->density);
     }
     for (size_t i = 0; i < def->load_count; ++i) {
         const weft_load *load = &def->loads[i];
         if (!positive(load->mass)) {
-            return weft_error_set(err, WEFT_INVALID,
-                                  "load %zu: mass %g kg: must be > 0", i, load->mass);
+            fault(to, FIELD(loads), FIELD(loads), "load %zu: mass %g kg: must be > 0",
+                  i, load->mass);
         }
-        const weft_status status
-            = check_range(def, "load", i, load->rows, load->cols, err);
-        if (status != WEFT_OK) {
-            return status;
-        }
+        check_ranges(def, to, FIELD(loads), "load", i, load->rows, load->cols);
     }
-    return WEFT_OK;
 }
 
-static weft_status check_springs(const weft_cloth_def *def, weft_error *err)
+static void check_springs(const weft_cloth_def *def, const weft__faults *to)
 {
     if (def->law != WEFT_LAW_HOOKE && def->law != WEFT_LAW_STRAIN) {
-        return weft_error_set(err, WEFT_INVALID, "unknown spring law %d",
-                              (int)def->law);
+        fault(to, FIELD(law), FIELD(law), "unknown spring law %d", (int)def->law);
     }
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
         const weft_spring_def *spring = &def->springs[i];
         if (spring->present
             && (!not_negative(spring->stiffness) || !not_negative(spring->damping))) {
-            return weft_error_set(
-                err, WEFT_INVALID, "%s springs: stiffness %g, damping %g: must be >= 0",
-                weft_family_name((weft_family)i), spring->stiffness, spring->damping);
+            const size_t field = FIELD(springs) + i * sizeof *spring;
+            fault(to, field, field,
+                  "%s springs: stiffness %g, damping %g: must be >= 0",
+                  weft_family_name((weft_family)i), spring->stiffness, spring->damping);
         }
     }
-    return WEFT_OK;
 }
 
-static weft_status check_pins(const weft_cloth_def *def, weft_error *err)
+static void check_pins(const weft_cloth_def *def, const weft__faults *to)
 {
     for (size_t i = 0; i < def->pin_count; ++i) {
         const weft_pin *pin = &def->pins[i];
         if (!finite3(pin->velocity) || !finite3(pin->amplitude)
             || !not_negative(pin->frequency)) {
-            return weft_error_set(err, WEFT_INVALID,
-                                  "pin %zu: its motion must be finite, frequency >= 0",
-                                  i);
+            fault(to, FIELD(pins), FIELD(pins),
+                  "pin %zu: its motion must be finite, frequency >= 0", i);
         }
-        const weft_status status
-            = check_range(def, "pin", i, pin->rows, pin->cols, err);
-        if (status != WEFT_OK) {
-            return status;
-        }
+        check_ranges(def, to, FIELD(pins), "pin", i, pin->rows, pin->cols);
     }
-    return WEFT_OK;
 }
 
-static weft_status check_forces(const weft_cloth_def *def, weft_error *err)
+static void check_forces(const weft_cloth_def *def, const weft__faults *to)
 {
     if (!finite3(def->gravity) || !finite3(def->wind_velocity)
         || !not_negative(def->drag) || !not_negative(def->wind_drag)) {
-        return weft_error_set(err, WEFT_INVALID,
-                              "forces must be finite, drag and wind drag >= 0");
+        fault(to, FIELD(gravity), FIELD(wind_velocity),
+              "forces must be finite, drag and wind drag >= 0");
     }
-    return WEFT_OK;
 }
 
-weft_status weft__cloth_def_check(const weft_cloth_def *def, weft_error *err)
+void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to)
 {
-    weft_status (*const checks[])(const weft_cloth_def *, weft_error *) = {
-        check_grid, check_axes, check_mass, check_springs, check_pins, check_forces,
-    };
-    for (size_t i = 0; i < sizeof checks / sizeof checks[0]; ++i) {
-        const weft_status status = checks[i](def, err);
-        if (status != WEFT_OK) {
-            return status;
-        }
+    if (weft__grid_check(def, MAX_PARTICLES, to)) {
+        check_mass(def, to);
+        check_springs(def, to);
+        check_pins(def, to);
+        check_forces(def, to);
     }
-    return WEFT_OK;
 }

@@ -11,7 +11,7 @@
 #define SUM_TOLERANCE 1e-9
 
 static bool read_coefficient(weft__reader *reader, const char *name,
-                             const yaml_node_t *node, double *out)
+                             const weft__node *node, double *out)
 {
     if (!weft__fraction_of(node, out)) {
         weft__refuse(reader, node, name, "a number or a fraction as 19/32", true, NULL);
@@ -21,45 +21,39 @@ static bool read_coefficient(weft__reader *reader, const char *name,
 }
 
 static bool has_stages(weft__reader *reader, const weft__key *key,
-                       const yaml_node_t *node)
+                       const weft__node *node)
 {
-    char wanted[200];
     const size_t count = weft__item_count(node);
     if (count == 0) {
-        weft__refuse(reader, node, key->name,
-                     weft__wanted(key, true, false, wanted, sizeof wanted), false,
-                     NULL);
+        weft__refuse_value(reader, key, node);
     } else if (count > MAX_STAGES) {
-        weft__report_error(reader->report, node->start_mark,
+        weft__report_error(reader->report, node->at,
                            "%s has %zu stages; the most is %d", key->name, count,
                            MAX_STAGES);
     }
     return count > 0 && count <= MAX_STAGES;
 }
 
-/* Room for `count` values in a list that is empty so far. */
-static bool allocate(weft__reader *reader, weft__list *list, size_t count)
+/* Room for `count` values in a list; false: no memory. */
+static bool take_values(weft__reader *reader, weft__list *list, size_t count)
 {
-    weft__free(reader->report->memory, list->values);
-    list->values = weft__zeroed(reader->report->memory, count, sizeof *list->values);
-    reader->report->no_memory = reader->report->no_memory || list->values == NULL;
+    list->values = weft__tree_take(reader->tree, count, sizeof *list->values);
     return list->values != NULL;
 }
 
-void weft__read_row(weft__reader *reader, const weft__key *key, const yaml_node_t *node,
+void weft__read_row(weft__reader *reader, const weft__key *key, const weft__node *node,
                     void *to)
 {
     weft__list *list = to;
     const size_t count = weft__item_count(node);
     bool good = true;
-    if (!has_stages(reader, key, node) || !allocate(reader, list, count)) {
+    if (!has_stages(reader, key, node) || !take_values(reader, list, count)) {
         return;
     }
     for (size_t i = 0; i < count; ++i) {
         char name[64];
         (void)snprintf(name, sizeof name, "%s[%zu]", key->name, i);
-        good = read_coefficient(reader, name, weft__item(reader, node, i),
-                                &list->values[i])
+        good = read_coefficient(reader, name, weft__item(node, i), &list->values[i])
                && good;
     }
     list->count = good ? count : 0;
@@ -67,29 +61,29 @@ void weft__read_row(weft__reader *reader, const weft__key *key, const yaml_node_
 }
 
 /* Row i of A into values[side]: what is on or above the diagonal must be 0. */
-static bool read_matrix_row(weft__reader *reader, const yaml_node_t *row, size_t i,
+static bool read_matrix_row(weft__reader *reader, const weft__node *row, size_t i,
                             size_t side, double *values)
 {
     const size_t count = weft__item_count(row);
     bool good = true;
     char name[64];
     (void)snprintf(name, sizeof name, "row %zu of A", i);
-    if (row->type != YAML_SEQUENCE_NODE) {
+    if (row->type != WEFT__LIST) {
         weft__refuse(reader, row, name, "a list of numbers", false, NULL);
         return false;
     }
     if (count > side) {
-        weft__report_error(reader->report, row->start_mark,
+        weft__report_error(reader->report, row->at,
                            "%s has %zu values, but A has %zu rows", name, count, side);
         return false;
     }
     for (size_t j = 0; j < count; ++j) {
-        const yaml_node_t *node = weft__item(reader, row, j);
+        const weft__node *node = weft__item(row, j);
         (void)snprintf(name, sizeof name, "A[%zu][%zu]", i, j);
         if (!read_coefficient(reader, name, node, &values[j])) {
             good = false;
         } else if (j >= i && values[j] != 0.0) {
-            weft__report_error(reader->report, node->start_mark,
+            weft__report_error(reader->report, node->at,
                                "%s must be 0: the table is explicit, A strictly lower "
                                "triangular",
                                name);
@@ -99,17 +93,17 @@ static bool read_matrix_row(weft__reader *reader, const yaml_node_t *row, size_t
     return good;
 }
 
-void weft__read_rows(weft__reader *reader, const weft__key *key,
-                     const yaml_node_t *node, void *to)
+void weft__read_rows(weft__reader *reader, const weft__key *key, const weft__node *node,
+                     void *to)
 {
     weft__list *list = to;
     const size_t side = weft__item_count(node);
     bool good = true;
-    if (!has_stages(reader, key, node) || !allocate(reader, list, side * side)) {
+    if (!has_stages(reader, key, node) || !take_values(reader, list, side * side)) {
         return;
     }
     for (size_t i = 0; i < side; ++i) {
-        good = read_matrix_row(reader, weft__item(reader, node, i), i, side,
+        good = read_matrix_row(reader, weft__item(node, i), i, side,
                                list->values + i * side)
                && good;
     }
@@ -120,15 +114,15 @@ void weft__read_rows(weft__reader *reader, const weft__key *key,
 static void check_length(weft__reader *reader, const weft__match *match,
                          const char *name, const weft__list *list, size_t stages)
 {
-    const yaml_node_t *node = weft__value_in(match, name);
+    const weft__node *node = weft__value_in(match, name);
     if (list->side > 0 && stages > 0 && list->side != stages) {
-        weft__report_error(reader->report, node->start_mark,
+        weft__report_error(reader->report, node->at,
                            "%s has %zu values, but A has %zu rows", name, list->side,
                            stages);
     }
 }
 
-static void check_sum(weft__reader *reader, yaml_mark_t at, const char *what,
+static void check_sum(weft__reader *reader, weft__mark at, const char *what,
                       const double *values, size_t count, double wanted)
 {
     double sum = 0.0;
@@ -147,22 +141,22 @@ static void check_sums(weft__reader *reader, const weft__match *match,
                        const weft__tableau *table)
 {
     const size_t stages = table->a.side;
-    const yaml_node_t *rows = weft__value_in(match, "A");
-    const yaml_node_t *embedded = weft__value_in(match, "b_embedded");
+    const weft__node *rows = weft__value_in(match, "A");
+    const weft__node *embedded = weft__value_in(match, "b_embedded");
     if (table->a.count == 0 || table->b.count != stages || table->c.count != stages) {
         return;
     }
     for (size_t i = 0; i < stages; ++i) {
         char name[64];
         (void)snprintf(name, sizeof name, "row %zu of A", i);
-        check_sum(reader, weft__item(reader, rows, i)->start_mark, name,
-                  table->a.values + i * stages, stages, table->c.values[i]);
+        check_sum(reader, weft__item(rows, i)->at, name, table->a.values + i * stages,
+                  stages, table->c.values[i]);
     }
-    check_sum(reader, weft__value_in(match, "b")->start_mark, "b", table->b.values,
-              stages, 1.0);
+    check_sum(reader, weft__value_in(match, "b")->at, "b", table->b.values, stages,
+              1.0);
     if (embedded != NULL && table->b_embedded.count == stages) {
-        check_sum(reader, embedded->start_mark, "b_embedded", table->b_embedded.values,
-                  stages, 1.0);
+        check_sum(reader, embedded->at, "b_embedded", table->b_embedded.values, stages,
+                  1.0);
     }
 }
 
@@ -170,19 +164,13 @@ void weft__check_butcher(weft__reader *reader, const weft__match *match, void *b
 {
     weft__tableau *table = base;
     const size_t stages = table->a.side;
-    const yaml_node_t *weights = weft__key_in(match, "b_embedded");
-    const yaml_node_t *order = weft__key_in(match, "embedded_order");
     check_length(reader, match, "b", &table->b, stages);
     check_length(reader, match, "c", &table->c, stages);
     check_length(reader, match, "b_embedded", &table->b_embedded, stages);
-    if (weights != NULL && order == NULL && !weft__misspelt(match, "embedded_order")) {
-        weft__report_error(reader->report, weights->start_mark,
-                           "b_embedded needs embedded_order");
-    }
-    if (order != NULL && weights == NULL && !weft__misspelt(match, "b_embedded")) {
-        weft__report_error(reader->report, order->start_mark,
-                           "embedded_order needs b_embedded");
-    }
+    weft__check_companion(reader, match, "b_embedded", "embedded_order",
+                          "b_embedded needs embedded_order");
+    weft__check_companion(reader, match, "embedded_order", "b_embedded",
+                          "embedded_order needs b_embedded");
     check_sums(reader, match, table);
     reader->scene->butcher = (weft_butcher){
         .stages = (int)stages,

@@ -6,18 +6,18 @@
 #include <limits.h>
 #include <string.h>
 
-bool weft__mark_before(yaml_mark_t a, yaml_mark_t b)
+bool weft__mark_before(weft__mark a, weft__mark b)
 {
-    if (a.index != b.index) {
-        return a.index < b.index;
+    if (a.source != b.source) {
+        return a.source < b.source;
     }
     return a.line != b.line ? a.line < b.line : a.column < b.column;
 }
 
-const char *weft__place_text(yaml_mark_t at, char *out, size_t size)
+const char *weft__place_text(weft__mark at, char *out, size_t size)
 {
-    if (at.index > 0) {
-        (void)snprintf(out, size, "command line, --set number %zu", at.index);
+    if (at.source > 0) {
+        (void)snprintf(out, size, "command line, --set number %zu", at.source);
     } else {
         (void)snprintf(out, size, "line %zu, column %zu", at.line + 1, at.column + 1);
     }
@@ -29,19 +29,11 @@ static int as_int(size_t n)
     return n < INT_MAX ? (int)n : INT_MAX;
 }
 
-static yaml_mark_t place_of(const weft__report *report, size_t item)
-{
-    const weft_diagnostic *kept = &report->found->items[item];
-    return (yaml_mark_t){ .index = report->origin[item].source,
-                          .line = kept->line > 0 ? (size_t)kept->line - 1 : 0,
-                          .column = (size_t)kept->column - 1 };
-}
-
 /* Where a new item goes: behind all that stand before it or at the same place. */
-static size_t find_slot(const weft__report *report, yaml_mark_t at)
+static size_t find_slot(const weft__report *report, weft__mark at)
 {
     size_t slot = report->found->count;
-    while (slot > 0 && weft__mark_before(at, place_of(report, slot - 1))) {
+    while (slot > 0 && weft__mark_before(at, report->origin[slot - 1].at)) {
         --slot;
     }
     return slot;
@@ -49,10 +41,10 @@ static size_t find_slot(const weft__report *report, yaml_mark_t at)
 
 /* A node that several aliases lead to is read as often, and so is a scene with a sweep:
  * complained of once. */
-static bool is_known(weft__report *report, yaml_mark_t at, const char *message)
+static bool is_known(weft__report *report, weft__mark at, const char *message)
 {
     for (size_t i = 0; i < report->found->count; ++i) {
-        const yaml_mark_t place = place_of(report, i);
+        const weft__mark place = report->origin[i].at;
         if (!weft__mark_before(place, at) && !weft__mark_before(at, place)
             && strcmp(report->found->items[i].message, message) == 0) {
             report->origin[i].runs += report->origin[i].latest != report->run;
@@ -63,7 +55,7 @@ static bool is_known(weft__report *report, yaml_mark_t at, const char *message)
     return false;
 }
 
-static void insert(weft__report *report, size_t slot, yaml_mark_t at, bool warning,
+static void insert(weft__report *report, size_t slot, weft__mark at, bool warning,
                    const char *message)
 {
     weft_diagnostics *found = report->found;
@@ -77,20 +69,18 @@ static void insert(weft__report *report, size_t slot, yaml_mark_t at, bool warni
     weft_diagnostic *item = &found->items[slot];
     memset(item, 0, sizeof *item);
     item->warning = warning;
-    item->line = at.index > 0 ? 0 : as_int(at.line + 1);
-    item->column = as_int(at.column + 1);
     strcpy(item->message, message);
     report->origin[slot] = (weft__origin){
-        .source = at.index, .runs = 1, .first = report->run, .latest = report->run
+        .at = at, .runs = 1, .first = report->run, .latest = report->run
     };
 }
 
 /* Whether nothing at that place can be shown any more: it is counted alone. */
-static bool is_beyond(const weft__report *report, yaml_mark_t at)
+static bool is_beyond(const weft__report *report, weft__mark at)
 {
     const size_t count = report->found->count;
     return count == WEFT_DIAGNOSTICS_MAX
-           && weft__mark_before(place_of(report, count - 1), at);
+           && weft__mark_before(report->origin[count - 1].at, at);
 }
 
 void weft__fit(char *text, size_t size, int length)
@@ -105,11 +95,12 @@ void weft__fit(char *text, size_t size, int length)
     }
 }
 
-static void add(weft__report *report, bool warning, yaml_mark_t at, const char *format,
+static void add(weft__report *report, bool warning, weft__mark at, const char *format,
                 va_list args)
 {
     char message[sizeof report->found->items[0].message];
     size_t *count = warning ? &report->found->warnings : &report->found->errors;
+    report->mistakes += !warning;
     if (is_beyond(report, at)) {
         ++*count;
         return;
@@ -127,7 +118,7 @@ static void add(weft__report *report, bool warning, yaml_mark_t at, const char *
     }
 }
 
-void weft__report_error(weft__report *report, yaml_mark_t at, const char *format, ...)
+void weft__report_error(weft__report *report, weft__mark at, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -135,35 +126,12 @@ void weft__report_error(weft__report *report, yaml_mark_t at, const char *format
     va_end(args);
 }
 
-void weft__report_warning(weft__report *report, yaml_mark_t at, const char *format, ...)
+void weft__report_warning(weft__report *report, weft__mark at, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
     add(report, true, at, format, args);
     va_end(args);
-}
-
-void weft__report_exclusive(weft__report *report, const yaml_node_t *a,
-                            const yaml_node_t *b)
-{
-    const bool in_order = weft__mark_before(a->start_mark, b->start_mark);
-    const yaml_node_t *first = in_order ? a : b, *second = in_order ? b : a;
-    char where[64];
-    weft__report_error(report, second->start_mark, "%s excludes %s (%s)",
-                       (const char *)second->data.scalar.value,
-                       (const char *)first->data.scalar.value,
-                       weft__place_text(first->start_mark, where, sizeof where));
-}
-
-bool weft__report_clean(const weft__report *report)
-{
-    bool clean = report->found->errors <= report->found->count;
-    for (size_t i = 0; i < report->found->count; ++i) {
-        clean = clean
-                && (report->found->items[i].warning
-                    || report->origin[i].latest != report->run);
-    }
-    return clean;
 }
 
 /* The message for those who ask for one only. */
@@ -189,8 +157,10 @@ weft_status weft__report_end(weft__report *report, weft_error *err)
 {
     for (size_t i = 0; i < report->found->count; ++i) {
         weft_diagnostic *item = &report->found->items[i];
-        const weft__source *source = &report->sources[report->origin[i].source];
-        const yaml_mark_t at = place_of(report, i);
+        const weft__mark at = report->origin[i].at;
+        const weft__source *source = &report->sources[at.source];
+        item->line = at.source > 0 ? 0 : as_int(at.line + 1);
+        item->column = as_int(at.column + 1);
         if (source->number == 0) {
             (void)snprintf(item->place, sizeof item->place, "%s", source->file);
         } else {

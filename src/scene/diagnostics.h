@@ -8,9 +8,12 @@
 #include "scene/source.h"
 #include "weft/scene.h"
 
-/* Of an item: its source, and the runs of a sweep it was found in. */
+typedef struct weft__node weft__node; /* tree.h */
+
+/* Of an item: its place, and the runs of a sweep it was found in. */
 typedef struct weft__origin {
-    size_t source, runs, first, latest;
+    weft__mark at;
+    size_t runs, first, latest;
 } weft__origin;
 
 typedef struct weft__report {
@@ -18,34 +21,27 @@ typedef struct weft__report {
     const weft__source *sources; /* [0] is the file, [n] the n-th override */
     weft__origin origin[WEFT_DIAGNOSTICS_MAX]; /* of found->items */
     size_t run;                                /* of a sweep, that is being read */
-    bool no_memory; /* an allocation failed: nothing that was found counts */
+    size_t mistakes; /* found in it, those that are known already too */
+    bool no_memory;  /* an allocation failed: nothing that was found counts */
     const weft_allocator *memory;
 } weft__report;
 
 /* Add a mistake, or a warning, at a place. The first WEFT_DIAGNOSTICS_MAX in the order
  * of the places are kept. */
 WEFT_PRINTF(3, 4)
-void weft__report_error(weft__report *report, yaml_mark_t at, const char *format, ...);
+void weft__report_error(weft__report *report, weft__mark at, const char *format, ...);
 WEFT_PRINTF(3, 4)
-void weft__report_warning(weft__report *report, yaml_mark_t at, const char *format,
-                          ...);
+void weft__report_warning(weft__report *report, weft__mark at, const char *format, ...);
 
 /* Ends text[size] with " ..." behind its last whole word if it was to have more than
  * fits: `length` characters, as snprintf returns it. */
 void weft__fit(char *text, size_t size, int length);
 
-/* Two keys of one mapping that may not stand together: told at the later one. */
-void weft__report_exclusive(weft__report *report, const yaml_node_t *a,
-                            const yaml_node_t *b);
-
 /* "line 3, column 7" or "command line, --set number 2" into out[size]. */
-const char *weft__place_text(yaml_mark_t at, char *out, size_t size);
+const char *weft__place_text(weft__mark at, char *out, size_t size);
 
 /* Whether a stands before b. */
-bool weft__mark_before(yaml_mark_t a, yaml_mark_t b);
-
-/* Whether no mistake was found so far in the run that is being read. */
-bool weft__report_clean(const weft__report *report);
+bool weft__mark_before(weft__mark a, weft__mark b);
 
 /* Fill in the places and source lines of what was kept. WEFT_BAD_SCENE and the first
  * mistake in *err if there is one. */

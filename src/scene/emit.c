@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* emit.c -- a document as YAML text, for a scene that was changed by overrides.
+/* emit.c -- a tree as YAML text, for a scene that was changed by overrides.
  *
- * Numbers keep the text they were given in. Mappings are written a key a line, lists of
- * plain values in one line. */
+ * Numbers keep the text they were given in. A mapping has a line for each key, a list
+ * of plain values a single line. */
 #include <string.h>
 
-#include "scene/document.h"
+#include "scene/tree.h"
 
 typedef struct buffer {
     const weft_allocator *memory;
@@ -16,8 +16,8 @@ typedef struct buffer {
 static int append(void *ctx, unsigned char *text, size_t size)
 {
     buffer *out = ctx;
-    if (size >= out->capacity - out->length) {
-        const size_t capacity = 2 * out->capacity + size + 1;
+    if (size > out->capacity - out->length) {
+        const size_t capacity = 2 * out->capacity + size;
         char *grown = weft__resize(out->memory, out->text, capacity, 1);
         if (grown == NULL) {
             return 0;
@@ -27,70 +27,69 @@ static int append(void *ctx, unsigned char *text, size_t size)
     }
     memcpy(out->text + out->length, text, size);
     out->length += size;
-    out->text[out->length] = '\0';
     return 1;
 }
 
-static bool holds_scalars_only(yaml_document_t *document, const yaml_node_t *list)
+/* `made`: what the function returned that made the event. */
+static bool emit(yaml_emitter_t *to, yaml_event_t *event, int made)
 {
-    for (const int *item = list->data.sequence.items.start;
-         item < list->data.sequence.items.top; ++item) {
-        if (yaml_document_get_node(document, *item)->type != YAML_SCALAR_NODE) {
-            return false;
-        }
-    }
-    return true;
+    return made && yaml_emitter_emit(to, event);
 }
 
-/* Drop the pairs that an override removed. */
-static void drop_removed(yaml_node_t *mapping)
+static bool emit_node(yaml_emitter_t *to, const weft__node *node)
 {
-    yaml_node_pair_t *to = mapping->data.mapping.pairs.start;
-    for (const yaml_node_pair_t *pair = to; pair < mapping->data.mapping.pairs.top;
-         ++pair) {
-        if (pair->value != 0) {
-            *to++ = *pair;
-        }
+    const bool is_map = node->type == WEFT__MAP;
+    yaml_event_t event;
+    if (node->type == WEFT__SCALAR) {
+        return emit(to, &event,
+                    yaml_scalar_event_initialize(
+                        &event, NULL, NULL, (const yaml_char_t *)node->text,
+                        (int)node->count, 1, 1, (yaml_scalar_style_t)node->style));
     }
-    mapping->data.mapping.pairs.top = to;
+    bool good = emit(to, &event,
+                     is_map ? yaml_mapping_start_event_initialize(
+                         &event, NULL, NULL, 1, YAML_BLOCK_MAPPING_STYLE)
+                            : yaml_sequence_start_event_initialize(
+                                &event, NULL, NULL, 1,
+                                node->height > 1 ? YAML_BLOCK_SEQUENCE_STYLE
+                                                 : YAML_FLOW_SEQUENCE_STYLE));
+    for (size_t i = 0; i < node->count && good; ++i) {
+        const weft__entry *entry = &node->entries[i];
+        good = entry->value == NULL
+               || ((entry->key == NULL || emit_node(to, entry->key))
+                   && emit_node(to, entry->value));
+    }
+    return good
+           && emit(to, &event,
+                   is_map ? yaml_mapping_end_event_initialize(&event)
+                          : yaml_sequence_end_event_initialize(&event));
 }
 
-static void set_styles(yaml_document_t *document)
+static bool emit_tree(yaml_emitter_t *to, const weft__node *root)
 {
-    for (yaml_node_t *node = document->nodes.start; node < document->nodes.top;
-         ++node) {
-        if (node->type == YAML_MAPPING_NODE) {
-            drop_removed(node);
-            node->data.mapping.style = YAML_BLOCK_MAPPING_STYLE;
-        } else if (node->type == YAML_SEQUENCE_NODE) {
-            node->data.sequence.style = holds_scalars_only(document, node)
-                                            ? YAML_FLOW_SEQUENCE_STYLE
-                                            : YAML_BLOCK_SEQUENCE_STYLE;
-        }
-    }
+    yaml_event_t event;
+    yaml_emitter_set_unicode(to, 1);
+    yaml_emitter_set_width(to, -1);
+    return yaml_emitter_open(to)
+           && emit(to, &event,
+                   yaml_document_start_event_initialize(&event, NULL, NULL, NULL, 1))
+           && emit_node(to, root)
+           && emit(to, &event, yaml_document_end_event_initialize(&event, 1))
+           && yaml_emitter_close(to) && yaml_emitter_flush(to);
 }
 
-char *weft__document_emit(yaml_document_t *document, const weft_allocator *memory)
+char *weft__tree_emit(weft__tree *tree)
 {
-    buffer out
-        = { .memory = memory, .text = weft__zeroed(memory, 1, 1), .capacity = 1 };
-    yaml_emitter_t emitter;
-    if (out.text == NULL || !yaml_emitter_initialize(&emitter)) {
-        weft__free(memory, out.text);
-        yaml_document_delete(document);
-        return NULL;
+    buffer out = { .memory = tree->report->memory };
+    yaml_emitter_t to;
+    char *text = NULL;
+    if (yaml_emitter_initialize(&to)) {
+        yaml_emitter_set_output(&to, append, &out);
+        if (emit_tree(&to, tree->root)) {
+            text = weft__tree_text(tree, out.text, out.length);
+        }
+        yaml_emitter_delete(&to);
     }
-    set_styles(document);
-    yaml_emitter_set_output(&emitter, append, &out);
-    yaml_emitter_set_unicode(&emitter, 1);
-    yaml_emitter_set_width(&emitter, -1);
-    const bool written = yaml_emitter_dump(&emitter, document)
-                         && yaml_emitter_close(&emitter)
-                         && yaml_emitter_flush(&emitter);
-    yaml_emitter_delete(&emitter);
-    if (!written) {
-        weft__free(memory, out.text);
-        return NULL;
-    }
-    return out.text;
+    weft__free(out.memory, out.text);
+    return text;
 }

@@ -73,7 +73,7 @@ const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
         [WEFT__SWEEP] = "a mapping {key.path: [values]}",
     };
     char bounds[80] = "", names[100] = "";
-    if (key->kind == WEFT__CHOICE) {
+    if (key->kind == WEFT__CHOICE || key->kind == WEFT__EITHER) {
         names_text(key, " or ", out, size);
         return out;
     }

@@ -102,12 +102,15 @@ static const weft__key family_keys[] = {
 
 static const weft__section family_section = { SECTION(family_keys) };
 
-static const char *const law_names[] = { "hooke", "strain", NULL };
+/* The names of an enum are in its order. */
+_Static_assert(sizeof(weft_law) == sizeof(unsigned)
+                   && sizeof(weft_limit_method) == sizeof(unsigned)
+                   && sizeof(weft_limit_solver) == sizeof(unsigned)
+                   && sizeof(weft_norm) == sizeof(unsigned)
+                   && sizeof(weft_controller_type) == sizeof(unsigned),
+               "a choice is stored as an unsigned");
 
-static void choose_law(void *base, size_t name)
-{
-    ((weft_cloth_def *)base)->law = name == 0 ? WEFT_LAW_HOOKE : WEFT_LAW_STRAIN;
-}
+static const char *const law_names[] = { "hooke", "strain", NULL };
 
 #define FAMILY(name_, index, text)                                                     \
     {                                                                                  \
@@ -118,7 +121,7 @@ static void choose_law(void *base, size_t name)
     }
 
 static const weft__key spring_keys[] = {
-    { "law", WEFT__CHOICE, .names = law_names, .choose = choose_law,
+    { "law", WEFT__CHOICE, .names = law_names, AT(weft_cloth_def, law),
       .fallback = "hooke",
       .meaning
       = "hooke: k (L - s), stiffness [N/m]; strain: k (L / s - 1), stiffness [N]" },
@@ -188,25 +191,9 @@ static const char *const limit_names[] = { "provot", "bridson", NULL };
 static const char *const velocity_names[] = { "update", "keep", NULL };
 static const char *const solver_names[] = { "fast", "sweep", NULL };
 
-static void choose_limit(void *base, size_t name)
-{
-    ((weft_limit_def *)base)->method
-        = name == 0 ? WEFT_LIMIT_PROVOT : WEFT_LIMIT_BRIDSON;
-}
-
-static void choose_velocity(void *base, size_t name)
-{
-    ((weft_limit_def *)base)->keep_velocity = name == 1;
-}
-
-static void choose_solver(void *base, size_t name)
-{
-    ((weft_limit_def *)base)->solver = name == 0 ? WEFT_LIMIT_FAST : WEFT_LIMIT_SWEEP;
-}
-
 static const weft__key limit_keys[] = {
     { "method", WEFT__CHOICE, .required = true, .names = limit_names,
-      .choose = choose_limit,
+      AT(weft_limit_def, method), .first = WEFT_LIMIT_PROVOT,
       .meaning = "provot: on positions; bridson: on velocities" },
     { "strain", WEFT__NUMBER, .fallback = "0.1", AT(weft_limit_def, strain),
       .meaning = "no limited spring longer than (1 + strain) * rest length" },
@@ -219,11 +206,11 @@ static const weft__key limit_keys[] = {
       AT(weft_limit_def, tolerance),
       .meaning = "... or until no spring exceeds (1 + strain)(1 + tolerance) rest "
                  "lengths" },
-    { "velocity", WEFT__CHOICE, .names = velocity_names, .choose = choose_velocity,
-      .fallback = "update",
+    { "velocity", WEFT__EITHER, .names = velocity_names,
+      AT(weft_limit_def, keep_velocity), .fallback = "update",
       .meaning = "update: v += dx / h of the correction; keep: positions only, as in "
                  "the paper (provot)" },
-    { "solver", WEFT__CHOICE, .names = solver_names, .choose = choose_solver,
+    { "solver", WEFT__CHOICE, .names = solver_names, AT(weft_limit_def, solver),
       .fallback = "fast",
       .meaning = "fast: sweeps with momentum; sweep: plain ones, as in the paper" },
 };
@@ -234,11 +221,6 @@ static const weft__section limit_section
 /* ---- stepper ------------------------------------------------------------------- */
 
 static const char *const norm_names[] = { "max", "rms", NULL };
-
-static void choose_norm(void *base, size_t name)
-{
-    ((weft_scene *)base)->config.norm = name == 0 ? WEFT_NORM_MAX : WEFT_NORM_RMS;
-}
 
 static const weft__key atol_keys[] = {
     { "position", WEFT__NUMBER, .required = true, .strict = true, .unit = "m",
@@ -277,15 +259,10 @@ static const char *const controller_names[] = {
         NULL
 };
 
-/* The enum follows the same list, after the default. */
-static void choose_controller(void *base, size_t name)
-{
-    ((weft__control *)base)->set.type = (weft_controller_type)(name + 1);
-}
-
 static const weft__key controller_keys[] = {
-    { "type", WEFT__CHOICE, .names = controller_names, .choose = choose_controller,
-      .absent = "arkode: pi", .meaning = "the law by which h follows the errors" },
+    { "type", WEFT__CHOICE, .names = controller_names, AT(weft__control, set.type),
+      .first = WEFT_CONTROLLER_DEFAULT + 1, .absent = "arkode: pi",
+      .meaning = "the law by which h follows the errors" },
     { "gains", WEFT__ROW, AT(weft__control, gains), .absent = "of the type",
       .meaning
       = "k1, k2, k3 of the law: pid and imex_gustafsson take three, i one, the "
@@ -322,7 +299,7 @@ static const weft__key stepper_keys[] = {
     { "atol", WEFT__ATOL, .strict = true, .unit = "m, m/s", .section = &atol_section,
       .fallback = "1.0e-6", AT(weft_scene, config),
       .meaning = "absolute tolerance: a number for all, or {position, velocity}" },
-    { "norm", WEFT__CHOICE, .names = norm_names, .choose = choose_norm,
+    { "norm", WEFT__CHOICE, .names = norm_names, AT(weft_scene, config.norm),
       .fallback = "max", .meaning = "error norm over all components" },
     { "first_step", WEFT__NUMBER, .strict = true, .unit = "s", .fallback = "1.0e-3",
       AT(weft_scene, config.first_step), .meaning = "first trial" },
@@ -358,13 +335,8 @@ static const char *const precision_names[] = { "single", "double", NULL };
 /* In the order of weft_record_field. */
 static const char *const field_names[] = { "velocity", "strain", "pinned", NULL };
 
-static void choose_precision(void *base, size_t name)
-{
-    ((weft_record_def *)base)->doubles = name == 1;
-}
-
 static const weft__key record_keys[] = {
-    { "precision", WEFT__CHOICE, .names = precision_names, .choose = choose_precision,
+    { "precision", WEFT__EITHER, .names = precision_names, AT(weft_record_def, doubles),
       .fallback = "single",
       .meaning = "of positions, velocities and strains in run.vtkhdf" },
     { "fields", WEFT__NAMES, .names = field_names,

@@ -11,9 +11,10 @@ typedef enum weft__kind {
     WEFT__INTEGER,   /* size_t */
     WEFT__VECTOR,    /* double[3] */
     WEFT__DIRECTION, /* double[3], not zero */
-    WEFT__TEXT,      /* char *, allocated */
+    WEFT__TEXT,      /* char *, of the tree */
     WEFT__BOOLEAN,   /* bool */
-    WEFT__CHOICE,    /* one of names, stored by `choose` */
+    WEFT__CHOICE,    /* enum: one of names, the first stands for `first` */
+    WEFT__EITHER,    /* bool: one of two names, true the second */
     WEFT__NAMES,     /* bool of each of names: a list of at least `least` of them */
     WEFT__SPACING,   /* double[2] from a number or a pair */
     WEFT__ATOL,      /* two doubles from a number or a mapping */
@@ -43,7 +44,7 @@ typedef struct weft__key {
     const char *absent;   /* what holds without the key, in words, if no fallback */
     const char *meaning;
     const char *const *names; /* of a choice or a list; ends with NULL */
-    void (*choose)(void *base, size_t name);
+    unsigned first;
     const weft__section *section; /* of the kinds that are or hold mappings */
     size_t at;                    /* offset into what the section fills */
 } weft__key;

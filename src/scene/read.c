@@ -8,71 +8,56 @@
 #include "base/suggest.h"
 #include "scene/scalar.h"
 
-typedef void read_fn(weft__reader *reader, const weft__key *key,
-                     const yaml_node_t *node, void *to);
+typedef void read_fn(weft__reader *reader, const weft__key *key, const weft__node *node,
+                     void *to);
 
 /* ---- messages --------------------------------------------------------------- */
 
 /* A list as [0, -9,81, 0]: blanks behind some of its commas, but not behind all. */
-static bool has_decimal_comma(const weft__reader *reader, const yaml_node_t *list)
+static bool has_decimal_comma(const weft__node *list)
 {
     size_t tight = 0;
     const size_t count = weft__item_count(list);
     for (size_t i = 1; i < count; ++i) {
         double value;
-        const yaml_node_t *a = weft__item(reader, list, i - 1);
-        const yaml_node_t *b = weft__item(reader, list, i);
+        const weft__node *a = weft__item(list, i - 1);
+        const weft__node *b = weft__item(list, i);
         if (!weft__number_of(a, &value) || !weft__number_of(b, &value)) {
             return false;
         }
-        tight += b->start_mark.line == a->start_mark.line
-                 && b->start_mark.column
-                        == a->start_mark.column + a->data.scalar.length + 1;
+        tight
+            += b->at.line == a->at.line && b->at.column == a->at.column + a->count + 1;
     }
     return tight > 0 && tight + 1 < count;
 }
 
-void weft__refuse(weft__reader *reader, const yaml_node_t *node, const char *name,
+void weft__refuse(weft__reader *reader, const weft__node *node, const char *name,
                   const char *wanted, bool number, const char *unit)
 {
     char value[64], hint[128];
-    if (node->type == YAML_SCALAR_NODE && weft__is_null(node)) {
-        weft__report_error(reader->report, node->start_mark,
+    if (node->type == WEFT__SCALAR && weft__is_null(node)) {
+        weft__report_error(reader->report, node->at,
                            "%s must be %s, but there is no value", name, wanted);
         return;
     }
-    weft__report_error(reader->report, node->start_mark, "%s must be %s, not %s%s",
-                       name, wanted, weft__show(node, value, sizeof value),
-                       node->type == YAML_SCALAR_NODE
+    weft__report_error(reader->report, node->at, "%s must be %s, not %s%s", name,
+                       wanted, weft__show(node, value, sizeof value),
+                       node->type == WEFT__SCALAR
                            ? weft__hint(node, number, unit, hint, sizeof hint)
-                       : has_decimal_comma(reader, node) ? " (write a decimal point)"
-                                                         : "");
+                       : has_decimal_comma(node) ? " (write a decimal point)"
+                                                 : "");
 }
 
-static void refuse(weft__reader *reader, const weft__key *key, const yaml_node_t *node)
+void weft__refuse_value(weft__reader *reader, const weft__key *key,
+                        const weft__node *node)
 {
     char wanted[200];
     const bool number = key->kind == WEFT__NUMBER || key->kind == WEFT__INTEGER
-                        || key->kind == WEFT__SPACING || key->kind == WEFT__ATOL;
+                        || key->kind == WEFT__SPACING || key->kind == WEFT__ATOL
+                        || key->kind == WEFT__INDEX;
     weft__refuse(reader, node, key->name,
                  weft__wanted(key, true, false, wanted, sizeof wanted), number,
                  key->unit);
-}
-
-/* ---- lists ------------------------------------------------------------------ */
-
-const yaml_node_t *weft__item(const weft__reader *reader, const yaml_node_t *list,
-                              size_t i)
-{
-    return yaml_document_get_node(reader->document, list->data.sequence.items.start[i]);
-}
-
-size_t weft__item_count(const yaml_node_t *list)
-{
-    if (list->type != YAML_SEQUENCE_NODE) {
-        return 0;
-    }
-    return (size_t)(list->data.sequence.items.top - list->data.sequence.items.start);
 }
 
 /* ---- plain values ----------------------------------------------------------- */
@@ -85,30 +70,28 @@ static bool in_bounds(const weft__key *key, double value)
 }
 
 bool weft__read_number(weft__reader *reader, const weft__key *key, const char *name,
-                       const yaml_node_t *node, double *out)
+                       const weft__node *node, double *out)
 {
     double value;
     if (weft__number_of(node, &value) && in_bounds(key, value)) {
         *out = value;
         return true;
     }
-    char wanted[200];
     weft__key like = *key;
+    like.name = name;
     like.kind = WEFT__NUMBER;
-    weft__refuse(reader, node, name,
-                 weft__wanted(&like, true, false, wanted, sizeof wanted), true,
-                 key->unit);
+    weft__refuse_value(reader, &like, node);
     return false;
 }
 
 static void read_number(weft__reader *reader, const weft__key *key,
-                        const yaml_node_t *node, void *to)
+                        const weft__node *node, void *to)
 {
     (void)weft__read_number(reader, key, key->name, node, to);
 }
 
 static void read_integer(weft__reader *reader, const weft__key *key,
-                         const yaml_node_t *node, void *to)
+                         const weft__node *node, void *to)
 {
     weft__key shown = *key;
     long long value = 0;
@@ -119,31 +102,30 @@ static void read_integer(weft__reader *reader, const weft__key *key,
     if (key->most > WEFT__MANY && (double)value <= key->most) {
         shown.most = 0.0;
     }
-    refuse(reader, &shown, node);
+    weft__refuse_value(reader, &shown, node);
 }
 
 /* The first `count` items of a list; false if one is wrong. */
 static bool read_numbers(weft__reader *reader, const weft__key *key,
-                         const yaml_node_t *node, size_t count, double *out)
+                         const weft__node *node, size_t count, double *out)
 {
     bool good = true;
     for (size_t i = 0; i < count; ++i) {
         char name[64];
         (void)snprintf(name, sizeof name, "%s[%zu]", key->name, i);
-        good
-            = weft__read_number(reader, key, name, weft__item(reader, node, i), &out[i])
-              && good;
+        good = weft__read_number(reader, key, name, weft__item(node, i), &out[i])
+               && good;
     }
     return good;
 }
 
 static void read_vector(weft__reader *reader, const weft__key *key,
-                        const yaml_node_t *node, void *to)
+                        const weft__node *node, void *to)
 {
     weft__key element = *key;
     double value[3];
     if (weft__item_count(node) != 3) {
-        refuse(reader, key, node);
+        weft__refuse_value(reader, key, node);
         return;
     }
     element.least = -HUGE_VAL;
@@ -154,7 +136,7 @@ static void read_vector(weft__reader *reader, const weft__key *key,
     const double square
         = value[0] * value[0] + value[1] * value[1] + value[2] * value[2];
     if (key->kind == WEFT__DIRECTION && !(square > 0.0 && isfinite(square))) {
-        weft__report_error(reader->report, node->start_mark,
+        weft__report_error(reader->report, node->at,
                            "%s is [%g, %g, %g], which is no direction", key->name,
                            value[0], value[1], value[2]);
         return;
@@ -163,56 +145,75 @@ static void read_vector(weft__reader *reader, const weft__key *key,
 }
 
 static void read_spacing(weft__reader *reader, const weft__key *key,
-                         const yaml_node_t *node, void *to)
+                         const weft__node *node, void *to)
 {
     double value[2];
-    if (node->type == YAML_SCALAR_NODE && !weft__is_null(node)) {
+    if (node->type == WEFT__SCALAR && !weft__is_null(node)) {
         if (weft__read_number(reader, key, key->name, node, &value[0])) {
             value[1] = value[0];
             memcpy(to, value, sizeof value);
         }
     } else if (weft__item_count(node) != 2) {
-        refuse(reader, key, node);
+        weft__refuse_value(reader, key, node);
     } else if (read_numbers(reader, key, node, 2, value)) {
         memcpy(to, value, sizeof value);
     }
 }
 
 static void read_atol(weft__reader *reader, const weft__key *key,
-                      const yaml_node_t *node, void *to)
+                      const weft__node *node, void *to)
 {
     weft_stepper_config *config = to;
     weft__key plain = *key;
     double value;
     plain.unit = "m and m/s";
-    if (node->type == YAML_MAPPING_NODE) {
+    if (node->type == WEFT__MAP) {
         weft__read_section(reader, key->section, key->name, node, config);
-    } else if (node->type == YAML_SEQUENCE_NODE || weft__is_null(node)) {
-        refuse(reader, key, node);
+    } else if (node->type == WEFT__LIST || weft__is_null(node)) {
+        weft__refuse_value(reader, key, node);
     } else if (weft__read_number(reader, &plain, key->name, node, &value)) {
         config->atol_position = config->atol_velocity = value;
     }
 }
 
+static void read_boolean(weft__reader *reader, const weft__key *key,
+                         const weft__node *node, void *to)
+{
+    const weft__switch *found = weft__find_switch(weft__text_of(node));
+    char value[64];
+    if (found == NULL) {
+        weft__refuse_value(reader, key, node);
+        return;
+    }
+    const bool quoted = node->style != YAML_PLAIN_SCALAR_STYLE;
+    if (found->good && !quoted) {
+        *(bool *)to = found->value;
+        return;
+    }
+    weft__report_error(reader->report, node->at,
+                       "%s must be true or false, not %s (%s)", key->name,
+                       weft__show(node, value, sizeof value),
+                       quoted && found->good ? "remove the quotes"
+                       : found->value        ? "write true"
+                                             : "write false");
+}
+
 static void read_text(weft__reader *reader, const weft__key *key,
-                      const yaml_node_t *node, void *to)
+                      const weft__node *node, void *to)
 {
     char **text = to;
     const char *value = weft__text_of(node);
     if (value == NULL) {
-        refuse(reader, key, node);
+        weft__refuse_value(reader, key, node);
         return;
     }
-    weft__free(reader->report->memory, *text);
-    *text = weft__copy_text(reader->report->memory, value);
-    reader->report->no_memory = reader->report->no_memory || *text == NULL;
+    *text = weft__tree_text(reader->tree, value, node->count);
 }
 
 /* ---- names ------------------------------------------------------------------ */
 
-/* The index of a name in a list that ends with NULL, complaining if it is not there. */
-static bool find_name(weft__reader *reader, const weft__key *key,
-                      const yaml_node_t *node, size_t *index)
+bool weft__find_name(weft__reader *reader, const weft__key *key, const weft__node *node,
+                     size_t *index)
 {
     char wanted[200], value[64], near[80], hint[128];
     const char *text = weft__text_of(node);
@@ -224,10 +225,10 @@ static bool find_name(weft__reader *reader, const weft__key *key,
         weft__guess_try(&guess, text, key->names[*index]);
     }
     if (guess.name == NULL) {
-        refuse(reader, key, node);
+        weft__refuse_value(reader, key, node);
     } else {
-        weft__report_error(reader->report, node->start_mark,
-                           "%s must be %s, not %s%s%s", key->name,
+        weft__report_error(reader->report, node->at, "%s must be %s, not %s%s%s",
+                           key->name,
                            weft__wanted(key, true, false, wanted, sizeof wanted),
                            weft__show(node, value, sizeof value),
                            weft__guess_text(&guess, near, sizeof near),
@@ -237,73 +238,83 @@ static bool find_name(weft__reader *reader, const weft__key *key,
 }
 
 static void read_names(weft__reader *reader, const weft__key *key,
-                       const yaml_node_t *node, void *to)
+                       const weft__node *node, void *to)
 {
     bool *listed = to;
     char title[64];
     (void)snprintf(title, sizeof title, "an item of %s", key->name);
     const weft__key element
         = { .name = title, .kind = WEFT__CHOICE, .names = key->names };
-    if (node->type != YAML_SEQUENCE_NODE
-        || (double)weft__item_count(node) < key->least) {
-        refuse(reader, key, node);
+    if (node->type != WEFT__LIST || (double)weft__item_count(node) < key->least) {
+        weft__refuse_value(reader, key, node);
     }
     for (size_t i = 0; i < weft__item_count(node); ++i) {
         size_t name;
-        if (find_name(reader, &element, weft__item(reader, node, i), &name)) {
+        if (weft__find_name(reader, &element, weft__item(node, i), &name)) {
             listed[name] = true;
         }
     }
 }
 
-/* ---- values by kind --------------------------------------------------------- */
-
-void weft__read_value(weft__reader *reader, const weft__key *key,
-                      const yaml_node_t *node, void *base)
+static void read_choice(weft__reader *reader, const weft__key *key,
+                        const weft__node *node, void *to)
 {
-    static read_fn *const readers[WEFT__KINDS] = {
-        [WEFT__NUMBER] = read_number,
-        [WEFT__INTEGER] = read_integer,
-        [WEFT__VECTOR] = read_vector,
-        [WEFT__DIRECTION] = read_vector,
-        [WEFT__TEXT] = read_text,
-        [WEFT__NAMES] = read_names,
-        [WEFT__SPACING] = read_spacing,
-        [WEFT__ATOL] = read_atol,
-        [WEFT__INDEX] = weft__read_index,
-        [WEFT__PLACE] = weft__read_place,
-        [WEFT__PINS] = weft__read_pins,
-        [WEFT__LOADS] = weft__read_loads,
-        [WEFT__ROW] = weft__read_row,
-        [WEFT__ROWS] = weft__read_rows,
-        [WEFT__BOOLEAN] = weft__read_boolean,
-    };
-    void *to = (char *)base + key->at;
     size_t name;
-    if (key->kind == WEFT__MAPPING) {
-        weft__read_section(
-            reader, key->section,
-            key->section->title == NULL ? key->name : key->section->title, node, to);
-    } else if (key->kind == WEFT__CHOICE) {
-        if (find_name(reader, key, node, &name)) {
-            key->choose(base, name);
-        }
-    } else {
-        readers[key->kind](reader, key, node, to);
+    if (weft__find_name(reader, key, node, &name)) {
+        const unsigned value = (unsigned)name + key->first;
+        memcpy(to, &value, sizeof value);
     }
 }
 
-/* A default is read as if it stood in the scene. */
+static void read_either(weft__reader *reader, const weft__key *key,
+                        const weft__node *node, void *to)
+{
+    size_t name;
+    if (weft__find_name(reader, key, node, &name)) {
+        *(bool *)to = name == 1;
+    }
+}
+
+static void read_mapping(weft__reader *reader, const weft__key *key,
+                         const weft__node *node, void *to)
+{
+    const char *title = key->section->title;
+    weft__read_section(reader, key->section, title == NULL ? key->name : title, node,
+                       to);
+}
+
+/* ---- values by kind --------------------------------------------------------- */
+
+void weft__read_value(weft__reader *reader, const weft__key *key,
+                      const weft__node *node, void *base)
+{
+    static read_fn *const readers[WEFT__KINDS] = {
+        [WEFT__MAPPING] = read_mapping,   [WEFT__NUMBER] = read_number,
+        [WEFT__INTEGER] = read_integer,   [WEFT__VECTOR] = read_vector,
+        [WEFT__DIRECTION] = read_vector,  [WEFT__TEXT] = read_text,
+        [WEFT__CHOICE] = read_choice,     [WEFT__EITHER] = read_either,
+        [WEFT__NAMES] = read_names,       [WEFT__SPACING] = read_spacing,
+        [WEFT__ATOL] = read_atol,         [WEFT__INDEX] = weft__read_index,
+        [WEFT__PLACE] = weft__read_place, [WEFT__PINS] = weft__read_pins,
+        [WEFT__LOADS] = weft__read_loads, [WEFT__ROW] = weft__read_row,
+        [WEFT__ROWS] = weft__read_rows,   [WEFT__BOOLEAN] = read_boolean,
+    };
+    readers[key->kind](reader, key, node, (char *)base + key->at);
+}
+
+/* A default is read as if it stood in the scene, without a parser if it is a plain
+ * value: parsing defaults would be most of the time that a scene takes. */
 static void read_fallback(weft__reader *reader, const weft__key *key, void *base)
 {
-    yaml_document_t fallback, *scene = reader->document;
-    if (!weft__document_default(key->fallback, reader->report, &fallback)) {
-        return;
+    const weft__source source
+        = { .file = "", .text = key->fallback, .length = strlen(key->fallback) };
+    const weft__node plain = { .style = YAML_PLAIN_SCALAR_STYLE,
+                               .text = key->fallback,
+                               .count = source.length };
+    const weft__node *node = &plain;
+    if (key->fallback[0] != '[' || weft__tree_parse(reader->tree, &source, 0, &node)) {
+        weft__read_value(reader, key, node, base);
     }
-    reader->document = &fallback;
-    weft__read_value(reader, key, yaml_document_get_root_node(&fallback), base);
-    reader->document = scene;
-    yaml_document_delete(&fallback);
 }
 
 /* ---- mappings --------------------------------------------------------------- */
@@ -329,24 +340,23 @@ static void mark_misspelt(weft__match *match, const char *name)
 }
 
 static void report_unknown(weft__reader *reader, weft__match *match,
-                           const yaml_node_t *node, const yaml_node_t *value)
+                           const weft__node *node, const weft__node *value)
 {
     const weft__section *beside = match->section->beside;
     const char *name = weft__text_of(node);
     char shown[64], hint[300] = "";
     (void)weft__show(node, shown, sizeof shown);
-    if (node->type != YAML_SCALAR_NODE || name == NULL) {
-        weft__report_error(reader->report, node->start_mark,
-                           "%s where %s must have a key",
-                           node->type == YAML_SCALAR_NODE    ? "nothing"
-                           : node->type == YAML_MAPPING_NODE ? "a mapping"
-                                                             : "a list",
+    if (node->type != WEFT__SCALAR || name == NULL) {
+        weft__report_error(reader->report, node->at, "%s where %s must have a key",
+                           node->type == WEFT__SCALAR ? "nothing"
+                           : node->type == WEFT__MAP  ? "a mapping"
+                                                      : "a list",
                            match->title);
         return;
     }
     if (strcmp(name, "<<") == 0) {
         memset(match->misspelt, true, sizeof match->misspelt);
-        weft__report_error(reader->report, node->start_mark,
+        weft__report_error(reader->report, node->at,
                            "merge keys ('<<') are not part of YAML 1.2: write the keys "
                            "of %s out",
                            match->title);
@@ -354,7 +364,7 @@ static void report_unknown(weft__reader *reader, weft__match *match,
     }
     for (size_t i = 0; beside != NULL && i < beside->count; ++i) {
         if (!beside->keys[i].required && strcmp(beside->keys[i].name, name) == 0) {
-            weft__report_error(reader->report, node->start_mark, "%s %s", shown,
+            weft__report_error(reader->report, node->at, "%s %s", shown,
                                match->section->beside_hint);
             mark_misspelt(match, "at");
             return;
@@ -367,39 +377,34 @@ static void report_unknown(weft__reader *reader, weft__match *match,
         mark_misspelt(match, weft__unknown_hint(match->section, match->title, name,
                                                 hint, sizeof hint));
     }
-    weft__report_error(reader->report, node->start_mark, "unknown key %s in %s%s",
-                       shown, match->title, hint);
+    weft__report_error(reader->report, node->at, "unknown key %s in %s%s", shown,
+                       match->title, hint);
 }
 
-static void match_pair(weft__reader *reader, weft__match *match,
-                       const yaml_node_pair_t *pair)
+static void match_pair(weft__reader *reader, weft__match *match, weft__entry pair)
 {
-    const yaml_node_t *key = yaml_document_get_node(reader->document, pair->key);
-    const size_t i = index_of(match->section, weft__text_of(key));
+    const size_t i = index_of(match->section, weft__text_of(pair.key));
     char where[64];
     if (i == match->section->count) {
-        report_unknown(reader, match, key,
-                       yaml_document_get_node(reader->document, pair->value));
+        report_unknown(reader, match, pair.key, pair.value);
     } else if (match->key[i] != NULL) {
-        weft__report_error(
-            reader->report, key->start_mark,
-            "duplicate key '%s' in %s (the first is at %s)",
-            match->section->keys[i].name, match->title,
-            weft__place_text(match->key[i]->start_mark, where, sizeof where));
-    } else if (pair->value != 0) {
-        match->key[i] = key;
-        match->value[i] = yaml_document_get_node(reader->document, pair->value);
+        weft__report_error(reader->report, pair.key->at,
+                           "duplicate key '%s' in %s (the first is at %s)",
+                           match->section->keys[i].name, match->title,
+                           weft__place_text(match->key[i]->at, where, sizeof where));
+    } else if (pair.value != NULL) {
+        match->key[i] = pair.key;
+        match->value[i] = pair.value;
     }
 }
 
 static void report_missing(weft__reader *reader, const weft__match *match,
                            const weft__key *key)
 {
-    weft__report_error(reader->report, match->map->start_mark,
-                       "%s lacks the required key '%s'%s%s%s: %s", match->title,
-                       key->name, key->unit == NULL ? "" : " [",
-                       key->unit == NULL ? "" : key->unit, key->unit == NULL ? "" : "]",
-                       key->meaning);
+    weft__report_error(
+        reader->report, match->map->at, "%s lacks the required key '%s'%s%s%s: %s",
+        match->title, key->name, key->unit == NULL ? "" : " [",
+        key->unit == NULL ? "" : key->unit, key->unit == NULL ? "" : "]", key->meaning);
 }
 
 static bool needs_keys(const weft__section *section)
@@ -412,12 +417,13 @@ static bool needs_keys(const weft__section *section)
     return false;
 }
 
-static void read_key(weft__reader *reader, const weft__match *match, size_t i,
-                     void *base)
+static void read_key(weft__reader *reader, weft__match *match, size_t i, void *base)
 {
     const weft__key *key = &match->section->keys[i];
     if (match->value[i] != NULL) {
+        const size_t mistakes = reader->report->mistakes;
         weft__read_value(reader, key, match->value[i], base);
+        match->wrong[i] = reader->report->mistakes > mistakes;
     } else if (key->required && !match->misspelt[i]) {
         report_missing(reader, match, key);
     } else if (key->fallback != NULL) {
@@ -429,20 +435,17 @@ static void read_key(weft__reader *reader, const weft__match *match, size_t i,
 }
 
 void weft__read_section(weft__reader *reader, const weft__section *section,
-                        const char *title, const yaml_node_t *node, void *base)
+                        const char *title, const weft__node *node, void *base)
 {
     weft__match match = { .section = section, .title = title, .map = node };
-    if (node != NULL && node->type != YAML_MAPPING_NODE) {
+    if (node != NULL && node->type != WEFT__MAP) {
         char wanted[200];
         weft__refuse(reader, node, title,
                      weft__wanted_mapping(section, wanted, sizeof wanted), false, NULL);
         return;
     }
-    if (node != NULL) {
-        for (const yaml_node_pair_t *pair = node->data.mapping.pairs.start;
-             pair < node->data.mapping.pairs.top; ++pair) {
-            match_pair(reader, &match, pair);
-        }
+    for (size_t i = 0; node != NULL && i < node->count; ++i) {
+        match_pair(reader, &match, node->entries[i]);
     }
     for (size_t i = 0; i < section->count; ++i) {
         read_key(reader, &match, i, base);
@@ -452,13 +455,13 @@ void weft__read_section(weft__reader *reader, const weft__section *section,
     }
 }
 
-const yaml_node_t *weft__key_in(const weft__match *match, const char *name)
+const weft__node *weft__key_in(const weft__match *match, const char *name)
 {
     const size_t i = index_of(match->section, name);
     return i < match->section->count ? match->key[i] : NULL;
 }
 
-const yaml_node_t *weft__value_in(const weft__match *match, const char *name)
+const weft__node *weft__value_in(const weft__match *match, const char *name)
 {
     const size_t i = index_of(match->section, name);
     return i < match->section->count ? match->value[i] : NULL;
@@ -468,4 +471,24 @@ bool weft__misspelt(const weft__match *match, const char *name)
 {
     const size_t i = index_of(match->section, name);
     return i < match->section->count && match->key[i] == NULL && match->misspelt[i];
+}
+
+void weft__report_exclusive(weft__report *report, const weft__node *a,
+                            const weft__node *b)
+{
+    const bool in_order = weft__mark_before(a->at, b->at);
+    const weft__node *first = in_order ? a : b, *second = in_order ? b : a;
+    char where[64];
+    weft__report_error(report, second->at, "%s excludes %s (%s)", second->text,
+                       first->text, weft__place_text(first->at, where, sizeof where));
+}
+
+void weft__check_companion(weft__reader *reader, const weft__match *match,
+                           const char *name, const char *companion, const char *message)
+{
+    const weft__node *key = weft__key_in(match, name);
+    if (key != NULL && weft__key_in(match, companion) == NULL
+        && !weft__misspelt(match, companion)) {
+        weft__report_error(reader->report, key->at, "%s", message);
+    }
 }

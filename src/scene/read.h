@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* read.h -- a document read by the table of keys into a scene. */
+/* read.h -- a tree read by the table of keys into a scene. */
 #ifndef WEFT_SCENE_READ_H
 #define WEFT_SCENE_READ_H
 
-#include "scene/document.h"
 #include "scene/keys.h"
 #include "scene/sweep.h"
+#include "scene/tree.h"
 
 typedef struct weft__place {
     weft_range rows, cols;
@@ -29,10 +29,11 @@ typedef struct weft__control {
     weft__list gains;
 } weft__control;
 
-/* Arrays and texts that the definition structs point to are owned by the scene. Fields
- * whose key is absent or wrong stay 0. */
+/* Its tree owns the arrays and texts that the definition structs point to. Fields whose
+ * key is absent or wrong stay 0. */
 struct weft_scene {
     weft_allocator memory;
+    weft__tree tree;
     char *name, *text, *plugin, *method;
     size_t version;
     weft_cloth_def cloth;
@@ -45,34 +46,30 @@ struct weft_scene {
     weft__control control;
     weft_butcher butcher;
     bool large_matrices; /* are allowed */
-    weft_pin *pins;
-    weft_load *loads;
 };
 
 typedef struct weft__reader {
     weft_scene *scene;
-    yaml_document_t *document;
-    weft__report *report;
+    weft__tree *tree;
+    weft__report *report; /* of the tree */
     const weft_scene_def *def;
 } weft__reader;
 
-/* What scenes are read from: a text, and the document it gives with overrides put in.
- */
+/* What scenes are read from: a text, and its tree with overrides put in. */
 typedef struct weft__base {
     weft_scene_def def;
     weft_allocator memory;
     char *text;
     size_t length;
     weft__source *sources; /* the file, then the overrides */
-    yaml_document_t document;
+    weft__tree tree;
     weft__sweep sweep;
-    bool loaded;   /* there is a document */
-    bool readable; /* it may be read as a scene */
+    bool readable; /* the tree may be read as a scene */
     bool changed;  /* it is not what the text says */
 } weft__base;
 
 /* What is wrong is added to a report, which the caller ends before the base is closed;
- * it takes its memory as the base does.
+ * it takes its memory as the base does. The base must be closed also after an error.
  * Errors: WEFT_INVALID, WEFT_IO, WEFT_NO_MEMORY. */
 weft_status weft__base_open(const weft_scene_def *def, weft__base *out,
                             weft__report *report, weft_error *err);
@@ -80,67 +77,77 @@ void weft__base_close(weft__base *base);
 
 /* Reads the scene of a run, from 1. WEFT_BAD_SCENE, also if the report had mistakes
  * before. */
-weft_status weft__base_read(weft__base *base, size_t run, weft__report *report,
+weft_status weft__base_read(const weft__base *base, size_t run, weft__report *report,
                             weft_scene **out, weft_error *err);
 
 /* A mapping and which of its section's keys it has. */
 typedef struct weft__match {
     const weft__section *section;
     const char *title;
-    const yaml_node_t *map;
-    const yaml_node_t *key[WEFT__MAX_KEYS], *value[WEFT__MAX_KEYS]; /* NULL: absent */
+    const weft__node *map;
+    const weft__node *key[WEFT__MAX_KEYS], *value[WEFT__MAX_KEYS]; /* NULL: absent */
+    bool wrong[WEFT__MAX_KEYS];    /* the value was refused, or a part of it */
     bool misspelt[WEFT__MAX_KEYS]; /* absent, but for an unknown key that is near */
 } weft__match;
 
 /* Read a mapping by its section into base; NULL: the section is absent, and only its
  * defaults are put in place. */
 void weft__read_section(weft__reader *reader, const weft__section *section,
-                        const char *title, const yaml_node_t *node, void *base);
+                        const char *title, const weft__node *node, void *base);
 
 /* Read the value of a key into base. */
 void weft__read_value(weft__reader *reader, const weft__key *key,
-                      const yaml_node_t *node, void *base);
+                      const weft__node *node, void *base);
 
 /* Key and value of a name in a match; NULL if it is absent. Whether it is absent
  * because somebody misspelt it, who has been told so. */
-const yaml_node_t *weft__key_in(const weft__match *match, const char *name);
-const yaml_node_t *weft__value_in(const weft__match *match, const char *name);
+const weft__node *weft__key_in(const weft__match *match, const char *name);
+const weft__node *weft__value_in(const weft__match *match, const char *name);
 bool weft__misspelt(const weft__match *match, const char *name);
 
-/* "NAME must be WANTED, not VALUE (hint)". */
-void weft__refuse(weft__reader *reader, const yaml_node_t *node, const char *name,
+/* "KEY must be what it wants, not VALUE (hint)". */
+void weft__refuse_value(weft__reader *reader, const weft__key *key,
+                        const weft__node *node);
+
+/* The same of another name and wish. */
+void weft__refuse(weft__reader *reader, const weft__node *node, const char *name,
                   const char *wanted, bool number, const char *unit);
+
+/* The index in key->names of the name that is the value; false: it is none of them,
+ * which is reported. */
+bool weft__find_name(weft__reader *reader, const weft__key *key, const weft__node *node,
+                     size_t *index);
 
 /* A number within the bounds of a key, called `name` in messages. */
 bool weft__read_number(weft__reader *reader, const weft__key *key, const char *name,
-                       const yaml_node_t *node, double *out);
+                       const weft__node *node, double *out);
 
-/* The items of a list and their number. */
-const yaml_node_t *weft__item(const weft__reader *reader, const yaml_node_t *list,
-                              size_t i);
-size_t weft__item_count(const yaml_node_t *list);
+/* Reports a key whose companion is absent. */
+void weft__check_companion(weft__reader *reader, const weft__match *match,
+                           const char *name, const char *companion,
+                           const char *message);
+
+/* Two keys of one mapping that may not stand together: reported at the later one. */
+void weft__report_exclusive(weft__report *report, const weft__node *a,
+                            const weft__node *b);
 
 /* pins.c */
 void weft__read_index(weft__reader *reader, const weft__key *key,
-                      const yaml_node_t *node, void *to);
+                      const weft__node *node, void *to);
 void weft__read_place(weft__reader *reader, const weft__key *key,
-                      const yaml_node_t *node, void *to);
-void weft__read_pins(weft__reader *reader, const weft__key *key,
-                     const yaml_node_t *node, void *to);
+                      const weft__node *node, void *to);
+void weft__read_pins(weft__reader *reader, const weft__key *key, const weft__node *node,
+                     void *to);
 void weft__read_loads(weft__reader *reader, const weft__key *key,
-                      const yaml_node_t *node, void *to);
+                      const weft__node *node, void *to);
 void weft__check_place(weft__reader *reader, const weft__match *match, void *base);
 void weft__check_pin(weft__reader *reader, const weft__match *match, void *base);
 
-/* boolean.c */
-void weft__read_boolean(weft__reader *reader, const weft__key *key,
-                        const yaml_node_t *node, void *to);
-
 /* butcher.c */
-void weft__read_row(weft__reader *reader, const weft__key *key, const yaml_node_t *node,
+void weft__read_row(weft__reader *reader, const weft__key *key, const weft__node *node,
                     void *to);
-void weft__read_rows(weft__reader *reader, const weft__key *key,
-                     const yaml_node_t *node, void *to);
+void weft__read_rows(weft__reader *reader, const weft__key *key, const weft__node *node,
+                     void *to);
 void weft__check_butcher(weft__reader *reader, const weft__match *match, void *base);
 
 /* checks.c */
@@ -154,7 +161,7 @@ void weft__check_run(weft__reader *reader, const weft__match *match, void *base)
 /* method.c: takes stepper.method apart where it is plugin/method, and removes keys of
  * stepper that a choice of the command line or the sweep leaves without use, with a
  * warning. Before anything is read of the document. */
-void weft__resolve_method(weft__reader *reader, weft__base *base);
+void weft__resolve_method(weft__reader *reader, const weft__sweep *sweep);
 
 /* stepper.c */
 enum { WEFT__ADAPTIVE = 7 };

@@ -12,15 +12,29 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *chars_of(const yaml_node_t *node)
+static bool is_plain(const weft__node *node)
 {
-    return (const char *)node->data.scalar.value;
+    return node->type == WEFT__SCALAR && node->style == YAML_PLAIN_SCALAR_STYLE;
 }
 
-static bool is_plain(const yaml_node_t *node)
+static const weft__switch switches[] = {
+    { "true", true, true },   { "True", true, true },   { "TRUE", true, true },
+    { "false", false, true }, { "False", false, true }, { "FALSE", false, true },
+    { "yes", true, false },   { "Yes", true, false },   { "YES", true, false },
+    { "no", false, false },   { "No", false, false },   { "NO", false, false },
+    { "on", true, false },    { "On", true, false },    { "ON", true, false },
+    { "off", false, false },  { "Off", false, false },  { "OFF", false, false },
+    { "1", true, false },     { "0", false, false },
+};
+
+const weft__switch *weft__find_switch(const char *text)
 {
-    return node->type == YAML_SCALAR_NODE
-           && node->data.scalar.style == YAML_PLAIN_SCALAR_STYLE;
+    for (size_t i = 0; text != NULL && i < sizeof switches / sizeof switches[0]; ++i) {
+        if (strcmp(text, switches[i].text) == 0) {
+            return &switches[i];
+        }
+    }
+    return NULL;
 }
 
 static bool is_one_of(const char *text, const char *const *names)
@@ -33,19 +47,19 @@ static bool is_one_of(const char *text, const char *const *names)
     return false;
 }
 
-bool weft__is_null(const yaml_node_t *node)
+bool weft__is_null(const weft__node *node)
 {
     static const char *const names[] = { "", "~", "null", "Null", "NULL", NULL };
-    return is_plain(node) && is_one_of(chars_of(node), names);
+    return is_plain(node) && is_one_of(node->text, names);
 }
 
-const char *weft__text_of(const yaml_node_t *node)
+const char *weft__text_of(const weft__node *node)
 {
-    if (node->type != YAML_SCALAR_NODE || weft__is_null(node)
-        || strlen(chars_of(node)) != node->data.scalar.length) {
+    if (node->type != WEFT__SCALAR || weft__is_null(node)
+        || strlen(node->text) != node->count) {
         return NULL;
     }
-    return chars_of(node);
+    return node->text;
 }
 
 static size_t digits(const char *text)
@@ -100,7 +114,7 @@ static bool parse_number(const char *text, double *out)
     return isfinite(*out);
 }
 
-bool weft__number_of(const yaml_node_t *node, double *out)
+bool weft__number_of(const weft__node *node, double *out)
 {
     return is_plain(node) && weft__text_of(node) != NULL
            && parse_number(weft__text_of(node), out);
@@ -125,7 +139,7 @@ static bool parse_side(const char *text, size_t length, double *out)
     return parse_number(side, out) && isfinite(*out);
 }
 
-bool weft__fraction_of(const yaml_node_t *node, double *out)
+bool weft__fraction_of(const weft__node *node, double *out)
 {
     const char *text = weft__text_of(node);
     const char *slash = text == NULL ? NULL : strchr(text, '/');
@@ -141,7 +155,7 @@ bool weft__fraction_of(const yaml_node_t *node, double *out)
     return isfinite(*out);
 }
 
-bool weft__integer_of(const yaml_node_t *node, long long *out)
+bool weft__integer_of(const weft__node *node, long long *out)
 {
     const char *text = weft__text_of(node);
     if (!is_plain(node) || text == NULL) {
@@ -156,30 +170,19 @@ bool weft__integer_of(const yaml_node_t *node, long long *out)
     return true;
 }
 
-const char *weft__show(const yaml_node_t *node, char *out, size_t size)
+const char *weft__show(const weft__node *node, char *out, size_t size)
 {
-    if (node->type == YAML_MAPPING_NODE) {
+    if (node->type == WEFT__MAP) {
         return "a mapping";
     }
-    if (node->type == YAML_SEQUENCE_NODE) {
-        const ptrdiff_t count
-            = node->data.sequence.items.top - node->data.sequence.items.start;
-        (void)snprintf(out, size, "a list of %td", count);
+    if (node->type == WEFT__LIST) {
+        (void)snprintf(out, size, "a list of %zu", node->count);
         return out;
     }
-    const int length = (int)strnlen(chars_of(node), 40);
+    const int length = (int)strnlen(node->text, 40);
     (void)snprintf(out, size, "%s'%.*s%s'", is_plain(node) ? "" : "the text ", length,
-                   chars_of(node), chars_of(node)[length] == '\0' ? "" : "...");
+                   node->text, node->text[length] == '\0' ? "" : "...");
     return out;
-}
-
-static bool is_switch(const char *text)
-{
-    static const char *const names[]
-        = { "yes",  "Yes",   "YES",   "no",    "No",  "NO",   "on",
-            "On",   "ON",    "off",   "Off",   "OFF", "true", "True",
-            "TRUE", "false", "False", "FALSE", NULL };
-    return is_one_of(text, names);
 }
 
 static bool is_not_finite(const char *text)
@@ -210,15 +213,15 @@ static const char *number_hint(const char *text)
                                     : "";
 }
 
-const char *weft__hint(const yaml_node_t *node, bool number, const char *unit,
-                       char *out, size_t size)
+const char *weft__hint(const weft__node *node, bool number, const char *unit, char *out,
+                       size_t size)
 {
     const char *text = weft__text_of(node);
     const char *hint = "";
     double value;
     out[0] = '\0';
     if (text == NULL) {
-        if (node->type == YAML_SCALAR_NODE && !weft__is_null(node)) {
+        if (node->type == WEFT__SCALAR && !weft__is_null(node)) {
             (void)snprintf(out, size, " (it holds a NUL character)");
         }
         return out;
@@ -227,7 +230,7 @@ const char *weft__hint(const yaml_node_t *node, bool number, const char *unit,
     const char *rest = text + length + (text[length] == ' ');
     if (!is_plain(node)) {
         hint = number && parse_number(text, &value) ? "remove the quotes" : "";
-    } else if (is_switch(text)) {
+    } else if (strchr("01", text[0]) == NULL && weft__find_switch(text) != NULL) {
         hint = "this key takes no yes or no, on or off, true or false";
     } else if (number) {
         hint = number_hint(text);

@@ -3,31 +3,39 @@
 #ifndef WEFT_SCENE_SCALAR_H
 #define WEFT_SCENE_SCALAR_H
 
-#include <stdbool.h>
-#include <yaml.h>
+#include "scene/tree.h"
 
 /* Nothing, ~ or null. */
-bool weft__is_null(const yaml_node_t *node);
+bool weft__is_null(const weft__node *node);
 
 /* The text of a scalar that is not null and holds no NUL; else NULL. */
-const char *weft__text_of(const yaml_node_t *node);
+const char *weft__text_of(const weft__node *node);
 
 /* A decimal number that is finite, or .inf with a sign or without: no leading zeros,
  * no '_', no 0x, no quotes. */
-bool weft__number_of(const yaml_node_t *node, double *out);
+bool weft__number_of(const weft__node *node, double *out);
 
 /* A number, or a fraction of two as 19/32, which may be quoted. */
-bool weft__fraction_of(const yaml_node_t *node, double *out);
+bool weft__fraction_of(const weft__node *node, double *out);
 
 /* An integer in decimal digits; one that is too large gives the largest there is. */
-bool weft__integer_of(const yaml_node_t *node, long long *out);
+bool weft__integer_of(const weft__node *node, long long *out);
+
+/* What people write for true and false: in YAML 1.2 (`good`), or only elsewhere. */
+typedef struct weft__switch {
+    const char *text;
+    bool value, good;
+} weft__switch;
+
+/* NULL: the text is none of them. */
+const weft__switch *weft__find_switch(const char *text);
 
 /* What a node is, for messages: 'text', the text 'text' if quoted, a mapping, ... */
-const char *weft__show(const yaml_node_t *node, char *out, size_t size);
+const char *weft__show(const weft__node *node, char *out, size_t size);
 
 /* Why a scalar may have failed to be what was wanted, as " (remove the quotes)"; "" if
  * there is no guess. The unit (NULL: none) is named to those who wrote one. */
-const char *weft__hint(const yaml_node_t *node, bool number, const char *unit,
-                       char *out, size_t size);
+const char *weft__hint(const weft__node *node, bool number, const char *unit, char *out,
+                       size_t size);
 
 #endif

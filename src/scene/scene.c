@@ -21,56 +21,41 @@ static weft_status no_memory(weft_error *err)
 }
 
 /* One byte more than is allowed is read, to know. */
-static weft_status read_stream(FILE *stream, const char *file,
-                               const weft_allocator *memory, char **text,
-                               size_t *length, weft_error *err)
+static weft_status read_file(weft__base *base, weft_error *err)
 {
-    for (size_t capacity = 1 << 14;; capacity *= 2) {
-        char *grown = weft__resize(memory, *text, capacity, 1);
-        if (grown == NULL) {
-            return no_memory(err);
-        }
-        *text = grown;
-        *length += fread(grown + *length, 1, capacity - 1 - *length, stream);
-        grown[*length] = '\0';
-        if (ferror(stream)) {
-            return weft_error_set(err, WEFT_IO, "%.200s: %s", file, strerror(errno));
-        }
-        if (*length < capacity - 1 || *length > WEFT__MAX_BYTES) {
-            return WEFT_OK;
-        }
-    }
-}
-
-static weft_status read_file(const char *file, const weft_allocator *memory,
-                             char **text, size_t *length, weft_error *err)
-{
-    FILE *stream = weft__file_open(file, "r", err);
+    FILE *stream = weft__file_open(base->def.file, "r", err);
     if (stream == NULL) {
         return WEFT_IO;
     }
-    const weft_status status = read_stream(stream, file, memory, text, length, err);
+    const bool sought = fseek(stream, 0, SEEK_END) == 0;
+    const long size = sought ? ftell(stream) : -1;
+    const size_t most = size < 0 || (size_t)size > WEFT__MAX_BYTES ? WEFT__MAX_BYTES + 1
+                                                                   : (size_t)size;
+    rewind(stream);
+    base->text = weft__tree_take(&base->tree, most + 1, 1);
+    weft_status status = base->text == NULL ? no_memory(err) : WEFT_OK;
+    if (status == WEFT_OK) {
+        base->length = fread(base->text, 1, most, stream);
+        if (ferror(stream)) {
+            status = weft_error_set(err, WEFT_IO, "%.200s: %s", base->def.file,
+                                    strerror(errno));
+        }
+    }
     (void)fclose(stream);
     return status;
 }
 
-static weft_status take_text(const weft_scene_def *def, const weft_allocator *memory,
-                             char **text, size_t *length, weft_error *err)
+static weft_status take_text(weft__base *base, weft_error *err)
 {
-    if (def->text == NULL) {
-        return read_file(def->file, memory, text, length, err);
+    if (base->def.text == NULL) {
+        return read_file(base, err);
     }
-    *text = def->length == SIZE_MAX ? NULL : weft__alloc(memory, def->length + 1, 1);
-    if (*text == NULL) {
-        return no_memory(err);
-    }
-    memcpy(*text, def->text, def->length);
-    (*text)[def->length] = '\0';
-    *length = def->length;
-    return WEFT_OK;
+    base->length = base->def.length;
+    base->text = weft__tree_text(&base->tree, base->def.text, base->length);
+    return base->text == NULL ? no_memory(err) : WEFT_OK;
 }
 
-/* ---- the document ----------------------------------------------------------- */
+/* ---- the tree --------------------------------------------------------------- */
 
 static const char *name_in_messages(const weft_scene_def *def)
 {
@@ -78,68 +63,54 @@ static const char *name_in_messages(const weft_scene_def *def)
 }
 
 /* libyaml would count a byte order mark as a column. */
-static weft_status make_sources(const weft_scene_def *def, weft__base *base,
-                                weft_error *err)
+static weft_status make_sources(weft__base *base, weft_error *err)
 {
+    const weft_scene_def *def = &base->def;
     const size_t mark = strncmp(base->text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
     base->sources
-        = weft__zeroed(&base->memory, def->set_count + 1, sizeof *base->sources);
+        = weft__tree_take(&base->tree, def->set_count + 1, sizeof *base->sources);
     if (base->sources == NULL) {
         return no_memory(err);
     }
     base->sources[0] = (weft__source){ .file = name_in_messages(def),
                                        .text = base->text + mark,
                                        .length = base->length - mark };
-    for (size_t i = 0; i < def->set_count; ++i) {
-        base->sources[i + 1] = (weft__source){ .file = "",
-                                               .text = def->sets[i],
-                                               .length = strlen(def->sets[i]),
-                                               .number = i + 1 };
+    for (size_t i = 1; i <= def->set_count; ++i) {
+        const char *set = def->sets[i - 1];
+        base->sources[i] = (weft__source){ "", set, strlen(set), i };
     }
     return WEFT_OK;
 }
 
 /* Overrides are put in before anything is checked. */
-static void resolve(weft__base *base, weft__report *report)
+static void resolve(weft__base *base)
 {
     const size_t sets = base->def.set_count;
     for (size_t i = 1; i <= sets; ++i) {
-        weft__override_apply(&base->document, &base->sources[i], report);
+        weft__override_apply(&base->tree, &base->sources[i]);
     }
-    base->changed = sets > 0;
-    if (sets > 0 && !weft__document_check(&base->document, report)) {
-        return;
-    }
-    if (yaml_document_get_root_node(&base->document)->type == YAML_MAPPING_NODE) {
-        weft__sweep_take(&base->document, sets, report, &base->sweep);
-        base->changed = base->changed || base->sweep.present;
-    }
+    weft__sweep_take(&base->tree, sets, &base->sweep);
+    base->changed = sets > 0 || base->sweep.present;
     base->readable = base->sweep.runs > 0;
 }
 
-static void load_document(weft__base *base, weft__report *report)
+static void load_tree(weft__base *base)
 {
     const weft__source *file = &base->sources[0];
-    const yaml_mark_t start = { 0 };
+    const weft__mark start = { 0 };
+    weft__tree *tree = &base->tree;
     if (file->length > WEFT__MAX_BYTES) {
-        weft__report_error(report, start, "the file is larger than 16 MiB");
-        return;
-    }
-    base->loaded = weft__document_load(file, 0, report, &base->document);
-    if (!base->loaded) {
-        return;
-    }
-    const yaml_node_t *root = yaml_document_get_root_node(&base->document);
-    if (root == NULL) {
-        weft__report_error(report, start,
+        weft__report_error(tree->report, start, "the file is larger than 16 MiB");
+    } else if (!weft__tree_parse(tree, file, 0, &tree->root)) {
+        return; /* reported */
+    } else if (tree->root == NULL) {
+        weft__report_error(tree->report, start,
                            "the scene is empty: it begins with 'weft: 1'");
-    } else if (!weft__document_check(&base->document, report)) {
-        return;
-    } else if (root->type != YAML_MAPPING_NODE) {
-        weft__report_error(report, root->start_mark,
+    } else if (tree->root->type != WEFT__MAP) {
+        weft__report_error(tree->report, tree->root->at,
                            "a scene is a mapping that begins with 'weft: 1'");
     } else {
-        resolve(base, report);
+        resolve(base);
     }
 }
 
@@ -150,110 +121,93 @@ weft_status weft__base_open(const weft_scene_def *def, weft__base *out,
                          .memory = weft_allocator_or_malloc(def->allocator),
                          .sweep = { .runs = 1 } };
     report->memory = &out->memory;
+    out->tree.report = report;
     if (def->file == NULL && def->text == NULL) {
         return weft_error_set(err, WEFT_INVALID, "a scene needs a file or a text");
     }
-    weft_status status = take_text(def, &out->memory, &out->text, &out->length, err);
-    status = status == WEFT_OK ? make_sources(def, out, err) : status;
+    weft_status status = take_text(out, err);
+    status = status == WEFT_OK ? make_sources(out, err) : status;
     if (status == WEFT_OK) {
         report->sources = out->sources;
-        load_document(out, report);
+        load_tree(out);
         status = report->no_memory ? no_memory(err) : WEFT_OK;
-    }
-    if (status != WEFT_OK) {
-        weft__base_close(out);
     }
     return status;
 }
 
 void weft__base_close(weft__base *base)
 {
-    if (base->loaded) {
-        yaml_document_delete(&base->document);
-    }
-    weft__free(&base->memory, base->sources);
-    weft__free(&base->memory, base->text);
+    weft__tree_free(&base->tree, &base->memory);
 }
 
 /* ---- reading ---------------------------------------------------------------- */
 
 /* The name that a file gives a scene is written into its text, which may be run from
  * another file: not where that is scene.yaml, as a run calls it. Where the text has no
- * place for it, into a copy of the document. */
-static bool keep_name(weft__base *base, yaml_document_t *copy,
-                      yaml_document_t **changed, weft__report *report,
-                      weft_scene *scene)
+ * place for it, into the tree, which is then emitted. false: no memory. */
+static bool keep_name(const weft__base *base, weft_scene *scene)
 {
-    scene->name = weft__name_of_file(name_in_messages(&base->def), &base->memory);
+    const weft__mark at = { 0 };
+    weft__tree *tree = &scene->tree;
+    scene->name = weft__name_of_file(tree, name_in_messages(&base->def));
     if (scene->name == NULL || strcmp(scene->name, "scene") == 0) {
         return scene->name != NULL;
     }
-    if (*changed == NULL) {
-        if (!weft__name_insert(&base->document, base->sources[0].text, scene->name,
-                               &base->memory, &scene->text)) {
-            return false;
-        }
+    if (!base->changed) {
+        scene->text = weft__name_insert(tree, base->sources[0].text, scene->name);
         if (scene->text != NULL) {
             return true;
         }
-        if (!weft__document_copy(copy, &base->document, report)) {
-            return false;
-        }
-        *changed = copy;
     }
-    return weft__name_append(*changed, scene->name);
+    const weft__entry pair = {
+        weft__scalar_new(tree, "name", 4, YAML_PLAIN_SCALAR_STYLE, at),
+        weft__scalar_new(tree, scene->name, strlen(scene->name),
+                         YAML_DOUBLE_QUOTED_SCALAR_STYLE, at),
+    };
+    if (pair.key == NULL || pair.value == NULL) {
+        return false;
+    }
+    tree->root = weft__node_with(tree, tree->root, tree->root->count, pair);
+    scene->text = tree->root == NULL ? NULL : weft__tree_emit(tree);
+    return scene->text != NULL;
 }
 
 /* What a right scene still lacks: its name, and its text as it was read or, if that was
- * changed, as it is now in the copy. */
-static weft_status complete(weft__base *base, yaml_document_t *copy,
-                            weft__report *report, weft_scene *scene, weft_error *err)
+ * changed, as the tree is now. */
+static weft_status complete(const weft__base *base, weft_scene *scene, weft_error *err)
 {
-    yaml_document_t *changed = base->changed ? copy : NULL;
     scene->config.threads = scene->run.threads;
-    const bool named
-        = scene->name != NULL || keep_name(base, copy, &changed, report, scene);
-    if (changed != NULL) {
-        scene->text = weft__document_emit(changed, &base->memory);
-    } else if (scene->text == NULL) {
-        scene->text = weft__alloc(&base->memory, base->length + 1, 1);
-        if (scene->text != NULL) {
-            memcpy(scene->text, base->text, base->length + 1);
-        }
+    if (scene->name == NULL && !keep_name(base, scene)) {
+        return no_memory(err);
     }
-    return !named || scene->text == NULL ? no_memory(err) : WEFT_OK;
+    if (scene->text == NULL) {
+        scene->text = base->changed
+                          ? weft__tree_emit(&scene->tree)
+                          : weft__tree_text(&scene->tree, base->text, base->length);
+    }
+    return scene->tree.report->no_memory || scene->text == NULL ? no_memory(err)
+                                                                : WEFT_OK;
 }
 
-/* What was changed is read from a copy, which has the values of its run. */
-static weft_status read_scene(weft__base *base, size_t run, weft__report *report,
+/* The tree of a run shares what it does not change. */
+static weft_status read_scene(const weft__base *base, size_t run, weft__report *report,
                               weft_scene *scene, weft_error *err)
 {
-    yaml_document_t copy;
-    if (base->changed) {
-        if (!weft__document_copy(&copy, &base->document, report)) {
-            return no_memory(err);
-        }
-        weft__sweep_apply(&copy, &base->document, &base->sweep, run, report);
-    }
-    if (!base->sweep.present || weft__document_check(&copy, report)) {
-        yaml_document_t *document = base->changed ? &copy : &base->document;
-        weft__reader reader = { scene, document, report, &base->def };
-        weft__resolve_method(&reader, base);
-        weft__read_section(&reader, &weft__root, weft__root.title,
-                           yaml_document_get_root_node(document), scene);
-    }
-    if (!report->no_memory && report->found->errors == 0) {
-        return complete(base, &copy, report, scene, err);
-    }
-    if (base->changed) {
-        yaml_document_delete(&copy);
-    }
-    return report->no_memory ? no_memory(err) : WEFT_BAD_SCENE;
+    weft__tree *tree = &scene->tree;
+    weft__reader reader = { scene, tree, report, &base->def };
+    *tree = (weft__tree){ .report = report, .root = base->tree.root };
+    weft__sweep_apply(tree, &base->sweep, run);
+    weft__resolve_method(&reader, &base->sweep);
+    weft__read_section(&reader, &weft__root, weft__root.title, tree->root, scene);
+    return report->no_memory            ? no_memory(err)
+           : report->found->errors == 0 ? complete(base, scene, err)
+                                        : WEFT_BAD_SCENE;
 }
 
 /* Numbers are read and shown with a decimal point, whatever the embedder's locale. */
-static weft_status read_in_c_locale(weft__base *base, size_t run, weft__report *report,
-                                    weft_scene *scene, weft_error *err)
+static weft_status read_in_c_locale(const weft__base *base, size_t run,
+                                    weft__report *report, weft_scene *scene,
+                                    weft_error *err)
 {
     const locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (plain == (locale_t)0) {
@@ -266,7 +220,7 @@ static weft_status read_in_c_locale(weft__base *base, size_t run, weft__report *
     return status;
 }
 
-weft_status weft__base_read(weft__base *base, size_t run, weft__report *report,
+weft_status weft__base_read(const weft__base *base, size_t run, weft__report *report,
                             weft_scene **out, weft_error *err)
 {
     if (!base->readable) {
@@ -279,6 +233,8 @@ weft_status weft__base_read(weft__base *base, size_t run, weft__report *report,
     scene->memory = base->memory;
     scene->config.struct_size = sizeof scene->config;
     const weft_status status = read_in_c_locale(base, run, report, scene, err);
+    scene->tree.root = NULL; /* of nodes of the base */
+    scene->tree.report = NULL;
     if (status != WEFT_OK) {
         weft_scene_destroy(scene);
         return status;
@@ -295,15 +251,15 @@ weft_status weft_scene_load(const weft_scene_def *def, weft_scene **out,
     *out = NULL;
     memset(found, 0, sizeof *found);
     weft_status status = weft__base_open(def, &base, &report, err);
-    if (status != WEFT_OK) {
-        return status;
+    if (status == WEFT_OK) {
+        if (base.sweep.present && base.readable) {
+            weft__report_error(
+                &report, base.sweep.at,
+                "sweep makes %zu runs of this scene: 'weft batch' runs them",
+                base.sweep.runs);
+        }
+        status = weft__base_read(&base, 1, &report, out, err);
     }
-    if (base.sweep.present && base.readable) {
-        weft__report_error(&report, base.sweep.at,
-                           "sweep makes %zu runs of this scene: 'weft batch' runs them",
-                           base.sweep.runs);
-    }
-    status = weft__base_read(&base, 1, &report, out, err);
     if (status == WEFT_OK || status == WEFT_BAD_SCENE) {
         status = weft__report_end(&report, err);
     }
@@ -317,20 +273,7 @@ void weft_scene_destroy(weft_scene *scene)
         return;
     }
     const weft_allocator memory = scene->memory;
-    void *const parts[] = { scene->name,
-                            scene->text,
-                            scene->plugin,
-                            scene->method,
-                            scene->tableau.a.values,
-                            scene->tableau.b.values,
-                            scene->tableau.c.values,
-                            scene->tableau.b_embedded.values,
-                            scene->control.gains.values,
-                            scene->pins,
-                            scene->loads };
-    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) {
-        weft__free(&memory, parts[i]);
-    }
+    weft__tree_free(&scene->tree, &memory);
     weft__free(&memory, scene);
 }
 

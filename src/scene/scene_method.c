@@ -9,8 +9,8 @@
 
 typedef struct resolver {
     weft__reader *reader;
-    weft__base *base;
-    int map; /* stepper, a node of the document */
+    const weft__sweep *sweep;
+    const weft__node *map; /* stepper, as changed so far */
 } resolver;
 
 /* A later source gives way to no earlier one. */
@@ -18,168 +18,145 @@ typedef enum rank { ABSENT, IN_FILE, ON_COMMAND_LINE, IN_SWEEP } rank;
 
 /* A key of stepper. */
 typedef struct setting {
-    yaml_node_pair_t *pair; /* NULL: absent */
-    yaml_mark_t at;
+    size_t slot;
     rank rank;
+    const weft__node *key, *value; /* NULL: absent */
+    const char *text;              /* of the value; NULL: it is no text */
 } setting;
-
-static yaml_node_t *node_of(const resolver *self, int id)
-{
-    return yaml_document_get_node(self->reader->document, id);
-}
 
 static setting find(const resolver *self, const char *name)
 {
-    const yaml_node_t *map = node_of(self, self->map);
-    const ptrdiff_t i
-        = weft__find_pair(self->reader->document, map, name, strlen(name));
-    yaml_node_pair_t *pair = i < 0 ? NULL : map->data.mapping.pairs.start + i;
+    setting found = { .slot = weft__find_key(self->map, name, strlen(name)) };
     char path[64];
-    if (pair == NULL || pair->value == 0) {
-        return (setting){ .pair = NULL };
+    if (found.slot < self->map->count && self->map->entries[found.slot].value != NULL) {
+        (void)snprintf(path, sizeof path, "stepper.%s", name);
+        found.key = self->map->entries[found.slot].key;
+        found.value = self->map->entries[found.slot].value;
+        found.text = weft__text_of(found.value);
+        found.rank = weft__sweep_varies(self->sweep, path) ? IN_SWEEP
+                     : found.key->at.source > 0            ? ON_COMMAND_LINE
+                                                           : IN_FILE;
     }
-    const yaml_mark_t at = node_of(self, pair->key)->start_mark;
-    (void)snprintf(path, sizeof path, "stepper.%s", name);
-    return (setting){
-        .pair = pair,
-        .at = at,
-        .rank = weft__sweep_varies(&self->base->sweep, &self->base->document, path)
-                    ? IN_SWEEP
-                : at.index > 0 ? ON_COMMAND_LINE
-                               : IN_FILE,
-    };
+    return found;
 }
 
-static const char *text_of(const resolver *self, const setting *of)
+/* Replaces a pair of stepper, or adds one; value NULL removes it. */
+static void put(resolver *self, size_t slot, const weft__node *key,
+                const weft__node *value)
 {
-    return of->pair == NULL ? NULL : weft__text_of(node_of(self, of->pair->value));
+    const weft__node *changed = weft__node_with(self->reader->tree, self->map, slot,
+                                                (weft__entry){ key, value });
+    self->map = changed == NULL ? self->map : changed;
 }
 
 /* ---- plugin/method ----------------------------------------------------------- */
 
-/* A new node for a part of a text that begins at a node's place; 0: no memory. */
-static int add_part(const resolver *self, const char *text, size_t from, size_t length,
-                    yaml_mark_t at)
+/* A node for a part of the text of another one; NULL: no memory. */
+static const weft__node *part_of(const resolver *self, const weft__node *node,
+                                 size_t from, size_t length)
 {
-    const int id = yaml_document_add_scalar(self->reader->document, NULL,
-                                            (const yaml_char_t *)text + from,
-                                            (int)length, YAML_PLAIN_SCALAR_STYLE);
-    if (id != 0) {
-        node_of(self, id)->start_mark = at;
-        node_of(self, id)->start_mark.column += from;
-    }
-    return id;
+    weft__mark at = node->at;
+    at.column += from;
+    return weft__scalar_new(self->reader->tree, node->text + from, length,
+                            YAML_PLAIN_SCALAR_STYLE, at);
 }
 
-static bool put_plugin(const resolver *self, setting plugin, int value, yaml_mark_t at)
+static void split_method(resolver *self)
 {
-    if (plugin.pair != NULL) {
-        plugin.pair->value = value;
-        return value != 0;
-    }
-    const int key = value == 0 ? 0 : add_part(self, "plugin", 0, 6, at);
-    return key != 0
-           && yaml_document_append_mapping_pair(self->reader->document, self->map, key,
-                                                value)
-                  != 0;
-}
-
-static void split_method(const resolver *self)
-{
-    setting method = find(self, "method");
-    const setting plugin = find(self, "plugin");
-    const char *text = text_of(self, &method), *id = text_of(self, &plugin);
+    const setting method = find(self, "method"), plugin = find(self, "plugin");
+    const char *text = method.text;
     const char *slash = text == NULL ? NULL : strchr(text, '/');
     if (slash == NULL || slash == text || slash[1] == '\0') {
         return;
     }
     const size_t length = (size_t)(slash - text);
-    const yaml_mark_t at = node_of(self, method.pair->value)->start_mark;
     char where[64];
-    if (id != NULL && (strncmp(id, text, length) != 0 || id[length] != '\0')
+    if (plugin.text != NULL
+        && (strncmp(plugin.text, text, length) != 0 || plugin.text[length] != '\0')
         && !(plugin.rank == IN_FILE && method.rank > IN_FILE)) {
-        weft__report_error(self->reader->report, at,
+        weft__report_error(self->reader->report, method.value->at,
                            "method '%.80s' is of another plugin than '%.40s' (%s)",
-                           text, id, weft__place_text(plugin.at, where, sizeof where));
+                           text, plugin.text,
+                           weft__place_text(plugin.key->at, where, sizeof where));
     }
-    const int first = add_part(self, text, 0, length, at);
-    const int second
-        = first == 0 ? 0 : add_part(self, text, length + 1, strlen(slash + 1), at);
-    if (second == 0) {
-        self->reader->report->no_memory = true;
-        return;
-    }
-    method.pair->value = second;
-    if (!put_plugin(self, plugin, first, method.at)) {
-        self->reader->report->no_memory = true;
+    const weft__node *id = part_of(self, method.value, 0, length);
+    const weft__node *name
+        = part_of(self, method.value, length + 1, method.value->count - length - 1);
+    const weft__node *key
+        = plugin.key != NULL
+              ? plugin.key
+              : weft__scalar_new(self->reader->tree, "plugin", 6,
+                                 YAML_PLAIN_SCALAR_STYLE, method.key->at);
+    if (id != NULL && name != NULL && key != NULL) {
+        put(self, method.slot, method.key, name);
+        put(self, plugin.key == NULL ? self->map->count : plugin.slot, key, id);
     }
 }
 
 /* ---- keys that give way -------------------------------------------------------- */
 
-/* Removes those of the keys that an earlier source has set than `later`, and says so at
+/* Removes those of the keys that an earlier source has set than `later`, and warns at
  * its place. */
-static void drop_earlier(const resolver *self, const char *const *keys, size_t count,
+static void drop_earlier(resolver *self, const char *const *keys, size_t count,
                          setting later, const char *why)
 {
     char list[340] = "", where[64];
     size_t used = 0;
     for (size_t i = 0; i < count && used < sizeof list; ++i) {
         const setting it = find(self, keys[i]);
-        if (it.pair != NULL && it.rank < later.rank) {
-            it.pair->value = 0;
+        if (it.key != NULL && it.rank < later.rank) {
+            put(self, it.slot, it.key, NULL);
             used += (size_t)snprintf(list + used, sizeof list - used, "%s%s (%s)",
                                      used == 0 ? "" : ", ", keys[i],
-                                     weft__place_text(it.at, where, sizeof where));
+                                     weft__place_text(it.key->at, where, sizeof where));
         }
     }
     if (used > 0) {
-        weft__report_warning(self->reader->report, later.at, "%s dropped: %s", list,
-                             why);
+        weft__report_warning(self->reader->report, later.key->at, "%s dropped: %s",
+                             list, why);
     }
 }
 
-static void drop_unused(const resolver *self, uint32_t flags)
+static void drop_unused(resolver *self, uint32_t flags)
 {
+    static const char *const controller[] = { "controller" }, *const butcher[]
+                                                              = { "butcher" };
     const setting plugin = find(self, "plugin"), method = find(self, "method");
     const setting chosen = plugin.rank > method.rank ? plugin : method;
     if ((flags & WEFT_STEPPER_FIXED_ONLY) != 0) {
         drop_earlier(self, weft__adaptive_keys, WEFT__ADAPTIVE, chosen,
                      "the method has no error control");
     } else if ((flags & WEFT_STEPPER_CONTROLLER) == 0) {
-        drop_earlier(self, &(const char *){ "controller" }, 1, chosen,
-                     "the method has its own");
+        drop_earlier(self, controller, 1, chosen, "the method has its own");
     }
     if ((flags & WEFT_STEPPER_BUTCHER) == 0) {
-        drop_earlier(self, &(const char *){ "butcher" }, 1, chosen,
-                     "the method takes no table");
+        drop_earlier(self, butcher, 1, chosen, "the method takes no table");
     }
 }
 
 /* Fixed steps exclude the keys of adaptive ones: the latest choice holds. */
-static void settle_steps(const resolver *self)
+static void choose_steps(resolver *self)
 {
-    const setting fixed = find(self, "fixed_step");
-    setting last = { .pair = NULL };
+    static const char *const fixed_step[] = { "fixed_step" };
+    const setting fixed = find(self, fixed_step[0]);
+    setting last = { .key = NULL };
     for (size_t i = 0; i < WEFT__ADAPTIVE; ++i) {
         const setting one = find(self, weft__adaptive_keys[i]);
         last = one.rank > last.rank ? one : last;
     }
     if (fixed.rank < last.rank) {
-        drop_earlier(self, &(const char *){ "fixed_step" }, 1, last,
-                     "error control excludes it");
+        drop_earlier(self, fixed_step, 1, last, "error control excludes it");
     } else {
         drop_earlier(self, weft__adaptive_keys, WEFT__ADAPTIVE, fixed,
                      "fixed_step excludes error control");
     }
 }
 
-/* NULL: not known, or wrong, which is told when the key is read. */
+/* NULL: not known, or wrong, which is reported when the key is read. */
 static const weft_stepper_type *find_type(const resolver *self)
 {
     const weft_scene_def *def = self->reader->def;
-    const setting plugin = find(self, "plugin"), method = find(self, "method");
-    const char *id = text_of(self, &plugin), *name = text_of(self, &method);
+    const char *id = find(self, "plugin").text, *name = find(self, "method").text;
     weft_error why;
     return id == NULL || name == NULL || def->find_plugin == NULL
                    || !weft__is_plugin_id(id)
@@ -187,22 +164,28 @@ static const weft_stepper_type *find_type(const resolver *self)
                : weft_plugin_method(def->find_plugin(def->find_ctx, id, &why), name);
 }
 
-void weft__resolve_method(weft__reader *reader, weft__base *base)
+void weft__resolve_method(weft__reader *reader, const weft__sweep *sweep)
 {
-    const yaml_node_t *root = yaml_document_get_root_node(reader->document);
-    const ptrdiff_t i = weft__find_pair(reader->document, root, "stepper", 7);
-    const resolver self
-        = { reader, base, i < 0 ? 0 : root->data.mapping.pairs.start[i].value };
-    const yaml_node_t *map = self.map == 0 ? NULL : node_of(&self, self.map);
-    if (map == NULL || map->type != YAML_MAPPING_NODE) {
+    weft__tree *tree = reader->tree;
+    const size_t slot = weft__find_key(tree->root, "stepper", 7);
+    const weft__entry *stepper
+        = slot < tree->root->count ? &tree->root->entries[slot] : NULL;
+    if (stepper == NULL || stepper->value == NULL
+        || stepper->value->type != WEFT__MAP) {
         return;
     }
+    resolver self = { reader, sweep, stepper->value };
     split_method(&self);
     const weft_stepper_type *type = find_type(&self);
     if (type != NULL) {
         drop_unused(&self, type->flags);
     }
     if (type == NULL || (type->flags & WEFT_STEPPER_FIXED_ONLY) == 0) {
-        settle_steps(&self);
+        choose_steps(&self);
+    }
+    if (self.map != stepper->value) {
+        const weft__node *root = weft__node_with(
+            tree, tree->root, slot, (weft__entry){ stepper->key, self.map });
+        tree->root = root == NULL ? tree->root : root;
     }
 }

@@ -12,31 +12,15 @@ _Static_assert(offsetof(weft_pin, cols) - offsetof(weft_pin, rows)
                           == offsetof(weft__place, cols),
                "a place is put where rows and cols of a pin or a load stand");
 
-#define ALL                                                                            \
-    {                                                                                  \
-        0, -1                                                                          \
-    }
-#define FIRST                                                                          \
-    {                                                                                  \
-        0, 0                                                                           \
-    }
-#define LAST                                                                           \
-    {                                                                                  \
-        -1, -1                                                                         \
-    }
-
-/* Row 0 is the top, column 0 the left. */
-static const struct {
-    const char *name;
-    weft__place place;
-} named_places[] = {
-    { "top-left", { FIRST, FIRST } },   { "top-right", { FIRST, LAST } },
-    { "bottom-left", { LAST, FIRST } }, { "bottom-right", { LAST, LAST } },
-    { "top", { FIRST, ALL } },          { "bottom", { LAST, ALL } },
-    { "left", { ALL, FIRST } },         { "right", { ALL, LAST } },
+/* Row 0 is the top, column 0 the left, -1 the last of either. */
+static const char *const place_names[]
+    = { "top-left", "top-right", "bottom-left", "bottom-right", "top", "bottom",
+        "left",     "right",     NULL };
+static const weft__place named_places[] = {
+    { { 0, 0 }, { 0, 0 } },     { { 0, 0 }, { -1, -1 } },  { { -1, -1 }, { 0, 0 } },
+    { { -1, -1 }, { -1, -1 } }, { { 0, 0 }, { 0, -1 } },   { { -1, -1 }, { 0, -1 } },
+    { { 0, -1 }, { 0, 0 } },    { { 0, -1 }, { -1, -1 } },
 };
-
-#define NAMED (sizeof named_places / sizeof named_places[0])
 
 /* ---- an index or a range of them -------------------------------------------- */
 
@@ -52,7 +36,7 @@ static ptrdiff_t from_start(const axis *along, ptrdiff_t index)
 }
 
 static bool read_one(weft__reader *reader, const axis *along, const char *name,
-                     const yaml_node_t *node, ptrdiff_t *out)
+                     const weft__node *node, ptrdiff_t *out)
 {
     const ptrdiff_t count = (ptrdiff_t)along->count;
     long long index;
@@ -61,7 +45,7 @@ static bool read_one(weft__reader *reader, const axis *along, const char *name,
         return false;
     }
     if (count > 0 && (index < -count || index >= count)) {
-        weft__report_error(reader->report, node->start_mark,
+        weft__report_error(reader->report, node->at,
                            "%s %lld is outside the grid: it has %s 0 to %td, or from "
                            "the end %td to -1",
                            name, index, along->what, count - 1, -count);
@@ -72,19 +56,17 @@ static bool read_one(weft__reader *reader, const axis *along, const char *name,
 }
 
 static bool read_pair(weft__reader *reader, const axis *along, const char *name,
-                      const yaml_node_t *node, weft_range *out)
+                      const weft__node *node, weft_range *out)
 {
     weft_range range;
-    const bool first
-        = read_one(reader, along, name, weft__item(reader, node, 0), &range.first);
-    const bool last
-        = read_one(reader, along, name, weft__item(reader, node, 1), &range.last);
+    const bool first = read_one(reader, along, name, weft__item(node, 0), &range.first);
+    const bool last = read_one(reader, along, name, weft__item(node, 1), &range.last);
     if (!first || !last) {
         return false;
     }
     if (along->count > 0
         && from_start(along, range.first) > from_start(along, range.last)) {
-        weft__report_error(reader->report, node->start_mark,
+        weft__report_error(reader->report, node->at,
                            "%s [%td, %td] hold nothing: the first is behind the last",
                            name, range.first, range.last);
         return false;
@@ -94,7 +76,7 @@ static bool read_pair(weft__reader *reader, const axis *along, const char *name,
 }
 
 void weft__read_index(weft__reader *reader, const weft__key *key,
-                      const yaml_node_t *node, void *to)
+                      const weft__node *node, void *to)
 {
     const bool rows = key->at == offsetof(weft__place, rows);
     const weft_cloth_def *cloth = &reader->scene->cloth;
@@ -104,7 +86,7 @@ void weft__read_index(weft__reader *reader, const weft__key *key,
     weft_range *range = to;
     long long index;
     if (text != NULL && strcmp(text, "all") == 0) {
-        *range = (weft_range)ALL;
+        *range = (weft_range){ 0, -1 };
     } else if (weft__item_count(node) == 2) {
         (void)read_pair(reader, &along, key->name, node, range);
     } else if (weft__integer_of(node, &index)) {
@@ -112,68 +94,43 @@ void weft__read_index(weft__reader *reader, const weft__key *key,
             range->last = range->first;
         }
     } else {
-        char wanted[200];
-        weft__refuse(reader, node, key->name,
-                     weft__wanted(key, true, false, wanted, sizeof wanted), true, NULL);
+        weft__refuse_value(reader, key, node);
     }
 }
 
 /* ---- places ----------------------------------------------------------------- */
 
-static void read_name(weft__reader *reader, const weft__key *key,
-                      const yaml_node_t *node, weft__place *place)
-{
-    const char *text = weft__text_of(node);
-    weft__guess guess = { 0 };
-    char value[64], near[80], wanted[200];
-    for (size_t i = 0; text != NULL && i < NAMED; ++i) {
-        if (strcmp(text, named_places[i].name) == 0) {
-            *place = named_places[i].place;
-            return;
-        }
-        weft__guess_try(&guess, text, named_places[i].name);
-    }
-    (void)weft__wanted(key, true, false, wanted, sizeof wanted);
-    if (guess.name == NULL) {
-        weft__refuse(reader, node, key->name, wanted, false, NULL);
-        return;
-    }
-    weft__report_error(reader->report, node->start_mark, "%s must be %s, not %s%s",
-                       key->name, wanted, weft__show(node, value, sizeof value),
-                       weft__guess_text(&guess, near, sizeof near));
-}
-
-static void read_particle(weft__reader *reader, const yaml_node_t *node,
+static void read_particle(weft__reader *reader, const weft__node *node,
                           weft__place *place)
 {
     const weft_cloth_def *cloth = &reader->scene->cloth;
     const axis down = { "rows", cloth->rows }, across = { "columns", cloth->cols };
     ptrdiff_t row, col;
-    const bool has_row
-        = read_one(reader, &down, "row", weft__item(reader, node, 0), &row);
-    const bool has_col
-        = read_one(reader, &across, "column", weft__item(reader, node, 1), &col);
+    const bool has_row = read_one(reader, &down, "row", weft__item(node, 0), &row);
+    const bool has_col = read_one(reader, &across, "column", weft__item(node, 1), &col);
     if (has_row && has_col) {
         *place = (weft__place){ { row, row }, { col, col } };
     }
 }
 
 void weft__read_place(weft__reader *reader, const weft__key *key,
-                      const yaml_node_t *node, void *to)
+                      const weft__node *node, void *to)
 {
-    weft__place place = { FIRST, FIRST };
-    char wanted[200];
-    if (node->type == YAML_SCALAR_NODE) {
-        read_name(reader, key, node, &place);
-    } else if (node->type == YAML_MAPPING_NODE) {
+    weft__place place = { { 0, 0 }, { 0, 0 } };
+    if (node->type == WEFT__SCALAR) {
+        weft__key named = *key;
+        size_t name;
+        named.names = place_names;
+        if (weft__find_name(reader, &named, node, &name)) {
+            place = named_places[name];
+        }
+    } else if (node->type == WEFT__MAP) {
         weft__read_section(reader, &weft__place_section, weft__place_section.title,
                            node, &place);
-    } else if (weft__item_count(node) == 2) {
+    } else if (node->count == 2) {
         read_particle(reader, node, &place);
     } else {
-        weft__refuse(reader, node, key->name,
-                     weft__wanted(key, true, false, wanted, sizeof wanted), false,
-                     NULL);
+        weft__refuse_value(reader, key, node);
     }
     memcpy(to, &place, sizeof place);
 }
@@ -182,18 +139,16 @@ void weft__read_place(weft__reader *reader, const weft__key *key,
 static void check_axis(weft__reader *reader, const weft__match *match,
                        const char *plural, const char *singular)
 {
-    const yaml_node_t *many = weft__key_in(match, plural);
-    const yaml_node_t *one = weft__key_in(match, singular);
+    const weft__node *many = weft__key_in(match, plural);
+    const weft__node *one = weft__key_in(match, singular);
     if (many != NULL && one != NULL) {
         weft__report_error(
-            reader->report,
-            weft__mark_before(many->start_mark, one->start_mark) ? one->start_mark
-                                                                 : many->start_mark,
+            reader->report, weft__mark_before(many->at, one->at) ? one->at : many->at,
             "'%s' and '%s' mean the same: one is enough", plural, singular);
     } else if (many == NULL && one == NULL && !weft__misspelt(match, plural)
                && !weft__misspelt(match, singular)) {
         weft__report_error(
-            reader->report, match->map->start_mark,
+            reader->report, match->map->at,
             "%s lacks '%s': rows and cols are both needed, each an index, "
             "[first, last] or all",
             match->title, plural);
@@ -211,28 +166,19 @@ void weft__check_place(weft__reader *reader, const weft__match *match, void *bas
 
 void weft__check_pin(weft__reader *reader, const weft__match *match, void *base)
 {
-    const yaml_node_t *amplitude = weft__key_in(match, "amplitude");
-    const yaml_node_t *frequency = weft__key_in(match, "frequency");
     (void)base;
-    if (amplitude != NULL && frequency == NULL && !weft__misspelt(match, "frequency")) {
-        weft__report_error(reader->report, amplitude->start_mark,
-                           "amplitude has no effect without frequency [Hz]");
-    }
-    if (frequency != NULL && amplitude == NULL && !weft__misspelt(match, "amplitude")) {
-        weft__report_error(reader->report, frequency->start_mark,
-                           "frequency has no effect without amplitude [m]");
-    }
+    weft__check_companion(reader, match, "amplitude", "frequency",
+                          "amplitude has no effect without frequency [Hz]");
+    weft__check_companion(reader, match, "frequency", "amplitude",
+                          "frequency has no effect without amplitude [m]");
 }
 
 /* How many keys of a mapping are, or are nearly, keys of a section. */
-static size_t likeness(const weft__reader *reader, const yaml_node_t *mapping,
-                       const weft__section *section)
+static size_t likeness(const weft__node *mapping, const weft__section *section)
 {
     size_t hits = 0;
-    for (const yaml_node_pair_t *pair = mapping->data.mapping.pairs.start;
-         pair < mapping->data.mapping.pairs.top; ++pair) {
-        const yaml_node_t *key = yaml_document_get_node(reader->document, pair->key);
-        const char *name = weft__text_of(key);
+    for (size_t k = 0; k < mapping->count; ++k) {
+        const char *name = weft__text_of(mapping->entries[k].key);
         weft__guess guess = { 0 };
         for (size_t i = 0; name != NULL && i < section->count; ++i) {
             weft__guess_try(&guess, name, section->keys[i].name);
@@ -243,19 +189,19 @@ static size_t likeness(const weft__reader *reader, const yaml_node_t *mapping,
 }
 
 /* A mapping is a pin with `at`, or else the place of one at rest. */
-static bool is_place(const weft__reader *reader, const yaml_node_t *node)
+static bool is_place(const weft__node *node)
 {
-    return node->type != YAML_MAPPING_NODE
-           || (weft__find_pair(reader->document, node, "at", 2) < 0
-               && likeness(reader, node, &weft__place_section)
-                      >= likeness(reader, node, &weft__pin_section));
+    return node->type != WEFT__MAP
+           || (weft__find_key(node, "at", 2) == node->count
+               && likeness(node, &weft__place_section)
+                      >= likeness(node, &weft__pin_section));
 }
 
-static void read_pin(weft__reader *reader, const yaml_node_t *node, weft_pin *pin)
+static void read_pin(weft__reader *reader, const weft__node *node, weft_pin *pin)
 {
     static const weft__key at_rest
         = { "a pin", WEFT__PLACE, .section = &weft__place_section };
-    if (is_place(reader, node)) {
+    if (is_place(node)) {
         weft__read_place(reader, &at_rest, node, &pin->rows);
     } else {
         weft__read_section(reader, &weft__pin_section, weft__pin_section.title, node,
@@ -263,50 +209,41 @@ static void read_pin(weft__reader *reader, const yaml_node_t *node, weft_pin *pi
     }
 }
 
-/* An array of `size` each for the items of a list; NULL without a complaint if it is
- * empty. */
-static void *allocate_items(weft__reader *reader, const weft__key *key,
-                            const yaml_node_t *node, size_t size)
+/* An array of `size` each for the items of a list, whose number is *count; NULL: it is
+ * empty, wrong or there is no memory. */
+static void *take_items(weft__reader *reader, const weft__key *key,
+                        const weft__node *node, size_t size, size_t *count)
 {
-    const size_t count = weft__item_count(node);
-    char wanted[200];
-    if (node->type != YAML_SEQUENCE_NODE) {
-        weft__refuse(reader, node, key->name,
-                     weft__wanted(key, true, false, wanted, sizeof wanted), false,
-                     NULL);
-        return NULL;
+    *count = weft__item_count(node);
+    if (node->type != WEFT__LIST) {
+        weft__refuse_value(reader, key, node);
     }
-    void *items = count == 0 ? NULL : weft__zeroed(reader->report->memory, count, size);
-    reader->report->no_memory
-        = reader->report->no_memory || (count > 0 && items == NULL);
+    void *items = *count == 0 ? NULL : weft__tree_take(reader->tree, *count, size);
+    *count = items == NULL ? 0 : *count;
     return items;
 }
 
-void weft__read_pins(weft__reader *reader, const weft__key *key,
-                     const yaml_node_t *node, void *to)
+void weft__read_pins(weft__reader *reader, const weft__key *key, const weft__node *node,
+                     void *to)
 {
-    weft_scene *scene = reader->scene;
+    weft_cloth_def *cloth = &reader->scene->cloth;
+    weft_pin *pins = take_items(reader, key, node, sizeof *pins, &cloth->pin_count);
     (void)to;
-    scene->pins = allocate_items(reader, key, node, sizeof *scene->pins);
-    const size_t count = scene->pins == NULL ? 0 : weft__item_count(node);
-    for (size_t i = 0; i < count; ++i) {
-        read_pin(reader, weft__item(reader, node, i), &scene->pins[i]);
+    for (size_t i = 0; i < cloth->pin_count; ++i) {
+        read_pin(reader, weft__item(node, i), &pins[i]);
     }
-    scene->cloth.pins = scene->pins;
-    scene->cloth.pin_count = count;
+    cloth->pins = pins;
 }
 
 void weft__read_loads(weft__reader *reader, const weft__key *key,
-                      const yaml_node_t *node, void *to)
+                      const weft__node *node, void *to)
 {
-    weft_scene *scene = reader->scene;
+    weft_cloth_def *cloth = &reader->scene->cloth;
+    weft_load *loads = take_items(reader, key, node, sizeof *loads, &cloth->load_count);
     (void)to;
-    scene->loads = allocate_items(reader, key, node, sizeof *scene->loads);
-    const size_t count = scene->loads == NULL ? 0 : weft__item_count(node);
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = 0; i < cloth->load_count; ++i) {
         weft__read_section(reader, &weft__load_section, weft__load_section.title,
-                           weft__item(reader, node, i), &scene->loads[i]);
+                           weft__item(node, i), &loads[i]);
     }
-    scene->cloth.loads = scene->loads;
-    scene->cloth.load_count = count;
+    cloth->loads = loads;
 }

@@ -14,66 +14,52 @@ const char *const weft__adaptive_keys[WEFT__ADAPTIVE]
 /* Told at the later key of each pair: at fixed_step once for all that stand before. */
 static void check_exclusive(weft__reader *reader, const weft__match *match)
 {
-    const yaml_node_t *fixed = weft__key_in(match, "fixed_step");
+    const weft__node *fixed = weft__key_in(match, "fixed_step");
     char before[320] = "";
     size_t used = 0;
     for (size_t i = 0; fixed != NULL && i < WEFT__ADAPTIVE; ++i) {
-        const yaml_node_t *key = weft__key_in(match, weft__adaptive_keys[i]);
+        const weft__node *key = weft__key_in(match, weft__adaptive_keys[i]);
         char where[64];
         if (key == NULL) {
             continue;
         }
-        if (weft__mark_before(fixed->start_mark, key->start_mark)) {
+        if (weft__mark_before(fixed->at, key->at)) {
             weft__report_exclusive(reader->report, fixed, key);
         } else if (used < sizeof before) {
-            used += (size_t)snprintf(
-                before + used, sizeof before - used, "%s%s (%s)", used == 0 ? "" : ", ",
-                weft__adaptive_keys[i],
-                weft__place_text(key->start_mark, where, sizeof where));
+            used += (size_t)snprintf(before + used, sizeof before - used, "%s%s (%s)",
+                                     used == 0 ? "" : ", ", weft__adaptive_keys[i],
+                                     weft__place_text(key->at, where, sizeof where));
         }
     }
     if (used > 0) {
-        weft__report_error(reader->report, fixed->start_mark, "fixed_step excludes %s",
-                           before);
+        weft__report_error(reader->report, fixed->at, "fixed_step excludes %s", before);
     }
 }
 
-/* That one given size is not above another, which may be a default. */
-static void check_order(weft__reader *reader, const weft__match *match,
-                        const char *small_name, double small, const char *large_name,
-                        double large)
-{
-    const yaml_node_t *a = weft__value_in(match, small_name);
-    const yaml_node_t *b = weft__value_in(match, large_name);
-    if (small <= large || small == 0.0 || large == 0.0) {
-        return;
-    }
-    weft__report_error(
-        reader->report,
-        b == NULL || (a != NULL && weft__mark_before(b->start_mark, a->start_mark))
-            ? a->start_mark
-            : b->start_mark,
-        "%s, %g s%s, is above %s, %g s", small_name, small,
-        a == NULL ? " by default" : "", large_name, large);
-}
-
+/* Of two sizes that are given the smaller one must not be the larger; one that bounds
+ * the other is also held against its default. */
 static void check_sizes(weft__reader *reader, const weft__match *match)
 {
     const weft_stepper_config *config = &reader->scene->config;
-    const bool first = weft__key_in(match, "first_step") != NULL;
-    const bool least = weft__key_in(match, "min_step") != NULL;
-    const bool most = weft__key_in(match, "max_step") != NULL;
-    if (least || most) {
-        check_order(reader, match, "min_step", config->min_step, "max_step",
-                    config->max_step);
-    }
-    if (least && first) {
-        check_order(reader, match, "min_step", config->min_step, "first_step",
-                    config->first_step);
-    }
-    if (first && most) {
-        check_order(reader, match, "first_step", config->first_step, "max_step",
-                    config->max_step);
+    const struct {
+        const char *name;
+        double h;
+    } sizes[] = { { "min_step", config->min_step },
+                  { "first_step", config->first_step },
+                  { "max_step", config->max_step } };
+    for (size_t k = 0; k < 3; ++k) {
+        const size_t i = k / 2, j = k == 0 ? 2 : k; /* 0, 2; 0, 1; 1, 2 */
+        const weft__node *a = weft__value_in(match, sizes[i].name);
+        const weft__node *b = weft__value_in(match, sizes[j].name);
+        const bool given = k == 0 ? a != NULL || b != NULL : a != NULL && b != NULL;
+        if (given && sizes[i].h > sizes[j].h && sizes[j].h > 0.0) {
+            const bool at_first
+                = b == NULL || (a != NULL && weft__mark_before(b->at, a->at));
+            weft__report_error(reader->report, at_first ? a->at : b->at,
+                               "%s, %g s%s, is above %s, %g s", sizes[i].name,
+                               sizes[i].h, a == NULL ? " by default" : "",
+                               sizes[j].name, sizes[j].h);
+        }
     }
 }
 
@@ -95,8 +81,8 @@ find_method(weft__reader *reader, const weft__match *match, const weft_plugin *p
         count += others[count] != NULL;
     }
     (void)weft__method_named(plugin, wanted, others, &why);
-    weft__report_error(reader->report, weft__value_in(match, "method")->start_mark,
-                       "%s", why.message);
+    weft__report_error(reader->report, weft__value_in(match, "method")->at, "%s",
+                       why.message);
     return NULL;
 }
 
@@ -114,7 +100,7 @@ static bool check_id(weft__reader *reader, const weft__match *match)
     if (weft__is_plugin_id(id)) {
         return true;
     }
-    weft__report_error(reader->report, weft__value_in(match, "plugin")->start_mark,
+    weft__report_error(reader->report, weft__value_in(match, "plugin")->at,
                        "plugin '%.40s' is no plugin's name: at most 48 letters, digits "
                        "and _",
                        id);
@@ -142,8 +128,8 @@ static const weft_stepper_type *find_type(weft__reader *reader,
         = reader->def->find_plugin(reader->def->find_ctx, scene->plugin, &why);
     if (plugin == NULL && !asks_for_table(scene)) {
         char near[80];
-        weft__report_error(reader->report, weft__value_in(match, "plugin")->start_mark,
-                           "%s%s", why.message,
+        weft__report_error(reader->report, weft__value_in(match, "plugin")->at, "%s%s",
+                           why.message,
                            weft__plugin_guess(scene->plugin, near, sizeof near));
     }
     return plugin == NULL || scene->method == NULL ? NULL
@@ -157,15 +143,15 @@ static void check_fixed_only(weft__reader *reader, const weft__match *match,
 {
     if (weft__key_in(match, "fixed_step") == NULL
         && !weft__misspelt(match, "fixed_step")) {
-        weft__report_error(reader->report, weft__value_in(match, "method")->start_mark,
+        weft__report_error(reader->report, weft__value_in(match, "method")->at,
                            "method '%.40s' has no error control: it needs "
                            "stepper.fixed_step [s]",
                            method);
     }
     for (size_t i = 0; i < WEFT__ADAPTIVE; ++i) {
-        const yaml_node_t *key = weft__key_in(match, weft__adaptive_keys[i]);
+        const weft__node *key = weft__key_in(match, weft__adaptive_keys[i]);
         if (key != NULL) {
-            weft__report_error(reader->report, key->start_mark,
+            weft__report_error(reader->report, key->at,
                                "%s would not be used by method '%.40s', which has no "
                                "error control",
                                weft__adaptive_keys[i], method);
@@ -176,23 +162,23 @@ static void check_fixed_only(weft__reader *reader, const weft__match *match,
 static void check_table(weft__reader *reader, const weft__match *match, bool takes_one)
 {
     const weft_scene *scene = reader->scene;
-    const yaml_node_t *table = weft__key_in(match, "butcher");
+    const weft__node *table = weft__key_in(match, "butcher");
     const bool fixed = weft__key_in(match, "fixed_step") != NULL;
     if (table != NULL && !takes_one) {
-        weft__report_error(reader->report, table->start_mark,
+        weft__report_error(reader->report, table->at,
                            "butcher would not be used by method '%.40s' of plugin "
                            "'%.40s'; it is for method custom of plugin arkode",
                            scene->method, scene->plugin);
     }
     if (table == NULL && takes_one && !weft__misspelt(match, "butcher")) {
-        weft__report_error(reader->report, weft__value_in(match, "method")->start_mark,
+        weft__report_error(reader->report, weft__value_in(match, "method")->at,
                            "method '%.40s' of plugin '%.40s' needs a table: butcher "
                            "with A, b, c and order",
                            scene->method, scene->plugin);
     }
     if (table != NULL && takes_one && !fixed && scene->tableau.b_embedded.side == 0
         && scene->tableau.embedded_order == 0) {
-        weft__report_error(reader->report, table->start_mark,
+        weft__report_error(reader->report, table->at,
                            "without b_embedded and embedded_order there is no error "
                            "control: fixed_step [s] is needed");
     }
@@ -210,19 +196,19 @@ void weft__check_controller(weft__reader *reader, const weft__match *match, void
     weft__control *control = base;
     weft_controller *set = &control->set;
     const double values[] = { set->min_reduction, set->failed_growth };
-    const yaml_node_t *gains = weft__value_in(match, "gains");
+    const weft__node *gains = weft__value_in(match, "gains");
     for (size_t i = 0; i < 2; ++i) {
         if (values[i] >= 1.0) {
-            weft__report_error(
-                reader->report, weft__value_in(match, factors[i])->start_mark,
-                "%s must be a number > 0 and < 1, not %g", factors[i], values[i]);
+            weft__report_error(reader->report, weft__value_in(match, factors[i])->at,
+                               "%s must be a number > 0 and < 1, not %g", factors[i],
+                               values[i]);
         }
     }
     if (gains != NULL && set->type == WEFT_CONTROLLER_DEFAULT) {
-        weft__report_error(reader->report, gains->start_mark,
+        weft__report_error(reader->report, gains->at,
                            "gains need the type that they are for");
     } else if (control->gains.count > 0 && control->gains.count != counts[set->type]) {
-        weft__report_error(reader->report, gains->start_mark,
+        weft__report_error(reader->report, gains->at,
                            "%zu gains, where this type takes %zu", control->gains.count,
                            counts[set->type]);
     } else {
@@ -236,7 +222,7 @@ void weft__check_controller(weft__reader *reader, const weft__match *match, void
 static void check_control(weft__reader *reader, const weft__match *match,
                           weft_scene *scene)
 {
-    const yaml_node_t *key = weft__key_in(match, "controller");
+    const weft__node *key = weft__key_in(match, "controller");
     if (key == NULL) {
         return;
     }
@@ -244,7 +230,7 @@ static void check_control(weft__reader *reader, const weft__match *match,
     if (scene->type != NULL
         && (scene->type->flags & (WEFT_STEPPER_CONTROLLER | WEFT_STEPPER_FIXED_ONLY))
                == 0) {
-        weft__report_error(reader->report, key->start_mark,
+        weft__report_error(reader->report, key->at,
                            "controller would not be used by method '%.40s' of plugin "
                            "'%.40s', which has its own",
                            scene->method, scene->plugin);
@@ -259,7 +245,7 @@ static void check_matrices(weft__reader *reader, const weft__match *match)
 {
     const weft_scene *scene = reader->scene;
     const size_t particles = scene->cloth.rows * scene->cloth.cols;
-    const yaml_mark_t at = weft__value_in(match, "method")->start_mark;
+    const weft__mark at = weft__value_in(match, "method")->at;
     char text[160];
     const double bytes
         = weft_stepper_matrices(scene->type, particles, text, sizeof text);
@@ -290,7 +276,7 @@ static void check_creation(weft__reader *reader, const weft__match *match)
 {
     const weft_scene *scene = reader->scene;
     const weft_ode one = { .dim = 6, .rhs = no_rhs };
-    const yaml_node_t *table = weft__key_in(match, "butcher");
+    const weft__node *table = weft__key_in(match, "butcher");
     weft_stepper_config config = scene->config;
     weft_error why = { 0 };
     void *stepper = NULL;
@@ -303,8 +289,8 @@ static void check_creation(weft__reader *reader, const weft__match *match)
         reader->report->no_memory = true;
     } else {
         weft__report_error(reader->report,
-                           table != NULL ? table->start_mark
-                                         : weft__value_in(match, "method")->start_mark,
+                           table != NULL ? table->at
+                                         : weft__value_in(match, "method")->at,
                            "%s", why.message);
     }
 }
@@ -331,7 +317,7 @@ void weft__check_stepper(weft__reader *reader, const weft__match *match, void *b
         check_table(reader, match, asks_for_table(scene));
     }
     if (scene->type != NULL && scene->type->create != NULL
-        && weft__report_clean(reader->report)) {
+        && reader->report->mistakes == 0) {
         check_creation(reader, match);
     }
 }
@@ -350,7 +336,7 @@ void weft__check_record(weft__reader *reader, const weft__match *match, void *ba
     weft__methods_list(
         reader->def->find_plugin(reader->def->find_ctx, scene->plugin, &why),
         WEFT_STEPPER_QUADRATURES, names, sizeof names);
-    weft__report_error(reader->report, weft__value_in(match, "ledger")->start_mark,
+    weft__report_error(reader->report, weft__value_in(match, "ledger")->at,
                        "method '%.40s' of plugin '%.40s' cannot keep the energy "
                        "ledger%s%s",
                        scene->method, scene->plugin,

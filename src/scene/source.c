@@ -10,58 +10,67 @@
 #define EXCERPT_CHARS  160
 #define EXCERPT_BEFORE 48
 
+/* No character: what is not UTF-8. */
+#define NONE 0xFFFFu
+
 /* Bytes that the first byte of a character announces; 0 if it cannot be a first one. */
-static size_t announced(unsigned char first)
+static size_t announced(char first)
 {
-    return first < 0x80                    ? 1
-           : first >= 0xC2 && first < 0xE0 ? 2
-           : first >= 0xE0 && first < 0xF0 ? 3
-           : first >= 0xF0 && first < 0xF5 ? 4
-                                           : 0;
+    const unsigned char byte = (unsigned char)first;
+    return byte < 0x80                   ? 1
+           : byte >= 0xC2 && byte < 0xE0 ? 2
+           : byte >= 0xE0 && byte < 0xF0 ? 3
+           : byte >= 0xF0 && byte < 0xF5 ? 4
+                                         : 0;
 }
 
-static bool is_utf8(const char *text, size_t left)
+/* The character at text, NONE if there is none or it is written too long, and its
+ * bytes: 1 where they make no character. */
+static uint32_t decode(const char *text, size_t left, size_t *length)
 {
-    const size_t length = announced((unsigned char)text[0]);
-    if (length == 0 || length > left) {
-        return false;
+    static const uint32_t least[] = { 0, 0, 0x80, 0x800, 0x10000 };
+    const size_t count = announced(text[0]);
+    uint32_t code
+        = count == 1 ? (uint32_t)text[0] : (uint32_t)text[0] & (0x7Fu >> count);
+    *length = 1;
+    if (count == 0 || count > left) {
+        return NONE;
     }
-    for (size_t i = 1; i < length; ++i) {
+    for (size_t i = 1; i < count; ++i) {
         if (((unsigned char)text[i] & 0xC0) != 0x80) {
-            return false;
+            return NONE;
         }
+        code = code << 6 | ((unsigned char)text[i] & 0x3Fu);
     }
-    return true;
+    *length = count;
+    return code >= least[count] ? code : NONE;
 }
 
 size_t weft__char_length(const char *text, size_t left)
 {
-    return is_utf8(text, left) ? announced((unsigned char)text[0]) : 1;
+    size_t length;
+    (void)decode(text, left, &length);
+    return length;
 }
 
 /* Bytes of the line break at text, 0 if there is none: LF, CR, CR LF, and U+0085,
  * U+2028, U+2029, which YAML 1.1 breaks lines at. */
 static size_t break_length(const char *text, size_t left)
 {
-    if (left >= 2 && text[0] == '\r' && text[1] == '\n') {
+    size_t length;
+    const uint32_t code = decode(text, left, &length);
+    if (code == '\r' && left > 1 && text[1] == '\n') {
         return 2;
     }
-    if (text[0] == '\n' || text[0] == '\r') {
-        return 1;
-    }
-    if (left >= 2 && memcmp(text, "\xC2\x85", 2) == 0) {
-        return 2;
-    }
-    return left >= 3
-                   && (memcmp(text, "\xE2\x80\xA8", 3) == 0
-                       || memcmp(text, "\xE2\x80\xA9", 3) == 0)
-               ? 3
+    return code == '\n' || code == '\r' || code == 0x85 || code == 0x2028
+                   || code == 0x2029
+               ? length
                : 0;
 }
 
-yaml_mark_t weft__source_mark(const weft__source *source, size_t offset)
+weft__mark weft__source_mark(const weft__source *source, size_t offset)
 {
-    yaml_mark_t mark = { .index = source->number };
+    weft__mark mark = { .source = source->number };
     const size_t end = offset < source->length ? offset : source->length;
     for (size_t i = 0; i < end;) {
         const char *at = source->text + i;
@@ -71,18 +80,6 @@ yaml_mark_t weft__source_mark(const weft__source *source, size_t offset)
         mark.column = broken > 0 ? 0 : mark.column + 1;
         i += broken > 0 ? broken : weft__char_length(at, left);
     }
-    return mark;
-}
-
-yaml_mark_t weft__source_mark_from(const weft__source *source, size_t skip,
-                                   yaml_mark_t mark)
-{
-    const yaml_mark_t start = weft__source_mark(source, skip);
-    if (source->number > 0) {
-        return (yaml_mark_t){ .index = source->number,
-                              .column = start.column + mark.index };
-    }
-    mark.index = 0;
     return mark;
 }
 
@@ -110,10 +107,9 @@ static bool find_line(const weft__source *source, size_t line, size_t *begin,
 static size_t copy_char(const char *text, size_t left, char *out, size_t *used,
                         size_t size)
 {
-    const size_t length = weft__char_length(text, left);
-    const bool shown = is_utf8(text, left)
-                       && ((unsigned char)text[0] >= 0x20 || text[0] == '\t')
-                       && text[0] != 0x7F;
+    size_t length;
+    const uint32_t code = decode(text, left, &length);
+    const bool shown = (code >= 0x20 || code == '\t') && code != 0x7F && code != NONE;
     if (*used + length + sizeof "..." > size) {
         return 0;
     }
@@ -122,7 +118,7 @@ static size_t copy_char(const char *text, size_t left, char *out, size_t *used,
     return length;
 }
 
-int weft__source_excerpt(const weft__source *source, yaml_mark_t mark, char *out,
+int weft__source_excerpt(const weft__source *source, weft__mark mark, char *out,
                          size_t size)
 {
     size_t begin, end;
@@ -150,44 +146,23 @@ int weft__source_excerpt(const weft__source *source, yaml_mark_t mark, char *out
     return (int)((skipped > 0 ? 3 : 0) + mark.column - skipped + 1);
 }
 
-/* The code point of a character in UTF-8; 0 if it is written too long. */
-static uint32_t code_point(const char *text, size_t length)
+/* Whether YAML takes a character as it is and a terminal shows it within the line. */
+static bool is_shown(uint32_t code)
 {
-    static const uint32_t least[] = { 0, 0, 0x80, 0x800, 0x10000 };
-    const unsigned char *bytes = (const unsigned char *)text;
-    uint32_t code = length == 1 ? bytes[0] : bytes[0] & (0x7Fu >> length);
-    for (size_t i = 1; i < length; ++i) {
-        code = code << 6 | (bytes[i] & 0x3Fu);
-    }
-    return code >= least[length] ? code : 0;
-}
-
-/* What YAML takes as it is and a terminal shows within the line. */
-static bool is_shown(const char *text, size_t left)
-{
-    if (!is_utf8(text, left) || break_length(text, left) > 0) {
-        return false;
-    }
-    const uint32_t code = code_point(text, announced((unsigned char)text[0]));
-    return code >= 0x20 && !(code >= 0x7F && code < 0xA0)
-           && !(code >= 0xD800 && code < 0xE000) && (code | 1) != 0xFFFF
-           && code <= 0x10FFFF;
+    return code >= 0x20 && !(code >= 0x7F && code < 0xA0) && code != 0x2028
+           && code != 0x2029 && !(code >= 0xD800 && code < 0xE000)
+           && (code | 1) != 0xFFFF && code <= 0x10FFFF;
 }
 
 void weft__one_line(char *text)
 {
     size_t used = 0;
     const size_t length = strlen(text);
-    for (size_t i = 0; i < length;) {
-        const size_t step = weft__char_length(text + i, length - i);
-        const bool cut = announced((unsigned char)text[i]) > length - i;
-        const bool shown = is_shown(text + i, length - i);
-        if (cut) {
-            break;
-        }
+    for (size_t i = 0, step; i < length && announced(text[i]) <= length - i;
+         i += step) {
+        const bool shown = is_shown(decode(text + i, length - i, &step));
         memmove(text + used, shown ? text + i : "?", shown ? step : 1);
         used += shown ? step : 1;
-        i += step;
     }
     text[used] = '\0';
 }

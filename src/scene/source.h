@@ -4,30 +4,26 @@
 #define WEFT_SCENE_SOURCE_H
 
 #include <stddef.h>
-#include <yaml.h>
 
 typedef struct weft__source {
     const char *file; /* name in messages; unused for an override */
-    const char *text; /* UTF-8, without a byte order mark */
+    const char *text; /* UTF-8, without a byte order mark; ends with NUL */
     size_t length;    /* bytes */
     size_t number;    /* 0: the file; n: the n-th override */
 } weft__source;
 
-/* A place in one of the sources is kept as a yaml_mark_t: line and column from 0 as
- * libyaml counts them, and in `index`, of no use after parsing, the source's number.
- * An override is a single line, whatever it holds. */
+/* A place in one of the sources. Line and column, in characters, count from 0 as
+ * libyaml does. An override is a single line, whatever it holds. */
+typedef struct weft__mark {
+    size_t source, line, column;
+} weft__mark;
 
 /* The place of a byte. */
-yaml_mark_t weft__source_mark(const weft__source *source, size_t offset);
-
-/* The place of what libyaml saw at `mark` when it was given the text from byte `skip`.
- */
-yaml_mark_t weft__source_mark_from(const weft__source *source, size_t skip,
-                                   yaml_mark_t mark);
+weft__mark weft__source_mark(const weft__source *source, size_t offset);
 
 /* The line of a place, clipped around its column, into out[size]; returns the column
  * of out to point at, from 1, or 0 if there is no such line or nothing on it. */
-int weft__source_excerpt(const weft__source *source, yaml_mark_t mark, char *out,
+int weft__source_excerpt(const weft__source *source, weft__mark mark, char *out,
                          size_t size);
 
 /* Bytes of the character at text, which is not at the end; one for a byte that is not

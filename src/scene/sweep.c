@@ -27,113 +27,83 @@ static bool overlap(const char *a, size_t a_length, const char *b, size_t b_leng
 /* ---- reading ------------------------------------------------------------------- */
 
 typedef struct taker {
-    yaml_document_t *document;
-    weft__report *report;
+    weft__tree *tree;
+    weft__report *report; /* of the tree */
     size_t set_count;
     weft__sweep *out;
 } taker;
 
-static const yaml_node_t *node_of(const taker *self, int id)
-{
-    return yaml_document_get_node(self->document, id);
-}
-
 /* The same key, or one inside the other, which would be lost. */
-static void check_overlap(const taker *self, const yaml_node_t *key)
+static void check_overlap(const taker *self, const weft__node *key)
 {
-    const char *name = (const char *)key->data.scalar.value;
-    const size_t length = key->data.scalar.length;
     char where[64];
     for (size_t i = 0; i < self->out->keys; ++i) {
-        const yaml_node_t *other = node_of(self, self->out->axis[i].key);
-        if (overlap(name, length, (const char *)other->data.scalar.value,
-                    other->data.scalar.length)) {
-            weft__report_error(
-                self->report, key->start_mark, "%s is varied twice (first at %s)", name,
-                weft__place_text(other->start_mark, where, sizeof where));
+        const weft__node *other = self->out->axis[i].key;
+        if (overlap(key->text, key->count, other->text, other->count)) {
+            weft__report_error(self->report, key->at,
+                               "%s is varied twice (first at %s)", key->text,
+                               weft__place_text(other->at, where, sizeof where));
         }
     }
     for (size_t i = 1; i <= self->set_count; ++i) {
         const weft__source *set = &self->report->sources[i];
-        if (overlap(name, length, set->text, weft__override_path(set))) {
+        if (overlap(key->text, key->count, set->text, weft__override_path(set))) {
             weft__report_error(self->report, weft__source_mark(set, 0),
-                               "%s is varied by sweep (%s)", name,
-                               weft__place_text(key->start_mark, where, sizeof where));
+                               "%s is varied by sweep (%s)", key->text,
+                               weft__place_text(key->at, where, sizeof where));
         }
     }
 }
 
-static void take_axis(taker *self, const yaml_node_t *key, const yaml_node_pair_t *pair)
+static void take_axis(taker *self, const weft__node *key, const weft__node *list)
 {
-    const yaml_node_t *list = node_of(self, pair->value);
-    const size_t count = weft__item_count(list);
-    const char *name = (const char *)key->data.scalar.value;
     char shown[64];
-    if (list->type != YAML_SEQUENCE_NODE) {
-        weft__report_error(self->report, list->start_mark,
-                           "%s must be a list of values to run, not %s", name,
+    if (list->type != WEFT__LIST) {
+        weft__report_error(self->report, list->at,
+                           "%s must be a list of values to run, not %s", key->text,
                            weft__show(list, shown, sizeof shown));
-    } else if (count == 0) {
-        weft__report_error(self->report, list->start_mark, "%s has no value to run",
-                           name);
-    } else if (leads_to("sweep", 5, name, key->data.scalar.length)) {
-        weft__report_error(self->report, key->start_mark, "a sweep cannot vary itself");
+    } else if (list->count == 0) {
+        weft__report_error(self->report, list->at, "%s has no value to run", key->text);
+    } else if (leads_to("sweep", 5, key->text, key->count)) {
+        weft__report_error(self->report, key->at, "a sweep cannot vary itself");
     } else if (self->out->keys == WEFT__SWEEP_KEYS) {
-        weft__report_error(self->report, key->start_mark, "more than %d keys",
+        weft__report_error(self->report, key->at, "more than %d keys",
                            WEFT__SWEEP_KEYS);
     } else {
         check_overlap(self, key);
-        self->out->axis[self->out->keys++]
-            = (weft__axis){ pair->key, pair->value, count };
+        self->out->axis[self->out->keys++] = (weft__axis){ key, list };
     }
 }
 
-static void take_zip(taker *self, const yaml_node_t *value)
+static void take_pairs(taker *self, const weft__node *map)
 {
-    const char *text = weft__text_of(value);
-    char shown[64], hint[128];
-    if (value->type == YAML_SCALAR_NODE && text != NULL
-        && value->data.scalar.style == YAML_PLAIN_SCALAR_STYLE
-        && (strcmp(text, "true") == 0 || strcmp(text, "false") == 0)) {
-        self->out->zip = strcmp(text, "true") == 0;
-        return;
-    }
-    weft__report_error(self->report, value->start_mark,
-                       "zip must be true or false, not %s%s",
-                       weft__show(value, shown, sizeof shown),
-                       value->type == YAML_SCALAR_NODE
-                           ? weft__hint(value, false, NULL, hint, sizeof hint)
-                           : "");
-}
-
-static void take_pairs(taker *self, const yaml_node_t *map)
-{
-    for (const yaml_node_pair_t *pair = map->data.mapping.pairs.start;
-         pair < map->data.mapping.pairs.top; ++pair) {
-        const yaml_node_t *key = node_of(self, pair->key);
+    static const weft__key zip
+        = { "zip", WEFT__BOOLEAN, .at = offsetof(weft__sweep, zip) };
+    for (size_t i = 0; i < map->count; ++i) {
+        const weft__node *key = map->entries[i].key, *value = map->entries[i].value;
         const char *name = weft__text_of(key);
-        if (pair->value == 0) {
+        if (value == NULL) {
             continue; /* an override removed it */
         }
         if (name == NULL) {
-            weft__report_error(self->report, key->start_mark,
+            weft__report_error(self->report, key->at,
                                "the keys of a sweep are paths as stepper.method");
         } else if (strcmp(name, "zip") == 0) {
-            take_zip(self, node_of(self, pair->value));
+            weft__read_value(&(weft__reader){ .report = self->report }, &zip, value,
+                             self->out);
         } else {
-            take_axis(self, key, pair);
+            take_axis(self, key, value);
         }
     }
 }
 
-/* Every run is read from what is left of the document and a value of each list. */
+/* Every run is read from what is left of the tree and a value of each list. */
 static void check_cost(const taker *self)
 {
     const weft__sweep *out = self->out;
-    size_t nodes = weft__document_size(self->document, 1);
+    size_t nodes = self->tree->root->size;
     for (size_t i = 0; i < out->keys; ++i) {
-        const weft__axis *axis = &out->axis[i];
-        nodes += weft__document_size(self->document, axis->list) / axis->count;
+        nodes += out->axis[i].list->size / out->axis[i].list->count;
     }
     if (out->runs > MAX_READ / nodes) {
         weft__report_error(self->report, out->at,
@@ -146,18 +116,17 @@ static void check_cost(const taker *self)
 static void count_runs(taker *self)
 {
     weft__sweep *out = self->out;
-    size_t runs = out->zip ? out->axis[0].count : 1;
+    size_t runs = out->zip ? out->axis[0].list->count : 1;
     for (size_t i = 0; i < out->keys; ++i) {
-        const weft__axis *axis = &out->axis[i];
-        if (out->zip && axis->count != runs) {
+        const weft__node *list = out->axis[i].list;
+        if (out->zip && list->count != runs) {
             weft__report_error(
-                self->report, node_of(self, axis->list)->start_mark,
-                "%zu values, but %s has %zu: zip takes lists of one "
-                "length",
-                axis->count, node_of(self, out->axis[0].key)->data.scalar.value, runs);
+                self->report, list->at,
+                "%zu values, but %s has %zu: zip takes lists of one length",
+                list->count, out->axis[0].key->text, runs);
         }
         runs = out->zip ? runs
-                        : runs * (axis->count < MAX_RUNS ? axis->count : MAX_RUNS + 1);
+                        : runs * (list->count < MAX_RUNS ? list->count : MAX_RUNS + 1);
         if (runs > MAX_RUNS) {
             weft__report_error(self->report, out->at, "more than %d combinations",
                                MAX_RUNS);
@@ -168,55 +137,58 @@ static void count_runs(taker *self)
     check_cost(self);
 }
 
-/* Its pairs lose their values: removed. Returns the first, or NULL. */
-static const yaml_node_pair_t *take_out(const taker *self, yaml_node_pair_t *found)
+/* Its pairs lose their values: removed. Returns the first; without a key if there is
+ * none, or no memory. */
+static weft__entry take_out(const taker *self)
 {
-    yaml_node_t *root = yaml_document_get_root_node(self->document);
-    const yaml_node_pair_t *first = NULL;
-    for (yaml_node_pair_t *pair = root->data.mapping.pairs.start;
-         pair < root->data.mapping.pairs.top; ++pair) {
-        const yaml_node_t *key = node_of(self, pair->key);
-        const char *name = weft__text_of(key);
-        char where[64];
-        if (pair->value == 0 || name == NULL || strcmp(name, "sweep") != 0) {
-            continue;
+    const weft__node *old = self->tree->root;
+    weft__entry first = { NULL, NULL };
+    char where[64];
+    weft__node *root = weft__find_key(old, "sweep", 5) == old->count
+                           ? NULL
+                           : weft__node_new(self->tree, *old);
+    for (size_t i = 0; root != NULL && i < old->count; ++i) {
+        weft__entry pair = old->entries[i];
+        const char *name = weft__text_of(pair.key);
+        if (pair.value != NULL && name != NULL && strcmp(name, "sweep") == 0) {
+            if (first.key == NULL) {
+                first = pair;
+            } else {
+                weft__report_error(
+                    self->report, pair.key->at,
+                    "duplicate key 'sweep' in the scene (the first is at %s)",
+                    weft__place_text(first.key->at, where, sizeof where));
+            }
+            pair.value = NULL;
         }
-        if (first == NULL) {
-            *found = *pair;
-            first = found;
-        } else {
-            weft__report_error(
-                self->report, key->start_mark,
-                "duplicate key 'sweep' in the scene (the first is at %s)",
-                weft__place_text(node_of(self, first->key)->start_mark, where,
-                                 sizeof where));
+        if (!weft__node_add(self->tree, root, pair)) {
+            return (weft__entry){ NULL, NULL };
         }
-        pair->value = 0;
     }
+    self->tree->root = root == NULL ? old : root;
     return first;
 }
 
-void weft__sweep_take(yaml_document_t *document, size_t set_count, weft__report *report,
-                      weft__sweep *out)
+void weft__sweep_take(weft__tree *tree, size_t set_count, weft__sweep *out)
 {
-    taker self = { document, report, set_count, out };
+    weft__report *report = tree->report;
+    taker self = { tree, report, set_count, out };
     const size_t errors = report->found->errors;
-    yaml_node_pair_t pair;
     char shown[64];
     *out = (weft__sweep){ .runs = 1 };
-    if (take_out(&self, &pair) == NULL) {
+    const weft__entry pair = take_out(&self);
+    if (pair.key == NULL) {
         return;
     }
-    const yaml_node_t *map = node_of(&self, pair.value);
-    out->at = node_of(&self, pair.key)->start_mark;
+    out->at = pair.key->at;
     out->present = true;
-    if (map->type != YAML_MAPPING_NODE) {
-        weft__report_error(report, map->start_mark,
+    if (pair.value->type != WEFT__MAP) {
+        weft__report_error(report, pair.value->at,
                            "sweep must be a mapping as {stepper.method: [rk4, rkf45]}, "
                            "not %s",
-                           weft__show(map, shown, sizeof shown));
+                           weft__show(pair.value, shown, sizeof shown));
     } else {
-        take_pairs(&self, map);
+        take_pairs(&self, pair.value);
     }
     if (report->found->errors == errors && out->keys == 0) {
         weft__report_error(report, out->at, "sweep varies no key");
@@ -228,15 +200,12 @@ void weft__sweep_take(yaml_document_t *document, size_t set_count, weft__report 
 
 /* ---- one run ------------------------------------------------------------------- */
 
-bool weft__sweep_varies(const weft__sweep *sweep, yaml_document_t *document,
-                        const char *path)
+bool weft__sweep_varies(const weft__sweep *sweep, const char *path)
 {
     bool varies = false;
     for (size_t i = 0; i < sweep->keys; ++i) {
-        const yaml_node_t *key = yaml_document_get_node(document, sweep->axis[i].key);
-        varies = varies
-                 || overlap(path, strlen(path), (const char *)key->data.scalar.value,
-                            key->data.scalar.length);
+        const weft__node *key = sweep->axis[i].key;
+        varies = varies || overlap(path, strlen(path), key->text, key->count);
     }
     return varies;
 }
@@ -246,139 +215,107 @@ static size_t choice(const weft__sweep *sweep, size_t axis, size_t run)
 {
     size_t index = run - 1;
     for (size_t i = sweep->keys; !sweep->zip && i-- > axis + 1;) {
-        index /= sweep->axis[i].count;
+        index /= sweep->axis[i].list->count;
     }
-    return sweep->zip ? index : index % sweep->axis[axis].count;
+    return sweep->zip ? index : index % sweep->axis[axis].list->count;
 }
 
-void weft__sweep_apply(yaml_document_t *to, yaml_document_t *document,
-                       const weft__sweep *sweep, size_t run, weft__report *report)
+void weft__sweep_apply(weft__tree *to, const weft__sweep *sweep, size_t run)
 {
     for (size_t i = 0; i < sweep->keys; ++i) {
-        const weft__axis *axis = &sweep->axis[i];
-        const yaml_node_t *key = yaml_document_get_node(document, axis->key);
-        const yaml_node_t *list = yaml_document_get_node(document, axis->list);
-        yaml_mark_t at = key->start_mark;
-        at.column += key->data.scalar.style != YAML_PLAIN_SCALAR_STYLE; /* the quote */
-        weft__document_put(to, (const char *)key->data.scalar.value, at, document,
-                           list->data.sequence.items.start[choice(sweep, i, run)],
-                           report);
+        const weft__node *key = sweep->axis[i].key;
+        weft__mark at = key->at;
+        at.column += key->style != YAML_PLAIN_SCALAR_STYLE; /* the quote */
+        weft__tree_put(to, key->text, key->count, at,
+                       weft__item(sweep->axis[i].list, choice(sweep, i, run)));
     }
 }
 
 /* ---- in words ------------------------------------------------------------------ */
 
 struct weft_sweep {
-    weft__base *base;
-    char *key[WEFT__SWEEP_KEYS];
-    char **value[WEFT__SWEEP_KEYS];
+    weft__base base;
+    const char **value[WEFT__SWEEP_KEYS]; /* of each list, in the tree */
 };
 
-static void print_value(FILE *out, yaml_document_t *document, int id)
+/* In YAML, as far as it goes without quotes. */
+static void print_value(FILE *out, const weft__node *node)
 {
-    const yaml_node_t *node = yaml_document_get_node(document, id);
-    if (node->type == YAML_SCALAR_NODE) {
-        fputs(weft__is_null(node) ? "null" : (const char *)node->data.scalar.value,
-              out);
-    } else if (node->type == YAML_SEQUENCE_NODE) {
-        fputc('[', out);
-        for (const int *item = node->data.sequence.items.start;
-             item < node->data.sequence.items.top; ++item) {
-            fputs(item > node->data.sequence.items.start ? ", " : "", out);
-            print_value(out, document, *item);
-        }
-        fputc(']', out);
-    } else {
-        fputc('{', out);
-        for (const yaml_node_pair_t *pair = node->data.mapping.pairs.start;
-             pair < node->data.mapping.pairs.top; ++pair) {
-            fputs(pair > node->data.mapping.pairs.start ? ", " : "", out);
-            print_value(out, document, pair->key);
-            fputs(": ", out);
-            print_value(out, document, pair->value);
-        }
-        fputc('}', out);
+    const bool is_map = node != NULL && node->type == WEFT__MAP;
+    if (node == NULL || node->type == WEFT__SCALAR) {
+        fputs(node == NULL || weft__is_null(node) ? "null" : node->text, out);
+        return;
     }
+    fputc(is_map ? '{' : '[', out);
+    for (size_t i = 0; i < node->count; ++i) {
+        fputs(i > 0 ? ", " : "", out);
+        if (is_map) {
+            print_value(out, node->entries[i].key);
+            fputs(": ", out);
+        }
+        print_value(out, node->entries[i].value);
+    }
+    fputc(is_map ? '}' : ']', out);
 }
 
-/* A node in one line of YAML, as far as it goes without quotes. */
-static char *value_text(yaml_document_t *document, int id)
+/* A node in one line; NULL: no memory. */
+static const char *value_text(weft__tree *tree, const weft__node *node)
 {
-    char *text = NULL;
+    char *printed = NULL, *text = NULL;
     size_t length;
-    FILE *stream = open_memstream(&text, &length);
-    if (stream == NULL) {
-        return NULL;
+    FILE *stream = open_memstream(&printed, &length);
+    if (stream != NULL) {
+        print_value(stream, node);
+        (void)fclose(stream);
     }
-    print_value(stream, document, id);
-    if (fclose(stream) != 0) {
-        free(text);
-        return NULL;
-    }
+    text = printed == NULL ? NULL : weft__tree_text(tree, printed, length);
+    free(printed);
     return text;
 }
 
-/* Keys and values; false if memory ran out. */
+/* The values as texts; false: no memory. */
 static bool keep_texts(weft_sweep *self)
 {
-    yaml_document_t *document = &self->base->document;
-    for (size_t i = 0; i < self->base->sweep.keys; ++i) {
-        const weft__axis *axis = &self->base->sweep.axis[i];
-        const int *items
-            = yaml_document_get_node(document, axis->list)->data.sequence.items.start;
-        self->key[i] = value_text(document, axis->key);
-        self->value[i] = calloc(axis->count, sizeof *self->value[i]);
-        if (self->key[i] == NULL || self->value[i] == NULL) {
-            return false;
-        }
-        for (size_t k = 0; k < axis->count; ++k) {
-            self->value[i][k] = value_text(document, items[k]);
+    weft__tree *tree = &self->base.tree;
+    for (size_t i = 0; i < self->base.sweep.keys; ++i) {
+        const weft__node *list = self->base.sweep.axis[i].list;
+        self->value[i] = weft__tree_take(tree, list->count, sizeof *self->value[i]);
+        for (size_t k = 0; self->value[i] != NULL && k < list->count; ++k) {
+            self->value[i][k] = value_text(tree, weft__item(list, k));
             if (self->value[i][k] == NULL) {
                 return false;
             }
         }
     }
-    return true;
+    return !tree->report->no_memory;
 }
 
 void weft_sweep_destroy(weft_sweep *sweep)
 {
-    if (sweep == NULL) {
-        return;
+    if (sweep != NULL) {
+        weft__base_close(&sweep->base);
+        free(sweep);
     }
-    for (size_t i = 0; i < WEFT__SWEEP_KEYS; ++i) {
-        for (size_t k = 0;
-             sweep->value[i] != NULL && k < sweep->base->sweep.axis[i].count; ++k) {
-            free(sweep->value[i][k]);
-        }
-        free(sweep->value[i]);
-        free(sweep->key[i]);
-    }
-    if (sweep->base != NULL) {
-        weft__base_close(sweep->base);
-    }
-    free(sweep->base);
-    free(sweep);
 }
 
 size_t weft_sweep_runs(const weft_sweep *sweep)
 {
-    return sweep->base->sweep.runs;
+    return sweep->base.sweep.runs;
 }
 
 size_t weft_sweep_keys(const weft_sweep *sweep)
 {
-    return sweep->base->sweep.keys;
+    return sweep->base.sweep.keys;
 }
 
 const char *weft_sweep_key(const weft_sweep *sweep, size_t key)
 {
-    return sweep->key[key];
+    return sweep->base.sweep.axis[key].key->text;
 }
 
 const char *weft_sweep_value(const weft_sweep *sweep, size_t key, size_t run)
 {
-    return sweep->value[key][choice(&sweep->base->sweep, key, run)];
+    return sweep->value[key][choice(&sweep->base.sweep, key, run)];
 }
 
 /* ---- all runs ------------------------------------------------------------------ */
@@ -414,7 +351,8 @@ static weft_status check_runs(weft_sweep *sweep, weft__report *report, weft_erro
     do {
         weft_scene *scene = NULL;
         ++report->run;
-        status = weft__base_read(sweep->base, report->run, report, &scene, err);
+        report->mistakes = 0;
+        status = weft__base_read(&sweep->base, report->run, report, &scene, err);
         weft_scene_destroy(scene);
     } while (report->run < weft_sweep_runs(sweep)
              && (status == WEFT_OK || status == WEFT_BAD_SCENE)
@@ -431,15 +369,10 @@ static weft_status no_memory(weft_error *err)
 static weft_status load(weft_sweep *sweep, const weft_scene_def *def,
                         weft__report *report, weft_error *err)
 {
-    weft__base *base = malloc(sizeof *base);
-    weft_status status
-        = base == NULL ? no_memory(err) : weft__base_open(def, base, report, err);
-    if (status != WEFT_OK) {
-        free(base);
-        return status;
+    weft_status status = weft__base_open(def, &sweep->base, report, err);
+    if (status == WEFT_OK) {
+        status = keep_texts(sweep) ? check_runs(sweep, report, err) : no_memory(err);
     }
-    sweep->base = base;
-    status = keep_texts(sweep) ? check_runs(sweep, report, err) : no_memory(err);
     return status == WEFT_OK || status == WEFT_BAD_SCENE ? weft__report_end(report, err)
                                                          : status;
 }
@@ -466,15 +399,15 @@ weft_status weft_sweep_scene(const weft_sweep *sweep, size_t run, weft_scene **o
 {
     weft_diagnostics *found = calloc(1, sizeof *found);
     weft__report report = { .found = found,
-                            .sources = sweep->base->sources,
+                            .sources = sweep->base.sources,
                             .run = run,
-                            .memory = &sweep->base->memory };
+                            .memory = &sweep->base.memory };
     *out = NULL;
     weft_status status
         = found == NULL ? no_memory(err)
           : run < 1 || run > weft_sweep_runs(sweep)
               ? weft_error_set(err, WEFT_INVALID, "the sweep has no run %zu", run)
-              : weft__base_read(sweep->base, run, &report, out, err);
+              : weft__base_read(&sweep->base, run, &report, out, err);
     if (status == WEFT_BAD_SCENE) {
         status = weft__report_end(&report, err);
     }

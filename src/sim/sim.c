@@ -215,8 +215,8 @@ void weft_sim_destroy(weft_sim *sim)
 
 bool weft__all_finite(const double *values, size_t count)
 {
-    double sum
-        = 0.0; /* 0 x is NaN for an x that is not finite, and NaN stays in a sum */
+    /* 0 x is NaN for an x that is not finite, and NaN stays in a sum */
+    double sum = 0.0;
     for (size_t i = 0; i < count; ++i) {
         sum += 0.0 * values[i];
     }
