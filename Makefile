@@ -69,10 +69,12 @@ VERSION := $(shell sed -n 's/^.define WEFT_VERSION "\(.*\)"/\1/p' include/weft/b
 # Before 1.0 a second number that differs is another interface.
 SOVERSION := $(if $(filter 0.%,$(VERSION)),$(basename $(VERSION)),$(firstword $(subst ., ,$(VERSION))))
 
-LIB_SRC  := $(wildcard $(patsubst %,src/%/*.c,base cloth kernel sim plugin stability scene))
+LIB_SRC  := $(wildcard $(patsubst %,src/%/*.c,base cloth sim plugin stability scene))
 LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
-# The kernels once more for each level of instructions that src/kernel/levels.c chooses from.
-KERNELS  := $(patsubst %.c,$(BUILD)/%,$(wildcard src/kernel/kernel*.c))
+# The kernels, once more for each level of instructions that src/cloth/levels.c chooses from.
+# KERNEL=plain, or src/kernel deleted: none, the plain loops of src/cloth have the same bits.
+KERNELS  := $(if $(filter plain,$(KERNEL)),,$(patsubst %.c,$(BUILD)/%,$(wildcard src/kernel/*.c)))
+LIB_OBJ  += $(KERNELS:=.o)
 LEVELS   := $(if $(filter x86_64%,$(TARGET)),v3 v4)
 LIB_OBJ  += $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o))
 RECORD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/record/*.c src/record/*/*.c)) $(BUILD)/src/record/pages.o
@@ -91,7 +93,8 @@ LIBS_arkode := -lsundials_arkode -lsundials_nvecserial $(if $(HAVE_SUNDIALS_7),-
 # begin first, so that all processors end together.
 LONGEST := hostile surroundings record_ends compare cli_resume cli_batch interrupt checkpoint steppers \
            record_damage quadratures arkode_vector libm
-TESTS := $(LONGEST) $(filter-out $(LONGEST),$(patsubst tests/test_%.c,%,$(wildcard tests/test_*.c)))
+KERNEL_TESTS := kernel damping
+TESTS := $(LONGEST) $(filter-out $(LONGEST) $(if $(KERNELS),,$(KERNEL_TESTS)),$(patsubst tests/test_%.c,%,$(wildcard tests/test_*.c)))
 # Programs of their own, as they replace functions of libc: malloc and its like, and pow.
 ALONE := no_memory libm
 SUITES = $(filter-out $(ALONE),$(TESTS))
@@ -129,6 +132,7 @@ $(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
 
 $(BUILD)/src/record/%.o: INCS += $(HDF5_CFLAGS)
 
+$(BUILD)/src/cloth/levels.o: OWN += $(if $(KERNELS),,-DWEFT_PLAIN)
 KERNEL_FLAGS := $(if $(SAN),,-O2) -fno-math-errno -fno-trapping-math
 $(BUILD)/%.v3.o: OWN += -march=x86-64-v3 -DLEVEL=v3 -DLANES=4
 $(BUILD)/%.v4.o: OWN += -march=x86-64-v4 -mprefer-vector-width=512 -DLEVEL=v4 -DLANES=8
@@ -214,7 +218,7 @@ $(BUILD)/tests/wide/%.o: src/kernel/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) $(KERNEL_FLAGS) -Wno-psabi -Wno-missing-prototypes -DLEVEL=wide -DLANES=8 -c -o $@ $<
 
-$(BUILD)/tests/run: $(if $(filter kernel damping,$(TESTS)),$(KERNELS:$(BUILD)/src/kernel/%=$(BUILD)/tests/wide/%.o))
+$(BUILD)/tests/run: $(if $(filter $(KERNEL_TESTS),$(TESTS)),$(KERNELS:$(BUILD)/src/kernel/%=$(BUILD)/tests/wide/%.o))
 
 $(BUILD)/tests/test_no_memory: \
     private LINK += $(if $(findstring address,$(SAN)),$(foreach f,malloc calloc realloc aligned_alloc free,-Wl,--wrap=$(f)))
@@ -446,7 +450,7 @@ check-aarch64: all
 	@MAKE="$(MAKE)" tools/check-aarch64 $(BUILD)
 
 # Built where libraries, compilers or HDF5 are elsewhere or missing.
-check-elsewhere: all $(BUILD)/examples/minimal
+check-elsewhere: all hashes $(BUILD)/examples/minimal
 	@tools/check-elsewhere $(BUILD)
 
 symbols: $(BUILD)/libweft.so $(BUILD)/libweft.a $(PLUGIN_SO)

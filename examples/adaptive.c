@@ -37,9 +37,8 @@ static weft_status play(weft_sim *sim, int from, int to, weft_error *err)
         status = weft_sim_advance(sim, frame / 10.0, err);
     }
     if (status == WEFT_OK) {
-        const size_t dim = weft_cloth_dim(weft_sim_cloth(sim));
         printf("%.1f s: %" PRIu64 " steps, state %016" PRIx64 "\n", weft_sim_time(sim),
-               weft_sim_stats(sim).steps, weft_state_hash(weft_sim_state(sim), dim));
+               weft_sim_stats(sim).steps, weft_sim_measure(sim).hash);
     }
     return status;
 }

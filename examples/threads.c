@@ -31,7 +31,7 @@ static void *work(void *ctx)
     if (self->status == WEFT_OK) {
         self->status = weft_sim_advance(sim, 1.0, &self->err);
         const double *y = weft_sim_state(sim);
-        self->hash = weft_state_hash(y, weft_cloth_dim(self->cloth));
+        self->hash = weft_sim_measure(sim).hash;
         self->height = y[2 * weft_cloth_particles(self->cloth) - 1];
     }
     weft_sim_destroy(sim);

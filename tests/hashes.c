@@ -30,8 +30,7 @@ static weft_status play(const weft_scene *scene, double seconds, weft_error *err
     const double fps = weft_scene_run(scene)->fps;
     for (int i = 1; status == WEFT_OK && i <= seconds * fps; ++i) {
         status = weft_sim_advance(sim, i / fps, err);
-        printf("%016" PRIx64 "\n",
-               weft_state_hash(weft_sim_state(sim), weft_cloth_dim(cloth)));
+        printf("%016" PRIx64 "\n", weft_sim_measure(sim).hash);
     }
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);

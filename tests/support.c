@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/hash.h"
 #include "conformance/merson.h"
 
 const weft_plugin *weft_plugin_verlet(void);
@@ -110,6 +111,17 @@ weft_sim *test_sim(const weft_cloth *cloth, const weft_stepper_type *method,
     const weft_status status = weft_sim_create(&def, &sim, &err);
     ck_assert_msg(status == WEFT_OK, "%s", err.message);
     return sim;
+}
+
+uint64_t test_hash(const double *values, size_t count)
+{
+    uint64_t hash = WEFT__HASH_START;
+    for (size_t i = 0; i < count; ++i) {
+        uint64_t word;
+        memcpy(&word, &values[i], sizeof word);
+        hash = weft__hash_word(hash, word);
+    }
+    return hash;
 }
 
 int test_run(Suite *suite)

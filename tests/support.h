@@ -28,6 +28,9 @@ weft_cloth *test_cloth(const weft_cloth_def *def);
 weft_sim *test_sim(const weft_cloth *cloth, const weft_stepper_type *method,
                    const weft_stepper_config *config);
 
+/* A hash of the bits of so many numbers. */
+uint64_t test_hash(const double *values, size_t count);
+
 /* TEST_SUITE(cloth) { ... return suite; } ends tests/test_cloth.c; tests/run.c runs it
  * as `run cloth`. NULL is a suite that cannot be made, which fails. */
 #define TEST_SUITE(name)                                                               \

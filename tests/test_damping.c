@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* test_damping.c -- the power that dampers take, by its fast path: at every level of
  * instructions, and 8 lanes wide in whatever there are, the same bits, and what a plain
- * loop over the springs gives. */
+ * loop over the springs gives; by that of src/cloth, too. */
 #include "stepper_run.h"
 
-#include "kernel/kernel.h"
+#include "cloth/levels.h"
+#include "cloth/springs.h"
 
 #include <stdlib.h>
 
@@ -42,18 +43,13 @@ static double plain_power(const weft_cloth *cloth, const double *y)
 {
     const size_t n = cloth->particles;
     double power = 0.0;
-    for (size_t g = 0; g < cloth->group_count; ++g) {
-        const weft__group *group = &cloth->groups[g];
-        for (size_t r = 0; r < group->end_row; ++r) {
-            for (size_t c = group->first_col; c < group->end_col; ++c) {
-                const size_t p = r * cloth->cols + c;
-                const weft__stance at
-                    = weft__spring_stance(n, p, p + (size_t)group->stride, y);
-                const double along
-                    = (at.w[0] * at.d[0] + at.w[1] * at.d[1] + at.w[2] * at.d[2])
-                      / at.length;
-                power += group->damping * along * along;
-            }
+    for (size_t r = 0; r < cloth->rows; ++r) {
+        for (weft__walk walk = weft__row_springs(cloth, y, r);
+             weft__each_spring(&walk);) {
+            const weft__spring *at = &walk.spring;
+            const double along
+                = weft__spring_rate(cloth, at, y + 3 * n) / sqrt(at->square);
+            power += at->group->damping * along * along;
         }
     }
     for (size_t j = 3 * n; j < 6 * n; ++j) {
@@ -70,6 +66,7 @@ START_TEST(every_level_has_the_same_bits)
         weft__cloth_set_level(cloth, weft__level_at(0));
         const double plain = weft_cloth_dissipation(cloth, y);
         const weft__level wide = { .name = "8 lanes", .damping = weft__damping_wide };
+        const weft__level reference = { .damping = weft__reference_damping };
         const double wanted = plain_power(cloth, y);
         ck_assert_double_eq_tol(plain, wanted, 1e-13 * wanted);
         for (size_t i = 1; i <= weft__level_count(); ++i) {
@@ -77,6 +74,9 @@ START_TEST(every_level_has_the_same_bits)
                                   i < weft__level_count() ? weft__level_at(i) : &wide);
             ck_assert(weft_cloth_dissipation(cloth, y) == plain);
         }
+        weft__cloth_set_level(cloth, &reference);
+        ck_assert_double_eq_tol(weft_cloth_dissipation(cloth, y), wanted,
+                                1e-13 * wanted);
         free(y);
         weft_cloth_destroy(cloth);
     }

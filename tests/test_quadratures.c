@@ -93,7 +93,7 @@ static uint64_t swing(const weft_stepper_type *type, size_t half, size_t behind,
     }
     type->stats(self, &s);
     type->destroy(self);
-    const uint64_t hash = weft_state_hash(y, 2 * half);
+    const uint64_t hash = test_hash(y, 2 * half);
     free(y);
     *next = s.next_step;
     return hash;

@@ -16,7 +16,7 @@
 #include <xmmintrin.h>
 #endif
 
-#include "kernel/kernel.h"
+#include "cloth/levels.h"
 #include "sim/forces.h"
 
 enum { PARTS = 97, JOBS = 3000, SIDE = 130, STEPS = 4 };
@@ -159,7 +159,7 @@ static uint64_t run(const weft_cloth *cloth, const weft_stepper_type *method,
         ck_assert_msg(weft_sim_step(sim, 1.0, &err) == WEFT_OK, "%s", err.message);
     }
     (void)fesetround(FE_TONEAREST);
-    const uint64_t hash = weft_state_hash(weft_sim_state(sim), weft_cloth_dim(cloth));
+    const uint64_t hash = weft_sim_measure(sim).hash;
     weft_sim_destroy(sim);
     return hash;
 }
@@ -210,6 +210,43 @@ START_TEST(ledger_has_the_same_state_on_threads)
 }
 END_TEST
 
+/* Those of a simulation on `threads` are those of the cloth on this one. */
+static void compare_measures(const weft_cloth *cloth, size_t threads)
+{
+    weft_stepper_config config = weft_stepper_config_default();
+    config.threads = threads;
+    config.fixed_step = 1e-4;
+    weft_sim *sim
+        = test_sim(cloth, test_method_named("verlet/velocity_verlet"), &config);
+    ck_assert_int_eq(weft_sim_step(sim, 1.0, NULL), WEFT_OK);
+    const double *y = weft_sim_state(sim);
+    const weft_measures all = weft_sim_measure(sim);
+    const weft_energy energy = weft_cloth_energy(cloth, y);
+    const weft_spring worst = weft_cloth_worst_spring(cloth, y);
+    double p[3], l[3], power[WEFT_POWERS];
+    weft_cloth_momentum(cloth, y, p);
+    weft_cloth_angular_momentum(cloth, y, l);
+    weft_cloth_power(cloth, weft_sim_time(sim), y, power);
+    ck_assert_mem_eq(&all.energy, &energy, sizeof energy);
+    ck_assert_mem_eq(all.momentum, p, sizeof p);
+    ck_assert_mem_eq(all.angular_momentum, l, sizeof l);
+    ck_assert_mem_eq(all.power, power, sizeof power);
+    ck_assert(all.worst.strain == worst.strain && all.worst.p == worst.p
+              && all.worst.q == worst.q && all.worst.family == worst.family);
+    ck_assert_uint_eq(all.hash, weft_state_hash(y, SIDE, SIDE));
+    weft_sim_destroy(sim);
+}
+
+START_TEST(measures_have_the_same_bits_on_any_threads)
+{
+    weft_cloth *cloth = flag(SIDE, SIDE);
+    for (size_t threads = 1; threads <= 5; ++threads) {
+        compare_measures(cloth, threads);
+    }
+    weft_cloth_destroy(cloth);
+}
+END_TEST
+
 static int pull(void *ctx, double t, const double *y, double *f)
 {
     (void)ctx;
@@ -240,7 +277,7 @@ static uint64_t run_embedded(const weft_cloth *cloth, size_t threads)
     }
     ck_assert_int_eq(weft_sim_step(sim, 1.0, NULL), WEFT_OK);
     const uint64_t hash
-        = weft_state_hash(weft_sim_state(sim), weft_cloth_dim(cloth) + WEFT_POWERS);
+        = test_hash(weft_sim_state(sim), weft_cloth_dim(cloth) + WEFT_POWERS);
     weft_sim_destroy(sim);
     return hash;
 }
@@ -358,6 +395,7 @@ TEST_SUITE(threads)
     }
     tcase_add_test(tcase,
                    pins_that_change_and_outer_forces_have_the_same_bits_on_threads);
+    tcase_add_test(tcase, measures_have_the_same_bits_on_any_threads);
     tcase_add_test(tcase, simulations_in_several_threads_share_a_cloth);
     tcase_add_test(tcase, no_band_hides_what_is_not_finite);
     tcase_add_test(tcase, bands_on_one_thread_have_the_bits_of_the_whole);

@@ -3,18 +3,15 @@
 
 #include "kernel/lanes.h"
 
-#ifndef LEVEL
-#define LEVEL plain
-#endif
-#define NAME_(stem, level) stem##_##level
-#define NAME(stem, level)  NAME_(stem, level)
+#define BENCH_NAME_(stem, level) stem##_##level
+#define BENCH_NAME(stem, level)  BENCH_NAME_(stem, level)
 
-void NAME(naive, LEVEL)(const naive_cloth *cloth, const double *y, double *dydt)
+void BENCH_NAME(naive, LEVEL)(const naive_cloth *cloth, const double *y, double *dydt)
 {
     naive_rhs(cloth, y, dydt);
 }
 
-void NAME(bound, LEVEL)(const double *a, double *b, size_t count)
+void BENCH_NAME(bound, LEVEL)(const double *a, double *b, size_t count)
 {
     for (size_t i = 0; i < count; i += LANES) {
         const vec length = root(load(a + i));

@@ -97,6 +97,24 @@ typedef struct weft_energy {
     double elastic[WEFT_FAMILIES]; /* [J] */
 } weft_energy;
 
+/* The powers [W] that change the total energy. */
+typedef enum weft_power {
+    WEFT_POWER_SPRINGS, /* turned into heat by spring damping, >= 0 */
+    WEFT_POWER_DRAG,    /* turned into heat by viscous drag of free particles, >= 0 */
+    WEFT_POWER_WIND,    /* put into free particles by the wind */
+    WEFT_POWER_PINS,    /* put into springs by moving pins */
+    WEFT_POWERS         /* their number */
+} weft_power;
+
+/* The measures of a state; the functions below describe each of them. */
+typedef struct weft_measures {
+    weft_energy energy;
+    double momentum[3], angular_momentum[3]; /* [kg m/s], [kg m^2/s] */
+    double power[WEFT_POWERS];               /* [W] */
+    weft_spring worst;
+    uint64_t hash;
+} weft_measures;
+
 typedef enum weft_limit_method {
     WEFT_LIMIT_NONE,
     WEFT_LIMIT_PROVOT, /* on positions, after Provot 1995 */
@@ -161,20 +179,17 @@ WEFT_API int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y,
  * fy fz. */
 WEFT_API void weft_cloth_force(const weft_cloth *cloth, const double *y, double *f);
 
+/* Energies, powers, momenta and masses are summed over each row of particles, and of
+ * the springs that begin there, then over the rows in their order: the same bits
+ * everywhere, also from weft_sim_measure on threads. */
 WEFT_API weft_energy weft_cloth_energy(const weft_cloth *cloth, const double *y);
+
+/* [J] The sum of all energies. */
+WEFT_API double weft_energy_total(weft_energy energy);
 
 /* Rate [W] >= 0 at which springs and viscous drag turn energy into heat. The drag of
  * pinned particles does not count, because their motion is prescribed. */
 WEFT_API double weft_cloth_dissipation(const weft_cloth *cloth, const double *y);
-
-/* The powers [W] that change the total energy. */
-typedef enum weft_power {
-    WEFT_POWER_SPRINGS, /* turned into heat by spring damping, >= 0 */
-    WEFT_POWER_DRAG,    /* turned into heat by viscous drag of free particles, >= 0 */
-    WEFT_POWER_WIND,    /* put into free particles by the wind */
-    WEFT_POWER_PINS,    /* put into springs by moving pins */
-    WEFT_POWERS         /* their number */
-} weft_power;
 
 /* All powers at time t [s]: d(energy)/dt = wind + pins - springs - drag, exactly. */
 WEFT_API void weft_cloth_power(const weft_cloth *cloth, double t, const double *y,
@@ -214,8 +229,8 @@ WEFT_API void weft_cloth_momentum(const weft_cloth *cloth, const double *y,
 WEFT_API void weft_cloth_angular_momentum(const weft_cloth *cloth, const double *y,
                                           double l[3]);
 
-/* The spring with the largest strain; NaN counts as larger than every number. A cloth
- * without springs gives strain 0 and p = q = 0. */
+/* The spring with the largest strain, the first by rows among equals; NaN counts as
+ * larger than every number. A cloth without springs gives strain 0 and p = q = 0. */
 WEFT_API weft_spring weft_cloth_worst_spring(const weft_cloth *cloth, const double *y);
 
 /* Writes the largest strain (L - s) / s of the springs at each particle to strain[N]:
@@ -223,9 +238,13 @@ WEFT_API weft_spring weft_cloth_worst_spring(const weft_cloth *cloth, const doub
 WEFT_API void weft_cloth_strains(const weft_cloth *cloth, const double *y,
                                  double *strain);
 
-/* A 64-bit hash of the bits of y[n]; equal states have equal hashes on every machine
- * with IEEE 754 doubles and either byte order. */
-WEFT_API uint64_t weft_state_hash(const double *y, size_t n);
+/* A 64-bit hash of the bits of y[6 rows cols]; equal states have equal hashes on every
+ * machine with IEEE 754 doubles and either byte order. Each row is hashed, plane after
+ * plane from left to right, and the hashes of the rows in their order, both by
+ *
+ *     h = 0xcbf29ce484222325; for each word w of 64 bits:
+ *         h = (h ^ w ^ (w >> 32)) * 0x100000001b3; h = h ^ (h >> 29)        */
+WEFT_API uint64_t weft_state_hash(const double *y, size_t rows, size_t cols);
 
 #ifdef __cplusplus
 }

@@ -275,6 +275,9 @@ WEFT_API double weft_sim_dissipated(const weft_sim *sim);
  * its order. The state and the steps are the same without a ledger. */
 WEFT_API weft_ledger weft_sim_ledger(const weft_sim *sim);
 
+/* Measures the present state, on the threads of the simulation. */
+WEFT_API weft_measures weft_sim_measure(const weft_sim *sim);
+
 /* All 0 without a limit. */
 WEFT_API weft_limit_stats weft_sim_limit_stats(const weft_sim *sim);
 /* The limited spring with the largest strain at present, as weft_cloth_worst_spring. */

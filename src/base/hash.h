@@ -4,6 +4,7 @@
 #ifndef WEFT_BASE_HASH_H
 #define WEFT_BASE_HASH_H
 
+#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -31,6 +32,17 @@ static inline uint64_t weft__hash_real(uint64_t hash, double value)
     uint64_t word;
     memcpy(&word, &number, sizeof word);
     return weft__hash_word(hash, word);
+}
+
+/* None where values is NULL, which differs from count 0. */
+static inline uint64_t weft__hash_reals(uint64_t hash, const double *values,
+                                        size_t count)
+{
+    hash = weft__hash_word(hash, values != NULL);
+    for (size_t i = 0; values != NULL && i < count; ++i) {
+        hash = weft__hash_real(hash, values[i]);
+    }
+    return hash;
 }
 
 #endif

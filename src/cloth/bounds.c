@@ -15,9 +15,8 @@
  * with 1 / m_j = 0 for a pin. K has A = k u u^T + (T / L) (I - u u^T), C has
  * A = c u u^T; where a A_K + b A_C is negative, 0 bounds it. In any state whatever
  * A_K <= k I, as T / L = k (1 - s / L) < k. */
-#include "cloth/model.h"
+#include "cloth/springs.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "base/memory.h"
@@ -74,43 +73,28 @@ static double inverse_mass(const weft_cloth *cloth, size_t i)
 }
 
 /* u u^T, or I where there is no direction: no less than u u^T for any. */
-static void outer(const weft__stance *at, double uu[6])
+static void outer(const weft__spring *at, double uu[6])
 {
     static const size_t first[6] = { 0, 1, 2, 0, 0, 1 };
     static const size_t second[6] = { 0, 1, 2, 1, 2, 2 };
+    const double length = sqrt(at->square);
     for (size_t k = 0; k < 6; ++k) {
-        uu[k] = at->length == 0.0
-                    ? (k < 3 ? 1.0 : 0.0)
-                    : at->d[first[k]] / at->length * (at->d[second[k]] / at->length);
+        uu[k] = length == 0.0 ? (k < 3 ? 1.0 : 0.0)
+                              : at->d[first[k]] / length * (at->d[second[k]] / length);
     }
 }
 
-static void add_spring(const weft_cloth *cloth, size_t g, size_t i, size_t j,
-                       const double *y, node *sum)
+static void add_spring(const weft_cloth *cloth, const weft__spring *at, node *sum)
 {
-    const weft__group *group = &cloth->groups[g];
-    const double share = inverse_mass(cloth, i) + inverse_mass(cloth, j);
-    weft__stance at = { .length = 0.0 };
-    if (y != NULL) {
-        at = weft__spring_stance(cloth->particles, i, j, y);
-    }
-    double uu[6];
-    outer(&at, uu);
-    const double pull
-        = at.length == 0.0
-              ? 0.0
-              : group->stiffness * (at.length - group->rest_length) / at.length;
+    const double share = inverse_mass(cloth, at->p) + inverse_mass(cloth, at->q);
+    const double pull = weft__spring_tension(at, 0.0);
+    double uu[6], *along = sum->along[at->group - cloth->groups];
     double *across = pull > 0.0 ? sum->taut : sum->slack;
+    outer(at, uu);
     for (size_t k = 0; k < 6; ++k) {
-        sum->along[g][k] += share * uu[k];
+        along[k] += share * uu[k];
         across[k] += share * fabs(pull) * ((k < 3 ? 1.0 : 0.0) - uu[k]);
     }
-}
-
-static bool starts_at(const weft_cloth *cloth, const weft__group *group, size_t i)
-{
-    const size_t r = i / cloth->cols, c = i % cloth->cols;
-    return r < group->end_row && c >= group->first_col && c < group->end_col;
 }
 
 /* Gathered for one particle at a time: nothing is allocated. */
@@ -120,15 +104,10 @@ static void gather(const weft_cloth *cloth, size_t i, const double *y, node *sum
     const size_t r = i / cloth->cols, c = i % cloth->cols;
     sum->drag = cloth->drag * inverse_mass(cloth, i);
     sum->wind = cloth->wind_drag * weft__area(cloth, r, c) * inverse_mass(cloth, i);
-    for (size_t g = 0; g < cloth->group_count; ++g) {
-        const weft__group *group = &cloth->groups[g];
-        const size_t stride = (size_t)group->stride;
-        if (starts_at(cloth, group, i)) {
-            add_spring(cloth, g, i, i + stride, y, sum);
-        }
-        if (i >= stride && starts_at(cloth, group, i - stride)) {
-            add_spring(cloth, g, i, i - stride, y, sum);
-        }
+    weft__spring springs[WEFT__SPRINGS_MAX];
+    const size_t count = weft__particle_springs(cloth, i, y, springs);
+    for (size_t s = 0; s < count; ++s) {
+        add_spring(cloth, &springs[s], sum);
     }
 }
 
@@ -238,28 +217,21 @@ weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, const double *y)
  */
 
 /* out += (a K + b C) x of one spring: slack springs are taken for straight ones. */
-static void multiply_spring(const weft_cloth *cloth, const weft__group *group, size_t p,
-                            const double *y, const grid_side *way, const double *x,
-                            double *out)
+static void multiply_spring(const weft_cloth *cloth, const weft__spring *at,
+                            const grid_side *way, const double *x, double *out)
 {
-    const size_t n = cloth->particles, q = p + (size_t)group->stride;
-    const weft__stance at = weft__spring_stance(n, p, q, y);
-    if (at.length == 0.0) {
+    if (at->square == 0.0) {
         return;
     }
-    const double pull = group->stiffness * (at.length - group->rest_length) / at.length;
-    const double across = way->a * fmax(0.0, pull);
-    const double along = way->a * group->stiffness + way->b * group->damping;
-    double d[3], stretch = 0.0;
-    for (size_t k = 0; k < 3; ++k) {
-        d[k] = x[k * n + p] - x[k * n + q];
-        stretch += d[k] * at.d[k] / at.length;
-    }
-    for (size_t k = 0; k < 3; ++k) {
-        const double force
-            = across * d[k] + (along - across) * stretch * at.d[k] / at.length;
-        out[k * n + p] += force;
-        out[k * n + q] -= force;
+    const double across = way->a * fmax(0.0, weft__spring_tension(at, 0.0));
+    const double along = way->a * at->group->stiffness + way->b * at->group->damping;
+    const double stretch = weft__spring_rate(cloth, at, x) / at->square;
+    double d[3];
+    weft__spring_difference(cloth, at, x, d);
+    for (size_t k = 0; k < 3; ++k, out += cloth->particles) {
+        const double force = across * d[k] + (along - across) * stretch * at->d[k];
+        out[at->p] -= force;
+        out[at->q] += force;
     }
 }
 
@@ -271,12 +243,10 @@ static void multiply(const weft_cloth *cloth, const double *y, const grid_side *
     for (size_t j = 0; j < 3 * n; ++j) {
         out[j] = way->b * cloth->drag * x[j];
     }
-    for (size_t g = 0; g < cloth->group_count; ++g) {
-        const weft__group *group = &cloth->groups[g];
-        for (size_t r = 0; r < group->end_row; ++r) {
-            for (size_t c = group->first_col; c < group->end_col; ++c) {
-                multiply_spring(cloth, group, r * cloth->cols + c, y, way, x, out);
-            }
+    for (size_t r = 0; r < cloth->rows; ++r) {
+        for (weft__walk walk = weft__row_springs(cloth, y, r);
+             weft__each_spring(&walk);) {
+            multiply_spring(cloth, &walk.spring, way, x, out);
         }
     }
     for (size_t j = 0; j < 3 * n; ++j) {
@@ -294,12 +264,18 @@ static double scatter(uint64_t j)
     return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1.0;
 }
 
-/* x* M z over the free particles */
+/* x* M z over the free particles, row by row */
 static double product(const weft_cloth *cloth, const double *x, const double *z)
 {
+    const size_t n = cloth->particles;
     double sum = 0.0;
-    for (size_t j = 0; j < 3 * cloth->particles; ++j) {
-        sum += cloth->mass[j % cloth->particles] * x[j] * z[j];
+    for (size_t first = 0; first < n; first += cloth->cols) {
+        double row = 0.0;
+        for (size_t i = first; i < first + cloth->cols; ++i) {
+            row += cloth->mass[i]
+                   * (x[i] * z[i] + x[n + i] * z[n + i] + x[2 * n + i] * z[2 * n + i]);
+        }
+        sum += row;
     }
     return sum;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* cloth.c -- a cloth from its definition: masses, pins, the state at rest. */
+#include "cloth/levels.h"
 #include "cloth/model.h"
 #include "cloth/pins.h"
-#include "kernel/kernel.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -317,8 +317,9 @@ size_t weft_cloth_springs(const weft_cloth *cloth, weft_family family)
 {
     size_t springs = 0;
     for (size_t g = 0; g < cloth->group_count; ++g) {
-        if (cloth->groups[g].family == family) {
-            springs += weft__group_springs(&cloth->groups[g]);
+        const weft__group *group = &cloth->groups[g];
+        if (group->family == family) {
+            springs += group->end_row * (group->end_col - group->first_col);
         }
     }
     return springs;
@@ -342,8 +343,12 @@ size_t weft_cloth_bytes(const weft_cloth *cloth)
 double weft_cloth_mass(const weft_cloth *cloth)
 {
     double mass = 0.0;
-    for (size_t i = 0; i < cloth->particles; ++i) {
-        mass += cloth->mass[i];
+    for (size_t r = 0; r < cloth->rows; ++r) {
+        double row = 0.0;
+        for (size_t c = 0; c < cloth->cols; ++c) {
+            row += cloth->mass[r * cloth->cols + c];
+        }
+        mass += row;
     }
     return mass;
 }

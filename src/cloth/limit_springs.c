@@ -7,10 +7,7 @@
  * of all states in which this spring is short enough. */
 #include "cloth/limit_springs.h"
 
-#include <float.h>
-#include <math.h>
-
-#include "cloth/model.h"
+#include "cloth/springs.h"
 
 /* Shares of the correction that p and q take. */
 static void shares(const weft_cloth *cloth, size_t p, size_t q, double share[2])
@@ -21,117 +18,70 @@ static void shares(const weft_cloth *cloth, size_t p, size_t q, double share[2])
     share[1] = held_q ? 0.0 : held_p ? 1.0 : m_p / (m_p + m_q);
 }
 
-static void shorten(const weft_cloth *cloth, size_t p, size_t q, double allowed,
+static void shorten(const weft_cloth *cloth, const weft__spring *at, double allowed,
                     double *x)
 {
-    const size_t n = cloth->particles;
-    const double d[3]
-        = { x[q] - x[p], x[n + q] - x[n + p], x[2 * n + q] - x[2 * n + p] };
-    const double length2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    if (!(length2 > allowed * allowed && length2 <= DBL_MAX)) {
+    if (!(at->square > allowed * allowed && at->square <= DBL_MAX)) {
         return;
     }
     double share[2];
-    const double length = sqrt(length2);
+    const double length = sqrt(at->square);
     const double excess = (length - allowed) / length;
-    shares(cloth, p, q, share);
-    for (size_t k = 0; k < 3; ++k) {
-        x[k * n + p] += share[0] * excess * d[k];
-        x[k * n + q] -= share[1] * excess * d[k];
+    shares(cloth, at->p, at->q, share);
+    for (size_t k = 0; k < 3; ++k, x += cloth->particles) {
+        x[at->p] += share[0] * excess * at->d[k];
+        x[at->q] -= share[1] * excess * at->d[k];
     }
 }
 
-/* The limited groups of a family, which follow one another. */
-static size_t groups_of(const weft__limited *limited, size_t family,
-                        const weft__group *groups[2])
-{
-    const weft_cloth *cloth = limited->cloth;
-    size_t count = 0;
-    for (size_t g = 0; limited->families[family] && g < cloth->group_count; ++g) {
-        if (cloth->groups[g].family == family) {
-            groups[count++] = &cloth->groups[g];
-        }
-    }
-    return count;
-}
-
-static void sweep_family(const weft__limited *limited, const weft__group *groups[2],
-                         size_t count, double *x)
+/* The groups [first, end), which are those of a family. */
+static void sweep_groups(const weft__limited *limited, const weft__group *first,
+                         const weft__group *end, double *x)
 {
     const weft_cloth *cloth = limited->cloth;
     for (size_t r = 0; r < cloth->rows; ++r) {
         for (size_t c = 0; c < cloth->cols; ++c) {
-            for (size_t g = 0; g < count; ++g) {
-                const weft__group *group = groups[g];
+            for (const weft__group *group = first; group < end; ++group) {
                 const size_t from = c + group->first_col;
                 if (r < group->end_row && from < group->end_col) {
-                    const size_t p = r * cloth->cols + from;
-                    shorten(cloth, p, p + (size_t)group->stride,
-                            limited->stretch * group->rest_length, x);
+                    const weft__spring at
+                        = weft__spring_from(cloth, group, r * cloth->cols + from, x);
+                    shorten(cloth, &at, limited->stretch * group->rest_length, x);
                 }
             }
         }
     }
 }
 
+/* The groups of a family follow one another. */
 void weft__limited_sweep(const weft__limited *limited, double *x)
 {
-    for (size_t family = 0; family < WEFT_FAMILIES; ++family) {
-        const weft__group *groups[2];
-        const size_t count = groups_of(limited, family, groups);
-        if (count > 0) {
-            sweep_family(limited, groups, count, x);
+    const weft__group *all = limited->cloth->groups;
+    for (size_t first = 0, end = 0; first < limited->cloth->group_count; first = end) {
+        const weft_family family = all[first].family;
+        while (end < limited->cloth->group_count && all[end].family == family) {
+            ++end;
+        }
+        if (limited->families[family]) {
+            sweep_groups(limited, all + first, all + end, x);
         }
     }
 }
 
-/* Counts springs of a group that exceed the tolerance, up to `most`: those with both
- * ends pinned, or the others. */
-static size_t too_long(const weft__limited *limited, const weft__group *group,
-                       bool held, size_t most, const double *x)
-{
-    const weft_cloth *cloth = limited->cloth;
-    const size_t n = cloth->particles;
-    const double allowed
-        = limited->stretch * (1.0 + limited->tolerance) * group->rest_length;
-    size_t count = 0;
-    for (size_t r = 0; r < group->end_row; ++r) {
-        const size_t first = r * cloth->cols;
-        for (size_t p = first + group->first_col; p < first + group->end_col; ++p) {
-            const size_t q = p + (size_t)group->stride;
-            const double dx = x[q] - x[p], dy = x[n + q] - x[n + p];
-            const double dz = x[2 * n + q] - x[2 * n + p];
-            if (!(dx * dx + dy * dy + dz * dz <= allowed * allowed)
-                && held == (cloth->pin[p] != 0 && cloth->pin[q] != 0)
-                && ++count == most) {
-                return count;
-            }
-        }
-    }
-    return count;
-}
-
-bool weft__limited_met(const weft__limited *limited, const double *x)
-{
-    const weft_cloth *cloth = limited->cloth;
-    for (size_t g = 0; g < cloth->group_count; ++g) {
-        const weft__group *group = &cloth->groups[g];
-        if (limited->families[group->family]
-            && too_long(limited, group, false, 1, x) > 0) {
-            return false;
-        }
-    }
-    return true;
-}
-
-size_t weft__limited_held(const weft__limited *limited, const double *x)
+size_t weft__limited_excess(const weft__limited *limited, bool held, size_t most,
+                            const double *x)
 {
     const weft_cloth *cloth = limited->cloth;
     size_t count = 0;
-    for (size_t g = 0; g < cloth->group_count; ++g) {
-        const weft__group *group = &cloth->groups[g];
-        if (limited->families[group->family]) {
-            count += too_long(limited, group, true, SIZE_MAX, x);
+    for (size_t r = 0; count < most && r < cloth->rows; ++r) {
+        for (weft__walk walk = weft__row_springs(cloth, x, r);
+             weft__each_spring(&walk);) {
+            const weft__spring *at = &walk.spring;
+            const double allowed = limited->stretch * (1.0 + limited->tolerance)
+                                   * at->group->rest_length;
+            count += limited->families[at->group->family]
+                     && !(at->square <= allowed * allowed)
+                     && held == (cloth->pin[at->p] != 0 && cloth->pin[at->q] != 0);
         }
     }
     return count;

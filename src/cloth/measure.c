@@ -1,128 +1,171 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* measure.c -- what is to be known of a state: energies, momenta, strain, hash.
  *
- * Sums run in index order, so that they are the same on every machine. Kinetic and
+ * A sum over particles or springs is one over rows, in their order, of sums over each
+ * row: the same on every machine and on any number of threads. Kinetic and
  * gravitational energy and both momenta are those of the free particles. */
 #include "base/hash.h"
-#include "cloth/limit_springs.h"
-#include "cloth/model.h"
+#include "cloth/rows.h"
+#include "cloth/springs.h"
 
-#include <math.h>
-#include <string.h>
-
-/* Calls visit(ctx, group, p, q) for every spring, in the order of the model. */
-typedef void visit_fn(void *ctx, const weft__group *group, size_t p, size_t q);
-
-static void each_spring(const weft_cloth *cloth, visit_fn *visit, void *ctx)
+void weft__row_energy(const weft__subject *of, size_t r, weft_measures *row)
 {
-    for (size_t g = 0; g < cloth->group_count; ++g) {
-        const weft__group *group = &cloth->groups[g];
-        for (size_t r = 0; r < group->end_row; ++r) {
-            for (size_t c = group->first_col; c < group->end_col; ++c) {
-                const size_t p = r * cloth->cols + c;
-                visit(ctx, group, p, p + (size_t)group->stride);
-            }
+    const weft_cloth *cloth = of->cloth;
+    const size_t n = cloth->particles;
+    for (size_t i = r * cloth->cols; i < (r + 1) * cloth->cols; ++i) {
+        const double *z = of->y + i;
+        const double x[3] = { z[0], z[n], z[2 * n] };
+        const double v[3] = { z[3 * n], z[4 * n], z[5 * n] };
+        if (cloth->pin[i] == 0) {
+            row->energy.kinetic += 0.5 * cloth->mass[i] * weft__dot(v, v);
+            row->energy.gravitational -= cloth->mass[i] * weft__dot(cloth->gravity, x);
+        }
+    }
+    for (weft__walk walk = weft__row_springs(cloth, of->y, r);
+         weft__each_spring(&walk);) {
+        row->energy.elastic[walk.spring.group->family]
+            += weft__spring_energy(&walk.spring);
+    }
+}
+
+static void row_momentum(const weft__subject *of, size_t r, weft_measures *row)
+{
+    const weft_cloth *cloth = of->cloth;
+    const size_t n = cloth->particles;
+    for (size_t i = r * cloth->cols; i < (r + 1) * cloth->cols; ++i) {
+        const double *x = of->y + i, *v = x + 3 * n, mass = cloth->mass[i];
+        for (size_t k = 0; cloth->pin[i] == 0 && k < 3; ++k) {
+            const size_t a = (k + 1) % 3 * n, b = (k + 2) % 3 * n;
+            row->momentum[k] += mass * v[k * n];
+            row->angular_momentum[k] += mass * (x[a] * v[b] - x[b] * v[a]);
         }
     }
 }
 
-typedef struct measure {
-    const weft_cloth *cloth;
-    const double *y;
-    const bool *families; /* that worst is sought in; NULL: all */
-    double elastic[WEFT_FAMILIES];
-    double *strain; /* N of them */
-    weft_spring worst;
-    bool any;
-} measure;
-
-static void add_elastic(void *ctx, const weft__group *group, size_t p, size_t q)
+/* NaN is worse than a number. */
+static void keep_worst(weft_spring *kept, const weft_spring *other)
 {
-    measure *sum = ctx;
-    const weft__stance at = weft__spring_stance(sum->cloth->particles, p, q, sum->y);
-    const double stretch = at.length - group->rest_length;
-    sum->elastic[group->family] += 0.5 * group->stiffness * stretch * stretch;
+    if (kept->p == kept->q
+        || (!isnan(kept->strain) && !(other->strain <= kept->strain))) {
+        *kept = *other;
+    }
+}
+
+void weft__row_worst(const weft__subject *of, size_t r, weft_measures *row)
+{
+    const weft_cloth *cloth = of->cloth;
+    for (weft__walk walk = weft__row_springs(cloth, of->y, r);
+         weft__each_spring(&walk);) {
+        const weft__spring *at = &walk.spring;
+        const weft_spring spring
+            = { at->group->family, at->p, at->q, weft__spring_strain(at) };
+        if (of->families == NULL || of->families[spring.family]) {
+            keep_worst(&row->worst, &spring);
+        }
+    }
+}
+
+static uint64_t row_hash(const double *y, size_t rows, size_t cols, size_t r)
+{
+    uint64_t hash = WEFT__HASH_START;
+    for (size_t k = 0; k < 6; ++k) {
+        const double *plane = y + (k * rows + r) * cols;
+        for (size_t c = 0; c < cols; ++c) {
+            uint64_t word;
+            memcpy(&word, &plane[c], sizeof word);
+            hash = weft__hash_word(hash, word);
+        }
+    }
+    return hash;
+}
+
+void weft__row_all(const weft__subject *of, size_t r, weft_measures *row)
+{
+    weft__row_energy(of, r, row);
+    weft__row_power(of, r, row);
+    weft__row_worst(of, r, row);
+    row_momentum(of, r, row);
+    row->hash = row_hash(of->y, of->cloth->rows, of->cloth->cols, r);
+}
+
+const weft_measures weft__measures_start = { .hash = WEFT__HASH_START };
+
+void weft__measures_add(weft_measures *sum, const weft_measures *row)
+{
+    sum->energy.kinetic += row->energy.kinetic;
+    sum->energy.gravitational += row->energy.gravitational;
+    for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
+        sum->energy.elastic[k] += row->energy.elastic[k];
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        sum->momentum[k] += row->momentum[k];
+        sum->angular_momentum[k] += row->angular_momentum[k];
+    }
+    for (size_t k = 0; k < WEFT_POWERS; ++k) {
+        sum->power[k] += row->power[k];
+    }
+    if (row->worst.p != row->worst.q) {
+        keep_worst(&sum->worst, &row->worst);
+    }
+    sum->hash = weft__hash_word(sum->hash, row->hash);
+}
+
+static weft_measures measure(const weft_cloth *cloth, double t, const double *y,
+                             weft__row_fn *measure_row)
+{
+    const weft__subject of = { cloth, t, y, NULL };
+    weft_measures sum = weft__measures_start;
+    for (size_t r = 0; r < cloth->rows; ++r) {
+        weft_measures row = { .hash = 0 };
+        measure_row(&of, r, &row);
+        weft__measures_add(&sum, &row);
+    }
+    return sum;
 }
 
 weft_energy weft_cloth_energy(const weft_cloth *cloth, const double *y)
 {
-    const size_t n = cloth->particles;
-    weft_energy energy = { 0 };
-    for (size_t i = 0; i < n; ++i) {
-        if (cloth->pin[i] != 0) {
-            continue;
-        }
-        double speed2 = 0.0, height = 0.0;
-        for (size_t k = 0; k < 3; ++k) {
-            const double v = y[(k + 3) * n + i];
-            speed2 += v * v;
-            height += cloth->gravity[k] * y[k * n + i];
-        }
-        energy.kinetic += 0.5 * cloth->mass[i] * speed2;
-        energy.gravitational -= cloth->mass[i] * height;
+    return measure(cloth, 0.0, y, weft__row_energy).energy;
+}
+
+double weft_energy_total(weft_energy energy)
+{
+    double total = energy.kinetic + energy.gravitational;
+    for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
+        total += energy.elastic[k];
     }
-    measure sum = { .cloth = cloth, .y = y };
-    each_spring(cloth, add_elastic, &sum);
-    memcpy(energy.elastic, sum.elastic, sizeof energy.elastic);
-    return energy;
+    return total;
+}
+
+void weft_cloth_power(const weft_cloth *cloth, double t, const double *y,
+                      double power[WEFT_POWERS])
+{
+    memcpy(power, measure(cloth, t, y, weft__row_power).power,
+           WEFT_POWERS * sizeof *power);
 }
 
 void weft_cloth_momentum(const weft_cloth *cloth, const double *y, double p[3])
 {
-    const size_t n = cloth->particles;
-    for (size_t k = 0; k < 3; ++k) {
-        p[k] = 0.0;
-        for (size_t i = 0; i < n; ++i) {
-            if (cloth->pin[i] == 0) {
-                p[k] += cloth->mass[i] * y[(k + 3) * n + i];
-            }
-        }
-    }
+    memcpy(p, measure(cloth, 0.0, y, row_momentum).momentum, 3 * sizeof *p);
 }
 
 void weft_cloth_angular_momentum(const weft_cloth *cloth, const double *y, double l[3])
 {
-    const size_t n = cloth->particles;
-    for (size_t k = 0; k < 3; ++k) {
-        const size_t a = (k + 1) % 3, b = (k + 2) % 3;
-        l[k] = 0.0;
-        for (size_t i = 0; i < n; ++i) {
-            if (cloth->pin[i] == 0) {
-                l[k] += cloth->mass[i]
-                        * (y[a * n + i] * y[(b + 3) * n + i]
-                           - y[b * n + i] * y[(a + 3) * n + i]);
-            }
-        }
-    }
-}
-
-/* Written so that NaN replaces a number and is replaced by none. */
-static void keep_worst(void *ctx, const weft__group *group, size_t p, size_t q)
-{
-    measure *sum = ctx;
-    if (sum->families != NULL && !sum->families[group->family]) {
-        return;
-    }
-    const weft__stance at = weft__spring_stance(sum->cloth->particles, p, q, sum->y);
-    const double strain = (at.length - group->rest_length) / group->rest_length;
-    if (!sum->any || (!isnan(sum->worst.strain) && !(strain <= sum->worst.strain))) {
-        sum->worst = (weft_spring){ group->family, p, q, strain };
-        sum->any = true;
-    }
+    memcpy(l, measure(cloth, 0.0, y, row_momentum).angular_momentum, 3 * sizeof *l);
 }
 
 weft_spring weft_cloth_worst_spring(const weft_cloth *cloth, const double *y)
 {
-    measure sum = { .cloth = cloth, .y = y };
-    each_spring(cloth, keep_worst, &sum);
-    return sum.worst;
+    return measure(cloth, 0.0, y, weft__row_worst).worst;
 }
 
-weft_spring weft__limited_worst(const weft__limited *limited, const double *y)
+uint64_t weft_state_hash(const double *y, size_t rows, size_t cols)
 {
-    measure sum = { .cloth = limited->cloth, .y = y, .families = limited->families };
-    each_spring(limited->cloth, keep_worst, &sum);
-    return sum.worst;
+    uint64_t hash = WEFT__HASH_START;
+    for (size_t r = 0; r < rows; ++r) {
+        hash = weft__hash_word(hash, row_hash(y, rows, cols, r));
+    }
+    return hash;
 }
 
 static void raise_strain(double *kept, double strain)
@@ -130,36 +173,22 @@ static void raise_strain(double *kept, double strain)
     *kept = strain > *kept ? strain : *kept;
 }
 
-static void keep_at_ends(void *ctx, const weft__group *group, size_t p, size_t q)
-{
-    measure *sum = ctx;
-    const weft__stance at = weft__spring_stance(sum->cloth->particles, p, q, sum->y);
-    const double strain = (at.length - group->rest_length) / group->rest_length;
-    raise_strain(&sum->strain[p], strain);
-    raise_strain(&sum->strain[q], strain);
-}
-
 /* No strain is below -1. */
 void weft_cloth_strains(const weft_cloth *cloth, const double *y, double *strain)
 {
     const double none = -2.0;
-    measure sum = { .cloth = cloth, .y = y, .strain = strain };
     for (size_t i = 0; i < cloth->particles; ++i) {
         strain[i] = none;
     }
-    each_spring(cloth, keep_at_ends, &sum);
+    for (size_t r = 0; r < cloth->rows; ++r) {
+        for (weft__walk walk = weft__row_springs(cloth, y, r);
+             weft__each_spring(&walk);) {
+            const double here = weft__spring_strain(&walk.spring);
+            raise_strain(&strain[walk.spring.p], here);
+            raise_strain(&strain[walk.spring.q], here);
+        }
+    }
     for (size_t i = 0; i < cloth->particles; ++i) {
         strain[i] = strain[i] == none ? 0.0 : strain[i];
     }
-}
-
-uint64_t weft_state_hash(const double *y, size_t n)
-{
-    uint64_t hash = WEFT__HASH_START;
-    for (size_t i = 0; i < n; ++i) {
-        uint64_t word;
-        memcpy(&word, &y[i], sizeof word);
-        hash = weft__hash_word(hash, word);
-    }
-    return hash;
 }

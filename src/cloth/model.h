@@ -46,7 +46,7 @@ typedef struct weft__motion {
     bool coasts; /* instead of all that, at a velocity of each particle's own */
 } weft__motion;
 
-typedef struct weft__level weft__level; /* kernel.h */
+typedef struct weft__level weft__level; /* levels.h */
 
 struct weft_cloth {
     size_t rows, cols, particles, pinned;
@@ -97,23 +97,8 @@ void weft__rest_position(const weft_cloth *cloth, size_t r, size_t c, double x[3
  * with a single row or column counts as 1 m wide. */
 double weft__area(const weft_cloth *cloth, size_t r, size_t c);
 
-/* Springs of a group, and their forces [N] added to f. */
-size_t weft__group_springs(const weft__group *group);
-void weft__group_add_force(const weft_cloth *cloth, const weft__group *group,
-                           const double *y, double *f);
-
-/* Where a spring of stride `stride` that starts at p stands at present. */
-typedef struct weft__stance {
-    double d[3];   /* [m] x_q - x_p */
-    double w[3];   /* [m/s] v_q - v_p */
-    double length; /* [m] |d| */
-} weft__stance;
-
-weft__stance weft__spring_stance(size_t particles, size_t p, size_t q, const double *y);
-
-/* wind.c: force [N] of the wind added to f; on particle (r, c) alone, false: none. */
-void weft__wind_add_force(const weft_cloth *cloth, const double *y, double *f);
-bool weft__wind_force(const weft_cloth *cloth, size_t r, size_t c, const double *y,
+/* wind.c: force [N] of the wind on particle i times `share`; 0 without wind. */
+void weft__wind_force(const weft_cloth *cloth, size_t i, const double *y, double share,
                       double force[3]);
 
 /* rhs.c: velocity [m/s] of pinned particle i, then its acceleration [m/s^2]. */

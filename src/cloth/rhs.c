@@ -5,30 +5,52 @@
  *     pinned particle   x' = V + w A cos(w t),   v' = -w^2 A sin(w t),  w = 2 pi f
  *
  * A pinned particle has inverse mass 0 and follows its prescribed motion; one without
- * motion has x' = v' = 0 and keeps its position bit for bit.
- *
- * weft_cloth_force is the plain form of the model; the kernels (kernel.h) are held to
- * it by tests. */
-#include "cloth/model.h"
+ * motion has x' = v' = 0 and keeps its position bit for bit. The plain loops here are
+ * what src/kernel does fast, with the same bits. */
+#include "cloth/levels.h"
 #include "cloth/rows.h"
-#include "kernel/kernel.h"
+#include "cloth/springs.h"
 
 #include "weft/elementary.h"
 
 void weft_cloth_force(const weft_cloth *cloth, const double *y, double *f)
 {
     const size_t n = cloth->particles;
-    const double *v = y + 3 * n;
-    for (size_t k = 0; k < 3; ++k) {
-        for (size_t i = 0; i < n; ++i) {
-            const size_t j = k * n + i;
-            f[j] = cloth->mass[i] * cloth->gravity[k] - cloth->drag * v[j];
+    for (size_t i = 0; i < n; ++i) {
+        double springs[3], wind[3];
+        weft__springs_force(cloth, i, y, springs);
+        weft__wind_force(cloth, i, y, 1.0, wind);
+        for (size_t k = 0; k < 3; ++k) {
+            f[k * n + i] = cloth->mass[i] * cloth->gravity[k]
+                           + (springs[k] - cloth->drag * y[(k + 3) * n + i]) + wind[k];
         }
     }
-    for (size_t g = 0; g < cloth->group_count; ++g) {
-        weft__group_add_force(cloth, &cloth->groups[g], y, f);
+}
+
+/* 0 where a particle's six numbers from z on are finite, else NaN. */
+static double trouble(const double *z, size_t n)
+{
+    return ((z[3 * n] + z[4 * n] + z[5 * n]) + (z[0] + z[n] + z[2 * n])) * 0.0;
+}
+
+int weft__reference_rows(const weft_cloth *cloth, const double *y, double *dydt,
+                         size_t first_row, size_t end_row)
+{
+    const size_t n = cloth->particles, end = end_row * cloth->cols;
+    double bad = 0.0;
+    for (size_t i = first_row * cloth->cols; i < end; ++i) {
+        double springs[3], wind[3];
+        weft__springs_force(cloth, i, y, springs);
+        weft__wind_force(cloth, i, y, cloth->inverse_mass[i], wind);
+        for (size_t k = 0; k < 3; ++k) {
+            const double v = dydt[k * n + i] = y[(k + 3) * n + i];
+            const double force = springs[k] - cloth->drag * v;
+            dydt[(k + 3) * n + i]
+                = cloth->gravity[k] + cloth->inverse_mass[i] * force + wind[k];
+        }
+        bad += trouble(dydt + i, n);
     }
-    weft__wind_add_force(cloth, y, f);
+    return bad == 0.0 ? 0 : 1;
 }
 
 void weft__pin_rate(const weft_cloth *cloth, size_t i, double t, double rate[6])
@@ -73,10 +95,7 @@ static void move_pins(const weft_cloth *cloth, double t, double *dydt, size_t fi
 int weft__rhs_rows(const weft_cloth *cloth, double t, const double *y, double *dydt,
                    size_t first, size_t end)
 {
-    int failed = cloth->level->springs(cloth, y, dydt, first, end);
-    if (cloth->wind_drag != 0.0) {
-        failed |= cloth->level->wind(cloth, y, dydt, first, end);
-    }
+    const int failed = cloth->level->rows(cloth, y, dydt, first, end);
     move_pins(cloth, t, dydt, first * cloth->cols, end * cloth->cols);
     return failed;
 }

@@ -1,70 +1,51 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* springs.c -- stretch, shear and bend springs of a grid.
- *
- * A spring from p to q, of rest length s [m], stiffness k [N/m] and damping
- * c [kg/s], pulls p by T u and q by -T u, where
- *
- *     T = k (L - s) + c w.u,   d = x_q - x_p,  L = |d|,  u = d / L,  w = v_q - v_p
- *
- * and by nothing where L = 0. The strain law T = K (L / s - 1) is the same with
- * k = K / s. The elastic part is -dE/dx of E = k (L - s)^2 / 2; the damped part acts
- * along the spring only, so that both kinds of momentum stay. The three families are
- * those of Provot 1995; the damped law is the one of the lecture (docs/physics.md). */
-#include "cloth/model.h"
+/* springs.c -- stretch, shear and bend springs of a grid; their law is in springs.h. */
+#include "cloth/springs.h"
 
-#include <math.h>
-
-static double dot(const double a[3], const double b[3])
+static bool starts_at(const weft_cloth *cloth, const weft__group *group, size_t i)
 {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    const size_t r = i / cloth->cols, c = i % cloth->cols;
+    return r < group->end_row && c >= group->first_col && c < group->end_col;
 }
 
-weft__stance weft__spring_stance(size_t particles, size_t p, size_t q, const double *y)
+size_t weft__particle_springs(const weft_cloth *cloth, size_t i, const double *x,
+                              weft__spring springs[WEFT__SPRINGS_MAX])
 {
-    const double *x = y, *v = y + 3 * particles;
-    weft__stance at;
-    for (size_t k = 0; k < 3; ++k) {
-        at.d[k] = x[k * particles + q] - x[k * particles + p];
-        at.w[k] = v[k * particles + q] - v[k * particles + p];
-    }
-    at.length = sqrt(dot(at.d, at.d));
-    return at;
-}
-
-size_t weft__group_springs(const weft__group *group)
-{
-    return group->end_row * (group->end_col - group->first_col);
-}
-
-static void add_pull(const weft_cloth *cloth, const weft__group *group, size_t p,
-                     const double *y, double *f)
-{
-    const size_t n = cloth->particles;
-    const size_t q = p + (size_t)group->stride;
-    const weft__stance at = weft__spring_stance(n, p, q, y);
-
-    /* u is undefined at L = 0. NaN passes, for the RHS to find and refuse. */
-    if (at.length == 0.0) {
-        return;
-    }
-    const double elastic = group->stiffness * (at.length - group->rest_length);
-    const double damped = group->damping * dot(at.w, at.d) / at.length;
-    const double scale = (elastic + damped) / at.length;
-    for (size_t k = 0; k < 3; ++k) {
-        const double pull = scale * at.d[k];
-        f[k * n + p] += pull;
-        f[k * n + q] -= pull;
-    }
-}
-
-/* The order of the loops is the order of summation and part of the result. */
-void weft__group_add_force(const weft_cloth *cloth, const weft__group *group,
-                           const double *y, double *f)
-{
-    for (size_t r = 0; r < group->end_row; ++r) {
-        for (size_t c = group->first_col; c < group->end_col; ++c) {
-            add_pull(cloth, group, r * cloth->cols + c, y, f);
+    size_t count = 0;
+    for (size_t g = 0; g < cloth->group_count; ++g) {
+        const weft__group *group = &cloth->groups[g];
+        const size_t stride = (size_t)group->stride;
+        if (starts_at(cloth, group, i)) {
+            springs[count++] = weft__spring_from(cloth, group, i, x);
         }
+        if (i >= stride && starts_at(cloth, group, i - stride)) {
+            springs[count++] = weft__spring_from(cloth, group, i - stride, x);
+        }
+    }
+    return count;
+}
+
+/* The order of summation is part of the result, and that of src/kernel/kernel.c. */
+void weft__springs_force(const weft_cloth *cloth, size_t i, const double *y,
+                         double force[3])
+{
+    enum { RIGHT, DOWN, CROSS, ANTI, RIGHT2, DOWN2 }; /* as in directions */
+    double from[WEFT_GROUPS][3] = { 0 }, to[WEFT_GROUPS][3] = { 0 }; /* [N] on p */
+    weft__spring springs[WEFT__SPRINGS_MAX];
+    const size_t count = weft__particle_springs(cloth, i, y, springs);
+    for (const weft__spring *at = springs; at < springs + count; ++at) {
+        const double rate = weft__spring_rate(cloth, at, y + 3 * cloth->particles);
+        const double tension = weft__spring_tension(at, rate);
+        double *pull = (at->p == i ? from : to)[at->group->way];
+        for (size_t k = 0; k < 3; ++k) {
+            pull[k] = tension * at->d[k];
+        }
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        const double begun = from[RIGHT][k] + from[DOWN][k] + from[CROSS][k]
+                             + from[RIGHT2][k] + from[DOWN2][k];
+        const double above = to[DOWN2][k] + (to[DOWN][k] + to[ANTI][k]) + to[CROSS][k];
+        force[k] = begun - (above + (to[RIGHT][k] - from[ANTI][k]) + to[RIGHT2][k]);
     }
 }
 

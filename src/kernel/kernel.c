@@ -19,7 +19,7 @@
  * or the band of rows. Springs are taken in three stages, a group one stage behind the
  * other, because root and division are slow: while they are under way the next spring
  * begins. */
-#include "kernel/kernel.h"
+#include "cloth/levels.h"
 #include "kernel/lanes.h"
 
 #include <float.h>
@@ -351,8 +351,10 @@ static unsigned start(sweep *self, const weft_cloth *cloth, const double *y)
     return all;
 }
 
-int NAME(springs, LEVEL)(const weft_cloth *cloth, const double *y, double *dydt,
-                         size_t first_row, size_t end_row)
+weft__rows_fn NAME(wind, LEVEL); /* kernel_wind.c: adds to v' */
+
+int NAME(rows, LEVEL)(const weft_cloth *cloth, const double *y, double *dydt,
+                      size_t first_row, size_t end_row)
 {
     sweep self;
     const unsigned all = start(&self, cloth, y);
@@ -362,5 +364,8 @@ int NAME(springs, LEVEL)(const weft_cloth *cloth, const double *y, double *dydt,
         const size_t end = self.inner - c < TILE ? self.inner : c + TILE;
         tile(&self, c, end, all, first_row, end_row);
     }
-    return sum(self.bad) == 0.0 ? 0 : 1;
+    const int failed = sum(self.bad) == 0.0 ? 0 : 1;
+    return cloth->wind_drag == 0.0
+               ? failed
+               : failed | NAME(wind, LEVEL)(cloth, y, dydt, first_row, end_row);
 }

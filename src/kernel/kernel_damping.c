@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* kernel_damping.c -- what the dampers of springs take, LANES springs at a time:
  * c (w.u)^2 = c (w.d)^2 / d.d, and 0 where d = 0. */
-#include "kernel/kernel.h"
+#include "cloth/levels.h"
 #include "kernel/lanes.h"
 
 #include <float.h>

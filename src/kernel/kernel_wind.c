@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* kernel_wind.c -- the wind of wind.c, LANES columns at a time. With N = a x b not yet
  * of length 1, F = drag area (N.(wind - v)) / (N.N) N, and 0 where N = 0. */
-#include "kernel/kernel.h"
+#include "cloth/levels.h"
 #include "kernel/lanes.h"
 
 #include <float.h>

@@ -219,7 +219,4 @@ weft_status record_result_amend(const char *directory, const record_result *resu
 struct yaml_out;
 void record_result_items(struct yaml_out *out, const record_result *result);
 
-/* Kinetic + elastic + gravitational [J]. */
-double record_total_energy(const weft_cloth *cloth, const double *y);
-
 #endif

@@ -142,16 +142,6 @@ weft_status record_manifest(const char *directory, const weft_scene *scene,
     return commit(yaml_out_end(&out), &file, err);
 }
 
-double record_total_energy(const weft_cloth *cloth, const double *y)
-{
-    const weft_energy energy = weft_cloth_energy(cloth, y);
-    double total = energy.kinetic + energy.gravitational;
-    for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
-        total += energy.elastic[i];
-    }
-    return total;
-}
-
 static void write_spring(yaml_out *out, const weft_cloth *cloth,
                          const weft_spring *worst)
 {
@@ -199,24 +189,21 @@ static void write_limit(yaml_out *out, const weft_sim *sim)
 static void write_outcome(yaml_out *out, const record_result *result)
 {
     const weft_cloth *cloth = weft_sim_cloth(result->sim);
-    const double *y = weft_sim_state(result->sim);
     const weft_stepper_stats stats = weft_sim_stats(result->sim);
-    const weft_spring worst = weft_cloth_worst_spring(cloth, y);
-    const double energy = record_total_energy(cloth, y);
+    const weft_measures all = weft_sim_measure(result->sim);
     yaml_out_real(out, "time", weft_sim_time(result->sim));
     yaml_out_plain(out, "steps", "%" PRIu64, stats.steps);
     yaml_out_plain(out, "rejected", "%" PRIu64, stats.rejected);
     yaml_out_plain(out, "rhs_calls", "%" PRIu64, stats.rhs_calls);
     yaml_out_real(out, "last_step", stats.last_step);
-    write_spring(out, cloth, &worst);
+    write_spring(out, cloth, &all.worst);
     yaml_out_real(out, "energy_start", result->energy_start);
-    yaml_out_real(out, "energy_end", energy);
+    yaml_out_real(out, "energy_end", weft_energy_total(all.energy));
     write_ledger(out, result->sim);
     write_limit(out, result->sim);
     yaml_out_plain(out, "warnings", "%zu", result->warnings);
     char hash[20];
-    (void)snprintf(hash, sizeof hash, "%016" PRIx64,
-                   weft_state_hash(y, weft_cloth_dim(cloth)));
+    (void)snprintf(hash, sizeof hash, "%016" PRIx64, all.hash);
     yaml_out_text(out, "hash", hash);
 }
 

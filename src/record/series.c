@@ -16,27 +16,27 @@
 #define COLUMNS(X)                                                                     \
     X(frame, "%zu", row.frame->index)                                                  \
     X(time, "%.17g", row.time)                                                         \
-    X(kinetic, "%.17g", row.energy.kinetic)                                            \
+    X(kinetic, "%.17g", row.all.energy.kinetic)                                        \
     X(elastic, "%.17g", row.elastic)                                                   \
-    X(gravitational, "%.17g", row.energy.gravitational)                                \
+    X(gravitational, "%.17g", row.all.energy.gravitational)                            \
     X(dissipated, "%.17g", row.dissipated)                                             \
-    X(momentum_x, "%.17g", row.momentum[0])                                            \
-    X(momentum_y, "%.17g", row.momentum[1])                                            \
-    X(momentum_z, "%.17g", row.momentum[2])                                            \
-    X(max_strain, "%.17g", row.worst.strain)                                           \
+    X(momentum_x, "%.17g", row.all.momentum[0])                                        \
+    X(momentum_y, "%.17g", row.all.momentum[1])                                        \
+    X(momentum_z, "%.17g", row.all.momentum[2])                                        \
+    X(max_strain, "%.17g", row.all.worst.strain)                                       \
     X(steps, "%" PRIu64, row.stats.steps)                                              \
     X(rejected, "%" PRIu64, row.stats.rejected)                                        \
     X(rhs_calls, "%" PRIu64, row.stats.rhs_calls)                                      \
     X(step_size, "%.17g", row.stats.last_step)                                         \
     X(limit_sweeps, "%" PRIu64, row.frame->limit_sweeps)                               \
-    X(hash, "%016" PRIx64, row.hash)                                                   \
+    X(hash, "%016" PRIx64, row.all.hash)                                               \
     X(limit_strain, "%.17g", row.limit_strain)
 
 /* After them where the ledger is kept. */
 #define LEDGER_COLUMNS(X)                                                              \
-    X(elastic_stretch, "%.17g", row.energy.elastic[WEFT_STRETCH])                      \
-    X(elastic_shear, "%.17g", row.energy.elastic[WEFT_SHEAR])                          \
-    X(elastic_bend, "%.17g", row.energy.elastic[WEFT_BEND])                            \
+    X(elastic_stretch, "%.17g", row.all.energy.elastic[WEFT_STRETCH])                  \
+    X(elastic_shear, "%.17g", row.all.energy.elastic[WEFT_SHEAR])                      \
+    X(elastic_bend, "%.17g", row.all.energy.elastic[WEFT_BEND])                        \
     X(dissipated_springs, "%.17g", row.ledger.dissipated_springs)                      \
     X(dissipated_drag, "%.17g", row.ledger.dissipated_drag)                            \
     X(work_wind, "%.17g", row.ledger.wind_work)                                        \
@@ -49,34 +49,27 @@ enum { LINE = 32 * RECORD_COLUMNS_MAX };
 
 typedef struct series_row {
     const record_frame *frame;
-    double time, elastic, dissipated, limit_strain, momentum[3];
-    weft_spring worst;
-    weft_energy energy;
+    double time, elastic, dissipated, limit_strain;
+    weft_measures all;
     weft_ledger ledger;
     weft_stepper_stats stats;
-    uint64_t hash;
 } series_row;
 
 static series_row measure(const record_frame *frame)
 {
     const weft_sim *sim = frame->sim;
-    const weft_cloth *cloth = weft_sim_cloth(sim);
-    const double *y = weft_sim_state(sim);
     series_row row = {
         .frame = frame,
         .time = weft_sim_time(sim),
+        .all = weft_sim_measure(sim),
         .dissipated = weft_sim_dissipated(sim),
-        .worst = weft_cloth_worst_spring(cloth, y),
         .ledger = weft_sim_ledger(sim),
         .limit_strain = weft_sim_limit_worst(sim).strain,
         .stats = weft_sim_stats(sim),
-        .hash = weft_state_hash(y, weft_cloth_dim(cloth)),
     };
-    row.energy = row.ledger.energy;
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
-        row.elastic += row.energy.elastic[i];
+        row.elastic += row.all.energy.elastic[i];
     }
-    weft_cloth_momentum(cloth, y, row.momentum);
     return row;
 }
 
@@ -176,7 +169,7 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
     const series_row row = measure(frame);
     char line[LINE];
     size_t column = 0, used = 0;
-    series->worst = row.worst;
+    series->worst = row.all.worst;
 #define CELL(name, format, value)                                                      \
     used += (size_t)(isnan((double)(value))                                            \
                          ? snprintf(line + used, sizeof line - used, ",")              \

@@ -21,16 +21,6 @@ static void find_fastest(const weft_sim *sim, weft_failure *out)
     }
 }
 
-static double total_energy(const weft_sim *sim)
-{
-    const weft_energy energy = weft_cloth_energy(sim->cloth, sim->y);
-    double total = energy.kinetic + energy.gravitational;
-    for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
-        total += energy.elastic[i];
-    }
-    return total;
-}
-
 static void set_message(const weft_failure *self, size_t cols, weft_error *err)
 {
     const weft_spring *worst = &self->spring;
@@ -52,12 +42,13 @@ static void set_message(const weft_failure *self, size_t cols, weft_error *err)
 
 weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err)
 {
+    const weft_measures measures = weft_sim_measure(sim);
     weft_failure *failure = &sim->failure;
     *failure = (weft_failure){ .status = why->status,
                                .time = sim->t,
                                .last_step = weft_sim_stats(sim).last_step,
-                               .spring = weft_cloth_worst_spring(sim->cloth, sim->y),
-                               .energy = total_energy(sim) };
+                               .spring = measures.worst,
+                               .energy = weft_energy_total(measures.energy) };
     (void)snprintf(failure->reason, sizeof failure->reason, "%s", why->message);
     find_fastest(sim, failure);
     set_message(failure, weft_cloth_cols(sim->cloth), err);

@@ -3,7 +3,7 @@
 
 #include <stdatomic.h>
 
-#include "cloth/rows.h"
+#include "base/memory.h"
 
 /* Particles that are worth a thread: their evaluation takes ten times as long as it
  * takes a thread that is awake to hear of it. More bands than threads, where each costs
@@ -14,24 +14,29 @@
 enum { PARTICLES_PER_THREAD = 2048, PARTICLES_CACHED = 1 << 17, ROWS_PER_BAND = 48 };
 
 weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
-                                 const weft_allocator *memory)
+                                 const weft_allocator *given)
 {
+    const weft_allocator memory = weft_allocator_or_malloc(given);
     const size_t worth = weft_cloth_particles(cloth) / PARTICLES_PER_THREAD;
     const size_t rows = weft_cloth_rows(cloth);
     const size_t useful = worth < rows ? worth : rows;
-    weft__team *team = weft__team_create(threads < useful ? threads : useful, memory);
+    weft_measures *measures = weft__alloc(&memory, rows, sizeof *measures);
+    weft__team *team = weft__team_create(threads < useful ? threads : useful, &memory);
     const size_t count = weft__team_threads(team);
     const size_t each = rows / (ROWS_PER_BAND * count);
     const bool many = count > 1 || weft_cloth_particles(cloth) > PARTICLES_CACHED;
     const size_t bands = count * (many && each > 1 ? each : 1);
     return (weft__forces){ .cloth = cloth,
                            .team = team,
-                           .bands = bands < WEFT_PARTS ? bands : WEFT_PARTS };
+                           .bands = bands < WEFT_PARTS ? bands : WEFT_PARTS,
+                           .measures = measures,
+                           .memory = memory };
 }
 
 void weft__forces_destroy(weft__forces *forces)
 {
     weft__team_destroy(forces->team);
+    weft__free(&forces->memory, forces->measures);
 }
 
 typedef struct call {
@@ -40,6 +45,8 @@ typedef struct call {
     const double *y;
     double *dydt;
     atomic_int failed;
+    const weft__subject *subject;
+    weft__row_fn *row;
 } call;
 
 /* The first row of a band, the last that of none. */
@@ -48,6 +55,17 @@ static size_t first_row(const weft__forces *forces, size_t band)
     const size_t rows = weft_cloth_rows(forces->cloth);
     const size_t each = rows / forces->bands, more = rows % forces->bands;
     return band * each + (band < more ? band : more);
+}
+
+static void run_bands(const weft__forces *forces, weft__task *task, call *of)
+{
+    if (forces->team != NULL) {
+        weft__team_run(forces->team, task, of, forces->bands);
+        return;
+    }
+    for (size_t i = 0; i < forces->bands; ++i) {
+        task(of, i);
+    }
 }
 
 static void force_band(void *ctx, size_t i)
@@ -63,12 +81,29 @@ int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
                      double *dydt)
 {
     call all = { .forces = forces, .t = t, .y = y, .dydt = dydt };
-    if (forces->team == NULL) {
-        for (size_t i = 0; i < forces->bands; ++i) {
-            force_band(&all, i);
-        }
-    } else {
-        weft__team_run(forces->team, force_band, &all, forces->bands);
-    }
+    run_bands(forces, force_band, &all);
     return atomic_load(&all.failed);
+}
+
+static void measure_band(void *ctx, size_t i)
+{
+    const call *of = ctx;
+    const size_t end = first_row(of->forces, i + 1);
+    for (size_t r = first_row(of->forces, i); r < end; ++r) {
+        weft_measures *row = &of->forces->measures[r];
+        *row = (weft_measures){ .hash = 0 };
+        of->row(of->subject, r, row);
+    }
+}
+
+weft_measures weft__forces_measure(const weft__forces *forces, const weft__subject *of,
+                                   weft__row_fn *row)
+{
+    call all = { .forces = forces, .subject = of, .row = row };
+    weft_measures sum = weft__measures_start;
+    run_bands(forces, measure_band, &all);
+    for (size_t r = 0; r < weft_cloth_rows(forces->cloth); ++r) {
+        weft__measures_add(&sum, &forces->measures[r]);
+    }
+    return sum;
 }

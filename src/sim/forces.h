@@ -4,23 +4,29 @@
 #ifndef WEFT_SIM_FORCES_H
 #define WEFT_SIM_FORCES_H
 
+#include "cloth/rows.h"
 #include "sim/team.h"
-#include "weft/cloth.h"
 
 typedef struct weft__forces {
     const weft_cloth *cloth;
     weft__team *team; /* NULL: one thread */
     size_t bands;
+    weft_measures *measures; /* of each row; NULL: no memory */
+    weft_allocator memory;
 } weft__forces;
 
-/* On so many threads at most: a cloth that is too small for that has fewer. memory
- * NULL: malloc's. */
+/* On so many threads at most: a cloth that is too small for that has fewer. No
+ * memory given: malloc's. */
 weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
-                                 const weft_allocator *memory);
+                                 const weft_allocator *given);
 void weft__forces_destroy(weft__forces *forces);
 
 /* As weft_cloth_rhs. */
 int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
                      double *dydt);
+
+/* The rows of a state by `row`, added in their order. */
+weft_measures weft__forces_measure(const weft__forces *forces, const weft__subject *of,
+                                   weft__row_fn *row);
 
 #endif

@@ -2,12 +2,15 @@
 #include "sim/ledger.h"
 
 #include <math.h>
+#include <string.h>
 
-bool weft__ledger_rates(const weft_cloth *cloth, double t, const double *y,
+bool weft__ledger_rates(const weft__forces *forces, double t, const double *y,
                         double force_power, double *rates)
 {
+    const weft__subject of = { .cloth = forces->cloth, .t = t, .y = y };
+    const weft_measures all = weft__forces_measure(forces, &of, weft__row_power);
     bool finite = true;
-    weft_cloth_power(cloth, t, y, rates);
+    memcpy(rates, all.power, sizeof all.power);
     rates[WEFT_POWERS] = force_power;
     for (size_t k = 0; k < WEFT__QUADRATURES; ++k) {
         finite = finite && isfinite(rates[k]);
@@ -15,19 +18,10 @@ bool weft__ledger_rates(const weft_cloth *cloth, double t, const double *y,
     return finite;
 }
 
-static double total(const weft_energy *energy)
+static weft_energy energy_of(const weft__forces *forces, const double *y)
 {
-    double sum = energy->kinetic + energy->gravitational;
-    for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
-        sum += energy->elastic[k];
-    }
-    return sum;
-}
-
-static double total_of(const weft_cloth *cloth, const double *y)
-{
-    const weft_energy energy = weft_cloth_energy(cloth, y);
-    return total(&energy);
+    const weft__subject of = { .cloth = forces->cloth, .y = y };
+    return weft__forces_measure(forces, &of, weft__row_energy).energy;
 }
 
 void weft__ledger_start(weft__ledger *ledger, const weft_cloth *cloth, double *y)
@@ -36,33 +30,34 @@ void weft__ledger_start(weft__ledger *ledger, const weft_cloth *cloth, double *y
         for (size_t k = 0; k < WEFT__QUADRATURES; ++k) {
             y[weft_cloth_dim(cloth) + k] = 0.0;
         }
-        ledger->start = total_of(cloth, y);
+        ledger->start = weft_energy_total(weft_cloth_energy(cloth, y));
     }
 }
 
-void weft__ledger_mark(weft__ledger *ledger, const weft_cloth *cloth, const double *y)
+void weft__ledger_mark(weft__ledger *ledger, const weft__forces *forces,
+                       const double *y)
 {
     if (ledger->on) {
-        ledger->marked = total_of(cloth, y);
+        ledger->marked = weft_energy_total(energy_of(forces, y));
     }
 }
 
-void weft__ledger_account(weft__ledger *ledger, const weft_cloth *cloth,
+void weft__ledger_account(weft__ledger *ledger, const weft__forces *forces,
                           const double *y, double *work)
 {
     if (ledger->on) {
-        const double energy = total_of(cloth, y);
+        const double energy = weft_energy_total(energy_of(forces, y));
         *work += energy - ledger->marked;
         ledger->marked = energy;
     }
 }
 
-weft_ledger weft__ledger_read(const weft__ledger *ledger, const weft_cloth *cloth,
+weft_ledger weft__ledger_read(const weft__ledger *ledger, const weft__forces *forces,
                               const double *y)
 {
-    weft_ledger out = { .kept = ledger->on, .energy = weft_cloth_energy(cloth, y) };
+    weft_ledger out = { .kept = ledger->on, .energy = energy_of(forces, y) };
     if (ledger->on) {
-        const double *done = y + weft_cloth_dim(cloth); /* [J] */
+        const double *done = y + weft_cloth_dim(forces->cloth); /* [J] */
         out.dissipated_springs = done[WEFT_POWER_SPRINGS];
         out.dissipated_drag = done[WEFT_POWER_DRAG];
         out.wind_work = done[WEFT_POWER_WIND];
@@ -70,9 +65,10 @@ weft_ledger weft__ledger_read(const weft__ledger *ledger, const weft_cloth *clot
         out.force_work = done[WEFT_POWERS];
         out.limit_work = ledger->limit_work;
         out.outside_work = ledger->outside_work;
-        out.residual = total(&out.energy) - ledger->start + out.dissipated_springs
-                       + out.dissipated_drag - out.wind_work - out.pin_work
-                       - out.limit_work - out.outside_work - out.force_work;
+        out.residual = weft_energy_total(out.energy) - ledger->start
+                       + out.dissipated_springs + out.dissipated_drag - out.wind_work
+                       - out.pin_work - out.limit_work - out.outside_work
+                       - out.force_work;
     }
     return out;
 }

@@ -7,6 +7,7 @@
 #ifndef WEFT_SIM_LEDGER_H
 #define WEFT_SIM_LEDGER_H
 
+#include "sim/forces.h"
 #include "weft/sim.h"
 
 typedef struct weft__ledger {
@@ -19,7 +20,7 @@ typedef struct weft__ledger {
 enum { WEFT__QUADRATURES = WEFT_POWERS + 1 }; /* the last: the embedder's force */
 
 /* What changes the energy at t, into rates[WEFT__QUADRATURES]; whether it is finite. */
-bool weft__ledger_rates(const weft_cloth *cloth, double t, const double *y,
+bool weft__ledger_rates(const weft__forces *forces, double t, const double *y,
                         double force_power, double *rates);
 
 /* y at t = 0; puts the quadratures behind it to 0. */
@@ -27,11 +28,12 @@ void weft__ledger_start(weft__ledger *ledger, const weft_cloth *cloth, double *y
 
 /* Around corrections: mark before the first, then after each that changed y account
  * what it added to the energy to *work, one of the ledger's. */
-void weft__ledger_mark(weft__ledger *ledger, const weft_cloth *cloth, const double *y);
-void weft__ledger_account(weft__ledger *ledger, const weft_cloth *cloth,
+void weft__ledger_mark(weft__ledger *ledger, const weft__forces *forces,
+                       const double *y);
+void weft__ledger_account(weft__ledger *ledger, const weft__forces *forces,
                           const double *y, double *work);
 
-weft_ledger weft__ledger_read(const weft__ledger *ledger, const weft_cloth *cloth,
+weft_ledger weft__ledger_read(const weft__ledger *ledger, const weft__forces *forces,
                               const double *y);
 
 #endif

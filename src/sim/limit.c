@@ -165,7 +165,7 @@ static bool solve(weft__limit *self)
         }
         weft__limited_sweep(&self->springs, self->x);
         ++self->stats.sweeps;
-        met = weft__limited_met(&self->springs, self->x);
+        met = weft__limited_excess(&self->springs, false, 1, self->x) == 0;
     }
     return met;
 }
@@ -216,7 +216,7 @@ bool weft__limit_apply(weft__limit *limit, double step, double *y)
     for (size_t j = 0; j < limit->count; ++j) {
         limit->x[j] = candidate(limit, h, y, j);
     }
-    if (weft__limited_met(&limit->springs, limit->x)) {
+    if (weft__limited_excess(&limit->springs, false, 1, limit->x) == 0) {
         return false;
     }
     ++limit->stats.corrected;

@@ -6,21 +6,23 @@
 
 #include "sim/simulation.h"
 
-/* v' += f / m of the free particles; the power f.v [W] of all of them. */
+/* v' += f / m of the free particles; the power f.v [W] of all of them, row by row. */
 static double accelerate(const weft_sim *sim, const double *y, double *dydt)
 {
     const size_t n = weft_cloth_particles(sim->cloth);
+    const size_t cols = weft_cloth_cols(sim->cloth);
     const double *v = y + 3 * n;
     double *dvdt = dydt + 3 * n;
-    double power = 0.0;
+    double power = 0.0, row = 0.0;
     for (size_t i = 0; i < n; ++i) {
-        if (weft_cloth_pinned(sim->cloth, i)) {
-            continue;
-        }
         const double mass = weft_cloth_particle_mass(sim->cloth, i);
-        for (size_t j = i; j < 3 * n; j += n) {
+        for (size_t j = i; !weft_cloth_pinned(sim->cloth, i) && j < 3 * n; j += n) {
             dvdt[j] += sim->added[j] / mass;
-            power += sim->added[j] * v[j];
+            row += sim->added[j] * v[j];
+        }
+        if ((i + 1) % cols == 0) {
+            power += row;
+            row = 0.0;
         }
     }
     return power;
@@ -45,7 +47,7 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
     }
     if (sim->ledger.on) {
         const bool finite
-            = weft__ledger_rates(sim->cloth, t, y, power, dydt + dim) && failed >= 0;
+            = weft__ledger_rates(&sim->forces, t, y, power, dydt + dim) && failed >= 0;
         failed = failed == 0 && !finite ? 1 : failed;
     }
     return failed;

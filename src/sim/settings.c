@@ -4,15 +4,6 @@
 #include "base/hash.h"
 #include "sim/simulation.h"
 
-static uint64_t hash_reals(uint64_t hash, const double *values, size_t count)
-{
-    hash = weft__hash_word(hash, values != NULL);
-    for (size_t i = 0; values != NULL && i < count; ++i) {
-        hash = weft__hash_real(hash, values[i]);
-    }
-    return hash;
-}
-
 static uint64_t hash_controller(uint64_t hash, const weft_controller *law)
 {
     const double numbers[]
@@ -20,8 +11,8 @@ static uint64_t hash_controller(uint64_t hash, const weft_controller *law)
             law->first_growth, law->min_reduction, law->failed_growth };
     hash = weft__hash_word(hash, law->type);
     hash = weft__hash_word(hash, (uint64_t)law->gain_count);
-    hash = hash_reals(hash, law->gains, (size_t)law->gain_count);
-    return hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
+    hash = weft__hash_reals(hash, law->gains, (size_t)law->gain_count);
+    return weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
 }
 
 /* Of steps under error control. */
@@ -31,7 +22,7 @@ static uint64_t hash_adaptive(uint64_t hash, const weft_stepper_config *config)
         = { config->rtol,       config->atol_position, config->atol_velocity,
             config->first_step, config->min_step,      config->max_step };
     hash = weft__hash_word(hash, config->norm);
-    hash = hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
+    hash = weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
     return hash;
 }
 
@@ -41,10 +32,10 @@ static uint64_t hash_table(uint64_t hash, const weft_butcher *table)
     hash = weft__hash_word(hash, stages);
     hash = weft__hash_word(hash, (uint64_t)table->order);
     hash = weft__hash_word(hash, (uint64_t)table->embedded_order);
-    hash = hash_reals(hash, table->a, stages * stages);
-    hash = hash_reals(hash, table->b, stages);
-    hash = hash_reals(hash, table->c, stages);
-    return hash_reals(hash, table->b_embedded, stages);
+    hash = weft__hash_reals(hash, table->a, stages * stages);
+    hash = weft__hash_reals(hash, table->b, stages);
+    hash = weft__hash_reals(hash, table->c, stages);
+    return weft__hash_reals(hash, table->b_embedded, stages);
 }
 
 static uint64_t hash_limit(uint64_t hash, const weft_limit_def *limit)
@@ -56,7 +47,7 @@ static uint64_t hash_limit(uint64_t hash, const weft_limit_def *limit)
     for (size_t family = 0; family < WEFT_FAMILIES; ++family) {
         hash = weft__hash_word(hash, limit->families[family]);
     }
-    return hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
+    return weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
 }
 
 uint64_t weft__settings_hash(const weft_sim_def *def, const weft_stepper_config *config)

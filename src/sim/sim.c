@@ -112,13 +112,17 @@ weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out
 }
 
 /* The stepper uses the threads of the forces: it works when they do not. */
-static void make_forces(weft_sim *sim)
+static weft_status make_forces(weft_sim *sim, weft_error *err)
 {
     sim->forces = weft__forces_create(sim->cloth, sim->config.threads, &sim->memory);
+    if (sim->forces.measures == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
+    }
     if (sim->forces.team != NULL && sim->config.team == NULL) {
         sim->worker_team = weft__team_lend(sim->forces.team);
         sim->config.team = &sim->worker_team;
     }
+    return WEFT_OK;
 }
 
 /* The simulation itself, filled as far as nothing else can fail. */
@@ -178,7 +182,9 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
         status = take_config(sim, def, err);
     }
     if (status == WEFT_OK) {
-        make_forces(sim);
+        status = make_forces(sim, err);
+    }
+    if (status == WEFT_OK) {
         status = weft__sim_stepper(sim, 0.0, &sim->stepper, err);
     }
     if (status != WEFT_OK) {
@@ -241,13 +247,13 @@ static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
 {
     weft__ledger *ledger = &sim->ledger;
     bool changed = false;
-    weft__ledger_mark(ledger, sim->cloth, sim->y);
+    weft__ledger_mark(ledger, &sim->forces, sim->y);
     if (sim->limit != NULL && limit(sim, h)) {
-        weft__ledger_account(ledger, sim->cloth, sim->y, &ledger->limit_work);
+        weft__ledger_account(ledger, &sim->forces, sim->y, &ledger->limit_work);
         changed = true;
     }
     if (sim->correct != NULL && correct(sim, h)) {
-        weft__ledger_account(ledger, sim->cloth, sim->y, &ledger->outside_work);
+        weft__ledger_account(ledger, &sim->forces, sim->y, &ledger->outside_work);
         changed = true;
     }
     if (changed) {
@@ -323,6 +329,12 @@ const weft_cloth *weft_sim_cloth(const weft_sim *sim)
     return sim->cloth;
 }
 
+weft_measures weft_sim_measure(const weft_sim *sim)
+{
+    const weft__subject of = { .cloth = sim->cloth, .t = sim->t, .y = sim->y };
+    return weft__forces_measure(&sim->forces, &of, weft__row_all);
+}
+
 weft_stepper_stats weft_sim_stats(const weft_sim *sim)
 {
     weft_stepper_stats stats = { .struct_size = sizeof stats };
@@ -344,7 +356,7 @@ void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx)
 
 weft_ledger weft_sim_ledger(const weft_sim *sim)
 {
-    return weft__ledger_read(&sim->ledger, sim->cloth, sim->y);
+    return weft__ledger_read(&sim->ledger, &sim->forces, sim->y);
 }
 
 double weft_sim_dissipated(const weft_sim *sim)
@@ -360,16 +372,20 @@ weft_limit_stats weft_sim_limit_stats(const weft_sim *sim)
 
 weft_spring weft_sim_limit_worst(const weft_sim *sim)
 {
-    return sim->limit == NULL
-               ? (weft_spring){ 0 }
-               : weft__limited_worst(weft__limit_springs(sim->limit), sim->y);
+    if (sim->limit == NULL) {
+        return (weft_spring){ 0 };
+    }
+    const weft__subject of = { .cloth = sim->cloth,
+                               .y = sim->y,
+                               .families = weft__limit_springs(sim->limit)->families };
+    return weft__forces_measure(&sim->forces, &of, weft__row_worst).worst;
 }
 
 size_t weft_sim_limit_held(const weft_sim *sim)
 {
-    return sim->limit == NULL
-               ? 0
-               : weft__limited_held(weft__limit_springs(sim->limit), sim->y);
+    return sim->limit == NULL ? 0
+                              : weft__limited_excess(weft__limit_springs(sim->limit),
+                                                     true, SIZE_MAX, sim->y);
 }
 
 /* Three planes of n to triples. */
@@ -405,12 +421,12 @@ static void set_planes(const weft_cloth *cloth, const double *xyz, double *plane
 
 void weft__sim_change_begins(weft_sim *sim)
 {
-    weft__ledger_mark(&sim->ledger, sim->cloth, sim->y);
+    weft__ledger_mark(&sim->ledger, &sim->forces, sim->y);
 }
 
 static void account_change(weft_sim *sim)
 {
-    weft__ledger_account(&sim->ledger, sim->cloth, sim->y, &sim->ledger.outside_work);
+    weft__ledger_account(&sim->ledger, &sim->forces, sim->y, &sim->ledger.outside_work);
 }
 
 void weft__sim_state_changed(weft_sim *sim)

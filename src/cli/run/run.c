@@ -286,8 +286,7 @@ static int run_prepared(run *self)
                                .result = &self->result };
     weft_status status = run_prepare(self, &err);
     self->beyond = stability_warn(self->scene, self->sim, self->from != NULL);
-    self->result.energy_start
-        = record_total_energy(self->cloth, weft_sim_state(self->sim));
+    self->result.energy_start = weft_energy_total(weft_sim_measure(self->sim).energy);
     if (status == WEFT_OK && self->from != NULL) {
         status = run_take_up(self, &err);
         if (status != WEFT_OK) {

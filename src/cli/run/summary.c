@@ -89,13 +89,11 @@ static void print_strain(const summary *self)
     print_item("strain", "at most %.3g %% at t = %.4g s, %s; %.3g %% at the end",
                100.0 * most->strain, self->extremes.strain_time,
                spring_text(most, weft_cloth_cols(cloth), spring),
-               100.0
-                   * weft_cloth_worst_spring(cloth, weft_sim_state(self->sim)).strain);
+               100.0 * weft_sim_measure(self->sim).worst.strain);
 }
 
 static void print_energy(const summary *self)
 {
-    const weft_cloth *cloth = weft_sim_cloth(self->sim);
     const weft_ledger ledger = weft_sim_ledger(self->sim);
     char balance[160] = "";
     if (ledger.kept) {
@@ -106,7 +104,7 @@ static void print_energy(const summary *self)
                        ledger.pin_work, ledger.residual);
     }
     print_item("energy", "%.6g -> %.6g J%s", self->result->energy_start,
-               record_total_energy(cloth, weft_sim_state(self->sim)), balance);
+               weft_energy_total(ledger.energy), balance);
 }
 
 static void print_limit(const summary *self)

@@ -70,9 +70,11 @@ static weft_status read_state(const char *directory, size_t rows, size_t cols,
     return status;
 }
 
-static weft_status check_hash(const char *directory, size_t n, const double *position,
-                              const double *velocity, weft_error *err)
+static weft_status check_hash(const char *directory, size_t rows, size_t cols,
+                              const double *position, const double *velocity,
+                              weft_error *err)
 {
+    const size_t n = rows * cols;
     uint64_t recorded = 0;
     double *y = malloc(6 * n * sizeof *y);
     if (y == NULL) {
@@ -82,7 +84,7 @@ static weft_status check_hash(const char *directory, size_t n, const double *pos
         y[i % 3 * n + i / 3] = position[i];
         y[(3 + i % 3) * n + i / 3] = velocity[i];
     }
-    const uint64_t hash = weft_state_hash(y, 6 * n);
+    const uint64_t hash = weft_state_hash(y, rows, cols);
     free(y);
     return record_result_hash(directory, &recorded) && hash == recorded
                ? WEFT_OK
@@ -98,6 +100,6 @@ weft_status record_final_read(const char *directory, size_t rows, size_t cols,
     const weft_status status
         = read_state(directory, rows, cols, position, velocity, err);
     return status == WEFT_OK
-               ? check_hash(directory, rows * cols, position, velocity, err)
+               ? check_hash(directory, rows, cols, position, velocity, err)
                : status;
 }

@@ -1,20 +1,24 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* levels.c -- which instructions this machine has. */
-#include "kernel/kernel.h"
+/* levels.c -- which kernels this machine has. WEFT_PLAIN: none. */
+#include "cloth/levels.h"
 
 #include <string.h>
 
 static const weft__level levels[] = {
-    { "plain", weft__springs_plain, weft__wind_plain, weft__damping_plain },
+#ifdef WEFT_PLAIN
+    { "plain", weft__reference_rows, weft__reference_damping },
+#else
+    { "plain", weft__rows_plain, weft__damping_plain },
 #ifdef __x86_64__
-    { "x86-64-v3", weft__springs_v3, weft__wind_v3, weft__damping_v3 },
-    { "x86-64-v4", weft__springs_v4, weft__wind_v4, weft__damping_v4 },
+    { "x86-64-v3", weft__rows_v3, weft__damping_v3 },
+    { "x86-64-v4", weft__rows_v4, weft__damping_v4 },
+#endif
 #endif
 };
 
 size_t weft__level_count(void)
 {
-#ifdef __x86_64__
+#if defined __x86_64__ && !defined WEFT_PLAIN
     /* what the compiler may use of a level, not merely its vectors */
     __builtin_cpu_init();
     const bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")

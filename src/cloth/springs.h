@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* springs.h -- the law of a spring and the iteration over springs, for src/cloth.
+ *
+ * A spring from p to q, of rest length s [m], stiffness k [N/m] and damping
+ * c [kg/s], pulls p by T u and q by -T u, where
+ *
+ *     T = k (L - s) + c w.u,   d = x_q - x_p,  L = |d|,  u = d / L,  w = v_q - v_p
+ *
+ * and by nothing where L = 0. The strain law T = K (L / s - 1) is the same with
+ * k = K / s. The elastic part is -dE/dx of E = k (L - s)^2 / 2; the damped part acts
+ * along the spring only, so that both kinds of momentum stay. The three families are
+ * those of Provot 1995; the damped law is the one of the lecture (docs/physics.md).
+ *
+ * src/kernel evaluates the same expressions on vectors. */
+#ifndef WEFT_CLOTH_SPRINGS_H
+#define WEFT_CLOTH_SPRINGS_H
+
+#include <float.h>
+#include <math.h>
+
+#include "cloth/model.h"
+
+/* A spring in a state. */
+typedef struct weft__spring {
+    const weft__group *group;
+    size_t p, q;
+    double d[3], square; /* [m], [m^2] d.d */
+} weft__spring;
+
+static inline double weft__dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* a_q - a_p of planes a[3 N]. */
+static inline void weft__spring_difference(const weft_cloth *cloth,
+                                           const weft__spring *spring, const double *a,
+                                           double difference[3])
+{
+    const size_t n = cloth->particles, p = spring->p, q = spring->q;
+    difference[0] = a[q] - a[p];
+    difference[1] = a[n + q] - a[n + p];
+    difference[2] = a[2 * n + q] - a[2 * n + p];
+}
+
+/* The spring of a group that begins at p, with positions x[3 N]; NULL: all 0. */
+static inline weft__spring weft__spring_from(const weft_cloth *cloth,
+                                             const weft__group *group, size_t p,
+                                             const double *x)
+{
+    weft__spring spring = { .group = group, .p = p, .q = p + (size_t)group->stride };
+    if (x != NULL) {
+        weft__spring_difference(cloth, &spring, x, spring.d);
+        spring.square = weft__dot(spring.d, spring.d);
+    }
+    return spring;
+}
+
+/* [m^2/s] w.d, with velocities v[3 N]. */
+static inline double weft__spring_rate(const weft_cloth *cloth,
+                                       const weft__spring *spring, const double *v)
+{
+    double w[3];
+    weft__spring_difference(cloth, spring, v, w);
+    return weft__dot(w, spring->d);
+}
+
+/* [N/m] T / L, exactly 0 at rest and where L = 0. */
+static inline double weft__spring_tension(const weft__spring *spring, double rate)
+{
+    const weft__group *group = spring->group;
+    const double length = sqrt(spring->square);
+    double work = group->stiffness * length * (length - group->rest_length);
+    if (group->damping != 0.0) {
+        work += group->damping * rate;
+    }
+    return work * (1.0 / (spring->square + DBL_MIN));
+}
+
+/* [J] E */
+static inline double weft__spring_energy(const weft__spring *spring)
+{
+    const double stretch = sqrt(spring->square) - spring->group->rest_length;
+    return 0.5 * spring->group->stiffness * stretch * stretch;
+}
+
+/* (L - s) / s */
+static inline double weft__spring_strain(const weft__spring *spring)
+{
+    const double rest_length = spring->group->rest_length;
+    return (sqrt(spring->square) - rest_length) / rest_length;
+}
+
+/* The springs that begin in a row, group by group:
+ *
+ *     for (weft__walk walk = weft__row_springs(cloth, x, r); weft__each_spring(&walk);)
+ *
+ * has one of them in walk.spring each time. */
+typedef struct weft__walk {
+    weft__spring spring;
+    const weft_cloth *cloth;
+    const double *x;
+    size_t row, groups; /* groups begun */
+    size_t next, end;   /* p of the present group */
+} weft__walk;
+
+static inline weft__walk weft__row_springs(const weft_cloth *cloth, const double *x,
+                                           size_t row)
+{
+    return (weft__walk){ .cloth = cloth, .x = x, .row = row };
+}
+
+static inline bool weft__each_spring(weft__walk *walk)
+{
+    const weft_cloth *cloth = walk->cloth;
+    for (; walk->next == walk->end; ++walk->groups) {
+        if (walk->groups == cloth->group_count) {
+            return false;
+        }
+        walk->spring.group = &cloth->groups[walk->groups];
+        if (walk->row < walk->spring.group->end_row) {
+            walk->next = walk->row * cloth->cols + walk->spring.group->first_col;
+            walk->end = walk->row * cloth->cols + walk->spring.group->end_col;
+        }
+    }
+    walk->spring = weft__spring_from(cloth, walk->spring.group, walk->next++, walk->x);
+    return true;
+}
+
+/* Those that begin or end at particle i; returns how many. */
+enum { WEFT__SPRINGS_MAX = 2 * WEFT_GROUPS };
+size_t weft__particle_springs(const weft_cloth *cloth, size_t i, const double *x,
+                              weft__spring springs[WEFT__SPRINGS_MAX]);
+
+/* Force [N] of all of them on particle i in state y. */
+void weft__springs_force(const weft_cloth *cloth, size_t i, const double *y,
+                         double force[3]);
+
+#endif
