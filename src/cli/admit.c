@@ -2,26 +2,29 @@
 /* admit.c -- plugins loaded on trial in a child process, as a plugin may end or block
  * its process while it is loaded. */
 #include <signal.h>
-#include <sys/wait.h>
 
 #include "cli/cli.h"
 #include "record/child_process.h"
 
 enum { LOAD_SECONDS = 10 }; /* ours take some milliseconds */
 
-/* The exit code of a child that came back from loading: rarely that of a plugin. One
- * that is refused comes back too, and the parent finds out why. */
-enum { CAME_BACK = 91 };
+typedef struct trial_load {
+    const char *file;
+    bool *returned; /* shared with the child: an exit code could be the plugin's */
+} trial_load;
 
-static int load(void *file, size_t job)
+/* A plugin that is refused returns too, and the parent finds out why. */
+static int load(void *ctx, size_t job)
 {
+    const trial_load *self = ctx;
     const weft_registry_def def = { 0 };
     weft_registry *registry = NULL;
     (void)job;
     if (weft_registry_create(&def, &registry, NULL) == WEFT_OK) {
-        (void)weft_registry_load(registry, file, NULL);
+        (void)weft_registry_load(registry, self->file, NULL);
     }
-    return CAME_BACK;
+    *self->returned = true;
+    return 0;
 }
 
 /* Where there are no more processes to be had, plugins are trusted. */
@@ -29,14 +32,14 @@ weft_status admit_plugin(void *ctx, const char *file, weft_error *err)
 {
     char why[128];
     process child;
+    trial_load self = { file, process_memory(1, sizeof *self.returned) };
     const process_def def = { .work = load,
-                              .ctx = (void *)file,
+                              .ctx = &self,
                               .end_signal = SIGKILL,
                               .seconds = LOAD_SECONDS,
                               .untrusted = true };
     (void)ctx;
-    if (!process_run(&def, 0, &child)
-        || (WIFEXITED(child.status) && WEXITSTATUS(child.status) == CAME_BACK)) {
+    if (self.returned == NULL || !process_run(&def, 0, &child) || *self.returned) {
         return WEFT_OK;
     }
     process_describe(child.status, why, sizeof why);
