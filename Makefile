@@ -417,9 +417,9 @@ fuzz-corpus:
 	@tools/fuzz-corpus build/fuzz $(filter-out vtkhdf,$(FUZZ))
 
 # clang's warnings, without a build. `make fuzz` builds with clang.
-clang-syntax:
+clang-syntax: $(BUILD)/tests/suites.h
 	@printf '%s\n' $(filter %.c,$(C_FILES)) | xargs -P "$$(nproc)" -L 16 clang $(STRICT) $(WARN) \
-	    $(INCS) -Itests $(HDF5_CFLAGS) $(MPI_INC) $(TEST_DEFS) -fsyntax-only
+	    $(INCS) -Itests -I$(BUILD)/tests $(HDF5_CFLAGS) $(MPI_INC) $(TEST_DEFS) -fsyntax-only
 
 valgrind: all
 	@tools/valgrind $(BUILD)

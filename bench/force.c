@@ -155,7 +155,7 @@ static void size(FILE *csv, size_t n)
     at.list = naive_create(&def, cloth);
     at.springs = at.list.count;
     for (size_t i = 0; i < BOUND; ++i) {
-        (size_t) at.numbers[i] = 1.0 + (double)i / BOUND;
+        at.numbers[i] = 1.0 + (double)i / BOUND;
     }
     for (size_t i = 0; i < THREADS; ++i) {
         at.forces[i] = weft__forces_create(cloth, i + 1, NULL);
