@@ -23,6 +23,7 @@ static int load(void *ctx, size_t job)
     if (weft_registry_create(&def, &registry, NULL) == WEFT_OK) {
         (void)weft_registry_load(registry, self->file, NULL);
     }
+    weft_registry_destroy(registry);
     *self->returned = true;
     return 0;
 }
