@@ -28,10 +28,12 @@ static void add_air(const weft_cloth *cloth, size_t i, const double *y,
 {
     const size_t n = cloth->particles;
     const double v[3] = { y[3 * n + i], y[4 * n + i], y[5 * n + i] };
-    double force[3];
-    weft__wind_force(cloth, i, y, 1.0, force);
     power[WEFT_POWER_DRAG] += cloth->drag * weft__dot(v, v);
-    power[WEFT_POWER_WIND] += weft__dot(force, v);
+    if (cloth->wind_drag != 0.0) {
+        double force[3];
+        weft__wind_force(cloth, i, y, 1.0, force);
+        power[WEFT_POWER_WIND] += weft__dot(force, v);
+    }
 }
 
 /* What moves a pin works against the springs that hold on to it. */
