@@ -303,6 +303,24 @@ START_TEST(a_simulation_may_start_with_the_pins_of_another)
 }
 END_TEST
 
+START_TEST(a_simulation_made_from_the_cloth_of_another_does_not_follow_its_pins)
+{
+    start();
+    const weft_cloth *shared = cloth;
+    cloth = (weft_cloth *)weft_sim_cloth(sim);
+    weft_sim *other = another();
+    cloth = (weft_cloth *)shared;
+    const size_t size = weft_sim_save_size(other);
+    unsigned char *saved = malloc(size);
+    fine(weft_sim_save(other, saved, size, NULL));
+    fine(weft_sim_unpin(sim, 0, NULL));
+    fine(weft_sim_restore(other, saved, size, NULL));
+    ck_assert(weft_cloth_pinned(weft_sim_cloth(other), 0));
+    free(saved);
+    weft_sim_destroy(other);
+}
+END_TEST
+
 /* ---- energy ---------------------------------------------------------------------- */
 
 static double total(const weft_energy *energy)
@@ -369,6 +387,8 @@ TEST_SUITE(pins)
     tcase_add_test(tcase, any_sequence_of_changes_leaves_the_pins_it_should);
     tcase_add_test(tcase, others_on_the_same_cloth_keep_their_pins);
     tcase_add_test(tcase, a_simulation_may_start_with_the_pins_of_another);
+    tcase_add_test(
+        tcase, a_simulation_made_from_the_cloth_of_another_does_not_follow_its_pins);
     tcase_add_test(tcase, changes_of_pins_are_accounted_for);
     suite_add_tcase(suite, tcase);
     return suite;

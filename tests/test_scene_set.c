@@ -145,6 +145,10 @@ static const struct {
     { "run.fps.rate=60",
       ":9: error: 'fps' is a single value: nothing can be set inside\n"
       "run.fps.rate=60\n        ^\n" },
+    { "cloth.pins.00=top",
+      ":12: error: '00' is no element of this list of 2; the first is 0, the next "
+      "free one 2\n"
+      "cloth.pins.00=top\n           ^\n" },
     { "cloth.pins.first=top",
       ":12: error: 'first' is no element of this list of 2; the first is 0, the next "
       "free one 2\n"

@@ -221,6 +221,7 @@ static const struct {
     { "departs", "it ended the process with exit code 0" },
     { "aborts", "it crashed: Aborted" },
     { "blocks", "it takes longer than 10 s" },
+    { "closes", "it closes standard streams" },
 };
 
 /* All at once, as each may have to wait for the plugin: exit code, file, command. */

@@ -13,7 +13,7 @@ weft_cloth *weft__cloth_copy(const weft_cloth *model, const weft_allocator *memo
     }
     *copy = *model;
     copy->memory = *memory;
-    copy->defined_pin = model->pin;
+    copy->defined_pin = model->defined_pin != NULL ? model->defined_pin : model->pin;
     copy->pin = weft__alloc(memory, n, sizeof *copy->pin);
     copy->pins = weft__alloc(memory, n, sizeof *copy->pins);
     copy->coast = weft__alloc(memory, 3 * n, sizeof *copy->coast);

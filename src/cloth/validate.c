@@ -74,7 +74,7 @@ static bool check_size(const weft_cloth_def *def, const weft__faults *to)
     if (rows == 0 || cols == 0) {
         const size_t field = rows == 0 ? FIELD(rows) : FIELD(cols);
         fault(to, field, field, "a grid of %zu x %zu has no particles", rows, cols);
-    } else if (rows * cols < 2) {
+    } else if (rows == 1 && cols == 1) {
         fault(to, FIELD(cols), FIELD(rows),
               "a grid of 1 x 1 is a single particle: rows * cols must be >= 2");
     } else if (rows > MAX_PARTICLES / cols) {

@@ -28,11 +28,14 @@ static void set_limit(int resource, rlim_t most)
     (void)setrlimit(resource, &limit);
 }
 
-_Noreturn static void run_child(const process_def *def, size_t job)
+_Noreturn static void run_child(const process_def *def, size_t job, pid_t parent)
 {
 #ifdef __linux__
     (void)prctl(PR_SET_PDEATHSIG, def->end_signal);
 #endif
+    if (getppid() != parent) {
+        _exit(1); /* it has ended before that */
+    }
     if (def->cpu_seconds > 0) {
         set_limit(RLIMIT_CPU, def->cpu_seconds);
     }
@@ -52,12 +55,13 @@ static bool start(const process_def *def, size_t job, process *out)
     (void)signal(SIGCHLD, SIG_DFL); /* a shell may have it ignored: no status then */
     (void)fflush(NULL);             /* the child flushes as well */
     const double now = weft__wall_clock();
+    const pid_t self = getpid();
     *out = (process){ .pid = fork(),
                       .job = job,
                       .began = now,
                       .deadline = def->seconds > 0.0 ? now + def->seconds : HUGE_VAL };
     if (out->pid == 0) {
-        run_child(def, job);
+        run_child(def, job, self);
     }
     out->pid = out->pid < 0 ? 0 : out->pid;
     return out->pid > 0;

@@ -41,7 +41,9 @@ static int shown_length(const segment *part)
 
 static bool is_index(const segment *part)
 {
-    return part->length < 8 && strspn(part->name, "0123456789") >= part->length;
+    const bool one_form = part->length == 1 || part->name[0] != '0'; /* no 00 */
+    return part->length < 8 && one_form
+           && strspn(part->name, "0123456789") >= part->length;
 }
 
 /* The next part of the path; false if it is empty or no key. */

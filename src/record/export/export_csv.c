@@ -90,7 +90,8 @@ static weft_status check_hash(const char *directory, size_t rows, size_t cols,
                ? WEFT_OK
                : weft_error_set(err, WEFT_IO,
                                 "%s/final.csv: damaged: its state has hash %016" PRIx64
-                                ", that of result.yaml %016" PRIx64,
+                                ", that of result.yaml %016" PRIx64
+                                ": other versions? see manifest.yaml",
                                 directory, hash, recorded);
 }
 
