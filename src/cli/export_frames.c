@@ -117,7 +117,9 @@ static weft_status read_frames(export_job *job, weft_error *err)
 static weft_status check_hash(const export_job *job, size_t index, weft_error *err)
 {
     const uint64_t recorded = job->series[index].hash;
-    const uint64_t hash = weft_sim_measure(job->sim).hash;
+    const uint64_t hash
+        = weft_state_hash(weft_sim_state(job->sim), weft_cloth_rows(job->cloth),
+                          weft_cloth_cols(job->cloth));
     return hash == recorded
                ? WEFT_OK
                : weft_error_set(err, WEFT_SOLVER,

@@ -12,6 +12,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/finite.h"
 #include "record/child_process.h"
 #include "record/hdf.h"
 #include "record/record.h"
@@ -186,16 +187,6 @@ static const char *load_fields(frames_file *self)
     return NULL;
 }
 
-static bool all_finite(const double *values, size_t count)
-{
-    for (size_t i = 0; i < count; ++i) {
-        if (!isfinite(values[i])) {
-            return false;
-        }
-    }
-    return true;
-}
-
 static const char *load_tables(frames_file *self)
 {
     const hid_t type = H5T_IEEE_F64LE;
@@ -209,7 +200,7 @@ static const char *load_tables(frames_file *self)
         return "/weft/Rest, Steps/Values or FieldData/" VTKHDF_FRAME_FIELD
                " are missing or wrong";
     }
-    if (!all_finite(self->seen.rest, 3 * self->n)) {
+    if (!weft__all_finite(self->seen.rest, 3 * self->n)) {
         return "/weft/Rest is not finite";
     }
     for (size_t i = 0; i < self->seen.count; ++i) {
@@ -266,7 +257,7 @@ static weft_status read_frame(const frames_file *self, const hdf_set *set, size_
                               self->seen.count);
     }
     return hdf_read(set, i, H5T_NATIVE_DOUBLE, values)
-                   && all_finite(values, set->rows * set->width)
+                   && weft__all_finite(values, set->rows * set->width)
                ? WEFT_OK
                : weft_error_set(err, WEFT_IO, "%s: damaged: frame %zu", self->path, i);
 }

@@ -213,16 +213,6 @@ void weft_sim_destroy(weft_sim *sim)
     }
 }
 
-bool weft__all_finite(const double *values, size_t count)
-{
-    /* 0 x is NaN for an x that is not finite, and NaN stays in a sum */
-    double sum = 0.0;
-    for (size_t i = 0; i < count; ++i) {
-        sum += 0.0 * values[i];
-    }
-    return sum == 0.0;
-}
-
 static bool limit(weft_sim *sim, double h)
 {
     const uint64_t before = weft__limit_stats(sim->limit).unconverged;

@@ -3,6 +3,7 @@
 #ifndef WEFT_SIM_SIMULATION_H
 #define WEFT_SIM_SIMULATION_H
 
+#include "base/finite.h"
 #include "sim/forces.h"
 #include "sim/ledger.h"
 #include "sim/limit.h"
@@ -52,8 +53,6 @@ weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err
 
 /* The length of y. */
 size_t weft__sim_dim(const weft_sim *sim);
-
-bool weft__all_finite(const double *values, size_t count);
 
 /* Around a change of y or of the cloth from outside, between two steps. */
 void weft__sim_change_begins(weft_sim *sim);

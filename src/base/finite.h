@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* finite.h -- whether numbers are finite, all of them at a time. */
+#ifndef WEFT_BASE_FINITE_H
+#define WEFT_BASE_FINITE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+static inline bool weft__all_finite(const double *values, size_t count)
+{
+    /* 0 x is NaN for an x that is not finite, and NaN stays in a sum */
+    double sum = 0.0;
+    for (size_t i = 0; i < count; ++i) {
+        sum += 0.0 * values[i];
+    }
+    return sum == 0.0;
+}
+
+#endif
