@@ -29,8 +29,7 @@ weft_cloth_def weft_cloth_def_default(void)
 
 static void normalise(const double from[3], double to[3])
 {
-    const double length
-        = sqrt(from[0] * from[0] + from[1] * from[1] + from[2] * from[2]);
+    const double length = weft__length(from);
     for (size_t k = 0; k < 3; ++k) {
         to[k] = from[k] / length;
     }

@@ -4,14 +4,21 @@
 
 #include <string.h>
 
+#define ADDED(name, level) weft__##name##_##level,
+#define KERNELS(level)                                                                 \
+    weft__rows_##level, weft__damping_##level,                                         \
+    {                                                                                  \
+        WEFT_ADDED(ADDED, level)                                                       \
+    }
+
 static const weft__level levels[] = {
 #ifdef WEFT_PLAIN
-    { "plain", weft__reference_rows, weft__reference_damping },
+    { "plain", weft__reference_rows, weft__reference_damping, { NULL } },
 #else
-    { "plain", weft__rows_plain, weft__damping_plain },
+    { "plain", KERNELS(plain) },
 #ifdef __x86_64__
-    { "x86-64-v3", weft__rows_v3, weft__damping_v3 },
-    { "x86-64-v4", weft__rows_v4, weft__damping_v4 },
+    { "x86-64-v3", KERNELS(v3) },
+    { "x86-64-v4", KERNELS(v4) },
 #endif
 #endif
 };

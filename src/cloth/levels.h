@@ -4,21 +4,17 @@
 #ifndef WEFT_CLOTH_LEVELS_H
 #define WEFT_CLOTH_LEVELS_H
 
+#include "cloth/added.h"
 #include "cloth/model.h"
 
-/* Of the rows [first_row, end_row): x' and v' into dydt as if nothing were pinned; 0,
- * or 1 if something is not finite. However the rows are divided into calls, the result
- * is the same. */
-typedef int weft__rows_fn(const weft_cloth *cloth, const double *y, double *dydt,
-                          size_t first_row, size_t end_row);
-
-/* Power [W] that the dampers of the springs which begin in row r take. */
+/* Power [W] turned into heat by the dampers of the springs that begin in row r. */
 typedef double weft__damping_fn(const weft_cloth *cloth, const double *y, size_t r);
 
 struct weft__level {
     const char *name;
-    weft__rows_fn *rows;
+    weft__rows_fn *rows; /* x' and v' by springs, gravity and drag, without pins */
     weft__damping_fn *damping;
+    weft__rows_fn *added[WEFT__ADDED]; /* add to v'; NULL: `rows` includes them */
 };
 
 /* The plain loops: rhs.c, power.c. */
@@ -33,9 +29,11 @@ weft__damping_fn weft__reference_damping;
 #define WEFT_LEVELS(X) X(plain)
 #endif
 
+#define WEFT_ADDED_KERNEL(name, level) weft__rows_fn weft__##name##_##level;
 #define WEFT_LEVEL_KERNELS(level)                                                      \
-    weft__rows_fn weft__rows_##level, weft__wind_##level;                              \
-    weft__damping_fn weft__damping_##level;
+    weft__rows_fn weft__rows_##level;                                                  \
+    weft__damping_fn weft__damping_##level;                                            \
+    WEFT_ADDED(WEFT_ADDED_KERNEL, level)
 WEFT_LEVELS(WEFT_LEVEL_KERNELS)
 #undef WEFT_LEVEL_KERNELS
 

@@ -79,13 +79,18 @@ static uint64_t row_hash(const double *y, size_t rows, size_t cols, size_t r)
     return hash;
 }
 
-void weft__row_all(const weft__subject *of, size_t r, weft_measures *row)
+void weft__row_state(const weft__subject *of, size_t r, weft_measures *row)
 {
     weft__row_energy(of, r, row);
-    weft__row_power(of, r, row);
     weft__row_worst(of, r, row);
     row_momentum(of, r, row);
     row->hash = row_hash(of->y, of->cloth->rows, of->cloth->cols, r);
+}
+
+void weft__row_all(const weft__subject *of, size_t r, weft_measures *row)
+{
+    weft__row_state(of, r, row);
+    weft__row_power(of, r, row);
 }
 
 const weft_measures weft__measures_start = { .hash = WEFT__HASH_START };
@@ -142,6 +147,12 @@ void weft_cloth_power(const weft_cloth *cloth, double t, const double *y,
 {
     memcpy(power, measure(cloth, t, y, weft__row_power).power,
            WEFT_POWERS * sizeof *power);
+}
+
+double weft_cloth_dissipation(const weft_cloth *cloth, const double *y)
+{
+    const weft_measures sum = measure(cloth, 0.0, y, weft__row_heat);
+    return sum.power[WEFT_POWER_SPRINGS] + sum.power[WEFT_POWER_DRAG];
 }
 
 void weft_cloth_momentum(const weft_cloth *cloth, const double *y, double p[3])

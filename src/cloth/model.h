@@ -8,6 +8,7 @@
 #define WEFT_CLOTH_MODEL_H
 
 #include <float.h>
+#include <math.h>
 
 #include "weft/cloth.h"
 
@@ -90,16 +91,22 @@ bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults
 /* A range of def with negative ends resolved; false if it leaves [0, count). */
 bool weft__range_resolve(weft_range range, size_t count, size_t *first, size_t *last);
 
+static inline double weft__dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline double weft__length(const double a[3])
+{
+    return sqrt(weft__dot(a, a));
+}
+
 /* Rest position [m] of particle (r, c). */
 void weft__rest_position(const weft_cloth *cloth, size_t r, size_t c, double x[3]);
 
 /* Lumped area [m^2] of particle (r, c): halved on each edge it lies on; a direction
  * with a single row or column counts as 1 m wide. */
 double weft__area(const weft_cloth *cloth, size_t r, size_t c);
-
-/* wind.c: force [N] of the wind on particle i times `share`; 0 without wind. */
-void weft__wind_force(const weft_cloth *cloth, size_t i, const double *y, double share,
-                      double force[3]);
 
 /* rhs.c: velocity [m/s] of pinned particle i, then its acceleration [m/s^2]. */
 void weft__pin_rate(const weft_cloth *cloth, size_t i, double t, double rate[6]);

@@ -6,10 +6,7 @@
  *
  * Each row is summed by itself, then the rows in their order. */
 #include "cloth/levels.h"
-#include "cloth/rows.h"
 #include "cloth/springs.h"
-
-#include <string.h>
 
 double weft__reference_damping(const weft_cloth *cloth, const double *y, size_t r)
 {
@@ -22,21 +19,7 @@ double weft__reference_damping(const weft_cloth *cloth, const double *y, size_t 
     return power;
 }
 
-/* Work of the wind and of drag on a free particle. */
-static void add_air(const weft_cloth *cloth, size_t i, const double *y,
-                    double power[WEFT_POWERS])
-{
-    const size_t n = cloth->particles;
-    const double v[3] = { y[3 * n + i], y[4 * n + i], y[5 * n + i] };
-    power[WEFT_POWER_DRAG] += cloth->drag * weft__dot(v, v);
-    if (cloth->wind_drag != 0.0) {
-        double force[3];
-        weft__wind_force(cloth, i, y, 1.0, force);
-        power[WEFT_POWER_WIND] += weft__dot(force, v);
-    }
-}
-
-/* What moves a pin works against the springs that hold on to it. */
+/* The motion of a pin does work against its springs. */
 static double pin_power(const weft_cloth *cloth, size_t i, double t, const double *y)
 {
     double force[3], rate[6];
@@ -45,25 +28,30 @@ static double pin_power(const weft_cloth *cloth, size_t i, double t, const doubl
     return -weft__dot(force, rate);
 }
 
-void weft__row_power(const weft__subject *of, size_t r, weft_measures *row)
+void weft__row_heat(const weft__subject *of, size_t r, weft_measures *row)
 {
     const weft_cloth *cloth = of->cloth;
-    const bool air = cloth->drag != 0.0 || cloth->wind_drag != 0.0;
+    const size_t n = cloth->particles, end = (r + 1) * cloth->cols;
     row->power[WEFT_POWER_SPRINGS] = cloth->level->damping(cloth, of->y, r);
-    for (size_t i = r * cloth->cols; i < (r + 1) * cloth->cols; ++i) {
+    for (size_t i = r * cloth->cols; cloth->drag != 0.0 && i < end; ++i) {
+        const double *z = of->y + i;
+        const double v[3] = { z[3 * n], z[4 * n], z[5 * n] };
         if (cloth->pin[i] == 0) {
-            if (air) {
-                add_air(cloth, i, of->y, row->power);
-            }
-        } else if (cloth->motions[cloth->pin[i] - 1].moves) {
-            row->power[WEFT_POWER_PINS] += pin_power(cloth, i, of->t, of->y);
+            row->power[WEFT_POWER_DRAG] += cloth->drag * weft__dot(v, v);
         }
     }
 }
 
-double weft_cloth_dissipation(const weft_cloth *cloth, const double *y)
+void weft__row_power(const weft__subject *of, size_t r, weft_measures *row)
 {
-    double power[WEFT_POWERS];
-    weft_cloth_power(cloth, 0.0, y, power); /* pins alone depend on t */
-    return power[WEFT_POWER_SPRINGS] + power[WEFT_POWER_DRAG];
+    const weft_cloth *cloth = of->cloth;
+    weft__row_heat(of, r, row);
+    for (size_t a = 0; a < WEFT__ADDED; ++a) {
+        weft__added_forces[a]->power(of, r, row);
+    }
+    for (size_t i = r * cloth->cols; i < (r + 1) * cloth->cols; ++i) {
+        if (cloth->pin[i] != 0 && cloth->motions[cloth->pin[i] - 1].moves) {
+            row->power[WEFT_POWER_PINS] += pin_power(cloth, i, of->t, of->y);
+        }
+    }
 }

@@ -8,22 +8,37 @@
  * motion has x' = v' = 0 and keeps its position bit for bit. The plain loops here are
  * what src/kernel does fast, with the same bits. */
 #include "cloth/levels.h"
-#include "cloth/rows.h"
 #include "cloth/springs.h"
 
 #include "weft/elementary.h"
 
+#define POINTER(name, level) &weft__##name,
+const weft__added *const weft__added_forces[WEFT__ADDED] = { WEFT_ADDED(POINTER, ) };
+
+/* Adds the added forces on particle i times `share` to to[3], n apart. */
+static void add(const weft__subject *of, size_t i, double share, double *to)
+{
+    for (size_t a = 0; a < WEFT__ADDED; ++a) {
+        double force[3];
+        weft__added_forces[a]->force(of, i, share, force);
+        for (size_t k = 0; k < 3; ++k) {
+            to[k * of->cloth->particles] += force[k];
+        }
+    }
+}
+
 void weft_cloth_force(const weft_cloth *cloth, const double *y, double *f)
 {
+    const weft__subject of = { .cloth = cloth, .y = y };
     const size_t n = cloth->particles;
     for (size_t i = 0; i < n; ++i) {
-        double springs[3], wind[3];
+        double springs[3];
         weft__springs_force(cloth, i, y, springs);
-        weft__wind_force(cloth, i, y, 1.0, wind);
         for (size_t k = 0; k < 3; ++k) {
             f[k * n + i] = cloth->mass[i] * cloth->gravity[k]
-                           + (springs[k] - cloth->drag * y[(k + 3) * n + i]) + wind[k];
+                           + (springs[k] - cloth->drag * y[(k + 3) * n + i]);
         }
+        add(&of, i, 1.0, f + i);
     }
 }
 
@@ -33,21 +48,21 @@ static double trouble(const double *z, size_t n)
     return ((z[3 * n] + z[4 * n] + z[5 * n]) + (z[0] + z[n] + z[2 * n])) * 0.0;
 }
 
-int weft__reference_rows(const weft_cloth *cloth, const double *y, double *dydt,
-                         size_t first_row, size_t end_row)
+int weft__reference_rows(const weft__subject *of, double *dydt, size_t first_row,
+                         size_t end_row)
 {
+    const weft_cloth *cloth = of->cloth;
     const size_t n = cloth->particles, end = end_row * cloth->cols;
     double bad = 0.0;
     for (size_t i = first_row * cloth->cols; i < end; ++i) {
-        double springs[3], wind[3];
-        weft__springs_force(cloth, i, y, springs);
-        weft__wind_force(cloth, i, y, cloth->inverse_mass[i], wind);
+        double springs[3];
+        weft__springs_force(cloth, i, of->y, springs);
         for (size_t k = 0; k < 3; ++k) {
-            const double v = dydt[k * n + i] = y[(k + 3) * n + i];
+            const double v = dydt[k * n + i] = of->y[(k + 3) * n + i];
             const double force = springs[k] - cloth->drag * v;
-            dydt[(k + 3) * n + i]
-                = cloth->gravity[k] + cloth->inverse_mass[i] * force + wind[k];
+            dydt[(k + 3) * n + i] = cloth->gravity[k] + cloth->inverse_mass[i] * force;
         }
+        add(of, i, cloth->inverse_mass[i], dydt + 3 * n + i);
         bad += trouble(dydt + i, n);
     }
     return bad == 0.0 ? 0 : 1;
@@ -92,15 +107,19 @@ static void move_pins(const weft_cloth *cloth, double t, double *dydt, size_t fi
     }
 }
 
-int weft__rhs_rows(const weft_cloth *cloth, double t, const double *y, double *dydt,
-                   size_t first, size_t end)
+int weft__rhs_rows(const weft__subject *of, double *dydt, size_t first, size_t end)
 {
-    const int failed = cloth->level->rows(cloth, y, dydt, first, end);
-    move_pins(cloth, t, dydt, first * cloth->cols, end * cloth->cols);
+    const weft_cloth *cloth = of->cloth;
+    int failed = cloth->level->rows(of, dydt, first, end);
+    for (size_t a = 0; a < WEFT__ADDED && cloth->level->added[a] != NULL; ++a) {
+        failed |= cloth->level->added[a](of, dydt, first, end);
+    }
+    move_pins(cloth, of->t, dydt, first * cloth->cols, end * cloth->cols);
     return failed;
 }
 
 int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y, double *dydt)
 {
-    return weft__rhs_rows(cloth, t, y, dydt, 0, cloth->rows);
+    const weft__subject of = { .cloth = cloth, .t = t, .y = y };
+    return weft__rhs_rows(&of, dydt, 0, cloth->rows);
 }

@@ -27,11 +27,6 @@ typedef struct weft__spring {
     double d[3], square; /* [m], [m^2] d.d */
 } weft__spring;
 
-static inline double weft__dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* a_q - a_p of planes a[3 N]. */
 static inline void weft__spring_difference(const weft_cloth *cloth,
                                            const weft__spring *spring, const double *a,

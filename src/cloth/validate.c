@@ -3,9 +3,10 @@
  * written so that NaN fails. */
 #include "cloth/model.h"
 
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+
+#include "base/finite.h"
 
 #define MAX_PARTICLES ((size_t)1 << 31)
 
@@ -21,21 +22,6 @@ static void fault(const weft__faults *to, size_t field, size_t other,
     (void)vsnprintf(message, sizeof message, format, args);
     va_end(args);
     to->found(to->ctx, field, other, message);
-}
-
-static bool finite3(const double v[3])
-{
-    return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
-}
-
-static bool not_negative(double x)
-{
-    return isfinite(x) && x >= 0.0;
-}
-
-static bool positive(double x)
-{
-    return isfinite(x) && x > 0.0;
 }
 
 bool weft__range_resolve(weft_range range, size_t count, size_t *first, size_t *last)
@@ -89,8 +75,9 @@ static bool check_size(const weft_cloth_def *def, const weft__faults *to)
 
 static bool check_lengths(const weft_cloth_def *def, const weft__faults *to)
 {
-    const bool spaced = positive(def->spacing[0]) && positive(def->spacing[1]);
-    const bool scaled = positive(def->scale);
+    const bool spaced
+        = weft__positive(def->spacing[0]) && weft__positive(def->spacing[1]);
+    const bool scaled = weft__positive(def->scale);
     if (!spaced) {
         fault(to, FIELD(spacing), FIELD(spacing), "spacing %g, %g m: must be > 0",
               def->spacing[0], def->spacing[1]);
@@ -98,27 +85,22 @@ static bool check_lengths(const weft_cloth_def *def, const weft__faults *to)
     if (!scaled) {
         fault(to, FIELD(scale), FIELD(scale), "scale %g: must be > 0", def->scale);
     }
-    if (!finite3(def->origin) || !finite3(def->velocity)) {
+    if (!weft__all_finite(def->origin, 3) || !weft__all_finite(def->velocity, 3)) {
         fault(to, FIELD(origin), FIELD(velocity), "origin and velocity must be finite");
     }
-    return spaced && scaled && finite3(def->origin);
-}
-
-static double length(const double v[3])
-{
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    return spaced && scaled && weft__all_finite(def->origin, 3);
 }
 
 static bool check_axes(const weft_cloth_def *def, const weft__faults *to)
 {
     const double *a = def->right, *b = def->down;
-    if (!positive(length(a)) || !positive(length(b))) {
-        const size_t field = positive(length(a)) ? FIELD(down) : FIELD(right);
+    if (!weft__positive(weft__length(a)) || !weft__positive(weft__length(b))) {
+        const size_t field
+            = weft__positive(weft__length(a)) ? FIELD(down) : FIELD(right);
         fault(to, field, field, "right and down must be finite and not zero");
         return false;
     }
-    const double cosine
-        = (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / (length(a) * length(b));
+    const double cosine = weft__dot(a, b) / (weft__length(a) * weft__length(b));
     if (!(fabs(cosine) <= 1e-9)) {
         fault(
             to, FIELD(down), FIELD(right),
@@ -159,7 +141,7 @@ static bool may_coincide(const weft_cloth *grid)
         = (double)grid->rows * grid->spacing[0] + (double)grid->cols * grid->spacing[1];
     const double smaller = fmin(grid->spacing[0], grid->spacing[1]);
     /* a unit vector has a component of 0.57 or more; 2^-52 is the spacing of doubles */
-    const double limit = 16.0 * 0x1p-52 * (length(grid->origin) + extent);
+    const double limit = 16.0 * 0x1p-52 * (weft__length(grid->origin) + extent);
     return !(smaller > limit && smaller > 1e-150);
 }
 
@@ -170,7 +152,7 @@ static bool coincide(const weft_cloth *grid, size_t r, size_t c, size_t r2, size
     weft__rest_position(grid, r, c, a);
     weft__rest_position(grid, r2, c2, b);
     const double d[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
-    return r2 < grid->rows && c2 < grid->cols && length(d) == 0.0;
+    return r2 < grid->rows && c2 < grid->cols && weft__length(d) == 0.0;
 }
 
 static void check_apart(const weft_cloth *grid, const weft__faults *to)
@@ -209,7 +191,7 @@ bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults
 
 static void check_mass(const weft_cloth_def *def, const weft__faults *to)
 {
-    if (!not_negative(def->mass) || !not_negative(def->density)
+    if (!weft__not_negative(def->mass) || !weft__not_negative(def->density)
         || (def->mass > 0.0) == (def->density > 0.0)) {
         fault(to, FIELD(mass), FIELD(density),
               "mass %g kg, density %g kg/m^2: exactly one must be > 0", def->mass,
@@ -217,7 +199,7 @@ static void check_mass(const weft_cloth_def *def, const weft__faults *to)
     }
     for (size_t i = 0; i < def->load_count; ++i) {
         const weft_load *load = &def->loads[i];
-        if (!positive(load->mass)) {
+        if (!weft__positive(load->mass)) {
             fault(to, FIELD(loads), FIELD(loads), "load %zu: mass %g kg: must be > 0",
                   i, load->mass);
         }
@@ -233,7 +215,8 @@ static void check_springs(const weft_cloth_def *def, const weft__faults *to)
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
         const weft_spring_def *spring = &def->springs[i];
         if (spring->present
-            && (!not_negative(spring->stiffness) || !not_negative(spring->damping))) {
+            && (!weft__not_negative(spring->stiffness)
+                || !weft__not_negative(spring->damping))) {
             const size_t field = FIELD(springs) + i * sizeof *spring;
             fault(to, field, field,
                   "%s springs: stiffness %g, damping %g: must be >= 0",
@@ -246,8 +229,8 @@ static void check_pins(const weft_cloth_def *def, const weft__faults *to)
 {
     for (size_t i = 0; i < def->pin_count; ++i) {
         const weft_pin *pin = &def->pins[i];
-        if (!finite3(pin->velocity) || !finite3(pin->amplitude)
-            || !not_negative(pin->frequency)) {
+        if (!weft__all_finite(pin->velocity, 3) || !weft__all_finite(pin->amplitude, 3)
+            || !weft__not_negative(pin->frequency)) {
             fault(to, FIELD(pins), FIELD(pins),
                   "pin %zu: its motion must be finite, frequency >= 0", i);
         }
@@ -257,8 +240,8 @@ static void check_pins(const weft_cloth_def *def, const weft__faults *to)
 
 static void check_forces(const weft_cloth_def *def, const weft__faults *to)
 {
-    if (!finite3(def->gravity) || !finite3(def->wind_velocity)
-        || !not_negative(def->drag) || !not_negative(def->wind_drag)) {
+    if (!weft__all_finite(def->gravity, 3) || !weft__all_finite(def->wind_velocity, 3)
+        || !weft__not_negative(def->drag) || !weft__not_negative(def->wind_drag)) {
         fault(to, FIELD(gravity), FIELD(wind_velocity),
               "forces must be finite, drag and wind drag >= 0");
     }

@@ -351,21 +351,16 @@ static unsigned start(sweep *self, const weft_cloth *cloth, const double *y)
     return all;
 }
 
-weft__rows_fn NAME(wind, LEVEL); /* kernel_wind.c: adds to v' */
-
-int NAME(rows, LEVEL)(const weft_cloth *cloth, const double *y, double *dydt,
-                      size_t first_row, size_t end_row)
+int NAME(rows, LEVEL)(const weft__subject *of, double *dydt, size_t first_row,
+                      size_t end_row)
 {
     sweep self;
-    const unsigned all = start(&self, cloth, y);
+    const unsigned all = start(&self, of->cloth, of->y);
     self.dydt = dydt;
     self.detour = stores_delay_loads(&self);
     for (size_t c = 0; c == 0 || c < self.inner; c += TILE) {
         const size_t end = self.inner - c < TILE ? self.inner : c + TILE;
         tile(&self, c, end, all, first_row, end_row);
     }
-    const int failed = sum(self.bad) == 0.0 ? 0 : 1;
-    return cloth->wind_drag == 0.0
-               ? failed
-               : failed | NAME(wind, LEVEL)(cloth, y, dydt, first_row, end_row);
+    return sum(self.bad) == 0.0 ? 0 : 1;
 }

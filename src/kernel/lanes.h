@@ -99,6 +99,13 @@ INLINE vec3 load3(const double *from, size_t plane)
     return (vec3){ load(from), load(from + plane), load(from + 2 * plane) };
 }
 
+INLINE void set_lane(vec3 *a, size_t lane, const double *from, size_t plane)
+{
+    a->x[lane] = from[0];
+    a->y[lane] = from[plane];
+    a->z[lane] = from[2 * plane];
+}
+
 /* The first `count` lanes; 0 in the others. */
 INLINE vec3 load3_some(const double *from, size_t plane, size_t count)
 {
@@ -107,9 +114,7 @@ INLINE vec3 load3_some(const double *from, size_t plane, size_t count)
         return load3(from, plane);
     }
     for (size_t i = 0; i < count; ++i) {
-        a.x[i] = from[i];
-        a.y[i] = from[plane + i];
-        a.z[i] = from[2 * plane + i];
+        set_lane(&a, i, from + i, plane);
     }
     return a;
 }

@@ -41,11 +41,9 @@ void weft__forces_destroy(weft__forces *forces)
 
 typedef struct call {
     const weft__forces *forces;
-    double t;
-    const double *y;
+    const weft__subject *subject;
     double *dydt;
     atomic_int failed;
-    const weft__subject *subject;
     weft__row_fn *row;
 } call;
 
@@ -72,7 +70,7 @@ static void force_band(void *ctx, size_t i)
 {
     call *of = ctx;
     const size_t first = first_row(of->forces, i), end = first_row(of->forces, i + 1);
-    if (weft__rhs_rows(of->forces->cloth, of->t, of->y, of->dydt, first, end) != 0) {
+    if (weft__rhs_rows(of->subject, of->dydt, first, end) != 0) {
         atomic_store(&of->failed, 1);
     }
 }
@@ -80,7 +78,8 @@ static void force_band(void *ctx, size_t i)
 int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
                      double *dydt)
 {
-    call all = { .forces = forces, .t = t, .y = y, .dydt = dydt };
+    const weft__subject of = { .cloth = forces->cloth, .t = t, .y = y };
+    call all = { .forces = forces, .subject = &of, .dydt = dydt };
     run_bands(forces, force_band, &all);
     return atomic_load(&all.failed);
 }
