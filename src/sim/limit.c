@@ -18,21 +18,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/finite.h"
 #include "base/memory.h"
-
-struct weft__limit {
-    weft_allocator memory;
-    weft_limit_def def;
-    weft__limited springs;
-    weft_limit_stats stats;
-    double last_h;    /* [s] of the step before */
-    size_t count;     /* 3 N */
-    double *x;        /* positions under correction */
-    double *previous; /* fast: x_k */
-    double *start;    /* fast: z, that the last sweep started from */
-    double t, most;   /* fast: t_k, and what it may grow to */
-    double least2;    /* fast: the least that a sweep moved, squared */
-};
 
 /* Momentum that makes sweeps move this much more than they did is stopped, and from
  * then on kept below this part of what it was. */
@@ -46,9 +33,9 @@ static weft_status check(const weft_limit_def *def, weft_error *err)
         wrong = "no such method";
     } else if (def->solver != WEFT_LIMIT_FAST && def->solver != WEFT_LIMIT_SWEEP) {
         wrong = "no such solver";
-    } else if (!(def->strain >= 0.0) || !isfinite(def->strain)) {
+    } else if (!weft__not_negative(def->strain)) {
         wrong = "strain must be >= 0";
-    } else if (!(def->tolerance > 0.0) || !isfinite(def->tolerance)) {
+    } else if (!weft__positive(def->tolerance)) {
         wrong = "tolerance must be > 0";
     } else if (def->sweeps == 0) {
         wrong = "sweeps must be >= 1";
@@ -59,12 +46,12 @@ static weft_status check(const weft_limit_def *def, weft_error *err)
                          : weft_error_set(err, WEFT_INVALID, "limit: %s", wrong);
 }
 
-weft_status weft__limit_create(const weft_limit_def *def, const weft_cloth *cloth,
-                               const weft_allocator *memory, weft__limit **out,
-                               weft_error *err)
+weft_status weft__limit_init(weft__limit *limit, const weft_limit_def *def,
+                             const weft_cloth *cloth, const weft_allocator *memory,
+                             weft_error *err)
 {
-    *out = NULL;
     if (def->method == WEFT_LIMIT_NONE) {
+        limit->springs.cloth = cloth;
         return WEFT_OK;
     }
     const weft_status status = check(def, err);
@@ -72,35 +59,27 @@ weft_status weft__limit_create(const weft_limit_def *def, const weft_cloth *clot
         return status;
     }
     const size_t count = 3 * weft_cloth_particles(cloth);
-    const size_t arrays = def->solver == WEFT_LIMIT_FAST ? 3 : 1;
-    weft__limit *self = weft__zeroed(memory, 1, sizeof *self);
-    double *x = weft__alloc(memory, arrays * count, sizeof *x);
-    if (self == NULL || x == NULL) {
-        weft__free(memory, self);
-        weft__free(memory, x);
+    const bool fast = def->solver == WEFT_LIMIT_FAST;
+    double *x = weft__alloc(memory, (fast ? 3 : 1) * count, sizeof *x);
+    if (x == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a strain limit");
     }
-    self->memory = *memory;
-    self->def = *def;
-    self->springs = (weft__limited){ .cloth = cloth,
-                                     .stretch = 1.0 + def->strain,
-                                     .tolerance = def->tolerance };
-    memcpy(self->springs.families, def->families, sizeof def->families);
-    self->count = count;
-    self->x = x;
-    self->previous = arrays == 3 ? x + count : NULL;
-    self->start = arrays == 3 ? x + 2 * count : NULL;
-    *out = self;
+    *limit = (weft__limit){
+        .def = *def,
+        .springs
+        = { .cloth = cloth, .stretch = 1.0 + def->strain, .tolerance = def->tolerance },
+        .count = count,
+        .x = x,
+        .previous = fast ? x + count : NULL,
+        .start = fast ? x + 2 * count : NULL,
+    };
+    memcpy(limit->springs.families, def->families, sizeof def->families);
     return WEFT_OK;
 }
 
-void weft__limit_destroy(weft__limit *limit)
+void weft__limit_free(weft__limit *limit, const weft_allocator *memory)
 {
-    if (limit != NULL) {
-        const weft_allocator memory = limit->memory;
-        weft__free(&memory, limit->x);
-        weft__free(&memory, limit);
-    }
+    weft__free(memory, limit->x);
 }
 
 /* What the last sweep did, in the product of the projections. */
@@ -211,8 +190,8 @@ static bool store(const weft__limit *self, double h, double *y)
  * into a great velocity: it counts as long as the one before. */
 bool weft__limit_apply(weft__limit *limit, double step, double *y)
 {
-    const double h = fmax(step, limit->last_h);
-    limit->last_h = step;
+    const double h = fmax(step, limit->last_step);
+    limit->last_step = step;
     for (size_t j = 0; j < limit->count; ++j) {
         limit->x[j] = candidate(limit, h, y, j);
     }
@@ -222,25 +201,4 @@ bool weft__limit_apply(weft__limit *limit, double step, double *y)
     ++limit->stats.corrected;
     limit->stats.unconverged += !solve(limit);
     return store(limit, h, y);
-}
-
-weft_limit_stats weft__limit_stats(const weft__limit *limit)
-{
-    return limit != NULL ? limit->stats : (weft_limit_stats){ 0 };
-}
-
-double weft__limit_last_step(const weft__limit *limit)
-{
-    return limit != NULL ? limit->last_h : 0.0;
-}
-
-void weft__limit_resume(weft__limit *limit, double last_step, weft_limit_stats stats)
-{
-    limit->last_h = last_step;
-    limit->stats = stats;
-}
-
-const weft__limited *weft__limit_springs(const weft__limit *limit)
-{
-    return &limit->springs;
 }

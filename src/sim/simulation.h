@@ -9,27 +9,20 @@
 #include "sim/limit.h"
 
 struct weft_sim {
-    weft_cloth *cloth;   /* the definition's with pins of its own */
-    uint64_t cloth_hash; /* weft__cloth_hash of the definition's */
-    const weft_stepper_type *method;
-    weft_stepper_config config;
+    weft_sim_def def;
+    weft_cloth *cloth;          /* the definition's with pins of its own */
+    uint64_t cloth_hash;        /* weft__cloth_hash of the definition's */
+    weft_stepper_config config; /* the definition's, completed */
     void *stepper;
     weft_stepper_stats earlier; /* of the steppers before this one */
     weft__forces forces;
     weft_team worker_team; /* the forces' threads, for the stepper */
-    weft__limit *limit;    /* NULL: none */
-    weft_correct_fn *correct;
-    void *correct_ctx;
-    weft_force_fn *force;
-    void *force_ctx;
-    weft_stop_fn *stop;
-    void *stop_ctx;
-    double *added; /* [N] 3 N, by `force` */
+    weft__limit limit;
+    double *added; /* [N] 3 N, by the definition's `force` */
     bool in_callback;
-    weft_log log;
     weft_allocator memory;
     uint64_t settings; /* weft__settings_hash of the definition */
-    uint64_t rejected; /* attempts that were told of */
+    uint64_t rejected; /* attempts that the log has */
     double t;          /* [s] */
     weft__ledger ledger;
     weft_failure failure; /* of the last step; status WEFT_OK: it did not fail */
