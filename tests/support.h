@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* support.h -- what the tests share. */
+/* support.h -- shared by the tests. */
 #ifndef SUPPORT_H
 #define SUPPORT_H
 

@@ -42,7 +42,7 @@ typedef struct setting {
 static void begin(setting *s, size_t n, size_t threads)
 {
     *s = (setting){ .team = weft__team_create(threads, NULL), .n = n };
-    s->lent = weft__team_lend(s->team);
+    s->lent = (weft_team){ s->team, weft__team_run };
     ck_assert((s->team != NULL) == (threads > 1));
     ck_assert_int_eq(SUNContext_Create(NO_COMM, &s->context), 0);
     s->v[0] = weft__ark_vector(n, s->team == NULL ? NULL : &s->lent, s->context);
@@ -404,7 +404,7 @@ static weft_stepper_stats many_steps(const way *how, size_t threads, size_t dim,
 {
     const weft_stepper_type *type = test_method_named(how->method);
     weft__team *team = weft__team_create(threads, NULL);
-    const weft_team lent = weft__team_lend(team);
+    const weft_team lent = (weft_team){ team, weft__team_run };
     const weft_ode ode = { .dim = dim, .rhs = ring, .ctx = &dim };
     const weft_stepper_config config = { .struct_size = sizeof config,
                                          .norm = how->norm,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* bounds.c -- how fast a cloth can answer: bounds on all its modes at once.
+/* bounds.c -- bounds on the stiffness and damping of all modes.
  *
  * Linearised about a state, M x'' = -K x - C x'. An eigenvector x, x* M x = 1, has
  * mu^2 + c mu + w = 0 with w = x* K x and c = x* C x, so that bounds
@@ -22,7 +22,7 @@
 #include "base/memory.h"
 #include "cloth/added.h"
 
-/* Of closed forms that are exact but for roundoff. */
+/* Relative error allowed for the closed forms below. */
 #define ROUNDOFF 1e-12
 
 /* cos(acos(r) / 3) for |r| <= 1: the largest root of 4 c^3 - 3 c = r, from above, by
@@ -151,7 +151,7 @@ static double node_bound(const weft_cloth *cloth, const node *sum, const grid_si
     for (size_t g = 0; g < cloth->group_count; ++g) {
         const weft__group *group = &cloth->groups[g];
         const double stiff = of->a * group->stiffness, damped = of->b * group->damping;
-        /* what cancels but for roundoff is no less than it */
+        /* a sum that cancels is bounded by its roundoff */
         const double most = fmax(0.0, stiff + damped)
                             + (stiff * damped < 0.0 ? ROUNDOFF * fabs(stiff) : 0.0);
         for (size_t k = 0; k < 6; ++k) {
@@ -164,7 +164,7 @@ static double node_bound(const weft_cloth *cloth, const node *sum, const grid_si
     return largest_eigenvalue(b);
 }
 
-/* What is on the right side of `by` of the polygon in from. */
+/* Cuts from the polygon all beyond the side `by`. */
 static void cut(weft_stiffness *from, const grid_side *by)
 {
     weft_stiffness left = *from;

@@ -126,8 +126,8 @@ static weft_status list_pins(weft_cloth *cloth, weft_error *err)
     return WEFT_OK;
 }
 
-/* Products of what was in range may not be: nothing infinite may get into a state, and
- * nothing that is divided by may be 0. */
+/* Products of numbers in range may be out of range: nothing infinite may enter a state,
+ * and no divisor may be 0. */
 static weft_status check_numbers(const weft_cloth *cloth, weft_error *err)
 {
     const char *wrong = NULL;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* levels.c -- which kernels this machine has. WEFT_PLAIN: none. */
+/* levels.c -- selects the kernels of this machine. WEFT_PLAIN: there are none. */
 #include "cloth/levels.h"
 
 #include <string.h>
@@ -26,7 +26,7 @@ static const weft__level levels[] = {
 size_t weft__level_count(void)
 {
 #if defined __x86_64__ && !defined WEFT_PLAIN
-    /* what the compiler may use of a level, not merely its vectors */
+    /* all that the compiler may use of a level, not only its vectors */
     __builtin_cpu_init();
     const bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")
                     && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* levels.h -- what evaluates the forces of a cloth: the kernels of src/kernel, compiled
- * for each level of instructions, or, in a weft without them, the plain loops. */
+/* levels.h -- the functions that evaluate the forces of a cloth: the kernels of
+ * src/kernel, compiled for each level of instructions, or the plain loops without them.
+ */
 #ifndef WEFT_CLOTH_LEVELS_H
 #define WEFT_CLOTH_LEVELS_H
 
@@ -21,8 +22,8 @@ struct weft__level {
 weft__rows_fn weft__reference_rows;
 weft__damping_fn weft__reference_damping;
 
-/* The kernels, by the ends of their names for each level; without instructions of its
- * own, `plain` is what the compiler takes for granted. */
+/* The names of the kernels end with their level; `plain` uses the instructions that the
+ * compiler uses by default. */
 #if defined __x86_64__ && defined __GNUC__
 #define WEFT_LEVELS(X) X(plain) X(v3) X(v4)
 #else

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* measure.c -- what is to be known of a state: energies, momenta, strain, hash.
+/* measure.c -- measures of a state: energies, momenta, strain, hash.
  *
  * A sum over particles or springs is one over rows, in their order, of sums over each
  * row: the same on every machine and on any number of threads. Kinetic and
@@ -42,7 +42,7 @@ static void row_momentum(const weft__subject *of, size_t r, weft_measures *row)
     }
 }
 
-/* NaN is worse than a number. */
+/* NaN is larger than every number. */
 static void keep_worst(weft_spring *kept, const weft_spring *other)
 {
     if (kept->p == kept->q

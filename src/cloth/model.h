@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* model.h -- what a cloth is made of, for the files of src/cloth, and the check of a
+/* model.h -- the data of a cloth, for the files of src/cloth, and the check of a
  * definition, for src/scene too.
  *
- * Springs are implicit: a family has two groups, one for each direction, and all the
- * springs of a group are alike but for where they start. Nothing is kept per spring. */
+ * Springs are implicit: a family has two groups, one for each direction, and the
+ * springs of a group differ only in their first particle. Nothing is stored per spring.
+ */
 #ifndef WEFT_CLOTH_MODEL_H
 #define WEFT_CLOTH_MODEL_H
 
@@ -81,11 +82,11 @@ typedef struct weft__faults {
     void *ctx;
 } weft__faults;
 
-/* validate.c: all that can be wrong with a definition. */
+/* validate.c: reports every fault of a definition. */
 void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to);
 
-/* Of the grid alone: rows to velocity; neighbours are compared in grids of up to `most`
- * particles. false: its size is wrong. */
+/* Checks the grid alone, rows to velocity; compares neighbours in grids of up to `most`
+ * particles. Returns false if the size is wrong. */
 bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults *to);
 
 /* A range of def with negative ends resolved; false if it leaves [0, count). */

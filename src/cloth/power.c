@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* power.c -- at what rate springs, drag, wind and moved pins change the energy E of a
- * cloth, that is, kinetic and gravitational of the free particles and elastic:
+/* power.c -- the powers of springs, drag, wind and moved pins, which change the energy
+ * E of a cloth: kinetic and gravitational of the free particles, and elastic:
  *
  *     dE/dt = -springs - drag + wind + pins                        (docs/physics.md)
  *

@@ -5,8 +5,8 @@
  *     pinned particle   x' = V + w A cos(w t),   v' = -w^2 A sin(w t),  w = 2 pi f
  *
  * A pinned particle has inverse mass 0 and follows its prescribed motion; one without
- * motion has x' = v' = 0 and keeps its position bit for bit. The plain loops here are
- * what src/kernel does fast, with the same bits. */
+ * motion has x' = v' = 0 and keeps its position bit for bit. The plain loops here
+ * have the same bits as src/kernel. */
 #include "cloth/levels.h"
 #include "cloth/springs.h"
 
@@ -83,7 +83,7 @@ void weft__pin_rate(const weft_cloth *cloth, size_t i, double t, double rate[6])
     }
 }
 
-enum { KEPT = 8 }; /* motions whose rates a pass remembers */
+enum { KEPT = 8 }; /* motions whose rates a pass keeps */
 
 static void move_pins(const weft_cloth *cloth, double t, double *dydt, size_t first,
                       size_t end)

@@ -32,8 +32,7 @@ weft__row_fn weft__row_energy, weft__row_heat, weft__row_power, weft__row_worst,
 extern const weft_measures weft__measures_start;
 void weft__measures_add(weft_measures *sum, const weft_measures *row);
 
-/* cloth_hash.c: of all that moves a cloth but its state: springs, masses, pins, forces.
- */
+/* cloth_hash.c: hash of springs, masses, pins and forces, but not of the state. */
 uint64_t weft__cloth_hash(const weft_cloth *cloth);
 
 #endif

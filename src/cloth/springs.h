@@ -6,9 +6,9 @@
  *
  *     T = k (L - s) + c w.u,   d = x_q - x_p,  L = |d|,  u = d / L,  w = v_q - v_p
  *
- * and by nothing where L = 0. The strain law T = K (L / s - 1) is the same with
+ * and has no force where L = 0. The strain law T = K (L / s - 1) is the same with
  * k = K / s. The elastic part is -dE/dx of E = k (L - s)^2 / 2; the damped part acts
- * along the spring only, so that both kinds of momentum stay. The three families are
+ * along the spring only, so that both momenta are conserved. The three families are
  * those of Provot 1995; the damped law is the one of the lecture (docs/physics.md).
  *
  * src/kernel evaluates the same expressions on vectors. */

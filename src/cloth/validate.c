@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* validate.c -- all that can be wrong with the definition of a cloth. Comparisons are
- * written so that NaN fails. */
+/* validate.c -- checks the definition of a cloth and reports every fault. Comparisons
+ * are written so that NaN fails. */
 #include "cloth/model.h"
 
 #include <stdarg.h>
@@ -187,7 +187,7 @@ bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults
     return true;
 }
 
-/* ---- what is on it --------------------------------------------------------------- */
+/* ---- masses, springs, pins, forces ----------------------------------------------- */
 
 static void check_mass(const weft_cloth_def *def, const weft__faults *to)
 {

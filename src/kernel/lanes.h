@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* lanes.h -- LANES doubles at a time, by the vector extensions of GCC and Clang: the
  * same source for every width, in the instructions of the level that it is compiled
- * for. What has no instruction there is taken apart by the compiler. */
+ * for. The compiler splits operations that the level does not have. */
 #ifndef WEFT_KERNEL_LANES_H
 #define WEFT_KERNEL_LANES_H
 

@@ -5,10 +5,10 @@
 
 #include "base/memory.h"
 
-/* Particles that are worth a thread: their evaluation takes ten times as long as it
- * takes a thread that is awake to hear of it. More bands than threads, where each costs
- * little beside its rows (a band takes one row twice), are less to wait for when a
- * thread is kept from running. One thread takes bands where the state is beyond the
+/* PARTICLES_PER_THREAD: their evaluation takes ten times as long as handing it to a
+ * thread that is awake. More bands than threads, where a band costs little beside its
+ * rows (it computes one row twice), shorten the wait for a thread that is kept from
+ * running. One thread takes bands where the state is beyond the
  * caches: the kernel takes tile after tile of columns, and long tiles leave nothing
  * there for the next (1000 x 1000: 8 % of a step). */
 enum { PARTICLES_PER_THREAD = 2048, PARTICLES_CACHED = 1 << 17, ROWS_PER_BAND = 48 };
@@ -47,7 +47,7 @@ typedef struct call {
     weft__row_fn *row;
 } call;
 
-/* The first row of a band, the last that of none. */
+/* The first row of a band; past the last band the number of rows. */
 static size_t first_row(const weft__forces *forces, size_t band)
 {
     const size_t rows = weft_cloth_rows(forces->cloth);

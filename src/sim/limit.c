@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* limit.c -- springs that have grown too long in a step, shortened.
+/* limit.c -- shortens springs that have become too long in a step.
  *
  * A sweep of weft__limited_sweep projects the state onto one convex set after another;
- * repeated, it converges to a state in all of them (Bregman 1967). `fast` goes on from
+ * repeated, it converges to a state in all of them (Bregman 1967). `fast` continues
+ * from
  *
  *     z = x_k + b_k (x_k - x_(k-1)),  b_k = (t_k - 1) / t_(k+1),
  *     t_(k+1) = (1 + sqrt(1 + 4 t_k^2)) / 2,  t_1 = 1,          x_(k+1) = sweep(z)
@@ -21,8 +22,8 @@
 #include "base/finite.h"
 #include "base/memory.h"
 
-/* Momentum that makes sweeps move this much more than they did is stopped, and from
- * then on kept below this part of what it was. */
+/* Momentum that makes sweeps move GROWTH times as far as the least one is stopped, and
+ * is then kept below CALMED of its value. */
 #define GROWTH 10.0
 #define CALMED 0.7
 
@@ -51,7 +52,6 @@ weft_status weft__limit_init(weft__limit *limit, const weft_limit_def *def,
                              weft_error *err)
 {
     if (def->method == WEFT_LIMIT_NONE) {
-        limit->springs.cloth = cloth;
         return WEFT_OK;
     }
     const weft_status status = check(def, err);
@@ -66,14 +66,12 @@ weft_status weft__limit_init(weft__limit *limit, const weft_limit_def *def,
     }
     *limit = (weft__limit){
         .def = *def,
-        .springs
-        = { .cloth = cloth, .stretch = 1.0 + def->strain, .tolerance = def->tolerance },
+        .cloth = cloth,
         .count = count,
         .x = x,
         .previous = fast ? x + count : NULL,
         .start = fast ? x + 2 * count : NULL,
     };
-    memcpy(limit->springs.families, def->families, sizeof def->families);
     return WEFT_OK;
 }
 
@@ -82,7 +80,7 @@ void weft__limit_free(weft__limit *limit, const weft_allocator *memory)
     weft__free(memory, limit->x);
 }
 
-/* What the last sweep did, in the product of the projections. */
+/* The effect of the last sweep, in the product of the projections. */
 typedef struct limit_progress {
     double back;   /* (z - x_(k+1), x_(k+1) - x_k) */
     double moved2; /* |z - x_(k+1)|^2 */
@@ -93,7 +91,7 @@ static limit_progress look_back(const weft__limit *self)
     const size_t n = self->count / 3;
     limit_progress sum = { 0 };
     for (size_t i = 0; i < n; ++i) {
-        const double mass = weft_cloth_particle_mass(self->springs.cloth, i);
+        const double mass = weft_cloth_particle_mass(self->cloth, i);
         for (size_t j = i; j < self->count; j += n) {
             const double undone = self->start[j] - self->x[j];
             sum.back += mass * undone * (self->x[j] - self->previous[j]);
@@ -124,7 +122,7 @@ static void extrapolate(weft__limit *self)
     self->t = t;
 }
 
-/* Sweeps until the limit is met, or as often as allowed. */
+/* Sweeps until the limit is met, or the allowed number of times. */
 static bool solve(weft__limit *self)
 {
     const bool fast = self->def.solver == WEFT_LIMIT_FAST;
@@ -142,20 +140,20 @@ static bool solve(weft__limit *self)
         if (fast) {
             memcpy(self->start, self->x, bytes);
         }
-        weft__limited_sweep(&self->springs, self->x);
+        weft__limited_sweep(self->cloth, &self->def, self->x);
         ++self->stats.sweeps;
-        met = weft__limited_excess(&self->springs, false, 1, self->x) == 0;
+        met = weft__limited_excess(self->cloth, &self->def, false, 1, self->x) == 0;
     }
     return met;
 }
 
-/* The positions that are limited: those of now, or where the velocities lead. */
+/* The limited positions: the present ones, or those that the velocities lead to. */
 static double candidate(const weft__limit *self, double h, const double *y, size_t j)
 {
     return self->def.method == WEFT_LIMIT_PROVOT ? y[j] : y[j] + h * y[self->count + j];
 }
 
-/* What the correction makes of component j of the state. */
+/* Component j of the corrected state. */
 static void corrected(const weft__limit *self, double h, const double *y, size_t j,
                       double *x, double *v)
 {
@@ -166,7 +164,7 @@ static void corrected(const weft__limit *self, double h, const double *y, size_t
                                               : y[self->count + j] + dx / h;
 }
 
-/* Nothing is changed where a number would overflow. */
+/* Changes nothing if a number would overflow. */
 static bool store(const weft__limit *self, double h, double *y)
 {
     double x, v;
@@ -186,8 +184,8 @@ static bool store(const weft__limit *self, double h, double *y)
     return changed;
 }
 
-/* A step that is cut short by a frame must not turn what earlier steps have left over
- * into a great velocity: it counts as long as the one before. */
+/* A step that is cut short by a frame must not turn the excess left by earlier steps
+ * into a large velocity: it counts as long as the one before. */
 bool weft__limit_apply(weft__limit *limit, double step, double *y)
 {
     const double h = fmax(step, limit->last_step);
@@ -195,7 +193,7 @@ bool weft__limit_apply(weft__limit *limit, double step, double *y)
     for (size_t j = 0; j < limit->count; ++j) {
         limit->x[j] = candidate(limit, h, y, j);
     }
-    if (weft__limited_excess(&limit->springs, false, 1, limit->x) == 0) {
+    if (weft__limited_excess(limit->cloth, &limit->def, false, 1, limit->x) == 0) {
         return false;
     }
     ++limit->stats.corrected;

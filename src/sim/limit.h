@@ -7,8 +7,8 @@
 #include "weft/sim.h"
 
 typedef struct weft__limit {
-    weft_limit_def def;
-    weft__limited springs; /* no families without a method */
+    weft_limit_def def; /* without a method it has no families */
+    const weft_cloth *cloth;
     weft_limit_stats stats;
     double last_step; /* [s] */
     size_t count;     /* 3 N */

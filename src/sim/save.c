@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* save.c -- a simulation as bytes, and back.
  *
- * A solver's memory of its past cannot be had, so it is given up: the stepper is made
- * anew here as it will be there. Of the old one remain its counts and its next h.
+ * A solver's memory of its past cannot be read, so it is dropped: saving replaces the
+ * stepper here as restoring will there. Only its counts and its next h remain.
  *
  * Words (bytes.h): "weftsave", version, rows, cols, quadratures, hashes of the cloth's
  * definition and of the settings, the method's name in 64 bytes, fields, y, the hold of
@@ -16,7 +16,6 @@
 
 static const unsigned char magic[WEFT__WORD] = "weftsave";
 
-/* Of the present layout. */
 #define VERSION 3
 
 #define NAME_WORDS 8
@@ -73,7 +72,7 @@ static void take_fields(weft_sim *sim, const fields *from)
     sim->limit.stats = from->limit;
 }
 
-/* A stepper that knows nothing but the h to try and what has been counted. */
+/* Replaces the stepper; only the h to try and the counts remain. */
 static weft_status renew(weft_sim *sim, const fields *counted, weft_error *err)
 {
     void *fresh = NULL;
@@ -110,7 +109,7 @@ size_t weft_sim_save_size(const weft_sim *sim)
     return saved_words(sim) * WEFT__WORD;
 }
 
-/* The name of a method, as far as there is room, then zeros. */
+/* The name of a method, cut to the room, then zeros. */
 static void pad_name(const weft_sim *sim, char name[NAME_WORDS * WEFT__WORD])
 {
     const size_t size = NAME_WORDS * WEFT__WORD - 1;
@@ -179,7 +178,7 @@ static weft_status check_whole(const unsigned char *from, size_t size, weft_erro
 {
     const size_t words = size / WEFT__WORD;
     if (words <= AT_STATE || memcmp(from, magic, sizeof magic) != 0) {
-        return weft_error_set(err, WEFT_INVALID, "this is no saved simulation");
+        return weft_error_set(err, WEFT_INVALID, "this is not a saved simulation");
     }
     if (word(from, AT_VERSION) != VERSION) {
         return weft_error_set(err, WEFT_INVALID,
@@ -239,8 +238,8 @@ static weft_status not_finite(const char *what, weft_error *err)
                           "the saved simulation has %s that is not finite", what);
 }
 
-/* Checksums that are right prove nothing of bytes that somebody made up. The residual
- * is not finite if any of the ledger's numbers is not. */
+/* Forged bytes may have a correct checksum. The residual is not finite if any number of
+ * the ledger is not. */
 static weft_status check_numbers(const weft_sim *sim, const fields *saved,
                                  const double *y, weft_error *err)
 {

@@ -67,7 +67,7 @@ static weft_status check_config(const weft_stepper_config *config, weft_error *e
     return WEFT_OK;
 }
 
-/* Of any version, made complete. */
+/* Completes a config of any version. */
 static weft_status take_config(weft_sim *sim, weft_error *err)
 {
     const weft_sim_def *def = &sim->def;
@@ -103,14 +103,14 @@ size_t weft__sim_dim(const weft_sim *sim)
 weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out,
                               weft_error *err)
 {
-    /* weft_ode has no const, for solvers that know none */
+    /* weft_ode has no const, because solvers have none */
     const weft_ode ode = { weft__sim_dim(sim), weft__sim_rhs, (void *)sim };
     weft_stepper_config config = sim->config;
     config.first_step = first_step > 0.0 ? first_step : config.first_step;
     return sim->def.method->create(sim->def.method, &ode, &config, out, err);
 }
 
-/* The stepper uses the threads of the forces: it works when they do not. */
+/* The stepper uses the threads of the forces, which are idle when it computes. */
 static weft_status make_forces(weft_sim *sim, weft_error *err)
 {
     sim->forces = weft__forces_create(sim->cloth, sim->config.threads, &sim->memory);
@@ -118,13 +118,13 @@ static weft_status make_forces(weft_sim *sim, weft_error *err)
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
     }
     if (sim->forces.team != NULL && sim->config.team == NULL) {
-        sim->worker_team = weft__team_lend(sim->forces.team);
+        sim->worker_team = (weft_team){ sim->forces.team, weft__team_run };
         sim->config.team = &sim->worker_team;
     }
     return WEFT_OK;
 }
 
-/* The simulation itself, filled as far as nothing else can fail. */
+/* The simulation, filled as far as only memory can fail. */
 static weft_sim *make_sim(const weft_sim_def *def)
 {
     const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
@@ -210,7 +210,8 @@ static bool limit(weft_sim *sim, double h)
     const bool changed = weft__limit_apply(&sim->limit, h, sim->y);
     if (before == 0 && sim->limit.stats.unconverged > 0) {
         weft__log(&sim->def.log, WEFT_LOG_WARNING,
-                  "limit: not met within its sweeps at t = %.9g s; told once", sim->t);
+                  "limit: not met within its sweeps at t = %.9g s; reported once",
+                  sim->t);
     }
     return changed;
 }
@@ -249,7 +250,7 @@ static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
     return weft__sim_fail(sim, &why, err);
 }
 
-static void tell_rejected(weft_sim *sim, double h)
+static void log_rejected(weft_sim *sim, double h)
 {
     const uint64_t rejected = weft_sim_stats(sim).rejected;
     if (rejected > sim->rejected) {
@@ -280,7 +281,7 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
     }
     const double h = sim->t - before;
     if (sim->def.log.write != NULL) {
-        tell_rejected(sim, h);
+        log_rejected(sim, h);
     }
     return limits(sim) || sim->def.correct != NULL ? apply_corrections(sim, h, err)
                                                    : WEFT_OK;
@@ -358,16 +359,16 @@ weft_spring weft_sim_limit_worst(const weft_sim *sim)
         return (weft_spring){ 0 };
     }
     const weft__subject of
-        = { .cloth = sim->cloth, .y = sim->y, .families = sim->limit.springs.families };
+        = { .cloth = sim->cloth, .y = sim->y, .families = sim->def.limit.families };
     return weft__forces_measure(&sim->forces, &of, weft__row_worst).worst;
 }
 
 size_t weft_sim_limit_held(const weft_sim *sim)
 {
-    return weft__limited_excess(&sim->limit.springs, true, SIZE_MAX, sim->y);
+    return weft__limited_excess(sim->cloth, &sim->limit.def, true, SIZE_MAX, sim->y);
 }
 
-/* Three planes of n to triples. */
+/* Copies three planes of n to triples. */
 static void interleave(const double *planes, size_t n, double *xyz)
 {
     for (size_t i = 0; i < n; ++i) {
@@ -403,21 +404,14 @@ void weft__sim_change_begins(weft_sim *sim)
     weft__ledger_mark(&sim->ledger, &sim->forces, sim->y);
 }
 
-static void account_change(weft_sim *sim)
+void weft__sim_change_ends(weft_sim *sim, bool ode)
 {
     weft__ledger_account(&sim->ledger, &sim->forces, sim->y, &sim->ledger.outside_work);
-}
-
-void weft__sim_state_changed(weft_sim *sim)
-{
-    account_change(sim);
-    sim->def.method->state_changed(sim->stepper);
-}
-
-void weft__sim_ode_changed(weft_sim *sim)
-{
-    account_change(sim);
-    weft_stepper_ode_changed(sim->def.method, sim->stepper);
+    if (ode) {
+        weft_stepper_ode_changed(sim->def.method, sim->stepper);
+    } else {
+        sim->def.method->state_changed(sim->stepper);
+    }
 }
 
 weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
@@ -434,6 +428,6 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
     weft__sim_change_begins(sim);
     set_planes(sim->cloth, positions, sim->y);
     set_planes(sim->cloth, velocities, sim->y + 3 * n);
-    weft__sim_state_changed(sim);
+    weft__sim_change_ends(sim, false);
     return WEFT_OK;
 }
