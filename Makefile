@@ -443,7 +443,7 @@ check-sundials7:
 # What .ci/run leaves out because it is slow.
 nightly: all
 	$(MAKE) static DEEP=1
-	$(MAKE) coverage
+	TEST_LONG=1 $(MAKE) coverage
 	$(MAKE) verify
 	$(MAKE) fuzz FUZZ_SECONDS=300
 	$(MAKE) check-libm
