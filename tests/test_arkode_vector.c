@@ -445,8 +445,9 @@ START_TEST(threads_do_not_show_in_the_results)
     const way *how = &ways[_i];
     const weft_stepper_stats one = many_steps(how, 1, DIM, alone);
     ck_assert_uint_ge(one.steps, 15);
-    for (size_t threads = 0; threads <= 7; ++threads) {
-        const weft_stepper_stats many = many_steps(how, threads, DIM, shared);
+    static const size_t threads[] = { 0, 2, 3, 7 };
+    for (size_t i = 0; i < sizeof threads / sizeof *threads; ++i) {
+        const weft_stepper_stats many = many_steps(how, threads[i], DIM, shared);
         ck_assert_mem_eq(alone, shared, sizeof alone);
         ck_assert_uint_eq(one.steps, many.steps);
         ck_assert_uint_eq(one.rejected, many.rejected);

@@ -281,7 +281,8 @@ static bool largest(probe *run, const step_batch *of, int steps, double *y,
         }
         for (size_t k = 0; k < of->count; ++k) {
             const double x = y[k], v = y[of->count + k];
-            most[k] = fmax(most[k], of->w[k] * x * x + v * v);
+            const double energy = of->w[k] * x * x + v * v;
+            most[k] = energy > most[k] ? energy : most[k];
         }
     }
     return true;
