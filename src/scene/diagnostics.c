@@ -75,14 +75,6 @@ static void insert(weft__report *report, size_t slot, weft__mark at, bool warnin
     };
 }
 
-/* Whether nothing at that place can be shown any more: it is counted alone. */
-static bool is_beyond(const weft__report *report, weft__mark at)
-{
-    const size_t count = report->found->count;
-    return count == WEFT_DIAGNOSTICS_MAX
-           && weft__mark_before(report->origin[count - 1].at, at);
-}
-
 void weft__fit(char *text, size_t size, int length)
 {
     static const char more[] = " ...";
@@ -100,12 +92,8 @@ static void add(weft__report *report, bool warning, weft__mark at, const char *f
 {
     char message[sizeof report->found->items[0].message];
     size_t *count = warning ? &report->found->warnings : &report->found->errors;
-    report->mistakes += !warning;
-    if (is_beyond(report, at)) {
-        ++*count;
-        return;
-    }
     const size_t slot = find_slot(report, at);
+    report->mistakes += !warning;
     weft__fit(message, sizeof message,
               vsnprintf(message, sizeof message, format, args));
     weft__one_line(message);

@@ -276,12 +276,12 @@ static const weft__key controller_keys[] = {
     { "first_growth", WEFT__NUMBER, .strict = true, .least = 1.0,
       .absent = "arkode: 1e4", AT(weft__control, set.first_growth),
       .meaning = "max_growth after the first step" },
-    { "min_reduction", WEFT__NUMBER, .strict = true, .most = 1.0,
+    { "min_reduction", WEFT__NUMBER, .strict = true, .most = 1.0, .below = true,
       .absent = "arkode: 0.1", AT(weft__control, set.min_reduction),
-      .meaning = "smallest factor of h from step to step, < 1" },
-    { "failed_growth", WEFT__NUMBER, .strict = true, .most = 1.0,
+      .meaning = "smallest factor of h from step to step" },
+    { "failed_growth", WEFT__NUMBER, .strict = true, .most = 1.0, .below = true,
       .absent = "arkode: 0.3", AT(weft__control, set.failed_growth),
-      .meaning = "factor of h after repeated rejections, < 1" },
+      .meaning = "factor of h after repeated rejections" },
 };
 
 static const weft__section controller_section

@@ -24,6 +24,7 @@ typedef enum weft__kind {
     WEFT__LOADS,     /* its loads */
     WEFT__ROW,       /* weft__list: numbers of a Butcher table */
     WEFT__ROWS,      /* weft__list: its matrix */
+    WEFT__FRACTION,  /* a number of either, in messages */
     WEFT__SWEEP,     /* taken out of the tree before it is read */
     WEFT__KINDS
 } weft__kind;
@@ -37,6 +38,7 @@ typedef struct weft__key {
     weft__kind kind;
     bool required;
     bool strict;          /* a number must be > least, else >= */
+    bool below;           /* a number must be < most, else <= */
     bool infinite;        /* .inf is a value */
     double least, most;   /* of numbers and integers; most 0: no bound */
     const char *unit;     /* "N/m"; NULL: none */
@@ -75,13 +77,19 @@ extern const weft__section weft__load_section;  /* {at, mass} */
 const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
                          size_t size);
 
-/* unknown.c: what to say of a name that is no key of a section: the key that may have
- * been meant, which is returned (NULL: none is near), or the path of a section that has
- * such a key, and up to eight keys of this one. */
+/* " [N/m]"; "" of a key without a unit. */
+const char *weft__unit_text(const weft__key *key, char *out, size_t size);
+
+/* unknown.c: the key of a section with a name; NULL: there is none. */
+const weft__key *weft__key_named(const weft__section *section, const char *name);
+
+/* The hint for a name that is no key of a section: the key that may have been meant,
+ * which is returned (NULL: none is near), or the path of a section that has such a key,
+ * and the keys of this one. */
 const char *weft__unknown_hint(const weft__section *section, const char *title,
                                const char *name, char *out, size_t size);
 
-/* "a mapping {stiffness, damping}" */
-const char *weft__wanted_mapping(const weft__section *section, char *out, size_t size);
+/* "stiffness, damping" */
+const char *weft__key_names(const weft__section *section, char *out, size_t size);
 
 #endif

@@ -80,14 +80,19 @@ void weft__base_close(weft__base *base);
 weft_status weft__base_read(const weft__base *base, size_t run, weft__report *report,
                             weft_scene **out, weft_error *err);
 
+/* A key of a section in a mapping. */
+typedef struct weft__found {
+    const weft__node *key, *value; /* NULL: absent */
+    bool wrong;                    /* the value was refused, or a part of it */
+    bool explained; /* absent, and a mistake that was reported may be the reason */
+} weft__found;
+
 /* A mapping and which of its section's keys it has. */
 typedef struct weft__match {
     const weft__section *section;
     const char *title;
     const weft__node *map;
-    const weft__node *key[WEFT__MAX_KEYS], *value[WEFT__MAX_KEYS]; /* NULL: absent */
-    bool wrong[WEFT__MAX_KEYS];    /* the value was refused, or a part of it */
-    bool misspelt[WEFT__MAX_KEYS]; /* absent, but for an unknown key that is near */
+    weft__found found[WEFT__MAX_KEYS]; /* in the order of the section's keys */
 } weft__match;
 
 /* Read a mapping by its section into base; NULL: the section is absent, and only its
@@ -99,11 +104,14 @@ void weft__read_section(weft__reader *reader, const weft__section *section,
 void weft__read_value(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *base);
 
-/* Key and value of a name in a match; NULL if it is absent. Whether a misspelt key that
- * was reported stands for it. */
-const weft__node *weft__key_in(const weft__match *match, const char *name);
+/* A key by its name, which must be one of the section's. */
+const weft__found *weft__found_in(const weft__match *match, const char *name);
+
+/* The value of a key; NULL: it is absent. */
 const weft__node *weft__value_in(const weft__match *match, const char *name);
-bool weft__misspelt(const weft__match *match, const char *name);
+
+/* Whether a key is absent and no mistake explains it. */
+bool weft__lacks(const weft__match *match, const char *name);
 
 /* "KEY must be what it wants, not VALUE (hint)". */
 void weft__refuse_value(weft__reader *reader, const weft__key *key,
@@ -118,14 +126,17 @@ void weft__refuse(weft__reader *reader, const weft__node *node, const char *name
 bool weft__find_name(weft__reader *reader, const weft__key *key, const weft__node *node,
                      size_t *index);
 
-/* A number within the bounds of a key, called `name` in messages. */
+/* A number within the bounds of a key, or of a Butcher table; `name` in messages. */
 bool weft__read_number(weft__reader *reader, const weft__key *key, const char *name,
                        const weft__node *node, double *out);
 
-/* Reports a key whose companion is absent. */
-void weft__check_companion(weft__reader *reader, const weft__match *match,
-                           const char *name, const char *companion,
-                           const char *message);
+/* The numbers of a list, name[0], name[1], ...; false if one is wrong. */
+bool weft__read_numbers(weft__reader *reader, const weft__key *key, const char *name,
+                        const weft__node *list, double *out);
+
+/* Reports one of two keys that stands without the other. */
+void weft__check_together(weft__reader *reader, const weft__match *match, const char *a,
+                          const char *b);
 
 /* Two keys of one mapping that may not stand together: reported at the later one. */
 void weft__report_exclusive(weft__report *report, const weft__node *a,

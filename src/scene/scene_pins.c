@@ -139,14 +139,13 @@ void weft__read_place(weft__reader *reader, const weft__key *key,
 static void check_axis(weft__reader *reader, const weft__match *match,
                        const char *plural, const char *singular)
 {
-    const weft__node *many = weft__key_in(match, plural);
-    const weft__node *one = weft__key_in(match, singular);
+    const weft__node *many = weft__found_in(match, plural)->key;
+    const weft__node *one = weft__found_in(match, singular)->key;
     if (many != NULL && one != NULL) {
         weft__report_error(
             reader->report, weft__mark_before(many->at, one->at) ? one->at : many->at,
             "'%s' and '%s' mean the same: one is enough", plural, singular);
-    } else if (many == NULL && one == NULL && !weft__misspelt(match, plural)
-               && !weft__misspelt(match, singular)) {
+    } else if (weft__lacks(match, plural) && weft__lacks(match, singular)) {
         weft__report_error(
             reader->report, match->map->at,
             "%s lacks '%s': rows and cols are both needed, each an index, "
@@ -167,10 +166,7 @@ void weft__check_place(weft__reader *reader, const weft__match *match, void *bas
 void weft__check_pin(weft__reader *reader, const weft__match *match, void *base)
 {
     (void)base;
-    weft__check_companion(reader, match, "amplitude", "frequency",
-                          "amplitude has no effect without frequency [Hz]");
-    weft__check_companion(reader, match, "frequency", "amplitude",
-                          "frequency has no effect without amplitude [m]");
+    weft__check_together(reader, match, "amplitude", "frequency");
 }
 
 /* How many keys of a mapping are, or are nearly, keys of a section. */

@@ -14,11 +14,11 @@ const char *const weft__adaptive_keys[WEFT__ADAPTIVE]
 /* Told at the later key of each pair: at fixed_step once for all that stand before. */
 static void check_exclusive(weft__reader *reader, const weft__match *match)
 {
-    const weft__node *fixed = weft__key_in(match, "fixed_step");
+    const weft__node *fixed = weft__found_in(match, "fixed_step")->key;
     char before[320] = "";
     size_t used = 0;
     for (size_t i = 0; fixed != NULL && i < WEFT__ADAPTIVE; ++i) {
-        const weft__node *key = weft__key_in(match, weft__adaptive_keys[i]);
+        const weft__node *key = weft__found_in(match, weft__adaptive_keys[i])->key;
         char where[64];
         if (key == NULL) {
             continue;
@@ -141,15 +141,14 @@ static const weft_stepper_type *find_type(weft__reader *reader,
 static void check_fixed_only(weft__reader *reader, const weft__match *match,
                              const char *method)
 {
-    if (weft__key_in(match, "fixed_step") == NULL
-        && !weft__misspelt(match, "fixed_step")) {
+    if (weft__lacks(match, "fixed_step")) {
         weft__report_error(reader->report, weft__value_in(match, "method")->at,
                            "method '%.40s' has no error control: it needs "
                            "stepper.fixed_step [s]",
                            method);
     }
     for (size_t i = 0; i < WEFT__ADAPTIVE; ++i) {
-        const weft__node *key = weft__key_in(match, weft__adaptive_keys[i]);
+        const weft__node *key = weft__found_in(match, weft__adaptive_keys[i])->key;
         if (key != NULL) {
             weft__report_error(reader->report, key->at,
                                "%s would not be used by method '%.40s', which has no "
@@ -162,15 +161,15 @@ static void check_fixed_only(weft__reader *reader, const weft__match *match,
 static void check_table(weft__reader *reader, const weft__match *match, bool takes_one)
 {
     const weft_scene *scene = reader->scene;
-    const weft__node *table = weft__key_in(match, "butcher");
-    const bool fixed = weft__key_in(match, "fixed_step") != NULL;
+    const weft__node *table = weft__found_in(match, "butcher")->key;
+    const bool fixed = weft__found_in(match, "fixed_step")->key != NULL;
     if (table != NULL && !takes_one) {
         weft__report_error(reader->report, table->at,
                            "butcher would not be used by method '%.40s' of plugin "
                            "'%.40s'; it is for method custom of plugin arkode",
                            scene->method, scene->plugin);
     }
-    if (table == NULL && takes_one && !weft__misspelt(match, "butcher")) {
+    if (takes_one && weft__lacks(match, "butcher")) {
         weft__report_error(reader->report, weft__value_in(match, "method")->at,
                            "method '%.40s' of plugin '%.40s' needs a table: butcher "
                            "with A, b, c and order",
@@ -184,7 +183,7 @@ static void check_table(weft__reader *reader, const weft__match *match, bool tak
     }
 }
 
-/* Gains as many as the law takes, factors below 1. */
+/* Gains as many as the law takes. */
 void weft__check_controller(weft__reader *reader, const weft__match *match, void *base)
 {
     static const size_t counts[] = { 0,
@@ -192,18 +191,9 @@ void weft__check_controller(weft__reader *reader, const weft__match *match, void
                                      WEFT_CONTROLLERS(COUNT)
 #undef COUNT
     };
-    static const char *const factors[] = { "min_reduction", "failed_growth" };
     weft__control *control = base;
     weft_controller *set = &control->set;
-    const double values[] = { set->min_reduction, set->failed_growth };
     const weft__node *gains = weft__value_in(match, "gains");
-    for (size_t i = 0; i < 2; ++i) {
-        if (values[i] >= 1.0) {
-            weft__report_error(reader->report, weft__value_in(match, factors[i])->at,
-                               "%s must be a number > 0 and < 1, not %g", factors[i],
-                               values[i]);
-        }
-    }
     if (gains != NULL && set->type == WEFT_CONTROLLER_DEFAULT) {
         weft__report_error(reader->report, gains->at,
                            "gains need the type that they are for");
@@ -222,7 +212,7 @@ void weft__check_controller(weft__reader *reader, const weft__match *match, void
 static void check_control(weft__reader *reader, const weft__match *match,
                           weft_scene *scene)
 {
-    const weft__node *key = weft__key_in(match, "controller");
+    const weft__node *key = weft__found_in(match, "controller")->key;
     if (key == NULL) {
         return;
     }
@@ -276,7 +266,7 @@ static void check_creation(weft__reader *reader, const weft__match *match)
 {
     const weft_scene *scene = reader->scene;
     const weft_ode one = { .dim = 6, .rhs = no_rhs };
-    const weft__node *table = weft__key_in(match, "butcher");
+    const weft__node *table = weft__found_in(match, "butcher")->key;
     weft_stepper_config config = scene->config;
     weft_error why = { 0 };
     void *stepper = NULL;
