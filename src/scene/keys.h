@@ -51,13 +51,15 @@ typedef struct weft__key {
     size_t at;                    /* offset into what the section fills */
 } weft__key;
 
+/* Called when all keys of a section were read into base. */
+typedef void weft__check_fn(struct weft__reader *reader,
+                            const struct weft__match *match, void *base);
+
 struct weft__section {
     const char *title; /* in messages; NULL: the name of its key */
     const weft__key *keys;
     size_t count;
-    /* What must hold between keys, once all were read; NULL: nothing. */
-    void (*check)(struct weft__reader *reader, const struct weft__match *match,
-                  void *base);
+    weft__check_fn *check; /* of what must hold between keys; NULL: nothing */
     /* Keys of another mapping that people put here, and what to tell them. */
     const weft__section *beside;
     const char *beside_hint;

@@ -8,9 +8,6 @@
 #include "base/suggest.h"
 #include "scene/scalar.h"
 
-typedef void read_fn(weft__reader *reader, const weft__key *key, const weft__node *node,
-                     void *to);
-
 /* ---- messages --------------------------------------------------------------- */
 
 /* A list as [0, -9,81, 0]: blanks behind some of its commas, but not behind all. */
@@ -286,7 +283,7 @@ static void read_mapping(weft__reader *reader, const weft__key *key,
 void weft__read_value(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *base)
 {
-    static read_fn *const readers[WEFT__KINDS] = {
+    static weft__read_fn *const readers[WEFT__KINDS] = {
         [WEFT__MAPPING] = read_mapping,   [WEFT__NUMBER] = read_number,
         [WEFT__INTEGER] = read_integer,   [WEFT__VECTOR] = read_vector,
         [WEFT__DIRECTION] = read_vector,  [WEFT__TEXT] = read_text,
@@ -472,11 +469,15 @@ void weft__read_section(weft__reader *reader, const weft__section *section,
     }
 }
 
+const weft__node *weft__later(const weft__node *a, const weft__node *b)
+{
+    return a == NULL || (b != NULL && weft__mark_before(a->at, b->at)) ? b : a;
+}
+
 void weft__report_exclusive(weft__report *report, const weft__node *a,
                             const weft__node *b)
 {
-    const bool in_order = weft__mark_before(a->at, b->at);
-    const weft__node *first = in_order ? a : b, *second = in_order ? b : a;
+    const weft__node *second = weft__later(a, b), *first = second == a ? b : a;
     char where[64];
     weft__report_error(report, second->at, "%s excludes %s (%s)", second->text,
                        first->text, weft__place_text(first->at, where, sizeof where));

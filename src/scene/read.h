@@ -138,48 +138,37 @@ bool weft__read_numbers(weft__reader *reader, const weft__key *key, const char *
 void weft__check_together(weft__reader *reader, const weft__match *match, const char *a,
                           const char *b);
 
+/* The one of two nodes that stands behind the other; NULL stands before any. */
+const weft__node *weft__later(const weft__node *a, const weft__node *b);
+
 /* Two keys of one mapping that may not stand together: reported at the later one. */
 void weft__report_exclusive(weft__report *report, const weft__node *a,
                             const weft__node *b);
 
+/* What keys.c names for kinds of values (to: where the value goes) and for sections. */
+typedef void weft__read_fn(weft__reader *reader, const weft__key *key,
+                           const weft__node *node, void *to);
+
 /* scene_pins.c */
-void weft__read_index(weft__reader *reader, const weft__key *key,
-                      const weft__node *node, void *to);
-void weft__read_place(weft__reader *reader, const weft__key *key,
-                      const weft__node *node, void *to);
-void weft__read_pins(weft__reader *reader, const weft__key *key, const weft__node *node,
-                     void *to);
-void weft__read_loads(weft__reader *reader, const weft__key *key,
-                      const weft__node *node, void *to);
-void weft__check_place(weft__reader *reader, const weft__match *match, void *base);
-void weft__check_pin(weft__reader *reader, const weft__match *match, void *base);
+weft__read_fn weft__read_index, weft__read_place, weft__read_pins, weft__read_loads;
+weft__check_fn weft__check_place, weft__check_pin;
 
 /* butcher.c */
-void weft__read_row(weft__reader *reader, const weft__key *key, const weft__node *node,
-                    void *to);
-void weft__read_rows(weft__reader *reader, const weft__key *key, const weft__node *node,
-                     void *to);
-void weft__check_butcher(weft__reader *reader, const weft__match *match, void *base);
+weft__read_fn weft__read_row, weft__read_rows;
+weft__check_fn weft__check_butcher;
 
 /* checks.c */
-void weft__check_root(weft__reader *reader, const weft__match *match, void *base);
-void weft__check_grid(weft__reader *reader, const weft__match *match, void *base);
-void weft__check_springs(weft__reader *reader, const weft__match *match, void *base);
-void weft__check_cloth(weft__reader *reader, const weft__match *match, void *base);
-void weft__check_limit(weft__reader *reader, const weft__match *match, void *base);
-void weft__check_run(weft__reader *reader, const weft__match *match, void *base);
+weft__check_fn weft__check_root, weft__check_grid, weft__check_springs,
+    weft__check_cloth, weft__check_limit, weft__check_run;
 
-/* scene_method.c: takes stepper.method apart where it is plugin/method, and removes
- * keys of stepper that a choice of the command line or the sweep leaves without use,
- * with a warning. Before anything is read of the tree. */
+/* scene_method.c: takes stepper.method apart where it is plugin/method, finds the
+ * scene's type, removes keys of stepper that a choice of the command line or the sweep
+ * leaves without use, with a warning, and reports others without use. Called before
+ * the tree is read. */
 void weft__resolve_method(weft__reader *reader, const weft__sweep *sweep);
 
 /* scene_stepper.c */
-enum { WEFT__ADAPTIVE = 7 };
-extern const char *const weft__adaptive_keys[WEFT__ADAPTIVE]; /* of error control */
 bool weft__is_plugin_id(const char *id);
-void weft__check_controller(weft__reader *reader, const weft__match *match, void *base);
-void weft__check_stepper(weft__reader *reader, const weft__match *match, void *base);
-void weft__check_record(weft__reader *reader, const weft__match *match, void *base);
+weft__check_fn weft__check_controller, weft__check_stepper, weft__check_record;
 
 #endif

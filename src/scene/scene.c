@@ -159,16 +159,12 @@ static bool keep_name(const weft__base *base, weft_scene *scene)
             return true;
         }
     }
-    const weft__entry pair = {
-        weft__scalar_new(tree, "name", 4, YAML_PLAIN_SCALAR_STYLE, at),
-        weft__scalar_new(tree, scene->name, strlen(scene->name),
-                         YAML_DOUBLE_QUOTED_SCALAR_STYLE, at),
-    };
-    if (pair.key == NULL || pair.value == NULL) {
-        return false;
+    const weft__node *value = weft__scalar_new(tree, scene->name, strlen(scene->name),
+                                               YAML_DOUBLE_QUOTED_SCALAR_STYLE, at);
+    if (value != NULL) {
+        weft__tree_put(tree, "name", 4, at, value);
+        scene->text = weft__tree_emit(tree);
     }
-    tree->root = weft__node_with(tree, tree->root, tree->root->count, pair);
-    scene->text = tree->root == NULL ? NULL : weft__tree_emit(tree);
     return scene->text != NULL;
 }
 

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/suggest.h"
+#include "cloth/model.h"
 #include "scene/read.h"
 #include "scene/scalar.h"
 
@@ -30,11 +31,6 @@ typedef struct axis {
     size_t count;
 } axis;
 
-static ptrdiff_t from_start(const axis *along, ptrdiff_t index)
-{
-    return index < 0 ? index + (ptrdiff_t)along->count : index;
-}
-
 static bool read_one(weft__reader *reader, const axis *along, const char *name,
                      const weft__node *node, ptrdiff_t *out)
 {
@@ -59,13 +55,13 @@ static bool read_pair(weft__reader *reader, const axis *along, const char *name,
                       const weft__node *node, weft_range *out)
 {
     weft_range range;
+    size_t from, to;
     const bool first = read_one(reader, along, name, weft__item(node, 0), &range.first);
     const bool last = read_one(reader, along, name, weft__item(node, 1), &range.last);
     if (!first || !last) {
         return false;
     }
-    if (along->count > 0
-        && from_start(along, range.first) > from_start(along, range.last)) {
+    if (along->count > 0 && !weft__range_resolve(range, along->count, &from, &to)) {
         weft__report_error(reader->report, node->at,
                            "%s [%td, %td] hold nothing: the first is behind the last",
                            name, range.first, range.last);
@@ -142,9 +138,9 @@ static void check_axis(weft__reader *reader, const weft__match *match,
     const weft__node *many = weft__found_in(match, plural)->key;
     const weft__node *one = weft__found_in(match, singular)->key;
     if (many != NULL && one != NULL) {
-        weft__report_error(
-            reader->report, weft__mark_before(many->at, one->at) ? one->at : many->at,
-            "'%s' and '%s' mean the same: one is enough", plural, singular);
+        weft__report_error(reader->report, weft__later(many, one)->at,
+                           "'%s' and '%s' mean the same: one is enough", plural,
+                           singular);
     } else if (weft__lacks(match, plural) && weft__lacks(match, singular)) {
         weft__report_error(
             reader->report, match->map->at,
