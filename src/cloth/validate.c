@@ -120,12 +120,21 @@ static double length(const double v[3])
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
+/* No direction is a vector whose length is lost in rounding, either. */
+static bool check_direction(const double v[3], size_t field, const weft__faults *to)
+{
+    if (!positive(length(v))) {
+        fault(to, field, field, "%s is [%g, %g, %g], which is no direction",
+              field == FIELD(right) ? "right" : "down", v[0], v[1], v[2]);
+    }
+    return positive(length(v));
+}
+
 static bool check_axes(const weft_cloth_def *def, const weft__faults *to)
 {
     const double *a = def->right, *b = def->down;
-    if (!positive(length(a)) || !positive(length(b))) {
-        const size_t field = positive(length(a)) ? FIELD(down) : FIELD(right);
-        fault(to, field, field, "right and down must be finite and not zero");
+    const bool directed = check_direction(a, FIELD(right), to);
+    if (!check_direction(b, FIELD(down), to) || !directed) {
         return false;
     }
     const double cosine

@@ -67,10 +67,10 @@ static bool read_matrix_row(weft__reader *reader, const weft__key *key,
     bool good = weft__read_numbers(reader, key, item, row, values);
     for (size_t j = i; j < count; ++j) {
         if (values[j] != 0.0) {
-            weft__report_error(reader->report, weft__item(row, j)->at,
-                               "%s[%zu] must be 0: the table is explicit, A strictly "
-                               "lower triangular",
-                               item, j);
+            weft__report_error(
+                reader->report, weft__item(row, j)->at,
+                "%s[%zu] must be 0: the table is explicit, A strictly lower triangular",
+                item, j);
             good = false;
         }
     }

@@ -87,9 +87,9 @@ static void check_mass(weft__reader *reader, const weft__match *match)
     if (mass != NULL && density != NULL) {
         weft__report_exclusive(reader->report, mass, density);
     } else if (weft__lacks(match, "mass") && weft__lacks(match, "density")) {
-        weft__report_error(reader->report, match->map->at,
-                           "cloth lacks 'mass' [kg] or 'density' [kg/m^2]: exactly one "
-                           "is required");
+        weft__report_error(
+            reader->report, match->map->at,
+            "cloth lacks 'mass' [kg] or 'density' [kg/m^2]: exactly one is required");
     }
 }
 
@@ -156,8 +156,7 @@ void weft__check_limit(weft__reader *reader, const weft__match *match, void *bas
     if (!limits && reader->report->found->errors == 0) {
         weft__report_warning(
             reader->report, match->map->at,
-            "limit has no effect: cloth has no springs of the families "
-            "it limits");
+            "limit has no effect: cloth has no springs of the families it limits");
     }
 }
 
@@ -181,10 +180,10 @@ void weft__check_run(weft__reader *reader, const weft__match *match, void *base)
     if (run->duration * run->fps > 0x1p53) {
         const weft__node *node = weft__value_in(match, "fps");
         node = node == NULL ? weft__value_in(match, "duration") : node;
-        weft__report_error(reader->report, node->at,
-                           "%g s at %g frames per second are more frames than can be "
-                           "counted (2^53)",
-                           run->duration, run->fps);
+        weft__report_error(
+            reader->report, node->at,
+            "%g s at %g frames per second are more frames than can be counted (2^53)",
+            run->duration, run->fps);
     }
     check_frame(reader, match, run);
 }

@@ -39,16 +39,16 @@ static size_t find_slot(const weft__report *report, weft__mark at)
     return slot;
 }
 
-/* A node that several aliases lead to is read as often, and so is a scene with a sweep:
- * reported once. */
-static bool is_known(weft__report *report, weft__mark at, const char *message)
+/* Whether the same was reported at the same place, which ends at `slot`: a node that
+ * several aliases lead to is read as often, and so is a scene with a sweep. */
+static bool is_known(weft__report *report, size_t slot, weft__mark at,
+                     const char *message)
 {
-    for (size_t i = 0; i < report->found->count; ++i) {
-        const weft__mark place = report->origin[i].at;
-        if (!weft__mark_before(place, at) && !weft__mark_before(at, place)
-            && strcmp(report->found->items[i].message, message) == 0) {
-            report->origin[i].runs += report->origin[i].latest != report->run;
-            report->origin[i].latest = report->run;
+    while (slot-- > 0 && !weft__mark_before(report->origin[slot].at, at)) {
+        weft__origin *origin = &report->origin[slot];
+        if (strcmp(report->found->items[slot].message, message) == 0) {
+            origin->runs += origin->latest != report->run;
+            origin->latest = report->run;
             return true;
         }
     }
@@ -97,7 +97,7 @@ static void add(weft__report *report, bool warning, weft__mark at, const char *f
     weft__fit(message, sizeof message,
               vsnprintf(message, sizeof message, format, args));
     weft__one_line(message);
-    if (is_known(report, at, message)) {
+    if (is_known(report, slot, at, message)) {
         return;
     }
     ++*count;

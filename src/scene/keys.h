@@ -6,26 +6,25 @@
 #include "scene/diagnostics.h"
 
 typedef enum weft__kind {
-    WEFT__MAPPING,   /* keys of its own */
-    WEFT__NUMBER,    /* double */
-    WEFT__INTEGER,   /* size_t */
-    WEFT__VECTOR,    /* double[3] */
-    WEFT__DIRECTION, /* double[3], not zero */
-    WEFT__TEXT,      /* char *, of the tree */
-    WEFT__BOOLEAN,   /* bool */
-    WEFT__CHOICE,    /* enum: one of names, the first stands for `first` */
-    WEFT__EITHER,    /* bool: one of two names, true the second */
-    WEFT__NAMES,     /* bool of each of names: a list of at least `least` of them */
-    WEFT__SPACING,   /* double[2] from a number or a pair */
-    WEFT__ATOL,      /* two doubles from a number or a mapping */
-    WEFT__INDEX,     /* weft_range of the rows or columns of a place */
-    WEFT__PLACE,     /* weft__place */
-    WEFT__PINS,      /* the pins of a scene */
-    WEFT__LOADS,     /* its loads */
-    WEFT__ROW,       /* weft__list: numbers of a Butcher table */
-    WEFT__ROWS,      /* weft__list: its matrix */
-    WEFT__FRACTION,  /* a number of either, in messages */
-    WEFT__SWEEP,     /* taken out of the tree before it is read */
+    WEFT__MAPPING,  /* keys of its own */
+    WEFT__NUMBER,   /* double */
+    WEFT__INTEGER,  /* size_t */
+    WEFT__VECTOR,   /* double[3] */
+    WEFT__TEXT,     /* char *, of the tree */
+    WEFT__BOOLEAN,  /* bool */
+    WEFT__CHOICE,   /* enum: one of names, the first stands for `first` */
+    WEFT__EITHER,   /* bool: one of two names, true the second */
+    WEFT__NAMES,    /* bool of each of names: a list of at least `least` of them */
+    WEFT__SPACING,  /* double[2] from a number or a pair */
+    WEFT__ATOL,     /* two doubles from a number or a mapping */
+    WEFT__INDEX,    /* weft_range of the rows or columns of a place */
+    WEFT__PLACE,    /* weft__place */
+    WEFT__PINS,     /* the pins of a scene */
+    WEFT__LOADS,    /* its loads */
+    WEFT__ROW,      /* weft__list: numbers of a Butcher table */
+    WEFT__ROWS,     /* weft__list: its matrix */
+    WEFT__FRACTION, /* a number of either, in messages */
+    WEFT__SWEEP,    /* taken out of the tree before it is read */
     WEFT__KINDS
 } weft__kind;
 

@@ -128,19 +128,9 @@ static void read_vector(weft__reader *reader, const weft__key *key,
         return;
     }
     element.least = -HUGE_VAL;
-    if (!weft__read_numbers(reader, &element, key->name, node, value)) {
-        return;
+    if (weft__read_numbers(reader, &element, key->name, node, value)) {
+        memcpy(to, value, sizeof value);
     }
-    /* also where the length, a root of squares, would be 0 or infinite */
-    const double square
-        = value[0] * value[0] + value[1] * value[1] + value[2] * value[2];
-    if (key->kind == WEFT__DIRECTION && !(square > 0.0 && isfinite(square))) {
-        weft__report_error(reader->report, node->at,
-                           "%s is [%g, %g, %g], which is no direction", key->name,
-                           value[0], value[1], value[2]);
-        return;
-    }
-    memcpy(to, value, sizeof value);
 }
 
 static void read_spacing(weft__reader *reader, const weft__key *key,
@@ -286,13 +276,13 @@ void weft__read_value(weft__reader *reader, const weft__key *key,
     static weft__read_fn *const readers[WEFT__KINDS] = {
         [WEFT__MAPPING] = read_mapping,   [WEFT__NUMBER] = read_number,
         [WEFT__INTEGER] = read_integer,   [WEFT__VECTOR] = read_vector,
-        [WEFT__DIRECTION] = read_vector,  [WEFT__TEXT] = read_text,
-        [WEFT__CHOICE] = read_choice,     [WEFT__EITHER] = read_choice,
-        [WEFT__NAMES] = read_names,       [WEFT__SPACING] = read_spacing,
-        [WEFT__ATOL] = read_atol,         [WEFT__INDEX] = weft__read_index,
-        [WEFT__PLACE] = weft__read_place, [WEFT__PINS] = weft__read_pins,
-        [WEFT__LOADS] = weft__read_loads, [WEFT__ROW] = weft__read_row,
-        [WEFT__ROWS] = weft__read_rows,   [WEFT__BOOLEAN] = read_boolean,
+        [WEFT__TEXT] = read_text,         [WEFT__CHOICE] = read_choice,
+        [WEFT__EITHER] = read_choice,     [WEFT__NAMES] = read_names,
+        [WEFT__SPACING] = read_spacing,   [WEFT__ATOL] = read_atol,
+        [WEFT__INDEX] = weft__read_index, [WEFT__PLACE] = weft__read_place,
+        [WEFT__PINS] = weft__read_pins,   [WEFT__LOADS] = weft__read_loads,
+        [WEFT__ROW] = weft__read_row,     [WEFT__ROWS] = weft__read_rows,
+        [WEFT__BOOLEAN] = read_boolean,
     };
     readers[key->kind](reader, key, node, (char *)base + key->at);
 }
@@ -353,10 +343,10 @@ static void report_merge(weft__reader *reader, weft__match *match,
     for (size_t i = 0; i < match->section->count; ++i) {
         match->found[i].explained = true;
     }
-    weft__report_error(reader->report, node->at,
-                       "merge keys ('<<') are not part of YAML 1.2: write the keys of "
-                       "%s out",
-                       match->title);
+    weft__report_error(
+        reader->report, node->at,
+        "merge keys ('<<') are not part of YAML 1.2: write the keys of %s out",
+        match->title);
 }
 
 /* The key that it may have been is not reported as missing. */
@@ -419,16 +409,6 @@ static void report_missing(weft__reader *reader, const weft__match *match,
                        weft__unit_text(key, unit, sizeof unit), key->meaning);
 }
 
-static bool needs_keys(const weft__section *section)
-{
-    for (size_t i = 0; i < section->count; ++i) {
-        if (section->keys[i].required) {
-            return true;
-        }
-    }
-    return false;
-}
-
 static void read_key(weft__reader *reader, weft__match *match, size_t i, void *base)
 {
     const weft__key *key = &match->section->keys[i];
@@ -437,11 +417,11 @@ static void read_key(weft__reader *reader, weft__match *match, size_t i, void *b
         const size_t mistakes = reader->report->mistakes;
         weft__read_value(reader, key, found->value, base);
         found->wrong = reader->report->mistakes > mistakes;
-    } else if (key->required && !found->explained) {
+    } else if (key->required && !found->explained && match->map != NULL) {
         report_missing(reader, match, key);
     } else if (key->fallback != NULL) {
         read_fallback(reader, key, base);
-    } else if (key->kind == WEFT__MAPPING && !needs_keys(key->section)) {
+    } else if (key->kind == WEFT__MAPPING) {
         weft__read_section(reader, key->section, key->name, NULL,
                            (char *)base + key->at);
     }

@@ -102,23 +102,29 @@ static void split_method(resolver *self)
 
 /* ---- keys that give way -------------------------------------------------------- */
 
+/* Adds "rtol (line 3, column 5)" to a list. */
+static void append_place(char *list, size_t size, const weft__node *key)
+{
+    const size_t used = strlen(list);
+    char where[64];
+    (void)snprintf(list + used, size - used, "%s%s (%s)", used == 0 ? "" : ", ",
+                   key->text, weft__place_text(key->at, where, sizeof where));
+}
+
 /* Removes those of the keys that an earlier source has set than `later`, and warns at
  * its place. */
 static void drop_earlier(resolver *self, const char *const *keys, size_t count,
                          setting later, const char *why)
 {
-    char list[340] = "", where[64];
-    size_t used = 0;
-    for (size_t i = 0; i < count && used < sizeof list; ++i) {
+    char list[340] = "";
+    for (size_t i = 0; i < count; ++i) {
         const setting it = find(self, keys[i]);
         if (it.key != NULL && it.rank < later.rank) {
             put(self, it.slot, it.key, NULL);
-            used += (size_t)snprintf(list + used, sizeof list - used, "%s%s (%s)",
-                                     used == 0 ? "" : ", ", keys[i],
-                                     weft__place_text(it.key->at, where, sizeof where));
+            append_place(list, sizeof list, it.key);
         }
     }
-    if (used > 0) {
+    if (list[0] != '\0') {
         weft__report_warning(self->reader->report, later.key->at, "%s dropped: %s",
                              list, why);
     }
@@ -136,10 +142,10 @@ static void refuse_unused(resolver *self, const char *const *keys, size_t count,
     for (size_t i = 0; i < count; ++i) {
         const weft__node *key = find(self, keys[i]).key;
         if (key != NULL) {
-            weft__report_error(self->reader->report, key->at,
-                               "%s would not be used by method '%.40s' of plugin "
-                               "'%.40s', which %s",
-                               keys[i], method.text, plugin.text, why);
+            weft__report_error(
+                self->reader->report, key->at,
+                "%s would not be used by method '%.40s' of plugin '%.40s', which %s",
+                keys[i], method.text, plugin.text, why);
         }
     }
 }
@@ -163,19 +169,16 @@ static void check_exclusive(const resolver *self)
 {
     const weft__node *fixed = find(self, "fixed_step").key;
     weft__report *report = self->reader->report;
-    char before[320] = "", where[64];
-    size_t used = 0;
+    char before[320] = "";
     for (size_t i = 0; fixed != NULL && i < ADAPTIVE; ++i) {
         const weft__node *key = find(self, adaptive_keys[i]).key;
         if (key != NULL && weft__mark_before(fixed->at, key->at)) {
             weft__report_exclusive(report, fixed, key);
-        } else if (key != NULL && used < sizeof before) {
-            used += (size_t)snprintf(before + used, sizeof before - used, "%s%s (%s)",
-                                     used == 0 ? "" : ", ", adaptive_keys[i],
-                                     weft__place_text(key->at, where, sizeof where));
+        } else if (key != NULL) {
+            append_place(before, sizeof before, key);
         }
     }
-    if (used > 0) {
+    if (before[0] != '\0') {
         weft__report_error(report, fixed->at, "fixed_step excludes %s", before);
     }
 }

@@ -2,7 +2,6 @@
 /* scene_pins.c -- places on the grid, and the pins and loads that are put there. */
 #include <string.h>
 
-#include "base/suggest.h"
 #include "cloth/model.h"
 #include "scene/read.h"
 #include "scene/scalar.h"
@@ -138,15 +137,12 @@ static void check_axis(weft__reader *reader, const weft__match *match,
     const weft__node *many = weft__found_in(match, plural)->key;
     const weft__node *one = weft__found_in(match, singular)->key;
     if (many != NULL && one != NULL) {
-        weft__report_error(reader->report, weft__later(many, one)->at,
-                           "'%s' and '%s' mean the same: one is enough", plural,
-                           singular);
+        weft__report_exclusive(reader->report, many, one);
     } else if (weft__lacks(match, plural) && weft__lacks(match, singular)) {
-        weft__report_error(
-            reader->report, match->map->at,
-            "%s lacks '%s': rows and cols are both needed, each an index, "
-            "[first, last] or all",
-            match->title, plural);
+        weft__report_error(reader->report, match->map->at,
+                           "%s lacks '%s': rows and cols are both needed, each an "
+                           "index, [first, last] or all",
+                           match->title, plural);
     }
 }
 
@@ -165,28 +161,19 @@ void weft__check_pin(weft__reader *reader, const weft__match *match, void *base)
     weft__check_together(reader, match, "amplitude", "frequency");
 }
 
-/* How many keys of a mapping are, or are nearly, keys of a section. */
-static size_t likeness(const weft__node *mapping, const weft__section *section)
-{
-    size_t hits = 0;
-    for (size_t k = 0; k < mapping->count; ++k) {
-        const char *name = weft__text_of(mapping->entries[k].key);
-        weft__guess guess = { 0 };
-        for (size_t i = 0; name != NULL && i < section->count; ++i) {
-            weft__guess_try(&guess, name, section->keys[i].name);
-        }
-        hits += guess.name != NULL;
-    }
-    return hits;
-}
-
-/* A mapping is a pin with `at`, or else the place of one at rest. */
+/* A pin is a mapping with `at`, or else a place, where it rests. */
 static bool is_place(const weft__node *node)
 {
-    return node->type != WEFT__MAP
-           || (weft__find_key(node, "at", 2) == node->count
-               && likeness(node, &weft__place_section)
-                      >= likeness(node, &weft__pin_section));
+    const weft__section *place = &weft__place_section;
+    size_t hits = 0;
+    if (node->type != WEFT__MAP) {
+        return true;
+    }
+    for (size_t i = 0; i < place->count; ++i) {
+        const char *name = place->keys[i].name;
+        hits += weft__find_key(node, name, strlen(name)) < node->count;
+    }
+    return hits > 0 && weft__find_key(node, "at", 2) == node->count;
 }
 
 static void read_pin(weft__reader *reader, const weft__node *node, weft_pin *pin)

@@ -66,10 +66,9 @@ static bool check_id(weft__reader *reader, const weft__match *match)
     if (weft__is_plugin_id(id)) {
         return true;
     }
-    weft__report_error(reader->report, weft__value_in(match, "plugin")->at,
-                       "plugin '%.40s' is no plugin's name: at most 48 letters, digits "
-                       "and _",
-                       id);
+    weft__report_error(
+        reader->report, weft__value_in(match, "plugin")->at,
+        "plugin '%.40s' is no plugin's name: at most 48 letters, digits and _", id);
     return false;
 }
 
@@ -218,10 +217,10 @@ void weft__check_stepper(weft__reader *reader, const weft__match *match, void *b
         check_matrices(reader, match);
         if ((type->flags & WEFT_STEPPER_FIXED_ONLY) != 0
             && weft__lacks(match, "fixed_step")) {
-            weft__report_error(reader->report, weft__value_in(match, "method")->at,
-                               "method '%.40s' has no error control: it needs "
-                               "stepper.fixed_step [s]",
-                               scene->method);
+            weft__report_error(
+                reader->report, weft__value_in(match, "method")->at,
+                "method '%.40s' has no error control: it needs stepper.fixed_step [s]",
+                scene->method);
         }
     }
     if (type == NULL ? asks_for_table(scene)
@@ -247,9 +246,9 @@ void weft__check_record(weft__reader *reader, const weft__match *match, void *ba
     weft__methods_list(
         reader->def->find_plugin(reader->def->find_ctx, scene->plugin, &why),
         WEFT_STEPPER_QUADRATURES, names, sizeof names);
-    weft__report_error(reader->report, weft__value_in(match, "ledger")->at,
-                       "method '%.40s' of plugin '%.40s' cannot keep the energy "
-                       "ledger%s%s",
-                       scene->method, scene->plugin,
-                       names[0] == '\0' ? "" : "; of that plugin these can: ", names);
+    weft__report_error(
+        reader->report, weft__value_in(match, "ledger")->at,
+        "method '%.40s' of plugin '%.40s' cannot keep the energy ledger%s%s",
+        scene->method, scene->plugin,
+        names[0] == '\0' ? "" : "; of that plugin these can: ", names);
 }
