@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* model.h -- what a cloth is made of, for the files of src/cloth, and the check of a
- * definition, for src/scene too.
+/* model.h -- what a cloth is made of, for the files of src/cloth, and the checks of
+ * definitions, for src/scene too.
  *
  * Springs are implicit: a family has two groups, one for each direction, and all the
  * springs of a group are alike but for where they start. Nothing is kept per spring. */

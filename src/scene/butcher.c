@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* butcher.c -- an explicit Runge-Kutta table of the user's own. */
+/* butcher.c -- the Runge-Kutta table of a scene. */
 #include <math.h>
 
 #include "scene/read.h"
 
 #define MAX_STAGES 256
 
-/* Coefficients that were rounded when they were written are still meant to add up. */
+/* Allows for coefficients that are written with fewer digits than a double has. */
 #define SUM_TOLERANCE 1e-9
 
 static bool has_stages(weft__reader *reader, const weft__key *key,
@@ -119,8 +119,7 @@ static void check_sum(weft__reader *reader, weft__mark at, const char *what,
     }
 }
 
-/* Conditions that every method of order 1 meets, and every one that treats the time as
- * it treats the state. */
+/* The conditions of order 1, and of treating time as a component of the state. */
 static void check_sums(weft__reader *reader, const weft__match *match,
                        const weft__tableau *table)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* checks.c -- what must hold between the keys of cloth, limit and run. */
+/* checks.c -- rules between the keys of cloth, limit and run. */
 #include "cloth/model.h"
 #include "scene/read.h"
 
@@ -22,7 +22,7 @@ typedef struct fault_reporter {
     const weft__match *match;
 } fault_reporter;
 
-/* What was found of the key that fills a field. */
+/* The entry of the key that fills a field. */
 static weft__found found_at(const weft__match *match, size_t field)
 {
     weft__found found = { NULL };
@@ -32,8 +32,8 @@ static weft__found found_at(const weft__match *match, size_t field)
     return found;
 }
 
-/* Reports a fault of a field at its key's value, where that is a default at the other
- * one. A value that was refused before is not at fault again. */
+/* Reports a fault of a field at its key's value, or, if that is a default, at the value
+ * of the other one. A value that was refused before is not reported again. */
 static void report_fault(void *ctx, size_t field, size_t other, const char *message)
 {
     const fault_reporter *self = ctx;
@@ -93,7 +93,7 @@ static void check_mass(weft__reader *reader, const weft__match *match)
     }
 }
 
-/* Comparisons of a particle with a pin: more are not worth the time. */
+/* Comparisons of a particle with a pin; beyond them no warning is worth the time. */
 #define MAX_COVERED ((size_t)1 << 26)
 
 /* The column behind the pin that holds a particle; the same column: none does. */
@@ -160,7 +160,8 @@ void weft__check_limit(weft__reader *reader, const weft__match *match, void *bas
     }
 }
 
-/* No step crosses a frame. Told where the cure is: the stepper has been read before. */
+/* No step crosses a frame. The warning stands at the key to change; the stepper has
+ * been read before. */
 static void check_frame(weft__reader *reader, const weft__match *match,
                         const weft_run_def *run)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* diagnostics.c -- what was found wrong with a scene, put in order and given its place.
+/* diagnostics.c -- the mistakes and warnings of a scene, in the order of their places.
  */
 #include "scene/diagnostics.h"
 
@@ -29,7 +29,7 @@ static int as_int(size_t n)
     return n < INT_MAX ? (int)n : INT_MAX;
 }
 
-/* Where a new item goes: behind all that stand before it or at the same place. */
+/* The index of a new item: behind all items before it or at the same place. */
 static size_t find_slot(const weft__report *report, weft__mark at)
 {
     size_t slot = report->found->count;
@@ -39,8 +39,8 @@ static size_t find_slot(const weft__report *report, weft__mark at)
     return slot;
 }
 
-/* Whether the same was reported at the same place, which ends at `slot`: a node that
- * several aliases lead to is read as often, and so is a scene with a sweep. */
+/* Whether the same message was reported at the same place, whose items end at `slot`: a
+ * node is read once for each of its aliases, and for each run of a sweep. */
 static bool is_known(weft__report *report, size_t slot, weft__mark at,
                      const char *message)
 {
@@ -122,7 +122,7 @@ void weft__report_warning(weft__report *report, weft__mark at, const char *forma
     va_end(args);
 }
 
-/* The message for those who ask for one only. */
+/* The first mistake, for callers that use only weft_error. */
 static weft_status first_error(const weft_diagnostics *found, weft_error *err)
 {
     const weft_diagnostic *item = NULL;

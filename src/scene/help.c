@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* help.c -- the table of keys in words. */
+/* help.c -- the table of keys as text. */
 #include <math.h>
 #include <string.h>
 

@@ -132,7 +132,7 @@ static const weft__key spring_keys[] = {
 static const weft__section spring_section
     = { SECTION(spring_keys), .check = weft__check_springs };
 
-/* The grid comes first: what follows is checked against it. */
+/* The grid comes first: the other keys are checked against it. */
 static const weft__key cloth_keys[] = {
     { "grid", WEFT__MAPPING, .required = true, .section = &grid_section,
       .meaning = "particle (row, col) rests at origin + col * spacing * right + row * "
@@ -379,7 +379,7 @@ static const weft__key run_keys[] = {
 static const weft__section run_section
     = { SECTION(run_keys), .check = weft__check_run };
 
-/* The stepper comes before it: the ledger is not for every method. */
+/* The stepper comes before run and record, which are checked against it. */
 static const weft__key root_keys[] = {
     { "weft", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "1",
       AT(weft_scene, version), .meaning = "version of the scene format, 1" },

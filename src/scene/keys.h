@@ -58,13 +58,14 @@ struct weft__section {
     const char *title; /* in messages; NULL: the name of its key */
     const weft__key *keys;
     size_t count;
-    weft__check_fn *check; /* of what must hold between keys; NULL: nothing */
-    /* Keys of another mapping that people put here, and what to tell them. */
+    weft__check_fn *check; /* of rules between the keys; NULL: none */
+    /* Keys of another mapping that are often put here, and the hint then. */
     const weft__section *beside;
     const char *beside_hint;
 };
 
-/* A larger bound is there to keep numbers sane: not worth a word unless it is hit. */
+/* A bound above this only keeps numbers sane: messages name it only if it is exceeded.
+ */
 #define WEFT__MANY 1e6
 
 #define WEFT__MAX_KEYS 16 /* of a section */
@@ -74,7 +75,7 @@ extern const weft__section weft__place_section; /* {rows, cols} */
 extern const weft__section weft__pin_section;   /* {at, velocity, ...} */
 extern const weft__section weft__load_section;  /* {at, mass} */
 
-/* What a key asks for: "a number >= 0 [N/m]", without its article if `bare`. */
+/* The type of a key: "a number >= 0 [N/m]", without its article if `bare`. */
 const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
                          size_t size);
 

@@ -287,8 +287,8 @@ void weft__read_value(weft__reader *reader, const weft__key *key,
     readers[key->kind](reader, key, node, (char *)base + key->at);
 }
 
-/* A default is read as if it stood in the scene, without a parser if it is a plain
- * value: parsing defaults would be most of the time that a scene takes. */
+/* Reads a default as if it stood in the scene. A plain value needs no parser, which
+ * would take most of the time of reading a scene. */
 static void read_fallback(weft__reader *reader, const weft__key *key, void *base)
 {
     const weft__source source
@@ -349,7 +349,7 @@ static void report_merge(weft__reader *reader, weft__match *match,
         match->title);
 }
 
-/* The key that it may have been is not reported as missing. */
+/* The key that was probably meant is not reported as missing. */
 static void report_unknown(weft__reader *reader, weft__match *match,
                            const weft__node *node, const weft__node *value)
 {

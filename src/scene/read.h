@@ -55,7 +55,7 @@ typedef struct weft__reader {
     const weft_scene_def *def;
 } weft__reader;
 
-/* What scenes are read from: a text, and its tree with overrides put in. */
+/* The source of scenes: a text, and its tree with the overrides applied. */
 typedef struct weft__base {
     weft_scene_def def;
     weft_allocator memory;
@@ -68,8 +68,8 @@ typedef struct weft__base {
     bool changed;  /* it is not what the text says */
 } weft__base;
 
-/* What is wrong is added to a report, which the caller ends before the base is closed;
- * it takes its memory as the base does. The base must be closed also after an error.
+/* Mistakes are added to the report, which shares the base's allocator; the caller must
+ * end it before closing the base. The base must be closed also after an error.
  * Errors: WEFT_INVALID, WEFT_IO, WEFT_NO_MEMORY. */
 weft_status weft__base_open(const weft_scene_def *def, weft__base *out,
                             weft__report *report, weft_error *err);
@@ -113,11 +113,11 @@ const weft__node *weft__value_in(const weft__match *match, const char *name);
 /* Whether a key is absent and no mistake explains it. */
 bool weft__lacks(const weft__match *match, const char *name);
 
-/* "KEY must be what it wants, not VALUE (hint)". */
+/* Reports "KEY must be TYPE, not VALUE (hint)". */
 void weft__refuse_value(weft__reader *reader, const weft__key *key,
                         const weft__node *node);
 
-/* The same of another name and wish. */
+/* The same with another name and type. */
 void weft__refuse(weft__reader *reader, const weft__node *node, const char *name,
                   const char *wanted, bool number, const char *unit);
 
@@ -145,7 +145,7 @@ const weft__node *weft__later(const weft__node *a, const weft__node *b);
 void weft__report_exclusive(weft__report *report, const weft__node *a,
                             const weft__node *b);
 
-/* What keys.c names for kinds of values (to: where the value goes) and for sections. */
+/* Reads a value of one kind to `to`. */
 typedef void weft__read_fn(weft__reader *reader, const weft__key *key,
                            const weft__node *node, void *to);
 

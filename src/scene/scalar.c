@@ -68,7 +68,7 @@ static size_t digits(const char *text)
 }
 
 /* Bytes of the longest decimal number at the start of text, 0 if there is none. A
- * leading zero is passed over here; has_leading_zero finds it. */
+ * leading zero is allowed here; has_leading_zero finds it. */
 static size_t number_length(const char *text)
 {
     const char *p = text;
@@ -184,7 +184,7 @@ static bool is_not_finite(const char *text)
            || (length > 0 && text[length] == '\0' && isinf(strtod(text, NULL)));
 }
 
-/* What is wrong with a plain scalar that ought to be a number. */
+/* A hint for a plain scalar that should be a number. */
 static const char *number_hint(const char *text)
 {
     const size_t sign = text[0] == '-' || text[0] == '+';

@@ -20,7 +20,7 @@ typedef struct resolver {
     const weft__node *map; /* stepper, as changed so far */
 } resolver;
 
-/* A later source gives way to no earlier one. */
+/* Where a key was set; the greater rank wins. */
 typedef enum rank { ABSENT, IN_FILE, ON_COMMAND_LINE, IN_SWEEP } rank;
 
 /* A key of stepper. */
@@ -111,8 +111,8 @@ static void append_place(char *list, size_t size, const weft__node *key)
                    key->text, weft__place_text(key->at, where, sizeof where));
 }
 
-/* Removes those of the keys that an earlier source has set than `later`, and warns at
- * its place. */
+/* Removes the keys that were set by an earlier source than `later`, and warns at the
+ * place of `later`. */
 static void drop_earlier(resolver *self, const char *const *keys, size_t count,
                          setting later, const char *why)
 {
@@ -130,7 +130,7 @@ static void drop_earlier(resolver *self, const char *const *keys, size_t count,
     }
 }
 
-/* `why`: what the method does that leaves the keys without use. */
+/* `why`: the reason, as in "the method has no error control". */
 static void refuse_unused(resolver *self, const char *const *keys, size_t count,
                           const char *why)
 {

@@ -24,7 +24,7 @@ static const weft__place named_places[] = {
 
 /* ---- an index or a range of them -------------------------------------------- */
 
-/* Rows or columns; count is 0 while the grid is wrong, and nothing is checked then. */
+/* Rows or columns; count is 0 if the grid is wrong, and then nothing is checked. */
 typedef struct axis {
     const char *what;
     size_t count;
@@ -130,7 +130,7 @@ void weft__read_place(weft__reader *reader, const weft__key *key,
     memcpy(to, &place, sizeof place);
 }
 
-/* Both names of an axis mean the same: one of them, and only one. */
+/* An axis has two names: exactly one of them is needed. */
 static void check_axis(weft__reader *reader, const weft__match *match,
                        const char *plural, const char *singular)
 {
@@ -161,7 +161,7 @@ void weft__check_pin(weft__reader *reader, const weft__match *match, void *base)
     weft__check_together(reader, match, "amplitude", "frequency");
 }
 
-/* A pin is a mapping with `at`, or else a place, where it rests. */
+/* A pin is a mapping with `at`, or the place of a pin at rest. */
 static bool is_place(const weft__node *node)
 {
     const weft__section *place = &weft__place_section;
@@ -188,8 +188,8 @@ static void read_pin(weft__reader *reader, const weft__node *node, weft_pin *pin
     }
 }
 
-/* An array of `size` each for the items of a list, whose number is *count; NULL: it is
- * empty, wrong or there is no memory. */
+/* An array for the *count items of a list, of `size` bytes each. NULL: the list is
+ * empty or wrong, or there is no memory. */
 static void *take_items(weft__reader *reader, const weft__key *key,
                         const weft__node *node, size_t size, size_t *count)
 {

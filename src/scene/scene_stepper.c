@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* scene_stepper.c -- what must hold between the keys of stepper, by what is known of
- * the chosen method; scene_method.c finds the keys that exclude one another or have no
- * use.
- */
+/* scene_stepper.c -- checks of stepper against the chosen method; scene_method.c finds
+ * keys that exclude one another or have no use. */
 #include <string.h>
 
 #include "plugin/methods.h"
@@ -10,8 +8,8 @@
 
 /* ---- step sizes ------------------------------------------------------------- */
 
-/* Of two sizes that are given the smaller one must not be the larger; one that bounds
- * the other is also held against its default. */
+/* Sizes that the scene has must be in order; min_step and max_step are also compared
+ * with each other's default. */
 static void check_sizes(weft__reader *reader, const weft__match *match)
 {
     const weft_stepper_config *config = &reader->scene->config;
@@ -72,8 +70,8 @@ static bool check_id(weft__reader *reader, const weft__match *match)
     return false;
 }
 
-/* The method that takes a table of the scene's own. Where its plugin is not there, such
- * a scene is read and checked all the same: it is right, and only cannot be run. */
+/* The method that takes a table from the scene. Without its plugin such a scene is
+ * still read and checked: it is valid, but cannot be run. */
 static bool asks_for_table(const weft_scene *scene)
 {
     return scene->plugin != NULL && strcmp(scene->plugin, "arkode") == 0
@@ -121,7 +119,7 @@ static void check_table(weft__reader *reader, const weft__match *match)
     }
 }
 
-/* Gains as many as the law takes. */
+/* The law takes a certain number of gains. */
 void weft__check_controller(weft__reader *reader, const weft__match *match, void *base)
 {
     static const size_t counts[] = { 0,
@@ -151,7 +149,7 @@ void weft__check_controller(weft__reader *reader, const weft__match *match, void
 /* [bytes] */
 #define LARGE_MATRICES 1e9
 
-/* Of the grid that was read before; of a wrong one it says nothing. */
+/* For the grid, which was read before; a wrong one has no particles. */
 static void check_matrices(weft__reader *reader, const weft__match *match)
 {
     const weft_scene *scene = reader->scene;
@@ -181,8 +179,8 @@ static int no_rhs(double t, const double *y, double *dydt, void *ctx)
     return -1;
 }
 
-/* What the method itself refuses, such as a table that is not of its order, is found by
- * making a stepper of it, of one particle. */
+/* Creates a stepper for one particle to find what only the method can refuse, such as a
+ * table that is not of its order. */
 static void check_creation(weft__reader *reader, const weft__match *match)
 {
     const weft_scene *scene = reader->scene;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* unknown.c -- what to say of a key that is not in the table. */
+/* unknown.c -- hints for a key that is not in the table. */
 #include <string.h>
 
 #include "base/suggest.h"
