@@ -25,7 +25,7 @@ typedef struct fault_reporter {
 /* The entry of the key that fills a field. */
 static weft__found found_at(const weft__match *match, size_t field)
 {
-    weft__found found = { NULL };
+    weft__found found = { .key = NULL };
     for (size_t i = 0; i < match->section->count; ++i) {
         found = match->section->keys[i].at == field ? match->found[i] : found;
     }
