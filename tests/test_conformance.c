@@ -42,7 +42,7 @@ static const struct {
     { "sulks", "refused",
       "bytes more are allocated each time after all that create must refuse" },
 #endif
-    { "spoils", "failure", "y is not as before the failure" },
+    { "spoils", "failure", "y changed" },
 };
 
 START_TEST(a_broken_promise_is_named_with_what_was_seen)
