@@ -21,7 +21,7 @@ static inline float record_single(double value)
                                       : (float)value;
 }
 
-/* file.c: a file that is written beside its place and renamed into it. */
+/* record_file.c: a file that is written under a temporary name and then renamed. */
 typedef struct record_file {
     FILE *stream;
     char path[RECORD_PATH], temporary[RECORD_PATH];
@@ -89,6 +89,16 @@ typedef struct record_extremes {
     double strain_time;           /* [s] */
     weft_spring strain;           /* at its largest strain; no spring: p == q */
 } record_extremes;
+
+/* The corners of quad q, around it, the same way round in every format. */
+static inline void record_quad(size_t cols, size_t q, size_t corners[4])
+{
+    const size_t a = q / (cols - 1) * cols + q % (cols - 1);
+    corners[0] = a;
+    corners[1] = a + cols;
+    corners[2] = a + cols + 1;
+    corners[3] = a + 1;
+}
 
 #define RECORD_COLUMNS_MAX 64
 

@@ -4,14 +4,17 @@
 
 #include <string.h>
 
-void record_quad(const record_surface *surface, size_t q, size_t corners[4])
+weft_status record_surface_write(const char *directory, const char *name,
+                                 record_write_fn *write, const record_surface *surface,
+                                 weft_error *err)
 {
-    const size_t cols = surface->cols;
-    const size_t a = q / (cols - 1) * cols + q % (cols - 1);
-    corners[0] = a;
-    corners[1] = a + cols;
-    corners[2] = a + cols + 1;
-    corners[3] = a + 1;
+    record_file file;
+    const weft_status status = record_file_open(&file, directory, name, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    write(file.stream, surface);
+    return record_file_commit(&file, err);
 }
 
 static double fraction(size_t index, size_t count)

@@ -16,15 +16,19 @@ typedef struct record_surface {
     bool doubles;           /* else all are floats, and no more digits are written */
 } record_surface;
 
-/* A file for a frame. It appears complete, or not at all. */
-typedef weft_status record_write_fn(const char *directory, const char *name,
-                                    const record_surface *surface, weft_error *err);
+/* The content of a file with one frame. */
+typedef void record_write_fn(FILE *stream, const record_surface *surface);
 
 /* export_obj.c: Wavefront OBJ, quads and texture coordinates; a chain is a line.
  * export_ply.c: the same as binary PLY; a chain is edges.
  * export_csv.c: row,col,x,y,z,vx,vy,vz; no velocities if they are not known.
  * export_vtp.c: VTK PolyData in XML, arrays appended raw. */
 record_write_fn record_obj, record_ply, record_csv, record_vtp;
+
+/* Writes such a file, which appears complete or not at all. */
+weft_status record_surface_write(const char *directory, const char *name,
+                                 record_write_fn *write, const record_surface *surface,
+                                 weft_error *err);
 
 /* One file over all frames: it is begun, given every frame, and ended. `file` is the
  * frame's own file, relative to that of the movie. */
@@ -55,9 +59,6 @@ static inline size_t record_quads(const record_surface *surface)
 {
     return (surface->rows - 1) * (surface->cols - 1);
 }
-
-/* Corners of quad q, around it, the same way round in every format. */
-void record_quad(const record_surface *surface, size_t q, size_t corners[4]);
 
 /* Texture coordinates: u along a row, v up a column, from 0 to 1. */
 void record_texture(const record_surface *surface, size_t i, double uv[2]);

@@ -77,7 +77,7 @@ static void put_cells(FILE *stream, const record_surface *surface)
     for (size_t c = 0; c < cells; ++c) {
         size_t corners[4] = { 0 };
         if (record_quads(surface) > 0) {
-            record_quad(surface, c, corners);
+            record_quad(surface->cols, c, corners);
         }
         for (size_t k = 0; k < size; ++k) {
             record_put(stream, record_quads(surface) > 0 ? corners[k] : k, 8, false);
@@ -115,25 +115,18 @@ static void write_tags(FILE *stream, const record_surface *surface)
             cells);
 }
 
-weft_status record_vtp(const char *directory, const char *name,
-                       const record_surface *surface, weft_error *err)
+void record_vtp(FILE *stream, const record_surface *surface)
 {
-    record_file file;
-    const weft_status status = record_file_open(&file, directory, name, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    write_tags(file.stream, surface);
-    put_reals(file.stream, surface, surface->position, 3);
+    write_tags(stream, surface);
+    put_reals(stream, surface, surface->position, 3);
     if (surface->velocity != NULL) {
-        put_reals(file.stream, surface, surface->velocity, 3);
+        put_reals(stream, surface, surface->velocity, 3);
     }
     if (surface->strain != NULL) {
-        put_reals(file.stream, surface, surface->strain, 1);
+        put_reals(stream, surface, surface->strain, 1);
     }
-    put_cells(file.stream, surface);
-    fputs("\n</AppendedData></VTKFile>\n", file.stream);
-    return record_file_commit(&file, err);
+    put_cells(stream, surface);
+    fputs("\n</AppendedData></VTKFile>\n", stream);
 }
 
 /* ---- PVD -------------------------------------------------------------------- */
