@@ -298,20 +298,25 @@ static int read_some(void *ctx, size_t job)
     return 0;
 }
 
+/* The disk may be slow, or never answer: ten times as long for that. */
 static weft_status try_in_child(frames_file *self, weft_error *err)
 {
     process child;
+    const unsigned seconds = seconds_allowed(self);
     const process_def def = { .work = read_some,
                               .ctx = self,
                               .end_signal = SIGKILL,
-                              .cpu_seconds = seconds_allowed(self),
+                              .seconds = 10.0 * seconds,
+                              .cpu_seconds = seconds,
                               .untrusted = true };
     if (!process_run(&def, 0, &child)) {
         return weft_error_set(err, WEFT_IO, "%s: no process to check it: %s",
                               self->path, strerror(errno));
     }
-    return child.status == 0
-               ? WEFT_OK
+    return child.status == 0 ? WEFT_OK
+           : child.late
+               ? weft_error_set(err, WEFT_IO, "%s: not read within %g s", self->path,
+                                def.seconds)
                : weft_error_set(err, WEFT_IO, "%s: damaged: libhdf5 fails on it",
                                 self->path);
 }
