@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* player_page.c -- which frames and particles the page shows, and their numbers. */
+/* player_page.c -- selects the frames and particles that the page shows, and writes
+ * them. */
 #include "record/player_page.h"
 
 #include <math.h>
@@ -15,7 +16,7 @@
 #define RUNS_MAX     2
 #define TIME_MATCH   1e-9 /* relative: two frames of the same time */
 
-/* What a cloth may be coloured by; a field of width 3 by its length. */
+/* Fields that may colour a cloth; of those of width 3, the length. */
 static const struct field {
     const char *name;
     weft_record_field field;
@@ -47,37 +48,45 @@ typedef struct player_page {
     FILE *stream;
 } player_page;
 
+/* A field is shown if every run has recorded it. */
+static void find_fields(player_page *self)
+{
+    self->planes = 3;
+    for (size_t f = 0; f < FIELDS; ++f) {
+        self->present[f] = true;
+        for (size_t r = 0; r < self->run_count; ++r) {
+            self->present[f]
+                = self->present[f] && self->runs[r].frames->fields[fields[f].field];
+        }
+        self->planes += self->present[f];
+    }
+}
+
 static weft_status open_runs(player_page *self, weft_error *err)
 {
-    weft_status status = WEFT_OK;
-    for (size_t r = 0; status == WEFT_OK && r < self->run_count; ++r) {
-        player_run *run = &self->runs[r];
-        status = record_frames_open(run->directory, &run->frames, err);
-    }
-    if (status != WEFT_OK) {
-        return status;
-    }
-    self->rows = self->runs[0].frames->rows;
-    self->cols = self->runs[0].frames->cols;
     for (size_t r = 0; r < self->run_count; ++r) {
-        const size_t rows = self->runs[r].frames->rows;
-        const size_t cols = self->runs[r].frames->cols;
-        if (self->runs[r].frames->count == 0) {
-            return weft_error_set(err, WEFT_INVALID, "%s: no frames",
-                                  self->runs[r].directory);
+        player_run *run = &self->runs[r];
+        const weft_status status
+            = record_frames_open(run->directory, &run->frames, err);
+        if (status != WEFT_OK) {
+            return status;
         }
+        const size_t rows = run->frames->rows, cols = run->frames->cols;
+        self->rows = r == 0 ? rows : self->rows;
+        self->cols = r == 0 ? cols : self->cols;
         if (rows != self->rows || cols != self->cols) {
             return weft_error_set(err, WEFT_INVALID,
                                   "runs of different grids: %s has %zu x %zu "
                                   "particles, %s %zu x %zu",
                                   self->runs[0].directory, self->rows, self->cols,
-                                  self->runs[r].directory, rows, cols);
+                                  run->directory, rows, cols);
         }
     }
+    find_fields(self);
     return WEFT_OK;
 }
 
-/* Which frames have a time that every run has. */
+/* Lists the frames whose time is in every run; returns their number. */
 static size_t match(player_run *runs, size_t run_count)
 {
     size_t at[RUNS_MAX] = { 0 }, found = 0;
@@ -96,7 +105,7 @@ static size_t match(player_run *runs, size_t run_count)
     return found;
 }
 
-/* Keep every n-th frame and the last, so that the page stays within its budget. */
+/* Keeps every n-th frame and the last, so that the page stays within its budget. */
 static void thin(player_page *self)
 {
     const size_t blocks = self->run_count;
@@ -173,23 +182,9 @@ static weft_status choose_particles(player_page *self, weft_error *err)
     return WEFT_OK;
 }
 
-/* A run need not have recorded every field. */
-static weft_status find_fields(player_page *self, weft_error *err)
+static double length(double x, double y, double z)
 {
-    self->planes = 3;
-    for (size_t f = 0; f < FIELDS; ++f) {
-        self->present[f] = true;
-        for (size_t r = 0; r < self->run_count; ++r) {
-            const weft_status status = record_frames_field(
-                self->runs[r].frames, fields[f].field, 0, self->field, err);
-            if (status != WEFT_OK && status != WEFT_UNSUPPORTED) {
-                return status;
-            }
-            self->present[f] = self->present[f] && status == WEFT_OK;
-        }
-        self->planes += self->present[f];
-    }
-    return WEFT_OK;
+    return sqrt(x * x + y * y + z * z);
 }
 
 static void put_coordinates(player_page *self, const double *xyz)
@@ -206,8 +201,7 @@ static void put_field(player_page *self, size_t plane, size_t width)
 {
     for (size_t i = 0; i < self->count; ++i) {
         const double *v = self->field + width * self->particles[i];
-        self->values[i]
-            = width == 1 ? v[0] : sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        self->values[i] = width == 1 ? v[0] : length(v[0], v[1], v[2]);
     }
     page_plane(self->block, self->planes, plane, self->values, self->count);
 }
@@ -235,14 +229,13 @@ static weft_status write_frame(player_page *self, size_t r, size_t i, weft_error
     return status;
 }
 
-/* How far the two runs are apart, particle by particle, from their unrounded frames. */
+/* The distance between the two runs at each particle, from their unrounded frames. */
 static void write_difference(player_page *self)
 {
     for (size_t i = 0; i < self->count; ++i) {
         const double *a = self->xyz[0] + 3 * self->particles[i];
         const double *b = self->xyz[1] + 3 * self->particles[i];
-        const double d[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
-        self->values[i] = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+        self->values[i] = length(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
     }
     page_plane(self->block, 1, 0, self->values, self->count);
     page_bytes(self->stream, self->block, page_block_size(1, self->count));
@@ -264,31 +257,33 @@ static weft_status write_frames(player_page *self, weft_error *err)
     return WEFT_OK;
 }
 
+static const char *comma(size_t i)
+{
+    return i > 0 ? "," : "";
+}
+
 /* A pinned particle that is not shown marks the nearest one that is. */
 static void write_pinned(const player_page *self)
 {
-    const char *comma = "";
     bool *marks = calloc(self->count, sizeof *marks);
     const size_t half = self->stride / 2;
     const uint8_t *pinned = self->runs[0].frames->pinned;
     const size_t n = pinned == NULL ? 0 : self->rows * self->cols;
+    size_t written = 0;
     for (size_t p = 0; marks != NULL && p < n; ++p) {
-        if (pinned[p] != 0) {
-            const size_t r = (p / self->cols + half) / self->stride;
-            const size_t c = (p % self->cols + half) / self->stride;
-            marks[r * self->shown_cols + c] = true;
-        }
+        const size_t r = (p / self->cols + half) / self->stride;
+        const size_t c = (p % self->cols + half) / self->stride;
+        marks[r * self->shown_cols + c] |= pinned[p] != 0;
     }
     for (size_t i = 0; marks != NULL && i < self->count; ++i) {
         if (marks[i]) {
-            fprintf(self->stream, "%s%zu", comma, i);
-            comma = ",";
+            fprintf(self->stream, "%s%zu", comma(written++), i);
         }
     }
     free(marks);
 }
 
-/* The page does not tell where on its maker's disk the run lies. */
+/* The page does not reveal where on its author's disk the run is. */
 static const char *directory_name(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -297,27 +292,25 @@ static const char *directory_name(const char *path)
 
 static void write_runs(const player_page *self)
 {
-    static const char *const files[] = { "scene", "manifest", "result", "series" };
+    static const char *const files[]
+        = { "scene.yaml", "manifest.yaml", "result.yaml", "series.csv" };
     for (size_t r = 0; r < self->run_count; ++r) {
         const player_run *run = &self->runs[r];
-        fprintf(self->stream, "%s{\"directory\":", r > 0 ? "," : "");
+        fprintf(self->stream, "%s{\"directory\":", comma(r));
         page_text(self->stream, directory_name(run->directory));
         fprintf(self->stream, ",\"frames\":%zu,\"index\":[", run->frames->count);
         for (size_t i = 0; i < self->shown; ++i) {
-            fprintf(self->stream, "%s%zu", i > 0 ? "," : "", run->index[i]);
+            fprintf(self->stream, "%s%zu", comma(i), run->index[i]);
         }
         fputs("],\"numbers\":[", self->stream);
         for (size_t i = 0; i < self->shown; ++i) {
-            fprintf(self->stream, "%s%zu", i > 0 ? "," : "",
-                    (size_t)run->frames->numbers[run->index[i]]);
+            fprintf(self->stream, "%s%.0f", comma(i),
+                    run->frames->numbers[run->index[i]]);
         }
         fputc(']', self->stream);
         for (size_t f = 0; f < sizeof files / sizeof files[0]; ++f) {
-            char name[32];
-            (void)snprintf(name, sizeof name, "%s.%s", files[f],
-                           strcmp(files[f], "series") == 0 ? "csv" : "yaml");
-            fprintf(self->stream, ",\"%s\":", files[f]);
-            page_file(self->stream, run->directory, name);
+            fprintf(self->stream, ",\"%.*s\":", (int)strcspn(files[f], "."), files[f]);
+            page_file(self->stream, run->directory, files[f]);
         }
         fputc('}', self->stream);
     }
@@ -326,7 +319,7 @@ static void write_runs(const player_page *self)
 static void write_description(const player_page *self)
 {
     FILE *stream = self->stream;
-    const char *comma = "";
+    size_t written = 0;
     fputs("<script id=\"weft-data\" type=\"application/json\">{\"weft\":", stream);
     page_text(stream, weft_version());
     fprintf(stream, ",\"grid\":[%zu,%zu],\"shown\":[%zu,%zu],\"stride\":%zu",
@@ -334,15 +327,13 @@ static void write_description(const player_page *self)
     fprintf(stream, ",\"chosen\":%zu,\"fields\":[", self->chosen);
     for (size_t f = 0; f < FIELDS; ++f) {
         if (self->present[f]) {
-            fprintf(stream, "%s\"%s\"", comma, fields[f].name);
-            comma = ",";
+            fprintf(stream, "%s\"%s\"", comma(written++), fields[f].name);
         }
     }
     fputs("],\"times\":[", stream);
     for (size_t i = 0; i < self->shown; ++i) {
-        const size_t index = self->runs[0].index[i];
-        fprintf(stream, "%s%.17g", i > 0 ? "," : "",
-                self->runs[0].frames->times[index]);
+        fprintf(stream, "%s%.17g", comma(i),
+                self->runs[0].frames->times[self->runs[0].index[i]]);
     }
     fputs("],\"pinned\":[", stream);
     write_pinned(self);
@@ -399,7 +390,6 @@ weft_status record_player(const char *const *directories, size_t count,
     }
     weft_status status = open_runs(&self, err);
     status = status == WEFT_OK ? choose_particles(&self, err) : status;
-    status = status == WEFT_OK ? find_fields(&self, err) : status;
     status = status == WEFT_OK ? choose_frames(&self, err) : status;
     status = status == WEFT_OK ? write_page(&self, file, err) : status;
     release(&self);
