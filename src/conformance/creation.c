@@ -26,27 +26,21 @@ void weft__create_calls_no_rhs(trial *self)
                  "statistics are not 0 before the first step");
 }
 
-typedef struct odd_number {
-    size_t offset; /* of a double of the config */
+#define FIELD(field) #field, offsetof(weft_stepper_config, field)
+
+/* Bad numbers; all but the first have a meaning with error control only. */
+static const struct {
     const char *name;
+    size_t offset; /* in the config */
     double values[4];
-    bool adaptive; /* looked at with error control only */
-} odd_number;
-
-#define FIELD(field) offsetof(weft_stepper_config, field), #field
-#define ODD(field, a, b, c, d)                                                         \
-    {                                                                                  \
-        FIELD(field), { (a), (b), (c), (d) }, true                                     \
-    }
-
-static const odd_number odd_numbers[] = {
-    { FIELD(fixed_step), { -1e-3, -1.0, (double)NAN, (double)INFINITY }, false },
-    ODD(rtol, -1e-9, -1.0, (double)NAN, (double)INFINITY),
-    ODD(atol_position, 0.0, -1e-6, (double)NAN, (double)INFINITY),
-    ODD(atol_velocity, 0.0, -1e-6, (double)NAN, (double)INFINITY),
-    ODD(first_step, 0.0, -1e-3, (double)NAN, (double)INFINITY),
-    ODD(min_step, 0.0, -1e-9, (double)NAN, (double)INFINITY),
-    ODD(max_step, 0.0, -1.0, 0.9e-10, (double)NAN),
+} odd_numbers[] = {
+    { FIELD(fixed_step), { -1e-3, -1.0, (double)NAN, (double)INFINITY } },
+    { FIELD(rtol), { -1e-9, -1.0, (double)NAN, (double)INFINITY } },
+    { FIELD(atol_position), { 0.0, -1e-6, (double)NAN, (double)INFINITY } },
+    { FIELD(atol_velocity), { 0.0, -1e-6, (double)NAN, (double)INFINITY } },
+    { FIELD(first_step), { 0.0, -1e-3, (double)NAN, (double)INFINITY } },
+    { FIELD(min_step), { 0.0, -1e-9, (double)NAN, (double)INFINITY } },
+    { FIELD(max_step), { 0.0, -1.0, 0.9e-10, (double)NAN } },
 };
 
 static void refuses(trial *self, size_t dim, const weft_stepper_config *config,
@@ -74,15 +68,14 @@ static void refuses(trial *self, size_t dim, const weft_stepper_config *config,
 
 static void numbers_are_refused(trial *self, const weft_stepper_config *good)
 {
-    for (size_t i = 0; i < sizeof odd_numbers / sizeof odd_numbers[0]; ++i) {
-        const odd_number *odd = &odd_numbers[i];
-        for (int k = 0; k < 4 && (!odd->adaptive || weft__adapts(self->type)); ++k) {
-            char what[64];
-            weft_stepper_config bad = *good;
-            memcpy((char *)&bad + odd->offset, &odd->values[k], sizeof(double));
-            (void)snprintf(what, sizeof what, "%s %g", odd->name, odd->values[k]);
-            refuses(self, DIM, &bad, what);
-        }
+    const size_t count = sizeof odd_numbers / sizeof odd_numbers[0];
+    for (size_t i = 0; i < (weft__adapts(self->type) ? 4 * count : 4); ++i) {
+        const double odd = odd_numbers[i / 4].values[i % 4];
+        char what[64];
+        weft_stepper_config bad = *good;
+        memcpy((char *)&bad + odd_numbers[i / 4].offset, &odd, sizeof odd);
+        (void)snprintf(what, sizeof what, "%s %g", odd_numbers[i / 4].name, odd);
+        refuses(self, DIM, &bad, what);
     }
 }
 

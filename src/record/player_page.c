@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* player_page.c -- selects the frames and particles that the page shows, and writes
  * them. */
-#include "record/player_page.h"
+#include "record/record.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -9,7 +9,6 @@
 
 #include "record/frames.h"
 #include "record/page.h"
-#include "record/record.h"
 
 #define FRAME_BUDGET 64e6 /* [B] of all frames; more are thinned */
 #define SIDE_MAX     256  /* particles shown along a side; more are thinned */
@@ -182,28 +181,19 @@ static weft_status choose_particles(player_page *self, weft_error *err)
     return WEFT_OK;
 }
 
-static double length(double x, double y, double z)
-{
-    return sqrt(x * x + y * y + z * z);
-}
+enum { LENGTH = 3 }; /* of the vector, instead of component 0, 1 or 2 */
 
-static void put_coordinates(player_page *self, const double *xyz)
-{
-    for (size_t k = 0; k < 3; ++k) {
-        for (size_t i = 0; i < self->count; ++i) {
-            self->values[i] = xyz[3 * self->particles[i] + k];
-        }
-        page_plane(self->block, self->planes, k, self->values, self->count);
-    }
-}
-
-static void put_field(player_page *self, size_t plane, size_t width)
+/* One number of each particle shown, from `width` of every particle. */
+static void put_plane(player_page *self, size_t planes, size_t plane,
+                      const double *from, size_t width, size_t component)
 {
     for (size_t i = 0; i < self->count; ++i) {
-        const double *v = self->field + width * self->particles[i];
-        self->values[i] = width == 1 ? v[0] : length(v[0], v[1], v[2]);
+        const double *v = from + width * self->particles[i];
+        self->values[i] = component == LENGTH
+                              ? sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+                              : v[component];
     }
-    page_plane(self->block, self->planes, plane, self->values, self->count);
+    page_plane(self->block, planes, plane, self->values, self->count);
 }
 
 static weft_status write_frame(player_page *self, size_t r, size_t i, weft_error *err)
@@ -212,14 +202,15 @@ static weft_status write_frame(player_page *self, size_t r, size_t i, weft_error
     const size_t index = self->runs[r].index[i];
     size_t plane = 3;
     weft_status status = record_frames_positions(frames, index, self->xyz[r], err);
-    if (status == WEFT_OK) {
-        put_coordinates(self, self->xyz[r]);
+    for (size_t k = 0; status == WEFT_OK && k < 3; ++k) {
+        put_plane(self, self->planes, k, self->xyz[r], 3, k);
     }
     for (size_t f = 0; status == WEFT_OK && f < FIELDS; ++f) {
         if (self->present[f]) {
             status
                 = record_frames_field(frames, fields[f].field, index, self->field, err);
-            put_field(self, plane++, fields[f].width);
+            put_plane(self, self->planes, plane++, self->field, fields[f].width,
+                      fields[f].width == 3 ? LENGTH : 0);
         }
     }
     if (status == WEFT_OK) {
@@ -232,12 +223,10 @@ static weft_status write_frame(player_page *self, size_t r, size_t i, weft_error
 /* The distance between the two runs at each particle, from their unrounded frames. */
 static void write_difference(player_page *self)
 {
-    for (size_t i = 0; i < self->count; ++i) {
-        const double *a = self->xyz[0] + 3 * self->particles[i];
-        const double *b = self->xyz[1] + 3 * self->particles[i];
-        self->values[i] = length(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+    for (size_t i = 0; i < 3 * self->rows * self->cols; ++i) {
+        self->field[i] = self->xyz[1][i] - self->xyz[0][i];
     }
-    page_plane(self->block, 1, 0, self->values, self->count);
+    put_plane(self, 1, 0, self->field, 3, LENGTH);
     page_bytes(self->stream, self->block, page_block_size(1, self->count));
 }
 

@@ -30,6 +30,8 @@ typedef struct record_file {
 /* `directory`/`name` into path; WEFT_IO if that is too long. */
 weft_status record_path(const char *directory, const char *name, char path[RECORD_PATH],
                         weft_error *err);
+/* The name under which such a path is written before it is renamed. */
+void record_temporary(const char *path, char temporary[RECORD_PATH]);
 /* Opens it for reading; path is filled in. NULL: WEFT_IO. */
 FILE *record_open(const char *directory, const char *name, char path[RECORD_PATH],
                   weft_error *err);
@@ -225,7 +227,15 @@ weft_status record_result_write(const char *directory, const record_result *resu
 weft_status record_result_amend(const char *directory, const record_result *result,
                                 weft_error *err);
 
-/* What result.yaml says, as items of a mapping (yaml_out.h). */
+/* player_page.c: writes `file`, the frames of the runs in directories[count], one or
+ * two side by side, as one HTML page that a browser plays without a network. Two runs
+ * are shown at the times that both have. docs/player.md describes the page and its
+ * data. Errors: WEFT_IO (a file), WEFT_INVALID (runs of different grids or without a
+ * common time), WEFT_NO_MEMORY. */
+weft_status record_player(const char *const *directories, size_t count,
+                          const char *file, weft_error *err);
+
+/* The content of result.yaml, as items of a mapping (yaml_out.h). */
 struct yaml_out;
 void record_result_items(struct yaml_out *out, const record_result *result);
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* result_write.c -- manifest.yaml: what ran; result.yaml: how it ended. */
+/* result_write.c -- manifest.yaml: the program and its options; result.yaml: the end of
+ * the run. */
 #include <inttypes.h>
 
 #include "record/record.h"
@@ -238,7 +239,7 @@ weft_status record_result_write(const char *directory, const record_result *resu
     return commit(yaml_out_end(&out), &file, err);
 }
 
-/* The lines after the first two, which say status and reason. */
+/* Copies all lines but the first two, which are status and reason. */
 static void copy_outcome(FILE *from, FILE *to)
 {
     int line = 1;

@@ -111,8 +111,7 @@ weft_status record_vtkhdf_create(const record_vtkhdf_def *def, record_vtkhdf **o
         (void)record_vtkhdf_close(self, NULL);
         return status;
     }
-    memcpy(self->temporary, self->path, strlen(self->path) + 1);
-    strcat(self->temporary, ".tmp");
+    record_temporary(self->path, self->temporary);
     *out = self;
     return WEFT_OK;
 }

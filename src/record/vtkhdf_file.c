@@ -106,25 +106,28 @@ static bool each_field(const builder *self, const char *group, const char *path)
 
 /* ---- cells ------------------------------------------------------------------ */
 
+static bool cell_table(const builder *self, const char *group, const char *name,
+                       size_t rows, const int64_t *values)
+{
+    char path[80];
+    (void)snprintf(path, sizeof path, ROOT "%s/%s", group, name);
+    return integers(self, path, rows, 1, values);
+}
+
 /* `count` cells of `size` points each, one after another in `connectivity`. */
 static bool cells(const builder *self, const char *group, size_t count, size_t size,
                   const int64_t *connectivity)
 {
-    static const char *const names[]
-        = { "NumberOfCells", "NumberOfConnectivityIds", "Offsets", "Connectivity" };
-    char paths[4][80];
     int64_t *offsets = malloc((count + 1) * sizeof *offsets);
     const int64_t cell_count = (int64_t)count, id_count = (int64_t)(count * size);
-    for (size_t i = 0; i < 4; ++i) {
-        (void)snprintf(paths[i], sizeof paths[i], ROOT "%s/%s", group, names[i]);
-    }
     for (size_t i = 0; offsets != NULL && i <= count; ++i) {
         offsets[i] = (int64_t)(i * size);
     }
-    const bool good = offsets != NULL && integers(self, paths[0], 1, 1, &cell_count)
-                      && integers(self, paths[1], 1, 1, &id_count)
-                      && integers(self, paths[2], count + 1, 1, offsets)
-                      && integers(self, paths[3], count * size, 1, connectivity);
+    const bool good
+        = offsets != NULL && cell_table(self, group, "NumberOfCells", 1, &cell_count)
+          && cell_table(self, group, "NumberOfConnectivityIds", 1, &id_count)
+          && cell_table(self, group, "Offsets", count + 1, offsets)
+          && cell_table(self, group, "Connectivity", count * size, connectivity);
     free(offsets);
     return good;
 }
