@@ -35,9 +35,9 @@ static const struct {
     { "needless", "needless", "" },
     { "overrun", "stats", "the caller's struct has 24 bytes, byte 24 was written" },
     { "prints", "versions", "it printed: stepping by 0.001" },
-    { "rounding", "process", "the floating-point environment is another" },
+    { "rounding", "process", "the floating-point environment has changed" },
     { "roundoff", "landing", "ended at 5.0364663570000022e-05 s" },
-    { "shared", "threads", "two instances in two threads: another result than alone" },
+    { "shared", "threads", "two instances in two threads: results differ" },
 #ifndef __SANITIZE_ADDRESS__
     { "sulks", "refused",
       "bytes more are allocated each time after all that create must refuse" },

@@ -61,8 +61,8 @@ static void refuses(trial *self, size_t dim, const weft_stepper_config *config,
     weft__expect(self, err.status == status && err.message[0] != '\0',
                  "%s: refused without a reason in *err", what);
     status = self->type->create(self->type, &ode, config, &instance, NULL);
-    weft__expect(self, status == err.status,
-                 "%s: refused otherwise without a weft_error", what);
+    weft__expect(self, status == err.status, "%s: another status without a weft_error",
+                 what);
     weft__expect(self, m.calls == 0, "%s: create called the rhs", what);
 }
 
@@ -131,7 +131,7 @@ void weft__other_versions_are_served(trial *self)
                      (unsigned)sizes[i], r->err.message);
         weft__go(self, r, 0.125);
         weft__expect(self, weft__same(self, r, &self->runs[0]),
-                     "another result with a struct_size of %u bytes",
+                     "results differ with a struct_size of %u bytes",
                      (unsigned)sizes[i]);
     }
 }

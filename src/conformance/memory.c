@@ -23,7 +23,7 @@ static size_t heap_in_use(void)
 const char *weft__heap_not_known(const weft_stepper_type *type)
 {
     (void)type;
-    return HEAP_IS_KNOWN ? NULL : "this C library does not tell what is allocated";
+    return HEAP_IS_KNOWN ? NULL : "this C library does not report allocations";
 }
 
 /* The first steps may still fill the lists that free() keeps for the next malloc(). */

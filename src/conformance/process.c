@@ -46,7 +46,7 @@ void weft__the_process_is_left_alone(trial *self)
     weft__expect(self,
                  before.rounding == after.rounding
                      && before.subnormals == after.subnormals,
-                 "the floating-point environment is another");
+                 "the floating-point environment has changed");
     for (int i = 1; i < SIGNALS; ++i) {
         weft__expect(self, before.actions[i].sa_handler == after.actions[i].sa_handler,
                      "signal %d has another handler", i);

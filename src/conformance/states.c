@@ -18,7 +18,7 @@ void weft__needless_changes_change_nothing(trial *self)
         = weft__same(self, quiet, notified)
           && weft__stats(self, quiet).steps == weft__stats(self, notified).steps;
     weft__expect(self, equal || (self->type->flags & WEFT_STEPPER_MULTISTEP) != 0,
-                 "%s: another result, of %.3g", what,
+                 "%s: the results differ by %.3g", what,
                  weft__model_distance(quiet->y, notified->y));
     weft__near(self, notified, weft__error_at_end(notified), 5e-3, "%s", what);
 }
@@ -107,7 +107,7 @@ static void both_as_alone(trial *self, const char *how)
 {
     for (int i = 0; i < 2; ++i) {
         weft__expect(self, weft__same(self, &self->runs[i], &self->runs[2 + i]),
-                     "two instances %s: another result than alone, of %.3g", how,
+                     "two instances %s: results differ from those alone by %.3g", how,
                      weft__model_distance(self->runs[i].y, self->runs[2 + i].y));
     }
 }
@@ -121,7 +121,7 @@ void weft__two_instances_are_independent(trial *self)
             weft__good_step(self, &mixed[i], 1.0);
         }
     }
-    both_as_alone(self, "step by turns");
+    both_as_alone(self, "that step in turn");
 }
 
 typedef struct thread_run {
