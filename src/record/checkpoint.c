@@ -58,7 +58,7 @@ static size_t size_of(size_t state_size)
     return HEAD * WEFT__WORD + state_size + WEFT__WORD;
 }
 
-/* The state of a simulation consists of words. */
+/* The size of a simulation's state is a multiple of a word. */
 static void pack(const record_checkpoint *from, unsigned char *to, size_t size)
 {
     const size_t words = size / WEFT__WORD;

@@ -298,7 +298,7 @@ static int read_some(void *ctx, size_t job)
     return 0;
 }
 
-/* The disk may be slow, or never answer: ten times as long for that. */
+/* The time limit is ten times that of the processor: the disk may be slow, or stall. */
 static weft_status try_in_child(frames_file *self, weft_error *err)
 {
     process child;

@@ -88,7 +88,7 @@ weft_status record_file_commit(record_file *file, weft_error *err)
     errno = 0;
     bool written = !ferror(file->stream);
     if (!written) {
-        (void)fputc('\n', file->stream); /* fails again, and sets errno */
+        (void)fputc('\n', file->stream); /* fails again and sets errno */
     }
     written = fflush(file->stream) == 0 && written;
     written = fsync(fileno(file->stream)) == 0 && written;

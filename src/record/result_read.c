@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* result_read.c -- what result.yaml says of a run that is over. */
+/* result_read.c -- reads result.yaml of a run that is over. */
 #include "record/result_read.h"
 
 #include <inttypes.h>

@@ -49,8 +49,8 @@ struct record_vtkhdf {
     hid_t file, step_count;    /* file < 0: not open; NSteps */
     hdf_set sets[SETS_MAX];    /* id < 0: not recorded */
     size_t time;               /* the set of the times, the last */
-    record_extent head;        /* [bytes] of the file, as it was created */
-    uint64_t sum;              /* of all that is written of the frames */
+    record_extent head;        /* [bytes] of the file before its first frame */
+    uint64_t sum;              /* over all frames written */
     double *buffer;            /* 3 N */
     int why;                   /* errno of the first failure; 0: not known */
 };
@@ -195,7 +195,7 @@ static bool close_file(record_vtkhdf *self)
 
 /* ---- opening again ---------------------------------------------------------- */
 
-/* Before libhdf5 opens the file: it may crash or loop on a damaged one. */
+/* Called before libhdf5 opens the file, as it may crash or loop on a damaged one. */
 static weft_status check_bytes(const record_vtkhdf *self,
                                const record_vtkhdf_mark *mark, weft_error *err)
 {

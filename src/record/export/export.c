@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* export.c -- what several formats share. */
+/* export.c -- functions that several formats share. */
 #include "record/export/export.h"
 
 #include <string.h>

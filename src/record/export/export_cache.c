@@ -41,7 +41,7 @@ static void begin_pc2(FILE *stream, const double *times, size_t frames,
     record_put(stream, 1, 4, false); /* version */
     record_put(stream, particles, 4, false);
     record_put_float(stream, 0.0, false); /* first frame */
-    record_put_float(stream, 1.0, false); /* frames a sample */
+    record_put_float(stream, 1.0, false); /* frames per sample */
     record_put(stream, frames, 4, false);
 }
 

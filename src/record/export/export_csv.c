@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* export_csv.c -- one state as CSV, and back. */
+/* export_csv.c -- writes one state as CSV and reads it back. */
 #include "record/export/export.h"
 
 #include <inttypes.h>

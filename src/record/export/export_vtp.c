@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* export_vtp.c -- VTK's XML: a VTP file a frame, and the PVD file that lists them.
+/* export_vtp.c -- VTK's XML: one VTP file per frame, and the PVD file that lists them.
  *
- * Numbers stand behind the XML: for each array its length in bytes, then its values.
- * The offsets in the XML count from the byte after the underscore. */
+ * The numbers follow the XML: for each array its length in bytes, then its values. The
+ * offsets in the XML count from the byte after the underscore. */
 #include "record/export/export.h"
 
 #include <string.h>
@@ -25,7 +25,7 @@ static size_t real_size(const record_surface *surface)
     return surface->doubles ? 8 : 4;
 }
 
-/* The tag of an array at *offset, which moves on by the array's size. */
+/* The tag of an array at *offset, which grows by the array's size. */
 static void tag(FILE *stream, const char *type, const char *name, size_t components,
                 size_t bytes, size_t *offset)
 {
