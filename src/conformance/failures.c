@@ -14,7 +14,7 @@ static bool fails_and_heals(trial *self, fault kind, uint64_t k)
     for (int i = 0; i < 3; ++i) {
         weft__good_step(self, r, 1.0);
     }
-    char what[64];
+    char what[80];
     (void)snprintf(what, sizeof what, "rhs %s from call %" PRIu64 " of a step on",
                    fault_names[kind], k);
     const trial_run before = *r;
@@ -39,8 +39,8 @@ static bool fails_and_heals(trial *self, fault kind, uint64_t k)
                  r->model.calls - r->model.at);
     r->model.fault = NO_FAULT;
     weft__go(self, r, 0.25);
-    weft__near(self, r, weft__error_at_end(r), weft__allowed(self->type),
-               "%s, and healed", what);
+    strcat(what, ", and healed");
+    weft__near(self, r, weft__error_at_end(r), weft__allowed(self->type), what);
     return true;
 }
 
@@ -61,6 +61,7 @@ void weft__a_failed_step_changes_nothing(trial *self)
 void weft__one_refusal_costs_a_smaller_step(trial *self)
 {
     const fault kinds[] = { REFUSE, GIVE_NAN, GIVE_INF };
+    char what[64];
     for (int i = 0; i < 3; ++i) {
         trial_run *r = weft__begin_usual(self, 0);
         weft__go(self, r, 0.125);
@@ -69,26 +70,25 @@ void weft__one_refusal_costs_a_smaller_step(trial *self)
         r->model.once = true;
         r->model.at = r->model.calls + 2;
         weft__go(self, r, 1.0);
+        (void)snprintf(what, sizeof what, "rhs %s once", fault_names[kinds[i]]);
         weft__expect(self, weft__stats(self, r).rejected > rejected,
-                     "rhs %s once: no step was rejected", fault_names[kinds[i]]);
-        weft__near(self, r, weft__error_at_end(r), weft__allowed(self->type),
-                   "rhs %s once", fault_names[kinds[i]]);
+                     "%s: no step was rejected", what);
+        weft__near(self, r, weft__error_at_end(r), weft__allowed(self->type), what);
     }
 }
 
 void weft__a_first_step_too_large_is_rescued(trial *self)
 {
+    const char what[] = "first_step 47.3 s, beyond what the rhs accepts";
     weft_stepper_config config = weft__adaptive(1e-6);
     config.first_step = 47.3;
     trial_run *r = weft__begin(self, 0, config);
     r->model.edge = 1.2;
     weft__good_step(self, r, 100.0);
     weft__expect(self, weft__stats(self, r).rejected > 0 && r->t < 4.0,
-                 "first_step 47.3 s, beyond what the rhs accepts: %.17g s were taken",
-                 r->t);
+                 "%s: %.17g s were taken", what, r->t);
     weft__go(self, r, 4.0);
-    weft__near(self, r, weft__error_at_end(r), 4.0 * weft__allowed(self->type),
-               "first_step %g s, beyond what the rhs accepts", config.first_step);
+    weft__near(self, r, weft__error_at_end(r), 4.0 * weft__allowed(self->type), what);
 }
 
 void weft__needing_less_than_min_step_fails(trial *self)

@@ -20,7 +20,7 @@ void weft__needless_changes_change_nothing(trial *self)
     weft__expect(self, equal || (self->type->flags & WEFT_STEPPER_MULTISTEP) != 0,
                  "%s: the results differ by %.3g", what,
                  weft__model_distance(quiet->y, notified->y));
-    weft__near(self, notified, weft__error_at_end(notified), 5e-3, "%s", what);
+    weft__near(self, notified, weft__error_at_end(notified), 5e-3, what);
 }
 
 void weft__an_edited_state_is_used(trial *self)

@@ -243,18 +243,13 @@ double weft__error_at_end(const trial_run *r)
 }
 
 void weft__near(trial *self, const trial_run *r, double error, double allowed,
-                const char *what, ...)
+                const char *what)
 {
-    char done[96];
-    va_list args;
     if (error <= allowed) {
         return;
     }
     trial_run *quiet = weft__begin(self, SLOTS - 1, r->config);
     weft__go(self, quiet, r->t);
-    va_start(args, what);
-    (void)vsnprintf(done, sizeof done, what, args);
-    va_end(args);
     weft__expect(self, false, "%s: off by %.3g at %g s, %g allowed; without that %.2g",
-                 done, error, r->t, allowed, weft__error_at_end(quiet));
+                 what, error, r->t, allowed, weft__error_at_end(quiet));
 }

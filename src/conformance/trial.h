@@ -55,9 +55,8 @@ double weft__error_at_end(const trial_run *r);
 
 /* Expects an error at the end of a run that `what` has disturbed to be allowed; if it
  * is not, reports that of an undisturbed run of the same config as well. */
-WEFT_PRINTF(5, 6)
 void weft__near(trial *self, const trial_run *r, double error, double allowed,
-                const char *what, ...);
+                const char *what);
 
 /* The checks, each of one promise, in the order of the table in trial.c. */
 typedef void check_fn(trial *self);

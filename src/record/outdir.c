@@ -125,7 +125,7 @@ weft_status record_outdir(const char *directory, bool force, weft_error *err)
             err, WEFT_IO, "%s: %s%s%schoose another --out, or --force to replace it",
             directory,
             unfinished ? "holds an unfinished run: 'weft resume " : "not empty; ",
-            unfinished ? directory : "", unfinished ? "' goes on with it; or " : "");
+            unfinished ? directory : "", unfinished ? "' continues it; or " : "");
     }
     return WEFT_OK;
 }

@@ -30,6 +30,7 @@ static const struct field {
 typedef struct player_run {
     const char *directory;
     record_frames *frames;
+    double *xyz;   /* 3 N, positions of one frame */
     size_t *index; /* frames to choose from, then those shown */
 } player_run;
 
@@ -41,7 +42,6 @@ typedef struct player_page {
     size_t *particles;                            /* their indices */
     bool present[FIELDS];
     size_t planes;          /* x, y, z and the fields that are present */
-    double *xyz[RUNS_MAX];  /* 3 N, positions of one frame */
     double *field, *values; /* 3 N as read, one plane as shown */
     unsigned char *block;
     FILE *stream;
@@ -79,6 +79,11 @@ static weft_status open_runs(player_page *self, weft_error *err)
                                   "particles, %s %zu x %zu",
                                   self->runs[0].directory, self->rows, self->cols,
                                   run->directory, rows, cols);
+        }
+        run->index = calloc(run->frames->count, sizeof *run->index);
+        run->xyz = calloc(3 * rows * cols, sizeof *run->xyz);
+        if (run->index == NULL || run->xyz == NULL) {
+            return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a page");
         }
     }
     find_fields(self);
@@ -127,13 +132,6 @@ static void thin(player_page *self)
 
 static weft_status choose_frames(player_page *self, weft_error *err)
 {
-    for (size_t r = 0; r < self->run_count; ++r) {
-        player_run *run = &self->runs[r];
-        run->index = calloc(run->frames->count, sizeof *run->index);
-        if (run->index == NULL) {
-            return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a page");
-        }
-    }
     self->chosen = match(self->runs, self->run_count);
     if (self->chosen == 0) {
         return weft_error_set(err, WEFT_INVALID, "%s and %s have no time in common",
@@ -155,7 +153,6 @@ static size_t kept(size_t i, size_t stride, size_t side)
 
 static weft_status choose_particles(player_page *self, weft_error *err)
 {
-    const size_t n = self->rows * self->cols;
     const size_t side = self->rows > self->cols ? self->rows : self->cols;
     self->stride = (side + SIDE_MAX - 1) / SIDE_MAX;
     self->shown_rows = thinned(self->rows, self->stride);
@@ -163,14 +160,9 @@ static weft_status choose_particles(player_page *self, weft_error *err)
     self->count = self->shown_rows * self->shown_cols;
     self->particles = calloc(self->count, sizeof *self->particles);
     self->values = calloc(self->count, sizeof *self->values);
-    self->field = calloc(3 * n, sizeof *self->field);
+    self->field = calloc(3 * self->rows * self->cols, sizeof *self->field);
     self->block = malloc(page_block_size(3 + FIELDS, self->count));
-    bool there = self->particles && self->values && self->field && self->block;
-    for (size_t r = 0; r < self->run_count; ++r) {
-        self->xyz[r] = calloc(3 * n, sizeof *self->xyz[r]);
-        there = there && self->xyz[r] != NULL;
-    }
-    if (!there) {
+    if (!(self->particles && self->values && self->field && self->block)) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a page");
     }
     for (size_t i = 0; i < self->count; ++i) {
@@ -196,14 +188,15 @@ static void put_plane(player_page *self, size_t planes, size_t plane,
     page_plane(self->block, planes, plane, self->values, self->count);
 }
 
-static weft_status write_frame(player_page *self, size_t r, size_t i, weft_error *err)
+static weft_status write_frame(player_page *self, const player_run *run, size_t i,
+                               weft_error *err)
 {
-    record_frames *frames = self->runs[r].frames;
-    const size_t index = self->runs[r].index[i];
+    record_frames *frames = run->frames;
+    const size_t index = run->index[i];
     size_t plane = 3;
-    weft_status status = record_frames_positions(frames, index, self->xyz[r], err);
+    weft_status status = record_frames_positions(frames, index, run->xyz, err);
     for (size_t k = 0; status == WEFT_OK && k < 3; ++k) {
-        put_plane(self, self->planes, k, self->xyz[r], 3, k);
+        put_plane(self, self->planes, k, run->xyz, 3, k);
     }
     for (size_t f = 0; status == WEFT_OK && f < FIELDS; ++f) {
         if (self->present[f]) {
@@ -224,7 +217,7 @@ static weft_status write_frame(player_page *self, size_t r, size_t i, weft_error
 static void write_difference(player_page *self)
 {
     for (size_t i = 0; i < 3 * self->rows * self->cols; ++i) {
-        self->field[i] = self->xyz[1][i] - self->xyz[0][i];
+        self->field[i] = self->runs[1].xyz[i] - self->runs[0].xyz[i];
     }
     put_plane(self, 1, 0, self->field, 3, LENGTH);
     page_bytes(self->stream, self->block, page_block_size(1, self->count));
@@ -234,7 +227,7 @@ static weft_status write_frames(player_page *self, weft_error *err)
 {
     for (size_t i = 0; i < self->shown; ++i) {
         for (size_t r = 0; r < self->run_count; ++r) {
-            const weft_status status = write_frame(self, r, i, err);
+            const weft_status status = write_frame(self, &self->runs[r], i, err);
             if (status != WEFT_OK) {
                 return status;
             }
@@ -362,7 +355,7 @@ static void release(player_page *self)
     for (size_t r = 0; r < self->run_count; ++r) {
         record_frames_close(self->runs[r].frames);
         free(self->runs[r].index);
-        free(self->xyz[r]);
+        free(self->runs[r].xyz);
     }
     free(self->particles);
     free(self->values);

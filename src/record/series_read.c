@@ -95,7 +95,7 @@ static weft_status read_rows(reader *self, record_series_row **rows, size_t *cou
         }
         ++*count;
     }
-    return WEFT_OK;
+    return *count > 0 ? WEFT_OK : wrong(self, "no frames", err);
 }
 
 weft_status record_series_rows(const char *directory, record_series_row **rows,
@@ -110,9 +110,6 @@ weft_status record_series_rows(const char *directory, record_series_row **rows,
     }
     status = read_rows(&self, rows, count, err);
     (void)fclose(self.stream);
-    if (status == WEFT_OK && *count == 0) {
-        status = wrong(&self, "no frames", err);
-    }
     if (status != WEFT_OK) {
         free(*rows);
         *rows = NULL;

@@ -253,14 +253,6 @@ static bool times(const builder *self)
     return able && made >= 0;
 }
 
-/* NSteps and the header of Steps/Values come first, so that both are in the first page
- * of the file: they change in one write then, which a kill cannot cut in two. */
-static bool counts(const builder *self)
-{
-    return make_group(self, STEPS) && integer_attribute(self, STEPS, "NSteps", 0)
-           && times(self);
-}
-
 static bool allocate_times(const builder *self)
 {
     const double none = 0.0;
@@ -304,13 +296,16 @@ bool vtkhdf_file_create(const char *path, const record_vtkhdf_def *def, size_t c
         .n = weft_cloth_particles(def->cloth),
         .capacity = capacity,
     };
-    const bool good = self.file >= 0
-                      && H5Pset_create_intermediate_group(self.parents, 1) >= 0
-                      && H5Pset_alloc_time(self.early, H5D_ALLOC_TIME_EARLY) >= 0
-                      && H5Pset_fill_time(self.early, H5D_FILL_TIME_NEVER) >= 0
-                      && H5Pset_obj_track_times(self.early, false) >= 0 && counts(&self)
-                      && heads(&self) && fixed(&self) && particles(&self)
-                      && allocate_times(&self) && steps(&self);
+    /* NSteps and the header of Steps/Values come first, so that both are in the first
+     * page: they change in one write then, which a kill cannot cut in two */
+    const bool good
+        = self.file >= 0 && H5Pset_create_intermediate_group(self.parents, 1) >= 0
+          && H5Pset_alloc_time(self.early, H5D_ALLOC_TIME_EARLY) >= 0
+          && H5Pset_fill_time(self.early, H5D_FILL_TIME_NEVER) >= 0
+          && H5Pset_obj_track_times(self.early, false) >= 0 && make_group(&self, STEPS)
+          && integer_attribute(&self, STEPS, "NSteps", 0) && times(&self)
+          && heads(&self) && fixed(&self) && particles(&self) && allocate_times(&self)
+          && steps(&self);
     const bool closed = self.file >= 0 && H5Fclose(self.file) >= 0;
     (void)H5Pclose(self.parents);
     (void)H5Pclose(self.early);
