@@ -83,8 +83,11 @@ static weft_status write_frame(export_job *job, size_t number, double time,
         status = record_surface_write(job->directory, name, job->format->write, surface,
                                       err);
     }
-    if (status == WEFT_OK && job->format->movie != NULL) {
-        job->format->movie->frame(job->movie.stream, time, name, surface);
+    const record_movie *movie = job->format->movie;
+    if (status == WEFT_OK && movie != NULL && movie->points != NULL) {
+        movie->points(job->movie.stream, surface);
+    } else if (status == WEFT_OK && movie != NULL) {
+        movie->list(job->movie.stream, time, name);
     }
     return status;
 }

@@ -96,9 +96,7 @@ static int rate(double t, const double *y, double *dydt, void *ctx)
         const double factor = last.x ? x[last.tree] : last.tree == 0 ? t : v[last.tree];
         dv[k] = dv[f->rest[k]] * factor;
     }
-    for (size_t k = 0; k < f->count; ++k) {
-        dydt[k] = v[k];
-    }
+    memcpy(dydt, v, f->count * sizeof *v);
     return 0;
 }
 
@@ -107,9 +105,7 @@ static int rate(double t, const double *y, double *dydt, void *ctx)
 static void find_errors(const forest *f, const double *y, double error[WEIGHTS])
 {
     const int most = f->weight[f->count - 1];
-    for (size_t w = 0; w < WEIGHTS; ++w) {
-        error[w] = 0.0;
-    }
+    memset(error, 0, WEIGHTS * sizeof *error);
     for (size_t k = 0; k < f->count; ++k) {
         const int w = f->weight[k];
         const double of_v = fabs(y[f->count + k] * f->gamma[k] - 1.0);

@@ -214,13 +214,12 @@ static const char *load_tables(frames_file *self)
 static const char *load(frames_file *self)
 {
     const hid_t access = hdf_access();
-    const char *wrong = NULL;
     self->file = H5Fopen(self->path, H5F_ACC_RDONLY, access);
     (void)H5Pclose(access);
     if (self->file < 0) {
         return "no HDF5 file";
     }
-    wrong = load_size(self);
+    const char *wrong = load_size(self);
     wrong = wrong == NULL ? load_count(self) : wrong;
     wrong = wrong == NULL ? load_points(self) : wrong;
     wrong = wrong == NULL ? load_fields(self) : wrong;
@@ -330,20 +329,17 @@ static weft_status open_frames(frames_file *self, const char *directory,
     }
     (void)fclose(stream);
     const weft_status status = try_in_child(self, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    const char *wrong = load(self);
+    const char *wrong = status == WEFT_OK ? load(self) : NULL;
     return wrong == NULL
-               ? WEFT_OK
+               ? status
                : weft_error_set(err, WEFT_IO, "%s: damaged: %s", self->path, wrong);
 }
 
 weft_status record_frames_open(const char *directory, record_frames **out,
                                weft_error *err)
 {
-    *out = NULL;
     frames_file *self = calloc(1, sizeof *self);
+    *out = (record_frames *)self; /* its first member */
     if (self == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory to read frames");
     }
@@ -352,10 +348,9 @@ weft_status record_frames_open(const char *directory, record_frames **out,
     const weft_status status = open_frames(self, directory, err);
     if (status != WEFT_OK) {
         record_frames_close(&self->seen);
-        return status;
+        *out = NULL;
     }
-    *out = &self->seen;
-    return WEFT_OK;
+    return status;
 }
 
 void record_frames_close(record_frames *frames)

@@ -39,29 +39,17 @@ hid_t hdf_access(void)
     return access;
 }
 
-/* The rows of one frame, selected in the space of the set. */
-static hid_t space_of_frame(const hdf_set *set, size_t frame)
-{
-    const hid_t space = H5Dget_space(set->id);
-    const hsize_t start[2] = { (hsize_t)frame * set->rows, 0 };
-    const hsize_t count[2] = { set->rows, set->width };
-    if (space >= 0
-        && H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) < 0) {
-        (void)H5Sclose(space);
-        return H5I_INVALID_HID;
-    }
-    return space;
-}
-
-/* Writes `from`, or if that is NULL reads into `to`. */
+/* Writes `from` to the rows of a frame, or if that is NULL reads them into `to`. */
 static bool transfer(const hdf_set *set, size_t frame, const void *from, void *to)
 {
-    const hsize_t count = (hsize_t)set->rows * set->width;
-    const hid_t file = space_of_frame(set, frame);
-    const hid_t flat = H5Screate_simple(1, &count, NULL);
+    const hsize_t start[2] = { (hsize_t)frame * set->rows, 0 };
+    const hsize_t count[2] = { set->rows, set->width }, numbers = count[0] * count[1];
+    const hid_t file = H5Dget_space(set->id);
+    const hid_t flat = H5Screate_simple(1, &numbers, NULL);
     const hid_t id = set->id, type = set->memory;
     const bool done
         = file >= 0 && flat >= 0
+          && H5Sselect_hyperslab(file, H5S_SELECT_SET, start, NULL, count, NULL) >= 0
           && (from != NULL ? H5Dwrite(id, type, flat, file, H5P_DEFAULT, from)
                            : H5Dread(id, type, flat, file, H5P_DEFAULT, to))
                  >= 0;

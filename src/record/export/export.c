@@ -17,15 +17,11 @@ weft_status record_surface_write(const char *directory, const char *name,
     return record_file_commit(&file, err);
 }
 
-static double fraction(size_t index, size_t count)
-{
-    return count > 1 ? (double)index / (double)(count - 1) : 0.0;
-}
-
 void record_texture(const record_surface *surface, size_t i, double uv[2])
 {
-    uv[0] = fraction(i % surface->cols, surface->cols);
-    uv[1] = 1.0 - fraction(i / surface->cols, surface->rows);
+    const size_t rows = surface->rows, cols = surface->cols;
+    uv[0] = cols > 1 ? (double)(i % cols) / (double)(cols - 1) : 0.0;
+    uv[1] = rows > 1 ? 1.0 - (double)(i / cols) / (double)(rows - 1) : 1.0;
 }
 
 void record_put(FILE *stream, uint64_t bits, size_t bytes, bool big)

@@ -30,13 +30,13 @@ weft_status record_surface_write(const char *directory, const char *name,
                                  record_write_fn *write, const record_surface *surface,
                                  weft_error *err);
 
-/* One file for all frames. `file` is the name of the frame's own file, relative to this
- * one. */
+/* One file for all frames: their points, or a list of their own files, with names
+ * relative to this one. */
 typedef struct record_movie {
     void (*begin)(FILE *stream, const double *times, size_t frames, size_t particles);
-    void (*frame)(FILE *stream, double time, const char *file,
-                  const record_surface *surface);
-    void (*end)(FILE *stream); /* NULL: not called */
+    record_write_fn *points;                                   /* either this */
+    void (*list)(FILE *stream, double time, const char *file); /* or this */
+    void (*end)(FILE *stream);                                 /* NULL: not called */
 } record_movie;
 
 /* export_cache.c: point caches of other programs. export_vtp.c: an index of VTP files.

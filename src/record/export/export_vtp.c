@@ -140,10 +140,8 @@ static void begin_pvd(FILE *stream, const double *times, size_t frames,
     fputs(HEAD("Collection") "<Collection>\n", stream);
 }
 
-static void frame_pvd(FILE *stream, double time, const char *file,
-                      const record_surface *surface)
+static void list_pvd(FILE *stream, double time, const char *file)
 {
-    (void)surface;
     fprintf(stream, "<DataSet timestep=\"%.17g\" part=\"0\" file=\"%s\"/>\n", time,
             file);
 }
@@ -154,4 +152,4 @@ static void end_pvd(FILE *stream)
 }
 
 const record_movie record_pvd
-    = { .begin = begin_pvd, .frame = frame_pvd, .end = end_pvd };
+    = { .begin = begin_pvd, .list = list_pvd, .end = end_pvd };
