@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* accuracy.c -- whether order and tolerance mean what they say. */
+/* accuracy.c -- checks of the order and of the tolerance. */
 #include "conformance/measured_order.h"
 #include "conformance/trial.h"
 
@@ -37,7 +37,7 @@ static result at_4_s(trial *self, weft_norm norm, double tolerance)
     return (result){ weft__error_at_end(r), weft__stats(self, r).steps };
 }
 
-/* The error at the end is not the error of a step, so a factor stays between them. */
+/* The error at the end is not the error of a step: a factor remains between them. */
 void weft__the_error_follows_the_tolerance(trial *self)
 {
     const int order = self->type->order;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* creation.c -- what a method says of itself, what it accepts and refuses. */
+/* creation.c -- a method's table, and the configs that create accepts and refuses. */
 #include "conformance/trial.h"
 
 void weft__table_is_sane(trial *self)
@@ -28,7 +28,7 @@ void weft__create_calls_no_rhs(trial *self)
 
 #define FIELD(field) #field, offsetof(weft_stepper_config, field)
 
-/* Bad numbers; all but the first have a meaning with error control only. */
+/* Bad numbers; all but the first matter with error control only. */
 static const struct {
     const char *name;
     size_t offset; /* in the config */
@@ -109,7 +109,7 @@ void weft__mistakes_are_refused(trial *self)
     }
 }
 
-/* A config of an older program is shorter, and of a newer one longer. */
+/* The config of an older program is shorter, that of a newer one longer. */
 void weft__other_versions_are_served(trial *self)
 {
     struct {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* failures.c -- the state after a step that fails, and what helps it. */
+/* failures.c -- steps that fail, and the steps after them. */
 #include "conformance/trial.h"
 
 static const char *const fault_names[FAULTS] = {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* memory.c -- what a method takes it gives back. */
+/* memory.c -- memory that a method takes must be given back. */
 #include "conformance/trial.h"
 
 #include <malloc.h>
 
-/* glibc since 2.33 tells it in numbers that do not wrap. */
+/* glibc since 2.33 reports it in numbers that do not wrap. */
 #if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 33)
 #define HEAP_IS_KNOWN 1
 static size_t heap_in_use(void)
@@ -40,9 +40,9 @@ void weft__the_heap_does_not_grow(trial *self)
                  weft__stats(self, r).steps - first);
 }
 
-/* free() and solvers keep things for the next time, now more and now less: only what
- * grows in every row of rounds is lost. The least that malloc() gives is 16 bytes, in a
- * chunk of more. */
+/* free() and solvers keep a varying amount for later use: only growth in every row of
+ * rounds is a leak. The least that malloc() allocates is 16 bytes, in a larger
+ * chunk. */
 enum { ROWS = 6, ROUNDS = 32, LEAST = 16 };
 
 static size_t grows_in_a_row(trial *self, check_fn *round)
@@ -87,7 +87,7 @@ void weft__refusals_leave_nothing(trial *self)
 /* An allocator that counts. */
 typedef struct account {
     size_t calls;
-    long blocks; /* that are out */
+    long blocks; /* not yet given back */
 } account;
 
 static void *resize(void *ctx, void *block, size_t size)

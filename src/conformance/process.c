@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* process.c -- the state of the process, which a method must leave alone. */
+/* process.c -- the state of the process, which a method must leave unchanged. */
 #include "conformance/trial.h"
 
 #include <fenv.h>

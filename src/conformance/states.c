@@ -40,7 +40,7 @@ void weft__an_edited_state_is_used(trial *self)
 
 enum { BEYOND = 24, FILL = 0xA7 };
 
-/* Fields beyond what the caller has are not written, the others are. */
+/* Fields within the caller's struct are written, no others. */
 static void stats_fit(trial *self, const trial_run *r, size_t size)
 {
     const weft_stepper_stats whole = weft__stats(self, r);
@@ -93,7 +93,7 @@ void weft__stats_never_fall(trial *self)
     }
 }
 
-/* Two that run alone in slots 0 and 1, two in 2 and 3 that have not begun. */
+/* Two runs to 1 s, alone, in slots 0 and 1; two that have not begun in 2 and 3. */
 static void pairs(trial *self)
 {
     for (int i = 0; i < 4; ++i) {

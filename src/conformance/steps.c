@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* steps.c -- where steps end, and the costs that the statistics report. */
+/* steps.c -- the ends of steps, and the statistics of their cost. */
 #include "conformance/trial.h"
 
 static void at_exactly(trial *self, const trial_run *r, double t_end)

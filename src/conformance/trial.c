@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* trial.c -- all checks in one table, and what they share. */
+/* trial.c -- the table of all checks, and the functions that they share. */
 #include "conformance/trial.h"
 
 static const char *no_stages(const weft_stepper_type *type)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* trial.h -- one check of one method under way. */
+/* trial.h -- one check of one method while it runs. */
 #ifndef WEFT_CONFORMANCE_TRIAL_H
 #define WEFT_CONFORMANCE_TRIAL_H
 
@@ -19,7 +19,7 @@ typedef struct trial_run {
     weft_error err;
 } trial_run;
 
-enum { SLOTS = 5 }; /* the last is that of weft__near's undisturbed run */
+enum { SLOTS = 5 }; /* the last is for weft__near's undisturbed run */
 
 typedef struct trial {
     const weft_stepper_type *type;
@@ -34,7 +34,7 @@ typedef struct trial {
 WEFT_PRINTF(3, 4)
 void weft__expect(trial *self, bool ok, const char *format, ...);
 
-/* A run from t = 0 in that slot, instead of the one that was there. */
+/* Starts a run at t = 0 in that slot and ends the former one. */
 trial_run *weft__begin(trial *self, int slot, weft_stepper_config config);
 trial_run *weft__begin_usual(trial *self, int slot);
 void weft__end(trial *self, int slot);
@@ -53,8 +53,8 @@ void weft__unchanged(trial *self, const trial_run *r, const trial_run *before,
 void weft__calls_counted(trial *self, const trial_run *r, const char *when);
 double weft__error_at_end(const trial_run *r);
 
-/* Expects an error at the end of a run that `what` has disturbed to be allowed; if it
- * is not, reports that of an undisturbed run of the same config as well. */
+/* Expects the error at the end of a run that `what` has disturbed to be allowed; if it
+ * is not, also reports the error of an undisturbed run of the same config. */
 void weft__near(trial *self, const trial_run *r, double error, double allowed,
                 const char *what);
 
@@ -75,7 +75,7 @@ check_fn weft__table_is_sane, weft__create_calls_no_rhs, weft__mistakes_are_refu
     weft__refusals_leave_nothing, weft__the_allocator_is_used,
     weft__the_process_is_left_alone;
 
-/* Why a check means nothing for a method; NULL if it does mean something. */
+/* The reason why a check means nothing for a method, or NULL. */
 typedef const char *pointless_fn(const weft_stepper_type *type);
 pointless_fn weft__order_not_measured, weft__heap_not_known;
 
