@@ -152,13 +152,12 @@ static hdf_set open_set(const record_vtkhdf *self, size_t set)
 
 static bool open_sets(record_vtkhdf *self)
 {
+    const hdf_set none = { .id = H5I_INVALID_HID };
     bool good = true;
     for (size_t i = 0; good && i < self->time; ++i) {
-        self->sets[i].id = H5I_INVALID_HID;
-        if (is_recorded(self, i)) {
-            self->sets[i] = open_set(self, i);
-            good = self->sets[i].id >= 0;
-        }
+        const bool recorded = is_recorded(self, i);
+        self->sets[i] = recorded ? open_set(self, i) : none;
+        good = !recorded || self->sets[i].id >= 0;
     }
     return good;
 }
