@@ -43,9 +43,11 @@ void weft__every_end_is_met(trial *self)
 void weft__a_single_step_lands_exactly(trial *self)
 {
     trial_run *r = weft__begin(self, 0, weft__fixed(1.0));
-    for (double t_end = 1.3e-7; t_end < 0.02; t_end *= 2.7) {
+    double t_end = 1.3e-7;
+    while (t_end < 0.02) {
         weft__good_step(self, r, t_end);
         at_exactly(self, r, t_end);
+        t_end *= 2.7;
     }
 }
 

@@ -404,16 +404,13 @@ static bool write_first(record_vtkhdf *self, const weft_sim *sim)
     const bool made = vtkhdf_file_create(self->temporary, &self->def, self->capacity)
                       && open_file(self, self->temporary, H5F_ACC_RDWR)
                       && write_frame(self, sim);
-    if (!close_file(self) || !made) {
-        self->count = 0;
-        return false;
-    }
-    if (rename(self->temporary, self->path) != 0) {
+    bool good = close_file(self) && made;
+    if (good && rename(self->temporary, self->path) != 0) {
         self->why = errno;
-        self->count = 0;
-        return false;
+        good = false;
     }
-    return open_file(self, self->path, H5F_ACC_RDWR) && sum_head(self);
+    self->count = good ? 1 : 0;
+    return good && open_file(self, self->path, H5F_ACC_RDWR) && sum_head(self);
 }
 
 weft_status record_vtkhdf_add(record_vtkhdf *self, const record_frame *frame,

@@ -19,9 +19,9 @@ weft_status record_surface_write(const char *directory, const char *name,
 
 void record_texture(const record_surface *surface, size_t i, double uv[2])
 {
-    const size_t rows = surface->rows, cols = surface->cols;
-    uv[0] = cols > 1 ? (double)(i % cols) / (double)(cols - 1) : 0.0;
-    uv[1] = rows > 1 ? 1.0 - (double)(i / cols) / (double)(rows - 1) : 1.0;
+    const size_t row = i / surface->cols, col = i % surface->cols;
+    uv[0] = col > 0 ? (double)col / (double)(surface->cols - 1) : 0.0;
+    uv[1] = row > 0 ? 1.0 - (double)row / (double)(surface->rows - 1) : 1.0;
 }
 
 void record_put(FILE *stream, uint64_t bits, size_t bytes, bool big)
