@@ -8,10 +8,6 @@
 
 #pragma GCC visibility push(default)
 
-ssize_t pread(int file, void *to, size_t size, off_t at);
-ssize_t pread64(int file, void *to, size_t size, off_t at);
-int clock_gettime(clockid_t clock, struct timespec *now);
-
 ssize_t pread(int file, void *to, size_t size, off_t at)
 {
     (void)file;
@@ -23,10 +19,12 @@ ssize_t pread(int file, void *to, size_t size, off_t at)
     }
 }
 
-ssize_t pread64(int file, void *to, size_t size, off_t at)
+#ifdef __GLIBC__
+ssize_t pread64(int file, void *to, size_t size, off64_t at)
 {
     return pread(file, to, size, at);
 }
+#endif
 
 int clock_gettime(clockid_t clock, struct timespec *now)
 {
