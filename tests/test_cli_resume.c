@@ -116,7 +116,7 @@ START_TEST(an_unfinished_run_is_told_as_that_wherever_it_is_met)
         (void)shell("rm -rf " OUT "/k");
         stop_midway(signals[i], "");
         expect(shell(WEFT " run " OUT "/s.yaml --out " OUT "/k 2>&1"), 4);
-        says("/k: holds an unfinished run: 'weft resume " OUT "/k' goes on with it; or "
+        says("/k: holds an unfinished run: 'weft resume " OUT "/k' continues it; or "
              "choose another --out, or --force to replace it\n");
         expect(shell(WEFT " export " OUT "/k --format obj 2>&1 >/dev/null"), 0);
         says(" of 121 frames\n");

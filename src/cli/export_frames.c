@@ -80,10 +80,14 @@ static weft_status write_frame(export_job *job, size_t number, double time,
     weft_status status = WEFT_OK;
     if (job->format->write != NULL) {
         (void)snprintf(name, sizeof name, FRAME_NAME, number, job->format->suffix);
-        status = job->format->write(job->directory, name, surface, err);
+        status = record_surface_write(job->directory, name, job->format->write, surface,
+                                      err);
     }
-    if (status == WEFT_OK && job->format->movie != NULL) {
-        job->format->movie->frame(job->movie.stream, time, name, surface);
+    const record_movie *movie = job->format->movie;
+    if (status == WEFT_OK && movie != NULL && movie->points != NULL) {
+        movie->points(job->movie.stream, surface);
+    } else if (status == WEFT_OK && movie != NULL) {
+        movie->list(job->movie.stream, time, name);
     }
     return status;
 }
@@ -210,8 +214,8 @@ static weft_status write_rest(export_job *job, weft_error *err)
     } else {
         memcpy(job->values, job->frames->rest, 3 * job->n * sizeof *job->values);
     }
-    const weft_status status
-        = record_obj(job->directory, "rest.obj", &job->surface, err);
+    const weft_status status = record_surface_write(job->directory, "rest.obj",
+                                                    record_obj, &job->surface, err);
     if (status == WEFT_OK) {
         printf("%s/rest.obj\n", job->directory);
     }
@@ -255,7 +259,8 @@ static weft_status export_final(const export_job *job, weft_error *err)
         printf("%s/final.csv\n", job->directory); /* it is there already */
     } else if (status == WEFT_OK) {
         (void)snprintf(name, sizeof name, "final.%s", job->format->suffix);
-        status = job->format->write(job->directory, name, &surface, err);
+        status = record_surface_write(job->directory, name, job->format->write,
+                                      &surface, err);
         if (status == WEFT_OK) {
             printf("%s/%s\n", job->directory, name);
         }

@@ -7,7 +7,6 @@
 #include "cli/cli.h"
 #include "cli/human.h"
 #include "record/frames.h"
-#include "record/player_page.h"
 #include "record/record.h"
 
 /* A file:// URL of a page that exists. */

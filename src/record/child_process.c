@@ -34,7 +34,7 @@ _Noreturn static void run_child(const process_def *def, size_t job, pid_t parent
     (void)prctl(PR_SET_PDEATHSIG, def->end_signal);
 #endif
     if (getppid() != parent) {
-        _exit(1); /* it has ended before that */
+        _exit(1); /* the parent has already ended */
     }
     if (def->cpu_seconds > 0) {
         set_limit(RLIMIT_CPU, def->cpu_seconds);
@@ -52,8 +52,9 @@ _Noreturn static void run_child(const process_def *def, size_t job, pid_t parent
 
 static bool start(const process_def *def, size_t job, process *out)
 {
-    (void)signal(SIGCHLD, SIG_DFL); /* a shell may have it ignored: no status then */
-    (void)fflush(NULL);             /* the child flushes as well */
+    (void)signal(SIGCHLD,
+                 SIG_DFL); /* a shell may ignore it: waitpid returns no status then */
+    (void)fflush(NULL);    /* else the child would flush the same again */
     const double now = weft__wall_clock();
     const pid_t self = getpid();
     *out = (process){ .pid = fork(),
@@ -67,7 +68,7 @@ static bool start(const process_def *def, size_t job, process *out)
     return out->pid > 0;
 }
 
-/* Grandchildren are not waited for. */
+/* Does not wait for grandchildren. */
 static bool has_ended(const process_def *def, process *one)
 {
     const double now = weft__wall_clock();
@@ -81,7 +82,7 @@ static bool has_ended(const process_def *def, process *one)
     return one->pid == 0;
 }
 
-/* A sixteenth of the time waited since `from`, 1 to 50 ms: a signal ends it early.
+/* Sleeps for a sixteenth of the time since `from`, 1 to 50 ms; a signal ends it early.
  * There is no portable way to wait for a child or a time limit. */
 static void nap(double from)
 {
@@ -153,7 +154,7 @@ static void reap(process_pool *pool)
 
 bool process_pool_run(process_pool *pool)
 {
-    double last = weft__wall_clock(); /* when one ended */
+    double last = weft__wall_clock(); /* when the last child ended */
     int failed = 0;
     pool->all = calloc(pool->at_once, sizeof *pool->all);
     bool able = pool->all != NULL;

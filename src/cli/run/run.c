@@ -66,7 +66,8 @@ static weft_status write_state(const run *self, const char *name,
     };
     weft_sim_positions(self->sim, values);
     weft_sim_velocities(self->sim, values + 3 * n);
-    const weft_status status = write(self->out, name, &surface, err);
+    const weft_status status
+        = record_surface_write(self->out, name, write, &surface, err);
     free(values);
     return status;
 }
