@@ -49,7 +49,7 @@ typedef struct process_pool {
     bool stopped;
 } process_pool;
 
-/* False: no process could be had for job `started` (errno). */
+/* False: job `started` got no process while no other job ran (errno). */
 bool process_pool_run(process_pool *pool);
 
 /* Zeroed memory that a process shares with its later children, as long as it lives.
