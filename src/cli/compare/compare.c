@@ -226,7 +226,6 @@ static weft_status no_horizon(const compare *self, weft_error *err)
 
 static weft_status find_horizon(compare *self, weft_error *err)
 {
-    self->last = atomic_load(&self->shared->last);
     self->chaotic = self->last < self->planned;
     self->apart = 0.0;
     for (size_t i = 0; i <= self->last; ++i) {
@@ -248,16 +247,22 @@ static weft_status find_horizon(compare *self, weft_error *err)
 
 static weft_status make_references(compare *self, weft_error *err)
 {
-    weft_status status = run_jobs(self, 2, compare_reference, reference_ended, err);
-    for (size_t i = 0; i < 2 && status == WEFT_OK; ++i) {
-        status = self->shared->status[i];
-        if (status != WEFT_OK) {
-            return weft_error_set(err, status, "no reference: %s %s: %s",
+    const compare_shared *shared = self->shared;
+    const weft_status status
+        = run_jobs(self, 2, compare_reference, reference_ended, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    self->last = atomic_load(&shared->last);
+    for (size_t i = 0; i < 2; ++i) {
+        /* A failure behind the horizon does not matter: -j decides who gets there. */
+        if (shared->status[i] != WEFT_OK && self->calls[i][self->last] == 0) {
+            return weft_error_set(err, shared->status[i], "no reference: %s %s: %s",
                                   self->by[i].plugin->id, self->by[i].type->name,
-                                  self->shared->err[i].message);
+                                  shared->err[i].message);
         }
     }
-    return status == WEFT_OK ? find_horizon(self, err) : status;
+    return find_horizon(self, err);
 }
 
 /* ---- ladders and times ------------------------------------------------------ */
@@ -280,16 +285,15 @@ static void ladder_ended(void *ctx, const process *one)
     progress_count(&self->progress, "methods", self->over, self->count + 1);
 }
 
-/* No more than the reference itself, nor than its part of COMPARE_WORK. */
+/* The calls of the costlier reference up to `last`, at most a share of COMPARE_WORK. */
 static void set_budget(compare *self)
 {
     const double particles = (double)weft_cloth_particles(self->cloth);
     const double share
         = COMPARE_WORK / (particles * RUNGS_WORTH * (double)(self->count + 1));
-    const uint64_t dearest = self->shared->calls[0] > self->shared->calls[1]
-                                 ? self->shared->calls[0]
-                                 : self->shared->calls[1];
-    self->budget = share < (double)dearest ? (uint64_t)share : dearest;
+    const double dearest
+        = fmax((double)self->calls[0][self->last], (double)self->calls[1][self->last]);
+    self->budget = (uint64_t)fmin(share, dearest);
 }
 
 static int by_value(const void *a, const void *b)
@@ -338,12 +342,15 @@ static weft_status open_memory(compare *self, const weft_registry *registry,
     self->shared = process_memory(
         1,
         sizeof *self->shared + method_count(registry) * sizeof *self->shared->methods);
-    self->frames[0] = process_memory(frames, dim * sizeof(double));
-    self->frames[1] = process_memory(frames, dim * sizeof(double));
+    bool able = self->shared != NULL;
+    for (size_t i = 0; i < 2; ++i) {
+        self->frames[i] = process_memory(frames, dim * sizeof(double));
+        self->calls[i] = process_memory(frames, sizeof(uint64_t));
+        able = able && self->frames[i] != NULL && self->calls[i] != NULL;
+    }
     self->twin = process_memory(frames, sizeof(double));
     self->energy = process_memory(frames, sizeof(double));
-    if (self->shared == NULL || self->frames[0] == NULL || self->frames[1] == NULL
-        || self->twin == NULL || self->energy == NULL) {
+    if (!able || self->twin == NULL || self->energy == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu frames", frames);
     }
     atomic_store(&self->shared->last, self->planned);

@@ -65,7 +65,6 @@ typedef struct compare_shared {
     _Atomic size_t last;   /* frame, lowered when the twin has parted */
     weft_status status[2]; /* of the references */
     weft_error err[2];
-    uint64_t calls[2];
     compare_point as_is;      /* the scene with its own method and settings */
     compare_method methods[]; /* count of them */
 } compare_shared;
@@ -83,9 +82,10 @@ typedef struct compare {
 
     /* shared; frames of 6 N numbers, planned + 1 of them */
     compare_shared *shared;
-    double *frames[2]; /* of the references */
-    double *twin;      /* [m] how far it is off, by frames */
-    double *energy;    /* [J] kinetic, elastic and gravitational, by frames */
+    double *frames[2];  /* of the references */
+    double *twin;       /* [m] how far it is off, by frames */
+    double *energy;     /* [J] kinetic, elastic and gravitational, by frames */
+    uint64_t *calls[2]; /* RHS calls of the references up to each frame */
 
     size_t count;    /* of methods */
     double at_play;  /* [J] range of the energy, or the largest kinetic */
@@ -94,7 +94,7 @@ typedef struct compare {
     bool chaotic;    /* `last` is where the twin has parted, */
     bool parted;     /* or the references */
     size_t over;     /* ladders */
-    uint64_t budget; /* RHS calls of a run */
+    uint64_t budget; /* RHS calls of a run; not of `as_is` */
 } compare;
 
 double compare_time(const compare *self, size_t frame); /* [s] */

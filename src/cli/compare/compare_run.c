@@ -99,6 +99,7 @@ static weft_status keep(void *ctx, size_t i, weft_error *err)
     const double *y = weft_sim_state(of->sim);
     double square = 0.0;
     memcpy(self->frames[of->which] + i * 6 * n, y, 6 * n * sizeof *y);
+    self->calls[of->which][i] = weft_sim_stats(of->sim).rhs_calls;
     if (of->twin == NULL) {
         return WEFT_OK;
     }
@@ -150,7 +151,6 @@ int compare_reference(void *ctx, size_t which)
     }
     status = status == WEFT_OK ? play(&of, frames, err) : status;
     self->shared->status[which] = status == WEFT_STOPPED ? WEFT_OK : status;
-    self->shared->calls[which] = point.calls;
     weft_sim_destroy(of.sim);
     weft_sim_destroy(of.twin);
     return EXIT_DONE;
@@ -244,7 +244,7 @@ int compare_ladder(void *ctx, size_t i)
     compare_method *method = &self->shared->methods[i];
     if (i == self->count) {
         const stepper_method by = { NULL, weft_scene_method_type(self->scene) };
-        run(self, &by, weft_scene_config(self->scene), self->shared->calls[0],
+        run(self, &by, weft_scene_config(self->scene), self->calls[0][self->last],
             &self->shared->as_is);
         return EXIT_DONE;
     }
