@@ -22,6 +22,15 @@ enum {
 
 enum { MOST_JOBS = 4096 };
 
+/* Returns the status of a call that fails. */
+#define TRY(call)                                                                      \
+    do {                                                                               \
+        const weft_status tried = (call);                                              \
+        if (tried != WEFT_OK) {                                                        \
+            return tried;                                                              \
+        }                                                                              \
+    } while (0)
+
 /* The command line of a verb. */
 typedef struct options {
     const char *plugin_path, *out, *frames, *format, *frame, *progress, *tolerance;
@@ -73,6 +82,9 @@ int verb_start(const verb *self, int argc, char **argv);
 /* The number that is all of the text, or NAN. */
 double option_real(const char *text);
 
+/* Whether a text starts with a whole number, in digits alone, and `end`. */
+bool option_count(const char *text, char end, size_t *count);
+
 /* "weft run: <text>" and a hint at --help, to stderr; returns EXIT_USAGE. */
 WEFT_PRINTF(2, 3) int usage_error(const verb *self, const char *format, ...);
 
@@ -91,8 +103,25 @@ weft_registry *open_registry(const char *plugin_path);
  * nothing. WEFT_BAD_PLUGIN if there are none. */
 weft_status load_plugins(weft_registry *registry, weft_error *err);
 
-/* admit.c: weft_registry_def.admit, which loads the file in a child first. */
-weft_status admit_plugin(void *ctx, const char *file, weft_error *err);
+/* ---- method_list.c: every method of every plugin ---- */
+
+typedef struct stepper_method {
+    const weft_plugin *plugin;
+    const weft_stepper_type *type;
+} stepper_method;
+
+/* The i-th method of all; false past the last. */
+bool method_at(const weft_registry *registry, size_t i, stepper_method *out);
+size_t method_count(const weft_registry *registry);
+bool method_adapts(const weft_stepper_type *type);
+
+/* The explicit one-step method of the highest order that can adapt, of a plugin other
+ * than that of `but` where there is one (NULL: of any); false if there is none, or none
+ * but `but`. */
+bool method_best(const weft_registry *registry, const stepper_method *but,
+                 stepper_method *out);
+
+/* ---- open.c ---- */
 
 /* Read a scene, print what is wrong with it. Returns EXIT_DONE or the exit code. */
 int open_scene(const char *file, const options *given, weft_scene **scene);

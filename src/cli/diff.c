@@ -7,7 +7,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "cli/cli.h"
 #include "record/frames.h"
@@ -60,11 +59,10 @@ enum { FIELDS = sizeof fields / sizeof fields[0] };
 
 static weft_status open_side(diff_side *self, weft_error *err)
 {
-    const weft_status status
-        = record_series_rows(self->directory, &self->rows, &self->row_count, err);
-    return status == WEFT_OK && record_exists(self->directory, "run.vtkhdf")
+    TRY(record_series_rows(self->directory, &self->rows, &self->row_count, err));
+    return record_exists(self->directory, "run.vtkhdf")
                ? record_frames_open(self->directory, &self->frames, err)
-               : status;
+               : WEFT_OK;
 }
 
 static bool both_have_frames(const comparison *self)
@@ -96,19 +94,17 @@ static weft_status prepare(comparison *self, weft_error *err)
 
 static weft_status open_both(comparison *self, weft_error *err)
 {
-    weft_status status = open_side(&self->side[0], err);
-    status = status == WEFT_OK ? open_side(&self->side[1], err) : status;
-    if (status == WEFT_OK && both_have_frames(self)) {
+    TRY(open_side(&self->side[0], err));
+    TRY(open_side(&self->side[1], err));
+    if (both_have_frames(self)) {
         return prepare(self, err);
     }
-    if (status == WEFT_OK && self->tolerance >= 0.0) {
-        const diff_side *without = &self->side[self->side[0].frames == NULL ? 0 : 1];
-        status = weft_error_set(err, WEFT_IO,
+    return self->tolerance < 0.0
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_IO,
                                 "%s/run.vtkhdf is missing: --tol compares the "
                                 "positions of frames",
-                                without->directory);
-    }
-    return status;
+                                self->side[self->side[0].frames != NULL].directory);
 }
 
 static void close_both(comparison *self)
@@ -179,52 +175,56 @@ static bool both_have_field(const comparison *self, size_t k)
            && self->side[1].frames->fields[fields[k].field];
 }
 
+/* One field of frame i of the first run and of frame j of the second into their x. */
+static weft_status read_both(comparison *self, weft_record_field field, size_t i,
+                             size_t j, weft_error *err)
+{
+    const diff_side *a = &self->side[0], *b = &self->side[1];
+    TRY(record_frames_field(a->frames, field, i, a->x, err));
+    return record_frames_field(b->frames, field, j, b->x, err);
+}
+
 static weft_status compare_fields(comparison *self, size_t i, size_t j, const gap *here,
                                   weft_error *err)
 {
-    const diff_side *a = &self->side[0], *b = &self->side[1];
-    const size_t n = a->frames->rows * a->frames->cols;
-    weft_status status = WEFT_OK;
-    for (size_t k = 0; status == WEFT_OK && self->field == NULL && k < FIELDS; ++k) {
+    const size_t n = self->side[0].frames->rows * self->side[0].frames->cols;
+    for (size_t k = 0; self->field == NULL && k < FIELDS; ++k) {
         if (both_have_field(self, k)) {
-            status = record_frames_field(a->frames, fields[k].field, i, a->x, err);
-            status = status == WEFT_OK
-                         ? record_frames_field(b->frames, fields[k].field, j, b->x, err)
-                         : status;
-            if (status == WEFT_OK && !are_equal(self, fields[k].width * n)) {
+            TRY(read_both(self, fields[k].field, i, j, err));
+            if (!are_equal(self, fields[k].width * n)) {
                 self->field = fields[k].name;
                 self->other = *here;
             }
         }
     }
-    return status;
+    return WEFT_OK;
+}
+
+static void find_farthest(const comparison *self, gap *here)
+{
+    const size_t n = self->side[0].frames->rows * self->side[0].frames->cols;
+    for (size_t p = 0; p < n; ++p) {
+        const double d = distance(self, p);
+        if (d > here->distance) {
+            here->distance = d;
+            here->particle = p;
+            here->found = true;
+        }
+    }
 }
 
 static weft_status compare_frame(comparison *self, size_t i, size_t j, weft_error *err)
 {
-    const diff_side *a = &self->side[0], *b = &self->side[1];
-    const size_t n = a->frames->rows * a->frames->cols;
-    gap here
-        = { .frame = { (size_t)a->frames->numbers[i], (size_t)b->frames->numbers[j] },
-            .time = a->frames->times[i] };
-    weft_status status = record_frames_positions(a->frames, i, a->x, err);
-    if (status == WEFT_OK) {
-        status = record_frames_positions(b->frames, j, b->x, err);
-    }
-    if (status != WEFT_OK) {
-        return status;
-    }
-    const size_t unequal = are_equal(self, 3 * n) ? 0 : n;
-    for (size_t p = 0; p < unequal; ++p) {
-        const double d = distance(self, p);
-        if (d > here.distance) {
-            here.distance = d;
-            here.particle = p;
-            here.found = true;
-        }
+    record_frames *a = self->side[0].frames, *b = self->side[1].frames;
+    gap here = { .frame = { (size_t)a->numbers[i], (size_t)b->numbers[j] },
+                 .time = a->times[i] };
+    TRY(record_frames_positions(a, i, self->side[0].x, err));
+    TRY(record_frames_positions(b, j, self->side[1].x, err));
+    if (!are_equal(self, 3 * a->rows * a->cols)) {
+        find_farthest(self, &here);
     }
     if (self->tolerance < 0.0 && self->unequal == 0) {
-        status = compare_fields(self, i, j, &here, err);
+        TRY(compare_fields(self, i, j, &here, err));
     }
     if (!self->begin.found && here.distance > fmax(self->tolerance, 0.0)) {
         self->begin = here;
@@ -233,25 +233,24 @@ static weft_status compare_frame(comparison *self, size_t i, size_t j, weft_erro
         self->largest = here;
     }
     ++self->frames;
-    return status;
+    return WEFT_OK;
 }
 
 static weft_status compare_frames(comparison *self, weft_error *err)
 {
-    record_frames *a = self->side[0].frames, *b = self->side[1].frames;
-    weft_status status = WEFT_OK;
-    for (size_t i = 0, j = 0; status == WEFT_OK && i < a->count && j < b->count;) {
+    const record_frames *a = self->side[0].frames, *b = self->side[1].frames;
+    for (size_t i = 0, j = 0; i < a->count && j < b->count;) {
         const int which = order(a->times[i], b->times[j]);
         if (which == 0) {
-            status = compare_frame(self, i, j, err);
+            TRY(compare_frame(self, i, j, err));
         }
         i += which <= 0;
         j += which >= 0;
     }
-    return status;
+    return WEFT_OK;
 }
 
-/* ---- telling ---------------------------------------------------------------- */
+/* ---- the report ------------------------------------------------------------- */
 
 static double end_of(const diff_side *self)
 {
@@ -380,19 +379,15 @@ static void print_all(const comparison *self)
 
 static weft_status compare(comparison *self, weft_error *err)
 {
-    weft_status status = open_both(self, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(open_both(self, err));
     compare_hashes(self);
     if (both_have_frames(self)) {
-        status = compare_frames(self, err);
+        TRY(compare_frames(self, err));
     }
-    if (status == WEFT_OK && self->rows == 0) {
-        status = weft_error_set(err, WEFT_IO, "%s and %s have no time in common",
+    return self->rows > 0
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_IO, "%s and %s have no time in common",
                                 self->side[0].directory, self->side[1].directory);
-    }
-    return status;
 }
 
 static int diff_runs(char *const *directories, double tolerance)

@@ -4,12 +4,9 @@
  * Frames come from run.vtkhdf, the state at the end from final.csv. Without run.vtkhdf
  * frames are computed anew from the run's own scene.yaml, which gives the same bits,
  * and each is checked against the hash in its row of series.csv. */
-#include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "cli/cli.h"
 #include "record/export/export.h"
@@ -75,41 +72,39 @@ static void print_files(const export_job *job)
 static weft_status write_frame(export_job *job, size_t number, double time,
                                weft_error *err)
 {
-    const record_surface *surface = &job->surface;
     char name[64] = "";
-    weft_status status = WEFT_OK;
     if (job->format->write != NULL) {
         (void)snprintf(name, sizeof name, FRAME_NAME, number, job->format->suffix);
-        status = job->format->write(job->directory, name, surface, err);
+        TRY(job->format->write(job->directory, name, &job->surface, err));
     }
-    if (status == WEFT_OK && job->format->movie != NULL) {
-        job->format->movie->frame(job->movie.stream, time, name, surface);
+    if (job->format->movie != NULL) {
+        job->format->movie->frame(job->movie.stream, time, name, &job->surface);
     }
-    return status;
+    return WEFT_OK;
 }
 
 /* ---- frames of run.vtkhdf --------------------------------------------------- */
 
-static weft_status read_frames(export_job *job, weft_error *err)
+static weft_status read_frame(export_job *job, size_t i, weft_error *err)
 {
     double *velocity = job->values + 3 * job->n, *strain = job->values + 6 * job->n;
-    weft_status status = WEFT_OK;
-    for (size_t i = job->first; status == WEFT_OK && i <= job->last; ++i) {
-        status = record_frames_positions(job->frames, i, job->values, err);
-        if (status == WEFT_OK && job->surface.velocity != NULL) {
-            status = record_frames_field(job->frames, WEFT_RECORD_VELOCITY, i, velocity,
-                                         err);
-        }
-        if (status == WEFT_OK && job->surface.strain != NULL) {
-            status
-                = record_frames_field(job->frames, WEFT_RECORD_STRAIN, i, strain, err);
-        }
-        if (status == WEFT_OK) {
-            status = write_frame(job, (size_t)job->frames->numbers[i],
-                                 job->frames->times[i], err);
-        }
+    record_frames *frames = job->frames;
+    TRY(record_frames_positions(frames, i, job->values, err));
+    if (job->surface.velocity != NULL) {
+        TRY(record_frames_field(frames, WEFT_RECORD_VELOCITY, i, velocity, err));
     }
-    return status;
+    if (job->surface.strain != NULL) {
+        TRY(record_frames_field(frames, WEFT_RECORD_STRAIN, i, strain, err));
+    }
+    return write_frame(job, (size_t)frames->numbers[i], frames->times[i], err);
+}
+
+static weft_status read_frames(export_job *job, weft_error *err)
+{
+    for (size_t i = job->first; i <= job->last; ++i) {
+        TRY(read_frame(job, i, err));
+    }
+    return WEFT_OK;
 }
 
 /* ---- frames computed anew --------------------------------------------------- */
@@ -138,9 +133,8 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
     weft_sim_positions(job->sim, job->values);
     weft_sim_velocities(job->sim, job->values + 3 * job->n);
     weft_cloth_strains(job->cloth, weft_sim_state(job->sim), job->values + 6 * job->n);
-    const weft_status status = check_hash(job, index, err);
-    return status == WEFT_OK ? write_frame(job, index, weft_sim_time(job->sim), err)
-                             : status;
+    TRY(check_hash(job, index, err));
+    return write_frame(job, index, weft_sim_time(job->sim), err);
 }
 
 static weft_status compute_frames(export_job *job, weft_error *err)
@@ -154,27 +148,16 @@ static weft_status compute_frames(export_job *job, weft_error *err)
 
 /* ---- what is written -------------------------------------------------------- */
 
-static weft_status make_frames_folder(const export_job *job, weft_error *err)
-{
-    char path[RECORD_PATH];
-    const weft_status status = record_path(job->directory, "frames", path, err);
-    if (status == WEFT_OK && mkdir(path, 0777) != 0 && errno != EEXIST) {
-        return weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(errno));
-    }
-    return status;
-}
-
 static weft_status export_frames(export_job *job, weft_error *err)
 {
-    weft_status status
-        = job->format->write == NULL ? WEFT_OK : make_frames_folder(job, err);
-    if (status == WEFT_OK) {
-        status = job->frames == NULL ? compute_frames(job, err) : read_frames(job, err);
+    if (job->format->write != NULL) {
+        char path[RECORD_PATH];
+        TRY(record_path(job->directory, "frames", path, err));
+        TRY(record_directory(path, err));
     }
-    if (status == WEFT_OK) {
-        print_files(job);
-    }
-    return status;
+    TRY(job->frames == NULL ? compute_frames(job, err) : read_frames(job, err));
+    print_files(job);
+    return WEFT_OK;
 }
 
 static double time_of(const export_job *job, size_t i)
@@ -210,23 +193,19 @@ static weft_status write_rest(export_job *job, weft_error *err)
     } else {
         memcpy(job->values, job->frames->rest, 3 * job->n * sizeof *job->values);
     }
-    const weft_status status
-        = record_obj(job->directory, "rest.obj", &job->surface, err);
-    if (status == WEFT_OK) {
-        printf("%s/rest.obj\n", job->directory);
-    }
-    return status;
+    TRY(record_obj(job->directory, "rest.obj", &job->surface, err));
+    printf("%s/rest.obj\n", job->directory);
+    return WEFT_OK;
 }
 
 static weft_status export_movie(export_job *job, weft_error *err)
 {
     const record_movie *movie = job->format->movie;
-    weft_status status = job->format->rest ? write_rest(job, err) : WEFT_OK;
-    status = status == WEFT_OK ? begin_movie(job, err) : status;
-    if (status != WEFT_OK) {
-        return status;
+    if (job->format->rest) {
+        TRY(write_rest(job, err));
     }
-    status = export_frames(job, err);
+    TRY(begin_movie(job, err));
+    const weft_status status = export_frames(job, err);
     if (status != WEFT_OK) {
         record_file_discard(&job->movie);
         return status;
@@ -234,53 +213,43 @@ static weft_status export_movie(export_job *job, weft_error *err)
     if (movie->end != NULL) {
         movie->end(job->movie.stream);
     }
-    status = record_file_commit(&job->movie, err);
-    if (status == WEFT_OK) {
-        printf("%s\n", job->movie.path);
-    }
-    return status;
+    TRY(record_file_commit(&job->movie, err));
+    printf("%s\n", job->movie.path);
+    return WEFT_OK;
 }
 
 static weft_status export_final(const export_job *job, weft_error *err)
 {
     char name[16];
-    double *velocity = job->values + 3 * job->n;
     record_surface surface = job->surface;
+    double *velocity = job->values + 3 * job->n;
     surface.velocity = velocity;
     surface.strain = NULL;
     surface.doubles = true;
-    weft_status status = record_final_read(job->directory, surface.rows, surface.cols,
-                                           job->values, velocity, err);
-    if (status == WEFT_OK && job->format->write == record_csv) {
-        printf("%s/final.csv\n", job->directory); /* it is there already */
-    } else if (status == WEFT_OK) {
-        (void)snprintf(name, sizeof name, "final.%s", job->format->suffix);
-        status = job->format->write(job->directory, name, &surface, err);
-        if (status == WEFT_OK) {
-            printf("%s/%s\n", job->directory, name);
-        }
+    (void)snprintf(name, sizeof name, "final.%s", job->format->suffix);
+    TRY(record_final_read(job->directory, surface.rows, surface.cols, job->values,
+                          velocity, err));
+    if (job->format->write != record_csv) { /* final.csv is there already */
+        TRY(job->format->write(job->directory, name, &surface, err));
     }
-    return status;
+    printf("%s/%s\n", job->directory, name);
+    return WEFT_OK;
 }
 
 /* ---- which frames ----------------------------------------------------------- */
 
-/* A number in digits, among those of the frames there are. */
+/* The frame of that number. */
 static bool find_frame(const char *text, export_job *job)
 {
-    char *end;
-    errno = 0;
-    const unsigned long long number = strtoull(text, &end, 10);
-    if (text[0] < '0' || text[0] > '9' || *end != '\0' || errno != 0) {
+    size_t number, i = 0;
+    if (!option_count(text, '\0', &number)) {
         return false;
     }
-    for (size_t i = 0; i < job->count; ++i) {
-        if (number_of(job, i) == number) {
-            job->first = job->last = i;
-            return true;
-        }
+    while (i < job->count && number_of(job, i) != number) {
+        ++i;
     }
-    return false;
+    job->first = job->last = i;
+    return i < job->count;
 }
 
 static bool has_final(const export_job *job)

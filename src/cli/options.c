@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* options.c -- the command line of a verb. */
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,12 +29,14 @@ double option_real(const char *text)
     return end != text && *end == '\0' ? value : (double)NAN;
 }
 
-/* 0: not a number of jobs. */
-static size_t jobs_of(const char *text)
+bool option_count(const char *text, char end, size_t *count)
 {
-    char *end;
-    const long jobs = strtol(text, &end, 10);
-    return *end == '\0' && jobs >= 1 && jobs <= MOST_JOBS ? (size_t)jobs : 0;
+    char *stop;
+    errno = 0;
+    const unsigned long long value = strtoull(text, &stop, 10);
+    *count = (size_t)value;
+    return text[0] >= '0' && text[0] <= '9' && *stop == end && errno == 0
+           && value <= SIZE_MAX;
 }
 
 static const struct option *find(const struct option *table, int value)
@@ -47,10 +50,11 @@ static const struct option *find(const struct option *table, int value)
 static void apply(const struct option *option, options *out)
 {
     void *member = (char *)out + (option->val - 256);
+    size_t jobs;
     if (option->val == OPTION_AT(sets)) {
         out->sets[out->set_count++] = optarg;
     } else if (option->val == OPTION_AT(jobs)) {
-        out->jobs = jobs_of(optarg);
+        out->jobs = option_count(optarg, '\0', &jobs) && jobs <= MOST_JOBS ? jobs : 0;
     } else if (option->has_arg == required_argument) {
         *(const char **)member = optarg;
     } else {

@@ -2,7 +2,6 @@
 /* steppers.c -- weft steppers: the methods of all plugins that are found. */
 #include "cli/cli.h"
 #include "cli/human.h"
-#include "cli/method_list.h"
 #include "record/yaml_out.h"
 
 typedef struct flag_name {

@@ -64,9 +64,8 @@ int batch_plan(batch *self);
 int batch_check(const char *file, weft_sweep *sweep);
 void batch_free(batch *self);
 
-/* batch_state.c: what is in a run's directory, of this scene. */
-batch_status batch_look(const batch *self, const batch_run *run,
-                        const weft_scene *scene);
+/* batch_state.c: the state of a run's directory. */
+batch_status batch_look(const batch *self, const batch_run *run);
 /* Whether it is done, and its log.txt has warnings. */
 bool batch_warned(const batch *self, const batch_run *run);
 weft_status batch_directory(const batch *self, const batch_run *run,
@@ -75,10 +74,6 @@ weft_status batch_directory(const batch *self, const batch_run *run,
 /* [s] A lock is waited for: a run whose batch was killed a moment ago may still be
  * writing what it has. */
 #define BATCH_PATIENCE 5.0
-
-/* batch_child.c: one run, in this process, which ends with it. Returns the exit code.
- */
-int batch_child(const batch *self, const batch_run *one);
 
 /* batch_show.c: what is going on, on stderr. */
 typedef struct batch_show {

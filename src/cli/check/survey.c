@@ -6,8 +6,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "cli/method_list.h"
-
 /* RHS calls times particles of a trial, and the steps it is to have at least. */
 #define TRIAL_WORK 1.5e6
 enum { TRIAL_SKIPPED = 3, TRIAL_LEAST = 10 };
@@ -83,18 +81,17 @@ static weft_status survey_methods(const weft_scene *scene,
     if (out->methods == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu methods", room);
     }
-    weft_status status = WEFT_OK;
-    for (size_t i = 0; status == WEFT_OK && method_at(registry, i, &m); ++i) {
-        /* tables of one's own are no method but in the scene that has them */
+    for (size_t i = 0; method_at(registry, i, &m); ++i) {
+        /* a scene's own table is no method of other scenes */
         if ((m.type->flags & WEFT_STEPPER_BUTCHER) == 0 || m.type == own) {
-            status = add_method(scene, &m, out, err);
+            TRY(add_method(scene, &m, out, err));
         }
     }
     qsort(out->methods, out->count, sizeof *out->methods, compare);
     for (size_t i = 0; i < out->count; ++i) {
         out->own = out->methods[i].type == own ? &out->methods[i] : out->own;
     }
-    return status;
+    return WEFT_OK;
 }
 
 /* The scene's method from t = 0 on, past its first steps. What has failed by then is
@@ -195,24 +192,21 @@ weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
 {
     *out = (survey){ 0 };
     (void)load_plugins(given->registry, NULL);
-    weft_status status = survey_cloth(cloth, sim, given->refine, out, err);
-    if (status == WEFT_OK) {
-        status = survey_methods(scene, given->registry, out, err);
+    TRY(survey_cloth(cloth, sim, given->refine, out, err));
+    TRY(survey_methods(scene, given->registry, out, err));
+    if (out->own != NULL && out->own->step > 0.0) {
+        TRY(stable_step(scene, out->own->type, &out->any, &out->any_state, err));
     }
-    if (status == WEFT_OK && out->own != NULL && out->own->step > 0.0) {
-        status = stable_step(scene, out->own->type, &out->any, &out->any_state, err);
-    }
-    const bool adaptive = weft_scene_config(scene)->fixed_step == 0.0;
     const bool small
         = out->own != NULL && (out->own->type->flags & WEFT_STEPPER_DENSE) != 0;
-    if (status == WEFT_OK && sim != NULL && adaptive && !small) {
-        trial(scene, sim, out);
-        const bool limited = weft_scene_limit(scene)->method != WEFT_LIMIT_NONE;
-        if (out->trial_steps > 0 && survey_held(out) < 0.5 && !limited) {
-            status = try_rival(scene, sim, out, err);
-        }
+    if (sim == NULL || weft_scene_config(scene)->fixed_step > 0.0 || small) {
+        return WEFT_OK;
     }
-    return status;
+    trial(scene, sim, out);
+    const bool limited = weft_scene_limit(scene)->method != WEFT_LIMIT_NONE;
+    return out->trial_steps > 0 && survey_held(out) < 0.5 && !limited
+               ? try_rival(scene, sim, out, err)
+               : WEFT_OK;
 }
 
 double survey_held(const survey *of)

@@ -14,7 +14,6 @@
 #include <stdatomic.h>
 
 #include "cli/cli.h"
-#include "cli/method_list.h"
 #include "cli/run/progress.h"
 
 enum {
@@ -98,7 +97,7 @@ typedef struct compare {
 } compare;
 
 double compare_time(const compare *self, size_t frame); /* [s] */
-double compare_decade(size_t k); /* 10^-k, k <= 22: the nearest double */
+double compare_decade(size_t k);                        /* 10^-k */
 
 /* ---- compare_run.c: in a process of their own ------------------------------- */
 
@@ -106,7 +105,10 @@ double compare_decade(size_t k); /* 10^-k, k <= 22: the nearest double */
 int compare_reference(void *self, size_t which);
 /* The ladder of a method; past the last method: the scene as it is. */
 int compare_ladder(void *self, size_t i);
-/* [s] a call takes, measured for a moment; 0 if it fails. */
+/* The largest length of a difference of 3-vectors in n entries of three planes each;
+ * INFINITY if one is not finite. Adds their squares to *square. */
+double compare_farthest(const double *a, const double *b, size_t n, double *square);
+/* [s] per call, measured for a moment; 0 if it fails. */
 double compare_call_time(const compare *self, const compare_method *method);
 
 /* ---- compare_advice.c ------------------------------------------------------- */

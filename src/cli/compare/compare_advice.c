@@ -10,11 +10,9 @@
 
 double compare_decade(size_t k)
 {
-    double power = 1.0;
-    while (k-- > 0) {
-        power *= 10.0;
-    }
-    return 1.0 / power;
+    static const double decades[]
+        = { 1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10 };
+    return decades[k];
 }
 
 static double between(double from, double to, double part)

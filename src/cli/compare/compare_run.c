@@ -74,9 +74,7 @@ static weft_status nudge(weft_sim *twin, weft_error *err)
     return status;
 }
 
-/* The largest length of a difference of 3-vectors in n entries of three planes each;
- * INFINITY if one is not finite. Their squares are added to *square. */
-static double farthest(const double *a, const double *b, size_t n, double *square)
+double compare_farthest(const double *a, const double *b, size_t n, double *square)
 {
     double top = 0.0;
     for (size_t i = 0; i < n; ++i) {
@@ -89,6 +87,13 @@ static double farthest(const double *a, const double *b, size_t n, double *squar
         *square += sum;
     }
     return sqrt(top);
+}
+
+static weft_status create_twin(const compare *self, const weft_stepper_config *config,
+                               weft_sim **twin, weft_error *err)
+{
+    TRY(create(self, &self->by[0], config, twin, err));
+    return nudge(*twin, err);
 }
 
 static weft_status keep(void *ctx, size_t i, weft_error *err)
@@ -104,14 +109,12 @@ static weft_status keep(void *ctx, size_t i, weft_error *err)
         return WEFT_OK;
     }
     self->energy[i] = weft_energy_total(weft_cloth_energy(self->cloth, y));
-    const weft_status status = weft_sim_advance(of->twin, compare_time(self, i), err);
-    if (status == WEFT_OK) {
-        self->twin[i] = farthest(y, weft_sim_state(of->twin), n, &square);
-        if (self->twin[i] > COMPARE_GROWTH * COMPARE_NUDGE) {
-            atomic_store(&self->shared->last, i - 1);
-        }
+    TRY(weft_sim_advance(of->twin, compare_time(self, i), err));
+    self->twin[i] = compare_farthest(y, weft_sim_state(of->twin), n, &square);
+    if (self->twin[i] > COMPARE_GROWTH * COMPARE_NUDGE) {
+        atomic_store(&self->shared->last, i - 1);
     }
-    return status;
+    return WEFT_OK;
 }
 
 /* One reference need not go on where the other's twin has parted. */
@@ -146,8 +149,7 @@ int compare_reference(void *ctx, size_t which)
     const weft_play frames = { .last = self->planned, .frame = keep, .step = go_on };
     weft_status status = create(self, &self->by[which], &config, &of.sim, err);
     if (status == WEFT_OK && which == 0) {
-        status = create(self, &self->by[which], &config, &of.twin, err);
-        status = status == WEFT_OK ? nudge(of.twin, err) : status;
+        status = create_twin(self, &config, &of.twin, err);
     }
     status = status == WEFT_OK ? play(&of, frames, err) : status;
     self->shared->status[which] = status == WEFT_STOPPED ? WEFT_OK : status;
@@ -168,9 +170,9 @@ static weft_status judge(void *ctx, size_t i, weft_error *err)
     const double energy = weft_energy_total(weft_cloth_energy(self->cloth, y));
     double unused = 0.0;
     (void)err;
-    point->error = fmax(point->error, farthest(y, right, n, &of->square));
+    point->error = fmax(point->error, compare_farthest(y, right, n, &of->square));
     point->velocity
-        = fmax(point->velocity, farthest(y + 3 * n, right + 3 * n, n, &unused));
+        = fmax(point->velocity, compare_farthest(y + 3 * n, right + 3 * n, n, &unused));
     point->energy = fmax(point->energy, fabs(energy - self->energy[i]) / self->at_play);
     return WEFT_OK;
 }

@@ -225,10 +225,7 @@ static void put_rows(const compare *self, const compare_method *method, FILE *st
 weft_status compare_csv(const compare *self, const char *directory, weft_error *err)
 {
     record_file file;
-    const weft_status status = record_file_open(&file, directory, "compare.csv", err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(record_file_open(&file, directory, "compare.csv", err));
     fputs("plugin,method,order,kind,setting,outcome,error,error_rms,error_velocity,"
           "near_reference,rhs_calls,steps,rejected,energy_error,time,reason\n",
           file.stream);
@@ -341,10 +338,7 @@ weft_status compare_html(const compare *self, const compare_advice *advice,
 {
     const char *mark = strstr(weft__compare_page, PAGE_MARK);
     record_file file;
-    const weft_status status = record_file_open(&file, directory, "compare.html", err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(record_file_open(&file, directory, "compare.html", err));
     (void)fwrite(weft__compare_page, 1, (size_t)(mark - weft__compare_page),
                  file.stream);
     put_description(self, advice, file.stream);

@@ -19,20 +19,18 @@ static void warn_of_limit(run *self)
     (void)spring_text(&worst, weft_cloth_cols(self->cloth), spring);
     const weft_limit_stats stats = weft_sim_limit_stats(self->sim);
     const size_t held = weft_sim_limit_held(self->sim);
-    if ((stats.unconverged > 0 && !self->told_unconverged)
-        || (held > 0 && !self->told_held)) {
+    if (stats.unconverged > 0 && !self->warned_unconverged) {
+        self->warned_unconverged = true;
         progress_clear(&self->progress);
-    }
-    if (stats.unconverged > 0 && !self->told_unconverged) {
-        self->told_unconverged = true;
         fprintf(
             stderr,
             "weft: warning: limit: not met within limit.sweeps by t = %.6g s; %s is "
             "at %.3g %%\n",
             weft_sim_time(self->sim), spring, 100.0 * worst.strain);
     }
-    if (held > 0 && !self->told_held) {
-        self->told_held = true;
+    if (held > 0 && !self->warned_held) {
+        self->warned_held = true;
+        progress_clear(&self->progress);
         fprintf(stderr,
                 "weft: warning: limit: %zu springs with both ends pinned are too long "
                 "at t = %.6g s and cannot be corrected; %s is at %.3g %%\n",
@@ -74,9 +72,9 @@ static weft_status write_state(const run *self, const char *name,
 static weft_status write_frame_obj(const run *self, size_t index, weft_error *err)
 {
     char name[64];
-    const weft_status status = run_in_place(self, err);
+    TRY(run_in_place(self, err));
     (void)snprintf(name, sizeof name, "frames/frame-%06zu.obj", index);
-    return status == WEFT_OK ? write_state(self, name, record_obj, err) : status;
+    return write_state(self, name, record_obj, err);
 }
 
 /* ---- the frame loop: it has lent the records, and these take them ------------- */
@@ -208,20 +206,17 @@ static int report_failure(run *self, const weft_error *why)
     return EXIT_SIMULATION;
 }
 
-/* The state at the end, then the result. */
+/* The final state, then the result; the first error is returned. */
 static weft_status write_ends(run *self, bool failed, weft_error *err)
 {
-    weft_status written = run_in_place(self, err);
-    if (written != WEFT_OK) {
-        return written;
-    }
-    written = write_state(self, "final.csv", record_csv, err);
+    TRY(run_in_place(self, err));
+    const weft_status written = write_state(self, "final.csv", record_csv, err);
     if (written != WEFT_OK && !failed) {
         note_failure(self, err);
     }
-    const weft_status told = record_result_write(self->out, &self->result,
-                                                 written == WEFT_OK ? err : NULL);
-    return written == WEFT_OK ? told : written;
+    const weft_status result = record_result_write(self->out, &self->result,
+                                                   written == WEFT_OK ? err : NULL);
+    return written == WEFT_OK ? result : written;
 }
 
 /* Everything that is written once the loop has ended, whatever ended it. */

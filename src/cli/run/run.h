@@ -8,8 +8,16 @@
 #include "cli/cli.h"
 #include "cli/run/interrupt.h"
 #include "cli/run/progress.h"
-#include "cli/run/summary.h"
 #include "record/checkpoint.h"
+
+/* What summary.c prints. */
+typedef struct summary {
+    const char *directory;
+    const weft_scene *scene;
+    const weft_sim *sim;
+    const record_result *result;
+    record_extremes extremes;
+} summary;
 
 typedef struct run {
     const char *out;
@@ -31,9 +39,9 @@ typedef struct run {
     progress_mode mode;
     progress progress;
     summary summary;
-    uint64_t limit_sweeps;            /* up to the last frame */
-    bool beyond;                      /* fixed_step the stable one, at t = 0 */
-    bool told_unconverged, told_held; /* warnings of the strain limit */
+    uint64_t limit_sweeps;                /* up to the last frame */
+    bool beyond;                          /* fixed_step the stable one, at t = 0 */
+    bool warned_unconverged, warned_held; /* of the strain limit */
     char reason[1024];
 } run;
 
@@ -62,6 +70,18 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
  * and as one text. */
 void failure_report(const weft_scene *scene, const weft_sim *sim,
                     const weft_failure *failure, char *text, size_t size);
+
+/* summary.c: the results of a run, in eight lines or as YAML. */
+void summary_step(summary *self); /* after each accepted step */
+/* After each frame, with the spring of the largest strain in it. */
+void summary_frame(summary *self, const weft_spring *now);
+
+void summary_print(const summary *self);
+/* What is known within a step. */
+void summary_print_frames(const summary *self);
+/* The same as YAML documents of a line each, at the begin and at the end. */
+void summary_yaml_begin(const summary *self);
+void summary_yaml_end(const summary *self);
 
 /* resume.c: go on with the run of that scene in a directory that the caller has
  * claimed. Returns the exit code. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* summary.c -- what a run was and came to, to stdout. */
-#include "cli/run/summary.h"
+#include "cli/run/run.h"
 
 #include <string.h>
 
