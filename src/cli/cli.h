@@ -31,15 +31,23 @@ enum { MOST_JOBS = 4096 };
         }                                                                              \
     } while (0)
 
+typedef enum progress_mode {
+    PROGRESS_NONE,
+    PROGRESS_LINES,    /* one line per tenth of the frames */
+    PROGRESS_TERMINAL, /* one line, redrawn within the terminal's width */
+    PROGRESS_YAML      /* one document per line */
+} progress_mode;
+
 /* The command line of a verb. */
 typedef struct options {
     const char *plugin_path, *out, *frames, *format, *frame, *progress, *tolerance;
     const char *timeout, *shard, *methods, *until;
-    size_t jobs; /* 0: not told */
+    size_t jobs; /* 0: not given */
     const char **sets;
     size_t set_count;
     bool quiet, force, yaml, markdown, all, refine, view, retry_failed, summary;
-    char **operands; /* what is left of argv */
+    progress_mode mode; /* by `progress` and `quiet` */
+    char **operands;    /* the rest of argv */
     int operand_count;
     weft_registry *registry; /* from open_registry */
 } options;
@@ -69,6 +77,10 @@ typedef struct verb {
     const char *summary; /* one line */
     const char *help;    /* usage, options, examples */
     const struct option *options;
+    struct {
+        int least, most;        /* most 0: any number */
+        const char *few, *many; /* the errors; many NULL: as few */
+    } operands;
     int (*run)(const options *given); /* returns the exit code */
 } verb;
 

@@ -412,9 +412,6 @@ static int diff_verb(const options *given)
 {
     const double tolerance
         = given->tolerance == NULL ? -1.0 : option_real(given->tolerance);
-    if (given->operand_count != 2) {
-        return usage_error(&verb_diff, "needs the directories of two runs");
-    }
     if (given->tolerance != NULL && !(tolerance >= 0.0 && isfinite(tolerance))) {
         return usage_error(&verb_diff, "--tol %s: must be a number >= 0 [m]",
                            given->tolerance);
@@ -441,5 +438,6 @@ const verb verb_diff = {
       "command line, 3 different grids, 4 a file is missing or damaged, or there is "
       "no common time\n",
     .options = OPTIONS(OPTION_VALUE("tol", tolerance)),
+    .operands = { 2, 2, "needs the directories of two runs" },
     .run = diff_verb,
 };

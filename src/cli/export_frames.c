@@ -380,9 +380,6 @@ static int unknown_format(const char *typed)
 static int export_verb(const options *given)
 {
     export_job job = { .format = find_format(given->format) };
-    if (given->operand_count != 1) {
-        return usage_error(&verb_export, "needs the directory of one run");
-    }
     if (given->format == NULL) {
         return usage_error(&verb_export,
                            "--format obj, ply, csv, mdd, pc2 or pvd is needed");
@@ -422,5 +419,6 @@ const verb verb_export = {
       "example: weft export flag --format obj --frame all\n",
     .options = OPTIONS(OPTION_VALUE("plugin-path", plugin_path),
                        OPTION_VALUE("format", format), OPTION_VALUE("frame", frame)),
+    .operands = { 1, 1, "needs the directory of one run" },
     .run = export_verb,
 };

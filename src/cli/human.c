@@ -58,6 +58,15 @@ const char *spring_text(const weft_spring *spring, size_t cols, char out[SPRING]
     return out;
 }
 
+void say(sentence *out, const char *format, ...)
+{
+    const size_t used = strlen(out->text);
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(out->text + used, sizeof out->text - used, format, args);
+    va_end(args);
+}
+
 /* U+0080 to U+009F are controls too, C2 80 to C2 9F. */
 void print_plain(FILE *stream, const char *text, const char *keep)
 {

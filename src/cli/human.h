@@ -21,6 +21,14 @@ const char *human_count(uint64_t count, char out[HUMAN]); /* "40,530" */
 enum { SPRING = 128 };
 const char *spring_text(const weft_spring *spring, size_t cols, char out[SPRING]);
 
+/* A text made of parts; start from { "" }. */
+typedef struct sentence {
+    char text[1024];
+} sentence;
+
+/* Appends to a sentence; what does not fit is cut off. */
+WEFT_PRINTF(2, 3) void say(sentence *out, const char *format, ...);
+
 /* Text that came from a file or a command line: control characters, which a terminal
  * would obey, are written as \x1b; those in `keep` are left. */
 void print_plain(FILE *stream, const char *text, const char *keep);

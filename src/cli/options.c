@@ -8,6 +8,7 @@
 #include "base/suggest.h"
 #include "cli/cli.h"
 #include "cli/human.h"
+#include "cli/run/progress.h"
 
 int usage_error(const verb *self, const char *format, ...)
 {
@@ -97,6 +98,29 @@ int usage_choice(const verb *self, const char *option, const char *typed,
                        weft__guess_text(&guess, near, sizeof near));
 }
 
+/* auto or NULL: terminal if stderr is one, else lines. */
+static int choose_progress(const verb *self, options *out)
+{
+    static const char *const names[]
+        = { "auto", "lines", "terminal", "yaml", "none", NULL };
+    const progress_mode modes[]
+        = { progress_can_redraw() ? PROGRESS_TERMINAL : PROGRESS_LINES, PROGRESS_LINES,
+            PROGRESS_TERMINAL, PROGRESS_YAML, PROGRESS_NONE };
+    size_t i = 0;
+    while (out->progress != NULL && names[i] != NULL
+           && strcmp(names[i], out->progress) != 0) {
+        ++i;
+    }
+    if (names[i] == NULL) {
+        return usage_choice(self, "progress", out->progress, names);
+    }
+    if (out->quiet && out->progress != NULL) {
+        return usage_error(self, "--quiet and --progress exclude each other");
+    }
+    out->mode = out->quiet ? PROGRESS_NONE : modes[i];
+    return -1;
+}
+
 /* -1: run the verb. Else an exit code: help was printed, or the command line is wrong.
  */
 static int parse(const verb *self, int argc, char **argv, options *out)
@@ -125,7 +149,15 @@ static int parse(const verb *self, int argc, char **argv, options *out)
     }
     out->operands = argv + optind;
     out->operand_count = argc - optind;
-    return -1;
+    const bool few = out->operand_count < self->operands.least;
+    const bool many
+        = self->operands.most > 0 && out->operand_count > self->operands.most;
+    if (few || many) {
+        return usage_error(self, "%s",
+                           many && self->operands.many != NULL ? self->operands.many
+                                                               : self->operands.few);
+    }
+    return choose_progress(self, out);
 }
 
 int verb_start(const verb *self, int argc, char **argv)

@@ -290,9 +290,6 @@ static int plugin_test_verb(const options *given)
 {
     weft_error err = { 0 };
     const char *file = given->operands[0];
-    if (given->operand_count != 1) {
-        return usage_error(&verb_plugin_test, "takes one file, weft-ID.so");
-    }
     if (access(file, R_OK) != 0) {
         weft_error_set(&err, WEFT_IO, "%s: %s", file, strerror(errno));
         return report_error(&err);
@@ -319,5 +316,6 @@ const verb verb_plugin_test = {
       "exit codes: 0 every promise is kept, 1 one is broken or the plugin is refused, "
       "2 wrong command line, 4 the file cannot be read\n",
     .options = OPTIONS(OPTION_FLAG("all", all)),
+    .operands = { 1, 1, "takes one file, weft-ID.so" },
     .run = plugin_test_verb,
 };

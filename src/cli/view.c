@@ -74,9 +74,6 @@ void tell_unfinished(const char *directory)
 
 static int view_verb(const options *given)
 {
-    if (given->operand_count < 1 || given->operand_count > 2) {
-        return usage_error(&verb_view, "needs the directory of one run, or of two");
-    }
     for (int i = 0; i < given->operand_count; ++i) {
         tell_unfinished(given->operands[i]);
     }
@@ -100,5 +97,6 @@ const verb verb_view = {
       "exit codes: 0 done, 2 wrong command line, or runs that cannot be compared, 4 a "
       "file could not be read or written\n",
     .options = OPTIONS(OPTION_VALUE("out", out)),
+    .operands = { 1, 2, "needs the directory of one run, or of two" },
     .run = view_verb,
 };

@@ -25,9 +25,6 @@ static int take_options(batch *self)
     self->out = given->out;
     self->jobs = given->jobs > 0 ? given->jobs : cores < 1 ? 1 : (size_t)cores;
     self->shard = self->shards = 1;
-    if (given->operand_count == 0) {
-        return usage_error(&verb_batch, "no scene given");
-    }
     if (given->out == NULL || given->out[0] == '\0') {
         return usage_error(&verb_batch, "no --out DIR given");
     }
@@ -215,5 +212,6 @@ const verb verb_batch = {
         OPTION_FLAG("force", force), OPTION_VALUE("jobs", jobs),
         OPTION_VALUE("timeout", timeout), OPTION_VALUE("shard", shard),
         OPTION_FLAG("retry-failed", retry_failed), OPTION_FLAG("summary", summary)),
+    .operands = { 1, 0, "no scene given" },
     .run = batch_verb,
 };

@@ -52,6 +52,7 @@ static int run_claimed(const batch *self, const batch_run *one, const char *dire
     }
     options given = *self->given;
     given.quiet = true;
+    given.mode = PROGRESS_NONE;
     if (goes_on) {
         return resume_scene(&given, directory, scene);
     }

@@ -265,7 +265,7 @@ static int check_file(const char *file, const options *given, yaml_out *out)
     return code;
 }
 
-static int check_files(const options *given)
+static int check_verb(const options *given)
 {
     yaml_out out;
     int code = EXIT_DONE;
@@ -283,12 +283,6 @@ static int check_files(const options *given)
         code = yaml_out_end(&out) || code != EXIT_DONE ? code : EXIT_FILE;
     }
     return code;
-}
-
-static int check_verb(const options *given)
-{
-    return given->operand_count == 0 ? usage_error(&verb_check, "no scene given")
-                                     : check_files(given);
 }
 
 const verb verb_check = {
@@ -315,5 +309,6 @@ const verb verb_check = {
     = OPTIONS(OPTION_VALUE("set", sets), OPTION_VALUE("plugin-path", plugin_path),
               OPTION_FLAG("yaml", yaml), OPTION_FLAG("all", all),
               OPTION_FLAG("refine", refine)),
+    .operands = { 1, 0, "no scene given" },
     .run = check_verb,
 };

@@ -52,6 +52,9 @@ weft_status stable_step(const weft_scene *scene, const weft_stepper_type *type,
                         const weft_stiffness *modes, survey_method *out,
                         weft_error *err);
 
+/* [s] The stable step of the scene's method; 0: it has none. */
+double own_stable_step(const weft_scene *scene, const weft_stiffness *modes);
+
 /* How many fixed steps of h [s] a frame takes: none crosses its end. */
 double frame_steps(const weft_run_def *run, double h);
 

@@ -42,6 +42,14 @@ weft_status stable_step(const weft_scene *scene, const weft_stepper_type *type,
     return status;
 }
 
+double own_stable_step(const weft_scene *scene, const weft_stiffness *modes)
+{
+    survey_method own = { 0 };
+    const weft_status status
+        = stable_step(scene, weft_scene_method_type(scene), modes, &own, NULL);
+    return status == WEFT_OK ? own.step : 0.0;
+}
+
 double calls_per_second(const weft_scene *scene, const survey_method *method, double h)
 {
     const weft_run_def *run = weft_scene_run(scene);

@@ -380,8 +380,8 @@ static int compare_scene(const options *given, double until, const weft_scene *s
     compare self = { .scene = scene,
                      .run = *weft_scene_run(scene),
                      .jobs = given->jobs > 0 ? given->jobs : 1,
-                     .quiet = given->quiet };
-    (void)progress_find(given->quiet ? "none" : given->progress, &self.progress.mode);
+                     .quiet = given->quiet,
+                     .progress.mode = given->mode };
     self.run.duration = fmin(self.run.duration, until);
     self.planned = weft_run_last_frame(&self.run);
     weft_status status = scene_supported(scene, &err);
@@ -411,20 +411,11 @@ static int open_and_compare(const options *given, double until)
 
 static int compare_verb(const options *given)
 {
-    progress_mode mode;
     const double until
         = given->until == NULL ? (double)INFINITY : option_real(given->until);
-    if (given->operand_count != 1) {
-        return usage_error(&verb_compare, given->operand_count == 0
-                                              ? "no scene given"
-                                              : "more than one scene");
-    }
-    if (!(until > 0.0)) {
-        return usage_error(&verb_compare, "--until %s: not a time [s] > 0",
-                           given->until);
-    }
-    const int code = progress_choose(&verb_compare, given, &mode);
-    return code == EXIT_DONE ? open_and_compare(given, until) : code;
+    return until > 0.0 ? open_and_compare(given, until)
+                       : usage_error(&verb_compare, "--until %s: not a time [s] > 0",
+                                     given->until);
 }
 
 const verb verb_compare = {
@@ -462,5 +453,6 @@ const verb verb_compare = {
                        OPTION_FLAG("quiet", quiet), OPTION_FLAG("force", force),
                        OPTION_VALUE("progress", progress), OPTION_VALUE("jobs", jobs),
                        OPTION_VALUE("methods", methods), OPTION_VALUE("until", until)),
+    .operands = { 1, 1, "no scene given", "more than one scene" },
     .run = compare_verb,
 };

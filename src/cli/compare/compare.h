@@ -14,6 +14,7 @@
 #include <stdatomic.h>
 
 #include "cli/cli.h"
+#include "cli/human.h"
 #include "cli/run/progress.h"
 
 enum {
@@ -132,11 +133,11 @@ typedef struct compare_advice {
 
 bool compare_reach(const compare_method *method, double accuracy, compare_cost *out);
 void compare_advise(const compare *self, compare_advice *out);
-/* A rank, and what is known of the scene, in words. */
-void compare_say(const compare_rank *rank, char *text, size_t size);
-void compare_say_as_is(const compare *self, char *text, size_t size);
-void compare_say_horizon(const compare *self, char *text, size_t size);
-void compare_say_reference(const compare *self, char *text, size_t size);
+/* These append to a sentence: a rank, and the properties of the scene. */
+void compare_say(const compare_rank *rank, sentence *out);
+void compare_say_as_is(const compare *self, sentence *out);
+void compare_say_horizon(const compare *self, sentence *out);
+void compare_say_reference(const compare *self, sentence *out);
 
 /* ---- compare_write.c -------------------------------------------------------- */
 

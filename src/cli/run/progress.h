@@ -6,13 +6,6 @@
 
 #include "cli/cli.h"
 
-typedef enum progress_mode {
-    PROGRESS_NONE,
-    PROGRESS_LINES,    /* a line each tenth of the frames */
-    PROGRESS_TERMINAL, /* one line, drawn over and over within the terminal's width */
-    PROGRESS_YAML      /* a document a line */
-} progress_mode;
-
 typedef struct progress {
     progress_mode mode;
     bool drawn;         /* a line stands on the terminal */
@@ -26,12 +19,8 @@ typedef struct progress {
     const weft_run_def *run;
 } progress;
 
-/* none, lines, terminal, yaml; auto or NULL: terminal if stderr is one, else lines.
- * False: no such name. */
-bool progress_find(const char *name, progress_mode *mode);
-
-/* --progress of a verb that has --quiet too: EXIT_DONE, or the usage error printed. */
-int progress_choose(const verb *self, const options *given, progress_mode *mode);
+/* Whether stderr is a terminal that can return to the start of a line. */
+bool progress_can_redraw(void);
 
 void progress_begin(progress *show, progress_mode mode, const weft_sim *sim,
                     const weft_run_def *run);

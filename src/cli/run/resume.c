@@ -8,17 +8,14 @@
 #include "cli/run/run.h"
 #include "record/result_read.h"
 
-/* ---- is it the same run? ------------------------------------------------------ */
-
-static weft_status check_identity(const char *directory, const record_checkpoint *from,
-                                  const weft_scene *scene, weft_registry *registry,
-                                  weft_error *err)
+/* The checkpoint, if it is one of this scene and this program. */
+static weft_status read_checkpoint(const char *directory, const weft_scene *scene,
+                                   weft_registry *registry, record_checkpoint *from,
+                                   weft_error *err)
 {
     record_checkpoint own = { 0 };
-    const weft_status status = record_checkpoint_identify(&own, scene, registry, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(record_checkpoint_read(directory, from, err));
+    TRY(record_checkpoint_identify(&own, scene, registry, err));
     if (from->scene != own.scene) {
         return weft_error_set(err, WEFT_BAD_SCENE,
                               "%s/scene.yaml is not the scene that " RECORD_CHECKPOINT
@@ -49,15 +46,10 @@ int resume_scene(const options *given, const char *directory, const weft_scene *
     options own = *given;
     own.frames = record_exists(directory, "frames/frame-000000.obj") ? "obj" : NULL;
     const bool begun = record_exists(directory, RECORD_CHECKPOINT);
-    if (begun) {
-        weft_status status = record_checkpoint_read(directory, &from, &err);
-        if (status == WEFT_OK) {
-            status = check_identity(directory, &from, scene, given->registry, &err);
-        }
-        if (status != WEFT_OK) {
-            record_checkpoint_free(&from);
-            return report_error(&err);
-        }
+    if (begun
+        && read_checkpoint(directory, scene, given->registry, &from, &err) != WEFT_OK) {
+        record_checkpoint_free(&from);
+        return report_error(&err);
     }
     if (!given->quiet && begun) {
         fprintf(stderr, "%s: goes on after frame %" PRIu64 " of %zu\n", directory,
@@ -118,9 +110,9 @@ static int resume_directory(const options *given, const char *directory)
 
 /* ---- the verb ----------------------------------------------------------------- */
 
-/* One after another, also after one that did not end well; a signal ends them all. The
- * first code that is not 0 is returned. */
-static int resume_all(const options *given)
+/* Runs that fail do not keep the next ones from running; a signal does. Returns the
+ * first code that is not 0. */
+static int resume_verb(const options *given)
 {
     int code = EXIT_DONE;
     for (int i = 0; i < given->operand_count; ++i) {
@@ -131,16 +123,6 @@ static int resume_all(const options *given)
         code = code == EXIT_DONE ? one : code;
     }
     return code;
-}
-
-static int resume_verb(const options *given)
-{
-    progress_mode mode;
-    if (given->operand_count == 0) {
-        return usage_error(&verb_resume, "no directory given");
-    }
-    const int code = progress_choose(&verb_resume, given, &mode);
-    return code == EXIT_DONE ? resume_all(given) : code;
 }
 
 const verb verb_resume = {
@@ -165,5 +147,6 @@ const verb verb_resume = {
     .options
     = OPTIONS(OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
               OPTION_FLAG("force", force), OPTION_VALUE("progress", progress)),
+    .operands = { 1, 0, "no directory given" },
     .run = resume_verb,
 };

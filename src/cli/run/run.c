@@ -7,7 +7,6 @@
 
 #include "base/clock.h"
 #include "cli/check/stable_steps.h"
-#include "cli/human.h"
 #include "cli/run/run.h"
 #include "record/export/export.h"
 
@@ -143,10 +142,9 @@ static void give_up(void *ctx)
     weft_error err = { 0 };
     progress_clear(&self->progress);
     weft_status status = run_close(self, WEFT_OK, &err);
-    (void)snprintf(self->reason, sizeof self->reason, "%s within a step",
-                   signal_name());
+    say(&self->reason, "%s within a step", signal_name());
     self->result.status = "interrupted";
-    self->result.reason = self->reason;
+    self->result.reason = self->reason.text;
     self->result.wall_time = weft__wall_clock() - self->began;
     status = status == WEFT_OK ? run_in_place(self, &err) : status;
     if (status == WEFT_OK) {
@@ -191,8 +189,8 @@ static weft_status simulate(run *self, weft_error *err)
 static void note_failure(run *self, const weft_error *why)
 {
     self->result.status = why->status == WEFT_IO ? "io_error" : "failed";
-    self->result.reason = self->reason;
-    (void)snprintf(self->reason, sizeof self->reason, "%s", why->message);
+    self->result.reason = self->reason.text;
+    say(&self->reason, "%s", why->message);
 }
 
 static int report_failure(run *self, const weft_error *why)
@@ -202,7 +200,7 @@ static int report_failure(run *self, const weft_error *why)
     if (why->status == WEFT_IO || !weft_sim_failure(self->sim, &failure)) {
         return report_error(why);
     }
-    failure_report(self->scene, self->sim, &failure, self->reason, sizeof self->reason);
+    failure_report(self->scene, self->sim, &failure, &self->reason);
     return EXIT_SIMULATION;
 }
 
@@ -253,20 +251,18 @@ static int conclude(run *self, weft_status status, const weft_error *why)
     return code;
 }
 
-/* A right scene that cannot be run: say so, leave a report. */
-static int refuse(const run *self, const char *reason)
+/* Reports that a valid scene cannot be run, in result.yaml too. */
+static int refuse(const run *self, const weft_error *why)
 {
     weft_error err = { .status = WEFT_UNSUPPORTED };
-    const record_result result
-        = { .status = "failed", .reason = reason, .planned = self->result.planned };
-    (void)snprintf(err.message, sizeof err.message, "%s", reason);
-    (void)report_error(&err);
-    if (self->from != NULL) {
-        return EXIT_SIMULATION;
-    }
-    if (record_text(self->out, "scene.yaml", weft_scene_text(self->scene), &err)
-            != WEFT_OK
-        || record_result_write(self->out, &result, &err) != WEFT_OK) {
+    const record_result result = { .status = "failed",
+                                   .reason = why->message,
+                                   .planned = self->result.planned };
+    (void)report_error(why);
+    if (self->from == NULL
+        && (record_text(self->out, "scene.yaml", weft_scene_text(self->scene), &err)
+                != WEFT_OK
+            || record_result_write(self->out, &result, &err) != WEFT_OK)) {
         return report_error(&err);
     }
     return EXIT_SIMULATION;
@@ -283,12 +279,12 @@ static int run_prepared(run *self)
     self->beyond = stability_warn(self->scene, self->sim, self->from != NULL);
     self->result.energy_start = weft_energy_total(weft_sim_measure(self->sim).energy);
     if (status == WEFT_OK && self->from != NULL) {
-        status = run_take_up(self, &err);
-        if (status != WEFT_OK) {
+        if (run_take_up(self, &err) != WEFT_OK) {
             return report_error(&err);
         }
-    } else
-        status = status == WEFT_OK ? run_begin(self, &err) : status;
+    } else if (status == WEFT_OK) {
+        status = run_begin(self, &err);
+    }
     status = status == WEFT_OK ? simulate(self, &err) : status;
     return conclude(self, status, &err);
 }
@@ -298,7 +294,7 @@ static int run_simulation(run *self)
     weft_error err = { 0 };
     self->began = weft__wall_clock();
     if (simulation_create(self->scene, &self->cloth, &self->sim, &err) != WEFT_OK) {
-        return refuse(self, err.message);
+        return refuse(self, &err);
     }
     const int code = run_prepared(self);
     record_checkpoint_free(&self->checkpoint);
@@ -337,8 +333,8 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
                     .reason = "",
                     .planned = weft_run_last_frame(weft_scene_run(scene)) + 1 },
         .quiet = given->quiet,
+        .mode = given->mode,
     };
-    (void)progress_find(given->quiet ? "none" : given->progress, &self.mode);
     interrupt_catch();
     if (frames_have_room(scene, &err) != WEFT_OK
         || (!claimed && open_directory(&self, given->force, &lock, &err) != WEFT_OK)) {
@@ -358,32 +354,20 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
     return code;
 }
 
-static int run_file(const options *given)
+static int run_verb(const options *given)
 {
     char out[RECORD_PATH];
     weft_scene *scene = NULL;
+    if (given->frames != NULL && strcmp(given->frames, "obj") != 0) {
+        return usage_choice(&verb_run, "frames", given->frames,
+                            (const char *const[]){ "obj", NULL });
+    }
     int code = open_scene(given->operands[0], given, &scene);
     if (code == EXIT_DONE) {
         code = run_scene(given, out_directory(given, ".run", out), scene, false, NULL);
     }
     weft_scene_destroy(scene);
     return code;
-}
-
-static int run_verb(const options *given)
-{
-    progress_mode mode;
-    if (given->operand_count != 1) {
-        return usage_error(&verb_run, given->operand_count == 0
-                                          ? "no scene given"
-                                          : "more than one scene");
-    }
-    if (given->frames != NULL && strcmp(given->frames, "obj") != 0) {
-        return usage_choice(&verb_run, "frames", given->frames,
-                            (const char *const[]){ "obj", NULL });
-    }
-    const int code = progress_choose(&verb_run, given, &mode);
-    return code == EXIT_DONE ? run_file(given) : code;
 }
 
 const verb verb_run = {
@@ -417,5 +401,6 @@ const verb verb_run = {
               OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
               OPTION_FLAG("force", force), OPTION_VALUE("frames", frames),
               OPTION_FLAG("view", view), OPTION_VALUE("progress", progress)),
+    .operands = { 1, 1, "no scene given", "more than one scene" },
     .run = run_verb,
 };

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include "cli/cli.h"
+#include "cli/human.h"
 #include "cli/run/interrupt.h"
 #include "cli/run/progress.h"
 #include "record/checkpoint.h"
@@ -42,7 +43,7 @@ typedef struct run {
     uint64_t limit_sweeps;                /* up to the last frame */
     bool beyond;                          /* fixed_step the stable one, at t = 0 */
     bool warned_unconverged, warned_held; /* of the strain limit */
-    char reason[1024];
+    sentence reason;
 } run;
 
 /* records.c. Makes what the run writes its checkpoints from. */
@@ -69,7 +70,7 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
 /* failure_report.c: the failure, the stable step and what to try, as lines to stderr
  * and as one text. */
 void failure_report(const weft_scene *scene, const weft_sim *sim,
-                    const weft_failure *failure, char *text, size_t size);
+                    const weft_failure *failure, sentence *out);
 
 /* summary.c: the results of a run, in eight lines or as YAML. */
 void summary_step(summary *self); /* after each accepted step */
