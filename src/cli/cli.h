@@ -135,11 +135,10 @@ bool method_best(const weft_registry *registry, const stepper_method *but,
 
 /* ---- open.c ---- */
 
-/* Read a scene, print what is wrong with it. Returns EXIT_DONE or the exit code. */
-int open_scene(const char *file, const options *given, weft_scene **scene);
-
-/* The same of all runs of a scene with a sweep; one run without. */
-int open_sweep(const char *file, const options *given, weft_sweep **sweep);
+/* Reads a scene, or unless that is NULL a sweep: of one run for a scene without
+ * `sweep`. Prints its mistakes. Returns EXIT_DONE or the exit code. */
+int open_scene(const char *file, const options *given, weft_scene **scene,
+               weft_sweep **sweep);
 
 /* --out, or the name of the scene, dir/flag.yaml, as flag followed by `suffix`. */
 const char *out_directory(const options *given, const char *suffix,

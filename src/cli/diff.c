@@ -22,7 +22,7 @@ typedef struct diff_side {
     double *x;             /* [m] positions of one frame */
 } diff_side;
 
-/* The largest distance of a particle in one frame of both. */
+/* A time of both runs, and the largest distance of a particle then. */
 typedef struct gap {
     bool found;
     size_t frame[2];
@@ -35,8 +35,7 @@ typedef struct comparison {
     double tolerance;     /* [m]; < 0: bit for bit */
     bool single;          /* one is recorded in single precision: so are both taken */
     size_t rows, unequal; /* of series.csv: at common times, with other hashes */
-    size_t first[2];      /* frame of the first of those */
-    double first_time;    /* [s] */
+    gap first;            /* of those; without a distance */
     size_t frames;        /* of run.vtkhdf, at common times */
     gap begin, largest;   /* first beyond the tolerance; of all */
     const char *field; /* NULL: none; else the first other than positions to differ, */
@@ -134,9 +133,7 @@ static void compare_hashes(comparison *self)
             ++self->rows;
             self->unequal += p->hash != q->hash;
             if (p->hash != q->hash && self->unequal == 1) {
-                self->first[0] = p->frame;
-                self->first[1] = q->frame;
-                self->first_time = p->time;
+                self->first = (gap){ .frame = { p->frame, q->frame }, .time = p->time };
             }
         }
         i += which <= 0;
@@ -268,12 +265,12 @@ static bool differs(const comparison *self)
            || (self->tolerance < 0.0 && (self->unequal > 0 || self->field != NULL));
 }
 
-static void print_frame(const size_t frame[2], double time)
+static void print_frame(const gap *at)
 {
-    if (frame[0] == frame[1]) {
-        printf("frame %zu (t = %.9g s)", frame[0], time);
+    if (at->frame[0] == at->frame[1]) {
+        printf("frame %zu (t = %.9g s)", at->frame[0], at->time);
     } else {
-        printf("frames %zu and %zu (t = %.9g s)", frame[0], frame[1], time);
+        printf("frames %zu and %zu (t = %.9g s)", at->frame[0], at->frame[1], at->time);
     }
 }
 
@@ -281,7 +278,7 @@ static void print_gap(const comparison *self, const char *label, const gap *foun
 {
     const size_t cols = self->side[0].frames->cols;
     printf("%s: ", label);
-    print_frame(found->frame, found->time);
+    print_frame(found);
     printf(": particle (%zu, %zu) by %.3g m\n", found->particle / cols,
            found->particle % cols, found->distance);
 }
@@ -290,7 +287,7 @@ static void print_hashes(const comparison *self)
 {
     if (self->unequal > 0) {
         printf("first other state: ");
-        print_frame(self->first, self->first_time);
+        print_frame(&self->first);
         printf("; %zu of %zu states differ\n", self->unequal, self->rows);
     }
 }
@@ -324,7 +321,7 @@ static void print_other_frames(const comparison *self)
     }
     if (self->field != NULL) {
         printf("first other %s: ", self->field);
-        print_frame(self->other.frame, self->other.time);
+        print_frame(&self->other);
         putchar('\n');
     }
 }
@@ -350,15 +347,12 @@ static void print_all(const comparison *self)
     const bool bitwise = self->tolerance < 0.0;
     const bool other_frames
         = bitwise && self->unequal == 0 && (self->begin.found || self->field != NULL);
-    const bool other = other_frames || self->unequal > 0;
-    if (!bitwise) {
-        printf("%s at %zu times that both have\n",
-               self->begin.found ? "different" : "equal within the tolerance",
-               self->frames);
-    } else {
-        printf("%s at %zu times that both have\n", other ? "different" : "equal",
-               self->rows);
-    }
+    const bool differ = bitwise ? other_frames || self->unequal > 0 : self->begin.found;
+    printf("%s at %zu times that both have\n",
+           differ    ? "different"
+           : bitwise ? "equal"
+                     : "equal within the tolerance",
+           bitwise ? self->rows : self->frames);
     if (ends_differ(self)) {
         printf("%s ends at t = %.9g s, %s at t = %.9g s\n", self->side[0].directory,
                end_of(&self->side[0]), self->side[1].directory, end_of(&self->side[1]));

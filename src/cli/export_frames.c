@@ -30,6 +30,8 @@ static const export_format formats[] = {
     { "pvd", .write = record_vtp, .suffix = "vtp", .movie = &record_pvd },
 };
 
+enum { FORMATS = sizeof formats / sizeof formats[0] };
+
 typedef struct export_job {
     const char *directory;
     const export_format *format;
@@ -305,7 +307,7 @@ static int open_anew(const options *given, export_job *job)
     if (record_path(job->directory, "scene.yaml", path, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    const int code = open_scene(path, given, &job->scene);
+    const int code = open_scene(path, given, &job->scene, NULL);
     if (code != EXIT_DONE) {
         return code;
     }
@@ -359,17 +361,15 @@ static int export_run(const options *given, export_job *job)
 
 static const export_format *find_format(const char *name)
 {
-    for (size_t i = 0; name != NULL && i < sizeof formats / sizeof formats[0]; ++i) {
-        if (strcmp(formats[i].name, name) == 0) {
-            return &formats[i];
-        }
+    const export_format *format = formats;
+    while (format < formats + FORMATS && strcmp(format->name, name) != 0) {
+        ++format;
     }
-    return NULL;
+    return format < formats + FORMATS ? format : NULL;
 }
 
 static int unknown_format(const char *typed)
 {
-    enum { FORMATS = sizeof formats / sizeof formats[0] };
     const char *names[FORMATS + 1] = { NULL };
     for (size_t i = 0; i < FORMATS; ++i) {
         names[i] = formats[i].name;
@@ -379,11 +379,12 @@ static int unknown_format(const char *typed)
 
 static int export_verb(const options *given)
 {
-    export_job job = { .format = find_format(given->format) };
+    export_job job = { .directory = given->operands[0] };
     if (given->format == NULL) {
         return usage_error(&verb_export,
                            "--format obj, ply, csv, mdd, pc2 or pvd is needed");
     }
+    job.format = find_format(given->format);
     if (job.format == NULL) {
         return unknown_format(given->format);
     }
@@ -392,7 +393,6 @@ static int export_verb(const options *given)
         return usage_error(&verb_export, "--frame %s: %s holds all frames",
                            given->frame, job.format->name);
     }
-    job.directory = given->operands[0];
     tell_unfinished(job.directory);
     return export_run(given, &job);
 }

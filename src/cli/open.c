@@ -159,9 +159,8 @@ static void print_found(const weft_diagnostics *found)
     }
 }
 
-/* One of the two is wanted; the other is NULL. */
-static int open_either(const char *file, const options *given, weft_scene **scene,
-                       weft_sweep **sweep)
+int open_scene(const char *file, const options *given, weft_scene **scene,
+               weft_sweep **sweep)
 {
     weft_error err = { 0 };
     weft_scene_def def = weft_scene_def_default();
@@ -182,16 +181,6 @@ static int open_either(const char *file, const options *given, weft_scene **scen
     const bool printed = found->errors > 0;
     free(found);
     return status == WEFT_OK ? EXIT_DONE : printed ? EXIT_SCENE : report_error(&err);
-}
-
-int open_scene(const char *file, const options *given, weft_scene **scene)
-{
-    return open_either(file, given, scene, NULL);
-}
-
-int open_sweep(const char *file, const options *given, weft_sweep **sweep)
-{
-    return open_either(file, given, NULL, sweep);
 }
 
 const char *out_directory(const options *given, const char *suffix,

@@ -84,17 +84,14 @@ int usage_choice(const verb *self, const char *option, const char *typed,
                  const char *const *names)
 {
     weft__guess guess = { 0 };
-    char list[200] = "", near[80];
-    size_t used = 0;
-    for (size_t i = 0; names[i] != NULL && used < sizeof list; ++i) {
+    sentence list = { "" };
+    char near[80];
+    for (size_t i = 0; names[i] != NULL; ++i) {
         weft__guess_try(&guess, typed, names[i]);
-        used += (size_t)snprintf(list + used, sizeof list - used, "%s%s",
-                                 i == 0                 ? ""
-                                 : names[i + 1] == NULL ? " or "
-                                                        : ", ",
-                                 names[i]);
+        const char *separator = i == 0 ? "" : names[i + 1] == NULL ? " or " : ", ";
+        say(&list, "%s%s", separator, names[i]);
     }
-    return usage_error(self, "--%s '%s' is not %s%s", option, typed, list,
+    return usage_error(self, "--%s '%s' is not %s%s", option, typed, list.text,
                        weft__guess_text(&guess, near, sizeof near));
 }
 

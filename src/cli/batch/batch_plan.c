@@ -39,7 +39,7 @@ static int read_scenes(batch *self)
         scene->stem = stem_of(scene->file);
         const int one = scene->stem == NULL
                             ? no_memory()
-                            : open_sweep(scene->file, self->given, &scene->sweep);
+                            : open_scene(scene->file, self->given, NULL, &scene->sweep);
         code = code == EXIT_DONE ? one : code;
     }
     return code;

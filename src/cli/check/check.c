@@ -245,7 +245,7 @@ static int check_file(const char *file, const options *given, yaml_out *out)
     weft_error err = { 0 };
     weft_sweep *sweep = NULL;
     weft_scene *scene = NULL;
-    int code = open_sweep(file, given, &sweep);
+    int code = open_scene(file, given, NULL, &sweep);
     code = code == EXIT_DONE ? batch_check(file, sweep) : code;
     if (code != EXIT_DONE) {
         weft_sweep_destroy(sweep);

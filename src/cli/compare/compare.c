@@ -21,6 +21,11 @@ double compare_time(const compare *self, size_t frame)
     return weft_run_frame_time(&self->run, frame);
 }
 
+const compare_point *compare_as_is(const compare *self)
+{
+    return self->shared->methods[self->count].points;
+}
+
 /* ---- methods ---------------------------------------------------------------- */
 
 /* Takes the next word off a list of words between commas; false: there is none. */
@@ -136,11 +141,10 @@ static weft_status add_methods(compare *self, const weft_registry *registry,
 static void reference_ended(void *ctx, const process *one)
 {
     const compare *self = ctx;
-    char how[64];
+    weft_error *err = &self->shared->err[one->job];
     if (one->status != 0) {
-        process_describe(one->status, how, sizeof how);
-        self->shared->status[one->job]
-            = weft_error_set(&self->shared->err[one->job], WEFT_SOLVER, "%s", how);
+        err->status = WEFT_SOLVER;
+        process_describe(one->status, err->message, sizeof err->message);
     }
 }
 
@@ -229,15 +233,15 @@ static weft_status find_horizon(compare *self, weft_error *err)
 
 static weft_status make_references(compare *self, weft_error *err)
 {
-    const compare_shared *shared = self->shared;
     TRY(run_jobs(self, 2, compare_reference, reference_ended, err));
-    self->last = atomic_load(&shared->last);
+    self->last = atomic_load(&self->shared->last);
     for (size_t i = 0; i < 2; ++i) {
+        const weft_error *why = &self->shared->err[i];
         /* Whether a reference runs past the horizon, and fails there, depends on -j. */
-        if (shared->status[i] != WEFT_OK && self->calls[i][self->last] == 0) {
-            return weft_error_set(err, shared->status[i], "no reference: %s %s: %s",
+        if (why->status != WEFT_OK && self->calls[i][self->last] == 0) {
+            return weft_error_set(err, why->status, "no reference: %s %s: %s",
                                   self->by[i].plugin->id, self->by[i].type->name,
-                                  shared->err[i].message);
+                                  why->message);
         }
     }
     return find_horizon(self, err);
@@ -248,10 +252,8 @@ static weft_status make_references(compare *self, weft_error *err)
 static void ladder_ended(void *ctx, const process *one)
 {
     compare *self = ctx;
-    const bool as_is = one->job == self->count;
-    compare_point *points
-        = as_is ? &self->shared->as_is : self->shared->methods[one->job].points;
-    for (size_t i = 0; one->status != 0 && i < (as_is ? 1 : COMPARE_RUNGS); ++i) {
+    compare_point *points = self->shared->methods[one->job].points;
+    for (size_t i = 0; one->status != 0 && i < COMPARE_RUNGS; ++i) {
         if (points[i].outcome == COMPARE_RUNNING) {
             points[i].outcome = COMPARE_FAILED;
             process_describe(one->status, points[i].why, sizeof points[i].why);
@@ -314,9 +316,9 @@ static weft_status open_memory(compare *self, const weft_registry *registry,
                                weft_error *err)
 {
     const size_t frames = self->planned + 1, dim = weft_cloth_dim(self->cloth);
-    self->shared = process_memory(
-        1,
-        sizeof *self->shared + method_count(registry) * sizeof *self->shared->methods);
+    self->shared = process_memory(1, sizeof *self->shared
+                                         + (method_count(registry) + 1)
+                                               * sizeof *self->shared->methods);
     bool able = self->shared != NULL;
     for (size_t i = 0; i < 2; ++i) {
         self->frames[i] = process_memory(frames, dim * sizeof(double));
@@ -396,7 +398,7 @@ static int open_and_compare(const options *given, double until)
 {
     char word[NAME_MOST];
     weft_scene *scene = NULL;
-    int code = open_scene(given->operands[0], given, &scene);
+    int code = open_scene(given->operands[0], given, &scene, NULL);
     if (code == EXIT_DONE) {
         (void)load_plugins(given->registry, NULL);
         code = unknown_word(given->registry, given->methods, word)

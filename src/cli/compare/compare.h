@@ -62,11 +62,10 @@ typedef struct compare_method {
 
 /* What the processes leave for one another. */
 typedef struct compare_shared {
-    _Atomic size_t last;   /* frame, lowered when the twin has parted */
-    weft_status status[2]; /* of the references */
-    weft_error err[2];
-    compare_point as_is;      /* the scene with its own method and settings */
-    compare_method methods[]; /* count of them */
+    _Atomic size_t last; /* frame, lowered when the twin has parted */
+    weft_error err[2];   /* of the references */
+    /* count of them; then the scene with its own method and settings, with one point */
+    compare_method methods[];
 } compare_shared;
 
 typedef struct compare {
@@ -98,7 +97,8 @@ typedef struct compare {
 } compare;
 
 double compare_time(const compare *self, size_t frame); /* [s] */
-double compare_decade(size_t k);                        /* 10^-k */
+const compare_point *compare_as_is(const compare *self);
+double compare_decade(size_t k); /* 10^-k */
 
 /* ---- compare_run.c: in a process of their own ------------------------------- */
 

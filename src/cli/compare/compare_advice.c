@@ -163,7 +163,7 @@ void compare_say(const compare_rank *rank, sentence *out)
 
 void compare_say_as_is(const compare *self, sentence *out)
 {
-    const compare_point *point = &self->shared->as_is;
+    const compare_point *point = compare_as_is(self);
     compare_rank rank;
     say(out, "as the scene is (%s %s)", weft_scene_plugin(self->scene),
         weft_scene_method(self->scene));

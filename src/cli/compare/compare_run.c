@@ -152,7 +152,7 @@ int compare_reference(void *ctx, size_t which)
         status = create_twin(self, &config, &of.twin, err);
     }
     status = status == WEFT_OK ? play(&of, frames, err) : status;
-    self->shared->status[which] = status == WEFT_STOPPED ? WEFT_OK : status;
+    err->status = status == WEFT_STOPPED ? WEFT_OK : status;
     weft_sim_destroy(of.sim);
     weft_sim_destroy(of.twin);
     return EXIT_DONE;
@@ -247,7 +247,7 @@ int compare_ladder(void *ctx, size_t i)
     if (i == self->count) {
         const stepper_method by = { NULL, weft_scene_method_type(self->scene) };
         run(self, &by, weft_scene_config(self->scene), self->calls[0][self->last],
-            &self->shared->as_is);
+            &method->points[0]);
         return EXIT_DONE;
     }
     bool dear = false, done = method->left_out[0] != '\0';

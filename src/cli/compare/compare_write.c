@@ -312,9 +312,9 @@ static void put_description(const compare *self, const compare_advice *advice,
     compare_say_as_is(self, &as_is);
     put_member(stream, "asIs", as_is.text);
     put_advice(self, advice, stream);
-    if (judged(&self->shared->as_is)) {
+    if (judged(compare_as_is(self))) {
         fputs("\"own\":", stream);
-        put_point(&self->shared->as_is, stream);
+        put_point(compare_as_is(self), stream);
         putc(',', stream);
     }
     fprintf(stream,

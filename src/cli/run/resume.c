@@ -84,7 +84,7 @@ static int resume_claimed(const options *given, const char *directory)
     if (record_path(directory, "scene.yaml", path, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    int code = open_scene(path, given, &scene);
+    int code = open_scene(path, given, &scene, NULL);
     if (code == EXIT_DONE) {
         code = resume_scene(given, directory, scene);
     }

@@ -362,7 +362,7 @@ static int run_verb(const options *given)
         return usage_choice(&verb_run, "frames", given->frames,
                             (const char *const[]){ "obj", NULL });
     }
-    int code = open_scene(given->operands[0], given, &scene);
+    int code = open_scene(given->operands[0], given, &scene, NULL);
     if (code == EXIT_DONE) {
         code = run_scene(given, out_directory(given, ".run", out), scene, false, NULL);
     }

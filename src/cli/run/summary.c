@@ -126,15 +126,13 @@ static void print_limit(const summary *self)
 
 static void print_files(const summary *self)
 {
-    char names[200] = "";
-    size_t used = 0;
+    sentence names = { "" };
     for (size_t i = 0; record_names[i] != NULL; ++i) {
         if (record_exists(self->directory, record_names[i])) {
-            used += (size_t)snprintf(names + used, sizeof names - used, "%s %s",
-                                     used == 0 ? ":" : "", record_names[i]);
+            say(&names, "%s %s", names.text[0] == '\0' ? ":" : "", record_names[i]);
         }
     }
-    print_item("files", "in %s%s", self->directory, names);
+    print_item("files", "in %s%s", self->directory, names.text);
 }
 
 void summary_print(const summary *self)
