@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* cli.h -- what the verbs of the program share. Data goes to stdout, progress and
+/* cli.h -- declarations that the verbs share. Data goes to stdout, progress and
  * errors to stderr. */
 #ifndef WEFT_CLI_H
 #define WEFT_CLI_H
@@ -100,7 +100,7 @@ bool option_count(const char *text, char end, size_t *count);
 /* "weft run: <text>" and a hint at --help, to stderr; returns EXIT_USAGE. */
 WEFT_PRINTF(2, 3) int usage_error(const verb *self, const char *format, ...);
 
-/* The same of a value that is none of the names, which NULL ends. */
+/* The same for a value that is not among the names; NULL ends these. */
 int usage_choice(const verb *self, const char *option, const char *typed,
                  const char *const *names);
 
@@ -111,8 +111,8 @@ int report_error(const weft_error *err);
  * the installed directory. NULL after printing why. */
 weft_registry *open_registry(const char *plugin_path);
 
-/* Load all plugins that are found and warn of those that are refused; later calls do
- * nothing. WEFT_BAD_PLUGIN if there are none. */
+/* Loads all plugins it finds and warns of refused ones; later calls do nothing.
+ * WEFT_BAD_PLUGIN if there are none. */
 weft_status load_plugins(weft_registry *registry, weft_error *err);
 
 /* ---- method_list.c: every method of every plugin ---- */
@@ -149,9 +149,9 @@ const char *out_directory(const options *given, const char *suffix,
 int view_runs(const char *const *directories, size_t count, const char *out, bool yaml);
 
 /* view.c: "DIR: unfinished: 116 of 721 frames" to stderr if the run is that. */
-void tell_unfinished(const char *directory);
+void report_unfinished(const char *directory);
 
-/* WEFT_UNSUPPORTED with the reason if this weft cannot run a scene that is right. */
+/* WEFT_UNSUPPORTED with the reason if this weft cannot run a valid scene. */
 weft_status scene_supported(const weft_scene *scene, weft_error *err);
 
 /* The cloth of a scene. WEFT_NO_MEMORY also if a run of it cannot fit into the memory

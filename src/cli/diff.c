@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* diff.c -- weft diff: where two runs begin to differ, and by how much.
  *
- * Runs are equal whose states have equal hashes in series.csv and whose frames in
- * run.vtkhdf are equal; with a tolerance, whose positions in run.vtkhdf are that close.
- * Positions tell where they differ and by how much. Only times that both have count. */
+ * Two runs are equal if their states have equal hashes in series.csv and their frames
+ * in run.vtkhdf are equal; with a tolerance, if their positions in run.vtkhdf differ by
+ * no more. Positions show where and by how much. Only times that both have count. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -308,8 +308,8 @@ static void print_positions(const comparison *self)
     }
 }
 
-/* Of equal states positions and velocities are equal, but not the strain of other
- * springs. */
+/* Equal states have equal positions and velocities. Their strain differs if the springs
+ * do. */
 static void print_other_frames(const comparison *self)
 {
     const bool damaged = self->begin.found || self->field == fields[0].name;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* export_frames.c -- weft export: frames of a run as files that other programs read.
  *
- * Frames come from run.vtkhdf, the state at the end from final.csv. Without run.vtkhdf
- * frames are computed anew from the run's own scene.yaml, which gives the same bits,
- * and each is checked against the hash in its row of series.csv. */
+ * Frames come from run.vtkhdf, the final state from final.csv. If run.vtkhdf is
+ * missing, frames are computed again from the run's scene.yaml, which gives the same
+ * bits, and each is checked against the hash in its row of series.csv. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,8 +15,8 @@
 
 typedef struct export_format {
     const char *name;
-    record_write_fn *write;    /* a file for a frame; NULL: none */
-    const char *suffix;        /* of that */
+    record_write_fn *write;    /* one file per frame; NULL: none */
+    const char *suffix;        /* of these files */
     const record_movie *movie; /* one file over all frames; NULL: none */
     bool rest;                 /* needs rest.obj beside it */
 } export_format;
@@ -36,8 +36,8 @@ typedef struct export_job {
     const char *directory;
     const export_format *format;
     size_t n, count;           /* particles; frames there are */
-    record_frames *frames;     /* NULL: they are computed anew with the following */
-    record_series_row *series; /* count of them: what the run had */
+    record_frames *frames;     /* NULL: computed again, with the members below */
+    record_series_row *series; /* [count] as the run recorded it */
     weft_scene *scene;
     weft_cloth *cloth;
     weft_sim *sim;
@@ -56,7 +56,7 @@ static size_t number_of(const export_job *job, size_t i)
     return job->frames == NULL ? i : (size_t)job->frames->numbers[i];
 }
 
-/* One line, however many they are. */
+/* One line for any number of files. */
 static void print_files(const export_job *job)
 {
     if (job->format->write == NULL) {
@@ -109,7 +109,7 @@ static weft_status read_frames(export_job *job, weft_error *err)
     return WEFT_OK;
 }
 
-/* ---- frames computed anew --------------------------------------------------- */
+/* ---- frames computed again -------------------------------------------------- */
 
 static weft_status check_hash(const export_job *job, size_t index, weft_error *err)
 {
@@ -148,7 +148,7 @@ static weft_status compute_frames(export_job *job, weft_error *err)
     return weft_sim_play(job->sim, &frames, err);
 }
 
-/* ---- what is written -------------------------------------------------------- */
+/* ---- files -------------------------------------------------------------------- */
 
 static weft_status export_frames(export_job *job, weft_error *err)
 {
@@ -187,7 +187,7 @@ static weft_status begin_movie(export_job *job, weft_error *err)
     return status;
 }
 
-/* The pose that a cache moves: the same particles, where they rest. */
+/* The pose that a cache moves: the particles at rest. */
 static weft_status write_rest(export_job *job, weft_error *err)
 {
     if (job->frames == NULL) {
@@ -240,7 +240,7 @@ static weft_status export_final(const export_job *job, weft_error *err)
 
 /* ---- which frames ----------------------------------------------------------- */
 
-/* The frame of that number. */
+/* Selects the frame of that number. */
 static bool find_frame(const char *text, export_job *job)
 {
     size_t number, i = 0;
@@ -286,7 +286,7 @@ static int export_wanted(const options *given, export_job *job)
     return status == WEFT_OK ? EXIT_DONE : report_error(&err);
 }
 
-/* ---- where they come from --------------------------------------------------- */
+/* ---- sources of frames ------------------------------------------------------- */
 
 static int open_recorded(export_job *job)
 {
@@ -393,7 +393,7 @@ static int export_verb(const options *given)
         return usage_error(&verb_export, "--frame %s: %s holds all frames",
                            given->frame, job.format->name);
     }
-    tell_unfinished(job.directory);
+    report_unfinished(job.directory);
     return export_run(given, &job);
 }
 

@@ -143,7 +143,7 @@ void print_item(const char *label, const char *format, ...)
 }
 
 /* Where the text of a line begins that has a name before it: behind two blanks. 0: a
- * line of a paragraph; the whole length: one that is to stay as it is. */
+ * line of a paragraph; the whole length: a line that is not filled. */
 static size_t text_column(const char *line, size_t length)
 {
     size_t column = strspn(line, " ");
@@ -156,7 +156,7 @@ static size_t text_column(const char *line, size_t length)
     return column < length ? column + strspn(line + column, " ") : length;
 }
 
-/* Whether a line goes on with a text that begins at a column. */
+/* Whether a line continues a text that begins at a column. */
 static bool continues(const char *line, size_t column)
 {
     return *line != '\0' && *line != '\n' && strspn(line, " ") == column;

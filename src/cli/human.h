@@ -26,11 +26,11 @@ typedef struct sentence {
     char text[1024];
 } sentence;
 
-/* Appends to a sentence; what does not fit is cut off. */
+/* Appends to a sentence; text beyond its size is cut off. */
 WEFT_PRINTF(2, 3) void say(sentence *out, const char *format, ...);
 
 /* Text that came from a file or a command line: control characters, which a terminal
- * would obey, are written as \x1b; those in `keep` are left. */
+ * would execute, are written as \x1b; those in `keep` are left. */
 void print_plain(FILE *stream, const char *text, const char *keep);
 
 /* Such text in lines of at most `width` characters, broken at blanks, the last line

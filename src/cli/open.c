@@ -61,7 +61,7 @@ typedef struct trial_load {
     trial_end *end;
 } trial_load;
 
-/* A plugin that is refused returns too, and the parent finds out why. */
+/* Refused plugins return as well; the parent then finds the reason. */
 static int load(void *ctx, size_t job)
 {
     const trial_load *self = ctx;
@@ -79,7 +79,7 @@ static int load(void *ctx, size_t job)
     return 0;
 }
 
-/* weft_registry_def.admit. Without a process to be had, plugins are trusted. */
+/* weft_registry_def.admit. If no process can be made, plugins are trusted. */
 static weft_status admit_plugin(void *ctx, const char *file, weft_error *err)
 {
     char why[128];

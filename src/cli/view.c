@@ -61,7 +61,7 @@ int view_runs(const char *const *directories, size_t count, const char *out, boo
     return EXIT_DONE;
 }
 
-void tell_unfinished(const char *directory)
+void report_unfinished(const char *directory)
 {
     record_frames *frames;
     if (record_unfinished(directory)
@@ -75,7 +75,7 @@ void tell_unfinished(const char *directory)
 static int view_verb(const options *given)
 {
     for (int i = 0; i < given->operand_count; ++i) {
-        tell_unfinished(given->operands[i]);
+        report_unfinished(given->operands[i]);
     }
     return view_runs((const char *const *)given->operands, (size_t)given->operand_count,
                      given->out, false);

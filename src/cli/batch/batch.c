@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* batch.c -- weft batch: many runs, each in a process and a directory of its own. */
+/* batch.c -- weft batch: many runs, each in its own process and directory. */
 #include <math.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -42,7 +42,7 @@ static int take_options(batch *self)
     return EXIT_DONE;
 }
 
-/* ---- what is to be run --------------------------------------------------------- */
+/* ---- the runs of this process--------------------------------------------------- */
 
 static bool to_run(const batch *self, const batch_run *run)
 {
@@ -160,7 +160,7 @@ static int run_batch(batch *self)
     }
     const int stop = batch_pool_run(self, wanted, look(self, wanted));
     free(wanted);
-    /* One shard does not know of the others. */
+    /* One shard does not know the results of the others. */
     if (self->shards == 1) {
         status = batch_summary(self, &err);
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* batch_plan.c -- the runs that scenes stand for. */
+/* batch_plan.c -- lists the runs of all scenes. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,7 +24,7 @@ static char *stem_of(const char *file)
     return stem;
 }
 
-/* All scenes are read, so that all mistakes are told. */
+/* Reads all scenes, so that all mistakes are reported. */
 static int read_scenes(batch *self)
 {
     int code = EXIT_DONE;

@@ -22,7 +22,7 @@ typedef struct batch_pool {
 
 /* ---- one run, in a child process ------------------------------------------------- */
 
-/* What a run prints goes into its directory. */
+/* The output of a run goes into its directory. */
 static bool open_log(const char *directory, bool goes_on)
 {
     char path[RECORD_PATH];
@@ -56,7 +56,7 @@ static int run_claimed(const batch *self, const batch_run *one, const char *dire
     if (goes_on) {
         return resume_scene(&given, directory, scene);
     }
-    /* from the start, over what an earlier attempt has left */
+    /* from the start, over the files of an earlier attempt */
     return record_outdir(directory, true, &err) == WEFT_OK
                ? run_scene(&given, directory, scene, true, NULL)
                : report_error(&err);
@@ -151,7 +151,7 @@ static batch_status status_of_end(const batch_pool *self, const process *ended)
         return status_of_exit(self, ended, WEXITSTATUS(status));
     }
     if (self->stop != 0) {
-        return BATCH_PARTIAL; /* it was we who killed it */
+        return BATCH_PARTIAL; /* killed by this batch */
     }
     (void)snprintf(reason, sizeof reason, "killed by signal %d (%.60s)",
                    WTERMSIG(status), strsignal(WTERMSIG(status)));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* batch_state.c -- what is in the directory of a run. */
+/* batch_state.c -- the state of the directory of a run. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,7 +28,7 @@ weft_status batch_directory(const batch *self, const batch_run *run,
     return record_path(self->out, run->name, path, err);
 }
 
-/* Whether a file holds a text and nothing else; *missing if there is no such file. */
+/* Whether a file consists of a text; *missing: there is no such file. */
 static bool holds(const char *path, const char *text, bool *missing)
 {
     FILE *stream = weft__file_open(path, "r", NULL);

@@ -107,7 +107,7 @@ static weft_status write_row(FILE *out, const batch *self, const varied *keys,
     char directory[RECORD_PATH];
     yaml_document_t result;
     TRY(batch_directory(self, run, directory, err));
-    /* values of another scene's run, or of one that goes on, are none of this one */
+    /* results of another scene's run, or of an unfinished one, do not count */
     yaml_document_t *known
         = batch_is_over(run->status) && record_result_open(directory, &result) ? &result
                                                                                : NULL;

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* stable_steps.c -- a survey of stable steps in words, and the advice that follows. */
+/* stable_steps.c -- prints a survey of stable steps, and advice. */
 #include "cli/check/stable_steps.h"
 
 #include <math.h>
 
 #include "cli/human.h"
 
-/* Methods in the short table, with the scene's own; what a higher order may cost. */
+/* Methods in the short table, with the scene's own; the factor in cost that a higher
+ * order is worth. */
 enum { SHORT_TABLE = 5 };
 #define ORDER 1.25
 
-/* Steppers take what is left of a frame whole if it is longer than h by this part. */
+/* Steppers take the rest of a frame in one step if it exceeds h by at most this part.
+ */
 #define REST 1e-6
 
 double frame_steps(const weft_run_def *run, double h)
@@ -135,7 +137,7 @@ static void print_method(const survey_method *method)
     }
 }
 
-/* Methods of one polynomial are one method here. */
+/* Methods with the same stability polynomial count once. */
 static bool is_new(const survey *of, size_t i)
 {
     return i == 0 || of->methods[i].step != of->methods[i - 1].step

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* survey.c -- what every method would cost on a scene: the largest stable step of each,
+/* survey.c -- the cost of every method on a scene: the largest stable step of each,
  * and a short trial of the scene's own under its tolerances. */
 #include "cli/check/stable_steps.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* RHS calls times particles of a trial, and the steps it is to have at least. */
+/* RHS calls times particles of a trial, and its least number of steps. */
 #define TRIAL_WORK 1.5e6
 enum { TRIAL_SKIPPED = 3, TRIAL_LEAST = 10 };
 
-/* The allowance for undamped modes may lengthen a stable step a little: it is the step
- * if without it there is less than so much of it. */
+/* The allowance for undamped modes may lengthen a stable step a little. A step counts
+ * as doubling if the one without the allowance is less than this part of it. */
 #define DOUBLING 0.9
 
-/* A step of so much of the stable one or more was held by stability. */
+/* A step of at least this part of the stable one was limited by stability. */
 #define HELD 0.8
 
 #define LN_2 0.69314718055994531
@@ -102,8 +102,7 @@ static weft_status survey_methods(const weft_scene *scene,
     return WEFT_OK;
 }
 
-/* The scene's method from t = 0 on, past its first steps. What has failed by then is
- * no matter of this. */
+/* The scene's method from t = 0 on, past its first steps. A failure only ends it. */
 static void trial(const weft_scene *scene, weft_sim *sim, survey *out)
 {
     const double end = weft_scene_run(scene)->duration;
@@ -135,7 +134,7 @@ static void trial(const weft_scene *scene, weft_sim *sim, survey *out)
     }
 }
 
-/* Without a state, whose plugin is not there, what holds in every state. */
+/* Without a simulation, whose plugin is missing, the bounds of every state. */
 static weft_status survey_cloth(const weft_cloth *cloth, const weft_sim *sim,
                                 bool refine, survey *out, weft_error *err)
 {
@@ -161,8 +160,7 @@ static const survey_method *find_rival(const survey *of)
     return best == of->own ? NULL : best;
 }
 
-/* How many RHS calls a method of higher order takes to the time that the trial came to.
- */
+/* The RHS calls of a method of higher order up to the end of the trial. */
 static weft_status try_rival(const weft_scene *scene, const weft_sim *tried,
                              survey *out, weft_error *err)
 {

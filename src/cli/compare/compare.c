@@ -14,7 +14,7 @@
 
 enum { CALL_TIMES = 5, NAME_MOST = 256 };
 
-#define RUNGS_WORTH 2.5 /* a ladder of runs costs so many of its dearest */
+#define RUNGS_WORTH 2.5 /* the cost of a ladder, in its most expensive run */
 
 double compare_time(const compare *self, size_t frame)
 {
@@ -28,7 +28,7 @@ const compare_point *compare_as_is(const compare *self)
 
 /* ---- methods ---------------------------------------------------------------- */
 
-/* Takes the next word off a list of words between commas; false: there is none. */
+/* Takes the next word off a list separated by commas; false: there is none. */
 static bool next_word(const char **list, char word[NAME_MOST])
 {
     if (*list == NULL || **list == '\0') {
@@ -75,7 +75,7 @@ static bool unknown_word(const weft_registry *registry, const char *list,
     return !known;
 }
 
-/* Frames are met, so the steps divide the time between them. */
+/* Steps end at frames, so a whole number of them makes a frame. */
 static weft_status set_steps(const compare *self, const weft_stiffness *modes,
                              compare_method *method, weft_error *err)
 {
@@ -112,7 +112,7 @@ static weft_status add_method(compare *self, const stepper_method *by,
     return method_adapts(by->type) ? WEFT_OK : set_steps(self, modes, method, err);
 }
 
-/* The scene's own whether listed or not. */
+/* The scene's own method is added whether listed or not. */
 static weft_status add_methods(compare *self, const weft_registry *registry,
                                const char *list, weft_error *err)
 {
@@ -280,7 +280,7 @@ static int by_value(const void *a, const void *b)
     return (*x > *y) - (*x < *y);
 }
 
-/* Turn by turn, so that what else the machine does falls on all alike. */
+/* In rounds, so that other load of the machine affects all methods alike. */
 static weft_status take_times(const compare *self, weft_error *err)
 {
     double(*times)[CALL_TIMES] = calloc(self->count, sizeof *times);
@@ -358,7 +358,7 @@ static weft_status find_references(compare *self, const weft_registry *registry,
                                 "one would check the other");
 }
 
-/* What is checked before the directory is made, then the comparison into it. */
+/* Checks for references before it makes the directory. */
 static weft_status compare_into(compare *self, const options *given,
                                 const char *directory, weft_error *err)
 {

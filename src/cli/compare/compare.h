@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* compare.h -- weft compare: what every method costs on a scene, at every accuracy.
+/* compare.h -- weft compare: the cost of every method on a scene, at every accuracy.
  *
- * Errors are positions [m] against a reference: the scene by the best method there is
- * at COMPARE_TIGHTEST, checked by the best of another plugin. Both, and a twin
- * displaced by COMPARE_NUDGE at the start, are run first; how fast the twin parts
- * bounds the time that is compared. Then every method climbs its ladder: of tolerances,
- * or of fixed steps from its largest stable one downwards by halves. Each reference and
- * each ladder is a process of its own, which leaves its numbers in shared memory. Times
- * are taken last, by one process alone. */
+ * Errors are distances [m] from a reference: the scene with the best method available
+ * at COMPARE_TIGHTEST, checked by the best method of another plugin. Both, and a twin
+ * displaced by COMPARE_NUDGE at the start, run first; the divergence of the twin bounds
+ * the time that is compared. Then every method runs its ladder: of tolerances, or of
+ * fixed steps, halved from its largest stable one on. Each reference and each ladder
+ * has its own process, which writes its numbers to shared memory. One process alone
+ * measures times, last of all. */
 #ifndef WEFT_CLI_COMPARE_COMPARE_H
 #define WEFT_CLI_COMPARE_COMPARE_H
 
@@ -25,9 +25,9 @@ enum {
 
 #define COMPARE_TIGHTEST 1e-12 /* tolerance of the reference */
 #define COMPARE_NUDGE    1e-10 /* [m] */
-#define COMPARE_GROWTH   1e4   /* of the nudge, to which the scene is predictable */
-#define COMPARE_PARTED   1e-4  /* [m] the two references, likewise */
-#define COMPARE_NEAR     10.0  /* times the error of the reference: not to be judged */
+#define COMPARE_GROWTH   1e4   /* of the nudge, up to which the scene is predictable */
+#define COMPARE_PARTED   1e-4  /* [m] the same limit between the two references */
+#define COMPARE_NEAR     10.0  /* times the error of the reference: not judged */
 #define COMPARE_WORK     3e8 /* RHS calls times particles, of all runs but references */
 
 typedef enum compare_outcome {
@@ -43,7 +43,7 @@ typedef struct compare_point {
     compare_outcome outcome;
     double setting;  /* tolerance, or fixed step [s] */
     double error;    /* [m] largest distance of a particle in a frame */
-    double rms;      /* [m] of all of them */
+    double rms;      /* [m] root mean square over particles and frames */
     double velocity; /* [m/s] largest, as `error` */
     double energy;   /* largest difference in a frame, part of the energy at play */
     uint64_t calls, steps, rejected;
@@ -54,27 +54,27 @@ typedef struct compare_method {
     stepper_method by;
     bool own;           /* the scene's */
     double step;        /* [s] fixed step of the first rung; 0: adaptive */
-    double step_calls;  /* RHS calls of such a step */
-    double call_time;   /* [s] a call, with all that belongs to it; 0: not known */
+    double step_calls;  /* RHS calls per step of this size */
+    double call_time;   /* [s] per call, all overhead included; 0: unknown */
     char left_out[160]; /* why it has no ladder; "" if it has */
     compare_point points[COMPARE_RUNGS];
 } compare_method;
 
-/* What the processes leave for one another. */
+/* Shared by the processes. */
 typedef struct compare_shared {
-    _Atomic size_t last; /* frame, lowered when the twin has parted */
+    _Atomic size_t last; /* frame, lowered when the twin diverges */
     weft_error err[2];   /* of the references */
-    /* count of them; then the scene with its own method and settings, with one point */
+    /* [count], then the scene with its own method and settings: one point */
     compare_method methods[];
 } compare_shared;
 
 typedef struct compare {
     const weft_scene *scene;
     const weft_cloth *cloth;
-    weft_run_def run; /* of the scene, cut to what was asked for */
+    weft_run_def run; /* of the scene, up to --until */
     stepper_method by[2];
     size_t last;    /* frame up to which errors are judged */
-    size_t planned; /* and were to be */
+    size_t planned; /* frame up to which they should be */
     size_t jobs;
     bool quiet;
     progress progress; /* of the ladders */
@@ -82,7 +82,7 @@ typedef struct compare {
     /* shared; frames of 6 N numbers, planned + 1 of them */
     compare_shared *shared;
     double *frames[2];  /* of the references */
-    double *twin;       /* [m] how far it is off, by frames */
+    double *twin;       /* [m] its distance, by frames */
     double *energy;     /* [J] kinetic, elastic and gravitational, by frames */
     uint64_t *calls[2]; /* RHS calls of the references up to each frame */
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* compare_advice.c -- which method for which accuracy, and why, in words. */
+/* compare_advice.c -- recommends a method for each accuracy, with reasons. */
 #include <math.h>
 #include <string.h>
 
@@ -20,7 +20,7 @@ static double between(double from, double to, double part)
     return exp(log(from) + part * (log(to) - log(from)));
 }
 
-/* A lucky point does not count: all that are finer must be as good. */
+/* The coarsest point from which on all finer ones are as good. */
 static const compare_point *first_good(const compare_method *method, double accuracy,
                                        const compare_point **before)
 {

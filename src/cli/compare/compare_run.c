@@ -9,14 +9,14 @@
 
 enum { CALL_TIME_LEAST = 3 }; /* steps */
 #define CALL_TIME_SLICE 0.01  /* [s] */
-#define EXPENSIVE_HINT  1.2   /* a foreseen cost of so many budgets is not tried */
+#define EXPENSIVE_HINT  1.2   /* budgets: a run with a higher estimate is not tried */
 
 /* One run against the reference. */
 typedef struct compare_trial {
     const compare *self;
     weft_sim *sim, *twin; /* twin NULL: none */
     uint64_t budget;      /* RHS calls; 0: as many as it takes */
-    size_t which;         /* reference that is made */
+    size_t which;         /* the reference computed, 0 or 1 */
     double square;        /* [m^2] summed over particles and frames */
     compare_point *point;
 } compare_trial;
@@ -48,7 +48,7 @@ static weft_status create(const compare *self, const stepper_method *by,
 
 /* ---- references and twin --------------------------------------------------------- */
 
-/* Every free particle off by COMPARE_NUDGE, in directions that are always the same. */
+/* Displaces every free particle by COMPARE_NUDGE, always in the same directions. */
 static weft_status nudge(weft_sim *twin, weft_error *err)
 {
     const size_t n = weft_cloth_particles(weft_sim_cloth(twin));
@@ -117,7 +117,7 @@ static weft_status keep(void *ctx, size_t i, weft_error *err)
     return WEFT_OK;
 }
 
-/* One reference need not go on where the other's twin has parted. */
+/* One reference stops behind the frame at which the other's twin has diverged. */
 static bool go_on(void *ctx)
 {
     const compare_trial *of = ctx;
@@ -222,8 +222,8 @@ static void set_rung(const compare *self, const compare_method *method, size_t r
     }
 }
 
-/* RHS calls, as far as they can be told before: of fixed steps by their number, of
- * others as the last two rungs grew. */
+/* Estimated RHS calls: of fixed steps from their number, of others from the growth of
+ * the last two rungs; 0: unknown. */
 static double foresee(const compare *self, const compare_method *method, size_t rung)
 {
     const compare_point *points = method->points;
@@ -269,7 +269,7 @@ int compare_ladder(void *ctx, size_t i)
 
 /* ---- time ------------------------------------------------------------------- */
 
-/* [s] Of one thread the processor's time, into which no other's work enters. */
+/* [s] With one thread the processor's time, which excludes other programs' work. */
 static double work_clock(const compare *self)
 {
     struct timespec now;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* compare_write.c -- what weft compare leaves: a table, compare.csv, compare.html. */
+/* compare_write.c -- the output of weft compare: a table, compare.csv, compare.html. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -71,7 +71,7 @@ static void print_method(const compare_method *method, const compare_advice *adv
     putchar('\n');
 }
 
-/* Those that reach the finest accuracy first, and of these the cheapest. */
+/* Sorted by the finest accuracy reached, then by cost. */
 typedef struct row {
     const compare_method *method;
     size_t reached;

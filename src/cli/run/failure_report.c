@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* failure_report.c -- why a run has failed, the stable step then and at the start, and
- * what to try. */
+/* failure_report.c -- reports the reason of a failure, the stable step then and at the
+ * start, and advice. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* interrupt.c -- signals remembered, and a thread for steps that do not end: a solver
- * may be in its linear algebra for minutes. That thread cannot end the step. It waits
- * until the records are lent, as nothing is written to them within a step, and closes
- * them. */
+/* interrupt.c -- records signals, and watches for steps that do not end: a solver may
+ * spend minutes in its linear algebra. The watching thread cannot end the step. It
+ * waits for the lock on the records, which is free within a step, and closes them. */
 #include "cli/run/interrupt.h"
 
 #include <errno.h>
@@ -11,7 +10,7 @@
 #include <signal.h>
 #include <unistd.h>
 
-/* [ms] An evaluation of the forces, or a step, has to end by itself. */
+/* [ms] for an evaluation of the forces, or a step, to end by itself */
 enum { PATIENCE = 1000 };
 
 static volatile sig_atomic_t came, wake = -1;
@@ -99,7 +98,7 @@ static void *watch(void *ctx)
     return NULL;
 }
 
-/* Signals are for the thread that steps. */
+/* The new thread blocks all signals: the stepping thread receives them. */
 static bool start(interrupt_watch *self)
 {
     sigset_t all, before;
@@ -131,12 +130,12 @@ void interrupt_begin(interrupt_watch *self, void (*give_up)(void *ctx), void *ct
     }
 }
 
-void interrupt_lend(interrupt_watch *self)
+void interrupt_release(interrupt_watch *self)
 {
     (void)pthread_mutex_unlock(&self->records);
 }
 
-void interrupt_take(interrupt_watch *self)
+void interrupt_acquire(interrupt_watch *self)
 {
     (void)pthread_mutex_lock(&self->records);
 }

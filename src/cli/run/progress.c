@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* progress.c -- how far a run, or a set of them, has come: one line of a terminal,
- * drawn over and over; a line each tenth of the frames; or YAML documents. */
+/* progress.c -- the progress of a run or of several: one line of a terminal, redrawn;
+ * one line per tenth of the frames; or YAML documents. */
 #include "cli/run/progress.h"
 
 #include <math.h>

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* progress.h -- how far a run has come. For people it goes to stderr, for machines to
- * stdout. */
+/* progress.h -- the progress of a run: for people to stderr, for machines to stdout. */
 #ifndef WEFT_CLI_RUN_PROGRESS_H
 #define WEFT_CLI_RUN_PROGRESS_H
 
@@ -24,9 +23,9 @@ bool progress_can_redraw(void);
 
 void progress_begin(progress *show, progress_mode mode, const weft_sim *sim,
                     const weft_run_def *run);
-/* After frame `frame` or a step behind it: shown if it is time to. */
+/* After frame `frame` or a step behind it: prints if it is due. */
 void progress_show(progress *show, size_t frame);
-/* So many methods, say, have ended: due by the same rule. */
+/* The same for `done` of `all` things, such as methods. */
 void progress_count(progress *show, const char *what, size_t done, size_t all);
 /* Wipes the line off the terminal: before anything else is printed, and at the end. */
 void progress_clear(progress *show);

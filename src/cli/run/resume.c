@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* resume.c -- weft resume: runs that were killed or interrupted, taken up again at
- * their last checkpoint. All that is there is checked before anything is written. */
+/* resume.c -- weft resume: continues runs that were killed or interrupted from their
+ * last checkpoint. It checks all files before it writes any. */
 #include <inttypes.h>
 #include <string.h>
 #include <unistd.h>

@@ -76,19 +76,19 @@ static weft_status write_frame_obj(const run *self, size_t index, weft_error *er
     return write_state(self, name, record_obj, err);
 }
 
-/* ---- the frame loop: it has lent the records, and these take them ------------- */
+/* ---- the frame loop; each callback takes the records from the watch ----------- */
 
 static weft_status on_frame(void *ctx, size_t index, weft_error *err)
 {
     run *self = ctx;
-    interrupt_take(&self->watch);
+    interrupt_acquire(&self->watch);
     const weft_limit_stats limit = weft_sim_limit_stats(self->sim);
     const record_frame frame = { .index = index,
                                  .sim = self->sim,
                                  .limit_sweeps = limit.sweeps - self->limit_sweeps };
     self->limit_sweeps = limit.sweeps;
     warn_of_limit(self);
-    /* The row first: run.vtkhdf never has a frame that the series has not. */
+    /* The row first: every frame of run.vtkhdf has its row in the series. */
     weft_status status = record_series_add(&self->series, &frame, err);
     status = status == WEFT_OK ? record_vtkhdf_add(self->frames, &frame, err) : status;
     if (status == WEFT_OK && self->obj) {
@@ -99,28 +99,28 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
         summary_frame(&self->summary, &self->series.worst);
         progress_show(&self->progress, self->result.frames - 1);
     }
-    interrupt_lend(&self->watch);
+    interrupt_release(&self->watch);
     return status;
 }
 
 static weft_status on_checkpoint(void *ctx, size_t index, weft_error *err)
 {
     run *self = ctx;
-    interrupt_take(&self->watch);
+    interrupt_acquire(&self->watch);
     const weft_status status = run_checkpoint(self, index, err);
-    interrupt_lend(&self->watch);
+    interrupt_release(&self->watch);
     return status;
 }
 
 static bool on_step(void *ctx)
 {
     run *self = ctx;
-    interrupt_take(&self->watch);
+    interrupt_acquire(&self->watch);
     summary_step(&self->summary);
     if (self->mode >= PROGRESS_TERMINAL) { /* lines come with frames */
         progress_show(&self->progress, self->result.frames - 1);
     }
-    interrupt_lend(&self->watch);
+    interrupt_release(&self->watch);
     return interrupt_signal() == 0;
 }
 
@@ -174,9 +174,9 @@ static weft_status simulate(run *self, weft_error *err)
     }
     progress_begin(&self->progress, self->mode, self->sim, frames.run);
     interrupt_begin(&self->watch, give_up, self);
-    interrupt_lend(&self->watch);
+    interrupt_release(&self->watch);
     weft_status status = weft_sim_play(self->sim, &frames, err);
-    interrupt_take(&self->watch);
+    interrupt_acquire(&self->watch);
     interrupt_end(&self->watch);
     if (status == WEFT_STOPPED && interrupt_signal() != 0) {
         status = WEFT_OK;
@@ -217,7 +217,7 @@ static weft_status write_ends(run *self, bool failed, weft_error *err)
     return written == WEFT_OK ? result : written;
 }
 
-/* Everything that is written once the loop has ended, whatever ended it. */
+/* Writes and prints the results after the loop. */
 static int conclude(run *self, weft_status status, const weft_error *why)
 {
     weft_error err = { 0 };

@@ -22,8 +22,8 @@ typedef struct summary {
 
 typedef struct run {
     const char *out;
-    struct stat place;             /* of that directory, while it is claimed */
-    bool obj;                      /* an OBJ a frame */
+    struct stat place;             /* of the directory `out` */
+    bool obj;                      /* one OBJ file per frame */
     bool quiet;                    /* no progress, no summary */
     bool again;                    /* the directory is that of an earlier attempt */
     const record_checkpoint *from; /* NULL: from t = 0 */
@@ -35,7 +35,7 @@ typedef struct run {
     record_vtkhdf *frames;
     record_result result;
     record_checkpoint checkpoint; /* the next one */
-    double began; /* [s] of the wall clock, less what was spent before */
+    double began; /* [s] of the wall clock, less the time of earlier parts */
     interrupt_watch watch;
     progress_mode mode;
     progress progress;
@@ -46,19 +46,19 @@ typedef struct run {
     sentence reason;
 } run;
 
-/* records.c. Makes what the run writes its checkpoints from. */
+/* records.c. Allocates and identifies the checkpoint. */
 weft_status run_prepare(run *self, weft_error *err);
 /* Opens the files of a run from t = 0. */
 weft_status run_begin(run *self, weft_error *err);
-/* Opens them as they were at the checkpoint, and takes its state. Nothing is written
- * before all of them are checked. */
+/* Opens them as they were at the checkpoint, and restores its state. Checks all of them
+ * before it writes any. */
 weft_status run_take_up(run *self, weft_error *err);
 /* Writes checkpoint.weft after frame `index`. */
 weft_status run_checkpoint(run *self, size_t index, weft_error *err);
 /* Closes them after `status`, which is returned unless it was the better one. */
 weft_status run_close(run *self, weft_status status, weft_error *err);
 void run_remove(const run *self, const char *name);
-/* WEFT_IO if another directory has taken the place of that of the run. */
+/* WEFT_IO if another directory has replaced that of the run. */
 weft_status run_in_place(const run *self, weft_error *err);
 
 /* run.c: `claimed`: the caller has claimed a directory that an earlier attempt has
@@ -78,13 +78,13 @@ void summary_step(summary *self); /* after each accepted step */
 void summary_frame(summary *self, const weft_spring *now);
 
 void summary_print(const summary *self);
-/* What is known within a step. */
+/* The part that is known within a step. */
 void summary_print_frames(const summary *self);
 /* The same as YAML documents of a line each, at the begin and at the end. */
 void summary_yaml_begin(const summary *self);
 void summary_yaml_end(const summary *self);
 
-/* resume.c: go on with the run of that scene in a directory that the caller has
+/* resume.c: continues the run of that scene in a directory that the caller has
  * claimed. Returns the exit code. */
 int resume_scene(const options *given, const char *directory, const weft_scene *scene);
 

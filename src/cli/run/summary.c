@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* summary.c -- what a run was and came to, to stdout. */
+/* summary.c -- the summary of a run, to stdout. */
 #include "cli/run/run.h"
 
 #include <string.h>
