@@ -362,7 +362,7 @@ START_TEST(without_a_reference_nothing_is_ranked)
                       "/limit 2>&1"),
            1);
     says("not predictable: ");
-    says("what a strain limit does depends on the steps");
+    says("the effect of a strain limit depends on the steps");
     ck_assert(!exists(OUT "/limit/compare.csv"));
 }
 END_TEST

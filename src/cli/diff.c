@@ -363,7 +363,7 @@ static void print_all(const comparison *self)
     } else if (framed && (self->unequal > 0 || !bitwise)) {
         print_positions(self);
     } else if (!framed && self->unequal > 0) {
-        printf("no run.vtkhdf to tell where and by how much\n");
+        printf("no run.vtkhdf to show where and by how much\n");
     } else if (bitwise) {
         print_compared(self);
     }

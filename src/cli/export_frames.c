@@ -120,7 +120,7 @@ static weft_status check_hash(const export_job *job, size_t index, weft_error *e
     return hash == recorded
                ? WEFT_OK
                : weft_error_set(err, WEFT_SOLVER,
-                                "frame %zu computed anew has hash %016" PRIx64
+                                "frame %zu computed again has hash %016" PRIx64
                                 ", the run had %016" PRIx64
                                 ": other versions? see manifest.yaml",
                                 index, hash, recorded);
@@ -315,7 +315,7 @@ static int open_anew(const options *given, export_job *job)
         || simulation_create(job->scene, &job->cloth, &job->sim, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    fprintf(stderr, "%s/run.vtkhdf is missing: frames are computed anew\n",
+    fprintf(stderr, "%s/run.vtkhdf is missing: frames are computed again\n",
             job->directory);
     job->surface.rows = weft_cloth_rows(job->cloth);
     job->surface.cols = weft_cloth_cols(job->cloth);

@@ -88,9 +88,9 @@ static void print_refused(const batch *self, const batch_run *run)
 {
     static const char *const reasons[BATCH_STATUSES] = {
         [BATCH_CHANGED] = "holds a run of another scene, or of this one before it was "
-                          "changed: --force runs it anew",
+                          "changed: --force runs it again",
         [BATCH_BUSY] = "is being run by another process",
-        [BATCH_UNREADABLE] = "is no directory that can be read",
+        [BATCH_UNREADABLE] = "is not a readable directory",
     };
     if (reasons[run->status] != NULL) {
         fprintf(stderr, "weft: error: %s/%s %s\n", self->out, run->name,

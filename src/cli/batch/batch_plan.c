@@ -129,10 +129,7 @@ int batch_check(const char *file, weft_sweep *sweep)
 int batch_plan(batch *self)
 {
     const int code = read_scenes(self);
-    if (code != EXIT_DONE) {
-        return code;
-    }
-    return name_runs(self) ? check_names(self) : no_memory();
+    return code != EXIT_DONE ? code : name_runs(self) ? check_names(self) : no_memory();
 }
 
 void batch_free(batch *self)

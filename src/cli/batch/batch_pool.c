@@ -70,7 +70,7 @@ static int run_job(void *ctx, size_t job)
     const batch_run *one = pool->runs[job];
     char directory[RECORD_PATH];
     weft_error err = { 0 };
-    interrupt_restore(); /* until it runs, a signal ends it */
+    interrupt_catch(false); /* until it runs, a signal ends it */
     if (batch_directory(self, one, directory, &err) != WEFT_OK
         || record_directory(directory, &err) != WEFT_OK) {
         return report_error(&err);
@@ -202,7 +202,7 @@ int batch_pool_run(batch *self, batch_run **runs, size_t count)
                       .quiet = self->given->quiet,
                       .terminal = !self->given->quiet && isatty(STDERR_FILENO) == 1,
                       .began = weft__wall_clock() } };
-    interrupt_catch();
+    interrupt_catch(true);
     const bool able = process_pool_run(&all.pool);
     const int why = errno;
     batch_show_end(&all.show);

@@ -185,21 +185,16 @@ void compare_say_as_is(const compare *self, sentence *out)
 
 void compare_say_horizon(const compare *self, sentence *out)
 {
-    const double t = compare_time(self, self->last), far = self->twin[self->last];
+    say(out,
+        "predictable to t = %.4g s%s: a twin displaced by %.0e m is then %.1e m away "
+        "(rate %.3g 1/s",
+        compare_time(self, self->last), self->chaotic ? "" : " at least", COMPARE_NUDGE,
+        self->twin[self->last], self->growth);
     if (self->chaotic) {
-        say(out,
-            "predictable to t = %.4g s: a twin displaced by %.0e m has come %.0e m off "
-            "by "
-            "then (rate %.3g 1/s: 10 times every %.2g s); compared up to there, not to "
-            "%.4g s",
-            t, COMPARE_NUDGE, far, self->growth, log(10.0) / self->growth,
-            self->run.duration);
+        say(out, ": 10 times every %.2g s); compared up to there, not to %.4g s",
+            log(10.0) / self->growth, self->run.duration);
     } else {
-        say(out,
-            "predictable to t = %.4g s at least: a twin displaced by %.0e m is %.1e m "
-            "off "
-            "by then (rate %.3g 1/s)",
-            t, COMPARE_NUDGE, far, self->growth);
+        say(out, ")");
     }
 }
 

@@ -25,23 +25,13 @@ static void on_signal(int number)
     errno = kept;
 }
 
-static void set_handlers(void (*handler)(int number))
+void interrupt_catch(bool on)
 {
-    struct sigaction action = { .sa_handler = handler };
+    struct sigaction action
+        = { .sa_handler = on ? on_signal : SIG_DFL, .sa_flags = SA_RESTART };
     (void)sigemptyset(&action.sa_mask);
-    action.sa_flags = SA_RESTART;
     (void)sigaction(SIGINT, &action, NULL);
     (void)sigaction(SIGTERM, &action, NULL);
-}
-
-void interrupt_catch(void)
-{
-    set_handlers(on_signal);
-}
-
-void interrupt_restore(void)
-{
-    set_handlers(SIG_DFL);
 }
 
 int interrupt_signal(void)

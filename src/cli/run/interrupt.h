@@ -7,10 +7,8 @@
 #include <pthread.h>
 #include <stdbool.h>
 
-/* Signals are recorded from the first call on, and end the process again from the
- * second on. */
-void interrupt_catch(void);
-void interrupt_restore(void);
+/* Records signals from now on; false: they end the process again. */
+void interrupt_catch(bool on);
 
 /* The signal that came; 0: none. */
 int interrupt_signal(void);

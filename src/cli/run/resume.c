@@ -52,7 +52,7 @@ int resume_scene(const options *given, const char *directory, const weft_scene *
         return report_error(&err);
     }
     if (!given->quiet && begun) {
-        fprintf(stderr, "%s: goes on after frame %" PRIu64 " of %zu\n", directory,
+        fprintf(stderr, "%s: continues after frame %" PRIu64 " of %zu\n", directory,
                 from.frame, weft_run_last_frame(weft_scene_run(scene)));
     } else if (!given->quiet) {
         fprintf(stderr, "%s: no checkpoint yet: runs from the beginning\n", directory);
@@ -70,14 +70,14 @@ static int resume_claimed(const options *given, const char *directory)
     weft_error err = { 0 };
     if (ended_as(directory, "done")) {
         if (!given->quiet) {
-            fprintf(stderr, "%s: is done already\n", directory);
+            fprintf(stderr, "%s: is already done\n", directory);
         }
         return EXIT_DONE;
     }
     if (!given->force && ended_as(directory, "failed")) {
         fprintf(stderr,
                 "weft: error: %s: this run failed, and would again: see its "
-                "result.yaml; --force tries all the same\n",
+                "result.yaml; --force runs it again\n",
                 directory);
         return EXIT_SIMULATION;
     }
@@ -97,7 +97,7 @@ static int resume_directory(const options *given, const char *directory)
     int lock = -1;
     weft_error err = { 0 };
     if (!record_exists(directory, "scene.yaml")) {
-        weft_error_set(&err, WEFT_IO, "%s: no scene.yaml: this is no run", directory);
+        weft_error_set(&err, WEFT_IO, "%s: no scene.yaml: not a run", directory);
         return report_error(&err);
     }
     if (record_outdir_lock(directory, RECORD_PATIENCE, &lock, &err) != WEFT_OK) {

@@ -335,7 +335,7 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
         .quiet = given->quiet,
         .mode = given->mode,
     };
-    interrupt_catch();
+    interrupt_catch(true);
     if (frames_have_room(scene, &err) != WEFT_OK
         || (!claimed && open_directory(&self, given->force, &lock, &err) != WEFT_OK)) {
         code = report_error(&err);
@@ -347,7 +347,7 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
         (void)close(lock);
     }
     if (given->view && code != EXIT_FILE) {
-        interrupt_restore();
+        interrupt_catch(false);
         const int viewed = view_runs(&out, 1, NULL, self.mode == PROGRESS_YAML);
         return code == EXIT_DONE ? viewed : code;
     }
