@@ -432,6 +432,6 @@ const verb verb_diff = {
       "command line, 3 different grids, 4 a file is missing or damaged, or there is "
       "no common time\n",
     .options = OPTIONS(OPTION_VALUE("tol", tolerance)),
-    .operands = { 2, 2, "needs the directories of two runs" },
+    .operands = { 2, 2, "needs the directories of two runs", NULL },
     .run = diff_verb,
 };

@@ -419,6 +419,6 @@ const verb verb_export = {
       "example: weft export flag --format obj --frame all\n",
     .options = OPTIONS(OPTION_VALUE("plugin-path", plugin_path),
                        OPTION_VALUE("format", format), OPTION_VALUE("frame", frame)),
-    .operands = { 1, 1, "needs the directory of one run" },
+    .operands = { 1, 1, "needs the directory of one run", NULL },
     .run = export_verb,
 };

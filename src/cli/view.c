@@ -97,6 +97,6 @@ const verb verb_view = {
       "exit codes: 0 done, 2 wrong command line, or runs that cannot be compared, 4 a "
       "file could not be read or written\n",
     .options = OPTIONS(OPTION_VALUE("out", out)),
-    .operands = { 1, 2, "needs the directory of one run, or of two" },
+    .operands = { 1, 2, "needs the directory of one run, or of two", NULL },
     .run = view_verb,
 };

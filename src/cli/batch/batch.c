@@ -212,6 +212,6 @@ const verb verb_batch = {
         OPTION_FLAG("force", force), OPTION_VALUE("jobs", jobs),
         OPTION_VALUE("timeout", timeout), OPTION_VALUE("shard", shard),
         OPTION_FLAG("retry-failed", retry_failed), OPTION_FLAG("summary", summary)),
-    .operands = { 1, 0, "no scene given" },
+    .operands = { 1, 0, "no scene given", NULL },
     .run = batch_verb,
 };

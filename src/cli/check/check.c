@@ -309,6 +309,6 @@ const verb verb_check = {
     = OPTIONS(OPTION_VALUE("set", sets), OPTION_VALUE("plugin-path", plugin_path),
               OPTION_FLAG("yaml", yaml), OPTION_FLAG("all", all),
               OPTION_FLAG("refine", refine)),
-    .operands = { 1, 0, "no scene given" },
+    .operands = { 1, 0, "no scene given", NULL },
     .run = check_verb,
 };

@@ -147,6 +147,6 @@ const verb verb_resume = {
     .options
     = OPTIONS(OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
               OPTION_FLAG("force", force), OPTION_VALUE("progress", progress)),
-    .operands = { 1, 0, "no directory given" },
+    .operands = { 1, 0, "no directory given", NULL },
     .run = resume_verb,
 };
