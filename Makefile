@@ -251,8 +251,9 @@ $(BUILD)/tests/promises/weft-%.so: tests/promises/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -shared -o $@ $< -lm
 
-# Libraries that tests preload.
-PRELOADED := $(BUILD)/tests/wrong_libm.so $(BUILD)/tests/stalled_file.so
+# Libraries that tests preload: a wrong libm, a file that never delivers, a fork that
+# often fails.
+PRELOADED := $(BUILD)/tests/wrong_libm.so $(BUILD)/tests/stalled_file.so $(BUILD)/tests/failing_fork.so
 $(PRELOADED): $(BUILD)/tests/%.so: tests/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(CC) $(STRICT) $(WARN) -O1 -fno-builtin -shared -o $@ $< -ldl -lm

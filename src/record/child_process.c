@@ -118,7 +118,7 @@ static bool may_start(const process_pool *pool)
     return !pool->stopped && pool->started < pool->jobs;
 }
 
-static bool fill(process_pool *pool)
+static void fill(process_pool *pool)
 {
     bool able = true;
     for (size_t i = 0; i < pool->at_once && able && may_start(pool); ++i) {
@@ -128,7 +128,6 @@ static bool fill(process_pool *pool)
             pool->running += able;
         }
     }
-    return able;
 }
 
 static void pass_signal(process_pool *pool)
@@ -152,17 +151,15 @@ static void reap(process_pool *pool)
     }
 }
 
+/* A fork that fails is tried again as long as other jobs run. */
 bool process_pool_run(process_pool *pool)
 {
     double last = weft__wall_clock(); /* when the last child ended */
-    int failed = 0;
     pool->all = calloc(pool->at_once, sizeof *pool->all);
-    bool able = pool->all != NULL;
-    while ((able && may_start(pool)) || pool->running > 0) {
-        if (able && !fill(pool)) {
-            able = false;
-            failed = errno;
-        }
+    if (pool->all == NULL) {
+        return false;
+    }
+    for (fill(pool); pool->running > 0; fill(pool)) {
         if (pool->tick != NULL) {
             pool->tick(pool->def.ctx);
         }
@@ -172,9 +169,10 @@ bool process_pool_run(process_pool *pool)
         reap(pool);
         last = pool->running < running ? weft__wall_clock() : last;
     }
+    const int failed = errno;
     free(pool->all);
     errno = failed;
-    return able;
+    return !may_start(pool);
 }
 
 void *process_memory(size_t count, size_t size)

@@ -50,7 +50,7 @@ typedef struct process_pool {
     bool stopped;
 } process_pool;
 
-/* False: no process could be started for job `started` (errno). */
+/* False: job `started` got no process while no other job ran (errno). */
 bool process_pool_run(process_pool *pool);
 
 /* Zeroed memory that this process and its later children share until they end. NULL:
