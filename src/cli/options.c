@@ -40,12 +40,13 @@ bool option_count(const char *text, char end, size_t *count)
            && value <= SIZE_MAX;
 }
 
+/* The entry with that value, or the last one, which has no name. */
 static const struct option *find(const struct option *table, int value)
 {
     while (table->name != NULL && table->val != value) {
         ++table;
     }
-    return table->name != NULL ? table : NULL;
+    return table;
 }
 
 static void apply(const struct option *option, options *out)
@@ -123,7 +124,7 @@ static int choose_progress(const verb *self, options *out)
 static int parse(const verb *self, int argc, char **argv, options *out)
 {
     const struct option *jobs = find(self->options, OPTION_AT(jobs));
-    const char *letters = jobs == NULL ? ":h" : ":hj:";
+    const char *letters = jobs->name == NULL ? ":h" : ":hj:";
     opterr = 0;
     optind = 1;
     for (int value;
