@@ -79,6 +79,21 @@ START_TEST(a_run_that_could_not_write_goes_on_with_the_next_batch)
 }
 END_TEST
 
+START_TEST(a_run_that_could_not_even_begin_has_an_io_error)
+{
+    write_sweep("two.yaml", "run: {duration: 0.1}\n", "");
+    expect(shell("mkdir -p " OUT "/o/two/log.txt; " BATCH "/two.yaml --out " OUT
+                 "/o 2>&1"),
+           4);
+    says("1 runs in " OUT "/o: 1 io_error\n");
+    expect(shell("head -1 " OUT "/o/two/result.yaml"), 0);
+    ck_assert_str_eq(output, "status: io_error\n");
+    expect(
+        shell("rmdir " OUT "/o/two/log.txt; " BATCH "/two.yaml --out " OUT "/o 2>&1"),
+        0);
+}
+END_TEST
+
 START_TEST(a_signal_ends_a_batch_with_valid_results_and_it_goes_on_later)
 {
     static const char *const names[] = { "INT", "TERM" };
@@ -161,6 +176,7 @@ TEST_SUITE(batch_ends)
                         sizeof fates / sizeof fates[0]);
     tcase_add_test(program, a_run_that_takes_too_long_keeps_its_own_result);
     tcase_add_test(program, a_run_that_could_not_write_goes_on_with_the_next_batch);
+    tcase_add_test(program, a_run_that_could_not_even_begin_has_an_io_error);
     tcase_add_loop_test(
         program, a_signal_ends_a_batch_with_valid_results_and_it_goes_on_later, 0, 2);
     tcase_add_test(program, a_run_that_takes_too_long_is_left_until_it_is_asked_for);

@@ -103,6 +103,14 @@ START_TEST(careful_controllers_take_more_steps)
 }
 END_TEST
 
+START_TEST(safety_may_be_1)
+{
+    const weft_controller least = { .safety = 1.0 };
+    double y[DIM];
+    ck_assert_uint_le(drive(&least, y).steps, drive(NULL, y).steps);
+}
+END_TEST
+
 START_TEST(what_makes_no_sense_is_refused)
 {
     const struct {
@@ -314,6 +322,7 @@ TEST_SUITE(controllers)
     tcase_add_test(tcase, pi_is_the_default);
     tcase_add_test(tcase, every_knob_changes_the_steps);
     tcase_add_test(tcase, careful_controllers_take_more_steps);
+    tcase_add_test(tcase, safety_may_be_1);
     tcase_add_test(tcase, what_makes_no_sense_is_refused);
     tcase_add_test(tcase, what_is_in_force_is_told);
     tcase_add_test(tcase, a_config_of_an_older_version_has_no_controller);

@@ -227,7 +227,8 @@ int weft__ark_set_control(arkode_stepper *self)
     const weft_controller *c = &self->control;
     void *s = self->solver;
     int bad = set_law(self);
-    bad |= ARK(SetSafetyFactor)(s, c->safety);
+    /* ARKODE 6.4 refuses 1 */
+    bad |= ARK(SetSafetyFactor)(s, fmin(c->safety, nextafter(1.0, 0.0)));
     bad |= ARK(SetMaxGrowth)(s, c->max_growth);
     bad |= ARK(SetMaxFirstGrowth)(s, c->first_growth);
     bad |= ARK(SetMaxEFailGrowth)(s, c->failed_growth);

@@ -148,7 +148,7 @@ const char *out_directory(const options *given, const char *suffix,
  * its URL; with `yaml` as a document {event: page, url: ...}. Returns the exit code. */
 int view_runs(const char *const *directories, size_t count, const char *out, bool yaml);
 
-/* view.c: "DIR: unfinished: 116 of 721 frames" to stderr if the run is that. */
+/* view.c: prints "DIR: unfinished: 116 of 721 frames" to stderr for such a run. */
 void report_unfinished(const char *directory);
 
 /* WEFT_UNSUPPORTED with the reason if this weft cannot run a valid scene. */

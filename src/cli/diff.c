@@ -33,13 +33,13 @@ typedef struct gap {
 typedef struct comparison {
     diff_side side[2];
     double tolerance;     /* [m]; < 0: bit for bit */
-    bool single;          /* one is recorded in single precision: so are both taken */
+    bool single;          /* compare in single precision: one was recorded in it */
     size_t rows, unequal; /* of series.csv: at common times, with other hashes */
     gap first;            /* of those; without a distance */
     size_t frames;        /* of run.vtkhdf, at common times */
     gap begin, largest;   /* first beyond the tolerance; of all */
-    const char *field; /* NULL: none; else the first other than positions to differ, */
-    gap other;         /* in that frame */
+    const char *field;    /* the first field to differ, beside positions; NULL: none */
+    gap other;            /* its frame */
 } comparison;
 
 /* Compared beside the positions. */

@@ -134,8 +134,8 @@ void print_item(const char *label, const char *format, ...)
     print_wrapped(stdout, LABEL, LABEL, PAGE_WIDTH, text);
 }
 
-/* Where the text of a line begins that has a name before it: behind two blanks. 0: a
- * line of a paragraph; the whole length: a line that is not filled. */
+/* The column of the text that follows a name and two blanks. 0: a line of a paragraph;
+ * the whole length: a line that is not filled. */
 static size_t text_column(const char *line, size_t length)
 {
     size_t column = strspn(line, " ");

@@ -30,9 +30,9 @@ WEFT_PRINTF(2, 3) void say(sentence *out, const char *format, ...);
  * would execute, are written as \x1b; those in `keep` are left. */
 void print_plain(FILE *stream, const char *text, const char *keep);
 
-/* Such text in lines of at most `width` characters, broken at blanks, the last line
- * ended: `used` characters stand in the first one already, the others begin with
- * `indent` blanks. */
+/* Prints such text in lines of at most `width` characters, broken at blanks, with a
+ * newline at the end. The first line already has `used` characters; the others begin
+ * with `indent` blanks. */
 void print_wrapped(FILE *stream, size_t used, size_t indent, size_t width,
                    const char *text);
 

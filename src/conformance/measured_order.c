@@ -26,8 +26,8 @@ enum {
     STEPS_MOST = 1024
 };
 
-/* Relative errors near 1e-11 are not those of the method: implicit ones iterate until
- * they are that near to the solution, and some tables weight their stages by hundreds.
+/* Relative errors near 1e-11 are not those of the method: implicit ones iterate to
+ * that accuracy, and some tables weight their stages by hundreds.
  * This margin above it changes the order by 0.05 at most. */
 #define ROUNDOFF 3e-10
 

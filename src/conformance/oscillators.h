@@ -16,7 +16,7 @@ enum { DIM = 4, APART = 3 /* quadratures at most */ };
 typedef enum fault { NO_FAULT, REFUSE, STOP, GIVE_NAN, GIVE_INF, FAULTS } fault;
 
 /* Two threads take turns at first: each call of one model's rhs waits for one of the
- * other's, so that data shared by mistake are overwritten for sure. */
+ * other's, so that data shared by mistake are certainly overwritten. */
 typedef struct baton {
     pthread_mutex_t lock;
     pthread_cond_t passed;
@@ -27,7 +27,7 @@ typedef struct baton {
 
 typedef struct model {
     double k;     /* [1/s^2] stiffness of the first oscillator */
-    double edge;  /* [m] beyond it the state is refused; 0: nowhere */
+    double edge;  /* [m] states beyond it are refused; 0: none */
     size_t apart; /* quadratures: t, x1 less its start, and the integral of v1 v2 */
     baton *baton; /* NULL: no turns are taken */
     int side;     /* 0 or 1 */
@@ -44,7 +44,7 @@ int weft__model_rhs(double t, const double *y, double *dydt, void *ctx);
 
 void weft__baton_drop(baton *self);
 
-/* y[DIM] at t becomes that at t_end, a multiple of 2^-13 s away; k = 1. */
+/* Advances y[DIM] from t to t_end, a multiple of 2^-13 s later; k = 1. */
 void weft__model_solve(double t, double t_end, double *y);
 
 /* The largest difference; INFINITY if an a is not finite. */

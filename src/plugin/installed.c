@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* installed.c -- where the plugins lie that were installed with the library: beside it,
- * wherever that was moved to. */
+/* installed.c -- finds the directory of the installed plugins: beside the library, also
+ * after that was moved. */
 #define _GNU_SOURCE /* dladdr, in POSIX since 2024 */
 
 #include <dlfcn.h>

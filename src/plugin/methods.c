@@ -37,7 +37,7 @@ static void guess_method(weft__guess *guess, const char *name, const weft_plugin
     }
 }
 
-/* The plugin of the others that has a method of that name, or a nearer one. */
+/* Another plugin that has a method of that name, or of a more similar one. */
 static void near_text(const weft_plugin *plugin, const char *name,
                       const weft_plugin *const *others, char *out, size_t size)
 {

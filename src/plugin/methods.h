@@ -15,14 +15,15 @@ const weft_stepper_type *weft__method_named(const weft_plugin *plugin, const cha
                                             const weft_plugin *const *others,
                                             weft_error *err);
 
-/* [particles] Methods with dense matrices are for so many at most. */
+/* [particles] Methods with dense matrices are meant for at most this many. */
 enum { WEFT__DENSE_MOST = 36 };
 
 /* The ids of weft's own plugins, NULL at their end. */
 enum { WEFT__SHIPPED = 3 };
 extern const char *const weft__shipped[WEFT__SHIPPED + 1];
 
-/* " (did you mean 'gsl'?)" of an id that weft's own plugins do not have; else "". */
+/* " (did you mean 'gsl'?)" for an id that is near one of weft's own plugins; else "".
+ */
 const char *weft__plugin_guess(const char *id, char *out, size_t size);
 
 #endif

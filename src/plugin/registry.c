@@ -107,7 +107,7 @@ static const weft_plugin *find_loaded(const weft_registry *registry, const char 
     return NULL;
 }
 
-/* Takes over nothing on failure. */
+/* On failure the caller keeps the handle. */
 static weft_status add_entry(weft_registry *registry, const weft_plugin *plugin,
                              void *handle, const char *file, weft_error *err)
 {
@@ -190,7 +190,7 @@ static weft_status load_open(weft_registry *registry, void *handle, const char *
     return status == WEFT_OK ? add_entry(registry, plugin, handle, file, err) : status;
 }
 
-/* Whether a file may be loaded. One that is missing is left to dlopen. */
+/* Whether a file may be loaded. dlopen reports a missing one. */
 static weft_status check_file(const weft_registry *registry, const char *file,
                               const char *id, weft_error *err)
 {
@@ -206,7 +206,7 @@ static weft_status check_file(const weft_registry *registry, const char *file,
                                    : registry->admit(registry->admit_ctx, file, err);
 }
 
-/* dlopen takes a name without a slash for a library of the system. */
+/* dlopen would search the system's libraries for a name without a slash. */
 static void *open_file(const char *file)
 {
     char path[4096];
@@ -252,8 +252,8 @@ weft_status weft_registry_load(weft_registry *registry, const char *file,
     return status;
 }
 
-/* The next directory of a list separated by ':'; NULL at the end. One that is too long
- * to be a path is passed over. */
+/* The next directory of a list separated by ':'; NULL at the end. Skips names
+ * that are too long for a path. */
 static const char *next_directory(const char *list, char *directory, size_t size)
 {
     for (size_t length; *list != '\0'; list += length) {

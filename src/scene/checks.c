@@ -45,7 +45,7 @@ static void report_fault(void *ctx, size_t field, size_t other, const char *mess
     }
 }
 
-/* Of larger grids weft_cloth_create compares the neighbours: it takes time. */
+/* [particles] Larger grids take time: weft_cloth_create compares their neighbours. */
 #define MAX_COMPARED ((size_t)1 << 24)
 
 void weft__check_grid(weft__reader *reader, const weft__match *match, void *base)
@@ -93,10 +93,10 @@ static void check_mass(weft__reader *reader, const weft__match *match)
     }
 }
 
-/* Comparisons of a particle with a pin; beyond them no warning is worth the time. */
+/* Limit of comparisons of a particle with a pin: beyond it there is no warning. */
 #define MAX_COVERED ((size_t)1 << 26)
 
-/* The column behind the pin that holds a particle; the same column: none does. */
+/* The column after the pin that holds a particle; `col` itself: no pin holds it. */
 static size_t past_pin(const weft_cloth_def *cloth, size_t row, size_t col,
                        size_t *compared)
 {

@@ -20,9 +20,9 @@ typedef struct weft__report {
     weft_diagnostics *found;
     const weft__source *sources; /* [0] is the file, [n] the n-th override */
     weft__origin origin[WEFT_DIAGNOSTICS_MAX]; /* of found->items */
-    size_t run;                                /* of a sweep, that is being read */
-    size_t mistakes; /* found in it, those that are known already too */
-    bool no_memory;  /* an allocation failed: nothing that was found counts */
+    size_t run;                                /* of a sweep, the one being read */
+    size_t mistakes; /* of that run, including repeated ones */
+    bool no_memory;  /* an allocation failed: the mistakes do not count */
     const weft_allocator *memory;
 } weft__report;
 

@@ -25,8 +25,8 @@ char *weft__name_of_file(weft__tree *tree, const char *file)
     return name;
 }
 
-/* Where the text of a scene's first key begins, if it is that of a block mapping at the
- * margin, so that a line may come before it; NULL if not. */
+/* The start of a scene's first key, if it belongs to a block mapping at the margin, so
+ * that a line can be inserted before it; NULL if not. */
 static const char *first_key(const weft__node *root, const char *text)
 {
     const weft__node *key = root->entries[0].key;

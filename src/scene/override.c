@@ -13,7 +13,7 @@ typedef struct graft {
     weft__tree *tree;
     const char *path, *end;
     weft__mark at;           /* of the path */
-    const weft__node *value; /* NULL: removes what is there */
+    const weft__node *value; /* NULL: removes the present value */
 } graft;
 
 typedef struct segment {
@@ -65,8 +65,8 @@ static bool next_segment(const graft *self, const char *from, segment *part)
     return part->length > 0;
 }
 
-/* The entry that a part of the path leads to: a new one if it is behind the last.
- * false: it leads nowhere. */
+/* The entry of a part of the path; the index after the last item makes a new one.
+ * false: there is no such entry. */
 static bool find_slot(const graft *self, const weft__node *node, const segment *part,
                       size_t *slot)
 {

@@ -33,7 +33,7 @@ const weft__switch *weft__find_switch(const char *text);
 /* A node as messages show it: 'text', the text 'text' if quoted, a mapping, ... */
 const char *weft__show(const weft__node *node, char *out, size_t size);
 
-/* Why a scalar may have failed to be what was wanted, as " (remove the quotes)"; "" if
+/* The probable reason why a scalar has the wrong type, as " (remove the quotes)"; "" if
  * there is no guess. It names the unit (NULL: none) if the text seems to have one. */
 const char *weft__hint(const weft__node *node, bool number, const char *unit, char *out,
                        size_t size);

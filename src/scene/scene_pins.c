@@ -2,6 +2,7 @@
 /* scene_pins.c -- places on the grid, and the pins and loads that are put there. */
 #include <string.h>
 
+#include "base/suggest.h"
 #include "cloth/model.h"
 #include "scene/read.h"
 #include "scene/scalar.h"
@@ -161,19 +162,22 @@ void weft__check_pin(weft__reader *reader, const weft__match *match, void *base)
     weft__check_together(reader, match, "amplitude", "frequency");
 }
 
-/* A pin is a mapping with `at`, or the place of a pin at rest. */
+/* A pin is a mapping with `at`, or the place of a pin at rest: a mapping with a key of
+ * a place, which may be misspelt. */
 static bool is_place(const weft__node *node)
 {
     const weft__section *place = &weft__place_section;
-    size_t hits = 0;
+    weft__guess guess = { 0 };
     if (node->type != WEFT__MAP) {
         return true;
     }
-    for (size_t i = 0; i < place->count; ++i) {
-        const char *name = place->keys[i].name;
-        hits += weft__find_key(node, name, strlen(name)) < node->count;
+    for (size_t k = 0; k < node->count; ++k) {
+        const char *name = weft__text_of(node->entries[k].key);
+        for (size_t i = 0; name != NULL && i < place->count; ++i) {
+            weft__guess_try(&guess, name, place->keys[i].name);
+        }
     }
-    return hits > 0 && weft__find_key(node, "at", 2) == node->count;
+    return guess.name != NULL && weft__find_key(node, "at", 2) == node->count;
 }
 
 static void read_pin(weft__reader *reader, const weft__node *node, weft_pin *pin)

@@ -25,7 +25,7 @@
 
 #define ROUNDOFF 1e-12 /* of growth a step */
 #define SHORT    1e-4  /* of h: error of a verdict after STEPS steps */
-#define FAR      1e6   /* [s] no step of 1 s is cut before it */
+#define FAR      1e6   /* [s] t_end, so far away that no step of 1 s is cut */
 
 /* Of one step, log(2): without it a step as long as many runs might grow without end,
  * and modes next to rigid ones would be searched for as long. */
@@ -71,7 +71,7 @@ static int shift(double t, const double *y, double *dydt, void *ctx)
     return 0;
 }
 
-/* Modes side by side: x[count], then v[count]. */
+/* Independent modes: x[count], then v[count]. */
 typedef struct step_batch {
     size_t count;
     const double *w, *c; /* [1/s^2], [1/s] */
@@ -105,7 +105,7 @@ static weft_status read_polynomial(weft_stability *out, weft_error *err)
         out->r[k] = y[SHIFT_DIM - 1 - k];
         out->degree = out->r[k] != 0.0 ? k : out->degree;
     }
-    /* The first step of all may cost more than the others. */
+    /* The first step may cost more than later ones. */
     const uint64_t before = probe_calls(&run);
     for (int k = 0; k < 4 && status == WEFT_OK; ++k) {
         status = probe_step(&run, y);
@@ -232,9 +232,9 @@ static double allowance(double complex mu, double growth)
     return cimag(mu) != 0.0 ? fmax(0.0, growth + creal(mu)) : 0.0;
 }
 
-enum { POINTS = 16 }; /* on a side, denser where the modes are slow */
+enum { POINTS = 16 }; /* per side, denser where the modes are slow */
 
-/* Beyond it nothing but R = const is stable: all of R's zeros are nearer. */
+/* Radius beyond which only R = const is stable: it encloses all zeros of R. */
 static double farthest(const weft_stability *of, double complex mu)
 {
     double most = 0.0;

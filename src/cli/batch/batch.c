@@ -42,7 +42,7 @@ static int take_options(batch *self)
     return EXIT_DONE;
 }
 
-/* ---- the runs of this process--------------------------------------------------- */
+/* ---- the runs of this process ------------------------------------------------- */
 
 static bool to_run(const batch *self, const batch_run *run)
 {

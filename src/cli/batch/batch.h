@@ -50,7 +50,7 @@ typedef struct batch {
 } batch;
 
 const char *batch_status_name(batch_status status);
-/* Whether a run has ended by itself or was ended for good, with a result. */
+/* Whether result.yaml has that status: done, failed, io_error, crashed or timeout. */
 bool batch_is_over(batch_status status);
 
 /* batch_name.c: the directory of a run: the file's stem, then key=value of each varied

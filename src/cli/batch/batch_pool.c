@@ -135,7 +135,8 @@ static batch_status status_of_exit(const batch_pool *self, const process *ended,
         return stopped ? BATCH_PARTIAL : status;
     }
     (void)snprintf(reason, sizeof reason, "exit code %d: see log.txt", code);
-    return write_end(self, ended, BATCH_FAILED, reason);
+    return write_end(self, ended, code == EXIT_FILE ? BATCH_IO_ERROR : BATCH_FAILED,
+                     reason);
 }
 
 static batch_status status_of_end(const batch_pool *self, const process *ended)
