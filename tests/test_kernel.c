@@ -99,9 +99,11 @@ static uint64_t hash(void)
     return test_hash(m.dydt, 6 * m.n);
 }
 
-static const weft__level wide = { "8 lanes", weft__rows_wide, weft__damping_wide };
+static const weft__level wide
+    = { "8 lanes", weft__rows_wide, weft__damping_wide, weft__reference_contact };
 static const weft__level reference
-    = { "plain loops", weft__reference_rows, weft__reference_damping };
+    = { "plain loops", weft__reference_rows, weft__reference_damping,
+        weft__reference_contact };
 
 START_TEST(every_level_and_width_has_the_bits_of_the_plain_loops)
 {
@@ -119,8 +121,9 @@ START_TEST(every_level_and_width_has_the_bits_of_the_plain_loops)
             ck_assert_int_eq(weft_cloth_rhs(m.cloth, m.t, m.y, m.dydt), 0);
             ck_assert_msg(hash() == plain, "%u: %zu x %zu on %s", (unsigned)number,
                           m.def.rows, m.def.cols, level->name);
-            ck_assert(i == 0 || weft_cloth_dissipation(m.cloth, m.y) == dissipation);
-            dissipation = weft_cloth_dissipation(m.cloth, m.y);
+            ck_assert(i == 0
+                      || weft_cloth_dissipation(m.cloth, 0.0, m.y) == dissipation);
+            dissipation = weft_cloth_dissipation(m.cloth, 0.0, m.y);
         }
     }
 }
@@ -132,7 +135,7 @@ START_TEST(rates_are_forces_by_masses)
     static double f[3 * MOST];
     for (uint64_t number = 0; number < SEEDS; ++number) {
         make(number);
-        weft_cloth_force(m.cloth, m.y, f);
+        weft_cloth_force(m.cloth, 0.0, m.y, f);
         ck_assert_int_eq(weft_cloth_rhs(m.cloth, m.t, m.y, m.dydt), 0);
         double largest = 1.0;
         for (size_t j = 0; j < 3 * m.n; ++j) {

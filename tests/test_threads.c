@@ -221,7 +221,7 @@ static void compare_measures(const weft_cloth *cloth, size_t threads)
     ck_assert_int_eq(weft_sim_step(sim, 1.0, NULL), WEFT_OK);
     const double *y = weft_sim_state(sim);
     const weft_measures all = weft_sim_measure(sim);
-    const weft_energy energy = weft_cloth_energy(cloth, y);
+    const weft_energy energy = weft_cloth_energy(cloth, 0.0, y);
     const weft_spring worst = weft_cloth_worst_spring(cloth, y);
     double p[3], l[3], power[WEFT_POWERS];
     weft_cloth_momentum(cloth, y, p);

@@ -186,8 +186,9 @@ static void cut(weft_stiffness *from, const grid_side *by)
     }
 }
 
-weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, const double *y)
+weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t, const double *y)
 {
+    (void)t;
     grid_side sides[SIDES_MAX];
     const size_t count = sides_init(cloth, y, sides);
     for (size_t i = 0; i < cloth->particles; ++i) {
@@ -305,9 +306,9 @@ static estimate power(const weft_cloth *cloth, const double *y, const grid_side 
     return best;
 }
 
-weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth, const double *y,
-                                         size_t iterations, weft_stiffness *out,
-                                         weft_error *err)
+weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth, double t,
+                                         const double *y, size_t iterations,
+                                         weft_stiffness *out, weft_error *err)
 {
     if (y == NULL) {
         return weft_error_set(err, WEFT_INVALID, "the power method needs a state");
@@ -317,7 +318,7 @@ weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth, const double *
     if (work == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the power method");
     }
-    *out = weft_cloth_stiffness(cloth, y);
+    *out = weft_cloth_stiffness(cloth, t, y);
     grid_side ways[2] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 } };
     double *values[2] = { &out->omega2, &out->damping };
     for (size_t i = 0; i < 2 && isfinite(*values[i]); ++i) {

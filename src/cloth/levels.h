@@ -15,15 +15,22 @@ typedef int weft__rows_fn(const weft_cloth *cloth, const double *y, double *dydt
 /* Power [W] that the dampers of the springs which begin in row r take. */
 typedef double weft__damping_fn(const weft_cloth *cloth, const double *y, size_t r);
 
+/* Adds contact with the shapes to v' of the free particles of rows; 0, or 1 if a gap is
+ * not > 0 or something is not finite. */
+typedef int weft__contact_fn(const weft_cloth *cloth, double t, const double *y,
+                             double *dydt, size_t first_row, size_t end_row);
+
 struct weft__level {
     const char *name;
     weft__rows_fn *rows;
     weft__damping_fn *damping;
+    weft__contact_fn *contact;
 };
 
-/* The plain loops: rhs.c, power.c. */
+/* The plain loops: rhs.c, power.c, contact.c. */
 weft__rows_fn weft__reference_rows;
 weft__damping_fn weft__reference_damping;
+weft__contact_fn weft__reference_contact;
 
 /* The kernels, by the ends of their names for each level; without instructions of its
  * own, `plain` is what the compiler takes for granted. */

@@ -26,6 +26,7 @@ void weft__row_energy(const weft__subject *of, size_t r, weft_measures *row)
         row->energy.elastic[walk.spring.group->family]
             += weft__spring_energy(&walk.spring);
     }
+    weft__row_contact_energy(of, r, row);
 }
 
 static void row_momentum(const weft__subject *of, size_t r, weft_measures *row)
@@ -84,11 +85,14 @@ void weft__row_all(const weft__subject *of, size_t r, weft_measures *row)
     weft__row_energy(of, r, row);
     weft__row_power(of, r, row);
     weft__row_worst(of, r, row);
+    weft__row_gap(of, r, row);
     row_momentum(of, r, row);
     row->hash = row_hash(of->y, of->cloth->rows, of->cloth->cols, r);
 }
 
-const weft_measures weft__measures_start = { .hash = WEFT__HASH_START };
+const weft_measures weft__row_start = { .gap = (double)INFINITY };
+const weft_measures weft__measures_start
+    = { .hash = WEFT__HASH_START, .gap = (double)INFINITY };
 
 void weft__measures_add(weft_measures *sum, const weft_measures *row)
 {
@@ -97,6 +101,7 @@ void weft__measures_add(weft_measures *sum, const weft_measures *row)
     for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
         sum->energy.elastic[k] += row->energy.elastic[k];
     }
+    sum->energy.contact += row->energy.contact;
     for (size_t k = 0; k < 3; ++k) {
         sum->momentum[k] += row->momentum[k];
         sum->angular_momentum[k] += row->angular_momentum[k];
@@ -107,6 +112,8 @@ void weft__measures_add(weft_measures *sum, const weft_measures *row)
     if (row->worst.p != row->worst.q) {
         keep_worst(&sum->worst, &row->worst);
     }
+    weft__keep_gap(sum, row->gap, row->gap_particle, row->gap_shape);
+    sum->touching += row->touching;
     sum->hash = weft__hash_word(sum->hash, row->hash);
 }
 
@@ -116,16 +123,16 @@ static weft_measures measure(const weft_cloth *cloth, double t, const double *y,
     const weft__subject of = { cloth, t, y, NULL };
     weft_measures sum = weft__measures_start;
     for (size_t r = 0; r < cloth->rows; ++r) {
-        weft_measures row = { .hash = 0 };
+        weft_measures row = weft__row_start;
         measure_row(&of, r, &row);
         weft__measures_add(&sum, &row);
     }
     return sum;
 }
 
-weft_energy weft_cloth_energy(const weft_cloth *cloth, const double *y)
+weft_energy weft_cloth_energy(const weft_cloth *cloth, double t, const double *y)
 {
-    return measure(cloth, 0.0, y, weft__row_energy).energy;
+    return measure(cloth, t, y, weft__row_energy).energy;
 }
 
 double weft_energy_total(weft_energy energy)
@@ -134,7 +141,7 @@ double weft_energy_total(weft_energy energy)
     for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
         total += energy.elastic[k];
     }
-    return total;
+    return total + energy.contact;
 }
 
 void weft_cloth_power(const weft_cloth *cloth, double t, const double *y,
@@ -157,6 +164,24 @@ void weft_cloth_angular_momentum(const weft_cloth *cloth, const double *y, doubl
 weft_spring weft_cloth_worst_spring(const weft_cloth *cloth, const double *y)
 {
     return measure(cloth, 0.0, y, weft__row_worst).worst;
+}
+
+double weft_cloth_gap(const weft_cloth *cloth, double t, const double *y,
+                      size_t *particle, size_t *shape)
+{
+    const weft_measures found = measure(cloth, t, y, weft__row_gap);
+    if (particle != NULL) {
+        *particle = found.gap_particle;
+    }
+    if (shape != NULL) {
+        *shape = found.gap_shape;
+    }
+    return found.gap;
+}
+
+size_t weft_cloth_touching(const weft_cloth *cloth, double t, const double *y)
+{
+    return measure(cloth, t, y, weft__row_gap).touching;
 }
 
 uint64_t weft_state_hash(const double *y, size_t rows, size_t cols)

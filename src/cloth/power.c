@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* power.c -- at what rate springs, drag, wind and moved pins change the energy E of a
- * cloth, that is, kinetic and gravitational of the free particles and elastic:
+/* power.c -- at what rate springs, drag, wind, moved pins and shapes change the energy
+ * E of a cloth: kinetic and gravitational of the free particles, elastic, and contact.
  *
- *     dE/dt = -springs - drag + wind + pins                        (docs/physics.md)
+ *     dE/dt = -springs - drag - contact - friction + wind + pins + shapes
+ *                                                                  (docs/physics.md)
  *
  * Each row is summed by itself, then the rows in their order. */
 #include "cloth/levels.h"
@@ -59,11 +60,13 @@ void weft__row_power(const weft__subject *of, size_t r, weft_measures *row)
             row->power[WEFT_POWER_PINS] += pin_power(cloth, i, of->t, of->y);
         }
     }
+    weft__row_contact_power(of, r, row);
 }
 
-double weft_cloth_dissipation(const weft_cloth *cloth, const double *y)
+double weft_cloth_dissipation(const weft_cloth *cloth, double t, const double *y)
 {
     double power[WEFT_POWERS];
-    weft_cloth_power(cloth, 0.0, y, power); /* pins alone depend on t */
-    return power[WEFT_POWER_SPRINGS] + power[WEFT_POWER_DRAG];
+    weft_cloth_power(cloth, t, y, power);
+    return power[WEFT_POWER_SPRINGS] + power[WEFT_POWER_DRAG]
+           + power[WEFT_POWER_CONTACT] + power[WEFT_POWER_FRICTION];
 }

@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* rhs.c -- the equations of motion as a first-order system y' = f(t, y):
  *
- *     free particle     x' = v,   v' = (m g - drag v + springs + wind) / m
+ *     free particle     x' = v,   v' = (m g - drag v + springs + wind + contact) / m
  *     pinned particle   x' = V + w A cos(w t),   v' = -w^2 A sin(w t),  w = 2 pi f
  *
  * A pinned particle has inverse mass 0 and follows its prescribed motion; one without
  * motion has x' = v' = 0 and keeps its position bit for bit. The plain loops here are
  * what src/kernel does fast, with the same bits. */
+#include <string.h>
+
+#include "cloth/contact.h"
 #include "cloth/levels.h"
 #include "cloth/rows.h"
 #include "cloth/springs.h"
 
-#include "weft/elementary.h"
-
-void weft_cloth_force(const weft_cloth *cloth, const double *y, double *f)
+void weft_cloth_force(const weft_cloth *cloth, double t, const double *y, double *f)
 {
     const size_t n = cloth->particles;
     for (size_t i = 0; i < n; ++i) {
@@ -23,6 +24,13 @@ void weft_cloth_force(const weft_cloth *cloth, const double *y, double *f)
         for (size_t k = 0; k < 3; ++k) {
             f[k * n + i] = cloth->mass[i] * cloth->gravity[k]
                            + (springs[k] - cloth->drag * y[(k + 3) * n + i]) + wind[k];
+        }
+    }
+    for (weft__touches at = weft__touches_of(cloth, t, y, 0, n);
+         weft__each_touch(&at);) {
+        for (size_t k = 0; k < 3; ++k) {
+            f[k * n + at.i]
+                += cloth->mass[at.i] * weft__touch_acceleration(&at.touch, k);
         }
     }
 }
@@ -55,17 +63,11 @@ int weft__reference_rows(const weft_cloth *cloth, const double *y, double *dydt,
 
 void weft__pin_rate(const weft_cloth *cloth, size_t i, double t, double rate[6])
 {
-    const weft__motion *motion = &cloth->motions[cloth->pin[i] - 1];
-    const double *velocity = motion->coasts ? cloth->coast + 3 * i : motion->velocity;
-    const double w = motion->omega;
-    double sine = 0.0, cosine = 1.0;
-    if (w != 0.0) {
-        weft_sincos_turns(motion->frequency, t, &sine, &cosine);
+    weft__motion motion = cloth->motions[cloth->pin[i] - 1];
+    if (motion.coasts) {
+        memcpy(motion.velocity, cloth->coast + 3 * i, sizeof motion.velocity);
     }
-    for (size_t k = 0; k < 3; ++k) {
-        rate[k] = velocity[k] + w * motion->amplitude[k] * cosine;
-        rate[k + 3] = -w * w * motion->amplitude[k] * sine;
-    }
+    weft__motion_rate(&motion, t, rate);
 }
 
 enum { KEPT = 8 }; /* motions whose rates a pass remembers */
@@ -95,7 +97,10 @@ static void move_pins(const weft_cloth *cloth, double t, double *dydt, size_t fi
 int weft__rhs_rows(const weft_cloth *cloth, double t, const double *y, double *dydt,
                    size_t first, size_t end)
 {
-    const int failed = cloth->level->rows(cloth, y, dydt, first, end);
+    int failed = cloth->level->rows(cloth, y, dydt, first, end);
+    if (cloth->shape_count > 0) {
+        failed |= cloth->level->contact(cloth, t, y, dydt, first, end);
+    }
     move_pins(cloth, t, dydt, first * cloth->cols, end * cloth->cols);
     return failed;
 }

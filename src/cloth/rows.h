@@ -18,17 +18,23 @@ typedef struct weft__subject {
     const bool *families; /* in which the worst spring is sought; NULL: all */
 } weft__subject;
 
-/* Measures a part or all of row r into *row, which is 0 before. Springs belong to the
- * row where they begin. measure.c, power.c */
+/* Measures a part or all of row r into *row, which is weft__row_start before. Springs
+ * belong to the row where they begin. measure.c, power.c, contact.c */
 typedef void weft__row_fn(const weft__subject *of, size_t r, weft_measures *row);
 weft__row_fn weft__row_energy, weft__row_power, weft__row_worst, weft__row_all;
+weft__row_fn weft__row_contact_energy, weft__row_contact_power, weft__row_gap;
+
+extern const weft_measures weft__row_start;
 
 /* Of all rows, taken in their order: *sum is weft__measures_start before the first. */
 extern const weft_measures weft__measures_start;
 void weft__measures_add(weft_measures *sum, const weft_measures *row);
 
-/* cloth_hash.c: of all that moves a cloth but its state: springs, masses, pins, forces.
- */
+/* The smaller gap; NaN is smaller than a number. */
+void weft__keep_gap(weft_measures *kept, double gap, size_t particle, size_t shape);
+
+/* cloth_hash.c: of all that moves a cloth but its state: springs, masses, pins, forces,
+ * shapes. */
 uint64_t weft__cloth_hash(const weft_cloth *cloth);
 
 #endif

@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* test_contact.c -- contact with rigid shapes in a given state: gaps, forces, powers,
+ * loads, the check of definitions. What needs a simulation is elsewhere. */
+#include "support.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { N = 20 };
+
+/* Loose particles, so that contact is the only force that depends on the state. */
+static weft_cloth_def def;
+static weft_shape shapes[4];
+static weft_cloth *cloth;
+static double y[6 * N];
+
+static double noise(uint64_t *seed) /* in (-1, 1) */
+{
+    *seed = *seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return (double)(*seed >> 11) * 0x1p-52 - 1.0;
+}
+
+/* A moving shape of each kind near the origin; the plane below. */
+static void setup(void)
+{
+    def = weft_cloth_def_default();
+    def.rows = 4, def.cols = N / 4;
+    def.origin[1] = 10.0; /* away from all shapes */
+    def.density = 0.0, def.mass = 0.1;
+    for (size_t k = 0; k < 4; ++k) {
+        shapes[k] = weft_shape_default((weft_shape_kind)k);
+        shapes[k].velocity[0] = 0.3, shapes[k].amplitude[1] = 0.02;
+        shapes[k].frequency = 1.5, shapes[k].friction = 0.1 + 0.2 * (double)k;
+    }
+    shapes[WEFT_PLANE].normal[0] = 0.5, shapes[WEFT_PLANE].spin[1] = 2.0;
+    shapes[WEFT_PLANE].spin[0] = 1.0;
+    shapes[WEFT_SPHERE].radius = 0.3, shapes[WEFT_SPHERE].spin[2] = -3.0;
+    shapes[WEFT_CAPSULE].to[0] = 0.2, shapes[WEFT_CAPSULE].to[1] = 0.1;
+    shapes[WEFT_CAPSULE].radius = 0.1, shapes[WEFT_CAPSULE].spin[0] = 2.0;
+    shapes[WEFT_CAPSULE].spin[1] = 1.0;
+    shapes[WEFT_BOX].rounding = 0.05;
+    for (size_t k = 0; k < 3; ++k) {
+        shapes[WEFT_BOX].half[k] = 0.1 + 0.05 * (double)k;
+    }
+    def.contact.thickness = 0.02;
+    def.contact.shapes = shapes;
+}
+
+static void teardown(void)
+{
+    weft_cloth_destroy(cloth);
+    cloth = NULL;
+}
+
+/* One shape; every particle at a gap of a tenth to nine tenths of the thickness at t.
+ */
+static void touch(weft_shape_kind kind, double t)
+{
+    uint64_t seed = 11 + (uint64_t)kind;
+    double at[3];
+    def.contact.shapes = &shapes[kind];
+    def.contact.shape_count = 1;
+    cloth = test_cloth(&def);
+    weft_cloth_shape_pose(cloth, 0, t, at, NULL);
+    weft_cloth_start(cloth, y);
+    for (size_t i = 0; i < N; ++i) {
+        const double want = (0.5 + 0.4 * noise(&seed)) * def.contact.thickness;
+        double way[3], square = 0.0;
+        for (size_t k = 0; k < 3; ++k) {
+            way[k] = noise(&seed);
+            square += way[k] * way[k];
+            y[(3 + k) * N + i] = 2.0 * noise(&seed);
+        }
+        if (kind == WEFT_PLANE) {
+            way[1] = fabs(way[1]) + 1.0, way[0] = fabs(way[0]);
+        }
+        /* along `way` the gap grows from inside to far away */
+        double low = 0.0, high = 10.0;
+        for (int j = 0; j < 60; ++j) {
+            const double middle = 0.5 * (low + high);
+            double one[6 * N];
+            size_t particle;
+            memcpy(one, y, sizeof one);
+            for (size_t l = 0; l < N; ++l) {
+                for (size_t k = 0; k < 3; ++k) {
+                    one[k * N + l] = l == i ? at[k] + middle * way[k] : 50.0;
+                }
+            }
+            const double gap = weft_cloth_gap(cloth, t, one, &particle, NULL);
+            ck_assert_uint_eq(particle, i);
+            *(gap < want ? &low : &high) = middle;
+        }
+        for (size_t k = 0; k < 3; ++k) {
+            y[k * N + i] = at[k] + low * way[k];
+        }
+    }
+}
+
+/* The energy along y + s f(t, y), t + s: its slope at s = 0. */
+static double energy_slope(double t, const double *f, double s)
+{
+    double sides[2];
+    for (int side = 0; side < 2; ++side) {
+        double z[6 * N];
+        const double h = side == 0 ? s : -s;
+        for (size_t j = 0; j < 6 * (size_t)N; ++j) {
+            z[j] = y[j] + h * f[j];
+        }
+        sides[side] = weft_energy_total(weft_cloth_energy(cloth, t + h, z));
+    }
+    return (sides[0] - sides[1]) / (2.0 * s);
+}
+
+START_TEST(powers_are_the_rate_of_the_energy)
+{
+    const double t = 0.37;
+    double f[6 * N], power[WEFT_POWERS];
+    def.contact.law = _i % 2 == 0 ? WEFT_FRICTION_SMOOTH : WEFT_FRICTION_COULOMB;
+    def.contact.exponent = 3 + _i % 8;
+    touch((weft_shape_kind)(_i % 4), t);
+    ck_assert_uint_eq(weft_cloth_touching(cloth, t, y), N);
+    ck_assert_int_eq(weft_cloth_rhs(cloth, t, y, f), 0);
+    weft_cloth_power(cloth, t, y, power);
+    const double rate = energy_slope(t, f, 0x1p-26);
+    const double heat = power[WEFT_POWER_CONTACT] + power[WEFT_POWER_FRICTION];
+    ck_assert_double_eq_tol(power[WEFT_POWER_SHAPES] - heat, rate,
+                            1e-5 * (heat + fabs(rate)));
+    ck_assert_double_gt(power[WEFT_POWER_CONTACT], 0.0);
+    ck_assert_double_gt(power[WEFT_POWER_FRICTION], 0.0);
+    ck_assert(heat == weft_cloth_dissipation(cloth, t, y));
+}
+END_TEST
+
+/* Without damping and friction the force is -dU/dx, and without a shape's work. */
+START_TEST(forces_are_the_slope_of_the_energy)
+{
+    const double t = 0.37, h = 1e-7;
+    double f[3 * N];
+    def.contact.damping = 0.0, shapes[_i % 4].friction = 0.0;
+    def.contact.exponent = 3 + _i % 8;
+    memset(def.gravity, 0, sizeof def.gravity);
+    touch((weft_shape_kind)(_i % 4), t);
+    weft_cloth_force(cloth, t, y, f);
+    for (size_t j = 0; j < 3 * (size_t)N; ++j) {
+        const double kept = y[j];
+        y[j] = kept + h;
+        const double ahead = weft_cloth_energy(cloth, t, y).contact;
+        y[j] = kept - h;
+        const double behind = weft_cloth_energy(cloth, t, y).contact;
+        y[j] = kept;
+        ck_assert_double_eq_tol(f[j], (behind - ahead) / (2.0 * h),
+                                1e-5 * (1.0 + fabs(f[j])));
+    }
+}
+END_TEST
+
+TEST_SUITE(contact)
+{
+    Suite *suite = suite_create("contact");
+    TCase *tcase = tcase_create("contact");
+    tcase_add_checked_fixture(tcase, setup, teardown);
+    tcase_add_loop_test(tcase, powers_are_the_rate_of_the_energy, 0, 16);
+    tcase_add_loop_test(tcase, forces_are_the_slope_of_the_energy, 0, 16);
+    suite_add_tcase(suite, tcase);
+    return suite;
+}
