@@ -8,10 +8,10 @@ static const weft__level levels[] = {
 #ifdef WEFT_PLAIN
     { "plain", weft__reference_rows, weft__reference_damping, weft__reference_contact },
 #else
-    { "plain", weft__rows_plain, weft__damping_plain, weft__reference_contact },
+    { "plain", weft__rows_plain, weft__damping_plain, weft__contact_plain },
 #ifdef __x86_64__
-    { "x86-64-v3", weft__rows_v3, weft__damping_v3, weft__reference_contact },
-    { "x86-64-v4", weft__rows_v4, weft__damping_v4, weft__reference_contact },
+    { "x86-64-v3", weft__rows_v3, weft__damping_v3, weft__contact_v3 },
+    { "x86-64-v4", weft__rows_v4, weft__damping_v4, weft__contact_v4 },
 #endif
 #endif
 };

@@ -42,7 +42,8 @@ weft__contact_fn weft__reference_contact;
 
 #define WEFT_LEVEL_KERNELS(level)                                                      \
     weft__rows_fn weft__rows_##level, weft__wind_##level;                              \
-    weft__damping_fn weft__damping_##level;
+    weft__damping_fn weft__damping_##level;                                            \
+    weft__contact_fn weft__contact_##level;
 WEFT_LEVELS(WEFT_LEVEL_KERNELS)
 #undef WEFT_LEVEL_KERNELS
 
