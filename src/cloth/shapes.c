@@ -75,7 +75,8 @@ static double beyond(double x, double low, double high)
     return (over > 0.0 ? over : 0.0) + (under < 0.0 ? under : 0.0);
 }
 
-static double capsule_gap(const weft__pose *pose, const double r[3], double gradient[3])
+static double capsule_gap(const weft__pose *pose, const double r[3], double gradient[3],
+                          bool *joined)
 {
     double side[3];
     const double along = weft__dot(r, pose->axis);
@@ -90,10 +91,12 @@ static double capsule_gap(const weft__pose *pose, const double r[3], double grad
     for (size_t k = 0; k < 3; ++k) {
         gradient[k] = a * side[k] + b * pose->axis[k];
     }
+    *joined = q2 > 0.0;
     return norm - pose->radius;
 }
 
-static double box_gap(const weft__pose *pose, const double r[3], double gradient[3])
+static double box_gap(const weft__pose *pose, const double r[3], double gradient[3],
+                      bool *joined)
 {
     double q[3], q2[3];
     for (size_t k = 0; k < 3; ++k) {
@@ -105,6 +108,7 @@ static double box_gap(const weft__pose *pose, const double r[3], double gradient
     for (size_t k = 0; k < 3; ++k) {
         gradient[k] = q2[k] * q[k] * inverse;
     }
+    *joined = q2[0] * q2[1] + q2[1] * q2[2] + q2[2] * q2[0] > 0.0;
     return norm - pose->radius;
 }
 
@@ -124,9 +128,11 @@ double weft__shape_gap(const weft__pose *pose, const double x[3], double gradien
         }
         return distance - pose->radius;
     }
-    const double gap = pose->kind == WEFT_CAPSULE ? capsule_gap(pose, r, gradient)
-                                                  : box_gap(pose, r, gradient);
-    *steepness = sqrt(weft__dot(gradient, gradient));
+    bool joined;
+    const double gap = pose->kind == WEFT_CAPSULE
+                           ? capsule_gap(pose, r, gradient, &joined)
+                           : box_gap(pose, r, gradient, &joined);
+    *steepness = joined ? sqrt(weft__dot(gradient, gradient)) : 1.0;
     return gap;
 }
 

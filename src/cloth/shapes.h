@@ -31,7 +31,8 @@ weft__shape weft__shape_of(const weft_shape *def, double friction);
 
 weft__pose weft__pose_of(const weft__shape *shape, double t);
 
-/* [m]; *steepness is |gradient|, which is 1 but at the joins of a capsule or a box. */
+/* [m]; *steepness is |gradient|: 1 but at the ends of a capsule and the edges of a box.
+ */
 double weft__shape_gap(const weft__pose *pose, const double x[3], double gradient[3],
                        double *steepness);
 

@@ -11,12 +11,12 @@ enum { BLOCK = 64, POSES = 8 };
 
 typedef struct bounds {
     double low[3], high[3]; /* [m] */
-    double odd;             /* 0, or NaN where something is not finite */
+    double size;            /* [m] of the numbers in it; NaN if one is not finite */
 } bounds;
 
 typedef struct target {
     weft__pose pose;
-    bounds reach; /* of its thickness; a plane has none */
+    bounds reach; /* within thickness; a plane has none */
 } target;
 
 typedef struct job {
@@ -26,10 +26,11 @@ typedef struct job {
     vec bad;
 } job;
 
-/* Where particles are to a shape; steepness of a capsule or a box alone. */
+/* Where particles are to a shape. */
 typedef struct place {
-    vec gap, steepness;
+    vec gap;
     vec3 gradient;
+    mask joined; /* at an end or an edge, where |gradient| is not 1 */
 } place;
 
 /* x above high or below low, 0 between them. */
@@ -55,7 +56,7 @@ INLINE place capsule_place(const weft__pose *pose, vec3 r)
     const vec inverse = 1.0 / (norm * norm * norm);
     const vec3 gradient
         = plus(scaled(rho2 * inverse, side), scaled(q2 * q * inverse, axis));
-    return (place){ norm - pose->radius, root(dot(gradient, gradient)), gradient };
+    return (place){ norm - pose->radius, gradient, q2 > 0.0 };
 }
 
 INLINE place box_place(const weft__pose *pose, vec3 r)
@@ -68,7 +69,8 @@ INLINE place box_place(const weft__pose *pose, vec3 r)
     const vec inverse = 1.0 / (norm * norm * norm);
     const vec3 gradient
         = { q2.x * q.x * inverse, q2.y * q.y * inverse, q2.z * q.z * inverse };
-    return (place){ norm - pose->radius, root(dot(gradient, gradient)), gradient };
+    return (place){ norm - pose->radius, gradient,
+                    q2.x * q2.y + q2.y * q2.z + q2.z * q2.x > 0.0 };
 }
 
 INLINE place place_of(const weft__pose *pose, weft_shape_kind kind, vec3 r)
@@ -119,7 +121,7 @@ INLINE vec friction_drag(const weft_contact_def *law, double friction, vec squar
 
 /* F / m [m/s^2] of particles that move at `moving` against the surface. */
 INLINE vec3 acceleration(const weft_contact_def *law, const weft__pose *pose,
-                         bool joined, int exponent, const place *of, vec3 moving)
+                         int exponent, const place *of, bool joined, vec3 moving)
 {
     const double e = 0.5 * law->stopping_speed * law->stopping_speed;
     const double per = 1.0 / law->thickness, p = exponent;
@@ -127,8 +129,11 @@ INLINE vec3 acceleration(const weft_contact_def *law, const weft__pose *pose,
     const vec power = power_of(s, exponent);
     const vec a = z * (p * (p - 1.0) * z + 2.0 * p * s) + 2.0 * s * s;
     const vec b = p * z + s, inverse = 1.0 / (a * z), iz = a * inverse;
-    const vec3 normal
-        = joined ? scaled(1.0 / of->steepness, of->gradient) : of->gradient;
+    const vec steepness = joined
+                              ? only(root(dot(of->gradient, of->gradient)), of->joined)
+                                    + only(splat(1.0), ~of->joined)
+                              : splat(1.0);
+    const vec3 normal = joined ? scaled(1.0 / steepness, of->gradient) : of->gradient;
     const vec speed = dot(moving, normal), u = law->damping * speed;
     const vec factor = root(1.0 + u * u) - u;
     const vec force = (e * per * (power * s) * b * (iz * iz)) * factor;
@@ -139,7 +144,7 @@ INLINE vec3 acceleration(const weft_contact_def *law, const weft__pose *pose,
     const vec3 slip = minus(moving, scaled(speed, normal));
     const vec bend = factor * s * b, most = pose->friction * force;
     const vec drag = friction_drag(law, pose->friction, dot(slip, slip),
-                                   joined ? most * of->steepness : most,
+                                   joined ? most * steepness : most,
                                    0.01 * e * power * (bend * bend) * inverse);
     return minus(push, scaled(drag, slip));
 }
@@ -170,9 +175,12 @@ INLINE void push_lanes(job *self, const weft__pose *pose, weft_shape_kind kind,
     const vec3 moving
         = minus(load3_some(self->y + 3 * n + i, n, count), surface_velocity(pose, r));
     const vec3 old = load3_some(to, n, count);
-    const vec3 sums = plus(old, acceleration(&cloth->contact, pose,
-                                             kind == WEFT_CAPSULE || kind == WEFT_BOX,
-                                             exponent, &of, moving));
+    const bool joins = kind == WEFT_CAPSULE || kind == WEFT_BOX;
+    const vec3 more
+        = joins && any(near & of.joined)
+              ? acceleration(&cloth->contact, pose, exponent, &of, true, moving)
+              : acceleration(&cloth->contact, pose, exponent, &of, false, moving);
+    const vec3 sums = plus(old, more);
     store3_some(to, n, chosen(near, sums, old), count);
     self->bad += only(((sums.x + sums.y) + sums.z) * 0.0, near)
                  + only(splat((double)NAN), near & ~(of.gap > 0.0));
@@ -216,32 +224,36 @@ static void push_any(job *self, const weft__pose *pose, size_t first, size_t end
 /* ---- what is far ------------------------------------------------------------------
  */
 
-/* Of particles [first, end). */
+INLINE void widen(bounds *of, size_t k, vec low, vec high)
+{
+    of->low[k] = least_lane(low);
+    of->high[k] = -least_lane(-high);
+    of->size += fabs(of->low[k]) + fabs(of->high[k]);
+}
+
+/* Of particles [first, end), and of some before them where the last lanes are beyond.
+ */
 static bounds bounds_of(const job *self, size_t first, size_t end)
 {
-    const size_t n = self->cloth->particles;
-    bounds of = { .odd = 0.0 };
-    for (size_t k = 0; k < 3; ++k) {
-        const double *x = self->y + k * n;
-        vec low = splat((double)INFINITY), high = -low, odd = splat(0.0);
-        size_t i = first;
-        for (; i + LANES <= end; i += LANES) {
-            const vec here = load(x + i);
-            low = least(low, here), high = most(high, here);
-            odd += here * 0.0;
-        }
-        for (; i < end; ++i) {
-            low[0] = x[i] < low[0] ? x[i] : low[0];
-            high[0] = x[i] > high[0] ? x[i] : high[0];
-            odd[0] += x[i] * 0.0;
-        }
-        of.low[k] = low[0], of.high[k] = high[0];
-        for (size_t l = 1; l < LANES; ++l) {
-            of.low[k] = low[l] < of.low[k] ? low[l] : of.low[k];
-            of.high[k] = high[l] > of.high[k] ? high[l] : of.high[k];
-        }
-        of.odd += sum(odd);
+    if (end < LANES) {
+        return (bounds){ .size = (double)NAN };
     }
+    const size_t n = self->cloth->particles;
+    const double *x = self->y;
+    const vec far = splat((double)INFINITY);
+    vec3 low = { far, far, far }, high = { -far, -far, -far };
+    vec3 total = { splat(0.0), splat(0.0), splat(0.0) };
+    for (size_t i = first; i < end; i += LANES) {
+        const vec3 at = load3(x + (i + LANES <= end ? i : end - LANES), n);
+        low = (vec3){ least(low.x, at.x), least(low.y, at.y), least(low.z, at.z) };
+        high = (vec3){ most(high.x, at.x), most(high.y, at.y), most(high.z, at.z) };
+        total = plus(total, at);
+    }
+    bounds of = { .size = 0.0 };
+    widen(&of, 0, low.x, high.x);
+    widen(&of, 1, low.y, high.y);
+    widen(&of, 2, low.z, high.z);
+    of.size += sum((total.x + total.y + total.z) * 0.0);
     return of;
 }
 
@@ -253,35 +265,34 @@ static bounds reach_of(const weft__pose *pose, double thickness)
 {
     const bool capsule = pose->kind == WEFT_CAPSULE, box = pose->kind == WEFT_BOX;
     const double round = (pose->radius + thickness) * (capsule ? ROUND : 1.0);
-    bounds of = { .odd = 0.0 };
+    bounds of = { .size = thickness };
     for (size_t k = 0; k < 3; ++k) {
         const double to = capsule ? pose->length * pose->axis[k] : 0.0;
         const double wide = round + (box ? pose->inner[k] : 0.0);
         of.low[k] = pose->at[k] + (to < 0.0 ? to : 0.0) - wide;
         of.high[k] = pose->at[k] + (to > 0.0 ? to : 0.0) + wide;
+        of.size += fabs(pose->at[k]) + fabs(to) + wide;
     }
     return of;
 }
 
-/* Roundoff of what is compared, by far. */
+/* Roundoff of what is compared, by far, relative to the size of its coordinates. */
 #define SLACK 1e-12
 
 /* Whether no particle in `box` can touch the shape; false where in doubt. */
 static bool is_far(const target *of, double thickness, const bounds *box)
 {
     const weft__pose *pose = &of->pose;
-    double ahead = -thickness, size = thickness;
+    const double slack = SLACK * (box->size + of->reach.size);
+    double ahead = -thickness;
     bool apart = false;
     for (size_t k = 0; k < 3; ++k) {
-        const double n = pose->axis[k], at = pose->at[k];
-        const double low = box->low[k], high = box->high[k];
-        const double scale = fabs(low) + fabs(high) + fabs(at);
-        ahead += n * ((n > 0.0 ? low : high) - at);
-        size += scale;
-        apart = apart || low - of->reach.high[k] > SLACK * scale
-                || of->reach.low[k] - high > SLACK * scale;
+        const double n = pose->axis[k], low = box->low[k], high = box->high[k];
+        ahead += n * ((n > 0.0 ? low : high) - pose->at[k]);
+        apart = apart || low - of->reach.high[k] > slack
+                || of->reach.low[k] - high > slack;
     }
-    return box->odd == 0.0 && (pose->kind == WEFT_PLANE ? ahead > SLACK * size : apart);
+    return pose->kind == WEFT_PLANE ? ahead > slack : apart;
 }
 
 int NAME(contact, LEVEL)(const weft_cloth *cloth, double t, const double *y,

@@ -103,6 +103,7 @@ INLINE vec most(vec a, vec b)
     return -least(-a, -b);
 }
 
+/* Whether any lane is set. */
 INLINE bool any(mask a)
 {
 #if defined __AVX512DQ__ && LANES == 8
@@ -135,6 +136,14 @@ INLINE bool any(mask a)
 INLINE vec3 load3(const double *from, size_t plane)
 {
     return (vec3){ load(from), load(from + plane), load(from + 2 * plane) };
+}
+
+/* The smallest lane. */
+INLINE double least_lane(vec a)
+{
+    a = least(a, SHIFT_1(a, a));
+    a = least(a, SHIFT_2(a, a));
+    return least(a, SHIFT_2(SHIFT_2(a, a), SHIFT_2(a, a)))[0];
 }
 
 /* The first `count` lanes; 0 in the others. */
