@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* bounds_cloths.h -- twelve cloths whose modes are bounded: small enough for a dense
- * eigensolver, each hard in a way of its own. */
+/* bounds_cloths.h -- twelve cloths for tests of the bounds: small enough for a dense
+ * eigensolver, each with a difficulty of its own. */
 #ifndef BOUNDS_CLOTHS_H
 #define BOUNDS_CLOTHS_H
 

@@ -144,6 +144,11 @@ typedef struct weft_spring {
     double strain; /* (L - s) / s */
 } weft_spring;
 
+/* Writes "shear spring (3, 4)-(4, 5)", of a cloth with `cols` columns, to text[size] as
+ * snprintf does. Returns text. */
+WEFT_API const char *weft_spring_text(const weft_spring *spring, size_t cols,
+                                      char *text, size_t size);
+
 typedef struct weft_energy {
     double kinetic;                /* [J] of the free particles */
     double gravitational;          /* [J] -m g.x, of the free particles */

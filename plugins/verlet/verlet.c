@@ -32,7 +32,7 @@ typedef struct stepper {
     bool carries; /* f is that of `end`, the state the last step ended in */
     bool changed; /* y may have been edited since */
     double *f;
-    double *end;      /* where a step leads: y stays as it is until that is known */
+    double *end;      /* result of a step: y keeps its value until it is known */
     double *half_way; /* v + (h/2) fv */
 } stepper;
 
@@ -233,7 +233,7 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
     return WEFT_OK;
 }
 
-/* Three methods keep nothing, and Verlet looks whether y really is another. */
+/* Three methods keep nothing, and Verlet compares y with its own copy. */
 static void state_changed(void *instance)
 {
     stepper *self = instance;

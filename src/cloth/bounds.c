@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* bounds.c -- how fast a cloth can answer: bounds on all its modes at once.
+/* bounds.c -- bounds on the stiffness and damping of all modes.
  *
  * Linearised about a state, M x'' = -K x - C x'. An eigenvector x, x* M x = 1, has
  * mu^2 + c mu + w = 0 with w = x* K x and c = x* C x, so that bounds
@@ -20,8 +20,9 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "cloth/added.h"
 
-/* Of closed forms that are exact but for roundoff. */
+/* Relative error allowed for the closed forms below. */
 #define ROUNDOFF 1e-12
 
 /* cos(acos(r) / 3) for |r| <= 1: the largest root of 4 c^3 - 3 c = r, from above, by
@@ -64,7 +65,7 @@ static double largest_eigenvalue(const double b[6])
 typedef struct node {
     double along[WEFT_GROUPS][6]; /* sum (1/m_i + 1/m_j) u u^T */
     double taut[6], slack[6];     /* sum (1/m_i + 1/m_j) (T/L)+- (I - u u^T) */
-    double drag, wind;            /* [1/s] */
+    double drag, added;           /* [1/s] of added.h */
 } node;
 
 static double inverse_mass(const weft_cloth *cloth, size_t i)
@@ -101,9 +102,10 @@ static void add_spring(const weft_cloth *cloth, const weft__spring *at, node *su
 static void gather(const weft_cloth *cloth, size_t i, const double *y, node *sum)
 {
     memset(sum, 0, sizeof *sum);
-    const size_t r = i / cloth->cols, c = i % cloth->cols;
     sum->drag = cloth->drag * inverse_mass(cloth, i);
-    sum->wind = cloth->wind_drag * weft__area(cloth, r, c) * inverse_mass(cloth, i);
+    for (size_t a = 0; a < WEFT__ADDED; ++a) {
+        sum->added += weft__added_forces[a]->damping(cloth, i) * inverse_mass(cloth, i);
+    }
     weft__spring springs[WEFT__SPRINGS_MAX];
     const size_t count = weft__particle_springs(cloth, i, y, springs);
     for (size_t s = 0; s < count; ++s) {
@@ -144,12 +146,12 @@ static size_t sides_init(const weft_cloth *cloth, const double *y, grid_side *si
 /* The bound that particle sum has on one side. */
 static double node_bound(const weft_cloth *cloth, const node *sum, const grid_side *of)
 {
-    const double damp = of->b * sum->drag + fmax(0.0, of->b) * sum->wind;
+    const double damp = of->b * sum->drag + fmax(0.0, of->b) * sum->added;
     double b[6] = { damp, damp, damp, 0.0, 0.0, 0.0 };
     for (size_t g = 0; g < cloth->group_count; ++g) {
         const weft__group *group = &cloth->groups[g];
         const double stiff = of->a * group->stiffness, damped = of->b * group->damping;
-        /* what cancels but for roundoff is no less than it */
+        /* a sum that cancels is bounded by its roundoff */
         const double most = fmax(0.0, stiff + damped)
                             + (stiff * damped < 0.0 ? ROUNDOFF * fabs(stiff) : 0.0);
         for (size_t k = 0; k < 6; ++k) {
@@ -162,7 +164,7 @@ static double node_bound(const weft_cloth *cloth, const node *sum, const grid_si
     return largest_eigenvalue(b);
 }
 
-/* What is on the right side of `by` of the polygon in from. */
+/* Cuts from the polygon all beyond the side `by`. */
 static void cut(weft_stiffness *from, const grid_side *by)
 {
     weft_stiffness left = *from;

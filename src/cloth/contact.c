@@ -3,8 +3,7 @@
 
 #include <string.h>
 
-#include "cloth/levels.h"
-#include "cloth/rows.h"
+#include "cloth/added.h"
 #include "cloth/springs.h"
 
 /* s^(p - 2) */
@@ -116,24 +115,20 @@ bool weft__each_touch(weft__touches *at)
     }
 }
 
-int weft__reference_contact(const weft_cloth *cloth, double t, const double *y,
-                            double *dydt, size_t first_row, size_t end_row)
+static void contact_add(const weft__subject *of, size_t i, weft__unit unit, double *to)
 {
-    const size_t n = cloth->particles;
-    double bad = 0.0;
-    for (weft__touches at = weft__touches_of(cloth, t, y, first_row * cloth->cols,
-                                             end_row * cloth->cols);
+    const weft_cloth *cloth = of->cloth;
+    const double scale = unit == WEFT__FORCE ? cloth->mass[i] : 1.0;
+    for (weft__touches at = weft__touches_of(cloth, of->t, of->y, i, i + 1);
          weft__each_touch(&at);) {
-        double *to = dydt + 3 * n + at.i;
         for (size_t k = 0; k < 3; ++k) {
-            to[k * n] += weft__touch_acceleration(&at.touch, k);
+            const double more = weft__touch_acceleration(&at.touch, k);
+            to[k * cloth->particles] += at.touch.gap > 0.0 ? scale * more : (double)NAN;
         }
-        bad += at.touch.gap > 0.0 ? (to[0] + to[n] + to[2 * n]) * 0.0 : (double)NAN;
     }
-    return bad == 0.0 ? 0 : 1;
 }
 
-void weft__row_contact_power(const weft__subject *of, size_t r, weft_measures *row)
+static void contact_power(const weft__subject *of, size_t r, weft_measures *row)
 {
     const size_t cols = of->cloth->cols;
     for (weft__touches at
@@ -152,6 +147,15 @@ void weft__row_contact_power(const weft__subject *of, size_t r, weft_measures *r
         row->power[WEFT_POWER_SHAPES] += m * work;
     }
 }
+
+/* bounds.c adds the damping of contact in a state. */
+static double contact_damping(const weft_cloth *cloth, size_t i)
+{
+    (void)cloth, (void)i;
+    return 0.0;
+}
+
+const weft__added weft__contact = { contact_add, contact_power, contact_damping };
 
 void weft__row_contact_energy(const weft__subject *of, size_t r, weft_measures *row)
 {

@@ -295,18 +295,19 @@ static bool is_far(const target *of, double thickness, const bounds *box)
     return pose->kind == WEFT_PLANE ? ahead > slack : apart;
 }
 
-int NAME(contact, LEVEL)(const weft_cloth *cloth, double t, const double *y,
-                         double *dydt, size_t first_row, size_t end_row)
+int NAME(contact, LEVEL)(const weft__subject *of, double *dydt, size_t first_row,
+                         size_t end_row)
 {
+    const weft_cloth *cloth = of->cloth;
     const double thickness = cloth->contact.thickness;
     const size_t end = end_row * cloth->cols;
-    job self = { cloth, y, dydt, splat(0.0) };
+    job self = { cloth, of->y, dydt, splat(0.0) };
     for (size_t shape = 0; shape < cloth->shape_count; shape += POSES) {
         const size_t left = cloth->shape_count - shape;
         const size_t count = left < POSES ? left : POSES;
         target targets[POSES];
         for (size_t k = 0; k < count; ++k) {
-            targets[k].pose = weft__pose_of(&cloth->shapes[shape + k], t);
+            targets[k].pose = weft__pose_of(&cloth->shapes[shape + k], of->t);
             targets[k].reach = reach_of(&targets[k].pose, thickness);
         }
         for (size_t i = first_row * cloth->cols; i < end; i += BLOCK) {

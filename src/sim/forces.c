@@ -5,10 +5,10 @@
 
 #include "base/memory.h"
 
-/* Particles that are worth a thread: their evaluation takes ten times as long as it
- * takes a thread that is awake to hear of it. More bands than threads, where each costs
- * little beside its rows (a band takes one row twice), are less to wait for when a
- * thread is kept from running. One thread takes bands where the state is beyond the
+/* PARTICLES_PER_THREAD: their evaluation takes ten times as long as handing it to a
+ * thread that is awake. More bands than threads, where a band costs little beside its
+ * rows (it computes one row twice), shorten the wait for a thread that is kept from
+ * running. One thread takes bands where the state is beyond the
  * caches: the kernel takes tile after tile of columns, and long tiles leave nothing
  * there for the next (1000 x 1000: 8 % of a step). */
 enum { PARTICLES_PER_THREAD = 2048, PARTICLES_CACHED = 1 << 17, ROWS_PER_BAND = 48 };
@@ -41,15 +41,13 @@ void weft__forces_destroy(weft__forces *forces)
 
 typedef struct call {
     const weft__forces *forces;
-    double t;
-    const double *y;
+    const weft__subject *subject;
     double *dydt;
     atomic_int failed;
-    const weft__subject *subject;
     weft__row_fn *row;
 } call;
 
-/* The first row of a band, the last that of none. */
+/* The first row of a band; past the last band the number of rows. */
 static size_t first_row(const weft__forces *forces, size_t band)
 {
     const size_t rows = weft_cloth_rows(forces->cloth);
@@ -72,7 +70,7 @@ static void force_band(void *ctx, size_t i)
 {
     call *of = ctx;
     const size_t first = first_row(of->forces, i), end = first_row(of->forces, i + 1);
-    if (weft__rhs_rows(of->forces->cloth, of->t, of->y, of->dydt, first, end) != 0) {
+    if (weft__rhs_rows(of->subject, of->dydt, first, end) != 0) {
         atomic_store(&of->failed, 1);
     }
 }
@@ -80,7 +78,8 @@ static void force_band(void *ctx, size_t i)
 int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
                      double *dydt)
 {
-    call all = { .forces = forces, .t = t, .y = y, .dydt = dydt };
+    const weft__subject of = { .cloth = forces->cloth, .t = t, .y = y };
+    call all = { .forces = forces, .subject = &of, .dydt = dydt };
     run_bands(forces, force_band, &all);
     return atomic_load(&all.failed);
 }

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* save.c -- a simulation as bytes, and back.
  *
- * A solver's memory of its past cannot be had, so it is given up: the stepper is made
- * anew here as it will be there. Of the old one remain its counts and its next h.
+ * A solver's memory of its past cannot be read, so it is dropped: saving replaces the
+ * stepper here as restoring will there. Only its counts and its next h remain.
  *
- * Words (words.h): "weftsave", version, rows, cols, quadratures, hashes of the cloth's
- * definition and of the settings, the method's name in 64 bytes, NUMBERS, COUNTS, y,
- * how each particle is held, checksum. */
+ * Words (bytes.h): "weftsave", version, rows, cols, quadratures, hashes of the cloth's
+ * definition and of the settings, the method's name in 64 bytes, fields, y, the hold of
+ * each particle, checksum. */
 #include <math.h>
 
 #include "base/bytes.h"
@@ -16,32 +16,20 @@
 
 static const unsigned char magic[WEFT__WORD] = "weftsave";
 
-/* Of the present layout. */
 #define VERSION 4
 
 #define NAME_WORDS 8
 
-/* [s] t to last_step and limit_step, [J] the others */
-#define NUMBERS(X)                                                                     \
-    X(t)                                                                               \
-    X(next_step)                                                                       \
-    X(last_step)                                                                       \
-    X(energy_start)                                                                    \
-    X(limit_work)                                                                      \
-    X(outside_work)                                                                    \
-    X(limit_step)
+/* All that is saved besides the state, in words. */
+typedef struct fields {
+    double t, next_step, last_step;                /* [s] */
+    double energy_start, limit_work, outside_work; /* [J] */
+    double limit_step;                             /* [s] */
+    uint64_t steps, rejected, rhs_calls;
+    weft_limit_stats limit;
+} fields;
 
-#define COUNTS(X)                                                                      \
-    X(steps)                                                                           \
-    X(rejected)                                                                        \
-    X(rhs_calls)                                                                       \
-    X(corrected)                                                                       \
-    X(sweeps)                                                                          \
-    X(unconverged)
-
-#define REAL(name)  double name;
-#define COUNT(name) uint64_t name;
-#define ONE(name)   +1
+enum { FIELDS = sizeof(fields) / WEFT__WORD };
 
 enum {
     AT_VERSION = 1,
@@ -52,19 +40,12 @@ enum {
     AT_SETTINGS,
     AT_NAME,
     AT_FIELDS = AT_NAME + NAME_WORDS,
-    AT_STATE = AT_FIELDS NUMBERS(ONE) COUNTS(ONE)
+    AT_STATE = AT_FIELDS + FIELDS
 };
-
-/* What there is besides the state. */
-typedef struct fields {
-    NUMBERS(REAL)
-    COUNTS(COUNT)
-} fields;
 
 static fields fields_of(const weft_sim *sim)
 {
     const weft_stepper_stats stats = weft_sim_stats(sim);
-    const weft_limit_stats limit = weft__limit_stats(sim->limit);
     return (fields){
         .t = sim->t,
         .next_step = stats.next_step,
@@ -72,36 +53,32 @@ static fields fields_of(const weft_sim *sim)
         .energy_start = sim->ledger.start,
         .limit_work = sim->ledger.limit_work,
         .outside_work = sim->ledger.outside_work,
-        .limit_step = weft__limit_last_step(sim->limit),
+        .limit_step = sim->limit.last_step,
         .steps = stats.steps,
         .rejected = stats.rejected,
         .rhs_calls = stats.rhs_calls,
-        .corrected = limit.corrected,
-        .sweeps = limit.sweeps,
-        .unconverged = limit.unconverged,
+        .limit = sim->limit.stats,
     };
 }
 
 static void take_fields(weft_sim *sim, const fields *from)
 {
-    const weft_limit_stats limit = { from->corrected, from->sweeps, from->unconverged };
     sim->t = from->t;
     sim->ledger.start = from->energy_start;
     sim->ledger.limit_work = from->limit_work;
     sim->ledger.outside_work = from->outside_work;
     sim->rejected = from->rejected;
-    if (sim->limit != NULL) {
-        weft__limit_resume(sim->limit, from->limit_step, limit);
-    }
+    sim->limit.last_step = from->limit_step;
+    sim->limit.stats = from->limit;
 }
 
-/* A stepper that knows nothing but the h to try and what has been counted. */
+/* Replaces the stepper; only the h to try and the counts remain. */
 static weft_status renew(weft_sim *sim, const fields *counted, weft_error *err)
 {
     void *fresh = NULL;
     const weft_status status = weft__sim_stepper(sim, counted->next_step, &fresh, err);
     if (status == WEFT_OK) {
-        sim->method->destroy(sim->stepper);
+        sim->def.method->destroy(sim->stepper);
         sim->stepper = fresh;
         sim->earlier = (weft_stepper_stats){ .steps = counted->steps,
                                              .rejected = counted->rejected,
@@ -132,11 +109,11 @@ size_t weft_sim_save_size(const weft_sim *sim)
     return saved_words(sim) * WEFT__WORD;
 }
 
-/* The name of a method, as far as there is room, then zeros. */
+/* The name of a method, cut to the room, then zeros. */
 static void pad_name(const weft_sim *sim, char name[NAME_WORDS * WEFT__WORD])
 {
     const size_t size = NAME_WORDS * WEFT__WORD - 1;
-    const char *full = sim->method->name;
+    const char *full = sim->def.method->name;
     const size_t length = strlen(full) < size ? strlen(full) : size;
     memset(name, 0, size + 1);
     memcpy(name, full, length);
@@ -154,18 +131,6 @@ static void put_head(const weft_sim *sim, unsigned char *to)
     weft__word_put(to + AT_CLOTH * WEFT__WORD, sim->cloth_hash);
     weft__word_put(to + AT_SETTINGS * WEFT__WORD, sim->settings);
     memcpy(to + AT_NAME * WEFT__WORD, name, sizeof name);
-}
-
-static void put_fields(const fields *from, unsigned char *to)
-{
-#define PUT_REAL(name)                                                                 \
-    weft__real_put(to, from->name);                                                    \
-    to += WEFT__WORD;
-#define PUT_COUNT(name)                                                                \
-    weft__word_put(to, from->name);                                                    \
-    to += WEFT__WORD;
-    NUMBERS(PUT_REAL)
-    COUNTS(PUT_COUNT)
 }
 
 weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *err)
@@ -187,10 +152,8 @@ weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *e
     weft__cloth_pins_changed(sim->cloth, sim->y); /* as restore will */
     const fields now = fields_of(sim);
     put_head(sim, to);
-    put_fields(&now, to + AT_FIELDS * WEFT__WORD);
-    for (size_t i = 0; i < dim; ++i) {
-        weft__real_put(to + (AT_STATE + i) * WEFT__WORD, sim->y[i]);
-    }
+    weft__words_put(to + AT_FIELDS * WEFT__WORD, &now, FIELDS);
+    weft__words_put(to + AT_STATE * WEFT__WORD, sim->y, dim);
     for (size_t i = 0; i < weft_cloth_particles(sim->cloth); ++i) {
         weft__word_put(holds + i * WEFT__WORD, weft__cloth_hold(sim->cloth, i));
     }
@@ -215,7 +178,7 @@ static weft_status check_whole(const unsigned char *from, size_t size, weft_erro
 {
     const size_t words = size / WEFT__WORD;
     if (words <= AT_STATE || memcmp(from, magic, sizeof magic) != 0) {
-        return weft_error_set(err, WEFT_INVALID, "this is no saved simulation");
+        return weft_error_set(err, WEFT_INVALID, "this is not a saved simulation");
     }
     if (word(from, AT_VERSION) != VERSION) {
         return weft_error_set(err, WEFT_INVALID,
@@ -269,33 +232,14 @@ static weft_status check_definition(const weft_sim *sim, const unsigned char *fr
     return WEFT_OK;
 }
 
-static fields fields_at(const unsigned char *from)
-{
-    fields out;
-#define GET_REAL(name)                                                                 \
-    out.name = weft__real_at(from);                                                    \
-    from += WEFT__WORD;
-#define GET_COUNT(name)                                                                \
-    out.name = weft__word_at(from);                                                    \
-    from += WEFT__WORD;
-    NUMBERS(GET_REAL)
-    COUNTS(GET_COUNT)
-    return out;
-}
-
-static bool is_step(double h)
-{
-    return h >= 0.0 && isfinite(h);
-}
-
 static weft_status not_finite(const char *what, weft_error *err)
 {
     return weft_error_set(err, WEFT_INVALID,
                           "the saved simulation has %s that is not finite", what);
 }
 
-/* Checksums that are right prove nothing of bytes that somebody made up. The residual
- * is not finite if any of the ledger's numbers is not. */
+/* Forged bytes may have a correct checksum. The residual is not finite if any number of
+ * the ledger is not. */
 static weft_status check_numbers(const weft_sim *sim, const fields *saved,
                                  const double *y, weft_error *err)
 {
@@ -303,8 +247,9 @@ static weft_status check_numbers(const weft_sim *sim, const fields *saved,
                                   .start = saved->energy_start,
                                   .limit_work = saved->limit_work,
                                   .outside_work = saved->outside_work };
-    if (!(isfinite(saved->t) && is_step(saved->next_step) && is_step(saved->last_step)
-          && is_step(saved->limit_step)
+    if (!(isfinite(saved->t) && weft__not_negative(saved->next_step)
+          && weft__not_negative(saved->last_step)
+          && weft__not_negative(saved->limit_step)
           && weft__all_finite(y, weft_cloth_dim(sim->cloth)))) {
         return not_finite("a time, a step or a state", err);
     }
@@ -330,10 +275,9 @@ static weft_status restore_to(weft_sim *sim, const unsigned char *from, double *
 {
     const size_t dim = weft__sim_dim(sim);
     const unsigned char *holds = from + (AT_STATE + dim) * WEFT__WORD;
-    const fields saved = fields_at(from + AT_FIELDS * WEFT__WORD);
-    for (size_t i = 0; i < dim; ++i) {
-        y[i] = weft__real_at(from + (AT_STATE + i) * WEFT__WORD);
-    }
+    fields saved;
+    weft__words_get(&saved, from + AT_FIELDS * WEFT__WORD, FIELDS);
+    weft__words_get(y, from + AT_STATE * WEFT__WORD, dim);
     weft_status status = check_numbers(sim, &saved, y, err);
     status = status == WEFT_OK ? check_holds(sim, holds, err) : status;
     status = status == WEFT_OK ? renew(sim, &saved, err) : status;
