@@ -155,6 +155,110 @@ START_TEST(forces_are_the_slope_of_the_energy)
 }
 END_TEST
 
+/* ---- bounds ---------------------------------------------------------------------- */
+
+/* Into matrix[3][3]: minus the slope of the acceleration of particle i by its position
+ * (half 0) or velocity (half 1), but for what is not symmetric. */
+static void slopes(double t, size_t i, size_t half, double matrix[3][3])
+{
+    const double h = 1e-7, mass = weft_cloth_particle_mass(cloth, i);
+    double ahead[3 * N], behind[3 * N], a[3][3];
+    for (size_t c = 0; c < 3; ++c) {
+        double *at = &y[(3 * half + c) * N + i];
+        const double kept = *at;
+        *at = kept + h;
+        weft_cloth_force(cloth, t, y, ahead);
+        *at = kept - h;
+        weft_cloth_force(cloth, t, y, behind);
+        *at = kept;
+        for (size_t r = 0; r < 3; ++r) {
+            a[r][c] = (behind[r * N + i] - ahead[r * N + i]) / (2.0 * h * mass);
+        }
+    }
+    for (size_t j = 0; j < 9; ++j) {
+        matrix[j / 3][j % 3] = 0.5 * (a[j / 3][j % 3] + a[j % 3][j / 3]);
+    }
+}
+
+static double quotient(double a[3][3], const double x[3])
+{
+    double sum = 0.0;
+    for (size_t j = 0; j < 9; ++j) {
+        sum += x[j / 3] * a[j / 3][j % 3] * x[j % 3];
+    }
+    return sum / (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+}
+
+static bool holds(const weft_stiffness *of, double w2, double c)
+{
+    bool inside = w2 <= of->omega2 && c <= of->damping;
+    for (size_t i = 0; i < of->count; ++i) {
+        const double *p = of->corners[i], *q = of->corners[(i + 1) % of->count];
+        const double side = (q[0] - p[0]) * (c - p[1]) - (q[1] - p[1]) * (w2 - p[0]);
+        inside = inside && side >= -1e-6 * of->omega2 * of->damping;
+    }
+    return inside;
+}
+
+/* Sliding particles, so that friction couples directions, and curved shapes. */
+START_TEST(bounds_hold_every_direction_of_touching_particles)
+{
+    const double t = 0.37;
+    uint64_t seed = 5;
+    def.contact.law = _i % 8 < 4 ? WEFT_FRICTION_SMOOTH : WEFT_FRICTION_COULOMB;
+    def.contact.exponent = 3 + _i % 8;
+    def.contact.slip = 0.05;
+    shapes[_i % 4].friction = 0.05 * (double)_i;
+    touch((weft_shape_kind)(_i % 4), t);
+    const weft_stiffness bound = weft_cloth_stiffness(cloth, t, y);
+    for (size_t i = 0; i < N; ++i) {
+        double k[3][3], c[3][3];
+        slopes(t, i, 0, k);
+        slopes(t, i, 1, c);
+        for (int j = 0; j < 400; ++j) {
+            const double x[3] = { noise(&seed), noise(&seed), noise(&seed) };
+            const double w2 = quotient(k, x);
+            ck_assert(w2 < 0.0 || holds(&bound, w2, quotient(c, x)));
+        }
+    }
+}
+END_TEST
+
+/* Particles at any gap that one arriving at the stopping speed reaches, and as fast as
+ * it is there. */
+START_TEST(bounds_without_a_state_hold_up_to_the_stopping_speed)
+{
+    const double t = 0.37, fastest = def.contact.stopping_speed;
+    def.contact.law = _i % 8 < 4 ? WEFT_FRICTION_SMOOTH : WEFT_FRICTION_COULOMB;
+    def.contact.exponent = 3 + _i % 8;
+    memset(shapes[_i % 4].spin, 0, sizeof shapes[_i % 4].spin);
+    touch((weft_shape_kind)(_i % 4), t);
+    const weft_stiffness any = weft_cloth_stiffness(cloth, 0.0, NULL);
+    double velocity[3];
+    weft_cloth_shape_pose(cloth, 0, t, NULL, velocity);
+    for (size_t i = 0; i < N; ++i) {
+        double one[6 * N], square = 0.0;
+        for (size_t j = 0; j < 6 * (size_t)N; ++j) {
+            one[j] = j % N == i ? y[j] : 50.0;
+        }
+        const double reached = weft_cloth_energy(cloth, t, one).contact
+                               / (0.5 * 0.1 * fastest * fastest);
+        for (size_t k = 0; k < 3; ++k) {
+            square += y[(3 + k) * N + i] * y[(3 + k) * N + i];
+        }
+        for (size_t k = 0; k < 3; ++k) { /* too deep: out of reach */
+            double *v = &y[(3 + k) * N + i];
+            y[k * N + i] = reached < 1.0 ? y[k * N + i] : 50.0;
+            *v = velocity[k] + *v * sqrt(fmax(0.0, 1.0 - reached) / square) * fastest;
+        }
+    }
+    const weft_stiffness now = weft_cloth_stiffness(cloth, t, y);
+    ck_assert_uint_gt(weft_cloth_touching(cloth, t, y), N / 4);
+    ck_assert_double_le(now.omega2, (1.0 + 1e-11) * any.omega2);
+    ck_assert_double_le(now.damping, (1.0 + 1e-11) * any.damping);
+}
+END_TEST
+
 TEST_SUITE(contact)
 {
     Suite *suite = suite_create("contact");
@@ -162,6 +266,10 @@ TEST_SUITE(contact)
     tcase_add_checked_fixture(tcase, setup, teardown);
     tcase_add_loop_test(tcase, powers_are_the_rate_of_the_energy, 0, 16);
     tcase_add_loop_test(tcase, forces_are_the_slope_of_the_energy, 0, 16);
+    tcase_add_loop_test(tcase, bounds_hold_every_direction_of_touching_particles, 0,
+                        16);
+    tcase_add_loop_test(tcase, bounds_without_a_state_hold_up_to_the_stopping_speed, 0,
+                        16);
     suite_add_tcase(suite, tcase);
     return suite;
 }

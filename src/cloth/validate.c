@@ -373,9 +373,10 @@ double weft__start_gap(const weft_cloth_def *def, const weft_shape *shape,
     weft__grid_init(&grid, def);
     for (size_t i = 0; i < grid.particles; ++i) {
         const size_t r = i / grid.cols, c = i % grid.cols;
-        double x[3], gradient[3], steepness;
+        double x[3], gradient[3];
+        bool joined;
         weft__start_position(&grid, r, c, x);
-        const double gap = weft__shape_gap(&pose, x, gradient, &steepness);
+        const double gap = weft__shape_gap(&pose, x, gradient, &joined);
         if (!(gap > 0.0) && gap < least && !is_pinned(def, r, c)) {
             least = gap;
             *particle = i;
@@ -418,7 +419,9 @@ void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to)
         check_springs(def, to);
         check_pins(def, to);
         check_forces(def, to);
-        check_contact(def, to);
-        check_shapes(def, to);
+        if (def->contact.shape_count > 0) {
+            check_contact(def, to);
+            check_shapes(def, to);
+        }
     }
 }
