@@ -68,11 +68,11 @@ weft__pose weft__pose_of(const weft__shape *shape, double t)
     return pose;
 }
 
-/* How far x is above high or below low: > 0, < 0, or 0 between them. */
+/* How far x is above high or below low: > 0, < 0, or 0 between them; NaN stays. */
 static double beyond(double x, double low, double high)
 {
     const double over = x - high, under = x - low;
-    return (over > 0.0 ? over : 0.0) + (under < 0.0 ? under : 0.0);
+    return (over <= 0.0 ? 0.0 : over) + (under >= 0.0 ? 0.0 : under);
 }
 
 static double capsule_gap(const weft__pose *pose, const double r[3], double gradient[3],

@@ -37,7 +37,7 @@ typedef struct place {
 INLINE vec beyond(vec x, double low, double high)
 {
     const vec over = x - high, under = x - low;
-    return only(over, over > 0.0) + only(under, under < 0.0);
+    return only(over, ~(over <= 0.0)) + only(under, ~(under >= 0.0));
 }
 
 INLINE vec3 along_axis(const weft__pose *pose, vec a)
