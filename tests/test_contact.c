@@ -68,10 +68,9 @@ static void touch(weft_shape_kind kind, double t)
     weft_cloth_start(cloth, y);
     for (size_t i = 0; i < N; ++i) {
         const double want = (0.5 + 0.4 * noise(&seed)) * def.contact.thickness;
-        double way[3], square = 0.0;
+        double way[3];
         for (size_t k = 0; k < 3; ++k) {
             way[k] = noise(&seed);
-            square += way[k] * way[k];
             y[(3 + k) * N + i] = 2.0 * noise(&seed);
         }
         if (kind == WEFT_PLANE) {
