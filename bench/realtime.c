@@ -168,7 +168,7 @@ static double stable_step(const weft_cloth *cloth, const weft_stepper_type *type
         abort();
     }
     weft_cloth_start(cloth, y);
-    const weft_stiffness modes = weft_cloth_stiffness(cloth, y);
+    const weft_stiffness modes = weft_cloth_stiffness(cloth, 0.0, y);
     free(y);
     must(weft_stability_create(type, NULL, &stability, &err), &err);
     must(weft_stability_step(&stability, &modes, 0.0, &h, &err), &err);

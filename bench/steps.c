@@ -136,7 +136,7 @@ static void make_reference(task *of)
 static double stable_step(const task *of, const char *method)
 {
     const double *y = of->reference;
-    const weft_stiffness modes = weft_cloth_stiffness(of->cloth, y);
+    const weft_stiffness modes = weft_cloth_stiffness(of->cloth, 0.0, y);
     weft_stability stability;
     double h = 0.0;
     weft_error err = { 0 };

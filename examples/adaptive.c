@@ -11,7 +11,8 @@ enum { FRAMES = 20, HALF = FRAMES / 2 };
 static weft_status print_stable_step(weft_registry *registry, const weft_cloth *cloth,
                                      weft_error *err)
 {
-    const weft_stiffness modes = weft_cloth_stiffness(cloth, NULL); /* in any state */
+    const weft_stiffness modes
+        = weft_cloth_stiffness(cloth, 0.0, NULL); /* in any state */
     const weft_stepper_type *verlet = NULL;
     weft_stability stability;
     double h = 0.0; /* [s] */

@@ -54,7 +54,7 @@ static weft_status live_a_life(const weft_allocator *memory, weft_error *err)
     status = status != WEFT_OK ? status : weft_sim_unpin(sim, 3, err);
     status = status != WEFT_OK
                  ? status
-                 : weft_cloth_stiffness_refined(weft_sim_cloth(sim),
+                 : weft_cloth_stiffness_refined(weft_sim_cloth(sim), 0.0,
                                                 weft_sim_state(sim), 3, &bounds, err);
     status = status != WEFT_OK ? status : weft_sim_advance(sim, 0.01, err);
     teardown();

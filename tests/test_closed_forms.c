@@ -92,7 +92,7 @@ static void near3(const double *a, double b0, double b1, double b2, double toler
 
 static double energy(void)
 {
-    const weft_energy e = weft_cloth_energy(cloth, y);
+    const weft_energy e = weft_cloth_energy(cloth, 0.0, y);
     return e.kinetic + e.gravitational + e.elastic[0] + e.elastic[1] + e.elastic[2];
 }
 
@@ -444,7 +444,7 @@ START_TEST(hanging_chain_is_the_discrete_catenary)
     def.spacing[1] = 1.2 / count, def.scale = 1.0 / 1.2;
     def.drag = 14.0 * def.mass;
     relax(1e-3, 6.0);
-    weft_cloth_force(cloth, y, f);
+    weft_cloth_force(cloth, 0.0, y, f);
     near(f[0], pull, 1e-10);
     for (size_t i = 0; i < n; ++i) {
         near3(x + 3 * i, node[3 * i], node[3 * i + 1], 0.0, 1e-10);
@@ -468,7 +468,7 @@ START_TEST(pins_at_rest_carry_the_weight)
     def.spacing[0] = 0.5, def.gravity[0] = 1.5;
     def.drag = 0.1;
     relax(2e-3, 20.0);
-    weft_cloth_force(cloth, y, f);
+    weft_cloth_force(cloth, 0.0, y, f);
     near(f[0] + f[4], 20 * 0.01 * 1.5, 1e-10);
     near(f[n] + f[n + 4], -20 * 0.01 * G, 1e-10);
 }

@@ -64,7 +64,7 @@ START_TEST(every_level_has_the_same_bits)
         weft_cloth *cloth = make(4, cols);
         double *y = stir(cloth);
         weft__cloth_set_level(cloth, weft__level_at(0));
-        const double plain = weft_cloth_dissipation(cloth, y);
+        const double plain = weft_cloth_dissipation(cloth, 0.0, y);
         const weft__level wide = { .name = "8 lanes", .damping = weft__damping_wide };
         const weft__level reference = { .damping = weft__reference_damping };
         const double wanted = plain_power(cloth, y);
@@ -72,10 +72,10 @@ START_TEST(every_level_has_the_same_bits)
         for (size_t i = 1; i <= weft__level_count(); ++i) {
             weft__cloth_set_level(cloth,
                                   i < weft__level_count() ? weft__level_at(i) : &wide);
-            ck_assert(weft_cloth_dissipation(cloth, y) == plain);
+            ck_assert(weft_cloth_dissipation(cloth, 0.0, y) == plain);
         }
         weft__cloth_set_level(cloth, &reference);
-        ck_assert_double_eq_tol(weft_cloth_dissipation(cloth, y), wanted,
+        ck_assert_double_eq_tol(weft_cloth_dissipation(cloth, 0.0, y), wanted,
                                 1e-13 * wanted);
         free(y);
         weft_cloth_destroy(cloth);
@@ -94,7 +94,7 @@ START_TEST(a_spring_without_length_takes_nothing)
     for (size_t j = 3 * COLS_MAX; j < 6 * COLS_MAX; ++j) {
         drag += cloth->drag * y[j] * y[j];
     }
-    ck_assert_double_eq_tol(weft_cloth_dissipation(cloth, y), drag, 1e-13 * drag);
+    ck_assert_double_eq_tol(weft_cloth_dissipation(cloth, 0.0, y), drag, 1e-13 * drag);
     free(y);
     weft_cloth_destroy(cloth);
 }

@@ -139,7 +139,7 @@ static double weight(size_t particles)
 static double force(void)
 {
     double largest = 0.0;
-    weft_cloth_force(m.cloth, m.y, m.f);
+    weft_cloth_force(m.cloth, 0.0, m.y, m.f);
     for (size_t j = 0; j < 3 * m.n; ++j) {
         largest = fmax(largest, fabs(m.f[j]));
     }
@@ -212,7 +212,7 @@ START_TEST(measures_are_sums_over_free_particles_and_all_springs)
         weft_cloth_angular_momentum(m.cloth, m.y, l);
         same(p, sum, 3, 1e-14);
         same(l, moment, 3, 1e-13);
-        const weft_energy energy = weft_cloth_energy(m.cloth, m.y);
+        const weft_energy energy = weft_cloth_energy(m.cloth, 0.0, m.y);
         near(energy.kinetic, kinetic, 1e-13 * kinetic);
         near(energy.gravitational, weight(m.n - 1), 1e-12);
         for (int f = 0; f < WEFT_FAMILIES; ++f) {
@@ -277,7 +277,7 @@ START_TEST(dampers_follow_their_formula_and_take_power)
         double heat = add_dampers(f);
         same(m.f, f, 3 * m.n, 1e-13 * largest);
         ck_assert_double_lt(power, 0.0);
-        near(weft_cloth_dissipation(m.cloth, m.y), heat, 1e-13 * heat);
+        near(weft_cloth_dissipation(m.cloth, 0.0, m.y), heat, 1e-13 * heat);
         m.def.drag = 0.6; /* counts too, but not that of the pinned */
         m.pin = (weft_pin){ .rows = { 0, 0 }, .cols = { -1, -1 } };
         m.def.pin_count = 1;
@@ -286,7 +286,7 @@ START_TEST(dampers_follow_their_formula_and_take_power)
             const double v = m.y[3 * m.n + j];
             heat += j % m.n == m.def.cols - 1 ? 0.0 : 0.6 * v * v;
         }
-        near(weft_cloth_dissipation(m.cloth, m.y), heat, 1e-13 * heat);
+        near(weft_cloth_dissipation(m.cloth, 0.0, m.y), heat, 1e-13 * heat);
     }
 }
 END_TEST
@@ -307,7 +307,7 @@ START_TEST(rigid_motion_feels_no_damper)
         ck_assert_double_gt(force(), 1.0);
     }
     same(m.f, undamped, 3 * m.n, 1e-13 * force());
-    near(weft_cloth_dissipation(m.cloth, m.y), 0.0, 1e-26);
+    near(weft_cloth_dissipation(m.cloth, 0.0, m.y), 0.0, 1e-26);
 }
 END_TEST
 
@@ -428,7 +428,7 @@ START_TEST(spring_of_no_length_pulls_nothing)
     m.y[0] = m.y[1], m.y[2] = m.y[3], m.y[4] = m.y[5]; /* but they move apart */
     ck_assert_double_eq(force(), 0.0);
     ck_assert_int_eq(weft_cloth_rhs(m.cloth, 0.0, m.y, dydt), 0);
-    ck_assert_double_eq(weft_cloth_dissipation(m.cloth, m.y), 0.0);
+    ck_assert_double_eq(weft_cloth_dissipation(m.cloth, 0.0, m.y), 0.0);
 }
 END_TEST
 

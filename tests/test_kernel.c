@@ -11,9 +11,9 @@
 #include "cloth/levels.h"
 #include "cloth/rows.h"
 
-enum { SEEDS = 400, MOST = 2200 };
+enum { SEEDS = 400, MOST = 2200, SHAPES = 11 };
 
-weft__rows_fn weft__rows_wide, weft__wind_wide;
+weft__rows_fn weft__rows_wide, weft__wind_wide, weft__contact_wide;
 weft__damping_fn weft__damping_wide;
 
 /* Narrower and wider than any vector, one more than a multiple of it, wider than a
@@ -27,6 +27,7 @@ static struct {
     weft_cloth_def def;
     weft_pin pins[2];
     weft_load load;
+    weft_shape shapes[SHAPES];
     weft_cloth *cloth;
     size_t n;
     double t, y[6 * MOST], dydt[6 * MOST];
@@ -43,6 +44,52 @@ static void fill(double *to, double scale, uint64_t *seed)
 {
     for (size_t k = 0; k < 3; ++k) {
         to[k] = scale * (2.0 * chance(seed) - 1.0);
+    }
+}
+
+/* A shape as large as a cell, anywhere near the cloth or beyond it. */
+static weft_shape some_shape(uint64_t *seed)
+{
+    weft_shape shape = weft_shape_default((weft_shape_kind)(4.0 * chance(seed)));
+    const double size = 0.05 + 0.2 * chance(seed);
+    shape.at[0] = 4.0 * chance(seed), shape.at[1] = -4.0 * chance(seed);
+    shape.at[2] = shape.kind == WEFT_PLANE ? -0.5 - 0.3 * chance(seed)
+                                           : 0.3 + 1.2 * size + 0.5 * chance(seed);
+    fill(shape.to, 0.3, seed);
+    for (size_t k = 0; k < 3; ++k) {
+        shape.to[k] += shape.at[k];
+        shape.half[k] = size * (0.2 + 0.3 * chance(seed));
+    }
+    shape.to[2] = shape.at[2] + 0.05;
+    shape.normal[1] = 0.005, shape.normal[2] = 1.0;
+    shape.radius = size, shape.rounding = 0.1 * size;
+    fill(shape.velocity, 0.1, seed);
+    fill(shape.amplitude, 0.05, seed);
+    shape.frequency = chance(seed) < 0.5 ? 2.0 : 0.0;
+    if (shape.kind != WEFT_BOX) {
+        const double *way = shape.kind == WEFT_PLANE ? shape.normal : shape.to;
+        for (size_t k = 0; k < 3; ++k) {
+            shape.spin[k] = way[k] - (shape.kind == WEFT_PLANE ? 0.0 : shape.at[k]);
+        }
+    }
+    shape.friction = chance(seed) < 0.3 ? 0.0 : 2.0 * chance(seed) - 1.0;
+    return shape;
+}
+
+/* Shapes that reach as far as the cloth is wide. */
+static void define_contact(uint64_t *seed)
+{
+    weft_contact_def *law = &m.def.contact;
+    law->thickness = 0.1 + 0.9 * chance(seed);
+    law->exponent = 3 + (int)(8.0 * chance(seed));
+    law->damping = chance(seed) < 0.5 ? chance(seed) : 0.0;
+    law->law = chance(seed) < 0.5 ? WEFT_FRICTION_SMOOTH : WEFT_FRICTION_COULOMB;
+    law->slip = chance(seed) < 0.5 ? 1e-3 : 1.0;
+    law->shapes = m.shapes;
+    law->shape_count
+        = chance(seed) < 0.6 ? 1 + (size_t)((SHAPES - 1) * chance(seed)) : 0;
+    for (size_t k = 0; k < SHAPES; ++k) {
+        m.shapes[k] = some_shape(seed);
     }
 }
 
@@ -72,6 +119,7 @@ static void define(uint64_t *seed)
     fill(m.pins[1].velocity, 1.0, seed);
     m.def.pins = m.pins;
     m.def.pin_count = (size_t)(3.0 * chance(seed));
+    define_contact(seed);
 }
 
 /* A cloth of this number, strained and moving. */
@@ -99,18 +147,22 @@ static uint64_t hash(void)
     return test_hash(m.dydt, 6 * m.n);
 }
 
-static const weft__level wide
-    = { "8 lanes", weft__rows_wide, weft__damping_wide, { weft__wind_wide } };
+static const weft__level wide = { "8 lanes",
+                                  weft__rows_wide,
+                                  weft__damping_wide,
+                                  { weft__wind_wide, weft__contact_wide } };
 static const weft__level reference
     = { "plain loops", weft__reference_rows, weft__reference_damping, { NULL } };
 
 START_TEST(every_level_and_width_has_the_bits_of_the_plain_loops)
 {
+    size_t touching = 0;
     for (uint64_t number = 0; number < SEEDS; ++number) {
         make(number);
         weft__cloth_set_level(m.cloth, &reference);
         ck_assert_int_eq(weft_cloth_rhs(m.cloth, m.t, m.y, m.dydt), 0);
         const uint64_t plain = hash();
+        touching += weft_cloth_touching(m.cloth, m.t, m.y);
         double dissipation = 0.0;
         for (size_t i = 0; i <= weft__level_count(); ++i) {
             const weft__level *level
@@ -120,10 +172,12 @@ START_TEST(every_level_and_width_has_the_bits_of_the_plain_loops)
             ck_assert_int_eq(weft_cloth_rhs(m.cloth, m.t, m.y, m.dydt), 0);
             ck_assert_msg(hash() == plain, "%u: %zu x %zu on %s", (unsigned)number,
                           m.def.rows, m.def.cols, level->name);
-            ck_assert(i == 0 || weft_cloth_dissipation(m.cloth, m.y) == dissipation);
-            dissipation = weft_cloth_dissipation(m.cloth, m.y);
+            ck_assert(i == 0
+                      || weft_cloth_dissipation(m.cloth, m.t, m.y) == dissipation);
+            dissipation = weft_cloth_dissipation(m.cloth, m.t, m.y);
         }
     }
+    ck_assert_uint_gt(touching, 10000);
 }
 END_TEST
 
@@ -133,7 +187,7 @@ START_TEST(rates_are_forces_by_masses)
     static double f[3 * MOST];
     for (uint64_t number = 0; number < SEEDS; ++number) {
         make(number);
-        weft_cloth_force(m.cloth, m.y, f);
+        weft_cloth_force(m.cloth, m.t, m.y, f);
         ck_assert_int_eq(weft_cloth_rhs(m.cloth, m.t, m.y, m.dydt), 0);
         double largest = 1.0;
         for (size_t j = 0; j < 3 * m.n; ++j) {

@@ -80,7 +80,7 @@ static void check_frame(const bounds *bound, const weft_sim *sim, double start,
 {
     const weft_cloth *cloth = weft_sim_cloth(sim);
     const double *y = weft_sim_state(sim);
-    const weft_energy energy = weft_cloth_energy(cloth, y);
+    const weft_energy energy = weft_cloth_energy(cloth, 0.0, y);
     const double strain = weft_cloth_worst_spring(cloth, y).strain;
     *most_strain = strain > *most_strain ? strain : *most_strain;
     ck_assert_msg(strain <= bound->most_strain + 1e-12, "strain %g at t = %g", strain,
@@ -120,7 +120,8 @@ START_TEST(every_scene_stays_within_its_bounds)
     const weft_run_def *run = weft_scene_run(scene);
     weft_cloth *cloth = test_cloth(weft_scene_cloth(scene));
     weft_sim *sim = simulation(scene, cloth);
-    const weft_energy energy = weft_cloth_energy(cloth, weft_sim_state(sim));
+    const weft_energy energy
+        = weft_cloth_energy(cloth, weft_sim_time(sim), weft_sim_state(sim));
     double most_strain = 0.0;
     const double end = bound->until > 0.0 ? bound->until : run->duration;
     for (size_t i = 1; (double)i / run->fps <= end; ++i) {

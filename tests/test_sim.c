@@ -333,7 +333,8 @@ START_TEST(failure_leaves_the_state_and_tells_where_it_hurts)
     ck_assert_double_eq(failure.position[0], 2.0);
     ck_assert_double_eq(failure.position[1], -1.0);
     ck_assert_double_eq(failure.speed, 50.0);
-    const weft_energy energy = weft_cloth_energy(cloth, weft_sim_state(sim));
+    const weft_energy energy
+        = weft_cloth_energy(cloth, weft_sim_time(sim), weft_sim_state(sim));
     ck_assert_double_eq_tol(failure.energy,
                             energy.kinetic + energy.gravitational + energy.elastic[0]
                                 + energy.elastic[1] + energy.elastic[2],

@@ -60,6 +60,58 @@ typedef struct weft_pin {
     double frequency;    /* [Hz] >= 0 */
 } weft_pin;
 
+typedef enum weft_shape_kind {
+    WEFT_PLANE,   /* all that is behind `at`, against `normal` */
+    WEFT_SPHERE,  /* about `at` */
+    WEFT_CAPSULE, /* all within `radius` of the line from `at` to `to`; its ends are
+                     joined by a 4-norm */
+    WEFT_BOX,     /* along the axes, about `at`; its edges are rounded by a 4-norm */
+    WEFT_SHAPES   /* their number */
+} weft_shape_kind;
+
+/* "plane", "sphere", "capsule" or "box"; never NULL. */
+WEFT_API const char *weft_shape_name(weft_shape_kind kind);
+
+/* A rigid shape. Its point `at`, and all of it, moves as a pin does:
+ * at(t) = at + velocity t + amplitude sin(2 pi frequency t). */
+typedef struct weft_shape {
+    weft_shape_kind kind;
+    double at[3];     /* [m] a point of a plane, a centre, the first end of a capsule */
+    double to[3];     /* [m] capsule: the other end */
+    double normal[3]; /* plane: outwards; create normalises it */
+    double radius;    /* [m] > 0, sphere, capsule */
+    double half[3];   /* [m] box: half its edges, > rounding */
+    double rounding;  /* [m] > 0, box */
+    double velocity[3];  /* [m/s] */
+    double amplitude[3]; /* [m] */
+    double frequency;    /* [Hz] >= 0 */
+    double spin[3];  /* [rad/s] of the surface about `at`: along the normal of a plane
+                        and the axis of a capsule, none of a box */
+    double friction; /* >= 0; negative: the contact's */
+} weft_shape;
+
+/* A plane y >= 0, a ball of 1 m, a capsule of 1 m from 0 to 1 m along x, a cube of 2 m
+ * rounded by 1 cm; at rest, with the contact's friction. */
+WEFT_API weft_shape weft_shape_default(weft_shape_kind kind);
+
+typedef enum weft_friction_law {
+    WEFT_FRICTION_SMOOTH, /* analytic, no stiffer than 10 times the contact */
+    WEFT_FRICTION_COULOMB /* exactly Coulomb's above `slip` */
+} weft_friction_law;
+
+/* Contact of free particles with shapes; docs/physics.md. */
+typedef struct weft_contact_def {
+    double thickness;      /* [m] > 0: forces begin at this gap */
+    double stopping_speed; /* [m/s] > 0: stops a particle where s^p / (1 - s) = 1 */
+    int exponent;          /* p, 3 to 10 */
+    double damping;        /* [s/m] >= 0 */
+    double friction;       /* >= 0, of shapes without their own */
+    weft_friction_law law;
+    double slip;              /* [m/s] > 0: friction fades at slower slip */
+    const weft_shape *shapes; /* shape_count of them; 0: no contact */
+    size_t shape_count;
+} weft_contact_def;
+
 /* The definition of a cloth. weft_cloth_create copies the arrays. */
 typedef struct weft_cloth_def {
     size_t rows, cols; /* particles down and across, >= 1 each, rows * cols >= 2 */
@@ -82,6 +134,7 @@ typedef struct weft_cloth_def {
     double wind_velocity[3]; /* [m/s] */
     double wind_drag;        /* [kg/(m^2 s)] >= 0; 0: no wind */
     const weft_allocator *allocator; /* NULL: malloc's */
+    weft_contact_def contact;
 } weft_cloth_def;
 
 /* A spring between two particles, given by family and indices. */
@@ -100,15 +153,19 @@ typedef struct weft_energy {
     double kinetic;                /* [J] of the free particles */
     double gravitational;          /* [J] -m g.x, of the free particles */
     double elastic[WEFT_FAMILIES]; /* [J] */
+    double contact;                /* [J] potential of the shapes */
 } weft_energy;
 
 /* The powers [W] that change the total energy. */
 typedef enum weft_power {
-    WEFT_POWER_SPRINGS, /* turned into heat by spring damping, >= 0 */
-    WEFT_POWER_DRAG,    /* turned into heat by viscous drag of free particles, >= 0 */
-    WEFT_POWER_WIND,    /* put into free particles by the wind */
-    WEFT_POWER_PINS,    /* put into springs by moving pins */
-    WEFT_POWERS         /* their number */
+    WEFT_POWER_SPRINGS,  /* turned into heat by spring damping, >= 0 */
+    WEFT_POWER_DRAG,     /* turned into heat by viscous drag of free particles, >= 0 */
+    WEFT_POWER_WIND,     /* put into free particles by the wind */
+    WEFT_POWER_PINS,     /* put into springs by moving pins */
+    WEFT_POWER_CONTACT,  /* turned into heat by the damping of contact, >= 0 */
+    WEFT_POWER_FRICTION, /* turned into heat by friction, >= 0 */
+    WEFT_POWER_SHAPES,   /* put into free particles by moving shapes */
+    WEFT_POWERS          /* their number */
 } weft_power;
 
 /* The measures of a state; the functions below describe each of them. */
@@ -118,6 +175,9 @@ typedef struct weft_measures {
     double power[WEFT_POWERS];               /* [W] */
     weft_spring worst;
     uint64_t hash;
+    double gap;                     /* [m] of a free particle: the smallest */
+    size_t gap_particle, gap_shape; /* where; 0 without shapes */
+    size_t touching;                /* free particles with a gap below the thickness */
 } weft_measures;
 
 typedef enum weft_limit_method {
@@ -144,14 +204,15 @@ typedef struct weft_limit_def {
 } weft_limit_def;
 
 /* 2 x 2 particles, 1 m apart, 0.2 kg/m^2, no springs, no pins, earth's gravity along
- * -y. Set the fields that differ. */
+ * -y; contact of thickness 5 mm, stopping speed 5 m/s, exponent 4, damping 1 s/m,
+ * smooth friction of 0.3 and slip 1 mm/s, but no shapes. Set the fields that differ. */
 WEFT_API weft_cloth_def weft_cloth_def_default(void);
 
 /* Creates a cloth. It uses the fastest instructions of this machine, unless the
  * environment variable WEFT_ISA selects other supported ones: "plain", "x86-64-v3"
  * (AVX2), "x86-64-v4" (AVX-512). Errors: WEFT_INVALID (a value out of range, a pin
- * outside the grid, coincident rest positions, another name in WEFT_ISA, ...; the
- * message names the field), WEFT_NO_MEMORY. */
+ * outside the grid, coincident rest positions, a free particle inside a shape, another
+ * name in WEFT_ISA, ...; the message names the field), WEFT_NO_MEMORY. */
 WEFT_API weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
                                        weft_error *err);
 WEFT_API void weft_cloth_destroy(weft_cloth *cloth); /* NULL is allowed */
@@ -175,28 +236,34 @@ WEFT_API void weft_cloth_start(const weft_cloth *cloth, double *y);
 WEFT_API void weft_cloth_rest(const weft_cloth *cloth, double *xyz);
 
 /* Writes dy/dt at time t [s] to dydt[6 N]. Returns 0, or 1 if dy/dt, or a force on a
- * pinned particle, is not finite. Calls nothing, allocates nothing; y and dydt must not
- * overlap. The bits are the same on every machine, whatever its instructions. */
+ * pinned particle, is not finite or a free particle has no gap > 0 to a shape. Calls
+ * nothing, allocates nothing; y and dydt must not overlap. The bits are the same on
+ * every machine, whatever its instructions. */
 WEFT_API int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y,
                             double *dydt);
 
 /* Writes the force [N] on every particle, as if none were pinned, to f[3 N]: planes fx
- * fy fz. */
-WEFT_API void weft_cloth_force(const weft_cloth *cloth, const double *y, double *f);
+ * fy fz. Pinned particles feel no contact. */
+WEFT_API void weft_cloth_force(const weft_cloth *cloth, double t, const double *y,
+                               double *f);
 
 /* Energies, powers, momenta and masses are summed over each row of particles, and of
  * the springs that begin there, then over the rows in their order: the same bits
  * everywhere, also from weft_sim_measure on threads. */
-WEFT_API weft_energy weft_cloth_energy(const weft_cloth *cloth, const double *y);
+WEFT_API weft_energy weft_cloth_energy(const weft_cloth *cloth, double t,
+                                       const double *y);
 
 /* [J] The sum of all energies. */
 WEFT_API double weft_energy_total(weft_energy energy);
 
-/* Rate [W] >= 0 at which springs and viscous drag turn energy into heat. The drag of
- * pinned particles does not count, because their motion is prescribed. */
-WEFT_API double weft_cloth_dissipation(const weft_cloth *cloth, const double *y);
+/* Rate [W] >= 0 at which springs, viscous drag, contact and friction turn energy into
+ * heat. The drag of pinned particles does not count, because their motion is
+ * prescribed. */
+WEFT_API double weft_cloth_dissipation(const weft_cloth *cloth, double t,
+                                       const double *y);
 
-/* All powers at time t [s]: d(energy)/dt = wind + pins - springs - drag, exactly. */
+/* All powers at time t [s]: d(energy)/dt = wind + pins + shapes - springs - drag -
+ * contact - friction, exactly. */
 WEFT_API void weft_cloth_power(const weft_cloth *cloth, double t, const double *y,
                                double power[WEFT_POWERS]);
 
@@ -214,16 +281,20 @@ typedef struct weft_stiffness {
     double corners[WEFT_STIFFNESS_CORNERS][2]; /* (w2, c), in order round the polygon */
 } weft_stiffness;
 
-/* Guaranteed bounds in the state y. With y NULL they hold in any state and are less
- * sharp. One pass over the springs, without allocation; not finite if y is not. */
-WEFT_API weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, const double *y);
+/* Guaranteed bounds in the state y at time t. With y NULL they hold in any state and
+ * are less sharp; with shapes, for particles that touch one at a time and arrive at no
+ * more than stopping_speed (docs/physics.md). Where friction makes w2 and c complex,
+ * their real parts are bounded. One pass over the springs, without allocation; not
+ * finite if y is not. */
+WEFT_API weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t,
+                                             const double *y);
 
 /* The same in a state y, sharpened by `iterations` steps of the power method (0: 100)
  * from a fixed start. omega2 and damping become Rayleigh quotients, which never exceed
  * the largest values, and the corners are cut down to slightly above them. The result
  * is not guaranteed; together with the guaranteed bounds it encloses the true values.
  * Errors: WEFT_INVALID (y is NULL), WEFT_NO_MEMORY. */
-WEFT_API weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth,
+WEFT_API weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth, double t,
                                                   const double *y, size_t iterations,
                                                   weft_stiffness *out, weft_error *err);
 
@@ -242,6 +313,29 @@ WEFT_API weft_spring weft_cloth_worst_spring(const weft_cloth *cloth, const doub
  * negative if all are compressed, 0 without springs. */
 WEFT_API void weft_cloth_strains(const weft_cloth *cloth, const double *y,
                                  double *strain);
+
+/* [m] The smallest gap of a free particle to a shape at time t, and where: the first by
+ * particles, then shapes, among equals; NaN counts as smaller than every number.
+ * INFINITY and 0, 0 if there is none. particle and shape may be NULL. */
+WEFT_API double weft_cloth_gap(const weft_cloth *cloth, double t, const double *y,
+                               size_t *particle, size_t *shape);
+
+/* Free particles with a gap below the thickness to some shape. */
+WEFT_API size_t weft_cloth_touching(const weft_cloth *cloth, double t, const double *y);
+
+WEFT_API size_t weft_cloth_shapes(const weft_cloth *cloth); /* their number */
+
+/* The contact that a cloth was defined with, and its shape k < weft_cloth_shapes. */
+WEFT_API weft_contact_def weft_cloth_contact(const weft_cloth *cloth);
+WEFT_API weft_shape weft_cloth_shape(const weft_cloth *cloth, size_t k);
+
+/* Where `at` of shape k is at time t [m], and its velocity [m/s]; both may be NULL. */
+WEFT_API void weft_cloth_shape_pose(const weft_cloth *cloth, size_t k, double t,
+                                    double at[3], double velocity[3]);
+
+/* The force [N] that the cloth exerts on shape k, and its torque [N m] about `at`. */
+WEFT_API void weft_cloth_shape_load(const weft_cloth *cloth, double t, const double *y,
+                                    size_t k, double force[3], double torque[3]);
 
 /* A 64-bit hash of the bits of y[6 rows cols]; equal states have equal hashes on every
  * machine with IEEE 754 doubles and either byte order. Each row is hashed, plane after

@@ -185,6 +185,8 @@ typedef struct weft_ledger {
     double residual;   /* energy - energy at t = 0 + dissipated - work: 0 but for the
                           errors of the integration */
     double force_work; /* done on the free particles by `force` */
+    double dissipated_contact, dissipated_friction;
+    double shape_work; /* done by moving shapes */
 } weft_ledger;
 
 /* Counts of the strain limit since t = 0. */
@@ -251,7 +253,7 @@ typedef struct weft_failure {
     size_t particle;    /* the fastest */
     double position[3]; /* [m] of that particle */
     double speed;       /* [m/s] of that particle */
-    double energy;      /* [J] kinetic + elastic + gravitational */
+    double energy;      /* [J] the sum of all energies */
     char reason[512];   /* the stepper's own message, without the time */
 } weft_failure;
 
@@ -267,8 +269,8 @@ WEFT_API const weft_cloth *weft_sim_cloth(const weft_sim *sim);
 WEFT_API weft_stepper_stats weft_sim_stats(const weft_sim *sim);
 /* Calls `tell` for each choice of the stepper beyond its config. */
 WEFT_API void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx);
-/* [J] turned into heat so far by springs and viscous drag: dissipated_springs +
- * dissipated_drag of the ledger; NaN without a ledger. */
+/* [J] turned into heat so far by springs, viscous drag, contact and friction: the sum
+ * of dissipated_... in the ledger; NaN without a ledger. */
 WEFT_API double weft_sim_dissipated(const weft_sim *sim);
 
 /* The method integrates the powers of weft_cloth_power with the state: the residual has

@@ -10,11 +10,16 @@
 #include "cloth/rows.h"
 
 /* X(name, level), in the order of summation, which is part of the result. */
-#define WEFT_ADDED(X, level) X(wind, level)
+#define WEFT_ADDED(X, level) X(wind, level) X(contact, level)
+
+typedef enum weft__unit {
+    WEFT__FORCE,       /* [N] */
+    WEFT__ACCELERATION /* [m/s^2] as free; 0 of pinned particles */
+} weft__unit;
 
 typedef struct weft__added {
-    /* [N] on particle i, times `share` */
-    void (*force)(const weft__subject *of, size_t i, double share, double force[3]);
+    /* adds that of particle i to to[3], n apart */
+    void (*add)(const weft__subject *of, size_t i, weft__unit unit, double *to);
     /* adds its powers [W] on the free particles of row r */
     weft__row_fn *power;
     /* [kg/s] no direction of particle i is damped more */

@@ -9,9 +9,7 @@
 #include <string.h>
 
 #include "base/memory.h"
-
-/* 2 pi, correctly rounded */
-#define TWO_PI 6.283185307179586
+#include "cloth/shapes.h"
 
 weft_cloth_def weft_cloth_def_default(void)
 {
@@ -24,6 +22,12 @@ weft_cloth_def weft_cloth_def_default(void)
         .scale = 1.0,
         .density = 0.2,
         .gravity = { 0.0, -9.81, 0.0 },
+        .contact = { .thickness = 5e-3,
+                     .stopping_speed = 5.0,
+                     .exponent = 4,
+                     .damping = 1.0,
+                     .friction = 0.3,
+                     .slip = 1e-3 },
     };
 }
 
@@ -41,6 +45,15 @@ void weft__rest_position(const weft_cloth *cloth, size_t r, size_t c, double x[3
     const double along = (double)r * cloth->spacing[0];
     for (size_t k = 0; k < 3; ++k) {
         x[k] = cloth->origin[k] + across * cloth->right[k] + along * cloth->down[k];
+    }
+}
+
+void weft__start_position(const weft_cloth *cloth, size_t r, size_t c, double x[3])
+{
+    weft__rest_position(cloth, r, c, x);
+    for (size_t k = 0; k < 3; ++k) {
+        const double from = cloth->origin[k];
+        x[k] = from + cloth->scale * (x[k] - from);
     }
 }
 
@@ -81,16 +94,6 @@ static void masses_init(weft_cloth *cloth, const weft_cloth_def *def)
     }
 }
 
-static bool moves(const weft_pin *pin)
-{
-    bool any = false;
-    for (size_t k = 0; k < 3; ++k) {
-        any = any || pin->velocity[k] != 0.0
-              || (pin->frequency > 0.0 && pin->amplitude[k] != 0.0);
-    }
-    return any;
-}
-
 static void pins_init(weft_cloth *cloth, const weft_cloth_def *def)
 {
     for (size_t i = 0; i < def->pin_count; ++i) {
@@ -98,11 +101,8 @@ static void pins_init(weft_cloth *cloth, const weft_cloth_def *def)
         size_t r0, r1, c0, c1;
         weft__range_resolve(pin->rows, cloth->rows, &r0, &r1);
         weft__range_resolve(pin->cols, cloth->cols, &c0, &c1);
-        cloth->motions[i].frequency = pin->frequency;
-        cloth->motions[i].omega = TWO_PI * pin->frequency;
-        memcpy(cloth->motions[i].velocity, pin->velocity, sizeof pin->velocity);
-        memcpy(cloth->motions[i].amplitude, pin->amplitude, sizeof pin->amplitude);
-        cloth->motions[i].moves = moves(pin);
+        cloth->motions[i]
+            = weft__motion_of(pin->velocity, pin->amplitude, pin->frequency);
         for (size_t r = r0; r <= r1; ++r) {
             for (size_t c = c0; c <= c1; ++c) {
                 cloth->pin[r * cloth->cols + c] = (uint32_t)(i + 1);
@@ -115,6 +115,17 @@ static void pins_init(weft_cloth *cloth, const weft_cloth_def *def)
     }
 }
 
+static void shapes_init(weft_cloth *cloth, const weft_cloth_def *def)
+{
+    cloth->contact = def->contact;
+    cloth->contact.shapes = NULL;
+    cloth->contact.shape_count = 0;
+    for (size_t k = 0; k < cloth->shape_count; ++k) {
+        cloth->shapes[k]
+            = weft__shape_of(&def->contact.shapes[k], def->contact.friction);
+    }
+}
+
 static weft_status list_pins(weft_cloth *cloth, weft_error *err)
 {
     cloth->pins = weft__alloc(&cloth->memory, cloth->pinned, sizeof *cloth->pins);
@@ -124,6 +135,15 @@ static weft_status list_pins(weft_cloth *cloth, weft_error *err)
     }
     weft__cloth_list_pins(cloth);
     return WEFT_OK;
+}
+
+static bool can_move(const weft__motion *motion)
+{
+    bool can = true;
+    for (size_t k = 0; k < 3; ++k) {
+        can = can && isfinite(motion->omega * motion->omega * motion->amplitude[k]);
+    }
+    return can;
 }
 
 /* Products of numbers in range may be out of range: nothing infinite may enter a state,
@@ -142,11 +162,10 @@ static weft_status check_numbers(const weft_cloth *cloth, weft_error *err)
         wrong = usable ? wrong : "springs";
     }
     for (size_t i = 0; i < cloth->motion_count; ++i) {
-        const weft__motion *motion = &cloth->motions[i];
-        for (size_t k = 0; k < 3; ++k) {
-            const double most = motion->omega * motion->omega * motion->amplitude[k];
-            wrong = isfinite(most) ? wrong : "motions of pins";
-        }
+        wrong = can_move(&cloth->motions[i]) ? wrong : "motions of pins";
+    }
+    for (size_t k = 0; k < cloth->shape_count; ++k) {
+        wrong = can_move(&cloth->shapes[k].motion) ? wrong : "motions of shapes";
     }
     return wrong == NULL ? WEFT_OK
                          : weft_error_set(err, WEFT_INVALID,
@@ -182,8 +201,9 @@ static weft_status allocate(weft_cloth *cloth, weft_error *err)
     cloth->pin = weft__zeroed(memory, n, sizeof *cloth->pin);
     cloth->motions
         = weft__zeroed(memory, cloth->motion_count + 1, sizeof *cloth->motions);
+    cloth->shapes = weft__alloc(memory, cloth->shape_count, sizeof *cloth->shapes);
     if (cloth->mass == NULL || cloth->inverse_mass == NULL || cloth->pin == NULL
-        || cloth->motions == NULL) {
+        || cloth->motions == NULL || cloth->shapes == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu particles", n);
     }
     return WEFT_OK;
@@ -199,6 +219,7 @@ static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error
     weft__groups_init(cloth, def);
     masses_init(cloth, def);
     pins_init(cloth, def);
+    shapes_init(cloth, def);
     status = list_pins(cloth, err);
     return status == WEFT_OK ? check_numbers(cloth, err) : status;
 }
@@ -219,6 +240,7 @@ weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
     }
     weft__grid_init(cloth, def);
     cloth->motion_count = def->pin_count;
+    cloth->shape_count = def->contact.shape_count;
     cloth->memory = memory;
     weft_status status = weft__level_find(getenv("WEFT_ISA"), &cloth->level, err);
     if (status == WEFT_OK) {
@@ -244,6 +266,7 @@ void weft_cloth_destroy(weft_cloth *cloth)
         weft__free(&memory, cloth->pin);
         weft__free(&memory, cloth->pins);
         weft__free(&memory, cloth->coast);
+        weft__free(&memory, cloth->shapes);
         weft__free(&memory, cloth);
     }
 }
@@ -255,14 +278,13 @@ void weft_cloth_start(const weft_cloth *cloth, double *y)
         for (size_t c = 0; c < cloth->cols; ++c) {
             const size_t i = r * cloth->cols + c;
             double x[3], v[6];
-            weft__rest_position(cloth, r, c, x);
+            weft__start_position(cloth, r, c, x);
             memcpy(v, cloth->velocity, sizeof cloth->velocity);
             if (cloth->pin[i] != 0) {
                 weft__pin_rate(cloth, i, 0.0, v);
             }
             for (size_t k = 0; k < 3; ++k) {
-                const double from = cloth->origin[k];
-                y[k * n + i] = from + cloth->scale * (x[k] - from);
+                y[k * n + i] = x[k];
                 y[(k + 3) * n + i] = v[k];
             }
         }
@@ -320,7 +342,8 @@ size_t weft_cloth_bytes(const weft_cloth *cloth)
     return sizeof *cloth + cloth->particles * each
            + WEFT_PAST * sizeof *cloth->inverse_mass
            + cloth->pinned * sizeof *cloth->pins
-           + (cloth->motion_count + 1) * sizeof *cloth->motions;
+           + (cloth->motion_count + 1) * sizeof *cloth->motions
+           + cloth->shape_count * sizeof *cloth->shapes;
 }
 
 double weft_cloth_mass(const weft_cloth *cloth)

@@ -34,6 +34,37 @@ static uint64_t hash_row(const weft_cloth *cloth, size_t r)
     return hash;
 }
 
+static uint64_t hash_shape(uint64_t hash, const weft__shape *shape)
+{
+    const weft_shape *def = &shape->def;
+    hash = weft__hash_word(hash, (uint64_t)def->kind);
+    hash = weft__hash_reals(hash, def->at, 3);
+    hash = weft__hash_reals(hash, shape->axis, 3);
+    hash = weft__hash_real(hash, shape->length);
+    hash = weft__hash_reals(hash, def->half, 3);
+    hash = weft__hash_real(hash, def->kind == WEFT_BOX ? def->rounding : def->radius);
+    hash = weft__hash_reals(hash, shape->spin, 3);
+    hash = weft__hash_real(hash, shape->friction);
+    return hash_motion(hash, &shape->motion);
+}
+
+/* Nothing without shapes. */
+static uint64_t hash_contact(uint64_t hash, const weft_cloth *cloth)
+{
+    const weft_contact_def *law = &cloth->contact;
+    const double numbers[]
+        = { law->thickness, law->stopping_speed, law->damping, law->slip };
+    for (size_t k = 0; k < cloth->shape_count; ++k) {
+        hash = hash_shape(hash, &cloth->shapes[k]);
+    }
+    if (cloth->shape_count > 0) {
+        hash = weft__hash_word(hash, (uint64_t)law->exponent);
+        hash = weft__hash_word(hash, (uint64_t)law->law);
+        hash = weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
+    }
+    return hash;
+}
+
 uint64_t weft__cloth_hash(const weft_cloth *cloth)
 {
     uint64_t hash = WEFT__HASH_START;
@@ -48,5 +79,6 @@ uint64_t weft__cloth_hash(const weft_cloth *cloth)
     hash = weft__hash_reals(hash, cloth->gravity, 3);
     hash = weft__hash_real(hash, cloth->drag);
     hash = weft__hash_reals(hash, cloth->wind_velocity, 3);
-    return weft__hash_real(hash, cloth->wind_drag);
+    hash = weft__hash_real(hash, cloth->wind_drag);
+    return hash_contact(hash, cloth);
 }

@@ -5,7 +5,7 @@
  * row: the same on every machine and on any number of threads. Kinetic and
  * gravitational energy and both momenta are those of the free particles. */
 #include "base/hash.h"
-#include "cloth/rows.h"
+#include "cloth/added.h"
 #include "cloth/springs.h"
 
 void weft__row_energy(const weft__subject *of, size_t r, weft_measures *row)
@@ -26,6 +26,7 @@ void weft__row_energy(const weft__subject *of, size_t r, weft_measures *row)
         row->energy.elastic[walk.spring.group->family]
             += weft__spring_energy(&walk.spring);
     }
+    weft__row_contact_energy(of, r, row);
 }
 
 static void row_momentum(const weft__subject *of, size_t r, weft_measures *row)
@@ -83,6 +84,7 @@ void weft__row_state(const weft__subject *of, size_t r, weft_measures *row)
 {
     weft__row_energy(of, r, row);
     weft__row_worst(of, r, row);
+    weft__row_gap(of, r, row);
     row_momentum(of, r, row);
     row->hash = row_hash(of->y, of->cloth->rows, of->cloth->cols, r);
 }
@@ -93,7 +95,9 @@ void weft__row_all(const weft__subject *of, size_t r, weft_measures *row)
     weft__row_power(of, r, row);
 }
 
-const weft_measures weft__measures_start = { .hash = WEFT__HASH_START };
+const weft_measures weft__row_start = { .gap = (double)INFINITY };
+const weft_measures weft__measures_start
+    = { .hash = WEFT__HASH_START, .gap = (double)INFINITY };
 
 void weft__measures_add(weft_measures *sum, const weft_measures *row)
 {
@@ -102,6 +106,7 @@ void weft__measures_add(weft_measures *sum, const weft_measures *row)
     for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
         sum->energy.elastic[k] += row->energy.elastic[k];
     }
+    sum->energy.contact += row->energy.contact;
     for (size_t k = 0; k < 3; ++k) {
         sum->momentum[k] += row->momentum[k];
         sum->angular_momentum[k] += row->angular_momentum[k];
@@ -112,6 +117,8 @@ void weft__measures_add(weft_measures *sum, const weft_measures *row)
     if (row->worst.p != row->worst.q) {
         keep_worst(&sum->worst, &row->worst);
     }
+    weft__keep_gap(sum, row->gap, row->gap_particle, row->gap_shape);
+    sum->touching += row->touching;
     sum->hash = weft__hash_word(sum->hash, row->hash);
 }
 
@@ -121,16 +128,16 @@ static weft_measures measure(const weft_cloth *cloth, double t, const double *y,
     const weft__subject of = { cloth, t, y, NULL };
     weft_measures sum = weft__measures_start;
     for (size_t r = 0; r < cloth->rows; ++r) {
-        weft_measures row = { .hash = 0 };
+        weft_measures row = weft__row_start;
         measure_row(&of, r, &row);
         weft__measures_add(&sum, &row);
     }
     return sum;
 }
 
-weft_energy weft_cloth_energy(const weft_cloth *cloth, const double *y)
+weft_energy weft_cloth_energy(const weft_cloth *cloth, double t, const double *y)
 {
-    return measure(cloth, 0.0, y, weft__row_energy).energy;
+    return measure(cloth, t, y, weft__row_energy).energy;
 }
 
 double weft_energy_total(weft_energy energy)
@@ -139,7 +146,7 @@ double weft_energy_total(weft_energy energy)
     for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
         total += energy.elastic[k];
     }
-    return total;
+    return total + energy.contact;
 }
 
 void weft_cloth_power(const weft_cloth *cloth, double t, const double *y,
@@ -149,10 +156,17 @@ void weft_cloth_power(const weft_cloth *cloth, double t, const double *y,
            WEFT_POWERS * sizeof *power);
 }
 
-double weft_cloth_dissipation(const weft_cloth *cloth, const double *y)
+static void row_dissipation(const weft__subject *of, size_t r, weft_measures *row)
 {
-    const weft_measures sum = measure(cloth, 0.0, y, weft__row_heat);
-    return sum.power[WEFT_POWER_SPRINGS] + sum.power[WEFT_POWER_DRAG];
+    weft__row_heat(of, r, row);
+    weft__contact.power(of, r, row);
+}
+
+double weft_cloth_dissipation(const weft_cloth *cloth, double t, const double *y)
+{
+    const weft_measures sum = measure(cloth, t, y, row_dissipation);
+    return sum.power[WEFT_POWER_SPRINGS] + sum.power[WEFT_POWER_DRAG]
+           + sum.power[WEFT_POWER_CONTACT] + sum.power[WEFT_POWER_FRICTION];
 }
 
 void weft_cloth_momentum(const weft_cloth *cloth, const double *y, double p[3])
@@ -168,6 +182,24 @@ void weft_cloth_angular_momentum(const weft_cloth *cloth, const double *y, doubl
 weft_spring weft_cloth_worst_spring(const weft_cloth *cloth, const double *y)
 {
     return measure(cloth, 0.0, y, weft__row_worst).worst;
+}
+
+double weft_cloth_gap(const weft_cloth *cloth, double t, const double *y,
+                      size_t *particle, size_t *shape)
+{
+    const weft_measures found = measure(cloth, t, y, weft__row_gap);
+    if (particle != NULL) {
+        *particle = found.gap_particle;
+    }
+    if (shape != NULL) {
+        *shape = found.gap_shape;
+    }
+    return found.gap;
+}
+
+size_t weft_cloth_touching(const weft_cloth *cloth, double t, const double *y)
+{
+    return measure(cloth, t, y, weft__row_gap).touching;
 }
 
 uint64_t weft_state_hash(const double *y, size_t rows, size_t cols)

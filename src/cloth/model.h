@@ -38,15 +38,26 @@ typedef struct weft__group {
 /* How far beyond the last particle kernels may read. */
 #define WEFT_PAST 16
 
-/* x(t) = x(0) + velocity t + amplitude sin(2 pi frequency t) */
+/* x(t) = x0 + velocity (t - since) + amplitude sin(2 pi frequency t) */
 typedef struct weft__motion {
     double velocity[3];  /* [m/s] */
     double amplitude[3]; /* [m] */
     double frequency;    /* [Hz] */
     double omega;        /* [rad/s] 2 pi frequency */
+    double since;        /* [s] 0 as defined */
     bool moves;
     bool coasts; /* instead of all that, at a velocity of each particle's own */
 } weft__motion;
+
+/* A rigid shape: what is defined and what follows from it (shapes.h). */
+typedef struct weft__shape {
+    weft_shape def;
+    weft__motion motion;
+    double axis[3];  /* unit: a plane's normal, from end to end of a capsule */
+    double spin[3];  /* [rad/s] of a plane and a capsule exactly along the axis */
+    double length;   /* [m] of a capsule's axis */
+    double friction; /* >= 0 */
+} weft__shape;
 
 typedef struct weft__level weft__level; /* levels.h */
 
@@ -66,6 +77,9 @@ struct weft_cloth {
     double *coast;               /* [m/s] of a copy: 3 N, x y z of each that coasts */
     weft__motion *motions;       /* motion_count of them, and one that coasts */
     size_t motion_count;
+    weft_contact_def contact; /* as defined, without the shapes */
+    weft__shape *shapes;      /* shape_count of them; a copy has its own */
+    size_t shape_count;
     weft_allocator memory;
 };
 
@@ -99,6 +113,14 @@ void weft__limit_check(const weft_limit_def *def, const weft__faults *to);
  * particles. Returns false if the size is wrong. */
 bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults *to);
 
+/* Of one shape, number `index`: the fields are offsets in weft_shape. */
+bool weft__shape_check(const weft_shape *shape, size_t index, const weft__faults *to);
+
+/* The free particle that starts deepest inside a shape without faults: the gap [m], > 0
+ * if none does. */
+double weft__start_gap(const weft_cloth_def *def, const weft_shape *shape,
+                       size_t *particle);
+
 /* A range of def with negative ends resolved; false if it leaves [0, count). */
 bool weft__range_resolve(weft_range range, size_t count, size_t *first, size_t *last);
 
@@ -115,11 +137,24 @@ static inline double weft__length(const double a[3])
 /* Rest position [m] of particle (r, c). */
 void weft__rest_position(const weft_cloth *cloth, size_t r, size_t c, double x[3]);
 
+/* Position [m] at t = 0. */
+void weft__start_position(const weft_cloth *cloth, size_t r, size_t c, double x[3]);
+
 /* Lumped area [m^2] of particle (r, c): halved on each edge it lies on; a direction
  * with a single row or column counts as 1 m wide. */
 double weft__area(const weft_cloth *cloth, size_t r, size_t c);
 
-/* rhs.c: velocity [m/s] of pinned particle i, then its acceleration [m/s^2]. */
+/* prescribed.c: the motion of pins and shapes. */
+weft__motion weft__motion_of(const double velocity[3], const double amplitude[3],
+                             double frequency);
+
+/* Velocity [m/s], then acceleration [m/s^2]. */
+void weft__motion_rate(const weft__motion *motion, double t, double rate[6]);
+
+/* x(t) - x0 [m] */
+void weft__motion_offset(const weft__motion *motion, double t, double offset[3]);
+
+/* rhs.c: the same of pinned particle i. */
 void weft__pin_rate(const weft_cloth *cloth, size_t i, double t, double rate[6]);
 
 #endif

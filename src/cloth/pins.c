@@ -19,12 +19,14 @@ weft_cloth *weft__cloth_copy(const weft_cloth *model, const weft_allocator *memo
     copy->coast = weft__alloc(memory, 3 * n, sizeof *copy->coast);
     copy->inverse_mass
         = weft__zeroed(memory, n + WEFT_PAST, sizeof *copy->inverse_mass);
+    copy->shapes = weft__alloc(memory, model->shape_count, sizeof *copy->shapes);
     if (copy->pin == NULL || copy->pins == NULL || copy->coast == NULL
-        || copy->inverse_mass == NULL) {
+        || copy->inverse_mass == NULL || copy->shapes == NULL) {
         weft_cloth_destroy(copy);
         return NULL;
     }
     memcpy(copy->pin, model->pin, n * sizeof *copy->pin);
+    memcpy(copy->shapes, model->shapes, model->shape_count * sizeof *copy->shapes);
     if (model->coast != NULL) { /* a copy itself */
         memcpy(copy->coast, model->coast, 3 * n * sizeof *copy->coast);
     }

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* pins.h -- the pins of a simulation: a copy of its cloth, in which they may change. */
+/* pins.h -- the pins of a simulation: a copy of its cloth, in which they may change, as
+ * the shapes may. */
 #ifndef WEFT_CLOTH_PINS_H
 #define WEFT_CLOTH_PINS_H
 
 #include "weft/cloth.h"
 
-/* A cloth with pins of its own, for weft_cloth_destroy; all else it shares with *model,
- * which outlives it. NULL: no memory. */
+/* A cloth with pins and shapes of its own, for weft_cloth_destroy; all else it shares
+ * with *model, which outlives it. NULL: no memory. */
 weft_cloth *weft__cloth_copy(const weft_cloth *model, const weft_allocator *memory);
 
 typedef enum weft__hold {

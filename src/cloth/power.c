@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* power.c -- the powers of springs, drag, wind and moved pins, which change the energy
- * E of a cloth: kinetic and gravitational of the free particles, and elastic:
+/* power.c -- the powers of springs, drag, wind, moved pins and shapes, which change the
+ * energy E of a cloth: kinetic and gravitational of the free particles, elastic,
+ * contact:
  *
- *     dE/dt = -springs - drag + wind + pins                        (docs/physics.md)
+ *     dE/dt = -springs - drag - contact - friction + wind + pins + shapes
+ *                                                                  (docs/physics.md)
  *
  * Each row is summed by itself, then the rows in their order. */
 #include "cloth/levels.h"

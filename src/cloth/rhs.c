@@ -1,35 +1,31 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* rhs.c -- the equations of motion as a first-order system y' = f(t, y):
  *
- *     free particle     x' = v,   v' = (m g - drag v + springs + wind) / m
+ *     free particle     x' = v,   v' = (m g - drag v + springs + wind + contact) / m
  *     pinned particle   x' = V + w A cos(w t),   v' = -w^2 A sin(w t),  w = 2 pi f
  *
  * A pinned particle has inverse mass 0 and follows its prescribed motion; one without
  * motion has x' = v' = 0 and keeps its position bit for bit. The plain loops here
  * have the same bits as src/kernel. */
+#include <string.h>
+
 #include "cloth/levels.h"
 #include "cloth/springs.h"
-
-#include "weft/elementary.h"
 
 #define POINTER(name, level) &weft__##name,
 const weft__added *const weft__added_forces[WEFT__ADDED] = { WEFT_ADDED(POINTER, ) };
 
-/* Adds the added forces on particle i times `share` to to[3], n apart. */
-static void add(const weft__subject *of, size_t i, double share, double *to)
+/* Adds the added forces on particle i to to[3], n apart. */
+static void add(const weft__subject *of, size_t i, weft__unit unit, double *to)
 {
     for (size_t a = 0; a < WEFT__ADDED; ++a) {
-        double force[3];
-        weft__added_forces[a]->force(of, i, share, force);
-        for (size_t k = 0; k < 3; ++k) {
-            to[k * of->cloth->particles] += force[k];
-        }
+        weft__added_forces[a]->add(of, i, unit, to);
     }
 }
 
-void weft_cloth_force(const weft_cloth *cloth, const double *y, double *f)
+void weft_cloth_force(const weft_cloth *cloth, double t, const double *y, double *f)
 {
-    const weft__subject of = { .cloth = cloth, .y = y };
+    const weft__subject of = { .cloth = cloth, .t = t, .y = y };
     const size_t n = cloth->particles;
     for (size_t i = 0; i < n; ++i) {
         double springs[3];
@@ -38,7 +34,7 @@ void weft_cloth_force(const weft_cloth *cloth, const double *y, double *f)
             f[k * n + i] = cloth->mass[i] * cloth->gravity[k]
                            + (springs[k] - cloth->drag * y[(k + 3) * n + i]);
         }
-        add(&of, i, 1.0, f + i);
+        add(&of, i, WEFT__FORCE, f + i);
     }
 }
 
@@ -62,7 +58,7 @@ int weft__reference_rows(const weft__subject *of, double *dydt, size_t first_row
             const double force = springs[k] - cloth->drag * v;
             dydt[(k + 3) * n + i] = cloth->gravity[k] + cloth->inverse_mass[i] * force;
         }
-        add(of, i, cloth->inverse_mass[i], dydt + 3 * n + i);
+        add(of, i, WEFT__ACCELERATION, dydt + 3 * n + i);
         bad += trouble(dydt + i, n);
     }
     return bad == 0.0 ? 0 : 1;
@@ -70,17 +66,11 @@ int weft__reference_rows(const weft__subject *of, double *dydt, size_t first_row
 
 void weft__pin_rate(const weft_cloth *cloth, size_t i, double t, double rate[6])
 {
-    const weft__motion *motion = &cloth->motions[cloth->pin[i] - 1];
-    const double *velocity = motion->coasts ? cloth->coast + 3 * i : motion->velocity;
-    const double w = motion->omega;
-    double sine = 0.0, cosine = 1.0;
-    if (w != 0.0) {
-        weft_sincos_turns(motion->frequency, t, &sine, &cosine);
+    weft__motion motion = cloth->motions[cloth->pin[i] - 1];
+    if (motion.coasts) {
+        memcpy(motion.velocity, cloth->coast + 3 * i, sizeof motion.velocity);
     }
-    for (size_t k = 0; k < 3; ++k) {
-        rate[k] = velocity[k] + w * motion->amplitude[k] * cosine;
-        rate[k + 3] = -w * w * motion->amplitude[k] * sine;
-    }
+    weft__motion_rate(&motion, t, rate);
 }
 
 enum { KEPT = 8 }; /* motions whose rates a pass keeps */

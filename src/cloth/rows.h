@@ -22,17 +22,24 @@ typedef int weft__rows_fn(const weft__subject *of, double *dydt, size_t first,
 
 weft__rows_fn weft__rhs_rows; /* all of it; rhs.c */
 
-/* Measures a part or all of row r into *row, which is 0 before. Springs belong to the
- * row where they begin. measure.c, power.c */
+/* Measures a part or all of row r into *row, which is weft__row_start before. Springs
+ * belong to the row where they begin. measure.c, power.c, contact.c */
 typedef void weft__row_fn(const weft__subject *of, size_t r, weft_measures *row);
 weft__row_fn weft__row_energy, weft__row_heat, weft__row_power, weft__row_worst,
     weft__row_state, /* all but powers */ weft__row_all;
+weft__row_fn weft__row_contact_energy, weft__row_gap;
+
+extern const weft_measures weft__row_start;
 
 /* Of all rows, taken in their order: *sum is weft__measures_start before the first. */
 extern const weft_measures weft__measures_start;
 void weft__measures_add(weft_measures *sum, const weft_measures *row);
 
-/* cloth_hash.c: hash of springs, masses, pins and forces, but not of the state. */
+/* The smaller gap; NaN is smaller than a number. */
+void weft__keep_gap(weft_measures *kept, double gap, size_t particle, size_t shape);
+
+/* cloth_hash.c: hash of springs, masses, pins, forces and shapes, but not of the state.
+ */
 uint64_t weft__cloth_hash(const weft_cloth *cloth);
 
 #endif

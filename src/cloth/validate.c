@@ -2,6 +2,7 @@
 /* validate.c -- checks the definition of a cloth and reports every fault. Comparisons
  * are written so that NaN fails. */
 #include "cloth/model.h"
+#include "cloth/shapes.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -136,14 +137,12 @@ static bool check_finite(const weft_cloth *grid, const weft__faults *to)
 {
     bool finite = true;
     for (size_t corner = 0; corner < 4; ++corner) {
-        double x[3];
-        weft__rest_position(grid, corner / 2 * (grid->rows - 1),
-                            corner % 2 * (grid->cols - 1), x);
-        for (size_t k = 0; k < 3; ++k) {
-            const double from = grid->origin[k];
-            finite = finite && isfinite(x[k])
-                     && isfinite(from + grid->scale * (x[k] - from));
-        }
+        const size_t r = corner / 2 * (grid->rows - 1),
+                     c = corner % 2 * (grid->cols - 1);
+        double rest[3], start[3];
+        weft__rest_position(grid, r, c, rest);
+        weft__start_position(grid, r, c, start);
+        finite = finite && weft__all_finite(rest, 3) && weft__all_finite(start, 3);
     }
     if (!finite) {
         fault(to, FIELD(spacing), FIELD(spacing),
@@ -266,6 +265,172 @@ static void check_forces(const weft_cloth_def *def, const weft__faults *to)
     }
 }
 
+/* ---- contact --------------------------------------------------------------------- */
+
+#define SHAPE(name) offsetof(weft_shape, name)
+
+static void check_contact(const weft_cloth_def *def, const weft__faults *to)
+{
+    const weft_contact_def *law = &def->contact;
+    const struct {
+        const char *name;
+        size_t field;
+        double value;
+        bool usable;
+    } numbers[] = {
+#define NUMBER(name, test) { #name, FIELD(contact.name), law->name, test(law->name) }
+        NUMBER(thickness, weft__positive),    NUMBER(stopping_speed, weft__positive),
+        NUMBER(slip, weft__positive),         NUMBER(damping, weft__not_negative),
+        NUMBER(friction, weft__not_negative),
+#undef NUMBER
+    };
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i) {
+        if (!numbers[i].usable) {
+            fault(to, numbers[i].field, numbers[i].field,
+                  "contact: %s %g: must be %s 0", numbers[i].name, numbers[i].value,
+                  i < 3 ? ">" : ">=");
+        }
+    }
+    if (law->exponent < 3 || law->exponent > 10) {
+        fault(to, FIELD(contact.exponent), FIELD(contact.exponent),
+              "contact: exponent %d: must be 3 to 10", law->exponent);
+    }
+    if (law->law != WEFT_FRICTION_SMOOTH && law->law != WEFT_FRICTION_COULOMB) {
+        fault(to, FIELD(contact.law), FIELD(contact.law), "unknown friction law %d",
+              (int)law->law);
+    }
+}
+
+/* Of spin along a direction, which is not 0: all of it. */
+static bool along(const double spin[3], const double way[3])
+{
+    const double cross[3]
+        = { spin[1] * way[2] - spin[2] * way[1], spin[2] * way[0] - spin[0] * way[2],
+            spin[0] * way[1] - spin[1] * way[0] };
+    return weft__length(cross) <= 1e-9 * weft__length(spin) * weft__length(way);
+}
+
+/* The first fault of a shape; NULL: none. */
+static const char *shape_fault(const weft_shape *shape, size_t *field)
+{
+    const double *a = shape->at, *b = shape->to, *h = shape->half;
+    const double axis[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
+    const bool plane = shape->kind == WEFT_PLANE, box = shape->kind == WEFT_BOX;
+    const bool capsule = shape->kind == WEFT_CAPSULE;
+    const bool round = shape->kind == WEFT_SPHERE || capsule;
+    const struct {
+        bool wrong;
+        size_t field;
+        const char *message;
+    } rules[] = {
+        { !plane && !box && !round, SHAPE(kind), "unknown kind" },
+        { !weft__all_finite(a, 3), SHAPE(at), "its place must be finite" },
+        { plane && !weft__positive(weft__length(shape->normal)), SHAPE(normal),
+          "its normal must be finite and not zero" },
+        { capsule && !weft__positive(weft__length(axis)), SHAPE(to),
+          "its ends must be finite and apart" },
+        { round && !weft__positive(shape->radius), SHAPE(radius),
+          "its radius must be > 0" },
+        { box && !weft__positive(shape->rounding), SHAPE(rounding),
+          "its rounding must be > 0" },
+        { box
+              && !(weft__all_finite(h, 3) && h[0] > shape->rounding
+                   && h[1] > shape->rounding && h[2] > shape->rounding),
+          SHAPE(half), "half of each edge must be finite and > rounding" },
+        { !weft__all_finite(shape->velocity, 3), SHAPE(velocity),
+          "its velocity must be finite" },
+        { !weft__all_finite(shape->amplitude, 3), SHAPE(amplitude),
+          "its amplitude must be finite" },
+        { !weft__not_negative(shape->frequency), SHAPE(frequency),
+          "its frequency must be >= 0" },
+        { !weft__all_finite(shape->spin, 3), SHAPE(spin), "its spin must be finite" },
+        { box && weft__length(shape->spin) != 0.0, SHAPE(spin), "a box cannot spin" },
+        { capsule && !along(shape->spin, axis), SHAPE(spin),
+          "a capsule spins about its axis only" },
+        { plane && !along(shape->spin, shape->normal), SHAPE(spin),
+          "a plane spins about its normal only" },
+        { !isfinite(shape->friction), SHAPE(friction), "its friction must be finite" },
+    };
+    for (size_t i = 0; i < sizeof rules / sizeof rules[0]; ++i) {
+        if (rules[i].wrong) {
+            *field = rules[i].field;
+            return rules[i].message;
+        }
+    }
+    return NULL;
+}
+
+bool weft__shape_check(const weft_shape *shape, size_t index, const weft__faults *to)
+{
+    size_t field;
+    const char *message = shape_fault(shape, &field);
+    if (message != NULL) {
+        fault(to, field, field, "shapes[%zu]: %s", index, message);
+    }
+    return message == NULL;
+}
+
+static bool is_pinned(const weft_cloth_def *def, size_t r, size_t c)
+{
+    bool pinned = false;
+    for (size_t i = 0; i < def->pin_count && !pinned; ++i) {
+        size_t top, bottom, left, right;
+        pinned = weft__range_resolve(def->pins[i].rows, def->rows, &top, &bottom)
+                 && weft__range_resolve(def->pins[i].cols, def->cols, &left, &right)
+                 && r >= top && r <= bottom && c >= left && c <= right;
+    }
+    return pinned;
+}
+
+double weft__start_gap(const weft_cloth_def *def, const weft_shape *shape,
+                       size_t *particle)
+{
+    weft_cloth grid = { .rows = 0 };
+    double least = (double)INFINITY;
+    const weft__shape of = weft__shape_of(shape, 0.0);
+    const weft__pose pose = weft__pose_of(&of, 0.0);
+    weft__grid_init(&grid, def);
+    for (size_t i = 0; i < grid.particles; ++i) {
+        const size_t r = i / grid.cols, c = i % grid.cols;
+        double x[3], gradient[3];
+        bool joined;
+        weft__start_position(&grid, r, c, x);
+        const double gap = weft__shape_gap(&pose, x, gradient, &joined);
+        if (!(gap > 0.0) && gap < least && !is_pinned(def, r, c)) {
+            least = gap;
+            *particle = i;
+        }
+    }
+    return least;
+}
+
+/* Of a shape: the field in weft_cloth_def is the array. */
+static void shape_found(void *ctx, size_t field, size_t other, const char *message)
+{
+    const weft__faults *to = ctx;
+    (void)field, (void)other;
+    to->found(to->ctx, FIELD(contact.shapes), FIELD(contact.shapes), message);
+}
+
+static void check_shapes(const weft_cloth_def *def, const weft__faults *to)
+{
+    weft__faults outer = *to;
+    const weft__faults here = { shape_found, &outer };
+    for (size_t k = 0; k < def->contact.shape_count; ++k) {
+        const weft_shape *shape = &def->contact.shapes[k];
+        size_t i = 0;
+        if (!weft__shape_check(shape, k, &here)) {
+            continue;
+        }
+        const double gap = weft__start_gap(def, shape, &i);
+        if (gap <= 0.0) {
+            fault(to, FIELD(contact.shapes), FIELD(contact.shapes),
+                  "particle (%zu, %zu) is %.3g mm inside shapes[%zu]", i / def->cols,
+                  i % def->cols, 1e3 * fabs(gap), k);
+        }
+    }
+}
+
 void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to)
 {
     if (weft__grid_check(def, MAX_PARTICLES, to)) {
@@ -273,6 +438,10 @@ void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to)
         check_springs(def, to);
         check_pins(def, to);
         check_forces(def, to);
+        if (def->contact.shape_count > 0) {
+            check_contact(def, to);
+            check_shapes(def, to);
+        }
     }
 }
 

@@ -53,9 +53,19 @@ static void wind_power(const weft__subject *of, size_t r, weft_measures *row)
     }
 }
 
+static void wind_add(const weft__subject *of, size_t i, weft__unit unit, double *to)
+{
+    const size_t n = of->cloth->particles;
+    double force[3];
+    wind_force(of, i, unit == WEFT__FORCE ? 1.0 : of->cloth->inverse_mass[i], force);
+    for (size_t k = 0; of->cloth->wind_drag != 0.0 && k < 3; ++k) {
+        to[k * n] += force[k];
+    }
+}
+
 static double wind_damping(const weft_cloth *cloth, size_t i)
 {
     return cloth->wind_drag * weft__area(cloth, i / cloth->cols, i % cloth->cols);
 }
 
-const weft__added weft__wind = { wind_force, wind_power, wind_damping };
+const weft__added weft__wind = { wind_add, wind_power, wind_damping };

@@ -6,6 +6,7 @@
 #define WEFT_KERNEL_LANES_H
 
 #include <math.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -82,6 +83,44 @@ INLINE vec root(vec a)
 #endif
 }
 
+/* The smaller and the larger of two numbers, lane by lane. */
+INLINE vec least(vec a, vec b)
+{
+#if defined __AVX512F__ && LANES == 8
+    return (vec)_mm512_min_pd((__m512d)a, (__m512d)b);
+#elif defined __AVX__ && LANES == 4
+    return (vec)_mm256_min_pd((__m256d)a, (__m256d)b);
+#elif defined __SSE2__ && LANES == 2
+    return (vec)_mm_min_pd((__m128d)a, (__m128d)b);
+#else
+    const mask first = a < b;
+    return (vec)(((mask)a & first) | ((mask)b & ~first));
+#endif
+}
+
+INLINE vec most(vec a, vec b)
+{
+    return -least(-a, -b);
+}
+
+/* Whether any lane is set. */
+INLINE bool any(mask a)
+{
+#if defined __AVX512DQ__ && LANES == 8
+    return _mm512_movepi64_mask((__m512i)a) != 0;
+#elif defined __AVX__ && LANES == 4
+    return _mm256_movemask_pd((__m256d)a) != 0;
+#elif defined __SSE2__ && LANES == 2
+    return _mm_movemask_pd((__m128d)a) != 0;
+#else
+    int64_t found = 0;
+    for (int i = 0; i < LANES; ++i) {
+        found |= a[i];
+    }
+    return found != 0;
+#endif
+}
+
 /* The last lane, the last two, of a, then those of b that still fit. */
 #if LANES == 2
 #define SHIFT_1(a, b) __builtin_shufflevector(a, b, 1, 2)
@@ -99,6 +138,14 @@ INLINE vec3 load3(const double *from, size_t plane)
     return (vec3){ load(from), load(from + plane), load(from + 2 * plane) };
 }
 
+/* The smallest lane. */
+INLINE double least_lane(vec a)
+{
+    a = least(a, SHIFT_1(a, a));
+    a = least(a, SHIFT_2(a, a));
+    return least(a, SHIFT_2(SHIFT_2(a, a), SHIFT_2(a, a)))[0];
+}
+
 INLINE void set_lane(vec3 *a, size_t lane, const double *from, size_t plane)
 {
     a->x[lane] = from[0];
@@ -107,6 +154,18 @@ INLINE void set_lane(vec3 *a, size_t lane, const double *from, size_t plane)
 }
 
 /* The first `count` lanes; 0 in the others. */
+INLINE vec load_some(const double *from, size_t count)
+{
+    vec a = { 0 };
+    if (count == LANES) {
+        return load(from);
+    }
+    for (size_t i = 0; i < count; ++i) {
+        a[i] = from[i];
+    }
+    return a;
+}
+
 INLINE vec3 load3_some(const double *from, size_t plane, size_t count)
 {
     vec3 a = { 0 };

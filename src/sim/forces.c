@@ -90,7 +90,7 @@ static void measure_band(void *ctx, size_t i)
     const size_t end = first_row(of->forces, i + 1);
     for (size_t r = first_row(of->forces, i); r < end; ++r) {
         weft_measures *row = &of->forces->measures[r];
-        *row = (weft_measures){ .hash = 0 };
+        *row = weft__row_start;
         of->row(of->subject, r, row);
     }
 }

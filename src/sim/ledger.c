@@ -1,9 +1,25 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/ledger.h"
 
+#include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "base/finite.h"
+
+/* Where the integral of each power goes: heat, or work done on the cloth. */
+static const struct {
+    size_t at; /* in weft_ledger */
+    bool heat;
+} accounts[WEFT_POWERS] = {
+    [WEFT_POWER_SPRINGS] = { offsetof(weft_ledger, dissipated_springs), true },
+    [WEFT_POWER_DRAG] = { offsetof(weft_ledger, dissipated_drag), true },
+    [WEFT_POWER_WIND] = { offsetof(weft_ledger, wind_work), false },
+    [WEFT_POWER_PINS] = { offsetof(weft_ledger, pin_work), false },
+    [WEFT_POWER_CONTACT] = { offsetof(weft_ledger, dissipated_contact), true },
+    [WEFT_POWER_FRICTION] = { offsetof(weft_ledger, dissipated_friction), true },
+    [WEFT_POWER_SHAPES] = { offsetof(weft_ledger, shape_work), false },
+};
 
 bool weft__ledger_rates(const weft__forces *forces, double t, const double *y,
                         double force_power, double *rates)
@@ -15,9 +31,9 @@ bool weft__ledger_rates(const weft__forces *forces, double t, const double *y,
     return weft__all_finite(rates, WEFT__QUADRATURES);
 }
 
-static weft_energy energy_of(const weft__forces *forces, const double *y)
+static weft_energy energy_of(const weft__forces *forces, double t, const double *y)
 {
-    const weft__subject of = { .cloth = forces->cloth, .y = y };
+    const weft__subject of = { .cloth = forces->cloth, .t = t, .y = y };
     return weft__forces_measure(forces, &of, weft__row_energy).energy;
 }
 
@@ -27,45 +43,55 @@ void weft__ledger_start(weft__ledger *ledger, const weft_cloth *cloth, double *y
         for (size_t k = 0; k < WEFT__QUADRATURES; ++k) {
             y[weft_cloth_dim(cloth) + k] = 0.0;
         }
-        ledger->start = weft_energy_total(weft_cloth_energy(cloth, y));
+        ledger->start = weft_energy_total(weft_cloth_energy(cloth, 0.0, y));
     }
 }
 
-void weft__ledger_mark(weft__ledger *ledger, const weft__forces *forces,
+void weft__ledger_mark(weft__ledger *ledger, const weft__forces *forces, double t,
                        const double *y)
 {
     if (ledger->on) {
-        ledger->marked = weft_energy_total(energy_of(forces, y));
+        ledger->marked = weft_energy_total(energy_of(forces, t, y));
     }
 }
 
-void weft__ledger_account(weft__ledger *ledger, const weft__forces *forces,
+void weft__ledger_account(weft__ledger *ledger, const weft__forces *forces, double t,
                           const double *y, double *work)
 {
     if (ledger->on) {
-        const double energy = weft_energy_total(energy_of(forces, y));
+        const double energy = weft_energy_total(energy_of(forces, t, y));
         *work += energy - ledger->marked;
         ledger->marked = energy;
     }
 }
 
 weft_ledger weft__ledger_read(const weft__ledger *ledger, const weft__forces *forces,
-                              const double *y)
+                              double t, const double *y)
 {
-    weft_ledger out = { .kept = ledger->on, .energy = energy_of(forces, y) };
+    weft_ledger out = { .kept = ledger->on, .energy = energy_of(forces, t, y) };
     if (ledger->on) {
         const double *done = y + weft_cloth_dim(forces->cloth); /* [J] */
-        out.dissipated_springs = done[WEFT_POWER_SPRINGS];
-        out.dissipated_drag = done[WEFT_POWER_DRAG];
-        out.wind_work = done[WEFT_POWER_WIND];
-        out.pin_work = done[WEFT_POWER_PINS];
+        out.residual = weft_energy_total(out.energy) - ledger->start;
+        for (size_t k = 0; k < WEFT_POWERS; ++k) {
+            *(double *)((char *)&out + accounts[k].at) = done[k];
+            out.residual += accounts[k].heat ? done[k] : -done[k];
+        }
         out.force_work = done[WEFT_POWERS];
         out.limit_work = ledger->limit_work;
         out.outside_work = ledger->outside_work;
-        out.residual = weft_energy_total(out.energy) - ledger->start
-                       + out.dissipated_springs + out.dissipated_drag - out.wind_work
-                       - out.pin_work - out.limit_work - out.outside_work
-                       - out.force_work;
+        out.residual
+            = out.residual - out.limit_work - out.outside_work - out.force_work;
     }
     return out;
+}
+
+double weft__ledger_heat(const weft__ledger *ledger, const weft_cloth *cloth,
+                         const double *y)
+{
+    const double *done = y + weft_cloth_dim(cloth); /* [J] */
+    double heat = 0.0;
+    for (size_t k = 0; ledger->on && k < WEFT_POWERS; ++k) {
+        heat += accounts[k].heat ? done[k] : 0.0;
+    }
+    return ledger->on ? heat : (double)NAN;
 }

@@ -29,12 +29,16 @@ void weft__ledger_start(weft__ledger *ledger, const weft_cloth *cloth, double *y
 
 /* Around corrections: mark before the first; account, after each that changed y, adds
  * the change of the energy to *work, one of the ledger's. */
-void weft__ledger_mark(weft__ledger *ledger, const weft__forces *forces,
+void weft__ledger_mark(weft__ledger *ledger, const weft__forces *forces, double t,
                        const double *y);
-void weft__ledger_account(weft__ledger *ledger, const weft__forces *forces,
+void weft__ledger_account(weft__ledger *ledger, const weft__forces *forces, double t,
                           const double *y, double *work);
 
 weft_ledger weft__ledger_read(const weft__ledger *ledger, const weft__forces *forces,
-                              const double *y);
+                              double t, const double *y);
+
+/* [J] all heat; NaN if it is off. */
+double weft__ledger_heat(const weft__ledger *ledger, const weft_cloth *cloth,
+                         const double *y);
 
 #endif

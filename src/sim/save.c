@@ -16,7 +16,7 @@
 
 static const unsigned char magic[WEFT__WORD] = "weftsave";
 
-#define VERSION 3
+#define VERSION 4
 
 #define NAME_WORDS 8
 
@@ -253,7 +253,7 @@ static weft_status check_numbers(const weft_sim *sim, const fields *saved,
           && weft__all_finite(y, weft_cloth_dim(sim->cloth)))) {
         return not_finite("a time, a step or a state", err);
     }
-    return isfinite(weft__ledger_read(&ledger, &sim->forces, y).residual)
+    return isfinite(weft__ledger_read(&ledger, &sim->forces, saved->t, y).residual)
                ? WEFT_OK
                : not_finite("an energy ledger", err);
 }

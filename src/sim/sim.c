@@ -229,13 +229,14 @@ static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
 {
     weft__ledger *ledger = &sim->ledger;
     bool changed = false;
-    weft__ledger_mark(ledger, &sim->forces, sim->y);
+    weft__ledger_mark(ledger, &sim->forces, sim->t, sim->y);
     if (limits(sim) && limit(sim, h)) {
-        weft__ledger_account(ledger, &sim->forces, sim->y, &ledger->limit_work);
+        weft__ledger_account(ledger, &sim->forces, sim->t, sim->y, &ledger->limit_work);
         changed = true;
     }
     if (sim->def.correct != NULL && correct(sim, h)) {
-        weft__ledger_account(ledger, &sim->forces, sim->y, &ledger->outside_work);
+        weft__ledger_account(ledger, &sim->forces, sim->t, sim->y,
+                             &ledger->outside_work);
         changed = true;
     }
     if (changed) {
@@ -339,13 +340,12 @@ void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx)
 
 weft_ledger weft_sim_ledger(const weft_sim *sim)
 {
-    return weft__ledger_read(&sim->ledger, &sim->forces, sim->y);
+    return weft__ledger_read(&sim->ledger, &sim->forces, sim->t, sim->y);
 }
 
 double weft_sim_dissipated(const weft_sim *sim)
 {
-    const double *taken = sim->y + weft_cloth_dim(sim->cloth); /* [J] */
-    return sim->ledger.on ? taken[WEFT_POWER_SPRINGS] + taken[WEFT_POWER_DRAG] : NAN;
+    return weft__ledger_heat(&sim->ledger, sim->cloth, sim->y);
 }
 
 weft_limit_stats weft_sim_limit_stats(const weft_sim *sim)
@@ -401,12 +401,13 @@ static void set_planes(const weft_cloth *cloth, const double *xyz, double *plane
 
 void weft__sim_change_begins(weft_sim *sim)
 {
-    weft__ledger_mark(&sim->ledger, &sim->forces, sim->y);
+    weft__ledger_mark(&sim->ledger, &sim->forces, sim->t, sim->y);
 }
 
 void weft__sim_change_ends(weft_sim *sim, bool ode)
 {
-    weft__ledger_account(&sim->ledger, &sim->forces, sim->y, &sim->ledger.outside_work);
+    weft__ledger_account(&sim->ledger, &sim->forces, sim->t, sim->y,
+                         &sim->ledger.outside_work);
     if (ode) {
         weft_stepper_ode_changed(sim->def.method, sim->stepper);
     } else {

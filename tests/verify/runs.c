@@ -73,8 +73,8 @@ static weft_status keep(void *ctx, size_t i, weft_error *err)
     const keeper *self = ctx;
     verify_frames *frames = self->frames;
     (void)err;
-    const weft_energy energy
-        = weft_cloth_energy(weft_sim_cloth(self->sim), weft_sim_state(self->sim));
+    const weft_energy energy = weft_cloth_energy(
+        weft_sim_cloth(self->sim), weft_sim_time(self->sim), weft_sim_state(self->sim));
     frames->energy[i] = energy.kinetic + energy.gravitational + energy.elastic[0]
                         + energy.elastic[1] + energy.elastic[2];
     frames->kinetic = fmax(frames->kinetic, energy.kinetic);

@@ -243,8 +243,8 @@ void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of)
 
 bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet)
 {
-    const weft_stiffness modes
-        = weft_cloth_stiffness(weft_sim_cloth(sim), weft_sim_state(sim));
+    const weft_stiffness modes = weft_cloth_stiffness(
+        weft_sim_cloth(sim), weft_sim_time(sim), weft_sim_state(sim));
     const double h = step_taken(scene);
     const double stable = h > 0.0 ? own_stable_step(scene, &modes) : 0.0;
     const bool beyond = stable > 0.0 && h > stable;

@@ -139,10 +139,11 @@ static weft_status survey_cloth(const weft_cloth *cloth, const weft_sim *sim,
                                 bool refine, survey *out, weft_error *err)
 {
     const double *y = sim == NULL ? NULL : weft_sim_state(sim);
-    out->any = weft_cloth_stiffness(cloth, NULL);
-    out->now = out->modes = y == NULL ? out->any : weft_cloth_stiffness(cloth, y);
+    const double t = sim == NULL ? 0.0 : weft_sim_time(sim);
+    out->any = weft_cloth_stiffness(cloth, 0.0, NULL);
+    out->now = out->modes = y == NULL ? out->any : weft_cloth_stiffness(cloth, t, y);
     out->refined = refine && y != NULL;
-    return out->refined ? weft_cloth_stiffness_refined(cloth, y, 0, &out->modes, err)
+    return out->refined ? weft_cloth_stiffness_refined(cloth, t, y, 0, &out->modes, err)
                         : WEFT_OK;
 }
 

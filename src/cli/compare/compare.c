@@ -123,7 +123,7 @@ static weft_status add_methods(compare *self, const weft_registry *registry,
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state");
     }
     weft_cloth_start(self->cloth, y);
-    modes = weft_cloth_stiffness(self->cloth, y);
+    modes = weft_cloth_stiffness(self->cloth, 0.0, y);
     free(y);
     weft_status status = WEFT_OK;
     for (size_t i = 0; status == WEFT_OK && method_at(registry, i, &m); ++i) {
@@ -181,9 +181,9 @@ static void find_energy(compare *self)
     double low = self->energy[0], high = low, kinetic = 0.0;
     for (size_t i = 0; i <= self->last; ++i) {
         low = fmin(low, self->energy[i]), high = fmax(high, self->energy[i]);
-        kinetic
-            = fmax(kinetic,
-                   weft_cloth_energy(self->cloth, self->frames[0] + i * 6 * n).kinetic);
+        kinetic = fmax(kinetic, weft_cloth_energy(self->cloth, compare_time(self, i),
+                                                  self->frames[0] + i * 6 * n)
+                                    .kinetic);
     }
     self->at_play = fmax(high - low, kinetic);
 }

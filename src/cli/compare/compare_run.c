@@ -108,7 +108,8 @@ static weft_status keep(void *ctx, size_t i, weft_error *err)
     if (of->twin == NULL) {
         return WEFT_OK;
     }
-    self->energy[i] = weft_energy_total(weft_cloth_energy(self->cloth, y));
+    self->energy[i]
+        = weft_energy_total(weft_cloth_energy(self->cloth, weft_sim_time(of->sim), y));
     TRY(weft_sim_advance(of->twin, compare_time(self, i), err));
     self->twin[i] = compare_farthest(y, weft_sim_state(of->twin), n, &square);
     if (self->twin[i] > COMPARE_GROWTH * COMPARE_NUDGE) {
@@ -167,7 +168,8 @@ static weft_status judge(void *ctx, size_t i, weft_error *err)
     compare_point *point = of->point;
     const size_t n = weft_cloth_particles(self->cloth);
     const double *y = weft_sim_state(of->sim), *right = self->frames[0] + i * 6 * n;
-    const double energy = weft_energy_total(weft_cloth_energy(self->cloth, y));
+    const double energy
+        = weft_energy_total(weft_cloth_energy(self->cloth, weft_sim_time(of->sim), y));
     double unused = 0.0;
     (void)err;
     point->error = fmax(point->error, compare_farthest(y, right, n, &of->square));

@@ -16,8 +16,9 @@ typedef struct bounds {
 static bounds find_bounds(const weft_scene *scene, const weft_sim *sim)
 {
     const weft_cloth *cloth = weft_sim_cloth(sim);
-    const weft_stiffness any = weft_cloth_stiffness(cloth, NULL);
-    const weft_stiffness now = weft_cloth_stiffness(cloth, weft_sim_state(sim));
+    const weft_stiffness any = weft_cloth_stiffness(cloth, 0.0, NULL);
+    const weft_stiffness now
+        = weft_cloth_stiffness(cloth, weft_sim_time(sim), weft_sim_state(sim));
     bounds found = { .now = own_stable_step(scene, &now),
                      .any = own_stable_step(scene, &any),
                      .omega = sqrt(now.omega2),
@@ -25,7 +26,7 @@ static bounds find_bounds(const weft_scene *scene, const weft_sim *sim)
     double *y = malloc(weft_cloth_dim(cloth) * sizeof *y);
     if (y != NULL) {
         weft_cloth_start(cloth, y);
-        const weft_stiffness start = weft_cloth_stiffness(cloth, y);
+        const weft_stiffness start = weft_cloth_stiffness(cloth, 0.0, y);
         found.start = own_stable_step(scene, &start);
     }
     free(y);

@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* contact.h -- the law of contact, for src/cloth. A free particle of mass m at a gap
+ * d < dh = thickness from a shape, with s = 1 - z, z = d / dh, p = exponent,
+ * e = stopping_speed^2 / 2, g = grad d, n = g / |g|, V the velocity of the surface:
+ *
+ *     U  = m e phi(s),   phi = s^p / z
+ *     N0 = -dU/dd = (m e / dh) phi',   phi'  = s^(p-1) (p z + s) / z^2
+ *     kn = (m e / dh^2) phi'',         phi'' = s^(p-2) a / z^3,
+ *                                      a = p (p - 1) z^2 + 2 p s z + 2 s^2
+ *     N  = N0 (sqrt(1 + u^2) - u),     u = damping n.(v - V)
+ *     F  = N g - friction,             w = (v - V) - (n.(v - V)) n
+ *
+ *     smooth     friction = mu |g| N w / sqrt(|w|^2 + slip^2 + q^2)
+ *                q = mu N / (10 m sqrt(kn / m)):  q^2 = mu^2 e f^2 s^p (p z + s)^2
+ *                    / (100 a z),  f = N / N0
+ *     coulomb    friction = mu |g| N w / |w|, times 2 y - y^2 where y = |w| / slip < 1
+ *
+ * All of it is in proportion to m, which leaves accelerations; docs/physics.md. */
+#ifndef WEFT_CLOTH_CONTACT_H
+#define WEFT_CLOTH_CONTACT_H
+
+#include "cloth/shapes.h"
+
+/* A free particle within reach of a shape. */
+typedef struct weft__touch {
+    double gap;                    /* [m] */
+    double gradient[3], steepness; /* g, |g| */
+    bool joined;                   /* where |g| is not 1 */
+    double normal[3];              /* n */
+    double surface[3];             /* [m/s] V */
+    double speed;                  /* [m/s] n.(v - V) */
+    double slip[3];                /* [m/s] w */
+    double push;                   /* [m/s^2] N0 / m */
+    double factor;                 /* f */
+    double stiffness;              /* [1/s^2] kn / m */
+    double drag;                   /* [1/s] friction / (m w) */
+} weft__touch;
+
+/* Those of particles first to end - 1, shape after shape:
+ *
+ *     for (weft__touches at = weft__touches_of(cloth, t, y, first, end);
+ *          weft__each_touch(&at);)
+ *
+ * has particle at.i of at.pose in at.touch each time. A gap that is <= 0 or not a
+ * number is within reach too. */
+typedef struct weft__touches {
+    const weft_cloth *cloth;
+    double t;
+    const double *y;
+    size_t first, end, next;  /* particles */
+    size_t shapes, end_shape; /* shapes begun; pose is of the last */
+    weft__pose pose;
+    size_t i;
+    weft__touch touch;
+} weft__touches;
+
+weft__touches weft__touches_of(const weft_cloth *cloth, double t, const double *y,
+                               size_t first, size_t end);
+bool weft__each_touch(weft__touches *at);
+
+/* Component k of F / m [m/s^2]. */
+static inline double weft__touch_acceleration(const weft__touch *touch, size_t k)
+{
+    return touch->push * touch->factor * touch->gradient[k]
+           - touch->drag * touch->slip[k];
+}
+
+/* push, factor, stiffness and drag from what is before them. */
+void weft__touch_forces(const weft_contact_def *law, double friction,
+                        weft__touch *touch);
+
+/* U / m [J/kg]; infinite where the gap is not > 0. */
+double weft__touch_energy(const weft_cloth *cloth, const weft__touch *touch);
+
+#endif

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* shapes.h -- rigid shapes: where they are, and the distance to them.
+ *
+ * The gap d is > 0 outside and 1-Lipschitz: |grad d| <= 1. With r = x - at it is
+ *
+ *     plane      r.normal
+ *     sphere     |r| - radius
+ *     capsule    (rho^4 + q^4)^(1/4) - radius,  rho from the axis, q beyond an end
+ *     box        (q_x^4 + q_y^4 + q_z^4)^(1/4) - rounding,  q beyond half - rounding
+ *
+ * The 4-norm joins sides to ends and edges with three continuous derivatives, so that
+ * methods keep their order there. src/kernel evaluates the same expressions. */
+#ifndef WEFT_CLOTH_SHAPES_H
+#define WEFT_CLOTH_SHAPES_H
+
+#include "cloth/model.h"
+
+/* A shape at a time. */
+typedef struct weft__pose {
+    weft_shape_kind kind;
+    double at[3], velocity[3]; /* [m], [m/s] */
+    double spin[3];            /* [rad/s] */
+    double axis[3], length;    /* as in weft__shape */
+    double inner[3];           /* [m] box: half - rounding */
+    double radius;             /* [m] box: rounding */
+    double friction;
+} weft__pose;
+
+/* A shape without faults. `friction`: that of the contact. */
+weft__shape weft__shape_of(const weft_shape *def, double friction);
+
+weft__pose weft__pose_of(const weft__shape *shape, double t);
+
+/* [m]; *joined: at the ends of a capsule and the edges of a box, where |gradient| is
+ * not 1. */
+double weft__shape_gap(const weft__pose *pose, const double x[3], double gradient[3],
+                       bool *joined);
+
+/* [m/s] of the surface at x. */
+void weft__surface_velocity(const weft__pose *pose, const double x[3],
+                            double velocity[3]);
+
+#endif
