@@ -209,7 +209,13 @@ WEFT_API void weft_sim_destroy(weft_sim *sim); /* NULL is allowed */
 
 /* Takes one accepted step towards t_end [s] > time, never past it. After a failure the
  * state and the time are those of the last good step, and weft_sim_failure describes
- * it. */
+ * it.
+ *
+ * With shapes, a step that a free particle may have ended in one or passed through one
+ * is taken back and repeated with half its length. WEFT_STEP_TOO_SMALL if that would be
+ * below min_step, or below fixed_step / 1024. A strain limit is kept out of shapes by
+ * shortening what it does to a particle; if `correct` leaves a particle in a shape the
+ * step fails with WEFT_INVALID. */
 WEFT_API weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err);
 
 /* Steps until the time is exactly t_end [s]; no step if it is t_end already. */
@@ -255,6 +261,11 @@ typedef struct weft_failure {
     double speed;       /* [m/s] of that particle */
     double energy;      /* [J] the sum of all energies */
     char reason[512];   /* the stepper's own message, without the time */
+    bool contact;       /* whether a shape is the reason, that is in the way of
+                           gap_particle; else the fields below are 0 */
+    size_t gap_particle, gap_shape;
+    double gap;      /* [m] after the last attempt, or correction */
+    double gap_step; /* [s] length of that attempt */
 } weft_failure;
 
 /* Whether the last step failed; the message of weft_sim_step has the same in words. */
@@ -280,6 +291,12 @@ WEFT_API weft_ledger weft_sim_ledger(const weft_sim *sim);
 /* Measures the present state, on the threads of the simulation. */
 WEFT_API weft_measures weft_sim_measure(const weft_sim *sim);
 
+/* How often a step was taken back, and repeated with half its length, because a free
+ * particle had got into a shape or may have passed through it, or because in fixed
+ * steps a stage was in a shape. In weft_sim_stats, steps
+ * taken back count as rejected. */
+WEFT_API uint64_t weft_sim_vetoed(const weft_sim *sim);
+
 /* All 0 without a limit. */
 WEFT_API weft_limit_stats weft_sim_limit_stats(const weft_sim *sim);
 /* The limited spring with the largest strain at present, as weft_cloth_worst_spring. */
@@ -293,8 +310,8 @@ WEFT_API void weft_sim_positions(const weft_sim *sim, double *xyz);  /* [m] */
 WEFT_API void weft_sim_velocities(const weft_sim *sim, double *xyz); /* [m/s] */
 
 /* Replaces the positions [m] and velocities [m/s] of the free particles (NULL: keeps
- * them); pinned particles keep theirs. Errors: WEFT_INVALID if a value is not finite;
- * then nothing changes. */
+ * them); pinned particles keep theirs. Errors: WEFT_INVALID if a value is not finite or
+ * a free particle would be in a shape; then nothing changes. */
 WEFT_API weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
                                         const double *velocities, weft_error *err);
 
@@ -316,7 +333,7 @@ WEFT_API weft_status weft_sim_move_pin(weft_sim *sim, size_t i,
                                        const double position[3], weft_error *err);
 
 /* Releases a particle with its present position and velocity. A particle that is not
- * pinned does not change. */
+ * pinned does not change. Errors: WEFT_INVALID also if it is in a shape. */
 WEFT_API weft_status weft_sim_unpin(weft_sim *sim, size_t i, weft_error *err);
 
 /* Starts the stepper again from the present state, with the h that it would try next;

@@ -185,6 +185,9 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
         status = make_forces(sim, err);
     }
     if (status == WEFT_OK) {
+        status = weft__sim_make_start(sim, err);
+    }
+    if (status == WEFT_OK) {
         status = weft__sim_stepper(sim, 0.0, &sim->stepper, err);
     }
     if (status != WEFT_OK) {
@@ -209,6 +212,7 @@ void weft_sim_destroy(weft_sim *sim)
         const weft_allocator memory = sim->memory;
         weft__free(&memory, sim->added);
         weft__free(&memory, sim->y);
+        weft__free(&memory, sim->start);
         weft__free(&memory, sim);
     }
 }
@@ -216,7 +220,14 @@ void weft_sim_destroy(weft_sim *sim)
 static bool limit(weft_sim *sim, double h)
 {
     const uint64_t before = weft__limit_stats(sim->limit).unconverged;
+    const bool shapes = weft_cloth_shapes(sim->cloth) > 0;
+    if (shapes) {
+        memcpy(sim->start, sim->y, weft_cloth_dim(sim->cloth) * sizeof *sim->y);
+    }
     const bool changed = weft__limit_apply(sim->limit, h, sim->y);
+    if (changed && shapes) {
+        weft__hold_back(&sim->forces, sim->t, sim->start, sim->y);
+    }
     if (before == 0 && weft__limit_stats(sim->limit).unconverged > 0) {
         weft__log(&sim->log, WEFT_LOG_WARNING,
                   "limit: not met within its sweeps at t = %.9g s; told once", sim->t);
@@ -230,6 +241,22 @@ static bool correct(weft_sim *sim, double h)
     const bool changed = sim->correct(sim->correct_ctx, sim->t, h, sim->y);
     sim->in_callback = false;
     return changed;
+}
+
+static weft_status check_corrected(weft_sim *sim, weft_error *err)
+{
+    weft_error why = { 0 };
+    if (!weft__all_finite(sim->y, weft_cloth_dim(sim->cloth))) {
+        weft_error_set(&why, WEFT_NOT_FINITE,
+                       "the correction left a state that is not finite");
+        return weft__sim_fail(sim, &why, err);
+    }
+    sim->refused = weft__state_breach(sim->cloth, sim->t, sim->y);
+    if (sim->refused.found) {
+        weft__breach_error(sim->cloth, &sim->refused, "was corrected to", &why);
+        return weft__sim_fail(sim, &why, err);
+    }
+    return WEFT_OK;
 }
 
 /* After an accepted step of h: the strain limit, then the embedder's own. */
@@ -250,13 +277,7 @@ static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
     if (changed) {
         sim->method->state_changed(sim->stepper);
     }
-    if (!changed || weft__all_finite(sim->y, weft_cloth_dim(sim->cloth))) {
-        return WEFT_OK;
-    }
-    weft_error why = { 0 };
-    weft_error_set(&why, WEFT_NOT_FINITE,
-                   "the correction left a state that is not finite");
-    return weft__sim_fail(sim, &why, err);
+    return changed ? check_corrected(sim, err) : WEFT_OK;
 }
 
 static void tell_rejected(weft_sim *sim, double h)
@@ -282,8 +303,8 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
     weft_error why = { 0 };
     const double before = sim->t;
     sim->failure.status = WEFT_OK;
-    const weft_status status
-        = sim->method->step(sim->stepper, t_end, &sim->t, sim->y, &why);
+    sim->refused.found = false;
+    const weft_status status = weft__sim_checked_step(sim, t_end, &why);
     if (status != WEFT_OK) {
         why.status = status;
         return weft__sim_fail(sim, &why, err);
@@ -353,6 +374,11 @@ weft_ledger weft_sim_ledger(const weft_sim *sim)
 double weft_sim_dissipated(const weft_sim *sim)
 {
     return weft__ledger_heat(&sim->ledger, sim->cloth, sim->y);
+}
+
+uint64_t weft_sim_vetoed(const weft_sim *sim)
+{
+    return sim->vetoed;
 }
 
 weft_limit_stats weft_sim_limit_stats(const weft_sim *sim)
@@ -442,6 +468,14 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
     if ((positions != NULL && !weft__all_finite(positions, 3 * n))
         || (velocities != NULL && !weft__all_finite(velocities, 3 * n))) {
         return weft_error_set(err, WEFT_INVALID, "a state must be finite");
+    }
+    if (positions != NULL && weft_cloth_shapes(sim->cloth) > 0) {
+        memcpy(sim->start, sim->y, 6 * n * sizeof *sim->y);
+        set_planes(sim->cloth, positions, sim->start);
+        const weft__breach breach = weft__state_breach(sim->cloth, sim->t, sim->start);
+        if (breach.found) {
+            return weft__breach_error(sim->cloth, &breach, "would be", err);
+        }
     }
     weft__sim_change_begins(sim);
     set_planes(sim->cloth, positions, sim->y);

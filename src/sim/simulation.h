@@ -7,6 +7,7 @@
 #include "sim/forces.h"
 #include "sim/ledger.h"
 #include "sim/limit.h"
+#include "sim/step_check.h"
 
 struct weft_sim {
     weft_cloth *cloth;   /* the definition's with pins of its own */
@@ -34,6 +35,9 @@ struct weft_sim {
     weft__ledger ledger;
     weft_failure failure; /* of the last step; status WEFT_OK: it did not fail */
     double *y;            /* 6 N, then with ledger its quadratures */
+    double *start;   /* with shapes: as y, before a step; NULL until there are any */
+    uint64_t vetoed; /* steps taken back for the shapes */
+    weft__breach refused; /* by the last right-hand side */
 };
 
 /* motion.c: the right-hand side of a simulation, which is ctx. */
@@ -46,6 +50,13 @@ weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out
 /* WEFT_INVALID for a function that is called from within a callback. */
 weft_status weft__sim_outside(const weft_sim *sim, const char *function,
                               weft_error *err);
+
+/* checked_step.c: one step of the stepper that is clear of all shapes, or its failure.
+ */
+weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why);
+
+/* Room for it, where there are shapes. */
+weft_status weft__sim_make_start(weft_sim *sim, weft_error *err);
 
 /* failure.c: keeps why a step has failed and the state that it failed in; *err gets
  * them as a message. Returns the status of *why. */
