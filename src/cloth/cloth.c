@@ -241,6 +241,23 @@ static void keep_first(void *ctx, size_t field, size_t other, const char *messag
     }
 }
 
+weft_status weft__shape_make(const weft_cloth *cloth, const weft_shape *def,
+                             double since, size_t index, weft__shape *out,
+                             weft_error *err)
+{
+    refusal first = { WEFT_OK, err };
+    if (!weft__shape_check(def, index, &(weft__faults){ keep_first, &first })) {
+        return first.status;
+    }
+    *out = weft__shape_of(def, cloth->contact.friction);
+    out->motion.since = since;
+    return can_move(&out->motion)
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_INVALID,
+                                "the motions of shapes are too large or too small for "
+                                "a double");
+}
+
 weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
                               weft_error *err)
 {

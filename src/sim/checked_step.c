@@ -12,7 +12,7 @@
 
 weft_status weft__sim_make_start(weft_sim *sim, weft_error *err)
 {
-    if (sim->start == NULL && weft_cloth_shapes(sim->cloth) > 0) {
+    if (sim->start == NULL) {
         sim->start
             = weft__alloc(&sim->memory, weft_cloth_dim(sim->cloth) + WEFT__QUADRATURES,
                           sizeof *sim->start);

@@ -184,7 +184,7 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
     if (status == WEFT_OK) {
         status = make_forces(sim, err);
     }
-    if (status == WEFT_OK) {
+    if (status == WEFT_OK && weft_cloth_shapes(sim->cloth) > 0) {
         status = weft__sim_make_start(sim, err);
     }
     if (status == WEFT_OK) {

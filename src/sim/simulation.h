@@ -55,7 +55,7 @@ weft_status weft__sim_outside(const weft_sim *sim, const char *function,
  */
 weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why);
 
-/* Room for it, where there are shapes. */
+/* Room for it, for a simulation with shapes. */
 weft_status weft__sim_make_start(weft_sim *sim, weft_error *err);
 
 /* failure.c: keeps why a step has failed and the state that it failed in; *err gets
