@@ -53,6 +53,58 @@ static void an_edited_state_is_used(trial *self)
     }
 }
 
+/* A step of h from t to t + h with the y that is there, and the same by an instance
+ * that has no past. With error control the two may want different steps. */
+static bool as_a_fresh_one(trial *self, trial_run *r, double h, const char *what)
+{
+    weft_stepper_config config = r->config;
+    config.first_step = config.fixed_step > 0.0 ? config.first_step : h;
+    trial_run *fresh = weft__begin(self, 1, config);
+    if (fresh == NULL) {
+        return false;
+    }
+    fresh->t = r->t;
+    memcpy(fresh->y, r->y, sizeof fresh->y);
+    if (!weft__good_step(self, r, r->t + h)
+        || !weft__good_step(self, fresh, fresh->t + h)) {
+        return false;
+    }
+    return weft__expect(self, r->t != fresh->t || weft__same(self, r, fresh),
+                        "%s: a step of %.3g s gives another result than that of a new "
+                        "instance, of %.3g",
+                        what, h, weft__model_distance(r->y, fresh->y));
+}
+
+/* Taken back in part, y is left as it was: an f that is kept for it is of another t. */
+static void a_step_is_taken_back(trial *self)
+{
+    const bool multistep = (self->type->flags & WEFT_STEPPER_MULTISTEP) != 0;
+    for (int mode = 0; mode < 4; ++mode) {
+        trial_run *r = weft__begin(self, 0, weft__usual(self->type, mode / 2));
+        if (r == NULL || !weft__go(self, r, 0.5)) {
+            return;
+        }
+        const trial_run before = *r;
+        if (!weft__good_step(self, r, 1.0)) {
+            return;
+        }
+        const double h = 0.5 * (r->t - before.t);
+        const char *what = mode % 2 == 0 ? "t and y set back" : "t set back";
+        r->t = before.t;
+        if (mode % 2 == 0) {
+            memcpy(r->y, before.y, sizeof r->y);
+        }
+        self->type->state_changed(r->self);
+        if (!multistep && !as_a_fresh_one(self, r, h, what)) {
+            return;
+        }
+        if (mode % 2 == 0 && weft__go(self, r, 1.0)) {
+            (void)weft__near(self, r, weft__error_at_end(r), weft__allowed(self->type),
+                             "t and y set back at 0.5 s");
+        }
+    }
+}
+
 enum { BEYOND = 24, FILL = 0xA7 };
 
 /* Fields beyond what the caller has are not written, the others are. */
@@ -213,6 +265,10 @@ const check weft__state_checks[]
         { .name = "edited",
           .promise = "the step after state_changed starts from the edited y",
           .run = an_edited_state_is_used },
+        { .name = "set back",
+          .promise
+          = "the step after state_changed starts from the t and y that are set back",
+          .run = a_step_is_taken_back },
         { .name = "stats",
           .promise = "stats fills what the caller's struct has, and no byte more",
           .run = stats_write_no_further },
