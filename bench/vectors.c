@@ -61,7 +61,7 @@ static void ours_start(ours *self, size_t dim, size_t threads, int steps)
 {
     *self = (ours){ .type = method("dormand_prince"), .dim = dim, .steps = steps };
     self->team = weft__team_create(threads, NULL);
-    self->lent = weft__team_lend(self->team);
+    self->lent = (weft_team){ self->team, weft__team_run };
     const weft_stepper_config config = {
         .struct_size = sizeof config,
         .rtol = 1e-6,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* embedded.h -- a simulation as a program would set it up: a small cloth of all
- * springs, hung by a corner. */
+/* embedded.h -- a simulation as an embedding program creates it: a small cloth with
+ * all springs, hung by a corner. */
 #ifndef WEFT_TESTS_EMBEDDED_H
 #define WEFT_TESTS_EMBEDDED_H
 

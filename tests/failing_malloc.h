@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* failing_malloc.h -- the functions of malloc, for a program and its libraries, that
- * fail when they are told to. */
+ * fail on request. */
 #ifndef FAILING_MALLOC_H
 #define FAILING_MALLOC_H
 

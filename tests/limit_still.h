@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* limit_still.h -- strain limits on states of one's own: a stepper that moves time only
- * and counts who edits its state, a model to be edited, one step of it. */
+/* limit_still.h -- strain limits on given states: a stepper that only moves time and
+ * counts edits of its state, a model to edit, one step of it. */
 #ifndef LIMIT_STILL_H
 #define LIMIT_STILL_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* run_frames.h -- what the tests of run.vtkhdf share. */
+/* run_frames.h -- shared by the tests of run.vtkhdf. */
 #ifndef RUN_FRAMES_H
 #define RUN_FRAMES_H
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* saved_sim.h -- a simulation that was saved, of a cloth that makes use of everything,
- * for the tests of what is restored and what is not. */
+/* saved_sim.h -- a saved simulation of a cloth with every feature, for the tests of
+ * restoring. */
 #ifndef WEFT_TESTS_SAVED_SIM_H
 #define WEFT_TESTS_SAVED_SIM_H
 

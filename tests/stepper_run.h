@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* stepper_run.h -- a run of one method on the model of the conformance kit, for what
- * the tests ask of steppers beyond weft/conformance.h. */
+/* stepper_run.h -- a run of one method on the model of the conformance kit, for
+ * tests of steppers beyond the conformance checks. */
 #ifndef STEPPER_RUN_H
 #define STEPPER_RUN_H
 

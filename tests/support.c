@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "support.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/hash.h"
@@ -122,6 +123,11 @@ uint64_t test_hash(const double *values, size_t count)
         hash = weft__hash_word(hash, word);
     }
     return hash;
+}
+
+int test_rounds(int few, int many)
+{
+    return getenv("TEST_LONG") == NULL ? few : many;
 }
 
 int test_run(Suite *suite)

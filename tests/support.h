@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* support.h -- what the tests share. */
+/* support.h -- shared by the tests. */
 #ifndef SUPPORT_H
 #define SUPPORT_H
 
@@ -38,6 +38,10 @@ uint64_t test_hash(const double *values, size_t count);
     Suite *name##_suite(void)
 
 /* Runs the suite, prints Check's summary, returns the exit status. */
+/* `few`, or `many` in `make nightly`, which sets TEST_LONG: of repetitions whose
+ * moments or places differ. */
+int test_rounds(int few, int many);
+
 int test_run(Suite *suite);
 
 #endif

@@ -42,7 +42,7 @@ typedef struct setting {
 static void begin(setting *s, size_t n, size_t threads)
 {
     *s = (setting){ .team = weft__team_create(threads, NULL), .n = n };
-    s->lent = weft__team_lend(s->team);
+    s->lent = (weft_team){ s->team, weft__team_run };
     ck_assert((s->team != NULL) == (threads > 1));
     ck_assert_int_eq(SUNContext_Create(NO_COMM, &s->context), 0);
     s->v[0] = weft__ark_vector(n, s->team == NULL ? NULL : &s->lent, s->context);
@@ -404,7 +404,7 @@ static weft_stepper_stats many_steps(const way *how, size_t threads, size_t dim,
 {
     const weft_stepper_type *type = test_method_named(how->method);
     weft__team *team = weft__team_create(threads, NULL);
-    const weft_team lent = weft__team_lend(team);
+    const weft_team lent = (weft_team){ team, weft__team_run };
     const weft_ode ode = { .dim = dim, .rhs = ring, .ctx = &dim };
     const weft_stepper_config config = { .struct_size = sizeof config,
                                          .norm = how->norm,
@@ -445,8 +445,9 @@ START_TEST(threads_do_not_show_in_the_results)
     const way *how = &ways[_i];
     const weft_stepper_stats one = many_steps(how, 1, DIM, alone);
     ck_assert_uint_ge(one.steps, 15);
-    for (size_t threads = 0; threads <= 7; ++threads) {
-        const weft_stepper_stats many = many_steps(how, threads, DIM, shared);
+    static const size_t threads[] = { 0, 2, 3, 7 };
+    for (size_t i = 0; i < sizeof threads / sizeof *threads; ++i) {
+        const weft_stepper_stats many = many_steps(how, threads[i], DIM, shared);
         ck_assert_mem_eq(alone, shared, sizeof alone);
         ck_assert_uint_eq(one.steps, many.steps);
         ck_assert_uint_eq(one.rejected, many.rejected);

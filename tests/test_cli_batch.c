@@ -139,7 +139,7 @@ static void kill_after(const char *command, int ended)
 
 START_TEST(twenty_four_runs_killed_twice_end_with_the_summary_of_an_undisturbed_batch)
 {
-    write_sweep("many.yaml", "run: {duration: 2, fps: 20, checkpoint: 3}\n",
+    write_sweep("many.yaml", "run: {duration: 1, fps: 20, checkpoint: 3}\n",
                 "sweep:\n  stepper.fixed_step: [2.0e-4, 3.0e-4]\n"
                 "  cloth.springs.stretch.stiffness: [10, 20, 30, 40, 50, 60]\n"
                 "  forces.damping: [0, 1.0e-3]\n");

@@ -316,7 +316,7 @@ START_TEST(a_writer_without_room_says_so_and_leaves_nothing_half_written)
     }
     ck_assert_int_ne(with_room(of, 0), 0);
     int code = 4;
-    for (int pages = 1; code != 0; pages += 1 + pages / 4) {
+    for (int pages = 1; code != 0; pages += 1 + pages / test_rounds(2, 4)) {
         code = with_room(of, pages);
         ck_assert_int_lt(pages, 1024);
     }

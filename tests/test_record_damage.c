@@ -138,15 +138,16 @@ static void flip(const char *name, long at, unsigned bit)
 static const char *const recorded[]
     = { "", "--set record.precision=double", "--set record.every=7" };
 
-enum { RECORDED = sizeof recorded / sizeof recorded[0], FLIPS = 12 };
+enum { RECORDED = sizeof recorded / sizeof recorded[0] };
 
 /* Each in one of the ranges, in turn: first byte, bytes. */
 static void refuses_flips(const char *name, const uint64_t range[][2], int ranges)
 {
+    const int flips = test_rounds(6, 12);
     uint64_t seed = 42;
     char text[64];
     (void)snprintf(text, sizeof text, "k/%s: damaged: ", name);
-    for (int i = 0; i < FLIPS; ++i) {
+    for (int i = 0; i < flips; ++i) {
         const uint64_t *in = range[i % ranges];
         const long at = (long)(in[0] + random_word(&seed) % in[1]);
         const unsigned bit = (unsigned)(random_word(&seed) % 8);

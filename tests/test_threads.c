@@ -210,23 +210,29 @@ START_TEST(ledger_has_the_same_state_on_threads)
 }
 END_TEST
 
-/* Those of a simulation on `threads` are those of the cloth on this one. */
-static void compare_measures(const weft_cloth *cloth, size_t threads)
+/* Those of a simulation on `threads` are those of the cloth on this one; powers only
+ * with a ledger. */
+static void compare_measures(const weft_cloth *cloth, size_t threads, bool ledger)
 {
-    weft_stepper_config config = weft_stepper_config_default();
-    config.threads = threads;
-    config.fixed_step = 1e-4;
-    weft_sim *sim
-        = test_sim(cloth, test_method_named("verlet/velocity_verlet"), &config);
+    weft_sim_def def = weft_sim_def_default();
+    def.cloth = cloth;
+    def.method = test_method_named("gsl/rk4");
+    def.config.threads = threads;
+    def.config.fixed_step = 1e-4;
+    def.ledger = ledger;
+    weft_sim *sim = NULL;
+    ck_assert_int_eq(weft_sim_create(&def, &sim, NULL), WEFT_OK);
     ck_assert_int_eq(weft_sim_step(sim, 1.0, NULL), WEFT_OK);
     const double *y = weft_sim_state(sim);
     const weft_measures all = weft_sim_measure(sim);
     const weft_energy energy = weft_cloth_energy(cloth, 0.0, y);
     const weft_spring worst = weft_cloth_worst_spring(cloth, y);
-    double p[3], l[3], power[WEFT_POWERS];
+    double p[3], l[3], power[WEFT_POWERS] = { 0 };
     weft_cloth_momentum(cloth, y, p);
     weft_cloth_angular_momentum(cloth, y, l);
-    weft_cloth_power(cloth, weft_sim_time(sim), y, power);
+    if (ledger) {
+        weft_cloth_power(cloth, weft_sim_time(sim), y, power);
+    }
     ck_assert_mem_eq(&all.energy, &energy, sizeof energy);
     ck_assert_mem_eq(all.momentum, p, sizeof p);
     ck_assert_mem_eq(all.angular_momentum, l, sizeof l);
@@ -241,7 +247,7 @@ START_TEST(measures_have_the_same_bits_on_any_threads)
 {
     weft_cloth *cloth = flag(SIDE, SIDE);
     for (size_t threads = 1; threads <= 5; ++threads) {
-        compare_measures(cloth, threads);
+        compare_measures(cloth, threads, threads % 2 == 1);
     }
     weft_cloth_destroy(cloth);
 }

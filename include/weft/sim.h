@@ -288,7 +288,8 @@ WEFT_API double weft_sim_dissipated(const weft_sim *sim);
  * its order. The state and the steps are the same without a ledger. */
 WEFT_API weft_ledger weft_sim_ledger(const weft_sim *sim);
 
-/* Measures the present state, on the threads of the simulation. */
+/* Measures the present state, on the threads of the simulation. Without a ledger the
+ * powers are 0: weft_cloth_power computes them. */
 WEFT_API weft_measures weft_sim_measure(const weft_sim *sim);
 
 /* How often a step was taken back, and repeated with half its length, because a free

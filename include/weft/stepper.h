@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* weft/stepper.h -- the contract between weft and a time stepper.
  *
- * A stepper integrates y' = f(t, y) with a solver that somebody else wrote. The solver
+ * A stepper integrates y' = f(t, y) with an existing solver. The solver
  * chooses h, judges the error and retries. weft requests one accepted step at a time,
  * so that it can correct the state in between and reach every frame time.
  *

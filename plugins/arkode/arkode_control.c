@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* arkode_control.c -- how h is adapted: ARKODE calls the laws of its own controllers,
  * written out here, and gets every other knob from us. ARKODE's laws take libm's pow,
- * whose bits differ between machines. What is not asked for is what ERKStep's default
- * was until 7.2, which 7.3 changed. */
+ * whose bits differ between machines. The other settings are the defaults of ERKStep
+ * until 7.2, which 7.3 changed. */
 #include "arkode_plugin.h"
 
 #include <math.h>
@@ -234,12 +234,12 @@ int weft__ark_set_control(arkode_stepper *self)
     bad |= ARK(SetMinReduction)(s, c->min_reduction);
     bad |= ARK(SetFixedStepBounds)(s, keep_above, keep_below);
     bad |= ARK(SetSmallNumEFails)(s, 2);
-    bad |= ARK(SetMaxErrTestFails)(s, 1000); /* it goes on until min_step */
+    bad |= ARK(SetMaxErrTestFails)(s, 1000); /* it continues until min_step */
     bad |= ARK(SetMaxStep)(s, isinf(self->max_step) ? 0.0 : self->max_step);
     return bad;
 }
 
-/* ---- what is in force ------------------------------------------------------------ */
+/* ---- the options in force -------------------------------------------------------- */
 
 static void tell_number(weft_option_fn *tell, void *ctx, const char *name, double value)
 {

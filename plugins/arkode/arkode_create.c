@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* arkode_create.c -- one instance: its arguments checked, then ARKODE told everything
- * it could otherwise decide by defaults of its version.
+/* arkode_create.c -- one instance: checks its arguments, then sets everything that
+ * ARKODE would otherwise decide by the defaults of its version.
  *
- * What SUNDIALS says without a solver at hand goes to stderr: where its memory fails in
- * the making, say. So what it is going to ask for is asked for once by us before. */
+ * Without a solver SUNDIALS prints messages to stderr, for example if memory fails
+ * during creation. The plugin therefore first allocates the same amount once and frees
+ * it. */
 #include "arkode_plugin.h"
 
 #include <math.h>
@@ -14,7 +15,7 @@ static bool positive(double x)
     return x > 0.0 && isfinite(x);
 }
 
-/* What is wrong with the numbers, or NULL. NaN fails every comparison. */
+/* The fault of the numbers, or NULL. NaN fails every comparison. */
 static const char *mistake(const ark_method *method, const weft_ode *ode,
                            const weft_stepper_config *config)
 {
@@ -43,9 +44,9 @@ static const char *mistake(const ark_method *method, const weft_ode *ode,
                                            : NULL;
 }
 
-/* The stages, what ARKODE keeps besides, and what it keeps for interpolation; 32 KiB
- * for tables and all else that does not grow with the state. Much of SUNDIALS does not
- * look at what malloc returned. A granted malloc must not be optimised away. */
+/* The stages, ARKODE's other vectors and those of its interpolation; 32 KiB for tables
+ * and all else that does not grow with the state. Much of SUNDIALS does not check the
+ * result of malloc. A granted malloc must not be optimised away. */
 static weft_status check_memory(const char *name, size_t dim, int stages,
                                 weft_error *err)
 {
@@ -115,7 +116,7 @@ static bool version_settings(arkode_stepper *self)
     return bad == 0;
 }
 
-/* With a fixed step the bounds of h and the control are not looked at. */
+/* With a fixed step the bounds of h and the control are ignored. */
 static bool settings(arkode_stepper *self)
 {
     void *s = self->solver;

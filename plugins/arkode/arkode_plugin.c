@@ -16,8 +16,8 @@ enum {
     CUSTOM = WEFT_STEPPER_BUTCHER
 };
 
-/* Who has an error estimate has a controller; all are explicit, and their weighted
- * norms can leave components out. */
+/* Methods with an error estimate have a controller; all are explicit, and their
+ * weighted norms can leave components out. */
 #define KIND(flags)                                                                    \
     ((flags) | WEFT_STEPPER_QUADRATURES | ((flags)&FIXED ? 0 : WEFT_STEPPER_CONTROLLER))
 

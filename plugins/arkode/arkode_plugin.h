@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* arkode_plugin.h -- what the files of this plugin share. Reading order: plugin.c (the
+/* arkode_plugin.h -- shared by the files of this plugin. Reading order: plugin.c (the
  * methods), tables.c and order.c (coefficients and what they must meet), create.c (one
  * instance), control.c (how h is adapted), step.c (one accepted step), vector.c
- * (arithmetic).
+ * and arithmetic.c (the operations on vectors).
  *
  * ERKStep, the explicit Runge-Kutta module of SUNDIALS' ARKODE, is driven whole: it
  * combines the stages, estimates the error, accepts, rejects and chooses h. SUNDIALS
@@ -107,8 +107,8 @@ weft_status weft__ark_create(const weft_stepper_type *type, const weft_ode *ode,
                              weft_error *err);
 void weft__ark_destroy(void *instance);
 
-/* control.c: what is wrong with a controller, or NULL; a controller with its defaults;
- * ARKODE told of it, 0 if that went well; what is in force. */
+/* control.c: the fault of a controller, or NULL; a controller with its defaults;
+ * passed to ARKODE, 0 on success; the options in force. */
 const char *weft__ark_control_mistake(const weft_controller *c);
 weft_controller weft__ark_control(const weft_controller *asked);
 int weft__ark_set_control(arkode_stepper *self);
@@ -143,7 +143,7 @@ bool weft__ark_has_order(const weft_butcher *table, const double *weights, int o
  * ones are shared with the team, which may be NULL, with the same results. NULL: no
  * memory. What NV_DATA_S points to may be shared: it is for reading. */
 N_Vector weft__ark_vector(size_t n, const weft_team *team, SUNContext context);
-/* What ARKODE judges steps and tolerances by: the first `judged` components. Before
+/* ARKODE judges steps and tolerances by the first `judged` components. Before
  * that, and with fixed steps, it finds nothing wrong. */
 void weft__ark_judge_by(N_Vector v, weft_norm by, size_t judged);
 /* Where its numbers may be written, all of them unless it was filled before. */

@@ -16,10 +16,10 @@
  * are those of 6.7 and later.
  *
  * An RHS of no use must be a NaN to ARKODE: its error test fails and h shrinks, while
- * the code for "try a smaller step" ends the run. What the RHS gives is not read for
- * that: a NaN in it shows in whatever is combined from it, a stage or the solution or
- * the error, and there it costs nothing to look (vector.c). It is read where it need
- * not show, and at the start of a step, where no smaller h helps. */
+ * the code for "try a smaller step" ends the run. The result of the RHS is not
+ * searched for NaN: it shows in every combination of it, a stage, the solution or the
+ * error, where the test is free (vector.c). It is searched where NaN need not show,
+ * and at the start of a step, where no smaller h helps. */
 #include "arkode_plugin.h"
 
 #include <math.h>
@@ -120,7 +120,7 @@ static int prepare(arkode_stepper *self, double t, const double *y, double h)
     return flag;
 }
 
-/* Whatever happened: what ARKODE has is not to be gone on with. */
+/* In any case the next step must not continue from ARKODE's own state. */
 static void forget(arkode_stepper *self)
 {
     self->own_h = self->restart = true;
@@ -146,7 +146,8 @@ static int evolve(arkode_stepper *self, double t, const double *y, double h,
     return flag;
 }
 
-/* Whether the last attempt was, which may show first in what was made of its stages. */
+/* Whether the last attempt was finite; combinations of its stages may show that first.
+ */
 static bool was_finite(arkode_stepper *self, int flag)
 {
     if (flag >= 0 || self->since_bad <= self->stages) {
@@ -207,7 +208,7 @@ static void propose(arkode_stepper *self, double tried, double taken)
     self->h = next;
 }
 
-/* `tried` is as long as `rest` if the step is to end the frame. */
+/* `tried` equals `rest` if the step must end the frame. */
 static void accept(arkode_stepper *self, double tried, double rest, double reached,
                    double t_end, double *t, double *y)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* arkode_tables.c -- Butcher tables: ARKODE's, the classics, and the user's own after a
- * check that they are what they are said to be. */
+ * check of their shape and order. */
 #include "arkode_plugin.h"
 
 #include <math.h>
@@ -45,7 +45,7 @@ const weft_butcher weft__ark_rk38 = {
 /* Row sums of coefficients that were rounded when they were written. */
 #define SUM_TOLERANCE 1e-9
 
-/* What is wrong with the shape, or NULL. */
+/* The fault of the shape, or NULL. */
 static const char *misshapen(const weft_butcher *t)
 {
     return t->stages < 1 || t->stages > WEFT__ARK_MAX_STAGES ? "stages must be 1 to 256"

@@ -26,11 +26,11 @@ typedef struct array {
     double *data;
     void *block;        /* that data lies in */
     int users;          /* 0: it is free */
-    bool known, finite; /* whether all are, if it is known */
+    bool known, finite; /* finite: all are; valid if known */
     struct array *next_free;
 } array;
 
-/* What a vector and its clones have in common. */
+/* Shared by a vector and its clones. */
 typedef struct family {
     const weft_team *team;
     size_t n;

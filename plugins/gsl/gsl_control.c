@@ -5,7 +5,7 @@
  *
  *     D_i = atol_i + rtol |y_i|,   atol_i of positions or of velocities,
  *
- * GSL's scaled control looks at r = max_i |e_i| / D_i: it rejects a step of r > 1.1 and
+ * GSL's scaled control uses r = max_i |e_i| / D_i: it rejects a step of r > 1.1 and
  * lengthens the next one where r < 0.5. For WEFT_NORM_RMS
  *
  *     r = sqrt(1/n sum_i (e_i / D_i)^2)

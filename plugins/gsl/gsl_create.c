@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* gsl_create.c -- one instance: its arguments checked, its memory reckoned, then made.
+/* gsl_create.c -- one instance: checks its arguments, computes its memory, creates it.
  *
  * GSL calls the aborting error handler when its own malloc fails, and bsimp does not
- * even look at what malloc returned. So what GSL is going to ask for is reckoned first,
- * refused above a limit, and asked for once by us: if that is granted, so will be the
- * same amount in pieces. (gsl_linalg_LU_decomp allocates 4 bytes a row in every call;
- * that is beyond our reach.) */
+ * even check the result of malloc. So the plugin first computes the amount that GSL
+ * will allocate, refuses it above a limit, and allocates it once itself: if that
+ * succeeds, the same amount in pieces will too. (gsl_linalg_LU_decomp allocates 4 bytes
+ * a row in every call; that is beyond our reach.) */
 #include "gsl_plugin.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* [bytes] Matrices grow with the square of the state: a large cloth is asking for the
- * wrong method. Vectors may take what the machine has. */
+/* [bytes] Matrices grow with the square of the state: a large cloth needs
+ * another method. Vectors are limited by the machine alone. */
 #define MATRICES_LIMIT 0x1p31 /* 2 GiB */
 #define VECTORS_LIMIT  0x1p38 /* 256 GiB */
 #define SMALL_BLOCKS   0x1p15 /* whatever the state, all that is not a vector */
@@ -23,7 +23,7 @@ static bool positive(double x)
     return x > 0.0 && isfinite(x);
 }
 
-/* What is wrong with the numbers, or NULL. NaN fails every comparison. */
+/* The fault of the numbers, or NULL. NaN fails every comparison. */
 static const char *mistake(const weft_stepper_type *type, const weft_ode *ode,
                            const weft_stepper_config *config)
 {

@@ -7,8 +7,8 @@
  *
  * gear1, gear2 and rk2simp exist in the older odeiv only. GSL's gear2 is faulty: it
  * takes y_{n-1} for a point half as far back as it is, so that steps of equal length
- * solve y' = 7/6 f [measured, GSL 2.7.1]. It is made to forget y_{n-1} before every
- * step, and then is what it starts itself with, an implicit Runge-Kutta method at
+ * solve y' = 7/6 f [measured, GSL 2.7.1]. The plugin resets it before every step, so
+ * that it always uses its starting method, an implicit Runge-Kutta method at
  * Gaussian points with three functional iterations.
  *
  * Quadratures go with methods that treat every component alike and by itself: those of

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* gsl_plugin.h -- what the files of this plugin share. Reading order: plugin.c (the
+/* gsl_plugin.h -- shared by the files of this plugin. Reading order: plugin.c (the
  * methods), create.c (one instance), step.c (one accepted step), control.c (when a step
  * is accurate enough), jacobian.c (for the implicit methods), shift.c (for bsimp).
  *
@@ -32,7 +32,7 @@ typedef struct gsl_method {
     const gsl_odeiv2_step_type **v2;
     const gsl_odeiv_step_type **v1;
     int vectors;       /* of length dim that an instance keeps, at most */
-    bool forget;       /* what the stepper remembers of past steps is wrong */
+    bool forget;       /* the history of this stepper is wrong: drop it */
     bool shift;        /* it measures against |y_i|: keep y_i away from 0 */
     double solver_tol; /* with a fixed step: to which it solves its equations */
 } gsl_method;

@@ -3,8 +3,8 @@
  * both agree.
  *
  * An attempt works on the caller's y, which is put back if it was no step, so that a
- * failure leaves t, y and the next h as they were: a later call goes on as if the
- * failed one had not been. Nothing is carried from step to step but h and, by a
+ * failure leaves t, y and the next h as they were: a later call continues as if the
+ * failed one had not happened. Nothing is carried from step to step but h and, by a
  * multistep method, its history. Every attempt evaluates f at its own start, so an
  * edited y needs no notice by a one-step method. */
 #include "gsl_plugin.h"
@@ -30,8 +30,8 @@ static bool iterates(const gsl_stepper *self)
     return (flags & (WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_MULTISTEP)) != 0;
 }
 
-/* GSL's RHS around the user's. What happened is remembered here, as GSL's methods
- * return codes of their own for it. */
+/* GSL's RHS around the user's. It records the outcome, because GSL's methods replace
+ * the code by their own. */
 int weft__gsl_rhs(double t, const double y[], double dydt[], void *instance)
 {
     gsl_stepper *self = instance;
@@ -68,8 +68,8 @@ static void forget(gsl_stepper *self)
     self->restart = false;
 }
 
-/* What has become of y, from self->start. GSL passes NaN in the result as in the error
- * estimate. */
+/* The outcome of an attempt from self->start to y. GSL passes NaN in the result as in
+ * the error estimate. */
 static trouble look(const gsl_stepper *self, const double *y, double *h)
 {
     double r;

@@ -33,7 +33,7 @@ typedef struct stepper {
     bool changed; /* t or y may have been edited since */
     double t;     /* [s] of `end` */
     double *f;
-    double *end;      /* where a step leads: y stays as it is until that is known */
+    double *end;      /* result of a step: y keeps its value until it is known */
     double *half_way; /* v + (h/2) fv */
 } stepper;
 
@@ -236,7 +236,7 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
     return WEFT_OK;
 }
 
-/* Three methods keep nothing, and Verlet looks whether t or y really is another. */
+/* Three methods keep nothing, and Verlet compares t and y with its own. */
 static void state_changed(void *instance)
 {
     stepper *self = instance;

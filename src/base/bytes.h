@@ -43,6 +43,24 @@ static inline double weft__real_at(const unsigned char *from)
     return value;
 }
 
+/* Numbers of 64 bits, doubles or integers. */
+static inline void weft__words_put(unsigned char *to, const void *from, size_t words)
+{
+    for (size_t i = 0; i < words; ++i) {
+        uint64_t word;
+        memcpy(&word, (const unsigned char *)from + i * WEFT__WORD, sizeof word);
+        weft__word_put(to + i * WEFT__WORD, word);
+    }
+}
+
+static inline void weft__words_get(void *to, const unsigned char *from, size_t words)
+{
+    for (size_t i = 0; i < words; ++i) {
+        const uint64_t word = weft__word_at(from + i * WEFT__WORD);
+        memcpy((unsigned char *)to + i * WEFT__WORD, &word, sizeof word);
+    }
+}
+
 static inline uint64_t weft__words_sum(const unsigned char *bytes, size_t words)
 {
     uint64_t hash = WEFT__HASH_START;

@@ -4,7 +4,7 @@
 
 #include <time.h>
 
-/* [s] since an arbitrary moment; nobody sets this clock. */
+/* [s] since an arbitrary moment; it is never set. */
 static inline double weft__wall_clock(void)
 {
     struct timespec now;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* file.h -- files opened without waiting for anybody. */
+/* file.h -- files opened without blocking. */
 #ifndef WEFT_BASE_FILE_H
 #define WEFT_BASE_FILE_H
 

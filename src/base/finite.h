@@ -1,10 +1,21 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* finite.h -- whether numbers are finite, all of them at a time. */
+/* finite.h -- whether numbers are finite and have the right sign. NaN has none. */
 #ifndef WEFT_BASE_FINITE_H
 #define WEFT_BASE_FINITE_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
+
+static inline bool weft__not_negative(double x)
+{
+    return isfinite(x) && x >= 0.0;
+}
+
+static inline bool weft__positive(double x)
+{
+    return isfinite(x) && x > 0.0;
+}
 
 static inline bool weft__all_finite(const double *values, size_t count)
 {

@@ -25,7 +25,7 @@ static inline uint64_t weft__hash_word(uint64_t hash, uint64_t word)
     return hash ^ (hash >> 29);
 }
 
-/* Its bits; -0 is 0. */
+/* The bits of a number; -0 counts as 0. */
 static inline uint64_t weft__hash_real(uint64_t hash, double value)
 {
     const double number = value + 0.0;
@@ -34,7 +34,7 @@ static inline uint64_t weft__hash_real(uint64_t hash, double value)
     return weft__hash_word(hash, word);
 }
 
-/* None where values is NULL, which differs from count 0. */
+/* values may be NULL, which differs from count 0. */
 static inline uint64_t weft__hash_reals(uint64_t hash, const double *values,
                                         size_t count)
 {

@@ -4,7 +4,7 @@
 
 #include "weft/base.h"
 
-/* base.c: a line to whoever listens. */
+/* base.c: passes a line to the log, if it has a writer. */
 WEFT_PRINTF(3, 4)
 void weft__log(const weft_log *log, weft_log_level level, const char *format, ...);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* suggest.c -- the name that somebody may have meant.
+/* suggest.c -- the nearest name to a mistyped one.
  *
  * Distance: Damerau-Levenshtein in its restricted form (optimal string alignment), the
  * number of characters inserted, left out, replaced or swapped with a neighbour. */
@@ -9,14 +9,14 @@
 #include <stdio.h>
 #include <string.h>
 
-#define MAX_LENGTH 48 /* longer words are nobody's misspelt key */
+#define MAX_LENGTH 48 /* no key is longer */
 
 static size_t least(size_t a, size_t b)
 {
     return a < b ? a : b;
 }
 
-/* Case is passed over: 'Rows' is as good as 'rows'. */
+/* Case is ignored: 'Rows' matches 'rows'. */
 static int same(char a, char b)
 {
     return tolower((unsigned char)a) == tolower((unsigned char)b);

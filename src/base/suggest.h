@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* suggest.h -- the name that somebody may have meant. */
+/* suggest.h -- the nearest name to a mistyped one. */
 #ifndef WEFT_BASE_SUGGEST_H
 #define WEFT_BASE_SUGGEST_H
 
@@ -12,7 +12,7 @@ typedef struct weft__guess {
 } weft__guess;
 
 /* Make `name` the guess for `typed` if it is near enough and nearer than the last; of
- * two that are equally near the longer one, as who shortens a name leaves letters out:
+ * two that are equally near the longer one, because people shorten names:
  * rk45 is rkf45, not rk4. */
 void weft__guess_try(weft__guess *guess, const char *typed, const char *name);
 

@@ -50,14 +50,6 @@ const char *human_count(uint64_t count, char out[HUMAN])
     return out;
 }
 
-const char *spring_text(const weft_spring *spring, size_t cols, char out[SPRING])
-{
-    (void)snprintf(out, SPRING, "%s spring (%zu, %zu)-(%zu, %zu)",
-                   weft_family_name(spring->family), spring->p / cols, spring->p % cols,
-                   spring->q / cols, spring->q % cols);
-    return out;
-}
-
 /* U+0080 to U+009F are controls too, C2 80 to C2 9F. */
 void print_plain(FILE *stream, const char *text, const char *keep)
 {

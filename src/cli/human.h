@@ -9,17 +9,14 @@
 #include "weft/cloth.h"
 
 enum {
-    HUMAN = 32,     /* bytes that hold any of the following */
+    HUMAN = 32,     /* bytes that hold a time or a count */
+    SPRING = 96,    /* and what weft_spring_text writes */
     PAGE_WIDTH = 80 /* characters of a line */
 };
 
 /* "298 us", "5.74 s", "3 min 05 s", "2 h 07 min", "3 d 04 h". Both return out. */
 const char *human_time(double seconds, char out[HUMAN]);
 const char *human_count(uint64_t count, char out[HUMAN]); /* "40,530" */
-
-/* "shear spring (3, 4)-(4, 5)", in a cloth of `cols` columns. Returns out. */
-enum { SPRING = 128 };
-const char *spring_text(const weft_spring *spring, size_t cols, char out[SPRING]);
 
 /* Text that came from a file or a command line: control characters, which a terminal
  * would obey, are written as \x1b; those in `keep` are left. */

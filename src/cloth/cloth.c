@@ -33,8 +33,7 @@ weft_cloth_def weft_cloth_def_default(void)
 
 static void normalise(const double from[3], double to[3])
 {
-    const double length
-        = sqrt(from[0] * from[0] + from[1] * from[1] + from[2] * from[2]);
+    const double length = weft__length(from);
     for (size_t k = 0; k < 3; ++k) {
         to[k] = from[k] / length;
     }
@@ -147,8 +146,8 @@ static bool can_move(const weft__motion *motion)
     return can;
 }
 
-/* Products of what was in range may not be: nothing infinite may get into a state, and
- * nothing that is divided by may be 0. */
+/* Products of numbers in range may be out of range: nothing infinite may enter a state,
+ * and no divisor may be 0. */
 static weft_status check_numbers(const weft_cloth *cloth, weft_error *err)
 {
     const char *wrong = NULL;

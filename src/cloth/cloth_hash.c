@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* cloth_hash.c -- a hash of all that determines the motion of a cloth but its state. */
 #include "base/hash.h"
 #include "cloth/model.h"
 #include "cloth/rows.h"

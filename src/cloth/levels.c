@@ -1,17 +1,24 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* levels.c -- which kernels this machine has. WEFT_PLAIN: none. */
+/* levels.c -- selects the kernels of this machine. WEFT_PLAIN: there are none. */
 #include "cloth/levels.h"
 
 #include <string.h>
 
+#define ADDED(name, level) weft__##name##_##level,
+#define KERNELS(level)                                                                 \
+    weft__rows_##level, weft__damping_##level,                                         \
+    {                                                                                  \
+        WEFT_ADDED(ADDED, level)                                                       \
+    }
+
 static const weft__level levels[] = {
 #ifdef WEFT_PLAIN
-    { "plain", weft__reference_rows, weft__reference_damping, weft__reference_contact },
+    { "plain", weft__reference_rows, weft__reference_damping, { NULL } },
 #else
-    { "plain", weft__rows_plain, weft__damping_plain, weft__contact_plain },
+    { "plain", KERNELS(plain) },
 #ifdef __x86_64__
-    { "x86-64-v3", weft__rows_v3, weft__damping_v3, weft__contact_v3 },
-    { "x86-64-v4", weft__rows_v4, weft__damping_v4, weft__contact_v4 },
+    { "x86-64-v3", KERNELS(v3) },
+    { "x86-64-v4", KERNELS(v4) },
 #endif
 #endif
 };
@@ -19,7 +26,7 @@ static const weft__level levels[] = {
 size_t weft__level_count(void)
 {
 #if defined __x86_64__ && !defined WEFT_PLAIN
-    /* what the compiler may use of a level, not merely its vectors */
+    /* all that the compiler may use of a level, not only its vectors */
     __builtin_cpu_init();
     const bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")
                     && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");

@@ -35,10 +35,9 @@ static void shorten(const weft_cloth *cloth, const weft__spring *at, double allo
 }
 
 /* The groups [first, end), which are those of a family. */
-static void sweep_groups(const weft__limited *limited, const weft__group *first,
-                         const weft__group *end, double *x)
+static void sweep_groups(const weft_cloth *cloth, double stretch,
+                         const weft__group *first, const weft__group *end, double *x)
 {
-    const weft_cloth *cloth = limited->cloth;
     for (size_t r = 0; r < cloth->rows; ++r) {
         for (size_t c = 0; c < cloth->cols; ++c) {
             for (const weft__group *group = first; group < end; ++group) {
@@ -46,7 +45,7 @@ static void sweep_groups(const weft__limited *limited, const weft__group *first,
                 if (r < group->end_row && from < group->end_col) {
                     const weft__spring at
                         = weft__spring_from(cloth, group, r * cloth->cols + from, x);
-                    shorten(cloth, &at, limited->stretch * group->rest_length, x);
+                    shorten(cloth, &at, stretch * group->rest_length, x);
                 }
             }
         }
@@ -54,32 +53,32 @@ static void sweep_groups(const weft__limited *limited, const weft__group *first,
 }
 
 /* The groups of a family follow one another. */
-void weft__limited_sweep(const weft__limited *limited, double *x)
+void weft__limited_sweep(const weft_cloth *cloth, const weft_limit_def *limit,
+                         double *x)
 {
-    const weft__group *all = limited->cloth->groups;
-    for (size_t first = 0, end = 0; first < limited->cloth->group_count; first = end) {
+    const weft__group *all = cloth->groups;
+    for (size_t first = 0, end = 0; first < cloth->group_count; first = end) {
         const weft_family family = all[first].family;
-        while (end < limited->cloth->group_count && all[end].family == family) {
+        while (end < cloth->group_count && all[end].family == family) {
             ++end;
         }
-        if (limited->families[family]) {
-            sweep_groups(limited, all + first, all + end, x);
+        if (limit->families[family]) {
+            sweep_groups(cloth, 1.0 + limit->strain, all + first, all + end, x);
         }
     }
 }
 
-size_t weft__limited_excess(const weft__limited *limited, bool held, size_t most,
-                            const double *x)
+size_t weft__limited_excess(const weft_cloth *cloth, const weft_limit_def *limit,
+                            bool held, size_t most, const double *x)
 {
-    const weft_cloth *cloth = limited->cloth;
     size_t count = 0;
     for (size_t r = 0; count < most && r < cloth->rows; ++r) {
         for (weft__walk walk = weft__row_springs(cloth, x, r);
              weft__each_spring(&walk);) {
             const weft__spring *at = &walk.spring;
-            const double allowed = limited->stretch * (1.0 + limited->tolerance)
+            const double allowed = (1.0 + limit->strain) * (1.0 + limit->tolerance)
                                    * at->group->rest_length;
-            count += limited->families[at->group->family]
+            count += limit->families[at->group->family]
                      && !(at->square <= allowed * allowed)
                      && held == (cloth->pin[at->p] != 0 && cloth->pin[at->q] != 0);
         }

@@ -6,21 +6,16 @@
 
 #include "weft/cloth.h"
 
-typedef struct weft__limited {
-    const weft_cloth *cloth;
-    double stretch;   /* 1 + strain: the length allowed, in rest lengths */
-    double tolerance; /* relative, of that */
-    bool families[WEFT_FAMILIES];
-} weft__limited;
+/* One pass of Gauss-Seidel: each spring that is longer than allowed is shortened to the
+ * allowed length, particle by particle within a family, both its springs in turn; the
+ * ends share by inverse mass. Springs of length 0 or NaN are skipped. */
+void weft__limited_sweep(const weft_cloth *cloth, const weft_limit_def *limit,
+                         double *x);
 
-/* One pass of Gauss-Seidel: springs longer than allowed become as long as allowed, one
- * after another. Particle by particle within a family, both its springs in turn; the
- * ends share by inverse mass. Where a length is 0 or no number nothing is done. */
-void weft__limited_sweep(const weft__limited *limited, double *x);
-
-/* Springs that exceed the tolerance, those with both ends pinned or the others; looks
- * at no further row where there are `most`. NaN is too long. */
-size_t weft__limited_excess(const weft__limited *limited, bool held, size_t most,
-                            const double *x);
+/* The number of springs that exceed the limit and its tolerance: those with both ends
+ * pinned (`held`), or the others. NaN is too long. Stops after the row that completes
+ * `most`. */
+size_t weft__limited_excess(const weft_cloth *cloth, const weft_limit_def *limit,
+                            bool held, size_t most, const double *x);
 
 #endif

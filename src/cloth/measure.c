@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* measure.c -- what is to be known of a state: energies, momenta, strain, hash.
+/* measure.c -- measures of a state: energies, momenta, strain, hash.
  *
  * A sum over particles or springs is one over rows, in their order, of sums over each
  * row: the same on every machine and on any number of threads. Kinetic and
  * gravitational energy and both momenta are those of the free particles. */
 #include "base/hash.h"
-#include "cloth/rows.h"
+#include "cloth/added.h"
 #include "cloth/springs.h"
 
 void weft__row_energy(const weft__subject *of, size_t r, weft_measures *row)
@@ -43,7 +43,7 @@ static void row_momentum(const weft__subject *of, size_t r, weft_measures *row)
     }
 }
 
-/* NaN is worse than a number. */
+/* NaN is larger than every number. */
 static void keep_worst(weft_spring *kept, const weft_spring *other)
 {
     if (kept->p == kept->q
@@ -80,14 +80,19 @@ static uint64_t row_hash(const double *y, size_t rows, size_t cols, size_t r)
     return hash;
 }
 
-void weft__row_all(const weft__subject *of, size_t r, weft_measures *row)
+void weft__row_state(const weft__subject *of, size_t r, weft_measures *row)
 {
     weft__row_energy(of, r, row);
-    weft__row_power(of, r, row);
     weft__row_worst(of, r, row);
     weft__row_gap(of, r, row);
     row_momentum(of, r, row);
     row->hash = row_hash(of->y, of->cloth->rows, of->cloth->cols, r);
+}
+
+void weft__row_all(const weft__subject *of, size_t r, weft_measures *row)
+{
+    weft__row_state(of, r, row);
+    weft__row_power(of, r, row);
 }
 
 const weft_measures weft__row_start = { .gap = (double)INFINITY };
@@ -149,6 +154,19 @@ void weft_cloth_power(const weft_cloth *cloth, double t, const double *y,
 {
     memcpy(power, measure(cloth, t, y, weft__row_power).power,
            WEFT_POWERS * sizeof *power);
+}
+
+static void row_dissipation(const weft__subject *of, size_t r, weft_measures *row)
+{
+    weft__row_heat(of, r, row);
+    weft__contact.power(of, r, row);
+}
+
+double weft_cloth_dissipation(const weft_cloth *cloth, double t, const double *y)
+{
+    const weft_measures sum = measure(cloth, t, y, row_dissipation);
+    return sum.power[WEFT_POWER_SPRINGS] + sum.power[WEFT_POWER_DRAG]
+           + sum.power[WEFT_POWER_CONTACT] + sum.power[WEFT_POWER_FRICTION];
 }
 
 void weft_cloth_momentum(const weft_cloth *cloth, const double *y, double p[3])

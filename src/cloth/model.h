@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* model.h -- what a cloth is made of, for the files of src/cloth, and the check of a
+/* model.h -- the data of a cloth, for the files of src/cloth, and the check of a
  * definition, for src/scene too.
  *
- * Springs are implicit: a family has two groups, one for each direction, and all the
- * springs of a group are alike but for where they start. Nothing is kept per spring. */
+ * Springs are implicit: a family has two groups, one for each direction, and the
+ * springs of a group differ only in their first particle. Nothing is stored per spring.
+ */
 #ifndef WEFT_CLOTH_MODEL_H
 #define WEFT_CLOTH_MODEL_H
 
 #include <float.h>
+#include <math.h>
 
 #include "weft/cloth.h"
 
@@ -94,11 +96,11 @@ typedef struct weft__faults {
     void *ctx;
 } weft__faults;
 
-/* validate.c: all that can be wrong with a definition. */
+/* validate.c: reports every fault of a definition. */
 void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to);
 
-/* Of the grid alone: rows to velocity; neighbours are compared in grids of up to `most`
- * particles. false: its size is wrong. */
+/* Checks the grid alone, rows to velocity; compares neighbours in grids of up to `most`
+ * particles. Returns false if the size is wrong. */
 bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults *to);
 
 /* Of one shape, number `index`: the fields are offsets in weft_shape. */
@@ -112,6 +114,16 @@ double weft__start_gap(const weft_cloth_def *def, const weft_shape *shape,
 /* A range of def with negative ends resolved; false if it leaves [0, count). */
 bool weft__range_resolve(weft_range range, size_t count, size_t *first, size_t *last);
 
+static inline double weft__dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline double weft__length(const double a[3])
+{
+    return sqrt(weft__dot(a, a));
+}
+
 /* Rest position [m] of particle (r, c). */
 void weft__rest_position(const weft_cloth *cloth, size_t r, size_t c, double x[3]);
 
@@ -121,10 +133,6 @@ void weft__start_position(const weft_cloth *cloth, size_t r, size_t c, double x[
 /* Lumped area [m^2] of particle (r, c): halved on each edge it lies on; a direction
  * with a single row or column counts as 1 m wide. */
 double weft__area(const weft_cloth *cloth, size_t r, size_t c);
-
-/* wind.c: force [N] of the wind on particle i times `share`; 0 without wind. */
-void weft__wind_force(const weft_cloth *cloth, size_t i, const double *y, double share,
-                      double force[3]);
 
 /* prescribed.c: the motion of pins and shapes. */
 weft__motion weft__motion_of(const double velocity[3], const double amplitude[3],

@@ -34,7 +34,7 @@ weft_cloth *weft__cloth_copy(const weft_cloth *model, const weft_allocator *memo
     return copy;
 }
 
-/* The motion behind those of the definition. */
+/* The motion after those of the definition. */
 static uint32_t coasting(const weft_cloth *cloth)
 {
     return (uint32_t)cloth->motion_count + 1;

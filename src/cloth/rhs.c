@@ -5,33 +5,36 @@
  *     pinned particle   x' = V + w A cos(w t),   v' = -w^2 A sin(w t),  w = 2 pi f
  *
  * A pinned particle has inverse mass 0 and follows its prescribed motion; one without
- * motion has x' = v' = 0 and keeps its position bit for bit. The plain loops here are
- * what src/kernel does fast, with the same bits. */
+ * motion has x' = v' = 0 and keeps its position bit for bit. The plain loops here
+ * have the same bits as src/kernel. */
 #include <string.h>
 
-#include "cloth/contact.h"
 #include "cloth/levels.h"
-#include "cloth/rows.h"
 #include "cloth/springs.h"
+
+#define POINTER(name, level) &weft__##name,
+const weft__added *const weft__added_forces[WEFT__ADDED] = { WEFT_ADDED(POINTER, ) };
+
+/* Adds the added forces on particle i to to[3], n apart. */
+static void add(const weft__subject *of, size_t i, weft__unit unit, double *to)
+{
+    for (size_t a = 0; a < WEFT__ADDED; ++a) {
+        weft__added_forces[a]->add(of, i, unit, to);
+    }
+}
 
 void weft_cloth_force(const weft_cloth *cloth, double t, const double *y, double *f)
 {
+    const weft__subject of = { .cloth = cloth, .t = t, .y = y };
     const size_t n = cloth->particles;
     for (size_t i = 0; i < n; ++i) {
-        double springs[3], wind[3];
+        double springs[3];
         weft__springs_force(cloth, i, y, springs);
-        weft__wind_force(cloth, i, y, 1.0, wind);
         for (size_t k = 0; k < 3; ++k) {
             f[k * n + i] = cloth->mass[i] * cloth->gravity[k]
-                           + (springs[k] - cloth->drag * y[(k + 3) * n + i]) + wind[k];
+                           + (springs[k] - cloth->drag * y[(k + 3) * n + i]);
         }
-    }
-    for (weft__touches at = weft__touches_of(cloth, t, y, 0, n);
-         weft__each_touch(&at);) {
-        for (size_t k = 0; k < 3; ++k) {
-            f[k * n + at.i]
-                += cloth->mass[at.i] * weft__touch_acceleration(&at.touch, k);
-        }
+        add(&of, i, WEFT__FORCE, f + i);
     }
 }
 
@@ -41,21 +44,21 @@ static double trouble(const double *z, size_t n)
     return ((z[3 * n] + z[4 * n] + z[5 * n]) + (z[0] + z[n] + z[2 * n])) * 0.0;
 }
 
-int weft__reference_rows(const weft_cloth *cloth, const double *y, double *dydt,
-                         size_t first_row, size_t end_row)
+int weft__reference_rows(const weft__subject *of, double *dydt, size_t first_row,
+                         size_t end_row)
 {
+    const weft_cloth *cloth = of->cloth;
     const size_t n = cloth->particles, end = end_row * cloth->cols;
     double bad = 0.0;
     for (size_t i = first_row * cloth->cols; i < end; ++i) {
-        double springs[3], wind[3];
-        weft__springs_force(cloth, i, y, springs);
-        weft__wind_force(cloth, i, y, cloth->inverse_mass[i], wind);
+        double springs[3];
+        weft__springs_force(cloth, i, of->y, springs);
         for (size_t k = 0; k < 3; ++k) {
-            const double v = dydt[k * n + i] = y[(k + 3) * n + i];
+            const double v = dydt[k * n + i] = of->y[(k + 3) * n + i];
             const double force = springs[k] - cloth->drag * v;
-            dydt[(k + 3) * n + i]
-                = cloth->gravity[k] + cloth->inverse_mass[i] * force + wind[k];
+            dydt[(k + 3) * n + i] = cloth->gravity[k] + cloth->inverse_mass[i] * force;
         }
+        add(of, i, WEFT__ACCELERATION, dydt + 3 * n + i);
         bad += trouble(dydt + i, n);
     }
     return bad == 0.0 ? 0 : 1;
@@ -70,7 +73,7 @@ void weft__pin_rate(const weft_cloth *cloth, size_t i, double t, double rate[6])
     weft__motion_rate(&motion, t, rate);
 }
 
-enum { KEPT = 8 }; /* motions whose rates a pass remembers */
+enum { KEPT = 8 }; /* motions whose rates a pass keeps */
 
 static void move_pins(const weft_cloth *cloth, double t, double *dydt, size_t first,
                       size_t end)
@@ -94,18 +97,19 @@ static void move_pins(const weft_cloth *cloth, double t, double *dydt, size_t fi
     }
 }
 
-int weft__rhs_rows(const weft_cloth *cloth, double t, const double *y, double *dydt,
-                   size_t first, size_t end)
+int weft__rhs_rows(const weft__subject *of, double *dydt, size_t first, size_t end)
 {
-    int failed = cloth->level->rows(cloth, y, dydt, first, end);
-    if (cloth->shape_count > 0) {
-        failed |= cloth->level->contact(cloth, t, y, dydt, first, end);
+    const weft_cloth *cloth = of->cloth;
+    int failed = cloth->level->rows(of, dydt, first, end);
+    for (size_t a = 0; a < WEFT__ADDED && cloth->level->added[a] != NULL; ++a) {
+        failed |= cloth->level->added[a](of, dydt, first, end);
     }
-    move_pins(cloth, t, dydt, first * cloth->cols, end * cloth->cols);
+    move_pins(cloth, of->t, dydt, first * cloth->cols, end * cloth->cols);
     return failed;
 }
 
 int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y, double *dydt)
 {
-    return weft__rhs_rows(cloth, t, y, dydt, 0, cloth->rows);
+    const weft__subject of = { .cloth = cloth, .t = t, .y = y };
+    return weft__rhs_rows(&of, dydt, 0, cloth->rows);
 }

@@ -6,11 +6,7 @@
 
 #include "weft/cloth.h"
 
-/* weft_cloth_rhs of the rows [first, end) alone; other rows are not written to. Rows
- * divided in whatever way have the same bits. */
-int weft__rhs_rows(const weft_cloth *cloth, double t, const double *y, double *dydt,
-                   size_t first, size_t end);
-
+/* A cloth in a state at a time. */
 typedef struct weft__subject {
     const weft_cloth *cloth;
     double t;
@@ -18,11 +14,20 @@ typedef struct weft__subject {
     const bool *families; /* in which the worst spring is sought; NULL: all */
 } weft__subject;
 
+/* A part or all of dy/dt for the rows [first, end); other rows are not written to.
+ * Returns 0, or 1 if a number is not finite. The bits do not depend on how the rows are
+ * divided among calls. */
+typedef int weft__rows_fn(const weft__subject *of, double *dydt, size_t first,
+                          size_t end);
+
+weft__rows_fn weft__rhs_rows; /* all of it; rhs.c */
+
 /* Measures a part or all of row r into *row, which is weft__row_start before. Springs
  * belong to the row where they begin. measure.c, power.c, contact.c */
 typedef void weft__row_fn(const weft__subject *of, size_t r, weft_measures *row);
-weft__row_fn weft__row_energy, weft__row_power, weft__row_worst, weft__row_all;
-weft__row_fn weft__row_contact_energy, weft__row_contact_power, weft__row_gap;
+weft__row_fn weft__row_energy, weft__row_heat, weft__row_power, weft__row_worst,
+    weft__row_state, /* all but powers */ weft__row_all;
+weft__row_fn weft__row_contact_energy, weft__row_gap;
 
 extern const weft_measures weft__row_start;
 
@@ -33,8 +38,8 @@ void weft__measures_add(weft_measures *sum, const weft_measures *row);
 /* The smaller gap; NaN is smaller than a number. */
 void weft__keep_gap(weft_measures *kept, double gap, size_t particle, size_t shape);
 
-/* cloth_hash.c: of all that moves a cloth but its state: springs, masses, pins, forces,
- * shapes. */
+/* cloth_hash.c: hash of springs, masses, pins, forces and shapes, but not of the state.
+ */
 uint64_t weft__cloth_hash(const weft_cloth *cloth);
 
 /* Of the law of contact alone, which shapes that are added obey. */

@@ -6,9 +6,9 @@
  *
  *     T = k (L - s) + c w.u,   d = x_q - x_p,  L = |d|,  u = d / L,  w = v_q - v_p
  *
- * and by nothing where L = 0. The strain law T = K (L / s - 1) is the same with
+ * and has no force where L = 0. The strain law T = K (L / s - 1) is the same with
  * k = K / s. The elastic part is -dE/dx of E = k (L - s)^2 / 2; the damped part acts
- * along the spring only, so that both kinds of momentum stay. The three families are
+ * along the spring only, so that both momenta are conserved. The three families are
  * those of Provot 1995; the damped law is the one of the lecture (docs/physics.md).
  *
  * src/kernel evaluates the same expressions on vectors. */
@@ -26,11 +26,6 @@ typedef struct weft__spring {
     size_t p, q;
     double d[3], square; /* [m], [m^2] d.d */
 } weft__spring;
-
-static inline double weft__dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /* a_q - a_p of planes a[3 N]. */
 static inline void weft__spring_difference(const weft_cloth *cloth,

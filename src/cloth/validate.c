@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* validate.c -- all that can be wrong with the definition of a cloth. Comparisons are
- * written so that NaN fails. */
+/* validate.c -- checks the definition of a cloth and reports every fault. Comparisons
+ * are written so that NaN fails. */
 #include "cloth/model.h"
 #include "cloth/shapes.h"
 
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+
+#include "base/finite.h"
 
 #define MAX_PARTICLES ((size_t)1 << 31)
 
@@ -22,21 +23,6 @@ static void fault(const weft__faults *to, size_t field, size_t other,
     (void)vsnprintf(message, sizeof message, format, args);
     va_end(args);
     to->found(to->ctx, field, other, message);
-}
-
-static bool finite3(const double v[3])
-{
-    return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
-}
-
-static bool not_negative(double x)
-{
-    return isfinite(x) && x >= 0.0;
-}
-
-static bool positive(double x)
-{
-    return isfinite(x) && x > 0.0;
 }
 
 bool weft__range_resolve(weft_range range, size_t count, size_t *first, size_t *last)
@@ -90,8 +76,9 @@ static bool check_size(const weft_cloth_def *def, const weft__faults *to)
 
 static bool check_lengths(const weft_cloth_def *def, const weft__faults *to)
 {
-    const bool spaced = positive(def->spacing[0]) && positive(def->spacing[1]);
-    const bool scaled = positive(def->scale);
+    const bool spaced
+        = weft__positive(def->spacing[0]) && weft__positive(def->spacing[1]);
+    const bool scaled = weft__positive(def->scale);
     if (!spaced) {
         fault(to, FIELD(spacing), FIELD(spacing), "spacing %g, %g m: must be > 0",
               def->spacing[0], def->spacing[1]);
@@ -99,27 +86,22 @@ static bool check_lengths(const weft_cloth_def *def, const weft__faults *to)
     if (!scaled) {
         fault(to, FIELD(scale), FIELD(scale), "scale %g: must be > 0", def->scale);
     }
-    if (!finite3(def->origin) || !finite3(def->velocity)) {
+    if (!weft__all_finite(def->origin, 3) || !weft__all_finite(def->velocity, 3)) {
         fault(to, FIELD(origin), FIELD(velocity), "origin and velocity must be finite");
     }
-    return spaced && scaled && finite3(def->origin);
-}
-
-static double length(const double v[3])
-{
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    return spaced && scaled && weft__all_finite(def->origin, 3);
 }
 
 static bool check_axes(const weft_cloth_def *def, const weft__faults *to)
 {
     const double *a = def->right, *b = def->down;
-    if (!positive(length(a)) || !positive(length(b))) {
-        const size_t field = positive(length(a)) ? FIELD(down) : FIELD(right);
+    if (!weft__positive(weft__length(a)) || !weft__positive(weft__length(b))) {
+        const size_t field
+            = weft__positive(weft__length(a)) ? FIELD(down) : FIELD(right);
         fault(to, field, field, "right and down must be finite and not zero");
         return false;
     }
-    const double cosine
-        = (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / (length(a) * length(b));
+    const double cosine = weft__dot(a, b) / (weft__length(a) * weft__length(b));
     if (!(fabs(cosine) <= 1e-9)) {
         fault(
             to, FIELD(down), FIELD(right),
@@ -141,7 +123,7 @@ static bool check_finite(const weft_cloth *grid, const weft__faults *to)
         double rest[3], start[3];
         weft__rest_position(grid, r, c, rest);
         weft__start_position(grid, r, c, start);
-        finite = finite && finite3(rest) && finite3(start);
+        finite = finite && weft__all_finite(rest, 3) && weft__all_finite(start, 3);
     }
     if (!finite) {
         fault(to, FIELD(spacing), FIELD(spacing),
@@ -158,7 +140,7 @@ static bool may_coincide(const weft_cloth *grid)
         = (double)grid->rows * grid->spacing[0] + (double)grid->cols * grid->spacing[1];
     const double smaller = fmin(grid->spacing[0], grid->spacing[1]);
     /* a unit vector has a component of 0.57 or more; 2^-52 is the spacing of doubles */
-    const double limit = 16.0 * 0x1p-52 * (length(grid->origin) + extent);
+    const double limit = 16.0 * 0x1p-52 * (weft__length(grid->origin) + extent);
     return !(smaller > limit && smaller > 1e-150);
 }
 
@@ -169,7 +151,7 @@ static bool coincide(const weft_cloth *grid, size_t r, size_t c, size_t r2, size
     weft__rest_position(grid, r, c, a);
     weft__rest_position(grid, r2, c2, b);
     const double d[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
-    return r2 < grid->rows && c2 < grid->cols && length(d) == 0.0;
+    return r2 < grid->rows && c2 < grid->cols && weft__length(d) == 0.0;
 }
 
 static void check_apart(const weft_cloth *grid, const weft__faults *to)
@@ -204,11 +186,11 @@ bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults
     return true;
 }
 
-/* ---- what is on it --------------------------------------------------------------- */
+/* ---- masses, springs, pins, forces ----------------------------------------------- */
 
 static void check_mass(const weft_cloth_def *def, const weft__faults *to)
 {
-    if (!not_negative(def->mass) || !not_negative(def->density)
+    if (!weft__not_negative(def->mass) || !weft__not_negative(def->density)
         || (def->mass > 0.0) == (def->density > 0.0)) {
         fault(to, FIELD(mass), FIELD(density),
               "mass %g kg, density %g kg/m^2: exactly one must be > 0", def->mass,
@@ -216,7 +198,7 @@ static void check_mass(const weft_cloth_def *def, const weft__faults *to)
     }
     for (size_t i = 0; i < def->load_count; ++i) {
         const weft_load *load = &def->loads[i];
-        if (!positive(load->mass)) {
+        if (!weft__positive(load->mass)) {
             fault(to, FIELD(loads), FIELD(loads), "load %zu: mass %g kg: must be > 0",
                   i, load->mass);
         }
@@ -232,7 +214,8 @@ static void check_springs(const weft_cloth_def *def, const weft__faults *to)
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
         const weft_spring_def *spring = &def->springs[i];
         if (spring->present
-            && (!not_negative(spring->stiffness) || !not_negative(spring->damping))) {
+            && (!weft__not_negative(spring->stiffness)
+                || !weft__not_negative(spring->damping))) {
             const size_t field = FIELD(springs) + i * sizeof *spring;
             fault(to, field, field,
                   "%s springs: stiffness %g, damping %g: must be >= 0",
@@ -245,8 +228,8 @@ static void check_pins(const weft_cloth_def *def, const weft__faults *to)
 {
     for (size_t i = 0; i < def->pin_count; ++i) {
         const weft_pin *pin = &def->pins[i];
-        if (!finite3(pin->velocity) || !finite3(pin->amplitude)
-            || !not_negative(pin->frequency)) {
+        if (!weft__all_finite(pin->velocity, 3) || !weft__all_finite(pin->amplitude, 3)
+            || !weft__not_negative(pin->frequency)) {
             fault(to, FIELD(pins), FIELD(pins),
                   "pin %zu: its motion must be finite, frequency >= 0", i);
         }
@@ -256,8 +239,8 @@ static void check_pins(const weft_cloth_def *def, const weft__faults *to)
 
 static void check_forces(const weft_cloth_def *def, const weft__faults *to)
 {
-    if (!finite3(def->gravity) || !finite3(def->wind_velocity)
-        || !not_negative(def->drag) || !not_negative(def->wind_drag)) {
+    if (!weft__all_finite(def->gravity, 3) || !weft__all_finite(def->wind_velocity, 3)
+        || !weft__not_negative(def->drag) || !weft__not_negative(def->wind_drag)) {
         fault(to, FIELD(gravity), FIELD(wind_velocity),
               "forces must be finite, drag and wind drag >= 0");
     }
@@ -277,9 +260,9 @@ static void check_contact(const weft_cloth_def *def, const weft__faults *to)
         bool usable;
     } numbers[] = {
 #define NUMBER(name, test) { #name, FIELD(contact.name), law->name, test(law->name) }
-        NUMBER(thickness, positive),    NUMBER(stopping_speed, positive),
-        NUMBER(slip, positive),         NUMBER(damping, not_negative),
-        NUMBER(friction, not_negative),
+        NUMBER(thickness, weft__positive),    NUMBER(stopping_speed, weft__positive),
+        NUMBER(slip, weft__positive),         NUMBER(damping, weft__not_negative),
+        NUMBER(friction, weft__not_negative),
 #undef NUMBER
     };
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i) {
@@ -305,7 +288,7 @@ static bool along(const double spin[3], const double way[3])
     const double cross[3]
         = { spin[1] * way[2] - spin[2] * way[1], spin[2] * way[0] - spin[0] * way[2],
             spin[0] * way[1] - spin[1] * way[0] };
-    return length(cross) <= 1e-9 * length(spin) * length(way);
+    return weft__length(cross) <= 1e-9 * weft__length(spin) * weft__length(way);
 }
 
 /* The first fault of a shape; NULL: none. */
@@ -322,25 +305,27 @@ static const char *shape_fault(const weft_shape *shape, size_t *field)
         const char *message;
     } rules[] = {
         { !plane && !box && !round, SHAPE(kind), "unknown kind" },
-        { !finite3(a), SHAPE(at), "its place must be finite" },
-        { plane && !positive(length(shape->normal)), SHAPE(normal),
+        { !weft__all_finite(a, 3), SHAPE(at), "its place must be finite" },
+        { plane && !weft__positive(weft__length(shape->normal)), SHAPE(normal),
           "its normal must be finite and not zero" },
-        { capsule && !positive(length(axis)), SHAPE(to),
+        { capsule && !weft__positive(weft__length(axis)), SHAPE(to),
           "its ends must be finite and apart" },
-        { round && !positive(shape->radius), SHAPE(radius), "its radius must be > 0" },
-        { box && !positive(shape->rounding), SHAPE(rounding),
+        { round && !weft__positive(shape->radius), SHAPE(radius),
+          "its radius must be > 0" },
+        { box && !weft__positive(shape->rounding), SHAPE(rounding),
           "its rounding must be > 0" },
         { box
-              && !(finite3(h) && h[0] > shape->rounding && h[1] > shape->rounding
-                   && h[2] > shape->rounding),
+              && !(weft__all_finite(h, 3) && h[0] > shape->rounding
+                   && h[1] > shape->rounding && h[2] > shape->rounding),
           SHAPE(half), "half of each edge must be finite and > rounding" },
-        { !finite3(shape->velocity), SHAPE(velocity), "its velocity must be finite" },
-        { !finite3(shape->amplitude), SHAPE(amplitude),
+        { !weft__all_finite(shape->velocity, 3), SHAPE(velocity),
+          "its velocity must be finite" },
+        { !weft__all_finite(shape->amplitude, 3), SHAPE(amplitude),
           "its amplitude must be finite" },
-        { !not_negative(shape->frequency), SHAPE(frequency),
+        { !weft__not_negative(shape->frequency), SHAPE(frequency),
           "its frequency must be >= 0" },
-        { !finite3(shape->spin), SHAPE(spin), "its spin must be finite" },
-        { box && length(shape->spin) != 0.0, SHAPE(spin), "a box cannot spin" },
+        { !weft__all_finite(shape->spin, 3), SHAPE(spin), "its spin must be finite" },
+        { box && weft__length(shape->spin) != 0.0, SHAPE(spin), "a box cannot spin" },
         { capsule && !along(shape->spin, axis), SHAPE(spin),
           "a capsule spins about its axis only" },
         { plane && !along(shape->spin, shape->normal), SHAPE(spin),
@@ -388,9 +373,10 @@ double weft__start_gap(const weft_cloth_def *def, const weft_shape *shape,
     weft__grid_init(&grid, def);
     for (size_t i = 0; i < grid.particles; ++i) {
         const size_t r = i / grid.cols, c = i % grid.cols;
-        double x[3], gradient[3], steepness;
+        double x[3], gradient[3];
+        bool joined;
         weft__start_position(&grid, r, c, x);
-        const double gap = weft__shape_gap(&pose, x, gradient, &steepness);
+        const double gap = weft__shape_gap(&pose, x, gradient, &joined);
         if (!(gap > 0.0) && gap < least && !is_pinned(def, r, c)) {
             least = gap;
             *particle = i;
@@ -433,7 +419,9 @@ void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to)
         check_springs(def, to);
         check_pins(def, to);
         check_forces(def, to);
-        check_contact(def, to);
-        check_shapes(def, to);
+        if (def->contact.shape_count > 0) {
+            check_contact(def, to);
+            check_shapes(def, to);
+        }
     }
 }

@@ -10,15 +10,14 @@
  *       |      \ /
  *     (r+1,c)  (r+1,c+1)
  *
- * Only anti, from (r,c+1) to (r+1,c), does not start at (r,c), so that all that ends in
- * another column ends to the right: in lanes of this block, or of the next one, which
- * they reach in registers. What ends in a later row is added up in a buffer of that
+ * Only anti, from (r,c+1) to (r+1,c), does not start at (r,c), so that all springs that
+ * end in another column end to the right: in lanes of this block, or of the next one,
+ * which they reach in registers. Pulls on a later row are summed in a buffer of that
  * row.
  *
  * The sum of a particle is the same expression whatever the width, the tile of columns
- * or the band of rows. Springs are taken in three stages, a group one stage behind the
- * other, because root and division are slow: while they are under way the next spring
- * begins. */
+ * or the band of rows. Springs pass three stages, each group one stage behind the
+ * one before, because root and division are slow: meanwhile the next spring begins. */
 #include "cloth/levels.h"
 #include "kernel/lanes.h"
 
@@ -58,7 +57,7 @@ typedef struct sweep {
     size_t inner; /* columns in blocks with all their neighbours on the right */
 } sweep;
 
-/* A spring under way. */
+/* A spring between its stages. */
 typedef struct spring {
     vec3 d;             /* [m] */
     vec length;         /* [m] */
@@ -112,7 +111,7 @@ INLINE vec3 pull(const spring *springs, unsigned has, int group, const mask *whe
     return where != NULL ? only3(force, *where) : force;
 }
 
-/* What the block on the left sends to the right. */
+/* The pulls of a block on the next one to the right. */
 typedef struct carry {
     vec3 beside, beside2, below;
 } carry;
@@ -174,15 +173,8 @@ INLINE void emit(sweep *self, const double *p, size_t n, size_t i, vec3 force,
 static void leave_aside(const sweep *self, size_t i, size_t count)
 {
     for (size_t k = 0; k < 6; ++k) {
-        const double *from = self->aside + k * SPAN;
-        double *to = self->dydt + k * self->n + i;
-        size_t j = 0;
-        for (; j + LANES <= count; j += LANES) {
-            store(to + j, load(from + j));
-        }
-        for (; j < count; ++j) {
-            to[j] = from[j];
-        }
+        memcpy(self->dydt + k * self->n + i, self->aside + k * SPAN,
+               count * sizeof *self->dydt);
     }
 }
 
@@ -234,7 +226,7 @@ INLINE void row_end(sweep *self, size_t r, size_t at, unsigned has, bool emits,
     }
 }
 
-/* Columns [first, end) of row r; of the block on their left only what it sends. */
+/* Columns [first, end) of row r; of the block on their left only its carry. */
 INLINE void row(sweep *self, size_t r, size_t first, size_t end, unsigned has,
                 bool emits)
 {
@@ -265,7 +257,7 @@ enum {
     FULL = WOVEN | BIT(RIGHT2) | BIT(DOWN2)
 };
 
-/* What row r has of all that the cloth has. */
+/* The springs of row r among `all` of the cloth. */
 static unsigned of_row(const sweep *self, size_t r, unsigned all)
 {
     if (r + 1 >= self->rows) {
@@ -274,7 +266,7 @@ static unsigned of_row(const sweep *self, size_t r, unsigned all)
     return r + 2 >= self->rows ? all & ~BIT(DOWN2) : all;
 }
 
-/* What most rows of most cloths have is compiled without branches. */
+/* The sets that most rows of most cloths have are compiled without branches. */
 static void any_row(sweep *self, size_t r, size_t first, size_t end, unsigned has,
                     bool emits)
 {
@@ -295,7 +287,7 @@ static void any_row(sweep *self, size_t r, size_t first, size_t end, unsigned ha
     }
 }
 
-/* Columns [first, end): the two rows above first_row send what ends in the others. */
+/* Columns [first, end): the two rows above first_row add their pulls on the others. */
 static void tile(sweep *self, size_t first, size_t end, unsigned all, size_t first_row,
                  size_t end_row)
 {
@@ -321,7 +313,7 @@ static bool stores_delay_loads(const sweep *self)
            && (ahead > 0 || (uintptr_t)self->y % 64 != 0);
 }
 
-/* Returns what its springs are. */
+/* Returns the set of its springs. */
 static unsigned start(sweep *self, const weft_cloth *cloth, const double *y)
 {
     const double *g = cloth->gravity;
@@ -351,21 +343,16 @@ static unsigned start(sweep *self, const weft_cloth *cloth, const double *y)
     return all;
 }
 
-weft__rows_fn NAME(wind, LEVEL); /* kernel_wind.c: adds to v' */
-
-int NAME(rows, LEVEL)(const weft_cloth *cloth, const double *y, double *dydt,
-                      size_t first_row, size_t end_row)
+int NAME(rows, LEVEL)(const weft__subject *of, double *dydt, size_t first_row,
+                      size_t end_row)
 {
     sweep self;
-    const unsigned all = start(&self, cloth, y);
+    const unsigned all = start(&self, of->cloth, of->y);
     self.dydt = dydt;
     self.detour = stores_delay_loads(&self);
     for (size_t c = 0; c == 0 || c < self.inner; c += TILE) {
         const size_t end = self.inner - c < TILE ? self.inner : c + TILE;
         tile(&self, c, end, all, first_row, end_row);
     }
-    const int failed = sum(self.bad) == 0.0 ? 0 : 1;
-    return cloth->wind_drag == 0.0
-               ? failed
-               : failed | NAME(wind, LEVEL)(cloth, y, dydt, first_row, end_row);
+    return sum(self.bad) == 0.0 ? 0 : 1;
 }

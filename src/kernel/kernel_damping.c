@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* kernel_damping.c -- what the dampers of springs take, LANES springs at a time:
+/* kernel_damping.c -- the power of the dampers of springs, LANES at a time:
  * c (w.u)^2 = c (w.d)^2 / d.d, and 0 where d = 0. */
 #include "cloth/levels.h"
 #include "kernel/lanes.h"

@@ -55,18 +55,11 @@ static vec add_rim(const weft_cloth *cloth, const double *y, size_t r, size_t c,
     for (size_t l = 0; l < LANES; ++l) {
         const size_t column = l < count ? c + l : c + count - 1;
         const size_t i = r * cols + column;
-        const size_t left = column > 0 ? i - 1 : i,
-                     right = column + 1 < cols ? i + 1 : i;
-        const double *x = y, *v = y + 3 * n;
-        at.left.x[l] = x[left], at.right.x[l] = x[right];
-        at.up.x[l] = x[i - up], at.down.x[l] = x[i + down];
-        x += n;
-        at.left.y[l] = x[left], at.right.y[l] = x[right];
-        at.up.y[l] = x[i - up], at.down.y[l] = x[i + down];
-        x += n;
-        at.left.z[l] = x[left], at.right.z[l] = x[right];
-        at.up.z[l] = x[i - up], at.down.z[l] = x[i + down];
-        at.v.x[l] = v[i], at.v.y[l] = v[n + i], at.v.z[l] = v[2 * n + i];
+        set_lane(&at.left, l, y + (column > 0 ? i - 1 : i), n);
+        set_lane(&at.right, l, y + (column + 1 < cols ? i + 1 : i), n);
+        set_lane(&at.up, l, y + i - up, n);
+        set_lane(&at.down, l, y + i + down, n);
+        set_lane(&at.v, l, y + 3 * n + i, n);
         at.inverse_mass[l] = cloth->inverse_mass[i];
         at.area[l] = weft__area(cloth, r, column);
     }
@@ -100,12 +93,12 @@ static vec add_row(const weft_cloth *cloth, const double *y, size_t r, double *d
     return bad;
 }
 
-int NAME(wind, LEVEL)(const weft_cloth *cloth, const double *y, double *dydt,
-                      size_t first_row, size_t end_row)
+int NAME(wind, LEVEL)(const weft__subject *of, double *dydt, size_t first_row,
+                      size_t end_row)
 {
     vec bad = splat(0.0);
-    for (size_t r = first_row; r < end_row; ++r) {
-        bad += add_row(cloth, y, r, dydt);
+    for (size_t r = first_row; of->cloth->wind_drag != 0.0 && r < end_row; ++r) {
+        bad += add_row(of->cloth, of->y, r, dydt);
     }
     return sum(bad) == 0.0 ? 0 : 1;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* lanes.h -- LANES doubles at a time, by the vector extensions of GCC and Clang: the
  * same source for every width, in the instructions of the level that it is compiled
- * for. What has no instruction there is taken apart by the compiler. */
+ * for. The compiler splits operations that the level does not have. */
 #ifndef WEFT_KERNEL_LANES_H
 #define WEFT_KERNEL_LANES_H
 
@@ -146,6 +146,13 @@ INLINE double least_lane(vec a)
     return least(a, SHIFT_2(SHIFT_2(a, a), SHIFT_2(a, a)))[0];
 }
 
+INLINE void set_lane(vec3 *a, size_t lane, const double *from, size_t plane)
+{
+    a->x[lane] = from[0];
+    a->y[lane] = from[plane];
+    a->z[lane] = from[2 * plane];
+}
+
 /* The first `count` lanes; 0 in the others. */
 INLINE vec load_some(const double *from, size_t count)
 {
@@ -166,9 +173,7 @@ INLINE vec3 load3_some(const double *from, size_t plane, size_t count)
         return load3(from, plane);
     }
     for (size_t i = 0; i < count; ++i) {
-        a.x[i] = from[i];
-        a.y[i] = from[plane + i];
-        a.z[i] = from[2 * plane + i];
+        set_lane(&a, i, from + i, plane);
     }
     return a;
 }

@@ -8,7 +8,7 @@
 
 /* ---- of a plugin ------------------------------------------------------------- */
 
-/* One more of a list, while there is room for it and for what tells of others. */
+/* Appends to a list, while there is room for the name and for ", ...". */
 static void append(char *list, size_t size, const char *name)
 {
     const size_t used = strlen(list);
@@ -84,8 +84,10 @@ double weft_stepper_matrices(const weft_stepper_type *type, size_t particles,
     if ((type->flags & WEFT_STEPPER_DENSE) == 0) {
         return 0.0;
     }
-    const bool told = WEFT_HAS(type, weft_stepper_type, matrices) && type->matrices > 0;
-    const double bytes = 8.0 * (double)dim * (double)dim * (told ? type->matrices : 1);
+    const bool counted
+        = WEFT_HAS(type, weft_stepper_type, matrices) && type->matrices > 0;
+    const double bytes
+        = 8.0 * (double)dim * (double)dim * (counted ? type->matrices : 1);
     (void)snprintf(text, size,
                    "matrices of %zu x %zu, %.4g MB in all, about %zu evaluations for "
                    "each Jacobian",

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* methods.h -- methods and plugins by their names, and what to say of one that is not
- * there. */
+/* methods.h -- methods and plugins by their names, and messages for unknown ones. */
 #ifndef WEFT_PLUGIN_METHODS_H
 #define WEFT_PLUGIN_METHODS_H
 

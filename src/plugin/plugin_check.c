@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* plugin_check.c -- whether a plugin may be believed. Fields are looked at in the order
- * in which they may be trusted: abi, struct_size, then the rest. */
+/* plugin_check.c -- checks a plugin. Fields are read in the order
+ * in which they can be trusted: abi, struct_size, then the rest. */
 #include "plugin/registry.h"
 
 #include <string.h>

@@ -168,7 +168,7 @@ static weft_status call_entry(void *handle, const char *id, const weft_plugin **
             err, WEFT_BAD_PLUGIN,
             "it has no function %s() (is it exported, with WEFT_API?)", name);
     }
-    /* POSIX makes the conversion work that ISO C does not know. */
+    /* POSIX allows this conversion, ISO C does not. */
     weft_plugin_fn *function;
     memcpy(&function, &symbol, sizeof function);
     *plugin = function();
@@ -215,7 +215,7 @@ static void *open_file(const char *file)
     return dlopen(path, RTLD_NOW | RTLD_LOCAL);
 }
 
-/* What dlerror says often begins with "file: ", as open_file has named it. */
+/* dlerror's text often begins with "file: ", the name that open_file passed. */
 static const char *without_name(const char *reason, const char *file)
 {
     const size_t length = strlen(file);

@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* registry.h -- what the files of src/sim share. */
+/* registry.h -- shared by the files of src/plugin. */
 #ifndef WEFT_PLUGIN_REGISTRY_H
 #define WEFT_PLUGIN_REGISTRY_H
 
 #include "base/log.h"
 #include "weft/sim.h"
 
-/* plugin_check.c: what makes a plugin unusable, into err with WEFT_BAD_PLUGIN. */
+/* plugin_check.c: writes the fault of an unusable plugin to *err, with WEFT_BAD_PLUGIN.
+ */
 weft_status weft__plugin_check(const weft_plugin *plugin, weft_error *err);
 
 /* installed.c: their directory; "" if there is none, or the library is a static one. */
 void weft__installed_plugins(char *directory, size_t size);
 
-/* The id of each plugin that is there, and then of those that could be loaded. */
+/* Visits the ids of the plugins that are loaded, then of those that could be. */
 void weft__registry_names(const weft_registry *registry,
                           void (*visit)(void *ctx, const char *id), void *ctx);
 

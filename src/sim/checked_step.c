@@ -42,7 +42,7 @@ static void take_back(weft_sim *sim, double t0)
 {
     memcpy(sim->y, sim->start, weft__sim_dim(sim) * sizeof *sim->y);
     sim->t = t0;
-    sim->method->state_changed(sim->stepper);
+    sim->def.method->state_changed(sim->stepper);
     --sim->earlier.steps; /* modulo 2^64, as is the sum */
     ++sim->earlier.rejected;
 }
@@ -52,7 +52,7 @@ static weft_status attempt(weft_sim *sim, double t0, double end, bool *again,
                            weft_error *why)
 {
     const weft_status status
-        = sim->method->step(sim->stepper, end, &sim->t, sim->y, why);
+        = sim->def.method->step(sim->stepper, end, &sim->t, sim->y, why);
     *again = false;
     if (status != WEFT_OK) {
         *again = sim->refused.found = failed_in_shape(sim, status);
@@ -83,7 +83,7 @@ static weft_status give_up(const weft_sim *sim, weft_error *why)
 weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
 {
     if (weft_cloth_shapes(sim->cloth) == 0) {
-        return sim->method->step(sim->stepper, t_end, &sim->t, sim->y, why);
+        return sim->def.method->step(sim->stepper, t_end, &sim->t, sim->y, why);
     }
     const double t0 = sim->t, fixed = sim->config.fixed_step;
     memcpy(sim->start, sim->y, weft__sim_dim(sim) * sizeof *sim->y);
@@ -101,7 +101,7 @@ weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
         }
         ++sim->vetoed;
         end = t0 + h;
-        weft__log(&sim->log, WEFT_LOG_DEBUG,
+        weft__log(&sim->def.log, WEFT_LOG_DEBUG,
                   "t = %.9g s: a step of %.3g s taken back: particle %zu, shapes[%zu]",
                   t0, tried, sim->refused.particle, sim->refused.shape);
     }

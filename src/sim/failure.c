@@ -24,12 +24,10 @@ static void find_fastest(const weft_sim *sim, weft_failure *out)
 static void set_message(const weft_failure *self, size_t cols, weft_error *err)
 {
     const weft_spring *worst = &self->spring;
-    char spring[128] = "no springs";
+    char name[96], spring[128] = "no springs";
     if (worst->p != worst->q) {
-        (void)snprintf(spring, sizeof spring,
-                       "most strained %s spring (%zu, %zu)-(%zu, %zu) at %.3g %%",
-                       weft_family_name(worst->family), worst->p / cols,
-                       worst->p % cols, worst->q / cols, worst->q % cols,
+        (void)snprintf(spring, sizeof spring, "most strained %s at %.3g %%",
+                       weft_spring_text(worst, cols, name, sizeof name),
                        100.0 * worst->strain);
     }
     weft_error_set(err, self->status,

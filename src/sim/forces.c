@@ -5,10 +5,10 @@
 
 #include "base/memory.h"
 
-/* Particles that are worth a thread: their evaluation takes ten times as long as it
- * takes a thread that is awake to hear of it. More bands than threads, where each costs
- * little beside its rows (a band takes one row twice), are less to wait for when a
- * thread is kept from running. One thread takes bands where the state is beyond the
+/* PARTICLES_PER_THREAD: their evaluation takes ten times as long as handing it to a
+ * thread that is awake. More bands than threads, where a band costs little beside its
+ * rows (it computes one row twice), shorten the wait for a thread that is kept from
+ * running. One thread takes bands where the state is beyond the
  * caches: the kernel takes tile after tile of columns, and long tiles leave nothing
  * there for the next (1000 x 1000: 8 % of a step). */
 enum { PARTICLES_PER_THREAD = 2048, PARTICLES_CACHED = 1 << 17, ROWS_PER_BAND = 48 };
@@ -73,18 +73,16 @@ void weft__forces_bands(const weft__forces *forces, weft__band_fn *task, void *c
 
 typedef struct call {
     const weft__forces *forces;
-    double t;
-    const double *y;
+    const weft__subject *subject;
     double *dydt;
     atomic_int failed;
-    const weft__subject *subject;
     weft__row_fn *row;
 } call;
 
 static void force_band(void *ctx, size_t first, size_t end)
 {
     call *of = ctx;
-    if (weft__rhs_rows(of->forces->cloth, of->t, of->y, of->dydt, first, end) != 0) {
+    if (weft__rhs_rows(of->subject, of->dydt, first, end) != 0) {
         atomic_store(&of->failed, 1);
     }
 }
@@ -92,7 +90,8 @@ static void force_band(void *ctx, size_t first, size_t end)
 int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
                      double *dydt)
 {
-    call all = { .forces = forces, .t = t, .y = y, .dydt = dydt };
+    const weft__subject of = { .cloth = forces->cloth, .t = t, .y = y };
+    call all = { .forces = forces, .subject = &of, .dydt = dydt };
     weft__forces_bands(forces, force_band, &all);
     return atomic_load(&all.failed);
 }

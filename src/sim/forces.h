@@ -15,8 +15,7 @@ typedef struct weft__forces {
     weft_allocator memory;
 } weft__forces;
 
-/* On so many threads at most: a cloth that is too small for that has fewer. No
- * memory given: malloc's. */
+/* Uses at most `threads`, fewer for a small cloth. given NULL: malloc's. */
 weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
                                  const weft_allocator *given);
 void weft__forces_destroy(weft__forces *forces);
@@ -30,7 +29,7 @@ void weft__forces_bands(const weft__forces *forces, weft__band_fn *task, void *c
 int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
                      double *dydt);
 
-/* The rows of a state by `row`, added in their order. */
+/* Measures each row of a state by `row` and adds them in their order. */
 weft_measures weft__forces_measure(const weft__forces *forces, const weft__subject *of,
                                    weft__row_fn *row);
 

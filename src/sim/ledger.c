@@ -5,6 +5,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "base/finite.h"
+
 /* Where the integral of each power goes: heat, or work done on the cloth. */
 static const struct {
     size_t at; /* in weft_ledger */
@@ -24,13 +26,9 @@ bool weft__ledger_rates(const weft__forces *forces, double t, const double *y,
 {
     const weft__subject of = { .cloth = forces->cloth, .t = t, .y = y };
     const weft_measures all = weft__forces_measure(forces, &of, weft__row_power);
-    bool finite = true;
     memcpy(rates, all.power, sizeof all.power);
     rates[WEFT_POWERS] = force_power;
-    for (size_t k = 0; k < WEFT__QUADRATURES; ++k) {
-        finite = finite && isfinite(rates[k]);
-    }
-    return finite;
+    return weft__all_finite(rates, WEFT__QUADRATURES);
 }
 
 static weft_energy energy_of(const weft__forces *forces, double t, const double *y)

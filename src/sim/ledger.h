@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* ledger.h -- where the energy of a simulation went.
+/* ledger.h -- the energy gained and lost by a simulation.
  *
  * The powers of weft_cloth_power and that of the embedder's force are integrated with
- * the state, as quadratures behind its 6 N numbers. What happens between the steps is
- * work too. */
+ * the state, as quadratures after its 6 N numbers. Changes between the steps are
+ * counted as work. */
 #ifndef WEFT_SIM_LEDGER_H
 #define WEFT_SIM_LEDGER_H
 
@@ -11,23 +11,24 @@
 #include "weft/sim.h"
 
 typedef struct weft__ledger {
-    bool on;                         /* off: nothing here does anything */
+    bool on;                         /* off: these functions do nothing */
     double start;                    /* [J] energy at t = 0 */
-    double marked;                   /* [J] energy when it was last looked at */
+    double marked;                   /* [J] energy at the last mark */
     double limit_work, outside_work; /* [J] */
 } weft__ledger;
 
 enum { WEFT__QUADRATURES = WEFT_POWERS + 1 }; /* the last: the embedder's force */
 
-/* What changes the energy at t, into rates[WEFT__QUADRATURES]; whether it is finite. */
+/* Writes the powers at t to rates[WEFT__QUADRATURES]; returns whether all are finite.
+ */
 bool weft__ledger_rates(const weft__forces *forces, double t, const double *y,
                         double force_power, double *rates);
 
 /* y at t = 0; puts the quadratures behind it to 0. */
 void weft__ledger_start(weft__ledger *ledger, const weft_cloth *cloth, double *y);
 
-/* Around corrections: mark before the first, then after each that changed y account
- * what it added to the energy to *work, one of the ledger's. */
+/* Around corrections: mark before the first; account, after each that changed y, adds
+ * the change of the energy to *work, one of the ledger's. */
 void weft__ledger_mark(weft__ledger *ledger, const weft__forces *forces, double t,
                        const double *y);
 void weft__ledger_account(weft__ledger *ledger, const weft__forces *forces, double t,

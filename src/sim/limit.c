@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* limit.c -- springs that have grown too long in a step, shortened.
+/* limit.c -- shortens springs that have become too long in a step.
  *
  * A sweep of weft__limited_sweep projects the state onto one convex set after another;
- * repeated, it converges to a state in all of them (Bregman 1967). `fast` goes on from
+ * repeated, it converges to a state in all of them (Bregman 1967). `fast` continues
+ * from
  *
  *     z = x_k + b_k (x_k - x_(k-1)),  b_k = (t_k - 1) / t_(k+1),
  *     t_(k+1) = (1 + sqrt(1 + 4 t_k^2)) / 2,  t_1 = 1,          x_(k+1) = sweep(z)
@@ -18,24 +19,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/finite.h"
 #include "base/memory.h"
 
-struct weft__limit {
-    weft_allocator memory;
-    weft_limit_def def;
-    weft__limited springs;
-    weft_limit_stats stats;
-    double last_h;    /* [s] of the step before */
-    size_t count;     /* 3 N */
-    double *x;        /* positions under correction */
-    double *previous; /* fast: x_k */
-    double *start;    /* fast: z, that the last sweep started from */
-    double t, most;   /* fast: t_k, and what it may grow to */
-    double least2;    /* fast: the least that a sweep moved, squared */
-};
-
-/* Momentum that makes sweeps move this much more than they did is stopped, and from
- * then on kept below this part of what it was. */
+/* Momentum that makes sweeps move GROWTH times as far as the least one is stopped, and
+ * is then kept below CALMED of its value. */
 #define GROWTH 10.0
 #define CALMED 0.7
 
@@ -46,9 +34,9 @@ static weft_status check(const weft_limit_def *def, weft_error *err)
         wrong = "no such method";
     } else if (def->solver != WEFT_LIMIT_FAST && def->solver != WEFT_LIMIT_SWEEP) {
         wrong = "no such solver";
-    } else if (!(def->strain >= 0.0) || !isfinite(def->strain)) {
+    } else if (!weft__not_negative(def->strain)) {
         wrong = "strain must be >= 0";
-    } else if (!(def->tolerance > 0.0) || !isfinite(def->tolerance)) {
+    } else if (!weft__positive(def->tolerance)) {
         wrong = "tolerance must be > 0";
     } else if (def->sweeps == 0) {
         wrong = "sweeps must be >= 1";
@@ -59,11 +47,10 @@ static weft_status check(const weft_limit_def *def, weft_error *err)
                          : weft_error_set(err, WEFT_INVALID, "limit: %s", wrong);
 }
 
-weft_status weft__limit_create(const weft_limit_def *def, const weft_cloth *cloth,
-                               const weft_allocator *memory, weft__limit **out,
-                               weft_error *err)
+weft_status weft__limit_init(weft__limit *limit, const weft_limit_def *def,
+                             const weft_cloth *cloth, const weft_allocator *memory,
+                             weft_error *err)
 {
-    *out = NULL;
     if (def->method == WEFT_LIMIT_NONE) {
         return WEFT_OK;
     }
@@ -72,38 +59,28 @@ weft_status weft__limit_create(const weft_limit_def *def, const weft_cloth *clot
         return status;
     }
     const size_t count = 3 * weft_cloth_particles(cloth);
-    const size_t arrays = def->solver == WEFT_LIMIT_FAST ? 3 : 1;
-    weft__limit *self = weft__zeroed(memory, 1, sizeof *self);
-    double *x = weft__alloc(memory, arrays * count, sizeof *x);
-    if (self == NULL || x == NULL) {
-        weft__free(memory, self);
-        weft__free(memory, x);
+    const bool fast = def->solver == WEFT_LIMIT_FAST;
+    double *x = weft__alloc(memory, (fast ? 3 : 1) * count, sizeof *x);
+    if (x == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a strain limit");
     }
-    self->memory = *memory;
-    self->def = *def;
-    self->springs = (weft__limited){ .cloth = cloth,
-                                     .stretch = 1.0 + def->strain,
-                                     .tolerance = def->tolerance };
-    memcpy(self->springs.families, def->families, sizeof def->families);
-    self->count = count;
-    self->x = x;
-    self->previous = arrays == 3 ? x + count : NULL;
-    self->start = arrays == 3 ? x + 2 * count : NULL;
-    *out = self;
+    *limit = (weft__limit){
+        .def = *def,
+        .cloth = cloth,
+        .count = count,
+        .x = x,
+        .previous = fast ? x + count : NULL,
+        .start = fast ? x + 2 * count : NULL,
+    };
     return WEFT_OK;
 }
 
-void weft__limit_destroy(weft__limit *limit)
+void weft__limit_free(weft__limit *limit, const weft_allocator *memory)
 {
-    if (limit != NULL) {
-        const weft_allocator memory = limit->memory;
-        weft__free(&memory, limit->x);
-        weft__free(&memory, limit);
-    }
+    weft__free(memory, limit->x);
 }
 
-/* What the last sweep did, in the product of the projections. */
+/* The effect of the last sweep, in the product of the projections. */
 typedef struct limit_progress {
     double back;   /* (z - x_(k+1), x_(k+1) - x_k) */
     double moved2; /* |z - x_(k+1)|^2 */
@@ -114,7 +91,7 @@ static limit_progress look_back(const weft__limit *self)
     const size_t n = self->count / 3;
     limit_progress sum = { 0 };
     for (size_t i = 0; i < n; ++i) {
-        const double mass = weft_cloth_particle_mass(self->springs.cloth, i);
+        const double mass = weft_cloth_particle_mass(self->cloth, i);
         for (size_t j = i; j < self->count; j += n) {
             const double undone = self->start[j] - self->x[j];
             sum.back += mass * undone * (self->x[j] - self->previous[j]);
@@ -145,7 +122,7 @@ static void extrapolate(weft__limit *self)
     self->t = t;
 }
 
-/* Sweeps until the limit is met, or as often as allowed. */
+/* Sweeps until the limit is met, or the allowed number of times. */
 static bool solve(weft__limit *self)
 {
     const bool fast = self->def.solver == WEFT_LIMIT_FAST;
@@ -163,20 +140,20 @@ static bool solve(weft__limit *self)
         if (fast) {
             memcpy(self->start, self->x, bytes);
         }
-        weft__limited_sweep(&self->springs, self->x);
+        weft__limited_sweep(self->cloth, &self->def, self->x);
         ++self->stats.sweeps;
-        met = weft__limited_excess(&self->springs, false, 1, self->x) == 0;
+        met = weft__limited_excess(self->cloth, &self->def, false, 1, self->x) == 0;
     }
     return met;
 }
 
-/* The positions that are limited: those of now, or where the velocities lead. */
+/* The limited positions: the present ones, or those that the velocities lead to. */
 static double candidate(const weft__limit *self, double h, const double *y, size_t j)
 {
     return self->def.method == WEFT_LIMIT_PROVOT ? y[j] : y[j] + h * y[self->count + j];
 }
 
-/* What the correction makes of component j of the state. */
+/* Component j of the corrected state. */
 static void corrected(const weft__limit *self, double h, const double *y, size_t j,
                       double *x, double *v)
 {
@@ -187,7 +164,7 @@ static void corrected(const weft__limit *self, double h, const double *y, size_t
                                               : y[self->count + j] + dx / h;
 }
 
-/* Nothing is changed where a number would overflow. */
+/* Changes nothing if a number would overflow. */
 static bool store(const weft__limit *self, double h, double *y)
 {
     double x, v;
@@ -207,40 +184,19 @@ static bool store(const weft__limit *self, double h, double *y)
     return changed;
 }
 
-/* A step that is cut short by a frame must not turn what earlier steps have left over
- * into a great velocity: it counts as long as the one before. */
+/* A step that is cut short by a frame must not turn the excess left by earlier steps
+ * into a large velocity: it counts as long as the one before. */
 bool weft__limit_apply(weft__limit *limit, double step, double *y)
 {
-    const double h = fmax(step, limit->last_h);
-    limit->last_h = step;
+    const double h = fmax(step, limit->last_step);
+    limit->last_step = step;
     for (size_t j = 0; j < limit->count; ++j) {
         limit->x[j] = candidate(limit, h, y, j);
     }
-    if (weft__limited_excess(&limit->springs, false, 1, limit->x) == 0) {
+    if (weft__limited_excess(limit->cloth, &limit->def, false, 1, limit->x) == 0) {
         return false;
     }
     ++limit->stats.corrected;
     limit->stats.unconverged += !solve(limit);
     return store(limit, h, y);
-}
-
-weft_limit_stats weft__limit_stats(const weft__limit *limit)
-{
-    return limit != NULL ? limit->stats : (weft_limit_stats){ 0 };
-}
-
-double weft__limit_last_step(const weft__limit *limit)
-{
-    return limit != NULL ? limit->last_h : 0.0;
-}
-
-void weft__limit_resume(weft__limit *limit, double last_step, weft_limit_stats stats)
-{
-    limit->last_h = last_step;
-    limit->stats = stats;
-}
-
-const weft__limited *weft__limit_springs(const weft__limit *limit)
-{
-    return &limit->springs;
 }

@@ -33,7 +33,7 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
     weft_sim *sim = ctx;
     const size_t dim = weft_cloth_dim(sim->cloth);
     double power = 0.0;
-    if (sim->stop != NULL && sim->stop(sim->stop_ctx)) {
+    if (sim->def.stop != NULL && sim->def.stop(sim->def.stop_ctx)) {
         return -1;
     }
     int failed = weft__forces_rhs(&sim->forces, t, y, dydt);
@@ -41,10 +41,10 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
     if (failed != 0 && weft_cloth_shapes(sim->cloth) > 0) {
         sim->refused = weft__state_breach(sim->cloth, t, y);
     }
-    if (sim->force != NULL && failed == 0) {
+    if (sim->def.force != NULL && failed == 0) {
         memset(sim->added, 0, dim / 2 * sizeof *sim->added);
         sim->in_callback = true;
-        failed = sim->force(sim->force_ctx, t, y, sim->added);
+        failed = sim->def.force(sim->def.force_ctx, t, y, sim->added);
         sim->in_callback = false;
         power = accelerate(sim, y, dydt);
         failed = failed == 0 && !weft__all_finite(dydt + dim / 2, dim / 2) ? 1 : failed;

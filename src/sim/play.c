@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* play.c -- from frame to frame. Times are computed from the frame's number, never
- * accumulated. */
+/* play.c -- steps from frame to frame. Times are computed from the frame's number,
+ * never accumulated. */
 #include <math.h>
 
 #include "weft/sim.h"
@@ -33,7 +33,7 @@ static weft_status play_to(weft_sim *sim, const weft_play *play, double t,
     return status;
 }
 
-/* Restarts the stepper whoever plays the run: that changes its results. */
+/* Always restarts the stepper, because that changes the results. */
 static weft_status pass_checkpoint(weft_sim *sim, const weft_play *play, size_t i,
                                    weft_error *err)
 {

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* save.c -- a simulation as bytes, and back.
  *
- * A solver's memory of its past cannot be had, so it is given up: the stepper is made
- * anew here as it will be there. Of the old one remain its counts and its next h.
+ * A solver's memory of its past cannot be read, so it is dropped: saving replaces the
+ * stepper here as restoring will there. Only its counts and its next h remain.
  *
- * Words (words.h): "weftsave", version, rows, cols, quadratures, hashes of the cloth's
- * definition and of the settings, the method's name in 64 bytes, NUMBERS, COUNTS, y,
- * how each particle is held, the number of shapes, a hash of the law of contact, the
- * shapes (kind, the numbers of weft_shape from `at` on, since when it moves so),
- * checksum. */
+ * Words (bytes.h): "weftsave", version, rows, cols, quadratures, hashes of the cloth's
+ * definition and of the settings, the method's name in 64 bytes, fields, y, the hold of
+ * each particle, the number of shapes, a hash of the law of contact, the shapes (kind,
+ * the numbers of weft_shape from `at` on, since when it moves so), checksum. */
 #include <math.h>
 
 #include "base/bytes.h"
@@ -19,33 +18,21 @@
 
 static const unsigned char magic[WEFT__WORD] = "weftsave";
 
-/* Of the present layout. */
 #define VERSION 5
 
 #define NAME_WORDS 8
 
-/* [s] t to last_step and limit_step, [J] the others */
-#define NUMBERS(X)                                                                     \
-    X(t)                                                                               \
-    X(next_step)                                                                       \
-    X(last_step)                                                                       \
-    X(energy_start)                                                                    \
-    X(limit_work)                                                                      \
-    X(outside_work)                                                                    \
-    X(limit_step)
+/* All that is saved besides the state, in words. */
+typedef struct fields {
+    double t, next_step, last_step;                /* [s] */
+    double energy_start, limit_work, outside_work; /* [J] */
+    double limit_step;                             /* [s] */
+    uint64_t steps, rejected, rhs_calls;
+    weft_limit_stats limit;
+    uint64_t vetoed;
+} fields;
 
-#define COUNTS(X)                                                                      \
-    X(steps)                                                                           \
-    X(rejected)                                                                        \
-    X(rhs_calls)                                                                       \
-    X(corrected)                                                                       \
-    X(sweeps)                                                                          \
-    X(unconverged)                                                                     \
-    X(vetoed)
-
-#define REAL(name)  double name;
-#define COUNT(name) uint64_t name;
-#define ONE(name)   +1
+enum { FIELDS = sizeof(fields) / WEFT__WORD };
 
 enum {
     AT_VERSION = 1,
@@ -56,7 +43,7 @@ enum {
     AT_SETTINGS,
     AT_NAME,
     AT_FIELDS = AT_NAME + NAME_WORDS,
-    AT_STATE = AT_FIELDS NUMBERS(ONE) COUNTS(ONE)
+    AT_STATE = AT_FIELDS + FIELDS
 };
 
 /* What weft_shape has behind `kind`. */
@@ -66,16 +53,9 @@ enum {
     SHAPE_WORDS = 1 + SHAPE_REALS + 1
 };
 
-/* What there is besides the state. */
-typedef struct fields {
-    NUMBERS(REAL)
-    COUNTS(COUNT)
-} fields;
-
 static fields fields_of(const weft_sim *sim)
 {
     const weft_stepper_stats stats = weft_sim_stats(sim);
-    const weft_limit_stats limit = weft__limit_stats(sim->limit);
     return (fields){
         .t = sim->t,
         .next_step = stats.next_step,
@@ -83,38 +63,34 @@ static fields fields_of(const weft_sim *sim)
         .energy_start = sim->ledger.start,
         .limit_work = sim->ledger.limit_work,
         .outside_work = sim->ledger.outside_work,
-        .limit_step = weft__limit_last_step(sim->limit),
+        .limit_step = sim->limit.last_step,
         .steps = stats.steps,
         .rejected = stats.rejected,
         .rhs_calls = stats.rhs_calls,
-        .corrected = limit.corrected,
-        .sweeps = limit.sweeps,
-        .unconverged = limit.unconverged,
+        .limit = sim->limit.stats,
         .vetoed = sim->vetoed,
     };
 }
 
 static void take_fields(weft_sim *sim, const fields *from)
 {
-    const weft_limit_stats limit = { from->corrected, from->sweeps, from->unconverged };
     sim->t = from->t;
     sim->ledger.start = from->energy_start;
     sim->ledger.limit_work = from->limit_work;
     sim->ledger.outside_work = from->outside_work;
     sim->rejected = from->rejected;
+    sim->limit.last_step = from->limit_step;
+    sim->limit.stats = from->limit;
     sim->vetoed = from->vetoed;
-    if (sim->limit != NULL) {
-        weft__limit_resume(sim->limit, from->limit_step, limit);
-    }
 }
 
-/* A stepper that knows nothing but the h to try and what has been counted. */
+/* Replaces the stepper; only the h to try and the counts remain. */
 static weft_status renew(weft_sim *sim, const fields *counted, weft_error *err)
 {
     void *fresh = NULL;
     const weft_status status = weft__sim_stepper(sim, counted->next_step, &fresh, err);
     if (status == WEFT_OK) {
-        sim->method->destroy(sim->stepper);
+        sim->def.method->destroy(sim->stepper);
         sim->stepper = fresh;
         sim->earlier = (weft_stepper_stats){ .steps = counted->steps,
                                              .rejected = counted->rejected,
@@ -151,11 +127,11 @@ size_t weft_sim_save_size(const weft_sim *sim)
     return saved_words(sim) * WEFT__WORD;
 }
 
-/* The name of a method, as far as there is room, then zeros. */
+/* The name of a method, cut to the room, then zeros. */
 static void pad_name(const weft_sim *sim, char name[NAME_WORDS * WEFT__WORD])
 {
     const size_t size = NAME_WORDS * WEFT__WORD - 1;
-    const char *full = sim->method->name;
+    const char *full = sim->def.method->name;
     const size_t length = strlen(full) < size ? strlen(full) : size;
     memset(name, 0, size + 1);
     memcpy(name, full, length);
@@ -175,18 +151,6 @@ static void put_head(const weft_sim *sim, unsigned char *to)
     memcpy(to + AT_NAME * WEFT__WORD, name, sizeof name);
 }
 
-static void put_fields(const fields *from, unsigned char *to)
-{
-#define PUT_REAL(name)                                                                 \
-    weft__real_put(to, from->name);                                                    \
-    to += WEFT__WORD;
-#define PUT_COUNT(name)                                                                \
-    weft__word_put(to, from->name);                                                    \
-    to += WEFT__WORD;
-    NUMBERS(PUT_REAL)
-    COUNTS(PUT_COUNT)
-}
-
 static void put_shapes(const weft_cloth *cloth, unsigned char *to)
 {
     weft__word_put(to, cloth->shape_count);
@@ -194,12 +158,9 @@ static void put_shapes(const weft_cloth *cloth, unsigned char *to)
     to += 2 * WEFT__WORD;
     for (size_t k = 0; k < cloth->shape_count; ++k, to += SHAPE_WORDS * WEFT__WORD) {
         const weft__shape *shape = &cloth->shapes[k];
-        double reals[SHAPE_REALS];
-        memcpy(reals, (const char *)&shape->def + AT_REALS, sizeof reals);
         weft__word_put(to, (uint64_t)shape->def.kind);
-        for (size_t j = 0; j < SHAPE_REALS; ++j) {
-            weft__real_put(to + (1 + j) * WEFT__WORD, reals[j]);
-        }
+        weft__words_put(to + WEFT__WORD, (const char *)&shape->def + AT_REALS,
+                        SHAPE_REALS);
         weft__real_put(to + (1 + SHAPE_REALS) * WEFT__WORD, shape->motion.since);
     }
 }
@@ -223,10 +184,8 @@ weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *e
     weft__cloth_pins_changed(sim->cloth, sim->y); /* as restore will */
     const fields now = fields_of(sim);
     put_head(sim, to);
-    put_fields(&now, to + AT_FIELDS * WEFT__WORD);
-    for (size_t i = 0; i < dim; ++i) {
-        weft__real_put(to + (AT_STATE + i) * WEFT__WORD, sim->y[i]);
-    }
+    weft__words_put(to + AT_FIELDS * WEFT__WORD, &now, FIELDS);
+    weft__words_put(to + AT_STATE * WEFT__WORD, sim->y, dim);
     for (size_t i = 0; i < weft_cloth_particles(sim->cloth); ++i) {
         weft__word_put(holds + i * WEFT__WORD, weft__cloth_hold(sim->cloth, i));
     }
@@ -252,7 +211,7 @@ static weft_status check_whole(const unsigned char *from, size_t size, weft_erro
 {
     const size_t words = size / WEFT__WORD;
     if (words <= AT_STATE || memcmp(from, magic, sizeof magic) != 0) {
-        return weft_error_set(err, WEFT_INVALID, "this is no saved simulation");
+        return weft_error_set(err, WEFT_INVALID, "this is not a saved simulation");
     }
     if (word(from, AT_VERSION) != VERSION) {
         return weft_error_set(err, WEFT_INVALID,
@@ -313,37 +272,19 @@ static weft_status check_definition(const weft_sim *sim, const unsigned char *fr
     return WEFT_OK;
 }
 
-static fields fields_at(const unsigned char *from)
-{
-    fields out;
-#define GET_REAL(name)                                                                 \
-    out.name = weft__real_at(from);                                                    \
-    from += WEFT__WORD;
-#define GET_COUNT(name)                                                                \
-    out.name = weft__word_at(from);                                                    \
-    from += WEFT__WORD;
-    NUMBERS(GET_REAL)
-    COUNTS(GET_COUNT)
-    return out;
-}
-
-static bool is_step(double h)
-{
-    return h >= 0.0 && isfinite(h);
-}
-
 static weft_status not_finite(const char *what, weft_error *err)
 {
     return weft_error_set(err, WEFT_INVALID,
                           "the saved simulation has %s that is not finite", what);
 }
 
-/* Checksums that are right prove nothing of bytes that somebody made up. */
+/* Forged bytes may have a correct checksum. */
 static weft_status check_numbers(const weft_sim *sim, const fields *saved,
                                  const double *y, weft_error *err)
 {
-    return isfinite(saved->t) && is_step(saved->next_step) && is_step(saved->last_step)
-                   && is_step(saved->limit_step)
+    return isfinite(saved->t) && weft__not_negative(saved->next_step)
+                   && weft__not_negative(saved->last_step)
+                   && weft__not_negative(saved->limit_step)
                    && weft__all_finite(y, weft_cloth_dim(sim->cloth))
                ? WEFT_OK
                : not_finite("a time, a step or a state", err);
@@ -393,14 +334,10 @@ static weft_status read_shapes(const weft_sim *sim, const unsigned char *from,
     for (size_t k = 0; k < to->shape_count; ++k, from += SHAPE_WORDS * WEFT__WORD) {
         const double since = weft__real_at(from + (1 + SHAPE_REALS) * WEFT__WORD);
         weft_shape def = { .kind = WEFT_SHAPES };
-        double reals[SHAPE_REALS];
         if (word(from, 0) < WEFT_SHAPES) {
             def.kind = (weft_shape_kind)word(from, 0);
         }
-        for (size_t j = 0; j < SHAPE_REALS; ++j) {
-            reals[j] = weft__real_at(from + (1 + j) * WEFT__WORD);
-        }
-        memcpy((char *)&def + AT_REALS, reals, sizeof reals);
+        weft__words_get((char *)&def + AT_REALS, from + WEFT__WORD, SHAPE_REALS);
         if (!isfinite(since)
             || weft__shape_make(sim->cloth, &def, since, k, &to->shapes[k], NULL)
                    != WEFT_OK) {
@@ -446,10 +383,8 @@ static weft_status restore_to(weft_sim *sim, const unsigned char *from, restored
 {
     const size_t dim = weft__sim_dim(sim);
     to->holds = from + (AT_STATE + dim) * WEFT__WORD;
-    to->fields = fields_at(from + AT_FIELDS * WEFT__WORD);
-    for (size_t i = 0; i < dim; ++i) {
-        to->y[i] = weft__real_at(from + (AT_STATE + i) * WEFT__WORD);
-    }
+    weft__words_get(&to->fields, from + AT_FIELDS * WEFT__WORD, FIELDS);
+    weft__words_get(to->y, from + AT_STATE * WEFT__WORD, dim);
     weft_status status = check_numbers(sim, &to->fields, to->y, err);
     status = status == WEFT_OK ? check_ledger(sim, &to->fields, to->y, err) : status;
     status = status == WEFT_OK ? check_holds(sim, to->holds, err) : status;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* settings.c -- by what a simulation that is restored is known to step as the saved one
- * did. Threads, allocators and the log change no result. */
+/* settings.c -- a hash of the settings on which results depend, to compare a restored
+ * simulation with the saved one. Threads, allocators and the log change no result. */
 #include "base/hash.h"
 #include "sim/simulation.h"
 
@@ -15,7 +15,7 @@ static uint64_t hash_controller(uint64_t hash, const weft_controller *law)
     return weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
 }
 
-/* Of steps under error control. */
+/* The settings of error control. */
 static uint64_t hash_adaptive(uint64_t hash, const weft_stepper_config *config)
 {
     const double numbers[]

@@ -43,23 +43,21 @@ static weft_status check_config(const weft_stepper_config *config, weft_error *e
         return weft_error_set(err, WEFT_INVALID,
                               "stepper config: start from weft_stepper_config_default");
     }
-    if (!(config->fixed_step >= 0.0) || !isfinite(config->fixed_step)) {
+    if (!weft__not_negative(config->fixed_step)) {
         return weft_error_set(err, WEFT_INVALID, "fixed_step %g s: must be >= 0",
                               config->fixed_step);
     }
     if (config->fixed_step > 0.0) {
         return WEFT_OK;
     }
-    if (!(config->rtol >= 0.0) || !isfinite(config->rtol)
-        || !(config->atol_position > 0.0) || !isfinite(config->atol_position)
-        || !(config->atol_velocity > 0.0) || !isfinite(config->atol_velocity)) {
+    if (!weft__not_negative(config->rtol) || !weft__positive(config->atol_position)
+        || !weft__positive(config->atol_velocity)) {
         return weft_error_set(
             err, WEFT_INVALID,
             "tolerances: rtol %g must be >= 0, atol %g m and %g m/s > 0", config->rtol,
             config->atol_position, config->atol_velocity);
     }
-    if (!(config->first_step > 0.0) || !isfinite(config->first_step)
-        || !(config->min_step > 0.0) || !isfinite(config->min_step)
+    if (!weft__positive(config->first_step) || !weft__positive(config->min_step)
         || !(config->max_step >= config->min_step)) {
         return weft_error_set(
             err, WEFT_INVALID,
@@ -69,9 +67,10 @@ static weft_status check_config(const weft_stepper_config *config, weft_error *e
     return WEFT_OK;
 }
 
-/* Of any version, made complete. */
-static weft_status take_config(weft_sim *sim, const weft_sim_def *def, weft_error *err)
+/* Completes a config of any version. */
+static weft_status take_config(weft_sim *sim, weft_error *err)
 {
+    const weft_sim_def *def = &sim->def;
     weft_stepper_config *config = &sim->config;
     memcpy(config, &def->config,
            def->config.struct_size < sizeof *config ? def->config.struct_size
@@ -104,14 +103,14 @@ size_t weft__sim_dim(const weft_sim *sim)
 weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out,
                               weft_error *err)
 {
-    /* weft_ode has no const, for solvers that know none */
+    /* weft_ode has no const, because solvers have none */
     const weft_ode ode = { weft__sim_dim(sim), weft__sim_rhs, (void *)sim };
     weft_stepper_config config = sim->config;
     config.first_step = first_step > 0.0 ? first_step : config.first_step;
-    return sim->method->create(sim->method, &ode, &config, out, err);
+    return sim->def.method->create(sim->def.method, &ode, &config, out, err);
 }
 
-/* The stepper uses the threads of the forces: it works when they do not. */
+/* The stepper uses the threads of the forces, which are idle when it computes. */
 static weft_status make_forces(weft_sim *sim, weft_error *err)
 {
     sim->forces = weft__forces_create(sim->cloth, sim->config.threads, &sim->memory);
@@ -119,13 +118,13 @@ static weft_status make_forces(weft_sim *sim, weft_error *err)
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
     }
     if (sim->forces.team != NULL && sim->config.team == NULL) {
-        sim->worker_team = weft__team_lend(sim->forces.team);
+        sim->worker_team = (weft_team){ sim->forces.team, weft__team_run };
         sim->config.team = &sim->worker_team;
     }
     return WEFT_OK;
 }
 
-/* The simulation itself, filled as far as nothing else can fail. */
+/* The simulation, filled as far as only memory can fail. */
 static weft_sim *make_sim(const weft_sim_def *def)
 {
     const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
@@ -135,18 +134,11 @@ static weft_sim *make_sim(const weft_sim_def *def)
         return NULL;
     }
     *sim = (weft_sim){
+        .def = *def,
         .cloth = weft__cloth_copy(def->cloth, &memory),
         .cloth_hash = weft__cloth_hash(def->cloth),
-        .method = def->method,
-        .correct = def->correct,
-        .correct_ctx = def->correct_ctx,
-        .force = def->force,
-        .force_ctx = def->force_ctx,
-        .stop = def->stop,
-        .stop_ctx = def->stop_ctx,
         .added
         = def->force == NULL ? NULL : weft__alloc(&memory, dim / 2, sizeof(double)),
-        .log = def->log,
         .memory = memory,
         .ledger = { .on = def->ledger },
         .y = weft__alloc(&memory, dim + WEFT__QUADRATURES, sizeof(double)),
@@ -176,26 +168,20 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
     if (sim == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
     }
+    status = weft__limit_init(&sim->limit, &def->limit, sim->cloth, &sim->memory, err);
+    status = status == WEFT_OK ? take_config(sim, err) : status;
+    status = status == WEFT_OK ? make_forces(sim, err) : status;
+    status = status == WEFT_OK && weft_cloth_shapes(sim->cloth) > 0
+                 ? weft__sim_make_start(sim, err)
+                 : status;
     status
-        = weft__limit_create(&def->limit, sim->cloth, &sim->memory, &sim->limit, err);
-    if (status == WEFT_OK) {
-        status = take_config(sim, def, err);
-    }
-    if (status == WEFT_OK) {
-        status = make_forces(sim, err);
-    }
-    if (status == WEFT_OK && weft_cloth_shapes(sim->cloth) > 0) {
-        status = weft__sim_make_start(sim, err);
-    }
-    if (status == WEFT_OK) {
-        status = weft__sim_stepper(sim, 0.0, &sim->stepper, err);
-    }
+        = status == WEFT_OK ? weft__sim_stepper(sim, 0.0, &sim->stepper, err) : status;
     if (status != WEFT_OK) {
         weft_sim_destroy(sim);
         return status;
     }
     sim->settings = weft__settings_hash(def, &sim->config);
-    weft__log(&sim->log, WEFT_LOG_INFO, "%zu x %zu particles under %s",
+    weft__log(&sim->def.log, WEFT_LOG_INFO, "%zu x %zu particles under %s",
               weft_cloth_rows(def->cloth), weft_cloth_cols(def->cloth),
               def->method->name);
     *out = sim;
@@ -205,9 +191,9 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
 void weft_sim_destroy(weft_sim *sim)
 {
     if (sim != NULL) {
-        sim->method->destroy(sim->stepper);
+        sim->def.method->destroy(sim->stepper);
         weft__forces_destroy(&sim->forces);
-        weft__limit_destroy(sim->limit);
+        weft__limit_free(&sim->limit, &sim->memory);
         weft_cloth_destroy(sim->cloth);
         const weft_allocator memory = sim->memory;
         weft__free(&memory, sim->added);
@@ -217,20 +203,26 @@ void weft_sim_destroy(weft_sim *sim)
     }
 }
 
+static bool limits(const weft_sim *sim)
+{
+    return sim->def.limit.method != WEFT_LIMIT_NONE;
+}
+
 static bool limit(weft_sim *sim, double h)
 {
-    const uint64_t before = weft__limit_stats(sim->limit).unconverged;
+    const uint64_t before = sim->limit.stats.unconverged;
     const bool shapes = weft_cloth_shapes(sim->cloth) > 0;
     if (shapes) {
         memcpy(sim->start, sim->y, weft_cloth_dim(sim->cloth) * sizeof *sim->y);
     }
-    const bool changed = weft__limit_apply(sim->limit, h, sim->y);
+    const bool changed = weft__limit_apply(&sim->limit, h, sim->y);
     if (changed && shapes) {
         weft__hold_back(&sim->forces, sim->t, sim->start, sim->y);
     }
-    if (before == 0 && weft__limit_stats(sim->limit).unconverged > 0) {
-        weft__log(&sim->log, WEFT_LOG_WARNING,
-                  "limit: not met within its sweeps at t = %.9g s; told once", sim->t);
+    if (before == 0 && sim->limit.stats.unconverged > 0) {
+        weft__log(&sim->def.log, WEFT_LOG_WARNING,
+                  "limit: not met within its sweeps at t = %.9g s; reported once",
+                  sim->t);
     }
     return changed;
 }
@@ -238,7 +230,7 @@ static bool limit(weft_sim *sim, double h)
 static bool correct(weft_sim *sim, double h)
 {
     sim->in_callback = true;
-    const bool changed = sim->correct(sim->correct_ctx, sim->t, h, sim->y);
+    const bool changed = sim->def.correct(sim->def.correct_ctx, sim->t, h, sim->y);
     sim->in_callback = false;
     return changed;
 }
@@ -265,26 +257,26 @@ static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
     weft__ledger *ledger = &sim->ledger;
     bool changed = false;
     weft__ledger_mark(ledger, &sim->forces, sim->t, sim->y);
-    if (sim->limit != NULL && limit(sim, h)) {
+    if (limits(sim) && limit(sim, h)) {
         weft__ledger_account(ledger, &sim->forces, sim->t, sim->y, &ledger->limit_work);
         changed = true;
     }
-    if (sim->correct != NULL && correct(sim, h)) {
+    if (sim->def.correct != NULL && correct(sim, h)) {
         weft__ledger_account(ledger, &sim->forces, sim->t, sim->y,
                              &ledger->outside_work);
         changed = true;
     }
     if (changed) {
-        sim->method->state_changed(sim->stepper);
+        sim->def.method->state_changed(sim->stepper);
     }
     return changed ? check_corrected(sim, err) : WEFT_OK;
 }
 
-static void tell_rejected(weft_sim *sim, double h)
+static void log_rejected(weft_sim *sim, double h)
 {
     const uint64_t rejected = weft_sim_stats(sim).rejected;
     if (rejected > sim->rejected) {
-        weft__log(&sim->log, WEFT_LOG_DEBUG,
+        weft__log(&sim->def.log, WEFT_LOG_DEBUG,
                   "t = %.9g s: a step of %.3g s after %" PRIu64 " rejected", sim->t, h,
                   rejected - sim->rejected);
     }
@@ -310,11 +302,11 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
         return weft__sim_fail(sim, &why, err);
     }
     const double h = sim->t - before;
-    if (sim->log.write != NULL) {
-        tell_rejected(sim, h);
+    if (sim->def.log.write != NULL) {
+        log_rejected(sim, h);
     }
-    return sim->limit != NULL || sim->correct != NULL ? apply_corrections(sim, h, err)
-                                                      : WEFT_OK;
+    return limits(sim) || sim->def.correct != NULL ? apply_corrections(sim, h, err)
+                                                   : WEFT_OK;
 }
 
 weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *err)
@@ -344,13 +336,14 @@ const weft_cloth *weft_sim_cloth(const weft_sim *sim)
 weft_measures weft_sim_measure(const weft_sim *sim)
 {
     const weft__subject of = { .cloth = sim->cloth, .t = sim->t, .y = sim->y };
-    return weft__forces_measure(&sim->forces, &of, weft__row_all);
+    weft__row_fn *row = sim->ledger.on ? weft__row_all : weft__row_state;
+    return weft__forces_measure(&sim->forces, &of, row);
 }
 
 weft_stepper_stats weft_sim_stats(const weft_sim *sim)
 {
     weft_stepper_stats stats = { .struct_size = sizeof stats };
-    sim->method->stats(sim->stepper, &stats);
+    sim->def.method->stats(sim->stepper, &stats);
     stats.last_step = stats.steps > 0 ? stats.last_step : sim->earlier.last_step;
     stats.steps += sim->earlier.steps;
     stats.rejected += sim->earlier.rejected;
@@ -360,7 +353,7 @@ weft_stepper_stats weft_sim_stats(const weft_sim *sim)
 
 void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx)
 {
-    const weft_stepper_type *method = sim->method;
+    const weft_stepper_type *method = sim->def.method;
     if (WEFT_HAS(method, weft_stepper_type, options) && method->options != NULL) {
         method->options(sim->stepper, tell, ctx);
     }
@@ -383,28 +376,25 @@ uint64_t weft_sim_vetoed(const weft_sim *sim)
 
 weft_limit_stats weft_sim_limit_stats(const weft_sim *sim)
 {
-    return weft__limit_stats(sim->limit);
+    return sim->limit.stats;
 }
 
 weft_spring weft_sim_limit_worst(const weft_sim *sim)
 {
-    if (sim->limit == NULL) {
+    if (!limits(sim)) {
         return (weft_spring){ 0 };
     }
-    const weft__subject of = { .cloth = sim->cloth,
-                               .y = sim->y,
-                               .families = weft__limit_springs(sim->limit)->families };
+    const weft__subject of
+        = { .cloth = sim->cloth, .y = sim->y, .families = sim->def.limit.families };
     return weft__forces_measure(&sim->forces, &of, weft__row_worst).worst;
 }
 
 size_t weft_sim_limit_held(const weft_sim *sim)
 {
-    return sim->limit == NULL ? 0
-                              : weft__limited_excess(weft__limit_springs(sim->limit),
-                                                     true, SIZE_MAX, sim->y);
+    return weft__limited_excess(sim->cloth, &sim->limit.def, true, SIZE_MAX, sim->y);
 }
 
-/* Three planes of n to triples. */
+/* Copies three planes of n to triples. */
 static void interleave(const double *planes, size_t n, double *xyz)
 {
     for (size_t i = 0; i < n; ++i) {
@@ -440,22 +430,15 @@ void weft__sim_change_begins(weft_sim *sim)
     weft__ledger_mark(&sim->ledger, &sim->forces, sim->t, sim->y);
 }
 
-static void account_change(weft_sim *sim)
+void weft__sim_change_ends(weft_sim *sim, bool ode)
 {
     weft__ledger_account(&sim->ledger, &sim->forces, sim->t, sim->y,
                          &sim->ledger.outside_work);
-}
-
-void weft__sim_state_changed(weft_sim *sim)
-{
-    account_change(sim);
-    sim->method->state_changed(sim->stepper);
-}
-
-void weft__sim_ode_changed(weft_sim *sim)
-{
-    account_change(sim);
-    weft_stepper_ode_changed(sim->method, sim->stepper);
+    if (ode) {
+        weft_stepper_ode_changed(sim->def.method, sim->stepper);
+    } else {
+        sim->def.method->state_changed(sim->stepper);
+    }
 }
 
 weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
@@ -480,6 +463,6 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
     weft__sim_change_begins(sim);
     set_planes(sim->cloth, positions, sim->y);
     set_planes(sim->cloth, velocities, sim->y + 3 * n);
-    weft__sim_state_changed(sim);
+    weft__sim_change_ends(sim, false);
     return WEFT_OK;
 }

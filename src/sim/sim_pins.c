@@ -40,7 +40,7 @@ weft_status weft_sim_pin(weft_sim *sim, size_t i, const double velocity[3],
     }
     weft__cloth_set_hold(sim->cloth, i, WEFT__COASTING);
     weft__cloth_pins_changed(sim->cloth, sim->y);
-    weft__sim_ode_changed(sim);
+    weft__sim_change_ends(sim, true);
     return WEFT_OK;
 }
 
@@ -59,7 +59,7 @@ weft_status weft_sim_move_pin(weft_sim *sim, size_t i, const double position[3],
     for (size_t k = 0; k < 3; ++k) {
         sim->y[k * n + i] = position[k];
     }
-    weft__sim_state_changed(sim);
+    weft__sim_change_ends(sim, false);
     return WEFT_OK;
 }
 
@@ -75,7 +75,7 @@ weft_status weft_sim_unpin(weft_sim *sim, size_t i, weft_error *err)
         weft__sim_change_begins(sim);
         weft__cloth_set_hold(sim->cloth, i, WEFT__FREE);
         weft__cloth_pins_changed(sim->cloth, sim->y);
-        weft__sim_ode_changed(sim);
+        weft__sim_change_ends(sim, true);
     }
     return status;
 }

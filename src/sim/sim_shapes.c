@@ -35,7 +35,7 @@ static weft_status put(weft_sim *sim, size_t k, const weft__shape *shape,
         cloth->shape_count = count;
         return weft__breach_error(cloth, &breach, "would be", err);
     }
-    weft__sim_ode_changed(sim);
+    weft__sim_change_ends(sim, true);
     return WEFT_OK;
 }
 
@@ -117,7 +117,7 @@ weft_status weft_sim_remove_shape(weft_sim *sim, size_t k, weft_error *err)
         --cloth->shape_count;
         memmove(cloth->shapes + k, cloth->shapes + k + 1,
                 (cloth->shape_count - k) * sizeof *cloth->shapes);
-        weft__sim_ode_changed(sim);
+        weft__sim_change_ends(sim, true);
     }
     return status;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* simulation.h -- what a simulation is made of, for the files of src/sim alone. */
+/* simulation.h -- the data of a simulation, for the files of src/sim alone. */
 #ifndef WEFT_SIM_SIMULATION_H
 #define WEFT_SIM_SIMULATION_H
 
@@ -10,27 +10,20 @@
 #include "sim/step_check.h"
 
 struct weft_sim {
-    weft_cloth *cloth;   /* the definition's with pins of its own */
-    uint64_t cloth_hash; /* weft__cloth_hash of the definition's */
-    const weft_stepper_type *method;
-    weft_stepper_config config;
+    weft_sim_def def;
+    weft_cloth *cloth;          /* the definition's with pins of its own */
+    uint64_t cloth_hash;        /* weft__cloth_hash of the definition's */
+    weft_stepper_config config; /* the definition's, completed */
     void *stepper;
     weft_stepper_stats earlier; /* of the steppers before this one */
     weft__forces forces;
     weft_team worker_team; /* the forces' threads, for the stepper */
-    weft__limit *limit;    /* NULL: none */
-    weft_correct_fn *correct;
-    void *correct_ctx;
-    weft_force_fn *force;
-    void *force_ctx;
-    weft_stop_fn *stop;
-    void *stop_ctx;
-    double *added; /* [N] 3 N, by `force` */
+    weft__limit limit;
+    double *added; /* [N] 3 N, by the definition's `force` */
     bool in_callback;
-    weft_log log;
     weft_allocator memory;
     uint64_t settings; /* weft__settings_hash of the definition */
-    uint64_t rejected; /* attempts that were told of */
+    uint64_t rejected; /* attempts that were logged */
     double t;          /* [s] */
     weft__ledger ledger;
     weft_failure failure; /* of the last step; status WEFT_OK: it did not fail */
@@ -43,7 +36,7 @@ struct weft_sim {
 /* motion.c: the right-hand side of a simulation, which is ctx. */
 int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx);
 
-/* A stepper for the simulation as it is defined; first_step [s] 0: by the config. */
+/* Creates a stepper for the simulation; first_step [s] 0: that of the config. */
 weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out,
                               weft_error *err);
 
@@ -58,19 +51,18 @@ weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
 /* Room for it, for a simulation with shapes. */
 weft_status weft__sim_make_start(weft_sim *sim, weft_error *err);
 
-/* failure.c: keeps why a step has failed and the state that it failed in; *err gets
- * them as a message. Returns the status of *why. */
+/* failure.c: stores the reason and the state of a failed step and writes both to *err
+ * as a message. Returns the status of *why. */
 weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err);
 
 /* The length of y. */
 size_t weft__sim_dim(const weft_sim *sim);
 
-/* Around a change of y or of the cloth from outside, between two steps. */
+/* Around a change of y, or of the cloth (`ode`), from outside, between two steps. */
 void weft__sim_change_begins(weft_sim *sim);
-void weft__sim_state_changed(weft_sim *sim);
-void weft__sim_ode_changed(weft_sim *sim);
+void weft__sim_change_ends(weft_sim *sim, bool ode);
 
-/* settings.c: hash of all in a definition that the results depend on besides cloth and
+/* settings.c: hash of all of a definition that changes results, besides cloth and
  * method; `config` is its config, completed, which the method has accepted. */
 uint64_t weft__settings_hash(const weft_sim_def *def,
                              const weft_stepper_config *config);

@@ -41,8 +41,9 @@ static passage passage_of(const weft__shape *shape, const weft__path *path)
 
 static double gap_at(const weft__pose *pose, const double x[3])
 {
-    double gradient[3], steepness;
-    return weft__shape_gap(pose, x, gradient, &steepness);
+    double gradient[3];
+    bool joined;
+    return weft__shape_gap(pose, x, gradient, &joined);
 }
 
 /* [m^2/s^2] of a particle beside the surface, or beside a shape that does not spin. */

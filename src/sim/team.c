@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* team.c -- parts are taken as they come: who is kept from running, on a busy machine,
- * leaves them to the others, and nobody waits for one who has not begun.
+/* team.c -- threads that take the parts of a job one by one: a thread that a busy
+ * machine keeps from running leaves its parts to the others, and none waits for it.
  *
- * One word tells all of the job under way: its number, how many parts it has and which
- * is next. Who has raised `next` by an exchange of the whole word has a part, and as
- * long as it is not done the job is not over: only then its task is looked at. After a
- * job helpers look out for another one a while, since to be woken takes longer than
- * many a job, then sleep. */
+ * One word describes the job: its number, the number of its parts and the next part. A
+ * thread that raises `next` by an exchange of the whole word has a part, and the job is
+ * not over before that part is done; only then may it read the task. After a job
+ * helpers wait for the next one for a while, because waking takes longer than many
+ * jobs, and then sleep. */
 #include "sim/team.h"
 
 #include <fenv.h>
@@ -20,12 +20,11 @@
 
 #include "base/memory.h"
 
-/* Spins last some 10 us, as much as there is between two evaluations, yields some 50.
- */
+/* Spins last some 10 us, the time between two evaluations; yields some 50. */
 enum { HELPERS = 63, SPINS = 400, YIELDS = 500 };
 
-/* Rounding, and on x86-64 what becomes of subnormal numbers, of the SSE unit alone:
- * that of the x87 would cost as much as a small job. */
+/* Rounding and, on x86-64, the treatment of subnormal numbers, of the SSE unit alone:
+ * the mode of the x87 would cost as much as a small job. */
 #ifdef __SSE2__
 typedef unsigned fp_mode;
 #define fp_mode_get(mode) ((void)(*(mode) = _mm_getcsr()))
@@ -43,7 +42,7 @@ struct weft__team {
     void *ctx;
     fp_mode mode; /* the caller's, for all parts */
 
-    pthread_mutex_t lock; /* of those who sleep */
+    pthread_mutex_t lock; /* of sleeping threads */
     pthread_cond_t news;
     atomic_int asleep;
     atomic_bool ended;
@@ -62,8 +61,13 @@ static size_t next_of(uint_fast64_t job)
     return job & WEFT_PARTS;
 }
 
-static void relax(void)
+/* Waits a moment, for the i-th time: first by spinning, then by yielding. */
+static void relax(int i)
 {
+    if (i >= SPINS) {
+        (void)sched_yield();
+        return;
+    }
 #ifdef __x86_64__
     __builtin_ia32_pause();
 #endif
@@ -97,11 +101,7 @@ static void await_news(weft__team *team, uint_fast64_t seen)
         if (news(team, seen)) {
             return;
         }
-        if (i < SPINS) {
-            relax();
-        } else {
-            (void)sched_yield();
-        }
+        relax(i);
     }
     (void)pthread_mutex_lock(&team->lock);
     atomic_fetch_add(&team->asleep, 1);
@@ -128,8 +128,9 @@ static void wake(weft__team *team)
     (void)pthread_mutex_unlock(&team->lock);
 }
 
-void weft__team_run(weft__team *team, weft__task *task, void *ctx, size_t count)
+void weft__team_run(void *self, weft__task *task, void *ctx, size_t count)
 {
+    weft__team *team = self;
     const uint_fast64_t number = (atomic_load(&team->job) >> 32) + 1;
     team->task = task;
     team->ctx = ctx;
@@ -141,11 +142,7 @@ void weft__team_run(weft__team *team, weft__task *task, void *ctx, size_t count)
     }
     (void)take_parts(team, false);
     for (int i = 0; atomic_load(&team->done) < count; ++i) {
-        if (i < SPINS) {
-            relax();
-        } else {
-            (void)sched_yield();
-        }
+        relax(i);
     }
 }
 
@@ -206,14 +203,4 @@ void weft__team_destroy(weft__team *team)
 size_t weft__team_threads(const weft__team *team)
 {
     return team == NULL ? 1 : team->helpers + 1;
-}
-
-static void run_lent(void *team, void (*task)(void *, size_t), void *ctx, size_t parts)
-{
-    weft__team_run(team, task, ctx, parts);
-}
-
-weft_team weft__team_lend(weft__team *team)
-{
-    return (weft_team){ team, run_lent };
 }

@@ -2,8 +2,8 @@
 /* stability.c -- the largest stable step of a method on modes x'' + c x' + w x = 0.
  *
  * A Runge-Kutta method turns y' = A y into y1 = R(h A) y0, R a polynomial. Its
- * coefficients are what one step with h = 1 makes of the last unit vector under
- * y_i' = y_(i+1). The roots mu of mu^2 + c mu + w = 0 are then to have |R(h mu)| <= 1:
+ * coefficients are the result of one step with h = 1 from the last unit vector under
+ * y_i' = y_(i+1). The roots mu of mu^2 + c mu + w = 0 must then have |R(h mu)| <= 1:
  * where w and c fill a polygon, the maximum principle asks for no more than its sides
  * and the real axis up to the largest root.
  *
@@ -24,7 +24,7 @@
 #include "weft/elementary.h"
 
 #define ROUNDOFF 1e-12 /* of growth a step */
-#define SHORT    1e-4  /* of h: what a verdict after STEPS steps may be off */
+#define SHORT    1e-4  /* of h: error of a verdict after STEPS steps */
 #define FAR      1e6   /* [s] no step of 1 s is cut before it */
 
 /* Of one step, log(2): without it a step as long as many runs might grow without end,
@@ -130,7 +130,7 @@ static void apply(const weft_stability *of, double w, double c, double y[2])
     memcpy(y, sum, sizeof sum);
 }
 
-/* Whether three steps of some modes are what R makes of them. */
+/* Whether three steps of some modes agree with R. */
 static weft_status polynomial_holds(const weft_stability *of, bool *holds,
                                     weft_error *err)
 {
@@ -177,8 +177,7 @@ weft_status weft_stability_create(const weft_stepper_type *type,
     return status;
 }
 
-/* ---- Runge-Kutta: along rays from 0
- * -------------------------------------------------- */
+/* ---- Runge-Kutta: along rays from 0 ---------------------------------------------- */
 
 /* Not libm's cabs: a step that follows from it has the same bits everywhere. */
 static double magnitude(double complex z)
@@ -267,8 +266,7 @@ static double polygon_limit(const weft_stability *of, const weft_stiffness *poly
     return limit;
 }
 
-/* ---- other methods: by running them
- * -------------------------------------------------- */
+/* ---- other methods: by running them ---------------------------------------------- */
 
 enum { STEPS = 4096, PARTS = 4 }; /* the modes are also run at 1/4, 2/4, 3/4 of h */
 
@@ -283,14 +281,15 @@ static bool largest(probe *run, const step_batch *of, int steps, double *y,
         }
         for (size_t k = 0; k < of->count; ++k) {
             const double x = y[k], v = y[of->count + k];
-            most[k] = fmax(most[k], of->w[k] * x * x + v * v);
+            const double energy = of->w[k] * x * x + v * v;
+            most[k] = energy > most[k] ? energy : most[k];
         }
     }
     return true;
 }
 
 /* Between the second and the last quarter of many steps no mode has grown by more than
- * a tenth: what a bounded one seems to grow as the quarters are finite. */
+ * a tenth: the apparent growth of a bounded one in finite quarters. */
 static bool none_grows(probe *run, const step_batch *of, double *y, double *work)
 {
     double *early = work, *late = work + of->count;

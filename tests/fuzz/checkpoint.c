@@ -9,9 +9,8 @@
 #include "fuzz/file.h"
 #include "record/checkpoint.h"
 
-/* [words] Of the file: the state begins behind the head; of the state: docs/output.md
- */
-enum { STATE = 8 + RECORD_PROGRAM / WEFT__WORD, QUADRATURES = 4, NAME = 5, MOST = 512 };
+/* [words] Of the state: src/sim/save.c. */
+enum { QUADRATURES = 4, NAME = 7, MOST = 512 };
 
 static const weft_plugin *find_linked(void *ctx, const char *id, weft_error *err)
 {
@@ -53,16 +52,16 @@ static const weft_stepper_type *method_named(const char *name)
                : method;
 }
 
-/* As the bytes want it, if it may be so. */
-static weft_sim *make_sim(const unsigned char *bytes, size_t words)
+/* As the state wants it, if it may be so. */
+static weft_sim *make_sim(const unsigned char *state, size_t size)
 {
     char name[64] = "";
     weft_sim *sim = NULL;
     weft_sim_def def = weft_sim_def_default();
-    if (words > STATE + NAME + 8) {
-        memcpy(name, bytes + (STATE + NAME) * WEFT__WORD, sizeof name);
+    if (size >= NAME * WEFT__WORD + sizeof name) {
+        memcpy(name, state + NAME * WEFT__WORD, sizeof name);
         name[sizeof name - 1] = '\0';
-        def.ledger = bytes[(STATE + QUADRATURES) * WEFT__WORD] != 0;
+        def.ledger = state[QUADRATURES * WEFT__WORD] != 0;
     }
     def.cloth = cloth;
     def.method = method_named(name);
@@ -120,7 +119,13 @@ static void restore(weft_sim *sim, const record_checkpoint *from)
     step(sim);
 }
 
-static void try_bytes(const unsigned char *bytes, size_t size)
+/* The sum of `words` words stands behind them. */
+static void mend(unsigned char *bytes, size_t words)
+{
+    weft__word_put(bytes + words * WEFT__WORD, weft__words_sum(bytes, words));
+}
+
+static void try_bytes(const unsigned char *bytes, size_t size, bool mends)
 {
     record_checkpoint from;
     weft_error err = { 0 };
@@ -131,16 +136,13 @@ static void try_bytes(const unsigned char *bytes, size_t size)
         return;
     }
     HOLDS(strlen(from.program) < sizeof from.program);
-    weft_sim *sim = make_sim(bytes, size / WEFT__WORD);
+    if (mends && from.state_size >= WEFT__WORD) {
+        mend(from.state, from.state_size / WEFT__WORD - 1);
+    }
+    weft_sim *sim = make_sim(from.state, from.state_size);
     restore(sim, &from);
     weft_sim_destroy(sim);
     record_checkpoint_free(&from);
-}
-
-/* The sum of `words` words stands behind them. */
-static void mend(unsigned char *bytes, size_t words)
-{
-    weft__word_put(bytes + words * WEFT__WORD, weft__words_sum(bytes, words));
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
@@ -152,12 +154,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (cloth == NULL) {
         make_cloth();
     }
-    try_bytes(bytes, size);
-    if (words > STATE + 2) {
-        weft__word_put(bytes + 2 * WEFT__WORD, size);
-        mend(bytes + STATE * WEFT__WORD, words - STATE - 2);
+    try_bytes(bytes, size, false);
+    if (words > 3) {
+        weft__word_put(bytes + 2 * WEFT__WORD, words * WEFT__WORD);
         mend(bytes, words - 1);
-        try_bytes(bytes, size);
+        try_bytes(bytes, words * WEFT__WORD, true);
     }
     free(bytes);
     return 0;

@@ -104,7 +104,8 @@ static void add_state(const weft_failure *failure, size_t cols, char *text, size
         add_line(text, size, "no springs");
     } else {
         add_line(text, size, "most strained %s at %.3g %%",
-                 spring_text(worst, cols, spring), 100.0 * worst->strain);
+                 weft_spring_text(worst, cols, spring, sizeof spring),
+                 100.0 * worst->strain);
     }
     add_line(text, size, "energy %.4g J before that step", failure->energy);
 }

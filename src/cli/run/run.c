@@ -16,7 +16,7 @@ static void warn_of_limit(run *self)
 {
     char spring[SPRING];
     const weft_spring worst = weft_sim_limit_worst(self->sim);
-    (void)spring_text(&worst, weft_cloth_cols(self->cloth), spring);
+    (void)weft_spring_text(&worst, weft_cloth_cols(self->cloth), spring, sizeof spring);
     const weft_limit_stats stats = weft_sim_limit_stats(self->sim);
     const size_t held = weft_sim_limit_held(self->sim);
     if ((stats.unconverged > 0 && !self->told_unconverged)

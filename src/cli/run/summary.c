@@ -88,7 +88,7 @@ static void print_strain(const summary *self)
     }
     print_item("strain", "at most %.3g %% at t = %.4g s, %s; %.3g %% at the end",
                100.0 * most->strain, self->extremes.strain_time,
-               spring_text(most, weft_cloth_cols(cloth), spring),
+               weft_spring_text(most, weft_cloth_cols(cloth), spring, sizeof spring),
                100.0 * weft_sim_measure(self->sim).worst.strain);
 }
 
