@@ -47,21 +47,21 @@ static size_t first_row(const weft__forces *forces, size_t band)
     return band * each + (band < more ? band : more);
 }
 
-typedef struct job {
+typedef struct bands_job {
     const weft__forces *forces;
     weft__band_fn *task;
     void *ctx;
-} job;
+} bands_job;
 
 static void do_band(void *ctx, size_t i)
 {
-    const job *of = ctx;
+    const bands_job *of = ctx;
     of->task(of->ctx, first_row(of->forces, i), first_row(of->forces, i + 1));
 }
 
 void weft__forces_bands(const weft__forces *forces, weft__band_fn *task, void *ctx)
 {
-    job of = { forces, task, ctx };
+    bands_job of = { forces, task, ctx };
     if (forces->team != NULL) {
         weft__team_run(forces->team, do_band, &of, forces->bands);
         return;

@@ -21,11 +21,11 @@ typedef struct passage {
     weft__pose pose[2];
 } passage;
 
-typedef struct check {
+typedef struct path_check {
     const weft_cloth *cloth;
     const weft__path *path;
     atomic_bool failed;
-} check;
+} path_check;
 
 /* With linear interpolation between its ends, V is off by at most h^2 / 8 max |V''|. */
 static passage passage_of(const weft__shape *shape, const weft__path *path)
@@ -134,7 +134,7 @@ static bool is_far(const passage *of, const ball *block, double thickness)
            && of->h * (block->speed + speed + of->between) < d[0] + d[1];
 }
 
-static bool block_clear(const check *of, const passage *shapes, size_t count,
+static bool block_clear(const path_check *of, const passage *shapes, size_t count,
                         size_t first, size_t end)
 {
     const weft_cloth *cloth = of->cloth;
@@ -156,7 +156,7 @@ static bool block_clear(const check *of, const passage *shapes, size_t count,
 
 static void check_band(void *ctx, size_t first_row, size_t end_row)
 {
-    check *of = ctx;
+    path_check *of = ctx;
     const weft_cloth *cloth = of->cloth;
     const size_t end = end_row * cloth->cols;
     for (size_t k = 0; k < cloth->shape_count; k += SHAPES) {
@@ -179,7 +179,7 @@ static void check_band(void *ctx, size_t first_row, size_t end_row)
 
 bool weft__path_clear(const weft__forces *forces, const weft__path *path)
 {
-    check of = { .cloth = forces->cloth, .path = path };
+    path_check of = { .cloth = forces->cloth, .path = path };
     weft__forces_bands(forces, check_band, &of);
     return !atomic_load(&of.failed);
 }
