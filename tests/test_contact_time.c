@@ -383,7 +383,28 @@ START_TEST(a_limit_stays_out_of_shapes)
 }
 END_TEST
 
-/* Two pins in a shape and a particle between them that nothing can keep out. */
+/* Two particles on either side of a ball, by a spring that should be six times shorter:
+ * the limit would have them in the ball. */
+START_TEST(a_limit_is_cut_back_at_a_ball)
+{
+    shapes[0] = weft_shape_default(WEFT_SPHERE);
+    shapes[0].radius = 0.1;
+    memset(model.gravity, 0, sizeof model.gravity);
+    model.spacing[1] = 0.1, model.scale = 6.0, model.origin[0] = -0.3;
+    model.springs[WEFT_STRETCH] = (weft_spring_def){ true, 1e-6, 0.0 };
+    run.limit.method = WEFT_LIMIT_PROVOT, run.limit.keep_velocity = true;
+    start();
+    for (int i = 0; i < 5; ++i) {
+        step(1.0);
+        ck_assert_double_gt(gap(), 0.0);
+        ck_assert_double_lt(at(0, 0), -0.1);
+        ck_assert_double_gt(at(1, 0), 0.1);
+    }
+    ck_assert_double_gt(at(0, 0), -0.3);
+}
+END_TEST
+
+/* A plane that rises at 1e5 m/s: no step that is allowed is short enough. */
 START_TEST(what_cannot_be_kept_out_is_named)
 {
     weft_failure why;
@@ -573,6 +594,7 @@ TEST_SUITE(contact_time)
     tcase_add_loop_test(tcase, a_turntable_holds_up_to_its_speed, 0, 2);
     tcase_add_loop_test(tcase, a_ball_is_left_near_two_thirds, 0, 3);
     tcase_add_loop_test(tcase, no_particle_is_ever_inside, 0, (int)test_method_count());
+    tcase_add_test(tcase, a_limit_is_cut_back_at_a_ball);
     tcase_add_loop_test(tcase, a_limit_stays_out_of_shapes, 0, 3);
     tcase_add_loop_test(tcase, what_cannot_be_kept_out_is_named, 0, 2);
     tcase_add_test(tcase, states_in_shapes_are_refused);
