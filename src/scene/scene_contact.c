@@ -126,11 +126,9 @@ static void warn_of_chord(weft__report *report, const weft_cloth_def *def, size_
     if (sag > def->contact.thickness) {
         weft__report_warning(
             report, at,
-            "between particles %.3g m apart the cloth dips %.3g mm into %s "
-            "shapes[%zu], "
-            "deeper than the thickness of %.3g mm: it will show through",
-            a, 1e3 * sag, box ? "the edges of" : "the round of", k,
-            1e3 * def->contact.thickness);
+            "between particles %.3g m apart the cloth dips %.3g mm into %sshapes[%zu], "
+            "more than the thickness of %.3g mm: the shape shows through",
+            a, 1e3 * sag, box ? "the edges of " : "", k, 1e3 * def->contact.thickness);
     }
 }
 
@@ -202,7 +200,7 @@ static void warn_of_pins(weft__reader *reader, const weft__node *pins)
     }
 }
 
-/* In half that time a particle of the stopping speed passes the thickness. */
+/* In a step of the limit a particle at the stopping speed passes half the thickness. */
 static void warn_of_stepper(weft__reader *reader, const weft__node *method,
                             const weft__node *fixed_step)
 {
@@ -213,8 +211,8 @@ static void warn_of_stepper(weft__reader *reader, const weft__node *method,
     if (strcmp(scene->method, "velocity_verlet") == 0 && has_friction(contact)) {
         weft__report_warning(
             reader->report, method->at,
-            "velocity_verlet takes friction explicitly, with large errors of the "
-            "energy: a Runge-Kutta method does not");
+            "velocity_verlet takes friction explicitly, which makes large errors of "
+            "the energy: use a Runge-Kutta method");
     }
     if (h > most) {
         weft__report_warning(
