@@ -325,7 +325,8 @@ WEFT_API size_t weft_cloth_touching(const weft_cloth *cloth, double t, const dou
 
 WEFT_API size_t weft_cloth_shapes(const weft_cloth *cloth); /* their number */
 
-/* The contact that a cloth was defined with, and its shape k < weft_cloth_shapes. */
+/* The contact that a cloth was defined with, without the shapes, and its shape
+ * k < weft_cloth_shapes. */
 WEFT_API weft_contact_def weft_cloth_contact(const weft_cloth *cloth);
 WEFT_API weft_shape weft_cloth_shape(const weft_cloth *cloth, size_t k);
 

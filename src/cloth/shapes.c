@@ -148,6 +148,11 @@ size_t weft_cloth_shapes(const weft_cloth *cloth)
     return cloth->shape_count;
 }
 
+weft_contact_def weft_cloth_contact(const weft_cloth *cloth)
+{
+    return cloth->contact;
+}
+
 weft_shape weft_cloth_shape(const weft_cloth *cloth, size_t k)
 {
     return cloth->shapes[k].def;
