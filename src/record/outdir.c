@@ -35,10 +35,10 @@ static bool make_directories(const char *directory)
 }
 
 const char *const record_names[] = {
-    "scene.yaml",      "manifest.yaml", "series.csv", "run.vtkhdf", "final.csv",
-    "checkpoint.weft", "result.yaml",   "frames",     "run.mdd",    "run.pc2",
-    "run.pvd",         "rest.obj",      "final.obj",  "final.ply",  "run.html",
-    "compare.html",    "compare.csv",   NULL,
+    "scene.yaml", "manifest.yaml",   "series.csv",  "shapes.csv", "run.vtkhdf",
+    "final.csv",  "checkpoint.weft", "result.yaml", "frames",     "run.mdd",
+    "run.pc2",    "run.pvd",         "rest.obj",    "final.obj",  "final.ply",
+    "run.html",   "compare.html",    "compare.csv", NULL,
 };
 
 /* Whether a name is in the list, or is the temporary name of one that is. */
