@@ -116,10 +116,11 @@ bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults
 /* Of one shape, number `index`: the fields are offsets in weft_shape. */
 bool weft__shape_check(const weft_shape *shape, size_t index, const weft__faults *to);
 
-/* The free particle that starts deepest inside a shape without faults: the gap [m], > 0
- * if none does. */
-double weft__start_gap(const weft_cloth_def *def, const weft_shape *shape,
-                       size_t *particle);
+/* Reports a free particle that starts inside a shape without faults. */
+bool weft__start_check(const weft_cloth_def *def, size_t shape, const weft__faults *to);
+
+/* 1 + the number of the pin that holds particle (r, c); 0: it is free. */
+size_t weft__pin_of(const weft_cloth_def *def, size_t r, size_t c);
 
 /* A range of def with negative ends resolved; false if it leaves [0, count). */
 bool weft__range_resolve(weft_range range, size_t count, size_t *first, size_t *last);

@@ -370,20 +370,24 @@ bool weft__shape_check(const weft_shape *shape, size_t index, const weft__faults
     return message == NULL;
 }
 
-static bool is_pinned(const weft_cloth_def *def, size_t r, size_t c)
+size_t weft__pin_of(const weft_cloth_def *def, size_t r, size_t c)
 {
-    bool pinned = false;
-    for (size_t i = 0; i < def->pin_count && !pinned; ++i) {
+    for (size_t i = def->pin_count; i > 0; --i) {
+        const weft_pin *pin = &def->pins[i - 1];
         size_t top, bottom, left, right;
-        pinned = weft__range_resolve(def->pins[i].rows, def->rows, &top, &bottom)
-                 && weft__range_resolve(def->pins[i].cols, def->cols, &left, &right)
-                 && r >= top && r <= bottom && c >= left && c <= right;
+        if (weft__range_resolve(pin->rows, def->rows, &top, &bottom)
+            && weft__range_resolve(pin->cols, def->cols, &left, &right) && r >= top
+            && r <= bottom && c >= left && c <= right) {
+            return i;
+        }
     }
-    return pinned;
+    return 0;
 }
 
-double weft__start_gap(const weft_cloth_def *def, const weft_shape *shape,
-                       size_t *particle)
+/* The free particle that starts deepest inside a shape without faults: the gap [m], > 0
+ * if none does. */
+static double start_gap(const weft_cloth_def *def, const weft_shape *shape,
+                        size_t *particle)
 {
     weft_cloth grid = { .rows = 0 };
     double least = (double)INFINITY;
@@ -395,12 +399,24 @@ double weft__start_gap(const weft_cloth_def *def, const weft_shape *shape,
         double x[3], gradient[3], steepness;
         weft__start_position(&grid, r, c, x);
         const double gap = weft__shape_gap(&pose, x, gradient, &steepness);
-        if (!(gap > 0.0) && gap < least && !is_pinned(def, r, c)) {
+        if (!(gap > 0.0) && gap < least && weft__pin_of(def, r, c) == 0) {
             least = gap;
             *particle = i;
         }
     }
     return least;
+}
+
+bool weft__start_check(const weft_cloth_def *def, size_t shape, const weft__faults *to)
+{
+    size_t i = 0;
+    const double gap = start_gap(def, &def->contact.shapes[shape], &i);
+    if (gap <= 0.0) {
+        fault(to, FIELD(contact.shapes), FIELD(contact.shapes),
+              "particle (%zu, %zu) is %.3g mm inside shapes[%zu]", i / def->cols,
+              i % def->cols, 1e3 * fabs(gap), shape);
+    }
+    return gap > 0.0;
 }
 
 /* Of a shape: the field in weft_cloth_def is the array. */
@@ -416,17 +432,8 @@ static void check_shapes(const weft_cloth_def *def, const weft__faults *to)
     weft__faults outer = *to;
     const weft__faults here = { shape_found, &outer };
     for (size_t k = 0; k < def->contact.shape_count; ++k) {
-        const weft_shape *shape = &def->contact.shapes[k];
-        size_t i = 0;
-        if (!weft__shape_check(shape, k, &here)) {
-            continue;
-        }
-        const double gap = weft__start_gap(def, shape, &i);
-        if (gap <= 0.0) {
-            fault(to, FIELD(contact.shapes), FIELD(contact.shapes),
-                  "particle (%zu, %zu) is %.3g mm inside shapes[%zu]", i / def->cols,
-                  i % def->cols, 1e3 * fabs(gap), k);
-        }
+        (void)(weft__shape_check(&def->contact.shapes[k], k, &here)
+               && weft__start_check(def, k, to));
     }
 }
 

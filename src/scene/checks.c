@@ -13,30 +13,28 @@ void weft__check_root(weft__reader *reader, const weft__match *match, void *base
                            "reader of version 1",
                            scene->version);
     }
+    if (reader->report->found->errors == 0) {
+        weft__warn_of_contact(reader, match);
+    }
 }
 
 /* ---- faults of a definition -------------------------------------------------- */
 
-typedef struct fault_reporter {
-    weft__reader *reader;
-    const weft__match *match;
-} fault_reporter;
-
-/* The entry of the key that fills a field. */
+/* The entry of the key that fills a field: of several, the one that is there. */
 static weft__found found_at(const weft__match *match, size_t field)
 {
     weft__found found = { .key = NULL };
     for (size_t i = 0; i < match->section->count; ++i) {
-        found = match->section->keys[i].at == field ? match->found[i] : found;
+        found = match->section->keys[i].at == field && found.key == NULL
+                    ? match->found[i]
+                    : found;
     }
     return found;
 }
 
-/* Reports a fault of a field at its key's value, or, if that is a default, at the value
- * of the other one. A value that was refused before is not reported again. */
-static void report_fault(void *ctx, size_t field, size_t other, const char *message)
+void weft__report_fault(void *ctx, size_t field, size_t other, const char *message)
 {
-    const fault_reporter *self = ctx;
+    const weft__fault_reporter *self = ctx;
     const weft__found a = found_at(self->match, field);
     const weft__found b = found_at(self->match, other);
     const weft__node *node = a.value == NULL ? b.value : a.value;
@@ -51,8 +49,8 @@ static void report_fault(void *ctx, size_t field, size_t other, const char *mess
 void weft__check_grid(weft__reader *reader, const weft__match *match, void *base)
 {
     weft_cloth_def *cloth = base;
-    fault_reporter self = { reader, match };
-    const weft__faults to = { report_fault, &self };
+    weft__fault_reporter self = { reader, match };
+    const weft__faults to = { weft__report_fault, &self };
     if (!weft__grid_check(cloth, MAX_COMPARED, &to)) {
         cloth->rows = cloth->cols = 0; /* nothing more is checked against the grid */
     }
@@ -145,9 +143,9 @@ void weft__check_cloth(weft__reader *reader, const weft__match *match, void *bas
 void weft__check_limit(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_limit_def *limit = base;
-    fault_reporter self = { reader, match };
+    weft__fault_reporter self = { reader, match };
     bool limits = false;
-    const weft__faults to = { report_fault, &self };
+    const weft__faults to = { weft__report_fault, &self };
     weft__limit_check(limit, &to);
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
         limits

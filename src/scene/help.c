@@ -75,6 +75,7 @@ const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
         [WEFT__PLACE] = "a corner, an edge, [row, column] or {rows, cols}",
         [WEFT__PINS] = "a list of pins",
         [WEFT__LOADS] = "a list of loads",
+        [WEFT__SHAPE_LIST] = "a list of shapes",
         [WEFT__ROW] = "a list of numbers",
         [WEFT__ROWS] = "a list of rows",
         [WEFT__FRACTION] = "a number or a fraction as 19/32",
@@ -210,7 +211,8 @@ static void print_rows(const printer *to, const weft__section *section,
 {
     for (size_t i = 0; i < section->count; ++i) {
         const weft__key *key = &section->keys[i];
-        const bool list = key->kind == WEFT__PINS || key->kind == WEFT__LOADS;
+        const bool list = key->kind == WEFT__PINS || key->kind == WEFT__LOADS
+                          || key->kind == WEFT__SHAPE_LIST;
         char path[120];
         (void)snprintf(path, sizeof path, "%s%s", above, key->name);
         print_row(to, key, path);

@@ -104,6 +104,8 @@ static const weft__section family_section = { SECTION(family_keys) };
 /* The names of an enum are in its order. */
 _Static_assert(sizeof(weft_law) == sizeof(unsigned)
                    && sizeof(weft_limit_method) == sizeof(unsigned)
+                   && sizeof(weft_shape_kind) == sizeof(unsigned)
+                   && sizeof(weft_friction_law) == sizeof(unsigned)
                    && sizeof(weft_limit_solver) == sizeof(unsigned)
                    && sizeof(weft_norm) == sizeof(unsigned)
                    && sizeof(weft_controller_type) == sizeof(unsigned),
@@ -181,6 +183,86 @@ static const weft__key force_keys[] = {
 };
 
 static const weft__section force_section = { SECTION(force_keys) };
+
+/* ---- contact ------------------------------------------------------------------- */
+
+/* In the order of weft_shape_kind and weft_friction_law. */
+static const char *const shape_names[] = { "plane", "sphere", "capsule", "box", NULL };
+static const char *const friction_names[] = { "smooth", "coulomb", NULL };
+
+enum {
+    PLANE = 1 << WEFT_PLANE,
+    SPHERE = 1 << WEFT_SPHERE,
+    CAPSULE = 1 << WEFT_CAPSULE,
+    BOX = 1 << WEFT_BOX
+};
+
+/* The shape comes first: it decides which other keys belong to it. */
+static const weft__key shape_keys[] = {
+    { "shape", WEFT__CHOICE, .required = true, .names = shape_names,
+      AT(weft_shape, kind), .meaning = "its kind" },
+    { "at", WEFT__VECTOR, .required = true, .unit = "m", .of = PLANE | SPHERE | BOX,
+      AT(weft_shape, at), .meaning = "a point of a plane, the centre of others" },
+    { "normal", WEFT__VECTOR, .required = true, .of = PLANE, AT(weft_shape, normal),
+      .meaning = "plane: towards the side of the cloth; normalised on reading" },
+    { "from", WEFT__VECTOR, .required = true, .unit = "m", .of = CAPSULE,
+      AT(weft_shape, at), .meaning = "capsule: one end of its axis" },
+    { "to", WEFT__VECTOR, .required = true, .unit = "m", .of = CAPSULE,
+      AT(weft_shape, to), .meaning = "capsule: the other end" },
+    { "radius", WEFT__NUMBER, .required = true, .strict = true, .unit = "m",
+      .of = SPHERE | CAPSULE, AT(weft_shape, radius), .meaning = "sphere, capsule" },
+    { "half", WEFT__VECTOR, .required = true, .unit = "m", .of = BOX,
+      AT(weft_shape, half),
+      .meaning = "box: half its edges along x, y, z; > rounding" },
+    { "rounding", WEFT__NUMBER, .required = true, .strict = true, .unit = "m",
+      .of = BOX, AT(weft_shape, rounding), .meaning = "box: of its edges" },
+    { "friction", WEFT__NUMBER, .absent = "contact.friction", AT(weft_shape, friction),
+      .meaning = "coefficient of friction of this shape" },
+    { "velocity", WEFT__VECTOR, .unit = "m/s", .fallback = "[0, 0, 0]",
+      AT(weft_shape, velocity), .meaning = "velocity of the shape" },
+    { "amplitude", WEFT__VECTOR, .unit = "m", .fallback = "[0, 0, 0]",
+      AT(weft_shape, amplitude),
+      .meaning = "oscillation: + amplitude * sin(2 pi frequency t)" },
+    { "frequency", WEFT__NUMBER, .unit = "Hz", .fallback = "0",
+      AT(weft_shape, frequency),
+      .meaning = "frequency of the oscillation; amplitude and frequency go together" },
+    { "spin", WEFT__VECTOR, .unit = "rad/s", .fallback = "[0, 0, 0]",
+      AT(weft_shape, spin),
+      .meaning = "of the surface: about at, along the normal of a plane and the axis "
+                 "of a capsule, none of a box" },
+};
+
+const weft__section weft__shape_section
+    = { .title = "a shape", SECTION(shape_keys), .check = weft__check_shape };
+
+#define CONTACT(name) AT(weft_scene, cloth.contact.name)
+
+static const weft__key contact_keys[] = {
+    { "thickness", WEFT__NUMBER, .strict = true, .unit = "m", .fallback = "5.0e-3",
+      CONTACT(thickness), .meaning = "forces begin at this distance from a shape" },
+    { "stopping_speed", WEFT__NUMBER, .strict = true, .unit = "m/s", .fallback = "5.0",
+      CONTACT(stopping_speed),
+      .meaning = "a particle that arrives at it is stopped at 0.2755 thickness "
+                 "(exponent 4)" },
+    { "exponent", WEFT__INTEGER, .least = 3, .most = 10, .fallback = "4",
+      AT(weft_scene, exponent),
+      .meaning = "the force begins like its power minus 1 of the depth: higher is "
+                 "smoother" },
+    { "damping", WEFT__NUMBER, .unit = "s/m", .fallback = "1.0", CONTACT(damping),
+      .meaning = "of the approach; 0: elastic" },
+    { "friction", WEFT__NUMBER, .fallback = "0.3", CONTACT(friction),
+      .meaning = "coefficient of friction of shapes without their own" },
+    { "law", WEFT__CHOICE, .names = friction_names, CONTACT(law), .fallback = "smooth",
+      .meaning = "smooth: no stiffer than 10 times the contact; coulomb: exact above "
+                 "slip, and costly" },
+    { "slip", WEFT__NUMBER, .strict = true, .unit = "m/s", .fallback = "1.0e-3",
+      CONTACT(slip), .meaning = "below this slip speed friction fades" },
+    { "shapes", WEFT__SHAPE_LIST, .section = &weft__shape_section, .absent = "none",
+      .meaning = "rigid shapes" },
+};
+
+static const weft__section contact_section
+    = { SECTION(contact_keys), .check = weft__check_contact };
 
 /* ---- limit --------------------------------------------------------------------- */
 
@@ -389,6 +471,8 @@ static const weft__key root_keys[] = {
       AT(weft_scene, cloth), .meaning = "the model: grid, masses, springs, pins" },
     { "forces", WEFT__MAPPING, .section = &force_section, .absent = "gravity",
       AT(weft_scene, cloth), .meaning = "other forces on the cloth" },
+    { "contact", WEFT__MAPPING, .section = &contact_section, .absent = "none",
+      .meaning = "rigid shapes that the cloth touches" },
     { "limit", WEFT__MAPPING, .section = &limit_section, .absent = "none",
       AT(weft_scene, limit),
       .meaning = "strain limit, applied after every accepted step" },

@@ -6,25 +6,26 @@
 #include "scene/diagnostics.h"
 
 typedef enum weft__kind {
-    WEFT__MAPPING,  /* keys of its own */
-    WEFT__NUMBER,   /* double */
-    WEFT__INTEGER,  /* size_t */
-    WEFT__VECTOR,   /* double[3] */
-    WEFT__TEXT,     /* char *, of the tree */
-    WEFT__BOOLEAN,  /* bool */
-    WEFT__CHOICE,   /* enum: one of names, the first stands for `first` */
-    WEFT__EITHER,   /* bool: one of two names, true the second */
-    WEFT__NAMES,    /* bool of each of names: a list of at least `least` of them */
-    WEFT__SPACING,  /* double[2] from a number or a pair */
-    WEFT__ATOL,     /* two doubles from a number or a mapping */
-    WEFT__INDEX,    /* weft_range of the rows or columns of a place */
-    WEFT__PLACE,    /* weft__place */
-    WEFT__PINS,     /* the pins of a scene */
-    WEFT__LOADS,    /* its loads */
-    WEFT__ROW,      /* weft__list: numbers of a Butcher table */
-    WEFT__ROWS,     /* weft__list: its matrix */
-    WEFT__FRACTION, /* a number of either, in messages */
-    WEFT__SWEEP,    /* taken out of the tree before it is read */
+    WEFT__MAPPING,    /* keys of its own */
+    WEFT__NUMBER,     /* double */
+    WEFT__INTEGER,    /* size_t */
+    WEFT__VECTOR,     /* double[3] */
+    WEFT__TEXT,       /* char *, of the tree */
+    WEFT__BOOLEAN,    /* bool */
+    WEFT__CHOICE,     /* enum: one of names, the first stands for `first` */
+    WEFT__EITHER,     /* bool: one of two names, true the second */
+    WEFT__NAMES,      /* bool of each of names: a list of at least `least` of them */
+    WEFT__SPACING,    /* double[2] from a number or a pair */
+    WEFT__ATOL,       /* two doubles from a number or a mapping */
+    WEFT__INDEX,      /* weft_range of the rows or columns of a place */
+    WEFT__PLACE,      /* weft__place */
+    WEFT__PINS,       /* the pins of a scene */
+    WEFT__LOADS,      /* its loads */
+    WEFT__SHAPE_LIST, /* its shapes */
+    WEFT__ROW,        /* weft__list: numbers of a Butcher table */
+    WEFT__ROWS,       /* weft__list: its matrix */
+    WEFT__FRACTION,   /* a number of either, in messages */
+    WEFT__SWEEP,      /* taken out of the tree before it is read */
     WEFT__KINDS
 } weft__kind;
 
@@ -46,6 +47,8 @@ typedef struct weft__key {
     const char *meaning;
     const char *const *names; /* of a choice or a list; ends with NULL */
     unsigned first;
+    unsigned of; /* a bit for each choice of the section's first key that it goes with;
+                    0: with all */
     const weft__section *section; /* of the kinds that are or hold mappings */
     size_t at;                    /* offset into what the section fills */
 } weft__key;
@@ -74,6 +77,7 @@ extern const weft__section weft__root;
 extern const weft__section weft__place_section; /* {rows, cols} */
 extern const weft__section weft__pin_section;   /* {at, velocity, ...} */
 extern const weft__section weft__load_section;  /* {at, mass} */
+extern const weft__section weft__shape_section; /* {shape, ...} */
 
 /* The type of a key: "a number >= 0 [N/m]", without its article if `bare`. */
 const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,

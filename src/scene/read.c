@@ -282,7 +282,7 @@ void weft__read_value(weft__reader *reader, const weft__key *key,
         [WEFT__INDEX] = weft__read_index, [WEFT__PLACE] = weft__read_place,
         [WEFT__PINS] = weft__read_pins,   [WEFT__LOADS] = weft__read_loads,
         [WEFT__ROW] = weft__read_row,     [WEFT__ROWS] = weft__read_rows,
-        [WEFT__BOOLEAN] = read_boolean,
+        [WEFT__BOOLEAN] = read_boolean,   [WEFT__SHAPE_LIST] = weft__read_shapes,
     };
     readers[key->kind](reader, key, node, (char *)base + key->at);
 }
@@ -409,11 +409,44 @@ static void report_missing(weft__reader *reader, const weft__match *match,
                        weft__unit_text(key, unit, sizeof unit), key->meaning);
 }
 
+/* Whether a key goes with the choice in the section's first key, which was read into
+ * base; no key for some choices goes with a wrong one. */
+static bool goes_with_choice(const weft__section *section, const weft__key *key,
+                             const void *base, unsigned *choice)
+{
+    if (key->of != 0) {
+        memcpy(choice, (const char *)base + section->keys[0].at, sizeof *choice);
+    }
+    return key->of == 0 || (key->of >> *choice & 1U) != 0;
+}
+
+static void report_foreign(weft__reader *reader, const weft__match *match, size_t i,
+                           unsigned choice)
+{
+    const weft__key *key = &match->section->keys[i];
+    const char *const *names = match->section->keys[0].names;
+    char others[80] = "";
+    for (size_t k = 0, used = 0; names[k] != NULL && used < sizeof others; ++k) {
+        if ((key->of >> k & 1U) != 0) {
+            used += (size_t)snprintf(others + used, sizeof others - used, "%s%s",
+                                     used == 0 ? "" : ", ", names[k]);
+        }
+    }
+    if (names[choice] != NULL && match->found[i].key != NULL) {
+        weft__report_error(reader->report, match->found[i].key->at,
+                           "%s does not belong to a %s (it is a key of %s)", key->name,
+                           names[choice], others);
+    }
+}
+
 static void read_key(weft__reader *reader, weft__match *match, size_t i, void *base)
 {
     const weft__key *key = &match->section->keys[i];
     weft__found *found = &match->found[i];
-    if (found->value != NULL) {
+    unsigned choice;
+    if (!goes_with_choice(match->section, key, base, &choice)) {
+        report_foreign(reader, match, i, choice);
+    } else if (found->value != NULL) {
         const size_t mistakes = reader->report->mistakes;
         weft__read_value(reader, key, found->value, base);
         found->wrong = reader->report->mistakes > mistakes;

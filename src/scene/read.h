@@ -46,6 +46,7 @@ struct weft_scene {
     weft__control control;
     weft_butcher butcher;
     bool large_matrices; /* are allowed */
+    size_t exponent;     /* of contact */
 };
 
 typedef struct weft__reader {
@@ -148,6 +149,27 @@ void weft__report_exclusive(weft__report *report, const weft__node *a,
 /* Reads a value of one kind to `to`. */
 typedef void weft__read_fn(weft__reader *reader, const weft__key *key,
                            const weft__node *node, void *to);
+
+/* Reports a fault of a field at its key's value, or, if that is a default, at the value
+ * of the other one: takes faults if ctx is a weft__fault_reporter. A value that was
+ * refused before is not reported again. */
+typedef struct weft__fault_reporter {
+    weft__reader *reader;
+    const weft__match *match;
+} weft__fault_reporter;
+void weft__report_fault(void *ctx, size_t field, size_t other, const char *message);
+
+/* An array for the *count items of a list, of `size` bytes each. NULL: the list is
+ * empty or wrong, or there is no memory. */
+void *weft__take_items(weft__reader *reader, const weft__key *key,
+                       const weft__node *node, size_t size, size_t *count);
+
+/* scene_contact.c */
+weft__read_fn weft__read_shapes;
+weft__check_fn weft__check_shape, weft__check_contact;
+
+/* Warnings of contact, when all sections were read without errors. */
+void weft__warn_of_contact(weft__reader *reader, const weft__match *root);
 
 /* scene_pins.c */
 weft__read_fn weft__read_index, weft__read_place, weft__read_pins, weft__read_loads;

@@ -188,10 +188,8 @@ static void read_pin(weft__reader *reader, const weft__node *node, weft_pin *pin
     }
 }
 
-/* An array for the *count items of a list, of `size` bytes each. NULL: the list is
- * empty or wrong, or there is no memory. */
-static void *take_items(weft__reader *reader, const weft__key *key,
-                        const weft__node *node, size_t size, size_t *count)
+void *weft__take_items(weft__reader *reader, const weft__key *key,
+                       const weft__node *node, size_t size, size_t *count)
 {
     *count = weft__item_count(node);
     if (node->type != WEFT__LIST) {
@@ -206,7 +204,8 @@ void weft__read_pins(weft__reader *reader, const weft__key *key, const weft__nod
                      void *to)
 {
     weft_cloth_def *cloth = &reader->scene->cloth;
-    weft_pin *pins = take_items(reader, key, node, sizeof *pins, &cloth->pin_count);
+    weft_pin *pins
+        = weft__take_items(reader, key, node, sizeof *pins, &cloth->pin_count);
     (void)to;
     for (size_t i = 0; i < cloth->pin_count; ++i) {
         read_pin(reader, weft__item(node, i), &pins[i]);
@@ -218,7 +217,8 @@ void weft__read_loads(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *to)
 {
     weft_cloth_def *cloth = &reader->scene->cloth;
-    weft_load *loads = take_items(reader, key, node, sizeof *loads, &cloth->load_count);
+    weft_load *loads
+        = weft__take_items(reader, key, node, sizeof *loads, &cloth->load_count);
     (void)to;
     for (size_t i = 0; i < cloth->load_count; ++i) {
         weft__read_section(reader, &weft__load_section, weft__load_section.title,

@@ -1,0 +1,251 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* scene_contact.c -- the shapes of a scene: rules between their keys, and warnings. */
+#include <string.h>
+
+#include "cloth/shapes.h"
+#include "scene/read.h"
+
+void weft__read_shapes(weft__reader *reader, const weft__key *key,
+                       const weft__node *node, void *to)
+{
+    weft_contact_def *contact = &reader->scene->cloth.contact;
+    weft_shape *shapes
+        = weft__take_items(reader, key, node, sizeof *shapes, &contact->shape_count);
+    (void)to;
+    contact->shapes = shapes;
+    for (size_t i = 0; i < contact->shape_count; ++i) {
+        shapes[i] = weft_shape_default(WEFT_SHAPES); /* of no kind yet */
+        weft__read_section(reader, &weft__shape_section, weft__shape_section.title,
+                           weft__item(node, i), &shapes[i]);
+    }
+}
+
+/* ---- errors ------------------------------------------------------------------ */
+
+void weft__check_shape(weft__reader *reader, const weft__match *match, void *base)
+{
+    const weft_shape *shape = base;
+    const size_t index = (size_t)(shape - reader->scene->cloth.contact.shapes);
+    weft__fault_reporter self = { reader, match };
+    const weft__faults to = { weft__report_fault, &self };
+    bool wrong = shape->kind == WEFT_SHAPES;
+    weft__check_together(reader, match, "amplitude", "frequency");
+    for (size_t i = 0; i < match->section->count; ++i) {
+        wrong = wrong || match->found[i].wrong;
+    }
+    if (!wrong) {
+        (void)weft__shape_check(shape, index, &to);
+    }
+}
+
+static bool has_friction(const weft_contact_def *contact)
+{
+    bool has = contact->shape_count == 0 && contact->friction > 0.0;
+    for (size_t k = 0; k < contact->shape_count; ++k) {
+        const double own = contact->shapes[k].friction;
+        has = has || (own < 0.0 ? contact->friction : own) > 0.0;
+    }
+    return has;
+}
+
+/* Takes the fault of a particle inside a shape. */
+typedef struct start_reporter {
+    weft__report *report;
+    const weft__node *shape;
+} start_reporter;
+
+static void report_start(void *ctx, size_t field, size_t other, const char *message)
+{
+    const start_reporter *self = ctx;
+    (void)field, (void)other;
+    weft__report_error(self->report, self->shape->at, "%s", message);
+}
+
+/* Comparisons; what takes more is left to weft_cloth_create. */
+#define MAX_COMPARED ((double)(1 << 26))
+
+/* The grid and its pins have been read before. */
+static void check_start(weft__reader *reader, const weft__node *shapes)
+{
+    const weft_cloth_def *def = &reader->scene->cloth;
+    start_reporter self = { .report = reader->report };
+    const weft__faults to = { report_start, &self };
+    const double particles = (double)def->rows * (double)def->cols;
+    const double each = (double)def->contact.shape_count + (double)def->pin_count;
+    for (size_t k = 0; k < def->contact.shape_count && particles * each < MAX_COMPARED;
+         ++k) {
+        self.shape = weft__item(shapes, k);
+        (void)weft__start_check(def, k, &to);
+    }
+}
+
+void weft__check_contact(weft__reader *reader, const weft__match *match, void *base)
+{
+    const weft_scene *scene = base;
+    const weft__node *slip = weft__found_in(match, "slip")->key;
+    if (slip != NULL && !has_friction(&scene->cloth.contact)) {
+        weft__report_error(reader->report, slip->at,
+                           "slip has no effect without friction: it is 0 everywhere");
+    }
+    if (reader->report->found->errors > 0) {
+        return;
+    }
+    if (scene->cloth.contact.shape_count > 0) {
+        check_start(reader, weft__value_in(match, "shapes"));
+    } else {
+        weft__report_warning(reader->report, match->map->at,
+                             "contact has no effect: it has no shapes");
+    }
+}
+
+/* ---- warnings ---------------------------------------------------------------- */
+
+/* How far [m] a chord of length a cuts an edge that is rounded by the 4-norm with r, if
+ * it lies across: x^4 + y^4 = r^4 at x, y = (s +- a / 2) / sqrt(2), s from the centre
+ * along the diagonal, and the flat sides x, y = r beyond. */
+static double edge_cut(double a, double r)
+{
+    const double u = 0.5 * a, u2 = u * u;
+    const double s = u < sqrt(0.5) * r
+                         ? sqrt(sqrt(8.0 * u2 * u2 + 2.0 * r * r * r * r) - 3.0 * u2)
+                         : sqrt(2.0) * r - u;
+    return sqrt(sqrt(2.0)) * r - s;
+}
+
+/* Between particles the cloth is flat. */
+static void warn_of_chord(weft__report *report, const weft_cloth_def *def, size_t k,
+                          weft__mark at)
+{
+    const weft_shape *shape = &def->contact.shapes[k];
+    const double a = fmax(def->rows > 1 ? def->spacing[0] : 0.0,
+                          def->cols > 1 ? def->spacing[1] : 0.0);
+    const bool box = shape->kind == WEFT_BOX;
+    const double sag = shape->kind == WEFT_PLANE ? 0.0
+                       : box                     ? edge_cut(a, shape->rounding)
+                                                 : a * a / (8.0 * shape->radius);
+    if (sag > def->contact.thickness) {
+        weft__report_warning(
+            report, at,
+            "between particles %.3g m apart the cloth dips %.3g mm into %s "
+            "shapes[%zu], "
+            "deeper than the thickness of %.3g mm: it will show through",
+            a, 1e3 * sag, box ? "the edges of" : "the round of", k,
+            1e3 * def->contact.thickness);
+    }
+}
+
+/* Times at which a moving pin is compared with a shape, and comparisons in all. */
+enum { TIMES = 997, MOST_TIMES = 1 << 20 };
+
+/* [s] The first time at which a pinned particle is inside a shape; < 0: never. */
+static double time_inside(const weft_shape *def, const weft_pin *pin,
+                          const double start[3], double duration, size_t *compared)
+{
+    const weft__shape shape = weft__shape_of(def, 0.0);
+    const weft__motion motion
+        = weft__motion_of(pin->velocity, pin->amplitude, pin->frequency);
+    const size_t last = shape.motion.moves || motion.moves ? TIMES : 0;
+    for (size_t i = 0; i <= last; ++i) {
+        const double t = duration * ((double)i / TIMES);
+        const weft__pose pose = weft__pose_of(&shape, t);
+        double x[3], gradient[3], steepness;
+        weft__motion_offset(&motion, t, x);
+        for (size_t k = 0; k < 3; ++k) {
+            x[k] += start[k];
+        }
+        ++*compared;
+        if (weft__shape_gap(&pose, x, gradient, &steepness) <= 0.0) {
+            return t;
+        }
+    }
+    return -1.0;
+}
+
+/* A pin's first particle that enters a shape. */
+static void warn_of_pin(weft__reader *reader, const weft_cloth *grid, size_t pin,
+                        weft__mark at, size_t *compared)
+{
+    const weft_cloth_def *def = &reader->scene->cloth;
+    size_t top, bottom, left, right;
+    (void)weft__range_resolve(def->pins[pin].rows, def->rows, &top, &bottom);
+    (void)weft__range_resolve(def->pins[pin].cols, def->cols, &left, &right);
+    const size_t wide = right - left + 1, count = wide * (bottom - top + 1);
+    for (size_t i = 0; i < count * def->contact.shape_count; ++i) {
+        const size_t k = i / count, r = top + i % count / wide, c = left + i % wide;
+        double x[3];
+        weft__start_position(grid, r, c, x);
+        *compared += def->pin_count;
+        if (*compared > MOST_TIMES) {
+            return;
+        }
+        const double t = weft__pin_of(def, r, c) != pin + 1
+                             ? -1.0
+                             : time_inside(&def->contact.shapes[k], &def->pins[pin], x,
+                                           reader->scene->run.duration, compared);
+        if (t >= 0.0) {
+            weft__report_warning(reader->report, at,
+                                 "pinned particle (%zu, %zu) is inside shapes[%zu] at "
+                                 "t = %.4g s: contact does not stop it",
+                                 r, c, k, t);
+            return;
+        }
+    }
+}
+
+static void warn_of_pins(weft__reader *reader, const weft__node *pins)
+{
+    weft_cloth grid = { .rows = 0 };
+    size_t compared = 0;
+    weft__grid_init(&grid, &reader->scene->cloth);
+    for (size_t i = 0; i < reader->scene->cloth.pin_count; ++i) {
+        warn_of_pin(reader, &grid, i, weft__item(pins, i)->at, &compared);
+    }
+}
+
+/* In half that time a particle of the stopping speed passes the thickness. */
+static void warn_of_stepper(weft__reader *reader, const weft__node *method,
+                            const weft__node *fixed_step)
+{
+    const weft_scene *scene = reader->scene;
+    const weft_contact_def *contact = &scene->cloth.contact;
+    const double h = scene->config.fixed_step;
+    const double most = contact->thickness / (2.0 * contact->stopping_speed);
+    if (strcmp(scene->method, "velocity_verlet") == 0 && has_friction(contact)) {
+        weft__report_warning(
+            reader->report, method->at,
+            "velocity_verlet takes friction explicitly, with large errors of the "
+            "energy: a Runge-Kutta method does not");
+    }
+    if (h > most) {
+        weft__report_warning(
+            reader->report, fixed_step->at,
+            "fixed_step %g s is longer than contact.thickness / (2 stopping_speed) = "
+            "%.3g s: a step that passes a shape ends the run",
+            h, most);
+    }
+}
+
+/* The value of a key that a mapping may have. */
+static const weft__node *value_of(const weft__node *map, const char *name)
+{
+    const size_t slot = weft__find_key(map, name, strlen(name));
+    return slot < map->count ? map->entries[slot].value : NULL;
+}
+
+void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
+{
+    const weft_cloth_def *def = &reader->scene->cloth;
+    const weft__node *stepper = weft__value_in(root, "stepper");
+    if (def->contact.shape_count == 0) {
+        return;
+    }
+    const weft__node *shapes = value_of(weft__value_in(root, "contact"), "shapes");
+    for (size_t k = 0; k < def->contact.shape_count; ++k) {
+        warn_of_chord(reader->report, def, k, weft__item(shapes, k)->at);
+    }
+    if (def->pin_count > 0) {
+        warn_of_pins(reader, value_of(weft__value_in(root, "cloth"), "pins"));
+    }
+    warn_of_stepper(reader, value_of(stepper, "method"),
+                    value_of(stepper, "fixed_step"));
+}
