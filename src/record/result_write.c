@@ -206,10 +206,9 @@ static void write_limit(yaml_out *out, const weft_sim *sim)
     yaml_out_close_map(out);
 }
 
-static void write_contact(yaml_out *out, const weft_cloth *cloth,
-                          const weft_measures *all)
+static void write_contact(yaml_out *out, const weft_sim *sim, const weft_measures *all)
 {
-    if (weft_cloth_shapes(cloth) > 0) {
+    if (weft_cloth_shapes(weft_sim_cloth(sim)) > 0) {
         yaml_out_map(out, "contact");
         yaml_out_real(out, "energy", all->energy.contact);
         yaml_out_real(out, "min_gap", all->gap);
@@ -232,7 +231,7 @@ static void write_outcome(yaml_out *out, const record_result *result)
     yaml_out_real(out, "energy_start", result->energy_start);
     yaml_out_real(out, "energy_end", weft_energy_total(all.energy));
     write_ledger(out, result->sim);
-    write_contact(out, cloth, &all);
+    write_contact(out, result->sim, &all);
     write_limit(out, result->sim);
     yaml_out_plain(out, "warnings", "%zu", result->warnings);
     char hash[20];

@@ -117,10 +117,11 @@ static void print_contact(const summary *self)
     const size_t shapes = weft_cloth_shapes(weft_sim_cloth(self->sim));
     const weft_measures all = weft_sim_measure(self->sim);
     if (shapes > 0) {
-        print_item(
-            "contact",
-            "%zu shapes; at the end %s particles touch one, smallest gap %.3g mm",
-            shapes, human_count(all.touching, touching), 1e3 * all.gap);
+        print_item("contact",
+                   "%zu %s, %s particles touch and the smallest gap is %.3g mm at the "
+                   "end",
+                   shapes, shapes == 1 ? "shape" : "shapes",
+                   human_count(all.touching, touching), 1e3 * all.gap);
     }
 }
 
