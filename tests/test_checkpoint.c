@@ -334,6 +334,7 @@ static size_t write_checkpoint(void)
         .program = "the tests",
         .frame = 30,
         .series = { 12345, 77 },
+        .shapes = { 54321, 76 },
         .vtkhdf = { .page = "first page", .head = { 4096, 78 }, .frames = { 31, 79 } },
         .extremes = { 0.25, 0.5, 0.75, { WEFT_SHEAR, 3, 4, 0.125 } },
         .wall_time = 1.5,
@@ -357,6 +358,8 @@ START_TEST(a_checkpoint_is_read_as_it_was_written)
     ck_assert_uint_eq(read.frame, 30);
     ck_assert_uint_eq(read.series.length, 12345);
     ck_assert_uint_eq(read.series.sum, 77);
+    ck_assert_uint_eq(read.shapes.length, 54321);
+    ck_assert_uint_eq(read.shapes.sum, 76);
     ck_assert_str_eq((const char *)read.vtkhdf.page, "first page");
     ck_assert_uint_eq(read.vtkhdf.head.length, 4096);
     ck_assert_uint_eq(read.vtkhdf.head.sum, 78);

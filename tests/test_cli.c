@@ -22,11 +22,14 @@ START_TEST(a_run_leaves_its_files)
     static const char header[]
         = "frame,time,kinetic,elastic,gravitational,dissipated,momentum_x,momentum_y,"
           "momentum_z,max_strain,steps,rejected,rhs_calls,step_size,limit_sweeps,hash,"
-          "limit_strain\n0,0,";
+          "limit_strain,contact,min_gap,touching,vetoed\n0,0,";
     ck_assert_int_eq(strncmp(read_file(OUT "/r/series.csv"), header, strlen(header)),
                      0);
     expect(shell("wc -l < " OUT "/r/series.csv"), 0);
     ck_assert_int_eq(atoi(output), 12); /* header, frames 0 to 10 */
+    expect(shell("grep -c ',0,inf,0,0$' " OUT "/r/series.csv"), 0); /* no shapes */
+    ck_assert_int_eq(atoi(output), 11);
+    ck_assert(!exists(OUT "/r/shapes.csv"));
     expect(shell("head -2 " OUT "/r/final.csv"), 0);
     says("row,col,x,y,z,vx,vy,vz\n0,0,0,0,0,0,0,0\n"); /* a pin at rest has not moved */
     expect(shell("cat " OUT "/r/result.yaml " OUT "/r/manifest.yaml"), 0);

@@ -83,7 +83,7 @@ static void record(const weft_record_def *wanted)
         add_frame(sim, i, &series, frames);
     }
     ck_assert_int_eq(record_vtkhdf_close(frames, &err), WEFT_OK);
-    ck_assert_int_eq(record_series_close(&series, &err), WEFT_OK);
+    ck_assert_int_eq(record_table_close(&series.table, &err), WEFT_OK);
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);
 }

@@ -12,6 +12,7 @@
 #include "record/export/export.h"
 #include "record/frames.h"
 #include "record/result_read.h"
+#include "record/shapes.h"
 
 typedef struct export_format {
     const char *name;
@@ -36,9 +37,11 @@ typedef struct export_job {
     const char *directory;
     const export_format *format;
     size_t n, count;           /* particles; frames there are */
+    weft_scene *scene;         /* NULL: not known, nor are shapes */
+    size_t shapes;             /* that are written beside the cloth */
+    double *shape_position;    /* of one of them */
     record_frames *frames;     /* NULL: computed again, with the members below */
     record_series_row *series; /* [count] as the run recorded it */
-    weft_scene *scene;
     weft_cloth *cloth;
     weft_sim *sim;
     size_t first, last;     /* wanted, as indices below count */
@@ -49,44 +52,73 @@ typedef struct export_job {
 
 /* ---- one frame, wherever it comes from -------------------------------------- */
 
-#define FRAME_NAME "frames/frame-%06zu.%s"
+#define FRAME_STEM "frames/frame-%06zu"
 
 static size_t number_of(const export_job *job, size_t i)
 {
     return job->frames == NULL ? i : (size_t)job->frames->numbers[i];
 }
 
-/* One line for any number of files. */
-static void print_files(const export_job *job)
+/* One line for any number of files, of the cloth ("") or of a shape. */
+static void print_files(const export_job *job, const char *of)
 {
-    if (job->format->write == NULL) {
-        return;
-    }
-    printf("%s/" FRAME_NAME, job->directory, number_of(job, job->first),
+    printf("%s/" FRAME_STEM "%s.%s", job->directory, number_of(job, job->first), of,
            job->format->suffix);
     if (job->last > job->first) {
-        printf(" to frame-%06zu.%s, %zu files", number_of(job, job->last),
+        printf(" to frame-%06zu%s.%s, %zu files", number_of(job, job->last), of,
                job->format->suffix, job->last - job->first + 1);
     }
     putchar('\n');
 }
 
+static record_surface shape_at(const export_job *job, size_t k, double time)
+{
+    return record_shape_surface(weft_scene_cloth(job->scene), k, time,
+                                job->shape_position);
+}
+
+enum { NAME = 64 };
+
+/* The file of a shape is called like that of the cloth, with -shape-0 behind. */
+static void shape_name(char name[NAME], const char *stem, size_t k, const char *suffix)
+{
+    (void)snprintf(name, NAME, "%s-shape-%zu.%s", stem, k, suffix);
+}
+
+static weft_status write_shapes(const export_job *job, const char *stem, double time,
+                                weft_error *err)
+{
+    const record_movie *movie = job->format->movie;
+    for (size_t k = 0; k < job->shapes; ++k) {
+        char name[NAME];
+        const record_surface surface = shape_at(job, k, time);
+        shape_name(name, stem, k, job->format->suffix);
+        TRY(record_surface_write(job->directory, name, job->format->write, &surface,
+                                 err));
+        if (movie != NULL) {
+            movie->list(job->movie.stream, time, k + 1, name);
+        }
+    }
+    return WEFT_OK;
+}
+
 static weft_status write_frame(export_job *job, size_t number, double time,
                                weft_error *err)
 {
-    char name[64] = "";
-    if (job->format->write != NULL) {
-        (void)snprintf(name, sizeof name, FRAME_NAME, number, job->format->suffix);
-        TRY(record_surface_write(job->directory, name, job->format->write,
-                                 &job->surface, err));
-    }
+    char stem[NAME / 2], name[NAME];
     const record_movie *movie = job->format->movie;
-    if (movie != NULL && movie->points != NULL) {
+    if (job->format->write == NULL) {
         movie->points(job->movie.stream, &job->surface);
-    } else if (movie != NULL) {
-        movie->list(job->movie.stream, time, name);
+        return WEFT_OK;
     }
-    return WEFT_OK;
+    (void)snprintf(stem, sizeof stem, FRAME_STEM, number);
+    (void)snprintf(name, sizeof name, "%s.%s", stem, job->format->suffix);
+    TRY(record_surface_write(job->directory, name, job->format->write, &job->surface,
+                             err));
+    if (movie != NULL) {
+        movie->list(job->movie.stream, time, 0, name);
+    }
+    return write_shapes(job, stem, time, err);
 }
 
 /* ---- frames of run.vtkhdf --------------------------------------------------- */
@@ -162,7 +194,14 @@ static weft_status export_frames(export_job *job, weft_error *err)
         TRY(record_directory(path, err));
     }
     TRY(job->frames == NULL ? compute_frames(job, err) : read_frames(job, err));
-    print_files(job);
+    if (job->format->write != NULL) {
+        print_files(job, "");
+    }
+    for (size_t k = 0; job->format->write != NULL && k < job->shapes; ++k) {
+        char of[NAME];
+        (void)snprintf(of, sizeof of, "-shape-%zu", k);
+        print_files(job, of);
+    }
     return WEFT_OK;
 }
 
@@ -172,20 +211,19 @@ static double time_of(const export_job *job, size_t i)
                                : job->frames->times[i];
 }
 
-static weft_status begin_movie(export_job *job, weft_error *err)
+static weft_status begin_movie(export_job *job, const char *name, size_t points,
+                               weft_error *err)
 {
     double *times = malloc(job->count * sizeof *times);
-    char name[16];
     if (times == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the times");
     }
     for (size_t i = 0; i < job->count; ++i) {
         times[i] = time_of(job, i);
     }
-    (void)snprintf(name, sizeof name, "run.%s", job->format->name);
     const weft_status status = record_file_open(&job->movie, job->directory, name, err);
     if (status == WEFT_OK) {
-        job->format->movie->begin(job->movie.stream, times, job->count, job->n);
+        job->format->movie->begin(job->movie.stream, times, job->count, points);
     }
     free(times);
     return status;
@@ -205,13 +243,34 @@ static weft_status write_rest(export_job *job, weft_error *err)
     return WEFT_OK;
 }
 
+/* A point cache of shape k and the pose at t = 0 that it moves. */
+static weft_status export_shape_movie(export_job *job, size_t k, weft_error *err)
+{
+    char name[NAME];
+    record_surface surface = shape_at(job, k, 0.0);
+    shape_name(name, "rest", k, "obj");
+    TRY(record_surface_write(job->directory, name, record_obj, &surface, err));
+    printf("%s/%s\n", job->directory, name);
+    shape_name(name, "run", k, job->format->name);
+    TRY(begin_movie(job, name, surface.rows * surface.cols, err));
+    for (size_t i = 0; i < job->count; ++i) {
+        surface = shape_at(job, k, time_of(job, i));
+        job->format->movie->points(job->movie.stream, &surface);
+    }
+    TRY(record_file_commit(&job->movie, err));
+    printf("%s\n", job->movie.path);
+    return WEFT_OK;
+}
+
 static weft_status export_movie(export_job *job, weft_error *err)
 {
     const record_movie *movie = job->format->movie;
+    char name[NAME];
     if (job->format->rest) {
         TRY(write_rest(job, err));
     }
-    TRY(begin_movie(job, err));
+    (void)snprintf(name, sizeof name, "run.%s", job->format->name);
+    TRY(begin_movie(job, name, job->n, err));
     const weft_status status = export_frames(job, err);
     if (status != WEFT_OK) {
         record_file_discard(&job->movie);
@@ -222,12 +281,15 @@ static weft_status export_movie(export_job *job, weft_error *err)
     }
     TRY(record_file_commit(&job->movie, err));
     printf("%s\n", job->movie.path);
+    for (size_t k = 0; job->format->rest && k < job->shapes; ++k) {
+        TRY(export_shape_movie(job, k, err));
+    }
     return WEFT_OK;
 }
 
 static weft_status export_final(const export_job *job, weft_error *err)
 {
-    char name[16];
+    char name[NAME], time[RECORD_RESULT_TEXT];
     record_surface surface = job->surface;
     double *velocity = job->values + 3 * job->n;
     surface.velocity = velocity;
@@ -241,6 +303,13 @@ static weft_status export_final(const export_job *job, weft_error *err)
                                  err));
     }
     printf("%s/%s\n", job->directory, name);
+    TRY(write_shapes(job, "final",
+                     strtod(record_result_get(job->directory, "time", time), NULL),
+                     err));
+    for (size_t k = 0; k < job->shapes; ++k) {
+        shape_name(name, "final", k, job->format->suffix);
+        printf("%s/%s\n", job->directory, name);
+    }
     return WEFT_OK;
 }
 
@@ -300,6 +369,13 @@ static int open_recorded(export_job *job)
     if (record_frames_open(job->directory, &job->frames, &err) != WEFT_OK) {
         return report_error(&err);
     }
+    job->scene = record_scene(job->directory);
+    if (job->scene == NULL) {
+        fprintf(stderr,
+                "weft: warning: %s/scene.yaml cannot be read: shapes, if there are "
+                "any, are left out\n",
+                job->directory);
+    }
     job->surface.rows = job->frames->rows;
     job->surface.cols = job->frames->cols;
     job->count = job->frames->count;
@@ -335,7 +411,9 @@ static int make_surface(export_job *job)
     const record_frames *frames = job->frames;
     job->n = job->surface.rows * job->surface.cols;
     job->values = malloc(7 * job->n * sizeof *job->values);
-    if (job->values == NULL) {
+    job->shape_position
+        = malloc(RECORD_SHAPE_ROWS * RECORD_SHAPE_COLS * sizeof(double[3]));
+    if (job->values == NULL || job->shape_position == NULL) {
         weft_error_set(&err, WEFT_NO_MEMORY, "no memory for a frame");
         return report_error(&err);
     }
@@ -347,6 +425,9 @@ static int make_surface(export_job *job)
         job->surface.strain = job->values + 6 * job->n;
     }
     job->surface.doubles = frames == NULL || frames->doubles;
+    if (job->scene != NULL && job->format->write != record_csv) {
+        job->shapes = weft_scene_cloth(job->scene)->contact.shape_count;
+    }
     return EXIT_DONE;
 }
 
@@ -357,6 +438,7 @@ static int export_run(const options *given, export_job *job)
     code = code == EXIT_DONE ? make_surface(job) : code;
     code = code == EXIT_DONE ? export_wanted(given, job) : code;
     free(job->values);
+    free(job->shape_position);
     free(job->series);
     record_frames_close(job->frames);
     weft_sim_destroy(job->sim);
@@ -408,7 +490,9 @@ const verb verb_export = {
     .summary = "write frames of a run for other programs",
     .help
     = "usage: weft export DIR --format FORMAT [OPTIONS]\n\n"
-      "Writes frames of a run into its directory and prints the names of the files.\n\n"
+      "Writes frames of a run into its directory and prints the names of the files. "
+      "Shapes of contact go to files of their own (final-shape-0.obj, ...), but not "
+      "as csv.\n\n"
       "  --format obj         Wavefront OBJ: quads, texture coordinates\n"
       "           ply         the same, binary\n"
       "           csv         row,col,x,y,z,vx,vy,vz\n"

@@ -12,7 +12,7 @@
 
 static const unsigned char magic[WEFT__WORD] = "weftckpt";
 
-#define FORMAT 2
+#define FORMAT 3
 
 /* X(kind of word, member of the checkpoint) */
 #define FIELDS(X)                                                                      \
@@ -30,7 +30,9 @@ static const unsigned char magic[WEFT__WORD] = "weftckpt";
     X(real, extremes.strain_time)                                                      \
     X(real, extremes.short_step)                                                       \
     X(real, extremes.long_step)                                                        \
-    X(real, wall_time)
+    X(real, wall_time)                                                                 \
+    X(word, shapes.length)                                                             \
+    X(word, shapes.sum)
 
 #define ONE(kind, name) +1
 

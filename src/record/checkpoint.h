@@ -16,6 +16,7 @@ typedef struct record_checkpoint {
                                    */
     uint64_t frame;               /* the last one; everything below is up to it */
     record_extent series;         /* [bytes] of series.csv */
+    record_extent shapes;         /* [bytes] of shapes.csv; 0, 0 without shapes */
     record_vtkhdf_mark vtkhdf;    /* of run.vtkhdf */
     double wall_time;             /* [s] */
     record_extremes extremes;

@@ -6,6 +6,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -35,10 +36,10 @@ static bool make_directories(const char *directory)
 }
 
 const char *const record_names[] = {
-    "scene.yaml",      "manifest.yaml", "series.csv", "run.vtkhdf", "final.csv",
-    "checkpoint.weft", "result.yaml",   "frames",     "run.mdd",    "run.pc2",
-    "run.pvd",         "rest.obj",      "final.obj",  "final.ply",  "run.html",
-    "compare.html",    "compare.csv",   NULL,
+    "scene.yaml", "manifest.yaml",   "series.csv",  "shapes.csv", "run.vtkhdf",
+    "final.csv",  "checkpoint.weft", "result.yaml", "frames",     "run.mdd",
+    "run.pc2",    "run.pvd",         "rest.obj",    "final.obj",  "final.ply",
+    "run.html",   "compare.html",    "compare.csv", NULL,
 };
 
 /* Whether a name is in the list, or is the temporary name of one that is. */
@@ -64,6 +65,22 @@ static bool is_frame(const char *name)
            && is_listed(name + 6 + digits, endings);
 }
 
+/* The file of the cloth beside which that of a shape was exported: final.obj for
+ * final-shape-0.obj. Other names are returned as they are. */
+static const char *cloth_name(const char *name, char out[NAME_MAX + 1])
+{
+    static const char *const endings[]
+        = { ".obj", ".ply", ".vtp", ".mdd", ".pc2", NULL };
+    const char *mark = strstr(name, "-shape-");
+    const size_t digits = mark == NULL ? 0 : strspn(mark + 7, "0123456789");
+    if (digits == 0 || !is_listed(mark + 7 + digits, endings)) {
+        return name;
+    }
+    (void)snprintf(out, NAME_MAX + 1, "%.*s%s", (int)(mark - name), name,
+                   mark + 7 + digits);
+    return out;
+}
+
 typedef enum sweep { KEEP_ALL, SWEEP_RUN, SWEEP_FRAMES } sweep;
 
 /* Counts the files of a directory and removes those that weft made in a run's directory
@@ -77,13 +94,14 @@ static long look_through(const char *directory, sweep what)
     long found = 0;
     for (struct dirent *item; (item = readdir(open)) != NULL;) {
         const char *name = item->d_name;
-        char path[RECORD_PATH];
+        char path[RECORD_PATH], cloth[NAME_MAX + 1];
         if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0) {
             continue;
         }
         ++found;
+        const char *of = cloth_name(name, cloth);
         const bool ours
-            = what == SWEEP_FRAMES ? is_frame(name) : is_listed(name, record_names);
+            = what == SWEEP_FRAMES ? is_frame(of) : is_listed(of, record_names);
         if (what != KEEP_ALL && ours
             && record_path(directory, name, path, NULL) == WEFT_OK) {
             const bool frames = strcmp(name, "frames") == 0;

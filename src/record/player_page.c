@@ -9,6 +9,7 @@
 
 #include "record/frames.h"
 #include "record/page.h"
+#include "record/shapes.h"
 
 #define FRAME_BUDGET 64e6 /* [B] of all frames; more are thinned */
 #define SIDE_MAX     256  /* particles shown along a side; more are thinned */
@@ -272,6 +273,46 @@ static const char *directory_name(const char *path)
     return slash == NULL || slash[1] == '\0' ? path : slash + 1;
 }
 
+static void write_numbers(FILE *stream, const char *name, const double *x, size_t count)
+{
+    fprintf(stream, ",\"%s\":%s", name, count > 1 ? "[" : "");
+    for (size_t k = 0; k < count; ++k) {
+        fprintf(stream, "%s%.17g", comma(k), x[k]);
+    }
+    fputs(count > 1 ? "]" : "", stream);
+}
+
+static void write_shape(FILE *stream, const weft_shape *shape)
+{
+    fprintf(stream, "{\"shape\":\"%s\"", weft_shape_name(shape->kind));
+    write_numbers(stream, "at", shape->at, 3);
+    write_numbers(stream, "to", shape->to, 3);
+    write_numbers(stream, "normal", shape->normal, 3);
+    write_numbers(stream, "radius", &shape->radius, 1);
+    write_numbers(stream, "half", shape->half, 3);
+    write_numbers(stream, "rounding", &shape->rounding, 1);
+    write_numbers(stream, "velocity", shape->velocity, 3);
+    write_numbers(stream, "amplitude", shape->amplitude, 3);
+    write_numbers(stream, "frequency", &shape->frequency, 1);
+    fputc('}', stream);
+}
+
+static void write_obstacles(FILE *stream, const char *directory)
+{
+    weft_scene *scene = record_scene(directory);
+    const weft_contact_def none = { .shape_count = 0 };
+    const weft_contact_def *contact
+        = scene == NULL ? &none : &weft_scene_cloth(scene)->contact;
+    write_numbers(stream, "thickness", &contact->thickness, 1);
+    fputs(",\"obstacles\":[", stream);
+    for (size_t k = 0; k < contact->shape_count; ++k) {
+        fputs(comma(k), stream);
+        write_shape(stream, &contact->shapes[k]);
+    }
+    fputc(']', stream);
+    weft_scene_destroy(scene);
+}
+
 static void write_runs(const player_page *self)
 {
     static const char *const files[]
@@ -290,6 +331,7 @@ static void write_runs(const player_page *self)
                     run->frames->numbers[run->index[i]]);
         }
         fputc(']', self->stream);
+        write_obstacles(self->stream, run->directory);
         for (size_t f = 0; f < sizeof files / sizeof files[0]; ++f) {
             fprintf(self->stream, ",\"%.*s\":", (int)strcspn(files[f], "."), files[f]);
             page_file(self->stream, run->directory, files[f]);

@@ -104,34 +104,48 @@ static inline void record_quad(size_t cols, size_t q, size_t corners[4])
     corners[3] = a + 1;
 }
 
+/* table.c: a CSV file that grows by whole lines: after a kill it holds all of them. */
+typedef struct record_table {
+    FILE *stream; /* NULL: not open, which all functions but write allow */
+    char path[RECORD_PATH];
+    record_extent extent; /* bytes written */
+} record_table;
+
+/* A new file, or `again` an existing one for reading and writing; record_table_cut must
+ * follow then and keeps its first part. */
+weft_status record_table_open(record_table *table, const char *directory,
+                              const char *name, bool again, weft_error *err);
+weft_status record_table_cut(record_table *table, const record_extent *kept,
+                             weft_error *err);
+weft_status record_table_write(record_table *table, const char *line, weft_error *err);
+/* Writes table->extent to the disk. */
+weft_status record_table_sync(record_table *table, weft_error *err);
+weft_status record_table_close(record_table *table, weft_error *err);
+
+/* shapes_csv.c: shapes.csv, one row per frame and shape; a cloth without shapes has
+ * none. */
+weft_status record_shapes_open(record_table *table, const char *directory,
+                               const weft_cloth *cloth, bool again, weft_error *err);
+weft_status record_shapes_add(record_table *table, const record_frame *frame,
+                              weft_error *err);
+
 #define RECORD_COLUMNS_MAX 64
 
 /* series.c: one row per frame; `ledger` if the simulations keep it. */
 typedef struct record_series {
-    FILE *stream;
-    char path[RECORD_PATH];
+    record_table table;
     size_t columns;
     const char *names[RECORD_COLUMNS_MAX];
     double row[RECORD_COLUMNS_MAX]; /* the last row, its values as doubles */
     weft_spring worst;              /* the spring of max_strain in the last row */
-    record_extent extent;           /* bytes written */
 } record_series;
 
 weft_status record_series_open(record_series *series, const char *directory,
                                bool ledger, weft_error *err);
-weft_status record_series_add(record_series *series, const record_frame *frame,
-                              weft_error *err);
-/* A series that is not open is allowed. */
-weft_status record_series_close(record_series *series, weft_error *err);
-
-/* Opens an existing one for reading and writing; record_series_cut must follow and
- * keeps its first part. */
 weft_status record_series_reopen(record_series *series, const char *directory,
                                  bool ledger, weft_error *err);
-weft_status record_series_cut(record_series *series, const record_extent *kept,
+weft_status record_series_add(record_series *series, const record_frame *frame,
                               weft_error *err);
-/* Writes series->extent to the disk. */
-weft_status record_series_sync(record_series *series, weft_error *err);
 
 /* vtkhdf.c: run.vtkhdf, VTKHDF 2.0, temporal. It appears with its first frame; after a
  * kill at any moment it holds every frame that was added. docs/output.md describes its
@@ -217,7 +231,7 @@ typedef struct record_result {
     size_t frames, planned;
     double wall_time;    /* [s] */
     const weft_sim *sim; /* NULL: the run never began */
-    double energy_start; /* [J] kinetic + elastic + gravitational */
+    double energy_start; /* [J] the sum of all energies */
     size_t warnings;
 } record_result;
 

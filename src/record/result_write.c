@@ -96,6 +96,24 @@ static void write_limit_def(yaml_out *out, const weft_limit_def *limit)
     yaml_out_close_map(out);
 }
 
+static void write_contact_def(yaml_out *out, const weft_contact_def *contact)
+{
+    if (contact->shape_count == 0) {
+        return;
+    }
+    yaml_out_map(out, "contact");
+    yaml_out_real(out, "thickness", contact->thickness);
+    yaml_out_real(out, "stopping_speed", contact->stopping_speed);
+    yaml_out_plain(out, "exponent", "%d", contact->exponent);
+    yaml_out_real(out, "damping", contact->damping);
+    yaml_out_real(out, "friction", contact->friction);
+    yaml_out_plain(out, "law",
+                   contact->law == WEFT_FRICTION_SMOOTH ? "smooth" : "coulomb");
+    yaml_out_real(out, "slip", contact->slip);
+    yaml_out_plain(out, "shapes", "%zu", contact->shape_count);
+    yaml_out_close_map(out);
+}
+
 static void write_run(yaml_out *out, const weft_run_def *run)
 {
     yaml_out_map(out, "run");
@@ -132,6 +150,7 @@ weft_status record_manifest(const char *directory, const weft_scene *scene,
     write_plugin(&out, plugin, plugin_file, weft_scene_method_type(scene));
     write_config(&out, weft_scene_config(scene), sim);
     write_cloth(&out, weft_sim_cloth(sim));
+    write_contact_def(&out, &weft_scene_cloth(scene)->contact);
     write_limit_def(&out, weft_scene_limit(scene));
     write_run(&out, weft_scene_run(scene));
     yaml_out_map(&out, "record");
@@ -168,6 +187,9 @@ static void write_ledger(yaml_out *out, const weft_sim *sim)
         yaml_out_real(out, "work_pins", ledger.pin_work);
         yaml_out_real(out, "work_limit", ledger.limit_work);
         yaml_out_real(out, "residual", ledger.residual);
+        yaml_out_real(out, "dissipated_contact", ledger.dissipated_contact);
+        yaml_out_real(out, "dissipated_friction", ledger.dissipated_friction);
+        yaml_out_real(out, "shape_work", ledger.shape_work);
         yaml_out_close_map(out);
     }
 }
@@ -184,6 +206,17 @@ static void write_limit(yaml_out *out, const weft_sim *sim)
     yaml_out_close_map(out);
 }
 
+static void write_contact(yaml_out *out, const weft_sim *sim, const weft_measures *all)
+{
+    if (weft_cloth_shapes(weft_sim_cloth(sim)) > 0) {
+        yaml_out_map(out, "contact");
+        yaml_out_real(out, "energy", all->energy.contact);
+        yaml_out_real(out, "min_gap", all->gap);
+        yaml_out_plain(out, "touching", "%zu", all->touching);
+        yaml_out_close_map(out);
+    }
+}
+
 static void write_outcome(yaml_out *out, const record_result *result)
 {
     const weft_cloth *cloth = weft_sim_cloth(result->sim);
@@ -198,6 +231,7 @@ static void write_outcome(yaml_out *out, const record_result *result)
     yaml_out_real(out, "energy_start", result->energy_start);
     yaml_out_real(out, "energy_end", weft_energy_total(all.energy));
     write_ledger(out, result->sim);
+    write_contact(out, result->sim, &all);
     write_limit(out, result->sim);
     yaml_out_plain(out, "warnings", "%zu", result->warnings);
     char hash[20];

@@ -3,14 +3,8 @@
  * one list makes the header and the rows. The cell of a NaN is empty. */
 #include "record/record.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
-#include <string.h>
-#include <unistd.h>
-
-#include "base/file.h"
-#include "base/hash.h"
 
 /* X(name, format, value); `row` is the struct below. */
 #define COLUMNS(X)                                                                     \
@@ -44,6 +38,19 @@
     X(work_limit, "%.17g", row.ledger.limit_work)                                      \
     X(residual, "%.17g", row.ledger.residual)
 
+/* These follow in every run. */
+#define CONTACT_COLUMNS(X)                                                             \
+    X(contact, "%.17g", row.all.energy.contact)                                        \
+    X(min_gap, "%.17g", row.all.gap)                                                   \
+    X(touching, "%zu", row.all.touching)                                               \
+    X(vetoed, "%" PRIu64, row.vetoed)
+
+/* And these if the ledger is kept. */
+#define CONTACT_LEDGER_COLUMNS(X)                                                      \
+    X(dissipated_contact, "%.17g", row.ledger.dissipated_contact)                      \
+    X(dissipated_friction, "%.17g", row.ledger.dissipated_friction)                    \
+    X(shape_work, "%.17g", row.ledger.shape_work)
+
 /* [bytes] A cell has at most 24 characters and a comma. */
 enum { LINE = 32 * RECORD_COLUMNS_MAX };
 
@@ -53,6 +60,7 @@ typedef struct series_row {
     weft_measures all;
     weft_ledger ledger;
     weft_stepper_stats stats;
+    uint64_t vetoed;
 } series_row;
 
 static series_row measure(const record_frame *frame)
@@ -73,26 +81,6 @@ static series_row measure(const record_frame *frame)
     return row;
 }
 
-static weft_status failed(const record_series *series, weft_error *err)
-{
-    return weft_error_set(err, WEFT_IO, "%s: %s", series->path, strerror(errno));
-}
-
-static weft_status write_line(record_series *series, const char *line, weft_error *err)
-{
-    const size_t length = strlen(line);
-    for (size_t i = 0; i < length; ++i) {
-        series->extent.sum
-            = weft__hash_byte(series->extent.sum, (unsigned char)line[i]);
-    }
-    series->extent.length += length;
-    (void)fputs(line, series->stream);
-    if (ferror(series->stream) || fflush(series->stream) != 0) {
-        return failed(series, err);
-    }
-    return WEFT_OK;
-}
-
 static void list_columns(record_series *series, bool ledger)
 {
     series->columns = 0;
@@ -101,66 +89,41 @@ static void list_columns(record_series *series, bool ledger)
     if (ledger) {
         LEDGER_COLUMNS(NAME)
     }
+    CONTACT_COLUMNS(NAME)
+    if (ledger) {
+        CONTACT_LEDGER_COLUMNS(NAME)
+    }
 #undef NAME
 }
 
-static weft_status open_stream(record_series *series, const char *directory,
-                               const char *mode, bool ledger, weft_error *err)
+static weft_status open_table(record_series *series, const char *directory, bool again,
+                              bool ledger, weft_error *err)
 {
-    weft_status status = record_path(directory, "series.csv", series->path, err);
-    status = status == WEFT_OK ? record_no_link(series->path, err) : status;
-    if (status != WEFT_OK) {
-        return status;
-    }
-    series->stream = weft__file_open(series->path, mode, err);
-    if (series->stream == NULL) {
-        return WEFT_IO;
-    }
     list_columns(series, ledger);
-    return WEFT_OK;
+    return record_table_open(&series->table, directory, "series.csv", again, err);
 }
 
 weft_status record_series_open(record_series *series, const char *directory,
                                bool ledger, weft_error *err)
 {
-    const weft_status status = open_stream(series, directory, "w", ledger, err);
+    const weft_status status = open_table(series, directory, false, ledger, err);
     if (status != WEFT_OK) {
         return status;
     }
     char line[LINE];
     size_t used = 0;
-    series->extent = (record_extent){ .sum = WEFT__HASH_START };
     for (size_t i = 0; i < series->columns; ++i) {
         used
             += (size_t)snprintf(line + used, sizeof line - used, "%s%c",
                                 series->names[i], i + 1 < series->columns ? ',' : '\n');
     }
-    return write_line(series, line, err);
+    return record_table_write(&series->table, line, err);
 }
 
 weft_status record_series_reopen(record_series *series, const char *directory,
                                  bool ledger, weft_error *err)
 {
-    return open_stream(series, directory, "r+", ledger, err);
-}
-
-weft_status record_series_cut(record_series *series, const record_extent *kept,
-                              weft_error *err)
-{
-    series->extent = *kept;
-    if (ftruncate(fileno(series->stream), (off_t)kept->length) == 0
-        && fseek(series->stream, 0, SEEK_END) == 0) {
-        return WEFT_OK;
-    }
-    return failed(series, err);
-}
-
-weft_status record_series_sync(record_series *series, weft_error *err)
-{
-    const weft_status status = write_line(series, "", err);
-    return status != WEFT_OK || fsync(fileno(series->stream)) == 0
-               ? status
-               : failed(series, err);
+    return open_table(series, directory, true, ledger, err);
 }
 
 weft_status record_series_add(record_series *series, const record_frame *frame,
@@ -180,18 +143,11 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
     if (row.ledger.kept) {
         LEDGER_COLUMNS(CELL)
     }
+    CONTACT_COLUMNS(CELL)
+    if (row.ledger.kept) {
+        CONTACT_LEDGER_COLUMNS(CELL)
+    }
 #undef CELL
     line[used - 1] = '\n';
-    return write_line(series, line, err);
-}
-
-weft_status record_series_close(record_series *series, weft_error *err)
-{
-    if (series->stream == NULL) {
-        return WEFT_OK;
-    }
-    const weft_status status = write_line(series, "", err);
-    const bool closed = fclose(series->stream) == 0;
-    series->stream = NULL;
-    return closed || status != WEFT_OK ? status : failed(series, err);
+    return record_table_write(&series->table, line, err);
 }

@@ -169,7 +169,7 @@ export class Cloth {
     colour(frame, quantity, out) {
         this.surface.material.userData.glow.value = quantity ? 0.45 : 0;
         if (quantity) {
-            quantity.blocks(this.run)[frame].read(quantity.plane, this.values);
+            quantity.read(this.run, frame, this.values);
             paint(this.values, quantity, out);
             return;
         }

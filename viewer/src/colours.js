@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // colours.js -- quantities a cloth is coloured by, their ranges, and the bar beside it.
 import { fitted } from './data.js';
+import { gaps } from './shapes.js';
 
 // From linen to dark red, darker all the way: calm cloth looks like cloth, and a person who
 // sees no colours still sees the order.
@@ -80,19 +81,31 @@ function blownUp(page, plane, unit, factor) {
     return decades(most, unit, factor, Math.max(1, factor * highest(page, calm, plane)));
 }
 
-/** What the page offers, by name; `blocks(run)` and `plane` tell where the numbers are. */
+/** The closer to a shape the darker, from the thickness on, where forces begin. */
+const closely = (thickness) => ({
+    unit: 'mm',
+    place: (gap) => 1 - gap / thickness,
+    ticks: [4, 3, 2, 1, 0].map((k) => number((k / 4) * 1e3 * thickness)),
+});
+
+/** What the page offers, by name; `read(run, frame, out)` has the numbers. */
 export function quantities(page) {
     const all = page.runs.flatMap((run) => fitted(page, run.blocks));
     const made = (unit, factor) => (plane) => (page.all
         ? blownUp(page, plane, unit, factor) : evenly(highest(page, all, plane), unit, factor));
     const known = { strain: made('%', 100), speed: made('m/s', 1) };
     const list = page.fields.filter((name) => known[name]).map((name) => ({
-        name, plane: 3 + page.fields.indexOf(name), blocks: (run) => run.blocks,
+        name,
+        read: (run, frame, out) => run.blocks[frame].read(3 + page.fields.indexOf(name), out),
         ...known[name](3 + page.fields.indexOf(name)),
     }));
+    if (page.runs.some((run) => run.obstacles.length > 0)) {
+        const most = Math.max(...page.runs.map((run) => run.thickness));
+        list.push({ name: 'gap', read: (run, frame, out) => gaps(page, run, frame, out), ...closely(most) });
+    }
     if (page.apart.length > 0) {
         const most = Math.max(...fitted(page, page.apart).map((block) => block.range(0)[1]));
-        list.unshift({ name: 'difference', plane: 0, blocks: () => page.apart, ...decades(most, 'm') });
+        list.unshift({ name: 'difference', read: (_, frame, out) => page.apart[frame].read(0, out), ...decades(most, 'm') });
     }
     return list;
 }

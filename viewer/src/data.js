@@ -2,6 +2,8 @@
 // data.js -- what weft put into the page (docs/player.md): a description as JSON and a
 // block of numbers for each frame of each run.
 
+import { shapeBoxes } from './shapes.js';
+
 const bytesOf = (text) => (Uint8Array.fromBase64
     ? Uint8Array.fromBase64(text)
     : Uint8Array.from(atob(text), (c) => c.charCodeAt(0)));
@@ -120,7 +122,7 @@ export function readPage(root) {
     const calm = calmFrames(runs, meta.times.length);
     const blown = calm < meta.times.length;
     // Two frames make no plot.
-    return { ...meta, runs, apart, count, calm, blown, all: blown && calm < 3, obstacles: meta.obstacles ?? [] };
+    return { ...meta, runs, apart, count, calm, blown, all: blown && calm < 3 };
 }
 
 /** Frames that view, colours and plots fit: all, or those before a run blows up. */
@@ -139,5 +141,9 @@ export function extent(page, frame, most) {
     };
 }
 
-/** The box around each calm frame of each run: [lo x, hi x], [lo y, hi y], [lo z, hi z]. */
-export const boxes = (page) => page.runs.flatMap((run) => run.blocks.slice(0, page.calm)).map(box);
+/** The box around each calm frame of each run, and around the shapes that are not much larger than
+ * the cloth: [lo x, hi x], [lo y, hi y], [lo z, hi z]. */
+export function boxes(page) {
+    const list = page.runs.flatMap((run) => run.blocks.slice(0, page.calm)).map(box);
+    return [...list, ...shapeBoxes(page, 2 * Math.max(...list.map(length)))];
+}

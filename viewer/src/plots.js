@@ -16,7 +16,8 @@ const positive = (values) => values?.map((v) => (v > 0 ? v : null));
 
 function total(columns) {
     const parts = ['kinetic', 'elastic', 'gravitational'].map((name) => columns.get(name));
-    return parts.every(Boolean) ? parts[0].map((v, i) => v + parts[1][i] + parts[2][i]) : undefined;
+    const contact = columns.get('contact') ?? [];
+    return parts.every(Boolean) ? parts[0].map((v, i) => v + parts[1][i] + parts[2][i] + (contact[i] ?? 0)) : undefined;
 }
 
 const column = (name, ink, label = name) => ({ label, ink, of: (c) => c.get(name) });
@@ -47,6 +48,11 @@ const PLOTS = [
             { label: 'strain', ink: 0, brief: true, of: (c) => times100(c.get('max_strain')) },
             { label: 'limited', ink: 3, of: (c) => times100(nonzero(c.get('limit_strain'))) },
         ],
+    },
+    {
+        title: 'smallest gap [m]',
+        log: true,
+        curves: [{ label: 'gap', ink: 2, brief: true, of: (c) => positive(c.get('min_gap')) }],
     },
     {
         title: 'step size [s]',

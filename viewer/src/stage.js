@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // stage.js -- camera, light, floor; a view for each run, side by side under one camera.
 import {
-    DirectionalLight, DoubleSide, HemisphereLight, Mesh, MeshLambertMaterial, PCFShadowMap,
-    PerspectiveCamera, PlaneGeometry, Scene, ShaderMaterial, ShadowMaterial, SphereGeometry,
-    Vector3, WebGLRenderer,
+    DirectionalLight, DoubleSide, HemisphereLight, Mesh, PCFShadowMap, PerspectiveCamera,
+    PlaneGeometry, Scene, ShaderMaterial, ShadowMaterial, Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { Cloth } from './cloth.js';
 import { extent } from './data.js';
+import { Shapes } from './shapes.js';
 
 const DIRECTION = new Vector3(0.6, 0.27, 1).normalize(); // from the cloth to the camera
 const MARGIN = 1.12;
@@ -41,21 +41,6 @@ function floorGrid(cell, radius) {
             }`,
     });
 }
-
-/** Bodies that stand in the way of a cloth: {type, ...} of docs/player.md. */
-const OBSTACLES = {
-    sphere: ({ centre, radius }) => {
-        const made = new Mesh(new SphereGeometry(radius, 48, 32));
-        made.position.set(...centre);
-        return made;
-    },
-    plane: ({ point, normal }, size) => {
-        const made = new Mesh(new PlaneGeometry(4 * size, 4 * size));
-        made.position.set(...point);
-        made.lookAt(new Vector3(...point).add(new Vector3(...normal)));
-        return made;
-    },
-};
 
 /** Whether pictures are drawn by the processor alone: then shadows and smooth edges
  * would cost the motion. */
@@ -97,24 +82,16 @@ export class Stage {
     makeView(run) {
         const scene = new Scene();
         const cloth = new Cloth(this.page, run, this.size);
+        const shapes = new Shapes(this.page, run, this.size);
         const key = new DirectionalLight('#fff4e6', 2.8);
         key.position.copy(this.centre).addScaledVector(new Vector3(-0.62, 1, 0.75).normalize(), 2 * this.size);
         key.target.position.copy(this.centre);
         this.castShadows(key);
         const fill = new DirectionalLight('#dce8ff', 1.1);
         fill.position.set(0.9, -0.15, 0.8);
-        scene.add(cloth.group, new HemisphereLight('#ffffff', '#a19c94', 1.4), key, key.target, fill);
+        scene.add(cloth.group, shapes.group, new HemisphereLight('#ffffff', '#a19c94', 1.4), key, key.target, fill);
         this.addFloor(scene);
-        for (const body of this.page.obstacles) {
-            const made = OBSTACLES[body.type]?.(body, this.size);
-            if (made) {
-                made.material = new MeshLambertMaterial({ color: '#8d99ae', side: DoubleSide });
-                made.castShadow = true;
-                made.receiveShadow = true;
-                scene.add(made);
-            }
-        }
-        return { scene, cloth };
+        return { scene, cloth, shapes };
     }
 
     castShadows(light) {
@@ -163,8 +140,9 @@ export class Stage {
     show(frame, quantity) {
         const { centre, scale } = this.page.all ? extent(this.page, frame, this.size) : { scale: 1 };
         const place = scale > 1 ? { from: centre, scale, to: this.centre.toArray() } : null;
-        for (const { cloth } of this.views) {
+        for (const { cloth, shapes } of this.views) {
             cloth.show(frame, quantity, place);
+            shapes.show(frame, place);
         }
         this.request();
         return scale;

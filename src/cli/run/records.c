@@ -64,7 +64,8 @@ weft_status run_checkpoint(run *self, size_t index, weft_error *err)
 {
     record_checkpoint *now = &self->checkpoint;
     now->frame = index;
-    now->series = self->series.extent;
+    now->series = self->series.table.extent;
+    now->shapes = self->shapes.extent;
     now->extremes = self->summary.extremes;
     now->wall_time = weft__wall_clock() - self->began;
     TRY(weft_sim_save(self->sim, now->state, now->state_size, err));
@@ -72,7 +73,8 @@ weft_status run_checkpoint(run *self, size_t index, weft_error *err)
     if (!isfinite(weft_sim_ledger(self->sim).residual)) {
         return WEFT_OK;
     }
-    TRY(record_series_sync(&self->series, err));
+    TRY(record_table_sync(&self->series.table, err));
+    TRY(record_table_sync(&self->shapes, err));
     TRY(record_vtkhdf_sync(self->frames, &now->vtkhdf, err));
     return record_checkpoint_write(self->out, now, err);
 }
@@ -113,6 +115,12 @@ static weft_status name_damage(const run *self, const char *name, weft_error *er
                           path, self->from->frame);
 }
 
+static bool is_intact(const record_table *table, const record_extent *kept)
+{
+    return table->stream == NULL
+           || record_bytes_sum(table->path, 0, kept->length) == kept->sum;
+}
+
 /* Opens the records of the checkpoint and checks all of them; writes nothing. */
 static weft_status check_records(run *self, weft_error *err)
 {
@@ -121,12 +129,17 @@ static weft_status check_records(run *self, weft_error *err)
     bool equal = false;
     TRY(record_series_reopen(&self->series, self->out,
                              weft_scene_record(self->scene)->ledger, err));
+    TRY(record_shapes_open(&self->shapes, self->out, self->cloth, true, err));
     TRY(record_vtkhdf_reopen(&def, &from->vtkhdf, &self->frames, &equal, err));
-    if (record_bytes_sum(self->series.path, 0, from->series.length)
-        != from->series.sum) {
+    if (!is_intact(&self->series.table, &from->series)) {
         return name_damage(self, "series.csv", err);
     }
-    return equal ? WEFT_OK : name_damage(self, "run.vtkhdf", err);
+    if (!equal) {
+        return name_damage(self, "run.vtkhdf", err);
+    }
+    return is_intact(&self->shapes, &from->shapes)
+               ? WEFT_OK
+               : name_damage(self, "shapes.csv", err);
 }
 
 /* To the checkpoint's frame. */
@@ -135,7 +148,8 @@ static weft_status reopen_records(run *self, weft_error *err)
     TRY(check_records(self, err));
     TRY(write_manifest(self, err));
     TRY(record_vtkhdf_cut(self->frames, err));
-    return record_series_cut(&self->series, &self->from->series, err);
+    TRY(record_table_cut(&self->shapes, &self->from->shapes, err));
+    return record_table_cut(&self->series.table, &self->from->series, err);
 }
 
 /* The files that an earlier attempt wrote at its end. */
@@ -153,6 +167,7 @@ static weft_status open_records(run *self, weft_error *err)
     TRY(write_manifest(self, err));
     TRY(record_series_open(&self->series, self->out,
                            weft_scene_record(self->scene)->ledger, err));
+    TRY(record_shapes_open(&self->shapes, self->out, self->cloth, false, err));
     return record_vtkhdf_create(&def, &self->frames, err);
 }
 
@@ -200,7 +215,11 @@ weft_status run_close(run *self, weft_status status, weft_error *err)
     const weft_status frames
         = record_vtkhdf_close(self->frames, status == WEFT_OK ? err : NULL);
     status = status == WEFT_OK ? frames : status;
-    const weft_status series
-        = record_series_close(&self->series, status == WEFT_OK ? err : NULL);
-    return status == WEFT_OK ? series : status;
+    record_table *const tables[] = { &self->series.table, &self->shapes };
+    for (size_t i = 0; i < 2; ++i) {
+        const weft_status table
+            = record_table_close(tables[i], status == WEFT_OK ? err : NULL);
+        status = status == WEFT_OK ? table : status;
+    }
+    return status;
 }

@@ -89,8 +89,9 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
                                  .limit_sweeps = limit.sweeps - self->limit_sweeps };
     self->limit_sweeps = limit.sweeps;
     warn_of_limit(self);
-    /* The row first: every frame of run.vtkhdf has its row in the series. */
+    /* The rows first: every frame of run.vtkhdf has its row in the series. */
     weft_status status = record_series_add(&self->series, &frame, err);
+    status = status == WEFT_OK ? record_shapes_add(&self->shapes, &frame, err) : status;
     status = status == WEFT_OK ? record_vtkhdf_add(self->frames, &frame, err) : status;
     if (status == WEFT_OK && self->obj) {
         status = write_frame_obj(self, index, err);

@@ -32,6 +32,7 @@ typedef struct run {
     weft_cloth *cloth;
     weft_sim *sim;
     record_series series;
+    record_table shapes;
     record_vtkhdf *frames;
     record_result result;
     record_checkpoint checkpoint; /* the next one */

@@ -26,7 +26,7 @@ void summary_frame(summary *self, const weft_spring *now)
     }
 }
 
-/* ---- for people: eight lines ------------------------------------------------ */
+/* ---- for people -------------------------------------------------------- */
 
 static void print_what(const summary *self)
 {
@@ -95,16 +95,34 @@ static void print_strain(const summary *self)
 static void print_energy(const summary *self)
 {
     const weft_ledger ledger = weft_sim_ledger(self->sim);
-    char balance[160] = "";
+    char balance[200] = "", shapes[48] = "";
+    if (weft_cloth_shapes(weft_sim_cloth(self->sim)) > 0) {
+        (void)snprintf(shapes, sizeof shapes, ", of shapes %.4g J", ledger.shape_work);
+    }
     if (ledger.kept) {
         (void)snprintf(balance, sizeof balance,
-                       ", %.4g J dissipated, work of wind %.4g J, of pins %.4g J; "
+                       ", %.4g J dissipated, work of wind %.4g J, of pins %.4g J%s; "
                        "ledger closes to %.2g J",
                        weft_sim_dissipated(self->sim), ledger.wind_work,
-                       ledger.pin_work, ledger.residual);
+                       ledger.pin_work, shapes, ledger.residual);
     }
     print_item("energy", "%.6g -> %.6g J%s", self->result->energy_start,
                weft_energy_total(ledger.energy), balance);
+}
+
+/* Nothing without shapes. */
+static void print_contact(const summary *self)
+{
+    char touching[HUMAN];
+    const size_t shapes = weft_cloth_shapes(weft_sim_cloth(self->sim));
+    const weft_measures all = weft_sim_measure(self->sim);
+    if (shapes > 0) {
+        print_item("contact",
+                   "%zu %s, %s particles touch and the smallest gap is %.3g mm at the "
+                   "end",
+                   shapes, shapes == 1 ? "shape" : "shapes",
+                   human_count(all.touching, touching), 1e3 * all.gap);
+    }
 }
 
 static void print_limit(const summary *self)
@@ -143,6 +161,7 @@ void summary_print(const summary *self)
     print_step_sizes(self);
     print_strain(self);
     print_energy(self);
+    print_contact(self);
     print_limit(self);
     print_files(self);
 }

@@ -34,9 +34,10 @@ weft_status record_surface_write(const char *directory, const char *name,
  * relative to this one. */
 typedef struct record_movie {
     void (*begin)(FILE *stream, const double *times, size_t frames, size_t particles);
-    record_write_fn *points;                                   /* either this */
-    void (*list)(FILE *stream, double time, const char *file); /* or this */
-    void (*end)(FILE *stream);                                 /* NULL: not called */
+    record_write_fn *points; /* either this */
+    void (*list)(FILE *stream, double time, size_t part, const char *file); /* or this
+                                                                             */
+    void (*end)(FILE *stream); /* NULL: not called */
 } record_movie;
 
 /* export_cache.c: point caches of other programs. export_vtp.c: an index of VTP files.

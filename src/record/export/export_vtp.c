@@ -140,10 +140,10 @@ static void begin_pvd(FILE *stream, const double *times, size_t frames,
     fputs(HEAD("Collection") "<Collection>\n", stream);
 }
 
-static void list_pvd(FILE *stream, double time, const char *file)
+static void list_pvd(FILE *stream, double time, size_t part, const char *file)
 {
-    fprintf(stream, "<DataSet timestep=\"%.17g\" part=\"0\" file=\"%s\"/>\n", time,
-            file);
+    fprintf(stream, "<DataSet timestep=\"%.17g\" part=\"%zu\" file=\"%s\"/>\n", time,
+            part, file);
 }
 
 static void end_pvd(FILE *stream)

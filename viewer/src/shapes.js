@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// shapes.js -- bodies that a cloth touches: where they are, how far it is to them, meshes.
+import {
+    DoubleSide, Group, Mesh, MeshLambertMaterial, PlaneGeometry, Quaternion, SphereGeometry, Vector3,
+} from 'three';
+
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const minus = (a, b) => a.map((x, k) => x - b[k]);
+const unit = (a) => a.map((x) => x / Math.hypot(...a));
+
+/** Its point `at` at time t [s]. */
+export const placeAt = (shape, t) => shape.at.map(
+    (x, k) => x + shape.velocity[k] * t + shape.amplitude[k] * Math.sin(2 * Math.PI * shape.frequency * t),
+);
+
+/** How far x is beyond the range from lo to hi. */
+const beyond = (x, lo, hi) => Math.max(x - hi, 0) + Math.min(x - lo, 0);
+
+/** The gap of a point r from `at`: the formulas of docs/physics.md. */
+const GAPS = {
+    plane: (shape) => {
+        const normal = unit(shape.normal);
+        return (r) => dot(r, normal);
+    },
+    sphere: ({ radius }) => (r) => Math.hypot(...r) - radius,
+    capsule: (shape) => {
+        const way = minus(shape.to, shape.at);
+        const axis = unit(way);
+        const length = Math.hypot(...way);
+        return (r) => {
+            const along = dot(r, axis);
+            const rho2 = Math.max(dot(r, r) - along * along, 0);
+            return (rho2 ** 2 + beyond(along, 0, length) ** 4) ** 0.25 - shape.radius;
+        };
+    },
+    box: ({ half, rounding }) => (r) => {
+        const q = r.map((x, k) => beyond(x, rounding - half[k], half[k] - rounding));
+        return (q[0] ** 4 + q[1] ** 4 + q[2] ** 4) ** 0.25 - rounding;
+    },
+};
+
+/** The smallest gap [m] of each particle of a run in a frame. */
+export function gaps(page, run, frame, out) {
+    const [x, y, z] = [0, 1, 2].map((k) => run.blocks[frame].read(k, new Float32Array(out.length)));
+    const near = run.obstacles.map((shape) => [GAPS[shape.shape](shape), placeAt(shape, page.times[frame])]);
+    for (let i = 0; i < out.length; ++i) {
+        out[i] = near.reduce((least, [gap, at]) => Math.min(least, gap([x[i] - at[0], y[i] - at[1], z[i] - at[2]])), Infinity);
+    }
+    return out;
+}
+
+/** A sphere's points, moved to the core of a shape and its distance from there; `core` is
+ * half of the core's edges, `norm` the length of a direction in the norm of the gap. */
+function around(core, radius, norm) {
+    const made = new SphereGeometry(1, 64, 32);
+    const { position, normal } = made.attributes;
+    for (let i = 0; i < position.array.length; i += 3) {
+        const n = [0, 1, 2].map((k) => (Math.abs(position.array[i + k]) < 1e-6 ? 0 : position.array[i + k]));
+        const [length, slope] = norm(n);
+        position.array.set(n.map((x, k) => Math.sign(x) * core[k] + (radius / length) * x), i);
+        normal.array.set(unit(slope), i);
+    }
+    return made;
+}
+
+/** Length of n, and the direction in which it grows. */
+const round = ([x, y, z]) => [((x * x + z * z) ** 2 + y ** 4) ** 0.25, [(x * x + z * z) * x, y ** 3, (x * x + z * z) * z]];
+const cubic = (n) => [(n[0] ** 4 + n[1] ** 4 + n[2] ** 4) ** 0.25, n.map((x) => x ** 3)];
+
+const MESHES = {
+    plane: ({ normal }, size) => {
+        const made = new Mesh(new PlaneGeometry(4 * size, 4 * size));
+        made.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...unit(normal)));
+        return made;
+    },
+    sphere: ({ radius }) => new Mesh(new SphereGeometry(radius, 64, 32)),
+    capsule: ({ at, to, radius }) => {
+        const way = minus(to, at);
+        const length = Math.hypot(...way);
+        const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 1, 0), new Vector3(...unit(way)));
+        const geometry = around([0, length / 2, 0], radius, round).translate(0, length / 2, 0).applyQuaternion(turn);
+        return new Mesh(geometry);
+    },
+    box: ({ half, rounding }) => new Mesh(around(half.map((x) => x - rounding), rounding, cubic)),
+};
+
+export class Shapes {
+    constructor(page, run, size) {
+        this.page = page;
+        this.list = run.obstacles;
+        this.group = new Group();
+        for (const shape of this.list) {
+            const made = MESHES[shape.shape](shape, size);
+            made.material = new MeshLambertMaterial({ color: '#8d99ae', side: DoubleSide });
+            made.castShadow = shape.shape !== 'plane';
+            made.receiveShadow = true;
+            this.group.add(made);
+        }
+    }
+
+    /** `place` as in Cloth. */
+    show(frame, place) {
+        const { scale = 1, from = [0, 0, 0], to = [0, 0, 0] } = place ?? {};
+        this.group.scale.setScalar(1 / scale);
+        this.group.position.set(...to.map((x, k) => x - from[k] / scale));
+        this.list.forEach((shape, i) => {
+            this.group.children[i].position.set(...placeAt(shape, this.page.times[frame]));
+        });
+    }
+}
+
+/** Half the edges of the box around a shape, and the middle of it beside `at`; null of a plane. */
+const extents = {
+    plane: () => null,
+    sphere: ({ radius }) => [[radius, radius, radius], [0, 0, 0]],
+    capsule: ({ at, to, radius }) => {
+        const half = minus(to, at).map((x) => x / 2);
+        return [half.map((x) => Math.abs(x) + radius), half];
+    },
+    box: ({ half }) => [half, [0, 0, 0]],
+};
+
+/** The boxes of all shapes, no larger than `most` [m], in the first, middle and last frame. */
+export function shapeBoxes(page, most) {
+    const { times } = page;
+    const looked = [times[0], times[times.length >> 1], times.at(-1)];
+    return page.runs.flatMap((run) => run.obstacles).flatMap((shape) => {
+        const [half, middle] = extents[shape.shape](shape) ?? [[Infinity, 0, 0]];
+        return 2 * Math.hypot(...half) > most ? [] : looked.map(
+            (t) => placeAt(shape, t).map((x, k) => [x + middle[k] - half[k], x + middle[k] + half[k]]),
+        );
+    });
+}
