@@ -251,9 +251,10 @@ $(BUILD)/tests/promises/weft-%.so: tests/promises/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -shared -o $@ $< -lm
 
-# A libm for test_libm to preload.
-WRONG_LIBM := $(BUILD)/tests/wrong_libm.so
-$(WRONG_LIBM): tests/wrong_libm.c
+# Libraries that tests preload: a wrong libm, a file that never delivers, a fork that
+# often fails.
+PRELOADED := $(BUILD)/tests/wrong_libm.so $(BUILD)/tests/stalled_file.so $(BUILD)/tests/failing_fork.so
+$(PRELOADED): $(BUILD)/tests/%.so: tests/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(CC) $(STRICT) $(WARN) -O1 -fno-builtin -shared -o $@ $< -ldl -lm
 
@@ -304,7 +305,7 @@ ALL_OF_THEM = $(if $(findstring -j,$(MAKEFLAGS)),,-j $(shell getconf _NPROCESSOR
 check: deps
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) check-run
 
-check-run: all $(TEST_BIN) $(BROKEN) $(PROMISES) $(WRONG_LIBM) $(EXAMPLES) lint
+check-run: all $(TEST_BIN) $(BROKEN) $(PROMISES) $(PRELOADED) $(EXAMPLES) lint
 	@tools/run-tests $(BUILD) $(foreach t,$(TESTS),$(if $(filter $t,$(ALONE)),test_$t,'run $t'))
 
 # What is written, read by the programs it is meant for; what is not there is skipped.
@@ -394,7 +395,7 @@ check-determinism: hashes
 	@MAKE="$(MAKE)" tools/check-determinism $(BUILD)
 
 # The same bits whatever libm and whatever processor; wants qemu-user.
-check-libm: all $(BUILD)/tests/test_libm $(WRONG_LIBM)
+check-libm: all $(BUILD)/tests/test_libm $(PRELOADED)
 	@tools/check-libm $(BUILD)
 
 # libFuzzer, a minute a target, as many at once as there are processors: `make fuzz FUZZ_SECONDS=1200 FUZZ=scene`.

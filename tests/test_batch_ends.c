@@ -140,6 +140,17 @@ START_TEST(a_run_that_fails_keeps_its_report_and_the_others_go_on)
 }
 END_TEST
 
+START_TEST(a_fork_that_fails_is_tried_again_while_others_run)
+{
+    write_sweep("h.yaml", short_run,
+                "sweep: {stepper.fixed_step: [1.0e-3, 5.0e-4, 2.5e-4]}\n");
+    expect(shell("ASAN_OPTIONS=verify_asan_link_order=0 LD_PRELOAD=" BUILD_DIR
+                 "/tests/failing_fork.so " BATCH "/h.yaml --out " OUT "/o -j 3 2>&1"),
+           0);
+    says("3 runs in " OUT "/o: 3 done\n");
+}
+END_TEST
+
 TEST_SUITE(batch_ends)
 {
     Suite *all = suite_create("batch ends");
@@ -154,6 +165,7 @@ TEST_SUITE(batch_ends)
         program, a_signal_ends_a_batch_with_valid_results_and_it_goes_on_later, 0, 2);
     tcase_add_test(program, a_run_that_takes_too_long_is_left_until_it_is_asked_for);
     tcase_add_test(program, a_run_that_fails_keeps_its_report_and_the_others_go_on);
+    tcase_add_test(program, a_fork_that_fails_is_tried_again_while_others_run);
     suite_add_tcase(all, program);
     return all;
 }

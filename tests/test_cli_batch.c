@@ -239,7 +239,7 @@ START_TEST(a_link_in_the_place_of_a_run_is_not_followed)
     expect(shell("mkdir " OUT "/o " OUT "/elsewhere && ln -s ../elsewhere " OUT
                  "/o/small && " BATCH "/small.yaml --out " OUT "/o 2>&1"),
            4);
-    says("small is no directory");
+    says("small is not a readable directory");
     expect(shell("ls -A " OUT "/elsewhere"), 0);
     ck_assert_str_eq(output, "");
 }

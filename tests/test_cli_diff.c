@@ -132,7 +132,7 @@ START_TEST(without_frames_only_states_are_compared)
     expect(shell("rm " OUT "/b/run.vtkhdf"), 0);
     diff("a b", 1);
     says("first other state: frame 0");
-    says("no run.vtkhdf to tell where and by how much\n");
+    says("no run.vtkhdf to show where and by how much\n");
     diff("a b --tol 1", 4);
     says("b/run.vtkhdf is missing: --tol compares the positions of frames");
     run("c", HELD);

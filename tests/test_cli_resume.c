@@ -81,7 +81,7 @@ START_TEST(an_interrupted_run_goes_on)
     stop_midway(SIGINT, "");
     expect(shell("grep 'status: interrupted' " OUT "/k/result.yaml"), 0);
     expect(shell(WEFT " resume " OUT "/k 2>&1"), 0);
-    says("goes on after frame ");
+    says("continues after frame ");
     says(" frames, 0.6 s simulated in ");
     says("121 of 121 frames");
     ends_as_reference();
@@ -116,7 +116,7 @@ START_TEST(an_unfinished_run_is_told_as_that_wherever_it_is_met)
         (void)shell("rm -rf " OUT "/k");
         stop_midway(signals[i], "");
         expect(shell(WEFT " run " OUT "/s.yaml --out " OUT "/k 2>&1"), 4);
-        says("/k: holds an unfinished run: 'weft resume " OUT "/k' goes on with it; or "
+        says("/k: holds an unfinished run: 'weft resume " OUT "/k' continues it; or "
              "choose another --out, or --force to replace it\n");
         expect(shell(WEFT " export " OUT "/k --format obj 2>&1 >/dev/null"), 0);
         says(" of 121 frames\n");
@@ -142,7 +142,7 @@ START_TEST(a_run_that_is_done_is_left_alone)
                  "/ref 2>&1; code=$?; cksum " OUT "/ref/* | cmp - " OUT
                  "/sums 2>&1 && exit $code"),
            0);
-    says("is done already");
+    says("is already done");
 }
 END_TEST
 
@@ -212,8 +212,8 @@ START_TEST(many_directories_are_gone_on_with_one_by_one)
     stop_midway(SIGKILL, "");
     (void)shell("cp -r " OUT "/k " OUT "/k2; mkdir " OUT "/none");
     expect(shell(WEFT " resume " OUT "/none " OUT "/ref " OUT "/k2 " OUT "/k 2>&1"), 4);
-    says("none: no scene.yaml: this is no run");
-    says("ref: is done already");
+    says("none: no scene.yaml: not a run");
+    says("ref: is already done");
     ends_as_reference();
     expect(shell("cmp " OUT "/k/final.csv " OUT "/k2/final.csv 2>&1"), 0);
 }

@@ -310,8 +310,8 @@ START_TEST(no_number_may_be_nan_infinite_or_of_the_wrong_sign)
         FIELD(def.spacing, 2, POSITIVE, "spacing "),
         FIELD(def.origin, 3, ANY, "origin and velocity must be finite"),
         FIELD(def.velocity, 3, ANY, "origin and velocity must be finite"),
-        FIELD(def.right, 3, ANY, "right and down must be finite and not zero"),
-        FIELD(def.down, 3, ANY, "right and down must be finite and not zero"),
+        FIELD(def.right, 3, ANY, "right is ["),
+        FIELD(def.down, 3, ANY, "down is ["),
         FIELD(def.scale, 1, POSITIVE, "scale "),
         FIELD(def.mass, 1, NOT_NEGATIVE, "mass "),
         FIELD(def.density, 1, POSITIVE, "mass 0 kg, density "),
@@ -359,7 +359,7 @@ START_TEST(refusals_name_the_field)
     REFUSED("a grid of 18446744073709551615 x 4 has more than 2147483648 particles",
             b.def.rows = SIZE_MAX);
     REFUSED("spacing 1, -2 m: must be > 0", b.def.spacing[1] = -2.0);
-    REFUSED("right and down must be finite and not zero", b.def.right[0] = 0.0);
+    REFUSED("right is [0, 0, 0], which is no direction", b.def.right[0] = 0.0);
     REFUSED("down [0.75, -1, 0] is not perpendicular to right [1, 0, 0]: the cosine is "
             "0.6, not below 1e-9",
             b.def.down[0] = 0.75);

@@ -68,10 +68,9 @@ static void touch(weft_shape_kind kind, double t)
     weft_cloth_start(cloth, y);
     for (size_t i = 0; i < N; ++i) {
         const double want = (0.5 + 0.4 * noise(&seed)) * def.contact.thickness;
-        double way[3], square = 0.0;
+        double way[3];
         for (size_t k = 0; k < 3; ++k) {
             way[k] = noise(&seed);
-            square += way[k] * way[k];
             y[(3 + k) * N + i] = 2.0 * noise(&seed);
         }
         if (kind == WEFT_PLANE) {
@@ -154,6 +153,43 @@ START_TEST(forces_are_the_slope_of_the_energy)
         ck_assert_double_eq_tol(f[j], (behind - ahead) / (2.0 * h),
                                 1e-5 * (1.0 + fabs(f[j])));
     }
+}
+END_TEST
+
+/* The formulas of docs/physics.md for p = 4, once more, on a plane at rest. */
+START_TEST(forces_are_those_of_the_formulas)
+{
+    const double m = 0.1, dh = 0.02, vc = 5.0, e = 0.5 * vc * vc, chi = 1.0, mu = 0.3;
+    const double d = 0.3 * dh, s = 1.0 - d / dh, eps = 1e-3, un = -0.7, w = 2e-3;
+    const double u = chi * un, z = 1.0 - s;
+    const double n0 = m * e / dh * s * s * s * (4.0 - 3.0 * s) / (z * z);
+    const double kn
+        = m * e / (dh * dh) * s * s * (12.0 - 16.0 * s + 6.0 * s * s) / (z * z * z);
+    const double n = n0 * (sqrt(1.0 + u * u) - u);
+    const double q = mu * n / (10.0 * m * sqrt(kn / m));
+    weft_shape floor = weft_shape_default(WEFT_PLANE);
+    double f[3 * N];
+    def.contact.shapes = &floor;
+    def.contact.shape_count = 1;
+    def.contact.law = _i == 0 ? WEFT_FRICTION_SMOOTH : WEFT_FRICTION_COULOMB;
+    memset(def.gravity, 0, sizeof def.gravity);
+    cloth = test_cloth(&def);
+    weft_cloth_start(cloth, y);
+    y[N] = d;
+    y[3 * N] = _i == 2 ? 0.3 * eps : w; /* faster or slower than eps */
+    y[4 * N] = un;
+    weft_cloth_force(cloth, 0.0, y, f);
+    const double slow = 0.3;
+    const double friction = _i == 0   ? mu * n * w / sqrt(w * w + eps * eps + q * q)
+                            : _i == 1 ? mu * n
+                                      : mu * n * (2.0 * slow - slow * slow);
+    ck_assert_double_eq_tol(f[N], n, 1e-13 * n);
+    ck_assert_double_eq_tol(f[0], -friction, 1e-13 * n);
+    ck_assert(f[2 * N] == 0.0);
+    ck_assert_double_eq_tol(weft_cloth_energy(cloth, 0.0, y).contact,
+                            m * e * s * s * s * s / z, 1e-14);
+    y[N] = 0.27551 * dh; /* where a particle at the stopping speed turns */
+    ck_assert_double_eq_tol(weft_cloth_energy(cloth, 0.0, y).contact, m * e, 1e-4);
 }
 END_TEST
 
@@ -520,6 +556,7 @@ TEST_SUITE(contact)
     tcase_add_checked_fixture(tcase, setup, teardown);
     tcase_add_loop_test(tcase, powers_are_the_rate_of_the_energy, 0, 16);
     tcase_add_loop_test(tcase, forces_are_the_slope_of_the_energy, 0, 16);
+    tcase_add_loop_test(tcase, forces_are_those_of_the_formulas, 0, 3);
     tcase_add_loop_test(tcase, gaps_are_distances, 0, 8);
     tcase_add_loop_test(tcase, gaps_grow_no_faster_than_distances, 0, WEFT_SHAPES);
     tcase_add_test(tcase, poses_follow_the_motion);

@@ -341,7 +341,7 @@ START_TEST(pvd_lists_every_frame_at_its_time)
 }
 END_TEST
 
-/* ---- chains, frames left out, frames computed anew -------------------------- */
+/* ---- chains, frames left out, frames computed again -------------------------- */
 
 START_TEST(a_chain_is_a_line_in_every_format)
 {
@@ -421,7 +421,7 @@ START_TEST(without_run_vtkhdf_frames_are_computed_anew)
                           "/r/run.vtkhdf && cmp " OUT "/kept " OUT "/r/run.%s",
                      formats[i], formats[i], formats[i], formats[i]),
                0);
-        says("run.vtkhdf is missing: frames are computed anew");
+        says("run.vtkhdf is missing: frames are computed again");
     }
 }
 END_TEST

@@ -225,7 +225,7 @@ START_TEST(a_batch_writes_nothing_through_a_link)
     expect(with_link("done", "summary.csv", run), 0);
     expect(with_link("done", "summary.csv.tmp", run), 0);
     expect(with_link("done", "small", run), 4);
-    says("r/small is no directory");
+    says("r/small is not a readable directory");
     expect(with_link("empty", "small", run), 4);
     expect(shell("cd " OUT " && rm done/small/run.vtkhdf.tmp done/small/result.yaml; "
                  "rm done/small/scene.yaml && : > mine/x && "

@@ -343,6 +343,16 @@ START_TEST(export_of_a_damaged_file_names_it)
 }
 END_TEST
 
+START_TEST(a_file_that_is_never_read_is_given_up)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/x --quiet"), 0);
+    expect(shell("ASAN_OPTIONS=verify_asan_link_order=0 LD_PRELOAD=" BUILD_DIR
+                 "/tests/stalled_file.so " WEFT " export " OUT "/x --format obj 2>&1"),
+           4);
+    says(OUT "/x/run.vtkhdf: not read within 20 s\n");
+}
+END_TEST
+
 TEST_SUITE(record)
 {
     Suite *all = suite_create("record");
@@ -358,6 +368,7 @@ TEST_SUITE(record)
     tcase_add_test(frames, flipped_bytes_never_end_the_program);
     tcase_add_test(frames, a_rest_pose_that_is_not_finite_is_refused);
     tcase_add_test(frames, export_of_a_damaged_file_names_it);
+    tcase_add_test(frames, a_file_that_is_never_read_is_given_up);
     tcase_add_test(frames, the_counts_of_steps_stand_in_the_first_page);
     suite_add_tcase(all, frames);
     return all;

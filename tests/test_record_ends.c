@@ -327,7 +327,7 @@ START_TEST(a_run_that_could_not_write_is_unfinished_and_goes_on)
     expect(shell("rm -r " OUT "/w/final.csv.tmp; " WEFT " run " OUT
                  "/small.yaml --out " OUT "/w 2>&1"),
            4);
-    says("/w: holds an unfinished run: 'weft resume " OUT "/w' goes on with it");
+    says("/w: holds an unfinished run: 'weft resume " OUT "/w' continues it");
     expect(shell(WEFT " export " OUT "/w --format obj 2>&1"), 0);
     says("/w: unfinished: 11 of 11 frames\n");
     expect(shell("rm -r " OUT "/w/frames; " WEFT " resume " OUT "/w --quiet && rm " OUT

@@ -38,7 +38,7 @@ static const struct {
     { { "stepper.method=verlet/velocity_verlet", "stepper.fixed_step=1e-3",
         "stepper.rtol=1e-3" },
       "command line, --set number 3:9: error: rtol would not be used by method "
-      "'velocity_verlet', which has no error control\n",
+      "'velocity_verlet' of plugin 'verlet', which has no error control\n",
       false },
     { { "stepper.fixed_step=1e-3", "stepper.rtol=1e-3" },
       "command line, --set number 2:9: error: rtol excludes fixed_step (command line, "

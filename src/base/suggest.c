@@ -69,15 +69,6 @@ void weft__guess_try(weft__guess *guess, const char *typed, const char *name)
     }
 }
 
-double weft__unlikeness(const char *typed, const char *name)
-{
-    const size_t typed_length = strlen(typed), length = strlen(name);
-    const size_t longer = typed_length > length ? typed_length : length;
-    return longer == 0 || longer > MAX_LENGTH
-               ? 1.0
-               : (double)distance(typed, name) / (double)longer;
-}
-
 const char *weft__guess_text(const weft__guess *guess, char *out, size_t size)
 {
     out[0] = '\0';

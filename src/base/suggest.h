@@ -16,9 +16,6 @@ typedef struct weft__guess {
  * rk45 is rkf45, not rk4. */
 void weft__guess_try(weft__guess *guess, const char *typed, const char *name);
 
-/* Edits from one name to the other by characters of the longer one: 0 to 1. */
-double weft__unlikeness(const char *typed, const char *name);
-
 /* " (did you mean 'name'?)", or "" without a guess, into out[size]. */
 const char *weft__guess_text(const weft__guess *guess, char *out, size_t size);
 

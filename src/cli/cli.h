@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* cli.h -- what the verbs of the program share. Data goes to stdout, progress and
+/* cli.h -- declarations that the verbs share. Data goes to stdout, progress and
  * errors to stderr. */
 #ifndef WEFT_CLI_H
 #define WEFT_CLI_H
@@ -22,15 +22,32 @@ enum {
 
 enum { MOST_JOBS = 4096 };
 
+/* Returns the status of a call that fails. */
+#define TRY(call)                                                                      \
+    do {                                                                               \
+        const weft_status tried = (call);                                              \
+        if (tried != WEFT_OK) {                                                        \
+            return tried;                                                              \
+        }                                                                              \
+    } while (0)
+
+typedef enum progress_mode {
+    PROGRESS_NONE,
+    PROGRESS_LINES,    /* one line per tenth of the frames */
+    PROGRESS_TERMINAL, /* one line, redrawn within the terminal's width */
+    PROGRESS_YAML      /* one document per line */
+} progress_mode;
+
 /* The command line of a verb. */
 typedef struct options {
     const char *plugin_path, *out, *frames, *format, *frame, *progress, *tolerance;
     const char *timeout, *shard, *methods, *until;
-    size_t jobs; /* 0: not told */
+    size_t jobs; /* 0: not given */
     const char **sets;
     size_t set_count;
     bool quiet, force, yaml, markdown, all, refine, view, retry_failed, summary;
-    char **operands; /* what is left of argv */
+    progress_mode mode; /* by `progress` and `quiet` */
+    char **operands;    /* the rest of argv */
     int operand_count;
     weft_registry *registry; /* from open_registry */
 } options;
@@ -60,6 +77,10 @@ typedef struct verb {
     const char *summary; /* one line */
     const char *help;    /* usage, options, examples */
     const struct option *options;
+    struct {
+        int least, most;        /* most 0: any number */
+        const char *few, *many; /* the errors; many NULL: as few */
+    } operands;
     int (*run)(const options *given); /* returns the exit code */
 } verb;
 
@@ -73,10 +94,13 @@ int verb_start(const verb *self, int argc, char **argv);
 /* The number that is all of the text, or NAN. */
 double option_real(const char *text);
 
+/* Whether a text starts with a whole number, in digits alone, and `end`. */
+bool option_count(const char *text, char end, size_t *count);
+
 /* "weft run: <text>" and a hint at --help, to stderr; returns EXIT_USAGE. */
 WEFT_PRINTF(2, 3) int usage_error(const verb *self, const char *format, ...);
 
-/* The same of a value that is none of the names, which NULL ends. */
+/* The same for a value that is not among the names; NULL ends these. */
 int usage_choice(const verb *self, const char *option, const char *typed,
                  const char *const *names);
 
@@ -87,18 +111,34 @@ int report_error(const weft_error *err);
  * the installed directory. NULL after printing why. */
 weft_registry *open_registry(const char *plugin_path);
 
-/* Load all plugins that are found and warn of those that are refused; later calls do
- * nothing. WEFT_BAD_PLUGIN if there are none. */
+/* Loads all plugins it finds and warns of refused ones; later calls do nothing.
+ * WEFT_BAD_PLUGIN if there are none. */
 weft_status load_plugins(weft_registry *registry, weft_error *err);
 
-/* admit.c: weft_registry_def.admit, which loads the file in a child first. */
-weft_status admit_plugin(void *ctx, const char *file, weft_error *err);
+/* ---- method_list.c: every method of every plugin ---- */
 
-/* Read a scene, print what is wrong with it. Returns EXIT_DONE or the exit code. */
-int open_scene(const char *file, const options *given, weft_scene **scene);
+typedef struct stepper_method {
+    const weft_plugin *plugin;
+    const weft_stepper_type *type;
+} stepper_method;
 
-/* The same of all runs of a scene with a sweep; one run without. */
-int open_sweep(const char *file, const options *given, weft_sweep **sweep);
+/* The i-th method of all; false past the last. */
+bool method_at(const weft_registry *registry, size_t i, stepper_method *out);
+size_t method_count(const weft_registry *registry);
+bool method_adapts(const weft_stepper_type *type);
+
+/* The explicit one-step method of the highest order that can adapt, of a plugin other
+ * than that of `but` where there is one (NULL: of any); false if there is none, or none
+ * but `but`. */
+bool method_best(const weft_registry *registry, const stepper_method *but,
+                 stepper_method *out);
+
+/* ---- open.c ---- */
+
+/* Reads a scene, or unless that is NULL a sweep: of one run for a scene without
+ * `sweep`. Prints its mistakes. Returns EXIT_DONE or the exit code. */
+int open_scene(const char *file, const options *given, weft_scene **scene,
+               weft_sweep **sweep);
 
 /* --out, or the name of the scene, dir/flag.yaml, as flag followed by `suffix`. */
 const char *out_directory(const options *given, const char *suffix,
@@ -109,9 +149,9 @@ const char *out_directory(const options *given, const char *suffix,
 int view_runs(const char *const *directories, size_t count, const char *out, bool yaml);
 
 /* view.c: "DIR: unfinished: 116 of 721 frames" to stderr if the run is that. */
-void tell_unfinished(const char *directory);
+void report_unfinished(const char *directory);
 
-/* WEFT_UNSUPPORTED with the reason if this weft cannot run a scene that is right. */
+/* WEFT_UNSUPPORTED with the reason if this weft cannot run a valid scene. */
 weft_status scene_supported(const weft_scene *scene, weft_error *err);
 
 /* The cloth of a scene. WEFT_NO_MEMORY also if a run of it cannot fit into the memory

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* diff.c -- weft diff: where two runs begin to differ, and by how much.
  *
- * Runs are equal whose states have equal hashes in series.csv and whose frames in
- * run.vtkhdf are equal; with a tolerance, whose positions in run.vtkhdf are that close.
- * Positions tell where they differ and by how much. Only times that both have count. */
+ * Two runs are equal if their states have equal hashes in series.csv and their frames
+ * in run.vtkhdf are equal; with a tolerance, if their positions in run.vtkhdf differ by
+ * no more. Positions show where and by how much. Only times that both have count. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "cli/cli.h"
 #include "record/frames.h"
@@ -23,7 +22,7 @@ typedef struct diff_side {
     double *x;             /* [m] positions of one frame */
 } diff_side;
 
-/* The largest distance of a particle in one frame of both. */
+/* A time of both runs, and the largest distance of a particle then. */
 typedef struct gap {
     bool found;
     size_t frame[2];
@@ -36,8 +35,7 @@ typedef struct comparison {
     double tolerance;     /* [m]; < 0: bit for bit */
     bool single;          /* one is recorded in single precision: so are both taken */
     size_t rows, unequal; /* of series.csv: at common times, with other hashes */
-    size_t first[2];      /* frame of the first of those */
-    double first_time;    /* [s] */
+    gap first;            /* of those; without a distance */
     size_t frames;        /* of run.vtkhdf, at common times */
     gap begin, largest;   /* first beyond the tolerance; of all */
     const char *field; /* NULL: none; else the first other than positions to differ, */
@@ -60,11 +58,10 @@ enum { FIELDS = sizeof fields / sizeof fields[0] };
 
 static weft_status open_side(diff_side *self, weft_error *err)
 {
-    const weft_status status
-        = record_series_rows(self->directory, &self->rows, &self->row_count, err);
-    return status == WEFT_OK && record_exists(self->directory, "run.vtkhdf")
+    TRY(record_series_rows(self->directory, &self->rows, &self->row_count, err));
+    return record_exists(self->directory, "run.vtkhdf")
                ? record_frames_open(self->directory, &self->frames, err)
-               : status;
+               : WEFT_OK;
 }
 
 static bool both_have_frames(const comparison *self)
@@ -96,19 +93,17 @@ static weft_status prepare(comparison *self, weft_error *err)
 
 static weft_status open_both(comparison *self, weft_error *err)
 {
-    weft_status status = open_side(&self->side[0], err);
-    status = status == WEFT_OK ? open_side(&self->side[1], err) : status;
-    if (status == WEFT_OK && both_have_frames(self)) {
+    TRY(open_side(&self->side[0], err));
+    TRY(open_side(&self->side[1], err));
+    if (both_have_frames(self)) {
         return prepare(self, err);
     }
-    if (status == WEFT_OK && self->tolerance >= 0.0) {
-        const diff_side *without = &self->side[self->side[0].frames == NULL ? 0 : 1];
-        status = weft_error_set(err, WEFT_IO,
+    return self->tolerance < 0.0
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_IO,
                                 "%s/run.vtkhdf is missing: --tol compares the "
                                 "positions of frames",
-                                without->directory);
-    }
-    return status;
+                                self->side[self->side[0].frames != NULL].directory);
 }
 
 static void close_both(comparison *self)
@@ -138,9 +133,7 @@ static void compare_hashes(comparison *self)
             ++self->rows;
             self->unequal += p->hash != q->hash;
             if (p->hash != q->hash && self->unequal == 1) {
-                self->first[0] = p->frame;
-                self->first[1] = q->frame;
-                self->first_time = p->time;
+                self->first = (gap){ .frame = { p->frame, q->frame }, .time = p->time };
             }
         }
         i += which <= 0;
@@ -179,52 +172,56 @@ static bool both_have_field(const comparison *self, size_t k)
            && self->side[1].frames->fields[fields[k].field];
 }
 
+/* One field of frame i of the first run and of frame j of the second into their x. */
+static weft_status read_both(comparison *self, weft_record_field field, size_t i,
+                             size_t j, weft_error *err)
+{
+    const diff_side *a = &self->side[0], *b = &self->side[1];
+    TRY(record_frames_field(a->frames, field, i, a->x, err));
+    return record_frames_field(b->frames, field, j, b->x, err);
+}
+
 static weft_status compare_fields(comparison *self, size_t i, size_t j, const gap *here,
                                   weft_error *err)
 {
-    const diff_side *a = &self->side[0], *b = &self->side[1];
-    const size_t n = a->frames->rows * a->frames->cols;
-    weft_status status = WEFT_OK;
-    for (size_t k = 0; status == WEFT_OK && self->field == NULL && k < FIELDS; ++k) {
+    const size_t n = self->side[0].frames->rows * self->side[0].frames->cols;
+    for (size_t k = 0; self->field == NULL && k < FIELDS; ++k) {
         if (both_have_field(self, k)) {
-            status = record_frames_field(a->frames, fields[k].field, i, a->x, err);
-            status = status == WEFT_OK
-                         ? record_frames_field(b->frames, fields[k].field, j, b->x, err)
-                         : status;
-            if (status == WEFT_OK && !are_equal(self, fields[k].width * n)) {
+            TRY(read_both(self, fields[k].field, i, j, err));
+            if (!are_equal(self, fields[k].width * n)) {
                 self->field = fields[k].name;
                 self->other = *here;
             }
         }
     }
-    return status;
+    return WEFT_OK;
+}
+
+static void find_farthest(const comparison *self, gap *here)
+{
+    const size_t n = self->side[0].frames->rows * self->side[0].frames->cols;
+    for (size_t p = 0; p < n; ++p) {
+        const double d = distance(self, p);
+        if (d > here->distance) {
+            here->distance = d;
+            here->particle = p;
+            here->found = true;
+        }
+    }
 }
 
 static weft_status compare_frame(comparison *self, size_t i, size_t j, weft_error *err)
 {
-    const diff_side *a = &self->side[0], *b = &self->side[1];
-    const size_t n = a->frames->rows * a->frames->cols;
-    gap here
-        = { .frame = { (size_t)a->frames->numbers[i], (size_t)b->frames->numbers[j] },
-            .time = a->frames->times[i] };
-    weft_status status = record_frames_positions(a->frames, i, a->x, err);
-    if (status == WEFT_OK) {
-        status = record_frames_positions(b->frames, j, b->x, err);
-    }
-    if (status != WEFT_OK) {
-        return status;
-    }
-    const size_t unequal = are_equal(self, 3 * n) ? 0 : n;
-    for (size_t p = 0; p < unequal; ++p) {
-        const double d = distance(self, p);
-        if (d > here.distance) {
-            here.distance = d;
-            here.particle = p;
-            here.found = true;
-        }
+    record_frames *a = self->side[0].frames, *b = self->side[1].frames;
+    gap here = { .frame = { (size_t)a->numbers[i], (size_t)b->numbers[j] },
+                 .time = a->times[i] };
+    TRY(record_frames_positions(a, i, self->side[0].x, err));
+    TRY(record_frames_positions(b, j, self->side[1].x, err));
+    if (!are_equal(self, 3 * a->rows * a->cols)) {
+        find_farthest(self, &here);
     }
     if (self->tolerance < 0.0 && self->unequal == 0) {
-        status = compare_fields(self, i, j, &here, err);
+        TRY(compare_fields(self, i, j, &here, err));
     }
     if (!self->begin.found && here.distance > fmax(self->tolerance, 0.0)) {
         self->begin = here;
@@ -233,25 +230,24 @@ static weft_status compare_frame(comparison *self, size_t i, size_t j, weft_erro
         self->largest = here;
     }
     ++self->frames;
-    return status;
+    return WEFT_OK;
 }
 
 static weft_status compare_frames(comparison *self, weft_error *err)
 {
-    record_frames *a = self->side[0].frames, *b = self->side[1].frames;
-    weft_status status = WEFT_OK;
-    for (size_t i = 0, j = 0; status == WEFT_OK && i < a->count && j < b->count;) {
+    const record_frames *a = self->side[0].frames, *b = self->side[1].frames;
+    for (size_t i = 0, j = 0; i < a->count && j < b->count;) {
         const int which = order(a->times[i], b->times[j]);
         if (which == 0) {
-            status = compare_frame(self, i, j, err);
+            TRY(compare_frame(self, i, j, err));
         }
         i += which <= 0;
         j += which >= 0;
     }
-    return status;
+    return WEFT_OK;
 }
 
-/* ---- telling ---------------------------------------------------------------- */
+/* ---- the report ------------------------------------------------------------- */
 
 static double end_of(const diff_side *self)
 {
@@ -269,12 +265,12 @@ static bool differs(const comparison *self)
            || (self->tolerance < 0.0 && (self->unequal > 0 || self->field != NULL));
 }
 
-static void print_frame(const size_t frame[2], double time)
+static void print_frame(const gap *at)
 {
-    if (frame[0] == frame[1]) {
-        printf("frame %zu (t = %.9g s)", frame[0], time);
+    if (at->frame[0] == at->frame[1]) {
+        printf("frame %zu (t = %.9g s)", at->frame[0], at->time);
     } else {
-        printf("frames %zu and %zu (t = %.9g s)", frame[0], frame[1], time);
+        printf("frames %zu and %zu (t = %.9g s)", at->frame[0], at->frame[1], at->time);
     }
 }
 
@@ -282,7 +278,7 @@ static void print_gap(const comparison *self, const char *label, const gap *foun
 {
     const size_t cols = self->side[0].frames->cols;
     printf("%s: ", label);
-    print_frame(found->frame, found->time);
+    print_frame(found);
     printf(": particle (%zu, %zu) by %.3g m\n", found->particle / cols,
            found->particle % cols, found->distance);
 }
@@ -291,7 +287,7 @@ static void print_hashes(const comparison *self)
 {
     if (self->unequal > 0) {
         printf("first other state: ");
-        print_frame(self->first, self->first_time);
+        print_frame(&self->first);
         printf("; %zu of %zu states differ\n", self->unequal, self->rows);
     }
 }
@@ -312,8 +308,8 @@ static void print_positions(const comparison *self)
     }
 }
 
-/* Of equal states positions and velocities are equal, but not the strain of other
- * springs. */
+/* Equal states have equal positions and velocities. Their strain differs if the springs
+ * do. */
 static void print_other_frames(const comparison *self)
 {
     const bool damaged = self->begin.found || self->field == fields[0].name;
@@ -325,7 +321,7 @@ static void print_other_frames(const comparison *self)
     }
     if (self->field != NULL) {
         printf("first other %s: ", self->field);
-        print_frame(self->other.frame, self->other.time);
+        print_frame(&self->other);
         putchar('\n');
     }
 }
@@ -351,15 +347,12 @@ static void print_all(const comparison *self)
     const bool bitwise = self->tolerance < 0.0;
     const bool other_frames
         = bitwise && self->unequal == 0 && (self->begin.found || self->field != NULL);
-    const bool other = other_frames || self->unequal > 0;
-    if (!bitwise) {
-        printf("%s at %zu times that both have\n",
-               self->begin.found ? "different" : "equal within the tolerance",
-               self->frames);
-    } else {
-        printf("%s at %zu times that both have\n", other ? "different" : "equal",
-               self->rows);
-    }
+    const bool differ = bitwise ? other_frames || self->unequal > 0 : self->begin.found;
+    printf("%s at %zu times that both have\n",
+           differ    ? "different"
+           : bitwise ? "equal"
+                     : "equal within the tolerance",
+           bitwise ? self->rows : self->frames);
     if (ends_differ(self)) {
         printf("%s ends at t = %.9g s, %s at t = %.9g s\n", self->side[0].directory,
                end_of(&self->side[0]), self->side[1].directory, end_of(&self->side[1]));
@@ -370,7 +363,7 @@ static void print_all(const comparison *self)
     } else if (framed && (self->unequal > 0 || !bitwise)) {
         print_positions(self);
     } else if (!framed && self->unequal > 0) {
-        printf("no run.vtkhdf to tell where and by how much\n");
+        printf("no run.vtkhdf to show where and by how much\n");
     } else if (bitwise) {
         print_compared(self);
     }
@@ -380,19 +373,15 @@ static void print_all(const comparison *self)
 
 static weft_status compare(comparison *self, weft_error *err)
 {
-    weft_status status = open_both(self, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(open_both(self, err));
     compare_hashes(self);
     if (both_have_frames(self)) {
-        status = compare_frames(self, err);
+        TRY(compare_frames(self, err));
     }
-    if (status == WEFT_OK && self->rows == 0) {
-        status = weft_error_set(err, WEFT_IO, "%s and %s have no time in common",
+    return self->rows > 0
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_IO, "%s and %s have no time in common",
                                 self->side[0].directory, self->side[1].directory);
-    }
-    return status;
 }
 
 static int diff_runs(char *const *directories, double tolerance)
@@ -417,9 +406,6 @@ static int diff_verb(const options *given)
 {
     const double tolerance
         = given->tolerance == NULL ? -1.0 : option_real(given->tolerance);
-    if (given->operand_count != 2) {
-        return usage_error(&verb_diff, "needs the directories of two runs");
-    }
     if (given->tolerance != NULL && !(tolerance >= 0.0 && isfinite(tolerance))) {
         return usage_error(&verb_diff, "--tol %s: must be a number >= 0 [m]",
                            given->tolerance);
@@ -446,5 +432,6 @@ const verb verb_diff = {
       "command line, 3 different grids, 4 a file is missing or damaged, or there is "
       "no common time\n",
     .options = OPTIONS(OPTION_VALUE("tol", tolerance)),
+    .operands = { 2, 2, "needs the directories of two runs", NULL },
     .run = diff_verb,
 };

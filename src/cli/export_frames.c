@@ -1,15 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* export_frames.c -- weft export: frames of a run as files that other programs read.
  *
- * Frames come from run.vtkhdf, the state at the end from final.csv. Without run.vtkhdf
- * frames are computed anew from the run's own scene.yaml, which gives the same bits,
- * and each is checked against the hash in its row of series.csv. */
-#include <errno.h>
+ * Frames come from run.vtkhdf, the final state from final.csv. If run.vtkhdf is
+ * missing, frames are computed again from the run's scene.yaml, which gives the same
+ * bits, and each is checked against the hash in its row of series.csv. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "cli/cli.h"
 #include "record/export/export.h"
@@ -18,8 +15,8 @@
 
 typedef struct export_format {
     const char *name;
-    record_write_fn *write;    /* a file for a frame; NULL: none */
-    const char *suffix;        /* of that */
+    record_write_fn *write;    /* one file per frame; NULL: none */
+    const char *suffix;        /* of these files */
     const record_movie *movie; /* one file over all frames; NULL: none */
     bool rest;                 /* needs rest.obj beside it */
 } export_format;
@@ -33,12 +30,14 @@ static const export_format formats[] = {
     { "pvd", .write = record_vtp, .suffix = "vtp", .movie = &record_pvd },
 };
 
+enum { FORMATS = sizeof formats / sizeof formats[0] };
+
 typedef struct export_job {
     const char *directory;
     const export_format *format;
     size_t n, count;           /* particles; frames there are */
-    record_frames *frames;     /* NULL: they are computed anew with the following */
-    record_series_row *series; /* count of them: what the run had */
+    record_frames *frames;     /* NULL: computed again, with the members below */
+    record_series_row *series; /* [count] as the run recorded it */
     weft_scene *scene;
     weft_cloth *cloth;
     weft_sim *sim;
@@ -57,7 +56,7 @@ static size_t number_of(const export_job *job, size_t i)
     return job->frames == NULL ? i : (size_t)job->frames->numbers[i];
 }
 
-/* One line, however many they are. */
+/* One line for any number of files. */
 static void print_files(const export_job *job)
 {
     if (job->format->write == NULL) {
@@ -75,44 +74,46 @@ static void print_files(const export_job *job)
 static weft_status write_frame(export_job *job, size_t number, double time,
                                weft_error *err)
 {
-    const record_surface *surface = &job->surface;
     char name[64] = "";
-    weft_status status = WEFT_OK;
     if (job->format->write != NULL) {
         (void)snprintf(name, sizeof name, FRAME_NAME, number, job->format->suffix);
-        status = job->format->write(job->directory, name, surface, err);
+        TRY(record_surface_write(job->directory, name, job->format->write,
+                                 &job->surface, err));
     }
-    if (status == WEFT_OK && job->format->movie != NULL) {
-        job->format->movie->frame(job->movie.stream, time, name, surface);
+    const record_movie *movie = job->format->movie;
+    if (movie != NULL && movie->points != NULL) {
+        movie->points(job->movie.stream, &job->surface);
+    } else if (movie != NULL) {
+        movie->list(job->movie.stream, time, name);
     }
-    return status;
+    return WEFT_OK;
 }
 
 /* ---- frames of run.vtkhdf --------------------------------------------------- */
 
-static weft_status read_frames(export_job *job, weft_error *err)
+static weft_status read_frame(export_job *job, size_t i, weft_error *err)
 {
     double *velocity = job->values + 3 * job->n, *strain = job->values + 6 * job->n;
-    weft_status status = WEFT_OK;
-    for (size_t i = job->first; status == WEFT_OK && i <= job->last; ++i) {
-        status = record_frames_positions(job->frames, i, job->values, err);
-        if (status == WEFT_OK && job->surface.velocity != NULL) {
-            status = record_frames_field(job->frames, WEFT_RECORD_VELOCITY, i, velocity,
-                                         err);
-        }
-        if (status == WEFT_OK && job->surface.strain != NULL) {
-            status
-                = record_frames_field(job->frames, WEFT_RECORD_STRAIN, i, strain, err);
-        }
-        if (status == WEFT_OK) {
-            status = write_frame(job, (size_t)job->frames->numbers[i],
-                                 job->frames->times[i], err);
-        }
+    record_frames *frames = job->frames;
+    TRY(record_frames_positions(frames, i, job->values, err));
+    if (job->surface.velocity != NULL) {
+        TRY(record_frames_field(frames, WEFT_RECORD_VELOCITY, i, velocity, err));
     }
-    return status;
+    if (job->surface.strain != NULL) {
+        TRY(record_frames_field(frames, WEFT_RECORD_STRAIN, i, strain, err));
+    }
+    return write_frame(job, (size_t)frames->numbers[i], frames->times[i], err);
 }
 
-/* ---- frames computed anew --------------------------------------------------- */
+static weft_status read_frames(export_job *job, weft_error *err)
+{
+    for (size_t i = job->first; i <= job->last; ++i) {
+        TRY(read_frame(job, i, err));
+    }
+    return WEFT_OK;
+}
+
+/* ---- frames computed again -------------------------------------------------- */
 
 static weft_status check_hash(const export_job *job, size_t index, weft_error *err)
 {
@@ -123,7 +124,7 @@ static weft_status check_hash(const export_job *job, size_t index, weft_error *e
     return hash == recorded
                ? WEFT_OK
                : weft_error_set(err, WEFT_SOLVER,
-                                "frame %zu computed anew has hash %016" PRIx64
+                                "frame %zu computed again has hash %016" PRIx64
                                 ", the run had %016" PRIx64
                                 ": other versions? see manifest.yaml",
                                 index, hash, recorded);
@@ -138,9 +139,8 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
     weft_sim_positions(job->sim, job->values);
     weft_sim_velocities(job->sim, job->values + 3 * job->n);
     weft_cloth_strains(job->cloth, weft_sim_state(job->sim), job->values + 6 * job->n);
-    const weft_status status = check_hash(job, index, err);
-    return status == WEFT_OK ? write_frame(job, index, weft_sim_time(job->sim), err)
-                             : status;
+    TRY(check_hash(job, index, err));
+    return write_frame(job, index, weft_sim_time(job->sim), err);
 }
 
 static weft_status compute_frames(export_job *job, weft_error *err)
@@ -152,29 +152,18 @@ static weft_status compute_frames(export_job *job, weft_error *err)
     return weft_sim_play(job->sim, &frames, err);
 }
 
-/* ---- what is written -------------------------------------------------------- */
-
-static weft_status make_frames_folder(const export_job *job, weft_error *err)
-{
-    char path[RECORD_PATH];
-    const weft_status status = record_path(job->directory, "frames", path, err);
-    if (status == WEFT_OK && mkdir(path, 0777) != 0 && errno != EEXIST) {
-        return weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(errno));
-    }
-    return status;
-}
+/* ---- files -------------------------------------------------------------------- */
 
 static weft_status export_frames(export_job *job, weft_error *err)
 {
-    weft_status status
-        = job->format->write == NULL ? WEFT_OK : make_frames_folder(job, err);
-    if (status == WEFT_OK) {
-        status = job->frames == NULL ? compute_frames(job, err) : read_frames(job, err);
+    if (job->format->write != NULL) {
+        char path[RECORD_PATH];
+        TRY(record_path(job->directory, "frames", path, err));
+        TRY(record_directory(path, err));
     }
-    if (status == WEFT_OK) {
-        print_files(job);
-    }
-    return status;
+    TRY(job->frames == NULL ? compute_frames(job, err) : read_frames(job, err));
+    print_files(job);
+    return WEFT_OK;
 }
 
 static double time_of(const export_job *job, size_t i)
@@ -202,7 +191,7 @@ static weft_status begin_movie(export_job *job, weft_error *err)
     return status;
 }
 
-/* The pose that a cache moves: the same particles, where they rest. */
+/* The pose that a cache moves: the particles at rest. */
 static weft_status write_rest(export_job *job, weft_error *err)
 {
     if (job->frames == NULL) {
@@ -210,23 +199,20 @@ static weft_status write_rest(export_job *job, weft_error *err)
     } else {
         memcpy(job->values, job->frames->rest, 3 * job->n * sizeof *job->values);
     }
-    const weft_status status
-        = record_obj(job->directory, "rest.obj", &job->surface, err);
-    if (status == WEFT_OK) {
-        printf("%s/rest.obj\n", job->directory);
-    }
-    return status;
+    TRY(record_surface_write(job->directory, "rest.obj", record_obj, &job->surface,
+                             err));
+    printf("%s/rest.obj\n", job->directory);
+    return WEFT_OK;
 }
 
 static weft_status export_movie(export_job *job, weft_error *err)
 {
     const record_movie *movie = job->format->movie;
-    weft_status status = job->format->rest ? write_rest(job, err) : WEFT_OK;
-    status = status == WEFT_OK ? begin_movie(job, err) : status;
-    if (status != WEFT_OK) {
-        return status;
+    if (job->format->rest) {
+        TRY(write_rest(job, err));
     }
-    status = export_frames(job, err);
+    TRY(begin_movie(job, err));
+    const weft_status status = export_frames(job, err);
     if (status != WEFT_OK) {
         record_file_discard(&job->movie);
         return status;
@@ -234,53 +220,44 @@ static weft_status export_movie(export_job *job, weft_error *err)
     if (movie->end != NULL) {
         movie->end(job->movie.stream);
     }
-    status = record_file_commit(&job->movie, err);
-    if (status == WEFT_OK) {
-        printf("%s\n", job->movie.path);
-    }
-    return status;
+    TRY(record_file_commit(&job->movie, err));
+    printf("%s\n", job->movie.path);
+    return WEFT_OK;
 }
 
 static weft_status export_final(const export_job *job, weft_error *err)
 {
     char name[16];
-    double *velocity = job->values + 3 * job->n;
     record_surface surface = job->surface;
+    double *velocity = job->values + 3 * job->n;
     surface.velocity = velocity;
     surface.strain = NULL;
     surface.doubles = true;
-    weft_status status = record_final_read(job->directory, surface.rows, surface.cols,
-                                           job->values, velocity, err);
-    if (status == WEFT_OK && job->format->write == record_csv) {
-        printf("%s/final.csv\n", job->directory); /* it is there already */
-    } else if (status == WEFT_OK) {
-        (void)snprintf(name, sizeof name, "final.%s", job->format->suffix);
-        status = job->format->write(job->directory, name, &surface, err);
-        if (status == WEFT_OK) {
-            printf("%s/%s\n", job->directory, name);
-        }
+    (void)snprintf(name, sizeof name, "final.%s", job->format->suffix);
+    TRY(record_final_read(job->directory, surface.rows, surface.cols, job->values,
+                          velocity, err));
+    if (job->format->write != record_csv) { /* final.csv is there already */
+        TRY(record_surface_write(job->directory, name, job->format->write, &surface,
+                                 err));
     }
-    return status;
+    printf("%s/%s\n", job->directory, name);
+    return WEFT_OK;
 }
 
 /* ---- which frames ----------------------------------------------------------- */
 
-/* A number in digits, among those of the frames there are. */
+/* Selects the frame of that number. */
 static bool find_frame(const char *text, export_job *job)
 {
-    char *end;
-    errno = 0;
-    const unsigned long long number = strtoull(text, &end, 10);
-    if (text[0] < '0' || text[0] > '9' || *end != '\0' || errno != 0) {
+    size_t number, i = 0;
+    if (!option_count(text, '\0', &number)) {
         return false;
     }
-    for (size_t i = 0; i < job->count; ++i) {
-        if (number_of(job, i) == number) {
-            job->first = job->last = i;
-            return true;
-        }
+    while (i < job->count && number_of(job, i) != number) {
+        ++i;
     }
-    return false;
+    job->first = job->last = i;
+    return i < job->count;
 }
 
 static bool has_final(const export_job *job)
@@ -315,7 +292,7 @@ static int export_wanted(const options *given, export_job *job)
     return status == WEFT_OK ? EXIT_DONE : report_error(&err);
 }
 
-/* ---- where they come from --------------------------------------------------- */
+/* ---- sources of frames ------------------------------------------------------- */
 
 static int open_recorded(export_job *job)
 {
@@ -336,7 +313,7 @@ static int open_anew(const options *given, export_job *job)
     if (record_path(job->directory, "scene.yaml", path, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    const int code = open_scene(path, given, &job->scene);
+    const int code = open_scene(path, given, &job->scene, NULL);
     if (code != EXIT_DONE) {
         return code;
     }
@@ -344,7 +321,7 @@ static int open_anew(const options *given, export_job *job)
         || simulation_create(job->scene, &job->cloth, &job->sim, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    fprintf(stderr, "%s/run.vtkhdf is missing: frames are computed anew\n",
+    fprintf(stderr, "%s/run.vtkhdf is missing: frames are computed again\n",
             job->directory);
     job->surface.rows = weft_cloth_rows(job->cloth);
     job->surface.cols = weft_cloth_cols(job->cloth);
@@ -390,17 +367,15 @@ static int export_run(const options *given, export_job *job)
 
 static const export_format *find_format(const char *name)
 {
-    for (size_t i = 0; name != NULL && i < sizeof formats / sizeof formats[0]; ++i) {
-        if (strcmp(formats[i].name, name) == 0) {
-            return &formats[i];
-        }
+    const export_format *format = formats;
+    while (format < formats + FORMATS && strcmp(format->name, name) != 0) {
+        ++format;
     }
-    return NULL;
+    return format < formats + FORMATS ? format : NULL;
 }
 
 static int unknown_format(const char *typed)
 {
-    enum { FORMATS = sizeof formats / sizeof formats[0] };
     const char *names[FORMATS + 1] = { NULL };
     for (size_t i = 0; i < FORMATS; ++i) {
         names[i] = formats[i].name;
@@ -410,14 +385,12 @@ static int unknown_format(const char *typed)
 
 static int export_verb(const options *given)
 {
-    export_job job = { .format = find_format(given->format) };
-    if (given->operand_count != 1) {
-        return usage_error(&verb_export, "needs the directory of one run");
-    }
+    export_job job = { .directory = given->operands[0] };
     if (given->format == NULL) {
         return usage_error(&verb_export,
                            "--format obj, ply, csv, mdd, pc2 or pvd is needed");
     }
+    job.format = find_format(given->format);
     if (job.format == NULL) {
         return unknown_format(given->format);
     }
@@ -426,8 +399,7 @@ static int export_verb(const options *given)
         return usage_error(&verb_export, "--frame %s: %s holds all frames",
                            given->frame, job.format->name);
     }
-    job.directory = given->operands[0];
-    tell_unfinished(job.directory);
+    report_unfinished(job.directory);
     return export_run(given, &job);
 }
 
@@ -453,5 +425,6 @@ const verb verb_export = {
       "example: weft export flag --format obj --frame all\n",
     .options = OPTIONS(OPTION_VALUE("plugin-path", plugin_path),
                        OPTION_VALUE("format", format), OPTION_VALUE("frame", frame)),
+    .operands = { 1, 1, "needs the directory of one run", NULL },
     .run = export_verb,
 };

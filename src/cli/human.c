@@ -50,6 +50,15 @@ const char *human_count(uint64_t count, char out[HUMAN])
     return out;
 }
 
+void say(sentence *out, const char *format, ...)
+{
+    const size_t used = strlen(out->text);
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(out->text + used, sizeof out->text - used, format, args);
+    va_end(args);
+}
+
 /* U+0080 to U+009F are controls too, C2 80 to C2 9F. */
 void print_plain(FILE *stream, const char *text, const char *keep)
 {
@@ -126,7 +135,7 @@ void print_item(const char *label, const char *format, ...)
 }
 
 /* Where the text of a line begins that has a name before it: behind two blanks. 0: a
- * line of a paragraph; the whole length: one that is to stay as it is. */
+ * line of a paragraph; the whole length: a line that is not filled. */
 static size_t text_column(const char *line, size_t length)
 {
     size_t column = strspn(line, " ");
@@ -139,7 +148,7 @@ static size_t text_column(const char *line, size_t length)
     return column < length ? column + strspn(line + column, " ") : length;
 }
 
-/* Whether a line goes on with a text that begins at a column. */
+/* Whether a line continues a text that begins at a column. */
 static bool continues(const char *line, size_t column)
 {
     return *line != '\0' && *line != '\n' && strspn(line, " ") == column;

@@ -18,8 +18,16 @@ enum {
 const char *human_time(double seconds, char out[HUMAN]);
 const char *human_count(uint64_t count, char out[HUMAN]); /* "40,530" */
 
+/* A text made of parts; start from { "" }. */
+typedef struct sentence {
+    char text[1024];
+} sentence;
+
+/* Appends to a sentence; text beyond its size is cut off. */
+WEFT_PRINTF(2, 3) void say(sentence *out, const char *format, ...);
+
 /* Text that came from a file or a command line: control characters, which a terminal
- * would obey, are written as \x1b; those in `keep` are left. */
+ * would execute, are written as \x1b; those in `keep` are left. */
 void print_plain(FILE *stream, const char *text, const char *keep);
 
 /* Such text in lines of at most `width` characters, broken at blanks, the last line

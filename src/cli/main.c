@@ -76,8 +76,8 @@ static int no_verb(const char *typed)
     return EXIT_USAGE;
 }
 
-/* A file opened later takes the number of a standard stream that is closed, and would
- * get the messages. */
+/* A file opened later would take the number of a closed standard stream, and receive
+ * its messages. */
 static bool open_standard_streams(void)
 {
     for (int i = STDIN_FILENO; i <= STDERR_FILENO; ++i) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "cli/method_list.h"
+#include "cli/cli.h"
 
 bool method_at(const weft_registry *registry, size_t i, stepper_method *out)
 {

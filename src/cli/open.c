@@ -4,8 +4,10 @@
 #define _GNU_SOURCE /* dladdr, in POSIX since 2024 */
 
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -14,6 +16,7 @@
 #include "cli/cli.h"
 #include "cli/human.h"
 #include "cli/run/interrupt.h"
+#include "record/child_process.h"
 
 int report_error(const weft_error *err)
 {
@@ -43,6 +46,61 @@ static void tree_plugins(char *directory, size_t size)
         *strrchr(library, '/') = '\0';
         (void)snprintf(directory, size, "%s/plugins", library);
     }
+}
+
+/* ---- plugins: each is loaded in a child first, as it may end or block its process --
+ */
+
+enum { LOAD_SECONDS = 10 }; /* ours take some milliseconds */
+
+/* Shared with the child: an exit code could be the plugin's. */
+typedef enum trial_end { NEVER_RETURNED, STREAMS_CLOSED, RETURNED } trial_end;
+
+typedef struct trial_load {
+    const char *file;
+    trial_end *end;
+} trial_load;
+
+/* Refused plugins return as well; the parent then finds the reason. */
+static int load(void *ctx, size_t job)
+{
+    const trial_load *self = ctx;
+    const weft_registry_def def = { 0 };
+    weft_registry *registry = NULL;
+    (void)job;
+    if (weft_registry_create(&def, &registry, NULL) == WEFT_OK) {
+        (void)weft_registry_load(registry, self->file, NULL);
+    }
+    weft_registry_destroy(registry);
+    const bool open = fcntl(STDIN_FILENO, F_GETFD) >= 0
+                      && fcntl(STDOUT_FILENO, F_GETFD) >= 0
+                      && fcntl(STDERR_FILENO, F_GETFD) >= 0;
+    *self->end = open ? RETURNED : STREAMS_CLOSED;
+    return 0;
+}
+
+/* weft_registry_def.admit. If no process can be made, plugins are trusted. */
+static weft_status admit_plugin(void *ctx, const char *file, weft_error *err)
+{
+    char why[128];
+    process child;
+    trial_load self = { file, process_memory(1, sizeof *self.end) };
+    const process_def def = { .work = load,
+                              .ctx = &self,
+                              .end_signal = SIGKILL,
+                              .seconds = LOAD_SECONDS,
+                              .untrusted = true };
+    (void)ctx;
+    if (self.end == NULL || !process_run(&def, 0, &child) || *self.end == RETURNED) {
+        return WEFT_OK;
+    }
+    process_describe(child.status, why, sizeof why);
+    if (*self.end == STREAMS_CLOSED) {
+        (void)snprintf(why, sizeof why, "it closes standard streams");
+    } else if (child.late) {
+        (void)snprintf(why, sizeof why, "it takes longer than %d s", LOAD_SECONDS);
+    }
+    return weft_error_set(err, WEFT_BAD_PLUGIN, "loading it: %s", why);
 }
 
 weft_registry *open_registry(const char *plugin_path)
@@ -85,6 +143,8 @@ static const weft_plugin *find_plugin(void *ctx, const char *id, weft_error *err
     return plugin;
 }
 
+/* ---- scenes and simulations ---------------------------------------------------- */
+
 static void print_found(const weft_diagnostics *found)
 {
     for (size_t i = 0; i < found->count; ++i) {
@@ -99,9 +159,8 @@ static void print_found(const weft_diagnostics *found)
     }
 }
 
-/* One of the two is wanted; the other is NULL. */
-static int open_either(const char *file, const options *given, weft_scene **scene,
-                       weft_sweep **sweep)
+int open_scene(const char *file, const options *given, weft_scene **scene,
+               weft_sweep **sweep)
 {
     weft_error err = { 0 };
     weft_scene_def def = weft_scene_def_default();
@@ -119,19 +178,9 @@ static int open_either(const char *file, const options *given, weft_scene **scen
                                    ? weft_scene_load(&def, scene, found, &err)
                                    : weft_sweep_load(&def, sweep, found, &err);
     print_found(found);
-    const bool told = found->errors > 0;
+    const bool printed = found->errors > 0;
     free(found);
-    return status == WEFT_OK ? EXIT_DONE : told ? EXIT_SCENE : report_error(&err);
-}
-
-int open_scene(const char *file, const options *given, weft_scene **scene)
-{
-    return open_either(file, given, scene, NULL);
-}
-
-int open_sweep(const char *file, const options *given, weft_sweep **sweep)
-{
-    return open_either(file, given, NULL, sweep);
+    return status == WEFT_OK ? EXIT_DONE : printed ? EXIT_SCENE : report_error(&err);
 }
 
 const char *out_directory(const options *given, const char *suffix,
@@ -182,10 +231,9 @@ static weft_status check_memory(const weft_scene *scene, weft_error *err)
 
 weft_status cloth_create(const weft_scene *scene, weft_cloth **cloth, weft_error *err)
 {
-    const weft_status status = check_memory(scene, err);
     *cloth = NULL;
-    return status == WEFT_OK ? weft_cloth_create(weft_scene_cloth(scene), cloth, err)
-                             : status;
+    TRY(check_memory(scene, err));
+    return weft_cloth_create(weft_scene_cloth(scene), cloth, err);
 }
 
 weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,
@@ -193,11 +241,8 @@ weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,
 {
     *sim = NULL;
     *cloth = NULL;
-    weft_status status = scene_supported(scene, err);
-    status = status == WEFT_OK ? cloth_create(scene, cloth, err) : status;
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(scene_supported(scene, err));
+    TRY(cloth_create(scene, cloth, err));
     weft_sim_def def = weft_sim_def_default();
     def.cloth = *cloth;
     def.method = weft_scene_method_type(scene);
@@ -205,7 +250,7 @@ weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,
     def.ledger = weft_scene_record(scene)->ledger;
     def.limit = *weft_scene_limit(scene);
     def.stop = interrupt_pending;
-    status = weft_sim_create(&def, sim, err);
+    const weft_status status = weft_sim_create(&def, sim, err);
     if (status != WEFT_OK) {
         weft_cloth_destroy(*cloth);
         *cloth = NULL;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* options.c -- the command line of a verb. */
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,6 +8,7 @@
 #include "base/suggest.h"
 #include "cli/cli.h"
 #include "cli/human.h"
+#include "cli/run/progress.h"
 
 int usage_error(const verb *self, const char *format, ...)
 {
@@ -28,29 +30,33 @@ double option_real(const char *text)
     return end != text && *end == '\0' ? value : (double)NAN;
 }
 
-/* 0: not a number of jobs. */
-static size_t jobs_of(const char *text)
+bool option_count(const char *text, char end, size_t *count)
 {
-    char *end;
-    const long jobs = strtol(text, &end, 10);
-    return *end == '\0' && jobs >= 1 && jobs <= MOST_JOBS ? (size_t)jobs : 0;
+    char *stop;
+    errno = 0;
+    const unsigned long long value = strtoull(text, &stop, 10);
+    *count = (size_t)value;
+    return text[0] >= '0' && text[0] <= '9' && *stop == end && errno == 0
+           && value <= SIZE_MAX;
 }
 
+/* The entry with that value, or the last one, which has no name. */
 static const struct option *find(const struct option *table, int value)
 {
     while (table->name != NULL && table->val != value) {
         ++table;
     }
-    return table->name != NULL ? table : NULL;
+    return table;
 }
 
 static void apply(const struct option *option, options *out)
 {
     void *member = (char *)out + (option->val - 256);
+    size_t jobs;
     if (option->val == OPTION_AT(sets)) {
         out->sets[out->set_count++] = optarg;
     } else if (option->val == OPTION_AT(jobs)) {
-        out->jobs = jobs_of(optarg);
+        out->jobs = option_count(optarg, '\0', &jobs) && jobs <= MOST_JOBS ? jobs : 0;
     } else if (option->has_arg == required_argument) {
         *(const char **)member = optarg;
     } else {
@@ -79,18 +85,38 @@ int usage_choice(const verb *self, const char *option, const char *typed,
                  const char *const *names)
 {
     weft__guess guess = { 0 };
-    char list[200] = "", near[80];
-    size_t used = 0;
-    for (size_t i = 0; names[i] != NULL && used < sizeof list; ++i) {
+    sentence list = { "" };
+    char near[80];
+    for (size_t i = 0; names[i] != NULL; ++i) {
         weft__guess_try(&guess, typed, names[i]);
-        used += (size_t)snprintf(list + used, sizeof list - used, "%s%s",
-                                 i == 0                 ? ""
-                                 : names[i + 1] == NULL ? " or "
-                                                        : ", ",
-                                 names[i]);
+        const char *separator = i == 0 ? "" : names[i + 1] == NULL ? " or " : ", ";
+        say(&list, "%s%s", separator, names[i]);
     }
-    return usage_error(self, "--%s '%s' is not %s%s", option, typed, list,
+    return usage_error(self, "--%s '%s' is not %s%s", option, typed, list.text,
                        weft__guess_text(&guess, near, sizeof near));
+}
+
+/* auto or NULL: terminal if stderr is one, else lines. */
+static int choose_progress(const verb *self, options *out)
+{
+    static const char *const names[]
+        = { "auto", "lines", "terminal", "yaml", "none", NULL };
+    const progress_mode modes[]
+        = { progress_can_redraw() ? PROGRESS_TERMINAL : PROGRESS_LINES, PROGRESS_LINES,
+            PROGRESS_TERMINAL, PROGRESS_YAML, PROGRESS_NONE };
+    size_t i = 0;
+    while (out->progress != NULL && names[i] != NULL
+           && strcmp(names[i], out->progress) != 0) {
+        ++i;
+    }
+    if (names[i] == NULL) {
+        return usage_choice(self, "progress", out->progress, names);
+    }
+    if (out->quiet && out->progress != NULL) {
+        return usage_error(self, "--quiet and --progress exclude each other");
+    }
+    out->mode = out->quiet ? PROGRESS_NONE : modes[i];
+    return -1;
 }
 
 /* -1: run the verb. Else an exit code: help was printed, or the command line is wrong.
@@ -98,7 +124,7 @@ int usage_choice(const verb *self, const char *option, const char *typed,
 static int parse(const verb *self, int argc, char **argv, options *out)
 {
     const struct option *jobs = find(self->options, OPTION_AT(jobs));
-    const char *letters = jobs == NULL ? ":h" : ":hj:";
+    const char *letters = jobs->name == NULL ? ":h" : ":hj:";
     opterr = 0;
     optind = 1;
     for (int value;
@@ -121,7 +147,15 @@ static int parse(const verb *self, int argc, char **argv, options *out)
     }
     out->operands = argv + optind;
     out->operand_count = argc - optind;
-    return -1;
+    const bool few = out->operand_count < self->operands.least;
+    const bool many
+        = self->operands.most > 0 && out->operand_count > self->operands.most;
+    if (few || many) {
+        return usage_error(self, "%s",
+                           many && self->operands.many != NULL ? self->operands.many
+                                                               : self->operands.few);
+    }
+    return choose_progress(self, out);
 }
 
 int verb_start(const verb *self, int argc, char **argv)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* plugin_test.c -- weft plugin-test: a plugin's file held against the stepper contract,
- * each check of each method in a process of its own. */
+/* plugin_test.c -- weft plugin-test: checks a plugin against the stepper contract, each
+ * check of each method in its own process. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <signal.h>
@@ -21,7 +21,7 @@ enum {
     CHECKS_MOST = 64
 };
 
-/* What GSL has for the program's own use, if the plugin brought GSL along. */
+/* gsl_set_error_handler, if the plugin has loaded GSL. */
 typedef void gsl_handler(const char *reason, const char *file, int line, int code);
 typedef gsl_handler *gsl_set_handler(gsl_handler *handler);
 
@@ -105,12 +105,12 @@ static void explain(const process *child, weft_conformance *out)
     breaks(out, text);
 }
 
-/* The first line printed. Whether that is what breaks the promise. */
+/* Reports the first line printed. Returns whether only this breaks the promise. */
 static bool report_output(FILE *printed, weft_conformance *out)
 {
     const bool kept = out->verdict != WEFT_PROMISE_BROKEN;
     char line[256], seen[320];
-    /* not by the stream, which may still hold what an earlier check printed */
+    /* the stream may still buffer the output of an earlier check */
     const ssize_t length = pread(fileno(printed), line, sizeof line - 1, 0);
     if (length > 0) {
         line[length] = '\0';
@@ -155,7 +155,7 @@ typedef struct found {
     finding checks[CHECKS_MOST];
 } found;
 
-/* What a plugin's methods came to. */
+/* The results of a plugin's methods. */
 typedef struct tally {
     size_t methods, bad, noted;
     weft_conformance note; /* the last */
@@ -168,7 +168,7 @@ static bool same_finding(const finding *a, const finding *b)
            && ((a->printed && b->printed) || strcmp(a->of.seen, b->of.seen) == 0);
 }
 
-/* How many of checks [from, to) found the same. */
+/* The number of checks in [from, to) with the same finding. */
 static size_t count_same(const found *self, size_t check, size_t from, size_t to)
 {
     size_t count = 0;
@@ -219,7 +219,7 @@ static void print_verdict(const found *self, size_t check, bool all)
     }
 }
 
-/* false: they could not be checked. */
+/* False: the checks could not run. */
 static bool test_method(const weft_plugin *plugin, bench *on, bool all, tally *of)
 {
     size_t counts[WEFT_PROMISE_NOTED + 1] = { 0 };
@@ -290,9 +290,6 @@ static int plugin_test_verb(const options *given)
 {
     weft_error err = { 0 };
     const char *file = given->operands[0];
-    if (given->operand_count != 1) {
-        return usage_error(&verb_plugin_test, "takes one file, weft-ID.so");
-    }
     if (access(file, R_OK) != 0) {
         weft_error_set(&err, WEFT_IO, "%s: %s", file, strerror(errno));
         return report_error(&err);
@@ -319,5 +316,6 @@ const verb verb_plugin_test = {
       "exit codes: 0 every promise is kept, 1 one is broken or the plugin is refused, "
       "2 wrong command line, 4 the file cannot be read\n",
     .options = OPTIONS(OPTION_FLAG("all", all)),
+    .operands = { 1, 1, "takes one file, weft-ID.so", NULL },
     .run = plugin_test_verb,
 };

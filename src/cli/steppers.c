@@ -2,7 +2,6 @@
 /* steppers.c -- weft steppers: the methods of all plugins that are found. */
 #include "cli/cli.h"
 #include "cli/human.h"
-#include "cli/method_list.h"
 #include "record/yaml_out.h"
 
 typedef struct flag_name {
@@ -26,17 +25,15 @@ static const flag_name flag_names[] = {
 
 #define FLAG_NAMES (sizeof flag_names / sizeof flag_names[0])
 
-static const char *flags_text(uint32_t flags, char *text, size_t size)
+static sentence flags_text(uint32_t flags)
 {
-    size_t used = 0;
-    text[0] = '\0';
-    for (size_t i = 0; i < FLAG_NAMES && used < size; ++i) {
+    sentence out = { "" };
+    for (size_t i = 0; i < FLAG_NAMES; ++i) {
         if ((flags & flag_names[i].flag) != 0 && !flag_names[i].common) {
-            used += (size_t)snprintf(text + used, size - used, "%s%s",
-                                     used > 0 ? " " : "", flag_names[i].name);
+            say(&out, "%s%s", out.text[0] != '\0' ? " " : "", flag_names[i].name);
         }
     }
-    return text;
+    return out;
 }
 
 /* 0 stands for "varies" of an order and for "none" of the error's. */
@@ -60,13 +57,13 @@ static void print_text(const weft_registry *registry)
     const char *format = "%-8s %-17s %5s %5s %6s";
     enum { KIND = 47 }; /* the column */
     stepper_method m;
-    char kind[130] = "  ";
     printf("%-8s %-17s %5s %5s %6s  kind\n", "plugin", "method", "order", "error",
            "stages");
     for (size_t i = 0; method_at(registry, i, &m); ++i) {
         print_row(m.plugin, m.type, format, "");
-        (void)flags_text(m.type->flags, kind + 2, sizeof kind - 2);
-        print_wrapped(stdout, KIND - 2, KIND, PAGE_WIDTH, kind[2] == '\0' ? "" : kind);
+        const sentence kind = flags_text(m.type->flags);
+        fputs(kind.text[0] == '\0' ? "" : "  ", stdout);
+        print_wrapped(stdout, KIND, KIND, PAGE_WIDTH, kind.text);
     }
     puts("\nreferences and the methods' full names: weft steppers --yaml");
     for (size_t i = 0; i < weft_registry_count(registry); ++i) {
@@ -80,12 +77,11 @@ static void print_text(const weft_registry *registry)
 static void print_markdown(const weft_registry *registry)
 {
     stepper_method m;
-    char flags[128];
     puts("| plugin | method | order | error order | stages | kind | reference |\n"
          "|---|---|---|---|---|---|---|");
     for (size_t i = 0; method_at(registry, i, &m); ++i) {
         print_row(m.plugin, m.type, "| %s | `%s` | %s | %s | %s | %s | %s |\n",
-                  flags_text(m.type->flags, flags, sizeof flags));
+                  flags_text(m.type->flags).text);
     }
 }
 

@@ -7,7 +7,6 @@
 #include "cli/cli.h"
 #include "cli/human.h"
 #include "record/frames.h"
-#include "record/player_page.h"
 #include "record/record.h"
 
 /* A file:// URL of a page that exists. */
@@ -61,7 +60,7 @@ int view_runs(const char *const *directories, size_t count, const char *out, boo
     return EXIT_DONE;
 }
 
-void tell_unfinished(const char *directory)
+void report_unfinished(const char *directory)
 {
     record_frames *frames;
     if (record_unfinished(directory)
@@ -74,11 +73,8 @@ void tell_unfinished(const char *directory)
 
 static int view_verb(const options *given)
 {
-    if (given->operand_count < 1 || given->operand_count > 2) {
-        return usage_error(&verb_view, "needs the directory of one run, or of two");
-    }
     for (int i = 0; i < given->operand_count; ++i) {
-        tell_unfinished(given->operands[i]);
+        report_unfinished(given->operands[i]);
     }
     return view_runs((const char *const *)given->operands, (size_t)given->operand_count,
                      given->out, false);
@@ -100,5 +96,6 @@ const verb verb_view = {
       "exit codes: 0 done, 2 wrong command line, or runs that cannot be compared, 4 a "
       "file could not be read or written\n",
     .options = OPTIONS(OPTION_VALUE("out", out)),
+    .operands = { 1, 2, "needs the directory of one run, or of two", NULL },
     .run = view_verb,
 };

@@ -224,28 +224,12 @@ static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error
     return status == WEFT_OK ? check_numbers(cloth, err) : status;
 }
 
-/* The first fault of a definition. */
-typedef struct refusal {
-    weft_status status;
-    weft_error *err;
-} refusal;
-
-static void keep_first(void *ctx, size_t field, size_t other, const char *message)
-{
-    refusal *first = ctx;
-    (void)field;
-    (void)other;
-    if (first->status == WEFT_OK) {
-        first->status = weft_error_set(first->err, WEFT_INVALID, "%s", message);
-    }
-}
-
 weft_status weft__shape_make(const weft_cloth *cloth, const weft_shape *def,
                              double since, size_t index, weft__shape *out,
                              weft_error *err)
 {
-    refusal first = { WEFT_OK, err };
-    if (!weft__shape_check(def, index, &(weft__faults){ keep_first, &first })) {
+    weft__refusal first = { WEFT_OK, err };
+    if (!weft__shape_check(def, index, &(weft__faults){ weft__keep_first, &first })) {
         return first.status;
     }
     *out = weft__shape_of(def, cloth->contact.friction);
@@ -261,8 +245,8 @@ weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
                               weft_error *err)
 {
     *out = NULL;
-    refusal first = { WEFT_OK, err };
-    weft__cloth_def_check(def, &(weft__faults){ keep_first, &first });
+    weft__refusal first = { WEFT_OK, err };
+    weft__cloth_def_check(def, &(weft__faults){ weft__keep_first, &first });
     if (first.status != WEFT_OK) {
         return first.status;
     }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* model.h -- the data of a cloth, for the files of src/cloth, and the check of a
- * definition, for src/scene too.
+/* model.h -- the data of a cloth, for the files of src/cloth, and the checks of
+ * definitions, for src/scene too.
  *
  * Springs are implicit: a family has two groups, one for each direction, and the
  * springs of a group differ only in their first particle. Nothing is stored per spring.
@@ -89,15 +89,25 @@ void weft__groups_init(weft_cloth *cloth, const weft_cloth_def *def);
 /* cloth.c: the rows, columns and plain values of a definition, directions made unit. */
 void weft__grid_init(weft_cloth *cloth, const weft_cloth_def *def);
 
-/* Takes faults of a definition: `field` is the offset in weft_cloth_def of the one at
- * fault, `other` that of one it does not go together with, or the same. */
+/* Takes faults of a definition: `field` is the offset of the one at fault in its
+ * struct, `other` that of one it does not go together with, or the same. */
 typedef struct weft__faults {
     void (*found)(void *ctx, size_t field, size_t other, const char *message);
     void *ctx;
 } weft__faults;
 
+/* The first fault of a definition, as WEFT_INVALID; takes faults if it is their ctx. */
+typedef struct weft__refusal {
+    weft_status status;
+    weft_error *err;
+} weft__refusal;
+void weft__keep_first(void *ctx, size_t field, size_t other, const char *message);
+
 /* validate.c: reports every fault of a definition. */
 void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to);
+
+/* The same of a strain limit that has a method. */
+void weft__limit_check(const weft_limit_def *def, const weft__faults *to);
 
 /* Checks the grid alone, rows to velocity; compares neighbours in grids of up to `most`
  * particles. Returns false if the size is wrong. */

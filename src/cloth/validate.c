@@ -12,6 +12,7 @@
 #define MAX_PARTICLES ((size_t)1 << 31)
 
 #define FIELD(name) offsetof(weft_cloth_def, name)
+#define LIMIT(name) offsetof(weft_limit_def, name)
 
 WEFT_PRINTF(4, 5)
 static void fault(const weft__faults *to, size_t field, size_t other,
@@ -23,6 +24,16 @@ static void fault(const weft__faults *to, size_t field, size_t other,
     (void)vsnprintf(message, sizeof message, format, args);
     va_end(args);
     to->found(to->ctx, field, other, message);
+}
+
+void weft__keep_first(void *ctx, size_t field, size_t other, const char *message)
+{
+    weft__refusal *first = ctx;
+    (void)field;
+    (void)other;
+    if (first->status == WEFT_OK) {
+        first->status = weft_error_set(first->err, WEFT_INVALID, "%s", message);
+    }
 }
 
 bool weft__range_resolve(weft_range range, size_t count, size_t *first, size_t *last)
@@ -92,13 +103,21 @@ static bool check_lengths(const weft_cloth_def *def, const weft__faults *to)
     return spaced && scaled && weft__all_finite(def->origin, 3);
 }
 
+/* No direction is a vector whose length is lost in rounding, either. */
+static bool check_direction(const double v[3], size_t field, const weft__faults *to)
+{
+    if (!weft__positive(weft__length(v))) {
+        fault(to, field, field, "%s is [%g, %g, %g], which is no direction",
+              field == FIELD(right) ? "right" : "down", v[0], v[1], v[2]);
+    }
+    return weft__positive(weft__length(v));
+}
+
 static bool check_axes(const weft_cloth_def *def, const weft__faults *to)
 {
     const double *a = def->right, *b = def->down;
-    if (!weft__positive(weft__length(a)) || !weft__positive(weft__length(b))) {
-        const size_t field
-            = weft__positive(weft__length(a)) ? FIELD(down) : FIELD(right);
-        fault(to, field, field, "right and down must be finite and not zero");
+    const bool directed = check_direction(a, FIELD(right), to);
+    if (!check_direction(b, FIELD(down), to) || !directed) {
         return false;
     }
     const double cosine = weft__dot(a, b) / (weft__length(a) * weft__length(b));
@@ -423,5 +442,35 @@ void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to)
             check_contact(def, to);
             check_shapes(def, to);
         }
+    }
+}
+
+/* ---- its strain limit ------------------------------------------------------------ */
+
+void weft__limit_check(const weft_limit_def *def, const weft__faults *to)
+{
+    const bool bridson = def->method == WEFT_LIMIT_BRIDSON;
+    if (!bridson && def->method != WEFT_LIMIT_PROVOT) {
+        fault(to, LIMIT(method), LIMIT(method), "limit method %d is unknown",
+              (int)def->method);
+    }
+    if (def->solver != WEFT_LIMIT_FAST && def->solver != WEFT_LIMIT_SWEEP) {
+        fault(to, LIMIT(solver), LIMIT(solver), "limit solver %d is unknown",
+              (int)def->solver);
+    }
+    if (!weft__not_negative(def->strain)) {
+        fault(to, LIMIT(strain), LIMIT(strain), "limit strain %g: must be >= 0",
+              def->strain);
+    }
+    if (!weft__positive(def->tolerance)) {
+        fault(to, LIMIT(tolerance), LIMIT(tolerance), "limit tolerance %g: must be > 0",
+              def->tolerance);
+    }
+    if (def->sweeps == 0) {
+        fault(to, LIMIT(sweeps), LIMIT(sweeps), "limit sweeps 0: must be >= 1");
+    }
+    if (bridson && def->keep_velocity) {
+        fault(to, LIMIT(keep_velocity), LIMIT(method),
+              "limit method bridson cannot keep velocities: it works on them");
     }
 }

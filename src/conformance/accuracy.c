@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* accuracy.c -- whether order and tolerance mean what they say. */
+/* accuracy.c -- checks of the order and of the tolerance. */
 #include "conformance/measured_order.h"
 #include "conformance/trial.h"
 
-static const char *no_order(const weft_stepper_type *type)
+const char *weft__order_not_measured(const weft_stepper_type *type)
 {
     const int claimed = weft__order_claimed(type);
     return claimed < 1                  ? "the order varies"
@@ -11,17 +11,16 @@ static const char *no_order(const weft_stepper_type *type)
                                         : NULL;
 }
 
-static void the_order_is_the_one_claimed(trial *self)
+void weft__the_order_is_the_one_claimed(trial *self)
 {
     const int claimed = weft__order_claimed(self->type);
     weft_error err = { 0 };
     double measured = 0.0;
     const weft_status status = weft__order(self->type, claimed, &measured, &err);
-    (void)weft__expect(self, status == WEFT_OK, "a step failed: %s", err.message);
-    (void)weft__expect(
-        self, status != WEFT_OK || fabs(measured - claimed) <= WEFT__ORDER_BOUND,
-        "order %d is claimed, %s%.3g is measured; within %g would do", claimed,
-        isinf(measured) ? "a higher one, " : "", measured, WEFT__ORDER_BOUND);
+    weft__expect(self, status == WEFT_OK, "a step failed: %s", err.message);
+    weft__expect(self, fabs(measured - claimed) <= WEFT__ORDER_BOUND,
+                 "order %d is claimed, %s%.3g is measured; within %g would do", claimed,
+                 isinf(measured) ? "a higher one, " : "", measured, WEFT__ORDER_BOUND);
 }
 
 typedef struct result {
@@ -29,53 +28,32 @@ typedef struct result {
     uint64_t steps;
 } result;
 
-static bool at_4_s(trial *self, weft_norm norm, double tolerance, result *out)
+static result at_4_s(trial *self, weft_norm norm, double tolerance)
 {
     weft_stepper_config config = weft__adaptive(tolerance);
     config.norm = norm;
     trial_run *r = weft__begin(self, 0, config);
-    if (r == NULL || !weft__go(self, r, 4.0)) {
-        return false;
-    }
-    *out = (result){ weft__error_at_end(r), weft__stats(self, r).steps };
-    return true;
+    weft__go(self, r, 4.0);
+    return (result){ weft__error_at_end(r), weft__stats(self, r).steps };
 }
 
-/* The error at the end is not the error of a step, so a factor stays between them. */
-static void the_error_follows_the_tolerance(trial *self)
+/* The error at the end is not the error of a step: a factor remains between them. */
+void weft__the_error_follows_the_tolerance(trial *self)
 {
     const int order = self->type->order;
     const double low = order == 1 ? 1e-5 : order == 2 ? 1e-7 : 1e-9;
     const double most = order == 1 ? 2000.0 : 150.0;
     for (int norm = WEFT_NORM_MAX; norm <= WEFT_NORM_RMS; ++norm) {
         const double fine_most = (norm == WEFT_NORM_MAX ? 1.0 : 2.0) * most * low;
-        result rough, fine;
-        if (!at_4_s(self, (weft_norm)norm, 1e-3, &rough)
-            || !at_4_s(self, (weft_norm)norm, low, &fine)) {
-            return;
-        }
-        (void)weft__expect(self, rough.error <= most * 1e-3 && fine.error <= fine_most,
-                           "off by %.3g at a tolerance of 1e-3 and by %.3g at %g, at "
-                           "most %.3g and %.3g would do",
-                           rough.error, fine.error, low, most * 1e-3, fine_most);
-        (void)weft__expect(self,
-                           fine.error <= 0.11 * rough.error && fine.steps > rough.steps,
-                           "a tolerance of %g instead of 1e-3 makes the error %.3g of "
-                           "%.3g, in %llu steps instead of %llu",
-                           low, fine.error, rough.error, (unsigned long long)fine.steps,
-                           (unsigned long long)rough.steps);
+        const result rough = at_4_s(self, (weft_norm)norm, 1e-3);
+        const result fine = at_4_s(self, (weft_norm)norm, low);
+        weft__expect(self, rough.error <= most * 1e-3 && fine.error <= fine_most,
+                     "off by %.3g at a tolerance of 1e-3 and by %.3g at %g, at most "
+                     "%.3g and %.3g would do",
+                     rough.error, fine.error, low, most * 1e-3, fine_most);
+        weft__expect(self, fine.error <= 0.11 * rough.error && fine.steps > rough.steps,
+                     "a tolerance of %g instead of 1e-3 makes the error %.3g of %.3g, "
+                     "in %" PRIu64 " steps instead of %" PRIu64,
+                     low, fine.error, rough.error, fine.steps, rough.steps);
     }
 }
-
-const check weft__accuracy_checks[]
-    = { { .name = "order",
-          .promise = "in fixed steps the order is the one the table claims",
-          .run = the_order_is_the_one_claimed,
-          .pointless = no_order,
-          .once = true },
-        { .name = "tolerance",
-          .promise = "the error follows the tolerance, in both norms",
-          .run = the_error_follows_the_tolerance,
-          .pointless = weft__no_error_control,
-          .once = true },
-        { 0 } };

@@ -1,104 +1,85 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* creation.c -- what a method says of itself, what it accepts and refuses. */
+/* creation.c -- a method's table, and the configs that create accepts and refuses. */
 #include "conformance/trial.h"
 
-static void table_is_sane(trial *self)
+void weft__table_is_sane(trial *self)
 {
     const weft_stepper_type *type = self->type;
-    const bool fixed_only = !weft__adapts(type);
-    (void)weft__expect(self, type->order >= 0 && type->stages >= 0,
-                       "order %d with %d stages", type->order, type->stages);
-    (void)weft__expect(self, type->error_order >= 0, "error_order %d",
-                       type->error_order);
-    (void)weft__expect(self, !fixed_only || type->error_order == 0,
-                       "an error_order without error control");
-    (void)weft__expect(self, type->reference[0] != '\0' && type->license[0] != '\0',
-                       "an empty reference or license");
+    weft__expect(self, type->order >= 0 && type->stages >= 0, "order %d with %d stages",
+                 type->order, type->stages);
+    weft__expect(self, type->error_order >= 0, "error_order %d", type->error_order);
+    weft__expect(self, weft__adapts(type) || type->error_order == 0,
+                 "an error_order without error control");
+    weft__expect(self, type->reference[0] != '\0' && type->license[0] != '\0',
+                 "an empty reference or license");
     type->destroy(NULL);
 }
 
-static void create_calls_no_rhs(trial *self)
+void weft__create_calls_no_rhs(trial *self)
 {
-    for (int mode = 0; mode < 2; ++mode) {
-        const trial_run *r = weft__begin(self, 0, weft__usual(self->type, mode));
-        if (r != NULL) {
-            (void)weft__expect(self, r->model.calls == 0, "create called the rhs");
-            const weft_stepper_stats stats = weft__stats(self, r);
-            (void)weft__expect(self,
-                               stats.steps == 0 && stats.rejected == 0
-                                   && stats.rhs_calls == 0 && !(stats.last_step > 0.0),
-                               "statistics are not 0 before the first step");
-        }
-    }
+    const trial_run *r = weft__begin_usual(self, 0);
+    weft__expect(self, r->model.calls == 0, "create called the rhs");
+    const weft_stepper_stats stats = weft__stats(self, r);
+    weft__expect(self,
+                 stats.steps == 0 && stats.rejected == 0 && stats.rhs_calls == 0
+                     && !(stats.last_step > 0.0),
+                 "statistics are not 0 before the first step");
 }
 
-typedef struct odd_number {
-    size_t offset; /* of a double of the config */
+#define FIELD(field) #field, offsetof(weft_stepper_config, field)
+
+/* Bad numbers; all but the first matter with error control only. */
+static const struct {
     const char *name;
+    size_t offset; /* in the config */
     double values[4];
-    bool adaptive; /* looked at with error control only */
-} odd_number;
-
-#define FIELD(field) offsetof(weft_stepper_config, field), #field
-#define ODD(field, a, b, c, d)                                                         \
-    {                                                                                  \
-        FIELD(field), { (a), (b), (c), (d) }, true                                     \
-    }
-
-static const odd_number odd_numbers[] = {
-    { FIELD(fixed_step), { -1e-3, -1.0, (double)NAN, (double)INFINITY }, false },
-    ODD(rtol, -1e-9, -1.0, (double)NAN, (double)INFINITY),
-    ODD(atol_position, 0.0, -1e-6, (double)NAN, (double)INFINITY),
-    ODD(atol_velocity, 0.0, -1e-6, (double)NAN, (double)INFINITY),
-    ODD(first_step, 0.0, -1e-3, (double)NAN, (double)INFINITY),
-    ODD(min_step, 0.0, -1e-9, (double)NAN, (double)INFINITY),
-    ODD(max_step, 0.0, -1.0, 0.9e-10, (double)NAN),
+} odd_numbers[] = {
+    { FIELD(fixed_step), { -1e-3, -1.0, (double)NAN, (double)INFINITY } },
+    { FIELD(rtol), { -1e-9, -1.0, (double)NAN, (double)INFINITY } },
+    { FIELD(atol_position), { 0.0, -1e-6, (double)NAN, (double)INFINITY } },
+    { FIELD(atol_velocity), { 0.0, -1e-6, (double)NAN, (double)INFINITY } },
+    { FIELD(first_step), { 0.0, -1e-3, (double)NAN, (double)INFINITY } },
+    { FIELD(min_step), { 0.0, -1e-9, (double)NAN, (double)INFINITY } },
+    { FIELD(max_step), { 0.0, -1.0, 0.9e-10, (double)NAN } },
 };
 
-static bool refuses(trial *self, size_t dim, const weft_stepper_config *config,
+static void refuses(trial *self, size_t dim, const weft_stepper_config *config,
                     const char *what)
 {
     model m = { .k = 1.0 };
     const weft_ode ode = { .dim = dim, .rhs = weft__model_rhs, .ctx = &m };
     void *instance = &m;
     weft_error err = { 0 };
-    const weft_status status
-        = self->type->create(self->type, &ode, config, &instance, &err);
+    weft_status status = self->type->create(self->type, &ode, config, &instance, &err);
     if (status == WEFT_OK) {
         self->type->destroy(instance);
     }
-    return weft__expect(self, status == WEFT_INVALID || status == WEFT_UNSUPPORTED,
-                        "%s: create returned '%s', not that it is invalid or "
-                        "unsupported",
-                        what, weft_status_text(status))
-           && weft__expect(self, instance == NULL,
-                           "%s: *self is not NULL after a "
-                           "refusal",
-                           what)
-           && weft__expect(self, err.status == status && err.message[0] != '\0',
-                           "%s: refused without a reason in *err", what)
-           && weft__expect(self,
-                           self->type->create(self->type, &ode, config, &instance, NULL)
-                               == status,
-                           "%s: refused otherwise without a weft_error", what)
-           && weft__expect(self, m.calls == 0, "%s: create called the rhs", what);
+    weft__expect(self, status == WEFT_INVALID || status == WEFT_UNSUPPORTED,
+                 "%s: create returned '%s', not that it is invalid or unsupported",
+                 what, weft_status_text(status));
+    weft__expect(self, instance == NULL, "%s: *self is not NULL after a refusal", what);
+    weft__expect(self, err.status == status && err.message[0] != '\0',
+                 "%s: refused without a reason in *err", what);
+    status = self->type->create(self->type, &ode, config, &instance, NULL);
+    weft__expect(self, status == err.status, "%s: another status without a weft_error",
+                 what);
+    weft__expect(self, m.calls == 0, "%s: create called the rhs", what);
 }
 
 static void numbers_are_refused(trial *self, const weft_stepper_config *good)
 {
-    for (size_t i = 0; i < sizeof odd_numbers / sizeof odd_numbers[0]; ++i) {
-        const odd_number *odd = &odd_numbers[i];
-        for (int k = 0; k < 4 && (!odd->adaptive || weft__adapts(self->type)); ++k) {
-            char what[64];
-            weft_stepper_config bad = *good;
-            memcpy((char *)&bad + odd->offset, &odd->values[k], sizeof(double));
-            (void)snprintf(what, sizeof what, "%s %g", odd->name, odd->values[k]);
-            (void)refuses(self, DIM, &bad, what);
-        }
+    const size_t count = sizeof odd_numbers / sizeof odd_numbers[0];
+    for (size_t i = 0; i < (weft__adapts(self->type) ? 4 * count : 4); ++i) {
+        const double odd = odd_numbers[i / 4].values[i % 4];
+        char what[64];
+        weft_stepper_config bad = *good;
+        memcpy((char *)&bad + odd_numbers[i / 4].offset, &odd, sizeof odd);
+        (void)snprintf(what, sizeof what, "%s %g", odd_numbers[i / 4].name, odd);
+        refuses(self, DIM, &bad, what);
     }
 }
 
-void weft__refuse_mistakes(trial *self)
+void weft__mistakes_are_refused(trial *self)
 {
     const weft_butcher table = { .stages = 1 };
     weft_stepper_config good = weft__with_table(self->type, weft__usual(self->type, 0)),
@@ -106,31 +87,30 @@ void weft__refuse_mistakes(trial *self)
     numbers_are_refused(self, &good);
     if (weft__adapts(self->type)) {
         bad.norm = (weft_norm)7;
-        (void)refuses(self, DIM, &bad, "norm 7");
+        refuses(self, DIM, &bad, "norm 7");
     } else {
         bad = weft__adaptive(1e-6);
-        (void)refuses(self, DIM, &bad,
-                      "fixed_step 0 of a method without error control");
+        refuses(self, DIM, &bad, "fixed_step 0 of a method without error control");
     }
     bad = good;
     bad.struct_size = 8;
-    (void)refuses(self, DIM, &bad, "a config of 8 bytes");
-    (void)refuses(self, 0, &good, "dim 0");
-    (void)refuses(self, 5, &good, "dim 5");
+    refuses(self, DIM, &bad, "a config of 8 bytes");
+    refuses(self, 0, &good, "dim 0");
+    refuses(self, 5, &good, "dim 5");
     if ((self->type->flags & WEFT_STEPPER_BUTCHER) == 0) {
         good.butcher = &table;
-        (void)refuses(self, DIM, &good, "a Butcher table");
+        refuses(self, DIM, &good, "a Butcher table");
     }
     if ((self->type->flags & WEFT_STEPPER_QUADRATURES) == 0) {
         bad = good;
         bad.butcher = NULL;
         bad.quadratures = 2;
-        (void)refuses(self, DIM + 2, &bad, "quadratures");
+        refuses(self, DIM + 2, &bad, "quadratures");
     }
 }
 
-/* A config of an older program is shorter, and of a newer one longer. */
-static void other_versions_are_served(trial *self)
+/* The config of an older program is shorter, that of a newer one longer. */
+void weft__other_versions_are_served(trial *self)
 {
     struct {
         weft_stepper_config config;
@@ -141,27 +121,22 @@ static void other_versions_are_served(trial *self)
         = { sizeof newer, sizeof newer.config, WEFT_STEPPER_CONFIG_LEAST };
     for (int i = 0; i < 3; ++i) {
         trial_run *r = weft__begin(self, i, newer.config);
-        if (r == NULL) {
-            return;
-        }
         self->type->destroy(r->self);
         newer.config.struct_size = sizes[i];
         r->self = NULL;
         const weft_status status
             = self->type->create(self->type, &r->ode, &newer.config, &r->self, &r->err);
-        if (!weft__expect(self, status == WEFT_OK,
-                          "a config with a struct_size of %u bytes is refused: %s",
-                          (unsigned)sizes[i], r->err.message)
-            || !weft__go(self, r, 0.125)
-            || !weft__expect(self, weft__same(self, r, &self->runs[0]),
-                             "another result with a struct_size of %u bytes",
-                             (unsigned)sizes[i])) {
-            return;
-        }
+        weft__expect(self, status == WEFT_OK,
+                     "a config with a struct_size of %u bytes is refused: %s",
+                     (unsigned)sizes[i], r->err.message);
+        weft__go(self, r, 0.125);
+        weft__expect(self, weft__same(self, r, &self->runs[0]),
+                     "results differ with a struct_size of %u bytes",
+                     (unsigned)sizes[i]);
     }
 }
 
-static void fixed_steps_look_at_no_tolerance(trial *self)
+void weft__fixed_steps_ignore_tolerances(trial *self)
 {
     weft_stepper_config config = weft__fixed(0x1p-9);
     trial_run *plain = weft__begin(self, 0, config);
@@ -169,35 +144,11 @@ static void fixed_steps_look_at_no_tolerance(trial *self)
     config.rtol = config.atol_position = config.atol_velocity = (double)NAN;
     config.first_step = config.min_step = config.max_step = -1.0;
     trial_run *odd = weft__begin(self, 1, config);
-    if (plain == NULL || odd == NULL || !weft__go(self, plain, 0.5)
-        || !weft__go(self, odd, 0.5)) {
-        return;
-    }
-    (void)weft__expect(self, weft__same(self, plain, odd),
-                       "the result depends on tolerances");
+    weft__go(self, plain, 0.5);
+    weft__go(self, odd, 0.5);
+    weft__expect(self, weft__same(self, plain, odd),
+                 "the result depends on tolerances");
     const uint64_t steps = weft__stats(self, odd).steps;
-    (void)weft__expect(self, steps == 256, "%llu steps of 1/512 s up to 0.5 s, not 256",
-                       (unsigned long long)steps);
+    weft__expect(self, steps == 256,
+                 "%" PRIu64 " steps of 1/512 s up to 0.5 s, not 256", steps);
 }
-
-const check weft__creation_checks[] = {
-    { .name = "table",
-      .promise = "what the method says of itself makes sense; NULL may be destroyed",
-      .run = table_is_sane,
-      .once = true },
-    { .name = "create",
-      .promise = "create makes an instance and calls no rhs",
-      .run = create_calls_no_rhs },
-    { .name = "refusal",
-      .promise = "create refuses every number that makes no sense, with a reason",
-      .run = weft__refuse_mistakes,
-      .once = true },
-    { .name = "versions",
-      .promise = "a config of an older or a newer program is read as far as it goes",
-      .run = other_versions_are_served,
-      .once = true },
-    { .name = "fixed",
-      .promise = "fixed steps have the length asked for and look at no tolerance",
-      .run = fixed_steps_look_at_no_tolerance },
-    { 0 }
-};

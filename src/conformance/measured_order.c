@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* measured_order.c -- the order of a method, measured where it can be seen without a
- * doubt.
+/* measured_order.c -- measures the order of a method on equations that show it clearly.
  *
- * One equation for each rooted tree up to a weight, one more than the order claimed:
- * v' of a tree is the product of what hangs on its root, be it the v of a tree or its
- * x, x' = v, and all begin at 0. A leaf that hangs on a root is t itself. So
+ * There is one equation for each rooted tree up to a weight, one more than the order
+ * claimed: v' of a tree is the product of the branches of its root, each the v or the x
+ * of a smaller tree; x' = v, and all begin at 0. A leaf at a root is t itself. So
  *
  *     v(t) = t^w / gamma, x(t) = t^(w+1) / ((w+1) gamma)       with w the weight,
  *
  * and a Runge-Kutta method of order p is exact for the trees of weight p or less
  * (Butcher, Numerical Methods for ODEs, 3rd ed., theorem 315A). The step error of
- * weight p + 1 is c h^(p+1) with c free of t, h and y, as there is no weight left for
+ * weight p + 1 is c h^(p+1) with c independent of t, h and y, as no weight is left for
  * more: the errors of the steps add up to c h^p, and the ratio of the errors with h and
- * h/2 is 2^p without terms of higher order, at any h. On other problems the tables of
- * high order show their order between those terms and roundoff for a short range of h
+ * h/2 is 2^p without terms of higher order, at any h. On other problems, tables of high
+ * order show their order only for a short range of h between those terms and roundoff,
  * or not at all. */
 #include <math.h>
 #include <stdlib.h>
@@ -23,13 +22,13 @@
 
 enum {
     WEIGHTS = WEFT__ORDER_MOST + 2, /* from 0, which no tree has */
-    TREES_MOST = 6964,              /* of less weight than that */
+    TREES_MOST = 6964,              /* of smaller weights */
     STEPS_MOST = 1024
 };
 
-/* Near 1e-11 a relative error is no longer one of the method: implicit ones iterate
- * until they are that near to the solution, and some tables weigh their stages by
- * hundreds. This much above it leaves 0.05 of the order at most. */
+/* Relative errors near 1e-11 are not those of the method: implicit ones iterate until
+ * they are that near to the solution, and some tables weight their stages by hundreds.
+ * This margin above it changes the order by 0.05 at most. */
 #define ROUNDOFF 3e-10
 
 typedef struct branch {
@@ -63,7 +62,7 @@ static void add_tree(forest *f, int weight, size_t rest, branch last)
         = weight * (f->gamma[rest] / f->weight[rest]) * of_x * f->gamma[last.tree];
 }
 
-/* Weight after weight; the branches of a root in falling order, so that no tree comes
+/* In order of weight; the branches of a root fall in order, so that no tree comes
  * twice. */
 static void grow(forest *f, int most)
 {
@@ -96,20 +95,16 @@ static int rate(double t, const double *y, double *dydt, void *ctx)
         const double factor = last.x ? x[last.tree] : last.tree == 0 ? t : v[last.tree];
         dv[k] = dv[f->rest[k]] * factor;
     }
-    for (size_t k = 0; k < f->count; ++k) {
-        dydt[k] = v[k];
-    }
+    memcpy(dydt, v, f->count * sizeof *v);
     return 0;
 }
 
-/* At t = 1 s, the largest of each weight; x are of one more than v, as far as there are
- * v of that too. */
+/* The largest errors of each weight at t = 1 s; an x has the weight of its v plus 1,
+ * and counts if there are v of that weight. */
 static void find_errors(const forest *f, const double *y, double error[WEIGHTS])
 {
     const int most = f->weight[f->count - 1];
-    for (size_t w = 0; w < WEIGHTS; ++w) {
-        error[w] = 0.0;
-    }
+    memset(error, 0, WEIGHTS * sizeof *error);
     for (size_t k = 0; k < f->count; ++k) {
         const int w = f->weight[k];
         const double of_v = fabs(y[f->count + k] * f->gamma[k] - 1.0);
@@ -144,8 +139,8 @@ static weft_status errors_with(const weft_stepper_type *type, forest *f, int ste
     return status;
 }
 
-/* Of each weight by the finest steps whose error stands out from roundoff; the least of
- * all weights. */
+/* For each weight, takes the finest steps whose error stands out from roundoff; the
+ * order is the least over all weights. */
 static weft_status halve(const weft_stepper_type *type, forest *f, double *order,
                          weft_error *err)
 {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* memory.c -- what a method takes it gives back. */
+/* memory.c -- memory that a method takes must be given back. */
 #include "conformance/trial.h"
 
 #include <malloc.h>
 
-/* glibc since 2.33 tells it in numbers that do not wrap. */
+/* glibc since 2.33 reports it in numbers that do not wrap. */
 #if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 33)
 #define HEAP_IS_KNOWN 1
 static size_t heap_in_use(void)
@@ -20,38 +20,32 @@ static size_t heap_in_use(void)
 }
 #endif
 
-static const char *no_heap(const weft_stepper_type *type)
+const char *weft__heap_not_known(const weft_stepper_type *type)
 {
     (void)type;
-    return HEAP_IS_KNOWN ? NULL : "this C library does not tell what is allocated";
+    return HEAP_IS_KNOWN ? NULL : "this C library does not report allocations";
 }
 
-/* The first steps may still stock up what free() keeps for the next malloc(). */
-static void the_heap_does_not_grow(trial *self)
+/* The first steps may still fill the lists that free() keeps for the next malloc(). */
+void weft__the_heap_does_not_grow(trial *self)
 {
-    for (int mode = 0; mode < 2; ++mode) {
-        trial_run *r = weft__begin(self, 0, weft__usual(self->type, mode));
-        if (r == NULL || !weft__go(self, r, 0.0625)) {
-            return;
-        }
-        const size_t before = heap_in_use();
-        const uint64_t first = weft__stats(self, r).steps;
-        if (!weft__go(self, r, 8.0)) {
-            return;
-        }
-        const size_t after = heap_in_use();
-        (void)weft__expect(
-            self, after <= before, "%zu bytes more are allocated after %llu steps",
-            after - before, (unsigned long long)(weft__stats(self, r).steps - first));
-    }
+    trial_run *r = weft__begin_usual(self, 0);
+    weft__go(self, r, 0.0625);
+    const size_t before = heap_in_use();
+    const uint64_t first = weft__stats(self, r).steps;
+    weft__go(self, r, 8.0);
+    const size_t after = heap_in_use();
+    weft__expect(self, after <= before,
+                 "%zu bytes more are allocated after %" PRIu64 " steps", after - before,
+                 weft__stats(self, r).steps - first);
 }
 
-/* free() and solvers keep things for the next time, now more and now less: only what
- * grows in every row of rounds is lost. The least that malloc() gives is 16 bytes, in a
- * chunk of more. */
+/* free() and solvers keep a varying amount for later use: only growth in every row of
+ * rounds is a leak. The least that malloc() allocates is 16 bytes, in a larger
+ * chunk. */
 enum { ROWS = 6, ROUNDS = 32, LEAST = 16 };
 
-static size_t grows_in_a_row(trial *self, void (*round)(trial *self))
+static size_t grows_in_a_row(trial *self, check_fn *round)
 {
     const size_t before = heap_in_use();
     for (int i = 0; i < ROUNDS; ++i) {
@@ -61,8 +55,7 @@ static size_t grows_in_a_row(trial *self, void (*round)(trial *self))
     return after > before ? after - before : 0;
 }
 
-static void nothing_is_left_of(trial *self, void (*round)(trial *self),
-                               const char *what)
+static void nothing_is_left_of(trial *self, check_fn *round, const char *what)
 {
     size_t least = SIZE_MAX;
     (void)grows_in_a_row(self, round);
@@ -70,36 +63,31 @@ static void nothing_is_left_of(trial *self, void (*round)(trial *self),
         const size_t grown = grows_in_a_row(self, round);
         least = grown < least ? grown : least;
     }
-    (void)weft__expect(self, least < ROUNDS * LEAST,
-                       "%zu bytes more are allocated each time after %s",
-                       least / ROUNDS, what);
+    weft__expect(self, least < ROUNDS * LEAST,
+                 "%zu bytes more are allocated each time after %s", least / ROUNDS,
+                 what);
 }
 
 static void live(trial *self)
 {
-    for (int mode = 0; mode < 2; ++mode) {
-        trial_run *r = weft__begin(self, 0, weft__usual(self->type, mode));
-        if (r != NULL) {
-            (void)weft__go(self, r, 0.0078125);
-        }
-        weft__end(self, 0);
-    }
+    weft__go(self, weft__begin_usual(self, 0), 0.0078125);
+    weft__end(self, 0);
 }
 
-static void lives_leave_nothing(trial *self)
+void weft__destroy_leaves_nothing(trial *self)
 {
     nothing_is_left_of(self, live, "create, some steps and destroy");
 }
 
-static void refusals_leave_nothing(trial *self)
+void weft__refusals_leave_nothing(trial *self)
 {
-    nothing_is_left_of(self, weft__refuse_mistakes, "all that create must refuse");
+    nothing_is_left_of(self, weft__mistakes_are_refused, "all that create must refuse");
 }
 
 /* An allocator that counts. */
 typedef struct account {
     size_t calls;
-    long blocks; /* that are out */
+    long blocks; /* not yet given back */
 } account;
 
 static void *resize(void *ctx, void *block, size_t size)
@@ -112,43 +100,19 @@ static void *resize(void *ctx, void *block, size_t size)
     return out;
 }
 
-static void the_allocator_is_used(trial *self)
+void weft__the_allocator_is_used(trial *self)
 {
     account count = { 0 };
     const weft_allocator memory = { resize, &count };
     weft_stepper_config config = weft__usual(self->type, 0);
     config.allocator = &memory;
-    trial_run *r = weft__begin(self, 0, config);
-    if (r == NULL || !weft__go(self, r, 0.0625)) {
-        return;
-    }
+    weft__go(self, weft__begin(self, 0, config), 0.0625);
     weft__end(self, 0);
-    if (weft__expect(self, count.blocks == 0,
-                     "blocks of config->allocator not given back to it: %ld",
-                     count.blocks)
-        && count.calls == 0) {
+    weft__expect(self, count.blocks == 0,
+                 "blocks of config->allocator not given back to it: %ld", count.blocks);
+    if (count.calls == 0) {
         self->out->verdict = WEFT_PROMISE_NOTED;
         (void)snprintf(self->out->seen, sizeof self->out->seen,
                        "it takes no memory from config->allocator");
     }
 }
-
-const check weft__memory_checks[]
-    = { { .name = "memory",
-          .promise = "steps leave no more memory allocated than there was",
-          .run = the_heap_does_not_grow,
-          .pointless = no_heap },
-        { .name = "destroy",
-          .promise = "destroy gives back all that create and steps have allocated",
-          .run = lives_leave_nothing,
-          .pointless = no_heap },
-        { .name = "refused",
-          .promise = "a create that refuses leaves no memory allocated",
-          .run = refusals_leave_nothing,
-          .pointless = no_heap,
-          .once = true },
-        { .name = "allocator",
-          .promise = "memory is taken from config->allocator and given back to it",
-          .run = the_allocator_is_used,
-          .once = true },
-        { 0 } };

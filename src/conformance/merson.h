@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* merson.h -- a table for methods that take one: R. H. Merson's of order 4, which
- * compares its solution with one of order 3. */
+/* merson.h -- a Butcher table for methods that take one: R. H. Merson's of order 4,
+ * with an embedded solution of order 3. */
 #ifndef WEFT_CONFORMANCE_MERSON_H
 #define WEFT_CONFORMANCE_MERSON_H
 
@@ -18,7 +18,7 @@ static inline const weft_butcher *merson(void)
     return &table;
 }
 
-/* The same as `stepper.butcher` of a scene. */
+/* The same table as `stepper.butcher` of a scene. */
 #define MERSON_YAML                                                                    \
     "{A: [[], [1/3], [1/6, 1/6], [1/8, 0, 3/8], [1/2, 0, -3/2, 2]], "                  \
     "b: [1/6, 0, 0, 2/3, 1/6], c: [0, 1/3, 1/3, 1/2, 1], order: 4, "                   \

@@ -5,9 +5,9 @@
 
 const double weft__model_start[DIM] = { 0.613, -0.387, 0.271, 0.829 };
 
-enum { PASSES = 256 }; /* each waits for the scheduler */
+enum { PASSES = 256 }; /* each pass waits for the scheduler */
 
-/* A method that lets one thread at a time step never calls the other rhs: then the
+/* If a method lets only one thread step at a time, the other rhs is never called: the
  * baton is dropped after a while. */
 static void pass(baton *self, int side)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* oscillators.h -- what a method is tried on: two coupled oscillators, damped, driven
- * and not linear, with y = (x1, x2, v1, v2) and up to three quadratures behind. It can
- * be told to fail. The reference solution is made here, by the classical Runge-Kutta
- * method with 2^-13 s, and good to 1e-13. */
+/* oscillators.h -- the model that methods are tried on: two coupled oscillators,
+ * damped, driven and nonlinear, with y = (x1, x2, v1, v2), followed by up to three
+ * quadratures. It fails on request. The reference solution is computed by the classical
+ * Runge-Kutta method with 2^-13 s, and is good to 1e-13. */
 #ifndef WEFT_CONFORMANCE_OSCILLATORS_H
 #define WEFT_CONFORMANCE_OSCILLATORS_H
 
@@ -16,12 +16,12 @@ enum { DIM = 4, APART = 3 /* quadratures at most */ };
 typedef enum fault { NO_FAULT, REFUSE, STOP, GIVE_NAN, GIVE_INF, FAULTS } fault;
 
 /* Two threads take turns at first: each call of one model's rhs waits for one of the
- * other's. What two steps share by mistake is then overwritten for sure. */
+ * other's, so that data shared by mistake are overwritten for sure. */
 typedef struct baton {
     pthread_mutex_t lock;
     pthread_cond_t passed;
     int turn, passes;
-    bool dropped; /* nobody waits any more */
+    bool dropped; /* no thread waits any more */
     bool late;    /* the last wait ended by its time limit */
 } baton;
 
@@ -32,7 +32,7 @@ typedef struct model {
     baton *baton; /* NULL: no turns are taken */
     int side;     /* 0 or 1 */
     uint64_t calls;
-    fault fault; /* what goes wrong */
+    fault fault; /* the kind of failure */
     uint64_t at; /* from this call on, */
     bool once;   /* or at it alone */
 } model;
@@ -73,19 +73,19 @@ static inline bool weft__adapts(const weft_stepper_type *type)
     return (type->flags & WEFT_STEPPER_FIXED_ONLY) == 0;
 }
 
-/* Adaptive where the method can, in mode 0; mode 1 is fixed steps. */
+/* Mode 0: adaptive if the method can; mode 1: fixed steps. */
 static inline weft_stepper_config weft__usual(const weft_stepper_type *type, int mode)
 {
     return mode == 0 && weft__adapts(type) ? weft__adaptive(1e-6) : weft__fixed(1e-3);
 }
 
-/* What that must reach at 1 s. */
+/* The error allowed at 1 s with weft__usual. */
 static inline double weft__allowed(const weft_stepper_type *type)
 {
     return type->order == 1 ? 5e-3 : 1e-4;
 }
 
-/* For a method that takes a table and has none: Merson's. */
+/* Adds Merson's table for a method that needs a table and has none. */
 static inline weft_stepper_config weft__with_table(const weft_stepper_type *type,
                                                    weft_stepper_config config)
 {

@@ -1,52 +1,123 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* trial.c -- all checks in one table, and what they share. */
+/* trial.c -- the table of all checks, and the functions that they share. */
 #include "conformance/trial.h"
 
-static const check *const lists[]
-    = { weft__creation_checks, weft__step_checks,     weft__failure_checks,
-        weft__state_checks,    weft__accuracy_checks, weft__memory_checks,
-        weft__process_checks };
-
-/* NULL past the last. */
-static const check *check_at(size_t i)
+static const char *no_stages(const weft_stepper_type *type)
 {
-    for (size_t list = 0; list < sizeof lists / sizeof lists[0]; ++list) {
-        for (const check *c = lists[list]; c->name != NULL; ++c) {
-            if (i-- == 0) {
-                return c;
-            }
-        }
-    }
-    return NULL;
+    return type->stages > 0 ? NULL : "the number of stages varies";
 }
 
-size_t weft_conformance_count(void)
-{
-    size_t count = 0;
-    while (check_at(count) != NULL) {
-        ++count;
-    }
-    return count;
-}
-
-const char *weft_conformance_name(size_t i)
-{
-    return check_at(i)->name;
-}
-
-const char *weft_conformance_promise(size_t i)
-{
-    return check_at(i)->promise;
-}
-
-const char *weft__no_error_control(const weft_stepper_type *type)
+static const char *no_error_control(const weft_stepper_type *type)
 {
     return weft__adapts(type) ? NULL : "the method has no error control";
 }
 
+static const struct check {
+    const char *name, *promise;
+    check_fn *run;
+    pointless_fn *pointless; /* NULL: never */
+    bool once;               /* without quadratures only */
+    bool modes;              /* in both modes of weft__usual */
+} checks[] = {
+    { "table", "the method's description makes sense; destroy accepts NULL",
+      .run = weft__table_is_sane, .once = true },
+    { "create", "create makes an instance and calls no rhs",
+      .run = weft__create_calls_no_rhs, .modes = true },
+    { "refusal", "create refuses every meaningless number, with a reason",
+      .run = weft__mistakes_are_refused, .once = true },
+    { "versions", "a config of an older or newer program is read up to its size",
+      .run = weft__other_versions_are_served, .once = true },
+    { "fixed", "fixed steps have the requested length and ignore tolerances",
+      .run = weft__fixed_steps_ignore_tolerances },
+    { "exact end", "a step never goes past t_end, meets it bit for bit, and counts",
+      .run = weft__every_end_is_met, .modes = true },
+    { "landing", "a single step lands on t_end bit for bit, wherever it began",
+      .run = weft__a_single_step_lands_exactly },
+    { "slivers", "fixed steps that fit leave no sliver of a step before t_end",
+      .run = weft__steps_that_fit_leave_no_sliver },
+    { "stages", "a step calls the rhs as often as the table says",
+      .run = weft__stages_are_the_rhs_calls, .pointless = no_stages },
+    { "step sizes", "first_step and max_step are respected",
+      .run = weft__step_sizes_are_kept, .pointless = no_error_control },
+    { "direction", "a step to a t_end that is not later is invalid and changes nothing",
+      .run = weft__no_step_goes_backwards },
+    { "failure",
+      "a failed step leaves t and y alone, only finite states are accepted, and later "
+      "steps succeed",
+      .run = weft__a_failed_step_changes_nothing, .modes = true },
+    { "refusal once",
+      "a state that the rhs refuses, or that is not finite, costs a smaller step",
+      .run = weft__one_refusal_costs_a_smaller_step, .pointless = no_error_control },
+    { "rescue", "a first step that is far too large is made smaller",
+      .run = weft__a_first_step_too_large_is_rescued, .pointless = no_error_control },
+    { "min step", "a step that needs less than min_step fails; t and y stay",
+      .run = weft__needing_less_than_min_step_fails, .pointless = no_error_control },
+    { "needless",
+      "state_changed without a change changes no result of a one-step method",
+      .run = weft__needless_changes_change_nothing, .modes = true },
+    { "edited", "the step after state_changed starts from the edited y",
+      .run = weft__an_edited_state_is_used, .modes = true },
+    { "set back",
+      "the step after state_changed starts from the t and y that are set back",
+      .run = weft__a_step_is_taken_back, .modes = true },
+    { "stats", "stats fills the caller's struct and not a byte more",
+      .run = weft__stats_write_no_further },
+    { "counts", "counts never fall, whatever fails or is edited",
+      .run = weft__stats_never_fall },
+    { "instances", "instances that step in turn have the same results as alone",
+      .run = weft__two_instances_are_independent },
+    { "threads", "instances in two threads have the same results as alone",
+      .run = weft__two_threads_are_independent },
+    { "order", "in fixed steps the order is the one the table claims",
+      .run = weft__the_order_is_the_one_claimed, .pointless = weft__order_not_measured,
+      .once = true },
+    { "tolerance", "the error follows the tolerance, in both norms",
+      .run = weft__the_error_follows_the_tolerance, .pointless = no_error_control,
+      .once = true },
+    { "memory", "steps leave no more memory allocated than there was",
+      .run = weft__the_heap_does_not_grow, .pointless = weft__heap_not_known,
+      .modes = true },
+    { "destroy", "destroy gives back all that create and steps have allocated",
+      .run = weft__destroy_leaves_nothing, .pointless = weft__heap_not_known,
+      .modes = true },
+    { "refused", "a create that refuses leaves no memory allocated",
+      .run = weft__refusals_leave_nothing, .pointless = weft__heap_not_known,
+      .once = true },
+    { "allocator", "memory is taken from config->allocator and given back to it",
+      .run = weft__the_allocator_is_used, .once = true },
+    { "process",
+      "locale, signal handlers and floating-point environment stay as they are",
+      .run = weft__the_process_is_left_alone, .modes = true },
+};
+
+size_t weft_conformance_count(void)
+{
+    return sizeof checks / sizeof checks[0];
+}
+
+const char *weft_conformance_name(size_t i)
+{
+    return checks[i].name;
+}
+
+const char *weft_conformance_promise(size_t i)
+{
+    return checks[i].promise;
+}
+
+static void run(trial *self, check_fn *check)
+{
+    if (setjmp(self->broken) == 0) {
+        check(self);
+    }
+    for (int slot = 0; slot < SLOTS; ++slot) {
+        weft__end(self, slot);
+    }
+}
+
 weft_conformance weft_conformance_check(const weft_stepper_type *type, size_t i)
 {
-    const check *c = check_at(i);
+    const struct check *c = &checks[i];
     weft_conformance out = { .verdict = WEFT_PROMISE_KEPT };
     const char *pointless = c->pointless == NULL ? NULL : c->pointless(type);
     if (pointless != NULL) {
@@ -54,21 +125,21 @@ weft_conformance weft_conformance_check(const weft_stepper_type *type, size_t i)
         (void)snprintf(out.seen, sizeof out.seen, "%s", pointless);
         return out;
     }
-    const bool both = !c->once && (type->flags & WEFT_STEPPER_QUADRATURES) != 0;
-    for (size_t apart = 0; apart <= (both ? APART : 0); apart += APART) {
-        trial self = { .type = type, .apart = apart, .out = &out };
-        c->run(&self);
-        for (int slot = 0; slot < SLOTS; ++slot) {
-            weft__end(&self, slot);
-        }
+    const bool apart = !c->once && (type->flags & WEFT_STEPPER_QUADRATURES) != 0;
+    const int modes = c->modes && weft__adapts(type) ? 2 : 1;
+    for (int k = 0; k < modes * (1 + apart) && out.verdict == WEFT_PROMISE_KEPT; ++k) {
+        trial self = {
+            .type = type, .mode = k % modes, .apart = k < modes ? 0 : APART, .out = &out
+        };
+        run(&self, c->run);
     }
     return out;
 }
 
-bool weft__expect(trial *self, bool ok, const char *format, ...)
+void weft__expect(trial *self, bool ok, const char *format, ...)
 {
     weft_conformance *out = self->out;
-    if (!ok && out->verdict == WEFT_PROMISE_KEPT) {
+    if (!ok) {
         out->verdict = WEFT_PROMISE_BROKEN;
         const int used = snprintf(out->seen, sizeof out->seen, "%s",
                                   self->apart > 0 ? "with quadratures: " : "");
@@ -77,8 +148,8 @@ bool weft__expect(trial *self, bool ok, const char *format, ...)
         (void)vsnprintf(out->seen + used, sizeof out->seen - (size_t)used, format,
                         args);
         va_end(args);
+        longjmp(self->broken, 1);
     }
-    return ok;
 }
 
 void weft__end(trial *self, int slot)
@@ -103,11 +174,14 @@ trial_run *weft__begin(trial *self, int slot, weft_stepper_config config)
     config.quadratures = self->apart;
     const weft_status status
         = self->type->create(self->type, &r->ode, &config, &r->self, &r->err);
-    const bool made
-        = weft__expect(self, status == WEFT_OK, "create failed: %s", r->err.message)
-          && weft__expect(self, r->self != NULL,
-                          "create succeeded and left *self NULL");
-    return made ? r : NULL;
+    weft__expect(self, status == WEFT_OK, "create failed: %s", r->err.message);
+    weft__expect(self, r->self != NULL, "create succeeded and left *self NULL");
+    return r;
+}
+
+trial_run *weft__begin_usual(trial *self, int slot)
+{
+    return weft__begin(self, slot, weft__usual(self->type, self->mode));
 }
 
 weft_status weft__step(const trial *self, trial_run *r, double t_end)
@@ -115,27 +189,24 @@ weft_status weft__step(const trial *self, trial_run *r, double t_end)
     return self->type->step(r->self, t_end, &r->t, r->y, &r->err);
 }
 
-bool weft__good_step(trial *self, trial_run *r, double t_end)
+void weft__good_step(trial *self, trial_run *r, double t_end)
 {
     const double before = r->t;
-    return weft__expect(self, weft__step(self, r, t_end) == WEFT_OK,
-                        "step from %.17g to %.17g s failed: %s", before, t_end,
-                        r->err.message)
-           && weft__expect(self, before < r->t && r->t <= t_end,
-                           "a step from %.17g towards %.17g s ended at %.17g s", before,
-                           t_end, r->t);
+    weft__expect(self, weft__step(self, r, t_end) == WEFT_OK,
+                 "step from %.17g to %.17g s failed: %s", before, t_end,
+                 r->err.message);
+    weft__expect(self, before < r->t && r->t <= t_end,
+                 "a step from %.17g towards %.17g s ended at %.17g s", before, t_end,
+                 r->t);
 }
 
-bool weft__go(trial *self, trial_run *r, double t_end)
+void weft__go(trial *self, trial_run *r, double t_end)
 {
     for (long steps = 1; r->t < t_end; ++steps) {
-        if (!weft__good_step(self, r, t_end)
-            || !weft__expect(self, steps < 1000000, "%ld steps, and only at %.17g s",
-                             steps, r->t)) {
-            return false;
-        }
+        weft__good_step(self, r, t_end);
+        weft__expect(self, steps < 1000000, "%ld steps, and only at %.17g s", steps,
+                     r->t);
     }
-    return true;
 }
 
 weft_stepper_stats weft__stats(const trial *self, const trial_run *r)
@@ -150,6 +221,22 @@ bool weft__same(const trial *self, const trial_run *a, const trial_run *b)
     return memcmp(a->y, b->y, (DIM + self->apart) * sizeof *a->y) == 0;
 }
 
+void weft__unchanged(trial *self, const trial_run *r, const trial_run *before,
+                     const char *what)
+{
+    weft__expect(self, memcmp(&r->t, &before->t, sizeof r->t) == 0,
+                 "%s: t changed from %.17g to %.17g", what, before->t, r->t);
+    weft__expect(self, weft__same(self, r, before), "%s: y changed", what);
+}
+
+void weft__calls_counted(trial *self, const trial_run *r, const char *when)
+{
+    const uint64_t calls = weft__stats(self, r).rhs_calls;
+    weft__expect(self, calls == r->model.calls,
+                 "%s: rhs_calls is %" PRIu64 ", there were %" PRIu64, when, calls,
+                 r->model.calls);
+}
+
 double weft__error_at_end(const trial_run *r)
 {
     double y[DIM];
@@ -158,22 +245,14 @@ double weft__error_at_end(const trial_run *r)
     return weft__model_distance(r->y, y);
 }
 
-bool weft__near(trial *self, const trial_run *r, double error, double allowed,
-                const char *what, ...)
+void weft__near(trial *self, const trial_run *r, double error, double allowed,
+                const char *what)
 {
-    char done[96];
-    va_list args;
     if (error <= allowed) {
-        return true;
+        return;
     }
     trial_run *quiet = weft__begin(self, SLOTS - 1, r->config);
-    if (quiet == NULL || !weft__go(self, quiet, r->t)) {
-        return false;
-    }
-    va_start(args, what);
-    (void)vsnprintf(done, sizeof done, what, args);
-    va_end(args);
-    return weft__expect(self, false,
-                        "%s: off by %.3g at %g s, %g allowed; without that %.2g", done,
-                        error, r->t, allowed, weft__error_at_end(quiet));
+    weft__go(self, quiet, r->t);
+    weft__expect(self, false, "%s: off by %.3g at %g s, %g allowed; without that %.2g",
+                 what, error, r->t, allowed, weft__error_at_end(quiet));
 }

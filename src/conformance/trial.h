@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* trial.h -- one check of one method under way. */
+/* trial.h -- one check of one method while it runs. */
 #ifndef WEFT_CONFORMANCE_TRIAL_H
 #define WEFT_CONFORMANCE_TRIAL_H
+
+#include <inttypes.h>
+#include <setjmp.h>
 
 #include "conformance/conformance.h"
 #include "conformance/oscillators.h"
@@ -16,58 +19,64 @@ typedef struct trial_run {
     weft_error err;
 } trial_run;
 
-enum { SLOTS = 5 }; /* the last is that of weft__near's undisturbed run */
+enum { SLOTS = 5 }; /* the last is for weft__near's undisturbed run */
 
 typedef struct trial {
     const weft_stepper_type *type;
+    int mode;     /* of weft__usual */
     size_t apart; /* quadratures of every run */
     weft_conformance *out;
+    jmp_buf broken; /* where a broken promise ends the check */
     trial_run runs[SLOTS];
 } trial;
 
-/* The first expectation that is not met breaks the promise, and its text is what was
- * seen. Returns ok. */
+/* If not ok, the promise is broken: the text is reported and the check ends here. */
 WEFT_PRINTF(3, 4)
-bool weft__expect(trial *self, bool ok, const char *format, ...);
+void weft__expect(trial *self, bool ok, const char *format, ...);
 
-/* A run from t = 0 in that slot, instead of the one that was there; NULL if it cannot
- * be created, which breaks the promise. */
+/* Starts a run at t = 0 in that slot and ends the former one. */
 trial_run *weft__begin(trial *self, int slot, weft_stepper_config config);
+trial_run *weft__begin_usual(trial *self, int slot);
 void weft__end(trial *self, int slot);
 
 weft_status weft__step(const trial *self, trial_run *r, double t_end);
-/* A step, and steps up to t_end, that must succeed; false: they did not. */
-bool weft__good_step(trial *self, trial_run *r, double t_end);
-bool weft__go(trial *self, trial_run *r, double t_end);
+/* Expects a step, or all steps up to t_end, to succeed. */
+void weft__good_step(trial *self, trial_run *r, double t_end);
+void weft__go(trial *self, trial_run *r, double t_end);
 
 weft_stepper_stats weft__stats(const trial *self, const trial_run *r);
 /* Whether two runs have the same y, bit for bit. */
 bool weft__same(const trial *self, const trial_run *a, const trial_run *b);
+/* Expects t and y to be those of `before`; `what` happened since. */
+void weft__unchanged(trial *self, const trial_run *r, const trial_run *before,
+                     const char *what);
+void weft__calls_counted(trial *self, const trial_run *r, const char *when);
 double weft__error_at_end(const trial_run *r);
 
-/* Expects an error at the end of a run that something has disturbed to be allowed, or
- * tells what an undisturbed run of the same config comes to; `what` was done to it. */
-WEFT_PRINTF(5, 6)
-bool weft__near(trial *self, const trial_run *r, double error, double allowed,
-                const char *what, ...);
+/* Expects the error at the end of a run that `what` has disturbed to be allowed; if it
+ * is not, also reports the error of an undisturbed run of the same config. */
+void weft__near(trial *self, const trial_run *r, double error, double allowed,
+                const char *what);
 
-/* One promise. */
-typedef struct check {
-    const char *name, *promise;
-    void (*run)(trial *self);
-    const char *(*pointless)(const weft_stepper_type *type); /* why; NULL: it is not */
-    bool once; /* not again with quadratures */
-} check;
+/* The checks, each of one promise, in the order of the table in trial.c. */
+typedef void check_fn(trial *self);
+check_fn weft__table_is_sane, weft__create_calls_no_rhs, weft__mistakes_are_refused,
+    weft__other_versions_are_served, weft__fixed_steps_ignore_tolerances,
+    weft__every_end_is_met, weft__a_single_step_lands_exactly,
+    weft__steps_that_fit_leave_no_sliver, weft__stages_are_the_rhs_calls,
+    weft__step_sizes_are_kept, weft__no_step_goes_backwards,
+    weft__a_failed_step_changes_nothing, weft__one_refusal_costs_a_smaller_step,
+    weft__a_first_step_too_large_is_rescued, weft__needing_less_than_min_step_fails,
+    weft__needless_changes_change_nothing, weft__an_edited_state_is_used,
+    weft__a_step_is_taken_back, weft__stats_write_no_further, weft__stats_never_fall,
+    weft__two_instances_are_independent, weft__two_threads_are_independent,
+    weft__the_order_is_the_one_claimed, weft__the_error_follows_the_tolerance,
+    weft__the_heap_does_not_grow, weft__destroy_leaves_nothing,
+    weft__refusals_leave_nothing, weft__the_allocator_is_used,
+    weft__the_process_is_left_alone;
 
-/* The checks of each file, up to one without a name. */
-extern const check weft__creation_checks[], weft__step_checks[], weft__failure_checks[],
-    weft__state_checks[], weft__accuracy_checks[], weft__memory_checks[],
-    weft__process_checks[];
-
-/* Asks create for all that it must refuse. */
-void weft__refuse_mistakes(trial *self);
-
-/* For `pointless`. */
-const char *weft__no_error_control(const weft_stepper_type *type);
+/* The reason why a check means nothing for a method, or NULL. */
+typedef const char *pointless_fn(const weft_stepper_type *type);
+pointless_fn weft__order_not_measured, weft__heap_not_known;
 
 #endif

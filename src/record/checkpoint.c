@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* checkpoint.c -- words (sim/words.h): "weftckpt", format, size of the file, the
- * numbers below, what has computed it in 256 bytes, the first page of run.vtkhdf, the
+/* checkpoint.c -- the layout, in words (base/bytes.h): "weftckpt", format, size of the
+ * file, the fields below, the program in 256 bytes, the first page of run.vtkhdf, the
  * state, a checksum. */
 #include "record/checkpoint.h"
 
@@ -14,32 +14,31 @@ static const unsigned char magic[WEFT__WORD] = "weftckpt";
 
 #define FORMAT 2
 
-#define COUNTS(X)                                                                      \
-    X(scene)                                                                           \
-    X(frame)                                                                           \
-    X(series.length)                                                                   \
-    X(series.sum)                                                                      \
-    X(vtkhdf.frames.length)                                                            \
-    X(vtkhdf.frames.sum)                                                               \
-    X(vtkhdf.head.length)                                                              \
-    X(vtkhdf.head.sum)                                                                 \
-    X(extremes.strain.p)                                                               \
-    X(extremes.strain.q)
+/* X(kind of word, member of the checkpoint) */
+#define FIELDS(X)                                                                      \
+    X(word, scene)                                                                     \
+    X(word, frame)                                                                     \
+    X(word, series.length)                                                             \
+    X(word, series.sum)                                                                \
+    X(word, vtkhdf.frames.length)                                                      \
+    X(word, vtkhdf.frames.sum)                                                         \
+    X(word, vtkhdf.head.length)                                                        \
+    X(word, vtkhdf.head.sum)                                                           \
+    X(word, extremes.strain.p)                                                         \
+    X(word, extremes.strain.q)                                                         \
+    X(real, extremes.strain.strain)                                                    \
+    X(real, extremes.strain_time)                                                      \
+    X(real, extremes.short_step)                                                       \
+    X(real, extremes.long_step)                                                        \
+    X(real, wall_time)
 
-#define NUMBERS(X)                                                                     \
-    X(extremes.strain.strain)                                                          \
-    X(extremes.strain_time)                                                            \
-    X(extremes.short_step)                                                             \
-    X(extremes.long_step)                                                              \
-    X(wall_time)
-
-#define ONE(name) +1
+#define ONE(kind, name) +1
 
 enum {
     AT_FORMAT = 1,
     AT_SIZE,
     AT_FIELDS,
-    AT_FAMILY = AT_FIELDS COUNTS(ONE) NUMBERS(ONE),
+    AT_FAMILY = AT_FIELDS FIELDS(ONE),
     AT_PROGRAM,
     AT_PAGE = AT_PROGRAM + RECORD_PROGRAM / WEFT__WORD,
     HEAD = AT_PAGE + RECORD_PAGE / WEFT__WORD
@@ -59,7 +58,7 @@ static size_t size_of(size_t state_size)
     return HEAD * WEFT__WORD + state_size + WEFT__WORD;
 }
 
-/* The state of a simulation consists of words. */
+/* The size of a simulation's state is a multiple of a word. */
 static void pack(const record_checkpoint *from, unsigned char *to, size_t size)
 {
     const size_t words = size / WEFT__WORD;
@@ -67,14 +66,10 @@ static void pack(const record_checkpoint *from, unsigned char *to, size_t size)
     weft__word_put(to + AT_FORMAT * WEFT__WORD, FORMAT);
     weft__word_put(to + AT_SIZE * WEFT__WORD, size);
     unsigned char *field = to + AT_FIELDS * WEFT__WORD;
-#define PUT_COUNT(name)                                                                \
-    weft__word_put(field, from->name);                                                 \
+#define PUT(kind, name)                                                                \
+    weft__##kind##_put(field, from->name);                                             \
     field += WEFT__WORD;
-#define PUT_NUMBER(name)                                                               \
-    weft__real_put(field, from->name);                                                 \
-    field += WEFT__WORD;
-    COUNTS(PUT_COUNT)
-    NUMBERS(PUT_NUMBER)
+    FIELDS(PUT)
     weft__word_put(to + AT_FAMILY * WEFT__WORD, from->extremes.strain.family);
     memcpy(to + AT_PROGRAM * WEFT__WORD, from->program, RECORD_PROGRAM);
     memcpy(to + AT_PAGE * WEFT__WORD, from->vtkhdf.page, RECORD_PAGE);
@@ -125,7 +120,7 @@ static uint64_t word(const unsigned char *bytes, size_t at)
     return weft__word_at(bytes + at * WEFT__WORD);
 }
 
-/* What is wrong with a file of that size, or NULL. */
+/* A complaint about a file of that size, or NULL. */
 static const char *check(const unsigned char *bytes, size_t size)
 {
     if (size < size_of(0) || memcmp(bytes, magic, sizeof magic) != 0) {
@@ -149,33 +144,26 @@ static const char *check(const unsigned char *bytes, size_t size)
 static void unpack(const unsigned char *bytes, record_checkpoint *out)
 {
     const unsigned char *field = bytes + AT_FIELDS * WEFT__WORD;
-#define GET_COUNT(name)                                                                \
-    out->name = weft__word_at(field);                                                  \
+#define GET(kind, name)                                                                \
+    out->name = weft__##kind##_at(field);                                              \
     field += WEFT__WORD;
-#define GET_NUMBER(name)                                                               \
-    out->name = weft__real_at(field);                                                  \
-    field += WEFT__WORD;
-    COUNTS(GET_COUNT)
-    NUMBERS(GET_NUMBER)
+    FIELDS(GET)
     out->extremes.strain.family = (weft_family)word(bytes, AT_FAMILY);
     memcpy(out->program, bytes + AT_PROGRAM * WEFT__WORD, RECORD_PROGRAM);
     memcpy(out->vtkhdf.page, bytes + AT_PAGE * WEFT__WORD, RECORD_PAGE);
     out->program[RECORD_PROGRAM - 1] = '\0';
 }
 
-/* The file whole, in memory of its own. */
+/* Reads the whole file into allocated memory. */
 static weft_status slurp(const char *directory, char path[RECORD_PATH],
                          unsigned char **bytes, size_t *size, weft_error *err)
 {
     FILE *stream = record_open(directory, RECORD_CHECKPOINT, path, err);
-    long length = -1;
     if (stream == NULL) {
         return WEFT_IO;
     }
-    if (fseek(stream, 0, SEEK_END) == 0) {
-        length = ftell(stream);
-        rewind(stream);
-    }
+    const long length = fseek(stream, 0, SEEK_END) == 0 ? ftell(stream) : -1;
+    rewind(stream);
     *size = length < 0 ? 0 : (size_t)length;
     *bytes = length < 0 ? NULL : malloc(*size + 1);
     const bool done = *bytes != NULL && fread(*bytes, 1, *size + 1, stream) == *size;
@@ -185,7 +173,6 @@ static weft_status slurp(const char *directory, char path[RECORD_PATH],
         return WEFT_OK;
     }
     free(*bytes);
-    *bytes = NULL;
     return weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(why));
 }
 

@@ -34,7 +34,7 @@ _Noreturn static void run_child(const process_def *def, size_t job, pid_t parent
     (void)prctl(PR_SET_PDEATHSIG, def->end_signal);
 #endif
     if (getppid() != parent) {
-        _exit(1); /* it has ended before that */
+        _exit(1); /* the parent has already ended */
     }
     if (def->cpu_seconds > 0) {
         set_limit(RLIMIT_CPU, def->cpu_seconds);
@@ -52,8 +52,9 @@ _Noreturn static void run_child(const process_def *def, size_t job, pid_t parent
 
 static bool start(const process_def *def, size_t job, process *out)
 {
-    (void)signal(SIGCHLD, SIG_DFL); /* a shell may have it ignored: no status then */
-    (void)fflush(NULL);             /* the child flushes as well */
+    (void)signal(SIGCHLD,
+                 SIG_DFL); /* a shell may ignore it: waitpid returns no status then */
+    (void)fflush(NULL);    /* else the child would flush the same again */
     const double now = weft__wall_clock();
     const pid_t self = getpid();
     *out = (process){ .pid = fork(),
@@ -67,7 +68,7 @@ static bool start(const process_def *def, size_t job, process *out)
     return out->pid > 0;
 }
 
-/* Grandchildren are not waited for. */
+/* Does not wait for grandchildren. */
 static bool has_ended(const process_def *def, process *one)
 {
     const double now = weft__wall_clock();
@@ -81,7 +82,7 @@ static bool has_ended(const process_def *def, process *one)
     return one->pid == 0;
 }
 
-/* A sixteenth of the time waited since `from`, 1 to 50 ms: a signal ends it early.
+/* Sleeps for a sixteenth of the time since `from`, 1 to 50 ms; a signal ends it early.
  * There is no portable way to wait for a child or a time limit. */
 static void nap(double from)
 {
@@ -117,7 +118,7 @@ static bool may_start(const process_pool *pool)
     return !pool->stopped && pool->started < pool->jobs;
 }
 
-static bool fill(process_pool *pool)
+static void fill(process_pool *pool)
 {
     bool able = true;
     for (size_t i = 0; i < pool->at_once && able && may_start(pool); ++i) {
@@ -127,7 +128,6 @@ static bool fill(process_pool *pool)
             pool->running += able;
         }
     }
-    return able;
 }
 
 static void pass_signal(process_pool *pool)
@@ -151,17 +151,15 @@ static void reap(process_pool *pool)
     }
 }
 
+/* A fork that fails is tried again as long as other jobs run. */
 bool process_pool_run(process_pool *pool)
 {
-    double last = weft__wall_clock(); /* when one ended */
-    int failed = 0;
+    double last = weft__wall_clock(); /* when the last child ended */
     pool->all = calloc(pool->at_once, sizeof *pool->all);
-    bool able = pool->all != NULL;
-    while ((able && may_start(pool)) || pool->running > 0) {
-        if (able && !fill(pool)) {
-            able = false;
-            failed = errno;
-        }
+    if (pool->all == NULL) {
+        return false;
+    }
+    for (fill(pool); pool->running > 0; fill(pool)) {
         if (pool->tick != NULL) {
             pool->tick(pool->def.ctx);
         }
@@ -171,9 +169,10 @@ bool process_pool_run(process_pool *pool)
         reap(pool);
         last = pool->running < running ? weft__wall_clock() : last;
     }
+    const int failed = errno;
     free(pool->all);
     errno = failed;
-    return able;
+    return !may_start(pool);
 }
 
 void *process_memory(size_t count, size_t size)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* child_process.h -- functions that run in child processes, since they may crash, never
- * return, or take long and be many. A child that returns results writes them to
- * memory from process_memory. */
+/* child_process.h -- runs functions in child processes, since they may crash, never
+ * return, or be many and slow. A child returns its results in memory from
+ * process_memory. */
 #ifndef WEFT_RECORD_CHILD_PROCESS_H
 #define WEFT_RECORD_CHILD_PROCESS_H
 
@@ -10,7 +10,7 @@
 #include <sys/types.h>
 
 typedef struct process_def {
-    /* In the child; returns its exit code. */
+    /* Runs in the child; returns its exit code. */
     int (*work)(void *ctx, size_t job);
     void *ctx;
     /* SIGKILL, or SIGTERM and 3 s later SIGKILL: sent at the time limit and, on Linux,
@@ -40,8 +40,9 @@ typedef struct process_pool {
     size_t jobs, at_once;
     void (*ended)(void *ctx, const process *one); /* after each job */
     void (*tick)(void *ctx);                      /* while jobs run; NULL: not called */
-    /* A signal that came since the last call, or 0: no more jobs start, and it is sent
-     * to the children, from the second one on SIGKILL. NULL: none is caught. */
+    /* Returns a signal that came since the last call, or 0. After the first, no more
+     * jobs start, and it is sent to the children; from the second on they get SIGKILL.
+     * NULL: no signal is caught. */
     int (*stop)(void *ctx);
 
     process *all; /* at_once of them, while it runs */
@@ -49,11 +50,11 @@ typedef struct process_pool {
     bool stopped;
 } process_pool;
 
-/* False: no process could be had for job `started` (errno). */
+/* False: job `started` got no process while no other job ran (errno). */
 bool process_pool_run(process_pool *pool);
 
-/* Zeroed memory that a process shares with its later children, as long as it lives.
- * NULL: there is none. */
+/* Zeroed memory that this process and its later children share until they end. NULL:
+ * there is none. */
 void *process_memory(size_t count, size_t size);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* frames.c -- run.vtkhdf read back, trusting nothing in it.
+/* frames.c -- reads run.vtkhdf and trusts nothing in it.
  *
- * libhdf5 itself may crash on a damaged file. So a child process reads it first, and
- * the parent only if the child lived. */
+ * libhdf5 itself may crash on a damaged file. So a child process reads the file first,
+ * and the parent reads it only if the child succeeded. */
 #include "record/frames.h"
 
 #include <errno.h>
@@ -19,20 +19,12 @@
 #include "record/vtkhdf_file.h"
 
 typedef struct frames_file {
-    record_frames seen; /* first: what its reader sees */
+    record_frames seen; /* first: the part that its reader sees */
     char path[RECORD_PATH];
     hid_t file;
-    hdf_set points, fields[WEFT_RECORD_PINNED]; /* id < 0: not recorded */
+    hdf_set points, fields[WEFT_RECORD_PINNED]; /* velocity, strain */
     size_t n;
 } frames_file;
-
-/* A set that the file must have, or may have. */
-typedef struct wanted_set {
-    const char *path;
-    hid_t type, other; /* one of them */
-    size_t rows;       /* at least */
-    size_t width;
-} wanted_set;
 
 /* ---- pieces ----------------------------------------------------------------- */
 
@@ -57,27 +49,27 @@ static size_t set_rows(hid_t id, size_t width)
     return good ? (size_t)extent[0] : 0;
 }
 
-/* Opens a set, or returns an invalid id if it is not as wanted. */
-static hid_t open_set(const frames_file *self, const wanted_set *wanted)
+/* Opens a set, or returns an invalid id if it lacks that type, width or so many rows.
+ */
+static hid_t open_set(const frames_file *self, const char *path, hid_t type,
+                      size_t rows, size_t width)
 {
-    const hid_t id = H5Dopen2(self->file, wanted->path, H5P_DEFAULT);
-    if (id >= 0 && (has_type(id, wanted->type) || has_type(id, wanted->other))
-        && set_rows(id, wanted->width) >= wanted->rows) {
+    const hid_t id = H5Dopen2(self->file, path, H5P_DEFAULT);
+    if (id >= 0 && has_type(id, type) && set_rows(id, width) >= rows) {
         return id;
     }
     (void)H5Dclose(id);
     return H5I_INVALID_HID;
 }
 
-/* `count` rows of a set into memory of its own; NULL if that cannot be done. */
+/* Allocates the values of `count` > 0 rows of a set; NULL on failure. */
 static void *read_all(const frames_file *self, const char *path, hid_t type,
                       size_t count, size_t width)
 {
-    const wanted_set wanted = { path, type, type, count, width };
-    const size_t size = H5Tget_size(type);
-    const hdf_set set = { open_set(self, &wanted), count, width };
-    void *values = set.id < 0 || count == 0 ? NULL : malloc(count * width * size);
-    if (values != NULL && !hdf_read(&set, 0, type, values)) {
+    const hdf_set set
+        = { open_set(self, path, type, count, width), type, count, width };
+    void *values = set.id < 0 ? NULL : malloc(count * width * H5Tget_size(type));
+    if (values != NULL && !hdf_read(&set, 0, values)) {
         free(values);
         values = NULL;
     }
@@ -101,7 +93,7 @@ static size_t read_integer(const frames_file *self, const char *object,
     return good && value > 0 ? (size_t)value : 0;
 }
 
-/* ---- the whole: each returns what is wrong, or NULL -------------------------- */
+/* ---- the whole: each function returns a complaint, or NULL ------------------- */
 
 static const char *load_size(frames_file *self)
 {
@@ -119,12 +111,10 @@ static const char *load_size(frames_file *self)
     return equal ? NULL : "NumberOfPoints is missing or not rows x cols";
 }
 
-/* Committed are the frames that NSteps and Steps/Values both tell. */
+/* A frame is committed once both NSteps and Steps/Values include it. */
 static const char *load_count(frames_file *self)
 {
-    const wanted_set values
-        = { "/VTKHDF/Steps/Values", H5T_IEEE_F64LE, H5T_IEEE_F64LE, 1, 1 };
-    const hid_t id = open_set(self, &values);
+    const hid_t id = open_set(self, "/VTKHDF/Steps/Values", H5T_IEEE_F64LE, 1, 1);
     const size_t times = id < 0 ? 0 : set_rows(id, 1);
     (void)H5Dclose(id);
     self->seen.count = read_integer(self, "/VTKHDF/Steps", "NSteps");
@@ -132,56 +122,61 @@ static const char *load_count(frames_file *self)
     return self->seen.count > 0 ? NULL : "NSteps or Steps/Values are missing or wrong";
 }
 
+static hdf_set frame_set(const frames_file *self, const char *path, size_t width)
+{
+    const hid_t type = self->seen.doubles ? H5T_IEEE_F64LE : H5T_IEEE_F32LE;
+    const hid_t id = open_set(self, path, type, self->seen.count * self->n, width);
+    return (hdf_set){ id, H5T_NATIVE_DOUBLE, self->n, width };
+}
+
 static const char *load_points(frames_file *self)
 {
+    const char *path = "/VTKHDF/Points";
     struct stat status;
-    const size_t n = self->n;
-    /* The most that zlib can make of a byte, should the file be repacked. */
+    /* The most that zlib can expand a byte to, should the file be repacked. */
     const double expansion = 1032.0;
     if (stat(self->path, &status) != 0
-        || (double)self->seen.count * (double)n * 12.0
+        || (double)self->seen.count * (double)self->n * 12.0
                > expansion * (double)status.st_size) {
         return "more frames than the file has room for";
     }
-    const size_t rows = self->seen.count * n;
-    const wanted_set points
-        = { "/VTKHDF/Points", H5T_IEEE_F32LE, H5T_IEEE_F64LE, rows, 3 };
-    self->points = (hdf_set){ open_set(self, &points), n, 3 };
+    self->points = frame_set(self, path, 3);
+    self->seen.doubles = self->points.id < 0;
+    self->points = self->seen.doubles ? frame_set(self, path, 3) : self->points;
     if (self->points.id < 0) {
         return "Points are missing or wrong";
     }
-    self->seen.doubles = has_type(self->points.id, H5T_IEEE_F64LE);
-    self->seen.planned = set_rows(self->points.id, 3) / n;
+    self->seen.planned = set_rows(self->points.id, 3) / self->n;
     return NULL;
 }
 
 /* A field that is not there was not recorded. */
-static bool load_field(frames_file *self, weft_record_field field, const char *path,
-                       size_t width)
-{
-    const hid_t type = self->seen.doubles ? H5T_IEEE_F64LE : H5T_IEEE_F32LE;
-    const wanted_set wanted = { path, type, type, self->seen.count * self->n, width };
-    const bool there = H5Lexists(self->file, path, H5P_DEFAULT) > 0;
-    self->seen.fields[field] = there;
-    self->fields[field] = (hdf_set){ there ? open_set(self, &wanted) : H5I_INVALID_HID,
-                                     self->n, width };
-    return !there || self->fields[field].id >= 0;
-}
-
 static const char *load_fields(frames_file *self)
 {
-    const char *pinned = "/VTKHDF/PointData/pinned";
-    if (!load_field(self, WEFT_RECORD_VELOCITY, "/VTKHDF/PointData/velocity", 3)) {
-        return "PointData/velocity is wrong";
-    }
-    if (!load_field(self, WEFT_RECORD_STRAIN, "/VTKHDF/PointData/strain", 1)) {
-        return "PointData/strain is wrong";
-    }
-    if (H5Lexists(self->file, pinned, H5P_DEFAULT) > 0) {
-        self->seen.pinned = read_all(self, pinned, H5T_STD_U8LE, self->n, 1);
-        self->seen.fields[WEFT_RECORD_PINNED] = true;
-        if (self->seen.pinned == NULL) {
-            return "PointData/pinned is wrong";
+    static const struct {
+        const char *path, *wrong;
+        size_t width;
+    } known[] = {
+        [WEFT_RECORD_VELOCITY]
+        = { "/VTKHDF/PointData/velocity", "PointData/velocity is wrong", 3 },
+        [WEFT_RECORD_STRAIN]
+        = { "/VTKHDF/PointData/strain", "PointData/strain is wrong", 1 },
+        [WEFT_RECORD_PINNED]
+        = { "/VTKHDF/PointData/pinned", "PointData/pinned is wrong", 1 },
+    };
+    for (size_t i = 0; i < WEFT_RECORD_FIELDS; ++i) {
+        const char *path = known[i].path;
+        bool good = true;
+        self->seen.fields[i] = H5Lexists(self->file, path, H5P_DEFAULT) > 0;
+        if (self->seen.fields[i] && i == WEFT_RECORD_PINNED) {
+            self->seen.pinned = read_all(self, path, H5T_STD_U8LE, self->n, 1);
+            good = self->seen.pinned != NULL;
+        } else if (self->seen.fields[i]) {
+            self->fields[i] = frame_set(self, path, known[i].width);
+            good = self->fields[i].id >= 0;
+        }
+        if (!good) {
+            return known[i].wrong;
         }
     }
     return NULL;
@@ -219,13 +214,12 @@ static const char *load_tables(frames_file *self)
 static const char *load(frames_file *self)
 {
     const hid_t access = hdf_access();
-    const char *wrong = NULL;
     self->file = H5Fopen(self->path, H5F_ACC_RDONLY, access);
     (void)H5Pclose(access);
     if (self->file < 0) {
         return "no HDF5 file";
     }
-    wrong = load_size(self);
+    const char *wrong = load_size(self);
     wrong = wrong == NULL ? load_count(self) : wrong;
     wrong = wrong == NULL ? load_points(self) : wrong;
     wrong = wrong == NULL ? load_fields(self) : wrong;
@@ -248,16 +242,11 @@ static void unload(frames_file *self)
 static weft_status read_frame(const frames_file *self, const hdf_set *set, size_t i,
                               double *values, weft_error *err)
 {
-    if (set->id < 0) {
-        return weft_error_set(err, WEFT_UNSUPPORTED, "%s: not recorded (record.fields)",
-                              self->path);
-    }
     if (i >= self->seen.count) {
         return weft_error_set(err, WEFT_INVALID, "%s: frame %zu of %zu", self->path, i,
                               self->seen.count);
     }
-    return hdf_read(set, i, H5T_NATIVE_DOUBLE, values)
-                   && weft__all_finite(values, set->rows * set->width)
+    return hdf_read(set, i, values) && weft__all_finite(values, set->rows * set->width)
                ? WEFT_OK
                : weft_error_set(err, WEFT_IO, "%s: damaged: frame %zu", self->path, i);
 }
@@ -273,12 +262,15 @@ weft_status record_frames_field(record_frames *frames, weft_record_field field,
                                 size_t i, double *values, weft_error *err)
 {
     const frames_file *self = (frames_file *)frames;
-    return read_frame(self, &self->fields[field], i, values, err);
+    return frames->fields[field]
+               ? read_frame(self, &self->fields[field], i, values, err)
+               : weft_error_set(err, WEFT_UNSUPPORTED,
+                                "%s: not recorded (record.fields)", self->path);
 }
 
 /* ---- opening ---------------------------------------------------------------- */
 
-/* A damaged file may also send libhdf5 round in circles: far more than reading takes.
+/* libhdf5 may also loop for ever on a damaged file. Reading a good one takes far less.
  */
 static unsigned seconds_allowed(const frames_file *self)
 {
@@ -287,7 +279,7 @@ static unsigned seconds_allowed(const frames_file *self)
     return size >> 26 > 58 ? 60 : 2 + (unsigned)(size >> 26);
 }
 
-/* In the child: all that the parent will do, once. */
+/* In the child: everything that the parent will do, once. */
 static int read_some(void *ctx, size_t job)
 {
     frames_file *self = ctx;
@@ -305,20 +297,25 @@ static int read_some(void *ctx, size_t job)
     return 0;
 }
 
+/* The time limit is ten times that of the processor: the disk may be slow, or stall. */
 static weft_status try_in_child(frames_file *self, weft_error *err)
 {
     process child;
+    const unsigned seconds = seconds_allowed(self);
     const process_def def = { .work = read_some,
                               .ctx = self,
                               .end_signal = SIGKILL,
-                              .cpu_seconds = seconds_allowed(self),
+                              .seconds = 10.0 * seconds,
+                              .cpu_seconds = seconds,
                               .untrusted = true };
     if (!process_run(&def, 0, &child)) {
         return weft_error_set(err, WEFT_IO, "%s: no process to check it: %s",
                               self->path, strerror(errno));
     }
-    return child.status == 0
-               ? WEFT_OK
+    return child.status == 0 ? WEFT_OK
+           : child.late
+               ? weft_error_set(err, WEFT_IO, "%s: not read within %g s", self->path,
+                                def.seconds)
                : weft_error_set(err, WEFT_IO, "%s: damaged: libhdf5 fails on it",
                                 self->path);
 }
@@ -332,20 +329,17 @@ static weft_status open_frames(frames_file *self, const char *directory,
     }
     (void)fclose(stream);
     const weft_status status = try_in_child(self, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    const char *wrong = load(self);
+    const char *wrong = status == WEFT_OK ? load(self) : NULL;
     return wrong == NULL
-               ? WEFT_OK
+               ? status
                : weft_error_set(err, WEFT_IO, "%s: damaged: %s", self->path, wrong);
 }
 
 weft_status record_frames_open(const char *directory, record_frames **out,
                                weft_error *err)
 {
-    *out = NULL;
     frames_file *self = calloc(1, sizeof *self);
+    *out = (record_frames *)self; /* its first member */
     if (self == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory to read frames");
     }
@@ -354,10 +348,9 @@ weft_status record_frames_open(const char *directory, record_frames **out,
     const weft_status status = open_frames(self, directory, err);
     if (status != WEFT_OK) {
         record_frames_close(&self->seen);
-        return status;
+        *out = NULL;
     }
-    *out = &self->seen;
-    return WEFT_OK;
+    return status;
 }
 
 void record_frames_close(record_frames *frames)

@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* frames.h -- the frames of a run directory, whoever asks: export, the player.
+/* frames.h -- reads the frames of a run directory, for exports, pages and comparisons.
  *
- * Planes as in the file: single precision unless the run recorded doubles. */
+ * Numbers are as in the file: single precision unless the run recorded doubles. */
 #ifndef WEFT_RECORD_FRAMES_H
 #define WEFT_RECORD_FRAMES_H
 
 #include "weft/weft.h"
 
 typedef struct record_frames {
-    size_t rows, cols, count, planned; /* planned: frames that there is room for */
+    size_t rows, cols, count, planned; /* planned: frames that the file has room for */
     bool doubles;                      /* else single precision */
-    bool fields[WEFT_RECORD_FIELDS];   /* which ones all frames have */
+    bool fields[WEFT_RECORD_FIELDS];   /* those that the run recorded */
     const double *times;               /* [s] */
-    const double *numbers; /* of the run, as in series.csv: not 0, 1, 2, ... where
+    const double *numbers; /* their numbers in series.csv: not 0, 1, 2, ... if
                               record.every is not 1 */
-    const double *rest;    /* [m] where the particles rest: x y z of each */
-    const uint8_t *pinned; /* 0 or 1 of each; NULL: not recorded */
+    const double *rest;    /* [m] rest positions: x y z of each */
+    const uint8_t *pinned; /* 0 or 1 for each particle; NULL: not recorded */
 } record_frames;
 
-/* Opens DIR/run.vtkhdf, up to its last committed frame. Errors: WEFT_IO with the file
- * and what is wrong with it. */
+/* Opens DIR/run.vtkhdf, up to its last committed frame. Errors: WEFT_IO names the file
+ * and its fault. */
 weft_status record_frames_open(const char *directory, record_frames **out,
                                weft_error *err);
 void record_frames_close(record_frames *frames); /* NULL is allowed */

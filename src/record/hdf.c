@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* libhdf5 tells errno in words only. */
+/* libhdf5 reports errno only inside a sentence. */
 static herr_t look_for_errno(unsigned depth, const H5E_error2_t *entry, void *why)
 {
     static const char label[] = "errno = ";
@@ -39,43 +39,31 @@ hid_t hdf_access(void)
     return access;
 }
 
-/* The rows of one frame, selected in the space of the set. */
-static hid_t space_of_frame(const hdf_set *set, size_t frame)
+/* Writes `from` to the rows of a frame, or if that is NULL reads them into `to`. */
+static bool transfer(const hdf_set *set, size_t frame, const void *from, void *to)
 {
-    const hid_t space = H5Dget_space(set->id);
     const hsize_t start[2] = { (hsize_t)frame * set->rows, 0 };
-    const hsize_t count[2] = { set->rows, set->width };
-    if (space >= 0
-        && H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) < 0) {
-        (void)H5Sclose(space);
-        return H5I_INVALID_HID;
-    }
-    return space;
-}
-
-static hid_t space_of_values(const hdf_set *set)
-{
-    const hsize_t count[1] = { (hsize_t)set->rows * set->width };
-    return H5Screate_simple(1, count, NULL);
-}
-
-bool hdf_write(const hdf_set *set, size_t frame, hid_t memory, const void *values)
-{
-    const hid_t file = space_of_frame(set, frame), flat = space_of_values(set);
-    const bool written
+    const hsize_t count[2] = { set->rows, set->width }, numbers = count[0] * count[1];
+    const hid_t file = H5Dget_space(set->id);
+    const hid_t flat = H5Screate_simple(1, &numbers, NULL);
+    const hid_t id = set->id, type = set->memory;
+    const bool done
         = file >= 0 && flat >= 0
-          && H5Dwrite(set->id, memory, flat, file, H5P_DEFAULT, values) >= 0;
-    (void)H5Sclose(flat);
-    (void)H5Sclose(file);
-    return written;
-}
-
-bool hdf_read(const hdf_set *set, size_t frame, hid_t memory, void *values)
-{
-    const hid_t file = space_of_frame(set, frame), flat = space_of_values(set);
-    const bool done = file >= 0 && flat >= 0
-                      && H5Dread(set->id, memory, flat, file, H5P_DEFAULT, values) >= 0;
+          && H5Sselect_hyperslab(file, H5S_SELECT_SET, start, NULL, count, NULL) >= 0
+          && (from != NULL ? H5Dwrite(id, type, flat, file, H5P_DEFAULT, from)
+                           : H5Dread(id, type, flat, file, H5P_DEFAULT, to))
+                 >= 0;
     (void)H5Sclose(flat);
     (void)H5Sclose(file);
     return done;
+}
+
+bool hdf_write(const hdf_set *set, size_t frame, const void *values)
+{
+    return transfer(set, frame, values, NULL);
+}
+
+bool hdf_read(const hdf_set *set, size_t frame, void *values)
+{
+    return transfer(set, frame, NULL, values);
 }

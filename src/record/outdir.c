@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* outdir.c -- the directory of a run: new, or empty, or taken over on request. */
+/* outdir.c -- the directory of a run: new, empty, or reused on request. */
 #define _DEFAULT_SOURCE /* flock, which takes a directory */
 #include "record/record.h"
 
@@ -41,7 +41,7 @@ const char *const record_names[] = {
     "compare.html",    "compare.csv",   NULL,
 };
 
-/* Whether a name is one of a list, or that of its temporary file. */
+/* Whether a name is in the list, or is the temporary name of one that is. */
 static bool is_listed(const char *name, const char *const *list)
 {
     for (; *list != NULL; ++list) {
@@ -54,15 +54,7 @@ static bool is_listed(const char *name, const char *const *list)
     return false;
 }
 
-typedef bool ours_fn(const char *name);
-
-/* Of what lies in the directory of a run. */
-static bool is_of_run(const char *name)
-{
-    return is_listed(name, record_names);
-}
-
-/* Of what lies in its frames/: frame-000012.obj and the like. */
+/* Whether it is a file of frames/: frame-000012.obj and the like. */
 static bool is_frame(const char *name)
 {
     static const char *const endings[] = { ".obj", ".ply", ".csv", ".vtp", NULL };
@@ -72,9 +64,11 @@ static bool is_frame(const char *name)
            && is_listed(name + 6 + digits, endings);
 }
 
-/* Count what is in a directory and remove what weft made (ours == NULL: nothing).
- * Returns a negative number if it cannot be read. */
-static long look_through(const char *directory, ours_fn *ours)
+typedef enum sweep { KEEP_ALL, SWEEP_RUN, SWEEP_FRAMES } sweep;
+
+/* Counts the files of a directory and removes those that weft made in a run's directory
+ * or in its frames/. Returns a negative number if the directory cannot be read. */
+static long look_through(const char *directory, sweep what)
 {
     DIR *open = opendir(directory);
     if (open == NULL) {
@@ -82,18 +76,21 @@ static long look_through(const char *directory, ours_fn *ours)
     }
     long found = 0;
     for (struct dirent *item; (item = readdir(open)) != NULL;) {
+        const char *name = item->d_name;
         char path[RECORD_PATH];
-        if (strcmp(item->d_name, ".") == 0 || strcmp(item->d_name, "..") == 0) {
+        if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0) {
             continue;
         }
         ++found;
-        if (ours != NULL && ours(item->d_name)
-            && record_path(directory, item->d_name, path, NULL) == WEFT_OK) {
-            const bool frames = strcmp(item->d_name, "frames") == 0;
+        const bool ours
+            = what == SWEEP_FRAMES ? is_frame(name) : is_listed(name, record_names);
+        if (what != KEEP_ALL && ours
+            && record_path(directory, name, path, NULL) == WEFT_OK) {
+            const bool frames = strcmp(name, "frames") == 0;
             struct stat status = { 0 }; /* of a link itself: its target stays */
             (void)lstat(path, &status);
             if (frames && S_ISDIR(status.st_mode)) {
-                (void)look_through(path, is_frame);
+                (void)look_through(path, SWEEP_FRAMES);
                 (void)rmdir(path);
             } else if (!frames || S_ISLNK(status.st_mode)) {
                 (void)unlink(path);
@@ -118,7 +115,7 @@ weft_status record_outdir(const char *directory, bool force, weft_error *err)
     if (status != WEFT_OK) {
         return status;
     }
-    const long found = look_through(directory, force ? is_of_run : NULL);
+    const long found = look_through(directory, force ? SWEEP_RUN : KEEP_ALL);
     if (found < 0) {
         return weft_error_set(err, WEFT_IO, "%s: %s", directory, strerror(errno));
     }
@@ -128,7 +125,7 @@ weft_status record_outdir(const char *directory, bool force, weft_error *err)
             err, WEFT_IO, "%s: %s%s%schoose another --out, or --force to replace it",
             directory,
             unfinished ? "holds an unfinished run: 'weft resume " : "not empty; ",
-            unfinished ? directory : "", unfinished ? "' goes on with it; or " : "");
+            unfinished ? directory : "", unfinished ? "' continues it; or " : "");
     }
     return WEFT_OK;
 }
@@ -148,7 +145,7 @@ static bool taken(int lock, double patience)
     }
 }
 
-/* A file system that knows no locks is no reason not to run. */
+/* A run does without the lock where the file system has none. */
 weft_status record_outdir_lock(const char *directory, double patience, int *lock,
                                weft_error *err)
 {

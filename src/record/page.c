@@ -73,13 +73,6 @@ static void put_little(unsigned char *out, uint32_t bits, size_t bytes)
     }
 }
 
-static void put_float(unsigned char *out, float value)
-{
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    put_little(out, bits, sizeof bits);
-}
-
 void page_plane(unsigned char *block, size_t planes, size_t plane, const double *values,
                 size_t count)
 {
@@ -89,8 +82,11 @@ void page_plane(unsigned char *block, size_t planes, size_t plane, const double 
         lo = value < lo ? value : lo;
         hi = value > hi ? value : hi;
     }
-    put_float(block + plane * 2 * sizeof lo, lo);
-    put_float(block + (plane * 2 + 1) * sizeof lo, hi);
+    const float range[2] = { lo, hi };
+    uint32_t bits[2];
+    memcpy(bits, range, sizeof bits);
+    put_little(block + plane * sizeof range, bits[0], sizeof lo);
+    put_little(block + plane * sizeof range + sizeof lo, bits[1], sizeof hi);
     const double scale = hi > lo ? UINT16_MAX / ((double)hi - (double)lo) : 0.0;
     unsigned char *codes = block + planes * 2 * sizeof lo + plane * count * 2;
     for (size_t i = 0; i < count; ++i) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* player_page.c -- which frames and particles the page shows, and their numbers. */
-#include "record/player_page.h"
+/* player_page.c -- selects the frames and particles that the page shows, and writes
+ * them. */
+#include "record/record.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -8,14 +9,13 @@
 
 #include "record/frames.h"
 #include "record/page.h"
-#include "record/record.h"
 
 #define FRAME_BUDGET 64e6 /* [B] of all frames; more are thinned */
 #define SIDE_MAX     256  /* particles shown along a side; more are thinned */
 #define RUNS_MAX     2
 #define TIME_MATCH   1e-9 /* relative: two frames of the same time */
 
-/* What a cloth may be coloured by; a field of width 3 by its length. */
+/* Fields that may colour a cloth; of those of width 3, the length. */
 static const struct field {
     const char *name;
     weft_record_field field;
@@ -30,6 +30,7 @@ static const struct field {
 typedef struct player_run {
     const char *directory;
     record_frames *frames;
+    double *xyz;   /* 3 N, positions of one frame */
     size_t *index; /* frames to choose from, then those shown */
 } player_run;
 
@@ -41,43 +42,55 @@ typedef struct player_page {
     size_t *particles;                            /* their indices */
     bool present[FIELDS];
     size_t planes;          /* x, y, z and the fields that are present */
-    double *xyz[RUNS_MAX];  /* 3 N, positions of one frame */
     double *field, *values; /* 3 N as read, one plane as shown */
     unsigned char *block;
     FILE *stream;
 } player_page;
 
+/* A field is shown if every run has recorded it. */
+static void find_fields(player_page *self)
+{
+    self->planes = 3;
+    for (size_t f = 0; f < FIELDS; ++f) {
+        self->present[f] = true;
+        for (size_t r = 0; r < self->run_count; ++r) {
+            self->present[f]
+                = self->present[f] && self->runs[r].frames->fields[fields[f].field];
+        }
+        self->planes += self->present[f];
+    }
+}
+
 static weft_status open_runs(player_page *self, weft_error *err)
 {
-    weft_status status = WEFT_OK;
-    for (size_t r = 0; status == WEFT_OK && r < self->run_count; ++r) {
-        player_run *run = &self->runs[r];
-        status = record_frames_open(run->directory, &run->frames, err);
-    }
-    if (status != WEFT_OK) {
-        return status;
-    }
-    self->rows = self->runs[0].frames->rows;
-    self->cols = self->runs[0].frames->cols;
     for (size_t r = 0; r < self->run_count; ++r) {
-        const size_t rows = self->runs[r].frames->rows;
-        const size_t cols = self->runs[r].frames->cols;
-        if (self->runs[r].frames->count == 0) {
-            return weft_error_set(err, WEFT_INVALID, "%s: no frames",
-                                  self->runs[r].directory);
+        player_run *run = &self->runs[r];
+        const weft_status status
+            = record_frames_open(run->directory, &run->frames, err);
+        if (status != WEFT_OK) {
+            return status;
         }
+        const size_t rows = run->frames->rows, cols = run->frames->cols;
+        self->rows = r == 0 ? rows : self->rows;
+        self->cols = r == 0 ? cols : self->cols;
         if (rows != self->rows || cols != self->cols) {
             return weft_error_set(err, WEFT_INVALID,
                                   "runs of different grids: %s has %zu x %zu "
                                   "particles, %s %zu x %zu",
                                   self->runs[0].directory, self->rows, self->cols,
-                                  self->runs[r].directory, rows, cols);
+                                  run->directory, rows, cols);
+        }
+        run->index = calloc(run->frames->count, sizeof *run->index);
+        run->xyz = calloc(3 * rows * cols, sizeof *run->xyz);
+        if (run->index == NULL || run->xyz == NULL) {
+            return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a page");
         }
     }
+    find_fields(self);
     return WEFT_OK;
 }
 
-/* Which frames have a time that every run has. */
+/* Lists the frames whose time is in every run; returns their number. */
 static size_t match(player_run *runs, size_t run_count)
 {
     size_t at[RUNS_MAX] = { 0 }, found = 0;
@@ -96,7 +109,7 @@ static size_t match(player_run *runs, size_t run_count)
     return found;
 }
 
-/* Keep every n-th frame and the last, so that the page stays within its budget. */
+/* Keeps every n-th frame and the last, so that the page stays within its budget. */
 static void thin(player_page *self)
 {
     const size_t blocks = self->run_count;
@@ -119,13 +132,6 @@ static void thin(player_page *self)
 
 static weft_status choose_frames(player_page *self, weft_error *err)
 {
-    for (size_t r = 0; r < self->run_count; ++r) {
-        player_run *run = &self->runs[r];
-        run->index = calloc(run->frames->count, sizeof *run->index);
-        if (run->index == NULL) {
-            return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a page");
-        }
-    }
     self->chosen = match(self->runs, self->run_count);
     if (self->chosen == 0) {
         return weft_error_set(err, WEFT_INVALID, "%s and %s have no time in common",
@@ -147,7 +153,6 @@ static size_t kept(size_t i, size_t stride, size_t side)
 
 static weft_status choose_particles(player_page *self, weft_error *err)
 {
-    const size_t n = self->rows * self->cols;
     const size_t side = self->rows > self->cols ? self->rows : self->cols;
     self->stride = (side + SIDE_MAX - 1) / SIDE_MAX;
     self->shown_rows = thinned(self->rows, self->stride);
@@ -155,14 +160,9 @@ static weft_status choose_particles(player_page *self, weft_error *err)
     self->count = self->shown_rows * self->shown_cols;
     self->particles = calloc(self->count, sizeof *self->particles);
     self->values = calloc(self->count, sizeof *self->values);
-    self->field = calloc(3 * n, sizeof *self->field);
+    self->field = calloc(3 * self->rows * self->cols, sizeof *self->field);
     self->block = malloc(page_block_size(3 + FIELDS, self->count));
-    bool there = self->particles && self->values && self->field && self->block;
-    for (size_t r = 0; r < self->run_count; ++r) {
-        self->xyz[r] = calloc(3 * n, sizeof *self->xyz[r]);
-        there = there && self->xyz[r] != NULL;
-    }
-    if (!there) {
+    if (!(self->particles && self->values && self->field && self->block)) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a page");
     }
     for (size_t i = 0; i < self->count; ++i) {
@@ -173,59 +173,37 @@ static weft_status choose_particles(player_page *self, weft_error *err)
     return WEFT_OK;
 }
 
-/* A run need not have recorded every field. */
-static weft_status find_fields(player_page *self, weft_error *err)
-{
-    self->planes = 3;
-    for (size_t f = 0; f < FIELDS; ++f) {
-        self->present[f] = true;
-        for (size_t r = 0; r < self->run_count; ++r) {
-            const weft_status status = record_frames_field(
-                self->runs[r].frames, fields[f].field, 0, self->field, err);
-            if (status != WEFT_OK && status != WEFT_UNSUPPORTED) {
-                return status;
-            }
-            self->present[f] = self->present[f] && status == WEFT_OK;
-        }
-        self->planes += self->present[f];
-    }
-    return WEFT_OK;
-}
+enum { LENGTH = 3 }; /* of the vector, instead of component 0, 1 or 2 */
 
-static void put_coordinates(player_page *self, const double *xyz)
-{
-    for (size_t k = 0; k < 3; ++k) {
-        for (size_t i = 0; i < self->count; ++i) {
-            self->values[i] = xyz[3 * self->particles[i] + k];
-        }
-        page_plane(self->block, self->planes, k, self->values, self->count);
-    }
-}
-
-static void put_field(player_page *self, size_t plane, size_t width)
+/* One number of each particle shown, from `width` of every particle. */
+static void put_plane(player_page *self, size_t planes, size_t plane,
+                      const double *from, size_t width, size_t component)
 {
     for (size_t i = 0; i < self->count; ++i) {
-        const double *v = self->field + width * self->particles[i];
-        self->values[i]
-            = width == 1 ? v[0] : sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        const double *v = from + width * self->particles[i];
+        self->values[i] = component == LENGTH
+                              ? sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+                              : v[component];
     }
-    page_plane(self->block, self->planes, plane, self->values, self->count);
+    page_plane(self->block, planes, plane, self->values, self->count);
 }
 
-static weft_status write_frame(player_page *self, size_t r, size_t i, weft_error *err)
+static weft_status write_frame(player_page *self, const player_run *run, size_t i,
+                               weft_error *err)
 {
-    record_frames *frames = self->runs[r].frames;
-    const size_t index = self->runs[r].index[i];
+    record_frames *frames = run->frames;
+    const size_t index = run->index[i];
     size_t plane = 3;
-    weft_status status = record_frames_positions(frames, index, self->xyz[r], err);
-    if (status == WEFT_OK) {
-        put_coordinates(self, self->xyz[r]);
+    weft_status status = record_frames_positions(frames, index, run->xyz, err);
+    for (size_t k = 0; status == WEFT_OK && k < 3; ++k) {
+        put_plane(self, self->planes, k, run->xyz, 3, k);
     }
     for (size_t f = 0; status == WEFT_OK && f < FIELDS; ++f) {
         if (self->present[f]) {
             status
                 = record_frames_field(frames, fields[f].field, index, self->field, err);
-            put_field(self, plane++, fields[f].width);
+            put_plane(self, self->planes, plane++, self->field, fields[f].width,
+                      fields[f].width == 3 ? LENGTH : 0);
         }
     }
     if (status == WEFT_OK) {
@@ -235,16 +213,13 @@ static weft_status write_frame(player_page *self, size_t r, size_t i, weft_error
     return status;
 }
 
-/* How far the two runs are apart, particle by particle, from their unrounded frames. */
+/* The distance between the two runs at each particle, from their unrounded frames. */
 static void write_difference(player_page *self)
 {
-    for (size_t i = 0; i < self->count; ++i) {
-        const double *a = self->xyz[0] + 3 * self->particles[i];
-        const double *b = self->xyz[1] + 3 * self->particles[i];
-        const double d[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
-        self->values[i] = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    for (size_t i = 0; i < 3 * self->rows * self->cols; ++i) {
+        self->field[i] = self->runs[1].xyz[i] - self->runs[0].xyz[i];
     }
-    page_plane(self->block, 1, 0, self->values, self->count);
+    put_plane(self, 1, 0, self->field, 3, LENGTH);
     page_bytes(self->stream, self->block, page_block_size(1, self->count));
 }
 
@@ -252,7 +227,7 @@ static weft_status write_frames(player_page *self, weft_error *err)
 {
     for (size_t i = 0; i < self->shown; ++i) {
         for (size_t r = 0; r < self->run_count; ++r) {
-            const weft_status status = write_frame(self, r, i, err);
+            const weft_status status = write_frame(self, &self->runs[r], i, err);
             if (status != WEFT_OK) {
                 return status;
             }
@@ -264,31 +239,33 @@ static weft_status write_frames(player_page *self, weft_error *err)
     return WEFT_OK;
 }
 
+static const char *comma(size_t i)
+{
+    return i > 0 ? "," : "";
+}
+
 /* A pinned particle that is not shown marks the nearest one that is. */
 static void write_pinned(const player_page *self)
 {
-    const char *comma = "";
     bool *marks = calloc(self->count, sizeof *marks);
     const size_t half = self->stride / 2;
     const uint8_t *pinned = self->runs[0].frames->pinned;
     const size_t n = pinned == NULL ? 0 : self->rows * self->cols;
+    size_t written = 0;
     for (size_t p = 0; marks != NULL && p < n; ++p) {
-        if (pinned[p] != 0) {
-            const size_t r = (p / self->cols + half) / self->stride;
-            const size_t c = (p % self->cols + half) / self->stride;
-            marks[r * self->shown_cols + c] = true;
-        }
+        const size_t r = (p / self->cols + half) / self->stride;
+        const size_t c = (p % self->cols + half) / self->stride;
+        marks[r * self->shown_cols + c] |= pinned[p] != 0;
     }
     for (size_t i = 0; marks != NULL && i < self->count; ++i) {
         if (marks[i]) {
-            fprintf(self->stream, "%s%zu", comma, i);
-            comma = ",";
+            fprintf(self->stream, "%s%zu", comma(written++), i);
         }
     }
     free(marks);
 }
 
-/* The page does not tell where on its maker's disk the run lies. */
+/* The page does not reveal where on its author's disk the run is. */
 static const char *directory_name(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -297,27 +274,25 @@ static const char *directory_name(const char *path)
 
 static void write_runs(const player_page *self)
 {
-    static const char *const files[] = { "scene", "manifest", "result", "series" };
+    static const char *const files[]
+        = { "scene.yaml", "manifest.yaml", "result.yaml", "series.csv" };
     for (size_t r = 0; r < self->run_count; ++r) {
         const player_run *run = &self->runs[r];
-        fprintf(self->stream, "%s{\"directory\":", r > 0 ? "," : "");
+        fprintf(self->stream, "%s{\"directory\":", comma(r));
         page_text(self->stream, directory_name(run->directory));
         fprintf(self->stream, ",\"frames\":%zu,\"index\":[", run->frames->count);
         for (size_t i = 0; i < self->shown; ++i) {
-            fprintf(self->stream, "%s%zu", i > 0 ? "," : "", run->index[i]);
+            fprintf(self->stream, "%s%zu", comma(i), run->index[i]);
         }
         fputs("],\"numbers\":[", self->stream);
         for (size_t i = 0; i < self->shown; ++i) {
-            fprintf(self->stream, "%s%zu", i > 0 ? "," : "",
-                    (size_t)run->frames->numbers[run->index[i]]);
+            fprintf(self->stream, "%s%.0f", comma(i),
+                    run->frames->numbers[run->index[i]]);
         }
         fputc(']', self->stream);
         for (size_t f = 0; f < sizeof files / sizeof files[0]; ++f) {
-            char name[32];
-            (void)snprintf(name, sizeof name, "%s.%s", files[f],
-                           strcmp(files[f], "series") == 0 ? "csv" : "yaml");
-            fprintf(self->stream, ",\"%s\":", files[f]);
-            page_file(self->stream, run->directory, name);
+            fprintf(self->stream, ",\"%.*s\":", (int)strcspn(files[f], "."), files[f]);
+            page_file(self->stream, run->directory, files[f]);
         }
         fputc('}', self->stream);
     }
@@ -326,7 +301,7 @@ static void write_runs(const player_page *self)
 static void write_description(const player_page *self)
 {
     FILE *stream = self->stream;
-    const char *comma = "";
+    size_t written = 0;
     fputs("<script id=\"weft-data\" type=\"application/json\">{\"weft\":", stream);
     page_text(stream, weft_version());
     fprintf(stream, ",\"grid\":[%zu,%zu],\"shown\":[%zu,%zu],\"stride\":%zu",
@@ -334,15 +309,13 @@ static void write_description(const player_page *self)
     fprintf(stream, ",\"chosen\":%zu,\"fields\":[", self->chosen);
     for (size_t f = 0; f < FIELDS; ++f) {
         if (self->present[f]) {
-            fprintf(stream, "%s\"%s\"", comma, fields[f].name);
-            comma = ",";
+            fprintf(stream, "%s\"%s\"", comma(written++), fields[f].name);
         }
     }
     fputs("],\"times\":[", stream);
     for (size_t i = 0; i < self->shown; ++i) {
-        const size_t index = self->runs[0].index[i];
-        fprintf(stream, "%s%.17g", i > 0 ? "," : "",
-                self->runs[0].frames->times[index]);
+        fprintf(stream, "%s%.17g", comma(i),
+                self->runs[0].frames->times[self->runs[0].index[i]]);
     }
     fputs("],\"pinned\":[", stream);
     write_pinned(self);
@@ -382,7 +355,7 @@ static void release(player_page *self)
     for (size_t r = 0; r < self->run_count; ++r) {
         record_frames_close(self->runs[r].frames);
         free(self->runs[r].index);
-        free(self->xyz[r]);
+        free(self->runs[r].xyz);
     }
     free(self->particles);
     free(self->values);
@@ -399,7 +372,6 @@ weft_status record_player(const char *const *directories, size_t count,
     }
     weft_status status = open_runs(&self, err);
     status = status == WEFT_OK ? choose_particles(&self, err) : status;
-    status = status == WEFT_OK ? find_fields(&self, err) : status;
     status = status == WEFT_OK ? choose_frames(&self, err) : status;
     status = status == WEFT_OK ? write_page(&self, file, err) : status;
     release(&self);

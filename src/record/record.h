@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* record.h -- what a run leaves behind. Linked into the program, not into libweft.
+/* record.h -- the files that a run writes. Linked into the program, not into libweft.
  *
  * Files appear by rename, complete or not at all; series.csv grows by whole rows and is
  * readable after a kill up to the last one. Every write is checked: WEFT_IO names the
@@ -13,7 +13,8 @@
 
 #define RECORD_PATH 4096
 
-/* In single precision: what is beyond its range is the largest float of its sign. */
+/* In single precision: a value beyond its range becomes the largest float of its
+ * sign. */
 static inline float record_single(double value)
 {
     return value > (double)FLT_MAX    ? FLT_MAX
@@ -21,7 +22,7 @@ static inline float record_single(double value)
                                       : (float)value;
 }
 
-/* file.c: a file that is written beside its place and renamed into it. */
+/* record_file.c: a file that is written under a temporary name and then renamed. */
 typedef struct record_file {
     FILE *stream;
     char path[RECORD_PATH], temporary[RECORD_PATH];
@@ -30,25 +31,28 @@ typedef struct record_file {
 /* `directory`/`name` into path; WEFT_IO if that is too long. */
 weft_status record_path(const char *directory, const char *name, char path[RECORD_PATH],
                         weft_error *err);
-/* Opens it for reading; path is filled in. NULL: WEFT_IO. */
+/* The name under which such a path is written before it is renamed. */
+void record_temporary(const char *path, char temporary[RECORD_PATH]);
+/* Opens that file for reading and fills in path. NULL: WEFT_IO. */
 FILE *record_open(const char *directory, const char *name, char path[RECORD_PATH],
                   weft_error *err);
 bool record_exists(const char *directory, const char *name);
 weft_status record_file_open(record_file *file, const char *directory, const char *name,
                              weft_error *err);
-/* A directory may come from anywhere: WEFT_IO if a link lies at `path`. */
+/* WEFT_IO if `path` is a link: a directory may come from anybody. */
 weft_status record_no_link(const char *path, weft_error *err);
-/* Flush, sync, rename; on failure the temporary file is gone and the place untouched.
- */
+/* Flushes, syncs and renames; on failure removes the temporary file and leaves the old
+ * one untouched. */
 weft_status record_file_commit(record_file *file, weft_error *err);
-/* Give it up instead: the place stays untouched. */
+/* Removes the temporary file instead. */
 void record_file_discard(record_file *file);
-/* In quotes that are doubled inside (RFC 4180). */
+/* Writes text in quotes, with those inside doubled (RFC 4180). */
 void record_csv_quoted(FILE *stream, const char *text);
 weft_status record_text(const char *directory, const char *name, const char *text,
                         weft_error *err);
 
-/* How much of a file a checkpoint counts on, in bytes or frames, and its checksum. */
+/* The part of a file that a checkpoint refers to, in bytes or frames, and its
+ * checksum. */
 typedef struct record_extent {
     uint64_t length, sum;
 } record_extent;
@@ -56,24 +60,24 @@ typedef struct record_extent {
 /* The checksum of the bytes from `begin` to `end`; 0 if the file lacks them. */
 uint64_t record_bytes_sum(const char *path, size_t begin, size_t end);
 
-/* outdir.c: make `directory` and what is above it, or accept what is there. */
+/* outdir.c: makes `directory` and its parents unless they exist. */
 weft_status record_directory(const char *directory, weft_error *err);
 
-/* outdir.c: make `directory`, or accept an empty one. One that is not empty is refused
- * unless `force`, which removes what an earlier run of weft left there. */
+/* outdir.c: makes `directory`, or accepts an empty one. One that is not empty is
+ * refused unless `force`, which removes the files of an earlier run of weft. */
 weft_status record_outdir(const char *directory, bool force, weft_error *err);
 
-/* Makes `directory` if need be and claims it for this process until *lock is closed, or
- * the process ends. WEFT_IO if another one has it for `patience` [s]: one that was
- * killed has it until the system has cleaned up. */
+/* Makes `directory` if need be and locks it for this process until *lock is closed or
+ * the process ends. WEFT_IO if another process has the lock for `patience` [s]: one
+ * that was killed keeps it until the system has cleaned up. */
 #define RECORD_PATIENCE 0.2
 weft_status record_outdir_lock(const char *directory, double patience, int *lock,
                                weft_error *err);
 
-/* result_read.c: whether a run was begun there that did not end by itself. */
+/* result_read.c: whether a run was begun there that has not ended by itself. */
 bool record_unfinished(const char *directory);
 
-/* outdir.c: the names of all that weft leaves there, NULL at their end. */
+/* outdir.c: the names of all files that weft writes there, NULL at their end. */
 extern const char *const record_names[];
 
 /* One frame of a run. */
@@ -83,23 +87,33 @@ typedef struct record_frame {
     uint64_t limit_sweeps; /* since the last frame */
 } record_frame;
 
-/* Of all steps and frames of a run so far. */
+/* Extremes over all steps and frames of a run so far. */
 typedef struct record_extremes {
-    double short_step, long_step; /* [s] accepted ones; 0: there was none */
+    double short_step, long_step; /* [s] of accepted steps; 0: there was none */
     double strain_time;           /* [s] */
     weft_spring strain;           /* at its largest strain; no spring: p == q */
 } record_extremes;
 
+/* The corners of quad q, around it, the same way round in every format. */
+static inline void record_quad(size_t cols, size_t q, size_t corners[4])
+{
+    const size_t a = q / (cols - 1) * cols + q % (cols - 1);
+    corners[0] = a;
+    corners[1] = a + cols;
+    corners[2] = a + cols + 1;
+    corners[3] = a + 1;
+}
+
 #define RECORD_COLUMNS_MAX 64
 
-/* series.c: a row a frame; `ledger` if the simulations keep it. */
+/* series.c: one row per frame; `ledger` if the simulations keep it. */
 typedef struct record_series {
     FILE *stream;
     char path[RECORD_PATH];
     size_t columns;
     const char *names[RECORD_COLUMNS_MAX];
-    double row[RECORD_COLUMNS_MAX]; /* the last one written, as far as doubles go */
-    weft_spring worst;              /* of the last row: its max_strain */
+    double row[RECORD_COLUMNS_MAX]; /* the last row, its values as doubles */
+    weft_spring worst;              /* the spring of max_strain in the last row */
     record_extent extent;           /* bytes written */
 } record_series;
 
@@ -107,11 +121,11 @@ weft_status record_series_open(record_series *series, const char *directory,
                                bool ledger, weft_error *err);
 weft_status record_series_add(record_series *series, const record_frame *frame,
                               weft_error *err);
-/* One that is not open is allowed. */
+/* A series that is not open is allowed. */
 weft_status record_series_close(record_series *series, weft_error *err);
 
-/* Opens an existing one for reading and writing; record_series_cut, which keeps its
- * first part, must follow. */
+/* Opens an existing one for reading and writing; record_series_cut must follow and
+ * keeps its first part. */
 weft_status record_series_reopen(record_series *series, const char *directory,
                                  bool ledger, weft_error *err);
 weft_status record_series_cut(record_series *series, const record_extent *kept,
@@ -119,42 +133,43 @@ weft_status record_series_cut(record_series *series, const record_extent *kept,
 /* Writes series->extent to the disk. */
 weft_status record_series_sync(record_series *series, weft_error *err);
 
-/* vtkhdf.c: run.vtkhdf, VTKHDF 2.0, temporal. It appears with its first frame and holds
- * after a kill at any moment every frame that was added. docs/output.md has its layout.
- */
+/* vtkhdf.c: run.vtkhdf, VTKHDF 2.0, temporal. It appears with its first frame; after a
+ * kill at any moment it holds every frame that was added. docs/output.md describes its
+ * layout. */
 typedef struct record_vtkhdf record_vtkhdf;
 
 typedef struct record_vtkhdf_def {
     const char *directory;
     const weft_cloth *cloth; /* outlives it */
     const weft_record_def *record;
-    size_t last; /* frame of the run: room is made for all of them, if there is any */
+    size_t
+        last; /* last frame of the run: room is made for all of them, if there is any */
     const record_series *series; /* open; outlives it. Its rows become field data */
 } record_vtkhdf_def;
 
-/* The frames of a run that ends with frame `last`; the most that a file has room for.
- */
+/* The number of frames of a run that ends with frame `last`; the most that a file has
+ * room for. */
 size_t record_vtkhdf_planned(const weft_record_def *record, size_t last);
 size_t record_vtkhdf_most(size_t particles);
 
 weft_status record_vtkhdf_create(const record_vtkhdf_def *def, record_vtkhdf **out,
                                  weft_error *err);
 /* The state of the file on the disk, for a checkpoint: its first page, which changes
- * with each frame, what follows up to the first frame, and the frames. */
+ * with each frame, the bytes from there to the first frame, and the frames. */
 #define RECORD_PAGE 4096
 typedef struct record_vtkhdf_mark {
     unsigned char page[RECORD_PAGE];
     record_extent head, frames; /* head: up to that byte of the file */
 } record_vtkhdf_mark;
 
-/* Opens an existing file for reading and checks it against `mark`; *equal tells whether
+/* Opens an existing file for reading and checks it against `mark`; *equal is whether
  * its frames have the checksum. record_vtkhdf_cut must follow. WEFT_IO if the file is
- * damaged, or is not as this definition and `mark` would have it. */
+ * damaged or does not fit this definition and `mark`. */
 weft_status record_vtkhdf_reopen(const record_vtkhdf_def *def,
                                  const record_vtkhdf_mark *mark, record_vtkhdf **out,
                                  bool *equal, weft_error *err);
-/* WEFT_IO names the first frame whose field data are not those of its row in
- * series.csv, and `damaged` as the file at fault. */
+/* WEFT_IO names the first frame whose field data differ from its row in series.csv, and
+ * `damaged` as the file at fault. */
 weft_status record_vtkhdf_compare(record_vtkhdf *self, const char *damaged,
                                   weft_error *err);
 /* Keeps the frames of the mark and opens the file for writing. */
@@ -162,14 +177,14 @@ weft_status record_vtkhdf_cut(record_vtkhdf *self, weft_error *err);
 /* Writes all frames to the disk. */
 weft_status record_vtkhdf_sync(record_vtkhdf *self, record_vtkhdf_mark *mark,
                                weft_error *err);
-/* A frame, once it is in the series; one that record.every leaves out is passed over.
- * After a failure the frames before are kept. */
+/* Adds a frame that is in the series already; one that record.every leaves out is
+ * skipped. A failure keeps the frames before. */
 weft_status record_vtkhdf_add(record_vtkhdf *self, const record_frame *frame,
                               weft_error *err);
-/* Frees it also if the file cannot be closed well. NULL is allowed. */
+/* Frees it even if the file cannot be closed properly. NULL is allowed. */
 weft_status record_vtkhdf_close(record_vtkhdf *self, weft_error *err);
 
-/* series_read.c: the rows of DIR/series.csv that are whole, later and later; the caller
+/* series_read.c: the complete rows of DIR/series.csv, in order of time; the caller
  * frees them. WEFT_IO if there are none. */
 typedef struct record_series_row {
     size_t frame;
@@ -190,23 +205,23 @@ weft_status record_series_compare(const char *directory, const char *damaged,
                                   record_numbers_fn *numbers, void *ctx,
                                   weft_error *err);
 
-/* report.c: versions, plugin, method and every option in force. */
+/* result_write.c: versions, plugin, method and every option in force. */
 weft_status record_manifest(const char *directory, const weft_scene *scene,
                             const weft_sim *sim, const weft_plugin *plugin,
                             const char *plugin_file, weft_error *err);
 
-/* How a run ended. */
+/* The end of a run. */
 typedef struct record_result {
     const char *status; /* done | failed | io_error | interrupted */
     const char *reason; /* "" if done */
     size_t frames, planned;
     double wall_time;    /* [s] */
-    const weft_sim *sim; /* NULL: it never began */
+    const weft_sim *sim; /* NULL: the run never began */
     double energy_start; /* [J] kinetic + elastic + gravitational */
     size_t warnings;
 } record_result;
 
-/* The last file of a run: its presence says that the run is over. */
+/* Writes the last file of a run: its presence says that the run is over. */
 weft_status record_result_write(const char *directory, const record_result *result,
                                 weft_error *err);
 
@@ -215,7 +230,15 @@ weft_status record_result_write(const char *directory, const record_result *resu
 weft_status record_result_amend(const char *directory, const record_result *result,
                                 weft_error *err);
 
-/* What result.yaml says, as items of a mapping (yaml_out.h). */
+/* player_page.c: writes `file`, the frames of the runs in directories[count], one or
+ * two side by side, as one HTML page that a browser plays without a network. Two runs
+ * are shown at the times that both have. docs/player.md describes the page and its
+ * data. Errors: WEFT_IO (a file), WEFT_INVALID (runs of different grids or without a
+ * common time), WEFT_NO_MEMORY. */
+weft_status record_player(const char *const *directories, size_t count,
+                          const char *file, weft_error *err);
+
+/* The content of result.yaml, as items of a mapping (yaml_out.h). */
 struct yaml_out;
 void record_result_items(struct yaml_out *out, const record_result *result);
 

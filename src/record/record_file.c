@@ -23,6 +23,12 @@ weft_status record_path(const char *directory, const char *name, char path[RECOR
     return WEFT_OK;
 }
 
+void record_temporary(const char *path, char temporary[RECORD_PATH])
+{
+    strcpy(temporary, path);
+    strcat(temporary, ".tmp");
+}
+
 FILE *record_open(const char *directory, const char *name, char path[RECORD_PATH],
                   weft_error *err)
 {
@@ -48,21 +54,7 @@ weft_status record_no_link(const char *path, weft_error *err)
                : WEFT_OK;
 }
 
-/* That of a folder in the directory, if the name has one. */
-static weft_status check_folder(const char *directory, const char *name,
-                                weft_error *err)
-{
-    char path[RECORD_PATH];
-    const weft_status status = record_path(directory, name, path, err);
-    const bool inside = strchr(name, '/') != NULL;
-    if (status == WEFT_OK && inside) {
-        *strrchr(path, '/') = '\0';
-        return record_no_link(path, err);
-    }
-    return status;
-}
-
-/* A file that is there already under that name may be a link too. */
+/* A file that exists under that name may be a link too. */
 static FILE *open_new(const char *path)
 {
     (void)remove(path);
@@ -74,13 +66,16 @@ static FILE *open_new(const char *path)
 weft_status record_file_open(record_file *file, const char *directory, const char *name,
                              weft_error *err)
 {
-    weft_status status = check_folder(directory, name, err);
-    status = status == WEFT_OK ? record_path(directory, name, file->path, err) : status;
+    weft_status status = record_path(directory, name, file->path, err);
+    if (status == WEFT_OK && strchr(name, '/') != NULL) { /* in a folder there */
+        strcpy(file->temporary, file->path);
+        *strrchr(file->temporary, '/') = '\0';
+        status = record_no_link(file->temporary, err);
+    }
     if (status != WEFT_OK) {
         return status;
     }
-    memcpy(file->temporary, file->path, strlen(file->path) + 1);
-    strcat(file->temporary, ".tmp");
+    record_temporary(file->path, file->temporary);
     file->stream = open_new(file->temporary);
     if (file->stream == NULL) {
         return weft_error_set(err, WEFT_IO, "%s: %s", file->path, strerror(errno));
@@ -93,7 +88,7 @@ weft_status record_file_commit(record_file *file, weft_error *err)
     errno = 0;
     bool written = !ferror(file->stream);
     if (!written) {
-        (void)fputc('\n', file->stream); /* fails again, and tells why */
+        (void)fputc('\n', file->stream); /* fails again and sets errno */
     }
     written = fflush(file->stream) == 0 && written;
     written = fsync(fileno(file->stream)) == 0 && written;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* result_read.c -- what result.yaml says of a run that is over. */
+/* result_read.c -- reads result.yaml of a run that is over. */
 #include "record/result_read.h"
 
 #include <inttypes.h>
@@ -23,11 +23,10 @@ bool record_result_open(const char *directory, yaml_document_t *out)
         yaml_parser_delete(&parser);
     }
     (void)fclose(stream);
-    if (good
-        && (out->nodes.start == out->nodes.top
-            || out->nodes.start->type != YAML_MAPPING_NODE)) {
+    const yaml_node_t *root = good ? yaml_document_get_root_node(out) : NULL;
+    if (good && (root == NULL || root->type != YAML_MAPPING_NODE)) {
         yaml_document_delete(out);
-        return false;
+        good = false;
     }
     return good;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* result_read.h -- what result.yaml says of a run that is over. */
+/* result_read.h -- reads result.yaml of a run that is over. */
 #ifndef WEFT_RECORD_RESULT_READ_H
 #define WEFT_RECORD_RESULT_READ_H
 
@@ -7,8 +7,8 @@
 #include <stdint.h>
 #include <yaml.h>
 
-/* DIR/result.yaml, a mapping; false if there is none. The caller deletes the document.
- */
+/* DIR/result.yaml, a mapping; false if there is none. The caller deletes the
+ * document. */
 bool record_result_open(const char *directory, yaml_document_t *out);
 /* The text of a key, or NULL. */
 const char *record_result_value(yaml_document_t *result, const char *key);

@@ -1,20 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* result_write.c -- manifest.yaml: what ran; result.yaml: how it ended. */
+/* result_write.c -- manifest.yaml: the program and its options; result.yaml: the end of
+ * the run. */
 #include <inttypes.h>
 
 #include "record/record.h"
 #include "record/yaml_out.h"
 
-static const char *compiler(void)
-{
 #if defined(__clang__)
-    return "clang " __clang_version__;
+#define COMPILER "clang " __clang_version__
 #elif defined(__GNUC__)
-    return "gcc " __VERSION__;
+#define COMPILER "gcc " __VERSION__
 #else
-    return "unknown";
+#define COMPILER "unknown"
 #endif
-}
 
 static void write_plugin(yaml_out *out, const weft_plugin *plugin, const char *file,
                          const weft_stepper_type *method)
@@ -130,7 +128,7 @@ weft_status record_manifest(const char *directory, const weft_scene *scene,
     yaml_out_begin(&out, file.stream);
     yaml_out_text(&out, "name", weft_scene_name(scene));
     yaml_out_text(&out, "weft", weft_version());
-    yaml_out_text(&out, "compiler", compiler());
+    yaml_out_text(&out, "compiler", COMPILER);
     write_plugin(&out, plugin, plugin_file, weft_scene_method_type(scene));
     write_config(&out, weft_scene_config(scene), sim);
     write_cloth(&out, weft_sim_cloth(sim));
@@ -238,7 +236,7 @@ weft_status record_result_write(const char *directory, const record_result *resu
     return commit(yaml_out_end(&out), &file, err);
 }
 
-/* The lines after the first two, which say status and reason. */
+/* Copies all lines but the first two, which are status and reason. */
 static void copy_outcome(FILE *from, FILE *to)
 {
     int line = 1;

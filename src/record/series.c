@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* series.c -- series.csv: one row per frame. A column is a name, a format and a value:
- * the header and the rows come from one list. The cell of a NaN is empty. */
+/* series.c -- series.csv: one row per frame. A column is a name, a format and a value;
+ * one list makes the header and the rows. The cell of a NaN is empty. */
 #include "record/record.h"
 
 #include <errno.h>
@@ -32,7 +32,7 @@
     X(hash, "%016" PRIx64, row.all.hash)                                               \
     X(limit_strain, "%.17g", row.limit_strain)
 
-/* After them where the ledger is kept. */
+/* These follow if the ledger is kept. */
 #define LEDGER_COLUMNS(X)                                                              \
     X(elastic_stretch, "%.17g", row.all.energy.elastic[WEFT_STRETCH])                  \
     X(elastic_shear, "%.17g", row.all.energy.elastic[WEFT_SHEAR])                      \

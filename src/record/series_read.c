@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* series_read.c -- the rows of a series.csv: whose they are, and where they end. */
+/* series_read.c -- reads the rows of a series.csv. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -14,7 +14,7 @@ typedef struct reader {
     size_t number; /* of the line, from 1 */
 } reader;
 
-/* A line that a kill has cut off is none. */
+/* A line without an end was cut off by a kill. */
 static bool next_line(reader *self)
 {
     if (fgets(self->line, sizeof self->line, self->stream) == NULL) {
@@ -28,7 +28,7 @@ static bool next_line(reader *self)
     return true;
 }
 
-/* Which cell of the header has that name; -1: none. */
+/* The index of the cell of the header with that name; -1: none. */
 static int column_of(const char *header, const char *name)
 {
     const size_t length = strlen(name);
@@ -95,7 +95,7 @@ static weft_status read_rows(reader *self, record_series_row **rows, size_t *cou
         }
         ++*count;
     }
-    return WEFT_OK;
+    return *count > 0 ? WEFT_OK : wrong(self, "no frames", err);
 }
 
 weft_status record_series_rows(const char *directory, record_series_row **rows,
@@ -110,9 +110,6 @@ weft_status record_series_rows(const char *directory, record_series_row **rows,
     }
     status = read_rows(&self, rows, count, err);
     (void)fclose(self.stream);
-    if (status == WEFT_OK && *count == 0) {
-        status = wrong(&self, "no frames", err);
-    }
     if (status != WEFT_OK) {
         free(*rows);
         *rows = NULL;

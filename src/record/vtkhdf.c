@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* vtkhdf.c -- frames into run.vtkhdf: first all of a frame's data, then, in one write,
- * that it is there. */
+/* vtkhdf.c -- writes frames into run.vtkhdf: first all data of a frame, then, in one
+ * write, the counts that include it. */
 #include "record/checkpoint.h"
 #include "record/vtkhdf_file.h"
 
@@ -12,10 +12,11 @@
 
 #include "base/hash.h"
 
-/* Room is made for all frames at once, which costs no space before they come; a file
- * system may refuse a file beyond 16 TiB. */
+/* Room is made for all frames at once, which takes no space before they are written; a
+ * file system may refuse a file beyond 16 TiB. */
 #define MOST_BYTES ((size_t)1 << 43)
 
+/* The sets that a frame is written to, in this order; the last is its time. */
 enum {
     POINTS,
     VELOCITY,
@@ -24,22 +25,21 @@ enum {
     POINT_OFFSETS,
     FIELD_OFFSETS,
     FIELD_SIZES,
-    SETS
+    FIELDS, /* field data, one set per column of the series */
+    SETS_MAX = FIELDS + RECORD_COLUMNS_MAX + 1
 };
 
-/* What a frame is written to, beside its field data and its time. */
 static const struct {
     const char *path;
-    bool particles; /* a row each, else one row */
     size_t width;
-} layout[SETS] = {
-    [POINTS] = { "/VTKHDF/Points", true, 3 },
-    [VELOCITY] = { "/VTKHDF/PointData/velocity", true, 3 },
-    [STRAIN] = { "/VTKHDF/PointData/strain", true, 1 },
-    [PARTS] = { "/VTKHDF/Steps/NumberOfParts", false, 1 },
-    [POINT_OFFSETS] = { "/VTKHDF/Steps/PointOffsets", false, 1 },
-    [FIELD_OFFSETS] = { "/weft/FieldOffsets", false, 1 },
-    [FIELD_SIZES] = { "/weft/FieldSizes", false, 2 },
+} layout[FIELDS] = {
+    [POINTS] = { "/VTKHDF/Points", 3 },
+    [VELOCITY] = { "/VTKHDF/PointData/velocity", 3 },
+    [STRAIN] = { "/VTKHDF/PointData/strain", 1 },
+    [PARTS] = { "/VTKHDF/Steps/NumberOfParts", 1 },
+    [POINT_OFFSETS] = { "/VTKHDF/Steps/PointOffsets", 1 },
+    [FIELD_OFFSETS] = { "/weft/FieldOffsets", 1 },
+    [FIELD_SIZES] = { "/weft/FieldSizes", 2 },
 };
 
 struct record_vtkhdf {
@@ -47,11 +47,12 @@ struct record_vtkhdf {
     char path[RECORD_PATH], temporary[RECORD_PATH];
     size_t n, capacity, count; /* particles; frames: room, written */
     hid_t file, step_count;    /* file < 0: not open; NSteps */
-    hdf_set sets[SETS], fields[RECORD_COLUMNS_MAX], time;
-    record_extent head; /* [bytes] of the file, as it was created */
-    uint64_t sum;       /* of all that is written of the frames */
-    double *buffer;     /* 3 N */
-    int why;            /* errno of what failed first; 0: not known */
+    hdf_set sets[SETS_MAX];    /* id < 0: not recorded */
+    size_t time;               /* the set of the times, the last */
+    record_extent head;        /* [bytes] of the file before its first frame */
+    uint64_t sum;              /* over all frames written */
+    double *buffer;            /* 3 N */
+    int why;                   /* errno of the first failure; 0: not known */
 };
 
 static weft_status failed(const record_vtkhdf *self, weft_error *err)
@@ -72,7 +73,7 @@ size_t record_vtkhdf_most(size_t particles)
     return MOST_BYTES / (7 * sizeof(double) * particles + 1024);
 }
 
-/* libhdf5 crashes where it gets no memory for its caches, less than a megabyte. */
+/* libhdf5 crashes if it gets no memory for its caches, less than a megabyte. */
 static bool has_memory(void)
 {
     void *volatile room = malloc((size_t)4 << 20); /* volatile: not optimised away */
@@ -102,6 +103,7 @@ weft_status record_vtkhdf_create(const record_vtkhdf_def *def, record_vtkhdf **o
     self->capacity = record_vtkhdf_planned(def->record, def->last);
     self->file = H5I_INVALID_HID;
     self->buffer = buffer;
+    self->time = FIELDS + def->series->columns;
     self->sum = WEFT__HASH_START;
     const weft_status status
         = record_path(def->directory, "run.vtkhdf", self->path, err);
@@ -109,23 +111,9 @@ weft_status record_vtkhdf_create(const record_vtkhdf_def *def, record_vtkhdf **o
         (void)record_vtkhdf_close(self, NULL);
         return status;
     }
-    memcpy(self->temporary, self->path, strlen(self->path) + 1);
-    strcat(self->temporary, ".tmp");
+    record_temporary(self->path, self->temporary);
     *out = self;
     return WEFT_OK;
-}
-
-static bool open_set(const record_vtkhdf *self, hdf_set *set, const char *path,
-                     size_t rows, size_t width)
-{
-    const hid_t id = H5Dopen2(self->file, path, H5P_DEFAULT);
-    *set = (hdf_set){ id, rows, width };
-    return id >= 0;
-}
-
-static hid_t memory_type(size_t set)
-{
-    return set <= STRAIN ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
 }
 
 /* Every value is a word. */
@@ -139,40 +127,50 @@ static void add_sum(record_vtkhdf *self, const hdf_set *set, const void *values)
     }
 }
 
-static bool is_left_out(const record_vtkhdf *self, size_t set)
+static bool is_recorded(const record_vtkhdf *self, size_t set)
 {
     const bool *wanted = self->def.record->fields;
-    return (set == VELOCITY && !wanted[WEFT_RECORD_VELOCITY])
-           || (set == STRAIN && !wanted[WEFT_RECORD_STRAIN]);
+    return set == VELOCITY ? wanted[WEFT_RECORD_VELOCITY]
+           : set == STRAIN ? wanted[WEFT_RECORD_STRAIN]
+           : set >= FIELDS ? vtkhdf_is_field(self->def.series->names[set - FIELDS])
+                           : true;
+}
+
+static hdf_set open_set(const record_vtkhdf *self, size_t set)
+{
+    const bool field = set >= FIELDS, particles = set <= STRAIN;
+    char path[160];
+    (void)snprintf(path, sizeof path, "%s%s",
+                   field ? "/VTKHDF/FieldData/" : layout[set].path,
+                   field ? self->def.series->names[set - FIELDS] : "");
+    return (hdf_set){ .id = H5Dopen2(self->file, path, H5P_DEFAULT),
+                      .memory
+                      = field || particles ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64,
+                      .rows = particles ? self->n : 1,
+                      .width = field ? 1 : layout[set].width };
 }
 
 static bool open_sets(record_vtkhdf *self)
 {
-    const record_series *series = self->def.series;
+    const hdf_set none = { .id = H5I_INVALID_HID };
     bool good = true;
-    for (size_t i = 0; good && i < SETS; ++i) {
-        good = is_left_out(self, i)
-               || open_set(self, &self->sets[i], layout[i].path,
-                           layout[i].particles ? self->n : 1, layout[i].width);
-    }
-    for (size_t i = 0; good && i < series->columns; ++i) {
-        char name[160];
-        (void)snprintf(name, sizeof name, "/VTKHDF/FieldData/%s", series->names[i]);
-        good = !vtkhdf_is_field(series->names[i])
-               || open_set(self, &self->fields[i], name, 1, 1);
+    for (size_t i = 0; good && i < self->time; ++i) {
+        const bool recorded = is_recorded(self, i);
+        self->sets[i] = recorded ? open_set(self, i) : none;
+        good = !recorded || self->sets[i].id >= 0;
     }
     return good;
 }
 
-/* A time goes to the file alone, not with all the chunk it is in. */
+/* Without a cache, a time is written alone, not with the whole chunk around it. */
 static bool open_times(record_vtkhdf *self)
 {
     const hid_t direct = H5Pcreate(H5P_DATASET_ACCESS);
     (void)H5Pset_chunk_cache(direct, 0, 0, H5D_CHUNK_CACHE_W0_DEFAULT);
     const hid_t id = H5Dopen2(self->file, "/VTKHDF/Steps/Values", direct);
     (void)H5Pclose(direct);
-    self->time = (hdf_set){ id, 1, 1 };
-    /* what H5Aopen_by_name opens cannot be written (1.10.8) */
+    self->sets[self->time] = (hdf_set){ id, H5T_NATIVE_DOUBLE, 1, 1 };
+    /* HDF5 1.10.8 cannot write to an attribute from H5Aopen_by_name */
     const hid_t steps = H5Gopen2(self->file, "/VTKHDF/Steps", H5P_DEFAULT);
     self->step_count = H5Aopen(steps, "NSteps", H5P_DEFAULT);
     (void)H5Gclose(steps);
@@ -196,7 +194,7 @@ static bool close_file(record_vtkhdf *self)
 
 /* ---- opening again ---------------------------------------------------------- */
 
-/* Before libhdf5 opens the file: it may crash or loop on a damaged one. */
+/* Called before libhdf5 opens the file, as it may crash or loop on a damaged one. */
 static weft_status check_bytes(const record_vtkhdf *self,
                                const record_vtkhdf_mark *mark, weft_error *err)
 {
@@ -226,8 +224,8 @@ static bool write_count(record_vtkhdf *self, size_t count)
            && H5Fflush(self->file, H5F_SCOPE_GLOBAL) >= 0;
 }
 
-/* As after the commit of the last frame that is kept. A smaller extent overwrites the
- * times behind it at once: by then NSteps has left them out. */
+/* Restores the state after the commit of the last frame kept. A smaller extent
+ * overwrites the times behind it at once, so NSteps must exclude them before. */
 static bool cut(record_vtkhdf *self)
 {
     int64_t before = 0;
@@ -236,7 +234,7 @@ static bool cut(record_vtkhdf *self)
         || !write_count(self, self->count)) {
         return false;
     }
-    if (H5Dset_extent(self->time.id, &extent) < 0) {
+    if (H5Dset_extent(self->sets[self->time].id, &extent) < 0) {
         (void)write_count(self, (size_t)before);
         return false;
     }
@@ -250,29 +248,18 @@ weft_status record_vtkhdf_cut(record_vtkhdf *self, weft_error *err)
                : failed(self, err);
 }
 
-static bool sum_row(record_vtkhdf *self, const hdf_set *set, hid_t type, size_t frame)
-{
-    const bool good = hdf_read(set, frame, type, self->buffer);
-    if (good) {
-        add_sum(self, set, self->buffer);
-    }
-    return good;
-}
-
 /* The same words in the same order as write_frame. */
 static bool sum_frame(record_vtkhdf *self, size_t frame)
 {
-    const record_series *series = self->def.series;
     bool good = true;
-    for (size_t i = 0; good && i < SETS; ++i) {
-        good = is_left_out(self, i)
-               || sum_row(self, &self->sets[i], memory_type(i), frame);
+    for (const hdf_set *set = self->sets; good && set <= self->sets + self->time;
+         ++set) {
+        good = set->id < 0 || hdf_read(set, frame, self->buffer);
+        if (good && set->id >= 0) {
+            add_sum(self, set, self->buffer);
+        }
     }
-    for (size_t i = 0; good && i < series->columns; ++i) {
-        good = !vtkhdf_is_field(series->names[i])
-               || sum_row(self, &self->fields[i], H5T_NATIVE_DOUBLE, frame);
-    }
-    return good && sum_row(self, &self->time, H5T_NATIVE_DOUBLE, frame);
+    return good;
 }
 
 static weft_status check_frames(record_vtkhdf *self, const record_vtkhdf_mark *mark,
@@ -311,13 +298,11 @@ weft_status record_vtkhdf_reopen(const record_vtkhdf_def *def,
 static bool read_row(void *ctx, size_t frame, double *numbers)
 {
     record_vtkhdf *self = ctx;
-    const record_series *series = self->def.series;
     const size_t every = self->def.record->every;
     bool good = frame % every == 0 && frame / every < self->count;
-    for (size_t i = 0; good && i < series->columns; ++i) {
-        good = !vtkhdf_is_field(series->names[i])
-               || hdf_read(&self->fields[i], frame / every, H5T_NATIVE_DOUBLE,
-                           &numbers[i]);
+    for (size_t i = FIELDS; good && i < self->time; ++i) {
+        good = self->sets[i].id < 0
+               || hdf_read(&self->sets[i], frame / every, &numbers[i - FIELDS]);
     }
     return good;
 }
@@ -332,16 +317,19 @@ weft_status record_vtkhdf_compare(record_vtkhdf *self, const char *damaged,
 
 /* ---- a frame ---------------------------------------------------------------- */
 
-static bool write_row(record_vtkhdf *self, const hdf_set *set, hid_t type,
-                      const void *values)
+/* A set that is not recorded is passed over. */
+static bool write_set(record_vtkhdf *self, size_t i, const void *values)
 {
+    const hdf_set *set = &self->sets[i];
+    if (set->id < 0) {
+        return true;
+    }
     add_sum(self, set, values);
-    return hdf_write(set, self->count, type, values);
+    return hdf_write(set, self->count, values);
 }
 
-/* The buffer, as the file will hold it; of a run that blows up, what it has room for.
- */
-static bool write_set(record_vtkhdf *self, size_t set)
+/* The buffer, with values that the file has no room for clamped: a run may blow up. */
+static bool write_buffer(record_vtkhdf *self, size_t set)
 {
     for (size_t i = 0; i < self->n * layout[set].width; ++i) {
         const double value = self->buffer[i];
@@ -350,53 +338,45 @@ static bool write_set(record_vtkhdf *self, size_t set)
                           : value < -DBL_MAX         ? -DBL_MAX
                                                      : value;
     }
-    return write_row(self, &self->sets[set], memory_type(set), self->buffer);
-}
-
-static bool write_integers(record_vtkhdf *self, size_t set, const int64_t *values)
-{
-    return write_row(self, &self->sets[set], memory_type(set), values);
+    return write_set(self, set, self->buffer);
 }
 
 static bool write_particles(record_vtkhdf *self, const weft_sim *sim)
 {
     weft_sim_positions(sim, self->buffer);
-    bool good = write_set(self, POINTS);
-    if (good && !is_left_out(self, VELOCITY)) {
+    bool good = write_buffer(self, POINTS);
+    if (good && is_recorded(self, VELOCITY)) {
         weft_sim_velocities(sim, self->buffer);
-        good = write_set(self, VELOCITY);
+        good = write_buffer(self, VELOCITY);
     }
-    if (good && !is_left_out(self, STRAIN)) {
+    if (good && is_recorded(self, STRAIN)) {
         weft_cloth_strains(self->def.cloth, weft_sim_state(sim), self->buffer);
-        good = write_set(self, STRAIN);
+        good = write_buffer(self, STRAIN);
     }
     return good;
 }
 
 static bool write_tables(record_vtkhdf *self)
 {
-    const record_series *series = self->def.series;
     const int64_t ones[2] = { 1, 1 }, step = (int64_t)self->count;
     const int64_t first_point = (int64_t)(self->count * self->n);
-    bool good = write_integers(self, PARTS, ones)
-                && write_integers(self, POINT_OFFSETS, &first_point)
-                && write_integers(self, FIELD_OFFSETS, &step)
-                && write_integers(self, FIELD_SIZES, ones);
-    for (size_t i = 0; good && i < series->columns; ++i) {
-        good = !vtkhdf_is_field(series->names[i])
-               || write_row(self, &self->fields[i], H5T_NATIVE_DOUBLE, &series->row[i]);
+    bool good = write_set(self, PARTS, ones)
+                && write_set(self, POINT_OFFSETS, &first_point)
+                && write_set(self, FIELD_OFFSETS, &step)
+                && write_set(self, FIELD_SIZES, ones);
+    for (size_t i = FIELDS; good && i < self->time; ++i) {
+        good = write_set(self, i, &self->def.series->row[i - FIELDS]);
     }
     return good;
 }
 
-/* The time is beyond the end of Values until its extent grows. NSteps and that extent
- * go to the file in one write (vtkhdf_file.c). */
+/* The time lies beyond the end of Values until its extent grows. NSteps and that extent
+ * are written at once (vtkhdf_file.c). */
 static bool commit(record_vtkhdf *self, double t)
 {
     const hsize_t extent = (hsize_t)self->count + 1;
-    return H5Dset_extent(self->time.id, &extent) >= 0
-           && write_row(self, &self->time, H5T_NATIVE_DOUBLE, &t)
-           && write_count(self, self->count + 1);
+    return H5Dset_extent(self->sets[self->time].id, &extent) >= 0
+           && write_set(self, self->time, &t) && write_count(self, self->count + 1);
 }
 
 static bool write_frame(record_vtkhdf *self, const weft_sim *sim)
@@ -416,24 +396,21 @@ static bool sum_head(record_vtkhdf *self)
     return self->head.sum != 0;
 }
 
-/* The file appears with a frame in it, as no reader expects one without. It is closed
- * in between: the first closing gives back room in the file. */
+/* The file appears with one frame, as readers do not expect an empty one. It is closed
+ * once before: the first H5Fclose releases unused room in the file. */
 static bool write_first(record_vtkhdf *self, const weft_sim *sim)
 {
     (void)remove(self->temporary); /* it may be a link */
     const bool made = vtkhdf_file_create(self->temporary, &self->def, self->capacity)
                       && open_file(self, self->temporary, H5F_ACC_RDWR)
                       && write_frame(self, sim);
-    if (!close_file(self) || !made) {
-        self->count = 0;
-        return false;
-    }
-    if (rename(self->temporary, self->path) != 0) {
+    bool good = close_file(self) && made;
+    if (good && rename(self->temporary, self->path) != 0) {
         self->why = errno;
-        self->count = 0;
-        return false;
+        good = false;
     }
-    return open_file(self, self->path, H5F_ACC_RDWR) && sum_head(self);
+    self->count = good ? 1 : 0;
+    return good && open_file(self, self->path, H5F_ACC_RDWR) && sum_head(self);
 }
 
 weft_status record_vtkhdf_add(record_vtkhdf *self, const record_frame *frame,

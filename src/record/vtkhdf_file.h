@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* vtkhdf_file.h -- a new run.vtkhdf: all that is in it before the first frame.
+/* vtkhdf_file.h -- creates run.vtkhdf with everything in it before the first frame.
  *
  * Everything has its place and size from the start, so that adding a frame allocates
  * nothing in the file: a kill between two writes cannot break its structure. Only the
  * extent of Steps/Values grows, within one chunk that is there from the start, as VTK
  * needs exactly NSteps times: with more its reader overruns a buffer, with fewer it
- * takes one frame for another. */
+ * confuses frames. */
 #ifndef WEFT_RECORD_VTKHDF_FILE_H
 #define WEFT_RECORD_VTKHDF_FILE_H
 
 #include "record/hdf.h"
 #include "record/record.h"
 
-#define VTKHDF_FRAME_FIELD "frame" /* the field data that tells a frame's number */
+#define VTKHDF_FRAME_FIELD "frame" /* the field data with the frame's number */
 
-/* Field data are the columns of the series but for the hash, which is no double. */
+/* Field data are the columns of the series except the hash, which is not a double. */
 bool vtkhdf_is_field(const char *column);
 
 /* Creates `path` with room for `capacity` frames and NSteps = 0. False if that fails.
@@ -22,9 +22,9 @@ bool vtkhdf_is_field(const char *column);
 bool vtkhdf_file_create(const char *path, const record_vtkhdf_def *def,
                         size_t capacity);
 
-/* The page that has the counts of frames, NSteps and the extent of Steps/Values. */
+/* Reads the page with the counts of frames: NSteps and the extent of Steps/Values. */
 bool vtkhdf_read_page(const char *path, unsigned char page[RECORD_PAGE]);
-/* Whether `now` is `before`, or the same with more frames. */
+/* Whether `now` equals `before` or only has more frames. */
 bool vtkhdf_is_same_page(const unsigned char *before, const unsigned char *now,
                          size_t frames, size_t capacity);
 

@@ -12,7 +12,7 @@ static void emit(yaml_out *out, yaml_event_t *event, int initialised)
     }
 }
 
-/* Names of files may be no UTF-8, which YAML cannot hold. */
+/* Names of files need not be UTF-8, but YAML must be. */
 static void ascii(char *text)
 {
     for (; *text != '\0'; ++text) {
@@ -142,7 +142,7 @@ void yaml_out_real(yaml_out *out, const char *key, double value)
 {
     if (isfinite(value)) {
         char text[32];
-        int digits = 15; /* the fewest that are read back as the same number */
+        int digits = 15; /* the fewest that read back as the same number */
         do {
             (void)snprintf(text, sizeof text, "%.*g", digits, value);
         } while (strtod(text, NULL) != value && ++digits <= 17);

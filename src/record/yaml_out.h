@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* yaml_out.h -- one mapping as YAML, by libyaml's emitter, which knows how to quote. */
+/* yaml_out.h -- writes one mapping as YAML with libyaml's emitter, which quotes as
+ * needed. */
 #ifndef WEFT_YAML_OUT_H
 #define WEFT_YAML_OUT_H
 
@@ -11,13 +12,13 @@
 
 typedef struct yaml_out {
     yaml_emitter_t emitter;
-    bool failed; /* some call did not succeed; the rest did nothing */
+    bool failed; /* a call failed; later ones did nothing */
 } yaml_out;
 
 void yaml_out_begin(yaml_out *out, FILE *stream);
-bool yaml_out_end(yaml_out *out); /* true if all went well */
+bool yaml_out_end(yaml_out *out); /* true if all calls succeeded */
 
-/* An event for machines, a document in a line of stdout: --- {event: name, ...}. */
+/* An event for machines, one document in one line of stdout: --- {event: name, ...}. */
 void yaml_out_begin_event(yaml_out *out, const char *name);
 void yaml_out_end_event(yaml_out *out);
 

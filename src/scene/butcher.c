@@ -1,24 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* butcher.c -- an explicit Runge-Kutta table of the user's own. */
+/* butcher.c -- the Runge-Kutta table of a scene. */
 #include <math.h>
 
 #include "scene/read.h"
-#include "scene/scalar.h"
 
 #define MAX_STAGES 256
 
-/* Coefficients that were rounded when they were written are still meant to add up. */
+/* Allows for coefficients that are written with fewer digits than a double has. */
 #define SUM_TOLERANCE 1e-9
-
-static bool read_coefficient(weft__reader *reader, const char *name,
-                             const weft__node *node, double *out)
-{
-    if (!weft__fraction_of(node, out)) {
-        weft__refuse(reader, node, name, "a number or a fraction as 19/32", true, NULL);
-        return false;
-    }
-    return true;
-}
 
 static bool has_stages(weft__reader *reader, const weft__key *key,
                        const weft__node *node)
@@ -46,30 +35,28 @@ void weft__read_row(weft__reader *reader, const weft__key *key, const weft__node
 {
     weft__list *list = to;
     const size_t count = weft__item_count(node);
-    bool good = true;
-    if (!has_stages(reader, key, node) || !take_values(reader, list, count)) {
-        return;
+    if (has_stages(reader, key, node) && take_values(reader, list, count)) {
+        const bool good
+            = weft__read_numbers(reader, key, key->name, node, list->values);
+        list->count = good ? count : 0;
+        list->side = count;
     }
-    for (size_t i = 0; i < count; ++i) {
-        char name[64];
-        (void)snprintf(name, sizeof name, "%s[%zu]", key->name, i);
-        good = read_coefficient(reader, name, weft__item(node, i), &list->values[i])
-               && good;
-    }
-    list->count = good ? count : 0;
-    list->side = count;
 }
 
-/* Row i of A into values[side]: what is on or above the diagonal must be 0. */
-static bool read_matrix_row(weft__reader *reader, const weft__node *row, size_t i,
-                            size_t side, double *values)
+/* Row i of A into values[side], which are 0: on and above the diagonal they stay so. */
+static bool read_matrix_row(weft__reader *reader, const weft__key *key,
+                            const weft__node *row, size_t i, size_t side,
+                            double *values)
 {
     const size_t count = weft__item_count(row);
-    bool good = true;
-    char name[64];
+    weft__key like = *key;
+    char name[64], item[32];
     (void)snprintf(name, sizeof name, "row %zu of A", i);
+    (void)snprintf(item, sizeof item, "A[%zu]", i);
+    like.name = name;
+    like.kind = WEFT__ROW;
     if (row->type != WEFT__LIST) {
-        weft__refuse(reader, row, name, "a list of numbers", false, NULL);
+        weft__refuse_value(reader, &like, row);
         return false;
     }
     if (count > side) {
@@ -77,16 +64,13 @@ static bool read_matrix_row(weft__reader *reader, const weft__node *row, size_t 
                            "%s has %zu values, but A has %zu rows", name, count, side);
         return false;
     }
-    for (size_t j = 0; j < count; ++j) {
-        const weft__node *node = weft__item(row, j);
-        (void)snprintf(name, sizeof name, "A[%zu][%zu]", i, j);
-        if (!read_coefficient(reader, name, node, &values[j])) {
-            good = false;
-        } else if (j >= i && values[j] != 0.0) {
-            weft__report_error(reader->report, node->at,
-                               "%s must be 0: the table is explicit, A strictly lower "
-                               "triangular",
-                               name);
+    bool good = weft__read_numbers(reader, key, item, row, values);
+    for (size_t j = i; j < count; ++j) {
+        if (values[j] != 0.0) {
+            weft__report_error(
+                reader->report, weft__item(row, j)->at,
+                "%s[%zu] must be 0: the table is explicit, A strictly lower triangular",
+                item, j);
             good = false;
         }
     }
@@ -103,7 +87,7 @@ void weft__read_rows(weft__reader *reader, const weft__key *key, const weft__nod
         return;
     }
     for (size_t i = 0; i < side; ++i) {
-        good = read_matrix_row(reader, weft__item(node, i), i, side,
+        good = read_matrix_row(reader, key, weft__item(node, i), i, side,
                                list->values + i * side)
                && good;
     }
@@ -135,8 +119,7 @@ static void check_sum(weft__reader *reader, weft__mark at, const char *what,
     }
 }
 
-/* Conditions that every method of order 1 meets, and every one that treats the time as
- * it treats the state. */
+/* The conditions of order 1, and of treating time as a component of the state. */
 static void check_sums(weft__reader *reader, const weft__match *match,
                        const weft__tableau *table)
 {
@@ -167,10 +150,7 @@ void weft__check_butcher(weft__reader *reader, const weft__match *match, void *b
     check_length(reader, match, "b", &table->b, stages);
     check_length(reader, match, "c", &table->c, stages);
     check_length(reader, match, "b_embedded", &table->b_embedded, stages);
-    weft__check_companion(reader, match, "b_embedded", "embedded_order",
-                          "b_embedded needs embedded_order");
-    weft__check_companion(reader, match, "embedded_order", "b_embedded",
-                          "embedded_order needs b_embedded");
+    weft__check_together(reader, match, "b_embedded", "embedded_order");
     check_sums(reader, match, table);
     reader->scene->butcher = (weft_butcher){
         .stages = (int)stages,

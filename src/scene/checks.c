@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* checks.c -- what must hold between the keys of cloth, limit and run. */
-#include <string.h>
-
+/* checks.c -- rules between the keys of cloth, limit and run. */
 #include "cloth/model.h"
 #include "scene/read.h"
 
@@ -17,44 +15,43 @@ void weft__check_root(weft__reader *reader, const weft__match *match, void *base
     }
 }
 
-/* ---- grid ------------------------------------------------------------------- */
+/* ---- faults of a definition -------------------------------------------------- */
 
-/* Of larger ones weft_cloth_create compares the neighbours: it takes time. */
-#define MAX_COMPARED ((size_t)1 << 24)
-
-typedef struct grid_check {
+typedef struct fault_reporter {
     weft__reader *reader;
     const weft__match *match;
-} grid_check;
+} fault_reporter;
 
-/* The key that fills a field of the grid; its count if none does. */
-static size_t key_of(const weft__section *section, size_t field)
+/* The entry of the key that fills a field. */
+static weft__found found_at(const weft__match *match, size_t field)
 {
-    size_t i = 0;
-    while (i < section->count && section->keys[i].at != field) {
-        ++i;
+    weft__found found = { .key = NULL };
+    for (size_t i = 0; i < match->section->count; ++i) {
+        found = match->section->keys[i].at == field ? match->found[i] : found;
     }
-    return i;
+    return found;
 }
 
-/* Reports a fault of a field at its key's value, where that is a default at the other
- * one. A value that was refused before is not at fault again. */
+/* Reports a fault of a field at its key's value, or, if that is a default, at the value
+ * of the other one. A value that was refused before is not reported again. */
 static void report_fault(void *ctx, size_t field, size_t other, const char *message)
 {
-    const grid_check *self = ctx;
-    const weft__match *match = self->match;
-    const size_t i = key_of(match->section, field), j = key_of(match->section, other);
-    const weft__node *node
-        = match->value[i] == NULL ? match->value[j] : match->value[i];
-    if (node != NULL && !match->wrong[i] && !match->wrong[j]) {
+    const fault_reporter *self = ctx;
+    const weft__found a = found_at(self->match, field);
+    const weft__found b = found_at(self->match, other);
+    const weft__node *node = a.value == NULL ? b.value : a.value;
+    if (node != NULL && !a.wrong && !b.wrong) {
         weft__report_error(self->reader->report, node->at, "%s", message);
     }
 }
 
+/* Of larger grids weft_cloth_create compares the neighbours: it takes time. */
+#define MAX_COMPARED ((size_t)1 << 24)
+
 void weft__check_grid(weft__reader *reader, const weft__match *match, void *base)
 {
     weft_cloth_def *cloth = base;
-    grid_check self = { reader, match };
+    fault_reporter self = { reader, match };
     const weft__faults to = { report_fault, &self };
     if (!weft__grid_check(cloth, MAX_COMPARED, &to)) {
         cloth->rows = cloth->cols = 0; /* nothing more is checked against the grid */
@@ -73,7 +70,7 @@ void weft__check_springs(weft__reader *reader, const weft__match *match, void *b
     };
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
         const char *name = weft_family_name((weft_family)i);
-        const weft__node *key = weft__key_in(match, name);
+        const weft__node *key = weft__found_in(match, name)->key;
         cloth->springs[i].present = key != NULL;
         if (key != NULL && none[i]) {
             weft__report_warning(reader->report, key->at,
@@ -85,59 +82,50 @@ void weft__check_springs(weft__reader *reader, const weft__match *match, void *b
 
 static void check_mass(weft__reader *reader, const weft__match *match)
 {
-    const weft__node *mass = weft__key_in(match, "mass");
-    const weft__node *density = weft__key_in(match, "density");
+    const weft__node *mass = weft__found_in(match, "mass")->key;
+    const weft__node *density = weft__found_in(match, "density")->key;
     if (mass != NULL && density != NULL) {
         weft__report_exclusive(reader->report, mass, density);
-    } else if (mass == NULL && density == NULL && !weft__misspelt(match, "mass")
-               && !weft__misspelt(match, "density")) {
-        weft__report_error(reader->report, match->map->at,
-                           "cloth lacks 'mass' [kg] or 'density' [kg/m^2]: exactly one "
-                           "is required");
+    } else if (weft__lacks(match, "mass") && weft__lacks(match, "density")) {
+        weft__report_error(
+            reader->report, match->map->at,
+            "cloth lacks 'mass' [kg] or 'density' [kg/m^2]: exactly one is required");
     }
 }
 
-/* Particles that pins may name in all: to mark them takes time. */
-#define MAX_NAMED ((size_t)1 << 30)
+/* Comparisons of a particle with a pin; beyond them no warning is worth the time. */
+#define MAX_COVERED ((size_t)1 << 26)
 
-/* The first and the last row and column of a pin. */
-typedef struct pinned {
-    size_t top, bottom, left, right;
-} pinned;
-
-static pinned range_of(const weft_pin *pin, const weft_cloth_def *cloth)
+/* The column behind the pin that holds a particle; the same column: none does. */
+static size_t past_pin(const weft_cloth_def *cloth, size_t row, size_t col,
+                       size_t *compared)
 {
-    pinned of;
-    (void)weft__range_resolve(pin->rows, cloth->rows, &of.top, &of.bottom);
-    (void)weft__range_resolve(pin->cols, cloth->cols, &of.left, &of.right);
-    return of;
+    for (size_t i = 0; i < cloth->pin_count && *compared < MAX_COVERED; ++i) {
+        const weft_pin *pin = &cloth->pins[i];
+        size_t top, bottom, left, right;
+        (void)weft__range_resolve(pin->rows, cloth->rows, &top, &bottom);
+        (void)weft__range_resolve(pin->cols, cloth->cols, &left, &right);
+        ++*compared;
+        if (top <= row && row <= bottom && left <= col && col <= right) {
+            return right + 1;
+        }
+    }
+    return col;
 }
 
 /* Whether pins hold every particle. */
-static bool holds_all(weft__reader *reader, const weft_cloth_def *cloth)
+static bool holds_all(const weft_cloth_def *cloth)
 {
-    const size_t count = cloth->rows * cloth->cols;
-    size_t named = 0, held = 0;
-    for (size_t i = 0; i < cloth->pin_count && named <= MAX_NAMED; ++i) {
-        const pinned of = range_of(&cloth->pins[i], cloth);
-        named += (of.bottom - of.top + 1) * (of.right - of.left + 1);
-    }
-    if (named < count || named > MAX_NAMED || count > MAX_COMPARED) {
-        return false;
-    }
-    bool *marks = weft__zeroed(reader->report->memory, count, sizeof *marks);
-    reader->report->no_memory = reader->report->no_memory || marks == NULL;
-    for (size_t i = 0; marks != NULL && i < cloth->pin_count; ++i) {
-        const pinned of = range_of(&cloth->pins[i], cloth);
-        for (size_t r = of.top; r <= of.bottom; ++r) {
-            memset(&marks[r * cloth->cols + of.left], true, of.right - of.left + 1);
+    size_t compared = 0;
+    for (size_t row = 0; row < cloth->rows; ++row) {
+        for (size_t col = 0, next; col < cloth->cols; col = next) {
+            next = past_pin(cloth, row, col, &compared);
+            if (next == col) {
+                return false;
+            }
         }
     }
-    for (size_t i = 0; marks != NULL && i < count; ++i) {
-        held += marks[i];
-    }
-    weft__free(reader->report->memory, marks);
-    return held == count;
+    return true;
 }
 
 void weft__check_cloth(weft__reader *reader, const weft__match *match, void *base)
@@ -145,8 +133,8 @@ void weft__check_cloth(weft__reader *reader, const weft__match *match, void *bas
     const weft_cloth_def *cloth = base;
     check_mass(reader, match);
     if (cloth->pin_count > 0 && reader->report->found->errors == 0
-        && holds_all(reader, cloth)) {
-        weft__report_warning(reader->report, weft__key_in(match, "pins")->at,
+        && holds_all(cloth)) {
+        weft__report_warning(reader->report, weft__found_in(match, "pins")->key->at,
                              "all %zu particles are pinned: nothing will move freely",
                              cloth->rows * cloth->cols);
     }
@@ -157,13 +145,10 @@ void weft__check_cloth(weft__reader *reader, const weft__match *match, void *bas
 void weft__check_limit(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_limit_def *limit = base;
-    const weft__node *velocity = weft__value_in(match, "velocity");
+    fault_reporter self = { reader, match };
     bool limits = false;
-    if (limit->method == WEFT_LIMIT_BRIDSON && limit->keep_velocity) {
-        weft__report_error(reader->report, velocity->at,
-                           "method bridson would not use 'keep': it works on "
-                           "velocities");
-    }
+    const weft__faults to = { report_fault, &self };
+    weft__limit_check(limit, &to);
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
         limits
             = limits || (limit->families[i] && reader->scene->cloth.springs[i].present);
@@ -171,17 +156,17 @@ void weft__check_limit(weft__reader *reader, const weft__match *match, void *bas
     if (!limits && reader->report->found->errors == 0) {
         weft__report_warning(
             reader->report, match->map->at,
-            "limit has no effect: cloth has no springs of the families "
-            "it limits");
+            "limit has no effect: cloth has no springs of the families it limits");
     }
 }
 
-/* No step crosses a frame. Told where the cure is: the stepper has been read before. */
+/* No step crosses a frame. The warning stands at the key to change; the stepper has
+ * been read before. */
 static void check_frame(weft__reader *reader, const weft__match *match,
                         const weft_run_def *run)
 {
     const double h = reader->scene->config.fixed_step;
-    const weft__node *fps = weft__key_in(match, "fps");
+    const weft__node *fps = weft__found_in(match, "fps")->key;
     if (h * run->fps > 1.0 + 1e-6) {
         weft__report_warning(reader->report, (fps == NULL ? match->map : fps)->at,
                              "fixed_step %g s is longer than a frame (%.4g s): every "
@@ -196,10 +181,10 @@ void weft__check_run(weft__reader *reader, const weft__match *match, void *base)
     if (run->duration * run->fps > 0x1p53) {
         const weft__node *node = weft__value_in(match, "fps");
         node = node == NULL ? weft__value_in(match, "duration") : node;
-        weft__report_error(reader->report, node->at,
-                           "%g s at %g frames per second are more frames than can be "
-                           "counted (2^53)",
-                           run->duration, run->fps);
+        weft__report_error(
+            reader->report, node->at,
+            "%g s at %g frames per second are more frames than can be counted (2^53)",
+            run->duration, run->fps);
     }
     check_frame(reader, match, run);
 }

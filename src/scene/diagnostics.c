@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* diagnostics.c -- what was found wrong with a scene, put in order and given its place.
+/* diagnostics.c -- the mistakes and warnings of a scene, in the order of their places.
  */
 #include "scene/diagnostics.h"
 
@@ -29,7 +29,7 @@ static int as_int(size_t n)
     return n < INT_MAX ? (int)n : INT_MAX;
 }
 
-/* Where a new item goes: behind all that stand before it or at the same place. */
+/* The index of a new item: behind all items before it or at the same place. */
 static size_t find_slot(const weft__report *report, weft__mark at)
 {
     size_t slot = report->found->count;
@@ -39,16 +39,16 @@ static size_t find_slot(const weft__report *report, weft__mark at)
     return slot;
 }
 
-/* A node that several aliases lead to is read as often, and so is a scene with a sweep:
- * reported once. */
-static bool is_known(weft__report *report, weft__mark at, const char *message)
+/* Whether the same message was reported at the same place, whose items end at `slot`: a
+ * node is read once for each of its aliases, and for each run of a sweep. */
+static bool is_known(weft__report *report, size_t slot, weft__mark at,
+                     const char *message)
 {
-    for (size_t i = 0; i < report->found->count; ++i) {
-        const weft__mark place = report->origin[i].at;
-        if (!weft__mark_before(place, at) && !weft__mark_before(at, place)
-            && strcmp(report->found->items[i].message, message) == 0) {
-            report->origin[i].runs += report->origin[i].latest != report->run;
-            report->origin[i].latest = report->run;
+    while (slot-- > 0 && !weft__mark_before(report->origin[slot].at, at)) {
+        weft__origin *origin = &report->origin[slot];
+        if (strcmp(report->found->items[slot].message, message) == 0) {
+            origin->runs += origin->latest != report->run;
+            origin->latest = report->run;
             return true;
         }
     }
@@ -75,14 +75,6 @@ static void insert(weft__report *report, size_t slot, weft__mark at, bool warnin
     };
 }
 
-/* Whether nothing at that place can be shown any more: it is counted alone. */
-static bool is_beyond(const weft__report *report, weft__mark at)
-{
-    const size_t count = report->found->count;
-    return count == WEFT_DIAGNOSTICS_MAX
-           && weft__mark_before(report->origin[count - 1].at, at);
-}
-
 void weft__fit(char *text, size_t size, int length)
 {
     static const char more[] = " ...";
@@ -100,16 +92,12 @@ static void add(weft__report *report, bool warning, weft__mark at, const char *f
 {
     char message[sizeof report->found->items[0].message];
     size_t *count = warning ? &report->found->warnings : &report->found->errors;
-    report->mistakes += !warning;
-    if (is_beyond(report, at)) {
-        ++*count;
-        return;
-    }
     const size_t slot = find_slot(report, at);
+    report->mistakes += !warning;
     weft__fit(message, sizeof message,
               vsnprintf(message, sizeof message, format, args));
     weft__one_line(message);
-    if (is_known(report, at, message)) {
+    if (is_known(report, slot, at, message)) {
         return;
     }
     ++*count;
@@ -134,7 +122,7 @@ void weft__report_warning(weft__report *report, weft__mark at, const char *forma
     va_end(args);
 }
 
-/* The message for those who ask for one only. */
+/* The first mistake, for callers that use only weft_error. */
 static weft_status first_error(const weft_diagnostics *found, weft_error *err)
 {
     const weft_diagnostic *item = NULL;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* diagnostics.h -- what was found wrong with a scene, put in order and given its place.
+/* diagnostics.h -- the mistakes and warnings of a scene, in the order of their places.
  */
 #ifndef WEFT_SCENE_DIAGNOSTICS_H
 #define WEFT_SCENE_DIAGNOSTICS_H
@@ -33,8 +33,8 @@ void weft__report_error(weft__report *report, weft__mark at, const char *format,
 WEFT_PRINTF(3, 4)
 void weft__report_warning(weft__report *report, weft__mark at, const char *format, ...);
 
-/* Ends text[size] with " ..." behind its last whole word if it was to have more than
- * fits: `length` characters, as snprintf returns it. */
+/* Ends text[size] with " ..." behind its last whole word if it was cut: its full length
+ * is `length`, as snprintf returns it. */
 void weft__fit(char *text, size_t size, int length);
 
 /* "line 3, column 7" or "command line, --set number 2" into out[size]. */
@@ -43,7 +43,7 @@ const char *weft__place_text(weft__mark at, char *out, size_t size);
 /* Whether a stands before b. */
 bool weft__mark_before(weft__mark a, weft__mark b);
 
-/* Fill in the places and source lines of what was kept. WEFT_BAD_SCENE and the first
+/* Fill in the places and source lines of the items. WEFT_BAD_SCENE and the first
  * mistake in *err if there is one. */
 weft_status weft__report_end(weft__report *report, weft_error *err);
 

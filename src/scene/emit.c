@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* emit.c -- a tree as YAML text, for a scene that was changed by overrides.
  *
- * Numbers keep the text they were given in. A mapping has a line for each key, a list
- * of plain values a single line. */
+ * Numbers keep their text. A mapping has one line per key; a list of plain values is on
+ * one line. */
 #include <string.h>
 
 #include "scene/tree.h"
@@ -30,7 +30,7 @@ static int append(void *ctx, unsigned char *text, size_t size)
     return 1;
 }
 
-/* `made`: what the function returned that made the event. */
+/* `made`: whether the event could be initialized. */
 static bool emit(yaml_emitter_t *to, yaml_event_t *event, int made)
 {
     return made && yaml_emitter_emit(to, event);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* help.c -- the table of keys in words. */
+/* help.c -- the table of keys as text. */
 #include <math.h>
 #include <string.h>
 
@@ -21,7 +21,8 @@ static void bounds_text(const weft__key *key, bool bare, char *out, size_t size)
         return;
     }
     if (key->most > 0.0 && !(bare && key->most > WEFT__MANY)) {
-        (void)snprintf(above, sizeof above, " and <= %.10g", key->most);
+        (void)snprintf(above, sizeof above, " and %s %.10g",
+                       key->below ? "<" : "<=", key->most);
     }
     (void)snprintf(out, size, " %s %g%s%s", key->strict ? ">" : ">=", key->least, above,
                    key->infinite ? " or .inf" : "");
@@ -39,14 +40,21 @@ static void names_text(const weft__key *key, const char *before_last, char *out,
     }
 }
 
-const char *weft__wanted_mapping(const weft__section *section, char *out, size_t size)
+const char *weft__key_names(const weft__section *section, char *out, size_t size)
 {
-    size_t used = put(out, 0, size, "a mapping {");
+    size_t used = 0;
     for (size_t i = 0; i < section->count; ++i) {
         used = put(out, used, size, i == 0 ? "" : ", ");
         used = put(out, used, size, section->keys[i].name);
     }
-    (void)put(out, used, size, "}");
+    return out;
+}
+
+const char *weft__unit_text(const weft__key *key, char *out, size_t size)
+{
+    const bool has_unit = key->unit != NULL;
+    (void)snprintf(out, size, "%s%s%s", has_unit ? " [" : "", has_unit ? key->unit : "",
+                   has_unit ? "]" : "");
     return out;
 }
 
@@ -58,7 +66,6 @@ const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
         [WEFT__NUMBER] = "a number",
         [WEFT__INTEGER] = "an integer",
         [WEFT__VECTOR] = "a vector [x, y, z]",
-        [WEFT__DIRECTION] = "a vector [x, y, z]",
         [WEFT__TEXT] = "text",
         [WEFT__BOOLEAN] = "true or false",
         [WEFT__NAMES] = "a list of ",
@@ -70,9 +77,10 @@ const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
         [WEFT__LOADS] = "a list of loads",
         [WEFT__ROW] = "a list of numbers",
         [WEFT__ROWS] = "a list of rows",
+        [WEFT__FRACTION] = "a number or a fraction as 19/32",
         [WEFT__SWEEP] = "a mapping {key.path: [values]}",
     };
-    char bounds[80] = "", names[100] = "";
+    char bounds[80] = "", names[100] = "", shown[32];
     if (key->kind == WEFT__CHOICE || key->kind == WEFT__EITHER) {
         names_text(key, " or ", out, size);
         return out;
@@ -86,10 +94,8 @@ const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
     const char *text = texts[key->kind];
     text += bare && strncmp(text, "a ", 2) == 0 ? 2 : 0;
     text += bare && strncmp(text, "an ", 3) == 0 ? 3 : 0;
-    const bool with_unit = unit && key->unit != NULL;
-    (void)snprintf(out, size, "%s%s%s%s%s%s", text, bounds, names,
-                   with_unit ? " [" : "", with_unit ? key->unit : "",
-                   with_unit ? "]" : "");
+    (void)snprintf(out, size, "%s%s%s%s", text, bounds, names,
+                   unit ? weft__unit_text(key, shown, sizeof shown) : "");
     return out;
 }
 
@@ -254,14 +260,10 @@ void weft_scene_help(weft_scene_help_format format,
 static const weft__key *next_key(const weft__section *section, const char **path,
                                  char *name, size_t size)
 {
-    const weft__key *found = NULL;
     const size_t length = strcspn(*path, ".[");
     (void)snprintf(name, size, "%.*s", (int)length, *path);
-    for (size_t i = 0; section != NULL && i < section->count; ++i) {
-        found = strcmp(section->keys[i].name, name) == 0 ? &section->keys[i] : found;
-    }
     *path += length + strspn(*path + length, ".[]0123456789");
-    return found;
+    return section == NULL ? NULL : weft__key_named(section, name);
 }
 
 weft_status weft_scene_help_key(const char *path,

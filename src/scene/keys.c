@@ -26,9 +26,9 @@ static const weft__key grid_keys[] = {
       = "distance of neighbours: one number, or [row to row, column to column]" },
     { "origin", WEFT__VECTOR, .unit = "m", .fallback = "[0, 0, 0]",
       AT(weft_cloth_def, origin), .meaning = "rest position of particle (0, 0)" },
-    { "right", WEFT__DIRECTION, .fallback = "[1, 0, 0]", AT(weft_cloth_def, right),
+    { "right", WEFT__VECTOR, .fallback = "[1, 0, 0]", AT(weft_cloth_def, right),
       .meaning = "direction of increasing column; normalised on reading" },
-    { "down", WEFT__DIRECTION, .fallback = "[0, -1, 0]", AT(weft_cloth_def, down),
+    { "down", WEFT__VECTOR, .fallback = "[0, -1, 0]", AT(weft_cloth_def, down),
       .meaning = "direction of increasing row; perpendicular to right (1e-9)" },
     { "scale", WEFT__NUMBER, .strict = true, .fallback = "1.0",
       AT(weft_cloth_def, scale),
@@ -132,7 +132,7 @@ static const weft__key spring_keys[] = {
 static const weft__section spring_section
     = { SECTION(spring_keys), .check = weft__check_springs };
 
-/* The grid comes first: what follows is checked against it. */
+/* The grid comes first: the other keys are checked against it. */
 static const weft__key cloth_keys[] = {
     { "grid", WEFT__MAPPING, .required = true, .section = &grid_section,
       .meaning = "particle (row, col) rests at origin + col * spacing * right + row * "
@@ -276,12 +276,12 @@ static const weft__key controller_keys[] = {
     { "first_growth", WEFT__NUMBER, .strict = true, .least = 1.0,
       .absent = "arkode: 1e4", AT(weft__control, set.first_growth),
       .meaning = "max_growth after the first step" },
-    { "min_reduction", WEFT__NUMBER, .strict = true, .most = 1.0,
+    { "min_reduction", WEFT__NUMBER, .strict = true, .most = 1.0, .below = true,
       .absent = "arkode: 0.1", AT(weft__control, set.min_reduction),
-      .meaning = "smallest factor of h from step to step, < 1" },
-    { "failed_growth", WEFT__NUMBER, .strict = true, .most = 1.0,
+      .meaning = "smallest factor of h from step to step" },
+    { "failed_growth", WEFT__NUMBER, .strict = true, .most = 1.0, .below = true,
       .absent = "arkode: 0.3", AT(weft__control, set.failed_growth),
-      .meaning = "factor of h after repeated rejections, < 1" },
+      .meaning = "factor of h after repeated rejections" },
 };
 
 static const weft__section controller_section
@@ -379,7 +379,7 @@ static const weft__key run_keys[] = {
 static const weft__section run_section
     = { SECTION(run_keys), .check = weft__check_run };
 
-/* The stepper comes before it: the ledger is not for every method. */
+/* The stepper comes before run and record, which are checked against it. */
 static const weft__key root_keys[] = {
     { "weft", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "1",
       AT(weft_scene, version), .meaning = "version of the scene format, 1" },

@@ -6,25 +6,25 @@
 #include "scene/diagnostics.h"
 
 typedef enum weft__kind {
-    WEFT__MAPPING,   /* keys of its own */
-    WEFT__NUMBER,    /* double */
-    WEFT__INTEGER,   /* size_t */
-    WEFT__VECTOR,    /* double[3] */
-    WEFT__DIRECTION, /* double[3], not zero */
-    WEFT__TEXT,      /* char *, of the tree */
-    WEFT__BOOLEAN,   /* bool */
-    WEFT__CHOICE,    /* enum: one of names, the first stands for `first` */
-    WEFT__EITHER,    /* bool: one of two names, true the second */
-    WEFT__NAMES,     /* bool of each of names: a list of at least `least` of them */
-    WEFT__SPACING,   /* double[2] from a number or a pair */
-    WEFT__ATOL,      /* two doubles from a number or a mapping */
-    WEFT__INDEX,     /* weft_range of the rows or columns of a place */
-    WEFT__PLACE,     /* weft__place */
-    WEFT__PINS,      /* the pins of a scene */
-    WEFT__LOADS,     /* its loads */
-    WEFT__ROW,       /* weft__list: numbers of a Butcher table */
-    WEFT__ROWS,      /* weft__list: its matrix */
-    WEFT__SWEEP,     /* taken out of the tree before it is read */
+    WEFT__MAPPING,  /* keys of its own */
+    WEFT__NUMBER,   /* double */
+    WEFT__INTEGER,  /* size_t */
+    WEFT__VECTOR,   /* double[3] */
+    WEFT__TEXT,     /* char *, of the tree */
+    WEFT__BOOLEAN,  /* bool */
+    WEFT__CHOICE,   /* enum: one of names, the first stands for `first` */
+    WEFT__EITHER,   /* bool: one of two names, true the second */
+    WEFT__NAMES,    /* bool of each of names: a list of at least `least` of them */
+    WEFT__SPACING,  /* double[2] from a number or a pair */
+    WEFT__ATOL,     /* two doubles from a number or a mapping */
+    WEFT__INDEX,    /* weft_range of the rows or columns of a place */
+    WEFT__PLACE,    /* weft__place */
+    WEFT__PINS,     /* the pins of a scene */
+    WEFT__LOADS,    /* its loads */
+    WEFT__ROW,      /* weft__list: numbers of a Butcher table */
+    WEFT__ROWS,     /* weft__list: its matrix */
+    WEFT__FRACTION, /* a number of either, in messages */
+    WEFT__SWEEP,    /* taken out of the tree before it is read */
     WEFT__KINDS
 } weft__kind;
 
@@ -37,6 +37,7 @@ typedef struct weft__key {
     weft__kind kind;
     bool required;
     bool strict;          /* a number must be > least, else >= */
+    bool below;           /* a number must be < most, else <= */
     bool infinite;        /* .inf is a value */
     double least, most;   /* of numbers and integers; most 0: no bound */
     const char *unit;     /* "N/m"; NULL: none */
@@ -49,19 +50,22 @@ typedef struct weft__key {
     size_t at;                    /* offset into what the section fills */
 } weft__key;
 
+/* Called when all keys of a section were read into base. */
+typedef void weft__check_fn(struct weft__reader *reader,
+                            const struct weft__match *match, void *base);
+
 struct weft__section {
     const char *title; /* in messages; NULL: the name of its key */
     const weft__key *keys;
     size_t count;
-    /* What must hold between keys, once all were read; NULL: nothing. */
-    void (*check)(struct weft__reader *reader, const struct weft__match *match,
-                  void *base);
-    /* Keys of another mapping that people put here, and what to tell them. */
+    weft__check_fn *check; /* of rules between the keys; NULL: none */
+    /* Keys of another mapping that are often put here, and the hint then. */
     const weft__section *beside;
     const char *beside_hint;
 };
 
-/* A larger bound is there to keep numbers sane: not worth a word unless it is hit. */
+/* A bound above this only keeps numbers sane: messages name it only if it is exceeded.
+ */
 #define WEFT__MANY 1e6
 
 #define WEFT__MAX_KEYS 16 /* of a section */
@@ -71,17 +75,23 @@ extern const weft__section weft__place_section; /* {rows, cols} */
 extern const weft__section weft__pin_section;   /* {at, velocity, ...} */
 extern const weft__section weft__load_section;  /* {at, mass} */
 
-/* What a key asks for: "a number >= 0 [N/m]", without its article if `bare`. */
+/* The type of a key: "a number >= 0 [N/m]", without its article if `bare`. */
 const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
                          size_t size);
 
-/* unknown.c: what to say of a name that is no key of a section: the key that may have
- * been meant, which is returned (NULL: none is near), or the path of a section that has
- * such a key, and up to eight keys of this one. */
+/* " [N/m]"; "" of a key without a unit. */
+const char *weft__unit_text(const weft__key *key, char *out, size_t size);
+
+/* unknown.c: the key of a section with a name; NULL: there is none. */
+const weft__key *weft__key_named(const weft__section *section, const char *name);
+
+/* The hint for a name that is no key of a section: the key that may have been meant,
+ * which is returned (NULL: none is near), or the path of a section that has such a key,
+ * and the keys of this one. */
 const char *weft__unknown_hint(const weft__section *section, const char *title,
                                const char *name, char *out, size_t size);
 
-/* "a mapping {stiffness, damping}" */
-const char *weft__wanted_mapping(const weft__section *section, char *out, size_t size);
+/* "stiffness, damping" */
+const char *weft__key_names(const weft__section *section, char *out, size_t size);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* name.c -- the name of a scene that has none of its own. */
+/* name.c -- the default name of a scene, from its file's name. */
 #include <string.h>
 
 #include "scene/tree.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* override.c -- "key.path=value", or a value of a sweep, put into a tree.
  *
- * New nodes get the override's place, and so does the key of the pair that is replaced:
- * all that is reported of it names the override. */
+ * New nodes have the override's place, and so has the key of a replaced pair: messages
+ * about them name the override. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -89,9 +89,9 @@ static bool find_slot(const graft *self, const weft__node *node, const segment *
     return false;
 }
 
-/* The node that a part of the path leads into: what is there, or where nothing is, a
- * new list for an index and a new mapping for another key. NULL: nothing can be inside,
- * or no memory. */
+/* The node that a part of the path leads into: the one that is there, or else a new
+ * list for an index and a new mapping for another key. NULL: it is a single value, or
+ * no memory. */
 static const weft__node *enter(const graft *self, const weft__node *there,
                                const segment *led, const segment *part)
 {
@@ -109,9 +109,9 @@ static const weft__node *enter(const graft *self, const weft__node *there,
     return there;
 }
 
-/* The node that the part `led` of the path leads to (NULL: nothing is there) with the
- * value at the rest of the path, as far as that can be followed; what is wrong with it
- * is reported. NULL: not at all, or no memory. */
+/* A copy of the node that the part `led` of the path leads to (NULL: nothing is there),
+ * with the value put at the rest of the path; the node itself where the path is wrong,
+ * which is reported. NULL: there is no node, or no memory. */
 static const weft__node *put(const graft *self, const weft__node *there, segment led,
                              const char *rest, size_t depth)
 {

@@ -27,7 +27,7 @@ static weft__mark place(const tree_builder *self, yaml_mark_t mark)
 
 /* ---- mistakes of syntax ------------------------------------------------------- */
 
-/* In place of libyaml's words about tokens and contexts. */
+/* Replaces libyaml's messages about tokens and contexts. */
 static const char *explain(const tree_builder *self)
 {
     const char *problem = self->parser.problem;
@@ -56,9 +56,9 @@ static const char *spot(weft__mark at, char *out, size_t size)
     return out;
 }
 
-/* Reports where libyaml stopped and where the mapping, list or text began that it was
- * in, which is often where the mistake is, and the only useful place where it ran to
- * the end. */
+/* Reports where libyaml stopped and where the surrounding mapping, list or text began:
+ * the mistake is often there, and at the end of the text it is the only useful place.
+ */
 static void report_syntax(const tree_builder *self)
 {
     weft__report *report = self->tree->report;
@@ -79,8 +79,8 @@ static void report_syntax(const tree_builder *self)
     }
 }
 
-/* libyaml gives no mark to what is not text, but a byte, and of a character that is cut
- * short the byte after. */
+/* For bytes that are not text libyaml gives an offset instead of a mark, and for a
+ * character that is cut short the offset of the next byte. */
 static void report_reader(const tree_builder *self)
 {
     const weft__source *source = self->source;
@@ -105,7 +105,7 @@ static bool next_event(tree_builder *self, yaml_event_t *event)
     if (yaml_parser_parse(&self->parser, event)) {
         return true;
     }
-    /* libyaml forgets to say so at times when memory ran out */
+    /* without memory, libyaml may report no error */
     if (self->parser.error == YAML_MEMORY_ERROR || self->parser.problem == NULL) {
         self->tree->report->no_memory = true;
     } else if (self->parser.error == YAML_READER_ERROR) {
@@ -134,7 +134,7 @@ static const weft__node *find_anchor(const tree_builder *self, const yaml_char_t
     return i < self->anchors.count ? self->entries[i].value : NULL;
 }
 
-/* The node of an alias; in place of one that cannot be, which is reported, nothing. */
+/* The node of an alias; an invalid alias is reported and yields an empty scalar. */
 static const weft__node *follow_alias(tree_builder *self, const yaml_event_t *event,
                                       size_t depth)
 {
@@ -289,7 +289,7 @@ static const weft__node *build_node(tree_builder *self, yaml_event_t *event,
 
 /* ---- the document ------------------------------------------------------------- */
 
-/* A second document is a mistake, and the first is read all the same. */
+/* A second document is a mistake; the first is still read. */
 static bool build_document(tree_builder *self, const weft__node **root)
 {
     yaml_event_t event;
@@ -319,7 +319,8 @@ static bool build_document(tree_builder *self, const weft__node **root)
     return false;
 }
 
-/* Saying UTF-8 keeps libyaml from guessing UTF-16, which has no places here. */
+/* With its encoding set, libyaml does not guess UTF-16, in which places are not counted
+ * here. */
 bool weft__tree_parse(weft__tree *tree, const weft__source *source, size_t skip,
                       const weft__node **root)
 {

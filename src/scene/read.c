@@ -8,9 +8,6 @@
 #include "base/suggest.h"
 #include "scene/scalar.h"
 
-typedef void read_fn(weft__reader *reader, const weft__key *key, const weft__node *node,
-                     void *to);
-
 /* ---- messages --------------------------------------------------------------- */
 
 /* A list as [0, -9,81, 0]: blanks behind some of its commas, but not behind all. */
@@ -54,7 +51,7 @@ void weft__refuse_value(weft__reader *reader, const weft__key *key,
     char wanted[200];
     const bool number = key->kind == WEFT__NUMBER || key->kind == WEFT__INTEGER
                         || key->kind == WEFT__SPACING || key->kind == WEFT__ATOL
-                        || key->kind == WEFT__INDEX;
+                        || key->kind == WEFT__INDEX || key->kind == WEFT__FRACTION;
     weft__refuse(reader, node, key->name,
                  weft__wanted(key, true, false, wanted, sizeof wanted), number,
                  key->unit);
@@ -65,23 +62,39 @@ void weft__refuse_value(weft__reader *reader, const weft__key *key,
 static bool in_bounds(const weft__key *key, double value)
 {
     return (key->strict ? value > key->least : value >= key->least)
-           && (key->most == 0.0 || value <= key->most)
+           && (key->most == 0.0
+               || (key->below ? value < key->most : value <= key->most))
            && (isfinite(value) || (key->infinite && value > 0.0));
 }
 
 bool weft__read_number(weft__reader *reader, const weft__key *key, const char *name,
                        const weft__node *node, double *out)
 {
+    const bool fraction = key->kind == WEFT__ROW || key->kind == WEFT__ROWS;
+    weft__key like = *key;
     double value;
-    if (weft__number_of(node, &value) && in_bounds(key, value)) {
+    if (fraction ? weft__fraction_of(node, &value)
+                 : weft__number_of(node, &value) && in_bounds(key, value)) {
         *out = value;
         return true;
     }
-    weft__key like = *key;
     like.name = name;
-    like.kind = WEFT__NUMBER;
+    like.kind = fraction ? WEFT__FRACTION : WEFT__NUMBER;
     weft__refuse_value(reader, &like, node);
     return false;
+}
+
+bool weft__read_numbers(weft__reader *reader, const weft__key *key, const char *name,
+                        const weft__node *list, double *out)
+{
+    bool good = true;
+    for (size_t i = 0; i < weft__item_count(list); ++i) {
+        char item[64];
+        (void)snprintf(item, sizeof item, "%s[%zu]", name, i);
+        good = weft__read_number(reader, key, item, weft__item(list, i), &out[i])
+               && good;
+    }
+    return good;
 }
 
 static void read_number(weft__reader *reader, const weft__key *key,
@@ -105,20 +118,6 @@ static void read_integer(weft__reader *reader, const weft__key *key,
     weft__refuse_value(reader, &shown, node);
 }
 
-/* The first `count` items of a list; false if one is wrong. */
-static bool read_numbers(weft__reader *reader, const weft__key *key,
-                         const weft__node *node, size_t count, double *out)
-{
-    bool good = true;
-    for (size_t i = 0; i < count; ++i) {
-        char name[64];
-        (void)snprintf(name, sizeof name, "%s[%zu]", key->name, i);
-        good = weft__read_number(reader, key, name, weft__item(node, i), &out[i])
-               && good;
-    }
-    return good;
-}
-
 static void read_vector(weft__reader *reader, const weft__key *key,
                         const weft__node *node, void *to)
 {
@@ -129,19 +128,9 @@ static void read_vector(weft__reader *reader, const weft__key *key,
         return;
     }
     element.least = -HUGE_VAL;
-    if (!read_numbers(reader, &element, node, 3, value)) {
-        return;
+    if (weft__read_numbers(reader, &element, key->name, node, value)) {
+        memcpy(to, value, sizeof value);
     }
-    /* also where the length, a root of squares, would be 0 or infinite */
-    const double square
-        = value[0] * value[0] + value[1] * value[1] + value[2] * value[2];
-    if (key->kind == WEFT__DIRECTION && !(square > 0.0 && isfinite(square))) {
-        weft__report_error(reader->report, node->at,
-                           "%s is [%g, %g, %g], which is no direction", key->name,
-                           value[0], value[1], value[2]);
-        return;
-    }
-    memcpy(to, value, sizeof value);
 }
 
 static void read_spacing(weft__reader *reader, const weft__key *key,
@@ -155,7 +144,7 @@ static void read_spacing(weft__reader *reader, const weft__key *key,
         }
     } else if (weft__item_count(node) != 2) {
         weft__refuse_value(reader, key, node);
-    } else if (read_numbers(reader, key, node, 2, value)) {
+    } else if (weft__read_numbers(reader, key, key->name, node, value)) {
         memcpy(to, value, sizeof value);
     }
 }
@@ -260,18 +249,14 @@ static void read_choice(weft__reader *reader, const weft__key *key,
                         const weft__node *node, void *to)
 {
     size_t name;
-    if (weft__find_name(reader, key, node, &name)) {
+    if (!weft__find_name(reader, key, node, &name)) {
+        return;
+    }
+    if (key->kind == WEFT__EITHER) {
+        *(bool *)to = name == 1;
+    } else {
         const unsigned value = (unsigned)name + key->first;
         memcpy(to, &value, sizeof value);
-    }
-}
-
-static void read_either(weft__reader *reader, const weft__key *key,
-                        const weft__node *node, void *to)
-{
-    size_t name;
-    if (weft__find_name(reader, key, node, &name)) {
-        *(bool *)to = name == 1;
     }
 }
 
@@ -288,22 +273,22 @@ static void read_mapping(weft__reader *reader, const weft__key *key,
 void weft__read_value(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *base)
 {
-    static read_fn *const readers[WEFT__KINDS] = {
+    static weft__read_fn *const readers[WEFT__KINDS] = {
         [WEFT__MAPPING] = read_mapping,   [WEFT__NUMBER] = read_number,
         [WEFT__INTEGER] = read_integer,   [WEFT__VECTOR] = read_vector,
-        [WEFT__DIRECTION] = read_vector,  [WEFT__TEXT] = read_text,
-        [WEFT__CHOICE] = read_choice,     [WEFT__EITHER] = read_either,
-        [WEFT__NAMES] = read_names,       [WEFT__SPACING] = read_spacing,
-        [WEFT__ATOL] = read_atol,         [WEFT__INDEX] = weft__read_index,
-        [WEFT__PLACE] = weft__read_place, [WEFT__PINS] = weft__read_pins,
-        [WEFT__LOADS] = weft__read_loads, [WEFT__ROW] = weft__read_row,
-        [WEFT__ROWS] = weft__read_rows,   [WEFT__BOOLEAN] = read_boolean,
+        [WEFT__TEXT] = read_text,         [WEFT__CHOICE] = read_choice,
+        [WEFT__EITHER] = read_choice,     [WEFT__NAMES] = read_names,
+        [WEFT__SPACING] = read_spacing,   [WEFT__ATOL] = read_atol,
+        [WEFT__INDEX] = weft__read_index, [WEFT__PLACE] = weft__read_place,
+        [WEFT__PINS] = weft__read_pins,   [WEFT__LOADS] = weft__read_loads,
+        [WEFT__ROW] = weft__read_row,     [WEFT__ROWS] = weft__read_rows,
+        [WEFT__BOOLEAN] = read_boolean,
     };
     readers[key->kind](reader, key, node, (char *)base + key->at);
 }
 
-/* A default is read as if it stood in the scene, without a parser if it is a plain
- * value: parsing defaults would be most of the time that a scene takes. */
+/* Reads a default as if it stood in the scene. A plain value needs no parser, which
+ * would take most of the time of reading a scene. */
 static void read_fallback(weft__reader *reader, const weft__key *key, void *base)
 {
     const weft__source source
@@ -319,116 +304,124 @@ static void read_fallback(weft__reader *reader, const weft__key *key, void *base
 
 /* ---- mappings --------------------------------------------------------------- */
 
-/* The index of a key in its section; count if it is not there. */
-static size_t index_of(const weft__section *section, const char *name)
+/* What was found of a key; NULL: it is no key of the section. */
+static weft__found *find(weft__match *match, const char *name)
 {
-    size_t i = 0;
-    while (i < section->count
-           && (name == NULL || strcmp(section->keys[i].name, name) != 0)) {
-        ++i;
-    }
-    return i;
+    const weft__key *key = name == NULL ? NULL : weft__key_named(match->section, name);
+    return key == NULL ? NULL : &match->found[key - match->section->keys];
 }
 
-/* Its absence is explained: it is not reported again. */
-static void mark_misspelt(weft__match *match, const char *name)
+const weft__found *weft__found_in(const weft__match *match, const char *name)
 {
-    const size_t i = index_of(match->section, name);
-    if (i < match->section->count) {
-        match->misspelt[i] = true;
-    }
+    return &match->found[weft__key_named(match->section, name) - match->section->keys];
 }
 
+const weft__node *weft__value_in(const weft__match *match, const char *name)
+{
+    return weft__found_in(match, name)->value;
+}
+
+bool weft__lacks(const weft__match *match, const char *name)
+{
+    const weft__found *found = weft__found_in(match, name);
+    return found->key == NULL && !found->explained;
+}
+
+static void report_no_key(weft__reader *reader, const weft__match *match,
+                          const weft__node *node)
+{
+    weft__report_error(reader->report, node->at, "%s where %s must have a key",
+                       node->type == WEFT__SCALAR ? "nothing"
+                       : node->type == WEFT__MAP  ? "a mapping"
+                                                  : "a list",
+                       match->title);
+}
+
+static void report_merge(weft__reader *reader, weft__match *match,
+                         const weft__node *node)
+{
+    for (size_t i = 0; i < match->section->count; ++i) {
+        match->found[i].explained = true;
+    }
+    weft__report_error(
+        reader->report, node->at,
+        "merge keys ('<<') are not part of YAML 1.2: write the keys of %s out",
+        match->title);
+}
+
+/* The key that was probably meant is not reported as missing. */
 static void report_unknown(weft__reader *reader, weft__match *match,
                            const weft__node *node, const weft__node *value)
 {
-    const weft__section *beside = match->section->beside;
-    const char *name = weft__text_of(node);
+    const weft__section *section = match->section;
+    const char *name = node->text, *meant = NULL;
+    const weft__key *other
+        = section->beside == NULL ? NULL : weft__key_named(section->beside, name);
     char shown[64], hint[300] = "";
     (void)weft__show(node, shown, sizeof shown);
-    if (node->type != WEFT__SCALAR || name == NULL) {
-        weft__report_error(reader->report, node->at, "%s where %s must have a key",
-                           node->type == WEFT__SCALAR ? "nothing"
-                           : node->type == WEFT__MAP  ? "a mapping"
-                                                      : "a list",
-                           match->title);
-        return;
-    }
-    if (strcmp(name, "<<") == 0) {
-        memset(match->misspelt, true, sizeof match->misspelt);
-        weft__report_error(reader->report, node->at,
-                           "merge keys ('<<') are not part of YAML 1.2: write the keys "
-                           "of %s out",
-                           match->title);
-        return;
-    }
-    for (size_t i = 0; beside != NULL && i < beside->count; ++i) {
-        if (!beside->keys[i].required && strcmp(beside->keys[i].name, name) == 0) {
-            weft__report_error(reader->report, node->at, "%s %s", shown,
-                               match->section->beside_hint);
-            mark_misspelt(match, "at");
-            return;
-        }
-    }
-    if (value != NULL && weft__is_null(value) && name[0] >= '0' && name[0] <= '9') {
-        /* {spacing: 1,0} */
-        (void)snprintf(hint, sizeof hint, " (write a decimal point)");
+    if (other != NULL && !other->required) {
+        meant = "at";
+        weft__report_error(reader->report, node->at, "%s %s", shown,
+                           section->beside_hint);
     } else {
-        mark_misspelt(match, weft__unknown_hint(match->section, match->title, name,
-                                                hint, sizeof hint));
+        if (value != NULL && weft__is_null(value) && name[0] >= '0' && name[0] <= '9') {
+            strcpy(hint, " (write a decimal point)"); /* {spacing: 1,0} */
+        } else {
+            meant = weft__unknown_hint(section, match->title, name, hint, sizeof hint);
+        }
+        weft__report_error(reader->report, node->at, "unknown key %s in %s%s", shown,
+                           match->title, hint);
     }
-    weft__report_error(reader->report, node->at, "unknown key %s in %s%s", shown,
-                       match->title, hint);
+    weft__found *found = find(match, meant);
+    if (found != NULL) {
+        found->explained = true;
+    }
 }
 
 static void match_pair(weft__reader *reader, weft__match *match, weft__entry pair)
 {
-    const size_t i = index_of(match->section, weft__text_of(pair.key));
+    const char *name = weft__text_of(pair.key);
+    weft__found *found = find(match, name);
     char where[64];
-    if (i == match->section->count) {
+    if (name == NULL) {
+        report_no_key(reader, match, pair.key);
+    } else if (strcmp(name, "<<") == 0) {
+        report_merge(reader, match, pair.key);
+    } else if (found == NULL) {
         report_unknown(reader, match, pair.key, pair.value);
-    } else if (match->key[i] != NULL) {
+    } else if (found->key != NULL) {
         weft__report_error(reader->report, pair.key->at,
-                           "duplicate key '%s' in %s (the first is at %s)",
-                           match->section->keys[i].name, match->title,
-                           weft__place_text(match->key[i]->at, where, sizeof where));
+                           "duplicate key '%s' in %s (the first is at %s)", name,
+                           match->title,
+                           weft__place_text(found->key->at, where, sizeof where));
     } else if (pair.value != NULL) {
-        match->key[i] = pair.key;
-        match->value[i] = pair.value;
+        found->key = pair.key;
+        found->value = pair.value;
     }
 }
 
 static void report_missing(weft__reader *reader, const weft__match *match,
                            const weft__key *key)
 {
-    weft__report_error(
-        reader->report, match->map->at, "%s lacks the required key '%s'%s%s%s: %s",
-        match->title, key->name, key->unit == NULL ? "" : " [",
-        key->unit == NULL ? "" : key->unit, key->unit == NULL ? "" : "]", key->meaning);
-}
-
-static bool needs_keys(const weft__section *section)
-{
-    for (size_t i = 0; i < section->count; ++i) {
-        if (section->keys[i].required) {
-            return true;
-        }
-    }
-    return false;
+    char unit[32];
+    weft__report_error(reader->report, match->map->at,
+                       "%s lacks the required key '%s'%s: %s", match->title, key->name,
+                       weft__unit_text(key, unit, sizeof unit), key->meaning);
 }
 
 static void read_key(weft__reader *reader, weft__match *match, size_t i, void *base)
 {
     const weft__key *key = &match->section->keys[i];
-    if (match->value[i] != NULL) {
+    weft__found *found = &match->found[i];
+    if (found->value != NULL) {
         const size_t mistakes = reader->report->mistakes;
-        weft__read_value(reader, key, match->value[i], base);
-        match->wrong[i] = reader->report->mistakes > mistakes;
-    } else if (key->required && !match->misspelt[i]) {
+        weft__read_value(reader, key, found->value, base);
+        found->wrong = reader->report->mistakes > mistakes;
+    } else if (key->required && !found->explained && match->map != NULL) {
         report_missing(reader, match, key);
     } else if (key->fallback != NULL) {
         read_fallback(reader, key, base);
-    } else if (key->kind == WEFT__MAPPING && !needs_keys(key->section)) {
+    } else if (key->kind == WEFT__MAPPING) {
         weft__read_section(reader, key->section, key->name, NULL,
                            (char *)base + key->at);
     }
@@ -439,9 +432,10 @@ void weft__read_section(weft__reader *reader, const weft__section *section,
 {
     weft__match match = { .section = section, .title = title, .map = node };
     if (node != NULL && node->type != WEFT__MAP) {
-        char wanted[200];
-        weft__refuse(reader, node, title,
-                     weft__wanted_mapping(section, wanted, sizeof wanted), false, NULL);
+        char keys[200], wanted[sizeof keys + 16];
+        (void)snprintf(wanted, sizeof wanted, "a mapping {%s}",
+                       weft__key_names(section, keys, sizeof keys));
+        weft__refuse(reader, node, title, wanted, false, NULL);
         return;
     }
     for (size_t i = 0; node != NULL && i < node->count; ++i) {
@@ -455,40 +449,32 @@ void weft__read_section(weft__reader *reader, const weft__section *section,
     }
 }
 
-const weft__node *weft__key_in(const weft__match *match, const char *name)
+const weft__node *weft__later(const weft__node *a, const weft__node *b)
 {
-    const size_t i = index_of(match->section, name);
-    return i < match->section->count ? match->key[i] : NULL;
-}
-
-const weft__node *weft__value_in(const weft__match *match, const char *name)
-{
-    const size_t i = index_of(match->section, name);
-    return i < match->section->count ? match->value[i] : NULL;
-}
-
-bool weft__misspelt(const weft__match *match, const char *name)
-{
-    const size_t i = index_of(match->section, name);
-    return i < match->section->count && match->key[i] == NULL && match->misspelt[i];
+    return a == NULL || (b != NULL && weft__mark_before(a->at, b->at)) ? b : a;
 }
 
 void weft__report_exclusive(weft__report *report, const weft__node *a,
                             const weft__node *b)
 {
-    const bool in_order = weft__mark_before(a->at, b->at);
-    const weft__node *first = in_order ? a : b, *second = in_order ? b : a;
+    const weft__node *second = weft__later(a, b), *first = second == a ? b : a;
     char where[64];
     weft__report_error(report, second->at, "%s excludes %s (%s)", second->text,
                        first->text, weft__place_text(first->at, where, sizeof where));
 }
 
-void weft__check_companion(weft__reader *reader, const weft__match *match,
-                           const char *name, const char *companion, const char *message)
+void weft__check_together(weft__reader *reader, const weft__match *match, const char *a,
+                          const char *b)
 {
-    const weft__node *key = weft__key_in(match, name);
-    if (key != NULL && weft__key_in(match, companion) == NULL
-        && !weft__misspelt(match, companion)) {
-        weft__report_error(reader->report, key->at, "%s", message);
+    const char *const names[] = { a, b };
+    for (size_t i = 0; i < 2; ++i) {
+        const weft__node *key = weft__found_in(match, names[i])->key;
+        const weft__key *other = weft__key_named(match->section, names[1 - i]);
+        char unit[32];
+        if (key != NULL && weft__lacks(match, other->name)) {
+            weft__report_error(reader->report, key->at, "%s has no effect without %s%s",
+                               names[i], other->name,
+                               weft__unit_text(other, unit, sizeof unit));
+        }
     }
 }

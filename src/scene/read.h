@@ -55,7 +55,7 @@ typedef struct weft__reader {
     const weft_scene_def *def;
 } weft__reader;
 
-/* What scenes are read from: a text, and its tree with overrides put in. */
+/* The source of scenes: a text, and its tree with the overrides applied. */
 typedef struct weft__base {
     weft_scene_def def;
     weft_allocator memory;
@@ -68,8 +68,8 @@ typedef struct weft__base {
     bool changed;  /* it is not what the text says */
 } weft__base;
 
-/* What is wrong is added to a report, which the caller ends before the base is closed;
- * it takes its memory as the base does. The base must be closed also after an error.
+/* Mistakes are added to the report, which shares the base's allocator; the caller must
+ * end it before closing the base. The base must be closed also after an error.
  * Errors: WEFT_INVALID, WEFT_IO, WEFT_NO_MEMORY. */
 weft_status weft__base_open(const weft_scene_def *def, weft__base *out,
                             weft__report *report, weft_error *err);
@@ -80,14 +80,19 @@ void weft__base_close(weft__base *base);
 weft_status weft__base_read(const weft__base *base, size_t run, weft__report *report,
                             weft_scene **out, weft_error *err);
 
+/* A key of a section in a mapping. */
+typedef struct weft__found {
+    const weft__node *key, *value; /* NULL: absent */
+    bool wrong;                    /* the value was refused, or a part of it */
+    bool explained; /* absent, and a mistake that was reported may be the reason */
+} weft__found;
+
 /* A mapping and which of its section's keys it has. */
 typedef struct weft__match {
     const weft__section *section;
     const char *title;
     const weft__node *map;
-    const weft__node *key[WEFT__MAX_KEYS], *value[WEFT__MAX_KEYS]; /* NULL: absent */
-    bool wrong[WEFT__MAX_KEYS];    /* the value was refused, or a part of it */
-    bool misspelt[WEFT__MAX_KEYS]; /* absent, but for an unknown key that is near */
+    weft__found found[WEFT__MAX_KEYS]; /* in the order of the section's keys */
 } weft__match;
 
 /* Read a mapping by its section into base; NULL: the section is absent, and only its
@@ -99,17 +104,20 @@ void weft__read_section(weft__reader *reader, const weft__section *section,
 void weft__read_value(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *base);
 
-/* Key and value of a name in a match; NULL if it is absent. Whether a misspelt key that
- * was reported stands for it. */
-const weft__node *weft__key_in(const weft__match *match, const char *name);
-const weft__node *weft__value_in(const weft__match *match, const char *name);
-bool weft__misspelt(const weft__match *match, const char *name);
+/* A key by its name, which must be one of the section's. */
+const weft__found *weft__found_in(const weft__match *match, const char *name);
 
-/* "KEY must be what it wants, not VALUE (hint)". */
+/* The value of a key; NULL: it is absent. */
+const weft__node *weft__value_in(const weft__match *match, const char *name);
+
+/* Whether a key is absent and no mistake explains it. */
+bool weft__lacks(const weft__match *match, const char *name);
+
+/* Reports "KEY must be TYPE, not VALUE (hint)". */
 void weft__refuse_value(weft__reader *reader, const weft__key *key,
                         const weft__node *node);
 
-/* The same of another name and wish. */
+/* The same with another name and type. */
 void weft__refuse(weft__reader *reader, const weft__node *node, const char *name,
                   const char *wanted, bool number, const char *unit);
 
@@ -118,57 +126,49 @@ void weft__refuse(weft__reader *reader, const weft__node *node, const char *name
 bool weft__find_name(weft__reader *reader, const weft__key *key, const weft__node *node,
                      size_t *index);
 
-/* A number within the bounds of a key, called `name` in messages. */
+/* A number within the bounds of a key, or of a Butcher table; `name` in messages. */
 bool weft__read_number(weft__reader *reader, const weft__key *key, const char *name,
                        const weft__node *node, double *out);
 
-/* Reports a key whose companion is absent. */
-void weft__check_companion(weft__reader *reader, const weft__match *match,
-                           const char *name, const char *companion,
-                           const char *message);
+/* The numbers of a list, name[0], name[1], ...; false if one is wrong. */
+bool weft__read_numbers(weft__reader *reader, const weft__key *key, const char *name,
+                        const weft__node *list, double *out);
+
+/* Reports one of two keys that stands without the other. */
+void weft__check_together(weft__reader *reader, const weft__match *match, const char *a,
+                          const char *b);
+
+/* The one of two nodes that stands behind the other; NULL stands before any. */
+const weft__node *weft__later(const weft__node *a, const weft__node *b);
 
 /* Two keys of one mapping that may not stand together: reported at the later one. */
 void weft__report_exclusive(weft__report *report, const weft__node *a,
                             const weft__node *b);
 
+/* Reads a value of one kind to `to`. */
+typedef void weft__read_fn(weft__reader *reader, const weft__key *key,
+                           const weft__node *node, void *to);
+
 /* scene_pins.c */
-void weft__read_index(weft__reader *reader, const weft__key *key,
-                      const weft__node *node, void *to);
-void weft__read_place(weft__reader *reader, const weft__key *key,
-                      const weft__node *node, void *to);
-void weft__read_pins(weft__reader *reader, const weft__key *key, const weft__node *node,
-                     void *to);
-void weft__read_loads(weft__reader *reader, const weft__key *key,
-                      const weft__node *node, void *to);
-void weft__check_place(weft__reader *reader, const weft__match *match, void *base);
-void weft__check_pin(weft__reader *reader, const weft__match *match, void *base);
+weft__read_fn weft__read_index, weft__read_place, weft__read_pins, weft__read_loads;
+weft__check_fn weft__check_place, weft__check_pin;
 
 /* butcher.c */
-void weft__read_row(weft__reader *reader, const weft__key *key, const weft__node *node,
-                    void *to);
-void weft__read_rows(weft__reader *reader, const weft__key *key, const weft__node *node,
-                     void *to);
-void weft__check_butcher(weft__reader *reader, const weft__match *match, void *base);
+weft__read_fn weft__read_row, weft__read_rows;
+weft__check_fn weft__check_butcher;
 
 /* checks.c */
-void weft__check_root(weft__reader *reader, const weft__match *match, void *base);
-void weft__check_grid(weft__reader *reader, const weft__match *match, void *base);
-void weft__check_springs(weft__reader *reader, const weft__match *match, void *base);
-void weft__check_cloth(weft__reader *reader, const weft__match *match, void *base);
-void weft__check_limit(weft__reader *reader, const weft__match *match, void *base);
-void weft__check_run(weft__reader *reader, const weft__match *match, void *base);
+weft__check_fn weft__check_root, weft__check_grid, weft__check_springs,
+    weft__check_cloth, weft__check_limit, weft__check_run;
 
-/* scene_method.c: takes stepper.method apart where it is plugin/method, and removes
- * keys of stepper that a choice of the command line or the sweep leaves without use,
- * with a warning. Before anything is read of the tree. */
+/* scene_method.c: takes stepper.method apart where it is plugin/method, finds the
+ * scene's type, removes keys of stepper that a choice of the command line or the sweep
+ * leaves without use, with a warning, and reports others without use. Called before
+ * the tree is read. */
 void weft__resolve_method(weft__reader *reader, const weft__sweep *sweep);
 
 /* scene_stepper.c */
-enum { WEFT__ADAPTIVE = 7 };
-extern const char *const weft__adaptive_keys[WEFT__ADAPTIVE]; /* of error control */
 bool weft__is_plugin_id(const char *id);
-void weft__check_controller(weft__reader *reader, const weft__match *match, void *base);
-void weft__check_stepper(weft__reader *reader, const weft__match *match, void *base);
-void weft__check_record(weft__reader *reader, const weft__match *match, void *base);
+weft__check_fn weft__check_controller, weft__check_stepper, weft__check_record;
 
 #endif

@@ -68,7 +68,7 @@ static size_t digits(const char *text)
 }
 
 /* Bytes of the longest decimal number at the start of text, 0 if there is none. A
- * leading zero is passed over here; has_leading_zero finds it. */
+ * leading zero is allowed here; has_leading_zero finds it. */
 static size_t number_length(const char *text)
 {
     const char *p = text;
@@ -100,18 +100,28 @@ static bool is_infinity(const char *text)
     return is_one_of(text + (*text == '-' || *text == '+'), names);
 }
 
+/* The finite number at the start of a text, with blanks around it; returns its end, or
+ * NULL if there is none. */
+static const char *take_number(const char *text, double *out)
+{
+    text += strspn(text, " ");
+    const size_t length = number_length(text);
+    if (length == 0 || has_leading_zero(text)) {
+        return NULL;
+    }
+    *out = strtod(text, NULL);
+    text += length;
+    return isfinite(*out) ? text + strspn(text, " ") : NULL;
+}
+
 static bool parse_number(const char *text, double *out)
 {
     if (is_infinity(text)) {
         *out = text[0] == '-' ? -HUGE_VAL : HUGE_VAL;
         return true;
     }
-    const size_t length = number_length(text);
-    if (length == 0 || text[length] != '\0' || has_leading_zero(text)) {
-        return false;
-    }
-    *out = strtod(text, NULL);
-    return isfinite(*out);
+    const char *end = take_number(text, out);
+    return end != NULL && *end == '\0';
 }
 
 bool weft__number_of(const weft__node *node, double *out)
@@ -120,38 +130,19 @@ bool weft__number_of(const weft__node *node, double *out)
            && parse_number(weft__text_of(node), out);
 }
 
-/* One side of a fraction, blanks around it allowed. */
-static bool parse_side(const char *text, size_t length, double *out)
-{
-    char side[64];
-    while (length > 0 && text[0] == ' ') {
-        ++text;
-        --length;
-    }
-    while (length > 0 && text[length - 1] == ' ') {
-        --length;
-    }
-    if (length >= sizeof side) {
-        return false;
-    }
-    memcpy(side, text, length);
-    side[length] = '\0';
-    return parse_number(side, out) && isfinite(*out);
-}
-
 bool weft__fraction_of(const weft__node *node, double *out)
 {
     const char *text = weft__text_of(node);
-    const char *slash = text == NULL ? NULL : strchr(text, '/');
-    double above, below;
-    if (slash == NULL) {
+    double below;
+    const char *end = text == NULL ? NULL : take_number(text, out);
+    if (end == NULL || *end != '/') {
         return weft__number_of(node, out) && isfinite(*out);
     }
-    if (!parse_side(text, (size_t)(slash - text), &above)
-        || !parse_side(slash + 1, strlen(slash + 1), &below) || below == 0.0) {
+    end = take_number(end + 1, &below);
+    if (end == NULL || *end != '\0') {
         return false;
     }
-    *out = above / below;
+    *out /= below;
     return isfinite(*out);
 }
 
@@ -193,7 +184,7 @@ static bool is_not_finite(const char *text)
            || (length > 0 && text[length] == '\0' && isinf(strtod(text, NULL)));
 }
 
-/* What is wrong with a plain scalar that ought to be a number. */
+/* A hint for a plain scalar that should be a number. */
 static const char *number_hint(const char *text)
 {
     const size_t sign = text[0] == '-' || text[0] == '+';

@@ -21,7 +21,7 @@ bool weft__fraction_of(const weft__node *node, double *out);
 /* An integer in decimal digits; one that is too large gives the largest there is. */
 bool weft__integer_of(const weft__node *node, long long *out);
 
-/* What people write for true and false: in YAML 1.2 (`good`), or only elsewhere. */
+/* A spelling of true or false: of YAML 1.2 (`good`), or only of other formats. */
 typedef struct weft__switch {
     const char *text;
     bool value, good;
@@ -30,11 +30,11 @@ typedef struct weft__switch {
 /* NULL: the text is none of them. */
 const weft__switch *weft__find_switch(const char *text);
 
-/* What a node is, for messages: 'text', the text 'text' if quoted, a mapping, ... */
+/* A node as messages show it: 'text', the text 'text' if quoted, a mapping, ... */
 const char *weft__show(const weft__node *node, char *out, size_t size);
 
 /* Why a scalar may have failed to be what was wanted, as " (remove the quotes)"; "" if
- * there is no guess. The unit (NULL: none) is named to those who wrote one. */
+ * there is no guess. It names the unit (NULL: none) if the text seems to have one. */
 const char *weft__hint(const weft__node *node, bool number, const char *unit, char *out,
                        size_t size);
 

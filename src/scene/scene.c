@@ -20,7 +20,8 @@ static weft_status no_memory(weft_error *err)
     return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a scene");
 }
 
-/* One byte more than is allowed is read, to know. */
+/* Reads up to one byte more than allowed, so that a file that is too large is noticed.
+ */
 static weft_status read_file(weft__base *base, weft_error *err)
 {
     FILE *stream = weft__file_open(base->def.file, "r", err);
@@ -62,7 +63,7 @@ static const char *name_in_messages(const weft_scene_def *def)
     return def->file == NULL ? "scene" : def->file;
 }
 
-/* libyaml would count a byte order mark as a column. */
+/* Leaves a byte order mark out, which libyaml would count as a column. */
 static weft_status make_sources(weft__base *base, weft_error *err)
 {
     const weft_scene_def *def = &base->def;
@@ -82,7 +83,7 @@ static weft_status make_sources(weft__base *base, weft_error *err)
     return WEFT_OK;
 }
 
-/* Overrides are put in before anything is checked. */
+/* Applies the overrides; checks come later. */
 static void resolve(weft__base *base)
 {
     const size_t sets = base->def.set_count;
@@ -142,9 +143,9 @@ void weft__base_close(weft__base *base)
 
 /* ---- reading ---------------------------------------------------------------- */
 
-/* The name that a file gives a scene is written into its text, which may be run from
- * another file: not where that is scene.yaml, as a run calls it. Where the text has no
- * place for it, into the tree, which is then emitted. false: no memory. */
+/* Writes the name that comes from the file's name into the text, which may be run from
+ * another file. It leaves scene.yaml out, the name of the copy in a run's results. If
+ * the text has no place for it, the tree takes it and is emitted. false: no memory. */
 static bool keep_name(const weft__base *base, weft_scene *scene)
 {
     const weft__mark at = { 0 };
@@ -159,21 +160,17 @@ static bool keep_name(const weft__base *base, weft_scene *scene)
             return true;
         }
     }
-    const weft__entry pair = {
-        weft__scalar_new(tree, "name", 4, YAML_PLAIN_SCALAR_STYLE, at),
-        weft__scalar_new(tree, scene->name, strlen(scene->name),
-                         YAML_DOUBLE_QUOTED_SCALAR_STYLE, at),
-    };
-    if (pair.key == NULL || pair.value == NULL) {
-        return false;
+    const weft__node *value = weft__scalar_new(tree, scene->name, strlen(scene->name),
+                                               YAML_DOUBLE_QUOTED_SCALAR_STYLE, at);
+    if (value != NULL) {
+        weft__tree_put(tree, "name", 4, at, value);
+        scene->text = weft__tree_emit(tree);
     }
-    tree->root = weft__node_with(tree, tree->root, tree->root->count, pair);
-    scene->text = tree->root == NULL ? NULL : weft__tree_emit(tree);
     return scene->text != NULL;
 }
 
-/* What a right scene still lacks: its name, and its text as it was read or, if that was
- * changed, as the tree is now. */
+/* Adds the name of a valid scene, and its text: as it was read or, with changes, the
+ * tree's. */
 static weft_status complete(const weft__base *base, weft_scene *scene, weft_error *err)
 {
     scene->config.threads = scene->run.threads;
@@ -189,7 +186,7 @@ static weft_status complete(const weft__base *base, weft_scene *scene, weft_erro
                                                                 : WEFT_OK;
 }
 
-/* The tree of a run shares what it does not change. */
+/* The tree of a run shares the nodes that it does not change. */
 static weft_status read_scene(const weft__base *base, size_t run, weft__report *report,
                               weft_scene *scene, weft_error *err)
 {

@@ -1,11 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* scene_method.c -- stepper.method as plugin/method, and which keys of stepper give way
- * where file, command line and sweep choose differently. */
+/* scene_method.c -- stepper.method as plugin/method, and the keys of stepper that
+ * exclude one another or that the method would not use: where the choice of another key
+ * comes from a later source, as the command line, they give way; else they are
+ * mistakes. */
 #include <string.h>
 
 #include "plugin/methods.h"
 #include "scene/read.h"
 #include "scene/scalar.h"
+
+/* Keys of error control. */
+static const char *const adaptive_keys[]
+    = { "rtol", "atol", "norm", "first_step", "min_step", "max_step", "controller" };
+enum { ADAPTIVE = sizeof adaptive_keys / sizeof adaptive_keys[0] };
 
 typedef struct resolver {
     weft__reader *reader;
@@ -13,7 +20,7 @@ typedef struct resolver {
     const weft__node *map; /* stepper, as changed so far */
 } resolver;
 
-/* A later source gives way to no earlier one. */
+/* Where a key was set; the greater rank wins. */
 typedef enum rank { ABSENT, IN_FILE, ON_COMMAND_LINE, IN_SWEEP } rank;
 
 /* A key of stepper. */
@@ -95,42 +102,84 @@ static void split_method(resolver *self)
 
 /* ---- keys that give way -------------------------------------------------------- */
 
-/* Removes those of the keys that an earlier source has set than `later`, and warns at
- * its place. */
+/* Adds "rtol (line 3, column 5)" to a list. */
+static void append_place(char *list, size_t size, const weft__node *key)
+{
+    const size_t used = strlen(list);
+    char where[64];
+    (void)snprintf(list + used, size - used, "%s%s (%s)", used == 0 ? "" : ", ",
+                   key->text, weft__place_text(key->at, where, sizeof where));
+}
+
+/* Removes the keys that were set by an earlier source than `later`, and warns at the
+ * place of `later`. */
 static void drop_earlier(resolver *self, const char *const *keys, size_t count,
                          setting later, const char *why)
 {
-    char list[340] = "", where[64];
-    size_t used = 0;
-    for (size_t i = 0; i < count && used < sizeof list; ++i) {
+    char list[340] = "";
+    for (size_t i = 0; i < count; ++i) {
         const setting it = find(self, keys[i]);
         if (it.key != NULL && it.rank < later.rank) {
             put(self, it.slot, it.key, NULL);
-            used += (size_t)snprintf(list + used, sizeof list - used, "%s%s (%s)",
-                                     used == 0 ? "" : ", ", keys[i],
-                                     weft__place_text(it.key->at, where, sizeof where));
+            append_place(list, sizeof list, it.key);
         }
     }
-    if (used > 0) {
+    if (list[0] != '\0') {
         weft__report_warning(self->reader->report, later.key->at, "%s dropped: %s",
                              list, why);
     }
 }
 
-static void drop_unused(resolver *self, uint32_t flags)
+/* `why`: the reason, as in "the method has no error control". */
+static void refuse_unused(resolver *self, const char *const *keys, size_t count,
+                          const char *why)
+{
+    const setting plugin = find(self, "plugin"), method = find(self, "method");
+    char reason[80];
+    (void)snprintf(reason, sizeof reason, "the method %s", why);
+    drop_earlier(self, keys, count, plugin.rank > method.rank ? plugin : method,
+                 reason);
+    for (size_t i = 0; i < count; ++i) {
+        const weft__node *key = find(self, keys[i]).key;
+        if (key != NULL) {
+            weft__report_error(
+                self->reader->report, key->at,
+                "%s would not be used by method '%.40s' of plugin '%.40s', which %s",
+                keys[i], method.text, plugin.text, why);
+        }
+    }
+}
+
+static void check_use(resolver *self, uint32_t flags)
 {
     static const char *const controller[] = { "controller" }, *const butcher[]
                                                               = { "butcher" };
-    const setting plugin = find(self, "plugin"), method = find(self, "method");
-    const setting chosen = plugin.rank > method.rank ? plugin : method;
     if ((flags & WEFT_STEPPER_FIXED_ONLY) != 0) {
-        drop_earlier(self, weft__adaptive_keys, WEFT__ADAPTIVE, chosen,
-                     "the method has no error control");
+        refuse_unused(self, adaptive_keys, ADAPTIVE, "has no error control");
     } else if ((flags & WEFT_STEPPER_CONTROLLER) == 0) {
-        drop_earlier(self, controller, 1, chosen, "the method has its own");
+        refuse_unused(self, controller, 1, "has its own");
     }
     if ((flags & WEFT_STEPPER_BUTCHER) == 0) {
-        drop_earlier(self, butcher, 1, chosen, "the method takes no table");
+        refuse_unused(self, butcher, 1, "takes no table; arkode/custom does");
+    }
+}
+
+/* Reported at the later key of each pair: at fixed_step once for all before it. */
+static void check_exclusive(const resolver *self)
+{
+    const weft__node *fixed = find(self, "fixed_step").key;
+    weft__report *report = self->reader->report;
+    char before[320] = "";
+    for (size_t i = 0; fixed != NULL && i < ADAPTIVE; ++i) {
+        const weft__node *key = find(self, adaptive_keys[i]).key;
+        if (key != NULL && weft__mark_before(fixed->at, key->at)) {
+            weft__report_exclusive(report, fixed, key);
+        } else if (key != NULL) {
+            append_place(before, sizeof before, key);
+        }
+    }
+    if (before[0] != '\0') {
+        weft__report_error(report, fixed->at, "fixed_step excludes %s", before);
     }
 }
 
@@ -140,16 +189,17 @@ static void choose_steps(resolver *self)
     static const char *const fixed_step[] = { "fixed_step" };
     const setting fixed = find(self, fixed_step[0]);
     setting last = { .key = NULL };
-    for (size_t i = 0; i < WEFT__ADAPTIVE; ++i) {
-        const setting one = find(self, weft__adaptive_keys[i]);
+    for (size_t i = 0; i < ADAPTIVE; ++i) {
+        const setting one = find(self, adaptive_keys[i]);
         last = one.rank > last.rank ? one : last;
     }
     if (fixed.rank < last.rank) {
         drop_earlier(self, fixed_step, 1, last, "error control excludes it");
     } else {
-        drop_earlier(self, weft__adaptive_keys, WEFT__ADAPTIVE, fixed,
+        drop_earlier(self, adaptive_keys, ADAPTIVE, fixed,
                      "fixed_step excludes error control");
     }
+    check_exclusive(self);
 }
 
 /* NULL: not known, or wrong, which is reported when the key is read. */
@@ -176,9 +226,9 @@ void weft__resolve_method(weft__reader *reader, const weft__sweep *sweep)
     }
     resolver self = { reader, sweep, stepper->value };
     split_method(&self);
-    const weft_stepper_type *type = find_type(&self);
+    const weft_stepper_type *type = reader->scene->type = find_type(&self);
     if (type != NULL) {
-        drop_unused(&self, type->flags);
+        check_use(&self, type->flags);
     }
     if (type == NULL || (type->flags & WEFT_STEPPER_FIXED_ONLY) == 0) {
         choose_steps(&self);

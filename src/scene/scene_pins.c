@@ -2,7 +2,7 @@
 /* scene_pins.c -- places on the grid, and the pins and loads that are put there. */
 #include <string.h>
 
-#include "base/suggest.h"
+#include "cloth/model.h"
 #include "scene/read.h"
 #include "scene/scalar.h"
 
@@ -24,16 +24,11 @@ static const weft__place named_places[] = {
 
 /* ---- an index or a range of them -------------------------------------------- */
 
-/* Rows or columns; count is 0 while the grid is wrong, and nothing is checked then. */
+/* Rows or columns; count is 0 if the grid is wrong, and then nothing is checked. */
 typedef struct axis {
     const char *what;
     size_t count;
 } axis;
-
-static ptrdiff_t from_start(const axis *along, ptrdiff_t index)
-{
-    return index < 0 ? index + (ptrdiff_t)along->count : index;
-}
 
 static bool read_one(weft__reader *reader, const axis *along, const char *name,
                      const weft__node *node, ptrdiff_t *out)
@@ -59,13 +54,13 @@ static bool read_pair(weft__reader *reader, const axis *along, const char *name,
                       const weft__node *node, weft_range *out)
 {
     weft_range range;
+    size_t from, to;
     const bool first = read_one(reader, along, name, weft__item(node, 0), &range.first);
     const bool last = read_one(reader, along, name, weft__item(node, 1), &range.last);
     if (!first || !last) {
         return false;
     }
-    if (along->count > 0
-        && from_start(along, range.first) > from_start(along, range.last)) {
+    if (along->count > 0 && !weft__range_resolve(range, along->count, &from, &to)) {
         weft__report_error(reader->report, node->at,
                            "%s [%td, %td] hold nothing: the first is behind the last",
                            name, range.first, range.last);
@@ -135,23 +130,19 @@ void weft__read_place(weft__reader *reader, const weft__key *key,
     memcpy(to, &place, sizeof place);
 }
 
-/* Both names of an axis mean the same: one of them, and only one. */
+/* An axis has two names: exactly one of them is needed. */
 static void check_axis(weft__reader *reader, const weft__match *match,
                        const char *plural, const char *singular)
 {
-    const weft__node *many = weft__key_in(match, plural);
-    const weft__node *one = weft__key_in(match, singular);
+    const weft__node *many = weft__found_in(match, plural)->key;
+    const weft__node *one = weft__found_in(match, singular)->key;
     if (many != NULL && one != NULL) {
-        weft__report_error(
-            reader->report, weft__mark_before(many->at, one->at) ? one->at : many->at,
-            "'%s' and '%s' mean the same: one is enough", plural, singular);
-    } else if (many == NULL && one == NULL && !weft__misspelt(match, plural)
-               && !weft__misspelt(match, singular)) {
-        weft__report_error(
-            reader->report, match->map->at,
-            "%s lacks '%s': rows and cols are both needed, each an index, "
-            "[first, last] or all",
-            match->title, plural);
+        weft__report_exclusive(reader->report, many, one);
+    } else if (weft__lacks(match, plural) && weft__lacks(match, singular)) {
+        weft__report_error(reader->report, match->map->at,
+                           "%s lacks '%s': rows and cols are both needed, each an "
+                           "index, [first, last] or all",
+                           match->title, plural);
     }
 }
 
@@ -167,34 +158,22 @@ void weft__check_place(weft__reader *reader, const weft__match *match, void *bas
 void weft__check_pin(weft__reader *reader, const weft__match *match, void *base)
 {
     (void)base;
-    weft__check_companion(reader, match, "amplitude", "frequency",
-                          "amplitude has no effect without frequency [Hz]");
-    weft__check_companion(reader, match, "frequency", "amplitude",
-                          "frequency has no effect without amplitude [m]");
+    weft__check_together(reader, match, "amplitude", "frequency");
 }
 
-/* How many keys of a mapping are, or are nearly, keys of a section. */
-static size_t likeness(const weft__node *mapping, const weft__section *section)
-{
-    size_t hits = 0;
-    for (size_t k = 0; k < mapping->count; ++k) {
-        const char *name = weft__text_of(mapping->entries[k].key);
-        weft__guess guess = { 0 };
-        for (size_t i = 0; name != NULL && i < section->count; ++i) {
-            weft__guess_try(&guess, name, section->keys[i].name);
-        }
-        hits += guess.name != NULL;
-    }
-    return hits;
-}
-
-/* A mapping is a pin with `at`, or else the place of one at rest. */
+/* A pin is a mapping with `at`, or the place of a pin at rest. */
 static bool is_place(const weft__node *node)
 {
-    return node->type != WEFT__MAP
-           || (weft__find_key(node, "at", 2) == node->count
-               && likeness(node, &weft__place_section)
-                      >= likeness(node, &weft__pin_section));
+    const weft__section *place = &weft__place_section;
+    size_t hits = 0;
+    if (node->type != WEFT__MAP) {
+        return true;
+    }
+    for (size_t i = 0; i < place->count; ++i) {
+        const char *name = place->keys[i].name;
+        hits += weft__find_key(node, name, strlen(name)) < node->count;
+    }
+    return hits > 0 && weft__find_key(node, "at", 2) == node->count;
 }
 
 static void read_pin(weft__reader *reader, const weft__node *node, weft_pin *pin)
@@ -209,8 +188,8 @@ static void read_pin(weft__reader *reader, const weft__node *node, weft_pin *pin
     }
 }
 
-/* An array of `size` each for the items of a list, whose number is *count; NULL: it is
- * empty, wrong or there is no memory. */
+/* An array for the *count items of a list, of `size` bytes each. NULL: the list is
+ * empty or wrong, or there is no memory. */
 static void *take_items(weft__reader *reader, const weft__key *key,
                         const weft__node *node, size_t size, size_t *count)
 {

@@ -1,43 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* scene_stepper.c -- what must hold between the keys of stepper: which exclude each
- * other, and which the chosen method would not use. */
+/* scene_stepper.c -- checks of stepper against the chosen method; scene_method.c finds
+ * keys that exclude one another or have no use. */
 #include <string.h>
 
 #include "plugin/methods.h"
 #include "scene/read.h"
 
-const char *const weft__adaptive_keys[WEFT__ADAPTIVE]
-    = { "rtol", "atol", "norm", "first_step", "min_step", "max_step", "controller" };
-
 /* ---- step sizes ------------------------------------------------------------- */
 
-/* Told at the later key of each pair: at fixed_step once for all that stand before. */
-static void check_exclusive(weft__reader *reader, const weft__match *match)
-{
-    const weft__node *fixed = weft__key_in(match, "fixed_step");
-    char before[320] = "";
-    size_t used = 0;
-    for (size_t i = 0; fixed != NULL && i < WEFT__ADAPTIVE; ++i) {
-        const weft__node *key = weft__key_in(match, weft__adaptive_keys[i]);
-        char where[64];
-        if (key == NULL) {
-            continue;
-        }
-        if (weft__mark_before(fixed->at, key->at)) {
-            weft__report_exclusive(reader->report, fixed, key);
-        } else if (used < sizeof before) {
-            used += (size_t)snprintf(before + used, sizeof before - used, "%s%s (%s)",
-                                     used == 0 ? "" : ", ", weft__adaptive_keys[i],
-                                     weft__place_text(key->at, where, sizeof where));
-        }
-    }
-    if (used > 0) {
-        weft__report_error(reader->report, fixed->at, "fixed_step excludes %s", before);
-    }
-}
-
-/* Of two sizes that are given the smaller one must not be the larger; one that bounds
- * the other is also held against its default. */
+/* Sizes that the scene has must be in order; min_step and max_step are also compared
+ * with each other's default. */
 static void check_sizes(weft__reader *reader, const weft__match *match)
 {
     const weft_stepper_config *config = &reader->scene->config;
@@ -53,9 +25,7 @@ static void check_sizes(weft__reader *reader, const weft__match *match)
         const weft__node *b = weft__value_in(match, sizes[j].name);
         const bool given = k == 0 ? a != NULL || b != NULL : a != NULL && b != NULL;
         if (given && sizes[i].h > sizes[j].h && sizes[j].h > 0.0) {
-            const bool at_first
-                = b == NULL || (a != NULL && weft__mark_before(b->at, a->at));
-            weft__report_error(reader->report, at_first ? a->at : b->at,
+            weft__report_error(reader->report, weft__later(a, b)->at,
                                "%s, %g s%s, is above %s, %g s", sizes[i].name,
                                sizes[i].h, a == NULL ? " by default" : "",
                                sizes[j].name, sizes[j].h);
@@ -65,25 +35,19 @@ static void check_sizes(weft__reader *reader, const weft__match *match)
 
 /* ---- plugin and method ------------------------------------------------------ */
 
-static const weft_stepper_type *
-find_method(weft__reader *reader, const weft__match *match, const weft_plugin *plugin)
+static void report_method(weft__reader *reader, const weft__match *match,
+                          const weft_plugin *plugin)
 {
-    const char *wanted = reader->scene->method;
-    const weft_stepper_type *type = weft_plugin_method(plugin, wanted);
     const weft_plugin *others[WEFT__SHIPPED + 1] = { NULL };
     weft_error why;
-    if (type != NULL) {
-        return type;
-    }
     for (size_t i = 0, count = 0; i < WEFT__SHIPPED; ++i) {
         others[count]
             = reader->def->find_plugin(reader->def->find_ctx, weft__shipped[i], &why);
         count += others[count] != NULL;
     }
-    (void)weft__method_named(plugin, wanted, others, &why);
+    (void)weft__method_named(plugin, reader->scene->method, others, &why);
     weft__report_error(reader->report, weft__value_in(match, "method")->at, "%s",
                        why.message);
-    return NULL;
 }
 
 /* An id becomes part of a file's name and of a function's. */
@@ -100,91 +64,62 @@ static bool check_id(weft__reader *reader, const weft__match *match)
     if (weft__is_plugin_id(id)) {
         return true;
     }
-    weft__report_error(reader->report, weft__value_in(match, "plugin")->at,
-                       "plugin '%.40s' is no plugin's name: at most 48 letters, digits "
-                       "and _",
-                       id);
+    weft__report_error(
+        reader->report, weft__value_in(match, "plugin")->at,
+        "plugin '%.40s' is no plugin's name: at most 48 letters, digits and _", id);
     return false;
 }
 
-/* The method that takes a table of the scene's own. Where its plugin is not there, such
- * a scene is read and checked all the same: it is right, and only cannot be run. */
+/* The method that takes a table from the scene. Without its plugin such a scene is
+ * still read and checked: it is valid, but cannot be run. */
 static bool asks_for_table(const weft_scene *scene)
 {
     return scene->plugin != NULL && strcmp(scene->plugin, "arkode") == 0
            && scene->method != NULL && strcmp(scene->method, "custom") == 0;
 }
 
-static const weft_stepper_type *find_type(weft__reader *reader,
-                                          const weft__match *match)
+/* Reports why the method was not found, if it was looked for. */
+static void report_type(weft__reader *reader, const weft__match *match)
 {
     const weft_scene *scene = reader->scene;
     weft_error why = { .message = "not found" };
     if (scene->plugin == NULL || !check_id(reader, match)
         || reader->def->find_plugin == NULL) {
-        return NULL;
+        return;
     }
     const weft_plugin *plugin
         = reader->def->find_plugin(reader->def->find_ctx, scene->plugin, &why);
-    if (plugin == NULL && !asks_for_table(scene)) {
+    if (plugin != NULL && scene->method != NULL) {
+        report_method(reader, match, plugin);
+    } else if (plugin == NULL && !asks_for_table(scene)) {
         char near[80];
         weft__report_error(reader->report, weft__value_in(match, "plugin")->at, "%s%s",
                            why.message,
                            weft__plugin_guess(scene->plugin, near, sizeof near));
     }
-    return plugin == NULL || scene->method == NULL ? NULL
-                                                   : find_method(reader, match, plugin);
 }
 
-/* ---- what the method would use ---------------------------------------------- */
+/* ---- what the method needs -------------------------------------------------- */
 
-static void check_fixed_only(weft__reader *reader, const weft__match *match,
-                             const char *method)
-{
-    if (weft__key_in(match, "fixed_step") == NULL
-        && !weft__misspelt(match, "fixed_step")) {
-        weft__report_error(reader->report, weft__value_in(match, "method")->at,
-                           "method '%.40s' has no error control: it needs "
-                           "stepper.fixed_step [s]",
-                           method);
-    }
-    for (size_t i = 0; i < WEFT__ADAPTIVE; ++i) {
-        const weft__node *key = weft__key_in(match, weft__adaptive_keys[i]);
-        if (key != NULL) {
-            weft__report_error(reader->report, key->at,
-                               "%s would not be used by method '%.40s', which has no "
-                               "error control",
-                               weft__adaptive_keys[i], method);
-        }
-    }
-}
-
-static void check_table(weft__reader *reader, const weft__match *match, bool takes_one)
+static void check_table(weft__reader *reader, const weft__match *match)
 {
     const weft_scene *scene = reader->scene;
-    const weft__node *table = weft__key_in(match, "butcher");
-    const bool fixed = weft__key_in(match, "fixed_step") != NULL;
-    if (table != NULL && !takes_one) {
-        weft__report_error(reader->report, table->at,
-                           "butcher would not be used by method '%.40s' of plugin "
-                           "'%.40s'; it is for method custom of plugin arkode",
-                           scene->method, scene->plugin);
-    }
-    if (table == NULL && takes_one && !weft__misspelt(match, "butcher")) {
+    const weft__node *table = weft__found_in(match, "butcher")->key;
+    if (weft__lacks(match, "butcher")) {
         weft__report_error(reader->report, weft__value_in(match, "method")->at,
                            "method '%.40s' of plugin '%.40s' needs a table: butcher "
                            "with A, b, c and order",
                            scene->method, scene->plugin);
-    }
-    if (table != NULL && takes_one && !fixed && scene->tableau.b_embedded.side == 0
-        && scene->tableau.embedded_order == 0) {
+    } else if (table != NULL && weft__value_in(match, "fixed_step") == NULL
+               && scene->tableau.b_embedded.side == 0
+               && scene->tableau.embedded_order == 0) {
         weft__report_error(reader->report, table->at,
                            "without b_embedded and embedded_order there is no error "
                            "control: fixed_step [s] is needed");
     }
 }
 
-/* Gains as many as the law takes, factors below 1. */
+/* The law takes a certain number of gains. */
 void weft__check_controller(weft__reader *reader, const weft__match *match, void *base)
 {
     static const size_t counts[] = { 0,
@@ -192,18 +127,10 @@ void weft__check_controller(weft__reader *reader, const weft__match *match, void
                                      WEFT_CONTROLLERS(COUNT)
 #undef COUNT
     };
-    static const char *const factors[] = { "min_reduction", "failed_growth" };
     weft__control *control = base;
     weft_controller *set = &control->set;
-    const double values[] = { set->min_reduction, set->failed_growth };
+    reader->scene->config.controller = set;
     const weft__node *gains = weft__value_in(match, "gains");
-    for (size_t i = 0; i < 2; ++i) {
-        if (values[i] >= 1.0) {
-            weft__report_error(reader->report, weft__value_in(match, factors[i])->at,
-                               "%s must be a number > 0 and < 1, not %g", factors[i],
-                               values[i]);
-        }
-    }
     if (gains != NULL && set->type == WEFT_CONTROLLER_DEFAULT) {
         weft__report_error(reader->report, gains->at,
                            "gains need the type that they are for");
@@ -219,28 +146,10 @@ void weft__check_controller(weft__reader *reader, const weft__match *match, void
     }
 }
 
-static void check_control(weft__reader *reader, const weft__match *match,
-                          weft_scene *scene)
-{
-    const weft__node *key = weft__key_in(match, "controller");
-    if (key == NULL) {
-        return;
-    }
-    scene->config.controller = &scene->control.set;
-    if (scene->type != NULL
-        && (scene->type->flags & (WEFT_STEPPER_CONTROLLER | WEFT_STEPPER_FIXED_ONLY))
-               == 0) {
-        weft__report_error(reader->report, key->at,
-                           "controller would not be used by method '%.40s' of plugin "
-                           "'%.40s', which has its own",
-                           scene->method, scene->plugin);
-    }
-}
-
 /* [bytes] */
 #define LARGE_MATRICES 1e9
 
-/* Of the grid that was read before; of a wrong one it says nothing. */
+/* For the grid, which was read before; a wrong one has no particles. */
 static void check_matrices(weft__reader *reader, const weft__match *match)
 {
     const weft_scene *scene = reader->scene;
@@ -270,13 +179,13 @@ static int no_rhs(double t, const double *y, double *dydt, void *ctx)
     return -1;
 }
 
-/* What the method itself refuses, such as a table that is not of its order, is found by
- * making a stepper of it, of one particle. */
+/* Creates a stepper for one particle to find what only the method can refuse, such as a
+ * table that is not of its order. */
 static void check_creation(weft__reader *reader, const weft__match *match)
 {
     const weft_scene *scene = reader->scene;
     const weft_ode one = { .dim = 6, .rhs = no_rhs };
-    const weft__node *table = weft__key_in(match, "butcher");
+    const weft__node *table = weft__found_in(match, "butcher")->key;
     weft_stepper_config config = scene->config;
     weft_error why = { 0 };
     void *stepper = NULL;
@@ -297,32 +206,31 @@ static void check_creation(weft__reader *reader, const weft__match *match)
 
 void weft__check_stepper(weft__reader *reader, const weft__match *match, void *base)
 {
-    weft_scene *scene = base;
-    scene->type = find_type(reader, match);
-    const bool fixed_only
-        = scene->type != NULL && (scene->type->flags & WEFT_STEPPER_FIXED_ONLY) != 0;
-    if (fixed_only) {
-        check_fixed_only(reader, match, scene->method);
-    } else {
-        check_exclusive(reader, match);
-    }
+    const weft_scene *scene = base;
+    const weft_stepper_type *type = scene->type;
     check_sizes(reader, match);
-    check_control(reader, match, scene);
-    if (scene->type != NULL) {
-        check_table(reader, match, (scene->type->flags & WEFT_STEPPER_BUTCHER) != 0);
+    if (type == NULL) {
+        report_type(reader, match);
+    } else {
         check_matrices(reader, match);
-    } else if (asks_for_table(scene)
-               || (reader->def->find_plugin == NULL && scene->plugin != NULL
-                   && scene->method != NULL)) {
-        check_table(reader, match, asks_for_table(scene));
+        if ((type->flags & WEFT_STEPPER_FIXED_ONLY) != 0
+            && weft__lacks(match, "fixed_step")) {
+            weft__report_error(
+                reader->report, weft__value_in(match, "method")->at,
+                "method '%.40s' has no error control: it needs stepper.fixed_step [s]",
+                scene->method);
+        }
     }
-    if (scene->type != NULL && scene->type->create != NULL
-        && reader->report->mistakes == 0) {
+    if (type == NULL ? asks_for_table(scene)
+                     : (type->flags & WEFT_STEPPER_BUTCHER) != 0) {
+        check_table(reader, match);
+    }
+    if (type != NULL && type->create != NULL && reader->report->mistakes == 0) {
         check_creation(reader, match);
     }
 }
 
-/* Told where the ledger is asked for: the stepper has been read before. */
+/* Reported where the ledger is asked for; the stepper has been read before. */
 void weft__check_record(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_record_def *record = base;
@@ -336,9 +244,9 @@ void weft__check_record(weft__reader *reader, const weft__match *match, void *ba
     weft__methods_list(
         reader->def->find_plugin(reader->def->find_ctx, scene->plugin, &why),
         WEFT_STEPPER_QUADRATURES, names, sizeof names);
-    weft__report_error(reader->report, weft__value_in(match, "ledger")->at,
-                       "method '%.40s' of plugin '%.40s' cannot keep the energy "
-                       "ledger%s%s",
-                       scene->method, scene->plugin,
-                       names[0] == '\0' ? "" : "; of that plugin these can: ", names);
+    weft__report_error(
+        reader->report, weft__value_in(match, "ledger")->at,
+        "method '%.40s' of plugin '%.40s' cannot keep the energy ledger%s%s",
+        scene->method, scene->plugin,
+        names[0] == '\0' ? "" : "; of that plugin these can: ", names);
 }

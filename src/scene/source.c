@@ -6,11 +6,11 @@
 #include <stdint.h>
 #include <string.h>
 
-/* An excerpt shows at most so many characters, and so many of them before its caret. */
+/* Characters that an excerpt shows at most, in all and before its caret. */
 #define EXCERPT_CHARS  160
 #define EXCERPT_BEFORE 48
 
-/* No character: what is not UTF-8. */
+/* Stands for bytes that are not UTF-8. */
 #define NONE 0xFFFFu
 
 /* Bytes that the first byte of a character announces; 0 if it cannot be a first one. */

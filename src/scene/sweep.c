@@ -33,7 +33,8 @@ typedef struct taker {
     weft__sweep *out;
 } taker;
 
-/* The same key, or one inside the other, which would be lost. */
+/* Reports a key that is varied twice, or lies inside another one, which would be lost.
+ */
 static void check_overlap(const taker *self, const weft__node *key)
 {
     char where[64];
@@ -97,7 +98,7 @@ static void take_pairs(taker *self, const weft__node *map)
     }
 }
 
-/* Every run is read from what is left of the tree and a value of each list. */
+/* Each run reads the rest of the tree and one value of each list. */
 static void check_cost(const taker *self)
 {
     const weft__sweep *out = self->out;
@@ -112,7 +113,8 @@ static void check_cost(const taker *self)
     }
 }
 
-/* Lists of one length if they are zipped; else not too many combinations. */
+/* Zipped lists must have one length; the combinations of others must not be too many.
+ */
 static void count_runs(taker *self)
 {
     weft__sweep *out = self->out;
@@ -137,8 +139,8 @@ static void count_runs(taker *self)
     check_cost(self);
 }
 
-/* Its pairs lose their values: removed. Returns the first; without a key if there is
- * none, or no memory. */
+/* Removes the values of all pairs with key `sweep`. Returns the first pair; it has no
+ * key if there is none, or no memory. */
 static weft__entry take_out(const taker *self)
 {
     const weft__node *old = self->tree->root;
@@ -238,7 +240,7 @@ struct weft_sweep {
     const char **value[WEFT__SWEEP_KEYS]; /* of each list, in the tree */
 };
 
-/* In YAML, as far as it goes without quotes. */
+/* As YAML, but without quotes. */
 static void print_value(FILE *out, const weft__node *node)
 {
     const bool is_map = node != NULL && node->type == WEFT__MAP;
@@ -320,7 +322,7 @@ const char *weft_sweep_value(const weft_sweep *sweep, size_t key, size_t run)
 
 /* ---- all runs ------------------------------------------------------------------ */
 
-/* What is wrong in some runs only says in which. */
+/* Adds the runs to messages that concern only some of them. */
 static void name_runs(const weft_sweep *sweep, const weft__report *report, size_t read)
 {
     for (size_t i = 0; i < report->found->count; ++i) {
@@ -344,7 +346,7 @@ static void name_runs(const weft_sweep *sweep, const weft__report *report, size_
     }
 }
 
-/* Run by run until there are mistakes enough. */
+/* Reads one run after another until the report is full. */
 static weft_status check_runs(weft_sweep *sweep, weft__report *report, weft_error *err)
 {
     weft_status status;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* tree.c -- the nodes of a tree: where they are kept, and how one is made of another.
- */
+/* tree.c -- the nodes of a tree: their memory, and changed copies of them. */
 #include "scene/tree.h"
 
 #include <stdalign.h>

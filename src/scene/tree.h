@@ -86,8 +86,8 @@ void weft__override_apply(weft__tree *tree, const weft__source *source);
 /* The bytes of its key.path. */
 size_t weft__override_path(const weft__source *source);
 
-/* Puts a value at a path of dotted keys that stands at `at`; a null removes what is
- * there. */
+/* Puts a value at a path of dotted keys; `at` is the place of the path. A null removes
+ * the value. */
 void weft__tree_put(weft__tree *tree, const char *path, size_t length, weft__mark at,
                     const weft__node *value);
 

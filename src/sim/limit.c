@@ -19,33 +19,13 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/finite.h"
 #include "base/memory.h"
+#include "cloth/model.h"
 
 /* Momentum that makes sweeps move GROWTH times as far as the least one is stopped, and
  * is then kept below CALMED of its value. */
 #define GROWTH 10.0
 #define CALMED 0.7
-
-static weft_status check(const weft_limit_def *def, weft_error *err)
-{
-    const char *wrong = NULL;
-    if (def->method != WEFT_LIMIT_PROVOT && def->method != WEFT_LIMIT_BRIDSON) {
-        wrong = "no such method";
-    } else if (def->solver != WEFT_LIMIT_FAST && def->solver != WEFT_LIMIT_SWEEP) {
-        wrong = "no such solver";
-    } else if (!weft__not_negative(def->strain)) {
-        wrong = "strain must be >= 0";
-    } else if (!weft__positive(def->tolerance)) {
-        wrong = "tolerance must be > 0";
-    } else if (def->sweeps == 0) {
-        wrong = "sweeps must be >= 1";
-    } else if (def->method == WEFT_LIMIT_BRIDSON && def->keep_velocity) {
-        wrong = "bridson works on velocities and cannot keep them";
-    }
-    return wrong == NULL ? WEFT_OK
-                         : weft_error_set(err, WEFT_INVALID, "limit: %s", wrong);
-}
 
 weft_status weft__limit_init(weft__limit *limit, const weft_limit_def *def,
                              const weft_cloth *cloth, const weft_allocator *memory,
@@ -54,9 +34,10 @@ weft_status weft__limit_init(weft__limit *limit, const weft_limit_def *def,
     if (def->method == WEFT_LIMIT_NONE) {
         return WEFT_OK;
     }
-    const weft_status status = check(def, err);
-    if (status != WEFT_OK) {
-        return status;
+    weft__refusal first = { WEFT_OK, err };
+    weft__limit_check(def, &(weft__faults){ weft__keep_first, &first });
+    if (first.status != WEFT_OK) {
+        return first.status;
     }
     const size_t count = 3 * weft_cloth_particles(cloth);
     const bool fast = def->solver == WEFT_LIMIT_FAST;

@@ -18,8 +18,8 @@ size_t weft__team_threads(const weft__team *team);
 
 /* Runs all parts [0, count) once each, on any thread, with the floating-point mode of
  * the caller; count <= WEFT_PARTS. Returns when they are done. Allocates nothing; locks
- * only to wake sleeping threads. `team` is a weft__team. */
+ * only to wake sleeping threads. `self` is a weft__team. */
 enum { WEFT_PARTS = 0xffff };
-void weft__team_run(void *team, weft__task *task, void *ctx, size_t count);
+void weft__team_run(void *self, weft__task *task, void *ctx, size_t count);
 
 #endif

@@ -39,7 +39,7 @@ static weft_status load(weft_registry *registry, const verify_scene *scene,
     for (size_t i = 0; i < VERIFY_SETS && scene->sets[i] != NULL; ++i) {
         sets[given.set_count++] = scene->sets[i];
     }
-    if (open_scene(file, &given, out) != EXIT_DONE) {
+    if (open_scene(file, &given, out, NULL) != EXIT_DONE) {
         return weft_error_set(err, WEFT_BAD_SCENE, "%s does not load", file);
     }
     const weft_status status = scene_supported(*out, err);

@@ -7,7 +7,7 @@
 #ifndef VERIFY_H
 #define VERIFY_H
 
-#include "cli/method_list.h"
+#include "cli/cli.h"
 #include "weft/weft.h"
 
 /* Every plugin beside the program or in WEFT_PLUGIN_PATH; NULL after printing why. */

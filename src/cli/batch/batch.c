@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* batch.c -- weft batch: many runs, each in a process and a directory of its own. */
-#include <errno.h>
+/* batch.c -- weft batch: many runs, each in its own process and directory. */
 #include <math.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -11,53 +10,39 @@
 
 /* ---- the command line ---------------------------------------------------------- */
 
-/* A whole number from 1 that ends at `end`; 0 if it is none. */
-static size_t count_of(const char *text, char end, const char **rest)
+/* "2/3": shard 2 of 3. */
+static bool take_shard(batch *self, const char *text)
 {
-    char *stop;
-    errno = 0;
-    const unsigned long long count = strtoull(text, &stop, 10);
-    *rest = stop + (*stop != '\0');
-    return text[0] >= '0' && text[0] <= '9' && *stop == end && errno == 0
-                   && count <= SIZE_MAX
-               ? (size_t)count
-               : 0;
+    return option_count(text, '/', &self->shard)
+           && option_count(strchr(text, '/') + 1, '\0', &self->shards)
+           && self->shard >= 1 && self->shard <= self->shards;
 }
 
 static int take_options(batch *self)
 {
     const options *given = self->given;
-    const char *rest;
     const long cores = sysconf(_SC_NPROCESSORS_ONLN);
     self->out = given->out;
-    self->jobs = cores < 1 ? 1 : (size_t)cores;
+    self->jobs = given->jobs > 0 ? given->jobs : cores < 1 ? 1 : (size_t)cores;
     self->shard = self->shards = 1;
-    if (given->operand_count == 0) {
-        return usage_error(&verb_batch, "no scene given");
-    }
     if (given->out == NULL || given->out[0] == '\0') {
         return usage_error(&verb_batch, "no --out DIR given");
     }
-    self->jobs = given->jobs > 0 ? given->jobs : self->jobs;
     if (given->timeout != NULL) {
         self->timeout = option_real(given->timeout);
-        if (!(self->timeout > 0.0) || !isfinite(self->timeout)) {
+        if (!(self->timeout > 0.0 && isfinite(self->timeout))) {
             return usage_error(&verb_batch, "--timeout %s: not a number of seconds > 0",
                                given->timeout);
         }
     }
-    if (given->shard != NULL) {
-        self->shard = count_of(given->shard, '/', &rest);
-        self->shards = count_of(rest, '\0', &rest);
-        if (self->shard == 0 || self->shard > self->shards) {
-            return usage_error(&verb_batch, "--shard %s: not i/n with i from 1 to n",
-                               given->shard);
-        }
+    if (given->shard != NULL && !take_shard(self, given->shard)) {
+        return usage_error(&verb_batch, "--shard %s: not i/n with i from 1 to n",
+                           given->shard);
     }
     return EXIT_DONE;
 }
 
-/* ---- what is to be run --------------------------------------------------------- */
+/* ---- the runs of this process--------------------------------------------------- */
 
 static bool to_run(const batch *self, const batch_run *run)
 {
@@ -77,48 +62,39 @@ static bool to_run(const batch *self, const batch_run *run)
     }
 }
 
-/* The state of every run; those that this process runs are added to wanted. */
-static weft_status look(batch *self, batch_run **wanted, size_t *count, weft_error *err)
-{
-    for (size_t i = 0; i < self->run_count; ++i) {
-        batch_run *run = &self->runs[i];
-        weft_scene *scene = NULL;
-        const weft_status status
-            = weft_sweep_scene(run->scene->sweep, run->number, &scene, err);
-        if (status != WEFT_OK) {
-            return status;
-        }
-        run->status = batch_look(self, run, scene);
-        weft_scene_destroy(scene);
-        if (!self->given->summary && i % self->shards == self->shard - 1
-            && to_run(self, run)) {
-            wanted[(*count)++] = run;
-        }
-    }
-    return WEFT_OK;
-}
-
-/* ---- the end ------------------------------------------------------------------- */
-
 static bool is_mine(const batch *self, size_t run)
 {
     return self->given->summary || run % self->shards == self->shard - 1;
 }
 
+/* The state of every run. Fills `wanted` with those that this process runs and returns
+ * their number. */
+static size_t look(batch *self, batch_run **wanted)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < self->run_count; ++i) {
+        batch_run *run = &self->runs[i];
+        run->status = batch_look(self, run);
+        if (!self->given->summary && is_mine(self, i) && to_run(self, run)) {
+            wanted[count++] = run;
+        }
+    }
+    return count;
+}
+
+/* ---- the end ------------------------------------------------------------------- */
+
 static void print_refused(const batch *self, const batch_run *run)
 {
-    if (run->status == BATCH_CHANGED) {
-        fprintf(
-            stderr,
-            "weft: error: %s/%s holds a run of another scene, or of this one before "
-            "it was changed: --force runs it anew\n",
-            self->out, run->name);
-    } else if (run->status == BATCH_BUSY) {
-        fprintf(stderr, "weft: error: %s/%s is being run by another process\n",
-                self->out, run->name);
-    } else if (run->status == BATCH_UNREADABLE) {
-        fprintf(stderr, "weft: error: %s/%s is no directory that can be read\n",
-                self->out, run->name);
+    static const char *const reasons[BATCH_STATUSES] = {
+        [BATCH_CHANGED] = "holds a run of another scene, or of this one before it was "
+                          "changed: --force runs it again",
+        [BATCH_BUSY] = "is being run by another process",
+        [BATCH_UNREADABLE] = "is not a readable directory",
+    };
+    if (reasons[run->status] != NULL) {
+        fprintf(stderr, "weft: error: %s/%s %s\n", self->out, run->name,
+                reasons[run->status]);
     }
 }
 
@@ -174,19 +150,17 @@ static int print_counts(const batch *self)
 static int run_batch(batch *self)
 {
     weft_error err = { 0 };
-    size_t count = 0;
     batch_run **wanted = calloc(self->run_count, sizeof *wanted);
     weft_status status = wanted == NULL ? weft_error_set(&err, WEFT_NO_MEMORY,
                                                          "no memory for the runs")
                                         : record_directory(self->out, &err);
-    status = status == WEFT_OK ? look(self, wanted, &count, &err) : status;
     if (status != WEFT_OK) {
         free(wanted);
         return report_error(&err);
     }
-    const int stop = batch_pool_run(self, wanted, count);
+    const int stop = batch_pool_run(self, wanted, look(self, wanted));
     free(wanted);
-    /* One shard does not know of the others. */
+    /* One shard does not know the results of the others. */
     if (self->shards == 1) {
         status = batch_summary(self, &err);
     }
@@ -238,5 +212,6 @@ const verb verb_batch = {
         OPTION_FLAG("force", force), OPTION_VALUE("jobs", jobs),
         OPTION_VALUE("timeout", timeout), OPTION_VALUE("shard", shard),
         OPTION_FLAG("retry-failed", retry_failed), OPTION_FLAG("summary", summary)),
+    .operands = { 1, 0, "no scene given", NULL },
     .run = batch_verb,
 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* batch.h -- many runs, each in a process and a directory of its own. What is known of
- * a batch stands in those directories alone. */
+/* batch.h -- many runs, each in its own process and directory. These directories are
+ * all that a batch knows of earlier ones. */
 #ifndef WEFT_CLI_BATCH_BATCH_H
 #define WEFT_CLI_BATCH_BATCH_H
 
@@ -18,11 +18,11 @@ typedef enum batch_status {
     BATCH_TIMEOUT,    /* it took longer than --timeout */
     BATCH_CHANGED,    /* another scene's run is there */
     BATCH_BUSY,       /* another process runs it */
-    BATCH_UNREADABLE, /* what is there cannot be read */
+    BATCH_UNREADABLE, /* no readable directory */
     BATCH_STATUSES    /* how many there are */
 } batch_status;
 
-/* Exit code of a process beside those of a run: another one runs it. */
+/* Exit code of a child, beside those of a run: another process runs it. */
 #define BATCH_EXIT_BUSY 75
 
 typedef struct batch_scene {
@@ -53,34 +53,29 @@ const char *batch_status_name(batch_status status);
 /* Whether a run has ended by itself or was ended for good, with a result. */
 bool batch_is_over(batch_status status);
 
-/* batch_name.c: the directory of a run: the file's stem, then key=value of what is
- * varied. Of safe characters, at most 120 of them; where a character or the end was
- * lost, a hash of the whole is added. To be freed; NULL if memory ran out. */
+/* batch_name.c: the directory of a run: the file's stem, then key=value of each varied
+ * key, in at most 120 safe characters. A hash is added if a character or the end was
+ * lost. The caller frees it; NULL: no memory. */
 char *batch_name(const char *stem, const weft_sweep *sweep, size_t number);
 
 /* batch_plan.c: reads all scenes and names their runs. Returns the exit code. */
 int batch_plan(batch *self);
-/* The same check of one sweep alone: EXIT_SCENE if two of its runs are the same. */
+/* Checks one sweep: EXIT_SCENE if two of its runs are the same. */
 int batch_check(const char *file, weft_sweep *sweep);
 void batch_free(batch *self);
 
-/* batch_state.c: what is in a run's directory, of this scene. */
-batch_status batch_look(const batch *self, const batch_run *run,
-                        const weft_scene *scene);
+/* batch_state.c: the state of a run's directory. */
+batch_status batch_look(const batch *self, const batch_run *run);
 /* Whether it is done, and its log.txt has warnings. */
 bool batch_warned(const batch *self, const batch_run *run);
 weft_status batch_directory(const batch *self, const batch_run *run,
                             char path[RECORD_PATH], weft_error *err);
 
-/* [s] A lock is waited for: a run whose batch was killed a moment ago may still be
- * writing what it has. */
+/* [s] to wait for a lock: a run whose batch was just killed may still be writing its
+ * files. */
 #define BATCH_PATIENCE 5.0
 
-/* batch_child.c: one run, in this process, which ends with it. Returns the exit code.
- */
-int batch_child(const batch *self, const batch_run *one);
-
-/* batch_show.c: what is going on, on stderr. */
+/* batch_show.c: progress, on stderr. */
 typedef struct batch_show {
     const batch *batch;
     batch_run **runs; /* of this call */
@@ -98,7 +93,7 @@ void batch_show_end(batch_show *self);
 /* batch_pool.c: runs all of these. Returns the signal that stopped it, or 0. */
 int batch_pool_run(batch *self, batch_run **runs, size_t count);
 
-/* batch_summary.c: summary.csv, a row a run. */
+/* batch_summary.c: summary.csv, one row per run. */
 weft_status batch_summary(const batch *self, weft_error *err);
 
 #endif

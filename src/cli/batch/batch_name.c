@@ -12,7 +12,7 @@ typedef struct namer {
     char text[NAME_MAX_CHARS + 1];
     size_t used;
     bool lossy;
-    uint64_t hash; /* of all that went in */
+    uint64_t hash; /* of the whole name */
 } namer;
 
 static void add_char(namer *self, char c, bool safe)
@@ -48,7 +48,7 @@ static const char *tail(const char *path, size_t parts)
     return from;
 }
 
-/* As little of a key's path as tells it from the other keys. */
+/* The shortest end of a key's path that no other key has. */
 static const char *short_key(const weft_sweep *sweep, size_t key)
 {
     const char *path = weft_sweep_key(sweep, key), *shown;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* batch_plan.c -- the runs that scenes stand for. */
+/* batch_plan.c -- lists the runs of all scenes. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,7 +24,7 @@ static char *stem_of(const char *file)
     return stem;
 }
 
-/* All scenes are read, so that all mistakes are told. */
+/* Reads all scenes, so that all mistakes are reported. */
 static int read_scenes(batch *self)
 {
     int code = EXIT_DONE;
@@ -39,7 +39,7 @@ static int read_scenes(batch *self)
         scene->stem = stem_of(scene->file);
         const int one = scene->stem == NULL
                             ? no_memory()
-                            : open_sweep(scene->file, self->given, &scene->sweep);
+                            : open_scene(scene->file, self->given, NULL, &scene->sweep);
         code = code == EXIT_DONE ? one : code;
     }
     return code;
@@ -129,10 +129,7 @@ int batch_check(const char *file, weft_sweep *sweep)
 int batch_plan(batch *self)
 {
     const int code = read_scenes(self);
-    if (code != EXIT_DONE) {
-        return code;
-    }
-    return name_runs(self) ? check_names(self) : no_memory();
+    return code != EXIT_DONE ? code : name_runs(self) ? check_names(self) : no_memory();
 }
 
 void batch_free(batch *self)

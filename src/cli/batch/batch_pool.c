@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* batch_pool.c -- each run in a process, and how it ended. */
+/* batch_pool.c -- runs in child processes, and their ends. */
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,20 +10,81 @@
 
 #include "base/clock.h"
 #include "cli/batch/batch.h"
-#include "cli/run/interrupt.h"
+#include "cli/run/run.h"
 
 typedef struct batch_pool {
-    batch *batch;
+    const batch *batch;
     batch_run **runs; /* the jobs */
     int stop;         /* the signal that stopped it */
     process_pool pool;
     batch_show show;
 } batch_pool;
 
+/* ---- one run, in a child process ------------------------------------------------- */
+
+/* The output of a run goes into its directory. */
+static bool open_log(const char *directory, bool goes_on)
+{
+    char path[RECORD_PATH];
+    const int start = O_NONBLOCK | (goes_on ? O_APPEND : O_TRUNC);
+    const int log = record_path(directory, "log.txt", path, NULL) == WEFT_OK
+                        ? open(path, O_WRONLY | O_CREAT | O_NOFOLLOW | start, 0666)
+                        : -1;
+    return log >= 0 && dup2(log, STDOUT_FILENO) >= 0 && dup2(log, STDERR_FILENO) >= 0;
+}
+
+/* Looks again, as another process may have run it before the claim. */
+static int run_claimed(const batch *self, const batch_run *one, const char *directory)
+{
+    weft_error err = { 0 };
+    weft_scene *scene = NULL;
+    const batch_status status = batch_look(self, one);
+    const bool goes_on = status == BATCH_PARTIAL || status == BATCH_IO_ERROR
+                         || status == BATCH_TIMEOUT;
+    if (status == BATCH_DONE) {
+        return EXIT_DONE;
+    }
+    if (!open_log(directory, goes_on)) {
+        return EXIT_FILE;
+    }
+    if (weft_sweep_scene(one->scene->sweep, one->number, &scene, &err) != WEFT_OK) {
+        return report_error(&err);
+    }
+    options given = *self->given;
+    given.quiet = true;
+    given.mode = PROGRESS_NONE;
+    if (goes_on) {
+        return resume_scene(&given, directory, scene);
+    }
+    /* from the start, over the files of an earlier attempt */
+    return record_outdir(directory, true, &err) == WEFT_OK
+               ? run_scene(&given, directory, scene, true, NULL)
+               : report_error(&err);
+}
+
+/* process_def.work */
+static int run_job(void *ctx, size_t job)
+{
+    const batch_pool *pool = ctx;
+    const batch *self = pool->batch;
+    const batch_run *one = pool->runs[job];
+    char directory[RECORD_PATH];
+    weft_error err = { 0 };
+    interrupt_catch(false); /* until it runs, a signal ends it */
+    if (batch_directory(self, one, directory, &err) != WEFT_OK
+        || record_directory(directory, &err) != WEFT_OK) {
+        return report_error(&err);
+    }
+    int lock; /* until the process ends */
+    return record_outdir_lock(directory, BATCH_PATIENCE, &lock, NULL) == WEFT_OK
+               ? run_claimed(self, one, directory)
+               : BATCH_EXIT_BUSY;
+}
+
 /* ---- the end of a run ---------------------------------------------------------- */
 
-/* What the files of a run tell that died without a result. */
-static record_result find_result(const batch_run *run, double began,
+/* The result of a run that died without one, from its other files. */
+static record_result find_result(const batch_run *one, double began,
                                  const char *directory)
 {
     record_result result = { .wall_time = weft__wall_clock() - began };
@@ -30,7 +92,7 @@ static record_result find_result(const batch_run *run, double began,
     record_series_row *rows;
     (void)record_series_rows(directory, &rows, &result.frames, NULL);
     free(rows);
-    if (weft_sweep_scene(run->scene->sweep, run->number, &scene, NULL) == WEFT_OK) {
+    if (weft_sweep_scene(one->scene->sweep, one->number, &scene, NULL) == WEFT_OK) {
         result.planned = weft_run_last_frame(weft_scene_run(scene)) + 1;
         weft_scene_destroy(scene);
     }
@@ -43,10 +105,10 @@ static batch_status write_end(const batch_pool *self, const process *ended,
 {
     char directory[RECORD_PATH];
     weft_error err = { 0 };
-    const batch_run *run = self->runs[ended->job];
-    weft_status written = batch_directory(self->batch, run, directory, &err);
+    const batch_run *one = self->runs[ended->job];
+    weft_status written = batch_directory(self->batch, one, directory, &err);
     if (written == WEFT_OK) {
-        record_result result = find_result(run, ended->began, directory);
+        record_result result = find_result(one, ended->began, directory);
         result.status = batch_status_name(status);
         result.reason = reason;
         written = record_result_amend(directory, &result, &err);
@@ -62,16 +124,11 @@ static batch_status status_of_exit(const batch_pool *self, const process *ended,
                                    int code)
 {
     char reason[64];
-    const batch_run *run = self->runs[ended->job];
-    weft_scene *scene = NULL;
-    batch_status status = BATCH_UNREADABLE;
+    const batch_run *one = self->runs[ended->job];
     if (code == BATCH_EXIT_BUSY) {
         return BATCH_BUSY;
     }
-    if (weft_sweep_scene(run->scene->sweep, run->number, &scene, NULL) == WEFT_OK) {
-        status = batch_look(self->batch, run, scene);
-        weft_scene_destroy(scene);
-    }
+    const batch_status status = batch_look(self->batch, one);
     const bool stopped = code == EXIT_SIGINT || code == EXIT_SIGTERM;
     if (status == BATCH_DONE || status == BATCH_FAILED || status == BATCH_IO_ERROR
         || stopped) {
@@ -94,7 +151,7 @@ static batch_status status_of_end(const batch_pool *self, const process *ended)
         return status_of_exit(self, ended, WEXITSTATUS(status));
     }
     if (self->stop != 0) {
-        return BATCH_PARTIAL; /* it was we who killed it */
+        return BATCH_PARTIAL; /* killed by this batch */
     }
     (void)snprintf(reason, sizeof reason, "killed by signal %d (%.60s)",
                    WTERMSIG(status), strsignal(WTERMSIG(status)));
@@ -103,19 +160,12 @@ static batch_status status_of_end(const batch_pool *self, const process *ended)
 
 /* ---- the pool ------------------------------------------------------------------ */
 
-static int work(void *ctx, size_t job)
-{
-    const batch_pool *self = ctx;
-    interrupt_restore(); /* until it runs, a signal ends it */
-    return batch_child(self->batch, self->runs[job]);
-}
-
 static void on_end(void *ctx, const process *ended)
 {
     batch_pool *self = ctx;
-    batch_run *run = self->runs[ended->job];
-    run->status = status_of_end(self, ended);
-    batch_show_ended(&self->show, run, ended->began);
+    batch_run *one = self->runs[ended->job];
+    one->status = status_of_end(self, ended);
+    batch_show_ended(&self->show, one, ended->began);
 }
 
 static void on_tick(void *ctx)
@@ -137,7 +187,7 @@ int batch_pool_run(batch *self, batch_run **runs, size_t count)
     batch_pool all
         = { .batch = self,
             .runs = runs,
-            .pool = { .def = { .work = work,
+            .pool = { .def = { .work = run_job,
                                .ctx = &all,
                                .end_signal = SIGTERM, /* a run leaves a result then */
                                .seconds = self->timeout },
@@ -152,7 +202,7 @@ int batch_pool_run(batch *self, batch_run **runs, size_t count)
                       .quiet = self->given->quiet,
                       .terminal = !self->given->quiet && isatty(STDERR_FILENO) == 1,
                       .began = weft__wall_clock() } };
-    interrupt_catch();
+    interrupt_catch(true);
     const bool able = process_pool_run(&all.pool);
     const int why = errno;
     batch_show_end(&all.show);

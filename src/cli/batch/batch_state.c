@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* batch_state.c -- what is in the directory of a run. */
+/* batch_state.c -- the state of the directory of a run. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,7 +28,7 @@ weft_status batch_directory(const batch *self, const batch_run *run,
     return record_path(self->out, run->name, path, err);
 }
 
-/* Whether a file holds a text and nothing else; *missing if there is no such file. */
+/* Whether a file consists of a text; *missing: there is no such file. */
 static bool holds(const char *path, const char *text, bool *missing)
 {
     FILE *stream = weft__file_open(path, "r", NULL);
@@ -61,8 +61,19 @@ static batch_status result_status(const char *directory)
     return batch_is_over(status) ? status : BATCH_PARTIAL;
 }
 
-batch_status batch_look(const batch *self, const batch_run *run,
-                        const weft_scene *scene)
+/* Whether scene.yaml at `path` is the scene of a run; *missing: there is none. */
+static bool is_same_scene(const batch_run *run, const char *path, bool *missing)
+{
+    weft_scene *scene = NULL;
+    *missing = false;
+    const bool same
+        = weft_sweep_scene(run->scene->sweep, run->number, &scene, NULL) == WEFT_OK
+          && holds(path, weft_scene_text(scene), missing);
+    weft_scene_destroy(scene);
+    return same;
+}
+
+batch_status batch_look(const batch *self, const batch_run *run)
 {
     char directory[RECORD_PATH], path[RECORD_PATH];
     struct stat there;
@@ -78,7 +89,7 @@ batch_status batch_look(const batch *self, const batch_run *run,
     if (!S_ISDIR(there.st_mode)) {
         return BATCH_UNREADABLE;
     }
-    if (!holds(path, weft_scene_text(scene), &missing)) {
+    if (!is_same_scene(run, path, &missing)) {
         return missing ? BATCH_NEW : BATCH_CHANGED;
     }
     return result_status(directory);

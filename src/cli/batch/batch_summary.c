@@ -106,11 +106,8 @@ static weft_status write_row(FILE *out, const batch *self, const varied *keys,
 {
     char directory[RECORD_PATH];
     yaml_document_t result;
-    weft_status status = batch_directory(self, run, directory, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    /* values of another scene's run, or of one that goes on, are none of this one */
+    TRY(batch_directory(self, run, directory, err));
+    /* results of another scene's run, or of an unfinished one, do not count */
     yaml_document_t *known
         = batch_is_over(run->status) && record_result_open(directory, &result) ? &result
                                                                                : NULL;
@@ -128,22 +125,26 @@ static weft_status write_row(FILE *out, const batch *self, const varied *keys,
     return WEFT_OK;
 }
 
+static weft_status write_rows(FILE *out, const batch *self, const varied *keys,
+                              weft_error *err)
+{
+    write_header(out, keys);
+    for (size_t i = 0; i < self->run_count; ++i) {
+        TRY(write_row(out, self, keys, &self->runs[i], err));
+    }
+    return WEFT_OK;
+}
+
 static weft_status write_summary(const batch *self, const varied *keys, weft_error *err)
 {
     record_file file;
-    weft_status status = record_file_open(&file, self->out, "summary.csv", err);
-    if (status == WEFT_OK) {
-        write_header(file.stream, keys);
-        for (size_t i = 0; i < self->run_count && status == WEFT_OK; ++i) {
-            status = write_row(file.stream, self, keys, &self->runs[i], err);
-        }
-        if (status == WEFT_OK) {
-            status = record_file_commit(&file, err);
-        } else {
-            record_file_discard(&file);
-        }
+    TRY(record_file_open(&file, self->out, "summary.csv", err));
+    const weft_status status = write_rows(file.stream, self, keys, err);
+    if (status != WEFT_OK) {
+        record_file_discard(&file);
+        return status;
     }
-    return status;
+    return record_file_commit(&file, err);
 }
 
 weft_status batch_summary(const batch *self, weft_error *err)

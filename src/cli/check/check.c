@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* check.c -- weft check: validate scenes, say what they build, write nothing. */
+/* check.c -- weft check: validates scenes and describes them; writes no file. */
 #include <string.h>
 
 #include "cli/batch/batch.h"
@@ -164,7 +164,7 @@ static void scene_yaml(yaml_out *out, const char *file, const weft_scene *scene,
     yaml_out_close_map(out);
 }
 
-/* A scene may mean it. */
+/* A warning only: it may be on purpose. */
 static void warn_of_springs(const char *file, const weft_cloth *cloth)
 {
     size_t springs = 0;
@@ -177,7 +177,7 @@ static void warn_of_springs(const char *file, const weft_cloth *cloth)
     }
 }
 
-/* All that is said of a right scene, to *out or if that is NULL in words. */
+/* Describes a valid scene, to *out or, if that is NULL, as text. */
 static int describe(const char *file, const weft_scene *scene, const options *given,
                     yaml_out *out)
 {
@@ -224,7 +224,7 @@ static bool is_beyond(const weft_sweep *sweep, size_t run)
     return beyond;
 }
 
-/* Each takes a simulation: of no more than the first hundred. */
+/* The first hundred runs at most, as each needs a simulation. */
 static void print_beyond(const weft_sweep *sweep)
 {
     const size_t runs = weft_sweep_runs(sweep), most = runs < 100 ? runs : 100;
@@ -239,13 +239,13 @@ static void print_beyond(const weft_sweep *sweep)
     }
 }
 
-/* Of a sweep all runs are validated, and the first is described. */
+/* Validates all runs of a sweep, and describes the first. */
 static int check_file(const char *file, const options *given, yaml_out *out)
 {
     weft_error err = { 0 };
     weft_sweep *sweep = NULL;
     weft_scene *scene = NULL;
-    int code = open_sweep(file, given, &sweep);
+    int code = open_scene(file, given, NULL, &sweep);
     code = code == EXIT_DONE ? batch_check(file, sweep) : code;
     if (code != EXIT_DONE) {
         weft_sweep_destroy(sweep);
@@ -265,7 +265,7 @@ static int check_file(const char *file, const options *given, yaml_out *out)
     return code;
 }
 
-static int check_files(const options *given)
+static int check_verb(const options *given)
 {
     yaml_out out;
     int code = EXIT_DONE;
@@ -283,12 +283,6 @@ static int check_files(const options *given)
         code = yaml_out_end(&out) || code != EXIT_DONE ? code : EXIT_FILE;
     }
     return code;
-}
-
-static int check_verb(const options *given)
-{
-    return given->operand_count == 0 ? usage_error(&verb_check, "no scene given")
-                                     : check_files(given);
 }
 
 const verb verb_check = {
@@ -315,5 +309,6 @@ const verb verb_check = {
     = OPTIONS(OPTION_VALUE("set", sets), OPTION_VALUE("plugin-path", plugin_path),
               OPTION_FLAG("yaml", yaml), OPTION_FLAG("all", all),
               OPTION_FLAG("refine", refine)),
+    .operands = { 1, 0, "no scene given", NULL },
     .run = check_verb,
 };

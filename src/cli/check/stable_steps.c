@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* stable_steps.c -- a survey of stable steps in words, and the advice that follows. */
+/* stable_steps.c -- prints a survey of stable steps, and advice. */
 #include "cli/check/stable_steps.h"
 
 #include <math.h>
 
 #include "cli/human.h"
 
-/* Methods in the short table, with the scene's own; what a higher order may cost. */
+/* Methods in the short table, with the scene's own; the factor in cost that a higher
+ * order is worth. */
 enum { SHORT_TABLE = 5 };
 #define ORDER 1.25
 
-/* Steppers take what is left of a frame whole if it is longer than h by this part. */
+/* Steppers take the rest of a frame in one step if it exceeds h by at most this part.
+ */
 #define REST 1e-6
 
 double frame_steps(const weft_run_def *run, double h)
@@ -48,90 +50,80 @@ static const survey_method *recommended(const survey *of)
 }
 
 /* "verlet velocity_verlet at its stable step needs 3.1 x fewer evaluations" */
-static void say_cheapest(const weft_scene *scene, const survey *of, char *text,
-                         size_t size)
+static void say_cheapest(const weft_scene *scene, const survey *of, sentence *out)
 {
     const survey_method *best = recommended(of);
     const double factor = own_cost(scene, of) / best->per_second;
     if (!(factor >= WORTH) || !isfinite(factor)) {
-        (void)snprintf(text, size, "no method needs notably fewer evaluations%s",
-                       step_taken(scene) < weft_run_frame_time(weft_scene_run(scene), 1)
-                           ? ""
-                           : " at this run.fps");
+        say(out, "no method needs notably fewer evaluations%s",
+            step_taken(scene) < weft_run_frame_time(weft_scene_run(scene), 1)
+                ? ""
+                : " at this run.fps");
     } else if (best == of->own) {
-        (void)snprintf(text, size, "that step needs %.2g x fewer evaluations", factor);
+        say(out, "that step needs %.2g x fewer evaluations", factor);
     } else {
-        (void)snprintf(text, size,
-                       "%s %s at its stable step needs %.2g x fewer evaluations%s",
-                       best->plugin->id, best->type->name, factor,
-                       best->type->error_order == 0 ? ", without error control" : "");
+        say(out, "%s %s at its stable step needs %.2g x fewer evaluations%s",
+            best->plugin->id, best->type->name, factor,
+            best->type->error_order == 0 ? ", without error control" : "");
     }
 }
 
-static void advise_fixed(const weft_scene *scene, const survey *of, char *text,
-                         size_t size)
+static void advise_fixed(const weft_scene *scene, const survey *of, sentence *out)
 {
     const double h = step_taken(scene), most = of->own->step;
-    char cheapest[200];
-    say_cheapest(scene, of, cheapest, sizeof cheapest);
     if (h > most) {
-        (void)snprintf(
-            text, size,
+        say(out,
             "a fixed step of %.3g s is beyond the stable %.3g s: the run may blow up",
             h, most);
     } else {
-        (void)snprintf(text, size, "the fixed step is %.2g %% of the stable step: %s",
-                       100.0 * h / most, cheapest);
+        say(out, "the fixed step is %.2g %% of the stable step: ", 100.0 * h / most);
+        say_cheapest(scene, of, out);
     }
 }
 
-static void advise_tolerance(const survey *of, char *text, size_t size)
+static void advise_tolerance(const survey *of, sentence *out)
 {
-    const int used = snprintf(text, size,
-                              "the tolerances limit the step (%.2g s on average in a "
-                              "trial, %.0f %% of the stable one): ",
-                              of->trial_mean, 100.0 * of->trial_mean / of->own->step);
+    say(out,
+        "the tolerances limit the step (%.2g s on average in a trial, %.0f %% of the "
+        "stable one): ",
+        of->trial_mean, 100.0 * of->trial_mean / of->own->step);
     if (of->rival != NULL) {
-        (void)snprintf(text + used, size - (size_t)used,
-                       "%s %s needs %.2g x fewer evaluations under them",
-                       of->rival->plugin->id, of->rival->type->name, of->rival_saves);
+        say(out, "%s %s needs %.2g x fewer evaluations under them",
+            of->rival->plugin->id, of->rival->type->name, of->rival_saves);
     } else {
-        (void)snprintf(text + used, size - (size_t)used,
-                       "only looser ones save evaluations");
+        say(out, "only looser ones save evaluations");
     }
 }
 
-static void advise_adaptive(const weft_scene *scene, const survey *of, char *text,
-                            size_t size)
+static void advise_adaptive(const weft_scene *scene, const survey *of, sentence *out)
 {
-    char cheapest[200];
-    say_cheapest(scene, of, cheapest, sizeof cheapest);
-    if (survey_held(of) >= 0.5) {
-        (void)snprintf(text, size,
-                       "%.0f %% stability-limited (a trial of %zu steps): %s",
-                       100.0 * of->trial_held, of->trial_steps, cheapest);
-    } else if (of->own->step > 0.0) {
-        advise_tolerance(of, text, size);
-    } else {
-        (void)snprintf(text, size,
-                       "%s %s has no stable step to compare with, %.2g s on average in "
-                       "a trial: %s",
-                       of->own->plugin->id, of->own->type->name, of->trial_mean,
-                       cheapest);
-    }
-}
-
-static void advise(const weft_scene *scene, const survey *of, char *text, size_t size)
-{
-    text[0] = '\0';
-    if (of->own == NULL || !(of->now.omega2 + of->now.damping > 0.0)) {
+    if (survey_held(of) < 0.5 && of->own->step > 0.0) {
+        advise_tolerance(of, out);
         return;
     }
-    if (step_taken(scene) > 0.0 && of->own->step > 0.0) {
-        advise_fixed(scene, of, text, size);
-    } else if (of->trial_steps > 0) {
-        advise_adaptive(scene, of, text, size);
+    if (survey_held(of) >= 0.5) {
+        say(out, "%.0f %% stability-limited (a trial of %zu steps): ",
+            100.0 * of->trial_held, of->trial_steps);
+    } else {
+        say(out,
+            "%s %s has no stable step to compare with, %.2g s on average in a trial: ",
+            of->own->plugin->id, of->own->type->name, of->trial_mean);
     }
+    say_cheapest(scene, of, out);
+}
+
+static sentence advise(const weft_scene *scene, const survey *of)
+{
+    sentence out = { "" };
+    if (of->own == NULL || !(of->now.omega2 + of->now.damping > 0.0)) {
+        return out;
+    }
+    if (step_taken(scene) > 0.0 && of->own->step > 0.0) {
+        advise_fixed(scene, of, &out);
+    } else if (of->trial_steps > 0) {
+        advise_adaptive(scene, of, &out);
+    }
+    return out;
 }
 
 static void print_method(const survey_method *method)
@@ -145,7 +137,7 @@ static void print_method(const survey_method *method)
     }
 }
 
-/* Methods of one polynomial are one method here. */
+/* Methods with the same stability polynomial count once. */
 static bool is_new(const survey *of, size_t i)
 {
     return i == 0 || of->methods[i].step != of->methods[i - 1].step
@@ -181,7 +173,7 @@ static bool print_table(const survey *of, bool all)
 
 void stability_print(const weft_scene *scene, const survey *of, bool all)
 {
-    char advice[512];
+    const sentence advice = advise(scene, of);
     print_item("stability",
                "omega <= %.4g 1/s, damping <= %.4g 1/s at the start; <= %.4g "
                "and %.4g 1/s in any state",
@@ -202,9 +194,8 @@ void stability_print(const weft_scene *scene, const survey *of, bool all)
     if (doubling || of->any_state.doubling) {
         print_doubling(scene);
     }
-    advise(scene, of, advice, sizeof advice);
-    if (advice[0] != '\0') {
-        print_item("advice", "%s", advice);
+    if (advice.text[0] != '\0') {
+        print_item("advice", "%s", advice.text);
     }
 }
 
@@ -218,7 +209,6 @@ static void modes_yaml(yaml_out *out, const char *key, const weft_stiffness *mod
 
 void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of)
 {
-    char advice[512];
     modes_yaml(out, "at_the_start", &of->now);
     modes_yaml(out, "in_any_state", &of->any);
     if (of->refined) {
@@ -248,8 +238,7 @@ void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of)
         yaml_out_real(out, "rhs_calls_per_second", of->trial_calls);
         yaml_out_close_map(out);
     }
-    advise(scene, of, advice, sizeof advice);
-    yaml_out_text(out, "advice", advice);
+    yaml_out_text(out, "advice", advise(scene, of).text);
 }
 
 bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet)
@@ -257,12 +246,8 @@ bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet)
     const weft_stiffness modes = weft_cloth_stiffness(
         weft_sim_cloth(sim), weft_sim_time(sim), weft_sim_state(sim));
     const double h = step_taken(scene);
-    survey_method own = { 0 };
-    const bool beyond
-        = h > 0.0
-          && stable_step(scene, weft_scene_method_type(scene), &modes, &own, NULL)
-                 == WEFT_OK
-          && h > own.step;
+    const double stable = h > 0.0 ? own_stable_step(scene, &modes) : 0.0;
+    const bool beyond = stable > 0.0 && h > stable;
     if (beyond && !quiet) {
         fprintf(
             stderr,
@@ -270,8 +255,8 @@ bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet)
             "%.4g s of %s %s on this cloth\n"
             "  omega <= %.4g 1/s, damping <= %.4g 1/s at the start\n"
             "  try stepper.fixed_step=%.2g, or see weft check for other methods\n",
-            h, own.step, weft_scene_plugin(scene), weft_scene_method(scene),
-            sqrt(modes.omega2), modes.damping, 0.9 * own.step);
+            h, stable, weft_scene_plugin(scene), weft_scene_method(scene),
+            sqrt(modes.omega2), modes.damping, 0.9 * stable);
     }
     return beyond;
 }

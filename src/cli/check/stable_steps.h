@@ -7,7 +7,7 @@
 #include "cli/cli.h"
 #include "record/yaml_out.h"
 
-#define WORTH 1.2 /* a saving of evaluations worth a word */
+#define WORTH 1.2 /* the least saving of evaluations that is reported */
 
 /* What a method costs on a cloth if stability alone limits its step. */
 typedef struct survey_method {
@@ -16,20 +16,20 @@ typedef struct survey_method {
     double step;       /* [s] up to which no mode grows; 0: the method has none */
     bool doubling;     /* undamped ones do, as no step of the method is stable on them:
                           the step at which none more than doubles in the run */
-    double calls;      /* RHS calls a step */
+    double calls;      /* RHS calls per step */
     double per_second; /* RHS calls per simulated second at that step */
 } survey_method;
 
 typedef struct survey {
     bool refined;
     weft_stiffness now, any; /* guaranteed: in the first state; in whatever state */
-    weft_stiffness modes;    /* what the steps are from: now, refined if asked for */
+    weft_stiffness modes;    /* behind the steps: now, refined on request */
     survey_method *methods;  /* the cheapest first, those without a step last */
     size_t count;
     const survey_method *own;   /* the scene's; NULL: its plugin is not there */
     survey_method any_state;    /* the scene's method in whatever state */
     size_t trial_steps;         /* of that method under its tolerances; 0: no trial */
-    double trial_held;          /* part of them that stability has held */
+    double trial_held;          /* part of them limited by stability */
     double trial_mean;          /* [s] */
     double trial_calls;         /* RHS calls per simulated second */
     const survey_method *rival; /* of higher order, tried too; NULL: no or no better */
@@ -37,13 +37,13 @@ typedef struct survey {
 } survey;
 
 /* sim is of the scene, at t = 0, and is used up by the trial; NULL: no trial,
- * and `now` is what holds in any state. */
+ * and `now` holds in any state. */
 weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
                           weft_sim *sim, const options *given, survey *out,
                           weft_error *err);
 void survey_destroy(survey *self);
 
-/* Part of the trial's steps that stability has held; 0 without a stable step. */
+/* Part of the trial's steps limited by stability; 0 without a stable step. */
 double survey_held(const survey *of);
 
 /* Type, step, doubling and calls of one method. WEFT_UNSUPPORTED: it has no stable
@@ -52,10 +52,13 @@ weft_status stable_step(const weft_scene *scene, const weft_stepper_type *type,
                         const weft_stiffness *modes, survey_method *out,
                         weft_error *err);
 
-/* How many fixed steps of h [s] a frame takes: none crosses its end. */
+/* [s] The stable step of the scene's method; 0: it has none. */
+double own_stable_step(const weft_scene *scene, const weft_stiffness *modes);
+
+/* The number of fixed steps of h [s] in a frame: none crosses its end. */
 double frame_steps(const weft_run_def *run, double h);
 
-/* The longest step [s] that a fixed step comes to, as a frame cuts it; 0: adaptive. */
+/* [s] The longest step of a run with a fixed step, as frames cut it; 0: adaptive. */
 double step_taken(const weft_scene *scene);
 
 /* RHS calls per simulated second of a method in fixed steps of h [s]. */
@@ -65,8 +68,8 @@ double calls_per_second(const weft_scene *scene, const survey_method *method, do
 void stability_print(const weft_scene *scene, const survey *of, bool all);
 void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of);
 
-/* Whether the scene's fixed step is beyond the stable one of the present state; then,
- * unless quiet, it says so to stderr. */
+/* Whether the scene's fixed step is beyond the stable one of the present state. Warns
+ * on stderr unless quiet. */
 bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet);
 
 #endif

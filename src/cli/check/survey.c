@@ -1,22 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* survey.c -- what every method would cost on a scene: the largest stable step of each,
+/* survey.c -- the cost of every method on a scene: the largest stable step of each,
  * and a short trial of the scene's own under its tolerances. */
 #include "cli/check/stable_steps.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "cli/method_list.h"
-
-/* RHS calls times particles of a trial, and the steps it is to have at least. */
+/* RHS calls times particles of a trial, and its least number of steps. */
 #define TRIAL_WORK 1.5e6
 enum { TRIAL_SKIPPED = 3, TRIAL_LEAST = 10 };
 
-/* The allowance for undamped modes may lengthen a stable step a little: it is the step
- * if without it there is less than so much of it. */
+/* The allowance for undamped modes may lengthen a stable step a little. A step counts
+ * as doubling if the one without the allowance is less than this part of it. */
 #define DOUBLING 0.9
 
-/* A step of so much of the stable one or more was held by stability. */
+/* A step of at least this part of the stable one was limited by stability. */
 #define HELD 0.8
 
 #define LN_2 0.69314718055994531
@@ -42,6 +40,14 @@ weft_status stable_step(const weft_scene *scene, const weft_stepper_type *type,
         out->doubling = strict < DOUBLING * out->step;
     }
     return status;
+}
+
+double own_stable_step(const weft_scene *scene, const weft_stiffness *modes)
+{
+    survey_method own = { 0 };
+    const weft_status status
+        = stable_step(scene, weft_scene_method_type(scene), modes, &own, NULL);
+    return status == WEFT_OK ? own.step : 0.0;
 }
 
 double calls_per_second(const weft_scene *scene, const survey_method *method, double h)
@@ -83,22 +89,20 @@ static weft_status survey_methods(const weft_scene *scene,
     if (out->methods == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu methods", room);
     }
-    weft_status status = WEFT_OK;
-    for (size_t i = 0; status == WEFT_OK && method_at(registry, i, &m); ++i) {
-        /* tables of one's own are no method but in the scene that has them */
+    for (size_t i = 0; method_at(registry, i, &m); ++i) {
+        /* a scene's own table is no method of other scenes */
         if ((m.type->flags & WEFT_STEPPER_BUTCHER) == 0 || m.type == own) {
-            status = add_method(scene, &m, out, err);
+            TRY(add_method(scene, &m, out, err));
         }
     }
     qsort(out->methods, out->count, sizeof *out->methods, compare);
     for (size_t i = 0; i < out->count; ++i) {
         out->own = out->methods[i].type == own ? &out->methods[i] : out->own;
     }
-    return status;
+    return WEFT_OK;
 }
 
-/* The scene's method from t = 0 on, past its first steps. What has failed by then is
- * no matter of this. */
+/* The scene's method from t = 0 on, past its first steps. A failure only ends it. */
 static void trial(const weft_scene *scene, weft_sim *sim, survey *out)
 {
     const double end = weft_scene_run(scene)->duration;
@@ -130,7 +134,7 @@ static void trial(const weft_scene *scene, weft_sim *sim, survey *out)
     }
 }
 
-/* Without a state, whose plugin is not there, what holds in every state. */
+/* Without a simulation, whose plugin is missing, the bounds of every state. */
 static weft_status survey_cloth(const weft_cloth *cloth, const weft_sim *sim,
                                 bool refine, survey *out, weft_error *err)
 {
@@ -157,8 +161,7 @@ static const survey_method *find_rival(const survey *of)
     return best == of->own ? NULL : best;
 }
 
-/* How many RHS calls a method of higher order takes to the time that the trial came to.
- */
+/* The RHS calls of a method of higher order up to the end of the trial. */
 static weft_status try_rival(const weft_scene *scene, const weft_sim *tried,
                              survey *out, weft_error *err)
 {
@@ -196,24 +199,21 @@ weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
 {
     *out = (survey){ 0 };
     (void)load_plugins(given->registry, NULL);
-    weft_status status = survey_cloth(cloth, sim, given->refine, out, err);
-    if (status == WEFT_OK) {
-        status = survey_methods(scene, given->registry, out, err);
+    TRY(survey_cloth(cloth, sim, given->refine, out, err));
+    TRY(survey_methods(scene, given->registry, out, err));
+    if (out->own != NULL && out->own->step > 0.0) {
+        TRY(stable_step(scene, out->own->type, &out->any, &out->any_state, err));
     }
-    if (status == WEFT_OK && out->own != NULL && out->own->step > 0.0) {
-        status = stable_step(scene, out->own->type, &out->any, &out->any_state, err);
-    }
-    const bool adaptive = weft_scene_config(scene)->fixed_step == 0.0;
     const bool small
         = out->own != NULL && (out->own->type->flags & WEFT_STEPPER_DENSE) != 0;
-    if (status == WEFT_OK && sim != NULL && adaptive && !small) {
-        trial(scene, sim, out);
-        const bool limited = weft_scene_limit(scene)->method != WEFT_LIMIT_NONE;
-        if (out->trial_steps > 0 && survey_held(out) < 0.5 && !limited) {
-            status = try_rival(scene, sim, out, err);
-        }
+    if (sim == NULL || weft_scene_config(scene)->fixed_step > 0.0 || small) {
+        return WEFT_OK;
     }
-    return status;
+    trial(scene, sim, out);
+    const bool limited = weft_scene_limit(scene)->method != WEFT_LIMIT_NONE;
+    return out->trial_steps > 0 && survey_held(out) < 0.5 && !limited
+               ? try_rival(scene, sim, out, err)
+               : WEFT_OK;
 }
 
 double survey_held(const survey *of)

@@ -5,7 +5,6 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 
 #include "cli/check/stable_steps.h"
 #include "cli/compare/compare.h"
@@ -13,63 +12,70 @@
 #include "record/child_process.h"
 #include "record/record.h"
 
-enum { CALL_TIMES = 5, NAME_MOST = 64 };
+enum { CALL_TIMES = 5, NAME_MOST = 256 };
 
-#define RUNGS_WORTH 2.5 /* a ladder of runs costs so many of its dearest */
+#define RUNGS_WORTH 2.5 /* the cost of a ladder, in its most expensive run */
 
 double compare_time(const compare *self, size_t frame)
 {
     return weft_run_frame_time(&self->run, frame);
 }
 
+const compare_point *compare_as_is(const compare *self)
+{
+    return self->shared->methods[self->count].points;
+}
+
 /* ---- methods ---------------------------------------------------------------- */
 
-/* "gsl", "rkf45" or "gsl/rkf45", of `length` letters. */
-static bool is_meant(const stepper_method *m, const char *word, size_t length)
+/* Takes the next word off a list separated by commas; false: there is none. */
+static bool next_word(const char **list, char word[NAME_MOST])
 {
-    char text[NAME_MOST];
-    const size_t id = strlen(m->plugin->id);
-    if (length >= sizeof text) {
+    if (*list == NULL || **list == '\0') {
         return false;
     }
-    memcpy(text, word, length);
-    text[length] = '\0';
-    return strcmp(text, m->plugin->id) == 0 || weft_stepper_is(m->type, text)
-           || (strncmp(text, m->plugin->id, id) == 0 && text[id] == '/'
-               && weft_stepper_is(m->type, text + id + 1));
+    const size_t length = strcspn(*list, ",");
+    (void)snprintf(word, NAME_MOST, "%.*s", (int)length, *list);
+    *list += length + ((*list)[length] == ',');
+    return true;
+}
+
+/* "gsl", "rkf45" or "gsl/rkf45" */
+static bool is_meant(const stepper_method *m, const char *word)
+{
+    const size_t id = strlen(m->plugin->id);
+    return strcmp(word, m->plugin->id) == 0 || weft_stepper_is(m->type, word)
+           || (strncmp(word, m->plugin->id, id) == 0 && word[id] == '/'
+               && weft_stepper_is(m->type, word + id + 1));
 }
 
 /* NULL: all. */
 static bool is_listed(const stepper_method *m, const char *list)
 {
+    char word[NAME_MOST];
     bool found = list == NULL;
-    while (!found && *list != '\0') {
-        const size_t length = strcspn(list, ",");
-        found = is_meant(m, list, length);
-        list += length + (list[length] == ',');
+    while (!found && next_word(&list, word)) {
+        found = is_meant(m, word);
     }
     return found;
 }
 
-/* The first word of a list that is no method; NULL: all are. */
-static const char *unknown_word(const weft_registry *registry, const char *list)
+/* The first word of a list that is no method; false: all are. */
+static bool unknown_word(const weft_registry *registry, const char *list,
+                         char word[NAME_MOST])
 {
-    while (list != NULL && *list != '\0') {
-        const size_t length = strcspn(list, ",");
+    bool known = true;
+    while (known && next_word(&list, word)) {
         stepper_method m;
-        bool found = false;
-        for (size_t i = 0; !found && method_at(registry, i, &m); ++i) {
-            found = is_meant(&m, list, length);
+        known = false;
+        for (size_t i = 0; !known && method_at(registry, i, &m); ++i) {
+            known = is_meant(&m, word);
         }
-        if (!found) {
-            return list;
-        }
-        list += length + (list[length] == ',');
     }
-    return NULL;
+    return !known;
 }
 
-/* Frames are met, so the steps divide the time between them. */
+/* Steps end at frames, so a whole number of them makes a frame. */
 static weft_status set_steps(const compare *self, const weft_stiffness *modes,
                              compare_method *method, weft_error *err)
 {
@@ -106,7 +112,7 @@ static weft_status add_method(compare *self, const stepper_method *by,
     return method_adapts(by->type) ? WEFT_OK : set_steps(self, modes, method, err);
 }
 
-/* The scene's own whether listed or not. */
+/* The scene's own method is added whether listed or not. */
 static weft_status add_methods(compare *self, const weft_registry *registry,
                                const char *list, weft_error *err)
 {
@@ -132,23 +138,13 @@ static weft_status add_methods(compare *self, const weft_registry *registry,
 
 /* ---- references and horizon ------------------------------------------------- */
 
-/* "its process was ended by signal 11" into text; false: it ended well. */
-static bool ended_badly(int status, char *text, size_t size)
-{
-    const bool killed = WIFSIGNALED(status);
-    (void)snprintf(text, size, "its process was ended by %s %d",
-                   killed ? "signal" : "exit code",
-                   killed ? WTERMSIG(status) : WEXITSTATUS(status));
-    return status != 0;
-}
-
 static void reference_ended(void *ctx, const process *one)
 {
     const compare *self = ctx;
-    char how[64];
-    if (ended_badly(one->status, how, sizeof how)) {
-        self->shared->status[one->job]
-            = weft_error_set(&self->shared->err[one->job], WEFT_SOLVER, "%s", how);
+    weft_error *err = &self->shared->err[one->job];
+    if (one->status != 0) {
+        err->status = WEFT_SOLVER;
+        process_describe(one->status, err->message, sizeof err->message);
     }
 }
 
@@ -166,20 +162,6 @@ static weft_status run_jobs(compare *self, size_t jobs,
                ? WEFT_OK
                : weft_error_set(err, WEFT_SOLVER, "no process for a run: %s",
                                 strerror(errno));
-}
-
-static double distance(const compare *self, size_t frame)
-{
-    const size_t n = weft_cloth_particles(self->cloth);
-    const double *a = self->frames[0] + frame * 6 * n;
-    const double *b = self->frames[1] + frame * 6 * n;
-    double top = 0.0;
-    for (size_t i = 0; i < n; ++i) {
-        const double d[3]
-            = { a[i] - b[i], a[n + i] - b[n + i], a[2 * n + i] - b[2 * n + i] };
-        top = fmax(top, sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
-    }
-    return top;
 }
 
 /* Least squares of log(distance of the twin) over time. */
@@ -210,27 +192,30 @@ static weft_status no_horizon(const compare *self, weft_error *err)
 {
     const char *hint = weft_scene_limit(self->scene)->method == WEFT_LIMIT_NONE
                            ? ""
-                           : "; what a strain limit does depends on the steps";
-    if (!self->parted) {
-        return weft_error_set(err, WEFT_UNSUPPORTED,
-                              "not predictable: a twin displaced by %g m is more than "
-                              "%g m off at the first frame%s",
-                              COMPARE_NUDGE, COMPARE_GROWTH * COMPARE_NUDGE, hint);
-    }
-    return weft_error_set(err, WEFT_UNSUPPORTED,
-                          "no reference: %s and %s at tolerance %g differ by more than "
-                          "%g m at the first frame%s",
-                          self->by[0].type->name, self->by[1].type->name,
-                          COMPARE_TIGHTEST, COMPARE_PARTED, hint);
+                           : "; the effect of a strain limit depends on the steps";
+    return self->parted ? weft_error_set(
+               err, WEFT_UNSUPPORTED,
+               "no reference: %s and %s at tolerance %g differ by more "
+               "than %g m at the first frame%s",
+               self->by[0].type->name, self->by[1].type->name, COMPARE_TIGHTEST,
+               COMPARE_PARTED, hint)
+                        : weft_error_set(
+                            err, WEFT_UNSUPPORTED,
+                            "not predictable: a twin displaced by %g m is more than "
+                            "%g m away at the first frame%s",
+                            COMPARE_NUDGE, COMPARE_GROWTH * COMPARE_NUDGE, hint);
 }
 
 static weft_status find_horizon(compare *self, weft_error *err)
 {
-    self->last = atomic_load(&self->shared->last);
+    const size_t n = weft_cloth_particles(self->cloth);
+    double unused = 0.0;
     self->chaotic = self->last < self->planned;
     self->apart = 0.0;
     for (size_t i = 0; i <= self->last; ++i) {
-        const double apart = distance(self, i);
+        const size_t at = i * 6 * n;
+        const double apart
+            = compare_farthest(self->frames[0] + at, self->frames[1] + at, n, &unused);
         if (!(apart <= COMPARE_PARTED)) {
             self->last = i - 1;
             self->parted = true;
@@ -248,16 +233,18 @@ static weft_status find_horizon(compare *self, weft_error *err)
 
 static weft_status make_references(compare *self, weft_error *err)
 {
-    weft_status status = run_jobs(self, 2, compare_reference, reference_ended, err);
-    for (size_t i = 0; i < 2 && status == WEFT_OK; ++i) {
-        status = self->shared->status[i];
-        if (status != WEFT_OK) {
-            return weft_error_set(err, status, "no reference: %s %s: %s",
+    TRY(run_jobs(self, 2, compare_reference, reference_ended, err));
+    self->last = atomic_load(&self->shared->last);
+    for (size_t i = 0; i < 2; ++i) {
+        const weft_error *why = &self->shared->err[i];
+        /* Whether a reference runs past the horizon, and fails there, depends on -j. */
+        if (why->status != WEFT_OK && self->calls[i][self->last] == 0) {
+            return weft_error_set(err, why->status, "no reference: %s %s: %s",
                                   self->by[i].plugin->id, self->by[i].type->name,
-                                  self->shared->err[i].message);
+                                  why->message);
         }
     }
-    return status == WEFT_OK ? find_horizon(self, err) : status;
+    return find_horizon(self, err);
 }
 
 /* ---- ladders and times ------------------------------------------------------ */
@@ -265,31 +252,26 @@ static weft_status make_references(compare *self, weft_error *err)
 static void ladder_ended(void *ctx, const process *one)
 {
     compare *self = ctx;
-    char how[64];
-    const bool as_is = one->job == self->count;
-    compare_point *points
-        = as_is ? &self->shared->as_is : self->shared->methods[one->job].points;
-    const size_t count = as_is ? 1 : COMPARE_RUNGS;
-    for (size_t i = 0; ended_badly(one->status, how, sizeof how) && i < count; ++i) {
+    compare_point *points = self->shared->methods[one->job].points;
+    for (size_t i = 0; one->status != 0 && i < COMPARE_RUNGS; ++i) {
         if (points[i].outcome == COMPARE_RUNNING) {
             points[i].outcome = COMPARE_FAILED;
-            (void)snprintf(points[i].why, sizeof points[i].why, "%s", how);
+            process_describe(one->status, points[i].why, sizeof points[i].why);
         }
     }
     ++self->over;
     progress_count(&self->progress, "methods", self->over, self->count + 1);
 }
 
-/* No more than the reference itself, nor than its part of COMPARE_WORK. */
+/* The calls of the costlier reference up to `last`, at most a share of COMPARE_WORK. */
 static void set_budget(compare *self)
 {
     const double particles = (double)weft_cloth_particles(self->cloth);
     const double share
         = COMPARE_WORK / (particles * RUNGS_WORTH * (double)(self->count + 1));
-    const uint64_t dearest = self->shared->calls[0] > self->shared->calls[1]
-                                 ? self->shared->calls[0]
-                                 : self->shared->calls[1];
-    self->budget = share < (double)dearest ? (uint64_t)share : dearest;
+    const double dearest
+        = fmax((double)self->calls[0][self->last], (double)self->calls[1][self->last]);
+    self->budget = (uint64_t)fmin(share, dearest);
 }
 
 static int by_value(const void *a, const void *b)
@@ -298,7 +280,7 @@ static int by_value(const void *a, const void *b)
     return (*x > *y) - (*x < *y);
 }
 
-/* Turn by turn, so that what else the machine does falls on all alike. */
+/* In rounds, so that other load of the machine affects all methods alike. */
 static weft_status take_times(const compare *self, weft_error *err)
 {
     double(*times)[CALL_TIMES] = calloc(self->count, sizeof *times);
@@ -320,12 +302,11 @@ static weft_status take_times(const compare *self, weft_error *err)
 
 static weft_status compare_all(compare *self, weft_error *err)
 {
-    weft_status status = make_references(self, err);
-    if (status == WEFT_OK) {
-        set_budget(self);
-        status = run_jobs(self, self->count + 1, compare_ladder, ladder_ended, err);
-        progress_clear(&self->progress);
-    }
+    TRY(make_references(self, err));
+    set_budget(self);
+    const weft_status status
+        = run_jobs(self, self->count + 1, compare_ladder, ladder_ended, err);
+    progress_clear(&self->progress);
     return status == WEFT_OK ? take_times(self, err) : status;
 }
 
@@ -335,15 +316,18 @@ static weft_status open_memory(compare *self, const weft_registry *registry,
                                weft_error *err)
 {
     const size_t frames = self->planned + 1, dim = weft_cloth_dim(self->cloth);
-    self->shared = process_memory(
-        1,
-        sizeof *self->shared + method_count(registry) * sizeof *self->shared->methods);
-    self->frames[0] = process_memory(frames, dim * sizeof(double));
-    self->frames[1] = process_memory(frames, dim * sizeof(double));
+    self->shared = process_memory(1, sizeof *self->shared
+                                         + (method_count(registry) + 1)
+                                               * sizeof *self->shared->methods);
+    bool able = self->shared != NULL;
+    for (size_t i = 0; i < 2; ++i) {
+        self->frames[i] = process_memory(frames, dim * sizeof(double));
+        self->calls[i] = process_memory(frames, sizeof(uint64_t));
+        able = able && self->frames[i] != NULL && self->calls[i] != NULL;
+    }
     self->twin = process_memory(frames, sizeof(double));
     self->energy = process_memory(frames, sizeof(double));
-    if (self->shared == NULL || self->frames[0] == NULL || self->frames[1] == NULL
-        || self->twin == NULL || self->energy == NULL) {
+    if (!able || self->twin == NULL || self->energy == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu frames", frames);
     }
     atomic_store(&self->shared->last, self->planned);
@@ -354,13 +338,13 @@ static weft_status conclude(const compare *self, const char *directory, weft_err
 {
     compare_advice advice;
     compare_advise(self, &advice);
-    weft_status status = compare_csv(self, directory, err);
-    status = status == WEFT_OK ? compare_html(self, &advice, directory, err) : status;
-    if (status == WEFT_OK && !self->quiet && self->progress.mode != PROGRESS_YAML) {
+    TRY(compare_csv(self, directory, err));
+    TRY(compare_html(self, &advice, directory, err));
+    if (!self->quiet && self->progress.mode != PROGRESS_YAML) {
         compare_print(self, &advice);
         printf("written: %s/compare.csv, %s/compare.html\n", directory, directory);
     }
-    return status;
+    return WEFT_OK;
 }
 
 static weft_status find_references(compare *self, const weft_registry *registry,
@@ -374,19 +358,18 @@ static weft_status find_references(compare *self, const weft_registry *registry,
                                 "one would check the other");
 }
 
+/* Checks for references before it makes the directory. */
 static weft_status compare_into(compare *self, const options *given,
                                 const char *directory, weft_error *err)
 {
-    weft_status status = open_memory(self, given->registry, err);
-    if (status == WEFT_OK) {
-        status = add_methods(self, given->registry, given->methods, err);
-    }
-    if (status == WEFT_OK) {
-        compare_begin(self, directory);
-        status = compare_all(self, err);
-        status = status == WEFT_OK ? conclude(self, directory, err) : status;
-        compare_end(self, status == WEFT_OK ? NULL : err->message);
-    }
+    TRY(find_references(self, given->registry, err));
+    TRY(record_outdir(directory, given->force, err));
+    TRY(open_memory(self, given->registry, err));
+    TRY(add_methods(self, given->registry, given->methods, err));
+    compare_begin(self, directory);
+    weft_status status = compare_all(self, err);
+    status = status == WEFT_OK ? conclude(self, directory, err) : status;
+    compare_end(self, status == WEFT_OK ? NULL : err->message);
     return status;
 }
 
@@ -399,15 +382,13 @@ static int compare_scene(const options *given, double until, const weft_scene *s
     compare self = { .scene = scene,
                      .run = *weft_scene_run(scene),
                      .jobs = given->jobs > 0 ? given->jobs : 1,
-                     .quiet = given->quiet };
-    (void)progress_find(given->quiet ? "none" : given->progress, &self.progress.mode);
+                     .quiet = given->quiet,
+                     .progress.mode = given->mode };
     self.run.duration = fmin(self.run.duration, until);
     self.planned = weft_run_last_frame(&self.run);
     weft_status status = scene_supported(scene, &err);
     status = status == WEFT_OK ? cloth_create(scene, &cloth, &err) : status;
     self.cloth = cloth;
-    status = status == WEFT_OK ? find_references(&self, given->registry, &err) : status;
-    status = status == WEFT_OK ? record_outdir(directory, given->force, &err) : status;
     status = status == WEFT_OK ? compare_into(&self, given, directory, &err) : status;
     weft_cloth_destroy(cloth);
     return status == WEFT_OK ? EXIT_DONE : report_error(&err);
@@ -415,39 +396,28 @@ static int compare_scene(const options *given, double until, const weft_scene *s
 
 static int open_and_compare(const options *given, double until)
 {
+    char word[NAME_MOST];
     weft_scene *scene = NULL;
-    const int code = open_scene(given->operands[0], given, &scene);
-    if (code != EXIT_DONE) {
-        return code;
+    int code = open_scene(given->operands[0], given, &scene, NULL);
+    if (code == EXIT_DONE) {
+        (void)load_plugins(given->registry, NULL);
+        code = unknown_word(given->registry, given->methods, word)
+                   ? usage_error(&verb_compare,
+                                 "--methods: no method '%s'; weft steppers lists them",
+                                 word)
+                   : compare_scene(given, until, scene);
     }
-    (void)load_plugins(given->registry, NULL);
-    const char *word = unknown_word(given->registry, given->methods);
-    const int compared
-        = word == NULL
-              ? compare_scene(given, until, scene)
-              : usage_error(&verb_compare,
-                            "--methods: no method '%.*s'; weft steppers lists them",
-                            (int)strcspn(word, ","), word);
     weft_scene_destroy(scene);
-    return compared;
+    return code;
 }
 
 static int compare_verb(const options *given)
 {
-    progress_mode mode;
     const double until
         = given->until == NULL ? (double)INFINITY : option_real(given->until);
-    if (given->operand_count != 1) {
-        return usage_error(&verb_compare, given->operand_count == 0
-                                              ? "no scene given"
-                                              : "more than one scene");
-    }
-    if (!(until > 0.0)) {
-        return usage_error(&verb_compare, "--until %s: not a time [s] > 0",
-                           given->until);
-    }
-    const int code = progress_choose(&verb_compare, given, &mode);
-    return code == EXIT_DONE ? open_and_compare(given, until) : code;
+    return until > 0.0 ? open_and_compare(given, until)
+                       : usage_error(&verb_compare, "--until %s: not a time [s] > 0",
+                                     given->until);
 }
 
 const verb verb_compare = {
@@ -485,5 +455,6 @@ const verb verb_compare = {
                        OPTION_FLAG("quiet", quiet), OPTION_FLAG("force", force),
                        OPTION_VALUE("progress", progress), OPTION_VALUE("jobs", jobs),
                        OPTION_VALUE("methods", methods), OPTION_VALUE("until", until)),
+    .operands = { 1, 1, "no scene given", "more than one scene" },
     .run = compare_verb,
 };

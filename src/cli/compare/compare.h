@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* compare.h -- weft compare: what every method costs on a scene, at every accuracy.
+/* compare.h -- weft compare: the cost of every method on a scene, at every accuracy.
  *
- * Errors are positions [m] against a reference: the scene by the best method there is
- * at COMPARE_TIGHTEST, checked by the best of another plugin. Both, and a twin
- * displaced by COMPARE_NUDGE at the start, are run first; how fast the twin parts
- * bounds the time that is compared. Then every method climbs its ladder: of tolerances,
- * or of fixed steps from its largest stable one downwards by halves. Each reference and
- * each ladder is a process of its own, which leaves its numbers in shared memory. Times
- * are taken last, by one process alone. */
+ * Errors are distances [m] from a reference: the scene with the best method available
+ * at COMPARE_TIGHTEST, checked by the best method of another plugin. Both, and a twin
+ * displaced by COMPARE_NUDGE at the start, run first; the divergence of the twin bounds
+ * the time that is compared. Then every method runs its ladder: of tolerances, or of
+ * fixed steps, halved from its largest stable one on. Each reference and each ladder
+ * has its own process, which writes its numbers to shared memory. One process alone
+ * measures times, last of all. */
 #ifndef WEFT_CLI_COMPARE_COMPARE_H
 #define WEFT_CLI_COMPARE_COMPARE_H
 
 #include <stdatomic.h>
 
 #include "cli/cli.h"
-#include "cli/method_list.h"
+#include "cli/human.h"
 #include "cli/run/progress.h"
 
 enum {
@@ -25,9 +25,9 @@ enum {
 
 #define COMPARE_TIGHTEST 1e-12 /* tolerance of the reference */
 #define COMPARE_NUDGE    1e-10 /* [m] */
-#define COMPARE_GROWTH   1e4   /* of the nudge, to which the scene is predictable */
-#define COMPARE_PARTED   1e-4  /* [m] the two references, likewise */
-#define COMPARE_NEAR     10.0  /* times the error of the reference: not to be judged */
+#define COMPARE_GROWTH   1e4   /* of the nudge, up to which the scene is predictable */
+#define COMPARE_PARTED   1e-4  /* [m] the same limit between the two references */
+#define COMPARE_NEAR     10.0  /* times the error of the reference: not judged */
 #define COMPARE_WORK     3e8 /* RHS calls times particles, of all runs but references */
 
 typedef enum compare_outcome {
@@ -43,7 +43,7 @@ typedef struct compare_point {
     compare_outcome outcome;
     double setting;  /* tolerance, or fixed step [s] */
     double error;    /* [m] largest distance of a particle in a frame */
-    double rms;      /* [m] of all of them */
+    double rms;      /* [m] root mean square over particles and frames */
     double velocity; /* [m/s] largest, as `error` */
     double energy;   /* largest difference in a frame, part of the energy at play */
     uint64_t calls, steps, rejected;
@@ -54,38 +54,37 @@ typedef struct compare_method {
     stepper_method by;
     bool own;           /* the scene's */
     double step;        /* [s] fixed step of the first rung; 0: adaptive */
-    double step_calls;  /* RHS calls of such a step */
-    double call_time;   /* [s] a call, with all that belongs to it; 0: not known */
+    double step_calls;  /* RHS calls per step of this size */
+    double call_time;   /* [s] per call, all overhead included; 0: unknown */
     char left_out[160]; /* why it has no ladder; "" if it has */
     compare_point points[COMPARE_RUNGS];
 } compare_method;
 
-/* What the processes leave for one another. */
+/* Shared by the processes. */
 typedef struct compare_shared {
-    _Atomic size_t last;   /* frame, lowered when the twin has parted */
-    weft_status status[2]; /* of the references */
-    weft_error err[2];
-    uint64_t calls[2];
-    compare_point as_is;      /* the scene with its own method and settings */
-    compare_method methods[]; /* count of them */
+    _Atomic size_t last; /* frame, lowered when the twin diverges */
+    weft_error err[2];   /* of the references */
+    /* [count], then the scene with its own method and settings: one point */
+    compare_method methods[];
 } compare_shared;
 
 typedef struct compare {
     const weft_scene *scene;
     const weft_cloth *cloth;
-    weft_run_def run; /* of the scene, cut to what was asked for */
+    weft_run_def run; /* of the scene, up to --until */
     stepper_method by[2];
     size_t last;    /* frame up to which errors are judged */
-    size_t planned; /* and were to be */
+    size_t planned; /* frame up to which they should be */
     size_t jobs;
     bool quiet;
     progress progress; /* of the ladders */
 
     /* shared; frames of 6 N numbers, planned + 1 of them */
     compare_shared *shared;
-    double *frames[2]; /* of the references */
-    double *twin;      /* [m] how far it is off, by frames */
-    double *energy;    /* [J] kinetic, elastic and gravitational, by frames */
+    double *frames[2];  /* of the references */
+    double *twin;       /* [m] its distance, by frames */
+    double *energy;     /* [J] kinetic, elastic and gravitational, by frames */
+    uint64_t *calls[2]; /* RHS calls of the references up to each frame */
 
     size_t count;    /* of methods */
     double at_play;  /* [J] range of the energy, or the largest kinetic */
@@ -94,11 +93,12 @@ typedef struct compare {
     bool chaotic;    /* `last` is where the twin has parted, */
     bool parted;     /* or the references */
     size_t over;     /* ladders */
-    uint64_t budget; /* RHS calls of a run */
+    uint64_t budget; /* RHS calls of a run; not of `as_is` */
 } compare;
 
 double compare_time(const compare *self, size_t frame); /* [s] */
-double compare_decade(size_t k); /* 10^-k, k <= 22: the nearest double */
+const compare_point *compare_as_is(const compare *self);
+double compare_decade(size_t k); /* 10^-k */
 
 /* ---- compare_run.c: in a process of their own ------------------------------- */
 
@@ -106,7 +106,10 @@ double compare_decade(size_t k); /* 10^-k, k <= 22: the nearest double */
 int compare_reference(void *self, size_t which);
 /* The ladder of a method; past the last method: the scene as it is. */
 int compare_ladder(void *self, size_t i);
-/* [s] a call takes, measured for a moment; 0 if it fails. */
+/* The largest length of a difference of 3-vectors in n entries of three planes each;
+ * INFINITY if one is not finite. Adds their squares to *square. */
+double compare_farthest(const double *a, const double *b, size_t n, double *square);
+/* [s] per call, measured for a moment; 0 if it fails. */
 double compare_call_time(const compare *self, const compare_method *method);
 
 /* ---- compare_advice.c ------------------------------------------------------- */
@@ -130,11 +133,11 @@ typedef struct compare_advice {
 
 bool compare_reach(const compare_method *method, double accuracy, compare_cost *out);
 void compare_advise(const compare *self, compare_advice *out);
-/* A rank, and what is known of the scene, in words. */
-void compare_say(const compare_rank *rank, char *text, size_t size);
-void compare_say_as_is(const compare *self, char *text, size_t size);
-void compare_say_horizon(const compare *self, char *text, size_t size);
-void compare_say_reference(const compare *self, char *text, size_t size);
+/* These append to a sentence: a rank, and the properties of the scene. */
+void compare_say(const compare_rank *rank, sentence *out);
+void compare_say_as_is(const compare *self, sentence *out);
+void compare_say_horizon(const compare *self, sentence *out);
+void compare_say_reference(const compare *self, sentence *out);
 
 /* ---- compare_write.c -------------------------------------------------------- */
 

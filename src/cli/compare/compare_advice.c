@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* compare_advice.c -- which method for which accuracy, and why, in words. */
+/* compare_advice.c -- recommends a method for each accuracy, with reasons. */
 #include <math.h>
 #include <string.h>
 
@@ -10,11 +10,9 @@
 
 double compare_decade(size_t k)
 {
-    double power = 1.0;
-    while (k-- > 0) {
-        power *= 10.0;
-    }
-    return 1.0 / power;
+    static const double decades[]
+        = { 1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10 };
+    return decades[k];
 }
 
 static double between(double from, double to, double part)
@@ -22,7 +20,7 @@ static double between(double from, double to, double part)
     return exp(log(from) + part * (log(to) - log(from)));
 }
 
-/* A lucky point does not count: all that are finer must be as good. */
+/* The coarsest point from which on all finer ones are as good. */
 static const compare_point *first_good(const compare_method *method, double accuracy,
                                        const compare_point **before)
 {
@@ -123,28 +121,18 @@ void compare_advise(const compare *self, compare_advice *out)
 
 /* ---- words ------------------------------------------------------------------ */
 
-WEFT_PRINTF(3, 4)
-static void add(char *text, size_t size, const char *format, ...)
-{
-    const size_t used = strlen(text);
-    va_list args;
-    va_start(args, format);
-    (void)vsnprintf(text + used, size - used, format, args);
-    va_end(args);
-}
-
-static void add_cost(const compare_cost *cost, char *text, size_t size)
+static void add_cost(const compare_cost *cost, sentence *out)
 {
     const compare_method *method = cost->method;
-    add(text, size, "%s %s %s %.1e%s, %.0f evaluations", method->by.plugin->id,
+    say(out, "%s %s %s %.1e%s, %.0f evaluations", method->by.plugin->id,
         method->by.type->name, method->step > 0.0 ? "in steps of" : "at tolerance",
         cost->setting, method->step > 0.0 ? " s" : "", cost->calls);
 }
 
 static void add_rival(const char *lead, const compare_cost *other, double times,
-                      char *text, size_t size)
+                      sentence *out)
 {
-    add(text, size, "%s%s %s takes %.*f times", lead, other->method->by.plugin->id,
+    say(out, "%s%s %s takes %.*f times", lead, other->method->by.plugin->id,
         other->method->by.type->name,
         times < 1.095  ? 2
         : times < 9.95 ? 1
@@ -152,76 +140,67 @@ static void add_rival(const char *lead, const compare_cost *other, double times,
         times);
 }
 
-void compare_say(const compare_rank *rank, char *text, size_t size)
+void compare_say(const compare_rank *rank, sentence *out)
 {
     const compare_cost *best = &rank->best, *second = &rank->second, *own = &rank->own,
                        *fastest = &rank->fastest;
-    text[0] = '\0';
-    add_cost(best, text, size);
+    add_cost(best, out);
     if (second->method != NULL) {
-        add_rival("; next, ", second, second->calls / best->calls, text, size);
-        add(text, size, " as many");
+        add_rival("; next, ", second, second->calls / best->calls, out);
+        say(out, " as many");
     }
     if (own->method == best->method) {
-        add(text, size, "; it is the scene's");
+        say(out, "; it is the scene's");
     } else if (own->method != NULL && own->method != second->method) {
-        add_rival(", the scene's ", own, own->calls / best->calls, text, size);
+        add_rival(", the scene's ", own, own->calls / best->calls, out);
     }
     if (fastest->method != NULL && fastest->time * WORTH < best->time) {
-        add(text, size, "; in time %s %s is %.1f times as fast",
+        say(out, "; in time %s %s is %.1f times as fast",
             fastest->method->by.plugin->id, fastest->method->by.type->name,
             best->time / fastest->time);
     }
 }
 
-void compare_say_as_is(const compare *self, char *text, size_t size)
+void compare_say_as_is(const compare *self, sentence *out)
 {
-    const compare_point *point = &self->shared->as_is;
+    const compare_point *point = compare_as_is(self);
     compare_rank rank;
-    text[0] = '\0';
-    add(text, size, "as the scene is (%s %s)", weft_scene_plugin(self->scene),
+    say(out, "as the scene is (%s %s)", weft_scene_plugin(self->scene),
         weft_scene_method(self->scene));
     if (point->outcome != COMPARE_DONE) {
-        add(text, size, ": %s",
+        say(out, ": %s",
             point->outcome == COMPARE_FAILED ? point->why
                                              : "more evaluations than the reference");
         return;
     }
-    add(text, size, ": error %.1e m for %llu evaluations", point->error,
+    say(out, ": error %.1e m for %llu evaluations", point->error,
         (unsigned long long)point->calls);
     rank_at(self, fmax(point->error, COMPARE_NEAR * self->apart), &rank);
     if (rank.best.method != NULL && rank.best.calls * WORTH < (double)point->calls) {
-        add(text, size, "; as good and %.1f times cheaper: ",
+        say(out, "; as good and %.1f times cheaper: ",
             (double)point->calls / rank.best.calls);
-        add_cost(&rank.best, text, size);
+        add_cost(&rank.best, out);
     }
 }
 
-void compare_say_horizon(const compare *self, char *text, size_t size)
+void compare_say_horizon(const compare *self, sentence *out)
 {
-    const double t = compare_time(self, self->last), far = self->twin[self->last];
-    text[0] = '\0';
+    say(out,
+        "predictable to t = %.4g s%s: a twin displaced by %.0e m is then %.1e m away "
+        "(rate %.3g 1/s",
+        compare_time(self, self->last), self->chaotic ? "" : " at least", COMPARE_NUDGE,
+        self->twin[self->last], self->growth);
     if (self->chaotic) {
-        add(text, size,
-            "predictable to t = %.4g s: a twin displaced by %.0e m has come %.0e m off "
-            "by "
-            "then (rate %.3g 1/s: 10 times every %.2g s); compared up to there, not to "
-            "%.4g s",
-            t, COMPARE_NUDGE, far, self->growth, log(10.0) / self->growth,
-            self->run.duration);
+        say(out, ": 10 times every %.2g s); compared up to there, not to %.4g s",
+            log(10.0) / self->growth, self->run.duration);
     } else {
-        add(text, size,
-            "predictable to t = %.4g s at least: a twin displaced by %.0e m is %.1e m "
-            "off "
-            "by then (rate %.3g 1/s)",
-            t, COMPARE_NUDGE, far, self->growth);
+        say(out, ")");
     }
 }
 
-void compare_say_reference(const compare *self, char *text, size_t size)
+void compare_say_reference(const compare *self, sentence *out)
 {
-    text[0] = '\0';
-    add(text, size,
+    say(out,
         "%s %s and %s %s at tolerance %.0e, %.1e m apart: errors below %.0e m are "
         "marked and not judged",
         self->by[0].plugin->id, self->by[0].type->name, self->by[1].plugin->id,

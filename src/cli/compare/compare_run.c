@@ -9,14 +9,14 @@
 
 enum { CALL_TIME_LEAST = 3 }; /* steps */
 #define CALL_TIME_SLICE 0.01  /* [s] */
-#define EXPENSIVE_HINT  1.2   /* a foreseen cost of so many budgets is not tried */
+#define EXPENSIVE_HINT  1.2   /* budgets: a run with a higher estimate is not tried */
 
 /* One run against the reference. */
 typedef struct compare_trial {
     const compare *self;
     weft_sim *sim, *twin; /* twin NULL: none */
     uint64_t budget;      /* RHS calls; 0: as many as it takes */
-    size_t which;         /* reference that is made */
+    size_t which;         /* the reference computed, 0 or 1 */
     double square;        /* [m^2] summed over particles and frames */
     compare_point *point;
 } compare_trial;
@@ -48,7 +48,7 @@ static weft_status create(const compare *self, const stepper_method *by,
 
 /* ---- references and twin --------------------------------------------------------- */
 
-/* Every free particle off by COMPARE_NUDGE, in directions that are always the same. */
+/* Displaces every free particle by COMPARE_NUDGE, always in the same directions. */
 static weft_status nudge(weft_sim *twin, weft_error *err)
 {
     const size_t n = weft_cloth_particles(weft_sim_cloth(twin));
@@ -74,9 +74,7 @@ static weft_status nudge(weft_sim *twin, weft_error *err)
     return status;
 }
 
-/* The largest length of a difference of 3-vectors in n entries of three planes each;
- * INFINITY if one is not finite. Their squares are added to *square. */
-static double farthest(const double *a, const double *b, size_t n, double *square)
+double compare_farthest(const double *a, const double *b, size_t n, double *square)
 {
     double top = 0.0;
     for (size_t i = 0; i < n; ++i) {
@@ -91,6 +89,13 @@ static double farthest(const double *a, const double *b, size_t n, double *squar
     return sqrt(top);
 }
 
+static weft_status create_twin(const compare *self, const weft_stepper_config *config,
+                               weft_sim **twin, weft_error *err)
+{
+    TRY(create(self, &self->by[0], config, twin, err));
+    return nudge(*twin, err);
+}
+
 static weft_status keep(void *ctx, size_t i, weft_error *err)
 {
     compare_trial *of = ctx;
@@ -99,22 +104,21 @@ static weft_status keep(void *ctx, size_t i, weft_error *err)
     const double *y = weft_sim_state(of->sim);
     double square = 0.0;
     memcpy(self->frames[of->which] + i * 6 * n, y, 6 * n * sizeof *y);
+    self->calls[of->which][i] = weft_sim_stats(of->sim).rhs_calls;
     if (of->twin == NULL) {
         return WEFT_OK;
     }
     self->energy[i]
         = weft_energy_total(weft_cloth_energy(self->cloth, weft_sim_time(of->sim), y));
-    const weft_status status = weft_sim_advance(of->twin, compare_time(self, i), err);
-    if (status == WEFT_OK) {
-        self->twin[i] = farthest(y, weft_sim_state(of->twin), n, &square);
-        if (self->twin[i] > COMPARE_GROWTH * COMPARE_NUDGE) {
-            atomic_store(&self->shared->last, i - 1);
-        }
+    TRY(weft_sim_advance(of->twin, compare_time(self, i), err));
+    self->twin[i] = compare_farthest(y, weft_sim_state(of->twin), n, &square);
+    if (self->twin[i] > COMPARE_GROWTH * COMPARE_NUDGE) {
+        atomic_store(&self->shared->last, i - 1);
     }
-    return status;
+    return WEFT_OK;
 }
 
-/* One reference need not go on where the other's twin has parted. */
+/* One reference stops behind the frame at which the other's twin has diverged. */
 static bool go_on(void *ctx)
 {
     const compare_trial *of = ctx;
@@ -146,12 +150,10 @@ int compare_reference(void *ctx, size_t which)
     const weft_play frames = { .last = self->planned, .frame = keep, .step = go_on };
     weft_status status = create(self, &self->by[which], &config, &of.sim, err);
     if (status == WEFT_OK && which == 0) {
-        status = create(self, &self->by[which], &config, &of.twin, err);
-        status = status == WEFT_OK ? nudge(of.twin, err) : status;
+        status = create_twin(self, &config, &of.twin, err);
     }
     status = status == WEFT_OK ? play(&of, frames, err) : status;
-    self->shared->status[which] = status == WEFT_STOPPED ? WEFT_OK : status;
-    self->shared->calls[which] = point.calls;
+    err->status = status == WEFT_STOPPED ? WEFT_OK : status;
     weft_sim_destroy(of.sim);
     weft_sim_destroy(of.twin);
     return EXIT_DONE;
@@ -170,9 +172,9 @@ static weft_status judge(void *ctx, size_t i, weft_error *err)
         = weft_energy_total(weft_cloth_energy(self->cloth, weft_sim_time(of->sim), y));
     double unused = 0.0;
     (void)err;
-    point->error = fmax(point->error, farthest(y, right, n, &of->square));
+    point->error = fmax(point->error, compare_farthest(y, right, n, &of->square));
     point->velocity
-        = fmax(point->velocity, farthest(y + 3 * n, right + 3 * n, n, &unused));
+        = fmax(point->velocity, compare_farthest(y + 3 * n, right + 3 * n, n, &unused));
     point->energy = fmax(point->energy, fabs(energy - self->energy[i]) / self->at_play);
     return WEFT_OK;
 }
@@ -222,8 +224,8 @@ static void set_rung(const compare *self, const compare_method *method, size_t r
     }
 }
 
-/* RHS calls, as far as they can be told before: of fixed steps by their number, of
- * others as the last two rungs grew. */
+/* Estimated RHS calls: of fixed steps from their number, of others from the growth of
+ * the last two rungs; 0: unknown. */
 static double foresee(const compare *self, const compare_method *method, size_t rung)
 {
     const compare_point *points = method->points;
@@ -246,8 +248,8 @@ int compare_ladder(void *ctx, size_t i)
     compare_method *method = &self->shared->methods[i];
     if (i == self->count) {
         const stepper_method by = { NULL, weft_scene_method_type(self->scene) };
-        run(self, &by, weft_scene_config(self->scene), self->shared->calls[0],
-            &self->shared->as_is);
+        run(self, &by, weft_scene_config(self->scene), self->calls[0][self->last],
+            &method->points[0]);
         return EXIT_DONE;
     }
     bool dear = false, done = method->left_out[0] != '\0';
@@ -269,7 +271,7 @@ int compare_ladder(void *ctx, size_t i)
 
 /* ---- time ------------------------------------------------------------------- */
 
-/* [s] Of one thread the processor's time, into which no other's work enters. */
+/* [s] With one thread the processor's time, which excludes other programs' work. */
 static double work_clock(const compare *self)
 {
     struct timespec now;

@@ -1,17 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* compare_write.c -- what weft compare leaves: a table, compare.csv, compare.html. */
+/* compare_write.c -- the output of weft compare: a table, compare.csv, compare.html. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cli/compare/compare.h"
-#include "cli/human.h"
 #include "record/page.h"
 #include "record/record.h"
 #include "record/yaml_out.h"
-
-enum { SENTENCE = 512 };
 
 static bool judged(const compare_point *point)
 {
@@ -74,7 +71,7 @@ static void print_method(const compare_method *method, const compare_advice *adv
     putchar('\n');
 }
 
-/* Those that reach the finest accuracy first, and of these the cheapest. */
+/* Sorted by the finest accuracy reached, then by cost. */
 typedef struct row {
     const compare_method *method;
     size_t reached;
@@ -112,37 +109,37 @@ static void print_rows(const compare *self, const compare_advice *advice)
 
 void compare_print(const compare *self, const compare_advice *advice)
 {
-    char text[SENTENCE];
+    sentence horizon = { "" }, reference = { "" }, legend = { "" }, as_is = { "" };
     print_plain(stdout, weft_scene_name(self->scene), "");
     printf(", %zu x %zu particles\n", weft_cloth_rows(self->cloth),
            weft_cloth_cols(self->cloth));
-    compare_say_horizon(self, text, sizeof text);
-    print_wrapped(stdout, 0, 2, PAGE_WIDTH, text);
-    compare_say_reference(self, text, sizeof text);
+    compare_say_horizon(self, &horizon);
+    print_wrapped(stdout, 0, 2, PAGE_WIDTH, horizon.text);
+    compare_say_reference(self, &reference);
     printf("reference: ");
-    print_wrapped(stdout, 11, 11, PAGE_WIDTH, text);
+    print_wrapped(stdout, 11, 11, PAGE_WIDTH, reference.text);
     printf("\nevaluations of the forces until no particle is further off in any frame "
-           "than "
-           "[m]\n%-24sus/call",
+           "than [m]\n%-24sus/call",
            "");
     for (size_t i = 0; i < advice->count; ++i) {
         printf(" %.0e", advice->ranks[i].accuracy);
     }
     printf("\n");
     print_rows(self, advice);
-    (void)snprintf(text, sizeof text,
-                   "* the cheapest, < the scene's method, - not within %" PRIu64
-                   " evaluations, or not at all",
-                   self->budget);
-    print_wrapped(stdout, 0, 2, PAGE_WIDTH, text);
+    say(&legend,
+        "* the cheapest, < the scene's method, - not within %" PRIu64
+        " evaluations, or not at all",
+        self->budget);
+    print_wrapped(stdout, 0, 2, PAGE_WIDTH, legend.text);
     putchar('\n');
     for (size_t i = 0; i < advice->count; ++i) {
-        compare_say(&advice->ranks[i], text, sizeof text);
+        sentence rank = { "" };
+        compare_say(&advice->ranks[i], &rank);
         printf("%.0e m: ", advice->ranks[i].accuracy);
-        print_wrapped(stdout, 9, 9, PAGE_WIDTH, text);
+        print_wrapped(stdout, 9, 9, PAGE_WIDTH, rank.text);
     }
-    compare_say_as_is(self, text, sizeof text);
-    print_wrapped(stdout, 0, 2, PAGE_WIDTH, text);
+    compare_say_as_is(self, &as_is);
+    print_wrapped(stdout, 0, 2, PAGE_WIDTH, as_is.text);
 }
 
 /* ---- for machines ----------------------------------------------------------- */
@@ -225,10 +222,7 @@ static void put_rows(const compare *self, const compare_method *method, FILE *st
 weft_status compare_csv(const compare *self, const char *directory, weft_error *err)
 {
     record_file file;
-    const weft_status status = record_file_open(&file, directory, "compare.csv", err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(record_file_open(&file, directory, "compare.csv", err));
     fputs("plugin,method,order,kind,setting,outcome,error,error_rms,error_velocity,"
           "near_reference,rhs_calls,steps,rejected,energy_error,time,reason\n",
           file.stream);
@@ -289,15 +283,15 @@ static size_t index_of(const compare *self, const compare_rank *rank,
 
 static void put_advice(const compare *self, const compare_advice *advice, FILE *stream)
 {
-    char text[SENTENCE];
     fputs("\"ranks\":[", stream);
     for (size_t i = 0; i < advice->count; ++i) {
         const compare_rank *rank = &advice->ranks[i];
-        compare_say(rank, text, sizeof text);
+        sentence text = { "" };
+        compare_say(rank, &text);
         fprintf(stream, "%s{\"accuracy\":%.0e,\"best\":%zu,\"fastest\":%zu,\"text\":",
                 i == 0 ? "" : ",", rank->accuracy, index_of(self, rank, &rank->best),
                 index_of(self, rank, &rank->fastest));
-        page_text(stream, text);
+        page_text(stream, text.text);
         putc('}', stream);
     }
     fputs("],", stream);
@@ -306,21 +300,21 @@ static void put_advice(const compare *self, const compare_advice *advice, FILE *
 static void put_description(const compare *self, const compare_advice *advice,
                             FILE *stream)
 {
-    char text[SENTENCE];
+    sentence horizon = { "" }, reference = { "" }, as_is = { "" };
     fputs("<script type=\"application/json\" id=\"weft-data\">{", stream);
     put_member(stream, "weft", weft_version());
     put_member(stream, "scene", weft_scene_name(self->scene));
     put_member(stream, "yaml", weft_scene_text(self->scene));
-    compare_say_horizon(self, text, sizeof text);
-    put_member(stream, "horizon", text);
-    compare_say_reference(self, text, sizeof text);
-    put_member(stream, "reference", text);
-    compare_say_as_is(self, text, sizeof text);
-    put_member(stream, "asIs", text);
+    compare_say_horizon(self, &horizon);
+    put_member(stream, "horizon", horizon.text);
+    compare_say_reference(self, &reference);
+    put_member(stream, "reference", reference.text);
+    compare_say_as_is(self, &as_is);
+    put_member(stream, "asIs", as_is.text);
     put_advice(self, advice, stream);
-    if (judged(&self->shared->as_is)) {
+    if (judged(compare_as_is(self))) {
         fputs("\"own\":", stream);
-        put_point(&self->shared->as_is, stream);
+        put_point(compare_as_is(self), stream);
         putc(',', stream);
     }
     fprintf(stream,
@@ -341,10 +335,7 @@ weft_status compare_html(const compare *self, const compare_advice *advice,
 {
     const char *mark = strstr(weft__compare_page, PAGE_MARK);
     record_file file;
-    const weft_status status = record_file_open(&file, directory, "compare.html", err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(record_file_open(&file, directory, "compare.html", err));
     (void)fwrite(weft__compare_page, 1, (size_t)(mark - weft__compare_page),
                  file.stream);
     put_description(self, advice, file.stream);

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* interrupt.c -- signals remembered, and a thread for steps that do not end: a solver
- * may be in its linear algebra for minutes. That thread cannot end the step. It waits
- * until the records are lent, as nothing is written to them within a step, and closes
- * them. */
+/* interrupt.c -- records signals, and watches for steps that do not end: a solver may
+ * spend minutes in its linear algebra. The watching thread cannot end the step. It
+ * waits for the lock on the records, which is free within a step, and closes them. */
 #include "cli/run/interrupt.h"
 
 #include <errno.h>
@@ -11,7 +10,7 @@
 #include <signal.h>
 #include <unistd.h>
 
-/* [ms] An evaluation of the forces, or a step, has to end by itself. */
+/* [ms] for an evaluation of the forces, or a step, to end by itself */
 enum { PATIENCE = 1000 };
 
 static volatile sig_atomic_t came, wake = -1;
@@ -26,23 +25,13 @@ static void on_signal(int number)
     errno = kept;
 }
 
-static void set_handlers(void (*handler)(int number))
+void interrupt_catch(bool on)
 {
-    struct sigaction action = { .sa_handler = handler };
+    struct sigaction action
+        = { .sa_handler = on ? on_signal : SIG_DFL, .sa_flags = SA_RESTART };
     (void)sigemptyset(&action.sa_mask);
-    action.sa_flags = SA_RESTART;
     (void)sigaction(SIGINT, &action, NULL);
     (void)sigaction(SIGTERM, &action, NULL);
-}
-
-void interrupt_catch(void)
-{
-    set_handlers(on_signal);
-}
-
-void interrupt_restore(void)
-{
-    set_handlers(SIG_DFL);
 }
 
 int interrupt_signal(void)
@@ -99,7 +88,7 @@ static void *watch(void *ctx)
     return NULL;
 }
 
-/* Signals are for the thread that steps. */
+/* The new thread blocks all signals: the stepping thread receives them. */
 static bool start(interrupt_watch *self)
 {
     sigset_t all, before;
@@ -131,12 +120,12 @@ void interrupt_begin(interrupt_watch *self, void (*give_up)(void *ctx), void *ct
     }
 }
 
-void interrupt_lend(interrupt_watch *self)
+void interrupt_release(interrupt_watch *self)
 {
     (void)pthread_mutex_unlock(&self->records);
 }
 
-void interrupt_take(interrupt_watch *self)
+void interrupt_acquire(interrupt_watch *self)
 {
     (void)pthread_mutex_lock(&self->records);
 }

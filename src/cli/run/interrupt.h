@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* interrupt.h -- SIGINT and SIGTERM end a run: before the next evaluation of the
- * forces, or, where a solver does not come back to them, by a thread that watches. */
+ * forces, or, if the solver does not reach it, by a thread that watches. */
 #ifndef WEFT_CLI_RUN_INTERRUPT_H
 #define WEFT_CLI_RUN_INTERRUPT_H
 
 #include <pthread.h>
 #include <stdbool.h>
 
-/* From now on they are remembered; from then on they end the process again. */
-void interrupt_catch(void);
-void interrupt_restore(void);
+/* Records signals from now on; false: they end the process again. */
+void interrupt_catch(bool on);
 
 /* The signal that came; 0: none. */
 int interrupt_signal(void);
@@ -19,10 +18,10 @@ int interrupt_next(void);
 /* A weft_stop_fn. */
 bool interrupt_pending(void *unused);
 
-/* Between begin and end the records of a run belong to the caller, but while it has
- * lent them. If a signal has been pending for a second, or comes again, and they are
- * lent, another thread takes them for good and calls give_up, which ends the process.
- */
+/* A lock on the records of a run, which the caller holds between begin and end except
+ * from interrupt_release to interrupt_acquire. If a signal has been pending for a
+ * second, or comes again, another thread takes the lock for good and calls give_up,
+ * which ends the process. */
 typedef struct interrupt_watch {
     void (*give_up)(void *ctx);
     void *ctx;
@@ -34,8 +33,8 @@ typedef struct interrupt_watch {
 } interrupt_watch;
 
 void interrupt_begin(interrupt_watch *self, void (*give_up)(void *ctx), void *ctx);
-void interrupt_lend(interrupt_watch *self);
-void interrupt_take(interrupt_watch *self);
+void interrupt_release(interrupt_watch *self);
+void interrupt_acquire(interrupt_watch *self);
 void interrupt_end(interrupt_watch *self);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* progress.c -- how far a run, or a set of them, has come: one line of a terminal,
- * drawn over and over; a line each tenth of the frames; or YAML documents. */
+/* progress.c -- the progress of a run or of several: one line of a terminal, redrawn;
+ * one line per tenth of the frames; or YAML documents. */
 #include "cli/run/progress.h"
 
 #include <math.h>
@@ -17,37 +17,10 @@
 #define YAML_PERIOD     0.1 /* [s] */
 #define NEW_WEIGHT      0.3 /* of the newest in smoothed rates */
 
-/* A terminal that can go back to the start of a line. */
-static bool can_redraw(void)
+bool progress_can_redraw(void)
 {
     const char *kind = getenv("TERM");
     return isatty(STDERR_FILENO) == 1 && kind != NULL && strcmp(kind, "dumb") != 0;
-}
-
-static const char *const choices[]
-    = { "auto", "lines", "terminal", "yaml", "none", NULL };
-
-bool progress_find(const char *name, progress_mode *mode)
-{
-    const progress_mode modes[]
-        = { can_redraw() ? PROGRESS_TERMINAL : PROGRESS_LINES, PROGRESS_LINES,
-            PROGRESS_TERMINAL, PROGRESS_YAML, PROGRESS_NONE };
-    size_t i = 0;
-    while (name != NULL && choices[i] != NULL && strcmp(choices[i], name) != 0) {
-        ++i;
-    }
-    *mode = modes[choices[i] == NULL ? 0 : i];
-    return choices[i] != NULL;
-}
-
-int progress_choose(const verb *self, const options *given, progress_mode *mode)
-{
-    if (!progress_find(given->progress, mode)) {
-        return usage_choice(self, "progress", given->progress, choices);
-    }
-    return given->quiet && given->progress != NULL
-               ? usage_error(self, "--quiet and --progress exclude each other")
-               : EXIT_DONE;
 }
 
 void progress_begin(progress *show, progress_mode mode, const weft_sim *sim,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* records.c -- the files of a run: begun, taken up where they were, closed. */
+/* records.c -- opens, reopens and closes the files of a run. */
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
@@ -58,8 +58,8 @@ weft_status run_prepare(run *self, weft_error *err)
     return record_checkpoint_identify(next, self->scene, self->registry, err);
 }
 
-/* What the checkpoint counts on is on the disk before it is. Of a run that blows up the
- * last one that can be restored is kept. */
+/* The records reach the disk before the checkpoint that needs them. When a run blows
+ * up, the last checkpoint that can be restored is kept. */
 weft_status run_checkpoint(run *self, size_t index, weft_error *err)
 {
     record_checkpoint *now = &self->checkpoint;
@@ -67,32 +67,27 @@ weft_status run_checkpoint(run *self, size_t index, weft_error *err)
     now->series = self->series.extent;
     now->extremes = self->summary.extremes;
     now->wall_time = weft__wall_clock() - self->began;
-    weft_status status = weft_sim_save(self->sim, now->state, now->state_size, err);
-    status = status == WEFT_OK ? run_in_place(self, err) : status;
-    if (status != WEFT_OK || !isfinite(weft_sim_ledger(self->sim).residual)) {
-        return status;
+    TRY(weft_sim_save(self->sim, now->state, now->state_size, err));
+    TRY(run_in_place(self, err));
+    if (!isfinite(weft_sim_ledger(self->sim).residual)) {
+        return WEFT_OK;
     }
-    status = record_series_sync(&self->series, err);
-    if (status == WEFT_OK) {
-        status = record_vtkhdf_sync(self->frames, &now->vtkhdf, err);
-    }
-    return status == WEFT_OK ? record_checkpoint_write(self->out, now, err) : status;
+    TRY(record_series_sync(&self->series, err));
+    TRY(record_vtkhdf_sync(self->frames, &now->vtkhdf, err));
+    return record_checkpoint_write(self->out, now, err);
 }
 
 static weft_status write_manifest(const run *self, weft_error *err)
 {
     weft_registry *registry = self->registry;
     const weft_plugin *plugin;
-    const weft_status status
-        = weft_registry_find(registry, weft_scene_plugin(self->scene), &plugin, err);
     const char *file = "";
+    TRY(weft_registry_find(registry, weft_scene_plugin(self->scene), &plugin, err));
     for (size_t i = 0; i < weft_registry_count(registry); ++i) {
         file = weft_registry_at(registry, i) == plugin ? weft_registry_file(registry, i)
                                                        : file;
     }
-    return status == WEFT_OK
-               ? record_manifest(self->out, self->scene, self->sim, plugin, file, err)
-               : status;
+    return record_manifest(self->out, self->scene, self->sim, plugin, file, err);
 }
 
 static record_vtkhdf_def frames_of(const run *self)
@@ -106,54 +101,44 @@ static record_vtkhdf_def frames_of(const run *self)
     };
 }
 
-/* Names the file that is not as the checkpoint has it and, if the other one tells, the
- * row. */
+/* Names the damaged file and, if the other file shows it, the row. */
 static weft_status name_damage(const run *self, const char *name, weft_error *err)
 {
     char path[RECORD_PATH];
-    weft_status status = record_path(self->out, name, path, err);
-    status
-        = status == WEFT_OK ? record_vtkhdf_compare(self->frames, path, err) : status;
-    return status == WEFT_OK
-               ? weft_error_set(err, WEFT_IO,
-                                "%s: damaged: up to frame %" PRIu64
-                                " it is not as it was at " RECORD_CHECKPOINT,
-                                path, self->from->frame)
-               : status;
+    TRY(record_path(self->out, name, path, err));
+    TRY(record_vtkhdf_compare(self->frames, path, err));
+    return weft_error_set(err, WEFT_IO,
+                          "%s: damaged: up to frame %" PRIu64
+                          " it is not as it was at " RECORD_CHECKPOINT,
+                          path, self->from->frame);
 }
 
-/* Opens the records of the checkpoint and checks all of them; nothing is written. */
-static weft_status look_at_records(run *self, weft_error *err)
+/* Opens the records of the checkpoint and checks all of them; writes nothing. */
+static weft_status check_records(run *self, weft_error *err)
 {
     const record_checkpoint *from = self->from;
     const record_vtkhdf_def def = frames_of(self);
     bool equal = false;
-    weft_status status = record_series_reopen(
-        &self->series, self->out, weft_scene_record(self->scene)->ledger, err);
-    if (status != WEFT_OK) {
-        return status;
+    TRY(record_series_reopen(&self->series, self->out,
+                             weft_scene_record(self->scene)->ledger, err));
+    TRY(record_vtkhdf_reopen(&def, &from->vtkhdf, &self->frames, &equal, err));
+    if (record_bytes_sum(self->series.path, 0, from->series.length)
+        != from->series.sum) {
+        return name_damage(self, "series.csv", err);
     }
-    status = record_vtkhdf_reopen(&def, &from->vtkhdf, &self->frames, &equal, err);
-    if (status == WEFT_OK
-        && record_bytes_sum(self->series.path, 0, from->series.length)
-               != from->series.sum) {
-        status = name_damage(self, "series.csv", err);
-    } else if (status == WEFT_OK && !equal) {
-        status = name_damage(self, "run.vtkhdf", err);
-    }
-    return status;
+    return equal ? WEFT_OK : name_damage(self, "run.vtkhdf", err);
 }
 
-static weft_status cut_records(run *self, weft_error *err)
+/* To the checkpoint's frame. */
+static weft_status reopen_records(run *self, weft_error *err)
 {
-    weft_status status = write_manifest(self, err);
-    status = status == WEFT_OK ? record_vtkhdf_cut(self->frames, err) : status;
-    return status == WEFT_OK
-               ? record_series_cut(&self->series, &self->from->series, err)
-               : status;
+    TRY(check_records(self, err));
+    TRY(write_manifest(self, err));
+    TRY(record_vtkhdf_cut(self->frames, err));
+    return record_series_cut(&self->series, &self->from->series, err);
 }
 
-/* What was written of how far it had come. */
+/* The files that an earlier attempt wrote at its end. */
 static void remove_ends(const run *self)
 {
     run_remove(self, "run.html");
@@ -161,23 +146,23 @@ static void remove_ends(const run *self)
     run_remove(self, "final.csv");
 }
 
-/* From t = 0. */
+static weft_status open_records(run *self, weft_error *err)
+{
+    const record_vtkhdf_def def = frames_of(self);
+    TRY(record_text(self->out, "scene.yaml", weft_scene_text(self->scene), err));
+    TRY(write_manifest(self, err));
+    TRY(record_series_open(&self->series, self->out,
+                           weft_scene_record(self->scene)->ledger, err));
+    return record_vtkhdf_create(&def, &self->frames, err);
+}
+
 weft_status run_begin(run *self, weft_error *err)
 {
     if (self->again) {
         remove_ends(self);
         run_remove(self, "run.vtkhdf");
     }
-    const record_vtkhdf_def def = frames_of(self);
-    weft_status status
-        = record_text(self->out, "scene.yaml", weft_scene_text(self->scene), err);
-    status = status == WEFT_OK ? write_manifest(self, err) : status;
-    if (status == WEFT_OK) {
-        status = record_series_open(&self->series, self->out,
-                                    weft_scene_record(self->scene)->ledger, err);
-    }
-    status
-        = status == WEFT_OK ? record_vtkhdf_create(&def, &self->frames, err) : status;
+    const weft_status status = open_records(self, err);
     return status == WEFT_OK ? WEFT_OK : run_close(self, status, NULL);
 }
 
@@ -191,31 +176,25 @@ static weft_status restore(const run *self, weft_error *err)
                                 why.message);
 }
 
-/* From the checkpoint. */
 weft_status run_take_up(run *self, weft_error *err)
 {
     const record_checkpoint *from = self->from;
-    weft_status status = restore(self, err);
-    if (status == WEFT_OK) {
-        status = look_at_records(self, err);
-        status = status == WEFT_OK ? cut_records(self, err) : status;
-        if (status != WEFT_OK) {
-            return run_close(self, status, NULL);
-        }
+    TRY(restore(self, err));
+    const weft_status status = reopen_records(self, err);
+    if (status != WEFT_OK) {
+        return run_close(self, status, NULL);
     }
-    if (status == WEFT_OK) {
-        const weft_limit_stats limit = weft_sim_limit_stats(self->sim);
-        remove_ends(self);
-        self->result.frames = from->frame + 1;
-        self->limit_sweeps = limit.sweeps;
-        self->told_unconverged = limit.unconverged > 0;
-        self->summary.extremes = from->extremes;
-        self->began -= from->wall_time;
-    }
-    return status;
+    const weft_limit_stats limit = weft_sim_limit_stats(self->sim);
+    remove_ends(self);
+    self->result.frames = from->frame + 1;
+    self->limit_sweeps = limit.sweeps;
+    self->warned_unconverged = limit.unconverged > 0;
+    self->summary.extremes = from->extremes;
+    self->began -= from->wall_time;
+    return WEFT_OK;
 }
 
-/* The first thing that went wrong is told. */
+/* Reports the first error. */
 weft_status run_close(run *self, weft_status status, weft_error *err)
 {
     const weft_status frames

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* resume.c -- weft resume: runs that were killed or interrupted, taken up again at
- * their last checkpoint. All that is there is checked before anything is written. */
+/* resume.c -- weft resume: continues runs that were killed or interrupted from their
+ * last checkpoint. It checks all files before it writes any. */
 #include <inttypes.h>
 #include <string.h>
 #include <unistd.h>
@@ -8,17 +8,14 @@
 #include "cli/run/run.h"
 #include "record/result_read.h"
 
-/* ---- is it the same run? ------------------------------------------------------ */
-
-static weft_status check_identity(const char *directory, const record_checkpoint *from,
-                                  const weft_scene *scene, weft_registry *registry,
-                                  weft_error *err)
+/* The checkpoint, if it is one of this scene and this program. */
+static weft_status read_checkpoint(const char *directory, const weft_scene *scene,
+                                   weft_registry *registry, record_checkpoint *from,
+                                   weft_error *err)
 {
     record_checkpoint own = { 0 };
-    const weft_status status = record_checkpoint_identify(&own, scene, registry, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(record_checkpoint_read(directory, from, err));
+    TRY(record_checkpoint_identify(&own, scene, registry, err));
     if (from->scene != own.scene) {
         return weft_error_set(err, WEFT_BAD_SCENE,
                               "%s/scene.yaml is not the scene that " RECORD_CHECKPOINT
@@ -49,18 +46,13 @@ int resume_scene(const options *given, const char *directory, const weft_scene *
     options own = *given;
     own.frames = record_exists(directory, "frames/frame-000000.obj") ? "obj" : NULL;
     const bool begun = record_exists(directory, RECORD_CHECKPOINT);
-    if (begun) {
-        weft_status status = record_checkpoint_read(directory, &from, &err);
-        if (status == WEFT_OK) {
-            status = check_identity(directory, &from, scene, given->registry, &err);
-        }
-        if (status != WEFT_OK) {
-            record_checkpoint_free(&from);
-            return report_error(&err);
-        }
+    if (begun
+        && read_checkpoint(directory, scene, given->registry, &from, &err) != WEFT_OK) {
+        record_checkpoint_free(&from);
+        return report_error(&err);
     }
     if (!given->quiet && begun) {
-        fprintf(stderr, "%s: goes on after frame %" PRIu64 " of %zu\n", directory,
+        fprintf(stderr, "%s: continues after frame %" PRIu64 " of %zu\n", directory,
                 from.frame, weft_run_last_frame(weft_scene_run(scene)));
     } else if (!given->quiet) {
         fprintf(stderr, "%s: no checkpoint yet: runs from the beginning\n", directory);
@@ -78,21 +70,21 @@ static int resume_claimed(const options *given, const char *directory)
     weft_error err = { 0 };
     if (ended_as(directory, "done")) {
         if (!given->quiet) {
-            fprintf(stderr, "%s: is done already\n", directory);
+            fprintf(stderr, "%s: is already done\n", directory);
         }
         return EXIT_DONE;
     }
     if (!given->force && ended_as(directory, "failed")) {
         fprintf(stderr,
                 "weft: error: %s: this run failed, and would again: see its "
-                "result.yaml; --force tries all the same\n",
+                "result.yaml; --force runs it again\n",
                 directory);
         return EXIT_SIMULATION;
     }
     if (record_path(directory, "scene.yaml", path, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    int code = open_scene(path, given, &scene);
+    int code = open_scene(path, given, &scene, NULL);
     if (code == EXIT_DONE) {
         code = resume_scene(given, directory, scene);
     }
@@ -105,7 +97,7 @@ static int resume_directory(const options *given, const char *directory)
     int lock = -1;
     weft_error err = { 0 };
     if (!record_exists(directory, "scene.yaml")) {
-        weft_error_set(&err, WEFT_IO, "%s: no scene.yaml: this is no run", directory);
+        weft_error_set(&err, WEFT_IO, "%s: no scene.yaml: not a run", directory);
         return report_error(&err);
     }
     if (record_outdir_lock(directory, RECORD_PATIENCE, &lock, &err) != WEFT_OK) {
@@ -118,9 +110,9 @@ static int resume_directory(const options *given, const char *directory)
 
 /* ---- the verb ----------------------------------------------------------------- */
 
-/* One after another, also after one that did not end well; a signal ends them all. The
- * first code that is not 0 is returned. */
-static int resume_all(const options *given)
+/* Runs that fail do not keep the next ones from running; a signal does. Returns the
+ * first code that is not 0. */
+static int resume_verb(const options *given)
 {
     int code = EXIT_DONE;
     for (int i = 0; i < given->operand_count; ++i) {
@@ -131,16 +123,6 @@ static int resume_all(const options *given)
         code = code == EXIT_DONE ? one : code;
     }
     return code;
-}
-
-static int resume_verb(const options *given)
-{
-    progress_mode mode;
-    if (given->operand_count == 0) {
-        return usage_error(&verb_resume, "no directory given");
-    }
-    const int code = progress_choose(&verb_resume, given, &mode);
-    return code == EXIT_DONE ? resume_all(given) : code;
 }
 
 const verb verb_resume = {
@@ -165,5 +147,6 @@ const verb verb_resume = {
     .options
     = OPTIONS(OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
               OPTION_FLAG("force", force), OPTION_VALUE("progress", progress)),
+    .operands = { 1, 0, "no directory given", NULL },
     .run = resume_verb,
 };

@@ -7,7 +7,6 @@
 
 #include "base/clock.h"
 #include "cli/check/stable_steps.h"
-#include "cli/human.h"
 #include "cli/run/run.h"
 #include "record/export/export.h"
 
@@ -19,20 +18,18 @@ static void warn_of_limit(run *self)
     (void)weft_spring_text(&worst, weft_cloth_cols(self->cloth), spring, sizeof spring);
     const weft_limit_stats stats = weft_sim_limit_stats(self->sim);
     const size_t held = weft_sim_limit_held(self->sim);
-    if ((stats.unconverged > 0 && !self->told_unconverged)
-        || (held > 0 && !self->told_held)) {
+    if (stats.unconverged > 0 && !self->warned_unconverged) {
+        self->warned_unconverged = true;
         progress_clear(&self->progress);
-    }
-    if (stats.unconverged > 0 && !self->told_unconverged) {
-        self->told_unconverged = true;
         fprintf(
             stderr,
             "weft: warning: limit: not met within limit.sweeps by t = %.6g s; %s is "
             "at %.3g %%\n",
             weft_sim_time(self->sim), spring, 100.0 * worst.strain);
     }
-    if (held > 0 && !self->told_held) {
-        self->told_held = true;
+    if (held > 0 && !self->warned_held) {
+        self->warned_held = true;
+        progress_clear(&self->progress);
         fprintf(stderr,
                 "weft: warning: limit: %zu springs with both ends pinned are too long "
                 "at t = %.6g s and cannot be corrected; %s is at %.3g %%\n",
@@ -66,7 +63,8 @@ static weft_status write_state(const run *self, const char *name,
     };
     weft_sim_positions(self->sim, values);
     weft_sim_velocities(self->sim, values + 3 * n);
-    const weft_status status = write(self->out, name, &surface, err);
+    const weft_status status
+        = record_surface_write(self->out, name, write, &surface, err);
     free(values);
     return status;
 }
@@ -74,24 +72,24 @@ static weft_status write_state(const run *self, const char *name,
 static weft_status write_frame_obj(const run *self, size_t index, weft_error *err)
 {
     char name[64];
-    const weft_status status = run_in_place(self, err);
+    TRY(run_in_place(self, err));
     (void)snprintf(name, sizeof name, "frames/frame-%06zu.obj", index);
-    return status == WEFT_OK ? write_state(self, name, record_obj, err) : status;
+    return write_state(self, name, record_obj, err);
 }
 
-/* ---- the frame loop: it has lent the records, and these take them ------------- */
+/* ---- the frame loop; each callback takes the records from the watch ----------- */
 
 static weft_status on_frame(void *ctx, size_t index, weft_error *err)
 {
     run *self = ctx;
-    interrupt_take(&self->watch);
+    interrupt_acquire(&self->watch);
     const weft_limit_stats limit = weft_sim_limit_stats(self->sim);
     const record_frame frame = { .index = index,
                                  .sim = self->sim,
                                  .limit_sweeps = limit.sweeps - self->limit_sweeps };
     self->limit_sweeps = limit.sweeps;
     warn_of_limit(self);
-    /* The row first: run.vtkhdf never has a frame that the series has not. */
+    /* The row first: every frame of run.vtkhdf has its row in the series. */
     weft_status status = record_series_add(&self->series, &frame, err);
     status = status == WEFT_OK ? record_vtkhdf_add(self->frames, &frame, err) : status;
     if (status == WEFT_OK && self->obj) {
@@ -102,28 +100,28 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
         summary_frame(&self->summary, &self->series.worst);
         progress_show(&self->progress, self->result.frames - 1);
     }
-    interrupt_lend(&self->watch);
+    interrupt_release(&self->watch);
     return status;
 }
 
 static weft_status on_checkpoint(void *ctx, size_t index, weft_error *err)
 {
     run *self = ctx;
-    interrupt_take(&self->watch);
+    interrupt_acquire(&self->watch);
     const weft_status status = run_checkpoint(self, index, err);
-    interrupt_lend(&self->watch);
+    interrupt_release(&self->watch);
     return status;
 }
 
 static bool on_step(void *ctx)
 {
     run *self = ctx;
-    interrupt_take(&self->watch);
+    interrupt_acquire(&self->watch);
     summary_step(&self->summary);
     if (self->mode >= PROGRESS_TERMINAL) { /* lines come with frames */
         progress_show(&self->progress, self->result.frames - 1);
     }
-    interrupt_lend(&self->watch);
+    interrupt_release(&self->watch);
     return interrupt_signal() == 0;
 }
 
@@ -145,10 +143,9 @@ static void give_up(void *ctx)
     weft_error err = { 0 };
     progress_clear(&self->progress);
     weft_status status = run_close(self, WEFT_OK, &err);
-    (void)snprintf(self->reason, sizeof self->reason, "%s within a step",
-                   signal_name());
+    say(&self->reason, "%s within a step", signal_name());
     self->result.status = "interrupted";
-    self->result.reason = self->reason;
+    self->result.reason = self->reason.text;
     self->result.wall_time = weft__wall_clock() - self->began;
     status = status == WEFT_OK ? run_in_place(self, &err) : status;
     if (status == WEFT_OK) {
@@ -178,9 +175,9 @@ static weft_status simulate(run *self, weft_error *err)
     }
     progress_begin(&self->progress, self->mode, self->sim, frames.run);
     interrupt_begin(&self->watch, give_up, self);
-    interrupt_lend(&self->watch);
+    interrupt_release(&self->watch);
     weft_status status = weft_sim_play(self->sim, &frames, err);
-    interrupt_take(&self->watch);
+    interrupt_acquire(&self->watch);
     interrupt_end(&self->watch);
     if (status == WEFT_STOPPED && interrupt_signal() != 0) {
         status = WEFT_OK;
@@ -193,8 +190,8 @@ static weft_status simulate(run *self, weft_error *err)
 static void note_failure(run *self, const weft_error *why)
 {
     self->result.status = why->status == WEFT_IO ? "io_error" : "failed";
-    self->result.reason = self->reason;
-    (void)snprintf(self->reason, sizeof self->reason, "%s", why->message);
+    self->result.reason = self->reason.text;
+    say(&self->reason, "%s", why->message);
 }
 
 static int report_failure(run *self, const weft_error *why)
@@ -204,27 +201,24 @@ static int report_failure(run *self, const weft_error *why)
     if (why->status == WEFT_IO || !weft_sim_failure(self->sim, &failure)) {
         return report_error(why);
     }
-    failure_report(self->scene, self->sim, &failure, self->reason, sizeof self->reason);
+    failure_report(self->scene, self->sim, &failure, &self->reason);
     return EXIT_SIMULATION;
 }
 
-/* The state at the end, then the result. */
+/* The final state, then the result; the first error is returned. */
 static weft_status write_ends(run *self, bool failed, weft_error *err)
 {
-    weft_status written = run_in_place(self, err);
-    if (written != WEFT_OK) {
-        return written;
-    }
-    written = write_state(self, "final.csv", record_csv, err);
+    TRY(run_in_place(self, err));
+    const weft_status written = write_state(self, "final.csv", record_csv, err);
     if (written != WEFT_OK && !failed) {
         note_failure(self, err);
     }
-    const weft_status told = record_result_write(self->out, &self->result,
-                                                 written == WEFT_OK ? err : NULL);
-    return written == WEFT_OK ? told : written;
+    const weft_status result = record_result_write(self->out, &self->result,
+                                                   written == WEFT_OK ? err : NULL);
+    return written == WEFT_OK ? result : written;
 }
 
-/* Everything that is written once the loop has ended, whatever ended it. */
+/* Writes and prints the results after the loop. */
 static int conclude(run *self, weft_status status, const weft_error *why)
 {
     weft_error err = { 0 };
@@ -258,20 +252,18 @@ static int conclude(run *self, weft_status status, const weft_error *why)
     return code;
 }
 
-/* A right scene that cannot be run: say so, leave a report. */
-static int refuse(const run *self, const char *reason)
+/* Reports that a valid scene cannot be run, in result.yaml too. */
+static int refuse(const run *self, const weft_error *why)
 {
     weft_error err = { .status = WEFT_UNSUPPORTED };
-    const record_result result
-        = { .status = "failed", .reason = reason, .planned = self->result.planned };
-    (void)snprintf(err.message, sizeof err.message, "%s", reason);
-    (void)report_error(&err);
-    if (self->from != NULL) {
-        return EXIT_SIMULATION;
-    }
-    if (record_text(self->out, "scene.yaml", weft_scene_text(self->scene), &err)
-            != WEFT_OK
-        || record_result_write(self->out, &result, &err) != WEFT_OK) {
+    const record_result result = { .status = "failed",
+                                   .reason = why->message,
+                                   .planned = self->result.planned };
+    (void)report_error(why);
+    if (self->from == NULL
+        && (record_text(self->out, "scene.yaml", weft_scene_text(self->scene), &err)
+                != WEFT_OK
+            || record_result_write(self->out, &result, &err) != WEFT_OK)) {
         return report_error(&err);
     }
     return EXIT_SIMULATION;
@@ -288,12 +280,12 @@ static int run_prepared(run *self)
     self->beyond = stability_warn(self->scene, self->sim, self->from != NULL);
     self->result.energy_start = weft_energy_total(weft_sim_measure(self->sim).energy);
     if (status == WEFT_OK && self->from != NULL) {
-        status = run_take_up(self, &err);
-        if (status != WEFT_OK) {
+        if (run_take_up(self, &err) != WEFT_OK) {
             return report_error(&err);
         }
-    } else
-        status = status == WEFT_OK ? run_begin(self, &err) : status;
+    } else if (status == WEFT_OK) {
+        status = run_begin(self, &err);
+    }
     status = status == WEFT_OK ? simulate(self, &err) : status;
     return conclude(self, status, &err);
 }
@@ -303,7 +295,7 @@ static int run_simulation(run *self)
     weft_error err = { 0 };
     self->began = weft__wall_clock();
     if (simulation_create(self->scene, &self->cloth, &self->sim, &err) != WEFT_OK) {
-        return refuse(self, err.message);
+        return refuse(self, &err);
     }
     const int code = run_prepared(self);
     record_checkpoint_free(&self->checkpoint);
@@ -342,9 +334,9 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
                     .reason = "",
                     .planned = weft_run_last_frame(weft_scene_run(scene)) + 1 },
         .quiet = given->quiet,
+        .mode = given->mode,
     };
-    (void)progress_find(given->quiet ? "none" : given->progress, &self.mode);
-    interrupt_catch();
+    interrupt_catch(true);
     if (frames_have_room(scene, &err) != WEFT_OK
         || (!claimed && open_directory(&self, given->force, &lock, &err) != WEFT_OK)) {
         code = report_error(&err);
@@ -356,39 +348,27 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
         (void)close(lock);
     }
     if (given->view && code != EXIT_FILE) {
-        interrupt_restore();
+        interrupt_catch(false);
         const int viewed = view_runs(&out, 1, NULL, self.mode == PROGRESS_YAML);
         return code == EXIT_DONE ? viewed : code;
     }
     return code;
 }
 
-static int run_file(const options *given)
+static int run_verb(const options *given)
 {
     char out[RECORD_PATH];
     weft_scene *scene = NULL;
-    int code = open_scene(given->operands[0], given, &scene);
+    if (given->frames != NULL && strcmp(given->frames, "obj") != 0) {
+        return usage_choice(&verb_run, "frames", given->frames,
+                            (const char *const[]){ "obj", NULL });
+    }
+    int code = open_scene(given->operands[0], given, &scene, NULL);
     if (code == EXIT_DONE) {
         code = run_scene(given, out_directory(given, ".run", out), scene, false, NULL);
     }
     weft_scene_destroy(scene);
     return code;
-}
-
-static int run_verb(const options *given)
-{
-    progress_mode mode;
-    if (given->operand_count != 1) {
-        return usage_error(&verb_run, given->operand_count == 0
-                                          ? "no scene given"
-                                          : "more than one scene");
-    }
-    if (given->frames != NULL && strcmp(given->frames, "obj") != 0) {
-        return usage_choice(&verb_run, "frames", given->frames,
-                            (const char *const[]){ "obj", NULL });
-    }
-    const int code = progress_choose(&verb_run, given, &mode);
-    return code == EXIT_DONE ? run_file(given) : code;
 }
 
 const verb verb_run = {
@@ -422,5 +402,6 @@ const verb verb_run = {
               OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
               OPTION_FLAG("force", force), OPTION_VALUE("frames", frames),
               OPTION_FLAG("view", view), OPTION_VALUE("progress", progress)),
+    .operands = { 1, 1, "no scene given", "more than one scene" },
     .run = run_verb,
 };

@@ -6,15 +6,24 @@
 #include <sys/stat.h>
 
 #include "cli/cli.h"
+#include "cli/human.h"
 #include "cli/run/interrupt.h"
 #include "cli/run/progress.h"
-#include "cli/run/summary.h"
 #include "record/checkpoint.h"
+
+/* What summary.c prints. */
+typedef struct summary {
+    const char *directory;
+    const weft_scene *scene;
+    const weft_sim *sim;
+    const record_result *result;
+    record_extremes extremes;
+} summary;
 
 typedef struct run {
     const char *out;
-    struct stat place;             /* of that directory, while it is claimed */
-    bool obj;                      /* an OBJ a frame */
+    struct stat place;             /* of the directory `out` */
+    bool obj;                      /* one OBJ file per frame */
     bool quiet;                    /* no progress, no summary */
     bool again;                    /* the directory is that of an earlier attempt */
     const record_checkpoint *from; /* NULL: from t = 0 */
@@ -26,30 +35,30 @@ typedef struct run {
     record_vtkhdf *frames;
     record_result result;
     record_checkpoint checkpoint; /* the next one */
-    double began; /* [s] of the wall clock, less what was spent before */
+    double began; /* [s] of the wall clock, less the time of earlier parts */
     interrupt_watch watch;
     progress_mode mode;
     progress progress;
     summary summary;
-    uint64_t limit_sweeps;            /* up to the last frame */
-    bool beyond;                      /* fixed_step the stable one, at t = 0 */
-    bool told_unconverged, told_held; /* warnings of the strain limit */
-    char reason[1024];
+    uint64_t limit_sweeps;                /* up to the last frame */
+    bool beyond;                          /* fixed_step the stable one, at t = 0 */
+    bool warned_unconverged, warned_held; /* of the strain limit */
+    sentence reason;
 } run;
 
-/* records.c. Makes what the run writes its checkpoints from. */
+/* records.c. Allocates and identifies the checkpoint. */
 weft_status run_prepare(run *self, weft_error *err);
 /* Opens the files of a run from t = 0. */
 weft_status run_begin(run *self, weft_error *err);
-/* Opens them as they were at the checkpoint, and takes its state. Nothing is written
- * before all of them are checked. */
+/* Opens them as they were at the checkpoint, and restores its state. Checks all of them
+ * before it writes any. */
 weft_status run_take_up(run *self, weft_error *err);
 /* Writes checkpoint.weft after frame `index`. */
 weft_status run_checkpoint(run *self, size_t index, weft_error *err);
 /* Closes them after `status`, which is returned unless it was the better one. */
 weft_status run_close(run *self, weft_status status, weft_error *err);
 void run_remove(const run *self, const char *name);
-/* WEFT_IO if another directory has taken the place of that of the run. */
+/* WEFT_IO if another directory has replaced that of the run. */
 weft_status run_in_place(const run *self, weft_error *err);
 
 /* run.c: `claimed`: the caller has claimed a directory that an earlier attempt has
@@ -61,9 +70,21 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
 /* failure_report.c: the failure, the stable step and what to try, as lines to stderr
  * and as one text. */
 void failure_report(const weft_scene *scene, const weft_sim *sim,
-                    const weft_failure *failure, char *text, size_t size);
+                    const weft_failure *failure, sentence *out);
 
-/* resume.c: go on with the run of that scene in a directory that the caller has
+/* summary.c: the results of a run, in eight lines or as YAML. */
+void summary_step(summary *self); /* after each accepted step */
+/* After each frame, with the spring of the largest strain in it. */
+void summary_frame(summary *self, const weft_spring *now);
+
+void summary_print(const summary *self);
+/* The part that is known within a step. */
+void summary_print_frames(const summary *self);
+/* The same as YAML documents of a line each, at the begin and at the end. */
+void summary_yaml_begin(const summary *self);
+void summary_yaml_end(const summary *self);
+
+/* resume.c: continues the run of that scene in a directory that the caller has
  * claimed. Returns the exit code. */
 int resume_scene(const options *given, const char *directory, const weft_scene *scene);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* summary.c -- what a run was and came to, to stdout. */
-#include "cli/run/summary.h"
+/* summary.c -- the summary of a run, to stdout. */
+#include "cli/run/run.h"
 
 #include <string.h>
 
@@ -126,15 +126,13 @@ static void print_limit(const summary *self)
 
 static void print_files(const summary *self)
 {
-    char names[200] = "";
-    size_t used = 0;
+    sentence names = { "" };
     for (size_t i = 0; record_names[i] != NULL; ++i) {
         if (record_exists(self->directory, record_names[i])) {
-            used += (size_t)snprintf(names + used, sizeof names - used, "%s %s",
-                                     used == 0 ? ":" : "", record_names[i]);
+            say(&names, "%s %s", names.text[0] == '\0' ? ":" : "", record_names[i]);
         }
     }
-    print_item("files", "in %s%s", self->directory, names);
+    print_item("files", "in %s%s", self->directory, names.text);
 }
 
 void summary_print(const summary *self)

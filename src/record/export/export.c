@@ -1,28 +1,27 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* export.c -- what several formats share. */
+/* export.c -- functions that several formats share. */
 #include "record/export/export.h"
 
 #include <string.h>
 
-void record_quad(const record_surface *surface, size_t q, size_t corners[4])
+weft_status record_surface_write(const char *directory, const char *name,
+                                 record_write_fn *write, const record_surface *surface,
+                                 weft_error *err)
 {
-    const size_t cols = surface->cols;
-    const size_t a = q / (cols - 1) * cols + q % (cols - 1);
-    corners[0] = a;
-    corners[1] = a + cols;
-    corners[2] = a + cols + 1;
-    corners[3] = a + 1;
-}
-
-static double fraction(size_t index, size_t count)
-{
-    return count > 1 ? (double)index / (double)(count - 1) : 0.0;
+    record_file file;
+    const weft_status status = record_file_open(&file, directory, name, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    write(file.stream, surface);
+    return record_file_commit(&file, err);
 }
 
 void record_texture(const record_surface *surface, size_t i, double uv[2])
 {
-    uv[0] = fraction(i % surface->cols, surface->cols);
-    uv[1] = 1.0 - fraction(i / surface->cols, surface->rows);
+    const size_t row = i / surface->cols, col = i % surface->cols;
+    uv[0] = col > 0 ? (double)col / (double)(surface->cols - 1) : 0.0;
+    uv[1] = row > 0 ? 1.0 - (double)row / (double)(surface->rows - 1) : 1.0;
 }
 
 void record_put(FILE *stream, uint64_t bits, size_t bytes, bool big)

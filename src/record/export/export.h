@@ -13,26 +13,30 @@ typedef struct record_surface {
     const double *position; /* [m] */
     const double *velocity; /* [m/s]; NULL: not known */
     const double *strain;   /* NULL: not known */
-    bool doubles;           /* else all are floats, and no more digits are written */
+    bool doubles; /* else the values are floats and are written with fewer digits */
 } record_surface;
 
-/* A file for a frame. It appears complete, or not at all. */
-typedef weft_status record_write_fn(const char *directory, const char *name,
-                                    const record_surface *surface, weft_error *err);
+/* The content of a file with one frame. */
+typedef void record_write_fn(FILE *stream, const record_surface *surface);
 
 /* export_obj.c: Wavefront OBJ, quads and texture coordinates; a chain is a line.
- * export_ply.c: the same as binary PLY; a chain is edges.
- * export_csv.c: row,col,x,y,z,vx,vy,vz; no velocities if they are not known.
- * export_vtp.c: VTK PolyData in XML, arrays appended raw. */
+ * export_ply.c: the same as binary PLY; a chain is edges. export_csv.c:
+ * row,col,x,y,z,vx,vy,vz; the velocities only if they are known. export_vtp.c: VTK
+ * PolyData in XML, arrays appended raw. */
 record_write_fn record_obj, record_ply, record_csv, record_vtp;
 
-/* One file over all frames: it is begun, given every frame, and ended. `file` is the
- * frame's own file, relative to that of the movie. */
+/* Writes such a file, which appears complete or not at all. */
+weft_status record_surface_write(const char *directory, const char *name,
+                                 record_write_fn *write, const record_surface *surface,
+                                 weft_error *err);
+
+/* One file for all frames: their points, or a list of their own files, with names
+ * relative to this one. */
 typedef struct record_movie {
     void (*begin)(FILE *stream, const double *times, size_t frames, size_t particles);
-    void (*frame)(FILE *stream, double time, const char *file,
-                  const record_surface *surface);
-    void (*end)(FILE *stream); /* NULL: nothing is left to write */
+    record_write_fn *points;                                   /* either this */
+    void (*list)(FILE *stream, double time, const char *file); /* or this */
+    void (*end)(FILE *stream);                                 /* NULL: not called */
 } record_movie;
 
 /* export_cache.c: point caches of other programs. export_vtp.c: an index of VTP files.
@@ -44,7 +48,7 @@ extern const record_movie record_mdd, record_pc2, record_pvd;
 weft_status record_final_read(const char *directory, size_t rows, size_t cols,
                               double *position, double *velocity, weft_error *err);
 
-/* What several formats share. */
+/* Functions that several formats share. */
 
 static inline size_t record_particles(const record_surface *surface)
 {
@@ -55,9 +59,6 @@ static inline size_t record_quads(const record_surface *surface)
 {
     return (surface->rows - 1) * (surface->cols - 1);
 }
-
-/* Corners of quad q, around it, the same way round in every format. */
-void record_quad(const record_surface *surface, size_t q, size_t corners[4]);
 
 /* Texture coordinates: u along a row, v up a column, from 0 to 1. */
 void record_texture(const record_surface *surface, size_t i, double uv[2]);

@@ -21,15 +21,12 @@ static void begin_mdd(FILE *stream, const double *times, size_t frames,
     }
 }
 
-static void frame_mdd(FILE *stream, double time, const char *file,
-                      const record_surface *surface)
+static void points_mdd(FILE *stream, const record_surface *surface)
 {
-    (void)time;
-    (void)file;
     write_points(stream, surface, true);
 }
 
-const record_movie record_mdd = { .begin = begin_mdd, .frame = frame_mdd };
+const record_movie record_mdd = { .begin = begin_mdd, .points = points_mdd };
 
 /* ---- PC2: little-endian; a sample a frame, from frame 0 ------------------------ */
 
@@ -41,16 +38,13 @@ static void begin_pc2(FILE *stream, const double *times, size_t frames,
     record_put(stream, 1, 4, false); /* version */
     record_put(stream, particles, 4, false);
     record_put_float(stream, 0.0, false); /* first frame */
-    record_put_float(stream, 1.0, false); /* frames a sample */
+    record_put_float(stream, 1.0, false); /* frames per sample */
     record_put(stream, frames, 4, false);
 }
 
-static void frame_pc2(FILE *stream, double time, const char *file,
-                      const record_surface *surface)
+static void points_pc2(FILE *stream, const record_surface *surface)
 {
-    (void)time;
-    (void)file;
     write_points(stream, surface, false);
 }
 
-const record_movie record_pc2 = { .begin = begin_pc2, .frame = frame_pc2 };
+const record_movie record_pc2 = { .begin = begin_pc2, .points = points_pc2 };

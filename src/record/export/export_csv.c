@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* export_csv.c -- one state as CSV, and back. */
+/* export_csv.c -- writes one state as CSV and reads it back. */
 #include "record/export/export.h"
 
 #include <inttypes.h>
@@ -17,24 +17,17 @@ static void write_vector(FILE *stream, const double *v, bool doubles)
     }
 }
 
-weft_status record_csv(const char *directory, const char *name,
-                       const record_surface *surface, weft_error *err)
+void record_csv(FILE *stream, const record_surface *surface)
 {
-    record_file file;
-    const weft_status status = record_file_open(&file, directory, name, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    fputs(surface->velocity == NULL ? "row,col,x,y,z\n" : CSV_HEADER, file.stream);
+    fputs(surface->velocity == NULL ? "row,col,x,y,z\n" : CSV_HEADER, stream);
     for (size_t i = 0; i < record_particles(surface); ++i) {
-        fprintf(file.stream, "%zu,%zu", i / surface->cols, i % surface->cols);
-        write_vector(file.stream, &surface->position[3 * i], surface->doubles);
+        fprintf(stream, "%zu,%zu", i / surface->cols, i % surface->cols);
+        write_vector(stream, &surface->position[3 * i], surface->doubles);
         if (surface->velocity != NULL) {
-            write_vector(file.stream, &surface->velocity[3 * i], surface->doubles);
+            write_vector(stream, &surface->velocity[3 * i], surface->doubles);
         }
-        fputc('\n', file.stream);
+        fputc('\n', stream);
     }
-    return record_file_commit(&file, err);
 }
 
 static bool read_row(FILE *stream, size_t cols, size_t i, double *x, double *v)

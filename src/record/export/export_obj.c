@@ -26,7 +26,7 @@ static void write_faces(FILE *stream, const record_surface *surface)
     }
     for (size_t q = 0; q < record_quads(surface); ++q) {
         size_t at[4];
-        record_quad(surface, q, at);
+        record_quad(surface->cols, q, at);
         fputs("f", stream);
         for (size_t k = 0; k < 4; ++k) {
             fprintf(stream, " %zu/%zu", at[k] + 1, at[k] + 1);
@@ -35,17 +35,10 @@ static void write_faces(FILE *stream, const record_surface *surface)
     }
 }
 
-weft_status record_obj(const char *directory, const char *name,
-                       const record_surface *surface, weft_error *err)
+void record_obj(FILE *stream, const record_surface *surface)
 {
-    record_file file;
-    const weft_status status = record_file_open(&file, directory, name, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    fprintf(file.stream, "# weft %s: %zu x %zu particles, metres\n", weft_version(),
+    fprintf(stream, "# weft %s: %zu x %zu particles, metres\n", weft_version(),
             surface->rows, surface->cols);
-    write_vertices(file.stream, surface);
-    write_faces(file.stream, surface);
-    return record_file_commit(&file, err);
+    write_vertices(stream, surface);
+    write_faces(stream, surface);
 }

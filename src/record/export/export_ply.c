@@ -39,7 +39,7 @@ static void write_faces(FILE *stream, const record_surface *surface)
 {
     for (size_t q = 0; q < record_quads(surface); ++q) {
         size_t at[4];
-        record_quad(surface, q, at);
+        record_quad(surface->cols, q, at);
         record_put(stream, 4, 1, false);
         for (size_t k = 0; k < 4; ++k) {
             record_put(stream, at[k], 4, false);
@@ -52,16 +52,9 @@ static void write_faces(FILE *stream, const record_surface *surface)
     }
 }
 
-weft_status record_ply(const char *directory, const char *name,
-                       const record_surface *surface, weft_error *err)
+void record_ply(FILE *stream, const record_surface *surface)
 {
-    record_file file;
-    const weft_status status = record_file_open(&file, directory, name, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    write_header(file.stream, surface);
-    write_vertices(file.stream, surface);
-    write_faces(file.stream, surface);
-    return record_file_commit(&file, err);
+    write_header(stream, surface);
+    write_vertices(stream, surface);
+    write_faces(stream, surface);
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* export_vtp.c -- VTK's XML: a VTP file a frame, and the PVD file that lists them.
+/* export_vtp.c -- VTK's XML: one VTP file per frame, and the PVD file that lists them.
  *
- * Numbers stand behind the XML: for each array its length in bytes, then its values.
- * The offsets in the XML count from the byte after the underscore. */
+ * The numbers follow the XML: for each array its length in bytes, then its values. The
+ * offsets in the XML count from the byte after the underscore. */
 #include "record/export/export.h"
 
 #include <string.h>
@@ -25,7 +25,7 @@ static size_t real_size(const record_surface *surface)
     return surface->doubles ? 8 : 4;
 }
 
-/* The tag of an array at *offset, which moves on by the array's size. */
+/* The tag of an array at *offset, which grows by the array's size. */
 static void tag(FILE *stream, const char *type, const char *name, size_t components,
                 size_t bytes, size_t *offset)
 {
@@ -77,7 +77,7 @@ static void put_cells(FILE *stream, const record_surface *surface)
     for (size_t c = 0; c < cells; ++c) {
         size_t corners[4] = { 0 };
         if (record_quads(surface) > 0) {
-            record_quad(surface, c, corners);
+            record_quad(surface->cols, c, corners);
         }
         for (size_t k = 0; k < size; ++k) {
             record_put(stream, record_quads(surface) > 0 ? corners[k] : k, 8, false);
@@ -115,25 +115,18 @@ static void write_tags(FILE *stream, const record_surface *surface)
             cells);
 }
 
-weft_status record_vtp(const char *directory, const char *name,
-                       const record_surface *surface, weft_error *err)
+void record_vtp(FILE *stream, const record_surface *surface)
 {
-    record_file file;
-    const weft_status status = record_file_open(&file, directory, name, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    write_tags(file.stream, surface);
-    put_reals(file.stream, surface, surface->position, 3);
+    write_tags(stream, surface);
+    put_reals(stream, surface, surface->position, 3);
     if (surface->velocity != NULL) {
-        put_reals(file.stream, surface, surface->velocity, 3);
+        put_reals(stream, surface, surface->velocity, 3);
     }
     if (surface->strain != NULL) {
-        put_reals(file.stream, surface, surface->strain, 1);
+        put_reals(stream, surface, surface->strain, 1);
     }
-    put_cells(file.stream, surface);
-    fputs("\n</AppendedData></VTKFile>\n", file.stream);
-    return record_file_commit(&file, err);
+    put_cells(stream, surface);
+    fputs("\n</AppendedData></VTKFile>\n", stream);
 }
 
 /* ---- PVD -------------------------------------------------------------------- */
@@ -147,10 +140,8 @@ static void begin_pvd(FILE *stream, const double *times, size_t frames,
     fputs(HEAD("Collection") "<Collection>\n", stream);
 }
 
-static void frame_pvd(FILE *stream, double time, const char *file,
-                      const record_surface *surface)
+static void list_pvd(FILE *stream, double time, const char *file)
 {
-    (void)surface;
     fprintf(stream, "<DataSet timestep=\"%.17g\" part=\"0\" file=\"%s\"/>\n", time,
             file);
 }
@@ -161,4 +152,4 @@ static void end_pvd(FILE *stream)
 }
 
 const record_movie record_pvd
-    = { .begin = begin_pvd, .frame = frame_pvd, .end = end_pvd };
+    = { .begin = begin_pvd, .list = list_pvd, .end = end_pvd };
