@@ -38,8 +38,8 @@ void weft__an_edited_state_is_used(trial *self)
                "y edited at 0.5 s");
 }
 
-/* A step of h from t to t + h, and the same by an instance that has no past. With error
- * control the two may want different steps. */
+/* A step of h from the t and y that are there, and the same by an instance that has no
+ * past. With error control the two may want different steps. */
 static void as_a_fresh_one(trial *self, trial_run *r, double h, const char *what)
 {
     weft_stepper_config config = r->config;
@@ -55,26 +55,26 @@ static void as_a_fresh_one(trial *self, trial_run *r, double h, const char *what
                  what, h, weft__model_distance(r->y, fresh->y));
 }
 
-/* Without y, an f that is kept for it is of another t. */
-static void set_back(trial *self, bool with_y)
+/* `also_y`: else y is left as it was, and an f that is kept for it is of another t. */
+static void set_back(trial *self, bool also_y)
 {
-    const char *what = with_y ? "t and y set back" : "t set back";
     trial_run *r = weft__begin_usual(self, 0);
     weft__go(self, r, 0.5);
     const trial_run before = *r;
     weft__good_step(self, r, 1.0);
     const double h = 0.5 * (r->t - before.t);
     r->t = before.t;
-    if (with_y) {
+    if (also_y) {
         memcpy(r->y, before.y, sizeof r->y);
     }
     self->type->state_changed(r->self);
     if ((self->type->flags & WEFT_STEPPER_MULTISTEP) == 0) {
-        as_a_fresh_one(self, r, h, what);
+        as_a_fresh_one(self, r, h, also_y ? "t and y set back" : "t set back");
     }
-    if (with_y) {
+    if (also_y) {
         weft__go(self, r, 1.0);
-        weft__near(self, r, weft__error_at_end(r), weft__allowed(self->type), what);
+        weft__near(self, r, weft__error_at_end(r), weft__allowed(self->type),
+                   "t and y set back at 0.5 s");
     }
 }
 
