@@ -385,9 +385,13 @@ START_TEST(short_memory_is_told_and_crashes_nothing)
 {
     int told = 0, done = 0;
     for (int kilobytes = 20000; kilobytes < 200000 && done < 3; kilobytes += 250) {
-        const int code = shell("ulimit -v %d; " WEFT " run " OUT
-                               "/small.yaml --out " OUT "/v --force --quiet 2>&1",
-                               kilobytes);
+        const int code = shell(
+            "ulimit -v %d; (" WEFT " --version) >/dev/null 2>&1 || exit "
+            "99; " WEFT " run " OUT "/small.yaml --out " OUT "/v --force --quiet 2>&1",
+            kilobytes);
+        if (code == 99) { /* too little to load the program; the loader may crash */
+            continue;
+        }
         ck_assert_msg(code < 128, "exit code %d with %d kB", code, kilobytes);
         told += strstr(output, "/v/run.vtkhdf: Cannot allocate memory") != NULL;
         done += code == 0;

@@ -148,7 +148,7 @@ static const struct {
     { "final.csv", "export r --format obj", 4, "r/final.csv: not a regular file" },
     { "manifest.yaml", "view r", 0, "" },
     { "checkpoint.weft", "resume r", 4, "r/checkpoint.weft: not a regular file" },
-    { "log.txt", "batch r.yaml --out .", 1, "1 failed" },
+    { "log.txt", "batch r.yaml --out .", 4, "1 io_error" },
     { "", "check r", 4, "r: not a regular file" },
     { "", "run r --out s", 4, "r: not a regular file" },
     { "", "batch r --out s", 4, "r: not a regular file" },
