@@ -110,9 +110,10 @@ END_TEST
 
 START_TEST(overrides_reach_shapes)
 {
-    const char *const sets[] = { "contact.shapes.1.radius=0.2", "contact.friction=0.7",
-                                 "contact.shapes.4={shape: sphere, at: [0, -9, 0], "
-                                 "radius: 1}" };
+    static const char ball[]
+        = "contact.shapes.4={shape: sphere, at: [0, -9, 0], radius: 1}";
+    const char *const sets[]
+        = { "contact.shapes.1.radius=0.2", "contact.friction=0.7", ball };
     weft_scene_def def = scene_of_text(all_shapes);
     def.sets = sets, def.set_count = 3;
     weft_scene *scene = good_scene(&def);

@@ -71,7 +71,8 @@ static void check_start(weft__reader *reader, const weft__node *shapes)
     start_reporter self = { .report = reader->report };
     const weft__faults to = { report_start, &self };
     const double particles = (double)def->rows * (double)def->cols;
-    const double each = (double)def->contact.shape_count + (double)def->pin_count;
+    const double each
+        = (double)def->contact.shape_count * (1.0 + (double)def->pin_count);
     for (size_t k = 0; k < def->contact.shape_count && particles * each < MAX_COMPARED;
          ++k) {
         self.shape = weft__item(shapes, k);
