@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* shapes.h -- the shapes of a recorded run, from its scene.yaml, and their surfaces. */
-#ifndef WEFT_RECORD_SHAPES_H
-#define WEFT_RECORD_SHAPES_H
+/* shape_mesh.h -- the shapes of a recorded run, from its scene.yaml, and their
+ * surfaces. */
+#ifndef WEFT_RECORD_SHAPE_MESH_H
+#define WEFT_RECORD_SHAPE_MESH_H
 
 #include "record/export/export.h"
 
