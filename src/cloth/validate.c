@@ -444,8 +444,10 @@ void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to)
         check_springs(def, to);
         check_pins(def, to);
         check_forces(def, to);
-        check_contact(def, to);
-        check_shapes(def, to);
+        if (def->contact.shape_count > 0) {
+            check_contact(def, to);
+            check_shapes(def, to);
+        }
     }
 }
 

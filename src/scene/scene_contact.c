@@ -71,7 +71,8 @@ static void check_start(weft__reader *reader, const weft__node *shapes)
     start_reporter self = { .report = reader->report };
     const weft__faults to = { report_start, &self };
     const double particles = (double)def->rows * (double)def->cols;
-    const double each = (double)def->contact.shape_count + (double)def->pin_count;
+    const double each
+        = (double)def->contact.shape_count * (1.0 + (double)def->pin_count);
     for (size_t k = 0; k < def->contact.shape_count && particles * each < MAX_COMPARED;
          ++k) {
         self.shape = weft__item(shapes, k);
@@ -126,11 +127,9 @@ static void warn_of_chord(weft__report *report, const weft_cloth_def *def, size_
     if (sag > def->contact.thickness) {
         weft__report_warning(
             report, at,
-            "between particles %.3g m apart the cloth dips %.3g mm into %s "
-            "shapes[%zu], "
-            "deeper than the thickness of %.3g mm: it will show through",
-            a, 1e3 * sag, box ? "the edges of" : "the round of", k,
-            1e3 * def->contact.thickness);
+            "between particles %.3g m apart the cloth dips %.3g mm into %sshapes[%zu], "
+            "more than the thickness of %.3g mm: the shape shows through",
+            a, 1e3 * sag, box ? "the edges of " : "", k, 1e3 * def->contact.thickness);
     }
 }
 
@@ -202,7 +201,7 @@ static void warn_of_pins(weft__reader *reader, const weft__node *pins)
     }
 }
 
-/* In half that time a particle of the stopping speed passes the thickness. */
+/* In a step of the limit a particle at the stopping speed passes half the thickness. */
 static void warn_of_stepper(weft__reader *reader, const weft__node *method,
                             const weft__node *fixed_step)
 {
@@ -213,8 +212,8 @@ static void warn_of_stepper(weft__reader *reader, const weft__node *method,
     if (strcmp(scene->method, "velocity_verlet") == 0 && has_friction(contact)) {
         weft__report_warning(
             reader->report, method->at,
-            "velocity_verlet takes friction explicitly, with large errors of the "
-            "energy: a Runge-Kutta method does not");
+            "velocity_verlet takes friction explicitly, which makes large errors of "
+            "the energy: use a Runge-Kutta method");
     }
     if (h > most) {
         weft__report_warning(
