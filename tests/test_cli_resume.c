@@ -14,6 +14,9 @@ static const char *const setups[] = {
     "record.every=7",
     "--set stepper.method=symplectic_euler --set record.precision=double",
     "--set stepper.fixed_step=6.1e-3", /* with a warning */
+    "--set 'contact={friction: 0, shapes: [{shape: sphere, at: [0.4, -0.3, 0.3], "
+    "radius: 0.2}, {shape: plane, at: [0, -1.5, 0], normal: [0, 1, 0], velocity: [0, "
+    "0.5, 0]}]}' --set stepper.fixed_step=5e-4",
 #ifdef HAVE_GSL
     "--set 'stepper={plugin: gsl, method: rkf45}' --set record.ledger=true",
     "--set 'stepper={plugin: gsl, method: rk8pd}'",

@@ -12,7 +12,7 @@
 #include "record/export/export.h"
 #include "record/frames.h"
 #include "record/result_read.h"
-#include "record/shape_surfaces.h"
+#include "record/shape_mesh.h"
 
 typedef struct export_format {
     const char *name;

@@ -9,7 +9,7 @@
 
 #include "record/frames.h"
 #include "record/page.h"
-#include "record/shape_surfaces.h"
+#include "record/shape_mesh.h"
 
 #define FRAME_BUDGET 64e6 /* [B] of all frames; more are thinned */
 #define SIDE_MAX     256  /* particles shown along a side; more are thinned */

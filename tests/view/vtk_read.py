@@ -118,7 +118,7 @@ def check_exports(directory, dimensions):
     frames = Frames(directory)
     weft("export", directory, "--format", "pvd")
     listed = xml.etree.ElementTree.parse(os.path.join(directory, "run.pvd")).getroot().iter("DataSet")
-    listed = [(float(entry.get("timestep")), entry.get("file")) for entry in listed]
+    listed = [(float(entry.get("timestep")), entry.get("file")) for entry in listed if entry.get("part") == "0"]
     assert tuple(t for t, _ in listed) == tuple(frames.times)
     for i, (_, name) in enumerate(listed):
         reader = vtk.vtkXMLPolyDataReader()
@@ -148,6 +148,22 @@ def check_chain():
     frames = Frames(directory)
     for i in range(len(frames.times)):
         assert cells(frames.at(i)) == [list(range(n))]
+
+
+def check_shapes():
+    """The ball of a run and its meshes: every point at its radius, quads that face outwards."""
+    directory = run("ball", *SHORT, scene="scenes/ball.yaml")
+    weft("export", directory, "--format", "pvd")
+    weft("export", directory, "--format", "obj", "--frame", "2")
+    for name, reader in (("vtp", vtk.vtkXMLPolyDataReader()), ("obj", vtk.vtkOBJReader())):
+        reader.SetFileName(os.path.join(directory, "frames/frame-000002-shape-0." + name))
+        reader.Update()
+        surface = reader.GetOutput()
+        away = points(surface) - numpy.array([0, -0.3, 0])
+        assert (abs(numpy.linalg.norm(away, axis=1) - 0.3) < 1e-7).all()
+        a, b, c, d = (away[list(corner)] for corner in zip(*cells(surface)))
+        outwards = numpy.einsum("ij,ij->i", numpy.cross(c - a, d - b), a + b + c + d)
+        assert (outwards > 0).all(), name
 
 
 def check_kills(count):
@@ -203,6 +219,7 @@ os.makedirs(OUT, exist_ok=True)
 for precision, real in (("single", numpy.float32), ("double", numpy.float64)):
     check_exports(*check_run(precision, real))
 check_chain()
+check_shapes()
 check_reading_while_it_grows()
 frames_after_kills = check_kills(20)
 print("view: vtk %s ok, %d frames after 20 kills" % (vtk.VTK_VERSION, frames_after_kills))

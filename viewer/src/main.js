@@ -3,6 +3,7 @@
 import { drawLegend, quantities } from './colours.js';
 import { boxes, readPage } from './data.js';
 import { nearest, Plots } from './plots.js';
+import { gaps } from './shapes.js';
 import { isSoftware, Stage } from './stage.js';
 import { writeFiles, writeHeader, writeLabels, writeNotes } from './words.js';
 
@@ -234,4 +235,4 @@ function start() {
 start();
 
 /** For tests and for the console. */
-window.weft = { page, state, stage, plots, seek, play, pause, setColour };
+window.weft = { page, state, stage, plots, seek, play, pause, setColour, gaps };

@@ -91,8 +91,11 @@ export class Shapes {
         this.group = new Group();
         for (const shape of this.list) {
             const made = MESHES[shape.shape](shape, size);
-            made.material = new MeshLambertMaterial({ color: '#8d99ae', side: DoubleSide });
-            made.castShadow = shape.shape !== 'plane';
+            const isPlane = shape.shape === 'plane'; // a veil: the floor's squares show the scale
+            made.material = new MeshLambertMaterial({
+                color: '#8d99ae', side: DoubleSide, transparent: isPlane, opacity: isPlane ? 0.3 : 1, depthWrite: !isPlane,
+            });
+            made.castShadow = !isPlane;
             made.receiveShadow = true;
             this.group.add(made);
         }

@@ -384,15 +384,62 @@ test('the second run is dashed in the legends, too', async () => {
     assert.ok(shown.every(([name, style]) => style === (name === 'A' ? 'solid' : 'dashed')), shown.join());
 });
 
-test('obstacles are drawn', async () => {
-    const body = '"obstacles":[{"type":"sphere","centre":[0.5,-0.5,0.5],"radius":0.2},'
-        + '{"type":"plane","point":[0,-1,0],"normal":[0,1,0]}],"pinned"';
-    writeFileSync(at('obstacles.html'), readFileSync(at('a/run.html'), 'utf8').replace('"pinned"', body));
-    const { page, said } = await open(browser, at('obstacles.html'), 'frame=60');
-    const bare = await open(browser, at('a/run.html'), 'frame=60');
-    const [with_, without] = [await pixels(page, '#canvas'), await pixels(bare.page, '#canvas')];
-    assert.ok(with_.filter((p, i) => p.join() !== without[i].join()).length > 0.05 * with_.length);
+test('shapes are drawn where they are in a frame', async () => {
+    const { page, said } = await open(browser, at('shapes/run.html'), 'frame=0&threads=0');
     assert.deepEqual(said, []);
+    const share = async (k, frame) => {
+        await page.evaluate(([i, f]) => {
+            weft.seek(f);
+            weft.stage.views[0].cloth.group.visible = false;
+            weft.stage.views[0].shapes.group.children.forEach((shape, j) => { shape.visible = i === j; });
+            weft.stage.request();
+        }, [k, frame]);
+        const seen = await pixels(page, '#canvas');
+        await page.evaluate(() => {
+            weft.stage.views[0].shapes.group.children.forEach((shape) => { shape.visible = false; });
+            weft.stage.request();
+        });
+        const bare = await pixels(page, '#canvas');
+        return seen.map((p, i) => p.some((c, j) => Math.abs(c - bare[i][j]) > 8));
+    };
+    for (const k of [0, 1, 2, 3]) {
+        assert.ok((await share(k, 0)).filter(Boolean).length > 200, `shape ${k}`);
+    }
+    const [first, last] = [await share(1, 0), await share(1, 15)];
+    assert.ok(first.filter((x, i) => x !== last[i]).length > 100);
+    await page.evaluate(() => {
+        weft.stage.views[0].cloth.group.visible = true;
+        weft.stage.views[0].shapes.group.children.forEach((shape) => { shape.visible = true; });
+    });
+    await page.selectOption('#colour', 'gap');
+    for (const theme of ['light', 'dark']) {
+        await shot(page, `shapes-${theme}.png`);
+        await page.keyboard.press('d');
+    }
+});
+
+test('meshes of shapes lie on their surfaces, and gaps are those of the run', async () => {
+    const { page } = await open(browser, at('shapes/run.html'), 'frame=15');
+    const far = await page.evaluate(() => weft.stage.views[0].shapes.list.map((shape, k) => {
+        const mesh = weft.stage.views[0].shapes.group.children[k];
+        const { position } = mesh.geometry.attributes;
+        const one = { ...shape, at: shape.at.map(Number), velocity: [0, 0, 0], amplitude: [0, 0, 0] };
+        const turned = mesh.geometry.clone().applyQuaternion(mesh.quaternion).translate(...shape.at).attributes.position;
+        const block = { read: (plane, out) => out.map((_, i) => turned.array[3 * i + plane]) };
+        const found = weft.gaps(weft.page, { obstacles: [one], blocks: [block] }, 0, new Float32Array(position.count));
+        return Math.max(...found.map(Math.abs));
+    }));
+    assert.ok(far.every((gap) => gap < 1e-6), far.join());
+    const [shown, told] = await page.evaluate(() => {
+        const { page: data } = weft;
+        const [run] = data.runs;
+        return [Math.min(...weft.gaps(data, run, 15, new Float32Array(data.count))), run.columns.get('min_gap').at(-1)];
+    });
+    assert.ok(Math.abs(shown - told) < 1e-4, `${shown} ${told}`);
+    await page.selectOption('#colour', 'gap');
+    assert.equal(await page.textContent('#legend-title'), 'gap [mm]');
+    assert.deepEqual(await page.locator('#legend-ticks span').allTextContents(), ['10', '7.5', '5', '2.5', '0']);
+    assert.ok((await page.locator('.u-title').allTextContents()).includes('smallest gap [m]'));
 });
 
 test('light, dark and a phone', async () => {

@@ -378,8 +378,10 @@ const verb verb_run = {
     .help
     = "usage: weft run SCENE.yaml [OPTIONS]\n\n"
       "Runs a scene and writes to a directory: scene.yaml (as run), manifest.yaml "
-      "(versions and options), series.csv (one row per frame), run.vtkhdf (the "
-      "frames), final.csv (the final state) and, last of all, result.yaml. Ends with "
+      "(versions and options), series.csv (one row per frame), shapes.csv (with "
+      "shapes: "
+      "the forces on them), run.vtkhdf (the frames), final.csv (the final state) and, "
+      "last of all, result.yaml. Ends with "
       "a summary.\n\n"
       "  --out DIR            the directory; default: ./SCENE.run. Must be new or "
       "empty\n"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* shape_surfaces.h -- the shapes of a recorded run, from its scene.yaml, and their
+/* shape_mesh.h -- the shapes of a recorded run, from its scene.yaml, and their
  * surfaces. */
-#ifndef WEFT_RECORD_SHAPE_SURFACES_H
-#define WEFT_RECORD_SHAPE_SURFACES_H
+#ifndef WEFT_RECORD_SHAPE_MESH_H
+#define WEFT_RECORD_SHAPE_MESH_H
 
 #include "record/export/export.h"
 
