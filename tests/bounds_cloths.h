@@ -120,10 +120,19 @@ static const weft_cloth_def cloths[] = {
 
 enum { CLOTHS = sizeof cloths / sizeof cloths[0] };
 
+/* Cloths from CLOTHS on are these again on a plane that approaches them, and from 2
+ * CLOTHS on slides as well. */
 static inline weft_cloth *make(size_t i)
 {
     const weft_cloth_def usual = weft_cloth_def_default();
-    weft_cloth_def def = cloths[i];
+    weft_cloth_def def = cloths[i % CLOTHS];
+    weft_shape plane = weft_shape_default(WEFT_PLANE);
+    plane.normal[1] = 0.0, plane.normal[2] = 1.0, plane.at[2] = -8e-3;
+    plane.velocity[0] = i < 2 * CLOTHS ? 0.0 : 0.3, plane.velocity[2] = 0.5;
+    def.contact = usual.contact;
+    def.contact.thickness = 0.02, def.contact.slip = 0.1;
+    def.contact.shapes = &plane;
+    def.contact.shape_count = i < CLOTHS ? 0 : 1;
     memcpy(def.right, usual.right, sizeof def.right);
     memcpy(def.down, usual.down, sizeof def.down);
     def.scale = def.scale == 0.0 ? 1.0 : def.scale;

@@ -170,7 +170,7 @@ START_TEST(another_kind_of_simulation_is_told_apart)
     refused(size - 8 * WEFT__QUADRATURES, "saved without energy ledger");
     memcpy(again, saved, size);
     again[8] = 2;
-    refused(size, "saved in format 2, and this is 3");
+    refused(size, "saved in format 2, and this is 5");
 }
 END_TEST
 
@@ -179,7 +179,7 @@ END_TEST
 START_TEST(numbers_that_are_not_finite_are_refused)
 {
     const size_t size = weft_sim_save_size(sim), sum = size - 8;
-    const size_t words[] = { 15, 16, 28, 28 + DIM - 1 };
+    const size_t words[] = { 15, 16, 29, 29 + DIM - 1 };
     const double odd[] = { (double)NAN, (double)INFINITY };
     for (size_t i = 0; i < sizeof words / sizeof words[0] * 2; ++i) {
         memcpy(again, saved, size);
@@ -207,12 +207,12 @@ START_TEST(ledgers_that_are_not_finite_are_refused)
         for (size_t word = 18; word < 21; ++word) {
             refused_with(word, odd[i], "an energy ledger that is not finite");
         }
-        for (size_t k = 0; k < 4; ++k) {
-            refused_with(28 + DIM + k, odd[i], "an energy ledger that is not finite");
+        for (size_t k = 0; k < WEFT__QUADRATURES; ++k) {
+            refused_with(29 + DIM + k, odd[i], "an energy ledger that is not finite");
         }
     }
     /* a velocity whose square overflows */
-    refused_with(28 + DIM - 1, 1e200, "an energy ledger that is not finite");
+    refused_with(29 + DIM - 1, 1e200, "an energy ledger that is not finite");
 }
 END_TEST
 
@@ -269,7 +269,7 @@ START_TEST(saved_pins_that_make_no_sense_are_refused)
     static const uint64_t wrong[][2]
         = { { 0, 3 }, { 0, UINT64_MAX }, { 7, 1 }, { 11, UINT64_C(1) << 32 } };
     ck_assert_int_eq(weft_sim_pin(sim, 7, NULL, &err), WEFT_OK);
-    const size_t size = weft_sim_save_size(sim), holds = size - 8 * (PARTICLES + 1);
+    const size_t size = weft_sim_save_size(sim), holds = size - 8 * (PARTICLES + 3);
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
         save(sim, again);
         weft__word_put(again + holds + 8 * wrong[i][0], wrong[i][1]);

@@ -12,6 +12,8 @@ static const struct {
     { "anything", "refusal", "fixed_step -0.001: create returned 'ok'" },
     { "borrows", "allocator", "blocks of config->allocator not given back to it: 1" },
     { "claim", "order", "order 3 is claimed, 2 is measured; within " },
+    { "clock", "set back",
+      "t and y set back: a step of 0.0005 s gives another result than that of a new" },
     { "crashes", "versions", "it " },
     { "eager", "create", "create called the rhs" },
     { "exits", "versions", "it ended the process with exit code 3" },

@@ -70,6 +70,25 @@ START_TEST(dragged_corner_is_where_the_hand_is)
 }
 END_TEST
 
+START_TEST(dragged_sphere_pushes_the_cloth)
+{
+    expect(shell(EXAMPLE("dragged_sphere") " 2>&1"), 0);
+    ck_assert_uint_eq(lines(), 9);
+    for (int i = 0; i < 9; ++i) {
+        double t, gap, force;
+        ck_assert_int_eq(
+            sscanf(line(i), "%lf s gap %lf m force %lf N", &t, &gap, &force), 3);
+        ck_assert_double_gt(gap, 0.0);
+        if (i < 3) { /* it arrives at (0.6 - 0.15 - 0.005) / 0.8 s */
+            ck_assert(force == 0.0);
+        } else {
+            ck_assert_double_lt(gap, 0.005);
+            ck_assert_double_lt(force, 0.0);
+        }
+    }
+}
+END_TEST
+
 START_TEST(own_force_and_floor_are_accounted_for)
 {
     expect(shell(EXAMPLE("own_force") " 2>&1"), 0);
@@ -198,6 +217,7 @@ TEST_SUITE(examples)
     tcase_set_timeout(tcase, 120.0);
     tcase_add_test(tcase, minimal_prints_a_frame_a_line);
     tcase_add_test(tcase, dragged_corner_is_where_the_hand_is);
+    tcase_add_test(tcase, dragged_sphere_pushes_the_cloth);
     tcase_add_test(tcase, own_force_and_floor_are_accounted_for);
     tcase_add_test(tcase, own_stepper_is_of_order_4);
     tcase_add_test(tcase, plugin_of_one_file_keeps_every_promise);

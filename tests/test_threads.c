@@ -116,7 +116,8 @@ START_TEST(threads_are_no_more_than_pay)
 }
 END_TEST
 
-/* Wind, drag, dampers, pins that move: all that a right-hand side can have. */
+/* Wind, drag, dampers, pins and shapes that move: all that a right-hand side can have.
+ */
 static weft_cloth *flag(size_t rows, size_t cols)
 {
     static const weft_pin pins[]
@@ -131,6 +132,14 @@ static weft_cloth *flag(size_t rows, size_t cols)
     def.drag = 1e-5;
     def.wind_drag = 0.5;
     def.wind_velocity[2] = 3.0;
+    weft_shape shapes[]
+        = { weft_shape_default(WEFT_PLANE), weft_shape_default(WEFT_SPHERE) };
+    shapes[0].normal[1] = 0.0, shapes[0].normal[2] = 1.0, shapes[0].at[2] = -3e-3;
+    shapes[0].velocity[2] = 0.1, shapes[0].spin[2] = 1.0;
+    shapes[1].at[0] = 0.3, shapes[1].at[1] = -0.3, shapes[1].at[2] = 0.104;
+    shapes[1].radius = 0.1, shapes[1].velocity[0] = 0.5;
+    def.contact.shapes = shapes;
+    def.contact.shape_count = 2;
     for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
         def.springs[f] = (weft_spring_def){ true, 20.0, 0.001 };
     }
@@ -225,7 +234,7 @@ static void compare_measures(const weft_cloth *cloth, size_t threads, bool ledge
     ck_assert_int_eq(weft_sim_step(sim, 1.0, NULL), WEFT_OK);
     const double *y = weft_sim_state(sim);
     const weft_measures all = weft_sim_measure(sim);
-    const weft_energy energy = weft_cloth_energy(cloth, 0.0, y);
+    const weft_energy energy = weft_cloth_energy(cloth, weft_sim_time(sim), y);
     const weft_spring worst = weft_cloth_worst_spring(cloth, y);
     double p[3], l[3], power[WEFT_POWERS] = { 0 };
     weft_cloth_momentum(cloth, y, p);
@@ -240,6 +249,12 @@ static void compare_measures(const weft_cloth *cloth, size_t threads, bool ledge
     ck_assert(all.worst.strain == worst.strain && all.worst.p == worst.p
               && all.worst.q == worst.q && all.worst.family == worst.family);
     ck_assert_uint_eq(all.hash, weft_state_hash(y, SIDE, SIDE));
+    size_t particle, shape;
+    ck_assert(all.gap
+              == weft_cloth_gap(cloth, weft_sim_time(sim), y, &particle, &shape));
+    ck_assert(all.gap_particle == particle && all.gap_shape == shape);
+    ck_assert_uint_eq(all.touching, weft_cloth_touching(cloth, weft_sim_time(sim), y));
+    ck_assert_uint_gt(all.touching, 100);
     weft_sim_destroy(sim);
 }
 

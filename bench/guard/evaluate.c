@@ -2,7 +2,8 @@
 /* evaluate.c -- evaluates the forces of P(100) three times, for tools/guard, which
  * counts instructions; prints how many springs that were. Argument: all, all springs;
  * undamped; stretch, that family alone and undamped; wind, the springs of stretch and
- * wind. */
+ * wind; contact, those and a plane that all particles touch; far, one that none does.
+ */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,6 +25,10 @@ int main(int argc, char **argv)
         def.springs[f].present = all || undamped || f == WEFT_STRETCH;
     }
     def.wind_drag = strcmp(what, "wind") == 0 ? 1.0 : 0.0;
+    weft_shape plane = weft_shape_default(WEFT_PLANE);
+    plane.at[1] = strcmp(what, "far") == 0 ? -0.1 : -0.003;
+    def.contact.shapes = &plane;
+    def.contact.shape_count = strcmp(what, "far") == 0 || strcmp(what, "contact") == 0;
     if (weft_cloth_create(&def, &cloth, &err) != WEFT_OK) {
         fprintf(stderr, "%s\n", err.message);
         return 1;

@@ -281,8 +281,11 @@ typedef struct weft_stiffness {
     double corners[WEFT_STIFFNESS_CORNERS][2]; /* (w2, c), in order round the polygon */
 } weft_stiffness;
 
-/* Guaranteed bounds in the state y. With y NULL they hold in any state and are less
- * sharp. One pass over the springs, without allocation; not finite if y is not. */
+/* Guaranteed bounds in the state y at time t. With y NULL they hold in any state and
+ * are less sharp; with shapes, for particles that touch one at a time and arrive at no
+ * more than stopping_speed (docs/physics.md). Where friction makes w2 and c complex,
+ * their real parts are bounded. One pass over the springs, without allocation; not
+ * finite if y is not. */
 WEFT_API weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t,
                                              const double *y);
 

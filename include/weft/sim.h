@@ -180,11 +180,11 @@ typedef struct weft_ledger {
     double dissipated_springs, dissipated_drag;
     double wind_work, pin_work; /* done on the cloth: may be negative */
     double limit_work;          /* added by the strain limit */
-    double
-        outside_work;  /* added by `correct`, weft_sim_set_state and changes of pins */
-    double residual;   /* energy - energy at t = 0 + dissipated - work: 0 but for the
-                          errors of the integration */
-    double force_work; /* done on the free particles by `force` */
+    double outside_work; /* added by `correct`, weft_sim_set_state, changes of pins and
+                            shapes */
+    double residual;     /* energy - energy at t = 0 + dissipated - work: 0 but for the
+                            errors of the integration */
+    double force_work;   /* done on the free particles by `force` */
     double dissipated_contact, dissipated_friction;
     double shape_work; /* done by moving shapes */
 } weft_ledger;
@@ -209,7 +209,13 @@ WEFT_API void weft_sim_destroy(weft_sim *sim); /* NULL is allowed */
 
 /* Takes one accepted step towards t_end [s] > time, never past it. After a failure the
  * state and the time are those of the last good step, and weft_sim_failure describes
- * it. */
+ * it.
+ *
+ * With shapes, a step that a free particle may have ended in one or passed through one
+ * is taken back and repeated with half its length. WEFT_STEP_TOO_SMALL if that would be
+ * below min_step, or below fixed_step / 1024. A strain limit is kept out of shapes by
+ * shortening what it does to a particle; if `correct` leaves a particle in a shape the
+ * step fails with WEFT_INVALID. */
 WEFT_API weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err);
 
 /* Steps until the time is exactly t_end [s]; no step if it is t_end already. */
@@ -255,6 +261,11 @@ typedef struct weft_failure {
     double speed;       /* [m/s] of that particle */
     double energy;      /* [J] the sum of all energies */
     char reason[512];   /* the stepper's own message, without the time */
+    bool contact;       /* whether a shape is the reason, that is in the way of
+                           gap_particle; else the fields below are 0 */
+    size_t gap_particle, gap_shape;
+    double gap;      /* [m] after the last attempt, or correction */
+    double gap_step; /* [s] length of that attempt */
 } weft_failure;
 
 /* Whether the last step failed; the message of weft_sim_step has the same in words. */
@@ -263,8 +274,8 @@ WEFT_API bool weft_sim_failure(const weft_sim *sim, weft_failure *out);
 WEFT_API double weft_sim_time(const weft_sim *sim); /* [s] */
 WEFT_API const double *
 weft_sim_state(const weft_sim *sim); /* y[6 N], valid until the next step */
-/* The definition's cloth with the present pins of the simulation. Valid until the
- * simulation is destroyed. */
+/* The definition's cloth with the present pins and shapes of the simulation. Valid
+ * until the simulation is destroyed. */
 WEFT_API const weft_cloth *weft_sim_cloth(const weft_sim *sim);
 WEFT_API weft_stepper_stats weft_sim_stats(const weft_sim *sim);
 /* Calls `tell` for each choice of the stepper beyond its config. */
@@ -281,6 +292,12 @@ WEFT_API weft_ledger weft_sim_ledger(const weft_sim *sim);
  * powers are 0: weft_cloth_power computes them. */
 WEFT_API weft_measures weft_sim_measure(const weft_sim *sim);
 
+/* How often a step was taken back, and repeated with half its length, because a free
+ * particle had got into a shape or may have passed through it, or because in fixed
+ * steps a stage was in a shape. In weft_sim_stats, steps
+ * taken back count as rejected. */
+WEFT_API uint64_t weft_sim_vetoed(const weft_sim *sim);
+
 /* All 0 without a limit. */
 WEFT_API weft_limit_stats weft_sim_limit_stats(const weft_sim *sim);
 /* The limited spring with the largest strain at present, as weft_cloth_worst_spring. */
@@ -294,8 +311,8 @@ WEFT_API void weft_sim_positions(const weft_sim *sim, double *xyz);  /* [m] */
 WEFT_API void weft_sim_velocities(const weft_sim *sim, double *xyz); /* [m/s] */
 
 /* Replaces the positions [m] and velocities [m/s] of the free particles (NULL: keeps
- * them); pinned particles keep theirs. Errors: WEFT_INVALID if a value is not finite;
- * then nothing changes. */
+ * them); pinned particles keep theirs. Errors: WEFT_INVALID if a value is not finite or
+ * a free particle would be in a shape; then nothing changes. */
 WEFT_API weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
                                         const double *velocities, weft_error *err);
 
@@ -317,8 +334,37 @@ WEFT_API weft_status weft_sim_move_pin(weft_sim *sim, size_t i,
                                        const double position[3], weft_error *err);
 
 /* Releases a particle with its present position and velocity. A particle that is not
- * pinned does not change. */
+ * pinned does not change. Errors: WEFT_INVALID also if it is in a shape. */
 WEFT_API weft_status weft_sim_unpin(weft_sim *sim, size_t i, weft_error *err);
+
+/* These functions change shapes between two steps, each in O(N). Every simulation has
+ * its own shapes, which obey the contact of its cloth: the definition's cloth, and
+ * other simulations that share it, do not change. The change of the energy is
+ * outside_work in the ledger. Errors: WEFT_INVALID (no such shape, a mistake in its
+ * definition, a free particle would be in a shape; the message names both),
+ * WEFT_NO_MEMORY; then nothing changes. weft_cloth_shape_pose of weft_sim_cloth returns
+ * the present places. */
+
+/* Adds a shape, as the last; *k (unless NULL) is its number. From the present time on
+ * it moves as defined, except that its velocity counts from now:
+ * at + velocity (t - now) + amplitude sin(2 pi frequency t). */
+WEFT_API weft_status weft_sim_add_shape(weft_sim *sim, const weft_shape *shape,
+                                        size_t *k, weft_error *err);
+
+/* Puts shape k to `at` [m] at once (NULL: it stays) and moves it from now on at
+ * `velocity` [m/s] instead of its own motion (NULL: that continues). A jump passes
+ * whatever is in between, and presses suddenly on particles that it comes near to: a
+ * shape that is dragged had better reach its place x at the time t of the next frame by
+ * velocity = (x - place) / (t - time). */
+WEFT_API weft_status weft_sim_move_shape(weft_sim *sim, size_t k, const double at[3],
+                                         const double velocity[3], weft_error *err);
+
+/* The shapes behind it get the next lower numbers. */
+WEFT_API weft_status weft_sim_remove_shape(weft_sim *sim, size_t k, weft_error *err);
+
+/* weft_cloth_shape_load at present; k < weft_cloth_shapes. */
+WEFT_API void weft_sim_shape_load(const weft_sim *sim, size_t k, double force[3],
+                                  double torque[3]);
 
 /* Starts the stepper again from the present state, with the h that it would try next;
  * all counts continue. Nothing else of its past remains, whatever the method. On
@@ -326,13 +372,13 @@ WEFT_API weft_status weft_sim_unpin(weft_sim *sim, size_t i, weft_error *err);
 WEFT_API weft_status weft_sim_restart(weft_sim *sim, weft_error *err);
 
 /* Saves all data that the future of a simulation depends on to the caller's `size`
- * bytes: state, time, next h, counts, ledger, strain limit and pins. Restored into a
- * simulation of the same definition, by any program on any machine, both continue
- * identically to the last bit, because saving also restarts the stepper here. Threads,
- * allocators and log may differ; all other settings that matter are compared by hashes.
- * The caller must save the data of `correct` and `force`. The bytes contain their
- * version and a checksum; their number, weft_sim_save_size, never changes. Errors:
- * WEFT_INVALID (size is less), those of weft_sim_restart. */
+ * bytes: state, time, next h, counts, ledger, strain limit, pins and shapes. Restored
+ * into a simulation of the same definition, by any program on any machine, both
+ * continue identically to the last bit, because saving also restarts the stepper here.
+ * Threads, allocators and log may differ; all other settings that matter are compared
+ * by hashes. The caller must save the data of `correct` and `force`. The bytes contain
+ * their version and a checksum; their number, weft_sim_save_size, changes only with the
+ * number of shapes. Errors: WEFT_INVALID (size is less), those of weft_sim_restart. */
 WEFT_API size_t weft_sim_save_size(const weft_sim *sim);
 WEFT_API weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size,
                                    weft_error *err);

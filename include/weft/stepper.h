@@ -191,18 +191,19 @@ typedef struct weft_stepper_type {
                           weft_error *err);
 
     /* Advances y and *t < t_end by exactly ONE ACCEPTED step, never past t_end; a
-     * step that reaches t_end ends on it bit for bit. y is as the last step left it
-     * unless state_changed was called. An accepted y is finite, also with fixed_step.
-     * On failure *t and y are unchanged and step may be called again. WEFT_STOPPED if
-     * the rhs returned < 0; WEFT_NOT_FINITE if it returned > 0 or y is not finite
-     * however small the step; WEFT_STEP_TOO_SMALL; WEFT_INVALID (t_end <= t). *err
-     * does not name t: weft adds the time to the message. */
+     * step that reaches t_end ends on it bit for bit. t and y are as the last step left
+     * them unless state_changed was called. An accepted y is finite, also with
+     * fixed_step. On failure *t and y are unchanged and step may be called again.
+     * WEFT_STOPPED if the rhs returned < 0; WEFT_NOT_FINITE if it returned > 0 or y is
+     * not finite however small the step; WEFT_STEP_TOO_SMALL; WEFT_INVALID (t_end <=
+     * t). *err does not name t: weft adds the time to the message. */
     weft_status (*step)(void *self, double t_end, double *t, double *y,
                         weft_error *err);
 
-    /* y was edited from outside: the next step starts from its new value. O(1). A
-     * needless call may cost one RHS call and never changes the results of a one-step
-     * method; a multistep method restarts its history. */
+    /* y was edited from outside, or t was set back with it (weft takes back a step that
+     * may have passed through a shape): the next step starts from the t and y that it
+     * is given. O(1). A needless call may cost one RHS call and never changes the
+     * results of a one-step method; a multistep method restarts its history. */
     void (*state_changed)(void *self);
 
     /* The caller sets out->struct_size; fields beyond it are not written. */

@@ -30,7 +30,8 @@ typedef struct stepper {
     double fixed_step; /* [s] */
     weft_stepper_stats stats;
     bool carries; /* f is that of `end`, the state the last step ended in */
-    bool changed; /* y may have been edited since */
+    bool changed; /* t or y may have been edited since */
+    double t;     /* [s] of `end` */
     double *f;
     double *end;      /* result of a step: y keeps its value until it is known */
     double *half_way; /* v + (h/2) fv */
@@ -130,10 +131,12 @@ static int symplectic_euler(stepper *self, double t, double h, double *y)
 static int velocity_verlet(stepper *self, double t, double h, double *y)
 {
     const size_t half = self->half, dim = self->ode.dim;
-    /* f is stale if y really was changed: a needless state_changed alters nothing. */
+    /* f is stale if t or y really was changed: a needless state_changed alters nothing.
+     */
     const bool fresh
         = self->carries
-          && (!self->changed || memcmp(y, self->end, 2 * half * sizeof *y) == 0);
+          && (!self->changed
+              || (t == self->t && memcmp(y, self->end, 2 * half * sizeof *y) == 0));
     int failed = fresh ? 0 : rhs(self, t, y);
     const double *x = y, *v = y + half, kick = 0.5 * h, drift = 0.5 * h * h;
     double *fx = self->f, *fv = self->f + half, *half_way = self->half_way;
@@ -227,13 +230,13 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
                    ? weft_error_set(err, WEFT_STOPPED, "stopped by the model")
                    : weft_error_set(err, WEFT_NOT_FINITE, "not finite after %g s", h);
     }
-    *t = last ? t_end : *t + h;
+    *t = self->t = last ? t_end : *t + h;
     ++self->stats.steps;
     self->stats.last_step = h;
     return WEFT_OK;
 }
 
-/* Three methods keep nothing, and Verlet compares y with its own copy. */
+/* Three methods keep nothing, and Verlet compares t and y with its own. */
 static void state_changed(void *instance)
 {
     stepper *self = instance;

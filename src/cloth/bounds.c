@@ -21,6 +21,7 @@
 
 #include "base/memory.h"
 #include "cloth/added.h"
+#include "cloth/contact_bounds.h"
 
 /* Relative error allowed for the closed forms below. */
 #define ROUNDOFF 1e-12
@@ -66,6 +67,7 @@ typedef struct node {
     double along[WEFT_GROUPS][6]; /* sum (1/m_i + 1/m_j) u u^T */
     double taut[6], slack[6];     /* sum (1/m_i + 1/m_j) (T/L)+- (I - u u^T) */
     double drag, added;           /* [1/s] of added.h */
+    weft__grip grip;              /* of contact */
 } node;
 
 static double inverse_mass(const weft_cloth *cloth, size_t i)
@@ -99,13 +101,15 @@ static void add_spring(const weft_cloth *cloth, const weft__spring *at, node *su
 }
 
 /* Gathered for one particle at a time: nothing is allocated. */
-static void gather(const weft_cloth *cloth, size_t i, const double *y, node *sum)
+static void gather(const weft_cloth *cloth, size_t i, double t, const double *y,
+                   const weft__grip *any, node *sum)
 {
     memset(sum, 0, sizeof *sum);
     sum->drag = cloth->drag * inverse_mass(cloth, i);
     for (size_t a = 0; a < WEFT__ADDED; ++a) {
         sum->added += weft__added_forces[a]->damping(cloth, i) * inverse_mass(cloth, i);
     }
+    sum->grip = y == NULL ? *any : weft__grip_of(cloth, i, t, y);
     weft__spring springs[WEFT__SPRINGS_MAX];
     const size_t count = weft__particle_springs(cloth, i, y, springs);
     for (size_t s = 0; s < count; ++s) {
@@ -161,6 +165,7 @@ static double node_bound(const weft_cloth *cloth, const node *sum, const grid_si
     for (size_t k = 0; k < 6; ++k) {
         b[k] += fmax(0.0, of->a) * sum->taut[k] + fmax(0.0, -of->a) * sum->slack[k];
     }
+    weft__grip_add(&sum->grip, of->a, of->b, b);
     return largest_eigenvalue(b);
 }
 
@@ -190,15 +195,15 @@ static void cut(weft_stiffness *from, const grid_side *by)
 
 weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t, const double *y)
 {
-    (void)t;
     grid_side sides[SIDES_MAX];
     const size_t count = sides_init(cloth, y, sides);
+    const weft__grip any = weft__grip_any(cloth);
     for (size_t i = 0; i < cloth->particles; ++i) {
         if (cloth->pin[i] != 0) {
             continue;
         }
         node sum;
-        gather(cloth, i, y, &sum);
+        gather(cloth, i, t, y, &any, &sum);
         for (size_t s = 0; s < count; ++s) {
             sides[s].most = fmax(sides[s].most, node_bound(cloth, &sum, &sides[s]));
         }
@@ -239,8 +244,8 @@ static void multiply_spring(const weft_cloth *cloth, const weft__spring *at,
 }
 
 /* M^-1 (a K + b C) x, zero on pins. */
-static void multiply(const weft_cloth *cloth, const double *y, const grid_side *way,
-                     const double *x, double *out)
+static void multiply(const weft_cloth *cloth, double t, const double *y,
+                     const grid_side *way, const double *x, double *out)
 {
     const size_t n = cloth->particles;
     for (size_t j = 0; j < 3 * n; ++j) {
@@ -252,6 +257,7 @@ static void multiply(const weft_cloth *cloth, const double *y, const grid_side *
             multiply_spring(cloth, &walk.spring, way, x, out);
         }
     }
+    weft__grip_multiply(cloth, t, y, way->a, way->b, x, out);
     for (size_t j = 0; j < 3 * n; ++j) {
         out[j] *= inverse_mass(cloth, j % n);
     }
@@ -288,8 +294,8 @@ typedef struct estimate {
     double spread; /* |M^-1 A x - value x| of the x it is of, |x| = 1 */
 } estimate;
 
-static estimate power(const weft_cloth *cloth, const double *y, const grid_side *way,
-                      size_t iterations, double *x, double *z)
+static estimate power(const weft_cloth *cloth, double t, const double *y,
+                      const grid_side *way, size_t iterations, double *x, double *z)
 {
     estimate best = { 0.0, 0.0 };
     for (size_t j = 0; j < 3 * cloth->particles; ++j) {
@@ -300,7 +306,7 @@ static estimate power(const weft_cloth *cloth, const double *y, const grid_side 
         for (size_t j = 0; norm > 0.0 && j < 3 * cloth->particles; ++j) {
             x[j] /= norm;
         }
-        multiply(cloth, y, way, x, z);
+        multiply(cloth, t, y, way, x, z);
         const double value = product(cloth, x, z), square = product(cloth, z, z);
         best = (estimate){ value, sqrt(fmax(0.0, square - value * value)) };
         memcpy(x, z, 3 * cloth->particles * sizeof *x);
@@ -324,8 +330,9 @@ weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth, double t,
     grid_side ways[2] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 } };
     double *values[2] = { &out->omega2, &out->damping };
     for (size_t i = 0; i < 2 && isfinite(*values[i]); ++i) {
-        const estimate found = power(
-            cloth, y, &ways[i], iterations > 0 ? iterations : 100, work, work + size);
+        const estimate found
+            = power(cloth, t, y, &ways[i], iterations > 0 ? iterations : 100, work,
+                    work + size);
         ways[i].most = found.value + 2.0 * found.spread;
         *values[i] = fmin(*values[i], found.value);
         cut(out, &ways[i]);

@@ -224,6 +224,23 @@ static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error
     return status == WEFT_OK ? check_numbers(cloth, err) : status;
 }
 
+weft_status weft__shape_make(const weft_cloth *cloth, const weft_shape *def,
+                             double since, size_t index, weft__shape *out,
+                             weft_error *err)
+{
+    weft__refusal first = { WEFT_OK, err };
+    if (!weft__shape_check(def, index, &(weft__faults){ weft__keep_first, &first })) {
+        return first.status;
+    }
+    *out = weft__shape_of(def, cloth->contact.friction);
+    out->motion.since = since;
+    return can_move(&out->motion)
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_INVALID,
+                                "the motions of shapes are too large or too small for "
+                                "a double");
+}
+
 weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
                               weft_error *err)
 {

@@ -48,21 +48,28 @@ static uint64_t hash_shape(uint64_t hash, const weft__shape *shape)
     return hash_motion(hash, &shape->motion);
 }
 
+static uint64_t hash_law(uint64_t hash, const weft_contact_def *law)
+{
+    const double numbers[]
+        = { law->thickness, law->stopping_speed, law->damping, law->slip };
+    hash = weft__hash_word(hash, (uint64_t)law->exponent);
+    hash = weft__hash_word(hash, (uint64_t)law->law);
+    return weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
+}
+
+uint64_t weft__contact_hash(const weft_cloth *cloth)
+{
+    return hash_law(weft__hash_real(WEFT__HASH_START, cloth->contact.friction),
+                    &cloth->contact);
+}
+
 /* Nothing without shapes. */
 static uint64_t hash_contact(uint64_t hash, const weft_cloth *cloth)
 {
-    const weft_contact_def *law = &cloth->contact;
-    const double numbers[]
-        = { law->thickness, law->stopping_speed, law->damping, law->slip };
     for (size_t k = 0; k < cloth->shape_count; ++k) {
         hash = hash_shape(hash, &cloth->shapes[k]);
     }
-    if (cloth->shape_count > 0) {
-        hash = weft__hash_word(hash, (uint64_t)law->exponent);
-        hash = weft__hash_word(hash, (uint64_t)law->law);
-        hash = weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
-    }
-    return hash;
+    return cloth->shape_count > 0 ? hash_law(hash, &cloth->contact) : hash;
 }
 
 uint64_t weft__cloth_hash(const weft_cloth *cloth)

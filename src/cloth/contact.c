@@ -38,9 +38,8 @@ static double friction_drag(const weft_contact_def *law, const weft__touch *touc
     return most * (y < 1.0 ? (2.0 - y) * (1.0 / law->slip) : 1.0 / length);
 }
 
-/* Of a particle at x with velocity v: gap, gradient and steepness are there. */
-static void find_forces(const weft_contact_def *law, const weft__pose *pose,
-                        const double x[3], const double v[3], weft__touch *touch)
+void weft__touch_forces(const weft_contact_def *law, double friction,
+                        weft__touch *touch)
 {
     const double e = 0.5 * law->stopping_speed * law->stopping_speed;
     const double per = 1.0 / law->thickness, p = law->exponent;
@@ -48,25 +47,34 @@ static void find_forces(const weft_contact_def *law, const weft__pose *pose,
     const double power = power_of(s, law->exponent);
     const double a = z * (p * (p - 1.0) * z + 2.0 * p * s) + 2.0 * s * s;
     const double b = p * z + s, inverse = 1.0 / (a * z), iz = a * inverse;
-    weft__surface_velocity(pose, x, touch->surface);
+    const double u = law->damping * touch->speed;
+    touch->push = e * per * (power * s) * b * (iz * iz);
+    touch->factor = sqrt(1.0 + u * u) - u;
+    touch->stiffness = e * per * per * power * a * (iz * iz * iz);
+    touch->drag = 0.0;
+    if (friction != 0.0) {
+        const double bend = touch->factor * s * b;
+        touch->drag = friction_drag(law, touch, friction,
+                                    0.01 * e * power * (bend * bend) * inverse);
+    }
+}
+
+/* Of a particle at x with velocity v, whose gap is there. */
+static void find_speeds(const weft__pose *pose, const double x[3], const double v[3],
+                        weft__touch *touch)
+{
+    const double *g = touch->gradient;
     double moving[3];
+    touch->steepness = touch->joined ? weft__length(g) : 1.0;
+    weft__surface_velocity(pose, x, touch->surface);
     for (size_t k = 0; k < 3; ++k) {
-        touch->normal[k] = touch->gradient[k] * (1.0 / touch->steepness);
+        touch->normal[k] = g[k] * (1.0 / touch->steepness);
         moving[k] = v[k] - touch->surface[k];
     }
     touch->speed = weft__dot(moving, touch->normal);
     for (size_t k = 0; k < 3; ++k) {
         touch->slip[k] = moving[k] - touch->speed * touch->normal[k];
     }
-    const double u = law->damping * touch->speed;
-    touch->push = e * per * (power * s) * b * (iz * iz);
-    touch->factor = sqrt(1.0 + u * u) - u;
-    touch->stiffness = e * per * per * power * a * (iz * iz * iz);
-    const double bend = touch->factor * s * b;
-    touch->drag = pose->friction == 0.0
-                      ? 0.0
-                      : friction_drag(law, touch, pose->friction,
-                                      0.01 * e * power * (bend * bend) * inverse);
 }
 
 static bool find_touch(weft__touches *at, size_t i)
@@ -76,12 +84,13 @@ static bool find_touch(weft__touches *at, size_t i)
     const double x[3] = { z[0], z[n], z[2 * n] };
     const double v[3] = { z[3 * n], z[4 * n], z[5 * n] };
     weft__touch *touch = &at->touch;
-    touch->gap = weft__shape_gap(&at->pose, x, touch->gradient, &touch->steepness);
+    touch->gap = weft__shape_gap(&at->pose, x, touch->gradient, &touch->joined);
     if (touch->gap >= at->cloth->contact.thickness) {
         return false;
     }
     at->i = i;
-    find_forces(&at->cloth->contact, &at->pose, x, v, touch);
+    find_speeds(&at->pose, x, v, touch);
+    weft__touch_forces(&at->cloth->contact, at->pose.friction, touch);
     return true;
 }
 
@@ -174,8 +183,9 @@ static double gap_of(const weft__subject *of, const weft__pose *pose, size_t i)
 {
     const size_t n = of->cloth->particles;
     const double x[3] = { of->y[i], of->y[n + i], of->y[2 * n + i] };
-    double gradient[3], steepness;
-    return weft__shape_gap(pose, x, gradient, &steepness);
+    double gradient[3];
+    bool joined;
+    return weft__shape_gap(pose, x, gradient, &joined);
 }
 
 /* Whether particle i touches one of the first `count` shapes. */

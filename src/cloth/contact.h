@@ -25,6 +25,7 @@
 typedef struct weft__touch {
     double gap;                    /* [m] */
     double gradient[3], steepness; /* g, |g| */
+    bool joined;                   /* where |g| is not 1 */
     double normal[3];              /* n */
     double surface[3];             /* [m/s] V */
     double speed;                  /* [m/s] n.(v - V) */
@@ -63,6 +64,10 @@ static inline double weft__touch_acceleration(const weft__touch *touch, size_t k
     return touch->push * touch->factor * touch->gradient[k]
            - touch->drag * touch->slip[k];
 }
+
+/* push, factor, stiffness and drag from what is before them. */
+void weft__touch_forces(const weft_contact_def *law, double friction,
+                        weft__touch *touch);
 
 /* U / m [J/kg]; infinite where the gap is not > 0. */
 double weft__touch_energy(const weft_cloth *cloth, const weft__touch *touch);

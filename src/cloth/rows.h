@@ -42,4 +42,7 @@ void weft__keep_gap(weft_measures *kept, double gap, size_t particle, size_t sha
  */
 uint64_t weft__cloth_hash(const weft_cloth *cloth);
 
+/* Of the law of contact alone, which shapes that are added obey. */
+uint64_t weft__contact_hash(const weft_cloth *cloth);
+
 #endif

@@ -68,11 +68,11 @@ weft__pose weft__pose_of(const weft__shape *shape, double t)
     return pose;
 }
 
-/* How far x is above high or below low: > 0, < 0, or 0 between them. */
+/* How far x is above high or below low: > 0, < 0, or 0 between them; NaN stays. */
 static double beyond(double x, double low, double high)
 {
     const double over = x - high, under = x - low;
-    return (over > 0.0 ? over : 0.0) + (under < 0.0 ? under : 0.0);
+    return (over <= 0.0 ? 0.0 : over) + (under >= 0.0 ? 0.0 : under);
 }
 
 static double capsule_gap(const weft__pose *pose, const double r[3], double gradient[3],
@@ -113,10 +113,10 @@ static double box_gap(const weft__pose *pose, const double r[3], double gradient
 }
 
 double weft__shape_gap(const weft__pose *pose, const double x[3], double gradient[3],
-                       double *steepness)
+                       bool *joined)
 {
     const double r[3] = { x[0] - pose->at[0], x[1] - pose->at[1], x[2] - pose->at[2] };
-    *steepness = 1.0;
+    *joined = false;
     if (pose->kind == WEFT_PLANE) {
         memcpy(gradient, pose->axis, sizeof pose->axis);
         return weft__dot(r, pose->axis);
@@ -128,12 +128,8 @@ double weft__shape_gap(const weft__pose *pose, const double x[3], double gradien
         }
         return distance - pose->radius;
     }
-    bool joined;
-    const double gap = pose->kind == WEFT_CAPSULE
-                           ? capsule_gap(pose, r, gradient, &joined)
-                           : box_gap(pose, r, gradient, &joined);
-    *steepness = joined ? sqrt(weft__dot(gradient, gradient)) : 1.0;
-    return gap;
+    return pose->kind == WEFT_CAPSULE ? capsule_gap(pose, r, gradient, joined)
+                                      : box_gap(pose, r, gradient, joined);
 }
 
 void weft__surface_velocity(const weft__pose *pose, const double x[3],

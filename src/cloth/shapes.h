@@ -29,12 +29,18 @@ typedef struct weft__pose {
 /* A shape without faults. `friction`: that of the contact. */
 weft__shape weft__shape_of(const weft_shape *def, double friction);
 
+/* cloth.c: one more for a cloth, or its number `index`, that moves from `since` on; its
+ * mistakes are errors. */
+weft_status weft__shape_make(const weft_cloth *cloth, const weft_shape *def,
+                             double since, size_t index, weft__shape *out,
+                             weft_error *err);
+
 weft__pose weft__pose_of(const weft__shape *shape, double t);
 
-/* [m]; *steepness is |gradient|: 1 but at the ends of a capsule and the edges of a box.
- */
+/* [m]; *joined: at the ends of a capsule and the edges of a box, where |gradient| is
+ * not 1. */
 double weft__shape_gap(const weft__pose *pose, const double x[3], double gradient[3],
-                       double *steepness);
+                       bool *joined);
 
 /* [m/s] of the surface at x. */
 void weft__surface_velocity(const weft__pose *pose, const double x[3],

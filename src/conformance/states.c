@@ -38,6 +38,52 @@ void weft__an_edited_state_is_used(trial *self)
                "y edited at 0.5 s");
 }
 
+/* A step of h from the t and y that are there, and the same by an instance that has no
+ * past. With error control the two may want different steps. */
+static void as_a_fresh_one(trial *self, trial_run *r, double h, const char *what)
+{
+    weft_stepper_config config = r->config;
+    config.first_step = config.fixed_step > 0.0 ? config.first_step : h;
+    trial_run *fresh = weft__begin(self, 1, config);
+    fresh->t = r->t;
+    memcpy(fresh->y, r->y, sizeof fresh->y);
+    weft__good_step(self, r, r->t + h);
+    weft__good_step(self, fresh, fresh->t + h);
+    weft__expect(self, r->t != fresh->t || weft__same(self, r, fresh),
+                 "%s: a step of %.3g s gives another result than that of a new "
+                 "instance, of %.3g",
+                 what, h, weft__model_distance(r->y, fresh->y));
+}
+
+/* `also_y`: else y is left as it was, and an f that is kept for it is of another t. */
+static void set_back(trial *self, bool also_y)
+{
+    trial_run *r = weft__begin_usual(self, 0);
+    weft__go(self, r, 0.5);
+    const trial_run before = *r;
+    weft__good_step(self, r, 1.0);
+    const double h = 0.5 * (r->t - before.t);
+    r->t = before.t;
+    if (also_y) {
+        memcpy(r->y, before.y, sizeof r->y);
+    }
+    self->type->state_changed(r->self);
+    if ((self->type->flags & WEFT_STEPPER_MULTISTEP) == 0) {
+        as_a_fresh_one(self, r, h, also_y ? "t and y set back" : "t set back");
+    }
+    if (also_y) {
+        weft__go(self, r, 1.0);
+        weft__near(self, r, weft__error_at_end(r), weft__allowed(self->type),
+                   "t and y set back at 0.5 s");
+    }
+}
+
+void weft__a_step_is_taken_back(trial *self)
+{
+    set_back(self, true);
+    set_back(self, false);
+}
+
 enum { BEYOND = 24, FILL = 0xA7 };
 
 /* Fields within the caller's struct are written, no others. */

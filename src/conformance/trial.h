@@ -68,7 +68,7 @@ check_fn weft__table_is_sane, weft__create_calls_no_rhs, weft__mistakes_are_refu
     weft__a_failed_step_changes_nothing, weft__one_refusal_costs_a_smaller_step,
     weft__a_first_step_too_large_is_rescued, weft__needing_less_than_min_step_fails,
     weft__needless_changes_change_nothing, weft__an_edited_state_is_used,
-    weft__stats_write_no_further, weft__stats_never_fall,
+    weft__a_step_is_taken_back, weft__stats_write_no_further, weft__stats_never_fall,
     weft__two_instances_are_independent, weft__two_threads_are_independent,
     weft__the_order_is_the_one_claimed, weft__the_error_follows_the_tolerance,
     weft__the_heap_does_not_grow, weft__destroy_leaves_nothing,

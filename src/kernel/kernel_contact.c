@@ -9,14 +9,14 @@
 /* BLOCK particles, a multiple of LANES, are compared with POSES shapes at a time. */
 enum { BLOCK = 64, POSES = 8 };
 
-typedef struct bounds {
+typedef struct extent {
     double low[3], high[3]; /* [m] */
     double size;            /* [m] of the numbers in it; NaN if one is not finite */
-} bounds;
+} extent;
 
 typedef struct target {
     weft__pose pose;
-    bounds reach; /* within thickness; a plane has none */
+    extent reach; /* within thickness; a plane has none */
 } target;
 
 typedef struct job {
@@ -27,17 +27,17 @@ typedef struct job {
 } job;
 
 /* Where particles are to a shape. */
-typedef struct place {
+typedef struct spot {
     vec gap;
     vec3 gradient;
     mask joined; /* at an end or an edge, where |gradient| is not 1 */
-} place;
+} spot;
 
 /* x above high or below low, 0 between them. */
 INLINE vec beyond(vec x, double low, double high)
 {
     const vec over = x - high, under = x - low;
-    return only(over, over > 0.0) + only(under, under < 0.0);
+    return only(over, ~(over <= 0.0)) + only(under, ~(under >= 0.0));
 }
 
 INLINE vec3 along_axis(const weft__pose *pose, vec a)
@@ -45,7 +45,7 @@ INLINE vec3 along_axis(const weft__pose *pose, vec a)
     return (vec3){ a * pose->axis[0], a * pose->axis[1], a * pose->axis[2] };
 }
 
-INLINE place capsule_place(const weft__pose *pose, vec3 r)
+INLINE spot capsule_spot(const weft__pose *pose, vec3 r)
 {
     const vec3 axis = along_axis(pose, splat(1.0));
     const vec along = dot(r, axis);
@@ -56,10 +56,10 @@ INLINE place capsule_place(const weft__pose *pose, vec3 r)
     const vec inverse = 1.0 / (norm * norm * norm);
     const vec3 gradient
         = plus(scaled(rho2 * inverse, side), scaled(q2 * q * inverse, axis));
-    return (place){ norm - pose->radius, gradient, q2 > 0.0 };
+    return (spot){ norm - pose->radius, gradient, q2 > 0.0 };
 }
 
-INLINE place box_place(const weft__pose *pose, vec3 r)
+INLINE spot box_spot(const weft__pose *pose, vec3 r)
 {
     const vec3 q = { beyond(r.x, -pose->inner[0], pose->inner[0]),
                      beyond(r.y, -pose->inner[1], pose->inner[1]),
@@ -69,22 +69,22 @@ INLINE place box_place(const weft__pose *pose, vec3 r)
     const vec inverse = 1.0 / (norm * norm * norm);
     const vec3 gradient
         = { q2.x * q.x * inverse, q2.y * q.y * inverse, q2.z * q.z * inverse };
-    return (place){ norm - pose->radius, gradient,
-                    q2.x * q2.y + q2.y * q2.z + q2.z * q2.x > 0.0 };
+    return (spot){ norm - pose->radius, gradient,
+                   q2.x * q2.y + q2.y * q2.z + q2.z * q2.x > 0.0 };
 }
 
-INLINE place place_of(const weft__pose *pose, weft_shape_kind kind, vec3 r)
+INLINE spot spot_of(const weft__pose *pose, weft_shape_kind kind, vec3 r)
 {
     if (kind == WEFT_PLANE) {
         const vec3 axis = along_axis(pose, splat(1.0));
-        return (place){ .gap = dot(r, axis), .gradient = axis };
+        return (spot){ .gap = dot(r, axis), .gradient = axis };
     }
     if (kind == WEFT_SPHERE) {
         const vec distance = root(dot(r, r));
-        return (place){ .gap = distance - pose->radius,
-                        .gradient = scaled(1.0 / distance, r) };
+        return (spot){ .gap = distance - pose->radius,
+                       .gradient = scaled(1.0 / distance, r) };
     }
-    return kind == WEFT_CAPSULE ? capsule_place(pose, r) : box_place(pose, r);
+    return kind == WEFT_CAPSULE ? capsule_spot(pose, r) : box_spot(pose, r);
 }
 
 INLINE vec3 surface_velocity(const weft__pose *pose, vec3 r)
@@ -121,7 +121,7 @@ INLINE vec friction_drag(const weft_contact_def *law, double friction, vec squar
 
 /* F / m [m/s^2] of particles that move at `moving` against the surface. */
 INLINE vec3 acceleration(const weft_contact_def *law, const weft__pose *pose,
-                         int exponent, const place *of, bool joined, vec3 moving)
+                         int exponent, const spot *of, bool joined, vec3 moving)
 {
     const double e = 0.5 * law->stopping_speed * law->stopping_speed;
     const double per = 1.0 / law->thickness, p = exponent;
@@ -165,7 +165,7 @@ INLINE void push_lanes(job *self, const weft__pose *pose, weft_shape_kind kind,
     const double *at = pose->at;
     const vec3 x = load3_some(self->y + i, n, count);
     const vec3 r = { x.x - at[0], x.y - at[1], x.z - at[2] };
-    const place of = place_of(pose, kind, r);
+    const spot of = spot_of(pose, kind, r);
     const mask loose = load_some(cloth->inverse_mass + i, count) > 0.0;
     const mask near = loose & ~(of.gap >= cloth->contact.thickness);
     if (!any(near)) {
@@ -224,7 +224,7 @@ static void push_any(job *self, const weft__pose *pose, size_t first, size_t end
 /* ---- what is far ------------------------------------------------------------------
  */
 
-INLINE void widen(bounds *of, size_t k, vec low, vec high)
+INLINE void widen(extent *of, size_t k, vec low, vec high)
 {
     of->low[k] = least_lane(low);
     of->high[k] = -least_lane(-high);
@@ -233,10 +233,10 @@ INLINE void widen(bounds *of, size_t k, vec low, vec high)
 
 /* Of particles [first, end), and of some before them where the last lanes are beyond.
  */
-static bounds bounds_of(const job *self, size_t first, size_t end)
+static extent bounds_of(const job *self, size_t first, size_t end)
 {
     if (end < LANES) {
-        return (bounds){ .size = (double)NAN };
+        return (extent){ .size = (double)NAN };
     }
     const size_t n = self->cloth->particles;
     const double *x = self->y;
@@ -249,7 +249,7 @@ static bounds bounds_of(const job *self, size_t first, size_t end)
         high = (vec3){ most(high.x, at.x), most(high.y, at.y), most(high.z, at.z) };
         total = plus(total, at);
     }
-    bounds of = { .size = 0.0 };
+    extent of = { .size = 0.0 };
     widen(&of, 0, low.x, high.x);
     widen(&of, 1, low.y, high.y);
     widen(&of, 2, low.z, high.z);
@@ -261,11 +261,11 @@ static bounds bounds_of(const job *self, size_t first, size_t end)
 #define ROUND 1.25
 
 /* All that a shape, but for a plane, may touch. */
-static bounds reach_of(const weft__pose *pose, double thickness)
+static extent reach_of(const weft__pose *pose, double thickness)
 {
     const bool capsule = pose->kind == WEFT_CAPSULE, box = pose->kind == WEFT_BOX;
     const double round = (pose->radius + thickness) * (capsule ? ROUND : 1.0);
-    bounds of = { .size = thickness };
+    extent of = { .size = thickness };
     for (size_t k = 0; k < 3; ++k) {
         const double to = capsule ? pose->length * pose->axis[k] : 0.0;
         const double wide = round + (box ? pose->inner[k] : 0.0);
@@ -280,7 +280,7 @@ static bounds reach_of(const weft__pose *pose, double thickness)
 #define SLACK 1e-12
 
 /* Whether no particle in `box` can touch the shape; false where in doubt. */
-static bool is_far(const target *of, double thickness, const bounds *box)
+static bool is_far(const target *of, double thickness, const extent *box)
 {
     const weft__pose *pose = &of->pose;
     const double slack = SLACK * (box->size + of->reach.size);
@@ -312,7 +312,7 @@ int NAME(contact, LEVEL)(const weft__subject *of, double *dydt, size_t first_row
         }
         for (size_t i = first_row * cloth->cols; i < end; i += BLOCK) {
             const size_t stop = end - i < BLOCK ? end : i + BLOCK;
-            const bounds box = bounds_of(&self, i, stop);
+            const extent box = bounds_of(&self, i, stop);
             for (size_t k = 0; k < count; ++k) {
                 if (!is_far(&targets[k], thickness, &box)) {
                     push_any(&self, &targets[k].pose, i, stop);

@@ -147,13 +147,14 @@ static double time_inside(const weft_shape *def, const weft_pin *pin,
     for (size_t i = 0; i <= last; ++i) {
         const double t = duration * ((double)i / TIMES);
         const weft__pose pose = weft__pose_of(&shape, t);
-        double x[3], gradient[3], steepness;
+        double x[3], gradient[3];
+        bool joined;
         weft__motion_offset(&motion, t, x);
         for (size_t k = 0; k < 3; ++k) {
             x[k] += start[k];
         }
         ++*compared;
-        if (weft__shape_gap(&pose, x, gradient, &steepness) <= 0.0) {
+        if (weft__shape_gap(&pose, x, gradient, &joined) <= 0.0) {
             return t;
         }
     }

@@ -46,7 +46,14 @@ weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err
                                .time = sim->t,
                                .last_step = weft_sim_stats(sim).last_step,
                                .spring = measures.worst,
-                               .energy = weft_energy_total(measures.energy) };
+                               .energy = weft_energy_total(measures.energy),
+                               .contact = sim->refused.found };
+    if (failure->contact) {
+        failure->gap_particle = sim->refused.particle;
+        failure->gap_shape = sim->refused.shape;
+        failure->gap = sim->refused.gap;
+        failure->gap_step = sim->refused.t - sim->t;
+    }
     (void)snprintf(failure->reason, sizeof failure->reason, "%s", why->message);
     find_fastest(sim, failure);
     set_message(failure, weft_cloth_cols(sim->cloth), err);

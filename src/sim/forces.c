@@ -39,6 +39,38 @@ void weft__forces_destroy(weft__forces *forces)
     weft__free(&forces->memory, forces->measures);
 }
 
+/* The first row of a band, the last that of none. */
+static size_t first_row(const weft__forces *forces, size_t band)
+{
+    const size_t rows = weft_cloth_rows(forces->cloth);
+    const size_t each = rows / forces->bands, more = rows % forces->bands;
+    return band * each + (band < more ? band : more);
+}
+
+typedef struct bands_job {
+    const weft__forces *forces;
+    weft__band_fn *task;
+    void *ctx;
+} bands_job;
+
+static void do_band(void *ctx, size_t i)
+{
+    const bands_job *of = ctx;
+    of->task(of->ctx, first_row(of->forces, i), first_row(of->forces, i + 1));
+}
+
+void weft__forces_bands(const weft__forces *forces, weft__band_fn *task, void *ctx)
+{
+    bands_job of = { forces, task, ctx };
+    if (forces->team != NULL) {
+        weft__team_run(forces->team, do_band, &of, forces->bands);
+        return;
+    }
+    for (size_t i = 0; i < forces->bands; ++i) {
+        do_band(&of, i);
+    }
+}
+
 typedef struct call {
     const weft__forces *forces;
     const weft__subject *subject;
@@ -47,29 +79,9 @@ typedef struct call {
     weft__row_fn *row;
 } call;
 
-/* The first row of a band; past the last band the number of rows. */
-static size_t first_row(const weft__forces *forces, size_t band)
-{
-    const size_t rows = weft_cloth_rows(forces->cloth);
-    const size_t each = rows / forces->bands, more = rows % forces->bands;
-    return band * each + (band < more ? band : more);
-}
-
-static void run_bands(const weft__forces *forces, weft__task *task, call *of)
-{
-    if (forces->team != NULL) {
-        weft__team_run(forces->team, task, of, forces->bands);
-        return;
-    }
-    for (size_t i = 0; i < forces->bands; ++i) {
-        task(of, i);
-    }
-}
-
-static void force_band(void *ctx, size_t i)
+static void force_band(void *ctx, size_t first, size_t end)
 {
     call *of = ctx;
-    const size_t first = first_row(of->forces, i), end = first_row(of->forces, i + 1);
     if (weft__rhs_rows(of->subject, of->dydt, first, end) != 0) {
         atomic_store(&of->failed, 1);
     }
@@ -80,15 +92,14 @@ int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
 {
     const weft__subject of = { .cloth = forces->cloth, .t = t, .y = y };
     call all = { .forces = forces, .subject = &of, .dydt = dydt };
-    run_bands(forces, force_band, &all);
+    weft__forces_bands(forces, force_band, &all);
     return atomic_load(&all.failed);
 }
 
-static void measure_band(void *ctx, size_t i)
+static void measure_band(void *ctx, size_t first, size_t end)
 {
     const call *of = ctx;
-    const size_t end = first_row(of->forces, i + 1);
-    for (size_t r = first_row(of->forces, i); r < end; ++r) {
+    for (size_t r = first; r < end; ++r) {
         weft_measures *row = &of->forces->measures[r];
         *row = weft__row_start;
         of->row(of->subject, r, row);
@@ -100,7 +111,7 @@ weft_measures weft__forces_measure(const weft__forces *forces, const weft__subje
 {
     call all = { .forces = forces, .subject = of, .row = row };
     weft_measures sum = weft__measures_start;
-    run_bands(forces, measure_band, &all);
+    weft__forces_bands(forces, measure_band, &all);
     for (size_t r = 0; r < weft_cloth_rows(forces->cloth); ++r) {
         weft__measures_add(&sum, &forces->measures[r]);
     }

@@ -20,6 +20,11 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
                                  const weft_allocator *given);
 void weft__forces_destroy(weft__forces *forces);
 
+/* Calls task(ctx, first, end) for bands of rows [first, end) that make up the cloth, on
+ * any thread and in any order. */
+typedef void weft__band_fn(void *ctx, size_t first, size_t end);
+void weft__forces_bands(const weft__forces *forces, weft__band_fn *task, void *ctx);
+
 /* As weft_cloth_rhs. */
 int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
                      double *dydt);

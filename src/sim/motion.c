@@ -37,6 +37,10 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
         return -1;
     }
     int failed = weft__forces_rhs(&sim->forces, t, y, dydt);
+    sim->refused.found = false;
+    if (failed != 0 && weft_cloth_shapes(sim->cloth) > 0) {
+        sim->refused = weft__state_breach(sim->cloth, t, y);
+    }
     if (sim->def.force != NULL && failed == 0) {
         memset(sim->added, 0, dim / 2 * sizeof *sim->added);
         sim->in_callback = true;

@@ -6,17 +6,19 @@
  *
  * Words (bytes.h): "weftsave", version, rows, cols, quadratures, hashes of the cloth's
  * definition and of the settings, the method's name in 64 bytes, fields, y, the hold of
- * each particle, checksum. */
+ * each particle, the number of shapes, a hash of the law of contact, the shapes (kind,
+ * the numbers of weft_shape from `at` on, since when it moves so), checksum. */
 #include <math.h>
 
 #include "base/bytes.h"
 #include "base/memory.h"
 #include "cloth/pins.h"
+#include "cloth/shapes.h"
 #include "sim/simulation.h"
 
 static const unsigned char magic[WEFT__WORD] = "weftsave";
 
-#define VERSION 4
+#define VERSION 5
 
 #define NAME_WORDS 8
 
@@ -27,6 +29,7 @@ typedef struct fields {
     double limit_step;                             /* [s] */
     uint64_t steps, rejected, rhs_calls;
     weft_limit_stats limit;
+    uint64_t vetoed;
 } fields;
 
 enum { FIELDS = sizeof(fields) / WEFT__WORD };
@@ -41,6 +44,13 @@ enum {
     AT_NAME,
     AT_FIELDS = AT_NAME + NAME_WORDS,
     AT_STATE = AT_FIELDS + FIELDS
+};
+
+/* What weft_shape has behind `kind`. */
+enum {
+    AT_REALS = offsetof(weft_shape, at),
+    SHAPE_REALS = (sizeof(weft_shape) - AT_REALS) / sizeof(double),
+    SHAPE_WORDS = 1 + SHAPE_REALS + 1
 };
 
 static fields fields_of(const weft_sim *sim)
@@ -58,6 +68,7 @@ static fields fields_of(const weft_sim *sim)
         .rejected = stats.rejected,
         .rhs_calls = stats.rhs_calls,
         .limit = sim->limit.stats,
+        .vetoed = sim->vetoed,
     };
 }
 
@@ -70,6 +81,7 @@ static void take_fields(weft_sim *sim, const fields *from)
     sim->rejected = from->rejected;
     sim->limit.last_step = from->limit_step;
     sim->limit.stats = from->limit;
+    sim->vetoed = from->vetoed;
 }
 
 /* Replaces the stepper; only the h to try and the counts remain. */
@@ -99,9 +111,15 @@ weft_status weft_sim_restart(weft_sim *sim, weft_error *err)
 
 /* ---- to bytes ---------------------------------------------------------------- */
 
+/* Where the number of shapes is, behind the particles. */
+static size_t at_shapes(const weft_sim *sim)
+{
+    return AT_STATE + weft__sim_dim(sim) + weft_cloth_particles(sim->cloth);
+}
+
 static size_t saved_words(const weft_sim *sim)
 {
-    return AT_STATE + weft__sim_dim(sim) + weft_cloth_particles(sim->cloth) + 1;
+    return at_shapes(sim) + 2 + SHAPE_WORDS * weft_cloth_shapes(sim->cloth) + 1;
 }
 
 size_t weft_sim_save_size(const weft_sim *sim)
@@ -133,6 +151,20 @@ static void put_head(const weft_sim *sim, unsigned char *to)
     memcpy(to + AT_NAME * WEFT__WORD, name, sizeof name);
 }
 
+static void put_shapes(const weft_cloth *cloth, unsigned char *to)
+{
+    weft__word_put(to, cloth->shape_count);
+    weft__word_put(to + WEFT__WORD, weft__contact_hash(cloth));
+    to += 2 * WEFT__WORD;
+    for (size_t k = 0; k < cloth->shape_count; ++k, to += SHAPE_WORDS * WEFT__WORD) {
+        const weft__shape *shape = &cloth->shapes[k];
+        weft__word_put(to, (uint64_t)shape->def.kind);
+        weft__words_put(to + WEFT__WORD, (const char *)&shape->def + AT_REALS,
+                        SHAPE_REALS);
+        weft__real_put(to + (1 + SHAPE_REALS) * WEFT__WORD, shape->motion.since);
+    }
+}
+
 weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *err)
 {
     if (weft__sim_outside(sim, "weft_sim_save", err) != WEFT_OK) {
@@ -157,6 +189,7 @@ weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *e
     for (size_t i = 0; i < weft_cloth_particles(sim->cloth); ++i) {
         weft__word_put(holds + i * WEFT__WORD, weft__cloth_hold(sim->cloth, i));
     }
+    put_shapes(sim->cloth, to + at_shapes(sim) * WEFT__WORD);
     weft__word_put(to + (words - 1) * WEFT__WORD, weft__words_sum(to, words - 1));
     return WEFT_OK;
 }
@@ -213,16 +246,23 @@ static weft_status check_kind(const weft_sim *sim, const unsigned char *from,
         return weft_error_set(err, WEFT_INVALID, "saved %s energy ledger",
                               sim->ledger.on ? "without" : "with");
     }
-    return size == weft_sim_save_size(sim) ? WEFT_OK : damaged(err);
+    const size_t words = size / WEFT__WORD, at = at_shapes(sim);
+    const size_t left = words < at + 3 ? 1 : words - (at + 3);
+    return left % SHAPE_WORDS == 0 && word(from, at) == left / SHAPE_WORDS
+               ? WEFT_OK
+               : damaged(err);
 }
 
 static weft_status check_definition(const weft_sim *sim, const unsigned char *from,
                                     weft_error *err)
 {
-    if (word(from, AT_CLOTH) != sim->cloth_hash) {
+    const size_t at = at_shapes(sim);
+    if (word(from, AT_CLOTH) != sim->cloth_hash
+        || (word(from, at) > 0
+            && word(from, at + 1) != weft__contact_hash(sim->cloth))) {
         return weft_error_set(err, WEFT_INVALID,
-                              "saved of another cloth (springs, masses, pins or forces "
-                              "differ)");
+                              "saved of another cloth (springs, masses, pins, forces "
+                              "or contact differ)");
     }
     if (word(from, AT_SETTINGS) != sim->settings) {
         return weft_error_set(err, WEFT_INVALID,
@@ -238,22 +278,31 @@ static weft_status not_finite(const char *what, weft_error *err)
                           "the saved simulation has %s that is not finite", what);
 }
 
-/* Forged bytes may have a correct checksum. The residual is not finite if any number of
- * the ledger is not. */
+/* Forged bytes may have a correct checksum. */
 static weft_status check_numbers(const weft_sim *sim, const fields *saved,
                                  const double *y, weft_error *err)
+{
+    return isfinite(saved->t) && weft__not_negative(saved->next_step)
+                   && weft__not_negative(saved->last_step)
+                   && weft__not_negative(saved->limit_step)
+                   && weft__all_finite(y, weft_cloth_dim(sim->cloth))
+               ? WEFT_OK
+               : not_finite("a time, a step or a state", err);
+}
+
+/* The residual is not finite if any of the ledger's numbers is not. */
+static weft_status check_ledger(const weft_sim *sim, const fields *saved,
+                                const double *y, weft_error *err)
 {
     const weft__ledger ledger = { .on = sim->ledger.on,
                                   .start = saved->energy_start,
                                   .limit_work = saved->limit_work,
                                   .outside_work = saved->outside_work };
-    if (!(isfinite(saved->t) && weft__not_negative(saved->next_step)
-          && weft__not_negative(saved->last_step)
-          && weft__not_negative(saved->limit_step)
-          && weft__all_finite(y, weft_cloth_dim(sim->cloth)))) {
-        return not_finite("a time, a step or a state", err);
-    }
-    return isfinite(weft__ledger_read(&ledger, &sim->forces, saved->t, y).residual)
+    weft_cloth loose = *sim->cloth; /* whose present shapes mean nothing */
+    weft__forces forces = sim->forces;
+    loose.shape_count = 0;
+    forces.cloth = &loose;
+    return isfinite(weft__ledger_read(&ledger, &forces, saved->t, y).residual)
                ? WEFT_OK
                : not_finite("an energy ledger", err);
 }
@@ -269,28 +318,86 @@ static weft_status check_holds(const weft_sim *sim, const unsigned char *holds,
     return WEFT_OK;
 }
 
-/* The checked bytes, into y[weft__sim_dim]. */
-static weft_status restore_to(weft_sim *sim, const unsigned char *from, double *y,
+/* A saved simulation on its way into another. */
+typedef struct restored {
+    fields fields;
+    const unsigned char *holds;
+    double *y;
+    weft__shape *shapes; /* shape_count of them */
+    size_t shape_count;
+} restored;
+
+static weft_status read_shapes(const weft_sim *sim, const unsigned char *from,
+                               restored *to, weft_error *err)
+{
+    from += (at_shapes(sim) + 2) * WEFT__WORD;
+    for (size_t k = 0; k < to->shape_count; ++k, from += SHAPE_WORDS * WEFT__WORD) {
+        const double since = weft__real_at(from + (1 + SHAPE_REALS) * WEFT__WORD);
+        weft_shape def = { .kind = WEFT_SHAPES };
+        if (word(from, 0) < WEFT_SHAPES) {
+            def.kind = (weft_shape_kind)word(from, 0);
+        }
+        weft__words_get((char *)&def + AT_REALS, from + WEFT__WORD, SHAPE_REALS);
+        if (!isfinite(since)
+            || weft__shape_make(sim->cloth, &def, since, k, &to->shapes[k], NULL)
+                   != WEFT_OK) {
+            return weft_error_set(err, WEFT_INVALID, "a saved shape makes no sense");
+        }
+    }
+    return WEFT_OK;
+}
+
+static weft_status check_gaps(const weft_sim *sim, const restored *from,
+                              weft_error *err)
+{
+    weft_cloth as_saved = *sim->cloth;
+    as_saved.shapes = from->shapes;
+    as_saved.shape_count = from->shape_count;
+    for (size_t i = 0; i < as_saved.particles; ++i) {
+        const weft__breach breach
+            = weft__particle_breach(&as_saved, from->fields.t, from->y, i);
+        if (breach.found && word(from->holds, i) == WEFT__FREE) {
+            return weft__breach_error(&as_saved, &breach, "was saved", err);
+        }
+    }
+    return WEFT_OK;
+}
+
+/* Nothing fails any more. */
+static void take(weft_sim *sim, const restored *from)
+{
+    for (size_t i = 0; i < weft_cloth_particles(sim->cloth); ++i) {
+        weft__cloth_set_hold(sim->cloth, i, (weft__hold)word(from->holds, i));
+    }
+    weft__cloth_pins_changed(sim->cloth, from->y);
+    weft__free(&sim->memory, sim->cloth->shapes);
+    sim->cloth->shapes = from->shapes;
+    sim->cloth->shape_count = from->shape_count;
+    take_fields(sim, &from->fields);
+    memcpy(sim->y, from->y, weft__sim_dim(sim) * sizeof *sim->y);
+}
+
+/* The checked bytes; *to has room for its arrays. */
+static weft_status restore_to(weft_sim *sim, const unsigned char *from, restored *to,
                               weft_error *err)
 {
     const size_t dim = weft__sim_dim(sim);
-    const unsigned char *holds = from + (AT_STATE + dim) * WEFT__WORD;
-    fields saved;
-    weft__words_get(&saved, from + AT_FIELDS * WEFT__WORD, FIELDS);
-    weft__words_get(y, from + AT_STATE * WEFT__WORD, dim);
-    weft_status status = check_numbers(sim, &saved, y, err);
-    status = status == WEFT_OK ? check_holds(sim, holds, err) : status;
-    status = status == WEFT_OK ? renew(sim, &saved, err) : status;
-    if (status != WEFT_OK) {
-        return status;
+    to->holds = from + (AT_STATE + dim) * WEFT__WORD;
+    weft__words_get(&to->fields, from + AT_FIELDS * WEFT__WORD, FIELDS);
+    weft__words_get(to->y, from + AT_STATE * WEFT__WORD, dim);
+    weft_status status = check_numbers(sim, &to->fields, to->y, err);
+    status = status == WEFT_OK ? check_ledger(sim, &to->fields, to->y, err) : status;
+    status = status == WEFT_OK ? check_holds(sim, to->holds, err) : status;
+    status = status == WEFT_OK ? read_shapes(sim, from, to, err) : status;
+    status = status == WEFT_OK ? check_gaps(sim, to, err) : status;
+    if (status == WEFT_OK && to->shape_count > 0) {
+        status = weft__sim_make_start(sim, err);
     }
-    for (size_t i = 0; i < weft_cloth_particles(sim->cloth); ++i) {
-        weft__cloth_set_hold(sim->cloth, i, (weft__hold)word(holds, i));
+    status = status == WEFT_OK ? renew(sim, &to->fields, err) : status;
+    if (status == WEFT_OK) {
+        take(sim, to);
     }
-    weft__cloth_pins_changed(sim->cloth, y);
-    take_fields(sim, &saved);
-    memcpy(sim->y, y, dim * sizeof *y);
-    return WEFT_OK;
+    return status;
 }
 
 weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
@@ -307,10 +414,15 @@ weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
         return status;
     }
     const weft_allocator memory = sim->memory;
-    double *y = weft__alloc(&memory, weft__sim_dim(sim), sizeof *y);
-    status = y == NULL
+    restored to = { .shape_count = (size_t)word(from, at_shapes(sim)) };
+    to.y = weft__alloc(&memory, weft__sim_dim(sim), sizeof *to.y);
+    to.shapes = weft__alloc(&memory, to.shape_count, sizeof *to.shapes);
+    status = to.y == NULL || to.shapes == NULL
                  ? weft_error_set(err, WEFT_NO_MEMORY, "no memory to restore a state")
-                 : restore_to(sim, from, y, err);
-    weft__free(&memory, y);
+                 : restore_to(sim, from, &to, err);
+    weft__free(&memory, to.y);
+    if (status != WEFT_OK) {
+        weft__free(&memory, to.shapes);
+    }
     return status;
 }

@@ -171,6 +171,9 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
     status = weft__limit_init(&sim->limit, &def->limit, sim->cloth, &sim->memory, err);
     status = status == WEFT_OK ? take_config(sim, err) : status;
     status = status == WEFT_OK ? make_forces(sim, err) : status;
+    status = status == WEFT_OK && weft_cloth_shapes(sim->cloth) > 0
+                 ? weft__sim_make_start(sim, err)
+                 : status;
     status
         = status == WEFT_OK ? weft__sim_stepper(sim, 0.0, &sim->stepper, err) : status;
     if (status != WEFT_OK) {
@@ -195,6 +198,7 @@ void weft_sim_destroy(weft_sim *sim)
         const weft_allocator memory = sim->memory;
         weft__free(&memory, sim->added);
         weft__free(&memory, sim->y);
+        weft__free(&memory, sim->start);
         weft__free(&memory, sim);
     }
 }
@@ -207,7 +211,14 @@ static bool limits(const weft_sim *sim)
 static bool limit(weft_sim *sim, double h)
 {
     const uint64_t before = sim->limit.stats.unconverged;
+    const bool shapes = weft_cloth_shapes(sim->cloth) > 0;
+    if (shapes) {
+        memcpy(sim->start, sim->y, weft_cloth_dim(sim->cloth) * sizeof *sim->y);
+    }
     const bool changed = weft__limit_apply(&sim->limit, h, sim->y);
+    if (changed && shapes) {
+        weft__hold_back(&sim->forces, sim->t, sim->start, sim->y);
+    }
     if (before == 0 && sim->limit.stats.unconverged > 0) {
         weft__log(&sim->def.log, WEFT_LOG_WARNING,
                   "limit: not met within its sweeps at t = %.9g s; reported once",
@@ -222,6 +233,22 @@ static bool correct(weft_sim *sim, double h)
     const bool changed = sim->def.correct(sim->def.correct_ctx, sim->t, h, sim->y);
     sim->in_callback = false;
     return changed;
+}
+
+static weft_status check_corrected(weft_sim *sim, weft_error *err)
+{
+    weft_error why = { 0 };
+    if (!weft__all_finite(sim->y, weft_cloth_dim(sim->cloth))) {
+        weft_error_set(&why, WEFT_NOT_FINITE,
+                       "the correction left a state that is not finite");
+        return weft__sim_fail(sim, &why, err);
+    }
+    sim->refused = weft__state_breach(sim->cloth, sim->t, sim->y);
+    if (sim->refused.found) {
+        weft__breach_error(sim->cloth, &sim->refused, "was corrected to", &why);
+        return weft__sim_fail(sim, &why, err);
+    }
+    return WEFT_OK;
 }
 
 /* After an accepted step of h: the strain limit, then the embedder's own. */
@@ -242,13 +269,7 @@ static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
     if (changed) {
         sim->def.method->state_changed(sim->stepper);
     }
-    if (!changed || weft__all_finite(sim->y, weft_cloth_dim(sim->cloth))) {
-        return WEFT_OK;
-    }
-    weft_error why = { 0 };
-    weft_error_set(&why, WEFT_NOT_FINITE,
-                   "the correction left a state that is not finite");
-    return weft__sim_fail(sim, &why, err);
+    return changed ? check_corrected(sim, err) : WEFT_OK;
 }
 
 static void log_rejected(weft_sim *sim, double h)
@@ -274,8 +295,8 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
     weft_error why = { 0 };
     const double before = sim->t;
     sim->failure.status = WEFT_OK;
-    const weft_status status
-        = sim->def.method->step(sim->stepper, t_end, &sim->t, sim->y, &why);
+    sim->refused.found = false;
+    const weft_status status = weft__sim_checked_step(sim, t_end, &why);
     if (status != WEFT_OK) {
         why.status = status;
         return weft__sim_fail(sim, &why, err);
@@ -346,6 +367,11 @@ weft_ledger weft_sim_ledger(const weft_sim *sim)
 double weft_sim_dissipated(const weft_sim *sim)
 {
     return weft__ledger_heat(&sim->ledger, sim->cloth, sim->y);
+}
+
+uint64_t weft_sim_vetoed(const weft_sim *sim)
+{
+    return sim->vetoed;
 }
 
 weft_limit_stats weft_sim_limit_stats(const weft_sim *sim)
@@ -425,6 +451,14 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
     if ((positions != NULL && !weft__all_finite(positions, 3 * n))
         || (velocities != NULL && !weft__all_finite(velocities, 3 * n))) {
         return weft_error_set(err, WEFT_INVALID, "a state must be finite");
+    }
+    if (positions != NULL && weft_cloth_shapes(sim->cloth) > 0) {
+        memcpy(sim->start, sim->y, 6 * n * sizeof *sim->y);
+        set_planes(sim->cloth, positions, sim->start);
+        const weft__breach breach = weft__state_breach(sim->cloth, sim->t, sim->start);
+        if (breach.found) {
+            return weft__breach_error(sim->cloth, &breach, "would be", err);
+        }
     }
     weft__sim_change_begins(sim);
     set_planes(sim->cloth, positions, sim->y);

@@ -67,6 +67,11 @@ weft_status weft_sim_unpin(weft_sim *sim, size_t i, weft_error *err)
 {
     const weft_status status = check(sim, "weft_sim_unpin", i, NULL, err);
     if (status == WEFT_OK && weft_cloth_pinned(sim->cloth, i)) {
+        const weft__breach breach
+            = weft__particle_breach(sim->cloth, sim->t, sim->y, i);
+        if (breach.found) {
+            return weft__breach_error(sim->cloth, &breach, "is", err);
+        }
         weft__sim_change_begins(sim);
         weft__cloth_set_hold(sim->cloth, i, WEFT__FREE);
         weft__cloth_pins_changed(sim->cloth, sim->y);

@@ -7,6 +7,7 @@
 #include "sim/forces.h"
 #include "sim/ledger.h"
 #include "sim/limit.h"
+#include "sim/step_check.h"
 
 struct weft_sim {
     weft_sim_def def;
@@ -27,6 +28,9 @@ struct weft_sim {
     weft__ledger ledger;
     weft_failure failure; /* of the last step; status WEFT_OK: it did not fail */
     double *y;            /* 6 N, then with ledger its quadratures */
+    double *start;   /* with shapes: as y, before a step; NULL until there are any */
+    uint64_t vetoed; /* steps taken back for the shapes */
+    weft__breach refused; /* by the last right-hand side */
 };
 
 /* motion.c: the right-hand side of a simulation, which is ctx. */
@@ -39,6 +43,13 @@ weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out
 /* WEFT_INVALID for a function that is called from within a callback. */
 weft_status weft__sim_outside(const weft_sim *sim, const char *function,
                               weft_error *err);
+
+/* checked_step.c: one step of the stepper that is clear of all shapes, or its failure.
+ */
+weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why);
+
+/* Room for it, for a simulation with shapes. */
+weft_status weft__sim_make_start(weft_sim *sim, weft_error *err);
 
 /* failure.c: stores the reason and the state of a failed step and writes both to *err
  * as a message. Returns the status of *why. */

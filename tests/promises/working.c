@@ -18,6 +18,9 @@
 #ifndef T_AFTER
 #define T_AFTER(t, h, last, t_end) ((last) ? (t_end) : (t) + (h))
 #endif
+#ifndef STARTS_AT
+#define STARTS_AT(self, t) (t)
+#endif
 #ifndef ACCEPTS
 #define ACCEPTS(y, count) all_finite(y, count)
 #endif
@@ -59,6 +62,7 @@ enum { DIM_MOST = 16384 }; /* of the largest problem of the checks */
 typedef struct stepper {
     weft_ode ode;
     double fixed_step; /* [s] */
+    double clock;      /* [s] where the last step ended */
     weft_stepper_stats stats;
     double buffer[3 * DIM_MOST]; /* the state within a step, and two of f */
 } stepper;
@@ -128,7 +132,7 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
     const bool last = self->fixed_step >= rest * (1.0 - 1e-6);
     const double h = last ? rest : self->fixed_step;
     ON_STEP(self);
-    const int failed = midpoint(self, *t, h, y);
+    const int failed = midpoint(self, STARTS_AT(self, *t), h, y);
     if (failed < 0) {
         ON_FAILURE(self, y);
         return weft_error_set(err, WEFT_STOPPED, "stopped");
@@ -138,7 +142,7 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
         return weft_error_set(err, WEFT_NOT_FINITE, "not finite");
     }
     memcpy(y, BUFFER(self), self->ode.dim * sizeof *y);
-    *t = T_AFTER(*t, h, last, t_end);
+    *t = self->clock = T_AFTER(*t, h, last, t_end);
     ++self->stats.steps;
     self->stats.last_step = h;
     return WEFT_OK;

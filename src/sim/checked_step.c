@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* checked_step.c -- steps of the stepper, taken back and halved until one is clear of
+ * all shapes. */
+#include <math.h>
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "sim/simulation.h"
+
+/* A fixed step is halved ten times. */
+#define LEAST_PART (1.0 / 1024.0)
+
+weft_status weft__sim_make_start(weft_sim *sim, weft_error *err)
+{
+    if (sim->start == NULL) {
+        sim->start
+            = weft__alloc(&sim->memory, weft_cloth_dim(sim->cloth) + WEFT__QUADRATURES,
+                          sizeof *sim->start);
+        if (sim->start == NULL) {
+            return weft_error_set(err, WEFT_NO_MEMORY, "no memory for shapes");
+        }
+    }
+    return WEFT_OK;
+}
+
+static double least_step(const weft_sim *sim)
+{
+    const double fixed = sim->config.fixed_step;
+    return fixed > 0.0 ? fixed * LEAST_PART : sim->config.min_step;
+}
+
+/* Whether a step that failed did so for a stage in a shape. */
+static bool failed_in_shape(const weft_sim *sim, weft_status status)
+{
+    return sim->refused.found
+           && (status == WEFT_NOT_FINITE || status == WEFT_STEP_TOO_SMALL
+               || status == WEFT_SOLVER);
+}
+
+/* As if the step from t0 had not been, but for the counts. */
+static void take_back(weft_sim *sim, double t0)
+{
+    memcpy(sim->y, sim->start, weft__sim_dim(sim) * sizeof *sim->y);
+    sim->t = t0;
+    sim->def.method->state_changed(sim->stepper);
+    --sim->earlier.steps; /* modulo 2^64, as is the sum */
+    ++sim->earlier.rejected;
+}
+
+/* One attempt from t0: *again if it was taken back, or failed in a shape. */
+static weft_status attempt(weft_sim *sim, double t0, double end, bool *again,
+                           weft_error *why)
+{
+    const weft_status status
+        = sim->def.method->step(sim->stepper, end, &sim->t, sim->y, why);
+    *again = false;
+    if (status != WEFT_OK) {
+        *again = sim->refused.found = failed_in_shape(sim, status);
+        return status;
+    }
+    const weft__path path = { t0, sim->t, sim->start, sim->y };
+    if (!weft__path_clear(&sim->forces, &path)) {
+        sim->refused = weft__path_breach(sim->cloth, &path);
+        take_back(sim, t0);
+        *again = true;
+    } else {
+        sim->refused.found = false;
+    }
+    return status;
+}
+
+static weft_status give_up(const weft_sim *sim, weft_error *why)
+{
+    const weft__breach *at = &sim->refused;
+    const size_t cols = weft_cloth_cols(sim->cloth);
+    return weft_error_set(why, WEFT_STEP_TOO_SMALL,
+                          "particle (%zu, %zu) cannot be kept out of shapes[%zu]: gap "
+                          "%.3g m after %.3g s",
+                          at->particle / cols, at->particle % cols, at->shape, at->gap,
+                          at->t - sim->t);
+}
+
+weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
+{
+    if (weft_cloth_shapes(sim->cloth) == 0) {
+        return sim->def.method->step(sim->stepper, t_end, &sim->t, sim->y, why);
+    }
+    const double t0 = sim->t, fixed = sim->config.fixed_step;
+    memcpy(sim->start, sim->y, weft__sim_dim(sim) * sizeof *sim->y);
+    for (double end = t_end;;) {
+        bool again;
+        const weft_status status = attempt(sim, t0, end, &again, why);
+        if (!again) {
+            return status;
+        }
+        const double tried = status == WEFT_OK ? sim->refused.t - t0 : end - t0;
+        const double h = 0.5 * (fixed > 0.0 ? fmin(fixed, tried) : tried);
+        const bool adapted = status != WEFT_OK && fixed == 0.0; /* as far as it could */
+        if (adapted || !(h >= least_step(sim)) || !(t0 + h > t0)) {
+            return give_up(sim, why);
+        }
+        ++sim->vetoed;
+        end = t0 + h;
+        weft__log(&sim->def.log, WEFT_LOG_DEBUG,
+                  "t = %.9g s: a step of %.3g s taken back: particle %zu, shapes[%zu]",
+                  t0, tried, sim->refused.particle, sim->refused.shape);
+    }
+}

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* step_check.h -- no free particle gets into a shape or through it.
+ *
+ * A step of h from gap d0 to d1 is clear if, for every free particle and shape,
+ *
+ *     d1 > 0  and  h (max(|v0 - V0|, |v1 - V1|) + w) < d0 + d1
+ *
+ * with V the velocity of the surface, with its spin or without, whichever makes more of
+ * it, and w what the oscillation of a shape adds between the ends; docs/physics.md. */
+#ifndef WEFT_SIM_STEP_CHECK_H
+#define WEFT_SIM_STEP_CHECK_H
+
+#include "sim/forces.h"
+
+/* From one state to another. */
+typedef struct weft__path {
+    double t0, t1; /* [s] */
+    const double *y0, *y1;
+} weft__path;
+
+/* A free particle that is in a shape, or may have passed through it. */
+typedef struct weft__breach {
+    bool found;
+    size_t particle, shape;
+    double gap; /* [m] */
+    double t;   /* [s] of the gap */
+} weft__breach;
+
+/* On the threads; allocates nothing. */
+bool weft__path_clear(const weft__forces *forces, const weft__path *path);
+
+/* The first by particles, then shapes, for which a path is not clear. */
+weft__breach weft__path_breach(const weft_cloth *cloth, const weft__path *path);
+
+/* The particle deepest in a shape: gap <= 0. A state that is not finite has none. */
+weft__breach weft__state_breach(const weft_cloth *cloth, double t, const double *y);
+
+/* Of one particle, free or not. */
+weft__breach weft__particle_breach(const weft_cloth *cloth, double t, const double *y,
+                                   size_t i);
+
+/* Shortens what has changed in y since `from`, particle by particle, as often by half
+ * as its straight way leads into a shape or may lead through one. */
+void weft__hold_back(const weft__forces *forces, double t, const double *from,
+                     double *y);
+
+/* "particle (3, 4) is 2 mm inside shapes[1]", of the present or `would be`. */
+weft_status weft__breach_error(const weft_cloth *cloth, const weft__breach *breach,
+                               const char *what, weft_error *err);
+
+#endif
