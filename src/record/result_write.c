@@ -213,6 +213,7 @@ static void write_contact(yaml_out *out, const weft_sim *sim, const weft_measure
         yaml_out_real(out, "energy", all->energy.contact);
         yaml_out_real(out, "min_gap", all->gap);
         yaml_out_plain(out, "touching", "%zu", all->touching);
+        yaml_out_plain(out, "vetoed", "%" PRIu64, weft_sim_vetoed(sim));
         yaml_out_close_map(out);
     }
 }

@@ -74,6 +74,7 @@ static series_row measure(const record_frame *frame)
         .ledger = weft_sim_ledger(sim),
         .limit_strain = weft_sim_limit_worst(sim).strain,
         .stats = weft_sim_stats(sim),
+        .vetoed = weft_sim_vetoed(sim),
     };
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
         row.elastic += row.all.energy.elastic[i];

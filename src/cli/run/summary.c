@@ -113,15 +113,16 @@ static void print_energy(const summary *self)
 /* Nothing without shapes. */
 static void print_contact(const summary *self)
 {
-    char touching[HUMAN];
+    char touching[HUMAN], vetoed[HUMAN];
     const size_t shapes = weft_cloth_shapes(weft_sim_cloth(self->sim));
     const weft_measures all = weft_sim_measure(self->sim);
     if (shapes > 0) {
         print_item("contact",
                    "%zu %s, %s particles touch and the smallest gap is %.3g mm at the "
-                   "end",
+                   "end; %s steps taken back",
                    shapes, shapes == 1 ? "shape" : "shapes",
-                   human_count(all.touching, touching), 1e3 * all.gap);
+                   human_count(all.touching, touching), 1e3 * all.gap,
+                   human_count(weft_sim_vetoed(self->sim), vetoed));
     }
 }
 
