@@ -107,9 +107,10 @@ static record_surface solid_surface(const solid *of, double *position)
 {
     const size_t rows = RECORD_SHAPE_ROWS, cols = RECORD_SHAPE_COLS;
     for (size_t i = 0; i < rows * cols; ++i) {
+        const size_t r = i / cols, c = i % cols;
         double n[3], local[3], ring;
-        weft_sincos_turns(0.5 / (double)(rows - 1), (double)(i / cols), &ring, &n[2]);
-        weft_sincos_turns(1.0 / (double)(cols - 1), (double)(i % cols), &n[1], &n[0]);
+        weft_sincos_turns(0.5 / (double)(rows - 1), (double)r, &ring, &n[2]);
+        weft_sincos_turns(1.0 / (double)(cols - 1), (double)c, &n[1], &n[0]);
         n[0] *= ring, n[1] *= ring;
         point_towards(of, n, local);
         place(of, local, position + 3 * i);

@@ -73,7 +73,7 @@ weft_ledger weft__ledger_read(const weft__ledger *ledger, const weft__forces *fo
         const double *done = y + weft_cloth_dim(forces->cloth); /* [J] */
         out.residual = weft_energy_total(out.energy) - ledger->start;
         for (size_t k = 0; k < WEFT_POWERS; ++k) {
-            *(double *)((char *)&out + accounts[k].at) = done[k];
+            memcpy((char *)&out + accounts[k].at, &done[k], sizeof done[k]);
             out.residual += accounts[k].heat ? done[k] : -done[k];
         }
         out.force_work = done[WEFT_POWERS];
