@@ -215,8 +215,8 @@ static const warned warnings[] = {
       "0]}\n",
       "stepper: {plugin: gsl, method: rk4, fixed_step: 5.1e-4}\nrun: {duration: 2}\n",
       "scene.yaml:7:49: warning: fixed_step 0.00051 s is longer than "
-      "contact.thickness / (2 stopping_speed) = 0.0005 s: a step that passes a shape "
-      "ends the run" },
+      "contact.thickness / (2 stopping_speed) = 0.0005 s: steps that may pass a shape "
+      "are taken back and halved" },
 };
 
 START_TEST(warnings_have_their_place)

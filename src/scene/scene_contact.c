@@ -220,7 +220,7 @@ static void warn_of_stepper(weft__reader *reader, const weft__node *method,
         weft__report_warning(
             reader->report, fixed_step->at,
             "fixed_step %g s is longer than contact.thickness / (2 stopping_speed) = "
-            "%.3g s: a step that passes a shape ends the run",
+            "%.3g s: steps that may pass a shape are taken back and halved",
             h, most);
     }
 }
