@@ -2,6 +2,7 @@
 /* sim_shapes.c -- shapes that change while a simulation runs. */
 #include <string.h>
 
+#include "base/finite.h"
 #include "base/memory.h"
 #include "cloth/shapes.h"
 #include "sim/simulation.h"
@@ -73,9 +74,13 @@ weft_status weft_sim_add_shape(weft_sim *sim, const weft_shape *shape, size_t *k
     return status;
 }
 
-/* Its place at `t` becomes `to`, from where it moves on as `def` says. */
+/* Its place at `t` becomes `to`, from where it moves on as `def` says. A velocity that
+ * is not finite is left to the check of `def`. */
 static void move_to(weft_shape *def, double t, const double to[3])
 {
+    if (!weft__all_finite(def->velocity, 3)) {
+        return;
+    }
     weft__motion motion
         = weft__motion_of(def->velocity, def->amplitude, def->frequency);
     double swing[3];
