@@ -183,9 +183,7 @@ static double gap_of(const weft__subject *of, const weft__pose *pose, size_t i)
 {
     const size_t n = of->cloth->particles;
     const double x[3] = { of->y[i], of->y[n + i], of->y[2 * n + i] };
-    double gradient[3];
-    bool joined;
-    return weft__shape_gap(pose, x, gradient, &joined);
+    return weft__gap_at(pose, x);
 }
 
 /* Whether particle i touches one of the first `count` shapes. */

@@ -132,6 +132,13 @@ double weft__shape_gap(const weft__pose *pose, const double x[3], double gradien
                                       : box_gap(pose, r, gradient, joined);
 }
 
+double weft__gap_at(const weft__pose *pose, const double x[3])
+{
+    double gradient[3];
+    bool joined;
+    return weft__shape_gap(pose, x, gradient, &joined);
+}
+
 void weft__surface_velocity(const weft__pose *pose, const double x[3],
                             double velocity[3])
 {

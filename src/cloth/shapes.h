@@ -42,6 +42,9 @@ weft__pose weft__pose_of(const weft__shape *shape, double t);
 double weft__shape_gap(const weft__pose *pose, const double x[3], double gradient[3],
                        bool *joined);
 
+/* [m] the gap alone */
+double weft__gap_at(const weft__pose *pose, const double x[3]);
+
 /* [m/s] of the surface at x. */
 void weft__surface_velocity(const weft__pose *pose, const double x[3],
                             double velocity[3]);

@@ -396,10 +396,9 @@ static double start_gap(const weft_cloth_def *def, const weft_shape *shape,
     weft__grid_init(&grid, def);
     for (size_t i = 0; i < grid.particles; ++i) {
         const size_t r = i / grid.cols, c = i % grid.cols;
-        double x[3], gradient[3];
-        bool joined;
+        double x[3];
         weft__start_position(&grid, r, c, x);
-        const double gap = weft__shape_gap(&pose, x, gradient, &joined);
+        const double gap = weft__gap_at(&pose, x);
         if (!(gap > 0.0) && gap < least && weft__pin_of(def, r, c) == 0) {
             least = gap;
             *particle = i;

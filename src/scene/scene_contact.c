@@ -147,14 +147,13 @@ static double time_inside(const weft_shape *def, const weft_pin *pin,
     for (size_t i = 0; i <= last; ++i) {
         const double t = duration * ((double)i / TIMES);
         const weft__pose pose = weft__pose_of(&shape, t);
-        double x[3], gradient[3];
-        bool joined;
+        double x[3];
         weft__motion_offset(&motion, t, x);
         for (size_t k = 0; k < 3; ++k) {
             x[k] += start[k];
         }
         ++*compared;
-        if (weft__shape_gap(&pose, x, gradient, &joined) <= 0.0) {
+        if (weft__gap_at(&pose, x) <= 0.0) {
             return t;
         }
     }

@@ -39,13 +39,6 @@ static passage passage_of(const weft__shape *shape, const weft__path *path)
                                 weft__pose_of(shape, path->t1) } };
 }
 
-static double gap_at(const weft__pose *pose, const double x[3])
-{
-    double gradient[3];
-    bool joined;
-    return weft__shape_gap(pose, x, gradient, &joined);
-}
-
 /* [m^2/s^2] of a particle beside the surface, or beside a shape that does not spin. */
 static double speed2(const weft__pose *pose, const double x[3], const double v[3])
 {
@@ -68,7 +61,7 @@ static bool is_clear(const passage *of, const weft__path *path, size_t n, size_t
         const double *y = ends[e];
         const double x[3] = { y[0], y[n], y[2 * n] };
         const double v[3] = { y[3 * n], y[4 * n], y[5 * n] };
-        d[e] = gap_at(&of->pose[e], x);
+        d[e] = weft__gap_at(&of->pose[e], x);
         square = fmax(square, speed2(&of->pose[e], x, v));
     }
     *gap = d[1];
@@ -126,7 +119,7 @@ static bool is_far(const passage *of, const ball *block, double thickness)
             arm2 += arm * arm;
         }
         const double arm = sqrt(arm2) + block->radius;
-        d[e] = gap_at(pose, block->centre) - block->radius;
+        d[e] = weft__gap_at(pose, block->centre) - block->radius;
         speed = fmax(speed, sqrt(weft__dot(pose->velocity, pose->velocity))
                                 + arm * sqrt(weft__dot(pose->spin, pose->spin)));
     }
@@ -218,7 +211,7 @@ weft__breach weft__particle_breach(const weft_cloth *cloth, double t, const doub
     weft__breach out = { .particle = i, .gap = INFINITY, .t = t };
     for (size_t k = 0; k < cloth->shape_count; ++k) {
         const weft__pose pose = weft__pose_of(&cloth->shapes[k], t);
-        const double gap = gap_at(&pose, x);
+        const double gap = weft__gap_at(&pose, x);
         if (gap < out.gap) {
             out.gap = gap, out.shape = k;
         }
@@ -262,8 +255,8 @@ static bool line_clear(const correction *of, const weft__pose *pose, size_t i)
     const double x0[3] = { a[0], a[n], a[2 * n] }, x1[3] = { b[0], b[n], b[2 * n] };
     const double way[3] = { x1[0] - x0[0], x1[1] - x0[1], x1[2] - x0[2] };
     const double square = weft__dot(way, way);
-    const double end = square == 0.0 ? 0.0 : gap_at(pose, x1);
-    return square == 0.0 || (end > 0.0 && sqrt(square) < gap_at(pose, x0) + end);
+    const double end = square == 0.0 ? 0.0 : weft__gap_at(pose, x1);
+    return square == 0.0 || (end > 0.0 && sqrt(square) < weft__gap_at(pose, x0) + end);
 }
 
 static void hold_band(void *ctx, size_t first_row, size_t end_row)
