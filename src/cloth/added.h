@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* added.h -- the forces that are added to springs, gravity and drag.
  *
- * Each is a line of WEFT_ADDED, a plain file src/cloth/NAME.c with the functions below,
- * and a kernel weft__NAME_LEVEL in src/kernel/kernel_NAME.c. All do nothing for a cloth
- * without that force. */
+ * Each has a line in WEFT_ADDED, a plain file src/cloth/NAME.c with the functions
+ * below, and a kernel weft__NAME_LEVEL in src/kernel/kernel_NAME.c. All do nothing for
+ * a cloth without that force. */
 #ifndef WEFT_CLOTH_ADDED_H
 #define WEFT_CLOTH_ADDED_H
 

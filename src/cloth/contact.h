@@ -15,7 +15,7 @@
  *                    / (100 a z),  f = N / N0
  *     coulomb    friction = mu |g| N w / |w|, times 2 y - y^2 where y = |w| / slip < 1
  *
- * All of it is in proportion to m, which leaves accelerations; docs/physics.md. */
+ * All forces are proportional to m, so m cancels in accelerations; docs/physics.md. */
 #ifndef WEFT_CLOTH_CONTACT_H
 #define WEFT_CLOTH_CONTACT_H
 
@@ -36,12 +36,12 @@ typedef struct weft__touch {
     double drag;                   /* [1/s] friction / (m w) */
 } weft__touch;
 
-/* Those of particles first to end - 1, shape after shape:
+/* The touches of particles first to end - 1, shape after shape:
  *
  *     for (weft__touches at = weft__touches_of(cloth, t, y, first, end);
  *          weft__each_touch(&at);)
  *
- * has particle at.i of at.pose in at.touch each time. A gap that is <= 0 or not a
+ * visits particle at.i of at.pose as at.touch. A gap that is <= 0 or not a
  * number is within reach too. */
 typedef struct weft__touches {
     const weft_cloth *cloth;

@@ -10,9 +10,9 @@
 typedef struct weft__grip {
     double press[6];    /* [1/s^2] sum of S n n^T */
     double damp[6];     /* [1/s] sum of D n n^T */
-    double slide[6];    /* [1/s] no less than friction's damping, which is >= 0 */
+    double slide[6];    /* [1/s] upper bound of friction's damping, which is >= 0 */
     double stiff, drag; /* [1/s^2], [1/s] in any direction, of either sign */
-    double turn;        /* [1/s^2] no more is negative, by the turning of the normal */
+    double turn;        /* [1/s^2] most negative stiffness, from the normal's turning */
 } weft__grip;
 
 /* Of free particle i in a state. */

@@ -46,7 +46,7 @@ typedef struct weft__motion {
     double omega;        /* [rad/s] 2 pi frequency */
     double since;        /* [s] 0 as defined */
     bool moves;
-    bool coasts; /* instead of all that, at a velocity of each particle's own */
+    bool coasts; /* instead: each particle keeps its velocity in `coast` */
 } weft__motion;
 
 /* A rigid shape: what is defined and what follows from it (shapes.h). */
@@ -89,14 +89,14 @@ void weft__groups_init(weft_cloth *cloth, const weft_cloth_def *def);
 /* cloth.c: the rows, columns and plain values of a definition, directions made unit. */
 void weft__grid_init(weft_cloth *cloth, const weft_cloth_def *def);
 
-/* Takes faults of a definition: `field` is the offset of the one at fault in its
- * struct, `other` that of one it does not go together with, or the same. */
+/* Receives the faults of a definition: `field` is the offset of the wrong field in its
+ * struct, `other` the offset of a field that excludes it, or the same. */
 typedef struct weft__faults {
     void (*found)(void *ctx, size_t field, size_t other, const char *message);
     void *ctx;
 } weft__faults;
 
-/* The first fault of a definition, as WEFT_INVALID; takes faults if it is their ctx. */
+/* Keeps the first fault of a definition as WEFT_INVALID; it is the ctx of faults. */
 typedef struct weft__refusal {
     weft_status status;
     weft_error *err;
@@ -106,7 +106,7 @@ void weft__keep_first(void *ctx, size_t field, size_t other, const char *message
 /* validate.c: reports every fault of a definition. */
 void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to);
 
-/* The same of a strain limit that has a method. */
+/* The same for a strain limit that has a method. */
 void weft__limit_check(const weft_limit_def *def, const weft__faults *to);
 
 /* Checks the grid alone, rows to velocity; compares neighbours in grids of up to `most`

@@ -90,7 +90,7 @@ static inline double weft__spring_strain(const weft__spring *spring)
  *
  *     for (weft__walk walk = weft__row_springs(cloth, x, r); weft__each_spring(&walk);)
  *
- * has one of them in walk.spring each time. */
+ * visits each as walk.spring. */
 typedef struct weft__walk {
     weft__spring spring;
     const weft_cloth *cloth;

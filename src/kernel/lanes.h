@@ -121,7 +121,7 @@ INLINE bool any(mask a)
 #endif
 }
 
-/* The last lane, the last two, of a, then those of b that still fit. */
+/* The last lane, or the last two, of a, followed by the first lanes of b. */
 #if LANES == 2
 #define SHIFT_1(a, b) __builtin_shufflevector(a, b, 1, 2)
 #define SHIFT_2(a, b) __builtin_shufflevector(a, b, 0, 1)

@@ -10,7 +10,7 @@
 
 typedef struct weft__node weft__node; /* tree.h */
 
-/* Of an item: its place, and the runs of a sweep it was found in. */
+/* The place of an item, and the runs of a sweep that have it. */
 typedef struct weft__origin {
     weft__mark at;
     size_t runs, first, latest;

@@ -6,7 +6,7 @@
 #include "scene/diagnostics.h"
 
 typedef enum weft__kind {
-    WEFT__MAPPING,    /* keys of its own */
+    WEFT__MAPPING,    /* a section */
     WEFT__NUMBER,     /* double */
     WEFT__INTEGER,    /* size_t */
     WEFT__VECTOR,     /* double[3] */

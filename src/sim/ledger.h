@@ -24,11 +24,11 @@ enum { WEFT__QUADRATURES = WEFT_POWERS + 1 }; /* the last: the embedder's force 
 bool weft__ledger_rates(const weft__forces *forces, double t, const double *y,
                         double force_power, double *rates);
 
-/* y at t = 0; puts the quadratures behind it to 0. */
+/* y is the state at t = 0; zeroes the quadratures behind it. */
 void weft__ledger_start(weft__ledger *ledger, const weft_cloth *cloth, double *y);
 
-/* Around corrections: mark before the first; account, after each that changed y, adds
- * the change of the energy to *work, one of the ledger's. */
+/* Around corrections: mark before the first; after each that changed y, account adds
+ * the change of energy to *work, a field of the ledger. */
 void weft__ledger_mark(weft__ledger *ledger, const weft__forces *forces, double t,
                        const double *y);
 void weft__ledger_account(weft__ledger *ledger, const weft__forces *forces, double t,

@@ -11,7 +11,7 @@
 
 struct weft_sim {
     weft_sim_def def;
-    weft_cloth *cloth;          /* the definition's with pins of its own */
+    weft_cloth *cloth;          /* copy of the definition's, owns pins and shapes */
     uint64_t cloth_hash;        /* weft__cloth_hash of the definition's */
     weft_stepper_config config; /* the definition's, completed */
     void *stepper;
@@ -19,7 +19,7 @@ struct weft_sim {
     weft__forces forces;
     weft_team worker_team; /* the forces' threads, for the stepper */
     weft__limit limit;
-    double *added; /* [N] 3 N, by the definition's `force` */
+    double *added; /* [N] 3 N, filled by the definition's `force` */
     bool in_callback;
     weft_allocator memory;
     uint64_t settings; /* weft__settings_hash of the definition */

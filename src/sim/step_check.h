@@ -5,8 +5,9 @@
  *
  *     d1 > 0  and  h (max(|v0 - V0|, |v1 - V1|) + w) < d0 + d1
  *
- * with V the velocity of the surface, with its spin or without, whichever makes more of
- * it, and w what the oscillation of a shape adds between the ends; docs/physics.md. */
+ * with V the velocity of the surface, with or without its spin, whichever gives the
+ * larger speed, and w the speed that an oscillation adds between the ends;
+ * docs/physics.md. */
 #ifndef WEFT_SIM_STEP_CHECK_H
 #define WEFT_SIM_STEP_CHECK_H
 
@@ -39,8 +40,8 @@ weft__breach weft__state_breach(const weft_cloth *cloth, double t, const double 
 weft__breach weft__particle_breach(const weft_cloth *cloth, double t, const double *y,
                                    size_t i);
 
-/* Shortens what has changed in y since `from`, particle by particle, as often by half
- * as its straight way leads into a shape or may lead through one. */
+/* Halves each particle's displacement from `from` to y until its straight path cannot
+ * enter or cross a shape. */
 void weft__hold_back(const weft__forces *forces, double t, const double *from,
                      double *y);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* team.h -- helpers of the thread that steps, for jobs of some microseconds. */
+/* team.h -- worker threads beside the thread that steps, for jobs of microseconds. */
 #ifndef WEFT_SIM_TEAM_H
 #define WEFT_SIM_TEAM_H
 
@@ -10,8 +10,8 @@ typedef struct weft__team weft__team;
 /* Part i of a job. */
 typedef void weft__task(void *ctx, size_t i);
 
-/* `threads` with the caller's, or as many as the system grants. NULL: the caller's
- * alone. given NULL: malloc's. */
+/* `threads` including the caller's, or as many as the system grants. NULL: only the
+ * caller's. given NULL: malloc's. */
 weft__team *weft__team_create(size_t threads, const weft_allocator *given);
 void weft__team_destroy(weft__team *team); /* NULL is allowed */
 size_t weft__team_threads(const weft__team *team);

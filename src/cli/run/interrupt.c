@@ -10,7 +10,7 @@
 #include <signal.h>
 #include <unistd.h>
 
-/* [ms] for an evaluation of the forces, or a step, to end by itself */
+/* [ms] for an evaluation of the forces, or a step, to end before the process does */
 enum { PATIENCE = 1000 };
 
 static volatile sig_atomic_t came, wake = -1;
