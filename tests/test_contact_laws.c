@@ -226,6 +226,36 @@ START_TEST(a_ball_is_left_near_two_thirds)
 }
 END_TEST
 
+/* 17 x 17 on a ball, 0.6 s, with friction: left and right are mirror images. With
+ * TEST_LONG 33 x 33, 1 s. */
+START_TEST(a_sheet_on_a_ball_is_symmetric)
+{
+    const size_t side = (size_t)test_rounds(17, 33), count = side * side;
+    const double tol = side == 17 ? 5e-9 : 7e-7, spacing = 1.0 / (double)(side - 1);
+    shapes[0] = weft_shape_default(WEFT_SPHERE);
+    shapes[0].radius = 0.3, shapes[0].at[1] = -0.35;
+    model.rows = model.cols = side, model.mass = 0.2 / (double)count;
+    model.spacing[0] = model.spacing[1] = spacing;
+    model.origin[0] = model.origin[2] = -0.5;
+    model.down[1] = 0.0, model.down[2] = 1.0;
+    model.springs[WEFT_STRETCH] = (weft_spring_def){ true, 100.0, 0.02 };
+    model.springs[WEFT_SHEAR] = (weft_spring_def){ true, 50.0, 0.01 };
+    model.springs[WEFT_BEND] = (weft_spring_def){ true, 5.0, 0.001 };
+    model.contact.friction = 0.3, model.contact.damping = 1.0;
+    run.method = test_method_named("arkode/dormand_prince");
+    tolerance(1e-6);
+    start();
+    go(side == 17 ? 0.6 : 1.0);
+    ck_assert_uint_gt(weft_sim_measure(sim).touching, 0);
+    for (size_t i = 0; i < count; ++i) {
+        const size_t mirror = i - i % side + (side - 1 - i % side);
+        ck_assert_double_eq_tol(at(i, 0), -at(mirror, 0), tol);
+        ck_assert_double_eq_tol(at(i, 1), at(mirror, 1), tol);
+        ck_assert_double_eq_tol(at(i, 2), at(mirror, 2), tol);
+    }
+}
+END_TEST
+
 /* ---- balances -------------------------------------------------------------------- */
 
 /* A loose sheet over a ball that spins and a box that rises. */
@@ -323,6 +353,27 @@ START_TEST(a_roller_pulls_a_chain_by_the_law_of_capstans)
     }
     ck_assert_double_lt(weft_sim_measure(sim).energy.kinetic, 1e-12);
     ck_assert_double_eq_tol(pull[1] / pull[0] / exp(mus[_i] * angle), 1.0, 0.03);
+}
+END_TEST
+
+/* ---- a start in touch -------------------------------------------------------------
+ */
+
+/* At 0.3 thickness the potential throws it off at v with phi(s) = (v / v_c)^2, from a
+ * plane that moves at V from t = 0 on by -v relative to it. */
+START_TEST(a_start_in_touch_is_thrown_off)
+{
+    const double dh = model.contact.thickness, s = 0.7, v = _i == 0 ? 0.0 : -0.5;
+    const double kn
+        = 12.5 / dh / dh * s * s * (12.0 - 16.0 * s + 6.0 * s * s) / pow(1.0 - s, 3.0);
+    memset(model.gravity, 0, sizeof model.gravity);
+    model.origin[1] = (1.0 - s) * dh, shapes[0].velocity[1] = v;
+    start();
+    const double omega2 = weft_cloth_stiffness(cloth, 0.0, weft_sim_state(sim)).omega2;
+    ck_assert_double_eq_tol(omega2, kn, 1e-9 * kn);
+    go(0.1);
+    ck_assert_double_gt(gap(), dh);
+    ck_assert_double_eq_tol(at(0, 4), v + sqrt(25.0 * phi(s) + v * v), 1e-8);
 }
 END_TEST
 
@@ -439,6 +490,8 @@ TEST_SUITE(contact_laws)
     tcase_add_test(tcase, a_belt_takes_a_particle_along);
     tcase_add_loop_test(tcase, a_turntable_holds_up_to_its_speed, 0, 3);
     tcase_add_loop_test(tcase, a_ball_is_left_near_two_thirds, 0, 5);
+    tcase_add_test(tcase, a_sheet_on_a_ball_is_symmetric);
+    tcase_add_loop_test(tcase, a_start_in_touch_is_thrown_off, 0, 2);
     tcase_add_test(tcase, momentum_comes_from_gravity_and_shapes);
     tcase_add_test(tcase, a_smooth_ball_keeps_the_angular_momentum);
     tcase_add_loop_test(tcase, a_roller_pulls_a_chain_by_the_law_of_capstans, 0, 3);

@@ -4,7 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/bytes.h"
 #include "contact_run.h"
+
+enum { MOST = 4096 };
 
 /* ---- the step check -------------------------------------------------------------- */
 
@@ -32,6 +35,35 @@ START_TEST(nothing_falls_through_a_thin_plate)
         ck_assert_double_gt(at(0, 1), 0.0);
     }
     ck_assert(weft_sim_vetoed(sim) > 0 || _i == 7); /* gear1: small steps anyway */
+}
+END_TEST
+
+/* (h max |v - V|) < d0 + d1, gaps and velocities those at either end of the step; from
+ * a start in touch with a plane that swings. */
+START_TEST(steps_are_bounded_by_the_gaps_at_both_ends)
+{
+    double moving[3];
+    shapes[0].amplitude[1] = -0.05, shapes[0].frequency = 3.0;
+    model.origin[1] = 0.4 * model.contact.thickness;
+    run.method = test_method_named("gsl/rkf45");
+    tolerance(1e-2);
+    start();
+    while (weft_sim_time(sim) < 3.0) {
+        double way[2] = { gap(), 0.0 }, fastest = 0.0;
+        const double before = weft_sim_time(sim);
+        for (int end = 0; end < 2; ++end) {
+            const double t = weft_sim_time(sim);
+            weft_cloth_shape_pose(cloth, 0, t, NULL, moving);
+            fastest = fmax(fastest, fabs(at(0, 4) - moving[1]));
+            way[end] = gap();
+            if (end == 0) {
+                step(3.0);
+            }
+        }
+        ck_assert_double_gt(way[1], 0.0);
+        ck_assert_double_lt((weft_sim_time(sim) - before) * fastest, way[0] + way[1]);
+    }
+    ck_assert_uint_gt(weft_sim_vetoed(sim), 0);
 }
 END_TEST
 
@@ -241,7 +273,7 @@ END_TEST
 START_TEST(a_resumed_run_has_the_same_bits)
 {
     static const double away[3] = { 0.1, -0.3, 0.0 }, slow[3] = { 0.1, 0.0, 0.2 };
-    static unsigned char saved[4096], again[4096];
+    static unsigned char saved[MOST], again[MOST];
     weft_shape rod = weft_shape_default(WEFT_CAPSULE);
     weft_sim *other = NULL;
     shapes[0].spin[1] = 3.0, model.contact.friction = 0.3, model.contact.damping = 1.0;
@@ -270,6 +302,83 @@ START_TEST(a_resumed_run_has_the_same_bits)
     ck_assert_int_eq(weft_sim_save(other, again, size, &err), WEFT_OK);
     ck_assert_mem_eq(saved, again, size);
     weft_sim_destroy(other);
+}
+END_TEST
+
+/* A simulation with a shape that was moved and one that was added; its bytes. */
+static size_t save_with_shapes(unsigned char *saved)
+{
+    static const double slow[3] = { 0.1, 0.0, 0.2 };
+    weft_shape rod = weft_shape_default(WEFT_CAPSULE);
+    rod.radius = 0.01, rod.at[1] = rod.to[1] = -0.2;
+    model.origin[1] = 0.1;
+    start();
+    go(0.05);
+    ck_assert_int_eq(weft_sim_add_shape(sim, &rod, NULL, &err), WEFT_OK);
+    ck_assert_int_eq(weft_sim_move_shape(sim, 0, NULL, slow, &err), WEFT_OK);
+    go(0.1);
+    ck_assert_int_eq(weft_sim_save(sim, saved, MOST, &err), WEFT_OK);
+    return weft_sim_save_size(sim);
+}
+
+static void refused(const unsigned char *bytes, size_t size, const char *why)
+{
+    const uint64_t hash = weft_sim_measure(sim).hash;
+    ck_assert_int_eq(weft_sim_restore(sim, bytes, size, &err), WEFT_INVALID);
+    ck_assert_msg(strstr(err.message, why) != NULL, "%s", err.message);
+    ck_assert_uint_eq(weft_sim_measure(sim).hash, hash);
+    ck_assert_uint_eq(weft_cloth_shapes(weft_sim_cloth(sim)), 2);
+}
+
+START_TEST(saved_shapes_that_are_damaged_are_refused)
+{
+    static unsigned char saved[MOST];
+    const size_t size = save_with_shapes(saved);
+    for (size_t bit = 0; bit < 8 * size; ++bit) {
+        saved[bit / 8] ^= (unsigned char)(1u << bit % 8);
+        refused(saved, size, "saved");
+        saved[bit / 8] ^= (unsigned char)(1u << bit % 8);
+    }
+    for (size_t length = 0; length < size; ++length) {
+        refused(saved, length, "saved");
+    }
+    ck_assert_int_eq(weft_sim_restore(sim, saved, size, &err), WEFT_OK);
+}
+END_TEST
+
+/* With a checksum that is right: words of the last shape (docs/output.md). */
+START_TEST(saved_shapes_that_make_no_sense_are_refused)
+{
+    enum { WORDS = 27, RADIUS = 10, COUNT = -WORDS - 2, LAW = -WORDS - 1 };
+    static const struct {
+        int word;
+        double real;
+        uint64_t bits;
+        const char *why;
+    } wrong[] = {
+        { 0, 0.0, WEFT_SHAPES, "a saved shape makes no sense" },
+        { 0, 0.0, UINT64_MAX, "a saved shape makes no sense" },
+        { 1, NAN, 0, "a saved shape makes no sense" },
+        { RADIUS, -1.0, 0, "a saved shape makes no sense" },
+        { RADIUS, 1.0, 0, "was saved" },
+        { WORDS - 1, INFINITY, 0, "a saved shape makes no sense" },
+        { COUNT, 0.0, 3, "damaged or cut off" },
+        { COUNT, 0.0, UINT64_MAX / WORDS, "damaged or cut off" },
+        { LAW, 0.0, 1, "saved of another cloth" },
+    };
+    static unsigned char saved[MOST], forged[MOST];
+    const size_t size = save_with_shapes(saved), sum = size - 8;
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        memcpy(forged, saved, size);
+        unsigned char *word = forged + sum + 8 * (wrong[i].word - WORDS);
+        if (wrong[i].bits != 0) {
+            weft__word_put(word, wrong[i].bits);
+        } else {
+            weft__real_put(word, wrong[i].real);
+        }
+        weft__word_put(forged + sum, weft__words_sum(forged, sum / 8));
+        refused(forged, size, wrong[i].why);
+    }
 }
 END_TEST
 
@@ -322,6 +431,9 @@ TEST_SUITE(contact_time)
     tcase_add_test(tcase, states_in_shapes_are_refused);
     tcase_add_test(tcase, shapes_are_added_moved_and_removed);
     tcase_add_loop_test(tcase, a_resumed_run_has_the_same_bits, 0, 2);
+    tcase_add_test(tcase, steps_are_bounded_by_the_gaps_at_both_ends);
+    tcase_add_test(tcase, saved_shapes_that_are_damaged_are_refused);
+    tcase_add_test(tcase, saved_shapes_that_make_no_sense_are_refused);
     tcase_add_test(tcase, a_sheet_on_a_ball_is_symmetric_on_any_threads);
     tcase_add_loop_test(tcase, nothing_falls_through_a_thin_plate, 0, 8);
     suite_add_tcase(suite, tcase);
