@@ -96,7 +96,7 @@ START_TEST(a_rising_plane_throws_at_twice_its_speed)
     start();
     sum_impulse(0.03, 1e-5, impulse);
     ck_assert_double_gt(gap(), model.contact.thickness);
-    ck_assert_double_eq_tol(impulse[1], 2.0 * 2.0 * m * v, 1e-8);
+    ck_assert_double_eq_tol(impulse[1], 2.0 * 2.0 * m * v, 1e-10);
     ck_assert(impulse[0] == 0.0 && impulse[2] == 0.0);
 }
 END_TEST
@@ -115,7 +115,7 @@ START_TEST(a_sheet_rests_at_its_gap)
     start();
     go(2.0);
     for (size_t i = 0; i < 20; ++i) {
-        ck_assert_double_eq_tol(at(i, 1), dh * (1.0 - s), 1e-9);
+        ck_assert_double_eq_tol(at(i, 1), dh * (1.0 - s), 1e-12);
     }
 }
 END_TEST
@@ -206,7 +206,8 @@ START_TEST(a_turntable_holds_up_to_its_speed)
 }
 END_TEST
 
-/* The angle at which it leaves tends to cos = 2/3 like sqrt(dh). */
+/* The angle at which it leaves tends to cos = 2/3 like sqrt(dh): its distance from
+ * there is sqrt(dh / R) times a number that stays within 5 %. */
 START_TEST(a_ball_is_left_near_two_thirds)
 {
     const double thick[] = { 8e-3, 4e-3, 2e-3, 1e-3, 0.5e-3 };
@@ -222,7 +223,7 @@ START_TEST(a_ball_is_left_near_two_thirds)
         step(cosine > 0.75 ? 3.0 : weft_sim_time(sim) + 1e-5);
         cosine = at(0, 1) / hypot(at(0, 0), at(0, 1));
     }
-    ck_assert_double_eq_tol((2.0 / 3.0 - cosine) / sqrt(thick[_i] / 0.3), 0.38, 0.02);
+    ck_assert_double_eq_tol((2.0 / 3.0 - cosine) / sqrt(thick[_i] / 0.3), 0.379, 0.019);
 }
 END_TEST
 
@@ -305,7 +306,7 @@ START_TEST(a_smooth_ball_keeps_the_angular_momentum)
     const weft_measures now = weft_sim_measure(sim);
     ck_assert_uint_gt(now.touching, 0);
     ck_assert_double_gt(fabs(before), 1e-4);
-    ck_assert_double_eq_tol(now.angular_momentum[1], before, 1e-9);
+    ck_assert_double_eq_tol(now.angular_momentum[1], before, 1e-15);
 }
 END_TEST
 
