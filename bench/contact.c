@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* contact.c -- the time that contact takes of an evaluation of P(n): where no particle
- * touches a shape, and where all touch one of each kind. One thread, by its own time.
- */
+ * touches a shape, and where all touch one of each kind; and evaluations and seconds of
+ * whole runs (drape.h). One thread, by its own time. */
 #define BENCH_CLOCK CLOCK_THREAD_CPUTIME_ID
 #include "bench.h"
 
 #include <math.h>
 
+#include "drape.h"
 #include "problem.h"
 
 enum { CALLS = 20, ROUNDS = 31 };
@@ -107,5 +108,7 @@ int main(void)
 {
     measure(33);
     measure(100);
+    drape_all(33, 1.0);
+    drape_all(100, 0.4);
     return 0;
 }

@@ -198,6 +198,39 @@ START_TEST(the_frames_of_another_run_are_refused)
 }
 END_TEST
 
+/* A wall that all particles touch from the start; its distance. */
+#define WALL(distance)                                                                 \
+    "--set 'contact={friction: 0, shapes: [{shape: plane, at: [0, 0, -" distance       \
+    "], normal: [0, 0, 1]}]}' --set stepper.fixed_step=5e-4"
+
+START_TEST(damaged_loads_of_shapes_are_refused)
+{
+    record_checkpoint checkpoint;
+    stop_midway(SIGKILL, WALL("0.003"));
+    (void)shell("cp " OUT "/k/shapes.csv " OUT "/good.csv");
+    expect(shell("head -n 5 " OUT "/good.csv > " OUT "/k/shapes.csv"), 0);
+    refused(4, "k/shapes.csv: damaged: ");
+    expect(shell(": > " OUT "/k/shapes.csv"), 0);
+    refused(4, "k/shapes.csv: damaged: ");
+    expect(shell("rm " OUT "/k/shapes.csv"), 0);
+    refused(4, "k/shapes.csv: No such file");
+    expect(shell("cp " OUT "/good.csv " OUT "/k/shapes.csv"), 0);
+    read_checkpoint(&checkpoint);
+    const uint64_t range[][2] = { { 0, checkpoint.shapes.length } };
+    refuses_flips("shapes.csv", range, 1);
+    record_checkpoint_free(&checkpoint);
+}
+END_TEST
+
+START_TEST(loads_of_other_shapes_are_refused)
+{
+    make_reference(WALL("0.0031"));
+    stop_midway(SIGKILL, WALL("0.003"));
+    (void)shell("cp " OUT "/ref/shapes.csv " OUT "/k");
+    refused(4, "k/shapes.csv: damaged: ");
+}
+END_TEST
+
 START_TEST(the_manifest_is_written_anew)
 {
     make_reference("");
@@ -224,6 +257,8 @@ TEST_SUITE(record_damage)
     tcase_add_loop_test(others, a_flipped_bit_of_the_series_is_refused, 0, RECORDED);
     tcase_add_loop_test(others, a_flipped_bit_of_the_frames_is_refused, 0, RECORDED);
     tcase_add_test(others, the_frames_of_another_run_are_refused);
+    tcase_add_test(others, damaged_loads_of_shapes_are_refused);
+    tcase_add_test(others, loads_of_other_shapes_are_refused);
     tcase_add_test(others, the_manifest_is_written_anew);
     suite_add_tcase(all, others);
     return all;

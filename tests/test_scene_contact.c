@@ -217,6 +217,17 @@ static const warned warnings[] = {
       "scene.yaml:7:49: warning: fixed_step 0.00051 s is longer than "
       "contact.thickness / (2 stopping_speed) = 0.0005 s: steps that may pass a shape "
       "are taken back and halved" },
+    { "contact:\n  law: coulomb\n  shapes:\n    - {shape: plane, at: [0, -0.5, 0], "
+      "normal: [0, 1, 0], friction: 100}\n",
+      END,
+      "scene.yaml:7:7: warning: friction 100 of shapes[0] with law coulomb and slip "
+      "0.001 m/s needs steps of some 1e-06 s: raise slip, or use law smooth" },
+    { "contact:\n  law: coulomb\n  friction: 10\n  shapes:\n    - {shape: plane, at: "
+      "[0, -0.5, 0], normal: [0, 1, 0]}\n",
+      END, "" },
+    { "contact:\n  shapes:\n    - {shape: plane, at: [0, -0.5, 0], normal: [0, 1, 0], "
+      "friction: 100}\n",
+      END, "" },
 };
 
 START_TEST(warnings_have_their_place)

@@ -294,6 +294,7 @@ static void write_shape(FILE *stream, const weft_shape *shape)
     write_numbers(stream, "velocity", shape->velocity, 3);
     write_numbers(stream, "amplitude", shape->amplitude, 3);
     write_numbers(stream, "frequency", &shape->frequency, 1);
+    write_numbers(stream, "spin", shape->spin, 3);
     fputc('}', stream);
 }
 

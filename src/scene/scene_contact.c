@@ -38,12 +38,17 @@ void weft__check_shape(weft__reader *reader, const weft__match *match, void *bas
     }
 }
 
+static double friction_of(const weft_contact_def *contact, size_t k)
+{
+    const double own = contact->shapes[k].friction;
+    return own < 0.0 ? contact->friction : own;
+}
+
 static bool has_friction(const weft_contact_def *contact)
 {
     bool has = contact->shape_count == 0 && contact->friction > 0.0;
     for (size_t k = 0; k < contact->shape_count; ++k) {
-        const double own = contact->shapes[k].friction;
-        has = has || (own < 0.0 ? contact->friction : own) > 0.0;
+        has = has || friction_of(contact, k) > 0.0;
     }
     return has;
 }
@@ -130,6 +135,20 @@ static void warn_of_chord(weft__report *report, const weft_cloth_def *def, size_
             "between particles %.3g m apart the cloth dips %.3g mm into %sshapes[%zu], "
             "more than the thickness of %.3g mm: the shape shows through",
             a, 1e3 * sag, box ? "the edges of " : "", k, 1e3 * def->contact.thickness);
+    }
+}
+
+/* The stiffness of coulomb is 2 friction N / (m slip): at rest N / m is gravity's. */
+static void warn_of_friction(weft__report *report, const weft_contact_def *contact,
+                             size_t k, weft__mark at)
+{
+    const double friction = friction_of(contact, k), most = 1e4; /* [s/m] */
+    if (contact->law == WEFT_FRICTION_COULOMB && friction > most * contact->slip) {
+        weft__report_warning(
+            report, at,
+            "friction %g of shapes[%zu] with law coulomb and slip %g m/s needs steps "
+            "of some %.1g s: raise slip, or use law smooth",
+            friction, k, contact->slip, contact->slip / (friction * 9.81));
     }
 }
 
@@ -241,6 +260,7 @@ void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
     const weft__node *shapes = value_of(weft__value_in(root, "contact"), "shapes");
     for (size_t k = 0; k < def->contact.shape_count; ++k) {
         warn_of_chord(reader->report, def, k, weft__item(shapes, k)->at);
+        warn_of_friction(reader->report, &def->contact, k, weft__item(shapes, k)->at);
     }
     if (def->pin_count > 0) {
         warn_of_pins(reader, value_of(weft__value_in(root, "cloth"), "pins"));

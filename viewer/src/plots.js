@@ -4,6 +4,7 @@ import uPlot from 'uplot';
 import { decades, powerText } from './decades.js';
 
 const HEIGHT = 132;
+const LABELS = 66; // px: of an axis labelled -2.25e-10
 const SPAN = 1e3; // an axis that reaches so far beyond what it must show has powers of ten
 const DASHES = [[], [5, 4]]; // first run, second run
 const INKS = 5;
@@ -226,7 +227,7 @@ export class Plots {
             scales: { x: { time: false }, y: y.range ? { range: y.range } : {} },
             axes: [
                 { ...axis(style), size: 28 },
-                { ...axis(style, y), size: 54 },
+                { ...axis(style, y), size: LABELS },
             ],
             series: [{ label: 't [s]' }, ...series],
             legend: { markers: { dash: (_, i) => (series[i - 1].dash.length > 0 ? 'dashed' : 'solid') } },

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // shapes.js -- bodies that a cloth touches: where they are, how far it is to them, meshes.
 import {
-    DoubleSide, Group, Mesh, MeshLambertMaterial, PlaneGeometry, Quaternion, SphereGeometry, Vector3,
+    DoubleSide, Float32BufferAttribute, Group, Mesh, MeshLambertMaterial, PlaneGeometry, Quaternion, SphereGeometry, Vector3,
 } from 'three';
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -84,21 +84,39 @@ const MESHES = {
     box: ({ half, rounding }) => new Mesh(around(half.map((x) => x - rounding), rounding, cubic)),
 };
 
+/** Six sectors about the axis of a shape that spins, every other one darker: so that it is seen. */
+function stripe(geometry, axis) {
+    const { position, normal } = geometry.attributes;
+    const flat = new Quaternion().setFromUnitVectors(axis, new Vector3(0, 1, 0));
+    const tints = Array.from({ length: position.count }, (_, i) => {
+        const { x, z } = new Vector3().fromBufferAttribute(normal, i).applyQuaternion(flat);
+        return Math.sin(3 * Math.atan2(z, x)) > 0 ? 0.6 : 1;
+    });
+    geometry.setAttribute('color', new Float32BufferAttribute(tints.flatMap((v) => [v, v, v]), 3));
+}
+
 export class Shapes {
     constructor(page, run, size) {
         this.page = page;
         this.list = run.obstacles;
+        this.spins = this.list.map(({ spin = [0, 0, 0] }) => new Vector3(...spin));
         this.group = new Group();
-        for (const shape of this.list) {
+        this.list.forEach((shape, i) => {
             const made = MESHES[shape.shape](shape, size);
             const isPlane = shape.shape === 'plane'; // a veil: the floor's squares show the scale
+            const isStriped = this.spins[i].length() > 0 && !isPlane;
+            if (isStriped) {
+                stripe(made.geometry, this.spins[i].clone().normalize());
+            }
             made.material = new MeshLambertMaterial({
                 color: '#8d99ae', side: DoubleSide, transparent: isPlane, opacity: isPlane ? 0.3 : 1, depthWrite: !isPlane,
+                vertexColors: isStriped,
             });
+            made.userData.rest = made.quaternion.clone();
             made.castShadow = !isPlane;
             made.receiveShadow = true;
             this.group.add(made);
-        }
+        });
     }
 
     /** `place` as in Cloth. */
@@ -107,7 +125,10 @@ export class Shapes {
         this.group.scale.setScalar(1 / scale);
         this.group.position.set(...to.map((x, k) => x - from[k] / scale));
         this.list.forEach((shape, i) => {
-            this.group.children[i].position.set(...placeAt(shape, this.page.times[frame]));
+            const made = this.group.children[i];
+            const [t, spin] = [this.page.times[frame], this.spins[i]];
+            made.position.set(...placeAt(shape, t));
+            made.quaternion.setFromAxisAngle(spin.clone().normalize(), spin.length() * t).multiply(made.userData.rest);
         });
     }
 }
