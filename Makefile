@@ -292,9 +292,11 @@ $(BUILD)/bench/%: $(BUILD)/bench/%.o $(BUILD)/libweft.a $(PLUGIN_SO)
 $(BUILD)/bench/guard/evaluate: $(BUILD)/bench/guard/evaluate.o $(BUILD)/libweft.a
 	$(call say,LD)$(LINK) -Wl,--strip-debug -o $@ $^ $(LIB_LIBS)
 
-# Instructions of the right-hand side, which must not become many more.
-guard: $(BUILD)/bench/guard/evaluate
+# Instructions of the right-hand side, which must not become many more; files that a step calls,
+# which CONTRIBUTING.md's reading order must name.
+guard: $(BUILD)/bench/guard/evaluate all
 	@tools/guard $(BUILD) $(CC)
+	@tools/reading-order $(BUILD)
 
 bench: all $(BENCHES:%=$(BUILD)/bench/%)
 	@for name in $(BENCH); do $(BUILD)/bench/$$name || exit 1; done
