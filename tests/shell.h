@@ -3,10 +3,12 @@
 #ifndef SHELL_H
 #define SHELL_H
 
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include "support.h"
 
@@ -78,6 +80,17 @@ static inline void write_file(const char *name, const char *text)
     ck_assert_ptr_nonnull(stream);
     ck_assert_int_ge(fputs(text, stream), 0);
     ck_assert_int_eq(fclose(stream), 0);
+}
+
+/* Without cutting it to nothing first: ext4 then writes it to the disk at each close.
+ */
+static inline void rewrite_file(const char *name, const void *bytes, size_t size)
+{
+    const int file = open(name, O_WRONLY | O_CREAT, 0666);
+    ck_assert_int_ge(file, 0);
+    ck_assert_int_eq(write(file, bytes, size), (ssize_t)size);
+    ck_assert_int_eq(ftruncate(file, (off_t)size), 0);
+    ck_assert_int_eq(close(file), 0);
 }
 
 static inline const char *read_file(const char *name)

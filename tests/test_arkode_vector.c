@@ -115,11 +115,11 @@ START_TEST(the_result_may_be_one_of_the_vectors)
     static const int counts[] = { 1, 2, 5, 8, 9, 15, 18 };
     EVERYWHERE
     {
+        setting s;
+        begin(&s, lengths[l], teams[p]);
         for (size_t m = 0; m < sizeof counts / sizeof counts[0]; ++m) {
-            setting s;
             const int count = counts[m], target = count / 2;
             sunrealtype c[MOST];
-            begin(&s, lengths[l], teams[p]);
             for (int k = 0; k < count; ++k) {
                 c[k] = some((uint64_t)k, 99);
             }
@@ -129,8 +129,8 @@ START_TEST(the_result_may_be_one_of_the_vectors)
             ck_assert_int_eq(
                 memcmp(NV_DATA_S(s.v[target]), NV_DATA_S(other), s.n * sizeof(double)),
                 0);
-            end(&s);
         }
+        end(&s);
     }
 }
 END_TEST
@@ -207,10 +207,10 @@ START_TEST(one_bad_number_anywhere_is_seen)
     static const double bad[] = { (double)NAN, (double)-NAN, (double)INFINITY };
     EVERYWHERE
     {
+        setting s;
+        begin(&s, lengths[l], teams[p]);
         for (int kind = 0; kind < 3 && lengths[l] > 0; ++kind) {
-            setting s;
             sunrealtype c[MOST];
-            begin(&s, lengths[l], teams[p]);
             const size_t places[] = { 0, s.n / 2, s.n / 2 + s.n / 5, s.n - 1 };
             for (int k = 0; k < MOST; ++k) {
                 c[k] = 0.5;
@@ -232,8 +232,8 @@ START_TEST(one_bad_number_anywhere_is_seen)
                 weft__ark_fill(s.v[0])[places[j]] = kept;
                 ck_assert(weft__ark_finite(s.v[0]));
             }
-            end(&s);
         }
+        end(&s);
     }
 }
 END_TEST

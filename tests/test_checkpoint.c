@@ -382,9 +382,7 @@ END_TEST
 static void file_refused(size_t size)
 {
     record_checkpoint read;
-    FILE *stream = fopen(OUT "/" RECORD_CHECKPOINT, "wb");
-    ck_assert_uint_eq(fwrite(bytes, 1, size, stream), size);
-    ck_assert_int_eq(fclose(stream), 0);
+    rewrite_file(OUT "/" RECORD_CHECKPOINT, bytes, size);
     ck_assert_int_eq(record_checkpoint_read(OUT, &read, &err), WEFT_IO);
     ck_assert_ptr_null(read.state);
     ck_assert_msg(strstr(err.message, OUT "/" RECORD_CHECKPOINT ": ") != NULL, "%s",

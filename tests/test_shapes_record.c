@@ -35,7 +35,7 @@ static const char scene[]
       "record: {ledger: true}\n"
       "run: {duration: 0.5, fps: 20}\n";
 
-static weft_scene *read;
+static weft_scene *loaded;
 static weft_cloth *cloth;
 static weft_error err;
 
@@ -45,15 +45,16 @@ static void begin(void)
     (void)shell("rm -rf " OUT " && mkdir -p " OUT);
     write_file(OUT "/s.yaml", scene);
     expect(shell(WEFT " run " OUT "/s.yaml --out " OUT "/r 2>&1"), 0);
-    read = record_scene(OUT "/r");
-    ck_assert_ptr_nonnull(read);
-    ck_assert_int_eq(weft_cloth_create(weft_scene_cloth(read), &cloth, &err), WEFT_OK);
+    loaded = record_scene(OUT "/r");
+    ck_assert_ptr_nonnull(loaded);
+    ck_assert_int_eq(weft_cloth_create(weft_scene_cloth(loaded), &cloth, &err),
+                     WEFT_OK);
 }
 
 static void end(void)
 {
     weft_cloth_destroy(cloth);
-    weft_scene_destroy(read);
+    weft_scene_destroy(loaded);
 }
 
 /* ---- tables -------------------------------------------------------------------- */
@@ -61,7 +62,7 @@ static void end(void)
 static weft_sim *simulate(void)
 {
     return test_sim(cloth, test_method_named("verlet/velocity_verlet"),
-                    weft_scene_config(read));
+                    weft_scene_config(loaded));
 }
 
 START_TEST(rows_have_the_loads_of_their_shapes)
@@ -151,7 +152,7 @@ START_TEST(surfaces_are_where_the_gap_is_0)
 {
     static double x[3 * POINTS];
     const double t = 0.3;
-    const weft_cloth_def *def = weft_scene_cloth(read);
+    const weft_cloth_def *def = weft_scene_cloth(loaded);
     const record_surface found = record_shape_surface(def, (size_t)_i, t, x);
     ck_assert_uint_eq(found.rows * found.cols, _i == WEFT_PLANE ? 4 : POINTS);
     for (size_t i = 0; i < found.rows * found.cols; ++i) {

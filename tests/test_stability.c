@@ -53,6 +53,27 @@ START_TEST(polynomial_agrees_with_exp_up_to_the_order)
 }
 END_TEST
 
+START_TEST(a_step_is_reached_up_to_the_largest_and_not_above)
+{
+    const weft_stepper_type *type = test_method((size_t)_i);
+    if (!has_stable_step(type)) {
+        return;
+    }
+    const weft_stability of = stability_of(type);
+    const weft_stiffness modes
+        = { .omega2 = 9.0, .damping = 0.5, .count = 1, .corners = { { 9.0, 0.5 } } };
+    const double h = limit(&of, 9.0, 0.5, 0.0);
+    const double steps[] = { 0.01 * h, 0.5 * h, h, nextafter(h, INFINITY), 2.0 * h };
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; ++i) {
+        bool reaches = false;
+        ck_assert_int_eq(
+            weft_stability_reaches(&of, &modes, 0.0, steps[i], &reaches, NULL),
+            WEFT_OK);
+        ck_assert(reaches == (steps[i] <= h));
+    }
+}
+END_TEST
+
 /* A lightly damped mode: bounded just below the limit, gone just above. */
 START_TEST(runs_blow_up_just_above_the_limit_and_not_below)
 {
@@ -303,6 +324,8 @@ TEST_SUITE(stability)
     TCase *limits = tcase_create("limits");
     tcase_set_timeout(limits, 120.0);
     tcase_add_loop_test(limits, limits_are_those_of_the_tables, 0, ROWS);
+    tcase_add_loop_test(limits, a_step_is_reached_up_to_the_largest_and_not_above, 0,
+                        (int)test_method_count());
     tcase_add_test(limits, limits_of_symplectic_methods_are_exact_and_never_above);
     tcase_add_test(limits,
                    damped_modes_have_the_limits_of_the_polynomial_whatever_the_run);

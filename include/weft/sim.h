@@ -119,6 +119,12 @@ WEFT_API weft_status weft_stability_step(const weft_stability *stability,
                                          const weft_stiffness *modes, double growth,
                                          double *h, weft_error *err);
 
+/* Whether weft_stability_step finds at least h [s]. For methods that are not of
+ * Runge-Kutta type this takes a fraction of its time. Errors: WEFT_NO_MEMORY. */
+WEFT_API weft_status weft_stability_reaches(const weft_stability *stability,
+                                            const weft_stiffness *modes, double growth,
+                                            double h, bool *reaches, weft_error *err);
+
 /* A running simulation. One thread at a time; many may share a cloth.
  *
  * The same definition gives the same bits on every x86-64 machine and on any number of

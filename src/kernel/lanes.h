@@ -25,7 +25,9 @@
 #define NAME_(stem, level) weft__##stem##_##level
 #define NAME(stem, level)  NAME_(stem, level)
 
+#ifndef INLINE
 #define INLINE static inline __attribute__((always_inline))
+#endif
 
 typedef double vec __attribute__((vector_size(8 * LANES)));
 typedef int64_t mask __attribute__((vector_size(8 * LANES))); /* -1: yes, 0: no */

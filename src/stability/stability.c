@@ -340,8 +340,9 @@ static weft_status run_is_stable(const weft_stability *of,
     return status;
 }
 
+/* Up to `enough` alone, if that is stable. */
 static weft_status bisect_runs(const weft_stability *of, const weft_stiffness *polygon,
-                               double *h, weft_error *err)
+                               double enough, double *h, weft_error *err)
 {
     const double fast = sqrt(polygon->omega2) + polygon->damping;
     double low = 0.0, high = 0.1 / fast; /* doubled until it is unstable */
@@ -351,7 +352,7 @@ static weft_status bisect_runs(const weft_stability *of, const weft_stiffness *p
     }
     bool found = false;
     weft_status status = WEFT_OK;
-    for (int i = 0; i < 24 && status == WEFT_OK; ++i) {
+    for (int i = 0; i < 24 && status == WEFT_OK && (1.0 - SHORT) * low < enough; ++i) {
         bool stable = false;
         const double trial = found ? 0.5 * (low + high) : high;
         status = run_is_stable(of, polygon, trial, work, &stable, err);
@@ -368,20 +369,36 @@ static weft_status bisect_runs(const weft_stability *of, const weft_stiffness *p
     return status;
 }
 
-weft_status weft_stability_step(const weft_stability *stability,
-                                const weft_stiffness *polygon, double growth, double *h,
-                                weft_error *err)
+static weft_status find_step(const weft_stability *of, const weft_stiffness *polygon,
+                             double growth, double enough, double *h, weft_error *err)
 {
     if (!isfinite(polygon->omega2) || !isfinite(polygon->damping)) {
         *h = 0.0;
         return WEFT_OK;
     }
-    if (stability->degree >= 0) {
-        *h = polygon_limit(stability, polygon, growth);
+    if (of->degree >= 0) {
+        *h = polygon_limit(of, polygon, growth);
         return WEFT_OK;
     }
     *h = INFINITY;
     return polygon->omega2 > 0.0 || polygon->damping > 0.0
-               ? bisect_runs(stability, polygon, h, err)
+               ? bisect_runs(of, polygon, enough, h, err)
                : WEFT_OK;
+}
+
+weft_status weft_stability_step(const weft_stability *stability,
+                                const weft_stiffness *modes, double growth, double *h,
+                                weft_error *err)
+{
+    return find_step(stability, modes, growth, INFINITY, h, err);
+}
+
+weft_status weft_stability_reaches(const weft_stability *stability,
+                                   const weft_stiffness *modes, double growth, double h,
+                                   bool *reaches, weft_error *err)
+{
+    double found = 0.0;
+    const weft_status status = find_step(stability, modes, growth, h, &found, err);
+    *reaches = status == WEFT_OK && found >= h;
+    return status;
 }

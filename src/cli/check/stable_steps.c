@@ -246,7 +246,8 @@ bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet)
     const weft_stiffness modes = weft_cloth_stiffness(
         weft_sim_cloth(sim), weft_sim_time(sim), weft_sim_state(sim));
     const double h = step_taken(scene);
-    const double stable = h > 0.0 ? own_stable_step(scene, &modes) : 0.0;
+    const bool in_doubt = h > 0.0 && !own_step_is_stable(scene, &modes, h);
+    const double stable = in_doubt ? own_stable_step(scene, &modes) : 0.0;
     const bool beyond = stable > 0.0 && h > stable;
     if (beyond && !quiet) {
         fprintf(

@@ -19,20 +19,32 @@ enum { TRIAL_SKIPPED = 3, TRIAL_LEAST = 10 };
 
 #define LN_2 0.69314718055994531
 
+static weft_status survey_stability(const weft_scene *scene,
+                                    const weft_stepper_type *type, weft_stability *out,
+                                    weft_error *err)
+{
+    const bool custom = (type->flags & WEFT_STEPPER_BUTCHER) != 0;
+    return weft_stability_create(
+        type, custom ? weft_scene_config(scene)->butcher : NULL, out, err);
+}
+
+static double allowed_growth(const weft_scene *scene)
+{
+    return LN_2 / weft_scene_run(scene)->duration;
+}
+
 weft_status stable_step(const weft_scene *scene, const weft_stepper_type *type,
                         const weft_stiffness *modes, survey_method *out,
                         weft_error *err)
 {
-    const bool custom = (type->flags & WEFT_STEPPER_BUTCHER) != 0;
-    const double growth = LN_2 / weft_scene_run(scene)->duration;
     weft_stability stability;
     double strict = 0.0;
     out->type = type;
     out->step = 0.0;
-    weft_status status = weft_stability_create(
-        type, custom ? weft_scene_config(scene)->butcher : NULL, &stability, err);
+    weft_status status = survey_stability(scene, type, &stability, err);
     if (status == WEFT_OK) {
-        status = weft_stability_step(&stability, modes, growth, &out->step, err);
+        status = weft_stability_step(&stability, modes, allowed_growth(scene),
+                                     &out->step, err);
         out->calls = stability.calls;
     }
     if (status == WEFT_OK && stability.degree >= 0) {
@@ -48,6 +60,18 @@ double own_stable_step(const weft_scene *scene, const weft_stiffness *modes)
     const weft_status status
         = stable_step(scene, weft_scene_method_type(scene), modes, &own, NULL);
     return status == WEFT_OK ? own.step : 0.0;
+}
+
+bool own_step_is_stable(const weft_scene *scene, const weft_stiffness *modes, double h)
+{
+    weft_stability stability;
+    bool stable = false;
+    return survey_stability(scene, weft_scene_method_type(scene), &stability, NULL)
+               == WEFT_OK
+           && weft_stability_reaches(&stability, modes, allowed_growth(scene), h,
+                                     &stable, NULL)
+                  == WEFT_OK
+           && stable;
 }
 
 double calls_per_second(const weft_scene *scene, const survey_method *method, double h)
