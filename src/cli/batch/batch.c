@@ -87,8 +87,8 @@ static size_t look(batch *self, batch_run **wanted)
 static void print_refused(const batch *self, const batch_run *run)
 {
     static const char *const reasons[BATCH_STATUSES] = {
-        [BATCH_CHANGED] = "holds a run of another scene, or of this one before it was "
-                          "changed: --force runs it again",
+        [BATCH_CHANGED] = ("holds a run of another scene, or of this one before it was "
+                           "changed: --force runs it again"),
         [BATCH_BUSY] = "is being run by another process",
         [BATCH_UNREADABLE] = "is not a readable directory",
     };

@@ -103,9 +103,9 @@ double compare_decade(size_t k); /* 10^-k */
 /* ---- compare_run.c: in a process of their own ------------------------------- */
 
 /* process_def.work. Frames, energies and twin of by[0]; frames of by[1]. */
-int compare_reference(void *self, size_t which);
+int compare_reference(void *ctx, size_t which);
 /* The ladder of a method; past the last method: the scene as it is. */
-int compare_ladder(void *self, size_t i);
+int compare_ladder(void *ctx, size_t i);
 /* The largest length of a difference of 3-vectors in n entries of three planes each;
  * INFINITY if one is not finite. Adds their squares to *square. */
 double compare_farthest(const double *a, const double *b, size_t n, double *square);
