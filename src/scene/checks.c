@@ -25,7 +25,7 @@ static weft__found found_at(const weft__match *match, size_t field)
 {
     weft__found found = { .key = NULL };
     for (size_t i = 0; i < match->section->count; ++i) {
-        found = match->section->keys[i].at == field && found.key == NULL
+        found = weft__offset_of(&match->section->keys[i]) == field && found.key == NULL
                     ? match->found[i]
                     : found;
     }
@@ -91,47 +91,25 @@ static void check_mass(weft__reader *reader, const weft__match *match)
     }
 }
 
-/* Limit of comparisons of a particle with a pin: beyond it there is no warning. */
-#define MAX_COVERED ((size_t)1 << 26)
-
-/* The column after the pin that holds a particle; `col` itself: no pin holds it. */
-static size_t past_pin(const weft_cloth_def *cloth, size_t row, size_t col,
-                       size_t *compared)
-{
-    for (size_t i = 0; i < cloth->pin_count && *compared < MAX_COVERED; ++i) {
-        const weft_pin *pin = &cloth->pins[i];
-        size_t top, bottom, left, right;
-        (void)weft__range_resolve(pin->rows, cloth->rows, &top, &bottom);
-        (void)weft__range_resolve(pin->cols, cloth->cols, &left, &right);
-        ++*compared;
-        if (top <= row && row <= bottom && left <= col && col <= right) {
-            return right + 1;
-        }
-    }
-    return col;
-}
+/* Comparisons of a particle with a pin: beyond so many there is no warning. */
+#define MAX_COVERED ((double)(1 << 26))
 
 /* Whether pins hold every particle. */
 static bool holds_all(const weft_cloth_def *cloth)
 {
-    size_t compared = 0;
-    for (size_t row = 0; row < cloth->rows; ++row) {
-        for (size_t col = 0, next; col < cloth->cols; col = next) {
-            next = past_pin(cloth, row, col, &compared);
-            if (next == col) {
-                return false;
-            }
-        }
+    const size_t particles = cloth->rows * cloth->cols;
+    bool all = (double)particles * (double)cloth->pin_count < MAX_COVERED;
+    for (size_t i = 0; i < particles && all; ++i) {
+        all = weft__pin_of(cloth, i / cloth->cols, i % cloth->cols) > 0;
     }
-    return true;
+    return all;
 }
 
 void weft__check_cloth(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_cloth_def *cloth = base;
     check_mass(reader, match);
-    if (cloth->pin_count > 0 && reader->report->found->errors == 0
-        && holds_all(cloth)) {
+    if (reader->report->found->errors == 0 && holds_all(cloth)) {
         weft__report_warning(reader->report, weft__found_in(match, "pins")->key->at,
                              "all %zu particles are pinned: nothing will move freely",
                              cloth->rows * cloth->cols);

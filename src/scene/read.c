@@ -54,27 +54,22 @@ void weft__refuse_value(weft__reader *reader, const weft__key *key,
                         || key->kind == WEFT__INDEX || key->kind == WEFT__FRACTION;
     weft__refuse(reader, node, key->name,
                  weft__wanted(key, true, false, wanted, sizeof wanted), number,
-                 key->unit);
+                 weft__unit_of(key));
 }
 
 /* ---- plain values ----------------------------------------------------------- */
-
-static bool in_bounds(const weft__key *key, double value)
-{
-    return (key->strict ? value > key->least : value >= key->least)
-           && (key->most == 0.0
-               || (key->below ? value < key->most : value <= key->most))
-           && (isfinite(value) || (key->infinite && value > 0.0));
-}
 
 bool weft__read_number(weft__reader *reader, const weft__key *key, const char *name,
                        const weft__node *node, double *out)
 {
     const bool fraction = key->kind == WEFT__ROW || key->kind == WEFT__ROWS;
+    const weft__number *range = key->number;
     weft__key like = *key;
     double value;
-    if (fraction ? weft__fraction_of(node, &value)
-                 : weft__number_of(node, &value) && in_bounds(key, value)) {
+    if (fraction
+            ? weft__fraction_of(node, &value)
+            : weft__number_of(node, &value)
+                  && (range == NULL ? isfinite(value) : weft__in_range(range, value))) {
         *out = value;
         return true;
     }
@@ -103,32 +98,36 @@ static void read_number(weft__reader *reader, const weft__key *key,
     (void)weft__read_number(reader, key, key->name, node, to);
 }
 
+#define MANY 2147483647.0 /* the bound of integers that have no other */
+
 static void read_integer(weft__reader *reader, const weft__key *key,
                          const weft__node *node, void *to)
 {
+    weft__number range = *key->number;
     weft__key shown = *key;
     long long value = 0;
-    if (weft__integer_of(node, &value) && in_bounds(key, (double)value)) {
+    range.most = range.most == 0.0 ? MANY : range.most;
+    shown.number = &range;
+    if (!weft__integer_of(node, &value) || !weft__in_range(&range, (double)value)) {
+        range.most
+            = range.most > WEFT__MANY && (double)value <= range.most ? 0.0 : range.most;
+        weft__refuse_value(reader, &shown, node);
+    } else if (range.type == WEFT__INT) {
+        *(int *)to = (int)value;
+    } else {
         *(size_t *)to = (size_t)value;
-        return;
     }
-    if (key->most > WEFT__MANY && (double)value <= key->most) {
-        shown.most = 0.0;
-    }
-    weft__refuse_value(reader, &shown, node);
 }
 
 static void read_vector(weft__reader *reader, const weft__key *key,
                         const weft__node *node, void *to)
 {
-    weft__key element = *key;
     double value[3];
     if (weft__item_count(node) != 3) {
         weft__refuse_value(reader, key, node);
         return;
     }
-    element.least = -HUGE_VAL;
-    if (weft__read_numbers(reader, &element, key->name, node, value)) {
+    if (weft__read_numbers(reader, key, key->name, node, value)) {
         memcpy(to, value, sizeof value);
     }
 }
@@ -152,9 +151,10 @@ static void read_spacing(weft__reader *reader, const weft__key *key,
 static void read_atol(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *to)
 {
-    weft_stepper_config *config = to;
+    weft_stepper_config *config = &reader->scene->config;
     weft__key plain = *key;
     double value;
+    (void)to;
     plain.unit = "m and m/s";
     if (node->type == WEFT__MAP) {
         weft__read_section(reader, key->section, key->name, node, config);
@@ -234,7 +234,7 @@ static void read_names(weft__reader *reader, const weft__key *key,
     (void)snprintf(title, sizeof title, "an item of %s", key->name);
     const weft__key element
         = { .name = title, .kind = WEFT__CHOICE, .names = key->names };
-    if (node->type != WEFT__LIST || (double)weft__item_count(node) < key->least) {
+    if (node->type != WEFT__LIST || (key->some && node->count == 0)) {
         weft__refuse_value(reader, key, node);
     }
     for (size_t i = 0; i < weft__item_count(node); ++i) {
@@ -284,7 +284,7 @@ void weft__read_value(weft__reader *reader, const weft__key *key,
         [WEFT__ROW] = weft__read_row,     [WEFT__ROWS] = weft__read_rows,
         [WEFT__BOOLEAN] = read_boolean,   [WEFT__SHAPE_LIST] = weft__read_shapes,
     };
-    readers[key->kind](reader, key, node, (char *)base + key->at);
+    readers[key->kind](reader, key, node, (char *)base + weft__offset_of(key));
 }
 
 /* Reads a default as if it stood in the scene. A plain value needs no parser, which

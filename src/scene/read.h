@@ -46,7 +46,6 @@ struct weft_scene {
     weft__control control;
     weft_butcher butcher;
     bool large_matrices; /* are allowed */
-    size_t exponent;     /* of contact */
 };
 
 typedef struct weft__reader {

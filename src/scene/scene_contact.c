@@ -82,16 +82,18 @@ static void check_start(weft__reader *reader, const weft__node *shapes)
 
 void weft__check_contact(weft__reader *reader, const weft__match *match, void *base)
 {
-    const weft_scene *scene = base;
+    const weft_contact_def *contact = base;
+    weft__fault_reporter self = { reader, match };
     const weft__node *slip = weft__found_in(match, "slip")->key;
-    if (slip != NULL && !has_friction(&scene->cloth.contact)) {
+    if (slip != NULL && !has_friction(contact)) {
         weft__report_error(reader->report, slip->at,
                            "slip has no effect without friction: it is 0 everywhere");
     }
+    weft__contact_check(contact, &(weft__faults){ weft__report_fault, &self });
     if (reader->report->found->errors > 0) {
         return;
     }
-    if (scene->cloth.contact.shape_count > 0) {
+    if (contact->shape_count > 0) {
         check_start(reader, weft__value_in(match, "shapes"));
     } else {
         weft__report_warning(reader->report, match->map->at,
