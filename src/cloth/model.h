@@ -103,7 +103,7 @@ extern const weft__number weft__load_mass;
 extern const weft__number weft__shape_radius;   /* of a sphere or capsule */
 extern const weft__number weft__shape_rounding; /* of a box */
 
-/* Reports every fault of a definition. */
+/* Reports every fault of a definition; a field may be an offset in a part of it. */
 void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to);
 
 /* The same of a strain limit that has a method. */
@@ -119,8 +119,10 @@ void weft__contact_check(const weft_contact_def *def, const weft__faults *to);
 /* Of one shape, number `index`: the fields are offsets in weft_shape. */
 bool weft__shape_check(const weft_shape *shape, size_t index, const weft__faults *to);
 
-/* Reports a free particle that starts inside a shape without faults. */
-bool weft__start_check(const weft_cloth_def *def, size_t shape, const weft__faults *to);
+/* Whether no free particle starts inside a shape without faults; else which one, and
+ * how deep. */
+bool weft__start_check(const weft_cloth_def *def, size_t shape, char *text,
+                       size_t size);
 
 /* 1 + the number of the pin that holds particle (r, c); 0: it is free. */
 size_t weft__pin_of(const weft_cloth_def *def, size_t r, size_t c);

@@ -88,19 +88,18 @@ bool weft__range_resolve(weft_range range, size_t count, size_t *first, size_t *
     return a >= 0 && b < n && a <= b;
 }
 
-/* `field`: of the array that the range belongs to. */
 static void check_ranges(const weft_cloth_def *def, const weft__faults *to,
-                         size_t field, const char *what, size_t index, weft_range rows,
+                         const char *what, size_t index, weft_range rows,
                          weft_range cols)
 {
     size_t first, last;
     if (!weft__range_resolve(rows, def->rows, &first, &last)) {
-        weft__fault(to, field, field,
+        weft__fault(to, FIELD(rows), FIELD(rows),
                     "%s %zu: rows %td to %td are outside the grid of %zu rows", what,
                     index, rows.first, rows.last, def->rows);
     }
     if (!weft__range_resolve(cols, def->cols, &first, &last)) {
-        weft__fault(to, field, field,
+        weft__fault(to, FIELD(cols), FIELD(cols),
                     "%s %zu: columns %td to %td are outside the grid of %zu columns",
                     what, index, cols.first, cols.last, def->cols);
     }
@@ -243,7 +242,7 @@ static void check_mass(const weft_cloth_def *def, const weft__faults *to)
     for (size_t i = 0; i < def->load_count; ++i) {
         const weft_load *load = &def->loads[i];
         (void)weft__numbers_check(&weft__load_mass, 1, load, to, "load %zu: ", i);
-        check_ranges(def, to, FIELD(loads), "load", i, load->rows, load->cols);
+        check_ranges(def, to, "load", i, load->rows, load->cols);
     }
 }
 
@@ -265,7 +264,7 @@ static void check_pins(const weft_cloth_def *def, const weft__faults *to)
     for (size_t i = 0; i < def->pin_count; ++i) {
         const weft_pin *pin = &def->pins[i];
         (void)WEFT__NUMBERS_CHECK(weft__pin_numbers, pin, to, "pin %zu: ", i);
-        check_ranges(def, to, FIELD(pins), "pin", i, pin->rows, pin->cols);
+        check_ranges(def, to, "pin", i, pin->rows, pin->cols);
     }
 }
 
@@ -275,27 +274,25 @@ static void check_pins(const weft_cloth_def *def, const weft__faults *to)
 static void check_products(const weft_contact_def *law, const weft__faults *to)
 {
     const double v = law->stopping_speed, per = 1.0 / law->thickness;
-    const double u = law->damping * v;
+    const double u = law->damping * v, mu = law->friction, slip = law->slip;
     const struct {
+        bool usable;
         size_t field;
-        double value;
         const char *text;
-        bool may_vanish;
     } products[] = {
-        { CONTACT(stopping_speed), 0.5 * v * v, "stopping_speed^2 / 2", false },
-        { CONTACT(thickness), 0.5 * v * v * per * per,
-          "stopping_speed^2 / (2 thickness^2)", false },
-        { CONTACT(damping), u * u, "(damping * stopping_speed)^2", true },
-        { CONTACT(friction), law->friction * law->friction, "friction^2", true },
-        { CONTACT(slip), law->slip * law->slip, "slip^2", false },
+        { weft__positive(0.5 * v * v), CONTACT(stopping_speed),
+          "stopping_speed^2 / 2" },
+        { weft__positive(0.5 * v * v * per * per), CONTACT(thickness),
+          "stopping_speed^2 / (2 thickness^2)" },
+        { isfinite(u * u), CONTACT(damping), "(damping * stopping_speed)^2" },
+        { isfinite(mu * mu), CONTACT(friction), "friction^2" },
+        { weft__positive(slip * slip), CONTACT(slip), "slip^2" },
     };
     for (size_t i = 0; i < sizeof products / sizeof products[0]; ++i) {
-        const bool usable = products[i].may_vanish ? isfinite(products[i].value)
-                                                   : weft__positive(products[i].value);
-        if (!usable) {
+        if (!products[i].usable) {
             weft__fault(to, products[i].field, CONTACT(stopping_speed),
-                        "contact: %s is %g, out of the range of a double",
-                        products[i].text, products[i].value);
+                        "contact: %s is too large or too small for a double",
+                        products[i].text);
         }
     }
 }
@@ -412,33 +409,23 @@ static double start_gap(const weft_cloth_def *def, const weft_shape *shape,
     return least;
 }
 
-bool weft__start_check(const weft_cloth_def *def, size_t shape, const weft__faults *to)
+bool weft__start_check(const weft_cloth_def *def, size_t shape, char *text, size_t size)
 {
     size_t i = 0;
     const double gap = start_gap(def, &def->contact.shapes[shape], &i);
-    if (gap <= 0.0) {
-        weft__fault(to, FIELD(contact.shapes), FIELD(contact.shapes),
-                    "particle (%zu, %zu) is %.3g mm inside shapes[%zu]", i / def->cols,
-                    i % def->cols, 1e3 * fabs(gap), shape);
-    }
+    (void)snprintf(text, size, "particle (%zu, %zu) is %.3g mm inside shapes[%zu]",
+                   i / def->cols, i % def->cols, 1e3 * fabs(gap), shape);
     return gap > 0.0;
-}
-
-/* Of a shape: the field in weft_cloth_def is the array. */
-static void shape_found(void *ctx, size_t field, size_t other, const char *message)
-{
-    const weft__faults *to = ctx;
-    (void)field, (void)other;
-    to->found(to->ctx, FIELD(contact.shapes), FIELD(contact.shapes), message);
 }
 
 static void check_shapes(const weft_cloth_def *def, const weft__faults *to)
 {
-    weft__faults outer = *to;
-    const weft__faults here = { shape_found, &outer };
+    char inside[120];
     for (size_t k = 0; k < def->contact.shape_count; ++k) {
-        (void)(weft__shape_check(&def->contact.shapes[k], k, &here)
-               && weft__start_check(def, k, to));
+        if (weft__shape_check(&def->contact.shapes[k], k, to)
+            && !weft__start_check(def, k, inside, sizeof inside)) {
+            weft__fault(to, FIELD(contact.shapes), FIELD(contact.shapes), "%s", inside);
+        }
     }
 }
 

@@ -18,40 +18,14 @@ void weft__check_root(weft__reader *reader, const weft__match *match, void *base
     }
 }
 
-/* ---- faults of a definition -------------------------------------------------- */
-
-/* The entry of the key that fills a field: of several, the one that is there. */
-static weft__found found_at(const weft__match *match, size_t field)
-{
-    weft__found found = { .key = NULL };
-    for (size_t i = 0; i < match->section->count; ++i) {
-        found = weft__offset_of(&match->section->keys[i]) == field && found.key == NULL
-                    ? match->found[i]
-                    : found;
-    }
-    return found;
-}
-
-void weft__report_fault(void *ctx, size_t field, size_t other, const char *message)
-{
-    const weft__fault_reporter *self = ctx;
-    const weft__found a = found_at(self->match, field);
-    const weft__found b = found_at(self->match, other);
-    const weft__node *node = a.value == NULL ? b.value : a.value;
-    if (node != NULL && !a.wrong && !b.wrong) {
-        weft__report_error(self->reader->report, node->at, "%s", message);
-    }
-}
-
 /* [particles] Larger grids take time: weft_cloth_create compares their neighbours. */
 #define MAX_COMPARED ((size_t)1 << 24)
 
 void weft__check_grid(weft__reader *reader, const weft__match *match, void *base)
 {
     weft_cloth_def *cloth = base;
-    weft__fault_reporter self = { reader, match };
-    const weft__faults to = { weft__report_fault, &self };
-    if (!weft__grid_check(cloth, MAX_COMPARED, &to)) {
+    (void)reader;
+    if (!weft__grid_check(cloth, MAX_COMPARED, &match->faults)) {
         cloth->rows = cloth->cols = 0; /* nothing more is checked against the grid */
     }
 }
@@ -121,10 +95,8 @@ void weft__check_cloth(weft__reader *reader, const weft__match *match, void *bas
 void weft__check_limit(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_limit_def *limit = base;
-    weft__fault_reporter self = { reader, match };
     bool limits = false;
-    const weft__faults to = { weft__report_fault, &self };
-    weft__limit_check(limit, &to);
+    weft__limit_check(limit, &match->faults);
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
         limits
             = limits || (limit->families[i] && reader->scene->cloth.springs[i].present);

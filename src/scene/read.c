@@ -119,32 +119,23 @@ static void read_integer(weft__reader *reader, const weft__key *key,
     }
 }
 
+/* A vector, or a spacing: a pair, or one number for both. */
 static void read_vector(weft__reader *reader, const weft__key *key,
                         const weft__node *node, void *to)
 {
+    const size_t count = key->kind == WEFT__VECTOR ? 3 : 2;
     double value[3];
-    if (weft__item_count(node) != 3) {
+    bool good = false;
+    if (count == 2 && node->type == WEFT__SCALAR && !weft__is_null(node)) {
+        good = weft__read_number(reader, key, key->name, node, &value[0]);
+        value[1] = value[0];
+    } else if (weft__item_count(node) == count) {
+        good = weft__read_numbers(reader, key, key->name, node, value);
+    } else {
         weft__refuse_value(reader, key, node);
-        return;
     }
-    if (weft__read_numbers(reader, key, key->name, node, value)) {
-        memcpy(to, value, sizeof value);
-    }
-}
-
-static void read_spacing(weft__reader *reader, const weft__key *key,
-                         const weft__node *node, void *to)
-{
-    double value[2];
-    if (node->type == WEFT__SCALAR && !weft__is_null(node)) {
-        if (weft__read_number(reader, key, key->name, node, &value[0])) {
-            value[1] = value[0];
-            memcpy(to, value, sizeof value);
-        }
-    } else if (weft__item_count(node) != 2) {
-        weft__refuse_value(reader, key, node);
-    } else if (weft__read_numbers(reader, key, key->name, node, value)) {
-        memcpy(to, value, sizeof value);
+    if (good) {
+        memcpy(to, value, count * sizeof *value);
     }
 }
 
@@ -278,7 +269,7 @@ void weft__read_value(weft__reader *reader, const weft__key *key,
         [WEFT__INTEGER] = read_integer,   [WEFT__VECTOR] = read_vector,
         [WEFT__TEXT] = read_text,         [WEFT__CHOICE] = read_choice,
         [WEFT__EITHER] = read_choice,     [WEFT__NAMES] = read_names,
-        [WEFT__SPACING] = read_spacing,   [WEFT__ATOL] = read_atol,
+        [WEFT__SPACING] = read_vector,    [WEFT__ATOL] = read_atol,
         [WEFT__INDEX] = weft__read_index, [WEFT__PLACE] = weft__read_place,
         [WEFT__PINS] = weft__read_pins,   [WEFT__LOADS] = weft__read_loads,
         [WEFT__ROW] = weft__read_row,     [WEFT__ROWS] = weft__read_rows,
@@ -460,10 +451,37 @@ static void read_key(weft__reader *reader, weft__match *match, size_t i, void *b
     }
 }
 
+/* The entry of the key that fills a field: of several, the one that is there. */
+static weft__found found_at(const weft__match *match, size_t field)
+{
+    weft__found found = { .key = NULL };
+    for (size_t i = 0; i < match->section->count; ++i) {
+        found = weft__offset_of(&match->section->keys[i]) == field && found.key == NULL
+                    ? match->found[i]
+                    : found;
+    }
+    return found;
+}
+
+static void report_fault(void *ctx, size_t field, size_t other, const char *message)
+{
+    const weft__match *match = ctx;
+    const weft__found a = found_at(match, field);
+    const weft__found b = found_at(match, other);
+    const weft__node *node = a.value == NULL ? b.value : a.value;
+    if (node != NULL && !a.wrong && !b.wrong) {
+        weft__report_error(match->reader->report, node->at, "%s", message);
+    }
+}
+
 void weft__read_section(weft__reader *reader, const weft__section *section,
                         const char *title, const weft__node *node, void *base)
 {
-    weft__match match = { .section = section, .title = title, .map = node };
+    weft__match match = { .reader = reader,
+                          .faults = { report_fault, &match },
+                          .section = section,
+                          .title = title,
+                          .map = node };
     if (node != NULL && node->type != WEFT__MAP) {
         char keys[200], wanted[sizeof keys + 16];
         (void)snprintf(wanted, sizeof wanted, "a mapping {%s}",
