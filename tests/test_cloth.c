@@ -351,7 +351,7 @@ END_TEST
 
 START_TEST(refusals_name_the_field)
 {
-    REFUSED("rows 0: must be >= 1", b.def.rows = 0);
+    REFUSED("rows 0: must be >= 1 and <= 2147483648", b.def.rows = 0);
     REFUSED("cols 4294967296: must be >= 1 and <= 2147483648",
             b.def.cols = (size_t)1 << 32);
     REFUSED("a grid of 1 x 1 is a single particle: rows * cols must be >= 2",

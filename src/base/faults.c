@@ -18,8 +18,7 @@ void weft__fault(const weft__faults *to, size_t field, size_t other, const char 
 void weft__keep_first(void *ctx, size_t field, size_t other, const char *message)
 {
     weft__refusal *first = ctx;
-    (void)field;
-    (void)other;
+    (void)field, (void)other;
     if (first->status == WEFT_OK) {
         first->status = weft_error_set(first->err, WEFT_INVALID, "%s", message);
     }
@@ -59,18 +58,17 @@ static bool check_number(const weft__number *number, const void *def,
 {
     const char *unit = number->unit == NULL ? "" : number->unit;
     char values[100] = "", text[80];
-    bool good = true, exceeded = false;
+    bool good = true;
     weft__number range = *number;
     range.strict = number->strict && !number->optional;
     for (size_t i = 0, used = 0; i == 0 || i < number->count; ++i) {
         const double value = value_of(number, def, i);
         good = good && weft__in_range(&range, value);
-        exceeded = exceeded || value > number->most;
         used += (size_t)snprintf(values + used, sizeof values - used, "%s%.10g",
                                  i == 0 ? "" : ", ", value);
     }
     if (!good) {
-        const char *bounds = weft__range_text(&range, !exceeded, text, sizeof text);
+        const char *bounds = weft__range_text(&range, false, text, sizeof text);
         weft__fault(to, number->at, number->at, "%s%s %s%s%s: must be %s", prefix,
                     number->name, values, unit[0] == '\0' ? "" : " ", unit,
                     bounds[0] == '\0' ? "finite" : bounds);

@@ -110,22 +110,19 @@ static void check_ranges(const weft_cloth_def *def, const weft__faults *to,
 static bool check_size(const weft_cloth_def *def, const weft__faults *to)
 {
     const size_t rows = def->rows, cols = def->cols;
-    if (!weft__in_range(&weft__cloth_numbers.rows, (double)rows)
-        || !weft__in_range(&weft__cloth_numbers.cols, (double)cols)) {
-        return false; /* reported with the other numbers */
+    const bool single = rows == 1 && cols == 1;
+    if (rows == 0 || cols == 0) {
+        return false; /* out of range */
     }
-    if (rows == 1 && cols == 1) {
+    if (single) {
         weft__fault(to, FIELD(cols), FIELD(rows),
                     "a grid of 1 x 1 is a single particle: rows * cols must be >= 2");
-        return false;
-    }
-    if (rows > MAX_PARTICLES / cols) {
+    } else if (rows > MAX_PARTICLES / cols) {
         weft__fault(to, FIELD(cols), FIELD(rows),
                     "a grid of %zu x %zu has more than %zu particles", rows, cols,
                     MAX_PARTICLES);
-        return false;
     }
-    return true;
+    return !single && rows <= MAX_PARTICLES / cols;
 }
 
 /* No direction is a vector whose length is lost in rounding, either. */
