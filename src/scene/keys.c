@@ -254,7 +254,7 @@ static const weft__key contact_keys[] = {
     { "slip", WEFT__NUMBER, .fallback = "1.0e-3", NUMBER(contact, slip),
       .meaning = "below this slip speed friction fades" },
     { "shapes", WEFT__SHAPE_LIST, .section = &weft__shape_section, .absent = "none",
-      .meaning = "rigid shapes" },
+      AT(weft_contact_def, shapes), .meaning = "rigid shapes" },
 };
 
 static const weft__section contact_section
