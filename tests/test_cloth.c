@@ -378,7 +378,7 @@ START_TEST(refusals_name_the_field)
             b.loads[1].rows.last = 3);
     REFUSED("load 0: columns -5 to -1 are outside the grid of 4 columns",
             b.loads[0].cols.first = -5);
-    REFUSED("unknown spring law 2", b.def.law = (weft_law)2);
+    REFUSED("law 2 is unknown", b.def.law = (weft_law)2);
     REFUSED("bend springs: stiffness -1 N/m or N: must be >= 0",
             b.def.springs[WEFT_BEND].stiffness = -1.0);
     REFUSED("pin 0: rows 2 to 1 are outside the grid of 3 rows",

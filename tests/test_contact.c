@@ -380,7 +380,7 @@ START_TEST(wrong_shapes_are_refused)
         weft_shape shape;
         const char *words;
     } cases[] = {
-        { { .kind = WEFT_SHAPES }, "unknown kind" },
+        { { .kind = WEFT_SHAPES }, "kind 4 is unknown" },
         { { .kind = WEFT_PLANE, .at = { NAN } }, "at nan, 0, 0 m: must be finite" },
         { { .kind = WEFT_PLANE }, "normal must be finite and not zero" },
         { { .kind = WEFT_PLANE, .normal = { 0, 1, 0 }, .spin = { 1, 1, 0 } },

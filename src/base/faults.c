@@ -48,9 +48,9 @@ const char *weft__range_text(const weft__number *number, bool bare, char *out,
 static double value_of(const weft__number *number, const void *def, size_t i)
 {
     const void *at = (const char *)def + number->at;
-    return number->type == WEFT__SIZE  ? (double)*(const size_t *)at
-           : number->type == WEFT__INT ? *(const int *)at
-                                       : ((const double *)at)[i];
+    return number->type == WEFT__DOUBLE ? ((const double *)at)[i]
+           : number->type == WEFT__SIZE ? (double)*(const size_t *)at
+                                        : *(const int *)at;
 }
 
 static bool check_number(const weft__number *number, const void *def,
@@ -68,10 +68,14 @@ static bool check_number(const weft__number *number, const void *def,
                                  i == 0 ? "" : ", ", value);
     }
     if (!good) {
+        const bool choice = number->type == WEFT__ENUM;
         const char *bounds = weft__range_text(&range, false, text, sizeof text);
-        weft__fault(to, number->at, number->at, "%s%s %s%s%s: must be %s", prefix,
-                    number->name, values, unit[0] == '\0' ? "" : " ", unit,
-                    bounds[0] == '\0' ? "finite" : bounds);
+        weft__fault(to, number->at, number->at, "%s%s %s%s%s%s%s", prefix, number->name,
+                    values, unit[0] == '\0' ? "" : " ", unit,
+                    choice ? " is unknown" : ": must be ",
+                    choice              ? ""
+                    : bounds[0] == '\0' ? "finite"
+                                        : bounds);
     }
     return good;
 }

@@ -29,7 +29,7 @@ void weft__keep_first(void *ctx, size_t field, size_t other, const char *message
 typedef struct weft__number {
     size_t at; /* offset in the definition */
     const char *name, *unit;
-    enum { WEFT__DOUBLE, WEFT__SIZE, WEFT__INT } type;
+    enum { WEFT__DOUBLE, WEFT__SIZE, WEFT__INT, WEFT__ENUM } type;
     size_t count;       /* of an array; 0 and 1: a single one */
     double least, most; /* most 0: no bound */
     bool strict;        /* > least, else >= */

@@ -92,13 +92,13 @@ void weft__grid_init(weft_cloth *cloth, const weft_cloth_def *def);
 
 /* validate.c: the numbers of definitions. */
 WEFT__NUMBERS(weft__cloth_numbers, rows, cols, spacing, origin, scale, mass, density,
-              velocity, gravity, drag, wind_velocity, wind_drag);
+              velocity, gravity, drag, wind_velocity, wind_drag, law);
 WEFT__NUMBERS(weft__spring_numbers, stiffness, damping);
 WEFT__NUMBERS(weft__pin_numbers, velocity, amplitude, frequency);
 WEFT__NUMBERS(weft__contact_numbers, thickness, stopping_speed, exponent, damping,
-              friction, slip);
-WEFT__NUMBERS(weft__shape_numbers, at, velocity, amplitude, frequency, spin);
-WEFT__NUMBERS(weft__limit_numbers, strain, sweeps, tolerance);
+              friction, slip, law);
+WEFT__NUMBERS(weft__shape_numbers, kind, at, velocity, amplitude, frequency, spin);
+WEFT__NUMBERS(weft__limit_numbers, method, solver, strain, sweeps, tolerance);
 extern const weft__number weft__load_mass;
 extern const weft__number weft__shape_radius;   /* of a sphere or capsule */
 extern const weft__number weft__shape_rounding; /* of a box */
@@ -114,7 +114,7 @@ void weft__limit_check(const weft_limit_def *def, const weft__faults *to);
 bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults *to);
 
 /* Of contact, but not of its shapes. */
-void weft__contact_check(const weft_contact_def *def, const weft__faults *to);
+void weft__contact_check(const weft_contact_def *law, const weft__faults *to);
 
 /* Of one shape, number `index`: the fields are offsets in weft_shape. */
 bool weft__shape_check(const weft_shape *shape, size_t index, const weft__faults *to);

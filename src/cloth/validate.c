@@ -17,6 +17,7 @@
 #define POSITIVE     .strict = true
 #define NOT_NEGATIVE .least = 0.0
 #define VECTOR       .count = 3, .least = -HUGE_VAL
+#define UP_TO(last)  .type = WEFT__ENUM, .most = (last)
 
 const struct weft__cloth_numbers weft__cloth_numbers = {
     WEFT__FIELD(weft_cloth_def, rows, NULL, .type = WEFT__SIZE, .least = 1.0,
@@ -33,6 +34,7 @@ const struct weft__cloth_numbers weft__cloth_numbers = {
     WEFT__FIELD(weft_cloth_def, drag, "kg/s", NOT_NEGATIVE),
     WEFT__FIELD(weft_cloth_def, wind_velocity, "m/s", VECTOR),
     WEFT__FIELD(weft_cloth_def, wind_drag, "kg/(m^2 s)", NOT_NEGATIVE),
+    WEFT__FIELD(weft_cloth_def, law, NULL, UP_TO(WEFT_LAW_STRAIN)),
 };
 
 const weft__number weft__load_mass
@@ -57,9 +59,11 @@ const struct weft__contact_numbers weft__contact_numbers = {
     WEFT__FIELD(weft_contact_def, damping, "s/m", NOT_NEGATIVE),
     WEFT__FIELD(weft_contact_def, friction, NULL, NOT_NEGATIVE),
     WEFT__FIELD(weft_contact_def, slip, "m/s", POSITIVE),
+    WEFT__FIELD(weft_contact_def, law, NULL, UP_TO(WEFT_FRICTION_COULOMB)),
 };
 
 const struct weft__shape_numbers weft__shape_numbers = {
+    WEFT__FIELD(weft_shape, kind, NULL, UP_TO(WEFT_SHAPES - 1)),
     WEFT__FIELD(weft_shape, at, "m", VECTOR),
     WEFT__FIELD(weft_shape, velocity, "m/s", VECTOR),
     WEFT__FIELD(weft_shape, amplitude, "m", VECTOR),
@@ -71,6 +75,8 @@ const weft__number weft__shape_rounding
     = { SHAPE(rounding), "rounding", "m", POSITIVE };
 
 const struct weft__limit_numbers weft__limit_numbers = {
+    WEFT__FIELD(weft_limit_def, method, NULL, UP_TO(WEFT_LIMIT_BRIDSON)),
+    WEFT__FIELD(weft_limit_def, solver, NULL, UP_TO(WEFT_LIMIT_SWEEP)),
     WEFT__FIELD(weft_limit_def, strain, NULL, NOT_NEGATIVE),
     WEFT__FIELD(weft_limit_def, sweeps, NULL, .type = WEFT__SIZE, .least = 1.0),
     WEFT__FIELD(weft_limit_def, tolerance, NULL, POSITIVE),
@@ -245,9 +251,6 @@ static void check_mass(const weft_cloth_def *def, const weft__faults *to)
 
 static void check_springs(const weft_cloth_def *def, const weft__faults *to)
 {
-    if (def->law != WEFT_LAW_HOOKE && def->law != WEFT_LAW_STRAIN) {
-        weft__fault(to, FIELD(law), FIELD(law), "unknown spring law %d", (int)def->law);
-    }
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
         if (def->springs[i].present) {
             (void)WEFT__NUMBERS_CHECK(weft__spring_numbers, &def->springs[i], to,
@@ -299,10 +302,6 @@ void weft__contact_check(const weft_contact_def *law, const weft__faults *to)
     if (WEFT__NUMBERS_CHECK(weft__contact_numbers, law, to, "contact: ")) {
         check_products(law, to);
     }
-    if (law->law != WEFT_FRICTION_SMOOTH && law->law != WEFT_FRICTION_COULOMB) {
-        weft__fault(to, CONTACT(law), CONTACT(law), "unknown friction law %d",
-                    (int)law->law);
-    }
 }
 
 /* Of spin along a direction, which is not 0: all of it. */
@@ -326,7 +325,6 @@ static const char *shape_fault(const weft_shape *shape, size_t *field)
         size_t field;
         const char *message;
     } rules[] = {
-        { (unsigned)shape->kind >= WEFT_SHAPES, SHAPE(kind), "unknown kind" },
         { plane && !weft__positive(weft__length(shape->normal)), SHAPE(normal),
           "its normal must be finite and not zero" },
         { capsule && !weft__positive(weft__length(axis)), SHAPE(to),
@@ -457,17 +455,8 @@ void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to)
 
 void weft__limit_check(const weft_limit_def *def, const weft__faults *to)
 {
-    const bool bridson = def->method == WEFT_LIMIT_BRIDSON;
     (void)WEFT__NUMBERS_CHECK(weft__limit_numbers, def, to, "limit ");
-    if (!bridson && def->method != WEFT_LIMIT_PROVOT) {
-        weft__fault(to, LIMIT(method), LIMIT(method), "limit method %d is unknown",
-                    (int)def->method);
-    }
-    if (def->solver != WEFT_LIMIT_FAST && def->solver != WEFT_LIMIT_SWEEP) {
-        weft__fault(to, LIMIT(solver), LIMIT(solver), "limit solver %d is unknown",
-                    (int)def->solver);
-    }
-    if (bridson && def->keep_velocity) {
+    if (def->method == WEFT_LIMIT_BRIDSON && def->keep_velocity) {
         weft__fault(to, LIMIT(keep_velocity), LIMIT(method),
                     "limit method bridson cannot keep velocities: it works on them");
     }
