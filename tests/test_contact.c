@@ -380,17 +380,17 @@ START_TEST(wrong_shapes_are_refused)
         weft_shape shape;
         const char *words;
     } cases[] = {
-        { { .kind = WEFT_SHAPES }, "unknown kind" },
-        { { .kind = WEFT_PLANE, .at = { NAN } }, "place must be finite" },
+        { { .kind = WEFT_SHAPES }, "kind 4 is unknown" },
+        { { .kind = WEFT_PLANE, .at = { NAN } }, "at nan, 0, 0 m: must be finite" },
         { { .kind = WEFT_PLANE }, "normal must be finite and not zero" },
         { { .kind = WEFT_PLANE, .normal = { 0, 1, 0 }, .spin = { 1, 1, 0 } },
           "spins about its normal only" },
-        { { .kind = WEFT_SPHERE }, "radius must be > 0" },
-        { { .kind = WEFT_SPHERE, .radius = NAN }, "radius must be > 0" },
+        { { .kind = WEFT_SPHERE }, "radius 0 m: must be > 0" },
+        { { .kind = WEFT_SPHERE, .radius = NAN }, "radius nan m: must be > 0" },
         { { .kind = WEFT_CAPSULE, .radius = 1 }, "ends must be finite and apart" },
         { { .kind = WEFT_CAPSULE, .radius = 1, .to = { 1, 0, 0 }, .spin = { 0, 1, 0 } },
           "spins about its axis only" },
-        { { .kind = WEFT_BOX, .half = { 1, 1, 1 } }, "rounding must be > 0" },
+        { { .kind = WEFT_BOX, .half = { 1, 1, 1 } }, "rounding 0 m: must be > 0" },
         { { .kind = WEFT_BOX, .half = { 1, 1, 0.1 }, .rounding = 0.1 }, "> rounding" },
         { { .kind = WEFT_BOX, .half = { 1, 1, 1 }, .rounding = 0.1, .spin = { 1 } },
           "a box cannot spin" },
@@ -415,17 +415,28 @@ START_TEST(wrong_contact_is_refused)
     def.contact.shape_count = 1;
     const weft_contact_def with = def.contact;
     def.contact.thickness = 0.0;
-    expect_refusal("contact: thickness 0: must be > 0");
+    expect_refusal("contact: thickness 0 m: must be > 0");
     def.contact = with, def.contact.stopping_speed = NAN;
-    expect_refusal("contact: stopping_speed nan: must be > 0");
+    expect_refusal("contact: stopping_speed nan m/s: must be > 0");
     def.contact = with, def.contact.exponent = 2;
-    expect_refusal("contact: exponent 2: must be 3 to 10");
+    expect_refusal("contact: exponent 2: must be >= 3 and <= 10");
     def.contact = with, def.contact.damping = -1.0;
-    expect_refusal("contact: damping -1: must be >= 0");
+    expect_refusal("contact: damping -1 s/m: must be >= 0");
     def.contact = with, def.contact.friction = INFINITY;
     expect_refusal("contact: friction inf: must be >= 0");
     def.contact = with, def.contact.slip = 0.0;
-    expect_refusal("contact: slip 0: must be > 0");
+    expect_refusal("contact: slip 0 m/s: must be > 0");
+    def.contact = with, def.contact.thickness = 1e308;
+    expect_refusal("contact: stopping_speed^2 / (2 thickness^2) is too large or too "
+                   "small for a double");
+    def.contact = with, def.contact.stopping_speed = 1e200;
+    expect_refusal("contact: stopping_speed^2 / 2 is too");
+    def.contact = with, def.contact.damping = 1e300;
+    expect_refusal("contact: (damping * stopping_speed)^2 is too");
+    def.contact = with, def.contact.friction = 1e200;
+    expect_refusal("contact: friction^2 is too");
+    def.contact = with, def.contact.slip = 1e-200;
+    expect_refusal("contact: slip^2 is too");
 }
 END_TEST
 

@@ -260,7 +260,7 @@ START_TEST(shapes_are_added_moved_and_removed)
     ck_assert_str_eq(err.message, "no shapes[1]: there are 1");
     velocity[0] = NAN;
     ck_assert_int_eq(weft_sim_move_shape(sim, 0, NULL, velocity, &err), WEFT_INVALID);
-    ck_assert_str_eq(err.message, "shapes[0]: its velocity must be finite");
+    ck_assert_str_eq(err.message, "shapes[0]: velocity nan, 2, 0 m/s: must be finite");
     ck_assert_int_eq(weft_sim_remove_shape(sim, 0, &err), WEFT_OK);
     ck_assert_uint_eq(weft_cloth_shapes(now), 0);
     go(0.4);

@@ -423,13 +423,13 @@ START_TEST(bad_configs_are_refused)
         double least;
         const char *text;
     } fields[] = {
-        FIELD(max_step, 1e-12, "steps: first "),
+        FIELD(max_step, 1e-12, "max_step "),
         FIELD(fixed_step, 0.0, "fixed_step "),
-        FIELD(rtol, 0.0, "tolerances: rtol "),
-        FIELD(atol_position, DBL_MIN, "tolerances: rtol "),
-        FIELD(atol_velocity, DBL_MIN, "tolerances: rtol "),
-        FIELD(first_step, DBL_MIN, "steps: first "),
-        FIELD(min_step, DBL_MIN, "steps: first "),
+        FIELD(rtol, 0.0, "rtol "),
+        FIELD(atol_position, DBL_MIN, "atol_position "),
+        FIELD(atol_velocity, DBL_MIN, "atol_velocity "),
+        FIELD(first_step, DBL_MIN, "first_step "),
+        FIELD(min_step, DBL_MIN, "min_step "),
     };
     const double bad[]
         = { (double)NAN, -(double)INFINITY, -1.0, 0.0, (double)INFINITY };

@@ -112,6 +112,29 @@ START_TEST(frames_end_at_their_time_bit_for_bit)
 }
 END_TEST
 
+START_TEST(values_that_are_null_are_refused)
+{
+    weft_cloth_def nothing = model;
+    weft_cloth *none = NULL;
+    weft_error err = { 0 };
+    size_t k = 7;
+    start(VERLET, fixed(0.1));
+    ck_assert_int_eq(weft_sim_add_shape(sim, NULL, &k, &err), WEFT_INVALID);
+    ck_assert_str_eq(err.message, "shapes[0] is NULL");
+    ck_assert_uint_eq(k, 7);
+    ck_assert_int_eq(weft_sim_move_pin(sim, 0, NULL, &err), WEFT_INVALID);
+    ck_assert_str_eq(err.message, "particle 0 has no position to go to: it is NULL");
+    ck_assert_int_eq(weft_sim_save(sim, NULL, SIZE_MAX, &err), WEFT_INVALID);
+    ck_assert_int_eq(weft_sim_restore(sim, NULL, SIZE_MAX, &err), WEFT_INVALID);
+    ck_assert_str_eq(err.message, "this is not a saved simulation");
+    nothing.pins = NULL;
+    nothing.pin_count = 1;
+    ck_assert_int_eq(weft_cloth_create(&nothing, &none, &err), WEFT_INVALID);
+    ck_assert_str_eq(err.message, "pins is NULL, but their number is not 0");
+    ck_assert_ptr_null(none);
+}
+END_TEST
+
 START_TEST(time_does_not_run_back_nor_out_of_the_numbers)
 {
     const double wrong[] = { 0.5, 0.25, -1.0, (double)NAN, (double)INFINITY };
@@ -449,6 +472,7 @@ TEST_SUITE(sim)
     tcase_add_test(tcase, simulation_starts_with_the_cloth_at_0);
     tcase_add_loop_test(tcase, frames_end_at_their_time_bit_for_bit, 0, methods);
     tcase_add_test(tcase, time_does_not_run_back_nor_out_of_the_numbers);
+    tcase_add_test(tcase, values_that_are_null_are_refused);
     tcase_add_test(tcase, states_are_copied_particle_by_particle);
     tcase_add_loop_test(tcase, run_goes_on_from_the_state_that_was_set, 0, methods);
     tcase_add_loop_test(tcase, corrections_follow_each_step_and_are_seen_by_the_next, 0,

@@ -229,6 +229,9 @@ weft_status weft__shape_make(const weft_cloth *cloth, const weft_shape *def,
                              weft_error *err)
 {
     weft__refusal first = { WEFT_OK, err };
+    if (def == NULL) {
+        return weft_error_set(err, WEFT_INVALID, "shapes[%zu] is NULL", index);
+    }
     if (!weft__shape_check(def, index, &(weft__faults){ weft__keep_first, &first })) {
         return first.status;
     }

@@ -11,6 +11,7 @@
 #include <float.h>
 #include <math.h>
 
+#include "base/faults.h"
 #include "weft/cloth.h"
 
 #if SIZE_MAX < UINT64_MAX || DBL_MANT_DIG != 53 || FLT_EVAL_METHOD != 0                \
@@ -89,35 +90,39 @@ void weft__groups_init(weft_cloth *cloth, const weft_cloth_def *def);
 /* cloth.c: the rows, columns and plain values of a definition, directions made unit. */
 void weft__grid_init(weft_cloth *cloth, const weft_cloth_def *def);
 
-/* Receives the faults of a definition: `field` is the offset of the wrong field in its
- * struct, `other` the offset of a field that excludes it, or the same. */
-typedef struct weft__faults {
-    void (*found)(void *ctx, size_t field, size_t other, const char *message);
-    void *ctx;
-} weft__faults;
+/* validate.c: the numbers of definitions. */
+WEFT__NUMBERS(weft__cloth_numbers, rows, cols, spacing, origin, scale, mass, density,
+              velocity, gravity, drag, wind_velocity, wind_drag, law);
+WEFT__NUMBERS(weft__spring_numbers, stiffness, damping);
+WEFT__NUMBERS(weft__pin_numbers, velocity, amplitude, frequency);
+WEFT__NUMBERS(weft__contact_numbers, thickness, stopping_speed, exponent, damping,
+              friction, slip, law);
+WEFT__NUMBERS(weft__shape_numbers, kind, at, velocity, amplitude, frequency, spin);
+WEFT__NUMBERS(weft__limit_numbers, method, solver, strain, sweeps, tolerance);
+extern const weft__number weft__load_mass;
+extern const weft__number weft__shape_radius;   /* of a sphere or capsule */
+extern const weft__number weft__shape_rounding; /* of a box */
 
-/* Keeps the first fault of a definition as WEFT_INVALID; it is the ctx of faults. */
-typedef struct weft__refusal {
-    weft_status status;
-    weft_error *err;
-} weft__refusal;
-void weft__keep_first(void *ctx, size_t field, size_t other, const char *message);
-
-/* validate.c: reports every fault of a definition. */
+/* Reports every fault of a definition; a field may be an offset in a part of it. */
 void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to);
 
 /* The same for a strain limit that has a method. */
 void weft__limit_check(const weft_limit_def *def, const weft__faults *to);
 
-/* Checks the grid alone, rows to velocity; compares neighbours in grids of up to `most`
- * particles. Returns false if the size is wrong. */
+/* Checks the grid and all numbers of a cloth; compares neighbours in grids of up to
+ * `most` particles. Returns false if the size is wrong. */
 bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults *to);
+
+/* Of contact, but not of its shapes. */
+void weft__contact_check(const weft_contact_def *law, const weft__faults *to);
 
 /* Of one shape, number `index`: the fields are offsets in weft_shape. */
 bool weft__shape_check(const weft_shape *shape, size_t index, const weft__faults *to);
 
-/* Reports a free particle that starts inside a shape without faults. */
-bool weft__start_check(const weft_cloth_def *def, size_t shape, const weft__faults *to);
+/* Whether no free particle starts inside a shape without faults; else which one, and
+ * how deep. */
+bool weft__start_check(const weft_cloth_def *def, size_t shape, char *text,
+                       size_t size);
 
 /* 1 + the number of the pin that holds particle (r, c); 0: it is free. */
 size_t weft__pin_of(const weft_cloth_def *def, size_t r, size_t c);

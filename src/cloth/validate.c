@@ -1,40 +1,88 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* validate.c -- checks the definition of a cloth and reports every fault. Comparisons
  * are written so that NaN fails. */
+#include "base/finite.h"
 #include "cloth/model.h"
 #include "cloth/shapes.h"
 
-#include <stdarg.h>
-#include <stdio.h>
-
-#include "base/finite.h"
-
 #define MAX_PARTICLES ((size_t)1 << 31)
 
-#define FIELD(name) offsetof(weft_cloth_def, name)
-#define LIMIT(name) offsetof(weft_limit_def, name)
+#define FIELD(name)   offsetof(weft_cloth_def, name)
+#define LIMIT(name)   offsetof(weft_limit_def, name)
+#define CONTACT(name) offsetof(weft_contact_def, name)
+#define SHAPE(name)   offsetof(weft_shape, name)
 
-WEFT_PRINTF(4, 5)
-static void fault(const weft__faults *to, size_t field, size_t other,
-                  const char *format, ...)
-{
-    char message[256];
-    va_list args;
-    va_start(args, format);
-    (void)vsnprintf(message, sizeof message, format, args);
-    va_end(args);
-    to->found(to->ctx, field, other, message);
-}
+/* ---- numbers --------------------------------------------------------------------- */
 
-void weft__keep_first(void *ctx, size_t field, size_t other, const char *message)
-{
-    weft__refusal *first = ctx;
-    (void)field;
-    (void)other;
-    if (first->status == WEFT_OK) {
-        first->status = weft_error_set(first->err, WEFT_INVALID, "%s", message);
-    }
-}
+#define POSITIVE     .strict = true
+#define NOT_NEGATIVE .least = 0.0
+#define VECTOR       .count = 3, .least = -HUGE_VAL
+#define UP_TO(last)  .type = WEFT__ENUM, .most = (last)
+
+const struct weft__cloth_numbers weft__cloth_numbers = {
+    WEFT__FIELD(weft_cloth_def, rows, NULL, .type = WEFT__SIZE, .least = 1.0,
+                .most = MAX_PARTICLES),
+    WEFT__FIELD(weft_cloth_def, cols, NULL, .type = WEFT__SIZE, .least = 1.0,
+                .most = MAX_PARTICLES),
+    WEFT__FIELD(weft_cloth_def, spacing, "m", .count = 2, POSITIVE),
+    WEFT__FIELD(weft_cloth_def, origin, "m", VECTOR),
+    WEFT__FIELD(weft_cloth_def, scale, NULL, POSITIVE),
+    WEFT__FIELD(weft_cloth_def, mass, "kg", POSITIVE, .optional = true),
+    WEFT__FIELD(weft_cloth_def, density, "kg/m^2", POSITIVE, .optional = true),
+    WEFT__FIELD(weft_cloth_def, velocity, "m/s", VECTOR),
+    WEFT__FIELD(weft_cloth_def, gravity, "m/s^2", VECTOR),
+    WEFT__FIELD(weft_cloth_def, drag, "kg/s", NOT_NEGATIVE),
+    WEFT__FIELD(weft_cloth_def, wind_velocity, "m/s", VECTOR),
+    WEFT__FIELD(weft_cloth_def, wind_drag, "kg/(m^2 s)", NOT_NEGATIVE),
+    WEFT__FIELD(weft_cloth_def, law, NULL, UP_TO(WEFT_LAW_STRAIN)),
+};
+
+const weft__number weft__load_mass
+    = { offsetof(weft_load, mass), "mass", "kg", POSITIVE };
+
+const struct weft__spring_numbers weft__spring_numbers = {
+    WEFT__FIELD(weft_spring_def, stiffness, "N/m or N", NOT_NEGATIVE),
+    WEFT__FIELD(weft_spring_def, damping, "kg/s", NOT_NEGATIVE),
+};
+
+const struct weft__pin_numbers weft__pin_numbers = {
+    WEFT__FIELD(weft_pin, velocity, "m/s", VECTOR),
+    WEFT__FIELD(weft_pin, amplitude, "m", VECTOR),
+    WEFT__FIELD(weft_pin, frequency, "Hz", NOT_NEGATIVE),
+};
+
+const struct weft__contact_numbers weft__contact_numbers = {
+    WEFT__FIELD(weft_contact_def, thickness, "m", POSITIVE),
+    WEFT__FIELD(weft_contact_def, stopping_speed, "m/s", POSITIVE),
+    WEFT__FIELD(weft_contact_def, exponent, NULL, .type = WEFT__INT, .least = 3.0,
+                .most = 10.0),
+    WEFT__FIELD(weft_contact_def, damping, "s/m", NOT_NEGATIVE),
+    WEFT__FIELD(weft_contact_def, friction, NULL, NOT_NEGATIVE),
+    WEFT__FIELD(weft_contact_def, slip, "m/s", POSITIVE),
+    WEFT__FIELD(weft_contact_def, law, NULL, UP_TO(WEFT_FRICTION_COULOMB)),
+};
+
+const struct weft__shape_numbers weft__shape_numbers = {
+    WEFT__FIELD(weft_shape, kind, NULL, UP_TO(WEFT_SHAPES - 1)),
+    WEFT__FIELD(weft_shape, at, "m", VECTOR),
+    WEFT__FIELD(weft_shape, velocity, "m/s", VECTOR),
+    WEFT__FIELD(weft_shape, amplitude, "m", VECTOR),
+    WEFT__FIELD(weft_shape, frequency, "Hz", NOT_NEGATIVE),
+    WEFT__FIELD(weft_shape, spin, "rad/s", VECTOR),
+};
+const weft__number weft__shape_radius = { SHAPE(radius), "radius", "m", POSITIVE };
+const weft__number weft__shape_rounding
+    = { SHAPE(rounding), "rounding", "m", POSITIVE };
+
+const struct weft__limit_numbers weft__limit_numbers = {
+    WEFT__FIELD(weft_limit_def, method, NULL, UP_TO(WEFT_LIMIT_BRIDSON)),
+    WEFT__FIELD(weft_limit_def, solver, NULL, UP_TO(WEFT_LIMIT_SWEEP)),
+    WEFT__FIELD(weft_limit_def, strain, NULL, NOT_NEGATIVE),
+    WEFT__FIELD(weft_limit_def, sweeps, NULL, .type = WEFT__SIZE, .least = 1.0),
+    WEFT__FIELD(weft_limit_def, tolerance, NULL, POSITIVE),
+};
+
+/* ---- places ---------------------------------------------------------------------- */
 
 bool weft__range_resolve(weft_range range, size_t count, size_t *first, size_t *last)
 {
@@ -46,21 +94,20 @@ bool weft__range_resolve(weft_range range, size_t count, size_t *first, size_t *
     return a >= 0 && b < n && a <= b;
 }
 
-/* `field`: of the array that the range belongs to. */
 static void check_ranges(const weft_cloth_def *def, const weft__faults *to,
-                         size_t field, const char *what, size_t index, weft_range rows,
+                         const char *what, size_t index, weft_range rows,
                          weft_range cols)
 {
     size_t first, last;
     if (!weft__range_resolve(rows, def->rows, &first, &last)) {
-        fault(to, field, field,
-              "%s %zu: rows %td to %td are outside the grid of %zu rows", what, index,
-              rows.first, rows.last, def->rows);
+        weft__fault(to, FIELD(rows), FIELD(rows),
+                    "%s %zu: rows %td to %td are outside the grid of %zu rows", what,
+                    index, rows.first, rows.last, def->rows);
     }
     if (!weft__range_resolve(cols, def->cols, &first, &last)) {
-        fault(to, field, field,
-              "%s %zu: columns %td to %td are outside the grid of %zu columns", what,
-              index, cols.first, cols.last, def->cols);
+        weft__fault(to, FIELD(cols), FIELD(cols),
+                    "%s %zu: columns %td to %td are outside the grid of %zu columns",
+                    what, index, cols.first, cols.last, def->cols);
     }
 }
 
@@ -69,46 +116,27 @@ static void check_ranges(const weft_cloth_def *def, const weft__faults *to,
 static bool check_size(const weft_cloth_def *def, const weft__faults *to)
 {
     const size_t rows = def->rows, cols = def->cols;
+    const bool single = rows == 1 && cols == 1;
     if (rows == 0 || cols == 0) {
-        const size_t field = rows == 0 ? FIELD(rows) : FIELD(cols);
-        fault(to, field, field, "a grid of %zu x %zu has no particles", rows, cols);
-    } else if (rows == 1 && cols == 1) {
-        fault(to, FIELD(cols), FIELD(rows),
-              "a grid of 1 x 1 is a single particle: rows * cols must be >= 2");
+        return false; /* out of range */
+    }
+    if (single) {
+        weft__fault(to, FIELD(cols), FIELD(rows),
+                    "a grid of 1 x 1 is a single particle: rows * cols must be >= 2");
     } else if (rows > MAX_PARTICLES / cols) {
-        fault(to, FIELD(cols), FIELD(rows),
-              "a grid of %zu x %zu has more than %zu particles", rows, cols,
-              MAX_PARTICLES);
-    } else {
-        return true;
+        weft__fault(to, FIELD(cols), FIELD(rows),
+                    "a grid of %zu x %zu has more than %zu particles", rows, cols,
+                    MAX_PARTICLES);
     }
-    return false;
-}
-
-static bool check_lengths(const weft_cloth_def *def, const weft__faults *to)
-{
-    const bool spaced
-        = weft__positive(def->spacing[0]) && weft__positive(def->spacing[1]);
-    const bool scaled = weft__positive(def->scale);
-    if (!spaced) {
-        fault(to, FIELD(spacing), FIELD(spacing), "spacing %g, %g m: must be > 0",
-              def->spacing[0], def->spacing[1]);
-    }
-    if (!scaled) {
-        fault(to, FIELD(scale), FIELD(scale), "scale %g: must be > 0", def->scale);
-    }
-    if (!weft__all_finite(def->origin, 3) || !weft__all_finite(def->velocity, 3)) {
-        fault(to, FIELD(origin), FIELD(velocity), "origin and velocity must be finite");
-    }
-    return spaced && scaled && weft__all_finite(def->origin, 3);
+    return !single && rows <= MAX_PARTICLES / cols;
 }
 
 /* No direction is a vector whose length is lost in rounding, either. */
 static bool check_direction(const double v[3], size_t field, const weft__faults *to)
 {
     if (!weft__positive(weft__length(v))) {
-        fault(to, field, field, "%s is [%g, %g, %g], which is no direction",
-              field == FIELD(right) ? "right" : "down", v[0], v[1], v[2]);
+        weft__fault(to, field, field, "%s is [%g, %g, %g], which is no direction",
+                    field == FIELD(right) ? "right" : "down", v[0], v[1], v[2]);
     }
     return weft__positive(weft__length(v));
 }
@@ -122,7 +150,7 @@ static bool check_axes(const weft_cloth_def *def, const weft__faults *to)
     }
     const double cosine = weft__dot(a, b) / (weft__length(a) * weft__length(b));
     if (!(fabs(cosine) <= 1e-9)) {
-        fault(
+        weft__fault(
             to, FIELD(down), FIELD(right),
             "down [%g, %g, %g] is not perpendicular to right [%g, %g, %g]: the cosine "
             "is %.3g, not below 1e-9",
@@ -145,8 +173,8 @@ static bool check_finite(const weft_cloth *grid, const weft__faults *to)
         finite = finite && weft__all_finite(rest, 3) && weft__all_finite(start, 3);
     }
     if (!finite) {
-        fault(to, FIELD(spacing), FIELD(spacing),
-              "the grid is too large: positions are not finite");
+        weft__fault(to, FIELD(spacing), FIELD(spacing),
+                    "the grid is too large: positions are not finite");
     }
     return finite;
 }
@@ -179,7 +207,7 @@ static void check_apart(const weft_cloth *grid, const weft__faults *to)
         for (size_t c = 0; c < grid->cols; ++c) {
             const bool across = coincide(grid, r, c, r, c + 1);
             if (across || coincide(grid, r, c, r + 1, c)) {
-                fault(
+                weft__fault(
                     to, FIELD(spacing), FIELD(spacing),
                     "coincident rest positions: the spacing %g m from row %zu, column "
                     "%zu to the next %s is lost in rounding",
@@ -193,9 +221,9 @@ static void check_apart(const weft_cloth *grid, const weft__faults *to)
 bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults *to)
 {
     weft_cloth grid = { .rows = 0 };
+    const bool good = WEFT__NUMBERS_CHECK(weft__cloth_numbers, def, to, "%s", "");
     const bool sized = check_size(def, to);
-    const bool spaced = check_lengths(def, to);
-    if (!check_axes(def, to) || !sized || !spaced) {
+    if (!check_axes(def, to) || !sized || !good) {
         return sized;
     }
     weft__grid_init(&grid, def);
@@ -209,36 +237,24 @@ bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults
 
 static void check_mass(const weft_cloth_def *def, const weft__faults *to)
 {
-    if (!weft__not_negative(def->mass) || !weft__not_negative(def->density)
-        || (def->mass > 0.0) == (def->density > 0.0)) {
-        fault(to, FIELD(mass), FIELD(density),
-              "mass %g kg, density %g kg/m^2: exactly one must be > 0", def->mass,
-              def->density);
+    if ((def->mass > 0.0) == (def->density > 0.0)) {
+        weft__fault(to, FIELD(mass), FIELD(density),
+                    "mass %g kg, density %g kg/m^2: exactly one must be > 0", def->mass,
+                    def->density);
     }
     for (size_t i = 0; i < def->load_count; ++i) {
         const weft_load *load = &def->loads[i];
-        if (!weft__positive(load->mass)) {
-            fault(to, FIELD(loads), FIELD(loads), "load %zu: mass %g kg: must be > 0",
-                  i, load->mass);
-        }
-        check_ranges(def, to, FIELD(loads), "load", i, load->rows, load->cols);
+        (void)weft__numbers_check(&weft__load_mass, 1, load, to, "load %zu: ", i);
+        check_ranges(def, to, "load", i, load->rows, load->cols);
     }
 }
 
 static void check_springs(const weft_cloth_def *def, const weft__faults *to)
 {
-    if (def->law != WEFT_LAW_HOOKE && def->law != WEFT_LAW_STRAIN) {
-        fault(to, FIELD(law), FIELD(law), "unknown spring law %d", (int)def->law);
-    }
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
-        const weft_spring_def *spring = &def->springs[i];
-        if (spring->present
-            && (!weft__not_negative(spring->stiffness)
-                || !weft__not_negative(spring->damping))) {
-            const size_t field = FIELD(springs) + i * sizeof *spring;
-            fault(to, field, field,
-                  "%s springs: stiffness %g, damping %g: must be >= 0",
-                  weft_family_name((weft_family)i), spring->stiffness, spring->damping);
+        if (def->springs[i].present) {
+            (void)WEFT__NUMBERS_CHECK(weft__spring_numbers, &def->springs[i], to,
+                                      "%s springs: ", weft_family_name((weft_family)i));
         }
     }
 }
@@ -247,57 +263,44 @@ static void check_pins(const weft_cloth_def *def, const weft__faults *to)
 {
     for (size_t i = 0; i < def->pin_count; ++i) {
         const weft_pin *pin = &def->pins[i];
-        if (!weft__all_finite(pin->velocity, 3) || !weft__all_finite(pin->amplitude, 3)
-            || !weft__not_negative(pin->frequency)) {
-            fault(to, FIELD(pins), FIELD(pins),
-                  "pin %zu: its motion must be finite, frequency >= 0", i);
-        }
-        check_ranges(def, to, FIELD(pins), "pin", i, pin->rows, pin->cols);
-    }
-}
-
-static void check_forces(const weft_cloth_def *def, const weft__faults *to)
-{
-    if (!weft__all_finite(def->gravity, 3) || !weft__all_finite(def->wind_velocity, 3)
-        || !weft__not_negative(def->drag) || !weft__not_negative(def->wind_drag)) {
-        fault(to, FIELD(gravity), FIELD(wind_velocity),
-              "forces must be finite, drag and wind drag >= 0");
+        (void)WEFT__NUMBERS_CHECK(weft__pin_numbers, pin, to, "pin %zu: ", i);
+        check_ranges(def, to, "pin", i, pin->rows, pin->cols);
     }
 }
 
 /* ---- contact --------------------------------------------------------------------- */
 
-#define SHAPE(name) offsetof(weft_shape, name)
-
-static void check_contact(const weft_cloth_def *def, const weft__faults *to)
+/* Products of numbers in range may be out of range: the law needs these. */
+static void check_products(const weft_contact_def *law, const weft__faults *to)
 {
-    const weft_contact_def *law = &def->contact;
+    const double v = law->stopping_speed, per = 1.0 / law->thickness;
+    const double u = law->damping * v, mu = law->friction, slip = law->slip;
     const struct {
-        const char *name;
-        size_t field;
-        double value;
         bool usable;
-    } numbers[] = {
-#define NUMBER(name, test) { #name, FIELD(contact.name), law->name, test(law->name) }
-        NUMBER(thickness, weft__positive),    NUMBER(stopping_speed, weft__positive),
-        NUMBER(slip, weft__positive),         NUMBER(damping, weft__not_negative),
-        NUMBER(friction, weft__not_negative),
-#undef NUMBER
+        size_t field;
+        const char *text;
+    } products[] = {
+        { weft__positive(0.5 * v * v), CONTACT(stopping_speed),
+          "stopping_speed^2 / 2" },
+        { weft__positive(0.5 * v * v * per * per), CONTACT(thickness),
+          "stopping_speed^2 / (2 thickness^2)" },
+        { isfinite(u * u), CONTACT(damping), "(damping * stopping_speed)^2" },
+        { isfinite(mu * mu), CONTACT(friction), "friction^2" },
+        { weft__positive(slip * slip), CONTACT(slip), "slip^2" },
     };
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i) {
-        if (!numbers[i].usable) {
-            fault(to, numbers[i].field, numbers[i].field,
-                  "contact: %s %g: must be %s 0", numbers[i].name, numbers[i].value,
-                  i < 3 ? ">" : ">=");
+    for (size_t i = 0; i < sizeof products / sizeof products[0]; ++i) {
+        if (!products[i].usable) {
+            weft__fault(to, products[i].field, CONTACT(stopping_speed),
+                        "contact: %s is too large or too small for a double",
+                        products[i].text);
         }
     }
-    if (law->exponent < 3 || law->exponent > 10) {
-        fault(to, FIELD(contact.exponent), FIELD(contact.exponent),
-              "contact: exponent %d: must be 3 to 10", law->exponent);
-    }
-    if (law->law != WEFT_FRICTION_SMOOTH && law->law != WEFT_FRICTION_COULOMB) {
-        fault(to, FIELD(contact.law), FIELD(contact.law), "unknown friction law %d",
-              (int)law->law);
+}
+
+void weft__contact_check(const weft_contact_def *law, const weft__faults *to)
+{
+    if (WEFT__NUMBERS_CHECK(weft__contact_numbers, law, to, "contact: ")) {
+        check_products(law, to);
     }
 }
 
@@ -310,40 +313,26 @@ static bool along(const double spin[3], const double way[3])
     return weft__length(cross) <= 1e-9 * weft__length(spin) * weft__length(way);
 }
 
-/* The first fault of a shape; NULL: none. */
+/* The first rule between its numbers that a shape breaks; NULL: none. */
 static const char *shape_fault(const weft_shape *shape, size_t *field)
 {
     const double *a = shape->at, *b = shape->to, *h = shape->half;
     const double axis[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
     const bool plane = shape->kind == WEFT_PLANE, box = shape->kind == WEFT_BOX;
     const bool capsule = shape->kind == WEFT_CAPSULE;
-    const bool round = shape->kind == WEFT_SPHERE || capsule;
     const struct {
         bool wrong;
         size_t field;
         const char *message;
     } rules[] = {
-        { !plane && !box && !round, SHAPE(kind), "unknown kind" },
-        { !weft__all_finite(a, 3), SHAPE(at), "its place must be finite" },
         { plane && !weft__positive(weft__length(shape->normal)), SHAPE(normal),
           "its normal must be finite and not zero" },
         { capsule && !weft__positive(weft__length(axis)), SHAPE(to),
           "its ends must be finite and apart" },
-        { round && !weft__positive(shape->radius), SHAPE(radius),
-          "its radius must be > 0" },
-        { box && !weft__positive(shape->rounding), SHAPE(rounding),
-          "its rounding must be > 0" },
         { box
               && !(weft__all_finite(h, 3) && h[0] > shape->rounding
                    && h[1] > shape->rounding && h[2] > shape->rounding),
           SHAPE(half), "half of each edge must be finite and > rounding" },
-        { !weft__all_finite(shape->velocity, 3), SHAPE(velocity),
-          "its velocity must be finite" },
-        { !weft__all_finite(shape->amplitude, 3), SHAPE(amplitude),
-          "its amplitude must be finite" },
-        { !weft__not_negative(shape->frequency), SHAPE(frequency),
-          "its frequency must be >= 0" },
-        { !weft__all_finite(shape->spin, 3), SHAPE(spin), "its spin must be finite" },
         { box && weft__length(shape->spin) != 0.0, SHAPE(spin), "a box cannot spin" },
         { capsule && !along(shape->spin, axis), SHAPE(spin),
           "a capsule spins about its axis only" },
@@ -362,10 +351,18 @@ static const char *shape_fault(const weft_shape *shape, size_t *field)
 
 bool weft__shape_check(const weft_shape *shape, size_t index, const weft__faults *to)
 {
+    const bool box = shape->kind == WEFT_BOX;
+    const bool round = shape->kind == WEFT_SPHERE || shape->kind == WEFT_CAPSULE;
+    const weft__number *size = box ? &weft__shape_rounding : &weft__shape_radius;
     size_t field;
+    if (!WEFT__NUMBERS_CHECK(weft__shape_numbers, shape, to, "shapes[%zu]: ", index)
+        || !weft__numbers_check(size, box || round, shape, to,
+                                "shapes[%zu]: ", index)) {
+        return false;
+    }
     const char *message = shape_fault(shape, &field);
     if (message != NULL) {
-        fault(to, field, field, "shapes[%zu]: %s", index, message);
+        weft__fault(to, field, field, "shapes[%zu]: %s", index, message);
     }
     return message == NULL;
 }
@@ -407,45 +404,48 @@ static double start_gap(const weft_cloth_def *def, const weft_shape *shape,
     return least;
 }
 
-bool weft__start_check(const weft_cloth_def *def, size_t shape, const weft__faults *to)
+bool weft__start_check(const weft_cloth_def *def, size_t shape, char *text, size_t size)
 {
     size_t i = 0;
     const double gap = start_gap(def, &def->contact.shapes[shape], &i);
-    if (gap <= 0.0) {
-        fault(to, FIELD(contact.shapes), FIELD(contact.shapes),
-              "particle (%zu, %zu) is %.3g mm inside shapes[%zu]", i / def->cols,
-              i % def->cols, 1e3 * fabs(gap), shape);
-    }
+    (void)snprintf(text, size, "particle (%zu, %zu) is %.3g mm inside shapes[%zu]",
+                   i / def->cols, i % def->cols, 1e3 * fabs(gap), shape);
     return gap > 0.0;
-}
-
-/* Of a shape: the field in weft_cloth_def is the array. */
-static void shape_found(void *ctx, size_t field, size_t other, const char *message)
-{
-    const weft__faults *to = ctx;
-    (void)field, (void)other;
-    to->found(to->ctx, FIELD(contact.shapes), FIELD(contact.shapes), message);
 }
 
 static void check_shapes(const weft_cloth_def *def, const weft__faults *to)
 {
-    weft__faults outer = *to;
-    const weft__faults here = { shape_found, &outer };
+    char inside[120];
     for (size_t k = 0; k < def->contact.shape_count; ++k) {
-        (void)(weft__shape_check(&def->contact.shapes[k], k, &here)
-               && weft__start_check(def, k, to));
+        if (weft__shape_check(&def->contact.shapes[k], k, to)
+            && !weft__start_check(def, k, inside, sizeof inside)) {
+            weft__fault(to, FIELD(contact.shapes), FIELD(contact.shapes), "%s", inside);
+        }
     }
+}
+
+static bool check_arrays(const weft_cloth_def *def, const weft__faults *to)
+{
+    const char *missing = def->load_count > 0 && def->loads == NULL ? "loads"
+                          : def->pin_count > 0 && def->pins == NULL ? "pins"
+                          : def->contact.shape_count > 0 && def->contact.shapes == NULL
+                              ? "shapes"
+                              : NULL;
+    if (missing != NULL) {
+        weft__fault(to, FIELD(loads), FIELD(loads),
+                    "%s is NULL, but their number is not 0", missing);
+    }
+    return missing == NULL;
 }
 
 void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to)
 {
-    if (weft__grid_check(def, MAX_PARTICLES, to)) {
+    if (check_arrays(def, to) && weft__grid_check(def, MAX_PARTICLES, to)) {
         check_mass(def, to);
         check_springs(def, to);
         check_pins(def, to);
-        check_forces(def, to);
         if (def->contact.shape_count > 0) {
-            check_contact(def, to);
+            weft__contact_check(&def->contact, to);
             check_shapes(def, to);
         }
     }
@@ -455,28 +455,9 @@ void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to)
 
 void weft__limit_check(const weft_limit_def *def, const weft__faults *to)
 {
-    const bool bridson = def->method == WEFT_LIMIT_BRIDSON;
-    if (!bridson && def->method != WEFT_LIMIT_PROVOT) {
-        fault(to, LIMIT(method), LIMIT(method), "limit method %d is unknown",
-              (int)def->method);
-    }
-    if (def->solver != WEFT_LIMIT_FAST && def->solver != WEFT_LIMIT_SWEEP) {
-        fault(to, LIMIT(solver), LIMIT(solver), "limit solver %d is unknown",
-              (int)def->solver);
-    }
-    if (!weft__not_negative(def->strain)) {
-        fault(to, LIMIT(strain), LIMIT(strain), "limit strain %g: must be >= 0",
-              def->strain);
-    }
-    if (!weft__positive(def->tolerance)) {
-        fault(to, LIMIT(tolerance), LIMIT(tolerance), "limit tolerance %g: must be > 0",
-              def->tolerance);
-    }
-    if (def->sweeps == 0) {
-        fault(to, LIMIT(sweeps), LIMIT(sweeps), "limit sweeps 0: must be >= 1");
-    }
-    if (bridson && def->keep_velocity) {
-        fault(to, LIMIT(keep_velocity), LIMIT(method),
-              "limit method bridson cannot keep velocities: it works on them");
+    (void)WEFT__NUMBERS_CHECK(weft__limit_numbers, def, to, "limit ");
+    if (def->method == WEFT_LIMIT_BRIDSON && def->keep_velocity) {
+        weft__fault(to, LIMIT(keep_velocity), LIMIT(method),
+                    "limit method bridson cannot keep velocities: it works on them");
     }
 }

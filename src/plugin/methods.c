@@ -1,10 +1,58 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "plugin/methods.h"
 
+#include <math.h>
 #include <string.h>
 
+#include "base/finite.h"
 #include "base/suggest.h"
 #include "plugin/registry.h"
+
+/* ---- settings ---------------------------------------------------------------- */
+
+weft_stepper_config weft_stepper_config_default(void)
+{
+    return (weft_stepper_config){
+        .struct_size = sizeof(weft_stepper_config),
+        .norm = WEFT_NORM_MAX,
+        .rtol = 1e-6,
+        .atol_position = 1e-6,
+        .atol_velocity = 1e-6,
+        .first_step = 1e-3,
+        .min_step = 1e-12,
+        .max_step = INFINITY,
+    };
+}
+
+const struct weft__config_numbers weft__config_numbers = {
+    WEFT__FIELD(weft_stepper_config, fixed_step, "s", .strict = true, .optional = true),
+    WEFT__FIELD(weft_stepper_config, rtol, NULL, .least = 0.0),
+    WEFT__FIELD(weft_stepper_config, atol_position, "m", .strict = true),
+    WEFT__FIELD(weft_stepper_config, atol_velocity, "m/s", .strict = true),
+    WEFT__FIELD(weft_stepper_config, first_step, "s", .strict = true),
+    WEFT__FIELD(weft_stepper_config, min_step, "s", .strict = true),
+    WEFT__FIELD(weft_stepper_config, max_step, "s", .strict = true, .infinite = true),
+};
+
+weft_status weft__config_check(const weft_stepper_config *config, weft_error *err)
+{
+    weft__refusal first = { WEFT_OK, err };
+    const weft__faults to = { weft__keep_first, &first };
+    if (config->struct_size < WEFT_STEPPER_CONFIG_LEAST) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "stepper config: start from weft_stepper_config_default");
+    }
+    if (weft__positive(config->fixed_step)) {
+        return WEFT_OK;
+    }
+    if (WEFT__NUMBERS_CHECK(weft__config_numbers, config, &to, "%s", "")
+        && config->max_step < config->min_step) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "max_step %g s is below min_step, %g s", config->max_step,
+                              config->min_step);
+    }
+    return first.status;
+}
 
 /* ---- of a plugin ------------------------------------------------------------- */
 

@@ -1,9 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* methods.h -- methods and plugins by their names, and messages for unknown ones. */
+/* methods.h -- methods and plugins by their names, messages for unknown ones, and their
+ * settings. */
 #ifndef WEFT_PLUGIN_METHODS_H
 #define WEFT_PLUGIN_METHODS_H
 
+#include "base/faults.h"
 #include "weft/sim.h"
+
+WEFT__NUMBERS(weft__config_numbers, fixed_step, rtol, atol_position, atol_velocity,
+              first_step, min_step, max_step);
+
+/* Errors: WEFT_INVALID. */
+weft_status weft__config_check(const weft_stepper_config *config, weft_error *err);
 
 /* The names of a plugin's methods that have the flags, as many as fit. */
 void weft__methods_list(const weft_plugin *plugin, uint32_t flags, char *out,

@@ -18,40 +18,14 @@ void weft__check_root(weft__reader *reader, const weft__match *match, void *base
     }
 }
 
-/* ---- faults of a definition -------------------------------------------------- */
-
-/* The entry of the key that fills a field: of several, the one that is there. */
-static weft__found found_at(const weft__match *match, size_t field)
-{
-    weft__found found = { .key = NULL };
-    for (size_t i = 0; i < match->section->count; ++i) {
-        found = match->section->keys[i].at == field && found.key == NULL
-                    ? match->found[i]
-                    : found;
-    }
-    return found;
-}
-
-void weft__report_fault(void *ctx, size_t field, size_t other, const char *message)
-{
-    const weft__fault_reporter *self = ctx;
-    const weft__found a = found_at(self->match, field);
-    const weft__found b = found_at(self->match, other);
-    const weft__node *node = a.value == NULL ? b.value : a.value;
-    if (node != NULL && !a.wrong && !b.wrong) {
-        weft__report_error(self->reader->report, node->at, "%s", message);
-    }
-}
-
 /* [particles] Larger grids take time: weft_cloth_create compares their neighbours. */
 #define MAX_COMPARED ((size_t)1 << 24)
 
 void weft__check_grid(weft__reader *reader, const weft__match *match, void *base)
 {
     weft_cloth_def *cloth = base;
-    weft__fault_reporter self = { reader, match };
-    const weft__faults to = { weft__report_fault, &self };
-    if (!weft__grid_check(cloth, MAX_COMPARED, &to)) {
+    (void)reader;
+    if (!weft__grid_check(cloth, MAX_COMPARED, &match->faults)) {
         cloth->rows = cloth->cols = 0; /* nothing more is checked against the grid */
     }
 }
@@ -91,47 +65,25 @@ static void check_mass(weft__reader *reader, const weft__match *match)
     }
 }
 
-/* Limit of comparisons of a particle with a pin: beyond it there is no warning. */
-#define MAX_COVERED ((size_t)1 << 26)
-
-/* The column after the pin that holds a particle; `col` itself: no pin holds it. */
-static size_t past_pin(const weft_cloth_def *cloth, size_t row, size_t col,
-                       size_t *compared)
-{
-    for (size_t i = 0; i < cloth->pin_count && *compared < MAX_COVERED; ++i) {
-        const weft_pin *pin = &cloth->pins[i];
-        size_t top, bottom, left, right;
-        (void)weft__range_resolve(pin->rows, cloth->rows, &top, &bottom);
-        (void)weft__range_resolve(pin->cols, cloth->cols, &left, &right);
-        ++*compared;
-        if (top <= row && row <= bottom && left <= col && col <= right) {
-            return right + 1;
-        }
-    }
-    return col;
-}
+/* Comparisons of a particle with a pin: beyond so many there is no warning. */
+#define MAX_COVERED ((double)(1 << 26))
 
 /* Whether pins hold every particle. */
 static bool holds_all(const weft_cloth_def *cloth)
 {
-    size_t compared = 0;
-    for (size_t row = 0; row < cloth->rows; ++row) {
-        for (size_t col = 0, next; col < cloth->cols; col = next) {
-            next = past_pin(cloth, row, col, &compared);
-            if (next == col) {
-                return false;
-            }
-        }
+    const size_t particles = cloth->rows * cloth->cols;
+    bool all = (double)particles * (double)cloth->pin_count < MAX_COVERED;
+    for (size_t i = 0; i < particles && all; ++i) {
+        all = weft__pin_of(cloth, i / cloth->cols, i % cloth->cols) > 0;
     }
-    return true;
+    return all;
 }
 
 void weft__check_cloth(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_cloth_def *cloth = base;
     check_mass(reader, match);
-    if (cloth->pin_count > 0 && reader->report->found->errors == 0
-        && holds_all(cloth)) {
+    if (reader->report->found->errors == 0 && holds_all(cloth)) {
         weft__report_warning(reader->report, weft__found_in(match, "pins")->key->at,
                              "all %zu particles are pinned: nothing will move freely",
                              cloth->rows * cloth->cols);
@@ -143,10 +95,8 @@ void weft__check_cloth(weft__reader *reader, const weft__match *match, void *bas
 void weft__check_limit(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_limit_def *limit = base;
-    weft__fault_reporter self = { reader, match };
     bool limits = false;
-    const weft__faults to = { weft__report_fault, &self };
-    weft__limit_check(limit, &to);
+    weft__limit_check(limit, &match->faults);
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
         limits
             = limits || (limit->families[i] && reader->scene->cloth.springs[i].present);

@@ -13,21 +13,6 @@ static size_t put(char *out, size_t used, size_t size, const char *text)
     return used + (size_t)added;
 }
 
-static void bounds_text(const weft__key *key, bool bare, char *out, size_t size)
-{
-    char above[40] = "";
-    if (isinf(key->least)) {
-        out[0] = '\0';
-        return;
-    }
-    if (key->most > 0.0 && !(bare && key->most > WEFT__MANY)) {
-        (void)snprintf(above, sizeof above, " and %s %.10g",
-                       key->below ? "<" : "<=", key->most);
-    }
-    (void)snprintf(out, size, " %s %g%s%s", key->strict ? ">" : ">=", key->least, above,
-                   key->infinite ? " or .inf" : "");
-}
-
 /* "a, b or c" */
 static void names_text(const weft__key *key, const char *before_last, char *out,
                        size_t size)
@@ -50,11 +35,16 @@ const char *weft__key_names(const weft__section *section, char *out, size_t size
     return out;
 }
 
+const char *weft__unit_of(const weft__key *key)
+{
+    return key->unit == NULL && key->number != NULL ? key->number->unit : key->unit;
+}
+
 const char *weft__unit_text(const weft__key *key, char *out, size_t size)
 {
-    const bool has_unit = key->unit != NULL;
-    (void)snprintf(out, size, "%s%s%s", has_unit ? " [" : "", has_unit ? key->unit : "",
-                   has_unit ? "]" : "");
+    const char *unit = weft__unit_of(key);
+    (void)snprintf(out, size, "%s%s%s", unit == NULL ? "" : " [",
+                   unit == NULL ? "" : unit, unit == NULL ? "" : "]");
     return out;
 }
 
@@ -69,8 +59,8 @@ const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
         [WEFT__TEXT] = "text",
         [WEFT__BOOLEAN] = "true or false",
         [WEFT__NAMES] = "a list of ",
-        [WEFT__SPACING] = "a number > 0 or a pair of them",
-        [WEFT__ATOL] = "a number > 0 or a mapping",
+        [WEFT__SPACING] = "a number",
+        [WEFT__ATOL] = "a number",
         [WEFT__INDEX] = "an index, [first, last] or all",
         [WEFT__PLACE] = "a corner, an edge, [row, column] or {rows, cols}",
         [WEFT__PINS] = "a list of pins",
@@ -81,13 +71,17 @@ const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
         [WEFT__FRACTION] = "a number or a fraction as 19/32",
         [WEFT__SWEEP] = "a mapping {key.path: [values]}",
     };
-    char bounds[80] = "", names[100] = "", shown[32];
+    const char *more = key->kind == WEFT__SPACING ? " or a pair of them"
+                       : key->kind == WEFT__ATOL  ? " or a mapping"
+                                                  : "";
+    const char *range = "";
+    char bounds[80], names[100] = "", shown[32];
     if (key->kind == WEFT__CHOICE || key->kind == WEFT__EITHER) {
         names_text(key, " or ", out, size);
         return out;
     }
-    if (key->kind == WEFT__NUMBER || key->kind == WEFT__INTEGER) {
-        bounds_text(key, bare, bounds, sizeof bounds);
+    if (key->number != NULL) {
+        range = weft__range_text(key->number, bare, bounds, sizeof bounds);
     }
     if (key->kind == WEFT__NAMES) {
         names_text(key, ", ", names, sizeof names);
@@ -95,8 +89,8 @@ const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
     const char *text = texts[key->kind];
     text += bare && strncmp(text, "a ", 2) == 0 ? 2 : 0;
     text += bare && strncmp(text, "an ", 3) == 0 ? 3 : 0;
-    (void)snprintf(out, size, "%s%s%s%s", text, bounds, names,
-                   unit ? weft__unit_text(key, shown, sizeof shown) : "");
+    (void)snprintf(out, size, "%s%s%s%s%s%s", text, range[0] == '\0' ? "" : " ", range,
+                   more, names, unit ? weft__unit_text(key, shown, sizeof shown) : "");
     return out;
 }
 
@@ -201,8 +195,9 @@ static void print_row(const printer *to, const weft__key *key, const char *path)
     const char *tick = !key->required && key->fallback != NULL ? "`" : "";
     (void)snprintf(line, sizeof line, "| `%s` | %s | %s | %s%s%s%s%s | %s |", path,
                    weft__wanted(key, false, true, type, sizeof type),
-                   key->unit == NULL ? "" : key->unit, key->required ? "**" : "", tick,
-                   fallback, tick, key->required ? "**" : "", key->meaning);
+                   weft__unit_of(key) == NULL ? "" : weft__unit_of(key),
+                   key->required ? "**" : "", tick, fallback, tick,
+                   key->required ? "**" : "", key->meaning);
     to->line(to->ctx, line);
 }
 

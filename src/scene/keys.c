@@ -4,34 +4,39 @@
 
 #include <math.h>
 
+#include "cloth/model.h"
+#include "plugin/methods.h"
 #include "scene/read.h"
 
 #define COUNT(array)   (sizeof(array) / sizeof(array)[0])
-#define MANY           2147483647.0 /* a bound for counts that have no other */
 #define AT(type, name) .at = offsetof(type, name)
+/* A number of an owner, which has the offset too, and a range of the scene's own. */
+#define NUMBER(numbers, field) .number = &weft__##numbers##_numbers.field
+#define RANGE(...)                                                                     \
+    .number = &(const weft__number)                                                    \
+    {                                                                                  \
+        __VA_ARGS__                                                                    \
+    }
 #define SECTION(keys_) .keys = (keys_), .count = COUNT(keys_)
 
 /* ---- cloth --------------------------------------------------------------------- */
 
 static const weft__key grid_keys[] = {
-    { "rows", WEFT__INTEGER, .required = true, .least = 1, .most = 2147483648.0,
-      AT(weft_cloth_def, rows), .meaning = "particles down" },
-    { "cols", WEFT__INTEGER, .required = true, .least = 1, .most = 2147483648.0,
-      AT(weft_cloth_def, cols),
+    { "rows", WEFT__INTEGER, .required = true, NUMBER(cloth, rows),
+      .meaning = "particles down" },
+    { "cols", WEFT__INTEGER, .required = true, NUMBER(cloth, cols),
       .meaning = "particles across; rows * cols >= 2, and a single row or column "
                  "makes a chain" },
-    { "spacing", WEFT__SPACING, .required = true, .strict = true, .unit = "m",
-      AT(weft_cloth_def, spacing),
+    { "spacing", WEFT__SPACING, .required = true, NUMBER(cloth, spacing),
       .meaning
       = "distance of neighbours: one number, or [row to row, column to column]" },
-    { "origin", WEFT__VECTOR, .unit = "m", .fallback = "[0, 0, 0]",
-      AT(weft_cloth_def, origin), .meaning = "rest position of particle (0, 0)" },
+    { "origin", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(cloth, origin),
+      .meaning = "rest position of particle (0, 0)" },
     { "right", WEFT__VECTOR, .fallback = "[1, 0, 0]", AT(weft_cloth_def, right),
       .meaning = "direction of increasing column; normalised on reading" },
     { "down", WEFT__VECTOR, .fallback = "[0, -1, 0]", AT(weft_cloth_def, down),
       .meaning = "direction of increasing row; perpendicular to right (1e-9)" },
-    { "scale", WEFT__NUMBER, .strict = true, .fallback = "1.0",
-      AT(weft_cloth_def, scale),
+    { "scale", WEFT__NUMBER, .fallback = "1.0", NUMBER(cloth, scale),
       .meaning = "initial positions = origin + scale * (rest - origin); rest "
                  "lengths do not change" },
 };
@@ -61,8 +66,8 @@ const weft__section weft__place_section
 static const weft__key load_keys[] = {
     { "at", WEFT__PLACE, .required = true, .section = &weft__place_section,
       AT(weft_load, rows), .meaning = "which particles" },
-    { "mass", WEFT__NUMBER, .required = true, .strict = true, .unit = "kg",
-      AT(weft_load, mass), .meaning = "goes to each of them" },
+    { "mass", WEFT__NUMBER, .required = true, .number = &weft__load_mass,
+      .meaning = "goes to each of them" },
 };
 
 const weft__section weft__load_section
@@ -75,12 +80,11 @@ const weft__section weft__load_section
 static const weft__key pin_keys[] = {
     { "at", WEFT__PLACE, .required = true, .section = &weft__place_section,
       AT(weft_pin, rows), .meaning = "which particles" },
-    { "velocity", WEFT__VECTOR, .unit = "m/s", .fallback = "[0, 0, 0]",
-      AT(weft_pin, velocity), .meaning = "velocity of the pinned particles" },
-    { "amplitude", WEFT__VECTOR, .unit = "m", .fallback = "[0, 0, 0]",
-      AT(weft_pin, amplitude),
+    { "velocity", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(pin, velocity),
+      .meaning = "velocity of the pinned particles" },
+    { "amplitude", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(pin, amplitude),
       .meaning = "oscillation: + amplitude * sin(2 pi frequency t)" },
-    { "frequency", WEFT__NUMBER, .unit = "Hz", .fallback = "0", AT(weft_pin, frequency),
+    { "frequency", WEFT__NUMBER, .fallback = "0", NUMBER(pin, frequency),
       .meaning = "frequency of the oscillation; amplitude and frequency go together" },
 };
 
@@ -93,10 +97,10 @@ const weft__section weft__pin_section
                        "..., cols: ...}, ...}" };
 
 static const weft__key family_keys[] = {
-    { "stiffness", WEFT__NUMBER, .required = true, .unit = "N/m or N",
-      AT(weft_spring_def, stiffness), .meaning = "stiffness of each spring" },
-    { "damping", WEFT__NUMBER, .unit = "kg/s", .fallback = "0",
-      AT(weft_spring_def, damping), .meaning = "damping along the spring" },
+    { "stiffness", WEFT__NUMBER, .required = true, NUMBER(spring, stiffness),
+      .meaning = "stiffness of each spring" },
+    { "damping", WEFT__NUMBER, .fallback = "0", NUMBER(spring, damping),
+      .meaning = "damping along the spring" },
 };
 
 static const weft__section family_section = { SECTION(family_keys) };
@@ -139,14 +143,11 @@ static const weft__key cloth_keys[] = {
     { "grid", WEFT__MAPPING, .required = true, .section = &grid_section,
       .meaning = "particle (row, col) rests at origin + col * spacing * right + row * "
                  "spacing * down" },
-    { "mass", WEFT__NUMBER, .strict = true, .unit = "kg", .absent = "mass or density",
-      AT(weft_cloth_def, mass),
+    { "mass", WEFT__NUMBER, .absent = "mass or density", NUMBER(cloth, mass),
       .meaning = "mass of each particle; exactly one of mass and density is required" },
-    { "density", WEFT__NUMBER, .strict = true, .unit = "kg/m^2",
-      .absent = "mass or density", AT(weft_cloth_def, density),
+    { "density", WEFT__NUMBER, .absent = "mass or density", NUMBER(cloth, density),
       .meaning = "mass per area, lumped to the particles" },
-    { "velocity", WEFT__VECTOR, .unit = "m/s", .fallback = "[0, 0, 0]",
-      AT(weft_cloth_def, velocity),
+    { "velocity", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(cloth, velocity),
       .meaning = "initial velocity of particles without a pin" },
     { "loads", WEFT__LOADS, .section = &weft__load_section, .absent = "none",
       .meaning = "point masses added to particles" },
@@ -163,20 +164,18 @@ static const weft__section cloth_section
 /* ---- forces -------------------------------------------------------------------- */
 
 static const weft__key wind_keys[] = {
-    { "velocity", WEFT__VECTOR, .required = true, .unit = "m/s",
-      AT(weft_cloth_def, wind_velocity), .meaning = "velocity of the air" },
-    { "drag", WEFT__NUMBER, .required = true, .unit = "kg/(m^2 s)",
-      AT(weft_cloth_def, wind_drag),
+    { "velocity", WEFT__VECTOR, .required = true, NUMBER(cloth, wind_velocity),
+      .meaning = "velocity of the air" },
+    { "drag", WEFT__NUMBER, .required = true, NUMBER(cloth, wind_drag),
       .meaning = "F = drag * area * (n . (velocity - v)) n" },
 };
 
 static const weft__section wind_section = { SECTION(wind_keys) };
 
 static const weft__key force_keys[] = {
-    { "gravity", WEFT__VECTOR, .unit = "m/s^2", .fallback = "[0, -9.81, 0]",
-      AT(weft_cloth_def, gravity), .meaning = "acceleration of free fall" },
-    { "damping", WEFT__NUMBER, .unit = "kg/s", .fallback = "0",
-      AT(weft_cloth_def, drag),
+    { "gravity", WEFT__VECTOR, .fallback = "[0, -9.81, 0]", NUMBER(cloth, gravity),
+      .meaning = "acceleration of free fall" },
+    { "damping", WEFT__NUMBER, .fallback = "0", NUMBER(cloth, drag),
       .meaning = "viscous damping of each particle: F = -damping * v" },
     { "wind", WEFT__MAPPING, .section = &wind_section, .absent = "no wind",
       .meaning = "moving air" },
@@ -201,35 +200,32 @@ enum {
 static const weft__key shape_keys[] = {
     { "shape", WEFT__CHOICE, .required = true, .names = shape_names,
       AT(weft_shape, kind), .meaning = "its kind" },
-    { "at", WEFT__VECTOR, .required = true, .unit = "m", .of = PLANE | SPHERE | BOX,
-      AT(weft_shape, at),
+    { "at", WEFT__VECTOR, .required = true, .of = PLANE | SPHERE | BOX,
+      NUMBER(shape, at),
       .meaning = "a point of a plane, the centre of a sphere or box" },
     { "normal", WEFT__VECTOR, .required = true, .of = PLANE, AT(weft_shape, normal),
       .meaning = "plane: towards the side of the cloth; normalised on reading" },
-    { "from", WEFT__VECTOR, .required = true, .unit = "m", .of = CAPSULE,
-      AT(weft_shape, at), .meaning = "capsule: one end of its axis" },
+    { "from", WEFT__VECTOR, .required = true, .of = CAPSULE, NUMBER(shape, at),
+      .meaning = "capsule: one end of its axis" },
     { "to", WEFT__VECTOR, .required = true, .unit = "m", .of = CAPSULE,
       AT(weft_shape, to), .meaning = "capsule: the other end" },
-    { "radius", WEFT__NUMBER, .required = true, .strict = true, .unit = "m",
-      .of = SPHERE | CAPSULE, AT(weft_shape, radius),
+    { "radius", WEFT__NUMBER, .required = true, .of = SPHERE | CAPSULE,
+      .number = &weft__shape_radius,
       .meaning = "of a sphere; of a capsule, about its axis" },
     { "half", WEFT__VECTOR, .required = true, .unit = "m", .of = BOX,
       AT(weft_shape, half),
       .meaning = "box: half its edges along x, y, z; > rounding" },
-    { "rounding", WEFT__NUMBER, .required = true, .strict = true, .unit = "m",
-      .of = BOX, AT(weft_shape, rounding), .meaning = "box: radius of its edges" },
-    { "friction", WEFT__NUMBER, .absent = "contact.friction", AT(weft_shape, friction),
-      .meaning = "coefficient of friction of this shape" },
-    { "velocity", WEFT__VECTOR, .unit = "m/s", .fallback = "[0, 0, 0]",
-      AT(weft_shape, velocity), .meaning = "velocity of the shape" },
-    { "amplitude", WEFT__VECTOR, .unit = "m", .fallback = "[0, 0, 0]",
-      AT(weft_shape, amplitude),
+    { "rounding", WEFT__NUMBER, .required = true, .of = BOX,
+      .number = &weft__shape_rounding, .meaning = "box: radius of its edges" },
+    { "friction", WEFT__NUMBER, RANGE(.least = 0.0), .absent = "contact.friction",
+      AT(weft_shape, friction), .meaning = "coefficient of friction of this shape" },
+    { "velocity", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(shape, velocity),
+      .meaning = "velocity of the shape" },
+    { "amplitude", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(shape, amplitude),
       .meaning = "oscillation: + amplitude * sin(2 pi frequency t)" },
-    { "frequency", WEFT__NUMBER, .unit = "Hz", .fallback = "0",
-      AT(weft_shape, frequency),
+    { "frequency", WEFT__NUMBER, .fallback = "0", NUMBER(shape, frequency),
       .meaning = "frequency of the oscillation; amplitude and frequency go together" },
-    { "spin", WEFT__VECTOR, .unit = "rad/s", .fallback = "[0, 0, 0]",
-      AT(weft_shape, spin),
+    { "spin", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(shape, spin),
       .meaning = "of the surface: about at, along the normal of a plane and the axis "
                  "of a capsule, none of a box" },
 };
@@ -237,30 +233,28 @@ static const weft__key shape_keys[] = {
 const weft__section weft__shape_section
     = { .title = "a shape", SECTION(shape_keys), .check = weft__check_shape };
 
-#define CONTACT(name) AT(weft_scene, cloth.contact.name)
-
 static const weft__key contact_keys[] = {
-    { "thickness", WEFT__NUMBER, .strict = true, .unit = "m", .fallback = "5.0e-3",
-      CONTACT(thickness), .meaning = "forces begin at this distance from a shape" },
-    { "stopping_speed", WEFT__NUMBER, .strict = true, .unit = "m/s", .fallback = "5.0",
-      CONTACT(stopping_speed),
+    { "thickness", WEFT__NUMBER, .fallback = "5.0e-3", NUMBER(contact, thickness),
+      .meaning = "forces begin at this distance from a shape" },
+    { "stopping_speed", WEFT__NUMBER, .fallback = "5.0",
+      NUMBER(contact, stopping_speed),
       .meaning = "a particle that arrives at it is stopped at 0.2755 thickness "
                  "(exponent 4)" },
-    { "exponent", WEFT__INTEGER, .least = 3, .most = 10, .fallback = "4",
-      AT(weft_scene, exponent),
+    { "exponent", WEFT__INTEGER, .fallback = "4", NUMBER(contact, exponent),
       .meaning = "the force begins like its power minus 1 of the depth: higher is "
                  "smoother" },
-    { "damping", WEFT__NUMBER, .unit = "s/m", .fallback = "1.0", CONTACT(damping),
+    { "damping", WEFT__NUMBER, .fallback = "1.0", NUMBER(contact, damping),
       .meaning = "of the approach; 0: elastic" },
-    { "friction", WEFT__NUMBER, .fallback = "0.3", CONTACT(friction),
+    { "friction", WEFT__NUMBER, .fallback = "0.3", NUMBER(contact, friction),
       .meaning = "coefficient of friction of shapes without their own" },
-    { "law", WEFT__CHOICE, .names = friction_names, CONTACT(law), .fallback = "smooth",
+    { "law", WEFT__CHOICE, .names = friction_names, AT(weft_contact_def, law),
+      .fallback = "smooth",
       .meaning = "smooth: no stiffer than 10 times the contact; coulomb: exact above "
                  "slip, and costly" },
-    { "slip", WEFT__NUMBER, .strict = true, .unit = "m/s", .fallback = "1.0e-3",
-      CONTACT(slip), .meaning = "below this slip speed friction fades" },
+    { "slip", WEFT__NUMBER, .fallback = "1.0e-3", NUMBER(contact, slip),
+      .meaning = "below this slip speed friction fades" },
     { "shapes", WEFT__SHAPE_LIST, .section = &weft__shape_section, .absent = "none",
-      .meaning = "rigid shapes" },
+      AT(weft_contact_def, shapes), .meaning = "rigid shapes" },
 };
 
 static const weft__section contact_section
@@ -278,15 +272,14 @@ static const weft__key limit_keys[] = {
     { "method", WEFT__CHOICE, .required = true, .names = limit_names,
       AT(weft_limit_def, method), .first = WEFT_LIMIT_PROVOT,
       .meaning = "provot corrects positions, bridson velocities" },
-    { "strain", WEFT__NUMBER, .fallback = "0.1", AT(weft_limit_def, strain),
+    { "strain", WEFT__NUMBER, .fallback = "0.1", NUMBER(limit, strain),
       .meaning = "no limited spring longer than (1 + strain) * rest length" },
-    { "springs", WEFT__NAMES, .names = family_names, .least = 1,
+    { "springs", WEFT__NAMES, .names = family_names, .some = true,
       .fallback = "[stretch, shear]", AT(weft_limit_def, families),
       .meaning = "limited families" },
-    { "sweeps", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "100",
-      AT(weft_limit_def, sweeps), .meaning = "maximum of passes per step" },
-    { "tolerance", WEFT__NUMBER, .strict = true, .fallback = "1.0e-3",
-      AT(weft_limit_def, tolerance),
+    { "sweeps", WEFT__INTEGER, .fallback = "100", NUMBER(limit, sweeps),
+      .meaning = "maximum of passes per step" },
+    { "tolerance", WEFT__NUMBER, .fallback = "1.0e-3", NUMBER(limit, tolerance),
       .meaning = "passes end when no spring exceeds (1 + strain)(1 + tolerance) "
                  "rest lengths" },
     { "velocity", WEFT__EITHER, .names = velocity_names,
@@ -306,10 +299,10 @@ static const weft__section limit_section
 static const char *const norm_names[] = { "max", "rms", NULL };
 
 static const weft__key atol_keys[] = {
-    { "position", WEFT__NUMBER, .required = true, .strict = true, .unit = "m",
-      AT(weft_stepper_config, atol_position), .meaning = "tolerance of positions" },
-    { "velocity", WEFT__NUMBER, .required = true, .strict = true, .unit = "m/s",
-      AT(weft_stepper_config, atol_velocity), .meaning = "tolerance of velocities" },
+    { "position", WEFT__NUMBER, .required = true, NUMBER(config, atol_position),
+      .meaning = "tolerance of positions" },
+    { "velocity", WEFT__NUMBER, .required = true, NUMBER(config, atol_velocity),
+      .meaning = "tolerance of velocities" },
 };
 
 static const weft__section atol_section = { SECTION(atol_keys) };
@@ -322,11 +315,11 @@ static const weft__key butcher_keys[] = {
       .meaning = "weights, one per stage" },
     { "c", WEFT__ROW, .required = true, AT(weft__tableau, c),
       .meaning = "nodes, one per stage" },
-    { "order", WEFT__INTEGER, .required = true, .least = 1, .most = 99,
+    { "order", WEFT__INTEGER, .required = true, RANGE(.least = 1, .most = 99),
       AT(weft__tableau, order), .meaning = "order of the continued solution" },
     { "b_embedded", WEFT__ROW, .absent = "fixed steps only",
       AT(weft__tableau, b_embedded), .meaning = "weights of the embedded solution" },
-    { "embedded_order", WEFT__INTEGER, .least = 1, .most = 99,
+    { "embedded_order", WEFT__INTEGER, RANGE(.least = 1, .most = 99),
       .absent = "fixed steps only", AT(weft__tableau, embedded_order),
       .meaning = "order of the embedded solution; b_embedded and embedded_order go "
                  "together" },
@@ -350,20 +343,21 @@ static const weft__key controller_keys[] = {
       .meaning
       = "k1, k2, k3 of the law: pid and imex_gustafsson take three, i one, the "
         "others two" },
-    { "safety", WEFT__NUMBER, .strict = true, .most = 1.0, .absent = "arkode: 0.96",
-      AT(weft__control, set.safety), .meaning = "part of the largest acceptable h" },
-    { "bias", WEFT__NUMBER, .least = 1.0, .absent = "arkode: 1.2",
+    { "safety", WEFT__NUMBER, RANGE(.strict = true, .most = 1.0),
+      .absent = "arkode: 0.96", AT(weft__control, set.safety),
+      .meaning = "part of the largest acceptable h" },
+    { "bias", WEFT__NUMBER, RANGE(.least = 1.0), .absent = "arkode: 1.2",
       AT(weft__control, set.bias), .meaning = "factor of the error estimate" },
-    { "max_growth", WEFT__NUMBER, .strict = true, .least = 1.0, .absent = "arkode: 25",
-      AT(weft__control, set.max_growth),
+    { "max_growth", WEFT__NUMBER, RANGE(.strict = true, .least = 1.0),
+      .absent = "arkode: 25", AT(weft__control, set.max_growth),
       .meaning = "largest factor of h from step to step" },
-    { "first_growth", WEFT__NUMBER, .strict = true, .least = 1.0,
+    { "first_growth", WEFT__NUMBER, RANGE(.strict = true, .least = 1.0),
       .absent = "arkode: 1e4", AT(weft__control, set.first_growth),
       .meaning = "max_growth after the first step" },
-    { "min_reduction", WEFT__NUMBER, .strict = true, .most = 1.0, .below = true,
+    { "min_reduction", WEFT__NUMBER, RANGE(.strict = true, .most = 1.0, .below = true),
       .absent = "arkode: 0.1", AT(weft__control, set.min_reduction),
       .meaning = "smallest factor of h from step to step" },
-    { "failed_growth", WEFT__NUMBER, .strict = true, .most = 1.0, .below = true,
+    { "failed_growth", WEFT__NUMBER, RANGE(.strict = true, .most = 1.0, .below = true),
       .absent = "arkode: 0.3", AT(weft__control, set.failed_growth),
       .meaning = "factor of h after repeated rejections" },
 };
@@ -377,24 +371,23 @@ static const weft__key stepper_keys[] = {
     { "method", WEFT__TEXT, .required = true, AT(weft_scene, method),
       .meaning
       = "a method of the plugin (weft steppers lists them), or plugin/method" },
-    { "rtol", WEFT__NUMBER, .fallback = "1.0e-6", AT(weft_scene, config.rtol),
-      .meaning = "relative tolerance" },
-    { "atol", WEFT__ATOL, .strict = true, .unit = "m, m/s", .section = &atol_section,
-      .fallback = "1.0e-6", AT(weft_scene, config),
+    { "rtol", WEFT__NUMBER, .fallback = "1.0e-6", AT(weft_scene, config),
+      NUMBER(config, rtol), .meaning = "relative tolerance" },
+    { "atol", WEFT__ATOL, NUMBER(config, atol_position), .unit = "m, m/s",
+      .section = &atol_section, .fallback = "1.0e-6",
       .meaning = "absolute tolerance: a number for all, or {position, velocity}" },
     { "norm", WEFT__CHOICE, .names = norm_names, AT(weft_scene, config.norm),
       .fallback = "max", .meaning = "error norm over all components" },
-    { "first_step", WEFT__NUMBER, .strict = true, .unit = "s", .fallback = "1.0e-3",
-      AT(weft_scene, config.first_step), .meaning = "first step size to try" },
-    { "min_step", WEFT__NUMBER, .strict = true, .unit = "s", .fallback = "1.0e-12",
-      AT(weft_scene, config.min_step),
+    { "first_step", WEFT__NUMBER, .fallback = "1.0e-3", AT(weft_scene, config),
+      NUMBER(config, first_step), .meaning = "first step size to try" },
+    { "min_step", WEFT__NUMBER, .fallback = "1.0e-12", AT(weft_scene, config),
+      NUMBER(config, min_step),
       .meaning = "smallest step size; a smaller "
                  "one is a failure" },
-    { "max_step", WEFT__NUMBER, .strict = true, .infinite = true, .unit = "s",
-      .fallback = ".inf", AT(weft_scene, config.max_step),
-      .meaning = "largest step size" },
-    { "fixed_step", WEFT__NUMBER, .strict = true, .unit = "s", .absent = "adaptive",
-      AT(weft_scene, config.fixed_step),
+    { "max_step", WEFT__NUMBER, .fallback = ".inf", AT(weft_scene, config),
+      NUMBER(config, max_step), .meaning = "largest step size" },
+    { "fixed_step", WEFT__NUMBER, .absent = "adaptive", AT(weft_scene, config),
+      NUMBER(config, fixed_step),
       .meaning
       = "no error control; excludes the keys from rtol to max_step; frames cut "
         "steps short" },
@@ -428,7 +421,7 @@ static const weft__key record_keys[] = {
       .fallback = "[velocity, strain, pinned]", AT(weft_record_def, fields),
       .meaning = "fields in run.vtkhdf beside the positions; strain: the largest (L "
                  "- s) / s of a particle's springs" },
-    { "every", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "1",
+    { "every", WEFT__INTEGER, RANGE(.least = 1), .fallback = "1",
       AT(weft_record_def, every),
       .meaning
       = "run.vtkhdf holds every n-th frame, and always the first and the last" },
@@ -443,18 +436,18 @@ static const weft__section record_section
 /* ---- the rest ------------------------------------------------------------------ */
 
 static const weft__key run_keys[] = {
-    { "duration", WEFT__NUMBER, .required = true, .strict = true, .unit = "s",
+    { "duration", WEFT__NUMBER, .required = true, RANGE(.strict = true), .unit = "s",
       AT(weft_run_def, duration), .meaning = "simulated time" },
-    { "fps", WEFT__NUMBER, .strict = true, .unit = "1/s", .fallback = "30",
+    { "fps", WEFT__NUMBER, RANGE(.strict = true), .unit = "1/s", .fallback = "30",
       AT(weft_run_def, fps),
       .meaning = "frames per simulated second; frame i is at exactly i / fps, the last "
                  "at duration" },
-    { "threads", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "1",
+    { "threads", WEFT__INTEGER, RANGE(.least = 1), .fallback = "1",
       AT(weft_run_def, threads),
       .meaning = "threads for the forces, from 64 x 64 particles on, and for the "
                  "solver's vector work (plugin arkode); the result does not depend "
                  "on it" },
-    { "checkpoint", WEFT__INTEGER, .most = MANY, .fallback = "30",
+    { "checkpoint", WEFT__INTEGER, RANGE(.least = 0.0), .fallback = "30",
       AT(weft_run_def, checkpoint),
       .meaning = "interval in frames: the stepper restarts and a checkpoint for "
                  "weft resume is written; 0: never" },
@@ -465,7 +458,7 @@ static const weft__section run_section
 
 /* The stepper comes before run and record, which are checked against it. */
 static const weft__key root_keys[] = {
-    { "weft", WEFT__INTEGER, .least = 1, .most = MANY, .fallback = "1",
+    { "weft", WEFT__INTEGER, RANGE(.least = 1), .fallback = "1",
       AT(weft_scene, version), .meaning = "version of the scene format, 1" },
     { "name", WEFT__TEXT, .absent = "file name", AT(weft_scene, name),
       .meaning = "free text; default: the file's name without .yaml" },
@@ -474,7 +467,7 @@ static const weft__key root_keys[] = {
     { "forces", WEFT__MAPPING, .section = &force_section, .absent = "gravity",
       AT(weft_scene, cloth), .meaning = "other forces on the cloth" },
     { "contact", WEFT__MAPPING, .section = &contact_section, .absent = "none",
-      .meaning = "rigid shapes that the cloth touches" },
+      AT(weft_scene, cloth.contact), .meaning = "rigid shapes that the cloth touches" },
     { "limit", WEFT__MAPPING, .section = &limit_section, .absent = "none",
       AT(weft_scene, limit),
       .meaning = "strain limit, applied after every accepted step" },

@@ -3,18 +3,19 @@
 #ifndef WEFT_SCENE_KEYS_H
 #define WEFT_SCENE_KEYS_H
 
+#include "base/faults.h"
 #include "scene/diagnostics.h"
 
 typedef enum weft__kind {
     WEFT__MAPPING,    /* a section */
     WEFT__NUMBER,     /* double */
-    WEFT__INTEGER,    /* size_t */
+    WEFT__INTEGER,    /* of the type of its number */
     WEFT__VECTOR,     /* double[3] */
     WEFT__TEXT,       /* char *, of the tree */
     WEFT__BOOLEAN,    /* bool */
     WEFT__CHOICE,     /* enum: one of names, the first stands for `first` */
     WEFT__EITHER,     /* bool: one of two names, true the second */
-    WEFT__NAMES,      /* bool of each of names: a list of at least `least` of them */
+    WEFT__NAMES,      /* bool of each of names: a list of them */
     WEFT__SPACING,    /* double[2] from a number or a pair */
     WEFT__ATOL,       /* two doubles from a number or a mapping */
     WEFT__INDEX,      /* weft_range of the rows or columns of a place */
@@ -37,20 +38,18 @@ typedef struct weft__key {
     const char *name;
     weft__kind kind;
     bool required;
-    bool strict;          /* a number must be > least, else >= */
-    bool below;           /* a number must be < most, else <= */
-    bool infinite;        /* .inf is a value */
-    double least, most;   /* of numbers and integers; most 0: no bound */
-    const char *unit;     /* "N/m"; NULL: none */
-    const char *fallback; /* the default, as a scene would say it; NULL: none */
-    const char *absent;   /* what holds without the key, in words, if no fallback */
+    bool some;                  /* a list must not be empty */
+    const weft__number *number; /* of numbers: range and unit; NULL: any */
+    const char *unit;           /* "N/m", if no number has it; NULL: none */
+    const char *fallback;       /* the default, as a scene would say it; NULL: none */
+    const char *absent; /* what holds without the key, in words, if no fallback */
     const char *meaning;
     const char *const *names; /* of a choice or a list; ends with NULL */
     unsigned first;
     unsigned of; /* a bit for each choice of the section's first key that it goes with;
                     0: with all */
     const weft__section *section; /* of the kinds that are or hold mappings */
-    size_t at;                    /* offset into what the section fills */
+    size_t at; /* offset into what the section fills, beside the number's own */
 } weft__key;
 
 /* Called when all keys of a section were read into base. */
@@ -67,10 +66,6 @@ struct weft__section {
     const char *beside_hint;
 };
 
-/* A bound above this only keeps numbers sane: messages name it only if it is exceeded.
- */
-#define WEFT__MANY 1e6
-
 #define WEFT__MAX_KEYS 16 /* of a section */
 
 extern const weft__section weft__root;
@@ -82,6 +77,15 @@ extern const weft__section weft__shape_section; /* {shape, ...} */
 /* The type of a key: "a number >= 0 [N/m]", without its article if `bare`. */
 const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
                          size_t size);
+
+/* The offset into what its section fills. */
+static inline size_t weft__offset_of(const weft__key *key)
+{
+    return key->at + (key->number == NULL ? 0 : key->number->at);
+}
+
+/* "N/m"; NULL: the key has no unit. */
+const char *weft__unit_of(const weft__key *key);
 
 /* " [N/m]"; "" of a key without a unit. */
 const char *weft__unit_text(const weft__key *key, char *out, size_t size);

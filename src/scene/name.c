@@ -6,20 +6,15 @@
 
 char *weft__name_of_file(weft__tree *tree, const char *file)
 {
-    static const char *const endings[] = { ".yaml", ".yml" };
     const char *slash = strrchr(file, '/');
     const char *base = slash == NULL ? file : slash + 1;
-    const size_t length = strlen(base);
-    char *name = weft__tree_text(tree, base, length);
+    char *name = weft__tree_text(tree, base, strlen(base));
     if (name == NULL) {
         return NULL;
     }
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; ++i) {
-        const size_t ending = strlen(endings[i]);
-        if (length > ending && strcmp(name + length - ending, endings[i]) == 0) {
-            name[length - ending] = '\0';
-            break;
-        }
+    char *dot = strrchr(name, '.');
+    if (dot > name && (strcmp(dot, ".yaml") == 0 || strcmp(dot, ".yml") == 0)) {
+        *dot = '\0';
     }
     weft__one_line(name);
     return name;

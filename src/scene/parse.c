@@ -294,26 +294,22 @@ static bool build_document(tree_builder *self, const weft__node **root)
 {
     yaml_event_t event;
     while (next_event(self, &event)) {
-        switch (event.type) {
-        case YAML_STREAM_END_EVENT:
-            return !self->refused;
-        case YAML_DOCUMENT_START_EVENT:
-            if (++self->documents == 2) {
-                (void)fail(self, place(self, event.start_mark),
-                           "a second document begins here; a scene is a single one");
-                yaml_event_delete(&event);
-                return !self->refused;
-            }
-            yaml_event_delete(&event);
-            break;
-        case YAML_STREAM_START_EVENT:
-        case YAML_DOCUMENT_END_EVENT:
-            break;
-        default:
+        const yaml_event_type_t type = event.type;
+        if (type >= YAML_ALIAS_EVENT) { /* it begins a node */
             *root = build_node(self, &event, 1);
             if (*root == NULL) {
                 return false;
             }
+            continue;
+        }
+        const bool second = type == YAML_DOCUMENT_START_EVENT && ++self->documents == 2;
+        if (second) {
+            (void)fail(self, place(self, event.start_mark),
+                       "a second document begins here; a scene is a single one");
+        }
+        yaml_event_delete(&event);
+        if (second || type == YAML_STREAM_END_EVENT) {
+            return !self->refused;
         }
     }
     return false;

@@ -54,27 +54,22 @@ void weft__refuse_value(weft__reader *reader, const weft__key *key,
                         || key->kind == WEFT__INDEX || key->kind == WEFT__FRACTION;
     weft__refuse(reader, node, key->name,
                  weft__wanted(key, true, false, wanted, sizeof wanted), number,
-                 key->unit);
+                 weft__unit_of(key));
 }
 
 /* ---- plain values ----------------------------------------------------------- */
-
-static bool in_bounds(const weft__key *key, double value)
-{
-    return (key->strict ? value > key->least : value >= key->least)
-           && (key->most == 0.0
-               || (key->below ? value < key->most : value <= key->most))
-           && (isfinite(value) || (key->infinite && value > 0.0));
-}
 
 bool weft__read_number(weft__reader *reader, const weft__key *key, const char *name,
                        const weft__node *node, double *out)
 {
     const bool fraction = key->kind == WEFT__ROW || key->kind == WEFT__ROWS;
+    const weft__number *range = key->number;
     weft__key like = *key;
     double value;
-    if (fraction ? weft__fraction_of(node, &value)
-                 : weft__number_of(node, &value) && in_bounds(key, value)) {
+    if (fraction
+            ? weft__fraction_of(node, &value)
+            : weft__number_of(node, &value)
+                  && (range == NULL ? isfinite(value) : weft__in_range(range, value))) {
         *out = value;
         return true;
     }
@@ -103,58 +98,54 @@ static void read_number(weft__reader *reader, const weft__key *key,
     (void)weft__read_number(reader, key, key->name, node, to);
 }
 
+#define MANY 2147483647.0 /* the bound of integers that have no other */
+
 static void read_integer(weft__reader *reader, const weft__key *key,
                          const weft__node *node, void *to)
 {
+    weft__number range = *key->number;
     weft__key shown = *key;
     long long value = 0;
-    if (weft__integer_of(node, &value) && in_bounds(key, (double)value)) {
+    range.most = range.most == 0.0 ? MANY : range.most;
+    shown.number = &range;
+    if (!weft__integer_of(node, &value) || !weft__in_range(&range, (double)value)) {
+        range.most
+            = range.most > WEFT__MANY && (double)value <= range.most ? 0.0 : range.most;
+        weft__refuse_value(reader, &shown, node);
+    } else if (range.type == WEFT__INT) {
+        *(int *)to = (int)value;
+    } else {
         *(size_t *)to = (size_t)value;
-        return;
     }
-    if (key->most > WEFT__MANY && (double)value <= key->most) {
-        shown.most = 0.0;
-    }
-    weft__refuse_value(reader, &shown, node);
 }
 
+/* A vector, or a spacing: a pair, or one number for both. */
 static void read_vector(weft__reader *reader, const weft__key *key,
                         const weft__node *node, void *to)
 {
-    weft__key element = *key;
+    const size_t count = key->kind == WEFT__VECTOR ? 3 : 2;
     double value[3];
-    if (weft__item_count(node) != 3) {
+    bool good = false;
+    if (count == 2 && node->type == WEFT__SCALAR && !weft__is_null(node)) {
+        good = weft__read_number(reader, key, key->name, node, &value[0]);
+        value[1] = value[0];
+    } else if (weft__item_count(node) == count) {
+        good = weft__read_numbers(reader, key, key->name, node, value);
+    } else {
         weft__refuse_value(reader, key, node);
-        return;
     }
-    element.least = -HUGE_VAL;
-    if (weft__read_numbers(reader, &element, key->name, node, value)) {
-        memcpy(to, value, sizeof value);
-    }
-}
-
-static void read_spacing(weft__reader *reader, const weft__key *key,
-                         const weft__node *node, void *to)
-{
-    double value[2];
-    if (node->type == WEFT__SCALAR && !weft__is_null(node)) {
-        if (weft__read_number(reader, key, key->name, node, &value[0])) {
-            value[1] = value[0];
-            memcpy(to, value, sizeof value);
-        }
-    } else if (weft__item_count(node) != 2) {
-        weft__refuse_value(reader, key, node);
-    } else if (weft__read_numbers(reader, key, key->name, node, value)) {
-        memcpy(to, value, sizeof value);
+    if (good) {
+        memcpy(to, value, count * sizeof *value);
     }
 }
 
 static void read_atol(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *to)
 {
-    weft_stepper_config *config = to;
+    weft_stepper_config *config = &reader->scene->config;
     weft__key plain = *key;
     double value;
+    (void)to;
     plain.unit = "m and m/s";
     if (node->type == WEFT__MAP) {
         weft__read_section(reader, key->section, key->name, node, config);
@@ -234,7 +225,7 @@ static void read_names(weft__reader *reader, const weft__key *key,
     (void)snprintf(title, sizeof title, "an item of %s", key->name);
     const weft__key element
         = { .name = title, .kind = WEFT__CHOICE, .names = key->names };
-    if (node->type != WEFT__LIST || (double)weft__item_count(node) < key->least) {
+    if (node->type != WEFT__LIST || (key->some && node->count == 0)) {
         weft__refuse_value(reader, key, node);
     }
     for (size_t i = 0; i < weft__item_count(node); ++i) {
@@ -278,13 +269,13 @@ void weft__read_value(weft__reader *reader, const weft__key *key,
         [WEFT__INTEGER] = read_integer,   [WEFT__VECTOR] = read_vector,
         [WEFT__TEXT] = read_text,         [WEFT__CHOICE] = read_choice,
         [WEFT__EITHER] = read_choice,     [WEFT__NAMES] = read_names,
-        [WEFT__SPACING] = read_spacing,   [WEFT__ATOL] = read_atol,
+        [WEFT__SPACING] = read_vector,    [WEFT__ATOL] = read_atol,
         [WEFT__INDEX] = weft__read_index, [WEFT__PLACE] = weft__read_place,
         [WEFT__PINS] = weft__read_pins,   [WEFT__LOADS] = weft__read_loads,
         [WEFT__ROW] = weft__read_row,     [WEFT__ROWS] = weft__read_rows,
         [WEFT__BOOLEAN] = read_boolean,   [WEFT__SHAPE_LIST] = weft__read_shapes,
     };
-    readers[key->kind](reader, key, node, (char *)base + key->at);
+    readers[key->kind](reader, key, node, (char *)base + weft__offset_of(key));
 }
 
 /* Reads a default as if it stood in the scene. A plain value needs no parser, which
@@ -460,10 +451,37 @@ static void read_key(weft__reader *reader, weft__match *match, size_t i, void *b
     }
 }
 
+/* The entry of the key that fills a field: of several, the one that is there. */
+static weft__found found_at(const weft__match *match, size_t field)
+{
+    weft__found found = { .key = NULL };
+    for (size_t i = 0; i < match->section->count; ++i) {
+        found = weft__offset_of(&match->section->keys[i]) == field && found.key == NULL
+                    ? match->found[i]
+                    : found;
+    }
+    return found;
+}
+
+static void report_fault(void *ctx, size_t field, size_t other, const char *message)
+{
+    const weft__match *match = ctx;
+    const weft__found a = found_at(match, field);
+    const weft__found b = found_at(match, other);
+    const weft__node *node = a.value == NULL ? b.value : a.value;
+    if (node != NULL && !a.wrong && !b.wrong) {
+        weft__report_error(match->reader->report, node->at, "%s", message);
+    }
+}
+
 void weft__read_section(weft__reader *reader, const weft__section *section,
                         const char *title, const weft__node *node, void *base)
 {
-    weft__match match = { .section = section, .title = title, .map = node };
+    weft__match match = { .reader = reader,
+                          .faults = { report_fault, &match },
+                          .section = section,
+                          .title = title,
+                          .map = node };
     if (node != NULL && node->type != WEFT__MAP) {
         char keys[200], wanted[sizeof keys + 16];
         (void)snprintf(wanted, sizeof wanted, "a mapping {%s}",

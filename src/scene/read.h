@@ -46,7 +46,6 @@ struct weft_scene {
     weft__control control;
     weft_butcher butcher;
     bool large_matrices; /* are allowed */
-    size_t exponent;     /* of contact */
 };
 
 typedef struct weft__reader {
@@ -88,8 +87,12 @@ typedef struct weft__found {
     bool explained; /* absent, and a mistake that was reported may be the reason */
 } weft__found;
 
-/* A mapping and which of its section's keys it has. */
+/* A mapping and which of its section's keys it has. `faults` reports one of a field at
+ * its key's value, or, if that is a default, at the value of the other one, unless a
+ * value was refused before. */
 typedef struct weft__match {
+    weft__reader *reader;
+    weft__faults faults;
     const weft__section *section;
     const char *title;
     const weft__node *map;
@@ -149,15 +152,6 @@ void weft__report_exclusive(weft__report *report, const weft__node *a,
 /* Reads a value of one kind to `to`. */
 typedef void weft__read_fn(weft__reader *reader, const weft__key *key,
                            const weft__node *node, void *to);
-
-/* Reports a fault of a field at its key's value, or, if that is a default, at the value
- * of the other one: takes faults if ctx is a weft__fault_reporter. A value that was
- * refused before is not reported again. */
-typedef struct weft__fault_reporter {
-    weft__reader *reader;
-    const weft__match *match;
-} weft__fault_reporter;
-void weft__report_fault(void *ctx, size_t field, size_t other, const char *message);
 
 /* An array for the *count items of a list, of `size` bytes each. NULL: the list is
  * empty or wrong, or there is no memory. */

@@ -174,7 +174,6 @@ static bool keep_name(const weft__base *base, weft_scene *scene)
 static weft_status complete(const weft__base *base, weft_scene *scene, weft_error *err)
 {
     scene->config.threads = scene->run.threads;
-    scene->cloth.contact.exponent = (int)scene->exponent;
     if (scene->name == NULL && !keep_name(base, scene)) {
         return no_memory(err);
     }

@@ -26,15 +26,13 @@ void weft__check_shape(weft__reader *reader, const weft__match *match, void *bas
 {
     const weft_shape *shape = base;
     const size_t index = (size_t)(shape - reader->scene->cloth.contact.shapes);
-    weft__fault_reporter self = { reader, match };
-    const weft__faults to = { weft__report_fault, &self };
     bool wrong = shape->kind == WEFT_SHAPES;
     weft__check_together(reader, match, "amplitude", "frequency");
     for (size_t i = 0; i < match->section->count; ++i) {
         wrong = wrong || match->found[i].wrong;
     }
     if (!wrong) {
-        (void)weft__shape_check(shape, index, &to);
+        (void)weft__shape_check(shape, index, &match->faults);
     }
 }
 
@@ -53,19 +51,6 @@ static bool has_friction(const weft_contact_def *contact)
     return has;
 }
 
-/* Takes the fault of a particle inside a shape. */
-typedef struct start_reporter {
-    weft__report *report;
-    const weft__node *shape;
-} start_reporter;
-
-static void report_start(void *ctx, size_t field, size_t other, const char *message)
-{
-    const start_reporter *self = ctx;
-    (void)field, (void)other;
-    weft__report_error(self->report, self->shape->at, "%s", message);
-}
-
 /* Comparisons; what takes more is left to weft_cloth_create. */
 #define MAX_COMPARED ((double)(1 << 26))
 
@@ -73,30 +58,31 @@ static void report_start(void *ctx, size_t field, size_t other, const char *mess
 static void check_start(weft__reader *reader, const weft__node *shapes)
 {
     const weft_cloth_def *def = &reader->scene->cloth;
-    start_reporter self = { .report = reader->report };
-    const weft__faults to = { report_start, &self };
     const double particles = (double)def->rows * (double)def->cols;
     const double each
         = (double)def->contact.shape_count * (1.0 + (double)def->pin_count);
     for (size_t k = 0; k < def->contact.shape_count && particles * each < MAX_COMPARED;
          ++k) {
-        self.shape = weft__item(shapes, k);
-        (void)weft__start_check(def, k, &to);
+        char inside[120];
+        if (!weft__start_check(def, k, inside, sizeof inside)) {
+            weft__report_error(reader->report, weft__item(shapes, k)->at, "%s", inside);
+        }
     }
 }
 
 void weft__check_contact(weft__reader *reader, const weft__match *match, void *base)
 {
-    const weft_scene *scene = base;
+    const weft_contact_def *contact = base;
     const weft__node *slip = weft__found_in(match, "slip")->key;
-    if (slip != NULL && !has_friction(&scene->cloth.contact)) {
+    if (slip != NULL && !has_friction(contact)) {
         weft__report_error(reader->report, slip->at,
                            "slip has no effect without friction: it is 0 everywhere");
     }
+    weft__contact_check(contact, &match->faults);
     if (reader->report->found->errors > 0) {
         return;
     }
-    if (scene->cloth.contact.shape_count > 0) {
+    if (contact->shape_count > 0) {
         check_start(reader, weft__value_in(match, "shapes"));
     } else {
         weft__report_warning(reader->report, match->map->at,

@@ -52,7 +52,12 @@ const char *weft__unknown_hint(const weft__section *section, const char *title,
     if (find_elsewhere(&weft__root, section, name, path, sizeof path)) {
         (void)snprintf(elsewhere, sizeof elsewhere, " (it is a key of %s)", path + 1);
     }
-    (void)snprintf(out, size, "%s; %s has %s", elsewhere, title,
-                   weft__key_names(section, names, sizeof names));
+    const int used = snprintf(out, size, "%s; %s has %s", elsewhere, title,
+                              weft__key_names(section, names, sizeof names));
+    if (section->beside == &weft__place_section && (size_t)used < size) {
+        (void)snprintf(out + used, size - (size_t)used, "; %s has %s",
+                       weft__place_section.title,
+                       weft__key_names(&weft__place_section, names, sizeof names));
+    }
     return NULL;
 }

@@ -172,10 +172,10 @@ weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *e
     }
     const size_t words = saved_words(sim), dim = weft__sim_dim(sim);
     unsigned char *to = bytes, *holds = to + (AT_STATE + dim) * WEFT__WORD;
-    if (size < words * WEFT__WORD) {
+    if (bytes == NULL || size < words * WEFT__WORD) {
         return weft_error_set(err, WEFT_INVALID,
                               "a saved simulation needs %zu bytes, not %zu",
-                              words * WEFT__WORD, size);
+                              words * WEFT__WORD, bytes == NULL ? 0 : size);
     }
     const weft_status status = weft_sim_restart(sim, err);
     if (status != WEFT_OK) {
@@ -407,7 +407,7 @@ weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
         return WEFT_INVALID;
     }
     const unsigned char *from = bytes;
-    weft_status status = check_whole(from, size, err);
+    weft_status status = check_whole(from, bytes == NULL ? 0 : size, err);
     status = status == WEFT_OK ? check_kind(sim, from, size, err) : status;
     status = status == WEFT_OK ? check_definition(sim, from, err) : status;
     if (status != WEFT_OK) {

@@ -10,21 +10,8 @@
 #include "base/memory.h"
 #include "cloth/pins.h"
 #include "cloth/rows.h"
+#include "plugin/methods.h"
 #include "sim/simulation.h"
-
-weft_stepper_config weft_stepper_config_default(void)
-{
-    return (weft_stepper_config){
-        .struct_size = sizeof(weft_stepper_config),
-        .norm = WEFT_NORM_MAX,
-        .rtol = 1e-6,
-        .atol_position = 1e-6,
-        .atol_velocity = 1e-6,
-        .first_step = 1e-3,
-        .min_step = 1e-12,
-        .max_step = INFINITY,
-    };
-}
 
 weft_sim_def weft_sim_def_default(void)
 {
@@ -35,36 +22,6 @@ weft_sim_def weft_sim_def_default(void)
                    .sweeps = 100,
                    .tolerance = 1e-3 },
     };
-}
-
-static weft_status check_config(const weft_stepper_config *config, weft_error *err)
-{
-    if (config->struct_size < WEFT_STEPPER_CONFIG_LEAST) {
-        return weft_error_set(err, WEFT_INVALID,
-                              "stepper config: start from weft_stepper_config_default");
-    }
-    if (!weft__not_negative(config->fixed_step)) {
-        return weft_error_set(err, WEFT_INVALID, "fixed_step %g s: must be >= 0",
-                              config->fixed_step);
-    }
-    if (config->fixed_step > 0.0) {
-        return WEFT_OK;
-    }
-    if (!weft__not_negative(config->rtol) || !weft__positive(config->atol_position)
-        || !weft__positive(config->atol_velocity)) {
-        return weft_error_set(
-            err, WEFT_INVALID,
-            "tolerances: rtol %g must be >= 0, atol %g m and %g m/s > 0", config->rtol,
-            config->atol_position, config->atol_velocity);
-    }
-    if (!weft__positive(config->first_step) || !weft__positive(config->min_step)
-        || !(config->max_step >= config->min_step)) {
-        return weft_error_set(
-            err, WEFT_INVALID,
-            "steps: first %g s and min %g s must be > 0, max %g s not below min",
-            config->first_step, config->min_step, config->max_step);
-    }
-    return WEFT_OK;
 }
 
 /* Completes a config of any version. */
@@ -160,7 +117,7 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
         return weft_error_set(err, WEFT_INVALID, "a simulation needs a %s: it is NULL",
                               def->cloth == NULL ? "cloth" : "method");
     }
-    weft_status status = check_config(&def->config, err);
+    weft_status status = weft__config_check(&def->config, err);
     if (status != WEFT_OK) {
         return status;
     }

@@ -52,8 +52,10 @@ weft_status weft_sim_move_pin(weft_sim *sim, size_t i, const double position[3],
     if (status != WEFT_OK) {
         return status;
     }
-    if (!weft_cloth_pinned(sim->cloth, i)) {
-        return weft_error_set(err, WEFT_INVALID, "particle %zu is not pinned", i);
+    if (position == NULL || !weft_cloth_pinned(sim->cloth, i)) {
+        return weft_error_set(err, WEFT_INVALID, "particle %zu %s", i,
+                              position == NULL ? "has no position to go to: it is NULL"
+                                               : "is not pinned");
     }
     weft__sim_change_begins(sim);
     for (size_t k = 0; k < 3; ++k) {
