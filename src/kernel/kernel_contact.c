@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* kernel_contact.c -- the contact of contact.h, LANES particles at a time: the
- * expressions of shapes.c and contact.c. Blocks of particles are compared with the
- * bounding box of a shape first, as most of them are far from most shapes. */
+/* kernel_contact.c -- the contact of contact.h and the check of passage.h, LANES
+ * particles at a time: the expressions of shapes.c, contact.c and passage.c. Blocks of
+ * particles are compared with the bounding box of a shape first, as most of them are
+ * far from most shapes. */
 #include "cloth/levels.h"
-#include "cloth/shapes.h"
+#include "cloth/passage.h"
 #include "kernel/lanes.h"
 
 /* BLOCK particles, a multiple of LANES, are compared with POSES shapes at a time. */
@@ -16,7 +17,6 @@ typedef struct extent {
 } extent;
 
 typedef struct target {
-    weft__pose pose;
     double low[3], high[3]; /* [m] within thickness; a plane has none */
     double size;            /* [m] of the numbers in it */
 } target;
@@ -40,6 +40,7 @@ INLINE vec3 along_axis(const weft__pose *pose, vec a)
     return (vec3){ a * pose->axis[0], a * pose->axis[1], a * pose->axis[2] };
 }
 
+/* Without joins 4-norms have one term: sqrt(a a) is a, from 1e-77 m to 1e77 m. */
 INLINE spot capsule_spot(const weft__pose *pose, vec3 r)
 {
     const vec3 axis = along_axis(pose, splat(1.0));
@@ -108,8 +109,9 @@ typedef struct slice {
     size_t n;
 } slice;
 
-/* Those from i on, within reach of a shape, between the stages: root and division are
- * slow, so that each stage takes a whole block. */
+/* Those from i on, within reach of a shape, between the stages find, press and add.
+ * Root and division are slow, so that each stage takes a whole block: processors then
+ * work on several vectors at a time. */
 typedef struct touch {
     size_t i;
     mask near;
@@ -118,9 +120,8 @@ typedef struct touch {
     vec most, under; /* [m/s^2] mu |g| N / m; [m^2/s^2] |w|^2, smooth: + slip^2 + q^2 */
 } touch;
 
-INLINE vec3 away(const slice *of, const weft__pose *pose, size_t i)
+INLINE vec3 away_from(const weft__pose *pose, vec3 x)
 {
-    const vec3 x = load3(of->y + i, of->n);
     return (vec3){ x.x - pose->at[0], x.y - pose->at[1], x.z - pose->at[2] };
 }
 
@@ -128,7 +129,7 @@ INLINE vec3 away(const slice *of, const weft__pose *pose, size_t i)
 INLINE bool find(touch *self, const slice *of, const weft__pose *pose,
                  weft_shape_kind kind, double thickness, size_t i)
 {
-    const spot at = spot_of(pose, kind, away(of, pose, i));
+    const spot at = spot_of(pose, kind, away_from(pose, load3(of->y + i, of->n)));
     const mask near = (load(of->inverse_mass + i) > 0.0) & ~(at.gap >= thickness);
     if (!any(near)) {
         return false;
@@ -143,8 +144,9 @@ INLINE void press(touch *self, const slice *of, const weft__pose *pose,
     const double e = 0.5 * law->stopping_speed * law->stopping_speed;
     const double per = 1.0 / law->thickness, p = law->exponent, mu = pose->friction;
     const vec3 gradient = self->at.gradient;
-    const vec3 moving = minus(load3(of->y + 3 * of->n + self->i, of->n),
-                              surface_velocity(pose, away(of, pose, self->i)));
+    const vec3 moving
+        = minus(load3(of->y + 3 * of->n + self->i, of->n),
+                surface_velocity(pose, away_from(pose, load3(of->y + self->i, of->n))));
     const vec z = self->at.gap * per, s = 1.0 - z;
     const vec power = power_of(s, law->exponent);
     const vec a = z * (p * (p - 1.0) * z + 2.0 * p * s) + 2.0 * s * s;
@@ -283,8 +285,7 @@ static vec push(const weft__subject *of, double *dydt, const weft__pose *pose,
     return bad + push_rest(&last, rest, pose, &of->cloth->contact);
 }
 
-/* ---- what is far ------------------------------------------------------------------
- */
+/* ---- what is far ----------------------------------------------------------------- */
 
 /* Of particles [first, end), and of some before them where the last lanes are beyond.
  * A product with 0 is NaN for a number that is not finite; processors multiply beside
@@ -308,10 +309,9 @@ INLINE extent bounds_of(const double *x, size_t n, size_t first, size_t end)
 /* The curve rho^4 + q^4 = 1 is nowhere further than 2^(1/4) from its centre. */
 #define ROUND 1.25
 
-static target target_of(const weft__shape *shape, double t, double thickness)
+static target target_of(const weft__pose *pose, double thickness)
 {
-    target of = { .pose = weft__pose_of(shape, t), .size = thickness };
-    const weft__pose *pose = &of.pose;
+    target of = { .size = thickness };
     const bool capsule = pose->kind == WEFT_CAPSULE, box = pose->kind == WEFT_BOX;
     const double round = (pose->radius + thickness) * (capsule ? ROUND : 1.0);
     for (size_t k = 0; k < 3; ++k) {
@@ -327,12 +327,13 @@ static target target_of(const weft__shape *shape, double t, double thickness)
 /* Roundoff of what is compared, by far, relative to the size of its coordinates. */
 #define SLACK 1e-12
 
-/* [m] along axis k at least from the plane, or beyond the reach of another shape. */
+/* Along axis k, beyond the reach of a shape. */
 INLINE mask apart(const target *of, size_t k, vec low, vec high, vec slack)
 {
     return (low - of->high[k] > slack) | (of->low[k] - high > slack);
 }
 
+/* [m] that axis k adds to the height of the lowest corner above a plane. */
 INLINE vec ahead(const weft__pose *plane, size_t k, vec low, vec high)
 {
     const double n = plane->axis[k];
@@ -340,17 +341,18 @@ INLINE vec ahead(const weft__pose *plane, size_t k, vec low, vec high)
 }
 
 /* Whether no particle in `box` can touch the shape; false where in doubt. */
-INLINE bool is_far(const target *of, double thickness, const extent *box)
+INLINE bool is_far(const target *of, const weft__pose *pose, double thickness,
+                   const extent *box)
 {
     const vec3 low = box->low, high = box->high;
     const vec slack = SLACK * (box->size + of->size);
-    const mask far
-        = of->pose.kind == WEFT_PLANE
-              ? ahead(&of->pose, 0, low.x, high.x) + ahead(&of->pose, 1, low.y, high.y)
-                        + ahead(&of->pose, 2, low.z, high.z) - thickness
-                    > slack
-              : apart(of, 0, low.x, high.x, slack) | apart(of, 1, low.y, high.y, slack)
-                    | apart(of, 2, low.z, high.z, slack);
+    const mask far = pose->kind == WEFT_PLANE
+                         ? ahead(pose, 0, low.x, high.x) + ahead(pose, 1, low.y, high.y)
+                                   + ahead(pose, 2, low.z, high.z) - thickness
+                               > slack
+                         : apart(of, 0, low.x, high.x, slack)
+                               | apart(of, 1, low.y, high.y, slack)
+                               | apart(of, 2, low.z, high.z, slack);
     return !any(~far);
 }
 
@@ -364,19 +366,141 @@ int NAME(contact, LEVEL)(const weft__subject *of, double *dydt, size_t first_row
     for (size_t shape = 0; shape < cloth->shape_count; shape += POSES) {
         const size_t left = cloth->shape_count - shape;
         const size_t count = left < POSES ? left : POSES;
+        weft__pose poses[POSES];
         target targets[POSES];
         for (size_t k = 0; k < count; ++k) {
-            targets[k] = target_of(&cloth->shapes[shape + k], of->t, thickness);
+            poses[k] = weft__pose_of(&cloth->shapes[shape + k], of->t);
+            targets[k] = target_of(&poses[k], thickness);
         }
         for (size_t i = first_row * cloth->cols; i < end; i += BLOCK) {
             const size_t stop = end - i < BLOCK ? end : i + BLOCK;
             const extent box = bounds_of(of->y, cloth->particles, i, stop);
             for (size_t k = 0; k < count; ++k) {
-                if (!is_far(&targets[k], thickness, &box)) {
-                    bad += push(of, dydt, &targets[k].pose, i, stop);
+                if (!is_far(&targets[k], &poses[k], thickness, &box)) {
+                    bad += push(of, dydt, &poses[k], i, stop);
                 }
             }
         }
     }
     return sum(bad) == 0.0 ? 0 : 1;
+}
+
+/* ---- the step check -------------------------------------------------------------- */
+
+/* Free particles at y0, then y1, for which the path is not clear. */
+INLINE mask blocked(const weft__passage *of, weft_shape_kind kind, const double *y0,
+                    const double *y1, size_t n, const double *inverse_mass)
+{
+    vec gap[2], square = splat(0.0);
+    for (size_t e = 0; e < 2; ++e) {
+        const weft__pose *pose = &of->pose[e];
+        const double *y = e == 0 ? y0 : y1, *rigid = pose->velocity;
+        const vec3 v = load3(y + 3 * n, n), r = away_from(pose, load3(y, n));
+        const vec3 with = minus(v, surface_velocity(pose, r));
+        const vec3 without = { v.x - rigid[0], v.y - rigid[1], v.z - rigid[2] };
+        gap[e] = spot_of(pose, kind, r).gap;
+        square = most(most(dot(with, with), dot(without, without)), square);
+    }
+    const mask clear
+        = (gap[1] > 0.0) & (of->h * (root(square) + of->between) < gap[0] + gap[1]);
+    return ~clear & (load(inverse_mass) > 0.0);
+}
+
+/* Of particles [first, end), and of some before them where the last lanes are beyond.
+ */
+INLINE bool kind_clear(const weft_cloth *cloth, const weft__passage *of,
+                       weft_shape_kind kind, const weft__path *path, size_t first,
+                       size_t end)
+{
+    for (size_t i = first; i < end; i += LANES) {
+        const size_t at = i + LANES <= end ? i : end - LANES;
+        if (any(blocked(of, kind, path->y0 + at, path->y1 + at, cloth->particles,
+                        cloth->inverse_mass + at))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool block_clear(const weft_cloth *cloth, const weft__passage *of,
+                        const weft__path *path, size_t first, size_t end)
+{
+    switch (of->pose[0].kind) {
+#define CASE(kind)                                                                     \
+    case kind:                                                                         \
+        return kind_clear(cloth, of, kind, path, first, end);
+        CASE(WEFT_PLANE)
+        CASE(WEFT_SPHERE)
+        CASE(WEFT_CAPSULE)
+        CASE(WEFT_BOX)
+#undef CASE
+    default:
+        return true;
+    }
+}
+
+/* Around both ends of the paths of a block, and the highest speed at an end. */
+INLINE extent path_bounds(const weft__path *path, size_t n, size_t first, size_t end,
+                          vec *speed)
+{
+    const extent a = bounds_of(path->y0, n, first, end);
+    const extent b = bounds_of(path->y1, n, first, end);
+    vec square = splat(0.0);
+    for (size_t i = first; i < end && LANES <= end; i += LANES) {
+        const size_t at = 3 * n + (i + LANES <= end ? i : end - LANES);
+        const vec3 v0 = load3(path->y0 + at, n), v1 = load3(path->y1 + at, n);
+        square = most(most(dot(v0, v0), dot(v1, v1)), square);
+    }
+    *speed = root(square);
+    return (extent){ { least(a.low.x, b.low.x), least(a.low.y, b.low.y),
+                       least(a.low.z, b.low.z) },
+                     { most(a.high.x, b.high.x), most(a.high.y, b.high.y),
+                       most(a.high.z, b.high.z) },
+                     a.size + b.size };
+}
+
+/* Whether both gaps of all particles exceed half of what they may move: the box is that
+ * much wider. A spin makes a surface faster far away. */
+INLINE bool passes_far(const weft__passage *of, const target targets[2],
+                       double thickness, const extent *box, vec speed)
+{
+    const vec half = (0.5 * of->h) * (speed + of->fastest);
+    const vec3 wider = { half, half, half };
+    const extent around
+        = { minus(box->low, wider), plus(box->high, wider), box->size + 6.0 * half };
+    return !of->spins && is_far(&targets[0], &of->pose[0], thickness, &around)
+           && is_far(&targets[1], &of->pose[1], thickness, &around);
+}
+
+bool NAME(clear, LEVEL)(const weft_cloth *cloth, const weft__path *path,
+                        size_t first_row, size_t end_row)
+{
+    const size_t n = cloth->particles, end = end_row * cloth->cols;
+    const double thickness = cloth->contact.thickness;
+    if (end < LANES) {
+        return weft__reference_clear(cloth, path, first_row, end_row);
+    }
+    for (size_t shape = 0; shape < cloth->shape_count; shape += POSES) {
+        const size_t left = cloth->shape_count - shape;
+        const size_t count = left < POSES ? left : POSES;
+        weft__passage shapes[POSES];
+        target targets[POSES][2];
+        for (size_t k = 0; k < count; ++k) {
+            shapes[k] = weft__passage_of(&cloth->shapes[shape + k], path);
+            targets[k][0] = target_of(&shapes[k].pose[0], thickness);
+            targets[k][1] = target_of(&shapes[k].pose[1], thickness);
+        }
+        for (size_t i = first_row * cloth->cols; i < end; i += BLOCK) {
+            const size_t stop = end - i < BLOCK ? end : i + BLOCK;
+            vec speed;
+            const extent box = path_bounds(path, n, i, stop, &speed);
+            for (size_t k = 0; k < count; ++k) {
+                if (!passes_far(&shapes[k], targets[k], thickness, &box, speed)
+                    && !block_clear(cloth, &shapes[k], path, i, stop)) {
+                    return false;
+                }
+            }
+        }
+    }
+    return true;
 }

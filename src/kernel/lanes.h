@@ -150,18 +150,6 @@ INLINE void set_lane(vec3 *a, size_t lane, const double *from, size_t plane)
 }
 
 /* The first `count` lanes; 0 in the others. */
-INLINE vec load_some(const double *from, size_t count)
-{
-    vec a = { 0 };
-    if (count == LANES) {
-        return load(from);
-    }
-    for (size_t i = 0; i < count; ++i) {
-        a[i] = from[i];
-    }
-    return a;
-}
-
 INLINE vec3 load3_some(const double *from, size_t plane, size_t count)
 {
     vec3 a = { 0 };
