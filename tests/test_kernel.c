@@ -14,6 +14,7 @@
 enum { SEEDS = 400, MOST = 2200, SHAPES = 11 };
 
 weft__rows_fn weft__rows_wide, weft__wind_wide, weft__contact_wide;
+weft__clear_fn weft__clear_wide;
 weft__damping_fn weft__damping_wide;
 
 /* Narrower and wider than any vector, one more than a multiple of it, wider than a
@@ -150,9 +151,13 @@ static uint64_t hash(void)
 static const weft__level wide = { "8 lanes",
                                   weft__rows_wide,
                                   weft__damping_wide,
-                                  { weft__wind_wide, weft__contact_wide } };
-static const weft__level reference
-    = { "plain loops", weft__reference_rows, weft__reference_damping, { NULL } };
+                                  { weft__wind_wide, weft__contact_wide },
+                                  weft__clear_wide };
+static const weft__level reference = { "plain loops",
+                                       weft__reference_rows,
+                                       weft__reference_damping,
+                                       { NULL },
+                                       weft__reference_clear };
 
 START_TEST(every_level_and_width_has_the_bits_of_the_plain_loops)
 {
@@ -178,6 +183,34 @@ START_TEST(every_level_and_width_has_the_bits_of_the_plain_loops)
         }
     }
     ck_assert_uint_gt(touching, 10000);
+}
+END_TEST
+
+/* The paths of the first rows: lanes beyond the last row look at those before it. */
+START_TEST(every_level_finds_the_same_paths_clear)
+{
+    static double y1[6 * MOST];
+    size_t verdicts[2] = { 0 };
+    for (uint64_t number = 0; number < SEEDS; ++number) {
+        make(number);
+        for (double h = 1e-3; h < 1.0; h *= 4.0) {
+            const weft__path path = { m.t, m.t + h, m.y, y1 };
+            for (size_t j = 0; j < 6 * m.n; ++j) {
+                y1[j] = j < 3 * m.n ? m.y[j] + h * m.y[3 * m.n + j] : 0.9 * m.y[j];
+            }
+            for (size_t rows = 1; rows <= m.def.rows; ++rows) {
+                const bool clear = weft__reference_clear(m.cloth, &path, 0, rows);
+                ck_assert(weft__clear_wide(m.cloth, &path, 0, rows) == clear);
+                for (size_t i = 0; i < weft__level_count(); ++i) {
+                    ck_assert(weft__level_at(i)->clear(m.cloth, &path, 0, rows)
+                              == clear);
+                }
+                verdicts[clear] += m.def.contact.shape_count > 0;
+            }
+        }
+    }
+    ck_assert_uint_gt(verdicts[0], 500);
+    ck_assert_uint_gt(verdicts[1], 1000);
 }
 END_TEST
 
@@ -313,6 +346,7 @@ TEST_SUITE(kernel)
     TCase *tcase = tcase_create("kernel");
     tcase_set_timeout(tcase, 60);
     tcase_add_test(tcase, every_level_and_width_has_the_bits_of_the_plain_loops);
+    tcase_add_test(tcase, every_level_finds_the_same_paths_clear);
     tcase_add_test(tcase, rates_are_forces_by_masses);
     tcase_add_test(tcase, bands_of_rows_have_the_bits_of_the_whole);
     tcase_add_test(tcase, rates_have_the_same_bits_at_every_address);

@@ -157,7 +157,6 @@ static void contact_power(const weft__subject *of, size_t r, weft_measures *row)
     }
 }
 
-/* bounds.c adds the damping of contact in a state. */
 static double contact_damping(const weft_cloth *cloth, size_t i)
 {
     (void)cloth, (void)i;

@@ -6,14 +6,16 @@
 
 #define ADDED(name, level) weft__##name##_##level,
 #define KERNELS(level)                                                                 \
-    weft__rows_##level, weft__damping_##level,                                         \
-    {                                                                                  \
-        WEFT_ADDED(ADDED, level)                                                       \
-    }
+    weft__rows_##level, weft__damping_##level, { WEFT_ADDED(ADDED, level) },           \
+        weft__clear_##level
 
 static const weft__level levels[] = {
 #ifdef WEFT_PLAIN
-    { "plain", weft__reference_rows, weft__reference_damping, { NULL } },
+    { "plain",
+      weft__reference_rows,
+      weft__reference_damping,
+      { NULL },
+      weft__reference_clear },
 #else
     { "plain", KERNELS(plain) },
 #ifdef __x86_64__

@@ -7,20 +7,27 @@
 
 #include "cloth/added.h"
 #include "cloth/model.h"
+#include "cloth/passage.h"
 
 /* Power [W] turned into heat by the dampers of the springs that begin in row r. */
 typedef double weft__damping_fn(const weft_cloth *cloth, const double *y, size_t r);
+
+/* Whether a path of the rows [first, end) is clear of all shapes. */
+typedef bool weft__clear_fn(const weft_cloth *cloth, const weft__path *path,
+                            size_t first_row, size_t end_row);
 
 struct weft__level {
     const char *name;
     weft__rows_fn *rows; /* x' and v' by springs, gravity and drag, without pins */
     weft__damping_fn *damping;
     weft__rows_fn *added[WEFT__ADDED]; /* add to v'; NULL: `rows` includes them */
+    weft__clear_fn *clear;
 };
 
-/* The plain loops: rhs.c, power.c. */
+/* The plain loops: rhs.c, power.c, passage.c. */
 weft__rows_fn weft__reference_rows;
 weft__damping_fn weft__reference_damping;
+weft__clear_fn weft__reference_clear;
 
 /* The names of the kernels end with their level; `plain` uses the instructions that the
  * compiler uses by default. */
@@ -34,6 +41,7 @@ weft__damping_fn weft__reference_damping;
 #define WEFT_LEVEL_KERNELS(level)                                                      \
     weft__rows_fn weft__rows_##level;                                                  \
     weft__damping_fn weft__damping_##level;                                            \
+    weft__clear_fn weft__clear_##level;                                                \
     WEFT_ADDED(WEFT_ADDED_KERNEL, level)
 WEFT_LEVELS(WEFT_LEVEL_KERNELS)
 #undef WEFT_LEVEL_KERNELS

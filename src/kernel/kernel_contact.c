@@ -1,30 +1,25 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* kernel_contact.c -- the contact of contact.h, LANES particles at a time: the
- * expressions of shapes.c and contact.c. Blocks of particles are compared with the
- * bounding box of a shape first, as most of them are far from most shapes. */
+/* kernel_contact.c -- the contact of contact.h and the check of passage.h, LANES
+ * particles at a time: the expressions of shapes.c, contact.c and passage.c. Blocks of
+ * particles are compared with the bounding box of a shape first, as most of them are
+ * far from most shapes. */
 #include "cloth/levels.h"
-#include "cloth/shapes.h"
+#include "cloth/passage.h"
 #include "kernel/lanes.h"
 
 /* BLOCK particles, a multiple of LANES, are compared with POSES shapes at a time. */
-enum { BLOCK = 64, POSES = 8 };
+enum { BLOCK = 128, POSES = 8 };
 
+/* Of the particles in each lane of a block. */
 typedef struct extent {
-    double low[3], high[3]; /* [m] */
-    double size;            /* [m] of the numbers in it; NaN if one is not finite */
+    vec3 low, high; /* [m] */
+    vec size;       /* [m] of the numbers in it; NaN if one is not finite */
 } extent;
 
 typedef struct target {
-    weft__pose pose;
-    extent reach; /* within thickness; a plane has none */
+    double low[3], high[3]; /* [m] within thickness; a plane has none */
+    double size;            /* [m] of the numbers in it */
 } target;
-
-typedef struct job {
-    const weft_cloth *cloth;
-    const double *y;
-    double *dydt;
-    vec bad;
-} job;
 
 /* Where particles are to a shape. */
 typedef struct spot {
@@ -45,6 +40,7 @@ INLINE vec3 along_axis(const weft__pose *pose, vec a)
     return (vec3){ a * pose->axis[0], a * pose->axis[1], a * pose->axis[2] };
 }
 
+/* Without joins 4-norms have one term: sqrt(a a) is a, from 1e-77 m to 1e77 m. */
 INLINE spot capsule_spot(const weft__pose *pose, vec3 r)
 {
     const vec3 axis = along_axis(pose, splat(1.0));
@@ -52,11 +48,12 @@ INLINE spot capsule_spot(const weft__pose *pose, vec3 r)
     const vec q = beyond(along, 0.0, pose->length), q2 = q * q;
     const vec3 side = minus(r, scaled(along, axis));
     const vec rho2 = dot(side, side);
-    const vec norm = root(root(rho2 * rho2 + q2 * q2));
+    const mask joined = q2 > 0.0;
+    const vec norm = root(any(joined) ? root(rho2 * rho2 + q2 * q2) : rho2);
     const vec inverse = 1.0 / (norm * norm * norm);
     const vec3 gradient
         = plus(scaled(rho2 * inverse, side), scaled(q2 * q * inverse, axis));
-    return (spot){ norm - pose->radius, gradient, q2 > 0.0 };
+    return (spot){ norm - pose->radius, gradient, joined };
 }
 
 INLINE spot box_spot(const weft__pose *pose, vec3 r)
@@ -65,12 +62,12 @@ INLINE spot box_spot(const weft__pose *pose, vec3 r)
                      beyond(r.y, -pose->inner[1], pose->inner[1]),
                      beyond(r.z, -pose->inner[2], pose->inner[2]) };
     const vec3 q2 = { q.x * q.x, q.y * q.y, q.z * q.z };
-    const vec norm = root(root(dot(q2, q2)));
+    const mask joined = q2.x * q2.y + q2.y * q2.z + q2.z * q2.x > 0.0;
+    const vec norm = root(any(joined) ? root(dot(q2, q2)) : q2.x + q2.y + q2.z);
     const vec inverse = 1.0 / (norm * norm * norm);
     const vec3 gradient
         = { q2.x * q.x * inverse, q2.y * q.y * inverse, q2.z * q.z * inverse };
-    return (spot){ norm - pose->radius, gradient,
-                   q2.x * q2.y + q2.y * q2.z + q2.z * q2.x > 0.0 };
+    return (spot){ norm - pose->radius, gradient, joined };
 }
 
 INLINE spot spot_of(const weft__pose *pose, weft_shape_kind kind, vec3 r)
@@ -105,167 +102,218 @@ INLINE vec power_of(vec s, int exponent)
     return power;
 }
 
-/* [1/s] friction / (m w): `most` is mu |g| N / m, `scale` q^2 / mu^2. */
-INLINE vec friction_drag(const weft_contact_def *law, double friction, vec square,
-                         vec most, vec scale)
+/* Particles, in planes n apart, and their v'. */
+typedef struct slice {
+    const double *y, *inverse_mass;
+    double *to;
+    size_t n;
+} slice;
+
+/* Those from i on, within reach of a shape, between the stages find, press and add.
+ * Root and division are slow, so that each stage takes a whole block: processors then
+ * work on several vectors at a time. */
+typedef struct touch {
+    size_t i;
+    mask near;
+    spot at;
+    vec3 push, slip; /* [m/s^2] N g / m, [m/s] */
+    vec most, under; /* [m/s^2] mu |g| N / m; [m^2/s^2] |w|^2, smooth: + slip^2 + q^2 */
+} touch;
+
+INLINE vec3 away_from(const weft__pose *pose, vec3 x)
 {
-    if (law->law == WEFT_FRICTION_SMOOTH) {
-        return most
-               / root(square + (law->slip * law->slip + friction * friction * scale));
-    }
-    const double per = 1.0 / law->slip;
-    const vec length = root(square), y = length * per;
-    const mask fades = y < 1.0;
-    return most * (only((2.0 - y) * per, fades) + only(1.0 / length, ~fades));
+    return (vec3){ x.x - pose->at[0], x.y - pose->at[1], x.z - pose->at[2] };
 }
 
-/* F / m [m/s^2] of particles that move at `moving` against the surface. */
-INLINE vec3 acceleration(const weft_contact_def *law, const weft__pose *pose,
-                         int exponent, const spot *of, bool joined, vec3 moving)
+/* The touch of particles from i on; false if none is near. */
+INLINE bool find(touch *self, const slice *of, const weft__pose *pose,
+                 weft_shape_kind kind, double thickness, size_t i)
+{
+    const spot at = spot_of(pose, kind, away_from(pose, load3(of->y + i, of->n)));
+    const mask near = (load(of->inverse_mass + i) > 0.0) & ~(at.gap >= thickness);
+    if (!any(near)) {
+        return false;
+    }
+    self->i = i, self->near = near, self->at = at;
+    return true;
+}
+
+INLINE void press(touch *self, const slice *of, const weft__pose *pose,
+                  const weft_contact_def *law, bool joined)
 {
     const double e = 0.5 * law->stopping_speed * law->stopping_speed;
-    const double per = 1.0 / law->thickness, p = exponent;
-    const vec z = of->gap * per, s = 1.0 - z;
-    const vec power = power_of(s, exponent);
+    const double per = 1.0 / law->thickness, p = law->exponent, mu = pose->friction;
+    const vec3 gradient = self->at.gradient;
+    const vec3 moving
+        = minus(load3(of->y + 3 * of->n + self->i, of->n),
+                surface_velocity(pose, away_from(pose, load3(of->y + self->i, of->n))));
+    const vec z = self->at.gap * per, s = 1.0 - z;
+    const vec power = power_of(s, law->exponent);
     const vec a = z * (p * (p - 1.0) * z + 2.0 * p * s) + 2.0 * s * s;
     const vec b = p * z + s, inverse = 1.0 / (a * z), iz = a * inverse;
-    const vec steepness = joined
-                              ? only(root(dot(of->gradient, of->gradient)), of->joined)
-                                    + only(splat(1.0), ~of->joined)
-                              : splat(1.0);
-    const vec3 normal = joined ? scaled(1.0 / steepness, of->gradient) : of->gradient;
+    const vec steepness = joined ? only(root(dot(gradient, gradient)), self->at.joined)
+                                       + only(splat(1.0), ~self->at.joined)
+                                 : splat(1.0);
+    const vec3 normal = joined ? scaled(1.0 / steepness, gradient) : gradient;
     const vec speed = dot(moving, normal), u = law->damping * speed;
     const vec factor = root(1.0 + u * u) - u;
     const vec force = (e * per * (power * s) * b * (iz * iz)) * factor;
-    const vec3 push = scaled(force, of->gradient);
-    if (pose->friction == 0.0) {
-        return push;
+    const vec bend = factor * s * b, most = mu * force;
+    self->push = scaled(force, gradient);
+    self->slip = minus(moving, scaled(speed, normal));
+    self->most = joined ? most * steepness : most;
+    self->under = dot(self->slip, self->slip);
+    if (law->law == WEFT_FRICTION_SMOOTH) {
+        self->under += law->slip * law->slip
+                       + mu * mu * (0.01 * e * power * (bend * bend) * inverse);
     }
-    const vec3 slip = minus(moving, scaled(speed, normal));
-    const vec bend = factor * s * b, most = pose->friction * force;
-    const vec drag = friction_drag(law, pose->friction, dot(slip, slip),
-                                   joined ? most * steepness : most,
-                                   0.01 * e * power * (bend * bend) * inverse);
-    return minus(push, scaled(drag, slip));
 }
 
-INLINE vec3 chosen(mask where, vec3 a, vec3 b)
+/* [1/s] friction / (m w) */
+INLINE vec friction_drag(const weft_contact_def *law, const touch *of)
 {
-    return (vec3){ only(a.x, where) + only(b.x, ~where),
-                   only(a.y, where) + only(b.y, ~where),
-                   only(a.z, where) + only(b.z, ~where) };
+    const vec length = root(of->under);
+    if (law->law == WEFT_FRICTION_SMOOTH) {
+        return of->most / length;
+    }
+    const double per = 1.0 / law->slip;
+    const vec y = length * per;
+    const mask fades = y < 1.0;
+    return of->most * (only((2.0 - y) * per, fades) + only(1.0 / length, ~fades));
 }
 
-/* Particle i and those that follow it. */
-INLINE void push_lanes(job *self, const weft__pose *pose, weft_shape_kind kind,
-                       int exponent, size_t i, size_t count)
+/* Adds to v'; 0 or NaN. */
+INLINE vec add(const touch *self, const slice *of, const weft_contact_def *law,
+               double friction)
 {
-    const weft_cloth *cloth = self->cloth;
-    const size_t n = cloth->particles;
-    const double *at = pose->at;
-    const vec3 x = load3_some(self->y + i, n, count);
-    const vec3 r = { x.x - at[0], x.y - at[1], x.z - at[2] };
-    const spot of = spot_of(pose, kind, r);
-    const mask loose = load_some(cloth->inverse_mass + i, count) > 0.0;
-    const mask near = loose & ~(of.gap >= cloth->contact.thickness);
-    if (!any(near)) {
-        return;
-    }
-    double *to = self->dydt + 3 * n + i;
-    const vec3 moving
-        = minus(load3_some(self->y + 3 * n + i, n, count), surface_velocity(pose, r));
-    const vec3 old = load3_some(to, n, count);
+    const vec3 drag = scaled(friction_drag(law, self), self->slip);
+    const vec3 more = friction == 0.0 ? self->push : minus(self->push, drag);
+    const vec3 sums = plus(load3(of->to + self->i, of->n), only3(more, self->near));
+    store3(of->to + self->i, of->n, sums);
+    return (sums.x + sums.y + sums.z) * 0.0
+           + only(splat((double)NAN), self->near & ~(self->at.gap > 0.0));
+}
+
+/* Copies, which stores do not change, stay in registers. */
+INLINE vec push_block(const slice *particles, size_t count, const weft__pose *shape,
+                      weft_shape_kind kind, const weft_contact_def *contact,
+                      int exponent)
+{
+    const slice of = *particles;
+    const weft__pose pose = *shape;
     const bool joins = kind == WEFT_CAPSULE || kind == WEFT_BOX;
-    const vec3 more
-        = joins && any(near & of.joined)
-              ? acceleration(&cloth->contact, pose, exponent, &of, true, moving)
-              : acceleration(&cloth->contact, pose, exponent, &of, false, moving);
-    const vec3 sums = plus(old, more);
-    store3_some(to, n, chosen(near, sums, old), count);
-    self->bad += only(((sums.x + sums.y) + sums.z) * 0.0, near)
-                 + only(splat((double)NAN), near & ~(of.gap > 0.0));
+    weft_contact_def law = *contact;
+    touch found[BLOCK / LANES], *next = found;
+    vec bad = splat(0.0);
+    law.exponent = exponent;
+    for (size_t i = 0; i < count; i += LANES) {
+        if (find(next, &of, &pose, kind, law.thickness, i)) {
+            ++next;
+        }
+    }
+    for (touch *at = found; at < next; ++at) {
+        if (joins && any(at->near & at->at.joined)) {
+            press(at, &of, &pose, &law, true);
+        } else {
+            press(at, &of, &pose, &law, false);
+        }
+    }
+    for (const touch *at = found; at < next; ++at) {
+        bad += add(at, &of, &law, pose.friction);
+    }
+    return bad;
 }
 
-INLINE void push_block(job *self, const weft__pose *pose, weft_shape_kind kind,
-                       int exponent, size_t first, size_t end)
+/* Of a multiple of LANES. The usual exponent is compiled without a loop. */
+static vec push_any(const slice *of, size_t count, const weft__pose *pose,
+                    const weft_contact_def *law)
 {
-    size_t i = first;
-    for (; i + LANES <= end; i += LANES) {
-        push_lanes(self, pose, kind, exponent, i, LANES);
-    }
-    if (i < end) {
-        push_lanes(self, pose, kind, exponent, i, end - i);
-    }
-}
-
-/* The usual exponent is compiled without a loop. */
-static void push_any(job *self, const weft__pose *pose, size_t first, size_t end)
-{
-    const int p = self->cloth->contact.exponent;
+    const int p = law->exponent;
     switch (pose->kind) {
 #define CASE(kind)                                                                     \
     case kind:                                                                         \
-        if (p == 4) {                                                                  \
-            push_block(self, pose, kind, 4, first, end);                               \
-        } else {                                                                       \
-            push_block(self, pose, kind, p, first, end);                               \
-        }                                                                              \
-        break;
+        return p == 4 ? push_block(of, count, pose, kind, law, 4)                      \
+                      : push_block(of, count, pose, kind, law, p);
         CASE(WEFT_PLANE)
         CASE(WEFT_SPHERE)
         CASE(WEFT_CAPSULE)
         CASE(WEFT_BOX)
 #undef CASE
     default:
-        break;
+        return splat(0.0);
     }
 }
 
-/* ---- what is far ------------------------------------------------------------------
- */
-
-INLINE void widen(extent *of, size_t k, vec low, vec high)
+/* Of less than LANES: copies, with pinned particles in the other lanes. */
+static vec push_rest(const slice *of, size_t count, const weft__pose *pose,
+                     const weft_contact_def *law)
 {
-    of->low[k] = least_lane(low);
-    of->high[k] = -least_lane(-high);
-    of->size += fabs(of->low[k]) + fabs(of->high[k]);
+    double y[6 * LANES] = { 0 }, inverse_mass[LANES] = { 0 }, to[3 * LANES] = { 0 };
+    for (size_t i = 0; i < count; ++i) {
+        inverse_mass[i] = of->inverse_mass[i];
+        for (size_t k = 0; k < 6; ++k) {
+            y[k * LANES + i] = of->y[k * of->n + i];
+        }
+        for (size_t k = 0; k < 3; ++k) {
+            to[k * LANES + i] = of->to[k * of->n + i];
+        }
+    }
+    const vec bad = push_any(&(slice){ y, inverse_mass, to, LANES }, LANES, pose, law);
+    for (size_t i = 0; i < count; ++i) {
+        for (size_t k = 0; k < 3; ++k) {
+            of->to[k * of->n + i] = to[k * LANES + i];
+        }
+    }
+    return bad;
 }
+
+/* Of particles [first, end). */
+static vec push(const weft__subject *of, double *dydt, const weft__pose *pose,
+                size_t first, size_t end)
+{
+    const size_t n = of->cloth->particles, rest = (end - first) % LANES;
+    const size_t whole = end - first - rest;
+    const double *inverse_mass = of->cloth->inverse_mass;
+    const slice block
+        = { of->y + first, inverse_mass + first, dydt + 3 * n + first, n };
+    const vec bad = push_any(&block, whole, pose, &of->cloth->contact);
+    if (rest == 0) {
+        return bad;
+    }
+    const slice last
+        = { block.y + whole, block.inverse_mass + whole, block.to + whole, n };
+    return bad + push_rest(&last, rest, pose, &of->cloth->contact);
+}
+
+/* ---- what is far ----------------------------------------------------------------- */
 
 /* Of particles [first, end), and of some before them where the last lanes are beyond.
- */
-static extent bounds_of(const job *self, size_t first, size_t end)
+ * A product with 0 is NaN for a number that is not finite; processors multiply beside
+ * comparisons, but add instead of them. */
+INLINE extent bounds_of(const double *x, size_t n, size_t first, size_t end)
 {
-    if (end < LANES) {
-        return (extent){ .size = (double)NAN };
-    }
-    const size_t n = self->cloth->particles;
-    const double *x = self->y;
     const vec far = splat((double)INFINITY);
     vec3 low = { far, far, far }, high = { -far, -far, -far };
-    vec3 total = { splat(0.0), splat(0.0), splat(0.0) };
-    for (size_t i = first; i < end; i += LANES) {
+    vec zero = splat(end < LANES ? (double)NAN : 0.0);
+    for (size_t i = first; i < end && LANES <= end; i += LANES) {
         const vec3 at = load3(x + (i + LANES <= end ? i : end - LANES), n);
         low = (vec3){ least(low.x, at.x), least(low.y, at.y), least(low.z, at.z) };
         high = (vec3){ most(high.x, at.x), most(high.y, at.y), most(high.z, at.z) };
-        total = plus(total, at);
+        zero *= at.x * at.y * at.z;
     }
-    extent of = { .size = 0.0 };
-    widen(&of, 0, low.x, high.x);
-    widen(&of, 1, low.y, high.y);
-    widen(&of, 2, low.z, high.z);
-    of.size += sum((total.x + total.y + total.z) * 0.0);
-    return of;
+    return (extent){ low, high,
+                     zero + most(-low.x, high.x) + most(-low.y, high.y)
+                         + most(-low.z, high.z) };
 }
 
 /* The curve rho^4 + q^4 = 1 is nowhere further than 2^(1/4) from its centre. */
 #define ROUND 1.25
 
-/* All that a shape, but for a plane, may touch. */
-static extent reach_of(const weft__pose *pose, double thickness)
+static target target_of(const weft__pose *pose, double thickness)
 {
+    target of = { .size = thickness };
     const bool capsule = pose->kind == WEFT_CAPSULE, box = pose->kind == WEFT_BOX;
     const double round = (pose->radius + thickness) * (capsule ? ROUND : 1.0);
-    extent of = { .size = thickness };
     for (size_t k = 0; k < 3; ++k) {
         const double to = capsule ? pose->length * pose->axis[k] : 0.0;
         const double wide = round + (box ? pose->inner[k] : 0.0);
@@ -279,20 +327,33 @@ static extent reach_of(const weft__pose *pose, double thickness)
 /* Roundoff of what is compared, by far, relative to the size of its coordinates. */
 #define SLACK 1e-12
 
-/* Whether no particle in `box` can touch the shape; false where in doubt. */
-static bool is_far(const target *of, double thickness, const extent *box)
+/* Along axis k, beyond the reach of a shape. */
+INLINE mask apart(const target *of, size_t k, vec low, vec high, vec slack)
 {
-    const weft__pose *pose = &of->pose;
-    const double slack = SLACK * (box->size + of->reach.size);
-    double ahead = -thickness;
-    bool apart = false;
-    for (size_t k = 0; k < 3; ++k) {
-        const double n = pose->axis[k], low = box->low[k], high = box->high[k];
-        ahead += n * ((n > 0.0 ? low : high) - pose->at[k]);
-        apart = apart || low - of->reach.high[k] > slack
-                || of->reach.low[k] - high > slack;
-    }
-    return pose->kind == WEFT_PLANE ? ahead > slack : apart;
+    return (low - of->high[k] > slack) | (of->low[k] - high > slack);
+}
+
+/* [m] that axis k adds to the height of the lowest corner above a plane. */
+INLINE vec ahead(const weft__pose *plane, size_t k, vec low, vec high)
+{
+    const double n = plane->axis[k];
+    return n * ((n > 0.0 ? low : high) - plane->at[k]);
+}
+
+/* Whether no particle in `box` can touch the shape; false where in doubt. */
+INLINE bool is_far(const target *of, const weft__pose *pose, double thickness,
+                   const extent *box)
+{
+    const vec3 low = box->low, high = box->high;
+    const vec slack = SLACK * (box->size + of->size);
+    const mask far = pose->kind == WEFT_PLANE
+                         ? ahead(pose, 0, low.x, high.x) + ahead(pose, 1, low.y, high.y)
+                                   + ahead(pose, 2, low.z, high.z) - thickness
+                               > slack
+                         : apart(of, 0, low.x, high.x, slack)
+                               | apart(of, 1, low.y, high.y, slack)
+                               | apart(of, 2, low.z, high.z, slack);
+    return !any(~far);
 }
 
 int NAME(contact, LEVEL)(const weft__subject *of, double *dydt, size_t first_row,
@@ -301,24 +362,145 @@ int NAME(contact, LEVEL)(const weft__subject *of, double *dydt, size_t first_row
     const weft_cloth *cloth = of->cloth;
     const double thickness = cloth->contact.thickness;
     const size_t end = end_row * cloth->cols;
-    job self = { cloth, of->y, dydt, splat(0.0) };
+    vec bad = splat(0.0);
     for (size_t shape = 0; shape < cloth->shape_count; shape += POSES) {
         const size_t left = cloth->shape_count - shape;
         const size_t count = left < POSES ? left : POSES;
+        weft__pose poses[POSES];
         target targets[POSES];
         for (size_t k = 0; k < count; ++k) {
-            targets[k].pose = weft__pose_of(&cloth->shapes[shape + k], of->t);
-            targets[k].reach = reach_of(&targets[k].pose, thickness);
+            poses[k] = weft__pose_of(&cloth->shapes[shape + k], of->t);
+            targets[k] = target_of(&poses[k], thickness);
         }
         for (size_t i = first_row * cloth->cols; i < end; i += BLOCK) {
             const size_t stop = end - i < BLOCK ? end : i + BLOCK;
-            const extent box = bounds_of(&self, i, stop);
+            const extent box = bounds_of(of->y, cloth->particles, i, stop);
             for (size_t k = 0; k < count; ++k) {
-                if (!is_far(&targets[k], thickness, &box)) {
-                    push_any(&self, &targets[k].pose, i, stop);
+                if (!is_far(&targets[k], &poses[k], thickness, &box)) {
+                    bad += push(of, dydt, &poses[k], i, stop);
                 }
             }
         }
     }
-    return sum(self.bad) == 0.0 ? 0 : 1;
+    return sum(bad) == 0.0 ? 0 : 1;
+}
+
+/* ---- the step check -------------------------------------------------------------- */
+
+/* Free particles at y0, then y1, for which the path is not clear. */
+INLINE mask blocked(const weft__passage *of, weft_shape_kind kind, const double *y0,
+                    const double *y1, size_t n, const double *inverse_mass)
+{
+    vec gap[2], square = splat(0.0);
+    for (size_t e = 0; e < 2; ++e) {
+        const weft__pose *pose = &of->pose[e];
+        const double *y = e == 0 ? y0 : y1, *rigid = pose->velocity;
+        const vec3 v = load3(y + 3 * n, n), r = away_from(pose, load3(y, n));
+        const vec3 with = minus(v, surface_velocity(pose, r));
+        const vec3 without = { v.x - rigid[0], v.y - rigid[1], v.z - rigid[2] };
+        gap[e] = spot_of(pose, kind, r).gap;
+        square = most(most(dot(with, with), dot(without, without)), square);
+    }
+    const mask clear
+        = (gap[1] > 0.0) & (of->h * (root(square) + of->between) < gap[0] + gap[1]);
+    return ~clear & (load(inverse_mass) > 0.0);
+}
+
+/* Of particles [first, end), and of some before them where the last lanes are beyond.
+ */
+INLINE bool kind_clear(const weft_cloth *cloth, const weft__passage *of,
+                       weft_shape_kind kind, const weft__path *path, size_t first,
+                       size_t end)
+{
+    for (size_t i = first; i < end; i += LANES) {
+        const size_t at = i + LANES <= end ? i : end - LANES;
+        if (any(blocked(of, kind, path->y0 + at, path->y1 + at, cloth->particles,
+                        cloth->inverse_mass + at))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool block_clear(const weft_cloth *cloth, const weft__passage *of,
+                        const weft__path *path, size_t first, size_t end)
+{
+    switch (of->pose[0].kind) {
+#define CASE(kind)                                                                     \
+    case kind:                                                                         \
+        return kind_clear(cloth, of, kind, path, first, end);
+        CASE(WEFT_PLANE)
+        CASE(WEFT_SPHERE)
+        CASE(WEFT_CAPSULE)
+        CASE(WEFT_BOX)
+#undef CASE
+    default:
+        return true;
+    }
+}
+
+/* Around both ends of the paths of a block, and the highest speed at an end. */
+INLINE extent path_bounds(const weft__path *path, size_t n, size_t first, size_t end,
+                          vec *speed)
+{
+    const extent a = bounds_of(path->y0, n, first, end);
+    const extent b = bounds_of(path->y1, n, first, end);
+    vec square = splat(0.0);
+    for (size_t i = first; i < end && LANES <= end; i += LANES) {
+        const size_t at = 3 * n + (i + LANES <= end ? i : end - LANES);
+        const vec3 v0 = load3(path->y0 + at, n), v1 = load3(path->y1 + at, n);
+        square = most(most(dot(v0, v0), dot(v1, v1)), square);
+    }
+    *speed = root(square);
+    return (extent){ { least(a.low.x, b.low.x), least(a.low.y, b.low.y),
+                       least(a.low.z, b.low.z) },
+                     { most(a.high.x, b.high.x), most(a.high.y, b.high.y),
+                       most(a.high.z, b.high.z) },
+                     a.size + b.size };
+}
+
+/* Whether both gaps of all particles exceed half of what they may move: the box is that
+ * much wider. A spin makes a surface faster far away. */
+INLINE bool passes_far(const weft__passage *of, const target targets[2],
+                       double thickness, const extent *box, vec speed)
+{
+    const vec half = (0.5 * of->h) * (speed + of->fastest);
+    const vec3 wider = { half, half, half };
+    const extent around
+        = { minus(box->low, wider), plus(box->high, wider), box->size + 6.0 * half };
+    return !of->spins && is_far(&targets[0], &of->pose[0], thickness, &around)
+           && is_far(&targets[1], &of->pose[1], thickness, &around);
+}
+
+bool NAME(clear, LEVEL)(const weft_cloth *cloth, const weft__path *path,
+                        size_t first_row, size_t end_row)
+{
+    const size_t n = cloth->particles, end = end_row * cloth->cols;
+    const double thickness = cloth->contact.thickness;
+    if (end < LANES) {
+        return weft__reference_clear(cloth, path, first_row, end_row);
+    }
+    for (size_t shape = 0; shape < cloth->shape_count; shape += POSES) {
+        const size_t left = cloth->shape_count - shape;
+        const size_t count = left < POSES ? left : POSES;
+        weft__passage shapes[POSES];
+        target targets[POSES][2];
+        for (size_t k = 0; k < count; ++k) {
+            shapes[k] = weft__passage_of(&cloth->shapes[shape + k], path);
+            targets[k][0] = target_of(&shapes[k].pose[0], thickness);
+            targets[k][1] = target_of(&shapes[k].pose[1], thickness);
+        }
+        for (size_t i = first_row * cloth->cols; i < end; i += BLOCK) {
+            const size_t stop = end - i < BLOCK ? end : i + BLOCK;
+            vec speed;
+            const extent box = path_bounds(path, n, i, stop, &speed);
+            for (size_t k = 0; k < count; ++k) {
+                if (!passes_far(&shapes[k], targets[k], thickness, &box, speed)
+                    && !block_clear(cloth, &shapes[k], path, i, stop)) {
+                    return false;
+                }
+            }
+        }
+    }
+    return true;
 }

@@ -85,24 +85,28 @@ INLINE vec root(vec a)
 #endif
 }
 
-/* The smaller and the larger of two numbers, lane by lane. */
+/* The smaller and the larger of two numbers, lane by lane; b if one is NaN. */
+#if defined __AVX512F__ && LANES == 8
+#define EXTREME(which, a, b) ((vec)_mm512_##which##_pd((__m512d)(a), (__m512d)(b)))
+#elif defined __AVX__ && LANES == 4
+#define EXTREME(which, a, b) ((vec)_mm256_##which##_pd((__m256d)(a), (__m256d)(b)))
+#elif defined __SSE2__ && LANES == 2
+#define EXTREME(which, a, b) ((vec)_mm_##which##_pd((__m128d)(a), (__m128d)(b)))
+#else
+#define min_first(a, b) ((a) < (b))
+#define max_first(a, b) ((a) > (b))
+#define EXTREME(which, a, b)                                                           \
+    (only(a, which##_first(a, b)) + only(b, ~which##_first(a, b)))
+#endif
+
 INLINE vec least(vec a, vec b)
 {
-#if defined __AVX512F__ && LANES == 8
-    return (vec)_mm512_min_pd((__m512d)a, (__m512d)b);
-#elif defined __AVX__ && LANES == 4
-    return (vec)_mm256_min_pd((__m256d)a, (__m256d)b);
-#elif defined __SSE2__ && LANES == 2
-    return (vec)_mm_min_pd((__m128d)a, (__m128d)b);
-#else
-    const mask first = a < b;
-    return (vec)(((mask)a & first) | ((mask)b & ~first));
-#endif
+    return EXTREME(min, a, b);
 }
 
 INLINE vec most(vec a, vec b)
 {
-    return -least(-a, -b);
+    return EXTREME(max, a, b);
 }
 
 /* Whether any lane is set. */
@@ -140,14 +144,6 @@ INLINE vec3 load3(const double *from, size_t plane)
     return (vec3){ load(from), load(from + plane), load(from + 2 * plane) };
 }
 
-/* The smallest lane. */
-INLINE double least_lane(vec a)
-{
-    a = least(a, SHIFT_1(a, a));
-    a = least(a, SHIFT_2(a, a));
-    return least(a, SHIFT_2(SHIFT_2(a, a), SHIFT_2(a, a)))[0];
-}
-
 INLINE void set_lane(vec3 *a, size_t lane, const double *from, size_t plane)
 {
     a->x[lane] = from[0];
@@ -156,18 +152,6 @@ INLINE void set_lane(vec3 *a, size_t lane, const double *from, size_t plane)
 }
 
 /* The first `count` lanes; 0 in the others. */
-INLINE vec load_some(const double *from, size_t count)
-{
-    vec a = { 0 };
-    if (count == LANES) {
-        return load(from);
-    }
-    for (size_t i = 0; i < count; ++i) {
-        a[i] = from[i];
-    }
-    return a;
-}
-
 INLINE vec3 load3_some(const double *from, size_t plane, size_t count)
 {
     vec3 a = { 0 };

@@ -1,23 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* step_check.h -- no free particle gets into a shape or through it.
  *
- * A step of h from gap d0 to d1 is clear if, for every free particle and shape,
- *
- *     d1 > 0  and  h (max(|v0 - V0|, |v1 - V1|) + w) < d0 + d1
- *
- * with V the velocity of the surface, with or without its spin, whichever gives the
- * larger speed, and w the speed that an oscillation adds between the ends;
- * docs/physics.md. */
+ * cloth/passage.h has the condition. */
 #ifndef WEFT_SIM_STEP_CHECK_H
 #define WEFT_SIM_STEP_CHECK_H
 
+#include "cloth/passage.h"
 #include "sim/forces.h"
-
-/* From one state to another. */
-typedef struct weft__path {
-    double t0, t1; /* [s] */
-    const double *y0, *y1;
-} weft__path;
 
 /* A free particle that is in a shape, or may have passed through it. */
 typedef struct weft__breach {

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* passage.h -- whether a step leads a free particle into a shape or through it.
+ *
+ * A step of h from gap d0 to d1 is clear if, for every free particle and shape,
+ *
+ *     d1 > 0  and  h (max(|v0 - V0|, |v1 - V1|) + w) < d0 + d1
+ *
+ * with V the velocity of the surface, with its spin or without, whichever makes more of
+ * it, and w what the oscillation of a shape adds between the ends; docs/physics.md.
+ * src/kernel evaluates the same expressions. */
+#ifndef WEFT_CLOTH_PASSAGE_H
+#define WEFT_CLOTH_PASSAGE_H
+
+#include "cloth/shapes.h"
+
+/* From one state to another. */
+typedef struct weft__path {
+    double t0, t1; /* [s] */
+    const double *y0, *y1;
+} weft__path;
+
+/* A shape at both ends of a path. */
+typedef struct weft__passage {
+    double h;       /* [s] */
+    double between; /* [m/s] beyond what its velocity is at the ends */
+    double fastest; /* [m/s] of its velocity, without spin */
+    bool spins;
+    weft__pose pose[2];
+} weft__passage;
+
+weft__passage weft__passage_of(const weft__shape *shape, const weft__path *path);
+
+/* Of particle i of n; gap: [m] at the end. */
+bool weft__passage_clear(const weft__passage *of, const weft__path *path, size_t n,
+                         size_t i, double *gap);
+
+#endif
