@@ -5,8 +5,9 @@
  *
  *     d1 > 0  and  h (max(|v0 - V0|, |v1 - V1|) + w) < d0 + d1
  *
- * with V the velocity of the surface, with its spin or without, whichever makes more of
- * it, and w what the oscillation of a shape adds between the ends; docs/physics.md.
+ * with V the velocity of the surface, with or without its spin, whichever gives the
+ * larger speed, and w the speed that an oscillation adds between the ends;
+ * docs/physics.md.
  * src/kernel evaluates the same expressions. */
 #ifndef WEFT_CLOTH_PASSAGE_H
 #define WEFT_CLOTH_PASSAGE_H
