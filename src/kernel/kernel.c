@@ -24,8 +24,9 @@
 #include <float.h>
 #include <string.h>
 
-/* 1: instead the derivative of all that along a direction of->along of the state,
- * weft__reference_products; kernel_products.c. */
+/* 1: instead the derivative of all that along a direction of->along of the state, as
+ * weft__reference_products; compiled by kernel_products.c. `along` is then what `p` is,
+ * in that direction, and p itself otherwise. */
 #ifndef PRODUCT
 #define PRODUCT 0
 #endif
@@ -94,9 +95,9 @@ INLINE void begin(spring *springs, unsigned has, int group, const double *p,
         at->wd = dot(at->w, at->d);
     }
     if (PRODUCT) {
-        const double *dp = along, *dq = along + (q - p);
-        at->dd = minus(load3(dq, n), load3(dp, n));
-        at->dw = minus(load3(dq + 3 * n, n), load3(dp + 3 * n, n));
+        const double *to = along + (q - p);
+        at->dd = minus(load3(to, n), load3(along, n));
+        at->dw = minus(load3(to + 3 * n, n), load3(along + 3 * n, n));
     }
 }
 
@@ -142,8 +143,8 @@ typedef struct carry {
     vec3 beside, beside2, below;
 } carry;
 
-/* Forces of springs on the block; `at` in the buffers; rim NULL: all neighbours are
- * there. */
+/* Forces of springs on the block at p, of planes n and rows `down` apart; `at` in the
+ * buffers; rim NULL: all neighbours are there. */
 INLINE vec3 block(sweep *self, const double *p, const double *along, size_t n,
                   size_t down, size_t at, unsigned has, carry *left, const edge *rim)
 {
@@ -183,7 +184,7 @@ INLINE vec3 block(sweep *self, const double *p, const double *along, size_t n,
     return minus(own, ended);
 }
 
-/* x' and v' of the block, which is that of particle i, to planes m apart. */
+/* x' and v' of the block at p, which is that of particle i, to planes m apart. */
 INLINE void emit(sweep *self, const double *p, size_t n, size_t i, vec3 force,
                  const edge *rim, size_t count, double *to, size_t m)
 {
@@ -252,8 +253,7 @@ INLINE void row_end(sweep *self, size_t r, size_t at, unsigned has, bool emits,
         const vec3 force
             = block(self, of.p, of.along, of.n, of.down, at + b, has, left, rim);
         if (emits) {
-            emit(self, PRODUCT ? of.along : of.p, of.n, i, force, rim, count, to + b,
-                 m);
+            emit(self, of.along, of.n, i, force, rim, count, to + b, m);
         }
     }
 }
@@ -265,14 +265,15 @@ INLINE void row(sweep *self, size_t r, size_t first, size_t end, unsigned has,
     const size_t n = self->n, cols = self->cols, i = r * cols + first;
     const size_t m = self->detour ? SPAN : n;
     double *const to = self->detour ? self->aside : self->dydt + i;
-    const double *p = self->y + i, *along = PRODUCT ? self->along + i : p;
+    const double *p = self->y + i;
     const ptrdiff_t count = (ptrdiff_t)(end - first);
     carry left = { 0 };
     for (ptrdiff_t j = first > 0 ? -LANES : 0; j < count; j += LANES) {
         const size_t at = (size_t)(LANES + j), b = i + (size_t)j;
-        const vec3 force = block(self, p + j, along + j, n, cols, at, has, &left, NULL);
+        const double *along = PRODUCT ? self->along + b : p + j;
+        const vec3 force = block(self, p + j, along, n, cols, at, has, &left, NULL);
         if (emits && j >= 0) {
-            emit(self, (PRODUCT ? along : p) + j, n, b, force, NULL, LANES, to + j, m);
+            emit(self, along, n, b, force, NULL, LANES, to + j, m);
         }
     }
     if (end == self->inner) {
