@@ -6,14 +6,15 @@
 
 #define ADDED(name, level) weft__##name##_##level,
 #define KERNELS(level)                                                                 \
-    weft__rows_##level, weft__damping_##level, { WEFT_ADDED(ADDED, level) },           \
-        weft__clear_##level
+    weft__rows_##level, weft__damping_##level, weft__products_##level,                 \
+        { WEFT_ADDED(ADDED, level) }, weft__clear_##level
 
 static const weft__level levels[] = {
 #ifdef WEFT_PLAIN
     { "plain",
       weft__reference_rows,
       weft__reference_damping,
+      weft__reference_products,
       { NULL },
       weft__reference_clear },
 #else
