@@ -88,6 +88,8 @@ static const struct check {
     { "process",
       "locale, signal handlers and floating-point environment stay as they are",
       .run = weft__the_process_is_left_alone, .modes = true },
+    { "structure", "config->structure changes the way to a solution, not the solution",
+      .run = weft__a_structure_leaves_the_solution, .once = true, .modes = true },
 };
 
 size_t weft_conformance_count(void)
@@ -168,7 +170,9 @@ trial_run *weft__begin(trial *self, int slot, weft_stepper_config config)
     r->ode = (weft_ode){ .dim = DIM + self->apart,
                          .rhs = weft__model_rhs,
                          .ctx = &r->model };
+    r->structure = weft__model_structure(&r->model);
     memcpy(r->y, weft__model_start, sizeof weft__model_start);
+    config.structure = &r->structure;
     r->config = config;
     config = weft__with_table(self->type, config);
     config.quadratures = self->apart;
