@@ -88,14 +88,16 @@ PLUGIN_SO := $(PLUGINS:%=$(BUILD)/plugins/weft-%.so)
 LIBS_gsl := -lgsl -lgslcblas -lm
 LIBS_verlet := -lm
 LIBS_stiff := -lm
+LIBS_sundials := -lsundials_nvecserial $(if $(HAVE_SUNDIALS_7),-lsundials_core) $(MPI_LIBS) -lm
+LIBS_arkode := -lsundials_arkode $(LIBS_sundials)
 # Folders whose sources are also part of a plugin.
 PARTS_stiff := linear
-LIBS_arkode := -lsundials_arkode -lsundials_nvecserial $(if $(HAVE_SUNDIALS_7),-lsundials_core) $(MPI_LIBS) -lm
+PARTS_arkode := sundials
 
 # The suites, each of tests/test_NAME.c: `make check TESTS='cloth scene'`. Those that take longest
 # begin first, so that all processors end together.
 LONGEST := hostile surroundings record_ends compare cli_resume cli_batch interrupt checkpoint steppers \
-           record_damage quadratures arkode_vector libm
+           record_damage quadratures sundials_vector libm
 KERNEL_TESTS := kernel damping
 TESTS := $(LONGEST) $(filter-out $(LONGEST) $(if $(KERNELS),,$(KERNEL_TESTS)),$(patsubst tests/test_%.c,%,$(wildcard tests/test_*.c)))
 # Programs of their own, as they replace functions of libc: malloc and its like, and pow.
@@ -176,11 +178,11 @@ endef
 $(foreach p,$(PLUGINS),$(eval $(call PLUGIN_RULE,$(p))))
 
 # Loops over whole states, which gcc does not vectorise at -O2.
-$(BUILD)/plugins/arkode/arkode_arithmetic.o $(BUILD)/plugins/gsl/gsl_control.o $(BUILD)/plugins/verlet/verlet.o \
+$(BUILD)/plugins/sundials/sundials_arithmetic.o $(BUILD)/plugins/gsl/gsl_control.o $(BUILD)/plugins/verlet/verlet.o \
 $(patsubst %.c,$(BUILD)/%.o,plugins/stiff/arithmetic.c $(wildcard plugins/linear/*.c)): OWN += $(if $(SAN),,-O3)
 
 # All that include SUNDIALS.
-$(BUILD)/plugins/arkode/%.o $(BUILD)/tests/test_arkode_vector.o $(BUILD)/bench/vectors.o: INCS += $(MPI_INC)
+$(BUILD)/plugins/arkode/%.o $(BUILD)/plugins/sundials/%.o $(BUILD)/tests/test_sundials_vector.o $(BUILD)/bench/vectors.o: INCS += $(MPI_INC)
 
 $(BUILD)/plugins/%.o: plugins/%.c
 	@mkdir -p $(@D)
@@ -373,7 +375,7 @@ coverage:
 
 # Races between threads: of a simulation, of simulations, and of the steppers alone.
 # Those of simulations in one process each: forks after threads are not for the sanitizer.
-TSAN_TESTS := threads embed steppers arkode_vector
+TSAN_TESTS := threads embed steppers sundials_vector
 TSAN_RUN := build/tsan/tests/run
 
 tsan:
@@ -381,7 +383,7 @@ tsan:
 	    TESTS='$(TSAN_TESTS)' PARTS=conformance $(TSAN_RUN)
 	CK_FORK=no $(TSAN_RUN) threads
 	CK_FORK=no CK_RUN_CASE=threads $(TSAN_RUN) embed
-	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads $(TSAN_RUN) arkode_vector steppers
+	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads $(TSAN_RUN) sundials_vector steppers
 
 # Sources read by clang-tidy and cppcheck; DEEP=1: also by gcc -fanalyzer, and clang-tidy follows calls.
 static:
@@ -435,7 +437,7 @@ valgrind: all
 	@tools/valgrind $(BUILD)
 
 # Tests of the steppers alone, with no more built than they need.
-STEPPER_TESTS := arkode arkode_vector controllers methods quadratures steppers verification
+STEPPER_TESTS := arkode sundials_vector controllers methods quadratures steppers verification
 check-steppers:
 	@$(MAKE) --no-print-directory TESTS='$(STEPPER_TESTS)' $(BUILD)/tests/run $(BUILD)/weft $(PLUGIN_SO) $(BROKEN)
 	@tools/run-tests $(BUILD) $(STEPPER_TESTS:%='run %')
