@@ -62,6 +62,7 @@ mpi = $(shell pkg-config --$(1) mpi-c 2>/dev/null || mpicc --showme:$(2) 2>/dev/
 MPI_INC := $(if $(call has,arkode/arkode_erkstep.h),,$(patsubst -I%,-isystem %,$(call mpi,cflags,compile)))
 MPI_LIBS := $(if $(MPI_INC),$(call mpi,libs,link))
 HAVE_ARKODE := $(call has,arkode/arkode_erkstep.h)
+HAVE_CVODE := $(call has,cvode/cvode.h)
 # SUNDIALS 7 has a library more.
 HAVE_SUNDIALS_7 := $(call has,sundials/sundials_errors.h)
 
@@ -83,16 +84,18 @@ PROG_OBJ := $(RECORD_OBJ) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/cli/*.c src
 PROG_OBJ += $(BUILD)/src/base/suggest.o $(BUILD)/src/base/file.o
 LIB_LIBS := -lyaml -ldl -lm -pthread $(LDLIBS)
 
-PLUGINS := verlet stiff $(if $(HAVE_GSL),gsl) $(if $(HAVE_ARKODE),arkode)
+PLUGINS := verlet stiff $(if $(HAVE_GSL),gsl) $(if $(HAVE_ARKODE),arkode) $(if $(HAVE_CVODE),cvode)
 PLUGIN_SO := $(PLUGINS:%=$(BUILD)/plugins/weft-%.so)
 LIBS_gsl := -lgsl -lgslcblas -lm
 LIBS_verlet := -lm
 LIBS_stiff := -lm
 LIBS_sundials := -lsundials_nvecserial $(if $(HAVE_SUNDIALS_7),-lsundials_core) $(MPI_LIBS) -lm
 LIBS_arkode := -lsundials_arkode $(LIBS_sundials)
+LIBS_cvode := -lsundials_cvode $(LIBS_sundials)
 # Folders whose sources are also part of a plugin.
 PARTS_stiff := linear
-PARTS_arkode := sundials
+PARTS_arkode := sundials linear
+PARTS_cvode := sundials linear
 
 # The suites, each of tests/test_NAME.c: `make check TESTS='cloth scene'`. Those that take longest
 # begin first, so that all processors end together.
@@ -122,6 +125,7 @@ all: $(BUILD)/libweft.so $(BUILD)/libweft.a $(BUILD)/weft $(PLUGIN_SO) skipped
 skipped:
 	@$(if $(HAVE_GSL),:,echo "plugin gsl skipped: gsl/gsl_odeiv2.h not found (package libgsl-dev)")
 	@$(if $(HAVE_ARKODE),:,echo "plugin arkode skipped: arkode/arkode_erkstep.h not found (package libsundials-dev)")
+	@$(if $(HAVE_CVODE),:,echo "plugin cvode skipped: cvode/cvode.h not found (package libsundials-dev)")
 
 # ---- library and program ---------------------------------------------------------
 
@@ -182,7 +186,7 @@ $(BUILD)/plugins/sundials/sundials_arithmetic.o $(BUILD)/plugins/gsl/gsl_control
 $(patsubst %.c,$(BUILD)/%.o,plugins/stiff/arithmetic.c $(wildcard plugins/linear/*.c)): OWN += $(if $(SAN),,-O3)
 
 # All that include SUNDIALS.
-$(BUILD)/plugins/arkode/%.o $(BUILD)/plugins/sundials/%.o $(BUILD)/tests/test_sundials_vector.o $(BUILD)/bench/vectors.o: INCS += $(MPI_INC)
+$(BUILD)/plugins/arkode/%.o $(BUILD)/plugins/cvode/%.o $(BUILD)/plugins/sundials/%.o $(BUILD)/tests/test_sundials_vector.o $(BUILD)/bench/vectors.o: INCS += $(MPI_INC)
 
 $(BUILD)/plugins/%.o: plugins/%.c
 	@mkdir -p $(@D)
@@ -190,7 +194,7 @@ $(BUILD)/plugins/%.o: plugins/%.c
 
 # ---- tests and examples ----------------------------------------------------------
 
-TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_GSL),-DHAVE_GSL) $(if $(HAVE_ARKODE),-DHAVE_ARKODE)
+TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_GSL),-DHAVE_GSL) $(if $(HAVE_ARKODE),-DHAVE_ARKODE) $(if $(HAVE_CVODE),-DHAVE_CVODE)
 TEST_PLUGINS = $(sort $(foreach p,$(PLUGINS),$(PLUGIN_OBJ_$(p))))
 TEST_LIBS = -lcheck -lsubunit -lrt $(HDF5_LIBS) $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
 
@@ -437,7 +441,7 @@ valgrind: all
 	@tools/valgrind $(BUILD)
 
 # Tests of the steppers alone, with no more built than they need.
-STEPPER_TESTS := arkode sundials_vector controllers methods quadratures steppers verification
+STEPPER_TESTS := arkode cvode sundials_vector controllers methods quadratures steppers verification
 check-steppers:
 	@$(MAKE) --no-print-directory TESTS='$(STEPPER_TESTS)' $(BUILD)/tests/run $(BUILD)/weft $(PLUGIN_SO) $(BROKEN)
 	@tools/run-tests $(BUILD) $(STEPPER_TESTS:%='run %')
