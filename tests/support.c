@@ -11,17 +11,20 @@ const weft_plugin *weft_plugin_verlet(void);
 const weft_plugin *weft_plugin_stiff(void);
 const weft_plugin *weft_plugin_gsl(void);
 const weft_plugin *weft_plugin_arkode(void);
+const weft_plugin *weft_plugin_cvode(void);
 
 const weft_plugin *test_plugin(size_t i)
 {
     weft_plugin_fn *const plugins[] = {
-        weft_plugin_verlet,
-        weft_plugin_stiff,
+        weft_plugin_verlet, weft_plugin_stiff,
 #ifdef HAVE_GSL
         weft_plugin_gsl,
 #endif
 #ifdef HAVE_ARKODE
         weft_plugin_arkode,
+#endif
+#ifdef HAVE_CVODE
+        weft_plugin_cvode,
 #endif
     };
     return i < sizeof plugins / sizeof plugins[0] ? plugins[i]() : NULL;
@@ -89,6 +92,11 @@ bool test_needs_structure(const weft_stepper_type *type)
     return (type->flags & WEFT_STEPPER_STRUCTURE) != 0;
 }
 
+bool test_adaptive_only(const weft_stepper_type *type)
+{
+    return (type->flags & WEFT_STEPPER_ADAPTIVE_ONLY) != 0;
+}
+
 bool test_needs_damping(const weft_stepper_type *type)
 {
     return test_needs_structure(type) && (type->flags & WEFT_STEPPER_IMPLICIT) == 0;
@@ -99,6 +107,13 @@ weft_stepper_config test_config(const weft_stepper_type *type,
 {
     if ((type->flags & WEFT_STEPPER_BUTCHER) != 0 && config.butcher == NULL) {
         config.butcher = merson();
+    }
+    if (test_adaptive_only(type) && config.fixed_step > 0.0) {
+        config.first_step = config.max_step = config.fixed_step;
+        config.min_step = 1e-9 * config.fixed_step;
+        config.rtol = config.fixed_step = 0.0;
+        config.norm = WEFT_NORM_MAX;
+        config.atol_position = config.atol_velocity = 1e-6;
     }
     return config;
 }

@@ -37,7 +37,7 @@ static void begin(void)
 /* ---- compare.csv -------------------------------------------------------------------
  */
 
-enum { ROWS = 512, COLUMNS = 16, WORD = 40 };
+enum { ROWS = 1024, COLUMNS = 16, WORD = 40 };
 
 typedef struct run_row {
     char plugin[WORD], method[WORD], kind[WORD], outcome[WORD];
