@@ -21,6 +21,11 @@ double compare_time(const compare *self, size_t frame)
     return weft_run_frame_time(&self->run, frame);
 }
 
+bool compare_is_implicit(const compare_method *method)
+{
+    return (method->by.type->flags & WEFT_STEPPER_IMPLICIT) != 0;
+}
+
 const compare_point *compare_as_is(const compare *self)
 {
     return self->shared->methods[self->count].points;
@@ -280,6 +285,16 @@ static int by_value(const void *a, const void *b)
     return (*x > *y) - (*x < *y);
 }
 
+/* The time of a run with an explicit method is taken from its calls, which do not
+ * depend on the machine's load. */
+static void set_times(compare_method *of, const compare_method *method)
+{
+    const bool follows = method->call_time > 0.0 && !compare_is_implicit(method);
+    for (size_t i = 0; i < COMPARE_RUNGS && follows; ++i) {
+        of->points[i].time = (double)of->points[i].calls * method->call_time;
+    }
+}
+
 /* In rounds, so that other load of the machine affects all methods alike. */
 static weft_status take_times(const compare *self, weft_error *err)
 {
@@ -297,6 +312,13 @@ static weft_status take_times(const compare *self, weft_error *err)
         self->shared->methods[i].call_time = times[i][CALL_TIMES / 2];
     }
     free(times);
+    for (size_t i = 0; i < self->count; ++i) {
+        const compare_method *method = &self->shared->methods[i];
+        set_times(&self->shared->methods[i], method);
+        if (method->own) {
+            set_times(&self->shared->methods[self->count], method);
+        }
+    }
     return WEFT_OK;
 }
 

@@ -7,7 +7,10 @@
  * the time that is compared. Then every method runs its ladder: of tolerances, or of
  * fixed steps, halved from its largest stable one on. Each reference and each ladder
  * has its own process, which writes its numbers to shared memory. One process alone
- * measures times, last of all. */
+ * measures times per evaluation, last of all.
+ *
+ * Methods are ranked by time: what an implicit method does besides evaluations has no
+ * other measure. */
 #ifndef WEFT_CLI_COMPARE_COMPARE_H
 #define WEFT_CLI_COMPARE_COMPARE_H
 
@@ -29,6 +32,9 @@ enum {
 #define COMPARE_PARTED   1e-4  /* [m] the same limit between the two references */
 #define COMPARE_NEAR     10.0  /* times the error of the reference: not judged */
 #define COMPARE_WORK     3e8 /* RHS calls times particles, of all runs but references */
+/* Tolerance of velocities [m/s] by that of positions [m], of methods with a
+ * structure: with 1, the velocities of stiff modes set their steps. */
+#define COMPARE_VELOCITY 100.0
 
 typedef enum compare_outcome {
     COMPARE_NOT_RUN,
@@ -47,6 +53,9 @@ typedef struct compare_point {
     double velocity; /* [m/s] largest, as `error` */
     double energy;   /* largest difference in a frame, part of the energy at play */
     uint64_t calls, steps, rejected;
+    uint64_t work; /* in RHS calls, linear systems included: compare_work */
+    double
+        time; /* [s] the run's own; of explicit methods calls * call_time, if known */
     char why[200]; /* FAILED */
 } compare_point;
 
@@ -99,6 +108,8 @@ typedef struct compare {
 double compare_time(const compare *self, size_t frame); /* [s] */
 const compare_point *compare_as_is(const compare *self);
 double compare_decade(size_t k); /* 10^-k */
+/* Whether a method solves linear systems, so that its RHS calls are not its cost. */
+bool compare_is_implicit(const compare_method *method);
 
 /* ---- compare_run.c: in a process of their own ------------------------------- */
 
@@ -109,7 +120,8 @@ int compare_ladder(void *self, size_t i);
 /* The largest length of a difference of 3-vectors in n entries of three planes each;
  * INFINITY if one is not finite. Adds their squares to *square. */
 double compare_farthest(const double *a, const double *b, size_t n, double *square);
-/* [s] per call, measured for a moment; 0 if it fails. */
+/* [s] per call: measured for a moment, or of an implicit method that of a run of its
+ * ladder; 0 if it fails. */
 double compare_call_time(const compare *self, const compare_method *method);
 
 /* ---- compare_advice.c ------------------------------------------------------- */
@@ -118,12 +130,13 @@ double compare_call_time(const compare *self, const compare_method *method);
  * straight line of logarithms. */
 typedef struct compare_cost {
     const compare_method *method; /* NULL: none reaches it */
-    double setting, calls, time;  /* time [s]: 0 if not known */
+    double setting, calls, time;  /* time [s] */
 } compare_cost;
 
 typedef struct compare_rank {
-    double accuracy; /* [m] */
-    compare_cost best, second, own, fastest;
+    double accuracy;                /* [m] */
+    compare_cost best, second, own; /* by time */
+    compare_cost fewest;            /* evaluations, of explicit methods */
 } compare_rank;
 
 typedef struct compare_advice {
