@@ -277,6 +277,14 @@ enum {
     WEFT_STEPPER_STRUCTURE = 1 << 11 /* needs config->structure */
 };
 
+/* Whether a method with these flags solves linear systems of the cloth: config->linear
+ * is for it. */
+static inline bool weft_stepper_solves(uint32_t flags)
+{
+    const uint32_t both = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_STRUCTURE;
+    return (flags & both) == both;
+}
+
 /* An option in force, as text: "safety", "0.96". */
 typedef void weft_option_fn(void *ctx, const char *name, const char *value);
 
