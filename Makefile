@@ -83,10 +83,13 @@ PROG_OBJ := $(RECORD_OBJ) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/cli/*.c src
 PROG_OBJ += $(BUILD)/src/base/suggest.o $(BUILD)/src/base/file.o
 LIB_LIBS := -lyaml -ldl -lm -pthread $(LDLIBS)
 
-PLUGINS := verlet $(if $(HAVE_GSL),gsl) $(if $(HAVE_ARKODE),arkode)
+PLUGINS := verlet stiff $(if $(HAVE_GSL),gsl) $(if $(HAVE_ARKODE),arkode)
 PLUGIN_SO := $(PLUGINS:%=$(BUILD)/plugins/weft-%.so)
 LIBS_gsl := -lgsl -lgslcblas -lm
 LIBS_verlet := -lm
+LIBS_stiff := -lm
+# Folders whose sources are also part of a plugin.
+PARTS_stiff := linear
 LIBS_arkode := -lsundials_arkode -lsundials_nvecserial $(if $(HAVE_SUNDIALS_7),-lsundials_core) $(MPI_LIBS) -lm
 
 # The suites, each of tests/test_NAME.c: `make check TESTS='cloth scene'`. Those that take longest
@@ -165,7 +168,7 @@ endif
 # ---- plugins: each sees weft/stepper.h and weft/elementary.h, nothing else of weft -
 
 define PLUGIN_RULE
-PLUGIN_OBJ_$(1) := $$(patsubst %.c,$(BUILD)/%.o,$$(wildcard plugins/$(1)/*.c))
+PLUGIN_OBJ_$(1) := $$(patsubst %.c,$(BUILD)/%.o,$$(wildcard $$(patsubst %,plugins/%/*.c,$(1) $$(PARTS_$(1)))))
 $(BUILD)/plugins/weft-$(1).so: $$(PLUGIN_OBJ_$(1))
 	@mkdir -p $$(@D)
 	$$(call say,LD)$$(LINK) -shared $$(call soname,weft-$(1).so) -o $$@ $$^ $$(LIBS_$(1)) $$(LDLIBS)
@@ -173,7 +176,8 @@ endef
 $(foreach p,$(PLUGINS),$(eval $(call PLUGIN_RULE,$(p))))
 
 # Loops over whole states, which gcc does not vectorise at -O2.
-$(BUILD)/plugins/arkode/arkode_arithmetic.o $(BUILD)/plugins/gsl/gsl_control.o $(BUILD)/plugins/verlet/verlet.o: OWN += $(if $(SAN),,-O3)
+$(BUILD)/plugins/arkode/arkode_arithmetic.o $(BUILD)/plugins/gsl/gsl_control.o $(BUILD)/plugins/verlet/verlet.o \
+$(patsubst %.c,$(BUILD)/%.o,plugins/stiff/arithmetic.c $(wildcard plugins/linear/*.c)): OWN += $(if $(SAN),,-O3)
 
 # All that include SUNDIALS.
 $(BUILD)/plugins/arkode/%.o $(BUILD)/tests/test_arkode_vector.o $(BUILD)/bench/vectors.o: INCS += $(MPI_INC)
@@ -185,7 +189,7 @@ $(BUILD)/plugins/%.o: plugins/%.c
 # ---- tests and examples ----------------------------------------------------------
 
 TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_GSL),-DHAVE_GSL) $(if $(HAVE_ARKODE),-DHAVE_ARKODE)
-TEST_PLUGINS = $(foreach p,$(PLUGINS),$(PLUGIN_OBJ_$(p)))
+TEST_PLUGINS = $(sort $(foreach p,$(PLUGINS),$(PLUGIN_OBJ_$(p))))
 TEST_LIBS = -lcheck -lsubunit -lrt $(HDF5_LIBS) $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
 
 # All of the program but main, for tests of its parts; PARTS=conformance: of that alone.

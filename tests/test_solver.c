@@ -32,6 +32,7 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
     ck_assert_uint_le(ode->dim, sizeof made->rate / sizeof made->rate[0]);
     made->ode = *ode;
     made->newton = type->order == 0;
+    made->stats.next_step = config->first_step;
     made->linear
         = config->linear == NULL ? (weft_linear){ .krylov = 0.5 } : *config->linear;
     *self = made;

@@ -188,36 +188,22 @@ static int no_rhs(double t, const double *y, double *dydt, void *ctx)
     return -1;
 }
 
-/* One free particle without springs. */
-static int no_springs(double t, const double *y, double *planes, double *blocks,
-                      void *ctx)
+static int no_planes(double t, const double *y, double *planes, double *blocks,
+                     void *ctx)
 {
-    (void)t;
-    (void)y;
     (void)planes;
     (void)blocks;
-    (void)ctx;
-    return 0;
+    return no_rhs(t, y, NULL, ctx);
 }
 
 static size_t no_modes(double t, const double *y, double (*corners)[2], size_t room,
                        void *ctx)
 {
-    (void)t;
-    (void)y;
     (void)corners;
     (void)room;
-    (void)ctx;
+    (void)no_rhs(t, y, NULL, ctx);
     return 0;
 }
-
-static const weft_structure loose = { .struct_size = sizeof loose,
-                                      .particles = 1,
-                                      .runs = (const weft_bonds[]){ { 0 } },
-                                      .mass = (const double[]){ 1.0 },
-                                      .drag = (const double[]){ 0.0 },
-                                      .linearise = no_springs,
-                                      .modes = no_modes };
 
 /* The keys of a section that were not among the options of a stepper. */
 typedef struct unused {
@@ -265,11 +251,18 @@ static void check_creation(weft__reader *reader, const weft__match *match)
     const weft_ode one = { .dim = 6, .rhs = no_rhs };
     const weft__node *table = weft__found_in(match, "butcher")->key;
     const weft__node *solver = weft__found_in(match, "solver")->key;
+    static const double mass = 1.0, drag = 0.0;
+    const weft_structure structure = { .struct_size = sizeof structure,
+                                       .particles = 1,
+                                       .mass = &mass,
+                                       .drag = &drag,
+                                       .linearise = no_planes,
+                                       .modes = no_modes };
     weft_stepper_config config = scene->config;
     weft_error why = { 0 };
     void *stepper = NULL;
+    config.structure = &structure;
     config.allocator = reader->report->memory;
-    config.structure = &loose;
     const weft_status status
         = scene->type->create(scene->type, &one, &config, &stepper, &why);
     if (status == WEFT_OK) {
