@@ -10,8 +10,7 @@
 #ifndef ARKODE_PLUGIN_H
 #define ARKODE_PLUGIN_H
 
-#include "weft/elementary.h"
-#include "weft/stepper.h"
+#include "../sundials/sundials_shared.h"
 
 #if defined(__GNUC__) /* headers of others do not meet our warnings */
 #pragma GCC diagnostic push
@@ -21,32 +20,11 @@
 #endif
 #include <arkode/arkode_butcher_erk.h>
 #include <arkode/arkode_erkstep.h>
-#include <nvector/nvector_serial.h>
-#include <sundials/sundials_config.h>
-
-#define SUNV (SUNDIALS_VERSION_MAJOR * 100 + SUNDIALS_VERSION_MINOR)
-
-#if SUNV >= 700
-#include <sundials/sundials_core.h>
-#endif
 #if SUNV >= 607
 #include <sundials/sundials_adaptcontroller.h>
 #endif
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
-#endif
-
-#if SUNV < 604
-#error "this plugin needs SUNDIALS 6.4 or later"
-#endif
-#ifndef SUNDIALS_DOUBLE_PRECISION
-#error "this plugin needs SUNDIALS with realtype double"
-#endif
-
-#if SUNV >= 700
-#define NO_COMM SUN_COMM_NULL
-#else
-#define NO_COMM NULL
 #endif
 
 #if SUNV >= 701 /* functions that were of each module became ARKODE's own */
@@ -134,24 +112,9 @@ extern const weft_butcher weft__ark_euler, weft__ark_midpoint, weft__ark_heun,
 
 /* order.c: whether the weights have the order; if not, *what is the first condition
  * that fails. Orders above WEFT__ARK_ORDER_CHECKED are checked up to that. */
-#define WEFT__ARK_MAX_STAGES    256
+#define WEFT__ARK_MAX_STAGES    (WEFT__SUN_MOST_TERMS - 1)
 #define WEFT__ARK_ORDER_CHECKED 5
 bool weft__ark_has_order(const weft_butcher *table, const double *weights, int order,
                          const char **what, double *is, double *wanted);
-
-/* vector.c: n zeros, whose clones inherit the team and the norm. Operations on long
- * ones are shared with the team, which may be NULL, with the same results. NULL: no
- * memory. What NV_DATA_S points to may be shared: it is for reading. */
-N_Vector weft__ark_vector(size_t n, const weft_team *team, SUNContext context);
-/* ARKODE judges steps and tolerances by the first `judged` components. Before
- * that, and with fixed steps, it finds nothing wrong. */
-void weft__ark_judge_by(N_Vector v, weft_norm by, size_t judged);
-/* Where its numbers may be written, all of them unless it was filled before. */
-double *weft__ark_fill(N_Vector v);
-void weft__ark_read(N_Vector v, double *to);
-void weft__ark_write(N_Vector v, const double *from);
-bool weft__ark_finite(N_Vector v);
-/* The weights 1 / (rtol |y_i| + atol) of what is judged, in two halves. */
-void weft__ark_weigh(N_Vector y, N_Vector weights, double rtol, const double atol[2]);
 
 #endif

@@ -36,20 +36,20 @@ int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance)
     self->starting = false;
     self->since_bad += self->since_bad < INT32_MAX;
     int failed = 1;
-    if (weft__ark_finite(y)) {
+    if (weft__sun_finite(y)) {
         ++self->stats.rhs_calls;
-        failed = self->ode.rhs(t, NV_DATA_S(y), weft__ark_fill(ydot), self->ode.ctx);
+        failed = self->ode.rhs(t, NV_DATA_S(y), weft__sun_fill(ydot), self->ode.ctx);
     }
     if (failed < 0) {
         self->stopped = true;
         return -1;
     }
     const bool look = starting || self->hidden;
-    if (failed == 0 && (!look || weft__ark_finite(ydot))) {
+    if (failed == 0 && (!look || weft__sun_finite(ydot))) {
         return 0;
     }
     self->since_bad = 0;
-    weft__ark_fill(ydot)[0] = NAN;
+    weft__sun_fill(ydot)[0] = NAN;
     return self->fixed_step > 0.0 || starting ? -1 : 0; /* a smaller h helps no start */
 }
 
@@ -58,7 +58,7 @@ int weft__ark_weights(N_Vector y, N_Vector weights, void *instance)
 {
     const arkode_stepper *self = instance;
     if (self->fixed_step == 0.0) {
-        weft__ark_weigh(y, weights, self->rtol, self->atol);
+        weft__sun_weigh(y, weights, self->rtol, self->atol);
     }
     return 0;
 }
@@ -87,7 +87,7 @@ static double fit(const arkode_stepper *self, double rest)
 static int give_state(arkode_stepper *self, double t, const double *y)
 {
     if (self->restart) { /* else it is what Evolve left there */
-        weft__ark_write(self->y, y);
+        weft__sun_write(self->y, y);
     }
     self->starting = true;
     if (self->stats.steps > 0) {
@@ -155,7 +155,7 @@ static bool was_finite(arkode_stepper *self, int flag)
     }
     return flag != ARK_ERR_FAILURE
            || ARK(GetEstLocalErrors)(self->solver, self->y) != ARK_SUCCESS
-           || weft__ark_finite(self->y);
+           || weft__sun_finite(self->y);
 }
 
 static weft_status fail(arkode_stepper *self, int flag, weft_error *err)
@@ -214,7 +214,7 @@ static void accept(arkode_stepper *self, double tried, double rest, double reach
 {
     const double before = *t;
     const bool at_end = reached - before >= rest * (1.0 - 1e-12) || reached >= t_end;
-    weft__ark_read(self->y, y);
+    weft__sun_read(self->y, y);
     *t = at_end ? t_end : reached;
     self->restart = *t != reached;
     ++self->stats.steps;
@@ -254,7 +254,7 @@ weft_status weft__ark_step(void *instance, double t_end, double *t, double *y,
             (void)ARK(GetLastStep)(self->solver, &h);
             return stands_still(self, h, *t, err);
         }
-        if (weft__ark_finite(self->y)) {
+        if (weft__sun_finite(self->y)) {
             accept(self, h, rest, reached, t_end, t, y);
             return WEFT_OK;
         }
@@ -276,9 +276,5 @@ void weft__ark_state_changed(void *instance)
 void weft__ark_stats(const void *instance, weft_stepper_stats *out)
 {
     const arkode_stepper *self = instance;
-    weft_stepper_stats stats = self->stats;
-    stats.struct_size = out->struct_size; /* an older caller's struct is shorter */
-    stats.next_step = self->h;
-    memcpy(out, &stats,
-           out->struct_size < sizeof stats ? out->struct_size : sizeof stats);
+    weft__sun_stats(&self->stats, self->h, out);
 }
