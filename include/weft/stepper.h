@@ -94,6 +94,73 @@ typedef struct weft_team {
                 size_t parts);
 } weft_team;
 
+/* Pairs of particles (p + i, q + i), i < count, that springs join. A grid has about six
+ * runs a row; any graph can be given, with runs of 1. */
+typedef struct weft_bonds {
+    size_t p, q, count;
+} weft_bonds;
+
+/* Planes of weft_structure::linearise: per spring, per particle; and the corners that
+ * weft_structure::modes may have. */
+enum { WEFT_BOND_PLANES = 6, WEFT_BLOCK_PLANES = 15, WEFT_MODES_CORNERS = 40 };
+
+/* The structure of a cloth's right-hand side, for implicit and stabilised methods:
+ *
+ *     x' = v,   M v' = F(t, x, v),   K = -dF/dx,   C = -dF/dv
+ *
+ * A spring from p to q, of length L and tension T, with d = x_q - x_p, u = d / L,
+ * w = v_q - v_p, P = I - u u^T, adds to J (dx, dv), in the rows of p, and with the
+ * opposite sign in those of q,
+ *
+ *     dF = u [(k - q) u.dd + z.dd + c u.dw] + q dd,    q = T / L,   z = (c / L) P w
+ *
+ * where dd, dw are the differences of dx, dv. Source: D. Baraff, A. Witkin, Large steps
+ * in cloth simulation, SIGGRAPH 1998; derived in docs/physics.md. A symmetric matrix
+ * that is never negative follows without z and with q from [0, k] (K.-J. Choi, H.-S.
+ * Ko, Stable but responsive cloth, SIGGRAPH 2002).
+ *
+ * J is not complete: it lacks the wind and a force of the embedder's own.
+ * weft_cloth_jacobian_product has the wind.
+ *
+ * All functions are pure: they may be called within create and step, in the thread that
+ * calls those, and allocate nothing. All addresses stay while the stepper exists. Pins
+ * and shapes may change between two steps, also between create and the first one, and
+ * with them the values of mass and block_planes: ode_changed announces it. */
+typedef struct weft_structure {
+    uint32_t struct_size;
+    size_t particles;       /* N; y begins with its 6 N numbers */
+    size_t run_count;       /* of runs */
+    size_t bond_count;      /* springs: the sum of all counts */
+    const weft_bonds *runs; /* in the order of the planes of linearise */
+    const double *mass;     /* [kg] N; 0: prescribed, x and v follow their own law */
+    const double *drag;     /* [kg/s] N: viscous, part of C, >= 0 */
+    size_t block_planes;    /* 0, or WEFT_BLOCK_PLANES: there are shapes to touch */
+
+    /* Writes the springs' part of J in (t, y) to planes[6 bond_count]: u_x, u_y, u_z,
+     * k - q [N/m], q [N/m], c [kg/s]; unfiltered, all 0 for a spring of length 0. z
+     * follows from c, u and y. Under the strain law k is that law's by the rest length.
+     *
+     * If block_planes is not 0, writes the contact of each particle to
+     * blocks[15 N]: K in nine planes, row by row [N/m], which friction, spin and
+     * curvature make unsymmetric; then C in six, xx xy xz yy yz zz [kg/s], without what
+     * the speed of approach does to friction: symmetric and never negative. 0 of pinned
+     * particles and where nothing touches. blocks NULL: only the planes.
+     *
+     * Returns, as rhs does, 0, or > 0 if a number is not finite or a particle is in a
+     * shape. */
+    int (*linearise)(double t, const double *y, double *planes, double *blocks,
+                     void *ctx);
+
+    /* Writes the corners, in order, of a convex polygon that holds the pairs (omega^2
+     * [1/s^2], damping rate [1/s]) of all modes in (t, y); y NULL: in any state,
+     * less sharp. Without the wind's stiffness, negative omega^2 and the embedder's
+     * force. Infinite if y is not finite. Returns their number, at most `room`: all fit
+     * in WEFT_MODES_CORNERS, and the rectangle about them in 4; 0 with less room. */
+    size_t (*modes)(double t, const double *y, double (*corners)[2], size_t room,
+                    void *ctx);
+    void *ctx;
+} weft_structure;
+
 /* The user's settings for the solver, which then decides every step by itself. With
  * fixed_step > 0 there is no error control: the norm, the tolerances and the other step
  * sizes are ignored. */
@@ -120,6 +187,8 @@ typedef struct weft_stepper_config {
                               definition of a simulation, its own */
     const weft_allocator *allocator; /* for the plugin's own memory; solvers that only
                                         know malloc still use it. NULL: malloc's */
+    const weft_structure *structure; /* of the ode, must outlive the stepper; NULL: not
+                                        known. A simulation gives that of its cloth */
 } weft_stepper_config;
 
 /* The fields that every version of the struct has. */
@@ -133,6 +202,13 @@ static inline size_t weft_stepper_half(const weft_ode *ode,
     const size_t apart
         = WEFT_HAS(config, weft_stepper_config, quadratures) ? config->quadratures : 0;
     return apart < ode->dim && (ode->dim - apart) % 2 == 0 ? (ode->dim - apart) / 2 : 0;
+}
+
+/* The structure of the ode, or NULL. */
+static inline const weft_structure *
+weft_stepper_structure(const weft_stepper_config *config)
+{
+    return WEFT_HAS(config, weft_stepper_config, structure) ? config->structure : NULL;
 }
 
 /* The allocator for a plugin's own memory. */

@@ -171,6 +171,7 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
     status = weft__limit_init(&sim->limit, &def->limit, sim->cloth, &sim->memory, err);
     status = status == WEFT_OK ? take_config(sim, err) : status;
     status = status == WEFT_OK ? make_forces(sim, err) : status;
+    status = status == WEFT_OK ? weft__structure_init(sim, err) : status;
     status = status == WEFT_OK && weft_cloth_shapes(sim->cloth) > 0
                  ? weft__sim_make_start(sim, err)
                  : status;
@@ -194,6 +195,7 @@ void weft_sim_destroy(weft_sim *sim)
         sim->def.method->destroy(sim->stepper);
         weft__forces_destroy(&sim->forces);
         weft__limit_free(&sim->limit, &sim->memory);
+        weft__structure_free(sim);
         weft_cloth_destroy(sim->cloth);
         const weft_allocator memory = sim->memory;
         weft__free(&memory, sim->added);
@@ -435,6 +437,7 @@ void weft__sim_change_ends(weft_sim *sim, bool ode)
     weft__ledger_account(&sim->ledger, &sim->forces, sim->t, sim->y,
                          &sim->ledger.outside_work);
     if (ode) {
+        weft__structure_update(sim);
         weft_stepper_ode_changed(sim->def.method, sim->stepper);
     } else {
         sim->def.method->state_changed(sim->stepper);

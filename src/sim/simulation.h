@@ -17,7 +17,10 @@ struct weft_sim {
     void *stepper;
     weft_stepper_stats earlier; /* of the steppers before this one */
     weft__forces forces;
-    weft_team worker_team; /* the forces' threads, for the stepper */
+    weft_team worker_team;    /* the forces' threads, for the stepper */
+    weft_structure structure; /* of the cloth, for the stepper */
+    weft_bonds *runs;
+    double *masses; /* [kg] N, 0 of the pinned; then their drags [kg/s] */
     weft__limit limit;
     double *added; /* [N] 3 N, filled by the definition's `force` */
     bool in_callback;
@@ -39,6 +42,12 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx);
 /* Creates a stepper for the simulation; first_step [s] 0: that of the config. */
 weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out,
                               weft_error *err);
+
+/* structure.c: fills sim->structure and puts it into the config; again, after pins or
+ * shapes have changed. */
+weft_status weft__structure_init(weft_sim *sim, weft_error *err);
+void weft__structure_update(weft_sim *sim);
+void weft__structure_free(weft_sim *sim);
 
 /* WEFT_INVALID for a function that is called from within a callback. */
 weft_status weft__sim_outside(const weft_sim *sim, const char *function,

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* structure.c -- the weft_structure of a simulation: that of its cloth, with the
+ * present pins and shapes. */
+#include "base/memory.h"
+#include "cloth/linearise.h"
+#include "cloth/model.h"
+#include "sim/simulation.h"
+
+_Static_assert((int)WEFT_MODES_CORNERS == (int)WEFT_STIFFNESS_CORNERS,
+               "weft/stepper.h and weft/cloth.h disagree");
+
+static int linearise(double t, const double *y, double *planes, double *blocks,
+                     void *ctx)
+{
+    const weft_sim *sim = ctx;
+    return weft__linearise(sim->cloth, t, y, planes, sim->structure.bond_count,
+                           sim->structure.block_planes > 0 ? blocks : NULL);
+}
+
+static size_t modes(double t, const double *y, double (*corners)[2], size_t room,
+                    void *ctx)
+{
+    const weft_sim *sim = ctx;
+    const weft_stiffness of = weft_cloth_stiffness(sim->cloth, t, y);
+    const double about[4][2] = {
+        { 0.0, 0.0 }, { of.omega2, 0.0 }, { of.omega2, of.damping }, { 0.0, of.damping }
+    };
+    const size_t count = of.count <= room ? of.count : room < 4 ? 0 : 4;
+    memcpy(corners, of.count <= room ? of.corners : about, count * sizeof *corners);
+    return count;
+}
+
+/* Row by row, as weft__row_springs. Writes nothing to runs NULL. */
+static void list_runs(const weft_cloth *cloth, weft_structure *of, weft_bonds *runs)
+{
+    of->run_count = of->bond_count = 0;
+    for (size_t r = 0; r < cloth->rows; ++r) {
+        for (size_t g = 0; g < cloth->group_count; ++g) {
+            const weft__group *group = &cloth->groups[g];
+            const size_t p = r * cloth->cols + group->first_col;
+            const size_t count = group->end_col - group->first_col;
+            if (r >= group->end_row) {
+                continue;
+            }
+            if (runs != NULL) {
+                runs[of->run_count]
+                    = (weft_bonds){ p, p + (size_t)group->stride, count };
+            }
+            ++of->run_count;
+            of->bond_count += count;
+        }
+    }
+}
+
+weft_status weft__structure_init(weft_sim *sim, weft_error *err)
+{
+    const size_t n = weft_cloth_particles(sim->cloth);
+    weft_structure *of = &sim->structure;
+    *of = (weft_structure){ .struct_size = sizeof *of,
+                            .particles = n,
+                            .linearise = linearise,
+                            .modes = modes,
+                            .ctx = sim };
+    list_runs(sim->cloth, of, NULL);
+    sim->runs = weft__alloc(&sim->memory, of->run_count, sizeof *sim->runs);
+    sim->masses = weft__alloc(&sim->memory, n, 2 * sizeof *sim->masses);
+    if (sim->runs == NULL || sim->masses == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
+    }
+    list_runs(sim->cloth, of, sim->runs);
+    of->runs = sim->runs;
+    of->mass = sim->masses;
+    of->drag = sim->masses + n;
+    for (size_t i = 0; i < n; ++i) {
+        sim->masses[n + i] = sim->cloth->drag;
+    }
+    weft__structure_update(sim);
+    sim->config.structure = of;
+    return WEFT_OK;
+}
+
+void weft__structure_update(weft_sim *sim)
+{
+    const weft_cloth *cloth = sim->cloth;
+    for (size_t i = 0; i < cloth->particles; ++i) {
+        sim->masses[i] = cloth->pin[i] != 0 ? 0.0 : cloth->mass[i];
+    }
+    sim->structure.block_planes = cloth->shape_count > 0 ? WEFT_BLOCK_PLANES : 0;
+}
+
+void weft__structure_free(weft_sim *sim)
+{
+    weft__free(&sim->memory, sim->runs);
+    weft__free(&sim->memory, sim->masses);
+}
