@@ -242,7 +242,7 @@ enum {
     WEFT_STEPPER_LIBM = 1 << 10, /* the solver decides by powers, sines, ... of libm,
                                    whose rounding differs between machines: no promise
                                    of the same bits on another machine */
-    WEFT_STEPPER_ADAPTIVE_ONLY = 1 << 11 /* every step is the solver's choice: create
+    WEFT_STEPPER_ADAPTIVE_ONLY = 1 << 12 /* every step is the solver's choice: create
                                             refuses fixed_step */
 };
 
