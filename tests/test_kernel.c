@@ -13,7 +13,7 @@
 
 enum { SEEDS = 400, MOST = 2200, SHAPES = 11 };
 
-weft__rows_fn weft__rows_wide, weft__wind_wide, weft__contact_wide;
+weft__rows_fn weft__rows_wide, weft__products_wide, weft__wind_wide, weft__contact_wide;
 weft__damping_fn weft__damping_wide;
 
 /* Narrower and wider than any vector, one more than a multiple of it, wider than a
@@ -150,9 +150,13 @@ static uint64_t hash(void)
 static const weft__level wide = { "8 lanes",
                                   weft__rows_wide,
                                   weft__damping_wide,
+                                  weft__products_wide,
                                   { weft__wind_wide, weft__contact_wide } };
-static const weft__level reference
-    = { "plain loops", weft__reference_rows, weft__reference_damping, { NULL } };
+static const weft__level reference = { "plain loops",
+                                       weft__reference_rows,
+                                       weft__reference_damping,
+                                       weft__reference_products,
+                                       { NULL } };
 
 START_TEST(every_level_and_width_has_the_bits_of_the_plain_loops)
 {
@@ -178,6 +182,31 @@ START_TEST(every_level_and_width_has_the_bits_of_the_plain_loops)
         }
     }
     ck_assert_uint_gt(touching, 10000);
+}
+END_TEST
+
+START_TEST(products_have_the_bits_of_the_plain_loops_on_every_level)
+{
+    static double dy[6 * MOST];
+    for (uint64_t number = 0; number < SEEDS; ++number) {
+        make(number);
+        uint64_t seed = number + 1, plain = 0;
+        for (size_t j = 0; j < 6 * m.n; ++j) {
+            dy[j] = chance(&seed) - 0.5;
+        }
+        for (size_t i = 0; i < weft__level_count() + 2; ++i) {
+            const weft__level *level = i == 0   ? &reference
+                                       : i == 1 ? &wide
+                                                : weft__level_at(i - 2);
+            weft__cloth_set_level(m.cloth, level);
+            memset(m.dydt, 0xff, sizeof m.dydt);
+            ck_assert_int_eq(weft_cloth_jacobian_product(m.cloth, m.t, m.y, dy, m.dydt),
+                             0);
+            plain = i == 0 ? hash() : plain;
+            ck_assert_msg(hash() == plain, "%u: %zu x %zu on %s", (unsigned)number,
+                          m.def.rows, m.def.cols, level->name);
+        }
+    }
 }
 END_TEST
 
@@ -313,6 +342,7 @@ TEST_SUITE(kernel)
     TCase *tcase = tcase_create("kernel");
     tcase_set_timeout(tcase, 60);
     tcase_add_test(tcase, every_level_and_width_has_the_bits_of_the_plain_loops);
+    tcase_add_test(tcase, products_have_the_bits_of_the_plain_loops_on_every_level);
     tcase_add_test(tcase, rates_are_forces_by_masses);
     tcase_add_test(tcase, bands_of_rows_have_the_bits_of_the_whole);
     tcase_add_test(tcase, rates_have_the_same_bits_at_every_address);

@@ -22,6 +22,8 @@ typedef struct weft__added {
     void (*add)(const weft__subject *of, size_t i, weft__unit unit, double *to);
     /* adds its powers [W] on the free particles of row r */
     weft__row_fn *power;
+    /* adds the derivative of its acceleration along of->along */
+    weft__rows_fn *change;
     /* [kg/s] no direction of particle i is damped more */
     double (*damping)(const weft_cloth *cloth, size_t i);
 } weft__added;

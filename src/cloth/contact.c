@@ -6,22 +6,13 @@
 #include "cloth/added.h"
 #include "cloth/springs.h"
 
-/* s^(p - 2) */
-static double power_of(double s, int exponent)
-{
-    double power = s;
-    for (int k = 3; k < exponent; ++k) {
-        power *= s;
-    }
-    return power;
-}
-
 double weft__touch_energy(const weft_cloth *cloth, const weft__touch *touch)
 {
     const weft_contact_def *law = &cloth->contact;
     const double z = touch->gap * (1.0 / law->thickness), s = 1.0 - z;
     const double e = 0.5 * law->stopping_speed * law->stopping_speed;
-    return z > 0.0 ? e * power_of(s, law->exponent) * s * s / z : (double)INFINITY;
+    return z > 0.0 ? e * weft__power_of(s, law->exponent) * s * s / z
+                   : (double)INFINITY;
 }
 
 /* [1/s] friction / (m w); `scale` is q^2 / mu^2. */
@@ -44,7 +35,7 @@ void weft__touch_forces(const weft_contact_def *law, double friction,
     const double e = 0.5 * law->stopping_speed * law->stopping_speed;
     const double per = 1.0 / law->thickness, p = law->exponent;
     const double z = touch->gap * per, s = 1.0 - z;
-    const double power = power_of(s, law->exponent);
+    const double power = weft__power_of(s, law->exponent);
     const double a = z * (p * (p - 1.0) * z + 2.0 * p * s) + 2.0 * s * s;
     const double b = p * z + s, inverse = 1.0 / (a * z), iz = a * inverse;
     const double u = law->damping * touch->speed;
@@ -164,7 +155,8 @@ static double contact_damping(const weft_cloth *cloth, size_t i)
     return 0.0;
 }
 
-const weft__added weft__contact = { contact_add, contact_power, contact_damping };
+const weft__added weft__contact
+    = { contact_add, contact_power, weft__contact_change, contact_damping };
 
 void weft__row_contact_energy(const weft__subject *of, size_t r, weft_measures *row)
 {

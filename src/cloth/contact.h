@@ -19,6 +19,7 @@
 #ifndef WEFT_CLOTH_CONTACT_H
 #define WEFT_CLOTH_CONTACT_H
 
+#include "cloth/rows.h"
 #include "cloth/shapes.h"
 
 /* A free particle within reach of a shape. */
@@ -65,9 +66,29 @@ static inline double weft__touch_acceleration(const weft__touch *touch, size_t k
            - touch->drag * touch->slip[k];
 }
 
+/* s^(p - 2) */
+static inline double weft__power_of(double s, int exponent)
+{
+    double power = s;
+    for (int k = 3; k < exponent; ++k) {
+        power *= s;
+    }
+    return power;
+}
+
 /* push, factor, stiffness and drag from what is before them. */
 void weft__touch_forces(const weft_contact_def *law, double friction,
                         weft__touch *touch);
+
+/* contact_slopes.c: the derivatives of contact along of->along, for added.h. */
+weft__rows_fn weft__contact_change;
+
+/* -dF/dx and -dF/dv of each particle: blocks[15 N], zero before, of weft_structure in
+ * weft/stepper.h. Returns 0, or 1 if a number is not finite or a particle is in a
+ * shape.
+ */
+int weft__contact_blocks(const weft_cloth *cloth, double t, const double *y,
+                         double *blocks);
 
 /* U / m [J/kg]; infinite where the gap is not > 0. */
 double weft__touch_energy(const weft_cloth *cloth, const weft__touch *touch);

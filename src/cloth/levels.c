@@ -6,14 +6,18 @@
 
 #define ADDED(name, level) weft__##name##_##level,
 #define KERNELS(level)                                                                 \
-    weft__rows_##level, weft__damping_##level,                                         \
+    weft__rows_##level, weft__damping_##level, weft__products_##level,                 \
     {                                                                                  \
         WEFT_ADDED(ADDED, level)                                                       \
     }
 
 static const weft__level levels[] = {
 #ifdef WEFT_PLAIN
-    { "plain", weft__reference_rows, weft__reference_damping, { NULL } },
+    { "plain",
+      weft__reference_rows,
+      weft__reference_damping,
+      weft__reference_products,
+      { NULL } },
 #else
     { "plain", KERNELS(plain) },
 #ifdef __x86_64__

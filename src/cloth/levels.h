@@ -15,12 +15,15 @@ struct weft__level {
     const char *name;
     weft__rows_fn *rows; /* x' and v' by springs, gravity and drag, without pins */
     weft__damping_fn *damping;
+    weft__rows_fn
+        *products; /* the derivative of `rows` along a direction, without pins */
     weft__rows_fn *added[WEFT__ADDED]; /* add to v'; NULL: `rows` includes them */
 };
 
 /* The plain loops: rhs.c, power.c. */
 weft__rows_fn weft__reference_rows;
 weft__damping_fn weft__reference_damping;
+weft__rows_fn weft__reference_products; /* jacobian.c */
 
 /* The names of the kernels end with their level; `plain` uses the instructions that the
  * compiler uses by default. */
@@ -34,6 +37,7 @@ weft__damping_fn weft__reference_damping;
 #define WEFT_LEVEL_KERNELS(level)                                                      \
     weft__rows_fn weft__rows_##level;                                                  \
     weft__damping_fn weft__damping_##level;                                            \
+    weft__rows_fn weft__products_##level;                                              \
     WEFT_ADDED(WEFT_ADDED_KERNEL, level)
 WEFT_LEVELS(WEFT_LEVEL_KERNELS)
 #undef WEFT_LEVEL_KERNELS

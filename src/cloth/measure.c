@@ -125,7 +125,7 @@ void weft__measures_add(weft_measures *sum, const weft_measures *row)
 static weft_measures measure(const weft_cloth *cloth, double t, const double *y,
                              weft__row_fn *measure_row)
 {
-    const weft__subject of = { cloth, t, y, NULL };
+    const weft__subject of = { .cloth = cloth, .t = t, .y = y };
     weft_measures sum = weft__measures_start;
     for (size_t r = 0; r < cloth->rows; ++r) {
         weft_measures row = weft__row_start;

@@ -25,7 +25,7 @@ double weft__reference_damping(const weft_cloth *cloth, const double *y, size_t 
 static double pin_power(const weft_cloth *cloth, size_t i, double t, const double *y)
 {
     double force[3], rate[6];
-    weft__springs_force(cloth, i, y, force);
+    weft__springs_force(cloth, i, y, NULL, force);
     weft__pin_rate(cloth, i, t, rate);
     return -weft__dot(force, rate);
 }

@@ -29,7 +29,7 @@ void weft_cloth_force(const weft_cloth *cloth, double t, const double *y, double
     const size_t n = cloth->particles;
     for (size_t i = 0; i < n; ++i) {
         double springs[3];
-        weft__springs_force(cloth, i, y, springs);
+        weft__springs_force(cloth, i, y, NULL, springs);
         for (size_t k = 0; k < 3; ++k) {
             f[k * n + i] = cloth->mass[i] * cloth->gravity[k]
                            + (springs[k] - cloth->drag * y[(k + 3) * n + i]);
@@ -52,7 +52,7 @@ int weft__reference_rows(const weft__subject *of, double *dydt, size_t first_row
     double bad = 0.0;
     for (size_t i = first_row * cloth->cols; i < end; ++i) {
         double springs[3];
-        weft__springs_force(cloth, i, of->y, springs);
+        weft__springs_force(cloth, i, of->y, NULL, springs);
         for (size_t k = 0; k < 3; ++k) {
             const double v = dydt[k * n + i] = of->y[(k + 3) * n + i];
             const double force = springs[k] - cloth->drag * v;

@@ -132,6 +132,64 @@ double weft__shape_gap(const weft__pose *pose, const double x[3], double gradien
                                       : box_gap(pose, r, gradient, joined);
 }
 
+/* With |q|_4 the norm, g = q^3 / |q|_4^3 by components, and d|q|_4 = g.dq. */
+static void box_turn(const weft__pose *pose, const double r[3], const double g[3],
+                     const double dx[3], double turn[3])
+{
+    double q2[3];
+    for (size_t k = 0; k < 3; ++k) {
+        const double q = beyond(r[k], -pose->inner[k], pose->inner[k]);
+        q2[k] = q * q;
+    }
+    const double norm = sqrt(sqrt(weft__dot(q2, q2)));
+    const double inverse = 1.0 / norm, slope = weft__dot(g, dx);
+    for (size_t k = 0; k < 3; ++k) {
+        const double part = q2[k] * inverse * inverse;
+        turn[k] = 3.0 * inverse * (part * dx[k] - slope * g[k]);
+    }
+}
+
+/* The same of side rho^2 / norm^3 + axis q^3 / norm^3. */
+static void capsule_turn(const weft__pose *pose, const double r[3], const double g[3],
+                         const double dx[3], double turn[3])
+{
+    const double along = weft__dot(r, pose->axis), move = weft__dot(dx, pose->axis);
+    const double q = beyond(along, 0.0, pose->length), q2 = q * q;
+    double side[3], aside[3];
+    for (size_t k = 0; k < 3; ++k) {
+        side[k] = r[k] - along * pose->axis[k];
+        aside[k] = dx[k] - move * pose->axis[k];
+    }
+    const double rho2 = weft__dot(side, side);
+    const double norm = sqrt(sqrt(rho2 * rho2 + q2 * q2));
+    const double inverse = 1.0 / norm, slope = weft__dot(g, dx);
+    const double cube = inverse * inverse * inverse;
+    for (size_t k = 0; k < 3; ++k) {
+        turn[k] = cube
+                      * (2.0 * weft__dot(side, aside) * side[k] + rho2 * aside[k]
+                         + 3.0 * q2 * move * pose->axis[k])
+                  - 3.0 * inverse * slope * g[k];
+    }
+}
+
+void weft__shape_turn(const weft__pose *pose, const double x[3],
+                      const double gradient[3], const double dx[3], double turn[3])
+{
+    const double r[3] = { x[0] - pose->at[0], x[1] - pose->at[1], x[2] - pose->at[2] };
+    if (pose->kind == WEFT_CAPSULE) {
+        capsule_turn(pose, r, gradient, dx, turn);
+    } else if (pose->kind == WEFT_BOX) {
+        box_turn(pose, r, gradient, dx, turn);
+    } else {
+        const double curvature
+            = pose->kind == WEFT_SPHERE ? 1.0 / weft__length(r) : 0.0;
+        const double slope = weft__dot(gradient, dx);
+        for (size_t k = 0; k < 3; ++k) {
+            turn[k] = curvature * (dx[k] - slope * gradient[k]);
+        }
+    }
+}
+
 double weft__gap_at(const weft__pose *pose, const double x[3])
 {
     double gradient[3];

@@ -42,6 +42,10 @@ weft__pose weft__pose_of(const weft__shape *shape, double t);
 double weft__shape_gap(const weft__pose *pose, const double x[3], double gradient[3],
                        bool *joined);
 
+/* [1/m] times dx: the change of the gradient, which is that at x, by a move dx. */
+void weft__shape_turn(const weft__pose *pose, const double x[3],
+                      const double gradient[3], const double dx[3], double turn[3]);
+
 /* [m] the gap alone */
 double weft__gap_at(const weft__pose *pose, const double x[3]);
 

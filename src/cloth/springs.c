@@ -25,21 +25,36 @@ size_t weft__particle_springs(const weft_cloth *cloth, size_t i, const double *x
     return count;
 }
 
+/* [N] of one of them on p, or its derivative. */
+static void spring_force(const weft_cloth *cloth, const weft__spring *at,
+                         const double *y, const double *along, double pull[3])
+{
+    const double *v = y + 3 * cloth->particles;
+    double w[3], dd[3], dw[3];
+    if (along == NULL) {
+        const double tension
+            = weft__spring_tension(at, weft__spring_rate(cloth, at, v));
+        for (size_t k = 0; k < 3; ++k) {
+            pull[k] = tension * at->d[k];
+        }
+        return;
+    }
+    weft__spring_difference(cloth, at, v, w);
+    weft__spring_difference(cloth, at, along, dd);
+    weft__spring_difference(cloth, at, along + 3 * cloth->particles, dw);
+    weft__spring_change(at, w, dd, dw, pull);
+}
+
 /* The order of summation is part of the result, and that of src/kernel/kernel.c. */
 void weft__springs_force(const weft_cloth *cloth, size_t i, const double *y,
-                         double force[3])
+                         const double *along, double force[3])
 {
     enum { RIGHT, DOWN, CROSS, ANTI, RIGHT2, DOWN2 }; /* as in directions */
     double from[WEFT_GROUPS][3] = { 0 }, to[WEFT_GROUPS][3] = { 0 }; /* [N] on p */
     weft__spring springs[WEFT__SPRINGS_MAX];
     const size_t count = weft__particle_springs(cloth, i, y, springs);
     for (const weft__spring *at = springs; at < springs + count; ++at) {
-        const double rate = weft__spring_rate(cloth, at, y + 3 * cloth->particles);
-        const double tension = weft__spring_tension(at, rate);
-        double *pull = (at->p == i ? from : to)[at->group->way];
-        for (size_t k = 0; k < 3; ++k) {
-            pull[k] = tension * at->d[k];
-        }
+        spring_force(cloth, at, y, along, (at->p == i ? from : to)[at->group->way]);
     }
     for (size_t k = 0; k < 3; ++k) {
         const double begun = from[RIGHT][k] + from[DOWN][k] + from[CROSS][k]

@@ -72,6 +72,26 @@ static inline double weft__spring_tension(const weft__spring *spring, double rat
     return work * (1.0 / (spring->square + DBL_MIN));
 }
 
+/* [N] The derivative of T u along a direction of the state, given its differences dd,
+ * dw and those of velocities, w:
+ *
+ *     q dd + ((k - q) d.dd + c (w.dd - (w.d) (d.dd) / L^2 + d.dw)) d / L^2,  q = T / L
+ */
+static inline void weft__spring_change(const weft__spring *spring, const double w[3],
+                                       const double dd[3], const double dw[3],
+                                       double change[3])
+{
+    const double k = spring->group->stiffness, c = spring->group->damping;
+    const double rate = weft__dot(w, spring->d), along = weft__dot(dd, spring->d);
+    const double inverse = 1.0 / (spring->square + DBL_MIN);
+    const double q = weft__spring_tension(spring, rate);
+    const double damped = c * (weft__dot(w, dd) + weft__dot(dw, spring->d));
+    const double part = ((k - (q + c * rate * inverse)) * along + damped) * inverse;
+    for (size_t j = 0; j < 3; ++j) {
+        change[j] = part * spring->d[j] + q * dd[j];
+    }
+}
+
 /* [J] E */
 static inline double weft__spring_energy(const weft__spring *spring)
 {
@@ -127,8 +147,9 @@ enum { WEFT__SPRINGS_MAX = 2 * WEFT_GROUPS };
 size_t weft__particle_springs(const weft_cloth *cloth, size_t i, const double *x,
                               weft__spring springs[WEFT__SPRINGS_MAX]);
 
-/* Force [N] of all of them on particle i in state y. */
+/* Force [N] of all of them on particle i in state y; its derivative along `along`,
+ * unless that is NULL. */
 void weft__springs_force(const weft_cloth *cloth, size_t i, const double *y,
-                         double force[3]);
+                         const double *along, double force[3]);
 
 #endif

@@ -17,18 +17,31 @@ static void tangent(const double *x, size_t n, size_t lo, size_t hi, double t[3]
     }
 }
 
+/* Of the column and the row of particle i. */
+static void tangents(const weft_cloth *cloth, const double *x, size_t i, double a[3],
+                     double b[3])
+{
+    const size_t n = cloth->particles, cols = cloth->cols, r = i / cols, c = i % cols;
+    tangent(x, n, c > 0 ? i - 1 : i, c + 1 < cols ? i + 1 : i, a);
+    tangent(x, n, r > 0 ? i - cols : i, r + 1 < cloth->rows ? i + cols : i, b);
+}
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
 static void wind_force(const weft__subject *of, size_t i, double share, double force[3])
 {
     const weft_cloth *cloth = of->cloth;
-    const double *y = of->y;
-    const size_t n = cloth->particles, cols = cloth->cols, r = i / cols, c = i % cols;
-    double a[3], b[3], flow[3];
-    tangent(y, n, c > 0 ? i - 1 : i, c + 1 < cols ? i + 1 : i, a);
-    tangent(y, n, r > 0 ? i - cols : i, r + 1 < cloth->rows ? i + cols : i, b);
-    const double normal[3] = { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
-                               a[0] * b[1] - a[1] * b[0] };
+    const size_t n = cloth->particles, r = i / cloth->cols, c = i % cloth->cols;
+    double a[3], b[3], normal[3], flow[3];
+    tangents(cloth, of->y, i, a, b);
+    cross(a, b, normal);
     for (size_t k = 0; k < 3; ++k) {
-        flow[k] = cloth->wind_velocity[k] - y[(k + 3) * n + i];
+        flow[k] = cloth->wind_velocity[k] - of->y[(k + 3) * n + i];
     }
     const double push = cloth->wind_drag * weft__area(cloth, r, c) * share
                         * weft__dot(normal, flow)
@@ -36,6 +49,49 @@ static void wind_force(const weft__subject *of, size_t i, double share, double f
     for (size_t k = 0; k < 3; ++k) {
         force[k] = cloth->wind_drag != 0.0 ? push * normal[k] : 0.0;
     }
+}
+
+/* With the change dN = da x b + a x db of N, that of F = drag area (N.flow) N / (N.N)
+ * is drag area ((dN.flow - N.dv - 2 (N.flow) (N.dN) / (N.N)) N + (N.flow) dN) / (N.N).
+ */
+static void wind_slope(const weft__subject *of, size_t i, double slope[3])
+{
+    const weft_cloth *cloth = of->cloth;
+    const size_t n = cloth->particles;
+    double a[3], b[3], da[3], db[3], normal[3], turn[3], more[3], flow[3], dv[3];
+    tangents(cloth, of->y, i, a, b);
+    tangents(cloth, of->along, i, da, db);
+    cross(a, b, normal);
+    cross(da, b, turn);
+    cross(a, db, more);
+    for (size_t k = 0; k < 3; ++k) {
+        turn[k] += more[k];
+        dv[k] = of->along[(k + 3) * n + i];
+        flow[k] = cloth->wind_velocity[k] - of->y[(k + 3) * n + i];
+    }
+    const double drag = cloth->wind_drag * cloth->inverse_mass[i]
+                        * weft__area(cloth, i / cloth->cols, i % cloth->cols);
+    const double inverse = 1.0 / (weft__dot(normal, normal) + DBL_MIN);
+    const double push = weft__dot(normal, flow) * inverse;
+    const double rate = (weft__dot(turn, flow) - weft__dot(normal, dv)) * inverse
+                        - 2.0 * push * weft__dot(normal, turn) * inverse;
+    for (size_t k = 0; k < 3; ++k) {
+        slope[k] = drag * (rate * normal[k] + push * turn[k]);
+    }
+}
+
+static int wind_change(const weft__subject *of, double *out, size_t first, size_t end)
+{
+    const size_t n = of->cloth->particles, cols = of->cloth->cols;
+    double bad = 0.0, slope[3];
+    for (size_t i = first * cols; of->cloth->wind_drag != 0.0 && i < end * cols; ++i) {
+        wind_slope(of, i, slope);
+        for (size_t k = 0; k < 3; ++k) {
+            out[(k + 3) * n + i] += slope[k];
+            bad += slope[k] * 0.0;
+        }
+    }
+    return bad == 0.0 ? 0 : 1;
 }
 
 static void wind_power(const weft__subject *of, size_t r, weft_measures *row)
@@ -68,4 +124,4 @@ static double wind_damping(const weft_cloth *cloth, size_t i)
     return cloth->wind_drag * weft__area(cloth, i / cloth->cols, i % cloth->cols);
 }
 
-const weft__added weft__wind = { wind_add, wind_power, wind_damping };
+const weft__added weft__wind = { wind_add, wind_power, wind_change, wind_damping };

@@ -24,12 +24,19 @@
 #include <float.h>
 #include <string.h>
 
+/* 1: instead the derivative of all that along a direction of->along of the state,
+ * weft__reference_products; kernel_products.c. */
+#ifndef PRODUCT
+#define PRODUCT 0
+#endif
+
 /* The groups, in the order of springs.c, and whether any is damped: bits of a set. */
 enum { RIGHT, DOWN, CROSS, ANTI, RIGHT2, DOWN2, DAMPED };
 #define BIT(group) (1u << (group))
 
 /* TILE columns, with the rows that a block reads, stay in the first cache. */
 enum { TILE = 256, SPAN = LANES + TILE + 2 * LANES, EDGE = LANES + 2 };
+enum { PLANES = PRODUCT ? 12 : 6 }; /* of y, then of along */
 
 typedef struct law {
     vec stiffness, rest_length, damping;
@@ -50,7 +57,7 @@ typedef struct sweep {
     vec3 gravity;
     vec drag;
     vec bad; /* 0 or NaN */
-    const double *y, *inverse_mass;
+    const double *y, *along, *inverse_mass;
     double *dydt;
     size_t n, rows, cols;
     bool detour;  /* by aside */
@@ -64,12 +71,21 @@ typedef struct spring {
     vec inverse;        /* [1/m^2] of the square of the length */
     vec wd;             /* [m^2/s] w.d */
     vec pull_by_length; /* [N/m] T / L */
+    vec3 w, dd, dw;     /* PRODUCT: differences of velocities and of `along` */
+    vec part;           /* PRODUCT: dF = part d + T / L dd */
 } spring;
 
-/* From p to q, of planes n apart. */
-INLINE void begin(spring *springs, unsigned has, int group, const double *p,
-                  const double *q, size_t n)
+/* The block of a row at a column, of planes n and rows `down` apart. */
+typedef struct place {
+    const double *p, *along;
+    size_t n, down;
+} place;
+
+/* From p to q in a place. */
+INLINE void begin(spring *springs, unsigned has, int group, const place *in,
+                  const double *p, const double *q)
 {
+    const size_t n = in->n;
     spring *at = &springs[group];
     *at = (spring){ 0 };
     if ((has & BIT(group)) == 0) {
@@ -81,7 +97,13 @@ INLINE void begin(spring *springs, unsigned has, int group, const double *p,
     at->inverse = 1.0 / (dd + DBL_MIN);
     if ((has & BIT(DAMPED)) != 0) {
         const double *vp = p + 3 * n, *vq = q + 3 * n;
-        at->wd = dot(minus(load3(vq, n), load3(vp, n)), at->d);
+        at->w = minus(load3(vq, n), load3(vp, n));
+        at->wd = dot(at->w, at->d);
+    }
+    if (PRODUCT) {
+        const double *dp = in->along + (p - in->p), *dq = in->along + (q - in->p);
+        at->dd = minus(load3(dq, n), load3(dp, n));
+        at->dw = minus(load3(dq + 3 * n, n), load3(dp + 3 * n, n));
     }
 }
 
@@ -98,6 +120,15 @@ INLINE void find_tension(spring *springs, unsigned has, int group, const law *la
         work += by->damping * at->wd;
     }
     at->pull_by_length = work * at->inverse;
+    if (PRODUCT) {
+        const vec along = dot(at->dd, at->d);
+        vec turned = at->pull_by_length, damped = { 0 };
+        if ((has & BIT(DAMPED)) != 0) {
+            turned += by->damping * at->wd * at->inverse;
+            damped = by->damping * (dot(at->w, at->dd) + dot(at->dw, at->d));
+        }
+        at->part = ((by->stiffness - turned) * along + damped) * at->inverse;
+    }
 }
 
 /* On p. */
@@ -107,7 +138,9 @@ INLINE vec3 pull(const spring *springs, unsigned has, int group, const mask *whe
     if ((has & BIT(group)) == 0) {
         return (vec3){ 0 };
     }
-    const vec3 force = scaled(at->pull_by_length, at->d);
+    const vec3 force
+        = PRODUCT ? plus(scaled(at->part, at->d), scaled(at->pull_by_length, at->dd))
+                  : scaled(at->pull_by_length, at->d);
     return where != NULL ? only3(force, *where) : force;
 }
 
@@ -116,32 +149,32 @@ typedef struct carry {
     vec3 beside, beside2, below;
 } carry;
 
-/* Forces of springs on the block at p, of planes n and rows `down` apart; `at` in the
- * buffers; rim NULL: all neighbours are there. */
-INLINE vec3 block(sweep *self, const double *p, size_t n, size_t down, size_t at,
-                  unsigned has, carry *left, const edge *rim)
+/* Forces of springs on the block; `at` in the buffers; rim NULL: all neighbours are
+ * there. */
+INLINE vec3 block(sweep *self, const place *in, size_t at, unsigned has, carry *left,
+                  const edge *rim)
 {
-    const double *below = p + down;
+    const double *p = in->p, *below = p + in->down;
     const mask *in_1 = rim != NULL ? &rim->right : NULL;
     const mask *in_2 = rim != NULL ? &rim->right2 : NULL;
     spring s[WEFT_GROUPS];
     vec3 ended = load3(self->ended + at, SPAN), next = load3(self->ended2 + at, SPAN);
-    begin(s, has, RIGHT, p, p + 1, n);
-    begin(s, has, DOWN, p, below, n);
+    begin(s, has, RIGHT, in, p, p + 1);
+    begin(s, has, DOWN, in, p, below);
     find_tension(s, has, RIGHT, self->laws);
-    begin(s, has, ANTI, p + 1, below, n);
+    begin(s, has, ANTI, in, p + 1, below);
     find_tension(s, has, DOWN, self->laws);
     const vec3 right = pull(s, has, RIGHT, in_1);
-    begin(s, has, CROSS, p, below + 1, n);
+    begin(s, has, CROSS, in, p, below + 1);
     find_tension(s, has, ANTI, self->laws);
     const vec3 fall = pull(s, has, DOWN, NULL);
-    begin(s, has, RIGHT2, p, p + 2, n);
+    begin(s, has, RIGHT2, in, p, p + 2);
     find_tension(s, has, CROSS, self->laws);
     const vec3 anti = pull(s, has, ANTI, in_1), beside = minus(right, anti);
     next = plus(next, plus(fall, anti));
     ended = plus(ended, shift_1(left->beside, beside));
     left->beside = beside;
-    begin(s, has, DOWN2, p, below + down, n);
+    begin(s, has, DOWN2, in, p, below + in->down);
     find_tension(s, has, RIGHT2, self->laws);
     const vec3 cross = pull(s, has, CROSS, in_1);
     next = plus(next, shift_1(left->below, cross));
@@ -157,11 +190,11 @@ INLINE vec3 block(sweep *self, const double *p, size_t n, size_t down, size_t at
     return minus(own, ended);
 }
 
-/* x' and v' of the block at p, which is that of particle i, to planes m apart. */
-INLINE void emit(sweep *self, const double *p, size_t n, size_t i, vec3 force,
-                 const edge *rim, size_t count, double *to, size_t m)
+/* x' and v' of the block, which is that of particle i, to planes m apart. */
+INLINE void emit(sweep *self, const place *in, size_t i, vec3 force, const edge *rim,
+                 size_t count, double *to, size_t m)
 {
-    const vec3 v = load3(p + 3 * n, n);
+    const vec3 v = load3((PRODUCT ? in->along : in->p) + 3 * in->n, in->n);
     const vec3 net = minus(force, scaled(self->drag, v));
     const vec3 a = plus(self->gravity, scaled(load(self->inverse_mass + i), net));
     const vec bad = trouble(a, v);
@@ -180,12 +213,14 @@ static void leave_aside(const sweep *self, size_t i, size_t count)
 
 /* The columns from c on of rows r, r + 1 and r + 2, where a block would read beyond the
  * end of y. */
-static void copy_end(const sweep *self, size_t r, size_t c, double copy[6][3][EDGE])
+static void copy_end(const sweep *self, size_t r, size_t c,
+                     double copy[PLANES][3][EDGE])
 {
-    memset(copy, 0, 6 * sizeof *copy);
-    for (size_t k = 0; k < 6; ++k) {
+    memset(copy, 0, PLANES * sizeof *copy);
+    for (size_t k = 0; k < PLANES; ++k) {
+        const double *plane = (k < 6 ? self->y : self->along) + k % 6 * self->n;
         for (size_t j = 0; j < 3 && r + j < self->rows; ++j) {
-            const double *from = self->y + k * self->n + (r + j) * self->cols;
+            const double *from = plane + (r + j) * self->cols;
             for (size_t l = 0; l < EDGE && c + l < self->cols; ++l) {
                 copy[k][j][l] = from[c + l];
             }
@@ -193,35 +228,32 @@ static void copy_end(const sweep *self, size_t r, size_t c, double copy[6][3][ED
     }
 }
 
-/* The block of row r at column c, of planes n and rows `down` apart. */
-typedef struct place {
-    const double *p;
-    size_t n, down;
-} place;
-
-INLINE place place_at(const sweep *self, size_t r, size_t c, double copy[6][3][EDGE])
+/* The block of row r at column c. */
+INLINE place place_at(const sweep *self, size_t r, size_t c,
+                      double copy[PLANES][3][EDGE])
 {
     const size_t i = r * self->cols + c;
     if (i + 2 * self->cols + EDGE <= self->n) {
-        return (place){ self->y + i, self->n, self->cols };
+        return (place){ self->y + i, PRODUCT ? self->along + i : NULL, self->n,
+                        self->cols };
     }
     copy_end(self, r, c, copy);
-    return (place){ copy[0][0], 3 * EDGE, EDGE };
+    return (place){ copy[0][0], PRODUCT ? copy[PLANES - 6][0] : NULL, 3 * EDGE, EDGE };
 }
 
 /* The last columns of a row. Lanes without a particle read others and are masked. */
 INLINE void row_end(sweep *self, size_t r, size_t at, unsigned has, bool emits,
                     carry *left, double *to, size_t m)
 {
-    double copy[6][3][EDGE];
+    double copy[PLANES][3][EDGE];
     for (size_t c = self->inner, e = 0; c < self->cols; c += LANES, ++e) {
         const size_t i = r * self->cols + c, b = e * LANES;
         const size_t count = self->cols - c < LANES ? self->cols - c : LANES;
         const place of = place_at(self, r, c, copy);
         const edge *rim = &self->edges[e];
-        const vec3 force = block(self, of.p, of.n, of.down, at + b, has, left, rim);
+        const vec3 force = block(self, &of, at + b, has, left, rim);
         if (emits) {
-            emit(self, of.p, of.n, i, force, rim, count, to + b, m);
+            emit(self, &of, i, force, rim, count, to + b, m);
         }
     }
 }
@@ -233,14 +265,14 @@ INLINE void row(sweep *self, size_t r, size_t first, size_t end, unsigned has,
     const size_t n = self->n, cols = self->cols, i = r * cols + first;
     const size_t m = self->detour ? SPAN : n;
     double *const to = self->detour ? self->aside : self->dydt + i;
-    const double *p = self->y + i;
     const ptrdiff_t count = (ptrdiff_t)(end - first);
     carry left = { 0 };
     for (ptrdiff_t j = first > 0 ? -LANES : 0; j < count; j += LANES) {
         const size_t at = (size_t)(LANES + j), b = i + (size_t)j;
-        const vec3 force = block(self, p + j, n, cols, at, has, &left, NULL);
+        const place of = { self->y + b, PRODUCT ? self->along + b : NULL, n, cols };
+        const vec3 force = block(self, &of, at, has, &left, NULL);
         if (emits && j >= 0) {
-            emit(self, p + j, n, b, force, NULL, LANES, to + j, m);
+            emit(self, &of, b, force, NULL, LANES, to + j, m);
         }
     }
     if (end == self->inner) {
@@ -314,11 +346,14 @@ static bool stores_delay_loads(const sweep *self)
 }
 
 /* Returns the set of its springs. */
-static unsigned start(sweep *self, const weft_cloth *cloth, const double *y)
+static unsigned start(sweep *self, const weft__subject *of)
 {
-    const double *g = cloth->gravity;
+    static const double none[3];
+    const weft_cloth *cloth = of->cloth;
+    const double *g = PRODUCT ? none : cloth->gravity;
     unsigned all = 0;
-    self->y = y;
+    self->y = of->y;
+    self->along = of->along;
     self->inverse_mass = cloth->inverse_mass;
     self->n = cloth->particles, self->rows = cloth->rows, self->cols = cloth->cols;
     self->inner = cloth->cols < 2 ? 0 : (cloth->cols - 2) / LANES * LANES;
@@ -343,11 +378,16 @@ static unsigned start(sweep *self, const weft_cloth *cloth, const double *y)
     return all;
 }
 
+#if PRODUCT
+int NAME(products, LEVEL)(const weft__subject *of, double *dydt, size_t first_row,
+                          size_t end_row)
+#else
 int NAME(rows, LEVEL)(const weft__subject *of, double *dydt, size_t first_row,
                       size_t end_row)
+#endif
 {
     sweep self;
-    const unsigned all = start(&self, of->cloth, of->y);
+    const unsigned all = start(&self, of);
     self.dydt = dydt;
     self.detour = stores_delay_loads(&self);
     for (size_t c = 0; c == 0 || c < self.inner; c += TILE) {
