@@ -14,6 +14,7 @@ extern "C" {
 WEFT_API const weft_plugin *weft_plugin_verlet(void);
 /* Built where SUNDIALS is. */
 WEFT_API const weft_plugin *weft_plugin_arkode(void);
+WEFT_API const weft_plugin *weft_plugin_cvode(void);
 /* Built where GSL is; GPL-3.0-or-later. */
 WEFT_API const weft_plugin *weft_plugin_gsl(void);
 

@@ -217,8 +217,8 @@ static int law(N_Vector y, sunrealtype t, sunrealtype h, sunrealtype h1, sunreal
 
 static int set_law(arkode_stepper *self)
 {
-    return ERKStepSetAdaptivityFn(self->solver, law, self)
-           | ERKStepSetErrorBias(self->solver, self->control.bias);
+    return ARK(SetAdaptivityFn)(self->solver, law, self)
+           | ARK(SetErrorBias)(self->solver, self->control.bias);
 }
 #endif
 
@@ -249,6 +249,9 @@ void weft__ark_options(const void *instance, weft_option_fn *tell, void *ctx)
     const char *table = self->method->type.full_name;
     if (table != NULL) {
         tell(ctx, "table", table);
+    }
+    if (self->implicit) {
+        weft__ark_tell_newton(self, tell, ctx);
     }
     if (self->fixed_step > 0.0) {
         return;

@@ -6,6 +6,10 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* With a fixed step the equations of an implicit stage are solved to this error: an
+ * absolute one [m], [m/s], and a relative one. */
+#define NEWTON_FIXED 1e-12
+
 /* The fault of the config, or NULL. */
 static const char *mistake(const weft_stepper_type *type, const weft_ode *ode,
                            const weft_stepper_config *config)
@@ -13,16 +17,22 @@ static const char *mistake(const weft_stepper_type *type, const weft_ode *ode,
     const char *wrong = weft__sun_mistake(type, ode, config);
     const weft_controller *control
         = WEFT_HAS(config, weft_stepper_config, controller) ? config->controller : NULL;
+    if (wrong == NULL && (type->flags & WEFT_STEPPER_IMPLICIT) != 0) {
+        wrong = weft__sun_linear_mistake(config);
+    }
     return wrong != NULL || control == NULL || config->fixed_step > 0.0
                ? wrong
                : weft__ark_control_mistake(control);
 }
 
 /* The stages, ARKODE's other vectors and those of its interpolation. */
-static weft_status check_memory(const char *name, size_t dim, int stages,
+static weft_status check_memory(const ark_method *method, const weft_ode *ode,
+                                const weft_stepper_config *config, int stages,
                                 weft_error *err)
 {
-    return weft__sun_memory(name, dim, stages + 12, err);
+    const bool implicit = (method->type.flags & WEFT_STEPPER_IMPLICIT) != 0;
+    const int more = implicit ? 5 + weft__sun_equations_vectors(ode->dim, config) : 0;
+    return weft__sun_memory(method->type.name, ode->dim, stages + 12 + more, err);
 }
 
 /* What has another name or other arguments in each line of versions: messages, the
@@ -32,17 +42,17 @@ static bool version_settings(arkode_stepper *self)
     void *s = self->solver;
     int bad = 0;
 #if SUNV < 700
-    bad |= ERKStepSetErrHandlerFn(s, weft__sun_silent, NULL);
+    bad |= ARK(SetErrHandlerFn)(s, weft__sun_silent, NULL);
 #endif
 #if SUNV >= 701
     bad |= ARKodeSetInterpolantType(s, ARK_INTERP_NONE);
 #else
-    bad |= ERKStepSetInterpolantType(s, ARK_INTERP_LAGRANGE);
-    bad |= ERKStepSetInterpolantDegree(s, 0);
+    bad |= ARK(SetInterpolantType)(s, ARK_INTERP_LAGRANGE);
+    bad |= ARK(SetInterpolantDegree)(s, 0);
 #endif
 #if SUNV < 607
     if (!self->fsal) {
-        bad |= ERKStepSetPostprocessStepFn(s, weft__ark_step_done);
+        bad |= ARK(SetPostprocessStepFn)(s, weft__ark_step_done);
     }
 #endif
     return bad == 0;
@@ -59,10 +69,21 @@ static bool settings(arkode_stepper *self)
     bad |= ARK(WFtolerances)(s, weft__ark_weights);
     bad |= ARK(SetMaxNumSteps)(s, -1);
     bad |= ARK(SetMaxHnilWarns)(s, -1);
+    if (self->implicit && !weft__ark_set_newton(self)) {
+        return false;
+    }
     if (self->fixed_step > 0.0) {
         return bad == 0;
     }
     return bad == 0 && weft__ark_set_control(self) == 0;
+}
+
+static bool set_table(arkode_stepper *self, ARKodeButcherTable table)
+{
+    const int flag = self->implicit ? ARKStepSetTables(self->solver, table->q, table->p,
+                                                       table, NULL)
+                                    : ERKStepSetTable(self->solver, table);
+    return flag == ARK_SUCCESS;
 }
 
 /* SUNDIALS' side; takes the table. */
@@ -77,13 +98,20 @@ static bool make_solver(arkode_stepper *self, const weft_stepper_config *config,
         self->y = weft__sun_vector(self->ode.dim, team, self->context);
         made = self->y != NULL;
     }
+    if (made && self->fixed_step == 0.0) {
+        weft__sun_judge_by(self->y, config->norm, 2 * self->half);
+    } else if (made && self->implicit) {
+        weft__sun_judge_by(self->y, WEFT_NORM_MAX, 2 * self->half);
+    }
+    if (made && self->implicit) {
+        made = weft__ark_equations(self, config, NULL) == WEFT_OK;
+    }
     if (made) {
-        if (self->fixed_step == 0.0) {
-            weft__sun_judge_by(self->y, config->norm, 2 * self->half);
-        }
-        self->solver = ERKStepCreate(weft__ark_rhs, 0.0, self->y, self->context);
-        made = self->solver != NULL && settings(self)
-               && ERKStepSetTable(self->solver, table) == ARK_SUCCESS;
+        self->solver
+            = self->implicit
+                  ? ARKStepCreate(NULL, weft__ark_rhs, 0.0, self->y, self->context)
+                  : ERKStepCreate(weft__ark_rhs, 0.0, self->y, self->context);
+        made = self->solver != NULL && settings(self) && set_table(self, table);
     }
     ARKodeButcherTable_Free(table);
     return made;
@@ -110,8 +138,13 @@ static arkode_stepper *allocate(const ark_method *method, const weft_ode *ode,
     self->control = weft__ark_control(
         WEFT_HAS(config, weft_stepper_config, controller) ? config->controller : NULL);
     self->stages = table->stages;
-    self->fsal = weft__ark_table_is_fsal(table);
-    self->hidden = weft__ark_table_hides(table, !fixed);
+    self->implicit = (method->type.flags & WEFT_STEPPER_IMPLICIT) != 0;
+    self->fsal = !self->implicit && weft__ark_table_is_fsal(table);
+    self->hidden = self->implicit || weft__ark_table_hides(table, !fixed);
+    if (self->implicit && fixed) { /* of the equations of its stages */
+        self->rtol = NEWTON_FIXED;
+        self->atol[0] = self->atol[1] = NEWTON_FIXED;
+    }
     self->h = fixed
                   ? config->fixed_step
                   : fmin(fmax(config->first_step, config->min_step), config->max_step);
@@ -131,7 +164,7 @@ weft_status weft__ark_create(const weft_stepper_type *type, const weft_ode *ode,
     if (wrong != NULL) {
         return weft_error_set(err, WEFT_INVALID, "%s: %s", type->name, wrong);
     }
-    weft_status status = check_memory(type->name, ode->dim, 0, err);
+    weft_status status = check_memory(method, ode, config, 0, err);
     if (status == WEFT_OK) {
         status = weft__ark_table(method, config->butcher, &table, err);
     }
@@ -143,7 +176,7 @@ weft_status weft__ark_create(const weft_stepper_type *type, const weft_ode *ode,
                                 "%s: a table without b_embedded needs fixed_step",
                                 type->name);
     } else {
-        status = check_memory(type->name, ode->dim, table->stages, err);
+        status = check_memory(method, ode, config, table->stages, err);
     }
     if (status != WEFT_OK) {
         ARKodeButcherTable_Free(table);
@@ -177,6 +210,7 @@ void weft__ark_destroy(void *instance)
         (void)SUNAdaptController_Destroy(self->controller);
     }
 #endif
+    weft__sun_equations_destroy(&self->equations);
     if (self->y != NULL) {
         N_VDestroy(self->y);
     }

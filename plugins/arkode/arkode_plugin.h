@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* arkode_plugin.h -- shared by the files of this plugin. Reading order: plugin.c (the
  * methods), tables.c and order.c (coefficients and what they must meet), create.c (one
- * instance), control.c (how h is adapted), step.c (one accepted step), vector.c
- * and arithmetic.c (the operations on vectors).
+ * instance), control.c (how h is adapted), implicit.c (equations of stages), step.c
+ * (one accepted step); then ../sundials (the vectors and the linear systems).
  *
- * ERKStep, the explicit Runge-Kutta module of SUNDIALS' ARKODE, is driven whole: it
- * combines the stages, estimates the error, accepts, rejects and chooses h. SUNDIALS
- * 6.4 to 7.x; what differs between them is in this file and in `version_settings`. */
+ * The Runge-Kutta modules of SUNDIALS' ARKODE, ERKStep for explicit tables and ARKStep
+ * for implicit ones, are driven whole: they combine the stages, estimate the error,
+ * accept, reject and choose h. SUNDIALS 6.4 to 7.x; what differs between them is in
+ * this file and in `version_settings`. */
 #ifndef ARKODE_PLUGIN_H
 #define ARKODE_PLUGIN_H
 
-#include "../sundials/sundials_shared.h"
+#include "../sundials/sundials_equations.h"
 
 #if defined(__GNUC__) /* headers of others do not meet our warnings */
 #pragma GCC diagnostic push
@@ -18,6 +19,8 @@
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wstrict-prototypes"
 #endif
+#include <arkode/arkode_arkstep.h>
+#include <arkode/arkode_butcher_dirk.h>
 #include <arkode/arkode_butcher_erk.h>
 #include <arkode/arkode_erkstep.h>
 #if SUNV >= 607
@@ -30,7 +33,7 @@
 #if SUNV >= 701 /* functions that were of each module became ARKODE's own */
 #define ARK(name) ARKode##name
 #else
-#define ARK(name) ERKStep##name
+#define ARK(name) (self->implicit ? ARKStep##name : ERKStep##name)
 #endif
 
 /* A method: the public record first, so that a pointer to the one is a pointer to the
@@ -38,6 +41,7 @@
 typedef struct ark_method {
     weft_stepper_type type;
     ARKODE_ERKTableID id;      /* ARKODE_ERK_NONE: not one of ARKODE's */
+    ARKODE_DIRKTableID dirk;   /* of an implicit method, instead */
     const weft_butcher *table; /* NULL: not one of ours */
 } ark_method;
 
@@ -56,17 +60,20 @@ typedef struct arkode_stepper {
     double fixed_step, min_step, max_step; /* [s] */
     weft_controller control;               /* complete */
     int stages;                            /* of the table */
+    bool implicit;
     bool fsal;    /* the last stage of the table is the first of the next step */
     bool hidden;  /* a stage that is not finite need not show in the step */
     double h;     /* [s] what to try next */
     bool own_h;   /* h is ours: ARKODE would try another */
     bool restart; /* ARKODE's y or f is not what the next step starts from */
     weft_stepper_stats stats;
-    long failed_tests; /* rejections that ARKODE has counted so far */
+    long failed_tests; /* rejections that ARKODE has counted so far, */
+    long unsolved;     /* and steps whose equations were not solved */
 
     SUNContext context;
     N_Vector y; /* ours; ARKODE writes to it also when it fails */
     void *solver;
+    sun_equations equations; /* of an implicit method */
 #if SUNV >= 607
     SUNAdaptController controller;
     ark_past past; /* as that controller knows it */
@@ -91,6 +98,14 @@ const char *weft__ark_control_mistake(const weft_controller *c);
 weft_controller weft__ark_control(const weft_controller *asked);
 int weft__ark_set_control(arkode_stepper *self);
 void weft__ark_options(const void *instance, weft_option_fn *tell, void *ctx);
+
+/* implicit.c: for implicit methods, before the solver is made and after; the steps that
+ * ARKODE could not solve. */
+weft_status weft__ark_equations(arkode_stepper *self, const weft_stepper_config *config,
+                                weft_error *err);
+bool weft__ark_set_newton(arkode_stepper *self);
+long weft__ark_unsolved(const arkode_stepper *self);
+void weft__ark_tell_newton(const arkode_stepper *self, weft_option_fn *tell, void *ctx);
 
 /* step.c */
 int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance);

@@ -34,6 +34,7 @@ int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance)
         return 0;
     }
     self->starting = false;
+    weft__sun_iterate(&self->equations, t, y);
     self->since_bad += self->since_bad < INT32_MAX;
     int failed = 1;
     if (weft__sun_finite(y)) {
@@ -57,7 +58,7 @@ int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance)
 int weft__ark_weights(N_Vector y, N_Vector weights, void *instance)
 {
     const arkode_stepper *self = instance;
-    if (self->fixed_step == 0.0) {
+    if (self->fixed_step == 0.0 || self->implicit) {
         weft__sun_weigh(y, weights, self->rtol, self->atol);
     }
     return 0;
@@ -93,8 +94,9 @@ static int give_state(arkode_stepper *self, double t, const double *y)
     if (self->stats.steps > 0) {
         return ARK(Reset)(self->solver, t, self->y);
     }
-    self->failed_tests = 0;
-    return ERKStepReInit(self->solver, weft__ark_rhs, t, self->y);
+    self->failed_tests = self->unsolved = 0;
+    return self->implicit ? ARKStepReInit(self->solver, NULL, weft__ark_rhs, t, self->y)
+                          : ERKStepReInit(self->solver, weft__ark_rhs, t, self->y);
 }
 
 /* Makes ARKODE start from (t, y), by h. */
@@ -142,7 +144,12 @@ static int evolve(arkode_stepper *self, double t, const double *y, double h,
     (void)ARK(GetNumErrTestFails)(self->solver, &failed);
     self->stats.rejected += (uint64_t)(failed - self->failed_tests);
     self->failed_tests = failed;
-    self->stats.rejected += flag < 0 && flag != ARK_ERR_FAILURE;
+    const long unsolved = weft__ark_unsolved(self);
+    self->stats.rejected += (uint64_t)(unsolved - self->unsolved);
+    self->stats.newton_failures += (uint64_t)(unsolved - self->unsolved);
+    self->unsolved = unsolved;
+    self->stats.rejected
+        += flag < 0 && flag != ARK_ERR_FAILURE && flag != ARK_CONV_FAILURE;
     return flag;
 }
 
@@ -174,6 +181,12 @@ static weft_status fail(arkode_stepper *self, int flag, weft_error *err)
         return weft_error_set(err, WEFT_STEP_TOO_SMALL,
                               "%s: even a step of %.3g s is not accurate enough", name,
                               self->min_step);
+    case ARK_CONV_FAILURE:
+        return weft_error_set(
+            err, self->fixed_step > 0.0 ? WEFT_SOLVER : WEFT_STEP_TOO_SMALL,
+            "%s: its equations have no solution that ARKODE could find with a step of "
+            "%.3g s",
+            name, self->fixed_step > 0.0 ? self->fixed_step : self->min_step);
     case ARK_TOO_MUCH_ACC:
         return weft_error_set(err, WEFT_STEP_TOO_SMALL,
                               "%s: the tolerances are below roundoff", name);
@@ -276,5 +289,7 @@ void weft__ark_state_changed(void *instance)
 void weft__ark_stats(const void *instance, weft_stepper_stats *out)
 {
     const arkode_stepper *self = instance;
-    weft__sun_stats(&self->stats, self->h, out);
+    weft_stepper_stats stats = self->stats;
+    weft__sun_count_equations(&self->equations, &stats);
+    weft__sun_stats(&stats, self->h, out);
 }

@@ -92,6 +92,10 @@ void weft__mistakes_are_refused(trial *self)
         bad = weft__adaptive(1e-6);
         refuses(self, DIM, &bad, "fixed_step 0 of a method without error control");
     }
+    if (!weft__takes_fixed(self->type)) {
+        bad = weft__fixed(1e-3);
+        refuses(self, DIM, &bad, "fixed_step of a method that takes none");
+    }
     bad = good;
     bad.struct_size = 8;
     refuses(self, DIM, &bad, "a config of 8 bytes");
