@@ -84,16 +84,18 @@ PROG_OBJ := $(RECORD_OBJ) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/cli/*.c src
 PROG_OBJ += $(BUILD)/src/base/suggest.o $(BUILD)/src/base/file.o
 LIB_LIBS := -lyaml -ldl -lm -pthread $(LDLIBS)
 
-PLUGINS := verlet $(if $(HAVE_GSL),gsl) $(if $(HAVE_ARKODE),arkode) $(if $(HAVE_CVODE),cvode)
+PLUGINS := verlet stiff $(if $(HAVE_GSL),gsl) $(if $(HAVE_ARKODE),arkode) $(if $(HAVE_CVODE),cvode)
 PLUGIN_SO := $(PLUGINS:%=$(BUILD)/plugins/weft-%.so)
 LIBS_gsl := -lgsl -lgslcblas -lm
 LIBS_verlet := -lm
+LIBS_stiff := -lm
 LIBS_sundials := -lsundials_nvecserial $(if $(HAVE_SUNDIALS_7),-lsundials_core) $(MPI_LIBS) -lm
 LIBS_arkode := -lsundials_arkode $(LIBS_sundials)
 LIBS_cvode := -lsundials_cvode $(LIBS_sundials)
-# Folders that several plugins share.
-SHARED_arkode := sundials linear
-SHARED_cvode := sundials linear
+# Folders whose sources are also part of a plugin.
+PARTS_stiff := linear
+PARTS_arkode := sundials linear
+PARTS_cvode := sundials linear
 
 # The suites, each of tests/test_NAME.c: `make check TESTS='cloth scene'`. Those that take longest
 # begin first, so that all processors end together.
@@ -172,7 +174,7 @@ endif
 # ---- plugins: each sees weft/stepper.h and weft/elementary.h, nothing else of weft -
 
 define PLUGIN_RULE
-PLUGIN_OBJ_$(1) := $$(patsubst %.c,$(BUILD)/%.o,$$(wildcard $$(patsubst %,plugins/%/*.c,$(1) $(SHARED_$(1)))))
+PLUGIN_OBJ_$(1) := $$(patsubst %.c,$(BUILD)/%.o,$$(wildcard $$(patsubst %,plugins/%/*.c,$(1) $$(PARTS_$(1)))))
 $(BUILD)/plugins/weft-$(1).so: $$(PLUGIN_OBJ_$(1))
 	@mkdir -p $$(@D)
 	$$(call say,LD)$$(LINK) -shared $$(call soname,weft-$(1).so) -o $$@ $$^ $$(LIBS_$(1)) $$(LDLIBS)
@@ -180,7 +182,8 @@ endef
 $(foreach p,$(PLUGINS),$(eval $(call PLUGIN_RULE,$(p))))
 
 # Loops over whole states, which gcc does not vectorise at -O2.
-$(BUILD)/plugins/sundials/sundials_arithmetic.o $(BUILD)/plugins/gsl/gsl_control.o $(BUILD)/plugins/verlet/verlet.o: OWN += $(if $(SAN),,-O3)
+$(BUILD)/plugins/sundials/sundials_arithmetic.o $(BUILD)/plugins/gsl/gsl_control.o $(BUILD)/plugins/verlet/verlet.o \
+$(patsubst %.c,$(BUILD)/%.o,plugins/stiff/arithmetic.c $(wildcard plugins/linear/*.c)): OWN += $(if $(SAN),,-O3)
 
 # All that include SUNDIALS.
 $(BUILD)/plugins/arkode/%.o $(BUILD)/plugins/cvode/%.o $(BUILD)/plugins/sundials/%.o $(BUILD)/tests/test_sundials_vector.o $(BUILD)/bench/vectors.o: INCS += $(MPI_INC)

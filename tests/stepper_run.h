@@ -25,6 +25,7 @@ static inline int rhs(double t, const double *y, double *dydt, void *ctx)
 typedef struct trial_run {
     const weft_stepper_type *type;
     model model;
+    weft_structure structure;
     weft_ode ode;
     void *self;
     double t, y[DIM + APART];
@@ -37,8 +38,10 @@ static inline void start(trial_run *r, const weft_stepper_type *type,
     *r = (trial_run){ .type = type, .model = { .k = 1.0, .apart = quadratures } };
     r->ode = (weft_ode){ .dim = DIM + quadratures, .rhs = rhs, .ctx = &r->model };
     memcpy(r->y, weft__model_start, sizeof weft__model_start);
+    r->structure = weft__model_structure(&r->model);
     weft_stepper_config whole = test_config(type, *config);
     whole.quadratures = quadratures;
+    whole.structure = weft__needs_structure(type) ? &r->structure : NULL;
     const weft_status status = type->create(type, &r->ode, &whole, &r->self, &r->err);
     ck_assert_msg(status == WEFT_OK, "%s", r->err.message);
 }

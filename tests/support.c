@@ -8,6 +8,7 @@
 #include "conformance/merson.h"
 
 const weft_plugin *weft_plugin_verlet(void);
+const weft_plugin *weft_plugin_stiff(void);
 const weft_plugin *weft_plugin_gsl(void);
 const weft_plugin *weft_plugin_arkode(void);
 const weft_plugin *weft_plugin_cvode(void);
@@ -16,6 +17,7 @@ const weft_plugin *test_plugin(size_t i)
 {
     weft_plugin_fn *const plugins[] = {
         weft_plugin_verlet,
+        weft_plugin_stiff,
 #ifdef HAVE_GSL
         weft_plugin_gsl,
 #endif
@@ -84,6 +86,16 @@ const weft_stepper_type *test_method_named(const char *name)
     }
     ck_abort_msg("no method '%s'", label);
     return NULL;
+}
+
+bool test_needs_structure(const weft_stepper_type *type)
+{
+    return (type->flags & WEFT_STEPPER_STRUCTURE) != 0;
+}
+
+bool test_needs_damping(const weft_stepper_type *type)
+{
+    return test_needs_structure(type) && (type->flags & WEFT_STEPPER_IMPLICIT) == 0;
 }
 
 weft_stepper_config test_config(const weft_stepper_type *type,

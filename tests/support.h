@@ -18,6 +18,11 @@ const char *test_method_label(size_t i); /* "gsl/rkf45" */
 /* A method by label; ends the test if it is not there. */
 const weft_stepper_type *test_method_named(const char *name);
 
+/* Whether a method refuses lightly damped cloth, such as that of most tests; and
+ * equations without a structure. */
+bool test_needs_damping(const weft_stepper_type *type);
+bool test_needs_structure(const weft_stepper_type *type);
+
 /* For a method that takes a table and has none: Merson's, of order 4, which compares
  * its solution with one of order 3. */
 weft_stepper_config test_config(const weft_stepper_type *type,

@@ -326,8 +326,8 @@ END_TEST
 START_TEST(a_strain_limit_is_kept)
 {
     weft_sim_def def = weft_sim_def_default();
-    const weft_cloth_def model = sheet_def(100.0);
-    weft_cloth *cloth = test_cloth(&model);
+    const weft_cloth_def hung = sheet_def(100.0);
+    weft_cloth *cloth = test_cloth(&hung);
     weft_sim *sim = NULL;
     weft_error err;
     def.cloth = cloth;

@@ -192,6 +192,9 @@ END_TEST
 
 START_TEST(pin_put_at_the_start_is_one_of_the_definition)
 {
+    if (test_needs_damping(test_method((size_t)_i))) {
+        return;
+    }
     const weft_pin two[2]
         = { corner,
             { .rows = { 2, 2 }, .cols = { 1, 1 }, .velocity = { 0.1, 0, -0.2 } } };

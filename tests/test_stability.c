@@ -25,7 +25,9 @@ static double limit(const weft_stability *of, double w2, double c, double growth
 
 static bool has_stable_step(const weft_stepper_type *type)
 {
-    return (type->flags & (WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_MULTISTEP)) == 0;
+    return (type->flags
+            & (WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_MULTISTEP | WEFT_STEPPER_STRUCTURE))
+           == 0;
 }
 
 /* R(z) = e^z up to the order, by definition of the order. */

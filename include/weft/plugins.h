@@ -12,6 +12,7 @@ extern "C" {
 #endif
 
 WEFT_API const weft_plugin *weft_plugin_verlet(void);
+WEFT_API const weft_plugin *weft_plugin_stiff(void);
 /* Built where SUNDIALS is. */
 WEFT_API const weft_plugin *weft_plugin_arkode(void);
 WEFT_API const weft_plugin *weft_plugin_cvode(void);

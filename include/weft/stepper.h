@@ -161,6 +161,32 @@ typedef struct weft_structure {
     void *ctx;
 } weft_structure;
 
+/* How an implicit method solves its linear systems. AUTO: the blocks of the diagonal
+ * where few iterations do, else multigrid. */
+typedef enum weft_preconditioner {
+    WEFT_PRECONDITIONER_AUTO,
+    WEFT_PRECONDITIONER_JACOBI, /* 3 x 3 blocks of the diagonal */
+    WEFT_PRECONDITIONER_MULTIGRID
+} weft_preconditioner;
+
+/* When a method with Newton's iteration computes the Jacobian again: in every step, or
+ * in every iteration. */
+typedef enum weft_jacobian {
+    WEFT_JACOBIAN_DEFAULT,
+    WEFT_JACOBIAN_STEP,
+    WEFT_JACOBIAN_NEWTON
+} weft_jacobian;
+
+/* Settings of implicit methods. A field that is 0 means the method's default, which
+ * `options` reports. */
+typedef struct weft_linear {
+    uint32_t struct_size;
+    double krylov; /* > 0, < 1: relative residual of a linear system */
+    weft_preconditioner preconditioner;
+    weft_jacobian jacobian;
+    int max_order; /* of a method of variable order */
+} weft_linear;
+
 /* The user's settings for the solver, which then decides every step by itself. With
  * fixed_step > 0 there is no error control: the norm, the tolerances and the other step
  * sizes are ignored. */
@@ -189,6 +215,7 @@ typedef struct weft_stepper_config {
                                         know malloc still use it. NULL: malloc's */
     const weft_structure *structure; /* of the ode, must outlive the stepper; NULL: not
                                         known. A simulation gives that of its cloth */
+    const weft_linear *linear;       /* for an implicit method; NULL: its defaults */
 } weft_stepper_config;
 
 /* The fields that every version of the struct has. */
@@ -225,6 +252,11 @@ typedef struct weft_stepper_stats {
     uint64_t rhs_calls; /* all calls: stages, Jacobians, restarts */
     double last_step;   /* [s] size of the last accepted step; 0 before the first */
     double next_step;   /* [s] size the solver would try next; 0: unknown */
+
+    /* appended: of implicit methods, else 0 */
+    uint64_t linear_iterations; /* of conjugate gradients */
+    uint64_t factorisations;    /* Jacobians computed */
+    uint64_t newton_failures;   /* systems that could not be solved */
 } weft_stepper_stats;
 
 enum {
@@ -242,6 +274,7 @@ enum {
     WEFT_STEPPER_LIBM = 1 << 10, /* the solver decides by powers, sines, ... of libm,
                                    whose rounding differs between machines: no promise
                                    of the same bits on another machine */
+    WEFT_STEPPER_STRUCTURE = 1 << 11,    /* needs config->structure */
     WEFT_STEPPER_ADAPTIVE_ONLY = 1 << 12 /* every step is the solver's choice: create
                                             refuses fixed_step */
 };

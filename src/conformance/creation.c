@@ -43,13 +43,18 @@ static const struct {
     { FIELD(max_step), { 0.0, -1.0, 0.9e-10, (double)NAN } },
 };
 
-static void refuses(trial *self, size_t dim, const weft_stepper_config *config,
-                    const char *what)
+static void refuses_one(trial *self, size_t dim, const weft_stepper_config *config,
+                        bool with_structure, const char *what)
 {
     model m = { .k = 1.0 };
     const weft_ode ode = { .dim = dim, .rhs = weft__model_rhs, .ctx = &m };
+    const weft_structure structure = weft__model_structure(&m);
+    weft_stepper_config whole = *config;
     void *instance = &m;
     weft_error err = { 0 };
+    whole.structure
+        = with_structure && weft__needs_structure(self->type) ? &structure : NULL;
+    config = &whole;
     weft_status status = self->type->create(self->type, &ode, config, &instance, &err);
     if (status == WEFT_OK) {
         self->type->destroy(instance);
@@ -64,6 +69,12 @@ static void refuses(trial *self, size_t dim, const weft_stepper_config *config,
     weft__expect(self, status == err.status, "%s: another status without a weft_error",
                  what);
     weft__expect(self, m.calls == 0, "%s: create called the rhs", what);
+}
+
+static void refuses(trial *self, size_t dim, const weft_stepper_config *config,
+                    const char *what)
+{
+    refuses_one(self, dim, config, true, what);
 }
 
 static void numbers_are_refused(trial *self, const weft_stepper_config *good)
@@ -101,6 +112,9 @@ void weft__mistakes_are_refused(trial *self)
     refuses(self, DIM, &bad, "a config of 8 bytes");
     refuses(self, 0, &good, "dim 0");
     refuses(self, 5, &good, "dim 5");
+    if (weft__needs_structure(self->type)) {
+        refuses_one(self, DIM, &good, false, "no structure");
+    }
     if ((self->type->flags & WEFT_STEPPER_BUTCHER) == 0) {
         good.butcher = &table;
         refuses(self, DIM, &good, "a Butcher table");
@@ -121,12 +135,15 @@ void weft__other_versions_are_served(trial *self)
         unsigned char more[64];
     } newer = { .config = weft__with_table(self->type, weft__usual(self->type, 0)) };
     memset(newer.more, 0xA7, sizeof newer.more);
+    const bool needs = weft__needs_structure(self->type);
     const uint32_t sizes[]
-        = { sizeof newer, sizeof newer.config, WEFT_STEPPER_CONFIG_LEAST };
+        = { sizeof newer, sizeof newer.config,
+            needs ? offsetof(weft_stepper_config, linear) : WEFT_STEPPER_CONFIG_LEAST };
     for (int i = 0; i < 3; ++i) {
         trial_run *r = weft__begin(self, i, newer.config);
         self->type->destroy(r->self);
         newer.config.struct_size = sizes[i];
+        newer.config.structure = needs ? &r->structure : NULL;
         r->self = NULL;
         const weft_status status
             = self->type->create(self->type, &r->ode, &newer.config, &r->self, &r->err);

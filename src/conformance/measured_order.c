@@ -38,6 +38,7 @@ typedef struct branch {
 
 typedef struct forest {
     size_t count;
+    size_t half; /* count, and what makes it three numbers for each of some particles */
     int weight[TREES_MOST];
     double gamma[TREES_MOST];
     size_t rest[TREES_MOST]; /* the tree without its last branch */
@@ -83,19 +84,20 @@ static void grow(forest *f, int most)
     }
 }
 
-/* y = (x of every tree, v of every tree) */
+/* y = (x of every tree, v of every tree), each filled up with zeros */
 static int rate(double t, const double *y, double *dydt, void *ctx)
 {
     const forest *f = ctx;
-    const double *x = y, *v = y + f->count;
-    double *dv = dydt + f->count;
+    const double *x = y, *v = y + f->half;
+    double *dv = dydt + f->half;
+    memset(dv, 0, f->half * sizeof *dv);
     dv[0] = 1.0;
     for (size_t k = 1; k < f->count; ++k) {
         const branch last = f->last[k];
         const double factor = last.x ? x[last.tree] : last.tree == 0 ? t : v[last.tree];
         dv[k] = dv[f->rest[k]] * factor;
     }
-    memcpy(dydt, v, f->count * sizeof *v);
+    memcpy(dydt, v, f->half * sizeof *v);
     return 0;
 }
 
@@ -107,7 +109,7 @@ static void find_errors(const forest *f, const double *y, double error[WEIGHTS])
     memset(error, 0, WEIGHTS * sizeof *error);
     for (size_t k = 0; k < f->count; ++k) {
         const int w = f->weight[k];
-        const double of_v = fabs(y[f->count + k] * f->gamma[k] - 1.0);
+        const double of_v = fabs(y[f->half + k] * f->gamma[k] - 1.0);
         error[w] = fmax(error[w], of_v);
         if (w < most) {
             const double of_x = fabs(y[k] * f->gamma[k] * (w + 1) - 1.0);
@@ -116,18 +118,52 @@ static void find_errors(const forest *f, const double *y, double error[WEIGHTS])
     }
 }
 
+/* A structure that knows nothing: K and C are 0. */
+static int no_springs(double t, const double *y, double *planes, double *blocks,
+                      void *ctx)
+{
+    (void)t, (void)y, (void)planes, (void)blocks, (void)ctx;
+    return 0;
+}
+
+static size_t no_modes(double t, const double *y, double (*corners)[2], size_t room,
+                       void *ctx)
+{
+    (void)t, (void)y, (void)corners, (void)room, (void)ctx;
+    return 0;
+}
+
+/* Masses of 1 and drags of 0, in 2 n numbers. */
+static weft_structure structure_of(size_t n, double *numbers)
+{
+    for (size_t i = 0; i < 2 * n; ++i) {
+        numbers[i] = i < n ? 1.0 : 0.0;
+    }
+    return (weft_structure){ .struct_size = sizeof(weft_structure),
+                             .particles = n,
+                             .mass = numbers,
+                             .drag = numbers + n,
+                             .linearise = no_springs,
+                             .modes = no_modes };
+}
+
 static weft_status errors_with(const weft_stepper_type *type, forest *f, int steps,
                                double error[WEIGHTS], weft_error *err)
 {
-    const weft_ode ode = { .dim = 2 * f->count, .rhs = rate, .ctx = f };
+    const weft_ode ode = { .dim = 2 * f->half, .rhs = rate, .ctx = f };
+    void *self = NULL;
+    double t = 0.0, *y = calloc(2 * ode.dim, sizeof *y);
+    if (y == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory");
+    }
+    const weft_structure structure = structure_of(f->half / 3, y + ode.dim);
     const weft_stepper_config config
         = { .struct_size = sizeof config,
             .fixed_step = 1.0 / steps,
-            .butcher = (type->flags & WEFT_STEPPER_BUTCHER) != 0 ? merson() : NULL };
-    void *self = NULL;
-    double t = 0.0, *y = calloc(ode.dim, sizeof *y);
-    weft_status status = y == NULL ? weft_error_set(err, WEFT_NO_MEMORY, "no memory")
-                                   : type->create(type, &ode, &config, &self, err);
+            .butcher = (type->flags & WEFT_STEPPER_BUTCHER) != 0 ? merson() : NULL,
+            .structure
+            = (type->flags & WEFT_STEPPER_STRUCTURE) != 0 ? &structure : NULL };
+    weft_status status = type->create(type, &ode, &config, &self, err);
     while (status == WEFT_OK && t < 1.0) {
         status = type->step(self, 1.0, &t, y, err);
     }
@@ -186,6 +222,7 @@ weft_status weft__order(const weft_stepper_type *type, int claimed, double *orde
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory");
     }
     grow(f, claimed + 1);
+    f->half = (f->count + 2) / 3 * 3;
     const weft_status status = halve(type, f, order, err);
     free(f);
     return status;

@@ -3,7 +3,7 @@
 
 #include <time.h>
 
-const double weft__model_start[DIM] = { 0.613, -0.387, 0.271, 0.829 };
+const double weft__model_start[DIM] = { 0.613, -0.387, 0.159, 0.271, 0.829, -0.443 };
 
 enum { PASSES = 256 }; /* each pass waits for the scheduler */
 
@@ -37,11 +37,11 @@ int weft__model_rhs(double t, const double *y, double *dydt, void *ctx)
 {
     model *m = ctx;
     ++m->calls;
-    dydt[0] = y[2];
-    dydt[1] = y[3];
-    dydt[2] = -m->k * sin(2.385 * y[0]) + 0.713 * (y[1] - y[0]) - 0.131 * y[2];
-    dydt[3]
+    memcpy(dydt, y + 3, 3 * sizeof *y);
+    dydt[3] = -m->k * sin(2.385 * y[0]) + 0.713 * (y[1] - y[0]) - 0.131 * y[3];
+    dydt[4]
         = -1.618 * y[1] * y[1] * y[1] + 0.713 * (y[0] - y[1]) + 0.257 * cos(1.37 * t);
+    dydt[5] = -0.941 * y[2] + 0.318 * (y[1] - y[2]);
     if (m->baton != NULL) {
         pass(m->baton, m->side);
     }
@@ -50,13 +50,53 @@ int weft__model_rhs(double t, const double *y, double *dydt, void *ctx)
     }
     const bool fails
         = m->fault != NO_FAULT && (m->once ? m->calls == m->at : m->calls >= m->at);
-    const double rates[APART] = { 1.0, y[2], y[2] * y[3] };
+    const double rates[APART] = { 1.0, y[3], y[3] * y[4] };
     memcpy(dydt + DIM, rates, m->apart * sizeof *rates);
     if (fails && (m->fault == GIVE_NAN || m->fault == GIVE_INF)) {
-        dydt[m->apart > 0 ? DIM + m->apart - 1 : 2]
+        dydt[m->apart > 0 ? DIM + m->apart - 1 : 3]
             = m->fault == GIVE_NAN ? (double)NAN : (double)INFINITY;
     }
     return fails && m->fault == REFUSE ? 1 : fails && m->fault == STOP ? -1 : 0;
+}
+
+static int linearise(double t, const double *y, double *planes, double *blocks,
+                     void *ctx)
+{
+    const model *m = ctx;
+    const double k[9] = { 2.385 * m->k * cos(2.385 * y[0]) + 0.713,
+                          -0.713,
+                          0.0,
+                          -0.713,
+                          3.0 * 1.618 * y[1] * y[1] + 0.713,
+                          0.0,
+                          0.0,
+                          -0.318,
+                          0.941 + 0.318 };
+    const double c[6] = { 0.131 };
+    (void)t, (void)planes;
+    memcpy(blocks, k, sizeof k);
+    memcpy(blocks + 9, c, sizeof c);
+    return 0;
+}
+
+static size_t no_modes(double t, const double *y, double (*corners)[2], size_t room,
+                       void *ctx)
+{
+    (void)t, (void)y, (void)corners, (void)room, (void)ctx;
+    return 0;
+}
+
+weft_structure weft__model_structure(model *of)
+{
+    static const double mass = 1.0, drag = 0.0;
+    return (weft_structure){ .struct_size = sizeof(weft_structure),
+                             .particles = 1,
+                             .mass = &mass,
+                             .drag = &drag,
+                             .block_planes = WEFT_BLOCK_PLANES,
+                             .linearise = linearise,
+                             .modes = no_modes,
+                             .ctx = of };
 }
 
 double weft__model_distance(const double *a, const double *b)

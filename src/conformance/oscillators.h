@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* oscillators.h -- the model that methods are tried on: two coupled oscillators,
- * damped, driven and nonlinear, with y = (x1, x2, v1, v2), followed by up to three
- * quadratures. It fails on request. The reference solution is computed by the classical
- * Runge-Kutta method with 2^-13 s, and is good to 1e-13. */
+/* oscillators.h -- the model that methods are tried on: three coupled oscillators,
+ * damped, driven and nonlinear, with y = (x1, x2, x3, v1, v2, v3), followed by up to
+ * three quadratures. To a method that needs the structure of the equations it is one
+ * particle in a field of forces. It fails on request. The reference solution is
+ * computed by the classical Runge-Kutta method with 2^-13 s, and is good to 1e-13. */
 #ifndef WEFT_CONFORMANCE_OSCILLATORS_H
 #define WEFT_CONFORMANCE_OSCILLATORS_H
 
@@ -11,7 +12,7 @@
 
 #include "conformance/merson.h"
 
-enum { DIM = 4, APART = 3 /* quadratures at most */ };
+enum { DIM = 6, APART = 3 /* quadratures at most */ };
 
 typedef enum fault { NO_FAULT, REFUSE, STOP, GIVE_NAN, GIVE_INF, FAULTS } fault;
 
@@ -42,6 +43,10 @@ extern const double weft__model_start[DIM];
 /* ctx is the model. */
 int weft__model_rhs(double t, const double *y, double *dydt, void *ctx);
 
+/* The structure of its equations, which says that no mode is stiff: for methods that
+ * need one, and bear any matrix. Newton's method wants the right one, or none. */
+weft_structure weft__model_structure(model *of);
+
 void weft__baton_drop(baton *self);
 
 /* Advances y[DIM] from t to t_end, a multiple of 2^-13 s later; k = 1. */
@@ -71,6 +76,11 @@ static inline weft_stepper_config weft__fixed(double h)
 static inline bool weft__adapts(const weft_stepper_type *type)
 {
     return (type->flags & WEFT_STEPPER_FIXED_ONLY) == 0;
+}
+
+static inline bool weft__needs_structure(const weft_stepper_type *type)
+{
+    return (type->flags & WEFT_STEPPER_STRUCTURE) != 0;
 }
 
 static inline bool weft__takes_fixed(const weft_stepper_type *type)

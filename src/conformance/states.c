@@ -28,7 +28,7 @@ void weft__an_edited_state_is_used(trial *self)
     trial_run *r = weft__begin_usual(self, 0);
     weft__go(self, r, 0.5);
     r->y[0] -= 0.237;
-    r->y[3] += 0.419;
+    r->y[4] += 0.419;
     self->type->state_changed(r->self);
     double want[DIM];
     memcpy(want, r->y, sizeof want);

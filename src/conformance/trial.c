@@ -173,7 +173,9 @@ trial_run *weft__begin(trial *self, int slot, weft_stepper_config config)
     r->ode = (weft_ode){ .dim = DIM + self->apart,
                          .rhs = weft__model_rhs,
                          .ctx = &r->model };
+    r->structure = weft__model_structure(&r->model);
     memcpy(r->y, weft__model_start, sizeof weft__model_start);
+    config.structure = weft__needs_structure(self->type) ? &r->structure : NULL;
     r->config = config;
     config = weft__with_table(self->type, config);
     config.quadratures = self->apart;

@@ -12,6 +12,7 @@
 /* One run of the method on the model. */
 typedef struct trial_run {
     model model;
+    weft_structure structure; /* of the model */
     weft_ode ode;
     weft_stepper_config config;
     void *self;

@@ -179,6 +179,23 @@ static int no_rhs(double t, const double *y, double *dydt, void *ctx)
     return -1;
 }
 
+static int no_planes(double t, const double *y, double *planes, double *blocks,
+                     void *ctx)
+{
+    (void)planes;
+    (void)blocks;
+    return no_rhs(t, y, NULL, ctx);
+}
+
+static size_t no_modes(double t, const double *y, double (*corners)[2], size_t room,
+                       void *ctx)
+{
+    (void)corners;
+    (void)room;
+    (void)no_rhs(t, y, NULL, ctx);
+    return 0;
+}
+
 /* Creates a stepper for one particle to find what only the method can refuse, such as a
  * table that is not of its order. */
 static void check_creation(weft__reader *reader, const weft__match *match)
@@ -186,9 +203,17 @@ static void check_creation(weft__reader *reader, const weft__match *match)
     const weft_scene *scene = reader->scene;
     const weft_ode one = { .dim = 6, .rhs = no_rhs };
     const weft__node *table = weft__found_in(match, "butcher")->key;
+    static const double mass = 1.0, drag = 0.0;
+    const weft_structure structure = { .struct_size = sizeof structure,
+                                       .particles = 1,
+                                       .mass = &mass,
+                                       .drag = &drag,
+                                       .linearise = no_planes,
+                                       .modes = no_modes };
     weft_stepper_config config = scene->config;
     weft_error why = { 0 };
     void *stepper = NULL;
+    config.structure = &structure;
     config.allocator = reader->report->memory;
     const weft_status status
         = scene->type->create(scene->type, &one, &config, &stepper, &why);

@@ -168,6 +168,12 @@ weft_status weft_stability_create(const weft_stepper_type *type,
                               "stable step",
                               type->name);
     }
+    if ((type->flags & WEFT_STEPPER_STRUCTURE) != 0) {
+        return weft_error_set(err, WEFT_UNSUPPORTED,
+                              "%s: its stages, and with them its largest stable step, "
+                              "follow from the cloth",
+                              type->name);
+    }
     bool holds = false;
     weft_status status = read_polynomial(out, err);
     if (status == WEFT_OK) {

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* linear.h -- the linear systems of implicit methods, for the plugins that have some.
+ *
+ * Solves (I - gamma J) (dx, dv) = (rx, rv), where J is the Jacobian of a cloth without
+ * what may make it indefinite (the terms z, negative q and negative curvature of
+ * contact: weft/stepper.h, weft_structure). As x' = v, the system reduces to
+ *
+ *     (M + gamma C + gamma^2 K) dv = M rv - gamma K rx,    dx = rx + gamma dv,
+ *
+ * with dv = rv, dx = rx of prescribed particles (D. Baraff, A. Witkin, SIGGRAPH 1998).
+ * It is symmetric and positive definite: conjugate gradients, preconditioned by the 3 x
+ * 3 blocks of the diagonal, or by multigrid (multigrid.h) where these would need many
+ * iterations.
+ *
+ * Order of sums and operations do not depend on the machine: the same bits everywhere.
+ */
+#ifndef WEFT_PLUGINS_LINEAR_LINEAR_H
+#define WEFT_PLUGINS_LINEAR_LINEAR_H
+
+#include "weft/stepper.h"
+
+typedef struct weft__linear weft__linear;
+
+typedef struct weft__linear_counts {
+    uint64_t iterations, refreshes, failures;
+} weft__linear_counts;
+
+/* Takes all memory that it ever needs. The structure must outlive it. */
+weft_status weft__linear_create(const weft_structure *structure,
+                                weft_preconditioner preconditioner,
+                                const weft_allocator *memory, weft__linear **out,
+                                weft_error *err);
+void weft__linear_destroy(weft__linear *self); /* NULL is allowed */
+
+/* Computes J in (t, y); returns as structure->linearise. weft__linear_prepare follows.
+ */
+int weft__linear_at(weft__linear *self, double t, const double *y);
+
+/* Makes the matrix and the preconditioner for gamma [s] from the last J. */
+void weft__linear_prepare(weft__linear *self, double gamma);
+
+/* Replaces r = (rx, rv), 6 N numbers, by (dx, dv), with the norm of the residual, in
+ * the sense of the preconditioner, reduced to `tolerance` of its first value. False if
+ * it could not be: then r has no meaning. */
+bool weft__linear_solve(weft__linear *self, double tolerance, double *r);
+
+weft__linear_counts weft__linear_count(const weft__linear *self);
+
+#endif

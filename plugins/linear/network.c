@@ -1,0 +1,223 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "network.h"
+
+#include "vectors.h"
+
+enum {
+    PIECE = 256, /* springs at a time, whose forces stay in a cache */
+    LANES = 64,  /* partial sums */
+};
+
+void weft__network_take(weft__network *self, weft__pile *pile)
+{
+    self->point = weft__pile_take(pile, self->n, 6 * sizeof(double));
+    self->inverse = weft__pile_take(pile, self->n, 6 * sizeof(double));
+    self->bond = weft__pile_take(pile, self->bond_count, 6 * sizeof(double));
+}
+
+/* ---- the diagonal ---------------------------------------------------------------- */
+
+WIDE static void add_to(double *to, const double *from, size_t count)
+{
+    ELEMENTWISE
+    for (size_t i = 0; i < count; ++i) {
+        to[i] += from[i];
+    }
+}
+
+static void diagonal(const weft__network *self, double *d)
+{
+    memcpy(d, self->point, 6 * self->n * sizeof *d);
+    for (size_t plane = 0; plane < 6; ++plane) {
+        const double *bond = self->bond + plane * self->bond_count;
+        double *to = d + plane * self->n;
+        for (size_t r = 0; r < self->run_count; ++r) {
+            const weft_bonds *run = &self->runs[r];
+            add_to(to + run->p, bond, run->count);
+            add_to(to + run->q, bond, run->count);
+            bond += run->count;
+        }
+    }
+}
+
+/* In place. A block of 0 stays 0. */
+WIDE static void invert(double *planes, size_t n)
+{
+    double *xx = planes, *xy = xx + n, *xz = xy + n;
+    double *yy = xz + n, *yz = yy + n, *zz = yz + n;
+    ELEMENTWISE
+    for (size_t i = 0; i < n; ++i) {
+        const double a = xx[i], b = xy[i], c = xz[i], d = yy[i], e = yz[i], f = zz[i];
+        const double aa = d * f - e * e, bb = c * e - b * f, cc = b * e - c * d;
+        const double det = a * aa + b * bb + c * cc;
+        const double scale = det != 0.0 ? 1.0 / det : 0.0;
+        xx[i] = aa * scale;
+        xy[i] = bb * scale;
+        xz[i] = cc * scale;
+        yy[i] = (a * f - c * c) * scale;
+        yz[i] = (b * c - a * e) * scale;
+        zz[i] = (a * d - b * b) * scale;
+    }
+}
+
+double weft__network_invert(weft__network *self, const double *mass)
+{
+    const size_t n = self->n;
+    double *d = self->inverse, most = 0.0;
+    diagonal(self, d);
+    for (size_t k = 0; k < self->held_count; ++k) {
+        for (size_t plane = 0; plane < 6; ++plane) {
+            d[plane * n + self->held[k]] = 0.0;
+        }
+    }
+    for (size_t i = 0; mass != NULL && i < n; ++i) {
+        const double trace = d[i] + d[3 * n + i] + d[5 * n + i];
+        most = mass[i] > 0.0 && trace > most * mass[i] ? trace / mass[i] : most;
+    }
+    invert(d, n);
+    return most;
+}
+
+/* ---- products -------------------------------------------------------------------- */
+
+WIDE static void block_product(size_t n, const double *a, const double *x, double *y)
+{
+    ELEMENTWISE
+    for (size_t i = 0; i < n; ++i) {
+        const double b = x[i], c = x[n + i], d = x[2 * n + i];
+        y[i] = a[i] * b + a[n + i] * c + a[2 * n + i] * d;
+        y[n + i] = a[n + i] * b + a[3 * n + i] * c + a[4 * n + i] * d;
+        y[2 * n + i] = a[2 * n + i] * b + a[4 * n + i] * c + a[5 * n + i] * d;
+    }
+}
+
+void weft__network_precondition(const weft__network *self, const double *r, double *z)
+{
+    block_product(self->n, self->inverse, r, z);
+}
+
+/* The forces of `count` springs on their particles p, in f[3][PIECE]. */
+WIDE static void bond_forces(const double *a, size_t stride, const double *x,
+                             const double *to, size_t n, size_t count,
+                             double f[3][PIECE])
+{
+    ELEMENTWISE
+    for (size_t i = 0; i < count; ++i) {
+        const double b = x[i] - to[i], c = x[n + i] - to[n + i];
+        const double d = x[2 * n + i] - to[2 * n + i];
+        const double xy = a[stride + i], xz = a[2 * stride + i], yz = a[4 * stride + i];
+        f[0][i] = a[i] * b + xy * c + xz * d;
+        f[1][i] = xy * b + a[3 * stride + i] * c + yz * d;
+        f[2][i] = xz * b + yz * c + a[5 * stride + i] * d;
+    }
+}
+
+/* The same with scale ((k - q) u u^T + q I). */
+WIDE static void stiffness_forces(const double *a, size_t stride, double scale,
+                                  const double *x, const double *to, size_t n,
+                                  size_t count, double f[3][PIECE])
+{
+    ELEMENTWISE
+    for (size_t i = 0; i < count; ++i) {
+        const double b = x[i] - to[i], c = x[n + i] - to[n + i];
+        const double d = x[2 * n + i] - to[2 * n + i];
+        const double ux = a[i], uy = a[stride + i], uz = a[2 * stride + i];
+        const double along = scale * a[3 * stride + i] * (ux * b + uy * c + uz * d);
+        const double across = scale * a[4 * stride + i];
+        f[0][i] = along * ux + across * b;
+        f[1][i] = along * uy + across * c;
+        f[2][i] = along * uz + across * d;
+    }
+}
+
+WIDE static void pull(double *p, double *q, size_t n, size_t count, double f[3][PIECE])
+{
+    for (size_t plane = 0; plane < 3; ++plane) {
+        double *to = p + plane * n;
+        const double *force = f[plane];
+        ELEMENTWISE
+        for (size_t i = 0; i < count; ++i) {
+            to[i] += force[i];
+        }
+        to = q + plane * n;
+        ELEMENTWISE
+        for (size_t i = 0; i < count; ++i) {
+            to[i] -= force[i];
+        }
+    }
+}
+
+/* planes NULL: the springs' own blocks. */
+static void add_bonds(const weft__network *self, const double *planes, double scale,
+                      const double *x, double *y)
+{
+    const size_t n = self->n, stride = self->bond_count;
+    double f[3][PIECE];
+    for (size_t r = 0, at = 0; r < self->run_count; at += self->runs[r++].count) {
+        const weft_bonds *run = &self->runs[r];
+        for (size_t i = 0; i < run->count; i += PIECE) {
+            const size_t count = run->count - i < PIECE ? run->count - i : PIECE;
+            const size_t p = run->p + i, q = run->q + i;
+            if (planes == NULL) {
+                bond_forces(self->bond + at + i, stride, x + p, x + q, n, count, f);
+            } else {
+                stiffness_forces(planes + at + i, stride, scale, x + p, x + q, n, count,
+                                 f);
+            }
+            pull(y + p, y + q, n, count, f);
+        }
+    }
+}
+
+void weft__network_add_stiffness(const weft__network *self, const double *planes,
+                                 double scale, const double *x, double *y)
+{
+    add_bonds(self, planes, scale, x, y);
+}
+
+void weft__network_times(const weft__network *self, const double *x, double *y)
+{
+    const size_t n = self->n;
+    block_product(n, self->point, x, y);
+    add_bonds(self, NULL, 0.0, x, y);
+    for (size_t k = 0; k < self->held_count; ++k) {
+        const size_t i = self->held[k];
+        y[i] = y[n + i] = y[2 * n + i] = 0.0;
+    }
+}
+
+/* ---- vectors --------------------------------------------------------------------- */
+
+WIDE double weft__vector_dot(size_t n, const double *a, const double *b)
+{
+    double lane[LANES] = { 0.0 }, sum = 0.0;
+    size_t at = 0;
+    for (; at + LANES <= n; at += LANES) {
+        for (size_t i = 0; i < LANES; ++i) {
+            lane[i] += a[at + i] * b[at + i];
+        }
+    }
+    for (size_t i = 0; at + i < n; ++i) {
+        lane[i] += a[at + i] * b[at + i];
+    }
+    for (size_t i = 0; i < LANES; ++i) {
+        sum += lane[i];
+    }
+    return sum;
+}
+
+WIDE void weft__vector_scale(size_t n, double a, const double *x, double *y)
+{
+    ELEMENTWISE
+    for (size_t i = 0; i < n; ++i) {
+        y[i] = a * x[i];
+    }
+}
+
+WIDE void weft__vector_mix(size_t n, double a, const double *x, double b, double *y)
+{
+    ELEMENTWISE
+    for (size_t i = 0; i < n; ++i) {
+        y[i] = a * x[i] + b * y[i];
+    }
+}

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* network.h -- a symmetric positive definite matrix as a network of n particles: a 3 x
+ * 3 block for each particle, and one for each spring, which adds [A -A; -A A].
+ * Products, the diagonal, and sums of products in a fixed order.
+ *
+ * Vectors have three planes of n numbers; symmetric blocks have six planes, xx xy xz yy
+ * yz zz. Held particles are no part of the matrix: their rows and columns are 0. */
+#ifndef WEFT_PLUGINS_LINEAR_NETWORK_H
+#define WEFT_PLUGINS_LINEAR_NETWORK_H
+
+#include "pile.h"
+
+typedef struct weft__network {
+    size_t n, run_count, bond_count;
+    const weft_bonds *runs;
+    double *point, *bond; /* 6 n, 6 bond_count */
+    double *inverse;      /* 6 n: of the blocks of the diagonal; 0 where that is 0 */
+    uint32_t *held;       /* NULL: none */
+    size_t held_count;
+} weft__network;
+
+/* Takes the arrays, for the runs that are there. */
+void weft__network_take(weft__network *self, weft__pile *pile);
+
+/* Finds the diagonal and inverts it, from the blocks; returns the largest trace of a
+ * block of the diagonal by `mass`, or 0 with mass NULL. */
+double weft__network_invert(weft__network *self, const double *mass);
+
+/* y = S x; x is 0 at held particles. */
+void weft__network_times(const weft__network *self, const double *x, double *y);
+
+/* z = inverse r */
+void weft__network_precondition(const weft__network *self, const double *r, double *z);
+
+/* y_p += A (x_p - x_q), y_q -= the same, with A = scale ((k - q) u u^T + q I) of the
+ * planes u, k - q, q of bond_count. */
+void weft__network_add_stiffness(const weft__network *self, const double *planes,
+                                 double scale, const double *x, double *y);
+
+/* The sum of a_i b_i; y = a x; y = a x + b y. */
+double weft__vector_dot(size_t n, const double *a, const double *b);
+void weft__vector_scale(size_t n, double a, const double *x, double *y);
+void weft__vector_mix(size_t n, double a, const double *x, double b, double *y);
+
+#endif

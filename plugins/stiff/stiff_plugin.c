@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* stiff_plugin.c -- the methods, and one instance. */
+#include "stiff_plugin.h"
+
+#include <math.h>
+#include <stdio.h>
+
+const weft_plugin *weft_plugin_stiff(void);
+
+/* ---- creation -------------------------------------------------------------------- */
+
+static bool positive(double x)
+{
+    return x > 0.0 && isfinite(x);
+}
+
+static const weft_linear *linear_of(const weft_stepper_config *config)
+{
+    return WEFT_HAS(config, weft_stepper_config, linear) ? config->linear : NULL;
+}
+
+static const char *linear_mistake(const stiff_method *method, const weft_linear *l)
+{
+    return l == NULL                              ? NULL
+           : !WEFT_HAS(l, weft_linear, max_order) ? "linear of another version"
+           : method->krylov == 0.0                ? "solves no linear systems"
+           : !(l->krylov >= 0.0 && l->krylov < 1.0)
+               ? "krylov must be > 0 and < 1, or 0 for the default"
+           : l->preconditioner > WEFT_PRECONDITIONER_MULTIGRID
+               ? "unknown preconditioner"
+           : l->jacobian > WEFT_JACOBIAN_STEP ? "computes one Jacobian in every step"
+           : l->max_order != 0                ? "has one order"
+                                              : NULL;
+}
+
+/* The fault of the numbers, or NULL. NaN fails every comparison. */
+static const char *mistake(const stiff_method *method, const weft_ode *ode,
+                           const weft_stepper_config *c)
+{
+    const bool fixed_only = (method->type.flags & WEFT_STEPPER_FIXED_ONLY) != 0;
+    if (c->struct_size < WEFT_STEPPER_CONFIG_LEAST) {
+        return "config of an older version";
+    }
+    return ode->rhs == NULL || weft_stepper_half(ode, c) == 0
+                   || ode->dim > SIZE_MAX / 64
+               ? "dim less the quadratures must be even and > 0"
+           : c->butcher != NULL ? "takes no Butcher table"
+           : c->fixed_step != 0.0
+               ? (positive(c->fixed_step)
+                      ? NULL
+                      : "fixed_step must be > 0 s, or 0 for adaptive steps")
+           : fixed_only ? "no error control: needs a fixed_step > 0 s"
+           : c->norm != WEFT_NORM_MAX && c->norm != WEFT_NORM_RMS ? "unknown norm"
+           : !(c->rtol >= 0.0 && isfinite(c->rtol))               ? "rtol must be >= 0"
+           : !positive(c->atol_position)   ? "atol_position must be > 0 m"
+           : !positive(c->atol_velocity)   ? "atol_velocity must be > 0 m/s"
+           : !positive(c->first_step)      ? "first_step must be > 0 s"
+           : !positive(c->min_step)        ? "min_step must be > 0 s"
+           : !(c->max_step >= c->min_step) ? "max_step must be >= min_step"
+                                           : NULL;
+}
+
+static const char *structure_mistake(const stiff_method *method, const weft_ode *ode,
+                                     const weft_stepper_config *config)
+{
+    const weft_structure *of = weft_stepper_structure(config);
+    return of == NULL || !WEFT_HAS(of, weft_structure, ctx)
+               ? "needs the structure of the cloth, which a simulation gives it"
+           : of->particles > SIZE_MAX / 64
+                   || 3 * of->particles != weft_stepper_half(ode, config)
+               ? "the structure is of another number of particles"
+           : method->krylov == 0.0 && weft__rkc2_refuses(of) ? WEFT__RKC2_ADVICE
+                                                             : NULL;
+}
+
+static weft_status check(const stiff_method *method, const weft_ode *ode,
+                         const weft_stepper_config *config, weft_error *err)
+{
+    const char *wrong = mistake(method, ode, config);
+    wrong = wrong != NULL ? wrong : linear_mistake(method, linear_of(config));
+    const char *lacks = wrong != NULL ? NULL : structure_mistake(method, ode, config);
+    return wrong != NULL
+               ? weft_error_set(err, WEFT_INVALID, "%s: %s", method->type.name, wrong)
+           : lacks != NULL ? weft_error_set(err, WEFT_UNSUPPORTED, "%s: %s",
+                                            method->type.name, lacks)
+                           : WEFT_OK;
+}
+
+static void settle(stiff_stepper *self, const weft_ode *ode,
+                   const weft_stepper_config *config)
+{
+    const weft_linear *linear = linear_of(config);
+    const bool fixed = config->fixed_step > 0.0;
+    self->ode = *ode;
+    self->structure = config->structure;
+    self->half = weft_stepper_half(ode, config);
+    self->norm = config->norm;
+    self->rtol = config->rtol;
+    self->atol[0] = config->atol_position;
+    self->atol[1] = config->atol_velocity;
+    self->fixed_step = config->fixed_step;
+    self->min_step = config->min_step;
+    self->max_step = config->max_step;
+    self->h = fixed
+                  ? config->fixed_step
+                  : fmin(fmax(config->first_step, config->min_step), config->max_step);
+    self->krylov = linear != NULL && linear->krylov > 0.0 ? linear->krylov
+                                                          : self->method->krylov;
+    self->preconditioner
+        = linear != NULL ? linear->preconditioner : WEFT_PRECONDITIONER_AUTO;
+}
+
+static void destroy(void *instance)
+{
+    stiff_stepper *self = instance;
+    if (self != NULL) {
+        const weft_allocator memory = self->memory;
+        weft__linear_destroy(self->linear);
+        (void)memory.resize(memory.ctx, self, 0);
+    }
+}
+
+static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
+                          const weft_stepper_config *config, void **out,
+                          weft_error *err)
+{
+    const stiff_method *method = (const stiff_method *)type;
+    *out = NULL;
+    weft_status status = check(method, ode, config, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    const weft_allocator memory = weft_stepper_memory(config);
+    const size_t arrays = ARRAYS * ode->dim * sizeof(double);
+    stiff_stepper *self = memory.resize(memory.ctx, NULL, sizeof *self + arrays);
+    if (self == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory", type->name);
+    }
+    *self = (stiff_stepper){ .method = method, .memory = memory };
+    settle(self, ode, config);
+    double *array = (double *)(self + 1);
+    double **const arrays_of[ARRAYS] = { &self->f,     &self->f_end,   &self->end,
+                                         &self->error, &self->work[0], &self->work[1] };
+    for (size_t i = 0; i < ARRAYS; ++i) {
+        *arrays_of[i] = array + i * ode->dim;
+    }
+    if (method->krylov > 0.0) {
+        status = weft__linear_create(self->structure, self->preconditioner, &memory,
+                                     &self->linear, err);
+    }
+    if (status != WEFT_OK) {
+        destroy(self);
+        return status;
+    }
+    *out = self;
+    return WEFT_OK;
+}
+
+/* ---- the other functions of the contract ----------------------------------------- */
+
+static void state_changed(void *instance)
+{
+    stiff_stepper *self = instance;
+    self->carries = self->fresh = false;
+}
+
+static void ode_changed(void *instance)
+{
+    stiff_stepper *self = instance;
+    self->carries = self->fresh = self->modes.known = false;
+}
+
+static void stats(const void *instance, weft_stepper_stats *out)
+{
+    const stiff_stepper *self = instance;
+    weft_stepper_stats all = self->stats;
+    all.struct_size = out->struct_size; /* an older caller's struct is shorter */
+    all.next_step = self->h;
+    if (self->linear != NULL) {
+        const weft__linear_counts counts = weft__linear_count(self->linear);
+        all.linear_iterations = counts.iterations;
+        all.factorisations = counts.refreshes;
+        all.newton_failures = counts.failures;
+    }
+    memcpy(out, &all, out->struct_size < sizeof all ? out->struct_size : sizeof all);
+}
+
+static void options(const void *instance, weft_option_fn *tell, void *ctx)
+{
+    static const char *const names[] = { "auto", "jacobi", "multigrid" };
+    const stiff_stepper *self = instance;
+    if (self->linear != NULL) {
+        char text[32];
+        (void)snprintf(text, sizeof text, "%.17g", self->krylov);
+        tell(ctx, "krylov", text);
+        tell(ctx, "preconditioner", names[self->preconditioner]);
+        tell(ctx, "jacobian", "step");
+    }
+}
+
+enum { FLAGS = WEFT_STEPPER_QUADRATURES | WEFT_STEPPER_STRUCTURE };
+
+#define METHOD(id, p, error_p, calls, more, residual, before, source)                  \
+    {                                                                                  \
+        .type = { .abi = WEFT_STEPPER_ABI,                                             \
+                  .struct_size = sizeof(weft_stepper_type),                            \
+                  .name = #id,                                                         \
+                  .reference = (source),                                               \
+                  .license = "BSD-3-Clause",                                           \
+                  .order = (p),                                                        \
+                  .error_order = (error_p),                                            \
+                  .stages = (calls),                                                   \
+                  .flags = FLAGS | (more),                                             \
+                  .create = create,                                                    \
+                  .step = weft__stiff_step,                                            \
+                  .state_changed = state_changed,                                      \
+                  .stats = stats,                                                      \
+                  .destroy = destroy,                                                  \
+                  .options = options,                                                  \
+                  .ode_changed = ode_changed },                                        \
+        .krylov = (residual), .prepare = (before), .attempt = weft__##id##_attempt     \
+    }
+
+static const stiff_method methods[] = {
+    METHOD(rkc2, 2, 2, 0, WEFT_STEPPER_FSAL, 0.0, weft__rkc2_prepare,
+           "B. P. Sommeijer, L. F. Shampine, J. G. Verwer, J. Comput. Appl. Math. 88, "
+           "1998"),
+    METHOD(ros2, 2, 1, 2, WEFT_STEPPER_IMPLICIT, 1e-2, NULL,
+           "J. G. Verwer, E. J. Spee, J. G. Blom, W. Hundsdorfer, SIAM J. Sci. Comput. "
+           "20, 1999"),
+    METHOD(backward_euler, 1, 0, 1, WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_FIXED_ONLY,
+           1e-3, NULL,
+           "D. Baraff, A. Witkin, SIGGRAPH 1998: one Newton step, for graphics"),
+};
+
+WEFT_API const weft_plugin *weft_plugin_stiff(void)
+{
+    static const weft_stepper_type *const types[]
+        = { &methods[0].type, &methods[1].type, &methods[2].type, NULL };
+    static const weft_plugin plugin = {
+        .abi = WEFT_STEPPER_ABI,
+        .struct_size = sizeof(weft_plugin),
+        .id = "stiff",
+        .version = WEFT_VERSION,
+        .solver = "",
+        .types = types,
+    };
+    return &plugin;
+}

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* stiff_plugin.h -- shared by the files of this plugin: methods for stiff and damped
+ * cloth, without a library. Reading order: stiff_plugin.c (the methods, one instance),
+ * stiff_step.c (one accepted step), rkc2.c and implicit.c (one attempt), arithmetic.c
+ * (loops over whole states), and plugins/linear, which solves the linear systems.
+ *
+ * All need weft_stepper_config.structure: how stiff and how damped the modes are, or
+ * the Jacobian. */
+#ifndef STIFF_PLUGIN_H
+#define STIFF_PLUGIN_H
+
+#include "../linear/linear.h"
+
+#include "weft/stepper.h"
+
+enum { ARRAYS = 6 }; /* of dim numbers each */
+
+/* What is known of the modes. */
+typedef struct stiff_modes {
+    bool known;
+    int age;       /* accepted steps since */
+    double radius; /* [1/s] no eigenvalue is larger */
+    double cap;    /* [s] no longer step is stable, whatever the stages */
+} stiff_modes;
+
+typedef struct stiff_stepper {
+    const struct stiff_method *method;
+    weft_ode ode;
+    const weft_structure *structure;
+    weft_allocator memory;
+    size_t half; /* of the positions; the velocities; then quadratures */
+    weft_norm norm;
+    double rtol, atol[2];                  /* of positions [m], of velocities [m/s] */
+    double fixed_step, min_step, max_step; /* [s] */
+    double h;                              /* [s] what to try next */
+    weft_stepper_stats stats;
+    stiff_modes modes;    /* of rkc2 */
+    weft__linear *linear; /* NULL: of rkc2 */
+    weft_preconditioner preconditioner;
+    double krylov;
+
+    bool carries; /* f is that of the t and y that the next attempt starts from */
+    bool fresh;   /* the Jacobian, too */
+    bool ends;    /* f_end is that of the result of the last attempt */
+    double *f, *f_end;
+    double *end;   /* result of an attempt: y keeps its value until it is accepted */
+    double *error; /* of an attempt with error control */
+    double *work[2];
+} stiff_stepper;
+
+/* The public record comes first: a pointer to it is a pointer to the method. */
+typedef struct stiff_method {
+    weft_stepper_type type;
+    double krylov; /* the default; 0: solves no linear systems */
+
+    /* Before a step from (t, y); *most becomes the longest h [s] that it may try. NULL:
+     * any. */
+    weft_status (*prepare)(stiff_stepper *self, double t, const double *y, double *most,
+                           weft_error *err);
+    /* Writes y(t + h) to self->end and, unless the step is fixed, its error. Returns
+     * what the RHS did, or > 0. */
+    int (*attempt)(stiff_stepper *self, double t, double h, const double *y);
+} stiff_method;
+
+int weft__stiff_rhs(stiff_stepper *self, double t, const double *y, double *f);
+
+/* stiff_step.c */
+weft_status weft__stiff_step(void *instance, double t_end, double *t, double *y,
+                             weft_error *err);
+
+/* rkc2.c; _refuses: whether no mode can have half of critical damping. */
+weft_status weft__rkc2_prepare(stiff_stepper *self, double t, const double *y,
+                               double *most, weft_error *err);
+int weft__rkc2_attempt(stiff_stepper *self, double t, double h, const double *y);
+bool weft__rkc2_refuses(const weft_structure *structure);
+#define WEFT__RKC2_ADVICE                                                              \
+    "all modes are damped too lightly (damping ratio < 0.5): use "                     \
+    "velocity_verlet or dormand_prince"
+
+/* implicit.c */
+int weft__ros2_attempt(stiff_stepper *self, double t, double h, const double *y);
+int weft__backward_euler_attempt(stiff_stepper *self, double t, double h,
+                                 const double *y);
+
+/* arithmetic.c: to = sum of c[k] x[k], k < count <= 5. */
+void weft__stiff_combine(size_t n, int count, const double *const *x, const double *c,
+                         double *to);
+/* Of e[i] / (rtol |y[i]| + atol) over two halves; NaN if e is not finite. */
+double weft__stiff_norm(const stiff_stepper *self, const double *e, const double *y);
+bool weft__stiff_finite(size_t n, const double *y);
+
+#endif
