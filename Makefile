@@ -62,6 +62,7 @@ mpi = $(shell pkg-config --$(1) mpi-c 2>/dev/null || mpicc --showme:$(2) 2>/dev/
 MPI_INC := $(if $(call has,arkode/arkode_erkstep.h),,$(patsubst -I%,-isystem %,$(call mpi,cflags,compile)))
 MPI_LIBS := $(if $(MPI_INC),$(call mpi,libs,link))
 HAVE_ARKODE := $(call has,arkode/arkode_erkstep.h)
+HAVE_CVODE := $(call has,cvode/cvode.h)
 # SUNDIALS 7 has a library more.
 HAVE_SUNDIALS_7 := $(call has,sundials/sundials_errors.h)
 
@@ -83,19 +84,23 @@ PROG_OBJ := $(RECORD_OBJ) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/cli/*.c src
 PROG_OBJ += $(BUILD)/src/base/suggest.o $(BUILD)/src/base/file.o
 LIB_LIBS := -lyaml -ldl -lm -pthread $(LDLIBS)
 
-PLUGINS := verlet stiff $(if $(HAVE_GSL),gsl) $(if $(HAVE_ARKODE),arkode)
+PLUGINS := verlet stiff $(if $(HAVE_GSL),gsl) $(if $(HAVE_ARKODE),arkode) $(if $(HAVE_CVODE),cvode)
 PLUGIN_SO := $(PLUGINS:%=$(BUILD)/plugins/weft-%.so)
 LIBS_gsl := -lgsl -lgslcblas -lm
 LIBS_verlet := -lm
 LIBS_stiff := -lm
+LIBS_sundials := -lsundials_nvecserial $(if $(HAVE_SUNDIALS_7),-lsundials_core) $(MPI_LIBS) -lm
+LIBS_arkode := -lsundials_arkode $(LIBS_sundials)
+LIBS_cvode := -lsundials_cvode $(LIBS_sundials)
 # Folders whose sources are also part of a plugin.
 PARTS_stiff := linear
-LIBS_arkode := -lsundials_arkode -lsundials_nvecserial $(if $(HAVE_SUNDIALS_7),-lsundials_core) $(MPI_LIBS) -lm
+PARTS_arkode := sundials linear
+PARTS_cvode := sundials linear
 
 # The suites, each of tests/test_NAME.c: `make check TESTS='cloth scene'`. Those that take longest
 # begin first, so that all processors end together.
 LONGEST := hostile surroundings record_ends compare cli_resume cli_batch interrupt checkpoint steppers \
-           record_damage quadratures arkode_vector libm
+           record_damage quadratures sundials_vector libm
 KERNEL_TESTS := kernel damping
 TESTS := $(LONGEST) $(filter-out $(LONGEST) $(if $(KERNELS),,$(KERNEL_TESTS)),$(patsubst tests/test_%.c,%,$(wildcard tests/test_*.c)))
 # Programs of their own, as they replace functions of libc: malloc and its like, and pow.
@@ -120,6 +125,7 @@ all: $(BUILD)/libweft.so $(BUILD)/libweft.a $(BUILD)/weft $(PLUGIN_SO) skipped
 skipped:
 	@$(if $(HAVE_GSL),:,echo "plugin gsl skipped: gsl/gsl_odeiv2.h not found (package libgsl-dev)")
 	@$(if $(HAVE_ARKODE),:,echo "plugin arkode skipped: arkode/arkode_erkstep.h not found (package libsundials-dev)")
+	@$(if $(HAVE_CVODE),:,echo "plugin cvode skipped: cvode/cvode.h not found (package libsundials-dev)")
 
 # ---- library and program ---------------------------------------------------------
 
@@ -176,11 +182,11 @@ endef
 $(foreach p,$(PLUGINS),$(eval $(call PLUGIN_RULE,$(p))))
 
 # Loops over whole states, which gcc does not vectorise at -O2.
-$(BUILD)/plugins/arkode/arkode_arithmetic.o $(BUILD)/plugins/gsl/gsl_control.o $(BUILD)/plugins/verlet/verlet.o \
+$(BUILD)/plugins/sundials/sundials_arithmetic.o $(BUILD)/plugins/gsl/gsl_control.o $(BUILD)/plugins/verlet/verlet.o \
 $(patsubst %.c,$(BUILD)/%.o,plugins/stiff/arithmetic.c $(wildcard plugins/linear/*.c)): OWN += $(if $(SAN),,-O3)
 
 # All that include SUNDIALS.
-$(BUILD)/plugins/arkode/%.o $(BUILD)/tests/test_arkode_vector.o $(BUILD)/bench/vectors.o: INCS += $(MPI_INC)
+$(BUILD)/plugins/arkode/%.o $(BUILD)/plugins/cvode/%.o $(BUILD)/plugins/sundials/%.o $(BUILD)/tests/test_sundials_vector.o $(BUILD)/bench/vectors.o: INCS += $(MPI_INC)
 
 $(BUILD)/plugins/%.o: plugins/%.c
 	@mkdir -p $(@D)
@@ -188,7 +194,7 @@ $(BUILD)/plugins/%.o: plugins/%.c
 
 # ---- tests and examples ----------------------------------------------------------
 
-TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_GSL),-DHAVE_GSL) $(if $(HAVE_ARKODE),-DHAVE_ARKODE)
+TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_GSL),-DHAVE_GSL) $(if $(HAVE_ARKODE),-DHAVE_ARKODE) $(if $(HAVE_CVODE),-DHAVE_CVODE)
 TEST_PLUGINS = $(sort $(foreach p,$(PLUGINS),$(PLUGIN_OBJ_$(p))))
 TEST_LIBS = -lcheck -lsubunit -lrt $(HDF5_LIBS) $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
 
@@ -373,7 +379,7 @@ coverage:
 
 # Races between threads: of a simulation, of simulations, and of the steppers alone.
 # Those of simulations in one process each: forks after threads are not for the sanitizer.
-TSAN_TESTS := threads embed steppers arkode_vector
+TSAN_TESTS := threads embed steppers sundials_vector
 TSAN_RUN := build/tsan/tests/run
 
 tsan:
@@ -381,7 +387,7 @@ tsan:
 	    TESTS='$(TSAN_TESTS)' PARTS=conformance $(TSAN_RUN)
 	CK_FORK=no $(TSAN_RUN) threads
 	CK_FORK=no CK_RUN_CASE=threads $(TSAN_RUN) embed
-	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads $(TSAN_RUN) arkode_vector steppers
+	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads $(TSAN_RUN) sundials_vector steppers
 
 # Sources read by clang-tidy and cppcheck; DEEP=1: also by gcc -fanalyzer, and clang-tidy follows calls.
 static:
@@ -435,7 +441,7 @@ valgrind: all
 	@tools/valgrind $(BUILD)
 
 # Tests of the steppers alone, with no more built than they need.
-STEPPER_TESTS := arkode arkode_vector controllers methods quadratures steppers verification
+STEPPER_TESTS := arkode sundials_vector controllers methods quadratures steppers verification
 check-steppers:
 	@$(MAKE) --no-print-directory TESTS='$(STEPPER_TESTS)' $(BUILD)/tests/run $(BUILD)/weft $(PLUGIN_SO) $(BROKEN)
 	@tools/run-tests $(BUILD) $(STEPPER_TESTS:%='run %')

@@ -41,7 +41,7 @@ static inline void start(trial_run *r, const weft_stepper_type *type,
     r->structure = weft__model_structure(&r->model);
     weft_stepper_config whole = test_config(type, *config);
     whole.quadratures = quadratures;
-    whole.structure = &r->structure;
+    whole.structure = weft__needs_structure(type) ? &r->structure : NULL;
     const weft_status status = type->create(type, &r->ode, &whole, &r->self, &r->err);
     ck_assert_msg(status == WEFT_OK, "%s", r->err.message);
 }

@@ -11,6 +11,7 @@ const weft_plugin *weft_plugin_verlet(void);
 const weft_plugin *weft_plugin_stiff(void);
 const weft_plugin *weft_plugin_gsl(void);
 const weft_plugin *weft_plugin_arkode(void);
+const weft_plugin *weft_plugin_cvode(void);
 
 const weft_plugin *test_plugin(size_t i)
 {
@@ -22,6 +23,9 @@ const weft_plugin *test_plugin(size_t i)
 #endif
 #ifdef HAVE_ARKODE
         weft_plugin_arkode,
+#endif
+#ifdef HAVE_CVODE
+        weft_plugin_cvode,
 #endif
     };
     return i < sizeof plugins / sizeof plugins[0] ? plugins[i]() : NULL;
@@ -99,6 +103,13 @@ weft_stepper_config test_config(const weft_stepper_type *type,
 {
     if ((type->flags & WEFT_STEPPER_BUTCHER) != 0 && config.butcher == NULL) {
         config.butcher = merson();
+    }
+    if ((type->flags & WEFT_STEPPER_ADAPTIVE_ONLY) != 0 && config.fixed_step > 0.0) {
+        config.first_step = config.max_step = config.fixed_step;
+        config.min_step = 1e-9 * config.fixed_step;
+        config.rtol = config.fixed_step = 0.0;
+        config.norm = WEFT_NORM_MAX;
+        config.atol_position = config.atol_velocity = 1e-6;
     }
     return config;
 }

@@ -15,6 +15,7 @@ WEFT_API const weft_plugin *weft_plugin_verlet(void);
 WEFT_API const weft_plugin *weft_plugin_stiff(void);
 /* Built where SUNDIALS is. */
 WEFT_API const weft_plugin *weft_plugin_arkode(void);
+WEFT_API const weft_plugin *weft_plugin_cvode(void);
 /* Built where GSL is; GPL-3.0-or-later. */
 WEFT_API const weft_plugin *weft_plugin_gsl(void);
 

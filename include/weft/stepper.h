@@ -272,9 +272,11 @@ enum {
     WEFT_STEPPER_QUADRATURES = 1 << 8, /* config->quadratures may be > 0 */
     /* 1 << 9 is reserved: plugins for earlier versions of weft may set it */
     WEFT_STEPPER_LIBM = 1 << 10, /* the solver decides by powers, sines, ... of libm,
-                              whose rounding differs between machines: no promise
-                              of the same bits on another machine */
-    WEFT_STEPPER_STRUCTURE = 1 << 11 /* needs config->structure */
+                                   whose rounding differs between machines: no promise
+                                   of the same bits on another machine */
+    WEFT_STEPPER_STRUCTURE = 1 << 11,    /* needs config->structure */
+    WEFT_STEPPER_ADAPTIVE_ONLY = 1 << 12 /* every step is the solver's choice: create
+                                            refuses fixed_step */
 };
 
 /* Whether a method with these flags solves linear systems of the cloth: config->linear

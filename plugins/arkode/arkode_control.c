@@ -217,8 +217,8 @@ static int law(N_Vector y, sunrealtype t, sunrealtype h, sunrealtype h1, sunreal
 
 static int set_law(arkode_stepper *self)
 {
-    return ERKStepSetAdaptivityFn(self->solver, law, self)
-           | ERKStepSetErrorBias(self->solver, self->control.bias);
+    return ARK(SetAdaptivityFn)(self->solver, law, self)
+           | ARK(SetErrorBias)(self->solver, self->control.bias);
 }
 #endif
 
@@ -242,16 +242,6 @@ int weft__ark_set_control(arkode_stepper *self)
 
 /* ---- the options in force -------------------------------------------------------- */
 
-static void tell_number(weft_option_fn *tell, void *ctx, const char *name, double value)
-{
-    char text[32];
-    int digits = 15; /* the fewest that are read back as the same number */
-    do {
-        (void)snprintf(text, sizeof text, "%.*g", digits, value);
-    } while (strtod(text, NULL) != value && ++digits <= 17);
-    tell(ctx, name, text);
-}
-
 void weft__ark_options(const void *instance, weft_option_fn *tell, void *ctx)
 {
     const arkode_stepper *self = instance;
@@ -260,20 +250,23 @@ void weft__ark_options(const void *instance, weft_option_fn *tell, void *ctx)
     if (table != NULL) {
         tell(ctx, "table", table);
     }
+    if (self->implicit) {
+        weft__ark_tell_newton(self, tell, ctx);
+    }
     if (self->fixed_step > 0.0) {
         return;
     }
     tell(ctx, "controller", names[c->type]);
     for (int i = 0; i < c->gain_count; ++i) {
         const char name[] = { 'k', (char)('1' + i), '\0' };
-        tell_number(tell, ctx, name, c->gains[i]);
+        weft__sun_tell(tell, ctx, name, c->gains[i]);
     }
-    tell_number(tell, ctx, "safety", c->safety);
-    tell_number(tell, ctx, "bias", c->bias);
-    tell_number(tell, ctx, "max_growth", c->max_growth);
-    tell_number(tell, ctx, "first_growth", c->first_growth);
-    tell_number(tell, ctx, "min_reduction", c->min_reduction);
-    tell_number(tell, ctx, "failed_growth", c->failed_growth);
-    tell_number(tell, ctx, "keep_above", keep_above);
-    tell_number(tell, ctx, "keep_below", keep_below);
+    weft__sun_tell(tell, ctx, "safety", c->safety);
+    weft__sun_tell(tell, ctx, "bias", c->bias);
+    weft__sun_tell(tell, ctx, "max_growth", c->max_growth);
+    weft__sun_tell(tell, ctx, "first_growth", c->first_growth);
+    weft__sun_tell(tell, ctx, "min_reduction", c->min_reduction);
+    weft__sun_tell(tell, ctx, "failed_growth", c->failed_growth);
+    weft__sun_tell(tell, ctx, "keep_above", keep_above);
+    weft__sun_tell(tell, ctx, "keep_below", keep_below);
 }

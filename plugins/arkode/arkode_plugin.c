@@ -13,13 +13,15 @@ WEFT_API const weft_plugin *weft_plugin_arkode(void);
 enum {
     FIXED = WEFT_STEPPER_FIXED_ONLY,
     FSAL = WEFT_STEPPER_FSAL,
-    CUSTOM = WEFT_STEPPER_BUTCHER
+    CUSTOM = WEFT_STEPPER_BUTCHER,
+    IMPLICIT = WEFT_STEPPER_IMPLICIT
 };
 
-/* Methods with an error estimate have a controller; all are explicit, and their
- * weighted norms can leave components out. */
+/* Methods with an error estimate have a controller. Weighted norms can leave
+ * quadratures out, but Newton's method would not know when these are accurate. */
 #define KIND(flags)                                                                    \
-    ((flags) | WEFT_STEPPER_QUADRATURES | ((flags)&FIXED ? 0 : WEFT_STEPPER_CONTROLLER))
+    ((flags) | ((flags)&IMPLICIT ? 0 : WEFT_STEPPER_QUADRATURES)                       \
+     | ((flags)&FIXED ? 0 : WEFT_STEPPER_CONTROLLER))
 
 /* X(name, ARKODE's name after ARKODE_, order, error order, RHS calls, flags, source).
  * FSAL tables have one stage more than RHS calls. */
@@ -94,6 +96,63 @@ enum {
 #define ARKODE_TABLES(X)                                                               \
     SINCE_6_4(X) SINCE_6_6(X) SINCE_6_7(X) SINCE_7_1(X) SINCE_7_3(X)
 
+#define KENNEDY_CARPENTER_2016                                                         \
+    "C. A. Kennedy, M. H. Carpenter, NASA/TM-2016-219173, 2016"
+#define KVAERNO "A. Kvaerno, BIT 44, 2004"
+
+/* X(name, ARKODE's name after ARKODE_, order, error order, flags, source): diagonally
+ * implicit. */
+#define DIRK_SINCE_6_4(X)                                                              \
+    X(sdirk212, SDIRK_2_1_2, 2, 1, 0,                                                  \
+      "D. R. Reynolds et al., ARKODE, ACM TOMS 49, 2023")                              \
+    X(billington, BILLINGTON_3_3_2, 2, 3, 0,                                           \
+      "S. R. Billington, MSc thesis, University of Manchester, 1983")                  \
+    X(trbdf2, TRBDF2_3_3_2, 2, 3, 0, "R. E. Bank et al., IEEE Trans. CAD 4, 1985")     \
+    X(kvaerno423, KVAERNO_4_2_3, 3, 2, 0, KVAERNO)                                     \
+    X(dirk324, ARK324L2SA_DIRK_4_2_3, 3, 2, 0, KENNEDY_CARPENTER)                      \
+    X(cash524, CASH_5_2_4, 4, 2, 0, "J. R. Cash, J. ACM 26, 1979")                     \
+    X(cash534, CASH_5_3_4, 4, 3, 0, "J. R. Cash, J. ACM 26, 1979")                     \
+    X(sdirk534, SDIRK_5_3_4, 4, 3, 0,                                                  \
+      "E. Hairer, G. Wanner, Solving ODEs II, Springer, 1991")                         \
+    X(kvaerno534, KVAERNO_5_3_4, 4, 3, 0, KVAERNO)                                     \
+    X(dirk436, ARK436L2SA_DIRK_6_3_4, 4, 3, 0, KENNEDY_CARPENTER)                      \
+    X(kvaerno745, KVAERNO_7_4_5, 5, 4, 0, KVAERNO)                                     \
+    X(dirk548, ARK548L2SA_DIRK_8_4_5, 5, 4, 0, KENNEDY_CARPENTER)                      \
+    X(dirk437, ARK437L2SA_DIRK_7_3_4, 4, 3, 0, KENNEDY_CARPENTER_2019)                 \
+    X(dirk548b, ARK548L2SAb_DIRK_8_4_5, 5, 4, 0, KENNEDY_CARPENTER_2019)               \
+    X(esdirk324, ESDIRK324L2SA_4_2_3, 3, 2, 0, KENNEDY_CARPENTER_2019)                 \
+    X(esdirk325, ESDIRK325L2SA_5_2_3, 3, 2, 0, KENNEDY_CARPENTER_2016)                 \
+    X(esdirk32i5, ESDIRK32I5L2SA_5_2_3, 3, 2, 0, KENNEDY_CARPENTER_2016)               \
+    X(esdirk436, ESDIRK436L2SA_6_3_4, 4, 3, 0, KENNEDY_CARPENTER_2016)                 \
+    X(esdirk43i6, ESDIRK43I6L2SA_6_3_4, 4, 3, 0, KENNEDY_CARPENTER_2016)               \
+    X(qesdirk436, QESDIRK436L2SA_6_3_4, 4, 3, 0, KENNEDY_CARPENTER_2016)               \
+    X(esdirk437, ESDIRK437L2SA_7_3_4, 4, 3, 0, KENNEDY_CARPENTER_2019)                 \
+    X(esdirk547, ESDIRK547L2SA_7_4_5, 5, 4, 0, KENNEDY_CARPENTER_2016)                 \
+    X(esdirk547_2, ESDIRK547L2SA2_7_4_5, 5, 4, 0, KENNEDY_CARPENTER_2019)
+
+#if SUNV >= 606
+#define DIRK_SINCE_6_6(X)                                                              \
+    X(dirk312, ARK2_DIRK_3_1_2, 2, 1, 0,                                               \
+      "F. X. Giraldo, J. F. Kelly, E. M. Constantinescu, SIAM J. Sci. Comput. 35, "    \
+      "2013")
+#else
+#define DIRK_SINCE_6_6(X)
+#endif
+
+#if SUNV >= 701
+#define DIRK_SINCE_7_1(X)                                                              \
+    X(backward_euler, BACKWARD_EULER_1_1, 1, 0, FIXED,                                 \
+      "L. Euler, Institutiones calculi integralis I, 1768")                            \
+    X(implicit_midpoint, IMPLICIT_MIDPOINT_1_2, 2, 0, FIXED,                           \
+      "J. C. Butcher, Math. Comput. 18, 1964")                                         \
+    X(implicit_trapezoidal, IMPLICIT_TRAPEZOIDAL_2_2, 2, 0, FIXED,                     \
+      "J. Crank, P. Nicolson, Proc. Camb. Phil. Soc. 43, 1947")
+#else
+#define DIRK_SINCE_7_1(X)
+#endif
+
+#define DIRK_TABLES(X) DIRK_SINCE_6_4(X) DIRK_SINCE_6_6(X) DIRK_SINCE_7_1(X)
+
 /* X(name, our table, order, RHS calls, flags, source) */
 #define OUR_TABLES(X)                                                                  \
     X(euler, &weft__ark_euler, 1, 1, FIXED,                                            \
@@ -118,19 +177,25 @@ enum {
 #define ARKODE_METHOD(label, full, p, q, calls, kind, source)                          \
     static const ark_method method_##label                                             \
         = { TYPE(label, "ARKODE_" #full, p, q, calls, kind, source), ARKODE_##full,    \
-            NULL };
+            ARKODE_DIRK_NONE, NULL };
+#define IMPLICIT_METHOD(label, full, p, q, kind, source)                               \
+    static const ark_method method_##label                                             \
+        = { TYPE(label, "ARKODE_" #full, p, q, 0, (kind) | IMPLICIT, source),          \
+            ARKODE_ERK_NONE, ARKODE_##full, NULL };
 #define OUR_METHOD(label, from, p, calls, kind, source)                                \
     static const ark_method method_##label                                             \
-        = { TYPE(label, NULL, p, 0, calls, kind, source), ARKODE_ERK_NONE, from };
+        = { TYPE(label, NULL, p, 0, calls, kind, source), ARKODE_ERK_NONE,             \
+            ARKODE_DIRK_NONE, from };
 
 ARKODE_TABLES(ARKODE_METHOD)
+DIRK_TABLES(IMPLICIT_METHOD)
 OUR_TABLES(OUR_METHOD)
 
 WEFT_API const weft_plugin *weft_plugin_arkode(void)
 {
 #define ADDRESS(label, ...) &method_##label.type,
     static const weft_stepper_type *const types[]
-        = { ARKODE_TABLES(ADDRESS) OUR_TABLES(ADDRESS) NULL };
+        = { ARKODE_TABLES(ADDRESS) DIRK_TABLES(ADDRESS) OUR_TABLES(ADDRESS) NULL };
     static const weft_plugin plugin = {
         .abi = WEFT_STEPPER_ABI,
         .struct_size = sizeof(weft_plugin),

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* arkode_plugin.h -- shared by the files of this plugin. Reading order: plugin.c (the
  * methods), tables.c and order.c (coefficients and what they must meet), create.c (one
- * instance), control.c (how h is adapted), step.c (one accepted step), vector.c
- * and arithmetic.c (the operations on vectors).
+ * instance), control.c (how h is adapted), implicit.c (equations of stages), step.c
+ * (one accepted step); then ../sundials (the vectors and the linear systems).
  *
- * ERKStep, the explicit Runge-Kutta module of SUNDIALS' ARKODE, is driven whole: it
- * combines the stages, estimates the error, accepts, rejects and chooses h. SUNDIALS
- * 6.4 to 7.x; what differs between them is in this file and in `version_settings`. */
+ * The Runge-Kutta modules of SUNDIALS' ARKODE, ERKStep for explicit tables and ARKStep
+ * for implicit ones, are driven whole: they combine the stages, estimate the error,
+ * accept, reject and choose h. SUNDIALS 6.4 to 7.x; what differs between them is in
+ * this file and in `version_settings`. */
 #ifndef ARKODE_PLUGIN_H
 #define ARKODE_PLUGIN_H
 
-#include "weft/elementary.h"
-#include "weft/stepper.h"
+#include "../sundials/sundials_equations.h"
 
 #if defined(__GNUC__) /* headers of others do not meet our warnings */
 #pragma GCC diagnostic push
@@ -19,16 +19,10 @@
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wstrict-prototypes"
 #endif
+#include <arkode/arkode_arkstep.h>
+#include <arkode/arkode_butcher_dirk.h>
 #include <arkode/arkode_butcher_erk.h>
 #include <arkode/arkode_erkstep.h>
-#include <nvector/nvector_serial.h>
-#include <sundials/sundials_config.h>
-
-#define SUNV (SUNDIALS_VERSION_MAJOR * 100 + SUNDIALS_VERSION_MINOR)
-
-#if SUNV >= 700
-#include <sundials/sundials_core.h>
-#endif
 #if SUNV >= 607
 #include <sundials/sundials_adaptcontroller.h>
 #endif
@@ -36,23 +30,10 @@
 #pragma GCC diagnostic pop
 #endif
 
-#if SUNV < 604
-#error "this plugin needs SUNDIALS 6.4 or later"
-#endif
-#ifndef SUNDIALS_DOUBLE_PRECISION
-#error "this plugin needs SUNDIALS with realtype double"
-#endif
-
-#if SUNV >= 700
-#define NO_COMM SUN_COMM_NULL
-#else
-#define NO_COMM NULL
-#endif
-
 #if SUNV >= 701 /* functions that were of each module became ARKODE's own */
 #define ARK(name) ARKode##name
 #else
-#define ARK(name) ERKStep##name
+#define ARK(name) (self->implicit ? ARKStep##name : ERKStep##name)
 #endif
 
 /* A method: the public record first, so that a pointer to the one is a pointer to the
@@ -60,6 +41,7 @@
 typedef struct ark_method {
     weft_stepper_type type;
     ARKODE_ERKTableID id;      /* ARKODE_ERK_NONE: not one of ARKODE's */
+    ARKODE_DIRKTableID dirk;   /* of an implicit method, instead */
     const weft_butcher *table; /* NULL: not one of ours */
 } ark_method;
 
@@ -78,17 +60,20 @@ typedef struct arkode_stepper {
     double fixed_step, min_step, max_step; /* [s] */
     weft_controller control;               /* complete */
     int stages;                            /* of the table */
+    bool implicit;
     bool fsal;    /* the last stage of the table is the first of the next step */
     bool hidden;  /* a stage that is not finite need not show in the step */
     double h;     /* [s] what to try next */
     bool own_h;   /* h is ours: ARKODE would try another */
     bool restart; /* ARKODE's y or f is not what the next step starts from */
     weft_stepper_stats stats;
-    long failed_tests; /* rejections that ARKODE has counted so far */
+    long failed_tests; /* rejections that ARKODE has counted so far, */
+    long unsolved;     /* and steps whose equations were not solved */
 
     SUNContext context;
     N_Vector y; /* ours; ARKODE writes to it also when it fails */
     void *solver;
+    sun_equations equations; /* of an implicit method */
 #if SUNV >= 607
     SUNAdaptController controller;
     ark_past past; /* as that controller knows it */
@@ -114,6 +99,14 @@ weft_controller weft__ark_control(const weft_controller *asked);
 int weft__ark_set_control(arkode_stepper *self);
 void weft__ark_options(const void *instance, weft_option_fn *tell, void *ctx);
 
+/* implicit.c: for implicit methods, before the solver is made and after; the steps that
+ * ARKODE could not solve. */
+weft_status weft__ark_equations(arkode_stepper *self, const weft_stepper_config *config,
+                                weft_error *err);
+bool weft__ark_set_newton(arkode_stepper *self);
+long weft__ark_unsolved(const arkode_stepper *self);
+void weft__ark_tell_newton(const arkode_stepper *self, weft_option_fn *tell, void *ctx);
+
 /* step.c */
 int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance);
 int weft__ark_weights(N_Vector y, N_Vector weights, void *instance);
@@ -134,24 +127,9 @@ extern const weft_butcher weft__ark_euler, weft__ark_midpoint, weft__ark_heun,
 
 /* order.c: whether the weights have the order; if not, *what is the first condition
  * that fails. Orders above WEFT__ARK_ORDER_CHECKED are checked up to that. */
-#define WEFT__ARK_MAX_STAGES    256
+#define WEFT__ARK_MAX_STAGES    (WEFT__SUN_MOST_TERMS - 1)
 #define WEFT__ARK_ORDER_CHECKED 5
 bool weft__ark_has_order(const weft_butcher *table, const double *weights, int order,
                          const char **what, double *is, double *wanted);
-
-/* vector.c: n zeros, whose clones inherit the team and the norm. Operations on long
- * ones are shared with the team, which may be NULL, with the same results. NULL: no
- * memory. What NV_DATA_S points to may be shared: it is for reading. */
-N_Vector weft__ark_vector(size_t n, const weft_team *team, SUNContext context);
-/* ARKODE judges steps and tolerances by the first `judged` components. Before
- * that, and with fixed steps, it finds nothing wrong. */
-void weft__ark_judge_by(N_Vector v, weft_norm by, size_t judged);
-/* Where its numbers may be written, all of them unless it was filled before. */
-double *weft__ark_fill(N_Vector v);
-void weft__ark_read(N_Vector v, double *to);
-void weft__ark_write(N_Vector v, const double *from);
-bool weft__ark_finite(N_Vector v);
-/* The weights 1 / (rtol |y_i| + atol) of what is judged, in two halves. */
-void weft__ark_weigh(N_Vector y, N_Vector weights, double rtol, const double atol[2]);
 
 #endif

@@ -34,22 +34,23 @@ int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance)
         return 0;
     }
     self->starting = false;
+    weft__sun_iterate(&self->equations, t, y);
     self->since_bad += self->since_bad < INT32_MAX;
     int failed = 1;
-    if (weft__ark_finite(y)) {
+    if (weft__sun_finite(y)) {
         ++self->stats.rhs_calls;
-        failed = self->ode.rhs(t, NV_DATA_S(y), weft__ark_fill(ydot), self->ode.ctx);
+        failed = self->ode.rhs(t, NV_DATA_S(y), weft__sun_fill(ydot), self->ode.ctx);
     }
     if (failed < 0) {
         self->stopped = true;
         return -1;
     }
     const bool look = starting || self->hidden;
-    if (failed == 0 && (!look || weft__ark_finite(ydot))) {
+    if (failed == 0 && (!look || weft__sun_finite(ydot))) {
         return 0;
     }
     self->since_bad = 0;
-    weft__ark_fill(ydot)[0] = NAN;
+    weft__sun_fill(ydot)[0] = NAN;
     return self->fixed_step > 0.0 || starting ? -1 : 0; /* a smaller h helps no start */
 }
 
@@ -57,8 +58,8 @@ int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance)
 int weft__ark_weights(N_Vector y, N_Vector weights, void *instance)
 {
     const arkode_stepper *self = instance;
-    if (self->fixed_step == 0.0) {
-        weft__ark_weigh(y, weights, self->rtol, self->atol);
+    if (self->fixed_step == 0.0 || self->implicit) {
+        weft__sun_weigh(y, weights, self->rtol, self->atol);
     }
     return 0;
 }
@@ -87,14 +88,15 @@ static double fit(const arkode_stepper *self, double rest)
 static int give_state(arkode_stepper *self, double t, const double *y)
 {
     if (self->restart) { /* else it is what Evolve left there */
-        weft__ark_write(self->y, y);
+        weft__sun_write(self->y, y);
     }
     self->starting = true;
     if (self->stats.steps > 0) {
         return ARK(Reset)(self->solver, t, self->y);
     }
-    self->failed_tests = 0;
-    return ERKStepReInit(self->solver, weft__ark_rhs, t, self->y);
+    self->failed_tests = self->unsolved = 0;
+    return self->implicit ? ARKStepReInit(self->solver, NULL, weft__ark_rhs, t, self->y)
+                          : ERKStepReInit(self->solver, weft__ark_rhs, t, self->y);
 }
 
 /* Makes ARKODE start from (t, y), by h. */
@@ -142,7 +144,12 @@ static int evolve(arkode_stepper *self, double t, const double *y, double h,
     (void)ARK(GetNumErrTestFails)(self->solver, &failed);
     self->stats.rejected += (uint64_t)(failed - self->failed_tests);
     self->failed_tests = failed;
-    self->stats.rejected += flag < 0 && flag != ARK_ERR_FAILURE;
+    const long unsolved = weft__ark_unsolved(self);
+    self->stats.rejected += (uint64_t)(unsolved - self->unsolved);
+    self->stats.newton_failures += (uint64_t)(unsolved - self->unsolved);
+    self->unsolved = unsolved;
+    self->stats.rejected
+        += flag < 0 && flag != ARK_ERR_FAILURE && flag != ARK_CONV_FAILURE;
     return flag;
 }
 
@@ -155,7 +162,7 @@ static bool was_finite(arkode_stepper *self, int flag)
     }
     return flag != ARK_ERR_FAILURE
            || ARK(GetEstLocalErrors)(self->solver, self->y) != ARK_SUCCESS
-           || weft__ark_finite(self->y);
+           || weft__sun_finite(self->y);
 }
 
 static weft_status fail(arkode_stepper *self, int flag, weft_error *err)
@@ -174,6 +181,12 @@ static weft_status fail(arkode_stepper *self, int flag, weft_error *err)
         return weft_error_set(err, WEFT_STEP_TOO_SMALL,
                               "%s: even a step of %.3g s is not accurate enough", name,
                               self->min_step);
+    case ARK_CONV_FAILURE:
+        return weft_error_set(
+            err, self->fixed_step > 0.0 ? WEFT_SOLVER : WEFT_STEP_TOO_SMALL,
+            "%s: its equations have no solution that ARKODE could find with a step of "
+            "%.3g s",
+            name, self->fixed_step > 0.0 ? self->fixed_step : self->min_step);
     case ARK_TOO_MUCH_ACC:
         return weft_error_set(err, WEFT_STEP_TOO_SMALL,
                               "%s: the tolerances are below roundoff", name);
@@ -214,7 +227,7 @@ static void accept(arkode_stepper *self, double tried, double rest, double reach
 {
     const double before = *t;
     const bool at_end = reached - before >= rest * (1.0 - 1e-12) || reached >= t_end;
-    weft__ark_read(self->y, y);
+    weft__sun_read(self->y, y);
     *t = at_end ? t_end : reached;
     self->restart = *t != reached;
     ++self->stats.steps;
@@ -254,7 +267,7 @@ weft_status weft__ark_step(void *instance, double t_end, double *t, double *y,
             (void)ARK(GetLastStep)(self->solver, &h);
             return stands_still(self, h, *t, err);
         }
-        if (weft__ark_finite(self->y)) {
+        if (weft__sun_finite(self->y)) {
             accept(self, h, rest, reached, t_end, t, y);
             return WEFT_OK;
         }
@@ -277,8 +290,6 @@ void weft__ark_stats(const void *instance, weft_stepper_stats *out)
 {
     const arkode_stepper *self = instance;
     weft_stepper_stats stats = self->stats;
-    stats.struct_size = out->struct_size; /* an older caller's struct is shorter */
-    stats.next_step = self->h;
-    memcpy(out, &stats,
-           out->struct_size < sizeof stats ? out->struct_size : sizeof stats);
+    weft__sun_count_equations(&self->equations, &stats);
+    weft__sun_stats(&stats, self->h, out);
 }

@@ -170,7 +170,9 @@ weft_status weft__ark_table(const ark_method *method, const weft_butcher *custom
     }
     *out = wanted                  ? build(custom)
            : method->table != NULL ? build(method->table)
-                                   : ARKodeButcherTable_LoadERK(method->id);
+           : (method->type.flags & WEFT_STEPPER_IMPLICIT) != 0
+               ? ARKodeButcherTable_LoadDIRK(method->dirk)
+               : ARKodeButcherTable_LoadERK(method->id);
     return *out != NULL ? WEFT_OK
                         : weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory", name);
 }

@@ -22,6 +22,7 @@ static const flag_name flag_names[] = {
     { WEFT_STEPPER_QUADRATURES, "quadratures", true },
     { WEFT_STEPPER_STRUCTURE, "structure", true },
     { WEFT_STEPPER_LIBM, "libm", false },
+    { WEFT_STEPPER_ADAPTIVE_ONLY, "adaptive", false },
 };
 
 #define FLAG_NAMES (sizeof flag_names / sizeof flag_names[0])

@@ -6,7 +6,8 @@
 const char *weft__order_not_measured(const weft_stepper_type *type)
 {
     const int claimed = weft__order_claimed(type);
-    return claimed < 1                  ? "the order varies"
+    return !weft__takes_fixed(type)     ? "the method takes no fixed steps"
+           : claimed < 1                ? "the order varies"
            : claimed > WEFT__ORDER_MOST ? "an order that high is not measured"
                                         : NULL;
 }
@@ -37,12 +38,17 @@ static result at_4_s(trial *self, weft_norm norm, double tolerance)
     return (result){ weft__error_at_end(r), weft__stats(self, r).steps };
 }
 
-/* The error at the end is not the error of a step: a factor remains between them. */
+/* The error at the end is not the error of a step: a factor remains between them. It is
+ * about the number of steps, which is large for low orders, where the estimate is of
+ * the solution that is continued: of multistep methods, and by one of a higher order.
+ */
 void weft__the_error_follows_the_tolerance(trial *self)
 {
     const int order = self->type->order;
     const double low = order == 1 ? 1e-5 : order == 2 ? 1e-7 : 1e-9;
-    const double most = order == 1 ? 2000.0 : 150.0;
+    const bool its_own = (self->type->flags & WEFT_STEPPER_MULTISTEP) != 0
+                         || self->type->error_order > order;
+    const double most = order == 1 || (order == 2 && its_own) ? 2000.0 : 150.0;
     for (int norm = WEFT_NORM_MAX; norm <= WEFT_NORM_RMS; ++norm) {
         const double fine_most = (norm == WEFT_NORM_MAX ? 1.0 : 2.0) * most * low;
         const result rough = at_4_s(self, (weft_norm)norm, 1e-3);

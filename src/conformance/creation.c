@@ -52,7 +52,8 @@ static void refuses_one(trial *self, size_t dim, const weft_stepper_config *conf
     weft_stepper_config whole = *config;
     void *instance = &m;
     weft_error err = { 0 };
-    whole.structure = with_structure ? &structure : NULL;
+    whole.structure
+        = with_structure && weft__needs_structure(self->type) ? &structure : NULL;
     config = &whole;
     weft_status status = self->type->create(self->type, &ode, config, &instance, &err);
     if (status == WEFT_OK) {
@@ -102,12 +103,16 @@ void weft__mistakes_are_refused(trial *self)
         bad = weft__adaptive(1e-6);
         refuses(self, DIM, &bad, "fixed_step 0 of a method without error control");
     }
+    if (!weft__takes_fixed(self->type)) {
+        bad = weft__fixed(1e-3);
+        refuses(self, DIM, &bad, "fixed_step of a method that takes none");
+    }
     bad = good;
     bad.struct_size = 8;
     refuses(self, DIM, &bad, "a config of 8 bytes");
     refuses(self, 0, &good, "dim 0");
     refuses(self, 5, &good, "dim 5");
-    if ((self->type->flags & WEFT_STEPPER_STRUCTURE) != 0) {
+    if (weft__needs_structure(self->type)) {
         refuses_one(self, DIM, &good, false, "no structure");
     }
     if ((self->type->flags & WEFT_STEPPER_BUTCHER) == 0) {
@@ -130,7 +135,7 @@ void weft__other_versions_are_served(trial *self)
         unsigned char more[64];
     } newer = { .config = weft__with_table(self->type, weft__usual(self->type, 0)) };
     memset(newer.more, 0xA7, sizeof newer.more);
-    const bool needs = (self->type->flags & WEFT_STEPPER_STRUCTURE) != 0;
+    const bool needs = weft__needs_structure(self->type);
     const uint32_t sizes[]
         = { sizeof newer, sizeof newer.config,
             needs ? offsetof(weft_stepper_config, linear) : WEFT_STEPPER_CONFIG_LEAST };
@@ -138,7 +143,7 @@ void weft__other_versions_are_served(trial *self)
         trial_run *r = weft__begin(self, i, newer.config);
         self->type->destroy(r->self);
         newer.config.struct_size = sizes[i];
-        newer.config.structure = &r->structure;
+        newer.config.structure = needs ? &r->structure : NULL;
         r->self = NULL;
         const weft_status status
             = self->type->create(self->type, &r->ode, &newer.config, &r->self, &r->err);

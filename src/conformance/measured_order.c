@@ -161,7 +161,8 @@ static weft_status errors_with(const weft_stepper_type *type, forest *f, int ste
         = { .struct_size = sizeof config,
             .fixed_step = 1.0 / steps,
             .butcher = (type->flags & WEFT_STEPPER_BUTCHER) != 0 ? merson() : NULL,
-            .structure = &structure };
+            .structure
+            = (type->flags & WEFT_STEPPER_STRUCTURE) != 0 ? &structure : NULL };
     weft_status status = type->create(type, &ode, &config, &self, err);
     while (status == WEFT_OK && t < 1.0) {
         status = type->step(self, 1.0, &t, y, err);

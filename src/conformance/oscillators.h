@@ -43,7 +43,8 @@ extern const double weft__model_start[DIM];
 /* ctx is the model. */
 int weft__model_rhs(double t, const double *y, double *dydt, void *ctx);
 
-/* The structure of its equations, which says that no mode is stiff. */
+/* The structure of its equations, which says that no mode is stiff: for methods that
+ * need one, and bear any matrix. Newton's method wants the right one, or none. */
 weft_structure weft__model_structure(model *of);
 
 void weft__baton_drop(baton *self);
@@ -77,10 +78,22 @@ static inline bool weft__adapts(const weft_stepper_type *type)
     return (type->flags & WEFT_STEPPER_FIXED_ONLY) == 0;
 }
 
-/* Mode 0: adaptive if the method can; mode 1: fixed steps. */
+static inline bool weft__needs_structure(const weft_stepper_type *type)
+{
+    return (type->flags & WEFT_STEPPER_STRUCTURE) != 0;
+}
+
+static inline bool weft__takes_fixed(const weft_stepper_type *type)
+{
+    return (type->flags & WEFT_STEPPER_ADAPTIVE_ONLY) == 0;
+}
+
+/* Mode 0: adaptive if the method can; mode 1: fixed steps if it takes them. */
 static inline weft_stepper_config weft__usual(const weft_stepper_type *type, int mode)
 {
-    return mode == 0 && weft__adapts(type) ? weft__adaptive(1e-6) : weft__fixed(1e-3);
+    return (mode == 0 && weft__adapts(type)) || !weft__takes_fixed(type)
+               ? weft__adaptive(1e-6)
+               : weft__fixed(1e-3);
 }
 
 /* The error allowed at 1 s with weft__usual. */

@@ -2,9 +2,14 @@
 /* trial.c -- the table of all checks, and the functions that they share. */
 #include "conformance/trial.h"
 
+static const char *no_fixed_steps(const weft_stepper_type *type)
+{
+    return weft__takes_fixed(type) ? NULL : "the method takes no fixed steps";
+}
+
 static const char *no_stages(const weft_stepper_type *type)
 {
-    return type->stages > 0 ? NULL : "the number of stages varies";
+    return type->stages == 0 ? "the number of stages varies" : no_fixed_steps(type);
 }
 
 static const char *no_error_control(const weft_stepper_type *type)
@@ -28,13 +33,13 @@ static const struct check {
     { "versions", "a config of an older or newer program is read up to its size",
       .run = weft__other_versions_are_served, .once = true },
     { "fixed", "fixed steps have the requested length and ignore tolerances",
-      .run = weft__fixed_steps_ignore_tolerances },
+      .run = weft__fixed_steps_ignore_tolerances, .pointless = no_fixed_steps },
     { "exact end", "a step never goes past t_end, meets it bit for bit, and counts",
       .run = weft__every_end_is_met, .modes = true },
     { "landing", "a single step lands on t_end bit for bit, wherever it began",
-      .run = weft__a_single_step_lands_exactly },
+      .run = weft__a_single_step_lands_exactly, .pointless = no_fixed_steps },
     { "slivers", "fixed steps that fit leave no sliver of a step before t_end",
-      .run = weft__steps_that_fit_leave_no_sliver },
+      .run = weft__steps_that_fit_leave_no_sliver, .pointless = no_fixed_steps },
     { "stages", "a step calls the rhs as often as the table says",
       .run = weft__stages_are_the_rhs_calls, .pointless = no_stages },
     { "step sizes", "first_step and max_step are respected",
@@ -126,7 +131,7 @@ weft_conformance weft_conformance_check(const weft_stepper_type *type, size_t i)
         return out;
     }
     const bool apart = !c->once && (type->flags & WEFT_STEPPER_QUADRATURES) != 0;
-    const int modes = c->modes && weft__adapts(type) ? 2 : 1;
+    const int modes = c->modes && weft__adapts(type) && weft__takes_fixed(type) ? 2 : 1;
     for (int k = 0; k < modes * (1 + apart) && out.verdict == WEFT_PROMISE_KEPT; ++k) {
         trial self = {
             .type = type, .mode = k % modes, .apart = k < modes ? 0 : APART, .out = &out
@@ -170,7 +175,7 @@ trial_run *weft__begin(trial *self, int slot, weft_stepper_config config)
                          .ctx = &r->model };
     r->structure = weft__model_structure(&r->model);
     memcpy(r->y, weft__model_start, sizeof weft__model_start);
-    config.structure = &r->structure;
+    config.structure = weft__needs_structure(self->type) ? &r->structure : NULL;
     r->config = config;
     config = weft__with_table(self->type, config);
     config.quadratures = self->apart;

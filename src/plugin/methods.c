@@ -108,7 +108,7 @@ const weft_stepper_type *weft_plugin_method(const weft_plugin *plugin, const cha
 /* ---- of a registry ----------------------------------------------------------- */
 
 const char *const weft__shipped[WEFT__SHIPPED + 1]
-    = { "gsl", "arkode", "verlet", "stiff", NULL };
+    = { "gsl", "arkode", "cvode", "verlet", "stiff", NULL };
 
 const char *weft__plugin_guess(const char *id, char *out, size_t size)
 {

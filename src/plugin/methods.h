@@ -19,7 +19,7 @@ const weft_stepper_type *weft__method_named(const weft_plugin *plugin, const cha
 enum { WEFT__DENSE_MOST = 36 };
 
 /* The ids of weft's own plugins, NULL at their end. */
-enum { WEFT__SHIPPED = 4 };
+enum { WEFT__SHIPPED = 5 };
 extern const char *const weft__shipped[WEFT__SHIPPED + 1];
 
 /* " (did you mean 'gsl'?)" for an id that is near one of weft's own plugins; else "".

@@ -12,6 +12,7 @@
 /* Keys of error control. */
 static const char *const adaptive_keys[]
     = { "rtol", "atol", "norm", "first_step", "min_step", "max_step", "controller" };
+static const char *const fixed_step[] = { "fixed_step" };
 enum { ADAPTIVE = sizeof adaptive_keys / sizeof adaptive_keys[0] };
 
 typedef struct resolver {
@@ -160,6 +161,9 @@ static void check_use(resolver *self, uint32_t flags)
     } else if ((flags & WEFT_STEPPER_CONTROLLER) == 0) {
         refuse_unused(self, controller, 1, "has its own");
     }
+    if ((flags & WEFT_STEPPER_ADAPTIVE_ONLY) != 0) {
+        refuse_unused(self, fixed_step, 1, "chooses every step itself");
+    }
     if ((flags & WEFT_STEPPER_BUTCHER) == 0) {
         refuse_unused(self, butcher, 1, "takes no table; arkode/custom does");
     }
@@ -190,7 +194,6 @@ static void check_exclusive(const resolver *self)
 /* Fixed steps exclude the keys of adaptive ones: the latest choice holds. */
 static void choose_steps(resolver *self)
 {
-    static const char *const fixed_step[] = { "fixed_step" };
     const setting fixed = find(self, fixed_step[0]);
     setting last = { .key = NULL };
     for (size_t i = 0; i < ADAPTIVE; ++i) {

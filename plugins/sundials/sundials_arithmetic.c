@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* arkode_arithmetic.c -- the loops of vector.c over plain arrays. Debian compiles those
- * of SUNDIALS at -O0.
+/* sundials_arithmetic.c -- the loops of vector.c over plain arrays. Debian compiles
+ * those of SUNDIALS at -O0.
  *
  * Every component is computed by the same operations in the same order on any set of
  * instructions, and a sum is taken over slices that depend on the length alone and are
  * added up in order: the same bits everywhere, on any number of threads. */
-#include "arkode_arithmetic.h"
+#include "sundials_arithmetic.h"
 
 #include <math.h>
 #include <string.h>
@@ -170,7 +170,7 @@ static double combine_slice(const loop *self, size_t first, size_t end)
     return bad ? (double)NAN : 0.0;
 }
 
-bool weft__ark_combine(const weft_team *team, size_t n, int count,
+bool weft__sun_combine(const weft_team *team, size_t n, int count,
                        const double *const *x, const double *c, double *z)
 {
     loop all
@@ -186,7 +186,7 @@ WIDE static double set_slice(const loop *self, size_t first, size_t end)
     return 0.0;
 }
 
-void weft__ark_set(const weft_team *team, size_t n, double c, double *z)
+void weft__sun_set(const weft_team *team, size_t n, double c, double *z)
 {
     loop all = { .slice = set_slice, .n = n, .c = &c, .z = z };
     (void)run(&all, team);
@@ -202,7 +202,7 @@ WIDE static double finite_slice(const loop *self, size_t first, size_t end)
     return bad >> 63 != 0 ? (double)NAN : 0.0;
 }
 
-bool weft__ark_all_finite(const weft_team *team, size_t n, const double *x)
+bool weft__sun_all_finite(const weft_team *team, size_t n, const double *x)
 {
     loop all = { .slice = finite_slice, .n = n, .x = &x };
     return !isnan(largest(all.results, run(&all, team)));
@@ -228,7 +228,7 @@ static double weights_slice(const loop *self, size_t first, size_t end)
     return 0.0;
 }
 
-void weft__ark_weights_of(const weft_team *team, size_t n, const double *y, double rtol,
+void weft__sun_weights_of(const weft_team *team, size_t n, const double *y, double rtol,
                           const double atol[2], double *w)
 {
     const double c[] = { rtol, atol[0], atol[1] };
@@ -277,7 +277,7 @@ WIDE static double squares_slice(const loop *self, size_t first, size_t end)
     return sum_of(lane, LANES);
 }
 
-double weft__ark_norm(const weft_team *team, size_t n, weft_norm norm, const double *e,
+double weft__sun_norm(const weft_team *team, size_t n, weft_norm norm, const double *e,
                       const double *w)
 {
     const double *both[] = { e, w };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* test_arkode_vector.c -- the vector of plugins/arkode: each operation against a plain
- * loop at many lengths, and the same bits on any number of threads. */
+/* test_sundials_vector.c -- the vector of plugins/sundials: each operation against a
+ * plain loop at many lengths, and the same bits on any number of threads. */
 #include "support.h"
 
 #include <math.h>
@@ -45,11 +45,11 @@ static void begin(setting *s, size_t n, size_t threads)
     s->lent = (weft_team){ s->team, weft__team_run };
     ck_assert((s->team != NULL) == (threads > 1));
     ck_assert_int_eq(SUNContext_Create(NO_COMM, &s->context), 0);
-    s->v[0] = weft__ark_vector(n, s->team == NULL ? NULL : &s->lent, s->context);
+    s->v[0] = weft__sun_vector(n, s->team == NULL ? NULL : &s->lent, s->context);
     for (uint64_t k = 0; k <= MOST; ++k) {
         s->v[k] = k == 0 ? s->v[0] : N_VClone(s->v[0]);
         ck_assert_ptr_nonnull(s->v[k]);
-        double *x = weft__ark_fill(s->v[k]);
+        double *x = weft__sun_fill(s->v[k]);
         ck_assert_uint_eq((uintptr_t)x % 64, 0);
         ck_assert_uint_eq((size_t)NV_LENGTH_S(s->v[k]), n);
         size_t set = 0;
@@ -103,7 +103,7 @@ START_TEST(combinations_are_sums_from_left_to_right)
                 wrong += NV_DATA_S(s.v[MOST])[i] != plain_sum(&s, count, c, i);
             }
             ck_assert_uint_eq(wrong, 0);
-            ck_assert(weft__ark_finite(s.v[MOST]));
+            ck_assert(weft__sun_finite(s.v[MOST]));
         }
         end(&s);
     }
@@ -140,10 +140,10 @@ START_TEST(what_has_no_weight_is_not_looked_at)
     setting s;
     begin(&s, 21929, 2);
     N_VConst((double)NAN, s.v[1]);
-    ck_assert(!weft__ark_finite(s.v[1]));
+    ck_assert(!weft__sun_finite(s.v[1]));
     sunrealtype c[] = { 2.0, 0.0, 1.0 }, none[] = { 0.0, 0.0 };
     ck_assert_int_eq(N_VLinearCombination(3, c, s.v, s.v[3]), 0);
-    ck_assert(weft__ark_finite(s.v[3]) && weft__ark_finite(s.v[3]));
+    ck_assert(weft__sun_finite(s.v[3]) && weft__sun_finite(s.v[3]));
     ck_assert_int_eq(N_VLinearCombination(2, none, s.v, s.v[3]), 0);
     ck_assert(NV_DATA_S(s.v[3])[0] == 0.0 && NV_DATA_S(s.v[3])[s.n - 1] == 0.0);
     end(&s);
@@ -160,8 +160,8 @@ START_TEST(the_simple_operations_are_plain_loops)
         const double *a = NV_DATA_S(s.v[2]), *b = NV_DATA_S(s.v[3]);
         N_VScale(-0.7, s.v[0], s.v[2]);
         N_VLinearSum(0.3, s.v[0], -1.9, s.v[1], s.v[3]);
-        weft__ark_write(s.v[6], x);
-        weft__ark_read(s.v[1], weft__ark_fill(s.v[7]));
+        weft__sun_write(s.v[6], x);
+        weft__sun_read(s.v[1], weft__sun_fill(s.v[7]));
         N_VConst(1.5, s.v[5]);
         size_t wrong = 0;
         for (size_t i = 0; i < s.n; ++i) {
@@ -190,9 +190,9 @@ START_TEST(norms_are_those_of_a_plain_loop)
             sum += e * e;
         }
         ck_assert(N_VWrmsNorm(s.v[0], s.v[1]) == 0.0); /* nothing is judged */
-        weft__ark_judge_by(s.v[0], WEFT_NORM_MAX, s.n);
+        weft__sun_judge_by(s.v[0], WEFT_NORM_MAX, s.n);
         ck_assert(N_VWrmsNorm(s.v[0], s.v[1]) == most);
-        weft__ark_judge_by(s.v[0], WEFT_NORM_RMS, s.n);
+        weft__sun_judge_by(s.v[0], WEFT_NORM_RMS, s.n);
         const double rms = N_VWrmsNorm(s.v[0], s.v[1]);
         if (s.n > 0) {
             ck_assert_double_eq_tol(rms, sqrt(sum / (double)s.n), 1e-13 * rms);
@@ -217,20 +217,20 @@ START_TEST(one_bad_number_anywhere_is_seen)
             }
             for (int j = 0; j < 4; ++j) {
                 const double kept = NV_DATA_S(s.v[0])[places[j]];
-                weft__ark_fill(s.v[0])[places[j]] = bad[kind];
-                ck_assert(!weft__ark_finite(s.v[0]));
+                weft__sun_fill(s.v[0])[places[j]] = bad[kind];
+                ck_assert(!weft__sun_finite(s.v[0]));
                 for (int count = 1; count < MOST; count += 4) {
                     N_VLinearCombination(count, c, s.v, s.v[MOST]);
-                    ck_assert(!weft__ark_finite(s.v[MOST]));
+                    ck_assert(!weft__sun_finite(s.v[MOST]));
                 }
                 for (int norm = 0; norm < 2; ++norm) {
-                    weft__ark_judge_by(s.v[0], norm ? WEFT_NORM_RMS : WEFT_NORM_MAX,
+                    weft__sun_judge_by(s.v[0], norm ? WEFT_NORM_RMS : WEFT_NORM_MAX,
                                        s.n);
                     const double got = N_VWrmsNorm(s.v[0], s.v[1]);
                     ck_assert(kind == 2 ? isinf(got) : isnan(got));
                 }
-                weft__ark_fill(s.v[0])[places[j]] = kept;
-                ck_assert(weft__ark_finite(s.v[0]));
+                weft__sun_fill(s.v[0])[places[j]] = kept;
+                ck_assert(weft__sun_finite(s.v[0]));
             }
             end(&s);
         }
@@ -255,13 +255,13 @@ START_TEST(what_is_not_judged_has_no_say_in_the_norm)
                 most = fmax(most, fabs(size));
                 sum += size * size;
             }
-            weft__ark_judge_by(s.v[1], rms ? WEFT_NORM_RMS : WEFT_NORM_MAX, 2 * half);
-            weft__ark_weigh(s.v[0], s.v[2], 1e-3, atol);
+            weft__sun_judge_by(s.v[1], rms ? WEFT_NORM_RMS : WEFT_NORM_MAX, 2 * half);
+            weft__sun_weigh(s.v[0], s.v[2], 1e-3, atol);
             const double norm = N_VWrmsNorm(s.v[1], s.v[2]);
             const double wanted = rms ? sqrt(sum / (2.0 * (double)half)) : most;
             ck_assert(fabs(norm - wanted) <= (rms ? 1e-13 * wanted : 0.0));
             if (2 * half < s.n) {
-                weft__ark_fill(s.v[1])[s.n - 1] = (double)NAN;
+                weft__sun_fill(s.v[1])[s.n - 1] = (double)NAN;
                 ck_assert(isnan(N_VWrmsNorm(s.v[1], s.v[2])));
             }
             end(&s);
@@ -302,10 +302,10 @@ START_TEST(a_combination_asked_for_again_is_never_stale)
                   == 0.5 * NV_DATA_S(s.v[0])[7] + c[1] * NV_DATA_S(s.v[1])[7]);
         switch (round) {
         case 0:
-            weft__ark_fill(s.v[1])[7] = 5.0;
+            weft__sun_fill(s.v[1])[7] = 5.0;
             break;
         case 1:
-            weft__ark_fill(z)[7] = 5.0;
+            weft__sun_fill(z)[7] = 5.0;
             break;
         case 2:
             c[1] = 3.0;
@@ -363,7 +363,7 @@ START_TEST(extreme_numbers_are_finite)
     for (int j = 0; j < 4; ++j) {
         N_VConst(extremes[j], s.v[0]);
         N_VScale(1.0, s.v[0], s.v[1]);
-        ck_assert(weft__ark_finite(s.v[0]) && weft__ark_finite(s.v[1]));
+        ck_assert(weft__sun_finite(s.v[0]) && weft__sun_finite(s.v[1]));
         ck_assert(NV_DATA_S(s.v[1])[999] == extremes[j]);
     }
     end(&s);
@@ -467,9 +467,9 @@ END_TEST
 
 #endif
 
-TEST_SUITE(arkode_vector)
+TEST_SUITE(sundials_vector)
 {
-    Suite *suite = suite_create("arkode vector");
+    Suite *suite = suite_create("sundials vector");
 #ifdef HAVE_ARKODE
     TCase *tcase = tcase_create("vector");
     tcase_set_timeout(tcase, 240.0);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* arkode_vector.c -- SUNDIALS' serial vector with memory of our own and the operations
- * of an explicit step replaced (arithmetic.c). Functions that read vectors see a serial
- * one.
+/* sundials_vector.c -- SUNDIALS' serial vector with memory of our own and the
+ * operations of a step replaced (arithmetic.c). Functions that read vectors see a
+ * serial one.
  *
  * A step of ERKStep moves more than it computes. Two things are avoided:
  * - copies: vectors share an array until one of them is written to. This saves 8 to 13
@@ -12,14 +12,14 @@
  *
  * There are as many arrays as vectors. A free one is taken by the next vector that
  * needs one of its own, so arrays that no step needs are never touched. */
-#include "arkode_arithmetic.h"
+#include "sundials_arithmetic.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum {
-    TERMS = WEFT__ARK_MAX_STAGES + 1,
+    TERMS = WEFT__SUN_MOST_TERMS,
     LINE = 64, /* bytes of a cache line */
 };
 
@@ -109,35 +109,35 @@ static void set_finite(array *a, bool finite)
     a->finite = finite;
 }
 
-double *weft__ark_fill(N_Vector v)
+double *weft__sun_fill(N_Vector v)
 {
     return make_writable(of(v), false)->data;
 }
 
-bool weft__ark_finite(N_Vector v)
+bool weft__sun_finite(N_Vector v)
 {
     const family *all = of(v)->family;
     array *a = of(v)->array;
     if (!a->known) {
-        set_finite(a, weft__ark_all_finite(all->team, all->n, a->data));
+        set_finite(a, weft__sun_all_finite(all->team, all->n, a->data));
     }
     return a->finite;
 }
 
-void weft__ark_read(N_Vector v, double *to)
+void weft__sun_read(N_Vector v, double *to)
 {
     const family *all = of(v)->family;
     array *a = of(v)->array;
     const double *from = a->data, one = 1.0;
-    set_finite(a, weft__ark_combine(all->team, all->n, 1, &from, &one, to));
+    set_finite(a, weft__sun_combine(all->team, all->n, 1, &from, &one, to));
 }
 
-void weft__ark_write(N_Vector v, const double *from)
+void weft__sun_write(N_Vector v, const double *from)
 {
     const family *all = of(v)->family;
     array *a = make_writable(of(v), false);
     const double one = 1.0;
-    set_finite(a, weft__ark_combine(all->team, all->n, 1, &from, &one, a->data));
+    set_finite(a, weft__sun_combine(all->team, all->n, 1, &from, &one, a->data));
 }
 
 /* ---- operations ------------------------------------------------------------------ */
@@ -146,7 +146,7 @@ static void set_all(sunrealtype c, N_Vector z)
 {
     const family *all = of(z)->family;
     array *a = make_writable(of(z), false);
-    weft__ark_set(all->team, all->n, c, a->data);
+    weft__sun_set(all->team, all->n, c, a->data);
     set_finite(a, isfinite(c));
 }
 
@@ -163,7 +163,7 @@ static void combine(content *z, const double *const from[], const recipe *wanted
 {
     family *all = z->family;
     array *a = all->made = make_writable(z, false);
-    set_finite(a, weft__ark_combine(all->team, all->n, (int)wanted->terms, from,
+    set_finite(a, weft__sun_combine(all->team, all->n, (int)wanted->terms, from,
                                     wanted->factors, a->data));
     all->last = 1 - all->last;
     all->made_was = a->written;
@@ -214,11 +214,17 @@ static void linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_V
     (void)linear_combination(2, c, both, z);
 }
 
-/* ARKODE demands these; an explicit step does not use them. */
+/* These are rare in a step. */
 static void absolute(N_Vector x, N_Vector z)
 {
     (void)make_writable(of(z), true);
     N_VAbs_Serial(x, z);
+}
+
+static void multiply(N_Vector x, N_Vector y, N_Vector z)
+{
+    (void)make_writable(of(z), true);
+    N_VProd_Serial(x, y, z);
 }
 
 static void divide(N_Vector x, N_Vector y, N_Vector z)
@@ -241,11 +247,11 @@ static void invert(N_Vector x, N_Vector z)
 
 /* ---- norms ----------------------------------------------------------------------- */
 
-void weft__ark_weigh(N_Vector y, N_Vector weights, double rtol, const double atol[2])
+void weft__sun_weigh(N_Vector y, N_Vector weights, double rtol, const double atol[2])
 {
     const family *all = of(y)->family;
-    weft__ark_weights_of(all->team, all->judged, NV_DATA_S(y), rtol, atol,
-                         weft__ark_fill(weights));
+    weft__sun_weights_of(all->team, all->judged, NV_DATA_S(y), rtol, atol,
+                         weft__sun_fill(weights));
 }
 
 /* Components that are not judged have no say, but NaN in them shows. */
@@ -257,7 +263,7 @@ static sunrealtype norm(N_Vector x, N_Vector weights)
     for (size_t i = all->judged; i < all->n; ++i) {
         unjudged += e[i] * 0.0;
     }
-    return weft__ark_norm(all->team, all->judged, all->norm, e, NV_DATA_S(weights))
+    return weft__sun_norm(all->team, all->judged, all->norm, e, NV_DATA_S(weights))
            + unjudged;
 }
 
@@ -269,7 +275,7 @@ static sunrealtype no_norm(N_Vector x, N_Vector weights)
     return 0.0;
 }
 
-void weft__ark_judge_by(N_Vector v, weft_norm by, size_t judged)
+void weft__sun_judge_by(N_Vector v, weft_norm by, size_t judged)
 {
     of(v)->family->norm = by;
     of(v)->family->judged = judged;
@@ -362,19 +368,19 @@ static void set_operations(N_Vector v)
     v->ops->nvlinearcombination = linear_combination;
     v->ops->nvconst = set_all;
     v->ops->nvabs = absolute;
+    v->ops->nvprod = multiply;
     v->ops->nvdiv = divide;
     v->ops->nvinv = invert;
     v->ops->nvaddconst = add_constant;
     v->ops->nvwrmsnorm = no_norm;
-    v->ops->nvprod = NULL; /* these would write to shared arrays */
-    v->ops->nvcompare = NULL;
+    v->ops->nvcompare = NULL; /* these would write to shared arrays */
     v->ops->nvinvtest = NULL;
     v->ops->nvconstrmask = NULL;
     v->ops->nvsetarraypointer = NULL;
     v->ops->nvcloneempty = NULL;
 }
 
-N_Vector weft__ark_vector(size_t n, const weft_team *team, SUNContext context)
+N_Vector weft__sun_vector(size_t n, const weft_team *team, SUNContext context)
 {
     N_Vector serial = N_VNewEmpty_Serial((sunindextype)n, context);
     N_Vector v = serial == NULL ? NULL : N_VNewEmpty(context);

@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* cvode_create.c -- one instance: checks its arguments, then sets what must not be
+ * CVODE's default. */
+#include "cvode_plugin.h"
+
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpedantic"
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wstrict-prototypes"
+#endif
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+
+#include <math.h>
+
+/* To which part the residual of a linear system is reduced: fewer iterations of
+ * Newton's method, which a smaller one would bring, are not worth those of the system.
+ */
+#define RESIDUAL 0.1
+
+/* What Newton's method may leave, as part of the error of a step: CVODE's default. At 1
+ * steps become some 16 times as many. */
+#define CONVERGENCE 0.1
+
+/* Until min_step. */
+enum { MOST_FAILURES = 1000 };
+
+static const weft_linear *linear_of(const weft_stepper_config *config)
+{
+    return WEFT_HAS(config, weft_stepper_config, linear) ? config->linear : NULL;
+}
+
+/* The fault of the config, or NULL. */
+static const char *mistake(const cvode_method *method, const weft_ode *ode,
+                           const weft_stepper_config *config)
+{
+    const char *wrong = weft__sun_mistake(&method->type, ode, config);
+    const weft_linear *linear = wrong == NULL ? linear_of(config) : NULL;
+    return wrong != NULL             ? wrong
+           : config->butcher != NULL ? "takes no Butcher table"
+           : linear == NULL          ? NULL
+           : linear->max_order < 0 || linear->max_order > method->top_order
+               ? method->formulas == CV_BDF ? "max_order must be 1 to 5"
+                                            : "max_order must be 1 to 12"
+               : weft__sun_linear_mistake(config);
+}
+
+static cvode_stepper *allocate(const cvode_method *method, const weft_ode *ode,
+                               const weft_stepper_config *c)
+{
+    const weft_allocator memory = weft_stepper_memory(c);
+    const weft_linear *linear = linear_of(c);
+    cvode_stepper *self = memory.resize(memory.ctx, NULL, sizeof *self);
+    if (self != NULL) {
+        *self
+            = (cvode_stepper){ .method = method,
+                               .ode = *ode,
+                               .memory = memory,
+                               .rtol = c->rtol,
+                               .atol = { c->atol_position, c->atol_velocity },
+                               .min_step = c->min_step,
+                               .max_step = c->max_step,
+                               .max_order = linear != NULL && linear->max_order > 0
+                                                ? linear->max_order
+                                                : method->usual_order,
+                               .h = fmin(fmax(c->first_step, c->min_step), c->max_step),
+                               .restart = true };
+    }
+    return self;
+}
+
+/* Newton's method with the cloth's Jacobian, fresh in each step: with CVODE's defaults
+ * most steps fail to converge. */
+static int set_newton(cvode_stepper *self)
+{
+    void *s = self->solver;
+    sun_equations *of = &self->equations;
+    int bad = CVodeSetLinearSolver(s, of->solver, of->matrix);
+    bad |= CVodeSetLSetupFrequency(s, 1);
+    bad |= CVodeSetNonlinConvCoef(s, CONVERGENCE);
+    if (bad == 0 && of->linear != NULL) {
+        bad |= CVodeSetLinSysFn(s, weft__cvode_system);
+        bad |= CVodeSetJacEvalFrequency(s, 1);
+        bad |= CVodeSetLinearSolutionScaling(s,
+                                             0); /* the matrix has the present gamma */
+    } else if (bad == 0) {
+        bad |= CVodeSetLSNormFactor(s, 1.0); /* the 2-norm is not below the largest */
+    }
+    return bad;
+}
+
+static int settings(cvode_stepper *self)
+{
+    void *s = self->solver;
+    int bad = CVodeSetUserData(s, self);
+    bad |= CVodeWFtolerances(s, weft__cvode_weights);
+    bad |= CVodeSetMaxNumSteps(s, -1);
+    bad |= CVodeSetMaxHnilWarns(s, -1);
+    bad |= CVodeSetMaxErrTestFails(s, MOST_FAILURES);
+    bad |= CVodeSetMaxConvFails(s, MOST_FAILURES);
+    bad |= isinf(self->max_step) ? 0 : CVodeSetMaxStep(s, self->max_step);
+    if (self->iteration != NULL) {
+        return bad | CVodeSetNonlinearSolver(s, self->iteration);
+    }
+    return bad | set_newton(self);
+}
+
+/* The vectors: CVODE's history, its others, those of its iteration, ours. */
+static int vectors(const cvode_stepper *self, const weft_stepper_config *config)
+{
+    return self->max_order + 12
+           + (self->method->formulas == CV_BDF
+                  ? weft__sun_equations_vectors(self->ode.dim, config)
+                  : 0);
+}
+
+static weft_status make_solver(cvode_stepper *self, const weft_stepper_config *config,
+                               weft_error *err)
+{
+    const weft_team *team
+        = WEFT_HAS(config, weft_stepper_config, team) ? config->team : NULL;
+    weft_status status = WEFT_OK;
+    self->context = weft__sun_context();
+    self->y = self->context == NULL
+                  ? NULL
+                  : weft__sun_vector(self->ode.dim, team, self->context);
+    if (self->y == NULL) {
+        return WEFT_NO_MEMORY;
+    }
+    weft__sun_judge_by(self->y, config->norm, self->ode.dim);
+    if (self->method->formulas == CV_ADAMS) {
+        self->iteration = SUNNonlinSol_FixedPoint(self->y, 0, self->context);
+        status = self->iteration != NULL ? WEFT_OK : WEFT_NO_MEMORY;
+    } else {
+        status = weft__sun_equations_create(&self->equations, self->y, RESIDUAL, config,
+                                            err);
+    }
+    self->solver
+        = status != WEFT_OK ? NULL : CVodeCreate(self->method->formulas, self->context);
+    if (self->solver == NULL) {
+        return WEFT_NO_MEMORY;
+    }
+    self->equations.current_gamma = CVodeGetCurrentGamma;
+    self->equations.owner = self->solver;
+#if SUNV < 700
+    (void)CVodeSetErrHandlerFn(self->solver, weft__sun_silent, NULL);
+#endif
+    const bool made
+        = CVodeSetMaxOrd(self->solver, self->max_order) == CV_SUCCESS /* before Init */
+          && CVodeInit(self->solver, weft__cvode_rhs, 0.0, self->y) == CV_SUCCESS
+          && settings(self) == 0;
+    return made ? WEFT_OK : WEFT_NO_MEMORY;
+}
+
+weft_status weft__cvode_create(const weft_stepper_type *type, const weft_ode *ode,
+                               const weft_stepper_config *config, void **out,
+                               weft_error *err)
+{
+    const cvode_method *method = (const cvode_method *)type;
+    *out = NULL;
+    const char *wrong = mistake(method, ode, config);
+    if (wrong != NULL) {
+        return weft_error_set(err, WEFT_INVALID, "%s: %s", type->name, wrong);
+    }
+    cvode_stepper *self = allocate(method, ode, config);
+    weft_status status = self == NULL ? WEFT_NO_MEMORY : WEFT_OK;
+    if (status == WEFT_OK) {
+        status = weft__sun_memory(type->name, ode->dim, vectors(self, config), err);
+        status = status == WEFT_OK ? make_solver(self, config, err) : status;
+    }
+    if (status != WEFT_OK) {
+        weft__cvode_destroy(self);
+        return weft_error_set(err, status, "%s: no memory for CVODE", type->name);
+    }
+    *out = self;
+    return WEFT_OK;
+}
+
+void weft__cvode_destroy(void *instance)
+{
+    cvode_stepper *self = instance;
+    if (self == NULL) {
+        return;
+    }
+    if (self->solver != NULL) {
+        CVodeFree(&self->solver);
+    }
+    if (self->iteration != NULL) {
+        (void)SUNNonlinSolFree(self->iteration);
+    }
+    weft__sun_equations_destroy(&self->equations);
+    if (self->y != NULL) {
+        N_VDestroy(self->y);
+    }
+    if (self->context != NULL) {
+        (void)SUNContext_Free(&self->context);
+    }
+    (void)self->memory.resize(self->memory.ctx, self, 0);
+}
+
+void weft__cvode_options(const void *instance, weft_option_fn *tell, void *ctx)
+{
+    const cvode_stepper *self = instance;
+    const bool bdf = self->method->formulas == CV_BDF;
+    weft__sun_tell(tell, ctx, "max_order", self->max_order);
+    tell(ctx, "nonlinear_solver", bdf ? "newton" : "fixed_point");
+    if (bdf) {
+        weft__sun_tell(tell, ctx, "convergence", CONVERGENCE);
+        weft__sun_tell_equations(&self->equations, tell, ctx);
+    }
+}
