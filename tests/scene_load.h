@@ -21,7 +21,7 @@ static inline const weft_plugin *fake_plugin(size_t i)
     static const weft_stepper_type cash_karp
         = { .name = "cash_karp", .flags = WEFT_STEPPER_CONTROLLER };
     static const weft_stepper_type ros2
-        = { .name = "ros2", .flags = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_STRUCTURE };
+        = { .name = "ros2", .flags = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_LINEAR };
     static const weft_stepper_type *const stiff_types[] = { &ros2, NULL };
     static const weft_stepper_type *const gsl_types[] = { &rk4, &rkf45, &rk8pd, NULL };
     static const weft_stepper_type *const verlet_types[] = { &verlet, NULL };

@@ -86,7 +86,7 @@ static void options(const void *self, weft_option_fn *tell, void *ctx)
     {                                                                                  \
         .abi = WEFT_STEPPER_ABI, .struct_size = sizeof(weft_stepper_type),             \
         .name = (id), .reference = "", .license = "BSD-3-Clause", .order = (p),        \
-        .flags = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_STRUCTURE, .create = create,     \
+        .flags = WEFT_STEPPER_LINEAR | WEFT_STEPPER_STRUCTURE, .create = create,       \
         .step = step, .state_changed = state_changed, .stats = stats, .destroy = free, \
         .options = options                                                             \
     }

@@ -274,18 +274,12 @@ enum {
     WEFT_STEPPER_LIBM = 1 << 10, /* the solver decides by powers, sines, ... of libm,
                                    whose rounding differs between machines: no promise
                                    of the same bits on another machine */
-    WEFT_STEPPER_STRUCTURE = 1 << 11,    /* needs config->structure */
-    WEFT_STEPPER_ADAPTIVE_ONLY = 1 << 12 /* every step is the solver's choice: create
-                                            refuses fixed_step */
+    WEFT_STEPPER_STRUCTURE = 1 << 11,     /* needs config->structure */
+    WEFT_STEPPER_ADAPTIVE_ONLY = 1 << 12, /* every step is the solver's choice: create
+                                             refuses fixed_step */
+    WEFT_STEPPER_LINEAR = 1 << 13 /* takes config->linear, and reports as options
+                                     which of its members it uses */
 };
-
-/* Whether a method with these flags solves linear systems of the cloth: config->linear
- * is for it. */
-static inline bool weft_stepper_solves(uint32_t flags)
-{
-    const uint32_t both = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_STRUCTURE;
-    return (flags & both) == both;
-}
 
 /* An option in force, as text: "safety", "0.96". */
 typedef void weft_option_fn(void *ctx, const char *name, const char *value);

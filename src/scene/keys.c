@@ -433,8 +433,9 @@ static const weft__key stepper_keys[] = {
                  "estimate" },
     { "solver", WEFT__MAPPING, .section = &solver_section, .absent = "the method's",
       AT(weft_scene, solver),
-      .meaning = "linear systems of the implicit methods of plugins stiff and cvode; "
-                 "a key that the method does not use is a mistake" },
+      .meaning
+      = "linear systems of the implicit methods of plugins stiff, cvode and arkode; "
+        "a key that the method does not use is a mistake" },
     { "butcher", WEFT__MAPPING, .section = &butcher_section, .absent = "none",
       AT(weft_scene, tableau),
       .meaning = "an explicit Runge-Kutta table, for method custom of plugin "

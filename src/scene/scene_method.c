@@ -167,7 +167,7 @@ static void check_use(resolver *self, uint32_t flags)
     if ((flags & WEFT_STEPPER_BUTCHER) == 0) {
         refuse_unused(self, butcher, 1, "takes no table; arkode/custom does");
     }
-    if (!weft_stepper_solves(flags)) {
+    if ((flags & WEFT_STEPPER_LINEAR) == 0) {
         refuse_unused(self, solver, 1, "has no linear solver to set");
     }
 }

@@ -68,7 +68,7 @@ uint64_t weft__settings_hash(const weft_sim_def *def, const weft_stepper_config 
             hash = hash_controller(hash, config->controller);
         }
     }
-    if (weft_stepper_solves(flags) && config->linear != NULL) {
+    if ((flags & WEFT_STEPPER_LINEAR) != 0 && config->linear != NULL) {
         hash = hash_linear(hash, config->linear);
     }
     if ((flags & WEFT_STEPPER_BUTCHER) != 0) {

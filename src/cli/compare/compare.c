@@ -26,6 +26,11 @@ bool compare_is_implicit(const compare_method *method)
     return (method->by.type->flags & WEFT_STEPPER_IMPLICIT) != 0;
 }
 
+bool compare_is_stiff(const weft_stepper_type *type)
+{
+    return (type->flags & (WEFT_STEPPER_STRUCTURE | WEFT_STEPPER_LINEAR)) != 0;
+}
+
 const compare_point *compare_as_is(const compare *self)
 {
     return self->shared->methods[self->count].points;

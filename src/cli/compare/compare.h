@@ -32,8 +32,8 @@ enum {
 #define COMPARE_PARTED   1e-4  /* [m] the same limit between the two references */
 #define COMPARE_NEAR     10.0  /* times the error of the reference: not judged */
 #define COMPARE_WORK     3e8 /* RHS calls times particles, of all runs but references */
-/* Tolerance of velocities [m/s] by that of positions [m], of methods with a
- * structure: with 1, the velocities of stiff modes set their steps. */
+/* Tolerance of velocities [m/s] by that of positions [m], of methods for stiff cloth:
+ * with 1, the velocities of stiff modes set their steps. */
 #define COMPARE_VELOCITY 100.0
 
 typedef enum compare_outcome {
@@ -110,6 +110,8 @@ const compare_point *compare_as_is(const compare *self);
 double compare_decade(size_t k); /* 10^-k */
 /* Whether a method solves linear systems, so that its RHS calls are not its cost. */
 bool compare_is_implicit(const compare_method *method);
+/* Whether its tolerance of velocities is COMPARE_VELOCITY times that of positions. */
+bool compare_is_stiff(const weft_stepper_type *type);
 
 /* ---- compare_run.c: in a process of their own ------------------------------- */
 

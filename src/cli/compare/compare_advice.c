@@ -130,7 +130,7 @@ static void add_cost(const compare_cost *cost, sentence *out)
     say(out, "%s %s %s %.1e%s", method->by.plugin->id, method->by.type->name,
         method->step > 0.0 ? "in steps of" : "at tolerance", cost->setting,
         method->step > 0.0 ? " s" : "");
-    if ((method->by.type->flags & WEFT_STEPPER_STRUCTURE) != 0) {
+    if (compare_is_stiff(method->by.type)) {
         say(out, " m and %.1e m/s", COMPARE_VELOCITY * cost->setting);
     }
     say(out, ", %s, %.0f evaluations", human_time(cost->time, time), cost->calls);

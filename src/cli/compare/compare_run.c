@@ -33,7 +33,7 @@ static weft_stepper_config adaptive(const compare *self, const stepper_method *b
     weft_stepper_config config = weft_stepper_config_default();
     config.norm = own->norm;
     config.rtol = config.atol_position = config.atol_velocity = tolerance;
-    if ((by->type->flags & WEFT_STEPPER_STRUCTURE) != 0) {
+    if (compare_is_stiff(by->type)) {
         config.atol_velocity *= COMPARE_VELOCITY;
     }
     config.threads = own->threads;
