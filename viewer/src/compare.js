@@ -245,6 +245,7 @@ function fillWords() {
     ].map((text) => element('span', 'fact', text)));
     $('horizon').textContent = `The scene is ${page.horizon}.`;
     $('reference').textContent = `The reference: ${page.reference}.`;
+    $('stiffness').textContent = page.stiffness && `The ${page.stiffness}.`;
     $('as-is').textContent = `${page.asIs}.`;
     $('ranks').append(...page.ranks.map((rank) => {
         const method = page.methods[rank.best];

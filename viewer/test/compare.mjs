@@ -51,6 +51,7 @@ test('the diagram loads without an error, a warning or a request', async () => {
     assert.match(await page.title(), /^<\/script><script>alert\(1\)<\/script>: which stepper\? - weft$/);
     assert.match(await page.textContent('#summary'), /7 × 7 particles/);
     assert.match(await page.textContent('#horizon'), /predictable to t = .* displaced by 1e-10 m/);
+    assert.match(await page.textContent('#stiffness'), /The stiffest mode: omega .* damping ratio/);
     assert.match(await page.textContent('#choices'), /show all methods/);
     assert.match(await page.textContent('#as-is'), /as the scene is \(gsl rkf45\): error .* in .*s, .* evaluations/);
     await page.screenshot({ path: `${root}/compare-light.png` });

@@ -80,9 +80,8 @@ static weft_status add_method(const weft_scene *scene, const stepper_method *m,
     return status == WEFT_NO_MEMORY ? status : WEFT_OK;
 }
 
-static weft_status survey_methods(const weft_scene *scene,
-                                  const weft_registry *registry, survey *out,
-                                  weft_error *err)
+weft_status survey_methods(const weft_scene *scene, const weft_registry *registry,
+                           survey *out, weft_error *err)
 {
     const weft_stepper_type *own = weft_scene_method_type(scene);
     stepper_method m;

@@ -126,23 +126,29 @@ static weft_status add_method(compare *self, const stepper_method *by,
 static weft_status add_methods(compare *self, const weft_registry *registry,
                                const char *list, weft_error *err)
 {
-    weft_stiffness modes;
+    survey found = { 0 };
     stepper_method m;
     double *y = calloc(weft_cloth_dim(self->cloth), sizeof *y);
     if (y == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state");
     }
     weft_cloth_start(self->cloth, y);
-    modes = weft_cloth_stiffness(self->cloth, 0.0, y);
+    found.modes = weft_cloth_stiffness(self->cloth, 0.0, y);
     free(y);
-    weft_status status = WEFT_OK;
+    weft_status status = survey_methods(self->scene, registry, &found, err);
+    if (status == WEFT_OK && found.modes.omega2 > 0.0) {
+        const stiff_gains gains
+            = stiff_gains_of(&found, weft_cloth_particles(self->cloth));
+        stiff_say(&gains, &self->stiffness);
+    }
     for (size_t i = 0; status == WEFT_OK && method_at(registry, i, &m); ++i) {
         const bool own = m.type == weft_scene_method_type(self->scene);
         if (own
             || (is_listed(&m, list) && (m.type->flags & WEFT_STEPPER_BUTCHER) == 0)) {
-            status = add_method(self, &m, &modes, err);
+            status = add_method(self, &m, &found.modes, err);
         }
     }
+    survey_destroy(&found);
     return status;
 }
 

@@ -16,8 +16,8 @@
 
 #include <stdatomic.h>
 
+#include "cli/check/stiff_methods.h"
 #include "cli/cli.h"
-#include "cli/human.h"
 #include "cli/run/progress.h"
 
 enum {
@@ -86,7 +86,8 @@ typedef struct compare {
     size_t planned; /* frame up to which they should be */
     size_t jobs;
     bool quiet;
-    progress progress; /* of the ladders */
+    sentence stiffness; /* of the cloth, and the kind of method that it needs */
+    progress progress;  /* of the ladders */
 
     /* shared; frames of 6 N numbers, planned + 1 of them */
     compare_shared *shared;
