@@ -126,29 +126,22 @@ static weft_status add_method(compare *self, const stepper_method *by,
 static weft_status add_methods(compare *self, const weft_registry *registry,
                                const char *list, weft_error *err)
 {
-    survey found = { 0 };
     stepper_method m;
     double *y = calloc(weft_cloth_dim(self->cloth), sizeof *y);
     if (y == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state");
     }
     weft_cloth_start(self->cloth, y);
-    found.modes = weft_cloth_stiffness(self->cloth, 0.0, y);
+    self->modes = weft_cloth_stiffness(self->cloth, 0.0, y);
     free(y);
-    weft_status status = survey_methods(self->scene, registry, &found, err);
-    if (status == WEFT_OK && found.modes.omega2 > 0.0) {
-        const stiff_gains gains
-            = stiff_gains_of(&found, weft_cloth_particles(self->cloth));
-        stiff_say(&gains, &self->stiffness);
-    }
+    weft_status status = WEFT_OK;
     for (size_t i = 0; status == WEFT_OK && method_at(registry, i, &m); ++i) {
         const bool own = m.type == weft_scene_method_type(self->scene);
         if (own
             || (is_listed(&m, list) && (m.type->flags & WEFT_STEPPER_BUTCHER) == 0)) {
-            status = add_method(self, &m, &found.modes, err);
+            status = add_method(self, &m, &self->modes, err);
         }
     }
-    survey_destroy(&found);
     return status;
 }
 
@@ -333,8 +326,15 @@ static weft_status take_times(const compare *self, weft_error *err)
     return WEFT_OK;
 }
 
+static void stiffness_ended(void *ctx, const process *one)
+{
+    (void)ctx;
+    (void)one;
+}
+
 static weft_status compare_all(compare *self, weft_error *err)
 {
+    TRY(run_jobs(self, 1, compare_stiffness, stiffness_ended, err));
     TRY(make_references(self, err));
     set_budget(self);
     const weft_status status
@@ -395,6 +395,7 @@ static weft_status find_references(compare *self, const weft_registry *registry,
 static weft_status compare_into(compare *self, const options *given,
                                 const char *directory, weft_error *err)
 {
+    self->registry = given->registry;
     TRY(find_references(self, given->registry, err));
     TRY(record_outdir(directory, given->force, err));
     TRY(open_memory(self, given->registry, err));

@@ -73,6 +73,7 @@ typedef struct compare_method {
 typedef struct compare_shared {
     _Atomic size_t last; /* frame, lowered when the twin diverges */
     weft_error err[2];   /* of the references */
+    sentence stiffness;  /* of the cloth, and the kind of method that it needs */
     /* [count], then the scene with its own method and settings: one point */
     compare_method methods[];
 } compare_shared;
@@ -86,8 +87,9 @@ typedef struct compare {
     size_t planned; /* frame up to which they should be */
     size_t jobs;
     bool quiet;
-    sentence stiffness; /* of the cloth, and the kind of method that it needs */
-    progress progress;  /* of the ladders */
+    const weft_registry *registry;
+    weft_stiffness modes; /* at the start */
+    progress progress;    /* of the ladders */
 
     /* shared; frames of 6 N numbers, planned + 1 of them */
     compare_shared *shared;
@@ -118,6 +120,8 @@ bool compare_is_stiff(const weft_stepper_type *type);
 
 /* process_def.work. Frames, energies and twin of by[0]; frames of by[1]. */
 int compare_reference(void *self, size_t which);
+/* Writes shared->stiffness: methods are run for it. */
+int compare_stiffness(void *self, size_t unused);
 /* The ladder of a method; past the last method: the scene as it is. */
 int compare_ladder(void *self, size_t i);
 /* The largest length of a difference of 3-vectors in n entries of three planes each;

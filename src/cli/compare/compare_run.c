@@ -242,6 +242,23 @@ static weft_status run(const compare *self, const stepper_method *by,
     return status;
 }
 
+/* ---- stiffness --------------------------------------------------------------- */
+
+int compare_stiffness(void *ctx, size_t unused)
+{
+    const compare *self = ctx;
+    survey found = { .modes = self->modes };
+    (void)unused;
+    if (found.modes.omega2 > 0.0
+        && survey_methods(self->scene, self->registry, &found, NULL) == WEFT_OK) {
+        const stiff_gains gains
+            = stiff_gains_of(&found, weft_cloth_particles(self->cloth));
+        stiff_say(&gains, &self->shared->stiffness);
+    }
+    survey_destroy(&found);
+    return EXIT_DONE;
+}
+
 /* ---- ladders ---------------------------------------------------------------- */
 
 static void set_rung(const compare *self, const compare_method *method, size_t rung,

@@ -121,8 +121,8 @@ void compare_print(const compare *self, const compare_advice *advice)
     compare_say_reference(self, &reference);
     printf("reference: ");
     print_wrapped(stdout, 11, 11, PAGE_WIDTH, reference.text);
-    if (self->stiffness.text[0] != '\0') {
-        print_wrapped(stdout, 0, 2, PAGE_WIDTH, self->stiffness.text);
+    if (self->shared->stiffness.text[0] != '\0') {
+        print_wrapped(stdout, 0, 2, PAGE_WIDTH, self->shared->stiffness.text);
     }
     printf("\ntime [ms] until no particle is further off in any frame than [m]\n"
            "%-24sus/call",
@@ -318,7 +318,7 @@ static void put_description(const compare *self, const compare_advice *advice,
     put_member(stream, "reference", reference.text);
     compare_say_as_is(self, &as_is);
     put_member(stream, "asIs", as_is.text);
-    put_member(stream, "stiffness", self->stiffness.text);
+    put_member(stream, "stiffness", self->shared->stiffness.text);
     put_advice(self, advice, stream);
     if (judged(compare_as_is(self))) {
         fputs("\"own\":", stream);
