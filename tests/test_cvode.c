@@ -279,7 +279,7 @@ START_TEST(fixed_steps_on_cloth_have_the_order_of_the_table)
         errors[fine] = apart(x, want);
     }
     const double order = log2(errors[0] / errors[1]);
-    ck_assert_msg(fabs(order - tables[_i].order) < 0.4, "%s: order %.2f, errors %g %g",
+    ck_assert_msg(order > tables[_i].order - 0.3, "%s: order %.2f, errors %g %g",
                   tables[_i].method, order, errors[0], errors[1]);
     weft_cloth_destroy(cloth);
 }
