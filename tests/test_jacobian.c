@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "conformance/structured.h"
+
 enum {
     ROWS = 6,
     COLS = 7,
@@ -246,72 +248,12 @@ static double *room(const weft_structure *of)
     return planes;
 }
 
-/* dF of the spring b from p to q, as weft/stepper.h has it. */
-static void spring(const weft_structure *of, const double *planes, size_t b, size_t p,
-                   size_t q, const double *y, const double *dy, double *out)
-{
-    const size_t n = of->particles;
-    double u[3], w[3], dd[3], dw[3], square = 0.0, wu = 0.0, along = 0.0;
-    const double k_q = planes[3 * of->bond_count + b];
-    const double pull = planes[4 * of->bond_count + b];
-    const double c = planes[5 * of->bond_count + b];
-    for (size_t k = 0; k < 3; ++k) {
-        u[k] = planes[k * of->bond_count + b];
-        w[k] = y[(k + 3) * n + q] - y[(k + 3) * n + p];
-        dd[k] = dy[k * n + q] - dy[k * n + p];
-        dw[k] = dy[(k + 3) * n + q] - dy[(k + 3) * n + p];
-        square += pow(y[k * n + q] - y[k * n + p], 2.0);
-        wu += w[k] * u[k];
-    }
-    for (size_t k = 0; k < 3; ++k) {
-        const double z = c / sqrt(square) * (w[k] - wu * u[k]);
-        along += k_q * u[k] * dd[k] + z * dd[k] + c * u[k] * dw[k];
-    }
-    for (size_t k = 0; k < 3; ++k) {
-        const double change = u[k] * along + pull * dd[k];
-        out[(k + 3) * n + p] += change;
-        out[(k + 3) * n + q] -= change;
-    }
-}
-
-static void contact(const weft_structure *of, const double *blocks, const double *dy,
-                    double *out)
-{
-    static const size_t symmetric[3][3]
-        = { { 9, 10, 11 }, { 10, 12, 13 }, { 11, 13, 14 } };
-    const size_t n = of->particles;
-    for (size_t j = 0; j < 9 * n; ++j) {
-        const size_t i = j % n, r = j / n / 3, c = j / n % 3;
-        out[(r + 3) * n + i] -= blocks[j] * dy[c * n + i]
-                                + blocks[symmetric[r][c] * n + i] * dy[(c + 3) * n + i];
-    }
-}
-
 /* J dy of the structure alone. */
 static void structured(const weft_structure *of, double t, const double *y,
                        const double *dy, double *out)
 {
-    const size_t n = of->particles;
-    double *planes = room(of), *blocks = planes + WEFT_BOND_PLANES * of->bond_count;
-    size_t b = 0;
-    ck_assert_int_eq(of->linearise(t, y, planes, blocks, of->ctx), 0);
-    for (size_t j = 0; j < 3 * n; ++j) {
-        out[j] = of->mass[j % n] > 0.0 ? dy[3 * n + j] : 0.0;
-        out[3 * n + j] = -of->drag[j % n] * dy[3 * n + j];
-    }
-    for (const weft_bonds *run = of->runs; run < of->runs + of->run_count; ++run) {
-        for (size_t i = 0; i < run->count; ++i, ++b) {
-            spring(of, planes, b, run->p + i, run->q + i, y, dy, out);
-        }
-    }
-    ck_assert_uint_eq(b, of->bond_count);
-    if (of->block_planes > 0) {
-        contact(of, blocks, dy, out);
-    }
-    for (size_t j = 0; j < 3 * n; ++j) {
-        const double m = of->mass[j % n];
-        out[3 * n + j] = m > 0.0 ? out[3 * n + j] / m : 0.0;
-    }
+    double *planes = room(of);
+    ck_assert_int_eq(weft__structure_product(of, t, y, dy, planes, out), 0);
     free(planes);
 }
 

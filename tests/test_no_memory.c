@@ -283,8 +283,10 @@ static weft_status make_and_step(const void *ctx, weft_error *err)
     const made *m = ctx;
     model oscillators = { .k = 1.0 };
     const weft_ode ode = { .dim = DIM, .rhs = weft__model_rhs, .ctx = &oscillators };
-    const weft_stepper_config config
+    const weft_structure structure = weft__model_structure(&oscillators);
+    weft_stepper_config config
         = weft__with_table(m->type, weft__usual(m->type, m->adaptive ? 0 : 1));
+    config.structure = &structure;
     double t = 0.0, y[DIM];
     void *self = NULL;
     memcpy(y, weft__model_start, sizeof y);
@@ -357,8 +359,9 @@ START_TEST(a_step_allocates_nothing)
         model oscillators = { .k = 1.0 };
         const weft_ode ode
             = { .dim = DIM, .rhs = weft__model_rhs, .ctx = &oscillators };
-        const weft_stepper_config config
-            = weft__with_table(type, weft__usual(type, mode));
+        const weft_structure structure = weft__model_structure(&oscillators);
+        weft_stepper_config config = weft__with_table(type, weft__usual(type, mode));
+        config.structure = &structure;
         double t = 0.0, y[DIM];
         void *self = NULL;
         memcpy(y, weft__model_start, sizeof y);

@@ -225,7 +225,7 @@ WIDE static void take_solution(size_t n, const double *mass, double gamma,
     }
 }
 
-/* b = M rv - gamma K rx, less (gamma C + gamma^2 K) dv of prescribed particles. */
+/* b = M rv - gamma K rx, less gamma C dv of prescribed particles, whose dx is rx. */
 static void right_side(weft__linear *self, const double *rx, const double *rv)
 {
     const size_t n = self->net.n;
@@ -247,8 +247,7 @@ static void right_side(weft__linear *self, const double *rx, const double *rv)
         moved = moved || rv[i] != 0.0;
     }
     if (moved) {
-        weft__network_times(&self->net, known, self->q);
-        weft__vector_mix(3 * n, -1.0, self->q, 1.0, b);
+        weft__network_add_damping(&self->net, self->planes, -self->gamma, known, b);
     }
     add_momentum(n, self->of->mass, rv, b);
 }

@@ -7,10 +7,10 @@
  *
  *     (M + gamma C + gamma^2 K) dv = M rv - gamma K rx,    dx = rx + gamma dv,
  *
- * with dv = rv, dx = rx of prescribed particles (D. Baraff, A. Witkin, SIGGRAPH 1998).
- * It is symmetric and positive definite: conjugate gradients, preconditioned by the 3 x
- * 3 blocks of the diagonal, or by multigrid (multigrid.h) where these would need many
- * iterations.
+ * with dv = rv, dx = rx of prescribed particles, which pull at the others by -gamma C
+ * rv alone (D. Baraff, A. Witkin, SIGGRAPH 1998). It is symmetric and positive
+ * definite: conjugate gradients, preconditioned by the 3 x 3 blocks of the diagonal, or
+ * by multigrid (multigrid.h) where these would need many iterations.
  *
  * Order of sums and operations do not depend on the machine: the same bits everywhere.
  */

@@ -112,18 +112,26 @@ WIDE static void bond_forces(const double *a, size_t stride, const double *x,
     }
 }
 
-/* The same with scale ((k - q) u u^T + q I). */
-WIDE static void stiffness_forces(const double *a, size_t stride, double scale,
-                                  const double *x, const double *to, size_t n,
-                                  size_t count, double f[3][PIECE])
+/* Blocks scale factor u u^T + scale_q q I, with the factor of a plane. */
+typedef struct part {
+    const double *planes;
+    size_t plane;
+    double scale, scale_q;
+} part;
+
+WIDE static void part_forces(const part *of, const double *a, size_t stride,
+                             const double *x, const double *to, size_t n, size_t count,
+                             double f[3][PIECE])
 {
+    const double scale = of->scale, scale_q = of->scale_q;
+    const double *factor = a + of->plane * stride;
     ELEMENTWISE
     for (size_t i = 0; i < count; ++i) {
         const double b = x[i] - to[i], c = x[n + i] - to[n + i];
         const double d = x[2 * n + i] - to[2 * n + i];
         const double ux = a[i], uy = a[stride + i], uz = a[2 * stride + i];
-        const double along = scale * a[3 * stride + i] * (ux * b + uy * c + uz * d);
-        const double across = scale * a[4 * stride + i];
+        const double along = scale * factor[i] * (ux * b + uy * c + uz * d);
+        const double across = scale_q * a[4 * stride + i];
         f[0][i] = along * ux + across * b;
         f[1][i] = along * uy + across * c;
         f[2][i] = along * uz + across * d;
@@ -147,9 +155,8 @@ WIDE static void pull(double *p, double *q, size_t n, size_t count, double f[3][
     }
 }
 
-/* planes NULL: the springs' own blocks. */
-static void add_bonds(const weft__network *self, const double *planes, double scale,
-                      const double *x, double *y)
+static void add_bonds(const weft__network *self, const part *of, const double *x,
+                      double *y)
 {
     const size_t n = self->n, stride = self->bond_count;
     double f[3][PIECE];
@@ -158,11 +165,10 @@ static void add_bonds(const weft__network *self, const double *planes, double sc
         for (size_t i = 0; i < run->count; i += PIECE) {
             const size_t count = run->count - i < PIECE ? run->count - i : PIECE;
             const size_t p = run->p + i, q = run->q + i;
-            if (planes == NULL) {
+            if (of == NULL) {
                 bond_forces(self->bond + at + i, stride, x + p, x + q, n, count, f);
             } else {
-                stiffness_forces(planes + at + i, stride, scale, x + p, x + q, n, count,
-                                 f);
+                part_forces(of, of->planes + at + i, stride, x + p, x + q, n, count, f);
             }
             pull(y + p, y + q, n, count, f);
         }
@@ -172,14 +178,20 @@ static void add_bonds(const weft__network *self, const double *planes, double sc
 void weft__network_add_stiffness(const weft__network *self, const double *planes,
                                  double scale, const double *x, double *y)
 {
-    add_bonds(self, planes, scale, x, y);
+    add_bonds(self, &(part){ planes, 3, scale, scale }, x, y);
+}
+
+void weft__network_add_damping(const weft__network *self, const double *planes,
+                               double scale, const double *x, double *y)
+{
+    add_bonds(self, &(part){ planes, 5, scale, 0.0 }, x, y);
 }
 
 void weft__network_times(const weft__network *self, const double *x, double *y)
 {
     const size_t n = self->n;
     block_product(n, self->point, x, y);
-    add_bonds(self, NULL, 0.0, x, y);
+    add_bonds(self, NULL, x, y);
     for (size_t k = 0; k < self->held_count; ++k) {
         const size_t i = self->held[k];
         y[i] = y[n + i] = y[2 * n + i] = 0.0;

@@ -32,10 +32,12 @@ void weft__network_times(const weft__network *self, const double *x, double *y);
 /* z = inverse r */
 void weft__network_precondition(const weft__network *self, const double *r, double *z);
 
-/* y_p += A (x_p - x_q), y_q -= the same, with A = scale ((k - q) u u^T + q I) of the
- * planes u, k - q, q of bond_count. */
+/* y_p += A (x_p - x_q), y_q -= the same, with the planes of weft_structure::linearise:
+ * A = scale ((k - q) u u^T + q I), or scale c u u^T. */
 void weft__network_add_stiffness(const weft__network *self, const double *planes,
                                  double scale, const double *x, double *y);
+void weft__network_add_damping(const weft__network *self, const double *planes,
+                               double scale, const double *x, double *y);
 
 /* The sum of a_i b_i; y = a x; y = a x + b y. */
 double weft__vector_dot(size_t n, const double *a, const double *b);

@@ -93,6 +93,8 @@ static const struct check {
     { "process",
       "locale, signal handlers and floating-point environment stay as they are",
       .run = weft__the_process_is_left_alone, .modes = true },
+    { "structure", "config->structure changes the way to a solution, not the solution",
+      .run = weft__a_structure_leaves_the_solution, .once = true, .modes = true },
 };
 
 size_t weft_conformance_count(void)

@@ -74,7 +74,7 @@ check_fn weft__table_is_sane, weft__create_calls_no_rhs, weft__mistakes_are_refu
     weft__the_order_is_the_one_claimed, weft__the_error_follows_the_tolerance,
     weft__the_heap_does_not_grow, weft__destroy_leaves_nothing,
     weft__refusals_leave_nothing, weft__the_allocator_is_used,
-    weft__the_process_is_left_alone;
+    weft__the_process_is_left_alone, weft__a_structure_leaves_the_solution;
 
 /* The reason why a check means nothing for a method, or NULL. */
 typedef const char *pointless_fn(const weft_stepper_type *type);

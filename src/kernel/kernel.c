@@ -24,8 +24,9 @@
 #include <float.h>
 #include <string.h>
 
-/* 1: instead the derivative of all that along a direction of->along of the state,
- * weft__reference_products; kernel_products.c. */
+/* 1: instead the derivative of all that along a direction of->along of the state, as
+ * weft__reference_products; compiled by kernel_products.c. `along` is then what `p` is,
+ * in that direction, and p itself otherwise. */
 #ifndef PRODUCT
 #define PRODUCT 0
 #endif
@@ -75,17 +76,10 @@ typedef struct spring {
     vec part;           /* PRODUCT: dF = part d + T / L dd */
 } spring;
 
-/* The block of a row at a column, of planes n and rows `down` apart. */
-typedef struct place {
-    const double *p, *along;
-    size_t n, down;
-} place;
-
-/* From p to q in a place. */
-INLINE void begin(spring *springs, unsigned has, int group, const place *in,
-                  const double *p, const double *q)
+/* From p to q, of planes n apart; `along` is where p is in the direction. */
+INLINE void begin(spring *springs, unsigned has, int group, const double *p,
+                  const double *q, size_t n, const double *along)
 {
-    const size_t n = in->n;
     spring *at = &springs[group];
     *at = (spring){ 0 };
     if ((has & BIT(group)) == 0) {
@@ -101,9 +95,9 @@ INLINE void begin(spring *springs, unsigned has, int group, const place *in,
         at->wd = dot(at->w, at->d);
     }
     if (PRODUCT) {
-        const double *dp = in->along + (p - in->p), *dq = in->along + (q - in->p);
-        at->dd = minus(load3(dq, n), load3(dp, n));
-        at->dw = minus(load3(dq + 3 * n, n), load3(dp + 3 * n, n));
+        const double *to = along + (q - p);
+        at->dd = minus(load3(to, n), load3(along, n));
+        at->dw = minus(load3(to + 3 * n, n), load3(along + 3 * n, n));
     }
 }
 
@@ -149,32 +143,32 @@ typedef struct carry {
     vec3 beside, beside2, below;
 } carry;
 
-/* Forces of springs on the block; `at` in the buffers; rim NULL: all neighbours are
- * there. */
-INLINE vec3 block(sweep *self, const place *in, size_t at, unsigned has, carry *left,
-                  const edge *rim)
+/* Forces of springs on the block at p, of planes n and rows `down` apart; `at` in the
+ * buffers; rim NULL: all neighbours are there. */
+INLINE vec3 block(sweep *self, const double *p, const double *along, size_t n,
+                  size_t down, size_t at, unsigned has, carry *left, const edge *rim)
 {
-    const double *p = in->p, *below = p + in->down;
+    const double *below = p + down;
     const mask *in_1 = rim != NULL ? &rim->right : NULL;
     const mask *in_2 = rim != NULL ? &rim->right2 : NULL;
     spring s[WEFT_GROUPS];
     vec3 ended = load3(self->ended + at, SPAN), next = load3(self->ended2 + at, SPAN);
-    begin(s, has, RIGHT, in, p, p + 1);
-    begin(s, has, DOWN, in, p, below);
+    begin(s, has, RIGHT, p, p + 1, n, along);
+    begin(s, has, DOWN, p, below, n, along);
     find_tension(s, has, RIGHT, self->laws);
-    begin(s, has, ANTI, in, p + 1, below);
+    begin(s, has, ANTI, p + 1, below, n, along + 1);
     find_tension(s, has, DOWN, self->laws);
     const vec3 right = pull(s, has, RIGHT, in_1);
-    begin(s, has, CROSS, in, p, below + 1);
+    begin(s, has, CROSS, p, below + 1, n, along);
     find_tension(s, has, ANTI, self->laws);
     const vec3 fall = pull(s, has, DOWN, NULL);
-    begin(s, has, RIGHT2, in, p, p + 2);
+    begin(s, has, RIGHT2, p, p + 2, n, along);
     find_tension(s, has, CROSS, self->laws);
     const vec3 anti = pull(s, has, ANTI, in_1), beside = minus(right, anti);
     next = plus(next, plus(fall, anti));
     ended = plus(ended, shift_1(left->beside, beside));
     left->beside = beside;
-    begin(s, has, DOWN2, in, p, below + in->down);
+    begin(s, has, DOWN2, p, below + down, n, along);
     find_tension(s, has, RIGHT2, self->laws);
     const vec3 cross = pull(s, has, CROSS, in_1);
     next = plus(next, shift_1(left->below, cross));
@@ -190,11 +184,11 @@ INLINE vec3 block(sweep *self, const place *in, size_t at, unsigned has, carry *
     return minus(own, ended);
 }
 
-/* x' and v' of the block, which is that of particle i, to planes m apart. */
-INLINE void emit(sweep *self, const place *in, size_t i, vec3 force, const edge *rim,
-                 size_t count, double *to, size_t m)
+/* x' and v' of the block at p, which is that of particle i, to planes m apart. */
+INLINE void emit(sweep *self, const double *p, size_t n, size_t i, vec3 force,
+                 const edge *rim, size_t count, double *to, size_t m)
 {
-    const vec3 v = load3((PRODUCT ? in->along : in->p) + 3 * in->n, in->n);
+    const vec3 v = load3(p + 3 * n, n);
     const vec3 net = minus(force, scaled(self->drag, v));
     const vec3 a = plus(self->gravity, scaled(load(self->inverse_mass + i), net));
     const vec bad = trouble(a, v);
@@ -228,17 +222,22 @@ static void copy_end(const sweep *self, size_t r, size_t c,
     }
 }
 
-/* The block of row r at column c. */
+/* The block of row r at column c, of planes n and rows `down` apart. */
+typedef struct place {
+    const double *p, *along;
+    size_t n, down;
+} place;
+
 INLINE place place_at(const sweep *self, size_t r, size_t c,
                       double copy[PLANES][3][EDGE])
 {
     const size_t i = r * self->cols + c;
     if (i + 2 * self->cols + EDGE <= self->n) {
-        return (place){ self->y + i, PRODUCT ? self->along + i : NULL, self->n,
+        return (place){ self->y + i, (PRODUCT ? self->along : self->y) + i, self->n,
                         self->cols };
     }
     copy_end(self, r, c, copy);
-    return (place){ copy[0][0], PRODUCT ? copy[PLANES - 6][0] : NULL, 3 * EDGE, EDGE };
+    return (place){ copy[0][0], copy[PLANES - 6][0], 3 * EDGE, EDGE };
 }
 
 /* The last columns of a row. Lanes without a particle read others and are masked. */
@@ -251,9 +250,10 @@ INLINE void row_end(sweep *self, size_t r, size_t at, unsigned has, bool emits,
         const size_t count = self->cols - c < LANES ? self->cols - c : LANES;
         const place of = place_at(self, r, c, copy);
         const edge *rim = &self->edges[e];
-        const vec3 force = block(self, &of, at + b, has, left, rim);
+        const vec3 force
+            = block(self, of.p, of.along, of.n, of.down, at + b, has, left, rim);
         if (emits) {
-            emit(self, &of, i, force, rim, count, to + b, m);
+            emit(self, of.along, of.n, i, force, rim, count, to + b, m);
         }
     }
 }
@@ -265,14 +265,15 @@ INLINE void row(sweep *self, size_t r, size_t first, size_t end, unsigned has,
     const size_t n = self->n, cols = self->cols, i = r * cols + first;
     const size_t m = self->detour ? SPAN : n;
     double *const to = self->detour ? self->aside : self->dydt + i;
+    const double *p = self->y + i;
     const ptrdiff_t count = (ptrdiff_t)(end - first);
     carry left = { 0 };
     for (ptrdiff_t j = first > 0 ? -LANES : 0; j < count; j += LANES) {
         const size_t at = (size_t)(LANES + j), b = i + (size_t)j;
-        const place of = { self->y + b, PRODUCT ? self->along + b : NULL, n, cols };
-        const vec3 force = block(self, &of, at, has, &left, NULL);
+        const double *along = PRODUCT ? self->along + b : p + j;
+        const vec3 force = block(self, p + j, along, n, cols, at, has, &left, NULL);
         if (emits && j >= 0) {
-            emit(self, &of, b, force, NULL, LANES, to + j, m);
+            emit(self, along, n, b, force, NULL, LANES, to + j, m);
         }
     }
     if (end == self->inner) {

@@ -1,0 +1,315 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* test_linear.c -- plugins/linear: iterations, the solution, the filter, any graph. */
+#include "support.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../bench/problem.h"
+#include "../plugins/linear/filter.h"
+#include "../plugins/linear/linear.h"
+#include "../plugins/linear/network.h"
+#include "sim/simulation.h"
+
+static weft_cloth *cloth;
+static weft_sim *sim;
+static const weft_structure *of;
+static const weft_allocator memory = { weft_malloc_resize, NULL };
+static double *r;
+static size_t n; /* particles */
+
+static void teardown(void)
+{
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    free(r);
+    sim = NULL, cloth = NULL, r = NULL;
+}
+
+/* A hundred times as stiff as P(side), after `t` s. */
+static void fall(size_t side, double t)
+{
+    weft_error err = { 0 };
+    weft_cloth_def def = problem(side);
+    for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
+        def.springs[f].stiffness *= 100.0;
+        def.springs[f].damping *= 10.0;
+    }
+    weft_stepper_config config = weft_stepper_config_default();
+    config.fixed_step = 5e-3;
+    cloth = test_cloth(&def);
+    sim = test_sim(cloth, test_method_named("stiff/backward_euler"), &config);
+    ck_assert_msg(weft_sim_advance(sim, t, &err) == WEFT_OK, "%s", err.message);
+    of = sim->config.structure;
+    n = of->particles;
+    r = calloc(6 * n, sizeof *r);
+}
+
+static weft__linear *at(const weft_structure *structure, const double *y, double gamma,
+                        weft_preconditioner preconditioner)
+{
+    weft__linear *out = NULL;
+    ck_assert_int_eq(
+        weft__linear_create(structure, preconditioner, &memory, &out, NULL), WEFT_OK);
+    ck_assert_int_eq(weft__linear_at(out, 0.0, y), 0);
+    weft__linear_prepare(out, gamma);
+    return out;
+}
+
+/* Iterations of the first system of a step. */
+static uint64_t iterations(double gamma, weft_preconditioner preconditioner,
+                           double tolerance)
+{
+    const double *y = weft_sim_state(sim);
+    weft__linear *linear = at(of, y, gamma, preconditioner);
+    ck_assert_int_eq(weft_cloth_rhs(cloth, 0.0, y, r), 0);
+    ck_assert(weft__linear_solve(linear, tolerance, r));
+    const uint64_t count = weft__linear_count(linear).iterations;
+    weft__linear_destroy(linear);
+    return count;
+}
+
+START_TEST(multigrid_needs_few_iterations)
+{
+    fall(100, 0.1);
+    const double w2 = weft_cloth_stiffness(cloth, 0.0, weft_sim_state(sim)).omega2;
+    for (double stiff = 1.0; stiff < 5e5; stiff *= 10.0) {
+        const double gamma = sqrt(fmin(stiff, 4e5) / w2);
+        const uint64_t count = iterations(gamma, WEFT_PRECONDITIONER_MULTIGRID, 1e-2);
+        ck_assert_msg(count <= 12, "%g: %d iterations", stiff, (int)count);
+    }
+}
+END_TEST
+
+START_TEST(auto_takes_multigrid_where_blocks_need_many_iterations)
+{
+    fall(32, 0.1);
+    for (int i = 0; i < 2; ++i) {
+        const double gamma = i == 0 ? 2e-4 : 5e-3;
+        ck_assert_uint_eq(iterations(gamma, WEFT_PRECONDITIONER_AUTO, 1e-2),
+                          iterations(gamma,
+                                     i == 0 ? WEFT_PRECONDITIONER_JACOBI
+                                            : WEFT_PRECONDITIONER_MULTIGRID,
+                                     1e-2));
+    }
+}
+END_TEST
+
+/* At rest and stretched, nothing is filtered: then (I - gamma J) of the cloth gives the
+ * right side back. */
+START_TEST(solution_solves_the_whole_system)
+{
+    fall(12, 0.0);
+    const double gamma = 3e-3;
+    double *y = calloc(6 * n, sizeof *y), *jr = calloc(6 * n, sizeof *jr);
+    double most = 0.0, largest = 0.0;
+    memcpy(y, weft_sim_state(sim), 6 * n * sizeof *y);
+    for (size_t i = 0; i < n; ++i) {
+        y[i] *= 1.1, y[2 * n + i] *= 1.05;
+        y[n + i] = 0.3 * y[i];
+    }
+    weft__linear *linear
+        = at(of, y, gamma,
+             _i == 0 ? WEFT_PRECONDITIONER_JACOBI : WEFT_PRECONDITIONER_MULTIGRID);
+    for (size_t i = 0; i < 6 * n; ++i) { /* pins, too */
+        r[i] = sin(1.7 * (double)i + 0.3);
+    }
+    ck_assert(weft__linear_solve(linear, 1e-14, r));
+    ck_assert_int_eq(weft_cloth_jacobian_product(cloth, 0.0, y, r, jr), 0);
+    for (size_t i = 0; i < 6 * n; ++i) {
+        largest = fmax(largest, fabs(gamma * jr[i]));
+        most = fmax(most, fabs(r[i] - gamma * jr[i] - sin(1.7 * (double)i + 0.3)));
+    }
+    ck_assert_double_le(most, 1e-10 * largest);
+    weft__linear_destroy(linear);
+    free(y), free(jr);
+}
+END_TEST
+
+/* The same springs one by one. */
+START_TEST(runs_of_one_spring_have_the_same_solution)
+{
+    fall(17, 0.05);
+    weft_structure ones = *of;
+    weft_bonds *runs = calloc(of->bond_count, sizeof *runs);
+    size_t count = 0;
+    for (size_t k = 0; k < of->run_count; ++k) {
+        for (size_t i = 0; i < of->runs[k].count; ++i) {
+            runs[count++] = (weft_bonds){ of->runs[k].p + i, of->runs[k].q + i, 1 };
+        }
+    }
+    ones.runs = runs;
+    ones.run_count = count;
+    static double solution[2][6 * 17 * 17];
+    for (int i = 0; i < 2; ++i) {
+        weft__linear *linear = at(i == 0 ? of : &ones, weft_sim_state(sim), 5e-3,
+                                  WEFT_PRECONDITIONER_MULTIGRID);
+        ck_assert_int_eq(weft_cloth_rhs(cloth, 0.0, weft_sim_state(sim), r), 0);
+        ck_assert(weft__linear_solve(linear, 1e-11, r));
+        memcpy(solution[i], r, 6 * n * sizeof *r);
+        weft__linear_destroy(linear);
+    }
+    for (size_t i = 0; i < 6 * n; ++i) {
+        ck_assert_double_eq_tol(solution[0][i], solution[1][i], 1e-8);
+    }
+    free(runs);
+}
+END_TEST
+
+/* Springs of a graph without any order: a ring, chords of all lengths, a star and two
+ * particles that nothing holds. */
+enum { RING = 997, LONE = 2, BONDS = 4 * RING };
+static weft_bonds chords[BONDS];
+
+static int chord_planes(double t, const double *y, double *planes, double *blocks,
+                        void *ctx)
+{
+    (void)t, (void)y, (void)blocks, (void)ctx;
+    for (size_t e = 0; e < BONDS; ++e) {
+        const double a = sin((double)e), b = cos((double)e);
+        const double values[6]
+            = { a, b * a, b * b, 900.0 + 50.0 * a, 100.0 * (1.0 + b), 0.1 };
+        for (size_t k = 0; k < 6; ++k) {
+            planes[k * BONDS + e] = values[k];
+        }
+    }
+    return 0;
+}
+
+START_TEST(any_graph_is_solved)
+{
+    enum { N = RING + LONE };
+    static double mass[N], drag[N], x[6 * N], y[6 * N];
+    for (size_t i = 0; i < N; ++i) {
+        mass[i] = i % 100 == 7 ? 0.0 : 1e-3;
+    }
+    for (size_t i = 0; i < RING; ++i) {
+        const size_t far[4]
+            = { (i + 1) % RING, (i * 31 + 5) % RING, 0, (i + 2) % RING };
+        for (size_t k = 0; k < 4; ++k) {
+            chords[4 * i + k]
+                = (weft_bonds){ i, far[k] != i ? far[k] : (i + 3) % RING, 1 };
+        }
+    }
+    const weft_structure graph = { .struct_size = sizeof graph,
+                                   .particles = N,
+                                   .run_count = BONDS,
+                                   .bond_count = BONDS,
+                                   .runs = chords,
+                                   .mass = mass,
+                                   .drag = drag,
+                                   .linearise = chord_planes };
+    for (size_t i = 0; i < 6 * N; ++i) {
+        x[i] = y[i] = sin(0.3 * (double)i);
+    }
+    weft__linear *blocks = at(&graph, x, 0.05, WEFT_PRECONDITIONER_JACOBI);
+    weft__linear *cycles = at(&graph, x, 0.05, WEFT_PRECONDITIONER_MULTIGRID);
+    ck_assert(weft__linear_solve(blocks, 1e-11, x));
+    ck_assert(weft__linear_solve(cycles, 1e-11, y));
+    for (size_t i = 0; i < 6 * N; ++i) {
+        ck_assert_double_eq_tol(x[i], y[i], 1e-7);
+    }
+    ck_assert_uint_lt(weft__linear_count(cycles).iterations,
+                      weft__linear_count(blocks).iterations);
+    weft__linear_destroy(blocks);
+    weft__linear_destroy(cycles);
+}
+END_TEST
+
+/* p S p of a zigzag across the sheet, with the springs of `planes`. */
+static double curvature(const double *planes, double gamma)
+{
+    weft__pile pile = { .memory = memory };
+    weft__network net = { .n = n,
+                          .run_count = of->run_count,
+                          .bond_count = of->bond_count,
+                          .runs = of->runs };
+    weft__network_take(&net, &pile);
+    double *p = weft__pile_take(&pile, 3 * n, sizeof *p);
+    double *q = weft__pile_take(&pile, 3 * n, sizeof *q), sum = 0.0;
+    memset(p, 0, 3 * n * sizeof *p);
+    memset(q, 0, 3 * n * sizeof *q);
+    for (size_t i = 0; i < n; ++i) {
+        p[n + i] = of->mass[i] > 0.0 ? (i / 20 + i % 20) % 2 == 0 ? 1.0 : -1.0 : 0.0;
+        sum += of->mass[i] * p[n + i] * p[n + i];
+    }
+    weft__network_add_stiffness(&net, planes, gamma * gamma, p, q);
+    sum += weft__vector_dot(3 * n, p, q);
+    weft__pile_free(&pile);
+    return sum;
+}
+
+/* Springs that are pressed push sideways: the plain matrix is not positive, which ends
+ * conjugate gradients, but the filtered one is. */
+START_TEST(a_squeezed_sheet_needs_the_filter)
+{
+    fall(20, 0.0);
+    const double gamma = 2e-3;
+    double *y = calloc(6 * n, sizeof *y);
+    double *planes = calloc(6 * of->bond_count, sizeof *planes);
+    memcpy(y, weft_sim_state(sim), 6 * n * sizeof *y);
+    for (size_t i = 0; i < n; ++i) {
+        y[i] *= 0.6, y[2 * n + i] *= 0.6;
+    }
+    ck_assert_int_eq(of->linearise(0.0, y, planes, NULL, of->ctx), 0);
+    ck_assert_double_lt(curvature(planes, gamma), 0.0);
+    weft__filter_bonds(planes, of->bond_count);
+    ck_assert_double_gt(curvature(planes, gamma), 0.0);
+    for (int i = 0; i < 2; ++i) {
+        weft__linear *linear
+            = at(of, y, gamma,
+                 i == 0 ? WEFT_PRECONDITIONER_JACOBI : WEFT_PRECONDITIONER_MULTIGRID);
+        ck_assert_int_eq(weft_cloth_rhs(cloth, 0.0, y, r), 0);
+        ck_assert(weft__linear_solve(linear, 1e-6, r));
+        ck_assert_uint_eq(weft__linear_count(linear).failures, 0);
+        weft__linear_destroy(linear);
+    }
+    free(y), free(planes);
+}
+END_TEST
+
+/* A = Q diag(d) Q^T with Q of two rotations, and an antisymmetric part. */
+START_TEST(blocks_lose_what_is_negative_and_what_is_not_symmetric)
+{
+    const double c = 0.6, s = 0.8, d[3] = { 5.0, _i == 0 ? 2.0 : -2.0, 0.5 };
+    const double q[3][3]
+        = { { c, -s * c, s * s }, { s, c * c, -c * s }, { 0.0, s, c } };
+    double block[9];
+    for (size_t j = 0; j < 9; ++j) {
+        const double odd = j == 1 ? 0.7 : j == 3 ? -0.7 : 0.0;
+        block[j] = odd;
+        for (size_t k = 0; k < 3; ++k) {
+            block[j] += d[k] * q[j / 3][k] * q[j % 3][k];
+        }
+    }
+    static const size_t place[6][2]
+        = { { 0, 0 }, { 0, 1 }, { 0, 2 }, { 1, 1 }, { 1, 2 }, { 2, 2 } };
+    weft__filter_blocks(block, 1);
+    for (size_t j = 0; j < 6; ++j) {
+        double want = 0.0;
+        for (size_t k = 0; k < 3; ++k) {
+            want += fmax(0.0, d[k]) * q[place[j][0]][k] * q[place[j][1]][k];
+        }
+        ck_assert_double_eq_tol(block[j], want, 1e-14);
+    }
+}
+END_TEST
+
+TEST_SUITE(linear)
+{
+    Suite *suite = suite_create("linear systems");
+    TCase *tcase = tcase_create("linear");
+    tcase_set_timeout(tcase, 120.0);
+    tcase_add_checked_fixture(tcase, NULL, teardown);
+    tcase_add_test(tcase, multigrid_needs_few_iterations);
+    tcase_add_test(tcase, auto_takes_multigrid_where_blocks_need_many_iterations);
+    tcase_add_loop_test(tcase, solution_solves_the_whole_system, 0, 2);
+    tcase_add_test(tcase, runs_of_one_spring_have_the_same_solution);
+    tcase_add_test(tcase, any_graph_is_solved);
+    tcase_add_test(tcase, a_squeezed_sheet_needs_the_filter);
+    tcase_add_loop_test(tcase, blocks_lose_what_is_negative_and_what_is_not_symmetric,
+                        0, 2);
+    suite_add_tcase(suite, tcase);
+    return suite;
+}
