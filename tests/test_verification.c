@@ -104,7 +104,8 @@ END_TEST
 START_TEST(every_adaptive_method_reaches_the_reference)
 {
     const stepper_method m = method(_i);
-    for (size_t i = 0; i < VERIFY_SCENES && method_adapts(m.type); ++i) {
+    const bool suits = method_adapts(m.type) && verify_any_damping(m.type);
+    for (size_t i = 0; i < VERIFY_SCENES && suits; ++i) {
         weft_error err = { 0 };
         verify_accuracy a;
         check(verify_accuracy_of(registry, verify_scene_at(i, true), &m, &references[i],

@@ -162,7 +162,9 @@ int verb_start(const verb *self, int argc, char **argv)
 {
     options given = { .sets = calloc((size_t)argc, sizeof *given.sets) };
     if (given.sets == NULL) {
-        return usage_error(self, "out of memory");
+        weft_error err = { 0 };
+        weft_error_set(&err, WEFT_NO_MEMORY, "out of memory");
+        return report_error(&err);
     }
     int code = parse(self, argc, argv, &given);
     if (code < 0) {

@@ -142,8 +142,9 @@ static void print_methods(report *self)
         }
         printf("%-8s %-24s", m.plugin->id, m.type->name);
         print_order(self, m.type);
-        if (!method_adapts(m.type)) {
-            printf("   -   fixed steps only\n");
+        if (!method_adapts(m.type) || !verify_any_damping(m.type)) {
+            printf("   -   %s\n",
+                   method_adapts(m.type) ? "damped cloth only" : "fixed steps only");
             continue;
         }
         printf(" %.0e%s", verify_tolerance(m.type), verify_small(m.type) ? "*" : " ");

@@ -36,9 +36,15 @@ size_t verify_shipped(char names[VERIFY_SHIPPED_MOST][VERIFY_NAME])
     return count;
 }
 
+bool verify_any_damping(const weft_stepper_type *type)
+{
+    return (type->flags & WEFT_STEPPER_STRUCTURE) == 0
+           || (type->flags & WEFT_STEPPER_IMPLICIT) != 0;
+}
+
 bool verify_shipped_suits(const weft_stepper_type *type, const verify_frames *reference)
 {
-    return (type->flags & WEFT_STEPPER_DENSE) == 0
+    return verify_any_damping(type) && (type->flags & WEFT_STEPPER_DENSE) == 0
            && ((type->flags & WEFT_STEPPER_MULTISTEP) == 0 || !reference->limited);
 }
 

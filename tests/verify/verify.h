@@ -117,8 +117,11 @@ enum { VERIFY_NAME = 64, VERIFY_SHIPPED_MOST = 64, VERIFY_PARTICLES_MOST = 2000 
 /* Names of all scenes/NAME.yaml, sorted; how many. */
 size_t verify_shipped(char names[VERIFY_SHIPPED_MOST][VERIFY_NAME]);
 
-/* Not a method with dense matrices of that many particles; nor a multistep one where a
- * strain limit restarts its history in every step. */
+/* Whether a method runs scenes whatever their damping; the others refuse most. */
+bool verify_any_damping(const weft_stepper_type *type);
+
+/* Not a method that needs damping, or with dense matrices of that many particles; nor a
+ * multistep one where a strain limit restarts its history in every step. */
 bool verify_shipped_suits(const weft_stepper_type *type,
                           const verify_frames *reference);
 
