@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* force.c -- one evaluation of the forces of P(n), on every level of instructions that
  * this machine has: nanoseconds a spring, against the spring list of a lecture compiled
- * for the same level, and against what root and division alone take there. One thread
- * is measured by its own time, two by the clock on the wall. Lines on stdout, and a
- * table in BUILD_DIR/bench/force-MACHINE.csv. */
+ * for the same level, and against what root and division alone take there; and one
+ * product with the Jacobian. One thread is measured by its own time, two by the clock
+ * on the wall. Lines on stdout, and a table in BUILD_DIR/bench/force-MACHINE.csv. */
 #include "bench.h"
 
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "levels/levels.h"
@@ -27,7 +28,7 @@ typedef struct subject {
     size_t level, springs, calls; /* of a sample */
     naive_cloth list;
     weft__forces forces[THREADS];
-    double *y, *dydt, *list_y, *list_dydt;
+    double *y, *dydt, *along, *list_y, *list_dydt;
     double numbers[BOUND], roots[BOUND];
 } subject;
 
@@ -36,6 +37,13 @@ static double clock_of(clockid_t id) /* [s] */
     struct timespec t;
     clock_gettime(id, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void run_product(subject *at, size_t threads)
+{
+    (void)threads;
+    (void)weft_cloth_jacobian_product(at->forces[0].cloth, 0.0, at->y, at->along,
+                                      at->dydt);
 }
 
 static void run_list(subject *at, size_t threads)
@@ -92,6 +100,9 @@ static void report(FILE *csv, size_t n, const subject *at, const figure *figures
 {
     const char *level = weft__level_at(at->level)->name;
     const double list = figures[0].value, bound = figures[1].value;
+    const double product = figures[2 + THREADS].value;
+    printf("jacobian %zux%zu: %.2f ns/spring, %.2f force evaluations (%s)\n", n, n,
+           product, product / figures[2].value, level);
     for (size_t threads = 1; threads <= THREADS; ++threads) {
         const double ns = figures[1 + threads].value;
         printf("force %zux%zu threads=%zu: %.2f ns/spring, naive %.2f, ratio %.1f, "
@@ -99,8 +110,8 @@ static void report(FILE *csv, size_t n, const subject *at, const figure *figures
                n, n, threads, ns, list, list / ns, bound, level, 1e9 / ns);
         fflush(stdout);
         if (csv != NULL) {
-            fprintf(csv, "%s,%zu,%zu,%zu,%.4f,%.4f,%.4f,%.4g\n", level, n, at->springs,
-                    threads, ns, list, bound, 1e9 / ns);
+            fprintf(csv, "%s,%zu,%zu,%zu,%.4f,%.4f,%.4f,%.4g,%.4f\n", level, n,
+                    at->springs, threads, ns, list, bound, 1e9 / ns, product);
         }
     }
 }
@@ -127,12 +138,13 @@ static void level(FILE *csv, size_t n, subject *at)
 {
     const size_t calls = 1 + 200000 / at->springs;
     const double springs = (double)at->springs;
-    figure figures[2 + THREADS]
+    figure figures[3 + THREADS]
         = { { run_list, 1, calls, springs, 0.0 }, { run_bound, 1, 400, BOUND, 0.0 } };
     for (size_t threads = 1; threads <= THREADS; ++threads) {
         figures[1 + threads] = (figure){ run_forces, threads, calls, springs, 0.0 };
     }
-    measure(figures, 2 + THREADS, at);
+    figures[2 + THREADS] = (figure){ run_product, 1, calls, springs, 0.0 };
+    measure(figures, 3 + THREADS, at);
     report(csv, n, at, figures);
 }
 
@@ -147,10 +159,11 @@ static void size(FILE *csv, size_t n)
         exit(1);
     }
     const size_t dim = weft_cloth_dim(cloth);
-    at.y = numbers(dim), at.dydt = numbers(dim);
+    at.y = numbers(dim), at.dydt = numbers(dim), at.along = numbers(dim);
     at.list_y = numbers(dim), at.list_dydt = numbers(dim);
     weft_cloth_start(cloth, at.y);
     disturb(at.y, n * n, def.spacing[0]);
+    memcpy(at.along, at.y, dim * sizeof *at.along);
     naive_state(n * n, at.y, at.list_y);
     at.list = naive_create(&def, cloth);
     at.springs = at.list.count;
@@ -168,7 +181,7 @@ static void size(FILE *csv, size_t n)
         weft__forces_destroy(&at.forces[i]);
     }
     naive_destroy(&at.list);
-    free(at.y), free(at.dydt), free(at.list_y), free(at.list_dydt);
+    free(at.y), free(at.dydt), free(at.along), free(at.list_y), free(at.list_dydt);
     weft_cloth_destroy(cloth);
 }
 
@@ -180,7 +193,7 @@ int main(void)
     FILE *csv = fopen(path, "w");
     if (csv != NULL) {
         fprintf(csv, "level,n,springs,threads,ns_per_spring,naive_ns,bound_ns,"
-                     "springs_per_s\n");
+                     "springs_per_s,jacobian_ns\n");
     }
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
         size(csv, sizes[i]);

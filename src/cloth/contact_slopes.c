@@ -9,17 +9,17 @@
  */
 #include "cloth/contact.h"
 
-typedef struct slopes {
+typedef struct law_slopes {
     double press, damp; /* [1/s^2] S, [1/s] D */
     double most;        /* [m/s^2] */
     double hold, fade;  /* [s/m], [s^3/m^3] */
     double gap, speed;  /* the derivatives of q^2 / 2 by both */
-} slopes;
+} law_slopes;
 
 /* q^2 = mu^2 e f^2 s^p b^2 / (100 a z) and b = p z + s, a = p (p - 1) z^2 + 2 p s z + 2
  * s^2; along s = 1 - z. */
 static void smooth_slopes(const weft_contact_def *law, double friction,
-                          const weft__touch *touch, slopes *of)
+                          const weft__touch *touch, law_slopes *of)
 {
     const double per = 1.0 / law->thickness, p = law->exponent;
     const double z = touch->gap * per, s = 1.0 - z, b = p * z + s;
@@ -39,7 +39,7 @@ static void smooth_slopes(const weft_contact_def *law, double friction,
 }
 
 static void coulomb_slopes(const weft_contact_def *law, const weft__touch *touch,
-                           slopes *of)
+                           law_slopes *of)
 {
     const double length = weft__length(touch->slip), slip = law->slip;
     const double inverse = length > 0.0 ? 1.0 / length : 0.0;
@@ -48,13 +48,13 @@ static void coulomb_slopes(const weft_contact_def *law, const weft__touch *touch
     of->fade = slides ? inverse * inverse * inverse : inverse / (slip * slip);
 }
 
-static slopes slopes_of(const weft_contact_def *law, double friction,
-                        const weft__touch *touch)
+static law_slopes slopes_of(const weft_contact_def *law, double friction,
+                            const weft__touch *touch)
 {
     const double u = law->damping * touch->speed, push = touch->push * touch->factor;
-    slopes of = { .press = touch->stiffness * touch->factor,
-                  .damp = law->damping * push / sqrt(1.0 + u * u),
-                  .most = friction * push * touch->steepness };
+    law_slopes of = { .press = touch->stiffness * touch->factor,
+                      .damp = law->damping * push / sqrt(1.0 + u * u),
+                      .most = friction * push * touch->steepness };
     if (friction != 0.0 && law->law == WEFT_FRICTION_SMOOTH) {
         smooth_slopes(law, friction, touch, &of);
     } else if (friction != 0.0) {
@@ -91,7 +91,7 @@ static turned turned_of(const weft__touches *at, const double dx[3], const doubl
 }
 
 /* [m/s^2] The change of a touch's F / m. */
-static void change_of(const weft__touches *at, const slopes *of, const double dx[3],
+static void change_of(const weft__touches *at, const law_slopes *of, const double dx[3],
                       const double dv[3], double change[3])
 {
     const weft__touch *touch = &at->touch;
@@ -118,7 +118,8 @@ int weft__contact_change(const weft__subject *of, double *out, size_t first, siz
     for (weft__touches at
          = weft__touches_of(of->cloth, of->t, of->y, first * cols, end * cols);
          weft__each_touch(&at);) {
-        const slopes by = slopes_of(&of->cloth->contact, at.pose.friction, &at.touch);
+        const law_slopes by
+            = slopes_of(&of->cloth->contact, at.pose.friction, &at.touch);
         const double *d = of->along + at.i;
         const double dx[3] = { d[0], d[n], d[2 * n] };
         const double dv[3] = { d[3 * n], d[4 * n], d[5 * n] };
@@ -138,7 +139,7 @@ static void matrices(const weft__touches *at, double stiffness[3][3],
                      double damping[3][3])
 {
     static const double none[3];
-    const slopes of = slopes_of(&at->cloth->contact, at->pose.friction, &at->touch);
+    const law_slopes of = slopes_of(&at->cloth->contact, at->pose.friction, &at->touch);
     for (size_t c = 0; c < 3; ++c) {
         const double unit[3] = { c == 0, c == 1, c == 2 };
         double by_x[3], by_v[3];

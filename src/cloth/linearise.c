@@ -8,18 +8,20 @@
 #include "cloth/contact.h"
 #include "cloth/springs.h"
 
-/* u, k - q, q = T / L, c. */
-static void spring_slopes(const weft_cloth *cloth, const weft__spring *at,
-                          const double *v, double slopes[6])
+/* Writes u, k - q, q = T / L and c, `bonds` apart. Returns q. */
+static double spring_planes(const weft_cloth *cloth, const weft__spring *at,
+                            const double *v, double *planes, size_t bonds)
 {
     const double k = at->group->stiffness, length = sqrt(at->square);
     const double q = weft__spring_tension(at, weft__spring_rate(cloth, at, v));
+    const double inverse = length > 0.0 ? 1.0 / length : 0.0;
     for (size_t j = 0; j < 3; ++j) {
-        slopes[j] = length > 0.0 ? at->d[j] / length : 0.0;
+        planes[j * bonds] = at->d[j] * inverse;
     }
-    slopes[3] = length > 0.0 ? k - q : 0.0;
-    slopes[4] = q;
-    slopes[5] = length > 0.0 ? at->group->damping : 0.0;
+    planes[3 * bonds] = length > 0.0 ? k - q : 0.0;
+    planes[4 * bonds] = q;
+    planes[5 * bonds] = length > 0.0 ? at->group->damping : 0.0;
+    return q;
 }
 
 int weft__linearise(const weft_cloth *cloth, double t, const double *y, double *planes,
@@ -30,12 +32,7 @@ int weft__linearise(const weft_cloth *cloth, double t, const double *y, double *
     for (size_t r = 0; r < cloth->rows; ++r) {
         for (weft__walk walk = weft__row_springs(cloth, y, r); weft__each_spring(&walk);
              ++planes) {
-            double slopes[6];
-            spring_slopes(cloth, &walk.spring, y + 3 * n, slopes);
-            for (size_t j = 0; j < 6; ++j) {
-                planes[j * bonds] = slopes[j];
-                bad += slopes[j] * 0.0;
-            }
+            bad += 0.0 * spring_planes(cloth, &walk.spring, y + 3 * n, planes, bonds);
         }
     }
     if (blocks != NULL) {
