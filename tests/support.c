@@ -16,8 +16,7 @@ const weft_plugin *weft_plugin_cvode(void);
 const weft_plugin *test_plugin(size_t i)
 {
     weft_plugin_fn *const plugins[] = {
-        weft_plugin_verlet,
-        weft_plugin_stiff,
+        weft_plugin_verlet, weft_plugin_stiff,
 #ifdef HAVE_GSL
         weft_plugin_gsl,
 #endif
@@ -93,6 +92,11 @@ bool test_needs_structure(const weft_stepper_type *type)
     return (type->flags & WEFT_STEPPER_STRUCTURE) != 0;
 }
 
+bool test_adaptive_only(const weft_stepper_type *type)
+{
+    return (type->flags & WEFT_STEPPER_ADAPTIVE_ONLY) != 0;
+}
+
 bool test_needs_damping(const weft_stepper_type *type)
 {
     return test_needs_structure(type) && (type->flags & WEFT_STEPPER_IMPLICIT) == 0;
@@ -104,7 +108,7 @@ weft_stepper_config test_config(const weft_stepper_type *type,
     if ((type->flags & WEFT_STEPPER_BUTCHER) != 0 && config.butcher == NULL) {
         config.butcher = merson();
     }
-    if ((type->flags & WEFT_STEPPER_ADAPTIVE_ONLY) != 0 && config.fixed_step > 0.0) {
+    if (test_adaptive_only(type) && config.fixed_step > 0.0) {
         config.first_step = config.max_step = config.fixed_step;
         config.min_step = 1e-9 * config.fixed_step;
         config.rtol = config.fixed_step = 0.0;

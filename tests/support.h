@@ -22,6 +22,8 @@ const weft_stepper_type *test_method_named(const char *name);
  * equations without a structure. */
 bool test_needs_damping(const weft_stepper_type *type);
 bool test_needs_structure(const weft_stepper_type *type);
+/* Whether a method refuses fixed_step, which test_config makes a max_step. */
+bool test_adaptive_only(const weft_stepper_type *type);
 
 /* For a method that takes a table and has none: Merson's, of order 4, which compares
  * its solution with one of order 3. */

@@ -44,6 +44,7 @@ static const struct {
     { "sulks", "refused",
       "bytes more are allocated each time after all that create must refuse" },
 #endif
+    { "shuns", "structure", "with a structure create failed: " },
     { "spoils", "failure", "y changed" },
 };
 
