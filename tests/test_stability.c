@@ -338,7 +338,7 @@ TEST_SUITE(stability)
     Suite *suite = suite_create("stability");
     TCase *limits = tcase_create("limits");
     tcase_set_timeout(limits, 120.0);
-    tcase_add_test(tcase, a_stabilised_method_says_what_is_stable);
+    tcase_add_test(limits, a_stabilised_method_says_what_is_stable);
     tcase_add_loop_test(limits, limits_are_those_of_the_tables, 0, ROWS);
     tcase_add_test(limits, limits_of_symplectic_methods_are_exact_and_never_above);
     tcase_add_test(limits,

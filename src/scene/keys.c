@@ -399,7 +399,7 @@ static const weft__section solver_section
 
 static const weft__key stepper_keys[] = {
     { "plugin", WEFT__TEXT, .required = true, AT(weft_scene, plugin),
-      .meaning = "gsl, arkode, verlet, stiff or any installed stepper plugin" },
+      .meaning = "gsl, arkode, verlet, stiff, cvode or any installed stepper plugin" },
     { "method", WEFT__TEXT, .required = true, AT(weft_scene, method),
       .meaning
       = "a method of the plugin (weft steppers lists them), or plugin/method" },
