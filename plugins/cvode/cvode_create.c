@@ -48,11 +48,17 @@ static const char *mistake(const cvode_method *method, const weft_ode *ode,
                : weft__sun_linear_mistake(config);
 }
 
+static int max_order(const cvode_method *method, const weft_stepper_config *config)
+{
+    const weft_linear *linear = linear_of(config);
+    return linear != NULL && linear->max_order > 0 ? linear->max_order
+                                                   : method->usual_order;
+}
+
 static cvode_stepper *allocate(const cvode_method *method, const weft_ode *ode,
                                const weft_stepper_config *c)
 {
     const weft_allocator memory = weft_stepper_memory(c);
-    const weft_linear *linear = linear_of(c);
     cvode_stepper *self = memory.resize(memory.ctx, NULL, sizeof *self);
     if (self != NULL) {
         *self
@@ -63,9 +69,7 @@ static cvode_stepper *allocate(const cvode_method *method, const weft_ode *ode,
                                .atol = { c->atol_position, c->atol_velocity },
                                .min_step = c->min_step,
                                .max_step = c->max_step,
-                               .max_order = linear != NULL && linear->max_order > 0
-                                                ? linear->max_order
-                                                : method->usual_order,
+                               .max_order = max_order(method, c),
                                .h = fmin(fmax(c->first_step, c->min_step), c->max_step),
                                .restart = true };
     }
@@ -109,50 +113,50 @@ static int settings(cvode_stepper *self)
 }
 
 /* The vectors: CVODE's history, its others, those of its iteration, ours. */
-static int vectors(const cvode_stepper *self, const weft_stepper_config *config)
+static int vectors(const cvode_method *method, size_t dim,
+                   const weft_stepper_config *config)
 {
-    return self->max_order + 12
-           + (self->method->formulas == CV_BDF
-                  ? weft__sun_equations_vectors(self->ode.dim, config)
-                  : 0);
+    const int more
+        = method->formulas == CV_BDF ? weft__sun_equations_vectors(dim, config) : 0;
+    return max_order(method, config) + 12 + more;
 }
 
-static weft_status make_solver(cvode_stepper *self, const weft_stepper_config *config,
-                               weft_error *err)
+/* The vectors, and what solves the equations of a step. */
+static bool make_parts(cvode_stepper *self, const weft_stepper_config *config)
 {
     const weft_team *team
         = WEFT_HAS(config, weft_stepper_config, team) ? config->team : NULL;
-    weft_status status = WEFT_OK;
     self->context = weft__sun_context();
     self->y = self->context == NULL
                   ? NULL
                   : weft__sun_vector(self->ode.dim, team, self->context);
     if (self->y == NULL) {
-        return WEFT_NO_MEMORY;
+        return false;
     }
     weft__sun_judge_by(self->y, config->norm, self->ode.dim);
-    if (self->method->formulas == CV_ADAMS) {
-        self->iteration = SUNNonlinSol_FixedPoint(self->y, 0, self->context);
-        status = self->iteration != NULL ? WEFT_OK : WEFT_NO_MEMORY;
-    } else {
-        status = weft__sun_equations_create(&self->equations, self->y, RESIDUAL, config,
-                                            err);
+    if (self->method->formulas == CV_BDF) {
+        return weft__sun_equations_create(&self->equations, self->y, RESIDUAL, config,
+                                          NULL)
+               == WEFT_OK;
     }
-    self->solver
-        = status != WEFT_OK ? NULL : CVodeCreate(self->method->formulas, self->context);
+    self->iteration = SUNNonlinSol_FixedPoint(self->y, 0, self->context);
+    return self->iteration != NULL;
+}
+
+static bool make_solver(cvode_stepper *self)
+{
+    self->solver = CVodeCreate(self->method->formulas, self->context);
     if (self->solver == NULL) {
-        return WEFT_NO_MEMORY;
+        return false;
     }
     self->equations.current_gamma = CVodeGetCurrentGamma;
     self->equations.owner = self->solver;
 #if SUNV < 700
     (void)CVodeSetErrHandlerFn(self->solver, weft__sun_silent, NULL);
 #endif
-    const bool made
-        = CVodeSetMaxOrd(self->solver, self->max_order) == CV_SUCCESS /* before Init */
-          && CVodeInit(self->solver, weft__cvode_rhs, 0.0, self->y) == CV_SUCCESS
-          && settings(self) == 0;
-    return made ? WEFT_OK : WEFT_NO_MEMORY;
+    return CVodeSetMaxOrd(self->solver, self->max_order) == CV_SUCCESS /* before Init */
+           && CVodeInit(self->solver, weft__cvode_rhs, 0.0, self->y) == CV_SUCCESS
+           && settings(self) == 0;
 }
 
 weft_status weft__cvode_create(const weft_stepper_type *type, const weft_ode *ode,
@@ -165,15 +169,16 @@ weft_status weft__cvode_create(const weft_stepper_type *type, const weft_ode *od
     if (wrong != NULL) {
         return weft_error_set(err, WEFT_INVALID, "%s: %s", type->name, wrong);
     }
-    cvode_stepper *self = allocate(method, ode, config);
-    weft_status status = self == NULL ? WEFT_NO_MEMORY : WEFT_OK;
-    if (status == WEFT_OK) {
-        status = weft__sun_memory(type->name, ode->dim, vectors(self, config), err);
-        status = status == WEFT_OK ? make_solver(self, config, err) : status;
-    }
+    const weft_status status = weft__sun_memory(type->name, ode->dim,
+                                                vectors(method, ode->dim, config), err);
     if (status != WEFT_OK) {
+        return status;
+    }
+    cvode_stepper *self = allocate(method, ode, config);
+    if (self == NULL || !make_parts(self, config) || !make_solver(self)) {
         weft__cvode_destroy(self);
-        return weft_error_set(err, status, "%s: no memory for CVODE", type->name);
+        return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory for CVODE",
+                              type->name);
     }
     *out = self;
     return WEFT_OK;
