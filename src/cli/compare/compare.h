@@ -31,7 +31,7 @@ enum {
 #define COMPARE_GROWTH   1e4   /* of the nudge, up to which the scene is predictable */
 #define COMPARE_PARTED   1e-4  /* [m] the same limit between the two references */
 #define COMPARE_NEAR     10.0  /* times the error of the reference: not judged */
-#define COMPARE_WORK     3e8 /* RHS calls times particles, of all runs but references */
+#define COMPARE_WORK     1e9 /* RHS calls times particles, of all runs but references */
 /* Tolerance of velocities [m/s] by that of positions [m], of methods for stiff cloth:
  * with 1, the velocities of stiff modes set their steps. */
 #define COMPARE_VELOCITY 100.0
