@@ -173,7 +173,7 @@ START_TEST(another_kind_of_simulation_is_told_apart)
     refused(size - 8 * WEFT__QUADRATURES, "saved without energy ledger");
     memcpy(again, saved, size);
     again[8] = 2;
-    refused(size, "saved in format 2, and this is 4");
+    refused(size, "saved in format 2, and this is 5");
 }
 END_TEST
 
@@ -182,7 +182,7 @@ END_TEST
 START_TEST(numbers_that_are_not_finite_are_refused)
 {
     const size_t size = weft_sim_save_size(sim), sum = size - 8;
-    const size_t words[] = { 15, 16, 29, 29 + DIM - 1 };
+    const size_t words[] = { 15, 16, 32, 32 + DIM - 1 };
     const double odd[] = { (double)NAN, (double)INFINITY };
     for (size_t i = 0; i < sizeof words / sizeof words[0] * 2; ++i) {
         memcpy(again, saved, size);
@@ -211,11 +211,11 @@ START_TEST(ledgers_that_are_not_finite_are_refused)
             refused_with(word, odd[i], "an energy ledger that is not finite");
         }
         for (size_t k = 0; k < WEFT__QUADRATURES; ++k) {
-            refused_with(29 + DIM + k, odd[i], "an energy ledger that is not finite");
+            refused_with(32 + DIM + k, odd[i], "an energy ledger that is not finite");
         }
     }
     /* a velocity whose square overflows */
-    refused_with(29 + DIM - 1, 1e200, "an energy ledger that is not finite");
+    refused_with(32 + DIM - 1, 1e200, "an energy ledger that is not finite");
 }
 END_TEST
 

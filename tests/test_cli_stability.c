@@ -220,6 +220,101 @@ START_TEST(shipped_scenes_are_surveyed_each)
 }
 END_TEST
 
+#ifdef HAVE_ARKODE
+/* P(n) of bench/problem.h, stiffness times k, damping time tau. */
+static void write_sheet(int n, double k, double tau)
+{
+    char text[1024];
+    (void)snprintf(text, sizeof text,
+                   "weft: 1\n"
+                   "cloth:\n"
+                   "  grid: {rows: %d, cols: %d, spacing: %.17g, down: [0, 0, 1]}\n"
+                   "  mass: %.17g\n"
+                   "  springs:\n"
+                   "    stretch: {stiffness: %g, damping: %g}\n"
+                   "    shear: {stiffness: %g, damping: %g}\n"
+                   "    bend: {stiffness: %g, damping: %g}\n"
+                   "  pins: [top-left, top-right]\n"
+                   "stepper: {plugin: arkode, method: dormand_prince, rtol: 0.001, "
+                   "atol: 0.001}\n"
+                   "run: {duration: 0.1}\n",
+                   n, n, 1.0 / (n - 1), 0.2 / n / n, 100 * k, 100 * k * tau, 50 * k,
+                   50 * k * tau, 10 * k, 10 * k * tau);
+    write_file(OUT "/stiff.yaml", text);
+}
+
+/* The number behind a text of the output; 0: it is not there. */
+static double number_after(const char *text)
+{
+    const char *at = strstr(output, text);
+    return at == NULL ? 0.0 : strtod(at + strlen(text), NULL);
+}
+
+static void within_2(const char *text, double measured)
+{
+    const double found = number_after(text);
+    ck_assert_msg(measured == 0.0
+                      || (found >= 0.5 * measured && found <= 2.0 * measured),
+                  "%s%g, measured %g in:\n%s", text, found, measured, output);
+}
+
+/* Measured with bench/stiff.c, over dormand_prince; 0: not measured. */
+START_TEST(gains_are_foretold_within_a_factor_of_2)
+{
+    static const struct {
+        int n;
+        double k, tau, rkc2, bdf_2, bdf_3;
+    } measured[] = {
+        { 32, 1000, 5e-4, 52, 128, 44 },
+        { 100, 1, 5e-4, 2.3, 3.2, 0 },
+        { 100, 100, 5e-5, 4.6, 6.7, 2.7 },
+        { 256, 1, 5e-4, 6.2, 0, 5.6 },
+    };
+    for (size_t i = 0; i < sizeof measured / sizeof measured[0]; ++i) {
+        write_sheet(measured[i].n, measured[i].k, measured[i].tau);
+        expect(shell(WEFT " check --yaml " OUT "/stiff.yaml 2>&1"), 0);
+        says("over-damped; estimated, over arkode dormand_prince: ");
+        within_2("stiff rkc2 is ", measured[i].rkc2);
+        within_2("cvode bdf is ", measured[i].bdf_2);
+        within_2("faster at 1e-02 m, ", measured[i].bdf_3);
+    }
+}
+END_TEST
+
+START_TEST(nothing_is_promised_without_damping_or_for_small_soft_cloth)
+{
+    static const struct {
+        int n;
+        double k, tau;
+        const char *text;
+    } sheets[] = {
+        { 32, 1000, 5e-4 / 31.6,
+          "lightly damped; explicit methods: too little damping" },
+        { 100, 1000, 0.0, "damping ratio 0: lightly damped; explicit methods" },
+        { 8, 1, 3e-3, "damped; explicit methods: the cloth is too small or too soft" },
+    };
+    for (size_t i = 0; i < sizeof sheets / sizeof sheets[0]; ++i) {
+        write_sheet(sheets[i].n, sheets[i].k, sheets[i].tau);
+        expect(shell(WEFT " check --yaml " OUT "/stiff.yaml 2>&1"), 0);
+        says(sheets[i].text);
+        ck_assert_ptr_null(strstr(output, "estimated"));
+    }
+}
+END_TEST
+
+/* As for explicit methods, with the stages of that step. */
+START_TEST(rkc2_is_in_the_table_where_damping_allows_it)
+{
+    write_sheet(32, 1000, 5e-4);
+    expect(shell(WEFT " check " OUT "/stiff.yaml 2>&1"), 0);
+    says("             stiff    rkc2                  0.00095 s    5.508e+04\n");
+    write_sheet(32, 1, 1e-4);
+    expect(shell(WEFT " check --all " OUT "/stiff.yaml 2>&1"), 0);
+    says("             stiff    rkc2                        -              -\n");
+}
+END_TEST
+#endif
+
 #ifdef HAVE_GSL
 /* Loose tolerances leave it to stability to hold the step, tight ones do not. */
 START_TEST(advice_tells_what_limits_an_adaptive_method)
@@ -258,6 +353,11 @@ TEST_SUITE(cli_stability)
     tcase_add_test(tcase, evaluations_are_those_of_steps_that_end_at_frames);
     tcase_add_test(tcase, one_sweep_shows_where_a_decay_begins_to_grow);
     tcase_add_test(tcase, the_allowance_is_named_where_it_is_used);
+#ifdef HAVE_ARKODE
+    tcase_add_test(tcase, gains_are_foretold_within_a_factor_of_2);
+    tcase_add_test(tcase, nothing_is_promised_without_damping_or_for_small_soft_cloth);
+    tcase_add_test(tcase, rkc2_is_in_the_table_where_damping_allows_it);
+#endif
 #ifdef HAVE_GSL
     tcase_add_test(tcase, advice_tells_what_limits_an_adaptive_method);
 #endif

@@ -42,7 +42,7 @@ enum { ROWS = 1024, COLUMNS = 16, WORD = 40 };
 typedef struct run_row {
     char plugin[WORD], method[WORD], kind[WORD], outcome[WORD];
     int order;
-    double setting, error, rms, calls, rejected;
+    double setting, error, rms, calls, rejected, time;
     bool near;
 } run_row;
 
@@ -63,7 +63,8 @@ static void read_row(const char *line, run_row *row)
                       .rms = atof(cells[7]),
                       .near = cells[9][0] == '1',
                       .calls = atof(cells[10]),
-                      .rejected = atof(cells[12]) };
+                      .rejected = atof(cells[12]),
+                      .time = atof(cells[14]) };
     strcpy(row->plugin, cells[0]);
     strcpy(row->method, cells[1]);
     strcpy(row->kind, cells[3]);
@@ -404,6 +405,45 @@ START_TEST(what_is_not_worth_its_while_is_told)
 }
 END_TEST
 
+/* The scene has too little damping for rkc2. */
+START_TEST(a_method_that_refuses_the_cloth_is_left_out)
+{
+    expect(shell(WEFT " compare " OUT "/smooth.yaml --methods rkc2 --until 0.5 "
+                      "--out " OUT "/light 2>&1"),
+           0);
+    says("stiffest mode: omega ");
+    unwrap(26);
+    says("stiff  rkc2               rkc2: all modes are damped too lightly");
+    read_rows(OUT "/light/compare.csv");
+    ck_assert_str_eq(next("stiff", "rkc2", NULL)->outcome, "left out");
+    ck_assert_ptr_null(next("stiff", "rkc2", next("stiff", "rkc2", NULL)));
+}
+END_TEST
+
+/* The ladders of implicit methods have times of their own, and are ranked by them. */
+START_TEST(methods_are_ranked_by_time)
+{
+    expect(shell(WEFT " compare " OUT "/smooth.yaml --methods ros2,velocity_verlet "
+                      "--until 0.5 --out " OUT "/time 2>&1"),
+           0);
+    says("time [ms] until no particle is further off");
+    says(" m: ");
+    read_rows(OUT "/time/compare.csv");
+    const run_row *last = NULL;
+    size_t runs = 0;
+    for (const run_row *row = NULL; (row = next("stiff", "ros2", row)) != NULL;
+         last = row) {
+        ck_assert_str_eq(row->kind, "tolerance");
+        ck_assert(strcmp(row->outcome, "done") != 0 || row->time > 0.0);
+        runs += strcmp(row->outcome, "done") == 0;
+    }
+    ck_assert_ptr_nonnull(last);
+    ck_assert_uint_ge(runs, 2);
+    unwrap(9);
+    says("times as long");
+}
+END_TEST
+
 START_TEST(wrong_command_lines_are_told)
 {
     expect(shell(WEFT " compare 2>&1"), 2);
@@ -456,6 +496,8 @@ TEST_SUITE(compare)
     tcase_add_test(cases, without_a_reference_nothing_is_ranked);
     tcase_add_test(cases, a_crash_costs_one_method);
     tcase_add_test(cases, what_is_not_worth_its_while_is_told);
+    tcase_add_test(cases, a_method_that_refuses_the_cloth_is_left_out);
+    tcase_add_test(cases, methods_are_ranked_by_time);
     tcase_add_test(cases, wrong_command_lines_are_told);
     tcase_add_test(cases, the_page_holds_its_numbers_and_no_foreign_elements);
     suite_add_tcase(suite, cases);

@@ -35,9 +35,10 @@ START_TEST(polynomial_agrees_with_exp_up_to_the_order)
 {
     const weft_stepper_type *type = test_method((size_t)_i);
     if (!has_stable_step(type)) {
+        const bool asked = test_needs_damping(type);
         weft_stability out;
         ck_assert_int_eq(weft_stability_create(type, NULL, &out, NULL),
-                         WEFT_UNSUPPORTED);
+                         asked ? WEFT_OK : WEFT_UNSUPPORTED);
         return;
     }
     const weft_stability of = stability_of(type);
@@ -73,6 +74,39 @@ START_TEST(a_step_is_reached_up_to_the_largest_and_not_above)
             WEFT_OK);
         ck_assert(reaches == (steps[i] <= h));
     }
+}
+END_TEST
+
+/* Modes from 0 to omega with damping tau times their stiffness lie on the circle
+ * |mu + 1 / tau| = 1 / tau, or on the real axis. */
+static weft_stiffness proportional(double omega, double tau)
+{
+    const double w = omega * omega;
+    return (weft_stiffness){ .omega2 = w,
+                             .damping = tau * w,
+                             .count = 2,
+                             .corners = { { 0.0, 0.0 }, { w, tau * w } } };
+}
+
+START_TEST(a_stabilised_method_says_what_is_stable)
+{
+    const double tau = 5e-4;
+    weft_stability of;
+    double h = 0.0, stages[2] = { 0.0, 0.0 };
+    ck_assert_int_eq(
+        weft_stability_create(test_method_named("stiff/rkc2"), NULL, &of, NULL),
+        WEFT_OK);
+    for (int i = 0; i < 2; ++i) { /* damping ratios 2.5 and 25 */
+        const weft_stiffness modes = proportional(i == 0 ? 1e4 : 1e5, tau);
+        ck_assert_int_eq(weft_stability_step(&of, &modes, 0.0, &h, NULL), WEFT_OK);
+        ck_assert_double_eq_tol(h, 1.9 * tau, 1e-9 * tau);
+        ck_assert_int_eq(weft_stability_calls(&of, &modes, h, &stages[i], NULL),
+                         WEFT_OK);
+    }
+    /* like the root of the largest eigenvalue, which is 100 times larger */
+    ck_assert_double_eq_tol(stages[1] / stages[0], 10.0, 1.5);
+    const weft_stiffness light = proportional(1e3, 0.9 / 1e3);
+    ck_assert_int_eq(weft_stability_step(&of, &light, 0.0, &h, NULL), WEFT_UNSUPPORTED);
 }
 END_TEST
 
@@ -325,6 +359,7 @@ TEST_SUITE(stability)
     Suite *suite = suite_create("stability");
     TCase *limits = tcase_create("limits");
     tcase_set_timeout(limits, 120.0);
+    tcase_add_test(limits, a_stabilised_method_says_what_is_stable);
     tcase_add_loop_test(limits, limits_are_those_of_the_tables, 0, ROWS);
     tcase_add_loop_test(limits, a_step_is_reached_up_to_the_largest_and_not_above, 0,
                         (int)test_method_count());

@@ -92,7 +92,7 @@ enum { WEFT_STABILITY_DEGREE = 47 };
 typedef struct weft_stability {
     const weft_stepper_type *type;
     const weft_butcher *butcher;
-    double calls; /* RHS calls per step */
+    double calls; /* RHS calls per step; 0: weft_stability_calls */
     int degree;   /* of r; -1: not a Runge-Kutta method, and r is not set */
     double r[WEFT_STABILITY_DEGREE + 1]; /* R(z) = sum r[k] z^k: y1 = R(h A) y0 */
 } weft_stability;
@@ -113,8 +113,9 @@ WEFT_API weft_status weft_stability_create(const weft_stepper_type *type,
  * damping rate c / 2 < growth by at most exp((growth - c / 2) h) per step, and to at
  * most twice its size. With growth = log(2) / T none more than doubles in T seconds.
  * Modes that do not oscillate, on the real axis, and modes damped at a rate of growth
- * or more must satisfy |R| <= 1. Other methods ignore growth. Errors: WEFT_NO_MEMORY.
- */
+ * or more must satisfy |R| <= 1. Other methods ignore growth. A method with
+ * WEFT_STEPPER_STRUCTURE is asked for its largest fixed step. Errors: WEFT_NO_MEMORY,
+ * WEFT_UNSUPPORTED (it refuses such a cloth). */
 WEFT_API weft_status weft_stability_step(const weft_stability *stability,
                                          const weft_stiffness *modes, double growth,
                                          double *h, weft_error *err);
@@ -124,6 +125,12 @@ WEFT_API weft_status weft_stability_step(const weft_stability *stability,
 WEFT_API weft_status weft_stability_reaches(const weft_stability *stability,
                                             const weft_stiffness *modes, double growth,
                                             double h, bool *reaches, weft_error *err);
+
+/* RHS calls per step of h [s]: stability->calls, but for a method with
+ * WEFT_STEPPER_STRUCTURE, which follow from h and the modes. */
+WEFT_API weft_status weft_stability_calls(const weft_stability *stability,
+                                          const weft_stiffness *modes, double h,
+                                          double *calls, weft_error *err);
 
 /* A running simulation. One thread at a time; many may share a cloth.
  *

@@ -274,9 +274,11 @@ enum {
     WEFT_STEPPER_LIBM = 1 << 10, /* the solver decides by powers, sines, ... of libm,
                                    whose rounding differs between machines: no promise
                                    of the same bits on another machine */
-    WEFT_STEPPER_STRUCTURE = 1 << 11,    /* needs config->structure */
-    WEFT_STEPPER_ADAPTIVE_ONLY = 1 << 12 /* every step is the solver's choice: create
-                                            refuses fixed_step */
+    WEFT_STEPPER_STRUCTURE = 1 << 11,     /* needs config->structure */
+    WEFT_STEPPER_ADAPTIVE_ONLY = 1 << 12, /* every step is the solver's choice: create
+                                             refuses fixed_step */
+    WEFT_STEPPER_LINEAR = 1 << 13 /* takes config->linear, and reports as options
+                                     which of its members it uses */
 };
 
 /* An option in force, as text: "safety", "0.96". */

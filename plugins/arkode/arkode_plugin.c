@@ -14,7 +14,7 @@ enum {
     FIXED = WEFT_STEPPER_FIXED_ONLY,
     FSAL = WEFT_STEPPER_FSAL,
     CUSTOM = WEFT_STEPPER_BUTCHER,
-    IMPLICIT = WEFT_STEPPER_IMPLICIT
+    IMPLICIT = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_LINEAR
 };
 
 /* Methods with an error estimate have a controller. Weighted norms can leave

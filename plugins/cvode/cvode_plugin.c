@@ -10,7 +10,7 @@ enum {
            | WEFT_STEPPER_ADAPTIVE_ONLY
 };
 
-#define TYPE(label, full, highest, source)                                             \
+#define TYPE(label, full, highest, more, source)                                       \
     .type = {                                                                          \
         .abi = WEFT_STEPPER_ABI,                                                       \
         .struct_size = sizeof(weft_stepper_type),                                      \
@@ -18,7 +18,7 @@ enum {
         .reference = source,                                                           \
         .license = "BSD-3-Clause",                                                     \
         .order = highest,                                                              \
-        .flags = KIND,                                                                 \
+        .flags = KIND | (more),                                                        \
         .create = weft__cvode_create,                                                  \
         .step = weft__cvode_step,                                                      \
         .state_changed = weft__cvode_state_changed,                                    \
@@ -30,7 +30,7 @@ enum {
 
 /* Of order 3 and more BDF is not A-stable: lightly damped modes bind the step. */
 static const cvode_method bdf = {
-    TYPE("bdf", "CV_BDF", 2,
+    TYPE("bdf", "CV_BDF", 2, WEFT_STEPPER_LINEAR,
          "A. C. Hindmarsh et al., SUNDIALS, ACM TOMS 31, 2005; C. W. Gear, "
          "Prentice-Hall, 1971"),
     .formulas = CV_BDF,
@@ -39,7 +39,8 @@ static const cvode_method bdf = {
 };
 
 static const cvode_method adams = {
-    TYPE("adams", "CV_ADAMS", 0, "A. C. Hindmarsh et al., SUNDIALS, ACM TOMS 31, 2005"),
+    TYPE("adams", "CV_ADAMS", 0, 0,
+         "A. C. Hindmarsh et al., SUNDIALS, ACM TOMS 31, 2005"),
     .formulas = CV_ADAMS,
     .usual_order = 12,
     .top_order = 12,

@@ -198,7 +198,10 @@ static void options(const void *instance, weft_option_fn *tell, void *ctx)
     }
 }
 
-enum { FLAGS = WEFT_STEPPER_QUADRATURES | WEFT_STEPPER_STRUCTURE };
+enum {
+    FLAGS = WEFT_STEPPER_QUADRATURES | WEFT_STEPPER_STRUCTURE,
+    SOLVES = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_LINEAR
+};
 
 #define METHOD(id, p, error_p, calls, more, residual, before, source)                  \
     {                                                                                  \
@@ -225,11 +228,10 @@ static const stiff_method methods[] = {
     METHOD(rkc2, 2, 2, 0, WEFT_STEPPER_FSAL, 0.0, weft__rkc2_prepare,
            "B. P. Sommeijer, L. F. Shampine, J. G. Verwer, J. Comput. Appl. Math. 88, "
            "1998"),
-    METHOD(ros2, 2, 1, 2, WEFT_STEPPER_IMPLICIT, 1e-2, NULL,
+    METHOD(ros2, 2, 1, 2, SOLVES, 1e-2, NULL,
            "J. G. Verwer, E. J. Spee, J. G. Blom, W. Hundsdorfer, SIAM J. Sci. Comput. "
            "20, 1999"),
-    METHOD(backward_euler, 1, 0, 1, WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_FIXED_ONLY,
-           1e-3, NULL,
+    METHOD(backward_euler, 1, 0, 1, SOLVES | WEFT_STEPPER_FIXED_ONLY, 1e-3, NULL,
            "D. Baraff, A. Witkin, SIGGRAPH 1998: one Newton step, for graphics"),
 };
 

@@ -131,9 +131,16 @@ weft_status record_shapes_add(record_table *table, const record_frame *frame,
 
 #define RECORD_COLUMNS_MAX 64
 
-/* series.c: one row per frame; `ledger` if the simulations keep it. */
+/* Columns of series.csv that not every run has. */
+enum {
+    RECORD_LEDGER = 1 << 0, /* the simulation keeps it */
+    RECORD_SOLVER = 1 << 1  /* the method solves linear systems */
+};
+
+/* series.c: one row per frame; `optional`: RECORD_... */
 typedef struct record_series {
     record_table table;
+    unsigned optional;
     size_t columns;
     const char *names[RECORD_COLUMNS_MAX];
     double row[RECORD_COLUMNS_MAX]; /* the last row, its values as doubles */
@@ -141,9 +148,9 @@ typedef struct record_series {
 } record_series;
 
 weft_status record_series_open(record_series *series, const char *directory,
-                               bool ledger, weft_error *err);
+                               unsigned optional, weft_error *err);
 weft_status record_series_reopen(record_series *series, const char *directory,
-                                 bool ledger, weft_error *err);
+                                 unsigned optional, weft_error *err);
 weft_status record_series_add(record_series *series, const record_frame *frame,
                               weft_error *err);
 

@@ -218,6 +218,18 @@ static void write_contact(yaml_out *out, const weft_sim *sim, const weft_measure
     }
 }
 
+/* Nothing of a method that solves no linear systems. */
+static void write_solver(yaml_out *out, const weft_stepper_stats *stats)
+{
+    if (stats->factorisations > 0) {
+        yaml_out_map(out, "solver");
+        yaml_out_plain(out, "linear_iterations", "%" PRIu64, stats->linear_iterations);
+        yaml_out_plain(out, "factorisations", "%" PRIu64, stats->factorisations);
+        yaml_out_plain(out, "newton_failures", "%" PRIu64, stats->newton_failures);
+        yaml_out_close_map(out);
+    }
+}
+
 static void write_outcome(yaml_out *out, const record_result *result)
 {
     const weft_cloth *cloth = weft_sim_cloth(result->sim);
@@ -227,6 +239,7 @@ static void write_outcome(yaml_out *out, const record_result *result)
     yaml_out_plain(out, "steps", "%" PRIu64, stats.steps);
     yaml_out_plain(out, "rejected", "%" PRIu64, stats.rejected);
     yaml_out_plain(out, "rhs_calls", "%" PRIu64, stats.rhs_calls);
+    write_solver(out, &stats);
     yaml_out_real(out, "last_step", stats.last_step);
     write_spring(out, cloth, &all.worst);
     yaml_out_real(out, "energy_start", result->energy_start);

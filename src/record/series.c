@@ -51,6 +51,12 @@
     X(dissipated_friction, "%.17g", row.ledger.dissipated_friction)                    \
     X(shape_work, "%.17g", row.ledger.shape_work)
 
+/* And these if the method solves linear systems. */
+#define SOLVER_COLUMNS(X)                                                              \
+    X(linear_iterations, "%" PRIu64, row.stats.linear_iterations)                      \
+    X(factorisations, "%" PRIu64, row.stats.factorisations)                            \
+    X(newton_failures, "%" PRIu64, row.stats.newton_failures)
+
 /* [bytes] A cell has at most 24 characters and a comma. */
 enum { LINE = 32 * RECORD_COLUMNS_MAX };
 
@@ -82,32 +88,36 @@ static series_row measure(const record_frame *frame)
     return row;
 }
 
-static void list_columns(record_series *series, bool ledger)
+static void list_columns(record_series *series)
 {
     series->columns = 0;
 #define NAME(name, format, value) series->names[series->columns++] = #name;
     COLUMNS(NAME)
-    if (ledger) {
+    if ((series->optional & RECORD_LEDGER) != 0) {
         LEDGER_COLUMNS(NAME)
     }
     CONTACT_COLUMNS(NAME)
-    if (ledger) {
+    if ((series->optional & RECORD_LEDGER) != 0) {
         CONTACT_LEDGER_COLUMNS(NAME)
+    }
+    if ((series->optional & RECORD_SOLVER) != 0) {
+        SOLVER_COLUMNS(NAME)
     }
 #undef NAME
 }
 
 static weft_status open_table(record_series *series, const char *directory, bool again,
-                              bool ledger, weft_error *err)
+                              unsigned optional, weft_error *err)
 {
-    list_columns(series, ledger);
+    series->optional = optional;
+    list_columns(series);
     return record_table_open(&series->table, directory, "series.csv", again, err);
 }
 
 weft_status record_series_open(record_series *series, const char *directory,
-                               bool ledger, weft_error *err)
+                               unsigned optional, weft_error *err)
 {
-    const weft_status status = open_table(series, directory, false, ledger, err);
+    const weft_status status = open_table(series, directory, false, optional, err);
     if (status != WEFT_OK) {
         return status;
     }
@@ -122,9 +132,9 @@ weft_status record_series_open(record_series *series, const char *directory,
 }
 
 weft_status record_series_reopen(record_series *series, const char *directory,
-                                 bool ledger, weft_error *err)
+                                 unsigned optional, weft_error *err)
 {
-    return open_table(series, directory, true, ledger, err);
+    return open_table(series, directory, true, optional, err);
 }
 
 weft_status record_series_add(record_series *series, const record_frame *frame,
@@ -141,12 +151,15 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
                                     value));                                           \
     series->row[column++] = (double)(value);
     COLUMNS(CELL)
-    if (row.ledger.kept) {
+    if ((series->optional & RECORD_LEDGER) != 0) {
         LEDGER_COLUMNS(CELL)
     }
     CONTACT_COLUMNS(CELL)
-    if (row.ledger.kept) {
+    if ((series->optional & RECORD_LEDGER) != 0) {
         CONTACT_LEDGER_COLUMNS(CELL)
+    }
+    if ((series->optional & RECORD_SOLVER) != 0) {
+        SOLVER_COLUMNS(CELL)
     }
 #undef CELL
     line[used - 1] = '\n';

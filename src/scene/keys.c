@@ -365,9 +365,35 @@ static const weft__key controller_keys[] = {
 static const weft__section controller_section
     = { SECTION(controller_keys), .check = weft__check_controller };
 
+/* In the order of weft_preconditioner; of weft_jacobian from its second on. */
+static const char *const preconditioner_names[]
+    = { "auto", "jacobi", "multigrid", NULL };
+static const char *const jacobian_names[] = { "step", "newton", NULL };
+
+static const weft__key solver_keys[] = {
+    { "krylov", WEFT__NUMBER, .strict = true, .most = 1.0, .below = true,
+      .absent = "bdf: 0.1, ros2: 0.01", AT(weft__solver, set.krylov),
+      .meaning = "relative residual to which each linear system is solved" },
+    { "preconditioner", WEFT__CHOICE, .names = preconditioner_names, .fallback = "auto",
+      AT(weft__solver, set.preconditioner),
+      .meaning = "of conjugate gradients: the blocks of the particles, multigrid, or "
+                 "what the step size suggests" },
+    { "jacobian", WEFT__CHOICE, .names = jacobian_names, .first = WEFT_JACOBIAN_STEP,
+      .absent = "of the method", AT(weft__solver, set.jacobian),
+      .meaning = "computed anew in each step or in each Newton iteration, for methods "
+                 "with Newton's iteration" },
+    { "max_order", WEFT__INTEGER, .least = 1.0, .most = 5.0, .absent = "bdf: 2",
+      AT(weft__solver, max_order),
+      .meaning = "largest order, for methods of variable order; bdf is stable at all "
+                 "step sizes up to order 2 only" },
+};
+
+static const weft__section solver_section
+    = { SECTION(solver_keys), .check = weft__check_solver };
+
 static const weft__key stepper_keys[] = {
     { "plugin", WEFT__TEXT, .required = true, AT(weft_scene, plugin),
-      .meaning = "gsl, arkode, cvode, verlet, stiff or any installed stepper plugin" },
+      .meaning = "gsl, arkode, verlet, stiff, cvode or any installed stepper plugin" },
     { "method", WEFT__TEXT, .required = true, AT(weft_scene, method),
       .meaning
       = "a method of the plugin (weft steppers lists them), or plugin/method" },
@@ -398,6 +424,11 @@ static const weft__key stepper_keys[] = {
       .absent = "the plugin's", AT(weft_scene, control),
       .meaning = "step size control, for the methods of plugin arkode with an error "
                  "estimate" },
+    { "solver", WEFT__MAPPING, .section = &solver_section, .absent = "the method's",
+      AT(weft_scene, solver),
+      .meaning
+      = "linear systems of the implicit methods of plugins stiff, cvode and arkode; "
+        "a key that the method does not use is a mistake" },
     { "butcher", WEFT__MAPPING, .section = &butcher_section, .absent = "none",
       AT(weft_scene, tableau),
       .meaning = "an explicit Runge-Kutta table, for method custom of plugin "

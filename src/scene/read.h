@@ -29,6 +29,12 @@ typedef struct weft__control {
     weft__list gains;
 } weft__control;
 
+/* Settings of linear systems, and the order as it is read. */
+typedef struct weft__solver {
+    weft_linear set;
+    size_t max_order;
+} weft__solver;
+
 /* Its tree owns the arrays and texts that the definition structs point to. Fields whose
  * key is absent or wrong stay 0. */
 struct weft_scene {
@@ -44,6 +50,7 @@ struct weft_scene {
     const weft_stepper_type *type;
     weft__tableau tableau;
     weft__control control;
+    weft__solver solver;
     weft_butcher butcher;
     bool large_matrices; /* are allowed */
 };
@@ -185,6 +192,7 @@ void weft__resolve_method(weft__reader *reader, const weft__sweep *sweep);
 
 /* scene_stepper.c */
 bool weft__is_plugin_id(const char *id);
-weft__check_fn weft__check_controller, weft__check_stepper, weft__check_record;
+weft__check_fn weft__check_controller, weft__check_solver, weft__check_stepper,
+    weft__check_record;
 
 #endif

@@ -153,8 +153,9 @@ static void refuse_unused(resolver *self, const char *const *keys, size_t count,
 
 static void check_use(resolver *self, uint32_t flags)
 {
-    static const char *const controller[] = { "controller" }, *const butcher[]
-                                                              = { "butcher" };
+    static const char *const controller[]
+        = { "controller" },
+        *const butcher[] = { "butcher" }, *const solver[] = { "solver" };
     if ((flags & WEFT_STEPPER_FIXED_ONLY) != 0) {
         refuse_unused(self, adaptive_keys, ADAPTIVE, "has no error control");
     } else if ((flags & WEFT_STEPPER_CONTROLLER) == 0) {
@@ -165,6 +166,9 @@ static void check_use(resolver *self, uint32_t flags)
     }
     if ((flags & WEFT_STEPPER_BUTCHER) == 0) {
         refuse_unused(self, butcher, 1, "takes no table; arkode/custom does");
+    }
+    if ((flags & WEFT_STEPPER_LINEAR) == 0) {
+        refuse_unused(self, solver, 1, "has no linear solver to set");
     }
 }
 

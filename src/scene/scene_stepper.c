@@ -146,6 +146,15 @@ void weft__check_controller(weft__reader *reader, const weft__match *match, void
     }
 }
 
+void weft__check_solver(weft__reader *reader, const weft__match *match, void *base)
+{
+    weft__solver *solver = base;
+    (void)match;
+    solver->set.struct_size = sizeof solver->set;
+    solver->set.max_order = (int)solver->max_order;
+    reader->scene->config.linear = &solver->set;
+}
+
 /* [bytes] */
 #define LARGE_MATRICES 1e9
 
@@ -193,6 +202,44 @@ static size_t no_modes(double t, const double *y, double (*corners)[2], size_t r
     return 0;
 }
 
+/* The keys of a section that were not among the options of a stepper. */
+typedef struct unused {
+    const weft__node *map;
+    bool used[WEFT__MAX_KEYS]; /* in the order of the map's pairs */
+} unused;
+
+static void mark_used(void *ctx, const char *name, const char *value)
+{
+    unused *keys = ctx;
+    const size_t slot = weft__find_key(keys->map, name, strlen(name));
+    (void)value;
+    if (slot < keys->map->count) {
+        keys->used[slot] = true;
+    }
+}
+
+/* Which keys of stepper.solver a method uses, its options say. */
+static void check_solver_use(weft__reader *reader, const weft__match *match,
+                             const void *stepper)
+{
+    const weft_scene *scene = reader->scene;
+    unused keys = { .map = weft__value_in(match, "solver") };
+    if (keys.map == NULL || !WEFT_HAS(scene->type, weft_stepper_type, options)
+        || scene->type->options == NULL) {
+        return;
+    }
+    scene->type->options(stepper, mark_used, &keys);
+    for (size_t i = 0; i < keys.map->count; ++i) {
+        const weft__node *key = keys.map->entries[i].key;
+        if (!keys.used[i]) {
+            weft__report_error(
+                reader->report, key->at,
+                "%s would not be used by method '%.40s' of plugin '%.40s'", key->text,
+                scene->method, scene->plugin);
+        }
+    }
+}
+
 /* Creates a stepper for one particle to find what only the method can refuse, such as a
  * table that is not of its order. */
 static void check_creation(weft__reader *reader, const weft__match *match)
@@ -200,6 +247,7 @@ static void check_creation(weft__reader *reader, const weft__match *match)
     const weft_scene *scene = reader->scene;
     const weft_ode one = { .dim = 6, .rhs = no_rhs };
     const weft__node *table = weft__found_in(match, "butcher")->key;
+    const weft__node *solver = weft__found_in(match, "solver")->key;
     static const double mass = 1.0, drag = 0.0;
     const weft_structure structure = { .struct_size = sizeof structure,
                                        .particles = 1,
@@ -215,13 +263,15 @@ static void check_creation(weft__reader *reader, const weft__match *match)
     const weft_status status
         = scene->type->create(scene->type, &one, &config, &stepper, &why);
     if (status == WEFT_OK) {
+        check_solver_use(reader, match, stepper);
         scene->type->destroy(stepper);
     } else if (status == WEFT_NO_MEMORY) {
         reader->report->no_memory = true;
     } else {
         weft__report_error(reader->report,
-                           table != NULL ? table->at
-                                         : weft__value_in(match, "method")->at,
+                           table != NULL    ? table->at
+                           : solver != NULL ? solver->at
+                                            : weft__value_in(match, "method")->at,
                            "%s", why.message);
     }
 }

@@ -18,7 +18,7 @@
 
 static const unsigned char magic[WEFT__WORD] = "weftsave";
 
-#define VERSION 4
+#define VERSION 5
 
 #define NAME_WORDS 8
 
@@ -30,6 +30,7 @@ typedef struct fields {
     uint64_t steps, rejected, rhs_calls;
     weft_limit_stats limit;
     uint64_t vetoed;
+    uint64_t linear_iterations, factorisations, newton_failures;
 } fields;
 
 enum { FIELDS = sizeof(fields) / WEFT__WORD };
@@ -69,6 +70,9 @@ static fields fields_of(const weft_sim *sim)
         .rhs_calls = stats.rhs_calls,
         .limit = sim->limit.stats,
         .vetoed = sim->vetoed,
+        .linear_iterations = stats.linear_iterations,
+        .factorisations = stats.factorisations,
+        .newton_failures = stats.newton_failures,
     };
 }
 
@@ -92,10 +96,14 @@ static weft_status renew(weft_sim *sim, const fields *counted, weft_error *err)
     if (status == WEFT_OK) {
         sim->def.method->destroy(sim->stepper);
         sim->stepper = fresh;
-        sim->earlier = (weft_stepper_stats){ .steps = counted->steps,
-                                             .rejected = counted->rejected,
-                                             .rhs_calls = counted->rhs_calls,
-                                             .last_step = counted->last_step };
+        sim->earlier
+            = (weft_stepper_stats){ .steps = counted->steps,
+                                    .rejected = counted->rejected,
+                                    .rhs_calls = counted->rhs_calls,
+                                    .last_step = counted->last_step,
+                                    .linear_iterations = counted->linear_iterations,
+                                    .factorisations = counted->factorisations,
+                                    .newton_failures = counted->newton_failures };
     }
     return status;
 }

@@ -26,6 +26,14 @@ static uint64_t hash_adaptive(uint64_t hash, const weft_stepper_config *config)
     return hash;
 }
 
+static uint64_t hash_linear(uint64_t hash, const weft_linear *linear)
+{
+    hash = weft__hash_real(hash, linear->krylov);
+    hash = weft__hash_word(hash, linear->preconditioner);
+    hash = weft__hash_word(hash, linear->jacobian);
+    return weft__hash_word(hash, (uint64_t)linear->max_order);
+}
+
 static uint64_t hash_table(uint64_t hash, const weft_butcher *table)
 {
     const size_t stages = (size_t)table->stages;
@@ -59,6 +67,9 @@ uint64_t weft__settings_hash(const weft_sim_def *def, const weft_stepper_config 
         if ((flags & WEFT_STEPPER_CONTROLLER) != 0 && config->controller != NULL) {
             hash = hash_controller(hash, config->controller);
         }
+    }
+    if ((flags & WEFT_STEPPER_LINEAR) != 0 && config->linear != NULL) {
+        hash = hash_linear(hash, config->linear);
     }
     if ((flags & WEFT_STEPPER_BUTCHER) != 0) {
         hash = hash_table(hash, config->butcher);

@@ -307,6 +307,9 @@ weft_stepper_stats weft_sim_stats(const weft_sim *sim)
     stats.steps += sim->earlier.steps;
     stats.rejected += sim->earlier.rejected;
     stats.rhs_calls += sim->earlier.rhs_calls;
+    stats.linear_iterations += sim->earlier.linear_iterations;
+    stats.factorisations += sim->earlier.factorisations;
+    stats.newton_failures += sim->earlier.newton_failures;
     return stats;
 }
 

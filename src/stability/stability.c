@@ -12,6 +12,9 @@
  * step is linear in K and C, and the polygon serves as for Runge-Kutta; with more it
  * does where K and C commute.
  *
+ * A method that knows the modes of the cloth (weft_structure) refuses fixed steps that
+ * are not stable: it is asked.
+ *
  * A method with |R(iy)| > 1 for small y has no stable step on undamped modes. These may
  * be allowed to grow; damping takes the allowance back (allowance below). */
 #include "weft/sim.h"
@@ -169,10 +172,8 @@ weft_status weft_stability_create(const weft_stepper_type *type,
                               type->name);
     }
     if ((type->flags & WEFT_STEPPER_STRUCTURE) != 0) {
-        return weft_error_set(err, WEFT_UNSUPPORTED,
-                              "%s: its stages, and with them its largest stable step, "
-                              "follow from the cloth",
-                              type->name);
+        out->degree = -1;
+        return WEFT_OK;
     }
     bool holds = false;
     weft_status status = read_polynomial(out, err);
@@ -375,6 +376,110 @@ static weft_status bisect_runs(const weft_stability *of, const weft_stiffness *p
     return status;
 }
 
+/* ---- methods that know the modes: by asking them --------------------------------- */
+
+static size_t give_modes(double t, const double *y, double (*corners)[2], size_t room,
+                         void *ctx)
+{
+    const weft_stiffness *polygon = ctx;
+    const size_t count = polygon->count <= room ? polygon->count : 0;
+    (void)t;
+    (void)y;
+    memcpy(corners, polygon->corners, count * sizeof *corners);
+    return count;
+}
+
+static int no_springs(double t, const double *y, double *planes, double *blocks,
+                      void *ctx)
+{
+    (void)t, (void)y, (void)planes, (void)blocks, (void)ctx;
+    return 0;
+}
+
+static int stay(double t, const double *y, double *dydt, void *ctx)
+{
+    (void)t, (void)y, (void)ctx;
+    memset(dydt, 0, 6 * sizeof *dydt);
+    return 0;
+}
+
+/* Whether a particle at rest can take fixed steps of h on a cloth with these modes, and
+ * the RHS calls of one. Not WEFT_OK: the method refuses the cloth. */
+static weft_status ask(const weft_stability *of, const weft_stiffness *polygon,
+                       double h, bool *stable, double *calls, weft_error *err)
+{
+    enum { ASKED = 4 };
+    static const double mass = 1.0, drag = 0.0;
+    const weft_structure structure = { .struct_size = sizeof structure,
+                                       .particles = 1,
+                                       .mass = &mass,
+                                       .drag = &drag,
+                                       .linearise = no_springs,
+                                       .modes = give_modes,
+                                       .ctx = (void *)polygon };
+    const weft_ode ode = { .dim = 6, .rhs = stay };
+    double y[6] = { 0 };
+    weft_stepper_config config = weft_stepper_config_default();
+    config.fixed_step = h;
+    config.structure = &structure;
+    probe run = { .type = of->type };
+    const weft_status status
+        = of->type->create(of->type, &ode, &config, &run.self, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    *stable = probe_step(&run, y) == WEFT_OK; /* may cost more than later ones */
+    const uint64_t before = probe_calls(&run);
+    for (int k = 0; k < ASKED && *stable; ++k) {
+        *stable = probe_step(&run, y) == WEFT_OK;
+    }
+    *calls = (double)(probe_calls(&run) - before) / ASKED;
+    of->type->destroy(run.self);
+    return WEFT_OK;
+}
+
+static weft_status bisect_answers(const weft_stability *of,
+                                  const weft_stiffness *polygon, double *h,
+                                  weft_error *err)
+{
+    enum { TRIALS = 60 };
+    const double fast = sqrt(polygon->omega2) + polygon->damping;
+    double low = 0.0, high = 0.1 / fast; /* doubled until it is refused */
+    bool found = false;
+    weft_status status = WEFT_OK;
+    for (int i = 0; i < TRIALS && status == WEFT_OK; ++i) {
+        bool stable = false;
+        double calls;
+        const double trial = found ? 0.5 * (low + high) : high;
+        status = ask(of, polygon, trial, &stable, &calls, err);
+        if (stable) {
+            low = trial;
+            high = found ? high : 2.0 * high;
+        } else {
+            high = trial;
+            found = true;
+        }
+    }
+    *h = found ? low : INFINITY;
+    return status;
+}
+
+static bool asks(const weft_stability *of)
+{
+    return (of->type->flags & WEFT_STEPPER_STRUCTURE) != 0;
+}
+
+weft_status weft_stability_calls(const weft_stability *stability,
+                                 const weft_stiffness *modes, double h, double *calls,
+                                 weft_error *err)
+{
+    bool stable = false;
+    *calls = stability->calls;
+    return asks(stability) && isfinite(h)
+               ? ask(stability, modes, h, &stable, calls, err)
+               : WEFT_OK;
+}
+
 static weft_status find_step(const weft_stability *of, const weft_stiffness *polygon,
                              double growth, double enough, double *h, weft_error *err)
 {
@@ -387,9 +492,11 @@ static weft_status find_step(const weft_stability *of, const weft_stiffness *pol
         return WEFT_OK;
     }
     *h = INFINITY;
-    return polygon->omega2 > 0.0 || polygon->damping > 0.0
-               ? bisect_runs(of, polygon, enough, h, err)
-               : WEFT_OK;
+    if (!(polygon->omega2 > 0.0) && !(polygon->damping > 0.0)) {
+        return WEFT_OK;
+    }
+    return asks(of) ? bisect_answers(of, polygon, h, err)
+                    : bisect_runs(of, polygon, enough, h, err);
 }
 
 weft_status weft_stability_step(const weft_stability *stability,

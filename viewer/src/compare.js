@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// compare.js -- work and precision: the error of every method against what it costs.
+// compare.js -- work and precision: the error of every method against its cost.
 import { decades, powerText } from './decades.js';
 
 const INKS = 10;
 const REACH = 24; // px: a point nearer to the pointer is meant
 const TOP = 1; // m: an error above is no solution, and not shown
+const CALLS = 'evaluations of the forces (dashed: a part of the work)';
 const $ = (id) => document.getElementById(id);
 
 const page = JSON.parse($('weft-data').textContent);
-const state = { time: false, others: true, hidden: new Set(), lit: null };
+const state = { time: true, others: true, hidden: new Set(), lit: null };
 
 const element = (tag, className = '', ...children) => {
     const made = document.createElement(tag);
@@ -21,18 +22,17 @@ const short = (v) => (v !== 0 && (Math.abs(v) < 1e-3 || Math.abs(v) >= 1e5)
     ? v.toExponential(1) : Number(v.toPrecision(3)).toString());
 const grouped = (v) => v.toLocaleString('en').replaceAll(',', '\u202f');
 const settingOf = (method, point) => (method.fixed ? `h = ${short(point.setting)} s` : `tolerance ${point.setting.toExponential(0)}`);
-const costOf = (method, point) => (state.time ? point.calls * method.callTime : point.calls);
+const costOf = (point) => (state.time ? point.time : point.calls);
 const drawable = (point) => point.error > 0 && point.error <= TOP;
 
 // Coloured are those that are the best somewhere, and the scene's; the others are grey.
-const best = new Set(page.ranks.flatMap((rank) => [rank.best, rank.fastest]));
+const best = new Set(page.ranks.flatMap((rank) => [rank.best, rank.fewest]));
 let ink = 0;
 page.methods.forEach((method, i) => {
     method.colour = best.has(i) || method.own ? `--curve-${ink++ % INKS}` : '--curve-other';
     method.other = method.colour === '--curve-other';
 });
-const visible = (method) => !state.hidden.has(method) && (state.others || !method.other)
-    && (!state.time || method.callTime > 0);
+const visible = (method) => !state.hidden.has(method) && (state.others || !method.other);
 // Grey ones below.
 const shown = () => page.methods.filter(visible).sort((a, b) => b.other - a.other);
 
@@ -72,7 +72,7 @@ function axes(range, [left, top, right, bottom]) {
     return [
         ...decades(...range, (right - left) / 50).flatMap((v) => [grid(plot.x(v), top, plot.x(v), bottom + 4), word(plot.x(v), bottom + 17, count(v), 'middle')]),
         ...decades(...ERRORS, 14).flatMap((v) => [grid(left - 4, plot.y(v), right, plot.y(v)), word(left - 8, plot.y(v) + 4, powerText(v), 'end')]),
-        word((left + right) / 2, bottom + 38, state.time ? 'time [s]' : 'evaluations of the forces', 'middle'),
+        word((left + right) / 2, bottom + 38, state.time ? 'time [s]' : CALLS, 'middle'),
         word(0, 0, 'error [m]', 'middle', { transform: `translate(14 ${(top + bottom) / 2}) rotate(-90)` }),
     ];
 }
@@ -88,8 +88,8 @@ function band([left, top, right, bottom]) {
 
 /** Along the ladder, whatever way its costs go. */
 function curve(method) {
-    const places = method.points.filter(drawable).map((p) => ({ p, x: plot.x(costOf(method, p)), y: plot.y(p.error) }));
-    const made = shape('g', { class: method.other ? 'curve other' : 'curve' }, shape('polyline', { points: places.map(({ x, y }) => `${x},${y}`).join(' ') }), ...places.map(({ p, x, y }) => {
+    const places = method.points.filter(drawable).map((p) => ({ p, x: plot.x(costOf(p)), y: plot.y(p.error) }));
+    const made = shape('g', { class: `curve${method.other ? ' other' : ''}${method.implicit && !state.time ? ' partly' : ''}` }, shape('polyline', { points: places.map(({ x, y }) => `${x},${y}`).join(' ') }), ...places.map(({ p, x, y }) => {
         const dot = shape('circle', { cx: x, cy: y, r: method.other ? 2.5 : 3.5, class: p.error < page.near ? 'near' : '' });
         dot.point = p;
         return dot;
@@ -100,14 +100,14 @@ function curve(method) {
 }
 
 function diamond({ method, point: p }) {
-    const made = shape('path', { d: 'M0-7 7 0 0 7-7 0z', class: 'own', transform: `translate(${plot.x(costOf(method, p))} ${plot.y(p.error)})` });
+    const made = shape('path', { d: 'M0-7 7 0 0 7-7 0z', class: 'own', transform: `translate(${plot.x(costOf(p))} ${plot.y(p.error)})` });
     made.point = p;
     made.style.setProperty('--ink-of', `var(${method.colour})`);
     return made;
 }
 
 function draw() {
-    const costs = points().map(({ method, point: p }) => costOf(method, p));
+    const costs = points().map(({ point: p }) => costOf(p));
     const range = costs.length > 0 ? [0.8 * Math.min(...costs), 1.25 * Math.max(...costs)] : [1, 10];
     const width = Math.max($('plot').clientWidth, 160); // 0 before a phone has its layout
     const height = Math.round(Math.min(Math.max(0.72 * width, 320), Math.max(360, innerHeight - 240)));
@@ -118,7 +118,7 @@ function draw() {
 
 // ---- as a file ----------------------------------------------------------------------
 
-const KEPT = ['fill', 'stroke', 'stroke-width', 'font-size', 'font-family', 'text-anchor']; // inherited, all of them
+const KEPT = ['fill', 'stroke', 'stroke-width', 'stroke-dasharray', 'font-size', 'font-family', 'text-anchor']; // inherited, all of them
 
 /** A copy with the styles in force as attributes, for programs that know no style sheet. */
 function frozen(live, parent = {}) {
@@ -164,7 +164,7 @@ function save() {
 
 function nearest(left, top) {
     const found = points().map(({ method, point: p }) => ({
-        method, point: p, far: Math.hypot(plot.x(costOf(method, p)) - left, plot.y(p.error) - top),
+        method, point: p, far: Math.hypot(plot.x(costOf(p)) - left, plot.y(p.error) - top),
     })).filter(({ far }) => far < REACH);
     return found.reduce((least, one) => (one.far < (least?.far ?? Infinity) ? one : least), null);
 }
@@ -173,7 +173,7 @@ function lines(method, p) {
     return [
         p === page.own ? 'the scene as it is' : settingOf(method, p),
         `error ${p.error.toExponential(1)} m (rms ${p.rms.toExponential(1)} m, velocity ${p.velocity.toExponential(1)} m/s)${p.error < page.near ? ': not judged' : ''}`,
-        `${grouped(p.calls)} evaluations${method.callTime > 0 ? `, ${short(p.calls * method.callTime)} s` : ''}`,
+        `${short(p.time)} s, ${grouped(p.calls)} evaluations`,
         `${grouped(p.steps)} steps, ${grouped(p.rejected)} rejected`,
         `energy within ${short(100 * p.energy)} %`,
     ].join('\n');
@@ -245,6 +245,7 @@ function fillWords() {
     ].map((text) => element('span', 'fact', text)));
     $('horizon').textContent = `The scene is ${page.horizon}.`;
     $('reference').textContent = `The reference: ${page.reference}.`;
+    $('stiffness').textContent = page.stiffness && `The ${page.stiffness}.`;
     $('as-is').textContent = `${page.asIs}.`;
     $('ranks').append(...page.ranks.map((rank) => {
         const method = page.methods[rank.best];
@@ -261,7 +262,7 @@ function fillFiles() {
     const head = ['method', 'setting', 'error [m]', 'evaluations', 'time [s]', 'rejected', 'energy [%]'];
     const row = (tag, cells) => element('tr', '', ...cells.map((cell) => element(tag, '', cell)));
     const rows = page.methods.flatMap((method) => [
-        ...method.points.map((p) => row('td', [nameOf(method), settingOf(method, p), p.error.toExponential(2), grouped(p.calls), short(p.calls * method.callTime), grouped(p.rejected), short(100 * p.energy)])),
+        ...method.points.map((p) => row('td', [nameOf(method), settingOf(method, p), p.error.toExponential(2), grouped(p.calls), short(p.time), grouped(p.rejected), short(100 * p.energy)])),
         ...(method.remark ? [element('tr', '', element('td', '', nameOf(method)), Object.assign(element('td', 'word', method.remark), { colSpan: head.length - 1 }))] : []),
     ]);
     $('files').append(

@@ -21,7 +21,7 @@ const place = (page, name, index) => page.evaluate(([wanted, i]) => {
     const method = weft.page.methods.find((m) => `${m.plugin} ${m.name}` === wanted);
     const point = method.points[i];
     const box = document.getElementById('plot').getBoundingClientRect();
-    return [box.left + weft.plot.x(weft.costOf(method, point)), box.top + weft.plot.y(point.error)];
+    return [box.left + weft.plot.x(weft.costOf(point)), box.top + weft.plot.y(point.error)];
 }, [name, index]);
 
 const button = (page, name) => page.locator('#legend button').filter({ hasText: new RegExp(`^${name}$`) });
@@ -51,8 +51,9 @@ test('the diagram loads without an error, a warning or a request', async () => {
     assert.match(await page.title(), /^<\/script><script>alert\(1\)<\/script>: which stepper\? - weft$/);
     assert.match(await page.textContent('#summary'), /7 × 7 particles/);
     assert.match(await page.textContent('#horizon'), /predictable to t = .* displaced by 1e-10 m/);
+    assert.match(await page.textContent('#stiffness'), /The stiffest mode: omega .* damping ratio/);
     assert.match(await page.textContent('#choices'), /show all methods/);
-    assert.match(await page.textContent('#as-is'), /as the scene is \(gsl rkf45\): error .* evaluations/);
+    assert.match(await page.textContent('#as-is'), /as the scene is \(gsl rkf45\): error .* in .*s, .* evaluations/);
     await page.screenshot({ path: `${root}/compare-light.png` });
 });
 
@@ -109,18 +110,21 @@ test('a point tells its method, tolerance, error and cost', async () => {
     assert.equal(await page.isVisible('#tip'), false);
 });
 
-test('the axis turns to time and back', async () => {
+test('the axis turns to evaluations and back', async () => {
     const { page } = await open(browser, file);
     const at = await place(page, 'gsl rk8pd', 0);
     const before = await pixels(page, '#plot');
-    await page.click('#by-time');
-    assert.equal(await page.getAttribute('#by-time', 'aria-pressed'), 'true');
+    await page.click('#by-calls');
+    assert.equal(await page.getAttribute('#by-calls', 'aria-pressed'), 'true');
+    assert.match(await page.textContent('#plot'), /dashed: a part of the work/);
+    assert.equal(await page.locator('.curve.partly').count(), await page.evaluate(() => weft.shown().filter((m) => m.implicit).length));
     await page.mouse.move(...await place(page, 'gsl rk8pd', 0));
     assert.match(await page.innerText('#tip'), /gsl rk8pd/);
     await page.mouse.move(0, 0);
     const after = await pixels(page, '#plot');
     assert.ok(after.some((p, i) => p.some((c, k) => Math.abs(c - before[i][k]) > 24)));
-    await page.click('#by-calls');
+    await page.click('#by-time');
+    assert.equal(await page.locator('.curve.partly').count(), 0);
     assert.deepEqual(await place(page, 'gsl rk8pd', 0), at);
 });
 

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "cli/human.h"
+#include "cli/check/stiff_methods.h"
 
 /* Methods in the short table, with the scene's own; the factor in cost that a higher
  * order is worth. */
@@ -126,6 +126,18 @@ static sentence advise(const weft_scene *scene, const survey *of)
     return out;
 }
 
+/* Empty without springs. */
+static sentence stiffness(const weft_scene *scene, const survey *of)
+{
+    const weft_cloth_def *cloth = weft_scene_cloth(scene);
+    const stiff_gains gains = stiff_gains_of(of, cloth->rows * cloth->cols);
+    sentence out = { "" };
+    if (gains.omega > 0.0) {
+        stiff_say(&gains, &out);
+    }
+    return out;
+}
+
 static void print_method(const survey_method *method)
 {
     printf("             %-8s %-18s", method->plugin->id, method->type->name);
@@ -197,6 +209,10 @@ void stability_print(const weft_scene *scene, const survey *of, bool all)
     if (advice.text[0] != '\0') {
         print_item("advice", "%s", advice.text);
     }
+    const sentence stiff = stiffness(scene, of);
+    if (stiff.text[0] != '\0') {
+        print_item("stiffness", "%s", stiff.text);
+    }
 }
 
 static void modes_yaml(yaml_out *out, const char *key, const weft_stiffness *modes)
@@ -239,6 +255,7 @@ void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of)
         yaml_out_close_map(out);
     }
     yaml_out_text(out, "advice", advise(scene, of).text);
+    yaml_out_text(out, "stiffness", stiffness(scene, of).text);
 }
 
 bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet)

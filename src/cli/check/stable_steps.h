@@ -43,6 +43,10 @@ weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
                           weft_error *err);
 void survey_destroy(survey *self);
 
+/* Only the methods, by the modes of the survey. */
+weft_status survey_methods(const weft_scene *scene, const weft_registry *registry,
+                           survey *out, weft_error *err);
+
 /* Part of the trial's steps limited by stability; 0 without a stable step. */
 double survey_held(const survey *of);
 

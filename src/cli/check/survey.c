@@ -45,7 +45,9 @@ weft_status stable_step(const weft_scene *scene, const weft_stepper_type *type,
     if (status == WEFT_OK) {
         status = weft_stability_step(&stability, modes, allowed_growth(scene),
                                      &out->step, err);
-        out->calls = stability.calls;
+    }
+    if (status == WEFT_OK) {
+        status = weft_stability_calls(&stability, modes, out->step, &out->calls, err);
     }
     if (status == WEFT_OK && stability.degree >= 0) {
         status = weft_stability_step(&stability, modes, 0.0, &strict, err);
@@ -102,9 +104,8 @@ static weft_status add_method(const weft_scene *scene, const stepper_method *m,
     return status == WEFT_NO_MEMORY ? status : WEFT_OK;
 }
 
-static weft_status survey_methods(const weft_scene *scene,
-                                  const weft_registry *registry, survey *out,
-                                  weft_error *err)
+weft_status survey_methods(const weft_scene *scene, const weft_registry *registry,
+                           survey *out, weft_error *err)
 {
     const weft_stepper_type *own = weft_scene_method_type(scene);
     stepper_method m;
@@ -225,7 +226,8 @@ weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
     (void)load_plugins(given->registry, NULL);
     TRY(survey_cloth(cloth, sim, given->refine, out, err));
     TRY(survey_methods(scene, given->registry, out, err));
-    if (out->own != NULL && out->own->step > 0.0) {
+    if (out->own != NULL && out->own->step > 0.0
+        && (out->own->type->flags & WEFT_STEPPER_STRUCTURE) == 0) {
         TRY(stable_step(scene, out->own->type, &out->any, &out->any_state, err));
     }
     const bool small

@@ -21,6 +21,16 @@ double compare_time(const compare *self, size_t frame)
     return weft_run_frame_time(&self->run, frame);
 }
 
+bool compare_is_implicit(const compare_method *method)
+{
+    return (method->by.type->flags & WEFT_STEPPER_IMPLICIT) != 0;
+}
+
+bool compare_is_stiff(const weft_stepper_type *type)
+{
+    return (type->flags & (WEFT_STEPPER_STRUCTURE | WEFT_STEPPER_LINEAR)) != 0;
+}
+
 const compare_point *compare_as_is(const compare *self)
 {
     return self->shared->methods[self->count].points;
@@ -116,21 +126,20 @@ static weft_status add_method(compare *self, const stepper_method *by,
 static weft_status add_methods(compare *self, const weft_registry *registry,
                                const char *list, weft_error *err)
 {
-    weft_stiffness modes;
     stepper_method m;
     double *y = calloc(weft_cloth_dim(self->cloth), sizeof *y);
     if (y == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state");
     }
     weft_cloth_start(self->cloth, y);
-    modes = weft_cloth_stiffness(self->cloth, 0.0, y);
+    self->modes = weft_cloth_stiffness(self->cloth, 0.0, y);
     free(y);
     weft_status status = WEFT_OK;
     for (size_t i = 0; status == WEFT_OK && method_at(registry, i, &m); ++i) {
         const bool own = m.type == weft_scene_method_type(self->scene);
         if (own
             || (is_listed(&m, list) && (m.type->flags & WEFT_STEPPER_BUTCHER) == 0)) {
-            status = add_method(self, &m, &modes, err);
+            status = add_method(self, &m, &self->modes, err);
         }
     }
     return status;
@@ -280,6 +289,16 @@ static int by_value(const void *a, const void *b)
     return (*x > *y) - (*x < *y);
 }
 
+/* The time of a run with an explicit method is taken from its calls, which do not
+ * depend on the machine's load. */
+static void set_times(compare_method *of, const compare_method *method)
+{
+    const bool follows = method->call_time > 0.0 && !compare_is_implicit(method);
+    for (size_t i = 0; i < COMPARE_RUNGS && follows; ++i) {
+        of->points[i].time = (double)of->points[i].calls * method->call_time;
+    }
+}
+
 /* In rounds, so that other load of the machine affects all methods alike. */
 static weft_status take_times(const compare *self, weft_error *err)
 {
@@ -297,11 +316,25 @@ static weft_status take_times(const compare *self, weft_error *err)
         self->shared->methods[i].call_time = times[i][CALL_TIMES / 2];
     }
     free(times);
+    for (size_t i = 0; i < self->count; ++i) {
+        const compare_method *method = &self->shared->methods[i];
+        set_times(&self->shared->methods[i], method);
+        if (method->own) {
+            set_times(&self->shared->methods[self->count], method);
+        }
+    }
     return WEFT_OK;
+}
+
+static void stiffness_ended(void *ctx, const process *one)
+{
+    (void)ctx;
+    (void)one;
 }
 
 static weft_status compare_all(compare *self, weft_error *err)
 {
+    TRY(run_jobs(self, 1, compare_stiffness, stiffness_ended, err));
     TRY(make_references(self, err));
     set_budget(self);
     const weft_status status
@@ -362,6 +395,7 @@ static weft_status find_references(compare *self, const weft_registry *registry,
 static weft_status compare_into(compare *self, const options *given,
                                 const char *directory, weft_error *err)
 {
+    self->registry = given->registry;
     TRY(find_references(self, given->registry, err));
     TRY(record_outdir(directory, given->force, err));
     TRY(open_memory(self, given->registry, err));
@@ -427,8 +461,10 @@ const verb verb_compare = {
     = "usage: weft compare SCENE.yaml [OPTIONS]\n\n"
       "Runs a scene with every method of every plugin, at tolerances from 1e-2 to "
       "1e-10 or with fixed steps. Measures the difference from a reference [m] and "
-      "the evaluations of the forces (RHS calls). Prints the cheapest method for each "
-      "accuracy, and writes compare.csv and compare.html, a diagram for a browser.\n\n"
+      "the evaluations of the forces (RHS calls) and processor time. Prints the "
+      "fastest method for each accuracy, and writes compare.csv and compare.html, a "
+      "diagram "
+      "for a browser.\n\n"
       "The reference is the scene at tolerance 1e-12 with the methods of the highest "
       "order of two plugins; if they disagree nothing is judged. Cloth may be "
       "chaotic: the comparison ends when an initial difference of 1e-10 m has grown "

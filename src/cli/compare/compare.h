@@ -7,14 +7,17 @@
  * the time that is compared. Then every method runs its ladder: of tolerances, or of
  * fixed steps, halved from its largest stable one on. Each reference and each ladder
  * has its own process, which writes its numbers to shared memory. One process alone
- * measures times, last of all. */
+ * measures times per evaluation, last of all.
+ *
+ * Methods are ranked by time: what an implicit method does besides evaluations has no
+ * other measure. */
 #ifndef WEFT_CLI_COMPARE_COMPARE_H
 #define WEFT_CLI_COMPARE_COMPARE_H
 
 #include <stdatomic.h>
 
+#include "cli/check/stiff_methods.h"
 #include "cli/cli.h"
-#include "cli/human.h"
 #include "cli/run/progress.h"
 
 enum {
@@ -28,7 +31,10 @@ enum {
 #define COMPARE_GROWTH   1e4   /* of the nudge, up to which the scene is predictable */
 #define COMPARE_PARTED   1e-4  /* [m] the same limit between the two references */
 #define COMPARE_NEAR     10.0  /* times the error of the reference: not judged */
-#define COMPARE_WORK     3e8 /* RHS calls times particles, of all runs but references */
+#define COMPARE_WORK     1e9 /* RHS calls times particles, of all runs but references */
+/* Tolerance of velocities [m/s] by that of positions [m], of methods for stiff cloth:
+ * with 1, the velocities of stiff modes set their steps. */
+#define COMPARE_VELOCITY 100.0
 
 typedef enum compare_outcome {
     COMPARE_NOT_RUN,
@@ -47,6 +53,9 @@ typedef struct compare_point {
     double velocity; /* [m/s] largest, as `error` */
     double energy;   /* largest difference in a frame, part of the energy at play */
     uint64_t calls, steps, rejected;
+    uint64_t work; /* in RHS calls, linear systems included: compare_work */
+    double
+        time; /* [s] the run's own; of explicit methods calls * call_time, if known */
     char why[200]; /* FAILED */
 } compare_point;
 
@@ -64,6 +73,7 @@ typedef struct compare_method {
 typedef struct compare_shared {
     _Atomic size_t last; /* frame, lowered when the twin diverges */
     weft_error err[2];   /* of the references */
+    sentence stiffness;  /* of the cloth, and the kind of method that it needs */
     /* [count], then the scene with its own method and settings: one point */
     compare_method methods[];
 } compare_shared;
@@ -77,7 +87,9 @@ typedef struct compare {
     size_t planned; /* frame up to which they should be */
     size_t jobs;
     bool quiet;
-    progress progress; /* of the ladders */
+    const weft_registry *registry;
+    weft_stiffness modes; /* at the start */
+    progress progress;    /* of the ladders */
 
     /* shared; frames of 6 N numbers, planned + 1 of them */
     compare_shared *shared;
@@ -99,17 +111,24 @@ typedef struct compare {
 double compare_time(const compare *self, size_t frame); /* [s] */
 const compare_point *compare_as_is(const compare *self);
 double compare_decade(size_t k); /* 10^-k */
+/* Whether a method solves linear systems, so that its RHS calls are not its cost. */
+bool compare_is_implicit(const compare_method *method);
+/* Whether its tolerance of velocities is COMPARE_VELOCITY times that of positions. */
+bool compare_is_stiff(const weft_stepper_type *type);
 
 /* ---- compare_run.c: in a process of their own ------------------------------- */
 
 /* process_def.work. Frames, energies and twin of by[0]; frames of by[1]. */
 int compare_reference(void *ctx, size_t which);
+/* Writes shared->stiffness: methods are run for it. */
+int compare_stiffness(void *ctx, size_t unused);
 /* The ladder of a method; past the last method: the scene as it is. */
 int compare_ladder(void *ctx, size_t i);
 /* The largest length of a difference of 3-vectors in n entries of three planes each;
  * INFINITY if one is not finite. Adds their squares to *square. */
 double compare_farthest(const double *a, const double *b, size_t n, double *square);
-/* [s] per call, measured for a moment; 0 if it fails. */
+/* [s] per call: measured for a moment, or of an implicit method that of a run of its
+ * ladder; 0 if it fails. */
 double compare_call_time(const compare *self, const compare_method *method);
 
 /* ---- compare_advice.c ------------------------------------------------------- */
@@ -118,12 +137,13 @@ double compare_call_time(const compare *self, const compare_method *method);
  * straight line of logarithms. */
 typedef struct compare_cost {
     const compare_method *method; /* NULL: none reaches it */
-    double setting, calls, time;  /* time [s]: 0 if not known */
+    double setting, calls, time;  /* time [s] */
 } compare_cost;
 
 typedef struct compare_rank {
-    double accuracy; /* [m] */
-    compare_cost best, second, own, fastest;
+    double accuracy;                /* [m] */
+    compare_cost best, second, own; /* by time */
+    compare_cost fewest;            /* evaluations, of explicit methods */
 } compare_rank;
 
 typedef struct compare_advice {

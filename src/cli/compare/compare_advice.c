@@ -45,8 +45,9 @@ static void take_cheaper(const compare_method *method, const compare_point *good
                          compare_cost *out)
 {
     for (const compare_point *p = good; p < method->points + COMPARE_RUNGS; ++p) {
-        if (p->outcome == COMPARE_DONE && (double)p->calls < out->calls) {
+        if (p->outcome == COMPARE_DONE && p->time < out->time) {
             out->calls = (double)p->calls;
+            out->time = p->time;
             out->setting = p->setting;
         }
     }
@@ -61,16 +62,17 @@ bool compare_reach(const compare_method *method, double accuracy, compare_cost *
     }
     out->method = method;
     out->calls = (double)good->calls;
+    out->time = good->time;
     out->setting = good->setting;
     if (before != NULL) {
         const double e = log(fmax(good->error, LEAST_ERROR));
         const double part
             = (log(accuracy) - log(before->error)) / (e - log(before->error));
         out->calls = between((double)before->calls, out->calls, part);
+        out->time = between(before->time, out->time, part);
         out->setting = between(before->setting, out->setting, part);
     }
     take_cheaper(method, good, out);
-    out->time = out->calls * method->call_time;
     return true;
 }
 
@@ -82,15 +84,15 @@ static void rank_at(const compare *self, double accuracy, compare_rank *out)
         if (!compare_reach(&self->shared->methods[i], accuracy, &cost)) {
             continue;
         }
-        if (out->best.method == NULL || cost.calls < out->best.calls) {
+        if (out->best.method == NULL || cost.time < out->best.time) {
             out->second = out->best;
             out->best = cost;
-        } else if (out->second.method == NULL || cost.calls < out->second.calls) {
+        } else if (out->second.method == NULL || cost.time < out->second.time) {
             out->second = cost;
         }
-        if (cost.time > 0.0
-            && (out->fastest.method == NULL || cost.time < out->fastest.time)) {
-            out->fastest = cost;
+        if (!compare_is_implicit(cost.method)
+            && (out->fewest.method == NULL || cost.calls < out->fewest.calls)) {
+            out->fewest = cost;
         }
         if (cost.method->own) {
             out->own = cost;
@@ -113,9 +115,9 @@ void compare_advise(const compare *self, compare_advice *out)
         if (rank.best.method == NULL) {
             break;
         }
-        out->count -= out->count > 0 && rank.best.calls <= above;
+        out->count -= out->count > 0 && rank.best.time <= above;
         out->ranks[out->count++] = rank;
-        above = rank.best.calls;
+        above = rank.best.time;
     }
 }
 
@@ -124,9 +126,14 @@ void compare_advise(const compare *self, compare_advice *out)
 static void add_cost(const compare_cost *cost, sentence *out)
 {
     const compare_method *method = cost->method;
-    say(out, "%s %s %s %.1e%s, %.0f evaluations", method->by.plugin->id,
-        method->by.type->name, method->step > 0.0 ? "in steps of" : "at tolerance",
-        cost->setting, method->step > 0.0 ? " s" : "", cost->calls);
+    char time[HUMAN];
+    say(out, "%s %s %s %.1e%s", method->by.plugin->id, method->by.type->name,
+        method->step > 0.0 ? "in steps of" : "at tolerance", cost->setting,
+        method->step > 0.0 ? " s" : "");
+    if (compare_is_stiff(method->by.type)) {
+        say(out, " m and %.1e m/s", COMPARE_VELOCITY * cost->setting);
+    }
+    say(out, ", %s, %.0f evaluations", human_time(cost->time, time), cost->calls);
 }
 
 static void add_rival(const char *lead, const compare_cost *other, double times,
@@ -143,21 +150,22 @@ static void add_rival(const char *lead, const compare_cost *other, double times,
 void compare_say(const compare_rank *rank, sentence *out)
 {
     const compare_cost *best = &rank->best, *second = &rank->second, *own = &rank->own,
-                       *fastest = &rank->fastest;
+                       *fewest = &rank->fewest;
     add_cost(best, out);
     if (second->method != NULL) {
-        add_rival("; next, ", second, second->calls / best->calls, out);
-        say(out, " as many");
+        add_rival("; next, ", second, second->time / best->time, out);
+        say(out, " as long");
     }
     if (own->method == best->method) {
         say(out, "; it is the scene's");
     } else if (own->method != NULL && own->method != second->method) {
-        add_rival(", the scene's ", own, own->calls / best->calls, out);
+        add_rival(", the scene's ", own, own->time / best->time, out);
     }
-    if (fastest->method != NULL && fastest->time * WORTH < best->time) {
-        say(out, "; in time %s %s is %.1f times as fast",
-            fastest->method->by.plugin->id, fastest->method->by.type->name,
-            best->time / fastest->time);
+    if (fewest->method != NULL && !compare_is_implicit(best->method)
+        && fewest->calls * WORTH < best->calls) {
+        say(out, "; %s %s needs %.1f times fewer evaluations",
+            fewest->method->by.plugin->id, fewest->method->by.type->name,
+            best->calls / fewest->calls);
     }
 }
 
@@ -165,6 +173,7 @@ void compare_say_as_is(const compare *self, sentence *out)
 {
     const compare_point *point = compare_as_is(self);
     compare_rank rank;
+    char time[HUMAN];
     say(out, "as the scene is (%s %s)", weft_scene_plugin(self->scene),
         weft_scene_method(self->scene));
     if (point->outcome != COMPARE_DONE) {
@@ -173,12 +182,11 @@ void compare_say_as_is(const compare *self, sentence *out)
                                              : "more evaluations than the reference");
         return;
     }
-    say(out, ": error %.1e m for %llu evaluations", point->error,
-        (unsigned long long)point->calls);
+    say(out, ": error %.1e m in %s, %llu evaluations", point->error,
+        human_time(point->time, time), (unsigned long long)point->calls);
     rank_at(self, fmax(point->error, COMPARE_NEAR * self->apart), &rank);
-    if (rank.best.method != NULL && rank.best.calls * WORTH < (double)point->calls) {
-        say(out, "; as good and %.1f times cheaper: ",
-            (double)point->calls / rank.best.calls);
+    if (rank.best.method != NULL && rank.best.time * WORTH < point->time) {
+        say(out, "; as good and %.1f times faster: ", point->time / rank.best.time);
         add_cost(&rank.best, out);
     }
 }

@@ -11,12 +11,17 @@ enum { CALL_TIME_LEAST = 3 }; /* steps */
 #define CALL_TIME_SLICE 0.01  /* [s] */
 #define EXPENSIVE_HINT  1.2   /* budgets: a run with a higher estimate is not tried */
 
+/* RHS calls that an iteration of conjugate gradients is worth with multigrid, and a
+ * Jacobian with its preconditioner. */
+enum { ITERATION_CALLS = 15, JACOBIAN_CALLS = 20 };
+
 /* One run against the reference. */
 typedef struct compare_trial {
     const compare *self;
     weft_sim *sim, *twin; /* twin NULL: none */
     uint64_t budget;      /* RHS calls; 0: as many as it takes */
     size_t which;         /* the reference computed, 0 or 1 */
+    double judging;       /* [s] spent on comparing frames */
     double square;        /* [m^2] summed over particles and frames */
     compare_point *point;
 } compare_trial;
@@ -28,6 +33,9 @@ static weft_stepper_config adaptive(const compare *self, const stepper_method *b
     weft_stepper_config config = weft_stepper_config_default();
     config.norm = own->norm;
     config.rtol = config.atol_position = config.atol_velocity = tolerance;
+    if (compare_is_stiff(by->type)) {
+        config.atol_velocity *= COMPARE_VELOCITY;
+    }
     config.threads = own->threads;
     config.butcher
         = (by->type->flags & WEFT_STEPPER_BUTCHER) != 0 ? own->butcher : NULL;
@@ -44,6 +52,21 @@ static weft_status create(const compare *self, const stepper_method *by,
     def.config = *config;
     def.limit = *weft_scene_limit(self->scene);
     return weft_sim_create(&def, out, err);
+}
+
+/* [s] With one thread the processor's time, which excludes other programs' work. */
+static double work_clock(const compare *self)
+{
+    struct timespec now;
+    (void)clock_gettime(
+        self->run.threads > 1 ? CLOCK_MONOTONIC : CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static uint64_t work(const weft_stepper_stats *stats)
+{
+    return stats->rhs_calls + ITERATION_CALLS * stats->linear_iterations
+           + JACOBIAN_CALLS * stats->factorisations;
 }
 
 /* ---- references and twin --------------------------------------------------------- */
@@ -132,10 +155,14 @@ static weft_status play(compare_trial *of, weft_play frames, weft_error *err)
 {
     frames.run = &of->self->run;
     frames.ctx = of;
+    const double began = work_clock(of->self);
     const weft_status status = weft_sim_play(of->sim, &frames, err);
-    of->point->calls = weft_sim_stats(of->sim).rhs_calls;
-    of->point->steps = weft_sim_stats(of->sim).steps;
-    of->point->rejected = weft_sim_stats(of->sim).rejected;
+    const weft_stepper_stats stats = weft_sim_stats(of->sim);
+    of->point->time = work_clock(of->self) - began - of->judging;
+    of->point->calls = stats.rhs_calls;
+    of->point->steps = stats.steps;
+    of->point->rejected = stats.rejected;
+    of->point->work = work(&stats);
     return status;
 }
 
@@ -168,6 +195,7 @@ static weft_status judge(void *ctx, size_t i, weft_error *err)
     compare_point *point = of->point;
     const size_t n = weft_cloth_particles(self->cloth);
     const double *y = weft_sim_state(of->sim), *right = self->frames[0] + i * 6 * n;
+    const double began = work_clock(self);
     const double energy
         = weft_energy_total(weft_cloth_energy(self->cloth, weft_sim_time(of->sim), y));
     double unused = 0.0;
@@ -176,18 +204,21 @@ static weft_status judge(void *ctx, size_t i, weft_error *err)
     point->velocity
         = fmax(point->velocity, compare_farthest(y + 3 * n, right + 3 * n, n, &unused));
     point->energy = fmax(point->energy, fabs(energy - self->energy[i]) / self->at_play);
+    of->judging += work_clock(self) - began;
     return WEFT_OK;
 }
 
 static bool affordable(void *ctx)
 {
     const compare_trial *of = ctx;
-    return of->budget == 0 || weft_sim_stats(of->sim).rhs_calls <= of->budget;
+    const weft_stepper_stats stats = weft_sim_stats(of->sim);
+    return of->budget == 0 || work(&stats) <= of->budget;
 }
 
-static void run(const compare *self, const stepper_method *by,
-                const weft_stepper_config *config, uint64_t budget,
-                compare_point *point)
+/* WEFT_UNSUPPORTED: the method refuses the cloth. */
+static weft_status run(const compare *self, const stepper_method *by,
+                       const weft_stepper_config *config, uint64_t budget,
+                       compare_point *point)
 {
     weft_error err = { 0 };
     compare_trial of = { .self = self, .budget = budget, .point = point };
@@ -208,6 +239,24 @@ static void run(const compare *self, const stepper_method *by,
         (void)snprintf(point->why, sizeof point->why, "%.*s",
                        (int)sizeof point->why - 1, err.message);
     }
+    return status;
+}
+
+/* ---- stiffness --------------------------------------------------------------- */
+
+int compare_stiffness(void *ctx, size_t unused)
+{
+    const compare *self = ctx;
+    survey found = { .modes = self->modes };
+    (void)unused;
+    if (found.modes.omega2 > 0.0
+        && survey_methods(self->scene, self->registry, &found, NULL) == WEFT_OK) {
+        const stiff_gains gains
+            = stiff_gains_of(&found, weft_cloth_particles(self->cloth));
+        stiff_say(&gains, &self->shared->stiffness);
+    }
+    survey_destroy(&found);
+    return EXIT_DONE;
 }
 
 /* ---- ladders ---------------------------------------------------------------- */
@@ -224,8 +273,8 @@ static void set_rung(const compare *self, const compare_method *method, size_t r
     }
 }
 
-/* Estimated RHS calls: of fixed steps from their number, of others from the growth of
- * the last two rungs; 0: unknown. */
+/* Estimated work in RHS calls: of fixed steps from their number, of others from the
+ * growth of the last two rungs; 0: unknown. */
 static double foresee(const compare *self, const compare_method *method, size_t rung)
 {
     const compare_point *points = method->points;
@@ -237,9 +286,18 @@ static double foresee(const compare *self, const compare_method *method, size_t 
         || points[rung - 2].outcome != COMPARE_DONE) {
         return 0.0;
     }
-    const double before = (double)points[rung - 2].calls,
-                 last = (double)points[rung - 1].calls;
+    const double before = (double)points[rung - 2].work,
+                 last = (double)points[rung - 1].work;
     return last * fmax(1.0, last / before);
+}
+
+/* A method that refused the cloth, for the reason that it gave. */
+static void leave_out(compare_method *method)
+{
+    const compare_point refused = method->points[0];
+    (void)snprintf(method->left_out, sizeof method->left_out, "%.*s",
+                   (int)sizeof method->left_out - 1, refused.why);
+    method->points[0] = (compare_point){ 0 };
 }
 
 int compare_ladder(void *ctx, size_t i)
@@ -248,8 +306,8 @@ int compare_ladder(void *ctx, size_t i)
     compare_method *method = &self->shared->methods[i];
     if (i == self->count) {
         const stepper_method by = { NULL, weft_scene_method_type(self->scene) };
-        run(self, &by, weft_scene_config(self->scene), self->calls[0][self->last],
-            &method->points[0]);
+        (void)run(self, &by, weft_scene_config(self->scene), self->calls[0][self->last],
+                  &method->points[0]);
         return EXIT_DONE;
     }
     bool dear = false, done = method->left_out[0] != '\0';
@@ -260,8 +318,11 @@ int compare_ladder(void *ctx, size_t i)
         const double foreseen = foresee(self, method, rung);
         if (dear || foreseen > EXPENSIVE_HINT * (double)self->budget) {
             point->outcome = COMPARE_EXPENSIVE;
-        } else {
-            run(self, &method->by, &config, self->budget, point);
+        } else if (run(self, &method->by, &config, self->budget, point)
+                       == WEFT_UNSUPPORTED
+                   && rung == 0) {
+            leave_out(method);
+            break;
         }
         dear = point->outcome == COMPARE_EXPENSIVE;
         done = point->outcome == COMPARE_DONE && point->error < self->apart;
@@ -270,15 +331,6 @@ int compare_ladder(void *ctx, size_t i)
 }
 
 /* ---- time ------------------------------------------------------------------- */
-
-/* [s] With one thread the processor's time, which excludes other programs' work. */
-static double work_clock(const compare *self)
-{
-    struct timespec now;
-    (void)clock_gettime(
-        self->run.threads > 1 ? CLOCK_MONOTONIC : CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 double compare_call_time(const compare *self, const compare_method *method)
 {
@@ -291,6 +343,11 @@ double compare_call_time(const compare *self, const compare_method *method)
     }
     if (rung == 0) {
         return 0.0;
+    }
+    const compare_point *middle = &method->points[(rung - 1) / 2];
+    if (compare_is_implicit(method)) {
+        return middle->outcome == COMPARE_DONE ? middle->time / (double)middle->calls
+                                               : 0.0;
     }
     set_rung(self, method, (rung - 1) / 2, &config, &point);
     const double end = compare_time(self, self->last);

@@ -35,14 +35,17 @@ static const char *remark(const compare_method *method)
 
 /* ---- the terminal ----------------------------------------------------------- */
 
-/* Two digits; compare.csv has all. */
-static void print_cell(double calls, bool best)
+/* [ms] Two digits; compare.csv has all. */
+static void print_cell(double time, bool best)
 {
-    const double unit = calls < 999.5 ? 1.0 : calls < 999.5e3 ? 1e3 : 1e6;
-    const double shown = calls / unit;
+    const double unit = time < 999.5 ? 1.0 : time < 999.5e3 ? 1e3 : 1e6;
+    const double shown = time / unit;
     char text[32];
     (void)snprintf(text, sizeof text, "%s%.*f%s", best ? "*" : "",
-                   unit > 1.0 && shown < 9.95 ? 1 : 0, shown,
+                   shown < 0.995  ? 2
+                   : shown < 9.95 ? 1
+                                  : 0,
+                   shown,
                    unit > 1e3   ? "M"
                    : unit > 1.0 ? "k"
                                 : "");
@@ -63,7 +66,7 @@ static void print_method(const compare_method *method, const compare_advice *adv
     printf(" %5.3g", 1e6 * method->call_time);
     for (size_t i = 0; i < advice->count; ++i) {
         if (compare_reach(method, advice->ranks[i].accuracy, &cost)) {
-            print_cell(cost.calls, advice->ranks[i].best.method == method);
+            print_cell(1e3 * cost.time, advice->ranks[i].best.method == method);
         } else {
             printf("     -");
         }
@@ -75,14 +78,14 @@ static void print_method(const compare_method *method, const compare_advice *adv
 typedef struct row {
     const compare_method *method;
     size_t reached;
-    double calls;
+    double time;
 } row;
 
 static int by_reach(const void *a, const void *b)
 {
     const row *x = a, *y = b;
     const int reached = (x->reached < y->reached) - (x->reached > y->reached);
-    return reached != 0 ? reached : (x->calls > y->calls) - (x->calls < y->calls);
+    return reached != 0 ? reached : (x->time > y->time) - (x->time < y->time);
 }
 
 static void print_rows(const compare *self, const compare_advice *advice)
@@ -94,7 +97,7 @@ static void print_rows(const compare *self, const compare_advice *advice)
             compare_cost cost;
             if (compare_reach(rows[m].method, advice->ranks[i].accuracy, &cost)) {
                 rows[m].reached = i + 1;
-                rows[m].calls = cost.calls;
+                rows[m].time = cost.time;
             }
         }
     }
@@ -118,8 +121,11 @@ void compare_print(const compare *self, const compare_advice *advice)
     compare_say_reference(self, &reference);
     printf("reference: ");
     print_wrapped(stdout, 11, 11, PAGE_WIDTH, reference.text);
-    printf("\nevaluations of the forces until no particle is further off in any frame "
-           "than [m]\n%-24sus/call",
+    if (self->shared->stiffness.text[0] != '\0') {
+        print_wrapped(stdout, 0, 2, PAGE_WIDTH, self->shared->stiffness.text);
+    }
+    printf("\ntime [ms] until no particle is further off in any frame than [m]\n"
+           "%-24sus/call",
            "");
     for (size_t i = 0; i < advice->count; ++i) {
         printf(" %.0e", advice->ranks[i].accuracy);
@@ -127,7 +133,7 @@ void compare_print(const compare *self, const compare_advice *advice)
     printf("\n");
     print_rows(self, advice);
     say(&legend,
-        "* the cheapest, < the scene's method, - not within %" PRIu64
+        "* the fastest, < the scene's method, - not within %" PRIu64
         " evaluations, or not at all",
         self->budget);
     print_wrapped(stdout, 0, 2, PAGE_WIDTH, legend.text);
@@ -195,7 +201,7 @@ static void put_row(const compare *self, const compare_method *method,
                 "done,%.9g,%.9g,%.9g,%d,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",%.9g,%.9g,",
                 point->error, point->rms, point->velocity, near(self, point),
                 point->calls, point->steps, point->rejected, point->energy,
-                (double)point->calls * method->call_time);
+                point->time);
     } else {
         fprintf(stream, "%s,,,,,,,,,,", outcome_text(point->outcome));
     }
@@ -247,9 +253,10 @@ static void put_point(const compare_point *point, FILE *stream)
     fprintf(
         stream,
         "{\"setting\":%.9g,\"error\":%.9g,\"rms\":%.9g,\"velocity\":%.9g,\"energy\":%."
-        "9g,\"calls\":%" PRIu64 ",\"steps\":%" PRIu64 ",\"rejected\":%" PRIu64 "}",
+        "9g,\"calls\":%" PRIu64 ",\"steps\":%" PRIu64 ",\"rejected\":%" PRIu64
+        ",\"time\":%.6g}",
         point->setting, point->error, point->rms, point->velocity, point->energy,
-        point->calls, point->steps, point->rejected);
+        point->calls, point->steps, point->rejected, point->time);
 }
 
 static void put_method(const compare_method *method, FILE *stream)
@@ -259,10 +266,10 @@ static void put_method(const compare_method *method, FILE *stream)
     put_member(stream, "plugin", method->by.plugin->id);
     put_member(stream, "name", method->by.type->name);
     put_member(stream, "remark", remark(method));
-    fprintf(stream,
-            "\"order\":%d,\"own\":%s,\"fixed\":%s,\"callTime\":%.6g,\"points\":[",
+    fprintf(stream, "\"order\":%d,\"own\":%s,\"fixed\":%s,\"implicit\":%s,\"points\":[",
             method->by.type->order, method->own ? "true" : "false",
-            method->step > 0.0 ? "true" : "false", method->call_time);
+            method->step > 0.0 ? "true" : "false",
+            compare_is_implicit(method) ? "true" : "false");
     for (size_t i = 0; i < COMPARE_RUNGS; ++i) {
         if (judged(&method->points[i])) {
             fputs(comma, stream);
@@ -288,9 +295,9 @@ static void put_advice(const compare *self, const compare_advice *advice, FILE *
         const compare_rank *rank = &advice->ranks[i];
         sentence text = { "" };
         compare_say(rank, &text);
-        fprintf(stream, "%s{\"accuracy\":%.0e,\"best\":%zu,\"fastest\":%zu,\"text\":",
+        fprintf(stream, "%s{\"accuracy\":%.0e,\"best\":%zu,\"fewest\":%zu,\"text\":",
                 i == 0 ? "" : ",", rank->accuracy, index_of(self, rank, &rank->best),
-                index_of(self, rank, &rank->fastest));
+                index_of(self, rank, &rank->fewest));
         page_text(stream, text.text);
         putc('}', stream);
     }
@@ -311,6 +318,7 @@ static void put_description(const compare *self, const compare_advice *advice,
     put_member(stream, "reference", reference.text);
     compare_say_as_is(self, &as_is);
     put_member(stream, "asIs", as_is.text);
+    put_member(stream, "stiffness", self->shared->stiffness.text);
     put_advice(self, advice, stream);
     if (judged(compare_as_is(self))) {
         fputs("\"own\":", stream);

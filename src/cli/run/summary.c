@@ -63,6 +63,19 @@ static void print_steps(const summary *self)
                human_count(stats.rhs_calls, calls));
 }
 
+/* Nothing of a method that solves no linear systems. */
+static void print_solver(const summary *self)
+{
+    char systems[HUMAN], iterations[HUMAN], failures[HUMAN];
+    const weft_stepper_stats stats = weft_sim_stats(self->sim);
+    if (stats.factorisations > 0) {
+        print_item("solver", "%s Jacobians, %s iterations, %s systems not solved",
+                   human_count(stats.factorisations, systems),
+                   human_count(stats.linear_iterations, iterations),
+                   human_count(stats.newton_failures, failures));
+    }
+}
+
 static void print_step_sizes(const summary *self)
 {
     char mean[HUMAN], least[HUMAN], most[HUMAN];
@@ -159,6 +172,7 @@ void summary_print(const summary *self)
     print_what(self);
     print_time(self);
     print_steps(self);
+    print_solver(self);
     print_step_sizes(self);
     print_strain(self);
     print_energy(self);

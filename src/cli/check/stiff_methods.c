@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* stiff_methods.c -- estimates the gain of stabilised and implicit methods, and says
+ * which kind a cloth needs. docs/choosing-a-stepper.md has the measurements behind it.
+ *
+ * Explicit steps are bound by the stiffest mode, of frequency omega and damping ratio
+ * zeta = tau omega / 2. A stabilised method needs evaluations like sqrt(radius / h):
+ * its largest stable step is known exactly, and the method says how many stages that
+ * takes. The steps of BDF follow the motion, whose time scale is that of the slowest
+ * waves, n / omega, and the accuracy; each costs as much as 50 to 100 evaluations. */
+#include "cli/check/stiff_methods.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double accuracies[STIFF_ACCURACIES] = { 1e-2, 1e-3 }; /* [m] */
+
+#define LEAST_ZETA 0.5  /* of stabilised methods */
+#define OVERDAMPED 5.0  /* zeta from which implicit methods pay on small cloth too */
+#define LEAST_SIDE 64.0 /* particles, else */
+
+/* What a step costs besides its evaluations, in evaluations. */
+#define STEP_COST 0.5
+/* Time of an adaptive run with a stabilised method, by that at its largest step. */
+#define RKC_COST 1.5
+
+/* BDF's cost in evaluations per simulated second at an error of 1e-2 m where omega / n
+ * is 56 1/s; fitted to sheets of 1 m, 32 to 512 particles wide. */
+#define BDF_COST     1e4
+#define BDF_WAVES    56.0
+#define BDF_STIFF    (1.0 / 3.0)
+#define BDF_ACCURACY 0.55
+
+/* Evaluations per simulated second, the other work included. */
+static double cost(const survey_method *method)
+{
+    return (method->calls + STEP_COST) / method->step;
+}
+
+static bool is_explicit(const survey_method *method)
+{
+    return method->step > 0.0 && isfinite(method->step)
+           && (method->type->flags & WEFT_STEPPER_STRUCTURE) == 0;
+}
+
+/* Of order 2 and more: Euler's method is stable on damped cloth, and useless. */
+static const survey_method *cheapest_explicit(const survey *of)
+{
+    const survey_method *best = NULL;
+    for (size_t i = 0; i < of->count; ++i) {
+        const survey_method *one = &of->methods[i];
+        if (is_explicit(one) && one->type->order >= 2
+            && (best == NULL || cost(one) < cost(best))) {
+            best = one;
+        }
+    }
+    return best;
+}
+
+static bool has_bdf(const survey *of)
+{
+    bool found = false;
+    for (size_t i = 0; i < of->count && !found; ++i) {
+        found = strcmp(of->methods[i].plugin->id, "cvode") == 0
+                && strcmp(of->methods[i].type->name, "bdf") == 0;
+    }
+    return found;
+}
+
+static const survey_method *find_stabilised(const survey *of)
+{
+    const survey_method *found = NULL;
+    for (size_t i = 0; i < of->count && found == NULL; ++i) {
+        const survey_method *one = &of->methods[i];
+        const bool structured = (one->type->flags & WEFT_STEPPER_STRUCTURE) != 0;
+        found = structured && one->step > 0.0 && isfinite(one->step) ? one : NULL;
+    }
+    return found;
+}
+
+/* The largest omega^2, and the least damping that goes with it. */
+static void find_stiffest(const weft_stiffness *modes, stiff_gains *out)
+{
+    double w = 0.0, c = 0.0;
+    for (size_t i = 0; i < modes->count; ++i) {
+        const double *corner = modes->corners[i];
+        c = corner[0] > w || (corner[0] == w && corner[1] < c) ? corner[1] : c;
+        w = fmax(w, corner[0]);
+    }
+    out->omega = sqrt(w);
+    out->zeta = w > 0.0 ? 0.5 * c / out->omega : 0.0;
+}
+
+/* A gain that is not worth its name is none. */
+static double worth(double gain)
+{
+    return gain >= WORTH ? gain : 0.0;
+}
+
+stiff_gains stiff_gains_of(const survey *of, size_t particles)
+{
+    const double side = sqrt((double)particles);
+    const survey_method *least = cheapest_explicit(of);
+    stiff_gains out = { .rkc = find_stabilised(of) };
+    find_stiffest(&of->modes, &out);
+    out.over = of->own != NULL && is_explicit(of->own) ? of->own : least;
+    if (least == NULL || !(out.omega > 0.0)) {
+        return out;
+    }
+    if (out.rkc != NULL && out.zeta >= LEAST_ZETA) {
+        const double stages = RKC_COST * out.rkc->calls / out.rkc->step;
+        out.stabilised = cost(least) / stages >= WORTH ? cost(out.over) / stages : 0.0;
+    }
+    const double waves = out.omega / side / BDF_WAVES;
+    const bool may
+        = has_bdf(of) && out.zeta >= (side < LEAST_SIDE ? OVERDAMPED : LEAST_ZETA);
+    for (size_t i = 0; i < STIFF_ACCURACIES && may; ++i) {
+        const double bdf = BDF_COST * pow(waves, BDF_STIFF)
+                           * pow(1e-2 / accuracies[i], BDF_ACCURACY);
+        out.bdf[i] = cost(least) / bdf >= WORTH ? worth(cost(out.over) / bdf) : 0.0;
+    }
+    return out;
+}
+
+/* ---- in words ---------------------------------------------------------------- */
+
+static const char *kind(double zeta)
+{
+    return zeta >= 1.0          ? "over-damped"
+           : zeta >= LEAST_ZETA ? "damped"
+                                : "lightly damped";
+}
+
+static void say_gain(double gain, sentence *out)
+{
+    say(out, gain < 9.95 ? "%.1f x" : "%.0f x", gain);
+}
+
+void stiff_say(const stiff_gains *gains, sentence *out)
+{
+    say(out, "stiffest mode: omega %.4g 1/s, damping ratio %.2g: %s", gains->omega,
+        gains->zeta, kind(gains->zeta));
+    if (!(gains->stabilised > 0.0) && !(gains->bdf[0] > 0.0)) {
+        say(out, "; explicit methods: %s",
+            gains->zeta < LEAST_ZETA
+                ? "too little damping for others to gain"
+                : "the cloth is too small or too soft for others to gain");
+        return;
+    }
+    say(out, "; estimated, over %s %s: ", gains->over->plugin->id,
+        gains->over->type->name);
+    if (gains->stabilised > 0.0) {
+        say(out, "%s %s is ", gains->rkc->plugin->id, gains->rkc->type->name);
+        say_gain(gains->stabilised, out);
+        say(out, " faster for errors above 1e-4 m%s", gains->bdf[0] > 0.0 ? "; " : "");
+    }
+    for (size_t i = 0; i < STIFF_ACCURACIES && gains->bdf[i] > 0.0; ++i) {
+        say(out, "%s", i == 0 ? "cvode bdf is " : ", ");
+        say_gain(gains->bdf[i], out);
+        say(out, "%s %.0e m", i == 0 ? " faster at" : " at", accuracies[i]);
+    }
+}
