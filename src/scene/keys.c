@@ -371,7 +371,7 @@ static const char *const preconditioner_names[]
 static const char *const jacobian_names[] = { "step", "newton", NULL };
 
 static const weft__key solver_keys[] = {
-    { "krylov", WEFT__NUMBER, .strict = true, .most = 1.0, .below = true,
+    { "krylov", WEFT__NUMBER, RANGE(.strict = true, .most = 1.0, .below = true),
       .absent = "bdf: 0.1, ros2: 0.01", AT(weft__solver, set.krylov),
       .meaning = "relative residual to which each linear system is solved" },
     { "preconditioner", WEFT__CHOICE, .names = preconditioner_names, .fallback = "auto",
@@ -382,7 +382,7 @@ static const weft__key solver_keys[] = {
       .absent = "of the method", AT(weft__solver, set.jacobian),
       .meaning = "computed anew in each step or in each Newton iteration, for methods "
                  "with Newton's iteration" },
-    { "max_order", WEFT__INTEGER, .least = 1.0, .most = 5.0, .absent = "bdf: 2",
+    { "max_order", WEFT__INTEGER, RANGE(.least = 1.0, .most = 5.0), .absent = "bdf: 2",
       AT(weft__solver, max_order),
       .meaning = "largest order, for methods of variable order; bdf is stable at all "
                  "step sizes up to order 2 only" },
