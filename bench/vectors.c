@@ -123,10 +123,10 @@ static void theirs_start(theirs *self, size_t dim, int steps)
     self->solver = ERKStepCreate(theirs_rhs, 0.0, self->y, self->context);
     must(self->solver != NULL
              && ERKStepSetTableNum(self->solver, ARKODE_DORMAND_PRINCE_7_4_5) == 0
-             && ARK(SStolerances)(self->solver, 1e-6, 1e-6) == 0
-             && ARK(SetUserData)(self->solver, &self->dim) == 0
-             && ARK(SetInitStep)(self->solver, MAX_STEP) == 0
-             && ARK(SetMaxStep)(self->solver, MAX_STEP) == 0,
+             && ERK(SStolerances)(self->solver, 1e-6, 1e-6) == 0
+             && ERK(SetUserData)(self->solver, &self->dim) == 0
+             && ERK(SetInitStep)(self->solver, MAX_STEP) == 0
+             && ERK(SetMaxStep)(self->solver, MAX_STEP) == 0,
          "ERKStep");
 }
 
@@ -135,14 +135,14 @@ static void theirs_run(void *ctx)
     theirs *self = ctx;
     for (int i = 0; i < self->steps; ++i) {
         sunrealtype t;
-        must(ARK(Evolve)(self->solver, 1e9, self->y, &t, ARK_ONE_STEP) == ARK_SUCCESS,
+        must(ERK(Evolve)(self->solver, 1e9, self->y, &t, ARK_ONE_STEP) == ARK_SUCCESS,
              "Evolve");
     }
 }
 
 static void theirs_end(theirs *self)
 {
-    ARK(Free)(&self->solver);
+    ERK(Free)(&self->solver);
     N_VDestroy(self->y);
     (void)SUNContext_Free(&self->context);
 }

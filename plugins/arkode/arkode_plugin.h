@@ -31,8 +31,10 @@
 #endif
 
 #if SUNV >= 701 /* functions that were of each module became ARKODE's own */
+#define ERK(name) ARKode##name
 #define ARK(name) ARKode##name
 #else
+#define ERK(name) ERKStep##name
 #define ARK(name) (self->implicit ? ARKStep##name : ERKStep##name)
 #endif
 

@@ -207,7 +207,8 @@ static weft_status halve(const weft_stepper_type *type, forest *f, double *order
 int weft__order_claimed(const weft_stepper_type *type)
 {
     const bool custom = (type->flags & WEFT_STEPPER_BUTCHER) != 0;
-    return custom ? merson()->order : type->order;
+    const bool adaptive_only = (type->flags & WEFT_STEPPER_ADAPTIVE_ONLY) != 0;
+    return custom ? merson()->order : adaptive_only ? 0 : type->order;
 }
 
 weft_status weft__order(const weft_stepper_type *type, int claimed, double *order,

@@ -8,7 +8,8 @@
 enum { WEFT__ORDER_MOST = 9 };
 #define WEFT__ORDER_BOUND 0.2
 
-/* The order claimed by the method, or by the table it gets here; 0: variable. */
+/* The order claimed by the method, or by the table it gets here; 0: variable, or
+ * not to be measured in fixed steps. */
 int weft__order_claimed(const weft_stepper_type *type);
 
 /* log2 of the ratio of the errors with h and h/2, measured for the order `claimed`, at
