@@ -162,6 +162,40 @@ START_TEST(runs_of_a_sweep_over_methods_have_readable_names)
 }
 END_TEST
 
+#define SOLVER_COLUMNS ",linear_iterations,factorisations,newton_failures\n"
+#define ROS2           "'stepper={plugin: stiff, method: ros2, solver: {krylov: 0.05}}'"
+
+START_TEST(counts_of_linear_systems_are_in_all_files_of_methods_that_have_some)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/explicit 2>&1"), 0);
+    ck_assert_ptr_null(strstr(output, "Jacobians"));
+    ck_assert_ptr_null(
+        strstr(read_file(OUT "/explicit/series.csv"), "newton_failures"));
+    ck_assert_ptr_null(strstr(read_file(OUT "/explicit/result.yaml"), "solver:\n"));
+    expect(shell(WEFT " run " OUT "/small.yaml --set " ROS2 " --out " OUT
+                      "/implicit 2>&1"),
+           0);
+    says("  solver     ");
+    says(" Jacobians, ");
+    ck_assert_ptr_nonnull(
+        strstr(read_file(OUT "/implicit/series.csv"), SOLVER_COLUMNS));
+    ck_assert_ptr_nonnull(
+        strstr(read_file(OUT "/implicit/manifest.yaml"), "    krylov: 0.05"));
+    unsigned long long iterations = 0, jacobians = 0;
+    const char *at = strstr(read_file(OUT "/implicit/result.yaml"), "solver:\n");
+    ck_assert_ptr_nonnull(at);
+    ck_assert_int_eq(sscanf(at,
+                            "solver:\n linear_iterations: %llu\n factorisations: %llu",
+                            &iterations, &jacobians),
+                     2);
+    char last[80];
+    (void)snprintf(last, sizeof last, ",%llu,%llu,0\n", iterations, jacobians);
+    ck_assert(iterations > jacobians && jacobians > 0);
+    const char *series = read_file(OUT "/implicit/series.csv");
+    ck_assert_str_eq(series + strlen(series) - strlen(last), last);
+}
+END_TEST
+
 TEST_SUITE(cli_output)
 {
     Suite *suite = suite_create("cli output");
@@ -176,6 +210,8 @@ TEST_SUITE(cli_output)
     tcase_add_test(program, help_on_a_key_prints_that_key_and_those_below_it);
     tcase_add_test(program, help_on_a_key_that_is_not_there_names_those_that_are);
     tcase_add_test(program, runs_of_a_sweep_over_methods_have_readable_names);
+    tcase_add_test(program,
+                   counts_of_linear_systems_are_in_all_files_of_methods_that_have_some);
     suite_add_tcase(suite, program);
     return suite;
 }

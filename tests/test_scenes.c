@@ -35,7 +35,7 @@ static const bounds scenes[] = {
     { "table.yaml", 0.02, 0.15, 1.0, true, .gsl = true },
     { "rail.yaml", 0.01, 0.15, 1.0, false, .gsl = true },
     { "pole.yaml", 0.02, 0.2, 1.0, false, .gsl = true },
-    { "tarpaulin.yaml", 0.003, 0.02, 30.0, .passive = true },
+    { "tarpaulin.yaml", 0.1, 0.3, 60.0, .passive = true },
 };
 
 #define SCENES (sizeof scenes / sizeof scenes[0])

@@ -15,7 +15,7 @@
 static const double accuracies[STIFF_ACCURACIES] = { 1e-2, 1e-3 }; /* [m] */
 
 #define LEAST_ZETA 0.5  /* of stabilised methods */
-#define OVERDAMPED 5.0  /* zeta from which implicit methods pay on small cloth too */
+#define OVERDAMPED 2.0  /* zeta from which implicit methods pay on small cloth too */
 #define LEAST_SIDE 64.0 /* particles, else */
 
 /* What a step costs besides its evaluations, in evaluations. */
