@@ -152,8 +152,7 @@ static double error_of(const task *of, const weft_sim *sim) /* [m] */
     return most;
 }
 
-/* Dormand and Prince's at a hundredth of the smallest tolerance; none if it would take
- * too long. */
+/* Dormand and Prince's method at 1e-8; none if it would take too long. */
 static void make_reference(task *of)
 {
     const entry tight = { "arkode", "dormand_prince", 1e-8, 1.0, 0.0 };
