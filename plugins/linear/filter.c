@@ -5,7 +5,7 @@
 
 #include "vectors.h"
 
-WIDE void weft__filter_bonds(double *planes, size_t count)
+WIDE static void filter_bonds(double *planes, size_t count)
 {
     double *rest = planes + 3 * count, *q = planes + 4 * count;
     ELEMENTWISE
@@ -15,6 +15,11 @@ WIDE void weft__filter_bonds(double *planes, size_t count)
         q[i] = least < k ? least : k;
         rest[i] = k - q[i];
     }
+}
+
+void weft__filter_bonds(double *planes, size_t count)
+{
+    filter_bonds(planes, count);
 }
 
 /* One rotation of Jacobi's method, which makes a[p][q] 0 (Golub, Van Loan, Matrix

@@ -200,7 +200,7 @@ void weft__network_times(const weft__network *self, const double *x, double *y)
 
 /* ---- vectors --------------------------------------------------------------------- */
 
-WIDE double weft__vector_dot(size_t n, const double *a, const double *b)
+WIDE static double dot(size_t n, const double *a, const double *b)
 {
     double lane[LANES] = { 0.0 }, sum = 0.0;
     size_t at = 0;
@@ -218,7 +218,7 @@ WIDE double weft__vector_dot(size_t n, const double *a, const double *b)
     return sum;
 }
 
-WIDE void weft__vector_scale(size_t n, double a, const double *x, double *y)
+WIDE static void scale(size_t n, double a, const double *x, double *y)
 {
     ELEMENTWISE
     for (size_t i = 0; i < n; ++i) {
@@ -226,10 +226,25 @@ WIDE void weft__vector_scale(size_t n, double a, const double *x, double *y)
     }
 }
 
-WIDE void weft__vector_mix(size_t n, double a, const double *x, double b, double *y)
+WIDE static void mix(size_t n, double a, const double *x, double b, double *y)
 {
     ELEMENTWISE
     for (size_t i = 0; i < n; ++i) {
         y[i] = a * x[i] + b * y[i];
     }
+}
+
+double weft__vector_dot(size_t n, const double *a, const double *b)
+{
+    return dot(n, a, b);
+}
+
+void weft__vector_scale(size_t n, double a, const double *x, double *y)
+{
+    scale(n, a, x, y);
+}
+
+void weft__vector_mix(size_t n, double a, const double *x, double b, double *y)
+{
+    mix(n, a, x, b, y);
 }

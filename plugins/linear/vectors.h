@@ -4,7 +4,8 @@
 #ifndef WEFT_PLUGINS_LINEAR_VECTORS_H
 #define WEFT_PLUGINS_LINEAR_VECTORS_H
 
-/* Wider vectors where the machine has them. The choice is made as the plugin is loaded,
+/* Wider vectors where the machine has them, for static functions: the symbols of others
+ * would be exported. The choice is made as the plugin is loaded,
  * which is before an address sanitizer works. */
 #if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)                   \
     && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)

@@ -26,8 +26,8 @@ add_up(size_t n, int count, const double *const *x, const double *c, double *to)
     }
 }
 
-WIDE void weft__stiff_combine(size_t n, int count, const double *const *x,
-                              const double *c, double *to)
+WIDE static void combine(size_t n, int count, const double *const *x, const double *c,
+                         double *to)
 {
     switch (count) {
     case 2:
@@ -44,8 +44,14 @@ WIDE void weft__stiff_combine(size_t n, int count, const double *const *x,
     }
 }
 
+void weft__stiff_combine(size_t n, int count, const double *const *x, const double *c,
+                         double *to)
+{
+    combine(n, count, x, c, to);
+}
+
 /* 0, or NaN: a sum, unlike a branch, can be vectorised. */
-WIDE bool weft__stiff_finite(size_t n, const double *y)
+WIDE static bool all_finite(size_t n, const double *y)
 {
     double bad[LANES] = { 0.0 }, sum = 0.0;
     size_t at = 0;
@@ -61,6 +67,11 @@ WIDE bool weft__stiff_finite(size_t n, const double *y)
         sum += bad[i];
     }
     return sum == 0.0;
+}
+
+bool weft__stiff_finite(size_t n, const double *y)
+{
+    return all_finite(n, y);
 }
 
 /* Adds to lane[LANES] the squares, or takes the largest. */
