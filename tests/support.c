@@ -157,6 +157,13 @@ int test_rounds(int few, int many)
     return getenv("TEST_LONG") == NULL ? few : many;
 }
 
+bool test_is_spared(const weft_stepper_type *type)
+{
+    const uint32_t table = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_CONTROLLER;
+    return test_rounds(1, 0) && (type->flags & table) == table
+           && !weft_stepper_is(type, "trbdf2") && !weft_stepper_is(type, "esdirk325");
+}
+
 int test_run(Suite *suite)
 {
     SRunner *runner = srunner_create(suite);

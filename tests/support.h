@@ -45,6 +45,10 @@ uint64_t test_hash(const double *values, size_t count);
     Suite *name##_suite(void)
 
 /* Runs the suite, prints Check's summary, returns the exit status. */
+/* Whether a method is left to `make nightly`: ARKODE's implicit tables are run by the
+ * same code, so that two of them do. Their orders are tested always. */
+bool test_is_spared(const weft_stepper_type *type);
+
 /* `few`, or `many` in `make nightly`, which sets TEST_LONG: of repetitions whose
  * moments or places differ. */
 int test_rounds(int few, int many);

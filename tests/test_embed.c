@@ -68,7 +68,8 @@ END_TEST
 /* Weight as a force of one's own: the cloth swings as under gravity. */
 START_TEST(every_method_sees_the_force)
 {
-    if (test_needs_damping(test_method((size_t)_i))) {
+    if (test_is_spared(test_method((size_t)_i))
+        || test_needs_damping(test_method((size_t)_i))) {
         return;
     }
     push with = { .f = { 0.0, -0.25 * 9.81, 0.0 } };
@@ -92,7 +93,8 @@ END_TEST
 
 START_TEST(force_may_stop_a_run_and_the_state_is_the_last_good_one)
 {
-    if (test_needs_damping(test_method((size_t)_i))) {
+    if (test_is_spared(test_method((size_t)_i))
+        || test_needs_damping(test_method((size_t)_i))) {
         return;
     }
     push with = { .answer = -1, .from = 0.01 };
@@ -127,7 +129,8 @@ static bool stop_once(void *ctx)
 
 START_TEST(stop_gives_up_a_step_and_a_later_one_goes_on)
 {
-    if (test_needs_damping(test_method((size_t)_i))) {
+    if (test_is_spared(test_method((size_t)_i))
+        || test_needs_damping(test_method((size_t)_i))) {
         return;
     }
     size_t left = 9;
@@ -158,7 +161,8 @@ END_TEST
 
 START_TEST(force_that_is_no_number_is_never_accepted)
 {
-    if (test_needs_damping(test_method((size_t)_i))) {
+    if (test_is_spared(test_method((size_t)_i))
+        || test_needs_damping(test_method((size_t)_i))) {
         return;
     }
     push with = { .f = { NAN, 0.0, 0.0 } };
@@ -416,7 +420,8 @@ static uint64_t play(weft_play frames, film *self)
 
 START_TEST(frames_come_at_their_times_and_checkpoints_do_not_change_them)
 {
-    if (test_needs_damping(test_method((size_t)_i))) {
+    if (test_is_spared(test_method((size_t)_i))
+        || test_needs_damping(test_method((size_t)_i))) {
         return;
     }
     static const double times[] = { 0.0, 1.0 / 10.0, 2.0 / 10.0, 0.25 };
@@ -478,7 +483,8 @@ static void *work(void *ctx)
 
 START_TEST(threads_share_a_cloth_and_nothing_else)
 {
-    if (test_needs_damping(test_method((size_t)_i))) {
+    if (test_is_spared(test_method((size_t)_i))
+        || test_needs_damping(test_method((size_t)_i))) {
         return;
     }
     enum { THREADS = 8 };
