@@ -171,7 +171,6 @@ weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *e
         return WEFT_INVALID;
     }
     const size_t words = saved_words(sim), dim = weft__sim_dim(sim);
-    unsigned char *to = bytes, *holds = to + (AT_STATE + dim) * WEFT__WORD;
     if (bytes == NULL || size < words * WEFT__WORD) {
         return weft_error_set(err, WEFT_INVALID,
                               "a saved simulation needs %zu bytes, not %zu",
@@ -182,6 +181,7 @@ weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *e
         return status;
     }
     weft__cloth_pins_changed(sim->cloth, sim->y); /* as restore will */
+    unsigned char *to = bytes, *holds = to + (AT_STATE + dim) * WEFT__WORD;
     const fields now = fields_of(sim);
     put_head(sim, to);
     weft__words_put(to + AT_FIELDS * WEFT__WORD, &now, FIELDS);
