@@ -112,7 +112,7 @@ weft_status verify_pair_apart(weft_registry *registry, const verify_pair *pair,
 #define VERIFY_SHIPPED_TOLERANCE 1e-3 /* a tenth of it for order 1 */
 #define VERIFY_ENERGY_BOUND      0.2
 
-enum { VERIFY_NAME = 64, VERIFY_SHIPPED_MOST = 64, VERIFY_PARTICLES_MOST = 1600 };
+enum { VERIFY_NAME = 64, VERIFY_SHIPPED_MOST = 64, VERIFY_PARTICLES_MOST = 2000 };
 
 /* Names of all scenes/NAME.yaml, sorted; how many. */
 size_t verify_shipped(char names[VERIFY_SHIPPED_MOST][VERIFY_NAME]);
