@@ -6,13 +6,11 @@
 
 #include <math.h>
 
-#include "support.h"
+#include "one_sim.h"
 
 static weft_cloth_def model;
 static weft_shape shapes[4];
 static weft_sim_def run;
-static weft_cloth *cloth;
-static weft_sim *sim;
 static weft_error err;
 
 /* Two loose particles of 0.1 kg, side by side along x, above the plane y >= 0, which is
@@ -30,14 +28,6 @@ static inline void setup(void)
     run = weft_sim_def_default();
     run.method = test_method_named("gsl/rk8pd");
     run.config.rtol = run.config.atol_position = run.config.atol_velocity = 1e-10;
-}
-
-static inline void teardown(void)
-{
-    weft_sim_destroy(sim);
-    weft_cloth_destroy(cloth);
-    sim = NULL;
-    cloth = NULL;
 }
 
 static inline void start(void)

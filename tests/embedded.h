@@ -4,7 +4,7 @@
 #ifndef WEFT_TESTS_EMBEDDED_H
 #define WEFT_TESTS_EMBEDDED_H
 
-#include "support.h"
+#include "one_sim.h"
 
 #define ROWS 3
 #define COLS 4
@@ -13,8 +13,6 @@
 static weft_pin corner;
 static weft_cloth_def model;
 static weft_sim_def run;
-static weft_cloth *cloth;
-static weft_sim *sim;
 
 static void setup(void)
 {
@@ -32,14 +30,6 @@ static void setup(void)
     run = weft_sim_def_default();
     run.method = test_method_named("verlet/velocity_verlet");
     run.config.fixed_step = 1e-3;
-}
-
-static void teardown(void)
-{
-    weft_sim_destroy(sim);
-    weft_cloth_destroy(cloth);
-    sim = NULL;
-    cloth = NULL;
 }
 
 static void start(void)

@@ -3,28 +3,18 @@
 #ifndef LEDGER_RUN_H
 #define LEDGER_RUN_H
 
-#include "support.h"
+#include "one_sim.h"
 
 #include <math.h>
 #include <string.h>
 
 static weft_cloth_def model;
 static weft_pin pins[2];
-static weft_cloth *cloth;
-static weft_sim *sim;
 
 static inline void setup(void)
 {
     model = weft_cloth_def_default();
     memset(pins, 0, sizeof pins);
-}
-
-static inline void teardown(void)
-{
-    weft_sim_destroy(sim);
-    weft_cloth_destroy(cloth);
-    sim = NULL;
-    cloth = NULL;
 }
 
 static inline weft_sim *make(const weft_stepper_type *method,

@@ -4,7 +4,7 @@
 #ifndef LIMIT_STILL_H
 #define LIMIT_STILL_H
 
-#include "support.h"
+#include "one_sim.h"
 
 #include <math.h>
 #include <string.h>
@@ -67,8 +67,6 @@ static const weft_stepper_type still = {
 
 static weft_cloth_def model;
 static weft_sim_def wanted;
-static weft_cloth *cloth;
-static weft_sim *sim;
 static weft_pin pins[2];
 static weft_load loads[8];
 static double start[3 * MOST], speed[3 * MOST], x[3 * MOST], v[3 * MOST];
@@ -98,14 +96,6 @@ static inline void setup(void)
         pins[i].cols.first = pins[i].cols.last = -(ptrdiff_t)i;
     }
     model.pins = pins;
-}
-
-static inline void teardown(void)
-{
-    weft_sim_destroy(sim);
-    weft_cloth_destroy(cloth);
-    sim = NULL;
-    cloth = NULL;
 }
 
 static inline size_t particles(void)

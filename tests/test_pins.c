@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* test_pins.c -- pins put, moved and released while a simulation runs. */
-#include "support.h"
+#include "one_sim.h"
 
 #include <math.h>
 #include <string.h>
@@ -12,8 +12,6 @@
 static weft_pin corner;
 static weft_cloth_def model;
 static weft_sim_def run;
-static weft_cloth *cloth;
-static weft_sim *sim;
 
 static void setup(void)
 {
@@ -30,14 +28,6 @@ static void setup(void)
     run = weft_sim_def_default();
     run.method = test_method_named("verlet/velocity_verlet");
     run.config.fixed_step = 1e-3;
-}
-
-static void teardown(void)
-{
-    weft_sim_destroy(sim);
-    weft_cloth_destroy(cloth);
-    sim = NULL;
-    cloth = NULL;
 }
 
 static weft_sim *another(void)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* test_sim.c -- a cloth under integration: frames, the state from outside, corrections,
  * failures, threads, pins on their way. */
-#include "support.h"
+#include "one_sim.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -16,8 +16,6 @@
 /* The model of all tests, to be edited, and one simulation of it at a time. */
 static weft_pin rest;
 static weft_cloth_def model;
-static weft_cloth *cloth;
-static weft_sim *sim;
 static double x[3 * N], v[3 * N];
 
 static void setup(void)
@@ -33,14 +31,6 @@ static void setup(void)
     model.pin_count = 1;
     model.drag = 0.02;
     model.velocity[2] = 0.5;
-}
-
-static void teardown(void)
-{
-    weft_sim_destroy(sim);
-    weft_cloth_destroy(cloth);
-    sim = NULL;
-    cloth = NULL;
 }
 
 static weft_stepper_config fixed(double h)

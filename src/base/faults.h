@@ -7,8 +7,8 @@
 
 #include "weft/base.h"
 
-/* Takes faults of a definition: `field` is the offset of the one at fault in its
- * struct, `other` that of one it does not go together with, or the same. */
+/* Receives the faults of a definition: `field` is the offset of the wrong field in its
+ * struct, `other` the offset of a field that excludes it, or the same. */
 typedef struct weft__faults {
     void (*found)(void *ctx, size_t field, size_t other, const char *message);
     void *ctx;
@@ -18,7 +18,7 @@ WEFT_PRINTF(4, 5)
 void weft__fault(const weft__faults *to, size_t field, size_t other, const char *format,
                  ...);
 
-/* The first fault of a definition, as WEFT_INVALID; takes faults if it is their ctx. */
+/* Keeps the first fault of a definition as WEFT_INVALID; it is the ctx of faults. */
 typedef struct weft__refusal {
     weft_status status;
     weft_error *err;

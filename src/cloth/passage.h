@@ -7,8 +7,7 @@
  *
  * with V the velocity of the surface, with or without its spin, whichever gives the
  * larger speed, and w the speed that an oscillation adds between the ends;
- * docs/physics.md.
- * src/kernel evaluates the same expressions. */
+ * docs/physics.md. src/kernel evaluates the same expressions. */
 #ifndef WEFT_CLOTH_PASSAGE_H
 #define WEFT_CLOTH_PASSAGE_H
 

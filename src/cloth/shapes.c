@@ -30,7 +30,7 @@ weft__shape weft__shape_of(const weft_shape *def, double friction)
     weft__shape shape = {
         .def = *def,
         .motion = weft__motion_of(def->velocity, def->amplitude, def->frequency),
-        .friction = def->friction < 0.0 ? friction : def->friction,
+        .friction = weft__friction_of(def, friction),
     };
     double way[3];
     for (size_t k = 0; k < 3; ++k) {

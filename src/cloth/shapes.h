@@ -26,6 +26,12 @@ typedef struct weft__pose {
     double friction;
 } weft__pose;
 
+/* The friction of a shape: its own, or else that of the contact. */
+static inline double weft__friction_of(const weft_shape *def, double friction)
+{
+    return def->friction < 0.0 ? friction : def->friction;
+}
+
 /* A shape without faults. `friction`: that of the contact. */
 weft__shape weft__shape_of(const weft_shape *def, double friction);
 

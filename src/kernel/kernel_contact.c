@@ -35,6 +35,9 @@ INLINE vec beyond(vec x, double low, double high)
     return only(over, ~(over <= 0.0)) + only(under, ~(under >= 0.0));
 }
 
+/* Code for each kind of shape: a kind that is a constant costs no branches. */
+#define EACH_KIND(X) X(WEFT_PLANE) X(WEFT_SPHERE) X(WEFT_CAPSULE) X(WEFT_BOX)
+
 INLINE vec3 along_axis(const weft__pose *pose, vec a)
 {
     return (vec3){ a * pose->axis[0], a * pose->axis[1], a * pose->axis[2] };
@@ -234,10 +237,7 @@ static vec push_any(const slice *of, size_t count, const weft__pose *pose,
     case kind:                                                                         \
         return p == 4 ? push_block(of, count, pose, kind, law, 4)                      \
                       : push_block(of, count, pose, kind, law, p);
-        CASE(WEFT_PLANE)
-        CASE(WEFT_SPHERE)
-        CASE(WEFT_CAPSULE)
-        CASE(WEFT_BOX)
+        EACH_KIND(CASE)
 #undef CASE
     default:
         return splat(0.0);
@@ -429,10 +429,7 @@ static bool block_clear(const weft_cloth *cloth, const weft__passage *of,
 #define CASE(kind)                                                                     \
     case kind:                                                                         \
         return kind_clear(cloth, of, kind, path, first, end);
-        CASE(WEFT_PLANE)
-        CASE(WEFT_SPHERE)
-        CASE(WEFT_CAPSULE)
-        CASE(WEFT_BOX)
+        EACH_KIND(CASE)
 #undef CASE
     default:
         return true;

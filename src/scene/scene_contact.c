@@ -36,17 +36,11 @@ void weft__check_shape(weft__reader *reader, const weft__match *match, void *bas
     }
 }
 
-static double friction_of(const weft_contact_def *contact, size_t k)
-{
-    const double own = contact->shapes[k].friction;
-    return own < 0.0 ? contact->friction : own;
-}
-
 static bool has_friction(const weft_contact_def *contact)
 {
     bool has = contact->shape_count == 0 && contact->friction > 0.0;
     for (size_t k = 0; k < contact->shape_count; ++k) {
-        has = has || friction_of(contact, k) > 0.0;
+        has = has || weft__friction_of(&contact->shapes[k], contact->friction) > 0.0;
     }
     return has;
 }
@@ -128,7 +122,8 @@ static void warn_of_chord(weft__report *report, const weft_cloth_def *def, size_
 static void warn_of_friction(weft__report *report, const weft_contact_def *contact,
                              size_t k, weft__mark at)
 {
-    const double friction = friction_of(contact, k), most = 1e4; /* [s/m] */
+    const double friction = weft__friction_of(&contact->shapes[k], contact->friction);
+    const double most = 1e4; /* [s/m] */
     if (contact->law == WEFT_FRICTION_COULOMB && friction > most * contact->slip) {
         weft__report_warning(
             report, at,

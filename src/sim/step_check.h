@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* step_check.h -- no free particle gets into a shape or through it.
- *
- * cloth/passage.h has the condition. */
+/* step_check.h -- no free particle gets into a shape or through it: the condition of
+ * cloth/passage.h, on the threads of a simulation. */
 #ifndef WEFT_SIM_STEP_CHECK_H
 #define WEFT_SIM_STEP_CHECK_H
 
