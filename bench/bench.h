@@ -9,6 +9,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "weft/base.h"
+
 /* What runs on one thread may be measured by its own time, whoever else is at work. */
 #ifndef BENCH_CLOCK
 #define BENCH_CLOCK CLOCK_MONOTONIC
@@ -65,6 +67,15 @@ static inline void bench_interleaved(bench_case *cases, size_t count, size_t rou
         cases[i].median = bench_median(times + i * rounds, rounds);
     }
     free(times);
+}
+
+/* Ends the benchmark with the message of a call that failed. */
+static inline void bench_must(weft_status status, const weft_error *err)
+{
+    if (status != WEFT_OK) {
+        fprintf(stderr, "%s\n", err->message);
+        exit(1);
+    }
 }
 
 /* BUILD_DIR/bench/<name>-<machine>.csv with its header line, for figures of a kind. */

@@ -49,10 +49,7 @@ static subject make(size_t n, const weft_shape *shape, weft_friction_law law)
     def.contact.shapes = shape;
     def.contact.shape_count = shape != NULL ? 1 : 0;
     def.contact.law = law;
-    if (weft_cloth_create(&def, &self.cloth, &err) != WEFT_OK) {
-        fprintf(stderr, "%s\n", err.message);
-        exit(1);
-    }
+    bench_must(weft_cloth_create(&def, &self.cloth, &err), &err);
     self.y = malloc(6 * n * n * sizeof *self.y);
     self.dydt = malloc(6 * n * n * sizeof *self.dydt);
     if (self.y == NULL || self.dydt == NULL) {

@@ -21,14 +21,6 @@ typedef struct drape {
     double tolerance, thickness, coulomb_slip;
 } drape;
 
-static inline void drape_must(weft_status status, const weft_error *err)
-{
-    if (status != WEFT_OK) {
-        fprintf(stderr, "drape: %s\n", err->message);
-        exit(1);
-    }
-}
-
 static inline weft_cloth *drape_cloth(const drape *of, size_t n)
 {
     static const weft_pin corners[] = { { .rows = { 0, 0 }, .cols = { 0, 0 } },
@@ -58,7 +50,7 @@ static inline weft_cloth *drape_cloth(const drape *of, size_t n)
     if (of->coulomb_slip > 0.0) {
         def.contact.law = WEFT_FRICTION_COULOMB, def.contact.slip = of->coulomb_slip;
     }
-    drape_must(weft_cloth_create(&def, &cloth, &err), &err);
+    bench_must(weft_cloth_create(&def, &cloth, &err), &err);
     return cloth;
 }
 
@@ -72,7 +64,7 @@ static inline weft_sim *drape_sim(const drape *of, const weft_cloth *cloth)
     def.method = of->rkf45 ? weft_plugin_method(weft_plugin_gsl(), "rkf45")
                            : weft_plugin_method(weft_plugin_arkode(), "dormand_prince");
     def.config.rtol = def.config.atol_position = def.config.atol_velocity = tolerance;
-    drape_must(weft_sim_create(&def, &sim, &err), &err);
+    bench_must(weft_sim_create(&def, &sim, &err), &err);
     return sim;
 }
 
@@ -86,7 +78,7 @@ static inline double drape_run(const drape *of, size_t n, double duration)
     size_t touching = 0;
     while (weft_sim_time(sim) < duration) {
         const double start = bench_now();
-        drape_must(weft_sim_step(sim, duration, &err), &err);
+        bench_must(weft_sim_step(sim, duration, &err), &err);
         seconds += bench_now() - start;
         const double t = weft_sim_time(sim), *y = weft_sim_state(sim);
         const size_t now = weft_cloth_touching(cloth, t, y);

@@ -50,14 +50,6 @@ typedef struct trial {
     weft_sim *sim; /* of the last run */
 } trial;
 
-static void must(weft_status status, const weft_error *err)
-{
-    if (status != WEFT_OK) {
-        fprintf(stderr, "pairs: %s\n", err->message);
-        exit(1);
-    }
-}
-
 static const weft_stepper_type *method(const weft_plugin *plugin, const char *name)
 {
     const weft_stepper_type *const *types = plugin->types;
@@ -84,7 +76,7 @@ static void make_cloth(sheet *of)
     def.down[2] = 1.0;
     def.pins = corners;
     def.pin_count = 2;
-    must(weft_cloth_create(&def, &of->cloth, &err), &err);
+    bench_must(weft_cloth_create(&def, &of->cloth, &err), &err);
 }
 
 /* A simulation from the start to the end, in frames of 1/100 s. */
@@ -97,11 +89,12 @@ static void run(void *ctx)
     def.method = self->method;
     def.config = self->config;
     weft_sim_destroy(self->sim);
-    must(weft_sim_create(&def, &self->sim, &err), &err);
+    bench_must(weft_sim_create(&def, &self->sim, &err), &err);
     const int frames = (int)ceil(100.0 * self->sheet->duration);
     for (int i = 1; i <= frames; ++i) {
-        must(weft_sim_advance(self->sim, self->sheet->duration * i / frames, &err),
-             &err);
+        bench_must(
+            weft_sim_advance(self->sim, self->sheet->duration * i / frames, &err),
+            &err);
     }
 }
 

@@ -121,14 +121,6 @@ static bool keep_out(void *ctx, double t, double h, double *y)
 /* ---- a run ------------------------------------------------------------------------
  */
 
-static void must(weft_status status, const weft_error *err)
-{
-    if (status != WEFT_OK) {
-        fprintf(stderr, "realtime: %s\n", err->message);
-        exit(1);
-    }
-}
-
 static void describe(choice *self, size_t rows, size_t cols)
 {
     static const weft_pin edges[] = { { .rows = { 0, 0 }, .cols = { 0, -1 } },
@@ -170,8 +162,8 @@ static double stable_step(const weft_cloth *cloth, const weft_stepper_type *type
     weft_cloth_start(cloth, y);
     const weft_stiffness modes = weft_cloth_stiffness(cloth, 0.0, y);
     free(y);
-    must(weft_stability_create(type, NULL, &stability, &err), &err);
-    must(weft_stability_step(&stability, &modes, 0.0, &h, &err), &err);
+    bench_must(weft_stability_create(type, NULL, &stability, &err), &err);
+    bench_must(weft_stability_step(&stability, &modes, 0.0, &h, &err), &err);
     return h;
 }
 
@@ -194,10 +186,10 @@ static void run(choice *self, const weft_cloth *cloth, double frames[FRAMES])
     def.force_ctx = def.correct_ctx = &around;
     def.limit.method = self->limit > 0.0 ? WEFT_LIMIT_PROVOT : WEFT_LIMIT_NONE;
     def.limit.strain = self->limit > 0.0 ? self->limit : def.limit.strain;
-    must(weft_sim_create(&def, &sim, &err), &err);
+    bench_must(weft_sim_create(&def, &sim, &err), &err);
     for (int i = 0; i < FRAMES; ++i) {
         const double began = bench_now();
-        must(weft_sim_advance(sim, (i + 1.0) / FPS, &err), &err);
+        bench_must(weft_sim_advance(sim, (i + 1.0) / FPS, &err), &err);
         frames[i] = bench_now() - began;
     }
     const weft_limit_stats limit = weft_sim_limit_stats(sim);
@@ -214,7 +206,7 @@ static void measure(choice *self, size_t rows, size_t cols)
     weft_error err = { 0 };
     weft_cloth *cloth = NULL;
     describe(self, rows, cols);
-    must(weft_cloth_create(&self->def, &cloth, &err), &err);
+    bench_must(weft_cloth_create(&self->def, &cloth, &err), &err);
     for (int r = 0; r < ROUNDS; ++r) {
         run(self, cloth, frames);
         mean[r] = worst[r] = 0.0;

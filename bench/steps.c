@@ -44,20 +44,12 @@ typedef struct trial {
     lecture lecture;
 } trial;
 
-static void must(weft_status status, const weft_error *err)
-{
-    if (status != WEFT_OK) {
-        fprintf(stderr, "steps: %s\n", err->message);
-        exit(1);
-    }
-}
-
 static weft_cloth *make_sheet(size_t n)
 {
     const weft_cloth_def def = problem(n);
     weft_cloth *cloth = NULL;
     weft_error err = { 0 };
-    must(weft_cloth_create(&def, &cloth, &err), &err);
+    bench_must(weft_cloth_create(&def, &cloth, &err), &err);
     return cloth;
 }
 
@@ -80,7 +72,7 @@ static void start(trial *self)
     def.config.fixed_step = self->fixed_step;
     def.config.threads = self->threads;
     weft_sim_destroy(self->sim);
-    must(weft_sim_create(&def, &self->sim, &err), &err);
+    bench_must(weft_sim_create(&def, &self->sim, &err), &err);
 }
 
 static void run(void *ctx)
@@ -92,7 +84,7 @@ static void run(void *ctx)
         return;
     }
     start(self);
-    must(weft_sim_advance(self->sim, self->of->duration, &err), &err);
+    bench_must(weft_sim_advance(self->sim, self->of->duration, &err), &err);
 }
 
 static void end(trial *self)
@@ -140,10 +132,10 @@ static double stable_step(const task *of, const char *method)
     weft_stability stability;
     double h = 0.0;
     weft_error err = { 0 };
-    must(weft_stability_create(weft_plugin_method(weft_plugin_verlet(), method), NULL,
-                               &stability, &err),
-         &err);
-    must(weft_stability_step(&stability, &modes, 0.0, &h, &err), &err);
+    bench_must(weft_stability_create(weft_plugin_method(weft_plugin_verlet(), method),
+                                     NULL, &stability, &err),
+               &err);
+    bench_must(weft_stability_step(&stability, &modes, 0.0, &h, &err), &err);
     return OF_STABLE * h;
 }
 
@@ -246,8 +238,8 @@ static void compare_scene(FILE *csv, const char *name, double duration, size_t r
     if (found == NULL) {
         abort();
     }
-    must(weft_scene_load(&def, &scene, found, &err), &err);
-    must(weft_cloth_create(weft_scene_cloth(scene), &of.cloth, &err), &err);
+    bench_must(weft_scene_load(&def, &scene, found, &err), &err);
+    bench_must(weft_cloth_create(weft_scene_cloth(scene), &of.cloth, &err), &err);
     compare(csv, &of, false, rounds);
     weft_scene_destroy(scene);
     free(found);
@@ -268,7 +260,7 @@ static void take_steps(void *ctx)
     const steady *self = ctx;
     weft_error err = { 0 };
     for (int i = 0; i < self->steps; ++i) {
-        must(weft_sim_step(self->sim, 1e9, &err), &err);
+        bench_must(weft_sim_step(self->sim, 1e9, &err), &err);
     }
 }
 
