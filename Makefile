@@ -461,7 +461,7 @@ nightly: all
 	TEST_LONG=1 $(MAKE) coverage
 	$(MAKE) verify
 	$(MAKE) fuzz FUZZ_SECONDS=300
-	$(MAKE) check-libm
+	TEST_LONG=1 $(MAKE) check-libm
 	$(MAKE) check-aarch64
 	$(MAKE) check-sundials7 WHOLE=1
 
