@@ -44,15 +44,17 @@ uint64_t test_hash(const double *values, size_t count);
     Suite *name##_suite(void);                                                         \
     Suite *name##_suite(void)
 
-/* Runs the suite, prints Check's summary, returns the exit status. */
-/* Whether a method is left to `make nightly`: ARKODE's implicit tables are run by the
- * same code, so that two of them do. Their orders are tested always. */
+/* Whether a method is left to `make nightly`: ARKODE's tables with an error estimate
+ * are run by the same code, explicit ones and implicit ones, so that a few of each do:
+ * of the lowest and the highest order, and one that reuses its last stage. The orders
+ * of all are tested always. */
 bool test_is_spared(const weft_stepper_type *type);
 
 /* `few`, or `many` in `make nightly`, which sets TEST_LONG: of repetitions whose
  * moments or places differ. */
 int test_rounds(int few, int many);
 
+/* Runs the suite, prints Check's summary, returns the exit status. */
 int test_run(Suite *suite);
 
 #endif

@@ -151,9 +151,23 @@ static double slope(const char *plugin, const char *method, int *order, size_t *
     return (n * xy - x * y) / (n * xx - x * x);
 }
 
+/* The option that leaves out all others, for haste. */
+static const char *ordered_methods(void)
+{
+    static char option[512];
+    size_t length = (size_t)snprintf(option, sizeof option, "--methods ");
+    for (size_t i = 0; i < ORDERED; ++i) {
+        length += (size_t)snprintf(option + length, sizeof option - length, "%s%s",
+                                   i == 0 ? "" : ",", ordered[i][1]);
+    }
+    return option;
+}
+
 START_TEST(slopes_of_the_diagram_equal_the_orders)
 {
-    expect(shell(WEFT " compare " OUT "/smooth.yaml --quiet -j 2 --out " OUT "/a 2>&1"),
+    expect(shell(WEFT " compare " OUT "/smooth.yaml %s --quiet -j 2 --out " OUT
+                      "/a 2>&1",
+                 test_rounds(1, 0) ? ordered_methods() : ""),
            0);
     read_rows(OUT "/a/compare.csv");
     for (size_t i = 0; i < ORDERED; ++i) {

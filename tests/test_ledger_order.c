@@ -27,7 +27,7 @@ START_TEST(residual_is_of_the_order_of_the_method)
     const int order = type->order == 0 ? 4 : type->order; /* custom: test_config's */
     double residual[8];
     int count = 0;
-    if (!keeps(type)) {
+    if (!keeps(type) || test_is_spared(type)) {
         return;
     }
     all_at_once();
@@ -59,7 +59,8 @@ START_TEST(residual_shrinks_with_the_tolerance)
     const bool custom = type->order == 0;
     const double p = custom ? 4 : type->order, q = custom ? 3 : type->error_order;
     const double low = p < 3 ? 1e-6 : 1e-10;
-    if (!keeps(type) || (type->flags & WEFT_STEPPER_FIXED_ONLY) != 0) {
+    if (!keeps(type) || (type->flags & WEFT_STEPPER_FIXED_ONLY) != 0
+        || test_is_spared(type)) {
         return;
     }
     all_at_once();
@@ -80,10 +81,10 @@ static uint64_t hash_of(const weft_sim *at)
 
 START_TEST(state_and_steps_are_the_same_without_it)
 {
-    if (test_needs_damping(test_method((size_t)_i))) {
+    const weft_stepper_type *type = test_method((size_t)_i);
+    if (test_needs_damping(type) || test_is_spared(type)) {
         return;
     }
-    const weft_stepper_type *type = test_method((size_t)_i);
     const int modes = (type->flags & WEFT_STEPPER_FIXED_ONLY) != 0 ? 1 : 3;
     all_at_once();
     for (int mode = 0; mode < modes && keeps(type); ++mode) {

@@ -97,7 +97,7 @@ START_TEST(every_method_has_the_same_bits)
     const bool dense = (type->flags & WEFT_STEPPER_DENSE) != 0;
     const int plugin = (int)strcspn(test_method_label((size_t)_i), "/");
     char sets[384];
-    if ((type->flags & WEFT_STEPPER_BUTCHER) != 0) {
+    if ((type->flags & WEFT_STEPPER_BUTCHER) != 0 || test_is_spared(type)) {
         return; /* ARKODE's steps are tested by its own tables */
     }
     if (test_adaptive_only(type)) {
