@@ -93,8 +93,8 @@ LIBS_sundials := -lsundials_nvecserial $(if $(HAVE_SUNDIALS_7),-lsundials_core) 
 LIBS_arkode := -lsundials_arkode $(LIBS_sundials)
 LIBS_cvode := -lsundials_cvode $(LIBS_sundials)
 # Folders whose sources are also part of a plugin.
-PARTS_stiff := linear
-PARTS_arkode := sundials linear
+PARTS_stiff := linear stabilised
+PARTS_arkode := sundials linear stabilised
 PARTS_cvode := sundials linear
 
 # The suites, each of tests/test_NAME.c: `make check TESTS='cloth scene'`. Those that take longest

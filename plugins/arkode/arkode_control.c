@@ -93,16 +93,17 @@ static double chosen(double value, double fallback)
     return value == 0.0 ? fallback : value;
 }
 
-weft_controller weft__ark_control(const weft_controller *asked)
+weft_controller weft__ark_control(const ark_method *method,
+                                  const weft_controller *asked)
 {
-    weft_controller c = asked == NULL ? defaults : *asked;
+    weft_controller c = asked == NULL ? (weft_controller){ 0 } : *asked;
     c.type = c.type == WEFT_CONTROLLER_DEFAULT ? defaults.type : c.type;
     if (c.gain_count == 0) {
         c.gain_count = gain_counts[c.type];
         memcpy(c.gains, laws[law_of(c.type)].gains, sizeof c.gains);
     }
     c.safety = chosen(c.safety, defaults.safety);
-    c.bias = chosen(c.bias, defaults.bias);
+    c.bias = chosen(c.bias, method->stabilised ? WEFT__ESTIMATE_BIAS : defaults.bias);
     c.max_growth = chosen(c.max_growth, defaults.max_growth);
     c.first_growth = chosen(c.first_growth, defaults.first_growth);
     c.min_reduction = chosen(c.min_reduction, defaults.min_reduction);
@@ -236,7 +237,7 @@ int weft__ark_set_control(arkode_stepper *self)
     bad |= ARK(SetFixedStepBounds)(s, keep_above, keep_below);
     bad |= ARK(SetSmallNumEFails)(s, 2);
     bad |= ARK(SetMaxErrTestFails)(s, 1000); /* it continues until min_step */
-    bad |= ARK(SetMaxStep)(s, isinf(self->max_step) ? 0.0 : self->max_step);
+    bad |= ARK(SetMaxStep)(s, isinf(self->longest) ? 0.0 : self->longest);
     return bad;
 }
 
@@ -248,7 +249,7 @@ void weft__ark_options(const void *instance, weft_option_fn *tell, void *ctx)
     const weft_controller *c = &self->control;
     const char *table = self->method->type.full_name;
     if (table != NULL) {
-        tell(ctx, "table", table);
+        tell(ctx, self->method->stabilised ? "method" : "table", table);
     }
     if (self->implicit) {
         weft__ark_tell_newton(self, tell, ctx);

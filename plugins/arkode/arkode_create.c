@@ -10,7 +10,7 @@
  * absolute one [m], [m/s], and a relative one. */
 #define NEWTON_FIXED 1e-12
 
-/* The fault of the config, or NULL. */
+/* The fault of the config's numbers, or NULL. */
 static const char *mistake(const weft_stepper_type *type, const weft_ode *ode,
                            const weft_stepper_config *config)
 {
@@ -86,6 +86,17 @@ static bool set_table(arkode_stepper *self, ARKodeButcherTable table)
     return flag == ARK_SUCCESS;
 }
 
+static bool make_module(arkode_stepper *self)
+{
+    if (self->method->stabilised) {
+        return weft__ark_make_stabilised(self);
+    }
+    self->solver = self->implicit
+                       ? ARKStepCreate(NULL, weft__ark_rhs, 0.0, self->y, self->context)
+                       : ERKStepCreate(weft__ark_rhs, 0.0, self->y, self->context);
+    return self->solver != NULL;
+}
+
 /* SUNDIALS' side; takes the table. */
 static bool make_solver(arkode_stepper *self, const weft_stepper_config *config,
                         ARKodeButcherTable table)
@@ -106,13 +117,8 @@ static bool make_solver(arkode_stepper *self, const weft_stepper_config *config,
     if (made && self->implicit) {
         made = weft__ark_equations(self, config, NULL) == WEFT_OK;
     }
-    if (made) {
-        self->solver
-            = self->implicit
-                  ? ARKStepCreate(NULL, weft__ark_rhs, 0.0, self->y, self->context)
-                  : ERKStepCreate(weft__ark_rhs, 0.0, self->y, self->context);
-        made = self->solver != NULL && settings(self) && set_table(self, table);
-    }
+    made = made && make_module(self) && settings(self)
+           && (table == NULL || set_table(self, table));
     ARKodeButcherTable_Free(table);
     return made;
 }
@@ -134,13 +140,16 @@ static arkode_stepper *allocate(const ark_method *method, const weft_ode *ode,
     self->atol[1] = config->atol_velocity;
     self->fixed_step = config->fixed_step;
     self->min_step = config->min_step;
-    self->max_step = config->max_step;
+    self->max_step = self->longest = config->max_step;
     self->control = weft__ark_control(
+        method,
         WEFT_HAS(config, weft_stepper_config, controller) ? config->controller : NULL);
-    self->stages = table->stages;
+    self->structure = weft_stepper_structure(config);
+    self->stages = table == NULL ? 0 : table->stages;
     self->implicit = (method->type.flags & WEFT_STEPPER_IMPLICIT) != 0;
-    self->fsal = !self->implicit && weft__ark_table_is_fsal(table);
-    self->hidden = self->implicit || weft__ark_table_hides(table, !fixed);
+    self->fsal = table == NULL || (!self->implicit && weft__ark_table_is_fsal(table));
+    self->hidden
+        = table != NULL && (self->implicit || weft__ark_table_hides(table, !fixed));
     if (self->implicit && fixed) { /* of the equations of its stages */
         self->rtol = NEWTON_FIXED;
         self->atol[0] = self->atol[1] = NEWTON_FIXED;
@@ -164,6 +173,10 @@ weft_status weft__ark_create(const weft_stepper_type *type, const weft_ode *ode,
     if (wrong != NULL) {
         return weft_error_set(err, WEFT_INVALID, "%s: %s", type->name, wrong);
     }
+    const char *lacks = method->stabilised ? weft__spectrum_mistake(ode, config) : NULL;
+    if (lacks != NULL) {
+        return weft_error_set(err, WEFT_UNSUPPORTED, "%s: %s", type->name, lacks);
+    }
     weft_status status = check_memory(method, ode, config, 0, err);
     if (status == WEFT_OK) {
         status = weft__ark_table(method, config->butcher, &table, err);
@@ -171,12 +184,14 @@ weft_status weft__ark_create(const weft_stepper_type *type, const weft_ode *ode,
     if (status != WEFT_OK) {
         return status;
     }
-    if (config->fixed_step == 0.0 && (table->p < 1 || table->d == NULL)) {
+    if (config->fixed_step == 0.0 && table != NULL
+        && (table->p < 1 || table->d == NULL)) {
         status = weft_error_set(err, WEFT_INVALID,
                                 "%s: a table without b_embedded needs fixed_step",
                                 type->name);
     } else {
-        status = check_memory(method, ode, config, table->stages, err);
+        status
+            = check_memory(method, ode, config, table == NULL ? 0 : table->stages, err);
     }
     if (status != WEFT_OK) {
         ARKodeButcherTable_Free(table);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* arkode_plugin.c -- the methods: every table of the ARKODE that it is built with, the
- * classics, and `custom`. Orders are measured by tests/test_stepper_accuracy.c. */
+/* arkode_plugin.c -- the methods: every table of the ARKODE that it is built with, its
+ * stabilised methods from 7.2 on, the classics, and `custom`. Orders are measured by
+ * tests/test_stepper_accuracy.c. */
 #include "arkode_plugin.h"
 
 WEFT_API const weft_plugin *weft_plugin_arkode(void);
@@ -153,6 +154,19 @@ enum {
 
 #define DIRK_TABLES(X) DIRK_SINCE_6_4(X) DIRK_SINCE_6_6(X) DIRK_SINCE_7_1(X)
 
+/* X(name, ARKODE's name after ARKODE_, flags, source): stabilised, of order 2, with as
+ * many stages as the damping of the cloth asks for. */
+#if SUNV >= 702
+#define STABILISED(X)                                                                  \
+    X(rkc, LSRK_RKC_2, WEFT_STEPPER_LIBM,                                              \
+      "B. P. Sommeijer, L. F. Shampine, J. G. Verwer, J. Comput. Appl. Math. 88, "     \
+      "1998")                                                                          \
+    X(rkl, LSRK_RKL_2, 0,                                                              \
+      "C. D. Meyer, D. S. Balsara, T. D. Aslam, J. Comput. Phys. 257, 2014")
+#else
+#define STABILISED(X)
+#endif
+
 /* X(name, our table, order, RHS calls, flags, source) */
 #define OUR_TABLES(X)                                                                  \
     X(euler, &weft__ark_euler, 1, 1, FIXED,                                            \
@@ -171,31 +185,53 @@ enum {
         .create = weft__ark_create, .step = weft__ark_step,                            \
         .state_changed = weft__ark_state_changed, .stats = weft__ark_stats,            \
         .destroy = weft__ark_destroy, .full_name = (full),                             \
-        .options = weft__ark_options,                                                  \
+        .options = weft__ark_options, .ode_changed = weft__ark_ode_changed,            \
     }
 
 #define ARKODE_METHOD(label, full, p, q, calls, kind, source)                          \
     static const ark_method method_##label                                             \
-        = { TYPE(label, "ARKODE_" #full, p, q, calls, kind, source), ARKODE_##full,    \
-            ARKODE_DIRK_NONE, NULL };
+        = { TYPE(label, "ARKODE_" #full, p, q, calls, kind, source),                   \
+            ARKODE_##full,                                                             \
+            ARKODE_DIRK_NONE,                                                          \
+            NULL,                                                                      \
+            false,                                                                     \
+            0 };
 #define IMPLICIT_METHOD(label, full, p, q, kind, source)                               \
     static const ark_method method_##label                                             \
         = { TYPE(label, "ARKODE_" #full, p, q, 0, (kind) | IMPLICIT, source),          \
-            ARKODE_ERK_NONE, ARKODE_##full, NULL };
+            ARKODE_ERK_NONE,                                                           \
+            ARKODE_##full,                                                             \
+            NULL,                                                                      \
+            false,                                                                     \
+            0 };
+#define STABILISED_METHOD(label, full, kind, source)                                   \
+    static const ark_method method_##label                                             \
+        = { TYPE(label, "ARKODE_" #full, 2, 2, 0,                                      \
+                 (kind) | FSAL | WEFT_STEPPER_STRUCTURE, source),                      \
+            ARKODE_ERK_NONE,                                                           \
+            ARKODE_DIRK_NONE,                                                          \
+            NULL,                                                                      \
+            true,                                                                      \
+            ARKODE_##full };
 #define OUR_METHOD(label, from, p, calls, kind, source)                                \
     static const ark_method method_##label                                             \
-        = { TYPE(label, NULL, p, 0, calls, kind, source), ARKODE_ERK_NONE,             \
-            ARKODE_DIRK_NONE, from };
+        = { TYPE(label, NULL, p, 0, calls, kind, source),                              \
+            ARKODE_ERK_NONE,                                                           \
+            ARKODE_DIRK_NONE,                                                          \
+            from,                                                                      \
+            false,                                                                     \
+            0 };
 
 ARKODE_TABLES(ARKODE_METHOD)
 DIRK_TABLES(IMPLICIT_METHOD)
+STABILISED(STABILISED_METHOD)
 OUR_TABLES(OUR_METHOD)
 
 WEFT_API const weft_plugin *weft_plugin_arkode(void)
 {
 #define ADDRESS(label, ...) &method_##label.type,
-    static const weft_stepper_type *const types[]
-        = { ARKODE_TABLES(ADDRESS) DIRK_TABLES(ADDRESS) OUR_TABLES(ADDRESS) NULL };
+    static const weft_stepper_type *const types[] = { ARKODE_TABLES(
+        ADDRESS) DIRK_TABLES(ADDRESS) STABILISED(ADDRESS) OUR_TABLES(ADDRESS) NULL };
     static const weft_plugin plugin = {
         .abi = WEFT_STEPPER_ABI,
         .struct_size = sizeof(weft_plugin),

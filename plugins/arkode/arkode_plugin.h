@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* arkode_plugin.h -- shared by the files of this plugin. Reading order: plugin.c (the
  * methods), tables.c and order.c (coefficients and what they must meet), create.c (one
- * instance), control.c (how h is adapted), implicit.c (equations of stages), step.c
- * (one accepted step); then ../sundials (the vectors and the linear systems).
+ * instance), control.c (how h is adapted), implicit.c (equations of stages),
+ * stabilised.c (how many stages), step.c (one accepted step); then ../sundials (the
+ * vectors and the linear systems) and ../stabilised (the spectrum).
  *
- * The Runge-Kutta modules of SUNDIALS' ARKODE, ERKStep for explicit tables and ARKStep
- * for implicit ones, are driven whole: they combine the stages, estimate the error,
- * accept, reject and choose h. SUNDIALS 6.4 to 7.x; what differs between them is in
- * this file and in `version_settings`. */
+ * The Runge-Kutta modules of SUNDIALS' ARKODE, ERKStep for explicit tables, ARKStep for
+ * implicit ones and LSRKStep for stabilised methods, are driven whole: they combine the
+ * stages, estimate the error, accept, reject and choose h. SUNDIALS 6.4 to 7.x; what
+ * differs between them is in this file and in `version_settings`. */
 #ifndef ARKODE_PLUGIN_H
 #define ARKODE_PLUGIN_H
 
+#include "../stabilised/spectrum.h"
 #include "../sundials/sundials_equations.h"
 
 #if defined(__GNUC__) /* headers of others do not meet our warnings */
@@ -26,6 +28,9 @@
 #if SUNV >= 607
 #include <sundials/sundials_adaptcontroller.h>
 #endif
+#if SUNV >= 702
+#include <arkode/arkode_lsrkstep.h>
+#endif
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
 #endif
@@ -39,12 +44,15 @@
 #endif
 
 /* A method: the public record first, so that a pointer to the one is a pointer to the
- * other, and where its table comes from: ARKODE, or us, or the user. */
+ * other, and where its table comes from: ARKODE, or us, or the user. A stabilised
+ * method has none. */
 typedef struct ark_method {
     weft_stepper_type type;
     ARKODE_ERKTableID id;      /* ARKODE_ERK_NONE: not one of ARKODE's */
     ARKODE_DIRKTableID dirk;   /* of an implicit method, instead */
     const weft_butcher *table; /* NULL: not one of ours */
+    bool stabilised;
+    int lsrk; /* then ARKODE_LSRKMethodType */
 } ark_method;
 
 /* The last two accepted steps: their biased errors, 1 where there was none, and their
@@ -60,8 +68,9 @@ typedef struct arkode_stepper {
     size_t half;          /* of the positions; the velocities; then quadratures */
     double rtol, atol[2]; /* of positions [m], of velocities [m/s] */
     double fixed_step, min_step, max_step; /* [s] */
-    weft_controller control;               /* complete */
-    int stages;                            /* of the table */
+    double longest;          /* [s] what ARKODE may try: max_step or less */
+    weft_controller control; /* complete */
+    int stages;              /* of the table; 0: there is none */
     bool implicit;
     bool fsal;    /* the last stage of the table is the first of the next step */
     bool hidden;  /* a stage that is not finite need not show in the step */
@@ -75,13 +84,17 @@ typedef struct arkode_stepper {
     SUNContext context;
     N_Vector y; /* ours; ARKODE writes to it also when it fails */
     void *solver;
-    sun_equations equations; /* of an implicit method */
+    sun_equations equations;         /* of an implicit method */
+    const weft_structure *structure; /* of a stabilised method, as the next two */
+    weft__spectrum spectrum;
+    bool anew; /* ARKODE keeps an eigenvalue after a failure: it must start anew */
 #if SUNV >= 607
     SUNAdaptController controller;
     ark_past past; /* as that controller knows it */
 #endif
 
     /* the step under way */
+    double trial;  /* [s] what it began with */
     bool starting; /* the next RHS call is f(t, y) at its start */
     bool skip;     /* the next RHS call is for nothing (step.c) */
     bool stopped;  /* the RHS asked to end the run */
@@ -97,7 +110,8 @@ void weft__ark_destroy(void *instance);
 /* control.c: the fault of a controller, or NULL; a controller with its defaults;
  * passed to ARKODE, 0 on success; the options in force. */
 const char *weft__ark_control_mistake(const weft_controller *c);
-weft_controller weft__ark_control(const weft_controller *asked);
+weft_controller weft__ark_control(const ark_method *method,
+                                  const weft_controller *asked);
 int weft__ark_set_control(arkode_stepper *self);
 void weft__ark_options(const void *instance, weft_option_fn *tell, void *ctx);
 
@@ -109,6 +123,13 @@ bool weft__ark_set_newton(arkode_stepper *self);
 long weft__ark_unsolved(const arkode_stepper *self);
 void weft__ark_tell_newton(const arkode_stepper *self, weft_option_fn *tell, void *ctx);
 
+/* stabilised.c: makes self->solver; starts it anew from self->y, 0 on success; before
+ * each step of any method, limits h to what is stable. */
+bool weft__ark_make_stabilised(arkode_stepper *self);
+int weft__ark_restart_stabilised(arkode_stepper *self, double t);
+weft_status weft__ark_limit_step(arkode_stepper *self, double t, const double *y,
+                                 weft_error *err);
+
 /* step.c */
 int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance);
 int weft__ark_weights(N_Vector y, N_Vector weights, void *instance);
@@ -116,9 +137,11 @@ int weft__ark_step_done(sunrealtype t, N_Vector y, void *instance);
 weft_status weft__ark_step(void *instance, double t_end, double *t, double *y,
                            weft_error *err);
 void weft__ark_state_changed(void *instance);
+void weft__ark_ode_changed(void *instance);
 void weft__ark_stats(const void *instance, weft_stepper_stats *out);
 
-/* tables.c: the table of a method for ARKODE, which the caller frees. */
+/* tables.c: the table of a method for ARKODE, which the caller frees; NULL for a
+ * stabilised one. */
 weft_status weft__ark_table(const ark_method *method, const weft_butcher *custom,
                             ARKodeButcherTable *out, weft_error *err);
 bool weft__ark_table_is_fsal(ARKodeButcherTable table);

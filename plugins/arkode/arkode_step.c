@@ -91,12 +91,15 @@ static int give_state(arkode_stepper *self, double t, const double *y)
         weft__sun_write(self->y, y);
     }
     self->starting = true;
-    if (self->stats.steps > 0) {
+    if (self->stats.steps > 0 && !self->anew) {
         return ARK(Reset)(self->solver, t, self->y);
     }
     self->failed_tests = self->unsolved = 0;
-    return self->implicit ? ARKStepReInit(self->solver, NULL, weft__ark_rhs, t, self->y)
-                          : ERKStepReInit(self->solver, weft__ark_rhs, t, self->y);
+    self->anew = false;
+    return self->method->stabilised ? weft__ark_restart_stabilised(self, t)
+           : self->implicit
+               ? ARKStepReInit(self->solver, NULL, weft__ark_rhs, t, self->y)
+               : ERKStepReInit(self->solver, weft__ark_rhs, t, self->y);
 }
 
 /* Makes ARKODE start from (t, y), by h. */
@@ -126,6 +129,7 @@ static int prepare(arkode_stepper *self, double t, const double *y, double h)
 static void forget(arkode_stepper *self)
 {
     self->own_h = self->restart = true;
+    self->anew = self->method->stabilised;
     self->skip = self->starting = false;
 }
 
@@ -135,6 +139,7 @@ static int evolve(arkode_stepper *self, double t, const double *y, double h,
 {
     self->stopped = false;
     self->since_bad = INT32_MAX;
+    self->trial = h;
     int flag = prepare(self, t, y, h);
     if (flag == ARK_SUCCESS) {
         flag = ARK(Evolve)(self->solver, t_end, self->y, reached, ARK_ONE_STEP);
@@ -142,6 +147,9 @@ static int evolve(arkode_stepper *self, double t, const double *y, double h,
     self->skip = false;
     long int failed = self->failed_tests;
     (void)ARK(GetNumErrTestFails)(self->solver, &failed);
+    if (failed > self->failed_tests) {
+        weft__spectrum_doubt(&self->spectrum);
+    }
     self->stats.rejected += (uint64_t)(failed - self->failed_tests);
     self->failed_tests = failed;
     const long unsolved = weft__ark_unsolved(self);
@@ -209,10 +217,10 @@ static void propose(arkode_stepper *self, double tried, double taken)
     double next = self->h;
     (void)ARK(GetCurrentStep)(self->solver, &next);
     const bool cut = tried < self->h && taken >= tried * (1.0 - 1e-9);
-    self->own_h = !(next > 0.0 && next <= self->max_step * (1.0 + 1e-15)
+    self->own_h = !(next > 0.0 && next <= self->longest * (1.0 + 1e-15)
                     && next >= self->min_step);
     if (self->own_h) {
-        next = fmin(fmax(next > 0.0 ? next : 0.0, self->min_step), self->max_step);
+        next = fmin(fmax(next > 0.0 ? next : 0.0, self->min_step), self->longest);
     }
     if (cut && next < self->h && next >= tried) {
         next = self->h;
@@ -231,6 +239,7 @@ static void accept(arkode_stepper *self, double tried, double rest, double reach
     *t = at_end ? t_end : reached;
     self->restart = *t != reached;
     ++self->stats.steps;
+    ++self->spectrum.age;
     self->stats.last_step = at_end && tried == rest ? rest : *t - before;
     propose(self, tried, reached - before);
 }
@@ -253,6 +262,10 @@ weft_status weft__ark_step(void *instance, double t_end, double *t, double *y,
     if (!(rest > 0.0 && isfinite(rest))) {
         return weft_error_set(err, WEFT_INVALID, "%s: a step from %.17g s to %.17g s",
                               self->method->type.name, *t, t_end);
+    }
+    const weft_status status = weft__ark_limit_step(self, *t, y, err);
+    if (status != WEFT_OK) {
+        return status;
     }
     for (double h = fit(self, rest);;) {
         double reached = *t;
@@ -284,6 +297,13 @@ void weft__ark_state_changed(void *instance)
 {
     arkode_stepper *self = instance;
     self->restart = true;
+}
+
+void weft__ark_ode_changed(void *instance)
+{
+    arkode_stepper *self = instance;
+    self->restart = true;
+    self->spectrum.known = false;
 }
 
 void weft__ark_stats(const void *instance, weft_stepper_stats *out)

@@ -168,6 +168,9 @@ weft_status weft__ark_table(const ark_method *method, const weft_butcher *custom
     if (status != WEFT_OK) {
         return status;
     }
+    if (method->stabilised) {
+        return WEFT_OK;
+    }
     *out = wanted                  ? build(custom)
            : method->table != NULL ? build(method->table)
            : (method->type.flags & WEFT_STEPPER_IMPLICIT) != 0

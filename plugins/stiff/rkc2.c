@@ -2,87 +2,22 @@
 /* rkc2.c -- the Runge-Kutta-Chebyshev method of order 2 (B. P. Sommeijer, L. F.
  * Shampine, J. G. Verwer, RKC: an explicit solver for parabolic PDEs, J. Comput. Appl.
  * Math. 88, 1998): s stages reach 0.65 s^2 along the negative real axis.
- *
- * With damping tau times the stiffness, the eigenvalues mu that are not real lie on the
- * circle |mu + 1 / tau| = 1 / tau, which is stable for h <= 2.3 tau, whatever the
- * stages. Modes with h |mu| < 0.5 are slow enough for the error test. What follows is a
- * bound of h for each corner of the polygon that holds all modes; below a damping ratio
- * of 0.5 that is no longer than the step of an explicit method, and the method is
- * refused. */
+ * They are as many as spectrum.h asks for. */
 #include "stiff_plugin.h"
 
 #include <math.h>
 
-enum { STAGES_MOST = 500, STEPS_KNOWN = 256 };
-
-#define DAMPING    (2.0 / 13.0)
-#define MARGIN     1.05 /* of the largest eigenvalue, while the state changes */
-#define CIRCLE     1.9  /* of 2.3 tau, for the same reason */
-#define SLOW       0.5  /* h omega of modes that need no damping */
-#define LEAST_ZETA 0.5
-#define BIAS                                                                           \
-    5.0            /* of the authors' estimate: it is that of the solution itself,     \
-                      so that the errors of all steps add up */
-#define REACH 1.54 /* s^2 > 1 + REACH h radius, the authors' */
-
-typedef double corner[2]; /* (omega^2 [1/s^2], damping rate [1/s]) */
-
-/* Of the two roots of mu^2 + c mu + w = 0, the larger |mu|. */
-static double magnitude(double w, double c)
-{
-    return c * c > 4.0 * w ? 0.5 * (c + sqrt(c * c - 4.0 * w)) : sqrt(w);
-}
-
-bool weft__rkc2_refuses(const weft_structure *structure)
-{
-    corner corners[WEFT_MODES_CORNERS];
-    const size_t count
-        = structure->modes(0.0, NULL, corners, WEFT_MODES_CORNERS, structure->ctx);
-    double w = 0.0, c = 0.0;
-    for (size_t i = 0; i < count; ++i) {
-        w = fmax(w, corners[i][0]);
-        c = fmax(c, corners[i][1]);
-    }
-    return w > 0.0 && 0.5 * c < LEAST_ZETA * sqrt(w);
-}
-
-static void learn(stiff_modes *self, corner *corners, size_t count)
-{
-    *self = (stiff_modes){ .known = true, .cap = (double)INFINITY };
-    for (size_t i = 0; i < count; ++i) {
-        const double w = corners[i][0], c = corners[i][1];
-        self->radius = fmax(self->radius, MARGIN * magnitude(w, c));
-        if (w > 0.0) {
-            self->cap = fmin(self->cap, fmax(CIRCLE * c / w, SLOW / sqrt(w)));
-        }
-    }
-    const double most = (double)STAGES_MOST - 1.0;
-    self->cap = fmin(self->cap, (most * most - 1.0) / (REACH * self->radius));
-}
+#define DAMPING (2.0 / 13.0)
+#define BIAS    WEFT__ESTIMATE_BIAS
 
 weft_status weft__rkc2_prepare(stiff_stepper *self, double t, const double *y,
                                double *most, weft_error *err)
 {
-    const char *name = self->method->type.name;
-    if (!self->modes.known || self->modes.age >= STEPS_KNOWN) {
-        corner corners[WEFT_MODES_CORNERS];
-        const size_t count = self->structure->modes(t, y, corners, WEFT_MODES_CORNERS,
-                                                    self->structure->ctx);
-        learn(&self->modes, corners, count);
-        if (!isfinite(self->modes.radius)) {
-            self->modes.known = false;
-            return weft_error_set(err, WEFT_NOT_FINITE, "%s: the state is not finite",
-                                  name);
-        }
-    }
-    *most = self->modes.cap;
-    if (self->fixed_step > self->modes.cap) {
-        return weft_error_set(
-            err, WEFT_UNSUPPORTED,
-            "%s: a fixed_step of %.3g s is not stable: at most %.3g s", name,
-            self->fixed_step, self->modes.cap);
-    }
-    return WEFT_OK;
+    const weft_status status
+        = weft__spectrum_prepare(&self->spectrum, self->method->type.name,
+                                 self->structure, self->fixed_step, t, y, err);
+    *most = self->spectrum.cap;
+    return status;
 }
 
 /* T_j(w), T_j'(w), T_j''(w) of Chebyshev's polynomials, and b_j. */
@@ -161,7 +96,8 @@ int weft__rkc2_attempt(stiff_stepper *self, double t, double h, const double *y)
 {
     const size_t dim = self->ode.dim;
     double *f_end = self->f_end;
-    const int stages = (int)fmax(2.0, 1.0 + sqrt(1.0 + REACH * h * self->modes.radius));
+    const int stages
+        = (int)fmax(2.0, 1.0 + sqrt(1.0 + WEFT__REACH * h * self->spectrum.radius));
     int failed = self->carries ? 0 : weft__stiff_rhs(self, t, y, self->f);
     self->carries = failed == 0;
     failed = failed != 0 ? failed : run_stages(self, t, h, y, stages);

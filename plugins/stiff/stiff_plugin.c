@@ -60,25 +60,14 @@ static const char *mistake(const stiff_method *method, const weft_ode *ode,
                                            : NULL;
 }
 
-static const char *structure_mistake(const stiff_method *method, const weft_ode *ode,
-                                     const weft_stepper_config *config)
-{
-    const weft_structure *of = weft_stepper_structure(config);
-    return of == NULL || !WEFT_HAS(of, weft_structure, ctx)
-               ? "needs the structure of the cloth, which a simulation gives it"
-           : of->particles > SIZE_MAX / 64
-                   || 3 * of->particles != weft_stepper_half(ode, config)
-               ? "the structure is of another number of particles"
-           : method->krylov == 0.0 && weft__rkc2_refuses(of) ? WEFT__RKC2_ADVICE
-                                                             : NULL;
-}
-
 static weft_status check(const stiff_method *method, const weft_ode *ode,
                          const weft_stepper_config *config, weft_error *err)
 {
     const char *wrong = mistake(method, ode, config);
     wrong = wrong != NULL ? wrong : linear_mistake(method, linear_of(config));
-    const char *lacks = wrong != NULL ? NULL : structure_mistake(method, ode, config);
+    const char *lacks = wrong != NULL           ? NULL
+                        : method->krylov == 0.0 ? weft__spectrum_mistake(ode, config)
+                                                : weft__structure_mistake(ode, config);
     return wrong != NULL
                ? weft_error_set(err, WEFT_INVALID, "%s: %s", method->type.name, wrong)
            : lacks != NULL ? weft_error_set(err, WEFT_UNSUPPORTED, "%s: %s",
@@ -167,7 +156,7 @@ static void state_changed(void *instance)
 static void ode_changed(void *instance)
 {
     stiff_stepper *self = instance;
-    self->carries = self->fresh = self->modes.known = false;
+    self->carries = self->fresh = self->spectrum.known = false;
 }
 
 static void stats(const void *instance, weft_stepper_stats *out)

@@ -2,7 +2,8 @@
 /* stiff_plugin.h -- shared by the files of this plugin: methods for stiff and damped
  * cloth, without a library. Reading order: stiff_plugin.c (the methods, one instance),
  * stiff_step.c (one accepted step), rkc2.c and implicit.c (one attempt), arithmetic.c
- * (loops over whole states), and plugins/linear, which solves the linear systems.
+ * (loops over whole states), plugins/linear, which solves the linear systems, and
+ * plugins/stabilised, which bounds the spectrum.
  *
  * All need weft_stepper_config.structure: how stiff and how damped the modes are, or
  * the Jacobian. */
@@ -10,18 +11,11 @@
 #define STIFF_PLUGIN_H
 
 #include "../linear/linear.h"
+#include "../stabilised/spectrum.h"
 
 #include "weft/stepper.h"
 
 enum { ARRAYS = 6 }; /* of dim numbers each */
-
-/* What is known of the modes. */
-typedef struct stiff_modes {
-    bool known;
-    int age;       /* accepted steps since */
-    double radius; /* [1/s] no eigenvalue is larger */
-    double cap;    /* [s] no longer step is stable, whatever the stages */
-} stiff_modes;
 
 typedef struct stiff_stepper {
     const struct stiff_method *method;
@@ -34,8 +28,8 @@ typedef struct stiff_stepper {
     double fixed_step, min_step, max_step; /* [s] */
     double h;                              /* [s] what to try next */
     weft_stepper_stats stats;
-    stiff_modes modes;    /* of rkc2 */
-    weft__linear *linear; /* NULL: of rkc2 */
+    weft__spectrum spectrum; /* of rkc2 */
+    weft__linear *linear;    /* NULL: of rkc2 */
     weft_preconditioner preconditioner;
     double krylov;
 
@@ -68,14 +62,10 @@ int weft__stiff_rhs(stiff_stepper *self, double t, const double *y, double *f);
 weft_status weft__stiff_step(void *instance, double t_end, double *t, double *y,
                              weft_error *err);
 
-/* rkc2.c; _refuses: whether no mode can have half of critical damping. */
+/* rkc2.c */
 weft_status weft__rkc2_prepare(stiff_stepper *self, double t, const double *y,
                                double *most, weft_error *err);
 int weft__rkc2_attempt(stiff_stepper *self, double t, double h, const double *y);
-bool weft__rkc2_refuses(const weft_structure *structure);
-#define WEFT__RKC2_ADVICE                                                              \
-    "all modes are damped too lightly (damping ratio < 0.5): use "                     \
-    "velocity_verlet or dormand_prince"
 
 /* implicit.c */
 int weft__ros2_attempt(stiff_stepper *self, double t, double h, const double *y);

@@ -6,8 +6,6 @@
 
 #include "weft/elementary.h"
 
-enum { YOUNG = 128 }; /* steps for which what is known of the modes is not doubted */
-
 #define SAFETY   0.85
 #define GROWTH   4.0  /* of h from step to step, at most */
 #define SHRINK   0.2  /* the same, at least */
@@ -80,7 +78,7 @@ static void accept(stiff_stepper *self, double h, bool last, double t_end, doubl
     *t = last ? t_end : *t + h;
     ++self->stats.steps;
     self->stats.last_step = h;
-    ++self->modes.age;
+    ++self->spectrum.age;
     self->fresh = false;
     self->carries = self->ends;
     if (self->ends) {
@@ -138,7 +136,7 @@ weft_status weft__stiff_step(void *instance, double t_end, double *t, double *y,
             return fail(self, failed, error, h, err);
         }
         self->carries = self->carries && !isnan(error); /* f may be the reason */
-        self->modes.known = self->modes.known && self->modes.age < YOUNG;
+        weft__spectrum_doubt(&self->spectrum);
         h = fmax(h * fmin(factor(self, error), 0.9), self->min_step);
     }
 }

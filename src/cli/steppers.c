@@ -160,7 +160,9 @@ const verb verb_steppers = {
       "kinds: fixed-step (no error control), fsal (the last stage is the first of the "
       "next step), multistep, implicit, small-cloths (dense matrices), legacy, libm "
       "(uses powers of libm: the same bits on every machine are likely, not "
-      "promised)\n",
+      "promised)\n\n"
+      "Plugin arkode has more methods with later versions of SUNDIALS; rkc and rkl, "
+      "stabilised, need 7.2.\n",
     .options = OPTIONS(OPTION_VALUE("plugin-path", plugin_path),
                        OPTION_FLAG("yaml", yaml), OPTION_FLAG("markdown", markdown)),
     .run = steppers_verb,

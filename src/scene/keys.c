@@ -346,7 +346,7 @@ static const weft__key controller_keys[] = {
     { "safety", WEFT__NUMBER, RANGE(.strict = true, .most = 1.0),
       .absent = "arkode: 0.96", AT(weft__control, set.safety),
       .meaning = "part of the largest acceptable h" },
-    { "bias", WEFT__NUMBER, RANGE(.least = 1.0), .absent = "arkode: 1.2",
+    { "bias", WEFT__NUMBER, RANGE(.least = 1.0), .absent = "arkode: 1.2; rkc, rkl: 5",
       AT(weft__control, set.bias), .meaning = "factor of the error estimate" },
     { "max_growth", WEFT__NUMBER, RANGE(.strict = true, .least = 1.0),
       .absent = "arkode: 25", AT(weft__control, set.max_growth),

@@ -56,25 +56,24 @@ static const survey_method *cheapest_explicit(const survey *of)
     return best;
 }
 
-static bool has_bdf(const survey *of)
-{
-    bool found = false;
-    for (size_t i = 0; i < of->count && !found; ++i) {
-        found = strcmp(of->methods[i].plugin->id, "cvode") == 0
-                && strcmp(of->methods[i].type->name, "bdf") == 0;
-    }
-    return found;
-}
-
-static const survey_method *find_stabilised(const survey *of)
+/* NULL: it is not there. */
+static const survey_method *find(const survey *of, const char *plugin, const char *name)
 {
     const survey_method *found = NULL;
     for (size_t i = 0; i < of->count && found == NULL; ++i) {
         const survey_method *one = &of->methods[i];
-        const bool structured = (one->type->flags & WEFT_STEPPER_STRUCTURE) != 0;
-        found = structured && one->step > 0.0 && isfinite(one->step) ? one : NULL;
+        const bool same = strcmp(one->plugin->id, plugin) == 0
+                          && strcmp(one->type->name, name) == 0;
+        found = same ? one : NULL;
     }
     return found;
+}
+
+/* The one that RKC_COST was measured with. */
+static const survey_method *find_stabilised(const survey *of)
+{
+    const survey_method *found = find(of, "stiff", "rkc2");
+    return found != NULL && found->step > 0.0 && isfinite(found->step) ? found : NULL;
 }
 
 /* The largest omega^2, and the least damping that goes with it. */
@@ -111,8 +110,8 @@ stiff_gains stiff_gains_of(const survey *of, size_t particles)
         out.stabilised = cost(least) / stages >= WORTH ? cost(out.over) / stages : 0.0;
     }
     const double waves = out.omega / side / BDF_WAVES;
-    const bool may
-        = has_bdf(of) && out.zeta >= (side < LEAST_SIDE ? OVERDAMPED : LEAST_ZETA);
+    const bool may = find(of, "cvode", "bdf") != NULL
+                     && out.zeta >= (side < LEAST_SIDE ? OVERDAMPED : LEAST_ZETA);
     for (size_t i = 0; i < STIFF_ACCURACIES && may; ++i) {
         const double bdf = BDF_COST * pow(waves, BDF_STIFF)
                            * pow(1e-2 / accuracies[i], BDF_ACCURACY);

@@ -82,15 +82,20 @@ double calls_per_second(const weft_scene *scene, const survey_method *method, do
     return method->calls * frame_steps(run, h) / weft_run_frame_time(run, 1);
 }
 
-/* The cheapest first, of equal ones that of higher order, then of the longer step. */
+/* The cheapest first, of equal ones that of higher order, then of the longer step, then
+ * that with the same bits everywhere. */
 static int compare(const void *first, const void *second)
 {
     const survey_method *a = first, *b = second;
     const int costs = (a->per_second > b->per_second) - (a->per_second < b->per_second);
     const int order = b->type->order - a->type->order;
+    const int steps = (b->step > a->step) - (b->step < a->step);
+    const bool libm[] = { (a->type->flags & WEFT_STEPPER_LIBM) != 0,
+                          (b->type->flags & WEFT_STEPPER_LIBM) != 0 };
     return costs != 0   ? costs
            : order != 0 ? order
-                        : (b->step > a->step) - (b->step < a->step);
+           : steps != 0 ? steps
+                        : libm[0] - libm[1];
 }
 
 static weft_status add_method(const weft_scene *scene, const stepper_method *m,
