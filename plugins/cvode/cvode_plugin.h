@@ -26,8 +26,8 @@
  * other. */
 typedef struct cvode_method {
     weft_stepper_type type;
-    int formulas;               /* CV_ADAMS or CV_BDF */
-    int usual_order, top_order; /* the highest: as a rule, and at most */
+    int formulas;    /* CV_ADAMS or CV_BDF */
+    int usual_order; /* the highest, unless weft_linear.max_order is set */
 } cvode_method;
 
 /* One instance. */
