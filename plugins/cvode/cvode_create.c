@@ -3,17 +3,6 @@
  * CVODE's default. */
 #include "cvode_plugin.h"
 
-#if defined(__GNUC__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpedantic"
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wstrict-prototypes"
-#endif
-#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
-#if defined(__GNUC__)
-#pragma GCC diagnostic pop
-#endif
-
 #include <math.h>
 
 /* To which part the residual of a linear system is reduced: fewer iterations of

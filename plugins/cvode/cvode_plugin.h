@@ -18,6 +18,7 @@
 #endif
 #include <cvode/cvode.h>
 #include <cvode/cvode_ls.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
 #endif

@@ -2,17 +2,6 @@
 /* sundials_equations.c -- the linear systems of Newton's method. */
 #include "sundials_equations.h"
 
-#if defined(__GNUC__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpedantic"
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wstrict-prototypes"
-#endif
-#include <sunlinsol/sunlinsol_spgmr.h>
-#if defined(__GNUC__)
-#pragma GCC diagnostic pop
-#endif
-
 #include <math.h>
 
 enum { KRYLOV_MOST = 30 }; /* vectors of GMRES */
