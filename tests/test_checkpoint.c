@@ -30,6 +30,9 @@ static void same(const weft_sim *a, const weft_sim *b)
     ck_assert_uint_eq(p.steps, q.steps);
     ck_assert_uint_eq(p.rejected, q.rejected);
     ck_assert_uint_eq(p.rhs_calls, q.rhs_calls);
+    ck_assert_uint_eq(p.linear_iterations, q.linear_iterations);
+    ck_assert_uint_eq(p.factorisations, q.factorisations);
+    ck_assert_uint_eq(p.newton_failures, q.newton_failures);
     ck_assert(p.last_step == q.last_step && p.next_step == q.next_step);
     ck_assert(m.residual == n.residual && m.limit_work == n.limit_work);
     ck_assert(m.outside_work == n.outside_work && m.wind_work == n.wind_work);

@@ -17,6 +17,11 @@ static const char *const setups[] = {
     "--set 'contact={friction: 0, shapes: [{shape: sphere, at: [0.4, -0.3, 0.3], "
     "radius: 0.2}, {shape: plane, at: [0, -1.5, 0], normal: [0, 1, 0], velocity: [0, "
     "0.5, 0]}]}' --set stepper.fixed_step=5e-4",
+    "--set 'stepper={plugin: stiff, method: rkc2}' --set "
+    "cloth.springs.stretch.damping=5 --set record.ledger=true",
+    "--set 'stepper={plugin: stiff, method: ros2, rtol: 1.0e-4, atol: 1.0e-4, solver: "
+    "{krylov: 0.05}}' --set 'limit={method: bridson, strain: 0.02}'",
+    "--set 'stepper={plugin: stiff, method: backward_euler, fixed_step: 1e-3}'",
 #ifdef HAVE_GSL
     "--set 'stepper={plugin: gsl, method: rkf45}' --set record.ledger=true",
     "--set 'stepper={plugin: gsl, method: rk8pd}'",
@@ -29,6 +34,12 @@ static const char *const setups[] = {
     "'limit={method: provot, strain: 0.02}'",
     "--set 'stepper={plugin: arkode, method: heun_euler, rtol: 1.0e-4}' --set "
     "record.ledger=true",
+    "--set 'stepper={plugin: arkode, method: trbdf2, rtol: 1.0e-4}'",
+#endif
+#ifdef HAVE_CVODE
+    "--set 'stepper={plugin: cvode, method: bdf, rtol: 1.0e-4, solver: {max_order: "
+    "3}}'",
+    "--set 'stepper={plugin: cvode, method: adams}'",
 #endif
 };
 

@@ -83,6 +83,21 @@ START_TEST(wrong_settings_of_linear_systems_are_refused)
 }
 END_TEST
 
+START_TEST(adams_takes_no_settings_of_linear_systems)
+{
+    const weft_stepper_type *type = test_method_named("cvode/adams");
+    const weft_linear linear = { .struct_size = sizeof linear, .max_order = 3 };
+    model m = { .k = 1.0 };
+    const weft_ode ode = { .dim = DIM, .rhs = rhs, .ctx = &m };
+    weft_stepper_config config = adaptive(1e-6);
+    void *self = NULL;
+    weft_error err;
+    config.linear = &linear;
+    ck_assert_int_eq(type->create(type, &ode, &config, &self, &err), WEFT_INVALID);
+    ck_assert_str_eq(err.message, "adams: solves no linear systems");
+}
+END_TEST
+
 /* ---- the edges of SUNDIALS ------------------------------------------------------- */
 
 static const char *const implicit[]
@@ -390,6 +405,7 @@ TEST_SUITE(cvode)
     tcase_add_loop_test(creation, a_fixed_step_is_refused_with_the_reason, 0, 2);
     tcase_add_test(creation, every_choice_is_an_option);
     tcase_add_loop_test(creation, wrong_settings_of_linear_systems_are_refused, 0, 6);
+    tcase_add_test(creation, adams_takes_no_settings_of_linear_systems);
     suite_add_tcase(suite, creation);
     TCase *edges = tcase_create("edges");
     tcase_add_loop_test(edges, refusals_in_a_row_cost_smaller_steps_only, 0, IMPLICITS);

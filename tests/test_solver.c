@@ -9,6 +9,7 @@
 /* Euler's method; two iterations for every step, and a Jacobian. */
 typedef struct counter {
     weft_ode ode;
+    const weft_structure *structure;
     weft_linear linear;
     weft_stepper_stats stats;
     bool newton;
@@ -31,6 +32,7 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
     ck_assert_ptr_nonnull(made = calloc(1, sizeof *made));
     ck_assert_uint_le(ode->dim, sizeof made->rate / sizeof made->rate[0]);
     made->ode = *ode;
+    made->structure = weft_stepper_structure(config);
     made->newton = type->order == 0;
     made->stats.next_step = config->first_step;
     made->linear
@@ -59,9 +61,11 @@ static weft_status step(void *self, double t_end, double *t, double *y, weft_err
     return WEFT_OK;
 }
 
+static double first_mass; /* [kg] as of the last change */
+
 static void state_changed(void *self)
 {
-    (void)self;
+    first_mass = ((const counter *)self)->structure->mass[0];
 }
 
 static void stats(const void *self, weft_stepper_stats *out)
@@ -254,6 +258,23 @@ START_TEST(counts_add_up_over_steppers)
 }
 END_TEST
 
+START_TEST(a_method_without_ode_changed_hears_of_restored_pins)
+{
+    unsigned char bytes[4096];
+    weft_cloth *cloth = sheet();
+    weft_sim *sim = simulate(cloth, NULL), *other = simulate(cloth, NULL);
+    ck_assert_int_eq(weft_sim_pin(sim, 0, NULL, NULL), WEFT_OK);
+    ck_assert_int_eq(weft_sim_save(sim, bytes, sizeof bytes, NULL), WEFT_OK);
+    first_mass = 1.0;
+    ck_assert_int_eq(weft_sim_restore(other, bytes, weft_sim_save_size(sim), NULL),
+                     WEFT_OK);
+    ck_assert_double_eq(first_mass, 0.0);
+    weft_sim_destroy(sim);
+    weft_sim_destroy(other);
+    weft_cloth_destroy(cloth);
+}
+END_TEST
+
 START_TEST(a_simulation_saved_under_other_settings_is_refused)
 {
     const weft_linear as_saved = { .struct_size = sizeof as_saved, .krylov = 0.1 };
@@ -291,6 +312,7 @@ TEST_SUITE(solver)
     tcase_add_test(tcase, the_solver_gives_way_to_a_method_of_the_command_line);
     tcase_add_test(tcase, a_setting_reaches_the_method_and_is_reported);
     tcase_add_test(tcase, counts_add_up_over_steppers);
+    tcase_add_test(tcase, a_method_without_ode_changed_hears_of_restored_pins);
     tcase_add_test(tcase, a_simulation_saved_under_other_settings_is_refused);
     suite_add_tcase(suite, tcase);
     return suite;

@@ -240,6 +240,24 @@ START_TEST(wrong_settings_of_linear_systems_are_refused)
 }
 END_TEST
 
+static void keep_krylov(void *ctx, const char *name, const char *value)
+{
+    if (strcmp(name, "krylov") == 0) {
+        (void)snprintf(ctx, 32, "%s", value);
+    }
+}
+
+START_TEST(numbers_are_reported_as_written)
+{
+    char krylov[32] = "";
+    linear.krylov = 0.1;
+    run.config.linear = &linear;
+    start("stiff/ros2");
+    weft_sim_options(sim, keep_krylov, krylov);
+    ck_assert_str_eq(krylov, "0.1");
+}
+END_TEST
+
 /* ---- with the features of a simulation ------------------------------------------- */
 
 static const char *const methods[]
@@ -371,6 +389,7 @@ TEST_SUITE(stiff)
     tcase_add_test(tcase, stabilised_methods_refuse_lightly_damped_cloth);
     tcase_add_loop_test(tcase, fixed_steps_that_are_not_stable_are_refused, 0, 3);
     tcase_add_test(tcase, wrong_settings_of_linear_systems_are_refused);
+    tcase_add_test(tcase, numbers_are_reported_as_written);
     tcase_add_loop_test(tcase, moved_pins_keep_to_their_way, 0, METHODS);
     tcase_add_loop_test(tcase, strain_limit_holds, 0, METHODS);
     tcase_add_loop_test(tcase, cloth_falls_on_a_plane, 0, METHODS);

@@ -238,6 +238,12 @@ weft_stepper_structure(const weft_stepper_config *config)
     return WEFT_HAS(config, weft_stepper_config, structure) ? config->structure : NULL;
 }
 
+/* The settings for implicit methods, or NULL. */
+static inline const weft_linear *weft_stepper_linear(const weft_stepper_config *config)
+{
+    return WEFT_HAS(config, weft_stepper_config, linear) ? config->linear : NULL;
+}
+
 /* The allocator for a plugin's own memory. */
 static inline weft_allocator weft_stepper_memory(const weft_stepper_config *config)
 {

@@ -3,17 +3,6 @@
  * CVODE's default. */
 #include "cvode_plugin.h"
 
-#if defined(__GNUC__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpedantic"
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wstrict-prototypes"
-#endif
-#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
-#if defined(__GNUC__)
-#pragma GCC diagnostic pop
-#endif
-
 #include <math.h>
 
 /* To which part the residual of a linear system is reduced: fewer iterations of
@@ -25,32 +14,29 @@
  * steps become some 16 times as many. */
 #define CONVERGENCE 0.1
 
-/* Until min_step. */
-enum { MOST_FAILURES = 1000 };
-
-static const weft_linear *linear_of(const weft_stepper_config *config)
-{
-    return WEFT_HAS(config, weft_stepper_config, linear) ? config->linear : NULL;
-}
+enum {
+    BDF_TOP_ORDER = 5,
+    MOST_FAILURES = 1000, /* until min_step */
+};
 
 /* The fault of the config, or NULL. */
 static const char *mistake(const cvode_method *method, const weft_ode *ode,
                            const weft_stepper_config *config)
 {
     const char *wrong = weft__sun_mistake(&method->type, ode, config);
-    const weft_linear *linear = wrong == NULL ? linear_of(config) : NULL;
-    return wrong != NULL             ? wrong
-           : config->butcher != NULL ? "takes no Butcher table"
-           : linear == NULL          ? NULL
-           : linear->max_order < 0 || linear->max_order > method->top_order
-               ? method->formulas == CV_BDF ? "max_order must be 1 to 5"
-                                            : "max_order must be 1 to 12"
+    const weft_linear *linear = wrong == NULL ? weft_stepper_linear(config) : NULL;
+    return wrong != NULL                ? wrong
+           : config->butcher != NULL    ? "takes no Butcher table"
+           : linear == NULL             ? NULL
+           : method->formulas != CV_BDF ? "solves no linear systems"
+           : linear->max_order < 0 || linear->max_order > BDF_TOP_ORDER
+               ? "max_order must be 1 to 5"
                : weft__sun_linear_mistake(config);
 }
 
 static int max_order(const cvode_method *method, const weft_stepper_config *config)
 {
-    const weft_linear *linear = linear_of(config);
+    const weft_linear *linear = weft_stepper_linear(config);
     return linear != NULL && linear->max_order > 0 ? linear->max_order
                                                    : method->usual_order;
 }

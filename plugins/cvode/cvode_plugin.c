@@ -35,7 +35,6 @@ static const cvode_method bdf = {
          "Prentice-Hall, 1971"),
     .formulas = CV_BDF,
     .usual_order = 2,
-    .top_order = 5,
 };
 
 static const cvode_method adams = {
@@ -43,7 +42,6 @@ static const cvode_method adams = {
          "A. C. Hindmarsh et al., SUNDIALS, ACM TOMS 31, 2005"),
     .formulas = CV_ADAMS,
     .usual_order = 12,
-    .top_order = 12,
 };
 
 WEFT_API const weft_plugin *weft_plugin_cvode(void)

@@ -18,6 +18,7 @@
 #endif
 #include <cvode/cvode.h>
 #include <cvode/cvode_ls.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
 #endif
@@ -26,8 +27,8 @@
  * other. */
 typedef struct cvode_method {
     weft_stepper_type type;
-    int formulas;               /* CV_ADAMS or CV_BDF */
-    int usual_order, top_order; /* the highest: as a rule, and at most */
+    int formulas;    /* CV_ADAMS or CV_BDF */
+    int usual_order; /* the highest, unless weft_linear.max_order is set */
 } cvode_method;
 
 /* One instance. */

@@ -5,8 +5,8 @@
 #define WEFT_PLUGINS_LINEAR_VECTORS_H
 
 /* Wider vectors where the machine has them, for static functions: the symbols of others
- * would be exported. The choice is made as the plugin is loaded,
- * which is before an address sanitizer works. */
+ * would be exported. The choice is made as the plugin is loaded, which is before an
+ * address sanitizer works. */
 #if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)                   \
     && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define WIDE __attribute__((target_clones("default", "avx2", "avx512f")))

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 const weft_plugin *weft_plugin_stiff(void);
 
@@ -12,11 +13,6 @@ const weft_plugin *weft_plugin_stiff(void);
 static bool positive(double x)
 {
     return x > 0.0 && isfinite(x);
-}
-
-static const weft_linear *linear_of(const weft_stepper_config *config)
-{
-    return WEFT_HAS(config, weft_stepper_config, linear) ? config->linear : NULL;
 }
 
 static const char *linear_mistake(const stiff_method *method, const weft_linear *l)
@@ -64,7 +60,7 @@ static weft_status check(const stiff_method *method, const weft_ode *ode,
                          const weft_stepper_config *config, weft_error *err)
 {
     const char *wrong = mistake(method, ode, config);
-    wrong = wrong != NULL ? wrong : linear_mistake(method, linear_of(config));
+    wrong = wrong != NULL ? wrong : linear_mistake(method, weft_stepper_linear(config));
     const char *lacks = wrong != NULL           ? NULL
                         : method->krylov == 0.0 ? weft__spectrum_mistake(ode, config)
                                                 : weft__structure_mistake(ode, config);
@@ -78,7 +74,7 @@ static weft_status check(const stiff_method *method, const weft_ode *ode,
 static void settle(stiff_stepper *self, const weft_ode *ode,
                    const weft_stepper_config *config)
 {
-    const weft_linear *linear = linear_of(config);
+    const weft_linear *linear = weft_stepper_linear(config);
     const bool fixed = config->fixed_step > 0.0;
     self->ode = *ode;
     self->structure = config->structure;
@@ -180,7 +176,10 @@ static void options(const void *instance, weft_option_fn *tell, void *ctx)
     const stiff_stepper *self = instance;
     if (self->linear != NULL) {
         char text[32];
-        (void)snprintf(text, sizeof text, "%.17g", self->krylov);
+        (void)snprintf(text, sizeof text, "%.15g", self->krylov);
+        if (strtod(text, NULL) != self->krylov) {
+            (void)snprintf(text, sizeof text, "%.17g", self->krylov);
+        }
         tell(ctx, "krylov", text);
         tell(ctx, "preconditioner", names[self->preconditioner]);
         tell(ctx, "jacobian", "step");

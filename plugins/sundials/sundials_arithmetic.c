@@ -10,6 +10,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "../linear/vectors.h"
+
 enum {
     SIDE_BY_SIDE = 8,       /* vectors read at once */
     BLOCK = 1024,           /* components of a partial sum, which stays in a cache */
@@ -19,22 +21,6 @@ enum {
     SLICE_LEAST = 2048,     /* of so many components at least */
     PARALLEL_LEAST = 20000, /* components that are worth waking a thread for */
 };
-
-/* Wider vectors where the machine has them. The choice is made as the plugin is loaded,
- * which is before an address sanitizer works. */
-#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)                   \
-    && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define WIDE __attribute__((target_clones("default", "avx2", "avx512f")))
-#else
-#define WIDE
-#endif
-
-/* The output may be one of the vectors read, but not a part of one. */
-#if defined(__clang__)
-#define ELEMENTWISE _Pragma("clang loop vectorize(assume_safety)")
-#else
-#define ELEMENTWISE _Pragma("GCC ivdep")
-#endif
 
 /* A loop over n components, slice by slice. */
 typedef struct loop loop;

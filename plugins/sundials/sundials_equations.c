@@ -2,30 +2,14 @@
 /* sundials_equations.c -- the linear systems of Newton's method. */
 #include "sundials_equations.h"
 
-#if defined(__GNUC__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpedantic"
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wstrict-prototypes"
-#endif
-#include <sunlinsol/sunlinsol_spgmr.h>
-#if defined(__GNUC__)
-#pragma GCC diagnostic pop
-#endif
-
 #include <math.h>
 
 enum { KRYLOV_MOST = 30 }; /* vectors of GMRES */
 
-static const weft_linear *linear_of(const weft_stepper_config *config)
-{
-    return WEFT_HAS(config, weft_stepper_config, linear) ? config->linear : NULL;
-}
-
 /* 0 stands for the default, NaN for nothing. */
 const char *weft__sun_linear_mistake(const weft_stepper_config *config)
 {
-    const weft_linear *c = linear_of(config);
+    const weft_linear *c = weft_stepper_linear(config);
     return c == NULL                                ? NULL
            : !(c->krylov >= 0.0 && c->krylov < 1.0) ? "krylov must be > 0 and < 1"
            : (int)c->preconditioner < WEFT_PRECONDITIONER_AUTO
@@ -158,7 +142,7 @@ weft_status weft__sun_equations_create(sun_equations *self, N_Vector like,
     const weft_structure *structure = weft_stepper_structure(config);
     const weft_allocator memory = weft_stepper_memory(config);
     weft_status status = WEFT_OK;
-    const weft_linear *given = linear_of(config);
+    const weft_linear *given = weft_stepper_linear(config);
     self->tolerance = given != NULL && given->krylov > 0.0 ? given->krylov : tolerance;
     self->preconditioner
         = given != NULL ? given->preconditioner : WEFT_PRECONDITIONER_AUTO;

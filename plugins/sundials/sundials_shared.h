@@ -25,6 +25,7 @@
 #endif
 #include <sundials/sundials_linearsolver.h>
 #include <sundials/sundials_matrix.h>
+#include <sunlinsol/sunlinsol_spgmr.h>
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
 #endif

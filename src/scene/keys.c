@@ -476,8 +476,8 @@ static const weft__key run_keys[] = {
     { "threads", WEFT__INTEGER, RANGE(.least = 1), .fallback = "1",
       AT(weft_run_def, threads),
       .meaning = "threads for the forces, from 64 x 64 particles on, and for the "
-                 "solver's vector work (plugin arkode); the result does not depend "
-                 "on it" },
+                 "solver's vector work (plugins arkode, cvode); the result does not "
+                 "depend on it" },
     { "checkpoint", WEFT__INTEGER, RANGE(.least = 0.0), .fallback = "30",
       AT(weft_run_def, checkpoint),
       .meaning = "interval in frames: the stepper restarts and a checkpoint for "

@@ -384,11 +384,7 @@ static void take(weft_sim *sim, const restored *from)
     take_fields(sim, &from->fields);
     memcpy(sim->y, from->y, weft__sim_dim(sim) * sizeof *sim->y);
     weft__structure_update(sim);
-    const weft_stepper_type *method = sim->def.method;
-    if (WEFT_HAS(method, weft_stepper_type, ode_changed)
-        && method->ode_changed != NULL) {
-        method->ode_changed(sim->stepper);
-    }
+    weft_stepper_ode_changed(sim->def.method, sim->stepper);
 }
 
 /* The checked bytes; *to has room for its arrays. */
