@@ -5,9 +5,9 @@
  * Explicit steps are bound by the stiffest mode, of frequency omega and damping ratio
  * zeta = tau omega / 2. A stabilised method needs evaluations like sqrt(radius / h):
  * its largest stable step is known exactly, and the method says how many stages that
- * takes. The steps of BDF follow the motion, whose time scales are that of the slowest
- * waves, n / omega, and that of a fall by the width of the sheet, and the accuracy by
- * that width; each costs as much as 50 to 100 evaluations. */
+ * takes. The steps of BDF follow the motion, whose time scales are those of the slowest
+ * waves, n / omega, and of a fall by the width of the sheet, and the accuracy; each
+ * costs as much as 50 to 100 evaluations. */
 #include "cli/check/stiff_methods.h"
 
 #include <math.h>
@@ -22,7 +22,7 @@ static const double accuracies[STIFF_ACCURACIES] = { 1e-2, 1e-3 }; /* [m] */
 /* What a step costs besides its evaluations, in evaluations. */
 #define STEP_COST 0.5
 /* Time of an adaptive run with a stabilised method, by that at its largest step. */
-#define RKC_COST 1.5
+#define RKC_COST 1.25
 
 /* BDF's cost in evaluations per simulated second at an error of 1e-2 m on a sheet of 1
  * m where omega / n is 56 1/s; fitted with bench/stiff.c to sheets of 1 m, 32 to 512
@@ -31,7 +31,7 @@ static const double accuracies[STIFF_ACCURACIES] = { 1e-2, 1e-3 }; /* [m] */
 #define BDF_WAVES    56.0
 #define BDF_STIFF    (1.0 / 3.0)
 #define BDF_ACCURACY 0.5
-#define BDF_FALL     0.5 /* the time of a fall by the width grows like its root */
+#define BDF_WIDTH    1.5 /* wider sheets move slowly, and errors count by the width */
 
 /* Evaluations per simulated second, the other work included. */
 static double cost(const survey_method *method)
@@ -103,7 +103,7 @@ static double worth(double gain)
 static double bdf_cost(double waves, double width, double accuracy)
 {
     return BDF_COST * pow(waves / BDF_WAVES, BDF_STIFF)
-           * pow(1e-2 / accuracy, BDF_ACCURACY) * pow(width, -BDF_ACCURACY - BDF_FALL);
+           * pow(1e-2 / accuracy, BDF_ACCURACY) / pow(width, BDF_WIDTH);
 }
 
 stiff_gains stiff_gains_of(const survey *of, const weft_cloth_def *cloth)

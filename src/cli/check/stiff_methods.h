@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* stiff_methods.h -- whether a stabilised or an implicit method will pay on a cloth,
- * from the bounds of its modes alone. Estimates, not bounds. */
+ * from the bounds of its modes and its width. Estimates, not bounds. */
 #ifndef WEFT_CLI_CHECK_STIFF_METHODS_H
 #define WEFT_CLI_CHECK_STIFF_METHODS_H
 
