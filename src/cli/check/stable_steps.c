@@ -35,13 +35,16 @@ static double own_cost(const weft_scene *scene, const survey *of)
                                       : of->trial_calls;
 }
 
-/* The cheapest, or one of higher order that costs little more. */
+/* The cheapest of order 2 and more, or one of higher order that costs little more; the
+ * first if there is none. Methods of order 1 miss a millimetre at their stable steps.
+ */
 static const survey_method *recommended(const survey *of)
 {
-    const survey_method *best = &of->methods[0];
-    for (size_t i = 1; i < of->count; ++i) {
+    const survey_method *least = NULL, *best = &of->methods[0];
+    for (size_t i = 0; i < of->count; ++i) {
         const survey_method *other = &of->methods[i];
-        if (other->per_second <= ORDER * of->methods[0].per_second
+        least = least == NULL && other->type->order >= 2 ? other : least;
+        if (least != NULL && other->per_second <= ORDER * least->per_second
             && other->type->order > best->type->order) {
             best = other;
         }
@@ -129,8 +132,7 @@ static sentence advise(const weft_scene *scene, const survey *of)
 /* Empty without springs. */
 static sentence stiffness(const weft_scene *scene, const survey *of)
 {
-    const weft_cloth_def *cloth = weft_scene_cloth(scene);
-    const stiff_gains gains = stiff_gains_of(of, cloth->rows * cloth->cols);
+    const stiff_gains gains = stiff_gains_of(of, weft_scene_cloth(scene));
     sentence out = { "" };
     if (gains.omega > 0.0) {
         stiff_say(&gains, &out);

@@ -5,8 +5,9 @@
  * Explicit steps are bound by the stiffest mode, of frequency omega and damping ratio
  * zeta = tau omega / 2. A stabilised method needs evaluations like sqrt(radius / h):
  * its largest stable step is known exactly, and the method says how many stages that
- * takes. The steps of BDF follow the motion, whose time scale is that of the slowest
- * waves, n / omega, and the accuracy; each costs as much as 50 to 100 evaluations. */
+ * takes. The steps of BDF follow the motion, whose time scales are those of the slowest
+ * waves, n / omega, and of a fall by the width of the sheet, and the accuracy; each
+ * costs as much as 50 to 100 evaluations. */
 #include "cli/check/stiff_methods.h"
 
 #include <math.h>
@@ -21,14 +22,16 @@ static const double accuracies[STIFF_ACCURACIES] = { 1e-2, 1e-3 }; /* [m] */
 /* What a step costs besides its evaluations, in evaluations. */
 #define STEP_COST 0.5
 /* Time of an adaptive run with a stabilised method, by that at its largest step. */
-#define RKC_COST 1.5
+#define RKC_COST 1.25
 
-/* BDF's cost in evaluations per simulated second at an error of 1e-2 m where omega / n
- * is 56 1/s; fitted to sheets of 1 m, 32 to 512 particles wide. */
+/* BDF's cost in evaluations per simulated second at an error of 1e-2 m on a sheet of 1
+ * m where omega / n is 56 1/s; fitted with bench/stiff.c to sheets of 1 m, 32 to 512
+ * particles wide, and to scenes/tarpaulin.yaml, which is 2 m wide. */
 #define BDF_COST     1e4
 #define BDF_WAVES    56.0
 #define BDF_STIFF    (1.0 / 3.0)
-#define BDF_ACCURACY 0.55
+#define BDF_ACCURACY 0.5
+#define BDF_WIDTH    1.5 /* wider sheets move slowly, and errors count by the width */
 
 /* Evaluations per simulated second, the other work included. */
 static double cost(const survey_method *method)
@@ -95,9 +98,17 @@ static double worth(double gain)
     return gain >= WORTH ? gain : 0.0;
 }
 
-stiff_gains stiff_gains_of(const survey *of, size_t particles)
+/* An estimate in evaluations per simulated second. */
+static double bdf_cost(double waves, double width, double accuracy)
 {
-    const double side = sqrt((double)particles);
+    return BDF_COST * pow(waves / BDF_WAVES, BDF_STIFF)
+           * pow(1e-2 / accuracy, BDF_ACCURACY) / pow(width, BDF_WIDTH);
+}
+
+stiff_gains stiff_gains_of(const survey *of, const weft_cloth_def *cloth)
+{
+    const double side = sqrt((double)cloth->rows * (double)cloth->cols);
+    const double width = side * sqrt(cloth->spacing[0] * cloth->spacing[1]); /* [m] */
     const survey_method *least = cheapest_explicit(of);
     stiff_gains out = { .rkc = find_stabilised(of) };
     find_stiffest(&of->modes, &out);
@@ -109,12 +120,10 @@ stiff_gains stiff_gains_of(const survey *of, size_t particles)
         const double stages = RKC_COST * out.rkc->calls / out.rkc->step;
         out.stabilised = cost(least) / stages >= WORTH ? cost(out.over) / stages : 0.0;
     }
-    const double waves = out.omega / side / BDF_WAVES;
     const bool may = find(of, "cvode", "bdf") != NULL
                      && out.zeta >= (side < LEAST_SIDE ? OVERDAMPED : LEAST_ZETA);
     for (size_t i = 0; i < STIFF_ACCURACIES && may; ++i) {
-        const double bdf = BDF_COST * pow(waves, BDF_STIFF)
-                           * pow(1e-2 / accuracies[i], BDF_ACCURACY);
+        const double bdf = bdf_cost(out.omega / side, width, accuracies[i]);
         out.bdf[i] = cost(least) / bdf >= WORTH ? worth(cost(out.over) / bdf) : 0.0;
     }
     return out;

@@ -251,8 +251,7 @@ int compare_stiffness(void *ctx, size_t unused)
     (void)unused;
     if (found.modes.omega2 > 0.0
         && survey_methods(self->scene, self->registry, &found, NULL) == WEFT_OK) {
-        const stiff_gains gains
-            = stiff_gains_of(&found, weft_cloth_particles(self->cloth));
+        const stiff_gains gains = stiff_gains_of(&found, weft_scene_cloth(self->scene));
         stiff_say(&gains, &self->shared->stiffness);
     }
     survey_destroy(&found);
