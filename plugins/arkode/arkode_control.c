@@ -96,7 +96,10 @@ static double chosen(double value, double fallback)
 weft_controller weft__ark_control(const ark_method *method,
                                   const weft_controller *asked)
 {
-    weft_controller c = asked == NULL ? (weft_controller){ 0 } : *asked;
+    weft_controller c = { 0 };
+    if (asked != NULL) {
+        c = *asked;
+    }
     c.type = c.type == WEFT_CONTROLLER_DEFAULT ? defaults.type : c.type;
     if (c.gain_count == 0) {
         c.gain_count = gain_counts[c.type];

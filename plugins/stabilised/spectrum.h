@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* spectrum.h -- what stabilised Runge-Kutta methods know of the modes of a cloth: how
- * far the stages must reach, and which steps no number of stages makes stable. Linked
- * into plugins stiff and arkode.
+ * far the stages must reach, and which steps no number of stages makes stable
+ * (spectrum.c). Linked into plugins stiff and arkode.
  *
  * With damping tau times the stiffness, the eigenvalues mu that are not real lie on the
  * circle |mu + 1 / tau| = 1 / tau. With 5 stages or more, whatever their number, the
