@@ -40,7 +40,17 @@ typedef struct weft_spring_def {
     bool present;
     double stiffness; /* [N/m] (hooke) or [N] (strain), >= 0 */
     double damping;   /* [kg/s], >= 0, along the spring only */
+    bool pair;        /* stretch, bend: those are of springs along a column (warp), */
+    double weft_stiffness, weft_damping; /* and these of springs along a row */
 } weft_spring_def;
+
+/* Bending rigidity of a plate, instead of bend springs; docs/physics.md. None if all
+ * three moduli are 0. */
+typedef struct weft_bending_def {
+    double rigidity[2]; /* [N m] >= 0, along a column (warp), along a row (weft) */
+    double twist;       /* [N m] >= 0; negative: sqrt(rigidity[0] rigidity[1]) */
+    double damping;     /* [s] >= 0: force -damping K v, K the stiffness matrix */
+} weft_bending_def;
 
 /* Inclusive; a negative index counts from the end, so {0, -1} is all. */
 typedef struct weft_range {
@@ -135,6 +145,8 @@ typedef struct weft_cloth_def {
     double wind_drag;        /* [kg/(m^2 s)] >= 0; 0: no wind */
     const weft_allocator *allocator; /* NULL: malloc's */
     weft_contact_def contact;
+    bool rim_half; /* stretch and bend springs along the rim carry half their values */
+    weft_bending_def bending; /* excludes bend springs */
 } weft_cloth_def;
 
 /* A spring between two particles, given by family and indices. */
@@ -202,6 +214,17 @@ typedef struct weft_limit_def {
     bool keep_velocity;           /* provot: positions only, as in the paper */
     weft_limit_solver solver;
 } weft_limit_def;
+
+/* A measured fabric, independent of the grid; docs/fabrics.md. */
+typedef struct weft_fabric {
+    const char *name;  /* of a preset; may be NULL */
+    double density;    /* [kg/m^2] > 0 */
+    double stretch[2]; /* C [N/m] > 0, along a column (warp), along a row (weft) */
+    double shear;      /* G [N/m] >= 0 */
+    double bend[2];    /* B [N m] >= 0, warp, weft */
+    double twist;      /* [N m]; negative: sqrt(bend[0] bend[1]) */
+    double damping[2]; /* [s] >= 0, in the plane, of bending */
+} weft_fabric;
 
 /* 2 x 2 particles, 1 m apart, 0.2 kg/m^2, no springs, no pins, earth's gravity along
  * -y; contact of thickness 5 mm, stopping speed 5 m/s, exponent 4, damping 1 s/m,
