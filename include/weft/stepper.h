@@ -159,6 +159,12 @@ typedef struct weft_structure {
     size_t (*modes)(double t, const double *y, double (*corners)[2], size_t room,
                     void *ctx);
     void *ctx;
+
+    /* The last of the runs, with the last of the bonds, are bending rigidity: u, k - q
+     * and c are 0, q is constant and may be negative. Together they are a matrix B that
+     * never is; it belongs to K, and bend_damping B to C. 0 without. */
+    size_t bend_runs, bend_bonds;
+    double bend_damping; /* [s] */
 } weft_structure;
 
 /* How an implicit method solves its linear systems. AUTO: the blocks of the diagonal

@@ -72,6 +72,15 @@ static uint64_t hash_contact(uint64_t hash, const weft_cloth *cloth)
     return cloth->shape_count > 0 ? hash_law(hash, &cloth->contact) : hash;
 }
 
+/* Nothing without. */
+static uint64_t hash_rigidity(uint64_t hash, const weft__rigidity *of)
+{
+    const double numbers[] = { of->along, of->across, of->twist, of->damping };
+    return of->present
+               ? weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0])
+               : hash;
+}
+
 uint64_t weft__cloth_hash(const weft_cloth *cloth)
 {
     uint64_t hash = WEFT__HASH_START;
@@ -80,6 +89,7 @@ uint64_t weft__cloth_hash(const weft_cloth *cloth)
     for (size_t g = 0; g < cloth->group_count; ++g) {
         hash = hash_group(hash, &cloth->groups[g]);
     }
+    hash = hash_rigidity(hash, &cloth->rigidity);
     for (size_t r = 0; r < cloth->rows; ++r) {
         hash = weft__hash_word(hash, hash_row(cloth, r));
     }

@@ -5,6 +5,7 @@
 
 #include <string.h>
 
+#include "cloth/bending.h"
 #include "cloth/contact.h"
 #include "cloth/springs.h"
 
@@ -24,6 +25,23 @@ static double spring_planes(const weft_cloth *cloth, const weft__spring *at,
     return q;
 }
 
+/* Those of bending in row r; returns where the next ones go. */
+static double *bending_planes(const weft_cloth *cloth, size_t r, double *planes,
+                              size_t bonds)
+{
+    for (size_t way = 0; way < WEFT_GROUPS; ++way) {
+        size_t p, q;
+        const size_t count = weft__bending_pairs(cloth, way, r, &p, &q);
+        for (size_t i = 0; i < count; ++i, ++planes) {
+            for (size_t k = 0; k < 6; ++k) {
+                planes[k * bonds] = 0.0;
+            }
+            planes[4 * bonds] = weft__bending_pull(cloth, way, p + i);
+        }
+    }
+    return planes;
+}
+
 int weft__linearise(const weft_cloth *cloth, double t, const double *y, double *planes,
                     size_t bonds, double *blocks)
 {
@@ -34,6 +52,9 @@ int weft__linearise(const weft_cloth *cloth, double t, const double *y, double *
              ++planes) {
             bad += 0.0 * spring_planes(cloth, &walk.spring, y + 3 * n, planes, bonds);
         }
+    }
+    for (size_t r = 0; r < cloth->rows; ++r) {
+        planes = bending_planes(cloth, r, planes, bonds);
     }
     if (blocks != NULL) {
         memset(blocks, 0, 15 * n * sizeof *blocks);

@@ -36,6 +36,14 @@ typedef struct weft__group {
 
 #define WEFT_GROUPS (2 * WEFT_FAMILIES)
 
+/* Bending rigidity (bending.c), all 0 without. */
+typedef struct weft__rigidity {
+    double along, across; /* [N/m] of three particles along a column, along a row */
+    double twist;         /* [N/m] of a cell */
+    double damping;       /* [s] */
+    bool present;
+} weft__rigidity;
+
 /* How far beyond the last particle kernels may read. */
 #define WEFT_PAST 16
 
@@ -69,6 +77,7 @@ struct weft_cloth {
     double gravity[3], drag, wind_velocity[3], wind_drag;
     size_t group_count; /* groups that have springs */
     weft__group groups[WEFT_GROUPS];
+    weft__rigidity rigidity;
     double *mass;         /* [kg] N of them */
     double *inverse_mass; /* [1/kg] N, 0 of the pinned, and WEFT_PAST more */
     uint32_t *pin;        /* N: 0 free, else 1 + index into motions */
@@ -94,6 +103,7 @@ void weft__grid_init(weft_cloth *cloth, const weft_cloth_def *def);
 WEFT__NUMBERS(weft__cloth_numbers, rows, cols, spacing, origin, scale, mass, density,
               velocity, gravity, drag, wind_velocity, wind_drag, law);
 WEFT__NUMBERS(weft__spring_numbers, stiffness, damping);
+WEFT__NUMBERS(weft__bending_numbers, rigidity, twist, damping);
 WEFT__NUMBERS(weft__pin_numbers, velocity, amplitude, frequency);
 WEFT__NUMBERS(weft__contact_numbers, thickness, stopping_speed, exponent, damping,
               friction, slip, law);
