@@ -14,6 +14,7 @@
 enum { SEEDS = 400, MOST = 2200, SHAPES = 11 };
 
 weft__rows_fn weft__rows_wide, weft__products_wide, weft__wind_wide, weft__contact_wide;
+weft__rows_fn weft__bending_wide;
 weft__clear_fn weft__clear_wide;
 weft__damping_fn weft__damping_wide;
 
@@ -94,6 +95,18 @@ static void define_contact(uint64_t *seed)
     }
 }
 
+/* Instead of bend springs. */
+static void define_bending(uint64_t *seed)
+{
+    weft_bending_def *of = &m.def.bending;
+    for (size_t k = 0; k < 2; ++k) {
+        of->rigidity[k] = chance(seed) < 0.8 ? chance(seed) : 0.0;
+    }
+    of->twist = 2.0 * chance(seed) - 1.0;
+    of->damping = chance(seed) < 0.5 ? 0.1 * chance(seed) : 0.0;
+    m.def.springs[WEFT_BEND].present = false;
+}
+
 /* Each feature is there as often as not. */
 static void define(uint64_t *seed)
 {
@@ -121,6 +134,9 @@ static void define(uint64_t *seed)
     m.def.pins = m.pins;
     m.def.pin_count = (size_t)(3.0 * chance(seed));
     define_contact(seed);
+    if (chance(seed) < 0.5) {
+        define_bending(seed);
+    }
 }
 
 /* A cloth of this number, strained and moving. */
@@ -152,7 +168,7 @@ static const weft__level wide = { "8 lanes",
                                   weft__rows_wide,
                                   weft__damping_wide,
                                   weft__products_wide,
-                                  { weft__wind_wide, weft__contact_wide },
+                                  { weft__bending_wide, weft__wind_wide, weft__contact_wide },
                                   weft__clear_wide };
 static const weft__level reference = { "plain loops",
                                        weft__reference_rows,
