@@ -575,7 +575,7 @@ END_TEST
 /* ---- runs ------------------------------------------------------------------------ */
 
 /* Stretched, sheared and bent, with two pins, one of which moves. */
-static weft_cloth *flag(double damping)
+static weft_cloth *flag(double damping, double spring_damping)
 {
     static const weft_pin pins[]
         = { { .rows = { 0, 0 }, .cols = { 0, 0 } },
@@ -584,7 +584,7 @@ static weft_cloth *flag(double damping)
     for (size_t f = WEFT_STRETCH; f <= WEFT_SHEAR; ++f) {
         def.springs[f].present = true;
         def.springs[f].stiffness = 50.0;
-        def.springs[f].damping = 0.02;
+        def.springs[f].damping = spring_damping;
     }
     def.gravity[1] = -9.81;
     def.bending = (weft_bending_def){ { 0.02, 0.01 }, -1.0, damping };
@@ -614,7 +614,7 @@ static weft_sim *fly(const weft_cloth *cloth, const char *method, double toleran
 #ifdef HAVE_ARKODE
 START_TEST(ledger_closes)
 {
-    weft_cloth *cloth = flag(0.01);
+    weft_cloth *cloth = flag(0.01, 0.02);
     weft_sim *sim = fly(cloth, "arkode/dormand_prince", 1e-10, 0.0, true);
     ck_assert_int_eq(weft_sim_advance(sim, 0.5, NULL), WEFT_OK);
     const weft_ledger ledger = weft_sim_ledger(sim);
@@ -629,7 +629,7 @@ END_TEST
 
 START_TEST(a_run_resumes_byte_for_byte)
 {
-    weft_cloth *cloth = flag(0.01), *softer = flag(0.02);
+    weft_cloth *cloth = flag(0.01, 0.02), *softer = flag(0.02, 0.02);
     weft_sim *sim = fly(cloth, "verlet/velocity_verlet", 0.0, 1e-4, false);
     weft_sim *later = fly(cloth, "verlet/velocity_verlet", 0.0, 1e-4, false);
     weft_sim *other = fly(softer, "verlet/velocity_verlet", 0.0, 1e-4, false);
@@ -649,17 +649,19 @@ START_TEST(a_run_resumes_byte_for_byte)
 }
 END_TEST
 
-/* Methods that use the structure end where Verlet's does. */
+/* Methods that use the structure end where Verlet's does; rkc2 needs strong damping. */
 START_TEST(implicit_methods_bend_the_same_way)
 {
-    static const char *const methods[] = { "stiff/ros2", "stiff/rkc2",
+    static const char *const methods[] = {
+        "stiff/ros2",
+        "stiff/rkc2",
 #ifdef HAVE_CVODE
-                                           "cvode/bdf"
+        "cvode/bdf",
 #endif
     };
-    weft_cloth *cloth = flag(0.01);
+    weft_cloth *cloth = flag(0.02, 2.0);
     const size_t dim = weft_cloth_dim(cloth);
-    weft_sim *exact = fly(cloth, "verlet/velocity_verlet", 0.0, 1e-5, false);
+    weft_sim *exact = fly(cloth, "verlet/velocity_verlet", 0.0, 2e-5, false);
     ck_assert_int_eq(weft_sim_advance(exact, 0.2, NULL), WEFT_OK);
     for (size_t k = 0; k < sizeof methods / sizeof methods[0]; ++k) {
         weft_sim *sim = fly(cloth, methods[k], 1e-5, 0.0, false);

@@ -86,9 +86,8 @@ static double column_moment(const field *of, size_t r, size_t c)
 static double row_moment(const field *of, size_t r, size_t c)
 {
     const weft_cloth *cloth = of->cloth;
-    const double inner = weft__inner(c, cloth->cols) ? 1.0 : 0.0;
-    return cloth->rigidity.across * weft__strip(r, cloth->rows) * inner
-           * along_row(of, r, c);
+    const double part = cloth->rigidity.across * weft__strip(r, cloth->rows);
+    return weft__inner(c, cloth->cols) ? part * along_row(of, r, c) : 0.0;
 }
 
 /* K (x + damping v) */
