@@ -164,16 +164,16 @@ WEFT_API const char *weft_spring_text(const weft_spring *spring, size_t cols,
 typedef struct weft_energy {
     double kinetic;                /* [J] of the free particles */
     double gravitational;          /* [J] -m g.x, of the free particles */
-    double elastic[WEFT_FAMILIES]; /* [J] */
+    double elastic[WEFT_FAMILIES]; /* [J] WEFT_BEND: that of bending rigidity, too */
     double contact;                /* [J] potential of the shapes */
 } weft_energy;
 
 /* The powers [W] that change the total energy. */
 typedef enum weft_power {
-    WEFT_POWER_SPRINGS,  /* turned into heat by spring damping, >= 0 */
+    WEFT_POWER_SPRINGS,  /* turned into heat by damping of springs, bending, >= 0 */
     WEFT_POWER_DRAG,     /* turned into heat by viscous drag of free particles, >= 0 */
     WEFT_POWER_WIND,     /* put into free particles by the wind */
-    WEFT_POWER_PINS,     /* put into springs by moving pins */
+    WEFT_POWER_PINS,     /* put into springs and bending by moving pins */
     WEFT_POWER_CONTACT,  /* turned into heat by the damping of contact, >= 0 */
     WEFT_POWER_FRICTION, /* turned into heat by friction, >= 0 */
     WEFT_POWER_SHAPES,   /* put into free particles by moving shapes */
@@ -270,9 +270,9 @@ WEFT_API int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y,
  *     dx' = dv,   dv' = M^-1 (dF/dx dx + dF/dv dv)
  *
  * for free particles and 0 for pinned ones, whose motion does not depend on the state.
- * F is all forces: springs, drag, wind, contact, friction. Exact; a spring of length 0,
- * where F has no derivative, adds nothing. y, dy and out are planes as a state, and out
- * must not overlap the others. Returns 0, or 1 as weft_cloth_rhs.
+ * F is all forces: springs, bending, drag, wind, contact, friction. Exact; a spring of
+ * length 0, where F has no derivative, adds nothing. y, dy and out are planes as a
+ * state, and out must not overlap the others. Returns 0, or 1 as weft_cloth_rhs.
  * Allocates nothing; the bits are the same on every machine. It costs two
  * weft_cloth_rhs on a cloth without shapes or wind. */
 WEFT_API int weft_cloth_jacobian_product(const weft_cloth *cloth, double t,
@@ -293,9 +293,9 @@ WEFT_API weft_energy weft_cloth_energy(const weft_cloth *cloth, double t,
 /* [J] The sum of all energies. */
 WEFT_API double weft_energy_total(weft_energy energy);
 
-/* Rate [W] >= 0 at which springs, viscous drag, contact and friction turn energy into
- * heat. The drag of pinned particles does not count, because their motion is
- * prescribed. */
+/* Rate [W] >= 0 at which springs, bending, viscous drag, contact and friction turn
+ * energy into heat. The drag of pinned particles does not count, because their motion
+ * is prescribed. */
 WEFT_API double weft_cloth_dissipation(const weft_cloth *cloth, double t,
                                        const double *y);
 

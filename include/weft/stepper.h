@@ -119,8 +119,8 @@ enum { WEFT_BOND_PLANES = 6, WEFT_BLOCK_PLANES = 15, WEFT_MODES_CORNERS = 40 };
  * that is never negative follows without z and with q from [0, k] (K.-J. Choi, H.-S.
  * Ko, Stable but responsive cloth, SIGGRAPH 2002).
  *
- * J is not complete: it lacks the wind and a force of the embedder's own.
- * weft_cloth_jacobian_product has the wind.
+ * Bending rigidity adds pairs without u (bend_runs below). J is not complete: it lacks
+ * the wind and a force of the embedder's own. weft_cloth_jacobian_product has the wind.
  *
  * All functions are pure: they may be called within create and step, in the thread that
  * calls those, and allocate nothing. All addresses stay while the stepper exists. Pins

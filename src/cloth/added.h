@@ -30,8 +30,8 @@ typedef struct weft__added {
     double (*damping)(const weft_cloth *cloth, size_t i);
 } weft__added;
 
-#define WEFT_ADDED_ONE(name, level) +1
-enum { WEFT__ADDED = WEFT_ADDED(WEFT_ADDED_ONE, ) };
+#define WEFT_ADDED_PLACE(name, level) WEFT__ADDED_##name,
+enum { WEFT_ADDED(WEFT_ADDED_PLACE, ) WEFT__ADDED /* their number */ };
 
 #define WEFT_ADDED_DECLARE(name, level) extern const weft__added weft__##name;
 WEFT_ADDED(WEFT_ADDED_DECLARE, )

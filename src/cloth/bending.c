@@ -3,7 +3,7 @@
  * powers. src/kernel/kernel_bending.c has the same bits. */
 #include "cloth/bending.h"
 
-#include "cloth/added.h"
+#include "cloth/levels.h"
 
 /* ---- the definition -------------------------------------------------------------- */
 
@@ -126,7 +126,11 @@ static int bending_change(const weft__subject *of, double *out, size_t first,
 {
     const size_t n = of->cloth->particles, cols = of->cloth->cols;
     const weft__subject along = { .cloth = of->cloth, .y = of->along };
+    weft__rows_fn *kernel = of->cloth->level->added[WEFT__ADDED_bending];
     double bad = 0.0;
+    if (kernel != NULL) {
+        return kernel(&along, out, first, end);
+    }
     for (size_t i = first * cols; of->cloth->rigidity.present && i < end * cols; ++i) {
         double *to = out + 3 * n + i;
         bending_add(&along, i, WEFT__ACCELERATION, to);
