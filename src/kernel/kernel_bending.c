@@ -71,9 +71,9 @@ static size_t after(size_t at, size_t count)
 }
 
 /* What a block leaves to the next one on its right. */
-typedef struct carry {
+typedef struct trail {
     vec3 slope, moment, rise;
-} carry;
+} trail;
 
 static void find_moments(strip *self, size_t r)
 {
@@ -85,7 +85,7 @@ static void find_moments(strip *self, size_t r)
     double *across = self->across[r % 2];
     const vec k_r = splat(weft__inner(r, rows) ? k->along : 0.0);
     const vec k_c = splat(k->across * weft__strip(r, rows)), k_t = splat(k->twist);
-    carry left = { 0 };
+    trail left = { 0 };
     for (size_t j = ASIDE - (self->first > 0 ? LANES : 0); j <= end; j += LANES) {
         const vec3 middle = load3(here + j, SPAN);
         const vec3 slope = minus(load3(here + j + 1, SPAN), middle);
@@ -98,7 +98,7 @@ static void find_moments(strip *self, size_t r)
         store3(pull + j, SPAN, minus(p, load3(moment + j, SPAN)));
         store3(moment + j, SPAN, p);
         store3(across + j - 1, SPAN, minus(rise, shift_1(left.rise, rise)));
-        left = (carry){ slope, q, rise };
+        left = (trail){ slope, q, rise };
     }
 }
 
