@@ -63,8 +63,9 @@ static weft_cloth *make(size_t number)
     def.pin_count = 2;
     def.law = choice & 1 ? WEFT_LAW_STRAIN : WEFT_LAW_HOOKE;
     for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
-        def.springs[f]
-            = (weft_spring_def){ true, 50.0 / (double)(f + 1), f == 2 ? 0.0 : 0.2 };
+        def.springs[f] = (weft_spring_def){ .present = true,
+                                            .stiffness = 50.0 / (double)(f + 1),
+                                            .damping = f == 2 ? 0.0 : 0.2 };
     }
     def.drag = 0.01;
     def.wind_drag = choice & 2 ? 0.5 : 0.0;
