@@ -220,8 +220,9 @@ static void refused(weft_fabric fabric, double along, double across, const char 
 START_TEST(impossible_fabrics_are_refused)
 {
     weft_fabric wrong = denim;
-    refused(denim, 0.1, 0.03, "springs make this fabric at 0.36045 to 6.1626");
-    refused(denim, 0.1, 0.7, "ratio 7;");
+    refused(denim, 0.1, 0.03,
+            "springs make this fabric for b / a from 0.36045 to 6.1626: ");
+    refused(denim, 0.1, 0.7, "b / a = 7;");
     wrong.shear = 1000.0;
     refused(wrong, 0.1, 0.1, "no ratio of spacings makes this fabric");
     wrong = denim, wrong.density = 0.0;

@@ -84,8 +84,9 @@ static weft_status check_ratio(const weft_fabric *fabric, const weft_cloth_def *
     }
     return weft_error_set(
         err, WEFT_INVALID,
-        "spacing [%g, %g] m has the ratio %.5g; springs make this fabric at %.5g to "
-        "%.5g, sqrt(shear / stretch[0]) to sqrt(stretch[1] / shear)",
+        "spacing [a, b] = [%g, %g] m has b / a = %.5g; springs make this fabric for b "
+        "/ a "
+        "from %.5g to %.5g: sqrt(shear / stretch[0]) to sqrt(stretch[1] / shear)",
         def->spacing[0], def->spacing[1], ratio, least, most);
 }
 

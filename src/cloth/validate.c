@@ -47,6 +47,12 @@ const struct weft__spring_numbers weft__spring_numbers = {
     WEFT__FIELD(weft_spring_def, weft_damping, "kg/s", NOT_NEGATIVE),
 };
 
+const struct weft__bending_numbers weft__bending_numbers = {
+    WEFT__FIELD(weft_bending_def, rigidity, "N m", .count = 2, NOT_NEGATIVE),
+    WEFT__FIELD(weft_bending_def, twist, "N m", .least = -HUGE_VAL),
+    WEFT__FIELD(weft_bending_def, damping, "s", NOT_NEGATIVE),
+};
+
 const struct weft__pin_numbers weft__pin_numbers = {
     WEFT__FIELD(weft_pin, velocity, "m/s", VECTOR),
     WEFT__FIELD(weft_pin, amplitude, "m", VECTOR),
