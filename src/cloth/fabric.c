@@ -21,8 +21,8 @@ const struct weft__fabric_numbers weft__fabric_numbers = {
  * Its row 0 is that of edges along the warp, which bend the weft. */
 #define PRESET(name, density, warp, weft, shear, bend_warp, bend_weft, twist)          \
     {                                                                                  \
-        name, density, { warp, weft }, shear, { (bend_warp)*1e-6, (bend_weft)*1e-6 },  \
-            (twist)*1e-6,                                                              \
+        name, density, { warp, weft }, shear,                                          \
+            { (bend_warp) / 1e6, (bend_weft) / 1e6 }, (twist) / 1e6,                   \
         {                                                                              \
             0.0                                                                        \
         }                                                                              \
