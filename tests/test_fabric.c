@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* test_fabric.c -- measured fabrics: the springs that they make have their moduli on
  * every grid. */
-#include "support.h"
-
 #include <math.h>
-#include <string.h>
+
+#include "cloth/rows.h"
+#include "scene_load.h"
 
 #define G    9.81
 #define MOST 36 /* particles */
@@ -289,6 +289,71 @@ START_TEST(shear_springs_have_no_pair)
 }
 END_TEST
 
+/* ---- scenes ------------------------------------------------------------------------
+ */
+
+#define GRID  "cloth:\n  grid: {rows: 4, cols: 5, spacing: [0.01, 0.012]}\n"
+#define ENDED "stepper: {plugin: gsl, method: rkf45}\nrun: {duration: 1}\n"
+
+/* The same springs and masses; the bending is compared by its numbers. */
+static void same_cloth(const weft_cloth_def *a, const weft_cloth_def *b)
+{
+    weft_cloth *one = test_cloth(a), *other = test_cloth(b);
+    ck_assert_uint_eq(weft__cloth_hash(one), weft__cloth_hash(other));
+    ck_assert(memcmp(&a->bending, &b->bending, sizeof a->bending) == 0);
+    weft_cloth_destroy(one);
+    weft_cloth_destroy(other);
+}
+
+START_TEST(scene_has_the_cloth_of_the_interface)
+{
+    weft_scene *scene = good_text(
+        GRID "  fabric: {density: 0.324, stretch: [411, 2028], shear: 53.4, bend: "
+             "[2.43e-5, 1.6e-5], damping: [1.0e-5, 1.0e-2]}\n" ENDED);
+    const weft_cloth_def def = made(&denim, 4, 5, 0.01, 0.012);
+    same_cloth(weft_scene_cloth(scene), &def);
+    ck_assert_ptr_null(weft_scene_fabric(scene)->name);
+    weft_scene_destroy(scene);
+}
+END_TEST
+
+START_TEST(keys_beside_a_preset_replace_its_values)
+{
+    weft_scene *scene = good_text(
+        GRID "  fabric: {preset: gray-interlock, shear: 10, damping: 1.0e-4}\n" ENDED);
+    weft_fabric fabric = *weft_fabric_find("gray-interlock");
+    fabric.shear = 10.0;
+    fabric.damping[0] = fabric.damping[1] = 1e-4;
+    const weft_cloth_def def = made(&fabric, 4, 5, 0.01, 0.012);
+    same_cloth(weft_scene_cloth(scene), &def);
+    ck_assert_str_eq(weft_scene_fabric(scene)->name, "gray-interlock");
+    weft_scene_destroy(scene);
+}
+END_TEST
+
+START_TEST(springs_of_a_scene_have_pairs_rim_and_rigidity)
+{
+    weft_scene *scene = good_text(
+        GRID
+        "  density: 0.2\n  springs:\n    stretch: {stiffness: [3, 4], damping: [0, "
+        "1]}\n    shear: {stiffness: 2}\n    bend: {rigidity: [4.0e-5, 9.0e-5], "
+        "damping: 0.5}\n    rim: half\n" ENDED);
+    weft_cloth_def def = grid(4, 5, 0.01, 0.012);
+    def.springs[WEFT_STRETCH] = (weft_spring_def){ .present = true,
+                                                   .stiffness = 3,
+                                                   .pair = true,
+                                                   .weft_stiffness = 4,
+                                                   .weft_damping = 1 };
+    def.springs[WEFT_SHEAR] = (weft_spring_def){ .present = true, .stiffness = 2 };
+    def.rim_half = true;
+    def.bending = (weft_bending_def){ { 4e-5, 9e-5 }, -1.0, 0.5 };
+    same_cloth(weft_scene_cloth(scene), &def);
+    ck_assert_ptr_null(weft_scene_fabric(scene));
+    ck_assert_double_eq(weft_fabric_of(weft_scene_cloth(scene)).twist, 6e-5);
+    weft_scene_destroy(scene);
+}
+END_TEST
+
 TEST_SUITE(fabric)
 {
     Suite *suite = suite_create("fabric");
@@ -306,6 +371,9 @@ TEST_SUITE(fabric)
     tcase_add_test(tcase, presets_can_be_made_of_springs);
     tcase_add_test(tcase, peirce_length);
     tcase_add_test(tcase, shear_springs_have_no_pair);
+    tcase_add_test(tcase, scene_has_the_cloth_of_the_interface);
+    tcase_add_test(tcase, keys_beside_a_preset_replace_its_values);
+    tcase_add_test(tcase, springs_of_a_scene_have_pairs_rim_and_rigidity);
     suite_add_tcase(suite, tcase);
     return suite;
 }
