@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* bounds_cloths.h -- twelve cloths for tests of the bounds: small enough for a dense
+/* bounds_cloths.h -- thirteen cloths for tests of the bounds: small enough for a dense
  * eigensolver, each with a difficulty of its own. */
 #ifndef BOUNDS_CLOTHS_H
 #define BOUNDS_CLOTHS_H
@@ -116,6 +116,15 @@ static const weft_cloth_def cloths[] = {
       .mass = 1e-3,
       .drag = 0.1,
       .springs = { { true, 100, 0.05 }, { false, 0, 0 }, { true, 30, 0.01 } } },
+    /* warp and weft that differ, a rim that carries half */
+    { .rows = 6,
+      .cols = 7,
+      .spacing = { 0.1, 0.08 },
+      .density = 0.2,
+      .pins = corners,
+      .pin_count = 2,
+      .rim_half = true,
+      .springs = { { true, 100, 0.02, true, 40, 0.008 }, { true, 20, 0.004 } } },
 };
 
 enum { CLOTHS = sizeof cloths / sizeof cloths[0] };

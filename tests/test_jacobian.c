@@ -63,9 +63,14 @@ static weft_cloth *make(size_t number)
     def.pin_count = 2;
     def.law = choice & 1 ? WEFT_LAW_STRAIN : WEFT_LAW_HOOKE;
     for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
-        def.springs[f]
-            = (weft_spring_def){ true, 50.0 / (double)(f + 1), f == 2 ? 0.0 : 0.2 };
+        def.springs[f] = (weft_spring_def){ .present = true,
+                                            .stiffness = 50.0 / (double)(f + 1),
+                                            .damping = f == 2 ? 0.0 : 0.2,
+                                            .pair = f != WEFT_SHEAR && choice & 2,
+                                            .weft_stiffness = 70.0,
+                                            .weft_damping = 0.1 };
     }
+    def.rim_half = choice & 1;
     if (def.law == WEFT_LAW_STRAIN) {
         def.springs[WEFT_BEND].present = false;
         def.bending = (weft_bending_def){ { 0.02, 0.05 }, -1.0, 0.003 };

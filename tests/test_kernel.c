@@ -119,7 +119,11 @@ static void define(uint64_t *seed)
         m.def.springs[f].present = chance(seed) < 0.7;
         m.def.springs[f].stiffness = chance(seed) < 0.9 ? 100.0 * chance(seed) : 0.0;
         m.def.springs[f].damping = chance(seed) < 0.5 ? chance(seed) : 0.0;
+        m.def.springs[f].pair = f != WEFT_SHEAR && chance(seed) < 0.5;
+        m.def.springs[f].weft_stiffness = 100.0 * chance(seed);
+        m.def.springs[f].weft_damping = chance(seed) < 0.5 ? chance(seed) : 0.0;
     }
+    m.def.rim_half = chance(seed) < 0.5;
     m.def.drag = chance(seed) < 0.5 ? chance(seed) : 0.0;
     m.def.wind_drag = chance(seed) < 0.5 ? chance(seed) : 0.0;
     fill(m.def.wind_velocity, 5.0, seed);
@@ -344,7 +348,8 @@ START_TEST(sheet_at_rest_feels_gravity_alone_exactly)
     m.def = weft_cloth_def_default();
     m.def.rows = 9, m.def.cols = 13;
     for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
-        m.def.springs[f] = (weft_spring_def){ true, 30.0, 0.1 };
+        m.def.springs[f]
+            = (weft_spring_def){ .present = true, .stiffness = 30.0, .damping = 0.1 };
     }
     m.cloth = test_cloth(&m.def);
     m.n = weft_cloth_particles(m.cloth);

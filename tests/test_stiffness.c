@@ -205,7 +205,8 @@ static weft_cloth_def chain_of_two(void)
     def.spacing[1] = 0.1;
     def.mass = 0.002;
     def.density = 0.0;
-    def.springs[WEFT_STRETCH] = (weft_spring_def){ true, 100.0, 0.3 };
+    def.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 100.0, .damping = 0.3 };
     return def;
 }
 

@@ -40,8 +40,8 @@ typedef struct weft_spring_def {
     bool present;
     double stiffness; /* [N/m] (hooke) or [N] (strain), >= 0 */
     double damping;   /* [kg/s], >= 0, along the spring only */
-    bool pair;        /* stretch, bend: those are of springs along a column (warp), */
-    double weft_stiffness, weft_damping; /* and these of springs along a row */
+    bool pair; /* stretch, bend: those are of springs along a column (warp) alone, */
+    double weft_stiffness, weft_damping; /* and these of springs along a row (weft) */
 } weft_spring_def;
 
 /* Bending rigidity of a plate, instead of bend springs; docs/physics.md. None if all
@@ -215,16 +215,49 @@ typedef struct weft_limit_def {
     weft_limit_solver solver;
 } weft_limit_def;
 
-/* A measured fabric, independent of the grid; docs/fabrics.md. */
+/* A measured fabric, independent of the grid: moduli of the whole sheet, per width;
+ * docs/fabrics.md. */
 typedef struct weft_fabric {
     const char *name;  /* of a preset; may be NULL */
     double density;    /* [kg/m^2] > 0 */
     double stretch[2]; /* C [N/m] > 0, along a column (warp), along a row (weft) */
-    double shear;      /* G [N/m] >= 0 */
+    double shear;      /* G [N/m] >= 0, also the modulus C12 between warp and weft */
     double bend[2];    /* B [N m] >= 0, warp, weft */
     double twist;      /* [N m]; negative: sqrt(bend[0] bend[1]) */
-    double damping[2]; /* [s] >= 0, in the plane, of bending */
+    double damping[2]; /* [s] >= 0, in the plane, of bending: times the stiffness */
 } weft_fabric;
+
+/* Makes a cloth of a fabric: sets density, mass (0), law, rim_half, springs and bending
+ * of *def for its rows, columns and spacing, which must be set before. With a spacing a
+ * along a column, b along a row:
+ *
+ *     column C[0] b / a - G a / b    row C[1] a / b - G b / a
+ *     shear  G (a^2 + b^2) / (2 a b)
+ *
+ * exact for homogeneous strain on every grid of 2 x 2 and more; a chain has C x 1 m /
+ * spacing and no shear. Errors: WEFT_INVALID (a number out of range; not sqrt(G / C[0])
+ * <= b / a <= sqrt(C[1] / G), which would need negative springs: the message has this
+ * interval); *def is unchanged then. */
+WEFT_API weft_status weft_fabric_apply(const weft_fabric *fabric, weft_cloth_def *def,
+                                       weft_error *err);
+
+/* The reverse: the fabric that the springs and the bending rigidity of a valid
+ * definition make in homogeneous strain of the whole cloth. Springs whose rim does not
+ * carry half make a stiffer one on a coarser grid. Its damping is 0; twist is >= 0. */
+WEFT_API weft_fabric weft_fabric_of(const weft_cloth_def *def);
+
+/* [m] Peirce's bending length (bend / (density gravity))^(1/3), in which weight bends a
+ * fabric, with gravity in m/s^2; way 0: of the warp, 1: of the weft. 0 without gravity.
+ * A grid shows such bends if its spacing is at most half of it. */
+WEFT_API double weft_fabric_length(const weft_fabric *fabric, size_t way,
+                                   double gravity);
+
+/* Fabrics measured by Wang, O'Brien and Ramamoorthi (ACM Trans. Graph. 30(4), 71,
+ * 2011); *count is their number. Damping is 0. */
+WEFT_API const weft_fabric *weft_fabric_presets(size_t *count);
+
+/* The preset of a name; NULL: there is none. */
+WEFT_API const weft_fabric *weft_fabric_find(const char *name);
 
 /* 2 x 2 particles, 1 m apart, 0.2 kg/m^2, no springs, no pins, earth's gravity along
  * -y; contact of thickness 5 mm, stopping speed 5 m/s, exponent 4, damping 1 s/m,

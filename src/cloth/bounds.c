@@ -67,7 +67,7 @@ static double largest_eigenvalue(const double b[6])
 
 /* The sums over the springs of one particle, in the six numbers of a matrix each. */
 typedef struct node {
-    double along[WEFT_GROUPS][6]; /* sum (1/m_i + 1/m_j) u u^T */
+    double along[WEFT_GROUPS][6]; /* sum (1/m_i + 1/m_j) share u u^T */
     double taut[6], slack[6];     /* sum (1/m_i + 1/m_j) (T/L)+- (I - u u^T) */
     double drag, added;           /* [1/s] of added.h */
     double bending;               /* [1/s^2] row sum by mass */
@@ -99,7 +99,7 @@ static void add_spring(const weft_cloth *cloth, const weft__spring *at, node *su
     double *across = pull > 0.0 ? sum->taut : sum->slack;
     outer(at, uu);
     for (size_t k = 0; k < 6; ++k) {
-        along[k] += share * uu[k];
+        along[k] += at->share * share * uu[k];
         across[k] += share * fabs(pull) * ((k < 3 ? 1.0 : 0.0) - uu[k]);
     }
 }
@@ -241,7 +241,8 @@ static void multiply_spring(const weft_cloth *cloth, const weft__spring *at,
         return;
     }
     const double across = way->a * fmax(0.0, weft__spring_tension(at, 0.0));
-    const double along = way->a * at->group->stiffness + way->b * at->group->damping;
+    const double along
+        = way->a * weft__spring_stiffness(at) + way->b * weft__spring_damping(at);
     const double stretch = weft__spring_rate(cloth, at, x) / at->square;
     double d[3];
     weft__spring_difference(cloth, at, x, d);

@@ -9,7 +9,8 @@ static uint64_t hash_group(uint64_t hash, const weft__group *group)
     const double numbers[] = { group->rest_length, group->stiffness, group->damping };
     hash = weft__hash_word(hash, group->family);
     hash = weft__hash_word(hash, group->way);
-    return weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
+    hash = weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
+    return group->half_rim ? weft__hash_word(hash, 1) : hash;
 }
 
 /* How a pin is held: not which entry of the definition says so. */

@@ -13,7 +13,7 @@
 static double spring_planes(const weft_cloth *cloth, const weft__spring *at,
                             const double *v, double *planes, size_t bonds)
 {
-    const double k = at->group->stiffness, length = sqrt(at->square);
+    const double k = weft__spring_stiffness(at), length = sqrt(at->square);
     const double q = weft__spring_tension(at, weft__spring_rate(cloth, at, v));
     const double inverse = length > 0.0 ? 1.0 / length : 0.0;
     for (size_t j = 0; j < 3; ++j) {
@@ -21,7 +21,7 @@ static double spring_planes(const weft_cloth *cloth, const weft__spring *at,
     }
     planes[3 * bonds] = length > 0.0 ? k - q : 0.0;
     planes[4 * bonds] = q;
-    planes[5 * bonds] = length > 0.0 ? at->group->damping : 0.0;
+    planes[5 * bonds] = length > 0.0 ? weft__spring_damping(at) : 0.0;
     return q;
 }
 

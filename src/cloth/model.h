@@ -32,6 +32,7 @@ typedef struct weft__group {
     double rest_length; /* [m] */
     double stiffness;   /* [N/m]; under the strain law k / s */
     double damping;     /* [kg/s] */
+    bool half_rim;      /* those along the rim carry half of both */
 } weft__group;
 
 #define WEFT_GROUPS (2 * WEFT_FAMILIES)
@@ -102,13 +103,15 @@ void weft__grid_init(weft_cloth *cloth, const weft_cloth_def *def);
 /* validate.c: the numbers of definitions. */
 WEFT__NUMBERS(weft__cloth_numbers, rows, cols, spacing, origin, scale, mass, density,
               velocity, gravity, drag, wind_velocity, wind_drag, law);
-WEFT__NUMBERS(weft__spring_numbers, stiffness, damping);
+WEFT__NUMBERS(weft__spring_numbers, stiffness, damping, weft_stiffness, weft_damping);
 WEFT__NUMBERS(weft__bending_numbers, rigidity, twist, damping);
 WEFT__NUMBERS(weft__pin_numbers, velocity, amplitude, frequency);
 WEFT__NUMBERS(weft__contact_numbers, thickness, stopping_speed, exponent, damping,
               friction, slip, law);
 WEFT__NUMBERS(weft__shape_numbers, kind, at, velocity, amplitude, frequency, spin);
 WEFT__NUMBERS(weft__limit_numbers, method, solver, strain, sweeps, tolerance);
+WEFT__NUMBERS(weft__fabric_numbers, density, stretch, shear, bend, twist,
+              damping); /* fabric.c */
 extern const weft__number weft__load_mass;
 extern const weft__number weft__shape_radius;   /* of a sphere or capsule */
 extern const weft__number weft__shape_rounding; /* of a box */

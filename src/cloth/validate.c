@@ -44,6 +44,8 @@ const weft__number weft__load_mass
 const struct weft__spring_numbers weft__spring_numbers = {
     WEFT__FIELD(weft_spring_def, stiffness, "N/m or N", NOT_NEGATIVE),
     WEFT__FIELD(weft_spring_def, damping, "kg/s", NOT_NEGATIVE),
+    WEFT__FIELD(weft_spring_def, weft_stiffness, "N/m or N", NOT_NEGATIVE),
+    WEFT__FIELD(weft_spring_def, weft_damping, "kg/s", NOT_NEGATIVE),
 };
 
 const struct weft__bending_numbers weft__bending_numbers = {
@@ -259,9 +261,17 @@ static void check_mass(const weft_cloth_def *def, const weft__faults *to)
 static void check_springs(const weft_cloth_def *def, const weft__faults *to)
 {
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
-        if (def->springs[i].present) {
-            (void)WEFT__NUMBERS_CHECK(weft__spring_numbers, &def->springs[i], to,
-                                      "%s springs: ", weft_family_name((weft_family)i));
+        const weft_spring_def *springs = &def->springs[i];
+        const char *name = weft_family_name((weft_family)i);
+        if (springs->present) {
+            (void)weft__numbers_check((const weft__number *)&weft__spring_numbers,
+                                      springs->pair ? 4 : 2, springs, to,
+                                      "%s springs: ", name);
+        }
+        if (springs->present && springs->pair && i == WEFT_SHEAR) {
+            weft__fault(to, FIELD(springs), FIELD(springs),
+                        "%s springs: no pair of values: they lie along the diagonals",
+                        name);
         }
     }
 }
