@@ -38,9 +38,13 @@ static weft_cloth *make_cloth(size_t side, int forces)
     weft_cloth *cloth = NULL;
     def.rows = def.cols = side;
     def.spacing[0] = def.spacing[1] = 1.0 / (double)(side - 1);
-    def.springs[WEFT_STRETCH] = (weft_spring_def){ true, 100.0, 0.020 * c };
-    def.springs[WEFT_SHEAR] = (weft_spring_def){ true, 50.0, 0.010 * c };
-    def.springs[WEFT_BEND] = (weft_spring_def){ true, 5.0, 0.005 * c };
+    def.springs[WEFT_STRETCH] = (weft_spring_def){ .present = true,
+                                                   .stiffness = 100.0,
+                                                   .damping = 0.020 * c };
+    def.springs[WEFT_SHEAR]
+        = (weft_spring_def){ .present = true, .stiffness = 50.0, .damping = 0.010 * c };
+    def.springs[WEFT_BEND]
+        = (weft_spring_def){ .present = true, .stiffness = 5.0, .damping = 0.005 * c };
     def.pins = pins;
     def.pin_count = 2;
     def.drag = forces > 1 ? 1e-5 : 0.0;

@@ -38,7 +38,9 @@ static weft_cloth *make_cloth(size_t side, bool forces)
     def.drag = forces ? 0.05 * pow(17.0 / (double)side, 1.8) : 0.0;
     def.gravity[1] = forces ? -9.81 : 0.0;
     for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
-        def.springs[f] = (weft_spring_def){ true, forces ? 1.0 : 0.0, 0.0 };
+        def.springs[f] = (weft_spring_def){ .present = true,
+                                            .stiffness = forces ? 1.0 : 0.0,
+                                            .damping = 0.0 };
     }
     weft_error err;
     weft_cloth *cloth;

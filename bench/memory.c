@@ -35,9 +35,12 @@ static void simulate(const job *what)
     const double cell = 1.0 / (double)(what->side - 1);
     of.rows = of.cols = what->side;
     of.spacing[0] = of.spacing[1] = cell;
-    of.springs[WEFT_STRETCH] = (weft_spring_def){ true, 100.0, 0.05 };
-    of.springs[WEFT_SHEAR] = (weft_spring_def){ true, 50.0, 0.025 };
-    of.springs[WEFT_BEND] = (weft_spring_def){ true, 10.0, 0.005 };
+    of.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 100.0, .damping = 0.05 };
+    of.springs[WEFT_SHEAR]
+        = (weft_spring_def){ .present = true, .stiffness = 50.0, .damping = 0.025 };
+    of.springs[WEFT_BEND]
+        = (weft_spring_def){ .present = true, .stiffness = 10.0, .damping = 0.005 };
     of.pins = &corner;
     of.pin_count = 1;
     if (weft_cloth_create(&of, &cloth, NULL) != WEFT_OK) {

@@ -69,9 +69,13 @@ static void make_cloth(sheet *of)
     weft_error err = { 0 };
     def.rows = def.cols = of->side;
     def.spacing[0] = def.spacing[1] = 1.0 / (double)last;
-    def.springs[WEFT_STRETCH] = (weft_spring_def){ true, k, c };
-    def.springs[WEFT_SHEAR] = (weft_spring_def){ true, 0.5 * k, 0.5 * c };
-    def.springs[WEFT_BEND] = (weft_spring_def){ true, 0.01 * k, 0.0 };
+    def.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = k, .damping = c };
+    def.springs[WEFT_SHEAR] = (weft_spring_def){ .present = true,
+                                                 .stiffness = 0.5 * k,
+                                                 .damping = 0.5 * c };
+    def.springs[WEFT_BEND]
+        = (weft_spring_def){ .present = true, .stiffness = 0.01 * k, .damping = 0.0 };
     def.down[1] = 0.0;
     def.down[2] = 1.0;
     def.pins = corners;

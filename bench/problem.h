@@ -22,7 +22,9 @@ static inline weft_cloth_def problem(size_t n)
     def.pins = pins;
     def.pin_count = 2;
     for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
-        def.springs[f] = (weft_spring_def){ true, stiffness[f], 5e-4 * stiffness[f] };
+        def.springs[f] = (weft_spring_def){ .present = true,
+                                            .stiffness = stiffness[f],
+                                            .damping = 5e-4 * stiffness[f] };
     }
     return def;
 }

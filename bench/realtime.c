@@ -145,7 +145,8 @@ static void describe(choice *self, size_t rows, size_t cols)
         const double k = self->stiffness * parts[i];
         /* 5 % of what is critical for two particles on this spring */
         const double c = self->damping * sqrt(2.0 * k * mass);
-        def.springs[i] = (weft_spring_def){ true, k, c };
+        def.springs[i]
+            = (weft_spring_def){ .present = true, .stiffness = k, .damping = c };
     }
     self->def = def;
 }

@@ -59,8 +59,10 @@ int main(void)
     def.rows = ROWS;
     def.cols = COLS;
     def.spacing[0] = def.spacing[1] = 0.05;
-    def.springs[WEFT_STRETCH] = (weft_spring_def){ true, 100.0, 0.02 };
-    def.springs[WEFT_SHEAR] = (weft_spring_def){ true, 50.0, 0.01 };
+    def.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 100.0, .damping = 0.02 };
+    def.springs[WEFT_SHEAR]
+        = (weft_spring_def){ .present = true, .stiffness = 50.0, .damping = 0.01 };
     def.pins = &top;
     def.pin_count = 1;
     def.drag = 4e-4;

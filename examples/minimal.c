@@ -11,7 +11,8 @@ int main(void)
     weft_cloth_def def = weft_cloth_def_default(); /* SI units throughout */
     def.rows = def.cols = SIDE;
     def.spacing[0] = def.spacing[1] = 0.05;
-    def.springs[WEFT_STRETCH] = (weft_spring_def){ true, 100.0, 0.02 };
+    def.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 100.0, .damping = 0.02 };
     def.pins = &corner;
     def.pin_count = 1;
 

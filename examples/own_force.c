@@ -82,8 +82,10 @@ int main(void)
     def.spacing[0] = def.spacing[1] = 0.1;
     def.down[1] = 0.0;
     def.down[2] = 1.0; /* level */
-    def.springs[WEFT_STRETCH] = (weft_spring_def){ true, 20.0, 0.01 };
-    def.springs[WEFT_SHEAR] = (weft_spring_def){ true, 10.0, 0.01 };
+    def.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 20.0, .damping = 0.01 };
+    def.springs[WEFT_SHEAR]
+        = (weft_spring_def){ .present = true, .stiffness = 10.0, .damping = 0.01 };
 
     world around = { .particles = def.rows * def.cols,
                      .post = { 0.55, 0.35 },

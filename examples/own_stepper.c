@@ -139,9 +139,12 @@ int main(void)
     weft_error err;
     def.rows = 3;
     def.cols = 4;
-    def.springs[WEFT_STRETCH] = (weft_spring_def){ true, 5.0, 0.05 };
-    def.springs[WEFT_SHEAR] = (weft_spring_def){ true, 5.0, 0.05 };
-    def.springs[WEFT_BEND] = (weft_spring_def){ true, 1.0, 0.05 };
+    def.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 5.0, .damping = 0.05 };
+    def.springs[WEFT_SHEAR]
+        = (weft_spring_def){ .present = true, .stiffness = 5.0, .damping = 0.05 };
+    def.springs[WEFT_BEND]
+        = (weft_spring_def){ .present = true, .stiffness = 1.0, .damping = 0.05 };
     def.pins = &corner;
     def.pin_count = 1;
     if (weft_cloth_create(&def, &cloth, &err) != WEFT_OK) {

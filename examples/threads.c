@@ -48,8 +48,10 @@ int main(void)
     job jobs[THREADS];
     def.rows = def.cols = 20;
     def.spacing[0] = def.spacing[1] = 0.05;
-    def.springs[WEFT_STRETCH] = (weft_spring_def){ true, 100.0, 0.02 };
-    def.springs[WEFT_SHEAR] = (weft_spring_def){ true, 50.0, 0.01 };
+    def.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 100.0, .damping = 0.02 };
+    def.springs[WEFT_SHEAR]
+        = (weft_spring_def){ .present = true, .stiffness = 50.0, .damping = 0.01 };
     def.velocity[2] = 0.5;
     def.pins = &top;
     def.pin_count = 1;

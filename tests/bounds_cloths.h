@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* bounds_cloths.h -- twelve cloths for tests of the bounds: small enough for a dense
+/* bounds_cloths.h -- thirteen cloths for tests of the bounds: small enough for a dense
  * eigensolver, each with a difficulty of its own. */
 #ifndef BOUNDS_CLOTHS_H
 #define BOUNDS_CLOTHS_H
@@ -116,12 +116,36 @@ static const weft_cloth_def cloths[] = {
       .mass = 1e-3,
       .drag = 0.1,
       .springs = { { true, 100, 0.05 }, { false, 0, 0 }, { true, 30, 0.01 } } },
+    /* warp and weft that differ, a rim that carries half */
+    { .rows = 6,
+      .cols = 7,
+      .spacing = { 0.1, 0.08 },
+      .density = 0.2,
+      .pins = corners,
+      .pin_count = 2,
+      .rim_half = true,
+      .springs = { { true, 100, 0.02, true, 40, 0.008 }, { true, 20, 0.004 } } },
 };
 
 enum { CLOTHS = sizeof cloths / sizeof cloths[0] };
 
-/* Cloths from CLOTHS on are these again on a plane that approaches them, and from 2
- * CLOTHS on slides as well. */
+/* Rigidity instead of bend springs, as stiff as the others and damped or not: nothing
+ * but bending, the default twist, a larger one. */
+static inline void bend(weft_cloth_def *def, size_t i)
+{
+    const double a = def->rows > 1 ? def->spacing[0] : 1.0, b = def->spacing[1];
+    const double along = i % 2 ? 20.0 : 60.0, across = i % 3 ? 30.0 : 10.0; /* [N/m] */
+    def->springs[WEFT_BEND].present = false;
+    def->springs[WEFT_SHEAR].present = def->springs[WEFT_SHEAR].present && i % 5 != 0;
+    def->springs[WEFT_STRETCH].present = i % 4 != 3;
+    def->bending.rigidity[0] = along * a * a * a / b;
+    def->bending.rigidity[1] = across * b * b * b / a;
+    def->bending.twist = i % 3 == 1 ? 20.0 * a * b : -1.0;
+    def->bending.damping = i % 2 ? 1e-3 * (double)i : 0.0;
+}
+
+/* Cloths from CLOTHS on are these again on a plane that approaches them, from 2 CLOTHS
+ * on slides as well, and from 3 CLOTHS on with rigidity instead. */
 static inline weft_cloth *make(size_t i)
 {
     const weft_cloth_def usual = weft_cloth_def_default();
@@ -132,7 +156,10 @@ static inline weft_cloth *make(size_t i)
     def.contact = usual.contact;
     def.contact.thickness = 0.02, def.contact.slip = 0.1;
     def.contact.shapes = &plane;
-    def.contact.shape_count = i < CLOTHS ? 0 : 1;
+    def.contact.shape_count = i < CLOTHS || i >= 3 * CLOTHS ? 0 : 1;
+    if (i >= 3 * CLOTHS) {
+        bend(&def, i - 3 * CLOTHS);
+    }
     memcpy(def.right, usual.right, sizeof def.right);
     memcpy(def.down, usual.down, sizeof def.down);
     def.scale = def.scale == 0.0 ? 1.0 : def.scale;

@@ -64,9 +64,12 @@ static inline void all_at_once(void)
     model.cols = 5;
     model.spacing[0] = 0.3;
     model.spacing[1] = 0.25;
-    model.springs[WEFT_STRETCH] = (weft_spring_def){ true, 2.0, 0.010 };
-    model.springs[WEFT_SHEAR] = (weft_spring_def){ true, 0.9, 0.007 };
-    model.springs[WEFT_BEND] = (weft_spring_def){ true, 0.3, 0.005 };
+    model.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 2.0, .damping = 0.010 };
+    model.springs[WEFT_SHEAR]
+        = (weft_spring_def){ .present = true, .stiffness = 0.9, .damping = 0.007 };
+    model.springs[WEFT_BEND]
+        = (weft_spring_def){ .present = true, .stiffness = 0.3, .damping = 0.005 };
     model.drag = 0.003;
     model.wind_velocity[0] = 1.0;
     model.wind_velocity[2] = 2.0;

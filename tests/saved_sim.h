@@ -22,8 +22,10 @@ static inline weft_cloth_def cloth_definition(size_t rows)
     def.rows = rows;
     def.cols = COLS;
     def.spacing[0] = def.spacing[1] = 0.1;
-    def.springs[WEFT_STRETCH] = (weft_spring_def){ true, 20.0, 0.02 };
-    def.springs[WEFT_SHEAR] = (weft_spring_def){ true, 5.0, 0.01 };
+    def.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 20.0, .damping = 0.02 };
+    def.springs[WEFT_SHEAR]
+        = (weft_spring_def){ .present = true, .stiffness = 5.0, .damping = 0.01 };
     def.wind_velocity[2] = 2.0;
     def.wind_drag = 0.2;
     def.drag = 1e-3;

@@ -31,8 +31,9 @@ static void expect_narrow(size_t most)
 START_TEST(help_leaves_room_for_the_margin_of_a_manual_page)
 {
     static const char *const verbs[]
-        = { "",           "run",  "resume", "batch",  "check",   "steppers",
-            "scene-help", "view", "diff",   "export", "compare", "plugin-test" };
+        = { "",         "run",     "resume",     "batch", "check",
+            "steppers", "fabrics", "scene-help", "view",  "diff",
+            "export",   "compare", "plugin-test" };
     for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; ++i) {
         expect(shell(WEFT " %s --help", verbs[i]), 0);
         says("usage: weft ");
@@ -44,7 +45,10 @@ END_TEST
 START_TEST(lists_are_at_most_80_characters_wide)
 {
     static const char *const verbs[]
-        = { "scene-help", "scene-help cloth.springs.stretch.stiffness", "steppers",
+        = { "scene-help",
+            "scene-help cloth.springs.stretch.stiffness",
+            "steppers",
+            "fabrics",
             "plugin-test --all " BUILD_DIR "/plugins/weft-verlet.so",
             "plugin-test --all " BUILD_DIR "/tests/promises/weft-spoils.so || :" };
     expect(shell(WEFT " %s", verbs[_i]), 0);
@@ -203,7 +207,7 @@ TEST_SUITE(cli_output)
     tcase_add_checked_fixture(program, begin, NULL);
     tcase_set_timeout(program, 120.0);
     tcase_add_test(program, help_leaves_room_for_the_margin_of_a_manual_page);
-    tcase_add_loop_test(program, lists_are_at_most_80_characters_wide, 0, 5);
+    tcase_add_loop_test(program, lists_are_at_most_80_characters_wide, 0, 6);
     tcase_add_loop_test(program, what_is_said_of_a_scene_is_at_most_80_characters_wide,
                         0, 2);
     tcase_add_test(program, many_exported_frames_are_one_line);

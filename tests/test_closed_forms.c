@@ -44,7 +44,8 @@ static void plain(size_t rows, size_t cols, double mass, double stiffness,
     def.rows = rows, def.cols = cols;
     def.density = 0.0, def.mass = mass;
     def.gravity[1] = -gravity;
-    def.springs[WEFT_STRETCH] = (weft_spring_def){ true, stiffness, 0.0 };
+    def.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = stiffness, .damping = 0.0 };
     def.pins = ends, def.pin_count = pins;
 }
 
@@ -111,7 +112,8 @@ START_TEST(free_fall_is_a_parabola)
     /* verner65_9 weighs stages, and the roundoff in their springs, by up to 176 */
     const double tiny = strcmp(type->name, "verner65_9") == 0 ? 1e-11 : 1e-12;
     plain(3, 4, 0.1, 20.0, G, 0);
-    def.springs[WEFT_SHEAR] = (weft_spring_def){ true, 5.0, 0.1 };
+    def.springs[WEFT_SHEAR]
+        = (weft_spring_def){ .present = true, .stiffness = 5.0, .damping = 0.1 };
     def.velocity[1] = 2.0, def.velocity[2] = -3.0;
     start(type, fabs(h));
     go(1.0);
@@ -275,7 +277,8 @@ static void spin(const weft_stepper_type *method, double h, double l[3])
 {
     plain(4, 5, 0.1, 20.0, 0.0, 0);
     for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
-        def.springs[f] = (weft_spring_def){ true, 20.0, 0.05 };
+        def.springs[f]
+            = (weft_spring_def){ .present = true, .stiffness = 20.0, .damping = 0.05 };
     }
     start(method, h);
     for (size_t j = 0; j < 3 * n; ++j) {
@@ -354,7 +357,8 @@ START_TEST(tight_grid_has_its_transverse_frequencies)
     const double s = 0.4, l = 0.5, m = 0.01, k1 = 30.0, k2 = 12.0;
     const double t1 = k1 * (l - s), t2 = k2 * sqrt(2.0) * (l - s);
     plain(5, 6, m, k1, 0.0, 0);
-    def.springs[WEFT_SHEAR] = (weft_spring_def){ true, k2, 0.0 };
+    def.springs[WEFT_SHEAR]
+        = (weft_spring_def){ .present = true, .stiffness = k2, .damping = 0.0 };
     def.spacing[0] = def.spacing[1] = s, def.scale = l / s;
     def.pins = rim, def.pin_count = COUNT(rim);
     for (int mode = 0; mode < 12; ++mode) {
@@ -466,8 +470,10 @@ START_TEST(pins_at_rest_carry_the_weight)
 {
     double f[3 * MOST];
     plain(4, 5, 0.01, 20.0, G, 2);
-    def.springs[WEFT_SHEAR] = (weft_spring_def){ true, 10.0, 0.01 };
-    def.springs[WEFT_BEND] = (weft_spring_def){ true, 10.0, 0.01 };
+    def.springs[WEFT_SHEAR]
+        = (weft_spring_def){ .present = true, .stiffness = 10.0, .damping = 0.01 };
+    def.springs[WEFT_BEND]
+        = (weft_spring_def){ .present = true, .stiffness = 10.0, .damping = 0.01 };
     def.spacing[0] = 0.5, def.gravity[0] = 1.5;
     def.drag = 0.1;
     relax(2e-3, 20.0);

@@ -108,7 +108,8 @@ START_TEST(a_sheet_rests_at_its_gap)
     const double dh = model.contact.thickness, pull = 9.81 * dh / 12.5;
     const double s = resting(pull);
     model.rows = 4, model.cols = 5, model.down[1] = 0.0, model.down[2] = 1.0;
-    model.springs[WEFT_STRETCH] = (weft_spring_def){ true, 100.0, 0.1 };
+    model.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 100.0, .damping = 0.1 };
     model.spacing[0] = model.spacing[1] = 0.1;
     model.drag = 5.0;
     model.origin[1] = dh * (1.0 - s) + 1e-5;
@@ -237,9 +238,12 @@ START_TEST(a_sheet_on_a_ball_is_symmetric)
     model.spacing[0] = model.spacing[1] = 1.0 / (SIDE - 1);
     model.origin[0] = model.origin[2] = -0.5;
     model.down[1] = 0.0, model.down[2] = 1.0;
-    model.springs[WEFT_STRETCH] = (weft_spring_def){ true, 100.0, 0.02 };
-    model.springs[WEFT_SHEAR] = (weft_spring_def){ true, 50.0, 0.01 };
-    model.springs[WEFT_BEND] = (weft_spring_def){ true, 5.0, 0.001 };
+    model.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 100.0, .damping = 0.02 };
+    model.springs[WEFT_SHEAR]
+        = (weft_spring_def){ .present = true, .stiffness = 50.0, .damping = 0.01 };
+    model.springs[WEFT_BEND]
+        = (weft_spring_def){ .present = true, .stiffness = 5.0, .damping = 0.001 };
     model.contact.friction = 0.3, model.contact.damping = 1.0;
     run.method = test_method_named("arkode/dormand_prince");
     tolerance(1e-6);
@@ -270,8 +274,10 @@ static void sheet_on_ball_and_box(void)
     model.rows = model.cols = 6, model.down[1] = 0.0, model.down[2] = 1.0;
     model.spacing[0] = model.spacing[1] = 0.05;
     model.origin[0] = model.origin[2] = -0.125, model.mass = 0.01;
-    model.springs[WEFT_STRETCH] = (weft_spring_def){ true, 50.0, 0.02 };
-    model.springs[WEFT_SHEAR] = (weft_spring_def){ true, 20.0, 0.01 };
+    model.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 50.0, .damping = 0.02 };
+    model.springs[WEFT_SHEAR]
+        = (weft_spring_def){ .present = true, .stiffness = 20.0, .damping = 0.01 };
     model.contact.shape_count = 2, model.contact.friction = 0.3;
     model.contact.damping = 1.0;
 }
@@ -328,7 +334,8 @@ START_TEST(a_roller_pulls_a_chain_by_the_law_of_capstans)
     memset(model.gravity, 0, sizeof model.gravity);
     model.cols = COUNT, model.mass = 1e-3, model.drag = 0.02, model.origin[1] = 1.0;
     model.spacing[1] = 0.9 * length / LINKS;
-    model.springs[WEFT_STRETCH] = (weft_spring_def){ true, 1000.0, 0.3 };
+    model.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 1000.0, .damping = 0.3 };
     model.pins = pins, model.pin_count = 2;
     model.contact.law = WEFT_FRICTION_COULOMB, model.contact.friction = mus[_i];
     model.contact.damping = 1.0;

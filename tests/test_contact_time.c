@@ -126,7 +126,8 @@ START_TEST(a_limit_stays_out_of_shapes)
     shapes[0] = weft_shape_default(WEFT_SPHERE);
     shapes[0].radius = 0.1, shapes[0].at[1] = -0.11;
     model.cols = 11, model.spacing[1] = 0.05, model.origin[0] = -0.25;
-    model.springs[WEFT_STRETCH] = (weft_spring_def){ true, 1.0, 0.01 };
+    model.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 1.0, .damping = 0.01 };
     model.contact.damping = 1.0, model.contact.friction = 0.3;
     run.limit.method = _i < 2 ? WEFT_LIMIT_PROVOT : WEFT_LIMIT_BRIDSON;
     run.limit.keep_velocity = _i == 1;
@@ -151,7 +152,8 @@ START_TEST(a_limit_is_cut_back_at_a_ball)
     shapes[0].radius = 0.1;
     memset(model.gravity, 0, sizeof model.gravity);
     model.spacing[1] = 0.1, model.scale = 6.0, model.origin[0] = -0.3;
-    model.springs[WEFT_STRETCH] = (weft_spring_def){ true, 1e-6, 0.0 };
+    model.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 1e-6, .damping = 0.0 };
     run.limit.method = WEFT_LIMIT_PROVOT, run.limit.keep_velocity = true;
     start();
     for (int i = 0; i < 5; ++i) {
@@ -402,8 +404,10 @@ START_TEST(a_sheet_on_a_ball_is_symmetric_on_any_threads)
     model.mass = 0.0, model.density = 0.2;
     model.origin[0] = model.origin[2] = -0.5;
     model.down[1] = 0.0, model.down[2] = 1.0;
-    model.springs[WEFT_STRETCH] = (weft_spring_def){ true, 100.0, 0.02 };
-    model.springs[WEFT_SHEAR] = (weft_spring_def){ true, 50.0, 0.01 };
+    model.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 100.0, .damping = 0.02 };
+    model.springs[WEFT_SHEAR]
+        = (weft_spring_def){ .present = true, .stiffness = 50.0, .damping = 0.01 };
     model.contact.friction = 0.3, model.contact.damping = 1.0;
     tolerance(1e-4);
     drape(1, one);

@@ -216,7 +216,8 @@ static weft_cloth_def sheet_def(double stiffness)
     def.pin_count = 2;
     for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
         const double k = stiffness * (f == WEFT_BEND ? 0.1 : 1.0);
-        def.springs[f] = (weft_spring_def){ true, k, 1e-4 * k };
+        def.springs[f]
+            = (weft_spring_def){ .present = true, .stiffness = k, .damping = 1e-4 * k };
     }
     return def;
 }

@@ -21,7 +21,9 @@ static weft_cloth *make(size_t rows, size_t cols)
     def.cols = cols;
     def.drag = 0.01;
     for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
-        def.springs[k] = (weft_spring_def){ true, 10.0, 0.1 * (double)(k + 1) };
+        def.springs[k] = (weft_spring_def){ .present = true,
+                                            .stiffness = 10.0,
+                                            .damping = 0.1 * (double)(k + 1) };
     }
     ck_assert_int_eq(weft_cloth_create(&def, &cloth, NULL), WEFT_OK);
     return cloth;

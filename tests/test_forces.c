@@ -43,6 +43,16 @@ static void set(double *to, double x, double y, double z)
     to[2] = z;
 }
 
+/* Both in the same outer row or column of a sheet whose rim carries half. */
+static bool along_rim(size_t p, size_t q)
+{
+    const size_t rows = m.def.rows, cols = m.def.cols;
+    const size_t row = p / cols, col = p % cols;
+    return m.def.rim_half && rows > 1 && cols > 1
+           && ((row == q / cols && (row == 0 || row + 1 == rows))
+               || (col == q % cols && (col == 0 || col + 1 == cols)));
+}
+
 static void list_springs(void)
 {
     m.springs = 0;
@@ -58,8 +68,12 @@ static void list_springs(void)
             if (def->present && down * right <= 1 && down + right <= 2) {
                 const double s = hypot((double)down * m.def.spacing[0],
                                        (double)right * m.def.spacing[1]);
-                const double k = def->stiffness / (m.def.law == WEFT_LAW_HOOKE ? 1 : s);
-                m.spring[m.springs++] = (spring){ family, p, q, s, k, def->damping };
+                const bool weft = def->pair && down == 0;
+                const double share = along_rim(p, q) ? 0.5 : 1.0;
+                const double k = share * (weft ? def->weft_stiffness : def->stiffness)
+                                 / (m.def.law == WEFT_LAW_HOOKE ? 1 : s);
+                const double c = share * (weft ? def->weft_damping : def->damping);
+                m.spring[m.springs++] = (spring){ family, p, q, s, k, c };
             }
         }
     }
@@ -96,7 +110,11 @@ static void define(const size_t size[2], unsigned families, int law, int damped)
         m.def.springs[f].present = (families >> f & 1u) != 0;
         m.def.springs[f].stiffness = (double[]){ 120.0, 45.0, 9.0 }[f];
         m.def.springs[f].damping = (double[]){ 0.7, 1.1, 0.3 }[f] * damped;
+        m.def.springs[f].pair = f != WEFT_SHEAR && size[1] % 2 == 1;
+        m.def.springs[f].weft_stiffness = 70.0 - 30.0 * (double)f;
+        m.def.springs[f].weft_damping = 0.4 * damped;
     }
+    m.def.rim_half = size[0] % 2 == 1 || size[0] == 4;
 }
 
 /* d = x_q - x_p of three planes; returns |d|. */
@@ -233,6 +251,7 @@ START_TEST(strain_law_is_hookes_with_k_over_s)
             define(grids[2], 1u << family, law, ELASTIC);
             m.def.spacing[0] = m.def.spacing[1] = 0.3;
             m.def.springs[family].stiffness = 40.0 * (law == WEFT_LAW_STRAIN ? s : 1.0);
+            m.def.springs[family].weft_stiffness = m.def.springs[family].stiffness;
             m.def.springs[family].damping = 0.2; /* the same in both */
             make(5);
             ck_assert_double_gt(force(), 1.0);

@@ -47,8 +47,8 @@ static weft_shape shape_below(weft_shape_kind kind)
     return shape;
 }
 
-/* Of both laws of springs and of friction, without and with wind, on each kind of shape
- * and on none. */
+/* Of both laws of springs and of friction, under the strain law with bending rigidity,
+ * without and with wind, on each kind of shape and on none. */
 static weft_cloth *make(size_t number)
 {
     static const weft_pin pins[]
@@ -63,8 +63,17 @@ static weft_cloth *make(size_t number)
     def.pin_count = 2;
     def.law = choice & 1 ? WEFT_LAW_STRAIN : WEFT_LAW_HOOKE;
     for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
-        def.springs[f]
-            = (weft_spring_def){ true, 50.0 / (double)(f + 1), f == 2 ? 0.0 : 0.2 };
+        def.springs[f] = (weft_spring_def){ .present = true,
+                                            .stiffness = 50.0 / (double)(f + 1),
+                                            .damping = f == 2 ? 0.0 : 0.2,
+                                            .pair = f != WEFT_SHEAR && choice & 2,
+                                            .weft_stiffness = 70.0,
+                                            .weft_damping = 0.1 };
+    }
+    def.rim_half = choice & 1;
+    if (def.law == WEFT_LAW_STRAIN) {
+        def.springs[WEFT_BEND].present = false;
+        def.bending = (weft_bending_def){ { 0.02, 0.05 }, -1.0, 0.003 };
     }
     def.drag = 0.01;
     def.wind_drag = choice & 2 ? 0.5 : 0.0;

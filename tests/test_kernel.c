@@ -14,6 +14,7 @@
 enum { SEEDS = 400, MOST = 2200, SHAPES = 11 };
 
 weft__rows_fn weft__rows_wide, weft__products_wide, weft__wind_wide, weft__contact_wide;
+weft__rows_fn weft__bending_wide;
 weft__clear_fn weft__clear_wide;
 weft__damping_fn weft__damping_wide;
 
@@ -94,6 +95,18 @@ static void define_contact(uint64_t *seed)
     }
 }
 
+/* Instead of bend springs. */
+static void define_bending(uint64_t *seed)
+{
+    weft_bending_def *of = &m.def.bending;
+    for (size_t k = 0; k < 2; ++k) {
+        of->rigidity[k] = chance(seed) < 0.8 ? chance(seed) : 0.0;
+    }
+    of->twist = 2.0 * chance(seed) - 1.0;
+    of->damping = chance(seed) < 0.5 ? 0.1 * chance(seed) : 0.0;
+    m.def.springs[WEFT_BEND].present = false;
+}
+
 /* Each feature is there as often as not. */
 static void define(uint64_t *seed)
 {
@@ -106,7 +119,11 @@ static void define(uint64_t *seed)
         m.def.springs[f].present = chance(seed) < 0.7;
         m.def.springs[f].stiffness = chance(seed) < 0.9 ? 100.0 * chance(seed) : 0.0;
         m.def.springs[f].damping = chance(seed) < 0.5 ? chance(seed) : 0.0;
+        m.def.springs[f].pair = f != WEFT_SHEAR && chance(seed) < 0.5;
+        m.def.springs[f].weft_stiffness = 100.0 * chance(seed);
+        m.def.springs[f].weft_damping = chance(seed) < 0.5 ? chance(seed) : 0.0;
     }
+    m.def.rim_half = chance(seed) < 0.5;
     m.def.drag = chance(seed) < 0.5 ? chance(seed) : 0.0;
     m.def.wind_drag = chance(seed) < 0.5 ? chance(seed) : 0.0;
     fill(m.def.wind_velocity, 5.0, seed);
@@ -121,6 +138,9 @@ static void define(uint64_t *seed)
     m.def.pins = m.pins;
     m.def.pin_count = (size_t)(3.0 * chance(seed));
     define_contact(seed);
+    if (chance(seed) < 0.5) {
+        define_bending(seed);
+    }
 }
 
 /* A cloth of this number, strained and moving. */
@@ -152,7 +172,7 @@ static const weft__level wide = { "8 lanes",
                                   weft__rows_wide,
                                   weft__damping_wide,
                                   weft__products_wide,
-                                  { weft__wind_wide, weft__contact_wide },
+                                  { weft__bending_wide, weft__wind_wide, weft__contact_wide },
                                   weft__clear_wide };
 static const weft__level reference = { "plain loops",
                                        weft__reference_rows,
@@ -328,7 +348,8 @@ START_TEST(sheet_at_rest_feels_gravity_alone_exactly)
     m.def = weft_cloth_def_default();
     m.def.rows = 9, m.def.cols = 13;
     for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
-        m.def.springs[f] = (weft_spring_def){ true, 30.0, 0.1 };
+        m.def.springs[f]
+            = (weft_spring_def){ .present = true, .stiffness = 30.0, .damping = 0.1 };
     }
     m.cloth = test_cloth(&m.def);
     m.n = weft_cloth_particles(m.cloth);

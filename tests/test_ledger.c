@@ -99,7 +99,8 @@ START_TEST(a_damper_turns_relative_speed_into_heat)
     const double v[6] = { 0.0, 0.0, 0.0, 0.0, -w, 0.0 };
     weft_error err;
     two_particles();
-    model.springs[WEFT_STRETCH] = (weft_spring_def){ true, 0.0, c };
+    model.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 0.0, .damping = c };
     (void)after(fine[_i], 1e-3);
     ck_assert_int_eq(weft_sim_set_state(sim, NULL, v, &err), WEFT_OK);
     go(sim, 1.001);
@@ -117,7 +118,8 @@ START_TEST(a_pin_that_lifts_works_against_gravity)
     const double k = 40.0, speed = 0.3;
     two_particles();
     model.gravity[1] = -9.81;
-    model.springs[WEFT_STRETCH] = (weft_spring_def){ true, k, 0.02 };
+    model.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = k, .damping = 0.02 };
     model.scale = 1.0 + 0.1 * 9.81 / k;
     model.velocity[1] = speed;
     pins[0].velocity[1] = speed;
@@ -137,7 +139,8 @@ START_TEST(a_swinging_pin_works_against_spring_and_damper)
     const double k = 7.0, c = 0.4, amplitude = 0.1, w = 6.283185307179586 * 0.9;
     const double x = amplitude * sin(w * 1.0);
     two_particles();
-    model.springs[WEFT_STRETCH] = (weft_spring_def){ true, k, c };
+    model.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = k, .damping = c };
     pins[1].rows = (weft_range){ 1, 1 };
     pins[1].amplitude[1] = amplitude;
     pins[1].frequency = 0.9;
@@ -161,7 +164,8 @@ START_TEST(wind_pushes_a_flat_sheet)
     model.cols = 5;
     model.spacing[0] = 0.5;
     model.spacing[1] = 0.25;
-    model.springs[WEFT_SHEAR] = (weft_spring_def){ true, 5.0, 0.1 };
+    model.springs[WEFT_SHEAR]
+        = (weft_spring_def){ .present = true, .stiffness = 5.0, .damping = 0.1 };
     model.density = 0.2;
     memset(model.gravity, 0, sizeof model.gravity);
     model.wind_velocity[2] = 4.0;
@@ -327,7 +331,8 @@ START_TEST(a_spring_without_length_has_no_power)
 {
     double y[12] = { 0.0 }, power[WEFT_POWERS];
     two_particles();
-    model.springs[WEFT_STRETCH] = (weft_spring_def){ true, 5.0, 0.1 };
+    model.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 5.0, .damping = 0.1 };
     pins[0].velocity[0] = 1.0;
     model.pins = pins;
     model.pin_count = 1;

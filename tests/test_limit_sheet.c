@@ -210,7 +210,9 @@ START_TEST(a_cloth_that_falls_is_never_above_its_limit)
     model.down[2] = 1.0;
     for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
         static const double stiffness[] = { 20.0, 10.0, 1.0 };
-        model.springs[f] = (weft_spring_def){ true, stiffness[f], 1e-4 * stiffness[f] };
+        model.springs[f] = (weft_spring_def){ .present = true,
+                                              .stiffness = stiffness[f],
+                                              .damping = 1e-4 * stiffness[f] };
     }
     pins[1].amplitude[0] = _i == 1 ? 0.05 : 0.0;
     pins[1].frequency = 2.0 * pins[1].amplitude[0] * 10.0;

@@ -45,7 +45,8 @@ static weft_cloth *make_cloth(void)
     def.spacing[0] = 0.1;
     def.spacing[1] = 0.2;
     def.scale = 1.25;
-    def.springs[WEFT_STRETCH] = (weft_spring_def){ true, 50.0, 0.01 };
+    def.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 50.0, .damping = 0.01 };
     def.pins = pins;
     def.pin_count = 2;
     return test_cloth(&def);
@@ -195,8 +196,10 @@ START_TEST(strain_at_a_particle_is_the_largest_of_its_springs)
     double y[18] = { 0.0, 1.0, 2.5 }, strain[3];
     def.rows = 1;
     def.cols = 3;
-    def.springs[WEFT_STRETCH] = (weft_spring_def){ true, 1.0, 0.0 };
-    def.springs[WEFT_BEND] = (weft_spring_def){ true, 1.0, 0.0 };
+    def.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 1.0, .damping = 0.0 };
+    def.springs[WEFT_BEND]
+        = (weft_spring_def){ .present = true, .stiffness = 1.0, .damping = 0.0 };
     weft_cloth *cloth = test_cloth(&def);
     weft_cloth_strains(cloth, y, strain);
     ck_assert(strain[0] == 0.25 && strain[1] == 0.5 && strain[2] == 0.5);

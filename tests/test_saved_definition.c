@@ -33,6 +33,9 @@ START_TEST(every_other_cloth_is_refused)
 {
     enum {
         STIFFNESS,
+        WEFT,
+        WEFT_DAMPING,
+        RIM,
         DAMPING,
         PRESENCE,
         REST,
@@ -53,6 +56,12 @@ START_TEST(every_other_cloth_is_refused)
         memcpy(pins, def.pins, sizeof pins);
         def.pins = pins;
         def.springs[WEFT_STRETCH].stiffness += i == STIFFNESS ? 1e-9 : 0.0;
+        def.springs[WEFT_STRETCH].pair = i == WEFT || i == WEFT_DAMPING;
+        def.springs[WEFT_STRETCH].weft_stiffness
+            = def.springs[WEFT_STRETCH].stiffness + (i == WEFT ? 1e-9 : 0.0);
+        def.springs[WEFT_STRETCH].weft_damping
+            = def.springs[WEFT_STRETCH].damping + (i == WEFT_DAMPING ? 1e-9 : 0.0);
+        def.rim_half = i == RIM;
         def.springs[WEFT_SHEAR].damping += i == DAMPING ? 1e-9 : 0.0;
         def.springs[WEFT_SHEAR].present = i != PRESENCE;
         def.spacing[0] += i == REST ? 1e-9 : 0.0;

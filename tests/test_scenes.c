@@ -36,6 +36,9 @@ static const bounds scenes[] = {
     { "rail.yaml", 0.01, 0.15, 1.0, false, .gsl = true },
     { "pole.yaml", 0.02, 0.2, 1.0, false, .gsl = true },
     { "tarpaulin.yaml", 0.1, 0.3, 60.0, .passive = true },
+    { "cantilever.yaml", 1e-5, 0.01, 1e-3, .passive = true },
+    { "denim.yaml", 0.001, 0.15, 0.01, true, .gsl = true },
+    { "pennant.yaml", 0.005, 0.1, 0.01, false, .gsl = true },
 };
 
 #define SCENES (sizeof scenes / sizeof scenes[0])

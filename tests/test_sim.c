@@ -24,7 +24,8 @@ static void setup(void)
     model.rows = ROWS;
     model.cols = COLS;
     for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
-        model.springs[f] = (weft_spring_def){ true, 8.0, 0.05 };
+        model.springs[f]
+            = (weft_spring_def){ .present = true, .stiffness = 8.0, .damping = 0.05 };
     }
     rest = (weft_pin){ .rows = { 0, 0 }, .cols = { 0, 0 } };
     model.pins = &rest;

@@ -126,7 +126,9 @@ START_TEST(runs_blow_up_just_above_the_limit_and_not_below)
         def.mass = 1.0;
         def.density = 0.0;
         memset(def.gravity, 0, sizeof def.gravity);
-        def.springs[WEFT_STRETCH] = (weft_spring_def){ true, w2, damping[k] };
+        def.springs[WEFT_STRETCH] = (weft_spring_def){ .present = true,
+                                                       .stiffness = w2,
+                                                       .damping = damping[k] };
         const weft_pin pin = { .rows = { 0, 0 }, .cols = { 0, 0 } };
         def.pins = &pin;
         def.pin_count = 1;

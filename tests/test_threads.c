@@ -141,7 +141,8 @@ static weft_cloth *flag(size_t rows, size_t cols)
     def.contact.shapes = shapes;
     def.contact.shape_count = 2;
     for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
-        def.springs[f] = (weft_spring_def){ true, 20.0, 0.001 };
+        def.springs[f]
+            = (weft_spring_def){ .present = true, .stiffness = 20.0, .damping = 0.001 };
     }
     return test_cloth(&def);
 }

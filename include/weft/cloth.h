@@ -40,7 +40,17 @@ typedef struct weft_spring_def {
     bool present;
     double stiffness; /* [N/m] (hooke) or [N] (strain), >= 0 */
     double damping;   /* [kg/s], >= 0, along the spring only */
+    bool pair; /* stretch, bend: those are of springs along a column (warp) alone, */
+    double weft_stiffness, weft_damping; /* and these of springs along a row (weft) */
 } weft_spring_def;
+
+/* Bending rigidity of a plate, instead of bend springs; docs/physics.md. None if all
+ * three moduli are 0. */
+typedef struct weft_bending_def {
+    double rigidity[2]; /* [N m] >= 0, along a column (warp), along a row (weft) */
+    double twist;       /* [N m] >= 0; negative: sqrt(rigidity[0] rigidity[1]) */
+    double damping;     /* [s] >= 0: force -damping K v, K the stiffness matrix */
+} weft_bending_def;
 
 /* Inclusive; a negative index counts from the end, so {0, -1} is all. */
 typedef struct weft_range {
@@ -135,6 +145,8 @@ typedef struct weft_cloth_def {
     double wind_drag;        /* [kg/(m^2 s)] >= 0; 0: no wind */
     const weft_allocator *allocator; /* NULL: malloc's */
     weft_contact_def contact;
+    bool rim_half; /* stretch and bend springs along the rim carry half their values */
+    weft_bending_def bending; /* excludes bend springs */
 } weft_cloth_def;
 
 /* A spring between two particles, given by family and indices. */
@@ -152,16 +164,16 @@ WEFT_API const char *weft_spring_text(const weft_spring *spring, size_t cols,
 typedef struct weft_energy {
     double kinetic;                /* [J] of the free particles */
     double gravitational;          /* [J] -m g.x, of the free particles */
-    double elastic[WEFT_FAMILIES]; /* [J] */
+    double elastic[WEFT_FAMILIES]; /* [J] WEFT_BEND: that of bending rigidity, too */
     double contact;                /* [J] potential of the shapes */
 } weft_energy;
 
 /* The powers [W] that change the total energy. */
 typedef enum weft_power {
-    WEFT_POWER_SPRINGS,  /* turned into heat by spring damping, >= 0 */
+    WEFT_POWER_SPRINGS,  /* turned into heat by damping of springs, bending, >= 0 */
     WEFT_POWER_DRAG,     /* turned into heat by viscous drag of free particles, >= 0 */
     WEFT_POWER_WIND,     /* put into free particles by the wind */
-    WEFT_POWER_PINS,     /* put into springs by moving pins */
+    WEFT_POWER_PINS,     /* put into springs and bending by moving pins */
     WEFT_POWER_CONTACT,  /* turned into heat by the damping of contact, >= 0 */
     WEFT_POWER_FRICTION, /* turned into heat by friction, >= 0 */
     WEFT_POWER_SHAPES,   /* put into free particles by moving shapes */
@@ -202,6 +214,50 @@ typedef struct weft_limit_def {
     bool keep_velocity;           /* provot: positions only, as in the paper */
     weft_limit_solver solver;
 } weft_limit_def;
+
+/* A measured fabric, independent of the grid: moduli of the whole sheet, per width;
+ * docs/fabrics.md. */
+typedef struct weft_fabric {
+    const char *name;  /* of a preset; may be NULL */
+    double density;    /* [kg/m^2] > 0 */
+    double stretch[2]; /* C [N/m] > 0, along a column (warp), along a row (weft) */
+    double shear;      /* G [N/m] >= 0, also the modulus C12 between warp and weft */
+    double bend[2];    /* B [N m] >= 0, warp, weft */
+    double twist;      /* [N m]; negative: sqrt(bend[0] bend[1]) */
+    double damping[2]; /* [s] >= 0, in the plane, of bending: times the stiffness */
+} weft_fabric;
+
+/* Makes a cloth of a fabric: sets density, mass (0), law, rim_half, springs and bending
+ * of *def for its rows, columns and spacing, which must be set before. With a spacing a
+ * along a column, b along a row:
+ *
+ *     column C[0] b / a - G a / b    row C[1] a / b - G b / a
+ *     shear  G (a^2 + b^2) / (2 a b)
+ *
+ * exact for homogeneous strain on every grid of 2 x 2 and more; a chain has C x 1 m /
+ * spacing and no shear. Errors: WEFT_INVALID (a number out of range; not sqrt(G / C[0])
+ * <= b / a <= sqrt(C[1] / G), which would need negative springs: the message has this
+ * interval); *def is unchanged then. */
+WEFT_API weft_status weft_fabric_apply(const weft_fabric *fabric, weft_cloth_def *def,
+                                       weft_error *err);
+
+/* The reverse: the fabric that the springs and the bending rigidity of a valid
+ * definition make in homogeneous strain of the whole cloth. Springs whose rim does not
+ * carry half make a stiffer one on a coarser grid. Its damping is 0; twist is >= 0. */
+WEFT_API weft_fabric weft_fabric_of(const weft_cloth_def *def);
+
+/* [m] Peirce's bending length (bend / (density gravity))^(1/3), in which weight bends a
+ * fabric, with gravity in m/s^2; way 0: of the warp, 1: of the weft. 0 without gravity.
+ * A grid shows such bends if its spacing is at most half of it. */
+WEFT_API double weft_fabric_length(const weft_fabric *fabric, size_t way,
+                                   double gravity);
+
+/* Fabrics measured by Wang, O'Brien and Ramamoorthi (ACM Trans. Graph. 30(4), 71,
+ * 2011); *count is their number. Damping is 0. */
+WEFT_API const weft_fabric *weft_fabric_presets(size_t *count);
+
+/* The preset of a name; NULL: there is none. */
+WEFT_API const weft_fabric *weft_fabric_find(const char *name);
 
 /* 2 x 2 particles, 1 m apart, 0.2 kg/m^2, no springs, no pins, earth's gravity along
  * -y; contact of thickness 5 mm, stopping speed 5 m/s, exponent 4, damping 1 s/m,
@@ -247,9 +303,9 @@ WEFT_API int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y,
  *     dx' = dv,   dv' = M^-1 (dF/dx dx + dF/dv dv)
  *
  * for free particles and 0 for pinned ones, whose motion does not depend on the state.
- * F is all forces: springs, drag, wind, contact, friction. Exact; a spring of length 0,
- * where F has no derivative, adds nothing. y, dy and out are planes as a state, and out
- * must not overlap the others. Returns 0, or 1 as weft_cloth_rhs.
+ * F is all forces: springs, bending, drag, wind, contact, friction. Exact; a spring of
+ * length 0, where F has no derivative, adds nothing. y, dy and out are planes as a
+ * state, and out must not overlap the others. Returns 0, or 1 as weft_cloth_rhs.
  * Allocates nothing; the bits are the same on every machine. It costs two
  * weft_cloth_rhs on a cloth without shapes or wind. */
 WEFT_API int weft_cloth_jacobian_product(const weft_cloth *cloth, double t,
@@ -270,9 +326,9 @@ WEFT_API weft_energy weft_cloth_energy(const weft_cloth *cloth, double t,
 /* [J] The sum of all energies. */
 WEFT_API double weft_energy_total(weft_energy energy);
 
-/* Rate [W] >= 0 at which springs, viscous drag, contact and friction turn energy into
- * heat. The drag of pinned particles does not count, because their motion is
- * prescribed. */
+/* Rate [W] >= 0 at which springs, bending, viscous drag, contact and friction turn
+ * energy into heat. The drag of pinned particles does not count, because their motion
+ * is prescribed. */
 WEFT_API double weft_cloth_dissipation(const weft_cloth *cloth, double t,
                                        const double *y);
 

@@ -85,6 +85,8 @@ WEFT_API void weft_scene_destroy(weft_scene *scene); /* NULL is allowed */
 
 WEFT_API const char *weft_scene_name(const weft_scene *scene);
 WEFT_API const weft_cloth_def *weft_scene_cloth(const weft_scene *scene);
+/* The fabric that the cloth was made of; NULL: it was defined by its springs. */
+WEFT_API const weft_fabric *weft_scene_fabric(const weft_scene *scene);
 WEFT_API const weft_limit_def *weft_scene_limit(const weft_scene *scene);
 WEFT_API const weft_run_def *weft_scene_run(const weft_scene *scene);
 WEFT_API const weft_record_def *weft_scene_record(const weft_scene *scene);

@@ -119,8 +119,8 @@ enum { WEFT_BOND_PLANES = 6, WEFT_BLOCK_PLANES = 15, WEFT_MODES_CORNERS = 40 };
  * that is never negative follows without z and with q from [0, k] (K.-J. Choi, H.-S.
  * Ko, Stable but responsive cloth, SIGGRAPH 2002).
  *
- * J is not complete: it lacks the wind and a force of the embedder's own.
- * weft_cloth_jacobian_product has the wind.
+ * Bending rigidity adds pairs without u (bend_runs below). J is not complete: it lacks
+ * the wind and a force of the embedder's own. weft_cloth_jacobian_product has the wind.
  *
  * All functions are pure: they may be called within create and step, in the thread that
  * calls those, and allocate nothing. All addresses stay while the stepper exists. Pins
@@ -159,6 +159,12 @@ typedef struct weft_structure {
     size_t (*modes)(double t, const double *y, double (*corners)[2], size_t room,
                     void *ctx);
     void *ctx;
+
+    /* The last of the runs, with the last of the bonds, are bending rigidity: u, k - q
+     * and c are 0, q is constant and may be negative. Together they are a matrix B that
+     * never is; it belongs to K, and bend_damping B to C. 0 without. */
+    size_t bend_runs, bend_bonds;
+    double bend_damping; /* [s] */
 } weft_structure;
 
 /* How an implicit method solves its linear systems. AUTO: the blocks of the diagonal

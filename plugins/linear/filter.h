@@ -6,7 +6,8 @@
 
 #include "weft/stepper.h"
 
-/* q becomes one of [0, k], k stays. */
+/* q becomes one of [0, k], k stays. That leaves the pairs of bending, whose k - q is 0,
+ * as they are. */
 void weft__filter_bonds(double *planes, size_t count);
 
 /* K becomes the nearest symmetric matrix that is never negative, in the first six

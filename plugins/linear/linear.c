@@ -17,6 +17,9 @@ struct weft__linear {
     weft_preconditioner preconditioner;
     weft__pile pile;
     weft__network net;
+    weft__network bend;         /* the runs of bending in net */
+    size_t bend_at;             /* their first bond */
+    double bend_damping;        /* [s] */
     weft__multigrid *multigrid; /* NULL: not wanted */
     bool cycles;                /* it is the preconditioner of the present system */
     double gamma;               /* [s] */
@@ -46,6 +49,19 @@ static bool take_memory(weft__linear *self)
     return !self->pile.failed;
 }
 
+static void find_bending(weft__linear *self)
+{
+    const weft_structure *of = self->of;
+    if (WEFT_HAS(of, weft_structure, bend_damping)) {
+        const size_t first = of->run_count - of->bend_runs;
+        self->bend = self->net;
+        self->bend.runs = of->runs + first;
+        self->bend.run_count = of->bend_runs;
+        self->bend_at = of->bond_count - of->bend_bonds;
+        self->bend_damping = of->bend_damping;
+    }
+}
+
 weft_status weft__linear_create(const weft_structure *structure,
                                 weft_preconditioner preconditioner,
                                 const weft_allocator *memory, weft__linear **out,
@@ -64,6 +80,7 @@ weft_status weft__linear_create(const weft_structure *structure,
                                          .run_count = structure->run_count,
                                          .bond_count = structure->bond_count,
                                          .runs = structure->runs } };
+        find_bending(self);
         taken = take_memory(self);
         pile = self->pile;
     }
@@ -124,6 +141,19 @@ WIDE static void fill_bonds(const double *planes, size_t n, double gamma, double
     }
 }
 
+/* Adds gamma times the damping of bending. */
+static void add_bend_damping(weft__linear *self, double gamma)
+{
+    const size_t n = self->of->bond_count, first = self->bend_at;
+    const double *q = self->planes + 4 * n;
+    for (size_t i = first; self->bend_damping != 0.0 && i < n; ++i) {
+        const double damping = gamma * self->bend_damping * q[i];
+        self->net.bond[i] += damping;
+        self->net.bond[3 * n + i] += damping;
+        self->net.bond[5 * n + i] += damping;
+    }
+}
+
 /* m + gamma drag, and contact; of held particles too, whose rows nobody reads. */
 static void fill_points(weft__linear *self, double gamma)
 {
@@ -148,6 +178,7 @@ void weft__linear_prepare(weft__linear *self, double gamma)
 {
     self->gamma = gamma;
     fill_bonds(self->planes, self->of->bond_count, gamma, self->net.bond);
+    add_bend_damping(self, gamma);
     fill_points(self, gamma);
     const double stiffest = weft__network_invert(&self->net, self->of->mass);
     self->cycles = self->multigrid != NULL
@@ -248,6 +279,8 @@ static void right_side(weft__linear *self, const double *rx, const double *rv)
     }
     if (moved) {
         weft__network_add_damping(&self->net, self->planes, -self->gamma, known, b);
+        weft__network_add_stiffness(&self->bend, self->planes + self->bend_at,
+                                    -self->gamma * self->bend_damping, known, b);
     }
     add_momentum(n, self->of->mass, rv, b);
 }

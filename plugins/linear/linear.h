@@ -5,7 +5,8 @@
  *
  * Solves (I - gamma J) (dx, dv) = (rx, rv), where J is the Jacobian of a cloth without
  * what may make it indefinite (the terms z, negative q and negative curvature of
- * contact: weft/stepper.h, weft_structure). As x' = v, the system reduces to
+ * contact: weft/stepper.h, weft_structure). Bending is in it as it is. As x' = v, the
+ * system reduces to
  *
  *     (M + gamma C + gamma^2 K) dv = M rv - gamma K rx,    dx = rx + gamma dv,
  *

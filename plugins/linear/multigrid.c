@@ -3,8 +3,10 @@
  *
  * Smoother: Chebyshev's polynomials in D^-1 S, D the blocks of the diagonal. Its
  * eigenvalues are at most 2, as (a - b) A (a - b) <= 2 a A a + 2 b A b for each spring,
- * so that none need be estimated. The coarse correction is multiplied by 1.5:
- * aggregates make the coarse operator too stiff (D. Braess, Computing 55, 1995). */
+ * so that none need be estimated; without the negative pairs of bending S would be
+ * larger, so that D goes without them, and coarse levels do. The coarse correction is
+ * multiplied by 1.5: aggregates make the coarse operator too stiff (D. Braess,
+ * Computing 55, 1995). */
 #include "multigrid.h"
 
 #include "aggregate.h"
@@ -137,7 +139,8 @@ static void add_block(double *to, size_t to_stride, size_t j, const double *from
     }
 }
 
-/* A spring to a held particle becomes part of the other's block. */
+/* A spring to a held particle becomes part of the other's block. Negative ones are left
+ * out: a coarse level is too stiff rather than indefinite. */
 static void add_springs(const level *self, const double *mass, weft__network *coarse)
 {
     const weft__network *fine = self->net;
@@ -147,6 +150,9 @@ static void add_springs(const level *self, const double *mass, weft__network *co
             const size_t p = run->p + i, q = run->q + i;
             const bool free_p = mass == NULL || mass[p] > 0.0;
             const bool free_q = mass == NULL || mass[q] > 0.0;
+            if (fine->bond[e] < 0.0) { /* xx */
+                continue;
+            }
             if (free_p != free_q) {
                 add_block(coarse->point, coarse->n, self->to[free_p ? p : q],
                           fine->bond, fine->bond_count, e);

@@ -25,16 +25,26 @@ WIDE static void add_to(double *to, const double *from, size_t count)
     }
 }
 
+/* Blocks of springs have no negative diagonal; bending's have no other entries. */
+WIDE static void add_positive(double *to, const double *from, size_t count)
+{
+    ELEMENTWISE
+    for (size_t i = 0; i < count; ++i) {
+        to[i] += from[i] > 0.0 ? from[i] : 0.0;
+    }
+}
+
 static void diagonal(const weft__network *self, double *d)
 {
     memcpy(d, self->point, 6 * self->n * sizeof *d);
     for (size_t plane = 0; plane < 6; ++plane) {
         const double *bond = self->bond + plane * self->bond_count;
         double *to = d + plane * self->n;
+        const bool square = plane == 0 || plane == 3 || plane == 5; /* xx, yy, zz */
         for (size_t r = 0; r < self->run_count; ++r) {
             const weft_bonds *run = &self->runs[r];
-            add_to(to + run->p, bond, run->count);
-            add_to(to + run->q, bond, run->count);
+            (square ? add_positive : add_to)(to + run->p, bond, run->count);
+            (square ? add_positive : add_to)(to + run->q, bond, run->count);
             bond += run->count;
         }
     }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* network.h -- a symmetric positive definite matrix as a network of n particles: a 3 x
- * 3 block for each particle, and one for each spring, which adds [A -A; -A A].
+ * 3 block for each particle, and one for each spring, which adds [A -A; -A A]. Blocks
+ * of springs are never negative; a pair of bending has a multiple of I, also a negative
+ * one, and only all pairs together are never negative.
  * Products, the diagonal, and sums of products in a fixed order.
  *
  * Vectors have three planes of n numbers; symmetric blocks have six planes, xx xy xz yy
@@ -22,8 +24,9 @@ typedef struct weft__network {
 /* Takes the arrays, for the runs that are there. */
 void weft__network_take(weft__network *self, weft__pile *pile);
 
-/* Finds the diagonal and inverts it, from the blocks; returns the largest trace of a
- * block of the diagonal by `mass`, or 0 with mass NULL. */
+/* Finds the diagonal of the matrix without the negative blocks of bending, and inverts
+ * it: the matrix is at most twice it, with them or without. Returns the largest trace
+ * of a block of the diagonal by `mass`, or 0 with mass NULL. */
 double weft__network_invert(weft__network *self, const double *mass);
 
 /* y = S x; x is 0 at held particles. */

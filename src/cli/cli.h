@@ -85,7 +85,8 @@ typedef struct verb {
 } verb;
 
 extern const verb verb_run, verb_resume, verb_batch, verb_check, verb_steppers,
-    verb_scene_help, verb_export, verb_view, verb_diff, verb_compare, verb_plugin_test;
+    verb_fabrics, verb_scene_help, verb_export, verb_view, verb_diff, verb_compare,
+    verb_plugin_test;
 
 /* options.c: parses the command line, argv[0] being the verb, and runs it. Returns the
  * exit code. */

@@ -10,7 +10,7 @@
 #include "cloth/rows.h"
 
 /* X(name, level), in the order of summation, which is part of the result. */
-#define WEFT_ADDED(X, level) X(wind, level) X(contact, level)
+#define WEFT_ADDED(X, level) X(bending, level) X(wind, level) X(contact, level)
 
 typedef enum weft__unit {
     WEFT__FORCE,       /* [N] */
@@ -20,17 +20,18 @@ typedef enum weft__unit {
 typedef struct weft__added {
     /* adds that of particle i to to[3], n apart */
     void (*add)(const weft__subject *of, size_t i, weft__unit unit, double *to);
-    /* adds its powers [W] on the free particles of row r */
+    /* adds its powers [W] in row r: on free particles; of bending, heat and pins */
     weft__row_fn *power;
     /* adds the derivative of its acceleration along of->along */
     weft__rows_fn *change;
     /* [kg/s] no direction of particle i is damped more, whatever the state; 0 of
-     * contact, whose damping depends on the state: contact_bounds.h */
+     * contact, whose damping depends on the state (contact_bounds.h), and of bending,
+     * whose damping goes with its stiffness (bounds.c) */
     double (*damping)(const weft_cloth *cloth, size_t i);
 } weft__added;
 
-#define WEFT_ADDED_ONE(name, level) +1
-enum { WEFT__ADDED = WEFT_ADDED(WEFT_ADDED_ONE, ) };
+#define WEFT_ADDED_PLACE(name, level) WEFT__ADDED_##name,
+enum { WEFT_ADDED(WEFT_ADDED_PLACE, ) WEFT__ADDED /* their number */ };
 
 #define WEFT_ADDED_DECLARE(name, level) extern const weft__added weft__##name;
 WEFT_ADDED(WEFT_ADDED_DECLARE, )

@@ -14,13 +14,16 @@
  *
  * with 1 / m_j = 0 for a pin. K has A = k u u^T + (T / L) (I - u u^T), C has
  * A = c u u^T; where a A_K + b A_C is negative, 0 bounds it. In any state whatever
- * A_K <= k I, as T / L = k (1 - s / L) < k. */
+ * A_K <= k I, as T / L = k (1 - s / L) < k. The matrix B of bending, damped by tau B,
+ * is at most the diagonal of its absolute row sums: (a + b tau) / m_i times these are
+ * added for particle i. */
 #include "cloth/springs.h"
 
 #include <string.h>
 
 #include "base/memory.h"
 #include "cloth/added.h"
+#include "cloth/bending.h"
 #include "cloth/contact_bounds.h"
 
 /* Relative error allowed for the closed forms below. */
@@ -64,9 +67,10 @@ static double largest_eigenvalue(const double b[6])
 
 /* The sums over the springs of one particle, in the six numbers of a matrix each. */
 typedef struct node {
-    double along[WEFT_GROUPS][6]; /* sum (1/m_i + 1/m_j) u u^T */
+    double along[WEFT_GROUPS][6]; /* sum (1/m_i + 1/m_j) share u u^T */
     double taut[6], slack[6];     /* sum (1/m_i + 1/m_j) (T/L)+- (I - u u^T) */
     double drag, added;           /* [1/s] of added.h */
+    double bending;               /* [1/s^2] row sum by mass */
     weft__grip grip;              /* of contact */
 } node;
 
@@ -95,7 +99,7 @@ static void add_spring(const weft_cloth *cloth, const weft__spring *at, node *su
     double *across = pull > 0.0 ? sum->taut : sum->slack;
     outer(at, uu);
     for (size_t k = 0; k < 6; ++k) {
-        along[k] += share * uu[k];
+        along[k] += at->share * share * uu[k];
         across[k] += share * fabs(pull) * ((k < 3 ? 1.0 : 0.0) - uu[k]);
     }
 }
@@ -109,6 +113,7 @@ static void gather(const weft_cloth *cloth, size_t i, double t, const double *y,
     for (size_t a = 0; a < WEFT__ADDED; ++a) {
         sum->added += weft__added_forces[a]->damping(cloth, i) * inverse_mass(cloth, i);
     }
+    sum->bending = weft__bending_row_sum(cloth, i) * inverse_mass(cloth, i);
     sum->grip = y == NULL ? *any : weft__grip_of(cloth, i, t, y);
     weft__spring springs[WEFT__SPRINGS_MAX];
     const size_t count = weft__particle_springs(cloth, i, y, springs);
@@ -122,8 +127,9 @@ typedef struct grid_side {
     double a, b, most;
 } grid_side;
 
-/* Bounds of w and of c from both sides, and three for each ratio c / k of springs. */
-enum { SIDES_MAX = 3 + 3 * WEFT_GROUPS };
+/* Bounds of w and of c from both sides, and three for each ratio c / k of springs and
+ * of bending. */
+enum { SIDES_MAX = 3 + 3 * (WEFT_GROUPS + 1) };
 
 static size_t sides_init(const weft_cloth *cloth, const double *y, grid_side *sides)
 {
@@ -131,9 +137,10 @@ static size_t sides_init(const weft_cloth *cloth, const double *y, grid_side *si
     sides[count++] = (grid_side){ 1.0, 0.0, -INFINITY };
     sides[count++] = (grid_side){ 0.0, 1.0, -INFINITY };
     sides[count++] = (grid_side){ 0.0, -1.0, -INFINITY };
-    for (size_t g = 0; y != NULL && g < cloth->group_count; ++g) {
-        const double ratio
-            = cloth->groups[g].damping / cloth->groups[g].stiffness; /* [s] */
+    for (size_t g = 0; y != NULL && g <= cloth->group_count; ++g) {
+        const weft__group *group = &cloth->groups[g];
+        const double ratio = g < cloth->group_count ? group->damping / group->stiffness
+                                                    : cloth->rigidity.damping; /* [s] */
         bool fresh = ratio > 0.0 && isfinite(ratio);
         for (size_t s = 3; s < count; s += 3) {
             fresh = fresh && sides[s].a != ratio;
@@ -150,7 +157,9 @@ static size_t sides_init(const weft_cloth *cloth, const double *y, grid_side *si
 /* The bound that particle sum has on one side. */
 static double node_bound(const weft_cloth *cloth, const node *sum, const grid_side *of)
 {
-    const double damp = of->b * sum->drag + fmax(0.0, of->b) * sum->added;
+    const double bend = of->a + of->b * cloth->rigidity.damping;
+    const double damp = of->b * sum->drag + fmax(0.0, of->b) * sum->added
+                        + fmax(0.0, bend) * sum->bending;
     double b[6] = { damp, damp, damp, 0.0, 0.0, 0.0 };
     for (size_t g = 0; g < cloth->group_count; ++g) {
         const weft__group *group = &cloth->groups[g];
@@ -232,7 +241,8 @@ static void multiply_spring(const weft_cloth *cloth, const weft__spring *at,
         return;
     }
     const double across = way->a * fmax(0.0, weft__spring_tension(at, 0.0));
-    const double along = way->a * at->group->stiffness + way->b * at->group->damping;
+    const double along
+        = way->a * weft__spring_stiffness(at) + way->b * weft__spring_damping(at);
     const double stretch = weft__spring_rate(cloth, at, x) / at->square;
     double d[3];
     weft__spring_difference(cloth, at, x, d);
@@ -257,6 +267,7 @@ static void multiply(const weft_cloth *cloth, double t, const double *y,
             multiply_spring(cloth, &walk.spring, way, x, out);
         }
     }
+    weft__bending_multiply(cloth, way->a + way->b * cloth->rigidity.damping, x, out);
     weft__grip_multiply(cloth, t, y, way->a, way->b, x, out);
     for (size_t j = 0; j < 3 * n; ++j) {
         out[j] *= inverse_mass(cloth, j % n);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* cloth.c -- a cloth from its definition: masses, pins, the state at rest. */
+#include "cloth/bending.h"
 #include "cloth/levels.h"
 #include "cloth/model.h"
 #include "cloth/pins.h"
@@ -21,6 +22,7 @@ weft_cloth_def weft_cloth_def_default(void)
         .down = { 0.0, -1.0, 0.0 },
         .scale = 1.0,
         .density = 0.2,
+        .bending = { .twist = -1.0 },
         .gravity = { 0.0, -9.81, 0.0 },
         .contact = { .thickness = 5e-3,
                      .stopping_speed = 5.0,
@@ -161,6 +163,7 @@ static weft_status check_numbers(const weft_cloth *cloth, weft_error *err)
                             && isfinite(group->stiffness);
         wrong = usable ? wrong : "springs";
     }
+    wrong = weft__rigidity_usable(&cloth->rigidity) ? wrong : "bending rigidities";
     for (size_t i = 0; i < cloth->motion_count; ++i) {
         wrong = can_move(&cloth->motions[i]) ? wrong : "motions of pins";
     }
@@ -217,6 +220,7 @@ static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error
         return status;
     }
     weft__groups_init(cloth, def);
+    cloth->rigidity = weft__rigidity_of(def);
     masses_init(cloth, def);
     pins_init(cloth, def);
     shapes_init(cloth, def);

@@ -9,7 +9,8 @@ static uint64_t hash_group(uint64_t hash, const weft__group *group)
     const double numbers[] = { group->rest_length, group->stiffness, group->damping };
     hash = weft__hash_word(hash, group->family);
     hash = weft__hash_word(hash, group->way);
-    return weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
+    hash = weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
+    return group->half_rim ? weft__hash_word(hash, 1) : hash;
 }
 
 /* How a pin is held: not which entry of the definition says so. */
@@ -72,6 +73,15 @@ static uint64_t hash_contact(uint64_t hash, const weft_cloth *cloth)
     return cloth->shape_count > 0 ? hash_law(hash, &cloth->contact) : hash;
 }
 
+/* Nothing without. */
+static uint64_t hash_rigidity(uint64_t hash, const weft__rigidity *of)
+{
+    const double numbers[] = { of->along, of->across, of->twist, of->damping };
+    return of->present
+               ? weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0])
+               : hash;
+}
+
 uint64_t weft__cloth_hash(const weft_cloth *cloth)
 {
     uint64_t hash = WEFT__HASH_START;
@@ -80,6 +90,7 @@ uint64_t weft__cloth_hash(const weft_cloth *cloth)
     for (size_t g = 0; g < cloth->group_count; ++g) {
         hash = hash_group(hash, &cloth->groups[g]);
     }
+    hash = hash_rigidity(hash, &cloth->rigidity);
     for (size_t r = 0; r < cloth->rows; ++r) {
         hash = weft__hash_word(hash, hash_row(cloth, r));
     }

@@ -26,6 +26,7 @@ void weft__row_energy(const weft__subject *of, size_t r, weft_measures *row)
         row->energy.elastic[walk.spring.group->family]
             += weft__spring_energy(&walk.spring);
     }
+    weft__row_bending_energy(of, r, row);
     weft__row_contact_energy(of, r, row);
 }
 
@@ -159,6 +160,7 @@ void weft_cloth_power(const weft_cloth *cloth, double t, const double *y,
 static void row_dissipation(const weft__subject *of, size_t r, weft_measures *row)
 {
     weft__row_heat(of, r, row);
+    weft__bending.power(of, r, row);
     weft__contact.power(of, r, row);
 }
 

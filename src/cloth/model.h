@@ -32,9 +32,18 @@ typedef struct weft__group {
     double rest_length; /* [m] */
     double stiffness;   /* [N/m]; under the strain law k / s */
     double damping;     /* [kg/s] */
+    bool half_rim;      /* those along the rim carry half of both */
 } weft__group;
 
 #define WEFT_GROUPS (2 * WEFT_FAMILIES)
+
+/* Bending rigidity (bending.c), all 0 without. */
+typedef struct weft__rigidity {
+    double along, across; /* [N/m] of three particles along a column, along a row */
+    double twist;         /* [N/m] of a cell */
+    double damping;       /* [s] */
+    bool present;
+} weft__rigidity;
 
 /* How far beyond the last particle kernels may read. */
 #define WEFT_PAST 16
@@ -69,6 +78,7 @@ struct weft_cloth {
     double gravity[3], drag, wind_velocity[3], wind_drag;
     size_t group_count; /* groups that have springs */
     weft__group groups[WEFT_GROUPS];
+    weft__rigidity rigidity;
     double *mass;         /* [kg] N of them */
     double *inverse_mass; /* [1/kg] N, 0 of the pinned, and WEFT_PAST more */
     uint32_t *pin;        /* N: 0 free, else 1 + index into motions */
@@ -93,12 +103,15 @@ void weft__grid_init(weft_cloth *cloth, const weft_cloth_def *def);
 /* validate.c: the numbers of definitions. */
 WEFT__NUMBERS(weft__cloth_numbers, rows, cols, spacing, origin, scale, mass, density,
               velocity, gravity, drag, wind_velocity, wind_drag, law);
-WEFT__NUMBERS(weft__spring_numbers, stiffness, damping);
+WEFT__NUMBERS(weft__spring_numbers, stiffness, damping, weft_stiffness, weft_damping);
+WEFT__NUMBERS(weft__bending_numbers, rigidity, twist, damping);
 WEFT__NUMBERS(weft__pin_numbers, velocity, amplitude, frequency);
 WEFT__NUMBERS(weft__contact_numbers, thickness, stopping_speed, exponent, damping,
               friction, slip, law);
 WEFT__NUMBERS(weft__shape_numbers, kind, at, velocity, amplitude, frequency, spin);
 WEFT__NUMBERS(weft__limit_numbers, method, solver, strain, sweeps, tolerance);
+WEFT__NUMBERS(weft__fabric_numbers, density, stretch, shear, bend, twist,
+              damping); /* fabric.c */
 extern const weft__number weft__load_mass;
 extern const weft__number weft__shape_radius;   /* of a sphere or capsule */
 extern const weft__number weft__shape_rounding; /* of a box */

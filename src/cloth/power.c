@@ -16,7 +16,7 @@ double weft__reference_damping(const weft_cloth *cloth, const double *y, size_t 
     for (weft__walk walk = weft__row_springs(cloth, y, r); weft__each_spring(&walk);) {
         const weft__spring *at = &walk.spring;
         const double rate = weft__spring_rate(cloth, at, y + 3 * cloth->particles);
-        power += at->group->damping * rate * (rate / (at->square + DBL_MIN));
+        power += weft__spring_damping(at) * rate * (rate / (at->square + DBL_MIN));
     }
     return power;
 }

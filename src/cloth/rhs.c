@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* rhs.c -- the equations of motion as a first-order system y' = f(t, y):
  *
- *     free particle     x' = v,   v' = (m g - drag v + springs + wind + contact) / m
+ *     free particle     x' = v,   v' = (m g - drag v + springs + bending + wind
+ *                                             + contact) / m
  *     pinned particle   x' = V + w A cos(w t),   v' = -w^2 A sin(w t),  w = 2 pi f
  *
  * A pinned particle has inverse mass 0 and follows its prescribed motion; one without

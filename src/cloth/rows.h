@@ -24,11 +24,11 @@ typedef int weft__rows_fn(const weft__subject *of, double *dydt, size_t first,
 weft__rows_fn weft__rhs_rows; /* all of it; rhs.c */
 
 /* Measures a part or all of row r into *row, which is weft__row_start before. Springs
- * belong to the row where they begin. measure.c, power.c, contact.c */
+ * belong to the row where they begin. measure.c, power.c, bending.c, contact.c */
 typedef void weft__row_fn(const weft__subject *of, size_t r, weft_measures *row);
 weft__row_fn weft__row_energy, weft__row_heat, weft__row_power, weft__row_worst,
     weft__row_state, /* all but powers */ weft__row_all;
-weft__row_fn weft__row_contact_energy, weft__row_gap;
+weft__row_fn weft__row_bending_energy, weft__row_contact_energy, weft__row_gap;
 
 extern const weft_measures weft__row_start;
 

@@ -24,6 +24,7 @@
 typedef struct weft__spring {
     const weft__group *group;
     size_t p, q;
+    double share;        /* of the group's stiffness and damping: 0.5 or 1 */
     double d[3], square; /* [m], [m^2] d.d */
 } weft__spring;
 
@@ -38,17 +39,44 @@ static inline void weft__spring_difference(const weft_cloth *cloth,
     difference[2] = a[2 * n + q] - a[2 * n + p];
 }
 
+/* 0.5 of a spring that begins at p and lies along a rim that carries half, else 1. */
+static inline double weft__spring_share(const weft_cloth *cloth,
+                                        const weft__group *group, size_t p)
+{
+    if (!group->half_rim) {
+        return 1.0;
+    }
+    const bool in_row = group->end_row == cloth->rows;
+    const size_t line = in_row ? p / cloth->cols : p % cloth->cols;
+    const size_t last = (in_row ? cloth->rows : cloth->cols) - 1;
+    return line == 0 || line == last ? 0.5 : 1.0;
+}
+
 /* The spring of a group that begins at p, with positions x[3 N]; NULL: all 0. */
 static inline weft__spring weft__spring_from(const weft_cloth *cloth,
                                              const weft__group *group, size_t p,
                                              const double *x)
 {
-    weft__spring spring = { .group = group, .p = p, .q = p + (size_t)group->stride };
+    weft__spring spring = { .group = group,
+                            .p = p,
+                            .q = p + (size_t)group->stride,
+                            .share = weft__spring_share(cloth, group, p) };
     if (x != NULL) {
         weft__spring_difference(cloth, &spring, x, spring.d);
         spring.square = weft__dot(spring.d, spring.d);
     }
     return spring;
+}
+
+/* [N/m], [kg/s] of this spring. */
+static inline double weft__spring_stiffness(const weft__spring *spring)
+{
+    return spring->share * spring->group->stiffness;
+}
+
+static inline double weft__spring_damping(const weft__spring *spring)
+{
+    return spring->share * spring->group->damping;
 }
 
 /* [m^2/s] w.d, with velocities v[3 N]. */
@@ -65,9 +93,10 @@ static inline double weft__spring_tension(const weft__spring *spring, double rat
 {
     const weft__group *group = spring->group;
     const double length = sqrt(spring->square);
-    double work = group->stiffness * length * (length - group->rest_length);
+    double work
+        = weft__spring_stiffness(spring) * length * (length - group->rest_length);
     if (group->damping != 0.0) {
-        work += group->damping * rate;
+        work += weft__spring_damping(spring) * rate;
     }
     return work * (1.0 / (spring->square + DBL_MIN));
 }
@@ -81,7 +110,7 @@ static inline void weft__spring_change(const weft__spring *spring, const double 
                                        const double dd[3], const double dw[3],
                                        double change[3])
 {
-    const double k = spring->group->stiffness, c = spring->group->damping;
+    const double k = weft__spring_stiffness(spring), c = weft__spring_damping(spring);
     const double rate = weft__dot(w, spring->d), along = weft__dot(dd, spring->d);
     const double inverse = 1.0 / (spring->square + DBL_MIN);
     const double q = weft__spring_tension(spring, rate);
@@ -96,7 +125,7 @@ static inline void weft__spring_change(const weft__spring *spring, const double 
 static inline double weft__spring_energy(const weft__spring *spring)
 {
     const double stretch = sqrt(spring->square) - spring->group->rest_length;
-    return 0.5 * spring->group->stiffness * stretch * stretch;
+    return 0.5 * weft__spring_stiffness(spring) * stretch * stretch;
 }
 
 /* (L - s) / s */

@@ -2,6 +2,7 @@
 /* validate.c -- checks the definition of a cloth and reports every fault. Comparisons
  * are written so that NaN fails. */
 #include "base/finite.h"
+#include "cloth/bending.h"
 #include "cloth/model.h"
 #include "cloth/shapes.h"
 
@@ -43,6 +44,14 @@ const weft__number weft__load_mass
 const struct weft__spring_numbers weft__spring_numbers = {
     WEFT__FIELD(weft_spring_def, stiffness, "N/m or N", NOT_NEGATIVE),
     WEFT__FIELD(weft_spring_def, damping, "kg/s", NOT_NEGATIVE),
+    WEFT__FIELD(weft_spring_def, weft_stiffness, "N/m or N", NOT_NEGATIVE),
+    WEFT__FIELD(weft_spring_def, weft_damping, "kg/s", NOT_NEGATIVE),
+};
+
+const struct weft__bending_numbers weft__bending_numbers = {
+    WEFT__FIELD(weft_bending_def, rigidity, "N m", .count = 2, NOT_NEGATIVE),
+    WEFT__FIELD(weft_bending_def, twist, "N m", .least = -HUGE_VAL),
+    WEFT__FIELD(weft_bending_def, damping, "s", NOT_NEGATIVE),
 };
 
 const struct weft__pin_numbers weft__pin_numbers = {
@@ -252,10 +261,27 @@ static void check_mass(const weft_cloth_def *def, const weft__faults *to)
 static void check_springs(const weft_cloth_def *def, const weft__faults *to)
 {
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
-        if (def->springs[i].present) {
-            (void)WEFT__NUMBERS_CHECK(weft__spring_numbers, &def->springs[i], to,
-                                      "%s springs: ", weft_family_name((weft_family)i));
+        const weft_spring_def *springs = &def->springs[i];
+        const char *name = weft_family_name((weft_family)i);
+        if (springs->present) {
+            (void)weft__numbers_check((const weft__number *)&weft__spring_numbers,
+                                      springs->pair ? 4 : 2, springs, to,
+                                      "%s springs: ", name);
         }
+        if (springs->present && springs->pair && i == WEFT_SHEAR) {
+            weft__fault(to, FIELD(springs), FIELD(springs),
+                        "%s springs: no pair of values: they lie along the diagonals",
+                        name);
+        }
+    }
+}
+
+static void check_bending(const weft_cloth_def *def, const weft__faults *to)
+{
+    if (WEFT__NUMBERS_CHECK(weft__bending_numbers, &def->bending, to, "bending: ")
+        && weft__rigidity_of(def).present && def->springs[WEFT_BEND].present) {
+        weft__fault(to, FIELD(bending), FIELD(springs[WEFT_BEND]),
+                    "bending rigidity excludes bend springs: remove one of them");
     }
 }
 
@@ -443,6 +469,7 @@ void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to)
     if (check_arrays(def, to) && weft__grid_check(def, MAX_PARTICLES, to)) {
         check_mass(def, to);
         check_springs(def, to);
+        check_bending(def, to);
         check_pins(def, to);
         if (def->contact.shape_count > 0) {
             weft__contact_check(&def->contact, to);

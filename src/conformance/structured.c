@@ -37,6 +37,25 @@ static void add_spring(const weft_structure *of, const double *planes, size_t b,
     }
 }
 
+/* C of bending. */
+static void add_bend_damping(const weft_structure *of, const double *planes,
+                             const double *dy, double *out)
+{
+    const size_t n = of->particles, first = of->run_count - of->bend_runs;
+    size_t b = of->bond_count - of->bend_bonds;
+    for (const weft_bonds *run = of->runs + first; run < of->runs + of->run_count;
+         ++run) {
+        for (size_t i = 0; i < run->count; ++i, ++b) {
+            const double c = of->bend_damping * planes[4 * of->bond_count + b];
+            for (size_t k = 3 * n; k < 6 * n; k += n) {
+                const double change = c * (dy[k + run->q + i] - dy[k + run->p + i]);
+                out[k + run->p + i] += change;
+                out[k + run->q + i] -= change;
+            }
+        }
+    }
+}
+
 static void add_contact(size_t n, const double *blocks, const double *dy, double *out)
 {
     static const size_t damping[9] = { 9, 10, 11, 10, 12, 13, 11, 13, 14 };
@@ -63,6 +82,7 @@ int weft__structure_product(const weft_structure *of, double t, const double *y,
             add_spring(of, room, b, ends, y, dy, out);
         }
     }
+    add_bend_damping(of, room, dy, out);
     if (of->block_planes > 0) {
         add_contact(n, blocks, dy, out);
     }

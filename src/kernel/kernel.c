@@ -15,6 +15,8 @@
  * which they reach in registers. Pulls on a later row are summed in a buffer of that
  * row.
  *
+ * A rim may carry half: then rows and columns on it have laws of their own.
+ *
  * The sum of a particle is the same expression whatever the width, the tile of columns
  * or the band of rows. Springs pass three stages, each group one stage behind the
  * one before, because root and division are slow: meanwhile the next spring begins. */
@@ -49,11 +51,17 @@ typedef struct edge {
     mask inside, right, right2;
 } edge;
 
+/* Of a block in its row; the last two are those of `edges`. */
+enum { FIRST, INNER, END, PLACES = END + 2 };
+
 typedef struct sweep {
     double ended[3 * SPAN];  /* [N] pulls that end in this row, from rows above */
     double ended2[3 * SPAN]; /* [N] of down2 in the row above */
     double aside[6 * SPAN];  /* x' and v' of the row, before they go to dydt */
     law laws[WEFT_GROUPS];
+    /* `laws`, or with a rim that carries half those of a row inside or on the rim */
+    const law *by[2][PLACES];
+    law half[2][PLACES][WEFT_GROUPS];
     edge edges[2];
     vec3 gravity;
     vec drag;
@@ -145,8 +153,9 @@ typedef struct carry {
 
 /* Forces of springs on the block at p, of planes n and rows `down` apart; `at` in the
  * buffers; rim NULL: all neighbours are there. */
-INLINE vec3 block(sweep *self, const double *p, const double *along, size_t n,
-                  size_t down, size_t at, unsigned has, carry *left, const edge *rim)
+INLINE vec3 block(sweep *self, const law *laws, const double *p, const double *along,
+                  size_t n, size_t down, size_t at, unsigned has, carry *left,
+                  const edge *rim)
 {
     const double *below = p + down;
     const mask *in_1 = rim != NULL ? &rim->right : NULL;
@@ -155,26 +164,26 @@ INLINE vec3 block(sweep *self, const double *p, const double *along, size_t n,
     vec3 ended = load3(self->ended + at, SPAN), next = load3(self->ended2 + at, SPAN);
     begin(s, has, RIGHT, p, p + 1, n, along);
     begin(s, has, DOWN, p, below, n, along);
-    find_tension(s, has, RIGHT, self->laws);
+    find_tension(s, has, RIGHT, laws);
     begin(s, has, ANTI, p + 1, below, n, along + 1);
-    find_tension(s, has, DOWN, self->laws);
+    find_tension(s, has, DOWN, laws);
     const vec3 right = pull(s, has, RIGHT, in_1);
     begin(s, has, CROSS, p, below + 1, n, along);
-    find_tension(s, has, ANTI, self->laws);
+    find_tension(s, has, ANTI, laws);
     const vec3 fall = pull(s, has, DOWN, NULL);
     begin(s, has, RIGHT2, p, p + 2, n, along);
-    find_tension(s, has, CROSS, self->laws);
+    find_tension(s, has, CROSS, laws);
     const vec3 anti = pull(s, has, ANTI, in_1), beside = minus(right, anti);
     next = plus(next, plus(fall, anti));
     ended = plus(ended, shift_1(left->beside, beside));
     left->beside = beside;
     begin(s, has, DOWN2, p, below + down, n, along);
-    find_tension(s, has, RIGHT2, self->laws);
+    find_tension(s, has, RIGHT2, laws);
     const vec3 cross = pull(s, has, CROSS, in_1);
     next = plus(next, shift_1(left->below, cross));
     left->below = cross;
     store3(self->ended + at, SPAN, next);
-    find_tension(s, has, DOWN2, self->laws);
+    find_tension(s, has, DOWN2, laws);
     const vec3 right2 = pull(s, has, RIGHT2, in_2);
     ended = plus(ended, shift_2(left->beside2, right2));
     left->beside2 = right2;
@@ -240,6 +249,12 @@ INLINE place place_at(const sweep *self, size_t r, size_t c,
     return (place){ copy[0][0], copy[PLANES - 6][0], 3 * EDGE, EDGE };
 }
 
+/* 1: yes, 0: no */
+INLINE size_t on_rim(const sweep *self, size_t r)
+{
+    return r == 0 || r + 1 == self->rows;
+}
+
 /* The last columns of a row. Lanes without a particle read others and are masked. */
 INLINE void row_end(sweep *self, size_t r, size_t at, unsigned has, bool emits,
                     carry *left, double *to, size_t m)
@@ -250,8 +265,8 @@ INLINE void row_end(sweep *self, size_t r, size_t at, unsigned has, bool emits,
         const size_t count = self->cols - c < LANES ? self->cols - c : LANES;
         const place of = place_at(self, r, c, copy);
         const edge *rim = &self->edges[e];
-        const vec3 force
-            = block(self, of.p, of.along, of.n, of.down, at + b, has, left, rim);
+        const vec3 force = block(self, self->by[on_rim(self, r)][END + e], of.p,
+                                 of.along, of.n, of.down, at + b, has, left, rim);
         if (emits) {
             emit(self, of.along, of.n, i, force, rim, count, to + b, m);
         }
@@ -267,11 +282,15 @@ INLINE void row(sweep *self, size_t r, size_t first, size_t end, unsigned has,
     double *const to = self->detour ? self->aside : self->dydt + i;
     const double *p = self->y + i;
     const ptrdiff_t count = (ptrdiff_t)(end - first);
+    const law *const *by = self->by[on_rim(self, r)];
+    const law *laws = by[first == 0 ? FIRST : INNER];
     carry left = { 0 };
     for (ptrdiff_t j = first > 0 ? -LANES : 0; j < count; j += LANES) {
         const size_t at = (size_t)(LANES + j), b = i + (size_t)j;
         const double *along = PRODUCT ? self->along + b : p + j;
-        const vec3 force = block(self, p + j, along, n, cols, at, has, &left, NULL);
+        const vec3 force
+            = block(self, laws, p + j, along, n, cols, at, has, &left, NULL);
+        laws = by[INNER];
         if (emits && j >= 0) {
             emit(self, along, n, b, force, NULL, LANES, to + j, m);
         }
@@ -346,6 +365,34 @@ static bool stores_delay_loads(const sweep *self)
            && (ahead > 0 || (uintptr_t)self->y % 64 != 0);
 }
 
+/* The laws of a group in lanes from column c on: half along the rim. */
+static law halved(law of, bool row_rim, const weft__group *group, size_t c, size_t cols)
+{
+    const bool in_row = group->way == RIGHT || group->way == RIGHT2;
+    for (size_t l = 0; l < LANES && group->half_rim; ++l) {
+        if (in_row ? row_rim : c + l == 0 || c + l + 1 == cols) {
+            of.stiffness[l] *= 0.5;
+            of.damping[l] *= 0.5;
+        }
+    }
+    return of;
+}
+
+/* The laws of all rows and blocks, if a rim carries half. */
+static void start_half(sweep *self, const weft_cloth *cloth)
+{
+    const size_t columns[PLACES]
+        = { 0, LANES, self->inner, self->inner + LANES }; /* any inside for INNER */
+    for (size_t i = 0; i < 2 * PLACES * cloth->group_count; ++i) {
+        const size_t at = i / 2 % PLACES;
+        const weft__group *group = &cloth->groups[i / (2 * PLACES)];
+        self->half[i % 2][at][group->way]
+            = halved(self->laws[group->way], i % 2 == 1, group, columns[at],
+                     at == INNER ? SIZE_MAX : cloth->cols);
+        self->by[i % 2][at] = self->half[i % 2][at];
+    }
+}
+
 /* Returns the set of its springs. */
 static unsigned start(sweep *self, const weft__subject *of)
 {
@@ -369,12 +416,20 @@ static unsigned start(sweep *self, const weft__subject *of)
             self->edges[e].right2[l] = c + 2 < cloth->cols ? -1 : 0;
         }
     }
+    bool half = false;
     for (size_t i = 0; i < cloth->group_count; ++i) {
         const weft__group *group = &cloth->groups[i];
         self->laws[group->way]
             = (law){ splat(group->stiffness), splat(group->rest_length),
                      splat(group->damping) };
         all |= BIT(group->way) | (group->damping != 0.0 ? BIT(DAMPED) : 0u);
+        half = half || group->half_rim;
+    }
+    for (size_t i = 0; i < 2 * PLACES; ++i) {
+        self->by[i / PLACES][i % PLACES] = self->laws;
+    }
+    if (half) {
+        start_half(self, cloth);
     }
     return all;
 }

@@ -2,6 +2,7 @@
 /* kernel_damping.c -- the power of the dampers of springs, LANES at a time:
  * c (w.u)^2 = c (w.d)^2 / d.d, and 0 where d = 0. */
 #include "cloth/levels.h"
+#include "cloth/springs.h"
 #include "kernel/lanes.h"
 
 #include <float.h>
@@ -37,16 +38,28 @@ static double group_sum(const double *p, const double *q, size_t n, size_t count
     return total;
 }
 
+/* The same of row r, where springs along a rim may count half. */
+static double row_sum(const weft_cloth *cloth, const weft__group *group,
+                      const double *y, size_t r)
+{
+    const size_t n = cloth->particles, first = r * cloth->cols + group->first_col;
+    const size_t count = group->end_col - group->first_col;
+    const double *p = y + first, *q = p + group->stride;
+    if (group->half_rim && group->end_row < cloth->rows) {
+        const double rim
+            = group_sum(p, q, n, 1) + group_sum(p + count - 1, q + count - 1, n, 1);
+        return group_sum(p + 1, q + 1, n, count - 2) + 0.5 * rim;
+    }
+    return weft__spring_share(cloth, group, first) * group_sum(p, q, n, count);
+}
+
 double NAME(damping, LEVEL)(const weft_cloth *cloth, const double *y, size_t r)
 {
     double power = 0.0;
     for (size_t g = 0; g < cloth->group_count; ++g) {
         const weft__group *group = &cloth->groups[g];
         if (r < group->end_row && group->damping != 0.0) {
-            const double *p = y + r * cloth->cols + group->first_col;
-            power += group->damping
-                     * group_sum(p, p + group->stride, cloth->particles,
-                                 group->end_col - group->first_col);
+            power += group->damping * row_sum(cloth, group, y, r);
         }
     }
     return power;

@@ -43,25 +43,16 @@ void weft__check_springs(weft__reader *reader, const weft__match *match, void *b
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
         const char *name = weft_family_name((weft_family)i);
         const weft__node *key = weft__found_in(match, name)->key;
-        cloth->springs[i].present = key != NULL;
-        if (key != NULL && none[i]) {
+        weft_spring_def *springs = &cloth->springs[i];
+        springs->present = key != NULL && (i != WEFT_BEND || springs->present);
+        springs->pair = i != WEFT_SHEAR
+                        && (springs->weft_stiffness != springs->stiffness
+                            || springs->weft_damping != springs->damping);
+        if (springs->present && none[i]) {
             weft__report_warning(reader->report, key->at,
                                  "a grid of %zu x %zu has no %s springs", cloth->rows,
                                  cloth->cols, name);
         }
-    }
-}
-
-static void check_mass(weft__reader *reader, const weft__match *match)
-{
-    const weft__node *mass = weft__found_in(match, "mass")->key;
-    const weft__node *density = weft__found_in(match, "density")->key;
-    if (mass != NULL && density != NULL) {
-        weft__report_exclusive(reader->report, mass, density);
-    } else if (weft__lacks(match, "mass") && weft__lacks(match, "density")) {
-        weft__report_error(
-            reader->report, match->map->at,
-            "cloth lacks 'mass' [kg] or 'density' [kg/m^2]: exactly one is required");
     }
 }
 
@@ -82,7 +73,11 @@ static bool holds_all(const weft_cloth_def *cloth)
 void weft__check_cloth(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_cloth_def *cloth = base;
-    check_mass(reader, match);
+    if (weft__found_in(match, "fabric")->key != NULL) {
+        weft__make_fabric(reader, match);
+    } else {
+        weft__check_one(reader, match, "mass", "density");
+    }
     if (reader->report->found->errors == 0 && holds_all(cloth)) {
         weft__report_warning(reader->report, weft__found_in(match, "pins")->key->at,
                              "all %zu particles are pinned: nothing will move freely",

@@ -59,7 +59,9 @@ const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
         [WEFT__TEXT] = "text",
         [WEFT__BOOLEAN] = "true or false",
         [WEFT__NAMES] = "a list of ",
-        [WEFT__SPACING] = "a number",
+        [WEFT__PAIR] = "a number",
+        [WEFT__WARP_WEFT] = "a number",
+        [WEFT__PRESET] = "a name that 'weft fabrics' lists",
         [WEFT__ATOL] = "a number",
         [WEFT__INDEX] = "an index, [first, last] or all",
         [WEFT__PLACE] = "a corner, an edge, [row, column] or {rows, cols}",
@@ -71,9 +73,10 @@ const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
         [WEFT__FRACTION] = "a number or a fraction as 19/32",
         [WEFT__SWEEP] = "a mapping {key.path: [values]}",
     };
-    const char *more = key->kind == WEFT__SPACING ? " or a pair of them"
-                       : key->kind == WEFT__ATOL  ? " or a mapping"
-                                                  : "";
+    const char *more = key->kind == WEFT__PAIR || key->kind == WEFT__WARP_WEFT
+                           ? " or a pair of them"
+                       : key->kind == WEFT__ATOL ? " or a mapping"
+                                                 : "";
     const char *range = "";
     char bounds[80], names[100] = "", shown[32];
     if (key->kind == WEFT__CHOICE || key->kind == WEFT__EITHER) {

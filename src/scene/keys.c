@@ -27,7 +27,7 @@ static const weft__key grid_keys[] = {
     { "cols", WEFT__INTEGER, .required = true, NUMBER(cloth, cols),
       .meaning = "particles across; rows * cols >= 2, and a single row or column "
                  "makes a chain" },
-    { "spacing", WEFT__SPACING, .required = true, NUMBER(cloth, spacing),
+    { "spacing", WEFT__PAIR, .required = true, NUMBER(cloth, spacing),
       .meaning
       = "distance of neighbours: one number, or [row to row, column to column]" },
     { "origin", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(cloth, origin),
@@ -96,14 +96,45 @@ const weft__section weft__pin_section
         .beside_hint = "cannot stand beside 'at': put it inside, as in {at: {rows: "
                        "..., cols: ...}, ...}" };
 
-static const weft__key family_keys[] = {
+static const weft__key stretch_keys[] = {
+    { "stiffness", WEFT__WARP_WEFT, .required = true, NUMBER(spring, stiffness),
+      .meaning = "stiffness of each spring; a pair: [along a column, along a row]" },
+    { "damping", WEFT__WARP_WEFT, .fallback = "0", NUMBER(spring, damping),
+      .meaning = "damping along the spring; a pair as well" },
+};
+
+static const weft__key shear_keys[] = {
     { "stiffness", WEFT__NUMBER, .required = true, NUMBER(spring, stiffness),
       .meaning = "stiffness of each spring" },
     { "damping", WEFT__NUMBER, .fallback = "0", NUMBER(spring, damping),
       .meaning = "damping along the spring" },
 };
 
-static const weft__section family_section = { SECTION(family_keys) };
+#define OF_FAMILY(index)                                                               \
+    .at = offsetof(weft_cloth_def, springs) + (index) * sizeof(weft_spring_def)
+
+static const weft__key bend_keys[] = {
+    { "stiffness", WEFT__WARP_WEFT, .absent = "stiffness or rigidity",
+      NUMBER(spring, stiffness), OF_FAMILY(WEFT_BEND),
+      .meaning = "stiffness of each spring; exactly one of stiffness and rigidity is "
+                 "required" },
+    { "rigidity", WEFT__PAIR, .absent = "stiffness or rigidity",
+      NUMBER(bending, rigidity), AT(weft_cloth_def, bending),
+      .meaning = "bending stiffness of a plate, which converges under refinement, "
+                 "instead of springs; a pair: [along a column, along a row]" },
+    { "twist", WEFT__NUMBER, RANGE(.least = 0.0), .unit = "N m",
+      .absent = "sqrt of the rigidities' product", AT(weft_cloth_def, bending.twist),
+      .meaning = "of the rigidity: stiffness of twisting" },
+    { "damping", WEFT__WARP_WEFT, .fallback = "0", NUMBER(spring, damping),
+      OF_FAMILY(WEFT_BEND), .unit = "kg/s; of rigidity s",
+      .meaning = "damping along the spring; with rigidity a time, by which the "
+                 "stiffness is multiplied" },
+};
+
+static const weft__section stretch_section = { SECTION(stretch_keys) };
+static const weft__section shear_section = { SECTION(shear_keys) };
+static const weft__section bend_section
+    = { SECTION(bend_keys), .check = weft__check_bend };
 
 /* The names of an enum are in its order. */
 _Static_assert(sizeof(weft_law) == sizeof(unsigned)
@@ -116,27 +147,51 @@ _Static_assert(sizeof(weft_law) == sizeof(unsigned)
                "a choice is stored as an unsigned");
 
 static const char *const law_names[] = { "hooke", "strain", NULL };
-
-#define FAMILY(name_, index, text)                                                     \
-    {                                                                                  \
-        name_, WEFT__MAPPING, .section = &family_section, .absent = "none",            \
-                              .at = offsetof(weft_cloth_def, springs)                  \
-                                    + (index) * sizeof(weft_spring_def),               \
-                              .meaning = (text)                                        \
-    }
+static const char *const rim_names[] = { "full", "half", NULL };
 
 static const weft__key spring_keys[] = {
     { "law", WEFT__CHOICE, .names = law_names, AT(weft_cloth_def, law),
       .fallback = "hooke",
       .meaning
       = "hooke: k (L - s), stiffness [N/m]; strain: k (L / s - 1), stiffness [N]" },
-    FAMILY("stretch", WEFT_STRETCH, "springs to the next column and row"),
-    FAMILY("shear", WEFT_SHEAR, "springs across both diagonals of a cell"),
-    FAMILY("bend", WEFT_BEND, "springs to the next but one column and row"),
+    { "stretch", WEFT__MAPPING, .section = &stretch_section, .absent = "none",
+      OF_FAMILY(WEFT_STRETCH), .meaning = "springs to the next column and row" },
+    { "shear", WEFT__MAPPING, .section = &shear_section, .absent = "none",
+      OF_FAMILY(WEFT_SHEAR), .meaning = "springs across both diagonals of a cell" },
+    { "bend", WEFT__MAPPING, .section = &bend_section, .absent = "none",
+      .meaning = "springs to the next but one column and row, or bending rigidity" },
+    { "rim", WEFT__EITHER, .names = rim_names, .fallback = "full",
+      AT(weft_cloth_def, rim_half),
+      .meaning = "half: stretch springs, and bend springs of stiffness, that lie along "
+                 "the rim carry half their values" },
 };
 
 static const weft__section spring_section
     = { SECTION(spring_keys), .check = weft__check_springs };
+
+/* The preset comes first: the other keys replace its values. */
+static const weft__key fabric_keys[] = {
+    { "preset", WEFT__PRESET, .absent = "none",
+      .meaning = "a measured fabric; keys beside it replace its values" },
+    { "density", WEFT__NUMBER, .absent = "density or preset", NUMBER(fabric, density),
+      .meaning = "mass per area" },
+    { "stretch", WEFT__PAIR, .absent = "stretch or preset", NUMBER(fabric, stretch),
+      .meaning = "tension by strain; a pair: [along a column (warp), along a row "
+                 "(weft)]" },
+    { "shear", WEFT__NUMBER, .absent = "0 or the preset's", NUMBER(fabric, shear),
+      .meaning = "shear stress by angle, and the modulus between warp and weft" },
+    { "bend", WEFT__PAIR, .absent = "0 or the preset's", NUMBER(fabric, bend),
+      .meaning = "bending rigidity; a pair: [warp, weft]" },
+    { "twist", WEFT__NUMBER, RANGE(.least = 0.0), .unit = "N m",
+      .absent = "as of bend.rigidity", AT(weft_fabric, twist),
+      .meaning = "stiffness of twisting" },
+    { "damping", WEFT__PAIR, .absent = "0", NUMBER(fabric, damping),
+      .meaning
+      = "damping = this time * stiffness; a pair: [in the plane, of bending]" },
+};
+
+static const weft__section fabric_section
+    = { SECTION(fabric_keys), .check = weft__check_fabric };
 
 /* The grid comes first: the other keys are checked against it. */
 static const weft__key cloth_keys[] = {
@@ -153,6 +208,10 @@ static const weft__key cloth_keys[] = {
       .meaning = "point masses added to particles" },
     { "springs", WEFT__MAPPING, .section = &spring_section, .absent = "none",
       .meaning = "families of springs; a missing family has no springs" },
+    { "fabric", WEFT__MAPPING, .section = &fabric_section, .absent = "none",
+      .at = offsetof(weft_scene, fabric) - offsetof(weft_scene, cloth),
+      .meaning = "a measured fabric, independent of the grid: instead of mass, density "
+                 "and springs" },
     { "pins", WEFT__PINS, .section = &weft__pin_section, .absent = "none",
       .meaning = "particles that are held or moved: a place, or {at: place, ...}; a "
                  "later entry wins" },

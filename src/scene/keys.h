@@ -7,21 +7,23 @@
 #include "scene/diagnostics.h"
 
 typedef enum weft__kind {
-    WEFT__MAPPING,    /* a section */
-    WEFT__NUMBER,     /* double */
-    WEFT__INTEGER,    /* of the type of its number */
-    WEFT__VECTOR,     /* double[3] */
-    WEFT__TEXT,       /* char *, of the tree */
-    WEFT__BOOLEAN,    /* bool */
-    WEFT__CHOICE,     /* enum: one of names, the first stands for `first` */
-    WEFT__EITHER,     /* bool: one of two names, true the second */
-    WEFT__NAMES,      /* bool of each of names: a list of them */
-    WEFT__SPACING,    /* double[2] from a number or a pair */
-    WEFT__ATOL,       /* two doubles from a number or a mapping */
-    WEFT__INDEX,      /* weft_range of the rows or columns of a place */
-    WEFT__PLACE,      /* weft__place */
-    WEFT__PINS,       /* the pins of a scene */
-    WEFT__LOADS,      /* its loads */
+    WEFT__MAPPING,   /* a section */
+    WEFT__NUMBER,    /* double */
+    WEFT__INTEGER,   /* of the type of its number */
+    WEFT__VECTOR,    /* double[3] */
+    WEFT__TEXT,      /* char *, of the tree */
+    WEFT__BOOLEAN,   /* bool */
+    WEFT__CHOICE,    /* enum: one of names, the first stands for `first` */
+    WEFT__EITHER,    /* bool: one of two names, true the second */
+    WEFT__NAMES,     /* bool of each of names: a list of them */
+    WEFT__PAIR,      /* double[2] from a number or a pair */
+    WEFT__WARP_WEFT, /* the same: a number of a weft_spring_def, and that of the weft */
+    WEFT__PRESET,    /* weft_fabric from the name of a preset */
+    WEFT__ATOL,      /* two doubles from a number or a mapping */
+    WEFT__INDEX,     /* weft_range of the rows or columns of a place */
+    WEFT__PLACE,     /* weft__place */
+    WEFT__PINS,      /* the pins of a scene */
+    WEFT__LOADS,     /* its loads */
     WEFT__SHAPE_LIST, /* its shapes */
     WEFT__ROW,        /* weft__list: numbers of a Butcher table */
     WEFT__ROWS,       /* weft__list: its matrix */

@@ -50,8 +50,9 @@ void weft__refuse_value(weft__reader *reader, const weft__key *key,
 {
     char wanted[200];
     const bool number = key->kind == WEFT__NUMBER || key->kind == WEFT__INTEGER
-                        || key->kind == WEFT__SPACING || key->kind == WEFT__ATOL
-                        || key->kind == WEFT__INDEX || key->kind == WEFT__FRACTION;
+                        || key->kind == WEFT__PAIR || key->kind == WEFT__WARP_WEFT
+                        || key->kind == WEFT__ATOL || key->kind == WEFT__INDEX
+                        || key->kind == WEFT__FRACTION;
     weft__refuse(reader, node, key->name,
                  weft__wanted(key, true, false, wanted, sizeof wanted), number,
                  weft__unit_of(key));
@@ -119,7 +120,7 @@ static void read_integer(weft__reader *reader, const weft__key *key,
     }
 }
 
-/* A vector, or a spacing: a pair, or one number for both. */
+/* A vector, or a pair, or one number for both of it. */
 static void read_vector(weft__reader *reader, const weft__key *key,
                         const weft__node *node, void *to)
 {
@@ -137,6 +138,24 @@ static void read_vector(weft__reader *reader, const weft__key *key,
     if (good) {
         memcpy(to, value, count * sizeof *value);
     }
+}
+
+enum {
+    TO_WEFT
+    = offsetof(weft_spring_def, weft_stiffness) - offsetof(weft_spring_def, stiffness)
+};
+_Static_assert(offsetof(weft_spring_def, weft_damping)
+                       - offsetof(weft_spring_def, damping)
+                   == TO_WEFT,
+               "the weft's numbers stand as those of the warp do");
+
+static void read_warp_weft(weft__reader *reader, const weft__key *key,
+                           const weft__node *node, void *to)
+{
+    double pair[2] = { 0.0, 0.0 };
+    read_vector(reader, key, node, pair);
+    memcpy(to, &pair[0], sizeof pair[0]);
+    memcpy((char *)to + TO_WEFT, &pair[1], sizeof pair[1]);
 }
 
 static void read_atol(weft__reader *reader, const weft__key *key,
@@ -265,15 +284,16 @@ void weft__read_value(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *base)
 {
     static weft__read_fn *const readers[WEFT__KINDS] = {
-        [WEFT__MAPPING] = read_mapping,   [WEFT__NUMBER] = read_number,
-        [WEFT__INTEGER] = read_integer,   [WEFT__VECTOR] = read_vector,
-        [WEFT__TEXT] = read_text,         [WEFT__CHOICE] = read_choice,
-        [WEFT__EITHER] = read_choice,     [WEFT__NAMES] = read_names,
-        [WEFT__SPACING] = read_vector,    [WEFT__ATOL] = read_atol,
-        [WEFT__INDEX] = weft__read_index, [WEFT__PLACE] = weft__read_place,
-        [WEFT__PINS] = weft__read_pins,   [WEFT__LOADS] = weft__read_loads,
-        [WEFT__ROW] = weft__read_row,     [WEFT__ROWS] = weft__read_rows,
-        [WEFT__BOOLEAN] = read_boolean,   [WEFT__SHAPE_LIST] = weft__read_shapes,
+        [WEFT__MAPPING] = read_mapping,     [WEFT__NUMBER] = read_number,
+        [WEFT__INTEGER] = read_integer,     [WEFT__VECTOR] = read_vector,
+        [WEFT__TEXT] = read_text,           [WEFT__CHOICE] = read_choice,
+        [WEFT__EITHER] = read_choice,       [WEFT__NAMES] = read_names,
+        [WEFT__PAIR] = read_vector,         [WEFT__ATOL] = read_atol,
+        [WEFT__WARP_WEFT] = read_warp_weft, [WEFT__PRESET] = weft__read_preset,
+        [WEFT__INDEX] = weft__read_index,   [WEFT__PLACE] = weft__read_place,
+        [WEFT__PINS] = weft__read_pins,     [WEFT__LOADS] = weft__read_loads,
+        [WEFT__ROW] = weft__read_row,       [WEFT__ROWS] = weft__read_rows,
+        [WEFT__BOOLEAN] = read_boolean,     [WEFT__SHAPE_LIST] = weft__read_shapes,
     };
     readers[key->kind](reader, key, node, (char *)base + weft__offset_of(key));
 }
@@ -512,6 +532,24 @@ void weft__report_exclusive(weft__report *report, const weft__node *a,
     char where[64];
     weft__report_error(report, second->at, "%s excludes %s (%s)", second->text,
                        first->text, weft__place_text(first->at, where, sizeof where));
+}
+
+void weft__check_one(weft__reader *reader, const weft__match *match, const char *a,
+                     const char *b)
+{
+    const weft__node *key_a = weft__found_in(match, a)->key;
+    const weft__node *key_b = weft__found_in(match, b)->key;
+    char unit_a[32], unit_b[32];
+    if (key_a != NULL && key_b != NULL) {
+        weft__report_exclusive(reader->report, key_a, key_b);
+    } else if (weft__lacks(match, a) && weft__lacks(match, b)) {
+        weft__report_error(
+            reader->report, match->map->at,
+            "%s lacks '%s'%s or '%s'%s: exactly one is required", match->title, a,
+            weft__unit_text(weft__key_named(match->section, a), unit_a, sizeof unit_a),
+            b,
+            weft__unit_text(weft__key_named(match->section, b), unit_b, sizeof unit_b));
+    }
 }
 
 void weft__check_together(weft__reader *reader, const weft__match *match, const char *a,

@@ -43,6 +43,7 @@ struct weft_scene {
     char *name, *text, *plugin, *method;
     size_t version;
     weft_cloth_def cloth;
+    weft_fabric fabric; /* density 0: none */
     weft_limit_def limit;
     weft_run_def run;
     weft_record_def record;
@@ -145,6 +146,10 @@ bool weft__read_number(weft__reader *reader, const weft__key *key, const char *n
 bool weft__read_numbers(weft__reader *reader, const weft__key *key, const char *name,
                         const weft__node *list, double *out);
 
+/* Reports two keys that exclude each other, or the lack of both. */
+void weft__check_one(weft__reader *reader, const weft__match *match, const char *a,
+                     const char *b);
+
 /* Reports one of two keys that stands without the other. */
 void weft__check_together(weft__reader *reader, const weft__match *match, const char *a,
                           const char *b);
@@ -171,6 +176,13 @@ weft__check_fn weft__check_shape, weft__check_contact;
 
 /* Warnings of contact, when all sections were read without errors. */
 void weft__warn_of_contact(weft__reader *reader, const weft__match *root);
+
+/* scene_fabric.c */
+weft__read_fn weft__read_preset;
+weft__check_fn weft__check_bend, weft__check_fabric;
+
+/* Makes the cloth of its fabric, if that is there; reports keys that it excludes. */
+void weft__make_fabric(weft__reader *reader, const weft__match *cloth);
 
 /* scene_pins.c */
 weft__read_fn weft__read_index, weft__read_place, weft__read_pins, weft__read_loads;

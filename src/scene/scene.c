@@ -286,6 +286,11 @@ const weft_cloth_def *weft_scene_cloth(const weft_scene *scene)
     return &scene->cloth;
 }
 
+const weft_fabric *weft_scene_fabric(const weft_scene *scene)
+{
+    return scene->fabric.density > 0.0 ? &scene->fabric : NULL;
+}
+
 const weft_limit_def *weft_scene_limit(const weft_scene *scene)
 {
     return &scene->limit;

@@ -2,6 +2,7 @@
 /* structure.c -- the weft_structure of a simulation: that of its cloth, with the
  * present pins and shapes. */
 #include "base/memory.h"
+#include "cloth/bending.h"
 #include "cloth/linearise.h"
 #include "cloth/model.h"
 #include "sim/simulation.h"
@@ -30,7 +31,18 @@ static size_t modes(double t, const double *y, double (*corners)[2], size_t room
     return count;
 }
 
-/* Row by row, as weft__row_springs. Writes nothing to runs NULL. */
+/* Writes nothing to runs NULL. */
+static void add_run(weft_structure *of, weft_bonds *runs, size_t p, size_t q,
+                    size_t count)
+{
+    if (runs != NULL) {
+        runs[of->run_count] = (weft_bonds){ p, q, count };
+    }
+    ++of->run_count;
+    of->bond_count += count;
+}
+
+/* Row by row, as weft__row_springs, then bending. */
 static void list_runs(const weft_cloth *cloth, weft_structure *of, weft_bonds *runs)
 {
     of->run_count = of->bond_count = 0;
@@ -38,18 +50,23 @@ static void list_runs(const weft_cloth *cloth, weft_structure *of, weft_bonds *r
         for (size_t g = 0; g < cloth->group_count; ++g) {
             const weft__group *group = &cloth->groups[g];
             const size_t p = r * cloth->cols + group->first_col;
-            const size_t count = group->end_col - group->first_col;
-            if (r >= group->end_row) {
-                continue;
+            if (r < group->end_row) {
+                add_run(of, runs, p, p + (size_t)group->stride,
+                        group->end_col - group->first_col);
             }
-            if (runs != NULL) {
-                runs[of->run_count]
-                    = (weft_bonds){ p, p + (size_t)group->stride, count };
-            }
-            ++of->run_count;
-            of->bond_count += count;
         }
     }
+    of->bend_runs = of->run_count, of->bend_bonds = of->bond_count;
+    for (size_t i = 0; i < cloth->rows * WEFT_GROUPS; ++i) {
+        size_t p, q;
+        const size_t count
+            = weft__bending_pairs(cloth, i % WEFT_GROUPS, i / WEFT_GROUPS, &p, &q);
+        if (count > 0) {
+            add_run(of, runs, p, q, count);
+        }
+    }
+    of->bend_runs = of->run_count - of->bend_runs;
+    of->bend_bonds = of->bond_count - of->bend_bonds;
 }
 
 weft_status weft__structure_init(weft_sim *sim, weft_error *err)
@@ -60,7 +77,8 @@ weft_status weft__structure_init(weft_sim *sim, weft_error *err)
                             .particles = n,
                             .linearise = linearise,
                             .modes = modes,
-                            .ctx = sim };
+                            .ctx = sim,
+                            .bend_damping = sim->cloth->rigidity.damping };
     list_runs(sim->cloth, of, NULL);
     sim->runs = weft__alloc(&sim->memory, of->run_count, sizeof *sim->runs);
     sim->masses = weft__alloc(&sim->memory, n, 2 * sizeof *sim->masses);

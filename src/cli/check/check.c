@@ -4,6 +4,7 @@
 
 #include "cli/batch/batch.h"
 #include "cli/check/contact_report.h"
+#include "cli/check/fabric_report.h"
 #include "cli/check/stable_steps.h"
 #include "cli/human.h"
 
@@ -129,6 +130,7 @@ static void print_scene(const char *file, const weft_scene *scene,
     print_plain(stdout, weft_scene_name(scene), "");
     putchar('\n');
     print_cloth(weft_scene_cloth(scene), cloth);
+    fabric_print(scene);
     contact_print(weft_scene_cloth(scene));
     print_limit(weft_scene_limit(scene));
     print_stepper(scene);
@@ -162,6 +164,7 @@ static void scene_yaml(yaml_out *out, const char *file, const weft_scene *scene,
     yaml_out_text(out, "name", weft_scene_name(scene));
     yaml_out_plain(out, "particles", "%zu", weft_cloth_particles(cloth));
     yaml_out_plain(out, "pinned", "%zu", weft_cloth_pins(cloth));
+    fabric_yaml(out, scene);
     contact_yaml(out, weft_scene_cloth(scene));
     stability_yaml(out, scene, found);
     yaml_out_close_map(out);
@@ -296,7 +299,10 @@ const verb verb_check = {
       "Validates scenes and prints particles, springs, masses, the matching pins, "
       "memory, stepper and frames. Reports all mistakes of a file at once. For "
       "contact, prints its shapes and how stiff it is at rest and after a fall of "
-      "the cloth onto each shape. Also prints the fastest vibration of the cloth, and "
+      "the cloth onto each shape. For a fabric or bending rigidity, prints the "
+      "springs, "
+      "the moduli that they make and Peirce's bending length. Also prints the fastest "
+      "vibration of the cloth, and "
       "for the cheapest methods the "
       "largest step at which no vibration grows, with the evaluations of the forces "
       "per simulated second. A method marked * has no such step on undamped "

@@ -1,0 +1,284 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* bending.c -- the plain loops of bending.h, the numbers of a definition, energy and
+ * powers. src/kernel/kernel_bending.c has the same bits. */
+#include "cloth/bending.h"
+
+#include "cloth/levels.h"
+
+/* ---- the definition -------------------------------------------------------------- */
+
+weft__rigidity weft__rigidity_of(const weft_cloth_def *def)
+{
+    const weft_bending_def *of = &def->bending;
+    const double a = def->rows > 1 ? def->spacing[0] : 1.0; /* [m] */
+    const double b = def->cols > 1 ? def->spacing[1] : 1.0;
+    const bool sheet = def->rows > 1 && def->cols > 1;
+    const double twist
+        = of->twist < 0.0 ? sqrt(of->rigidity[0] * of->rigidity[1]) : of->twist;
+    weft__rigidity k = { .along = of->rigidity[0] * b / (a * a * a),
+                         .across = of->rigidity[1] * a / (b * b * b),
+                         .twist = sheet ? 2.0 * twist / (a * b) : 0.0,
+                         .damping = of->damping };
+    k.along = def->rows > 2 ? k.along : 0.0;
+    k.across = def->cols > 2 ? k.across : 0.0;
+    k.present = of->rigidity[0] > 0.0 || of->rigidity[1] > 0.0 || twist > 0.0;
+    return k;
+}
+
+bool weft__rigidity_usable(const weft__rigidity *of)
+{
+    const double most = 16.0 * (of->along + of->across + of->twist);
+    return isfinite(most) && isfinite(most * of->damping);
+}
+
+/* ---- the force ------------------------------------------------------------------- */
+
+/* The index before and after one of `count`. */
+static size_t before(size_t at)
+{
+    return at > 0 ? at - 1 : at;
+}
+
+static size_t after(size_t at, size_t count)
+{
+    return at + 1 < count ? at + 1 : at;
+}
+
+/* A plane of x and one of v; v NULL: x alone. */
+typedef struct field {
+    const weft_cloth *cloth;
+    const double *x, *v;
+} field;
+
+static double value(const field *of, size_t r, size_t c)
+{
+    const size_t i = r * of->cloth->cols + c;
+    return of->v != NULL ? of->x[i] + of->cloth->rigidity.damping * of->v[i] : of->x[i];
+}
+
+static double second(double low, double here, double high)
+{
+    return (high - here) - (here - low);
+}
+
+static double along_column(const field *of, size_t r, size_t c)
+{
+    return second(value(of, before(r), c), value(of, r, c),
+                  value(of, after(r, of->cloth->rows), c));
+}
+
+static double along_row(const field *of, size_t r, size_t c)
+{
+    return second(value(of, r, before(c)), value(of, r, c),
+                  value(of, r, after(c, of->cloth->cols)));
+}
+
+/* k_r D_r + k_t D_c */
+static double column_moment(const field *of, size_t r, size_t c)
+{
+    const weft_cloth *cloth = of->cloth;
+    const double part = weft__inner(r, cloth->rows) ? cloth->rigidity.along : 0.0;
+    return part * weft__strip(c, cloth->cols) * along_column(of, r, c)
+           + cloth->rigidity.twist * along_row(of, r, c);
+}
+
+/* k_c D_c */
+static double row_moment(const field *of, size_t r, size_t c)
+{
+    const weft_cloth *cloth = of->cloth;
+    const double part = cloth->rigidity.across * weft__strip(r, cloth->rows);
+    return weft__inner(c, cloth->cols) ? part * along_row(of, r, c) : 0.0;
+}
+
+/* K (x + damping v) */
+static double resistance(const field *of, size_t i)
+{
+    const size_t rows = of->cloth->rows, cols = of->cloth->cols;
+    const size_t r = i / cols, c = i % cols;
+    return second(column_moment(of, before(r), c), column_moment(of, r, c),
+                  column_moment(of, after(r, rows), c))
+           + second(row_moment(of, r, before(c)), row_moment(of, r, c),
+                    row_moment(of, r, after(c, cols)));
+}
+
+/* [N] of plane k of a state. */
+static double resistance_of(const weft__subject *of, size_t i, size_t k)
+{
+    const weft_cloth *cloth = of->cloth;
+    const double *x = of->y + k * cloth->particles;
+    const bool damped = cloth->rigidity.damping != 0.0;
+    const field plane = { cloth, x, damped ? x + 3 * cloth->particles : NULL };
+    return resistance(&plane, i);
+}
+
+static void bending_add(const weft__subject *of, size_t i, weft__unit unit, double *to)
+{
+    const weft_cloth *cloth = of->cloth;
+    const double share = unit == WEFT__FORCE ? 1.0 : cloth->inverse_mass[i];
+    for (size_t k = 0; cloth->rigidity.present && k < 3; ++k) {
+        to[k * cloth->particles] -= share * resistance_of(of, i, k);
+    }
+}
+
+/* The force is linear: its change is the force of the direction. */
+static int bending_change(const weft__subject *of, double *out, size_t first,
+                          size_t end)
+{
+    const size_t n = of->cloth->particles, cols = of->cloth->cols;
+    const weft__subject along = { .cloth = of->cloth, .y = of->along };
+    weft__rows_fn *kernel = of->cloth->level->added[WEFT__ADDED_bending];
+    double bad = 0.0;
+    if (kernel != NULL) {
+        return kernel(&along, out, first, end);
+    }
+    for (size_t i = first * cols; of->cloth->rigidity.present && i < end * cols; ++i) {
+        double *to = out + 3 * n + i;
+        bending_add(&along, i, WEFT__ACCELERATION, to);
+        bad += ((to[0] + to[n]) + to[2 * n]) * 0.0;
+    }
+    return bad == 0.0 ? 0 : 1;
+}
+
+void weft__bending_multiply(const weft_cloth *cloth, double scale, const double *x,
+                            double *out)
+{
+    const size_t n = cloth->particles;
+    for (size_t j = 0; cloth->rigidity.present && j < 3 * n; ++j) {
+        const field plane = { cloth, x + j / n * n, NULL };
+        out[j] += scale * resistance(&plane, j % n);
+    }
+}
+
+/* ---- energy and powers ----------------------------------------------------------- */
+
+/* [x K x] of what is centred in row r and of the cells that begin there, for planes
+ * x[3 N]. */
+static double row_square(const weft_cloth *cloth, const double *x, size_t r)
+{
+    const size_t n = cloth->particles, rows = cloth->rows, cols = cloth->cols;
+    const weft__rigidity *k = &cloth->rigidity;
+    const double across = k->across * weft__strip(r, rows);
+    const size_t down = r + 1 < rows ? cols : 0;
+    double sum = 0.0;
+    for (size_t plane = 0; plane < 3; ++plane) {
+        const field of = { cloth, x + plane * n, NULL };
+        for (size_t c = 0; c < cols; ++c) {
+            const double *at = of.x + r * cols + c;
+            const double d = weft__inner(r, rows) ? along_column(&of, r, c) : 0.0;
+            const double e = weft__inner(c, cols) ? along_row(&of, r, c) : 0.0;
+            const double f
+                = c + 1 < cols ? (at[down + 1] - at[down]) - (at[1] - at[0]) : 0.0;
+            sum += k->along * weft__strip(c, cols) * d * d + across * e * e
+                   + k->twist * f * f;
+        }
+    }
+    return sum;
+}
+
+void weft__row_bending_energy(const weft__subject *of, size_t r, weft_measures *row)
+{
+    if (of->cloth->rigidity.present) {
+        row->energy.elastic[WEFT_BEND] += 0.5 * row_square(of->cloth, of->y, r);
+    }
+}
+
+/* Of the pins that move in row r. */
+static double pin_power(const weft__subject *of, size_t r)
+{
+    const weft_cloth *cloth = of->cloth;
+    double power = 0.0, rate[6];
+    for (size_t i = r * cloth->cols; i < (r + 1) * cloth->cols; ++i) {
+        if (cloth->pin[i] != 0 && cloth->motions[cloth->pin[i] - 1].moves) {
+            weft__pin_rate(cloth, i, of->t, rate);
+            for (size_t k = 0; k < 3; ++k) {
+                power += resistance_of(of, i, k) * rate[k];
+            }
+        }
+    }
+    return power;
+}
+
+static void bending_power(const weft__subject *of, size_t r, weft_measures *row)
+{
+    const weft_cloth *cloth = of->cloth;
+    const double damping = cloth->rigidity.damping, *v = of->y + 3 * cloth->particles;
+    if (cloth->rigidity.present) {
+        row->power[WEFT_POWER_PINS] += pin_power(of, r);
+    }
+    if (cloth->rigidity.present && damping != 0.0) {
+        row->power[WEFT_POWER_SPRINGS] += damping * row_square(cloth, v, r);
+    }
+}
+
+static double bending_damping(const weft_cloth *cloth, size_t i)
+{
+    (void)cloth, (void)i;
+    return 0.0;
+}
+
+const weft__added weft__bending
+    = { bending_add, bending_power, bending_change, bending_damping };
+
+/* ---- the matrix ------------------------------------------------------------------ */
+
+/* Neighbours along a line of `count`. */
+static double neighbours(size_t at, size_t count)
+{
+    return (at > 0 ? 1.0 : 0.0) + (at + 1 < count ? 1.0 : 0.0);
+}
+
+/* The sum of row `at` of |D k D|, k = 1 where three are centred. */
+static double line_sum(size_t at, size_t count)
+{
+    const bool low = at > 0 && weft__inner(at - 1, count);
+    return 4.0 * (low ? 1.0 : 0.0) + (weft__inner(at, count) ? 8.0 : 0.0)
+           + (weft__inner(at + 1, count) ? 4.0 : 0.0);
+}
+
+double weft__bending_row_sum(const weft_cloth *cloth, size_t i)
+{
+    const size_t rows = cloth->rows, cols = cloth->cols, r = i / cols, c = i % cols;
+    const weft__rigidity *k = &cloth->rigidity;
+    return k->along * weft__strip(c, cols) * line_sum(r, rows)
+           + k->across * weft__strip(r, rows) * line_sum(c, cols)
+           + 4.0 * k->twist * neighbours(r, rows) * neighbours(c, cols);
+}
+
+/* The ways of pairs: rows down, columns to the right (-1: to the left). */
+static const struct {
+    size_t down;
+    ptrdiff_t right;
+} ways[WEFT_GROUPS] = { { 0, 1 }, { 1, 0 }, { 1, 1 }, { 1, -1 }, { 0, 2 }, { 2, 0 } };
+
+size_t weft__bending_pairs(const weft_cloth *cloth, size_t way, size_t r, size_t *p,
+                           size_t *q)
+{
+    const ptrdiff_t right = ways[way].right;
+    const size_t reach = right < 0 ? 1 : (size_t)right;
+    if (!cloth->rigidity.present || r + ways[way].down >= cloth->rows
+        || reach >= cloth->cols) {
+        return 0;
+    }
+    *p = r * cloth->cols + (right < 0 ? reach : 0);
+    *q = (size_t)((ptrdiff_t)(*p + ways[way].down * cloth->cols) + right);
+    return cloth->cols - reach;
+}
+
+double weft__bending_pull(const weft_cloth *cloth, size_t way, size_t p)
+{
+    const size_t rows = cloth->rows, cols = cloth->cols, r = p / cols, c = p % cols;
+    const weft__rigidity *k = &cloth->rigidity;
+    const double along = k->along * weft__strip(c, cols);
+    const double across = k->across * weft__strip(r, rows);
+    const size_t at = ways[way].down > 0 ? r : c,
+                 count = ways[way].down > 0 ? rows : cols;
+    const double inner = (weft__inner(at, count) ? 2.0 : 0.0)
+                         + (weft__inner(at + 1, count) ? 2.0 : 0.0);
+    const double pulls[WEFT_GROUPS] = { across * inner + k->twist * neighbours(r, rows),
+                                        along * inner + k->twist * neighbours(c, cols),
+                                        -k->twist,
+                                        -k->twist,
+                                        -across,
+                                        -along };
+    return pulls[way];
+}

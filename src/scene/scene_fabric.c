@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* scene_fabric.c -- the fabric of a scene, and its bending rigidity. */
+#include "cloth/model.h"
+#include "scene/read.h"
+
+/* The names are those of the library's table. */
+void weft__read_preset(weft__reader *reader, const weft__key *key,
+                       const weft__node *node, void *to)
+{
+    enum { MOST = 64 };
+    const char *names[MOST + 1] = { NULL };
+    size_t count, index;
+    const weft_fabric *presets = weft_fabric_presets(&count);
+    weft__key named = *key;
+    named.names = names;
+    for (size_t i = 0; i < count && i < MOST; ++i) {
+        names[i] = presets[i].name;
+    }
+    if (weft__find_name(reader, &named, node, &index)) {
+        *(weft_fabric *)to = presets[index];
+    }
+}
+
+void weft__check_fabric(weft__reader *reader, const weft__match *match, void *base)
+{
+    static const char *const needed[] = { "density", "stretch" };
+    weft_fabric *fabric = base;
+    if (weft__found_in(match, "preset")->key != NULL) {
+        return;
+    }
+    for (size_t i = 0; i < sizeof needed / sizeof needed[0]; ++i) {
+        char unit[32];
+        const weft__key *key = weft__key_named(match->section, needed[i]);
+        if (weft__lacks(match, needed[i]) && weft__lacks(match, "preset")) {
+            weft__report_error(reader->report, match->map->at,
+                               "%s lacks '%s'%s, which is required without 'preset'",
+                               match->title, needed[i],
+                               weft__unit_text(key, unit, sizeof unit));
+        }
+    }
+    if (weft__found_in(match, "twist")->key == NULL) {
+        fabric->twist = -1.0; /* the default */
+    }
+}
+
+void weft__make_fabric(weft__reader *reader, const weft__match *cloth)
+{
+    static const char *const excluded[] = { "mass", "density", "springs" };
+    const weft__found *fabric = weft__found_in(cloth, "fabric");
+    weft_error err;
+    for (size_t i = 0; i < sizeof excluded / sizeof excluded[0]; ++i) {
+        const weft__node *key = weft__found_in(cloth, excluded[i])->key;
+        if (key != NULL) {
+            weft__report_exclusive(reader->report, fabric->key, key);
+        }
+    }
+    if (fabric->wrong || weft__found_in(cloth, "grid")->wrong
+        || weft__found_in(cloth, "grid")->value == NULL) {
+        return;
+    }
+    if (weft_fabric_apply(&reader->scene->fabric, &reader->scene->cloth, &err)
+        != WEFT_OK) {
+        weft__report_error(reader->report, fabric->key->at, "%s", err.message);
+    }
+}
+
+/* With rigidity, damping is its time. */
+void weft__check_bend(weft__reader *reader, const weft__match *match, void *base)
+{
+    weft_cloth_def *cloth = base;
+    weft_spring_def *springs = &cloth->springs[WEFT_BEND];
+    const weft__node *twist = weft__found_in(match, "twist")->key;
+    const weft__found *damping = weft__found_in(match, "damping");
+    weft__check_one(reader, match, "stiffness", "rigidity");
+    springs->present = weft__found_in(match, "stiffness")->key != NULL;
+    if (weft__found_in(match, "rigidity")->key == NULL) {
+        if (twist != NULL) {
+            weft__report_error(reader->report, twist->at,
+                               "twist has no effect without rigidity [N m]");
+        }
+        return;
+    }
+    if (twist == NULL) {
+        cloth->bending.twist = -1.0; /* the default */
+    }
+    if (springs->damping != springs->weft_damping) {
+        weft__report_error(reader->report, damping->value->at,
+                           "damping of a rigidity must be one number [s], not a pair");
+    }
+    cloth->bending.damping = springs->damping;
+    springs->damping = springs->weft_damping = 0.0;
+}
