@@ -56,6 +56,25 @@ START_TEST(lists_are_at_most_80_characters_wide)
 }
 END_TEST
 
+START_TEST(fabrics_are_listed_and_described)
+{
+    expect(shell(WEFT " fabrics --yaml"), 0);
+    says("- name: \"11oz-black-denim\"\n  density: 0.324\n  stretch_warp: 411\n");
+    expect(shell(WEFT " fabrics --markdown"), 0);
+    says("| `11oz-black-denim` | 0.324 | 411, 2028 | 53.4 | 24.3, 16.0 | 16.4 |");
+    expect(shell(WEFT " check scenes/cantilever.yaml"), 0);
+    says("  fabric     11oz-black-denim: stretch springs ");
+    says("C11 411, C22 2028, C12 = G 53.4 N/m");
+    says("Peirce length 19.7 mm along columns, 17.1 mm along rows\n  warning ");
+    expect_narrow(80);
+    expect(shell(WEFT " check --yaml scenes/cantilever.yaml"), 0);
+    says("\n  fabric:\n    c11: ");
+    says("\n    coarse: true\n");
+    expect(shell(WEFT " check " OUT "/small.yaml"), 0);
+    ck_assert_ptr_null(strstr(output, "fabric"));
+}
+END_TEST
+
 START_TEST(what_is_said_of_a_scene_is_at_most_80_characters_wide)
 {
     const char *scene = OUT "/small.yaml";
@@ -208,6 +227,7 @@ TEST_SUITE(cli_output)
     tcase_set_timeout(program, 120.0);
     tcase_add_test(program, help_leaves_room_for_the_margin_of_a_manual_page);
     tcase_add_loop_test(program, lists_are_at_most_80_characters_wide, 0, 6);
+    tcase_add_test(program, fabrics_are_listed_and_described);
     tcase_add_loop_test(program, what_is_said_of_a_scene_is_at_most_80_characters_wide,
                         0, 2);
     tcase_add_test(program, many_exported_frames_are_one_line);

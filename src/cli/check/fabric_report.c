@@ -8,7 +8,7 @@
 typedef struct report {
     weft_fabric fabric; /* of the springs */
     double length[2];   /* [m] Peirce's, 0: none */
-    bool coarse;
+    bool coarse[2];     /* the spacing is above half of it */
 } report;
 
 /* false: there is nothing to report. */
@@ -21,9 +21,8 @@ static bool report_of(const weft_scene *scene, report *out)
     for (size_t k = 0; k < 2; ++k) {
         out->length[k] = weft_fabric_length(
             &out->fabric, k, sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]));
-        out->coarse = out->coarse
-                      || (neighbours[k] > 0 && out->length[k] > 0.0
-                          && def->spacing[k] > 0.5 * out->length[k]);
+        out->coarse[k] = neighbours[k] > 0 && out->length[k] > 0.0
+                         && def->spacing[k] > 0.5 * out->length[k];
     }
     return weft_scene_fabric(scene) != NULL || bend[0] > 0.0 || bend[1] > 0.0
            || def->bending.twist > 0.0;
@@ -61,11 +60,13 @@ void fabric_print(const weft_scene *scene)
         print_item("", "Peirce length %.3g mm along columns, %.3g mm along rows",
                    1e3 * of.length[0], 1e3 * of.length[1]);
     }
-    if (of.coarse) {
-        print_item("warning",
-                   "the spacing of %g and %g mm is above half the Peirce length: too "
-                   "coarse for the bends of this fabric",
-                   1e3 * def->spacing[0], 1e3 * def->spacing[1]);
+    for (size_t k = 0; k < 2; ++k) {
+        if (of.coarse[k]) {
+            print_item("warning",
+                       "the spacing of %g mm along %s is above half the Peirce length: "
+                       "too coarse for the bends of this fabric",
+                       1e3 * def->spacing[k], k == 0 ? "columns" : "rows");
+        }
     }
 }
 
@@ -85,6 +86,6 @@ void fabric_yaml(yaml_out *out, const weft_scene *scene)
     yaml_out_real(out, "twist", of.fabric.twist);
     yaml_out_real(out, "length_warp", of.length[0]);
     yaml_out_real(out, "length_weft", of.length[1]);
-    yaml_out_plain(out, "coarse", of.coarse ? "true" : "false");
+    yaml_out_plain(out, "coarse", of.coarse[0] || of.coarse[1] ? "true" : "false");
     yaml_out_close_map(out);
 }
