@@ -160,8 +160,8 @@ static int run_size(void *ctx, size_t i)
     }
     if (status == WEFT_OK) {
         take_values(self, i, &run);
+        self->results[i].done = true;
     }
-    err->status = status;
     weft_sim_destroy(run.sim);
     weft_cloth_destroy(cloth);
     return EXIT_DONE;
@@ -183,11 +183,11 @@ static int report_failures(const converge *self)
 {
     int code = EXIT_DONE;
     for (size_t i = 0; i < self->count; ++i) {
+        const char *message = self->results[i].err.message;
         weft_error why = self->results[i].err;
-        const weft_error *err = &self->results[i].err;
-        if (err->status != WEFT_OK) {
+        if (!self->results[i].done) {
             (void)snprintf(why.message, sizeof why.message, "size %zu: %.*s",
-                           self->size[i], (int)sizeof why.message - 40, err->message);
+                           self->size[i], (int)sizeof why.message - 40, message);
             code = report_error(&why);
         }
     }
@@ -206,11 +206,6 @@ static int run_sizes(converge *self, size_t jobs)
     if (self->results == NULL) {
         weft_error_set(&err, WEFT_NO_MEMORY, "no memory for the results");
         return report_error(&err);
-    }
-    for (size_t i = 0; i < self->count; ++i) {
-        for (size_t k = 0; k < self->quantity_count; ++k) {
-            self->results[i].values[k] = NAN;
-        }
     }
     const bool able = process_pool_run(&pool);
     progress_clear(&self->progress);

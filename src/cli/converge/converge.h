@@ -27,7 +27,8 @@ typedef struct converge_quantity {
 /* Of one size; shared by the processes. */
 typedef struct converge_result {
     weft_error err;
-    double values[CONVERGE_QUANTITIES]; /* NAN: none */
+    bool done;
+    double values[CONVERGE_QUANTITIES];
 } converge_result;
 
 typedef struct converge {

@@ -72,43 +72,37 @@ static int unknown_quantity(const converge *self, const record_series *series,
                        weft__guess_text(&guess, near, sizeof near));
 }
 
-/* "tip" stands for "tip.x", "tip.y" and "tip.z". */
-static void add_coordinates(converge *self, const converge_quantity *one,
-                            const char *name, char coordinate)
+static void add(converge *self, converge_quantity one, const char *name, size_t which)
 {
-    for (size_t k = 0; k < 3; ++k) {
-        if (coordinate == '\0' || coordinate == "xyz"[k]) {
-            converge_quantity *to = &self->quantities[self->quantity_count++];
-            *to = *one;
-            to->particle = true;
-            to->which = k;
-            (void)snprintf(to->name, sizeof to->name, "%s.%c", name, "xyz"[k]);
-        }
-    }
+    const char coordinate[] = { '.', "xyz"[which % 3], '\0' };
+    one.which = which;
+    (void)snprintf(one.name, sizeof one.name, "%s%s", name,
+                   one.particle ? coordinate : "");
+    self->quantities[self->quantity_count++] = one;
 }
 
+/* "tip" stands for "tip.x", "tip.y" and "tip.z". */
 static int add_quantity(converge *self, const record_series *series, const char *typed)
 {
     converge_quantity one = { 0 };
     char name[CONVERGE_NAME - 2];
-    size_t length = strlen(typed);
+    const char *dot = strrchr(typed, '.');
+    const int length = (int)(dot == NULL ? strlen(typed) : (size_t)(dot - typed));
+    const size_t before = self->quantity_count;
     for (size_t i = 0; i < series->columns; ++i) {
         if (strcmp(typed, series->names[i]) == 0) {
-            one.which = i;
-            (void)snprintf(one.name, sizeof one.name, "%s", typed);
-            self->quantities[self->quantity_count++] = one;
-            return EXIT_DONE;
+            add(self, one, typed, i);
         }
     }
-    const bool single = length > 2 && typed[length - 2] == '.'
-                        && strchr("xyz", typed[length - 1]) != NULL;
-    length -= single ? 2 : 0;
-    (void)snprintf(name, sizeof name, "%.*s", (int)length, typed);
-    if (!read_particle(self, name, &one)) {
-        return unknown_quantity(self, series, typed);
+    (void)snprintf(name, sizeof name, "%.*s", length, typed);
+    one.particle = read_particle(self, name, &one);
+    for (size_t k = 0; one.particle && k < 3; ++k) {
+        if (dot == NULL || (dot[1] == "xyz"[k] && dot[2] == '\0')) {
+            add(self, one, name, k);
+        }
     }
-    add_coordinates(self, &one, name, single ? typed[length + 1] : '\0');
-    return EXIT_DONE;
+    return self->quantity_count > before ? EXIT_DONE
+                                         : unknown_quantity(self, series, typed);
 }
 
 int converge_add_quantities(converge *self, const options *given)

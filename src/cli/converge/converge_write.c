@@ -39,27 +39,32 @@ static double extrapolate(double p, const double h[3], const double v[3])
 
 /* ---- the table -------------------------------------------------------------- */
 
-typedef struct row {
+typedef struct converge_row {
     size_t rows, cols;
     double spacing, value, difference, order, limit; /* NAN: none */
-} row;
+} converge_row;
 
-static row row_at(const converge *self, size_t of, size_t i)
+static double value_of(const converge_result *result, size_t of)
+{
+    return result->done ? result->values[of] : (double)NAN;
+}
+
+static converge_row row_at(const converge *self, size_t of, size_t i)
 {
     const refinement *grid = &self->grids[i];
     double h[3] = { 0 }, v[3] = { 0 };
     for (size_t k = i < 2 ? 2 - i : 0; k < 3; ++k) {
         h[k] = refine_spacing(&self->grids[i + k - 2], grid->along);
-        v[k] = self->results[i + k - 2].values[of];
+        v[k] = value_of(&self->results[i + k - 2], of);
     }
     const double order = i < 2 ? (double)NAN : order_of(h, v);
-    return (row){ .rows = grid->axis[0].refined,
-                  .cols = grid->axis[1].refined,
-                  .spacing = h[2],
-                  .value = v[2],
-                  .difference = i < 1 ? (double)NAN : v[2] - v[1],
-                  .order = order,
-                  .limit = extrapolate(order, h, v) };
+    return (converge_row){ .rows = grid->axis[0].refined,
+                           .cols = grid->axis[1].refined,
+                           .spacing = h[2],
+                           .value = v[2],
+                           .difference = i < 1 ? (double)NAN : v[2] - v[1],
+                           .order = order,
+                           .limit = extrapolate(order, h, v) };
 }
 
 static void print_number(int width, const char *format, double value)
@@ -78,7 +83,7 @@ void converge_print(const converge *self)
                self->quantities[of].name, "particles", "spacing", "value", "difference",
                "order", "extrapolated");
         for (size_t i = 0; i < self->count; ++i) {
-            const row one = row_at(self, of, i);
+            const converge_row one = row_at(self, of, i);
             char particles[48];
             (void)snprintf(particles, sizeof particles, "%zu x %zu", one.rows,
                            one.cols);
@@ -98,7 +103,7 @@ void converge_csv(const converge *self)
     puts("quantity,size,rows,cols,spacing,value,difference,order,extrapolated");
     for (size_t of = 0; of < self->quantity_count; ++of) {
         for (size_t i = 0; i < self->count; ++i) {
-            const row one = row_at(self, of, i);
+            const converge_row one = row_at(self, of, i);
             const double cells[]
                 = { one.spacing, one.value, one.difference, one.order, one.limit };
             record_csv_quoted(stdout, self->quantities[of].name);
