@@ -224,8 +224,10 @@ END_TEST
 START_TEST(values_per_particle_are_a_warning)
 {
     converge("stretched.yaml --sizes 5,9 --set cloth.mass=1 --set cloth.density=null "
-             "--set forces.damping=1",
+             "--set forces.damping=1 --set 'cloth.loads=[{at: {row: 0, cols: [0, 4]}, "
+             "mass: 1}]'",
              0);
+    says("weft: warning: the mass of cloth.loads is the same for each particle");
     says("weft: warning: cloth.mass is the same for each particle, so its effect "
          "depends on the size\n");
     says("weft: warning: forces.damping is the same for each particle");

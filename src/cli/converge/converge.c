@@ -218,6 +218,18 @@ static int run_sizes(converge *self, size_t jobs)
 
 /* ---- the verb --------------------------------------------------------------- */
 
+/* Whether a load lies on several particles. */
+static bool is_spread(const weft_cloth_def *cloth)
+{
+    bool spread = false;
+    for (size_t i = 0; i < cloth->load_count; ++i) {
+        const weft_load *load = &cloth->loads[i];
+        spread = spread || (cloth->rows > 1 && load->rows.first != load->rows.last)
+                 || (cloth->cols > 1 && load->cols.first != load->cols.last);
+    }
+    return spread;
+}
+
 static void warn_of_particles(const weft_cloth_def *cloth)
 {
     const weft_spring_def *bend = &cloth->springs[WEFT_BEND];
@@ -226,13 +238,14 @@ static void warn_of_particles(const weft_cloth_def *cloth)
         const char *key;
     } keys[] = { { cloth->mass > 0.0, "cloth.mass" },
                  { cloth->drag > 0.0, "forces.damping" },
+                 { is_spread(cloth), "the mass of cloth.loads" },
                  { bend->present && bend->stiffness > 0.0, "cloth.springs.bend" } };
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {
         if (keys[i].used) {
             fprintf(stderr,
                     "weft: warning: %s is the same for each %s, so its effect depends "
                     "on the size\n",
-                    keys[i].key, i < 2 ? "particle" : "spring");
+                    keys[i].key, i < 3 ? "particle" : "spring");
         }
     }
 }

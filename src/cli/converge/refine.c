@@ -151,7 +151,7 @@ static void put_vector(FILE *out, const char *name, const double v[3])
 static void put_place(const refinement *self, FILE *out, weft_range rows,
                       weft_range cols)
 {
-    size_t r[2], c[2];
+    size_t r[2] = { 0 }, c[2] = { 0 };
     (void)scale_place(self, rows, cols, r, c);
     fprintf(out, "at: {rows: [%zu, %zu], cols: [%zu, %zu]}", r[0], r[1], c[0], c[1]);
 }
