@@ -41,11 +41,12 @@ typedef enum progress_mode {
 /* The command line of a verb. */
 typedef struct options {
     const char *plugin_path, *out, *frames, *format, *frame, *progress, *tolerance;
-    const char *timeout, *shard, *methods, *until;
+    const char *timeout, *shard, *methods, *until, *sizes;
     size_t jobs; /* 0: not given */
-    const char **sets;
-    size_t set_count;
+    const char **sets, **ats;
+    size_t set_count, at_count;
     bool quiet, force, yaml, markdown, all, refine, view, retry_failed, summary;
+    bool csv, clamp_midway;
     progress_mode mode; /* by `progress` and `quiet` */
     char **operands;    /* the rest of argv */
     int operand_count;
@@ -53,7 +54,7 @@ typedef struct options {
 } options;
 
 /* A table for getopt_long: each option fills a member of struct options, a bool or a
- * text; --set adds to `sets`, --jobs is a number. */
+ * text; --set adds to `sets`, --at to `ats`, --jobs is a number. */
 #define OPTION_AT(member) (256 + (int)offsetof(options, member))
 #define OPTION_FLAG(name, member)                                                      \
     {                                                                                  \
@@ -86,7 +87,7 @@ typedef struct verb {
 
 extern const verb verb_run, verb_resume, verb_batch, verb_check, verb_steppers,
     verb_fabrics, verb_scene_help, verb_export, verb_view, verb_diff, verb_compare,
-    verb_plugin_test;
+    verb_converge, verb_plugin_test;
 
 /* options.c: parses the command line, argv[0] being the verb, and runs it. Returns the
  * exit code. */
@@ -161,6 +162,9 @@ weft_status cloth_create(const weft_scene *scene, weft_cloth **cloth, weft_error
 
 /* records.c: WEFT_BAD_SCENE if run.vtkhdf cannot hold the frames of a scene. */
 weft_status frames_have_room(const weft_scene *scene, weft_error *err);
+
+/* records.c: the optional columns of series.csv in runs of a scene: RECORD_... */
+unsigned series_columns(const weft_scene *scene);
 
 /* A simulation of a scene: cloth and sim, or NULL both. */
 weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,

@@ -55,6 +55,8 @@ static void apply(const struct option *option, options *out)
     size_t jobs;
     if (option->val == OPTION_AT(sets)) {
         out->sets[out->set_count++] = optarg;
+    } else if (option->val == OPTION_AT(ats)) {
+        out->ats[out->at_count++] = optarg;
     } else if (option->val == OPTION_AT(jobs)) {
         out->jobs = option_count(optarg, '\0', &jobs) && jobs <= MOST_JOBS ? jobs : 0;
     } else if (option->has_arg == required_argument) {
@@ -160,10 +162,13 @@ static int parse(const verb *self, int argc, char **argv, options *out)
 
 int verb_start(const verb *self, int argc, char **argv)
 {
-    options given = { .sets = calloc((size_t)argc, sizeof *given.sets) };
-    if (given.sets == NULL) {
+    options given = { .sets = calloc((size_t)argc, sizeof *given.sets),
+                      .ats = calloc((size_t)argc, sizeof *given.ats) };
+    if (given.sets == NULL || given.ats == NULL) {
         weft_error err = { 0 };
         weft_error_set(&err, WEFT_NO_MEMORY, "out of memory");
+        free(given.sets);
+        free(given.ats);
         return report_error(&err);
     }
     int code = parse(self, argc, argv, &given);
@@ -173,5 +178,6 @@ int verb_start(const verb *self, int argc, char **argv)
         weft_registry_destroy(given.registry);
     }
     free(given.sets);
+    free(given.ats);
     return code;
 }

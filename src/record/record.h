@@ -147,6 +147,8 @@ typedef struct record_series {
     weft_spring worst;              /* the spring of max_strain in the last row */
 } record_series;
 
+/* Names the columns. Until a file is opened, record_series_add only fills `row`. */
+void record_series_begin(record_series *series, unsigned optional);
 weft_status record_series_open(record_series *series, const char *directory,
                                unsigned optional, weft_error *err);
 weft_status record_series_reopen(record_series *series, const char *directory,

@@ -88,8 +88,9 @@ static series_row measure(const record_frame *frame)
     return row;
 }
 
-static void list_columns(record_series *series)
+void record_series_begin(record_series *series, unsigned optional)
 {
+    series->optional = optional;
     series->columns = 0;
 #define NAME(name, format, value) series->names[series->columns++] = #name;
     COLUMNS(NAME)
@@ -109,8 +110,7 @@ static void list_columns(record_series *series)
 static weft_status open_table(record_series *series, const char *directory, bool again,
                               unsigned optional, weft_error *err)
 {
-    series->optional = optional;
-    list_columns(series);
+    record_series_begin(series, optional);
     return record_table_open(&series->table, directory, "series.csv", again, err);
 }
 
@@ -163,5 +163,6 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
     }
 #undef CELL
     line[used - 1] = '\n';
-    return record_table_write(&series->table, line, err);
+    return series->table.stream == NULL ? WEFT_OK
+                                        : record_table_write(&series->table, line, err);
 }

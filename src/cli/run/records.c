@@ -121,7 +121,7 @@ static bool is_intact(const record_table *table, const record_extent *kept)
            || record_bytes_sum(table->path, 0, kept->length) == kept->sum;
 }
 
-static unsigned columns(const weft_scene *scene)
+unsigned series_columns(const weft_scene *scene)
 {
     const uint32_t flags = weft_scene_method_type(scene)->flags;
     return (weft_scene_record(scene)->ledger ? RECORD_LEDGER : 0u)
@@ -134,7 +134,8 @@ static weft_status check_records(run *self, weft_error *err)
     const record_checkpoint *from = self->from;
     const record_vtkhdf_def def = frames_of(self);
     bool equal = false;
-    TRY(record_series_reopen(&self->series, self->out, columns(self->scene), err));
+    TRY(record_series_reopen(&self->series, self->out, series_columns(self->scene),
+                             err));
     TRY(record_shapes_open(&self->shapes, self->out, self->cloth, true, err));
     TRY(record_vtkhdf_reopen(&def, &from->vtkhdf, &self->frames, &equal, err));
     if (!is_intact(&self->series.table, &from->series)) {
@@ -171,7 +172,7 @@ static weft_status open_records(run *self, weft_error *err)
     const record_vtkhdf_def def = frames_of(self);
     TRY(record_text(self->out, "scene.yaml", weft_scene_text(self->scene), err));
     TRY(write_manifest(self, err));
-    TRY(record_series_open(&self->series, self->out, columns(self->scene), err));
+    TRY(record_series_open(&self->series, self->out, series_columns(self->scene), err));
     TRY(record_shapes_open(&self->shapes, self->out, self->cloth, false, err));
     return record_vtkhdf_create(&def, &self->frames, err);
 }
