@@ -69,7 +69,7 @@ static void print_solver(const summary *self)
     char systems[HUMAN], iterations[HUMAN], failures[HUMAN];
     const weft_stepper_stats stats = weft_sim_stats(self->sim);
     if (stats.factorisations > 0) {
-        print_item("solver", "%s Jacobians, %s iterations, %s systems not solved",
+        print_item("solver", "%s Jacobians, %s iterations, %s failures",
                    human_count(stats.factorisations, systems),
                    human_count(stats.linear_iterations, iterations),
                    human_count(stats.newton_failures, failures));
