@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* kernel_bending.c -- the bending of bending.h, LANES columns at a time, in one pass over
- * the rows of each plane. With P = k_r D_r x + k_t D_c x and Q = k_c D_c x,
+/* kernel_bending.c -- the bending of bending.h, LANES columns at a time, in one pass
+ * over the rows of each plane. With P = k_r D_r x + k_t D_c x and Q = k_c D_c x,
  *
  *     K x = (P(r+1) - P(r)) + (D_c Q(r) - (P(r) - P(r-1)))
  *
@@ -12,7 +12,7 @@
 
 #include <string.h>
 
-/* TILE columns, a block on their left and three on their right. */
+/* TILE columns, a block on their left and four on their right. */
 enum { TILE = 128, SPAN = LANES + TILE + 4 * LANES };
 
 /* Column c is at c - first + LANES. */
@@ -20,9 +20,9 @@ typedef struct strip {
     _Alignas(64) double moment[3 * SPAN]; /* [N] P of the row before */
     double waiting[3 * SPAN];             /* [N] D_c Q of that row less its pull */
     double field[3][3 * SPAN];            /* [m] x + damping v, of rows r % 3 */
-    double columns[SPAN];                 /* [N/m] k_r of rows that are not on the rim */
-    mask right2[2];                       /* whether two columns follow, from `inner` on */
-    vec bad;                              /* 0 or NaN */
+    double columns[SPAN]; /* [N/m] k_r of rows that are not on the rim */
+    mask right2[2];       /* whether two columns follow, from `inner` on */
+    vec bad; /* the sum of all v', which only numbers that are not finite spoil */
     const weft_cloth *cloth;
     const double *y;
     double *dydt;
@@ -76,7 +76,7 @@ INLINE void row_end(strip *self, line of, trail *left, const double *mass, doubl
     for (size_t l = 0; to != NULL && l < count; ++l) {
         double *at = to + (self->inner - self->first) + l;
         *at -= change[l];
-        self->bad[0] *= *at * 0.0;
+        self->bad[0] += *at;
     }
 }
 
@@ -133,7 +133,8 @@ static line line_of(strip *self, size_t r, size_t k)
                    .waiting = self->waiting + k * SPAN + LANES };
 }
 
-/* Plane k of row r; adds the force on the row before it to `to`, unless that is NULL. */
+/* Plane k of row r; adds the force on the row before it to `to`, unless that is NULL.
+ */
 static void row(strip *self, size_t r, size_t k, const double *mass, double *to)
 {
     const line of = line_of(self, r, k);
@@ -149,7 +150,7 @@ static void row(strip *self, size_t r, size_t k, const double *mass, double *to)
         if (to != NULL && j >= 0) {
             const vec sums = load(to + j) - load(mass + j) * force;
             store(to + j, sums);
-            bad *= sums * 0.0;
+            bad += sums;
         }
     }
     self->bad = bad;
@@ -162,7 +163,7 @@ static void row(strip *self, size_t r, size_t k, const double *mass, double *to)
 static void tile(strip *self, size_t first_row, size_t end_row)
 {
     const size_t n = self->cloth->particles, rows = self->cloth->rows;
-    size_t taken = before(before(first_row)); /* rows, so far */
+    size_t taken = before(before(first_row));           /* rows, so far */
     for (size_t s = first_row; s <= end_row + 1; ++s) { /* row s - 1 */
         const size_t r = before(s) < rows ? before(s) : rows - 1;
         const bool adds = s > first_row + 1;
@@ -183,7 +184,7 @@ static void start(strip *self, const weft__subject *of, double *dydt)
     memset(self, 0, sizeof *self);
     self->cloth = cloth, self->y = of->y, self->dydt = dydt;
     self->inner = cloth->cols < 2 ? 0 : (cloth->cols - 2) / LANES * LANES;
-    /* blocks at the end read LANES + 1 columns more, of the next plane */
+    /* blocks at the end read up to 2 LANES numbers beyond the plane of z */
     self->aside = cloth->rigidity.damping != 0.0 || 3 * cloth->particles <= 2 * LANES;
     for (size_t l = 0; l < 2 * LANES; ++l) {
         self->right2[l / LANES][l % LANES] = self->inner + l + 2 < cloth->cols ? -1 : 0;
@@ -208,5 +209,5 @@ int NAME(bending, LEVEL)(const weft__subject *of, double *dydt, size_t first_row
         }
         tile(&self, first_row, end_row);
     }
-    return sum(self.bad) == 0.0 ? 0 : 1;
+    return sum(self.bad) * 0.0 == 0.0 ? 0 : 1;
 }

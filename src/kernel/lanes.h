@@ -127,7 +127,8 @@ INLINE bool any(mask a)
 #endif
 }
 
-/* The last lane, or the last two, of a, followed by the first lanes of b. */
+/* SHIFT: the last lane, or the last two, of a, followed by the first lanes of b. NEXT:
+ * a but for its first lane, or its first two, followed by the first lanes of b. */
 #if LANES == 2
 #define NEXT_1(a, b)  __builtin_shufflevector(a, b, 1, 2)
 #define NEXT_2(a, b)  __builtin_shufflevector(a, b, 2, 3)
