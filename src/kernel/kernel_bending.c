@@ -45,7 +45,7 @@ typedef struct trail {
 } trail;
 
 /* The resistance [N] of the row before in the block at j; rim: see `right2`. */
-INLINE vec block(line of, size_t j, trail *left, const mask *rim)
+INLINE vec block(line of, ptrdiff_t j, trail *left, const mask *rim)
 {
     const vec here = left->ahead, ahead = load(of.here + j + LANES);
     const vec next = NEXT_1(here, ahead), slope = NEXT_2(here, ahead) - next;
@@ -70,7 +70,7 @@ INLINE void row_end(strip *self, line of, trail *left, const double *mass, doubl
     double change[2 * LANES];
     for (size_t e = 0; e * LANES < count; ++e) {
         const size_t j = self->inner - self->first + e * LANES;
-        const vec force = block(of, j, left, &self->right2[e]);
+        const vec force = block(of, (ptrdiff_t)j, left, &self->right2[e]);
         store(change + e * LANES, load(mass + j) * force);
     }
     for (size_t l = 0; to != NULL && l < count; ++l) {
@@ -96,16 +96,17 @@ static void take_row(strip *self, size_t r)
     const size_t n = self->cloth->particles, cols = self->cloth->cols;
     const size_t low = self->first > 0 ? self->first - LANES : 0;
     const size_t high = self->end < self->inner ? self->end + 2 : cols;
-    const vec damping = splat(self->cloth->rigidity.damping);
+    const double damping = self->cloth->rigidity.damping;
+    const size_t v = damping != 0.0 ? 3 * n : 0; /* from x; without, x + 0 x is x */
     for (size_t k = 0; k < 3; ++k) {
         const double *x = self->y + k * n + r * cols + low;
         double *to = self->field[r % 3] + k * SPAN + (LANES + low - self->first);
         size_t j = 0;
         for (; j + LANES <= high - low; j += LANES) {
-            store(to + j, load(x + j) + damping * load(x + j + 3 * n));
+            store(to + j, load(x + j) + damping * load(x + j + v));
         }
         for (; j < high - low; ++j) {
-            to[j] = x[j] + self->cloth->rigidity.damping * x[j + 3 * n];
+            to[j] = x[j] + damping * x[j + v];
         }
     }
 }
@@ -133,8 +134,7 @@ static line line_of(strip *self, size_t r, size_t k)
                    .waiting = self->waiting + k * SPAN + LANES };
 }
 
-/* Plane k of row r; adds the force on the row before it to `to`, unless that is NULL.
- */
+/* Plane k of row r; adds the force on the row before to `to`, unless that is NULL. */
 static void row(strip *self, size_t r, size_t k, const double *mass, double *to)
 {
     const line of = line_of(self, r, k);
@@ -146,7 +146,7 @@ static void row(strip *self, size_t r, size_t k, const double *mass, double *to)
         left.turn[LANES - 1] = of.here[1] - of.here[0];
     }
     for (ptrdiff_t j = begin; j < count; j += LANES) {
-        const vec force = block(of, (size_t)j, &left, NULL);
+        const vec force = block(of, j, &left, NULL);
         if (to != NULL && j >= 0) {
             const vec sums = load(to + j) - load(mass + j) * force;
             store(to + j, sums);
