@@ -348,28 +348,50 @@ static void hang(weft_cloth_def def, double tip[2])
         weft_cloth_destroy(cloth);
     }
     tip[0] = y[def.cols - 1];
-    tip[1] = y[2 * def.cols - 1];
+    tip[1] = y[(def.rows + 1) * def.cols - 1];
+}
+
+/* Tips of an overhang of 0.1 m by an independent solver. */
+static const struct {
+    double rigidity;
+    size_t n;
+    double tip[2];
+} tips[] = {
+    { 2.4525e-4, 9, { .0722899384, -.0637931402 } },
+    { 2.4525e-4, 17, { .0724026965, -.0640078674 } },
+    { 3.065625e-5, 9, { .0202694316, -.0908031288 } },
+    { 3.065625e-5, 17, { .0206620624, -.0918387888 } },
+};
+enum { TIPS = sizeof tips / sizeof tips[0] };
+
+static void hangs_at(weft_cloth_def def, const double wanted[2])
+{
+    double tip[2];
+    hang(def, tip);
+    ck_assert_msg(fabs(tip[0] - wanted[0]) < 1e-9 && fabs(tip[1] - wanted[1]) < 1e-9,
+                  "%.10f, %.10f", tip[0], tip[1]);
 }
 
 START_TEST(chain_hangs_where_another_solver_has_it)
 {
-    static const struct {
-        double rigidity;
-        size_t n;
-        double tip[2];
-    } known[] = {
-        { 2.4525e-4, 9, { .0722899384, -.0637931402 } },
-        { 2.4525e-4, 17, { .0724026965, -.0640078674 } },
-        { 3.065625e-5, 9, { .0202694316, -.0908031288 } },
-        { 3.065625e-5, 17, { .0206620624, -.0918387888 } },
-    };
-    for (size_t k = 0; k < sizeof known / sizeof known[0]; ++k) {
-        double tip[2];
-        hang(cantilever(known[k].n, known[k].rigidity, 1000.0), tip);
-        ck_assert_msg(fabs(tip[0] - known[k].tip[0]) < 1e-9
-                          && fabs(tip[1] - known[k].tip[1]) < 1e-9,
-                      "%zu: %.10f, %.10f", k, tip[0], tip[1]);
-    }
+    hangs_at(cantilever(tips[_i].n, tips[_i].rigidity, 1000.0), tips[_i].tip);
+}
+END_TEST
+
+/* Three rows, side by side along z, of a fabric without shear. */
+START_TEST(strip_hangs_as_the_chain)
+{
+    static const weft_pin ends[] = { { .rows = { 0, -1 }, .cols = { 0, 1 } } };
+    const weft_fabric fabric = { .density = 0.2,
+                                 .stretch = { 500.0, 1000.0 },
+                                 .bend = { 0.0, tips[_i].rigidity } };
+    weft_cloth_def def = cantilever(tips[_i].n, 0.0, 1.0);
+    def.rows = 3;
+    def.spacing[0] = 0.03;
+    def.down[1] = 0.0, def.down[2] = 1.0;
+    def.pins = ends;
+    ck_assert_int_eq(weft_fabric_apply(&fabric, &def, NULL), WEFT_OK);
+    hangs_at(def, tips[_i].tip);
 }
 END_TEST
 
@@ -691,7 +713,8 @@ TEST_SUITE(bending)
     tcase_add_loop_test(tcase, force_is_the_slope_of_the_energy, 0, SIZES);
     tcase_add_loop_test(tcase, flat_cloth_feels_nothing, 0, SIZES);
     tcase_add_loop_test(tcase, momentum_and_heat, 0, SIZES);
-    tcase_add_test(tcase, chain_hangs_where_another_solver_has_it);
+    tcase_add_loop_test(tcase, chain_hangs_where_another_solver_has_it, 0, TIPS);
+    tcase_add_loop_test(tcase, strip_hangs_as_the_chain, 0, TIPS);
     tcase_add_loop_test(tcase, cantilever_converges_to_the_heavy_elastica, 0, 5);
     tcase_add_test(tcase, hanging_chain_is_as_long_with_any_rigidity);
     tcase_add_test(tcase, cantilever_swings_at_its_frequency);

@@ -17,6 +17,9 @@ static const char *const setups[] = {
     "--set 'contact={friction: 0, shapes: [{shape: sphere, at: [0.4, -0.3, 0.3], "
     "radius: 0.2}, {shape: plane, at: [0, -1.5, 0], normal: [0, 1, 0], velocity: [0, "
     "0.5, 0]}]}' --set stepper.fixed_step=5e-4",
+    "--set 'cloth={grid: {rows: 4, cols: 5, spacing: [0.1, 0.2]}, pins: [top-left], "
+    "fabric: {density: 0.3, stretch: [20, 60], shear: 9, bend: [2.0e-2, 1.0e-2], "
+    "damping: 1.0e-3}}' --set record.ledger=true",
     "--set 'stepper={plugin: stiff, method: rkc2}' --set "
     "cloth.springs.stretch.damping=5 --set record.ledger=true",
     "--set 'stepper={plugin: stiff, method: ros2, rtol: 1.0e-4, atol: 1.0e-4, solver: "

@@ -9,6 +9,8 @@
 #define G    9.81
 #define MOST 36 /* particles */
 
+enum { SHEET = 17 * 17 }; /* particles of the largest sheets that settle */
+
 /* The black denim of the presets, measured; its springs below were computed by hand. */
 static const weft_fabric denim = { .density = 0.324,
                                    .stretch = { 411.0, 2028.0 },
@@ -179,30 +181,79 @@ START_TEST(hanging_sheet_stretches_by_the_same_on_every_grid)
 }
 END_TEST
 
+/* Semi-implicit Euler of a damped motion, until it rests; `rate` [1/s]. */
+static weft_cloth *settled(weft_cloth_def def, double rate, double step, double *y)
+{
+    enum { STEPS = 15000 };
+    static double dydt[6 * SHEET];
+    const size_t n = def.rows * def.cols;
+    def.drag = rate * 0.2 / (double)((def.rows - 1) * (def.cols - 1));
+    weft_cloth *cloth = test_cloth(&def);
+    weft_cloth_start(cloth, y);
+    for (int i = 0; i < STEPS; ++i) {
+        ck_assert_int_eq(weft_cloth_rhs(cloth, 0.0, y, dydt), 0);
+        for (size_t j = 3 * n; j < 6 * n; ++j) {
+            y[j] += step * dydt[j];
+            y[j - 3 * n] += step * y[j];
+        }
+    }
+    return cloth;
+}
+
 /* With shear the pinned row keeps the sheet from contracting: values of an independent
- * solver. Heavy-ball descent; gravity has pulled straight what could buckle. */
+ * solver. Gravity has pulled straight what could buckle. */
 START_TEST(hanging_sheet_with_shear)
 {
-    enum { SIDE = 5, COUNT = SIDE * SIDE, STEPS = 20000 };
+    static const struct {
+        size_t side;
+        double middle, corner; /* [m] */
+    } known[] = { { 5, 0.010158801678, 0.009928091636 },
+                  { 9, 0.010193071724, 0.009881848919 } };
+    static double y[6 * SHEET];
     const weft_fabric fabric
         = { .density = 0.2, .stretch = { 100.0, 100.0 }, .shear = 20.0 };
     const weft_pin top = { .rows = { 0, 0 }, .cols = { 0, -1 } };
-    weft_cloth_def def = made(&fabric, SIDE, SIDE, 0.25, 0.25);
-    double y[6 * COUNT], dydt[6 * COUNT];
-    def.pins = &top, def.pin_count = 1;
-    def.drag = 0.05;
-    weft_cloth *cloth = test_cloth(&def);
-    weft_cloth_start(cloth, y);
-    for (int i = 0; i < STEPS; ++i) { /* semi-implicit Euler of a damped fall */
-        ck_assert_int_eq(weft_cloth_rhs(cloth, 0.0, y, dydt), 0);
-        for (size_t j = 3 * COUNT; j < 6 * COUNT; ++j) {
-            y[j] += 2e-3 * dydt[j];
-            y[j - 3 * COUNT] += 2e-3 * y[j];
-        }
+    for (size_t k = 0; k < 2; ++k) {
+        const size_t side = known[k].side, n = side * side;
+        const double h = 1.0 / (double)(side - 1);
+        weft_cloth_def def = made(&fabric, side, side, h, h);
+        def.pins = &top, def.pin_count = 1;
+        weft_cloth *cloth = settled(def, 8.0, 0.016 * h, y);
+        near(-1.0 - y[2 * n - 1 - side / 2], known[k].middle, 1e-9);
+        near(-1.0 - y[2 * n - 1], known[k].corner, 1e-9);
+        weft_cloth_destroy(cloth);
     }
-    near(-1.0 - y[2 * COUNT - 3], 0.010158801678, 1e-9);
-    near(-1.0 - y[2 * COUNT - 1], 0.009928091636, 1e-9);
-    weft_cloth_destroy(cloth);
+}
+END_TEST
+
+/* Level, all four edges pinned: how far the middle sags, by an independent solver. */
+START_TEST(pinned_sheet_sags)
+{
+    static const struct {
+        size_t side;
+        double sag; /* [m] */
+    } known[]
+        = { { 5, 0.077003488251 }, { 9, 0.075781400332 }, { 17, 0.075486993681 } };
+    static double y[6 * SHEET];
+    const weft_fabric fabric = { .density = 0.2,
+                                 .stretch = { 100.0, 150.0 },
+                                 .shear = 20.0,
+                                 .bend = { 1e-5, 2e-5 },
+                                 .twist = -1.0 };
+    const weft_pin edges[] = { { .rows = { 0, 0 }, .cols = { 0, -1 } },
+                               { .rows = { -1, -1 }, .cols = { 0, -1 } },
+                               { .rows = { 0, -1 }, .cols = { 0, 0 } },
+                               { .rows = { 0, -1 }, .cols = { -1, -1 } } };
+    for (size_t k = 0; k < 3; ++k) {
+        const size_t side = known[k].side, n = side * side;
+        const double h = 1.0 / (double)(side - 1);
+        weft_cloth_def def = made(&fabric, side, side, h, h);
+        def.down[1] = 0.0, def.down[2] = 1.0;
+        def.pins = edges, def.pin_count = 4;
+        weft_cloth *cloth = settled(def, 20.0, 0.016 * h, y);
+        near(-y[n + n / 2], known[k].sag, 1e-10);
+        weft_cloth_destroy(cloth);
+    }
 }
 END_TEST
 
@@ -366,6 +417,7 @@ TEST_SUITE(fabric)
     tcase_add_test(tcase, moduli_are_those_of_any_springs);
     tcase_add_test(tcase, hanging_sheet_stretches_by_the_same_on_every_grid);
     tcase_add_test(tcase, hanging_sheet_with_shear);
+    tcase_add_test(tcase, pinned_sheet_sags);
     tcase_add_test(tcase, impossible_fabrics_are_refused);
     tcase_add_test(tcase, bounds_of_the_ratio_are_possible);
     tcase_add_test(tcase, presets_can_be_made_of_springs);

@@ -2,8 +2,8 @@
 /* evaluate.c -- evaluates the forces of P(100) three times, for tools/guard, which
  * counts instructions; prints how many springs that were. Argument: all, all springs;
  * undamped; stretch, that family alone and undamped; wind, the springs of stretch and
- * wind; contact, those and a plane that all particles touch; far, one that none does.
- */
+ * wind; bending, those and a rigidity; contact, those and a plane that all particles
+ * touch; far, one that none does. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,6 +25,7 @@ int main(int argc, char **argv)
         def.springs[f].present = all || undamped || f == WEFT_STRETCH;
     }
     def.wind_drag = strcmp(what, "wind") == 0 ? 1.0 : 0.0;
+    def.bending.rigidity[0] = strcmp(what, "bending") == 0 ? 1e-5 : 0.0;
     weft_shape plane = weft_shape_default(WEFT_PLANE);
     plane.at[1] = strcmp(what, "far") == 0 ? -0.1 : -0.003;
     def.contact.shapes = &plane;

@@ -95,10 +95,11 @@ static double resistance(const field *of, size_t i)
 {
     const size_t rows = of->cloth->rows, cols = of->cloth->cols;
     const size_t r = i / cols, c = i % cols;
-    return second(column_moment(of, before(r), c), column_moment(of, r, c),
-                  column_moment(of, after(r, rows), c))
-           + second(row_moment(of, r, before(c)), row_moment(of, r, c),
-                    row_moment(of, r, after(c, cols)));
+    const double moment = column_moment(of, r, c);
+    const double across = second(row_moment(of, r, before(c)), row_moment(of, r, c),
+                                 row_moment(of, r, after(c, cols)));
+    return (column_moment(of, after(r, rows), c) - moment)
+           + (across - (moment - column_moment(of, before(r), c)));
 }
 
 /* [N] of plane k of a state. */

@@ -1,62 +1,82 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* kernel_bending.c -- the bending of bending.h, LANES columns at a time: row after row
- * of x + damping v, from three of these the moments of the middle one, and from three
- * rows of moments the force on the middle one. The rows stay in the first cache, TILE
- * columns wide, with two more on either side. */
+/* kernel_bending.c -- the bending of bending.h, LANES columns at a time, in one pass
+ * over the rows of each plane. With P = k_r D_r x + k_t D_c x and Q = k_c D_c x,
+ *
+ *     K x = (P(r+1) - P(r)) + (D_c Q(r) - (P(r) - P(r-1)))
+ *
+ * A row finds its P and D_c Q, and with them the force on the row before, whose P and
+ * second sum wait in the first cache. Beyond the rim is the last row once more. */
 #include "cloth/bending.h"
 #include "cloth/levels.h"
 #include "kernel/lanes.h"
 
 #include <string.h>
 
-/* ASIDE: on either side, so that blocks are aligned. */
-enum { TILE = 128, ASIDE = 16, SPAN = TILE + 2 * ASIDE };
+/* TILE columns, a block on their left and four on their right. */
+enum { TILE = 128, SPAN = LANES + TILE + 4 * LANES };
 
-/* Column c is at c - first + ASIDE. */
+/* Column c is at c - first + LANES. */
 typedef struct strip {
-    double field[3][3 * SPAN];  /* [m] x + damping v, of rows r % 3 */
-    double moment[3 * SPAN];    /* [N] P = k_r D_r + k_t D_c, of the last row */
-    double pull[2][3 * SPAN];   /* [N] P of row r + 1 less that of row r, r % 2 */
-    double across[2][3 * SPAN]; /* [N] D_c k_c D_c of rows r % 2 */
-    double columns[SPAN];       /* the part of k_r by column */
-    mask inner[SPAN / LANES];   /* where k_c is not 0 */
-    vec bad;                    /* 0 or NaN */
+    _Alignas(64) double moment[3 * SPAN]; /* [N] P of the row before */
+    double waiting[3 * SPAN];             /* [N] D_c Q of that row less its pull */
+    double field[3][3 * SPAN];            /* [m] x + damping v, of rows r % 3 */
+    double columns[SPAN]; /* [N/m] k_r of rows that are not on the rim */
+    mask right2[2];       /* whether two columns follow, from `inner` on */
+    vec bad; /* the sum of all v', which only numbers that are not finite spoil */
     const weft_cloth *cloth;
     const double *y;
     double *dydt;
-    size_t first, end; /* columns */
+    bool aside;   /* in `field` instead of y */
+    size_t inner; /* columns in blocks that two columns follow */
+    size_t first, end;
 } strip;
 
-/* x + damping v of `count` columns at x, of planes n apart. */
-INLINE void take(const double *x, size_t n, double damping, size_t count, double *to)
+/* What a block reads and writes of a plane, by its first column. */
+typedef struct line {
+    const double *above, *here, *below; /* [m] */
+    const double *along;                /* [N/m] k_r */
+    vec across, twist;                  /* [N/m] k_c and k_t */
+    double *moment, *waiting;
+} line;
+
+/* What a block leaves to the next one on its right. */
+typedef struct trail {
+    vec ahead, turn, moment, rise;
+} trail;
+
+/* The resistance [N] of the row before in the block at j; rim: see `right2`. */
+INLINE vec block(line of, ptrdiff_t j, trail *left, const mask *rim)
 {
-    vec3 a = load3_some(x, n, count);
-    if (damping != 0.0) {
-        const vec3 v = load3_some(x + 3 * n, n, count);
-        a = plus(a, scaled(splat(damping), v));
-    }
-    store3_some(to, SPAN, a, count);
+    const vec here = left->ahead, ahead = load(of.here + j + LANES);
+    const vec next = NEXT_1(here, ahead), slope = NEXT_2(here, ahead) - next;
+    const vec turn = (rim != NULL ? only(slope, *rim) : slope) - (next - here);
+    const vec bent = of.across * turn; /* Q of the column to the right */
+    const vec moment = rim != NULL ? only(bent, *rim) : bent;
+    const vec rise = moment - SHIFT_1(left->moment, moment);
+    const vec down = (load(of.below + j) - here) - (here - load(of.above + j));
+    const vec p = load(of.along + j) * down + of.twist * SHIFT_1(left->turn, turn);
+    const vec pull = p - load(of.moment + j);
+    const vec force = pull + load(of.waiting + j);
+    store(of.waiting + j, (rise - SHIFT_1(left->rise, rise)) - pull);
+    store(of.moment + j, p);
+    *left = (trail){ ahead, turn, moment, rise };
+    return force;
 }
 
-static void take_row(strip *self, size_t r)
+/* The last columns of a row. */
+INLINE void row_end(strip *self, line of, trail *left, const double *mass, double *to)
 {
-    const size_t cols = self->cloth->cols, n = self->cloth->particles;
-    const size_t from = self->first, past = self->end + 2;
-    const size_t low = from < 2 ? 0 : from - 2, high = past < cols ? past : cols;
-    const double damping = self->cloth->rigidity.damping;
-    const double *x = self->y + r * cols + low;
-    double *const to = self->field[r % 3] + (ASIDE + low - from);
-    const size_t count = high - low, few = count < LANES ? count : LANES;
-    size_t j = 0;
-    /* beyond the rim as on it */
-    take(x + count - few, n, damping, few, to + count - few + 1);
-    for (; j + LANES <= count; j += LANES) {
-        take(x + j, n, damping, LANES, to + j);
+    const size_t count = self->cloth->cols - self->inner;
+    double change[2 * LANES];
+    for (size_t e = 0; e * LANES < count; ++e) {
+        const size_t j = self->inner - self->first + e * LANES;
+        const vec force = block(of, (ptrdiff_t)j, left, &self->right2[e]);
+        store(change + e * LANES, load(mass + j) * force);
     }
-    if (j < count && j > 0) { /* back over some */
-        take(x + count - LANES, n, damping, LANES, to + count - LANES);
-    } else if (j < count) {
-        take(x, n, damping, count, to);
+    for (size_t l = 0; to != NULL && l < count; ++l) {
+        double *at = to + (self->inner - self->first) + l;
+        *at -= change[l];
+        self->bad[0] += *at;
     }
 }
 
@@ -70,102 +90,104 @@ static size_t after(size_t at, size_t count)
     return at + 1 < count ? at + 1 : at;
 }
 
-/* What a block leaves to the next one on its right. */
-typedef struct trail {
-    vec3 slope, moment, rise;
-} trail;
-
-static void find_moments(strip *self, size_t r)
+/* x + damping v of a row from two columns beyond the tile on. */
+static void take_row(strip *self, size_t r)
 {
-    const size_t rows = self->cloth->rows, end = self->end - self->first + ASIDE;
-    const weft__rigidity *k = &self->cloth->rigidity;
-    const double *here = self->field[r % 3], *above = self->field[before(r) % 3];
-    const double *below = self->field[after(r, rows) % 3], *columns = self->columns;
-    double *moment = self->moment, *pull = self->pull[(r + 1) % 2];
-    double *across = self->across[r % 2];
-    const vec k_r = splat(weft__inner(r, rows) ? k->along : 0.0);
-    const vec k_c = splat(k->across * weft__strip(r, rows)), k_t = splat(k->twist);
-    trail left = { 0 };
-    for (size_t j = ASIDE - (self->first > 0 ? LANES : 0); j <= end; j += LANES) {
-        const vec3 middle = load3(here + j, SPAN);
-        const vec3 slope = minus(load3(here + j + 1, SPAN), middle);
-        const vec3 right = minus(slope, shift_1(left.slope, slope));
-        const vec3 down = minus(minus(load3(below + j, SPAN), middle),
-                                minus(middle, load3(above + j, SPAN)));
-        const vec3 p = plus(scaled(k_r * load(columns + j), down), scaled(k_t, right));
-        const vec3 q = only3(scaled(k_c, right), self->inner[j / LANES]);
-        const vec3 rise = minus(q, shift_1(left.moment, q));
-        store3(pull + j, SPAN, minus(p, load3(moment + j, SPAN)));
-        store3(moment + j, SPAN, p);
-        store3(across + j - 1, SPAN, minus(rise, shift_1(left.rise, rise)));
-        left = (trail){ slope, q, rise };
+    const size_t n = self->cloth->particles, cols = self->cloth->cols;
+    const size_t low = self->first > 0 ? self->first - LANES : 0;
+    const size_t high = self->end < self->inner ? self->end + 2 : cols;
+    const double damping = self->cloth->rigidity.damping;
+    const size_t v = damping != 0.0 ? 3 * n : 0; /* from x; without, x + 0 x is x */
+    for (size_t k = 0; k < 3; ++k) {
+        const double *x = self->y + k * n + r * cols + low;
+        double *to = self->field[r % 3] + k * SPAN + (LANES + low - self->first);
+        size_t j = 0;
+        for (; j + LANES <= high - low; j += LANES) {
+            store(to + j, load(x + j) + damping * load(x + j + v));
+        }
+        for (; j < high - low; ++j) {
+            to[j] = x[j] + damping * x[j + v];
+        }
     }
 }
 
-/* v' of `count` columns, which was `old`; what pulls from above, below and aside.
- * Returns 0 or NaN. */
-INLINE vec add(const double *above, const double *below, const double *across,
-               const double *inverse_mass, vec3 old, size_t count, double *to, size_t n)
+/* Column self->first of plane k of row r. */
+static const double *field(const strip *self, size_t r, size_t k)
 {
-    const vec3 bent
-        = plus(minus(load3(below, SPAN), load3(above, SPAN)), load3(across, SPAN));
-    vec3 sums = minus(old, scaled(load(inverse_mass), bent));
-    store3_some(to, n, sums, count);
-    if (count < LANES) {
-        sums = load3_some(to, n, count);
-    }
-    return (sums.x * 0.0) * (sums.y * 0.0) * (sums.z * 0.0);
+    return self->aside ? self->field[r % 3] + k * SPAN + LANES
+                       : self->y + k * self->cloth->particles + r * self->cloth->cols
+                             + self->first;
 }
 
-/* A block at the end goes back over some columns, whose v' has changed by then. */
-static void add_forces(strip *self, size_t r)
+static line line_of(strip *self, size_t r, size_t k)
 {
-    static const double none[3 * SPAN];
-    const size_t n = self->cloth->particles;
-    const size_t i = r * self->cloth->cols + self->first;
-    const size_t count = self->end - self->first, last = count - LANES;
-    const double *above = (r > 0 ? self->pull[(r + 1) % 2] : none) + ASIDE;
-    const double *below
-        = (r + 1 < self->cloth->rows ? self->pull[r % 2] : none) + ASIDE;
-    const double *across = self->across[r % 2] + ASIDE;
-    const double *mass = self->cloth->inverse_mass + i;
-    double *to = self->dydt + 3 * n + i;
-    const vec3 old = count >= LANES ? load3(to + last, n) : load3_some(to, n, count);
+    static const double none[SPAN];
+    const weft__rigidity *of = &self->cloth->rigidity;
+    const size_t rows = self->cloth->rows;
+    return (line){ .above = field(self, before(r), k),
+                   .here = field(self, r, k),
+                   .below = field(self, after(r, rows), k),
+                   .along = (weft__inner(r, rows) ? self->columns : none) + LANES,
+                   .across = splat(of->across * weft__strip(r, rows)),
+                   .twist = splat(of->twist),
+                   .moment = self->moment + k * SPAN + LANES,
+                   .waiting = self->waiting + k * SPAN + LANES };
+}
+
+/* Plane k of row r; adds the force on the row before to `to`, unless that is NULL. */
+static void row(strip *self, size_t r, size_t k, const double *mass, double *to)
+{
+    const line of = line_of(self, r, k);
+    const ptrdiff_t count = (ptrdiff_t)(self->end - self->first);
+    const ptrdiff_t begin = self->first > 0 ? -LANES : 0;
+    trail left = { .ahead = load(of.here + begin) };
     vec bad = self->bad;
-    size_t j = 0;
-    for (; j + LANES <= count; j += LANES) {
-        bad *= add(above + j, below + j, across + j, mass + j, load3(to + j, n), LANES,
-                   to + j, n);
+    if (self->first == 0 && self->cloth->cols > 1) {
+        left.turn[LANES - 1] = of.here[1] - of.here[0];
     }
-    if (j < count && j > 0) {
-        bad *= add(above + last, below + last, across + last, mass + last, old, LANES,
-                   to + last, n);
-    } else if (j < count) {
-        bad *= add(above, below, across, mass, old, count, to, n);
+    for (ptrdiff_t j = begin; j < count; j += LANES) {
+        const vec force = block(of, j, &left, NULL);
+        if (to != NULL && j >= 0) {
+            const vec sums = load(to + j) - load(mass + j) * force;
+            store(to + j, sums);
+            bad += sums;
+        }
     }
     self->bad = bad;
+    if (self->end == self->inner) {
+        row_end(self, of, &left, mass, to);
+    }
 }
 
-/* Columns [first, end) of rows [first_row, end_row). */
-static void add_tile(strip *self, size_t first, size_t end, size_t first_row,
-                     size_t end_row)
+/* The columns of the tile in rows [first_row, end_row). */
+static void tile(strip *self, size_t first_row, size_t end_row)
 {
-    const size_t rows = self->cloth->rows, cols = self->cloth->cols;
-    size_t found = before(first_row), taken = before(found); /* rows, so far */
-    self->first = first, self->end = end;
-    for (size_t j = 0; j < SPAN; ++j) {
-        const size_t c = first + j < ASIDE ? 0 : first + j - ASIDE;
-        self->columns[j] = weft__strip(c, cols);
-        self->inner[j / LANES][j % LANES] = weft__inner(c, cols) ? -1 : 0;
-    }
-    for (size_t r = first_row; r < end_row; ++r) {
-        for (; found <= after(r, rows); ++found) {
-            for (; taken <= after(found, rows); ++taken) {
-                take_row(self, taken);
-            }
-            find_moments(self, found);
+    const size_t n = self->cloth->particles, rows = self->cloth->rows;
+    size_t taken = before(before(first_row));           /* rows, so far */
+    for (size_t s = first_row; s <= end_row + 1; ++s) { /* row s - 1 */
+        const size_t r = before(s) < rows ? before(s) : rows - 1;
+        const bool adds = s > first_row + 1;
+        const size_t i = (adds ? s - 2 : 0) * self->cloth->cols + self->first;
+        for (; self->aside && taken <= after(r, rows); ++taken) {
+            take_row(self, taken);
         }
-        add_forces(self, r);
+        for (size_t k = 0; k < 3; ++k) {
+            row(self, r, k, self->cloth->inverse_mass + i,
+                adds ? self->dydt + (3 + k) * n + i : NULL);
+        }
+    }
+}
+
+static void start(strip *self, const weft__subject *of, double *dydt)
+{
+    const weft_cloth *cloth = of->cloth;
+    memset(self, 0, sizeof *self);
+    self->cloth = cloth, self->y = of->y, self->dydt = dydt;
+    self->inner = cloth->cols < 2 ? 0 : (cloth->cols - 2) / LANES * LANES;
+    /* blocks at the end read up to 2 LANES numbers beyond the plane of z */
+    self->aside = cloth->rigidity.damping != 0.0 || 3 * cloth->particles <= 2 * LANES;
+    for (size_t l = 0; l < 2 * LANES; ++l) {
+        self->right2[l / LANES][l % LANES] = self->inner + l + 2 < cloth->cols ? -1 : 0;
     }
 }
 
@@ -177,10 +199,15 @@ int NAME(bending, LEVEL)(const weft__subject *of, double *dydt, size_t first_row
     if (!of->cloth->rigidity.present) {
         return 0;
     }
-    memset(&self, 0, sizeof self);
-    self.cloth = of->cloth, self.y = of->y, self.dydt = dydt;
-    for (size_t c = 0; c < cols; c += TILE) {
-        add_tile(&self, c, cols - c < TILE ? cols : c + TILE, first_row, end_row);
+    start(&self, of, dydt);
+    for (size_t c = 0; c == 0 || c < self.inner; c += TILE) {
+        self.first = c;
+        self.end = self.inner - c < TILE ? self.inner : c + TILE;
+        for (size_t j = 0; j < SPAN; ++j) {
+            self.columns[j]
+                = of->cloth->rigidity.along * weft__strip(c + j - LANES, cols);
+        }
+        tile(&self, first_row, end_row);
     }
-    return sum(self.bad) == 0.0 ? 0 : 1;
+    return sum(self.bad) * 0.0 == 0.0 ? 0 : 1;
 }
