@@ -50,6 +50,20 @@ static const char strip[]
       "stepper: {plugin: verlet, method: velocity_verlet, fixed_step: 1.0e-3}\n"
       "run: {duration: 1.0e-2, fps: 100}\n";
 
+/* Overhangs by 0.1 m, twice its Peirce length, and comes to rest in still air. */
+static const char cantilever[]
+    = "weft: 1\n"
+      "name: strip\n"
+      "cloth:\n"
+      "  grid: {rows: 14, cols: 1, spacing: 8.0e-3, origin: [-4.0e-3, 0, 0], down: [1, "
+      "0, 0], right: [0, 0, 1]}\n"
+      "  fabric: {density: 0.2, stretch: 1.0e+5, bend: 2.4525e-4}\n"
+      "  pins: [{rows: [0, 1], cols: all}]\n"
+      "forces:\n"
+      "  wind: {velocity: [0, 0, 0], drag: 5}\n"
+      "stepper: {plugin: stiff, method: backward_euler, fixed_step: 0.05}\n"
+      "run: {duration: 20, fps: 1}\n";
+
 static void begin(void)
 {
     (void)unsetenv("WEFT_PLUGIN_PATH");
@@ -57,6 +71,7 @@ static void begin(void)
     write_file(OUT "/membrane.yaml", membrane);
     write_file(OUT "/stretched.yaml", stretched);
     write_file(OUT "/strip.yaml", strip);
+    write_file(OUT "/cantilever.yaml", cantilever);
 }
 
 static void converge(const char *arguments, int code)
@@ -155,6 +170,17 @@ START_TEST(a_clamp_stays_midway_between_two_lines)
     expect_near(line.order, 1.0, 1e-6);
     expect_near(row_of("-1,0.y", 33).value, 2.0, 1e-12);
     converge("strip.yaml --sizes 9,17 --at tip.z", 0);
+}
+END_TEST
+
+/* To the heavy elastica. */
+START_TEST(the_tip_of_a_cantilever_converges_with_order_2)
+{
+    converge("cantilever.yaml --sizes 9,17,33,65 --clamp-midway --csv --quiet", 0);
+    expect_near(row_of("tip.x", 65).order, 2.0, 0.05);
+    expect_near(row_of("tip.y", 65).order, 2.0, 0.05);
+    expect_near(row_of("tip.x", 65).limit, 0.07244247341, 1e-8);
+    expect_near(row_of("tip.y", 65).limit, -0.06406307174, 1e-8);
 }
 END_TEST
 
@@ -283,6 +309,7 @@ TEST_SUITE(converge)
     tcase_add_test(program, the_energy_of_a_rim_converges_with_order_1);
     tcase_add_test(program, a_value_of_every_grid_has_no_order);
     tcase_add_test(program, a_clamp_stays_midway_between_two_lines);
+    tcase_add_test(program, the_tip_of_a_cantilever_converges_with_order_2);
     tcase_add_test(program, a_run_is_that_of_weft_run);
     tcase_add_loop_test(program, wrong_command_lines_are_refused, 0,
                         sizeof refused / sizeof refused[0]);
