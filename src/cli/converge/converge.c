@@ -4,7 +4,6 @@
 #include <errno.h>
 #include <math.h>
 #include <signal.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/check/stable_steps.h"
@@ -88,9 +87,11 @@ static int open_size(converge *self, converge_size *to)
     if (refine(self, to, &err) != WEFT_OK) {
         return refuse_size(self, &err);
     }
-    return cloth_create(self->scene, &self->grid.cloth, &to->cloth, &err) == WEFT_OK
-               ? EXIT_DONE
-               : report_size(to->size, &err);
+    if (cloth_create(self->scene, &self->grid.cloth, &to->cloth, &err)
+        == WEFT_INVALID) {
+        err.status = WEFT_BAD_SCENE;
+    }
+    return err.status == WEFT_OK ? EXIT_DONE : report_size(to->size, &err);
 }
 
 /* ---- runs, in processes of their own ---------------------------------------- */

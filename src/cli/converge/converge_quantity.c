@@ -64,8 +64,8 @@ static int unknown_quantity(const converge *self, const record_series *series,
                        weft__guess_text(&guess, near, sizeof near));
 }
 
-/* "tip" stands for "tip.x", "tip.y" and "tip.z". */
-static int add_quantity(converge *self, const record_series *series, const char *typed)
+/* "tip" stands for "tip.x", "tip.y" and "tip.z". False: nothing has that name. */
+static bool add_quantity(converge *self, const record_series *series, const char *typed)
 {
     const size_t before = self->quantity_count, length = strcspn(typed, ".");
     converge_quantity one = { 0 };
@@ -83,24 +83,24 @@ static int add_quantity(converge *self, const record_series *series, const char 
                            one.particle ? (int)length : 0, typed, name);
         }
     }
-    return self->quantity_count > before ? EXIT_DONE
-                                         : unknown_quantity(self, series, typed);
+    return self->quantity_count > before;
 }
 
 int converge_add_quantities(converge *self, const options *given)
 {
-    static const char *const tip = "tip";
-    const char *const *ats = given->at_count == 0 ? &tip : given->ats;
-    const size_t count = given->at_count == 0 ? 1 : given->at_count;
+    static const char *tip = "tip";
+    const bool none = given->at_count == 0;
+    const char **ats = none ? &tip : given->ats;
     record_series series = { 0 };
-    int code = EXIT_DONE;
     record_series_begin(&series, series_columns(self->scene));
-    if (count > CONVERGE_QUANTITIES / 3) {
-        return usage_error(&verb_converge, "more than %d quantities",
-                           CONVERGE_QUANTITIES / 3);
+    for (size_t i = 0; i < (none ? 1 : given->at_count); ++i) {
+        if (self->quantity_count + 3 > CONVERGE_QUANTITIES) {
+            return usage_error(&verb_converge, "--at: more than %d quantities",
+                               CONVERGE_QUANTITIES - 3);
+        }
+        if (!add_quantity(self, &series, ats[i])) {
+            return unknown_quantity(self, &series, ats[i]);
+        }
     }
-    for (size_t i = 0; i < count && code == EXIT_DONE; ++i) {
-        code = add_quantity(self, &series, ats[i]);
-    }
-    return code;
+    return EXIT_DONE;
 }
