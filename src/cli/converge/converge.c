@@ -298,7 +298,7 @@ const verb verb_converge = {
       "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n"
       "  --quiet              no progress\n\n"
       "examples:\n"
-      "  weft converge scenes/hammock.yaml --sizes 9,17,33 --at middle.y -j 2\n"
+      "  weft converge scenes/pennant.yaml --sizes 7,13,25 --at elastic -j 2\n"
       "  weft converge strip.yaml --sizes 9,17,33,65 --clamp-midway --at tip\n\n"
       "exit codes: 0 done, 1 a run failed, 2 wrong command line, 3 wrong scene, 4 a "
       "file could not be read\n",
