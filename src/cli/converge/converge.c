@@ -264,7 +264,7 @@ static int converge_verb(const options *given)
 
 const verb verb_converge = {
     .name = "converge",
-    .summary = "refine a cloth, print the order at which its results converge",
+    .summary = "refine a cloth, print the order at which results converge",
     .help
     = "usage: weft converge SCENE.yaml --sizes N1,N2,... [OPTIONS]\n\n"
       "Runs a scene with N1, N2, ... particles along its larger extent, writes "
