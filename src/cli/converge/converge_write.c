@@ -89,10 +89,11 @@ static void print_row(const converge *self, size_t of, size_t i, bool csv)
         printf("%13s", text);
     }
     for (size_t k = 0; k < CELLS; ++k) {
-        const char *format = csv ? "%.17g" : columns[k].format;
-        (void)snprintf(text, sizeof text, isnan(cells[k]) ? csv ? "" : "-" : format,
-                       cells[k]);
-        printf("%s%*s", csv ? "," : " ", csv ? 0 : columns[k].width, text);
+        (void)snprintf(text, sizeof text, csv ? "%.17g" : columns[k].format, cells[k]);
+        printf("%s%*s", csv ? "," : " ", csv ? 0 : columns[k].width,
+               !isnan(cells[k]) ? text
+               : csv            ? ""
+                                : "-");
     }
     putchar('\n');
 }
