@@ -50,6 +50,20 @@ static const char strip[]
       "stepper: {plugin: verlet, method: velocity_verlet, fixed_step: 1.0e-3}\n"
       "run: {duration: 1.0e-2, fps: 100}\n";
 
+/* Overhangs by 0.1 m, twice its Peirce length, and comes to rest in still air. */
+static const char cantilever[]
+    = "weft: 1\n"
+      "name: strip\n"
+      "cloth:\n"
+      "  grid: {rows: 14, cols: 1, spacing: 8.0e-3, origin: [-4.0e-3, 0, 0], down: [1, "
+      "0, 0], right: [0, 0, 1]}\n"
+      "  fabric: {density: 0.2, stretch: 1.0e+5, bend: 2.4525e-4}\n"
+      "  pins: [{rows: [0, 1], cols: all}]\n"
+      "forces:\n"
+      "  wind: {velocity: [0, 0, 0], drag: 5}\n"
+      "stepper: {plugin: stiff, method: backward_euler, fixed_step: 0.05}\n"
+      "run: {duration: 20, fps: 1}\n";
+
 static void begin(void)
 {
     (void)unsetenv("WEFT_PLUGIN_PATH");
@@ -57,6 +71,7 @@ static void begin(void)
     write_file(OUT "/membrane.yaml", membrane);
     write_file(OUT "/stretched.yaml", stretched);
     write_file(OUT "/strip.yaml", strip);
+    write_file(OUT "/cantilever.yaml", cantilever);
 }
 
 static void converge(const char *arguments, int code)
@@ -158,6 +173,17 @@ START_TEST(a_clamp_stays_midway_between_two_lines)
 }
 END_TEST
 
+/* To the heavy elastica. */
+START_TEST(the_tip_of_a_cantilever_converges_with_order_2)
+{
+    converge("cantilever.yaml --sizes 9,17,33,65 --clamp-midway --csv --quiet", 0);
+    expect_near(row_of("tip.x", 65).order, 2.0, 0.05);
+    expect_near(row_of("tip.y", 65).order, 2.0, 0.05);
+    expect_near(row_of("tip.x", 65).limit, 0.07244247341, 1e-8);
+    expect_near(row_of("tip.y", 65).limit, -0.06406307174, 1e-8);
+}
+END_TEST
+
 /* Each size is the run of the scene that weft run makes, bit for bit. */
 START_TEST(a_run_is_that_of_weft_run)
 {
@@ -179,10 +205,12 @@ END_TEST
 static const struct {
     const char *arguments, *message;
 } refused[] = {
-    { "strip.yaml", "--sizes needs two sizes or more, as --sizes 9,17,33" },
-    { "strip.yaml --sizes 9", "--sizes needs two sizes or more" },
-    { "strip.yaml --sizes 9,9", "--sizes: '9': not a number from 2 to 100000 above" },
-    { "strip.yaml --sizes 9,x", "--sizes: 'x': not a number" },
+    { "strip.yaml", "--sizes needs 2 to 16 increasing numbers from 2 to 1000000, as "
+                    "--sizes 9,17,33" },
+    { "strip.yaml --sizes 9", "--sizes needs 2 to 16 increasing numbers" },
+    { "strip.yaml --sizes 9,9", "--sizes needs 2 to 16 increasing numbers" },
+    { "strip.yaml --sizes 9,x", "--sizes needs 2 to 16 increasing numbers" },
+    { "strip.yaml --sizes 9,1000001", "--sizes needs 2 to 16 increasing numbers" },
     { "strip.yaml --sizes 9,11 --at tip.z",
       "--sizes: 11 does not keep the ratio of rows to columns; these do: 9, 17, 25, "
       "33" },
@@ -198,7 +226,7 @@ static const struct {
     { "membrane.yaml --sizes 9,17 --at 9,0", "no particle of 9 x 9" },
     { "membrane.yaml --sizes 9,17 --at -10,0", "no particle of 9 x 9" },
     { "membrane.yaml --sizes 9,17 --clamp-midway",
-      "--clamp-midway: no pins hold exactly the first two or the last two rows" },
+      "--clamp-midway: no pins hold exactly the first two rows or columns" },
 };
 
 START_TEST(wrong_command_lines_are_refused)
@@ -231,13 +259,42 @@ START_TEST(values_per_particle_are_a_warning)
     says("weft: warning: cloth.mass is the same for each particle, so its effect "
          "depends on the size\n");
     says("weft: warning: forces.damping is the same for each particle");
+    converge("stretched.yaml --sizes 5,9 --set cloth.springs.law=strain", 0);
+    says(
+        "weft: warning: cloth.springs of a sheet with law: strain is the same for each "
+        "spring");
+    converge("stretched.yaml --sizes 5,9 --set cloth.grid.rows=1 --at 0,0 --set "
+             "cloth.springs.law=hooke --set 'cloth.pins=[[0, 0]]'",
+             0);
+    says("weft: warning: cloth.springs.stretch of a chain with law: hooke is the same "
+         "for each spring");
     converge("membrane.yaml --sizes 9,17 --quiet", 0);
     ck_assert_ptr_null(strstr(output, "warning"));
 }
 END_TEST
 
+START_TEST(warnings_of_the_scene_appear_once)
+{
+    converge("stretched.yaml --sizes 5,9", 0);
+    const char *warning = strstr(output, "all 25 particles are pinned");
+    ck_assert_ptr_nonnull(warning);
+    ck_assert_ptr_null(strstr(warning + 1, "all 25 particles"));
+}
+END_TEST
+
+/* Before the first run. */
+START_TEST(a_size_beyond_the_memory_is_refused)
+{
+    converge("stretched.yaml --sizes 5,999999", 1);
+    says("weft: error: size 999999: 999999 x 999999 particles need at least ");
+    ck_assert_ptr_null(strstr(output, "tip.x"));
+}
+END_TEST
+
 START_TEST(wrong_scenes_have_their_exit_codes)
 {
+    converge("membrane.yaml --sizes 9,17 --set 'sweep={cloth.density: [1, 2]}'", 3);
+    says("sweep makes 2 runs of this scene: 'weft batch' runs them");
     converge("membrane.yaml --sizes 9,17 --set cloth.density=-1", 3);
     converge("none.yaml --sizes 9,17", 4);
 }
@@ -252,11 +309,14 @@ TEST_SUITE(converge)
     tcase_add_test(program, the_energy_of_a_rim_converges_with_order_1);
     tcase_add_test(program, a_value_of_every_grid_has_no_order);
     tcase_add_test(program, a_clamp_stays_midway_between_two_lines);
+    tcase_add_test(program, the_tip_of_a_cantilever_converges_with_order_2);
     tcase_add_test(program, a_run_is_that_of_weft_run);
     tcase_add_loop_test(program, wrong_command_lines_are_refused, 0,
                         sizeof refused / sizeof refused[0]);
     tcase_add_test(program, a_run_that_fails_names_its_size);
     tcase_add_test(program, values_per_particle_are_a_warning);
+    tcase_add_test(program, warnings_of_the_scene_appear_once);
+    tcase_add_test(program, a_size_beyond_the_memory_is_refused);
     tcase_add_test(program, wrong_scenes_have_their_exit_codes);
     suite_add_tcase(suite, program);
     return suite;

@@ -156,15 +156,20 @@ void report_unfinished(const char *directory);
 /* WEFT_UNSUPPORTED with the reason if this weft cannot run a valid scene. */
 weft_status scene_supported(const weft_scene *scene, weft_error *err);
 
-/* The cloth of a scene. WEFT_NO_MEMORY also if a run of it cannot fit into the memory
- * of the machine, or into this process's limit. */
-weft_status cloth_create(const weft_scene *scene, weft_cloth **cloth, weft_error *err);
+/* The cloth of a scene, or another for it. WEFT_NO_MEMORY also if a run of it cannot
+ * fit into the memory of the machine, or into this process's limit. */
+weft_status cloth_create(const weft_scene *scene, const weft_cloth_def *def,
+                         weft_cloth **cloth, weft_error *err);
 
 /* records.c: WEFT_BAD_SCENE if run.vtkhdf cannot hold the frames of a scene. */
 weft_status frames_have_room(const weft_scene *scene, weft_error *err);
 
 /* records.c: the optional columns of series.csv in runs of a scene: RECORD_... */
 unsigned series_columns(const weft_scene *scene);
+
+/* A simulation of that cloth as the scene, which is supported, defines it. */
+weft_status sim_create(const weft_scene *scene, const weft_cloth *cloth, weft_sim **sim,
+                       weft_error *err);
 
 /* A simulation of a scene: cloth and sim, or NULL both. */
 weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,

@@ -206,9 +206,9 @@ weft_status scene_supported(const weft_scene *scene, weft_error *err)
 
 /* A lower bound: the arrays of the cloth, two states, and one for each stage. Most
  * methods have some three states more. */
-static weft_status check_memory(const weft_scene *scene, weft_error *err)
+static weft_status check_memory(const weft_scene *scene, const weft_cloth_def *cloth,
+                                weft_error *err)
 {
-    const weft_cloth_def *cloth = weft_scene_cloth(scene);
     const weft_stepper_type *type = weft_scene_method_type(scene);
     const double states = 2.0 + (type == NULL ? 0.0 : type->stages);
     const double bytes = (double)cloth->rows * (double)cloth->cols
@@ -229,11 +229,25 @@ static weft_status check_memory(const weft_scene *scene, weft_error *err)
                                 cloth->rows, cloth->cols, 1e-9 * bytes, 1e-9 * room);
 }
 
-weft_status cloth_create(const weft_scene *scene, weft_cloth **cloth, weft_error *err)
+weft_status cloth_create(const weft_scene *scene, const weft_cloth_def *def,
+                         weft_cloth **cloth, weft_error *err)
 {
     *cloth = NULL;
-    TRY(check_memory(scene, err));
-    return weft_cloth_create(weft_scene_cloth(scene), cloth, err);
+    TRY(check_memory(scene, def, err));
+    return weft_cloth_create(def, cloth, err);
+}
+
+weft_status sim_create(const weft_scene *scene, const weft_cloth *cloth, weft_sim **sim,
+                       weft_error *err)
+{
+    weft_sim_def def = weft_sim_def_default();
+    def.cloth = cloth;
+    def.method = weft_scene_method_type(scene);
+    def.config = *weft_scene_config(scene);
+    def.ledger = weft_scene_record(scene)->ledger;
+    def.limit = *weft_scene_limit(scene);
+    def.stop = interrupt_pending;
+    return weft_sim_create(&def, sim, err);
 }
 
 weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,
@@ -242,15 +256,8 @@ weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,
     *sim = NULL;
     *cloth = NULL;
     TRY(scene_supported(scene, err));
-    TRY(cloth_create(scene, cloth, err));
-    weft_sim_def def = weft_sim_def_default();
-    def.cloth = *cloth;
-    def.method = weft_scene_method_type(scene);
-    def.config = *weft_scene_config(scene);
-    def.ledger = weft_scene_record(scene)->ledger;
-    def.limit = *weft_scene_limit(scene);
-    def.stop = interrupt_pending;
-    const weft_status status = weft_sim_create(&def, sim, err);
+    TRY(cloth_create(scene, weft_scene_cloth(scene), cloth, err));
+    const weft_status status = sim_create(scene, *cloth, sim, err);
     if (status != WEFT_OK) {
         weft_cloth_destroy(*cloth);
         *cloth = NULL;

@@ -162,15 +162,13 @@ static int parse(const verb *self, int argc, char **argv, options *out)
 
 int verb_start(const verb *self, int argc, char **argv)
 {
-    options given = { .sets = calloc((size_t)argc, sizeof *given.sets),
-                      .ats = calloc((size_t)argc, sizeof *given.ats) };
-    if (given.sets == NULL || given.ats == NULL) {
+    options given = { .sets = calloc((size_t)argc, 2 * sizeof *given.sets) };
+    if (given.sets == NULL) {
         weft_error err = { 0 };
         weft_error_set(&err, WEFT_NO_MEMORY, "out of memory");
-        free(given.sets);
-        free(given.ats);
         return report_error(&err);
     }
+    given.ats = given.sets + argc;
     int code = parse(self, argc, argv, &given);
     if (code < 0) {
         given.registry = open_registry(given.plugin_path);
@@ -178,6 +176,5 @@ int verb_start(const verb *self, int argc, char **argv)
         weft_registry_destroy(given.registry);
     }
     free(given.sets);
-    free(given.ats);
     return code;
 }

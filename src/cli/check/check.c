@@ -195,7 +195,7 @@ static int describe(const char *file, const weft_scene *scene, const options *gi
     weft_status status = frames_have_room(scene, &err);
     if (status == WEFT_OK) {
         status = runs ? simulation_create(scene, &cloth, &sim, &err)
-                      : cloth_create(scene, &cloth, &err);
+                      : cloth_create(scene, weft_scene_cloth(scene), &cloth, &err);
     }
     if (status == WEFT_OK) {
         warn_of_springs(file, cloth);

@@ -421,7 +421,9 @@ static int compare_scene(const options *given, double until, const weft_scene *s
     self.run.duration = fmin(self.run.duration, until);
     self.planned = weft_run_last_frame(&self.run);
     weft_status status = scene_supported(scene, &err);
-    status = status == WEFT_OK ? cloth_create(scene, &cloth, &err) : status;
+    status = status == WEFT_OK
+                 ? cloth_create(scene, weft_scene_cloth(scene), &cloth, &err)
+                 : status;
     self.cloth = cloth;
     status = status == WEFT_OK ? compare_into(&self, given, directory, &err) : status;
     weft_cloth_destroy(cloth);

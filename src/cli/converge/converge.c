@@ -4,7 +4,6 @@
 #include <errno.h>
 #include <math.h>
 #include <signal.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/check/stable_steps.h"
@@ -14,192 +13,163 @@
 
 /* ---- sizes ------------------------------------------------------------------ */
 
-static bool fits(const converge *self, refinement *grid, size_t size,
-                 char what[REFINE_PLACE])
+static int read_sizes(converge *self, const char *list)
 {
-    size_t particle;
-    bool fit = refine_to(grid, size, what);
-    for (size_t i = 0; i < self->quantity_count && fit; ++i) {
-        const converge_quantity *one = &self->quantities[i];
-        fit = !one->particle || converge_particle(grid, one, &particle);
-        if (!fit) {
-            (void)snprintf(what, REFINE_PLACE, "the particle of %s", one->name);
+    const char *at = list == NULL ? "" : list;
+    size_t size, before = 1;
+    bool able = true;
+    while (able && *at != '\0') {
+        const size_t length = strcspn(at, ",");
+        able = self->count < CONVERGE_SIZES && option_count(at, at[length], &size)
+               && size > before && size <= CONVERGE_LARGEST;
+        if (able) {
+            self->sizes[self->count++].size = before = size;
         }
+        at += length + (at[length] == ',');
     }
-    return fit;
+    return able && self->count > 1
+               ? EXIT_DONE
+               : usage_error(
+                   &verb_converge,
+                   "--sizes needs 2 to %d increasing numbers from 2 to %d, as "
+                   "--sizes 9,17,33",
+                   CONVERGE_SIZES, CONVERGE_LARGEST);
 }
 
-static int refuse_size(const converge *self, size_t size, const char *what)
+/* WEFT_INVALID: something has no place on the grid of that size. */
+static weft_status refine(converge *self, converge_size *to, weft_error *err)
+{
+    const refine_axis *axis = self->grid.axis;
+    TRY(refine_to(&self->grid, to->size, err));
+    to->spacing = self->grid.cloth.spacing[self->grid.along];
+    for (size_t i = 0; i < self->quantity_count; ++i) {
+        const converge_quantity *one = &self->quantities[i];
+        size_t row = 0, col = 0;
+        if (one->particle
+            && !(refine_line(&axis[0], one->place[0], &row)
+                 && refine_line(&axis[1], one->place[1], &col))) {
+            return weft_error_set(err, WEFT_INVALID,
+                                  "%zu does not keep the particle of %s", to->size,
+                                  one->name);
+        }
+        to->particles[i] = row * axis[1].refined + col;
+    }
+    return WEFT_OK;
+}
+
+static int refuse_size(converge *self, const weft_error *why)
 {
     enum { SHOWN = 4 };
     sentence list = { "" };
-    char unused[REFINE_PLACE];
-    refinement grid = self->grid;
     const size_t most = 4 * self->grid.axis[self->grid.along].count;
     for (size_t n = 2, shown = 0; n <= most && shown < SHOWN; ++n) {
-        if (fits(self, &grid, n, unused)) {
+        converge_size one = { .size = n };
+        if (refine(self, &one, NULL) == WEFT_OK) {
             say(&list, "%s%zu", shown++ == 0 ? "" : ", ", n);
         }
     }
-    return usage_error(&verb_converge, "--sizes: %zu does not keep %s; %s%s", size,
-                       what,
+    return usage_error(&verb_converge, "--sizes: %s; %s%s", why->message,
                        list.text[0] == '\0' ? "no size does" : "these do: ", list.text);
 }
 
-static int read_sizes(converge *self, const char *list)
+static int report_size(size_t size, const weft_error *why)
 {
-    char what[REFINE_PLACE];
-    size_t before = 1;
-    while (list != NULL && *list != '\0') {
-        size_t size;
-        const size_t length = strcspn(list, ",");
-        if (!option_count(list, list[length], &size) || size <= before
-            || size > CONVERGE_LARGEST || self->count == CONVERGE_SIZES) {
-            return usage_error(&verb_converge,
-                               "--sizes: '%.*s': not a number from 2 to %d above the "
-                               "one before, or more than %d of them",
-                               (int)length, list, CONVERGE_LARGEST, CONVERGE_SIZES);
-        }
-        self->size[self->count++] = before = size;
-        list += length + (list[length] == ',');
-    }
-    if (self->count < 2) {
-        return usage_error(&verb_converge,
-                           "--sizes needs two sizes or more, as --sizes 9,17,33");
-    }
-    for (size_t i = 0; i < self->count; ++i) {
-        self->grids[i] = self->grid;
-        if (!fits(self, &self->grids[i], self->size[i], what)) {
-            return refuse_size(self, self->size[i], what);
-        }
-    }
-    return EXIT_DONE;
+    weft_error err = { .status = why->status };
+    (void)snprintf(err.message, sizeof err.message, "size %zu: %.*s", size,
+                   (int)sizeof err.message - 40, why->message);
+    return report_error(&err);
 }
 
-/* The scene on the grid of a size. Its own mistakes follow from the grid. */
-static int open_size(converge *self, const options *given, size_t i)
+/* The cloths exist before the first run starts, which may take hours. */
+static int open_size(converge *self, converge_size *to)
 {
-    char *text = refine_sets(&self->grids[i]);
-    const char **sets = calloc(given->set_count + REFINE_SETS, sizeof *sets);
-    options refined = *given;
-    int code = EXIT_SIMULATION;
-    if (text != NULL && sets != NULL) {
-        const char *set = text;
-        memcpy(sets, given->sets, given->set_count * sizeof *sets);
-        refined.sets = sets;
-        for (size_t k = 0; k < REFINE_SETS; ++k, set += strlen(set) + 1) {
-            sets[refined.set_count++] = set;
-        }
-        code = open_scene(given->operands[0], &refined, &self->scenes[i], NULL);
+    weft_error err = { 0 };
+    if (refine(self, to, &err) != WEFT_OK) {
+        return refuse_size(self, &err);
     }
-    if (code != EXIT_DONE) {
-        fprintf(stderr, "weft: error: no scene of size %zu\n", self->size[i]);
+    if (cloth_create(self->scene, &self->grid.cloth, &to->cloth, &err)
+        == WEFT_INVALID) {
+        err.status = WEFT_BAD_SCENE;
     }
-    free(sets);
-    free(text);
-    return code;
+    return err.status == WEFT_OK ? EXIT_DONE : report_size(to->size, &err);
 }
 
 /* ---- runs, in processes of their own ---------------------------------------- */
 
-typedef struct size_run {
-    record_series series; /* without a file */
-    size_t last;          /* frame */
-    uint64_t limit_sweeps;
-    weft_sim *sim;
-} size_run;
-
-static weft_status on_frame(void *ctx, size_t index, weft_error *err)
+/* weft_play.frame */
+static weft_status ignore_frame(void *ctx, size_t index, weft_error *err)
 {
-    size_run *self = ctx;
-    const uint64_t sweeps = weft_sim_limit_stats(self->sim).sweeps;
-    const record_frame frame = { index, self->sim, sweeps - self->limit_sweeps };
-    self->limit_sweeps = sweeps;
-    return index < self->last ? WEFT_OK : record_series_add(&self->series, &frame, err);
+    (void)ctx;
+    (void)index;
+    (void)err;
+    return WEFT_OK;
 }
 
-static void take_values(const converge *self, size_t i, const size_run *run)
+static weft_status take_values(const converge *self, size_t i, const weft_sim *sim,
+                               size_t frame, weft_error *err)
 {
-    const double *y = weft_sim_state(run->sim);
-    const size_t n = weft_cloth_particles(weft_sim_cloth(run->sim));
+    const double *y = weft_sim_state(sim);
+    const size_t n = weft_cloth_particles(weft_sim_cloth(sim));
+    const record_frame last = { frame, sim, weft_sim_limit_stats(sim).sweeps };
+    record_series series = { 0 }; /* without a file */
+    record_series_begin(&series, series_columns(self->scene));
+    TRY(record_series_add(&series, &last, err));
     for (size_t k = 0; k < self->quantity_count; ++k) {
         const converge_quantity *one = &self->quantities[k];
-        size_t particle;
-        (void)converge_particle(&self->grids[i], one, &particle);
-        self->results[i].values[k] = one->particle ? y[one->which * n + particle]
-                                                   : run->series.row[one->which];
+        self->results[i].values[k]
+            = one->particle ? y[one->which * n + self->sizes[i].particles[k]]
+                            : series.row[one->which];
     }
-}
-
-static void warn_of_step(const converge *self, size_t i, const weft_sim *sim)
-{
-    if (stability_warn(self->scenes[i], sim, true)) {
-        fprintf(stderr,
-                "weft: warning: size %zu: stepper.fixed_step is beyond the largest "
-                "stable step\n",
-                self->size[i]);
-    }
+    return WEFT_OK;
 }
 
 /* process_def.work */
 static int run_size(void *ctx, size_t i)
 {
     const converge *self = ctx;
-    const weft_scene *scene = self->scenes[i];
+    const weft_run_def *run = weft_scene_run(self->scene);
+    const weft_play frames
+        = { .run = run, .last = weft_run_last_frame(run), .frame = ignore_frame };
     weft_error *err = &self->results[i].err;
-    weft_cloth *cloth;
-    size_run run = { .last = weft_run_last_frame(weft_scene_run(scene)) };
-    const weft_play frames = {
-        .run = weft_scene_run(scene), .last = run.last, .frame = on_frame, .ctx = &run
-    };
-    record_series_begin(&run.series, series_columns(scene));
-    weft_status status = simulation_create(scene, &cloth, &run.sim, err);
-    if (status == WEFT_OK) {
-        warn_of_step(self, i, run.sim);
-        status = weft_sim_play(run.sim, &frames, err);
+    weft_sim *sim = NULL;
+    weft_status status = sim_create(self->scene, self->sizes[i].cloth, &sim, err);
+    if (status == WEFT_OK && stability_warn(self->scene, sim, true)) {
+        fprintf(stderr,
+                "weft: warning: size %zu: stepper.fixed_step is beyond the largest "
+                "stable step\n",
+                self->sizes[i].size);
     }
-    if (status == WEFT_OK) {
-        take_values(self, i, &run);
-        self->results[i].done = true;
-    }
-    weft_sim_destroy(run.sim);
-    weft_cloth_destroy(cloth);
+    status = status == WEFT_OK ? weft_sim_play(sim, &frames, err) : status;
+    err->status
+        = status == WEFT_OK ? take_values(self, i, sim, frames.last, err) : status;
+    weft_sim_destroy(sim);
     return EXIT_DONE;
 }
 
 static void size_ended(void *ctx, const process *one)
 {
     converge *self = ctx;
-    weft_error *err = &self->results[one->job].err;
+    converge_result *result = &self->results[one->job];
     if (one->status != 0) {
-        err->status = WEFT_SOLVER;
-        process_describe(one->status, err->message, sizeof err->message);
+        result->err.status = WEFT_SOLVER;
+        process_describe(one->status, result->err.message, sizeof result->err.message);
+    }
+    if (result->err.status != WEFT_OK) {
+        progress_clear(&self->progress);
+        self->code = report_size(self->sizes[one->job].size, &result->err);
+        for (size_t i = 0; i < self->quantity_count; ++i) {
+            result->values[i] = (double)NAN;
+        }
     }
     progress_count(&self->progress, "sizes", ++self->over, self->count);
 }
 
-/* Reports the sizes that failed; the others have their values. */
-static int report_failures(const converge *self)
-{
-    int code = EXIT_DONE;
-    for (size_t i = 0; i < self->count; ++i) {
-        const char *message = self->results[i].err.message;
-        weft_error why = self->results[i].err;
-        if (!self->results[i].done) {
-            (void)snprintf(why.message, sizeof why.message, "size %zu: %.*s",
-                           self->size[i], (int)sizeof why.message - 40, message);
-            code = report_error(&why);
-        }
-    }
-    return code;
-}
-
-static int run_sizes(converge *self, size_t jobs)
+static int run_sizes(converge *self, const options *given)
 {
     process_pool pool
         = { .def = { .work = run_size, .ctx = self, .end_signal = SIGKILL },
             .jobs = self->count,
-            .at_once = jobs,
+            .at_once = given->jobs > 0 ? given->jobs : 1,
             .ended = size_ended };
     weft_error err = { 0 };
     self->results = process_memory(self->count, sizeof *self->results);
@@ -213,55 +183,60 @@ static int run_sizes(converge *self, size_t jobs)
         weft_error_set(&err, WEFT_SOLVER, "no process for a run: %s", strerror(errno));
         return report_error(&err);
     }
-    return report_failures(self);
+    converge_print(self, given->csv);
+    return self->code;
 }
 
 /* ---- the verb --------------------------------------------------------------- */
 
-/* Whether a load lies on several particles. */
-static bool is_spread(const weft_cloth_def *cloth)
+static void warn_of_particles(const refinement *grid)
 {
+    const weft_cloth_def *cloth = &grid->cloth;
+    const weft_spring_def *bend = &cloth->springs[WEFT_BEND];
+    const bool chain = cloth->rows == 1 || cloth->cols == 1;
     bool spread = false;
     for (size_t i = 0; i < cloth->load_count; ++i) {
         const weft_load *load = &cloth->loads[i];
-        spread = spread || (cloth->rows > 1 && load->rows.first != load->rows.last)
-                 || (cloth->cols > 1 && load->cols.first != load->cols.last);
+        spread = spread || load->rows.first != load->rows.last
+                 || load->cols.first != load->cols.last;
     }
-    return spread;
-}
-
-static void warn_of_particles(const weft_cloth_def *cloth)
-{
-    const weft_spring_def *bend = &cloth->springs[WEFT_BEND];
     const struct {
         bool used;
-        const char *key;
-    } keys[] = { { cloth->mass > 0.0, "cloth.mass" },
-                 { cloth->drag > 0.0, "forces.damping" },
-                 { is_spread(cloth), "the mass of cloth.loads" },
-                 { bend->present && bend->stiffness > 0.0, "cloth.springs.bend" } };
+        const char *key, *each;
+    } keys[]
+        = { { cloth->mass > 0.0, "cloth.mass", "particle" },
+            { cloth->drag > 0.0, "forces.damping", "particle" },
+            { spread, "the mass of cloth.loads", "particle" },
+            { bend->present && bend->stiffness > 0.0, "cloth.springs.bend", "spring" },
+            { chain && cloth->law == WEFT_LAW_HOOKE && grid->fabric == NULL,
+              "cloth.springs.stretch of a chain with law: hooke", "spring" },
+            { !chain && cloth->law == WEFT_LAW_STRAIN,
+              "cloth.springs of a sheet with law: strain", "spring" } };
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {
         if (keys[i].used) {
             fprintf(stderr,
                     "weft: warning: %s is the same for each %s, so its effect depends "
                     "on the size\n",
-                    keys[i].key, i < 3 ? "particle" : "spring");
+                    keys[i].key, keys[i].each);
         }
     }
 }
 
 static int prepare(converge *self, const options *given)
 {
-    refine_begin(&self->grid, weft_scene_cloth(self->scene));
+    weft_error err = { 0 };
+    if (scene_supported(self->scene, &err) != WEFT_OK
+        || refine_begin(&self->grid, self->scene, &err) != WEFT_OK) {
+        return report_error(&err);
+    }
     if (given->clamp_midway && !refine_clamp(&self->grid)) {
-        return usage_error(&verb_converge,
-                           "--clamp-midway: no pins hold exactly the first two or the "
-                           "last two rows or columns");
+        return usage_error(&verb_converge, "--clamp-midway: no pins hold exactly the "
+                                           "first two rows or columns");
     }
     int code = converge_add_quantities(self, given);
     code = code == EXIT_DONE ? read_sizes(self, given->sizes) : code;
     for (size_t i = 0; i < self->count && code == EXIT_DONE; ++i) {
-        code = open_size(self, given, i);
+        code = open_size(self, &self->sizes[i]);
     }
     return code;
 }
@@ -271,54 +246,51 @@ static int converge_verb(const options *given)
     converge self = { .progress.mode = given->mode };
     weft_scene *scene = NULL;
     int code = open_scene(given->operands[0], given, &scene, NULL);
-    self.scene = scene;
-    code = code == EXIT_DONE ? prepare(&self, given) : code;
     if (code == EXIT_DONE) {
-        warn_of_particles(weft_scene_cloth(scene));
-        code = run_sizes(&self, given->jobs > 0 ? given->jobs : 1);
-        if (self.results != NULL) {
-            (given->csv ? converge_csv : converge_print)(&self);
-        }
+        self.scene = scene;
+        code = prepare(&self, given);
+    }
+    if (code == EXIT_DONE) {
+        warn_of_particles(&self.grid);
+        code = run_sizes(&self, given);
     }
     for (size_t i = 0; i < self.count; ++i) {
-        weft_scene_destroy(self.scenes[i]);
+        weft_cloth_destroy(self.sizes[i].cloth);
     }
+    refine_end(&self.grid);
     weft_scene_destroy(scene);
     return code;
 }
 
 const verb verb_converge = {
     .name = "converge",
-    .summary = "refine a cloth, print the order at which its results converge",
+    .summary = "refine a cloth, print the order at which results converge",
     .help
     = "usage: weft converge SCENE.yaml --sizes N1,N2,... [OPTIONS]\n\n"
       "Runs a scene with N1, N2, ... particles along its larger extent, writes "
       "nothing, "
-      "and compares quantities at the end of the runs. The extents (rows - 1) * "
-      "spacing "
-      "and (cols - 1) * spacing and their ratio in intervals do not change, nor do the "
-      "places of pins and loads on the cloth: row 3 of 9 is row 6 of 17. A size on "
-      "whose "
-      "grid one of these has no particle is refused.\n\n"
-      "Prints for each size the spacing [m], the value, its difference from the "
-      "size before, and from the third size on the observed order p, at which value + "
-      "c spacing^p passes through the last three values, and the limit that it "
+      "and compares quantities at the end of the runs. The extents of the cloth do not "
+      "change, nor do the places of pins and loads on it: row 3 of 9 is row 6 of 17. A "
+      "size on whose grid one of these has no particle is refused.\n\n"
+      "Prints for each size the spacing [m], the value, its difference from the size "
+      "before, and from the third size on the observed order p, at which value + c "
+      "spacing^p passes through the last three values, and the limit that it "
       "extrapolates (Richardson). '-': the differences change their sign or vanish, or "
       "the value does not converge. The error of the steps must be far smaller than "
       "the "
       "differences: choose small tolerances.\n\n"
       "Density, fabrics, bending rigidity, wind and contact do not depend on the size. "
-      "What is given for each particle or spring does: mass, forces.damping, loads of "
-      "several particles, bend springs, and in a chain all springs of law hooke.\n\n"
+      "What is given for each particle or spring does; a warning names it.\n\n"
       "  --sizes N1,N2,...    numbers of particles, increasing, 2 to 16 of them\n"
       "  --at WHAT            a column of series.csv, or a particle of the scene as "
-      "ROW,COL (negative: from the end), or tip (the middle of the last row, or the "
-      "end "
-      "of a single row), middle, top, bottom, left, right (of the cloth, of an edge), "
-      "top-left, ...; .x, .y or .z after it selects a coordinate; default: tip; may be "
+      "ROW,COL (a number, negative from the end, or middle), or tip (the middle of the "
+      "last row, or the end of a single row), middle, top-left, top-right, "
+      "bottom-left, "
+      "bottom-right; .x, .y or .z after it selects a coordinate; default: tip; may be "
       "repeated\n"
-      "  --clamp-midway       two pinned rows or columns at an end stay two, and the "
-      "extent counts from midway between them, where they clamp cloth that resists "
+      "  --clamp-midway       two pinned rows or columns at the beginning stay two, "
+      "and "
+      "the extent counts from midway between them, where they clamp cloth that resists "
       "bending\n"
       "  --csv                print the table as CSV, all digits\n"
       "  -j, --jobs N         number of processes; default 1\n"
@@ -326,7 +298,7 @@ const verb verb_converge = {
       "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n"
       "  --quiet              no progress\n\n"
       "examples:\n"
-      "  weft converge scenes/hammock.yaml --sizes 9,17,33 --at middle.y -j 2\n"
+      "  weft converge scenes/pennant.yaml --sizes 7,13,25 --at elastic -j 2\n"
       "  weft converge strip.yaml --sizes 9,17,33,65 --clamp-midway --at tip\n\n"
       "exit codes: 0 done, 1 a run failed, 2 wrong command line, 3 wrong scene, 4 a "
       "file could not be read\n",

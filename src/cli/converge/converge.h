@@ -10,7 +10,7 @@
 
 enum {
     CONVERGE_SIZES = 16,
-    CONVERGE_LARGEST = 100000,
+    CONVERGE_LARGEST = 1000000,
     CONVERGE_QUANTITIES = 64,
     CONVERGE_NAME = 48
 };
@@ -19,40 +19,40 @@ enum {
 typedef struct converge_quantity {
     char name[CONVERGE_NAME];
     bool particle;
-    bool half[2];    /* row, column: the middle of the extent, */
-    size_t index[2]; /* or this line */
+    size_t place[2]; /* of it, for refine_line: row, column */
     size_t which;    /* the column, or 0, 1, 2: x, y, z */
 } converge_quantity;
 
 /* Of one size; shared by the processes. */
 typedef struct converge_result {
     weft_error err;
-    bool done;
-    double values[CONVERGE_QUANTITIES];
+    double values[CONVERGE_QUANTITIES]; /* NAN: the run failed */
 } converge_result;
+
+typedef struct converge_size {
+    size_t size;
+    double spacing; /* [m] along the larger extent */
+    weft_cloth *cloth;
+    size_t particles[CONVERGE_QUANTITIES]; /* of the quantities that have one */
+} converge_size;
 
 typedef struct converge {
     const weft_scene *scene;
-    refinement grid; /* of the scene */
+    refinement grid;
     size_t quantity_count;
     converge_quantity quantities[CONVERGE_QUANTITIES];
     size_t count; /* of sizes */
-    size_t size[CONVERGE_SIZES];
-    refinement grids[CONVERGE_SIZES];
-    weft_scene *scenes[CONVERGE_SIZES];
+    converge_size sizes[CONVERGE_SIZES];
     converge_result *results;
-    size_t over;
+    size_t over; /* of sizes */
+    int code;    /* EXIT_DONE, or of a run that failed */
     progress progress;
 } converge;
 
 /* converge_quantity.c: reads the options --at; returns the exit code. */
 int converge_add_quantities(converge *self, const options *given);
-/* The particle of a quantity in a refined grid; false: there is none. */
-bool converge_particle(const refinement *grid, const converge_quantity *one,
-                       size_t *particle);
 
 /* converge_write.c: the results to stdout. */
-void converge_print(const converge *self);
-void converge_csv(const converge *self);
+void converge_print(const converge *self, bool csv);
 
 #endif

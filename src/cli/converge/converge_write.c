@@ -39,79 +39,77 @@ static double extrapolate(double p, const double h[3], const double v[3])
 
 /* ---- the table -------------------------------------------------------------- */
 
-typedef struct converge_row {
-    size_t rows, cols;
-    double spacing, value, difference, order, limit; /* NAN: none */
-} converge_row;
+enum { CELLS = 5 };
 
-static double value_of(const converge_result *result, size_t of)
-{
-    return result->done ? result->values[of] : (double)NAN;
-}
+static const struct {
+    const char *name, *format;
+    int width;
+} columns[CELLS] = { { "spacing", "%.5g", 10 },
+                     { "value", "%.10g", 16 },
+                     { "difference", "%.3e", 11 },
+                     { "order", "%.2f", 6 },
+                     { "extrapolated", "%.10g", 16 } };
 
-static converge_row row_at(const converge *self, size_t of, size_t i)
+/* NAN: no value. */
+static void fill_row(const converge *self, size_t of, size_t i, double cells[CELLS])
 {
-    const refinement *grid = &self->grids[i];
     double h[3] = { 0 }, v[3] = { 0 };
     for (size_t k = i < 2 ? 2 - i : 0; k < 3; ++k) {
-        h[k] = refine_spacing(&self->grids[i + k - 2], grid->along);
-        v[k] = value_of(&self->results[i + k - 2], of);
+        h[k] = self->sizes[i + k - 2].spacing;
+        v[k] = self->results[i + k - 2].values[of];
     }
-    const double order = i < 2 ? (double)NAN : order_of(h, v);
-    return (converge_row){ .rows = grid->axis[0].refined,
-                           .cols = grid->axis[1].refined,
-                           .spacing = h[2],
-                           .value = v[2],
-                           .difference = i < 1 ? (double)NAN : v[2] - v[1],
-                           .order = order,
-                           .limit = extrapolate(order, h, v) };
+    cells[0] = h[2];
+    cells[1] = v[2];
+    cells[2] = i < 1 ? (double)NAN : v[2] - v[1];
+    cells[3] = i < 2 ? (double)NAN : order_of(h, v);
+    cells[4] = extrapolate(cells[3], h, v);
 }
 
-static void print_number(int width, const char *format, double value)
+static void print_header(const char *first, bool csv)
 {
-    char text[40] = "-";
-    if (!isnan(value)) {
-        (void)snprintf(text, sizeof text, format, value);
+    printf("%s", first);
+    for (size_t k = 0; k < CELLS; ++k) {
+        printf("%s%*s", csv ? "," : " ", csv ? 0 : columns[k].width, columns[k].name);
     }
-    printf(" %*s", width, text);
+    putchar('\n');
 }
 
-void converge_print(const converge *self)
+static void print_row(const converge *self, size_t of, size_t i, bool csv)
 {
+    const weft_cloth *cloth = self->sizes[i].cloth;
+    const size_t rows = weft_cloth_rows(cloth), cols = weft_cloth_cols(cloth);
+    double cells[CELLS];
+    char text[48];
+    fill_row(self, of, i, cells);
+    if (csv) {
+        record_csv_quoted(stdout, self->quantities[of].name);
+        printf(",%zu,%zu,%zu", self->sizes[i].size, rows, cols);
+    } else {
+        (void)snprintf(text, sizeof text, "%zu x %zu", rows, cols);
+        printf("%13s", text);
+    }
+    for (size_t k = 0; k < CELLS; ++k) {
+        (void)snprintf(text, sizeof text, csv ? "%.17g" : columns[k].format, cells[k]);
+        printf("%s%*s", csv ? "," : " ", csv ? 0 : columns[k].width,
+               !isnan(cells[k]) ? text
+               : csv            ? ""
+                                : "-");
+    }
+    putchar('\n');
+}
+
+void converge_print(const converge *self, bool csv)
+{
+    if (csv) {
+        print_header("quantity,size,rows,cols", csv);
+    }
     for (size_t of = 0; of < self->quantity_count; ++of) {
-        printf("%s%s\n%13s %10s %16s %11s %6s %16s\n", of == 0 ? "" : "\n",
-               self->quantities[of].name, "particles", "spacing", "value", "difference",
-               "order", "extrapolated");
-        for (size_t i = 0; i < self->count; ++i) {
-            const converge_row one = row_at(self, of, i);
-            char particles[48];
-            (void)snprintf(particles, sizeof particles, "%zu x %zu", one.rows,
-                           one.cols);
-            printf("%13s", particles);
-            print_number(10, "%.5g", one.spacing);
-            print_number(16, "%.10g", one.value);
-            print_number(11, "%.3e", one.difference);
-            print_number(6, "%.2f", one.order);
-            print_number(16, "%.10g", one.limit);
-            putchar('\n');
+        if (!csv) {
+            printf("%s%s\n", of == 0 ? "" : "\n", self->quantities[of].name);
+            print_header("    particles", csv);
         }
-    }
-}
-
-void converge_csv(const converge *self)
-{
-    puts("quantity,size,rows,cols,spacing,value,difference,order,extrapolated");
-    for (size_t of = 0; of < self->quantity_count; ++of) {
         for (size_t i = 0; i < self->count; ++i) {
-            const converge_row one = row_at(self, of, i);
-            const double cells[]
-                = { one.spacing, one.value, one.difference, one.order, one.limit };
-            record_csv_quoted(stdout, self->quantities[of].name);
-            printf(",%zu,%zu,%zu", self->size[i], one.rows, one.cols);
-            for (size_t k = 0; k < sizeof cells / sizeof cells[0]; ++k) {
-                printf(isnan(cells[k]) ? "," : ",%.17g", cells[k]);
-            }
-            putchar('\n');
+            print_row(self, of, i, csv);
         }
     }
 }

@@ -2,218 +2,151 @@
 #include "cli/converge/refine.h"
 
 #include <math.h>
-#include <stdio.h>
+#include <stdlib.h>
 
-/* ---- lines of the grid ------------------------------------------------------ */
-
-/* The extent of `count` lines in halves of a spacing, because two pinned lines at an
- * end clamp the cloth midway between them. */
+/* Twice the extent, in spacings. */
 static size_t halves(const refine_axis *axis, size_t count)
 {
-    return 2 * (count - 1) - axis->clamp[0] - axis->clamp[1];
+    return 2 * (count - 1) - axis->clamp;
 }
 
-bool refine_line(const refine_axis *axis, size_t i, bool half, size_t *out)
+bool refine_line(const refine_axis *axis, size_t place, size_t *line)
 {
-    const size_t from_end = axis->count - 1 - i;
-    if (axis->count == 1 || (!half && axis->clamp[0] && i < 2)) {
-        *out = i;
-        return true;
+    size_t refined = place, rest = 0;
+    if (axis->count > 1 && !(axis->clamp && place <= 2)) {
+        const size_t product = (place - axis->clamp) * halves(axis, axis->refined);
+        refined = product / halves(axis, axis->count) + axis->clamp;
+        rest = product % halves(axis, axis->count);
     }
-    if (!half && axis->clamp[1] && from_end < 2) {
-        *out = axis->refined - 1 - from_end;
-        return true;
-    }
-    const size_t part = half ? 1 : 2 * i - axis->clamp[0];
-    const size_t whole = half ? 2 : halves(axis, axis->count);
-    const size_t product = part * halves(axis, axis->refined);
-    const size_t place = product / whole + axis->clamp[0];
-    *out = place / 2;
-    return product % whole == 0 && place % 2 == 0;
+    *line = refined / 2;
+    return rest == 0 && refined % 2 == 0;
 }
 
-double refine_spacing(const refinement *self, size_t axis)
+static bool scale_range(const refine_axis *axis, weft_range *range)
 {
-    const refine_axis *of = &self->axis[axis];
-    return of->count == 1 ? self->cloth->spacing[axis]
-                          : self->cloth->spacing[axis]
-                                * ((double)halves(of, of->count)
-                                   / (double)halves(of, of->refined));
-}
-
-static size_t resolve(ptrdiff_t index, size_t count)
-{
-    return (size_t)(index < 0 ? index + (ptrdiff_t)count : index);
-}
-
-static bool holds(weft_range range, size_t count, size_t first, size_t last)
-{
-    return resolve(range.first, count) <= first && resolve(range.last, count) >= last;
-}
-
-static bool scale_range(const refine_axis *axis, weft_range range, size_t out[2])
-{
-    return refine_line(axis, resolve(range.first, axis->count), false, &out[0])
-           && refine_line(axis, resolve(range.last, axis->count), false, &out[1]);
-}
-
-/* ---- the refined grid ------------------------------------------------------- */
-
-void refine_begin(refinement *self, const weft_cloth_def *cloth)
-{
-    const double down = (double)(cloth->rows - 1) * cloth->spacing[0];
-    const double across = (double)(cloth->cols - 1) * cloth->spacing[1];
-    *self
-        = (refinement){ .cloth = cloth,
-                        .axis = { { .count = cloth->rows }, { .count = cloth->cols } },
-                        .along = across > down };
-}
-
-/* Whether a pin holds all of a row, or of a column. */
-static bool is_pinned(const refinement *self, size_t axis, size_t line)
-{
-    bool pinned = false;
-    for (size_t i = 0; i < self->cloth->pin_count; ++i) {
-        const weft_pin *pin = &self->cloth->pins[i];
-        const weft_range ranges[2] = { pin->rows, pin->cols };
-        const size_t across = self->axis[1 - axis].count;
-        pinned = pinned
-                 || (holds(ranges[axis], self->axis[axis].count, line, line)
-                     && holds(ranges[1 - axis], across, 0, across - 1));
-    }
-    return pinned;
-}
-
-bool refine_clamp(refinement *self)
-{
-    bool found = false;
-    for (size_t k = 0; k < 2; ++k) {
-        refine_axis *axis = &self->axis[k];
-        for (size_t end = 0; end < 2 && axis->count > 3; ++end) {
-            const size_t last = axis->count - 1;
-            axis->clamp[end] = is_pinned(self, k, end == 0 ? 0 : last)
-                               && is_pinned(self, k, end == 0 ? 1 : last - 1)
-                               && !is_pinned(self, k, end == 0 ? 2 : last - 2);
-            found = found || axis->clamp[end];
-        }
+    ptrdiff_t *const ends[2] = { &range->first, &range->last };
+    bool found = true;
+    for (size_t i = 0; i < 2; ++i) {
+        const ptrdiff_t index = *ends[i] + (*ends[i] < 0 ? (ptrdiff_t)axis->count : 0);
+        size_t line;
+        found = refine_line(axis, 2 * (size_t)index, &line) && found;
+        *ends[i] = (ptrdiff_t)line;
     }
     return found;
 }
 
-/* Clamps must leave a free line. */
+static weft_status scale_place(const refinement *self, weft_range *rows,
+                               weft_range *cols, const char *list, size_t i,
+                               weft_error *err)
+{
+    return scale_range(&self->axis[0], rows) && scale_range(&self->axis[1], cols)
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_INVALID,
+                                "%zu does not keep the place of cloth.%s.%zu",
+                                self->axis[self->along].refined, list, i);
+}
+
+/* A clamp must leave a free line. */
 static bool scale_counts(refinement *self, size_t size)
 {
     refine_axis *along = &self->axis[self->along], *across = &self->axis[!self->along];
     const size_t product = (size - 1) * (across->count - 1);
     along->refined = size;
     across->refined = product / (along->count - 1) + 1;
-    return product % (along->count - 1) == 0
-           && along->refined > 2 * ((size_t)along->clamp[0] + along->clamp[1])
-           && across->refined > 2 * ((size_t)across->clamp[0] + across->clamp[1]);
-}
-
-static bool scale_place(const refinement *self, weft_range rows, weft_range cols,
-                        size_t r[2], size_t c[2])
-{
-    return scale_range(&self->axis[0], rows, r) && scale_range(&self->axis[1], cols, c);
-}
-
-bool refine_to(refinement *self, size_t size, char what[REFINE_PLACE])
-{
-    const weft_cloth_def *cloth = self->cloth;
-    size_t r[2], c[2];
-    if (!scale_counts(self, size)) {
-        (void)snprintf(what, REFINE_PLACE, "the ratio of rows to columns");
-        return false;
-    }
-    for (size_t i = 0; i < cloth->pin_count; ++i) {
-        if (!scale_place(self, cloth->pins[i].rows, cloth->pins[i].cols, r, c)) {
-            (void)snprintf(what, REFINE_PLACE, "the place of cloth.pins.%zu", i);
-            return false;
-        }
-    }
-    for (size_t i = 0; i < cloth->load_count; ++i) {
-        if (!scale_place(self, cloth->loads[i].rows, cloth->loads[i].cols, r, c)) {
-            (void)snprintf(what, REFINE_PLACE, "the place of cloth.loads.%zu", i);
-            return false;
-        }
-    }
-    return true;
-}
-
-/* ---- overrides -------------------------------------------------------------- */
-
-static void put_vector(FILE *out, const char *name, const double v[3])
-{
-    fprintf(out, "%s: [%.17g, %.17g, %.17g], ", name, v[0], v[1], v[2]);
-}
-
-static void put_place(const refinement *self, FILE *out, weft_range rows,
-                      weft_range cols)
-{
-    size_t r[2] = { 0 }, c[2] = { 0 };
-    (void)scale_place(self, rows, cols, r, c);
-    fprintf(out, "at: {rows: [%zu, %zu], cols: [%zu, %zu]}", r[0], r[1], c[0], c[1]);
-}
-
-static void put_pins(const refinement *self, FILE *out)
-{
-    for (size_t i = 0; i < self->cloth->pin_count; ++i) {
-        const weft_pin *pin = &self->cloth->pins[i];
-        fputs(i == 0 ? "{" : ", {", out);
-        put_vector(out, "velocity", pin->velocity);
-        put_vector(out, "amplitude", pin->amplitude);
-        fprintf(out, "frequency: %.17g, ", pin->frequency);
-        put_place(self, out, pin->rows, pin->cols);
-        fputc('}', out);
-    }
-}
-
-static void put_loads(const refinement *self, FILE *out)
-{
-    for (size_t i = 0; i < self->cloth->load_count; ++i) {
-        const weft_load *load = &self->cloth->loads[i];
-        fprintf(out, "%s{mass: %.17g, ", i == 0 ? "" : ", ", load->mass);
-        put_place(self, out, load->rows, load->cols);
-        fputc('}', out);
-    }
+    return product % (along->count - 1) == 0 && (!along->clamp || size > 2)
+           && (!across->clamp || across->refined > 2);
 }
 
 /* A clamp stays where it is, half a spacing behind the first line. */
-static double moved_origin(const refinement *self, size_t component)
+static void scale_lengths(refinement *self, size_t k)
 {
-    const weft_cloth_def *cloth = self->cloth;
-    const double *const directions[2] = { cloth->down, cloth->right };
-    double origin = cloth->origin[component];
-    for (size_t k = 0; k < 2; ++k) {
-        const double *to = directions[k];
-        const double length = sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
-        const double shift = cloth->spacing[k] - refine_spacing(self, k);
-        if (self->axis[k].clamp[0]) {
-            origin += 0.5 * cloth->scale * shift * to[component] / length;
-        }
+    const refine_axis *axis = &self->axis[k];
+    const double *to = k == 0 ? self->from->down : self->from->right;
+    const double length = sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
+    const double before = self->from->spacing[k];
+    double *after = &self->cloth.spacing[k];
+    if (axis->count > 1) {
+        *after = before
+                 * ((double)halves(axis, axis->count)
+                    / (double)halves(axis, axis->refined));
     }
-    return origin;
+    for (size_t i = 0; axis->clamp && i < 3; ++i) {
+        self->cloth.origin[i]
+            += 0.5 * self->from->scale * (before - *after) * to[i] / length;
+    }
 }
 
-char *refine_sets(const refinement *self)
+weft_status refine_to(refinement *self, size_t size, weft_error *err)
 {
-    char *text = NULL;
-    size_t length;
-    FILE *out = open_memstream(&text, &length);
-    if (out == NULL) {
-        return NULL;
+    const weft_cloth_def *from = self->from;
+    weft_status status = WEFT_OK;
+    if (!scale_counts(self, size)) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "%zu does not keep the ratio of rows to columns", size);
     }
-    fprintf(out, "cloth.grid.rows=%zu%c", self->axis[0].refined, '\0');
-    fprintf(out, "cloth.grid.cols=%zu%c", self->axis[1].refined, '\0');
-    fprintf(out, "cloth.grid.spacing=[%.17g, %.17g]%c", refine_spacing(self, 0),
-            refine_spacing(self, 1), '\0');
-    fprintf(out, "cloth.grid.origin=[%.17g, %.17g, %.17g]%c", moved_origin(self, 0),
-            moved_origin(self, 1), moved_origin(self, 2), '\0');
-    fputs("cloth.pins=[", out);
-    put_pins(self, out);
-    fprintf(out, "]%ccloth.loads=[", '\0');
-    put_loads(self, out);
-    fputs("]", out);
-    return fclose(out) == 0 ? text : NULL;
+    for (size_t i = 0; i < from->pin_count && status == WEFT_OK; ++i) {
+        weft_pin *pin = &self->pins[i];
+        *pin = from->pins[i];
+        status = scale_place(self, &pin->rows, &pin->cols, "pins", i, err);
+    }
+    for (size_t i = 0; i < from->load_count && status == WEFT_OK; ++i) {
+        weft_load *load = &self->loads[i];
+        *load = from->loads[i];
+        status = scale_place(self, &load->rows, &load->cols, "loads", i, err);
+    }
+    self->cloth = *from;
+    self->cloth.rows = self->axis[0].refined;
+    self->cloth.cols = self->axis[1].refined;
+    self->cloth.pins = self->pins;
+    self->cloth.loads = self->loads;
+    scale_lengths(self, 0);
+    scale_lengths(self, 1);
+    return status == WEFT_OK && self->fabric != NULL
+               ? weft_fabric_apply(self->fabric, &self->cloth, err)
+               : status;
+}
+
+weft_status refine_begin(refinement *self, const weft_scene *scene, weft_error *err)
+{
+    const weft_cloth_def *from = weft_scene_cloth(scene);
+    const double down = (double)(from->rows - 1) * from->spacing[0];
+    const double across = (double)(from->cols - 1) * from->spacing[1];
+    *self = (refinement){ .from = from,
+                          .fabric = weft_scene_fabric(scene),
+                          .pins = calloc(from->pin_count + 1, sizeof *self->pins),
+                          .loads = calloc(from->load_count + 1, sizeof *self->loads),
+                          .axis = { { .count = from->rows }, { .count = from->cols } },
+                          .along = across > down };
+    return self->pins == NULL || self->loads == NULL
+               ? weft_error_set(err, WEFT_NO_MEMORY, "no memory for pins")
+               : refine_to(self, self->axis[self->along].count, err);
+}
+
+void refine_end(refinement *self)
+{
+    free(self->pins);
+    free(self->loads);
+}
+
+/* Whether a pin holds all of a row, or of a column, of the scene's size. */
+static bool is_pinned(const refinement *self, size_t axis, ptrdiff_t line)
+{
+    bool pinned = false;
+    for (size_t i = 0; i < self->from->pin_count; ++i) {
+        const weft_range ranges[2] = { self->pins[i].rows, self->pins[i].cols };
+        const weft_range along = ranges[axis], across = ranges[!axis];
+        pinned = pinned
+                 || (along.first <= line && line <= along.last && across.first == 0
+                     && (size_t)across.last + 1 == self->axis[!axis].count);
+    }
+    return pinned;
+}
+
+bool refine_clamp(refinement *self)
+{
+    for (size_t k = 0; k < 2; ++k) {
+        self->axis[k].clamp = self->axis[k].count > 2 && is_pinned(self, k, 0)
+                              && is_pinned(self, k, 1) && !is_pinned(self, k, 2);
+    }
+    return self->axis[0].clamp || self->axis[1].clamp;
 }
