@@ -26,7 +26,9 @@ static inline weft_cloth *drape_cloth(const drape *of, size_t n)
     static const weft_pin corners[] = { { .rows = { 0, 0 }, .cols = { 0, 0 } },
                                         { .rows = { 0, 0 }, .cols = { -1, -1 } } };
     static const weft_spring_def springs[WEFT_FAMILIES]
-        = { { true, 100.0, 0.02 }, { true, 50.0, 0.01 }, { true, 5.0, 0.001 } };
+        = { { .present = true, .stiffness = 100.0, .damping = 0.02 },
+            { .present = true, .stiffness = 50.0, .damping = 0.01 },
+            { .present = true, .stiffness = 5.0, .damping = 0.001 } };
     weft_shape ball = weft_shape_default(WEFT_SPHERE);
     weft_cloth_def def = weft_cloth_def_default(); /* 0.2 kg/m^2 */
     weft_cloth *cloth = NULL;

@@ -70,6 +70,8 @@ START_TEST(fabrics_are_listed_and_described)
     expect(shell(WEFT " check --yaml scenes/cantilever.yaml"), 0);
     says("\n  fabric:\n    c11: ");
     says("\n    coarse: true\n");
+    expect(shell(WEFT " check scenes/cantilever.yaml --set cloth.grid.cols=1"), 0);
+    ck_assert_ptr_null(strstr(output, "rim")); /* a chain has none */
     expect(shell(WEFT " check " OUT "/small.yaml"), 0);
     ck_assert_ptr_null(strstr(output, "fabric"));
 }

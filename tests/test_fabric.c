@@ -272,7 +272,7 @@ START_TEST(impossible_fabrics_are_refused)
 {
     weft_fabric wrong = denim;
     refused(denim, 0.1, 0.03,
-            "springs make this fabric for b / a from 0.36045 to 6.1626: ");
+            "springs make this fabric for b / a from 0.360456 to 6.16256: ");
     refused(denim, 0.1, 0.7, "b / a = 7;");
     wrong.shear = 1000.0;
     refused(wrong, 0.1, 0.1, "no ratio of spacings makes this fabric");
@@ -293,6 +293,25 @@ START_TEST(bounds_of_the_ratio_are_possible)
     const weft_cloth_def def = made(&square, 3, 3, 0.1, 0.1);
     ck_assert(!def.springs[WEFT_STRETCH].present && def.springs[WEFT_SHEAR].present);
     near(weft_fabric_of(&def).stretch[0], 20.0, 1e-12);
+}
+END_TEST
+
+START_TEST(printed_ends_of_the_ratio_are_possible)
+{
+    size_t count;
+    const weft_fabric *presets = weft_fabric_presets(&count);
+    for (const weft_fabric *of = presets; of < presets + count; ++of) {
+        weft_cloth_def def = grid(4, 4, 0.01, 1.0);
+        double least, most;
+        ck_assert_int_eq(weft_fabric_apply(of, &def, &err), WEFT_INVALID);
+        const char *ends = strstr(err.message, "b / a from");
+        ck_assert(ends != NULL
+                  && sscanf(ends, "b / a from %lf to %lf", &least, &most) == 2);
+        near(least, sqrt(of->shear / of->stretch[0]), 1.1e-5);
+        near(most, sqrt(of->stretch[1] / of->shear), 1.1e-5);
+        (void)made(of, 4, 4, 0.01, 0.01 * least);
+        (void)made(of, 4, 4, 0.01, 0.01 * most);
+    }
 }
 END_TEST
 
@@ -420,6 +439,7 @@ TEST_SUITE(fabric)
     tcase_add_test(tcase, pinned_sheet_sags);
     tcase_add_test(tcase, impossible_fabrics_are_refused);
     tcase_add_test(tcase, bounds_of_the_ratio_are_possible);
+    tcase_add_test(tcase, printed_ends_of_the_ratio_are_possible);
     tcase_add_test(tcase, presets_can_be_made_of_springs);
     tcase_add_test(tcase, peirce_length);
     tcase_add_test(tcase, shear_springs_have_no_pair);

@@ -127,10 +127,10 @@ static int bending_change(const weft__subject *of, double *out, size_t first,
 {
     const size_t n = of->cloth->particles, cols = of->cloth->cols;
     const weft__subject along = { .cloth = of->cloth, .y = of->along };
-    weft__rows_fn *kernel = of->cloth->level->added[WEFT__ADDED_bending];
+    const weft__level *level = of->cloth->level;
     double bad = 0.0;
-    if (kernel != NULL) {
-        return kernel(&along, out, first, end);
+    if (level->added[WEFT__ADDED_bending] != NULL) {
+        return level->added[WEFT__ADDED_bending](&along, out, first, end);
     }
     for (size_t i = first * cols; of->cloth->rigidity.present && i < end * cols; ++i) {
         double *to = out + 3 * n + i;

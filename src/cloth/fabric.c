@@ -82,12 +82,13 @@ static weft_status check_ratio(const weft_fabric *fabric, const weft_cloth_def *
             "%g N/m is above sqrt(%g * %g) N/m of stretch",
             shear, warp, weft);
     }
+    const double inward = 5e-6; /* so that the ends as they are printed are possible */
     return weft_error_set(
         err, WEFT_INVALID,
-        "spacing [a, b] = [%g, %g] m has b / a = %.5g; springs make this fabric for b "
-        "/ a "
-        "from %.5g to %.5g: sqrt(shear / stretch[0]) to sqrt(stretch[1] / shear)",
-        def->spacing[0], def->spacing[1], ratio, least, most);
+        "spacing [a, b] = [%g, %g] m has b / a = %.6g; springs make this fabric for b "
+        "/ a from %.6g to %.6g: sqrt(shear / stretch[0]) to sqrt(stretch[1] / shear)",
+        def->spacing[0], def->spacing[1], ratio, least * (1.0 + inward),
+        most * (1.0 - inward));
 }
 
 static weft_status check(const weft_fabric *fabric, const weft_cloth_def *def,

@@ -40,6 +40,7 @@ void fabric_print(const weft_scene *scene)
     const weft_spring_def *stretch = &def->springs[WEFT_STRETCH];
     const weft_spring_def *shear = &def->springs[WEFT_SHEAR];
     const char *name = given == NULL ? NULL : given->name;
+    const bool sheet = def->rows > 1 && def->cols > 1;
     report of;
     if (!report_of(scene, &of)) {
         return;
@@ -50,7 +51,7 @@ void fabric_print(const weft_scene *scene)
                name == NULL ? "" : name, name == NULL ? "" : ": ", stretch->stiffness,
                of_weft(stretch), shear->stiffness,
                def->law == WEFT_LAW_HOOKE ? "N/m" : "N",
-               def->rim_half ? ", half along the rim" : "");
+               def->rim_half && sheet ? ", half along the rim" : "");
     print_item("",
                "they make C11 %.5g, C22 %.5g, C12 = G %.5g N/m; rigidity %.4g and "
                "%.4g, twist %.4g N m",
