@@ -168,12 +168,13 @@ static uint64_t hash(void)
     return test_hash(m.dydt, 6 * m.n);
 }
 
-static const weft__level wide = { "8 lanes",
-                                  weft__rows_wide,
-                                  weft__damping_wide,
-                                  weft__products_wide,
-                                  { weft__bending_wide, weft__wind_wide, weft__contact_wide },
-                                  weft__clear_wide };
+static const weft__level wide
+    = { "8 lanes",
+        weft__rows_wide,
+        weft__damping_wide,
+        weft__products_wide,
+        { weft__bending_wide, weft__wind_wide, weft__contact_wide },
+        weft__clear_wide };
 static const weft__level reference = { "plain loops",
                                        weft__reference_rows,
                                        weft__reference_damping,
