@@ -332,11 +332,17 @@ static weft_cloth_def cantilever(size_t n, double rigidity, double stretch)
     return def;
 }
 
-/* Under gravity that grows; writes where the tip is, from the clamp [m]. */
-static void hang(weft_cloth_def def, double tip[2])
+static void tip_of(const weft_cloth_def *def, const double *y, double tip[2])
+{
+    tip[0] = y[def->cols - 1];
+    tip[1] = y[(def->rows + 1) * def->cols - 1];
+}
+
+/* Under gravity that grows; writes where it is, y[6 MOST], and its tip, from the clamp
+ * [m]. */
+static void hang_in(weft_cloth_def def, double *y, double tip[2])
 {
     enum { LOADS = 24 };
-    static double y[6 * MOST];
     for (int k = 1; k <= LOADS; ++k) {
         const double part = (double)k / LOADS;
         def.gravity[1] = -9.81 * part * part * part;
@@ -347,8 +353,13 @@ static void hang(weft_cloth_def def, double tip[2])
         settle(cloth, y);
         weft_cloth_destroy(cloth);
     }
-    tip[0] = y[def.cols - 1];
-    tip[1] = y[(def.rows + 1) * def.cols - 1];
+    tip_of(&def, y, tip);
+}
+
+static void hang(weft_cloth_def def, double tip[2])
+{
+    static double y[6 * MOST];
+    hang_in(def, y, tip);
 }
 
 /* Tips of an overhang of 0.1 m by an independent solver. */
@@ -415,6 +426,29 @@ START_TEST(cantilever_converges_to_the_heavy_elastica)
     ck_assert_msg(log2(error[0] / error[1]) > 1.9 && log2(error[1] / error[2]) > 1.9,
                   "%g %g %g", error[0], error[1], error[2]);
     ck_assert_msg(error[0] < 0.05, "%g", error[0]);
+}
+END_TEST
+
+/* Provot's springs, fitted on the second grid, from where the rigid chain hangs. */
+START_TEST(bend_springs_soften_as_the_grid_is_refined)
+{
+    static const double depths[] = { .793, .920, .967 };
+    static double y[6 * MOST];
+    for (size_t k = 0; k < sizeof depths / sizeof depths[0]; ++k) {
+        double tip[2];
+        weft_cloth_def def
+            = cantilever((size_t)8 * ((size_t)1 << k) + 1, 3.065625e-5, 1000.0);
+        hang_in(def, y, tip);
+        def.gravity[1] = -9.81;
+        def.bending.rigidity[1] = 0.0;
+        def.springs[WEFT_BEND].present = true;
+        def.springs[WEFT_BEND].stiffness = 2942.0;
+        weft_cloth *cloth = test_cloth(&def);
+        settle(cloth, y);
+        tip_of(&def, y, tip);
+        ck_assert_msg(fabs(tip[1] + 0.1 * depths[k]) < 6e-5, "%g", tip[1]);
+        weft_cloth_destroy(cloth);
+    }
 }
 END_TEST
 
@@ -716,6 +750,7 @@ TEST_SUITE(bending)
     tcase_add_loop_test(tcase, chain_hangs_where_another_solver_has_it, 0, TIPS);
     tcase_add_loop_test(tcase, strip_hangs_as_the_chain, 0, TIPS);
     tcase_add_loop_test(tcase, cantilever_converges_to_the_heavy_elastica, 0, 5);
+    tcase_add_test(tcase, bend_springs_soften_as_the_grid_is_refined);
     tcase_add_test(tcase, hanging_chain_is_as_long_with_any_rigidity);
     tcase_add_test(tcase, cantilever_swings_at_its_frequency);
     tcase_add_test(tcase, damped_cantilever_decays_at_its_rate);
