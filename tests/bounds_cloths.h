@@ -138,7 +138,8 @@ static const weft_cloth_def cloths[] = {
       .pins = corners,
       .pin_count = 2,
       .rim_half = true,
-      .springs = { { true, 100, 0.02, true, 40, 0.008 },
+      .across = { { .present = true, .stiffness = 40, .damping = 0.008 } },
+      .springs = { { .present = true, .stiffness = 100, .damping = 0.02 },
                    { .present = true, .stiffness = 20, .damping = 0.004 } } },
 };
 

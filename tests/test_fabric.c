@@ -47,14 +47,16 @@ START_TEST(springs_are_those_of_the_formula)
 {
     const weft_cloth_def def = made(&denim, 5, 7, 0.1, 0.15);
     const weft_spring_def *stretch = &def.springs[WEFT_STRETCH];
+    const weft_spring_def *across = &def.across[WEFT_STRETCH];
     const weft_spring_def *shear = &def.springs[WEFT_SHEAR];
     ck_assert(def.density == 0.324 && def.mass == 0.0 && def.rim_half);
-    ck_assert(def.law == WEFT_LAW_HOOKE && stretch->pair && !shear->pair);
+    ck_assert(def.law == WEFT_LAW_HOOKE && across->present
+              && !def.across[WEFT_SHEAR].present);
     near(stretch->stiffness, 580.9, 1e-4);
-    near(stretch->weft_stiffness, 1271.9, 1e-4);
+    near(across->stiffness, 1271.9, 1e-4);
     near(shear->stiffness, 57.85, 1e-4);
     near(stretch->damping, 580.9e-5, 1e-4);
-    near(stretch->weft_damping, 1271.9e-5, 1e-4);
+    near(across->damping, 1271.9e-5, 1e-4);
     near(shear->damping, 57.85e-5, 1e-4);
     ck_assert(!def.springs[WEFT_BEND].present);
     ck_assert(def.bending.rigidity[0] == 24.3e-6 && def.bending.rigidity[1] == 16e-6);
@@ -71,7 +73,7 @@ START_TEST(chains_have_a_width_of_one_metre)
     ck_assert(!def.springs[WEFT_SHEAR].present);
     near(weft_fabric_of(&def).stretch[0], 100.0, 1e-12);
     def = made(&fabric, 1, 5, 7.0, 0.1);
-    near(def.springs[WEFT_STRETCH].weft_stiffness, 3000.0, 1e-15);
+    near(def.across[WEFT_STRETCH].stiffness, 3000.0, 1e-15);
     near(weft_fabric_of(&def).stretch[1], 300.0, 1e-12);
 }
 END_TEST
@@ -349,13 +351,15 @@ START_TEST(shear_springs_have_no_pair)
 {
     weft_cloth_def def = made(&denim, 3, 3, 0.1, 0.1);
     weft_cloth *cloth;
-    def.springs[WEFT_SHEAR].pair = true;
+    def.across[WEFT_SHEAR].present = true;
     ck_assert_int_eq(weft_cloth_create(&def, &cloth, &err), WEFT_INVALID);
-    ck_assert_ptr_nonnull(strstr(err.message, "shear springs: no pair of values"));
+    ck_assert_ptr_nonnull(
+        strstr(err.message, "shear springs along a row: they lie along"));
     def = made(&denim, 3, 3, 0.1, 0.1);
-    def.springs[WEFT_STRETCH].weft_stiffness = -1.0;
+    def.across[WEFT_STRETCH].stiffness = -1.0;
     ck_assert_int_eq(weft_cloth_create(&def, &cloth, &err), WEFT_INVALID);
-    ck_assert_ptr_nonnull(strstr(err.message, "stretch springs: weft_stiffness -1 "));
+    ck_assert_ptr_nonnull(
+        strstr(err.message, "stretch springs along a row: stiffness -1 "));
 }
 END_TEST
 
@@ -409,11 +413,9 @@ START_TEST(springs_of_a_scene_have_pairs_rim_and_rigidity)
         "1]}\n    shear: {stiffness: 2}\n    bend: {rigidity: [4.0e-5, 9.0e-5], "
         "damping: 0.5}\n    rim: half\n" ENDED);
     weft_cloth_def def = grid(4, 5, 0.01, 0.012);
-    def.springs[WEFT_STRETCH] = (weft_spring_def){ .present = true,
-                                                   .stiffness = 3,
-                                                   .pair = true,
-                                                   .weft_stiffness = 4,
-                                                   .weft_damping = 1 };
+    def.springs[WEFT_STRETCH] = (weft_spring_def){ .present = true, .stiffness = 3 };
+    def.across[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 4, .damping = 1 };
     def.springs[WEFT_SHEAR] = (weft_spring_def){ .present = true, .stiffness = 2 };
     def.rim_half = true;
     def.bending = (weft_bending_def){ { 4e-5, 9e-5 }, -1.0, 0.5 };

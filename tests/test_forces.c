@@ -64,15 +64,17 @@ static void list_springs(void)
             const weft_family family = down == 1 && right == 1 ? WEFT_SHEAR
                                        : down + right == 1     ? WEFT_STRETCH
                                                                : WEFT_BEND;
-            const weft_spring_def *def = &m.def.springs[family];
-            if (def->present && down * right <= 1 && down + right <= 2) {
+            const weft_spring_def *def = down == 0 && m.def.across[family].present
+                                             ? &m.def.across[family]
+                                             : &m.def.springs[family];
+            if (m.def.springs[family].present && down * right <= 1
+                && down + right <= 2) {
                 const double s = hypot((double)down * m.def.spacing[0],
                                        (double)right * m.def.spacing[1]);
-                const bool weft = def->pair && down == 0;
                 const double share = along_rim(p, q) ? 0.5 : 1.0;
-                const double k = share * (weft ? def->weft_stiffness : def->stiffness)
-                                 / (m.def.law == WEFT_LAW_HOOKE ? 1 : s);
-                const double c = share * (weft ? def->weft_damping : def->damping);
+                const double k
+                    = share * def->stiffness / (m.def.law == WEFT_LAW_HOOKE ? 1 : s);
+                const double c = share * def->damping;
                 m.spring[m.springs++] = (spring){ family, p, q, s, k, c };
             }
         }
@@ -110,9 +112,9 @@ static void define(const size_t size[2], unsigned families, int law, int damped)
         m.def.springs[f].present = (families >> f & 1u) != 0;
         m.def.springs[f].stiffness = (double[]){ 120.0, 45.0, 9.0 }[f];
         m.def.springs[f].damping = (double[]){ 0.7, 1.1, 0.3 }[f] * damped;
-        m.def.springs[f].pair = f != WEFT_SHEAR && size[1] % 2 == 1;
-        m.def.springs[f].weft_stiffness = 70.0 - 30.0 * (double)f;
-        m.def.springs[f].weft_damping = 0.4 * damped;
+        m.def.across[f].present = f != WEFT_SHEAR && size[1] % 2 == 1;
+        m.def.across[f].stiffness = 70.0 - 30.0 * (double)f;
+        m.def.across[f].damping = 0.4 * damped;
     }
     m.def.rim_half = size[0] % 2 == 1 || size[0] == 4;
 }
@@ -251,7 +253,7 @@ START_TEST(strain_law_is_hookes_with_k_over_s)
             define(grids[2], 1u << family, law, ELASTIC);
             m.def.spacing[0] = m.def.spacing[1] = 0.3;
             m.def.springs[family].stiffness = 40.0 * (law == WEFT_LAW_STRAIN ? s : 1.0);
-            m.def.springs[family].weft_stiffness = m.def.springs[family].stiffness;
+            m.def.across[family].stiffness = m.def.springs[family].stiffness;
             m.def.springs[family].damping = 0.2; /* the same in both */
             make(5);
             ck_assert_double_gt(force(), 1.0);

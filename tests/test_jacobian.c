@@ -65,10 +65,10 @@ static weft_cloth *make(size_t number)
     for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
         def.springs[f] = (weft_spring_def){ .present = true,
                                             .stiffness = 50.0 / (double)(f + 1),
-                                            .damping = f == 2 ? 0.0 : 0.2,
-                                            .pair = f != WEFT_SHEAR && choice & 2,
-                                            .weft_stiffness = 70.0,
-                                            .weft_damping = 0.1 };
+                                            .damping = f == 2 ? 0.0 : 0.2 };
+        def.across[f] = (weft_spring_def){ .present = f != WEFT_SHEAR && choice & 2,
+                                           .stiffness = 70.0,
+                                           .damping = 0.1 };
     }
     def.rim_half = choice & 1;
     if (def.law == WEFT_LAW_STRAIN) {

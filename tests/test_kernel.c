@@ -119,9 +119,9 @@ static void define(uint64_t *seed)
         m.def.springs[f].present = chance(seed) < 0.7;
         m.def.springs[f].stiffness = chance(seed) < 0.9 ? 100.0 * chance(seed) : 0.0;
         m.def.springs[f].damping = chance(seed) < 0.5 ? chance(seed) : 0.0;
-        m.def.springs[f].pair = f != WEFT_SHEAR && chance(seed) < 0.5;
-        m.def.springs[f].weft_stiffness = 100.0 * chance(seed);
-        m.def.springs[f].weft_damping = chance(seed) < 0.5 ? chance(seed) : 0.0;
+        m.def.across[f].present = f != WEFT_SHEAR && chance(seed) < 0.5;
+        m.def.across[f].stiffness = 100.0 * chance(seed);
+        m.def.across[f].damping = chance(seed) < 0.5 ? chance(seed) : 0.0;
     }
     m.def.rim_half = chance(seed) < 0.5;
     m.def.drag = chance(seed) < 0.5 ? chance(seed) : 0.0;

@@ -56,10 +56,10 @@ START_TEST(every_other_cloth_is_refused)
         memcpy(pins, def.pins, sizeof pins);
         def.pins = pins;
         def.springs[WEFT_STRETCH].stiffness += i == STIFFNESS ? 1e-9 : 0.0;
-        def.springs[WEFT_STRETCH].pair = i == WEFT || i == WEFT_DAMPING;
-        def.springs[WEFT_STRETCH].weft_stiffness
+        def.across[WEFT_STRETCH].present = i == WEFT || i == WEFT_DAMPING;
+        def.across[WEFT_STRETCH].stiffness
             = def.springs[WEFT_STRETCH].stiffness + (i == WEFT ? 1e-9 : 0.0);
-        def.springs[WEFT_STRETCH].weft_damping
+        def.across[WEFT_STRETCH].damping
             = def.springs[WEFT_STRETCH].damping + (i == WEFT_DAMPING ? 1e-9 : 0.0);
         def.rim_half = i == RIM;
         def.springs[WEFT_SHEAR].damping += i == DAMPING ? 1e-9 : 0.0;

@@ -146,8 +146,8 @@ static weft_cloth *made(size_t rows, size_t cols, bool rigid)
     }
     if (rigid) {
         def.springs[WEFT_BEND].present = false;
-        def.springs[WEFT_STRETCH].pair = true;
-        def.springs[WEFT_STRETCH].weft_stiffness = 30.0;
+        def.across[WEFT_STRETCH].present = true;
+        def.across[WEFT_STRETCH].stiffness = 30.0;
         def.rim_half = true;
         def.bending = (weft_bending_def){ { 1e-4, 2e-4 }, -1.0, 1e-3 };
     }

@@ -40,8 +40,6 @@ typedef struct weft_spring_def {
     bool present;
     double stiffness; /* [N/m] (hooke) or [N] (strain), >= 0 */
     double damping;   /* [kg/s], >= 0, along the spring only */
-    bool pair; /* stretch, bend: those are of springs along a column (warp) alone, */
-    double weft_stiffness, weft_damping; /* and these of springs along a row (weft) */
 } weft_spring_def;
 
 /* Bending rigidity of a plate, instead of bend springs; docs/physics.md. None if all
@@ -146,7 +144,9 @@ typedef struct weft_cloth_def {
     const weft_allocator *allocator; /* NULL: malloc's */
     weft_contact_def contact;
     bool rim_half; /* stretch and bend springs along the rim carry half their values */
-    weft_bending_def bending; /* excludes bend springs */
+    weft_bending_def bending;              /* excludes bend springs */
+    weft_spring_def across[WEFT_FAMILIES]; /* if present: of stretch and bend springs
+                       along a row (weft); `springs` are then those along a column */
 } weft_cloth_def;
 
 /* A spring between two particles, given by family and indices. */

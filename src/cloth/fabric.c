@@ -102,15 +102,11 @@ static weft_status check(const weft_fabric *fabric, const weft_cloth_def *def,
     return first.status == WEFT_OK ? check_ratio(fabric, def, err) : first.status;
 }
 
-/* Springs with these stiffnesses along a column and along a row. */
-static weft_spring_def springs_of(double column, double row, double damping)
+static weft_spring_def springs_of(bool present, double stiffness, double damping)
 {
-    return (weft_spring_def){ .present = column > 0.0 || row > 0.0,
-                              .stiffness = column,
-                              .damping = damping * column,
-                              .pair = column != row,
-                              .weft_stiffness = row,
-                              .weft_damping = damping * row };
+    return (weft_spring_def){ .present = present,
+                              .stiffness = stiffness,
+                              .damping = damping * stiffness };
 }
 
 weft_status weft_fabric_apply(const weft_fabric *fabric, weft_cloth_def *def,
@@ -127,13 +123,17 @@ weft_status weft_fabric_apply(const weft_fabric *fabric, weft_cloth_def *def,
     const double column = fabric->stretch[0] * b / a - shear * a / b;
     const double row = fabric->stretch[1] * a / b - shear * b / a;
     const double across = shear * (a * a + b * b) / (2.0 * a * b);
+    const bool any = column > 0.0 || row > 0.0;
     def->mass = 0.0;
     def->density = fabric->density;
     def->law = WEFT_LAW_HOOKE;
     def->rim_half = true;
-    def->springs[WEFT_STRETCH] = springs_of(fmax(0.0, column), fmax(0.0, row), damping);
-    def->springs[WEFT_SHEAR] = springs_of(across, across, damping);
-    def->springs[WEFT_BEND] = (weft_spring_def){ .present = false };
+    memset(def->springs, 0, sizeof def->springs);
+    memset(def->across, 0, sizeof def->across);
+    def->springs[WEFT_STRETCH] = springs_of(any, fmax(0.0, column), damping);
+    def->across[WEFT_STRETCH]
+        = springs_of(any && column != row, fmax(0.0, row), damping);
+    def->springs[WEFT_SHEAR] = springs_of(across > 0.0, across, damping);
     def->bending = (weft_bending_def){ { fabric->bend[0], fabric->bend[1] },
                                        fabric->twist,
                                        fabric->damping[1] };

@@ -103,7 +103,7 @@ void weft__grid_init(weft_cloth *cloth, const weft_cloth_def *def);
 /* validate.c: the numbers of definitions. */
 WEFT__NUMBERS(weft__cloth_numbers, rows, cols, spacing, origin, scale, mass, density,
               velocity, gravity, drag, wind_velocity, wind_drag, law);
-WEFT__NUMBERS(weft__spring_numbers, stiffness, damping, weft_stiffness, weft_damping);
+WEFT__NUMBERS(weft__spring_numbers, stiffness, damping);
 WEFT__NUMBERS(weft__bending_numbers, rigidity, twist, damping);
 WEFT__NUMBERS(weft__pin_numbers, velocity, amplitude, frequency);
 WEFT__NUMBERS(weft__contact_numbers, thickness, stopping_speed, exponent, damping,

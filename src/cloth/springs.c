@@ -99,10 +99,10 @@ static bool group_init(const weft_cloth *cloth, const weft_cloth_def *def,
     if (cloth->rows <= way->down || cloth->cols <= reach) {
         return false;
     }
-    const weft_spring_def *spring = &def->springs[way->family];
-    const bool weft = spring->pair && way->down == 0,
-               chain = cloth->rows == 1 || cloth->cols == 1;
-    const double stiffness = weft ? spring->weft_stiffness : spring->stiffness;
+    const bool chain = cloth->rows == 1 || cloth->cols == 1;
+    const weft_spring_def *spring = way->down == 0 && def->across[way->family].present
+                                        ? &def->across[way->family]
+                                        : &def->springs[way->family];
     const double across = cloth->spacing[1] * (double)way->right;
     const double along = cloth->spacing[0] * (double)way->down;
     const double rest_length = sqrt(across * across + along * along);
@@ -114,8 +114,9 @@ static bool group_init(const weft_cloth *cloth, const weft_cloth_def *def,
         .end_col = way->right < 0 ? cloth->cols : cloth->cols - reach,
         .stride = (ptrdiff_t)(way->down * cloth->cols) + way->right,
         .rest_length = rest_length,
-        .stiffness = def->law == WEFT_LAW_STRAIN ? stiffness / rest_length : stiffness,
-        .damping = weft ? spring->weft_damping : spring->damping,
+        .stiffness = def->law == WEFT_LAW_STRAIN ? spring->stiffness / rest_length
+                                                 : spring->stiffness,
+        .damping = spring->damping,
         .half_rim = def->rim_half && !chain && way->family != WEFT_SHEAR,
     };
     return true;

@@ -44,8 +44,6 @@ const weft__number weft__load_mass
 const struct weft__spring_numbers weft__spring_numbers = {
     WEFT__FIELD(weft_spring_def, stiffness, "N/m or N", NOT_NEGATIVE),
     WEFT__FIELD(weft_spring_def, damping, "kg/s", NOT_NEGATIVE),
-    WEFT__FIELD(weft_spring_def, weft_stiffness, "N/m or N", NOT_NEGATIVE),
-    WEFT__FIELD(weft_spring_def, weft_damping, "kg/s", NOT_NEGATIVE),
 };
 
 const struct weft__bending_numbers weft__bending_numbers = {
@@ -261,17 +259,19 @@ static void check_mass(const weft_cloth_def *def, const weft__faults *to)
 static void check_springs(const weft_cloth_def *def, const weft__faults *to)
 {
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
-        const weft_spring_def *springs = &def->springs[i];
+        const weft_spring_def *springs = &def->springs[i], *across = &def->across[i];
         const char *name = weft_family_name((weft_family)i);
         if (springs->present) {
-            (void)weft__numbers_check((const weft__number *)&weft__spring_numbers,
-                                      springs->pair ? 4 : 2, springs, to,
+            (void)WEFT__NUMBERS_CHECK(weft__spring_numbers, springs, to,
                                       "%s springs: ", name);
         }
-        if (springs->present && springs->pair && i == WEFT_SHEAR) {
-            weft__fault(to, FIELD(springs), FIELD(springs),
-                        "%s springs: no pair of values: they lie along the diagonals",
-                        name);
+        if (springs->present && across->present) {
+            (void)WEFT__NUMBERS_CHECK(weft__spring_numbers, across, to,
+                                      "%s springs along a row: ", name);
+        }
+        if (across->present && i == WEFT_SHEAR) {
+            weft__fault(to, FIELD(across), FIELD(across),
+                        "%s springs along a row: they lie along the diagonals", name);
         }
     }
 }

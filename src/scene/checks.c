@@ -43,11 +43,11 @@ void weft__check_springs(weft__reader *reader, const weft__match *match, void *b
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
         const char *name = weft_family_name((weft_family)i);
         const weft__node *key = weft__found_in(match, name)->key;
-        weft_spring_def *springs = &cloth->springs[i];
+        weft_spring_def *springs = &cloth->springs[i], *across = &cloth->across[i];
         springs->present = key != NULL && (i != WEFT_BEND || springs->present);
-        springs->pair = i != WEFT_SHEAR
-                        && (springs->weft_stiffness != springs->stiffness
-                            || springs->weft_damping != springs->damping);
+        across->present = i != WEFT_SHEAR
+                          && (across->stiffness != springs->stiffness
+                              || across->damping != springs->damping);
         if (springs->present && none[i]) {
             weft__report_warning(reader->report, key->at,
                                  "a grid of %zu x %zu has no %s springs", cloth->rows,

@@ -140,14 +140,7 @@ static void read_vector(weft__reader *reader, const weft__key *key,
     }
 }
 
-enum {
-    TO_WEFT
-    = offsetof(weft_spring_def, weft_stiffness) - offsetof(weft_spring_def, stiffness)
-};
-_Static_assert(offsetof(weft_spring_def, weft_damping)
-                       - offsetof(weft_spring_def, damping)
-                   == TO_WEFT,
-               "the weft's numbers stand as those of the warp do");
+enum { TO_WEFT = offsetof(weft_cloth_def, across) - offsetof(weft_cloth_def, springs) };
 
 static void read_warp_weft(weft__reader *reader, const weft__key *key,
                            const weft__node *node, void *to)

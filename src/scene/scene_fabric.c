@@ -69,6 +69,7 @@ void weft__check_bend(weft__reader *reader, const weft__match *match, void *base
 {
     weft_cloth_def *cloth = base;
     weft_spring_def *springs = &cloth->springs[WEFT_BEND];
+    weft_spring_def *across = &cloth->across[WEFT_BEND];
     const weft__node *twist = weft__found_in(match, "twist")->key;
     const weft__found *damping = weft__found_in(match, "damping");
     weft__check_one(reader, match, "stiffness", "rigidity");
@@ -83,10 +84,10 @@ void weft__check_bend(weft__reader *reader, const weft__match *match, void *base
     if (twist == NULL) {
         cloth->bending.twist = -1.0; /* the default */
     }
-    if (springs->damping != springs->weft_damping) {
+    if (springs->damping != across->damping) {
         weft__report_error(reader->report, damping->value->at,
                            "damping of a rigidity must be one number [s], not a pair");
     }
     cloth->bending.damping = springs->damping;
-    springs->damping = springs->weft_damping = 0.0;
+    springs->damping = across->damping = 0.0;
 }

@@ -28,16 +28,13 @@ static bool report_of(const weft_scene *scene, report *out)
            || def->bending.twist > 0.0;
 }
 
-static double of_weft(const weft_spring_def *springs)
-{
-    return springs->pair ? springs->weft_stiffness : springs->stiffness;
-}
-
 void fabric_print(const weft_scene *scene)
 {
     const weft_cloth_def *def = weft_scene_cloth(scene);
     const weft_fabric *given = weft_scene_fabric(scene);
     const weft_spring_def *stretch = &def->springs[WEFT_STRETCH];
+    const weft_spring_def *across
+        = def->across[WEFT_STRETCH].present ? &def->across[WEFT_STRETCH] : stretch;
     const weft_spring_def *shear = &def->springs[WEFT_SHEAR];
     const char *name = given == NULL ? NULL : given->name;
     const bool sheet = def->rows > 1 && def->cols > 1;
@@ -49,7 +46,7 @@ void fabric_print(const weft_scene *scene)
                "%s%sstretch springs %.5g along columns and %.5g along rows, shear "
                "springs %.5g %s%s",
                name == NULL ? "" : name, name == NULL ? "" : ": ", stretch->stiffness,
-               of_weft(stretch), shear->stiffness,
+               across->stiffness, shear->stiffness,
                def->law == WEFT_LAW_HOOKE ? "N/m" : "N",
                def->rim_half && sheet ? ", half along the rim" : "");
     print_item("",
