@@ -343,9 +343,13 @@ START_TEST(a_batch_without_memory_says_so)
     write_file(OUT "/many.yaml", text);
     bool told = false, enough = false;
     for (int kilobytes = 15000; !enough; kilobytes += 100) {
-        const int code = shell("ulimit -v %d; " WEFT " batch " OUT
-                               "/many.yaml --out " OUT "/b --summary --quiet 2>&1",
-                               kilobytes);
+        int code = shell("ulimit -v %d; " WEFT " batch " OUT "/many.yaml --out " OUT
+                         "/b --summary --quiet 2>&1",
+                         kilobytes);
+        if (code == 139
+            && shell("ulimit -v %d; " WEFT " --version", kilobytes) == 139) {
+            code = 127; /* ld.so crashes if no memory is left for a library's record */
+        }
         ck_assert_int_lt(kilobytes, 1000000);
         const bool unmapped = strstr(output, "failed to map segment") != NULL;
         ck_assert_msg(code == 1 || code == 127 || (code == 3 && unmapped),
