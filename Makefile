@@ -99,8 +99,8 @@ PARTS_cvode := sundials linear
 
 # The suites, each of tests/test_NAME.c: `make check TESTS='cloth scene'`. Those that take longest
 # begin first, so that all processors end together.
-LONGEST := hostile surroundings record_ends compare cli_resume cli_batch interrupt checkpoint steppers \
-           record_damage quadratures sundials_vector libm
+LONGEST := verification hostile surroundings record_ends compare cli_resume steppers cli_batch interrupt \
+           checkpoint record_damage quadratures sundials_vector libm embed stiffness papers cli_stability
 KERNEL_TESTS := kernel damping
 TESTS := $(LONGEST) $(filter-out $(LONGEST) $(if $(KERNELS),,$(KERNEL_TESTS)),$(patsubst tests/test_%.c,%,$(wildcard tests/test_*.c)))
 # Programs of their own, as they replace functions of libc: malloc and its like, and pow.

@@ -161,10 +161,15 @@ bool test_is_spared(const weft_stepper_type *type)
 {
     static const char *const kept[]
         = { "heun_euler", "bogacki_shampine", "fehlberg87", "trbdf2", "esdirk325" };
+    static const char *const alike[] /* to another but for its table */
+        = { "rk2", "rkck", "rk1imp", "rk2imp", "rk2simp", "gear1", "heun", "rk38" };
     bool spared = test_rounds(1, 0) && (type->flags & WEFT_STEPPER_CONTROLLER) != 0
                   && (type->flags & WEFT_STEPPER_BUTCHER) == 0;
     for (size_t i = 0; i < sizeof kept / sizeof kept[0]; ++i) {
         spared = spared && !weft_stepper_is(type, kept[i]);
+    }
+    for (size_t i = 0; i < sizeof alike / sizeof alike[0]; ++i) {
+        spared = spared || (test_rounds(1, 0) && weft_stepper_is(type, alike[i]));
     }
     return spared;
 }

@@ -46,8 +46,9 @@ uint64_t test_hash(const double *values, size_t count);
 
 /* Whether a method is left to `make nightly`: ARKODE's tables with an error estimate
  * are run by the same code, explicit ones and implicit ones, so that a few of each do:
- * of the lowest and the highest order, and one that reuses its last stage. The orders
- * of all are tested always. */
+ * of the lowest and the highest order, and one that reuses its last stage. So are some
+ * whose code another method shares but for its table. The orders of all are tested
+ * always. */
 bool test_is_spared(const weft_stepper_type *type);
 
 /* `few`, or `many` in `make nightly`, which sets TEST_LONG: of repetitions whose

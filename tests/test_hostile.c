@@ -342,7 +342,7 @@ START_TEST(a_batch_without_memory_says_so)
     }
     write_file(OUT "/many.yaml", text);
     bool told = false, enough = false;
-    for (int kilobytes = 15000; !enough; kilobytes += 100) {
+    for (int kilobytes = 15000; !enough; kilobytes += told ? 500 : 100) {
         int code = shell("ulimit -v %d; " WEFT " batch " OUT "/many.yaml --out " OUT
                          "/b --summary --quiet 2>&1",
                          kilobytes);

@@ -121,7 +121,7 @@ START_TEST(after_a_kill_at_any_moment_all_committed_frames_are_there)
 {
     uint64_t seed = 2463534242u;
     size_t frames = 0, missing = 0;
-    const int kills = test_rounds(40, 100);
+    const int kills = test_rounds(20, 100);
     make_reference();
     for (int i = 0; i < kills; ++i) {
         (void)unlink(OUT "/k/run.vtkhdf");

@@ -106,7 +106,8 @@ START_TEST(every_adaptive_method_reaches_the_reference)
     const stepper_method m = method(_i);
     const bool suits = method_adapts(m.type) && verify_any_damping(m.type)
                        && !test_is_spared(m.type);
-    for (size_t i = 0; i < VERIFY_SCENES && suits; ++i) {
+    const size_t step = (size_t)test_rounds(2, 1);
+    for (size_t i = (size_t)_i % step; i < VERIFY_SCENES && suits; i += step) {
         weft_error err = { 0 };
         verify_accuracy a;
         check(verify_accuracy_of(registry, verify_scene_at(i, true), &m, &references[i],
@@ -119,6 +120,7 @@ END_TEST
 
 /* ---- shipped scenes -------------------------------------------------------------- */
 
+/* Every third method, others in the next scene; all of them if there is time. */
 START_TEST(every_method_runs_every_shipped_scene)
 {
     weft_error err = { 0 };
@@ -130,7 +132,8 @@ START_TEST(every_method_runs_every_shipped_scene)
         &err);
     for (size_t k = 0; method_at(registry, k, &m); ++k) {
         verify_shipped_result r = { 0 };
-        if (verify_shipped_suits(m.type, &reference) && !test_is_spared(m.type)) {
+        const bool turn = (k + (size_t)_i) % (size_t)test_rounds(3, 1) == 0;
+        if (turn && verify_shipped_suits(m.type, &reference)) {
             const weft_status status
                 = verify_shipped_run(registry, &scene, &m, &reference, &r, &err);
             ck_assert_msg(status == WEFT_OK, "%s %s: %s", m.plugin->id, m.type->name,

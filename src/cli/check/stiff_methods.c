@@ -22,7 +22,7 @@ static const double accuracies[STIFF_ACCURACIES] = { 1e-2, 1e-3 }; /* [m] */
 /* What a step costs besides its evaluations, in evaluations. */
 #define STEP_COST 0.5
 /* Time of an adaptive run with a stabilised method, by that at its largest step. */
-#define RKC_COST 1.25
+#define RKC_COST 1.5
 
 /* BDF's cost in evaluations per simulated second at an error of 1e-2 m on a sheet of 1
  * m where omega / n is 56 1/s; fitted with bench/stiff.c to sheets of 1 m, 32 to 512
