@@ -147,6 +147,10 @@ typedef struct weft_cloth_def {
     weft_bending_def bending;              /* excludes bend springs */
     weft_spring_def across[WEFT_FAMILIES]; /* if present: of stretch and bend springs
                        along a row (weft); `springs` are then those along a column */
+    size_t band_first, band_rows; /* a band of the cloth: rows [band_first, band_first +
+                       band_rows), 2 or more, and up to 2 ghost rows of each neighbour
+                       (weft/comm.h). The cloth created has these rows alone, its index
+                       0 is the first of them. band_rows 0: the whole cloth */
 } weft_cloth_def;
 
 /* A spring between two particles, given by family and indices. */

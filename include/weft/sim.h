@@ -4,6 +4,7 @@
 #define WEFT_SIM_H
 
 #include "weft/cloth.h"
+#include "weft/comm.h"
 #include "weft/stepper.h"
 
 #ifdef __cplusplus
@@ -183,6 +184,8 @@ typedef struct weft_sim_def {
     const weft_allocator *allocator; /* also for the stepper; NULL: malloc's */
     weft_stop_fn *stop;              /* NULL: none */
     void *stop_ctx;
+    const weft_comm *comm; /* joins the bands of a cloth; the cloth is this one's band
+                              (weft_cloth_def.band_rows). NULL: the cloth is whole */
 } weft_sim_def;
 
 /* All energy gained and lost since t = 0, in [J]. Without a ledger in the definition

@@ -193,6 +193,16 @@ typedef struct weft_linear {
     int max_order; /* of a method of variable order */
 } weft_linear;
 
+/* Other steppers that integrate parts of the same state at the same time (bands,
+ * weft/comm.h) and must take the same decisions. max is collective: the largest of what
+ * each gives, >= 0 or NaN, to all; NaN if one is NaN. Whatever decides -- the norm of
+ * the error, whether y is finite, what the rhs returned, a failure -- is agreed on;
+ * every stepper calls rhs and max equally often. */
+typedef struct weft_agree {
+    void *self;
+    double (*max)(void *self, double mine);
+} weft_agree;
+
 /* The user's settings for the solver, which then decides every step by itself. With
  * fixed_step > 0 there is no error control: the norm, the tolerances and the other step
  * sizes are ignored. */
@@ -222,6 +232,8 @@ typedef struct weft_stepper_config {
     const weft_structure *structure; /* of the ode, must outlive the stepper; NULL: not
                                         known. A simulation gives that of its cloth */
     const weft_linear *linear;       /* for an implicit method; NULL: its defaults */
+    const weft_agree *agree; /* NULL: the state is whole. Needs WEFT_STEPPER_AGREES and
+                                the max norm */
 } weft_stepper_config;
 
 /* The fields that every version of the struct has. */
@@ -248,6 +260,19 @@ weft_stepper_structure(const weft_stepper_config *config)
 static inline const weft_linear *weft_stepper_linear(const weft_stepper_config *config)
 {
     return WEFT_HAS(config, weft_stepper_config, linear) ? config->linear : NULL;
+}
+
+/* The others that must agree, or NULL. */
+static inline const weft_agree *weft_stepper_agree(const weft_stepper_config *config)
+{
+    return WEFT_HAS(config, weft_stepper_config, agree) ? config->agree : NULL;
+}
+
+/* The largest of `mine` >= 0 or NaN among all that must agree; `mine` if agree is NULL.
+ */
+static inline double weft_stepper_agreed(const weft_agree *agree, double mine)
+{
+    return agree ? agree->max(agree->self, mine) : mine;
 }
 
 /* The allocator for a plugin's own memory. */
@@ -289,8 +314,9 @@ enum {
     WEFT_STEPPER_STRUCTURE = 1 << 11,     /* needs config->structure */
     WEFT_STEPPER_ADAPTIVE_ONLY = 1 << 12, /* every step is the solver's choice: create
                                              refuses fixed_step */
-    WEFT_STEPPER_LINEAR = 1 << 13 /* takes config->linear, and reports as options
-                                     which of its members it uses */
+    WEFT_STEPPER_LINEAR = 1 << 13, /* takes config->linear, and reports as options
+                                      which of its members it uses */
+    WEFT_STEPPER_AGREES = 1 << 14  /* takes config->agree */
 };
 
 /* An option in force, as text: "safety", "0.96". */

@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* weft/comm.h -- one cloth in bands of rows, each in a process or thread of its own.
+ *
+ * A band is its own rows and the WEFT_GHOST_ROWS nearest rows of each neighbour, its
+ * ghosts. The ghosts are part of the state and are integrated as the own rows are; only
+ * their accelerations come from the neighbour, once per right-hand side. So all bands
+ * have the bits of the whole cloth in one process, on any number of bands.
+ * docs/cluster.md describes this.
+ *
+ * A weft_comm joins the bands. weft calls it and knows nothing of what is behind: MPI
+ * (weft-mpi.so), threads, or the embedder's own. All calls are collective: every band
+ * makes the same ones in the same order, and each returns only after the others have
+ * made it, or fails the whole job; begin and poke may return earlier. One thread of a
+ * band at a time makes them. */
+#ifndef WEFT_COMM_H
+#define WEFT_COMM_H
+
+#include "weft/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* How far the forces reach, and the smallest number of own rows of a band. */
+enum { WEFT_GHOST_ROWS = 2 };
+
+/* Planes of rows in memory: above ghost rows, then own rows, then ghost rows below. The
+ * first band has no ghosts above and the last none below. */
+typedef struct weft_rows {
+    double *first;            /* of plane 0 */
+    size_t planes, stride;    /* [doubles] from one plane to the next */
+    size_t cols;              /* [doubles] of a row */
+    size_t above, own, below; /* rows; above and below 0 or WEFT_GHOST_ROWS */
+} weft_rows;
+
+typedef struct weft_comm {
+    uint32_t struct_size;
+    void *self;
+    int rank, size; /* bands are numbered from the first row on */
+
+    /* The largest of what each band gives, >= 0 or NaN, to all; NaN if one is NaN. */
+    double (*max)(void *self, double mine);
+
+    /* Sends the first and last WEFT_GHOST_ROWS own rows of each plane to the neighbours
+     * and receives their rows into the ghosts: begin starts, end waits until the ghosts
+     * are there; between the two nobody writes to *rows' ghosts or own edge rows. poke
+     * lets the transfer go on and may be NULL. */
+    void (*begin)(void *self, const weft_rows *rows);
+    void (*poke)(void *self);
+    void (*end)(void *self);
+
+    /* `bytes` of band 0 to all bands, in place. */
+    void (*share)(void *self, void *data, size_t bytes);
+
+    /* `bytes` of each band, which may differ from band to band, one after another in
+     * the order of the bands, to band 0, whose `all` has room for them; the others' all
+     * is not looked at. */
+    void (*gather)(void *self, const void *mine, size_t bytes, void *all);
+
+    /* Ends all bands at once, with an exit code; does not return. Not collective. */
+    void (*stop)(void *self, int code);
+} weft_comm;
+
+/* The rows of band `rank` of `size` of a cloth of `rows` rows: as even as possible, the
+ * first ones one row larger. Returns false if they would be fewer than WEFT_GHOST_ROWS
+ * or rank is not below size. */
+static inline bool weft_comm_band(size_t rows, size_t rank, size_t size, size_t *first,
+                                  size_t *count)
+{
+    if (rank >= size || rows / size < WEFT_GHOST_ROWS) {
+        return false;
+    }
+    const size_t more = rows % size;
+    *count = rows / size + (rank < more);
+    *first = rank * (rows / size) + (rank < more ? rank : more);
+    return true;
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
