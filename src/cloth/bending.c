@@ -33,17 +33,6 @@ bool weft__rigidity_usable(const weft__rigidity *of)
 
 /* ---- the force ------------------------------------------------------------------- */
 
-/* The index before and after one of `count`. */
-static size_t before(size_t at)
-{
-    return at > 0 ? at - 1 : at;
-}
-
-static size_t after(size_t at, size_t count)
-{
-    return at + 1 < count ? at + 1 : at;
-}
-
 /* A plane of x and one of v; v NULL: x alone. */
 typedef struct field {
     const weft_cloth *cloth;
@@ -63,14 +52,14 @@ static double second(double low, double here, double high)
 
 static double along_column(const field *of, size_t r, size_t c)
 {
-    return second(value(of, before(r), c), value(of, r, c),
-                  value(of, after(r, of->cloth->rows), c));
+    return second(value(of, weft__before(r), c), value(of, r, c),
+                  value(of, weft__after(r, of->cloth->rows), c));
 }
 
 static double along_row(const field *of, size_t r, size_t c)
 {
-    return second(value(of, r, before(c)), value(of, r, c),
-                  value(of, r, after(c, of->cloth->cols)));
+    return second(value(of, r, weft__before(c)), value(of, r, c),
+                  value(of, r, weft__after(c, of->cloth->cols)));
 }
 
 /* k_r D_r + k_t D_c */
@@ -96,10 +85,11 @@ static double resistance(const field *of, size_t i)
     const size_t rows = of->cloth->rows, cols = of->cloth->cols;
     const size_t r = i / cols, c = i % cols;
     const double moment = column_moment(of, r, c);
-    const double across = second(row_moment(of, r, before(c)), row_moment(of, r, c),
-                                 row_moment(of, r, after(c, cols)));
-    return (column_moment(of, after(r, rows), c) - moment)
-           + (across - (moment - column_moment(of, before(r), c)));
+    const double across
+        = second(row_moment(of, r, weft__before(c)), row_moment(of, r, c),
+                 row_moment(of, r, weft__after(c, cols)));
+    return (column_moment(of, weft__after(r, rows), c) - moment)
+           + (across - (moment - column_moment(of, weft__before(r), c)));
 }
 
 /* [N] of plane k of a state. */

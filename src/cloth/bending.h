@@ -27,6 +27,17 @@ static inline bool weft__inner(size_t at, size_t count)
     return at > 0 && at + 1 < count;
 }
 
+/* The row or column before `at` and the one after it; beyond the rim `at` itself. */
+static inline size_t weft__before(size_t at)
+{
+    return at > 0 ? at - 1 : at;
+}
+
+static inline size_t weft__after(size_t at, size_t count)
+{
+    return at + 1 < count ? at + 1 : at;
+}
+
 /* The part of its stiffness that a strip of cloth has at the rim. */
 static inline double weft__strip(size_t at, size_t count)
 {

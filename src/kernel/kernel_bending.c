@@ -80,16 +80,6 @@ INLINE void row_end(strip *self, line of, trail *left, const double *mass, doubl
     }
 }
 
-static size_t before(size_t at)
-{
-    return at > 0 ? at - 1 : at;
-}
-
-static size_t after(size_t at, size_t count)
-{
-    return at + 1 < count ? at + 1 : at;
-}
-
 /* x + damping v of a row from two columns beyond the tile on. */
 static void take_row(strip *self, size_t r)
 {
@@ -124,9 +114,9 @@ static line line_of(strip *self, size_t r, size_t k)
     static const double none[SPAN];
     const weft__rigidity *of = &self->cloth->rigidity;
     const size_t rows = self->cloth->rows;
-    return (line){ .above = field(self, before(r), k),
+    return (line){ .above = field(self, weft__before(r), k),
                    .here = field(self, r, k),
-                   .below = field(self, after(r, rows), k),
+                   .below = field(self, weft__after(r, rows), k),
                    .along = (weft__inner(r, rows) ? self->columns : none) + LANES,
                    .across = splat(of->across * weft__strip(r, rows)),
                    .twist = splat(of->twist),
@@ -163,12 +153,12 @@ static void row(strip *self, size_t r, size_t k, const double *mass, double *to)
 static void tile(strip *self, size_t first_row, size_t end_row)
 {
     const size_t n = self->cloth->particles, rows = self->cloth->rows;
-    size_t taken = before(before(first_row));           /* rows, so far */
-    for (size_t s = first_row; s <= end_row + 1; ++s) { /* row s - 1 */
-        const size_t r = before(s) < rows ? before(s) : rows - 1;
+    size_t taken = weft__before(weft__before(first_row)); /* rows, so far */
+    for (size_t s = first_row; s <= end_row + 1; ++s) {   /* row s - 1 */
+        const size_t r = weft__before(s) < rows ? weft__before(s) : rows - 1;
         const bool adds = s > first_row + 1;
         const size_t i = (adds ? s - 2 : 0) * self->cloth->cols + self->first;
-        for (; self->aside && taken <= after(r, rows); ++taken) {
+        for (; self->aside && taken <= weft__after(r, rows); ++taken) {
             take_row(self, taken);
         }
         for (size_t k = 0; k < 3; ++k) {
