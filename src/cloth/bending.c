@@ -7,14 +7,18 @@
 
 /* ---- the definition -------------------------------------------------------------- */
 
+double weft__twist_of(const weft_bending_def *of)
+{
+    return of->twist < 0.0 ? sqrt(of->rigidity[0] * of->rigidity[1]) : of->twist;
+}
+
 weft__rigidity weft__rigidity_of(const weft_cloth_def *def)
 {
     const weft_bending_def *of = &def->bending;
-    const double a = def->rows > 1 ? def->spacing[0] : 1.0; /* [m] */
-    const double b = def->cols > 1 ? def->spacing[1] : 1.0;
+    const double a = weft__width(def->rows, def->spacing[0]);
+    const double b = weft__width(def->cols, def->spacing[1]);
     const bool sheet = def->rows > 1 && def->cols > 1;
-    const double twist
-        = of->twist < 0.0 ? sqrt(of->rigidity[0] * of->rigidity[1]) : of->twist;
+    const double twist = weft__twist_of(of);
     weft__rigidity k = { .along = of->rigidity[0] * b / (a * a * a),
                          .across = of->rigidity[1] * a / (b * b * b),
                          .twist = sheet ? 2.0 * twist / (a * b) : 0.0,

@@ -16,6 +16,9 @@
 
 #include "cloth/model.h"
 
+/* [N m] The twist of a definition, with its default. */
+double weft__twist_of(const weft_bending_def *of);
+
 weft__rigidity weft__rigidity_of(const weft_cloth_def *def);
 
 /* Whether all that is computed from it can be finite. */

@@ -59,13 +59,10 @@ void weft__start_position(const weft_cloth *cloth, size_t r, size_t c, double x[
     }
 }
 
-/* Half a cell on a rim, a whole one inside; 1 m where there is but one. */
+/* Half a cell on a rim, a whole one inside. */
 static double width(size_t index, size_t count, double spacing)
 {
-    if (count == 1) {
-        return 1.0;
-    }
-    return index == 0 || index + 1 == count ? 0.5 * spacing : spacing;
+    return weft__strip(index, count) * weft__width(count, spacing);
 }
 
 double weft__area(const weft_cloth *cloth, size_t r, size_t c)

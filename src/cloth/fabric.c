@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* fabric.c -- measured fabrics: the springs that have their moduli, the moduli that
  * springs have, and presets. */
-#include "cloth/model.h"
+#include "cloth/bending.h"
 #include "weft/elementary.h"
 
 #include <string.h>
@@ -117,8 +117,8 @@ weft_status weft_fabric_apply(const weft_fabric *fabric, weft_cloth_def *def,
         return status;
     }
     const bool chain = is_chain(def);
-    const double a = def->rows > 1 ? def->spacing[0] : 1.0;
-    const double b = def->cols > 1 ? def->spacing[1] : 1.0;
+    const double a = weft__width(def->rows, def->spacing[0]);
+    const double b = weft__width(def->cols, def->spacing[1]);
     const double shear = chain ? 0.0 : fabric->shear, damping = fabric->damping[0];
     const double column = fabric->stretch[0] * b / a - shear * a / b;
     const double row = fabric->stretch[1] * a / b - shear * b / a;
@@ -167,17 +167,15 @@ weft_fabric weft_fabric_of(const weft_cloth_def *def)
     weft_cloth grid = { .rows = 0 };
     weft__grid_init(&grid, def);
     weft__groups_init(&grid, def);
-    const double a = def->rows > 1 ? def->spacing[0] : 1.0;
-    const double b = def->cols > 1 ? def->spacing[1] : 1.0;
-    const double down = def->rows > 1 ? (double)(def->rows - 1) * a : 1.0;
-    const double right = def->cols > 1 ? (double)(def->cols - 1) * b : 1.0;
+    const double a = weft__width(def->rows, def->spacing[0]);
+    const double b = weft__width(def->cols, def->spacing[1]);
+    const double down = weft__width(def->rows, (double)(def->rows - 1) * a);
+    const double right = weft__width(def->cols, (double)(def->cols - 1) * b);
     const weft_bending_def *bending = &def->bending;
     weft_fabric fabric
         = { .density = def->density > 0.0 ? def->density : def->mass / (a * b),
             .bend = { bending->rigidity[0], bending->rigidity[1] },
-            .twist = bending->twist >= 0.0
-                         ? bending->twist
-                         : sqrt(bending->rigidity[0] * bending->rigidity[1]) };
+            .twist = weft__twist_of(bending) };
     for (size_t g = 0; g < grid.group_count; ++g) {
         add_group(&grid, &grid.groups[g], down * right, &fabric);
     }

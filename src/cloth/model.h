@@ -159,8 +159,14 @@ void weft__rest_position(const weft_cloth *cloth, size_t r, size_t c, double x[3
 /* Position [m] at t = 0. */
 void weft__start_position(const weft_cloth *cloth, size_t r, size_t c, double x[3]);
 
-/* Lumped area [m^2] of particle (r, c): halved on each edge it lies on; a direction
- * with a single row or column counts as 1 m wide. */
+/* [m] `length` in a direction of `count` rows or columns; a single one counts as 1 m
+ * wide. */
+static inline double weft__width(size_t count, double length)
+{
+    return count > 1 ? length : 1.0;
+}
+
+/* Lumped area [m^2] of particle (r, c): halved on each edge it lies on. */
 double weft__area(const weft_cloth *cloth, size_t r, size_t c);
 
 /* prescribed.c: the motion of pins and shapes. */
