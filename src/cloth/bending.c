@@ -239,41 +239,30 @@ double weft__bending_row_sum(const weft_cloth *cloth, size_t i)
            + 4.0 * k->twist * neighbours(r, rows) * neighbours(c, cols);
 }
 
-/* The ways of pairs: rows down, columns to the right (-1: to the left). */
-static const struct {
-    size_t down;
-    ptrdiff_t right;
-} ways[WEFT_GROUPS] = { { 0, 1 }, { 1, 0 }, { 1, 1 }, { 1, -1 }, { 0, 2 }, { 2, 0 } };
-
-size_t weft__bending_pairs(const weft_cloth *cloth, size_t way, size_t r, size_t *p,
-                           size_t *q)
+bool weft__bending_pairs(const weft_cloth *cloth, size_t way, weft__group *pairs)
 {
-    const ptrdiff_t right = ways[way].right;
-    const size_t reach = right < 0 ? 1 : (size_t)right;
-    if (!cloth->rigidity.present || r + ways[way].down >= cloth->rows
-        || reach >= cloth->cols) {
-        return 0;
-    }
-    *p = r * cloth->cols + (right < 0 ? reach : 0);
-    *q = (size_t)((ptrdiff_t)(*p + ways[way].down * cloth->cols) + right);
-    return cloth->cols - reach;
+    return cloth->rigidity.present && weft__group_init(cloth, way, pairs);
 }
 
-double weft__bending_pull(const weft_cloth *cloth, size_t way, size_t p)
+/* 2 for each of `at` and the next one where three particles are centred. */
+static double centred(size_t at, size_t count)
 {
-    const size_t rows = cloth->rows, cols = cloth->cols, r = p / cols, c = p % cols;
+    return (weft__inner(at, count) ? 2.0 : 0.0)
+           + (weft__inner(at + 1, count) ? 2.0 : 0.0);
+}
+
+double weft__bending_pull(const weft_cloth *cloth, size_t way, size_t r, size_t c)
+{
+    const size_t rows = cloth->rows, cols = cloth->cols;
     const weft__rigidity *k = &cloth->rigidity;
     const double along = k->along * weft__strip(c, cols);
     const double across = k->across * weft__strip(r, rows);
-    const size_t at = ways[way].down > 0 ? r : c,
-                 count = ways[way].down > 0 ? rows : cols;
-    const double inner = (weft__inner(at, count) ? 2.0 : 0.0)
-                         + (weft__inner(at + 1, count) ? 2.0 : 0.0);
-    const double pulls[WEFT_GROUPS] = { across * inner + k->twist * neighbours(r, rows),
-                                        along * inner + k->twist * neighbours(c, cols),
-                                        -k->twist,
-                                        -k->twist,
-                                        -across,
-                                        -along };
+    const double pulls[WEFT_GROUPS]
+        = { across * centred(c, cols) + k->twist * neighbours(r, rows),
+            along * centred(r, rows) + k->twist * neighbours(c, cols),
+            -k->twist,
+            -k->twist,
+            -across,
+            -along };
     return pulls[way];
 }

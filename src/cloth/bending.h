@@ -54,13 +54,11 @@ double weft__bending_row_sum(const weft_cloth *cloth, size_t i);
 void weft__bending_multiply(const weft_cloth *cloth, double scale, const double *x,
                             double *out);
 
-/* K as pairs: K x on p is the sum of -q (x_q - x_p), q = -K_pq of either sign. Pairs of
- * one of WEFT_GROUPS ways that begin in row r follow one another: returns their number,
- * and the first p and q. */
-size_t weft__bending_pairs(const weft_cloth *cloth, size_t way, size_t r, size_t *p,
-                           size_t *q);
+/* K as pairs: K x on p is the sum of -q (x_q - x_p), q = -K_pq of either sign. Those of
+ * one of WEFT_GROUPS ways are a group without a law; false: there are none. */
+bool weft__bending_pairs(const weft_cloth *cloth, size_t way, weft__group *pairs);
 
-/* [N/m] q of the pair of that way that begins at p. */
-double weft__bending_pull(const weft_cloth *cloth, size_t way, size_t p);
+/* [N/m] q of the pair of that way that begins at (r, c). */
+double weft__bending_pull(const weft_cloth *cloth, size_t way, size_t r, size_t c);
 
 #endif

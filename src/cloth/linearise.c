@@ -30,13 +30,15 @@ static double *bending_planes(const weft_cloth *cloth, size_t r, double *planes,
                               size_t bonds)
 {
     for (size_t way = 0; way < WEFT_GROUPS; ++way) {
-        size_t p, q;
-        const size_t count = weft__bending_pairs(cloth, way, r, &p, &q);
-        for (size_t i = 0; i < count; ++i, ++planes) {
+        weft__group of;
+        if (!weft__bending_pairs(cloth, way, &of) || r >= of.end_row) {
+            continue;
+        }
+        for (size_t c = of.first_col; c < of.end_col; ++c, ++planes) {
             for (size_t k = 0; k < 6; ++k) {
                 planes[k * bonds] = 0.0;
             }
-            planes[4 * bonds] = weft__bending_pull(cloth, way, p + i);
+            planes[4 * bonds] = weft__bending_pull(cloth, way, r, c);
         }
     }
     return planes;

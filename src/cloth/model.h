@@ -94,6 +94,10 @@ struct weft_cloth {
     weft_allocator memory;
 };
 
+/* springs.c: a group in one of WEFT_GROUPS ways, but for its law; false: the grid is
+ * too small. */
+bool weft__group_init(const weft_cloth *cloth, size_t way, weft__group *group);
+
 /* springs.c: fill cloth->groups from the definition. */
 void weft__groups_init(weft_cloth *cloth, const weft_cloth_def *def);
 

@@ -91,44 +91,48 @@ static const direction directions[WEFT_GROUPS] = {
     { WEFT_SHEAR, 1, -1 },  { WEFT_BEND, 0, 2 },    { WEFT_BEND, 2, 0 },
 };
 
-/* False if the grid is too small for a spring of that direction. */
-static bool group_init(const weft_cloth *cloth, const weft_cloth_def *def,
-                       const direction *way, weft__group *group)
+bool weft__group_init(const weft_cloth *cloth, size_t way, weft__group *group)
 {
-    const size_t reach = way->right < 0 ? 1 : (size_t)way->right;
-    if (cloth->rows <= way->down || cloth->cols <= reach) {
-        return false;
-    }
+    const direction *of = &directions[way];
+    const size_t reach = of->right < 0 ? 1 : (size_t)of->right;
+    *group = (weft__group){
+        .family = of->family,
+        .way = (unsigned)way,
+        .end_row = cloth->rows - of->down,
+        .first_col = of->right < 0 ? reach : 0,
+        .end_col = of->right < 0 ? cloth->cols : cloth->cols - reach,
+        .stride = (ptrdiff_t)(of->down * cloth->cols) + of->right,
+    };
+    return cloth->rows > of->down && cloth->cols > reach;
+}
+
+static void set_law(const weft_cloth *cloth, const weft_cloth_def *def,
+                    weft__group *group)
+{
+    const weft_family family = group->family;
+    const direction *way = &directions[group->way];
     const bool chain = cloth->rows == 1 || cloth->cols == 1;
-    const weft_spring_def *spring = way->down == 0 && def->across[way->family].present
-                                        ? &def->across[way->family]
-                                        : &def->springs[way->family];
+    const weft_spring_def *spring = way->down == 0 && def->across[family].present
+                                        ? &def->across[family]
+                                        : &def->springs[family];
     const double across = cloth->spacing[1] * (double)way->right;
     const double along = cloth->spacing[0] * (double)way->down;
-    const double rest_length = sqrt(across * across + along * along);
-    *group = (weft__group){
-        .family = way->family,
-        .way = (unsigned)(way - directions),
-        .end_row = cloth->rows - way->down,
-        .first_col = way->right < 0 ? reach : 0,
-        .end_col = way->right < 0 ? cloth->cols : cloth->cols - reach,
-        .stride = (ptrdiff_t)(way->down * cloth->cols) + way->right,
-        .rest_length = rest_length,
-        .stiffness = def->law == WEFT_LAW_STRAIN ? spring->stiffness / rest_length
-                                                 : spring->stiffness,
-        .damping = spring->damping,
-        .half_rim = def->rim_half && !chain && way->family != WEFT_SHEAR,
-    };
-    return true;
+    group->rest_length = sqrt(across * across + along * along);
+    group->stiffness = def->law == WEFT_LAW_STRAIN
+                           ? spring->stiffness / group->rest_length
+                           : spring->stiffness;
+    group->damping = spring->damping;
+    group->half_rim = def->rim_half && !chain && family != WEFT_SHEAR;
 }
 
 void weft__groups_init(weft_cloth *cloth, const weft_cloth_def *def)
 {
     cloth->group_count = 0;
-    for (size_t i = 0; i < WEFT_GROUPS; ++i) {
-        const direction *way = &directions[i];
+    for (size_t way = 0; way < WEFT_GROUPS; ++way) {
         weft__group *next = &cloth->groups[cloth->group_count];
-        if (def->springs[way->family].present && group_init(cloth, def, way, next)) {
+        if (def->springs[directions[way].family].present
+            && weft__group_init(cloth, way, next)) {
+            set_law(cloth, def, next);
             ++cloth->group_count;
         }
     }

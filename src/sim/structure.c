@@ -31,12 +31,17 @@ static size_t modes(double t, const double *y, double (*corners)[2], size_t room
     return count;
 }
 
-/* Writes nothing to runs NULL. */
-static void add_run(weft_structure *of, weft_bonds *runs, size_t p, size_t q,
-                    size_t count)
+/* Those of a group that begin in row r. Writes nothing to runs NULL. */
+static void add_run(weft_structure *of, weft_bonds *runs, const weft_cloth *cloth,
+                    const weft__group *group, size_t r)
 {
+    const size_t p = r * cloth->cols + group->first_col;
+    const size_t count = group->end_col - group->first_col;
+    if (r >= group->end_row) {
+        return;
+    }
     if (runs != NULL) {
-        runs[of->run_count] = (weft_bonds){ p, q, count };
+        runs[of->run_count] = (weft_bonds){ p, p + (size_t)group->stride, count };
     }
     ++of->run_count;
     of->bond_count += count;
@@ -48,21 +53,14 @@ static void list_runs(const weft_cloth *cloth, weft_structure *of, weft_bonds *r
     of->run_count = of->bond_count = 0;
     for (size_t r = 0; r < cloth->rows; ++r) {
         for (size_t g = 0; g < cloth->group_count; ++g) {
-            const weft__group *group = &cloth->groups[g];
-            const size_t p = r * cloth->cols + group->first_col;
-            if (r < group->end_row) {
-                add_run(of, runs, p, p + (size_t)group->stride,
-                        group->end_col - group->first_col);
-            }
+            add_run(of, runs, cloth, &cloth->groups[g], r);
         }
     }
     of->bend_runs = of->run_count, of->bend_bonds = of->bond_count;
     for (size_t i = 0; i < cloth->rows * WEFT_GROUPS; ++i) {
-        size_t p, q;
-        const size_t count
-            = weft__bending_pairs(cloth, i % WEFT_GROUPS, i / WEFT_GROUPS, &p, &q);
-        if (count > 0) {
-            add_run(of, runs, p, q, count);
+        weft__group pairs;
+        if (weft__bending_pairs(cloth, i % WEFT_GROUPS, &pairs)) {
+            add_run(of, runs, cloth, &pairs, i / WEFT_GROUPS);
         }
     }
     of->bend_runs = of->run_count - of->bend_runs;
