@@ -178,7 +178,7 @@ static const weft__level wide
 static const weft__level reference = { "plain loops",
                                        weft__reference_rows,
                                        weft__reference_damping,
-                                       weft__reference_products,
+                                       weft__reference_rows,
                                        { NULL },
                                        weft__reference_clear };
 
