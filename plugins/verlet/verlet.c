@@ -74,10 +74,12 @@ static int verdict(stepper *self, int failed, size_t bad)
     if (self->agree == NULL) {
         return mine;
     }
-    const double cost = (double)self->idle;
-    const double worst = weft_stepper_agreed(
-        self->agree, mine == 0 ? 0.0 : (mine < 0 ? 16.0 : 8.0) + cost);
+    const double code = mine == 0 ? 0.0 : (mine < 0 ? 16.0 : 8.0) + (double)self->idle;
+    const double worst = weft_stepper_agreed(self->agree, code);
     self->idle = 0;
+    if (!(worst < 32.0)) {
+        return 1;
+    }
     self->stats.rhs_calls -= (uint64_t)worst % 8;
     return worst >= 16.0 ? -1 : worst >= 8.0;
 }

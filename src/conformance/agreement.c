@@ -53,8 +53,10 @@ static double meet(meeting *m, int side, enum call call, double mine)
 {
     double top = mine;
     (void)pthread_mutex_lock(&m->lock);
-    m->calls[side] = call;
-    m->given[side] = mine;
+    if (!m->parted) {
+        m->calls[side] = call;
+        m->given[side] = mine;
+    }
     if (!m->parted && ++m->present < PARTS) {
         for (const uint64_t times = m->times; m->times == times;) {
             (void)pthread_cond_wait(&m->met, &m->lock);
