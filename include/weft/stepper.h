@@ -199,7 +199,8 @@ typedef struct weft_linear {
  * the error, whether y is finite, what the rhs returned, a failure -- is agreed on.
  * Every stepper calls rhs and max equally often and in the same order: rhs is called
  * also when y is not finite, and again after it returned a failure, as the rhs of the
- * others may wait for this one. All steps return the same status and message. All
+ * others may wait for this one. All steps return the status and message, and stats the
+ * counts, of one stepper of the whole: calls only for others are not counted. All
  * steppers of a state are created, stepped and told of changes alike. */
 typedef struct weft_agree {
     void *self;

@@ -152,6 +152,10 @@ static void *steps(void *run)
         memcpy(o->message, err.message, sizeof err.message);
         o->stats.struct_size = sizeof o->stats;
         type->stats(r->self, &o->stats);
+        if (i % 6 == 2) { /* of the second part alone */
+            y[r->meeting == NULL ? 3 : 0]
+                += r->meeting == NULL || r->side == 1 ? 0.01 : 0.0;
+        }
         if (i % 3 == 2) {
             type->state_changed(r->self);
         }
