@@ -26,7 +26,6 @@ static const char *mistake(const cvode_method *method, const weft_ode *ode,
     const char *wrong = weft__sun_mistake(&method->type, ode, config);
     const weft_linear *linear = wrong == NULL ? weft_stepper_linear(config) : NULL;
     return wrong != NULL                ? wrong
-           : config->butcher != NULL    ? "takes no Butcher table"
            : linear == NULL             ? NULL
            : method->formulas != CV_BDF ? "solves no linear systems"
            : linear->max_order < 0 || linear->max_order > BDF_TOP_ORDER

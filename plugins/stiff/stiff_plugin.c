@@ -10,11 +10,6 @@ const weft_plugin *weft_plugin_stiff(void);
 
 /* ---- creation -------------------------------------------------------------------- */
 
-static bool positive(double x)
-{
-    return x > 0.0 && isfinite(x);
-}
-
 static const char *linear_mistake(const stiff_method *method, const weft_linear *l)
 {
     return l == NULL                              ? NULL
@@ -29,37 +24,11 @@ static const char *linear_mistake(const stiff_method *method, const weft_linear 
                                               : NULL;
 }
 
-/* The fault of the numbers, or NULL. NaN fails every comparison. */
-static const char *mistake(const stiff_method *method, const weft_ode *ode,
-                           const weft_stepper_config *c)
-{
-    const bool fixed_only = (method->type.flags & WEFT_STEPPER_FIXED_ONLY) != 0;
-    if (c->struct_size < WEFT_STEPPER_CONFIG_LEAST) {
-        return "config of an older version";
-    }
-    return ode->rhs == NULL || weft_stepper_half(ode, c) == 0
-                   || ode->dim > SIZE_MAX / 64
-               ? "dim less the quadratures must be even and > 0"
-           : c->butcher != NULL ? "takes no Butcher table"
-           : c->fixed_step != 0.0
-               ? (positive(c->fixed_step)
-                      ? NULL
-                      : "fixed_step must be > 0 s, or 0 for adaptive steps")
-           : fixed_only ? "no error control: needs a fixed_step > 0 s"
-           : c->norm != WEFT_NORM_MAX && c->norm != WEFT_NORM_RMS ? "unknown norm"
-           : !(c->rtol >= 0.0 && isfinite(c->rtol))               ? "rtol must be >= 0"
-           : !positive(c->atol_position)   ? "atol_position must be > 0 m"
-           : !positive(c->atol_velocity)   ? "atol_velocity must be > 0 m/s"
-           : !positive(c->first_step)      ? "first_step must be > 0 s"
-           : !positive(c->min_step)        ? "min_step must be > 0 s"
-           : !(c->max_step >= c->min_step) ? "max_step must be >= min_step"
-                                           : NULL;
-}
-
 static weft_status check(const stiff_method *method, const weft_ode *ode,
                          const weft_stepper_config *config, weft_error *err)
 {
-    const char *wrong = mistake(method, ode, config);
+    const char *wrong = weft_stepper_mistake(&method->type, ode, config);
+    wrong = wrong == NULL && ode->dim > SIZE_MAX / 64 ? "dim is too large" : wrong;
     wrong = wrong != NULL ? wrong : linear_mistake(method, weft_stepper_linear(config));
     const char *lacks = wrong != NULL           ? NULL
                         : method->krylov == 0.0 ? weft__spectrum_mistake(ode, config)
@@ -159,7 +128,6 @@ static void stats(const void *instance, weft_stepper_stats *out)
 {
     const stiff_stepper *self = instance;
     weft_stepper_stats all = self->stats;
-    all.struct_size = out->struct_size; /* an older caller's struct is shorter */
     all.next_step = self->h;
     if (self->linear != NULL) {
         const weft__linear_counts counts = weft__linear_count(self->linear);
@@ -167,7 +135,7 @@ static void stats(const void *instance, weft_stepper_stats *out)
         all.factorisations = counts.refreshes;
         all.newton_failures = counts.failures;
     }
-    memcpy(out, &all, out->struct_size < sizeof all ? out->struct_size : sizeof all);
+    weft_stepper_stats_copy(&all, out);
 }
 
 static void options(const void *instance, weft_option_fn *tell, void *ctx)
