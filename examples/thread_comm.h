@@ -19,8 +19,8 @@
 typedef struct thread_band {
     struct thread_bands *all;
     int rank;
-    double number;   /* of max */
-    weft_rows rows;  /* of begin and end */
+    double number;    /* of max */
+    weft_rows rows;   /* of begin and end */
     const void *data; /* of share and gather */
     size_t bytes;
 } thread_band;
@@ -121,8 +121,8 @@ static inline void thread_bands_stop(void *self, int code)
 /* NULL: no memory. The struct ends with an array of one element for each thread. */
 static inline thread_bands *thread_bands_create(int size)
 {
-    thread_bands *all = (thread_bands *)calloc(
-        1, sizeof *all + (size_t)size * sizeof(thread_band));
+    thread_bands *all
+        = (thread_bands *)calloc(1, sizeof *all + (size_t)size * sizeof(thread_band));
     if (all == NULL || pthread_barrier_init(&all->barrier, NULL, (unsigned)size) != 0) {
         free(all);
         return NULL;

@@ -20,8 +20,9 @@ typedef struct scenario {
     weft_status (*begin)(weft_sim *sim, weft_error *err);
     const void *restore; /* bytes to begin with; NULL: none */
     size_t restore_size;
-    size_t spoilt;   /* 1 + the row in which a number becomes NaN after a frame; 0: none */
-    bool own_only;   /* but not where it is a ghost */
+    size_t
+        spoilt; /* 1 + the row in which a number becomes NaN after a frame; 0: none */
+    bool own_only; /* but not where it is a ghost */
 } scenario;
 
 /* What it left. */
@@ -31,13 +32,14 @@ typedef struct outcome {
     weft_status status;
     weft_error err;
     weft_failure failure;
-    double *y;             /* of the whole */
-    unsigned char *saved;  /* on band 0; NULL: it failed */
+    double *y;            /* of the whole */
+    unsigned char *saved; /* on band 0; NULL: it failed */
     size_t saved_size;
     bool guarded; /* nobody wrote where the exchange was under way */
 } outcome;
 
-/* ---- a comm that sees what is written while an exchange is under way ---------------- */
+/* ---- a comm that sees what is written while an exchange is under way ----------------
+ */
 
 typedef struct guard {
     weft_comm real;
@@ -135,7 +137,8 @@ static weft_comm guarded(guard *of, const weft_comm *real, bool *good)
     return comm;
 }
 
-/* ---- a run ------------------------------------------------------------------------- */
+/* ---- a run -------------------------------------------------------------------------
+ */
 
 static void put(char *text, const char *name, double value)
 {
@@ -266,8 +269,9 @@ static void *play(void *ctx)
         if (i == FRAMES) {
             break;
         }
-        if (i == 1) {
+        if (i == 1 && self->of->spoilt > 0) {
             spoil(self->of, sim);
+            out->status = weft_sim_restart(sim, &out->err); /* which reads the state */
         }
         const double end = (double)(i + 1) / FRAMES * self->of->duration;
         out->status = weft_sim_advance(sim, end, &out->err);
@@ -281,8 +285,8 @@ static void *play(void *ctx)
         const bool first = self->comm == NULL || self->comm->rank == 0;
         out->saved_size = weft_sim_save_size(sim);
         out->saved = first ? malloc(out->saved_size) : NULL;
-        out->status = weft_sim_save(sim, out->saved, first ? out->saved_size : 0,
-                                    &out->err);
+        out->status
+            = weft_sim_save(sim, out->saved, first ? out->saved_size : 0, &out->err);
     }
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);
@@ -385,16 +389,19 @@ static void check_bands(const scenario *of)
     drop(&whole);
 }
 
-/* ---- scenarios --------------------------------------------------------------------- */
+/* ---- scenarios ---------------------------------------------------------------------
+ */
 
 static const weft_pin pins[] = {
     { .rows = { 0, 0 }, .cols = { 0, -1 } },
-    { .rows = { 2, -3 }, .cols = { 0, 0 }, .amplitude = { 0.02, 0.0, 0.03 },
+    { .rows = { 2, -3 },
+      .cols = { 0, 0 },
+      .amplitude = { 0.02, 0.0, 0.03 },
       .frequency = 3.0 },
     { .rows = { 4, 6 }, .cols = { 2, 3 }, .velocity = { 0.1, 0.05, -0.2 } },
 };
-static const weft_load loads[] = { { { 1, -2 }, { -1, -1 }, 0.004 },
-                                   { { 5, 5 }, { 1, 2 }, 0.01 } };
+static const weft_load loads[]
+    = { { { 1, -2 }, { -1, -1 }, 0.004 }, { { 5, 5 }, { 1, 2 }, 0.01 } };
 static weft_shape shapes[SHAPES];
 
 static scenario in_wind(size_t rows, size_t cols, const char *method)
@@ -445,8 +452,9 @@ START_TEST(laws_rims_and_rigidity_have_the_same_bits)
     of.cloth.across[WEFT_STRETCH] = (weft_spring_def){ true, 40.0, 0.02 };
     check_bands(&of);
     of.cloth.springs[WEFT_BEND].present = false;
-    of.cloth.bending
-        = (weft_bending_def){ .rigidity = { 2e-4, 1e-4 }, .twist = -1.0, .damping = 1e-3 };
+    of.cloth.bending = (weft_bending_def){ .rigidity = { 2e-4, 1e-4 },
+                                           .twist = -1.0,
+                                           .damping = 1e-3 };
     check_bands(&of);
 }
 END_TEST
@@ -508,20 +516,21 @@ END_TEST
 /* A step that one band finds to pass a shape is taken back by all. */
 START_TEST(bands_take_steps_back_together)
 {
-    static const char *const methods[] = { "arkode/dormand_prince", "arkode/euler" };
+    static const char *const methods[]
+        = { "arkode/dormand_prince", "verlet/velocity_verlet" };
     for (size_t i = 0; i < 2; ++i) {
         scenario of = on_shapes();
         outcome whole;
         of.sim.method = test_method_named(methods[i]);
         of.sim.config = test_config(of.sim.method, of.sim.config);
-        of.sim.config.fixed_step = i == 0 ? 0.0 : 4e-3;
+        of.sim.config.fixed_step = i == 0 ? 0.0 : 1e-3;
         of.sim.config.rtol = of.sim.config.atol_position = of.sim.config.atol_velocity
             = 1.0;
         shapes[1].velocity[2] = 20.0;
         check_bands(&of);
         run_whole(&of, &whole);
-        ck_assert_msg(strstr(whole.series[whole.frames - 1], "vetoed 0x0") == NULL, "%s",
-                      methods[i]);
+        ck_assert_msg(strstr(whole.series[whole.frames - 1], "vetoed 0x0") == NULL,
+                      "%s", whole.series[whole.frames - 1]);
         drop(&whole);
     }
 }
@@ -548,7 +557,8 @@ START_TEST(failures_have_the_message_of_the_whole)
     of.duration = 40.0;
     check_failure(&of, WEFT_NOT_FINITE, "fastest particle");
     of = in_wind(11, 6, "arkode/dormand_prince");
-    of.sim.config.rtol = of.sim.config.atol_position = of.sim.config.atol_velocity = 1e-13;
+    of.sim.config.rtol = of.sim.config.atol_position = of.sim.config.atol_velocity
+        = 1e-13;
     of.sim.config.min_step = of.sim.config.first_step = 1e-3;
     check_failure(&of, WEFT_STEP_TOO_SMALL, "fastest particle");
     of = on_shapes();
@@ -561,8 +571,8 @@ END_TEST
 START_TEST(nan_in_one_band_ends_all)
 {
     for (size_t row = 1; row <= 11; row += 5) {
-        scenario of = in_wind(11, 6, row == 1 ? "verlet/velocity_verlet"
-                                              : "arkode/dormand_prince");
+        scenario of = in_wind(
+            11, 6, row == 1 ? "verlet/velocity_verlet" : "arkode/dormand_prince");
         outcome parts;
         of.spoilt = row;
         check_failure(&of, WEFT_NOT_FINITE, "fastest particle");
