@@ -170,6 +170,22 @@ void weft__bands_put(const weft__forces *forces, const void *words, unsigned cha
     }
 }
 
+void weft__bands_sum(const weft__forces *forces, weft__numbers_fn *of, const void *ctx,
+                     size_t count, double *sum)
+{
+    const weft_band band = forces->cloth->band;
+    double *own = (double *)(void *)forces->measures; /* room for more */
+    for (size_t r = 0; r < band.own; ++r) {
+        of(ctx, band.above + r, own + count * r);
+    }
+    const double *rows = weft__bands_rows(forces, own, count * sizeof *own);
+    memset(sum, 0, count * sizeof *sum);
+    for (size_t j = 0; rows != NULL && j < count * band.rows; ++j) {
+        sum[j % count] += rows[j];
+    }
+    weft__bands_share(forces->comm, sum, count * sizeof *sum);
+}
+
 uint64_t weft__bands_cloth_hash(const weft__forces *forces)
 {
     const weft_cloth *cloth = forces->cloth;

@@ -57,6 +57,12 @@ int weft__bands_rhs(const weft__forces *forces, const weft__subject *of, double 
 void weft__bands_deepest(const weft__forces *forces, weft__breach *breach);
 void weft__bands_first_breach(const weft__forces *forces, weft__breach *breach);
 
+/* The sum of `count` numbers, at most WEFT_POWERS, over all rows in their order: `of`
+ * writes those of row r. */
+typedef void weft__numbers_fn(const void *ctx, size_t r, double *numbers);
+void weft__bands_sum(const weft__forces *forces, weft__numbers_fn *of, const void *ctx,
+                     size_t count, double *sum);
+
 /* weft__cloth_hash of the whole. */
 uint64_t weft__bands_cloth_hash(const weft__forces *forces);
 
