@@ -164,8 +164,10 @@ static void add_group(const weft_cloth *grid, const weft__group *group, double a
 weft_fabric weft_fabric_of(const weft_cloth_def *def)
 {
     weft_cloth grid = { .rows = 0 };
-    weft__grid_init(&grid, def);
-    weft__groups_init(&grid, def);
+    weft_cloth_def whole = *def;
+    whole.band_rows = 0;
+    weft__grid_init(&grid, &whole);
+    weft__groups_init(&grid, &whole);
     const double a = weft__width(def->rows, def->spacing[0]);
     const double b = weft__width(def->cols, def->spacing[1]);
     const double down = weft__width(def->rows, (double)(def->rows - 1) * a);

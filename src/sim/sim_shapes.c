@@ -5,13 +5,15 @@
 #include "base/finite.h"
 #include "base/memory.h"
 #include "cloth/shapes.h"
+#include "sim/bands.h"
 #include "sim/simulation.h"
 
 static weft_status check(const weft_sim *sim, const char *function, size_t k,
                          weft_error *err)
 {
-    if (weft__sim_outside(sim, function, err) != WEFT_OK) {
-        return WEFT_INVALID;
+    const weft_status can = weft__sim_changeable(sim, function, err);
+    if (can != WEFT_OK) {
+        return can;
     }
     if (k >= sim->cloth->shape_count) {
         return weft_error_set(err, WEFT_INVALID, "no shapes[%zu]: there are %zu", k,
@@ -58,7 +60,7 @@ weft_status weft_sim_add_shape(weft_sim *sim, const weft_shape *shape, size_t *k
 {
     const size_t count = sim->cloth->shape_count;
     weft__shape made;
-    weft_status status = weft__sim_outside(sim, "weft_sim_add_shape", err);
+    weft_status status = weft__sim_changeable(sim, "weft_sim_add_shape", err);
     if (status == WEFT_OK) {
         status = weft__shape_make(sim->cloth, shape, sim->t, count, &made, err);
     }
@@ -127,8 +129,24 @@ weft_status weft_sim_remove_shape(weft_sim *sim, size_t k, weft_error *err)
     return status;
 }
 
+typedef struct pressed {
+    weft__subject of;
+    size_t k;
+} pressed;
+
+static void row_load(const void *ctx, size_t r, double *load)
+{
+    const pressed *shape = ctx;
+    weft__row_load(&shape->of, r, shape->k, load);
+}
+
 void weft_sim_shape_load(const weft_sim *sim, size_t k, double force[3],
                          double torque[3])
 {
-    weft_cloth_shape_load(sim->cloth, sim->t, sim->y, k, force, torque);
+    const pressed shape
+        = { .of = { .cloth = sim->cloth, .t = sim->t, .y = sim->y }, .k = k };
+    double load[WEFT__LOAD];
+    weft__bands_sum(&sim->forces, row_load, &shape, WEFT__LOAD, load);
+    memcpy(force, load, 3 * sizeof *force);
+    memcpy(torque, load + 3, 3 * sizeof *torque);
 }
