@@ -4,6 +4,7 @@
 #define WEFT_SIM_SIMULATION_H
 
 #include "base/finite.h"
+#include "sim/between.h"
 #include "sim/forces.h"
 #include "sim/ledger.h"
 #include "sim/limit.h"
@@ -34,6 +35,9 @@ struct weft_sim {
     double *start;   /* with shapes: as y, before a step; NULL until there are any */
     uint64_t vetoed; /* steps taken back for the shapes */
     weft__breach refused; /* by the last right-hand side */
+    weft__between between;
+    double event;      /* the event function at present; NAN: not known */
+    bool event_passed; /* it ended the last step */
 };
 
 /* motion.c: the right-hand side of a simulation, which is ctx. */
@@ -57,7 +61,12 @@ weft_status weft__sim_outside(const weft_sim *sim, const char *function,
  */
 weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why);
 
-/* Room for it, for a simulation with shapes. */
+/* event.c: before a step; and after one from t0 that is accepted: if the event function
+ * fell to 0 within it, takes it back and ends it there. */
+void weft__sim_before_event(weft_sim *sim);
+weft_status weft__sim_find_event(weft_sim *sim, double t0, weft_error *why);
+
+/* Room for checked steps of a simulation with shapes. */
 weft_status weft__sim_make_start(weft_sim *sim, weft_error *err);
 
 /* failure.c: stores the reason and the state of a failed step and writes both to *err
