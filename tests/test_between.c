@@ -99,7 +99,7 @@ START_TEST(states_within_a_step_have_the_order_of_the_method_less_one)
 {
     static const char *const names[]
         = { "verlet/velocity_verlet", "arkode/bogacki_shampine", "gsl/rk4",
-            "arkode/dormand_prince",  "arkode/verner65",           "gsl/rk8pd" };
+            "arkode/dormand_prince",  "arkode/verner65",         "gsl/rk8pd" };
     const weft_stepper_type *method = test_method_named(names[_i]);
     const double h = method->order > 5 ? 0.1 : 0.05;
     const double slope = log2(error_within(method, h) / error_within(method, h / 2.0));
@@ -284,15 +284,15 @@ END_TEST
  */
 
 /* [m] Of the last particle above `ctx`. */
-static double height(void *ctx, double t, const double *y)
+static double height(void *ctx, const weft_cloth *of, double t, const double *y)
 {
-    (void)t;
+    (void)of, (void)t;
     return y[2 * N - 1] - *(const double *)ctx;
 }
 
-static double clock_of(void *ctx, double t, const double *y)
+static double clock_of(void *ctx, const weft_cloth *of, double t, const double *y)
 {
-    (void)y;
+    (void)of, (void)y;
     return t < *(const double *)ctx ? 1.0 : -1.0;
 }
 

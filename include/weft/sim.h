@@ -167,10 +167,11 @@ typedef int weft_force_fn(void *ctx, double t, const double *y, double *f);
  */
 typedef bool weft_stop_fn(void *ctx);
 
-/* A function of a state y[6 N] at t [s] alone whose fall from > 0 to <= 0 is an event.
- * Called after every accepted step, and of states within those where it falls, in the
- * thread that steps; NaN is no event. */
-typedef double weft_event_fn(void *ctx, double t, const double *y);
+/* A function of a state y[6 N] at t [s] alone whose fall from > 0 to <= 0 is an event;
+ * `cloth` is the one of weft_sim_cloth. Called after every accepted step, and of states
+ * within those where it falls, in the thread that steps; NaN is no event. */
+typedef double weft_event_fn(void *ctx, const weft_cloth *cloth, double t,
+                             const double *y);
 
 /* No callback may call a function that changes or saves the simulation: that function
  * then returns WEFT_INVALID. All callbacks must return. After an exit by an exception
@@ -263,12 +264,36 @@ WEFT_API weft_status weft_sim_between(weft_sim *sim, double t, double *y,
  * All queries then return that state, and nothing may change the simulation. */
 WEFT_API bool weft_sim_is_between(const weft_sim *sim);
 
+/* When a run ends before its duration: a quantity that comes to a bound. */
+typedef enum weft_stop_quantity {
+    WEFT_STOP_NEVER,
+    WEFT_STOP_STRAIN,  /* the largest strain rises to the bound */
+    WEFT_STOP_GAP,     /* the smallest gap to a shape falls to it [m] */
+    WEFT_STOP_KINETIC, /* the kinetic energy falls to it [J] */
+    WEFT_STOPS         /* their number */
+} weft_stop_quantity;
+
+typedef struct weft_stop_def {
+    weft_stop_quantity quantity;
+    double bound;
+} weft_stop_def;
+
+/* "max_strain", "min_gap" or "kinetic", as in series.csv; "" for WEFT_STOP_NEVER. */
+WEFT_API const char *weft_stop_name(weft_stop_quantity quantity);
+
+/* The event function of it: how far a state is from the bound, > 0 until then; stop is
+ * the weft_stop_def, which it does not change. */
+WEFT_API double weft_stop_event(void *stop, const weft_cloth *cloth, double t,
+                                const double *y);
+
 /* A run in frames: frame i is at i / fps [s], the last one at `duration`. */
 typedef struct weft_run_def {
     double duration;   /* [s] > 0 */
     double fps;        /* [1/s] > 0 */
     size_t threads;    /* >= 1, of a scene: weft_sim_play takes those of the config */
     size_t checkpoint; /* frames between checkpoints; 0: none */
+    bool interpolate;  /* of a scene: frames from within steps, which they do not cut */
+    weft_stop_def stop; /* of a scene: weft_stop_event is its event */
 } weft_run_def;
 
 WEFT_API size_t weft_run_last_frame(const weft_run_def *run);

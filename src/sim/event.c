@@ -18,7 +18,7 @@ typedef struct bracket {
 static double value(weft_sim *sim)
 {
     sim->in_callback = true;
-    const double g = sim->def.event(sim->def.event_ctx, sim->t, sim->y);
+    const double g = sim->def.event(sim->def.event_ctx, sim->cloth, sim->t, sim->y);
     sim->in_callback = false;
     return g;
 }
