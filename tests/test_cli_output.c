@@ -147,8 +147,8 @@ START_TEST(help_on_a_key_that_is_not_there_names_those_that_are)
 {
     static const char *const wrong[][2] = {
         { "stepper.rtoll", "unknown key 'rtoll' in stepper (did you mean 'rtol'?)\n" },
-        { "run.frames", "unknown key 'frames' in run; run has duration, fps, threads, "
-                        "checkpoint\n" },
+        { "run.speed", "unknown key 'speed' in run; run has duration, fps, threads, "
+                       "frames, checkpoint\n" },
         { "drag",
           "unknown key 'drag' in the scene (it is a key of forces.wind); the " },
         { "run.fps.x", "unknown key 'x' in fps; it has no keys\n" },
@@ -221,6 +221,36 @@ START_TEST(counts_of_linear_systems_are_in_all_files_of_methods_that_have_some)
 }
 END_TEST
 
+/* Frames at multiples of 50 ms, and the end. */
+START_TEST(a_run_may_end_at_a_moment_of_its_own)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --set 'stop={when: max_strain > 0.05}' "
+                      "--set run.duration=5 --set record.every=7 --set run.frames=%s "
+                      "--out " OUT "/stop 2>&1",
+                 _i == 0 ? "step" : "interpolate"),
+           0);
+    says("done by stop: max_strain > 0.05: small");
+    const char *result = read_file(OUT "/stop/result.yaml");
+    ck_assert_ptr_nonnull(
+        strstr(result, "status: done\nreason: \"stop: max_strain > 0.05\""));
+    double t = 0.0, strain = 0.0, before = 0.0;
+    size_t rows = 0, frames = 0;
+    for (const char *row = strchr(read_file(OUT "/stop/series.csv"), '\n') + 1;
+         *row != '\0'; row = strchr(row, '\n') + 1, ++rows) {
+        before = t;
+        ck_assert_int_eq(sscanf(row, "%zu,%lf,%*f,%*f,%*f,%*[^0-9]%*f,%*f,%*f,%lf",
+                                &frames, &t, &strain),
+                         3);
+    }
+    ck_assert_uint_eq(frames + 1, rows);
+    ck_assert(t > before && t <= before + 0.05 && t < 5.0);
+    ck_assert_double_eq_tol(strain, 0.05, 1e-8);
+    expect(shell(WEFT " export " OUT "/stop --format csv 2>&1"), 0);
+    expect(shell(WEFT " resume " OUT "/stop 2>&1"), 0);
+    says("already done");
+}
+END_TEST
+
 TEST_SUITE(cli_output)
 {
     Suite *suite = suite_create("cli output");
@@ -239,5 +269,6 @@ TEST_SUITE(cli_output)
     tcase_add_test(program,
                    counts_of_linear_systems_are_in_all_files_of_methods_that_have_some);
     suite_add_tcase(suite, program);
+    tcase_add_loop_test(program, a_run_may_end_at_a_moment_of_its_own, 0, 2);
     return suite;
 }

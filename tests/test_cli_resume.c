@@ -25,6 +25,8 @@ static const char *const setups[] = {
     "--set 'stepper={plugin: stiff, method: ros2, rtol: 1.0e-4, atol: 1.0e-4, solver: "
     "{krylov: 0.05}}' --set 'limit={method: bridson, strain: 0.02}'",
     "--set 'stepper={plugin: stiff, method: backward_euler, fixed_step: 1e-3}'",
+    "--set run.frames=interpolate --set 'stop={when: max_strain > 9}' --set "
+    "run.fps=700",
 #ifdef HAVE_GSL
     "--set 'stepper={plugin: gsl, method: rkf45}' --set record.ledger=true",
     "--set 'stepper={plugin: gsl, method: rk8pd}'",

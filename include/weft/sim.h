@@ -167,6 +167,12 @@ typedef int weft_force_fn(void *ctx, double t, const double *y, double *f);
  */
 typedef bool weft_stop_fn(void *ctx);
 
+/* A function of a state y[6 N] at t [s] alone whose fall from > 0 to <= 0 is an event;
+ * `cloth` is the one of weft_sim_cloth. Called after every accepted step, and of states
+ * within those where it falls, in the thread that steps; NaN is no event. */
+typedef double weft_event_fn(void *ctx, const weft_cloth *cloth, double t,
+                             const double *y);
+
 /* No callback may call a function that changes or saves the simulation: that function
  * then returns WEFT_INVALID. All callbacks must return. After an exit by an exception
  * or by longjmp, these functions return WEFT_INVALID for ever. */
@@ -186,6 +192,10 @@ typedef struct weft_sim_def {
     void *stop_ctx;
     const weft_comm *comm; /* joins the bands of a cloth, and must outlive the
                               simulation; the cloth is this band. NULL: it is whole */
+    bool dense; /* keep what weft_sim_between needs: some 8 states. weft_sim_play then
+                   takes frames from within steps. Not with a limit or `correct` */
+    weft_event_fn *event; /* NULL: none. Not with a limit or `correct` */
+    void *event_ctx;
 } weft_sim_def;
 
 /* One cloth in bands (weft/comm.h, docs/embedding.md): each band has a simulation, with
@@ -195,13 +205,15 @@ typedef struct weft_sim_def {
  *
  * These functions are collective -- all bands call them in the same order with the same
  * arguments -- and return the same to all, about the whole cloth, with its indices:
- * weft_sim_create, step, advance, play, restart, save, restore, measure, ledger, totals
- * and shape_load. So is weft_sim_failure after them. The state, positions, velocities
- * and weft_sim_cloth have the rows of the band, which weft_cloth_band describes.
- * Callbacks of weft_play must return the same on all bands; a `stop` of one stops all.
+ * weft_sim_create, step, advance, play, between, restart, save, restore, measure,
+ * ledger, totals and shape_load. So is weft_sim_failure after them. The state,
+ * positions, velocities and weft_sim_cloth have the rows of the band, which
+ * weft_cloth_band describes. Callbacks of weft_play must return the same on all bands;
+ * a `stop` of one stops all.
  *
  * WEFT_UNSUPPORTED: methods without WEFT_STEPPER_AGREES, the rms norm, a strain limit,
- * a ledger, `correct`, `force`; functions that change the state, pins or shapes. */
+ * a ledger, `correct`, `force`, `event`; functions that change the state, pins or
+ * shapes. */
 
 /* All energy gained and lost since t = 0, in [J]. Without a ledger in the definition
  * only `energy` is filled, and the rest is 0. */
@@ -249,8 +261,47 @@ WEFT_API void weft_sim_destroy(weft_sim *sim); /* NULL is allowed */
  * step fails with WEFT_INVALID. */
 WEFT_API weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err);
 
-/* Steps until the time is exactly t_end [s]; no step if it is t_end already. */
+/* Steps until the time is exactly t_end [s], or an event; no step if it is t_end
+ * already. */
 WEFT_API weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *err);
+
+/* Whether an event ended the last step. The step was then taken again to end where the
+ * event function falls to 0, to 1e-10 s; a multistep method starts again there. */
+WEFT_API bool weft_sim_event(const weft_sim *sim);
+
+/* Writes the state at t [s], within the last step or at its end, to y[6 N], with an
+ * order of at least that of the method less one, up to 7: see docs/physics.md. Costs
+ * evaluations of the right-hand side once a step: 2, and up to 10 for methods of high
+ * order; weft_sim_stats counts them. Errors: WEFT_INVALID (without `dense`; t is
+ * elsewhere; the state was changed since), WEFT_STOPPED, WEFT_NOT_FINITE. */
+WEFT_API weft_status weft_sim_between(weft_sim *sim, double t, double *y,
+                                      weft_error *err);
+
+/* Within the frame callback of weft_sim_play: whether the frame is from within a step.
+ * All queries then return that state, and nothing may change the simulation. */
+WEFT_API bool weft_sim_is_between(const weft_sim *sim);
+
+/* When a run ends before its duration: a quantity that comes to a bound. */
+typedef enum weft_stop_quantity {
+    WEFT_STOP_NEVER,
+    WEFT_STOP_STRAIN,  /* the largest strain rises to the bound */
+    WEFT_STOP_GAP,     /* the smallest gap to a shape falls to it [m] */
+    WEFT_STOP_KINETIC, /* the kinetic energy falls to it [J] */
+    WEFT_STOPS         /* their number */
+} weft_stop_quantity;
+
+typedef struct weft_stop_def {
+    weft_stop_quantity quantity;
+    double bound;
+} weft_stop_def;
+
+/* "max_strain", "min_gap" or "kinetic", as in series.csv; "" for WEFT_STOP_NEVER. */
+WEFT_API const char *weft_stop_name(weft_stop_quantity quantity);
+
+/* The event function of it: how far a state is from the bound, > 0 until then; stop is
+ * the weft_stop_def, which it does not change. */
+WEFT_API double weft_stop_event(void *stop, const weft_cloth *cloth, double t,
+                                const double *y);
 
 /* A run in frames: frame i is at i / fps [s], the last one at `duration`. */
 typedef struct weft_run_def {
@@ -258,6 +309,8 @@ typedef struct weft_run_def {
     double fps;        /* [1/s] > 0 */
     size_t threads;    /* >= 1, of a scene: weft_sim_play takes those of the config */
     size_t checkpoint; /* frames between checkpoints; 0: none */
+    bool interpolate;  /* of a scene: frames from within steps, which they do not cut */
+    weft_stop_def stop; /* of a scene: weft_stop_event is its event */
 } weft_run_def;
 
 WEFT_API size_t weft_run_last_frame(const weft_run_def *run);
@@ -275,9 +328,11 @@ typedef struct weft_play {
     void *ctx;
 } weft_play;
 
-/* Steps from frame to frame and calls `frame` at each, as `weft run` does. A checkpoint
- * restarts the stepper, which changes results: by this function a run has the same bits
- * whether checkpoints are kept or not. Errors: those of weft_sim_step and callbacks. */
+/* Steps from frame to frame and calls `frame` at each, as `weft run` does; with
+ * `dense`, steps that no frame cuts, up to the next checkpoint. An event is the last
+ * frame, at its own time. A checkpoint restarts the stepper, which changes results: by
+ * this function a run has the same bits whether checkpoints are kept or not. Errors:
+ * those of weft_sim_step and callbacks. */
 WEFT_API weft_status weft_sim_play(weft_sim *sim, const weft_play *play,
                                    weft_error *err);
 

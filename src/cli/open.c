@@ -237,8 +237,7 @@ weft_status cloth_create(const weft_scene *scene, const weft_cloth_def *def,
     return weft_cloth_create(def, cloth, err);
 }
 
-weft_status sim_create(const weft_scene *scene, const weft_cloth *cloth, weft_sim **sim,
-                       weft_error *err)
+static weft_sim_def define(const weft_scene *scene, const weft_cloth *cloth)
 {
     weft_sim_def def = weft_sim_def_default();
     def.cloth = cloth;
@@ -247,6 +246,13 @@ weft_status sim_create(const weft_scene *scene, const weft_cloth *cloth, weft_si
     def.ledger = weft_scene_record(scene)->ledger;
     def.limit = *weft_scene_limit(scene);
     def.stop = interrupt_pending;
+    return def;
+}
+
+weft_status sim_create(const weft_scene *scene, const weft_cloth *cloth, weft_sim **sim,
+                       weft_error *err)
+{
+    const weft_sim_def def = define(scene, cloth);
     return weft_sim_create(&def, sim, err);
 }
 
@@ -257,7 +263,12 @@ weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,
     *cloth = NULL;
     TRY(scene_supported(scene, err));
     TRY(cloth_create(scene, weft_scene_cloth(scene), cloth, err));
-    const weft_status status = sim_create(scene, *cloth, sim, err);
+    weft_sim_def def = define(scene, *cloth);
+    const weft_run_def *run = weft_scene_run(scene);
+    def.dense = run->interpolate;
+    def.event = run->stop.quantity != WEFT_STOP_NEVER ? weft_stop_event : NULL;
+    def.event_ctx = (void *)&run->stop; /* which reads it alone */
+    const weft_status status = weft_sim_create(&def, sim, err);
     if (status != WEFT_OK) {
         weft_cloth_destroy(*cloth);
         *cloth = NULL;

@@ -85,6 +85,7 @@ typedef struct record_frame {
     size_t index;
     const weft_sim *sim;
     uint64_t limit_sweeps; /* since the last frame */
+    bool is_end;           /* the last one, before `last` of the record */
 } record_frame;
 
 /* Extremes over all steps and frames of a run so far. */
@@ -134,7 +135,8 @@ weft_status record_shapes_add(record_table *table, const record_frame *frame,
 /* Columns of series.csv that not every run has. */
 enum {
     RECORD_LEDGER = 1 << 0, /* the simulation keeps it */
-    RECORD_SOLVER = 1 << 1  /* the method solves linear systems */
+    RECORD_SOLVER = 1 << 1, /* the method solves linear systems */
+    RECORD_BETWEEN = 1 << 2 /* frames may be from within steps */
 };
 
 /* series.c: one row per frame; `optional`: RECORD_... */
@@ -236,7 +238,7 @@ weft_status record_manifest(const char *directory, const weft_scene *scene,
 /* The end of a run. */
 typedef struct record_result {
     const char *status; /* done | failed | io_error | interrupted */
-    const char *reason; /* "" if done */
+    const char *reason; /* "" if done, unless by `stop` */
     size_t frames, planned;
     double wall_time;    /* [s] */
     const weft_sim *sim; /* NULL: the run never began */

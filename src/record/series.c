@@ -57,6 +57,10 @@
     X(factorisations, "%" PRIu64, row.stats.factorisations)                            \
     X(newton_failures, "%" PRIu64, row.stats.newton_failures)
 
+/* And this if frames are taken from within steps. */
+#define BETWEEN_COLUMNS(X)                                                             \
+    X(interpolated, "%d", (int)weft_sim_is_between(row.frame->sim))
+
 /* [bytes] A cell has at most 24 characters and a comma. */
 enum { LINE = 32 * RECORD_COLUMNS_MAX };
 
@@ -103,6 +107,9 @@ void record_series_begin(record_series *series, unsigned optional)
     }
     if ((series->optional & RECORD_SOLVER) != 0) {
         SOLVER_COLUMNS(NAME)
+    }
+    if ((series->optional & RECORD_BETWEEN) != 0) {
+        BETWEEN_COLUMNS(NAME)
     }
 #undef NAME
 }
@@ -160,6 +167,9 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
     }
     if ((series->optional & RECORD_SOLVER) != 0) {
         SOLVER_COLUMNS(CELL)
+    }
+    if ((series->optional & RECORD_BETWEEN) != 0) {
+        BETWEEN_COLUMNS(CELL)
     }
 #undef CELL
     line[used - 1] = '\n';

@@ -416,7 +416,8 @@ static bool write_first(record_vtkhdf *self, const weft_sim *sim)
 weft_status record_vtkhdf_add(record_vtkhdf *self, const record_frame *frame,
                               weft_error *err)
 {
-    if (frame->index % self->def.record->every != 0 && frame->index != self->def.last) {
+    if (frame->index % self->def.record->every != 0 && frame->index != self->def.last
+        && !frame->is_end) {
         return WEFT_OK;
     }
     if (self->count == self->capacity) {

@@ -13,6 +13,7 @@ void weft__check_root(weft__reader *reader, const weft__match *match, void *base
                            "reader of version 1",
                            scene->version);
     }
+    weft__check_stop(reader, match);
     if (reader->report->found->errors == 0) {
         weft__warn_of_contact(reader, match);
     }
@@ -129,5 +130,7 @@ void weft__check_run(weft__reader *reader, const weft__match *match, void *base)
             "%g s at %g frames per second are more frames than can be counted (2^53)",
             run->duration, run->fps);
     }
-    check_frame(reader, match, run);
+    if (!run->interpolate) {
+        check_frame(reader, match, run);
+    }
 }

@@ -525,6 +525,8 @@ static const weft__section record_section
 
 /* ---- the rest ------------------------------------------------------------------ */
 
+static const char *const frames_names[] = { "step", "interpolate", NULL };
+
 static const weft__key run_keys[] = {
     { "duration", WEFT__NUMBER, .required = true, RANGE(.strict = true), .unit = "s",
       AT(weft_run_def, duration), .meaning = "simulated time" },
@@ -537,6 +539,10 @@ static const weft__key run_keys[] = {
       .meaning = "threads for the forces, from 64 x 64 particles on, and for the "
                  "solver's vector work (plugins arkode, cvode); the result does not "
                  "depend on it" },
+    { "frames", WEFT__EITHER, .names = frames_names, .fallback = "step",
+      AT(weft_run_def, interpolate),
+      .meaning = "step: every frame ends a step; interpolate: frames are taken from "
+                 "within steps, which they do not cut" },
     { "checkpoint", WEFT__INTEGER, RANGE(.least = 0.0), .fallback = "30",
       AT(weft_run_def, checkpoint),
       .meaning = "interval in frames: the stepper restarts and a checkpoint for "
@@ -545,6 +551,14 @@ static const weft__key run_keys[] = {
 
 static const weft__section run_section
     = { SECTION(run_keys), .check = weft__check_run };
+
+static const weft__key stop_keys[] = {
+    { "when", WEFT__CONDITION, .required = true, AT(weft_stop_def, quantity),
+      .meaning = "ends the run, at that moment: a column of series.csv that comes to "
+                 "the number [m, J]" },
+};
+
+static const weft__section stop_section = { SECTION(stop_keys) };
 
 /* The stepper comes before run and record, which are checked against it. */
 static const weft__key root_keys[] = {
@@ -565,6 +579,8 @@ static const weft__key root_keys[] = {
       .meaning = "the solver that integrates the cloth" },
     { "run", WEFT__MAPPING, .required = true, .section = &run_section,
       AT(weft_scene, run), .meaning = "duration and frames" },
+    { "stop", WEFT__MAPPING, .section = &stop_section, .absent = "at run.duration",
+      AT(weft_scene, run.stop), .meaning = "an earlier end of the run" },
     { "record", WEFT__MAPPING, .section = &record_section, .absent = "defaults",
       AT(weft_scene, record), .meaning = "output of a run" },
     { "sweep", WEFT__SWEEP, .absent = "one run",

@@ -177,8 +177,12 @@ weft__check_fn weft__check_shape, weft__check_contact;
 /* Warnings of contact, when all sections were read without errors. */
 void weft__warn_of_contact(weft__reader *reader, const weft__match *root);
 
+/* scene_stop.c: `stop` and run.frames against `limit`, which excludes both. */
+void weft__check_stop(weft__reader *reader, const weft__match *root);
+
 /* scene_fabric.c */
 weft__read_fn weft__read_preset;
+weft__read_fn weft__read_condition; /* scene_stop.c */
 weft__check_fn weft__check_bend, weft__check_fabric;
 
 /* Makes the cloth of its fabric, if that is there; reports keys that it excludes. */

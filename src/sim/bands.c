@@ -71,6 +71,7 @@ weft_status weft__bands_check(const weft_sim_def *def, weft_error *err)
           : def->ledger          ? "an energy ledger is a sum in every evaluation"
           : def->correct != NULL ? "`correct` needs the whole state"
           : def->force != NULL   ? "`force` needs the whole state"
+          : def->event != NULL   ? "an event is a function of the whole state"
                                  : NULL;
     return why == NULL ? WEFT_OK
                        : weft_error_set(err, WEFT_UNSUPPORTED,

@@ -3,7 +3,7 @@
  * never accumulated. */
 #include <math.h>
 
-#include "weft/sim.h"
+#include "sim/simulation.h"
 
 /* A last interval shorter than this part of a frame belongs to the frame before. */
 #define SLIVER 1e-9
@@ -19,12 +19,29 @@ double weft_run_frame_time(const weft_run_def *run, size_t i)
     return i >= weft_run_last_frame(run) ? run->duration : (double)i / run->fps;
 }
 
-static weft_status play_to(weft_sim *sim, const weft_play *play, double t,
+static bool is_checkpoint(const weft_play *play, size_t i)
+{
+    const size_t interval = play->run->checkpoint;
+    return interval != 0 && i != 0 && i % interval == 0 && i != play->last;
+}
+
+/* [s] where steps towards frame i must end: there or, if frames are taken from within
+ * steps, at the next checkpoint. */
+static double target(const weft_sim *sim, const weft_play *play, size_t i)
+{
+    while (sim->def.dense && i < play->last && !is_checkpoint(play, i)) {
+        ++i;
+    }
+    return weft_run_frame_time(play->run, i);
+}
+
+static weft_status play_to(weft_sim *sim, const weft_play *play, size_t i,
                            weft_error *err)
 {
+    const double t = weft_run_frame_time(play->run, i), end = target(sim, play, i);
     weft_status status = WEFT_OK;
-    while (status == WEFT_OK && weft_sim_time(sim) < t) {
-        status = weft_sim_step(sim, t, err);
+    while (status == WEFT_OK && weft_sim_time(sim) < t && !sim->event_passed) {
+        status = weft_sim_step(sim, end, err);
         if (status == WEFT_OK && play->step != NULL && !play->step(play->ctx)) {
             status = weft_error_set(err, WEFT_STOPPED, "stopped at t = %.9g s",
                                     weft_sim_time(sim));
@@ -33,12 +50,24 @@ static weft_status play_to(weft_sim *sim, const weft_play *play, double t,
     return status;
 }
 
+/* Frame i, of the present state or from within the last step. */
+static weft_status show_frame(weft_sim *sim, const weft_play *play, size_t i,
+                              weft_error *err)
+{
+    const double t = weft_run_frame_time(play->run, i);
+    weft_status status = t < sim->t ? weft__between_show(sim, t, err) : WEFT_OK;
+    if (status == WEFT_OK) {
+        status = play->frame(play->ctx, i, err);
+        weft__between_hide(sim);
+    }
+    return status;
+}
+
 /* Always restarts the stepper, because that changes the results. */
 static weft_status pass_checkpoint(weft_sim *sim, const weft_play *play, size_t i,
                                    weft_error *err)
 {
-    const size_t interval = play->run->checkpoint;
-    if (interval == 0 || i == 0 || i % interval != 0 || i == play->last) {
+    if (!is_checkpoint(play, i)) {
         return WEFT_OK;
     }
     return play->checkpoint != NULL ? play->checkpoint(play->ctx, i, err)
@@ -48,12 +77,14 @@ static weft_status pass_checkpoint(weft_sim *sim, const weft_play *play, size_t 
 weft_status weft_sim_play(weft_sim *sim, const weft_play *play, weft_error *err)
 {
     weft_status status = WEFT_OK;
-    for (size_t i = play->first; status == WEFT_OK && i <= play->last; ++i) {
-        status = play_to(sim, play, weft_run_frame_time(play->run, i), err);
+    bool event = sim->event_passed = false;
+    for (size_t i = play->first; status == WEFT_OK && i <= play->last && !event; ++i) {
+        status = play_to(sim, play, i, err);
+        event = sim->event_passed && sim->t <= weft_run_frame_time(play->run, i);
         if (status == WEFT_OK) {
-            status = play->frame(play->ctx, i, err);
+            status = show_frame(sim, play, i, err);
         }
-        if (status == WEFT_OK) {
+        if (status == WEFT_OK && !event) {
             status = pass_checkpoint(sim, play, i, err);
         }
     }

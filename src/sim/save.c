@@ -100,6 +100,8 @@ static weft_status renew(weft_sim *sim, const fields *counted, weft_error *err)
     } else {
         sim->def.method->destroy(sim->stepper);
         sim->stepper = fresh;
+        sim->event = NAN;
+        weft__between_forget(sim);
         sim->earlier
             = (weft_stepper_stats){ .steps = counted->steps,
                                     .rejected = counted->rejected,

@@ -118,6 +118,7 @@ static weft_sim *make_sim(const weft_sim_def *def)
         = def->force == NULL ? NULL : weft__alloc(&memory, dim / 2, sizeof(double)),
         .memory = memory,
         .ledger = { .on = def->ledger },
+        .event = NAN,
         .y = weft__alloc(&memory, dim + WEFT__QUADRATURES, sizeof(double)),
     };
     if (sim->cloth == NULL || sim->y == NULL
@@ -153,6 +154,7 @@ static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *
     status = status == WEFT_OK && weft_cloth_shapes(sim->cloth) > 0
                  ? weft__sim_make_start(sim, err)
                  : status;
+    status = status == WEFT_OK ? weft__between_init(sim, err) : status;
     return status == WEFT_OK ? weft__sim_stepper(sim, 0.0, &sim->stepper, err) : status;
 }
 
@@ -185,6 +187,7 @@ void weft_sim_destroy(weft_sim *sim)
         weft__forces_destroy(&sim->forces);
         weft__limit_free(&sim->limit, &sim->memory);
         weft__structure_free(sim);
+        weft__between_free(sim);
         weft_cloth_destroy(sim->cloth);
         const weft_allocator memory = sim->memory;
         weft__free(&memory, sim->added);
@@ -287,7 +290,10 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
     const double before = sim->t;
     sim->failure.status = WEFT_OK;
     sim->refused.found = false;
-    const weft_status status = weft__sim_checked_step(sim, t_end, &why);
+    weft__between_begin(sim);
+    weft__sim_before_event(sim);
+    weft_status status = weft__sim_checked_step(sim, t_end, &why);
+    status = status == WEFT_OK ? weft__sim_find_event(sim, before, &why) : status;
     if (status != WEFT_OK) {
         why.status = status;
         return weft__sim_fail(sim, &why, err);
@@ -303,8 +309,9 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
 weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *err)
 {
     weft_status status = WEFT_OK;
-    while (sim->t != t_end && status == WEFT_OK) {
+    for (bool event = false; sim->t != t_end && status == WEFT_OK && !event;) {
         status = weft_sim_step(sim, t_end, err);
+        event = sim->event_passed;
     }
     return status;
 }
@@ -452,6 +459,8 @@ void weft__sim_change_begins(weft_sim *sim)
 
 void weft__sim_change_ends(weft_sim *sim, bool ode)
 {
+    weft__between_forget(sim);
+    sim->event = NAN;
     weft__ledger_account(&sim->ledger, &sim->forces, sim->t, sim->y,
                          &sim->ledger.outside_work);
     if (ode) {

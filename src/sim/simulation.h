@@ -4,6 +4,7 @@
 #define WEFT_SIM_SIMULATION_H
 
 #include "base/finite.h"
+#include "sim/between.h"
 #include "sim/forces.h"
 #include "sim/ledger.h"
 #include "sim/limit.h"
@@ -36,6 +37,9 @@ struct weft_sim {
     weft__breach refused; /* by the last right-hand side */
     uint64_t calls;       /* of it, with shapes */
     weft_agree agree;     /* with a comm: its maximum, for the stepper */
+    weft__between between;
+    double event;      /* the event function at present; NAN: not known */
+    bool event_passed; /* it ended the last step */
 };
 
 /* motion.c: the right-hand side of a simulation, which is ctx. */
@@ -63,7 +67,12 @@ weft_status weft__sim_changeable(const weft_sim *sim, const char *function,
  */
 weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why);
 
-/* Room for it, for a simulation with shapes. */
+/* event.c: before a step; and after one from t0 that is accepted: if the event function
+ * fell to 0 within it, takes it back and ends it there. */
+void weft__sim_before_event(weft_sim *sim);
+weft_status weft__sim_find_event(weft_sim *sim, double t0, weft_error *why);
+
+/* Room for checked steps of a simulation with shapes. */
 weft_status weft__sim_make_start(weft_sim *sim, weft_error *err);
 
 /* failure.c: stores the reason and the state of a failed step and writes both to *err

@@ -110,7 +110,9 @@ static weft_status take_values(const converge *self, size_t i, const weft_sim *s
 {
     const double *y = weft_sim_state(sim);
     const size_t n = weft_cloth_particles(weft_sim_cloth(sim));
-    const record_frame last = { frame, sim, weft_sim_limit_stats(sim).sweeps };
+    const record_frame last = { .index = frame,
+                                .sim = sim,
+                                .limit_sweeps = weft_sim_limit_stats(sim).sweeps };
     record_series series = { 0 }; /* without a file */
     record_series_begin(&series, series_columns(self->scene));
     TRY(record_series_add(&series, &last, err));

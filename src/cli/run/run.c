@@ -77,6 +77,12 @@ static weft_status write_frame_obj(const run *self, size_t index, weft_error *er
     return write_state(self, name, record_obj, err);
 }
 
+/* Whether this frame ends the run, by `stop` of the scene. */
+static bool is_stopped(const run *self)
+{
+    return weft_sim_event(self->sim) && !weft_sim_is_between(self->sim);
+}
+
 /* ---- the frame loop; each callback takes the records from the watch ----------- */
 
 static weft_status on_frame(void *ctx, size_t index, weft_error *err)
@@ -86,7 +92,8 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
     const weft_limit_stats limit = weft_sim_limit_stats(self->sim);
     const record_frame frame = { .index = index,
                                  .sim = self->sim,
-                                 .limit_sweeps = limit.sweeps - self->limit_sweeps };
+                                 .limit_sweeps = limit.sweeps - self->limit_sweeps,
+                                 .is_end = is_stopped(self) };
     self->limit_sweeps = limit.sweeps;
     warn_of_limit(self);
     /* The rows first: every frame of run.vtkhdf has its row in the series. */
@@ -225,8 +232,9 @@ static int conclude(run *self, weft_status status, const weft_error *why)
     weft_error err = { 0 };
     int code = EXIT_DONE;
     /* A signal that came after the last frame has changed nothing. */
-    const bool interrupted
-        = interrupt_signal() != 0 && self->result.frames < self->result.planned;
+    const bool interrupted = interrupt_signal() != 0
+                             && self->result.frames < self->result.planned
+                             && !is_stopped(self);
     self->result.wall_time = weft__wall_clock() - self->began;
     self->result.sim = self->sim;
     self->result.warnings = count_warnings(self);
@@ -235,6 +243,11 @@ static int conclude(run *self, weft_status status, const weft_error *why)
     } else if (interrupted) {
         self->result.status = "interrupted";
         self->result.reason = signal_name();
+    } else if (is_stopped(self)) {
+        const weft_stop_def *stop = &weft_scene_run(self->scene)->stop;
+        say(&self->reason, "stop: %s %c %.9g", weft_stop_name(stop->quantity),
+            stop->quantity == WEFT_STOP_STRAIN ? '>' : '<', stop->bound);
+        self->result.reason = self->reason.text;
     }
     if (write_ends(self, status != WEFT_OK, &err) != WEFT_OK) {
         return report_error(&err);

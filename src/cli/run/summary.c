@@ -32,7 +32,9 @@ static void print_what(const summary *self)
 {
     char text[RECORD_PATH];
     const weft_cloth *cloth = weft_sim_cloth(self->sim);
-    const bool stopped = strcmp(self->result->status, "interrupted") == 0;
+    const bool stopped = self->result->reason[0] != '\0'
+                         && (strcmp(self->result->status, "interrupted") == 0
+                             || strcmp(self->result->status, "done") == 0);
     (void)snprintf(text, sizeof text, "%s%s%s: %s (%zu x %zu particles, %s %s)",
                    self->result->status, stopped ? " by " : "",
                    stopped ? self->result->reason : "", weft_scene_name(self->scene),

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* scene_stop.c -- the earlier end of a run, and frames from within steps. */
+#include <math.h>
+#include <string.h>
+
+#include "scene/read.h"
+#include "scene/scalar.h"
+
+/* "name sign" and behind it a number; *number is where that begins. */
+static bool begins_with(const char *text, const char *name, char sign,
+                        const char **number)
+{
+    const size_t length = strlen(name);
+    const char *at = text + length;
+    if (strncmp(text, name, length) != 0) {
+        return false;
+    }
+    at += strspn(at, " ");
+    if (*at++ != sign) {
+        return false;
+    }
+    *number = at + strspn(at, " ");
+    return true;
+}
+
+void weft__read_condition(weft__reader *reader, const weft__key *key,
+                          const weft__node *node, void *to)
+{
+    weft_stop_def *stop = to;
+    const char *text = weft__text_of(node), *number = NULL;
+    for (unsigned i = 1; text != NULL && i < WEFT_STOPS; ++i) {
+        const weft_stop_quantity quantity = (weft_stop_quantity)i;
+        const char sign = quantity == WEFT_STOP_STRAIN ? '>' : '<';
+        if (begins_with(text, weft_stop_name(quantity), sign, &number)) {
+            weft__node value = *node;
+            value.text = number;
+            value.count = strlen(number);
+            value.style = YAML_PLAIN_SCALAR_STYLE;
+            if (weft__number_of(&value, &stop->bound) && isfinite(stop->bound)) {
+                stop->quantity = quantity;
+                return;
+            }
+        }
+    }
+    weft__refuse_value(reader, key, node);
+}
+
+void weft__check_stop(weft__reader *reader, const weft__match *match)
+{
+    const weft__node *limit = weft__found_in(match, "limit")->key;
+    const weft__node *stop = weft__found_in(match, "stop")->key;
+    if (limit != NULL && stop != NULL) {
+        weft__report_exclusive(reader->report, limit, stop);
+    } else if (limit != NULL && reader->scene->run.interpolate) {
+        weft__report_error(reader->report, limit->at,
+                           "limit excludes run.frames: interpolate: it changes states "
+                           "at the ends of steps");
+    }
+}

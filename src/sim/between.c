@@ -1,0 +1,322 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* between.c -- the state within the last step, as the polynomial in s = (t - t0) / h
+ *
+ *     x(s) with x, v, a at both ends and a at inner nodes;  v(s) = x'(s) / h
+ *
+ * of degree 5 + nodes: Hermite's for x'' = a. The accelerations at the nodes are
+ * evaluated in states of the polynomial with one node less, and then all again, so that
+ * each node adds an order (W. H. Enright, K. R. Jackson, S. P. Norsett, P. G. Thomsen,
+ * Interpolants for Runge-Kutta formulas, ACM TOMS 12(3), 1986). Quadratures have values
+ * at the ends and rates everywhere: degree 3 + nodes. Derived in docs/physics.md. */
+#include "sim/between.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "sim/bands.h"
+#include "sim/simulation.h"
+
+/* Any first few of them determine both polynomials well: the sum of the weights'
+ * magnitudes stays below 6. Symmetric ones would not. */
+static const double nodes[WEFT__NODES] = { 0.8, 0.4, 0.6, 0.2 };
+
+enum { MOST = 6 + WEFT__NODES, QUADRATURE_CONDITIONS = 4 };
+
+/* A condition on a polynomial p: its derivative `order` at s. */
+typedef struct condition {
+    unsigned order;
+    double s;
+} condition;
+
+/* Of x: value, rate, second rate at 0, then at 1; of a quadrature: value and rate. */
+static unsigned conditions(unsigned highest, unsigned inner, condition of[MOST])
+{
+    unsigned count = 0;
+    for (unsigned end = 0; end < 2; ++end) {
+        for (unsigned order = 0; order <= highest; ++order) {
+            of[count++] = (condition){ order, (double)end };
+        }
+    }
+    for (unsigned i = 0; i < inner; ++i) {
+        of[count++] = (condition){ highest, nodes[i] };
+    }
+    return count;
+}
+
+/* The condition of s^power. */
+static double applied(condition of, unsigned power)
+{
+    double value = power >= of.order ? 1.0 : 0.0;
+    for (unsigned k = 0; k < of.order && value != 0.0; ++k) {
+        value *= (double)(power - k);
+    }
+    for (unsigned k = of.order; k < power; ++k) {
+        value *= of.s;
+    }
+    return value;
+}
+
+/* Solves a w = b of `count` rows by Gauss's elimination; w comes in place of b. */
+static void solve(double a[MOST][MOST], double b[MOST], unsigned count)
+{
+    for (unsigned k = 0; k < count; ++k) {
+        unsigned pivot = k;
+        for (unsigned r = k + 1; r < count; ++r) {
+            pivot = fabs(a[r][k]) > fabs(a[pivot][k]) ? r : pivot;
+        }
+        for (unsigned c = 0; c < count; ++c) {
+            const double kept = a[k][c];
+            a[k][c] = a[pivot][c];
+            a[pivot][c] = kept;
+        }
+        const double kept = b[k];
+        b[k] = b[pivot];
+        b[pivot] = kept;
+        for (unsigned r = k + 1; r < count; ++r) {
+            const double factor = a[r][k] / a[k][k];
+            for (unsigned c = k; c < count; ++c) {
+                a[r][c] -= factor * a[k][c];
+            }
+            b[r] -= factor * b[k];
+        }
+    }
+    for (unsigned k = count; k-- > 0;) {
+        for (unsigned c = k + 1; c < count; ++c) {
+            b[k] -= a[k][c] * b[c];
+        }
+        b[k] /= a[k][k];
+    }
+}
+
+/* The weights w with which the conditions' values make p, or its rate, at s: exact for
+ * all powers that they determine. */
+static void weights(unsigned highest, unsigned inner, condition at, double w[MOST])
+{
+    condition of[MOST];
+    double a[MOST][MOST];
+    const unsigned count = conditions(highest, inner, of);
+    for (unsigned power = 0; power < count; ++power) {
+        for (unsigned k = 0; k < count; ++k) {
+            a[power][k] = applied(of[k], power);
+        }
+        w[power] = applied(at, power);
+    }
+    solve(a, w, count);
+}
+
+/* sum += factor * from, plane by plane. */
+static void add(double *sum, double factor, const double *from, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        sum[i] += factor * from[i];
+    }
+}
+
+/* A resting particle keeps its bits: differences and rates that are 0 add nothing. */
+static void add_difference(double *sum, double factor, const double *from,
+                           const double *to, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        sum[i] += factor * (to[i] - from[i]);
+    }
+}
+
+/* Positions, rate false, or h times the velocities: to out[count]. */
+static void motion_at(const weft_sim *sim, unsigned inner, double s, bool rate,
+                      double *out)
+{
+    const weft__between *of = &sim->between;
+    const size_t count = weft_cloth_dim(sim->cloth) / 2;
+    const double h = sim->t - of->t0;
+    double w[MOST];
+    weights(2, inner, (condition){ rate ? 1 : 0, s }, w);
+    memset(out, 0, count * sizeof *out);
+    add(out, rate ? 0.0 : 1.0, of->start, count);
+    add_difference(out, w[3], of->start, sim->y, count);
+    add(out, h * w[1], of->start + count, count);
+    add(out, h * w[4], sim->y + count, count);
+    add(out, h * h * w[2], of->rates[0] + count, count);
+    add(out, h * h * w[5], of->rates[1] + count, count);
+    for (unsigned i = 0; i < inner; ++i) {
+        add(out, h * h * w[6 + i], of->rates[2 + i] + count, count);
+    }
+}
+
+static void quadratures_at(const weft_sim *sim, unsigned inner, double s, double *out)
+{
+    const weft__between *of = &sim->between;
+    const size_t dim = weft_cloth_dim(sim->cloth), count = weft__sim_dim(sim) - dim;
+    const double h = sim->t - of->t0;
+    double w[MOST];
+    weights(1, inner, (condition){ 0, s }, w);
+    memcpy(out, of->start + dim, count * sizeof *out);
+    add_difference(out, w[2], of->start + dim, sim->y + dim, count);
+    add(out, h * w[1], of->rates[0] + dim, count);
+    add(out, h * w[3], of->rates[1] + dim, count);
+    for (unsigned i = 0; i < inner; ++i) {
+        add(out, h * w[QUADRATURE_CONDITIONS + i], of->rates[2 + i] + dim, count);
+    }
+}
+
+static void state_at(const weft_sim *sim, unsigned inner, double s, double *y)
+{
+    const size_t dim = weft_cloth_dim(sim->cloth);
+    const double h = sim->t - sim->between.t0;
+    motion_at(sim, inner, s, false, y);
+    motion_at(sim, inner, s, true, y + dim / 2);
+    for (size_t i = dim / 2; i < dim; ++i) {
+        y[i] /= h;
+    }
+    quadratures_at(sim, inner, s, y + dim);
+}
+
+/* The rates in a state of the step; as weft_rhs_fn, and the same on all bands. */
+static int evaluate(weft_sim *sim, double t, const double *y, double *rates)
+{
+    ++sim->earlier.rhs_calls;
+    const int failed = weft__sim_rhs(t, y, rates, sim);
+    const double worst = weft__bands_max(sim->def.comm, failed < 0   ? 2.0
+                                                        : failed > 0 ? 1.0
+                                                                     : 0.0);
+    return worst == 2.0 ? -1 : worst == 1.0;
+}
+
+/* The rates of both ends, then those of the nodes, node by node. A node that is not a
+ * usable state, because a shape is there, leaves those before. */
+static weft_status find_rates(weft_sim *sim, weft_error *err)
+{
+    weft__between *of = &sim->between;
+    const double h = sim->t - of->t0;
+    int failed = evaluate(sim, of->t0, of->start, of->rates[0]);
+    failed = failed == 0 ? evaluate(sim, sim->t, sim->y, of->rates[1]) : failed;
+    for (of->levels = failed == 0; failed == 0 && of->levels <= of->nodes;) {
+        for (unsigned i = 0; failed == 0 && i < of->levels; ++i) {
+            state_at(sim, of->levels - 1, nodes[i], of->shown);
+            failed = evaluate(sim, of->t0 + nodes[i] * h, of->shown, of->rates[2 + i]);
+        }
+        of->levels += failed == 0;
+    }
+    sim->refused.found = false;
+    return failed < 0 || of->levels == 0
+               ? weft_error_set(err, failed < 0 ? WEFT_STOPPED : WEFT_NOT_FINITE,
+                                "no rates between t = %.9g s and %.9g s", of->t0,
+                                sim->t)
+               : WEFT_OK;
+}
+
+weft_status weft__between_init(weft_sim *sim, weft_error *err)
+{
+    weft__between *of = &sim->between;
+    const size_t dim = weft_cloth_dim(sim->cloth) + WEFT__QUADRATURES;
+    const int order = sim->def.method->order;
+    if (!sim->def.dense && sim->def.event == NULL) {
+        return WEFT_OK;
+    }
+    if (sim->def.correct != NULL || sim->def.limit.method != WEFT_LIMIT_NONE) {
+        return weft_error_set(err, WEFT_UNSUPPORTED,
+                              "states within a step, and events, are not known with a "
+                              "strain limit or a correction after it");
+    }
+    /* positions of order 5 + nodes, velocities 4 + nodes, quadratures 3 + nodes; order
+     * 0: a method of variable order */
+    const int wanted = (order == 0 ? 8 : order) - 5 + sim->ledger.on;
+    of->nodes = wanted < 0 ? 0 : wanted < WEFT__NODES ? (unsigned)wanted : WEFT__NODES;
+    of->start = weft__alloc(&sim->memory, dim * (4 + of->nodes), sizeof *of->start);
+    if (of->start == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for states within steps");
+    }
+    of->shown = of->start + dim;
+    for (unsigned i = 0; i < 2 + of->nodes; ++i) {
+        of->rates[i] = of->start + (2 + i) * dim;
+    }
+    return WEFT_OK;
+}
+
+void weft__between_free(weft_sim *sim)
+{
+    weft__free(&sim->memory, sim->between.start);
+}
+
+void weft__between_begin(weft_sim *sim)
+{
+    weft__between *of = &sim->between;
+    if (of->start != NULL) {
+        memcpy(of->start, sim->y, weft__sim_dim(sim) * sizeof *of->start);
+        of->t0 = sim->t;
+        of->levels = 0;
+    }
+}
+
+void weft__between_forget(weft_sim *sim)
+{
+    sim->between.t0 = INFINITY;
+}
+
+/* Puts the state at t to `shown`. */
+static weft_status find(weft_sim *sim, double t, weft_error *err)
+{
+    weft__between *of = &sim->between;
+    if (of->start == NULL || !(t >= of->t0 && t < sim->t)) {
+        return weft_error_set(err, WEFT_INVALID, "t = %.17g s is not %s", t,
+                              of->start == NULL ? "known: `dense` was not asked for"
+                                                : "within the last step");
+    }
+    const weft_status status = of->levels == 0 ? find_rates(sim, err) : WEFT_OK;
+    if (status == WEFT_OK) {
+        state_at(sim, of->levels - 1, (t - of->t0) / (sim->t - of->t0), of->shown);
+    }
+    return status;
+}
+
+weft_status weft_sim_between(weft_sim *sim, double t, double *y, weft_error *err)
+{
+    weft_status status = weft__sim_outside(sim, "weft_sim_between", err);
+    const bool at_end = t == sim->t;
+    status = status == WEFT_OK && !at_end ? find(sim, t, err) : status;
+    if (status == WEFT_OK) {
+        memcpy(y, at_end ? sim->y : sim->between.shown,
+               weft_cloth_dim(sim->cloth) * sizeof *y);
+    }
+    return status;
+}
+
+/* Exchanges the present state and the other one. */
+static void swap(weft_sim *sim, double *t)
+{
+    double *const y = sim->y;
+    const double now = sim->t;
+    sim->y = sim->between.shown;
+    sim->t = *t;
+    sim->between.shown = y;
+    *t = now;
+}
+
+weft_status weft__between_show(weft_sim *sim, double t, weft_error *err)
+{
+    weft__between *of = &sim->between;
+    if (t == sim->t) {
+        return WEFT_OK;
+    }
+    const weft_status status = find(sim, t, err);
+    if (status == WEFT_OK) {
+        of->behind = t;
+        swap(sim, &of->behind);
+        of->showing = sim->in_callback = true;
+    }
+    return status;
+}
+
+void weft__between_hide(weft_sim *sim)
+{
+    weft__between *of = &sim->between;
+    if (of->showing) {
+        swap(sim, &of->behind);
+        of->showing = sim->in_callback = false;
+    }
+}
+
+bool weft_sim_is_between(const weft_sim *sim)
+{
+    return sim->between.showing;
+}

@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* event.c -- steps that end where a function of the state falls to 0. The root is found
+ * on solutions, not on an interpolant: each trial is the step taken again from its
+ * start to another end. */
+#include <math.h>
+#include <string.h>
+
+#include "sim/simulation.h"
+
+#define TOLERANCE 1e-10 /* [s] */
+
+/* The step from t0: g(a) > 0 >= g(b). */
+typedef struct bracket {
+    double t0, a, b; /* [s] */
+    double ga, gb;
+} bracket;
+
+static double value(weft_sim *sim)
+{
+    sim->in_callback = true;
+    const double g = sim->def.event(sim->def.event_ctx, sim->cloth, sim->t, sim->y);
+    sim->in_callback = false;
+    return g;
+}
+
+/* Takes the step from t0 again, to `end`: the steps before it count as rejected. */
+static weft_status step_again(weft_sim *sim, double t0, double end, uint64_t before,
+                              weft_error *why)
+{
+    const uint64_t taken = weft_sim_stats(sim).steps - before;
+    memcpy(sim->y, sim->between.start, weft__sim_dim(sim) * sizeof *sim->y);
+    sim->t = t0;
+    sim->between.levels = 0;
+    sim->earlier.steps -= taken; /* modulo 2^64, as is the sum */
+    sim->earlier.rejected += taken;
+    sim->def.method->state_changed(sim->stepper);
+    weft_status status = WEFT_OK;
+    while (status == WEFT_OK && sim->t < end) {
+        status = weft__sim_checked_step(sim, end, why);
+    }
+    return status;
+}
+
+/* [s] Within the bracket: where a line meets 0, of values that the Illinois rule has
+ * halved (M. Dowell, P. Jarratt, BIT 11, 1971), and not at its ends. */
+static double guess(const bracket *in)
+{
+    const double t = in->a + (in->b - in->a) * (in->ga / (in->ga - in->gb));
+    const double margin = 0.25 * TOLERANCE;
+    return isfinite(t) ? fmin(fmax(t, in->a + margin), in->b - margin)
+                       : 0.5 * (in->a + in->b);
+}
+
+static bool is_narrow(const bracket *in)
+{
+    return !(in->b - in->a > fmax(TOLERANCE, 4.0 * DBL_EPSILON * fabs(in->b)));
+}
+
+static weft_status locate(weft_sim *sim, bracket *in, uint64_t before, weft_error *why)
+{
+    weft_status status = WEFT_OK;
+    int side = 0;
+    for (unsigned trial = 0; status == WEFT_OK && !is_narrow(in); ++trial) {
+        /* now and then a half: a line is slow where g bends or jumps */
+        const double t = trial % 4 == 3 ? 0.5 * (in->a + in->b) : guess(in);
+        status = step_again(sim, in->t0, t, before, why);
+        const double g = status == WEFT_OK ? value(sim) : 0.0;
+        if (g > 0.0) {
+            in->a = t;
+            in->ga = g;
+            in->gb *= side > 0 ? 0.5 : 1.0;
+            side = 1;
+        } else {
+            in->b = t;
+            in->gb = g;
+            in->ga *= side < 0 ? 0.5 : 1.0;
+            side = -1;
+        }
+    }
+    return status == WEFT_OK && sim->t != in->b
+               ? step_again(sim, in->t0, in->b, before, why)
+               : status;
+}
+
+void weft__sim_before_event(weft_sim *sim)
+{
+    sim->event_passed = false;
+    if (sim->def.event != NULL && isnan(sim->event)) {
+        sim->event = value(sim);
+    }
+}
+
+weft_status weft__sim_find_event(weft_sim *sim, double t0, weft_error *why)
+{
+    if (sim->def.event == NULL) {
+        return WEFT_OK;
+    }
+    bracket in = { .t0 = t0, .a = t0, .b = sim->t, .ga = sim->event };
+    in.gb = value(sim);
+    sim->event_passed = in.ga > 0.0 && in.gb <= 0.0;
+    sim->event = in.gb;
+    if (!sim->event_passed) {
+        return WEFT_OK;
+    }
+    sim->event = -1.0;
+    /* `before`: the step that found the event is the last one counted */
+    return locate(sim, &in, weft_sim_stats(sim).steps - 1, why);
+}
+
+bool weft_sim_event(const weft_sim *sim)
+{
+    return sim->event_passed;
+}
