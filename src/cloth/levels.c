@@ -14,7 +14,7 @@ static const weft__level levels[] = {
     { "plain",
       weft__reference_rows,
       weft__reference_damping,
-      weft__reference_products,
+      weft__reference_rows,
       { NULL },
       weft__reference_clear },
 #else

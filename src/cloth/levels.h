@@ -27,10 +27,9 @@ struct weft__level {
 };
 
 /* The plain loops: rhs.c, power.c, passage.c. */
-weft__rows_fn weft__reference_rows;
+weft__rows_fn weft__reference_rows; /* with of->along: products */
 weft__damping_fn weft__reference_damping;
 weft__clear_fn weft__reference_clear;
-weft__rows_fn weft__reference_products; /* jacobian.c */
 
 /* The names of the kernels end with their level; `plain` uses the instructions that the
  * compiler uses by default. */

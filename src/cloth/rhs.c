@@ -48,18 +48,24 @@ static double trouble(const double *z, size_t n)
 int weft__reference_rows(const weft__subject *of, double *dydt, size_t first_row,
                          size_t end_row)
 {
+    static const double none[3];
     const weft_cloth *cloth = of->cloth;
     const size_t n = cloth->particles, end = end_row * cloth->cols;
+    const bool product = of->along != NULL;
+    const double *state = product ? of->along : of->y;
+    const double *gravity = product ? none : cloth->gravity;
     double bad = 0.0;
     for (size_t i = first_row * cloth->cols; i < end; ++i) {
         double springs[3];
-        weft__springs_force(cloth, i, of->y, NULL, springs);
+        weft__springs_force(cloth, i, of->y, of->along, springs);
         for (size_t k = 0; k < 3; ++k) {
-            const double v = dydt[k * n + i] = of->y[(k + 3) * n + i];
+            const double v = dydt[k * n + i] = state[(k + 3) * n + i];
             const double force = springs[k] - cloth->drag * v;
-            dydt[(k + 3) * n + i] = cloth->gravity[k] + cloth->inverse_mass[i] * force;
+            dydt[(k + 3) * n + i] = gravity[k] + cloth->inverse_mass[i] * force;
         }
-        add(of, i, WEFT__ACCELERATION, dydt + 3 * n + i);
+        if (!product) {
+            add(of, i, WEFT__ACCELERATION, dydt + 3 * n + i);
+        }
         bad += trouble(dydt + i, n);
     }
     return bad == 0.0 ? 0 : 1;

@@ -12,7 +12,7 @@ typedef struct weft__subject {
     double t;
     const double *y;
     const bool *families; /* in which the worst spring is sought; NULL: all */
-    const double *along;  /* of products: a direction of the state */
+    const double *along;  /* of products: a direction of the state; else NULL */
 } weft__subject;
 
 /* A part or all of dy/dt for the rows [first, end); other rows are not written to.

@@ -27,7 +27,7 @@
 #include <string.h>
 
 /* 1: instead the derivative of all that along a direction of->along of the state, as
- * weft__reference_products; compiled by kernel_products.c. `along` is then what `p` is,
+ * weft__reference_rows; compiled by kernel_products.c. `along` is then what `p` is,
  * in that direction, and p itself otherwise. */
 #ifndef PRODUCT
 #define PRODUCT 0
