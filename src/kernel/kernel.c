@@ -404,17 +404,15 @@ static unsigned start(sweep *self, const weft__subject *of)
     self->along = of->along;
     self->inverse_mass = cloth->inverse_mass;
     self->n = cloth->particles, self->rows = cloth->rows, self->cols = cloth->cols;
-    self->inner = cloth->cols < 2 ? 0 : (cloth->cols - 2) / LANES * LANES;
+    self->inner = inner_columns(cloth->cols);
     self->gravity = (vec3){ splat(g[0]), splat(g[1]), splat(g[2]) };
     self->drag = splat(cloth->drag);
     self->bad = splat(0.0);
     for (size_t e = 0; e < 2; ++e) {
-        for (size_t l = 0; l < LANES; ++l) {
-            const size_t c = self->inner + e * LANES + l;
-            self->edges[e].inside[l] = c < cloth->cols ? -1 : 0;
-            self->edges[e].right[l] = c + 1 < cloth->cols ? -1 : 0;
-            self->edges[e].right2[l] = c + 2 < cloth->cols ? -1 : 0;
-        }
+        const size_t c = self->inner + e * LANES;
+        self->edges[e]
+            = (edge){ have_column(c, 0, cloth->cols), have_column(c, 1, cloth->cols),
+                      have_column(c, 2, cloth->cols) };
     }
     bool half = false;
     for (size_t i = 0; i < cloth->group_count; ++i) {

@@ -173,11 +173,11 @@ static void start(strip *self, const weft__subject *of, double *dydt)
     const weft_cloth *cloth = of->cloth;
     memset(self, 0, sizeof *self);
     self->cloth = cloth, self->y = of->y, self->dydt = dydt;
-    self->inner = cloth->cols < 2 ? 0 : (cloth->cols - 2) / LANES * LANES;
+    self->inner = inner_columns(cloth->cols);
     /* blocks at the end read up to 2 LANES numbers beyond the plane of z */
     self->aside = cloth->rigidity.damping != 0.0 || 3 * cloth->particles <= 2 * LANES;
-    for (size_t l = 0; l < 2 * LANES; ++l) {
-        self->right2[l / LANES][l % LANES] = self->inner + l + 2 < cloth->cols ? -1 : 0;
+    for (size_t e = 0; e < 2; ++e) {
+        self->right2[e] = have_column(self->inner + e * LANES, 2, cloth->cols);
     }
 }
 

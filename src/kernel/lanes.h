@@ -146,6 +146,22 @@ INLINE bool any(mask a)
 #define SHIFT_2(a, b) __builtin_shufflevector(a, b, 6, 7, 8, 9, 10, 11, 12, 13)
 #endif
 
+/* Of a row, the columns in whole blocks that two columns follow. */
+INLINE size_t inner_columns(size_t cols)
+{
+    return cols < 2 ? 0 : (cols - 2) / LANES * LANES;
+}
+
+/* Which lanes of the block at column c are columns that `right` more follow. */
+INLINE mask have_column(size_t c, size_t right, size_t cols)
+{
+    mask have = { 0 };
+    for (size_t l = 0; l < LANES; ++l) {
+        have[l] = c + l + right < cols ? -1 : 0;
+    }
+    return have;
+}
+
 INLINE vec3 load3(const double *from, size_t plane)
 {
     return (vec3){ load(from), load(from + plane), load(from + 2 * plane) };
