@@ -426,6 +426,28 @@ START_TEST(springs_of_a_scene_have_pairs_rim_and_rigidity)
 }
 END_TEST
 
+/* Spacing and fabric must fit: the error is at the one that was changed. */
+START_TEST(misfit_is_reported_where_an_override_made_it)
+{
+    static const struct {
+        const char *set, *found;
+    } misfits[] = {
+        { "cloth.grid.spacing=[0.01, 0.02]",
+          "command line, --set number 1:7: error: spacing [a, b] = [0.01, 0.02] m" },
+        { "cloth.fabric.shear=100",
+          "command line, --set number 1:7: error: no ratio of spacings" },
+    };
+    weft_scene_def def
+        = scene_of_text(GRID "  fabric: {preset: gray-interlock}\n" ENDED);
+    const char *const *set = &misfits[_i].set;
+    def.sets = set;
+    def.set_count = 1;
+    const char *message = bad_scene(&def);
+    ck_assert_msg(strncmp(message, misfits[_i].found, strlen(misfits[_i].found)) == 0,
+                  "%s", message);
+}
+END_TEST
+
 TEST_SUITE(fabric)
 {
     Suite *suite = suite_create("fabric");
@@ -448,6 +470,7 @@ TEST_SUITE(fabric)
     tcase_add_test(tcase, scene_has_the_cloth_of_the_interface);
     tcase_add_test(tcase, keys_beside_a_preset_replace_its_values);
     tcase_add_test(tcase, springs_of_a_scene_have_pairs_rim_and_rigidity);
+    tcase_add_loop_test(tcase, misfit_is_reported_where_an_override_made_it, 0, 2);
     suite_add_tcase(suite, tcase);
     return suite;
 }

@@ -47,6 +47,7 @@ void weft__make_fabric(weft__reader *reader, const weft__match *cloth)
 {
     static const char *const excluded[] = { "mass", "density", "springs" };
     const weft__found *fabric = weft__found_in(cloth, "fabric");
+    const weft__found *grid = weft__found_in(cloth, "grid");
     weft_error err;
     for (size_t i = 0; i < sizeof excluded / sizeof excluded[0]; ++i) {
         const weft__node *key = weft__found_in(cloth, excluded[i])->key;
@@ -54,13 +55,13 @@ void weft__make_fabric(weft__reader *reader, const weft__match *cloth)
             weft__report_exclusive(reader->report, fabric->key, key);
         }
     }
-    if (fabric->wrong || weft__found_in(cloth, "grid")->wrong
-        || weft__found_in(cloth, "grid")->value == NULL) {
+    if (fabric->wrong || grid->wrong || grid->value == NULL) {
         return;
     }
     if (weft_fabric_apply(&reader->scene->fabric, &reader->scene->cloth, &err)
         != WEFT_OK) {
-        weft__report_error(reader->report, fabric->key->at, "%s", err.message);
+        weft__report_error(reader->report, weft__later(fabric->key, grid->key)->at,
+                           "%s", err.message);
     }
 }
 
