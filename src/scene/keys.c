@@ -183,7 +183,7 @@ static const weft__key fabric_keys[] = {
     { "bend", WEFT__PAIR, .absent = "0 or the preset's", NUMBER(fabric, bend),
       .meaning = "bending rigidity; a pair: [warp, weft]" },
     { "twist", WEFT__NUMBER, RANGE(.least = 0.0), .unit = "N m",
-      .absent = "as of bend.rigidity", AT(weft_fabric, twist),
+      .absent = "as of bend.rigidity, or the preset's", AT(weft_fabric, twist),
       .meaning = "stiffness of twisting" },
     { "damping", WEFT__PAIR, .absent = "0", NUMBER(fabric, damping),
       .meaning
