@@ -230,8 +230,7 @@ weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t, const dou
     return bound;
 }
 
-/* ---- the power method --------------------------------------------------------------
- */
+/* ---- the power method ----------------------------------------------------------- */
 
 /* out += (a K + b C) x of one spring: slack springs are taken for straight ones. */
 static void multiply_spring(const weft_cloth *cloth, const weft__spring *at,

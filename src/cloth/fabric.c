@@ -140,8 +140,7 @@ weft_status weft_fabric_apply(const weft_fabric *fabric, weft_cloth_def *def,
     return WEFT_OK;
 }
 
-/* ---- the fabric of springs --------------------------------------------------------
- */
+/* ---- the fabric of springs ------------------------------------------------------ */
 
 /* Adds the moduli of a group: springs of direction n and elongation s n.E n have the
  * energy k s^2 (n.E n)^2 / 2 each at a homogeneous strain E. */
