@@ -175,12 +175,10 @@ static const weft__level wide
         weft__products_wide,
         { weft__bending_wide, weft__wind_wide, weft__contact_wide },
         weft__clear_wide };
-static const weft__level reference = { "plain loops",
-                                       weft__reference_rows,
-                                       weft__reference_damping,
-                                       weft__reference_rows,
-                                       { NULL },
-                                       weft__reference_clear };
+static const weft__level reference = {
+    "plain loops", weft__reference_rows, weft__reference_damping, weft__reference_rows,
+    { NULL },      weft__reference_clear
+};
 
 START_TEST(every_level_and_width_has_the_bits_of_the_plain_loops)
 {
