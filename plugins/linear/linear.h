@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* linear.h -- the linear systems of implicit methods, for the plugins that have some.
  * Reading order: linear.c (conjugate gradients), network.c (the matrix), filter.c (what
- * is left out of it), vectors.h; multigrid.c over aggregate.c; settings.c.
+ * is left out of it), vectors.h; multigrid.c over aggregate.c; linear_settings.c.
  *
  * Solves (I - gamma J) (dx, dv) = (rx, rv), where J is the Jacobian of a cloth without
  * what may make it indefinite (the terms z, negative q and negative curvature of
@@ -49,7 +49,8 @@ bool weft__linear_solve(weft__linear *self, double tolerance, double *r);
 
 weft__linear_counts weft__linear_count(const weft__linear *self);
 
-/* settings.c: the fault of config->linear, or NULL; max_order is left to the method. */
+/* linear_settings.c: the fault of config->linear, or NULL; max_order is left to the
+ * method. */
 const char *weft__linear_mistake(const weft_stepper_config *config);
 
 /* config->linear with defaults for what is not set, of which `krylov` is one; max_order

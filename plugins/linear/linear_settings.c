@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* settings.c -- config->linear of an implicit method: checked, completed, reported. */
+/* linear_settings.c -- config->linear of an implicit method: checked, completed,
+ * reported. */
 #include "linear.h"
 
 #include <stdlib.h>
