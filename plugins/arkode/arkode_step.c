@@ -217,7 +217,7 @@ static weft_status fail(arkode_stepper *self, int flag, weft_error *err)
     if (why == 2.0) {
         return weft_error_set(err, WEFT_STOPPED, "%s: stopped by the model", name);
     }
-    if (why == 1.0) {
+    if (why != 0.0) {
         return weft_error_set(err, WEFT_NOT_FINITE, "%s: not finite after a step",
                               name);
     }

@@ -10,18 +10,20 @@ const weft_plugin *weft_plugin_stiff(void);
 
 /* ---- creation -------------------------------------------------------------------- */
 
-static const char *linear_mistake(const stiff_method *method, const weft_linear *l)
+static const char *linear_mistake(const stiff_method *method,
+                                  const weft_stepper_config *config)
 {
-    return l == NULL                              ? NULL
-           : !WEFT_HAS(l, weft_linear, max_order) ? "linear of another version"
-           : method->krylov == 0.0                ? "solves no linear systems"
-           : !(l->krylov >= 0.0 && l->krylov < 1.0)
-               ? "krylov must be > 0 and < 1, or 0 for the default"
-           : l->preconditioner > WEFT_PRECONDITIONER_MULTIGRID
-               ? "unknown preconditioner"
-           : l->jacobian > WEFT_JACOBIAN_STEP ? "computes one Jacobian in every step"
-           : l->max_order != 0                ? "has one order"
-                                              : NULL;
+    const weft_linear *l = weft_stepper_linear(config);
+    if (l == NULL) {
+        return NULL;
+    }
+    const char *wrong = weft__linear_mistake(config);
+    return !WEFT_HAS(l, weft_linear, max_order) ? "linear of another version"
+           : method->krylov == 0.0              ? "solves no linear systems"
+           : wrong != NULL                      ? wrong
+           : l->jacobian > WEFT_JACOBIAN_STEP   ? "computes one Jacobian in every step"
+           : l->max_order != 0                  ? "has one order"
+                                                : NULL;
 }
 
 static weft_status check(const stiff_method *method, const weft_ode *ode,
@@ -29,7 +31,7 @@ static weft_status check(const stiff_method *method, const weft_ode *ode,
 {
     const char *wrong = weft_stepper_mistake(&method->type, ode, config);
     wrong = wrong == NULL && ode->dim > SIZE_MAX / 64 ? "dim is too large" : wrong;
-    wrong = wrong != NULL ? wrong : linear_mistake(method, weft_stepper_linear(config));
+    wrong = wrong != NULL ? wrong : linear_mistake(method, config);
     const char *lacks = wrong != NULL           ? NULL
                         : method->krylov == 0.0 ? weft__spectrum_mistake(ode, config)
                                                 : weft__structure_mistake(ode, config);
@@ -43,7 +45,6 @@ static weft_status check(const stiff_method *method, const weft_ode *ode,
 static void settle(stiff_stepper *self, const weft_ode *ode,
                    const weft_stepper_config *config)
 {
-    const weft_linear *linear = weft_stepper_linear(config);
     const bool fixed = config->fixed_step > 0.0;
     self->ode = *ode;
     self->structure = config->structure;
@@ -58,10 +59,7 @@ static void settle(stiff_stepper *self, const weft_ode *ode,
     self->h = fixed
                   ? config->fixed_step
                   : fmin(fmax(config->first_step, config->min_step), config->max_step);
-    self->krylov = linear != NULL && linear->krylov > 0.0 ? linear->krylov
-                                                          : self->method->krylov;
-    self->preconditioner
-        = linear != NULL ? linear->preconditioner : WEFT_PRECONDITIONER_AUTO;
+    self->settings = weft__linear_settings(config, self->method->krylov);
 }
 
 static void destroy(void *instance)
@@ -99,8 +97,8 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
         *arrays_of[i] = array + i * ode->dim;
     }
     if (method->krylov > 0.0) {
-        status = weft__linear_create(self->structure, self->preconditioner, &memory,
-                                     &self->linear, err);
+        status = weft__linear_create(self->structure, self->settings.preconditioner,
+                                     &memory, &self->linear, err);
     }
     if (status != WEFT_OK) {
         destroy(self);
@@ -140,17 +138,9 @@ static void stats(const void *instance, weft_stepper_stats *out)
 
 static void options(const void *instance, weft_option_fn *tell, void *ctx)
 {
-    static const char *const names[] = { "auto", "jacobi", "multigrid" };
     const stiff_stepper *self = instance;
     if (self->linear != NULL) {
-        char text[32];
-        (void)snprintf(text, sizeof text, "%.15g", self->krylov);
-        if (strtod(text, NULL) != self->krylov) {
-            (void)snprintf(text, sizeof text, "%.17g", self->krylov);
-        }
-        tell(ctx, "krylov", text);
-        tell(ctx, "preconditioner", names[self->preconditioner]);
-        tell(ctx, "jacobian", "step");
+        weft__linear_tell(&self->settings, tell, ctx);
     }
 }
 

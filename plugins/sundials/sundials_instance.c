@@ -76,13 +76,3 @@ void weft__sun_stats(const weft_stepper_stats *stats, double next_step,
     whole.next_step = next_step;
     weft_stepper_stats_copy(&whole, out);
 }
-
-void weft__sun_tell(weft_option_fn *tell, void *ctx, const char *name, double value)
-{
-    char text[32];
-    int digits = 15;
-    do {
-        (void)snprintf(text, sizeof text, "%.*g", digits, value);
-    } while (strtod(text, NULL) != value && ++digits <= 17);
-    tell(ctx, name, text);
-}
