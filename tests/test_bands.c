@@ -636,6 +636,100 @@ START_TEST(nan_in_one_band_ends_all)
 }
 END_TEST
 
+/* ---- random cloths ------------------------------------------------------------------
+ */
+
+static uint64_t random_state;
+
+/* Below `most`: an LCG of Knuth's, its upper bits. */
+static size_t below(size_t most)
+{
+    random_state = random_state * UINT64_C(6364136223846793005) + 1442695040888963407u;
+    return (size_t)(random_state >> 33) % most;
+}
+
+static double between(double low, double high)
+{
+    return low + (high - low) * (double)below(1000) / 1000.0;
+}
+
+static weft_range some(size_t count)
+{
+    const size_t first = below(count), last = first + below(count - first);
+    return (weft_range){ (ptrdiff_t)first, (ptrdiff_t)last };
+}
+
+static void randomise_contact(scenario *of)
+{
+    for (size_t k = 0; k < SHAPES; ++k) {
+        shapes[k] = weft_shape_default(below(2) > 0 ? WEFT_SPHERE : WEFT_CAPSULE);
+        shapes[k].radius = between(0.02, 0.1);
+        shapes[k].to[0] = 0.3;
+        for (size_t j = 0; j < 3; ++j) {
+            const double at = between(-0.4, 0.4) - (j == 2 ? 0.5 : 0.0);
+            shapes[k].to[j] += at;
+            shapes[k].at[j] = at;
+        }
+        shapes[k].velocity[2] = between(0.0, 8.0);
+    }
+    of->cloth.contact.shapes = shapes;
+    of->cloth.contact.shape_count = below(SHAPES + 1);
+    of->cloth.contact.law = below(2) > 0 ? WEFT_FRICTION_COULOMB : WEFT_FRICTION_SMOOTH;
+}
+
+static scenario random_scenario(weft_pin some_pins[3], weft_load *load)
+{
+    static const char *const methods[]
+        = { "arkode/dormand_prince",  "arkode/bogacki_shampine", "arkode/heun_euler",
+            "verlet/velocity_verlet", "verlet/symplectic_euler", "arkode/rk4" };
+    const size_t rows = 10 + below(12), cols = 1 + below(9);
+    scenario of = in_wind(rows, cols, methods[below(6)]);
+    const double tolerance = between(1e-6, 1e-1);
+    of.sim.config.fixed_step
+        = below(2) > 0 || of.sim.config.fixed_step > 0.0 ? between(1e-4, 2e-2) : 0.0;
+    of.sim.config.rtol = tolerance;
+    of.sim.config.atol_position = of.sim.config.atol_velocity = tolerance;
+    of.sim.config.min_step = between(1e-9, 1e-3);
+    of.cloth.law = below(2) > 0 ? WEFT_LAW_STRAIN : WEFT_LAW_HOOKE;
+    of.cloth.rim_half = below(2) > 0;
+    of.cloth.springs[WEFT_BEND].present = below(2) > 0;
+    if (!of.cloth.springs[WEFT_BEND].present) {
+        of.cloth.bending.rigidity[0] = 1e-4;
+        of.cloth.bending.damping = between(0.0, 1e-3);
+    }
+    for (size_t i = 0; i < 3; ++i) {
+        some_pins[i] = (weft_pin){ .rows = some(rows),
+                                   .cols = some(cols),
+                                   .velocity = { 0.0, 0.1, between(-1.0, 1.0) },
+                                   .amplitude = { between(0.0, 0.05) },
+                                   .frequency = between(0.0, 9.0) };
+    }
+    *load = (weft_load){ some(rows), some(cols), 0.01 };
+    of.cloth.pins = some_pins, of.cloth.pin_count = below(4);
+    of.cloth.loads = load, of.cloth.load_count = below(2);
+    of.cloth.wind_drag = below(2) > 0 ? 0.4 : 0.0;
+    of.cloth.drag = below(2) > 0 ? 1e-3 : 0.0;
+    randomise_contact(&of);
+    return of;
+}
+
+/* Many of them fail: in all bands alike. */
+START_TEST(random_cloths_have_the_same_bits_or_failures)
+{
+    for (int i = 0; i < test_rounds(12, 400); ++i) {
+        weft_pin some_pins[3];
+        weft_load load;
+        weft_cloth *cloth = NULL;
+        random_state = (uint64_t)i;
+        const scenario of = random_scenario(some_pins, &load);
+        if (weft_cloth_create(&of.cloth, &cloth, NULL) == WEFT_OK) {
+            check_bands(&of);
+        }
+        weft_cloth_destroy(cloth);
+    }
+}
+END_TEST
+
 static void check_odd(scenario *of, oddity odd, weft_status status, const char *message)
 {
     of->odd = odd;
@@ -924,6 +1018,7 @@ TEST_SUITE(bands)
     tcase_add_test(same, bands_take_steps_back_together);
     tcase_add_test(same, failures_have_the_message_of_the_whole);
     tcase_add_test(same, nan_in_one_band_ends_all);
+    tcase_add_test(same, random_cloths_have_the_same_bits_or_failures);
     tcase_add_test(same, what_fails_in_one_band_fails_in_all);
     tcase_add_test(same, stop_in_one_band_stops_all);
     tcase_add_test(same, saved_bands_restore_on_any_number);
