@@ -183,6 +183,17 @@ static void put_measures(const weft_sim *sim, char *text)
     put_hash(text, m.hash);
 }
 
+static void put_stiffness(const weft_sim *sim, const double *y, char *text)
+{
+    const weft_stiffness of = weft_sim_stiffness(sim, weft_sim_time(sim), y);
+    put(text, "omega2", of.omega2);
+    put(text, "damping", of.damping);
+    for (size_t i = 0; i < of.count; ++i) {
+        put(text, "w", of.corners[i][0]);
+        put(text, "c", of.corners[i][1]);
+    }
+}
+
 static void put_frame(const weft_sim *sim, char *text)
 {
     const weft_stepper_stats stats = weft_sim_stats(sim);
@@ -198,6 +209,8 @@ static void put_frame(const weft_sim *sim, char *text)
     put(text, "vetoed", (double)weft_sim_vetoed(sim));
     put(text, "energy", weft_energy_total(ledger.energy));
     put_measures(sim, text);
+    put_stiffness(sim, weft_sim_state(sim), text);
+    put_stiffness(sim, NULL, text);
     for (size_t k = 0; k < weft_cloth_shapes(weft_sim_cloth(sim)); ++k) {
         weft_sim_shape_load(sim, k, force, torque);
         for (size_t j = 0; j < 3; ++j) {
