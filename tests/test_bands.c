@@ -11,18 +11,20 @@
 
 enum { BANDS = 5, FRAMES = 4, TEXT = 4096, SHAPES = 2 };
 
+typedef enum oddity { NOTHING, WHOLE_CLOTH, NO_MEMORY, STOPS } oddity;
+
 /* A run of a cloth, whole or in bands. */
 typedef struct scenario {
     weft_cloth_def cloth;
     weft_sim_def sim;
-    double duration; /* [s] */
-    /* called by each band after creation; may be NULL. Returns a status. */
-    weft_status (*begin)(weft_sim *sim, weft_error *err);
+    double duration;     /* [s] */
     const void *restore; /* bytes to begin with; NULL: none */
     size_t restore_size;
     size_t
         spoilt; /* 1 + the row in which a number becomes NaN after a frame; 0: none */
     bool own_only; /* but not where it is a ghost */
+    oddity odd;    /* what differs in odd_band */
+    int odd_band;
 } scenario;
 
 /* What it left. */
@@ -47,6 +49,7 @@ typedef struct guard {
     weft_rows rows;
     double *before; /* all planes as they were at begin, ghosts poisoned */
     bool *good;
+    pthread_t thread; /* that alone makes calls */
 } guard;
 
 static const double poison = 0x1.badp300;
@@ -71,6 +74,7 @@ static void guard_begin(void *self, const weft_rows *rows)
     const size_t n = present(rows);
     bool ghost;
     of->rows = *rows;
+    of->thread = pthread_self();
     of->before = malloc(rows->planes * n * sizeof *of->before);
     of->real.begin(of->real.self, rows);
     for (size_t k = 0; k < rows->planes; ++k) {
@@ -121,7 +125,8 @@ static void guard_gather(void *self, const void *mine, size_t bytes, void *all)
 
 static void guard_poke(void *self)
 {
-    (void)self;
+    guard *of = self;
+    *of->good = *of->good && pthread_equal(pthread_self(), of->thread);
 }
 
 static weft_comm guarded(guard *of, const weft_comm *real, bool *good)
@@ -178,6 +183,17 @@ static void put_measures(const weft_sim *sim, char *text)
     put_hash(text, m.hash);
 }
 
+static void put_stiffness(const weft_sim *sim, const double *y, char *text)
+{
+    const weft_stiffness of = weft_sim_stiffness(sim, weft_sim_time(sim), y);
+    put(text, "omega2", of.omega2);
+    put(text, "damping", of.damping);
+    for (size_t i = 0; i < of.count; ++i) {
+        put(text, "w", of.corners[i][0]);
+        put(text, "c", of.corners[i][1]);
+    }
+}
+
 static void put_frame(const weft_sim *sim, char *text)
 {
     const weft_stepper_stats stats = weft_sim_stats(sim);
@@ -193,6 +209,8 @@ static void put_frame(const weft_sim *sim, char *text)
     put(text, "vetoed", (double)weft_sim_vetoed(sim));
     put(text, "energy", weft_energy_total(ledger.energy));
     put_measures(sim, text);
+    put_stiffness(sim, weft_sim_state(sim), text);
+    put_stiffness(sim, NULL, text);
     for (size_t k = 0; k < weft_cloth_shapes(weft_sim_cloth(sim)); ++k) {
         weft_sim_shape_load(sim, k, force, torque);
         for (size_t j = 0; j < 3; ++j) {
@@ -219,25 +237,43 @@ typedef struct job {
     const scenario *of;
     const weft_comm *comm; /* NULL: whole */
     outcome *out;
+    int calls; /* of stop */
 } job;
 
-static weft_status start(const job *self, weft_cloth **cloth, weft_sim **sim,
-                         weft_error *err)
+static bool is_odd(const job *self, oddity how)
 {
+    return self->of->odd == how
+           && (self->comm == NULL || self->comm->rank == self->of->odd_band);
+}
+
+static void *refuse(void *ctx, void *block, size_t size)
+{
+    (void)ctx;
+    return size == 0 ? (free(block), NULL) : NULL;
+}
+
+/* From the 20th evaluation on. */
+static bool stop(void *calls)
+{
+    return ++*(int *)calls >= 20;
+}
+
+static weft_status start(job *self, weft_cloth **cloth, weft_sim **sim, weft_error *err)
+{
+    static const weft_allocator none = { refuse, NULL };
     weft_cloth_def model = self->of->cloth;
     weft_sim_def def = self->of->sim;
-    if (self->comm != NULL) {
-        ck_assert(weft_comm_band(model.rows, (size_t)self->comm->rank,
-                                 (size_t)self->comm->size, &model.band_first,
-                                 &model.band_rows));
+    const weft_comm *comm = def.comm = self->comm;
+    if (comm != NULL && !is_odd(self, WHOLE_CLOTH)) {
+        ck_assert(weft_comm_band(model.rows, (size_t)comm->rank, (size_t)comm->size,
+                                 &model.band_first, &model.band_rows));
     }
     *cloth = test_cloth(&model);
     def.cloth = *cloth;
-    def.comm = self->comm;
+    def.allocator = is_odd(self, NO_MEMORY) ? &none : NULL;
+    def.stop = is_odd(self, STOPS) ? stop : NULL;
+    def.stop_ctx = &self->calls;
     weft_status status = weft_sim_create(&def, sim, err);
-    if (status == WEFT_OK && self->of->begin != NULL) {
-        status = self->of->begin(*sim, err);
-    }
     if (status == WEFT_OK && self->of->restore != NULL) {
         status = weft_sim_restore(*sim, self->of->restore, self->of->restore_size, err);
     }
@@ -259,13 +295,13 @@ static void spoil(const scenario *of, const weft_sim *sim)
 
 static double frame_time(const scenario *of, size_t i)
 {
-    const double part = (double)i / FRAMES;
-    return of->restore == NULL ? part * of->duration : (1.0 + part) * of->duration;
+    const double part = of->duration * (double)i / FRAMES;
+    return of->restore == NULL ? part : of->duration + part;
 }
 
 static void *play(void *ctx)
 {
-    const job *self = ctx;
+    job *self = ctx;
     outcome *out = self->out;
     weft_cloth *cloth = NULL;
     weft_sim *sim = NULL;
@@ -356,7 +392,7 @@ static void run_bands(const scenario *of, int bands, outcome *out)
         outs[i].y = out->y; /* each its own rows */
         real[i] = thread_bands_comm(all, i);
         comms[i] = guarded(&guards[i], &real[i], &outs[i].guarded);
-        jobs[i] = (job){ of, &comms[i], &outs[i] };
+        jobs[i] = (job){ .of = of, .comm = &comms[i], .out = &outs[i] };
         ck_assert_int_eq(pthread_create(&threads[i], NULL, play, &jobs[i]), 0);
     }
     for (int i = 0; i < bands; ++i) {
@@ -374,7 +410,7 @@ static void run_bands(const scenario *of, int bands, outcome *out)
 static void run_whole(const scenario *of, outcome *out)
 {
     make(of, out);
-    (void)play(&(job){ of, NULL, out });
+    (void)play(&(job){ .of = of, .out = out });
     if (out->totals.particles > 0) { /* it was created */
         weft_cloth *cloth = test_cloth(&of->cloth);
         ck_assert_uint_eq(out->totals.pins, weft_cloth_pins(cloth));
@@ -396,14 +432,17 @@ static void check_bits(const scenario *of, const outcome *a, const outcome *b)
 }
 
 static const int counts[] = { 1, 2, 3, 5 };
+enum { COUNTS = sizeof counts / sizeof counts[0] };
 
-/* On any number of bands what it is on none. */
+/* On any number of bands what it is on none: on two of these numbers in turn, or on all
+ * in `make nightly`. */
 static void check_bands(const scenario *of)
 {
+    static size_t turn;
     outcome whole, parts;
     run_whole(of, &whole);
-    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
-        run_bands(of, counts[i], &parts);
+    for (int i = 0; i < test_rounds(2, COUNTS); ++i) {
+        run_bands(of, counts[turn++ % COUNTS], &parts);
         check_bits(of, &whole, &parts);
         drop(&parts);
     }
@@ -429,7 +468,7 @@ static scenario in_wind(size_t rows, size_t cols, const char *method)
 {
     scenario of = { .cloth = weft_cloth_def_default(),
                     .sim = weft_sim_def_default(),
-                    .duration = 0.08 };
+                    .duration = 0.04 };
     weft_cloth_def *def = &of.cloth;
     def->rows = rows, def->cols = cols;
     def->spacing[0] = 0.05, def->spacing[1] = 0.04;
@@ -447,6 +486,8 @@ static scenario in_wind(size_t rows, size_t cols, const char *method)
     def->wind_velocity[0] = 1.5, def->wind_velocity[2] = 2.0;
     def->wind_drag = 0.4;
     of.sim.method = test_method_named(method);
+    of.sim.config.rtol = 1e-5;
+    of.sim.config.atol_position = of.sim.config.atol_velocity = 1e-4;
     of.sim.config = test_config(of.sim.method, of.sim.config);
     if ((of.sim.method->flags & WEFT_STEPPER_FIXED_ONLY) != 0) {
         of.sim.config.fixed_step = 1e-3;
@@ -483,7 +524,7 @@ END_TEST
 
 START_TEST(narrow_long_and_short_bands_have_the_same_bits)
 {
-    static const size_t sizes[][2] = { { 10, 5 }, { 80, 4 }, { 14, 1 }, { 13, 33 } };
+    static const size_t sizes[][2] = { { 80, 4 }, { 10, 5 }, { 13, 33 }, { 14, 1 } };
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
         scenario of = in_wind(sizes[i][0], sizes[i][1], "arkode/bogacki_shampine");
         of.cloth.pin_count = of.cloth.load_count = sizes[i][1] > 4 ? 2 : 0;
@@ -608,6 +649,339 @@ START_TEST(nan_in_one_band_ends_all)
 }
 END_TEST
 
+/* ---- random cloths ------------------------------------------------------------------
+ */
+
+static uint64_t random_state;
+
+/* Below `most`: an LCG of Knuth's, its upper bits. */
+static size_t below(size_t most)
+{
+    random_state = random_state * UINT64_C(6364136223846793005) + 1442695040888963407u;
+    return (size_t)(random_state >> 33) % most;
+}
+
+static double between(double low, double high)
+{
+    return low + (high - low) * (double)below(1000) / 1000.0;
+}
+
+static weft_range some(size_t count)
+{
+    const size_t first = below(count), last = first + below(count - first);
+    return (weft_range){ (ptrdiff_t)first, (ptrdiff_t)last };
+}
+
+static void randomise_contact(scenario *of)
+{
+    for (size_t k = 0; k < SHAPES; ++k) {
+        shapes[k] = weft_shape_default(below(2) > 0 ? WEFT_SPHERE : WEFT_CAPSULE);
+        shapes[k].radius = between(0.02, 0.1);
+        shapes[k].to[0] = 0.3;
+        for (size_t j = 0; j < 3; ++j) {
+            const double at = between(-0.4, 0.4) - (j == 2 ? 0.5 : 0.0);
+            shapes[k].to[j] += at;
+            shapes[k].at[j] = at;
+        }
+        shapes[k].velocity[2] = between(0.0, 8.0);
+    }
+    of->cloth.contact.shapes = shapes;
+    of->cloth.contact.shape_count = below(SHAPES + 1);
+    of->cloth.contact.law = below(2) > 0 ? WEFT_FRICTION_COULOMB : WEFT_FRICTION_SMOOTH;
+}
+
+static scenario random_scenario(weft_pin some_pins[3], weft_load *load)
+{
+    static const char *const methods[]
+        = { "arkode/dormand_prince",  "arkode/bogacki_shampine", "arkode/heun_euler",
+            "verlet/velocity_verlet", "verlet/symplectic_euler", "arkode/rk4" };
+    const size_t rows = 10 + below(12), cols = 1 + below(9);
+    scenario of = in_wind(rows, cols, methods[below(6)]);
+    const double tolerance = between(1e-6, 1e-1);
+    of.sim.config.fixed_step
+        = below(2) > 0 || of.sim.config.fixed_step > 0.0 ? between(1e-4, 2e-2) : 0.0;
+    of.sim.config.rtol = tolerance;
+    of.sim.config.atol_position = of.sim.config.atol_velocity = tolerance;
+    of.sim.config.min_step = between(1e-9, 1e-3);
+    of.cloth.law = below(2) > 0 ? WEFT_LAW_STRAIN : WEFT_LAW_HOOKE;
+    of.cloth.rim_half = below(2) > 0;
+    of.cloth.springs[WEFT_BEND].present = below(2) > 0;
+    if (!of.cloth.springs[WEFT_BEND].present) {
+        of.cloth.bending.rigidity[0] = 1e-4;
+        of.cloth.bending.damping = between(0.0, 1e-3);
+    }
+    for (size_t i = 0; i < 3; ++i) {
+        some_pins[i] = (weft_pin){ .rows = some(rows),
+                                   .cols = some(cols),
+                                   .velocity = { 0.0, 0.1, between(-1.0, 1.0) },
+                                   .amplitude = { between(0.0, 0.05) },
+                                   .frequency = between(0.0, 9.0) };
+    }
+    *load = (weft_load){ some(rows), some(cols), 0.01 };
+    of.cloth.pins = some_pins, of.cloth.pin_count = below(4);
+    of.cloth.loads = load, of.cloth.load_count = below(2);
+    of.cloth.wind_drag = below(2) > 0 ? 0.4 : 0.0;
+    of.cloth.drag = below(2) > 0 ? 1e-3 : 0.0;
+    randomise_contact(&of);
+    return of;
+}
+
+/* Many of them fail: in all bands alike. */
+START_TEST(random_cloths_have_the_same_bits_or_failures)
+{
+    for (int i = 0; i < test_rounds(12, 400); ++i) {
+        weft_pin some_pins[3];
+        weft_load load;
+        weft_cloth *cloth = NULL;
+        random_state = (uint64_t)i;
+        const scenario of = random_scenario(some_pins, &load);
+        if (weft_cloth_create(&of.cloth, &cloth, NULL) == WEFT_OK) {
+            check_bands(&of);
+        }
+        weft_cloth_destroy(cloth);
+    }
+}
+END_TEST
+
+static void check_odd(scenario *of, oddity odd, weft_status status, const char *message)
+{
+    of->odd = odd;
+    for (int bands = 2; bands <= 3; ++bands) {
+        for (of->odd_band = 0; of->odd_band < bands; ++of->odd_band) {
+            outcome parts;
+            run_bands(of, bands, &parts);
+            ck_assert_int_eq(parts.status, status);
+            ck_assert_msg(strstr(parts.err.message, message) != NULL, "%s",
+                          parts.err.message);
+            drop(&parts);
+        }
+    }
+}
+
+START_TEST(what_fails_in_one_band_fails_in_all)
+{
+    scenario of = in_wind(11, 6, "arkode/dormand_prince");
+    check_odd(&of, WHOLE_CLOTH, WEFT_INVALID,
+              "the cloth has rows 0 to 10 of 11; band ");
+    check_odd(&of, NO_MEMORY, WEFT_NO_MEMORY, "no memory");
+}
+END_TEST
+
+START_TEST(stop_in_one_band_stops_all)
+{
+    scenario of = in_wind(11, 6, "arkode/dormand_prince");
+    outcome whole, parts;
+    of.odd = STOPS;
+    run_whole(&of, &whole);
+    ck_assert_int_eq(whole.status, WEFT_STOPPED);
+    for (of.odd_band = 0; of.odd_band < 3; ++of.odd_band) {
+        run_bands(&of, 3, &parts);
+        check_bits(&of, &whole, &parts);
+        drop(&parts);
+    }
+    drop(&whole);
+}
+END_TEST
+
+/* ---- refusals ----------------------------------------------------------------------
+ */
+
+static bool correct(void *ctx, double t, double h, double *y)
+{
+    (void)ctx, (void)t, (void)h, (void)y;
+    return false;
+}
+
+static int force(void *ctx, double t, const double *y, double *f)
+{
+    (void)ctx, (void)t, (void)y, (void)f;
+    return 0;
+}
+
+static void check_refused(weft_sim_def def, weft_status status, const char *message)
+{
+    weft_sim *sim = NULL;
+    weft_error err = { .status = WEFT_OK };
+    ck_assert_int_eq(weft_sim_create(&def, &sim, &err), status);
+    ck_assert_ptr_null(sim);
+    ck_assert_msg(strstr(err.message, message) != NULL, "%s", err.message);
+}
+
+START_TEST(refuses_what_needs_the_whole_state)
+{
+    thread_bands *all = thread_bands_create(1);
+    const weft_comm comm = thread_bands_comm(all, 0);
+    scenario of = in_wind(11, 6, "arkode/dormand_prince");
+    weft_sim_def def = of.sim, good;
+    weft_cloth *cloth = test_cloth(&of.cloth);
+    def.cloth = cloth;
+    def.comm = &comm;
+    good = def;
+    for (size_t i = 0; i < test_method_count(); ++i) {
+        def.method = test_method(i);
+        def.config = test_config(def.method, good.config);
+        if ((def.method->flags & WEFT_STEPPER_AGREES) == 0) {
+            check_refused(def, WEFT_UNSUPPORTED, def.method->name);
+        }
+    }
+    def = good, def.config.norm = WEFT_NORM_RMS;
+    check_refused(def, WEFT_UNSUPPORTED, "rms norm");
+    def = good, def.limit.method = WEFT_LIMIT_PROVOT;
+    check_refused(def, WEFT_UNSUPPORTED, "strain limit");
+    def = good, def.ledger = true;
+    check_refused(def, WEFT_UNSUPPORTED, "ledger");
+    def = good, def.correct = correct;
+    check_refused(def, WEFT_UNSUPPORTED, "`correct`");
+    def = good, def.force = force;
+    check_refused(def, WEFT_UNSUPPORTED, "`force`");
+    weft_cloth_destroy(cloth);
+    thread_bands_destroy(all);
+}
+END_TEST
+
+START_TEST(refuses_a_comm_that_is_not_whole)
+{
+    thread_bands *all = thread_bands_create(1);
+    const weft_comm good = thread_bands_comm(all, 0);
+    scenario of = in_wind(11, 6, "arkode/dormand_prince");
+    weft_cloth *whole = test_cloth(&of.cloth);
+    weft_sim_def def = of.sim;
+    weft_comm comm = good;
+    def.cloth = whole;
+    def.comm = &comm;
+    comm.max = NULL;
+    check_refused(def, WEFT_INVALID, "lacks a function");
+    comm = good, comm.rank = 1;
+    check_refused(def, WEFT_INVALID, "rank");
+    comm = good, comm.struct_size = 16;
+    check_refused(def, WEFT_INVALID, "struct_size");
+    of.cloth.band_first = 4, of.cloth.band_rows = 3;
+    weft_cloth *band = test_cloth(&of.cloth);
+    comm = good, def.cloth = band;
+    check_refused(def, WEFT_INVALID,
+                  "has rows 4 to 6 of 11; band 0 of 1 is rows 0 to 10");
+    def.comm = NULL;
+    check_refused(def, WEFT_INVALID, "rows 4 to 6 of 11: its simulation needs a comm");
+    weft_cloth_destroy(band);
+    weft_cloth_destroy(whole);
+    thread_bands_destroy(all);
+}
+END_TEST
+
+START_TEST(refuses_changes_from_outside)
+{
+    thread_bands *all = thread_bands_create(1);
+    const weft_comm comm = thread_bands_comm(all, 0);
+    scenario of = on_shapes();
+    weft_cloth *cloth = test_cloth(&of.cloth);
+    weft_sim *sim;
+    weft_error err;
+    const double zero[3] = { 0.0 };
+    const weft_shape shape = weft_shape_default(WEFT_SPHERE);
+    of.sim.cloth = cloth;
+    of.sim.comm = &comm;
+    ck_assert_int_eq(weft_sim_create(&of.sim, &sim, &err), WEFT_OK);
+    const weft_status statuses[] = { weft_sim_set_state(sim, NULL, NULL, &err),
+                                     weft_sim_pin(sim, 40, zero, &err),
+                                     weft_sim_unpin(sim, 0, &err),
+                                     weft_sim_move_pin(sim, 0, zero, &err),
+                                     weft_sim_add_shape(sim, &shape, NULL, &err),
+                                     weft_sim_move_shape(sim, 0, zero, zero, &err),
+                                     weft_sim_remove_shape(sim, 0, &err) };
+    for (size_t i = 0; i < sizeof statuses / sizeof statuses[0]; ++i) {
+        ck_assert_msg(statuses[i] == WEFT_UNSUPPORTED, "%zu", i);
+    }
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    thread_bands_destroy(all);
+}
+END_TEST
+
+/* ---- the cloth of a band ------------------------------------------------------------
+ */
+
+static void check_bad_band(size_t rows, size_t first, size_t count, const char *message)
+{
+    weft_cloth_def def = weft_cloth_def_default();
+    weft_cloth *cloth;
+    weft_error err;
+    def.rows = rows, def.band_first = first, def.band_rows = count;
+    ck_assert_int_eq(weft_cloth_create(&def, &cloth, &err), WEFT_INVALID);
+    ck_assert_msg(strstr(err.message, message) != NULL, "%s", err.message);
+}
+
+START_TEST(band_lies_inside_and_has_two_rows)
+{
+    check_bad_band(6, 2, 1, "2 or more");
+    check_bad_band(6, 5, 2, "inside");
+    check_bad_band(6, 0, 7, "inside");
+    check_bad_band(6, SIZE_MAX, 2, "inside");
+    check_bad_band(6, 2, SIZE_MAX, "inside");
+}
+END_TEST
+
+START_TEST(band_counts_its_own_rows)
+{
+    scenario of = in_wind(11, 6, "arkode/dormand_prince");
+    of.cloth.rim_half = true;
+    weft_cloth *whole = test_cloth(&of.cloth);
+    size_t pinned = 0, springs[WEFT_FAMILIES] = { 0 };
+    double mass = 0.0;
+    for (size_t rank = 0; rank < 4; ++rank) {
+        ck_assert(
+            weft_comm_band(11, rank, 4, &of.cloth.band_first, &of.cloth.band_rows));
+        weft_cloth *part = test_cloth(&of.cloth);
+        const weft_band band = weft_cloth_band(part);
+        ck_assert_uint_eq(band.first, of.cloth.band_first);
+        ck_assert_uint_eq(band.own, of.cloth.band_rows);
+        ck_assert_uint_eq(band.above, rank > 0 ? 2 : 0);
+        ck_assert_uint_eq(band.below, rank < 3 ? 2 : 0);
+        ck_assert_uint_eq(weft_cloth_rows(part), band.above + band.own + band.below);
+        for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
+            springs[k] += weft_cloth_springs(part, (weft_family)k);
+        }
+        pinned += weft_cloth_pins(part);
+        mass += weft_cloth_mass(part);
+        weft_cloth_destroy(part);
+    }
+    ck_assert(!weft_comm_band(11, 4, 4, &of.cloth.band_first, &of.cloth.band_rows));
+    ck_assert(!weft_comm_band(11, 0, 6, &of.cloth.band_first, &of.cloth.band_rows));
+    for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
+        ck_assert_uint_eq(springs[k], weft_cloth_springs(whole, (weft_family)k));
+    }
+    ck_assert_uint_eq(pinned, weft_cloth_pins(whole));
+    ck_assert_double_eq_tol(mass, weft_cloth_mass(whole), 1e-15);
+    weft_cloth_destroy(whole);
+}
+END_TEST
+
+START_TEST(errors_name_rows_of_the_whole)
+{
+    scenario of = in_wind(11, 6, "arkode/dormand_prince");
+    weft_cloth *cloth;
+    weft_error err;
+    of.cloth.band_first = 6, of.cloth.band_rows = 2;
+    shapes[0] = weft_shape_default(WEFT_SPHERE);
+    of.cloth.contact.shapes = shapes, of.cloth.contact.shape_count = 1;
+    of.cloth.pin_count = 0;
+    of.cloth.scale = 1.0;
+    shapes[0].radius = 0.01;
+    weft_cloth *other;
+    of.cloth.contact.shape_count = 0;
+    other = test_cloth(&of.cloth);
+    double *xyz = malloc(3 * weft_cloth_particles(other) * sizeof *xyz);
+    weft_cloth_rest(other, xyz);
+    memcpy(shapes[0].at, xyz + 3 * (3 * 6 + 4), sizeof shapes[0].at);
+    of.cloth.contact.shape_count = 1; /* row 3 here is row 4 + 3 */
+    ck_assert_int_eq(weft_cloth_create(&of.cloth, &cloth, &err), WEFT_INVALID);
+    ck_assert_msg(strstr(err.message, "particle (7, 4) is 10 mm inside shapes[0]")
+                      != NULL,
+                  "%s", err.message);
+    free(xyz);
+    weft_cloth_destroy(other);
+}
+END_TEST
+
 /* ---- restoring ---------------------------------------------------------------------
  */
 
@@ -619,7 +993,7 @@ START_TEST(saved_bands_restore_on_any_number)
     of.restore = saved.saved, of.restore_size = saved.saved_size;
     run_whole(&of, &whole);
     ck_assert_int_eq(whole.status, WEFT_OK);
-    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
+    for (size_t i = 0; i < COUNTS; ++i) {
         run_bands(&of, counts[i], &parts);
         check_bits(&of, &whole, &parts);
         drop(&parts);
@@ -657,8 +1031,19 @@ TEST_SUITE(bands)
     tcase_add_test(same, bands_take_steps_back_together);
     tcase_add_test(same, failures_have_the_message_of_the_whole);
     tcase_add_test(same, nan_in_one_band_ends_all);
+    tcase_add_test(same, random_cloths_have_the_same_bits_or_failures);
+    tcase_add_test(same, what_fails_in_one_band_fails_in_all);
+    tcase_add_test(same, stop_in_one_band_stops_all);
     tcase_add_test(same, saved_bands_restore_on_any_number);
     tcase_add_test(same, damaged_bytes_are_refused_by_all);
     suite_add_tcase(suite, same);
+    TCase *alone = tcase_create("one band");
+    tcase_add_test(alone, refuses_what_needs_the_whole_state);
+    tcase_add_test(alone, refuses_a_comm_that_is_not_whole);
+    tcase_add_test(alone, refuses_changes_from_outside);
+    tcase_add_test(alone, band_lies_inside_and_has_two_rows);
+    tcase_add_test(alone, band_counts_its_own_rows);
+    tcase_add_test(alone, errors_name_rows_of_the_whole);
+    suite_add_tcase(suite, alone);
     return suite;
 }

@@ -206,8 +206,8 @@ typedef struct weft_sim_def {
  * These functions are collective -- all bands call them in the same order with the same
  * arguments -- and return the same to all, about the whole cloth, with its indices:
  * weft_sim_create, step, advance, play, between, restart, save, restore, measure,
- * ledger, totals and shape_load. So is weft_sim_failure after them. The state,
- * positions, velocities and weft_sim_cloth have the rows of the band, which
+ * ledger, totals, stiffness and shape_load. So is weft_sim_failure after them. The
+ * state, positions, velocities and weft_sim_cloth have the rows of the band, which
  * weft_cloth_band describes. Callbacks of weft_play must return the same on all bands;
  * a `stop` of one stops all.
  *
@@ -386,6 +386,11 @@ typedef struct weft_totals {
 /* What weft_cloth_pins, weft_cloth_springs and weft_cloth_mass are of the whole cloth.
  */
 WEFT_API weft_totals weft_sim_totals(const weft_sim *sim);
+
+/* weft_cloth_stiffness of the whole cloth, with the present pins and shapes; y: a state
+ * as weft_sim_state, or NULL. */
+WEFT_API weft_stiffness weft_sim_stiffness(const weft_sim *sim, double t,
+                                           const double *y);
 
 /* How often a step was taken back, and repeated with half its length, because a free
  * particle had got into a shape or may have passed through it, or because in fixed

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/bands.h"
 
+#include <assert.h>
 #include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
@@ -175,7 +176,8 @@ void weft__bands_sum(const weft__forces *forces, weft__numbers_fn *of, const voi
                      size_t count, double *sum)
 {
     const weft_band band = forces->cloth->band;
-    double *own = (double *)(void *)forces->measures; /* room for more */
+    double *own = (double *)(void *)forces->measures;
+    assert(count * sizeof *own <= sizeof *forces->measures);
     for (size_t r = 0; r < band.own; ++r) {
         of(ctx, band.above + r, own + count * r);
     }
@@ -185,6 +187,18 @@ void weft__bands_sum(const weft__forces *forces, weft__numbers_fn *of, const voi
         sum[j % count] += rows[j];
     }
     weft__bands_share(forces->comm, sum, count * sizeof *sum);
+}
+
+void weft__bands_most(const weft__forces *forces, double *numbers, size_t count)
+{
+    const weft_comm *comm = forces->comm;
+    const double *of = (const double *)(const void *)forces->all;
+    assert(count * sizeof *numbers <= sizeof *forces->all); /* a row's room for each */
+    comm->gather(comm->self, numbers, count * sizeof *numbers, forces->all);
+    for (size_t j = 0; comm->rank == 0 && j < count * (size_t)comm->size; ++j) {
+        numbers[j % count] = fmax(numbers[j % count], of[j]);
+    }
+    comm->share(comm->self, numbers, count * sizeof *numbers);
 }
 
 uint64_t weft__bands_cloth_hash(const weft__forces *forces)

@@ -364,6 +364,17 @@ weft_totals weft_sim_totals(const weft_sim *sim)
     return out;
 }
 
+weft_stiffness weft_sim_stiffness(const weft_sim *sim, double t, const double *y)
+{
+    const weft_comm *comm = sim->def.comm;
+    double most[WEFT__SIDES];
+    weft__stiffness_sides(sim->cloth, t, y, most);
+    if (comm != NULL) {
+        weft__bands_most(&sim->forces, most, WEFT__SIDES);
+    }
+    return weft__stiffness_within(sim->cloth, y, most);
+}
+
 weft_stepper_stats weft_sim_stats(const weft_sim *sim)
 {
     weft_stepper_stats stats = { .struct_size = sizeof stats };
