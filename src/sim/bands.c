@@ -304,22 +304,9 @@ int weft__bands_rhs(const weft__forces *forces, const weft__subject *of, double 
 
 /* ---- shapes ---------------------------------------------------------------------- */
 
-static void number_in_whole(const weft__forces *forces, weft__breach *breach)
+void weft__bands_deepest(const weft_comm *comm, weft__breach *breach)
 {
-    breach->particle = weft__whole_index(forces->cloth, breach->particle);
-}
-
-void weft__bands_first_breach(const weft__forces *forces, weft__breach *breach)
-{
-    number_in_whole(forces, breach);
-    (void)weft__bands_first(forces->comm, breach->found, breach, sizeof *breach);
-}
-
-void weft__bands_deepest(const weft__forces *forces, weft__breach *breach)
-{
-    const weft_comm *comm = forces->comm;
     const double far = 0x1p53;
-    number_in_whole(forces, breach);
     if (comm == NULL) {
         return;
     }
