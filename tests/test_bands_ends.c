@@ -165,6 +165,8 @@ START_TEST(refuses_a_comm_that_is_not_whole)
     check_refused(def, WEFT_INVALID, "rank");
     comm = good, comm.struct_size = 16;
     check_refused(def, WEFT_INVALID, "struct_size");
+    comm = good, comm.size = 6;
+    check_refused(def, WEFT_INVALID, "11 rows are too few for 6 bands: each needs 2");
     of.cloth.band_first = 4, of.cloth.band_rows = 3;
     weft_cloth *band = test_cloth(&of.cloth);
     comm = good, def.cloth = band;
