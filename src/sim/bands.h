@@ -52,10 +52,9 @@ void weft__bands_put(const weft__forces *forces, const void *words, unsigned cha
 /* As weft_cloth_rhs in own rows; x' and the other bands' v' in ghost rows. */
 int weft__bands_rhs(const weft__forces *forces, const weft__subject *of, double *dydt);
 
-/* Of all bands, with the particle's number in the whole cloth: the deepest of those in
- * the last right-hand side that all could evaluate; the first. */
-void weft__bands_deepest(const weft__forces *forces, weft__breach *breach);
-void weft__bands_first_breach(const weft__forces *forces, weft__breach *breach);
+/* Of what the bands found, with its number in the whole cloth, the deepest breach in
+ * the last right-hand side that all could evaluate. */
+void weft__bands_deepest(const weft_comm *comm, weft__breach *breach);
 
 /* The sum of `count` numbers, as many as fit in weft_measures, over all rows in their
  * order: `of` writes those of row r. */
