@@ -16,6 +16,7 @@
 #include "cli/cli.h"
 #include "cli/human.h"
 #include "cli/run/interrupt.h"
+#include "cli/run/ranks.h"
 #include "record/child_process.h"
 
 int report_error(const weft_error *err)
@@ -103,7 +104,7 @@ static weft_status admit_plugin(void *ctx, const char *file, weft_error *err)
     return weft_error_set(err, WEFT_BAD_PLUGIN, "loading it: %s", why);
 }
 
-weft_registry *open_registry(const char *plugin_path)
+weft_registry *open_registry(const char *plugin_path, bool trial)
 {
     char fallback[PATH_MAX + 16];
     tree_plugins(fallback, sizeof fallback);
@@ -112,7 +113,7 @@ weft_registry *open_registry(const char *plugin_path)
     weft_registry_def def = weft_registry_def_default();
     def.path = plugin_path;
     def.fallback = fallback;
-    def.admit = admit_plugin;
+    def.admit = trial ? admit_plugin : NULL;
     if (weft_registry_create(&def, &registry, &err) != WEFT_OK) {
         (void)report_error(&err);
     }
@@ -159,8 +160,8 @@ static void print_found(const weft_diagnostics *found)
     }
 }
 
-int open_scene(const char *file, const options *given, weft_scene **scene,
-               weft_sweep **sweep)
+static int load_scene(const char *file, const options *given, weft_scene **scene,
+                      weft_sweep **sweep, const char *text)
 {
     weft_error err = { 0 };
     weft_scene_def def = weft_scene_def_default();
@@ -170,10 +171,15 @@ int open_scene(const char *file, const options *given, weft_scene **scene,
         return report_error(&err);
     }
     def.file = file;
+    def.text = text;
+    def.length = text == NULL ? 0 : strlen(text);
     def.sets = given->sets;
-    def.set_count = given->set_count;
+    def.set_count = text == NULL ? given->set_count : 0;
     def.find_plugin = find_plugin;
     def.find_ctx = given->registry;
+    if (given->comm != NULL) {
+        def.bands = (size_t)given->comm->size;
+    }
     const weft_status status = sweep == NULL
                                    ? weft_scene_load(&def, scene, found, &err)
                                    : weft_sweep_load(&def, sweep, found, &err);
@@ -181,6 +187,28 @@ int open_scene(const char *file, const options *given, weft_scene **scene,
     const bool printed = found->errors > 0;
     free(found);
     return status == WEFT_OK ? EXIT_DONE : printed ? EXIT_SCENE : report_error(&err);
+}
+
+/* In bands, rank 0 reads the file, and all others the scene as it runs. */
+int open_scene(const char *file, const options *given, weft_scene **scene,
+               weft_sweep **sweep)
+{
+    const bool first = ranks_first(given->comm);
+    int code = first ? load_scene(file, given, scene, sweep, NULL) : EXIT_DONE;
+    if (given->comm == NULL || ranks_share(given->comm, code) != EXIT_DONE) {
+        return code;
+    }
+    char *text = ranks_share_text(given->comm, first ? weft_scene_text(*scene) : NULL);
+    if (!first) {
+        code = load_scene(file, given, scene, sweep, text);
+    }
+    free(text);
+    if (given->comm->max(given->comm->self, code) > 0.0 && code == EXIT_DONE) {
+        fputs("weft: error: another rank cannot read this scene: are weft and its "
+              "plugins the same on all nodes?\n", stderr);
+        code = EXIT_SCENE;
+    }
+    return code;
 }
 
 const char *out_directory(const options *given, const char *suffix,
