@@ -12,6 +12,7 @@
 #define WEFT_CLOTH_H
 
 #include "weft/base.h"
+#include "weft/comm.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -147,10 +148,11 @@ typedef struct weft_cloth_def {
     weft_bending_def bending;              /* excludes bend springs */
     weft_spring_def across[WEFT_FAMILIES]; /* if present: of stretch and bend springs
                        along a row (weft); `springs` are then those along a column */
-    size_t band_first, band_rows; /* a band of the cloth: rows [band_first, band_first +
-                       band_rows), 2 or more, and up to 2 ghost rows of each neighbour
-                       (weft/comm.h). The cloth created has these rows alone, its index
-                       0 is the first of them. band_rows 0: the whole cloth */
+    size_t band_first, band_rows; /* a band of the cloth: its own rows [band_first,
+                       band_first + band_rows), 2 or more, and up to 2 ghost rows of
+                       each neighbour (weft/comm.h). The cloth created has these rows
+                       alone, and its index 0 is the first of them; all else in the
+                       definition is that of the whole. band_rows 0: the whole cloth */
 } weft_cloth_def;
 
 /* A spring between two particles, given by family and indices. */
@@ -278,10 +280,14 @@ WEFT_API weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **o
 WEFT_API void weft_cloth_destroy(weft_cloth *cloth); /* NULL is allowed */
 
 WEFT_API const char *weft_cloth_isa(const weft_cloth *cloth); /* instructions in use */
+/* rows, particles, dim and what has an index or is as long as a state include the ghost
+ * rows of a band; springs (by the row where they begin), pins, mass, energies, powers,
+ * momenta, gaps and loads are those of its own rows. Forces are right in own rows. */
 WEFT_API size_t weft_cloth_rows(const weft_cloth *cloth);
 WEFT_API size_t weft_cloth_cols(const weft_cloth *cloth);
 WEFT_API size_t weft_cloth_particles(const weft_cloth *cloth);
 WEFT_API size_t weft_cloth_dim(const weft_cloth *cloth); /* 6 N, doubles of a state */
+WEFT_API weft_band weft_cloth_band(const weft_cloth *cloth); /* a whole one: all rows */
 WEFT_API size_t weft_cloth_springs(const weft_cloth *cloth, weft_family family);
 WEFT_API size_t weft_cloth_pins(const weft_cloth *cloth);  /* pinned particles */
 WEFT_API size_t weft_cloth_bytes(const weft_cloth *cloth); /* its memory */

@@ -24,6 +24,14 @@ extern "C" {
 /* How far the forces reach, and the smallest number of own rows of a band. */
 enum { WEFT_GHOST_ROWS = 2 };
 
+/* Rows of a cloth. Row 0 of a band's own arrays is its first ghost row, or else its
+ * first own row: row r of them is row first - above + r of the whole cloth. */
+typedef struct weft_band {
+    size_t rows;         /* of the whole cloth */
+    size_t first, own;   /* own rows: [first, first + own) of the whole */
+    size_t above, below; /* ghost rows before and after them, at most WEFT_GHOST_ROWS */
+} weft_band;
+
 /* Planes of rows in memory: above ghost rows, then own rows, then ghost rows below. The
  * first band has no ghosts above and the last none below. */
 typedef struct weft_rows {

@@ -41,10 +41,16 @@ static void normalise(const double from[3], double to[3])
     }
 }
 
+/* The row of the whole cloth that is row 0 here. */
+static size_t top(const weft_cloth *cloth)
+{
+    return cloth->band.first - cloth->band.above;
+}
+
 void weft__rest_position(const weft_cloth *cloth, size_t r, size_t c, double x[3])
 {
     const double across = (double)c * cloth->spacing[1];
-    const double along = (double)r * cloth->spacing[0];
+    const double along = (double)(top(cloth) + r) * cloth->spacing[0];
     for (size_t k = 0; k < 3; ++k) {
         x[k] = cloth->origin[k] + across * cloth->right[k] + along * cloth->down[k];
     }
@@ -70,8 +76,19 @@ static double width(size_t index, size_t count, double spacing)
 
 double weft__area(const weft_cloth *cloth, size_t r, size_t c)
 {
-    return width(r, cloth->rows, cloth->spacing[0])
+    return width(top(cloth) + r, cloth->band.rows, cloth->spacing[0])
            * width(c, cloth->cols, cloth->spacing[1]);
+}
+
+/* Of a range of rows of the whole cloth those that are here: [first, end). */
+static void rows_here(const weft_cloth *cloth, weft_range range, size_t *first,
+                      size_t *end)
+{
+    const size_t low = top(cloth), high = low + cloth->rows;
+    size_t a, b;
+    weft__range_resolve(range, cloth->band.rows, &a, &b);
+    *first = (a < low ? low : a < high ? a : high) - low;
+    *end = (b < low ? low : b < high ? b + 1 : high) - low;
 }
 
 static void masses_init(weft_cloth *cloth, const weft_cloth_def *def)
@@ -86,9 +103,9 @@ static void masses_init(weft_cloth *cloth, const weft_cloth_def *def)
     for (size_t i = 0; i < def->load_count; ++i) {
         const weft_load *load = &def->loads[i];
         size_t r0, r1, c0, c1;
-        weft__range_resolve(load->rows, cloth->rows, &r0, &r1);
+        rows_here(cloth, load->rows, &r0, &r1);
         weft__range_resolve(load->cols, cloth->cols, &c0, &c1);
-        for (size_t r = r0; r <= r1; ++r) {
+        for (size_t r = r0; r < r1; ++r) {
             for (size_t c = c0; c <= c1; ++c) {
                 cloth->mass[r * cloth->cols + c] += load->mass;
             }
@@ -101,11 +118,11 @@ static void pins_init(weft_cloth *cloth, const weft_cloth_def *def)
     for (size_t i = 0; i < def->pin_count; ++i) {
         const weft_pin *pin = &def->pins[i];
         size_t r0, r1, c0, c1;
-        weft__range_resolve(pin->rows, cloth->rows, &r0, &r1);
+        rows_here(cloth, pin->rows, &r0, &r1);
         weft__range_resolve(pin->cols, cloth->cols, &c0, &c1);
         cloth->motions[i]
             = weft__motion_of(pin->velocity, pin->amplitude, pin->frequency);
-        for (size_t r = r0; r <= r1; ++r) {
+        for (size_t r = r0; r < r1; ++r) {
             for (size_t c = c0; c <= c1; ++c) {
                 cloth->pin[r * cloth->cols + c] = (uint32_t)(i + 1);
             }
@@ -177,11 +194,28 @@ static weft_status check_numbers(const weft_cloth *cloth, weft_error *err)
                                           wrong);
 }
 
+static size_t at_most(size_t count, size_t most)
+{
+    return count < most ? count : most;
+}
+
+static weft_band band_of(const weft_cloth_def *def)
+{
+    const size_t first = def->band_rows > 0 ? def->band_first : 0;
+    const size_t own = def->band_rows > 0 ? def->band_rows : def->rows;
+    return (weft_band){ .rows = def->rows,
+                        .first = first,
+                        .own = own,
+                        .above = at_most(first, WEFT_GHOST_ROWS),
+                        .below = at_most(def->rows - (first + own), WEFT_GHOST_ROWS) };
+}
+
 void weft__grid_init(weft_cloth *cloth, const weft_cloth_def *def)
 {
-    cloth->rows = def->rows;
+    cloth->band = band_of(def);
+    cloth->rows = cloth->band.above + cloth->band.own + cloth->band.below;
     cloth->cols = def->cols;
-    cloth->particles = def->rows * def->cols;
+    cloth->particles = cloth->rows * def->cols;
     cloth->scale = def->scale;
     cloth->drag = def->drag;
     cloth->wind_drag = def->wind_drag;
@@ -342,13 +376,20 @@ size_t weft_cloth_dim(const weft_cloth *cloth)
     return 6 * cloth->particles;
 }
 
+weft_band weft_cloth_band(const weft_cloth *cloth)
+{
+    return cloth->band;
+}
+
 size_t weft_cloth_springs(const weft_cloth *cloth, weft_family family)
 {
+    const size_t first = cloth->band.above, end = first + cloth->band.own;
     size_t springs = 0;
     for (size_t g = 0; g < cloth->group_count; ++g) {
         const weft__group *group = &cloth->groups[g];
         if (group->family == family) {
-            springs += group->end_row * (group->end_col - group->first_col);
+            springs += (at_most(end, group->end_row) - at_most(first, group->end_row))
+                       * (group->end_col - group->first_col);
         }
     }
     return springs;
@@ -356,7 +397,13 @@ size_t weft_cloth_springs(const weft_cloth *cloth, weft_family family)
 
 size_t weft_cloth_pins(const weft_cloth *cloth)
 {
-    return cloth->pinned;
+    const size_t first = cloth->band.above * cloth->cols;
+    const size_t end = first + cloth->band.own * cloth->cols;
+    size_t pins = 0;
+    for (size_t j = 0; j < cloth->pinned; ++j) {
+        pins += cloth->pins[j] >= first && cloth->pins[j] < end;
+    }
+    return pins;
 }
 
 size_t weft_cloth_bytes(const weft_cloth *cloth)
@@ -370,15 +417,20 @@ size_t weft_cloth_bytes(const weft_cloth *cloth)
            + cloth->shape_count * sizeof *cloth->shapes;
 }
 
+double weft__row_mass(const weft_cloth *cloth, size_t r)
+{
+    double mass = 0.0;
+    for (size_t c = 0; c < cloth->cols; ++c) {
+        mass += cloth->mass[r * cloth->cols + c];
+    }
+    return mass;
+}
+
 double weft_cloth_mass(const weft_cloth *cloth)
 {
     double mass = 0.0;
-    for (size_t r = 0; r < cloth->rows; ++r) {
-        double row = 0.0;
-        for (size_t c = 0; c < cloth->cols; ++c) {
-            row += cloth->mass[r * cloth->cols + c];
-        }
-        mass += row;
+    for (size_t r = 0; r < cloth->band.own; ++r) {
+        mass += weft__row_mass(cloth, cloth->band.above + r);
     }
     return mass;
 }

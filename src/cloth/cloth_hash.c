@@ -21,7 +21,7 @@ static uint64_t hash_motion(uint64_t hash, const weft__motion *motion)
     return weft__hash_real(hash, motion->omega);
 }
 
-static uint64_t hash_row(const weft_cloth *cloth, size_t r)
+uint64_t weft__cloth_row_hash(const weft_cloth *cloth, size_t r)
 {
     const size_t first = r * cloth->cols;
     uint64_t hash
@@ -82,17 +82,18 @@ static uint64_t hash_rigidity(uint64_t hash, const weft__rigidity *of)
                : hash;
 }
 
-uint64_t weft__cloth_hash(const weft_cloth *cloth)
+uint64_t weft__cloth_hash(const weft_cloth *cloth, const uint64_t *rows)
 {
     uint64_t hash = WEFT__HASH_START;
-    hash = weft__hash_word(hash, cloth->rows);
+    hash = weft__hash_word(hash, cloth->band.rows);
     hash = weft__hash_word(hash, cloth->cols);
     for (size_t g = 0; g < cloth->group_count; ++g) {
         hash = hash_group(hash, &cloth->groups[g]);
     }
     hash = hash_rigidity(hash, &cloth->rigidity);
-    for (size_t r = 0; r < cloth->rows; ++r) {
-        hash = weft__hash_word(hash, hash_row(cloth, r));
+    for (size_t r = 0; r < cloth->band.rows; ++r) {
+        hash = weft__hash_word(hash,
+                               rows != NULL ? rows[r] : weft__cloth_row_hash(cloth, r));
     }
     hash = weft__hash_reals(hash, cloth->gravity, 3);
     hash = weft__hash_real(hash, cloth->drag);

@@ -215,12 +215,12 @@ void weft__row_gap(const weft__subject *of, size_t r, weft_measures *row)
 
 /* ---- loads ----------------------------------------------------------------------- */
 
-/* What the particles of row r exert on shape k: its force, then its torque. */
-static void add_row_load(const weft__subject *of, size_t r, size_t k, double load[6])
+void weft__row_load(const weft__subject *of, size_t r, size_t k,
+                    double sum[WEFT__LOAD])
 {
     const weft_cloth *cloth = of->cloth;
     const size_t n = cloth->particles;
-    double sum[6] = { 0.0 };
+    memset(sum, 0, WEFT__LOAD * sizeof *sum);
     weft__touches at
         = weft__touches_of(cloth, of->t, of->y, r * cloth->cols, (r + 1) * cloth->cols);
     for (at.shapes = k, at.end_shape = k + 1; weft__each_touch(&at);) {
@@ -235,18 +235,18 @@ static void add_row_load(const weft__subject *of, size_t r, size_t k, double loa
             sum[3 + j] += arm[a] * f[b] - arm[b] * f[a];
         }
     }
-    for (size_t j = 0; j < 6; ++j) {
-        load[j] += sum[j];
-    }
 }
 
 void weft_cloth_shape_load(const weft_cloth *cloth, double t, const double *y, size_t k,
                            double force[3], double torque[3])
 {
     const weft__subject of = { .cloth = cloth, .t = t, .y = y };
-    double load[6] = { 0.0 };
-    for (size_t r = 0; r < cloth->rows; ++r) {
-        add_row_load(&of, r, k, load);
+    double load[WEFT__LOAD] = { 0.0 }, row[WEFT__LOAD];
+    for (size_t r = 0; r < cloth->band.own; ++r) {
+        weft__row_load(&of, cloth->band.above + r, k, row);
+        for (size_t j = 0; j < WEFT__LOAD; ++j) {
+            load[j] += row[j];
+        }
     }
     memcpy(force, load, 3 * sizeof *force);
     memcpy(torque, load + 3, 3 * sizeof *torque);

@@ -165,8 +165,10 @@ static void add_group(const weft_cloth *grid, const weft__group *group, double a
 weft_fabric weft_fabric_of(const weft_cloth_def *def)
 {
     weft_cloth grid = { .rows = 0 };
-    weft__grid_init(&grid, def);
-    weft__groups_init(&grid, def);
+    weft_cloth_def whole = *def;
+    whole.band_rows = 0;
+    weft__grid_init(&grid, &whole);
+    weft__groups_init(&grid, &whole);
     const double a = def->rows > 1 ? def->spacing[0] : 1.0;
     const double b = def->cols > 1 ? def->spacing[1] : 1.0;
     const double down = def->rows > 1 ? (double)(def->rows - 1) * a : 1.0;

@@ -127,8 +127,9 @@ static weft_measures measure(const weft_cloth *cloth, double t, const double *y,
                              weft__row_fn *measure_row)
 {
     const weft__subject of = { .cloth = cloth, .t = t, .y = y };
+    const size_t first = cloth->band.above, end = first + cloth->band.own;
     weft_measures sum = weft__measures_start;
-    for (size_t r = 0; r < cloth->rows; ++r) {
+    for (size_t r = first; r < end; ++r) {
         weft_measures row = weft__row_start;
         measure_row(&of, r, &row);
         weft__measures_add(&sum, &row);

@@ -73,6 +73,7 @@ typedef struct weft__level weft__level; /* levels.h */
 
 struct weft_cloth {
     size_t rows, cols, particles, pinned;
+    weft_band band; /* which rows of the whole these are */
     double spacing[2], origin[3], right[3], down[3], scale; /* right, down: unit */
     double velocity[3];
     double gravity[3], drag, wind_velocity[3], wind_drag;
@@ -153,6 +154,12 @@ static inline double weft__length(const double a[3])
     return sqrt(weft__dot(a, a));
 }
 
+/* The number of particle i in the whole cloth. */
+static inline size_t weft__whole_index(const weft_cloth *cloth, size_t i)
+{
+    return (cloth->band.first - cloth->band.above) * cloth->cols + i;
+}
+
 /* Rest position [m] of particle (r, c). */
 void weft__rest_position(const weft_cloth *cloth, size_t r, size_t c, double x[3]);
 
@@ -162,6 +169,9 @@ void weft__start_position(const weft_cloth *cloth, size_t r, size_t c, double x[
 /* Lumped area [m^2] of particle (r, c): halved on each edge it lies on; a direction
  * with a single row or column counts as 1 m wide. */
 double weft__area(const weft_cloth *cloth, size_t r, size_t c);
+
+/* cloth.c: [kg] of row r. */
+double weft__row_mass(const weft_cloth *cloth, size_t r);
 
 /* prescribed.c: the motion of pins and shapes. */
 weft__motion weft__motion_of(const double velocity[3], const double amplitude[3],

@@ -109,6 +109,17 @@ int weft__rhs_rows(const weft__subject *of, double *dydt, size_t first, size_t e
     return failed;
 }
 
+void weft__ghost_rows(const weft__subject *of, double *dydt, size_t first, size_t end)
+{
+    const weft_cloth *cloth = of->cloth;
+    const size_t n = cloth->particles, at = first * cloth->cols;
+    const size_t bytes = (end - first) * cloth->cols * sizeof *dydt;
+    for (size_t k = 0; k < 3; ++k) {
+        memcpy(dydt + k * n + at, of->y + (k + 3) * n + at, bytes);
+    }
+    move_pins(cloth, of->t, dydt, at, end * cloth->cols);
+}
+
 int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y, double *dydt)
 {
     const weft__subject of = { .cloth = cloth, .t = t, .y = y };

@@ -23,6 +23,9 @@ typedef int weft__rows_fn(const weft__subject *of, double *dydt, size_t first,
 
 weft__rows_fn weft__rhs_rows; /* all of it; rhs.c */
 
+/* rhs.c: x' of the rows [first, end), whose v' is computed elsewhere. */
+void weft__ghost_rows(const weft__subject *of, double *dydt, size_t first, size_t end);
+
 /* Measures a part or all of row r into *row, which is weft__row_start before. Springs
  * belong to the row where they begin. measure.c, power.c, bending.c, contact.c */
 typedef void weft__row_fn(const weft__subject *of, size_t r, weft_measures *row);
@@ -39,9 +42,16 @@ void weft__measures_add(weft_measures *sum, const weft_measures *row);
 /* The smaller gap; NaN is smaller than a number. */
 void weft__keep_gap(weft_measures *kept, double gap, size_t particle, size_t shape);
 
-/* cloth_hash.c: hash of springs, masses, pins, forces and shapes, but not of the state.
- */
-uint64_t weft__cloth_hash(const weft_cloth *cloth);
+/* contact.c: what the particles of row r exert on shape k: force [N], torque [N m]. */
+enum { WEFT__LOAD = 6 };
+void weft__row_load(const weft__subject *of, size_t r, size_t k,
+                    double sum[WEFT__LOAD]);
+
+/* cloth_hash.c: hash of springs, masses, pins, forces and shapes of the whole cloth,
+ * but not of the state; `rows` has the hash of each of its rows (NULL: they are
+ * computed, for a whole cloth). */
+uint64_t weft__cloth_hash(const weft_cloth *cloth, const uint64_t *rows);
+uint64_t weft__cloth_row_hash(const weft_cloth *cloth, size_t r);
 
 /* Of the law of contact alone, which shapes that are added obey. */
 uint64_t weft__contact_hash(const weft_cloth *cloth);

@@ -138,6 +138,19 @@ static bool check_size(const weft_cloth_def *def, const weft__faults *to)
     return !single && rows <= MAX_PARTICLES / cols;
 }
 
+static bool check_band(const weft_cloth_def *def, const weft__faults *to)
+{
+    const size_t first = def->band_first, rows = def->band_rows, all = def->rows;
+    const bool single = rows == 1 && all > 1;
+    const bool outside = rows > all || first > all - rows;
+    if (rows > 0 && (single || outside)) {
+        weft__fault(to, FIELD(band_rows), FIELD(band_first),
+                    "a band of %zu rows from row %zu of %zu: %s", rows, first, all,
+                    outside ? "it must lie inside" : "it must have 2 or more");
+    }
+    return rows == 0 || !(single || outside);
+}
+
 /* No direction is a vector whose length is lost in rounding, either. */
 static bool check_direction(const double v[3], size_t field, const weft__faults *to)
 {
@@ -190,8 +203,8 @@ static bool check_finite(const weft_cloth *grid, const weft__faults *to)
  * of the coordinates. */
 static bool may_coincide(const weft_cloth *grid)
 {
-    const double extent
-        = (double)grid->rows * grid->spacing[0] + (double)grid->cols * grid->spacing[1];
+    const double extent = (double)grid->band.rows * grid->spacing[0]
+                          + (double)grid->cols * grid->spacing[1];
     const double smaller = fmin(grid->spacing[0], grid->spacing[1]);
     /* a unit vector has a component of 0.57 or more; 2^-52 is the spacing of doubles */
     const double limit = 16.0 * 0x1p-52 * (weft__length(grid->origin) + extent);
@@ -218,7 +231,9 @@ static void check_apart(const weft_cloth *grid, const weft__faults *to)
                     to, FIELD(spacing), FIELD(spacing),
                     "coincident rest positions: the spacing %g m from row %zu, column "
                     "%zu to the next %s is lost in rounding",
-                    grid->spacing[across ? 1 : 0], r, c, across ? "column" : "row");
+                    grid->spacing[across ? 1 : 0],
+                    weft__whole_index(grid, r * grid->cols) / grid->cols, c,
+                    across ? "column" : "row");
                 return;
             }
         }
@@ -229,7 +244,7 @@ bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults
 {
     weft_cloth grid = { .rows = 0 };
     const bool good = WEFT__NUMBERS_CHECK(weft__cloth_numbers, def, to, "%s", "");
-    const bool sized = check_size(def, to);
+    const bool sized = check_size(def, to) && check_band(def, to);
     if (!check_axes(def, to) || !sized || !good) {
         return sized;
     }
@@ -407,8 +422,8 @@ size_t weft__pin_of(const weft_cloth_def *def, size_t r, size_t c)
     return 0;
 }
 
-/* The free particle that starts deepest inside a shape without faults: the gap [m], > 0
- * if none does. */
+/* The free particle that starts deepest inside a shape without faults, by its number in
+ * the whole cloth: the gap [m], > 0 if none does. */
 static double start_gap(const weft_cloth_def *def, const weft_shape *shape,
                         size_t *particle)
 {
@@ -418,13 +433,14 @@ static double start_gap(const weft_cloth_def *def, const weft_shape *shape,
     const weft__pose pose = weft__pose_of(&of, 0.0);
     weft__grid_init(&grid, def);
     for (size_t i = 0; i < grid.particles; ++i) {
-        const size_t r = i / grid.cols, c = i % grid.cols;
+        const size_t whole = weft__whole_index(&grid, i), c = i % grid.cols;
         double x[3];
-        weft__start_position(&grid, r, c, x);
+        weft__start_position(&grid, i / grid.cols, c, x);
         const double gap = weft__gap_at(&pose, x);
-        if (!(gap > 0.0) && gap < least && weft__pin_of(def, r, c) == 0) {
+        if (!(gap > 0.0) && gap < least
+            && weft__pin_of(def, whole / grid.cols, c) == 0) {
             least = gap;
-            *particle = i;
+            *particle = whole;
         }
     }
     return least;

@@ -2,13 +2,20 @@
 /* failure.c -- the state in which a step failed, for programs and as a message. */
 #include <math.h>
 
+#include "cloth/model.h"
+#include "sim/bands.h"
 #include "sim/simulation.h"
 
 static void find_fastest(const weft_sim *sim, weft_failure *out)
 {
     const size_t n = weft_cloth_particles(sim->cloth);
+    const weft_comm *comm = sim->def.comm;
+    const weft_band band = sim->cloth->band;
+    const size_t first = band.above * sim->cloth->cols;
+    const size_t end = first + band.own * sim->cloth->cols;
     const double *x = sim->y, *v = sim->y + 3 * n;
-    for (size_t i = 0; i < n; ++i) {
+    out->particle = first;
+    for (size_t i = first; i < end; ++i) {
         const double speed
             = sqrt(v[i] * v[i] + v[n + i] * v[n + i] + v[2 * n + i] * v[2 * n + i]);
         if (speed > out->speed) {
@@ -19,6 +26,9 @@ static void find_fastest(const weft_sim *sim, weft_failure *out)
     for (size_t k = 0; k < 3; ++k) {
         out->position[k] = x[k * n + out->particle];
     }
+    out->particle = weft__whole_index(sim->cloth, out->particle);
+    (void)weft__bands_first(comm, weft__bands_max(comm, out->speed) == out->speed, out,
+                            sizeof *out);
 }
 
 static void set_message(const weft_failure *self, size_t cols, weft_error *err)

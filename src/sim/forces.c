@@ -4,6 +4,8 @@
 #include <stdatomic.h>
 
 #include "base/memory.h"
+#include "cloth/model.h"
+#include "sim/bands.h"
 
 /* PARTICLES_PER_THREAD: their evaluation takes ten times as long as handing it to a
  * thread that is awake. More bands than threads, where a band costs little beside its
@@ -18,7 +20,7 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
 {
     const weft_allocator memory = weft_allocator_or_malloc(given);
     const size_t worth = weft_cloth_particles(cloth) / PARTICLES_PER_THREAD;
-    const size_t rows = weft_cloth_rows(cloth);
+    const size_t rows = weft_cloth_band(cloth).own;
     const size_t useful = worth < rows ? worth : rows;
     weft_measures *measures = weft__alloc(&memory, rows, sizeof *measures);
     weft__team *team = weft__team_create(threads < useful ? threads : useful, &memory);
@@ -37,14 +39,15 @@ void weft__forces_destroy(weft__forces *forces)
 {
     weft__team_destroy(forces->team);
     weft__free(&forces->memory, forces->measures);
+    weft__free(&forces->memory, forces->all);
 }
 
 /* The first row of a band, the last that of none. */
 static size_t first_row(const weft__forces *forces, size_t band)
 {
-    const size_t rows = weft_cloth_rows(forces->cloth);
-    const size_t each = rows / forces->bands, more = rows % forces->bands;
-    return band * each + (band < more ? band : more);
+    const weft_band own = weft_cloth_band(forces->cloth);
+    const size_t each = own.own / forces->bands, more = own.own % forces->bands;
+    return own.above + band * each + (band < more ? band : more);
 }
 
 typedef struct bands_job {
@@ -59,16 +62,22 @@ static void do_band(void *ctx, size_t i)
     of->task(of->ctx, first_row(of->forces, i), first_row(of->forces, i + 1));
 }
 
+void weft__forces_run(const weft__forces *forces, weft__task *task, void *ctx,
+                      size_t count)
+{
+    if (forces->team != NULL && count > 1) {
+        weft__team_run(forces->team, task, ctx, count);
+        return;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        task(ctx, i);
+    }
+}
+
 void weft__forces_bands(const weft__forces *forces, weft__band_fn *task, void *ctx)
 {
     bands_job of = { forces, task, ctx };
-    if (forces->team != NULL) {
-        weft__team_run(forces->team, do_band, &of, forces->bands);
-        return;
-    }
-    for (size_t i = 0; i < forces->bands; ++i) {
-        do_band(&of, i);
-    }
+    weft__forces_run(forces, do_band, &of, forces->bands);
 }
 
 typedef struct call {
@@ -92,6 +101,9 @@ int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
 {
     const weft__subject of = { .cloth = forces->cloth, .t = t, .y = y };
     call all = { .forces = forces, .subject = &of, .dydt = dydt };
+    if (forces->comm != NULL) {
+        return weft__bands_rhs(forces, &of, dydt);
+    }
     weft__forces_bands(forces, force_band, &all);
     return atomic_load(&all.failed);
 }
@@ -99,10 +111,14 @@ int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
 static void measure_band(void *ctx, size_t first, size_t end)
 {
     const call *of = ctx;
+    const weft_cloth *cloth = of->forces->cloth;
     for (size_t r = first; r < end; ++r) {
-        weft_measures *row = &of->forces->measures[r];
+        weft_measures *row = &of->forces->measures[r - weft_cloth_band(cloth).above];
         *row = weft__row_start;
         of->row(of->subject, r, row);
+        row->worst.p = weft__whole_index(cloth, row->worst.p);
+        row->worst.q = weft__whole_index(cloth, row->worst.q);
+        row->gap_particle = weft__whole_index(cloth, row->gap_particle);
     }
 }
 
@@ -112,8 +128,11 @@ weft_measures weft__forces_measure(const weft__forces *forces, const weft__subje
     call all = { .forces = forces, .subject = of, .row = row };
     weft_measures sum = weft__measures_start;
     weft__forces_bands(forces, measure_band, &all);
-    for (size_t r = 0; r < weft_cloth_rows(forces->cloth); ++r) {
-        weft__measures_add(&sum, &forces->measures[r]);
+    const weft_measures *rows
+        = weft__bands_rows(forces, forces->measures, sizeof *forces->measures);
+    for (size_t r = 0; rows != NULL && r < weft_cloth_band(forces->cloth).rows; ++r) {
+        weft__measures_add(&sum, &rows[r]);
     }
+    weft__bands_share(forces->comm, &sum, sizeof sum);
     return sum;
 }

@@ -11,7 +11,9 @@ typedef struct weft__forces {
     const weft_cloth *cloth;
     weft__team *team; /* NULL: one thread */
     size_t bands;
-    weft_measures *measures; /* of each row; NULL: no memory */
+    weft_measures *measures; /* of each own row; NULL: no memory */
+    const weft_comm *comm;   /* NULL: the cloth is whole */
+    weft_measures *all;      /* band 0: of all rows of the whole cloth */
     weft_allocator memory;
 } weft__forces;
 
@@ -20,16 +22,21 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
                                  const weft_allocator *given);
 void weft__forces_destroy(weft__forces *forces);
 
-/* Calls task(ctx, first, end) for bands of rows [first, end) that make up the cloth, on
- * any thread and in any order. */
+/* Runs all parts [0, count) of a task once each, on any thread. */
+void weft__forces_run(const weft__forces *forces, weft__task *task, void *ctx,
+                      size_t count);
+
+/* Calls task(ctx, first, end) for bands of rows [first, end) that make up the own
+ * rows, on any thread and in any order. */
 typedef void weft__band_fn(void *ctx, size_t first, size_t end);
 void weft__forces_bands(const weft__forces *forces, weft__band_fn *task, void *ctx);
 
-/* As weft_cloth_rhs. */
+/* With the other bands, with a comm, to the end of the file. As weft_cloth_rhs. */
 int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
                      double *dydt);
 
-/* Measures each row of a state by `row` and adds them in their order. */
+/* Measures each row of the whole cloth by `row` and adds them in their order; springs
+ * and particles have their numbers in the whole. */
 weft_measures weft__forces_measure(const weft__forces *forces, const weft__subject *of,
                                    weft__row_fn *row);
 

@@ -28,18 +28,35 @@ static double accelerate(const weft_sim *sim, const double *y, double *dydt)
     return power;
 }
 
+/* With other bands a method also evaluates states that are not finite, where the whole
+ * cloth would not be evaluated: these leave what was found before. */
+static void note_breach(weft_sim *sim, double t, const double *y, int failed)
+{
+    const uint64_t call = ++sim->calls;
+    if (failed == 0) {
+        sim->refused = (weft__breach){ .call = call };
+    } else if (sim->def.comm == NULL
+               || weft__all_finite(y, weft_cloth_dim(sim->cloth))) {
+        sim->refused = weft__state_breach(sim->cloth, t, y);
+        sim->refused.call = call;
+    }
+}
+
 int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
 {
     weft_sim *sim = ctx;
     const size_t dim = weft_cloth_dim(sim->cloth);
     double power = 0.0;
-    if (sim->def.stop != NULL && sim->def.stop(sim->def.stop_ctx)) {
+    const bool stop = sim->def.stop != NULL && sim->def.stop(sim->def.stop_ctx);
+    if (stop && sim->def.comm == NULL) { /* other bands would wait for this one */
         return -1;
     }
     int failed = weft__forces_rhs(&sim->forces, t, y, dydt);
-    sim->refused.found = false;
-    if (failed != 0 && weft_cloth_shapes(sim->cloth) > 0) {
-        sim->refused = weft__state_breach(sim->cloth, t, y);
+    if (weft_cloth_shapes(sim->cloth) > 0) {
+        note_breach(sim, t, y, failed);
+    }
+    if (stop) {
+        return -1;
     }
     if (sim->def.force != NULL && failed == 0) {
         memset(sim->added, 0, dim / 2 * sizeof *sim->added);

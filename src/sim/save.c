@@ -14,6 +14,7 @@
 #include "base/memory.h"
 #include "cloth/pins.h"
 #include "cloth/shapes.h"
+#include "sim/bands.h"
 #include "sim/simulation.h"
 
 static const unsigned char magic[WEFT__WORD] = "weftsave";
@@ -92,8 +93,11 @@ static void take_fields(weft_sim *sim, const fields *from)
 static weft_status renew(weft_sim *sim, const fields *counted, weft_error *err)
 {
     void *fresh = NULL;
-    const weft_status status = weft__sim_stepper(sim, counted->next_step, &fresh, err);
-    if (status == WEFT_OK) {
+    const weft_status mine = weft__sim_stepper(sim, counted->next_step, &fresh, err);
+    const weft_status status = weft__bands_agree(sim->def.comm, mine, err);
+    if (status != WEFT_OK) {
+        sim->def.method->destroy(fresh);
+    } else {
         sim->def.method->destroy(sim->stepper);
         sim->stepper = fresh;
         sim->earlier
@@ -119,10 +123,22 @@ weft_status weft_sim_restart(weft_sim *sim, weft_error *err)
 
 /* ---- to bytes ---------------------------------------------------------------- */
 
+/* Of the whole cloth. */
+static size_t saved_particles(const weft_sim *sim)
+{
+    return sim->cloth->band.rows * sim->cloth->cols;
+}
+
+/* Where the holds begin, behind the state. */
+static size_t at_holds(const weft_sim *sim)
+{
+    return AT_STATE + 6 * saved_particles(sim) + sim->config.quadratures;
+}
+
 /* Where the number of shapes is, behind the particles. */
 static size_t at_shapes(const weft_sim *sim)
 {
-    return AT_STATE + weft__sim_dim(sim) + weft_cloth_particles(sim->cloth);
+    return at_holds(sim) + saved_particles(sim);
 }
 
 static size_t saved_words(const weft_sim *sim)
@@ -151,7 +167,7 @@ static void put_head(const weft_sim *sim, unsigned char *to)
     pad_name(sim, name);
     memcpy(to, magic, sizeof magic);
     weft__word_put(to + AT_VERSION * WEFT__WORD, VERSION);
-    weft__word_put(to + AT_ROWS * WEFT__WORD, weft_cloth_rows(sim->cloth));
+    weft__word_put(to + AT_ROWS * WEFT__WORD, sim->cloth->band.rows);
     weft__word_put(to + AT_COLS * WEFT__WORD, weft_cloth_cols(sim->cloth));
     weft__word_put(to + AT_QUADRATURES * WEFT__WORD, sim->config.quadratures);
     weft__word_put(to + AT_CLOTH * WEFT__WORD, sim->cloth_hash);
@@ -173,33 +189,73 @@ static void put_shapes(const weft_cloth *cloth, unsigned char *to)
     }
 }
 
-weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *err)
+/* Of the own particles; NULL: no memory. */
+static uint64_t *list_holds(const weft_sim *sim)
 {
-    if (weft__sim_outside(sim, "weft_sim_save", err) != WEFT_OK) {
-        return WEFT_INVALID;
+    const size_t first = sim->cloth->band.above * sim->cloth->cols;
+    const size_t own = sim->cloth->band.own * sim->cloth->cols;
+    uint64_t *holds = weft__alloc(&sim->memory, own, sizeof *holds);
+    for (size_t i = 0; holds != NULL && i < own; ++i) {
+        holds[i] = weft__cloth_hold(sim->cloth, first + i);
     }
-    const size_t words = saved_words(sim), dim = weft__sim_dim(sim);
-    if (bytes == NULL || size < words * WEFT__WORD) {
-        return weft_error_set(err, WEFT_INVALID,
-                              "a saved simulation needs %zu bytes, not %zu",
-                              words * WEFT__WORD, bytes == NULL ? 0 : size);
+    return holds;
+}
+
+/* The parts that all bands have together; band 0 has `to`. */
+static void put_particles(const weft_sim *sim, const uint64_t *holds, unsigned char *to)
+{
+    const size_t n = weft_cloth_particles(sim->cloth), all = saved_particles(sim);
+    const double *own = sim->y + sim->cloth->band.above * sim->cloth->cols;
+    const bool first = weft__bands_is_first(sim->def.comm);
+    for (size_t k = 0; k < 6; ++k) {
+        weft__bands_put(&sim->forces, own + k * n,
+                        first ? to + (AT_STATE + k * all) * WEFT__WORD : NULL);
     }
+    weft__bands_put(&sim->forces, holds, first ? to + at_holds(sim) * WEFT__WORD : NULL);
+}
+
+static weft_status save_with(weft_sim *sim, const uint64_t *holds, unsigned char *to,
+                             weft_error *err)
+{
+    const size_t words = saved_words(sim), n = weft_cloth_particles(sim->cloth);
     const weft_status status = weft_sim_restart(sim, err);
     if (status != WEFT_OK) {
         return status;
     }
     weft__cloth_pins_changed(sim->cloth, sim->y); /* as restore will */
-    unsigned char *to = bytes, *holds = to + (AT_STATE + dim) * WEFT__WORD;
-    const fields now = fields_of(sim);
-    put_head(sim, to);
-    weft__words_put(to + AT_FIELDS * WEFT__WORD, &now, FIELDS);
-    weft__words_put(to + AT_STATE * WEFT__WORD, sim->y, dim);
-    for (size_t i = 0; i < weft_cloth_particles(sim->cloth); ++i) {
-        weft__word_put(holds + i * WEFT__WORD, weft__cloth_hold(sim->cloth, i));
+    put_particles(sim, holds, to);
+    if (weft__bands_is_first(sim->def.comm)) {
+        const fields now = fields_of(sim);
+        put_head(sim, to);
+        weft__words_put(to + AT_FIELDS * WEFT__WORD, &now, FIELDS);
+        weft__words_put(to + (at_holds(sim) - sim->config.quadratures) * WEFT__WORD,
+                        sim->y + 6 * n, sim->config.quadratures);
+        put_shapes(sim->cloth, to + at_shapes(sim) * WEFT__WORD);
+        weft__word_put(to + (words - 1) * WEFT__WORD, weft__words_sum(to, words - 1));
     }
-    put_shapes(sim->cloth, to + at_shapes(sim) * WEFT__WORD);
-    weft__word_put(to + (words - 1) * WEFT__WORD, weft__words_sum(to, words - 1));
     return WEFT_OK;
+}
+
+weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *err)
+{
+    if (weft__sim_outside(sim, "weft_sim_save", err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
+    const size_t least = weft_sim_save_size(sim);
+    const bool room = bytes != NULL && size >= least;
+    uint64_t *holds = list_holds(sim);
+    weft_status status
+        = !room && weft__bands_is_first(sim->def.comm)
+              ? weft_error_set(err, WEFT_INVALID,
+                               "a saved simulation needs %zu bytes, not %zu", least,
+                               bytes == NULL ? 0 : size)
+          : holds == NULL
+              ? weft_error_set(err, WEFT_NO_MEMORY, "no memory to save a simulation")
+              : WEFT_OK;
+    status = weft__bands_agree(sim->def.comm, status, err);
+    status = status == WEFT_OK ? save_with(sim, holds, bytes, err) : status;
+    weft__free(&sim->memory, holds);
+    return status;
 }
 
 /* ---- and back ---------------------------------------------------------------- */
@@ -237,7 +293,7 @@ static weft_status check_kind(const weft_sim *sim, const unsigned char *from,
 {
     char name[NAME_WORDS * WEFT__WORD];
     const char *other = (const char *)from + AT_NAME * WEFT__WORD;
-    const size_t rows = weft_cloth_rows(sim->cloth), cols = weft_cloth_cols(sim->cloth);
+    const size_t rows = sim->cloth->band.rows, cols = weft_cloth_cols(sim->cloth);
     pad_name(sim, name);
     if (word(from, AT_ROWS) != rows || word(from, AT_COLS) != cols) {
         return weft_error_set(err, WEFT_INVALID,
@@ -302,6 +358,9 @@ static weft_status check_numbers(const weft_sim *sim, const fields *saved,
 static weft_status check_ledger(const weft_sim *sim, const fields *saved,
                                 const double *y, weft_error *err)
 {
+    if (!sim->ledger.on) {
+        return WEFT_OK;
+    }
     const weft__ledger ledger = { .on = sim->ledger.on,
                                   .start = saved->energy_start,
                                   .limit_work = saved->limit_work,
@@ -387,27 +446,52 @@ static void take(weft_sim *sim, const restored *from)
     weft_stepper_ode_changed(sim->def.method, sim->stepper);
 }
 
-/* The checked bytes; *to has room for its arrays. */
-static weft_status restore_to(weft_sim *sim, const unsigned char *from, restored *to,
-                              weft_error *err)
+/* Where in the bytes the words of the particles here are, from those of all on. */
+static const unsigned char *words_here(const weft_sim *sim, const unsigned char *from,
+                                       size_t at)
 {
-    const size_t dim = weft__sim_dim(sim);
-    to->holds = from + (AT_STATE + dim) * WEFT__WORD;
+    return from + (at + weft__whole_index(sim->cloth, 0)) * WEFT__WORD;
+}
+
+/* The checked bytes; *to has room for its arrays. */
+static weft_status read_fields(weft_sim *sim, const unsigned char *from, restored *to,
+                               weft_error *err)
+{
+    const size_t n = weft_cloth_particles(sim->cloth), all = saved_particles(sim);
+    to->holds = words_here(sim, from, at_holds(sim));
     weft__words_get(&to->fields, from + AT_FIELDS * WEFT__WORD, FIELDS);
-    weft__words_get(to->y, from + AT_STATE * WEFT__WORD, dim);
+    for (size_t k = 0; k < 6; ++k) {
+        weft__words_get(to->y + k * n, words_here(sim, from, AT_STATE + k * all), n);
+    }
+    weft__words_get(to->y + 6 * n,
+                    from + (at_holds(sim) - sim->config.quadratures) * WEFT__WORD,
+                    sim->config.quadratures);
     weft_status status = check_numbers(sim, &to->fields, to->y, err);
     status = status == WEFT_OK ? check_ledger(sim, &to->fields, to->y, err) : status;
     status = status == WEFT_OK ? check_holds(sim, to->holds, err) : status;
     status = status == WEFT_OK ? read_shapes(sim, from, to, err) : status;
     status = status == WEFT_OK ? check_gaps(sim, to, err) : status;
-    if (status == WEFT_OK && to->shape_count > 0) {
-        status = weft__sim_make_start(sim, err);
+    return status == WEFT_OK && to->shape_count > 0 ? weft__sim_make_start(sim, err)
+                                                    : status;
+}
+
+/* All that needs no other band. */
+static weft_status read_saved(weft_sim *sim, const unsigned char *from, size_t size,
+                              restored *to, weft_error *err)
+{
+    const weft_allocator memory = sim->memory;
+    weft_status status = check_whole(from, from == NULL ? 0 : size, err);
+    status = status == WEFT_OK ? check_kind(sim, from, size, err) : status;
+    status = status == WEFT_OK ? check_definition(sim, from, err) : status;
+    if (status != WEFT_OK) {
+        return status;
     }
-    status = status == WEFT_OK ? renew(sim, &to->fields, err) : status;
-    if (status == WEFT_OK) {
-        take(sim, to);
-    }
-    return status;
+    to->shape_count = (size_t)word(from, at_shapes(sim));
+    to->y = weft__alloc(&memory, weft__sim_dim(sim), sizeof *to->y);
+    to->shapes = weft__alloc(&memory, to->shape_count, sizeof *to->shapes);
+    return to->y == NULL || to->shapes == NULL
+               ? weft_error_set(err, WEFT_NO_MEMORY, "no memory to restore a state")
+               : read_fields(sim, from, to, err);
 }
 
 weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
@@ -416,23 +500,15 @@ weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
     if (weft__sim_outside(sim, "weft_sim_restore", err) != WEFT_OK) {
         return WEFT_INVALID;
     }
-    const unsigned char *from = bytes;
-    weft_status status = check_whole(from, bytes == NULL ? 0 : size, err);
-    status = status == WEFT_OK ? check_kind(sim, from, size, err) : status;
-    status = status == WEFT_OK ? check_definition(sim, from, err) : status;
-    if (status != WEFT_OK) {
-        return status;
+    restored to = { .shape_count = 0 };
+    weft_status status = weft__bands_agree(sim->def.comm,
+                                           read_saved(sim, bytes, size, &to, err), err);
+    status = status == WEFT_OK ? renew(sim, &to.fields, err) : status;
+    if (status == WEFT_OK) {
+        take(sim, &to);
+    } else {
+        weft__free(&sim->memory, to.shapes);
     }
-    const weft_allocator memory = sim->memory;
-    restored to = { .shape_count = (size_t)word(from, at_shapes(sim)) };
-    to.y = weft__alloc(&memory, weft__sim_dim(sim), sizeof *to.y);
-    to.shapes = weft__alloc(&memory, to.shape_count, sizeof *to.shapes);
-    status = to.y == NULL || to.shapes == NULL
-                 ? weft_error_set(err, WEFT_NO_MEMORY, "no memory to restore a state")
-                 : restore_to(sim, from, &to, err);
-    weft__free(&memory, to.y);
-    if (status != WEFT_OK) {
-        weft__free(&memory, to.shapes);
-    }
+    weft__free(&sim->memory, to.y);
     return status;
 }

@@ -11,6 +11,7 @@
 #include "cloth/pins.h"
 #include "cloth/rows.h"
 #include "plugin/methods.h"
+#include "sim/bands.h"
 #include "sim/simulation.h"
 
 weft_sim_def weft_sim_def_default(void)
@@ -35,6 +36,11 @@ static weft_status take_config(weft_sim *sim, weft_error *err)
     config->struct_size = sizeof *config;
     config->quadratures = def->ledger ? WEFT__QUADRATURES : 0;
     config->allocator = config->allocator != NULL ? config->allocator : &sim->memory;
+    config->agree = NULL;
+    if (def->comm != NULL) {
+        sim->agree = (weft_agree){ def->comm->self, def->comm->max };
+        config->agree = &sim->agree;
+    }
     if (def->ledger && (def->method->flags & WEFT_STEPPER_QUADRATURES) == 0) {
         return weft_error_set(err, WEFT_UNSUPPORTED,
                               "method '%.40s' cannot keep the energy ledger: it "
@@ -50,6 +56,14 @@ weft_status weft__sim_outside(const weft_sim *sim, const char *function,
     return sim->in_callback ? weft_error_set(
                err, WEFT_INVALID, "%s may not be called from a callback", function)
                             : WEFT_OK;
+}
+
+weft_status weft__sim_changeable(const weft_sim *sim, const char *function,
+                                 weft_error *err)
+{
+    const weft_status outside = weft__sim_outside(sim, function, err);
+    return outside == WEFT_OK ? weft__bands_exclude(sim->def.comm, function, err)
+                              : outside;
 }
 
 size_t weft__sim_dim(const weft_sim *sim)
@@ -71,7 +85,13 @@ weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out
 static weft_status make_forces(weft_sim *sim, weft_error *err)
 {
     sim->forces = weft__forces_create(sim->cloth, sim->config.threads, &sim->memory);
-    if (sim->forces.measures == NULL) {
+    const weft_comm *comm = sim->forces.comm = sim->def.comm;
+    if (comm != NULL && comm->rank == 0) {
+        sim->forces.all = weft__alloc(&sim->memory, weft_cloth_band(sim->cloth).rows,
+                                      sizeof *sim->forces.all);
+    }
+    if (sim->forces.measures == NULL
+        || (comm != NULL && comm->rank == 0 && sim->forces.all == NULL)) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
     }
     if (sim->forces.team != NULL && sim->config.team == NULL) {
@@ -93,7 +113,6 @@ static weft_sim *make_sim(const weft_sim_def *def)
     *sim = (weft_sim){
         .def = *def,
         .cloth = weft__cloth_copy(def->cloth, &memory),
-        .cloth_hash = weft__cloth_hash(def->cloth),
         .added
         = def->force == NULL ? NULL : weft__alloc(&memory, dim / 2, sizeof(double)),
         .memory = memory,
@@ -110,18 +129,19 @@ static weft_sim *make_sim(const weft_sim_def *def)
     return sim;
 }
 
-weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error *err)
+/* All that needs no other band. */
+static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *err)
 {
-    *out = NULL;
     if (def->cloth == NULL || def->method == NULL) {
         return weft_error_set(err, WEFT_INVALID, "a simulation needs a %s: it is NULL",
                               def->cloth == NULL ? "cloth" : "method");
     }
     weft_status status = weft__config_check(&def->config, err);
+    status = status == WEFT_OK ? weft__bands_check(def, err) : status;
     if (status != WEFT_OK) {
         return status;
     }
-    weft_sim *sim = make_sim(def);
+    weft_sim *sim = *out = make_sim(def);
     if (sim == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
     }
@@ -132,15 +152,26 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
     status = status == WEFT_OK && weft_cloth_shapes(sim->cloth) > 0
                  ? weft__sim_make_start(sim, err)
                  : status;
-    status
-        = status == WEFT_OK ? weft__sim_stepper(sim, 0.0, &sim->stepper, err) : status;
+    return status == WEFT_OK ? weft__sim_stepper(sim, 0.0, &sim->stepper, err) : status;
+}
+
+weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error *err)
+{
+    weft_sim *sim = NULL;
+    *out = NULL;
+    weft_status status = weft__bands_comm_check(def->comm, err);
+    if (status != WEFT_OK) {
+        return status; /* nobody can be told */
+    }
+    status = weft__bands_agree(def->comm, prepare(def, &sim, err), err);
     if (status != WEFT_OK) {
         weft_sim_destroy(sim);
         return status;
     }
+    sim->cloth_hash = weft__bands_cloth_hash(&sim->forces);
     sim->settings = weft__settings_hash(def, &sim->config);
     weft__log(&sim->def.log, WEFT_LOG_INFO, "%zu x %zu particles under %s",
-              weft_cloth_rows(def->cloth), weft_cloth_cols(def->cloth),
+              weft_cloth_band(def->cloth).rows, weft_cloth_cols(def->cloth),
               def->method->name);
     *out = sim;
     return WEFT_OK;
@@ -407,8 +438,9 @@ void weft__sim_change_ends(weft_sim *sim, bool ode)
 weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
                                const double *velocities, weft_error *err)
 {
-    if (weft__sim_outside(sim, "weft_sim_set_state", err) != WEFT_OK) {
-        return WEFT_INVALID;
+    const weft_status can = weft__sim_changeable(sim, "weft_sim_set_state", err);
+    if (can != WEFT_OK) {
+        return can;
     }
     const size_t n = weft_cloth_particles(sim->cloth);
     if ((positions != NULL && !weft__all_finite(positions, 3 * n))

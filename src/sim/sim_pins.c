@@ -8,8 +8,9 @@
 static weft_status check(const weft_sim *sim, const char *function, size_t i,
                          const double numbers[3], weft_error *err)
 {
-    if (weft__sim_outside(sim, function, err) != WEFT_OK) {
-        return WEFT_INVALID;
+    const weft_status can = weft__sim_changeable(sim, function, err);
+    if (can != WEFT_OK) {
+        return can;
     }
     if (i >= weft_cloth_particles(sim->cloth)) {
         return weft_error_set(err, WEFT_INVALID, "no particle %zu: there are %zu", i,

@@ -5,13 +5,15 @@
 #include "base/finite.h"
 #include "base/memory.h"
 #include "cloth/shapes.h"
+#include "sim/bands.h"
 #include "sim/simulation.h"
 
 static weft_status check(const weft_sim *sim, const char *function, size_t k,
                          weft_error *err)
 {
-    if (weft__sim_outside(sim, function, err) != WEFT_OK) {
-        return WEFT_INVALID;
+    const weft_status can = weft__sim_changeable(sim, function, err);
+    if (can != WEFT_OK) {
+        return can;
     }
     if (k >= sim->cloth->shape_count) {
         return weft_error_set(err, WEFT_INVALID, "no shapes[%zu]: there are %zu", k,
@@ -58,7 +60,7 @@ weft_status weft_sim_add_shape(weft_sim *sim, const weft_shape *shape, size_t *k
 {
     const size_t count = sim->cloth->shape_count;
     weft__shape made;
-    weft_status status = weft__sim_outside(sim, "weft_sim_add_shape", err);
+    weft_status status = weft__sim_changeable(sim, "weft_sim_add_shape", err);
     if (status == WEFT_OK) {
         status = weft__shape_make(sim->cloth, shape, sim->t, count, &made, err);
     }
@@ -130,5 +132,20 @@ weft_status weft_sim_remove_shape(weft_sim *sim, size_t k, weft_error *err)
 void weft_sim_shape_load(const weft_sim *sim, size_t k, double force[3],
                          double torque[3])
 {
-    weft_cloth_shape_load(sim->cloth, sim->t, sim->y, k, force, torque);
+    const weft__subject of = { .cloth = sim->cloth, .t = sim->t, .y = sim->y };
+    const weft_band band = sim->cloth->band;
+    double *own = (double *)(void *)sim->forces.measures, load[WEFT__LOAD] = { 0.0 };
+    for (size_t r = 0; r < band.own; ++r) {
+        weft__row_load(&of, band.above + r, k, own + WEFT__LOAD * r);
+    }
+    const double *row
+        = weft__bands_rows(&sim->forces, own, WEFT__LOAD * sizeof *own);
+    for (size_t r = 0; row != NULL && r < band.rows; ++r, row += WEFT__LOAD) {
+        for (size_t j = 0; j < WEFT__LOAD; ++j) {
+            load[j] += row[j];
+        }
+    }
+    weft__bands_share(sim->def.comm, load, sizeof load);
+    memcpy(force, load, 3 * sizeof *force);
+    memcpy(torque, load + 3, 3 * sizeof *torque);
 }

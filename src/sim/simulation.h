@@ -34,6 +34,8 @@ struct weft_sim {
     double *start;   /* with shapes: as y, before a step; NULL until there are any */
     uint64_t vetoed; /* steps taken back for the shapes */
     weft__breach refused; /* by the last right-hand side */
+    uint64_t calls;       /* of it, with shapes */
+    weft_agree agree;     /* with a comm: its maximum, for the stepper */
 };
 
 /* motion.c: the right-hand side of a simulation, which is ctx. */
@@ -52,6 +54,10 @@ void weft__structure_free(weft_sim *sim);
 /* WEFT_INVALID for a function that is called from within a callback. */
 weft_status weft__sim_outside(const weft_sim *sim, const char *function,
                               weft_error *err);
+
+/* Also WEFT_UNSUPPORTED in bands. */
+weft_status weft__sim_changeable(const weft_sim *sim, const char *function,
+                                 weft_error *err);
 
 /* checked_step.c: one step of the stepper that is clear of all shapes, or its failure.
  */

@@ -35,15 +35,17 @@ bool weft__path_clear(const weft__forces *forces, const weft__path *path)
 
 weft__breach weft__path_breach(const weft_cloth *cloth, const weft__path *path)
 {
+    const size_t first = cloth->band.above * cloth->cols;
+    const size_t own = cloth->band.own * cloth->cols;
     weft__breach out = { .t = path->t1 };
     for (size_t k = 0; k < cloth->shape_count; ++k) {
         const weft__passage shape = weft__passage_of(&cloth->shapes[k], path);
-        const size_t end = out.found ? out.particle : cloth->particles;
-        for (size_t i = 0; i < end; ++i) {
+        const size_t end = out.found ? out.particle : first + own;
+        for (size_t i = first; i < end; ++i) {
             double gap;
             if (cloth->pin[i] == 0
                 && !weft__passage_clear(&shape, path, cloth->particles, i, &gap)) {
-                out = (weft__breach){ true, i, k, gap, path->t1 };
+                out = (weft__breach){ true, i, k, gap, path->t1, 0 };
                 break;
             }
         }
@@ -79,10 +81,11 @@ weft__breach weft__particle_breach(const weft_cloth *cloth, double t, const doub
 weft_status weft__breach_error(const weft_cloth *cloth, const weft__breach *breach,
                                const char *what, weft_error *err)
 {
-    return weft_error_set(
-        err, WEFT_INVALID, "particle (%zu, %zu) %s %.3g mm inside shapes[%zu]",
-        breach->particle / cloth->cols, breach->particle % cloth->cols, what,
-        1e3 * fabs(breach->gap), breach->shape);
+    const size_t i = weft__whole_index(cloth, breach->particle);
+    return weft_error_set(err, WEFT_INVALID,
+                          "particle (%zu, %zu) %s %.3g mm inside shapes[%zu]",
+                          i / cloth->cols, i % cloth->cols, what,
+                          1e3 * fabs(breach->gap), breach->shape);
 }
 
 /* ---- corrections ----------------------------------------------------------------- */

@@ -7,12 +7,14 @@
 #include "cloth/passage.h"
 #include "sim/forces.h"
 
-/* A free particle that is in a shape, or may have passed through it. */
+/* A free particle that is in a shape, or may have passed through it. The functions
+ * below look at the own rows of a band. */
 typedef struct weft__breach {
     bool found;
     size_t particle, shape;
     double gap; /* [m] */
     double t;   /* [s] of the gap */
+    uint64_t call; /* number of the right-hand side that found it, or none, last */
 } weft__breach;
 
 /* On the threads; allocates nothing. */

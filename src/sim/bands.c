@@ -1,0 +1,304 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "sim/bands.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+
+#include "base/bytes.h"
+#include "cloth/model.h"
+
+enum { CHUNK = 64 }; /* rows between two looks at what is under way */
+
+/* ---- what is possible ------------------------------------------------------------ */
+
+weft_status weft__bands_comm_check(const weft_comm *comm, weft_error *err)
+{
+    const bool whole = comm == NULL
+                       || (WEFT_HAS(comm, weft_comm, stop) && comm->max && comm->begin
+                           && comm->end && comm->share && comm->gather);
+    const bool placed
+        = comm == NULL || (whole && comm->rank >= 0 && comm->rank < comm->size);
+    return placed ? WEFT_OK
+                  : weft_error_set(err, WEFT_INVALID, "comm %s",
+                                   whole ? "has a rank that is not in [0, size)"
+                                         : "lacks a function or its struct_size");
+}
+
+static weft_status check_band(const weft_sim_def *def, weft_error *err)
+{
+    const weft_band band = weft_cloth_band(def->cloth);
+    const weft_comm *comm = def->comm;
+    size_t first = 0, own = band.rows;
+    if (comm != NULL && comm->size > 1
+        && !weft_comm_band(band.rows, (size_t)comm->rank, (size_t)comm->size, &first,
+                           &own)) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "%zu rows are too few for %d bands: each needs %d",
+                              band.rows, comm->size, WEFT_GHOST_ROWS);
+    }
+    if (band.first == first && band.own == own) {
+        return WEFT_OK;
+    }
+    return comm == NULL
+               ? weft_error_set(err, WEFT_INVALID,
+                                "the cloth is a band, rows %zu to %zu of %zu: its "
+                                "simulation needs a comm",
+                                band.first, band.first + band.own - 1, band.rows)
+               : weft_error_set(err, WEFT_INVALID,
+                                "the cloth has rows %zu to %zu of %zu; band %d of %d "
+                                "is rows %zu to %zu",
+                                band.first, band.first + band.own - 1, band.rows,
+                                comm->rank, comm->size, first, first + own - 1);
+}
+
+weft_status weft__bands_check(const weft_sim_def *def, weft_error *err)
+{
+    const weft_status status = check_band(def, err);
+    if (status != WEFT_OK || def->comm == NULL) {
+        return status;
+    }
+    if ((def->method->flags & (uint32_t)WEFT_STEPPER_AGREES) == 0) {
+        return weft_error_set(err, WEFT_UNSUPPORTED,
+                              "method '%.40s' cannot integrate a cloth in bands: its "
+                              "steps depend on sums over the whole state",
+                              def->method->name);
+    }
+    const bool adaptive = def->config.fixed_step == 0.0;
+    const char *why
+        = adaptive && def->config.norm != WEFT_NORM_MAX ? "the rms norm is a sum"
+          : def->limit.method != WEFT_LIMIT_NONE
+              ? "a strain limit goes from row to row"
+          : def->ledger         ? "an energy ledger is a sum in every evaluation"
+          : def->correct != NULL ? "`correct` needs the whole state"
+          : def->force != NULL   ? "`force` needs the whole state"
+                                 : NULL;
+    return why == NULL ? WEFT_OK
+                       : weft_error_set(err, WEFT_UNSUPPORTED,
+                                        "not possible for a cloth in bands: %s", why);
+}
+
+weft_status weft__bands_exclude(const weft_comm *comm, const char *function,
+                                weft_error *err)
+{
+    return comm == NULL ? WEFT_OK
+                        : weft_error_set(err, WEFT_UNSUPPORTED,
+                                         "%s: not possible for a cloth in bands",
+                                         function);
+}
+
+/* ---- decisions ------------------------------------------------------------------- */
+
+bool weft__bands_first(const weft_comm *comm, bool has, void *data, size_t bytes)
+{
+    if (comm == NULL) {
+        return has;
+    }
+    const double place = has ? (double)(comm->size - comm->rank) : 0.0;
+    const double first = comm->max(comm->self, place);
+    if (first > 0.0 && first < (double)comm->size) { /* else band 0 has it */
+        const bool mine = place == first;
+        comm->gather(comm->self, mine ? data : NULL, mine ? bytes : 0, data);
+    }
+    if (first > 0.0) {
+        comm->share(comm->self, data, bytes);
+    }
+    return first > 0.0;
+}
+
+weft_status weft__bands_agree(const weft_comm *comm, weft_status status,
+                              weft_error *err)
+{
+    weft_error why = { .status = status };
+    if (comm == NULL) {
+        return status;
+    }
+    if (status != WEFT_OK && err != NULL) {
+        why = *err;
+    }
+    if (weft__bands_first(comm, status != WEFT_OK, &why, sizeof why) && err != NULL) {
+        *err = why;
+    }
+    return why.status;
+}
+
+double weft__bands_max(const weft_comm *comm, double mine)
+{
+    return comm == NULL ? mine : comm->max(comm->self, mine);
+}
+
+bool weft__bands_all(const weft_comm *comm, bool mine)
+{
+    return weft__bands_max(comm, mine ? 0.0 : 1.0) == 0.0;
+}
+
+/* ---- rows ------------------------------------------------------------------------ */
+
+const void *weft__bands_rows(const weft__forces *forces, const void *rows, size_t size)
+{
+    const weft_comm *comm = forces->comm;
+    if (comm == NULL) {
+        return rows;
+    }
+    comm->gather(comm->self, rows, weft_cloth_band(forces->cloth).own * size,
+                 forces->all);
+    return comm->rank == 0 ? forces->all : NULL;
+}
+
+bool weft__bands_is_first(const weft_comm *comm)
+{
+    return comm == NULL || comm->rank == 0;
+}
+
+void weft__bands_share(const weft_comm *comm, void *data, size_t bytes)
+{
+    if (comm != NULL) {
+        comm->share(comm->self, data, bytes);
+    }
+}
+
+void weft__bands_put(const weft__forces *forces, const void *words, unsigned char *to)
+{
+    const weft_comm *comm = forces->comm;
+    const weft_cloth *cloth = forces->cloth;
+    const void *from = words;
+    if (comm != NULL) {
+        comm->gather(comm->self, words, cloth->band.own * cloth->cols * WEFT__WORD, to);
+        from = to;
+    }
+    if (weft__bands_is_first(comm)) {
+        weft__words_put(to, from, cloth->band.rows * cloth->cols);
+    }
+}
+
+uint64_t weft__bands_cloth_hash(const weft__forces *forces)
+{
+    const weft_cloth *cloth = forces->cloth;
+    uint64_t *own = (uint64_t *)(void *)forces->measures, hash = 0;
+    for (size_t r = 0; r < cloth->band.own; ++r) {
+        own[r] = weft__cloth_row_hash(cloth, cloth->band.above + r);
+    }
+    const uint64_t *rows = weft__bands_rows(forces, own, sizeof *own);
+    if (rows != NULL) {
+        hash = weft__cloth_hash(cloth, rows);
+    }
+    weft__bands_share(forces->comm, &hash, sizeof hash);
+    return hash;
+}
+
+/* ---- right-hand side ------------------------------------------------------------- */
+
+typedef struct evaluation {
+    const weft__forces *forces;
+    const weft__subject *of;
+    double *dydt;
+    size_t first, end;   /* own rows */
+    size_t low, high;    /* of them those that no other band waits for */
+    size_t parts;        /* of [low, high) */
+    pthread_t caller;    /* the thread that may call the comm */
+    atomic_int failed;
+} evaluation;
+
+static void evaluate(evaluation *self, size_t first, size_t end)
+{
+    if (weft__rhs_rows(self->of, self->dydt, first, end) != 0) {
+        atomic_store(&self->failed, 1);
+    }
+}
+
+/* A row that is a ghost of another band. */
+static void do_edge(void *ctx, size_t i)
+{
+    evaluation *self = ctx;
+    const size_t upper = self->low - self->first;
+    const size_t r = i < upper ? self->first + i : self->high + (i - upper);
+    evaluate(self, r, r + 1);
+}
+
+static void do_inner(void *ctx, size_t i)
+{
+    evaluation *self = ctx;
+    const weft_comm *comm = self->forces->comm;
+    const size_t rows = self->high - self->low;
+    evaluate(self, self->low + rows * i / self->parts,
+             self->low + rows * (i + 1) / self->parts);
+    if (comm->poke != NULL && pthread_equal(pthread_self(), self->caller)) {
+        comm->poke(comm->self);
+    }
+}
+
+static size_t inner_parts(const weft__forces *forces, size_t rows)
+{
+    const size_t chunks = (rows + CHUNK - 1) / CHUNK;
+    const size_t shares = forces->bands < rows ? forces->bands : rows;
+    const size_t parts = chunks > shares ? chunks : shares;
+    return parts < WEFT_PARTS ? parts : WEFT_PARTS;
+}
+
+/* The ghosts' own v' is not touched after begin: it is being received. */
+int weft__bands_rhs(const weft__forces *forces, const weft__subject *of, double *dydt)
+{
+    const weft_comm *comm = forces->comm;
+    const weft_cloth *cloth = of->cloth;
+    const weft_band band = cloth->band;
+    const size_t n = cloth->particles, edge = WEFT_GHOST_ROWS;
+    const size_t first = band.above, end = first + band.own;
+    size_t low = first + (band.above > 0 ? edge : 0);
+    size_t high = end - (band.below > 0 ? edge : 0);
+    if (low > high) { /* less than four: all are edges */
+        low = high = end;
+    }
+    evaluation all = { .forces = forces,
+                       .of = of,
+                       .dydt = dydt,
+                       .first = first,
+                       .end = end,
+                       .low = low,
+                       .high = high,
+                       .parts = inner_parts(forces, high - low),
+                       .caller = pthread_self() };
+    const weft_rows rows = { .first = dydt + 3 * n,
+                             .planes = 3,
+                             .stride = n,
+                             .cols = cloth->cols,
+                             .above = band.above,
+                             .own = band.own,
+                             .below = band.below };
+    weft__forces_run(forces, do_edge, &all, (low - first) + (end - high));
+    weft__ghost_rows(of, dydt, 0, first);
+    weft__ghost_rows(of, dydt, end, cloth->rows);
+    comm->begin(comm->self, &rows);
+    weft__forces_run(forces, do_inner, &all, all.parts);
+    comm->end(comm->self);
+    return atomic_load(&all.failed);
+}
+
+/* ---- shapes ---------------------------------------------------------------------- */
+
+static void number_in_whole(const weft__forces *forces, weft__breach *breach)
+{
+    breach->particle = weft__whole_index(forces->cloth, breach->particle);
+}
+
+void weft__bands_first_breach(const weft__forces *forces, weft__breach *breach)
+{
+    number_in_whole(forces, breach);
+    (void)weft__bands_first(forces->comm, breach->found, breach, sizeof *breach);
+}
+
+void weft__bands_deepest(const weft__forces *forces, weft__breach *breach)
+{
+    const weft_comm *comm = forces->comm;
+    const double far = 0x1p53;
+    number_in_whole(forces, breach);
+    if (comm == NULL) {
+        return;
+    }
+    /* the earliest of the last calls, then the deepest in it, then the first */
+    const double before = far - (double)breach->call;
+    const bool last = weft__bands_max(comm, before) == before;
+    const double depth = last && breach->found ? fabs(breach->gap) : 0.0;
+    const bool deepest = weft__bands_max(comm, depth) == depth;
+    breach->found = weft__bands_first(comm, last && breach->found && deepest, breach,
+                                      sizeof *breach);
+}

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* bands.h -- what a simulation of one band of a cloth does together with the others:
+ * right-hand sides, sums over rows and decisions. All functions that take a comm or
+ * forces are collective; with comm NULL the cloth is whole and they are local.
+ *
+ * Every band makes the same calls in the same order, so nothing between two of them may
+ * return early on one band alone: weft__bands_agree before that. */
+#ifndef WEFT_SIM_BANDS_H
+#define WEFT_SIM_BANDS_H
+
+#include "sim/forces.h"
+#include "sim/step_check.h"
+#include "weft/sim.h"
+
+/* Whether all functions of a comm are there. */
+weft_status weft__bands_comm_check(const weft_comm *comm, weft_error *err);
+
+/* Whether the cloth is the band of this comm, and the definition has nothing that a
+ * band cannot do. Local. */
+weft_status weft__bands_check(const weft_sim_def *def, weft_error *err);
+
+/* WEFT_UNSUPPORTED for a function that a simulation in bands does not have. Local. */
+weft_status weft__bands_exclude(const weft_comm *comm, const char *function,
+                                weft_error *err);
+
+/* WEFT_OK if it is so on all bands; else the status and error of the first that fails.
+ */
+weft_status weft__bands_agree(const weft_comm *comm, weft_status status,
+                              weft_error *err);
+
+/* The largest number >= 0; whether all have it so. */
+double weft__bands_max(const weft_comm *comm, double mine);
+bool weft__bands_all(const weft_comm *comm, bool mine);
+
+/* The data of the first band that has any, to all; false if none has. */
+bool weft__bands_first(const weft_comm *comm, bool has, void *data, size_t bytes);
+
+/* `size` bytes of each own row from `rows` on: all rows of the whole cloth in their
+ * order on band 0, else NULL. */
+const void *weft__bands_rows(const weft__forces *forces, const void *rows, size_t size);
+
+/* Whether this band has what is gathered. */
+bool weft__bands_is_first(const weft_comm *comm);
+
+/* From band 0 to all. */
+void weft__bands_share(const weft_comm *comm, void *data, size_t bytes);
+
+/* A word of 64 bits of each own particle, from `words` on: all words of the whole, as
+ * bytes.h has them, to `to` on band 0. */
+void weft__bands_put(const weft__forces *forces, const void *words, unsigned char *to);
+
+/* As weft_cloth_rhs in own rows; x' and the other bands' v' in ghost rows. */
+int weft__bands_rhs(const weft__forces *forces, const weft__subject *of, double *dydt);
+
+/* Of all bands, with the particle's number in the whole cloth: the deepest of those in
+ * the last right-hand side that all could evaluate; the first. */
+void weft__bands_deepest(const weft__forces *forces, weft__breach *breach);
+void weft__bands_first_breach(const weft__forces *forces, weft__breach *breach);
+
+/* weft__cloth_hash of the whole. */
+uint64_t weft__bands_cloth_hash(const weft__forces *forces);
+
+#endif
