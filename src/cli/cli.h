@@ -169,12 +169,13 @@ weft_status frames_have_room(const weft_scene *scene, weft_error *err);
 /* records.c: the optional columns of series.csv in runs of a scene: RECORD_... */
 unsigned series_columns(const weft_scene *scene);
 
-/* A simulation of that cloth as the scene, which is supported, defines it. */
-weft_status sim_create(const weft_scene *scene, const weft_cloth *cloth, weft_sim **sim,
-                       weft_error *err);
+/* A simulation of that cloth as the scene, which is supported, defines it. comm: the
+ * cloth is a band; else NULL. */
+weft_status sim_create(const weft_scene *scene, const weft_comm *comm,
+                       const weft_cloth *cloth, weft_sim **sim, weft_error *err);
 
-/* A simulation of a scene: cloth and sim, or NULL both. */
-weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,
-                              weft_sim **sim, weft_error *err);
+/* A simulation of a scene, or of its band of that comm: cloth and sim, or NULL both. */
+weft_status simulation_create(const weft_scene *scene, const weft_comm *comm,
+                              weft_cloth **cloth, weft_sim **sim, weft_error *err);
 
 #endif

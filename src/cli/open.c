@@ -239,7 +239,8 @@ static weft_status check_memory(const weft_scene *scene, const weft_cloth_def *c
 {
     const weft_stepper_type *type = weft_scene_method_type(scene);
     const double states = 2.0 + (type == NULL ? 0.0 : type->stages);
-    const double bytes = (double)cloth->rows * (double)cloth->cols
+    const size_t rows = cloth->band_rows > 0 ? cloth->band_rows : cloth->rows;
+    const double bytes = (double)rows * (double)cloth->cols
                          * (20.0 + states * 6.0 * sizeof(double));
     struct rlimit limit = { .rlim_cur = RLIM_INFINITY };
     double room = INFINITY;
@@ -254,7 +255,7 @@ static weft_status check_memory(const weft_scene *scene, const weft_cloth_def *c
                : weft_error_set(err, WEFT_NO_MEMORY,
                                 "%zu x %zu particles need at least %.4g GB of memory; "
                                 "this process can have %.4g GB",
-                                cloth->rows, cloth->cols, 1e-9 * bytes, 1e-9 * room);
+                                rows, cloth->cols, 1e-9 * bytes, 1e-9 * room);
 }
 
 weft_status cloth_create(const weft_scene *scene, const weft_cloth_def *def,
@@ -265,8 +266,8 @@ weft_status cloth_create(const weft_scene *scene, const weft_cloth_def *def,
     return weft_cloth_create(def, cloth, err);
 }
 
-weft_status sim_create(const weft_scene *scene, const weft_cloth *cloth, weft_sim **sim,
-                       weft_error *err)
+weft_status sim_create(const weft_scene *scene, const weft_comm *comm,
+                       const weft_cloth *cloth, weft_sim **sim, weft_error *err)
 {
     weft_sim_def def = weft_sim_def_default();
     def.cloth = cloth;
@@ -274,18 +275,32 @@ weft_status sim_create(const weft_scene *scene, const weft_cloth *cloth, weft_si
     def.config = *weft_scene_config(scene);
     def.ledger = weft_scene_record(scene)->ledger;
     def.limit = *weft_scene_limit(scene);
-    def.stop = interrupt_pending;
+    def.stop = comm == NULL ? interrupt_pending : NULL; /* bands stop after a step */
+    def.comm = comm;
     return weft_sim_create(&def, sim, err);
 }
 
-weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,
-                              weft_sim **sim, weft_error *err)
+/* The band of this process. */
+static weft_status band_create(const weft_scene *scene, const weft_comm *comm,
+                               weft_cloth **cloth, weft_error *err)
+{
+    weft_cloth_def band = *weft_scene_cloth(scene);
+    if (comm != NULL) { /* the scene was checked for bands */
+        (void)weft_comm_band(band.rows, (size_t)comm->rank, (size_t)comm->size,
+                             &band.band_first, &band.band_rows);
+    }
+    TRY(scene_supported(scene, err));
+    return cloth_create(scene, &band, cloth, err);
+}
+
+weft_status simulation_create(const weft_scene *scene, const weft_comm *comm,
+                              weft_cloth **cloth, weft_sim **sim, weft_error *err)
 {
     *sim = NULL;
     *cloth = NULL;
-    TRY(scene_supported(scene, err));
-    TRY(cloth_create(scene, weft_scene_cloth(scene), cloth, err));
-    const weft_status status = sim_create(scene, *cloth, sim, err);
+    weft_status status
+        = weft_comm_agree(comm, band_create(scene, comm, cloth, err), err);
+    status = status == WEFT_OK ? sim_create(scene, comm, *cloth, sim, err) : status;
     if (status != WEFT_OK) {
         weft_cloth_destroy(*cloth);
         *cloth = NULL;

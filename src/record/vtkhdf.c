@@ -64,15 +64,17 @@ static bool is_first(const record_vtkhdf *self)
 
 static weft_status failed(const record_vtkhdf *self, weft_error *err)
 {
-    return weft_error_set(err, WEFT_IO, "%s: %s", self->path,
-                          self->why == 0 ? "write failed" : strerror(self->why));
+    const char *why = self->why == 0 ? "write failed" : strerror(self->why);
+    return is_first(self) ? weft_error_set(err, WEFT_IO, "%s: %s", self->path, why)
+                          : weft_error_set(err, WEFT_IO, "%s: %s (rank %d)", self->path,
+                                           why, self->def.comm->rank);
 }
 
 /* A failure of one band is one of all. */
 static weft_status agree(record_vtkhdf *self, bool good, weft_error *err)
 {
     self->why = !good && self->why == 0 && errno == ENOMEM ? ENOMEM : self->why;
-    return record_agree(self->def.comm, good ? WEFT_OK : failed(self, err), err);
+    return weft_comm_agree(self->def.comm, good ? WEFT_OK : failed(self, err), err);
 }
 
 /* ---- opening ---------------------------------------------------------------- */
@@ -317,7 +319,7 @@ static weft_status open_checked(record_vtkhdf *self, const record_vtkhdf_mark *m
             status = damaged(self, err);
         }
     }
-    status = record_agree(self->def.comm, status, err);
+    status = weft_comm_agree(self->def.comm, status, err);
     return status == WEFT_OK
                ? vtkhdf_rows_open(&self->rows, self->path, O_RDONLY, err)
                : status;
@@ -329,7 +331,7 @@ static weft_status check_frames(record_vtkhdf *self, const record_vtkhdf_mark *m
     weft_status status = open_checked(self, mark, err);
     for (; status == WEFT_OK && self->count < mark->frames.length; ++self->count) {
         const bool good = sum_frame(self, self->count);
-        status = record_agree(self->def.comm, good ? WEFT_OK : damaged(self, err), err);
+        status = weft_comm_agree(self->def.comm, good ? WEFT_OK : damaged(self, err), err);
     }
     *equal = !is_first(self) || self->sum == mark->frames.sum;
     self->head = mark->head;
@@ -341,10 +343,8 @@ weft_status record_vtkhdf_reopen(const record_vtkhdf_def *def,
                                  bool *equal, weft_error *err)
 {
     weft_status status = record_vtkhdf_create(def, out, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    status = check_frames(*out, mark, equal, err);
+    status = weft_comm_agree(def->comm, status, err);
+    status = status == WEFT_OK ? check_frames(*out, mark, equal, err) : status;
     if (status != WEFT_OK) {
         (void)record_vtkhdf_close(*out, NULL);
         *out = NULL;

@@ -69,7 +69,7 @@ weft_status vtkhdf_rows_open(vtkhdf_rows *self, const char *path, int flags,
     if (self->comm != NULL) {
         self->comm->share(self->comm->self, self->places, sizeof self->places);
     }
-    return record_agree(self->comm, check_shared(self, path, err), err);
+    return weft_comm_agree(self->comm, check_shared(self, path, err), err);
 }
 
 /* ---- a set of a frame ---------------------------------------------------------------- */
