@@ -196,8 +196,12 @@ typedef struct weft_linear {
 /* Other steppers that integrate parts of the same state at the same time (bands,
  * weft/comm.h) and must take the same decisions. max is collective: the largest of what
  * each gives, >= 0 or NaN, to all; NaN if one is NaN. Whatever decides -- the norm of
- * the error, whether y is finite, what the rhs returned, a failure -- is agreed on;
- * every stepper calls rhs and max equally often. */
+ * the error, whether y is finite, what the rhs returned, a failure -- is agreed on.
+ * Every stepper calls rhs and max equally often and in the same order: rhs is called
+ * also when y is not finite, and again after it returned a failure, as the rhs of the
+ * others may wait for this one. All steps return the status and message, and stats the
+ * counts, of one stepper of the whole: calls only for others are not counted. All
+ * steppers of a state are created, stepped and told of changes alike. */
 typedef struct weft_agree {
     void *self;
     double (*max)(void *self, double mine);
@@ -235,6 +239,29 @@ typedef struct weft_stepper_config {
     const weft_agree *agree; /* NULL: the state is whole. Needs WEFT_STEPPER_AGREES and
                                 the max norm */
 } weft_stepper_config;
+
+enum {
+    WEFT_STEPPER_FIXED_ONLY = 1 << 0, /* no error estimate: needs fixed_step */
+    WEFT_STEPPER_FSAL = 1 << 1,       /* last stage is the next step's first */
+    WEFT_STEPPER_MULTISTEP = 1 << 2,  /* a changed state restarts its history */
+    WEFT_STEPPER_IMPLICIT = 1 << 3,
+    WEFT_STEPPER_LEGACY = 1 << 4,      /* kept for comparison, not recommended */
+    WEFT_STEPPER_BUTCHER = 1 << 5,     /* takes its table from config->butcher */
+    WEFT_STEPPER_DENSE = 1 << 6,       /* keeps dim x dim matrices, one column per RHS
+                                          call: small states only */
+    WEFT_STEPPER_CONTROLLER = 1 << 7,  /* adaptive steps use config->controller */
+    WEFT_STEPPER_QUADRATURES = 1 << 8, /* config->quadratures may be > 0 */
+    /* 1 << 9 is reserved: plugins for earlier versions of weft may set it */
+    WEFT_STEPPER_LIBM = 1 << 10, /* the solver decides by powers, sines, ... of libm,
+                                   whose rounding differs between machines: no promise
+                                   of the same bits on another machine */
+    WEFT_STEPPER_STRUCTURE = 1 << 11,     /* needs config->structure */
+    WEFT_STEPPER_ADAPTIVE_ONLY = 1 << 12, /* every step is the solver's choice: create
+                                             refuses fixed_step */
+    WEFT_STEPPER_LINEAR = 1 << 13, /* takes config->linear, and reports as options
+                                      which of its members it uses */
+    WEFT_STEPPER_AGREES = 1 << 14  /* takes config->agree */
+};
 
 /* The fields that every version of the struct has. */
 #define WEFT_STEPPER_CONFIG_LEAST offsetof(weft_stepper_config, controller)
@@ -275,6 +302,20 @@ static inline double weft_stepper_agreed(const weft_agree *agree, double mine)
     return agree ? agree->max(agree->self, mine) : mine;
 }
 
+/* The fault of config->agree for a method with such flags, or NULL. */
+static inline const char *weft_stepper_agree_mistake(uint32_t flags,
+                                                     const weft_stepper_config *config)
+{
+    const weft_agree *agree = weft_stepper_agree(config);
+    return agree == NULL ? NULL
+           : (flags & (uint32_t)WEFT_STEPPER_AGREES) == 0
+               ? "cannot integrate a part of a state (agree)"
+           : agree->max == NULL ? "agree without max"
+           : config->fixed_step == 0.0 && config->norm != WEFT_NORM_MAX
+               ? "parts of a state agree on the max norm only"
+               : NULL;
+}
+
 /* The allocator for a plugin's own memory. */
 static inline weft_allocator weft_stepper_memory(const weft_stepper_config *config)
 {
@@ -295,29 +336,6 @@ typedef struct weft_stepper_stats {
     uint64_t factorisations;    /* Jacobians computed */
     uint64_t newton_failures;   /* systems that could not be solved */
 } weft_stepper_stats;
-
-enum {
-    WEFT_STEPPER_FIXED_ONLY = 1 << 0, /* no error estimate: needs fixed_step */
-    WEFT_STEPPER_FSAL = 1 << 1,       /* last stage is the next step's first */
-    WEFT_STEPPER_MULTISTEP = 1 << 2,  /* a changed state restarts its history */
-    WEFT_STEPPER_IMPLICIT = 1 << 3,
-    WEFT_STEPPER_LEGACY = 1 << 4,      /* kept for comparison, not recommended */
-    WEFT_STEPPER_BUTCHER = 1 << 5,     /* takes its table from config->butcher */
-    WEFT_STEPPER_DENSE = 1 << 6,       /* keeps dim x dim matrices, one column per RHS
-                                          call: small states only */
-    WEFT_STEPPER_CONTROLLER = 1 << 7,  /* adaptive steps use config->controller */
-    WEFT_STEPPER_QUADRATURES = 1 << 8, /* config->quadratures may be > 0 */
-    /* 1 << 9 is reserved: plugins for earlier versions of weft may set it */
-    WEFT_STEPPER_LIBM = 1 << 10, /* the solver decides by powers, sines, ... of libm,
-                                   whose rounding differs between machines: no promise
-                                   of the same bits on another machine */
-    WEFT_STEPPER_STRUCTURE = 1 << 11,     /* needs config->structure */
-    WEFT_STEPPER_ADAPTIVE_ONLY = 1 << 12, /* every step is the solver's choice: create
-                                             refuses fixed_step */
-    WEFT_STEPPER_LINEAR = 1 << 13, /* takes config->linear, and reports as options
-                                      which of its members it uses */
-    WEFT_STEPPER_AGREES = 1 << 14  /* takes config->agree */
-};
 
 /* An option in force, as text: "safety", "0.96". */
 typedef void weft_option_fn(void *ctx, const char *name, const char *value);

@@ -109,6 +109,9 @@ static bool make_solver(arkode_stepper *self, const weft_stepper_config *config,
         self->y = weft__sun_vector(self->ode.dim, team, self->context);
         made = self->y != NULL;
     }
+    if (made && self->agree != NULL) {
+        weft__sun_agree(self->y, (weft_agree){ self, weft__ark_agree });
+    }
     if (made && self->fixed_step == 0.0) {
         weft__sun_judge_by(self->y, config->norm, 2 * self->half);
     } else if (made && self->implicit) {
@@ -144,6 +147,7 @@ static arkode_stepper *allocate(const ark_method *method, const weft_ode *ode,
     self->control = weft__ark_control(
         method,
         WEFT_HAS(config, weft_stepper_config, controller) ? config->controller : NULL);
+    self->agree = weft_stepper_agree(config);
     self->structure = weft_stepper_structure(config);
     self->stages = table == NULL ? 0 : table->stages;
     self->implicit = (method->type.flags & WEFT_STEPPER_IMPLICIT) != 0;

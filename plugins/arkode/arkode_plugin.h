@@ -61,6 +61,9 @@ typedef struct ark_past {
     double e[2], h[2];
 } ark_past;
 
+/* What the calls of the RHS in a step have come to that no smaller h helps. */
+typedef enum ark_fault { NO_FAULT, USELESS, STOPPED } ark_fault;
+
 /* One instance. */
 typedef struct arkode_stepper {
     const ark_method *method;
@@ -70,6 +73,7 @@ typedef struct arkode_stepper {
     double fixed_step, min_step, max_step; /* [s] */
     double longest;          /* [s] what ARKODE may try: max_step or less */
     weft_controller control; /* complete */
+    const weft_agree *agree; /* with the steppers of other parts of y, or NULL */
     int stages;              /* of the table; 0: there is none */
     bool implicit;
     bool fsal;    /* the last stage of the table is the first of the next step */
@@ -94,11 +98,13 @@ typedef struct arkode_stepper {
 #endif
 
     /* the step under way */
-    double trial;  /* [s] what it began with */
-    bool starting; /* the next RHS call is f(t, y) at its start */
-    bool skip;     /* the next RHS call is for nothing (step.c) */
-    bool stopped;  /* the RHS asked to end the run */
-    int since_bad; /* RHS calls since one whose result was of no use */
+    double trial;    /* [s] what it began with */
+    bool starting;   /* the next RHS call is f(t, y) at its start */
+    bool skip;       /* the next RHS call is for nothing (step.c) */
+    ark_fault fault; /* of this part of y until it is agreed on */
+    bool over;       /* all agreed on a fault */
+    uint64_t idle;   /* RHS calls only for others, since the last agreement */
+    int since_bad;   /* RHS calls since one whose result was of no use */
 } arkode_stepper;
 
 /* create.c */
@@ -132,6 +138,7 @@ weft_status weft__ark_limit_step(arkode_stepper *self, double t, const double *y
 
 /* step.c */
 int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance);
+double weft__ark_agree(void *instance, double mine); /* a weft_agree's max */
 int weft__ark_weights(N_Vector y, N_Vector weights, void *instance);
 int weft__ark_step_done(sunrealtype t, N_Vector y, void *instance);
 weft_status weft__ark_step(void *instance, double t_end, double *t, double *y,

@@ -19,7 +19,12 @@
  * the code for "try a smaller step" ends the run. The result of the RHS is not
  * searched for NaN: it shows in every combination of it, a stage, the solution or the
  * error, where the test is free (vector.c). It is searched where NaN need not show,
- * and at the start of a step, where no smaller h helps. */
+ * and at the start of a step, where no smaller h helps.
+ *
+ * If y is a part of a state, the steppers of the other parts take the same decisions:
+ * they agree on every norm and on the end of a step, three times in a step without
+ * rejections. Each calls the RHS whatever its own y is, as the others' may wait for it;
+ * a fault is a NaN until the next agreement, which finds it. */
 #include "arkode_plugin.h"
 
 #include <math.h>
@@ -34,24 +39,49 @@ int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance)
         return 0;
     }
     self->starting = false;
+    if (self->over) {
+        return -1;
+    }
     weft__sun_iterate(&self->equations, t, y);
     self->since_bad += self->since_bad < INT32_MAX;
+    const bool usable = weft__sun_finite(y);
     int failed = 1;
-    if (weft__sun_finite(y)) {
+    self->idle += !usable || self->fault != NO_FAULT;
+    if (usable || self->agree != NULL) {
         ++self->stats.rhs_calls;
         failed = self->ode.rhs(t, NV_DATA_S(y), weft__sun_fill(ydot), self->ode.ctx);
     }
-    if (failed < 0) {
-        self->stopped = true;
-        return -1;
-    }
     const bool look = starting || self->hidden;
-    if (failed == 0 && (!look || weft__sun_finite(ydot))) {
+    if (usable && failed == 0 && (!look || weft__sun_finite(ydot))) {
         return 0;
     }
     self->since_bad = 0;
     weft__sun_fill(ydot)[0] = NAN;
-    return self->fixed_step > 0.0 || starting ? -1 : 0; /* a smaller h helps no start */
+    const ark_fault fault = failed < 0 ? STOPPED
+                            : self->fixed_step > 0.0 || starting
+                                ? USELESS /* a smaller h helps no start */
+                                : NO_FAULT;
+    self->fault = fault > self->fault ? fault : self->fault;
+    return self->agree == NULL && fault != NO_FAULT ? -1 : 0;
+}
+
+/* Where there is a NaN all ask for its reason: the gravest fault, and how many RHS
+ * calls would not have been made for the whole. */
+double weft__ark_agree(void *instance, double mine)
+{
+    const double most = 0x1p30;
+    arkode_stepper *self = instance;
+    const double all = weft_stepper_agreed(self->agree, mine);
+    if (isnan(all) && self->agree != NULL) {
+        const double code = most * self->fault + fmin((double)self->idle, most - 1.0);
+        const double worst = weft_stepper_agreed(self->agree, code);
+        self->fault = worst < 3.0 * most ? (ark_fault)(worst / most) : USELESS;
+        self->stats.rhs_calls
+            -= worst < 3.0 * most ? (uint64_t)(worst - most * self->fault) : 0;
+        self->idle = 0;
+        self->over = self->fault != NO_FAULT;
+    }
+    return all;
 }
 
 /* A quadrature has the weight 0: no say, but NaN in it is NaN. */
@@ -137,7 +167,9 @@ static void forget(arkode_stepper *self)
 static int evolve(arkode_stepper *self, double t, const double *y, double h,
                   double t_end, double *reached)
 {
-    self->stopped = false;
+    self->fault = NO_FAULT;
+    self->over = false;
+    self->idle = 0;
     self->since_bad = INT32_MAX;
     self->trial = h;
     int flag = prepare(self, t, y, h);
@@ -145,19 +177,21 @@ static int evolve(arkode_stepper *self, double t, const double *y, double h,
         flag = ARK(Evolve)(self->solver, t_end, self->y, reached, ARK_ONE_STEP);
     }
     self->skip = false;
-    long int failed = self->failed_tests;
+    const long before = self->failed_tests;
+    long int failed = before;
     (void)ARK(GetNumErrTestFails)(self->solver, &failed);
-    if (failed > self->failed_tests) {
+    if (failed > before) {
         weft__spectrum_doubt(&self->spectrum);
     }
-    self->stats.rejected += (uint64_t)(failed - self->failed_tests);
+    self->stats.rejected += (uint64_t)(failed - before);
     self->failed_tests = failed;
     const long unsolved = weft__ark_unsolved(self);
     self->stats.rejected += (uint64_t)(unsolved - self->unsolved);
     self->stats.newton_failures += (uint64_t)(unsolved - self->unsolved);
     self->unsolved = unsolved;
+    const bool counted = failed > before && self->over; /* by the error's NaN */
     self->stats.rejected
-        += flag < 0 && flag != ARK_ERR_FAILURE && flag != ARK_CONV_FAILURE;
+        += flag < 0 && flag != ARK_ERR_FAILURE && flag != ARK_CONV_FAILURE && !counted;
     return flag;
 }
 
@@ -165,7 +199,7 @@ static int evolve(arkode_stepper *self, double t, const double *y, double h,
  */
 static bool was_finite(arkode_stepper *self, int flag)
 {
-    if (flag >= 0 || self->since_bad <= self->stages) {
+    if (flag >= 0 || self->fault != NO_FAULT || self->since_bad <= self->stages) {
         return false;
     }
     return flag != ARK_ERR_FAILURE
@@ -177,10 +211,13 @@ static weft_status fail(arkode_stepper *self, int flag, weft_error *err)
 {
     const char *name = self->method->type.name;
     forget(self);
-    if (self->stopped) {
+    const double why = weft_stepper_agreed(self->agree, self->fault == STOPPED   ? 2.0
+                                                        : was_finite(self, flag) ? 0.0
+                                                                                 : 1.0);
+    if (why == 2.0) {
         return weft_error_set(err, WEFT_STOPPED, "%s: stopped by the model", name);
     }
-    if (!was_finite(self, flag)) {
+    if (why == 1.0) {
         return weft_error_set(err, WEFT_NOT_FINITE, "%s: not finite after a step",
                               name);
     }
@@ -203,6 +240,13 @@ static weft_status fail(arkode_stepper *self, int flag, weft_error *err)
     default:
         return weft_error_set(err, WEFT_SOLVER, "%s: ARKODE's error %d", name, flag);
     }
+}
+
+/* Whether the whole state is finite after a step. */
+static bool is_good(arkode_stepper *self)
+{
+    const bool good = self->fault == NO_FAULT && weft__sun_finite(self->y);
+    return !isnan(weft__ark_agree(self, good ? 0.0 : (double)NAN));
 }
 
 /* The h to try next, after a step where h was tried for self->h. One cut short by the
@@ -280,12 +324,12 @@ weft_status weft__ark_step(void *instance, double t_end, double *t, double *y,
             (void)ARK(GetLastStep)(self->solver, &h);
             return stands_still(self, h, *t, err);
         }
-        if (weft__sun_finite(self->y)) {
+        if (is_good(self)) {
             accept(self, h, rest, reached, t_end, t, y);
             return WEFT_OK;
         }
         ++self->stats.rejected;
-        if (self->fixed_step > 0.0 || h <= self->min_step) {
+        if (self->fixed_step > 0.0 || h <= self->min_step || self->fault != NO_FAULT) {
             return fail(self, flag, err);
         }
         forget(self);

@@ -32,11 +32,13 @@ static const char *mistake(const weft_stepper_type *type, const weft_ode *ode,
     const bool apart = (type->flags & WEFT_STEPPER_QUADRATURES) != 0;
     const bool adaptive
         = c->struct_size >= WEFT_STEPPER_CONFIG_LEAST && c->fixed_step == 0.0;
+    const char *alone = weft_stepper_agree_mistake(type->flags, c);
     return c->struct_size < WEFT_STEPPER_CONFIG_LEAST ? "config of an older version"
            : ode->rhs == NULL                         ? "no right-hand side"
            : half == 0 ? "dim less the quadratures must be even and > 0"
            : ode->dim > 2 * half && !apart ? "takes no quadratures"
            : c->butcher != NULL            ? "takes no Butcher table"
+           : alone != NULL                 ? alone
            : !adaptive && !positive(c->fixed_step)
                ? "fixed_step must be > 0 s, or 0 for adaptive steps"
            : !adaptive                                            ? NULL

@@ -37,10 +37,12 @@ static const char *mistake(const stiff_method *method, const weft_ode *ode,
     if (c->struct_size < WEFT_STEPPER_CONFIG_LEAST) {
         return "config of an older version";
     }
+    const char *alone = weft_stepper_agree_mistake(method->type.flags, c);
     return ode->rhs == NULL || weft_stepper_half(ode, c) == 0
                    || ode->dim > SIZE_MAX / 64
                ? "dim less the quadratures must be even and > 0"
            : c->butcher != NULL ? "takes no Butcher table"
+           : alone != NULL      ? alone
            : c->fixed_step != 0.0
                ? (positive(c->fixed_step)
                       ? NULL

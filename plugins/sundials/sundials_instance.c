@@ -33,6 +33,7 @@ const char *weft__sun_mistake(const weft_stepper_type *type, const weft_ode *ode
     const size_t half = weft_stepper_half(ode, c);
     const weft_structure *structure = weft_stepper_structure(c);
     const bool adaptive = c->fixed_step == 0.0;
+    const char *alone = weft_stepper_agree_mistake(type->flags, c);
     return ode->rhs == NULL ? "no right-hand side"
            : half == 0      ? "dim less the quadratures must be even and > 0"
            : ode->dim > 2 * half && (type->flags & WEFT_STEPPER_QUADRATURES) == 0
@@ -45,8 +46,9 @@ const char *weft__sun_mistake(const weft_stepper_type *type, const weft_ode *ode
                ? "takes no fixed_step: it chooses every step by the tolerances"
            : adaptive && (type->flags & WEFT_STEPPER_FIXED_ONLY) != 0
                ? "has no error estimate: it needs fixed_step"
-           : adaptive ? adaptive_mistake(c)
-                      : NULL;
+           : alone != NULL ? alone
+           : adaptive      ? adaptive_mistake(c)
+                           : NULL;
 }
 
 /* 32 KiB for tables and all else that does not grow with the state. Much of SUNDIALS

@@ -77,6 +77,8 @@ void weft__sun_tell(weft_option_fn *tell, void *ctx, const char *name, double va
  * shared with the team, which may be NULL, with the same results. NULL: no memory. What
  * NV_DATA_S points to may be shared: it is for reading. */
 N_Vector weft__sun_vector(size_t n, const weft_team *team, SUNContext context);
+/* Every norm is agreed on with others, who hold other parts of the state. */
+void weft__sun_agree(N_Vector v, weft_agree agree);
 /* SUNDIALS judges steps and tolerances by the first `judged` components. Before that it
  * finds nothing wrong. */
 void weft__sun_judge_by(N_Vector v, weft_norm by, size_t judged);

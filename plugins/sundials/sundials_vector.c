@@ -52,7 +52,8 @@ typedef struct family {
     array *made;       /* the last combination; NULL: there is none */
     uint64_t made_was; /* its writing */
     weft_norm norm;
-    size_t judged; /* components that have a say in the norm */
+    size_t judged;    /* components that have a say in the norm */
+    weft_agree agree; /* on the norm; max NULL: with nobody */
 } family;
 
 typedef struct content {
@@ -263,8 +264,10 @@ static sunrealtype norm(N_Vector x, N_Vector weights)
     for (size_t i = all->judged; i < all->n; ++i) {
         unjudged += e[i] * 0.0;
     }
-    return weft__sun_norm(all->team, all->judged, all->norm, e, NV_DATA_S(weights))
-           + unjudged;
+    const double mine
+        = weft__sun_norm(all->team, all->judged, all->norm, e, NV_DATA_S(weights))
+          + unjudged;
+    return all->agree.max == NULL ? mine : all->agree.max(all->agree.self, mine);
 }
 
 /* With fixed steps: nothing is judged. */
@@ -280,6 +283,11 @@ void weft__sun_judge_by(N_Vector v, weft_norm by, size_t judged)
     of(v)->family->norm = by;
     of(v)->family->judged = judged;
     v->ops->nvwrmsnorm = norm;
+}
+
+void weft__sun_agree(N_Vector v, weft_agree agree)
+{
+    of(v)->family->agree = agree;
 }
 
 /* ---- the vector itself ----------------------------------------------------------- */

@@ -26,12 +26,14 @@ typedef struct stepper {
     const struct method *method;
     weft_ode ode;
     weft_allocator memory;
-    size_t half;       /* y: so many positions, so many velocities, quadratures */
-    double fixed_step; /* [s] */
+    const weft_agree *agree; /* with the steppers of other parts of y, or NULL */
+    size_t half;             /* y: so many positions, so many velocities, quadratures */
+    double fixed_step;       /* [s] */
     weft_stepper_stats stats;
-    bool carries; /* f is that of `end`, the state the last step ended in */
-    bool changed; /* t or y may have been edited since */
-    double t;     /* [s] of `end` */
+    uint64_t idle; /* RHS calls after one that failed, for others (weft_agree) */
+    bool carries;  /* f is that of `end`, the state the last step ended in */
+    bool changed;  /* t or y may have been edited since */
+    double t;      /* [s] of `end` */
     double *f;
     double *end;      /* result of a step: y keeps its value until it is known */
     double *half_way; /* v + (h/2) fv */
@@ -49,6 +51,37 @@ static int rhs(stepper *self, double t, const double *y)
 {
     ++self->stats.rhs_calls;
     return self->ode.rhs(t, y, self->f, self->ode.ctx);
+}
+
+/* The next of a step's calls: after a failure only if others wait for it. */
+static int rhs_after(int failed, stepper *self, double t, const double *y)
+{
+    if (failed == 0) {
+        return rhs(self, t, y);
+    }
+    if (self->agree != NULL) {
+        ++self->idle;
+        (void)rhs(self, t, y);
+    }
+    return failed;
+}
+
+/* What the step has come to, for all parts of the state: 0, < 0 or > 0 as an RHS
+ * returns it. `bad`: how many of its numbers are not finite. */
+static int verdict(stepper *self, int failed, size_t bad)
+{
+    const int mine = failed != 0 ? failed : bad > 0;
+    if (self->agree == NULL) {
+        return mine;
+    }
+    const double code = mine == 0 ? 0.0 : (mine < 0 ? 16.0 : 8.0) + (double)self->idle;
+    const double worst = weft_stepper_agreed(self->agree, code);
+    self->idle = 0;
+    if (!(worst < 32.0)) {
+        return 1;
+    }
+    self->stats.rhs_calls -= (uint64_t)worst % 8;
+    return worst >= 16.0 ? -1 : worst >= 8.0;
 }
 
 /* To be counted: a sum, unlike a branch, can be vectorised. */
@@ -82,8 +115,9 @@ static int euler(stepper *self, double t, double h, double *y)
 {
     const size_t dim = self->ode.dim;
     const int failed = rhs(self, t, y);
-    if (failed != 0 || spoilt(y, h, self->f, 0, dim) > 0) {
-        return failed != 0 ? failed : 1;
+    const int worst = verdict(self, failed, spoilt(y, h, self->f, 0, dim));
+    if (worst != 0) {
+        return worst;
     }
     add(y, y, h, self->f, 0, dim);
     return 0;
@@ -94,9 +128,10 @@ static int midpoint(stepper *self, double t, double h, double *y)
     const size_t dim = self->ode.dim;
     int failed = rhs(self, t, y);
     add(self->end, y, 0.5 * h, self->f, 0, dim);
-    failed = failed != 0 ? failed : rhs(self, t + 0.5 * h, self->end);
-    if (failed != 0 || spoilt(y, h, self->f, 0, dim) > 0) {
-        return failed != 0 ? failed : 1;
+    failed = rhs_after(failed, self, t + 0.5 * h, self->end);
+    failed = verdict(self, failed, spoilt(y, h, self->f, 0, dim));
+    if (failed != 0) {
+        return failed;
     }
     add(y, y, h, self->f, 0, dim);
     return 0;
@@ -117,8 +152,9 @@ static int symplectic_euler(stepper *self, double t, double h, double *y)
     for (size_t i = 0; i < half; ++i) {
         bad += not_finite(v[i] + h * fv[i]) + not_finite(moved(x[i], h, fx[i], fv[i]));
     }
-    if (failed != 0 || bad + spoilt(y, h, self->f, 2 * half, dim) > 0) {
-        return failed != 0 ? failed : 1;
+    const int worst = verdict(self, failed, bad + spoilt(y, h, self->f, 2 * half, dim));
+    if (worst != 0) {
+        return worst;
     }
     for (size_t i = 0; i < half; ++i) {
         v[i] += h * fv[i];
@@ -133,10 +169,12 @@ static int velocity_verlet(stepper *self, double t, double h, double *y)
     const size_t half = self->half, dim = self->ode.dim;
     /* f is stale if t or y really was changed: a needless state_changed alters nothing.
      */
-    const bool fresh
-        = self->carries
-          && (!self->changed
-              || (t == self->t && memcmp(y, self->end, 2 * half * sizeof *y) == 0));
+    bool fresh = self->carries;
+    if (fresh && self->changed) {
+        const bool same
+            = t == self->t && memcmp(y, self->end, 2 * half * sizeof *y) == 0;
+        fresh = weft_stepper_agreed(self->agree, same ? 0.0 : 1.0) == 0.0;
+    }
     int failed = fresh ? 0 : rhs(self, t, y);
     const double *x = y, *v = y + half, kick = 0.5 * h, drift = 0.5 * h * h;
     double *fx = self->f, *fv = self->f + half, *half_way = self->half_way;
@@ -149,15 +187,17 @@ static int velocity_verlet(stepper *self, double t, double h, double *y)
         half_way[i] = v[i] + kick * fv[i];
     }
     add(self->end, y, kick, self->f, 2 * half, dim);
-    failed = failed != 0 ? failed : rhs(self, t + h, self->end);
+    failed = rhs_after(failed, self, t + h, self->end);
     for (size_t i = 0; i < half; ++i) {
         const double end = half_way[i] + kick * fv[i];
         fx[i] = fx[i] == ev[i] ? end : fx[i]; /* where fx is v: not the predicted one */
         ev[i] = end;
         bad += not_finite(ex[i]) + not_finite(end);
     }
-    if (failed != 0 || bad + spoilt(self->end, kick, self->f, 2 * half, dim) > 0) {
-        return failed != 0 ? failed : 1;
+    failed
+        = verdict(self, failed, bad + spoilt(self->end, kick, self->f, 2 * half, dim));
+    if (failed != 0) {
+        return failed;
     }
     add(self->end, self->end, kick, self->f, 2 * half, dim);
     memcpy(y, self->end, dim * sizeof *y);
@@ -176,6 +216,8 @@ static weft_status check(const weft_stepper_type *type, const weft_ode *ode,
         wrong = "config of another version, or with a Butcher table";
     } else if (!(config->fixed_step > 0.0) || !isfinite(config->fixed_step)) {
         wrong = "no error control: needs a fixed_step > 0 s";
+    } else {
+        wrong = weft_stepper_agree_mistake(type->flags, config);
     }
     return wrong == NULL
                ? WEFT_OK
@@ -200,6 +242,7 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
     *self = (stepper){ .method = (const method *)type,
                        .ode = *ode,
                        .memory = memory,
+                       .agree = weft_stepper_agree(config),
                        .half = weft_stepper_half(ode, config),
                        .fixed_step = config->fixed_step,
                        .stats = { .next_step = config->fixed_step } };
@@ -264,7 +307,9 @@ static void destroy(void *instance)
     }
 }
 
-enum { FLAGS = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_QUADRATURES };
+enum {
+    FLAGS = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_QUADRATURES | WEFT_STEPPER_AGREES
+};
 
 #define METHOD(id, p, calls, more, source)                                             \
     {                                                                                  \

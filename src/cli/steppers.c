@@ -20,6 +20,7 @@ static const flag_name flag_names[] = {
     { WEFT_STEPPER_DENSE, "small-cloths", false },
     { WEFT_STEPPER_CONTROLLER, "controller", true },
     { WEFT_STEPPER_QUADRATURES, "quadratures", true },
+    { WEFT_STEPPER_AGREES, "bands", true },
     { WEFT_STEPPER_STRUCTURE, "structure", true },
     { WEFT_STEPPER_LINEAR, "linear-solver", true },
     { WEFT_STEPPER_LIBM, "libm", false },

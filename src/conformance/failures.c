@@ -2,10 +2,6 @@
 /* failures.c -- steps that fail, and the steps after them. */
 #include "conformance/trial.h"
 
-static const char *const fault_names[FAULTS] = {
-    "", "returns 1", "returns -1", "gives NaN", "gives infinity",
-};
-
 /* After three good steps every rhs call from the k-th on fails. False if that was not
  * noticed within one step. */
 static bool fails_and_heals(trial *self, fault kind, uint64_t k)
@@ -16,7 +12,7 @@ static bool fails_and_heals(trial *self, fault kind, uint64_t k)
     }
     char what[80];
     (void)snprintf(what, sizeof what, "rhs %s from call %" PRIu64 " of a step on",
-                   fault_names[kind], k);
+                   weft__fault_names[kind], k);
     const trial_run before = *r;
     r->model.fault = kind;
     r->model.at = r->model.calls + k;
@@ -54,7 +50,7 @@ void weft__a_failed_step_changes_nothing(trial *self)
         }
         weft__expect(self, k > least,
                      "rhs %s from call %" PRIu64 " of a step on: not noticed",
-                     fault_names[kind], k);
+                     weft__fault_names[kind], k);
     }
 }
 
@@ -70,7 +66,7 @@ void weft__one_refusal_costs_a_smaller_step(trial *self)
         r->model.once = true;
         r->model.at = r->model.calls + 2;
         weft__go(self, r, 1.0);
-        (void)snprintf(what, sizeof what, "rhs %s once", fault_names[kinds[i]]);
+        (void)snprintf(what, sizeof what, "rhs %s once", weft__fault_names[kinds[i]]);
         weft__expect(self, weft__stats(self, r).rejected > rejected,
                      "%s: no step was rejected", what);
         weft__near(self, r, weft__error_at_end(r), weft__allowed(self->type), what);

@@ -4,6 +4,9 @@
 #include <time.h>
 
 const double weft__model_start[DIM] = { 0.613, -0.387, 0.159, 0.271, 0.829, -0.443 };
+const char *const weft__fault_names[FAULTS] = {
+    "", "returns 1", "returns -1", "gives NaN", "gives infinity",
+};
 
 enum { PASSES = 256 }; /* each pass waits for the scheduler */
 

@@ -39,6 +39,7 @@ typedef struct model {
 } model;
 
 extern const double weft__model_start[DIM];
+extern const char *const weft__fault_names[FAULTS]; /* what the rhs does */
 
 /* ctx is the model. */
 int weft__model_rhs(double t, const double *y, double *dydt, void *ctx);

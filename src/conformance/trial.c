@@ -95,6 +95,10 @@ static const struct check {
       .run = weft__the_process_is_left_alone, .modes = true },
     { "structure", "config->structure changes the way to a solution, not the solution",
       .run = weft__a_structure_leaves_the_solution, .once = true, .modes = true },
+    { "agree",
+      "steppers of two parts of a state agree to do what one of the whole does",
+      .run = weft__parts_agree, .pointless = weft__agrees_with_nobody, .once = true,
+      .modes = true },
 };
 
 size_t weft_conformance_count(void)

@@ -52,6 +52,9 @@
 #ifndef ON_DESTROY
 #define ON_DESTROY(self) free(self)
 #endif
+#ifndef MORE_FLAGS
+#define MORE_FLAGS 0
+#endif
 #ifndef REFUSES
 #define REFUSES(config)                                                                \
     (!((config)->fixed_step > 0.0) || !isfinite((config)->fixed_step))
@@ -177,7 +180,8 @@ WEFT_API const weft_plugin *ENTRY(void)
         .license = "BSD-3-Clause",
         .order = ORDER,
         .stages = 2,
-        .flags = WEFT_STEPPER_FIXED_ONLY | 1 << 9, /* reserved, and accepted */
+        .flags
+        = WEFT_STEPPER_FIXED_ONLY | 1 << 9 /* reserved, and accepted */ | (MORE_FLAGS),
         .create = create,
         .step = step,
         .state_changed = state_changed,
