@@ -215,8 +215,7 @@ void weft__row_gap(const weft__subject *of, size_t r, weft_measures *row)
 
 /* ---- loads ----------------------------------------------------------------------- */
 
-void weft__row_load(const weft__subject *of, size_t r, size_t k,
-                    double sum[WEFT__LOAD])
+void weft__row_load(const weft__subject *of, size_t r, size_t k, double sum[WEFT__LOAD])
 {
     const weft_cloth *cloth = of->cloth;
     const size_t n = cloth->particles;

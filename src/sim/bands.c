@@ -67,9 +67,8 @@ weft_status weft__bands_check(const weft_sim_def *def, weft_error *err)
     const bool adaptive = def->config.fixed_step == 0.0;
     const char *why
         = adaptive && def->config.norm != WEFT_NORM_MAX ? "the rms norm is a sum"
-          : def->limit.method != WEFT_LIMIT_NONE
-              ? "a strain limit goes from row to row"
-          : def->ledger         ? "an energy ledger is a sum in every evaluation"
+          : def->limit.method != WEFT_LIMIT_NONE ? "a strain limit goes from row to row"
+          : def->ledger          ? "an energy ledger is a sum in every evaluation"
           : def->correct != NULL ? "`correct` needs the whole state"
           : def->force != NULL   ? "`force` needs the whole state"
                                  : NULL;
@@ -81,10 +80,10 @@ weft_status weft__bands_check(const weft_sim_def *def, weft_error *err)
 weft_status weft__bands_exclude(const weft_comm *comm, const char *function,
                                 weft_error *err)
 {
-    return comm == NULL ? WEFT_OK
-                        : weft_error_set(err, WEFT_UNSUPPORTED,
-                                         "%s: not possible for a cloth in bands",
-                                         function);
+    return comm == NULL
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_UNSUPPORTED,
+                                "%s: not possible for a cloth in bands", function);
 }
 
 /* ---- decisions ------------------------------------------------------------------- */
@@ -197,10 +196,10 @@ typedef struct evaluation {
     const weft__forces *forces;
     const weft__subject *of;
     double *dydt;
-    size_t first, end;   /* own rows */
-    size_t low, high;    /* of them those that no other band waits for */
-    size_t parts;        /* of [low, high) */
-    pthread_t caller;    /* the thread that may call the comm */
+    size_t first, end; /* own rows */
+    size_t low, high;  /* of them those that no other band waits for */
+    size_t parts;      /* of [low, high) */
+    pthread_t caller;  /* the thread that may call the comm */
     atomic_int failed;
 } evaluation;
 

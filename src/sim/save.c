@@ -211,7 +211,8 @@ static void put_particles(const weft_sim *sim, const uint64_t *holds, unsigned c
         weft__bands_put(&sim->forces, own + k * n,
                         first ? to + (AT_STATE + k * all) * WEFT__WORD : NULL);
     }
-    weft__bands_put(&sim->forces, holds, first ? to + at_holds(sim) * WEFT__WORD : NULL);
+    weft__bands_put(&sim->forces, holds,
+                    first ? to + at_holds(sim) * WEFT__WORD : NULL);
 }
 
 static weft_status save_with(weft_sim *sim, const uint64_t *holds, unsigned char *to,
@@ -501,8 +502,8 @@ weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
         return WEFT_INVALID;
     }
     restored to = { .shape_count = 0 };
-    weft_status status = weft__bands_agree(sim->def.comm,
-                                           read_saved(sim, bytes, size, &to, err), err);
+    weft_status status
+        = weft__bands_agree(sim->def.comm, read_saved(sim, bytes, size, &to, err), err);
     status = status == WEFT_OK ? renew(sim, &to.fields, err) : status;
     if (status == WEFT_OK) {
         take(sim, &to);

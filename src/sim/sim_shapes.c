@@ -138,8 +138,7 @@ void weft_sim_shape_load(const weft_sim *sim, size_t k, double force[3],
     for (size_t r = 0; r < band.own; ++r) {
         weft__row_load(&of, band.above + r, k, own + WEFT__LOAD * r);
     }
-    const double *row
-        = weft__bands_rows(&sim->forces, own, WEFT__LOAD * sizeof *own);
+    const double *row = weft__bands_rows(&sim->forces, own, WEFT__LOAD * sizeof *own);
     for (size_t r = 0; row != NULL && r < band.rows; ++r, row += WEFT__LOAD) {
         for (size_t j = 0; j < WEFT__LOAD; ++j) {
             load[j] += row[j];

@@ -82,10 +82,9 @@ weft_status weft__breach_error(const weft_cloth *cloth, const weft__breach *brea
                                const char *what, weft_error *err)
 {
     const size_t i = weft__whole_index(cloth, breach->particle);
-    return weft_error_set(err, WEFT_INVALID,
-                          "particle (%zu, %zu) %s %.3g mm inside shapes[%zu]",
-                          i / cloth->cols, i % cloth->cols, what,
-                          1e3 * fabs(breach->gap), breach->shape);
+    return weft_error_set(
+        err, WEFT_INVALID, "particle (%zu, %zu) %s %.3g mm inside shapes[%zu]",
+        i / cloth->cols, i % cloth->cols, what, 1e3 * fabs(breach->gap), breach->shape);
 }
 
 /* ---- corrections ----------------------------------------------------------------- */

@@ -12,8 +12,8 @@
 typedef struct weft__breach {
     bool found;
     size_t particle, shape;
-    double gap; /* [m] */
-    double t;   /* [s] of the gap */
+    double gap;    /* [m] */
+    double t;      /* [s] of the gap */
     uint64_t call; /* number of the right-hand side that found it, or none, last */
 } weft__breach;
 
