@@ -56,8 +56,8 @@ WEFT_API weft_status weft_registry_find(weft_registry *registry, const char *id,
 WEFT_API weft_status weft_registry_locate(const weft_registry *registry, const char *id,
                                           char *file, size_t size, weft_error *err);
 
-/* Loads every weft-*.so of the search path but weft-mpi.so, which is no plugin. A refused plugin is reported to `refused`
- * (unless NULL) and skipped. */
+/* Loads every weft-*.so of the search path but weft-mpi.so, which is no plugin. A
+ * refused plugin is reported to `refused` (unless NULL) and skipped. */
 WEFT_API weft_status weft_registry_load_all(weft_registry *registry,
                                             void (*refused)(void *ctx,
                                                             const weft_error *why),

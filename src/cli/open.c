@@ -195,7 +195,8 @@ int open_scene(const char *file, const options *given, weft_scene **scene,
 {
     const bool first = ranks_first(given->comm);
     int code = first ? load_scene(file, given, scene, sweep, NULL) : EXIT_DONE;
-    if (given->comm == NULL || ranks_share(given->comm, code) != EXIT_DONE) {
+    code = ranks_share(given->comm, code);
+    if (given->comm == NULL || code != EXIT_DONE) {
         return code;
     }
     char *text = ranks_share_text(given->comm, first ? weft_scene_text(*scene) : NULL);
@@ -205,7 +206,8 @@ int open_scene(const char *file, const options *given, weft_scene **scene,
     free(text);
     if (given->comm->max(given->comm->self, code) > 0.0 && code == EXIT_DONE) {
         fputs("weft: error: another rank cannot read this scene: are weft and its "
-              "plugins the same on all nodes?\n", stderr);
+              "plugins the same on all nodes?\n",
+              stderr);
         code = EXIT_SCENE;
     }
     return code;
@@ -240,8 +242,8 @@ static weft_status check_memory(const weft_scene *scene, const weft_cloth_def *c
     const weft_stepper_type *type = weft_scene_method_type(scene);
     const double states = 2.0 + (type == NULL ? 0.0 : type->stages);
     const size_t rows = cloth->band_rows > 0 ? cloth->band_rows : cloth->rows;
-    const double bytes = (double)rows * (double)cloth->cols
-                         * (20.0 + states * 6.0 * sizeof(double));
+    const double bytes
+        = (double)rows * (double)cloth->cols * (20.0 + states * 6.0 * sizeof(double));
     struct rlimit limit = { .rlim_cur = RLIM_INFINITY };
     double room = INFINITY;
 #ifdef _SC_PHYS_PAGES

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DOWN, UP, SIZE, DATA };    /* tags */
+enum { DOWN, UP, SIZE, DATA }; /* tags */
 #define MOST ((size_t)1 << 30) /* [bytes] of a message: MPI counts in int */
 
 typedef struct over_mpi {
@@ -34,7 +34,8 @@ static double max(void *ctx, double mine)
     return got;
 }
 
-/* ---- edge rows: sent from where they stand and received where they belong --------- */
+/* ---- edge rows: sent from where they stand and received where they belong ---------
+ */
 
 static void free_edge(over_mpi *self)
 {
@@ -103,7 +104,8 @@ static void end(void *ctx)
     self->count = 0;
 }
 
-/* ---- bytes, in messages that MPI can count ----------------------------------------- */
+/* ---- bytes, in messages that MPI can count -----------------------------------------
+ */
 
 static void share(void *ctx, void *data, size_t bytes)
 {
@@ -151,7 +153,8 @@ static void gather(void *ctx, const void *mine, size_t bytes, void *all)
     }
 }
 
-/* ---- begin and end ------------------------------------------------------------------ */
+/* ---- begin and end ------------------------------------------------------------------
+ */
 
 static void stop(void *ctx, int code)
 {

@@ -234,16 +234,16 @@ weft_status record_series_compare(const char *directory, const char *damaged,
 /* result_write.c: versions, plugin, method and every option in force. */
 weft_status record_manifest(const char *directory, const weft_scene *scene,
                             const weft_sim *sim, const weft_cloth *whole,
-                            const weft_plugin *plugin,
-                            const char *plugin_file, weft_error *err);
+                            const weft_plugin *plugin, const char *plugin_file,
+                            weft_error *err);
 
 /* The end of a run. */
 typedef struct record_result {
     const char *status; /* done | failed | io_error | interrupted */
     const char *reason; /* "" if done */
     size_t frames, planned;
-    double wall_time;    /* [s] */
-    const weft_sim *sim; /* NULL: the run never began */
+    double wall_time;       /* [s] */
+    const weft_sim *sim;    /* NULL: the run never began */
     weft_measures measures; /* of the sim at the end, as is: */
     weft_ledger ledger;
     double energy_start; /* [J] the sum of all energies */

@@ -269,9 +269,8 @@ weft_status record_vtkhdf_cut(record_vtkhdf *self, weft_error *err)
                       || (close_file(self) && open_file(self, self->path, H5F_ACC_RDWR)
                           && cut(self));
     const weft_status status = agree(self, good, err);
-    return status == WEFT_OK
-               ? vtkhdf_rows_open(&self->rows, self->path, O_WRONLY, err)
-               : status;
+    return status == WEFT_OK ? vtkhdf_rows_open(&self->rows, self->path, O_WRONLY, err)
+                             : status;
 }
 
 /* The same words in the same order as write_frame. */
@@ -320,9 +319,8 @@ static weft_status open_checked(record_vtkhdf *self, const record_vtkhdf_mark *m
         }
     }
     status = weft_comm_agree(self->def.comm, status, err);
-    return status == WEFT_OK
-               ? vtkhdf_rows_open(&self->rows, self->path, O_RDONLY, err)
-               : status;
+    return status == WEFT_OK ? vtkhdf_rows_open(&self->rows, self->path, O_RDONLY, err)
+                             : status;
 }
 
 static weft_status check_frames(record_vtkhdf *self, const record_vtkhdf_mark *mark,
@@ -331,7 +329,8 @@ static weft_status check_frames(record_vtkhdf *self, const record_vtkhdf_mark *m
     weft_status status = open_checked(self, mark, err);
     for (; status == WEFT_OK && self->count < mark->frames.length; ++self->count) {
         const bool good = sum_frame(self, self->count);
-        status = weft_comm_agree(self->def.comm, good ? WEFT_OK : damaged(self, err), err);
+        status
+            = weft_comm_agree(self->def.comm, good ? WEFT_OK : damaged(self, err), err);
     }
     *equal = !is_first(self) || self->sum == mark->frames.sum;
     self->head = mark->head;
@@ -494,7 +493,7 @@ static weft_status write_first(record_vtkhdf *self, const weft_sim *sim,
     status = status == WEFT_OK ? write_frame(self, sim, err) : status;
     if (status == WEFT_OK) {
         status = agree(self, !is_first(self) || publish(self), err);
-    } 
+    }
     if (status != WEFT_OK) {
         self->count = 0;
         (void)close_file(self);

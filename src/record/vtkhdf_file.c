@@ -277,10 +277,8 @@ static bool heads(const builder *self)
     (void)H5Tclose(text);
     return good && make_group(self, "/weft")
            && integer_attribute(self, "/weft", "format", 1)
-           && integer_attribute(self, "/weft", "rows",
-                                weft_cloth_rows(self->cloth))
-           && integer_attribute(self, "/weft", "cols",
-                                weft_cloth_cols(self->cloth));
+           && integer_attribute(self, "/weft", "rows", weft_cloth_rows(self->cloth))
+           && integer_attribute(self, "/weft", "cols", weft_cloth_cols(self->cloth));
 }
 
 bool vtkhdf_file_create(const char *path, const record_vtkhdf_def *def, size_t capacity)

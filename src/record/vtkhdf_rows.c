@@ -10,8 +10,8 @@
 
 #include "base/bytes.h"
 
-bool vtkhdf_rows_begin(vtkhdf_rows *self, const weft_comm *comm, const weft_cloth *cloth,
-                       bool doubles)
+bool vtkhdf_rows_begin(vtkhdf_rows *self, const weft_comm *comm,
+                       const weft_cloth *cloth, bool doubles)
 {
     const weft_band band = weft_cloth_band(cloth);
     *self = (vtkhdf_rows){ .comm = comm,
@@ -56,9 +56,10 @@ static weft_status check_shared(vtkhdf_rows *self, const char *path, weft_error 
     }
     return self->comm == NULL || self->comm->rank == 0
                ? weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(why))
-               : weft_error_set(err, WEFT_IO,
-                                "%.300s: %s: bands need a directory that all ranks share",
-                                path, open ? "not the file of rank 0" : strerror(why));
+               : weft_error_set(
+                   err, WEFT_IO,
+                   "%.300s: %s: bands need a directory that all ranks share", path,
+                   open ? "not the file of rank 0" : strerror(why));
 }
 
 weft_status vtkhdf_rows_open(vtkhdf_rows *self, const char *path, int flags,
@@ -72,7 +73,8 @@ weft_status vtkhdf_rows_open(vtkhdf_rows *self, const char *path, int flags,
     return weft_comm_agree(self->comm, check_shared(self, path, err), err);
 }
 
-/* ---- a set of a frame ---------------------------------------------------------------- */
+/* ---- a set of a frame
+ * ---------------------------------------------------------------- */
 
 static double *own_part(const vtkhdf_rows *self, size_t width)
 {
@@ -116,6 +118,35 @@ static void unpack(const vtkhdf_rows *self, double *values, size_t count)
     }
 }
 
+/* All bytes; false: errno says why. */
+static bool write_at(int file, const void *bytes, size_t size, uint64_t at)
+{
+    const char *from = bytes;
+    while (size > 0) {
+        const ssize_t done = pwrite(file, from, size, (off_t)at);
+        if (done < 0 && errno != EINTR) {
+            return false;
+        }
+        const size_t moved = done < 0 ? 0 : (size_t)done;
+        from += moved, size -= moved, at += moved;
+    }
+    return true;
+}
+
+static bool read_at(int file, void *bytes, size_t size, uint64_t at)
+{
+    char *to = bytes;
+    while (size > 0) {
+        const ssize_t done = pread(file, to, size, (off_t)at);
+        if (done == 0 || (done < 0 && errno != EINTR)) {
+            return false;
+        }
+        const size_t moved = done < 0 ? 0 : (size_t)done;
+        to += moved, size -= moved, at += moved;
+    }
+    return true;
+}
+
 static uint64_t place(const vtkhdf_rows *self, size_t set, size_t frame, size_t item)
 {
     const uint64_t row = (uint64_t)frame * self->band.rows + self->band.first;
@@ -129,8 +160,8 @@ bool vtkhdf_rows_write(vtkhdf_rows *self, size_t set, size_t width, size_t frame
     const size_t size = self->doubles ? sizeof(double) : sizeof(float);
     sum_rows(self, own, width);
     pack(self, own, count);
-    return record_write_at(self->file, own, count * size,
-                           place(self, set, frame, width * size));
+    return write_at(self->file, own, count * size,
+                    place(self, set, frame, width * size));
 }
 
 bool vtkhdf_rows_read(vtkhdf_rows *self, size_t set, size_t width, size_t frame)
@@ -138,8 +169,8 @@ bool vtkhdf_rows_read(vtkhdf_rows *self, size_t set, size_t width, size_t frame)
     double *own = own_part(self, width);
     const size_t count = self->band.own * self->cols * width;
     const size_t size = self->doubles ? sizeof(double) : sizeof(float);
-    if (!record_read_at(self->file, own, count * size,
-                        place(self, set, frame, width * size))) {
+    if (!read_at(self->file, own, count * size,
+                 place(self, set, frame, width * size))) {
         return false;
     }
     unpack(self, own, count);

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* vtkhdf_rows.h -- the particles' data of the frames of run.vtkhdf: each band writes its
- * own rows to their places in the file, which is made with libhdf5 by rank 0 alone. */
+/* vtkhdf_rows.h -- the particles' data of the frames of run.vtkhdf: each band writes
+ * its own rows to their places in the file, which is made with libhdf5 by rank 0 alone.
+ */
 #ifndef WEFT_RECORD_VTKHDF_ROWS_H
 #define WEFT_RECORD_VTKHDF_ROWS_H
 
-#include "record/bands.h"
+#include "record/record.h"
 
 enum { VTKHDF_POINTS, VTKHDF_VELOCITY, VTKHDF_STRAIN, VTKHDF_ROW_SETS };
 
@@ -20,12 +21,12 @@ typedef struct vtkhdf_rows {
 } vtkhdf_rows;
 
 /* Allocates; false: no memory. The file is not open yet. */
-bool vtkhdf_rows_begin(vtkhdf_rows *self, const weft_comm *comm, const weft_cloth *cloth,
-                       bool doubles);
+bool vtkhdf_rows_begin(vtkhdf_rows *self, const weft_comm *comm,
+                       const weft_cloth *cloth, bool doubles);
 void vtkhdf_rows_end(vtkhdf_rows *self);
 
-/* Opens the file that rank 0 has made, with rank 0's places. Collective. Errors: WEFT_IO;
- * also if another band sees another file, or none. */
+/* Opens the file that rank 0 has made, with rank 0's places. Collective. Errors:
+ * WEFT_IO; also if another band sees another file, or none. */
 weft_status vtkhdf_rows_open(vtkhdf_rows *self, const char *path, int flags,
                              weft_error *err);
 

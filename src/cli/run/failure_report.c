@@ -112,8 +112,8 @@ static void add_advice(const weft_scene *scene, const bounds *of, sentence *out)
 
 void failure_report(const run *self, const weft_failure *failure, sentence *out)
 {
-    const weft_cloth *cloth = self->comm == NULL ? weft_sim_cloth(self->sim)
-                                                 : self->whole;
+    const weft_cloth *cloth
+        = self->comm == NULL ? weft_sim_cloth(self->sim) : self->whole;
     const double *y;
     double *gathered;
     out->text[0] = '\0';

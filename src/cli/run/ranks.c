@@ -53,17 +53,19 @@ void ranks_warn(const weft_comm *comm, size_t threads)
     const int may_use = known ? CPU_COUNT(&mask) : 0;
     const double lacks = known && (size_t)may_use < threads ? 1.0 : 0.0;
     if (comm != NULL && comm->max(comm->self, lacks) > 0.0 && comm->rank == 0) {
-        fprintf(stderr,
-                "weft: warning: run.threads is %zu, and a rank may use fewer processors "
-                "(this one %d): see mpirun --bind-to none, srun --cpus-per-task\n",
-                threads, may_use);
+        fprintf(
+            stderr,
+            "weft: warning: run.threads is %zu, and a rank may use fewer processors "
+            "(this one %d): see mpirun --bind-to none, srun --cpus-per-task\n",
+            threads, may_use);
     }
 #else
     (void)comm, (void)threads;
 #endif
 }
 
-/* ---- begin and end ------------------------------------------------------------------ */
+/* ---- begin and end ------------------------------------------------------------------
+ */
 
 /* NULL after printing why. */
 static comm_mpi *open_mpi(const verb *self, const options *given)
@@ -72,10 +74,11 @@ static comm_mpi *open_mpi(const verb *self, const options *given)
     weft_error err = { 0 };
     if (weft_registry_locate(given->registry, "mpi", file, sizeof file, &err)
         != WEFT_OK) {
-        (void)usage_error(self,
-                          "--bands needs weft-mpi.so, which `make` builds where it finds "
-                          "mpicc: %s",
-                          strstr(err.message, "no weft-mpi.so"));
+        (void)usage_error(
+            self,
+            "--bands needs weft-mpi.so, which `make` builds where it finds "
+            "mpicc: %s",
+            strstr(err.message, "no weft-mpi.so"));
         return NULL;
     }
     void *object = dlopen(file, RTLD_NOW | RTLD_LOCAL);

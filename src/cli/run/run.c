@@ -306,9 +306,8 @@ static bool warn_of_step(const run *self)
         return stability_warn(self->scene, self->cloth, weft_sim_state(self->sim),
                               quiet);
     }
-    double *y = self->whole == NULL
-                    ? NULL
-                    : malloc(weft_cloth_dim(self->whole) * sizeof *y);
+    double *y
+        = self->whole == NULL ? NULL : malloc(weft_cloth_dim(self->whole) * sizeof *y);
     bool beyond = false;
     if (y != NULL) {
         weft_cloth_start(self->whole, y);
@@ -452,7 +451,8 @@ const verb verb_run = {
       "  --force              replace the files of an earlier run\n"
       "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
       "  --frames obj         also write frames/frame-000000.obj ...\n"
-      "  --bands N            one cloth in N bands of rows, a process each: mpirun -n N "
+      "  --bands N            one cloth in N bands of rows, a process each: mpirun -n "
+      "N "
       "weft run SCENE.yaml --bands N (docs/cluster.md)\n"
       "  --view               also write run.html, a page that plays the run, and "
       "print its URL\n"
