@@ -75,6 +75,12 @@ static int unknown_option(const verb *self, const char *typed)
     const size_t dashes = strspn(typed, "-");
     (void)snprintf(word, sizeof word, "%.*s", (int)strcspn(typed + dashes, "="),
                    typed + dashes);
+    if (strcmp(word, "bands") == 0) {
+        return usage_error(self,
+                           "%s: weft run and weft resume alone have one cloth in "
+                           "bands",
+                           typed);
+    }
     for (size_t i = 0; table[i].name != NULL; ++i) {
         weft__guess_try(&guess, word, table[i].name);
     }
