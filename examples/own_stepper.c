@@ -89,9 +89,7 @@ static void state_changed(void *instance)
 static void stats(const void *instance, weft_stepper_stats *out)
 {
     const kutta *self = (const kutta *)instance;
-    const uint32_t size = out->struct_size; /* the caller's version */
-    memcpy(out, &self->stats, size < sizeof *out ? size : sizeof *out);
-    out->struct_size = size;
+    weft_stepper_stats_copy(&self->stats, out);
 }
 
 static const weft_stepper_type kutta_type = {

@@ -179,41 +179,12 @@ static void state_changed(void *instance)
 /* ---- create, query, destroy -------------------------------------------------------
  */
 
-static bool positive(double x)
-{
-    return x > 0.0 && isfinite(x);
-}
-
-/* With fixed_step the tolerances and the other step sizes are ignored. Every comparison
- * fails for NaN. */
-static const char *mistake(const weft_ode *ode, const weft_stepper_config *config)
-{
-    if (config->struct_size < WEFT_STEPPER_CONFIG_LEAST || config->butcher != NULL) {
-        return "config of another version, or with a Butcher table";
-    }
-    if (weft_stepper_half(ode, config) == 0 || ode->dim > SIZE_MAX / 64) {
-        return "the state must be an even count of numbers, and quadratures";
-    }
-    if (positive(config->fixed_step)) {
-        return NULL;
-    }
-    return config->fixed_step != 0.0 ? "fixed_step must be > 0 s, or 0"
-           : config->norm != WEFT_NORM_MAX && config->norm != WEFT_NORM_RMS
-               ? "norm is neither max nor rms"
-           : !(config->rtol >= 0.0) || !isfinite(config->rtol) ? "rtol must be >= 0"
-           : !positive(config->atol_position) || !positive(config->atol_velocity)
-               ? "atol must be > 0"
-           : !positive(config->first_step) || !positive(config->min_step)
-               ? "first_step and min_step must be > 0 s"
-           : !(config->max_step >= config->min_step) ? "max_step is below min_step"
-                                                     : NULL;
-}
-
 static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
                           const weft_stepper_config *config, void **out,
                           weft_error *err)
 {
-    const char *wrong = mistake(ode, config);
+    const char *wrong = weft_stepper_mistake(type, ode, config);
+    wrong = wrong == NULL && ode->dim > SIZE_MAX / 64 ? "dim is too large" : wrong;
     *out = NULL;
     if (wrong != NULL) {
         return weft_error_set(err, WEFT_INVALID, "%s: %s", type->name, wrong);
@@ -241,10 +212,8 @@ static void stats(const void *instance, weft_stepper_stats *out)
 {
     const stepper *self = (const stepper *)instance;
     weft_stepper_stats all = self->stats;
-    const uint32_t size = out->struct_size; /* an older caller's struct is shorter */
     all.next_step = self->h;
-    memcpy(out, &all, size < sizeof all ? size : sizeof all);
-    out->struct_size = size;
+    weft_stepper_stats_copy(&all, out);
 }
 
 /* Choices beyond the config, for the manifest of a run. */

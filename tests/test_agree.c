@@ -30,17 +30,24 @@ static void start_with(trial_run *r, const weft_stepper_type *type,
     start(r, type, &config);
 }
 
+/* Up to 1 s, alone and with others whose error is so many times as large. */
+static void run_both(trial_run *alone, trial_run *together,
+                     const weft_stepper_type *type, int mode, double factor)
+{
+    others o = { .factor = factor };
+    const weft_agree agree = { &o, answer };
+    start_with(alone, type, usual(type, mode), NULL);
+    start_with(together, type, usual(type, mode), &agree);
+    go(alone, 1.0);
+    go(together, 1.0);
+}
+
 START_TEST(who_agrees_with_equals_does_what_one_alone_does)
 {
     const weft_stepper_type *type = test_method((size_t)_i);
     for (int mode = 0; mode < 2 && agrees(type); ++mode) {
-        others o = { .factor = 1.0 };
-        const weft_agree agree = { &o, answer };
         trial_run alone, together;
-        start_with(&alone, type, usual(type, mode), NULL);
-        start_with(&together, type, usual(type, mode), &agree);
-        go(&alone, 1.0);
-        go(&together, 1.0);
+        run_both(&alone, &together, type, mode, 1.0);
         ck_assert_mem_eq(alone.y, together.y, sizeof alone.y);
         ck_assert_uint_eq(stats(&alone).rejected, stats(&together).rejected);
         ck_assert_uint_eq(alone.model.calls, together.model.calls);
@@ -75,13 +82,8 @@ START_TEST(a_larger_error_of_others_makes_smaller_steps)
     if (!agrees(type) || !can_adapt(type)) {
         return;
     }
-    others o = { .factor = 1000.0 };
-    const weft_agree agree = { &o, answer };
     trial_run alone, together;
-    start_with(&alone, type, usual(type, 0), NULL);
-    start_with(&together, type, usual(type, 0), &agree);
-    go(&alone, 1.0);
-    go(&together, 1.0);
+    run_both(&alone, &together, type, 0, 1000.0);
     ck_assert_uint_gt(stats(&together).steps, stats(&alone).steps);
     end(&alone);
     end(&together);

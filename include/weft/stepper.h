@@ -15,6 +15,7 @@
 #ifndef WEFT_STEPPER_H
 #define WEFT_STEPPER_H
 
+#include <math.h>
 #include <string.h>
 
 #include "weft/base.h"
@@ -302,20 +303,6 @@ static inline double weft_stepper_agreed(const weft_agree *agree, double mine)
     return agree ? agree->max(agree->self, mine) : mine;
 }
 
-/* The fault of config->agree for a method with such flags, or NULL. */
-static inline const char *weft_stepper_agree_mistake(uint32_t flags,
-                                                     const weft_stepper_config *config)
-{
-    const weft_agree *agree = weft_stepper_agree(config);
-    return agree == NULL ? NULL
-           : (flags & (uint32_t)WEFT_STEPPER_AGREES) == 0
-               ? "cannot integrate a part of a state (agree)"
-           : agree->max == NULL ? "agree without max"
-           : config->fixed_step == 0.0 && config->norm != WEFT_NORM_MAX
-               ? "parts of a state agree on the max norm only"
-               : NULL;
-}
-
 /* The allocator for a plugin's own memory. */
 static inline weft_allocator weft_stepper_memory(const weft_stepper_config *config)
 {
@@ -419,6 +406,92 @@ static inline bool weft_stepper_is(const weft_stepper_type *type, const char *na
 {
     const char *full = weft_stepper_full_name(type);
     return strcmp(type->name, name) == 0 || (full != NULL && strcmp(full, name) == 0);
+}
+
+/* ---- for the functions of a method ----------------------------------------------- */
+
+static inline bool weft_stepper_positive(double x)
+{
+    return x > 0.0 && x < (double)INFINITY;
+}
+
+/* The fault of the numbers of error control, or NULL. NaN fails every comparison. */
+static inline const char *weft_stepper_adaptive_mistake(const weft_stepper_config *c)
+{
+    return c->norm != WEFT_NORM_MAX && c->norm != WEFT_NORM_RMS ? "unknown norm"
+           : !(c->rtol >= 0.0 && c->rtol < (double)INFINITY)    ? "rtol must be >= 0"
+           : !weft_stepper_positive(c->atol_position) ? "atol_position must be > 0 m"
+           : !weft_stepper_positive(c->atol_velocity) ? "atol_velocity must be > 0 m/s"
+           : !weft_stepper_positive(c->first_step)    ? "first_step must be > 0 s"
+           : !weft_stepper_positive(c->min_step)      ? "min_step must be > 0 s"
+           : !(c->max_step >= c->min_step)            ? "max_step must be >= min_step"
+                                                      : NULL;
+}
+
+/* The fault of config->agree, or NULL. */
+static inline const char *weft_stepper_agree_mistake(const weft_stepper_type *type,
+                                                     const weft_stepper_config *c)
+{
+    const weft_agree *agree = weft_stepper_agree(c);
+    return agree == NULL ? NULL
+           : (type->flags & (uint32_t)WEFT_STEPPER_AGREES) == 0
+               ? "cannot integrate a part of a state (agree)"
+           : agree->max == NULL ? "agree without max"
+           : c->fixed_step == 0.0 && c->norm != WEFT_NORM_MAX
+               ? "parts of a state agree on the max norm only"
+               : NULL;
+}
+
+/* For create: the fault of its arguments that is one for every method with such flags,
+ * or NULL. */
+static inline const char *weft_stepper_mistake(const weft_stepper_type *type,
+                                               const weft_ode *ode,
+                                               const weft_stepper_config *c)
+{
+    const uint32_t flags = type->flags;
+    if (c->struct_size < WEFT_STEPPER_CONFIG_LEAST) {
+        return "config of an older version";
+    }
+    const size_t half = weft_stepper_half(ode, c);
+    const bool adaptive = c->fixed_step == 0.0;
+    const bool takes_table = (flags & WEFT_STEPPER_BUTCHER) != 0;
+    const char *alone = weft_stepper_agree_mistake(type, c);
+    return ode->rhs == NULL ? "no right-hand side"
+           : half == 0      ? "dim less the quadratures must be even and > 0"
+           : ode->dim > 2 * half && (flags & WEFT_STEPPER_QUADRATURES) == 0
+               ? "takes no quadratures"
+           : takes_table && c->butcher == NULL  ? "needs a Butcher table"
+           : !takes_table && c->butcher != NULL ? "takes no Butcher table"
+           : (flags & WEFT_STEPPER_FIXED_ONLY) != 0
+                   && !weft_stepper_positive(c->fixed_step)
+               ? "no error control: needs a fixed_step > 0 s"
+           : !adaptive && !weft_stepper_positive(c->fixed_step)
+               ? "fixed_step must be > 0 s, or 0 for adaptive steps"
+           : !adaptive && (flags & WEFT_STEPPER_ADAPTIVE_ONLY) != 0
+               ? "takes no fixed_step: it chooses every step by the tolerances"
+           : alone != NULL ? alone
+           : adaptive      ? weft_stepper_adaptive_mistake(c)
+                           : NULL;
+}
+
+/* For step: WEFT_INVALID if t_end is not later than t, or not finite. */
+static inline weft_status weft_stepper_check_end(const weft_stepper_type *type,
+                                                 double t, double t_end,
+                                                 weft_error *err)
+{
+    return weft_stepper_positive(t_end - t)
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_INVALID, "%s: a step from %.17g s to %.17g s",
+                                type->name, t, t_end);
+}
+
+/* For stats: copies as much as the caller's struct holds, which may be older. */
+static inline void weft_stepper_stats_copy(const weft_stepper_stats *from,
+                                           weft_stepper_stats *out)
+{
+    const uint32_t size = out->struct_size;
+    memcpy(out, from, size < sizeof *from ? size : sizeof *from);
+    out->struct_size = size;
 }
 
 /* weft-<id>.so exports one function, weft_plugin_<id>(), which returns static data. A

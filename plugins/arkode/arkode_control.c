@@ -263,14 +263,14 @@ void weft__ark_options(const void *instance, weft_option_fn *tell, void *ctx)
     tell(ctx, "controller", names[c->type]);
     for (int i = 0; i < c->gain_count; ++i) {
         const char name[] = { 'k', (char)('1' + i), '\0' };
-        weft__sun_tell(tell, ctx, name, c->gains[i]);
+        weft__tell_number(tell, ctx, name, c->gains[i]);
     }
-    weft__sun_tell(tell, ctx, "safety", c->safety);
-    weft__sun_tell(tell, ctx, "bias", c->bias);
-    weft__sun_tell(tell, ctx, "max_growth", c->max_growth);
-    weft__sun_tell(tell, ctx, "first_growth", c->first_growth);
-    weft__sun_tell(tell, ctx, "min_reduction", c->min_reduction);
-    weft__sun_tell(tell, ctx, "failed_growth", c->failed_growth);
-    weft__sun_tell(tell, ctx, "keep_above", keep_above);
-    weft__sun_tell(tell, ctx, "keep_below", keep_below);
+    weft__tell_number(tell, ctx, "safety", c->safety);
+    weft__tell_number(tell, ctx, "bias", c->bias);
+    weft__tell_number(tell, ctx, "max_growth", c->max_growth);
+    weft__tell_number(tell, ctx, "first_growth", c->first_growth);
+    weft__tell_number(tell, ctx, "min_reduction", c->min_reduction);
+    weft__tell_number(tell, ctx, "failed_growth", c->failed_growth);
+    weft__tell_number(tell, ctx, "keep_above", keep_above);
+    weft__tell_number(tell, ctx, "keep_below", keep_below);
 }

@@ -18,7 +18,7 @@ static const char *mistake(const weft_stepper_type *type, const weft_ode *ode,
     const weft_controller *control
         = WEFT_HAS(config, weft_stepper_config, controller) ? config->controller : NULL;
     if (wrong == NULL && (type->flags & WEFT_STEPPER_IMPLICIT) != 0) {
-        wrong = weft__sun_linear_mistake(config);
+        wrong = weft__linear_mistake(config);
     }
     return wrong != NULL || control == NULL || config->fixed_step > 0.0
                ? wrong

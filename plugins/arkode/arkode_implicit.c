@@ -75,6 +75,6 @@ long weft__ark_unsolved(const arkode_stepper *self)
 
 void weft__ark_tell_newton(const arkode_stepper *self, weft_option_fn *tell, void *ctx)
 {
-    weft__sun_tell(tell, ctx, "convergence", CONVERGENCE);
+    weft__tell_number(tell, ctx, "convergence", CONVERGENCE);
     weft__sun_tell_equations(&self->equations, tell, ctx);
 }

@@ -217,7 +217,7 @@ static weft_status fail(arkode_stepper *self, int flag, weft_error *err)
     if (why == 2.0) {
         return weft_error_set(err, WEFT_STOPPED, "%s: stopped by the model", name);
     }
-    if (why == 1.0) {
+    if (why != 0.0) {
         return weft_error_set(err, WEFT_NOT_FINITE, "%s: not finite after a step",
                               name);
     }
@@ -303,9 +303,8 @@ weft_status weft__ark_step(void *instance, double t_end, double *t, double *y,
 {
     arkode_stepper *self = instance;
     const double rest = t_end - *t;
-    if (!(rest > 0.0 && isfinite(rest))) {
-        return weft_error_set(err, WEFT_INVALID, "%s: a step from %.17g s to %.17g s",
-                              self->method->type.name, *t, t_end);
+    if (weft_stepper_check_end(&self->method->type, *t, t_end, err) != WEFT_OK) {
+        return WEFT_INVALID;
     }
     const weft_status status = weft__ark_limit_step(self, *t, y, err);
     if (status != WEFT_OK) {

@@ -159,11 +159,6 @@ weft_status weft__ark_table(const ark_method *method, const weft_butcher *custom
     const bool wanted = (method->type.flags & WEFT_STEPPER_BUTCHER) != 0;
     const char *name = method->type.name;
     *out = NULL;
-    if (wanted != (custom != NULL)) {
-        return weft_error_set(err, WEFT_INVALID, "%s: %s", name,
-                              wanted ? "needs a Butcher table"
-                                     : "takes no Butcher table");
-    }
     const weft_status status = wanted ? check_custom(custom, err) : WEFT_OK;
     if (status != WEFT_OK) {
         return status;

@@ -26,12 +26,11 @@ static const char *mistake(const cvode_method *method, const weft_ode *ode,
     const char *wrong = weft__sun_mistake(&method->type, ode, config);
     const weft_linear *linear = wrong == NULL ? weft_stepper_linear(config) : NULL;
     return wrong != NULL                ? wrong
-           : config->butcher != NULL    ? "takes no Butcher table"
            : linear == NULL             ? NULL
            : method->formulas != CV_BDF ? "solves no linear systems"
            : linear->max_order < 0 || linear->max_order > BDF_TOP_ORDER
                ? "max_order must be 1 to 5"
-               : weft__sun_linear_mistake(config);
+               : weft__linear_mistake(config);
 }
 
 static int max_order(const cvode_method *method, const weft_stepper_config *config)
@@ -196,10 +195,10 @@ void weft__cvode_options(const void *instance, weft_option_fn *tell, void *ctx)
 {
     const cvode_stepper *self = instance;
     const bool bdf = self->method->formulas == CV_BDF;
-    weft__sun_tell(tell, ctx, "max_order", self->max_order);
+    weft__tell_number(tell, ctx, "max_order", self->max_order);
     tell(ctx, "nonlinear_solver", bdf ? "newton" : "fixed_point");
     if (bdf) {
-        weft__sun_tell(tell, ctx, "convergence", CONVERGENCE);
+        weft__tell_number(tell, ctx, "convergence", CONVERGENCE);
         weft__sun_tell_equations(&self->equations, tell, ctx);
     }
 }

@@ -159,9 +159,8 @@ weft_status weft__cvode_step(void *instance, double t_end, double *t, double *y,
 {
     cvode_stepper *self = instance;
     const double rest = t_end - *t;
-    if (!(rest > 0.0 && isfinite(rest))) {
-        return weft_error_set(err, WEFT_INVALID, "%s: a step from %.17g s to %.17g s",
-                              self->method->type.name, *t, t_end);
+    if (weft_stepper_check_end(&self->method->type, *t, t_end, err) != WEFT_OK) {
+        return WEFT_INVALID;
     }
     const double stop = stop_time(self, *t, rest, t_end);
     double reached = *t;

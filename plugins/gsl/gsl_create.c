@@ -18,40 +18,6 @@
 #define SMALL_BLOCKS   0x1p15 /* whatever the state, all that is not a vector */
 #define NO_MATRICES    "; methods without matrices: rk2, rk4, rkf45, rkck, rk8pd, msadams"
 
-static bool positive(double x)
-{
-    return x > 0.0 && isfinite(x);
-}
-
-/* The fault of the numbers, or NULL. NaN fails every comparison. */
-static const char *mistake(const weft_stepper_type *type, const weft_ode *ode,
-                           const weft_stepper_config *config)
-{
-    const weft_stepper_config *c = config;
-    const size_t half = weft_stepper_half(ode, config);
-    const bool apart = (type->flags & WEFT_STEPPER_QUADRATURES) != 0;
-    const bool adaptive
-        = c->struct_size >= WEFT_STEPPER_CONFIG_LEAST && c->fixed_step == 0.0;
-    const char *alone = weft_stepper_agree_mistake(type->flags, c);
-    return c->struct_size < WEFT_STEPPER_CONFIG_LEAST ? "config of an older version"
-           : ode->rhs == NULL                         ? "no right-hand side"
-           : half == 0 ? "dim less the quadratures must be even and > 0"
-           : ode->dim > 2 * half && !apart ? "takes no quadratures"
-           : c->butcher != NULL            ? "takes no Butcher table"
-           : alone != NULL                 ? alone
-           : !adaptive && !positive(c->fixed_step)
-               ? "fixed_step must be > 0 s, or 0 for adaptive steps"
-           : !adaptive                                            ? NULL
-           : c->norm != WEFT_NORM_MAX && c->norm != WEFT_NORM_RMS ? "unknown norm"
-           : !(c->rtol >= 0.0 && isfinite(c->rtol))               ? "rtol must be >= 0"
-           : !positive(c->atol_position)   ? "atol_position must be > 0 m"
-           : !positive(c->atol_velocity)   ? "atol_velocity must be > 0 m/s"
-           : !positive(c->first_step)      ? "first_step must be > 0 s"
-           : !positive(c->min_step)        ? "min_step must be > 0 s"
-           : !(c->max_step >= c->min_step) ? "max_step must be >= min_step"
-                                           : NULL;
-}
-
 /* [bytes] In floating point, which does not overflow. */
 static double memory_needed(const gsl_method *method, size_t dim)
 {
@@ -153,7 +119,7 @@ weft_status weft__gsl_create(const weft_stepper_type *type, const weft_ode *ode,
 {
     const gsl_method *method = (const gsl_method *)type;
     *out = NULL;
-    const char *wrong = mistake(type, ode, config);
+    const char *wrong = weft_stepper_mistake(type, ode, config);
     if (wrong != NULL) {
         return weft_error_set(err, WEFT_INVALID, "%s: %s", type->name, wrong);
     }

@@ -164,9 +164,8 @@ weft_status weft__gsl_step(void *instance, double t_end, double *t, double *y,
 {
     gsl_stepper *self = instance;
     const double rest = t_end - *t;
-    if (!(rest > 0.0 && isfinite(rest))) {
-        return weft_error_set(err, WEFT_INVALID, "%s: a step from %.17g s to %.17g s",
-                              self->method->type.name, *t, t_end);
+    if (weft_stepper_check_end(&self->method->type, *t, t_end, err) != WEFT_OK) {
+        return WEFT_INVALID;
     }
     self->t_end = t_end;
     trouble why = NO_TROUBLE;
@@ -202,8 +201,6 @@ void weft__gsl_stats(const void *instance, weft_stepper_stats *out)
 {
     const gsl_stepper *self = instance;
     weft_stepper_stats stats = self->stats;
-    stats.struct_size = out->struct_size; /* an older caller's struct is shorter */
     stats.next_step = self->h;
-    memcpy(out, &stats,
-           out->struct_size < sizeof stats ? out->struct_size : sizeof stats);
+    weft_stepper_stats_copy(&stats, out);
 }

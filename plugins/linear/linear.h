@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* linear.h -- the linear systems of implicit methods, for the plugins that have some.
  * Reading order: linear.c (conjugate gradients), network.c (the matrix), filter.c (what
- * is left out of it), vectors.h; multigrid.c over aggregate.c.
+ * is left out of it), vectors.h; multigrid.c over aggregate.c; linear_settings.c.
  *
  * Solves (I - gamma J) (dx, dv) = (rx, rv), where J is the Jacobian of a cloth without
  * what may make it indefinite (the terms z, negative q and negative curvature of
@@ -48,5 +48,19 @@ void weft__linear_prepare(weft__linear *self, double gamma);
 bool weft__linear_solve(weft__linear *self, double tolerance, double *r);
 
 weft__linear_counts weft__linear_count(const weft__linear *self);
+
+/* linear_settings.c: the fault of config->linear, or NULL; max_order is left to the
+ * method. */
+const char *weft__linear_mistake(const weft_stepper_config *config);
+
+/* config->linear with defaults for what is not set, of which `krylov` is one; max_order
+ * stays as it is. */
+weft_linear weft__linear_settings(const weft_stepper_config *config, double krylov);
+
+/* Reports all of them but max_order. */
+void weft__linear_tell(const weft_linear *settings, weft_option_fn *tell, void *ctx);
+
+/* An option, with the fewest digits that are read back as the same number. */
+void weft__tell_number(weft_option_fn *tell, void *ctx, const char *name, double value);
 
 #endif

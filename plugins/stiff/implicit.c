@@ -19,7 +19,7 @@
 
 static int solve(stiff_stepper *self, double *k)
 {
-    return weft__linear_solve(self->linear, self->krylov, k) ? 0 : 1;
+    return weft__linear_solve(self->linear, self->settings.krylov, k) ? 0 : 1;
 }
 
 /* f and the Jacobian in (t, y), unless they are there. */

@@ -10,59 +10,28 @@ const weft_plugin *weft_plugin_stiff(void);
 
 /* ---- creation -------------------------------------------------------------------- */
 
-static bool positive(double x)
+static const char *linear_mistake(const stiff_method *method,
+                                  const weft_stepper_config *config)
 {
-    return x > 0.0 && isfinite(x);
-}
-
-static const char *linear_mistake(const stiff_method *method, const weft_linear *l)
-{
-    return l == NULL                              ? NULL
-           : !WEFT_HAS(l, weft_linear, max_order) ? "linear of another version"
-           : method->krylov == 0.0                ? "solves no linear systems"
-           : !(l->krylov >= 0.0 && l->krylov < 1.0)
-               ? "krylov must be > 0 and < 1, or 0 for the default"
-           : l->preconditioner > WEFT_PRECONDITIONER_MULTIGRID
-               ? "unknown preconditioner"
-           : l->jacobian > WEFT_JACOBIAN_STEP ? "computes one Jacobian in every step"
-           : l->max_order != 0                ? "has one order"
-                                              : NULL;
-}
-
-/* The fault of the numbers, or NULL. NaN fails every comparison. */
-static const char *mistake(const stiff_method *method, const weft_ode *ode,
-                           const weft_stepper_config *c)
-{
-    const bool fixed_only = (method->type.flags & WEFT_STEPPER_FIXED_ONLY) != 0;
-    if (c->struct_size < WEFT_STEPPER_CONFIG_LEAST) {
-        return "config of an older version";
+    const weft_linear *l = weft_stepper_linear(config);
+    if (l == NULL) {
+        return NULL;
     }
-    const char *alone = weft_stepper_agree_mistake(method->type.flags, c);
-    return ode->rhs == NULL || weft_stepper_half(ode, c) == 0
-                   || ode->dim > SIZE_MAX / 64
-               ? "dim less the quadratures must be even and > 0"
-           : c->butcher != NULL ? "takes no Butcher table"
-           : alone != NULL      ? alone
-           : c->fixed_step != 0.0
-               ? (positive(c->fixed_step)
-                      ? NULL
-                      : "fixed_step must be > 0 s, or 0 for adaptive steps")
-           : fixed_only ? "no error control: needs a fixed_step > 0 s"
-           : c->norm != WEFT_NORM_MAX && c->norm != WEFT_NORM_RMS ? "unknown norm"
-           : !(c->rtol >= 0.0 && isfinite(c->rtol))               ? "rtol must be >= 0"
-           : !positive(c->atol_position)   ? "atol_position must be > 0 m"
-           : !positive(c->atol_velocity)   ? "atol_velocity must be > 0 m/s"
-           : !positive(c->first_step)      ? "first_step must be > 0 s"
-           : !positive(c->min_step)        ? "min_step must be > 0 s"
-           : !(c->max_step >= c->min_step) ? "max_step must be >= min_step"
-                                           : NULL;
+    const char *wrong = weft__linear_mistake(config);
+    return !WEFT_HAS(l, weft_linear, max_order) ? "linear of another version"
+           : method->krylov == 0.0              ? "solves no linear systems"
+           : wrong != NULL                      ? wrong
+           : l->jacobian > WEFT_JACOBIAN_STEP   ? "computes one Jacobian in every step"
+           : l->max_order != 0                  ? "has one order"
+                                                : NULL;
 }
 
 static weft_status check(const stiff_method *method, const weft_ode *ode,
                          const weft_stepper_config *config, weft_error *err)
 {
-    const char *wrong = mistake(method, ode, config);
-    wrong = wrong != NULL ? wrong : linear_mistake(method, weft_stepper_linear(config));
+    const char *wrong = weft_stepper_mistake(&method->type, ode, config);
+    wrong = wrong == NULL && ode->dim > SIZE_MAX / 64 ? "dim is too large" : wrong;
+    wrong = wrong != NULL ? wrong : linear_mistake(method, config);
     const char *lacks = wrong != NULL           ? NULL
                         : method->krylov == 0.0 ? weft__spectrum_mistake(ode, config)
                                                 : weft__structure_mistake(ode, config);
@@ -76,7 +45,6 @@ static weft_status check(const stiff_method *method, const weft_ode *ode,
 static void settle(stiff_stepper *self, const weft_ode *ode,
                    const weft_stepper_config *config)
 {
-    const weft_linear *linear = weft_stepper_linear(config);
     const bool fixed = config->fixed_step > 0.0;
     self->ode = *ode;
     self->structure = config->structure;
@@ -91,10 +59,7 @@ static void settle(stiff_stepper *self, const weft_ode *ode,
     self->h = fixed
                   ? config->fixed_step
                   : fmin(fmax(config->first_step, config->min_step), config->max_step);
-    self->krylov = linear != NULL && linear->krylov > 0.0 ? linear->krylov
-                                                          : self->method->krylov;
-    self->preconditioner
-        = linear != NULL ? linear->preconditioner : WEFT_PRECONDITIONER_AUTO;
+    self->settings = weft__linear_settings(config, self->method->krylov);
 }
 
 static void destroy(void *instance)
@@ -132,8 +97,8 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
         *arrays_of[i] = array + i * ode->dim;
     }
     if (method->krylov > 0.0) {
-        status = weft__linear_create(self->structure, self->preconditioner, &memory,
-                                     &self->linear, err);
+        status = weft__linear_create(self->structure, self->settings.preconditioner,
+                                     &memory, &self->linear, err);
     }
     if (status != WEFT_OK) {
         destroy(self);
@@ -161,7 +126,6 @@ static void stats(const void *instance, weft_stepper_stats *out)
 {
     const stiff_stepper *self = instance;
     weft_stepper_stats all = self->stats;
-    all.struct_size = out->struct_size; /* an older caller's struct is shorter */
     all.next_step = self->h;
     if (self->linear != NULL) {
         const weft__linear_counts counts = weft__linear_count(self->linear);
@@ -169,22 +133,14 @@ static void stats(const void *instance, weft_stepper_stats *out)
         all.factorisations = counts.refreshes;
         all.newton_failures = counts.failures;
     }
-    memcpy(out, &all, out->struct_size < sizeof all ? out->struct_size : sizeof all);
+    weft_stepper_stats_copy(&all, out);
 }
 
 static void options(const void *instance, weft_option_fn *tell, void *ctx)
 {
-    static const char *const names[] = { "auto", "jacobi", "multigrid" };
     const stiff_stepper *self = instance;
     if (self->linear != NULL) {
-        char text[32];
-        (void)snprintf(text, sizeof text, "%.15g", self->krylov);
-        if (strtod(text, NULL) != self->krylov) {
-            (void)snprintf(text, sizeof text, "%.17g", self->krylov);
-        }
-        tell(ctx, "krylov", text);
-        tell(ctx, "preconditioner", names[self->preconditioner]);
-        tell(ctx, "jacobian", "step");
+        weft__linear_tell(&self->settings, tell, ctx);
     }
 }
 

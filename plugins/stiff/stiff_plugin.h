@@ -30,8 +30,7 @@ typedef struct stiff_stepper {
     weft_stepper_stats stats;
     weft__spectrum spectrum; /* of rkc2 */
     weft__linear *linear;    /* NULL: of rkc2 */
-    weft_preconditioner preconditioner;
-    double krylov;
+    weft_linear settings;    /* complete */
 
     bool carries; /* f is that of the t and y that the next attempt starts from */
     bool fresh;   /* the Jacobian, too */

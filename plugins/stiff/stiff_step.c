@@ -102,9 +102,8 @@ weft_status weft__stiff_step(void *instance, double t_end, double *t, double *y,
 {
     stiff_stepper *self = instance;
     const double rest = t_end - *t;
-    if (!(rest > 0.0 && isfinite(rest))) {
-        return weft_error_set(err, WEFT_INVALID, "%s: a step from %.17g s to %.17g s",
-                              self->method->type.name, *t, t_end);
+    if (weft_stepper_check_end(&self->method->type, *t, t_end, err) != WEFT_OK) {
+        return WEFT_INVALID;
     }
     double most = (double)INFINITY, h = 0.0;
     for (bool rejected = false;; rejected = true) {

@@ -6,21 +6,6 @@
 
 enum { KRYLOV_MOST = 30 }; /* vectors of GMRES */
 
-/* 0 stands for the default, NaN for nothing. */
-const char *weft__sun_linear_mistake(const weft_stepper_config *config)
-{
-    const weft_linear *c = weft_stepper_linear(config);
-    return c == NULL                                ? NULL
-           : !(c->krylov >= 0.0 && c->krylov < 1.0) ? "krylov must be > 0 and < 1"
-           : (int)c->preconditioner < WEFT_PRECONDITIONER_AUTO
-                   || c->preconditioner > WEFT_PRECONDITIONER_MULTIGRID
-               ? "unknown preconditioner"
-           : (int)c->jacobian < WEFT_JACOBIAN_DEFAULT
-                   || c->jacobian > WEFT_JACOBIAN_NEWTON
-               ? "unknown jacobian"
-               : NULL;
-}
-
 static int krylov_vectors(size_t dim)
 {
     return dim < KRYLOV_MOST ? (int)dim : KRYLOV_MOST;
@@ -103,15 +88,15 @@ static int solver_solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x,
         return SUNLS_CONV_FAIL;
     }
     int fresh = 0;
-    if ((gamma != self->gamma || self->every_iteration)
-        && weft__sun_linearise(self, self->t, self->y, !self->every_iteration, &fresh,
-                               gamma)
-               != 0) {
+    const bool anew = self->settings.jacobian == WEFT_JACOBIAN_NEWTON;
+    if ((gamma != self->gamma || anew)
+        && weft__sun_linearise(self, self->t, self->y, !anew, &fresh, gamma) != 0) {
         return SUNLS_CONV_FAIL;
     }
     double *r = weft__sun_fill(x);
     weft__sun_read(b, r);
-    return weft__linear_solve(self->linear, self->tolerance, r) ? 0 : SUNLS_CONV_FAIL;
+    return weft__linear_solve(self->linear, self->settings.krylov, r) ? 0
+                                                                      : SUNLS_CONV_FAIL;
 }
 
 static int solver_free(SUNLinearSolver solver)
@@ -142,16 +127,12 @@ weft_status weft__sun_equations_create(sun_equations *self, N_Vector like,
     const weft_structure *structure = weft_stepper_structure(config);
     const weft_allocator memory = weft_stepper_memory(config);
     weft_status status = WEFT_OK;
-    const weft_linear *given = weft_stepper_linear(config);
-    self->tolerance = given != NULL && given->krylov > 0.0 ? given->krylov : tolerance;
-    self->preconditioner
-        = given != NULL ? given->preconditioner : WEFT_PRECONDITIONER_AUTO;
-    self->every_iteration = given != NULL && given->jacobian == WEFT_JACOBIAN_NEWTON;
+    self->settings = weft__linear_settings(config, tolerance);
     if (structure == NULL) {
         const int most = krylov_vectors((size_t)NV_LENGTH_S(like));
         self->solver = SUNLinSol_SPGMR(like, SUN_PREC_NONE, most, like->sunctx);
     } else {
-        status = weft__linear_create(structure, self->preconditioner, &memory,
+        status = weft__linear_create(structure, self->settings.preconditioner, &memory,
                                      &self->linear, err);
         self->matrix = make_matrix(like->sunctx);
         self->solver = make_solver(self, like->sunctx);
@@ -194,18 +175,14 @@ void weft__sun_count_equations(const sun_equations *self, weft_stepper_stats *st
     }
 }
 
-static const char *const preconditioners[] = { "auto", "jacobi", "multigrid" };
-
 void weft__sun_tell_equations(const sun_equations *self, weft_option_fn *tell,
                               void *ctx)
 {
     if (self->linear == NULL) {
         tell(ctx, "linear_solver", "gmres");
-        weft__sun_tell(tell, ctx, "krylov_vectors", KRYLOV_MOST);
+        weft__tell_number(tell, ctx, "krylov_vectors", KRYLOV_MOST);
     } else {
         tell(ctx, "linear_solver", "conjugate_gradients");
-        weft__sun_tell(tell, ctx, "krylov", self->tolerance);
-        tell(ctx, "preconditioner", preconditioners[self->preconditioner]);
-        tell(ctx, "jacobian", self->every_iteration ? "newton" : "step");
+        weft__linear_tell(&self->settings, tell, ctx);
     }
 }

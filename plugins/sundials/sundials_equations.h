@@ -15,9 +15,7 @@
 
 typedef struct sun_equations {
     weft__linear *linear; /* NULL: the structure is not known */
-    double tolerance;     /* to which part the residual is reduced */
-    weft_preconditioner preconditioner;
-    bool every_iteration; /* J is that of the iterate, else that of the prediction */
+    weft_linear settings; /* complete; a Jacobian of each step is the prediction's */
     double t;             /* of the last RHS call, and its state */
     N_Vector y;
     double gamma; /* [s] of the matrix */
@@ -28,13 +26,12 @@ typedef struct sun_equations {
     void *owner;
 } sun_equations;
 
-/* The fault of config->linear, or NULL; max_order is left to the method. */
-const char *weft__sun_linear_mistake(const weft_stepper_config *config);
-
 /* The vectors that the equations of dim numbers take. */
 int weft__sun_equations_vectors(size_t dim, const weft_stepper_config *config);
 
-/* Fills *self but for current_gamma and owner. After a failure, as in the end, destroy.
+/* `tolerance`: to which part the residual is
+ * reduced, unless config->linear says. Fills *self but for current_gamma and owner.
+ * After a failure, as in the end, destroy.
  */
 weft_status weft__sun_equations_create(sun_equations *self, N_Vector like,
                                        double tolerance,

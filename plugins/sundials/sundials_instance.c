@@ -6,49 +6,16 @@
 #include <math.h>
 #include <stdlib.h>
 
-static bool positive(double x)
-{
-    return x > 0.0 && isfinite(x);
-}
-
-/* The fault of the numbers of error control, or NULL. NaN fails every comparison. */
-static const char *adaptive_mistake(const weft_stepper_config *c)
-{
-    return c->norm != WEFT_NORM_MAX && c->norm != WEFT_NORM_RMS ? "unknown norm"
-           : !(c->rtol >= 0.0 && isfinite(c->rtol))             ? "rtol must be >= 0"
-           : !positive(c->atol_position)   ? "atol_position must be > 0 m"
-           : !positive(c->atol_velocity)   ? "atol_velocity must be > 0 m/s"
-           : !positive(c->first_step)      ? "first_step must be > 0 s"
-           : !positive(c->min_step)        ? "min_step must be > 0 s"
-           : !(c->max_step >= c->min_step) ? "max_step must be >= min_step"
-                                           : NULL;
-}
-
 const char *weft__sun_mistake(const weft_stepper_type *type, const weft_ode *ode,
-                              const weft_stepper_config *c)
+                              const weft_stepper_config *config)
 {
-    if (c->struct_size < WEFT_STEPPER_CONFIG_LEAST) {
-        return "config of an older version";
-    }
-    const size_t half = weft_stepper_half(ode, c);
-    const weft_structure *structure = weft_stepper_structure(c);
-    const bool adaptive = c->fixed_step == 0.0;
-    const char *alone = weft_stepper_agree_mistake(type->flags, c);
-    return ode->rhs == NULL ? "no right-hand side"
-           : half == 0      ? "dim less the quadratures must be even and > 0"
-           : ode->dim > 2 * half && (type->flags & WEFT_STEPPER_QUADRATURES) == 0
-               ? "takes no quadratures"
-           : structure != NULL && structure->particles != half / 3
+    const char *wrong = weft_stepper_mistake(type, ode, config);
+    const weft_structure *structure
+        = wrong == NULL ? weft_stepper_structure(config) : NULL;
+    return structure != NULL
+                   && structure->particles != weft_stepper_half(ode, config) / 3
                ? "structure of another ode"
-           : !adaptive && !positive(c->fixed_step)
-               ? "fixed_step must be > 0 s, or 0 for adaptive steps"
-           : !adaptive && (type->flags & WEFT_STEPPER_ADAPTIVE_ONLY) != 0
-               ? "takes no fixed_step: it chooses every step by the tolerances"
-           : adaptive && (type->flags & WEFT_STEPPER_FIXED_ONLY) != 0
-               ? "has no error estimate: it needs fixed_step"
-           : alone != NULL ? alone
-           : adaptive      ? adaptive_mistake(c)
-                           : NULL;
+               : wrong;
 }
 
 /* 32 KiB for tables and all else that does not grow with the state. Much of SUNDIALS
@@ -106,18 +73,6 @@ void weft__sun_stats(const weft_stepper_stats *stats, double next_step,
                      weft_stepper_stats *out)
 {
     weft_stepper_stats whole = *stats;
-    whole.struct_size = out->struct_size; /* an older caller's struct is shorter */
     whole.next_step = next_step;
-    memcpy(out, &whole,
-           out->struct_size < sizeof whole ? out->struct_size : sizeof whole);
-}
-
-void weft__sun_tell(weft_option_fn *tell, void *ctx, const char *name, double value)
-{
-    char text[32];
-    int digits = 15;
-    do {
-        (void)snprintf(text, sizeof text, "%.*g", digits, value);
-    } while (strtod(text, NULL) != value && ++digits <= 17);
-    tell(ctx, name, text);
+    weft_stepper_stats_copy(&whole, out);
 }

@@ -65,9 +65,6 @@ void weft__sun_silent(int code, const char *module, const char *function, char *
 void weft__sun_stats(const weft_stepper_stats *stats, double next_step,
                      weft_stepper_stats *out);
 
-/* An option, with the fewest digits that are read back as the same number. */
-void weft__sun_tell(weft_option_fn *tell, void *ctx, const char *name, double value);
-
 /* ---- vector.c -------------------------------------------------------------------- */
 
 /* Vectors of one linear combination: the stages of a table and y. */

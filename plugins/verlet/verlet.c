@@ -205,33 +205,15 @@ static int velocity_verlet(stepper *self, double t, double h, double *y)
     return 0;
 }
 
-static weft_status check(const weft_stepper_type *type, const weft_ode *ode,
-                         const weft_stepper_config *config, weft_error *err)
-{
-    const char *wrong = NULL;
-    if (weft_stepper_half(ode, config) == 0 || ode->dim > SIZE_MAX / 64) {
-        wrong = "the state must be an even count of numbers, and quadratures";
-    } else if (config->struct_size < WEFT_STEPPER_CONFIG_LEAST
-               || config->butcher != NULL) {
-        wrong = "config of another version, or with a Butcher table";
-    } else if (!(config->fixed_step > 0.0) || !isfinite(config->fixed_step)) {
-        wrong = "no error control: needs a fixed_step > 0 s";
-    } else {
-        wrong = weft_stepper_agree_mistake(type->flags, config);
-    }
-    return wrong == NULL
-               ? WEFT_OK
-               : weft_error_set(err, WEFT_INVALID, "%s: %s", type->name, wrong);
-}
-
 static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
                           const weft_stepper_config *config, void **out,
                           weft_error *err)
 {
+    const char *wrong = weft_stepper_mistake(type, ode, config);
+    wrong = wrong == NULL && ode->dim > SIZE_MAX / 64 ? "dim is too large" : wrong;
     *out = NULL;
-    const weft_status status = check(type, ode, config, err);
-    if (status != WEFT_OK) {
-        return status;
+    if (wrong != NULL) {
+        return weft_error_set(err, WEFT_INVALID, "%s: %s", type->name, wrong);
     }
     const weft_allocator memory = weft_stepper_memory(config);
     const size_t arrays = 3 * ode->dim * sizeof(double);
@@ -294,9 +276,7 @@ static void ode_changed(void *instance)
 static void stats(const void *instance, weft_stepper_stats *out)
 {
     const stepper *self = instance;
-    const uint32_t size = out->struct_size; /* an older caller's struct is shorter */
-    memcpy(out, &self->stats, size < sizeof *out ? size : sizeof *out);
-    out->struct_size = size;
+    weft_stepper_stats_copy(&self->stats, out);
 }
 
 static void destroy(void *instance)

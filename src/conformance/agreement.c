@@ -136,7 +136,9 @@ static void *steps(void *run)
     for (int p = 0; p < PARTS; ++p) {
         put_part(weft__model_start, p, y);
     }
-    memcpy(y, r->meeting == NULL ? y : weft__model_start, DIM * sizeof *y);
+    if (r->meeting != NULL) {
+        memcpy(y, weft__model_start, sizeof weft__model_start);
+    }
     const model before[PARTS] = { r->models[0], r->models[1] };
     for (int i = 0; i < STEPS; ++i) {
         outcome *o = &r->outcomes[i];
