@@ -366,7 +366,7 @@ include install.mk
 # ---- care ------------------------------------------------------------------------
 
 C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] src/*/*/*.[ch] plugins/*/*.[ch] tests/*.[ch] \
-                     tests/verify/*.[ch] tests/broken/*.c tests/promises/*.c tests/fuzz/*.[ch] examples/*.c bench/*.[ch] bench/levels/*.[ch] bench/guard/*.c)
+                     tests/verify/*.[ch] tests/broken/*.c tests/promises/*.c tests/fuzz/*.[ch] examples/*.[ch] bench/*.[ch] bench/levels/*.[ch] bench/guard/*.c)
 
 lint:
 	@tools/lint $(C_FILES)
@@ -399,13 +399,13 @@ coverage:
 
 # Races between threads: of a simulation, of simulations, and of the steppers alone.
 # Those of simulations in one process each: forks after threads are not for the sanitizer.
-TSAN_TESTS := threads embed steppers sundials_vector
+TSAN_TESTS := threads bands bands_ends embed steppers sundials_vector
 TSAN_RUN := build/tsan/tests/run
 
 tsan:
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/tsan CFLAGS='-O1 -g1' SAN='-fsanitize=thread' \
 	    TESTS='$(TSAN_TESTS)' PARTS=conformance $(TSAN_RUN)
-	CK_FORK=no $(TSAN_RUN) threads
+	CK_FORK=no $(TSAN_RUN) threads bands bands_ends
 	CK_FORK=no CK_RUN_CASE=threads $(TSAN_RUN) embed
 	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads $(TSAN_RUN) sundials_vector steppers
 

@@ -28,7 +28,7 @@ typedef struct thread_band {
 typedef struct thread_bands {
     pthread_barrier_t barrier;
     int size;
-    thread_band band[];
+    thread_band *band;
 } thread_bands;
 
 static inline void thread_bands_wait(thread_bands *all)
@@ -118,19 +118,22 @@ static inline void thread_bands_stop(void *self, int code)
     _Exit(code);
 }
 
-/* NULL: no memory. The struct ends with an array of one element for each thread. */
+/* NULL: no memory. */
 static inline thread_bands *thread_bands_create(int size)
 {
-    thread_bands *all
-        = (thread_bands *)calloc(1, sizeof *all + (size_t)size * sizeof(thread_band));
-    if (all == NULL || pthread_barrier_init(&all->barrier, NULL, (unsigned)size) != 0) {
+    thread_bands *all = (thread_bands *)calloc(1, sizeof *all);
+    thread_band *band = (thread_band *)calloc((size_t)size, sizeof *band);
+    if (all == NULL || band == NULL
+        || pthread_barrier_init(&all->barrier, NULL, (unsigned)size) != 0) {
+        free(band);
         free(all);
         return NULL;
     }
     all->size = size;
+    all->band = band;
     for (int i = 0; i < size; ++i) {
-        all->band[i].all = all;
-        all->band[i].rank = i;
+        band[i].all = all;
+        band[i].rank = i;
     }
     return all;
 }
@@ -139,6 +142,7 @@ static inline void thread_bands_destroy(thread_bands *all)
 {
     if (all != NULL) {
         (void)pthread_barrier_destroy(&all->barrier);
+        free(all->band);
         free(all);
     }
 }

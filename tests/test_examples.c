@@ -155,6 +155,21 @@ START_TEST(plugin_of_one_file_reaches_its_tolerance_at_a_fair_price)
 }
 END_TEST
 
+START_TEST(bands_have_the_bits_of_the_whole_cloth)
+{
+    char whole[20], part[20];
+    int bands;
+    expect(shell(EXAMPLE("bands") " 2>&1"), 0);
+    ck_assert_uint_eq(lines(), 3);
+    for (int i = 0; i < 3; ++i) {
+        ck_assert_int_eq(
+            sscanf(line(i), "%d bands: state %16s", &bands, i == 0 ? whole : part), 2);
+        ck_assert_int_eq(bands, i + 1);
+        ck_assert_str_eq(i == 0 ? whole : part, whole);
+    }
+}
+END_TEST
+
 START_TEST(same_run_in_two_threads_has_the_same_bits)
 {
     char before[200] = "";
@@ -222,6 +237,7 @@ TEST_SUITE(examples)
     tcase_add_test(tcase, own_stepper_is_of_order_4);
     tcase_add_test(tcase, plugin_of_one_file_keeps_every_promise);
     tcase_add_test(tcase, plugin_of_one_file_reaches_its_tolerance_at_a_fair_price);
+    tcase_add_test(tcase, bands_have_the_bits_of_the_whole_cloth);
     tcase_add_test(tcase, same_run_in_two_threads_has_the_same_bits);
 #ifdef HAVE_ARKODE
     tcase_add_test(tcase, restored_simulation_ends_in_the_same_state);

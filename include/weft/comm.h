@@ -62,10 +62,11 @@ typedef struct weft_comm {
 
     /* `bytes` of each band, which may differ from band to band, one after another in
      * the order of the bands, to band 0, whose `all` has room for them; the others' all
-     * is not looked at. */
+     * is not looked at. Both, as bytes of share, may be more than 2^31 bytes, or 0. */
     void (*gather)(void *self, const void *mine, size_t bytes, void *all);
 
-    /* Ends all bands at once, with an exit code; does not return. Not collective. */
+    /* Ends all bands at once, with an exit code; does not return. Not collective. For
+     * programs: libweft never calls it. */
     void (*stop)(void *self, int code);
 } weft_comm;
 

@@ -189,9 +189,25 @@ typedef struct weft_sim_def {
     const weft_allocator *allocator; /* also for the stepper; NULL: malloc's */
     weft_stop_fn *stop;              /* NULL: none */
     void *stop_ctx;
-    const weft_comm *comm; /* joins the bands of a cloth; the cloth is this one's band
-                              (weft_cloth_def.band_rows). NULL: the cloth is whole */
+    const weft_comm *comm; /* joins the bands of a cloth, and must outlive the
+                              simulation; the cloth is this band. NULL: it is whole */
 } weft_sim_def;
+
+/* One cloth in bands (weft/comm.h, docs/embedding.md): each band has a simulation, with
+ * the same definition but for its cloth (weft_cloth_def.band_first, band_rows, from
+ * weft_comm_band) and its comm. The bits are those of the whole cloth on any number of
+ * bands.
+ *
+ * These functions are collective -- all bands call them in the same order with the same
+ * arguments -- and return the same to all, about the whole cloth, with its indices:
+ * weft_sim_create, step, advance, play, restart, save, restore, measure, ledger,
+ * totals, stiffness and shape_load. So is weft_sim_failure after them. The state,
+ * positions, velocities and weft_sim_cloth have the rows of the band, which
+ * weft_cloth_band describes. Callbacks of weft_play must return the same on all bands;
+ * a `stop` of one stops all.
+ *
+ * WEFT_UNSUPPORTED: methods without WEFT_STEPPER_AGREES, the rms norm, a strain limit,
+ * a ledger, `correct`, `force`; functions that change the state, pins or shapes. */
 
 /* All energy gained and lost since t = 0, in [J]. Without a ledger in the definition
  * only `energy` is filled, and the rest is 0. */
@@ -313,6 +329,20 @@ WEFT_API weft_ledger weft_sim_ledger(const weft_sim *sim);
  * powers are 0: weft_cloth_power computes them. */
 WEFT_API weft_measures weft_sim_measure(const weft_sim *sim);
 
+typedef struct weft_totals {
+    size_t particles, pins, springs[WEFT_FAMILIES];
+    double mass; /* [kg] */
+} weft_totals;
+
+/* What weft_cloth_pins, weft_cloth_springs and weft_cloth_mass are of the whole cloth.
+ */
+WEFT_API weft_totals weft_sim_totals(const weft_sim *sim);
+
+/* weft_cloth_stiffness of the whole cloth, with the present pins and shapes; y: a state
+ * as weft_sim_state, or NULL. */
+WEFT_API weft_stiffness weft_sim_stiffness(const weft_sim *sim, double t,
+                                           const double *y);
+
 /* How often a step was taken back, and repeated with half its length, because a free
  * particle had got into a shape or may have passed through it, or because in fixed
  * steps a stage was in a shape. In weft_sim_stats, steps
@@ -399,14 +429,19 @@ WEFT_API weft_status weft_sim_restart(weft_sim *sim, weft_error *err);
  * Threads, allocators and log may differ; all other settings that matter are compared
  * by hashes. The caller must save the data of `correct` and `force`. The bytes contain
  * their version and a checksum; their number, weft_sim_save_size, changes only with the
- * number of shapes. Errors: WEFT_INVALID (size is less), those of weft_sim_restart. */
+ * number of shapes. Errors: WEFT_INVALID (size is less), those of weft_sim_restart.
+ *
+ * In bands the bytes are those of the whole cloth, as without bands, and only band 0
+ * gets them; `bytes` of the others is ignored. They can be restored on any other number
+ * of bands. */
 WEFT_API size_t weft_sim_save_size(const weft_sim *sim);
 WEFT_API weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size,
                                    weft_error *err);
 
 /* Errors: WEFT_INVALID with the reason (not a saved simulation, damaged or cut off, of
  * another version, grid or method, with or without a ledger unlike this one, of another
- * cloth or other settings, not finite), WEFT_NO_MEMORY. Then nothing changes. */
+ * cloth or other settings, not finite), WEFT_NO_MEMORY. Then nothing changes. In bands
+ * all need the bytes, of which they read the checksum and their own rows. */
 WEFT_API weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
                                       weft_error *err);
 

@@ -128,9 +128,7 @@ typedef struct grid_side {
 } grid_side;
 
 /* Bounds of w and of c from both sides, and three for each ratio c / k of springs and
- * of bending. */
-enum { SIDES_MAX = 3 + 3 * (WEFT_GROUPS + 1) };
-
+ * of bending: at most WEFT__SIDES. */
 static size_t sides_init(const weft_cloth *cloth, const double *y, grid_side *sides)
 {
     size_t count = 0;
@@ -202,32 +200,53 @@ static void cut(weft_stiffness *from, const grid_side *by)
     }
 }
 
-weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t, const double *y)
+void weft__stiffness_sides(const weft_cloth *cloth, double t, const double *y,
+                           double most[WEFT__SIDES])
 {
-    grid_side sides[SIDES_MAX];
+    grid_side sides[WEFT__SIDES];
     const size_t count = sides_init(cloth, y, sides);
     const weft__grip any = weft__grip_any(cloth);
-    for (size_t i = 0; i < cloth->particles; ++i) {
+    const size_t first = cloth->band.above * cloth->cols;
+    const size_t end = first + cloth->band.own * cloth->cols;
+    for (size_t s = 0; s < WEFT__SIDES; ++s) {
+        most[s] = -INFINITY;
+    }
+    for (size_t i = first; i < end; ++i) {
         if (cloth->pin[i] != 0) {
             continue;
         }
         node sum;
         gather(cloth, i, t, y, &any, &sum);
         for (size_t s = 0; s < count; ++s) {
-            sides[s].most = fmax(sides[s].most, node_bound(cloth, &sum, &sides[s]));
+            most[s] = fmax(most[s], node_bound(cloth, &sum, &sides[s]));
         }
     }
-    const bool moves = cloth->pinned < cloth->particles;
-    weft_stiffness bound = { .omega2 = moves ? sides[0].most : 0.0,
-                             .damping = moves ? sides[1].most : 0.0,
+}
+
+weft_stiffness weft__stiffness_within(const weft_cloth *cloth, const double *y,
+                                      const double most[WEFT__SIDES])
+{
+    grid_side sides[WEFT__SIDES];
+    const size_t count = sides_init(cloth, y, sides);
+    const bool moves = most[0] != -INFINITY; /* a particle that is not pinned */
+    weft_stiffness bound = { .omega2 = moves ? most[0] : 0.0,
+                             .damping = moves ? most[1] : 0.0,
                              .count = 4 };
     bound.corners[1][0] = bound.corners[2][0] = bound.omega2;
     bound.corners[2][1] = bound.corners[3][1] = bound.damping;
     const bool finite = isfinite(bound.omega2) && isfinite(bound.damping);
     for (size_t s = 2; moves && finite && s < count; ++s) {
+        sides[s].most = most[s];
         cut(&bound, &sides[s]);
     }
     return bound;
+}
+
+weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t, const double *y)
+{
+    double most[WEFT__SIDES];
+    weft__stiffness_sides(cloth, t, y, most);
+    return weft__stiffness_within(cloth, y, most);
 }
 
 /* ---- the power method --------------------------------------------------------------

@@ -170,6 +170,14 @@ void weft__start_position(const weft_cloth *cloth, size_t r, size_t c, double x[
  * with a single row or column counts as 1 m wide. */
 double weft__area(const weft_cloth *cloth, size_t r, size_t c);
 
+/* bounds.c: weft_cloth_stiffness in two parts: bounds in several directions, each the
+ * largest of the own particles; the polygon within them. */
+enum { WEFT__SIDES = 3 + 3 * (WEFT_GROUPS + 1) };
+void weft__stiffness_sides(const weft_cloth *cloth, double t, const double *y,
+                           double most[WEFT__SIDES]);
+weft_stiffness weft__stiffness_within(const weft_cloth *cloth, const double *y,
+                                      const double most[WEFT__SIDES]);
+
 /* cloth.c: [kg] of row r. */
 double weft__row_mass(const weft_cloth *cloth, size_t r);
 

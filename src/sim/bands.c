@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/bands.h"
 
+#include <assert.h>
 #include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
@@ -175,6 +176,35 @@ void weft__bands_put(const weft__forces *forces, const void *words, unsigned cha
     }
 }
 
+void weft__bands_sum(const weft__forces *forces, weft__numbers_fn *of, const void *ctx,
+                     size_t count, double *sum)
+{
+    const weft_band band = forces->cloth->band;
+    double *own = (double *)(void *)forces->measures;
+    assert(count * sizeof *own <= sizeof *forces->measures);
+    for (size_t r = 0; r < band.own; ++r) {
+        of(ctx, band.above + r, own + count * r);
+    }
+    const double *rows = weft__bands_rows(forces, own, count * sizeof *own);
+    memset(sum, 0, count * sizeof *sum);
+    for (size_t j = 0; rows != NULL && j < count * band.rows; ++j) {
+        sum[j % count] += rows[j];
+    }
+    weft__bands_share(forces->comm, sum, count * sizeof *sum);
+}
+
+void weft__bands_most(const weft__forces *forces, double *numbers, size_t count)
+{
+    const weft_comm *comm = forces->comm;
+    const double *of = (const double *)(const void *)forces->all;
+    assert(count * sizeof *numbers <= sizeof *forces->all); /* a row's room for each */
+    comm->gather(comm->self, numbers, count * sizeof *numbers, forces->all);
+    for (size_t j = 0; comm->rank == 0 && j < count * (size_t)comm->size; ++j) {
+        numbers[j % count] = fmax(numbers[j % count], of[j]);
+    }
+    comm->share(comm->self, numbers, count * sizeof *numbers);
+}
+
 uint64_t weft__bands_cloth_hash(const weft__forces *forces)
 {
     const weft_cloth *cloth = forces->cloth;
@@ -279,22 +309,9 @@ int weft__bands_rhs(const weft__forces *forces, const weft__subject *of, double 
 
 /* ---- shapes ---------------------------------------------------------------------- */
 
-static void number_in_whole(const weft__forces *forces, weft__breach *breach)
+void weft__bands_deepest(const weft_comm *comm, weft__breach *breach)
 {
-    breach->particle = weft__whole_index(forces->cloth, breach->particle);
-}
-
-void weft__bands_first_breach(const weft__forces *forces, weft__breach *breach)
-{
-    number_in_whole(forces, breach);
-    (void)weft__bands_first(forces->comm, breach->found, breach, sizeof *breach);
-}
-
-void weft__bands_deepest(const weft__forces *forces, weft__breach *breach)
-{
-    const weft_comm *comm = forces->comm;
     const double far = 0x1p53;
-    number_in_whole(forces, breach);
     if (comm == NULL) {
         return;
     }

@@ -52,10 +52,18 @@ void weft__bands_put(const weft__forces *forces, const void *words, unsigned cha
 /* As weft_cloth_rhs in own rows; x' and the other bands' v' in ghost rows. */
 int weft__bands_rhs(const weft__forces *forces, const weft__subject *of, double *dydt);
 
-/* Of all bands, with the particle's number in the whole cloth: the deepest of those in
- * the last right-hand side that all could evaluate; the first. */
-void weft__bands_deepest(const weft__forces *forces, weft__breach *breach);
-void weft__bands_first_breach(const weft__forces *forces, weft__breach *breach);
+/* Of what the bands found, with its number in the whole cloth, the deepest breach in
+ * the last right-hand side that all could evaluate. */
+void weft__bands_deepest(const weft_comm *comm, weft__breach *breach);
+
+/* The sum of `count` numbers, as many as fit in weft_measures, over all rows in their
+ * order: `of` writes those of row r. */
+typedef void weft__numbers_fn(const void *ctx, size_t r, double *numbers);
+void weft__bands_sum(const weft__forces *forces, weft__numbers_fn *of, const void *ctx,
+                     size_t count, double *sum);
+
+/* The largest of all bands of each of so many numbers, of either sign. */
+void weft__bands_most(const weft__forces *forces, double *numbers, size_t count);
 
 /* weft__cloth_hash of the whole. */
 uint64_t weft__bands_cloth_hash(const weft__forces *forces);

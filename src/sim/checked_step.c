@@ -5,6 +5,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "cloth/model.h"
 #include "sim/bands.h"
 #include "sim/simulation.h"
 
@@ -56,14 +57,16 @@ static weft_status attempt(weft_sim *sim, double t0, double end, bool *again,
         = sim->def.method->step(sim->stepper, end, &sim->t, sim->y, why);
     *again = false;
     if (status != WEFT_OK) {
-        weft__bands_deepest(&sim->forces, &sim->refused);
+        weft__bands_deepest(sim->def.comm, &sim->refused);
         *again = sim->refused.found = failed_in_shape(sim, status);
         return status;
     }
     const weft__path path = { t0, sim->t, sim->start, sim->y };
     if (!weft__bands_all(sim->def.comm, weft__path_clear(&sim->forces, &path))) {
         sim->refused = weft__path_breach(sim->cloth, &path);
-        weft__bands_first_breach(&sim->forces, &sim->refused);
+        sim->refused.particle = weft__whole_index(sim->cloth, sim->refused.particle);
+        (void)weft__bands_first(sim->def.comm, sim->refused.found, &sim->refused,
+                                sizeof sim->refused);
         take_back(sim, t0);
         *again = true;
     } else {

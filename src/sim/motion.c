@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "cloth/model.h"
 #include "sim/simulation.h"
 
 /* v' += f / m of the free particles; the power f.v [W] of all of them, row by row. */
@@ -38,6 +39,7 @@ static void note_breach(weft_sim *sim, double t, const double *y, int failed)
     } else if (sim->def.comm == NULL
                || weft__all_finite(y, weft_cloth_dim(sim->cloth))) {
         sim->refused = weft__state_breach(sim->cloth, t, y);
+        sim->refused.particle = weft__whole_index(sim->cloth, sim->refused.particle);
         sim->refused.call = call;
     }
 }

@@ -8,6 +8,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "cloth/model.h"
 #include "cloth/pins.h"
 #include "cloth/rows.h"
 #include "plugin/methods.h"
@@ -328,6 +329,43 @@ weft_measures weft_sim_measure(const weft_sim *sim)
     const weft__subject of = { .cloth = sim->cloth, .t = sim->t, .y = sim->y };
     weft__row_fn *row = sim->ledger.on ? weft__row_all : weft__row_state;
     return weft__forces_measure(&sim->forces, &of, row);
+}
+
+/* Of a band its first row has the counts. */
+static void count_row(const void *ctx, size_t r, double *numbers)
+{
+    const weft_cloth *cloth = ctx;
+    const bool counts = r == cloth->band.above;
+    numbers[0] = weft__row_mass(cloth, r);
+    numbers[1] = counts ? (double)weft_cloth_pins(cloth) : 0.0;
+    for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
+        numbers[2 + k]
+            = counts ? (double)weft_cloth_springs(cloth, (weft_family)k) : 0.0;
+    }
+}
+
+weft_totals weft_sim_totals(const weft_sim *sim)
+{
+    double sum[2 + WEFT_FAMILIES];
+    weft__bands_sum(&sim->forces, count_row, sim->cloth, 2 + WEFT_FAMILIES, sum);
+    weft_totals out = { .particles = sim->cloth->band.rows * sim->cloth->cols,
+                        .pins = (size_t)sum[1],
+                        .mass = sum[0] };
+    for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
+        out.springs[k] = (size_t)sum[2 + k];
+    }
+    return out;
+}
+
+weft_stiffness weft_sim_stiffness(const weft_sim *sim, double t, const double *y)
+{
+    const weft_comm *comm = sim->def.comm;
+    double most[WEFT__SIDES];
+    weft__stiffness_sides(sim->cloth, t, y, most);
+    if (comm != NULL) {
+        weft__bands_most(&sim->forces, most, WEFT__SIDES);
+    }
+    return weft__stiffness_within(sim->cloth, y, most);
 }
 
 weft_stepper_stats weft_sim_stats(const weft_sim *sim)

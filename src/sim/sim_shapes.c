@@ -129,22 +129,24 @@ weft_status weft_sim_remove_shape(weft_sim *sim, size_t k, weft_error *err)
     return status;
 }
 
+typedef struct pressed {
+    weft__subject of;
+    size_t k;
+} pressed;
+
+static void row_load(const void *ctx, size_t r, double *load)
+{
+    const pressed *shape = ctx;
+    weft__row_load(&shape->of, r, shape->k, load);
+}
+
 void weft_sim_shape_load(const weft_sim *sim, size_t k, double force[3],
                          double torque[3])
 {
-    const weft__subject of = { .cloth = sim->cloth, .t = sim->t, .y = sim->y };
-    const weft_band band = sim->cloth->band;
-    double *own = (double *)(void *)sim->forces.measures, load[WEFT__LOAD] = { 0.0 };
-    for (size_t r = 0; r < band.own; ++r) {
-        weft__row_load(&of, band.above + r, k, own + WEFT__LOAD * r);
-    }
-    const double *row = weft__bands_rows(&sim->forces, own, WEFT__LOAD * sizeof *own);
-    for (size_t r = 0; row != NULL && r < band.rows; ++r, row += WEFT__LOAD) {
-        for (size_t j = 0; j < WEFT__LOAD; ++j) {
-            load[j] += row[j];
-        }
-    }
-    weft__bands_share(sim->def.comm, load, sizeof load);
+    const pressed shape
+        = { .of = { .cloth = sim->cloth, .t = sim->t, .y = sim->y }, .k = k };
+    double load[WEFT__LOAD];
+    weft__bands_sum(&sim->forces, row_load, &shape, WEFT__LOAD, load);
     memcpy(force, load, 3 * sizeof *force);
     memcpy(torque, load + 3, 3 * sizeof *torque);
 }
