@@ -62,6 +62,12 @@ mpi = $(shell pkg-config --$(1) mpi-c 2>/dev/null || mpicc --showme:$(2) 2>/dev/
 MPI_INC := $(if $(call has,arkode/arkode_erkstep.h),,$(patsubst -I%,-isystem %,$(call mpi,cflags,compile)))
 MPI_LIBS := $(if $(MPI_INC),$(call mpi,libs,link))
 HAVE_ARKODE := $(call has,arkode/arkode_erkstep.h)
+# weft-mpi.so alone is linked with MPI, that of mpicc; a cross compiler links none.
+MPI_CFLAGS ?= $(patsubst -I%,-isystem %,$(call mpi,cflags,compile))
+MPI_LINK ?= $(call mpi,libs,link)
+links = $(shell echo 'int MPI_Finalize(void); int main(void) { return MPI_Finalize(); }' | \
+    $(CC) -x c - -o /dev/null $(MPI_LINK) 2>/dev/null && echo yes)
+HAVE_MPI := $(if $(call has,mpi.h,$(MPI_CFLAGS)),$(links))
 HAVE_CVODE := $(call has,cvode/cvode.h)
 # SUNDIALS 7 has a library more.
 HAVE_SUNDIALS_7 := $(call has,sundials/sundials_errors.h)
@@ -86,6 +92,8 @@ LIB_LIBS := -lyaml -ldl -lm -pthread $(LDLIBS)
 
 PLUGINS := verlet stiff $(if $(HAVE_GSL),gsl) $(if $(HAVE_ARKODE),arkode) $(if $(HAVE_CVODE),cvode)
 PLUGIN_SO := $(PLUGINS:%=$(BUILD)/plugins/weft-%.so)
+# Found as plugins are, but none.
+MPI_SO := $(if $(HAVE_MPI),$(BUILD)/plugins/weft-mpi.so)
 LIBS_gsl := -lgsl -lgslcblas -lm
 LIBS_verlet := -lm
 LIBS_stiff := -lm
@@ -119,12 +127,13 @@ EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(filter-out examples/we
 .DELETE_ON_ERROR:
 .SECONDARY:
 
-all: $(BUILD)/libweft.so $(BUILD)/libweft.a $(BUILD)/weft $(PLUGIN_SO) skipped
+all: $(BUILD)/libweft.so $(BUILD)/libweft.a $(BUILD)/weft $(PLUGIN_SO) $(MPI_SO) skipped
 
 .PHONY: skipped
 skipped:
 	@$(if $(HAVE_GSL),:,echo "plugin gsl skipped: gsl/gsl_odeiv2.h not found (package libgsl-dev)")
 	@$(if $(HAVE_ARKODE),:,echo "plugin arkode skipped: arkode/arkode_erkstep.h not found (package libsundials-dev)")
+	@$(if $(HAVE_MPI),:,echo "weft-mpi.so skipped (weft run --bands): mpicc not found (package libopenmpi-dev)")
 	@$(if $(HAVE_CVODE),:,echo "plugin cvode skipped: cvode/cvode.h not found (package libsundials-dev)")
 
 # ---- library and program ---------------------------------------------------------
@@ -181,6 +190,11 @@ $(BUILD)/plugins/weft-$(1).so: $$(PLUGIN_OBJ_$(1))
 	$$(call say,LD)$$(LINK) -shared $$(call soname,weft-$(1).so) -o $$@ $$^ $$(LIBS_$(1)) $$(LDLIBS)
 endef
 $(foreach p,$(PLUGINS),$(eval $(call PLUGIN_RULE,$(p))))
+
+$(BUILD)/src/mpi/comm_mpi.o: INCS += $(MPI_CFLAGS)
+$(BUILD)/plugins/weft-mpi.so: $(BUILD)/src/mpi/comm_mpi.o
+	@mkdir -p $(@D)
+	$(call say,LD)$(LINK) -shared $(call soname,weft-mpi.so) -o $@ $^ $(MPI_LINK) $(LDLIBS)
 
 # Loops over whole states, which gcc does not vectorise at -O2.
 $(BUILD)/plugins/sundials/sundials_arithmetic.o $(BUILD)/plugins/gsl/gsl_control.o $(BUILD)/plugins/verlet/verlet.o \

@@ -85,6 +85,12 @@ static inline bool weft_comm_band(size_t rows, size_t rank, size_t size, size_t 
     return true;
 }
 
+/* Collective: WEFT_OK if all bands have it; else the status and the error of the first
+ * band that has another, for all. Nothing between two calls of a comm may end one band
+ * alone. comm NULL: the status. */
+WEFT_API weft_status weft_comm_agree(const weft_comm *comm, weft_status status,
+                                     weft_error *err);
+
 #ifdef __cplusplus
 }
 #endif

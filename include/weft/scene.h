@@ -72,6 +72,9 @@ typedef struct weft_scene_def {
     /* NULL: malloc's. libyaml's reading and writing, and a weft_sweep itself, always
      * use malloc. */
     const weft_allocator *allocator;
+
+    size_t bands; /* of the cloth (weft/comm.h): what does not run in so many bands is a
+                     mistake. 0 or 1: the cloth is whole */
 } weft_scene_def;
 
 WEFT_API weft_scene_def weft_scene_def_default(void);

@@ -51,8 +51,13 @@ WEFT_API weft_status weft_registry_load(weft_registry *registry, const char *fil
 WEFT_API weft_status weft_registry_find(weft_registry *registry, const char *id,
                                         const weft_plugin **out, weft_error *err);
 
-/* Loads every weft-*.so of the search path. A refused plugin is reported to `refused`
- * (unless NULL) and skipped. */
+/* The file weft-<id>.so of the search path, a plugin or not, into file[size]. Errors:
+ * WEFT_BAD_PLUGIN; the message lists the directories searched. */
+WEFT_API weft_status weft_registry_locate(const weft_registry *registry, const char *id,
+                                          char *file, size_t size, weft_error *err);
+
+/* Loads every weft-*.so of the search path but weft-mpi.so, which is no plugin. A
+ * refused plugin is reported to `refused` (unless NULL) and skipped. */
 WEFT_API weft_status weft_registry_load_all(weft_registry *registry,
                                             void (*refused)(void *ctx,
                                                             const weft_error *why),

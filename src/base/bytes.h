@@ -43,6 +43,27 @@ static inline double weft__real_at(const unsigned char *from)
     return value;
 }
 
+/* In single precision, half a word. */
+static inline void weft__single_put(unsigned char *to, float value)
+{
+    uint32_t half;
+    memcpy(&half, &value, sizeof half);
+    for (unsigned k = 0; k < WEFT__WORD / 2; ++k) {
+        to[k] = (unsigned char)(half >> (8 * k));
+    }
+}
+
+static inline float weft__single_at(const unsigned char *from)
+{
+    uint32_t half = 0;
+    float value;
+    for (unsigned k = 0; k < WEFT__WORD / 2; ++k) {
+        half |= (uint32_t)from[k] << (8 * k);
+    }
+    memcpy(&value, &half, sizeof value);
+    return value;
+}
+
 /* Numbers of 64 bits, doubles or integers. */
 static inline void weft__words_put(unsigned char *to, const void *from, size_t words)
 {

@@ -41,7 +41,7 @@ typedef enum progress_mode {
 /* The command line of a verb. */
 typedef struct options {
     const char *plugin_path, *out, *frames, *format, *frame, *progress, *tolerance;
-    const char *timeout, *shard, *methods, *until, *sizes;
+    const char *timeout, *shard, *methods, *until, *sizes, *bands;
     size_t jobs; /* 0: not given */
     const char **sets, **ats;
     size_t set_count, at_count;
@@ -51,6 +51,7 @@ typedef struct options {
     char **operands;    /* the rest of argv */
     int operand_count;
     weft_registry *registry; /* from open_registry */
+    const weft_comm *comm;   /* of the bands; NULL: one process has the whole cloth */
 } options;
 
 /* A table for getopt_long: each option fills a member of struct options, a bool or a
@@ -110,8 +111,9 @@ int usage_choice(const verb *self, const char *option, const char *typed,
 int report_error(const weft_error *err);
 
 /* A registry that looks in --plugin-path, WEFT_PLUGIN_PATH, beside the program and in
- * the installed directory. NULL after printing why. */
-weft_registry *open_registry(const char *plugin_path);
+ * the installed directory. `trial`: plugins are loaded in a child process first. NULL
+ * after printing why. */
+weft_registry *open_registry(const char *plugin_path, bool trial);
 
 /* Loads all plugins it finds and warns of refused ones; later calls do nothing.
  * WEFT_BAD_PLUGIN if there are none. */
@@ -167,12 +169,13 @@ weft_status frames_have_room(const weft_scene *scene, weft_error *err);
 /* records.c: the optional columns of series.csv in runs of a scene: RECORD_... */
 unsigned series_columns(const weft_scene *scene);
 
-/* A simulation of that cloth as the scene, which is supported, defines it. */
+/* A simulation of that cloth as the scene, which is supported, defines it. comm: the
+ * cloth is a band; else NULL. */
 weft_status sim_create(const weft_scene *scene, const weft_cloth *cloth, weft_sim **sim,
                        weft_error *err);
 
-/* A simulation of a scene: cloth and sim, or NULL both. */
-weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,
-                              weft_sim **sim, weft_error *err);
+/* A simulation of a scene, or of its band of that comm: cloth and sim, or NULL both. */
+weft_status simulation_create(const weft_scene *scene, const weft_comm *comm,
+                              weft_cloth **cloth, weft_sim **sim, weft_error *err);
 
 #endif

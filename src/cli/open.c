@@ -16,6 +16,7 @@
 #include "cli/cli.h"
 #include "cli/human.h"
 #include "cli/run/interrupt.h"
+#include "cli/run/ranks.h"
 #include "record/child_process.h"
 
 int report_error(const weft_error *err)
@@ -103,7 +104,7 @@ static weft_status admit_plugin(void *ctx, const char *file, weft_error *err)
     return weft_error_set(err, WEFT_BAD_PLUGIN, "loading it: %s", why);
 }
 
-weft_registry *open_registry(const char *plugin_path)
+weft_registry *open_registry(const char *plugin_path, bool trial)
 {
     char fallback[PATH_MAX + 16];
     tree_plugins(fallback, sizeof fallback);
@@ -112,7 +113,7 @@ weft_registry *open_registry(const char *plugin_path)
     weft_registry_def def = weft_registry_def_default();
     def.path = plugin_path;
     def.fallback = fallback;
-    def.admit = admit_plugin;
+    def.admit = trial ? admit_plugin : NULL;
     if (weft_registry_create(&def, &registry, &err) != WEFT_OK) {
         (void)report_error(&err);
     }
@@ -159,8 +160,8 @@ static void print_found(const weft_diagnostics *found)
     }
 }
 
-int open_scene(const char *file, const options *given, weft_scene **scene,
-               weft_sweep **sweep)
+static int load_scene(const char *file, const options *given, weft_scene **scene,
+                      weft_sweep **sweep, const char *text)
 {
     weft_error err = { 0 };
     weft_scene_def def = weft_scene_def_default();
@@ -170,10 +171,15 @@ int open_scene(const char *file, const options *given, weft_scene **scene,
         return report_error(&err);
     }
     def.file = file;
+    def.text = text;
+    def.length = text == NULL ? 0 : strlen(text);
     def.sets = given->sets;
-    def.set_count = given->set_count;
+    def.set_count = text == NULL ? given->set_count : 0;
     def.find_plugin = find_plugin;
     def.find_ctx = given->registry;
+    if (given->comm != NULL) {
+        def.bands = (size_t)given->comm->size;
+    }
     const weft_status status = sweep == NULL
                                    ? weft_scene_load(&def, scene, found, &err)
                                    : weft_sweep_load(&def, sweep, found, &err);
@@ -181,6 +187,30 @@ int open_scene(const char *file, const options *given, weft_scene **scene,
     const bool printed = found->errors > 0;
     free(found);
     return status == WEFT_OK ? EXIT_DONE : printed ? EXIT_SCENE : report_error(&err);
+}
+
+/* In bands, rank 0 reads the file, and all others the scene as it runs. */
+int open_scene(const char *file, const options *given, weft_scene **scene,
+               weft_sweep **sweep)
+{
+    const bool first = ranks_first(given->comm);
+    int code = first ? load_scene(file, given, scene, sweep, NULL) : EXIT_DONE;
+    code = ranks_share(given->comm, code);
+    if (given->comm == NULL || code != EXIT_DONE) {
+        return code;
+    }
+    char *text = ranks_share_text(given->comm, first ? weft_scene_text(*scene) : NULL);
+    if (!first) {
+        code = load_scene(file, given, scene, sweep, text);
+    }
+    free(text);
+    if (given->comm->max(given->comm->self, code) > 0.0 && code == EXIT_DONE) {
+        fputs("weft: error: another rank cannot read this scene: are weft and its "
+              "plugins the same on all nodes?\n",
+              stderr);
+        code = EXIT_SCENE;
+    }
+    return code;
 }
 
 const char *out_directory(const options *given, const char *suffix,
@@ -211,8 +241,9 @@ static weft_status check_memory(const weft_scene *scene, const weft_cloth_def *c
 {
     const weft_stepper_type *type = weft_scene_method_type(scene);
     const double states = 2.0 + (type == NULL ? 0.0 : type->stages);
-    const double bytes = (double)cloth->rows * (double)cloth->cols
-                         * (20.0 + states * 6.0 * sizeof(double));
+    const size_t rows = cloth->band_rows > 0 ? cloth->band_rows : cloth->rows;
+    const double bytes
+        = (double)rows * (double)cloth->cols * (20.0 + states * 6.0 * sizeof(double));
     struct rlimit limit = { .rlim_cur = RLIM_INFINITY };
     double room = INFINITY;
 #ifdef _SC_PHYS_PAGES
@@ -226,7 +257,7 @@ static weft_status check_memory(const weft_scene *scene, const weft_cloth_def *c
                : weft_error_set(err, WEFT_NO_MEMORY,
                                 "%zu x %zu particles need at least %.4g GB of memory; "
                                 "this process can have %.4g GB",
-                                cloth->rows, cloth->cols, 1e-9 * bytes, 1e-9 * room);
+                                rows, cloth->cols, 1e-9 * bytes, 1e-9 * room);
 }
 
 weft_status cloth_create(const weft_scene *scene, const weft_cloth_def *def,
@@ -237,7 +268,8 @@ weft_status cloth_create(const weft_scene *scene, const weft_cloth_def *def,
     return weft_cloth_create(def, cloth, err);
 }
 
-static weft_sim_def define(const weft_scene *scene, const weft_cloth *cloth)
+static weft_sim_def define(const weft_scene *scene, const weft_comm *comm,
+                           const weft_cloth *cloth)
 {
     weft_sim_def def = weft_sim_def_default();
     def.cloth = cloth;
@@ -245,30 +277,46 @@ static weft_sim_def define(const weft_scene *scene, const weft_cloth *cloth)
     def.config = *weft_scene_config(scene);
     def.ledger = weft_scene_record(scene)->ledger;
     def.limit = *weft_scene_limit(scene);
-    def.stop = interrupt_pending;
+    def.stop = comm == NULL ? interrupt_pending : NULL; /* bands stop after a step */
+    def.comm = comm;
     return def;
 }
 
 weft_status sim_create(const weft_scene *scene, const weft_cloth *cloth, weft_sim **sim,
                        weft_error *err)
 {
-    const weft_sim_def def = define(scene, cloth);
+    const weft_sim_def def = define(scene, NULL, cloth);
     return weft_sim_create(&def, sim, err);
 }
 
-weft_status simulation_create(const weft_scene *scene, weft_cloth **cloth,
-                              weft_sim **sim, weft_error *err)
+/* The band of this process. */
+static weft_status band_create(const weft_scene *scene, const weft_comm *comm,
+                               weft_cloth **cloth, weft_error *err)
+{
+    weft_cloth_def band = *weft_scene_cloth(scene);
+    if (comm != NULL) { /* the scene was checked for bands */
+        (void)weft_comm_band(band.rows, (size_t)comm->rank, (size_t)comm->size,
+                             &band.band_first, &band.band_rows);
+    }
+    TRY(scene_supported(scene, err));
+    return cloth_create(scene, &band, cloth, err);
+}
+
+weft_status simulation_create(const weft_scene *scene, const weft_comm *comm,
+                              weft_cloth **cloth, weft_sim **sim, weft_error *err)
 {
     *sim = NULL;
     *cloth = NULL;
-    TRY(scene_supported(scene, err));
-    TRY(cloth_create(scene, weft_scene_cloth(scene), cloth, err));
-    weft_sim_def def = define(scene, *cloth);
-    const weft_run_def *run = weft_scene_run(scene);
-    def.dense = run->interpolate;
-    def.event = run->stop.quantity != WEFT_STOP_NEVER ? weft_stop_event : NULL;
-    def.event_ctx = (void *)&run->stop; /* which reads it alone */
-    const weft_status status = weft_sim_create(&def, sim, err);
+    weft_status status
+        = weft_comm_agree(comm, band_create(scene, comm, cloth, err), err);
+    if (status == WEFT_OK) {
+        weft_sim_def def = define(scene, comm, *cloth);
+        const weft_run_def *run = weft_scene_run(scene);
+        def.dense = run->interpolate;
+        def.event = run->stop.quantity != WEFT_STOP_NEVER ? weft_stop_event : NULL;
+        def.event_ctx = (void *)&run->stop; /* which reads it alone */
+        status = weft_sim_create(&def, sim, err);
+    }
     if (status != WEFT_OK) {
         weft_cloth_destroy(*cloth);
         *cloth = NULL;

@@ -9,6 +9,7 @@
 #include "cli/cli.h"
 #include "cli/human.h"
 #include "cli/run/progress.h"
+#include "cli/run/ranks.h"
 
 int usage_error(const verb *self, const char *format, ...)
 {
@@ -74,6 +75,12 @@ static int unknown_option(const verb *self, const char *typed)
     const size_t dashes = strspn(typed, "-");
     (void)snprintf(word, sizeof word, "%.*s", (int)strcspn(typed + dashes, "="),
                    typed + dashes);
+    if (strcmp(word, "bands") == 0) {
+        return usage_error(self,
+                           "%s: weft run and weft resume alone have one cloth in "
+                           "bands",
+                           typed);
+    }
     for (size_t i = 0; table[i].name != NULL; ++i) {
         weft__guess_try(&guess, word, table[i].name);
     }
@@ -171,8 +178,10 @@ int verb_start(const verb *self, int argc, char **argv)
     given.ats = given.sets + argc;
     int code = parse(self, argc, argv, &given);
     if (code < 0) {
-        given.registry = open_registry(given.plugin_path);
-        code = given.registry == NULL ? EXIT_SIMULATION : self->run(&given);
+        given.registry = open_registry(given.plugin_path, given.bands == NULL);
+        code = given.registry == NULL ? EXIT_SIMULATION
+               : given.bands == NULL  ? self->run(&given)
+                                      : ranks_run(self, &given);
         weft_registry_destroy(given.registry);
     }
     free(given.sets);

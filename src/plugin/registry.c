@@ -276,22 +276,16 @@ static const char *searched(const weft_registry *registry)
                : "an empty search path; set WEFT_PLUGIN_PATH or weft_registry_def.path";
 }
 
-weft_status weft_registry_find(weft_registry *registry, const char *id,
-                               const weft_plugin **out, weft_error *err)
+weft_status weft_registry_locate(const weft_registry *registry, const char *id,
+                                 char *file, size_t size, weft_error *err)
 {
-    char directory[2048], file[4096];
-    *out = find_loaded(registry, id);
-    if (*out != NULL) {
-        return WEFT_OK;
-    }
+    char directory[2048];
+    struct stat status;
     const char *list = strchr(id, '/') == NULL ? registry->path : "";
     while ((list = next_directory(list, directory, sizeof directory)) != NULL) {
-        struct stat status;
-        (void)snprintf(file, sizeof file, "%s/weft-%s.so", directory, id);
-        if (stat(file, &status) == 0) {
-            const weft_status loaded = weft_registry_load(registry, file, err);
-            *out = find_loaded(registry, id);
-            return loaded;
+        if ((size_t)snprintf(file, size, "%s/weft-%s.so", directory, id) < size
+            && stat(file, &status) == 0) {
+            return WEFT_OK;
         }
     }
     return weft_error_set(err, WEFT_BAD_PLUGIN,
@@ -299,10 +293,27 @@ weft_status weft_registry_find(weft_registry *registry, const char *id,
                           searched(registry));
 }
 
+weft_status weft_registry_find(weft_registry *registry, const char *id,
+                               const weft_plugin **out, weft_error *err)
+{
+    char file[4096];
+    *out = find_loaded(registry, id);
+    if (*out != NULL) {
+        return WEFT_OK;
+    }
+    weft_status status = weft_registry_locate(registry, id, file, sizeof file, err);
+    if (status == WEFT_OK) {
+        status = weft_registry_load(registry, file, err);
+        *out = find_loaded(registry, id);
+    }
+    return status;
+}
+
+/* weft-mpi.so lies among the plugins and is none (weft/comm.h). */
 static int is_plugin_file(const struct dirent *item)
 {
     char id[64];
-    return id_of_file(item->d_name, id, sizeof id);
+    return id_of_file(item->d_name, id, sizeof id) && strcmp(id, "mpi") != 0;
 }
 
 typedef void visit_fn(void *ctx, const char *id, const char *file);

@@ -12,7 +12,7 @@
 
 static const unsigned char magic[WEFT__WORD] = "weftckpt";
 
-#define FORMAT 3
+#define FORMAT 4
 
 /* X(kind of word, member of the checkpoint) */
 #define FIELDS(X)                                                                      \

@@ -165,7 +165,10 @@ typedef struct record_vtkhdf record_vtkhdf;
 
 typedef struct record_vtkhdf_def {
     const char *directory;
-    const weft_cloth *cloth; /* outlives it */
+    const weft_cloth *cloth; /* of the simulation; outlives it */
+    const weft_cloth *whole; /* in bands, on rank 0: the whole cloth, until the first
+                                frame is there; else NULL */
+    const weft_comm *comm;   /* in bands: all functions are collective. NULL: alone */
     const weft_record_def *record;
     size_t
         last; /* last frame of the run: room is made for all of them, if there is any */
@@ -232,16 +235,19 @@ weft_status record_series_compare(const char *directory, const char *damaged,
 
 /* result_write.c: versions, plugin, method and every option in force. */
 weft_status record_manifest(const char *directory, const weft_scene *scene,
-                            const weft_sim *sim, const weft_plugin *plugin,
-                            const char *plugin_file, weft_error *err);
+                            const weft_sim *sim, const weft_cloth *whole,
+                            const weft_plugin *plugin, const char *plugin_file,
+                            weft_error *err);
 
 /* The end of a run. */
 typedef struct record_result {
     const char *status; /* done | failed | io_error | interrupted */
     const char *reason; /* "" if done, unless by `stop` */
     size_t frames, planned;
-    double wall_time;    /* [s] */
-    const weft_sim *sim; /* NULL: the run never began */
+    double wall_time;       /* [s] */
+    const weft_sim *sim;    /* NULL: the run never began */
+    weft_measures measures; /* of the sim at the end, as is: */
+    weft_ledger ledger;
     double energy_start; /* [J] the sum of all energies */
     size_t warnings;
 } record_result;

@@ -134,8 +134,9 @@ static weft_status commit(bool good, record_file *file, weft_error *err)
 }
 
 weft_status record_manifest(const char *directory, const weft_scene *scene,
-                            const weft_sim *sim, const weft_plugin *plugin,
-                            const char *plugin_file, weft_error *err)
+                            const weft_sim *sim, const weft_cloth *whole,
+                            const weft_plugin *plugin, const char *plugin_file,
+                            weft_error *err)
 {
     record_file file;
     yaml_out out;
@@ -149,7 +150,7 @@ weft_status record_manifest(const char *directory, const weft_scene *scene,
     yaml_out_text(&out, "compiler", COMPILER);
     write_plugin(&out, plugin, plugin_file, weft_scene_method_type(scene));
     write_config(&out, weft_scene_config(scene), sim);
-    write_cloth(&out, weft_sim_cloth(sim));
+    write_cloth(&out, whole);
     write_contact_def(&out, &weft_scene_cloth(scene)->contact);
     write_limit_def(&out, weft_scene_limit(scene));
     write_run(&out, weft_scene_run(scene));
@@ -175,11 +176,11 @@ static void write_spring(yaml_out *out, const weft_cloth *cloth,
     }
 }
 
-static void write_ledger(yaml_out *out, const weft_sim *sim)
+static void write_ledger(yaml_out *out, const record_result *result)
 {
-    const weft_ledger ledger = weft_sim_ledger(sim);
+    const weft_ledger ledger = result->ledger;
     if (ledger.kept) {
-        yaml_out_real(out, "dissipated", weft_sim_dissipated(sim));
+        yaml_out_real(out, "dissipated", weft_sim_dissipated(result->sim));
         yaml_out_map(out, "ledger");
         yaml_out_real(out, "dissipated_springs", ledger.dissipated_springs);
         yaml_out_real(out, "dissipated_drag", ledger.dissipated_drag);
@@ -234,7 +235,7 @@ static void write_outcome(yaml_out *out, const record_result *result)
 {
     const weft_cloth *cloth = weft_sim_cloth(result->sim);
     const weft_stepper_stats stats = weft_sim_stats(result->sim);
-    const weft_measures all = weft_sim_measure(result->sim);
+    const weft_measures all = result->measures;
     yaml_out_real(out, "time", weft_sim_time(result->sim));
     yaml_out_plain(out, "steps", "%" PRIu64, stats.steps);
     yaml_out_plain(out, "rejected", "%" PRIu64, stats.rejected);
@@ -244,7 +245,7 @@ static void write_outcome(yaml_out *out, const record_result *result)
     write_spring(out, cloth, &all.worst);
     yaml_out_real(out, "energy_start", result->energy_start);
     yaml_out_real(out, "energy_end", weft_energy_total(all.energy));
-    write_ledger(out, result->sim);
+    write_ledger(out, result);
     write_contact(out, result->sim, &all);
     write_limit(out, result->sim);
     yaml_out_plain(out, "warnings", "%zu", result->warnings);

@@ -3,8 +3,10 @@
  * write, the counts that include it. */
 #include "record/checkpoint.h"
 #include "record/vtkhdf_file.h"
+#include "record/vtkhdf_rows.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,9 +20,9 @@
 
 /* The sets that a frame is written to, in this order; the last is its time. */
 enum {
-    POINTS,
-    VELOCITY,
-    STRAIN,
+    POINTS = VTKHDF_POINTS,
+    VELOCITY = VTKHDF_VELOCITY,
+    STRAIN = VTKHDF_STRAIN,
     PARTS,
     POINT_OFFSETS,
     FIELD_OFFSETS,
@@ -46,19 +48,33 @@ struct record_vtkhdf {
     record_vtkhdf_def def;
     char path[RECORD_PATH], temporary[RECORD_PATH];
     size_t n, capacity, count; /* particles; frames: room, written */
+    vtkhdf_rows rows;          /* the sets up to STRAIN; the rest is rank 0's: */
     hid_t file, step_count;    /* file < 0: not open; NSteps */
     hdf_set sets[SETS_MAX];    /* id < 0: not recorded */
     size_t time;               /* the set of the times, the last */
     record_extent head;        /* [bytes] of the file before its first frame */
     uint64_t sum;              /* over all frames written */
-    double *buffer;            /* 3 N */
     int why;                   /* errno of the first failure; 0: not known */
 };
 
+static bool is_first(const record_vtkhdf *self)
+{
+    return self->def.comm == NULL || self->def.comm->rank == 0;
+}
+
 static weft_status failed(const record_vtkhdf *self, weft_error *err)
 {
-    return weft_error_set(err, WEFT_IO, "%s: %s", self->path,
-                          self->why == 0 ? "write failed" : strerror(self->why));
+    const char *why = self->why == 0 ? "write failed" : strerror(self->why);
+    return is_first(self) ? weft_error_set(err, WEFT_IO, "%s: %s", self->path, why)
+                          : weft_error_set(err, WEFT_IO, "%s: %s (rank %d)", self->path,
+                                           why, self->def.comm->rank);
+}
+
+/* A failure of one band is one of all. */
+static weft_status agree(record_vtkhdf *self, bool good, weft_error *err)
+{
+    self->why = !good && self->why == 0 && errno == ENOMEM ? ENOMEM : self->why;
+    return weft_comm_agree(self->def.comm, good ? WEFT_OK : failed(self, err), err);
 }
 
 /* ---- opening ---------------------------------------------------------------- */
@@ -90,19 +106,19 @@ weft_status record_vtkhdf_create(const record_vtkhdf_def *def, record_vtkhdf **o
                               strerror(ENOMEM));
     }
     record_vtkhdf *self = calloc(1, sizeof *self);
-    const size_t n = weft_cloth_particles(def->cloth);
-    double *buffer = malloc(3 * n * sizeof *buffer);
-    if (self == NULL || buffer == NULL) {
-        free(buffer);
+    vtkhdf_rows rows = { .file = -1 };
+    if (self == NULL
+        || !vtkhdf_rows_begin(&rows, def->comm, def->cloth, def->record->doubles)) {
+        vtkhdf_rows_end(&rows);
         free(self);
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a frame");
     }
     hdf_begin(&self->why);
     self->def = *def;
-    self->n = n;
+    self->rows = rows;
+    self->n = rows.band.rows * rows.cols;
     self->capacity = record_vtkhdf_planned(def->record, def->last);
     self->file = H5I_INVALID_HID;
-    self->buffer = buffer;
     self->time = FIELDS + def->series->columns;
     self->sum = WEFT__HASH_START;
     const weft_status status
@@ -138,15 +154,14 @@ static bool is_recorded(const record_vtkhdf *self, size_t set)
 
 static hdf_set open_set(const record_vtkhdf *self, size_t set)
 {
-    const bool field = set >= FIELDS, particles = set <= STRAIN;
+    const bool field = set >= FIELDS;
     char path[160];
     (void)snprintf(path, sizeof path, "%s%s",
                    field ? "/VTKHDF/FieldData/" : layout[set].path,
                    field ? self->def.series->names[set - FIELDS] : "");
     return (hdf_set){ .id = H5Dopen2(self->file, path, H5P_DEFAULT),
-                      .memory
-                      = field || particles ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64,
-                      .rows = particles ? self->n : 1,
+                      .memory = field ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64,
+                      .rows = 1,
                       .width = field ? 1 : layout[set].width };
 }
 
@@ -182,7 +197,14 @@ static bool open_file(record_vtkhdf *self, const char *path, unsigned mode)
     const hid_t access = hdf_access();
     self->file = H5Fopen(path, mode, access);
     (void)H5Pclose(access);
-    return self->file >= 0 && open_sets(self) && open_times(self);
+    if (self->file < 0 || !open_sets(self) || !open_times(self)) {
+        return false;
+    }
+    for (size_t set = POINTS; set <= STRAIN; ++set) {
+        self->rows.places[set]
+            = is_recorded(self, set) ? (uint64_t)H5Dget_offset(self->sets[set].id) : 0;
+    }
+    return true;
 }
 
 static bool close_file(record_vtkhdf *self)
@@ -243,37 +265,76 @@ static bool cut(record_vtkhdf *self)
 
 weft_status record_vtkhdf_cut(record_vtkhdf *self, weft_error *err)
 {
-    return close_file(self) && open_file(self, self->path, H5F_ACC_RDWR) && cut(self)
-               ? WEFT_OK
-               : failed(self, err);
+    const bool good = !is_first(self)
+                      || (close_file(self) && open_file(self, self->path, H5F_ACC_RDWR)
+                          && cut(self));
+    const weft_status status = agree(self, good, err);
+    return status == WEFT_OK ? vtkhdf_rows_open(&self->rows, self->path, O_WRONLY, err)
+                             : status;
 }
 
 /* The same words in the same order as write_frame. */
-static bool sum_frame(record_vtkhdf *self, size_t frame)
+static bool sum_rows(record_vtkhdf *self, size_t frame)
 {
     bool good = true;
-    for (const hdf_set *set = self->sets; good && set <= self->sets + self->time;
-         ++set) {
-        good = set->id < 0 || hdf_read(set, frame, self->buffer);
-        if (good && set->id >= 0) {
-            add_sum(self, set, self->buffer);
+    for (size_t set = POINTS; set <= STRAIN; ++set) {
+        if (is_recorded(self, set)) {
+            good = vtkhdf_rows_read(&self->rows, set, layout[set].width, frame) && good;
+            self->sum = vtkhdf_rows_sum(&self->rows, self->sum);
         }
     }
     return good;
 }
 
+static bool sum_frame(record_vtkhdf *self, size_t frame)
+{
+    uint64_t values[2];
+    bool good = sum_rows(self, frame);
+    for (size_t i = PARTS; good && is_first(self) && i <= self->time; ++i) {
+        const hdf_set *set = &self->sets[i];
+        good = set->id < 0 || hdf_read(set, frame, values);
+        if (good && set->id >= 0) {
+            add_sum(self, set, values);
+        }
+    }
+    return good;
+}
+
+static weft_status damaged(const record_vtkhdf *self, weft_error *err)
+{
+    return weft_error_set(err, WEFT_IO, "%s: damaged: frame %zu", self->path,
+                          self->count);
+}
+
+/* Opens the file for reading, once its bytes are known to be those of `mark`. */
+static weft_status open_checked(record_vtkhdf *self, const record_vtkhdf_mark *mark,
+                                weft_error *err)
+{
+    weft_status status = WEFT_OK;
+    if (is_first(self)) {
+        status = check_bytes(self, mark, err);
+        hdf_begin(&self->why);
+        if (status == WEFT_OK && !open_file(self, self->path, H5F_ACC_RDONLY)) {
+            status = damaged(self, err);
+        }
+    }
+    status = weft_comm_agree(self->def.comm, status, err);
+    return status == WEFT_OK ? vtkhdf_rows_open(&self->rows, self->path, O_RDONLY, err)
+                             : status;
+}
+
 static weft_status check_frames(record_vtkhdf *self, const record_vtkhdf_mark *mark,
                                 bool *equal, weft_error *err)
 {
-    bool good = open_file(self, self->path, H5F_ACC_RDONLY);
-    for (; good && self->count < mark->frames.length; ++self->count) {
-        good = sum_frame(self, self->count);
+    weft_status status = open_checked(self, mark, err);
+    for (; status == WEFT_OK && self->count < mark->frames.length; ++self->count) {
+        const bool good = sum_frame(self, self->count);
+        status
+            = weft_comm_agree(self->def.comm, good ? WEFT_OK : damaged(self, err), err);
     }
-    *equal = self->sum == mark->frames.sum;
+    *equal = !is_first(self) || self->sum == mark->frames.sum;
     self->head = mark->head;
-    return good ? WEFT_OK
-                : weft_error_set(err, WEFT_IO, "%s: damaged: frame %zu", self->path,
-                                 self->count);
+    return status;
 }
 
 weft_status record_vtkhdf_reopen(const record_vtkhdf_def *def,
@@ -281,15 +342,10 @@ weft_status record_vtkhdf_reopen(const record_vtkhdf_def *def,
                                  bool *equal, weft_error *err)
 {
     weft_status status = record_vtkhdf_create(def, out, err);
+    status = weft_comm_agree(def->comm, status, err);
+    status = status == WEFT_OK ? check_frames(*out, mark, equal, err) : status;
     if (status != WEFT_OK) {
-        return status;
-    }
-    record_vtkhdf *self = *out;
-    status = check_bytes(self, mark, err);
-    hdf_begin(&self->why);
-    status = status == WEFT_OK ? check_frames(self, mark, equal, err) : status;
-    if (status != WEFT_OK) {
-        (void)record_vtkhdf_close(self, NULL);
+        (void)record_vtkhdf_close(*out, NULL);
         *out = NULL;
     }
     return status;
@@ -331,27 +387,34 @@ static bool write_set(record_vtkhdf *self, size_t i, const void *values)
 /* The buffer, with values that the file has no room for clamped: a run may blow up. */
 static bool write_buffer(record_vtkhdf *self, size_t set)
 {
-    for (size_t i = 0; i < self->n * layout[set].width; ++i) {
-        const double value = self->buffer[i];
-        self->buffer[i] = !self->def.record->doubles ? (double)record_single(value)
-                          : value > DBL_MAX          ? DBL_MAX
-                          : value < -DBL_MAX         ? -DBL_MAX
-                                                     : value;
+    const size_t width = layout[set].width;
+    double *values = self->rows.buffer;
+    for (size_t i = 0; i < weft_cloth_particles(self->def.cloth) * width; ++i) {
+        const double value = values[i];
+        values[i] = !self->def.record->doubles ? (double)record_single(value)
+                    : value > DBL_MAX          ? DBL_MAX
+                    : value < -DBL_MAX         ? -DBL_MAX
+                                               : value;
     }
-    return write_set(self, set, self->buffer);
+    const bool good = vtkhdf_rows_write(&self->rows, set, width, self->count);
+    self->why = !good && self->why == 0 ? errno : self->why;
+    self->sum = vtkhdf_rows_sum(&self->rows, self->sum);
+    return good;
 }
 
+/* All bands take part to the end, whatever fails. */
 static bool write_particles(record_vtkhdf *self, const weft_sim *sim)
 {
-    weft_sim_positions(sim, self->buffer);
+    double *values = self->rows.buffer;
+    weft_sim_positions(sim, values);
     bool good = write_buffer(self, POINTS);
-    if (good && is_recorded(self, VELOCITY)) {
-        weft_sim_velocities(sim, self->buffer);
-        good = write_buffer(self, VELOCITY);
+    if (is_recorded(self, VELOCITY)) {
+        weft_sim_velocities(sim, values);
+        good = write_buffer(self, VELOCITY) && good;
     }
-    if (good && is_recorded(self, STRAIN)) {
-        weft_cloth_strains(self->def.cloth, weft_sim_state(sim), self->buffer);
-        good = write_buffer(self, STRAIN);
+    if (is_recorded(self, STRAIN)) {
+        weft_cloth_strains(self->def.cloth, weft_sim_state(sim), values);
+        good = write_buffer(self, STRAIN) && good;
     }
     return good;
 }
@@ -379,14 +442,17 @@ static bool commit(record_vtkhdf *self, double t)
            && write_set(self, self->time, &t) && write_count(self, self->count + 1);
 }
 
-static bool write_frame(record_vtkhdf *self, const weft_sim *sim)
+static weft_status write_frame(record_vtkhdf *self, const weft_sim *sim,
+                               weft_error *err)
 {
-    if (!write_particles(self, sim) || !write_tables(self)
-        || !commit(self, weft_sim_time(sim))) {
-        return false;
+    weft_status status = agree(self, write_particles(self, sim), err);
+    if (status == WEFT_OK) {
+        const bool good = !is_first(self)
+                          || (write_tables(self) && commit(self, weft_sim_time(sim)));
+        status = agree(self, good, err);
     }
-    ++self->count;
-    return true;
+    self->count += status == WEFT_OK;
+    return status;
 }
 
 static bool sum_head(record_vtkhdf *self)
@@ -396,21 +462,43 @@ static bool sum_head(record_vtkhdf *self)
     return self->head.sum != 0;
 }
 
-/* The file appears with one frame, as readers do not expect an empty one. It is closed
- * once before: the first H5Fclose releases unused room in the file. */
-static bool write_first(record_vtkhdf *self, const weft_sim *sim)
+static bool make_file(record_vtkhdf *self)
 {
     (void)remove(self->temporary); /* it may be a link */
-    const bool made = vtkhdf_file_create(self->temporary, &self->def, self->capacity)
-                      && open_file(self, self->temporary, H5F_ACC_RDWR)
-                      && write_frame(self, sim);
-    bool good = close_file(self) && made;
-    if (good && rename(self->temporary, self->path) != 0) {
-        self->why = errno;
-        good = false;
+    return vtkhdf_file_create(self->temporary, &self->def, self->capacity)
+           && open_file(self, self->temporary, H5F_ACC_RDWR);
+}
+
+/* It is closed once before: the first H5Fclose releases unused room in the file. */
+static bool publish(record_vtkhdf *self)
+{
+    if (!close_file(self)) {
+        return false;
     }
-    self->count = good ? 1 : 0;
-    return good && open_file(self, self->path, H5F_ACC_RDWR) && sum_head(self);
+    if (rename(self->temporary, self->path) != 0) {
+        self->why = errno;
+        return false;
+    }
+    return open_file(self, self->path, H5F_ACC_RDWR) && sum_head(self);
+}
+
+/* The file appears with one frame, as readers do not expect an empty one. */
+static weft_status write_first(record_vtkhdf *self, const weft_sim *sim,
+                               weft_error *err)
+{
+    weft_status status = agree(self, !is_first(self) || make_file(self), err);
+    if (status == WEFT_OK) {
+        status = vtkhdf_rows_open(&self->rows, self->temporary, O_WRONLY, err);
+    }
+    status = status == WEFT_OK ? write_frame(self, sim, err) : status;
+    if (status == WEFT_OK) {
+        status = agree(self, !is_first(self) || publish(self), err);
+    }
+    if (status != WEFT_OK) {
+        self->count = 0;
+        (void)close_file(self);
+    }
+    return status;
 }
 
 weft_status record_vtkhdf_add(record_vtkhdf *self, const record_frame *frame,
@@ -425,12 +513,8 @@ weft_status record_vtkhdf_add(record_vtkhdf *self, const record_frame *frame,
                               self->count);
     }
     errno = 0;
-    if (self->count == 0 ? write_first(self, frame->sim)
-                         : write_frame(self, frame->sim)) {
-        return WEFT_OK;
-    }
-    self->why = self->why == 0 && errno == ENOMEM ? ENOMEM : self->why;
-    return failed(self, err);
+    return self->count == 0 ? write_first(self, frame->sim, err)
+                            : write_frame(self, frame->sim, err);
 }
 
 /* ---- the end ---------------------------------------------------------------- */
@@ -451,14 +535,25 @@ static bool sync_file(record_vtkhdf *self)
     return true;
 }
 
+static bool sync_rows(record_vtkhdf *self)
+{
+    if (self->rows.file >= 0 && fsync(self->rows.file) != 0) {
+        self->why = errno;
+        return false;
+    }
+    return true;
+}
+
 weft_status record_vtkhdf_sync(record_vtkhdf *self, record_vtkhdf_mark *mark,
                                weft_error *err)
 {
     mark->head = self->head;
     mark->frames = (record_extent){ self->count, self->sum };
-    return sync_file(self) && vtkhdf_read_page(self->path, mark->page)
-               ? WEFT_OK
-               : failed(self, err);
+    const bool good
+        = sync_rows(self)
+          && (!is_first(self)
+              || (sync_file(self) && vtkhdf_read_page(self->path, mark->page)));
+    return agree(self, good, err);
 }
 
 weft_status record_vtkhdf_close(record_vtkhdf *self, weft_error *err)
@@ -466,13 +561,14 @@ weft_status record_vtkhdf_close(record_vtkhdf *self, weft_error *err)
     if (self == NULL) {
         return WEFT_OK;
     }
-    const bool synced = sync_file(self), good = close_file(self) && synced;
+    const bool synced = sync_rows(self) && sync_file(self);
+    const bool good = close_file(self) && synced;
     hdf_begin(NULL);
-    if (self->count == 0 && self->temporary[0] != '\0') {
+    if (self->count == 0 && is_first(self) && self->temporary[0] != '\0') {
         (void)remove(self->temporary);
     }
     const weft_status status = good ? WEFT_OK : failed(self, err);
-    free(self->buffer);
+    vtkhdf_rows_end(&self->rows);
     free(self);
     return status;
 }

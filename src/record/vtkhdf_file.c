@@ -18,6 +18,7 @@ typedef struct builder {
     hid_t file, parents, early; /* property lists: make groups; allocate at once */
     hid_t real;                 /* type of the particles' data */
     const record_vtkhdf_def *def;
+    const weft_cloth *cloth; /* the whole one */
     size_t n, capacity;
 } builder;
 
@@ -135,8 +136,8 @@ static bool cells(const builder *self, const char *group, size_t count, size_t s
 /* A chain is one line through all particles. */
 static bool topology(const builder *self)
 {
-    const size_t cols = weft_cloth_cols(self->def->cloth);
-    const size_t quads = (weft_cloth_rows(self->def->cloth) - 1) * (cols - 1);
+    const size_t cols = weft_cloth_cols(self->cloth);
+    const size_t quads = (weft_cloth_rows(self->cloth) - 1) * (cols - 1);
     int64_t *ids = malloc((quads == 0 ? self->n : 4 * quads) * sizeof *ids);
     for (size_t q = 0; ids != NULL && q < quads; ++q) {
         size_t corners[4];
@@ -162,7 +163,7 @@ static bool pinned(const builder *self)
 {
     uint8_t *flags = malloc(self->n);
     for (size_t i = 0; flags != NULL && i < self->n; ++i) {
-        flags[i] = weft_cloth_pinned(self->def->cloth, i);
+        flags[i] = weft_cloth_pinned(self->cloth, i);
     }
     const bool good = flags != NULL
                       && dataset(self, ROOT "PointData/pinned", H5T_STD_U8LE, self->n,
@@ -177,7 +178,7 @@ static bool rest(const builder *self)
     if (xyz == NULL) {
         return false;
     }
-    weft_cloth_rest(self->def->cloth, xyz);
+    weft_cloth_rest(self->cloth, xyz);
     const bool good = dataset(self, "/weft/Rest", H5T_IEEE_F64LE, self->n, 3,
                               H5T_NATIVE_DOUBLE, xyz);
     free(xyz);
@@ -276,15 +277,14 @@ static bool heads(const builder *self)
     (void)H5Tclose(text);
     return good && make_group(self, "/weft")
            && integer_attribute(self, "/weft", "format", 1)
-           && integer_attribute(self, "/weft", "rows",
-                                weft_cloth_rows(self->def->cloth))
-           && integer_attribute(self, "/weft", "cols",
-                                weft_cloth_cols(self->def->cloth));
+           && integer_attribute(self, "/weft", "rows", weft_cloth_rows(self->cloth))
+           && integer_attribute(self, "/weft", "cols", weft_cloth_cols(self->cloth));
 }
 
 bool vtkhdf_file_create(const char *path, const record_vtkhdf_def *def, size_t capacity)
 {
     const hid_t access = hdf_access();
+    const weft_cloth *whole = def->whole == NULL ? def->cloth : def->whole;
     /* room before the frames for all metadata */
     (void)H5Pset_meta_block_size(access, (16 + def->series->columns) << 10);
     const builder self = {
@@ -293,7 +293,8 @@ bool vtkhdf_file_create(const char *path, const record_vtkhdf_def *def, size_t c
         .early = H5Pcreate(H5P_DATASET_CREATE),
         .real = def->record->doubles ? H5T_IEEE_F64LE : H5T_IEEE_F32LE,
         .def = def,
-        .n = weft_cloth_particles(def->cloth),
+        .cloth = whole,
+        .n = weft_cloth_particles(whole),
         .capacity = capacity,
     };
     /* NSteps and the header of Steps/Values come first, so that both are in the first

@@ -14,6 +14,9 @@ void weft__check_root(weft__reader *reader, const weft__match *match, void *base
                            scene->version);
     }
     weft__check_stop(reader, match);
+    if (reader->report->found->errors == 0 && reader->def->bands > 1) {
+        weft__check_bands(reader, match);
+    }
     if (reader->report->found->errors == 0) {
         weft__warn_of_contact(reader, match);
     }

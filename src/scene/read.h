@@ -192,6 +192,9 @@ void weft__make_fabric(weft__reader *reader, const weft__match *cloth);
 weft__read_fn weft__read_index, weft__read_place, weft__read_pins, weft__read_loads;
 weft__check_fn weft__check_place, weft__check_pin;
 
+/* scene_bands.c: of a scene without mistakes. */
+void weft__check_bands(weft__reader *reader, const weft__match *root);
+
 /* butcher.c */
 weft__read_fn weft__read_row, weft__read_rows;
 weft__check_fn weft__check_butcher;

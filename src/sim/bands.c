@@ -123,6 +123,11 @@ weft_status weft__bands_agree(const weft_comm *comm, weft_status status,
     return why.status;
 }
 
+weft_status weft_comm_agree(const weft_comm *comm, weft_status status, weft_error *err)
+{
+    return weft__bands_agree(comm, status, err);
+}
+
 double weft__bands_max(const weft_comm *comm, double mine)
 {
     return comm == NULL ? mine : comm->max(comm->self, mine);

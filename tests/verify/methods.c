@@ -12,7 +12,7 @@ static void print_refused(void *ctx, const weft_error *why)
 weft_registry *verify_registry(void)
 {
     weft_error err = { 0 };
-    weft_registry *registry = open_registry(BUILD_DIR "/plugins");
+    weft_registry *registry = open_registry(BUILD_DIR "/plugins", true);
     if (registry != NULL
         && weft_registry_load_all(registry, print_refused, NULL, &err) != WEFT_OK) {
         (void)report_error(&err);

@@ -13,12 +13,12 @@ typedef struct bounds {
     double omega, damping;  /* [1/s] now */
 } bounds;
 
-static bounds find_bounds(const weft_scene *scene, const weft_sim *sim)
+/* state: of the whole cloth. */
+static bounds find_bounds(const weft_scene *scene, const weft_cloth *cloth, double t,
+                          const double *state)
 {
-    const weft_cloth *cloth = weft_sim_cloth(sim);
     const weft_stiffness any = weft_cloth_stiffness(cloth, 0.0, NULL);
-    const weft_stiffness now
-        = weft_cloth_stiffness(cloth, weft_sim_time(sim), weft_sim_state(sim));
+    const weft_stiffness now = weft_cloth_stiffness(cloth, t, state);
     bounds found = { .now = own_stable_step(scene, &now),
                      .any = own_stable_step(scene, &any),
                      .omega = sqrt(now.omega2),
@@ -89,17 +89,11 @@ static void add_state(const weft_failure *failure, size_t cols, sentence *out)
     add_line(out, "energy %.4g J before that step", failure->energy);
 }
 
-void failure_report(const weft_scene *scene, const weft_sim *sim,
-                    const weft_failure *failure, sentence *out)
+static void add_advice(const weft_scene *scene, const bounds *of, sentence *out)
 {
     sentence advice = { "" };
+    const bounds found = *of;
     const double h = step_taken(scene);
-    out->text[0] = '\0';
-    add_state(failure, weft_cloth_cols(weft_sim_cloth(sim)), out);
-    if (failure->status == WEFT_NO_MEMORY) {
-        return;
-    }
-    const bounds found = find_bounds(scene, sim);
     if (found.start > 0.0) {
         add_line(
             out,
@@ -114,4 +108,23 @@ void failure_report(const weft_scene *scene, const weft_sim *sim,
             ? advise_fixed(h, &found, &advice)
             : "try looser tolerances, a smaller stepper.min_step or another method, "
               "and look at what drives the cloth there");
+}
+
+void failure_report(const run *self, const weft_failure *failure, sentence *out)
+{
+    const weft_cloth *cloth
+        = self->comm == NULL ? weft_sim_cloth(self->sim) : self->whole;
+    const double *y;
+    double *gathered;
+    out->text[0] = '\0';
+    add_state(failure, weft_cloth_cols(self->cloth), out);
+    if (failure->status == WEFT_NO_MEMORY) {
+        return;
+    }
+    if (run_state(self, &y, &gathered, NULL) == WEFT_OK && run_first(self)) {
+        const bounds found
+            = find_bounds(self->scene, cloth, weft_sim_time(self->sim), y);
+        add_advice(self->scene, &found, out);
+    }
+    free(gathered);
 }

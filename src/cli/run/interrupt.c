@@ -18,7 +18,7 @@ static volatile sig_atomic_t came, wake = -1;
 static void on_signal(int number)
 {
     const int kept = errno;
-    came = number;
+    came = number == SIGUSR1 ? SIGTERM : number;
     if (wake >= 0) {
         (void)!write(wake, "", 1);
     }
@@ -32,6 +32,19 @@ void interrupt_catch(bool on)
     (void)sigemptyset(&action.sa_mask);
     (void)sigaction(SIGINT, &action, NULL);
     (void)sigaction(SIGTERM, &action, NULL);
+}
+
+void interrupt_catch_user(void)
+{
+    struct sigaction action = { .sa_handler = on_signal, .sa_flags = SA_RESTART };
+    (void)sigemptyset(&action.sa_mask);
+    (void)sigaction(SIGUSR1, &action, NULL);
+}
+
+void interrupt_agree(const weft_comm *comm)
+{
+    const double any = comm->max(comm->self, came);
+    came = any > 0.0 ? (int)any : came;
 }
 
 int interrupt_signal(void)
@@ -113,7 +126,7 @@ void interrupt_begin(interrupt_watch *self, void (*give_up)(void *ctx), void *ct
     *self = (interrupt_watch){ .give_up = give_up, .ctx = ctx };
     (void)pthread_mutex_init(&self->records, NULL);
     (void)pthread_mutex_lock(&self->records);
-    self->watched = start(self);
+    self->watched = give_up != NULL && start(self);
     wake = self->watched ? self->news[1] : -1;
     if (self->watched && came != 0) {
         (void)!write(wake, "", 1);

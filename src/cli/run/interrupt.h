@@ -7,8 +7,17 @@
 #include <pthread.h>
 #include <stdbool.h>
 
+#include "weft/comm.h"
+
 /* Records signals from now on; false: they end the process again. */
 void interrupt_catch(bool on);
+
+/* SIGUSR1 is SIGTERM from now on: mpirun passes it on to its processes, but kills them
+ * soon after a SIGTERM of its own. */
+void interrupt_catch_user(void);
+
+/* Collective: a signal that came to one band has come to all. */
+void interrupt_agree(const weft_comm *comm);
 
 /* The signal that came; 0: none. */
 int interrupt_signal(void);
@@ -21,7 +30,7 @@ bool interrupt_pending(void *unused);
 /* A lock on the records of a run, which the caller holds between begin and end except
  * from interrupt_release to interrupt_acquire. If a signal has been pending for a
  * second, or comes again, another thread takes the lock for good and calls give_up,
- * which ends the process. */
+ * which ends the process. NULL: there is no thread. */
 typedef struct interrupt_watch {
     void (*give_up)(void *ctx);
     void *ctx;

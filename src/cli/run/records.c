@@ -7,19 +7,33 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "cli/run/ranks.h"
 #include "cli/run/run.h"
+
+bool run_first(const run *self)
+{
+    return ranks_first(self->comm);
+}
+
+weft_status run_agree(const run *self, weft_status status, weft_error *err)
+{
+    return weft_comm_agree(self->comm, status, err);
+}
 
 void run_remove(const run *self, const char *name)
 {
     char path[RECORD_PATH];
-    if (record_path(self->out, name, path, NULL) == WEFT_OK) {
+    if (run_first(self) && record_path(self->out, name, path, NULL) == WEFT_OK) {
         (void)remove(path);
     }
 }
 
-weft_status run_in_place(const run *self, weft_error *err)
+static weft_status is_in_place(const run *self, weft_error *err)
 {
     struct stat now;
+    if (!run_first(self)) {
+        return WEFT_OK;
+    }
     if (stat(self->out, &now) != 0) {
         return weft_error_set(err, WEFT_IO, "%s: %s", self->out, strerror(errno));
     }
@@ -30,6 +44,34 @@ weft_status run_in_place(const run *self, weft_error *err)
                    "%s: another directory than that of this run, which was "
                    "moved away: nothing is written to it",
                    self->out);
+}
+
+weft_status run_in_place(const run *self, weft_error *err)
+{
+    return run_agree(self, is_in_place(self, err), err);
+}
+
+weft_status run_state(const run *self, const double **y, double **gathered,
+                      weft_error *err)
+{
+    const weft_comm *comm = self->comm;
+    const weft_band band = weft_cloth_band(self->cloth);
+    const size_t cols = weft_cloth_cols(self->cloth), own = band.own * cols;
+    const size_t here = weft_cloth_particles(self->cloth), all = band.rows * cols;
+    const bool needed = comm != NULL && comm->rank == 0;
+    *gathered = needed ? malloc(6 * all * sizeof **gathered) : NULL;
+    *y = comm == NULL ? weft_sim_state(self->sim) : *gathered;
+    weft_status status = WEFT_OK;
+    if (needed && *gathered == NULL) {
+        status = weft_error_set(err, WEFT_NO_MEMORY, "no memory for the whole state");
+    }
+    status = run_agree(self, status, err);
+    for (size_t k = 0; comm != NULL && status == WEFT_OK && k < 6; ++k) {
+        const double *mine = weft_sim_state(self->sim) + k * here + band.above * cols;
+        comm->gather(comm->self, mine, own * sizeof *mine,
+                     needed ? *gathered + k * all : NULL);
+    }
+    return status;
 }
 
 weft_status frames_have_room(const weft_scene *scene, weft_error *err)
@@ -51,8 +93,8 @@ weft_status run_prepare(run *self, weft_error *err)
 {
     record_checkpoint *next = &self->checkpoint;
     next->state_size = weft_sim_save_size(self->sim);
-    next->state = malloc(next->state_size);
-    if (next->state == NULL) {
+    next->state = run_first(self) ? malloc(next->state_size) : NULL;
+    if (next->state == NULL && run_first(self)) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a checkpoint");
     }
     return record_checkpoint_identify(next, self->scene, self->registry, err);
@@ -60,6 +102,12 @@ weft_status run_prepare(run *self, weft_error *err)
 
 /* The records reach the disk before the checkpoint that needs them. When a run blows
  * up, the last checkpoint that can be restored is kept. */
+static weft_status sync_tables(run *self, weft_error *err)
+{
+    TRY(record_table_sync(&self->series.table, err));
+    return record_table_sync(&self->shapes, err);
+}
+
 weft_status run_checkpoint(run *self, size_t index, weft_error *err)
 {
     record_checkpoint *now = &self->checkpoint;
@@ -73,10 +121,11 @@ weft_status run_checkpoint(run *self, size_t index, weft_error *err)
     if (!isfinite(weft_sim_ledger(self->sim).residual)) {
         return WEFT_OK;
     }
-    TRY(record_table_sync(&self->series.table, err));
-    TRY(record_table_sync(&self->shapes, err));
+    TRY(run_agree(self, sync_tables(self, err), err));
     TRY(record_vtkhdf_sync(self->frames, &now->vtkhdf, err));
-    return record_checkpoint_write(self->out, now, err);
+    const weft_status status
+        = run_first(self) ? record_checkpoint_write(self->out, now, err) : WEFT_OK;
+    return run_agree(self, status, err);
 }
 
 static weft_status write_manifest(const run *self, weft_error *err)
@@ -89,7 +138,9 @@ static weft_status write_manifest(const run *self, weft_error *err)
         file = weft_registry_at(registry, i) == plugin ? weft_registry_file(registry, i)
                                                        : file;
     }
-    return record_manifest(self->out, self->scene, self->sim, plugin, file, err);
+    return record_manifest(self->out, self->scene, self->sim,
+                           self->whole == NULL ? self->cloth : self->whole, plugin,
+                           file, err);
 }
 
 static record_vtkhdf_def frames_of(const run *self)
@@ -97,6 +148,8 @@ static record_vtkhdf_def frames_of(const run *self)
     return (record_vtkhdf_def){
         .directory = self->out,
         .cloth = self->cloth,
+        .whole = self->whole,
+        .comm = self->comm,
         .record = weft_scene_record(self->scene),
         .last = self->result.planned - 1,
         .series = &self->series,
@@ -129,16 +182,21 @@ unsigned series_columns(const weft_scene *scene)
            | (weft_scene_run(scene)->interpolate ? RECORD_BETWEEN : 0u);
 }
 
-/* Opens the records of the checkpoint and checks all of them; writes nothing. */
-static weft_status check_records(run *self, weft_error *err)
+/* On other ranks the tables only have columns. */
+static weft_status reopen_tables(run *self, weft_error *err)
 {
-    const record_checkpoint *from = self->from;
-    const record_vtkhdf_def def = frames_of(self);
-    bool equal = false;
+    if (!run_first(self)) {
+        record_series_begin(&self->series, series_columns(self->scene));
+        return WEFT_OK;
+    }
     TRY(record_series_reopen(&self->series, self->out, series_columns(self->scene),
                              err));
-    TRY(record_shapes_open(&self->shapes, self->out, self->cloth, true, err));
-    TRY(record_vtkhdf_reopen(&def, &from->vtkhdf, &self->frames, &equal, err));
+    return record_shapes_open(&self->shapes, self->out, self->cloth, true, err);
+}
+
+static weft_status check_sums(run *self, bool equal, weft_error *err)
+{
+    const record_checkpoint *from = self->from;
     if (!is_intact(&self->series.table, &from->series)) {
         return name_damage(self, "series.csv", err);
     }
@@ -150,14 +208,29 @@ static weft_status check_records(run *self, weft_error *err)
                : name_damage(self, "shapes.csv", err);
 }
 
+/* Opens the records of the checkpoint and checks all of them; writes nothing. */
+static weft_status check_records(run *self, weft_error *err)
+{
+    const record_vtkhdf_def def = frames_of(self);
+    bool equal = false;
+    TRY(run_agree(self, reopen_tables(self, err), err));
+    TRY(record_vtkhdf_reopen(&def, &self->from->vtkhdf, &self->frames, &equal, err));
+    return run_agree(self, check_sums(self, equal, err), err);
+}
+
+static weft_status cut_tables(run *self, weft_error *err)
+{
+    TRY(record_table_cut(&self->shapes, &self->from->shapes, err));
+    return record_table_cut(&self->series.table, &self->from->series, err);
+}
+
 /* To the checkpoint's frame. */
 static weft_status reopen_records(run *self, weft_error *err)
 {
     TRY(check_records(self, err));
-    TRY(write_manifest(self, err));
+    TRY(run_agree(self, run_first(self) ? write_manifest(self, err) : WEFT_OK, err));
     TRY(record_vtkhdf_cut(self->frames, err));
-    TRY(record_table_cut(&self->shapes, &self->from->shapes, err));
-    return record_table_cut(&self->series.table, &self->from->series, err);
+    return run_agree(self, cut_tables(self, err), err);
 }
 
 /* The files that an earlier attempt wrote at its end. */
@@ -168,14 +241,23 @@ static void remove_ends(const run *self)
     run_remove(self, "final.csv");
 }
 
-static weft_status open_records(run *self, weft_error *err)
+static weft_status open_tables(run *self, weft_error *err)
 {
-    const record_vtkhdf_def def = frames_of(self);
+    if (!run_first(self)) {
+        record_series_begin(&self->series, series_columns(self->scene));
+        return WEFT_OK;
+    }
     TRY(record_text(self->out, "scene.yaml", weft_scene_text(self->scene), err));
     TRY(write_manifest(self, err));
     TRY(record_series_open(&self->series, self->out, series_columns(self->scene), err));
-    TRY(record_shapes_open(&self->shapes, self->out, self->cloth, false, err));
-    return record_vtkhdf_create(&def, &self->frames, err);
+    return record_shapes_open(&self->shapes, self->out, self->cloth, false, err);
+}
+
+static weft_status open_records(run *self, weft_error *err)
+{
+    const record_vtkhdf_def def = frames_of(self);
+    TRY(run_agree(self, open_tables(self, err), err));
+    return run_agree(self, record_vtkhdf_create(&def, &self->frames, err), err);
 }
 
 weft_status run_begin(run *self, weft_error *err)

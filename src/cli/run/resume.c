@@ -5,6 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "cli/run/ranks.h"
 #include "cli/run/run.h"
 #include "record/result_read.h"
 
@@ -45,9 +46,13 @@ int resume_scene(const options *given, const char *directory, const weft_scene *
     record_checkpoint from = { 0 };
     options own = *given;
     own.frames = record_exists(directory, "frames/frame-000000.obj") ? "obj" : NULL;
-    const bool begun = record_exists(directory, RECORD_CHECKPOINT);
-    if (begun
-        && read_checkpoint(directory, scene, given->registry, &from, &err) != WEFT_OK) {
+    const bool begun
+        = ranks_share(given->comm, record_exists(directory, RECORD_CHECKPOINT));
+    weft_status status = WEFT_OK;
+    if (begun) {
+        status = read_checkpoint(directory, scene, given->registry, &from, &err);
+    }
+    if (weft_comm_agree(given->comm, status, &err) != WEFT_OK) {
         record_checkpoint_free(&from);
         return report_error(&err);
     }
@@ -68,13 +73,13 @@ static int resume_claimed(const options *given, const char *directory)
     char path[RECORD_PATH];
     weft_scene *scene = NULL;
     weft_error err = { 0 };
-    if (ended_as(directory, "done")) {
+    if (ranks_share(given->comm, ended_as(directory, "done"))) {
         if (!given->quiet) {
             fprintf(stderr, "%s: is already done\n", directory);
         }
         return EXIT_DONE;
     }
-    if (!given->force && ended_as(directory, "failed")) {
+    if (ranks_share(given->comm, !given->force && ended_as(directory, "failed"))) {
         fprintf(stderr,
                 "weft: error: %s: this run failed, and would again: see its "
                 "result.yaml; --force runs it again\n",
@@ -96,15 +101,20 @@ static int resume_directory(const options *given, const char *directory)
 {
     int lock = -1;
     weft_error err = { 0 };
-    if (!record_exists(directory, "scene.yaml")) {
+    if (!ranks_share(given->comm, record_exists(directory, "scene.yaml"))) {
         weft_error_set(&err, WEFT_IO, "%s: no scene.yaml: not a run", directory);
         return report_error(&err);
     }
-    if (record_outdir_lock(directory, RECORD_PATIENCE, &lock, &err) != WEFT_OK) {
-        return report_error(&err);
+    weft_status status = WEFT_OK;
+    if (ranks_first(given->comm)) {
+        status = record_outdir_lock(directory, RECORD_PATIENCE, &lock, &err);
     }
-    const int code = resume_claimed(given, directory);
-    (void)close(lock);
+    status = weft_comm_agree(given->comm, status, &err);
+    const int code
+        = status == WEFT_OK ? resume_claimed(given, directory) : report_error(&err);
+    if (lock >= 0) {
+        (void)close(lock);
+    }
     return code;
 }
 
@@ -116,7 +126,8 @@ static int resume_verb(const options *given)
 {
     int code = EXIT_DONE;
     for (int i = 0; i < given->operand_count; ++i) {
-        const int one = resume_directory(given, given->operands[i]);
+        const int one
+            = ranks_share(given->comm, resume_directory(given, given->operands[i]));
         if (one == EXIT_SIGINT || one == EXIT_SIGTERM) {
             return one;
         }
@@ -134,6 +145,9 @@ const verb verb_resume = {
       "the same files, byte for byte, as an uninterrupted run. A run without a "
       "checkpoint starts again; a finished run is left alone.\n\n"
       "  --force              also repeat runs that failed\n"
+      "  --bands N            in N bands, whatever their number was before: mpirun -n "
+      "N "
+      "weft resume DIR --bands N\n"
       "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n"
       "  --progress HOW       auto, lines, terminal, yaml or none, as for weft run\n"
       "  --quiet              no progress, no summary\n\n"
@@ -146,7 +160,8 @@ const verb verb_resume = {
       "first code that is not 0\n",
     .options
     = OPTIONS(OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
-              OPTION_FLAG("force", force), OPTION_VALUE("progress", progress)),
+              OPTION_FLAG("force", force), OPTION_VALUE("progress", progress),
+              OPTION_VALUE("bands", bands)),
     .operands = { 1, 0, "no directory given", NULL },
     .run = resume_verb,
 };

@@ -7,6 +7,7 @@
 
 #include "base/clock.h"
 #include "cli/check/stable_steps.h"
+#include "cli/run/ranks.h"
 #include "cli/run/run.h"
 #include "record/export/export.h"
 
@@ -46,27 +47,45 @@ static size_t count_warnings(const run *self)
            + (size_t)(weft_sim_limit_held(self->sim) > 0);
 }
 
-static weft_status write_state(const run *self, const char *name,
-                               record_write_fn *write, weft_error *err)
+static weft_status write_planes(const run *self, const char *name,
+                                record_write_fn *write, const double *y,
+                                weft_error *err)
 {
-    const size_t n = weft_cloth_particles(self->cloth);
+    const size_t rows = weft_cloth_band(self->cloth).rows;
+    const size_t cols = weft_cloth_cols(self->cloth), n = rows * cols;
     double *values = malloc(6 * n * sizeof *values);
     if (values == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %s", name);
     }
+    for (size_t k = 0; k < 6; ++k) {
+        for (size_t i = 0; i < n; ++i) {
+            values[k / 3 * 3 * n + 3 * i + k % 3] = y[k * n + i];
+        }
+    }
     const record_surface surface = {
-        .rows = weft_cloth_rows(self->cloth),
-        .cols = weft_cloth_cols(self->cloth),
+        .rows = rows,
+        .cols = cols,
         .position = values,
         .velocity = values + 3 * n,
         .doubles = true,
     };
-    weft_sim_positions(self->sim, values);
-    weft_sim_velocities(self->sim, values + 3 * n);
     const weft_status status
         = record_surface_write(self->out, name, write, &surface, err);
     free(values);
     return status;
+}
+
+static weft_status write_state(const run *self, const char *name,
+                               record_write_fn *write, weft_error *err)
+{
+    const double *y;
+    double *gathered;
+    weft_status status = run_state(self, &y, &gathered, err);
+    if (status == WEFT_OK && run_first(self)) {
+        status = write_planes(self, name, write, y, err);
+    }
+    free(gathered);
+    return run_agree(self, status, err);
 }
 
 static weft_status write_frame_obj(const run *self, size_t index, weft_error *err)
@@ -98,7 +117,9 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
     warn_of_limit(self);
     /* The rows first: every frame of run.vtkhdf has its row in the series. */
     weft_status status = record_series_add(&self->series, &frame, err);
+    status = run_agree(self, status, err);
     status = status == WEFT_OK ? record_shapes_add(&self->shapes, &frame, err) : status;
+    status = run_agree(self, status, err);
     status = status == WEFT_OK ? record_vtkhdf_add(self->frames, &frame, err) : status;
     if (status == WEFT_OK && self->obj) {
         status = write_frame_obj(self, index, err);
@@ -130,6 +151,9 @@ static bool on_step(void *ctx)
         progress_show(&self->progress, self->result.frames - 1);
     }
     interrupt_release(&self->watch);
+    if (self->comm != NULL) {
+        interrupt_agree(self->comm);
+    }
     return interrupt_signal() == 0;
 }
 
@@ -182,7 +206,7 @@ static weft_status simulate(run *self, weft_error *err)
         summary_yaml_begin(&self->summary);
     }
     progress_begin(&self->progress, self->mode, self->sim, frames.run);
-    interrupt_begin(&self->watch, give_up, self);
+    interrupt_begin(&self->watch, self->comm == NULL ? give_up : NULL, self);
     interrupt_release(&self->watch);
     weft_status status = weft_sim_play(self->sim, &frames, err);
     interrupt_acquire(&self->watch);
@@ -191,7 +215,7 @@ static weft_status simulate(run *self, weft_error *err)
         status = WEFT_OK;
     }
     progress_clear(&self->progress);
-    return run_close(self, status, err);
+    return run_agree(self, run_close(self, status, err), err);
 }
 
 /* Another attempt may well succeed after an I/O error, not after another failure. */
@@ -209,7 +233,7 @@ static int report_failure(run *self, const weft_error *why)
     if (why->status == WEFT_IO || !weft_sim_failure(self->sim, &failure)) {
         return report_error(why);
     }
-    failure_report(self->scene, self->sim, &failure, &self->reason);
+    failure_report(self, &failure, &self->reason);
     return EXIT_SIMULATION;
 }
 
@@ -221,9 +245,11 @@ static weft_status write_ends(run *self, bool failed, weft_error *err)
     if (written != WEFT_OK && !failed) {
         note_failure(self, err);
     }
-    const weft_status result = record_result_write(self->out, &self->result,
-                                                   written == WEFT_OK ? err : NULL);
-    return written == WEFT_OK ? result : written;
+    const weft_status result
+        = run_first(self) ? record_result_write(self->out, &self->result,
+                                                written == WEFT_OK ? err : NULL)
+                          : WEFT_OK;
+    return run_agree(self, written == WEFT_OK ? result : written, err);
 }
 
 /* Writes and prints the results after the loop. */
@@ -237,6 +263,8 @@ static int conclude(run *self, weft_status status, const weft_error *why)
                              && !is_stopped(self);
     self->result.wall_time = weft__wall_clock() - self->began;
     self->result.sim = self->sim;
+    self->result.measures = weft_sim_measure(self->sim);
+    self->result.ledger = weft_sim_ledger(self->sim);
     self->result.warnings = count_warnings(self);
     if (status != WEFT_OK) {
         code = report_failure(self, why);
@@ -274,13 +302,32 @@ static int refuse(const run *self, const weft_error *why)
                                    .reason = why->message,
                                    .planned = self->result.planned };
     (void)report_error(why);
-    if (self->from == NULL
+    if (self->from == NULL && run_first(self)
         && (record_text(self->out, "scene.yaml", weft_scene_text(self->scene), &err)
                 != WEFT_OK
             || record_result_write(self->out, &result, &err) != WEFT_OK)) {
         return report_error(&err);
     }
     return EXIT_SIMULATION;
+}
+
+/* Of the start, where every run begins. */
+static bool warn_of_step(const run *self)
+{
+    const bool quiet = self->from != NULL;
+    if (self->comm == NULL) {
+        return stability_warn(self->scene, self->cloth, weft_sim_state(self->sim),
+                              quiet);
+    }
+    double *y
+        = self->whole == NULL ? NULL : malloc(weft_cloth_dim(self->whole) * sizeof *y);
+    bool beyond = false;
+    if (y != NULL) {
+        weft_cloth_start(self->whole, y);
+        beyond = stability_warn(self->scene, self->whole, y, quiet);
+    }
+    free(y);
+    return beyond;
 }
 
 static int run_prepared(run *self)
@@ -290,8 +337,8 @@ static int run_prepared(run *self)
                                .scene = self->scene,
                                .sim = self->sim,
                                .result = &self->result };
-    weft_status status = run_prepare(self, &err);
-    self->beyond = stability_warn(self->scene, self->sim, self->from != NULL);
+    weft_status status = run_agree(self, run_prepare(self, &err), &err);
+    self->beyond = warn_of_step(self);
     self->result.energy_start = weft_energy_total(weft_sim_measure(self->sim).energy);
     if (status == WEFT_OK && self->from != NULL) {
         if (run_take_up(self, &err) != WEFT_OK) {
@@ -307,14 +354,22 @@ static int run_prepared(run *self)
 static int run_simulation(run *self)
 {
     weft_error err = { 0 };
+    weft_status status = WEFT_OK;
     self->began = weft__wall_clock();
-    if (simulation_create(self->scene, &self->cloth, &self->sim, &err) != WEFT_OK) {
-        return refuse(self, &err);
+    if (self->comm != NULL && self->comm->rank == 0) {
+        status = cloth_create(self->scene, weft_scene_cloth(self->scene), &self->whole,
+                              &err);
     }
-    const int code = run_prepared(self);
+    status = run_agree(self, status, &err);
+    if (status == WEFT_OK) {
+        status = simulation_create(self->scene, self->comm, &self->cloth, &self->sim,
+                                   &err);
+    }
+    const int code = status == WEFT_OK ? run_prepared(self) : refuse(self, &err);
     record_checkpoint_free(&self->checkpoint);
     weft_sim_destroy(self->sim);
     weft_cloth_destroy(self->cloth);
+    weft_cloth_destroy(self->whole);
     return code;
 }
 
@@ -322,6 +377,9 @@ static int run_simulation(run *self)
 static weft_status open_directory(const run *self, bool force, int *lock,
                                   weft_error *err)
 {
+    if (!run_first(self)) {
+        return WEFT_OK;
+    }
     weft_status status = record_outdir_lock(self->out, RECORD_PATIENCE, lock, err);
     status = status == WEFT_OK ? record_outdir(self->out, force, err) : status;
     if (status == WEFT_OK && self->obj) {
@@ -343,6 +401,7 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
         .again = claimed,
         .from = from,
         .scene = scene,
+        .comm = given->comm,
         .registry = given->registry,
         .result = { .status = "done",
                     .reason = "",
@@ -351,8 +410,12 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
         .mode = given->mode,
     };
     interrupt_catch(true);
-    if (frames_have_room(scene, &err) != WEFT_OK
-        || (!claimed && open_directory(&self, given->force, &lock, &err) != WEFT_OK)) {
+    ranks_warn(self.comm, weft_scene_config(scene)->threads);
+    weft_status status = frames_have_room(scene, &err);
+    if (status == WEFT_OK && !claimed) {
+        status = open_directory(&self, given->force, &lock, &err);
+    }
+    if (run_agree(&self, status, &err) != WEFT_OK) {
         code = report_error(&err);
     } else {
         (void)stat(out, &self.place);
@@ -401,6 +464,9 @@ const verb verb_run = {
       "  --force              replace the files of an earlier run\n"
       "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
       "  --frames obj         also write frames/frame-000000.obj ...\n"
+      "  --bands N            one cloth in N bands of rows, a process each: mpirun -n "
+      "N "
+      "weft run SCENE.yaml --bands N (docs/cluster.md)\n"
       "  --view               also write run.html, a page that plays the run, and "
       "print its URL\n"
       "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n"
@@ -417,7 +483,8 @@ const verb verb_run = {
     = OPTIONS(OPTION_VALUE("out", out), OPTION_VALUE("set", sets),
               OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
               OPTION_FLAG("force", force), OPTION_VALUE("frames", frames),
-              OPTION_FLAG("view", view), OPTION_VALUE("progress", progress)),
+              OPTION_FLAG("view", view), OPTION_VALUE("progress", progress),
+              OPTION_VALUE("bands", bands)),
     .operands = { 1, 1, "no scene given", "more than one scene" },
     .run = run_verb,
 };

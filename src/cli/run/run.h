@@ -29,7 +29,9 @@ typedef struct run {
     const record_checkpoint *from; /* NULL: from t = 0 */
     const weft_scene *scene;
     weft_registry *registry;
-    weft_cloth *cloth;
+    const weft_comm *comm; /* NULL: one process; else all functions are collective */
+    weft_cloth *cloth;     /* of the sim: in bands, this one */
+    weft_cloth *whole;     /* in bands, on rank 0: the whole cloth; else NULL */
     weft_sim *sim;
     record_series series;
     record_table shapes;
@@ -59,6 +61,14 @@ weft_status run_checkpoint(run *self, size_t index, weft_error *err);
 /* Closes them after `status`, which is returned unless it was the better one. */
 weft_status run_close(run *self, weft_status status, weft_error *err);
 void run_remove(const run *self, const char *name);
+/* Whether this process writes the files. */
+bool run_first(const run *self);
+/* WEFT_OK if all bands have it, else the first error. */
+weft_status run_agree(const run *self, weft_status status, weft_error *err);
+/* The state y[6 N] of the whole cloth, on rank 0: that of the sim or, in bands, in
+ * *gathered, which the caller frees. */
+weft_status run_state(const run *self, const double **y, double **gathered,
+                      weft_error *err);
 /* WEFT_IO if another directory has replaced that of the run. */
 weft_status run_in_place(const run *self, weft_error *err);
 
@@ -70,8 +80,7 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
 
 /* failure_report.c: the failure, the stable step and what to try, as lines to stderr
  * and as one text. */
-void failure_report(const weft_scene *scene, const weft_sim *sim,
-                    const weft_failure *failure, sentence *out);
+void failure_report(const run *self, const weft_failure *failure, sentence *out);
 
 /* summary.c: the results of a run, in eight lines or as YAML. */
 void summary_step(summary *self); /* after each accepted step */

@@ -38,7 +38,7 @@ static void print_what(const summary *self)
     (void)snprintf(text, sizeof text, "%s%s%s: %s (%zu x %zu particles, %s %s)",
                    self->result->status, stopped ? " by " : "",
                    stopped ? self->result->reason : "", weft_scene_name(self->scene),
-                   weft_cloth_rows(cloth), weft_cloth_cols(cloth),
+                   weft_cloth_band(cloth).rows, weft_cloth_cols(cloth),
                    weft_scene_plugin(self->scene), weft_scene_method(self->scene));
     print_wrapped(stdout, 0, 2, PAGE_WIDTH, text);
 }
@@ -104,12 +104,12 @@ static void print_strain(const summary *self)
     print_item("strain", "at most %.3g %% at t = %.4g s, %s; %.3g %% at the end",
                100.0 * most->strain, self->extremes.strain_time,
                weft_spring_text(most, weft_cloth_cols(cloth), spring, sizeof spring),
-               100.0 * weft_sim_measure(self->sim).worst.strain);
+               100.0 * self->result->measures.worst.strain);
 }
 
 static void print_energy(const summary *self)
 {
-    const weft_ledger ledger = weft_sim_ledger(self->sim);
+    const weft_ledger ledger = self->result->ledger;
     char balance[200] = "", shapes[48] = "";
     if (weft_cloth_shapes(weft_sim_cloth(self->sim)) > 0) {
         (void)snprintf(shapes, sizeof shapes, ", of shapes %.4g J", ledger.shape_work);
@@ -130,7 +130,7 @@ static void print_contact(const summary *self)
 {
     char touching[HUMAN], vetoed[HUMAN];
     const size_t shapes = weft_cloth_shapes(weft_sim_cloth(self->sim));
-    const weft_measures all = weft_sim_measure(self->sim);
+    const weft_measures all = self->result->measures;
     if (shapes > 0) {
         print_item("contact",
                    "%zu %s, %s particles touch and the smallest gap is %.3g mm at the "
@@ -203,7 +203,7 @@ void summary_yaml_begin(const summary *self)
     yaml_out_text(&out, "directory", self->directory);
     yaml_out_text(&out, "plugin", weft_scene_plugin(self->scene));
     yaml_out_text(&out, "method", weft_scene_method(self->scene));
-    yaml_out_plain(&out, "rows", "%zu", weft_cloth_rows(cloth));
+    yaml_out_plain(&out, "rows", "%zu", weft_cloth_band(cloth).rows);
     yaml_out_plain(&out, "cols", "%zu", weft_cloth_cols(cloth));
     yaml_out_plain(&out, "frames_planned", "%zu", self->result->planned);
     yaml_out_real(&out, "duration", weft_scene_run(self->scene)->duration);

@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* ranks.c -- finds weft-mpi.so on the search path of the plugins and runs a verb with
+ * the processes that it joins. */
+#define _GNU_SOURCE /* sched_getaffinity */
+
+#include "cli/run/ranks.h"
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <sched.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/human.h"
+#include "cli/run/interrupt.h"
+#include "mpi/comm_mpi.h"
+
+#define WRONG_START                                                                    \
+    "weft %s: --bands %s, but %d %s of one job; start it by mpirun -n %s or srun "     \
+    "--mpi=pmix -n %s, of the MPI that weft-mpi.so is built with: %s\n"
+
+int ranks_share(const weft_comm *comm, int number)
+{
+    if (comm != NULL) {
+        comm->share(comm->self, &number, sizeof number);
+    }
+    return number;
+}
+
+char *ranks_share_text(const weft_comm *comm, const char *text)
+{
+    size_t size = comm->rank == 0 ? strlen(text) + 1 : 0;
+    comm->share(comm->self, &size, sizeof size);
+    char *copy = malloc(size);
+    if (copy == NULL) {
+        fputs("weft: error: no memory for the text of the scene\n", stderr);
+        comm->stop(comm->self, EXIT_SIMULATION);
+        return NULL;
+    }
+    if (comm->rank == 0) {
+        memcpy(copy, text, size);
+    }
+    comm->share(comm->self, copy, size);
+    return copy;
+}
+
+void ranks_warn(const weft_comm *comm, size_t threads)
+{
+#ifdef CPU_COUNT
+    cpu_set_t mask;
+    const bool known = sched_getaffinity(0, sizeof mask, &mask) == 0;
+    const int may_use = known ? CPU_COUNT(&mask) : 0;
+    const double lacks = known && (size_t)may_use < threads ? 1.0 : 0.0;
+    if (comm != NULL && comm->max(comm->self, lacks) > 0.0 && comm->rank == 0) {
+        fprintf(
+            stderr,
+            "weft: warning: run.threads is %zu, and a rank may use fewer processors "
+            "(this one %d): see mpirun --bind-to none, srun --cpus-per-task\n",
+            threads, may_use);
+    }
+#else
+    (void)comm, (void)threads;
+#endif
+}
+
+/* ---- begin and end ------------------------------------------------------------------
+ */
+
+/* NULL after printing why. */
+static comm_mpi *open_mpi(const verb *self, const options *given)
+{
+    char file[RECORD_PATH];
+    weft_error err = { 0 };
+    if (weft_registry_locate(given->registry, "mpi", file, sizeof file, &err)
+        != WEFT_OK) {
+        (void)usage_error(
+            self,
+            "--bands needs weft-mpi.so, which `make` builds where it finds "
+            "mpicc: %s",
+            strstr(err.message, "no weft-mpi.so"));
+        return NULL;
+    }
+    void *object = dlopen(file, RTLD_NOW | RTLD_LOCAL);
+    void *symbol = object == NULL ? NULL : dlsym(object, COMM_MPI_ENTRY);
+    if (symbol == NULL) {
+        (void)usage_error(self, "--bands: %s", dlerror());
+        return NULL;
+    }
+    comm_mpi_fn *start; /* POSIX allows this conversion, ISO C does not */
+    memcpy(&start, &symbol, sizeof start);
+    return start();
+}
+
+/* All ranks do what rank 0 does, and only that is to be seen. */
+static void silence(options *given)
+{
+    const int nowhere = open("/dev/null", O_WRONLY);
+    given->quiet = true;
+    given->view = false;
+    given->mode = PROGRESS_NONE;
+    (void)fflush(stdout);
+    (void)dup2(nowhere, STDOUT_FILENO);
+    (void)dup2(nowhere, STDERR_FILENO);
+    (void)close(nowhere);
+}
+
+static int run_joined(const verb *self, options *given, const comm_mpi *mpi,
+                      size_t bands)
+{
+    const weft_comm *comm = &mpi->comm;
+    if (comm->rank > 0) {
+        silence(given);
+    }
+    if ((size_t)comm->size != bands) {
+        fprintf(stderr, WRONG_START, self->name, given->bands, comm->size,
+                comm->size == 1 ? "process is" : "processes are", given->bands,
+                given->bands, mpi->library);
+        return EXIT_USAGE;
+    }
+    interrupt_catch_user();
+    given->comm = comm->size > 1 ? comm : NULL;
+    return ranks_share(comm, self->run(given));
+}
+
+int ranks_run(const verb *self, options *given)
+{
+    size_t bands;
+    if (!option_count(given->bands, '\0', &bands) || bands == 0) {
+        return usage_error(self, "--bands %s: not a number from 1 on", given->bands);
+    }
+    comm_mpi *mpi = open_mpi(self, given);
+    if (mpi == NULL) {
+        return EXIT_USAGE;
+    }
+    const int code = run_joined(self, given, mpi, bands);
+    (void)fflush(stdout);
+    mpi->close(mpi);
+    return code;
+}

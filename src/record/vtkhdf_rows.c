@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "record/vtkhdf_rows.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/bytes.h"
+
+bool vtkhdf_rows_begin(vtkhdf_rows *self, const weft_comm *comm,
+                       const weft_cloth *cloth, bool doubles)
+{
+    const weft_band band = weft_cloth_band(cloth);
+    *self = (vtkhdf_rows){ .comm = comm,
+                           .band = band,
+                           .cols = weft_cloth_cols(cloth),
+                           .doubles = doubles,
+                           .file = -1 };
+    self->buffer = malloc(3 * weft_cloth_particles(cloth) * sizeof *self->buffer);
+    self->sums = malloc(band.own * sizeof *self->sums);
+    self->all_sums = malloc(band.rows * sizeof *self->all_sums);
+    return self->buffer != NULL && self->sums != NULL && self->all_sums != NULL;
+}
+
+static void close_file(vtkhdf_rows *self)
+{
+    if (self->file >= 0) {
+        (void)close(self->file);
+    }
+    self->file = -1;
+}
+
+void vtkhdf_rows_end(vtkhdf_rows *self)
+{
+    close_file(self);
+    free(self->buffer);
+    free(self->sums);
+    free(self->all_sums);
+}
+
+/* A file of the same name on another machine is another one. */
+static weft_status check_shared(vtkhdf_rows *self, const char *path, weft_error *err)
+{
+    struct stat seen = { 0 };
+    const bool open = self->file >= 0 && fstat(self->file, &seen) == 0;
+    const int why = errno;
+    uint64_t number = (uint64_t)seen.st_ino;
+    if (self->comm != NULL) {
+        self->comm->share(self->comm->self, &number, sizeof number);
+    }
+    if (open && number == (uint64_t)seen.st_ino) {
+        return WEFT_OK;
+    }
+    return self->comm == NULL || self->comm->rank == 0
+               ? weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(why))
+               : weft_error_set(
+                   err, WEFT_IO,
+                   "%.300s: %s: bands need a directory that all ranks share", path,
+                   open ? "not the file of rank 0" : strerror(why));
+}
+
+weft_status vtkhdf_rows_open(vtkhdf_rows *self, const char *path, int flags,
+                             weft_error *err)
+{
+    close_file(self);
+    self->file = open(path, flags | O_NOFOLLOW | O_CLOEXEC);
+    if (self->comm != NULL) {
+        self->comm->share(self->comm->self, self->places, sizeof self->places);
+    }
+    return weft_comm_agree(self->comm, check_shared(self, path, err), err);
+}
+
+/* ---- a set of a frame
+ * ---------------------------------------------------------------- */
+
+static double *own_part(const vtkhdf_rows *self, size_t width)
+{
+    return self->buffer + self->band.above * self->cols * width;
+}
+
+static void sum_rows(vtkhdf_rows *self, const double *own, size_t width)
+{
+    const size_t count = self->cols * width;
+    for (size_t r = 0; r < self->band.own; ++r) {
+        uint64_t sum = WEFT__HASH_START;
+        for (size_t i = 0; i < count; ++i) {
+            uint64_t word;
+            memcpy(&word, &own[r * count + i], sizeof word);
+            sum = weft__hash_word(sum, word);
+        }
+        self->sums[r] = sum;
+    }
+}
+
+/* Little-endian values of the file, in place: those of single precision are behind
+ * the values still to be read, or before those already written. */
+static void pack(const vtkhdf_rows *self, double *values, size_t count)
+{
+    unsigned char *to = (unsigned char *)values;
+    for (size_t i = 0; i < count; ++i) {
+        if (self->doubles) {
+            weft__real_put(to + i * sizeof(double), values[i]);
+        } else {
+            weft__single_put(to + i * sizeof(float), (float)values[i]);
+        }
+    }
+}
+
+static void unpack(const vtkhdf_rows *self, double *values, size_t count)
+{
+    const unsigned char *from = (const unsigned char *)values;
+    for (size_t i = count; i-- > 0;) {
+        values[i] = self->doubles ? weft__real_at(from + i * sizeof(double))
+                                  : (double)weft__single_at(from + i * sizeof(float));
+    }
+}
+
+/* All bytes; false: errno says why. */
+static bool write_at(int file, const void *bytes, size_t size, uint64_t at)
+{
+    const char *from = bytes;
+    while (size > 0) {
+        const ssize_t done = pwrite(file, from, size, (off_t)at);
+        if (done < 0 && errno != EINTR) {
+            return false;
+        }
+        const size_t moved = done < 0 ? 0 : (size_t)done;
+        from += moved, size -= moved, at += moved;
+    }
+    return true;
+}
+
+static bool read_at(int file, void *bytes, size_t size, uint64_t at)
+{
+    char *to = bytes;
+    while (size > 0) {
+        const ssize_t done = pread(file, to, size, (off_t)at);
+        if (done == 0 || (done < 0 && errno != EINTR)) {
+            return false;
+        }
+        const size_t moved = done < 0 ? 0 : (size_t)done;
+        to += moved, size -= moved, at += moved;
+    }
+    return true;
+}
+
+static uint64_t place(const vtkhdf_rows *self, size_t set, size_t frame, size_t item)
+{
+    const uint64_t row = (uint64_t)frame * self->band.rows + self->band.first;
+    return self->places[set] + row * self->cols * item;
+}
+
+bool vtkhdf_rows_write(vtkhdf_rows *self, size_t set, size_t width, size_t frame)
+{
+    double *own = own_part(self, width);
+    const size_t count = self->band.own * self->cols * width;
+    const size_t size = self->doubles ? sizeof(double) : sizeof(float);
+    sum_rows(self, own, width);
+    pack(self, own, count);
+    return write_at(self->file, own, count * size,
+                    place(self, set, frame, width * size));
+}
+
+bool vtkhdf_rows_read(vtkhdf_rows *self, size_t set, size_t width, size_t frame)
+{
+    double *own = own_part(self, width);
+    const size_t count = self->band.own * self->cols * width;
+    const size_t size = self->doubles ? sizeof(double) : sizeof(float);
+    if (!read_at(self->file, own, count * size,
+                 place(self, set, frame, width * size))) {
+        return false;
+    }
+    unpack(self, own, count);
+    sum_rows(self, own, width);
+    return true;
+}
+
+uint64_t vtkhdf_rows_sum(vtkhdf_rows *self, uint64_t sum)
+{
+    const uint64_t *all = self->sums;
+    if (self->comm != NULL) {
+        self->comm->gather(self->comm->self, self->sums,
+                           self->band.own * sizeof *self->sums, self->all_sums);
+        all = self->comm->rank == 0 ? self->all_sums : NULL;
+    }
+    for (size_t r = 0; all != NULL && r < self->band.rows; ++r) {
+        sum = weft__hash_word(sum, all[r]);
+    }
+    return sum;
+}
