@@ -4,7 +4,32 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "record/record.h"
+weft_status page_open(record_file *file, const char *path, weft_error *err)
+{
+    const char *slash = strrchr(path, '/');
+    char directory[RECORD_PATH];
+    (void)snprintf(directory, sizeof directory, "%.*s",
+                   slash == NULL ? 1 : (int)(slash - path + (slash == path)),
+                   slash == NULL ? "." : path);
+    const weft_status status
+        = record_file_open(file, directory, slash == NULL ? path : slash + 1, err);
+    if (status == WEFT_OK) {
+        const char *mark = strstr(weft__player_page, PAGE_MARK);
+        (void)fwrite(weft__player_page, 1, (size_t)(mark - weft__player_page),
+                     file->stream);
+    }
+    return status;
+}
+
+weft_status page_commit(record_file *file, weft_status written, weft_error *err)
+{
+    if (written != WEFT_OK) {
+        record_file_discard(file);
+        return written;
+    }
+    (void)fputs(strstr(weft__player_page, PAGE_MARK) + strlen(PAGE_MARK), file->stream);
+    return record_file_commit(file, err);
+}
 
 static void put_character(FILE *stream, int c)
 {
@@ -18,11 +43,33 @@ static void put_character(FILE *stream, int c)
     }
 }
 
+void page_characters(FILE *stream, const char *text)
+{
+    for (; *text != '\0'; ++text) {
+        put_character(stream, (unsigned char)*text);
+    }
+}
+
 void page_text(FILE *stream, const char *text)
 {
     putc('"', stream);
-    for (; *text != '\0'; ++text) {
-        put_character(stream, (unsigned char)*text);
+    page_characters(stream, text);
+    putc('"', stream);
+}
+
+void page_directory(FILE *stream, const char *path)
+{
+    size_t end = strlen(path);
+    while (end > 1 && path[end - 1] == '/') {
+        --end;
+    }
+    size_t begin = end;
+    while (begin > 0 && path[begin - 1] != '/') {
+        --begin;
+    }
+    putc('"', stream);
+    for (size_t i = begin; i < end; ++i) {
+        put_character(stream, (unsigned char)path[i]);
     }
     putc('"', stream);
 }
