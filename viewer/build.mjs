@@ -63,5 +63,5 @@ async function write(name, entry, shape, software) {
     await writeFile(`${process.argv[2] ?? fileURLToPath(here('dist'))}/${name}.html`, page);
 }
 
-await write('player', 'main', 'page', ['three', 'uplot']);
+await write('player', 'entry', 'page', ['three', 'uplot']);
 await write('compare', 'compare', 'compare', []);

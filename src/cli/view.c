@@ -52,8 +52,8 @@ static weft_status write_batch(const char *directory, const char *out, weft_erro
     weft_error why = { 0 };
     const weft_status status = record_batch(directory, out, &without, &why, err);
     if (status == WEFT_OK && without > 0) {
-        fprintf(stderr, "weft: warning: runs without frames: %zu; the first: ",
-                without);
+        fprintf(stderr,
+                "weft: warning: runs without frames: %zu; the first: ", without);
         print_plain(stderr, why.message, "");
         fputc('\n', stderr);
     }
@@ -118,7 +118,8 @@ const verb verb_view = {
       "the same grid are shown side by side at their common times, coloured by their "
       "difference. Of a directory of weft batch, the page has a table of all runs, "
       "plots of their results against the parameters, and a player for each.\n\n"
-      "  --out FILE           default: DIR/run.html, for two runs DIR/compare.html, for "
+      "  --out FILE           default: DIR/run.html, for two runs DIR/compare.html, "
+      "for "
       "a batch DIR/batch.html\n\n"
       "examples:\n"
       "  weft view flag\n"

@@ -8,7 +8,7 @@
 #include "record/page.h"
 #include "record/player_page.h"
 
-#define PLAYERS_BUDGET 48e6 /* [B] of the frames of all runs */
+#define PLAYERS_BUDGET 32e6 /* [B] of the frames of all runs */
 #define PLAYER_LEAST   4e3  /* [B] of a run: with less there is no player */
 
 enum { RUN_NAME = 256 };
@@ -27,7 +27,8 @@ bool record_is_batch(const char *directory)
            && !record_exists(directory, "run.vtkhdf");
 }
 
-/* ---- summary.csv ------------------------------------------------------------------ */
+/* ---- summary.csv ------------------------------------------------------------------
+ */
 
 /* Reads a cell without its quotes, at most as much as fits. Returns the character after
  * it: ',', '\n' or EOF. */
@@ -94,7 +95,8 @@ static weft_status read_names(batch_page *self, weft_error *err)
                : weft_error_set(err, WEFT_IO, "%s: no rows with a directory", path);
 }
 
-/* ---- the page --------------------------------------------------------------------- */
+/* ---- the page ---------------------------------------------------------------------
+ */
 
 static void write_number(FILE *stream, double value)
 {
@@ -126,8 +128,8 @@ static void write_columns(FILE *stream, const char *directory)
     putc('}', stream);
 }
 
-/* The directory of run i; false if it has no name, or is a link, which might lead out of
- * the batch. */
+/* The directory of run i; false if it has no name, or is a link, which might lead out
+ * of the batch. */
 static bool run_directory(const batch_page *self, size_t i, char path[RECORD_PATH])
 {
     return self->names[i][0] != '\0'

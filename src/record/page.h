@@ -14,8 +14,8 @@
 extern const char weft__player_page[], weft__compare_page[];
 #define PAGE_MARK "<!--WEFT-DATA-->"
 
-/* The player's page at `path`, up to the mark; page_commit completes it unless `written`
- * is an error, which it returns. */
+/* The player's page at `path`, up to the mark; page_commit completes it unless
+ * `written` is an error, which it returns. */
 weft_status page_open(record_file *file, const char *path, weft_error *err);
 weft_status page_commit(record_file *file, weft_status written, weft_error *err);
 

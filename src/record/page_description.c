@@ -155,4 +155,3 @@ void player_page_describe(const player_page *self)
     write_runs(self);
     fputs("]}</script>\n", stream);
 }
-

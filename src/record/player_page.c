@@ -29,8 +29,8 @@ static void find_fields(player_page *self)
     for (size_t f = 0; f < PLAYER_FIELDS; ++f) {
         self->present[f] = true;
         for (size_t r = 0; r < self->run_count; ++r) {
-            self->present[f]
-                = self->present[f] && self->runs[r].frames->fields[player_fields[f].field];
+            self->present[f] = self->present[f]
+                               && self->runs[r].frames->fields[player_fields[f].field];
         }
         self->planes += self->present[f];
     }
@@ -87,9 +87,8 @@ static size_t match(player_run *runs, size_t run_count)
 /* How many frames of these particles fit. */
 static double frames_that_fit(const player_page *self)
 {
-    const size_t bytes
-        = self->run_count * page_block_size(self->planes, self->count)
-          + (self->run_count > 1 ? page_block_size(1, self->count) : 0);
+    const size_t bytes = self->run_count * page_block_size(self->planes, self->count)
+                         + (self->run_count > 1 ? page_block_size(1, self->count) : 0);
     return self->budget / (4.0 / 3.0 * (double)bytes);
 }
 
@@ -191,8 +190,8 @@ static weft_status write_frame(player_page *self, const player_run *run, size_t 
     }
     for (size_t f = 0; status == WEFT_OK && f < PLAYER_FIELDS; ++f) {
         if (self->present[f]) {
-            status
-                = record_frames_field(frames, player_fields[f].field, index, self->field, err);
+            status = record_frames_field(frames, player_fields[f].field, index,
+                                         self->field, err);
             put_plane(self, self->planes, plane++, self->field, player_fields[f].width,
                       player_fields[f].width == 3 ? LENGTH : 0);
         }

@@ -219,8 +219,8 @@ typedef struct record_series_row {
 weft_status record_series_rows(const char *directory, record_series_row **rows,
                                size_t *count, weft_error *err);
 
-/* series_read.c: the numbers of each column of DIR/series.csv over its complete rows; NAN
- * where it has none. Extremes and mean are of the finite ones. */
+/* series_read.c: the numbers of each column of DIR/series.csv over its complete rows;
+ * NAN where it has none. Extremes and mean are of the finite ones. */
 typedef struct record_column {
     char name[RECORD_COLUMN_NAME];
     double last, least, most, mean;
@@ -275,8 +275,8 @@ weft_status record_player(const char *const *directories, size_t count,
                           const char *file, weft_error *err);
 
 /* batch_page.c: writes `path`, a page of all runs of a batch: its summary.csv, the
- * numbers of each series and what a player shows of each run. *without: runs that have no
- * frames to show; `why`: the first reason. Errors as above. */
+ * numbers of each series and what a player shows of each run. *without: runs that have
+ * no frames to show; `why`: the first reason. Errors as above. */
 weft_status record_batch(const char *directory, const char *path, size_t *without,
                          weft_error *why, weft_error *err);
 /* Whether `directory` is that of a batch: it has a summary and no frames. */

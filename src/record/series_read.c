@@ -123,7 +123,8 @@ static size_t name_columns(const char *header, record_column *columns)
     size_t count = 0;
     for (const char *at = header; at != NULL && count < RECORD_COLUMNS_MAX; ++count) {
         columns[count] = (record_column){
-            .last = NAN, .least = NAN, .most = NAN, .mean = 0.0, .name = "" };
+            .last = NAN, .least = NAN, .most = NAN, .mean = 0.0, .name = ""
+        };
         (void)snprintf(columns[count].name, RECORD_COLUMN_NAME, "%.*s",
                        (int)strcspn(at, ",\n"), at);
         at = strchr(at, ',');
