@@ -8,8 +8,8 @@
 #include "record/page.h"
 #include "record/player_page.h"
 
-#define PLAYERS_BUDGET 32e6 /* [B] of the frames of all runs */
-#define PLAYER_LEAST   4e3  /* [B] of a run: with less there is no player */
+#define PLAYERS_BUDGET 24e6 /* [B] of the frames of all runs */
+#define PLAYER_LEAST   3e3  /* [B] of a run: with less there is no player */
 
 enum { RUN_NAME = 256 };
 

@@ -10,8 +10,8 @@ const root = process.env.WEFT_VIEW;
 const file = `${root}/batch/batch.html`;
 const PHONE = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
 
-/** summary.csv as a list of objects; its cells have no commas. */
-const [names, ...rows] = readFileSync(`${root}/batch/summary.csv`, 'utf8').trim().split('\n').map((line) => line.split(','));
+/** summary.csv as a list of objects; quotes stay around its reasons. */
+const [names, ...rows] = readFileSync(`${root}/batch/summary.csv`, 'utf8').trim().split('\n').map((line) => line.split(/,(?=(?:[^"]*"[^"]*")*[^"]*$)/));
 const summary = rows.map((row) => Object.fromEntries(names.map((name, i) => [name, row[i]])));
 /** The numbers of a column of the series of a run, which has all of them. */
 function series(run, name) {
