@@ -41,12 +41,12 @@ typedef enum progress_mode {
 /* The command line of a verb. */
 typedef struct options {
     const char *plugin_path, *out, *frames, *format, *frame, *progress, *tolerance;
-    const char *timeout, *shard, *methods, *until, *sizes;
+    const char *timeout, *shard, *methods, *until, *sizes, *port;
     size_t jobs; /* 0: not given */
     const char **sets, **ats;
     size_t set_count, at_count;
     bool quiet, force, yaml, markdown, all, refine, view, retry_failed, summary;
-    bool csv, clamp_midway;
+    bool csv, clamp_midway, watch;
     progress_mode mode; /* by `progress` and `quiet` */
     char **operands;    /* the rest of argv */
     int operand_count;

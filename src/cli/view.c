@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* view.c -- weft view: a run or a batch as a page for a browser. */
 #define _XOPEN_SOURCE 700 /* realpath */
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cli/cli.h"
 #include "cli/human.h"
+#include "cli/run/interrupt.h"
+#include "cli/watch/watch.h"
 #include "record/frames.h"
 #include "record/record.h"
 
@@ -99,8 +102,38 @@ void report_unfinished(const char *directory)
     }
 }
 
+/* A run that another process has under way. */
+static int watch_elsewhere(const options *given)
+{
+    weft_error err = { 0 };
+    watch_def def = { .directory = given->operands[0], .ready = -1 };
+    const int code = watch_check(&verb_view, given, &def.port);
+    if (code != EXIT_DONE) {
+        return code;
+    }
+    if (given->operand_count > 1 || given->out != NULL) {
+        return usage_error(&verb_view, "--watch shows one run, and writes no page");
+    }
+    if (!record_outdir_locked(def.directory)) {
+        return usage_error(&verb_view,
+                           "%s: no run is under way there; without --watch the page "
+                           "has what was recorded",
+                           def.directory);
+    }
+    interrupt_catch(true);
+    if (watch_serve(&def, &err) != WEFT_OK) {
+        return report_error(&err);
+    }
+    return interrupt_signal() == SIGINT    ? EXIT_SIGINT
+           : interrupt_signal() == SIGTERM ? EXIT_SIGTERM
+                                           : EXIT_DONE;
+}
+
 static int view_verb(const options *given)
 {
+    if (given->watch || given->port != NULL) {
+        return watch_elsewhere(given);
+    }
     for (int i = 0; i < given->operand_count; ++i) {
         report_unfinished(given->operands[i]);
     }
@@ -120,14 +153,18 @@ const verb verb_view = {
       "plots of their results against the parameters, and a player for each.\n\n"
       "  --out FILE           default: DIR/run.html, for two runs DIR/compare.html, "
       "for "
-      "a batch DIR/batch.html\n\n"
+      "a batch DIR/batch.html\n"
+      "  --watch              serve the page of a run that is under way, with its "
+      "growing frames, on 127.0.0.1 until the run ends\n"
+      "  --port N             of --watch, from 1024 to 65535; default: a free one\n\n"
       "examples:\n"
       "  weft view flag\n"
       "  weft view sweep-results\n"
       "  weft view flag-rkf45 flag-verlet --out steppers.html\n\n"
       "exit codes: 0 done, 2 wrong command line, or runs that cannot be compared, 4 a "
-      "file could not be read or written\n",
-    .options = OPTIONS(OPTION_VALUE("out", out)),
+      "file could not be read or written, 130 SIGINT, 143 SIGTERM\n",
+    .options = OPTIONS(OPTION_VALUE("out", out), OPTION_FLAG("watch", watch),
+                       OPTION_VALUE("port", port)),
     .operands = { 1, 2, "needs the directory of a run, of two, or of a batch", NULL },
     .run = view_verb,
 };

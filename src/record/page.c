@@ -4,6 +4,26 @@
 #include <stdint.h>
 #include <string.h>
 
+/* What a page may fetch by its own policy: nothing. */
+#define FETCHES "connect-src 'none'"
+
+void page_begin(FILE *stream, bool live)
+{
+    const char *page = weft__player_page, *mark = strstr(page, PAGE_MARK);
+    if (live) {
+        const char *fetches = strstr(page, FETCHES);
+        (void)fwrite(page, 1, (size_t)(fetches - page), stream);
+        fputs("connect-src 'self'", stream);
+        page = fetches + strlen(FETCHES);
+    }
+    (void)fwrite(page, 1, (size_t)(mark - page), stream);
+}
+
+void page_end(FILE *stream)
+{
+    (void)fputs(strstr(weft__player_page, PAGE_MARK) + strlen(PAGE_MARK), stream);
+}
+
 weft_status page_open(record_file *file, const char *path, weft_error *err)
 {
     const char *slash = strrchr(path, '/');
@@ -14,9 +34,7 @@ weft_status page_open(record_file *file, const char *path, weft_error *err)
     const weft_status status
         = record_file_open(file, directory, slash == NULL ? path : slash + 1, err);
     if (status == WEFT_OK) {
-        const char *mark = strstr(weft__player_page, PAGE_MARK);
-        (void)fwrite(weft__player_page, 1, (size_t)(mark - weft__player_page),
-                     file->stream);
+        page_begin(file->stream, false);
     }
     return status;
 }
@@ -27,7 +45,7 @@ weft_status page_commit(record_file *file, weft_status written, weft_error *err)
         record_file_discard(file);
         return written;
     }
-    (void)fputs(strstr(weft__player_page, PAGE_MARK) + strlen(PAGE_MARK), file->stream);
+    page_end(file->stream);
     return record_file_commit(file, err);
 }
 
@@ -90,11 +108,10 @@ void page_file(FILE *stream, const char *directory, const char *name)
     (void)fclose(file);
 }
 
-void page_bytes(FILE *stream, const unsigned char *bytes, size_t size)
+void page_base64(FILE *stream, const unsigned char *bytes, size_t size)
 {
     static const char digits[]
         = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    fputs("<script type=\"weft/frame\">", stream);
     for (size_t i = 0; i < size; i += 3) {
         const size_t left = size - i;
         const unsigned group = (unsigned)bytes[i] << 16
@@ -105,6 +122,12 @@ void page_bytes(FILE *stream, const unsigned char *bytes, size_t size)
                                left > 2 ? digits[group & 63] : '=' };
         (void)fwrite(four, 1, sizeof four, stream);
     }
+}
+
+void page_bytes(FILE *stream, const unsigned char *bytes, size_t size)
+{
+    fputs("<script type=\"weft/frame\">", stream);
+    page_base64(stream, bytes, size);
     fputs("</script>\n", stream);
 }
 

@@ -14,7 +14,11 @@
 extern const char weft__player_page[], weft__compare_page[];
 #define PAGE_MARK "<!--WEFT-DATA-->"
 
-/* The player's page at `path`, up to the mark; page_commit completes it unless
+/* The player's page up to the mark, and from there on. `live`: it may ask the server it
+ * came from for more. */
+void page_begin(FILE *stream, bool live);
+void page_end(FILE *stream);
+/* The same as a file at `path`; page_commit completes it unless
  * `written` is an error, which it returns. */
 weft_status page_open(record_file *file, const char *path, weft_error *err);
 weft_status page_commit(record_file *file, weft_status written, weft_error *err);
@@ -28,7 +32,8 @@ void page_characters(FILE *stream, const char *text);
 void page_directory(FILE *stream, const char *path);
 /* All of directory/name as such a string, or null if it cannot be opened. */
 void page_file(FILE *stream, const char *directory, const char *name);
-/* Bytes as base64 in a <script type="weft/frame">. */
+/* Bytes as base64, and that in a <script type="weft/frame">. */
+void page_base64(FILE *stream, const unsigned char *bytes, size_t size);
 void page_bytes(FILE *stream, const unsigned char *bytes, size_t size);
 
 /* A block holds planes of `count` numbers each: first the smallest and largest number

@@ -74,12 +74,13 @@ static void write_obstacles(FILE *stream, const char *directory)
     weft_scene_destroy(scene);
 }
 
-/* The header of series.csv and the rows of the frames shown. */
-static void write_rows(const player_page *self, const player_run *run)
+/* series.csv, of a brief page the header and the rows of the frames shown. Returns the
+ * bytes of its whole rows. */
+static size_t write_rows(const player_page *self, const player_run *run)
 {
     char path[RECORD_PATH], line[4096];
     FILE *series = record_open(run->directory, "series.csv", path, NULL);
-    size_t shown = 0;
+    size_t shown = 0, bytes = 0;
     fputs(series == NULL ? "null" : "\"", self->stream);
     for (bool head = true; series != NULL && fgets(line, sizeof line, series) != NULL;
          head = false) {
@@ -90,14 +91,16 @@ static void write_rows(const player_page *self, const player_run *run)
             page_characters(self->stream, line);
         }
         shown += kept;
+        bytes += strchr(line, '\n') == NULL ? 0 : strlen(line);
     }
     if (series != NULL) {
         putc('"', self->stream);
         (void)fclose(series);
     }
+    return bytes;
 }
 
-static void write_files(const player_page *self, const player_run *run)
+static size_t write_files(const player_page *self, const player_run *run)
 {
     static const char *const files[] = { "scene.yaml", "manifest.yaml", "result.yaml" };
     for (size_t f = 0; f < sizeof files / sizeof files[0]; ++f) {
@@ -105,7 +108,7 @@ static void write_files(const player_page *self, const player_run *run)
         page_file(self->stream, run->directory, files[f]);
     }
     fputs(",\"series\":", self->stream);
-    write_rows(self, run);
+    return write_rows(self, run);
 }
 
 static void write_runs(const player_page *self)
@@ -125,7 +128,11 @@ static void write_runs(const player_page *self)
         }
         fputc(']', self->stream);
         write_obstacles(self->stream, run->directory);
-        write_files(self, run);
+        const size_t rows = write_files(self, run);
+        if (self->live) {
+            fprintf(self->stream, ",\"live\":{\"frame\":%zu,\"series\":%zu}",
+                    run->frames->count, rows);
+        }
         fputc('}', self->stream);
     }
 }

@@ -9,8 +9,7 @@
 
 #include "record/page.h"
 
-#define FRAME_BUDGET 64e6 /* [B] of the frames of a page */
-#define TIME_MATCH   1e-9 /* relative: two frames of the same time */
+#define TIME_MATCH 1e-9 /* relative: two frames of the same time */
 enum {
     SIDE_MAX = 256,     /* particles shown along a side; more are thinned */
     FRAMES_WANTED = 24, /* fewer fit the budget: particles are thinned first, */
@@ -92,13 +91,18 @@ static double frames_that_fit(const player_page *self)
     return self->budget / (4.0 / 3.0 * (double)bytes);
 }
 
+static double frames_expected(const player_page *self)
+{
+    return (double)(self->live ? self->runs[0].frames->planned : self->chosen);
+}
+
 /* Keeps every n-th frame and the last. */
 static void thin(player_page *self)
 {
     const double room = fmax(frames_that_fit(self) - 2.0, 1.0);
-    const size_t step = (size_t)ceil((double)self->chosen / room);
+    self->step = (size_t)ceil(frames_expected(self) / room);
     for (size_t i = 0; i < self->chosen; ++i) {
-        if (i % step != 0 && i + 1 < self->chosen) {
+        if (i % self->step != 0 && i + 1 < self->chosen) {
             continue;
         }
         for (size_t r = 0; r < self->run_count; ++r) {
@@ -116,7 +120,7 @@ static size_t thinned(size_t side, size_t stride)
 static void choose_stride(player_page *self)
 {
     const size_t side = self->rows > self->cols ? self->rows : self->cols;
-    const double wanted = fmin((double)self->chosen, FRAMES_WANTED);
+    const double wanted = fmin(frames_expected(self), FRAMES_WANTED);
     self->stride = (side - 1) / SIDE_MAX;
     do {
         ++self->stride;
@@ -178,11 +182,10 @@ static void put_plane(player_page *self, size_t planes, size_t plane,
     page_plane(self->block, planes, plane, self->values, self->count);
 }
 
-static weft_status write_frame(player_page *self, const player_run *run, size_t i,
-                               weft_error *err)
+static weft_status encode(player_page *self, const player_run *run, size_t index,
+                          weft_error *err)
 {
     record_frames *frames = run->frames;
-    const size_t index = run->index[i];
     size_t plane = 3;
     weft_status status = record_frames_positions(frames, index, run->xyz, err);
     for (size_t k = 0; status == WEFT_OK && k < 3; ++k) {
@@ -190,12 +193,24 @@ static weft_status write_frame(player_page *self, const player_run *run, size_t 
     }
     for (size_t f = 0; status == WEFT_OK && f < PLAYER_FIELDS; ++f) {
         if (self->present[f]) {
-            status = record_frames_field(frames, player_fields[f].field, index,
-                                         self->field, err);
-            put_plane(self, self->planes, plane++, self->field, player_fields[f].width,
-                      player_fields[f].width == 3 ? LENGTH : 0);
+            const player_field *field = &player_fields[f];
+            status = record_frames_field(frames, field->field, index, self->field, err);
+            put_plane(self, self->planes, plane++, self->field, field->width,
+                      field->width == 3 ? LENGTH : 0);
         }
     }
+    return status;
+}
+
+weft_status player_page_encode(player_page *self, size_t frame, weft_error *err)
+{
+    return encode(self, &self->runs[0], frame, err);
+}
+
+static weft_status write_frame(player_page *self, const player_run *run, size_t i,
+                               weft_error *err)
+{
+    const weft_status status = encode(self, run, run->index[i], err);
     if (status == WEFT_OK) {
         page_bytes(self->stream, self->block,
                    page_block_size(self->planes, self->count));
@@ -262,7 +277,7 @@ void player_page_close(player_page *self)
 weft_status record_player(const char *const *directories, size_t count,
                           const char *path, weft_error *err)
 {
-    player_page self = { .budget = FRAME_BUDGET };
+    player_page self = { .budget = PLAYER_BUDGET };
     record_file file;
     weft_status status = player_page_open(&self, directories, count, err);
     if (status == WEFT_OK) {

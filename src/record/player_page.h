@@ -8,6 +8,7 @@
 #include "record/frames.h"
 #include "record/record.h"
 
+#define PLAYER_BUDGET 64e6 /* [B] of the frames of a page */
 enum { PLAYER_RUNS = 2, PLAYER_FIELDS = 2 };
 
 /* Fields that may colour a cloth; of those of width 3, the length. */
@@ -29,9 +30,11 @@ typedef struct player_run {
 typedef struct player_page {
     double budget; /* [B] of all frames; more are thinned */
     bool brief;    /* of series.csv only the rows of the frames shown */
+    bool live;     /* one run that may get more frames: there is room for all of them */
     player_run runs[PLAYER_RUNS];
     size_t run_count, rows, cols;
     size_t chosen, shown; /* frames: to choose from, left after thinning */
+    size_t step;          /* between two that are left */
     size_t stride, shown_rows, shown_cols, count; /* particles shown */
     size_t *particles;                            /* their indices */
     bool present[PLAYER_FIELDS];
@@ -47,6 +50,8 @@ weft_status player_page_open(player_page *self, const char *const *directories,
                              size_t count, weft_error *err);
 /* Writes description and frames to self->stream. */
 weft_status player_page_write(player_page *self, weft_error *err);
+/* One frame of run 0, by its index in the file, into self->block. */
+weft_status player_page_encode(player_page *self, size_t frame, weft_error *err);
 void player_page_close(player_page *self);
 
 /* page_description.c: the JSON of a page, in its <script>. */

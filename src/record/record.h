@@ -74,6 +74,9 @@ weft_status record_outdir(const char *directory, bool force, weft_error *err);
 weft_status record_outdir_lock(const char *directory, double patience, int *lock,
                                weft_error *err);
 
+/* Whether a process has that lock. */
+bool record_outdir_locked(const char *directory);
+
 /* result_read.c: whether a run was begun there that has not ended by itself. */
 bool record_unfinished(const char *directory);
 
