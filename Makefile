@@ -56,6 +56,8 @@ ifneq ($(call has,stdio.h),yes)
 $(error CC=$(CC) cannot compile: $(shell $(call probe,stdio.h) 2>&1 >/dev/null | grep -m 1 -e error -e found) (packages gcc or clang, libc6-dev))
 endif
 HAVE_HDF5 := $(call has,hdf5.h,$(HDF5_CFLAGS))
+# The server of --watch, of the program alone.
+HAVE_HTTP := $(call has,microhttpd.h)
 HAVE_GSL := $(call has,gsl/gsl_odeiv2.h)
 # SUNDIALS 7 that was built with MPI includes mpi.h everywhere.
 mpi = $(shell pkg-config --$(1) mpi-c 2>/dev/null || mpicc --showme:$(2) 2>/dev/null)
@@ -86,6 +88,8 @@ LEVELS   := $(if $(filter x86_64%,$(TARGET)),v3 v4)
 LIB_OBJ  += $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o))
 RECORD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/record/*.c src/record/*/*.c)) $(BUILD)/src/record/pages.o
 PROG_OBJ := $(RECORD_OBJ) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/cli/*.c src/cli/*/*.c src/conformance/*.c))
+PROG_OBJ := $(filter-out $(if $(HAVE_HTTP),,%/watch_server.o),$(PROG_OBJ))
+PROG_LIBS := $(HDF5_LIBS) $(if $(HAVE_HTTP),-lmicrohttpd)
 # libweft has them for scenes, and does not export them.
 PROG_OBJ += $(BUILD)/src/base/suggest.o $(BUILD)/src/base/file.o
 LIB_LIBS := -lyaml -ldl -lm -pthread $(LDLIBS)
@@ -131,6 +135,7 @@ all: $(BUILD)/libweft.so $(BUILD)/libweft.a $(BUILD)/weft $(PLUGIN_SO) $(MPI_SO)
 
 .PHONY: skipped
 skipped:
+	@$(if $(HAVE_HTTP),:,echo "--watch skipped: microhttpd.h not found (package libmicrohttpd-dev)")
 	@$(if $(HAVE_GSL),:,echo "plugin gsl skipped: gsl/gsl_odeiv2.h not found (package libgsl-dev)")
 	@$(if $(HAVE_ARKODE),:,echo "plugin arkode skipped: arkode/arkode_erkstep.h not found (package libsundials-dev)")
 	@$(if $(HAVE_MPI),:,echo "weft-mpi.so skipped (weft run --bands): mpicc not found (package libopenmpi-dev)")
@@ -146,9 +151,10 @@ $(BUILD)/libweft.a: $(LIB_OBJ)
 	$(call say,AR)rm -f $@ && ar rcs $@ $^
 
 $(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
-	$(call say,LD)$(LINK) -o $@ $^ $(call rpath,. ../lib) $(HDF5_LIBS) $(LIB_LIBS)
+	$(call say,LD)$(LINK) -o $@ $^ $(call rpath,. ../lib) $(PROG_LIBS) $(LIB_LIBS)
 
 $(BUILD)/src/record/%.o: INCS += $(HDF5_CFLAGS)
+$(BUILD)/src/cli/watch/%.o: OWN += $(if $(HAVE_HTTP),-DWEFT_HTTP)
 
 $(BUILD)/src/cloth/levels.o: OWN += $(if $(KERNELS),,-DWEFT_PLAIN)
 # Lines for debuggers, but not the places of variables: those of inlined loops take a third of the compiler's time.
@@ -209,9 +215,9 @@ $(BUILD)/plugins/%.o: plugins/%.c
 
 # ---- tests and examples ----------------------------------------------------------
 
-TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_GSL),-DHAVE_GSL) $(if $(HAVE_ARKODE),-DHAVE_ARKODE) $(if $(HAVE_CVODE),-DHAVE_CVODE)
+TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_HTTP),-DWEFT_HTTP) $(if $(HAVE_GSL),-DHAVE_GSL) $(if $(HAVE_ARKODE),-DHAVE_ARKODE) $(if $(HAVE_CVODE),-DHAVE_CVODE)
 TEST_PLUGINS = $(sort $(foreach p,$(PLUGINS),$(PLUGIN_OBJ_$(p))))
-TEST_LIBS = -lcheck -lsubunit -lrt $(HDF5_LIBS) $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
+TEST_LIBS = -lcheck -lsubunit -lrt $(PROG_LIBS) $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
 
 # All of the program but main, for tests of its parts; PARTS=conformance: of that alone.
 PROGRAM := $(BUILD)/program.a
@@ -262,7 +268,7 @@ $(BUILD)/tests/%.o: INCS += -Itests
 $(BUILD)/tests/run: $(if $(filter verification,$(TESTS)),$(VERIFY_OBJ))
 
 $(BUILD)/weft-verify: $(BUILD)/tests/verify/main.o $(VERIFY_OBJ) $(PROGRAM) $(BUILD)/libweft.a
-	$(call say,LD)$(LINK) -o $@ $^ $(LIB_LIBS) $(HDF5_LIBS)
+	$(call say,LD)$(LINK) -o $@ $^ $(LIB_LIBS) $(PROG_LIBS)
 
 verify: all $(BUILD)/weft-verify
 	@$(BUILD)/weft-verify $(VERIFY)

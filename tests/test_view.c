@@ -155,6 +155,98 @@ START_TEST(force_replaces_the_pages_too)
 }
 END_TEST
 
+/* ---- a batch -------------------------------------------------------------------- */
+
+static void begin_batch(void)
+{
+    begin();
+    expect(0, "sed 's/^name:.*/name: \"<i>, 1\"/' " OUT "/scene.yaml >" OUT
+              "/s.yaml && echo 'sweep: {cloth.springs.stretch.stiffness: [50, 1.0e+9], "
+              "name: [\"</script>,\", b]}' >>" OUT "/s.yaml; cd " OUT
+              " && ../weft batch s.yaml --out all --quiet 2>&1 | grep -v error; true");
+}
+
+START_TEST(a_batch_has_a_page_with_a_template_for_each_run)
+{
+    expect(0, WEFT " view " OUT "/all/ 2>&1");
+    says("view-test/all/batch.html\n");
+    expect(0, "cat " OUT "/all/batch.html");
+    says("<script id=\"weft-batch\" type=\"application/json\">{\"weft\":\"");
+    says("\"directory\":\"all\",\"summary\":\"cloth.springs.stretch.stiffness,name,"
+         "scene,");
+    ck_assert_uint_eq(count("<template>"), 4);
+    ck_assert_uint_eq(count("</template>"), 4);
+    ck_assert_uint_eq(count("id=\"weft-data\""), 4);
+    ck_assert_uint_eq(count("</script>,"), 0);
+    ck_assert_uint_eq(count("\"page\":false"), 4);
+    says("</html>\n");
+    expect(0, WEFT " view " OUT "/all/s_stiffness=50_name=b && " WEFT " view " OUT
+                   "/all && cat " OUT "/all/batch.html");
+    ck_assert_uint_eq(count("\"page\":true"), 1);
+}
+END_TEST
+
+START_TEST(a_series_becomes_its_last_smallest_largest_and_mean_numbers)
+{
+    expect(0,
+           "printf 'frame,time,a,hash,b\\n0,0,-3,ff,\\n1,0.5,inf,12,\\n2,1,5,0a,\\n3,"
+           "2,7' >" OUT "/all/s_stiffness=50_name=b/series.csv");
+    expect(0, WEFT " view " OUT "/all >/dev/null; cat " OUT "/all/batch.html");
+    /* the last line was cut off; hashes are no numbers, but for some */
+    says("\"columns\":{\"frame\":[2,0,2,1],\"time\":[1,0,1,0.5],\"a\":[5,-3,5,1],");
+    says("\"b\":[null,null,null,null]}}");
+}
+END_TEST
+
+START_TEST(runs_without_frames_are_named_and_keep_their_row)
+{
+    expect(0, "cd " OUT "/all && rm -r s_stiffness=50_name=b && echo damaged >"
+              "s_stiffness=1.0e+9_name=b/run.vtkhdf");
+    expect(0, WEFT " view " OUT "/all 2>&1");
+    says("weft: warning: runs without frames: 2; the first: ");
+    expect(0, "cat " OUT "/all/batch.html");
+    ck_assert_uint_eq(count("<template></template>"), 2);
+    ck_assert_uint_eq(count("id=\"weft-data\""), 2);
+    says("{\"page\":false,\"columns\":{}}");
+}
+END_TEST
+
+START_TEST(a_summary_leads_to_no_other_directory)
+{
+    expect(0,
+           "cd " OUT " && mkdir out && ln -s ../a out/link && cp -r a out/.hidden && "
+           "printf 'status,directory\\ndone,../a\\ndone,link\\ndone,.hidden\\ndone,\\n"
+           "done,\"../a\"\\n' >out/summary.csv");
+    expect(0, WEFT " view " OUT "/out 2>&1");
+    says("runs without frames: 5");
+    expect(0, "cat " OUT "/out/batch.html");
+    ck_assert_uint_eq(count("<template></template>"), 5);
+    ck_assert_uint_eq(count("\"columns\":{}"), 5);
+    expect(0, "echo nothing >" OUT "/out/summary.csv");
+    expect(4, WEFT " view " OUT "/out 2>&1");
+    says("out/summary.csv: no rows with a directory");
+}
+END_TEST
+
+START_TEST(players_of_many_runs_share_the_room)
+{
+    expect(0,
+           WEFT " run " OUT "/scene.yaml --out " OUT
+                "/all/large --quiet --set cloth.grid.rows=40 --set cloth.grid.cols=50 "
+                "--set run.fps=60");
+    expect(0,
+           "cd " OUT "/all && (echo directory; yes large | head -n 200) >summary.csv");
+    expect(0, WEFT " view " OUT "/all >/dev/null 2>&1; wc -c <" OUT "/all/batch.html");
+    ck_assert_int_lt(atol(output), 40000000); /* whole, they would have 160 MB */
+    expect(0, "grep -o '\"shown\":[^\"]*,\"stride\":[0-9]*,\"chosen\":[0-9]*' " OUT
+              "/all/batch.html | sort | uniq -c");
+    says("200 \"shown\":[14,18],\"stride\":3,\"chosen\":31\n");
+    expect(0, "yes x | head -n 9000 >>" OUT "/all/summary.csv; " WEFT " view " OUT
+              "/all && grep -c '<template>' " OUT "/all/batch.html; true");
+    says("\n0\n"); /* there is room for no player */
+}
+END_TEST
+
 TEST_SUITE(view)
 {
     Suite *all = suite_create("view");
@@ -170,5 +262,14 @@ TEST_SUITE(view)
     tcase_add_test(pages, an_interrupted_or_unfinished_run_can_be_seen);
     tcase_add_test(pages, force_replaces_the_pages_too);
     suite_add_tcase(all, pages);
+    TCase *batch = tcase_create("batch");
+    tcase_add_checked_fixture(batch, begin_batch, NULL);
+    tcase_set_timeout(batch, 60);
+    tcase_add_test(batch, a_batch_has_a_page_with_a_template_for_each_run);
+    tcase_add_test(batch, a_series_becomes_its_last_smallest_largest_and_mean_numbers);
+    tcase_add_test(batch, runs_without_frames_are_named_and_keep_their_row);
+    tcase_add_test(batch, a_summary_leads_to_no_other_directory);
+    tcase_add_test(batch, players_of_many_runs_share_the_room);
+    suite_add_tcase(all, batch);
     return all;
 }

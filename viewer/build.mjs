@@ -43,7 +43,7 @@ async function write(name, entry, shape, software) {
     ].join('\n\n----\n\n');
     const fill = {
         POLICY: `default-src 'none'; img-src data:; script-src ${hash(script)}; `
-            + `style-src ${hash(style)}; base-uri 'none'; form-action 'none'`,
+            + `style-src ${hash(style)}; connect-src 'none'; base-uri 'none'; form-action 'none'`,
         NOTICES: notices,
         STYLE: style,
         SCRIPT: script,
@@ -63,5 +63,5 @@ async function write(name, entry, shape, software) {
     await writeFile(`${process.argv[2] ?? fileURLToPath(here('dist'))}/${name}.html`, page);
 }
 
-await write('player', 'main', 'page', ['three', 'uplot']);
+await write('player', 'entry', 'page', ['three', 'uplot']);
 await write('compare', 'compare', 'compare', []);

@@ -41,12 +41,12 @@ typedef enum progress_mode {
 /* The command line of a verb. */
 typedef struct options {
     const char *plugin_path, *out, *frames, *format, *frame, *progress, *tolerance;
-    const char *timeout, *shard, *methods, *until, *sizes, *bands;
+    const char *timeout, *shard, *methods, *until, *sizes, *bands, *port;
     size_t jobs; /* 0: not given */
     const char **sets, **ats;
     size_t set_count, at_count;
     bool quiet, force, yaml, markdown, all, refine, view, retry_failed, summary;
-    bool csv, clamp_midway;
+    bool csv, clamp_midway, watch;
     progress_mode mode; /* by `progress` and `quiet` */
     char **operands;    /* the rest of argv */
     int operand_count;
@@ -169,8 +169,7 @@ weft_status frames_have_room(const weft_scene *scene, weft_error *err);
 /* records.c: the optional columns of series.csv in runs of a scene: RECORD_... */
 unsigned series_columns(const weft_scene *scene);
 
-/* A simulation of that cloth as the scene, which is supported, defines it. comm: the
- * cloth is a band; else NULL. */
+/* A simulation of that cloth as the scene, which is supported, defines it. */
 weft_status sim_create(const weft_scene *scene, const weft_cloth *cloth, weft_sim **sim,
                        weft_error *err);
 

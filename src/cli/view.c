@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* view.c -- weft view: a run as a page for a browser. */
+/* view.c -- weft view: a run or a batch as a page for a browser. */
 #define _XOPEN_SOURCE 700 /* realpath */
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cli/cli.h"
 #include "cli/human.h"
+#include "cli/run/interrupt.h"
+#include "cli/watch/watch.h"
 #include "record/frames.h"
 #include "record/record.h"
 
@@ -36,23 +39,51 @@ static void warn_of_series(const char *directory)
     free(rows);
 }
 
+static weft_status write_runs(const char *const *directories, size_t count,
+                              const char *out, weft_error *err)
+{
+    const weft_status status = record_player(directories, count, out, err);
+    for (size_t i = 0; status == WEFT_OK && i < count; ++i) {
+        warn_of_series(directories[i]);
+    }
+    return status;
+}
+
+static weft_status write_batch(const char *directory, const char *out, weft_error *err)
+{
+    size_t without = 0;
+    weft_error why = { 0 };
+    const weft_status status = record_batch(directory, out, &without, &why, err);
+    if (status == WEFT_OK && without > 0) {
+        fprintf(stderr,
+                "weft: warning: runs without frames: %zu; the first: ", without);
+        print_plain(stderr, why.message, "");
+        fputc('\n', stderr);
+    }
+    return status;
+}
+
 int view_runs(const char *const *directories, size_t count, const char *out, bool yaml)
 {
     char path[RECORD_PATH];
     weft_error err = { 0 };
     weft_status status = WEFT_OK;
+    const bool batch = count == 1 && record_is_batch(directories[0]);
     if (out == NULL) {
-        status = record_path(directories[0], count > 1 ? "compare.html" : "run.html",
+        status = record_path(directories[0],
+                             batch       ? "batch.html"
+                             : count > 1 ? "compare.html"
+                                         : "run.html",
                              path, &err);
         out = path;
     }
-    status = status == WEFT_OK ? record_player(directories, count, out, &err) : status;
+    if (status == WEFT_OK) {
+        status = batch ? write_batch(directories[0], out, &err)
+                       : write_runs(directories, count, out, &err);
+    }
     if (status != WEFT_OK) {
         const int code = report_error(&err);
         return status == WEFT_INVALID ? EXIT_USAGE : code;
-    }
-    for (size_t i = 0; i < count; ++i) {
-        warn_of_series(directories[i]);
     }
     fputs(yaml ? "--- {event: page, url: \"" : "", stdout);
     print_url(out);
@@ -71,8 +102,38 @@ void report_unfinished(const char *directory)
     }
 }
 
+/* A run that another process has under way. */
+static int watch_elsewhere(const options *given)
+{
+    weft_error err = { 0 };
+    watch_def def = { .directory = given->operands[0], .ready = -1 };
+    const int code = watch_check(&verb_view, given, &def.port);
+    if (code != EXIT_DONE) {
+        return code;
+    }
+    if (given->operand_count > 1 || given->out != NULL) {
+        return usage_error(&verb_view, "--watch shows one run, and writes no page");
+    }
+    if (!record_outdir_locked(def.directory)) {
+        return usage_error(&verb_view,
+                           "%s: no run is under way there; without --watch the page "
+                           "has what was recorded",
+                           def.directory);
+    }
+    interrupt_catch(true);
+    if (watch_serve(&def, &err) != WEFT_OK) {
+        return report_error(&err);
+    }
+    return interrupt_signal() == SIGINT    ? EXIT_SIGINT
+           : interrupt_signal() == SIGTERM ? EXIT_SIGTERM
+                                           : EXIT_DONE;
+}
+
 static int view_verb(const options *given)
 {
+    if (given->watch || given->port != NULL) {
+        return watch_elsewhere(given);
+    }
     for (int i = 0; i < given->operand_count; ++i) {
         report_unfinished(given->operands[i]);
     }
@@ -82,20 +143,28 @@ static int view_verb(const options *given)
 
 const verb verb_view = {
     .name = "view",
-    .summary = "make a page that plays a run, or two side by side",
+    .summary = "make a page of a run, of two side by side, or of a batch",
     .help
     = "usage: weft view DIR [DIR2] [OPTIONS]\n\n"
       "Writes one self-contained HTML page with the frames and the plots of a run, "
       "and prints its URL. A browser plays it without fetching anything. Two runs of "
       "the same grid are shown side by side at their common times, coloured by their "
-      "difference.\n\n"
-      "  --out FILE           default: DIR/run.html, for two runs DIR/compare.html\n\n"
+      "difference. Of a directory of weft batch, the page has a table of all runs, "
+      "plots of their results against the parameters, and a player for each.\n\n"
+      "  --out FILE           default: DIR/run.html, for two runs DIR/compare.html, "
+      "for "
+      "a batch DIR/batch.html\n"
+      "  --watch              serve the page of a run that is under way, with its "
+      "growing frames, on 127.0.0.1 until the run ends\n"
+      "  --port N             of --watch, from 1024 to 65535; default: a free one\n\n"
       "examples:\n"
       "  weft view flag\n"
+      "  weft view sweep-results\n"
       "  weft view flag-rkf45 flag-verlet --out steppers.html\n\n"
       "exit codes: 0 done, 2 wrong command line, or runs that cannot be compared, 4 a "
-      "file could not be read or written\n",
-    .options = OPTIONS(OPTION_VALUE("out", out)),
-    .operands = { 1, 2, "needs the directory of one run, or of two", NULL },
+      "file could not be read or written, 130 SIGINT, 143 SIGTERM\n",
+    .options = OPTIONS(OPTION_VALUE("out", out), OPTION_FLAG("watch", watch),
+                       OPTION_VALUE("port", port)),
+    .operands = { 1, 2, "needs the directory of a run, of two, or of a batch", NULL },
     .run = view_verb,
 };

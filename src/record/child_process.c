@@ -50,7 +50,7 @@ _Noreturn static void run_child(const process_def *def, size_t job, pid_t parent
     _exit(code);
 }
 
-static bool start(const process_def *def, size_t job, process *out)
+bool process_start(const process_def *def, size_t job, process *out)
 {
     (void)signal(SIGCHLD,
                  SIG_DFL); /* a shell may ignore it: waitpid returns no status then */
@@ -92,11 +92,18 @@ static void nap(double from)
     (void)nanosleep(&pause, NULL);
 }
 
+void process_wait(const process_def *def, process *one)
+{
+    while (!has_ended(def, one)) {
+        nap(one->began);
+    }
+}
+
 bool process_run(const process_def *def, size_t job, process *out)
 {
-    const bool started = start(def, job, out);
-    while (started && !has_ended(def, out)) {
-        nap(out->began);
+    const bool started = process_start(def, job, out);
+    if (started) {
+        process_wait(def, out);
     }
     return started;
 }
@@ -123,7 +130,7 @@ static void fill(process_pool *pool)
     bool able = true;
     for (size_t i = 0; i < pool->at_once && able && may_start(pool); ++i) {
         if (pool->all[i].pid == 0) {
-            able = start(&pool->def, pool->started, &pool->all[i]);
+            able = process_start(&pool->def, pool->started, &pool->all[i]);
             pool->started += able;
             pool->running += able;
         }

@@ -29,7 +29,11 @@ typedef struct process {
     int status;             /* after its end, as waitpid reports it */
 } process;
 
-/* Runs one job and waits for its end. False: no process could be started (errno). */
+/* False: no process could be started (errno). */
+bool process_start(const process_def *def, size_t job, process *out);
+/* Waits for its end. */
+void process_wait(const process_def *def, process *one);
+/* Both. */
 bool process_run(const process_def *def, size_t job, process *out);
 
 /* "it crashed: Aborted" or "it ended the process with exit code 3". */

@@ -181,3 +181,14 @@ weft_status record_outdir_lock(const char *directory, double patience, int *lock
     }
     return WEFT_OK;
 }
+
+bool record_outdir_locked(const char *directory)
+{
+    const int file = open(directory, O_DIRECTORY | O_RDONLY | O_CLOEXEC);
+    const bool locked
+        = file >= 0 && flock(file, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    if (file >= 0) {
+        (void)close(file);
+    }
+    return locked;
+}

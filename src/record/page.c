@@ -4,7 +4,50 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "record/record.h"
+/* What a page may fetch by its own policy: nothing. */
+#define FETCHES "connect-src 'none'"
+
+void page_begin(FILE *stream, bool live)
+{
+    const char *page = weft__player_page, *mark = strstr(page, PAGE_MARK);
+    if (live) {
+        const char *fetches = strstr(page, FETCHES);
+        (void)fwrite(page, 1, (size_t)(fetches - page), stream);
+        fputs("connect-src 'self'", stream);
+        page = fetches + strlen(FETCHES);
+    }
+    (void)fwrite(page, 1, (size_t)(mark - page), stream);
+}
+
+void page_end(FILE *stream)
+{
+    (void)fputs(strstr(weft__player_page, PAGE_MARK) + strlen(PAGE_MARK), stream);
+}
+
+weft_status page_open(record_file *file, const char *path, weft_error *err)
+{
+    const char *slash = strrchr(path, '/');
+    char directory[RECORD_PATH];
+    (void)snprintf(directory, sizeof directory, "%.*s",
+                   slash == NULL ? 1 : (int)(slash - path + (slash == path)),
+                   slash == NULL ? "." : path);
+    const weft_status status
+        = record_file_open(file, directory, slash == NULL ? path : slash + 1, err);
+    if (status == WEFT_OK) {
+        page_begin(file->stream, false);
+    }
+    return status;
+}
+
+weft_status page_commit(record_file *file, weft_status written, weft_error *err)
+{
+    if (written != WEFT_OK) {
+        record_file_discard(file);
+        return written;
+    }
+    page_end(file->stream);
+    return record_file_commit(file, err);
+}
 
 static void put_character(FILE *stream, int c)
 {
@@ -18,11 +61,33 @@ static void put_character(FILE *stream, int c)
     }
 }
 
+void page_characters(FILE *stream, const char *text)
+{
+    for (; *text != '\0'; ++text) {
+        put_character(stream, (unsigned char)*text);
+    }
+}
+
 void page_text(FILE *stream, const char *text)
 {
     putc('"', stream);
-    for (; *text != '\0'; ++text) {
-        put_character(stream, (unsigned char)*text);
+    page_characters(stream, text);
+    putc('"', stream);
+}
+
+void page_directory(FILE *stream, const char *path)
+{
+    size_t end = strlen(path);
+    while (end > 1 && path[end - 1] == '/') {
+        --end;
+    }
+    size_t begin = end;
+    while (begin > 0 && path[begin - 1] != '/') {
+        --begin;
+    }
+    putc('"', stream);
+    for (size_t i = begin; i < end; ++i) {
+        put_character(stream, (unsigned char)path[i]);
     }
     putc('"', stream);
 }
@@ -43,11 +108,10 @@ void page_file(FILE *stream, const char *directory, const char *name)
     (void)fclose(file);
 }
 
-void page_bytes(FILE *stream, const unsigned char *bytes, size_t size)
+void page_base64(FILE *stream, const unsigned char *bytes, size_t size)
 {
     static const char digits[]
         = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    fputs("<script type=\"weft/frame\">", stream);
     for (size_t i = 0; i < size; i += 3) {
         const size_t left = size - i;
         const unsigned group = (unsigned)bytes[i] << 16
@@ -58,6 +122,12 @@ void page_bytes(FILE *stream, const unsigned char *bytes, size_t size)
                                left > 2 ? digits[group & 63] : '=' };
         (void)fwrite(four, 1, sizeof four, stream);
     }
+}
+
+void page_bytes(FILE *stream, const unsigned char *bytes, size_t size)
+{
+    fputs("<script type=\"weft/frame\">", stream);
+    page_base64(stream, bytes, size);
     fputs("</script>\n", stream);
 }
 

@@ -74,6 +74,9 @@ weft_status record_outdir(const char *directory, bool force, weft_error *err);
 weft_status record_outdir_lock(const char *directory, double patience, int *lock,
                                weft_error *err);
 
+/* Whether a process has that lock. */
+bool record_outdir_locked(const char *directory);
+
 /* result_read.c: whether a run was begun there that has not ended by itself. */
 bool record_unfinished(const char *directory);
 
@@ -131,6 +134,7 @@ weft_status record_shapes_add(record_table *table, const record_frame *frame,
                               weft_error *err);
 
 #define RECORD_COLUMNS_MAX 64
+#define RECORD_COLUMN_NAME 32
 
 /* Columns of series.csv that not every run has. */
 enum {
@@ -223,6 +227,18 @@ typedef struct record_series_row {
 weft_status record_series_rows(const char *directory, record_series_row **rows,
                                size_t *count, weft_error *err);
 
+/* series_read.c: the numbers of each column of DIR/series.csv over its complete rows;
+ * NAN where it has none. Extremes and mean are of the finite ones. */
+typedef struct record_column {
+    char name[RECORD_COLUMN_NAME];
+    double last, least, most, mean;
+    size_t count; /* of finite numbers */
+} record_column;
+
+weft_status record_series_columns(const char *directory,
+                                  record_column columns[RECORD_COLUMNS_MAX],
+                                  size_t *count, weft_error *err);
+
 /* series_read.c: the numbers of a frame, one for each of names[]; false: not known. */
 typedef bool record_numbers_fn(void *ctx, size_t frame, double *numbers);
 
@@ -268,6 +284,14 @@ weft_status record_result_amend(const char *directory, const record_result *resu
  * common time), WEFT_NO_MEMORY. */
 weft_status record_player(const char *const *directories, size_t count,
                           const char *file, weft_error *err);
+
+/* batch_page.c: writes `path`, a page of all runs of a batch: its summary.csv, the
+ * numbers of each series and what a player shows of each run. *without: runs that have
+ * no frames to show; `why`: the first reason. Errors as above. */
+weft_status record_batch(const char *directory, const char *path, size_t *without,
+                         weft_error *why, weft_error *err);
+/* Whether `directory` is that of a batch: it has a summary and no frames. */
+bool record_is_batch(const char *directory);
 
 /* The content of result.yaml, as items of a mapping (yaml_out.h). */
 struct yaml_out;

@@ -118,6 +118,59 @@ weft_status record_series_rows(const char *directory, record_series_row **rows,
     return status;
 }
 
+static size_t name_columns(const char *header, record_column *columns)
+{
+    size_t count = 0;
+    for (const char *at = header; at != NULL && count < RECORD_COLUMNS_MAX; ++count) {
+        columns[count] = (record_column){
+            .last = NAN, .least = NAN, .most = NAN, .mean = 0.0, .name = ""
+        };
+        (void)snprintf(columns[count].name, RECORD_COLUMN_NAME, "%.*s",
+                       (int)strcspn(at, ",\n"), at);
+        at = strchr(at, ',');
+        at = at == NULL ? NULL : at + 1;
+    }
+    return count;
+}
+
+static void add_cell(record_column *column, const char *text)
+{
+    char *end;
+    const double value = strtod(text, &end);
+    const bool number = end != text && strchr(",\n", *end) != NULL;
+    column->last = number ? value : (double)NAN;
+    if (number && isfinite(value)) {
+        column->least = fmin(column->least, value);
+        column->most = fmax(column->most, value);
+        column->mean += (value - column->mean) / (double)++column->count;
+    }
+}
+
+weft_status record_series_columns(const char *directory,
+                                  record_column columns[RECORD_COLUMNS_MAX],
+                                  size_t *count, weft_error *err)
+{
+    reader self;
+    *count = 0;
+    const weft_status status = open_reader(&self, directory, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
+    if (next_line(&self)) {
+        *count = name_columns(self.line, columns);
+    }
+    while (next_line(&self)) {
+        for (size_t i = 0; i < *count; ++i) {
+            add_cell(&columns[i], cell(self.line, (int)i));
+        }
+    }
+    for (size_t i = 0; i < *count; ++i) {
+        columns[i].mean = columns[i].count > 0 ? columns[i].mean : (double)NAN;
+    }
+    (void)fclose(self.stream);
+    return WEFT_OK;
+}
+
 /* Frame i is on line i + 2. */
 static weft_status compare_line(const reader *self, const char *damaged,
                                 const char *const *names, const double *numbers,

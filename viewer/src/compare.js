@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // compare.js -- work and precision: the error of every method against its cost.
 import { decades, powerText } from './decades.js';
+import { toggleTheme } from './theme.js';
+import { placeTip } from './tip.js';
 
 const INKS = 10;
 const REACH = 24; // px: a point nearer to the pointer is meant
@@ -185,9 +187,7 @@ function light(found, event) {
     $('tip').hidden = !found;
     if (found) {
         $('tip').replaceChildren(element('b', '', `${nameOf(found.method)}, order ${found.method.order || 'variable'}`), lines(found.method, found.point));
-        const { width, height } = $('tip').getBoundingClientRect();
-        $('tip').style.left = `${Math.max(8, Math.min(event.clientX + 14, innerWidth - width - 8))}px`;
-        $('tip').style.top = `${event.clientY + 18 + height > innerHeight ? event.clientY - height - 12 : event.clientY + 18}px`;
+        placeTip($('tip'), event);
     }
     if (before?.point !== found?.point) {
         lightMethod();
@@ -282,13 +282,6 @@ function update() {
     });
     light(null);
     draw();
-}
-
-const prefersDark = matchMedia('(prefers-color-scheme: dark)');
-const isDark = () => (document.documentElement.dataset.theme ?? (prefersDark.matches ? 'dark' : 'light')) === 'dark';
-
-function toggleTheme() {
-    document.documentElement.dataset.theme = isDark() ? 'light' : 'dark';
 }
 
 function listen() {

@@ -4,7 +4,9 @@ import { drawLegend, quantities } from './colours.js';
 import { boxes, readPage } from './data.js';
 import { nearest, Plots } from './plots.js';
 import { gaps } from './shapes.js';
+import { root } from './source.js';
 import { isSoftware, Stage } from './stage.js';
+import { isDark, onPreference, toggleTheme } from './theme.js';
 import { writeFiles, writeHeader, writeLabels, writeNotes } from './words.js';
 
 const RATES = [0.1, 0.25, 0.5, 1, 2, 4];
@@ -12,7 +14,7 @@ const THREADS_BELOW = 50; // particles along a side: more would be a grey veil
 const $ = (id) => document.getElementById(id);
 const asked = new URLSearchParams(location.hash.slice(1)); // #frame=30&colour=strain&all=1&play=0&quality=fine
 
-const page = readPage(document);
+const page = readPage(root);
 page.all = page.blown && (asked.has('all') ? asked.get('all') === '1' : page.all);
 const { times } = page;
 let colours = [null, ...quantities(page)];
@@ -119,16 +121,13 @@ function setAll(on) {
     setColour(state.colour);
 }
 
-const prefersDark = matchMedia('(prefers-color-scheme: dark)');
-const isDark = () => (document.documentElement.dataset.theme ?? (prefersDark.matches ? 'dark' : 'light')) === 'dark';
-
 function applyTheme() {
     stage?.setInk(isDark());
     plots.draw();
 }
 
-function toggleTheme() {
-    document.documentElement.dataset.theme = isDark() ? 'light' : 'dark';
+function switchTheme() {
+    toggleTheme();
     applyTheme();
 }
 
@@ -160,7 +159,7 @@ const KEYS = {
     t: () => setThreads(!$('threads').checked),
     a: () => setAll(!page.all),
     r: fit,
-    d: toggleTheme,
+    d: switchTheme,
     '?': showHelp,
 };
 
@@ -199,10 +198,10 @@ function listen() {
     on('threads', 'change', () => setThreads($('threads').checked));
     on('all', 'change', () => setAll($('all').checked));
     on('reset', 'click', fit);
-    on('theme', 'click', toggleTheme);
+    on('theme', 'click', switchTheme);
     on('help', 'click', showHelp);
     addEventListener('keydown', onKey);
-    prefersDark.addEventListener('change', applyTheme);
+    onPreference(applyTheme);
     stage?.controls.addEventListener('start', () => { stage.moved = true; });
 }
 

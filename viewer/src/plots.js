@@ -9,7 +9,8 @@ const SPAN = 1e3; // an axis that reaches so far beyond what it must show has po
 const DASHES = [[], [5, 4]]; // first run, second run
 const INKS = 5;
 
-const perRow = (values) => values?.map((v, i) => (i > 0 ? v - values[i - 1] : null));
+/** What a counter counts per frame: rows may be left out. */
+const perFrame = (values, frames) => values?.map((v, i) => (i > 0 ? (v - values[i - 1]) / (frames[i] - frames[i - 1]) : null));
 const times100 = (values) => values?.map((v) => 100 * v);
 /** Without a limit its columns are there, and 0. */
 const nonzero = (values) => (values?.some((v) => v !== 0) ? values : undefined);
@@ -63,7 +64,7 @@ const PLOTS = [
     {
         title: 'evaluations of the forces a frame',
         zero: true,
-        curves: [{ label: 'calls', ink: 2, brief: true, of: (c) => perRow(c.get('rhs_calls')) }],
+        curves: [{ label: 'calls', ink: 2, brief: true, of: (c) => perFrame(c.get('rhs_calls'), c.get('frame')) }],
     },
 ];
 
@@ -123,7 +124,7 @@ const padded = (_, lo, hi) => {
     return [lo - room, hi + room];
 };
 
-const LOGARITHMIC = {
+export const LOGARITHMIC = {
     to: Math.log10, range: padded, ticks: (lo, hi) => decades(10 ** lo, 10 ** hi, 6),
 };
 
@@ -160,7 +161,7 @@ function vertical(plot, page, data) {
 const label = (v) => (v !== 0 && (Math.abs(v) < 1e-3 || Math.abs(v) >= 1e6)
     ? Number(v.toPrecision(3)).toExponential() : Number(v.toPrecision(6)).toString());
 
-function axis(style, { to, ticks } = {}) {
+export function axis(style, { to, ticks, text = powerText } = {}) {
     let shown = [];
     const own = to && {
         incrs: [1], // not looked at, but to be had
@@ -169,7 +170,7 @@ function axis(style, { to, ticks } = {}) {
             shown = ticks(lo, hi);
             return shown.map(to);
         },
-        values: () => shown.map((t) => (t === 0 ? '0' : powerText(t))),
+        values: () => shown.map((t) => (t === 0 && text === powerText ? '0' : text(t))),
     };
     return {
         stroke: style('--ink-soft'),

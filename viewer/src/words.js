@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // words.js -- what the page says of the runs. All text goes in as text, never as HTML.
+import { batch, chosen } from './source.js';
+import { parameters } from './values.js';
 
 const element = (tag, text, className = '') => {
     const made = document.createElement(tag);
@@ -53,7 +55,7 @@ function omissions(page) {
     const said = [];
     if (page.times.length < page.chosen) {
         const step = page.runs[0].index[1] - page.runs[0].index[0];
-        said.push(`thinned to ${page.times.length} of ${page.chosen} frames (every ${step}. and the last) to keep them below 64 MB`);
+        said.push(`thinned to ${page.times.length} of ${page.chosen} frames (every ${step}. and the last) to keep the page small`);
     }
     if (page.stride > 1) {
         said.push(`thinned to every ${page.stride}. of ${page.grid.join(' × ')} particles a side`);
@@ -70,7 +72,23 @@ function omissions(page) {
     return said;
 }
 
+/** The way back to the batch that the run is of, and to all of its frames. */
+function writeWay(page) {
+    const link = (href, text) => Object.assign(element('a', text), { href });
+    if (chosen) {
+        const way = element('p', '');
+        way.id = 'way';
+        const where = parameters(batch).map((p) => `${p.label} ${p.text(chosen)}`).join(', ');
+        way.append(link('?', `all ${batch.runs.length} runs of ${batch.directory}`), ` \u00b7 run ${chosen.number}${where && `: ${where}`}`);
+        if (chosen.page && page.times.length < page.chosen) {
+            way.append(' \u00b7 ', link(chosen.page, 'every frame of this run'));
+        }
+        document.querySelector('header').prepend(way);
+    }
+}
+
 export function writeHeader(page) {
+    writeWay(page);
     const names = [...new Set(page.runs.map(runName))];
     document.title = `${names.join(' / ')} - weft`;
     document.getElementById('name').textContent = names.join(' / ');

@@ -9,6 +9,7 @@
 #include "cli/check/stable_steps.h"
 #include "cli/run/ranks.h"
 #include "cli/run/run.h"
+#include "cli/watch/watch.h"
 #include "record/export/export.h"
 
 /* Each at most once a run, also when quiet. */
@@ -390,6 +391,22 @@ static weft_status open_directory(const run *self, bool force, int *lock,
     return status;
 }
 
+static int run_watched(run *self, const options *given, int lock)
+{
+    watch_process watching = { .lock = -1 };
+    watch_def def = { .directory = self->out,
+                      .yaml = self->mode == PROGRESS_YAML,
+                      .writes = true };
+    if (!given->watch) {
+        return run_simulation(self);
+    }
+    (void)watch_check(&verb_run, given, &def.port);
+    watch_begin(&watching, &def, lock);
+    const int code = run_simulation(self);
+    watch_end(&watching);
+    return code;
+}
+
 int run_scene(const options *given, const char *out, const weft_scene *scene,
               bool claimed, const record_checkpoint *from)
 {
@@ -419,12 +436,12 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
         code = report_error(&err);
     } else {
         (void)stat(out, &self.place);
-        code = run_simulation(&self);
+        code = run_watched(&self, given, lock);
     }
     if (lock >= 0) {
         (void)close(lock);
     }
-    if (given->view && code != EXIT_FILE) {
+    if ((given->view || given->watch) && code != EXIT_FILE) {
         interrupt_catch(false);
         const int viewed = view_runs(&out, 1, NULL, self.mode == PROGRESS_YAML);
         return code == EXIT_DONE ? viewed : code;
@@ -440,7 +457,11 @@ static int run_verb(const options *given)
         return usage_choice(&verb_run, "frames", given->frames,
                             (const char *const[]){ "obj", NULL });
     }
-    int code = open_scene(given->operands[0], given, &scene, NULL);
+    uint16_t port;
+    int code = watch_check(&verb_run, given, &port);
+    if (code == EXIT_DONE) {
+        code = open_scene(given->operands[0], given, &scene, NULL);
+    }
     if (code == EXIT_DONE) {
         code = run_scene(given, out_directory(given, ".run", out), scene, false, NULL);
     }
@@ -469,6 +490,9 @@ const verb verb_run = {
       "weft run SCENE.yaml --bands N (docs/cluster.md)\n"
       "  --view               also write run.html, a page that plays the run, and "
       "print its URL\n"
+      "  --watch              the same, and serve the page with its growing frames on "
+      "127.0.0.1 while the run goes on\n"
+      "  --port N             of --watch, from 1024 to 65535; default: a free one\n"
       "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n"
       "  --progress HOW       terminal: one line on stderr that is redrawn; lines: "
       "one line per tenth of the frames; auto (default): one of these two; yaml: only "
@@ -476,6 +500,7 @@ const verb verb_run = {
       "  --quiet              no progress, no summary\n\n"
       "examples:\n"
       "  weft run scenes/flag.yaml --out flag\n"
+      "  weft run scenes/flag.yaml --watch\n"
       "  weft run scenes/flag.yaml --set stepper.rtol=1e-8 --set run.fps=60\n\n"
       "exit codes: 0 done, 1 the simulation failed, 2 wrong command line, 3 wrong "
       "scene, 4 a file could not be read or written, 130 SIGINT, 143 SIGTERM\n",
@@ -483,7 +508,8 @@ const verb verb_run = {
     = OPTIONS(OPTION_VALUE("out", out), OPTION_VALUE("set", sets),
               OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
               OPTION_FLAG("force", force), OPTION_VALUE("frames", frames),
-              OPTION_FLAG("view", view), OPTION_VALUE("progress", progress),
+              OPTION_FLAG("view", view), OPTION_FLAG("watch", watch),
+              OPTION_VALUE("port", port), OPTION_VALUE("progress", progress),
               OPTION_VALUE("bands", bands)),
     .operands = { 1, 1, "no scene given", "more than one scene" },
     .run = run_verb,

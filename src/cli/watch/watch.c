@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* watch.c -- the options of --watch, and the process that serves a run's page. */
+#define _XOPEN_SOURCE 700 /* nice */
+#include "cli/watch/watch.h"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+
+enum { PORT_LEAST = 1024 };
+#define FAREWELL 6.0 /* [s] for the browsers to get the end of a run */
+
+int watch_check(const verb *self, const options *given, uint16_t *port)
+{
+    size_t number = 0;
+    *port = 0;
+    if (given->port != NULL
+        && !(option_count(given->port, '\0', &number) && number >= PORT_LEAST
+             && number <= UINT16_MAX)) {
+        return usage_error(self, "--port %s: not a number from %d to %d", given->port,
+                           PORT_LEAST, UINT16_MAX);
+    }
+    if (given->port != NULL && !given->watch) {
+        return usage_error(self, "--port needs --watch");
+    }
+    if (given->watch && given->bands != NULL) {
+        return usage_error(self, "--watch and --bands exclude each other: 'weft view "
+                                 "--watch DIR' serves a run that is under way");
+    }
+    *port = (uint16_t)number;
+#ifndef WEFT_HTTP
+    if (given->watch) {
+        return usage_error(self, "--watch: this weft was built without libmicrohttpd "
+                                 "(package libmicrohttpd-dev)");
+    }
+#endif
+    return EXIT_DONE;
+}
+
+#ifndef WEFT_HTTP
+weft_status watch_serve(const watch_def *def, weft_error *err)
+{
+    return weft_error_set(err, WEFT_UNSUPPORTED, "%s: this weft has no server",
+                          def->directory);
+}
+#endif
+
+static int serve(void *ctx, size_t job)
+{
+    const watch_process *self = ctx;
+    weft_error err = { 0 };
+    (void)job;
+    /* Ctrl-C ends the run, and the run ends this. */
+    (void)signal(SIGINT, SIG_IGN);
+    (void)close(self->lock);
+    (void)!nice(10);
+    return watch_serve(&self->def, &err) == WEFT_OK ? EXIT_DONE : report_error(&err);
+}
+
+void watch_begin(watch_process *self, const watch_def *def, int lock)
+{
+    int ready[2];
+    char byte;
+    *self = (watch_process){ .def = *def, .lock = lock };
+    self->process = (process_def){ .work = serve, .ctx = self, .end_signal = SIGTERM };
+    if (pipe(ready) != 0) {
+        return;
+    }
+    self->def.parent = getpid();
+    self->def.ready = ready[1];
+    const bool started = process_start(&self->process, 0, &self->child);
+    (void)close(ready[1]);
+    if (started) {
+        (void)!read(ready[0], &byte, 1); /* until it is closed */
+    }
+    (void)close(ready[0]);
+}
+
+void watch_end(watch_process *self)
+{
+    if (self->child.pid > 0) {
+        self->child.deadline = weft__wall_clock() + FAREWELL;
+        process_wait(&self->process, &self->child);
+    }
+}

@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* page_description.c -- describes the runs of a page as JSON. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "record/page.h"
+#include "record/player_page.h"
+#include "record/shape_mesh.h"
+
+static const char *comma(size_t i)
+{
+    return i > 0 ? "," : "";
+}
+
+/* A pinned particle that is not shown marks the nearest one that is. */
+static void write_pinned(const player_page *self)
+{
+    bool *marks = calloc(self->count, sizeof *marks);
+    const size_t half = self->stride / 2;
+    const uint8_t *pinned = self->runs[0].frames->pinned;
+    const size_t n = pinned == NULL ? 0 : self->rows * self->cols;
+    size_t written = 0;
+    for (size_t p = 0; marks != NULL && p < n; ++p) {
+        const size_t r = (p / self->cols + half) / self->stride;
+        const size_t c = (p % self->cols + half) / self->stride;
+        marks[r * self->shown_cols + c] |= pinned[p] != 0;
+    }
+    for (size_t i = 0; marks != NULL && i < self->count; ++i) {
+        if (marks[i]) {
+            fprintf(self->stream, "%s%zu", comma(written++), i);
+        }
+    }
+    free(marks);
+}
+
+static void write_numbers(FILE *stream, const char *name, const double *x, size_t count)
+{
+    fprintf(stream, ",\"%s\":%s", name, count > 1 ? "[" : "");
+    for (size_t k = 0; k < count; ++k) {
+        fprintf(stream, "%s%.17g", comma(k), x[k]);
+    }
+    fputs(count > 1 ? "]" : "", stream);
+}
+
+static void write_shape(FILE *stream, const weft_shape *shape)
+{
+    fprintf(stream, "{\"shape\":\"%s\"", weft_shape_name(shape->kind));
+    write_numbers(stream, "at", shape->at, 3);
+    write_numbers(stream, "to", shape->to, 3);
+    write_numbers(stream, "normal", shape->normal, 3);
+    write_numbers(stream, "radius", &shape->radius, 1);
+    write_numbers(stream, "half", shape->half, 3);
+    write_numbers(stream, "rounding", &shape->rounding, 1);
+    write_numbers(stream, "velocity", shape->velocity, 3);
+    write_numbers(stream, "amplitude", shape->amplitude, 3);
+    write_numbers(stream, "frequency", &shape->frequency, 1);
+    write_numbers(stream, "spin", shape->spin, 3);
+    fputc('}', stream);
+}
+
+static void write_obstacles(FILE *stream, const char *directory)
+{
+    weft_scene *scene = record_scene(directory);
+    const weft_contact_def none = { .shape_count = 0 };
+    const weft_contact_def *contact
+        = scene == NULL ? &none : &weft_scene_cloth(scene)->contact;
+    write_numbers(stream, "thickness", &contact->thickness, 1);
+    fputs(",\"obstacles\":[", stream);
+    for (size_t k = 0; k < contact->shape_count; ++k) {
+        fputs(comma(k), stream);
+        write_shape(stream, &contact->shapes[k]);
+    }
+    fputc(']', stream);
+    weft_scene_destroy(scene);
+}
+
+/* series.csv, of a brief page the header and the rows of the frames shown. Returns the
+ * bytes of its whole rows. */
+static size_t write_rows(const player_page *self, const player_run *run)
+{
+    char path[RECORD_PATH], line[4096];
+    FILE *series = record_open(run->directory, "series.csv", path, NULL);
+    size_t shown = 0, bytes = 0;
+    fputs(series == NULL ? "null" : "\"", self->stream);
+    for (bool head = true; series != NULL && fgets(line, sizeof line, series) != NULL;
+         head = false) {
+        const double wanted
+            = shown < self->shown ? run->frames->numbers[run->index[shown]] : -1.0;
+        const bool kept = !head && strtod(line, NULL) == wanted;
+        if (head || kept || !self->brief) {
+            page_characters(self->stream, line);
+        }
+        shown += kept;
+        bytes += strchr(line, '\n') == NULL ? 0 : strlen(line);
+    }
+    if (series != NULL) {
+        putc('"', self->stream);
+        (void)fclose(series);
+    }
+    return bytes;
+}
+
+static size_t write_files(const player_page *self, const player_run *run)
+{
+    static const char *const files[] = { "scene.yaml", "manifest.yaml", "result.yaml" };
+    for (size_t f = 0; f < sizeof files / sizeof files[0]; ++f) {
+        fprintf(self->stream, ",\"%.*s\":", (int)strcspn(files[f], "."), files[f]);
+        page_file(self->stream, run->directory, files[f]);
+    }
+    fputs(",\"series\":", self->stream);
+    return write_rows(self, run);
+}
+
+static void write_runs(const player_page *self)
+{
+    for (size_t r = 0; r < self->run_count; ++r) {
+        const player_run *run = &self->runs[r];
+        fprintf(self->stream, "%s{\"directory\":", comma(r));
+        page_directory(self->stream, run->directory);
+        fprintf(self->stream, ",\"frames\":%zu,\"index\":[", run->frames->count);
+        for (size_t i = 0; i < self->shown; ++i) {
+            fprintf(self->stream, "%s%zu", comma(i), run->index[i]);
+        }
+        fputs("],\"numbers\":[", self->stream);
+        for (size_t i = 0; i < self->shown; ++i) {
+            fprintf(self->stream, "%s%.0f", comma(i),
+                    run->frames->numbers[run->index[i]]);
+        }
+        fputc(']', self->stream);
+        write_obstacles(self->stream, run->directory);
+        const size_t rows = write_files(self, run);
+        if (self->live) {
+            fprintf(self->stream, ",\"live\":{\"frame\":%zu,\"series\":%zu}",
+                    run->frames->count, rows);
+        }
+        fputc('}', self->stream);
+    }
+}
+
+void player_page_describe(const player_page *self)
+{
+    FILE *stream = self->stream;
+    size_t written = 0;
+    fputs("<script id=\"weft-data\" type=\"application/json\">{\"weft\":", stream);
+    page_text(stream, weft_version());
+    fprintf(stream, ",\"grid\":[%zu,%zu],\"shown\":[%zu,%zu],\"stride\":%zu",
+            self->rows, self->cols, self->shown_rows, self->shown_cols, self->stride);
+    fprintf(stream, ",\"chosen\":%zu,\"fields\":[", self->chosen);
+    for (size_t f = 0; f < PLAYER_FIELDS; ++f) {
+        if (self->present[f]) {
+            fprintf(stream, "%s\"%s\"", comma(written++), player_fields[f].name);
+        }
+    }
+    fputs("],\"times\":[", stream);
+    for (size_t i = 0; i < self->shown; ++i) {
+        fprintf(stream, "%s%.17g", comma(i),
+                self->runs[0].frames->times[self->runs[0].index[i]]);
+    }
+    fputs("],\"pinned\":[", stream);
+    write_pinned(self);
+    fputs("],\"runs\":[", stream);
+    write_runs(self);
+    fputs("]}</script>\n", stream);
+}

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// scatter.js -- a small plot of every quantity against a parameter, coloured by another.
+import uPlot from 'uplot';
+import { colourAt } from './colours.js';
+import { powerText } from './decades.js';
+import { axis, LOGARITHMIC } from './plots.js';
+import { isDark } from './theme.js';
+import { element, isWide, range, STATISTICS } from './values.js';
+
+const SPAN = 1e3; // values that reach so far have powers of ten
+const REACH = 24; // px: a point nearer to the pointer is meant
+const INKS = 5;
+const MOST_NAMES = 12; // of colours
+
+const css = (rgb) => `rgb(${rgb.map((c) => Math.round(255 * c))})`;
+
+/** Light to dark on paper; what would vanish there or on the dark page is left out. */
+function ramp(share) {
+    const [from, to] = isDark() ? [0.05, 0.65] : [0.3, 1];
+    return css(colourAt(from + share * (to - from)));
+}
+
+function inks(y, style) {
+    const count = y?.few ? y.levels.length : 1;
+    return Array.from({ length: count }, (_, i) => (y?.numeric || count > INKS ? ramp(count > 1 ? i / (count - 1) : 1) : style(`--curve-${i}`)));
+}
+
+const plain = (v) => (v >= 1e-3 && v < 1e5 ? String(v) : powerText(v));
+
+/** The axis of the parameter. */
+function along(x) {
+    if (!x.numeric) {
+        const every = Math.ceil(x.levels.length / 5);
+        return {
+            to: Number, range: () => [-0.5, x.levels.length - 0.5],
+            ticks: () => x.levels.map((_, i) => i).filter((i) => i % every === 0),
+            text: (i) => (x.levels[i].length > 9 ? `${x.levels[i].slice(0, 8)}…` : x.levels[i]),
+        };
+    }
+    return x.log ? { ...LOGARITHMIC, text: plain, ticks: (lo, hi) => LOGARITHMIC.ticks(lo, hi).filter((_, i, all) => i % Math.ceil(all.length / 5) === 0) } : {};
+}
+
+/** One list of places, and for each colour a list of values, with nulls where another has
+ * the run. */
+function table(points, count) {
+    const lists = [points.map(({ x }) => x)];
+    for (let k = 0; k < count; ++k) {
+        lists.push(points.map((p) => (p.ink === k ? p.y : null)));
+    }
+    return lists;
+}
+
+/** Whether no colour has two runs at one place: then a line joins them. */
+const isCurve = (points, count) => new Set(points.map((p) => `${p.ink} ${p.x}`)).size === points.length && points.length < 40 * count;
+
+export class Scatter {
+    constructor(root, height, short, { tip, open, choose }) {
+        Object.assign(this, { root, height, short, tip, open, choose, drawn: [] });
+        new ResizeObserver(() => this.drawn.forEach((plot) => {
+            const width = plot.root.parentElement.clientWidth;
+            if (plot.width !== width) {
+                plot.setSize({ width, height: this.height });
+            }
+        })).observe(root);
+        // Only what is seen is drawn: a phone shows two of thirty.
+        this.seen = new IntersectionObserver((list) => list.filter((one) => one.isIntersecting).forEach(({ target }) => {
+            this.seen.unobserve(target);
+            this.plot(target);
+        }), { rootMargin: '200px' });
+    }
+
+    /** A plot of each of `list`; the names of the colours go into `names`. */
+    draw(state, runs, list, names) {
+        this.drawn.forEach((plot) => plot.destroy());
+        this.seen.disconnect();
+        Object.assign(this, { drawn: [], state, runs });
+        const style = (name) => getComputedStyle(document.body).getPropertyValue(name).trim();
+        this.style = style;
+        this.inks = inks(state.y, style);
+        this.root.replaceChildren(...(state.x ? list : []).map((value) => this.card(value)));
+        names?.replaceChildren(...this.names(state.y));
+        for (const card of this.root.children) {
+            this.seen.observe(card);
+        }
+    }
+
+    /** The colours of the second parameter; of many the first, the last and some between. */
+    names(y) {
+        if (!y?.few) {
+            return [];
+        }
+        const every = Math.ceil((y.levels.length - 1) / (MOST_NAMES - 1));
+        return [element('b', '', y.label), ...y.levels.flatMap((text, i) => {
+            if (i % every !== 0 && i + 1 < y.levels.length) {
+                return [];
+            }
+            const dot = element('i');
+            dot.style.background = this.inks[i];
+            return [element('span', '', dot, text || '(default)')];
+        })];
+    }
+
+    card(value) {
+        const chosen = value === this.state.value;
+        const button = element('button', '', value.steady ? value.label : `${STATISTICS[this.state.of]} ${value.label}`);
+        button.ariaPressed = chosen;
+        button.title = 'show it above and in the table';
+        button.addEventListener('click', () => this.choose(value));
+        const made = element('div', chosen ? 'plot chosen' : 'plot', button);
+        made.value = value;
+        return made;
+    }
+
+    points(value) {
+        const { x, y, of } = this.state;
+        const list = this.runs.map((run) => ({ run, x: x.place(run), y: value.of(run, of), ink: y?.few ? y.level(run) : 0 }));
+        return list.filter((p) => Number.isFinite(p.x) && Number.isFinite(p.y)).sort((a, b) => a.x - b.x);
+    }
+
+    plot(card) {
+        const points = this.points(card.value);
+        const [lo, hi] = range(points.map((p) => p.y));
+        const log = isWide([lo, hi], SPAN);
+        points.forEach((p) => { p.height = log ? Math.log10(p.y) : p.y; });
+        const curve = isCurve(points, this.inks.length);
+        const [across, up] = [along(this.state.x), log ? LOGARITHMIC : {}];
+        const made = new uPlot({
+            width: card.clientWidth,
+            height: this.height,
+            scales: { x: { time: false, range: across.range ?? ((_, a, b) => [a - 0.04 * (b - a), b + 0.04 * (b - a)]) }, y: up.range ? { range: up.range } : {} },
+            axes: [{ ...axis(this.style, across), size: 28 }, { ...axis(this.style, up), size: 58 }],
+            series: [{}, ...this.inks.map((stroke) => ({
+                stroke, width: 1.5, points: { show: true, size: points.length > 200 ? 4 : 6, fill: stroke },
+                spanGaps: true, ...(curve ? {} : { paths: () => null }),
+            }))],
+            legend: { show: false },
+            cursor: { show: false },
+        }, table(points.map((p) => ({ ...p, y: p.height })), this.inks.length), card);
+        this.drawn.push(made);
+        this.listen(made, points, card.value);
+    }
+
+    listen(plot, points, value) {
+        const nearest = (event) => {
+            const box = plot.over.getBoundingClientRect();
+            let best = null;
+            let least = REACH ** 2;
+            for (const p of points) {
+                const far = (plot.valToPos(p.x, 'x') - event.clientX + box.left) ** 2 + (plot.valToPos(p.height, 'y') - event.clientY + box.top) ** 2;
+                [best, least] = far < least ? [p, far] : [best, least];
+            }
+            return best;
+        };
+        const over = (event) => {
+            const p = nearest(event);
+            this.tip(p?.run, p && `${value.label} ${this.short(p.y)}`, event);
+            plot.over.style.cursor = p ? 'pointer' : 'default';
+        };
+        plot.over.addEventListener('pointermove', over);
+        plot.over.addEventListener('pointerleave', () => this.tip(null));
+        plot.over.addEventListener('click', (event) => {
+            const p = nearest(event);
+            if (p) {
+                this.open(p.run);
+            }
+        });
+    }
+}
+
