@@ -51,6 +51,9 @@ extern "Python" void weftpy_option(void *, const char *, const char *);
 extern const char *const weftpy_prefix;
 weft_log weftpy_log_of(void);
 weft_status weftpy_scene(weft_registry *, weft_scene_def *, weft_scene **, weft_diagnostics *, weft_error *);
+const char *weftpy_full_name(const weft_stepper_type *);
+void weftpy_masses(const weft_cloth *, double *);
+void weftpy_pinned(const weft_cloth *, bool *);
 weft_status weftpy_advance(weft_sim *, double, double, const bool *, weft_error *);
 """
 
@@ -88,6 +91,25 @@ static weft_status weftpy_scene(weft_registry *registry, weft_scene_def *def, we
     def->find_plugin = weftpy_find;
     def->find_ctx = registry;
     return weft_scene_load(def, out, found, err);
+}
+
+static const char *weftpy_full_name(const weft_stepper_type *type)
+{
+    return weft_stepper_full_name(type);
+}
+
+static void weftpy_masses(const weft_cloth *cloth, double *mass)
+{
+    for (size_t i = 0; i < weft_cloth_particles(cloth); ++i) {
+        mass[i] = weft_cloth_particle_mass(cloth, i);
+    }
+}
+
+static void weftpy_pinned(const weft_cloth *cloth, bool *pinned)
+{
+    for (size_t i = 0; i < weft_cloth_particles(cloth); ++i) {
+        pinned[i] = weft_cloth_pinned(cloth, i);
+    }
 }
 
 static double weftpy_clock(void)
