@@ -12,7 +12,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Optional, Union
 
-from weft.library import Error, PathLike, SceneError, SceneWarning, ffi, lib, settings, yaml_text
+from weft._weft import ffi, lib
+from weft.library import Error, PathLike, SceneError, SceneWarning, settings, yaml_text
 from weft.simulation import Scene
 
 if TYPE_CHECKING:
@@ -101,11 +102,11 @@ def batch(scenes: Union[Scene, Sequence[Scene]], out: PathLike, overrides: Optio
     ['done', 'done']
     """
     import pandas as pd
-    several = isinstance(scenes, Sequence) and not isinstance(scenes, str)
+    several = scenes if isinstance(scenes, Sequence) and not isinstance(scenes, str) else [scenes]
     with tempfile.TemporaryDirectory() as folder:
         more = [] if jobs is None else ["--jobs", str(jobs)]
         more += [] if timeout is None else ["--timeout", repr(float(timeout))]
-        paths = _files(scenes if several else [scenes], folder)  # type: ignore[list-item]
+        paths = _files(several, folder)
         _call(["batch", *paths, *_options(out, overrides, force), *more], folder, out, (0, 1))
     return pd.read_csv(Path(out, "summary.csv"))
 
@@ -164,8 +165,8 @@ class Run:
     def series(self) -> pd.DataFrame:
         """series.csv: one row per frame.
 
-        >>> weft.open(tmp / "fall").series["kinetic"].iloc[0]
-        np.float64(0.0)
+        >>> float(weft.run(scene, tmp / "series").series["kinetic"].iloc[0])
+        0.0
         """
         return self._csv("series.csv")
 
@@ -191,7 +192,7 @@ class Run:
     def positions(self) -> Frames:
         """(frames, rows, cols, 3) [m], read from run.vtkhdf as it is indexed.
 
-        >>> weft.open(tmp / "fall").positions[-1].shape
+        >>> weft.run(scene, tmp / "positions").positions[-1].shape
         (8, 10, 3)
         """
         return self._field("VTKHDF/Points")
