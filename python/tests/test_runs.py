@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs of the program and their files."""
 import os
+import shutil
 import signal
+import subprocess
 import threading
 import time
 
@@ -24,18 +26,49 @@ def test_a_run_has_its_files_as_tables_and_arrays(scene, tmp_path):
     assert (run.final[["x", "y", "z"]].to_numpy() == sim.positions).all()
 
 
-def test_frames_are_indexed_as_an_array_is(scene, tmp_path):
-    frames = weft.run(scene, tmp_path / "run", {"run.duration": 0.3}).positions
-    whole = np.asarray(frames)
-    assert frames.shape == whole.shape == (10, 8, 10, 3) and whole.dtype == frames.dtype == np.float32
-    for key in (0, -1, np.int64(3), slice(None), slice(2, 9, 3), slice(None, None, -4), (4, 1), (slice(1, 4), 7, 9, 1),
-                (2, ..., 0), slice(5, 5), (slice(0, 4), slice(None, None, 2))):
-        assert np.array_equal(frames[key], whole[key])
-    for key in (10, -11):
-        with pytest.raises(IndexError):
-            frames[key]
-    assert np.array(frames, dtype=float).dtype == np.float64
-    assert sum(1 for _ in frames) == 10
+def test_positions_are_read_as_they_are_used(scene, tmp_path):
+    run = weft.run(scene, tmp_path / "run")
+    positions = run.positions
+    assert isinstance(positions, np.memmap) and positions.dtype == np.float32
+    assert positions.shape == (61, 8, 10, 3) and run.strains.shape == (61, 8, 10)
+    with pytest.raises(ValueError, match="read-only"):
+        positions[0] = 0
+
+
+def test_a_packed_file_has_the_same_frames(scene, tmp_path):
+    if not shutil.which("h5repack"):
+        pytest.skip("no h5repack (package hdf5-tools)")
+    run = weft.run(scene, tmp_path / "run", {"run.duration": 0.2})
+    before = np.array(run.positions)
+    path = tmp_path / "run" / "run.vtkhdf"
+    subprocess.run(["h5repack", "-f", "VTKHDF/Points:SHUF", "-f", "VTKHDF/Points:GZIP=1", path, tmp_path / "packed"], check=True)
+    (tmp_path / "packed").rename(path)
+    assert np.array_equal(run.positions, before)
+
+
+def test_a_run_under_way_can_be_read(scene, tmp_path):
+    scene["run"]["duration"] = 100000
+    (tmp_path / "long.yaml").write_text(weft.load(scene).scene)
+    process = subprocess.Popen([weft.program(), "run", tmp_path / "long.yaml", "--out", tmp_path / "run", "--quiet"])
+
+    def more_than(count):
+        while process.poll() is None:
+            try:
+                positions = weft.open(tmp_path / "run").positions
+            except OSError:  # not there yet
+                continue
+            if len(positions) > count:
+                return positions
+        raise AssertionError("the run ended")
+
+    try:
+        first = more_than(1)
+        later = more_than(len(first))
+        assert np.array_equal(later[:len(first)], first) and (later[-1] != first[0]).any()
+        assert len(weft.open(tmp_path / "run").times) >= len(later)
+    finally:
+        process.terminate()
+        process.wait()
 
 
 def test_a_field_that_was_not_recorded_is_a_key_error(scene, tmp_path):

@@ -2,7 +2,7 @@
 """The program weft, run as a process of its own, and the directories that it writes."""
 from __future__ import annotations
 
-import functools
+import math
 import os
 import signal
 import subprocess
@@ -12,12 +12,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Optional, Union
 
+import numpy as np
+
 from weft._weft import ffi, lib
-from weft.library import Error, PathLike, SceneError, SceneWarning, settings, yaml_text
+from weft.library import Array, Error, PathLike, SceneError, SceneWarning, settings, yaml_text
 from weft.simulation import Scene
 
 if TYPE_CHECKING:
-    import h5py
     import pandas as pd
 
 
@@ -77,6 +78,11 @@ def _options(out: PathLike, overrides: Optional[Mapping[str, Any]], force: bool)
     return ["--out", os.fspath(out), *sets, *(["--force"] if force else [])]
 
 
+def _table(path: PathLike) -> pd.DataFrame:
+    import pandas as pd
+    return pd.read_csv(path, dtype={"hash": str}, float_precision="round_trip")
+
+
 def run(scene: Scene, out: PathLike, overrides: Optional[Mapping[str, Any]] = None, *, force: bool = False) -> Run:
     """Runs a scene as `weft run` does, into the directory `out`, new or empty (force: replaces an earlier run).
 
@@ -101,14 +107,13 @@ def batch(scenes: Union[Scene, Sequence[Scene]], out: PathLike, overrides: Optio
     >>> list(table["status"])
     ['done', 'done']
     """
-    import pandas as pd
     several = scenes if isinstance(scenes, Sequence) and not isinstance(scenes, str) else [scenes]
     with tempfile.TemporaryDirectory() as folder:
         more = [] if jobs is None else ["--jobs", str(jobs)]
         more += [] if timeout is None else ["--timeout", repr(float(timeout))]
         paths = _files(several, folder)
         _call(["batch", *paths, *_options(out, overrides, force), *more], folder, out, (0, 1))
-    return pd.read_csv(Path(out, "summary.csv"))
+    return _table(Path(out, "summary.csv"))
 
 
 def compare(scene: Scene, out: PathLike, overrides: Optional[Mapping[str, Any]] = None, *,
@@ -117,13 +122,12 @@ def compare(scene: Scene, out: PathLike, overrides: Optional[Mapping[str, Any]] 
     """Runs a scene with every method of every plugin (or `methods`, such as "gsl" or "arkode/heun_euler"), over a
     ladder of tolerances or steps, as `weft compare` does, up to `until` [s]. Returns compare.csv: one row per run, with
     error [m], rhs_calls, time [s] (docs/choosing-a-stepper.md). The page compare.html is in `out`."""
-    import pandas as pd
     with tempfile.TemporaryDirectory() as folder:
         more = [] if methods is None else ["--methods", ",".join(methods)]
         more += [] if until is None else ["--until", repr(float(until))]
         path, = _files([scene], folder)
         _call(["compare", path, *_options(out, overrides, force), *more, "--jobs", str(jobs)], folder, out)
-    return pd.read_csv(Path(out, "compare.csv"))
+    return _table(Path(out, "compare.csv"))
 
 
 class Run:
@@ -143,8 +147,7 @@ class Run:
             return dict(yaml.load(file, Loader=yaml.SafeLoader))
 
     def _csv(self, name: str) -> pd.DataFrame:
-        import pandas as pd
-        return pd.read_csv(self.directory / name, dtype={"hash": str})
+        return _table(self.directory / name)
 
     @property
     def scene(self) -> str:
@@ -180,77 +183,44 @@ class Run:
         """final.csv: row, col, x, y, z [m], vx, vy, vz [m/s] at the end."""
         return self._csv("final.csv")
 
-    @functools.cached_property
-    def _file(self) -> h5py.File:
+    def _frames(self, path: str) -> Any:
+        """Where the frames of a dataset lie in the file; h5py alone, kept open, would not see a run go on."""
         import h5py
-        return h5py.File(self.directory / "run.vtkhdf", "r", locking=False)
-
-    def _field(self, path: str) -> Frames:
-        return Frames(self._file, path)
+        with h5py.File(self.directory / "run.vtkhdf", "r", locking=False) as file:
+            data, grid = file[path], file["weft"].attrs
+            shape = (int(file["VTKHDF/Steps"].attrs["NSteps"]), int(grid["rows"]), int(grid["cols"]), *data.shape[1:])
+            offset = data.id.get_offset()
+            if offset is None or shape[0] == 0:  # packed by h5repack, or nothing there yet
+                return data[:math.prod(shape[:3])].reshape(shape)
+            return np.memmap(self.directory / "run.vtkhdf", data.dtype, "r", offset, shape)
 
     @property
-    def positions(self) -> Frames:
-        """(frames, rows, cols, 3) [m], read from run.vtkhdf as it is indexed.
+    def positions(self) -> Array:
+        """(frames, rows, cols, 3) [m], of the frames that there are now: run.vtkhdf in memory, read as it is used (whole
+        at once after h5repack).
 
         >>> weft.run(scene, tmp / "positions").positions[-1].shape
         (8, 10, 3)
         """
-        return self._field("VTKHDF/Points")
+        return self._frames("VTKHDF/Points")  # type: ignore[no-any-return]
 
     @property
-    def velocities(self) -> Frames:
+    def velocities(self) -> Array:
         """(frames, rows, cols, 3) [m/s]; KeyError: they were not recorded."""
-        return self._field("VTKHDF/PointData/velocity")
+        return self._frames("VTKHDF/PointData/velocity")  # type: ignore[no-any-return]
 
     @property
-    def strains(self) -> Frames:
+    def strains(self) -> Array:
         """(frames, rows, cols), the largest (L - s) / s at each particle; KeyError: they were not recorded."""
-        return self._field("VTKHDF/PointData/strain")
+        return self._frames("VTKHDF/PointData/strain")  # type: ignore[no-any-return]
 
     @property
-    def times(self) -> Any:
+    def times(self) -> Array:
         """(frames,) [s], of the frames in run.vtkhdf."""
-        return self._file["VTKHDF/Steps/Values"][:]
-
-
-class Frames:
-    """An array of frames in a file: frames[i] reads frame i, frames[a:b:c] several, numpy.asarray(frames) all. Its
-    length grows while the run writes."""
-
-    def __init__(self, file: h5py.File, path: str) -> None:
-        self._file, self._data = file, file[path]
-        grid = int(file["weft"].attrs["rows"]), int(file["weft"].attrs["cols"])
-        self._each = grid[0] * grid[1]
-        self._frame = grid + self._data.shape[1:]
-        self.dtype = self._data.dtype
-
-    def __len__(self) -> int:
-        steps = self._file["VTKHDF/Steps"]
-        return int(steps.attrs["NSteps"])
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        return (len(self), *self._frame)
-
-    def __repr__(self) -> str:
-        return "<weft.Frames %s %s>" % (self.shape, self.dtype)
-
-    def _read(self, i: int) -> Any:
-        return self._data[i * self._each:(i + 1) * self._each].reshape(self._frame)
-
-    def __getitem__(self, key: Any) -> Any:
-        import numpy as np
-        first, rest = (key[0], key[1:]) if isinstance(key, tuple) else (key, ())
-        if isinstance(first, slice):
-            wanted = range(len(self))[first]
-            frames = np.empty((len(wanted), *self._frame), self.dtype)
-            for k, i in enumerate(wanted):
-                frames[k] = self._read(i)
-            return frames[(slice(None), *rest)]
-        return self._read(range(len(self))[first])[rest]
-
-    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> Any:
-        return self[:].astype(dtype or self.dtype, copy=False)
+        import h5py
+        with h5py.File(self.directory / "run.vtkhdf", "r", locking=False) as file:
+            times: Array = file["VTKHDF/Steps/Values"][:int(file["VTKHDF/Steps"].attrs["NSteps"])]
+            return times
 
 
 def open(directory: PathLike) -> Run:  # noqa: A001 - as numpy's and tarfile's
