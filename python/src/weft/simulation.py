@@ -410,12 +410,12 @@ class Sim:
         >>> sim.time == h
         True
         """
-        before = self.time
-        end = self._frame_after(before) if until is None else until
-        if self._later(end):
-            with self._alone() as err:
+        with self._alone() as err:
+            before = self.time
+            end = self._frame_after(before) if until is None else until
+            if self._later(end):
                 self._finish(lib.weft_sim_step(self._sim, end, err), err)
-        return self.time - before
+            return self.time - before
 
     def _later(self, t: float) -> bool:
         if not (self.time <= t < math.inf):
@@ -424,8 +424,8 @@ class Sim:
 
     def advance(self, t: float) -> None:
         """Steps until the time is exactly t [s]; frame i of a scene is at i / fps. Raises StepError."""
-        self._later(t)
         with self._alone() as err:
+            self._later(t)
             while True:  # returns every 50 ms, so that Python can raise KeyboardInterrupt
                 status = lib.weftpy_advance(self._sim, t, 0.05, self._hooks.raised, err)
                 self._finish(status, err)
