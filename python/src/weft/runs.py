@@ -80,7 +80,9 @@ def _options(out: PathLike, overrides: Optional[Mapping[str, Any]], force: bool)
 
 def _table(path: PathLike) -> pd.DataFrame:
     import pandas as pd
-    return pd.read_csv(path, dtype={"hash": str}, float_precision="round_trip")
+    exact = {"float_precision": "round_trip"}  # pandas 3.1 always reads numbers so, and warns of it
+    newer = tuple(map(int, pd.__version__.split(".")[:2])) >= (3, 1)
+    return pd.read_csv(path, dtype={"hash": str}, **({} if newer else exact))
 
 
 def run(scene: Scene, out: PathLike, overrides: Optional[Mapping[str, Any]] = None, *, force: bool = False) -> Run:
