@@ -29,8 +29,11 @@ def declarations():
     """Types and functions of weft/weft.h, without what cffi does not read: inline functions."""
     command = [*shlex.split(os.environ.get("CC", "cc")), "-E", "-std=c11", "-D__attribute__(x)=",
                "-I", INCLUDES[0], "-"]
-    text = subprocess.run(command, input="#include <weft/weft.h>\n", check=True, text=True,
-                          stdout=subprocess.PIPE).stdout
+    try:
+        text = subprocess.run(command, input="#include <weft/weft.h>\n", check=True, text=True,
+                              stdout=subprocess.PIPE).stdout
+    except (OSError, subprocess.CalledProcessError) as error:
+        raise SystemExit("weft needs a C compiler (package gcc, or the variable CC): %s" % error) from None
     kept, ours = [], False
     for line in text.splitlines():
         marker = re.match(r'# \d+ "(.*)"', line)

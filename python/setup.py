@@ -5,6 +5,7 @@ it uses the installed weft that pkg-config finds."""
 import glob
 import os
 import re
+import shutil
 import subprocess
 import sys
 
@@ -22,11 +23,12 @@ def version():
 
 def bundle(prefix):
     """Builds weft in its tree and puts what the package needs below prefix."""
-    env = {k: v for k, v in os.environ.items()
-           if k not in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS", "DESTDIR", "CFLAGS", "LDFLAGS")}
+    shutil.rmtree(prefix, ignore_errors=True)  # an earlier version's
+    env = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS", "DESTDIR")}
+    to = os.path.relpath(prefix, TREE)  # make would take a blank in the name of the tree for the end of a word
     command = [os.environ.get("MAKE", "make"), "--no-print-directory", "-C", TREE, "-j", str(os.cpu_count()),
-               "bundle", "PREFIX=" + prefix]
-    if subprocess.run(command, env=env).returncode != 0:
+               "bundle", "PREFIX=" + to, "LIBDIR=" + to + "/lib", "BINDIR=" + to + "/bin"]
+    if subprocess.call(command, env=env) != 0:
         raise SystemExit("building weft failed; `make deps` in " + TREE + " installs the packages that it needs")
 
 
