@@ -125,7 +125,7 @@ PROMISES := $(patsubst tests/promises/%.c,$(BUILD)/tests/promises/weft-%.so,$(wi
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(filter-out examples/weft-%,$(wildcard examples/*.c))) \
             $(patsubst examples/%.c,$(BUILD)/examples/%.so,$(wildcard examples/weft-*.c))
 
-.PHONY: all check check-run check-view viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
+.PHONY: all check check-run check-view check-python viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
         fuzz fuzz-corpus coverage static check-determinism check-libm clang-syntax check-steppers check-sundials7 check-aarch64 check-elsewhere nightly \
         valgrind symbols clean help
 .DELETE_ON_ERROR:
@@ -348,6 +348,10 @@ check-run: all $(TEST_BIN) $(BROKEN) $(PROMISES) $(PRELOADED) $(EXAMPLES) lint
 check-view: all
 	@tools/check-view $(BUILD)
 
+# The Python package in an environment of its own, built from this tree.
+check-python: all
+	@tools/check-python $(BUILD)
+
 # The page that weft view fills: needs node and npm, and its result is committed.
 viewer:
 	@tools/viewer-packages
@@ -503,7 +507,7 @@ clean:
 
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-elsewhere | nightly | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | check-view | check-python | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-elsewhere | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | check-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

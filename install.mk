@@ -3,6 +3,7 @@
 #
 #   make install PREFIX=/usr/local DESTDIR=     installs everything that was built
 #   make uninstall PREFIX= DESTDIR=             removes the same files
+#   make bundle PREFIX=                         library, plugins and program alone, for a package of another language
 
 PREFIX     ?= /usr/local
 DESTDIR    ?=
@@ -19,7 +20,7 @@ MAN := $(SHARE)/man/weft.1 $(SHARE)/man/weft-scene.5 $(SHARE)/man/weft-plugin.7
 COMPLETIONS := $(SHARE)/weft.bash $(SHARE)/weft.zsh $(SHARE)/weft.fish
 PLUGIN_A := $(PLUGINS:%=$(BUILD)/libweft-plugin-%.a)
 
-.PHONY: install uninstall share check-install check-docs check-abi doxygen
+.PHONY: install uninstall bundle share check-install check-docs check-abi doxygen
 share: $(MAN) $(COMPLETIONS) $(PLUGIN_A)
 all: share
 
@@ -61,6 +62,12 @@ install: all
 uninstall:
 	@DESTDIR='$(DESTDIR)' DOCDIR='$(DOCDIR)' LIBDIR='$(LIBDIR)' INCLUDEDIR='$(INCLUDEDIR)' \
 	    VERSION='$(VERSION)' SOVERSION='$(SOVERSION)' tools/install remove $(FILES)
+
+# Without HDF5 there is no program.
+BUNDLED := $(BUILD)/libweft.so $(PLUGIN_SO) $(if $(HAVE_HDF5),$(BUILD)/weft)
+bundle: $(BUNDLED)
+	@DESTDIR= tools/install put $(BUILD)/libweft.so:$(LIBDIR)/libweft.so.$(SOVERSION) \
+	    $(PLUGIN_SO:%=%:$(PLUGINDIR)/) $(if $(HAVE_HDF5),$(BUILD)/weft:$(BINDIR)/)
 
 # Installs weft, moves it, builds the examples as C11 to C++17, removes it.
 check-install: all $(EXAMPLES)

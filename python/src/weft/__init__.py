@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""weft: cloth as a network of masses and springs, under solvers that people trust.
+
+>>> scene = {
+...     "weft": 1,
+...     "cloth": {
+...         "grid": {"rows": 8, "cols": 10, "spacing": 0.1},
+...         "density": 0.2,
+...         "springs": {"stretch": {"stiffness": 100, "damping": 0.02}},
+...         "pins": ["top-left", "top-right"],
+...     },
+...     "stepper": {"plugin": "verlet", "method": "velocity_verlet", "fixed_step": 1e-3},
+...     "run": {"duration": 2.0, "fps": 30},
+... }
+>>> sim = weft.load(scene)
+>>> sim.advance(0.5)
+>>> sim.energy.kinetic > 0
+True
+
+SI units. docs/python.md is a tour, docs/scene.md lists the keys of a scene. The log of logging.getLogger("weft") has
+loaded plugins and warnings of the simulation.
+"""
+from weft._weft import ffi as _ffi
+from weft._weft import lib as _lib
+from weft.library import (Diagnostic, Error, Failure, Method, SceneError, SceneWarning, Spring, StepError, amplification,
+                          load_plugin, methods, scene_help)
+from weft.runs import Run, RunError, batch, compare, open, program, run
+from weft.simulation import (CORRECT, FORCE, Energy, Ledger, Measures, PerformanceWarning, Sim, Stats, Stiffness, load)
+
+__version__: str = _ffi.string(_lib.weft_version()).decode()
+
+__all__ = ["CORRECT", "FORCE", "Diagnostic", "Energy", "Error", "Failure", "Ledger", "Measures", "Method",
+           "PerformanceWarning", "Run", "RunError", "SceneError", "SceneWarning", "Sim", "Spring", "Stats", "StepError",
+           "Stiffness", "amplification", "batch", "compare", "load", "load_plugin", "methods", "open", "program", "run",
+           "scene_help"]

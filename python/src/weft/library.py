@@ -1,0 +1,327 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""libweft, shared by the other modules: errors, records, methods, the text of a scene."""
+from __future__ import annotations
+
+import json
+import logging
+import math
+import numbers
+import os
+import re
+import threading
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, NamedTuple, Optional, Union
+
+import numpy as np
+
+from weft._weft import ffi, lib
+
+Array = np.ndarray[Any, np.dtype[np.float64]]
+PathLike = Union[str, "os.PathLike[str]"]
+
+FAMILIES = ("stretch", "shear", "bend")
+POWERS = ("springs", "drag", "wind", "pins", "contact", "friction", "shapes")
+FLAGS = ("fixed_only", "fsal", "multistep", "implicit", "legacy", "butcher", "dense", "controller",
+         "quadratures", "libm", "structure", "adaptive_only", "linear", "agrees")
+
+
+class Error(RuntimeError):
+    """A failure of weft. `status` is libweft's status in words, such as "invalid argument"."""
+
+    def __init__(self, message: str, status: str = "") -> None:
+        super().__init__(message)
+        self.status = status
+
+
+class Diagnostic(NamedTuple):
+    """One mistake, or one warning, with its place in a scene."""
+
+    warning: bool
+    line: int
+    """from 1; 0: unknown"""
+    column: int
+    place: str
+    """the file, or the override"""
+    message: str
+    source: str
+    """the line that contains it"""
+
+
+class SceneError(Error, ValueError):
+    """Mistakes in a scene: the message shows all of them with their places, `diagnostics` lists them."""
+
+    def __init__(self, message: str, diagnostics: Sequence[Diagnostic] = ()) -> None:
+        super().__init__(message, "mistake in the scene")
+        self.diagnostics = list(diagnostics)
+
+
+class SceneWarning(UserWarning):
+    """A possible mistake in a scene."""
+
+
+class Spring(NamedTuple):
+    """A spring between the particles p and q, with its strain (L - s) / s."""
+
+    family: str
+    p: int
+    q: int
+    strain: float
+
+
+class Failure(NamedTuple):
+    """Why a step failed, and the last good state."""
+
+    status: str
+    time: float
+    """[s]"""
+    last_step: float
+    """[s], the one before; 0: none"""
+    spring: Spring
+    """the most strained"""
+    particle: int
+    """the fastest"""
+    position: Array
+    """[m], of that particle"""
+    speed: float
+    """[m/s], of that particle"""
+    energy: float
+    """[J], the sum of all energies"""
+    reason: str
+    contact: bool
+    """whether a shape is the reason, which the fields below describe"""
+    gap_particle: int
+    gap_shape: int
+    gap: float
+    """[m]"""
+    gap_step: float
+    """[s]"""
+
+
+class StepError(Error):
+    """A step failed; the state is that of the last good step, and `failure` describes it."""
+
+    def __init__(self, message: str, status: str = "", failure: Optional[Failure] = None) -> None:
+        super().__init__(message, status)
+        self.failure = failure
+
+
+class Method(NamedTuple):
+    """A method of a plugin; weft's docs/steppers.md describes the orders and flags."""
+
+    plugin: str
+    name: str
+    full_name: str
+    order: int
+    """of the solution that is continued; 0: variable"""
+    error_order: int
+    """of the solution it is compared with; 0: none"""
+    stages: int
+    flags: frozenset[str]
+    license: str
+    reference: str
+
+
+def text(chars: Any) -> str:
+    return "" if chars == ffi.NULL else ffi.string(chars).decode("utf-8", "replace")
+
+
+def status_text(status: int) -> str:
+    return text(lib.weft_status_text(status))
+
+
+def check(status: int, err: Any) -> None:
+    """Raises the error of a call that did not return WEFT_OK."""
+    if status == lib.WEFT_OK:
+        return
+    if status == lib.WEFT_NO_MEMORY:
+        raise MemoryError(text(err.message))
+    place = text(err.file)
+    raise Error((place + ": " if place else "") + text(err.message), status_text(status))
+
+
+def spring(of: Any) -> Spring:
+    return Spring(FAMILIES[of.family], of.p, of.q, of.strain)
+
+
+def numbers_of(values: Any) -> Array:
+    return np.array(list(values), dtype=np.float64)
+
+
+def failure(of: Any) -> Failure:
+    plain = {name: getattr(of, name) for name in Failure._fields}
+    return Failure(**{**plain, "status": status_text(of.status), "spring": spring(of.spring),
+                      "position": numbers_of(of.position), "reason": text(of.reason)})
+
+
+# ---- messages -------------------------------------------------------------------------
+
+log = logging.getLogger("weft")
+
+
+@ffi.def_extern()
+def weftpy_log(_ctx: Any, level: int, message: Any) -> None:
+    log.log(logging.WARNING if level == lib.WEFT_LOG_WARNING else logging.INFO, "%s", text(message))
+
+
+@ffi.def_extern()
+def weftpy_refused(_ctx: Any, why: Any) -> None:
+    log.warning("%s", text(why.message))
+
+
+@ffi.def_extern()
+def weftpy_line(ctx: Any, line: Any) -> None:
+    ffi.from_handle(ctx).append(text(line))
+
+
+@ffi.def_extern()
+def weftpy_option(ctx: Any, name: Any, value: Any) -> None:
+    ffi.from_handle(ctx)[text(name)] = text(value)
+
+
+def scene_help(key: Optional[str] = None) -> str:
+    """The keys of a scene with type, unit, default and meaning; with a key: that one.
+
+    >>> print(weft.scene_help("run.fps"))  # doctest: +ELLIPSIS
+    run.fps...
+    """
+    lines: list[str] = []
+    handle, err = ffi.new_handle(lines), ffi.new("weft_error *")
+    if key is None:
+        lib.weft_scene_help(lib.WEFT_HELP_TEXT, lib.weftpy_line, handle)
+    else:
+        check(lib.weft_scene_help_key(key.encode(), lib.weftpy_line, handle, err), err)
+    return "\n".join(lines)
+
+
+# ---- plugins --------------------------------------------------------------------------
+
+# libweft wants one thread at a time; the registry is never destroyed, as simulations run in the
+# code of its plugins.
+registry_lock = threading.Lock()
+_registry: Any = None
+
+
+def registry() -> Any:
+    """The plugins of this process, for a caller that holds registry_lock."""
+    global _registry
+    if _registry is None:
+        definition = ffi.new("weft_registry_def *", lib.weft_registry_def_default())
+        definition.log = lib.weftpy_log_of()
+        out, err = ffi.new("weft_registry **"), ffi.new("weft_error *")
+        check(lib.weft_registry_create(definition, out, err), err)
+        _registry = out[0]
+    return _registry
+
+
+def load_plugin(file: PathLike) -> None:
+    """Loads one stepper plugin from a file weft-ID.so, which runs its code in this process. Plugins
+    in the directories of WEFT_PLUGIN_PATH need no call."""
+    err = ffi.new("weft_error *")
+    with registry_lock:
+        check(lib.weft_registry_load(registry(), os.fsencode(file), err), err)
+
+
+def _method(plugin: Any, kind: Any) -> Method:
+    flags = frozenset(name for name in FLAGS if kind.flags & getattr(lib, "WEFT_STEPPER_" + name.upper()))
+    return Method(text(plugin.id), text(kind.name), text(lib.weftpy_full_name(kind)), kind.order, kind.error_order,
+                  kind.stages, flags, text(kind.license), text(kind.reference))
+
+
+def methods() -> list[Method]:
+    """Every method of every plugin that is found.
+
+    >>> [m.order for m in weft.methods() if (m.plugin, m.name) == ("verlet", "velocity_verlet")]
+    [2]
+    """
+    err, found = ffi.new("weft_error *"), []
+    with registry_lock:
+        check(lib.weft_registry_load_all(registry(), lib.weftpy_refused, ffi.NULL, err), err)
+        for i in range(lib.weft_registry_count(registry())):
+            plugin = lib.weft_registry_at(registry(), i)
+            k = 0
+            while plugin.types[k] != ffi.NULL:
+                found.append(_method(plugin, plugin.types[k]))
+                k += 1
+    return found
+
+
+def amplification(plugin: str, method: str) -> Array:
+    """The coefficients r[k] of R(z) = sum r[k] z^k, by which a fixed step h of an explicit
+    Runge-Kutta method multiplies the solution of y' = m y, z = h m; found by running the method.
+
+    >>> weft.amplification("verlet", "midpoint")
+    array([1. , 1. , 0.5])
+    """
+    err, kind = ffi.new("weft_error *"), ffi.new("const weft_stepper_type **")
+    out = ffi.new("weft_stability *")
+    with registry_lock:
+        check(lib.weft_registry_method(registry(), plugin.encode(), method.encode(), kind, err), err)
+    check(lib.weft_stability_create(kind[0], ffi.NULL, out, err), err)
+    if out.degree < 0:
+        raise Error("method '%s' of plugin '%s' is not of Runge-Kutta type" % (method, plugin))
+    return numbers_of(out.r[0:out.degree + 1])
+
+
+# ---- scenes ---------------------------------------------------------------------------
+
+def _key(key: Any) -> str:
+    if not isinstance(key, str):
+        raise TypeError("a key of a scene is a string, not %r" % (key,))
+    return key if re.fullmatch(r"[A-Za-z_][\w.-]*", key, re.ASCII) else json.dumps(key, ensure_ascii=False)
+
+
+def yaml_text(value: Any, margin: str = "") -> str:
+    """A value of a scene as YAML in flow style: one line for each key of a mapping of mappings."""
+    if isinstance(value, Mapping):
+        inner = margin + "  "
+        items = [_key(k) + ": " + yaml_text(v, inner) for k, v in value.items()]
+        if any(isinstance(v, Mapping) for v in value.values()):
+            return "{\n" + ",\n".join(inner + item for item in items) + "\n" + margin + "}"
+        return "{" + ", ".join(items) + "}"
+    if isinstance(value, np.ndarray):
+        return yaml_text(value.tolist(), margin)
+    if isinstance(value, (str, os.PathLike)):
+        return json.dumps(os.fspath(value), ensure_ascii=False)
+    if value is None or isinstance(value, (bool, np.bool_)):
+        return {None: "null", True: "true", False: "false"}[None if value is None else bool(value)]
+    if isinstance(value, numbers.Integral):
+        return str(int(value))
+    if isinstance(value, numbers.Real):
+        number = float(value)
+        return repr(number) if math.isfinite(number) else ".nan" if number != number else ".inf" if number > 0 else "-.inf"
+    if isinstance(value, Iterable):
+        return "[" + ", ".join(yaml_text(v, margin) for v in value) + "]"
+    raise TypeError("a scene has no values of type %s" % type(value).__name__)
+
+
+def settings(overrides: Optional[Mapping[str, Any]]) -> list[str]:
+    """Overrides as `--set` of the program takes them."""
+    return [key + "=" + yaml_text(value) for key, value in (overrides or {}).items()]
+
+
+def _diagnostic(of: Any) -> tuple[Diagnostic, str]:
+    room = ffi.new("char[]", 2048)
+    lib.weft_diagnostic_format(ffi.addressof(of), room, 2048)
+    return Diagnostic(of.warning, of.line, of.column, text(of.place), text(of.message), text(of.source)), text(room)
+
+
+def read_scene(file: Optional[str], content: Optional[str], sets: list[str]) -> tuple[Any, list[str]]:
+    """A weft_scene, which the caller destroys, and its warnings."""
+    err, out, found = ffi.new("weft_error *"), ffi.new("weft_scene **"), ffi.new("weft_diagnostics *")
+    definition = ffi.new("weft_scene_def *", lib.weft_scene_def_default())
+    alive = [ffi.new("char[]", s.encode()) for s in sets]
+    array, name = ffi.new("const char *[]", alive), ffi.new("char[]", os.fsencode(file or "scene"))
+    definition.file, definition.sets, definition.set_count = name, array, len(alive)
+    if content is not None:
+        data = content.encode()
+        held = ffi.from_buffer(data)
+        definition.text, definition.length = held, len(data)
+    with registry_lock:
+        status = lib.weftpy_scene(registry(), definition, out, found, err)
+    items = [_diagnostic(found.items[i]) for i in range(found.count)]
+    if status == lib.WEFT_BAD_SCENE:
+        more = found.errors - sum(not d.warning for d, _ in items)
+        rest = ["and %d more" % more] if more > 0 else []
+        raise SceneError("\n".join([t for _, t in items] + rest), [d for d, _ in items])
+    check(status, err)
+    return out[0], [t for _, t in items]

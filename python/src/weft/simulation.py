@@ -1,0 +1,778 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A cloth under integration: Sim, made by load()."""
+from __future__ import annotations
+
+import ctypes
+import math
+import os
+import threading
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, NamedTuple, Optional, Union
+
+import numpy as np
+
+from weft._weft import ffi, lib
+from weft.library import (POWERS, Array, Error, Failure, PathLike, SceneWarning, Spring, StepError, check, failure,
+                          numbers_of, read_scene, settings, spring, status_text, text,
+                          yaml_text)
+
+Scene = Union[PathLike, Mapping[str, Any]]
+Index = Union[int, tuple[int, int]]
+Force = Callable[[float, Array, Array, Array], None]
+Correction = Callable[[float, float, Array, Array], Optional[bool]]
+
+# Signatures for numba.cfunc, of forces and of corrections in C: weft_force_fn, weft_correct_fn.
+FORCE = "int32(voidptr, float64, CPointer(float64), CPointer(float64))"
+CORRECT = "boolean(voidptr, float64, float64, CPointer(float64))"
+
+
+class PerformanceWarning(UserWarning):
+    """A Python function is called in every evaluation of the right-hand side, or in every step."""
+
+
+class Energy(NamedTuple):
+    """[J] Energies of the free particles and of the springs."""
+
+    kinetic: float
+    gravitational: float
+    stretch: float
+    shear: float
+    bend: float
+    """bend springs, or bending rigidity"""
+    contact: float
+
+    @property
+    def total(self) -> float:
+        return math.fsum(self)
+
+
+class Ledger(NamedTuple):
+    """[J] All energy gained and lost since t = 0; a residual of 0 closes it but for the errors of the integration."""
+
+    dissipated_springs: float
+    dissipated_drag: float
+    wind_work: float
+    pin_work: float
+    limit_work: float
+    outside_work: float
+    """by corrections, set_state, and changes of pins and shapes"""
+    residual: float
+    force_work: float
+    dissipated_contact: float
+    dissipated_friction: float
+    shape_work: float
+
+
+class Stats(NamedTuple):
+    """Counts of the stepper since t = 0."""
+
+    steps: int
+    rejected: int
+    rhs_calls: int
+    last_step: float
+    """[s]; 0 before the first"""
+    next_step: float
+    """[s], that the solver would try next; 0: unknown"""
+    linear_iterations: int
+    factorisations: int
+    newton_failures: int
+    vetoed: int
+    """steps taken back because a particle may have passed through a shape"""
+
+
+class Measures(NamedTuple):
+    """The measures of a state."""
+
+    energy: Energy
+    momentum: Array
+    """[kg m/s], of the free particles"""
+    angular_momentum: Array
+    """[kg m^2/s], about the origin"""
+    power: dict[str, float]
+    """[W], by what changes the energy; 0 without a ledger"""
+    worst: Spring
+    """the largest strain"""
+    hash: str
+    """of the bits of the state, as in series.csv"""
+    gap: float
+    """[m], the smallest of a free particle to a shape; inf: no shapes"""
+    gap_particle: int
+    gap_shape: int
+    touching: int
+    """free particles with a gap below the contact's thickness"""
+
+
+class Stiffness(NamedTuple):
+    """Bounds of the modes x'' + c x' + w2 x = 0 of a cloth."""
+
+    omega2: float
+    """[1/s^2], no mode is stiffer"""
+    damping: float
+    """[1/s], no mode is damped more"""
+    corners: Array
+    """(n, 2) of a convex polygon that holds (w2, c) of every mode"""
+
+
+class _Memory:
+    """Numbers of libweft, for NumPy, that keep their owner alive."""
+
+    def __init__(self, owner: Any, pointer: Any, count: int) -> None:
+        self.owner = owner
+        self.__array_interface__ = {"version": 3, "typestr": np.dtype(np.float64).str,
+                                    "shape": (count,), "data": (int(ffi.cast("uintptr_t", pointer)), True)}
+
+
+def _as_particles(plane: Array, n: int) -> Array:
+    """The planes x[N] y[N] z[N] as (N, 3); a view."""
+    return plane.reshape(3, n).T
+
+
+class _Hooks:
+    """The Python functions of a simulation, with the arrays that they see, and what they raised."""
+
+    def __init__(self, n: int) -> None:
+        self.force: Optional[Force] = None
+        self.correct: Optional[Correction] = None
+        self.y, self.f = np.zeros(6 * n), np.zeros(3 * n)
+        self.x, self.v = _as_particles(self.y[:3 * n], n), _as_particles(self.y[3 * n:], n)
+        self.forces = _as_particles(self.f, n)
+        self.read = self.x.view(), self.v.view()
+        for array in self.read:
+            array.flags.writeable = False
+        self.raised = ffi.new("bool *")
+        self.error: Optional[BaseException] = None
+
+    def keep(self, error: BaseException) -> None:
+        self.error = self.error or error
+        self.raised[0] = True
+
+    def take(self) -> Optional[BaseException]:
+        error, self.error, self.raised[0] = self.error, None, False
+        return error
+
+
+def _none(value: Any, name: str, advice: str) -> None:
+    if value is not None:
+        raise TypeError("%s returned %s; %s" % (name, type(value).__name__, advice))
+
+
+@ffi.def_extern()
+def weftpy_force(ctx: Any, t: float, y: Any, f: Any) -> int:
+    hooks = ffi.from_handle(ctx)
+    try:
+        ffi.memmove(ffi.from_buffer(hooks.y), y, hooks.y.nbytes)
+        hooks.f[:] = 0.0
+        _none(hooks.force(t, *hooks.read, hooks.forces), "the force", "it adds to its last argument in place")
+        ffi.memmove(f, ffi.from_buffer(hooks.f), hooks.f.nbytes)
+    except BaseException as error:  # also KeyboardInterrupt: the caller of step() gets it
+        hooks.keep(error)
+        return -1
+    return 0
+
+
+@ffi.def_extern()
+def weftpy_correct(ctx: Any, t: float, h: float, y: Any) -> bool:
+    hooks = ffi.from_handle(ctx)
+    try:
+        ffi.memmove(ffi.from_buffer(hooks.y), y, hooks.y.nbytes)
+        changed = hooks.correct(t, h, hooks.x, hooks.v)
+        if changed is not None and not isinstance(changed, (bool, np.bool_)):
+            raise TypeError("the correction returned %s, not None or whether it changed the state" % type(changed).__name__)
+        if changed is False:
+            return False
+        ffi.memmove(y, ffi.from_buffer(hooks.y), hooks.y.nbytes)
+    except BaseException as error:
+        hooks.keep(error)
+        return False
+    return True
+
+
+def _c_function(value: Any, kind: str) -> Optional[tuple[Any, Any, Any]]:
+    """A C function as (pointer, ctx, what to keep alive); None: value is a function of Python."""
+    function, ctx = value if isinstance(value, tuple) else (value, None)
+    if isinstance(function, ffi.CData):
+        pointer = ffi.cast(kind, function)
+    elif isinstance(getattr(function, "address", None), int):  # numba.cfunc
+        pointer = ffi.cast(kind, function.address)
+    elif isinstance(function, ctypes._CFuncPtr):  # type: ignore[attr-defined]
+        pointer = ffi.cast(kind, ctypes.cast(function, ctypes.c_void_p).value)
+    elif isinstance(value, tuple):
+        raise TypeError("only a C function takes a context: (function, context)")
+    else:
+        return None
+    if isinstance(ctx, (np.ndarray, bytearray)):
+        ctx = ffi.from_buffer(ctx)
+    return pointer, ffi.NULL if ctx is None else ffi.cast("void *", ctx), (function, ctx, value)
+
+
+def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: Any = None, correct: Any = None) -> Sim:
+    """Makes a simulation of a scene, at t = 0.
+
+    scene: the path of a file; or a dict of the same keys (docs/scene.md), whose values may be NumPy's; or the text
+    of a scene, a string of more than one line. overrides: {"key.path": value}, as `--set` of the program.
+
+    force(t, x, v, f) adds its own force [N] to f (N, 3) in place, at t [s], positions x (N, 3) [m], velocities v
+    (N, 3) [m/s]. It must be a function of (t, x, v) alone, and is called in every evaluation of the right-hand side.
+    correct(t, h, x, v) may edit x and v in place, except for pinned particles, after each step of h [s] that ended at
+    t; it returns False if it did not. x, v and f are the same arrays in every call: copy what must stay.
+    An exception in either ends the step, and step() or advance() raises it. Instead of a Python function, which costs
+    some microseconds per call (PerformanceWarning), both take a C function, weft_force_fn or weft_correct_fn:
+    numba.cfunc(weft.FORCE), numba.cfunc(weft.CORRECT), of ctypes or of cffi, alone or as (function, array), whose
+    memory is the function's ctx.
+
+    Raises SceneError, which lists all mistakes with their places; Error. Warns with SceneWarning.
+
+    >>> sim = weft.load(scene, {"stepper.fixed_step": 5e-4})
+    >>> sim.advance(0.5)
+    >>> sim.time, sim.positions.shape
+    (0.5, (80, 3))
+    """
+    if isinstance(scene, Mapping):
+        return Sim(None, yaml_text(scene), settings(overrides), force, correct)
+    if isinstance(scene, str) and "\n" in scene:
+        return Sim(None, scene, settings(overrides), force, correct)
+    return Sim(os.fspath(scene), None, settings(overrides), force, correct)
+
+
+def _revive(name: str, content: str, saved: bytes, force: Any, correct: Any) -> Sim:
+    sim = Sim(name, content, [], force, correct)
+    sim.restore(saved)
+    return sim
+
+
+class Sim:
+    """A simulation; make it with load(). One thread at a time uses it, many may run simulations of their own: the
+    interpreter lock is free while weft computes. Ctrl-C ends advance() after a step.
+
+    State arrays are views of weft's memory, read-only and not copied: later steps change them (`.copy()` keeps one).
+    They keep the simulation alive. Particle (r, c) has index r * cols + c.
+    """
+
+    _sim = _cloth = _scene = ffi.NULL  # so that __del__ works after a failed __init__
+
+    def __init__(self, file: Optional[str], content: Optional[str], sets: list[str], force: Any, correct: Any) -> None:
+        self._lock, self._process = threading.Lock(), os.getpid()
+        self._name, self._given = file or "scene", (force, correct)
+        self._scene, found = read_scene(file, content, sets)
+        for warning in found:
+            warnings.warn(warning, SceneWarning, stacklevel=3)
+        err, cloth, sim = ffi.new("weft_error *"), ffi.new("weft_cloth **"), ffi.new("weft_sim **")
+        check(lib.weft_cloth_create(lib.weft_scene_cloth(self._scene), cloth, err), err)
+        self._cloth = cloth[0]
+        definition = ffi.new("weft_sim_def *", lib.weft_sim_def_default())
+        definition.cloth, definition.method = self._cloth, lib.weft_scene_method_type(self._scene)
+        definition.config = lib.weft_scene_config(self._scene)[0]
+        definition.limit = lib.weft_scene_limit(self._scene)[0]
+        definition.ledger = lib.weft_scene_record(self._scene).ledger
+        definition.log = lib.weftpy_log_of()
+        self._definition = definition
+        self._hooks = _Hooks(self.particles if callable(force) or callable(correct) else 0)
+        self._kept = [self._hook("force", "weft_force_fn *", force), self._hook("correct", "weft_correct_fn *", correct)]
+        check(lib.weft_sim_create(definition, sim, err), err)
+        self._sim = sim[0]
+        self._present = lib.weft_sim_cloth(self._sim)
+        self._free: Optional[Array] = None  # 1 / mass [1/kg], 0 of pinned particles
+
+    def _hook(self, name: str, kind: str, given: Any) -> Any:
+        if given is None:
+            return None
+        c_function = _c_function(given, kind)
+        if c_function is not None:
+            pointer, ctx, keep = c_function
+        elif callable(given):
+            setattr(self._hooks, name, given)
+            ctx = keep = ffi.new_handle(self._hooks)
+            pointer = getattr(lib, "weftpy_" + name)
+            warnings.warn("%s is a Python function: every %s calls it under the interpreter lock and copies the state; "
+                          "a C function (numba.cfunc(weft.%s)) costs nothing of this"
+                          % (name, "evaluation of the right-hand side" if name == "force" else "step", name.upper()),
+                          PerformanceWarning, stacklevel=4)
+        else:
+            raise TypeError("%s is neither a function nor a C function: %r" % (name, given))
+        setattr(self._definition, name, pointer)
+        setattr(self._definition, name + "_ctx", ctx)
+        return keep
+
+    def __del__(self, lib: Any = lib, ffi: Any = ffi, getpid: Any = os.getpid) -> None:
+        if self._sim != ffi.NULL and getpid() != self._process and self._definition.config.threads > 1:
+            return  # a fork has no helper threads, which destroy would wait for
+        lib.weft_sim_destroy(self._sim)
+        lib.weft_cloth_destroy(self._cloth)
+        lib.weft_scene_destroy(self._scene)
+
+    def __repr__(self) -> str:
+        return "<weft.Sim %r: %d x %d particles, %s %s, t = %.9g s>" % (
+            self.name, self.rows, self.cols, text(lib.weft_scene_plugin(self._scene)),
+            text(lib.weft_scene_method(self._scene)), self.time)
+
+    def __reduce__(self) -> Any:
+        return _revive, (self._name, self.scene, self.save(), *self._given)
+
+    @contextmanager
+    def _alone(self) -> Iterator[Any]:
+        """Of functions that change the simulation, or measure it on its threads; gives a weft_error."""
+        if not self._lock.acquire(blocking=False):
+            raise Error("this simulation is in use: by another thread, or because this is one of its callbacks")
+        try:
+            if os.getpid() != self._process and self._definition.config.threads > 1:
+                raise Error("this simulation has threads, which a fork does not have: load it in the child process")
+            yield ffi.new("weft_error *")
+        finally:
+            self._lock.release()
+
+    # ---- what it is ----
+
+    @property
+    def name(self) -> str:
+        return text(lib.weft_scene_name(self._scene))
+
+    @property
+    def scene(self) -> str:
+        """The scene as it runs, in YAML: with overrides applied."""
+        return text(lib.weft_scene_text(self._scene))
+
+    @property
+    def rows(self) -> int:
+        return int(lib.weft_cloth_rows(self._cloth))
+
+    @property
+    def cols(self) -> int:
+        return int(lib.weft_cloth_cols(self._cloth))
+
+    @property
+    def particles(self) -> int:
+        """N = rows * cols."""
+        return int(lib.weft_cloth_particles(self._cloth))
+
+    @property
+    def duration(self) -> float:
+        """[s], of the scene."""
+        return float(lib.weft_scene_run(self._scene).duration)
+
+    @property
+    def fps(self) -> float:
+        """[1/s], frames of the scene."""
+        return float(lib.weft_scene_run(self._scene).fps)
+
+    @property
+    def masses(self) -> Array:
+        """(N,) [kg], also of pinned particles."""
+        mass = np.empty(self.particles)
+        lib.weftpy_masses(self._cloth, ffi.from_buffer("double[]", mass))
+        return mass
+
+    @property
+    def pinned(self) -> np.ndarray[Any, np.dtype[np.bool_]]:
+        """(N,) bool, at present."""
+        flags = np.empty(self.particles, dtype=np.bool_)
+        lib.weftpy_pinned(self._present, ffi.from_buffer("bool[]", flags))
+        return flags
+
+    @property
+    def rest(self) -> Array:
+        """(N, 3) [m], positions at rest."""
+        xyz = np.empty((self.particles, 3))
+        lib.weft_cloth_rest(self._cloth, ffi.from_buffer("double[]", xyz))
+        return xyz
+
+    @property
+    def options(self) -> dict[str, str]:
+        """Every choice of the solver beyond the scene's."""
+        found: dict[str, str] = {}
+        handle = ffi.new_handle(found)
+        lib.weft_sim_options(self._sim, lib.weftpy_option, handle)
+        return found
+
+    # ---- time ----
+
+    @property
+    def time(self) -> float:
+        """[s]"""
+        return float(lib.weft_sim_time(self._sim))
+
+    def _finish(self, status: int, err: Any) -> None:
+        error = self._hooks.take()
+        if error is not None:
+            raise error
+        if status in (lib.WEFT_OK, lib.WEFT_NO_MEMORY):
+            return check(status, err)
+        raise StepError(text(err.message), status_text(status), self.failure)
+
+    def step(self, until: Optional[float] = None) -> float:
+        """Takes one accepted step, never past `until` [s] (default: the next frame; none if it is now). Returns its size [s].
+
+        Raises StepError; the state is that of the last good step then.
+
+        >>> sim = weft.load(scene)
+        >>> h = sim.step()
+        >>> sim.time == h
+        True
+        """
+        with self._alone() as err:
+            before = self.time
+            end = self._frame_after(before) if until is None else until
+            if self._later(end):
+                self._finish(lib.weft_sim_step(self._sim, end, err), err)
+            return self.time - before
+
+    def _later(self, t: float) -> bool:
+        if not (self.time <= t < math.inf):
+            raise ValueError("the time is %.17g s already, or %r s is not finite" % (self.time, t))
+        return t > self.time
+
+    def advance(self, t: float) -> None:
+        """Steps until the time is exactly t [s]; frame i of a scene is at i / fps. Raises StepError."""
+        with self._alone() as err:
+            self._later(t)
+            while True:  # returns every 50 ms, so that Python can raise KeyboardInterrupt
+                status = lib.weftpy_advance(self._sim, t, 0.05, self._hooks.raised, err)
+                self._finish(status, err)
+                if self.time == t:
+                    return
+
+    def _frame_after(self, t: float) -> float:
+        run = lib.weft_scene_run(self._scene)
+        i = max(int(t * run.fps), 0)
+        while lib.weft_run_frame_time(run, i) <= t:
+            if i > lib.weft_run_last_frame(run):
+                return t + 1.0 / float(run.fps)
+            i += 1
+        return float(lib.weft_run_frame_time(run, i))
+
+    def frames(self) -> Iterator[int]:
+        """Advances from frame to frame of the scene, up to its duration, and yields the number of each, as `weft run`
+        does and with the same bits: it restarts the stepper at the checkpoints of the scene.
+
+        >>> sim = weft.load(scene, {"run.duration": 0.1})
+        >>> [round(sim.time, 3) for i in sim.frames()]
+        [0.0, 0.033, 0.067, 0.1]
+        """
+        run = lib.weft_scene_run(self._scene)
+        last = int(lib.weft_run_last_frame(run))
+        for i in range(last + 1):
+            t = float(lib.weft_run_frame_time(run, i))
+            if t < self.time:
+                continue
+            self.advance(t)
+            yield i
+            if run.checkpoint > 0 and i > 0 and i % run.checkpoint == 0 and i < last:
+                self.restart()
+
+    def restart(self) -> None:
+        """Starts the stepper again from the present state, with the step size that it would try next."""
+        with self._alone() as err:
+            check(lib.weft_sim_restart(self._sim, err), err)
+
+    @property
+    def stats(self) -> Stats:
+        stats = lib.weft_sim_stats(self._sim)
+        counts = {name: getattr(stats, name) for name in Stats._fields[:-1]}
+        return Stats(**counts, vetoed=lib.weft_sim_vetoed(self._sim))
+
+    @property
+    def failure(self) -> Optional[Failure]:
+        """Why the last step failed; None: it did not."""
+        out = ffi.new("weft_failure *")
+        return failure(out) if lib.weft_sim_failure(self._sim, out) else None
+
+    # ---- state ----
+
+    @property
+    def state(self) -> Array:
+        """(6 N,), a view: planes x[N] y[N] z[N] [m], then vx[N] vy[N] vz[N] [m/s]."""
+        return np.asarray(_Memory(self, lib.weft_sim_state(self._sim), 6 * self.particles))
+
+    @property
+    def positions(self) -> Array:
+        """(N, 3) [m], a view. Assigning (N, 3) or (rows, cols, 3) moves the free particles, as set_state().
+
+        >>> sim = weft.load(scene)
+        >>> sim.positions = sim.positions + [0, 0.5, 0]
+        >>> bool(sim.positions[-1, 1] == sim.rest[-1, 1] + 0.5)
+        True
+        """
+        n = self.particles
+        return _as_particles(self.state[:3 * n], n)
+
+    @positions.setter
+    def positions(self, xyz: Any) -> None:
+        self.set_state(positions=xyz)
+
+    @property
+    def velocities(self) -> Array:
+        """(N, 3) [m/s], a view; may be assigned."""
+        n = self.particles
+        return _as_particles(self.state[3 * n:], n)
+
+    @velocities.setter
+    def velocities(self, xyz: Any) -> None:
+        self.set_state(velocities=xyz)
+
+    @property
+    def grid(self) -> Array:
+        """(rows, cols, 3) [m], the positions; a view."""
+        return self.state[:3 * self.particles].reshape(3, self.rows, self.cols).transpose(1, 2, 0)
+
+    @property
+    def grid_velocities(self) -> Array:
+        """(rows, cols, 3) [m/s]; a view."""
+        return self.state[3 * self.particles:].reshape(3, self.rows, self.cols).transpose(1, 2, 0)
+
+    def _triples(self, values: Any, name: str) -> tuple[Any, Any]:
+        if values is None:
+            return ffi.NULL, None
+        array = np.ascontiguousarray(values, dtype=np.float64)
+        if array.shape not in ((self.particles, 3), (self.rows, self.cols, 3)):
+            raise ValueError("%s has the shape %s, not (%d, 3) or (%d, %d, 3)"
+                             % (name, array.shape, self.particles, self.rows, self.cols))
+        return ffi.from_buffer("double[]", array), array
+
+    def set_state(self, positions: Any = None, velocities: Any = None) -> None:
+        """Replaces positions [m] and velocities [m/s] of the free particles, (N, 3) or (rows, cols, 3); None keeps
+        them. Raises Error if one is not finite or a particle would be in a shape; then nothing changes."""
+        x, keep_x = self._triples(positions, "positions")
+        v, keep_v = self._triples(velocities, "velocities")
+        with self._alone() as err:
+            check(lib.weft_sim_set_state(self._sim, x, v, err), err)
+
+    def save(self) -> bytes:
+        """All that the future of the simulation depends on, for restore(). It restarts the stepper, so that both
+        continue with the same bits. A simulation can also be pickled, and copied with copy.deepcopy.
+
+        >>> sim = weft.load(scene)
+        >>> saved = sim.save()
+        >>> sim.advance(0.1)
+        >>> sim.restore(saved)
+        >>> sim.time
+        0.0
+        """
+        with self._alone() as err:
+            size = lib.weft_sim_save_size(self._sim)
+            data = ffi.new("char[]", size)
+            check(lib.weft_sim_save(self._sim, data, size, err), err)
+            return bytes(ffi.buffer(data, size))
+
+    def restore(self, saved: bytes) -> None:
+        """Puts the simulation where another one of the same scene was at its save()."""
+        with self._alone() as err:
+            self._free = None
+            check(lib.weft_sim_restore(self._sim, ffi.from_buffer(saved), len(saved), err), err)
+
+    # ---- measures ----
+
+    def measure(self) -> Measures:
+        """All measures of the present state.
+
+        >>> sim = weft.load(scene)
+        >>> sim.measure().energy.kinetic
+        0.0
+        """
+        with self._alone():
+            of = lib.weft_sim_measure(self._sim)
+        return Measures(self._energy(of.energy), numbers_of(of.momentum), numbers_of(of.angular_momentum),
+                        dict(zip(POWERS, of.power)), spring(of.worst), "%016x" % of.hash, of.gap, of.gap_particle,
+                        of.gap_shape, of.touching)
+
+    @staticmethod
+    def _energy(of: Any) -> Energy:
+        stretch, shear, bend = of.elastic
+        return Energy(of.kinetic, of.gravitational, stretch, shear, bend, of.contact)
+
+    @property
+    def energy(self) -> Energy:
+        """[J]"""
+        return self.measure().energy
+
+    @property
+    def ledger(self) -> Optional[Ledger]:
+        """[J]; None unless the scene has `record: {ledger: true}`."""
+        with self._alone():
+            of = lib.weft_sim_ledger(self._sim)
+        return Ledger(*(getattr(of, name) for name in Ledger._fields)) if of.kept else None
+
+    @property
+    def strains(self) -> Array:
+        """(N,), the largest (L - s) / s of the springs of each particle."""
+        out = np.empty(self.particles)
+        lib.weft_cloth_strains(self._present, lib.weft_sim_state(self._sim), ffi.from_buffer("double[]", out))
+        return out
+
+    def _states(self, *values: Any) -> list[Any]:
+        arrays = [np.ascontiguousarray(y, dtype=np.float64) for y in values]
+        for y in arrays:
+            if y.shape != (6 * self.particles,):
+                raise ValueError("a state has the shape (%d,), not %s" % (6 * self.particles, y.shape))
+        return [ffi.from_buffer("double[]", y) for y in arrays]
+
+    def rhs(self, t: float, y: Any) -> Array:
+        """dy/dt (6 N,) at t [s] in a state y (6 N,), with the simulation's present pins and shapes and its own force;
+        for solvers such as scipy.integrate.solve_ivp. NaN if y is unusable: not finite, or a particle in a shape.
+
+        >>> sim = weft.load(scene)
+        >>> sim.rhs(0, sim.state)[4 * 80:5 * 80].round(2)[[0, 40]]  # y'' of a pinned and of a free particle
+        array([-0.  , -9.81])
+        """
+        out = np.empty(6 * self.particles)
+        state, = self._states(y)
+        if lib.weft_cloth_rhs(self._present, t, state, ffi.from_buffer("double[]", out)) != 0:
+            out[:] = np.nan
+        elif self._definition.force != ffi.NULL:
+            self._add_force(t, state, out)
+        return out
+
+    def _add_force(self, t: float, state: Any, out: Array) -> None:
+        n = self.particles
+        f = np.zeros(3 * n)
+        status = self._definition.force(self._definition.force_ctx, t, state, ffi.from_buffer("double[]", f))
+        error = self._hooks.take()
+        if error is not None:
+            raise error
+        if self._free is None:
+            self._free = np.where(self.pinned, 0.0, 1.0 / self.masses)
+        out[3 * n:] += (f.reshape(3, n) * self._free).ravel() if status == 0 else np.nan
+
+    def jacobian_product(self, t: float, y: Any, dy: Any) -> Array:
+        """The derivative of the cloth's rhs along dy (6 N,): J dy (6 N,). Exact, without an own force."""
+        out = np.empty(6 * self.particles)
+        state, direction = self._states(y, dy)
+        if lib.weft_cloth_jacobian_product(self._present, t, state, direction, ffi.from_buffer("double[]", out)) != 0:
+            out[:] = np.nan
+        return out
+
+    def stiffness(self, refine: int = 0, anywhere: bool = False) -> Stiffness:
+        """Guaranteed bounds of all modes in the present state, or in any (`anywhere`); sharpened, no longer
+        guaranteed, by `refine` steps of the power method."""
+        state = ffi.NULL if anywhere else lib.weft_sim_state(self._sim)
+        out, err = ffi.new("weft_stiffness *"), ffi.new("weft_error *")
+        if refine > 0:
+            check(lib.weft_cloth_stiffness_refined(self._present, self.time, state, refine, out, err), err)
+        else:
+            out[0] = lib.weft_cloth_stiffness(self._present, self.time, state)
+        corners = np.array([list(out.corners[i]) for i in range(out.count)]).reshape(-1, 2)
+        return Stiffness(out.omega2, out.damping, corners)
+
+    def stable_step(self, growth: float = 0.0) -> float:
+        """[s] The largest fixed step of the scene's method up to which no mode of the present state grows; with
+        growth [1/s], lightly damped oscillations may grow by exp(growth t). inf: every step is stable."""
+        kind, config = self._definition.method, self._definition.config
+        stability, modes = ffi.new("weft_stability *"), ffi.new("weft_stiffness *")
+        h, err = ffi.new("double *"), ffi.new("weft_error *")
+        modes[0] = lib.weft_cloth_stiffness(self._present, self.time, lib.weft_sim_state(self._sim))
+        check(lib.weft_stability_create(kind, config.butcher, stability, err), err)
+        check(lib.weft_stability_step(stability, modes, growth, h, err), err)
+        return float(h[0])
+
+    # ---- pins and shapes ----
+
+    def _index(self, particle: Index) -> int:
+        try:
+            if isinstance(particle, tuple):
+                row, col = particle
+                return range(self.rows)[row] * self.cols + range(self.cols)[col]
+            return range(self.particles)[particle]
+        except IndexError:
+            raise IndexError("there is no particle %s in %d x %d" % (particle, self.rows, self.cols)) from None
+
+    def pin(self, particle: Index, velocity: Any = None) -> None:
+        """Holds a particle, an index or (row, column), and moves it at velocity (3,) [m/s] from now on; None: it stays.
+
+        >>> sim = weft.load(scene)
+        >>> sim.pin((-1, -1), velocity=[0, 0, 0.1])
+        >>> int(sim.pinned.sum())
+        3
+        """
+        with self._alone() as err:
+            self._free = None
+            check(lib.weft_sim_pin(self._sim, self._index(particle), _vector(velocity), err), err)
+
+    def move_pin(self, particle: Index, position: Any) -> None:
+        """Moves a pinned particle to position (3,) [m] at once; its velocity stays."""
+        with self._alone() as err:
+            check(lib.weft_sim_move_pin(self._sim, self._index(particle), _vector(position), err), err)
+
+    def unpin(self, particle: Index) -> None:
+        """Releases a particle with its present velocity."""
+        with self._alone() as err:
+            self._free = None
+            check(lib.weft_sim_unpin(self._sim, self._index(particle), err), err)
+
+    @property
+    def shapes(self) -> list[dict[str, Any]]:
+        """The present shapes, with the arguments of add_shape()."""
+        return [_shape_dict(lib.weft_cloth_shape(self._present, k)) for k in range(self._shape_count())]
+
+    def _shape_count(self) -> int:
+        return int(lib.weft_cloth_shapes(self._present))
+
+    def _shape(self, k: int) -> int:
+        try:
+            return range(self._shape_count())[k]
+        except IndexError:
+            raise IndexError("there is no shape %d of %d" % (k, self._shape_count())) from None
+
+    def add_shape(self, kind: str, **fields: Any) -> int:
+        """Adds a rigid shape and returns its number. kind: plane, sphere, capsule or box; fields: those of weft_shape:
+        at, to, half (3,) [m], normal (3,), radius, rounding [m], velocity (3,) [m/s], amplitude (3,) [m],
+        frequency [Hz], spin (3,) [rad/s], friction. Raises Error if it would be on a particle.
+
+        >>> sim = weft.load(scene)
+        >>> sim.add_shape("sphere", at=[0, -2, 0], radius=0.3)
+        0
+        """
+        shape = ffi.new("weft_shape *")
+        if kind not in _SHAPES:
+            raise ValueError("there is no shape '%s'; there are %s" % (kind, ", ".join(_SHAPES)))
+        shape[0] = lib.weft_shape_default(_SHAPES.index(kind))
+        for name, value in fields.items():
+            if name == "kind" or not hasattr(shape, name):
+                raise TypeError("a shape has no '%s'; it has %s" % (name, ", ".join(_SHAPE_FIELDS)))
+            setattr(shape, name, np.asarray(value, dtype=np.float64).tolist())
+        k = ffi.new("size_t *")
+        with self._alone() as err:
+            check(lib.weft_sim_add_shape(self._sim, shape, k, err), err)
+        return int(k[0])
+
+    def move_shape(self, k: int, at: Any = None, velocity: Any = None) -> None:
+        """Puts shape k to `at` (3,) [m] at once (None: it stays) and moves it at velocity (3,) [m/s] from now on (None:
+        its motion continues). A jump passes through whatever is in between; a velocity does not."""
+        with self._alone() as err:
+            check(lib.weft_sim_move_shape(self._sim, self._shape(k), _vector(at), _vector(velocity), err), err)
+
+    def remove_shape(self, k: int) -> None:
+        """Removes shape k; the shapes behind it get the next lower numbers."""
+        with self._alone() as err:
+            check(lib.weft_sim_remove_shape(self._sim, self._shape(k), err), err)
+
+    def shape_pose(self, k: int) -> tuple[Array, Array]:
+        """Where `at` of shape k is at present [m], and its velocity [m/s]; (3,) each."""
+        at, velocity = ffi.new("double[3]"), ffi.new("double[3]")
+        lib.weft_cloth_shape_pose(self._present, self._shape(k), self.time, at, velocity)
+        return numbers_of(at), numbers_of(velocity)
+
+    def shape_load(self, k: int) -> tuple[Array, Array]:
+        """The force [N] of the cloth on shape k, and its torque [N m] about `at`; (3,) each."""
+        force, torque = ffi.new("double[3]"), ffi.new("double[3]")
+        with self._alone():
+            lib.weft_sim_shape_load(self._sim, self._shape(k), force, torque)
+        return numbers_of(force), numbers_of(torque)
+
+
+def _vector(value: Any) -> Any:
+    if value is None:
+        return ffi.NULL
+    array = np.asarray(value, dtype=np.float64)
+    if array.shape != (3,):
+        raise ValueError("a vector has the shape (3,), not %s" % (array.shape,))
+    return ffi.new("double[3]", array.tolist())
+
+
+_SHAPES = [text(lib.weft_shape_name(k)) for k in range(lib.WEFT_SHAPES)]
+_SHAPE_FIELDS = [name for name, _ in ffi.typeof("weft_shape").fields if name != "kind"]
+
+
+def _shape_dict(shape: Any) -> dict[str, Any]:
+    plain = {name: getattr(shape, name) for name in _SHAPE_FIELDS}
+    return {"kind": _SHAPES[shape.kind],
+            **{name: value if isinstance(value, float) else numbers_of(value) for name, value in plain.items()}}

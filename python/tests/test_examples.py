@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every example of the docstrings and of the pages, the programs in examples/, and one simulation under valgrind."""
+import doctest
+import os
+import re
+import runpy
+import shutil
+import subprocess
+import sys
+from xml.etree import ElementTree
+
+import pytest
+from conftest import TREE, sheet
+
+import weft
+
+
+@pytest.mark.parametrize("module", [weft, weft.library, weft.simulation, weft.runs], ids=lambda m: m.__name__)
+def test_docstrings(module, doctest_folder):
+    globs = {"weft": weft, "scene": sheet(), "tmp": doctest_folder}
+    result = doctest.testmod(module, extraglobs=globs)
+    assert result.failed == 0 and result.attempted > 0
+
+
+@pytest.fixture
+def in_a_tree(tmp_path, monkeypatch):
+    """A folder with weft's scenes, and nothing that draws on a screen."""
+    (tmp_path / "scenes").symlink_to(TREE / "scenes")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    return tmp_path
+
+
+def blocks(page):
+    return re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+
+
+@pytest.mark.filterwarnings("ignore::weft.PerformanceWarning", "ignore::weft.SceneWarning")
+def test_the_page_runs(in_a_tree):
+    code = blocks(TREE / "docs" / "python.md")
+    assert len(code) >= 5
+    names = {}
+    for block in code:
+        exec(block, names)
+
+
+def test_the_readme_is_five_lines_that_run(in_a_tree, capsys):
+    readme = (TREE / "README.md").read_text(encoding="utf-8")
+    section = re.search(r"^## In Python$(.*?)^## ", readme, re.DOTALL | re.MULTILINE)[1]
+    code, = re.findall(r"^```python\n(.*?)^```", section, re.DOTALL | re.MULTILINE)
+    assert len(code.splitlines()) == 5
+    exec(code, {})
+    assert "max_strain" in capsys.readouterr().out
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("name", ["lecture", "work_precision", "drape"])
+def test_the_programs_draw_their_pictures(name, in_a_tree, capsys):
+    pytest.importorskip("matplotlib")
+    if name == "work_precision" and not {"gsl", "arkode"} <= {m.plugin for m in weft.methods()}:
+        pytest.skip("needs the plugins gsl and arkode")
+    runpy.run_path(str(TREE / "examples" / (name + ".py")))
+    picture = capsys.readouterr().out.strip()
+    assert picture == name.replace("_", "-") + ".png"
+    assert (in_a_tree / picture).read_bytes().startswith(b"\x89PNG")
+
+
+UNDER_VALGRIND = """
+import gc, warnings, weft
+warnings.simplefilter("ignore")
+def load(scene):
+    sim = weft.load(scene, force=lambda t, x, v, f: None, correct=lambda t, h, x, v: False)
+    for i in sim.frames():
+        sim.measure()
+    sim.pin(40)
+    sim.restore(sim.save())
+    sim.add_shape("sphere", at=[0, -3, 0], radius=0.1)
+    sim.step()
+    return sim.grid
+view = load(%r)
+view.sum()
+try:
+    weft.load({})
+except weft.SceneError:
+    pass
+del view
+gc.collect()
+"""
+
+
+def test_valgrind_finds_no_error_and_no_leak(scene, tmp_path):
+    if not shutil.which("valgrind"):
+        pytest.skip("no valgrind")
+    scene["run"]["duration"] = 0.05
+    code, report = tmp_path / "code.py", tmp_path / "report.xml"
+    code.write_text(UNDER_VALGRIND % scene)
+    subprocess.run(["valgrind", "--leak-check=full", "--show-leak-kinds=definite,indirect", "--num-callers=40",
+                    "--xml=yes", "--xml-file=%s" % report, sys.executable, str(code)],
+                   env={**os.environ, "PYTHONMALLOC": "malloc"}, check=True, stdout=subprocess.PIPE)
+    errors = ElementTree.parse(report).getroot().findall("error")
+    # Python and NumPy have their own; those that weft makes or takes part in have its functions in the stack.
+    ours = [[name.text for name in error.iter("fn")] for error in errors]
+    assert errors and [names for names in ours if any(re.match("weft|_cffi_f_weft", name) for name in names)] == []

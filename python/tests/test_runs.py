@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs of the program and their files."""
+import os
+import shutil
+import signal
+import subprocess
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import weft
+
+
+def test_a_run_has_its_files_as_tables_and_arrays(scene, tmp_path):
+    run = weft.run(scene, tmp_path / "run", {"run.duration": 0.3, "record.precision": "double"})
+    assert run.result["status"] == "done" and run.manifest["method"]["name"] == "velocity_verlet"
+    sim = weft.load(run.scene)
+    for i in sim.frames():
+        assert (run.positions[i] == sim.grid).all()
+        assert (run.velocities[i] == sim.grid_velocities).all()
+        assert (run.strains[i].ravel() == sim.strains).all()
+        assert run.times[i] == run.series["time"][i] == sim.time
+    assert len(run.positions) == len(run.series) == i + 1
+    assert (run.final[["x", "y", "z"]].to_numpy() == sim.positions).all()
+
+
+def test_positions_are_read_as_they_are_used(scene, tmp_path):
+    run = weft.run(scene, tmp_path / "run")
+    positions = run.positions
+    assert isinstance(positions, np.memmap) and positions.dtype == np.float32
+    assert positions.shape == (61, 8, 10, 3) and run.strains.shape == (61, 8, 10)
+    with pytest.raises(ValueError, match="read-only"):
+        positions[0] = 0
+
+
+def test_a_packed_file_has_the_same_frames(scene, tmp_path):
+    if not shutil.which("h5repack"):
+        pytest.skip("no h5repack (package hdf5-tools)")
+    run = weft.run(scene, tmp_path / "run", {"run.duration": 0.2})
+    before = np.array(run.positions)
+    path = tmp_path / "run" / "run.vtkhdf"
+    subprocess.run(["h5repack", "-f", "VTKHDF/Points:SHUF", "-f", "VTKHDF/Points:GZIP=1", path, tmp_path / "packed"], check=True)
+    (tmp_path / "packed").rename(path)
+    assert np.array_equal(run.positions, before)
+
+
+def test_a_run_under_way_can_be_read(scene, tmp_path):
+    scene["run"]["duration"] = 100000
+    (tmp_path / "long.yaml").write_text(weft.load(scene).scene)
+    process = subprocess.Popen([weft.program(), "run", tmp_path / "long.yaml", "--out", tmp_path / "run", "--quiet"])
+
+    def more_than(count):
+        while process.poll() is None:
+            try:
+                positions = weft.open(tmp_path / "run").positions
+            except OSError:  # not there yet
+                continue
+            if len(positions) > count:
+                return positions
+        raise AssertionError("the run ended")
+
+    try:
+        first = more_than(1)
+        later = more_than(len(first))
+        assert np.array_equal(later[:len(first)], first) and (later[-1] != first[0]).any()
+        assert len(weft.open(tmp_path / "run").times) >= len(later)
+    finally:
+        process.terminate()
+        process.wait()
+
+
+def test_a_field_that_was_not_recorded_is_a_key_error(scene, tmp_path):
+    run = weft.run(scene, tmp_path / "run", {"run.duration": 0.1, "record.fields": ["velocity"]})
+    with pytest.raises(KeyError):
+        run.strains
+    assert run.velocities.shape == (4, 8, 10, 3)
+
+
+def test_shapes_have_a_table(scene, tmp_path):
+    scene["contact"] = {"shapes": [{"shape": "sphere", "at": [0.5, -1.2, 0], "radius": 0.3}]}
+    with pytest.warns(weft.SceneWarning, match="friction"):
+        run = weft.run(scene, tmp_path / "run", {"run.duration": 0.1})
+    assert list(run.shapes["frame"]) == [0, 1, 2, 3]
+
+
+def test_a_wrong_scene_has_its_place_and_no_temporary_name(scene, tmp_path):
+    scene["cloth"]["densty"] = 1
+    with pytest.raises(weft.SceneError, match=r"^scene-0.yaml:\d+:5: error: unknown key 'densty'"):
+        weft.run(scene, tmp_path / "run")
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_failed_run_leaves_its_frames(scene, tmp_path):
+    scene["stepper"] = {"plugin": "verlet", "method": "euler", "fixed_step": 0.03}
+    scene["run"]["duration"] = 100
+    with pytest.raises(weft.RunError, match="not finite") as error:
+        weft.run(scene, tmp_path / "run")
+    assert error.value.code == 1
+    run = weft.open(error.value.directory)
+    assert run.result["status"] == "failed" and len(run.positions) > 10
+
+
+def test_a_directory_in_use_is_refused_and_force_replaces_it(scene, tmp_path):
+    short = {"run.duration": 0.1}
+    weft.run(scene, tmp_path / "run", short)
+    with pytest.raises(weft.RunError, match="--force"):
+        weft.run(scene, tmp_path / "run", short)
+    weft.run(scene, tmp_path / "run", {"run.duration": 0.2}, force=True)
+    assert len(weft.open(tmp_path / "run").series) == 7
+    with pytest.raises(FileNotFoundError, match="holds no run"):
+        weft.open(tmp_path)
+
+
+def test_a_batch_is_one_row_per_run(scene, tmp_path):
+    short = {"run.duration": 0.1}
+    table = weft.batch({**scene, "name": "two/sheets", "sweep": {"cloth.density": [0.1, 0.2]}}, tmp_path / "b", short)
+    assert list(table["cloth.density"]) == [0.1, 0.2] and list(table["status"]) == ["done", "done"]
+    runs = [weft.open(tmp_path / "b" / name) for name in table["directory"]]
+    assert all(run.positions.shape == (4, 8, 10, 3) for run in runs)
+    again = weft.batch([scene, {**scene, "stepper": {"plugin": "verlet", "method": "euler", "fixed_step": 0.03},
+                                "run": {"duration": 100}}], tmp_path / "c", jobs=2, timeout=60.0)
+    assert list(again["status"]) == ["done", "failed"]
+
+
+def test_compare_has_errors_that_shrink_with_the_step(scene, tmp_path):
+    scene["stepper"] = {"plugin": "verlet", "method": "midpoint", "fixed_step": 1e-3}
+    plugins = {method.plugin for method in weft.methods()}
+    if not {"gsl", "arkode"} <= plugins:
+        pytest.skip("the reference needs the plugins gsl and arkode")
+    table = weft.compare(scene, tmp_path / "c", methods=["verlet/midpoint"], until=0.05)
+    rows = table[(table["method"] == "midpoint") & (table["outcome"] == "done")].sort_values("setting")
+    assert len(rows) >= 3 and rows["error"].iloc[0] < rows["error"].iloc[-1] / 10
+    assert (tmp_path / "c" / "compare.html").exists()
+
+
+def test_ctrl_c_leaves_a_complete_interrupted_run(scene, tmp_path):
+    scene["cloth"]["grid"] = {"rows": 50, "cols": 50, "spacing": 0.02}
+    scene["run"]["duration"] = 1000
+
+    def interrupt():
+        while not (tmp_path / "run" / "run.vtkhdf").exists():
+            time.sleep(0.01)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    thread = threading.Thread(target=interrupt)
+    thread.start()
+    with pytest.raises(KeyboardInterrupt):
+        weft.run(scene, tmp_path / "run", {"stepper.fixed_step": 1e-5})
+    thread.join()
+    assert weft.open(tmp_path / "run").result["status"] == "interrupted"
