@@ -84,8 +84,8 @@ static void line(const char *name, size_t side, const char *how, const result *o
                  double without)
 {
     printf("%-5s %4zu  %-14s %7.2f s  %5.2f times  %7" PRIu64 " evaluations  %6.1f us "
-           "each  vetoed %" PRIu64 "  gap %.2e m, %zu pairs  crossings %zu  hash %016" PRIx64
-           "\n",
+           "each  vetoed %" PRIu64
+           "  gap %.2e m, %zu pairs  crossings %zu  hash %016" PRIx64 "\n",
            name, side, how, of->time, of->time / without, of->stats.rhs_calls,
            1e6 * of->time / (double)of->stats.rhs_calls, of->vetoed, of->end.self_gap,
            of->end.self_touching, of->crossings, of->end.hash);
