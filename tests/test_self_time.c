@@ -274,7 +274,7 @@ START_TEST(dormand_prince_keeps_its_order)
         model.springs[k].damping = 0.0;
     }
     model.gravity[1] = 0.0;
-    model.contact.thickness = 0.02;
+    model.contact.thickness = 0.02, model.contact.stopping_speed = 10.0;
     model.contact.damping = model.contact.friction = 0.0;
     run_smooth(2.5e-5, exact);
     double errors[3];
