@@ -276,6 +276,16 @@ static void spread(const feet *at, const double foot[3], double energy, weft__pu
     }
 }
 
+static void place(const weft_cloth *cloth, const weft__pair *pair, const double *y,
+                  size_t count, double x[4][3])
+{
+    for (size_t i = 0; i < count; ++i) {
+        for (size_t k = 0; k < 3; ++k) {
+            x[i][k] = y[k * cloth->particles + pair->particle[i]];
+        }
+    }
+}
+
 static weft__touch touch_of(const weft__self_law *law, const weft__pair *pair,
                             const feet *at, const double *y, size_t count)
 {
@@ -299,14 +309,10 @@ static weft__touch touch_of(const weft__self_law *law, const weft__pair *pair,
 bool weft__pair_push(const weft__self_law *law, const weft__pair *pair, const double *y,
                      weft__push *out)
 {
-    const size_t n = law->cloth->particles, count = weft__pair_particles(pair);
+    const size_t count = weft__pair_particles(pair);
     double x[4][3];
     feet at;
-    for (size_t i = 0; i < count; ++i) {
-        for (size_t k = 0; k < 3; ++k) {
-            x[i][k] = y[k * n + pair->particle[i]];
-        }
-    }
+    place(law->cloth, pair, y, count, x);
     if (!find_feet(law, pair, x, &at) || !(at.weight > 0.0)) {
         return false;
     }
@@ -331,6 +337,23 @@ bool weft__pair_push(const weft__self_law *law, const weft__pair *pair, const do
     out->energy = at.weight * energy;
     spread(&at, foot, energy, out);
     return true;
+}
+
+bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
+                      const double *y, double arm[4], weft__touch *touch)
+{
+    const size_t count = weft__pair_particles(pair);
+    double x[4][3];
+    feet at = { .d = 0.0 };
+    place(law->cloth, pair, y, count, x);
+    if (!find_feet(law, pair, x, &at) || !(at.weight > 0.0)) {
+        return false;
+    }
+    const double mass = smallest_mass(law->cloth, pair->particle, count);
+    *touch = touch_of(law, pair, &at, y, count);
+    touch->push *= mass, touch->stiffness *= mass, touch->drag *= mass;
+    memcpy(arm, at.arm, sizeof at.arm);
+    return mass > 0.0;
 }
 
 void weft__push_add(const weft_cloth *cloth, const weft__push *push, weft__unit unit,
