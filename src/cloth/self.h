@@ -91,8 +91,8 @@ bool weft__each_pair(const weft__tree *tree, double range, weft__pair_fn *visit,
  *
  * over the particles a of one side, b of the other, at both ends of the step. */
 typedef struct weft__stride {
+    const weft_cloth *cloth;
     const double *y0, *y1; /* states at both ends */
-    size_t n;
     double h; /* [s]; 0: a straight displacement instead, whatever the velocities */
 } weft__stride;
 
@@ -104,9 +104,12 @@ bool weft__stride_clear(const weft__stride *of, const weft__pair *pair, double *
  * h = 0, positions. */
 double weft__stride_length(const weft__stride *of);
 
-/* [m] No two particles of N are displaced by more against each other; x, y, z planes.
- * INFINITY if a number is not finite. */
-double weft__extent(const double *from, const double *to, size_t n);
+/* [m] No two particles of N are displaced by more against each other, from NULL: than
+ * from 0; x, y, z planes. INFINITY if a number is not finite. weft__extent uses the
+ * instructions of the cloth. */
+typedef double weft__extent_fn(const double *from, const double *to, size_t n);
+weft__extent_fn weft__reference_extent;
+double weft__extent(const weft_cloth *cloth, const double *from, const double *to);
 
 /* ---- self.c: how they push ------------------------------------------------------- */
 
@@ -134,6 +137,19 @@ weft__self_law weft__self_law_of(const weft_cloth *cloth);
  * place. */
 bool weft__pair_push(const weft__self_law *law, const weft__pair *pair, const double *y,
                      weft__push *out);
+
+/* 1 / the product of the squares of both edges' rest lengths, or 0 of other pairs; the
+ * smallest mass [kg] of the free particles, 0 without. */
+double weft__pair_rest(const weft__self_law *law, const weft__pair *pair);
+double weft__pair_mass(const weft_cloth *cloth, const weft__pair *pair);
+
+/* Writes the pushes of `count` pairs, up to WEFT__PAIRS_MOST, of those with a distance
+ * up to `near`, in their order; returns their number. */
+enum { WEFT__PAIRS_MOST = 512 };
+typedef size_t weft__pushes_fn(const weft__self_law *law, const weft__pair *pairs,
+                               const double *distances, size_t count, double near,
+                               const double *y, weft__push *out);
+weft__pushes_fn weft__reference_pushes;
 
 /* The same before: b_i, and the touch of the feet, with push, stiffness and drag not by
  * mass. */

@@ -47,7 +47,7 @@ static bool seek(pass *self, weft__pair_fn *visit)
     const weft__tree tree = weft__tree_of(cloth, self->y);
     self->law = weft__self_law_of(cloth);
     return cloth->contact.self && self->y != NULL
-           && isfinite(weft__extent(NULL, self->y, cloth->particles))
+           && isfinite(weft__extent(cloth, NULL, self->y))
            && weft__each_pair(&tree, cloth->contact.thickness, visit, self);
 }
 
