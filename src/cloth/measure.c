@@ -6,6 +6,7 @@
  * gravitational energy and both momenta are those of the free particles. */
 #include "base/hash.h"
 #include "cloth/added.h"
+#include "cloth/self.h"
 #include "cloth/springs.h"
 
 void weft__row_energy(const weft__subject *of, size_t r, weft_measures *row)
@@ -96,9 +97,11 @@ void weft__row_all(const weft__subject *of, size_t r, weft_measures *row)
     weft__row_power(of, r, row);
 }
 
-const weft_measures weft__row_start = { .gap = (double)INFINITY };
-const weft_measures weft__measures_start
-    = { .hash = WEFT__HASH_START, .gap = (double)INFINITY };
+const weft_measures weft__row_start
+    = { .gap = (double)INFINITY, .self_gap = (double)INFINITY };
+const weft_measures weft__measures_start = { .hash = WEFT__HASH_START,
+                                             .gap = (double)INFINITY,
+                                             .self_gap = (double)INFINITY };
 
 void weft__measures_add(weft_measures *sum, const weft_measures *row)
 {
@@ -137,9 +140,19 @@ static weft_measures measure(const weft_cloth *cloth, double t, const double *y,
     return sum;
 }
 
+/* With the energy and powers of self-contact. */
+static weft_measures measure_all(const weft_cloth *cloth, double t, const double *y,
+                                 weft__row_fn *measure_row)
+{
+    const weft__subject of = { .cloth = cloth, .t = t, .y = y };
+    weft_measures sum = measure(cloth, t, y, measure_row);
+    weft__self_measure(&of, &sum);
+    return sum;
+}
+
 weft_energy weft_cloth_energy(const weft_cloth *cloth, double t, const double *y)
 {
-    return measure(cloth, t, y, weft__row_energy).energy;
+    return measure_all(cloth, t, y, weft__row_energy).energy;
 }
 
 double weft_energy_total(weft_energy energy)
@@ -154,7 +167,7 @@ double weft_energy_total(weft_energy energy)
 void weft_cloth_power(const weft_cloth *cloth, double t, const double *y,
                       double power[WEFT_POWERS])
 {
-    memcpy(power, measure(cloth, t, y, weft__row_power).power,
+    memcpy(power, measure_all(cloth, t, y, weft__row_power).power,
            WEFT_POWERS * sizeof *power);
 }
 
@@ -167,7 +180,7 @@ static void row_dissipation(const weft__subject *of, size_t r, weft_measures *ro
 
 double weft_cloth_dissipation(const weft_cloth *cloth, double t, const double *y)
 {
-    const weft_measures sum = measure(cloth, t, y, row_dissipation);
+    const weft_measures sum = measure_all(cloth, t, y, row_dissipation);
     return sum.power[WEFT_POWER_SPRINGS] + sum.power[WEFT_POWER_DRAG]
            + sum.power[WEFT_POWER_CONTACT] + sum.power[WEFT_POWER_FRICTION];
 }

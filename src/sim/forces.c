@@ -8,18 +8,26 @@
 #include "sim/bands.h"
 
 /* PARTICLES_PER_THREAD: their evaluation takes ten times as long as handing it to a
- * thread that is awake. More bands than threads, where a band costs little beside its
- * rows (it computes one row twice), shorten the wait for a thread that is kept from
- * running. One thread takes bands where the state is beyond the
- * caches: the kernel takes tile after tile of columns, and long tiles leave nothing
- * there for the next (1000 x 1000: 8 % of a step). */
-enum { PARTICLES_PER_THREAD = 2048, PARTICLES_CACHED = 1 << 17, ROWS_PER_BAND = 48 };
+ * thread that is awake; with contact of the cloth with itself, that of fewer. More
+ * bands than threads, where a band costs little beside its rows (it computes one row
+ * twice), shorten the wait for a thread that is kept from running. One thread takes
+ * bands where the state is beyond the caches: the kernel takes tile after tile of
+ * columns, and long tiles leave nothing there for the next (1000 x 1000: 8 % of a
+ * step). */
+enum {
+    PARTICLES_PER_THREAD = 2048,
+    SELF_PER_THREAD = 128,
+    PARTICLES_CACHED = 1 << 17,
+    ROWS_PER_BAND = 48
+};
 
 weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
                                  const weft_allocator *given)
 {
     const weft_allocator memory = weft_allocator_or_malloc(given);
-    const size_t worth = weft_cloth_particles(cloth) / PARTICLES_PER_THREAD;
+    const size_t each_thread
+        = cloth->contact.self ? SELF_PER_THREAD : PARTICLES_PER_THREAD;
+    const size_t worth = weft_cloth_particles(cloth) / each_thread;
     const size_t rows = weft_cloth_band(cloth).own;
     const size_t useful = worth < rows ? worth : rows;
     weft_measures *measures = weft__alloc(&memory, rows, sizeof *measures);
@@ -28,15 +36,25 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
     const size_t each = rows / (ROWS_PER_BAND * count);
     const bool many = count > 1 || weft_cloth_particles(cloth) > PARTICLES_CACHED;
     const size_t bands = count * (many && each > 1 ? each : 1);
+    weft__self_list *self = NULL;
+    if (cloth->contact.self && measures != NULL) {
+        self = weft__self_list_create(cloth, team, &memory);
+        if (self == NULL) {
+            weft__free(&memory, measures);
+            measures = NULL;
+        }
+    }
     return (weft__forces){ .cloth = cloth,
                            .team = team,
                            .bands = bands < WEFT_PARTS ? bands : WEFT_PARTS,
+                           .self = self,
                            .measures = measures,
                            .memory = memory };
 }
 
 void weft__forces_destroy(weft__forces *forces)
 {
+    weft__self_list_destroy(forces->self);
     weft__team_destroy(forces->team);
     weft__free(&forces->memory, forces->measures);
     weft__free(&forces->memory, forces->all);
@@ -105,6 +123,10 @@ int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
         return weft__bands_rhs(forces, &of, dydt);
     }
     weft__forces_bands(forces, force_band, &all);
+    if (forces->self != NULL) {
+        double *to = dydt + 3 * forces->cloth->particles;
+        return atomic_load(&all.failed) | weft__self_list_add(forces->self, &of, to);
+    }
     return atomic_load(&all.failed);
 }
 
@@ -134,5 +156,8 @@ weft_measures weft__forces_measure(const weft__forces *forces, const weft__subje
         weft__measures_add(&sum, &rows[r]);
     }
     weft__bands_share(forces->comm, &sum, sizeof sum);
+    if (forces->self != NULL && row != weft__row_worst) {
+        weft__self_list_measure(forces->self, of, &sum);
+    }
     return sum;
 }

@@ -38,7 +38,7 @@ static void note_breach(weft_sim *sim, double t, const double *y, int failed)
         sim->refused = (weft__breach){ .call = call };
     } else if (sim->def.comm == NULL
                || weft__all_finite(y, weft_cloth_dim(sim->cloth))) {
-        sim->refused = weft__state_breach(sim->cloth, t, y);
+        sim->refused = weft__rhs_breach(&sim->forces, t, y);
         sim->refused.particle = weft__whole_index(sim->cloth, sim->refused.particle);
         sim->refused.call = call;
     }
@@ -54,7 +54,7 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
         return -1;
     }
     int failed = weft__forces_rhs(&sim->forces, t, y, dydt);
-    if (weft_cloth_shapes(sim->cloth) > 0) {
+    if (weft__sim_checks(sim)) {
         note_breach(sim, t, y, failed);
     }
     if (stop) {

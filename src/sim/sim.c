@@ -48,6 +48,11 @@ static weft_status take_config(weft_sim *sim, weft_error *err)
                               "integrates no quadratures",
                               def->method->name);
     }
+    if (def->comm != NULL && def->cloth->contact.self) {
+        return weft_error_set(err, WEFT_UNSUPPORTED,
+                              "contact of the cloth with itself needs the whole cloth: "
+                              "a band does not know which others it meets");
+    }
     return WEFT_OK;
 }
 
@@ -151,9 +156,8 @@ static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *
     status = status == WEFT_OK ? take_config(sim, err) : status;
     status = status == WEFT_OK ? make_forces(sim, err) : status;
     status = status == WEFT_OK ? weft__structure_init(sim, err) : status;
-    status = status == WEFT_OK && weft_cloth_shapes(sim->cloth) > 0
-                 ? weft__sim_make_start(sim, err)
-                 : status;
+    status = status == WEFT_OK && weft__sim_checks(sim) ? weft__sim_make_start(sim, err)
+                                                        : status;
     status = status == WEFT_OK ? weft__between_init(sim, err) : status;
     return status == WEFT_OK ? weft__sim_stepper(sim, 0.0, &sim->stepper, err) : status;
 }
@@ -205,12 +209,12 @@ static bool limits(const weft_sim *sim)
 static bool limit(weft_sim *sim, double h)
 {
     const uint64_t before = sim->limit.stats.unconverged;
-    const bool shapes = weft_cloth_shapes(sim->cloth) > 0;
-    if (shapes) {
+    const bool checks = weft__sim_checks(sim);
+    if (checks) {
         memcpy(sim->start, sim->y, weft_cloth_dim(sim->cloth) * sizeof *sim->y);
     }
     const bool changed = weft__limit_apply(&sim->limit, h, sim->y);
-    if (changed && shapes) {
+    if (changed && checks) {
         weft__hold_back(&sim->forces, sim->t, sim->start, sim->y);
     }
     if (before == 0 && sim->limit.stats.unconverged > 0) {

@@ -1,0 +1,298 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* self.c -- the forces of self-contact. A pair with the foot-point difference
+ * r = sum b_i x_i, d = |r| < dh = thickness, whose feet are inside both primitives, has
+ *
+ *     U = M e W phi(1 - d / dh) / 4,   M = smallest mass of its free particles
+ *     F_i = b_i (N n - friction) - M e phi / 4 dW/dx_i,   n = r / d
+ *
+ * by the law of contact.h for m = M, e W / 4 for e and v = sum b_i v_i. The weight W is
+ * a product of S(x) = y^4 (35 - 84 y + 70 y^2 - 20 y^3), y = x / x0 <= 1, of the feet's
+ * coordinates and, for edges, of z = |e1 x e2|^2 by its value at rest for perpendicular
+ * ones. The feet satisfy e_k.r = 0 for the edges e_k; hence along dx, with
+ * delta = sum b_i dx_i, dW = lean.delta + turn_1.de_1 + turn_2.de_2. */
+#include "cloth/self.h"
+
+#include <stdio.h>
+#include <string.h>
+
+typedef double num;
+typedef int truth;
+#define NUM(a)          (a)
+#define ROOT(a)         sqrt(a)
+#define CHOOSE(t, a, b) ((t) ? (a) : (b))
+#define LAW             static inline
+#include "cloth/self_law.h"
+
+const char *weft_primitive_text(const weft_primitive *primitive, size_t cols,
+                                char *text, size_t size)
+{
+    const size_t *i = primitive->particle;
+    size_t r[3] = { 0 }, c[3] = { 0 };
+    for (size_t k = 0; k < primitive->count; ++k) {
+        r[k] = i[k] / cols, c[k] = i[k] % cols;
+    }
+    if (primitive->count == 1) {
+        (void)snprintf(text, size, "particle (%zu, %zu)", r[0], c[0]);
+    } else if (primitive->count == 2) {
+        (void)snprintf(text, size, "edge (%zu, %zu)-(%zu, %zu)", r[0], c[0], r[1],
+                       c[1]);
+    } else {
+        const size_t top = r[0] < r[1] ? r[0] : r[1], left = c[0] < c[1] ? c[0] : c[1];
+        (void)snprintf(text, size, "cell (%zu, %zu)", top < r[2] ? top : r[2],
+                       left < c[2] ? left : c[2]);
+    }
+    return text;
+}
+
+weft__self_law weft__self_law_of(const weft_cloth *cloth)
+{
+    const double a2 = cloth->spacing[0] * cloth->spacing[0];
+    const double b2 = cloth->spacing[1] * cloth->spacing[1];
+    const double smaller
+        = weft__smaller_spacing(cloth->rows, cloth->cols, cloth->spacing);
+    return (weft__self_law){ .cloth = cloth,
+                             .soft = fmin(cloth->contact.thickness / smaller, 0.3),
+                             .square = { a2, b2, a2 + b2 } };
+}
+
+/* ---- forces ---------------------------------------------------------------------- */
+
+/* [m^2] of an edge at rest */
+static double rest_square(const weft__self_law *law, uint32_t a, uint32_t b)
+{
+    const uint32_t by = a < b ? b - a : a - b;
+    return by == 1 && law->cloth->cols > 1 ? law->square[1]
+           : by == law->cloth->cols        ? law->square[0]
+                                           : law->square[2];
+}
+
+double weft__pair_rest(const weft__self_law *law, const weft__pair *pair)
+{
+    const uint32_t *i = pair->particle;
+    return pair->kind != WEFT__EDGES
+               ? 0.0
+               : 1.0 / (rest_square(law, i[0], i[1]) * rest_square(law, i[2], i[3]));
+}
+
+double weft__pair_mass(const weft_cloth *cloth, const weft__pair *pair)
+{
+    double least = 0.0;
+    for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
+        const size_t i = pair->particle[k];
+        const double mass = cloth->pin[i] == 0 ? cloth->mass[i] : 0.0;
+        least = mass > 0.0 && (least == 0.0 || mass < least) ? mass : least;
+    }
+    return least;
+}
+
+static inline void place(const double *planes, size_t n, const weft__pair *pair,
+                         double x[4][3])
+{
+    for (size_t i = 0; i < weft__pair_particles(pair); ++i) {
+        for (size_t k = 0; k < 3; ++k) {
+            x[i][k] = planes[k * n + pair->particle[i]];
+        }
+    }
+}
+
+/* One function for each kind, as it is a constant. */
+static inline bool push_kind(const weft__self_law *law, weft__pair_kind kind,
+                             const weft__pair *pair, const double *y, weft__push *out)
+{
+    const weft_cloth *cloth = law->cloth;
+    const size_t n = cloth->particles;
+    double x[4][3], v[4][3];
+    law_feet at;
+    law_push push;
+    place(y, n, pair, x);
+    if (!law_find(kind, x, cloth->contact.thickness, &at)) {
+        return false;
+    }
+    const double mass = weft__pair_mass(cloth, pair);
+    if (mass == 0.0) {
+        return false;
+    }
+    place(y + 3 * n, n, pair, v);
+    law_weigh(kind, law->soft, weft__pair_rest(law, pair), &at);
+    law_push_of(kind, &cloth->contact, &at, mass, v, &push);
+    memcpy(out->particle, pair->particle, sizeof out->particle);
+    memcpy(out->force, push.force, sizeof out->force);
+    out->count = (uint32_t)weft__pair_particles(pair), out->kind = kind;
+    out->gap = at.d;
+    out->energy = push.energy, out->heat = push.heat, out->friction = push.friction;
+    return true;
+}
+
+#define EACH_KIND(X)                                                                   \
+    X(WEFT__VERTICES) X(WEFT__VERTEX_EDGE) X(WEFT__VERTEX_TRIANGLE) X(WEFT__EDGES)
+
+bool weft__pair_push(const weft__self_law *law, const weft__pair *pair, const double *y,
+                     weft__push *out)
+{
+    switch ((weft__pair_kind)pair->kind) {
+#define CASE(kind)                                                                     \
+    case kind:                                                                         \
+        return push_kind(law, kind, pair, y, out);
+        EACH_KIND(CASE)
+#undef CASE
+    default:
+        return false;
+    }
+}
+
+bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
+                      const double *y, double arm[4], weft__touch *touch)
+{
+    const size_t n = law->cloth->particles, count = weft__pair_particles(pair);
+    const weft_contact_def *contact = &law->cloth->contact;
+    const weft__pair_kind kind = (weft__pair_kind)pair->kind;
+    const double mass = weft__pair_mass(law->cloth, pair);
+    double x[4][3], v[3] = { 0.0 };
+    law_feet at = { .d = 0.0 };
+    place(y, n, pair, x);
+    if (mass == 0.0 || !law_find(kind, x, contact->thickness, &at)) {
+        return false;
+    }
+    law_weigh(kind, law->soft, weft__pair_rest(law, pair), &at);
+    *touch = (weft__touch){ .gap = at.d,
+                            .steepness = 1.0,
+                            .share = WEFT__SELF_SHARE * at.weight };
+    for (size_t k = 0; k < 3; ++k) {
+        for (size_t i = 0; i < count; ++i) {
+            v[k] += at.arm[i] * y[(3 + k) * n + pair->particle[i]];
+        }
+        touch->normal[k] = at.r[k] / at.d;
+    }
+    touch->speed = weft__dot(v, touch->normal);
+    for (size_t k = 0; k < 3; ++k) {
+        touch->slip[k] = v[k] - touch->speed * touch->normal[k];
+    }
+    weft__touch_forces(contact, contact->friction, touch);
+    touch->push *= mass, touch->stiffness *= mass, touch->drag *= mass;
+    memcpy(arm, at.arm, sizeof at.arm);
+    return true;
+}
+
+size_t weft__reference_pushes(const weft__self_law *law, const weft__pair *pairs,
+                              const double *distances, size_t count, double near,
+                              const double *y, weft__push *out)
+{
+    weft__push *to = out;
+    for (size_t i = 0; i < count; ++i) {
+        to += distances[i] <= near && weft__pair_push(law, &pairs[i], y, to);
+    }
+    return (size_t)(to - out);
+}
+
+void weft__push_add(const weft_cloth *cloth, const weft__push *push, weft__unit unit,
+                    size_t first, size_t end, double *to)
+{
+    for (size_t k = 0; k < push->count; ++k) {
+        const size_t i = push->particle[k];
+        const double scale = unit == WEFT__FORCE ? 1.0 : cloth->inverse_mass[i];
+        if (i >= first && i < end && scale > 0.0) {
+            for (size_t j = 0; j < 3; ++j) {
+                to[j * cloth->particles + i] += scale * push->force[k][j];
+            }
+        }
+    }
+}
+
+void weft__push_measure(const weft_cloth *cloth, const weft__push *push,
+                        const double *y, weft_measures *sum)
+{
+    const size_t n = cloth->particles;
+    sum->energy.contact += push->energy;
+    sum->power[WEFT_POWER_CONTACT] += push->heat;
+    sum->power[WEFT_POWER_FRICTION] += push->friction;
+    for (size_t k = 0; k < push->count; ++k) {
+        const size_t i = push->particle[k];
+        const double v[3] = { y[3 * n + i], y[4 * n + i], y[5 * n + i] };
+        if (cloth->pin[i] != 0) {
+            sum->power[WEFT_POWER_PINS] -= weft__dot(push->force[k], v);
+        }
+    }
+    if (push->gap < sum->self_gap) {
+        weft__pair pair = { .kind = push->kind };
+        memcpy(pair.particle, push->particle, sizeof pair.particle);
+        weft__pair_primitives(&pair, sum->self_pair);
+        sum->self_gap = push->gap;
+    }
+    ++sum->self_touching;
+}
+
+/* ---- without a list -------------------------------------------------------------- */
+
+typedef struct pass {
+    weft__self_law law;
+    const weft__subject *of;
+    weft__unit unit;
+    double *to; /* NULL: to `sum` */
+    weft_measures *sum;
+    double bad; /* 0 or NaN */
+} pass;
+
+static bool take_pair(void *ctx, const weft__pair *pair, double distance)
+{
+    pass *self = ctx;
+    const weft_cloth *cloth = self->of->cloth;
+    weft__push push;
+    (void)distance;
+    if (weft__pair_push(&self->law, pair, self->of->y, &push)) {
+        if (self->to != NULL) {
+            weft__push_add(cloth, &push, self->unit, 0, cloth->particles, self->to);
+            self->bad += weft__push_trouble(&push);
+        } else {
+            weft__push_measure(cloth, &push, self->of->y, self->sum);
+        }
+    }
+    return true;
+}
+
+static bool seek(pass *self)
+{
+    const weft_cloth *cloth = self->of->cloth;
+    const weft__tree tree = weft__tree_of(cloth, self->of->y);
+    self->law = weft__self_law_of(cloth);
+    if (isfinite(weft__extent(cloth, NULL, self->of->y))) {
+        return weft__each_pair(&tree, cloth->contact.thickness, take_pair, self);
+    }
+    return false;
+}
+
+int weft__self_add(const weft__subject *of, weft__unit unit, double *to)
+{
+    pass self = { .of = of, .unit = unit, .to = to };
+    return !of->cloth->contact.self || (seek(&self) && self.bad == 0.0) ? 0 : 1;
+}
+
+void weft__self_measure(const weft__subject *of, weft_measures *sum)
+{
+    pass self = { .of = of, .sum = sum };
+    if (of->cloth->contact.self) {
+        (void)seek(&self);
+    }
+}
+
+static weft_measures measures(const weft_cloth *cloth, const double *y)
+{
+    const weft__subject of = { .cloth = cloth, .y = y };
+    weft_measures sum = weft__measures_start;
+    weft__self_measure(&of, &sum);
+    return sum;
+}
+
+double weft_cloth_self_gap(const weft_cloth *cloth, const double *y,
+                           weft_primitive pair[2])
+{
+    const weft_measures found = measures(cloth, y);
+    if (pair != NULL) {
+        memcpy(pair, found.self_pair, sizeof found.self_pair);
+    }
+    return found.self_gap;
+}
+
+size_t weft_cloth_self_touching(const weft_cloth *cloth, const double *y)
+{
+    return measures(cloth, y).self_touching;
+}

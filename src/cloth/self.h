@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* self.h -- the primitives of a cloth for contact with itself, and pairs of them.
+ *
+ * Node (r, c) owns its particle, the edges to the right and down, the diagonal
+ * (r, c + 1)-(r + 1, c) and the two triangles that it makes of the cell, as far as the
+ * grid has them: each primitive has one owner, and each pair of primitives one pair of
+ * nodes. The formulas are in docs/physics.md. */
+#ifndef WEFT_CLOTH_SELF_H
+#define WEFT_CLOTH_SELF_H
+
+#include "cloth/added.h"
+#include "cloth/contact.h"
+#include "cloth/contact_bounds.h"
+#include "cloth/self_tree.h"
+
+/* Both return their number, 0 to 3 and 0 or 2. */
+static inline size_t weft__node_edges(const weft_cloth *of, size_t i,
+                                      uint32_t edges[3][2])
+{
+    const size_t cols = of->cols, right = i % cols + 1 < cols;
+    const size_t down = i + cols < of->particles;
+    const uint32_t here = (uint32_t)i, below = (uint32_t)(i + cols);
+    size_t count = 0;
+    if (right) {
+        edges[count][0] = here, edges[count][1] = here + 1;
+        ++count;
+    }
+    if (down) {
+        edges[count][0] = here, edges[count][1] = below;
+        ++count;
+    }
+    if (right && down) {
+        edges[count][0] = here + 1, edges[count][1] = below;
+        ++count;
+    }
+    return count;
+}
+
+static inline size_t weft__node_triangles(const weft_cloth *of, size_t i,
+                                          uint32_t triangles[2][3])
+{
+    const size_t cols = of->cols;
+    if (i % cols + 1 >= cols || i + cols >= of->particles) {
+        return 0;
+    }
+    const uint32_t here = (uint32_t)i, below = (uint32_t)(i + cols);
+    triangles[0][0] = here, triangles[0][1] = below, triangles[0][2] = here + 1;
+    triangles[1][0] = below + 1, triangles[1][1] = here + 1, triangles[1][2] = below;
+    return 2;
+}
+
+/* Two primitives without a common particle: their particles, those of the second after
+ * those of the first. */
+typedef enum weft__pair_kind {
+    WEFT__VERTICES,        /* 0 and 1 */
+    WEFT__VERTEX_EDGE,     /* 0 and 1-2 */
+    WEFT__VERTEX_TRIANGLE, /* 0 and 1-2-3 */
+    WEFT__EDGES            /* 0-1 and 2-3 */
+} weft__pair_kind;
+
+typedef struct weft__pair {
+    uint32_t particle[4];
+    uint32_t kind;
+} weft__pair;
+
+static inline size_t weft__pair_particles(const weft__pair *pair)
+{
+    return pair->kind == WEFT__VERTICES ? 2 : pair->kind == WEFT__VERTEX_EDGE ? 3 : 4;
+}
+
+void weft__pair_primitives(const weft__pair *pair, weft_primitive out[2]);
+
+/* ---- self_pairs.c: which pairs are near ------------------------------------------ */
+
+/* [m] Of the nearest points of both, in planes y of n. */
+double weft__pair_distance(const weft__pair *pair, const double *y, size_t n);
+
+/* A pair and its distance; false ends the search. */
+typedef bool weft__pair_fn(void *ctx, const weft__pair *pair, double distance);
+
+/* Calls visit for each pair nearer than range, in the order of weft__tree_pairs; all
+ * that are nearer than any smaller range come in the same order. Returns false if a
+ * visit did. The state must be finite. */
+bool weft__each_pair(const weft__tree *tree, double range, weft__pair_fn *visit,
+                     void *ctx);
+
+/* A step is clear of a pair if no
+ * particle of one side can have met one of the other:
+ *
+ *     h max |v_a - v_b| < d0 + d1,  d1 > 0
+ *
+ * over the particles a of one side, b of the other, at both ends of the step. */
+typedef struct weft__stride {
+    const weft_cloth *cloth;
+    const double *y0, *y1; /* states at both ends */
+    double h; /* [s]; 0: a straight displacement instead, whatever the velocities */
+} weft__stride;
+
+/* gap: [m] at the end. Vertex-triangle and edge-edge pairs suffice; others are clear.
+ */
+bool weft__stride_clear(const weft__stride *of, const weft__pair *pair, double *gap);
+
+/* [m] No two particles move by more against each other, by their velocities or, with
+ * h = 0, positions. */
+double weft__stride_length(const weft__stride *of);
+
+/* [m] No two particles of N are displaced by more against each other, from NULL: than
+ * from 0; x, y, z planes. INFINITY if a number is not finite. weft__extent uses the
+ * instructions of the cloth. */
+typedef double weft__extent_fn(const double *from, const double *to, size_t n);
+weft__extent_fn weft__reference_extent;
+double weft__extent(const weft_cloth *cloth, const double *from, const double *to);
+
+/* ---- self.c: how they push ------------------------------------------------------- */
+
+/* A pair that pushes. */
+typedef struct weft__push {
+    uint32_t particle[4];
+    uint32_t count, kind;
+    double force[4][3]; /* [N] */
+    double gap;         /* [m] */
+    double energy;      /* [J] */
+    double heat;        /* [W] of its damping */
+    double friction;    /* [W] heat, too */
+} weft__push;
+
+/* What the law takes from a cloth. */
+typedef struct weft__self_law {
+    const weft_cloth *cloth;
+    double soft;      /* x0 of the weights */
+    double square[3]; /* [m^2] of the rest lengths: down, right, diagonal */
+} weft__self_law;
+
+weft__self_law weft__self_law_of(const weft_cloth *cloth);
+
+/* False: it does not push in state y[6 N]. The forces are NaN where two are at the same
+ * place. */
+bool weft__pair_push(const weft__self_law *law, const weft__pair *pair, const double *y,
+                     weft__push *out);
+
+/* 1 / the product of the squares of both edges' rest lengths, or 0 of other pairs; the
+ * smallest mass [kg] of the free particles, 0 without. */
+double weft__pair_rest(const weft__self_law *law, const weft__pair *pair);
+double weft__pair_mass(const weft_cloth *cloth, const weft__pair *pair);
+
+/* Writes the pushes of `count` pairs, up to WEFT__PAIRS_MOST, of those with a distance
+ * up to `near`, in their order; returns their number. */
+enum { WEFT__PAIRS_MOST = 512 };
+typedef size_t weft__pushes_fn(const weft__self_law *law, const weft__pair *pairs,
+                               const double *distances, size_t count, double near,
+                               const double *y, weft__push *out);
+weft__pushes_fn weft__reference_pushes;
+
+/* The same before: b_i, and the touch of the feet, with push, stiffness and drag not by
+ * mass. */
+bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
+                      const double *y, double arm[4], weft__touch *touch);
+
+/* Adds its forces on the particles [first, end) to planes to[3 N]. */
+void weft__push_add(const weft_cloth *cloth, const weft__push *push, weft__unit unit,
+                    size_t first, size_t end, double *to);
+
+/* 0, or NaN if a force is not finite. */
+static inline double weft__push_trouble(const weft__push *push)
+{
+    double bad = 0.0;
+    for (size_t k = 0; k < push->count; ++k) {
+        bad += (push->force[k][0] + push->force[k][1] + push->force[k][2]) * 0.0;
+    }
+    return bad;
+}
+
+/* Its energy, powers, gap and touch. */
+void weft__push_measure(const weft_cloth *cloth, const weft__push *push,
+                        const double *y, weft_measures *sum);
+
+/* The same of all pairs of a state, which are sought. weft__self_add returns as
+ * weft_cloth_rhs. Nothing without contact.self. */
+int weft__self_add(const weft__subject *of, weft__unit unit, double *to);
+void weft__self_measure(const weft__subject *of, weft_measures *sum);
+
+/* ---- self_bounds.c: stiffness and damping ---------------------------------------- */
+
+/* Adds to grips[count] of particles first, first + 1, ... what bounds the pairs in
+ * state y: sum b_i F_i of a pair is at most diag(2 |b_i|) of it. The slopes of the
+ * weights are left out, so that bounds are estimates. */
+void weft__self_grips(const weft_cloth *cloth, const double *y, size_t first,
+                      size_t count, weft__grip *grips);
+
+/* Adds to all of *grip what layers that meet at no more than stopping_speed add; an
+ * estimate, too. */
+void weft__self_grip_any(const weft_cloth *cloth, weft__grip *grip);
+
+/* As weft__grip_multiply. */
+void weft__self_multiply(const weft_cloth *cloth, const double *y, double a, double b,
+                         const double *x, double *out);
+
+/* Adds to blocks, as weft__contact_blocks, what majorises the pairs' part of J: each
+ * block is symmetric and not negative. */
+int weft__self_blocks(const weft_cloth *cloth, const double *y, double *blocks);
+
+#endif
