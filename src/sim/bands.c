@@ -73,7 +73,9 @@ weft_status weft__bands_check(const weft_sim_def *def, weft_error *err)
           : def->correct != NULL ? "`correct` needs the whole state"
           : def->force != NULL   ? "`force` needs the whole state"
           : def->event != NULL   ? "an event is a function of the whole state"
-                                 : NULL;
+          : weft_cloth_contact(def->cloth).self
+              ? "contact of the cloth with itself joins all rows"
+              : NULL;
     return why == NULL ? WEFT_OK
                        : weft_error_set(err, WEFT_UNSUPPORTED,
                                         "not possible for a cloth in bands: %s", why);
@@ -223,7 +225,7 @@ uint64_t weft__bands_cloth_hash(const weft__forces *forces)
 
 /* ---- right-hand side ------------------------------------------------------------- */
 
-typedef struct evaluation {
+typedef struct band_rhs {
     const weft__forces *forces;
     const weft__subject *of;
     double *dydt;
@@ -232,9 +234,9 @@ typedef struct evaluation {
     size_t parts;      /* of [low, high) */
     pthread_t caller;  /* the thread that may call the comm */
     atomic_int failed;
-} evaluation;
+} band_rhs;
 
-static void evaluate(evaluation *self, size_t first, size_t end)
+static void evaluate(band_rhs *self, size_t first, size_t end)
 {
     if (first < end && weft__rhs_rows(self->of, self->dydt, first, end) != 0) {
         atomic_store(&self->failed, 1);
@@ -244,13 +246,13 @@ static void evaluate(evaluation *self, size_t first, size_t end)
 /* The rows that are ghosts of the band above, and those of the band below. */
 static void do_edge(void *ctx, size_t i)
 {
-    evaluation *self = ctx;
+    band_rhs *self = ctx;
     evaluate(self, i == 0 ? self->first : self->high, i == 0 ? self->low : self->end);
 }
 
 static void do_inner(void *ctx, size_t i)
 {
-    evaluation *self = ctx;
+    band_rhs *self = ctx;
     const weft_comm *comm = self->forces->comm;
     const size_t rows = self->high - self->low;
     evaluate(self, self->low + rows * i / self->parts,
@@ -281,15 +283,15 @@ int weft__bands_rhs(const weft__forces *forces, const weft__subject *of, double 
     if (low > high) { /* less than four: all are edges */
         low = high = end;
     }
-    evaluation all = { .forces = forces,
-                       .of = of,
-                       .dydt = dydt,
-                       .first = first,
-                       .end = end,
-                       .low = low,
-                       .high = high,
-                       .parts = inner_parts(forces, high - low),
-                       .caller = pthread_self() };
+    band_rhs all = { .forces = forces,
+                     .of = of,
+                     .dydt = dydt,
+                     .first = first,
+                     .end = end,
+                     .low = low,
+                     .high = high,
+                     .parts = inner_parts(forces, high - low),
+                     .caller = pthread_self() };
     const weft_rows rows = { .first = dydt + 3 * n,
                              .planes = 3,
                              .stride = n,
