@@ -162,9 +162,9 @@ static inline double weft__length(const double a[3])
 }
 
 /* The number of particle i in the whole cloth. */
-static inline size_t weft__whole_index(const weft_cloth *cloth, size_t i)
+static inline size_t weft__whole_index(const weft_cloth *band, size_t i)
 {
-    return (cloth->band.first - cloth->band.above) * cloth->cols + i;
+    return (band->band.first - band->band.above) * band->cols + i;
 }
 
 /* [m] The shorter side of a cell; of a chain its spacing. */
