@@ -421,7 +421,7 @@ tsan:
 
 # Sources read by clang-tidy and cppcheck; DEEP=1: also by gcc -fanalyzer, and clang-tidy follows calls.
 static:
-	@tools/static "$(STRICT) $(INCS) $(HDF5_CFLAGS) $(MPI_INC)" $(DEEP)
+	@tools/static "$(STRICT) $(INCS) $(HDF5_CFLAGS) $(MPI_INC) $(MPI_CFLAGS)" $(DEEP)
 
 # Prints hashes of states, for builds that are compared.
 $(BUILD)/hashes: $(BUILD)/tests/hashes.o $(BUILD)/libweft.a
@@ -464,8 +464,8 @@ fuzz-corpus:
 
 # clang's warnings, without a build. `make fuzz` builds with clang.
 clang-syntax: $(BUILD)/tests/suites.h
-	@printf '%s\n' $(filter %.c,$(C_FILES)) | xargs -P "$$(nproc)" -L 16 clang $(STRICT) $(WARN) \
-	    $(INCS) -Itests -I$(BUILD)/tests $(HDF5_CFLAGS) $(MPI_INC) $(TEST_DEFS) -fsyntax-only
+	@printf '%s\n' $(filter-out $(if $(HAVE_MPI),,src/mpi/%),$(filter %.c,$(C_FILES))) | xargs -P "$$(nproc)" -L 16 clang $(STRICT) $(WARN) \
+	    $(INCS) -Itests -I$(BUILD)/tests $(HDF5_CFLAGS) $(MPI_INC) $(MPI_CFLAGS) $(TEST_DEFS) -fsyntax-only
 
 valgrind: all
 	@tools/valgrind $(BUILD)

@@ -73,11 +73,12 @@ double weft__ark_agree(void *instance, double mine)
     arkode_stepper *self = instance;
     const double all = weft_stepper_agreed(self->agree, mine);
     if (isnan(all) && self->agree != NULL) {
-        const double code = most * self->fault + fmin((double)self->idle, most - 1.0);
+        const double code
+            = most * (double)self->fault + fmin((double)self->idle, most - 1.0);
         const double worst = weft_stepper_agreed(self->agree, code);
         self->fault = worst < 3.0 * most ? (ark_fault)(worst / most) : USELESS;
         self->stats.rhs_calls
-            -= worst < 3.0 * most ? (uint64_t)(worst - most * self->fault) : 0;
+            -= worst < 3.0 * most ? (uint64_t)(worst - most * (double)self->fault) : 0;
         self->idle = 0;
         self->over = self->fault != NO_FAULT;
     }

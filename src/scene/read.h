@@ -178,7 +178,7 @@ weft__check_fn weft__check_shape, weft__check_contact;
 void weft__warn_of_contact(weft__reader *reader, const weft__match *root);
 
 /* scene_stop.c: `stop` and run.frames against `limit`, which excludes both. */
-void weft__check_stop(weft__reader *reader, const weft__match *root);
+void weft__check_stop(weft__reader *reader, const weft__match *match);
 
 /* scene_fabric.c */
 weft__read_fn weft__read_preset;
