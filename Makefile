@@ -338,6 +338,13 @@ check: deps
 check-run: all $(TEST_BIN) $(BROKEN) $(PROMISES) $(PRELOADED) $(EXAMPLES) lint
 	@tools/run-tests $(BUILD) $(foreach t,$(TESTS),$(if $(filter $t,$(ALONE)),test_$t,'run $t'))
 
+# Cloths in bands over MPI, on 1 to 4 ranks, and every file compared with a serial run.
+.PHONY: check-mpi
+check-mpi:
+	@WITH_MPI=1 $(MAKE) --no-print-directory deps
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) all
+	@tools/check-mpi $(BUILD)
+
 # What is written, read by the programs it is meant for; what is not there is skipped.
 check-view: all
 	@tools/check-view $(BUILD)
@@ -359,7 +366,8 @@ demo-run: all
 
 # Debian's place of HDF5, though it may be there only once the package is installed.
 deps:
-	@PREPROCESS='$(PREPROCESS) $(HDF5_CFLAGS) -isystem /usr/include/hdf5/serial' tools/deps
+	@PREPROCESS='$(PREPROCESS) $(HDF5_CFLAGS) -isystem /usr/include/hdf5/serial $(MPI_CFLAGS)' \
+	    WITH_MPI='$(WITH_MPI)' tools/deps
 
 include install.mk
 
@@ -411,7 +419,7 @@ tsan:
 
 # Sources read by clang-tidy and cppcheck; DEEP=1: also by gcc -fanalyzer, and clang-tidy follows calls.
 static:
-	@tools/static "$(STRICT) $(INCS) $(HDF5_CFLAGS) $(MPI_INC)" $(DEEP)
+	@tools/static "$(STRICT) $(INCS) $(HDF5_CFLAGS) $(MPI_CFLAGS)" $(DEEP)
 
 # Prints hashes of states, for builds that are compared.
 $(BUILD)/hashes: $(BUILD)/tests/hashes.o $(BUILD)/libweft.a
@@ -454,8 +462,8 @@ fuzz-corpus:
 
 # clang's warnings, without a build. `make fuzz` builds with clang.
 clang-syntax: $(BUILD)/tests/suites.h
-	@printf '%s\n' $(filter %.c,$(C_FILES)) | xargs -P "$$(nproc)" -L 16 clang $(STRICT) $(WARN) \
-	    $(INCS) -Itests -I$(BUILD)/tests $(HDF5_CFLAGS) $(MPI_INC) $(TEST_DEFS) -fsyntax-only
+	@printf '%s\n' $(filter %.c,$(if $(HAVE_MPI),$(C_FILES),$(filter-out src/mpi/%,$(C_FILES)))) | xargs -P "$$(nproc)" -L 16 clang $(STRICT) $(WARN) \
+	    $(INCS) -Itests -I$(BUILD)/tests $(HDF5_CFLAGS) $(MPI_CFLAGS) $(TEST_DEFS) -fsyntax-only
 
 valgrind: all
 	@tools/valgrind $(BUILD)
@@ -489,7 +497,7 @@ check-aarch64: all
 check-elsewhere: all hashes $(BUILD)/examples/minimal
 	@tools/check-elsewhere $(BUILD)
 
-symbols: $(BUILD)/libweft.so $(BUILD)/libweft.a $(PLUGIN_SO)
+symbols: $(BUILD)/libweft.so $(BUILD)/libweft.a $(PLUGIN_SO) $(MPI_SO)
 	@tools/symbols $^
 
 clean:
@@ -497,7 +505,7 @@ clean:
 
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | check-view | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-elsewhere | nightly | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | check-view | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-elsewhere | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | check-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)
