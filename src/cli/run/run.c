@@ -324,8 +324,7 @@ static int run_simulation(run *self)
     weft_status status = WEFT_OK;
     self->began = weft__wall_clock();
     if (self->comm != NULL && self->comm->rank == 0) {
-        status = cloth_create(self->scene, weft_scene_cloth(self->scene), &self->whole,
-                              &err);
+        status = weft_cloth_create(weft_scene_cloth(self->scene), &self->whole, &err);
     }
     status = run_agree(self, status, &err);
     if (status == WEFT_OK) {
