@@ -315,6 +315,8 @@ $(BUILD)/bench/%: $(BUILD)/bench/%.o $(BUILD)/libweft.a $(PLUGIN_SO)
 	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a \
 	    $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
 
+$(BUILD)/bench/mpi: $(MPI_SO)
+
 # Without what debuggers want: older valgrinds cannot read what clang writes of it.
 $(BUILD)/bench/guard/evaluate: $(BUILD)/bench/guard/evaluate.o $(BUILD)/libweft.a
 	$(call say,LD)$(LINK) -Wl,--strip-debug -o $@ $^ $(LIB_LIBS)
