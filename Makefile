@@ -471,7 +471,7 @@ valgrind: all
 	@tools/valgrind $(BUILD)
 
 # Tests of the steppers alone, with no more built than they need.
-STEPPER_TESTS := arkode cvode sundials_vector controllers methods quadratures steppers verification
+STEPPER_TESTS := agree arkode cvode sundials_vector controllers methods quadratures steppers verification
 check-steppers:
 	@$(MAKE) --no-print-directory TESTS='$(STEPPER_TESTS)' $(BUILD)/tests/run $(BUILD)/weft $(PLUGIN_SO) $(BROKEN)
 	@tools/run-tests $(BUILD) $(STEPPER_TESTS:%='run %')
