@@ -488,6 +488,9 @@ static inline scenario in_wind(size_t rows, size_t cols, const char *method)
     def->wind_velocity[0] = 1.5, def->wind_velocity[2] = 2.0;
     def->wind_drag = 0.4;
     of.sim.method = test_method_named(method);
+    for (size_t k = 0; test_needs_damping(of.sim.method) && k < WEFT_FAMILIES; ++k) {
+        def->springs[k].damping = 0.01 * def->springs[k].stiffness;
+    }
     of.sim.config.rtol = 1e-5;
     of.sim.config.atol_position = of.sim.config.atol_velocity = 1e-4;
     of.sim.config = test_config(of.sim.method, of.sim.config);

@@ -4,13 +4,23 @@
  */
 #include "bands_run.h"
 
+static void check_runs(const scenario *of)
+{
+    outcome whole;
+    run_whole(of, &whole);
+    ck_assert_msg(whole.status == WEFT_OK, "%s: %s", of->sim.method->name,
+                  whole.err.message);
+    drop(&whole);
+    check_bands(of);
+}
+
 START_TEST(every_method_that_agrees_has_the_same_bits)
 {
     for (size_t i = 0; i < test_method_count(); ++i) {
         const weft_stepper_type *type = test_method(i);
         if ((type->flags & WEFT_STEPPER_AGREES) != 0 && !test_is_spared(type)) {
             const scenario of = in_wind(11, 6, test_method_label(i));
-            check_bands(&of);
+            check_runs(&of);
         }
     }
 }

@@ -48,6 +48,7 @@ static void settle(stiff_stepper *self, const weft_ode *ode,
     const bool fixed = config->fixed_step > 0.0;
     self->ode = *ode;
     self->structure = config->structure;
+    self->agree = weft_stepper_agree(config);
     self->half = weft_stepper_half(ode, config);
     self->norm = config->norm;
     self->rtol = config->rtol;
@@ -171,7 +172,8 @@ enum {
     }
 
 static const stiff_method methods[] = {
-    METHOD(rkc2, 2, 2, 0, WEFT_STEPPER_FSAL, 0.0, weft__rkc2_prepare,
+    METHOD(rkc2, 2, 2, 0, WEFT_STEPPER_FSAL | WEFT_STEPPER_AGREES, 0.0,
+           weft__rkc2_prepare,
            "B. P. Sommeijer, L. F. Shampine, J. G. Verwer, J. Comput. Appl. Math. 88, "
            "1998"),
     METHOD(ros2, 2, 1, 2, SOLVES, 1e-2, NULL,

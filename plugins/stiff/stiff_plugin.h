@@ -21,6 +21,7 @@ typedef struct stiff_stepper {
     const struct stiff_method *method;
     weft_ode ode;
     const weft_structure *structure;
+    const weft_agree *agree; /* with the steppers of other parts of y, or NULL */
     weft_allocator memory;
     size_t half; /* of the positions; the velocities; then quadratures */
     weft_norm norm;

@@ -14,7 +14,10 @@
 int weft__stiff_rhs(stiff_stepper *self, double t, const double *y, double *f)
 {
     ++self->stats.rhs_calls;
-    return self->ode.rhs(t, y, f, self->ode.ctx);
+    const int failed = self->ode.rhs(t, y, f, self->ode.ctx);
+    const double worst = failed < 0 ? 2.0 : failed > 0 ? 1.0 : 0.0;
+    const double all = weft_stepper_agreed(self->agree, worst);
+    return all == worst ? failed : all == 2.0 ? -1 : 1;
 }
 
 /* What h becomes after an error: the law of an I controller. */
@@ -91,10 +94,12 @@ static void accept(stiff_stepper *self, double h, bool last, double t_end, doubl
 /* The error of an attempt, at most 1 if it is good; NaN if it is not usable. */
 static double judge(const stiff_stepper *self, int failed, const double *y)
 {
-    if (failed > 0 || !weft__stiff_finite(self->ode.dim, self->end)) {
-        return (double)NAN;
-    }
-    return self->fixed_step > 0.0 ? 0.0 : weft__stiff_norm(self, self->error, y);
+    const bool usable = failed == 0 && weft__stiff_finite(self->ode.dim, self->end);
+    const double error = !usable ? (double)NAN
+                         : self->fixed_step > 0.0
+                             ? 0.0
+                             : weft__stiff_norm(self, self->error, y);
+    return weft_stepper_agreed(self->agree, error);
 }
 
 weft_status weft__stiff_step(void *instance, double t_end, double *t, double *y,

@@ -235,18 +235,16 @@ typedef struct evaluation {
 
 static void evaluate(evaluation *self, size_t first, size_t end)
 {
-    if (weft__rhs_rows(self->of, self->dydt, first, end) != 0) {
+    if (first < end && weft__rhs_rows(self->of, self->dydt, first, end) != 0) {
         atomic_store(&self->failed, 1);
     }
 }
 
-/* A row that is a ghost of another band. */
+/* The rows that are ghosts of the band above, and those of the band below. */
 static void do_edge(void *ctx, size_t i)
 {
     evaluation *self = ctx;
-    const size_t upper = self->low - self->first;
-    const size_t r = i < upper ? self->first + i : self->high + (i - upper);
-    evaluate(self, r, r + 1);
+    evaluate(self, i == 0 ? self->first : self->high, i == 0 ? self->low : self->end);
 }
 
 static void do_inner(void *ctx, size_t i)
@@ -298,7 +296,7 @@ int weft__bands_rhs(const weft__forces *forces, const weft__subject *of, double 
                              .above = band.above,
                              .own = band.own,
                              .below = band.below };
-    weft__forces_run(forces, do_edge, &all, (low - first) + (end - high));
+    weft__forces_run(forces, do_edge, &all, 2);
     weft__ghost_rows(of, dydt, 0, first);
     weft__ghost_rows(of, dydt, end, cloth->rows);
     comm->begin(comm->self, &rows);

@@ -130,7 +130,7 @@ static weft_sim *make_sim(const weft_sim_def *def)
     return sim;
 }
 
-/* All that needs no other band. */
+/* All that needs no other band: the structure for the stepper does. */
 static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *err)
 {
     if (def->cloth == NULL || def->method == NULL) {
@@ -150,10 +150,9 @@ static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *
     status = status == WEFT_OK ? take_config(sim, err) : status;
     status = status == WEFT_OK ? make_forces(sim, err) : status;
     status = status == WEFT_OK ? weft__structure_init(sim, err) : status;
-    status = status == WEFT_OK && weft_cloth_shapes(sim->cloth) > 0
-                 ? weft__sim_make_start(sim, err)
-                 : status;
-    return status == WEFT_OK ? weft__sim_stepper(sim, 0.0, &sim->stepper, err) : status;
+    return status == WEFT_OK && weft_cloth_shapes(sim->cloth) > 0
+               ? weft__sim_make_start(sim, err)
+               : status;
 }
 
 weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error *err)
@@ -165,6 +164,10 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
         return status; /* nobody can be told */
     }
     status = weft__bands_agree(def->comm, prepare(def, &sim, err), err);
+    if (status == WEFT_OK) {
+        status = weft__sim_stepper(sim, 0.0, &sim->stepper, err);
+        status = weft__bands_agree(def->comm, status, err);
+    }
     if (status != WEFT_OK) {
         weft_sim_destroy(sim);
         return status;

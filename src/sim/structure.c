@@ -22,7 +22,7 @@ static size_t modes(double t, const double *y, double (*corners)[2], size_t room
                     void *ctx)
 {
     const weft_sim *sim = ctx;
-    const weft_stiffness of = weft_cloth_stiffness(sim->cloth, t, y);
+    const weft_stiffness of = weft_sim_stiffness(sim, t, y);
     const double about[4][2] = {
         { 0.0, 0.0 }, { of.omega2, 0.0 }, { of.omega2, of.damping }, { 0.0, of.damping }
     };
