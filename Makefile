@@ -321,6 +321,8 @@ $(BUILD)/bench/%: $(BUILD)/bench/%.o $(BUILD)/libweft.a $(PLUGIN_SO)
 	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a \
 	    $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
 
+$(BUILD)/bench/mpi: $(MPI_SO)
+
 # Without what debuggers want: older valgrinds cannot read what clang writes of it.
 $(BUILD)/bench/guard/evaluate: $(BUILD)/bench/guard/evaluate.o $(BUILD)/libweft.a
 	$(call say,LD)$(LINK) -Wl,--strip-debug -o $@ $^ $(LIB_LIBS)
@@ -343,6 +345,13 @@ check: deps
 
 check-run: all $(TEST_BIN) $(BROKEN) $(PROMISES) $(PRELOADED) $(EXAMPLES) lint
 	@tools/run-tests $(BUILD) $(foreach t,$(TESTS),$(if $(filter $t,$(ALONE)),test_$t,'run $t'))
+
+# Cloths in bands over MPI, on 1 to 4 ranks, and every file compared with a serial run.
+.PHONY: check-mpi
+check-mpi:
+	@WITH_MPI=1 $(MAKE) --no-print-directory deps
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) all
+	@tools/check-mpi $(BUILD)
 
 # What is written, read by the programs it is meant for; what is not there is skipped.
 check-view: all
@@ -369,7 +378,8 @@ demo-run: all
 
 # Debian's place of HDF5, though it may be there only once the package is installed.
 deps:
-	@PREPROCESS='$(PREPROCESS) $(HDF5_CFLAGS) -isystem /usr/include/hdf5/serial' tools/deps
+	@PREPROCESS='$(PREPROCESS) $(HDF5_CFLAGS) -isystem /usr/include/hdf5/serial $(MPI_CFLAGS)' \
+	    WITH_MPI='$(WITH_MPI)' tools/deps
 
 include install.mk
 
@@ -421,7 +431,7 @@ tsan:
 
 # Sources read by clang-tidy and cppcheck; DEEP=1: also by gcc -fanalyzer, and clang-tidy follows calls.
 static:
-	@tools/static "$(STRICT) $(INCS) $(HDF5_CFLAGS) $(MPI_INC) $(MPI_CFLAGS)" $(DEEP)
+	@tools/static "$(STRICT) $(INCS) $(HDF5_CFLAGS) $(MPI_CFLAGS)" $(DEEP)
 
 # Prints hashes of states, for builds that are compared.
 $(BUILD)/hashes: $(BUILD)/tests/hashes.o $(BUILD)/libweft.a
@@ -465,7 +475,7 @@ fuzz-corpus:
 # clang's warnings, without a build. `make fuzz` builds with clang.
 clang-syntax: $(BUILD)/tests/suites.h
 	@printf '%s\n' $(filter-out $(if $(HAVE_MPI),,src/mpi/%),$(filter %.c,$(C_FILES))) | xargs -P "$$(nproc)" -L 16 clang $(STRICT) $(WARN) \
-	    $(INCS) -Itests -I$(BUILD)/tests $(HDF5_CFLAGS) $(MPI_INC) $(MPI_CFLAGS) $(TEST_DEFS) -fsyntax-only
+	    $(INCS) -Itests -I$(BUILD)/tests $(HDF5_CFLAGS) $(MPI_CFLAGS) $(TEST_DEFS) -fsyntax-only
 
 valgrind: all
 	@tools/valgrind $(BUILD)
@@ -499,7 +509,7 @@ check-aarch64: all
 check-elsewhere: all hashes $(BUILD)/examples/minimal
 	@tools/check-elsewhere $(BUILD)
 
-symbols: $(BUILD)/libweft.so $(BUILD)/libweft.a $(PLUGIN_SO)
+symbols: $(BUILD)/libweft.so $(BUILD)/libweft.a $(PLUGIN_SO) $(MPI_SO)
 	@tools/symbols $^
 
 clean:
@@ -507,7 +517,7 @@ clean:
 
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | check-view | check-python | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-elsewhere | nightly | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | check-view | check-python | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-elsewhere | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | check-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

@@ -47,6 +47,7 @@ FILES = $(BUILD)/weft:$(BINDIR)/ \
         $(BUILD)/libweft.a:$(LIBDIR)/ $(BUILD)/libweft.so:$(LIBDIR)/libweft.so.$(VERSION) \
         $(foreach p,$(PLUGINS),$(BUILD)/plugins/weft-$(p).so:$(PLUGINDIR)/ \
             $(BUILD)/libweft-plugin-$(p).a:$(LIBDIR)/) \
+        $(foreach f,$(MPI_SO),$(f):$(PLUGINDIR)/) \
         $(foreach m,$(MAN),$(m):$(MANDIR)/man$(subst .,,$(suffix $(m)))/) \
         $(foreach d,$(DOCS),$(d):$(DOCDIR)/$(dir $(d))) \
         $(SHARE)/weft.bash:$(DATADIR)/bash-completion/completions/weft \

@@ -223,7 +223,7 @@ static bool is_beyond(const weft_sweep *sweep, size_t run)
     const bool beyond = weft_sweep_scene(sweep, run, &scene, NULL) == WEFT_OK
                         && weft_scene_config(scene)->fixed_step > 0.0
                         && simulation_create(scene, NULL, &cloth, &sim, NULL) == WEFT_OK
-                        && stability_warn(scene, cloth, weft_sim_state(sim), true);
+                        && stability_warn(scene, sim, true);
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);
     weft_scene_destroy(scene);

@@ -260,10 +260,10 @@ void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of)
     yaml_out_text(out, "stiffness", stiffness(scene, of).text);
 }
 
-bool stability_warn(const weft_scene *scene, const weft_cloth *cloth, const double *y,
-                    bool quiet)
+bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet)
 {
-    const weft_stiffness modes = weft_cloth_stiffness(cloth, 0.0, y);
+    const weft_stiffness modes
+        = weft_sim_stiffness(sim, weft_sim_time(sim), weft_sim_state(sim));
     const double h = step_taken(scene);
     const bool in_doubt = h > 0.0 && !own_step_is_stable(scene, &modes, h);
     const double stable = in_doubt ? own_stable_step(scene, &modes) : 0.0;

@@ -75,9 +75,8 @@ double calls_per_second(const weft_scene *scene, const survey_method *method, do
 void stability_print(const weft_scene *scene, const survey *of, bool all);
 void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of);
 
-/* Whether the scene's fixed step is beyond the stable one of its cloth in the
- * state y at t = 0. Warns on stderr unless quiet. */
-bool stability_warn(const weft_scene *scene, const weft_cloth *cloth, const double *y,
-                    bool quiet);
+/* Whether the scene's fixed step is beyond the stable one of the present state. Warns
+ * on stderr unless quiet. */
+bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet);
 
 #endif

@@ -135,9 +135,7 @@ static int run_size(void *ctx, size_t i)
     weft_error *err = &self->results[i].err;
     weft_sim *sim = NULL;
     weft_status status = sim_create(self->scene, self->sizes[i].cloth, &sim, err);
-    if (status == WEFT_OK
-        && stability_warn(self->scene, weft_sim_cloth(sim), weft_sim_state(sim),
-                          true)) {
+    if (status == WEFT_OK && stability_warn(self->scene, sim, true)) {
         fprintf(stderr,
                 "weft: warning: size %zu: stepper.fixed_step is beyond the largest "
                 "stable step\n",

@@ -13,20 +13,21 @@ typedef struct bounds {
     double omega, damping;  /* [1/s] now */
 } bounds;
 
-/* state: of the whole cloth. */
-static bounds find_bounds(const weft_scene *scene, const weft_cloth *cloth, double t,
-                          const double *state)
+static bounds find_bounds(const weft_scene *scene, const weft_comm *comm,
+                          const weft_sim *sim)
 {
-    const weft_stiffness any = weft_cloth_stiffness(cloth, 0.0, NULL);
-    const weft_stiffness now = weft_cloth_stiffness(cloth, t, state);
+    const weft_cloth *cloth = weft_sim_cloth(sim);
+    const weft_stiffness any = weft_sim_stiffness(sim, 0.0, NULL);
+    const weft_stiffness now
+        = weft_sim_stiffness(sim, weft_sim_time(sim), weft_sim_state(sim));
     bounds found = { .now = own_stable_step(scene, &now),
                      .any = own_stable_step(scene, &any),
                      .omega = sqrt(now.omega2),
                      .damping = now.damping };
     double *y = malloc(weft_cloth_dim(cloth) * sizeof *y);
-    if (y != NULL) {
+    if (weft_comm_agree(comm, y == NULL ? WEFT_NO_MEMORY : WEFT_OK, NULL) == WEFT_OK) {
         weft_cloth_start(cloth, y);
-        const weft_stiffness start = weft_cloth_stiffness(cloth, 0.0, y);
+        const weft_stiffness start = weft_sim_stiffness(sim, 0.0, y);
         found.start = own_stable_step(scene, &start);
     }
     free(y);
@@ -89,11 +90,17 @@ static void add_state(const weft_failure *failure, size_t cols, sentence *out)
     add_line(out, "energy %.4g J before that step", failure->energy);
 }
 
-static void add_advice(const weft_scene *scene, const bounds *of, sentence *out)
+void failure_report(const weft_scene *scene, const weft_comm *comm, const weft_sim *sim,
+                    const weft_failure *failure, sentence *out)
 {
     sentence advice = { "" };
-    const bounds found = *of;
     const double h = step_taken(scene);
+    out->text[0] = '\0';
+    add_state(failure, weft_cloth_cols(weft_sim_cloth(sim)), out);
+    if (failure->status == WEFT_NO_MEMORY) {
+        return;
+    }
+    const bounds found = find_bounds(scene, comm, sim);
     if (found.start > 0.0) {
         add_line(
             out,
@@ -108,23 +115,4 @@ static void add_advice(const weft_scene *scene, const bounds *of, sentence *out)
             ? advise_fixed(h, &found, &advice)
             : "try looser tolerances, a smaller stepper.min_step or another method, "
               "and look at what drives the cloth there");
-}
-
-void failure_report(const run *self, const weft_failure *failure, sentence *out)
-{
-    const weft_cloth *cloth
-        = self->comm == NULL ? weft_sim_cloth(self->sim) : self->whole;
-    const double *y;
-    double *gathered;
-    out->text[0] = '\0';
-    add_state(failure, weft_cloth_cols(self->cloth), out);
-    if (failure->status == WEFT_NO_MEMORY) {
-        return;
-    }
-    if (run_state(self, &y, &gathered, NULL) == WEFT_OK && run_first(self)) {
-        const bounds found
-            = find_bounds(self->scene, cloth, weft_sim_time(self->sim), y);
-        add_advice(self->scene, &found, out);
-    }
-    free(gathered);
 }

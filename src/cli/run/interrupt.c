@@ -41,10 +41,12 @@ void interrupt_catch_user(void)
     (void)sigaction(SIGUSR1, &action, NULL);
 }
 
-void interrupt_agree(const weft_comm *comm)
+int interrupt_agreed(const weft_comm *comm)
 {
-    const double any = comm->max(comm->self, came);
-    came = any > 0.0 ? (int)any : came;
+    const int mine = came;
+    const int number = comm == NULL ? mine : (int)comm->max(comm->self, mine);
+    came = number != 0 ? number : came;
+    return number;
 }
 
 int interrupt_signal(void)

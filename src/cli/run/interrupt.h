@@ -16,8 +16,9 @@ void interrupt_catch(bool on);
  * soon after a SIGTERM of its own. */
 void interrupt_catch_user(void);
 
-/* Collective: a signal that came to one band has come to all. */
-void interrupt_agree(const weft_comm *comm);
+/* Collective: the signal that has come to a band, to all; 0: none. Later ones do not
+ * count, as they may have come to some bands alone. */
+int interrupt_agreed(const weft_comm *comm);
 
 /* The signal that came; 0: none. */
 int interrupt_signal(void);

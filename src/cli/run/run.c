@@ -122,6 +122,8 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
     status = status == WEFT_OK ? record_shapes_add(&self->shapes, &frame, err) : status;
     status = run_agree(self, status, err);
     status = status == WEFT_OK ? record_vtkhdf_add(self->frames, &frame, err) : status;
+    weft_cloth_destroy(self->whole); /* the first frame needed it */
+    self->whole = NULL;
     if (status == WEFT_OK && self->obj) {
         status = write_frame_obj(self, index, err);
     }
@@ -152,10 +154,7 @@ static bool on_step(void *ctx)
         progress_show(&self->progress, self->result.frames - 1);
     }
     interrupt_release(&self->watch);
-    if (self->comm != NULL) {
-        interrupt_agree(self->comm);
-    }
-    return interrupt_signal() == 0;
+    return interrupt_agreed(self->comm) == 0;
 }
 
 static const char *signal_name(void)
@@ -234,7 +233,7 @@ static int report_failure(run *self, const weft_error *why)
     if (why->status == WEFT_IO || !weft_sim_failure(self->sim, &failure)) {
         return report_error(why);
     }
-    failure_report(self, &failure, &self->reason);
+    failure_report(self->scene, self->comm, self->sim, &failure, &self->reason);
     return EXIT_SIMULATION;
 }
 
@@ -312,25 +311,6 @@ static int refuse(const run *self, const weft_error *why)
     return EXIT_SIMULATION;
 }
 
-/* Of the start, where every run begins. */
-static bool warn_of_step(const run *self)
-{
-    const bool quiet = self->from != NULL;
-    if (self->comm == NULL) {
-        return stability_warn(self->scene, self->cloth, weft_sim_state(self->sim),
-                              quiet);
-    }
-    double *y
-        = self->whole == NULL ? NULL : malloc(weft_cloth_dim(self->whole) * sizeof *y);
-    bool beyond = false;
-    if (y != NULL) {
-        weft_cloth_start(self->whole, y);
-        beyond = stability_warn(self->scene, self->whole, y, quiet);
-    }
-    free(y);
-    return beyond;
-}
-
 static int run_prepared(run *self)
 {
     weft_error err = { 0 };
@@ -339,7 +319,7 @@ static int run_prepared(run *self)
                                .sim = self->sim,
                                .result = &self->result };
     weft_status status = run_agree(self, run_prepare(self, &err), &err);
-    self->beyond = warn_of_step(self);
+    self->beyond = stability_warn(self->scene, self->sim, self->from != NULL);
     self->result.energy_start = weft_energy_total(weft_sim_measure(self->sim).energy);
     if (status == WEFT_OK && self->from != NULL) {
         if (run_take_up(self, &err) != WEFT_OK) {
@@ -358,8 +338,7 @@ static int run_simulation(run *self)
     weft_status status = WEFT_OK;
     self->began = weft__wall_clock();
     if (self->comm != NULL && self->comm->rank == 0) {
-        status = cloth_create(self->scene, weft_scene_cloth(self->scene), &self->whole,
-                              &err);
+        status = weft_cloth_create(weft_scene_cloth(self->scene), &self->whole, &err);
     }
     status = run_agree(self, status, &err);
     if (status == WEFT_OK) {

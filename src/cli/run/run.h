@@ -31,7 +31,7 @@ typedef struct run {
     weft_registry *registry;
     const weft_comm *comm; /* NULL: one process; else all functions are collective */
     weft_cloth *cloth;     /* of the sim: in bands, this one */
-    weft_cloth *whole;     /* in bands, on rank 0: the whole cloth; else NULL */
+    weft_cloth *whole;     /* in bands, on rank 0, up to the first frame; else NULL */
     weft_sim *sim;
     record_series series;
     record_table shapes;
@@ -80,7 +80,8 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
 
 /* failure_report.c: the failure, the stable step and what to try, as lines to stderr
  * and as one text. */
-void failure_report(const run *self, const weft_failure *failure, sentence *out);
+void failure_report(const weft_scene *scene, const weft_comm *comm, const weft_sim *sim,
+                    const weft_failure *failure, sentence *out);
 
 /* summary.c: the results of a run, in eight lines or as YAML. */
 void summary_step(summary *self); /* after each accepted step */
