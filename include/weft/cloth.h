@@ -116,8 +116,10 @@ typedef struct weft_contact_def {
     double friction;       /* >= 0, of shapes without their own */
     weft_friction_law law;
     double slip;              /* [m/s] > 0: friction fades at slower slip */
-    const weft_shape *shapes; /* shape_count of them; 0: no contact */
+    const weft_shape *shapes; /* shape_count of them; 0: no contact with shapes */
     size_t shape_count;
+    bool self; /* contact of the cloth with itself, pinned particles included; needs
+                  thickness <= half the smaller spacing */
 } weft_contact_def;
 
 /* The definition of a cloth. weft_cloth_create copies the arrays. */
@@ -165,11 +167,23 @@ typedef struct weft_spring {
 WEFT_API const char *weft_spring_text(const weft_spring *spring, size_t cols,
                                       char *text, size_t size);
 
+/* A particle, an edge or a triangle of the cloth, for contact with itself. Edges run
+ * along rows, columns and the diagonal (r, c + 1)-(r + 1, c) of each cell. */
+typedef struct weft_primitive {
+    size_t count; /* 1, 2 or 3 particles */
+    size_t particle[3];
+} weft_primitive;
+
+/* Writes "particle (3, 4)", "edge (3, 4)-(3, 5)" or "cell (3, 4)" to text[size] as
+ * snprintf does. Returns text. */
+WEFT_API const char *weft_primitive_text(const weft_primitive *primitive, size_t cols,
+                                         char *text, size_t size);
+
 typedef struct weft_energy {
     double kinetic;                /* [J] of the free particles */
     double gravitational;          /* [J] -m g.x, of the free particles */
     double elastic[WEFT_FAMILIES]; /* [J] WEFT_BEND: that of bending rigidity, too */
-    double contact;                /* [J] potential of the shapes */
+    double contact;                /* [J] potential of shapes and self-contact */
 } weft_energy;
 
 /* The powers [W] that change the total energy. */
@@ -194,6 +208,9 @@ typedef struct weft_measures {
     double gap;                     /* [m] of a free particle: the smallest */
     size_t gap_particle, gap_shape; /* where; 0 without shapes */
     size_t touching;                /* free particles with a gap below the thickness */
+    double self_gap;                /* [m] of the cloth to itself */
+    weft_primitive self_pair[2];    /* where; count 0: nowhere */
+    size_t self_touching;           /* pairs of primitives nearer than the thickness */
 } weft_measures;
 
 typedef enum weft_limit_method {
@@ -396,6 +413,15 @@ WEFT_API double weft_cloth_gap(const weft_cloth *cloth, double t, const double *
 
 /* Free particles with a gap below the thickness to some shape. */
 WEFT_API size_t weft_cloth_touching(const weft_cloth *cloth, double t, const double *y);
+
+/* [m] The smallest distance of two primitives that push each other apart, and which:
+ * the first in the order of the search among equals. INFINITY, and counts of 0, if none
+ * do. pair may be NULL. */
+WEFT_API double weft_cloth_self_gap(const weft_cloth *cloth, const double *y,
+                                    weft_primitive pair[2]);
+
+/* Pairs of primitives that push each other apart. */
+WEFT_API size_t weft_cloth_self_touching(const weft_cloth *cloth, const double *y);
 
 WEFT_API size_t weft_cloth_shapes(const weft_cloth *cloth); /* their number */
 

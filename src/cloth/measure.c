@@ -96,9 +96,11 @@ void weft__row_all(const weft__subject *of, size_t r, weft_measures *row)
     weft__row_power(of, r, row);
 }
 
-const weft_measures weft__row_start = { .gap = (double)INFINITY };
-const weft_measures weft__measures_start
-    = { .hash = WEFT__HASH_START, .gap = (double)INFINITY };
+const weft_measures weft__row_start
+    = { .gap = (double)INFINITY, .self_gap = (double)INFINITY };
+const weft_measures weft__measures_start = { .hash = WEFT__HASH_START,
+                                             .gap = (double)INFINITY,
+                                             .self_gap = (double)INFINITY };
 
 void weft__measures_add(weft_measures *sum, const weft_measures *row)
 {
