@@ -423,6 +423,16 @@ WEFT_API double weft_cloth_self_gap(const weft_cloth *cloth, const double *y,
 /* Pairs of primitives that push each other apart. */
 WEFT_API size_t weft_cloth_self_touching(const weft_cloth *cloth, const double *y);
 
+/* How often the cloth passes through itself or touches itself: pairs of an edge and a
+ * triangle that have a point in common beside a common particle, or in a chain of two
+ * such edges, and neighbours at the same place. Decided exactly, whether the cloth has
+ * self-contact or not; pairs of pinned particles alone do not count. pair (unless NULL)
+ * is the first, by its edge: the particles of the smallest index; counts of 0 if there
+ * is none. y must be finite. Allocates nothing; takes O(N log N) unless much of the
+ * cloth is in one place. */
+WEFT_API size_t weft_cloth_crossings(const weft_cloth *cloth, const double *y,
+                                     weft_primitive pair[2]);
+
 WEFT_API size_t weft_cloth_shapes(const weft_cloth *cloth); /* their number */
 
 /* The contact that a cloth was defined with, without the shapes, and its shape
