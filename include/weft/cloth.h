@@ -334,7 +334,7 @@ WEFT_API int weft_cloth_jacobian_product(const weft_cloth *cloth, double t,
                                          double *out);
 
 /* Writes the force [N] on every particle, as if none were pinned, to f[3 N]: planes fx
- * fy fz. Pinned particles feel no contact. */
+ * fy fz. Pinned particles feel no contact with shapes. */
 WEFT_API void weft_cloth_force(const weft_cloth *cloth, double t, const double *y,
                                double *f);
 

@@ -10,7 +10,7 @@ double weft__touch_energy(const weft_cloth *cloth, const weft__touch *touch)
 {
     const weft_contact_def *law = &cloth->contact;
     const double z = touch->gap * (1.0 / law->thickness), s = 1.0 - z;
-    const double e = 0.5 * law->stopping_speed * law->stopping_speed;
+    const double e = 0.5 * law->stopping_speed * law->stopping_speed * touch->share;
     return z > 0.0 ? e * weft__power_of(s, law->exponent) * s * s / z
                    : (double)INFINITY;
 }
@@ -32,7 +32,7 @@ static double friction_drag(const weft_contact_def *law, const weft__touch *touc
 void weft__touch_forces(const weft_contact_def *law, double friction,
                         weft__touch *touch)
 {
-    const double e = 0.5 * law->stopping_speed * law->stopping_speed;
+    const double e = 0.5 * law->stopping_speed * law->stopping_speed * touch->share;
     const double per = 1.0 / law->thickness, p = law->exponent;
     const double z = touch->gap * per, s = 1.0 - z;
     const double power = weft__power_of(s, law->exponent);
@@ -80,6 +80,7 @@ static bool find_touch(weft__touches *at, size_t i)
         return false;
     }
     at->i = i;
+    touch->share = 1.0;
     find_speeds(&at->pose, x, v, touch);
     weft__touch_forces(&at->cloth->contact, at->pose.friction, touch);
     return true;

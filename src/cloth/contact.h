@@ -25,6 +25,7 @@
 /* A free particle within reach of a shape. */
 typedef struct weft__touch {
     double gap;                    /* [m] */
+    double share;                  /* of e: 1 of a shape */
     double gradient[3], steepness; /* g, |g| */
     bool joined;                   /* where |g| is not 1 */
     double normal[3];              /* n */

@@ -124,8 +124,10 @@ static slopes most_between(const weft_cloth *cloth, const weft__pose *pose, doub
     const double speed
         = law->stopping_speed * sqrt(fmax(0.0, 1.0 - phi(low, law->exponent)));
     const double a = law->damping * speed, mu = pose->friction;
-    weft__touch touch
-        = { .gap = (1.0 - high) * law->thickness, .speed = -speed, .steepness = 1.0 };
+    weft__touch touch = { .gap = (1.0 - high) * law->thickness,
+                          .share = 1.0,
+                          .speed = -speed,
+                          .steepness = 1.0 };
     weft__touch_forces(law, mu, &touch);
     const bool joins = pose->kind == WEFT_CAPSULE || pose->kind == WEFT_BOX;
     return (slopes){

@@ -6,6 +6,7 @@
  * gravitational energy and both momenta are those of the free particles. */
 #include "base/hash.h"
 #include "cloth/added.h"
+#include "cloth/self.h"
 #include "cloth/springs.h"
 
 void weft__row_energy(const weft__subject *of, size_t r, weft_measures *row)
@@ -135,6 +136,7 @@ static weft_measures measure(const weft_cloth *cloth, double t, const double *y,
         measure_row(&of, r, &row);
         weft__measures_add(&sum, &row);
     }
+    weft__self_measure(&of, &sum);
     return sum;
 }
 

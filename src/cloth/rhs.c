@@ -2,7 +2,7 @@
 /* rhs.c -- the equations of motion as a first-order system y' = f(t, y):
  *
  *     free particle     x' = v,   v' = (m g - drag v + springs + bending + wind
- *                                             + contact) / m
+ *                                             + contact + self-contact) / m
  *     pinned particle   x' = V + w A cos(w t),   v' = -w^2 A sin(w t),  w = 2 pi f
  *
  * A pinned particle has inverse mass 0 and follows its prescribed motion; one without
@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "cloth/levels.h"
+#include "cloth/self.h"
 #include "cloth/springs.h"
 
 #define POINTER(name, level) &weft__##name,
@@ -37,6 +38,7 @@ void weft_cloth_force(const weft_cloth *cloth, double t, const double *y, double
         }
         add(&of, i, WEFT__FORCE, f + i);
     }
+    (void)weft__self_add(&of, WEFT__FORCE, f);
 }
 
 /* 0 where a particle's six numbers from z on are finite, else NaN. */
@@ -112,5 +114,6 @@ int weft__rhs_rows(const weft__subject *of, double *dydt, size_t first, size_t e
 int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y, double *dydt)
 {
     const weft__subject of = { .cloth = cloth, .t = t, .y = y };
-    return weft__rhs_rows(&of, dydt, 0, cloth->rows);
+    return weft__rhs_rows(&of, dydt, 0, cloth->rows)
+           | weft__self_add(&of, WEFT__ACCELERATION, dydt + 3 * cloth->particles);
 }

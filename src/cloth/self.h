@@ -8,7 +8,8 @@
 #ifndef WEFT_CLOTH_SELF_H
 #define WEFT_CLOTH_SELF_H
 
-#include "cloth/model.h"
+#include "cloth/added.h"
+#include "cloth/self_tree.h"
 
 /* Both return their number, 0 to 3 and 0 or 2. */
 static inline size_t weft__node_edges(const weft_cloth *cloth, size_t i,
@@ -45,5 +46,117 @@ static inline size_t weft__node_triangles(const weft_cloth *cloth, size_t i,
     triangles[1][0] = below + 1, triangles[1][1] = here + 1, triangles[1][2] = below;
     return 2;
 }
+
+/* Two primitives without a common particle: their particles, those of the second after
+ * those of the first. */
+typedef enum weft__pair_kind {
+    WEFT__VERTICES,        /* 0 and 1 */
+    WEFT__VERTEX_EDGE,     /* 0 and 1-2 */
+    WEFT__VERTEX_TRIANGLE, /* 0 and 1-2-3 */
+    WEFT__EDGES            /* 0-1 and 2-3 */
+} weft__pair_kind;
+
+typedef struct weft__pair {
+    uint32_t particle[4];
+    uint32_t kind;
+} weft__pair;
+
+static inline size_t weft__pair_particles(const weft__pair *pair)
+{
+    return pair->kind == WEFT__VERTICES ? 2 : pair->kind == WEFT__VERTEX_EDGE ? 3 : 4;
+}
+
+void weft__pair_primitives(const weft__pair *pair, weft_primitive out[2]);
+
+/* ---- self_pairs.c: which pairs are near ------------------------------------------ */
+
+/* [m] Of the nearest points of both, in planes y of n. */
+double weft__pair_distance(const weft__pair *pair, const double *y, size_t n);
+
+/* A pair and its distance; false ends the search. */
+typedef bool weft__pair_fn(void *ctx, const weft__pair *pair, double distance);
+
+/* Calls visit for each pair nearer than range, in the order of weft__tree_pairs; all
+ * that are nearer than any smaller range come in the same order. Returns false if a
+ * visit did. The state must be finite. */
+bool weft__each_pair(const weft__tree *tree, double range, weft__pair_fn *visit,
+                     void *ctx);
+
+/* A step is clear of a pair if no
+ * particle of one side can have met one of the other:
+ *
+ *     h max |v_a - v_b| < d0 + d1,  d1 > 0
+ *
+ * over the particles a of one side, b of the other, at both ends of the step. */
+typedef struct weft__stride {
+    const double *y0, *y1; /* states at both ends */
+    size_t n;
+    double h; /* [s]; 0: a straight displacement instead, whatever the velocities */
+} weft__stride;
+
+/* gap: [m] at the end. Vertex-triangle and edge-edge pairs suffice; others are clear.
+ */
+bool weft__stride_clear(const weft__stride *of, const weft__pair *pair, double *gap);
+
+/* [m] No two particles move by more against each other, by their velocities or, with
+ * h = 0, positions. */
+double weft__stride_length(const weft__stride *of);
+
+/* [m] No two particles of N are displaced by more against each other; x, y, z planes.
+ * INFINITY if a number is not finite. */
+double weft__extent(const double *from, const double *to, size_t n);
+
+/* ---- self.c: how they push ------------------------------------------------------- */
+
+/* A pair that pushes. */
+typedef struct weft__push {
+    uint32_t particle[4];
+    uint32_t count, kind;
+    double force[4][3]; /* [N] */
+    double gap;         /* [m] */
+    double energy;      /* [J] */
+    double heat;        /* [W] of its damping */
+    double friction;    /* [W] heat, too */
+} weft__push;
+
+/* What the law takes from a cloth. */
+typedef struct weft__self_law {
+    const weft_cloth *cloth;
+    double soft;      /* x0 of the weights */
+    double square[3]; /* [m^2] of the rest lengths: down, right, diagonal */
+} weft__self_law;
+
+weft__self_law weft__self_law_of(const weft_cloth *cloth);
+
+/* False: it does not push in state y[6 N]. The forces are NaN where two are at the same
+ * place. */
+bool weft__pair_push(const weft__self_law *law, const weft__pair *pair, const double *y,
+                     weft__push *out);
+
+/* Adds its forces on the particles [first, end) to planes to[3 N]. */
+void weft__push_add(const weft_cloth *cloth, const weft__push *push, weft__unit unit,
+                    size_t first, size_t end, double *to);
+
+/* 0, or NaN if a force is not finite. */
+static inline double weft__push_trouble(const weft__push *push)
+{
+    double bad = 0.0;
+    for (size_t k = 0; k < push->count; ++k) {
+        bad += (push->force[k][0] + push->force[k][1] + push->force[k][2]) * 0.0;
+    }
+    return bad;
+}
+
+/* Its energy, powers, gap and touch. */
+void weft__push_measure(const weft_cloth *cloth, const weft__push *push,
+                        const double *y, weft_measures *sum);
+
+/* The same of all pairs of a state, which are sought. weft__self_add returns as
+ * weft_cloth_rhs. Nothing without contact.self. */
+int weft__self_add(const weft__subject *of, weft__unit unit, double *to);
+void weft__self_measure(const weft__subject *of, weft_measures *sum);
+
+/* [m] The shorter side of a cell; of a chain its spacing. */
+double weft__smaller_spacing(size_t rows, size_t cols, const double spacing[2]);
 
 #endif
