@@ -134,7 +134,8 @@ weft_status record_shapes_add(record_table *table, const record_frame *frame,
 /* Columns of series.csv that not every run has. */
 enum {
     RECORD_LEDGER = 1 << 0, /* the simulation keeps it */
-    RECORD_SOLVER = 1 << 1  /* the method solves linear systems */
+    RECORD_SOLVER = 1 << 1, /* the method solves linear systems */
+    RECORD_SELF = 1 << 2    /* the cloth has contact with itself */
 };
 
 /* series.c: one row per frame; `optional`: RECORD_... */

@@ -57,6 +57,11 @@
     X(factorisations, "%" PRIu64, row.stats.factorisations)                            \
     X(newton_failures, "%" PRIu64, row.stats.newton_failures)
 
+/* And these if the cloth has contact with itself. */
+#define SELF_COLUMNS(X)                                                                \
+    X(self_gap, "%.17g", row.all.self_gap)                                             \
+    X(self_touching, "%zu", row.all.self_touching)
+
 /* [bytes] A cell has at most 24 characters and a comma. */
 enum { LINE = 32 * RECORD_COLUMNS_MAX };
 
@@ -103,6 +108,9 @@ void record_series_begin(record_series *series, unsigned optional)
     }
     if ((series->optional & RECORD_SOLVER) != 0) {
         SOLVER_COLUMNS(NAME)
+    }
+    if ((series->optional & RECORD_SELF) != 0) {
+        SELF_COLUMNS(NAME)
     }
 #undef NAME
 }
@@ -160,6 +168,9 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
     }
     if ((series->optional & RECORD_SOLVER) != 0) {
         SOLVER_COLUMNS(CELL)
+    }
+    if ((series->optional & RECORD_SELF) != 0) {
+        SELF_COLUMNS(CELL)
     }
 #undef CELL
     line[used - 1] = '\n';
