@@ -64,13 +64,18 @@ uint64_t weft__contact_hash(const weft_cloth *cloth)
                     &cloth->contact);
 }
 
-/* Nothing without shapes. */
+/* Nothing without contact. */
 static uint64_t hash_contact(uint64_t hash, const weft_cloth *cloth)
 {
     for (size_t k = 0; k < cloth->shape_count; ++k) {
         hash = hash_shape(hash, &cloth->shapes[k]);
     }
-    return cloth->shape_count > 0 ? hash_law(hash, &cloth->contact) : hash;
+    if (cloth->contact.self) {
+        hash = weft__hash_real(weft__hash_word(hash, 1), cloth->contact.friction);
+    }
+    return cloth->shape_count > 0 || cloth->contact.self
+               ? hash_law(hash, &cloth->contact)
+               : hash;
 }
 
 /* Nothing without. */

@@ -129,6 +129,9 @@ bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults
 /* Of contact, but not of its shapes. */
 void weft__contact_check(const weft_contact_def *law, const weft__faults *to);
 
+/* That the thickness suits contact of the cloth with itself, if it has that. */
+void weft__self_check(const weft_cloth_def *def, const weft__faults *to);
+
 /* Of one shape, number `index`: the fields are offsets in weft_shape. */
 bool weft__shape_check(const weft_shape *shape, size_t index, const weft__faults *to);
 
@@ -151,6 +154,15 @@ static inline double weft__dot(const double a[3], const double b[3])
 static inline double weft__length(const double a[3])
 {
     return sqrt(weft__dot(a, a));
+}
+
+/* [m] The shorter side of a cell; of a chain its spacing. */
+static inline double weft__smaller_spacing(size_t rows, size_t cols,
+                                           const double spacing[2])
+{
+    return rows == 1   ? spacing[1]
+           : cols == 1 ? spacing[0]
+                       : fmin(spacing[0], spacing[1]);
 }
 
 /* Rest position [m] of particle (r, c). */

@@ -44,13 +44,6 @@ const char *weft_primitive_text(const weft_primitive *primitive, size_t cols,
     return text;
 }
 
-double weft__smaller_spacing(size_t rows, size_t cols, const double spacing[2])
-{
-    return rows == 1   ? spacing[1]
-           : cols == 1 ? spacing[0]
-                       : fmin(spacing[0], spacing[1]);
-}
-
 weft__self_law weft__self_law_of(const weft_cloth *cloth)
 {
     const double a2 = cloth->spacing[0] * cloth->spacing[0];

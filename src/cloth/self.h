@@ -156,7 +156,4 @@ void weft__push_measure(const weft_cloth *cloth, const weft__push *push,
 int weft__self_add(const weft__subject *of, weft__unit unit, double *to);
 void weft__self_measure(const weft__subject *of, weft_measures *sum);
 
-/* [m] The shorter side of a cell; of a chain its spacing. */
-double weft__smaller_spacing(size_t rows, size_t cols, const double spacing[2]);
-
 #endif

@@ -450,6 +450,17 @@ static void check_shapes(const weft_cloth_def *def, const weft__faults *to)
     }
 }
 
+void weft__self_check(const weft_cloth_def *def, const weft__faults *to)
+{
+    const double most = 0.5 * weft__smaller_spacing(def->rows, def->cols, def->spacing);
+    if (def->contact.self && def->contact.thickness > most) {
+        weft__fault(to, FIELD(contact.thickness), FIELD(contact.thickness),
+                    "contact: thickness %g m is more than half the smaller spacing, %g "
+                    "m, which contact of the cloth with itself needs",
+                    def->contact.thickness, most);
+    }
+}
+
 static bool check_arrays(const weft_cloth_def *def, const weft__faults *to)
 {
     const char *missing = def->load_count > 0 && def->loads == NULL ? "loads"
@@ -471,8 +482,9 @@ void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to)
         check_springs(def, to);
         check_bending(def, to);
         check_pins(def, to);
-        if (def->contact.shape_count > 0) {
+        if (def->contact.shape_count > 0 || def->contact.self) {
             weft__contact_check(&def->contact, to);
+            weft__self_check(def, to);
             check_shapes(def, to);
         }
     }
