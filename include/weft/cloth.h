@@ -288,8 +288,9 @@ WEFT_API weft_cloth_def weft_cloth_def_default(void);
 /* Creates a cloth. It uses the fastest instructions of this machine, unless the
  * environment variable WEFT_ISA selects other supported ones: "plain", "x86-64-v3"
  * (AVX2), "x86-64-v4" (AVX-512). Errors: WEFT_INVALID (a value out of range, a pin
- * outside the grid, coincident rest positions, a free particle inside a shape, another
- * name in WEFT_ISA, ...; the message names the field), WEFT_NO_MEMORY. */
+ * outside the grid, coincident rest positions, a free particle inside a shape, with
+ * contact.self a cloth that passes through itself, another name in WEFT_ISA, ...; the
+ * message names the field), WEFT_NO_MEMORY. */
 WEFT_API weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
                                        weft_error *err);
 WEFT_API void weft_cloth_destroy(weft_cloth *cloth); /* NULL is allowed */

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "cloth/crossing.h"
 
-#include <stdio.h>
-
 #include "cloth/self.h"
 
 typedef struct search {
     const weft__tree *tree;
     weft__crossings found;
     size_t first[2]; /* the keys of the first: it is the least */
+    size_t loose;
 } search;
 
 /* An edge, or what it is compared with. */
@@ -40,14 +39,12 @@ static weft_primitive primitive(const part *from)
     return to;
 }
 
-static bool any_free(const search *of, const part *edge, const part *other)
+static bool any_free(const search *of, const part *primitive)
 {
     bool any = false;
-    for (size_t i = 0; i < edge->count; ++i) {
-        any = any || of->tree->cloth->pin[edge->particle[i]] == 0;
-    }
-    for (size_t i = 0; i < other->count; ++i) {
-        any = any || of->tree->cloth->pin[other->particle[i]] == 0;
+    for (size_t i = 0; i < primitive->count; ++i) {
+        const uint32_t at = primitive->particle[i];
+        any = any || of->tree->cloth->pin[at] == 0 || at == of->loose;
     }
     return any;
 }
@@ -55,7 +52,7 @@ static bool any_free(const search *of, const part *edge, const part *other)
 static void keep(search *of, const part *edge, const part *other, weft__meeting how)
 {
     weft__crossings *found = &of->found;
-    if (how == WEFT__APART || !any_free(of, edge, other)) {
+    if (how == WEFT__APART || (!any_free(of, edge) && !any_free(of, other))) {
         return;
     }
     if (found->count == 0 || edge->key < of->first[0]
@@ -186,9 +183,9 @@ static bool visit(void *ctx, size_t i, size_t j)
     return true;
 }
 
-weft__crossings weft__crossings_of(const weft__tree *tree)
+weft__crossings weft__crossings_of(const weft__tree *tree, size_t loose)
 {
-    search of = { .tree = tree };
+    search of = { .tree = tree, .loose = loose };
     (void)weft__tree_pairs(tree, 0.0, visit, &of);
     return of.found;
 }
@@ -197,25 +194,33 @@ size_t weft_cloth_crossings(const weft_cloth *cloth, const double *y,
                             weft_primitive pair[2])
 {
     const weft__tree tree = weft__tree_of(cloth, y);
-    const weft__crossings found = weft__crossings_of(&tree);
+    const weft__crossings found = weft__crossings_of(&tree, SIZE_MAX);
     for (size_t k = 0; pair != NULL && k < 2; ++k) {
         pair[k] = found.first[k];
     }
     return found.count;
 }
 
-const char *weft__crossings_text(const weft__crossings *found, size_t cols, char *text,
-                                 size_t size)
+weft_status weft__crossing_error(const weft_cloth *cloth, const double *y, size_t loose,
+                                 const char *where, weft_error *err)
 {
     char names[2][96], more[48] = "";
-    if (found->count > 1) {
-        (void)snprintf(more, sizeof more, "; %zu such pairs", found->count);
+    if (!cloth->contact.self) {
+        return WEFT_OK;
+    }
+    const weft__tree tree = weft__tree_of(cloth, y);
+    const weft__crossings found = weft__crossings_of(&tree, loose);
+    if (found.count == 0) {
+        return WEFT_OK;
+    }
+    if (found.count > 1) {
+        (void)snprintf(more, sizeof more, "; %zu such pairs", found.count);
     }
     for (size_t k = 0; k < 2; ++k) {
-        (void)weft_primitive_text(&found->first[k], cols, names[k], sizeof names[k]);
+        (void)weft_primitive_text(&found.first[k], cloth->cols, names[k],
+                                  sizeof names[k]);
     }
-    (void)snprintf(text, size, "%s %s %s%s", names[0],
-                   found->how == WEFT__PIERCE ? "passes through" : "touches", names[1],
-                   more);
-    return text;
+    return weft_error_set(err, WEFT_INVALID, "%s%s %s %s%s", where, names[0],
+                          found.how == WEFT__PIERCE ? "passes through" : "touches",
+                          names[1], more);
 }

@@ -13,10 +13,15 @@ typedef struct weft__crossings {
     weft__meeting how;       /* of the first */
 } weft__crossings;
 
-weft__crossings weft__crossings_of(const weft__tree *tree);
+/* Particle `loose` counts as free; SIZE_MAX: none does. */
+weft__crossings weft__crossings_of(const weft__tree *tree, size_t loose);
 
-/* "edge (3, 4)-(3, 5) passes through cell (9, 2); 12 such pairs"; count > 0. */
-const char *weft__crossings_text(const weft__crossings *found, size_t cols, char *text,
-                                 size_t size);
+/* If a cloth with contact.self passes through itself in a state: WEFT_INVALID, with
+ * `where` before "edge (3, 4)-(3, 5) passes through cell (9, 2); 12 such pairs". */
+weft_status weft__crossing_error(const weft_cloth *cloth, const double *y, size_t loose,
+                                 const char *where, weft_error *err);
+
+/* cloth.c: the same of the state at t = 0, or WEFT_NO_MEMORY. */
+weft_status weft__start_crossing_error(const weft_cloth *cloth, weft_error *err);
 
 #endif

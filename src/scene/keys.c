@@ -306,8 +306,9 @@ static const weft__key contact_keys[] = {
     { "damping", WEFT__NUMBER, .fallback = "1.0", NUMBER(contact, damping),
       .meaning = "of the approach; 0: elastic" },
     { "friction", WEFT__NUMBER, .fallback = "0.3", NUMBER(contact, friction),
-      .meaning = "coefficient of friction of shapes without their own, and of the cloth "
-                 "on itself" },
+      .meaning
+      = "coefficient of friction of shapes without their own, and of the cloth "
+        "on itself" },
     { "law", WEFT__CHOICE, .names = friction_names, AT(weft_contact_def, law),
       .fallback = "smooth",
       .meaning = "smooth: no stiffer than 10 times the contact; coulomb: exact above "
@@ -562,7 +563,8 @@ static const weft__key root_keys[] = {
     { "forces", WEFT__MAPPING, .section = &force_section, .absent = "gravity",
       AT(weft_scene, cloth), .meaning = "other forces on the cloth" },
     { "contact", WEFT__MAPPING, .section = &contact_section, .absent = "none",
-      AT(weft_scene, cloth.contact), .meaning = "rigid shapes that the cloth touches, and the cloth itself" },
+      AT(weft_scene, cloth.contact),
+      .meaning = "rigid shapes that the cloth touches, and the cloth itself" },
     { "limit", WEFT__MAPPING, .section = &limit_section, .absent = "none",
       AT(weft_scene, limit),
       .meaning = "strain limit, applied after every accepted step" },

@@ -2,6 +2,7 @@
 /* scene_contact.c -- contact in a scene: rules between its keys, and warnings. */
 #include <string.h>
 
+#include "cloth/crossing.h"
 #include "cloth/shapes.h"
 #include "scene/read.h"
 
@@ -64,6 +65,24 @@ static void check_start(weft__reader *reader, const weft__node *shapes)
     }
 }
 
+/* Cloth starts flat, so that only rounding can bring it into itself. */
+static void check_crossings(weft__reader *reader, const weft__node *self)
+{
+    weft_cloth_def def = reader->scene->cloth;
+    weft_cloth *cloth = NULL;
+    weft_error err = { 0 };
+    def.contact = weft_cloth_def_default().contact;
+    def.allocator = reader->report->memory;
+    if ((double)def.rows * (double)def.cols < MAX_COMPARED
+        && weft_cloth_create(&def, &cloth, NULL) == WEFT_OK) {
+        cloth->contact.self = true;
+        if (weft__start_crossing_error(cloth, &err) == WEFT_INVALID) {
+            weft__report_error(reader->report, self->at, "%s", err.message);
+        }
+    }
+    weft_cloth_destroy(cloth);
+}
+
 void weft__check_contact(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_contact_def *contact = base;
@@ -73,6 +92,9 @@ void weft__check_contact(weft__reader *reader, const weft__match *match, void *b
                            "slip has no effect without friction: it is 0 everywhere");
     }
     weft__contact_check(contact, &match->faults);
+    if (reader->scene->cloth.rows > 0) {
+        weft__self_check(&reader->scene->cloth, &match->faults);
+    }
     if (reader->report->found->errors > 0) {
         return;
     }
@@ -82,6 +104,9 @@ void weft__check_contact(weft__reader *reader, const weft__match *match, void *b
         weft__report_warning(reader->report, match->map->at,
                              "contact has no effect: it has no shapes, and self is "
                              "false");
+    }
+    if (contact->self) {
+        check_crossings(reader, weft__value_in(match, "self"));
     }
 }
 
