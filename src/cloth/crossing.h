@@ -21,7 +21,4 @@ weft__crossings weft__crossings_of(const weft__tree *tree, size_t loose);
 weft_status weft__crossing_error(const weft_cloth *cloth, const double *y, size_t loose,
                                  const char *where, weft_error *err);
 
-/* cloth.c: the same of the state at t = 0, or WEFT_NO_MEMORY. */
-weft_status weft__start_crossing_error(const weft_cloth *cloth, weft_error *err);
-
 #endif

@@ -2,7 +2,6 @@
 /* scene_contact.c -- contact in a scene: rules between its keys, and warnings. */
 #include <string.h>
 
-#include "cloth/crossing.h"
 #include "cloth/shapes.h"
 #include "scene/read.h"
 
