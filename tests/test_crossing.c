@@ -212,7 +212,7 @@ START_TEST(segments_meet_triangles_as_inequalities_say)
 {
     uint64_t state = 3;
     int seen[3] = { 0 };
-    for (int i = 0; i < test_rounds(3000, 100000); ++i) {
+    for (int i = 0; i < test_rounds(2000, 100000); ++i) {
         int64_t x[5][3];
         double at[5][3];
         on_lattice(&state, 1 + i % 4, x, at);
@@ -223,7 +223,7 @@ START_TEST(segments_meet_triangles_as_inequalities_say)
                          wanted);
         ++seen[wanted];
     }
-    ck_assert(seen[0] > 500 && seen[1] > 500 && seen[2] > 30);
+    ck_assert(seen[0] > 300 && seen[1] > 300 && seen[2] > 20);
 }
 END_TEST
 
@@ -231,7 +231,7 @@ START_TEST(segments_meet_segments_as_inequalities_say)
 {
     uint64_t state = 4;
     int seen[2] = { 0 };
-    for (int i = 0; i < test_rounds(3000, 100000); ++i) {
+    for (int i = 0; i < test_rounds(2000, 100000); ++i) {
         int64_t x[5][3];
         double at[5][3];
         on_lattice(&state, 1 + i % 4, x, at);
@@ -240,7 +240,7 @@ START_TEST(segments_meet_segments_as_inequalities_say)
                          wanted ? WEFT__TOUCH : WEFT__APART);
         ++seen[wanted];
     }
-    ck_assert(seen[0] > 500 && seen[1] > 100);
+    ck_assert(seen[0] > 300 && seen[1] > 100);
 }
 END_TEST
 
@@ -358,7 +358,7 @@ START_TEST(crossings_are_those_of_all_pairs)
         = { { 2, 2 }, { 3, 4 }, { 1, 12 }, { 9, 1 }, { 2, 7 } };
     uint64_t state = 5;
     size_t without = 0;
-    for (int i = 0; i < test_rounds(100, 3000); ++i) {
+    for (int i = 0; i < test_rounds(35, 3000); ++i) {
         const size_t *size = sizes[i % 5];
         lattice of = random_lattice(&state, size[0], size[1], 1 << i % 7);
         const size_t count = weft_cloth_crossings(of.cloth, of.y, NULL);
@@ -366,7 +366,7 @@ START_TEST(crossings_are_those_of_all_pairs)
         without += count == 0;
         weft_cloth_destroy(of.cloth);
     }
-    ck_assert(without > 5 && without < 90);
+    ck_assert(without > 0 && without < 30);
 }
 END_TEST
 
@@ -457,6 +457,132 @@ START_TEST(a_flat_or_curved_sheet_does_not_cross_itself)
 }
 END_TEST
 
+/* ---- simulations ----------------------------------------------------------------- */
+
+/* Spoils the state in its first call. */
+static bool press_through(void *ctx, double t, double h, double *y)
+{
+    const lattice *to = ctx;
+    (void)t, (void)h;
+    memcpy(y, to->y, 3 * to->rows * to->cols * sizeof *y);
+    return true;
+}
+
+static weft_sim *simulation(const weft_cloth *cloth, weft_correct_fn *correct,
+                            void *ctx)
+{
+    weft_error err = { 0 };
+    weft_sim_def def = weft_sim_def_default();
+    weft_sim *sim = NULL;
+    def.cloth = cloth;
+    def.method = test_method_named("verlet/velocity_verlet");
+    def.config.fixed_step = 1e-5;
+    def.correct = correct, def.correct_ctx = ctx;
+    ck_assert_msg(weft_sim_create(&def, &sim, &err) == WEFT_OK, "%s", err.message);
+    return sim;
+}
+
+static weft_cloth *touching_itself(void)
+{
+    weft_cloth_def def = weft_cloth_def_default();
+    def.rows = def.cols = 5;
+    def.contact.self = true;
+    return test_cloth(&def);
+}
+
+static weft_status set_positions(weft_sim *sim, const lattice *of, weft_error *err)
+{
+    double xyz[3 * 64];
+    const size_t n = of->rows * of->cols;
+    for (size_t i = 0; i < 3 * n; ++i) {
+        xyz[i] = of->y[i % 3 * n + i / 3];
+    }
+    return weft_sim_set_state(sim, xyz, NULL, err);
+}
+
+START_TEST(no_state_that_crosses_itself_is_set)
+{
+    weft_error err = { 0 };
+    lattice apart = folded(1, 1), through = folded(1, -1);
+    weft_cloth *cloth = touching_itself();
+    weft_sim *sim = simulation(cloth, NULL, NULL);
+    ck_assert_int_eq(set_positions(sim, &apart, &err), WEFT_OK);
+    const uint64_t before = test_hash(weft_sim_state(sim), 6 * 25);
+    ck_assert_int_eq(set_positions(sim, &through, &err), WEFT_INVALID);
+    ck_assert_msg(strncmp(err.message, "edge (0, ", 9) == 0
+                      && strstr(err.message, " cell (") != NULL
+                      && strstr(err.message, " such pairs") != NULL,
+                  "%s", err.message);
+    ck_assert_uint_eq(test_hash(weft_sim_state(sim), 6 * 25), before);
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    weft_cloth_destroy(apart.cloth);
+    weft_cloth_destroy(through.cloth);
+}
+END_TEST
+
+START_TEST(no_pin_is_moved_or_released_into_the_cloth)
+{
+    weft_error err = { 0 };
+    lattice apart = folded(1, 1), through = folded(1, -1);
+    weft_cloth *cloth = touching_itself();
+    weft_sim *sim = simulation(cloth, NULL, NULL);
+    const size_t n = 25, i = 22;
+    const double *y = through.y;
+    const double inside[3] = { y[i], y[n + i], y[2 * n + i] };
+    ck_assert_int_eq(set_positions(sim, &apart, &err), WEFT_OK);
+    ck_assert_int_eq(weft_sim_pin(sim, i, NULL, &err), WEFT_OK);
+    const uint64_t before = test_hash(weft_sim_state(sim), 6 * n);
+    ck_assert_int_eq(weft_sim_move_pin(sim, i, inside, &err), WEFT_INVALID);
+    ck_assert(strstr(err.message, " such pairs") != NULL);
+    ck_assert_uint_eq(test_hash(weft_sim_state(sim), 6 * n), before);
+    for (size_t k = 1; k < n; ++k) {
+        ck_assert_int_eq(weft_sim_pin(sim, k, NULL, &err), WEFT_OK);
+    }
+    ck_assert_int_eq(weft_sim_move_pin(sim, i, inside, &err), WEFT_OK);
+    ck_assert_int_eq(weft_sim_unpin(sim, i, &err), WEFT_INVALID);
+    ck_assert(strstr(err.message, " such pairs") != NULL);
+    ck_assert(weft_cloth_pinned(weft_sim_cloth(sim), i));
+    ck_assert_int_eq(weft_sim_unpin(sim, 4, &err), WEFT_OK); /* far from there */
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    weft_cloth_destroy(apart.cloth);
+    weft_cloth_destroy(through.cloth);
+}
+END_TEST
+
+START_TEST(a_correction_through_the_cloth_fails)
+{
+    weft_error err = { 0 };
+    lattice through = folded(1, -1);
+    weft_cloth *cloth = touching_itself();
+    weft_sim *sim = simulation(cloth, press_through, &through);
+    ck_assert_int_eq(weft_sim_step(sim, 1e-5, &err), WEFT_INVALID);
+    ck_assert_msg(strncmp(err.message, "after the correction edge (0, ", 30) == 0, "%s",
+                  err.message);
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    weft_cloth_destroy(through.cloth);
+}
+END_TEST
+
+START_TEST(cloth_that_starts_in_itself_is_refused)
+{
+    weft_error err = { 0 };
+    weft_cloth *cloth = NULL;
+    weft_cloth_def def = weft_cloth_def_default();
+    def.origin[0] = def.origin[1] = 1e6;
+    def.scale = 1e-12;
+    ck_assert_int_eq(weft_cloth_create(&def, &cloth, &err), WEFT_OK);
+    weft_cloth_destroy(cloth);
+    def.contact.self = true;
+    ck_assert_int_eq(weft_cloth_create(&def, &cloth, &err), WEFT_INVALID);
+    ck_assert_msg(strncmp(err.message, "particle (0, 0) touches particle (0, 1); ", 41)
+                      == 0,
+                  "%s", err.message);
+}
+END_TEST
+
 TEST_SUITE(crossing)
 {
     Suite *suite = suite_create("crossing");
@@ -469,6 +595,10 @@ TEST_SUITE(crossing)
     tcase_add_test(cloth, only_a_fold_that_is_pressed_through_crosses);
     tcase_add_test(cloth, pinned_parts_may_cross_each_other);
     tcase_add_test(cloth, a_flat_or_curved_sheet_does_not_cross_itself);
+    tcase_add_test(cloth, no_state_that_crosses_itself_is_set);
+    tcase_add_test(cloth, no_pin_is_moved_or_released_into_the_cloth);
+    tcase_add_test(cloth, a_correction_through_the_cloth_fails);
+    tcase_add_test(cloth, cloth_that_starts_in_itself_is_refused);
     suite_add_tcase(suite, exact);
     suite_add_tcase(suite, cloth);
     return suite;

@@ -243,8 +243,7 @@ static void warn_of_stepper(weft__reader *reader, const weft__node *method,
         weft__report_warning(
             reader->report, fixed_step->at,
             "fixed_step %g s is longer than contact.thickness / (2 stopping_speed) = "
-            "%.3g s: steps that may pass a shape, or the cloth itself, are taken back "
-            "and halved",
+            "%.3g s: steps that may pass through a surface are taken back and halved",
             h, most);
     }
 }
