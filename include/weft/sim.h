@@ -281,8 +281,10 @@ typedef struct weft_failure {
     bool contact;       /* whether a shape is the reason, that is in the way of
                            gap_particle; else the fields below are 0 */
     size_t gap_particle, gap_shape;
-    double gap;      /* [m] after the last attempt, or correction */
-    double gap_step; /* [s] length of that attempt */
+    double gap;                  /* [m] after the last attempt, or correction */
+    double gap_step;             /* [s] length of that attempt */
+    weft_primitive self_pair[2]; /* two primitives of the cloth that are the reason,
+                           with the gap above; count 0: they are not */
 } weft_failure;
 
 /* Whether the last step failed; the message of weft_sim_step has the same in words. */
@@ -310,8 +312,8 @@ WEFT_API weft_ledger weft_sim_ledger(const weft_sim *sim);
 WEFT_API weft_measures weft_sim_measure(const weft_sim *sim);
 
 /* How often a step was taken back, and repeated with half its length, because a free
- * particle had got into a shape or may have passed through it, or because in fixed
- * steps a stage was in a shape. In weft_sim_stats, steps
+ * particle had got into a shape or may have passed through it, or the cloth through
+ * itself, or because in fixed steps a stage was in a shape. In weft_sim_stats, steps
  * taken back count as rejected. */
 WEFT_API uint64_t weft_sim_vetoed(const weft_sim *sim);
 

@@ -136,13 +136,22 @@ static weft_measures measure(const weft_cloth *cloth, double t, const double *y,
         measure_row(&of, r, &row);
         weft__measures_add(&sum, &row);
     }
+    return sum;
+}
+
+/* With the energy and powers of self-contact. */
+static weft_measures measure_all(const weft_cloth *cloth, double t, const double *y,
+                                 weft__row_fn *measure_row)
+{
+    const weft__subject of = { .cloth = cloth, .t = t, .y = y };
+    weft_measures sum = measure(cloth, t, y, measure_row);
     weft__self_measure(&of, &sum);
     return sum;
 }
 
 weft_energy weft_cloth_energy(const weft_cloth *cloth, double t, const double *y)
 {
-    return measure(cloth, t, y, weft__row_energy).energy;
+    return measure_all(cloth, t, y, weft__row_energy).energy;
 }
 
 double weft_energy_total(weft_energy energy)
@@ -157,7 +166,7 @@ double weft_energy_total(weft_energy energy)
 void weft_cloth_power(const weft_cloth *cloth, double t, const double *y,
                       double power[WEFT_POWERS])
 {
-    memcpy(power, measure(cloth, t, y, weft__row_power).power,
+    memcpy(power, measure_all(cloth, t, y, weft__row_power).power,
            WEFT_POWERS * sizeof *power);
 }
 
@@ -170,7 +179,7 @@ static void row_dissipation(const weft__subject *of, size_t r, weft_measures *ro
 
 double weft_cloth_dissipation(const weft_cloth *cloth, double t, const double *y)
 {
-    const weft_measures sum = measure(cloth, t, y, row_dissipation);
+    const weft_measures sum = measure_all(cloth, t, y, row_dissipation);
     return sum.power[WEFT_POWER_SPRINGS] + sum.power[WEFT_POWER_DRAG]
            + sum.power[WEFT_POWER_CONTACT] + sum.power[WEFT_POWER_FRICTION];
 }

@@ -169,11 +169,6 @@ static inline double weft__smaller_spacing(size_t rows, size_t cols,
                        : fmin(spacing[0], spacing[1]);
 }
 
-static inline bool weft__has_contact(const weft_cloth *cloth)
-{
-    return cloth->shape_count > 0 || cloth->contact.self;
-}
-
 /* Rest position [m] of particle (r, c). */
 void weft__rest_position(const weft_cloth *cloth, size_t r, size_t c, double x[3]);
 

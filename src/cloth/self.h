@@ -12,11 +12,11 @@
 #include "cloth/self_tree.h"
 
 /* Both return their number, 0 to 3 and 0 or 2. */
-static inline size_t weft__node_edges(const weft_cloth *cloth, size_t i,
+static inline size_t weft__node_edges(const weft_cloth *of, size_t i,
                                       uint32_t edges[3][2])
 {
-    const size_t cols = cloth->cols, right = i % cols + 1 < cols;
-    const size_t down = i + cols < cloth->particles;
+    const size_t cols = of->cols, right = i % cols + 1 < cols;
+    const size_t down = i + cols < of->particles;
     const uint32_t here = (uint32_t)i, below = (uint32_t)(i + cols);
     size_t count = 0;
     if (right) {
@@ -34,11 +34,11 @@ static inline size_t weft__node_edges(const weft_cloth *cloth, size_t i,
     return count;
 }
 
-static inline size_t weft__node_triangles(const weft_cloth *cloth, size_t i,
+static inline size_t weft__node_triangles(const weft_cloth *of, size_t i,
                                           uint32_t triangles[2][3])
 {
-    const size_t cols = cloth->cols;
-    if (i % cols + 1 >= cols || i + cols >= cloth->particles) {
+    const size_t cols = of->cols;
+    if (i % cols + 1 >= cols || i + cols >= of->particles) {
         return 0;
     }
     const uint32_t here = (uint32_t)i, below = (uint32_t)(i + cols);

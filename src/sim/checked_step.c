@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* checked_step.c -- steps of the stepper, taken back and halved until one is clear of
- * all shapes. */
+ * all shapes and of the cloth itself. */
 #include <math.h>
 
 #include "base/log.h"
@@ -17,7 +17,7 @@ weft_status weft__sim_make_start(weft_sim *sim, weft_error *err)
             = weft__alloc(&sim->memory, weft_cloth_dim(sim->cloth) + WEFT__QUADRATURES,
                           sizeof *sim->start);
         if (sim->start == NULL) {
-            return weft_error_set(err, WEFT_NO_MEMORY, "no memory for shapes");
+            return weft_error_set(err, WEFT_NO_MEMORY, "no memory for contact");
         }
     }
     return WEFT_OK;
@@ -27,6 +27,11 @@ static double least_step(const weft_sim *sim)
 {
     const double fixed = sim->config.fixed_step;
     return fixed > 0.0 ? fixed * LEAST_PART : sim->config.min_step;
+}
+
+bool weft__sim_checks(const weft_sim *sim)
+{
+    return weft_cloth_shapes(sim->cloth) > 0 || sim->cloth->contact.self;
 }
 
 /* Whether a step that failed did so for a stage in a shape. */
@@ -60,7 +65,7 @@ static weft_status attempt(weft_sim *sim, double t0, double end, bool *again,
     }
     const weft__path path = { t0, sim->t, sim->start, sim->y };
     if (!weft__path_clear(&sim->forces, &path)) {
-        sim->refused = weft__path_breach(sim->cloth, &path);
+        sim->refused = weft__path_breach(&sim->forces, &path);
         take_back(sim, t0);
         *again = true;
     } else {
@@ -73,6 +78,13 @@ static weft_status give_up(const weft_sim *sim, weft_error *why)
 {
     const weft__breach *at = &sim->refused;
     const size_t cols = weft_cloth_cols(sim->cloth);
+    char text[WEFT__BREACH_TEXT];
+    if (at->pair[0].count > 0) {
+        return weft_error_set(why, WEFT_STEP_TOO_SMALL,
+                              "%s cannot be kept apart: distance %.3g m after %.3g s",
+                              weft__breach_text(at, cols, text), at->gap,
+                              at->t - sim->t);
+    }
     return weft_error_set(why, WEFT_STEP_TOO_SMALL,
                           "particle (%zu, %zu) cannot be kept out of shapes[%zu]: gap "
                           "%.3g m after %.3g s",
@@ -82,10 +94,15 @@ static weft_status give_up(const weft_sim *sim, weft_error *why)
 
 weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
 {
-    if (weft_cloth_shapes(sim->cloth) == 0) {
+    if (!weft__sim_checks(sim)) {
         return sim->def.method->step(sim->stepper, t_end, &sim->t, sim->y, why);
     }
     const double t0 = sim->t, fixed = sim->config.fixed_step;
+    char text[WEFT__BREACH_TEXT];
+    if (sim->forces.self != NULL
+        && weft__self_list_grow(sim->forces.self, why) != WEFT_OK) {
+        return WEFT_NO_MEMORY;
+    }
     memcpy(sim->start, sim->y, weft__sim_dim(sim) * sizeof *sim->y);
     for (double end = t_end;;) {
         bool again;
@@ -102,7 +119,7 @@ weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
         ++sim->vetoed;
         end = t0 + h;
         weft__log(&sim->def.log, WEFT_LOG_DEBUG,
-                  "t = %.9g s: a step of %.3g s taken back: particle %zu, shapes[%zu]",
-                  t0, tried, sim->refused.particle, sim->refused.shape);
+                  "t = %.9g s: a step of %.3g s taken back: %s", t0, tried,
+                  weft__breach_text(&sim->refused, weft_cloth_cols(sim->cloth), text));
     }
 }

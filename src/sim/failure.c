@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* failure.c -- the state in which a step failed, for programs and as a message. */
 #include <math.h>
+#include <string.h>
 
 #include "sim/simulation.h"
 
@@ -47,10 +48,12 @@ weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err
                                .last_step = weft_sim_stats(sim).last_step,
                                .spring = measures.worst,
                                .energy = weft_energy_total(measures.energy),
-                               .contact = sim->refused.found };
-    if (failure->contact) {
+                               .contact = sim->refused.found
+                                          && sim->refused.pair[0].count == 0 };
+    if (sim->refused.found) {
         failure->gap_particle = sim->refused.particle;
         failure->gap_shape = sim->refused.shape;
+        memcpy(failure->self_pair, sim->refused.pair, sizeof failure->self_pair);
         failure->gap = sim->refused.gap;
         failure->gap_step = sim->refused.t - sim->t;
     }

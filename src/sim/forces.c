@@ -4,6 +4,7 @@
 #include <stdatomic.h>
 
 #include "base/memory.h"
+#include "cloth/model.h"
 
 /* PARTICLES_PER_THREAD: their evaluation takes ten times as long as handing it to a
  * thread that is awake. More bands than threads, where a band costs little beside its
@@ -26,15 +27,25 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
     const size_t each = rows / (ROWS_PER_BAND * count);
     const bool many = count > 1 || weft_cloth_particles(cloth) > PARTICLES_CACHED;
     const size_t bands = count * (many && each > 1 ? each : 1);
+    weft__self_list *self = NULL;
+    if (cloth->contact.self && measures != NULL) {
+        self = weft__self_list_create(cloth, team, &memory);
+        if (self == NULL) {
+            weft__free(&memory, measures);
+            measures = NULL;
+        }
+    }
     return (weft__forces){ .cloth = cloth,
                            .team = team,
                            .bands = bands < WEFT_PARTS ? bands : WEFT_PARTS,
+                           .self = self,
                            .measures = measures,
                            .memory = memory };
 }
 
 void weft__forces_destroy(weft__forces *forces)
 {
+    weft__self_list_destroy(forces->self);
     weft__team_destroy(forces->team);
     weft__free(&forces->memory, forces->measures);
 }
@@ -93,6 +104,10 @@ int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
     const weft__subject of = { .cloth = forces->cloth, .t = t, .y = y };
     call all = { .forces = forces, .subject = &of, .dydt = dydt };
     weft__forces_bands(forces, force_band, &all);
+    if (forces->self != NULL) {
+        double *to = dydt + 3 * forces->cloth->particles;
+        return atomic_load(&all.failed) | weft__self_list_add(forces->self, &of, to);
+    }
     return atomic_load(&all.failed);
 }
 
@@ -114,6 +129,9 @@ weft_measures weft__forces_measure(const weft__forces *forces, const weft__subje
     weft__forces_bands(forces, measure_band, &all);
     for (size_t r = 0; r < weft_cloth_rows(forces->cloth); ++r) {
         weft__measures_add(&sum, &forces->measures[r]);
+    }
+    if (forces->self != NULL && row != weft__row_worst) {
+        weft__self_list_measure(forces->self, of, &sum);
     }
     return sum;
 }

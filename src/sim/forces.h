@@ -5,12 +5,13 @@
 #define WEFT_SIM_FORCES_H
 
 #include "cloth/rows.h"
-#include "sim/team.h"
+#include "sim/self_list.h"
 
 typedef struct weft__forces {
     const weft_cloth *cloth;
     weft__team *team; /* NULL: one thread */
     size_t bands;
+    weft__self_list *self;   /* NULL: none */
     weft_measures *measures; /* of each row; NULL: no memory */
     weft_allocator memory;
 } weft__forces;

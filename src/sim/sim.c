@@ -130,9 +130,8 @@ weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error 
     status = status == WEFT_OK ? take_config(sim, err) : status;
     status = status == WEFT_OK ? make_forces(sim, err) : status;
     status = status == WEFT_OK ? weft__structure_init(sim, err) : status;
-    status = status == WEFT_OK && weft__has_contact(sim->cloth)
-                 ? weft__sim_make_start(sim, err)
-                 : status;
+    status = status == WEFT_OK && weft__sim_checks(sim) ? weft__sim_make_start(sim, err)
+                                                        : status;
     status
         = status == WEFT_OK ? weft__sim_stepper(sim, 0.0, &sim->stepper, err) : status;
     if (status != WEFT_OK) {
@@ -171,12 +170,12 @@ static bool limits(const weft_sim *sim)
 static bool limit(weft_sim *sim, double h)
 {
     const uint64_t before = sim->limit.stats.unconverged;
-    const bool shapes = weft_cloth_shapes(sim->cloth) > 0;
-    if (shapes) {
+    const bool checks = weft__sim_checks(sim);
+    if (checks) {
         memcpy(sim->start, sim->y, weft_cloth_dim(sim->cloth) * sizeof *sim->y);
     }
     const bool changed = weft__limit_apply(&sim->limit, h, sim->y);
-    if (changed && shapes) {
+    if (changed && checks) {
         weft__hold_back(&sim->forces, sim->t, sim->start, sim->y);
     }
     if (before == 0 && sim->limit.stats.unconverged > 0) {
@@ -421,7 +420,7 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
         || (velocities != NULL && !weft__all_finite(velocities, 3 * n))) {
         return weft_error_set(err, WEFT_INVALID, "a state must be finite");
     }
-    if (positions != NULL && weft__has_contact(sim->cloth)) {
+    if (positions != NULL && weft__sim_checks(sim)) {
         memcpy(sim->start, sim->y, 6 * n * sizeof *sim->y);
         set_planes(sim->cloth, positions, sim->start);
         const weft__breach breach = weft__state_breach(sim->cloth, sim->t, sim->start);

@@ -31,7 +31,7 @@ struct weft_sim {
     weft__ledger ledger;
     weft_failure failure; /* of the last step; status WEFT_OK: it did not fail */
     double *y;            /* 6 N, then with ledger its quadratures */
-    double *start;   /* with shapes: as y, before a step; NULL until there are any */
+    double *start;   /* with contact: as y, before a step; NULL until there are any */
     uint64_t vetoed; /* steps taken back for the shapes */
     weft__breach refused; /* by the last right-hand side */
 };
@@ -53,11 +53,14 @@ void weft__structure_free(weft_sim *sim);
 weft_status weft__sim_outside(const weft_sim *sim, const char *function,
                               weft_error *err);
 
-/* checked_step.c: one step of the stepper that is clear of all shapes, or its failure.
- */
+/* checked_step.c: one step of the stepper that is clear of all shapes and of the
+ * cloth itself, or its failure. */
 weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why);
 
-/* Room for it, for a simulation with shapes. */
+/* Whether steps are checked: for shapes or self-contact. */
+bool weft__sim_checks(const weft_sim *sim);
+
+/* Room for it. */
 weft_status weft__sim_make_start(weft_sim *sim, weft_error *err);
 
 /* failure.c: stores the reason and the state of a failed step and writes both to *err

@@ -26,15 +26,26 @@ static void check_band(void *ctx, size_t first_row, size_t end_row)
     }
 }
 
+static weft__breach self_breach(const weft__forces *forces, const weft__path *path)
+{
+    const weft__stride stride
+        = { path->y0, path->y1, forces->cloth->particles, path->t1 - path->t0 };
+    weft__breach out = { .t = path->t1 };
+    out.found = forces->self != NULL
+                && !weft__self_list_clear(forces->self, &stride, out.pair, &out.gap);
+    return out;
+}
+
 bool weft__path_clear(const weft__forces *forces, const weft__path *path)
 {
     path_check of = { .cloth = forces->cloth, .path = path };
     weft__forces_bands(forces, check_band, &of);
-    return !atomic_load(&of.failed);
+    return !atomic_load(&of.failed) && !self_breach(forces, path).found;
 }
 
-weft__breach weft__path_breach(const weft_cloth *cloth, const weft__path *path)
+weft__breach weft__path_breach(const weft__forces *forces, const weft__path *path)
 {
+    const weft_cloth *cloth = forces->cloth;
     weft__breach out = { .t = path->t1 };
     for (size_t k = 0; k < cloth->shape_count; ++k) {
         const weft__passage shape = weft__passage_of(&cloth->shapes[k], path);
@@ -43,12 +54,30 @@ weft__breach weft__path_breach(const weft_cloth *cloth, const weft__path *path)
             double gap;
             if (cloth->pin[i] == 0
                 && !weft__passage_clear(&shape, path, cloth->particles, i, &gap)) {
-                out = (weft__breach){ true, i, k, gap, path->t1 };
+                out = (weft__breach){
+                    .found = true, .particle = i, .shape = k, .gap = gap, .t = path->t1
+                };
                 break;
             }
         }
     }
-    return out;
+    return out.found ? out : self_breach(forces, path);
+}
+
+const char *weft__breach_text(const weft__breach *breach, size_t cols,
+                              char text[WEFT__BREACH_TEXT])
+{
+    char names[2][WEFT__BREACH_TEXT / 2 - 4];
+    if (breach->pair[0].count > 0) {
+        for (size_t k = 0; k < 2; ++k) {
+            weft_primitive_text(&breach->pair[k], cols, names[k], sizeof names[k]);
+        }
+        (void)snprintf(text, WEFT__BREACH_TEXT, "%s and %s", names[0], names[1]);
+    } else {
+        (void)snprintf(text, WEFT__BREACH_TEXT, "particle (%zu, %zu) and shapes[%zu]",
+                       breach->particle / cols, breach->particle % cols, breach->shape);
+    }
+    return text;
 }
 
 weft__breach weft__state_breach(const weft_cloth *cloth, double t, const double *y)
@@ -135,4 +164,7 @@ void weft__hold_back(const weft__forces *forces, double t, const double *from,
 {
     correction of = { forces->cloth, t, from, y };
     weft__forces_bands(forces, hold_band, &of);
+    if (forces->self != NULL) {
+        weft__self_list_hold(forces->self, from, y);
+    }
 }

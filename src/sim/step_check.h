@@ -1,15 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* step_check.h -- no free particle gets into a shape or through it: the condition of
- * cloth/passage.h, on the threads of a simulation. */
+/* step_check.h -- no free particle gets into a shape or through it, and no part of the
+ * cloth through another: the conditions of cloth/passage.h and cloth/self.h, on the
+ * threads of a simulation. */
 #ifndef WEFT_SIM_STEP_CHECK_H
 #define WEFT_SIM_STEP_CHECK_H
 
 #include "cloth/passage.h"
 #include "sim/forces.h"
 
-/* A free particle that is in a shape, or may have passed through it. */
+/* A free particle that is in a shape, or may have passed through it; or two primitives
+ * that may have met. */
 typedef struct weft__breach {
     bool found;
+    weft_primitive pair[2]; /* count 0: a particle and a shape */
     size_t particle, shape;
     double gap; /* [m] */
     double t;   /* [s] of the gap */
@@ -18,8 +21,9 @@ typedef struct weft__breach {
 /* On the threads; allocates nothing. */
 bool weft__path_clear(const weft__forces *forces, const weft__path *path);
 
-/* The first by particles, then shapes, for which a path is not clear. */
-weft__breach weft__path_breach(const weft_cloth *cloth, const weft__path *path);
+/* The first by particles, then shapes, for which a path is not clear, else the first
+ * pair of primitives. */
+weft__breach weft__path_breach(const weft__forces *forces, const weft__path *path);
 
 /* The particle deepest in a shape: gap <= 0. A state that is not finite has none. */
 weft__breach weft__state_breach(const weft_cloth *cloth, double t, const double *y);
@@ -29,9 +33,14 @@ weft__breach weft__particle_breach(const weft_cloth *cloth, double t, const doub
                                    size_t i);
 
 /* Halves each particle's displacement from `from` to y until its straight path cannot
- * enter or cross a shape. */
+ * enter or cross a shape, nor the cloth itself. */
 void weft__hold_back(const weft__forces *forces, double t, const double *from,
                      double *y);
+
+/* "particle (3, 4) and shapes[1]", or both primitives; returns text. */
+enum { WEFT__BREACH_TEXT = 160 };
+const char *weft__breach_text(const weft__breach *breach, size_t cols,
+                              char text[WEFT__BREACH_TEXT]);
 
 /* "particle (3, 4) is 2 mm inside shapes[1]", of the present or `would be`. */
 weft_status weft__breach_error(const weft_cloth *cloth, const weft__breach *breach,

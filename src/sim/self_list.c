@@ -1,0 +1,348 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* self_list.c -- a list about a state, with the distances it was made for, holds all
+ * pairs nearer than its range then. Once no two particles are displaced by more than e
+ * against each other, a pair at distance D is no nearer than D - e. */
+#include "sim/self_list.h"
+
+#include <stdatomic.h>
+
+#include "base/memory.h"
+
+/* CHUNK pairs are evaluated by one thread. */
+enum { CHUNK = 512, MOST_PARTS = 4096, HALVINGS = 60 };
+
+/* Allowed for roundoff, relative. */
+#define ROUNDOFF 1e-9
+
+struct weft__self_list {
+    const weft_cloth *cloth;
+    weft__team *team;
+    weft_allocator memory;
+    weft__knot *knots;    /* of any state */
+    double *place;        /* 3 N: where the list was made */
+    unsigned char *marks; /* N */
+    double skin, range;   /* [m] */
+    bool valid;           /* whole, about `place` */
+    size_t count, room, wanted;
+    weft__pair *pairs;
+    double *distances;  /* [m] */
+    weft__push *pushes; /* those of chunk k from k CHUNK on */
+    uint32_t *pushing;  /* their number in each chunk */
+};
+
+weft__self_list *weft__self_list_create(const weft_cloth *cloth, weft__team *team,
+                                        const weft_allocator *memory)
+{
+    const size_t n = cloth->particles;
+    weft__self_list *list = weft__zeroed(memory, 1, sizeof *list);
+    if (list == NULL) {
+        return NULL;
+    }
+    *list = (weft__self_list){
+        .cloth = cloth,
+        .team = team,
+        .memory = *memory,
+        .knots = weft__alloc(memory, weft__tree_size(cloth), sizeof *list->knots),
+        .place = weft__alloc(memory, 3 * n, sizeof *list->place),
+        .marks = weft__alloc(memory, n, 1),
+        .skin = 0.25 * weft__smaller_spacing(cloth->rows, cloth->cols, cloth->spacing),
+        .wanted = CHUNK,
+    };
+    if (list->knots == NULL || list->place == NULL || list->marks == NULL
+        || weft__self_list_grow(list, NULL) != WEFT_OK) {
+        weft__self_list_destroy(list);
+        return NULL;
+    }
+    return list;
+}
+
+static void free_pairs(weft__self_list *list)
+{
+    weft__free(&list->memory, list->pairs);
+    weft__free(&list->memory, list->distances);
+    weft__free(&list->memory, list->pushes);
+    weft__free(&list->memory, list->pushing);
+    list->pairs = NULL, list->distances = NULL;
+    list->pushes = NULL, list->pushing = NULL;
+    list->room = list->count = 0;
+    list->valid = false;
+}
+
+void weft__self_list_destroy(weft__self_list *list)
+{
+    if (list != NULL) {
+        const weft_allocator memory = list->memory;
+        free_pairs(list);
+        weft__free(&memory, list->knots);
+        weft__free(&memory, list->place);
+        weft__free(&memory, list->marks);
+        weft__free(&memory, list);
+    }
+}
+
+void weft__self_list_set_skin(weft__self_list *list, double skin)
+{
+    list->skin = skin;
+    list->valid = false;
+}
+
+weft_status weft__self_list_grow(weft__self_list *list, weft_error *err)
+{
+    if (list->wanted <= list->room) {
+        return WEFT_OK;
+    }
+    const size_t chunks = list->wanted / CHUNK * 2 + 1, room = chunks * CHUNK;
+    const weft_allocator *memory = &list->memory;
+    free_pairs(list);
+    list->pairs = weft__alloc(memory, room, sizeof *list->pairs);
+    list->distances = weft__alloc(memory, room, sizeof *list->distances);
+    list->pushes = weft__alloc(memory, room, sizeof *list->pushes);
+    list->pushing = weft__alloc(memory, chunks, sizeof *list->pushing);
+    if (list->pairs == NULL || list->distances == NULL || list->pushes == NULL
+        || list->pushing == NULL) {
+        free_pairs(list);
+        return weft_error_set(err, WEFT_NO_MEMORY,
+                              "no memory for %zu pairs of primitives that are near "
+                              "each other",
+                              room);
+    }
+    list->room = room;
+    return WEFT_OK;
+}
+
+/* ---- making ---------------------------------------------------------------------- */
+
+static bool keep(void *ctx, const weft__pair *pair, double distance)
+{
+    weft__self_list *list = ctx;
+    if (list->count < list->room) {
+        list->pairs[list->count] = *pair;
+        list->distances[list->count] = distance;
+    }
+    ++list->count;
+    return true;
+}
+
+static weft__tree tree_about(weft__self_list *list, const double *y)
+{
+    weft__tree tree = weft__tree_of(list->cloth, y);
+    weft__tree_fill(&tree, y, list->knots);
+    return tree;
+}
+
+static void make(weft__self_list *list, const double *y)
+{
+    const weft__tree tree = tree_about(list, y);
+    list->range = list->cloth->contact.thickness + list->skin;
+    list->count = 0;
+    (void)weft__each_pair(&tree, list->range, keep, list);
+    list->wanted = list->count;
+    list->valid = list->count <= list->room;
+    memcpy(list->place, y, 3 * list->cloth->particles * sizeof *y);
+}
+
+/* Whether the list, made anew if need be, holds all pairs that push in a finite state;
+ * how far it has moved to *extent. */
+static bool ready(weft__self_list *list, const double *y, double *extent)
+{
+    *extent = list->valid ? weft__extent(list->place, y, list->cloth->particles) : 0.0;
+    if ((!list->valid || !(*extent < list->skin)) && list->wanted <= list->room) {
+        make(list, y);
+        *extent = 0.0;
+    }
+    return list->valid && *extent < list->skin;
+}
+
+/* ---- forces ---------------------------------------------------------------------- */
+
+typedef struct evaluation {
+    weft__self_list *list;
+    weft__self_law law;
+    const weft__subject *of;
+    double near; /* [m] no pair that was further apart pushes */
+    size_t chunks, parts;
+    double *to;
+    atomic_bool bad;
+} evaluation;
+
+static void run(weft__team *team, weft__task *task, void *ctx, size_t parts)
+{
+    if (team != NULL && parts > 1) {
+        weft__team_run(team, task, ctx, parts);
+        return;
+    }
+    for (size_t i = 0; i < parts; ++i) {
+        task(ctx, i);
+    }
+}
+
+static void evaluate_chunk(evaluation *all, size_t chunk)
+{
+    weft__self_list *list = all->list;
+    const size_t first = chunk * CHUNK;
+    const size_t end = first + CHUNK < list->count ? first + CHUNK : list->count;
+    weft__push *to = list->pushes + first;
+    double bad = 0.0;
+    for (size_t i = first; i < end; ++i) {
+        if (list->distances[i] <= all->near
+            && weft__pair_push(&all->law, &list->pairs[i], all->of->y, to)) {
+            bad += weft__push_trouble(to);
+            ++to;
+        }
+    }
+    list->pushing[chunk] = (uint32_t)(to - (list->pushes + first));
+    if (bad != 0.0) {
+        atomic_store(&all->bad, true);
+    }
+}
+
+static void evaluate_part(void *ctx, size_t part)
+{
+    evaluation *all = ctx;
+    for (size_t chunk = part; chunk < all->chunks; chunk += all->parts) {
+        evaluate_chunk(all, chunk);
+    }
+}
+
+/* Fills the pushes of a list that is ready. */
+static void evaluate(evaluation *all, double extent)
+{
+    weft__self_list *list = all->list;
+    all->law = weft__self_law_of(list->cloth);
+    all->near = (list->cloth->contact.thickness + extent) * (1.0 + ROUNDOFF);
+    all->chunks = (list->count + CHUNK - 1) / CHUNK;
+    all->parts = all->chunks < MOST_PARTS ? all->chunks : MOST_PARTS;
+    run(list->team, evaluate_part, all, all->parts);
+}
+
+/* Each thread adds all pushes to particles of its own, in the order of the list. */
+static void gather_part(void *ctx, size_t part)
+{
+    const evaluation *all = ctx;
+    const weft__self_list *list = all->list;
+    const size_t n = list->cloth->particles;
+    const size_t first = part * n / all->parts, end = (part + 1) * n / all->parts;
+    for (size_t chunk = 0; chunk < all->chunks; ++chunk) {
+        const weft__push *push = list->pushes + chunk * CHUNK;
+        for (size_t i = 0; i < list->pushing[chunk]; ++i) {
+            weft__push_add(list->cloth, push + i, WEFT__ACCELERATION, first, end,
+                           all->to);
+        }
+    }
+}
+
+int weft__self_list_add(weft__self_list *list, const weft__subject *of, double *to)
+{
+    evaluation all = { .list = list, .of = of, .to = to };
+    double extent;
+    if (!isfinite(weft__extent(NULL, of->y, list->cloth->particles))) {
+        return 1;
+    }
+    if (!ready(list, of->y, &extent)) {
+        return weft__self_add(of, WEFT__ACCELERATION, to);
+    }
+    evaluate(&all, extent);
+    all.parts = weft__team_threads(list->team);
+    run(list->team, gather_part, &all, all.parts);
+    return atomic_load(&all.bad) ? 1 : 0;
+}
+
+void weft__self_list_measure(weft__self_list *list, const weft__subject *of,
+                             weft_measures *sum)
+{
+    evaluation all = { .list = list, .of = of };
+    double extent;
+    if (!isfinite(weft__extent(NULL, of->y, list->cloth->particles))
+        || !ready(list, of->y, &extent)) {
+        weft__self_measure(of, sum);
+        return;
+    }
+    evaluate(&all, extent);
+    for (size_t chunk = 0; chunk < all.chunks; ++chunk) {
+        for (size_t i = 0; i < list->pushing[chunk]; ++i) {
+            weft__push_measure(list->cloth, &list->pushes[chunk * CHUNK + i], of->y,
+                               sum);
+        }
+    }
+}
+
+/* ---- the step check -------------------------------------------------------------- */
+
+typedef struct search {
+    const weft__stride *stride;
+    weft__pair pair;
+    double gap;
+    unsigned char *marks; /* NULL: ends at the first pair that is not clear */
+    bool found;
+} search;
+
+static bool look_at(void *ctx, const weft__pair *pair, double distance)
+{
+    search *of = ctx;
+    double gap;
+    (void)distance;
+    if (weft__stride_clear(of->stride, pair, &gap)) {
+        return true;
+    }
+    of->found = true;
+    of->pair = *pair;
+    of->gap = gap;
+    for (size_t k = 0; of->marks != NULL && k < 4; ++k) {
+        of->marks[pair->particle[k]] = 1;
+    }
+    return of->marks != NULL;
+}
+
+/* No pair that is further apart at first can have met. */
+static void look(weft__self_list *list, search *of)
+{
+    const weft__stride *stride = of->stride;
+    const size_t n = list->cloth->particles;
+    const double length = weft__stride_length(stride);
+    const double from = list->valid ? weft__extent(list->place, stride->y0, n) : 0.0;
+    const double to = list->valid ? weft__extent(list->place, stride->y1, n) : 0.0;
+    const double near = 0.5 * (length + from + to) * (1.0 + ROUNDOFF);
+    if (list->valid && near < list->range) {
+        bool goes_on = true;
+        for (size_t i = 0; i < list->count && goes_on; ++i) {
+            goes_on = list->distances[i] > near
+                      || look_at(of, &list->pairs[i], list->distances[i]);
+        }
+        return;
+    }
+    const double moved = weft__extent(stride->y0, stride->y1, n);
+    const weft__tree tree = tree_about(list, stride->y0);
+    (void)weft__each_pair(&tree, 0.5 * (length + moved) * (1.0 + ROUNDOFF), look_at,
+                          of);
+}
+
+bool weft__self_list_clear(weft__self_list *list, const weft__stride *stride,
+                           weft_primitive pair[2], double *gap)
+{
+    search of = { .stride = stride };
+    look(list, &of);
+    if (of.found) {
+        weft__pair_primitives(&of.pair, pair);
+        *gap = of.gap;
+    }
+    return !of.found;
+}
+
+void weft__self_list_hold(weft__self_list *list, const double *y0, double *y1)
+{
+    const size_t n = list->cloth->particles;
+    const weft__stride stride = { y0, y1, n, 0.0 };
+    for (int tries = 0; tries <= HALVINGS; ++tries) {
+        search of = { .stride = &stride, .marks = list->marks };
+        memset(list->marks, 0, n);
+        look(list, &of);
+        if (!of.found) {
+            return;
+        }
+        for (size_t i = 0; i < 6 * n; ++i) {
+            y1[i] = tries == HALVINGS         ? y0[i]
+                    : list->marks[i % n] != 0 ? y0[i] + 0.5 * (y1[i] - y0[i])
+                                              : y1[i];
+        }
+    }
+}
