@@ -161,7 +161,8 @@ typedef struct warned {
 static const warned warnings[] = {
     { "contact: {friction: 0.2}\n", END,
       "scene.yaml:4:10: warning: contact has no effect: it has no shapes, and self is "
-      "false" },
+      "not "
+      "true" },
     { "contact:\n  shapes:\n    - {shape: sphere, at: [0, -1, 0], radius: 0.2}\n", END,
       "scene.yaml:6:7: warning: between particles 0.1 m apart the cloth dips 6.25 mm "
       "into shapes[0], more than the thickness of 5 mm: the shape shows through" },

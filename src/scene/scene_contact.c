@@ -99,13 +99,14 @@ void weft__check_contact(weft__reader *reader, const weft__match *match, void *b
     }
     if (contact->shape_count > 0) {
         check_start(reader, weft__value_in(match, "shapes"));
-    } else if (!contact->self) {
+    }
+    const weft__node *self = weft__value_in(match, "self");
+    if (contact->self) {
+        check_crossings(reader, self);
+    } else if (contact->shape_count == 0 && self == NULL) {
         weft__report_warning(reader->report, match->map->at,
                              "contact has no effect: it has no shapes, and self is "
-                             "false");
-    }
-    if (contact->self) {
-        check_crossings(reader, weft__value_in(match, "self"));
+                             "not true");
     }
 }
 
