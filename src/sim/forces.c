@@ -7,18 +7,26 @@
 #include "cloth/model.h"
 
 /* PARTICLES_PER_THREAD: their evaluation takes ten times as long as handing it to a
- * thread that is awake. More bands than threads, where a band costs little beside its
- * rows (it computes one row twice), shorten the wait for a thread that is kept from
- * running. One thread takes bands where the state is beyond the
- * caches: the kernel takes tile after tile of columns, and long tiles leave nothing
- * there for the next (1000 x 1000: 8 % of a step). */
-enum { PARTICLES_PER_THREAD = 2048, PARTICLES_CACHED = 1 << 17, ROWS_PER_BAND = 48 };
+ * thread that is awake; with contact of the cloth with itself, that of fewer. More
+ * bands than threads, where a band costs little beside its rows (it computes one row
+ * twice), shorten the wait for a thread that is kept from running. One thread takes
+ * bands where the state is beyond the caches: the kernel takes tile after tile of
+ * columns, and long tiles leave nothing there for the next (1000 x 1000: 8 % of a
+ * step). */
+enum {
+    PARTICLES_PER_THREAD = 2048,
+    SELF_PER_THREAD = 128,
+    PARTICLES_CACHED = 1 << 17,
+    ROWS_PER_BAND = 48
+};
 
 weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
                                  const weft_allocator *given)
 {
     const weft_allocator memory = weft_allocator_or_malloc(given);
-    const size_t worth = weft_cloth_particles(cloth) / PARTICLES_PER_THREAD;
+    const size_t each_thread
+        = cloth->contact.self ? SELF_PER_THREAD : PARTICLES_PER_THREAD;
+    const size_t worth = weft_cloth_particles(cloth) / each_thread;
     const size_t rows = weft_cloth_rows(cloth);
     const size_t useful = worth < rows ? worth : rows;
     weft_measures *measures = weft__alloc(&memory, rows, sizeof *measures);

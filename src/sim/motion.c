@@ -38,8 +38,8 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
     }
     int failed = weft__forces_rhs(&sim->forces, t, y, dydt);
     sim->refused.found = false;
-    if (failed != 0 && weft_cloth_shapes(sim->cloth) > 0) {
-        sim->refused = weft__state_breach(sim->cloth, t, y);
+    if (failed != 0 && weft__sim_checks(sim)) {
+        sim->refused = weft__rhs_breach(&sim->forces, t, y);
     }
     if (sim->def.force != NULL && failed == 0) {
         memset(sim->added, 0, dim / 2 * sizeof *sim->added);

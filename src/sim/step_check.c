@@ -88,6 +88,20 @@ weft__breach weft__state_breach(const weft_cloth *cloth, double t, const double 
     return out;
 }
 
+weft__breach weft__rhs_breach(const weft__forces *forces, double t, const double *y)
+{
+    weft__breach out = weft__state_breach(forces->cloth, t, y);
+    if (!out.found && forces->self != NULL) {
+        const weft__subject of = { .cloth = forces->cloth, .t = t, .y = y };
+        weft_measures sum = weft__measures_start;
+        weft__self_list_measure(forces->self, &of, &sum);
+        memcpy(out.pair, sum.self_pair, sizeof out.pair);
+        out.gap = sum.self_gap;
+        out.found = out.gap <= 0.0;
+    }
+    return out;
+}
+
 weft__breach weft__particle_breach(const weft_cloth *cloth, double t, const double *y,
                                    size_t i)
 {

@@ -28,6 +28,9 @@ weft__breach weft__path_breach(const weft__forces *forces, const weft__path *pat
 /* The particle deepest in a shape: gap <= 0. A state that is not finite has none. */
 weft__breach weft__state_breach(const weft_cloth *cloth, double t, const double *y);
 
+/* That, else two primitives at the same place. */
+weft__breach weft__rhs_breach(const weft__forces *forces, double t, const double *y);
+
 /* Of one particle, free or not. */
 weft__breach weft__particle_breach(const weft_cloth *cloth, double t, const double *y,
                                    size_t i);
