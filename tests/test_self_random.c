@@ -9,7 +9,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { MOST = 1600, FEW_STEPS = 300, MANY_STEPS = 1000 };
+enum { MOST = 1600, FEW_STEPS = 500, MANY_STEPS = 1000 };
 #define END       1.0  /* [s] of simulated time */
 #define CASE_TIME 30.0 /* [s] of a long run, for one cloth */
 
@@ -17,7 +17,6 @@ typedef struct trial {
     uint64_t seed, state;
     bool brief;
     weft_cloth_def def;
-    weft_pin pins[2];
     weft_shape floor;
     weft_limit_def limit;
     const char *method;
@@ -101,12 +100,6 @@ static void choose_cloth(trial *of, const weft_stepper_type *method)
     def->down[1] = 0.0, def->down[2] = 1.0;
     choose_springs(of, test_needs_damping(method));
     choose_contact(of);
-    for (size_t k = 0; k < 2; ++k) {
-        of->pins[k] = (weft_pin){ .rows = { -(ptrdiff_t)k, -(ptrdiff_t)k } };
-        of->pins[k].velocity[0] = between(of, -1.0, 1.0);
-    }
-    def->pins = of->pins;
-    def->pin_count = one_in(of, 3) ? 2 : 0;
     of->limit = weft_sim_def_default().limit;
     of->limit.strain = 0.3; /* more than at the start */
     of->limit.method = one_in(of, 4) ? WEFT_LIMIT_PROVOT : WEFT_LIMIT_NONE;
@@ -136,9 +129,9 @@ static void place(trial *of, double share, double *xyz)
 {
     const weft_cloth_def *def = &of->def;
     const double length = (double)def->rows * def->spacing[0];
-    const double swing = share * between(of, 0.0, 3.0), turns = between(of, 0.5, 2.0);
+    const double swing = share * between(of, 0.8, 2.4), turns = between(of, 0.5, 2.0);
     const double phase = between(of, 0.0, 6.28),
-                 spiral = share * between(of, -9.0, 9.0);
+                 spiral = share * between(of, -3.0, 3.0);
     const double noise = one_in(of, 2) ? 0.3 * share * def->contact.thickness : 0.0;
     double x[3] = { 0.0, 0.0, 0.0 };
     for (size_t i = 0; i < def->rows * def->cols; ++i) {
@@ -156,7 +149,7 @@ static void place(trial *of, double share, double *xyz)
     }
 }
 
-/* Imploding, waves, or each particle by itself. */
+/* Imploding, pressed flat, waves, or each particle by itself. */
 static void push(trial *of, const double *xyz, double *v)
 {
     const size_t n = of->def.rows * of->def.cols;
@@ -174,7 +167,8 @@ static void push(trial *of, const double *xyz, double *v)
         const size_t k = i % 3, r = i / 3 / of->def.cols, c = i / 3 % of->def.cols;
         const double angle = field.way[k][0] * (double)r / (double)of->def.rows
                              + field.way[k][1] * (double)c / (double)of->def.cols;
-        v[i] = kind < 2    ? speed * (middle[k] - xyz[i]) / reach
+        v[i] = kind == 0   ? speed * (middle[k] - xyz[i]) / reach
+               : kind == 1 ? (k == 1 ? copysign(speed, middle[k] - xyz[i]) : 0.0)
                : kind == 2 ? field.size[k] * sin(angle + field.phase[k])
                            : between(of, -speed, speed);
     }
@@ -193,6 +187,13 @@ static void start(trial *of, weft_sim *sim)
         status = weft_sim_set_state(sim, xyz, v, &err);
         share *= share > 1e-3 ? 0.5 : 0.0;
     } while (status != WEFT_OK && share > 0.0);
+    if (one_in(of, 3)) { /* the first row is held */
+        const double pulled[3]
+            = { between(of, -1.0, 1.0), between(of, -1.0, 1.0), 0.0 };
+        for (size_t i = 0; i < of->def.cols; ++i) {
+            ck_assert_int_eq(weft_sim_pin(sim, i, pulled, &err), WEFT_OK);
+        }
+    }
     if (weft_cloth_crossings(weft_sim_cloth(sim), weft_sim_state(sim), NULL) > 0) {
         ck_abort_msg("%s: starts in itself", of->text);
     }
@@ -244,7 +245,7 @@ static void run(trial *of, weft_sim *sim, counts *all)
         all->steps += status == WEFT_OK;
         if (status != WEFT_OK) { /* pressed too hard, or for an implicit solver */
             ++all->failed;
-            if (!of->brief || getenv("SELF_TOLD") != NULL) {
+            if (!of->brief) {
                 printf("%s: %s\n", of->text, err.message);
             }
             break;
@@ -259,7 +260,6 @@ static void run_cloth(uint64_t seed, bool brief, counts *all)
     const weft_stepper_type *method;
     weft_error err = { 0 };
     trial of = make_trial(seed, brief, &method);
-    of.def.pins = of.pins;
     of.def.contact.shapes = &of.floor;
     weft_cloth *cloth = test_cloth(&of.def);
     weft_sim_def def = weft_sim_def_default();
@@ -301,7 +301,7 @@ START_TEST(random_cloths_do_not_pass_through_themselves)
     for (uint64_t seed = 1; seed <= (uint64_t)test_rounds(60, 600); ++seed) {
         run_cloth(seed, true, &all);
     }
-    ck_assert_uint_gt(4 * all.touched, all.cloths);
+    ck_assert_uint_gt(5 * all.touched, all.cloths);
     ck_assert_uint_lt(10 * all.failed, all.cloths);
 }
 END_TEST
