@@ -491,12 +491,19 @@ check-steppers:
 check-sundials7:
 	@tools/check-sundials7 $(BUILD) $(WHOLE)
 
+# Random cloths that are thrown at themselves, for so long: none passes through itself.
+SECONDS ?= 600
+check-self:
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) TESTS=self_random $(BUILD)/tests/run
+	SELF_SECONDS=$(SECONDS) $(BUILD)/tests/run self_random
+
 # What .ci/run leaves out because it is slow.
 nightly: all
 	$(MAKE) static DEEP=1
 	TEST_LONG=1 $(MAKE) coverage
 	$(MAKE) verify
 	$(MAKE) fuzz FUZZ_SECONDS=300
+	$(MAKE) check-self SECONDS=3600
 	TEST_LONG=1 $(MAKE) check-libm
 	$(MAKE) check-aarch64
 	$(MAKE) check-sundials7 WHOLE=1
@@ -517,7 +524,7 @@ clean:
 
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | check-view | check-python | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-elsewhere | nightly | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | check-view | check-python | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-self [SECONDS=] | check-elsewhere | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | check-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* weft/elementary.h: values that are known exactly, and the bits of many others. */
+#include "random.h"
 #include "support.h"
 #include "weft/elementary.h"
 
@@ -7,20 +8,11 @@
 
 enum { POINTS = 100000 };
 
-/* [0, 1): Marsaglia's xorshift, J. Stat. Softw. 8 (2003), times a constant. */
-static double uniform(uint64_t *state)
-{
-    *state ^= *state << 13;
-    *state ^= *state >> 7;
-    *state ^= *state << 17;
-    return (double)(*state * 0x2545F4914F6CDD1Du >> 11) * 0x1p-53;
-}
-
 /* 2^e m, e from -most to most, 1 <= m < 2 */
 static double wide(uint64_t *state, int most)
 {
-    const int e = (int)(uniform(state) * (2.0 * most + 1.0)) - most;
-    return ldexp(1.0 + uniform(state), e);
+    const int e = (int)(random_uniform(state) * (2.0 * most + 1.0)) - most;
+    return ldexp(1.0 + random_uniform(state), e);
 }
 
 static void same(double is, double wanted)
@@ -134,7 +126,7 @@ START_TEST(whole_turns_leave_every_bit_at_any_time)
 {
     uint64_t state = 2;
     for (int i = 0; i < POINTS; ++i) {
-        const double part = rint(0x1p20 * uniform(&state)) * 0x1p-20;
+        const double part = rint(0x1p20 * random_uniform(&state)) * 0x1p-20;
         double s, c, later_s, later_c;
         weft_sincos_turns(1.0, part, &s, &c);
         weft_sincos_turns(1024.0, (part + 0x1p32) / 1024.0, &later_s, &later_c);
@@ -175,7 +167,7 @@ START_TEST(small_phases_keep_their_relative_accuracy)
 {
     uint64_t state = 4;
     for (int i = 0; i < POINTS; ++i) {
-        const double f = ldexp(1.0 + uniform(&state), -100 - i % 300);
+        const double f = ldexp(1.0 + random_uniform(&state), -100 - i % 300);
         double s, c;
         weft_sincos_turns(f, 1.0, &s, &c);
         ck_assert_double_eq_tol(s / f, 6.2831853071795862, 0x1p-49);
@@ -207,7 +199,7 @@ START_TEST(bits_are_those_of_every_other_machine)
     double *sines = values + POINTS, *cosines = sines + POINTS;
     uint64_t state = 5;
     for (int i = 0; i < POINTS; ++i) {
-        const double x = wide(&state, 40), y = 2.0 * uniform(&state) - 1.0;
+        const double x = wide(&state, 40), y = 2.0 * random_uniform(&state) - 1.0;
         values[i] = weft_pow(x, y);
         weft_sincos_turns(x, y, &sines[i], &cosines[i]);
     }

@@ -160,7 +160,9 @@ typedef struct warned {
 
 static const warned warnings[] = {
     { "contact: {friction: 0.2}\n", END,
-      "scene.yaml:4:10: warning: contact has no effect: it has no shapes" },
+      "scene.yaml:4:10: warning: contact has no effect: it has no shapes, and self is "
+      "not "
+      "true" },
     { "contact:\n  shapes:\n    - {shape: sphere, at: [0, -1, 0], radius: 0.2}\n", END,
       "scene.yaml:6:7: warning: between particles 0.1 m apart the cloth dips 6.25 mm "
       "into shapes[0], more than the thickness of 5 mm: the shape shows through" },
@@ -215,8 +217,8 @@ static const warned warnings[] = {
       "0]}\n",
       "stepper: {plugin: gsl, method: rk4, fixed_step: 5.1e-4}\nrun: {duration: 2}\n",
       "scene.yaml:7:49: warning: fixed_step 0.00051 s is longer than "
-      "contact.thickness / (2 stopping_speed) = 0.0005 s: steps that may pass a shape "
-      "are taken back and halved" },
+      "contact.thickness / (2 stopping_speed) = 0.0005 s: steps that may pass "
+      "through a surface are taken back and halved" },
     { "contact:\n  law: coulomb\n  shapes:\n    - {shape: plane, at: [0, -0.5, 0], "
       "normal: [0, 1, 0], friction: 100}\n",
       END,

@@ -15,6 +15,7 @@ typedef struct bounds {
     bool passive;
     double until; /* [s] no further than that; 0: to its end */
     bool gsl;     /* needs that plugin */
+    bool self;    /* contact.self, without which it would pass through itself */
 } bounds;
 
 static const bounds scenes[] = {
@@ -39,6 +40,9 @@ static const bounds scenes[] = {
     { "cantilever.yaml", 1e-5, 0.01, 1e-3, .passive = true },
     { "denim.yaml", 0.001, 0.15, 0.01, true, .gsl = true },
     { "pennant.yaml", 0.005, 0.1, 0.01, false, .gsl = true },
+    { "ribbon.yaml", 0.01, 0.1, 0.01, false, .gsl = true, .self = true },
+    { "towel.yaml", 0.01, 0.1, 0.1, false, .gsl = true, .self = true },
+    { "twist.yaml", 0.01, 0.1, 0.01, false, .gsl = true, .self = true },
 };
 
 #define SCENES (sizeof scenes / sizeof scenes[0])
@@ -56,7 +60,8 @@ static const weft_plugin *linked(void *ctx, const char *id, weft_error *err)
     return NULL;
 }
 
-static weft_scene *load(const char *file)
+/* With one override unless set is NULL. */
+static weft_scene *load(const char *file, const char *set)
 {
     static weft_diagnostics found;
     char path[256], text[2048];
@@ -64,6 +69,7 @@ static weft_scene *load(const char *file)
     weft_scene_def def = weft_scene_def_default();
     def.file = path;
     def.find_plugin = linked;
+    def.sets = &set, def.set_count = set != NULL ? 1 : 0;
     weft_scene *scene = NULL;
     weft_error err = { 0 };
     if (weft_scene_load(&def, &scene, &found, &err) != WEFT_OK) {
@@ -88,6 +94,7 @@ static void check_frame(const bounds *bound, const weft_sim *sim, double start,
     ck_assert_msg(strain <= bound->most_strain + 1e-12, "strain %g at t = %g", strain,
                   weft_sim_time(sim));
     ck_assert(weft_cloth_gap(cloth, weft_sim_time(sim), y, NULL, NULL) > 0.0);
+    ck_assert(!bound->self || weft_cloth_crossings(cloth, y, NULL) == 0);
     ck_assert_msg(energy.kinetic <= bound->most_kinetic, "kinetic %g J at t = %g",
                   energy.kinetic, weft_sim_time(sim));
     if (bound->passive) {
@@ -119,7 +126,7 @@ START_TEST(every_scene_stays_within_its_bounds)
         return;
     }
 #endif
-    weft_scene *scene = load(bound->file);
+    weft_scene *scene = load(bound->file, NULL);
     const weft_run_def *run = weft_scene_run(scene);
     weft_cloth *cloth = test_cloth(weft_scene_cloth(scene));
     weft_sim *sim = simulation(scene, cloth);
@@ -135,6 +142,34 @@ START_TEST(every_scene_stays_within_its_bounds)
     }
     ck_assert_msg(most_strain >= bound->least_strain, "largest strain only %g",
                   most_strain);
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    weft_scene_destroy(scene);
+}
+END_TEST
+
+START_TEST(cloth_passes_through_itself_where_self_contact_is_off)
+{
+    const bounds *bound = &scenes[_i];
+#ifndef HAVE_GSL
+    if (bound->gsl) {
+        return;
+    }
+#endif
+    if (!bound->self) {
+        return;
+    }
+    weft_scene *scene = load(bound->file, "contact.self=false");
+    const weft_run_def *run = weft_scene_run(scene);
+    weft_cloth *cloth = test_cloth(weft_scene_cloth(scene));
+    weft_sim *sim = simulation(scene, cloth);
+    size_t crossing = 0;
+    for (size_t i = 1; i <= weft_run_last_frame(run); ++i) {
+        ck_assert_int_eq(weft_sim_advance(sim, weft_run_frame_time(run, i), NULL),
+                         WEFT_OK);
+        crossing += weft_cloth_crossings(cloth, weft_sim_state(sim), NULL) > 0;
+    }
+    ck_assert_uint_gt(crossing, 1);
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);
     weft_scene_destroy(scene);
@@ -169,6 +204,8 @@ TEST_SUITE(scenes)
     TCase *bounds_case = tcase_create("bounds");
     tcase_set_timeout(bounds_case, 300);
     tcase_add_loop_test(bounds_case, every_scene_stays_within_its_bounds, 0, SCENES);
+    tcase_add_loop_test(
+        bounds_case, cloth_passes_through_itself_where_self_contact_is_off, 0, SCENES);
     tcase_add_test(bounds_case, every_shipped_scene_is_in_the_list);
     suite_add_tcase(all, bounds_case);
     return all;

@@ -290,8 +290,9 @@ WEFT_API weft_cloth_def weft_cloth_def_default(void);
 /* Creates a cloth. It uses the fastest instructions of this machine, unless the
  * environment variable WEFT_ISA selects other supported ones: "plain", "x86-64-v3"
  * (AVX2), "x86-64-v4" (AVX-512). Errors: WEFT_INVALID (a value out of range, a pin
- * outside the grid, coincident rest positions, a free particle inside a shape, another
- * name in WEFT_ISA, ...; the message names the field), WEFT_NO_MEMORY. */
+ * outside the grid, coincident rest positions, a free particle inside a shape, with
+ * contact.self a cloth that passes through itself, another name in WEFT_ISA, ...; the
+ * message names the field), WEFT_NO_MEMORY. */
 WEFT_API weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
                                        weft_error *err);
 WEFT_API void weft_cloth_destroy(weft_cloth *cloth); /* NULL is allowed */
@@ -428,6 +429,16 @@ WEFT_API double weft_cloth_self_gap(const weft_cloth *cloth, const double *y,
 
 /* Pairs of primitives that push each other apart. */
 WEFT_API size_t weft_cloth_self_touching(const weft_cloth *cloth, const double *y);
+
+/* How often the cloth passes through itself or touches itself: pairs of an edge and a
+ * triangle that have a point in common beside a common particle, or in a chain of two
+ * such edges, and neighbours at the same place. Decided exactly, whether the cloth has
+ * self-contact or not; pairs of pinned particles alone do not count. pair (unless NULL)
+ * is the first, by its edge: the particles of the smallest index; counts of 0 if there
+ * is none. y must be finite. Allocates nothing; takes O(N log N) unless much of the
+ * cloth is in one place. */
+WEFT_API size_t weft_cloth_crossings(const weft_cloth *cloth, const double *y,
+                                     weft_primitive pair[2]);
 
 WEFT_API size_t weft_cloth_shapes(const weft_cloth *cloth); /* their number */
 

@@ -262,8 +262,9 @@ WEFT_API void weft_sim_destroy(weft_sim *sim); /* NULL is allowed */
  * With shapes, a step that a free particle may have ended in one or passed through one
  * is taken back and repeated with half its length. WEFT_STEP_TOO_SMALL if that would be
  * below min_step, or below fixed_step / 1024. A strain limit is kept out of shapes by
- * shortening what it does to a particle; if `correct` leaves a particle in a shape the
- * step fails with WEFT_INVALID. */
+ * shortening what it does to a particle; if `correct` leaves a particle in a shape,
+ * or with contact.self a cloth that passes through itself, the step fails with
+ * WEFT_INVALID. */
 WEFT_API weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err);
 
 /* Steps until the time is exactly t_end [s], or an event; no step if it is t_end
@@ -418,8 +419,9 @@ WEFT_API void weft_sim_positions(const weft_sim *sim, double *xyz);  /* [m] */
 WEFT_API void weft_sim_velocities(const weft_sim *sim, double *xyz); /* [m/s] */
 
 /* Replaces the positions [m] and velocities [m/s] of the free particles (NULL: keeps
- * them); pinned particles keep theirs. Errors: WEFT_INVALID if a value is not finite or
- * a free particle would be in a shape; then nothing changes. */
+ * them); pinned particles keep theirs. Errors: WEFT_INVALID if a value is not finite, a
+ * free particle would be in a shape or, with contact.self, the cloth would pass through
+ * itself or touch (weft_cloth_crossings); then nothing changes. */
 WEFT_API weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
                                         const double *velocities, weft_error *err);
 
@@ -436,12 +438,14 @@ WEFT_API weft_status weft_sim_pin(weft_sim *sim, size_t i, const double velocity
                                   weft_error *err);
 
 /* Moves a pinned particle to `position` [m] at once; its velocity stays. A jump
- * stretches springs suddenly. Errors: WEFT_INVALID also if it is not pinned. */
+ * stretches springs suddenly. Errors: WEFT_INVALID also if it is not pinned or, with
+ * contact.self, if the cloth would pass through itself. */
 WEFT_API weft_status weft_sim_move_pin(weft_sim *sim, size_t i,
                                        const double position[3], weft_error *err);
 
 /* Releases a particle with its present position and velocity. A particle that is not
- * pinned does not change. Errors: WEFT_INVALID also if it is in a shape. */
+ * pinned does not change. Errors: WEFT_INVALID also if it is in a shape or, with
+ * contact.self, in another part of the cloth. */
 WEFT_API weft_status weft_sim_unpin(weft_sim *sim, size_t i, weft_error *err);
 
 /* These functions change shapes between two steps, each in O(N). Every simulation has

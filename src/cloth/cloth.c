@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "cloth/crossing.h"
 #include "cloth/shapes.h"
 
 weft_cloth_def weft_cloth_def_default(void)
@@ -243,6 +244,21 @@ static weft_status allocate(weft_cloth *cloth, weft_error *err)
     return WEFT_OK;
 }
 
+weft_status weft__start_crossing_error(const weft_cloth *cloth, weft_error *err)
+{
+    if (!cloth->contact.self) {
+        return WEFT_OK;
+    }
+    double *y = weft__alloc(&cloth->memory, weft_cloth_dim(cloth), sizeof *y);
+    if (y == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state");
+    }
+    weft_cloth_start(cloth, y);
+    const weft_status status = weft__crossing_error(cloth, y, SIZE_MAX, "", err);
+    weft__free(&cloth->memory, y);
+    return status;
+}
+
 /* All of a cloth that has its plain fields. */
 static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error *err)
 {
@@ -256,7 +272,8 @@ static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error
     pins_init(cloth, def);
     shapes_init(cloth, def);
     status = list_pins(cloth, err);
-    return status == WEFT_OK ? check_numbers(cloth, err) : status;
+    status = status == WEFT_OK ? check_numbers(cloth, err) : status;
+    return status == WEFT_OK ? weft__start_crossing_error(cloth, err) : status;
 }
 
 weft_status weft__shape_make(const weft_cloth *cloth, const weft_shape *def,

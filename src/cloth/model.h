@@ -145,6 +145,10 @@ bool weft__shape_check(const weft_shape *shape, size_t index, const weft__faults
 bool weft__start_check(const weft_cloth_def *def, size_t shape, char *text,
                        size_t size);
 
+/* cloth.c: WEFT_INVALID if a cloth with contact.self passes through itself at t = 0; or
+ * WEFT_NO_MEMORY. */
+weft_status weft__start_crossing_error(const weft_cloth *cloth, weft_error *err);
+
 /* 1 + the number of the pin that holds particle (r, c); 0: it is free. */
 size_t weft__pin_of(const weft_cloth_def *def, size_t r, size_t c);
 

@@ -470,7 +470,7 @@ void weft__self_check(const weft_cloth_def *def, const weft__faults *to)
 {
     const double most = 0.5 * weft__smaller_spacing(def->rows, def->cols, def->spacing);
     if (def->contact.self && def->contact.thickness > most) {
-        weft__fault(to, FIELD(contact.thickness), FIELD(contact.thickness),
+        weft__fault(to, CONTACT(thickness), CONTACT(self),
                     "contact: thickness %g m is more than half the smaller spacing, %g "
                     "m, which contact of the cloth with itself needs",
                     def->contact.thickness, most);

@@ -140,7 +140,8 @@ weft_status record_shapes_add(record_table *table, const record_frame *frame,
 enum {
     RECORD_LEDGER = 1 << 0, /* the simulation keeps it */
     RECORD_SOLVER = 1 << 1, /* the method solves linear systems */
-    RECORD_BETWEEN = 1 << 2 /* frames may be from within steps */
+    RECORD_SELF = 1 << 2,   /* the cloth has contact with itself */
+    RECORD_BETWEEN = 1 << 3 /* frames may be from within steps */
 };
 
 /* series.c: one row per frame; `optional`: RECORD_... */

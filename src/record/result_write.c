@@ -98,7 +98,7 @@ static void write_limit_def(yaml_out *out, const weft_limit_def *limit)
 
 static void write_contact_def(yaml_out *out, const weft_contact_def *contact)
 {
-    if (contact->shape_count == 0) {
+    if (contact->shape_count == 0 && !contact->self) {
         return;
     }
     yaml_out_map(out, "contact");
@@ -110,6 +110,7 @@ static void write_contact_def(yaml_out *out, const weft_contact_def *contact)
     yaml_out_plain(out, "law",
                    contact->law == WEFT_FRICTION_SMOOTH ? "smooth" : "coulomb");
     yaml_out_real(out, "slip", contact->slip);
+    yaml_out_plain(out, "self", contact->self ? "true" : "false");
     yaml_out_plain(out, "shapes", "%zu", contact->shape_count);
     yaml_out_close_map(out);
 }
@@ -209,11 +210,19 @@ static void write_limit(yaml_out *out, const weft_sim *sim)
 
 static void write_contact(yaml_out *out, const weft_sim *sim, const weft_measures *all)
 {
-    if (weft_cloth_shapes(weft_sim_cloth(sim)) > 0) {
+    const bool shapes = weft_cloth_shapes(weft_sim_cloth(sim)) > 0;
+    const bool self = weft_cloth_contact(weft_sim_cloth(sim)).self;
+    if (shapes || self) {
         yaml_out_map(out, "contact");
         yaml_out_real(out, "energy", all->energy.contact);
-        yaml_out_real(out, "min_gap", all->gap);
-        yaml_out_plain(out, "touching", "%zu", all->touching);
+        if (shapes) {
+            yaml_out_real(out, "min_gap", all->gap);
+            yaml_out_plain(out, "touching", "%zu", all->touching);
+        }
+        if (self) {
+            yaml_out_real(out, "self_gap", all->self_gap);
+            yaml_out_plain(out, "self_touching", "%zu", all->self_touching);
+        }
         yaml_out_plain(out, "vetoed", "%" PRIu64, weft_sim_vetoed(sim));
         yaml_out_close_map(out);
     }

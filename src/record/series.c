@@ -57,6 +57,10 @@
     X(factorisations, "%" PRIu64, row.stats.factorisations)                            \
     X(newton_failures, "%" PRIu64, row.stats.newton_failures)
 
+/* And these if the cloth has contact with itself. */
+#define SELF_COLUMNS(X)                                                                \
+    X(self_gap, "%.17g", row.all.self_gap)                                             \
+    X(self_touching, "%zu", row.all.self_touching)
 /* And this if frames are taken from within steps. */
 #define BETWEEN_COLUMNS(X)                                                             \
     X(interpolated, "%d", (int)weft_sim_is_between(row.frame->sim))
@@ -107,6 +111,9 @@ void record_series_begin(record_series *series, unsigned optional)
     }
     if ((series->optional & RECORD_SOLVER) != 0) {
         SOLVER_COLUMNS(NAME)
+    }
+    if ((series->optional & RECORD_SELF) != 0) {
+        SELF_COLUMNS(NAME)
     }
     if ((series->optional & RECORD_BETWEEN) != 0) {
         BETWEEN_COLUMNS(NAME)
@@ -167,6 +174,9 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
     }
     if ((series->optional & RECORD_SOLVER) != 0) {
         SOLVER_COLUMNS(CELL)
+    }
+    if ((series->optional & RECORD_SELF) != 0) {
+        SELF_COLUMNS(CELL)
     }
     if ((series->optional & RECORD_BETWEEN) != 0) {
         BETWEEN_COLUMNS(CELL)

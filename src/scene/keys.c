@@ -294,7 +294,8 @@ const weft__section weft__shape_section
 
 static const weft__key contact_keys[] = {
     { "thickness", WEFT__NUMBER, .fallback = "5.0e-3", NUMBER(contact, thickness),
-      .meaning = "forces begin at this distance from a shape" },
+      .meaning = "forces begin at this distance from a shape, and between layers of "
+                 "cloth" },
     { "stopping_speed", WEFT__NUMBER, .fallback = "5.0",
       NUMBER(contact, stopping_speed),
       .meaning = "a particle that arrives at it is stopped at 0.2755 thickness "
@@ -305,13 +306,18 @@ static const weft__key contact_keys[] = {
     { "damping", WEFT__NUMBER, .fallback = "1.0", NUMBER(contact, damping),
       .meaning = "of the approach; 0: elastic" },
     { "friction", WEFT__NUMBER, .fallback = "0.3", NUMBER(contact, friction),
-      .meaning = "coefficient of friction of shapes without their own" },
+      .meaning
+      = "coefficient of friction of shapes without their own, and of the cloth "
+        "on itself" },
     { "law", WEFT__CHOICE, .names = friction_names, AT(weft_contact_def, law),
       .fallback = "smooth",
       .meaning = "smooth: no stiffer than 10 times the contact; coulomb: exact above "
                  "slip, and costly" },
     { "slip", WEFT__NUMBER, .fallback = "1.0e-3", NUMBER(contact, slip),
       .meaning = "below this slip speed friction fades" },
+    { "self", WEFT__BOOLEAN, .fallback = "false", AT(weft_contact_def, self),
+      .meaning = "whether the cloth touches itself; the thickness is then at most half "
+                 "the smaller spacing" },
     { "shapes", WEFT__SHAPE_LIST, .section = &weft__shape_section, .absent = "none",
       AT(weft_contact_def, shapes), .meaning = "rigid shapes" },
 };
@@ -571,7 +577,8 @@ static const weft__key root_keys[] = {
     { "forces", WEFT__MAPPING, .section = &force_section, .absent = "gravity",
       AT(weft_scene, cloth), .meaning = "other forces on the cloth" },
     { "contact", WEFT__MAPPING, .section = &contact_section, .absent = "none",
-      AT(weft_scene, cloth.contact), .meaning = "rigid shapes that the cloth touches" },
+      AT(weft_scene, cloth.contact),
+      .meaning = "rigid shapes that the cloth touches, and the cloth itself" },
     { "limit", WEFT__MAPPING, .section = &limit_section, .absent = "none",
       AT(weft_scene, limit),
       .meaning = "strain limit, applied after every accepted step" },

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* scene_contact.c -- the shapes of a scene: rules between their keys, and warnings. */
+/* scene_contact.c -- contact in a scene: rules between its keys, and warnings. */
 #include <string.h>
 
 #include "cloth/shapes.h"
@@ -38,7 +38,7 @@ void weft__check_shape(weft__reader *reader, const weft__match *match, void *bas
 
 static bool has_friction(const weft_contact_def *contact)
 {
-    bool has = contact->shape_count == 0 && contact->friction > 0.0;
+    bool has = (contact->self || contact->shape_count == 0) && contact->friction > 0.0;
     for (size_t k = 0; k < contact->shape_count; ++k) {
         has = has || weft__friction_of(&contact->shapes[k], contact->friction) > 0.0;
     }
@@ -64,6 +64,24 @@ static void check_start(weft__reader *reader, const weft__node *shapes)
     }
 }
 
+/* Cloth starts flat, so that only rounding can bring it into itself. */
+static void check_crossings(weft__reader *reader, const weft__node *self)
+{
+    weft_cloth_def def = reader->scene->cloth;
+    weft_cloth *cloth = NULL;
+    weft_error err = { 0 };
+    def.contact = weft_cloth_def_default().contact;
+    def.allocator = reader->report->memory;
+    if ((double)def.rows * (double)def.cols < MAX_COMPARED
+        && weft_cloth_create(&def, &cloth, NULL) == WEFT_OK) {
+        cloth->contact.self = true;
+        if (weft__start_crossing_error(cloth, &err) == WEFT_INVALID) {
+            weft__report_error(reader->report, self->at, "%s", err.message);
+        }
+    }
+    weft_cloth_destroy(cloth);
+}
+
 void weft__check_contact(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_contact_def *contact = base;
@@ -73,14 +91,22 @@ void weft__check_contact(weft__reader *reader, const weft__match *match, void *b
                            "slip has no effect without friction: it is 0 everywhere");
     }
     weft__contact_check(contact, &match->faults);
+    if (reader->scene->cloth.rows > 0) {
+        weft__self_check(&reader->scene->cloth, &match->faults);
+    }
     if (reader->report->found->errors > 0) {
         return;
     }
     if (contact->shape_count > 0) {
         check_start(reader, weft__value_in(match, "shapes"));
-    } else {
+    }
+    const weft__node *self = weft__value_in(match, "self");
+    if (contact->self) {
+        check_crossings(reader, self);
+    } else if (contact->shape_count == 0 && self == NULL) {
         weft__report_warning(reader->report, match->map->at,
-                             "contact has no effect: it has no shapes");
+                             "contact has no effect: it has no shapes, and self is "
+                             "not true");
     }
 }
 
@@ -120,16 +146,15 @@ static void warn_of_chord(weft__report *report, const weft_cloth_def *def, size_
 
 /* The stiffness of coulomb is 2 friction N / (m slip): at rest N / m is gravity's. */
 static void warn_of_friction(weft__report *report, const weft_contact_def *contact,
-                             size_t k, weft__mark at)
+                             double friction, const char *of, weft__mark at)
 {
-    const double friction = weft__friction_of(&contact->shapes[k], contact->friction);
     const double most = 1e4; /* [s/m] */
     if (contact->law == WEFT_FRICTION_COULOMB && friction > most * contact->slip) {
         weft__report_warning(
             report, at,
-            "friction %g of shapes[%zu] with law coulomb and slip %g m/s needs steps "
-            "of some %.1g s: raise slip, or use law smooth",
-            friction, k, contact->slip, contact->slip / (friction * 9.81));
+            "friction %g of %s with law coulomb and slip %g m/s needs steps of some "
+            "%.1g s: raise slip, or use law smooth",
+            friction, of, contact->slip, contact->slip / (friction * 9.81));
     }
 }
 
@@ -219,7 +244,7 @@ static void warn_of_stepper(weft__reader *reader, const weft__node *method,
         weft__report_warning(
             reader->report, fixed_step->at,
             "fixed_step %g s is longer than contact.thickness / (2 stopping_speed) = "
-            "%.3g s: steps that may pass a shape are taken back and halved",
+            "%.3g s: steps that may pass through a surface are taken back and halved",
             h, most);
     }
 }
@@ -235,15 +260,25 @@ void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
 {
     const weft_cloth_def *def = &reader->scene->cloth;
     const weft__node *stepper = weft__value_in(root, "stepper");
-    if (def->contact.shape_count == 0) {
+    const weft_contact_def *law = &def->contact;
+    if (law->shape_count == 0 && !law->self) {
         return;
     }
-    const weft__node *shapes = value_of(weft__value_in(root, "contact"), "shapes");
-    for (size_t k = 0; k < def->contact.shape_count; ++k) {
-        warn_of_chord(reader->report, def, k, weft__item(shapes, k)->at);
-        warn_of_friction(reader->report, &def->contact, k, weft__item(shapes, k)->at);
+    const weft__node *contact = weft__value_in(root, "contact");
+    const weft__node *shapes = value_of(contact, "shapes");
+    if (law->self) {
+        warn_of_friction(reader->report, law, law->friction, "the cloth on itself",
+                         value_of(contact, "self")->at);
     }
-    if (def->pin_count > 0) {
+    for (size_t k = 0; k < law->shape_count; ++k) {
+        const weft__mark at = weft__item(shapes, k)->at;
+        char name[32];
+        (void)snprintf(name, sizeof name, "shapes[%zu]", k);
+        warn_of_chord(reader->report, def, k, at);
+        warn_of_friction(reader->report, law,
+                         weft__friction_of(&law->shapes[k], law->friction), name, at);
+    }
+    if (def->pin_count > 0 && law->shape_count > 0) {
         warn_of_pins(reader, value_of(weft__value_in(root, "cloth"), "pins"));
     }
     warn_of_stepper(reader, value_of(stepper, "method"),

@@ -8,6 +8,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "cloth/crossing.h"
 #include "cloth/model.h"
 #include "cloth/pins.h"
 #include "cloth/rows.h"
@@ -236,7 +237,8 @@ static bool correct(weft_sim *sim, double h)
     return changed;
 }
 
-static weft_status check_corrected(weft_sim *sim, weft_error *err)
+/* `jumped`: by the embedder, so that no path leads to the state. */
+static weft_status check_corrected(weft_sim *sim, bool jumped, weft_error *err)
 {
     weft_error why = { 0 };
     if (!weft__all_finite(sim->y, weft_cloth_dim(sim->cloth))) {
@@ -249,14 +251,18 @@ static weft_status check_corrected(weft_sim *sim, weft_error *err)
         weft__breach_error(sim->cloth, &sim->refused, "was corrected to", &why);
         return weft__sim_fail(sim, &why, err);
     }
-    return WEFT_OK;
+    if (jumped) {
+        (void)weft__crossing_error(sim->cloth, sim->y, SIZE_MAX,
+                                   "after the correction ", &why);
+    }
+    return why.status == WEFT_OK ? WEFT_OK : weft__sim_fail(sim, &why, err);
 }
 
 /* After an accepted step of h: the strain limit, then the embedder's own. */
 static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
 {
     weft__ledger *ledger = &sim->ledger;
-    bool changed = false;
+    bool changed = false, jumped = false;
     weft__ledger_mark(ledger, &sim->forces, sim->t, sim->y);
     if (limits(sim) && limit(sim, h)) {
         weft__ledger_account(ledger, &sim->forces, sim->t, sim->y, &ledger->limit_work);
@@ -265,12 +271,12 @@ static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
     if (sim->def.correct != NULL && correct(sim, h)) {
         weft__ledger_account(ledger, &sim->forces, sim->t, sim->y,
                              &ledger->outside_work);
-        changed = true;
+        changed = jumped = true;
     }
     if (changed) {
         sim->def.method->state_changed(sim->stepper);
     }
-    return changed ? check_corrected(sim, err) : WEFT_OK;
+    return changed ? check_corrected(sim, jumped, err) : WEFT_OK;
 }
 
 static void log_rejected(weft_sim *sim, double h)
@@ -501,12 +507,16 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
         || (velocities != NULL && !weft__all_finite(velocities, 3 * n))) {
         return weft_error_set(err, WEFT_INVALID, "a state must be finite");
     }
-    if (positions != NULL && weft_cloth_shapes(sim->cloth) > 0) {
+    if (positions != NULL && weft__sim_checks(sim)) {
         memcpy(sim->start, sim->y, 6 * n * sizeof *sim->y);
         set_planes(sim->cloth, positions, sim->start);
         const weft__breach breach = weft__state_breach(sim->cloth, sim->t, sim->start);
         if (breach.found) {
             return weft__breach_error(sim->cloth, &breach, "would be", err);
+        }
+        if (weft__crossing_error(sim->cloth, sim->start, SIZE_MAX, "", err)
+            != WEFT_OK) {
+            return WEFT_INVALID;
         }
     }
     weft__sim_change_begins(sim);

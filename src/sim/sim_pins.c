@@ -2,6 +2,7 @@
 /* sim_pins.c -- pins that change while a simulation runs. */
 #include <math.h>
 
+#include "cloth/crossing.h"
 #include "cloth/pins.h"
 #include "sim/simulation.h"
 
@@ -45,6 +46,14 @@ weft_status weft_sim_pin(weft_sim *sim, size_t i, const double velocity[3],
     return WEFT_OK;
 }
 
+static void place(weft_sim *sim, size_t i, const double position[3])
+{
+    const size_t n = weft_cloth_particles(sim->cloth);
+    for (size_t k = 0; k < 3; ++k) {
+        sim->y[k * n + i] = position[k];
+    }
+}
+
 weft_status weft_sim_move_pin(weft_sim *sim, size_t i, const double position[3],
                               weft_error *err)
 {
@@ -58,9 +67,12 @@ weft_status weft_sim_move_pin(weft_sim *sim, size_t i, const double position[3],
                               position == NULL ? "has no position to go to: it is NULL"
                                                : "is not pinned");
     }
+    const double before[3] = { sim->y[i], sim->y[n + i], sim->y[2 * n + i] };
     weft__sim_change_begins(sim);
-    for (size_t k = 0; k < 3; ++k) {
-        sim->y[k * n + i] = position[k];
+    place(sim, i, position);
+    if (weft__crossing_error(sim->cloth, sim->y, SIZE_MAX, "", err) != WEFT_OK) {
+        place(sim, i, before);
+        return WEFT_INVALID;
     }
     weft__sim_change_ends(sim, false);
     return WEFT_OK;
@@ -74,6 +86,9 @@ weft_status weft_sim_unpin(weft_sim *sim, size_t i, weft_error *err)
             = weft__particle_breach(sim->cloth, sim->t, sim->y, i);
         if (breach.found) {
             return weft__breach_error(sim->cloth, &breach, "is", err);
+        }
+        if (weft__crossing_error(sim->cloth, sim->y, i, "", err) != WEFT_OK) {
+            return WEFT_INVALID;
         }
         weft__sim_change_begins(sim);
         weft__cloth_set_hold(sim->cloth, i, WEFT__FREE);

@@ -134,11 +134,24 @@ static void print_shape(const weft_cloth_def *def, size_t k)
     print_item("", "%s", text.text);
 }
 
+/* Two flat layers that lie on each other have pairs of 1.3 m e phi per particle, on
+ * average: those that meet at the speed v turn where that is m v^2 / 4. */
+static void print_self(const weft_contact_def *law)
+{
+    const double pairs = 1.3, v = law->stopping_speed;
+    const double z = solve(potential, law, 0.25 * v * v / pairs);
+    print_item("",
+               "itself: friction %g; two layers that meet at %g m/s: gap some %.2g mm, "
+               "omega some %.2g 1/s",
+               law->friction, v, 1e3 * z * law->thickness,
+               sqrt(2.0 * pairs) * omega(law, z));
+}
+
 void contact_print(const weft_cloth_def *def)
 {
     const weft_contact_def *law = &def->contact;
     const double z = rest_of(def);
-    if (law->shape_count == 0) {
+    if (law->shape_count == 0 && !law->self) {
         return;
     }
     print_item("contact",
@@ -152,18 +165,22 @@ void contact_print(const weft_cloth_def *def)
     for (size_t k = 0; k < law->shape_count; ++k) {
         print_shape(def, k);
     }
+    if (law->self) {
+        print_self(law);
+    }
 }
 
 void contact_yaml(yaml_out *out, const weft_cloth_def *def)
 {
     const weft_contact_def *law = &def->contact;
     const double z = rest_of(def);
-    if (law->shape_count == 0) {
+    if (law->shape_count == 0 && !law->self) {
         return;
     }
     yaml_out_map(out, "contact");
     yaml_out_real(out, "rest_gap", z * law->thickness);
     yaml_out_real(out, "rest_omega", omega(law, z));
+    yaml_out_plain(out, "self", law->self ? "true" : "false");
     yaml_out_list(out, "shapes");
     for (size_t k = 0; k < law->shape_count; ++k) {
         const fall onto = fall_onto(def, k);

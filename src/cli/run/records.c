@@ -179,6 +179,7 @@ unsigned series_columns(const weft_scene *scene)
     const uint32_t flags = weft_scene_method_type(scene)->flags;
     return (weft_scene_record(scene)->ledger ? RECORD_LEDGER : 0u)
            | ((flags & WEFT_STEPPER_LINEAR) != 0 ? RECORD_SOLVER : 0u)
+           | (weft_scene_cloth(scene)->contact.self ? RECORD_SELF : 0u)
            | (weft_scene_run(scene)->interpolate ? RECORD_BETWEEN : 0u);
 }
 

@@ -2,6 +2,7 @@
 /* summary.c -- the summary of a run, to stdout. */
 #include "cli/run/run.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "cli/human.h"
@@ -125,19 +126,37 @@ static void print_energy(const summary *self)
                weft_energy_total(ledger.energy), balance);
 }
 
-/* Nothing without shapes. */
+/* "the smallest gap is 3.2 mm at the end" */
+static void say_gap(sentence *text, double gap)
+{
+    if (isfinite(gap)) {
+        say(text, " and the smallest gap is %.3g mm", 1e3 * gap);
+    }
+    say(text, " at the end; ");
+}
+
+/* Nothing without contact. */
 static void print_contact(const summary *self)
 {
-    char touching[HUMAN], vetoed[HUMAN];
-    const size_t shapes = weft_cloth_shapes(weft_sim_cloth(self->sim));
+    char count[HUMAN];
+    sentence text = { "" };
+    const weft_cloth *cloth = weft_sim_cloth(self->sim);
+    const size_t shapes = weft_cloth_shapes(cloth);
+    const bool has_self = weft_cloth_contact(cloth).self;
     const weft_measures all = self->result->measures;
     if (shapes > 0) {
-        print_item("contact",
-                   "%zu %s, %s particles touch and the smallest gap is %.3g mm at the "
-                   "end; %s steps taken back",
-                   shapes, shapes == 1 ? "shape" : "shapes",
-                   human_count(all.touching, touching), 1e3 * all.gap,
-                   human_count(weft_sim_vetoed(self->sim), vetoed));
+        say(&text, "%zu %s, %s particles touch", shapes,
+            shapes == 1 ? "shape" : "shapes", human_count(all.touching, count));
+        say_gap(&text, all.gap);
+    }
+    if (has_self) {
+        say(&text, "%s pairs of the cloth's own parts touch",
+            human_count(all.self_touching, count));
+        say_gap(&text, all.self_gap);
+    }
+    if (shapes > 0 || has_self) {
+        print_item("contact", "%s%s steps taken back", text.text,
+                   human_count(weft_sim_vetoed(self->sim), count));
     }
 }
 

@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "cloth/crossing.h"
+
+#include "cloth/self.h"
+
+typedef struct search {
+    const weft__tree *tree;
+    weft__crossings found;
+    size_t first[2]; /* the keys of the first: it is the least */
+    size_t loose;
+} search;
+
+/* An edge, or what it is compared with. */
+typedef struct part {
+    size_t key, count;
+    uint32_t particle[3];
+    double x[3][3]; /* [m] */
+} part;
+
+static part part_of(const search *of, size_t key, size_t count,
+                    const uint32_t *particle)
+{
+    const size_t n = of->tree->cloth->particles;
+    part out = { .key = key, .count = count };
+    for (size_t i = 0; i < count; ++i) {
+        const double *x = of->tree->y + particle[i];
+        out.particle[i] = particle[i];
+        out.x[i][0] = x[0], out.x[i][1] = x[n], out.x[i][2] = x[2 * n];
+    }
+    return out;
+}
+
+static weft_primitive primitive(const part *from)
+{
+    weft_primitive to = { .count = from->count };
+    for (size_t i = 0; i < from->count; ++i) {
+        to.particle[i] = from->particle[i];
+    }
+    return to;
+}
+
+static bool any_free(const search *of, const part *primitive)
+{
+    bool any = false;
+    for (size_t i = 0; i < primitive->count; ++i) {
+        const uint32_t at = primitive->particle[i];
+        any = any || of->tree->cloth->pin[at] == 0 || at == of->loose;
+    }
+    return any;
+}
+
+static void keep(search *of, const part *edge, const part *other, weft__meeting how)
+{
+    weft__crossings *found = &of->found;
+    if (how == WEFT__APART || (!any_free(of, edge) && !any_free(of, other))) {
+        return;
+    }
+    if (found->count == 0 || edge->key < of->first[0]
+        || (edge->key == of->first[0] && other->key < of->first[1])) {
+        of->first[0] = edge->key, of->first[1] = other->key;
+        found->first[0] = primitive(edge), found->first[1] = primitive(other);
+        found->how = how;
+    }
+    ++found->count;
+}
+
+/* ---- pairs ----------------------------------------------------------------------- */
+
+static void bounds(const part *of, double low[3], double high[3])
+{
+    for (size_t k = 0; k < 3; ++k) {
+        low[k] = high[k] = of->x[0][k];
+        for (size_t i = 1; i < of->count; ++i) {
+            low[k] = fmin(low[k], of->x[i][k]), high[k] = fmax(high[k], of->x[i][k]);
+        }
+    }
+}
+
+static bool boxes_apart(const part *a, const part *b)
+{
+    double low[2][3], high[2][3];
+    bool apart = false;
+    bounds(a, low[0], high[0]);
+    bounds(b, low[1], high[1]);
+    for (size_t k = 0; k < 3; ++k) {
+        apart = apart || low[0][k] > high[1][k] || low[1][k] > high[0][k];
+    }
+    return apart;
+}
+
+/* Their common particles; one of them is corner *i of the edge and *j of the other. */
+static size_t common(const part *edge, const part *other, size_t *i, size_t *j)
+{
+    size_t count = 0;
+    for (size_t k = 0; k < edge->count * other->count; ++k) {
+        if (edge->particle[k % edge->count] == other->particle[k / edge->count]) {
+            *i = k % edge->count, *j = k / edge->count;
+            ++count;
+        }
+    }
+    return count;
+}
+
+static weft__meeting segment_part(const double p[3], const double q[3], const part *of)
+{
+    return of->count == 3 ? weft__segment_triangle(p, q, of->x[0], of->x[1], of->x[2])
+                          : weft__segment_segment(p, q, of->x[0], of->x[1]);
+}
+
+/* Beside their common corner, which is i of the edge and j of the other. */
+static weft__meeting elsewhere(const part *edge, const part *other, size_t i, size_t j)
+{
+    const double *corner = edge->x[i], *end = edge->x[1 - i];
+    const double *b = other->x[(j + 1) % other->count];
+    const double *c = other->x[(j + 2) % other->count];
+    if (other->count == 3 && weft__orientation(corner, b, c, end) != 0) {
+        return WEFT__APART;
+    }
+    const bool meet = other->count == 3
+                          ? weft__segment_segment(corner, end, b, c) != WEFT__APART
+                          : weft__segment_segment(b, b, corner, end) != WEFT__APART;
+    return meet || segment_part(end, end, other) != WEFT__APART ? WEFT__TOUCH
+                                                                : WEFT__APART;
+}
+
+static void compare(search *of, const part *edge, const part *other)
+{
+    size_t i, j;
+    if (boxes_apart(edge, other)) {
+        return;
+    }
+    switch (common(edge, other, &i, &j)) {
+    case 0:
+        keep(of, edge, other, segment_part(edge->x[0], edge->x[1], other));
+        break;
+    case 1:
+        keep(of, edge, other, elsewhere(edge, other, i, j));
+        break;
+    default: /* a side of the triangle */
+        break;
+    }
+}
+
+/* The edges of node i with the triangles of node j, or with its edges in a chain. */
+static void compare_nodes(search *of, size_t i, size_t j)
+{
+    const weft_cloth *cloth = of->tree->cloth;
+    const bool chain = cloth->rows == 1 || cloth->cols == 1;
+    uint32_t edges[3][2], sides[3][2], triangles[2][3];
+    const size_t edge_count = weft__node_edges(cloth, i, edges);
+    const size_t count = chain ? (i < j ? weft__node_edges(cloth, j, sides) : 0)
+                               : weft__node_triangles(cloth, j, triangles);
+    for (size_t k = 0; k < edge_count * count; ++k) {
+        const size_t e = k / count, o = k % count;
+        const part edge = part_of(of, 3 * i + e, 2, edges[e]);
+        const part other = chain ? part_of(of, 1 + 3 * j + o, 2, sides[o])
+                                 : part_of(of, 1 + 2 * j + o, 3, triangles[o]);
+        compare(of, &edge, &other);
+    }
+}
+
+/* Edges of node i without length, as two particles. */
+static void keep_points(search *of, size_t i)
+{
+    uint32_t edges[3][2];
+    const size_t count = weft__node_edges(of->tree->cloth, i, edges);
+    for (size_t e = 0; e < count; ++e) {
+        const part a = part_of(of, 3 * i + e, 1, &edges[e][0]);
+        const part b = part_of(of, 0, 1, &edges[e][1]);
+        keep(of, &a, &b, boxes_apart(&a, &b) ? WEFT__APART : WEFT__TOUCH);
+    }
+}
+
+static bool visit(void *ctx, size_t i, size_t j)
+{
+    search *of = ctx;
+    compare_nodes(of, i, j);
+    if (i != j) {
+        compare_nodes(of, j, i);
+    } else {
+        keep_points(of, i);
+    }
+    return true;
+}
+
+weft__crossings weft__crossings_of(const weft__tree *tree, size_t loose)
+{
+    search of = { .tree = tree, .loose = loose };
+    (void)weft__tree_pairs(tree, 0.0, visit, &of);
+    return of.found;
+}
+
+size_t weft_cloth_crossings(const weft_cloth *cloth, const double *y,
+                            weft_primitive pair[2])
+{
+    const weft__tree tree = weft__tree_of(cloth, y);
+    const weft__crossings found = weft__crossings_of(&tree, SIZE_MAX);
+    for (size_t k = 0; pair != NULL && k < 2; ++k) {
+        pair[k] = found.first[k];
+    }
+    return found.count;
+}
+
+weft_status weft__crossing_error(const weft_cloth *cloth, const double *y, size_t loose,
+                                 const char *where, weft_error *err)
+{
+    char names[2][96], more[48] = "";
+    if (!cloth->contact.self) {
+        return WEFT_OK;
+    }
+    const weft__tree tree = weft__tree_of(cloth, y);
+    const weft__crossings found = weft__crossings_of(&tree, loose);
+    if (found.count == 0) {
+        return WEFT_OK;
+    }
+    if (found.count > 1) {
+        (void)snprintf(more, sizeof more, "; %zu such pairs", found.count);
+    }
+    for (size_t k = 0; k < 2; ++k) {
+        (void)weft_primitive_text(&found.first[k], cloth->cols, names[k],
+                                  sizeof names[k]);
+    }
+    return weft_error_set(err, WEFT_INVALID, "%s%s %s %s%s", where, names[0],
+                          found.how == WEFT__PIERCE ? "passes through" : "touches",
+                          names[1], more);
+}
