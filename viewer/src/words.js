@@ -50,10 +50,24 @@ function status(run) {
     return outcome.get('status') === 'done' ? '' : `${outcome.get('status')}${reason ? `: ${reason}` : ''}`;
 }
 
+/** Of a run under way: 'live', 'lost' or 'over'. */
+export function writeLive(page, how) {
+    const [run] = page.runs;
+    const words = { live: 'under way', lost: 'under way; its server does not answer' };
+    const line = document.querySelector('#summary .run');
+    line.replaceChildren(...facts(run).map((fact) => element('span', fact, 'fact')));
+    const text = how === 'over' ? status(run) : words[how];
+    if (text) {
+        line.append(element('span', text, how === 'live' ? 'fact live' : 'fact bad'));
+    }
+}
+
 /** What is not shown, and why. */
 function omissions(page) {
     const said = [];
-    if (page.times.length < page.chosen) {
+    if (page.times.length < page.chosen && page.runs[0].live) {
+        said.push(`${page.times.length} of ${page.chosen} frames: those that came in time`);
+    } else if (page.times.length < page.chosen) {
         const step = page.runs[0].index[1] - page.runs[0].index[0];
         said.push(`thinned to ${page.times.length} of ${page.chosen} frames (every ${step}. and the last) to keep the page small`);
     }
