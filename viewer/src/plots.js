@@ -271,7 +271,8 @@ export class Plots {
 
     place() {
         for (const plot of this.drawn) {
-            const left = plot.valToPos(this.page.times[this.frame], 'x');
+            // a live run may be ahead of its plots
+            const left = Math.min(plot.valToPos(this.page.times[this.frame], 'x'), plot.over.clientWidth);
             plot.over.querySelector('.now').style.transform = `translateX(${left}px)`;
         }
     }
