@@ -269,13 +269,13 @@ weft_status record_result_write(const char *directory, const record_result *resu
 weft_status record_result_amend(const char *directory, const record_result *result,
                                 weft_error *err);
 
-/* player_page.c: writes `file`, the frames of the runs in directories[count], one or
+/* player_page.c: writes `path`, the frames of the runs in directories[count], one or
  * two side by side, as one HTML page that a browser plays without a network. Two runs
  * are shown at the times that both have. docs/player.md describes the page and its
  * data. Errors: WEFT_IO (a file), WEFT_INVALID (runs of different grids or without a
  * common time), WEFT_NO_MEMORY. */
 weft_status record_player(const char *const *directories, size_t count,
-                          const char *file, weft_error *err);
+                          const char *path, weft_error *err);
 
 /* batch_page.c: writes `path`, a page of all runs of a batch: its summary.csv, the
  * numbers of each series and what a player shows of each run. *without: runs that have

@@ -93,7 +93,7 @@ function writeWay(page) {
         const way = element('p', '');
         way.id = 'way';
         const where = parameters(batch).map((p) => `${p.label} ${p.text(chosen)}`).join(', ');
-        way.append(link('?', `all ${batch.runs.length} runs of ${batch.directory}`), ` \u00b7 run ${chosen.number}${where && `: ${where}`}`);
+        way.append(link('?', `all runs of ${batch.directory}`), ` \u00b7 run ${chosen.number}${where && `: ${where}`}`);
         if (chosen.page && page.times.length < page.chosen) {
             way.append(' \u00b7 ', link(chosen.page, 'every frame of this run'));
         }
