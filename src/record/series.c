@@ -61,6 +61,7 @@
 #define SELF_COLUMNS(X)                                                                \
     X(self_gap, "%.17g", row.all.self_gap)                                             \
     X(self_touching, "%zu", row.all.self_touching)
+
 /* And this if frames are taken from within steps. */
 #define BETWEEN_COLUMNS(X)                                                             \
     X(interpolated, "%d", (int)weft_sim_is_between(row.frame->sim))

@@ -193,8 +193,8 @@ function choose(what, one) {
 
 function fillWords() {
     const counts = Map.groupBy(runs, (run) => run.text('status'));
-    document.title = `${batch.directory}: ${runs.length} runs - weft`;
-    $('name').textContent = `${batch.directory}: ${runs.length} runs`;
+    $('name').textContent = `${batch.directory}: ${runs.length === 1 ? '1 run' : `${runs.length} runs`}`;
+    document.title = `${$('name').textContent} - weft`;
     $('summary').append(...[...counts].map(([status, list]) => element('span', status === 'done' ? 'fact' : 'fact bad', `${list.length} ${status}`)));
     $('made').textContent = `made by weft ${batch.weft}; three and uPlot inside, licences in the source of this page`;
 }

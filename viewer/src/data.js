@@ -125,6 +125,31 @@ export function readPage(root) {
     return { ...meta, runs, apart, count, calm, blown, all: blown && calm < 3 };
 }
 
+/** Appends a frame of a run under way: its index, number, time, and block as base64. */
+export function addFrame(page, { index, number, time, block }) {
+    const [run] = page.runs;
+    run.index.push(index);
+    run.numbers.push(number);
+    run.blocks.push(new Block({ textContent: block }, 3 + page.fields.length, page.count));
+    page.times.push(time);
+    page.chosen = index + 1;
+    run.frames = index + 1;
+    const large = size(run.blocks.at(-1)) > REACH * size(run.blocks[0]);
+    page.blown ||= large;
+    page.calm += page.blown ? 0 : 1;
+}
+
+/** Appends rows of its series.csv that it does not have yet. */
+export function addRows(run, text) {
+    const names = [...run.columns.keys()];
+    const last = run.columns.get('frame')?.at(-1) ?? -1;
+    for (const row of text.split('\n').map((line) => line.split(','))) {
+        if (row.length === names.length && Number(row[0]) > last) {
+            names.forEach((name, i) => run.columns.get(name).push(row[i] === '' ? NaN : Number(row[i])));
+        }
+    }
+}
+
 /** Frames that view, colours and plots fit: all, or those before a run blows up. */
 export const fitted = (page, list) => (page.all ? list : list.slice(0, page.calm));
 

@@ -35,7 +35,7 @@ export class HeatMap {
         this.root.replaceChildren(
             element('h2', '', words),
             element('div', 'scroll', element('table', x.levels.length < WORDS_BELOW ? 'wide' : '', ...order.map(line), foot)),
-            element('p', '', `${y.label} upwards, ${x.label} to the right`),
+            element('p', '', `rows: ${y.label}, columns: ${x.label}`),
             this.bar(lo, hi, to !== Math.log),
         );
     }

@@ -2,19 +2,22 @@
 // main.js -- one state (frame, colour, rate, playing), and what follows from it.
 import { drawLegend, quantities } from './colours.js';
 import { boxes, readPage } from './data.js';
+import { follow, isLive } from './live.js';
 import { nearest, Plots } from './plots.js';
 import { gaps } from './shapes.js';
 import { root } from './source.js';
 import { isSoftware, Stage } from './stage.js';
 import { isDark, onPreference, toggleTheme } from './theme.js';
-import { writeFiles, writeHeader, writeLabels, writeNotes } from './words.js';
+import { writeFiles, writeHeader, writeLabels, writeLive, writeNotes } from './words.js';
 
 const RATES = [0.1, 0.25, 0.5, 1, 2, 4];
+const RENEWAL = 500; // ms between two redraws of the plots of a live run
 const THREADS_BELOW = 50; // particles along a side: more would be a grey veil
 const $ = (id) => document.getElementById(id);
 const asked = new URLSearchParams(location.hash.slice(1)); // #frame=30&colour=strain&all=1&play=0&quality=fine
 
 const page = readPage(root);
+const live = isLive(page);
 page.all = page.blown && (asked.has('all') ? asked.get('all') === '1' : page.all);
 const { times } = page;
 let colours = [null, ...quantities(page)];
@@ -121,6 +124,43 @@ function setAll(on) {
     setColour(state.colour);
 }
 
+// ---- a run under way ------------------------------------------------------------------
+
+let renewal = 0;
+
+/** Colours, plots and notes of the frames that there are now. */
+function renew() {
+    renewal = 0;
+    colours = [null, ...quantities(page)];
+    $('fit-all').hidden = !page.blown;
+    if (stage?.widen(boxes(page))) {
+        stage.setInk(isDark());
+        stage.setThreads($('threads').checked);
+    }
+    plots.collect();
+    plots.draw();
+    writeNotes(page);
+    drawLegend(colours[state.colour], document);
+    seek(state.frame);
+}
+
+/** Who looks at the last frame goes on to look at the last. */
+function onNews() {
+    const last = Number($('scrub').max);
+    $('scrub').max = times.length - 1;
+    if (state.frame === last && !state.playing) {
+        seek(times.length - 1);
+    }
+    renewal ||= setTimeout(renew, RENEWAL);
+}
+
+function onChange(how) {
+    writeLive(page, how);
+    if (how === 'over') {
+        renew();
+    }
+}
+
 function applyTheme() {
     stage?.setInk(isDark());
     plots.draw();
@@ -223,9 +263,11 @@ function start() {
     setThreads(asked.has('threads') ? asked.get('threads') === '1' : Math.max(...page.shown) < THREADS_BELOW);
     const wanted = colours.findIndex((c) => (c ? c.name : 'plain') === asked.get('colour'));
     setColour(wanted < 0 ? state.colour : wanted);
-    seek(Number(asked.get('frame')) || 0);
+    seek(Number(asked.get('frame') ?? (live ? Infinity : 0)) || 0);
     const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
-    if (asked.get('play') !== '0' && !asked.has('frame') && !calm) {
+    if (live) {
+        follow(page, { news: onNews, changed: onChange });
+    } else if (asked.get('play') !== '0' && !asked.has('frame') && !calm) {
         play();
     }
     document.documentElement.dataset.ready = '';

@@ -188,13 +188,16 @@ export class Plots {
         this.element = element;
         this.seek = seek;
         this.frame = 0;
-        this.plots = PLOTS.map((plot) => assemble(page, plot));
-        if (page.apart.length > 0) {
-            this.plots.unshift(difference(page));
-        }
-        this.plots = this.plots.filter((plot) => plot.runs.some((run) => run.curves.length > 0));
         this.drawn = [];
+        this.collect();
         new ResizeObserver(() => this.resize()).observe(element);
+    }
+
+    /** Takes the columns as they are now. */
+    collect() {
+        const { page } = this;
+        const all = [...(page.apart.length > 0 ? [difference(page)] : []), ...PLOTS.map((plot) => assemble(page, plot))];
+        this.plots = all.filter((plot) => plot.runs.some((run) => run.curves.length > 0));
     }
 
     /** Draws all anew, in the colours of the theme in force. */
@@ -268,7 +271,8 @@ export class Plots {
 
     place() {
         for (const plot of this.drawn) {
-            const left = plot.valToPos(this.page.times[this.frame], 'x');
+            // a live run may be ahead of its plots
+            const left = Math.min(plot.valToPos(this.page.times[this.frame], 'x'), plot.over.clientWidth);
             plot.over.querySelector('.now').style.transform = `translateX(${left}px)`;
         }
     }

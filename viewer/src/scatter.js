@@ -31,10 +31,11 @@ const plain = (v) => (v >= 1e-3 && v < 1e5 ? String(v) : powerText(v));
 function along(x) {
     if (!x.numeric) {
         const every = Math.ceil(x.levels.length / 5);
+        const most = x.levels.length > 3 ? 9 : 15; // characters
         return {
             to: Number, range: () => [-0.5, x.levels.length - 0.5],
             ticks: () => x.levels.map((_, i) => i).filter((i) => i % every === 0),
-            text: (i) => (x.levels[i].length > 9 ? `${x.levels[i].slice(0, 8)}…` : x.levels[i]),
+            text: (i) => (x.levels[i].length > most ? `${x.levels[i].slice(0, most - 1)}…` : x.levels[i] || '(default)'),
         };
     }
     return x.log ? { ...LOGARITHMIC, text: plain, ticks: (lo, hi) => LOGARITHMIC.ticks(lo, hi).filter((_, i, all) => i % Math.ceil(all.length / 5) === 0) } : {};
@@ -50,8 +51,8 @@ function table(points, count) {
     return lists;
 }
 
-/** Whether no colour has two runs at one place: then a line joins them. */
-const isCurve = (points, count) => new Set(points.map((p) => `${p.ink} ${p.x}`)).size === points.length && points.length < 40 * count;
+/** Whether no colour has two runs at one number: then a line joins them. */
+const isCurve = (x, points, count) => x.numeric && new Set(points.map((p) => `${p.ink} ${p.x}`)).size === points.length && points.length < 40 * count;
 
 export class Scatter {
     constructor(root, height, short, { tip, open, choose }) {
@@ -113,7 +114,12 @@ export class Scatter {
 
     points(value) {
         const { x, y, of } = this.state;
-        const list = this.runs.map((run) => ({ run, x: x.place(run), y: value.of(run, of), ink: y?.few ? y.level(run) : 0 }));
+        const count = this.inks.length;
+        const list = this.runs.map((run) => {
+            const ink = y?.few ? y.level(run) : 0;
+            // side by side at a word
+            return { run, ink, x: x.place(run) + (x.numeric ? 0 : (ink - (count - 1) / 2) / (2 * count)), y: value.of(run, of) };
+        });
         return list.filter((p) => Number.isFinite(p.x) && Number.isFinite(p.y)).sort((a, b) => a.x - b.x);
     }
 
@@ -122,7 +128,7 @@ export class Scatter {
         const [lo, hi] = range(points.map((p) => p.y));
         const log = isWide([lo, hi], SPAN);
         points.forEach((p) => { p.height = log ? Math.log10(p.y) : p.y; });
-        const curve = isCurve(points, this.inks.length);
+        const curve = isCurve(this.state.x, points, this.inks.length);
         const [across, up] = [along(this.state.x), log ? LOGARITHMIC : {}];
         const made = new uPlot({
             width: card.clientWidth,

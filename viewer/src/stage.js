@@ -57,6 +57,21 @@ export class Stage {
     constructor(canvas, page, boxes, fine) {
         this.page = page;
         this.canvas = canvas;
+        this.surround(boxes);
+        this.renderer = new WebGLRenderer({ canvas, antialias: fine, alpha: true });
+        this.renderer.debug.checkShaderErrors = false; // would wait for each shader
+        this.renderer.setScissorTest(true);
+        this.renderer.shadowMap.enabled = fine;
+        this.renderer.shadowMap.type = PCFShadowMap;
+        this.camera = new PerspectiveCamera(32);
+        this.controls = new OrbitControls(this.camera, canvas);
+        this.controls.addEventListener('change', () => this.request());
+        this.build();
+        this.stacked = false;
+    }
+
+    /** The middle and the size of what is seen. */
+    surround(boxes) {
         this.corners = boxes.flatMap(([x, y, z]) => [0, 1, 2, 3, 4, 5, 6, 7].map(
             (i) => new Vector3(x[i & 1], y[(i >> 1) & 1], z[i >> 2]),
         ));
@@ -64,19 +79,29 @@ export class Stage {
         this.hi = this.corners.reduce((a, b) => a.max(b), new Vector3().setScalar(-Infinity));
         this.centre = this.lo.clone().add(this.hi).multiplyScalar(0.5);
         this.size = this.lo.distanceTo(this.hi) || 1;
-        this.renderer = new WebGLRenderer({ canvas, antialias: fine, alpha: true });
-        this.renderer.debug.checkShaderErrors = false; // would wait for each shader
-        this.renderer.setScissorTest(true);
-        this.renderer.shadowMap.enabled = fine;
-        this.renderer.shadowMap.type = PCFShadowMap;
-        this.camera = new PerspectiveCamera(32, 1, this.size / 100, this.size * 60);
-        this.controls = new OrbitControls(this.camera, canvas);
-        this.controls.minDistance = this.size / 20;
-        this.controls.maxDistance = this.size * 20;
-        this.controls.addEventListener('change', () => this.request());
-        this.cell = round(this.size / 4);
-        this.views = page.runs.map((run) => this.makeView(run));
-        this.stacked = false;
+    }
+
+    /** Everything that has to do with the size of what is seen. */
+    build() {
+        Object.assign(this.camera, { near: this.size / 100, far: this.size * 60 });
+        Object.assign(this.controls, { minDistance: this.size / 20, maxDistance: this.size * 20 });
+        Object.assign(this, { cell: round(this.size / 4), grid: null, shade: null });
+        this.views = this.page.runs.map((run) => this.makeView(run));
+    }
+
+    /** Of a run under way: more frames, perhaps farther away. Returns whether all is new. */
+    widen(boxes) {
+        const { lo, hi } = this;
+        this.surround(boxes);
+        if (lo.equals(this.lo) && hi.equals(this.hi)) {
+            return false;
+        }
+        this.views.forEach(({ scene }) => scene.traverse((object) => {
+            [object.geometry, object.material, object.shadow].forEach((part) => part?.dispose());
+        }));
+        this.build();
+        this.resize();
+        return true;
     }
 
     makeView(run) {

@@ -50,10 +50,24 @@ function status(run) {
     return outcome.get('status') === 'done' ? '' : `${outcome.get('status')}${reason ? `: ${reason}` : ''}`;
 }
 
+/** Of a run under way: 'live', 'lost' or 'over'. */
+export function writeLive(page, how) {
+    const [run] = page.runs;
+    const words = { live: 'under way', lost: 'under way; its server does not answer' };
+    const line = document.querySelector('#summary .run');
+    line.replaceChildren(...facts(run).map((fact) => element('span', fact, 'fact')));
+    const text = how === 'over' ? status(run) : words[how];
+    if (text) {
+        line.append(element('span', text, how === 'live' ? 'fact live' : 'fact bad'));
+    }
+}
+
 /** What is not shown, and why. */
 function omissions(page) {
     const said = [];
-    if (page.times.length < page.chosen) {
+    if (page.times.length < page.chosen && page.runs[0].live) {
+        said.push(`${page.times.length} of ${page.chosen} frames: those that came in time`);
+    } else if (page.times.length < page.chosen) {
         const step = page.runs[0].index[1] - page.runs[0].index[0];
         said.push(`thinned to ${page.times.length} of ${page.chosen} frames (every ${step}. and the last) to keep the page small`);
     }
@@ -79,7 +93,7 @@ function writeWay(page) {
         const way = element('p', '');
         way.id = 'way';
         const where = parameters(batch).map((p) => `${p.label} ${p.text(chosen)}`).join(', ');
-        way.append(link('?', `all ${batch.runs.length} runs of ${batch.directory}`), ` \u00b7 run ${chosen.number}${where && `: ${where}`}`);
+        way.append(link('?', `all runs of ${batch.directory}`), ` \u00b7 run ${chosen.number}${where && `: ${where}`}`);
         if (chosen.page && page.times.length < page.chosen) {
             way.append(' \u00b7 ', link(chosen.page, 'every frame of this run'));
         }

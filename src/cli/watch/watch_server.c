@@ -153,7 +153,7 @@ static void put_end(feed *self, FILE *out)
 /* The next frame to send; that number of frames or more: none yet. */
 static size_t choose_frame(const feed *self, size_t count)
 {
-    const size_t step = self->server->page.step;
+    const size_t step = self->server->open ? self->server->page.step : 1;
     const size_t behind = count > self->next ? count - self->next : 0;
     const size_t i = (self->next + behind / LAG + step - 1) / step * step;
     return i >= count && behind > 0 && self->server->over ? count - 1 : i;
@@ -167,7 +167,9 @@ static bool write_message(feed *self)
     const size_t i = choose_frame(self, count);
     const bool frame
         = i < count && player_page_encode(&server->page, i, NULL) == WEFT_OK;
-    const bool more = i < count || !server->over || server->open != server->frames;
+    const bool more = i < count || !server->over
+                      || (server->frames && !server->open
+                          && weft__wall_clock() < server->ended + FAREWELL / 2);
     if (self->ended || (!frame && more)) {
         self->next = i < count ? i + 1 : self->next; /* a damaged one is left out */
         return false;
