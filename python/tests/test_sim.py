@@ -281,6 +281,20 @@ def test_solve_ivp_on_rhs_agrees_with_weft(scene, own):
     assert fine < 2e-5 and coarse / fine == pytest.approx(4, rel=0.1)  # velocity Verlet's order is 2
 
 
+@quiet
+def test_rhs_in_a_correction_does_not_disturb_it(scene):
+    def force(t, x, v, f):
+        f[:, 0] += x[:, 0]
+
+    def correct(t, h, x, v):
+        sim.rhs(t, np.full(480, 7.0))
+
+    sim, plain = weft.load(scene, force=force, correct=correct), weft.load(scene, force=force)
+    sim.advance(0.05)
+    plain.advance(0.05)
+    assert sim.positions == pytest.approx(plain.positions, abs=1e-12)
+
+
 def test_the_jacobian_product_is_the_derivative_of_rhs(scene):
     sim = weft.load(scene)
     sim.advance(0.3)

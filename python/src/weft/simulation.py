@@ -624,14 +624,16 @@ class Sim:
 
     def _add_force(self, t: float, state: Any, out: Array) -> None:
         n = self.particles
-        f = np.zeros(3 * n)
-        status = self._definition.force(self._definition.force_ctx, t, state, ffi.from_buffer("double[]", f))
-        error = self._hooks.take()
-        if error is not None:
-            raise error
+        f, usable = np.zeros(3 * n), True
+        if self._hooks.force is not None:  # not through weftpy_force, whose arrays a callback may be looking at
+            y = np.frombuffer(ffi.buffer(state), np.float64)
+            y.flags.writeable = False
+            self._hooks.force(t, _as_particles(y[:3 * n], n), _as_particles(y[3 * n:], n), _as_particles(f, n))
+        else:
+            usable = self._definition.force(self._definition.force_ctx, t, state, ffi.from_buffer("double[]", f)) == 0
         if self._free is None:
             self._free = np.where(self.pinned, 0.0, 1.0 / self.masses)
-        out[3 * n:] += (f.reshape(3, n) * self._free).ravel() if status == 0 else np.nan
+        out[3 * n:] += (f.reshape(3, n) * self._free).ravel() if usable else np.nan
 
     def jacobian_product(self, t: float, y: Any, dy: Any) -> Array:
         """The derivative of the cloth's rhs along dy (6 N,): J dy (6 N,). Exact, without an own force."""
