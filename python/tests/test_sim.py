@@ -652,7 +652,7 @@ def test_ctrl_c_ends_an_advance(scene):
 def test_the_interpreter_ends_well_in_the_midst_of_a_simulation(scene, end):
     code = ("import warnings; warnings.simplefilter('ignore'); import weft\n"
             "sim = weft.load(%r, force=lambda t, x, v, f: None)\nsim.advance(0.01)\n%s\n" % (scene, end))
-    done = subprocess.run([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True, timeout=60)
+    done = subprocess.run([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True, timeout=600)
     assert (done.returncode, done.stderr) == (0, "")
 
 
