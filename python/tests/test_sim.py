@@ -144,8 +144,8 @@ def test_records_have_the_fields_of_the_headers():
     assert lib.WEFT_FAMILIES == 3 and lib.WEFT_POWERS == len(weft.library.POWERS)
     flags = [name for name in dir(lib) if name.startswith("WEFT_STEPPER_")]
     assert {name.lower()[len("weft_stepper_"):] for name in flags} - {"abi"} == set(weft.library.FLAGS)
-    assert weft.library.POWERS == tuple(
-        n[len("WEFT_POWER_"):].lower() for _, n in sorted(ffi.typeof("weft_power").elements.items()) if n != "WEFT_POWERS")
+    powers = [name for _, name in sorted(ffi.typeof("weft_power").elements.items()) if name != "WEFT_POWERS"]
+    assert tuple(name[len("WEFT_POWER_"):].lower() for name in powers) == weft.library.POWERS
 
 
 # ---- errors ---------------------------------------------------------------------------
@@ -378,8 +378,8 @@ int pull(void *ctx, double t, const double *y, double *f)
 def pull(tmp_path_factory):
     folder = tmp_path_factory.mktemp("pull")
     (folder / "pull.c").write_text(C_FORCE)
-    subprocess.run([os.environ.get("CC", "cc"), "-O1", "-ffp-contract=off", "-shared", "-fPIC", "-o", str(folder / "pull.so"),
-                    str(folder / "pull.c")], check=True)
+    subprocess.run(["cc", "-O1", "-ffp-contract=off", "-shared", "-fPIC", "-o", folder / "pull.so", folder / "pull.c"],
+                   check=True)
     return ctypes.CDLL(str(folder / "pull.so")).pull
 
 
@@ -646,9 +646,15 @@ def test_ctrl_c_ends_an_advance(scene):
     assert sim.time > at
 
 
-@pytest.mark.parametrize("end", ["pass", "import threading; threading.Thread(target=sim.advance, args=(1e3,), daemon=True).start(); "
-                                 "import time; time.sleep(0.1)", "view = sim.state; del sim", "sim.me = sim",
-                                 "import sys; sys.exit(0)"])
+IN_A_THREAD = """
+import threading, time
+threading.Thread(target=sim.advance, args=(1e3,), daemon=True).start()
+time.sleep(0.1)
+"""
+
+
+@pytest.mark.parametrize("end", ["pass", "view = sim.state; del sim", "sim.me = sim", "import sys; sys.exit(0)",
+                                 IN_A_THREAD])
 def test_the_interpreter_ends_well_in_the_midst_of_a_simulation(scene, end):
     code = ("import warnings; warnings.simplefilter('ignore'); import weft\n"
             "sim = weft.load(%r, force=lambda t, x, v, f: None)\nsim.advance(0.01)\n%s\n" % (scene, end))

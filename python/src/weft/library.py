@@ -288,7 +288,9 @@ def yaml_text(value: Any, margin: str = "") -> str:
         return str(int(value))
     if isinstance(value, numbers.Real):
         number = float(value)
-        return repr(number) if math.isfinite(number) else ".nan" if number != number else ".inf" if number > 0 else "-.inf"
+        if math.isfinite(number):
+            return repr(number)
+        return ".nan" if math.isnan(number) else ".inf" if number > 0 else "-.inf"
     if isinstance(value, Iterable):
         return "[" + ", ".join(yaml_text(v, margin) for v in value) + "]"
     raise TypeError("a scene has no values of type %s" % type(value).__name__)
