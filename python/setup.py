@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Builds and bundles weft. In weft's source tree the package takes library, plugins and program
-along, built by make (environment variables: those of the Makefile, such as BUILD and CC). Elsewhere
+"""Builds and bundles weft. In weft's source tree the package bundles library, plugins and
+program, built by make (environment variables: those of the Makefile, such as BUILD and CC). Elsewhere
 it uses the installed weft that pkg-config finds."""
 import glob
 import os
