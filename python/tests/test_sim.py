@@ -183,6 +183,19 @@ def test_values_of_numpy_and_odd_values_reach_the_scene_whole(scene):
             weft.load({**scene, "forces": value})
     with pytest.raises(TypeError, match="key"):
         weft.load({**scene, 5: 6})
+    with pytest.raises(ValueError, match="null character"):
+        weft.load("no\0.yaml")
+    with pytest.raises(weft.SceneError):
+        weft.load({**scene, "na\0me": "\0"})
+
+
+def test_overrides_replace_whole_sections(scene, tmp_path):
+    springs = {"stretch": {"stiffness": 50}, "shear": {"stiffness": 7, "damping": 0.125}}
+    sim = weft.load(scene, {"cloth.springs": springs, "run": {"duration": 0.1}})
+    assert "0.125" in sim.scene and sim.duration == 0.1
+    run = weft.run(scene, tmp_path / "run", {"cloth.springs": springs, "run": {"duration": 0.1}})
+    sim.advance(0.1)
+    assert run.positions[-1] == pytest.approx(sim.grid, abs=1e-6)
 
 
 def test_a_scene_may_be_a_text_and_its_text_loads_again(scene):
