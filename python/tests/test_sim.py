@@ -11,6 +11,7 @@ import subprocess
 import sys
 import threading
 import time
+import types
 import weakref
 
 import numpy as np
@@ -403,7 +404,8 @@ def test_c_functions_of_ctypes_cffi_and_numba_equal_python(scene, pull):
 
     k = np.array([0.5])
     address = ctypes.cast(pull, ctypes.c_void_p).value
-    functions = [(pull, k), (ffi.cast("weft_force_fn *", address), ffi.from_buffer(k))]
+    functions = [(pull, k), (ffi.cast("weft_force_fn *", address), ffi.from_buffer(k)),
+                 (types.SimpleNamespace(address=address), k)]  # as numba's
     try:
         import numba
     except ImportError:
