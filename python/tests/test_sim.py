@@ -83,6 +83,15 @@ def test_positions_and_velocities_can_be_assigned_in_both_shapes(scene):
     assert (sim.grid == moved)[free.reshape(8, 10)].all()
 
 
+def test_a_state_can_be_handed_to_another_simulation(scene):
+    sim, other = weft.load(scene), weft.load(scene)
+    sim.advance(0.3)
+    other.state = sim.state
+    assert (other.state == sim.state).all() and other.time == 0
+    with pytest.raises(ValueError, match=r"a state has the shape \(480,\), not \(80, 3\)"):
+        other.state = sim.positions
+
+
 def test_masses_rest_and_strains_have_one_entry_per_particle(scene):
     scene["cloth"]["loads"] = [{"at": "bottom-left", "mass": 0.25}]
     sim = weft.load(scene)
@@ -233,6 +242,20 @@ def test_an_unknown_particle_or_shape_is_an_index_error(scene):
             call(0)
     with pytest.raises(ValueError, match=r"\(3,\)"):
         sim.pin(0, velocity=[1, 2])
+
+
+def test_messages_of_the_library_are_logged(scene, caplog):
+    with caplog.at_level("INFO", logger="weft"):
+        weft.load(scene)
+    assert any("8 x 10 particles under velocity_verlet" in message for message in caplog.messages)
+
+
+def test_help_and_plugins_name_what_is_missing():
+    assert "stepper" in weft.scene_help() and "[s]" in weft.scene_help("stepper.fixed_step")
+    with pytest.raises(weft.Error, match="did you mean"):
+        weft.scene_help("stepper.rtoll")
+    with pytest.raises(weft.Error, match="weft-none.so"):
+        weft.load_plugin("/weft-none.so")
 
 
 # ---- pins and shapes ------------------------------------------------------------------

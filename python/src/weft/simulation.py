@@ -390,8 +390,14 @@ class Sim:
 
     @property
     def state(self) -> Array:
-        """(6 N,), a view: planes x[N] y[N] z[N] [m], then vx[N] vy[N] vz[N] [m/s]."""
+        """(6 N,), a view: planes x[N] y[N] z[N] [m], then vx[N] vy[N] vz[N] [m/s]. May be assigned, as set_state()."""
         return np.asarray(_Memory(self, lib.weft_sim_state(self._sim), 6 * self.particles))
+
+    @state.setter
+    def state(self, y: Any) -> None:
+        self._states(y)
+        x, v = np.asarray(y, dtype=np.float64).reshape(2, 3, self.particles)
+        self.set_state(x.T, v.T)
 
     @property
     def positions(self) -> Array:
