@@ -50,4 +50,13 @@ class Build(build_ext):
         super().run()
 
 
-setup(version=version(), cffi_modules=["_build.py:ffi"], cmdclass={"build_ext": Build})
+def places():
+    """In the tree, all that is built goes below build/, as what make builds."""
+    if not IN_TREE:
+        return {}
+    base = os.path.join(TREE, os.environ.get("BUILD", "build"), "python-package")
+    os.makedirs(base, exist_ok=True)
+    return {"build": {"build_base": base}, "egg_info": {"egg_base": base}}
+
+
+setup(version=version(), cffi_modules=["_build.py:ffi"], cmdclass={"build_ext": Build}, options=places())
