@@ -2,8 +2,9 @@
 # %% [markdown]
 # # Which method for this cloth?
 #
-# Draws work-precision.png: the error of each method against its cost, which `weft compare` measures against a reference.
-# Down and to the left is better; a slope is an order. `python examples/work_precision.py`, or open this file as a notebook.
+# Draws work-precision.png: the error of each method against its cost, measured by `weft compare` against a reference.
+# Down and to the left is better; a slope is an order.
+# `python examples/work_precision.py`, or open this file as a notebook.
 
 # %%
 import tempfile
@@ -13,7 +14,8 @@ import matplotlib.pyplot as plt
 
 import weft
 
-SCENE = Path(globals().get("__file__", "examples/work_precision.py")).resolve().parent.parent / "scenes/two-corners.yaml"
+HERE = Path(globals().get("__file__", "examples/work_precision.py")).resolve().parent
+SCENE = HERE.parent / "scenes" / "two-corners.yaml"
 UNTIL = 0.2  # [s]
 METHODS = ["gsl/rkf45", "gsl/rk8pd", "arkode/bogacki_shampine", "arkode/dormand_prince", "arkode/verner65", "verlet"]
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Builds and bundles weft. In weft's source tree the package takes library, plugins and program
-along, built by make (environment variables: those of the Makefile, such as BUILD and CC). Elsewhere
+"""Builds and bundles weft. In weft's source tree the package bundles library, plugins and
+program, built by make (environment variables: those of the Makefile, such as BUILD and CC). Elsewhere
 it uses the installed weft that pkg-config finds."""
 import glob
 import os
@@ -50,4 +50,13 @@ class Build(build_ext):
         super().run()
 
 
-setup(version=version(), cffi_modules=["_build.py:ffi"], cmdclass={"build_ext": Build})
+def places():
+    """In the tree, all that is built goes below build/, as what make builds."""
+    if not IN_TREE:
+        return {}
+    base = os.path.join(TREE, os.environ.get("BUILD", "build"), "python-package")
+    os.makedirs(base, exist_ok=True)
+    return {"build": {"build_base": base}, "egg_info": {"egg_base": base}}
+
+
+setup(version=version(), cffi_modules=["_build.py:ffi"], cmdclass={"build_ext": Build}, options=places())

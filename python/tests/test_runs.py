@@ -41,7 +41,8 @@ def test_a_packed_file_has_the_same_frames(scene, tmp_path):
     run = weft.run(scene, tmp_path / "run", {"run.duration": 0.2})
     before = np.array(run.positions)
     path = tmp_path / "run" / "run.vtkhdf"
-    subprocess.run(["h5repack", "-f", "VTKHDF/Points:SHUF", "-f", "VTKHDF/Points:GZIP=1", path, tmp_path / "packed"], check=True)
+    subprocess.run(["h5repack", "-f", "VTKHDF/Points:SHUF", "-f", "VTKHDF/Points:GZIP=1", path, tmp_path / "packed"],
+                   check=True)
     (tmp_path / "packed").rename(path)
     assert np.array_equal(run.positions, before)
 
@@ -74,7 +75,7 @@ def test_a_run_under_way_can_be_read(scene, tmp_path):
 def test_a_field_that_was_not_recorded_is_a_key_error(scene, tmp_path):
     run = weft.run(scene, tmp_path / "run", {"run.duration": 0.1, "record.fields": ["velocity"]})
     with pytest.raises(KeyError):
-        run.strains
+        _ = run.strains
     assert run.velocities.shape == (4, 8, 10, 3)
 
 

@@ -121,8 +121,8 @@ class Method(NamedTuple):
     reference: str
 
 
-def text(chars: Any) -> str:
-    return "" if chars == ffi.NULL else ffi.string(chars).decode("utf-8", "replace")
+def text(pointer: Any) -> str:
+    return "" if pointer == ffi.NULL else ffi.string(pointer).decode("utf-8", "replace")
 
 
 def status_text(status: int) -> str:
@@ -141,6 +141,14 @@ def check(status: int, err: Any) -> None:
 
 def spring(of: Any) -> Spring:
     return Spring(FAMILIES[of.family], of.p, of.q, of.strain)
+
+
+def chars(value: PathLike) -> Any:
+    """A string for C, which ends at a null character."""
+    data = os.fsencode(value)
+    if b"\0" in data:
+        raise ValueError("null character in %r" % (value,))
+    return ffi.new("char[]", data)
 
 
 def numbers_of(values: Any) -> Array:
@@ -189,7 +197,7 @@ def scene_help(key: Optional[str] = None) -> str:
     if key is None:
         lib.weft_scene_help(lib.WEFT_HELP_TEXT, lib.weftpy_line, handle)
     else:
-        check(lib.weft_scene_help_key(key.encode(), lib.weftpy_line, handle, err), err)
+        check(lib.weft_scene_help_key(chars(key), lib.weftpy_line, handle, err), err)
     return "\n".join(lines)
 
 
@@ -218,7 +226,7 @@ def load_plugin(file: PathLike) -> None:
     in the directories of WEFT_PLUGIN_PATH need no call."""
     err = ffi.new("weft_error *")
     with registry_lock:
-        check(lib.weft_registry_load(registry(), os.fsencode(file), err), err)
+        check(lib.weft_registry_load(registry(), chars(file), err), err)
 
 
 def _method(plugin: Any, kind: Any) -> Method:
@@ -255,7 +263,7 @@ def amplification(plugin: str, method: str) -> Array:
     err, kind = ffi.new("weft_error *"), ffi.new("const weft_stepper_type **")
     out = ffi.new("weft_stability *")
     with registry_lock:
-        check(lib.weft_registry_method(registry(), plugin.encode(), method.encode(), kind, err), err)
+        check(lib.weft_registry_method(registry(), chars(plugin), chars(method), kind, err), err)
     check(lib.weft_stability_create(kind[0], ffi.NULL, out, err), err)
     if out.degree < 0:
         raise Error("method '%s' of plugin '%s' is not of Runge-Kutta type" % (method, plugin))
@@ -288,7 +296,9 @@ def yaml_text(value: Any, margin: str = "") -> str:
         return str(int(value))
     if isinstance(value, numbers.Real):
         number = float(value)
-        return repr(number) if math.isfinite(number) else ".nan" if number != number else ".inf" if number > 0 else "-.inf"
+        if math.isfinite(number):
+            return repr(number)
+        return ".nan" if math.isnan(number) else ".inf" if number > 0 else "-.inf"
     if isinstance(value, Iterable):
         return "[" + ", ".join(yaml_text(v, margin) for v in value) + "]"
     raise TypeError("a scene has no values of type %s" % type(value).__name__)
@@ -309,8 +319,8 @@ def read_scene(file: Optional[str], content: Optional[str], sets: list[str]) -> 
     """A weft_scene, which the caller destroys, and its warnings."""
     err, out, found = ffi.new("weft_error *"), ffi.new("weft_scene **"), ffi.new("weft_diagnostics *")
     definition = ffi.new("weft_scene_def *", lib.weft_scene_def_default())
-    alive = [ffi.new("char[]", s.encode()) for s in sets]
-    array, name = ffi.new("const char *[]", alive), ffi.new("char[]", os.fsencode(file or "scene"))
+    alive = [chars(s) for s in sets]
+    array, name = ffi.new("const char *[]", alive), chars(file or "scene")
     definition.file, definition.sets, definition.set_count = name, array, len(alive)
     if content is not None:
         data = content.encode()

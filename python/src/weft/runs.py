@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class RunError(Error):
-    """The program ended with an exit code other than 0. `code` is that, `directory` what it wrote; weft.open reads it."""
+    """The program ended with the exit code `code`. weft.open reads what it left in `directory`."""
 
     def __init__(self, message: str, code: int = 1, directory: Optional[Path] = None) -> None:
         super().__init__(message, "exit code %d" % code)
@@ -41,7 +41,8 @@ def program() -> Path:
 
 
 def _call(arguments: Sequence[str], folder: str, directory: PathLike, allowed: Sequence[int] = (0,)) -> None:
-    """Runs the program on scenes in a temporary folder, which no message names. Ctrl-C passes one SIGINT on: it ends the run with its files complete."""
+    """Runs the program on scenes in a temporary folder, which no message names. Ctrl-C passes one SIGINT on, which
+    ends the run with its files complete."""
     process = subprocess.Popen([str(program()), *arguments, "--quiet"], stdin=subprocess.DEVNULL, text=True,
                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True)
     try:
@@ -198,8 +199,8 @@ class Run:
 
     @property
     def positions(self) -> Array:
-        """(frames, rows, cols, 3) [m], of the frames that there are now: run.vtkhdf in memory, read as it is used (whole
-        at once after h5repack).
+        """(frames, rows, cols, 3) [m], of the present frames: run.vtkhdf as memory, read as it is used (all at once
+        after h5repack).
 
         >>> weft.run(scene, tmp / "positions").positions[-1].shape
         (8, 10, 3)

@@ -2,34 +2,24 @@
 """A cloth under integration: Sim, made by load()."""
 from __future__ import annotations
 
-import ctypes
 import math
 import os
 import threading
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
 
 from weft._weft import ffi, lib
+from weft.callbacks import Hooks, PerformanceWarning, as_particles, c_function
 from weft.library import (POWERS, Array, Error, Failure, PathLike, SceneWarning, Spring, StepError, check, failure,
                           numbers_of, read_scene, settings, spring, status_text, text,
                           yaml_text)
 
 Scene = Union[PathLike, Mapping[str, Any]]
 Index = Union[int, tuple[int, int]]
-Force = Callable[[float, Array, Array, Array], None]
-Correction = Callable[[float, float, Array, Array], Optional[bool]]
-
-# Signatures for numba.cfunc, of forces and of corrections in C: weft_force_fn, weft_correct_fn.
-FORCE = "int32(voidptr, float64, CPointer(float64), CPointer(float64))"
-CORRECT = "boolean(voidptr, float64, float64, CPointer(float64))"
-
-
-class PerformanceWarning(UserWarning):
-    """A Python function is called in every evaluation of the right-hand side, or in every step."""
 
 
 class Energy(NamedTuple):
@@ -124,89 +114,6 @@ class _Memory:
                                     "shape": (count,), "data": (int(ffi.cast("uintptr_t", pointer)), True)}
 
 
-def _as_particles(plane: Array, n: int) -> Array:
-    """The planes x[N] y[N] z[N] as (N, 3); a view."""
-    return plane.reshape(3, n).T
-
-
-class _Hooks:
-    """The Python functions of a simulation, with the arrays that they see, and what they raised."""
-
-    def __init__(self, n: int) -> None:
-        self.force: Optional[Force] = None
-        self.correct: Optional[Correction] = None
-        self.y, self.f = np.zeros(6 * n), np.zeros(3 * n)
-        self.x, self.v = _as_particles(self.y[:3 * n], n), _as_particles(self.y[3 * n:], n)
-        self.forces = _as_particles(self.f, n)
-        self.read = self.x.view(), self.v.view()
-        for array in self.read:
-            array.flags.writeable = False
-        self.raised = ffi.new("bool *")
-        self.error: Optional[BaseException] = None
-
-    def keep(self, error: BaseException) -> None:
-        self.error = self.error or error
-        self.raised[0] = True
-
-    def take(self) -> Optional[BaseException]:
-        error, self.error, self.raised[0] = self.error, None, False
-        return error
-
-
-def _none(value: Any, name: str, advice: str) -> None:
-    if value is not None:
-        raise TypeError("%s returned %s; %s" % (name, type(value).__name__, advice))
-
-
-@ffi.def_extern()
-def weftpy_force(ctx: Any, t: float, y: Any, f: Any) -> int:
-    hooks = ffi.from_handle(ctx)
-    try:
-        ffi.memmove(ffi.from_buffer(hooks.y), y, hooks.y.nbytes)
-        hooks.f[:] = 0.0
-        _none(hooks.force(t, *hooks.read, hooks.forces), "the force", "it adds to its last argument in place")
-        ffi.memmove(f, ffi.from_buffer(hooks.f), hooks.f.nbytes)
-    except BaseException as error:  # also KeyboardInterrupt: the caller of step() gets it
-        hooks.keep(error)
-        return -1
-    return 0
-
-
-@ffi.def_extern()
-def weftpy_correct(ctx: Any, t: float, h: float, y: Any) -> bool:
-    hooks = ffi.from_handle(ctx)
-    try:
-        ffi.memmove(ffi.from_buffer(hooks.y), y, hooks.y.nbytes)
-        changed = hooks.correct(t, h, hooks.x, hooks.v)
-        if changed is not None and not isinstance(changed, (bool, np.bool_)):
-            raise TypeError("the correction returned %s, not None or whether it changed the state" % type(changed).__name__)
-        if changed is False:
-            return False
-        ffi.memmove(y, ffi.from_buffer(hooks.y), hooks.y.nbytes)
-    except BaseException as error:
-        hooks.keep(error)
-        return False
-    return True
-
-
-def _c_function(value: Any, kind: str) -> Optional[tuple[Any, Any, Any]]:
-    """A C function as (pointer, ctx, what to keep alive); None: value is a function of Python."""
-    function, ctx = value if isinstance(value, tuple) else (value, None)
-    if isinstance(function, ffi.CData):
-        pointer = ffi.cast(kind, function)
-    elif isinstance(getattr(function, "address", None), int):  # numba.cfunc
-        pointer = ffi.cast(kind, function.address)
-    elif isinstance(function, ctypes._CFuncPtr):  # type: ignore[attr-defined]
-        pointer = ffi.cast(kind, ctypes.cast(function, ctypes.c_void_p).value)
-    elif isinstance(value, tuple):
-        raise TypeError("only a C function takes a context: (function, context)")
-    else:
-        return None
-    if isinstance(ctx, (np.ndarray, bytearray)):
-        ctx = ffi.from_buffer(ctx)
-    return pointer, ffi.NULL if ctx is None else ffi.cast("void *", ctx), (function, ctx, value)
-
-
 def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: Any = None, correct: Any = None) -> Sim:
     """Makes a simulation of a scene, at t = 0.
 
@@ -268,8 +175,9 @@ class Sim:
         definition.ledger = lib.weft_scene_record(self._scene).ledger
         definition.log = lib.weftpy_log_of()
         self._definition = definition
-        self._hooks = _Hooks(self.particles if callable(force) or callable(correct) else 0)
-        self._kept = [self._hook("force", "weft_force_fn *", force), self._hook("correct", "weft_correct_fn *", correct)]
+        self._hooks = Hooks(self.particles if callable(force) or callable(correct) else 0)
+        self._kept = [self._hook("force", "weft_force_fn *", force),
+                      self._hook("correct", "weft_correct_fn *", correct)]
         check(lib.weft_sim_create(definition, sim, err), err)
         self._sim = sim[0]
         self._present = lib.weft_sim_cloth(self._sim)
@@ -278,9 +186,9 @@ class Sim:
     def _hook(self, name: str, kind: str, given: Any) -> Any:
         if given is None:
             return None
-        c_function = _c_function(given, kind)
-        if c_function is not None:
-            pointer, ctx, keep = c_function
+        compiled = c_function(given, kind)
+        if compiled is not None:
+            pointer, ctx, keep = compiled
         elif callable(given):
             setattr(self._hooks, name, given)
             ctx = keep = ffi.new_handle(self._hooks)
@@ -401,7 +309,8 @@ class Sim:
         raise StepError(text(err.message), status_text(status), self.failure)
 
     def step(self, until: Optional[float] = None) -> float:
-        """Takes one accepted step, never past `until` [s] (default: the next frame; none if it is now). Returns its size [s].
+        """Takes one accepted step, never past `until` [s] (default: the next frame; no step if it is now).
+        Returns its size [s].
 
         Raises StepError; the state is that of the last good step then.
 
@@ -481,8 +390,14 @@ class Sim:
 
     @property
     def state(self) -> Array:
-        """(6 N,), a view: planes x[N] y[N] z[N] [m], then vx[N] vy[N] vz[N] [m/s]."""
+        """(6 N,), a view: planes x[N] y[N] z[N] [m], then vx[N] vy[N] vz[N] [m/s]. May be assigned, as set_state()."""
         return np.asarray(_Memory(self, lib.weft_sim_state(self._sim), 6 * self.particles))
+
+    @state.setter
+    def state(self, y: Any) -> None:
+        self._states(y)
+        x, v = np.asarray(y, dtype=np.float64).reshape(2, 3, self.particles)
+        self.set_state(x.T, v.T)
 
     @property
     def positions(self) -> Array:
@@ -494,7 +409,7 @@ class Sim:
         True
         """
         n = self.particles
-        return _as_particles(self.state[:3 * n], n)
+        return as_particles(self.state[:3 * n], n)
 
     @positions.setter
     def positions(self, xyz: Any) -> None:
@@ -504,7 +419,7 @@ class Sim:
     def velocities(self) -> Array:
         """(N, 3) [m/s], a view; may be assigned."""
         n = self.particles
-        return _as_particles(self.state[3 * n:], n)
+        return as_particles(self.state[3 * n:], n)
 
     @velocities.setter
     def velocities(self, xyz: Any) -> None:
@@ -624,14 +539,16 @@ class Sim:
 
     def _add_force(self, t: float, state: Any, out: Array) -> None:
         n = self.particles
-        f = np.zeros(3 * n)
-        status = self._definition.force(self._definition.force_ctx, t, state, ffi.from_buffer("double[]", f))
-        error = self._hooks.take()
-        if error is not None:
-            raise error
+        f, usable = np.zeros(3 * n), True
+        if self._hooks.force is not None:  # not through weftpy_force, whose arrays a callback may be looking at
+            y = np.frombuffer(ffi.buffer(state), np.float64)
+            y.flags.writeable = False
+            self._hooks.force(t, as_particles(y[:3 * n], n), as_particles(y[3 * n:], n), as_particles(f, n))
+        else:
+            usable = self._definition.force(self._definition.force_ctx, t, state, ffi.from_buffer("double[]", f)) == 0
         if self._free is None:
             self._free = np.where(self.pinned, 0.0, 1.0 / self.masses)
-        out[3 * n:] += (f.reshape(3, n) * self._free).ravel() if status == 0 else np.nan
+        out[3 * n:] += (f.reshape(3, n) * self._free).ravel() if usable else np.nan
 
     def jacobian_product(self, t: float, y: Any, dy: Any) -> Array:
         """The derivative of the cloth's rhs along dy (6 N,): J dy (6 N,). Exact, without an own force."""
