@@ -207,6 +207,29 @@ START_TEST(rhs_has_the_forces_by_mass)
 }
 END_TEST
 
+/* The power method stays below the bounds and is not far from them. */
+START_TEST(bounds_hold_the_stiffness_of_pairs)
+{
+    weft_stiffness refined;
+    weft_error err;
+    def.contact.friction = _i % 2 == 0 ? 0.0 : 0.3;
+    fold((uint64_t)_i + 1);
+    const weft_stiffness bound = weft_cloth_stiffness(cloth, 0.0, y);
+    ck_assert_int_eq(weft_cloth_stiffness_refined(cloth, 0.0, y, 0, &refined, &err),
+                     WEFT_OK);
+    ck_assert_double_gt(refined.omega2, 0.1 * bound.omega2);
+    ck_assert_double_gt(refined.damping, 0.1 * bound.damping);
+    ck_assert_double_lt(refined.omega2, bound.omega2);
+    ck_assert_double_lt(refined.damping, bound.damping);
+    const double any = weft_cloth_stiffness(cloth, 0.0, NULL).omega2;
+    def.contact.self = false;
+    teardown();
+    cloth = test_cloth(&def);
+    ck_assert_double_eq(weft_cloth_stiffness(cloth, 0.0, y).omega2, 0.0);
+    ck_assert_double_gt(any, 0.0);
+}
+END_TEST
+
 START_TEST(flat_cloth_and_its_search_touch_nothing)
 {
     def.contact.thickness = 0.5 * 0.03;
@@ -411,6 +434,7 @@ TEST_SUITE(self)
     tcase_add_test(state, without_friction_momentum_and_angular_momentum_are_kept);
     tcase_add_loop_test(state, powers_balance_the_energy, 0, 2);
     tcase_add_test(state, rhs_has_the_forces_by_mass);
+    tcase_add_loop_test(state, bounds_hold_the_stiffness_of_pairs, 0, 6);
     tcase_add_test(state, flat_cloth_and_its_search_touch_nothing);
     tcase_add_test(state, smallest_gap_has_its_primitives);
     tcase_add_test(state, two_particles_at_one_place_are_unusable);

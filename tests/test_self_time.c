@@ -75,9 +75,9 @@ static size_t crossings_until(double t)
 typedef struct scene {
     folded_shape *shape;
     size_t rows, cols;
-    double tolerance, seconds;
-    double thickness; /* [m]; 0: of the model */
-    double wide;      /* of columns, by rows; 0: 1 */
+    double tolerance, seconds; /* or the fixed step [s] of a method that needs one */
+    double thickness;          /* [m]; 0: of the model */
+    double wide;               /* of columns, by rows; 0: 1 */
     const char *method;
     weft_limit_method limit;
 } scene;
@@ -91,6 +91,11 @@ static const scene scenes[] = {
     { folded_pile, 17, 17, 1e-4, 0.5, 0.0, 0.0, "gsl/rkf45", WEFT_LIMIT_BRIDSON },
     { folded_pile, 17, 11, 1e-4, 0.5, 0.0, 1.6, "arkode/dormand_prince", 0 },
     { folded_roll, 9, 33, 1e-4, 0.15, 0.0, 0.0, "arkode/dormand_prince", 0 },
+    { folded_fold, 13, 13, 1e-3, 0.2, 0.0, 0.0, "arkode/kvaerno534", 0 },
+    { folded_fold, 13, 13, 1e-3, 0.2, 0.0, 0.0, "cvode/bdf", 0 },
+    { folded_fold, 13, 13, 1e-3, 0.2, 0.0, 0.0, "stiff/ros2", 0 },
+    { folded_fold, 13, 13, 1e-4, 0.2, 0.0, 0.0, "verlet/velocity_verlet", 0 },
+    { folded_fold, 13, 13, 2e-4, 0.2, 0.0, 0.0, "stiff/backward_euler", 0 },
     { folded_slam, 17, 17, 1e-3, 0.1, 5e-4, 0.0, "arkode/dormand_prince", 0 },
 };
 
@@ -109,6 +114,8 @@ static void start_scene(const scene *of, bool self)
     run.limit.method = of->limit;
     run.limit.strain = 0.02;
     tolerance(of->tolerance);
+    run.config.fixed_step
+        = (run.method->flags & WEFT_STEPPER_FIXED_ONLY) != 0 ? of->tolerance : 0.0;
     start(of->shape);
 }
 
@@ -274,7 +281,7 @@ START_TEST(dormand_prince_keeps_its_order)
         model.springs[k].damping = 0.0;
     }
     model.gravity[1] = 0.0;
-    model.contact.thickness = 0.02;
+    model.contact.thickness = 0.02, model.contact.stopping_speed = 10.0;
     model.contact.damping = model.contact.friction = 0.0;
     run_smooth(2.5e-5, exact);
     double errors[3];

@@ -24,7 +24,7 @@
 #include "base/memory.h"
 #include "cloth/added.h"
 #include "cloth/bending.h"
-#include "cloth/contact_bounds.h"
+#include "cloth/self.h"
 
 /* Relative error allowed for the closed forms below. */
 #define ROUNDOFF 1e-12
@@ -105,8 +105,8 @@ static void add_spring(const weft_cloth *cloth, const weft__spring *at, node *su
 }
 
 /* Gathered for one particle at a time: nothing is allocated. */
-static void gather(const weft_cloth *cloth, size_t i, double t, const double *y,
-                   const weft__grip *any, node *sum)
+static void gather(const weft_cloth *cloth, size_t i, const double *y,
+                   const weft__grip *contact, node *sum)
 {
     memset(sum, 0, sizeof *sum);
     sum->drag = cloth->drag * inverse_mass(cloth, i);
@@ -114,7 +114,7 @@ static void gather(const weft_cloth *cloth, size_t i, double t, const double *y,
         sum->added += weft__added_forces[a]->damping(cloth, i) * inverse_mass(cloth, i);
     }
     sum->bending = weft__bending_row_sum(cloth, i) * inverse_mass(cloth, i);
-    sum->grip = y == NULL ? *any : weft__grip_of(cloth, i, t, y);
+    sum->grip = *contact;
     weft__spring springs[WEFT__SPRINGS_MAX];
     const size_t count = weft__particle_springs(cloth, i, y, springs);
     for (size_t s = 0; s < count; ++s) {
@@ -202,20 +202,35 @@ static void cut(weft_stiffness *from, const grid_side *by)
     }
 }
 
+/* Particles whose self-contact is gathered in one search. */
+enum { BLOCK = 512 };
+
+/* Raises the bounds to those of free particles from `first` on, less than BLOCK. */
+static void raise_sides(const weft_cloth *cloth, double t, const double *y,
+                        size_t first, grid_side *sides, size_t count)
+{
+    const size_t left = cloth->particles - first, end = left < BLOCK ? left : BLOCK;
+    weft__grip grips[BLOCK];
+    const weft__grip any = y == NULL ? weft__grip_any(cloth) : (weft__grip){ 0 };
+    for (size_t i = 0; i < end; ++i) {
+        grips[i] = y == NULL ? any : weft__grip_of(cloth, first + i, t, y);
+    }
+    weft__self_grips(cloth, y, first, end, grips);
+    for (size_t i = 0; i < end; ++i) {
+        node sum;
+        gather(cloth, first + i, y, &grips[i], &sum);
+        for (size_t s = 0; cloth->pin[first + i] == 0 && s < count; ++s) {
+            sides[s].most = fmax(sides[s].most, node_bound(cloth, &sum, &sides[s]));
+        }
+    }
+}
+
 weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t, const double *y)
 {
     grid_side sides[SIDES_MAX];
     const size_t count = sides_init(cloth, y, sides);
-    const weft__grip any = weft__grip_any(cloth);
-    for (size_t i = 0; i < cloth->particles; ++i) {
-        if (cloth->pin[i] != 0) {
-            continue;
-        }
-        node sum;
-        gather(cloth, i, t, y, &any, &sum);
-        for (size_t s = 0; s < count; ++s) {
-            sides[s].most = fmax(sides[s].most, node_bound(cloth, &sum, &sides[s]));
-        }
+    for (size_t i = 0; i < cloth->particles; i += BLOCK) {
+        raise_sides(cloth, t, y, i, sides, count);
     }
     const bool moves = cloth->pinned < cloth->particles;
     weft_stiffness bound = { .omega2 = moves ? sides[0].most : 0.0,

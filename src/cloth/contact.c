@@ -6,6 +6,13 @@
 #include "cloth/added.h"
 #include "cloth/springs.h"
 
+typedef double num;
+#define NUM(a)          (a)
+#define ROOT(a)         sqrt(a)
+#define CHOOSE(t, a, b) ((t) ? (a) : (b))
+#define LAW             static inline
+#include "cloth/contact_law.h"
+
 double weft__touch_energy(const weft_cloth *cloth, const weft__touch *touch)
 {
     const weft_contact_def *law = &cloth->contact;
@@ -15,39 +22,14 @@ double weft__touch_energy(const weft_cloth *cloth, const weft__touch *touch)
                    : (double)INFINITY;
 }
 
-/* [1/s] friction / (m w); `scale` is q^2 / mu^2. */
-static double friction_drag(const weft_contact_def *law, const weft__touch *touch,
-                            double friction, double scale)
-{
-    const double square = weft__dot(touch->slip, touch->slip);
-    const double most = friction * (touch->push * touch->factor) * touch->steepness;
-    if (law->law == WEFT_FRICTION_SMOOTH) {
-        return most
-               / sqrt(square + (law->slip * law->slip + friction * friction * scale));
-    }
-    const double length = sqrt(square), y = length * (1.0 / law->slip);
-    return most * (y < 1.0 ? (2.0 - y) * (1.0 / law->slip) : 1.0 / length);
-}
-
 void weft__touch_forces(const weft_contact_def *law, double friction,
                         weft__touch *touch)
 {
-    const double e = 0.5 * law->stopping_speed * law->stopping_speed * touch->share;
-    const double per = 1.0 / law->thickness, p = law->exponent;
-    const double z = touch->gap * per, s = 1.0 - z;
-    const double power = weft__power_of(s, law->exponent);
-    const double a = z * (p * (p - 1.0) * z + 2.0 * p * s) + 2.0 * s * s;
-    const double b = p * z + s, inverse = 1.0 / (a * z), iz = a * inverse;
-    const double u = law->damping * touch->speed;
-    touch->push = e * per * (power * s) * b * (iz * iz);
-    touch->factor = sqrt(1.0 + u * u) - u;
-    touch->stiffness = e * per * per * power * a * (iz * iz * iz);
-    touch->drag = 0.0;
-    if (friction != 0.0) {
-        const double bend = touch->factor * s * b;
-        touch->drag = friction_drag(law, touch, friction,
-                                    0.01 * e * power * (bend * bend) * inverse);
-    }
+    const law_touch of
+        = law_press(law, friction, touch->gap, touch->share, touch->speed,
+                    weft__dot(touch->slip, touch->slip), touch->steepness);
+    touch->push = of.push, touch->factor = of.factor;
+    touch->stiffness = of.stiffness, touch->drag = of.drag;
 }
 
 /* Of a particle at x with velocity v, whose gap is there. */

@@ -2,6 +2,7 @@
 #include "cloth/contact_bounds.h"
 
 #include "cloth/contact.h"
+#include "cloth/self.h"
 
 /* The derivatives of a contact, by mass. */
 typedef struct slopes {
@@ -100,13 +101,13 @@ static double phi(double s, int exponent)
     return power / (1.0 - s);
 }
 
-/* A hair more than the s where phi(s) = 1. */
-static double deepest(int exponent)
+/* A hair more than the s where phi(s) = value. */
+static double deepest(int exponent, double value)
 {
     double low = 0.0, high = 1.0;
     for (int i = 0; i < 40; ++i) {
         const double middle = 0.5 * (low + high);
-        if (phi(middle, exponent) < 1.0) {
+        if (phi(middle, exponent) < value) {
             low = middle;
         } else {
             high = middle;
@@ -117,15 +118,15 @@ static double deepest(int exponent)
 
 /* The slopes at s in [low, high], no number of them less than any: forces grow with s
  * and with the speed against the shape, which is largest at `low`. */
-static slopes most_between(const weft_cloth *cloth, const weft__pose *pose, double low,
-                           double high)
+static slopes most_between(const weft_cloth *cloth, const weft__pose *pose,
+                           double share, double low, double high)
 {
     const weft_contact_def *law = &cloth->contact;
     const double speed
         = law->stopping_speed * sqrt(fmax(0.0, 1.0 - phi(low, law->exponent)));
     const double a = law->damping * speed, mu = pose->friction;
     weft__touch touch = { .gap = (1.0 - high) * law->thickness,
-                          .share = 1.0,
+                          .share = share,
                           .speed = -speed,
                           .steepness = 1.0 };
     weft__touch_forces(law, mu, &touch);
@@ -142,23 +143,32 @@ static slopes most_between(const weft_cloth *cloth, const weft__pose *pose, doub
     };
 }
 
-weft__grip weft__grip_any(const weft_cloth *cloth)
+void weft__grip_most(const weft_cloth *cloth, const weft__pose *pose, double share,
+                     double phi, weft__grip *most)
 {
     enum { PARTS = 64 };
-    const double end = deepest(cloth->contact.exponent);
-    weft__grip most = { .stiff = 0.0 };
-    for (size_t k = 0; k < cloth->shape_count * PARTS; ++k) {
-        const weft__pose pose = weft__pose_of(&cloth->shapes[k / PARTS], 0.0);
-        const double low = end * (double)(k % PARTS) / PARTS;
-        const slopes of = most_between(cloth, &pose, low, low + end / PARTS);
+    const double end = deepest(cloth->contact.exponent, phi);
+    for (size_t k = 0; k < PARTS; ++k) {
+        const double low = end * (double)k / PARTS;
+        const slopes of = most_between(cloth, pose, share, low, low + end / PARTS);
         weft__grip grip = { .stiff = 0.0 };
         add_slopes(&of, &grip);
         for (size_t j = 0; j < 3; ++j) {
             const double damping = fmax(of.damping, of.drag) + grip.drag;
-            most.press[j] = fmax(most.press[j], of.stiffness + grip.stiff);
-            most.slide[j] = fmax(most.slide[j], damping);
+            most->press[j] = fmax(most->press[j], of.stiffness + grip.stiff);
+            most->slide[j] = fmax(most->slide[j], damping);
         }
     }
+}
+
+weft__grip weft__grip_any(const weft_cloth *cloth)
+{
+    weft__grip most = { .stiff = 0.0 };
+    for (size_t k = 0; k < cloth->shape_count; ++k) {
+        const weft__pose pose = weft__pose_of(&cloth->shapes[k], 0.0);
+        weft__grip_most(cloth, &pose, 1.0, 1.0, &most);
+    }
+    weft__self_grip_any(cloth, &most);
     return most;
 }
 
@@ -181,6 +191,7 @@ void weft__grip_multiply(const weft_cloth *cloth, double t, const double *y, dou
                          double b, const double *x, double *out)
 {
     const size_t n = cloth->particles;
+    weft__self_multiply(cloth, y, a, b, x, out);
     for (weft__touches at = weft__touches_of(cloth, t, y, 0, n);
          weft__each_touch(&at);) {
         const weft__touch *touch = &at.touch;

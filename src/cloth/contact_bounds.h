@@ -5,7 +5,7 @@
 #ifndef WEFT_CLOTH_CONTACT_BOUNDS_H
 #define WEFT_CLOTH_CONTACT_BOUNDS_H
 
-#include "weft/cloth.h"
+#include "cloth/shapes.h"
 
 typedef struct weft__grip {
     double press[6];    /* [1/s^2] sum of S n n^T */
@@ -21,6 +21,11 @@ weft__grip weft__grip_of(const weft_cloth *cloth, size_t i, double t, const doub
 /* Of any free particle that touches one shape at a time, with a kinetic energy relative
  * to it and a contact energy that together are at most m stopping_speed^2 / 2. */
 weft__grip weft__grip_any(const weft_cloth *cloth);
+
+/* Adds to *most, number by number, the largest of layers, `share` of the law, with
+ * phi(s) up to `phi`. */
+void weft__grip_most(const weft_cloth *cloth, const weft__pose *pose, double share,
+                     double phi, weft__grip *most);
 
 /* Adds an upper bound of a K + b C to matrix[6]. */
 void weft__grip_add(const weft__grip *grip, double a, double b, double matrix[6]);

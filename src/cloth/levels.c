@@ -7,7 +7,8 @@
 #define ADDED(name, level) weft__##name##_##level,
 #define KERNELS(level)                                                                 \
     weft__rows_##level, weft__damping_##level, weft__products_##level,                 \
-        { WEFT_ADDED(ADDED, level) }, weft__clear_##level
+        { WEFT_ADDED(ADDED, level) }, weft__clear_##level, weft__pushes_##level,       \
+        weft__extent_##level
 
 static const weft__level levels[] = {
 #ifdef WEFT_PLAIN
@@ -16,7 +17,9 @@ static const weft__level levels[] = {
       weft__reference_damping,
       weft__reference_products,
       { NULL },
-      weft__reference_clear },
+      weft__reference_clear,
+      weft__reference_pushes,
+      weft__reference_extent },
 #else
     { "plain", KERNELS(plain) },
 #ifdef __x86_64__

@@ -8,6 +8,7 @@
 #include "cloth/added.h"
 #include "cloth/model.h"
 #include "cloth/passage.h"
+#include "cloth/self.h"
 
 /* Power [W] turned into heat by the dampers of the springs that begin in row r. */
 typedef double weft__damping_fn(const weft_cloth *cloth, const double *y, size_t r);
@@ -24,6 +25,8 @@ struct weft__level {
         *products; /* the derivative of `rows` along a direction, without pins */
     weft__rows_fn *added[WEFT__ADDED]; /* add to v'; NULL: `rows` includes them */
     weft__clear_fn *clear;
+    weft__pushes_fn *pushes;
+    weft__extent_fn *extent;
 };
 
 /* The plain loops: rhs.c, power.c, passage.c. */
@@ -45,6 +48,8 @@ weft__rows_fn weft__reference_products; /* jacobian.c */
     weft__rows_fn weft__rows_##level;                                                  \
     weft__damping_fn weft__damping_##level;                                            \
     weft__clear_fn weft__clear_##level;                                                \
+    weft__pushes_fn weft__pushes_##level;                                              \
+    weft__extent_fn weft__extent_##level;                                              \
     weft__rows_fn weft__products_##level;                                              \
     WEFT_ADDED(WEFT_ADDED_KERNEL, level)
 WEFT_LEVELS(WEFT_LEVEL_KERNELS)

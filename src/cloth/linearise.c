@@ -7,6 +7,7 @@
 
 #include "cloth/bending.h"
 #include "cloth/contact.h"
+#include "cloth/self.h"
 #include "cloth/springs.h"
 
 /* Writes u, k - q, q = T / L and c, `bonds` apart. Returns q. */
@@ -58,7 +59,8 @@ int weft__linearise(const weft_cloth *cloth, double t, const double *y, double *
     }
     if (blocks != NULL) {
         memset(blocks, 0, 15 * n * sizeof *blocks);
-        bad += weft__contact_blocks(cloth, t, y, blocks);
+        bad += weft__contact_blocks(cloth, t, y, blocks)
+               + weft__self_blocks(cloth, y, blocks);
     }
     return bad == 0.0 ? 0 : 1;
 }

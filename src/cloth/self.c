@@ -15,13 +15,13 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "cloth/contact.h"
-
-/* The share of each pair: a particle between two layers has some four. */
-#define SHARE 0.25
-/* x0 of z, and the smallest sine^2 of edges that are not parallel. */
-#define SOFT_ANGLE 0.25
-#define PARALLEL   1e-12
+typedef double num;
+typedef int truth;
+#define NUM(a)          (a)
+#define ROOT(a)         sqrt(a)
+#define CHOOSE(t, a, b) ((t) ? (a) : (b))
+#define LAW             static inline
+#include "cloth/self_law.h"
 
 const char *weft_primitive_text(const weft_primitive *primitive, size_t cols,
                                 char *text, size_t size)
@@ -55,122 +55,7 @@ weft__self_law weft__self_law_of(const weft_cloth *cloth)
                              .square = { a2, b2, a2 + b2 } };
 }
 
-/* ---- weights --------------------------------------------------------------------- */
-
-/* S(x) and its derivative. */
-static inline double step(double x, double soft, double *slope)
-{
-    if (x >= soft) {
-        *slope = 0.0;
-        return 1.0;
-    }
-    const double y = x / soft, y3 = y * y * y, z = 1.0 - y;
-    *slope = 140.0 * y3 * (z * z * z) / soft;
-    return y3 * y * (35.0 - y * (84.0 - y * (70.0 - 20.0 * y)));
-}
-
-/* S(s) S(1 - s) and its derivative. */
-static inline double both_ends(double s, double soft, double *slope)
-{
-    double from_0, from_1;
-    const double a = step(s, soft, &from_0), b = step(1.0 - s, soft, &from_1);
-    *slope = from_0 * b - a * from_1;
-    return a * b;
-}
-
-/* The feet of a pair that are inside both. */
-typedef struct feet {
-    double arm[4];     /* b_i */
-    double r[3], d;    /* [m] */
-    double weight;     /* W */
-    bool leans;        /* or the next ones are 0 */
-    double lean[3];    /* [1/m] */
-    double turn[2][3]; /* [1/m] */
-} feet;
-
-static inline void from_to(const double a[3], const double b[3], double d[3])
-{
-    d[0] = b[0] - a[0], d[1] = b[1] - a[1], d[2] = b[2] - a[2];
-}
-
-static inline bool within(feet *at, double thickness)
-{
-    const double square = weft__dot(at->r, at->r);
-    at->d = sqrt(square);
-    return at->d < thickness;
-}
-
-static bool vertices_feet(double x[4][3], double thickness, feet *at)
-{
-    from_to(x[1], x[0], at->r);
-    at->arm[0] = 1.0, at->arm[1] = -1.0;
-    at->weight = 1.0;
-    at->leans = false;
-    return within(at, thickness);
-}
-
-static bool vertex_edge_feet(const weft__self_law *law, double x[4][3], feet *at)
-{
-    double e[3], p[3], slope;
-    from_to(x[1], x[2], e);
-    from_to(x[1], x[0], p);
-    const double square = weft__dot(e, e), s = weft__dot(e, p) / square;
-    if (!(s > 0.0 && s < 1.0)) {
-        return false;
-    }
-    for (size_t k = 0; k < 3; ++k) {
-        at->r[k] = p[k] - s * e[k];
-    }
-    if (!within(at, law->cloth->contact.thickness)) {
-        return false;
-    }
-    at->arm[0] = 1.0, at->arm[1] = s - 1.0, at->arm[2] = -s;
-    at->weight = both_ends(s, law->soft, &slope);
-    at->leans = slope != 0.0;
-    const double by = slope / square;
-    for (size_t k = 0; k < 3; ++k) {
-        at->lean[k] = by * e[k];
-        at->turn[0][k] = by * at->r[k];
-    }
-    return true;
-}
-
-static bool vertex_triangle_feet(const weft__self_law *law, double x[4][3], feet *at)
-{
-    double e[3], f[3], p[3], by_u, by_v, by_z;
-    from_to(x[1], x[2], e);
-    from_to(x[1], x[3], f);
-    from_to(x[1], x[0], p);
-    const double ee = weft__dot(e, e), ff = weft__dot(f, f), ef = weft__dot(e, f);
-    const double ep = weft__dot(e, p), fp = weft__dot(f, p);
-    const double inverse = 1.0 / (ee * ff - ef * ef);
-    const double u = (ff * ep - ef * fp) * inverse, v = (ee * fp - ef * ep) * inverse;
-    const double z = 1.0 - u - v;
-    if (!(u > 0.0 && v > 0.0 && z > 0.0)) {
-        return false;
-    }
-    for (size_t k = 0; k < 3; ++k) {
-        at->r[k] = p[k] - u * e[k] - v * f[k];
-    }
-    if (!within(at, law->cloth->contact.thickness)) {
-        return false;
-    }
-    at->arm[0] = 1.0, at->arm[1] = -z, at->arm[2] = -u, at->arm[3] = -v;
-    const double su = step(u, law->soft, &by_u), sv = step(v, law->soft, &by_v);
-    const double sz = step(z, law->soft, &by_z);
-    at->weight = su * sv * sz;
-    const double gu = by_u * sv * sz - su * sv * by_z;
-    const double gv = su * by_v * sz - su * sv * by_z;
-    at->leans = gu != 0.0 || gv != 0.0;
-    const double by_e = (ff * gu - ef * gv) * inverse;
-    const double by_f = (ee * gv - ef * gu) * inverse;
-    for (size_t k = 0; k < 3; ++k) {
-        at->lean[k] = by_e * e[k] + by_f * f[k];
-        at->turn[0][k] = by_e * at->r[k];
-        at->turn[1][k] = by_f * at->r[k];
-    }
-    return true;
-}
+/* ---- forces ---------------------------------------------------------------------- */
 
 /* [m^2] of an edge at rest */
 static double rest_square(const weft__self_law *law, uint32_t a, uint32_t b)
@@ -181,156 +66,122 @@ static double rest_square(const weft__self_law *law, uint32_t a, uint32_t b)
                                            : law->square[2];
 }
 
-static bool edges_feet(const weft__self_law *law, const weft__pair *pair,
-                       double x[4][3], feet *at)
+double weft__pair_rest(const weft__self_law *law, const weft__pair *pair)
 {
-    double e[3], f[3], r[3], by_s, by_t, by_z;
-    from_to(x[0], x[1], e);
-    from_to(x[2], x[3], f);
-    from_to(x[2], x[0], r);
-    const double ee = weft__dot(e, e), ff = weft__dot(f, f), ef = weft__dot(e, f);
-    const double er = weft__dot(e, r), fr = weft__dot(f, r), area = ee * ff - ef * ef;
-    const double inverse = 1.0 / area;
-    const double s = (ef * fr - ff * er) * inverse, t = (ee * fr - ef * er) * inverse;
-    if (!(area > PARALLEL * ee * ff && s > 0.0 && s < 1.0 && t > 0.0 && t < 1.0)) {
-        return false;
-    }
-    for (size_t k = 0; k < 3; ++k) {
-        at->r[k] = r[k] + s * e[k] - t * f[k];
-    }
-    if (!within(at, law->cloth->contact.thickness)) {
-        return false;
-    }
     const uint32_t *i = pair->particle;
-    const double rest
-        = 1.0 / (rest_square(law, i[0], i[1]) * rest_square(law, i[2], i[3]));
-    at->arm[0] = 1.0 - s, at->arm[1] = s, at->arm[2] = t - 1.0, at->arm[3] = -t;
-    const double ss = both_ends(s, law->soft, &by_s),
-                 st = both_ends(t, law->soft, &by_t);
-    const double sz = step(area * rest, SOFT_ANGLE, &by_z);
-    at->weight = sz * ss * st;
-    const double gs = sz * by_s * st, gt = sz * ss * by_t;
-    const double gz = 2.0 * by_z * ss * st * rest;
-    at->leans = gs != 0.0 || gt != 0.0 || gz != 0.0;
-    const double by_e = -(ff * gs + ef * gt) * inverse;
-    const double by_f = (ef * gs + ee * gt) * inverse;
-    for (size_t k = 0; k < 3; ++k) {
-        at->lean[k] = by_e * e[k] + by_f * f[k];
-        at->turn[0][k] = by_e * at->r[k] + gz * (ff * e[k] - ef * f[k]);
-        at->turn[1][k] = by_f * at->r[k] + gz * (ee * f[k] - ef * e[k]);
-    }
-    return true;
+    return pair->kind != WEFT__EDGES
+               ? 0.0
+               : 1.0 / (rest_square(law, i[0], i[1]) * rest_square(law, i[2], i[3]));
 }
 
-static bool find_feet(const weft__self_law *law, const weft__pair *pair, double x[4][3],
-                      feet *at)
-{
-    switch ((weft__pair_kind)pair->kind) {
-    case WEFT__VERTICES:
-        return vertices_feet(x, law->cloth->contact.thickness, at);
-    case WEFT__VERTEX_EDGE:
-        return vertex_edge_feet(law, x, at);
-    case WEFT__VERTEX_TRIANGLE:
-        return vertex_triangle_feet(law, x, at);
-    default:
-        return edges_feet(law, pair, x, at);
-    }
-}
-
-/* ---- forces ---------------------------------------------------------------------- */
-
-/* Of the free particles; 0: none. */
-static double smallest_mass(const weft_cloth *cloth, const uint32_t *i, size_t count)
+double weft__pair_mass(const weft_cloth *cloth, const weft__pair *pair)
 {
     double least = 0.0;
-    for (size_t k = 0; k < count; ++k) {
-        const double mass = cloth->pin[i[k]] == 0 ? cloth->mass[i[k]] : 0.0;
+    for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
+        const size_t i = pair->particle[k];
+        const double mass = cloth->pin[i] == 0 ? cloth->mass[i] : 0.0;
         least = mass > 0.0 && (least == 0.0 || mass < least) ? mass : least;
     }
     return least;
 }
 
-/* The signs with which particles are in e_1 and e_2. */
-static const signed char in_edges[4][2][4] = {
-    [WEFT__VERTICES] = { { 0 } },
-    [WEFT__VERTEX_EDGE] = { { 0, -1, 1, 0 } },
-    [WEFT__VERTEX_TRIANGLE] = { { 0, -1, 1, 0 }, { 0, -1, 0, 1 } },
-    [WEFT__EDGES] = { { -1, 1, 0, 0 }, { 0, 0, -1, 1 } },
-};
-
-/* energy: [J] of the pair by W */
-static void spread(const feet *at, const double foot[3], double energy, weft__push *out)
+static inline void place(const double *planes, size_t n, const weft__pair *pair,
+                         double x[4][3])
 {
-    for (size_t i = 0; i < out->count; ++i) {
-        const signed char *const e = in_edges[out->kind][0],
-                                 *f = in_edges[out->kind][1];
+    for (size_t i = 0; i < weft__pair_particles(pair); ++i) {
         for (size_t k = 0; k < 3; ++k) {
-            out->force[i][k] = at->arm[i] * foot[k];
-            if (at->leans) {
-                out->force[i][k]
-                    -= energy
-                       * (at->arm[i] * at->lean[k]
-                          + (e[i] * at->turn[0][k] + f[i] * at->turn[1][k]));
-            }
+            x[i][k] = planes[k * n + pair->particle[i]];
         }
     }
 }
 
-static weft__touch touch_of(const weft__self_law *law, const weft__pair *pair,
-                            const feet *at, const double *y, size_t count)
+/* One function for each kind, as it is a constant. */
+static inline bool push_kind(const weft__self_law *law, weft__pair_kind kind,
+                             const weft__pair *pair, const double *y, weft__push *out)
 {
-    const size_t n = law->cloth->particles;
-    weft__touch touch = { .gap = at->d, .steepness = 1.0, .share = SHARE * at->weight };
-    double v[3] = { 0.0 };
-    for (size_t k = 0; k < 3; ++k) {
-        for (size_t i = 0; i < count; ++i) {
-            v[k] += at->arm[i] * y[(3 + k) * n + pair->particle[i]];
-        }
-        touch.normal[k] = at->r[k] / at->d;
+    const weft_cloth *cloth = law->cloth;
+    const size_t n = cloth->particles;
+    double x[4][3], v[4][3];
+    law_feet at;
+    law_push push;
+    place(y, n, pair, x);
+    if (!law_find(kind, x, cloth->contact.thickness, &at)) {
+        return false;
     }
-    touch.speed = weft__dot(v, touch.normal);
-    for (size_t k = 0; k < 3; ++k) {
-        touch.slip[k] = v[k] - touch.speed * touch.normal[k];
+    const double mass = weft__pair_mass(cloth, pair);
+    if (mass == 0.0) {
+        return false;
     }
-    weft__touch_forces(&law->cloth->contact, law->cloth->contact.friction, &touch);
-    return touch;
+    place(y + 3 * n, n, pair, v);
+    law_weigh(kind, law->soft, weft__pair_rest(law, pair), &at);
+    law_push_of(kind, &cloth->contact, &at, mass, v, &push);
+    memcpy(out->particle, pair->particle, sizeof out->particle);
+    memcpy(out->force, push.force, sizeof out->force);
+    out->count = (uint32_t)weft__pair_particles(pair), out->kind = kind;
+    out->gap = at.d;
+    out->energy = push.energy, out->heat = push.heat, out->friction = push.friction;
+    return true;
 }
+
+#define EACH_KIND(X)                                                                   \
+    X(WEFT__VERTICES) X(WEFT__VERTEX_EDGE) X(WEFT__VERTEX_TRIANGLE) X(WEFT__EDGES)
 
 bool weft__pair_push(const weft__self_law *law, const weft__pair *pair, const double *y,
                      weft__push *out)
 {
+    switch ((weft__pair_kind)pair->kind) {
+#define CASE(kind)                                                                     \
+    case kind:                                                                         \
+        return push_kind(law, kind, pair, y, out);
+        EACH_KIND(CASE)
+#undef CASE
+    default:
+        return false;
+    }
+}
+
+bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
+                      const double *y, double arm[4], weft__touch *touch)
+{
     const size_t n = law->cloth->particles, count = weft__pair_particles(pair);
-    double x[4][3];
-    feet at;
-    for (size_t i = 0; i < count; ++i) {
-        for (size_t k = 0; k < 3; ++k) {
-            x[i][k] = y[k * n + pair->particle[i]];
-        }
-    }
-    if (!find_feet(law, pair, x, &at) || !(at.weight > 0.0)) {
+    const weft_contact_def *contact = &law->cloth->contact;
+    const weft__pair_kind kind = (weft__pair_kind)pair->kind;
+    const double mass = weft__pair_mass(law->cloth, pair);
+    double x[4][3], v[3] = { 0.0 };
+    law_feet at = { .d = 0.0 };
+    place(y, n, pair, x);
+    if (mass == 0.0 || !law_find(kind, x, contact->thickness, &at)) {
         return false;
     }
-    const double mass = smallest_mass(law->cloth, pair->particle, count);
-    if (mass == 0.0) {
-        return false;
-    }
-    weft__touch touch = touch_of(law, pair, &at, y, count);
-    const double force = mass * touch.push * touch.factor;
-    double foot[3];
+    law_weigh(kind, law->soft, weft__pair_rest(law, pair), &at);
+    *touch = (weft__touch){ .gap = at.d,
+                            .steepness = 1.0,
+                            .share = WEFT__SELF_SHARE * at.weight };
     for (size_t k = 0; k < 3; ++k) {
-        out->particle[k] = pair->particle[k];
-        foot[k] = force * touch.normal[k] - mass * touch.drag * touch.slip[k];
+        for (size_t i = 0; i < count; ++i) {
+            v[k] += at.arm[i] * y[(3 + k) * n + pair->particle[i]];
+        }
+        touch->normal[k] = at.r[k] / at.d;
     }
-    out->particle[3] = pair->particle[3];
-    out->count = (uint32_t)count, out->kind = pair->kind;
-    out->gap = at.d;
-    out->heat = mass * (touch.push * (1.0 - touch.factor) * touch.speed);
-    out->friction = mass * (touch.drag * weft__dot(touch.slip, touch.slip));
-    touch.share = SHARE;
-    const double energy = mass * weft__touch_energy(law->cloth, &touch);
-    out->energy = at.weight * energy;
-    spread(&at, foot, energy, out);
+    touch->speed = weft__dot(v, touch->normal);
+    for (size_t k = 0; k < 3; ++k) {
+        touch->slip[k] = v[k] - touch->speed * touch->normal[k];
+    }
+    weft__touch_forces(contact, contact->friction, touch);
+    touch->push *= mass, touch->stiffness *= mass, touch->drag *= mass;
+    memcpy(arm, at.arm, sizeof at.arm);
     return true;
+}
+
+size_t weft__reference_pushes(const weft__self_law *law, const weft__pair *pairs,
+                              const double *distances, size_t count, double near,
+                              const double *y, weft__push *out)
+{
+    weft__push *to = out;
+    for (size_t i = 0; i < count; ++i) {
+        to += distances[i] <= near && weft__pair_push(law, &pairs[i], y, to);
+    }
+    return (size_t)(to - out);
 }
 
 void weft__push_add(const weft_cloth *cloth, const weft__push *push, weft__unit unit,
@@ -403,7 +254,7 @@ static bool seek(pass *self)
     const weft_cloth *cloth = self->of->cloth;
     const weft__tree tree = weft__tree_of(cloth, self->of->y);
     self->law = weft__self_law_of(cloth);
-    if (isfinite(weft__extent(NULL, self->of->y, cloth->particles))) {
+    if (isfinite(weft__extent(cloth, NULL, self->of->y))) {
         return weft__each_pair(&tree, cloth->contact.thickness, take_pair, self);
     }
     return false;

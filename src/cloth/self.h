@@ -9,6 +9,8 @@
 #define WEFT_CLOTH_SELF_H
 
 #include "cloth/added.h"
+#include "cloth/contact.h"
+#include "cloth/contact_bounds.h"
 #include "cloth/self_tree.h"
 
 /* Both return their number, 0 to 3 and 0 or 2. */
@@ -89,8 +91,8 @@ bool weft__each_pair(const weft__tree *tree, double range, weft__pair_fn *visit,
  *
  * over the particles a of one side, b of the other, at both ends of the step. */
 typedef struct weft__stride {
+    const weft_cloth *cloth;
     const double *y0, *y1; /* states at both ends */
-    size_t n;
     double h; /* [s]; 0: a straight displacement instead, whatever the velocities */
 } weft__stride;
 
@@ -102,9 +104,12 @@ bool weft__stride_clear(const weft__stride *of, const weft__pair *pair, double *
  * h = 0, positions. */
 double weft__stride_length(const weft__stride *of);
 
-/* [m] No two particles of N are displaced by more against each other; x, y, z planes.
- * INFINITY if a number is not finite. */
-double weft__extent(const double *from, const double *to, size_t n);
+/* [m] No two particles of N are displaced by more against each other, from NULL: than
+ * from 0; x, y, z planes. INFINITY if a number is not finite. weft__extent uses the
+ * instructions of the cloth. */
+typedef double weft__extent_fn(const double *from, const double *to, size_t n);
+weft__extent_fn weft__reference_extent;
+double weft__extent(const weft_cloth *cloth, const double *from, const double *to);
 
 /* ---- self.c: how they push ------------------------------------------------------- */
 
@@ -133,6 +138,24 @@ weft__self_law weft__self_law_of(const weft_cloth *cloth);
 bool weft__pair_push(const weft__self_law *law, const weft__pair *pair, const double *y,
                      weft__push *out);
 
+/* 1 / the product of the squares of both edges' rest lengths, or 0 of other pairs; the
+ * smallest mass [kg] of the free particles, 0 without. */
+double weft__pair_rest(const weft__self_law *law, const weft__pair *pair);
+double weft__pair_mass(const weft_cloth *cloth, const weft__pair *pair);
+
+/* Writes the pushes of `count` pairs, up to WEFT__PAIRS_MOST, of those with a distance
+ * up to `near`, in their order; returns their number. */
+enum { WEFT__PAIRS_MOST = 512 };
+typedef size_t weft__pushes_fn(const weft__self_law *law, const weft__pair *pairs,
+                               const double *distances, size_t count, double near,
+                               const double *y, weft__push *out);
+weft__pushes_fn weft__reference_pushes;
+
+/* The same before: b_i, and the touch of the feet, with push, stiffness and drag not by
+ * mass. */
+bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
+                      const double *y, double arm[4], weft__touch *touch);
+
 /* Adds its forces on the particles [first, end) to planes to[3 N]. */
 void weft__push_add(const weft_cloth *cloth, const weft__push *push, weft__unit unit,
                     size_t first, size_t end, double *to);
@@ -155,5 +178,25 @@ void weft__push_measure(const weft_cloth *cloth, const weft__push *push,
  * weft_cloth_rhs. Nothing without contact.self. */
 int weft__self_add(const weft__subject *of, weft__unit unit, double *to);
 void weft__self_measure(const weft__subject *of, weft_measures *sum);
+
+/* ---- self_bounds.c: stiffness and damping ---------------------------------------- */
+
+/* Adds to grips[count] of particles first, first + 1, ... what bounds the pairs in
+ * state y: sum b_i F_i of a pair is at most diag(2 |b_i|) of it. The slopes of the
+ * weights are left out, so that bounds are estimates. */
+void weft__self_grips(const weft_cloth *cloth, const double *y, size_t first,
+                      size_t count, weft__grip *grips);
+
+/* Adds to all of *grip what layers that meet at no more than stopping_speed add; an
+ * estimate, too. */
+void weft__self_grip_any(const weft_cloth *cloth, weft__grip *grip);
+
+/* As weft__grip_multiply. */
+void weft__self_multiply(const weft_cloth *cloth, const double *y, double a, double b,
+                         const double *x, double *out);
+
+/* Adds to blocks, as weft__contact_blocks, what majorises the pairs' part of J: each
+ * block is symmetric and not negative. */
+int weft__self_blocks(const weft_cloth *cloth, const double *y, double *blocks);
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* self_pairs.c -- pairs of primitives that are near each other, and whether they can
  * have met in a step. */
+#include "cloth/levels.h"
 #include "cloth/self.h"
 
 void weft__pair_primitives(const weft__pair *pair, weft_primitive out[2])
@@ -226,7 +227,7 @@ bool weft__each_pair(const weft__tree *tree, double range, weft__pair_fn *visit,
 /* [m/s] or [m] The square of the larger difference of two particles. */
 static double difference(const weft__stride *of, size_t a, size_t b)
 {
-    const size_t n = of->n;
+    const size_t n = of->cloth->particles;
     double most = 0.0;
     for (size_t end = 0; end < 2; ++end) {
         const double *v = (end == 0 ? of->y0 : of->y1) + 3 * n;
@@ -256,12 +257,14 @@ bool weft__stride_clear(const weft__stride *of, const weft__pair *pair, double *
         }
     }
     const double path = (of->h > 0.0 ? of->h : 1.0) * sqrt(most);
-    *gap = weft__pair_distance(pair, of->y1, of->n);
+    *gap = weft__pair_distance(pair, of->y1, of->cloth->particles);
     return path == 0.0
-           || (*gap > 0.0 && path < weft__pair_distance(pair, of->y0, of->n) + *gap);
+           || (*gap > 0.0
+               && path
+                      < weft__pair_distance(pair, of->y0, of->cloth->particles) + *gap);
 }
 
-double weft__extent(const double *from, const double *to, size_t n)
+double weft__reference_extent(const double *from, const double *to, size_t n)
 {
     double square = 0.0;
     for (size_t k = 0; k < 3; ++k) {
@@ -277,10 +280,16 @@ double weft__extent(const double *from, const double *to, size_t n)
     return sqrt(square);
 }
 
+double weft__extent(const weft_cloth *cloth, const double *from, const double *to)
+{
+    return cloth->level->extent(from, to, cloth->particles);
+}
+
 double weft__stride_length(const weft__stride *of)
 {
+    const size_t n = of->cloth->particles;
     return of->h > 0.0 ? of->h
-                             * fmax(weft__extent(NULL, of->y0 + 3 * of->n, of->n),
-                                    weft__extent(NULL, of->y1 + 3 * of->n, of->n))
-                       : weft__extent(of->y0, of->y1, of->n);
+                             * fmax(weft__extent(of->cloth, NULL, of->y0 + 3 * n),
+                                    weft__extent(of->cloth, NULL, of->y1 + 3 * n))
+                       : weft__extent(of->cloth, of->y0, of->y1);
 }

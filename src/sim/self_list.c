@@ -7,9 +7,10 @@
 #include <stdatomic.h>
 
 #include "base/memory.h"
+#include "cloth/levels.h"
 
 /* CHUNK pairs are evaluated by one thread. */
-enum { CHUNK = 512, MOST_PARTS = 4096, HALVINGS = 60 };
+enum { CHUNK = WEFT__PAIRS_MOST, MOST_PARTS = 4096, HALVINGS = 60 };
 
 /* Allowed for roundoff, relative. */
 #define ROUNDOFF 1e-9
@@ -145,7 +146,7 @@ static void make(weft__self_list *list, const double *y)
  * how far it has moved to *extent. */
 static bool ready(weft__self_list *list, const double *y, double *extent)
 {
-    *extent = list->valid ? weft__extent(list->place, y, list->cloth->particles) : 0.0;
+    *extent = list->valid ? weft__extent(list->cloth, list->place, y) : 0.0;
     if ((!list->valid || !(*extent < list->skin)) && list->wanted <= list->room) {
         make(list, y);
         *extent = 0.0;
@@ -181,16 +182,15 @@ static void evaluate_chunk(evaluation *all, size_t chunk)
     weft__self_list *list = all->list;
     const size_t first = chunk * CHUNK;
     const size_t end = first + CHUNK < list->count ? first + CHUNK : list->count;
-    weft__push *to = list->pushes + first;
+    const weft__push *to = list->pushes + first;
+    const size_t count = list->cloth->level->pushes(
+        &all->law, list->pairs + first, list->distances + first, end - first, all->near,
+        all->of->y, list->pushes + first);
     double bad = 0.0;
-    for (size_t i = first; i < end; ++i) {
-        if (list->distances[i] <= all->near
-            && weft__pair_push(&all->law, &list->pairs[i], all->of->y, to)) {
-            bad += weft__push_trouble(to);
-            ++to;
-        }
+    for (size_t i = 0; i < count; ++i) {
+        bad += weft__push_trouble(to + i);
     }
-    list->pushing[chunk] = (uint32_t)(to - (list->pushes + first));
+    list->pushing[chunk] = (uint32_t)count;
     if (bad != 0.0) {
         atomic_store(&all->bad, true);
     }
@@ -235,7 +235,7 @@ int weft__self_list_add(weft__self_list *list, const weft__subject *of, double *
 {
     evaluation all = { .list = list, .of = of, .to = to };
     double extent;
-    if (!isfinite(weft__extent(NULL, of->y, list->cloth->particles))) {
+    if (!isfinite(weft__extent(list->cloth, NULL, of->y))) {
         return 1;
     }
     if (!ready(list, of->y, &extent)) {
@@ -252,7 +252,7 @@ void weft__self_list_measure(weft__self_list *list, const weft__subject *of,
 {
     evaluation all = { .list = list, .of = of };
     double extent;
-    if (!isfinite(weft__extent(NULL, of->y, list->cloth->particles))
+    if (!isfinite(weft__extent(list->cloth, NULL, of->y))
         || !ready(list, of->y, &extent)) {
         weft__self_measure(of, sum);
         return;
@@ -297,10 +297,11 @@ static bool look_at(void *ctx, const weft__pair *pair, double distance)
 static void look(weft__self_list *list, search *of)
 {
     const weft__stride *stride = of->stride;
-    const size_t n = list->cloth->particles;
     const double length = weft__stride_length(stride);
-    const double from = list->valid ? weft__extent(list->place, stride->y0, n) : 0.0;
-    const double to = list->valid ? weft__extent(list->place, stride->y1, n) : 0.0;
+    const double from
+        = list->valid ? weft__extent(list->cloth, list->place, stride->y0) : 0.0;
+    const double to
+        = list->valid ? weft__extent(list->cloth, list->place, stride->y1) : 0.0;
     const double near = 0.5 * (length + from + to) * (1.0 + ROUNDOFF);
     if (list->valid && near < list->range) {
         bool goes_on = true;
@@ -310,7 +311,7 @@ static void look(weft__self_list *list, search *of)
         }
         return;
     }
-    const double moved = weft__extent(stride->y0, stride->y1, n);
+    const double moved = weft__extent(list->cloth, stride->y0, stride->y1);
     const weft__tree tree = tree_about(list, stride->y0);
     (void)weft__each_pair(&tree, 0.5 * (length + moved) * (1.0 + ROUNDOFF), look_at,
                           of);
@@ -331,7 +332,7 @@ bool weft__self_list_clear(weft__self_list *list, const weft__stride *stride,
 void weft__self_list_hold(weft__self_list *list, const double *y0, double *y1)
 {
     const size_t n = list->cloth->particles;
-    const weft__stride stride = { y0, y1, n, 0.0 };
+    const weft__stride stride = { list->cloth, y0, y1, 0.0 };
     for (int tries = 0; tries <= HALVINGS; ++tries) {
         search of = { .stride = &stride, .marks = list->marks };
         memset(list->marks, 0, n);

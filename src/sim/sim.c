@@ -9,6 +9,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "cloth/crossing.h"
+#include "cloth/model.h"
 #include "cloth/pins.h"
 #include "cloth/rows.h"
 #include "plugin/methods.h"
@@ -41,6 +42,11 @@ static weft_status take_config(weft_sim *sim, weft_error *err)
                               "method '%.40s' cannot keep the energy ledger: it "
                               "integrates no quadratures",
                               def->method->name);
+    }
+    if (def->comm != NULL && def->cloth->contact.self) {
+        return weft_error_set(err, WEFT_UNSUPPORTED,
+                              "contact of the cloth with itself needs the whole cloth: "
+                              "a band does not know which others it meets");
     }
     return WEFT_OK;
 }

@@ -29,7 +29,7 @@ static void check_band(void *ctx, size_t first_row, size_t end_row)
 static weft__breach self_breach(const weft__forces *forces, const weft__path *path)
 {
     const weft__stride stride
-        = { path->y0, path->y1, forces->cloth->particles, path->t1 - path->t0 };
+        = { forces->cloth, path->y0, path->y1, path->t1 - path->t0 };
     weft__breach out = { .t = path->t1 };
     out.found = forces->self != NULL
                 && !weft__self_list_clear(forces->self, &stride, out.pair, &out.gap);

@@ -103,7 +103,7 @@ void weft__structure_update(weft_sim *sim)
     for (size_t i = 0; i < cloth->particles; ++i) {
         sim->masses[i] = cloth->pin[i] != 0 ? 0.0 : cloth->mass[i];
     }
-    sim->structure.block_planes = cloth->shape_count > 0 ? WEFT_BLOCK_PLANES : 0;
+    sim->structure.block_planes = weft__sim_checks(sim) ? WEFT_BLOCK_PLANES : 0;
 }
 
 void weft__structure_free(weft_sim *sim)
