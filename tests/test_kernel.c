@@ -18,6 +18,7 @@ weft__rows_fn weft__bending_wide;
 weft__clear_fn weft__clear_wide;
 weft__pushes_fn weft__pushes_wide;
 weft__extent_fn weft__extent_wide;
+weft__drift_fn weft__drift_wide;
 weft__damping_fn weft__damping_wide;
 
 /* Narrower and wider than any vector, one more than a multiple of it, wider than a
@@ -178,7 +179,8 @@ static const weft__level wide
         { weft__bending_wide, weft__wind_wide, weft__contact_wide },
         weft__clear_wide,
         weft__pushes_wide,
-        weft__extent_wide };
+        weft__extent_wide,
+        weft__drift_wide };
 static const weft__level reference = { "plain loops",
                                        weft__reference_rows,
                                        weft__reference_damping,
@@ -186,7 +188,8 @@ static const weft__level reference = { "plain loops",
                                        { NULL },
                                        weft__reference_clear,
                                        weft__reference_pushes,
-                                       weft__reference_extent };
+                                       weft__reference_extent,
+                                       weft__reference_drift };
 
 START_TEST(every_level_and_width_has_the_bits_of_the_plain_loops)
 {

@@ -362,22 +362,24 @@ static size_t near_by_force(double range)
             const size_t edges = weft__node_edges(cloth, i, e);
             const size_t others = weft__node_edges(cloth, j, f);
             const size_t triangles = weft__node_triangles(cloth, j, t);
-            weft__pair pair = { { i, j }, WEFT__VERTICES };
+            weft__pair pair = { .particle = { i, j }, .kind = WEFT__VERTICES };
             count += i < j && weft__pair_distance(&pair, y, N) < range;
             for (size_t k = 0; k < others; ++k) {
-                pair = (weft__pair){ { i, f[k][0], f[k][1] }, WEFT__VERTEX_EDGE };
+                pair = (weft__pair){ .particle = { i, f[k][0], f[k][1] },
+                                     .kind = WEFT__VERTEX_EDGE };
                 count += i != f[k][0] && i != f[k][1]
                          && weft__pair_distance(&pair, y, N) < range;
             }
             for (size_t k = 0; k < triangles; ++k) {
-                pair = (weft__pair){ { i, t[k][0], t[k][1], t[k][2] },
-                                     WEFT__VERTEX_TRIANGLE };
+                pair = (weft__pair){ .particle = { i, t[k][0], t[k][1], t[k][2] },
+                                     .kind = WEFT__VERTEX_TRIANGLE };
                 count += i != t[k][0] && i != t[k][1] && i != t[k][2]
                          && weft__pair_distance(&pair, y, N) < range;
             }
             for (size_t k = 0; i < j && k < edges * others; ++k) {
                 const uint32_t *a = e[k / others], *b = f[k % others];
-                pair = (weft__pair){ { a[0], a[1], b[0], b[1] }, WEFT__EDGES };
+                pair = (weft__pair){ .particle = { a[0], a[1], b[0], b[1] },
+                                     .kind = WEFT__EDGES };
                 count += a[0] != b[0] && a[0] != b[1] && a[1] != b[0] && a[1] != b[1]
                          && weft__pair_distance(&pair, y, N) < range;
             }

@@ -27,6 +27,7 @@ struct weft__level {
     weft__clear_fn *clear;
     weft__pushes_fn *pushes;
     weft__extent_fn *extent;
+    weft__drift_fn *drift;
 };
 
 /* The plain loops: rhs.c, power.c, passage.c. */
@@ -50,6 +51,7 @@ weft__rows_fn weft__reference_products; /* jacobian.c */
     weft__clear_fn weft__clear_##level;                                                \
     weft__pushes_fn weft__pushes_##level;                                              \
     weft__extent_fn weft__extent_##level;                                              \
+    weft__drift_fn weft__drift_##level;                                                \
     weft__rows_fn weft__products_##level;                                              \
     WEFT_ADDED(WEFT_ADDED_KERNEL, level)
 WEFT_LEVELS(WEFT_LEVEL_KERNELS)

@@ -174,12 +174,13 @@ bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
 }
 
 size_t weft__reference_pushes(const weft__self_law *law, const weft__pair *pairs,
-                              const double *distances, size_t count, double near,
-                              const double *y, weft__push *out)
+                              const double *distances, size_t count,
+                              const double *reach, const double *y, weft__push *out)
 {
     weft__push *to = out;
     for (size_t i = 0; i < count; ++i) {
-        to += distances[i] <= near && weft__pair_push(law, &pairs[i], y, to);
+        to += distances[i] <= reach[pairs[i].group]
+              && weft__pair_push(law, &pairs[i], y, to);
     }
     return (size_t)(to - out);
 }

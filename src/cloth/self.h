@@ -61,6 +61,7 @@ typedef enum weft__pair_kind {
 typedef struct weft__pair {
     uint32_t particle[4];
     uint32_t kind;
+    uint32_t group; /* of a list: pairs that are bounded together */
 } weft__pair;
 
 static inline size_t weft__pair_particles(const weft__pair *pair)
@@ -111,6 +112,57 @@ typedef double weft__extent_fn(const double *from, const double *to, size_t n);
 weft__extent_fn weft__reference_extent;
 double weft__extent(const weft_cloth *cloth, const double *from, const double *to);
 
+/* The same, and to `low` and `high` the bounds of the displacements in each tile of
+ * WEFT__TILE x WEFT__TILE particles, row by row of tiles, with those next to it. */
+enum { WEFT__TILE = 8 };
+typedef struct weft__drift {
+    double low[3], high[3]; /* [m] */
+} weft__drift;
+typedef double weft__drift_fn(const weft_cloth *cloth, const double *from,
+                              const double *to, weft__drift *tiles);
+weft__drift_fn weft__reference_drift;
+
+static inline size_t weft__tile_cols(const weft_cloth *of)
+{
+    return (of->cols + WEFT__TILE - 1) / WEFT__TILE;
+}
+
+static inline size_t weft__tile_count(const weft_cloth *of)
+{
+    return (of->rows + WEFT__TILE - 1) / WEFT__TILE * weft__tile_cols(of);
+}
+
+/* The rows and columns of tile i, with those next to it: first, end, first, end. */
+static inline void weft__tile_range(const weft_cloth *of, size_t i, size_t range[4])
+{
+    const size_t r = i / weft__tile_cols(of) * WEFT__TILE;
+    const size_t c = i % weft__tile_cols(of) * WEFT__TILE;
+    range[0] = r > 0 ? r - 1 : 0;
+    range[1] = r + WEFT__TILE + 1 < of->rows ? r + WEFT__TILE + 1 : of->rows;
+    range[2] = c > 0 ? c - 1 : 0;
+    range[3] = c + WEFT__TILE + 1 < of->cols ? c + WEFT__TILE + 1 : of->cols;
+}
+
+/* [m] Of the bounds of two tiles together, which may be the same. */
+static inline double weft__drift_extent(const weft__drift *a, const weft__drift *b)
+{
+    double square = 0.0;
+    for (size_t k = 0; k < 3; ++k) {
+        const double low = a->low[k] < b->low[k] ? a->low[k] : b->low[k];
+        const double high = a->high[k] > b->high[k] ? a->high[k] : b->high[k];
+        square += (high - low) * (high - low);
+    }
+    return sqrt(square);
+}
+
+static inline void weft__drift_add(weft__drift *sum, const weft__drift *of)
+{
+    for (size_t k = 0; k < 3; ++k) {
+        sum->low[k] = of->low[k] < sum->low[k] ? of->low[k] : sum->low[k];
+        sum->high[k] = of->high[k] > sum->high[k] ? of->high[k] : sum->high[k];
+    }
+}
+
 /* ---- self.c: how they push ------------------------------------------------------- */
 
 /* A pair that pushes. */
@@ -144,11 +196,11 @@ double weft__pair_rest(const weft__self_law *law, const weft__pair *pair);
 double weft__pair_mass(const weft_cloth *cloth, const weft__pair *pair);
 
 /* Writes the pushes of `count` pairs, up to WEFT__PAIRS_MOST, of those with a distance
- * up to `near`, in their order; returns their number. */
+ * up to that of their group in `reach`, in their order; returns their number. */
 enum { WEFT__PAIRS_MOST = 512 };
 typedef size_t weft__pushes_fn(const weft__self_law *law, const weft__pair *pairs,
-                               const double *distances, size_t count, double near,
-                               const double *y, weft__push *out);
+                               const double *distances, size_t count,
+                               const double *reach, const double *y, weft__push *out);
 weft__pushes_fn weft__reference_pushes;
 
 /* The same before: b_i, and the touch of the feet, with push, stiffness and drag not by

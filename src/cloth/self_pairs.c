@@ -176,14 +176,14 @@ static bool try_particle(const search *of, uint32_t i, size_t j)
     for (size_t k = 0; k < triangle_count && goes_on; ++k) {
         const uint32_t *to = triangles[k];
         goes_on = has(to, 3, i)
-                  || try_pair(of, &(weft__pair){ { i, to[0], to[1], to[2] },
-                                                 WEFT__VERTEX_TRIANGLE });
+                  || try_pair(of, &(weft__pair){ .particle = { i, to[0], to[1], to[2] },
+                                                 .kind = WEFT__VERTEX_TRIANGLE });
     }
     for (size_t k = 0; k < edge_count && goes_on; ++k) {
         const uint32_t *to = edges[k];
         goes_on = has(to, 2, i)
-                  || try_pair(of, &(weft__pair){ { i, to[0], to[1], to[1] },
-                                                 WEFT__VERTEX_EDGE });
+                  || try_pair(of, &(weft__pair){ .particle = { i, to[0], to[1], to[1] },
+                                                 .kind = WEFT__VERTEX_EDGE });
     }
     return goes_on;
 }
@@ -197,8 +197,9 @@ static bool try_edges(const search *of, size_t i, size_t j)
     for (size_t k = 0; k < in_i * in_j && goes_on; ++k) {
         const uint32_t *one = a[k / in_j], *other = b[k % in_j];
         goes_on = has(other, 2, one[0]) || has(other, 2, one[1])
-                  || try_pair(of, &(weft__pair){ { one[0], one[1], other[0], other[1] },
-                                                 WEFT__EDGES });
+                  || try_pair(of, &(weft__pair){ .particle = { one[0], one[1], other[0],
+                                                               other[1] },
+                                                 .kind = WEFT__EDGES });
     }
     return goes_on;
 }
@@ -211,7 +212,8 @@ static bool visit_nodes(void *ctx, size_t i, size_t j)
     return try_particle(of, a, j)
            && (i == j
                || (try_particle(of, b, i)
-                   && try_pair(of, &(weft__pair){ { a, b, b, b }, WEFT__VERTICES })
+                   && try_pair(of, &(weft__pair){ .particle = { a, b, b, b },
+                                                  .kind = WEFT__VERTICES })
                    && try_edges(of, i, j)));
 }
 
@@ -278,6 +280,29 @@ double weft__reference_extent(const double *from, const double *to, size_t n)
         square += bad == 0.0 ? (high - low) * (high - low) : (double)INFINITY;
     }
     return sqrt(square);
+}
+
+double weft__reference_drift(const weft_cloth *cloth, const double *from,
+                             const double *to, weft__drift *tiles)
+{
+    const size_t n = cloth->particles;
+    for (size_t i = 0; i < weft__tile_count(cloth); ++i) {
+        size_t in[4];
+        weft__tile_range(cloth, i, in);
+        for (size_t k = 0; k < 3; ++k) {
+            double low = INFINITY, high = -INFINITY;
+            for (size_t r = in[0]; r < in[1]; ++r) {
+                for (size_t c = in[2]; c < in[3]; ++c) {
+                    const size_t j = k * n + r * cloth->cols + c;
+                    const double d = from != NULL ? to[j] - from[j] : to[j];
+                    low = d < low ? d : low;
+                    high = d > high ? d : high;
+                }
+            }
+            tiles[i].low[k] = low, tiles[i].high[k] = high;
+        }
+    }
+    return weft__reference_extent(from, to, n);
 }
 
 double weft__extent(const weft_cloth *cloth, const double *from, const double *to)

@@ -91,13 +91,19 @@ static void add_node(const weft__tree *tree, size_t r, size_t c, weft__knot *to)
     }
 }
 
-static void add_knot(const weft__knot *from, weft__knot *to)
+static void add_slopes(const weft__knot *from, weft__knot *to)
 {
     for (size_t k = 0; k < 2; ++k) {
-        include(to->place, from->place[k]);
         include(to->slope[0], from->slope[0][k]);
         include(to->slope[1], from->slope[1][k]);
     }
+}
+
+static void add_knot(const weft__knot *from, weft__knot *to)
+{
+    include(to->place, from->place[0]);
+    include(to->place, from->place[1]);
+    add_slopes(from, to);
 }
 
 static size_t end_of(size_t at, size_t level, size_t count)
@@ -113,11 +119,6 @@ typedef struct patch {
 static void add_patch(const weft__tree *tree, size_t level, patch at, weft__knot *to)
 {
     const weft_cloth *cloth = tree->cloth;
-    if (tree->knots != NULL) {
-        const size_t cols = count_at(cloth->cols, level);
-        add_knot(&tree->knots[tree->first[level] + at.r * cols + at.c], to);
-        return;
-    }
     for (size_t r = at.r << level; r < end_of(at.r, level, cloth->rows); ++r) {
         for (size_t c = at.c << level; c < end_of(at.c, level, cloth->cols); ++c) {
             add_node(tree, r, c, to);
@@ -211,6 +212,19 @@ static bool flat(const search *of, const weft__knot *knot)
     return of->flat > 0.0 && square < of->flat * of->flat;
 }
 
+/* A patch's bounds, made in *room if they are not kept. */
+static const weft__knot *knot_of(const weft__tree *tree, size_t level, patch at,
+                                 weft__knot *room)
+{
+    if (tree->knots != NULL) {
+        const size_t cols = count_at(tree->cloth->cols, level);
+        return &tree->knots[tree->first[level] + at.r * cols + at.c];
+    }
+    *room = nothing;
+    add_patch(tree, level, at, room);
+    return room;
+}
+
 /* Whether the rectangle of patches about both, at most 3 x 3 of them, is flat. */
 static bool flat_about(const search *of, size_t level, patch a, patch b)
 {
@@ -221,10 +235,10 @@ static bool flat_about(const search *of, size_t level, patch a, patch b)
         || (of->tree->knots == NULL && level > 0)) {
         return false;
     }
-    weft__knot hull = nothing;
+    weft__knot room, hull = *knot_of(of->tree, level, low, &room);
     for (size_t r = low.r; r <= high.r; ++r) {
         for (size_t c = low.c; c <= high.c; ++c) {
-            add_patch(of->tree, level, (patch){ r, c }, &hull);
+            add_slopes(knot_of(of->tree, level, (patch){ r, c }, &room), &hull);
         }
     }
     return flat(of, &hull);
@@ -232,13 +246,13 @@ static bool flat_about(const search *of, size_t level, patch a, patch b)
 
 static bool apart(const search *of, size_t level, patch a, patch b)
 {
-    weft__knot of_a = nothing, of_b = nothing;
-    add_patch(of->tree, level, a, &of_a);
-    add_patch(of->tree, level, b, &of_b);
+    weft__knot room[2];
+    const weft__knot *of_a = knot_of(of->tree, level, a, &room[0]);
+    const weft__knot *of_b = knot_of(of->tree, level, b, &room[1]);
     bool far = false;
     for (size_t k = 0; k < 3; ++k) {
-        far = far || of_a.place[0][k] - of_b.place[1][k] > of->range
-              || of_b.place[0][k] - of_a.place[1][k] > of->range;
+        far = far || of_a->place[0][k] - of_b->place[1][k] > of->range
+              || of_b->place[0][k] - of_a->place[1][k] > of->range;
     }
     return far;
 }
@@ -279,9 +293,8 @@ static bool pairs_between(const search *of, size_t level, patch a, patch b)
 
 static bool pairs_within(const search *of, size_t level, patch at)
 {
-    weft__knot knot = nothing;
-    add_patch(of->tree, level, at, &knot);
-    if (flat(of, &knot)) {
+    weft__knot room;
+    if (flat(of, knot_of(of->tree, level, at, &room))) {
         return true;
     }
     if (level == 0) {

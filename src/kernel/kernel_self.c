@@ -22,10 +22,11 @@ INLINE vec choose(mask where, vec a, vec b)
 
 enum { KINDS = WEFT__EDGES + 1 };
 
-/* Pairs of a chunk, by kind: their places in it. */
+/* Pairs of a chunk, by kind: their places in it and their particles. */
 typedef struct sorted {
     size_t count[KINDS];
     uint16_t at[KINDS][WEFT__PAIRS_MOST + LANES];
+    int32_t particle[KINDS][4][WEFT__PAIRS_MOST + LANES];
 } sorted;
 
 typedef struct chunk {
@@ -40,24 +41,37 @@ INLINE size_t particles_of(weft__pair_kind kind)
     return kind == WEFT__VERTICES ? 2 : kind == WEFT__VERTEX_EDGE ? 3 : 4;
 }
 
-/* Three planes of the particles of LANES pairs. */
-INLINE void place(const chunk *of, weft__pair_kind kind, const uint16_t *at,
-                  const double *planes, vec x[4][3])
+/* Adds pair i if `has` is 1 rather than 0. */
+INLINE void add_pair(sorted *to, const weft__pair *pair, size_t i, size_t has)
 {
-    const size_t n = of->law->cloth->particles;
-    for (size_t i = 0; i < particles_of(kind); ++i) {
-        for (size_t l = 0; l < LANES; ++l) {
-            const double *from = planes + of->pairs[at[l]].particle[i];
-            x[i][0][l] = from[0], x[i][1][l] = from[n], x[i][2][l] = from[2 * n];
-        }
+    const size_t kind = pair->kind, at = to->count[kind];
+    to->at[kind][at] = (uint16_t)i;
+    for (size_t k = 0; k < 4; ++k) {
+        to->particle[kind][k][at] = (int32_t)pair->particle[k];
     }
+    to->count[kind] += has;
 }
 
 /* The last pair again, so that all lanes have one. */
-INLINE void fill(uint16_t *at, size_t count)
+INLINE void fill(const chunk *of, weft__pair_kind kind, sorted *to)
 {
+    const size_t count = to->count[kind];
     for (size_t l = 0; l < LANES && count > 0; ++l) {
-        at[count + l] = at[count - 1];
+        const size_t last = to->at[kind][count - 1];
+        add_pair(to, &of->pairs[last], last, 1);
+    }
+    to->count[kind] = count;
+}
+
+/* Three planes of the particles of LANES pairs from i on. */
+INLINE void place(const chunk *of, weft__pair_kind kind, const sorted *by, size_t i,
+                  const double *planes, vec x[4][3])
+{
+    const size_t n = of->law->cloth->particles;
+    for (size_t j = 0; j < particles_of(kind); ++j) {
+        for (size_t k = 0; k < 3; ++k) {
+            x[j][k] = gather(planes + k * n, &by->particle[kind][j][i]);
+        }
     }
 }
 
@@ -68,11 +82,11 @@ INLINE void find_kind(const chunk *of, weft__pair_kind kind, sorted *near,
     const weft_cloth *cloth = of->law->cloth;
     const double thickness = cloth->contact.thickness;
     uint16_t *at = near->at[kind];
-    fill(at, near->count[kind]);
+    fill(of, kind, near);
     for (size_t i = 0; i < near->count[kind]; i += LANES) {
         vec x[4][3];
         law_feet feet;
-        place(of, kind, at + i, of->y, x);
+        place(of, kind, near, i, of->y, x);
         const mask found = law_find(kind, x, thickness, &feet);
         for (size_t l = 0; any(found) && l < LANES; ++l) {
             if (found[l] != 0) {
@@ -107,13 +121,13 @@ INLINE void push_kind(const chunk *of, weft__pair_kind kind, sorted *found,
     const weft_cloth *cloth = of->law->cloth;
     const weft_contact_def contact = cloth->contact;
     uint16_t *at = found->at[kind];
-    fill(at, found->count[kind]);
+    fill(of, kind, found);
     for (size_t i = 0; i < found->count[kind]; i += LANES) {
         vec x[4][3], v[4][3], rest = splat(0.0), mass = splat(0.0);
         law_feet feet;
         law_push push;
-        place(of, kind, at + i, of->y, x);
-        place(of, kind, at + i, of->y + 3 * cloth->particles, v);
+        place(of, kind, found, i, of->y, x);
+        place(of, kind, found, i, of->y + 3 * cloth->particles, v);
         for (size_t l = 0; l < LANES; ++l) {
             rest[l] = weft__pair_rest(of->law, &of->pairs[at[i + l]]);
             mass[l] = weft__pair_mass(cloth, &of->pairs[at[i + l]]);
@@ -144,19 +158,18 @@ INLINE void push_kind(const chunk *of, weft__pair_kind kind, sorted *found,
 EACH_KIND(FIND)
 
 size_t NAME(pushes, LEVEL)(const weft__self_law *law, const weft__pair *pairs,
-                           const double *distances, size_t count, double near,
+                           const double *distances, size_t count, const double *reach,
                            const double *y, weft__push *out)
 {
     const chunk of = { law, pairs, y, out };
     unsigned char pushes[WEFT__PAIRS_MOST];
     uint16_t slots[WEFT__PAIRS_MOST];
-    sorted by = { .count = { 0 } };
+    sorted by;
     size_t found = 0;
+    by.count[0] = by.count[1] = by.count[2] = by.count[3] = 0;
     for (size_t i = 0; i < count; ++i) {
-        const uint32_t kind = pairs[i].kind;
         pushes[i] = 0;
-        by.at[kind][by.count[kind]] = (uint16_t)i;
-        by.count[kind] += distances[i] <= near;
+        add_pair(&by, &pairs[i], i, distances[i] <= reach[pairs[i].group]);
     }
 #define CALL(kind) find_##kind(&of, &by, pushes);
     EACH_KIND(CALL)
@@ -165,10 +178,10 @@ size_t NAME(pushes, LEVEL)(const weft__self_law *law, const weft__pair *pairs,
         by.count[kind] = 0;
     }
     for (size_t i = 0; i < count; ++i) {
-        const uint32_t kind = pairs[i].kind;
         slots[i] = (uint16_t)found;
-        by.at[kind][by.count[kind]] = (uint16_t)i;
-        by.count[kind] += pushes[i];
+        if (pushes[i] != 0) {
+            add_pair(&by, &pairs[i], i, 1);
+        }
         found += pushes[i];
     }
 #define CALL(kind) push_##kind(&of, &by, slots);
@@ -177,28 +190,79 @@ size_t NAME(pushes, LEVEL)(const weft__self_law *law, const weft__pair *pairs,
     return found;
 }
 
+/* Of a plane, as long as they hold no NaN. */
+typedef struct bounds {
+    vec low, high;
+} bounds;
+
+/* Adds `count` numbers; or some before them where the last lanes are beyond. */
+INLINE void add_run(const double *from, const double *to, size_t first, size_t end,
+                    bounds *sum, vec *trouble)
+{
+    for (size_t i = first; i < end; i += LANES) {
+        const size_t at = i + LANES <= end ? i : end - LANES;
+        const vec d = from != NULL ? load(to + at) - load(from + at) : load(to + at);
+        sum->low = least(sum->low, d), sum->high = most(sum->high, d);
+        *trouble += d * 0.0;
+    }
+}
+
+INLINE bounds no_bounds(void)
+{
+    return (bounds){ splat((double)INFINITY), splat(-(double)INFINITY) };
+}
+
+INLINE void narrow(const bounds *of, double *low, double *high)
+{
+    *low = of->low[0], *high = of->high[0];
+    for (size_t l = 1; l < LANES; ++l) {
+        *low = of->low[l] < *low ? of->low[l] : *low;
+        *high = of->high[l] > *high ? of->high[l] : *high;
+    }
+}
+
 /* A product with 0 is NaN for a number that is not finite. */
 double NAME(extent, LEVEL)(const double *from, const double *to, size_t n)
 {
-    double square = 0.0;
+    weft__drift all;
+    vec trouble = splat(0.0);
     if (n < LANES) {
         return weft__reference_extent(from, to, n);
     }
     for (size_t k = 0; k < 3; ++k) {
-        vec low = splat((double)INFINITY), high = -low, zero = splat(0.0);
-        for (size_t i = 0; i < n; i += LANES) {
-            const size_t at = k * n + (i + LANES <= n ? i : n - LANES);
-            const vec d
-                = from != NULL ? load(to + at) - load(from + at) : load(to + at);
-            low = least(low, d), high = most(high, d);
-            zero += d * 0.0;
-        }
-        double a = low[0], b = high[0];
-        for (size_t l = 1; l < LANES; ++l) {
-            a = low[l] < a ? low[l] : a;
-            b = high[l] > b ? high[l] : b;
-        }
-        square += sum(zero) == 0.0 ? (b - a) * (b - a) : (double)INFINITY;
+        bounds of = no_bounds();
+        add_run(from, to, k * n, (k + 1) * n, &of, &trouble);
+        narrow(&of, &all.low[k], &all.high[k]);
     }
-    return sqrt(square);
+    return sum(trouble) == 0.0 ? weft__drift_extent(&all, &all) : (double)INFINITY;
+}
+
+double NAME(drift, LEVEL)(const weft_cloth *cloth, const double *from, const double *to,
+                          weft__drift *tiles)
+{
+    const size_t n = cloth->particles, cols = cloth->cols;
+    const double inf = INFINITY;
+    weft__drift all = { { inf, inf, inf }, { -inf, -inf, -inf } };
+    vec trouble = splat(0.0);
+    if (cols < LANES) {
+        return weft__reference_drift(cloth, from, to, tiles);
+    }
+    for (size_t i = 0; i < weft__tile_count(cloth); ++i) {
+        size_t in[4];
+        weft__tile_range(cloth, i, in);
+        for (size_t k = 0; k < 3; ++k) {
+            bounds of = no_bounds();
+            const size_t first = in[2] + LANES <= in[3] ? in[2]
+                                 : in[3] > LANES        ? in[3] - LANES
+                                                        : 0;
+            for (size_t r = in[0]; r < in[1]; ++r) {
+                const size_t at = k * n + r * cols;
+                add_run(from, to, at + first, at + (in[3] < LANES ? LANES : in[3]), &of,
+                        &trouble);
+            }
+            narrow(&of, &tiles[i].low[k], &tiles[i].high[k]);
+        }
+        weft__drift_add(&all, &tiles[i]);
+    }
+    return sum(trouble) == 0.0 ? weft__drift_extent(&all, &all) : inf;
 }

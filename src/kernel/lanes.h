@@ -49,6 +49,24 @@ INLINE void store(double *to, vec a)
     *(vec_anywhere *)to = a;
 }
 
+/* from[at[0]], from[at[1]], ...; at[i] >= 0 */
+INLINE vec gather(const double *from, const int32_t *at)
+{
+#if defined __AVX512F__ && LANES == 8
+    return (vec)_mm512_i32gather_pd(
+        _mm256_loadu_si256((const __m256i *)(const void *)at), from, 8);
+#elif defined __AVX2__ && LANES == 4
+    return (vec)_mm256_i32gather_pd(
+        from, _mm_loadu_si128((const __m128i *)(const void *)at), 8);
+#else
+    vec a;
+    for (int i = 0; i < LANES; ++i) {
+        a[i] = from[at[i]];
+    }
+    return a;
+#endif
+}
+
 INLINE vec splat(double a)
 {
     return a - (vec){ 0 };

@@ -19,12 +19,16 @@ struct weft__self_list {
     const weft_cloth *cloth;
     weft__team *team;
     weft_allocator memory;
-    weft__knot *knots;    /* of any state */
-    double *place;        /* 3 N: where the list was made */
-    unsigned char *marks; /* N */
-    double skin, range;   /* [m] */
-    bool valid;           /* whole, about `place` */
+    weft__knot *knots;     /* of any state */
+    double *place;         /* 3 N: where the list was made */
+    unsigned char *marks;  /* N */
+    weft__drift *tiles[4]; /* of the last displacements; in checks of steps all */
+    double skin, range;    /* [m] */
+    bool valid;            /* whole, about `place` */
     size_t count, room, wanted;
+    size_t groups;              /* successive pairs of the same tiles */
+    uint32_t (*group_tiles)[2]; /* of each group, and how far its pairs may have */
+    double *reach;              /* [m] been apart that matter */
     weft__pair *pairs;
     double *distances;  /* [m] */
     weft__push *pushes; /* those of chunk k from k CHUNK on */
@@ -46,11 +50,16 @@ weft__self_list *weft__self_list_create(const weft_cloth *cloth, weft__team *tea
         .knots = weft__alloc(memory, weft__tree_size(cloth), sizeof *list->knots),
         .place = weft__alloc(memory, 3 * n, sizeof *list->place),
         .marks = weft__alloc(memory, n, 1),
+        .tiles
+        = { weft__alloc(memory, weft__tile_count(cloth), 4 * sizeof(weft__drift)) },
         .skin = 0.25 * weft__smaller_spacing(cloth->rows, cloth->cols, cloth->spacing),
         .wanted = CHUNK,
     };
+    for (size_t k = 1; k < 4 && list->tiles[0] != NULL; ++k) {
+        list->tiles[k] = list->tiles[k - 1] + weft__tile_count(cloth);
+    }
     if (list->knots == NULL || list->place == NULL || list->marks == NULL
-        || weft__self_list_grow(list, NULL) != WEFT_OK) {
+        || list->tiles[0] == NULL || weft__self_list_grow(list, NULL) != WEFT_OK) {
         weft__self_list_destroy(list);
         return NULL;
     }
@@ -63,6 +72,9 @@ static void free_pairs(weft__self_list *list)
     weft__free(&list->memory, list->distances);
     weft__free(&list->memory, list->pushes);
     weft__free(&list->memory, list->pushing);
+    weft__free(&list->memory, list->group_tiles);
+    weft__free(&list->memory, list->reach);
+    list->group_tiles = NULL, list->reach = NULL;
     list->pairs = NULL, list->distances = NULL;
     list->pushes = NULL, list->pushing = NULL;
     list->room = list->count = 0;
@@ -77,6 +89,7 @@ void weft__self_list_destroy(weft__self_list *list)
         weft__free(&memory, list->knots);
         weft__free(&memory, list->place);
         weft__free(&memory, list->marks);
+        weft__free(&memory, list->tiles[0]);
         weft__free(&memory, list);
     }
 }
@@ -99,8 +112,10 @@ weft_status weft__self_list_grow(weft__self_list *list, weft_error *err)
     list->distances = weft__alloc(memory, room, sizeof *list->distances);
     list->pushes = weft__alloc(memory, room, sizeof *list->pushes);
     list->pushing = weft__alloc(memory, chunks, sizeof *list->pushing);
+    list->group_tiles = weft__alloc(memory, room, sizeof *list->group_tiles);
+    list->reach = weft__alloc(memory, room, sizeof *list->reach);
     if (list->pairs == NULL || list->distances == NULL || list->pushes == NULL
-        || list->pushing == NULL) {
+        || list->pushing == NULL || list->group_tiles == NULL || list->reach == NULL) {
         free_pairs(list);
         return weft_error_set(err, WEFT_NO_MEMORY,
                               "no memory for %zu pairs of primitives that are near "
@@ -113,11 +128,33 @@ weft_status weft__self_list_grow(weft__self_list *list, weft_error *err)
 
 /* ---- making ---------------------------------------------------------------------- */
 
+static uint32_t tile_of(const weft_cloth *cloth, size_t i)
+{
+    const size_t r = i / cloth->cols, c = i % cloth->cols;
+    return (uint32_t)(r / WEFT__TILE * weft__tile_cols(cloth) + c / WEFT__TILE);
+}
+
+/* All particles of a primitive are in the tile of one of them or next to it. */
+static uint32_t group_of(weft__self_list *list, const weft__pair *pair)
+{
+    const uint32_t a = tile_of(list->cloth, pair->particle[0]);
+    const uint32_t b
+        = tile_of(list->cloth, pair->particle[pair->kind == WEFT__EDGES ? 2 : 1]);
+    const size_t next = list->groups;
+    if (next == 0 || list->group_tiles[next - 1][0] != a
+        || list->group_tiles[next - 1][1] != b) {
+        list->group_tiles[next][0] = a, list->group_tiles[next][1] = b;
+        ++list->groups;
+    }
+    return (uint32_t)(list->groups - 1);
+}
+
 static bool keep(void *ctx, const weft__pair *pair, double distance)
 {
     weft__self_list *list = ctx;
     if (list->count < list->room) {
         list->pairs[list->count] = *pair;
+        list->pairs[list->count].group = group_of(list, pair);
         list->distances[list->count] = distance;
     }
     ++list->count;
@@ -135,23 +172,37 @@ static void make(weft__self_list *list, const double *y)
 {
     const weft__tree tree = tree_about(list, y);
     list->range = list->cloth->contact.thickness + list->skin;
-    list->count = 0;
+    list->count = list->groups = 0;
     (void)weft__each_pair(&tree, list->range, keep, list);
     list->wanted = list->count;
     list->valid = list->count <= list->room;
     memcpy(list->place, y, 3 * list->cloth->particles * sizeof *y);
 }
 
-/* Whether the list, made anew if need be, holds all pairs that push in a finite state;
- * how far it has moved to *extent. */
-static bool ready(weft__self_list *list, const double *y, double *extent)
+/* [m] The extent of a displacement, infinite if a number is not finite. */
+static double drift(weft__self_list *list, const double *from, const double *to,
+                    size_t tiles)
 {
-    *extent = list->valid ? weft__extent(list->cloth, list->place, y) : 0.0;
-    if ((!list->valid || !(*extent < list->skin)) && list->wanted <= list->room) {
+    return list->cloth->level->drift(list->cloth, from, to, list->tiles[tiles]);
+}
+
+/* Whether the list, made anew if need be, holds all pairs that push in a finite state;
+ * then the reach of its groups is set. */
+static bool ready(weft__self_list *list, const double *y)
+{
+    double extent = drift(list, list->valid ? list->place : y, y, 0);
+    if ((!list->valid || !(extent < list->skin)) && list->wanted <= list->room) {
         make(list, y);
-        *extent = 0.0;
+        extent = drift(list, y, y, 0);
     }
-    return list->valid && *extent < list->skin;
+    const weft__drift *tiles = list->tiles[0];
+    for (size_t g = 0; list->valid && g < list->groups; ++g) {
+        const uint32_t *of = list->group_tiles[g];
+        list->reach[g] = (list->cloth->contact.thickness
+                          + weft__drift_extent(&tiles[of[0]], &tiles[of[1]]))
+                         * (1.0 + ROUNDOFF);
+    }
+    return list->valid && extent < list->skin;
 }
 
 /* ---- forces ---------------------------------------------------------------------- */
@@ -160,7 +211,6 @@ typedef struct evaluation {
     weft__self_list *list;
     weft__self_law law;
     const weft__subject *of;
-    double near; /* [m] no pair that was further apart pushes */
     size_t chunks, parts;
     double *to;
     atomic_bool bad;
@@ -184,8 +234,8 @@ static void evaluate_chunk(evaluation *all, size_t chunk)
     const size_t end = first + CHUNK < list->count ? first + CHUNK : list->count;
     const weft__push *to = list->pushes + first;
     const size_t count = list->cloth->level->pushes(
-        &all->law, list->pairs + first, list->distances + first, end - first, all->near,
-        all->of->y, list->pushes + first);
+        &all->law, list->pairs + first, list->distances + first, end - first,
+        list->reach, all->of->y, list->pushes + first);
     double bad = 0.0;
     for (size_t i = 0; i < count; ++i) {
         bad += weft__push_trouble(to + i);
@@ -205,11 +255,10 @@ static void evaluate_part(void *ctx, size_t part)
 }
 
 /* Fills the pushes of a list that is ready. */
-static void evaluate(evaluation *all, double extent)
+static void evaluate(evaluation *all)
 {
     weft__self_list *list = all->list;
     all->law = weft__self_law_of(list->cloth);
-    all->near = (list->cloth->contact.thickness + extent) * (1.0 + ROUNDOFF);
     all->chunks = (list->count + CHUNK - 1) / CHUNK;
     all->parts = all->chunks < MOST_PARTS ? all->chunks : MOST_PARTS;
     run(list->team, evaluate_part, all, all->parts);
@@ -234,14 +283,13 @@ static void gather_part(void *ctx, size_t part)
 int weft__self_list_add(weft__self_list *list, const weft__subject *of, double *to)
 {
     evaluation all = { .list = list, .of = of, .to = to };
-    double extent;
     if (!isfinite(weft__extent(list->cloth, NULL, of->y))) {
         return 1;
     }
-    if (!ready(list, of->y, &extent)) {
+    if (!ready(list, of->y)) {
         return weft__self_add(of, WEFT__ACCELERATION, to);
     }
-    evaluate(&all, extent);
+    evaluate(&all);
     all.parts = weft__team_threads(list->team);
     run(list->team, gather_part, &all, all.parts);
     return atomic_load(&all.bad) ? 1 : 0;
@@ -251,13 +299,11 @@ void weft__self_list_measure(weft__self_list *list, const weft__subject *of,
                              weft_measures *sum)
 {
     evaluation all = { .list = list, .of = of };
-    double extent;
-    if (!isfinite(weft__extent(list->cloth, NULL, of->y))
-        || !ready(list, of->y, &extent)) {
+    if (!isfinite(weft__extent(list->cloth, NULL, of->y)) || !ready(list, of->y)) {
         weft__self_measure(of, sum);
         return;
     }
-    evaluate(&all, extent);
+    evaluate(&all);
     for (size_t chunk = 0; chunk < all.chunks; ++chunk) {
         for (size_t i = 0; i < list->pushing[chunk]; ++i) {
             weft__push_measure(list->cloth, &list->pushes[chunk * CHUNK + i], of->y,
@@ -293,24 +339,60 @@ static bool look_at(void *ctx, const weft__pair *pair, double distance)
     return of->marks != NULL;
 }
 
+/* [m] As far as a pair of two tiles may have been apart that can have met: half of what
+ * its primitives move against each other in the step, and from the list to both its
+ * ends. */
+static double near_of(weft__self_list *list, const weft__stride *of,
+                      const uint32_t tiles[2])
+{
+    double extents[4];
+    for (size_t k = 0; k < 4; ++k) {
+        const weft__drift *at = list->tiles[k];
+        extents[k] = weft__drift_extent(&at[tiles[0]], &at[tiles[1]]);
+    }
+    const double length
+        = of->h > 0.0 ? of->h * fmax(extents[2], extents[3]) : extents[2];
+    return 0.5 * (length + extents[0] + extents[1]) * (1.0 + ROUNDOFF);
+}
+
+/* Whether the list holds all pairs that can have met; then the reach of its groups is
+ * set. */
+static bool proves(weft__self_list *list, const weft__stride *of)
+{
+    const size_t n = list->cloth->particles;
+    if (!list->valid) {
+        return false;
+    }
+    double all
+        = drift(list, list->place, of->y0, 0) + drift(list, list->place, of->y1, 1);
+    if (of->h > 0.0) {
+        all += of->h
+               * fmax(drift(list, NULL, of->y0 + 3 * n, 2),
+                      drift(list, NULL, of->y1 + 3 * n, 3));
+    } else {
+        all += drift(list, of->y0, of->y1, 2);
+        memcpy(list->tiles[3], list->tiles[2],
+               weft__tile_count(list->cloth) * sizeof *list->tiles[3]);
+    }
+    for (size_t g = 0; g < list->groups; ++g) {
+        list->reach[g] = near_of(list, of, list->group_tiles[g]);
+    }
+    return 0.5 * all * (1.0 + ROUNDOFF) < list->range;
+}
+
 /* No pair that is further apart at first can have met. */
 static void look(weft__self_list *list, search *of)
 {
     const weft__stride *stride = of->stride;
-    const double length = weft__stride_length(stride);
-    const double from
-        = list->valid ? weft__extent(list->cloth, list->place, stride->y0) : 0.0;
-    const double to
-        = list->valid ? weft__extent(list->cloth, list->place, stride->y1) : 0.0;
-    const double near = 0.5 * (length + from + to) * (1.0 + ROUNDOFF);
-    if (list->valid && near < list->range) {
+    if (proves(list, stride)) {
         bool goes_on = true;
         for (size_t i = 0; i < list->count && goes_on; ++i) {
-            goes_on = list->distances[i] > near
+            goes_on = list->distances[i] > list->reach[list->pairs[i].group]
                       || look_at(of, &list->pairs[i], list->distances[i]);
         }
         return;
     }
+    const double length = weft__stride_length(stride);
     const double moved = weft__extent(list->cloth, stride->y0, stride->y1);
     const weft__tree tree = tree_about(list, stride->y0);
     (void)weft__each_pair(&tree, 0.5 * (length + moved) * (1.0 + ROUNDOFF), look_at,
