@@ -587,6 +587,8 @@ TEST_SUITE(crossing)
 {
     Suite *suite = suite_create("crossing");
     TCase *exact = tcase_create("exact"), *cloth = tcase_create("cloth");
+    tcase_set_timeout(exact, 60);
+    tcase_set_timeout(cloth, 60);
     tcase_add_test(exact, orientations_are_those_of_exact_integers);
     tcase_add_test(exact, exchanged_points_exchange_the_sign);
     tcase_add_test(exact, segments_meet_triangles_as_inequalities_say);

@@ -127,6 +127,32 @@ START_TEST(a_run_with_shapes_sums_them_up)
 }
 END_TEST
 
+/* The towel, in as few steps as its end needs. */
+START_TEST(a_run_with_self_contact_has_its_gap)
+{
+    expect(shell(WEFT " run scenes/towel.yaml --out " OUT "/towel --set "
+                      "contact.friction=0 --set 'stepper={plugin: verlet, method: "
+                      "velocity_verlet, fixed_step: 2.0e-4}' 2>&1"),
+           0);
+    says(" pairs of the cloth's own parts touch and the smallest gap is ");
+    expect(shell("head -1 " OUT "/towel/series.csv | cut -d, -f22-"), 0);
+    ck_assert_str_eq(output, "self_gap,self_touching\n");
+    expect(shell("sed -n 2p " OUT "/towel/series.csv | cut -d, -f22-"), 0);
+    ck_assert_str_eq(output, "inf,0\n");
+    expect(shell("tail -1 " OUT "/towel/series.csv | cut -d, -f22-"), 0);
+    double gap;
+    size_t touching;
+    char wanted[80];
+    ck_assert_int_eq(sscanf(output, "%lf,%zu", &gap, &touching), 2);
+    ck_assert(gap > 1e-3 && gap < 8e-3 && touching > 100);
+    (void)snprintf(wanted, sizeof wanted, "  self_gap: %.17g\n  self_touching: %zu\n",
+                   gap, touching);
+    expect(shell("cat " OUT "/towel/result.yaml " OUT "/towel/manifest.yaml"), 0);
+    says(wanted);
+    says("self: true\n");
+}
+END_TEST
+
 /* ---- surfaces ------------------------------------------------------------------ */
 
 /* Of shape k alone, at a point. */
@@ -244,7 +270,8 @@ START_TEST(a_page_has_the_shapes)
     expect(shell(WEFT " view " OUT "/r > /dev/null; grep -o "
                       "'\"thickness\":.*\"scene\"' " OUT "/r/run.html"),
            0);
-    says("\"thickness\":0.02,\"obstacles\":[{\"shape\":\"plane\",\"at\":[0,-0."
+    says("\"thickness\":0.02,\"self\":false,\"obstacles\":[{\"shape\":\"plane\",\"at\":"
+         "[0,-0."
          "10000000000000001,0]");
     says("{\"shape\":\"capsule\",\"at\":[-0.29999999999999999,0,0],\"to\":[-0."
          "20000000000000001,");
@@ -261,6 +288,7 @@ TEST_SUITE(shapes_record)
     tcase_add_test(run, rows_have_the_loads_of_their_shapes);
     tcase_add_test(run, series_has_the_measures_of_contact);
     tcase_add_test(run, a_run_with_shapes_sums_them_up);
+    tcase_add_test(run, a_run_with_self_contact_has_its_gap);
     tcase_add_loop_test(run, surfaces_are_where_the_gap_is_0, 0, SHAPES);
     tcase_add_test(run, every_format_but_csv_has_the_shapes);
     tcase_add_test(run, exported_shapes_move);

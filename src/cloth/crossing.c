@@ -3,25 +3,25 @@
 
 #include "cloth/self.h"
 
-typedef struct search {
+typedef struct counting {
     const weft__tree *tree;
     weft__crossings found;
     size_t first[2]; /* the keys of the first: it is the least */
     size_t loose;
-} search;
+} counting;
 
 /* An edge, or what it is compared with. */
-typedef struct part {
+typedef struct element {
     size_t key, count;
     uint32_t particle[3];
     double x[3][3]; /* [m] */
-} part;
+} element;
 
-static part part_of(const search *of, size_t key, size_t count,
-                    const uint32_t *particle)
+static element element_of(const counting *of, size_t key, size_t count,
+                          const uint32_t *particle)
 {
     const size_t n = of->tree->cloth->particles;
-    part out = { .key = key, .count = count };
+    element out = { .key = key, .count = count };
     for (size_t i = 0; i < count; ++i) {
         const double *x = of->tree->y + particle[i];
         out.particle[i] = particle[i];
@@ -30,7 +30,7 @@ static part part_of(const search *of, size_t key, size_t count,
     return out;
 }
 
-static weft_primitive primitive(const part *from)
+static weft_primitive primitive(const element *from)
 {
     weft_primitive to = { .count = from->count };
     for (size_t i = 0; i < from->count; ++i) {
@@ -39,7 +39,7 @@ static weft_primitive primitive(const part *from)
     return to;
 }
 
-static bool any_free(const search *of, const part *primitive)
+static bool any_free(const counting *of, const element *primitive)
 {
     bool any = false;
     for (size_t i = 0; i < primitive->count; ++i) {
@@ -49,7 +49,8 @@ static bool any_free(const search *of, const part *primitive)
     return any;
 }
 
-static void keep(search *of, const part *edge, const part *other, weft__meeting how)
+static void keep(counting *of, const element *edge, const element *other,
+                 weft__meeting how)
 {
     weft__crossings *found = &of->found;
     if (how == WEFT__APART || (!any_free(of, edge) && !any_free(of, other))) {
@@ -66,7 +67,7 @@ static void keep(search *of, const part *edge, const part *other, weft__meeting 
 
 /* ---- pairs ----------------------------------------------------------------------- */
 
-static void bounds(const part *of, double low[3], double high[3])
+static void bounds(const element *of, double low[3], double high[3])
 {
     for (size_t k = 0; k < 3; ++k) {
         low[k] = high[k] = of->x[0][k];
@@ -76,7 +77,7 @@ static void bounds(const part *of, double low[3], double high[3])
     }
 }
 
-static bool boxes_apart(const part *a, const part *b)
+static bool boxes_apart(const element *a, const element *b)
 {
     double low[2][3], high[2][3];
     bool apart = false;
@@ -89,7 +90,7 @@ static bool boxes_apart(const part *a, const part *b)
 }
 
 /* Their common particles; one of them is corner *i of the edge and *j of the other. */
-static size_t common(const part *edge, const part *other, size_t *i, size_t *j)
+static size_t common(const element *edge, const element *other, size_t *i, size_t *j)
 {
     size_t count = 0;
     for (size_t k = 0; k < edge->count * other->count; ++k) {
@@ -101,14 +102,16 @@ static size_t common(const part *edge, const part *other, size_t *i, size_t *j)
     return count;
 }
 
-static weft__meeting segment_part(const double p[3], const double q[3], const part *of)
+static weft__meeting segment_element(const double p[3], const double q[3],
+                                     const element *of)
 {
     return of->count == 3 ? weft__segment_triangle(p, q, of->x[0], of->x[1], of->x[2])
                           : weft__segment_segment(p, q, of->x[0], of->x[1]);
 }
 
 /* Beside their common corner, which is i of the edge and j of the other. */
-static weft__meeting elsewhere(const part *edge, const part *other, size_t i, size_t j)
+static weft__meeting elsewhere(const element *edge, const element *other, size_t i,
+                               size_t j)
 {
     const double *corner = edge->x[i], *end = edge->x[1 - i];
     const double *b = other->x[(j + 1) % other->count];
@@ -119,11 +122,11 @@ static weft__meeting elsewhere(const part *edge, const part *other, size_t i, si
     const bool meet = other->count == 3
                           ? weft__segment_segment(corner, end, b, c) != WEFT__APART
                           : weft__segment_segment(b, b, corner, end) != WEFT__APART;
-    return meet || segment_part(end, end, other) != WEFT__APART ? WEFT__TOUCH
-                                                                : WEFT__APART;
+    return meet || segment_element(end, end, other) != WEFT__APART ? WEFT__TOUCH
+                                                                   : WEFT__APART;
 }
 
-static void compare(search *of, const part *edge, const part *other)
+static void compare(counting *of, const element *edge, const element *other)
 {
     size_t i, j;
     if (boxes_apart(edge, other)) {
@@ -131,7 +134,7 @@ static void compare(search *of, const part *edge, const part *other)
     }
     switch (common(edge, other, &i, &j)) {
     case 0:
-        keep(of, edge, other, segment_part(edge->x[0], edge->x[1], other));
+        keep(of, edge, other, segment_element(edge->x[0], edge->x[1], other));
         break;
     case 1:
         keep(of, edge, other, elsewhere(edge, other, i, j));
@@ -142,7 +145,7 @@ static void compare(search *of, const part *edge, const part *other)
 }
 
 /* The edges of node i with the triangles of node j, or with its edges in a chain. */
-static void compare_nodes(search *of, size_t i, size_t j)
+static void compare_nodes(counting *of, size_t i, size_t j)
 {
     const weft_cloth *cloth = of->tree->cloth;
     const bool chain = cloth->rows == 1 || cloth->cols == 1;
@@ -152,28 +155,28 @@ static void compare_nodes(search *of, size_t i, size_t j)
                                : weft__node_triangles(cloth, j, triangles);
     for (size_t k = 0; k < edge_count * count; ++k) {
         const size_t e = k / count, o = k % count;
-        const part edge = part_of(of, 3 * i + e, 2, edges[e]);
-        const part other = chain ? part_of(of, 1 + 3 * j + o, 2, sides[o])
-                                 : part_of(of, 1 + 2 * j + o, 3, triangles[o]);
+        const element edge = element_of(of, 3 * i + e, 2, edges[e]);
+        const element other = chain ? element_of(of, 1 + 3 * j + o, 2, sides[o])
+                                    : element_of(of, 1 + 2 * j + o, 3, triangles[o]);
         compare(of, &edge, &other);
     }
 }
 
 /* Edges of node i without length, as two particles. */
-static void keep_points(search *of, size_t i)
+static void keep_points(counting *of, size_t i)
 {
     uint32_t edges[3][2];
     const size_t count = weft__node_edges(of->tree->cloth, i, edges);
     for (size_t e = 0; e < count; ++e) {
-        const part a = part_of(of, 3 * i + e, 1, &edges[e][0]);
-        const part b = part_of(of, 0, 1, &edges[e][1]);
+        const element a = element_of(of, 3 * i + e, 1, &edges[e][0]);
+        const element b = element_of(of, 0, 1, &edges[e][1]);
         keep(of, &a, &b, boxes_apart(&a, &b) ? WEFT__APART : WEFT__TOUCH);
     }
 }
 
 static bool visit(void *ctx, size_t i, size_t j)
 {
-    search *of = ctx;
+    counting *of = ctx;
     compare_nodes(of, i, j);
     if (i != j) {
         compare_nodes(of, j, i);
@@ -185,7 +188,7 @@ static bool visit(void *ctx, size_t i, size_t j)
 
 weft__crossings weft__crossings_of(const weft__tree *tree, size_t loose)
 {
-    search of = { .tree = tree, .loose = loose };
+    counting of = { .tree = tree, .loose = loose };
     (void)weft__tree_pairs(tree, 0.0, visit, &of);
     return of.found;
 }

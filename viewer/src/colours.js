@@ -81,7 +81,7 @@ function blownUp(page, plane, unit, factor) {
     return decades(most, unit, factor, Math.max(1, factor * highest(page, calm, plane)));
 }
 
-/** The closer to a shape the darker, from the thickness on, where forces begin. */
+/** The closer to a shape or to other cloth the darker, from the thickness on, where forces begin. */
 const closely = (thickness) => ({
     unit: 'mm',
     place: (gap) => 1 - gap / thickness,
@@ -99,7 +99,7 @@ export function quantities(page) {
         read: (run, frame, out) => run.blocks[frame].read(3 + page.fields.indexOf(name), out),
         ...known[name](3 + page.fields.indexOf(name)),
     }));
-    if (page.runs.some((run) => run.obstacles.length > 0)) {
+    if (page.runs.some((run) => run.obstacles.length > 0 || run.self)) {
         const most = Math.max(...page.runs.map((run) => run.thickness));
         list.push({ name: 'gap', read: (run, frame, out) => gaps(page, run, frame, out), ...closely(most) });
     }

@@ -54,7 +54,10 @@ const PLOTS = [
     {
         title: 'smallest gap [m]',
         log: true,
-        curves: [{ label: 'gap', ink: 2, brief: true, of: (c) => positive(c.get('min_gap')) }],
+        curves: [
+            { label: 'gap', ink: 2, brief: true, of: (c) => positive(c.get('min_gap')) },
+            { label: 'to itself', ink: 0, of: (c) => positive(c.get('self_gap')) },
+        ],
     },
     {
         title: 'step size [s]',

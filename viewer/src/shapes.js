@@ -3,6 +3,7 @@
 import {
     DoubleSide, Float32BufferAttribute, Group, Mesh, MeshLambertMaterial, PlaneGeometry, Quaternion, SphereGeometry, Vector3,
 } from 'three';
+import { selfGaps } from './self.js';
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const minus = (a, b) => a.map((x, k) => x - b[k]);
@@ -39,14 +40,15 @@ const GAPS = {
     },
 };
 
-/** The smallest gap [m] of each particle of a run in a frame. */
+/** The smallest gap [m] of each particle of a run in a frame: to the shapes and, within the
+ * thickness, to other parts of the cloth. */
 export function gaps(page, run, frame, out) {
     const [x, y, z] = [0, 1, 2].map((k) => run.blocks[frame].read(k, new Float32Array(out.length)));
     const near = run.obstacles.map((shape) => [GAPS[shape.shape](shape), placeAt(shape, page.times[frame])]);
     for (let i = 0; i < out.length; ++i) {
         out[i] = near.reduce((least, [gap, at]) => Math.min(least, gap([x[i] - at[0], y[i] - at[1], z[i] - at[2]])), Infinity);
     }
-    return out;
+    return run.self ? selfGaps(page.shown, [x, y, z], run.thickness, out) : out;
 }
 
 /** A sphere's points, moved to the core of a shape and its distance from there; `core` is

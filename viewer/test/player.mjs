@@ -442,6 +442,21 @@ test('meshes of shapes lie on their surfaces, and gaps are those of the run', as
     assert.ok((await page.locator('.u-title').allTextContents()).includes('smallest gap [m]'));
 });
 
+test('the gap of cloth to itself is that of the run', async () => {
+    const { page } = await open(browser, at('towel/run.html'), 'frame=30&colour=gap');
+    const [near, told, first] = await page.evaluate(() => {
+        const { page: data } = weft;
+        const [run] = data.runs;
+        const least = (frame) => Math.min(...weft.gaps(data, { ...run, obstacles: [] }, frame, new Float32Array(data.count)));
+        return [least(30), run.columns.get('self_gap').at(-1), least(0)];
+    });
+    assert.ok(near >= told - 1e-5 && near < 1.5 * told, `${near} ${told}`); // edges may be nearer
+    assert.equal(first, Infinity);
+    assert.equal(await page.textContent('#legend-title'), 'gap [mm]');
+    assert.ok((await page.locator('.u-title').allTextContents()).includes('smallest gap [m]'));
+    await shot(page, 'towel.png');
+});
+
 test('light, dark and a phone', async () => {
     const light = await open(browser, at('a/run.html'), 'frame=40&quality=fine');
     await shot(light.page, 'light.png');
