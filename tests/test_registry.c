@@ -397,6 +397,28 @@ START_TEST(loading_all_tells_of_the_refused_and_goes_on)
 }
 END_TEST
 
+/* It lies among the plugins, and is loaded for --bands alone. */
+START_TEST(weft_mpi_is_located_and_no_plugin)
+{
+    char file[PATH];
+    const char *made_here = make_text(in(b, "weft-mpi.so"), "no plugin");
+    char list[2 * PATH];
+    make_link(in(a, "weft-verlet.so"), in(plugins, "weft-verlet.so"));
+    (void)snprintf(list, sizeof list, "%s:%s", a, b);
+    look_in(list, false, NULL);
+    ck_assert_int_eq(weft_registry_load_all(registry, expect_next, NULL, &err),
+                     WEFT_OK);
+    ck_assert_uint_eq(weft_registry_count(registry), 1);
+    ck_assert_int_eq(weft_registry_locate(registry, "mpi", file, sizeof file, &err),
+                     WEFT_OK);
+    ck_assert_str_eq(file, made_here);
+    ck_assert_int_eq(weft_registry_locate(registry, "nix", file, sizeof file, &err),
+                     WEFT_BAD_PLUGIN);
+    ck_assert_int_eq(weft_registry_locate(registry, "mpi", file, 8, &err),
+                     WEFT_BAD_PLUGIN);
+}
+END_TEST
+
 /* ---- what is asked of a method --------------------------------------------------- */
 
 static void refused_config(weft_stepper_config config, const char *text)
@@ -494,6 +516,7 @@ TEST_SUITE(registry)
     tcase_add_test(tcase, search_does_not_pass_over_a_broken_file);
     tcase_add_test(tcase, id_is_a_name_not_a_path);
     tcase_add_test(tcase, loading_all_tells_of_the_refused_and_goes_on);
+    tcase_add_test(tcase, weft_mpi_is_located_and_no_plugin);
     tcase_add_test(tcase, bad_configs_are_refused);
     tcase_add_test(tcase, statuses_have_texts_of_their_own);
     return suite;
