@@ -7,9 +7,9 @@
 /* What a page may fetch by its own policy: nothing. */
 #define FETCHES "connect-src 'none'"
 
-void page_begin(FILE *stream, bool live)
+void page_begin(FILE *stream, const char *page, bool live)
 {
-    const char *page = weft__player_page, *mark = strstr(page, PAGE_MARK);
+    const char *mark = strstr(page, PAGE_MARK);
     if (live) {
         const char *fetches = strstr(page, FETCHES);
         (void)fwrite(page, 1, (size_t)(fetches - page), stream);
@@ -19,9 +19,9 @@ void page_begin(FILE *stream, bool live)
     (void)fwrite(page, 1, (size_t)(mark - page), stream);
 }
 
-void page_end(FILE *stream)
+void page_end(FILE *stream, const char *page)
 {
-    (void)fputs(strstr(weft__player_page, PAGE_MARK) + strlen(PAGE_MARK), stream);
+    (void)fputs(strstr(page, PAGE_MARK) + strlen(PAGE_MARK), stream);
 }
 
 weft_status page_open(record_file *file, const char *path, weft_error *err)
@@ -34,7 +34,7 @@ weft_status page_open(record_file *file, const char *path, weft_error *err)
     const weft_status status
         = record_file_open(file, directory, slash == NULL ? path : slash + 1, err);
     if (status == WEFT_OK) {
-        page_begin(file->stream, false);
+        page_begin(file->stream, weft__player_page, false);
     }
     return status;
 }
@@ -45,7 +45,7 @@ weft_status page_commit(record_file *file, weft_status written, weft_error *err)
         record_file_discard(file);
         return written;
     }
-    page_end(file->stream);
+    page_end(file->stream, weft__player_page);
     return record_file_commit(file, err);
 }
 

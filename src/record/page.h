@@ -14,11 +14,11 @@
 extern const char weft__player_page[], weft__compare_page[];
 #define PAGE_MARK "<!--WEFT-DATA-->"
 
-/* The player's page up to the mark, and from there on. `live`: it may ask the server it
- * came from for more. */
-void page_begin(FILE *stream, bool live);
-void page_end(FILE *stream);
-/* The same as a file at `path`; page_commit completes it unless
+/* One of them up to the mark, and from there on. `live`: it may ask the server it came
+ * from for more. */
+void page_begin(FILE *stream, const char *page, bool live);
+void page_end(FILE *stream, const char *page);
+/* The player's page as a file at `path`; page_commit completes it unless
  * `written` is an error, which it returns. */
 weft_status page_open(record_file *file, const char *path, weft_error *err);
 weft_status page_commit(record_file *file, weft_status written, weft_error *err);

@@ -144,7 +144,7 @@ function renew() {
     seek(state.frame);
 }
 
-/** Who looks at the last frame goes on to look at the last. */
+/** A page that shows the last frame follows the run. */
 function onNews() {
     const last = Number($('scrub').max);
     $('scrub').max = times.length - 1;

@@ -83,7 +83,7 @@ test('frames come while the run goes on, and its end', async () => {
     assert.equal(await page.evaluate(() => window.weft.state.frame), 3);
 });
 
-test('who looks at an earlier frame stays there', async () => {
+test('a page that shows an earlier frame stays there', async () => {
     const { url, code } = run('live', '4.0e-6', '--watch');
     const { page } = await look(await url);
     await page.waitForFunction(() => window.weft.page.times.length > 4);

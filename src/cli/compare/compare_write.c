@@ -341,12 +341,10 @@ static void put_description(const compare *self, const compare_advice *advice,
 weft_status compare_html(const compare *self, const compare_advice *advice,
                          const char *directory, weft_error *err)
 {
-    const char *mark = strstr(weft__compare_page, PAGE_MARK);
     record_file file;
     TRY(record_file_open(&file, directory, "compare.html", err));
-    (void)fwrite(weft__compare_page, 1, (size_t)(mark - weft__compare_page),
-                 file.stream);
+    page_begin(file.stream, weft__compare_page, false);
     put_description(self, advice, file.stream);
-    (void)fputs(mark + strlen(PAGE_MARK), file.stream);
+    page_end(file.stream, weft__compare_page);
     return record_file_commit(&file, err);
 }

@@ -3,7 +3,9 @@
 #define _XOPEN_SOURCE 700 /* nice */
 #include "cli/watch/watch.h"
 
+#include <errno.h>
 #include <signal.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "base/clock.h"
@@ -65,13 +67,17 @@ void watch_begin(watch_process *self, const watch_def *def, int lock)
     *self = (watch_process){ .def = *def, .lock = lock };
     self->process = (process_def){ .work = serve, .ctx = self, .end_signal = SIGTERM };
     if (pipe(ready) != 0) {
+        fprintf(stderr, "weft: warning: no --watch: %s\n", strerror(errno));
         return;
     }
     self->def.parent = getpid();
     self->def.ready = ready[1];
     const bool started = process_start(&self->process, 0, &self->child);
+    const int why = errno;
     (void)close(ready[1]);
-    if (started) {
+    if (!started) {
+        fprintf(stderr, "weft: warning: no --watch: %s\n", strerror(why));
+    } else {
         (void)!read(ready[0], &byte, 1); /* until it is closed */
     }
     (void)close(ready[0]);

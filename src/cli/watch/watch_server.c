@@ -275,9 +275,9 @@ static enum MHD_Result send_page(watch_server *self, struct MHD_Connection *conn
         return refuse(connection, MHD_HTTP_SERVICE_UNAVAILABLE, "no frame yet\n");
     }
     self->page.stream = stream;
-    page_begin(stream, true);
+    page_begin(stream, weft__player_page, true);
     const weft_status status = player_page_write(&self->page, NULL);
-    page_end(stream);
+    page_end(stream, weft__player_page);
     if (fclose(stream) != 0 || status != WEFT_OK) {
         free(text);
         return refuse(connection, MHD_HTTP_SERVICE_UNAVAILABLE, "not readable now\n");
