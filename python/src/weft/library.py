@@ -95,6 +95,8 @@ class Failure(NamedTuple):
     """[m]"""
     gap_step: float
     """[s]"""
+    self_pair: tuple[tuple[int, ...], tuple[int, ...]]
+    """the particles of two parts of the cloth that are the reason, each 1, 2 or 3; empty: they are not"""
 
 
 class StepError(Error):
@@ -143,6 +145,11 @@ def spring(of: Any) -> Spring:
     return Spring(FAMILIES[of.family], of.p, of.q, of.strain)
 
 
+def pair(of: Any) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """The particles of two primitives."""
+    return tuple(tuple(one.particle[k] for k in range(one.count)) for one in of)  # type: ignore[return-value]
+
+
 def chars(value: PathLike) -> Any:
     """A string for C, which ends at a null character."""
     data = os.fsencode(value)
@@ -158,7 +165,8 @@ def numbers_of(values: Any) -> Array:
 def failure(of: Any) -> Failure:
     plain = {name: getattr(of, name) for name in Failure._fields}
     return Failure(**{**plain, "status": status_text(of.status), "spring": spring(of.spring),
-                      "position": numbers_of(of.position), "reason": text(of.reason)})
+                      "position": numbers_of(of.position), "reason": text(of.reason),
+                      "self_pair": pair(of.self_pair)})
 
 
 # ---- messages -------------------------------------------------------------------------

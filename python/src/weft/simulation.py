@@ -15,7 +15,7 @@ import numpy as np
 from weft._weft import ffi, lib
 from weft.callbacks import Hooks, PerformanceWarning, as_particles, c_function
 from weft.library import (POWERS, Array, Error, Failure, PathLike, SceneWarning, Spring, StepError, check, failure,
-                          numbers_of, read_scene, settings, spring, status_text, text,
+                          numbers_of, pair, read_scene, settings, spring, status_text, text,
                           yaml_text)
 
 Scene = Union[PathLike, Mapping[str, Any]]
@@ -92,6 +92,12 @@ class Measures(NamedTuple):
     gap_shape: int
     touching: int
     """free particles with a gap below the contact's thickness"""
+    self_gap: float
+    """[m], of the cloth to itself; inf without contact with itself"""
+    self_pair: tuple[tuple[int, ...], tuple[int, ...]]
+    """the particles of the two parts of the cloth there"""
+    self_touching: int
+    """pairs of such parts nearer than the thickness"""
 
 
 class Stiffness(NamedTuple):
@@ -488,7 +494,7 @@ class Sim:
             of = lib.weft_sim_measure(self._sim)
         return Measures(self._energy(of.energy), numbers_of(of.momentum), numbers_of(of.angular_momentum),
                         dict(zip(POWERS, of.power)), spring(of.worst), "%016x" % of.hash, of.gap, of.gap_particle,
-                        of.gap_shape, of.touching)
+                        of.gap_shape, of.touching, of.self_gap, pair(of.self_pair), of.self_touching)
 
     @staticmethod
     def _energy(of: Any) -> Energy:
