@@ -43,6 +43,14 @@ struct weft__self_list {
     uint32_t *pushing;  /* their number in each chunk */
 };
 
+/* A quarter of the spacing is near the best of piles; thick cloth has less, so that
+ * flat cells, whose primitives are 0.7 spacings apart, are not listed. */
+static double skin_of(const weft_cloth *cloth)
+{
+    const double a = weft__smaller_spacing(cloth->rows, cloth->cols, cloth->spacing);
+    return fmin(0.25 * a, fmax(0.1 * a, 0.65 * a - cloth->contact.thickness));
+}
+
 weft__self_list *weft__self_list_create(const weft_cloth *cloth, weft__team *team,
                                         const weft_allocator *memory)
 {
@@ -60,7 +68,7 @@ weft__self_list *weft__self_list_create(const weft_cloth *cloth, weft__team *tea
         .marks = weft__alloc(memory, n, 1),
         .tiles
         = { weft__alloc(memory, weft__tile_count(cloth), 4 * sizeof(weft__drift)) },
-        .skin = 0.25 * weft__smaller_spacing(cloth->rows, cloth->cols, cloth->spacing),
+        .skin = skin_of(cloth),
         .wanted = CHUNK,
     };
     for (size_t k = 1; k < 4 && list->tiles[0] != NULL; ++k) {
@@ -189,11 +197,14 @@ static void make(weft__self_list *list, const double *y)
     memcpy(list->place, y, 3 * list->cloth->particles * sizeof *y);
 }
 
-/* [m] The extent of a displacement, infinite if a number is not finite. */
+/* [m] The extent of a displacement, infinite if a number is not finite; an empty list
+ * needs no tiles. */
 static double drift(weft__self_list *list, const double *from, const double *to,
                     size_t tiles)
 {
-    return list->cloth->level->drift(list->cloth, from, to, list->tiles[tiles]);
+    return list->group_count == 0
+               ? weft__extent(list->cloth, from, to)
+               : list->cloth->level->drift(list->cloth, from, to, list->tiles[tiles]);
 }
 
 /* Whether the list, made anew if need be, holds all pairs that push in a finite state;
@@ -208,9 +219,13 @@ static bool ready(weft__self_list *list, const double *y)
     const weft__drift *tiles = list->tiles[0];
     for (size_t g = 0; list->valid && g < list->group_count; ++g) {
         const uint32_t *of = list->groups[g].tiles;
-        list->reach[g] = (list->cloth->contact.thickness
-                          + weft__drift_extent(&tiles[of[0]], &tiles[of[1]]))
-                         * (1.0 + ROUNDOFF);
+        const double thickness = list->cloth->contact.thickness;
+        list->reach[g] = 0.0;
+        if (list->groups[g].nearest <= (thickness + extent) * (1.0 + ROUNDOFF)) {
+            list->reach[g]
+                = (thickness + weft__drift_extent(&tiles[of[0]], &tiles[of[1]]))
+                  * (1.0 + ROUNDOFF);
+        }
     }
     return list->valid && extent < list->skin;
 }
