@@ -170,7 +170,8 @@ static double beyond(const double bounds[2][3], const double e[3])
 {
     double square = 0.0;
     for (size_t k = 0; k < 3 && bounds[0][k] <= bounds[1][k]; ++k) {
-        const double most = fmax(fabs(bounds[0][k] - e[k]), fabs(bounds[1][k] - e[k]));
+        const double low = fabs(bounds[0][k] - e[k]), high = fabs(bounds[1][k] - e[k]);
+        const double most = low > high ? low : high;
         square += most * most;
     }
     return square;

@@ -41,26 +41,33 @@ INLINE size_t particles_of(weft__pair_kind kind)
     return kind == WEFT__VERTICES ? 2 : kind == WEFT__VERTEX_EDGE ? 3 : 4;
 }
 
-/* Adds pair i if `has` is 1 rather than 0. */
-INLINE void add_pair(sorted *to, const weft__pair *pair, size_t i, size_t has)
-{
-    const size_t kind = pair->kind, at = to->count[kind];
-    to->at[kind][at] = (uint16_t)i;
-    for (size_t k = 0; k < 4; ++k) {
-        to->particle[kind][k][at] = (int32_t)pair->particle[k];
-    }
-    to->count[kind] += has;
-}
-
-/* The last pair again, so that all lanes have one. */
+/* Sets the particles of the pairs of a kind, and those of the last one once more, so
+ * that all lanes have one. */
 INLINE void fill(const chunk *of, weft__pair_kind kind, sorted *to)
 {
     const size_t count = to->count[kind];
     for (size_t l = 0; l < LANES && count > 0; ++l) {
-        const size_t last = to->at[kind][count - 1];
-        add_pair(to, &of->pairs[last], last, 1);
+        to->at[kind][count + l] = to->at[kind][count - 1];
     }
-    to->count[kind] = count;
+    for (size_t i = 0; count > 0 && i < count + LANES; ++i) {
+        for (size_t j = 0; j < particles_of(kind); ++j) {
+            to->particle[kind][j][i] = (int32_t)of->pairs[to->at[kind][i]].particle[j];
+        }
+    }
+}
+
+/* The smallest mass of the free particles; infinite without. */
+INLINE vec least_mass(const chunk *of, weft__pair_kind kind, const sorted *by, size_t i)
+{
+    const weft_cloth *cloth = of->law->cloth;
+    const vec none = splat((double)INFINITY);
+    vec mass = none;
+    for (size_t j = 0; j < particles_of(kind); ++j) {
+        const int32_t *at = &by->particle[kind][j][i];
+        const mask is_free = gather(cloth->inverse_mass, at) > 0.0;
+        mass = least(mass, choose(is_free, gather(cloth->mass, at), none));
+    }
+    return mass;
 }
 
 /* Three planes of the particles of LANES pairs from i on. */
@@ -81,17 +88,18 @@ INLINE void find_kind(const chunk *of, weft__pair_kind kind, sorted *near,
 {
     const weft_cloth *cloth = of->law->cloth;
     const double thickness = cloth->contact.thickness;
-    uint16_t *at = near->at[kind];
+    const uint16_t *at = near->at[kind];
     fill(of, kind, near);
     for (size_t i = 0; i < near->count[kind]; i += LANES) {
         vec x[4][3];
         law_feet feet;
         place(of, kind, near, i, of->y, x);
-        const mask found = law_find(kind, x, thickness, &feet);
+        mask found = law_find(kind, x, thickness, &feet);
+        if (any(found)) {
+            found &= least_mass(of, kind, near, i) < (double)INFINITY;
+        }
         for (size_t l = 0; any(found) && l < LANES; ++l) {
-            if (found[l] != 0) {
-                pushes[at[i + l]] = weft__pair_mass(cloth, &of->pairs[at[i + l]]) > 0.0;
-            }
+            pushes[at[i + l]] = found[l] != 0;
         }
     }
 }
@@ -120,21 +128,20 @@ INLINE void push_kind(const chunk *of, weft__pair_kind kind, sorted *found,
 {
     const weft_cloth *cloth = of->law->cloth;
     const weft_contact_def contact = cloth->contact;
-    uint16_t *at = found->at[kind];
+    const uint16_t *at = found->at[kind];
     fill(of, kind, found);
     for (size_t i = 0; i < found->count[kind]; i += LANES) {
-        vec x[4][3], v[4][3], rest = splat(0.0), mass = splat(0.0);
+        vec x[4][3], v[4][3], rest = splat(0.0);
         law_feet feet;
         law_push push;
         place(of, kind, found, i, of->y, x);
         place(of, kind, found, i, of->y + 3 * cloth->particles, v);
-        for (size_t l = 0; l < LANES; ++l) {
+        for (size_t l = 0; kind == WEFT__EDGES && l < LANES; ++l) {
             rest[l] = weft__pair_rest(of->law, &of->pairs[at[i + l]]);
-            mass[l] = weft__pair_mass(cloth, &of->pairs[at[i + l]]);
         }
         (void)law_find(kind, x, contact.thickness, &feet);
         law_weigh(kind, of->law->soft, rest, &feet);
-        law_push_of(kind, &contact, &feet, mass, v, &push);
+        law_push_of(kind, &contact, &feet, least_mass(of, kind, found, i), v, &push);
         for (size_t l = 0; l < LANES && i + l < found->count[kind]; ++l) {
             write_push(&of->pairs[at[i + l]], kind, &feet, &push, l,
                        &of->out[slots[at[i + l]]]);
@@ -169,7 +176,9 @@ size_t NAME(pushes, LEVEL)(const weft__self_law *law, const weft__pair *pairs,
     by.count[0] = by.count[1] = by.count[2] = by.count[3] = 0;
     for (size_t i = 0; i < count; ++i) {
         pushes[i] = 0;
-        add_pair(&by, &pairs[i], i, distances[i] <= reach[pairs[i].group]);
+        const uint32_t kind = pairs[i].kind;
+        by.at[kind][by.count[kind]] = (uint16_t)i;
+        by.count[kind] += distances[i] <= reach[pairs[i].group];
     }
 #define CALL(kind) find_##kind(&of, &by, pushes);
     EACH_KIND(CALL)
@@ -179,9 +188,9 @@ size_t NAME(pushes, LEVEL)(const weft__self_law *law, const weft__pair *pairs,
     }
     for (size_t i = 0; i < count; ++i) {
         slots[i] = (uint16_t)found;
-        if (pushes[i] != 0) {
-            add_pair(&by, &pairs[i], i, 1);
-        }
+        const uint32_t kind = pairs[i].kind;
+        by.at[kind][by.count[kind]] = (uint16_t)i;
+        by.count[kind] += pushes[i];
         found += pushes[i];
     }
 #define CALL(kind) push_##kind(&of, &by, slots);

@@ -15,6 +15,13 @@ enum { CHUNK = WEFT__PAIRS_MOST, MOST_PARTS = 4096, HALVINGS = 60 };
 /* Allowed for roundoff, relative. */
 #define ROUNDOFF 1e-9
 
+/* Successive pairs of the same two tiles. */
+typedef struct group {
+    uint32_t tiles[2];
+    size_t first;   /* pair */
+    double nearest; /* [m] of its pairs */
+} group;
+
 struct weft__self_list {
     const weft_cloth *cloth;
     weft__team *team;
@@ -26,14 +33,23 @@ struct weft__self_list {
     double skin, range;    /* [m] */
     bool valid;            /* whole, about `place` */
     size_t count, room, wanted;
-    size_t groups;              /* successive pairs of the same tiles */
-    uint32_t (*group_tiles)[2]; /* of each group, and how far its pairs may have */
-    double *reach;              /* [m] been apart that matter */
+    size_t group_count;
+    group *groups;
+    double
+        *reach; /* [m] of each group: as far as pairs may have been apart that matter */
     weft__pair *pairs;
     double *distances;  /* [m] */
     weft__push *pushes; /* those of chunk k from k CHUNK on */
     uint32_t *pushing;  /* their number in each chunk */
 };
+
+/* A quarter of the spacing is near the best of piles; thick cloth has less, so that
+ * flat cells, whose primitives are 0.7 spacings apart, are not listed. */
+static double skin_of(const weft_cloth *cloth)
+{
+    const double a = weft__smaller_spacing(cloth->rows, cloth->cols, cloth->spacing);
+    return fmin(0.25 * a, fmax(0.1 * a, 0.65 * a - cloth->contact.thickness));
+}
 
 weft__self_list *weft__self_list_create(const weft_cloth *cloth, weft__team *team,
                                         const weft_allocator *memory)
@@ -52,7 +68,7 @@ weft__self_list *weft__self_list_create(const weft_cloth *cloth, weft__team *tea
         .marks = weft__alloc(memory, n, 1),
         .tiles
         = { weft__alloc(memory, weft__tile_count(cloth), 4 * sizeof(weft__drift)) },
-        .skin = 0.25 * weft__smaller_spacing(cloth->rows, cloth->cols, cloth->spacing),
+        .skin = skin_of(cloth),
         .wanted = CHUNK,
     };
     for (size_t k = 1; k < 4 && list->tiles[0] != NULL; ++k) {
@@ -72,9 +88,9 @@ static void free_pairs(weft__self_list *list)
     weft__free(&list->memory, list->distances);
     weft__free(&list->memory, list->pushes);
     weft__free(&list->memory, list->pushing);
-    weft__free(&list->memory, list->group_tiles);
+    weft__free(&list->memory, list->groups);
     weft__free(&list->memory, list->reach);
-    list->group_tiles = NULL, list->reach = NULL;
+    list->groups = NULL, list->reach = NULL;
     list->pairs = NULL, list->distances = NULL;
     list->pushes = NULL, list->pushing = NULL;
     list->room = list->count = 0;
@@ -112,10 +128,10 @@ weft_status weft__self_list_grow(weft__self_list *list, weft_error *err)
     list->distances = weft__alloc(memory, room, sizeof *list->distances);
     list->pushes = weft__alloc(memory, room, sizeof *list->pushes);
     list->pushing = weft__alloc(memory, chunks, sizeof *list->pushing);
-    list->group_tiles = weft__alloc(memory, room, sizeof *list->group_tiles);
+    list->groups = weft__alloc(memory, room, sizeof *list->groups);
     list->reach = weft__alloc(memory, room, sizeof *list->reach);
     if (list->pairs == NULL || list->distances == NULL || list->pushes == NULL
-        || list->pushing == NULL || list->group_tiles == NULL || list->reach == NULL) {
+        || list->pushing == NULL || list->groups == NULL || list->reach == NULL) {
         free_pairs(list);
         return weft_error_set(err, WEFT_NO_MEMORY,
                               "no memory for %zu pairs of primitives that are near "
@@ -135,18 +151,20 @@ static uint32_t tile_of(const weft_cloth *cloth, size_t i)
 }
 
 /* All particles of a primitive are in the tile of one of them or next to it. */
-static uint32_t group_of(weft__self_list *list, const weft__pair *pair)
+static uint32_t group_of(weft__self_list *list, const weft__pair *pair, double distance)
 {
     const uint32_t a = tile_of(list->cloth, pair->particle[0]);
     const uint32_t b
         = tile_of(list->cloth, pair->particle[pair->kind == WEFT__EDGES ? 2 : 1]);
-    const size_t next = list->groups;
-    if (next == 0 || list->group_tiles[next - 1][0] != a
-        || list->group_tiles[next - 1][1] != b) {
-        list->group_tiles[next][0] = a, list->group_tiles[next][1] = b;
-        ++list->groups;
+    group *last = list->groups + list->group_count;
+    if (list->group_count > 0 && last[-1].tiles[0] == a && last[-1].tiles[1] == b) {
+        --last;
+        last->nearest = distance < last->nearest ? distance : last->nearest;
+    } else {
+        *last = (group){ { a, b }, list->count, distance };
+        ++list->group_count;
     }
-    return (uint32_t)(list->groups - 1);
+    return (uint32_t)(last - list->groups);
 }
 
 static bool keep(void *ctx, const weft__pair *pair, double distance)
@@ -154,7 +172,7 @@ static bool keep(void *ctx, const weft__pair *pair, double distance)
     weft__self_list *list = ctx;
     if (list->count < list->room) {
         list->pairs[list->count] = *pair;
-        list->pairs[list->count].group = group_of(list, pair);
+        list->pairs[list->count].group = group_of(list, pair, distance);
         list->distances[list->count] = distance;
     }
     ++list->count;
@@ -172,18 +190,21 @@ static void make(weft__self_list *list, const double *y)
 {
     const weft__tree tree = tree_about(list, y);
     list->range = list->cloth->contact.thickness + list->skin;
-    list->count = list->groups = 0;
+    list->count = list->group_count = 0;
     (void)weft__each_pair(&tree, list->range, keep, list);
     list->wanted = list->count;
     list->valid = list->count <= list->room;
     memcpy(list->place, y, 3 * list->cloth->particles * sizeof *y);
 }
 
-/* [m] The extent of a displacement, infinite if a number is not finite. */
+/* [m] The extent of a displacement, infinite if a number is not finite; an empty list
+ * needs no tiles. */
 static double drift(weft__self_list *list, const double *from, const double *to,
                     size_t tiles)
 {
-    return list->cloth->level->drift(list->cloth, from, to, list->tiles[tiles]);
+    return list->group_count == 0
+               ? weft__extent(list->cloth, from, to)
+               : list->cloth->level->drift(list->cloth, from, to, list->tiles[tiles]);
 }
 
 /* Whether the list, made anew if need be, holds all pairs that push in a finite state;
@@ -196,11 +217,15 @@ static bool ready(weft__self_list *list, const double *y)
         extent = drift(list, y, y, 0);
     }
     const weft__drift *tiles = list->tiles[0];
-    for (size_t g = 0; list->valid && g < list->groups; ++g) {
-        const uint32_t *of = list->group_tiles[g];
-        list->reach[g] = (list->cloth->contact.thickness
-                          + weft__drift_extent(&tiles[of[0]], &tiles[of[1]]))
-                         * (1.0 + ROUNDOFF);
+    for (size_t g = 0; list->valid && g < list->group_count; ++g) {
+        const uint32_t *of = list->groups[g].tiles;
+        const double thickness = list->cloth->contact.thickness;
+        list->reach[g] = 0.0;
+        if (list->groups[g].nearest <= (thickness + extent) * (1.0 + ROUNDOFF)) {
+            list->reach[g]
+                = (thickness + weft__drift_extent(&tiles[of[0]], &tiles[of[1]]))
+                  * (1.0 + ROUNDOFF);
+        }
     }
     return list->valid && extent < list->skin;
 }
@@ -230,6 +255,9 @@ static void run(weft__team *team, weft__task *task, void *ctx, size_t parts)
 static void evaluate_chunk(evaluation *all, size_t chunk)
 {
     weft__self_list *list = all->list;
+    if (list->pushing[chunk] == 0) {
+        return;
+    }
     const size_t first = chunk * CHUNK;
     const size_t end = first + CHUNK < list->count ? first + CHUNK : list->count;
     const weft__push *to = list->pushes + first;
@@ -254,6 +282,24 @@ static void evaluate_part(void *ctx, size_t part)
     }
 }
 
+static size_t end_of(const weft__self_list *list, size_t g)
+{
+    return g + 1 < list->group_count ? list->groups[g + 1].first : list->count;
+}
+
+/* Sets `pushing` of chunks with pairs within the reach of their group to 1, else 0. */
+static void mark_chunks(weft__self_list *list, size_t chunks)
+{
+    memset(list->pushing, 0, chunks * sizeof *list->pushing);
+    for (size_t g = 0; g < list->group_count; ++g) {
+        const size_t last = (end_of(list, g) - 1) / CHUNK;
+        for (size_t k = list->groups[g].first / CHUNK;
+             list->groups[g].nearest <= list->reach[g] && k <= last; ++k) {
+            list->pushing[k] = 1;
+        }
+    }
+}
+
 /* Fills the pushes of a list that is ready. */
 static void evaluate(evaluation *all)
 {
@@ -261,6 +307,7 @@ static void evaluate(evaluation *all)
     all->law = weft__self_law_of(list->cloth);
     all->chunks = (list->count + CHUNK - 1) / CHUNK;
     all->parts = all->chunks < MOST_PARTS ? all->chunks : MOST_PARTS;
+    mark_chunks(list, all->chunks);
     run(list->team, evaluate_part, all, all->parts);
 }
 
@@ -374,8 +421,8 @@ static bool proves(weft__self_list *list, const weft__stride *of)
         memcpy(list->tiles[3], list->tiles[2],
                weft__tile_count(list->cloth) * sizeof *list->tiles[3]);
     }
-    for (size_t g = 0; g < list->groups; ++g) {
-        list->reach[g] = near_of(list, of, list->group_tiles[g]);
+    for (size_t g = 0; g < list->group_count; ++g) {
+        list->reach[g] = near_of(list, of, list->groups[g].tiles);
     }
     return 0.5 * all * (1.0 + ROUNDOFF) < list->range;
 }
@@ -386,9 +433,13 @@ static void look(weft__self_list *list, search *of)
     const weft__stride *stride = of->stride;
     if (proves(list, stride)) {
         bool goes_on = true;
-        for (size_t i = 0; i < list->count && goes_on; ++i) {
-            goes_on = list->distances[i] > list->reach[list->pairs[i].group]
-                      || look_at(of, &list->pairs[i], list->distances[i]);
+        for (size_t g = 0; g < list->group_count && goes_on; ++g) {
+            const bool any = list->groups[g].nearest <= list->reach[g];
+            for (size_t i = list->groups[g].first;
+                 any && i < end_of(list, g) && goes_on; ++i) {
+                goes_on = list->distances[i] > list->reach[g]
+                          || look_at(of, &list->pairs[i], list->distances[i]);
+            }
         }
         return;
     }
