@@ -42,7 +42,7 @@ static const bounds scenes[] = {
     { "pennant.yaml", 0.005, 0.1, 0.01, false, .gsl = true },
     { "ribbon.yaml", 0.01, 0.1, 0.01, false, .gsl = true, .self = true },
     { "towel.yaml", 0.01, 0.1, 0.1, false, .gsl = true, .self = true },
-    { "twist.yaml", 0.01, 0.1, 0.01, false, .gsl = true, .self = true },
+    { "twist.yaml", 0.01, 0.15, 0.2, false, .gsl = true, .self = true },
 };
 
 #define SCENES (sizeof scenes / sizeof scenes[0])

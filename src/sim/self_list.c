@@ -43,6 +43,14 @@ struct weft__self_list {
     uint32_t *pushing;  /* their number in each chunk */
 };
 
+/* A quarter of the spacing is near the best of piles; thick cloth has less, so that
+ * flat cells, whose primitives are 0.7 spacings apart, are not listed. */
+static double skin_of(const weft_cloth *cloth)
+{
+    const double a = weft__smaller_spacing(cloth->rows, cloth->cols, cloth->spacing);
+    return fmin(0.25 * a, fmax(0.1 * a, 0.65 * a - cloth->contact.thickness));
+}
+
 weft__self_list *weft__self_list_create(const weft_cloth *cloth, weft__team *team,
                                         const weft_allocator *memory)
 {
@@ -60,7 +68,7 @@ weft__self_list *weft__self_list_create(const weft_cloth *cloth, weft__team *tea
         .marks = weft__alloc(memory, n, 1),
         .tiles
         = { weft__alloc(memory, weft__tile_count(cloth), 4 * sizeof(weft__drift)) },
-        .skin = 0.25 * weft__smaller_spacing(cloth->rows, cloth->cols, cloth->spacing),
+        .skin = skin_of(cloth),
         .wanted = CHUNK,
     };
     for (size_t k = 1; k < 4 && list->tiles[0] != NULL; ++k) {
@@ -171,16 +179,16 @@ static bool keep(void *ctx, const weft__pair *pair, double distance)
     return true;
 }
 
-static weft__tree tree_about(weft__self_list *list, const double *y)
+static weft__quadtree tree_about(weft__self_list *list, const double *y)
 {
-    weft__tree tree = weft__tree_of(list->cloth, y);
+    weft__quadtree tree = weft__tree_of(list->cloth, y);
     weft__tree_fill(&tree, y, list->knots);
     return tree;
 }
 
 static void make(weft__self_list *list, const double *y)
 {
-    const weft__tree tree = tree_about(list, y);
+    const weft__quadtree tree = tree_about(list, y);
     list->range = list->cloth->contact.thickness + list->skin;
     list->count = list->group_count = 0;
     (void)weft__each_pair(&tree, list->range, keep, list);
@@ -189,11 +197,14 @@ static void make(weft__self_list *list, const double *y)
     memcpy(list->place, y, 3 * list->cloth->particles * sizeof *y);
 }
 
-/* [m] The extent of a displacement, infinite if a number is not finite. */
+/* [m] The extent of a displacement, infinite if a number is not finite; an empty list
+ * needs no tiles. */
 static double drift(weft__self_list *list, const double *from, const double *to,
                     size_t tiles)
 {
-    return list->cloth->level->drift(list->cloth, from, to, list->tiles[tiles]);
+    return list->group_count == 0
+               ? weft__extent(list->cloth, from, to)
+               : list->cloth->level->drift(list->cloth, from, to, list->tiles[tiles]);
 }
 
 /* Whether the list, made anew if need be, holds all pairs that push in a finite state;
@@ -208,9 +219,13 @@ static bool ready(weft__self_list *list, const double *y)
     const weft__drift *tiles = list->tiles[0];
     for (size_t g = 0; list->valid && g < list->group_count; ++g) {
         const uint32_t *of = list->groups[g].tiles;
-        list->reach[g] = (list->cloth->contact.thickness
-                          + weft__drift_extent(&tiles[of[0]], &tiles[of[1]]))
-                         * (1.0 + ROUNDOFF);
+        const double thickness = list->cloth->contact.thickness;
+        list->reach[g] = 0.0;
+        if (list->groups[g].nearest <= (thickness + extent) * (1.0 + ROUNDOFF)) {
+            list->reach[g]
+                = (thickness + weft__drift_extent(&tiles[of[0]], &tiles[of[1]]))
+                  * (1.0 + ROUNDOFF);
+        }
     }
     return list->valid && extent < list->skin;
 }
@@ -346,17 +361,17 @@ void weft__self_list_measure(weft__self_list *list, const weft__subject *of,
 
 /* ---- the step check -------------------------------------------------------------- */
 
-typedef struct search {
+typedef struct stride_search {
     const weft__stride *stride;
     weft__pair pair;
     double gap;
     unsigned char *marks; /* NULL: ends at the first pair that is not clear */
     bool found;
-} search;
+} stride_search;
 
 static bool look_at(void *ctx, const weft__pair *pair, double distance)
 {
-    search *of = ctx;
+    stride_search *of = ctx;
     double gap;
     (void)distance;
     if (weft__stride_clear(of->stride, pair, &gap)) {
@@ -413,7 +428,7 @@ static bool proves(weft__self_list *list, const weft__stride *of)
 }
 
 /* No pair that is further apart at first can have met. */
-static void look(weft__self_list *list, search *of)
+static void look(weft__self_list *list, stride_search *of)
 {
     const weft__stride *stride = of->stride;
     if (proves(list, stride)) {
@@ -430,7 +445,7 @@ static void look(weft__self_list *list, search *of)
     }
     const double length = weft__stride_length(stride);
     const double moved = weft__extent(list->cloth, stride->y0, stride->y1);
-    const weft__tree tree = tree_about(list, stride->y0);
+    const weft__quadtree tree = tree_about(list, stride->y0);
     (void)weft__each_pair(&tree, 0.5 * (length + moved) * (1.0 + ROUNDOFF), look_at,
                           of);
 }
@@ -438,7 +453,7 @@ static void look(weft__self_list *list, search *of)
 bool weft__self_list_clear(weft__self_list *list, const weft__stride *stride,
                            weft_primitive pair[2], double *gap)
 {
-    search of = { .stride = stride };
+    stride_search of = { .stride = stride };
     look(list, &of);
     if (of.found) {
         weft__pair_primitives(&of.pair, pair);
@@ -452,7 +467,7 @@ void weft__self_list_hold(weft__self_list *list, const double *y0, double *y1)
     const size_t n = list->cloth->particles;
     const weft__stride stride = { list->cloth, y0, y1, 0.0 };
     for (int tries = 0; tries <= HALVINGS; ++tries) {
-        search of = { .stride = &stride, .marks = list->marks };
+        stride_search of = { .stride = &stride, .marks = list->marks };
         memset(list->marks, 0, n);
         look(list, &of);
         if (!of.found) {
