@@ -117,7 +117,7 @@ static bool count_kind(void *ctx, const weft__pair *pair, double distance)
 static kinds kinds_now(void)
 {
     kinds of = { .law = weft__self_law_of(cloth) };
-    const weft__tree tree = weft__tree_of(cloth, y);
+    const weft__quadtree tree = weft__tree_of(cloth, y);
     ck_assert(weft__each_pair(&tree, def.contact.thickness, count_kind, &of));
     return of;
 }
@@ -313,7 +313,7 @@ static bool keep(void *ctx, const weft__pair *pair, double distance)
 static pairs *find(double range, weft__knot *knots)
 {
     pairs *of = calloc(1, sizeof *of);
-    weft__tree tree = weft__tree_of(cloth, y);
+    weft__quadtree tree = weft__tree_of(cloth, y);
     if (knots != NULL) {
         weft__tree_fill(&tree, y, knots);
     }

@@ -4,7 +4,7 @@
 #include "cloth/self.h"
 
 typedef struct counting {
-    const weft__tree *tree;
+    const weft__quadtree *tree;
     weft__crossings found;
     size_t first[2]; /* the keys of the first: it is the least */
     size_t loose;
@@ -186,7 +186,7 @@ static bool visit(void *ctx, size_t i, size_t j)
     return true;
 }
 
-weft__crossings weft__crossings_of(const weft__tree *tree, size_t loose)
+weft__crossings weft__crossings_of(const weft__quadtree *tree, size_t loose)
 {
     counting of = { .tree = tree, .loose = loose };
     (void)weft__tree_pairs(tree, 0.0, visit, &of);
@@ -196,7 +196,7 @@ weft__crossings weft__crossings_of(const weft__tree *tree, size_t loose)
 size_t weft_cloth_crossings(const weft_cloth *cloth, const double *y,
                             weft_primitive pair[2])
 {
-    const weft__tree tree = weft__tree_of(cloth, y);
+    const weft__quadtree tree = weft__tree_of(cloth, y);
     const weft__crossings found = weft__crossings_of(&tree, SIZE_MAX);
     for (size_t k = 0; pair != NULL && k < 2; ++k) {
         pair[k] = found.first[k];
@@ -211,7 +211,7 @@ weft_status weft__crossing_error(const weft_cloth *cloth, const double *y, size_
     if (!cloth->contact.self) {
         return WEFT_OK;
     }
-    const weft__tree tree = weft__tree_of(cloth, y);
+    const weft__quadtree tree = weft__tree_of(cloth, y);
     const weft__crossings found = weft__crossings_of(&tree, loose);
     if (found.count == 0) {
         return WEFT_OK;

@@ -14,7 +14,7 @@ typedef struct weft__crossings {
 } weft__crossings;
 
 /* Particle `loose` counts as free; SIZE_MAX: none does. */
-weft__crossings weft__crossings_of(const weft__tree *tree, size_t loose);
+weft__crossings weft__crossings_of(const weft__quadtree *tree, size_t loose);
 
 /* If a cloth with contact.self passes through itself in a state: WEFT_INVALID, with
  * `where` before "edge (3, 4)-(3, 5) passes through cell (9, 2); 12 such pairs". */

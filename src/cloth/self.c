@@ -253,7 +253,7 @@ static bool take_pair(void *ctx, const weft__pair *pair, double distance)
 static bool seek(pass *self)
 {
     const weft_cloth *cloth = self->of->cloth;
-    const weft__tree tree = weft__tree_of(cloth, self->of->y);
+    const weft__quadtree tree = weft__tree_of(cloth, self->of->y);
     self->law = weft__self_law_of(cloth);
     if (isfinite(weft__extent(cloth, NULL, self->of->y))) {
         return weft__each_pair(&tree, cloth->contact.thickness, take_pair, self);

@@ -82,7 +82,7 @@ typedef bool weft__pair_fn(void *ctx, const weft__pair *pair, double distance);
 /* Calls visit for each pair nearer than range, in the order of weft__tree_pairs; all
  * that are nearer than any smaller range come in the same order. Returns false if a
  * visit did. The state must be finite. */
-bool weft__each_pair(const weft__tree *tree, double range, weft__pair_fn *visit,
+bool weft__each_pair(const weft__quadtree *tree, double range, weft__pair_fn *visit,
                      void *ctx);
 
 /* A step is clear of a pair if no

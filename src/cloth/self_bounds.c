@@ -10,7 +10,7 @@
 #define LAYERS_SHARE 2.6
 #define LAYERS_PHI   0.39
 
-typedef struct pass {
+typedef struct pair_sums {
     const weft_cloth *cloth;
     weft__self_law law;
     const double *y;
@@ -21,7 +21,7 @@ typedef struct pass {
     double *out;
     double *blocks;
     double bad;
-} pass;
+} pair_sums;
 
 /* Of a pair: S, D, T and those in the planes xx, yy, zz, xy, xz, yz. */
 typedef struct matrices {
@@ -41,10 +41,10 @@ static matrices matrices_of(const weft_contact_def *law, const weft__touch *touc
     };
 }
 
-static bool seek(pass *self, weft__pair_fn *visit)
+static bool seek(pair_sums *self, weft__pair_fn *visit)
 {
     const weft_cloth *cloth = self->cloth;
-    const weft__tree tree = weft__tree_of(cloth, self->y);
+    const weft__quadtree tree = weft__tree_of(cloth, self->y);
     self->law = weft__self_law_of(cloth);
     return cloth->contact.self && self->y != NULL
            && isfinite(weft__extent(cloth, NULL, self->y))
@@ -53,7 +53,7 @@ static bool seek(pass *self, weft__pair_fn *visit)
 
 static bool grip_pair(void *ctx, const weft__pair *pair, double distance)
 {
-    pass *self = ctx;
+    pair_sums *self = ctx;
     double arm[4];
     weft__touch touch;
     (void)distance;
@@ -84,7 +84,7 @@ static bool grip_pair(void *ctx, const weft__pair *pair, double distance)
 void weft__self_grips(const weft_cloth *cloth, const double *y, size_t first,
                       size_t count, weft__grip *grips)
 {
-    pass self = {
+    pair_sums self = {
         .cloth = cloth, .y = y, .first = first, .end = first + count, .grips = grips
     };
     (void)seek(&self, grip_pair);
@@ -106,7 +106,7 @@ void weft__self_grip_any(const weft_cloth *cloth, weft__grip *grip)
 
 static bool multiply_pair(void *ctx, const weft__pair *pair, double distance)
 {
-    pass *self = ctx;
+    pair_sums *self = ctx;
     const size_t n = self->cloth->particles;
     double arm[4], feet[3] = { 0.0 };
     weft__touch touch;
@@ -133,14 +133,14 @@ static bool multiply_pair(void *ctx, const weft__pair *pair, double distance)
 void weft__self_multiply(const weft_cloth *cloth, const double *y, double a, double b,
                          const double *x, double *out)
 {
-    pass self = { .cloth = cloth, .y = y, .a = a, .b = b, .x = x, .out = out };
+    pair_sums self = { .cloth = cloth, .y = y, .a = a, .b = b, .x = x, .out = out };
     (void)seek(&self, multiply_pair);
 }
 
 static bool block_pair(void *ctx, const weft__pair *pair, double distance)
 {
     static const size_t planes[3][3] = { { 0, 3, 4 }, { 3, 1, 5 }, { 4, 5, 2 } };
-    pass *self = ctx;
+    pair_sums *self = ctx;
     const size_t n = self->cloth->particles;
     double arm[4];
     weft__touch touch;
@@ -173,6 +173,6 @@ static bool block_pair(void *ctx, const weft__pair *pair, double distance)
 
 int weft__self_blocks(const weft_cloth *cloth, const double *y, double *blocks)
 {
-    pass self = { .cloth = cloth, .y = y, .blocks = blocks };
+    pair_sums self = { .cloth = cloth, .y = y, .blocks = blocks };
     return !cloth->contact.self || (seek(&self, block_pair) && self.bad == 0.0) ? 0 : 1;
 }

@@ -118,12 +118,12 @@ double weft__pair_distance(const weft__pair *pair, const double *y, size_t n)
 
 /* ---- the search ------------------------------------------------------------------ */
 
-typedef struct search {
-    const weft__tree *tree;
+typedef struct pair_search {
+    const weft__quadtree *tree;
     double range;
     weft__pair_fn *visit;
     void *ctx;
-} search;
+} pair_search;
 
 /* Whether the boxes about both sides of a pair are further apart than the range. */
 static bool apart(double x[4][3], size_t first, size_t all, double range)
@@ -151,7 +151,7 @@ static bool has(const uint32_t *particles, size_t count, uint32_t i)
     return found;
 }
 
-static bool try_pair(const search *of, const weft__pair *pair)
+static bool try_pair(const pair_search *of, const weft__pair *pair)
 {
     const size_t all = weft__pair_particles(pair);
     const size_t first = pair->kind == WEFT__EDGES ? 2 : 1;
@@ -167,7 +167,7 @@ static bool try_pair(const search *of, const weft__pair *pair)
 }
 
 /* Particle i with all that node j owns but particle j. */
-static bool try_particle(const search *of, uint32_t i, size_t j)
+static bool try_particle(const pair_search *of, uint32_t i, size_t j)
 {
     uint32_t edges[3][2], triangles[2][3];
     const size_t edge_count = weft__node_edges(of->tree->cloth, j, edges);
@@ -188,7 +188,7 @@ static bool try_particle(const search *of, uint32_t i, size_t j)
     return goes_on;
 }
 
-static bool try_edges(const search *of, size_t i, size_t j)
+static bool try_edges(const pair_search *of, size_t i, size_t j)
 {
     uint32_t a[3][2], b[3][2];
     const size_t in_i = weft__node_edges(of->tree->cloth, i, a);
@@ -207,7 +207,7 @@ static bool try_edges(const search *of, size_t i, size_t j)
 /* The edges of one node have common particles. */
 static bool visit_nodes(void *ctx, size_t i, size_t j)
 {
-    const search *of = ctx;
+    const pair_search *of = ctx;
     const uint32_t a = (uint32_t)i, b = (uint32_t)j;
     return try_particle(of, a, j)
            && (i == j
@@ -217,10 +217,10 @@ static bool visit_nodes(void *ctx, size_t i, size_t j)
                    && try_edges(of, i, j)));
 }
 
-bool weft__each_pair(const weft__tree *tree, double range, weft__pair_fn *visit,
+bool weft__each_pair(const weft__quadtree *tree, double range, weft__pair_fn *visit,
                      void *ctx)
 {
-    search of = { tree, range, visit, ctx };
+    pair_search of = { tree, range, visit, ctx };
     return weft__tree_pairs(tree, range, visit_nodes, &of);
 }
 

@@ -28,9 +28,9 @@ static size_t levels_of(const weft_cloth *cloth)
     return levels;
 }
 
-weft__tree weft__tree_of(const weft_cloth *cloth, const double *y)
+weft__quadtree weft__tree_of(const weft_cloth *cloth, const double *y)
 {
-    return (weft__tree){ .cloth = cloth, .y = y, .levels = levels_of(cloth) };
+    return (weft__quadtree){ .cloth = cloth, .y = y, .levels = levels_of(cloth) };
 }
 
 size_t weft__tree_size(const weft_cloth *cloth)
@@ -57,7 +57,7 @@ static inline void include(double bounds[2][3], const double at[3])
     }
 }
 
-static inline void place(const weft__tree *tree, size_t r, size_t c, double x[3])
+static inline void place(const weft__quadtree *tree, size_t r, size_t c, double x[3])
 {
     const size_t n = tree->cloth->particles, i = r * tree->cloth->cols + c;
     x[0] = tree->y[i], x[1] = tree->y[n + i], x[2] = tree->y[2 * n + i];
@@ -72,7 +72,7 @@ static inline void include_slope(const double from[3], const double to[3],
 }
 
 /* Adds node (r, c). */
-static void add_node(const weft__tree *tree, size_t r, size_t c, weft__knot *to)
+static void add_node(const weft__quadtree *tree, size_t r, size_t c, weft__knot *to)
 {
     const weft_cloth *cloth = tree->cloth;
     double x[2][2][3];
@@ -112,11 +112,12 @@ static size_t end_of(size_t at, size_t level, size_t count)
     return end < count ? end : count;
 }
 
-typedef struct patch {
+typedef struct tree_patch {
     size_t r, c;
-} patch;
+} tree_patch;
 
-static void add_patch(const weft__tree *tree, size_t level, patch at, weft__knot *to)
+static void add_patch(const weft__quadtree *tree, size_t level, tree_patch at,
+                      weft__knot *to)
 {
     const weft_cloth *cloth = tree->cloth;
     for (size_t r = at.r << level; r < end_of(at.r, level, cloth->rows); ++r) {
@@ -126,7 +127,7 @@ static void add_patch(const weft__tree *tree, size_t level, patch at, weft__knot
     }
 }
 
-void weft__tree_fill(weft__tree *tree, const double *y, weft__knot *knots)
+void weft__tree_fill(weft__quadtree *tree, const double *y, weft__knot *knots)
 {
     const weft_cloth *cloth = tree->cloth;
     tree->y = y;
@@ -157,13 +158,13 @@ void weft__tree_fill(weft__tree *tree, const double *y, weft__knot *knots)
 
 /* ---- the search ------------------------------------------------------------------ */
 
-typedef struct search {
-    const weft__tree *tree;
+typedef struct tree_search {
+    const weft__quadtree *tree;
     double range;
     double flat; /* a patch with a smaller E is not near itself */
     weft__visit_fn *visit;
     void *ctx;
-} search;
+} tree_search;
 
 /* The square of how far a bound reaches from e. */
 static double beyond(const double bounds[2][3], const double e[3])
@@ -197,7 +198,7 @@ static bool direction(const double bounds[2][3], const double *e, double to[3])
 }
 
 /* A grid of a single row or column has slopes one way only. */
-static bool flat(const search *of, const weft__knot *knot)
+static bool flat(const tree_search *of, const weft__knot *knot)
 {
     const bool has[2] = { knot->slope[0][0][0] <= knot->slope[0][1][0],
                           knot->slope[1][0][0] <= knot->slope[1][1][0] };
@@ -214,8 +215,8 @@ static bool flat(const search *of, const weft__knot *knot)
 }
 
 /* A patch's bounds, made in *room if they are not kept. */
-static const weft__knot *knot_of(const weft__tree *tree, size_t level, patch at,
-                                 weft__knot *room)
+static const weft__knot *knot_of(const weft__quadtree *tree, size_t level,
+                                 tree_patch at, weft__knot *room)
 {
     if (tree->knots != NULL) {
         const size_t cols = count_at(tree->cloth->cols, level);
@@ -227,11 +228,11 @@ static const weft__knot *knot_of(const weft__tree *tree, size_t level, patch at,
 }
 
 /* Whether the rectangle of patches about both, at most 3 x 3 of them, is flat. */
-static bool flat_about(const search *of, size_t level, patch a, patch b)
+static bool flat_about(const tree_search *of, size_t level, tree_patch a, tree_patch b)
 {
     enum { MOST = 3 };
-    const patch low = { a.r < b.r ? a.r : b.r, a.c < b.c ? a.c : b.c };
-    const patch high = { a.r < b.r ? b.r : a.r, a.c < b.c ? b.c : a.c };
+    const tree_patch low = { a.r < b.r ? a.r : b.r, a.c < b.c ? a.c : b.c };
+    const tree_patch high = { a.r < b.r ? b.r : a.r, a.c < b.c ? b.c : a.c };
     if (high.r - low.r >= MOST || high.c - low.c >= MOST
         || (of->tree->knots == NULL && level > 0)) {
         return false;
@@ -239,13 +240,13 @@ static bool flat_about(const search *of, size_t level, patch a, patch b)
     weft__knot room, hull = *knot_of(of->tree, level, low, &room);
     for (size_t r = low.r; r <= high.r; ++r) {
         for (size_t c = low.c; c <= high.c; ++c) {
-            add_slopes(knot_of(of->tree, level, (patch){ r, c }, &room), &hull);
+            add_slopes(knot_of(of->tree, level, (tree_patch){ r, c }, &room), &hull);
         }
     }
     return flat(of, &hull);
 }
 
-static bool apart(const search *of, size_t level, patch a, patch b)
+static bool apart(const tree_search *of, size_t level, tree_patch a, tree_patch b)
 {
     weft__knot room[2];
     const weft__knot *of_a = knot_of(of->tree, level, a, &room[0]);
@@ -258,24 +259,25 @@ static bool apart(const search *of, size_t level, patch a, patch b)
     return far;
 }
 
-static bool inside(const search *of, size_t level, patch at)
+static bool inside(const tree_search *of, size_t level, tree_patch at)
 {
     return at.r < count_at(of->tree->cloth->rows, level)
            && at.c < count_at(of->tree->cloth->cols, level);
 }
 
-static patch part(patch at, size_t j)
+static tree_patch part(tree_patch at, size_t j)
 {
-    return (patch){ 2 * at.r + j / 2, 2 * at.c + j % 2 };
+    return (tree_patch){ 2 * at.r + j / 2, 2 * at.c + j % 2 };
 }
 
-static bool leaf(const search *of, patch a, patch b)
+static bool leaf(const tree_search *of, tree_patch a, tree_patch b)
 {
     const size_t cols = of->tree->cloth->cols;
     return of->visit(of->ctx, a.r * cols + a.c, b.r * cols + b.c);
 }
 
-static bool pairs_between(const search *of, size_t level, patch a, patch b)
+static bool pairs_between(const tree_search *of, size_t level, tree_patch a,
+                          tree_patch b)
 {
     if (apart(of, level, a, b) || flat_about(of, level, a, b)) {
         return true;
@@ -285,14 +287,14 @@ static bool pairs_between(const search *of, size_t level, patch a, patch b)
     }
     bool goes_on = true;
     for (size_t j = 0; j < 16 && goes_on; ++j) {
-        const patch in_a = part(a, j / 4), in_b = part(b, j % 4);
+        const tree_patch in_a = part(a, j / 4), in_b = part(b, j % 4);
         goes_on = !inside(of, level - 1, in_a) || !inside(of, level - 1, in_b)
                   || pairs_between(of, level - 1, in_a, in_b);
     }
     return goes_on;
 }
 
-static bool pairs_within(const search *of, size_t level, patch at)
+static bool pairs_within(const tree_search *of, size_t level, tree_patch at)
 {
     weft__knot room;
     if (flat(of, knot_of(of->tree, level, at, &room))) {
@@ -303,28 +305,28 @@ static bool pairs_within(const search *of, size_t level, patch at)
     }
     bool goes_on = true;
     for (size_t j = 0; j < 4 && goes_on; ++j) {
-        const patch in = part(at, j);
+        const tree_patch in = part(at, j);
         goes_on = !inside(of, level - 1, in) || pairs_within(of, level - 1, in);
     }
     for (size_t j = 0; j < 16 && goes_on; ++j) {
-        const patch a = part(at, j / 4), b = part(at, j % 4);
+        const tree_patch a = part(at, j / 4), b = part(at, j % 4);
         goes_on = j / 4 >= j % 4 || !inside(of, level - 1, a)
                   || !inside(of, level - 1, b) || pairs_between(of, level - 1, a, b);
     }
     return goes_on;
 }
 
-bool weft__tree_pairs(const weft__tree *tree, double range, weft__visit_fn *visit,
+bool weft__tree_pairs(const weft__quadtree *tree, double range, weft__visit_fn *visit,
                       void *ctx)
 {
     const double a = tree->cloth->spacing[0], b = tree->cloth->spacing[1];
     const double rest = tree->cloth->rows == 1   ? b
                         : tree->cloth->cols == 1 ? a
                                                  : a / sqrt(1.0 + a * a / (b * b));
-    const search of = { .tree = tree,
-                        .range = range * (1.0 + ROUNDOFF),
-                        .flat = 1.0 - range / rest - ROUNDOFF,
-                        .visit = visit,
-                        .ctx = ctx };
-    return pairs_within(&of, tree->levels - 1, (patch){ 0, 0 });
+    const tree_search of = { .tree = tree,
+                             .range = range * (1.0 + ROUNDOFF),
+                             .flat = 1.0 - range / rest - ROUNDOFF,
+                             .visit = visit,
+                             .ctx = ctx };
+    return pairs_within(&of, tree->levels - 1, (tree_patch){ 0, 0 });
 }

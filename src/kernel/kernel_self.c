@@ -200,13 +200,13 @@ size_t NAME(pushes, LEVEL)(const weft__self_law *law, const weft__pair *pairs,
 }
 
 /* Of a plane, as long as they hold no NaN. */
-typedef struct bounds {
+typedef struct run_bounds {
     vec low, high;
-} bounds;
+} run_bounds;
 
 /* Adds `count` numbers; or some before them where the last lanes are beyond. */
 INLINE void add_run(const double *from, const double *to, size_t first, size_t end,
-                    bounds *sum, vec *trouble)
+                    run_bounds *sum, vec *trouble)
 {
     for (size_t i = first; i < end; i += LANES) {
         const size_t at = i + LANES <= end ? i : end - LANES;
@@ -216,12 +216,12 @@ INLINE void add_run(const double *from, const double *to, size_t first, size_t e
     }
 }
 
-INLINE bounds no_bounds(void)
+INLINE run_bounds no_bounds(void)
 {
-    return (bounds){ splat((double)INFINITY), splat(-(double)INFINITY) };
+    return (run_bounds){ splat((double)INFINITY), splat(-(double)INFINITY) };
 }
 
-INLINE void narrow(const bounds *of, double *low, double *high)
+INLINE void narrow(const run_bounds *of, double *low, double *high)
 {
     *low = of->low[0], *high = of->high[0];
     for (size_t l = 1; l < LANES; ++l) {
@@ -239,7 +239,7 @@ double NAME(extent, LEVEL)(const double *from, const double *to, size_t n)
         return weft__reference_extent(from, to, n);
     }
     for (size_t k = 0; k < 3; ++k) {
-        bounds of = no_bounds();
+        run_bounds of = no_bounds();
         add_run(from, to, k * n, (k + 1) * n, &of, &trouble);
         narrow(&of, &all.low[k], &all.high[k]);
     }
@@ -260,7 +260,7 @@ double NAME(drift, LEVEL)(const weft_cloth *cloth, const double *from, const dou
         size_t in[4];
         weft__tile_range(cloth, i, in);
         for (size_t k = 0; k < 3; ++k) {
-            bounds of = no_bounds();
+            run_bounds of = no_bounds();
             const size_t first = in[2] + LANES <= in[3] ? in[2]
                                  : in[3] > LANES        ? in[3] - LANES
                                                         : 0;

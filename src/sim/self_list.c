@@ -179,16 +179,16 @@ static bool keep(void *ctx, const weft__pair *pair, double distance)
     return true;
 }
 
-static weft__tree tree_about(weft__self_list *list, const double *y)
+static weft__quadtree tree_about(weft__self_list *list, const double *y)
 {
-    weft__tree tree = weft__tree_of(list->cloth, y);
+    weft__quadtree tree = weft__tree_of(list->cloth, y);
     weft__tree_fill(&tree, y, list->knots);
     return tree;
 }
 
 static void make(weft__self_list *list, const double *y)
 {
-    const weft__tree tree = tree_about(list, y);
+    const weft__quadtree tree = tree_about(list, y);
     list->range = list->cloth->contact.thickness + list->skin;
     list->count = list->group_count = 0;
     (void)weft__each_pair(&tree, list->range, keep, list);
@@ -361,17 +361,17 @@ void weft__self_list_measure(weft__self_list *list, const weft__subject *of,
 
 /* ---- the step check -------------------------------------------------------------- */
 
-typedef struct search {
+typedef struct stride_search {
     const weft__stride *stride;
     weft__pair pair;
     double gap;
     unsigned char *marks; /* NULL: ends at the first pair that is not clear */
     bool found;
-} search;
+} stride_search;
 
 static bool look_at(void *ctx, const weft__pair *pair, double distance)
 {
-    search *of = ctx;
+    stride_search *of = ctx;
     double gap;
     (void)distance;
     if (weft__stride_clear(of->stride, pair, &gap)) {
@@ -428,7 +428,7 @@ static bool proves(weft__self_list *list, const weft__stride *of)
 }
 
 /* No pair that is further apart at first can have met. */
-static void look(weft__self_list *list, search *of)
+static void look(weft__self_list *list, stride_search *of)
 {
     const weft__stride *stride = of->stride;
     if (proves(list, stride)) {
@@ -445,7 +445,7 @@ static void look(weft__self_list *list, search *of)
     }
     const double length = weft__stride_length(stride);
     const double moved = weft__extent(list->cloth, stride->y0, stride->y1);
-    const weft__tree tree = tree_about(list, stride->y0);
+    const weft__quadtree tree = tree_about(list, stride->y0);
     (void)weft__each_pair(&tree, 0.5 * (length + moved) * (1.0 + ROUNDOFF), look_at,
                           of);
 }
@@ -453,7 +453,7 @@ static void look(weft__self_list *list, search *of)
 bool weft__self_list_clear(weft__self_list *list, const weft__stride *stride,
                            weft_primitive pair[2], double *gap)
 {
-    search of = { .stride = stride };
+    stride_search of = { .stride = stride };
     look(list, &of);
     if (of.found) {
         weft__pair_primitives(&of.pair, pair);
@@ -467,7 +467,7 @@ void weft__self_list_hold(weft__self_list *list, const double *y0, double *y1)
     const size_t n = list->cloth->particles;
     const weft__stride stride = { list->cloth, y0, y1, 0.0 };
     for (int tries = 0; tries <= HALVINGS; ++tries) {
-        search of = { .stride = &stride, .marks = list->marks };
+        stride_search of = { .stride = &stride, .marks = list->marks };
         memset(list->marks, 0, n);
         look(list, &of);
         if (!of.found) {
