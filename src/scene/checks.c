@@ -13,7 +13,7 @@ void weft__check_root(weft__reader *reader, const weft__match *match, void *base
                            "reader of version 1",
                            scene->version);
     }
-    if (reader->report->found->errors == 0) {
+    if (reader->report->found->errors == 0 && !reader->report->no_memory) {
         weft__warn_of_contact(reader, match);
     }
 }
