@@ -126,7 +126,7 @@ EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(filter-out examples/we
             $(patsubst examples/%.c,$(BUILD)/examples/%.so,$(wildcard examples/weft-*.c))
 
 .PHONY: all check check-run check-view check-python viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
-        fuzz fuzz-corpus coverage static check-determinism check-libm clang-syntax check-steppers check-sundials7 check-aarch64 check-elsewhere nightly \
+        fuzz fuzz-corpus coverage static check-determinism check-libm clang-syntax check-self check-steppers check-sundials7 check-aarch64 check-elsewhere nightly \
         valgrind symbols clean help
 .DELETE_ON_ERROR:
 .SECONDARY:

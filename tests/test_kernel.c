@@ -398,6 +398,116 @@ START_TEST(level_is_the_fastest_or_the_one_asked_for)
 }
 END_TEST
 
+/* ---- pairs of primitives --------------------------------------------------------- */
+
+enum { PAIRS = 4096 };
+
+typedef struct pair_list {
+    weft__pair at[PAIRS];
+    double distances[PAIRS];
+    size_t count;
+} pair_list;
+
+static bool keep_pair(void *ctx, const weft__pair *pair, double distance)
+{
+    pair_list *of = ctx;
+    of->at[of->count] = *pair;
+    of->at[of->count].group = of->count % 2;
+    of->distances[of->count++] = distance;
+    return of->count < PAIRS;
+}
+
+/* Two layers of loose particles on each other, at an angle. */
+static void lie_askew(const weft_cloth *cloth, double *y, size_t n)
+{
+    uint64_t seed = 11;
+    for (size_t i = 0; i < n; ++i) {
+        const size_t r = i / cloth->cols, c = i % cloth->cols;
+        const bool upper = 2 * r > cloth->rows;
+        const double down = (double)(upper ? cloth->rows - r : r);
+        y[i] = 0.05 * (double)c + (upper ? 0.01 * down : 0.0);
+        y[n + i] = upper ? 0.01 : 0.0;
+        y[2 * n + i] = 0.05 * down;
+        for (size_t j = i; j < 6 * n; j += n) {
+            y[j] = (j < 3 * n ? y[j] : 0.0) + (j < 3 * n ? 5e-3 : 1.0) * chance(&seed);
+        }
+    }
+}
+
+static weft_cloth *self_cloth(weft_friction_law law, int exponent)
+{
+    static const weft_pin pins[] = { { .rows = { 0, 2 }, .cols = { 0, 5 } } };
+    weft_cloth_def def = weft_cloth_def_default();
+    weft_cloth *cloth;
+    weft_error err;
+    def.rows = 16, def.cols = 11;
+    def.spacing[0] = def.spacing[1] = 0.05;
+    def.pins = pins, def.pin_count = 1;
+    def.contact.self = true;
+    def.contact.thickness = 0.02;
+    def.contact.law = law, def.contact.exponent = exponent;
+    ck_assert_msg(weft_cloth_create(&def, &cloth, &err) == WEFT_OK, "%s", err.message);
+    return cloth;
+}
+
+/* Laws of friction, exponents; numbers of pairs that fill no vector. */
+START_TEST(pairs_have_the_bits_of_the_plain_loops)
+{
+    static weft__push plain[WEFT__PAIRS_MOST], pushes[WEFT__PAIRS_MOST];
+    static pair_list list;
+    static double y[6 * 16 * 11];
+    weft_cloth *cloth = self_cloth(
+        _i % 2 == 0 ? WEFT_FRICTION_SMOOTH : WEFT_FRICTION_COULOMB, _i < 2 ? 4 : 7);
+    const double reach[2] = { 0.02, 0.012 };
+    const size_t n = weft_cloth_particles(cloth);
+    lie_askew(cloth, y, n);
+    const weft__self_law law = weft__self_law_of(cloth);
+    const weft__quadtree tree = weft__tree_of(cloth, y);
+    list.count = 0;
+    (void)weft__each_pair(&tree, 0.03, keep_pair, &list);
+    for (size_t level = 0; level <= weft__level_count(); ++level) {
+        const weft__level *at
+            = level < weft__level_count() ? weft__level_at(level) : &wide;
+        size_t found = 0;
+        for (size_t first = 0; first < list.count; first += WEFT__PAIRS_MOST - 7) {
+            const size_t left = list.count - first;
+            const size_t count
+                = left < WEFT__PAIRS_MOST - 7 ? left : WEFT__PAIRS_MOST - 7;
+            memset(plain, 0, sizeof plain), memset(pushes, 0, sizeof pushes);
+            const size_t expected = weft__reference_pushes(
+                &law, list.at + first, list.distances + first, count, reach, y, plain);
+            ck_assert_uint_eq(at->pushes(&law, list.at + first, list.distances + first,
+                                         count, reach, y, pushes),
+                              expected);
+            for (size_t i = 0; i < expected; ++i) {
+                const size_t k = plain[i].count;
+                ck_assert_mem_eq(plain[i].force, pushes[i].force,
+                                 k * sizeof plain[i].force[0]);
+                ck_assert_mem_eq(plain[i].particle, pushes[i].particle,
+                                 k * sizeof plain[i].particle[0]);
+                ck_assert_double_eq(plain[i].gap, pushes[i].gap);
+                ck_assert_double_eq(plain[i].energy, pushes[i].energy);
+                ck_assert_double_eq(plain[i].heat, pushes[i].heat);
+                ck_assert_double_eq(plain[i].friction, pushes[i].friction);
+            }
+            found += expected;
+        }
+        ck_assert_uint_gt(found, 100);
+        weft__drift tiles[2][4];
+        ck_assert_uint_eq(weft__tile_count(cloth), 4);
+        ck_assert_double_eq(at->extent(NULL, y, n), weft__reference_extent(NULL, y, n));
+        ck_assert_double_eq(at->drift(cloth, NULL, y, tiles[0]),
+                            weft__reference_drift(cloth, NULL, y, tiles[1]));
+        const double kept = y[n + 3];
+        y[n + 3] = NAN;
+        ck_assert_double_infinite(at->extent(NULL, y, n));
+        ck_assert_double_infinite(at->drift(cloth, NULL, y, tiles[0]));
+        y[n + 3] = kept;
+    }
+    weft_cloth_destroy(cloth);
+}
+END_TEST
+
 TEST_SUITE(kernel)
 {
     Suite *suite = suite_create("kernel");
@@ -412,6 +522,7 @@ TEST_SUITE(kernel)
     tcase_add_test(tcase, every_level_refuses_whatever_is_not_finite);
     tcase_add_test(tcase, sheet_at_rest_feels_gravity_alone_exactly);
     tcase_add_test(tcase, level_is_the_fastest_or_the_one_asked_for);
+    tcase_add_loop_test(tcase, pairs_have_the_bits_of_the_plain_loops, 0, 4);
     suite_add_tcase(suite, tcase);
     return suite;
 }

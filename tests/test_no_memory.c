@@ -116,6 +116,18 @@ START_TEST(overrides_survive_every_failing_allocation)
 }
 END_TEST
 
+START_TEST(contact_survives_every_failing_allocation)
+{
+    static const char *const sets[]
+        = { "contact={self: true, shapes: [{shape: plane, at: [0, 0, -1], normal: [0, "
+            "0, 1]}]}" };
+    weft_scene_def def = whole_scene();
+    def.sets = sets;
+    def.set_count = sizeof sets / sizeof sets[0];
+    (void)every_allocation_fails(load_and_run, &def, "contact");
+}
+END_TEST
+
 /* A wrong scene is told to be wrong, or that memory ran out: not that it is right. */
 static weft_status load_wrong(const void *ctx, weft_error *err)
 {
@@ -425,6 +437,7 @@ int main(void)
     tcase_set_timeout(tcase, 120.0);
     tcase_add_test(tcase, scene_load_and_run_survive_every_failing_allocation);
     tcase_add_test(tcase, overrides_survive_every_failing_allocation);
+    tcase_add_test(tcase, contact_survives_every_failing_allocation);
     tcase_add_test(tcase, mistakes_survive_every_failing_allocation);
     tcase_add_loop_test(tcase, names_of_files_survive_every_failing_allocation, 0, 2);
     tcase_add_loop_test(tcase, sweeps_survive_every_failing_allocation, 0, 2);

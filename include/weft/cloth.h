@@ -331,7 +331,8 @@ WEFT_API int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y,
  *     dx' = dv,   dv' = M^-1 (dF/dx dx + dF/dv dv)
  *
  * for free particles and 0 for pinned ones, whose motion does not depend on the state.
- * F is all forces: springs, bending, drag, wind, contact, friction. Exact; a spring of
+ * F is all forces but contact of the cloth with itself: springs, bending, drag, wind,
+ * contact and friction of shapes. Exact; a spring of
  * length 0, where F has no derivative, adds nothing. y, dy and out are planes as a
  * state, and out must not overlap the others. Returns 0, or 1 as weft_cloth_rhs.
  * Allocates nothing; the bits are the same on every machine. It costs two
@@ -382,7 +383,9 @@ typedef struct weft_stiffness {
 /* Guaranteed bounds in the state y at time t. With y NULL they hold in any state and
  * are less sharp; with shapes, for particles that touch one at a time and arrive at no
  * more than stopping_speed (docs/physics.md). Where friction makes w2 and c complex,
- * their real parts are bounded. One pass over the springs, without allocation; not
+ * their real parts are bounded. With contact of the cloth with itself the bounds are
+ * estimates: the slopes of the weights are left out, and with y NULL layers meet at no
+ * more than stopping_speed. One pass over the springs, without allocation; not
  * finite if y is not. */
 WEFT_API weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t,
                                              const double *y);

@@ -114,7 +114,7 @@ double weft__extent(const weft_cloth *cloth, const double *from, const double *t
 
 /* The same, and to `low` and `high` the bounds of the displacements in each tile of
  * WEFT__TILE x WEFT__TILE particles, row by row of tiles, with those next to it. */
-enum { WEFT__TILE = 4 };
+enum { WEFT__TILE = 8 };
 typedef struct weft__drift {
     double low[3], high[3]; /* [m] */
 } weft__drift;

@@ -59,7 +59,7 @@ INLINE vec gather(const double *from, const int32_t *at)
     return (vec)_mm256_i32gather_pd(
         from, _mm_loadu_si128((const __m128i *)(const void *)at), 8);
 #else
-    vec a;
+    vec a = { 0 };
     for (int i = 0; i < LANES; ++i) {
         a[i] = from[at[i]];
     }

@@ -17,7 +17,7 @@ void weft__check_root(weft__reader *reader, const weft__match *match, void *base
     if (reader->report->found->errors == 0 && reader->def->bands > 1) {
         weft__check_bands(reader, match);
     }
-    if (reader->report->found->errors == 0) {
+    if (reader->report->found->errors == 0 && !reader->report->no_memory) {
         weft__warn_of_contact(reader, match);
     }
 }

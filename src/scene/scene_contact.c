@@ -70,14 +70,21 @@ static void check_crossings(weft__reader *reader, const weft__node *self)
     weft_cloth_def def = reader->scene->cloth;
     weft_cloth *cloth = NULL;
     weft_error err = { 0 };
+    if ((double)def.rows * (double)def.cols >= MAX_COMPARED) {
+        return;
+    }
     def.contact = weft_cloth_def_default().contact;
     def.allocator = reader->report->memory;
-    if ((double)def.rows * (double)def.cols < MAX_COMPARED
-        && weft_cloth_create(&def, &cloth, NULL) == WEFT_OK) {
+    weft_status status = weft_cloth_create(&def, &cloth, NULL);
+    if (status == WEFT_OK) {
         cloth->contact.self = true;
-        if (weft__start_crossing_error(cloth, &err) == WEFT_INVALID) {
+        status = weft__start_crossing_error(cloth, &err);
+        if (status == WEFT_INVALID) {
             weft__report_error(reader->report, self->at, "%s", err.message);
         }
+    }
+    if (status == WEFT_NO_MEMORY) {
+        reader->report->no_memory = true;
     }
     weft_cloth_destroy(cloth);
 }
@@ -94,7 +101,7 @@ void weft__check_contact(weft__reader *reader, const weft__match *match, void *b
     if (reader->scene->cloth.rows > 0) {
         weft__self_check(&reader->scene->cloth, &match->faults);
     }
-    if (reader->report->found->errors > 0) {
+    if (reader->report->found->errors > 0 || reader->report->no_memory) {
         return;
     }
     if (contact->shape_count > 0) {
