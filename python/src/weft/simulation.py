@@ -199,8 +199,8 @@ class Sim:
             setattr(self._hooks, name, given)
             ctx = keep = ffi.new_handle(self._hooks)
             pointer = getattr(lib, "weftpy_" + name)
-            warnings.warn("%s is a Python function: every %s calls it under the interpreter lock and copies the state; "
-                          "a C function (numba.cfunc(weft.%s)) costs nothing of this"
+            warnings.warn("%s is a Python function: every %s calls it under the interpreter lock, which takes some "
+                          "10 us and a copy of the state; a C function (numba.cfunc(weft.%s)) needs neither"
                           % (name, "evaluation of the right-hand side" if name == "force" else "step", name.upper()),
                           PerformanceWarning, stacklevel=4)
         else:
