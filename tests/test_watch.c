@@ -222,7 +222,7 @@ START_TEST(every_frame_comes_with_its_rows_and_then_the_result)
     ck_assert_int_eq(get("/frames?frame=0&series=0"), 200);
     expect(end(&run), 0);
     ck_assert_ptr_nonnull(strstr(body, "Content-Type: text/event-stream\r\n"));
-    char text[64];
+    char text[128];
     const char *at = body;
     for (int i = 0; i <= 10; ++i) {
         (void)snprintf(text, sizeof text,
