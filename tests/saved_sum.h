@@ -15,7 +15,8 @@ static inline uint64_t saved_word(const unsigned char *bytes, size_t at)
     return weft__word_at(bytes + WEFT__WORD * at);
 }
 
-/* Words before the planes, 0 if there is no room for these; the last is the checksum. */
+/* Words before the planes, 0 if there is no room for these; the last is the checksum.
+ */
 static inline size_t saved_front(const unsigned char *bytes, size_t size)
 {
     const size_t words = size / WEFT__WORD;

@@ -112,12 +112,12 @@ static weft_status make_file(record_file *file, const char *directory,
                : weft_error_set(err, WEFT_IO, "%s: %s", file->path, strerror(errno));
 }
 
-typedef struct target {
+typedef struct output {
     const char *path;
     int file;
-} target;
+} output;
 
-static weft_status failed(const target *to, weft_error *err)
+static weft_status failed(const output *to, weft_error *err)
 {
     return weft_error_set(err, WEFT_IO, "%s: %s", to->path, strerror(errno));
 }
@@ -125,7 +125,7 @@ static weft_status failed(const target *to, weft_error *err)
 static weft_status put(void *ctx, uint64_t at, const void *bytes, size_t size,
                        weft_error *err)
 {
-    const target *to = ctx;
+    const output *to = ctx;
     return record_write_at(to->file, bytes, size, HEAD + at) ? WEFT_OK
                                                              : failed(to, err);
 }
@@ -133,7 +133,7 @@ static weft_status put(void *ctx, uint64_t at, const void *bytes, size_t size,
 static weft_status put_parts(const record_file *file, weft_sim *sim,
                              const weft_comm *comm, weft_error *err)
 {
-    target to = { .path = file->path };
+    output to = { .path = file->path };
     weft_status status
         = record_shared_open(comm, file->temporary, O_WRONLY, &to.file, err);
     status = status == WEFT_OK ? weft_sim_save_parts(sim, put, &to, err) : status;
