@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "../examples/thread_comm.h"
+#include "record/checkpoint.h"
 #include "support.h"
 
 enum { BANDS = 5, FRAMES = 4, TEXT = 4096, SHAPES = 2 };
@@ -22,6 +23,8 @@ typedef struct scenario {
     double duration;     /* [s] */
     const void *restore; /* bytes to begin with; NULL: none */
     size_t restore_size;
+    const char *restore_file; /* directory of a checkpoint to begin with; or NULL */
+    const char *save_file;    /* directory for one at the end; or NULL */
     size_t spoilt; /* 1 + the row that gets a NaN after the first frame; 0: none */
     bool own_only; /* but not where it is a ghost */
     oddity odd;    /* what differs in odd_band */
@@ -279,6 +282,13 @@ static inline weft_status start(job *self, weft_cloth **cloth, weft_sim **sim,
     if (status == WEFT_OK && self->of->restore != NULL) {
         status = weft_sim_restore(*sim, self->of->restore, self->of->restore_size, err);
     }
+    if (status == WEFT_OK && self->of->restore_file != NULL) {
+        record_checkpoint from;
+        status = record_checkpoint_read(self->of->restore_file, &from, err);
+        status
+            = status == WEFT_OK ? record_checkpoint_restore(&from, *sim, err) : status;
+        record_checkpoint_close(&from);
+    }
     return status;
 }
 
@@ -298,7 +308,7 @@ static inline void spoil(const scenario *of, const weft_sim *sim)
 static inline double frame_time(const scenario *of, size_t i)
 {
     const double part = of->duration * (double)i / FRAMES;
-    return of->restore == NULL ? part : of->duration + part;
+    return of->restore == NULL && of->restore_file == NULL ? part : of->duration + part;
 }
 
 static inline void *play(void *ctx)
@@ -332,6 +342,11 @@ static inline void *play(void *ctx)
         out->saved = first ? malloc(out->saved_size) : NULL;
         out->status
             = weft_sim_save(sim, out->saved, first ? out->saved_size : 0, &out->err);
+    }
+    if (out->status == WEFT_OK && self->of->save_file != NULL) {
+        const record_checkpoint head = { .frame = FRAMES };
+        out->status = record_checkpoint_write(self->of->save_file, &head, sim,
+                                              self->comm, &out->err);
     }
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);
