@@ -14,7 +14,14 @@
 
 enum { BANDS = 5, FRAMES = 4, TEXT = 4096, SHAPES = 2 };
 
-typedef enum oddity { NOTHING, WHOLE_CLOTH, NO_MEMORY, STOPS } oddity;
+typedef enum oddity {
+    NOTHING,
+    WHOLE_CLOTH,
+    NO_MEMORY,
+    STOPS,
+    ELSEWHERE, /* its checkpoint */
+    FULL_DISK  /* for its parts of the saved bytes */
+} oddity;
 
 /* A run of a cloth, whole or in bands. */
 typedef struct scenario {
@@ -311,6 +318,25 @@ static inline double frame_time(const scenario *of, size_t i)
     return of->restore == NULL && of->restore_file == NULL ? part : of->duration + part;
 }
 
+static inline weft_status put_to_disk(void *full, uint64_t at, const void *bytes,
+                                      size_t size, weft_error *err)
+{
+    (void)at, (void)bytes, (void)size;
+    return *(bool *)full ? weft_error_set(err, WEFT_IO, "the disk is full") : WEFT_OK;
+}
+
+/* To files. */
+static inline weft_status keep(const job *self, weft_sim *sim, weft_error *err)
+{
+    const record_checkpoint head = { .frame = FRAMES };
+    bool full = is_odd(self, FULL_DISK);
+    return self->of->odd == FULL_DISK
+               ? weft_sim_save_parts(sim, put_to_disk, &full, err)
+               : record_checkpoint_write(is_odd(self, ELSEWHERE) ? BUILD_DIR "/none"
+                                                                 : self->of->save_file,
+                                         &head, sim, self->comm, err);
+}
+
 static inline void *play(void *ctx)
 {
     job *self = ctx;
@@ -344,9 +370,7 @@ static inline void *play(void *ctx)
             = weft_sim_save(sim, out->saved, first ? out->saved_size : 0, &out->err);
     }
     if (out->status == WEFT_OK && self->of->save_file != NULL) {
-        const record_checkpoint head = { .frame = FRAMES };
-        out->status = record_checkpoint_write(self->of->save_file, &head, sim,
-                                              self->comm, &out->err);
+        out->status = keep(self, sim, &out->err);
     }
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);

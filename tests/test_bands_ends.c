@@ -372,6 +372,29 @@ START_TEST(a_flipped_byte_of_a_checkpoint_is_found_by_all)
 }
 END_TEST
 
+START_TEST(a_band_that_cannot_write_its_rows_fails_all_and_leaves_no_file)
+{
+    static const struct {
+        oddity odd;
+        const char *says;
+    } ways[] = { { ELSEWHERE, "bands need a directory that all ranks share" },
+                 { FULL_DISK, "the disk is full" } };
+    ck_assert_int_eq(shell("rm -rf " OUT " && mkdir -p " OUT), 0);
+    for (size_t i = 0; i < 2; ++i) {
+        scenario of = on_shapes();
+        outcome parts;
+        of.save_file = OUT;
+        of.odd = ways[i].odd, of.odd_band = 1;
+        run_bands(&of, 3, &parts); /* where all agree */
+        ck_assert_int_eq(parts.status, WEFT_IO);
+        ck_assert_msg(strstr(parts.err.message, ways[i].says) != NULL, "%s",
+                      parts.err.message);
+        ck_assert_int_eq(shell("ls " OUT " | wc -l | grep -qx 0"), 0);
+        drop(&parts);
+    }
+}
+END_TEST
+
 static weft_status put_nothing(void *calls, uint64_t at, const void *bytes, size_t size,
                                weft_error *err)
 {
@@ -424,6 +447,8 @@ TEST_SUITE(bands_ends)
     tcase_add_test(same, saved_bands_restore_on_any_number);
     tcase_add_test(same, checkpoints_of_bands_restore_on_any_number);
     tcase_add_test(same, a_flipped_byte_of_a_checkpoint_is_found_by_all);
+    tcase_add_test(same,
+                   a_band_that_cannot_write_its_rows_fails_all_and_leaves_no_file);
     tcase_add_test(same, a_part_that_fails_is_told_and_the_others_are_still_put);
     tcase_add_test(same, damaged_bytes_are_refused_by_all);
     suite_add_tcase(suite, same);
