@@ -9,11 +9,19 @@
 #include <string.h>
 
 #include "../examples/thread_comm.h"
+#include "record/checkpoint.h"
 #include "support.h"
 
 enum { BANDS = 5, FRAMES = 4, TEXT = 4096, SHAPES = 2 };
 
-typedef enum oddity { NOTHING, WHOLE_CLOTH, NO_MEMORY, STOPS } oddity;
+typedef enum oddity {
+    NOTHING,
+    WHOLE_CLOTH,
+    NO_MEMORY,
+    STOPS,
+    ELSEWHERE, /* its checkpoint */
+    FULL_DISK  /* for its parts of the saved bytes */
+} oddity;
 
 /* A run of a cloth, whole or in bands. */
 typedef struct scenario {
@@ -22,6 +30,8 @@ typedef struct scenario {
     double duration;     /* [s] */
     const void *restore; /* bytes to begin with; NULL: none */
     size_t restore_size;
+    const char *restore_file; /* directory of a checkpoint to begin with; or NULL */
+    const char *save_file;    /* directory for one at the end; or NULL */
     size_t spoilt; /* 1 + the row that gets a NaN after the first frame; 0: none */
     bool own_only; /* but not where it is a ghost */
     oddity odd;    /* what differs in odd_band */
@@ -279,6 +289,13 @@ static inline weft_status start(job *self, weft_cloth **cloth, weft_sim **sim,
     if (status == WEFT_OK && self->of->restore != NULL) {
         status = weft_sim_restore(*sim, self->of->restore, self->of->restore_size, err);
     }
+    if (status == WEFT_OK && self->of->restore_file != NULL) {
+        record_checkpoint from;
+        status = record_checkpoint_read(self->of->restore_file, &from, err);
+        status
+            = status == WEFT_OK ? record_checkpoint_restore(&from, *sim, err) : status;
+        record_checkpoint_close(&from);
+    }
     return status;
 }
 
@@ -298,7 +315,26 @@ static inline void spoil(const scenario *of, const weft_sim *sim)
 static inline double frame_time(const scenario *of, size_t i)
 {
     const double part = of->duration * (double)i / FRAMES;
-    return of->restore == NULL ? part : of->duration + part;
+    return of->restore == NULL && of->restore_file == NULL ? part : of->duration + part;
+}
+
+static inline weft_status put_to_disk(void *full, uint64_t at, const void *bytes,
+                                      size_t size, weft_error *err)
+{
+    (void)at, (void)bytes, (void)size;
+    return *(bool *)full ? weft_error_set(err, WEFT_IO, "the disk is full") : WEFT_OK;
+}
+
+/* To files. */
+static inline weft_status keep(const job *self, weft_sim *sim, weft_error *err)
+{
+    const record_checkpoint head = { .frame = FRAMES };
+    bool full = is_odd(self, FULL_DISK);
+    return self->of->odd == FULL_DISK
+               ? weft_sim_save_parts(sim, put_to_disk, &full, err)
+               : record_checkpoint_write(is_odd(self, ELSEWHERE) ? BUILD_DIR "/none"
+                                                                 : self->of->save_file,
+                                         &head, sim, self->comm, err);
 }
 
 static inline void *play(void *ctx)
@@ -332,6 +368,9 @@ static inline void *play(void *ctx)
         out->saved = first ? malloc(out->saved_size) : NULL;
         out->status
             = weft_sim_save(sim, out->saved, first ? out->saved_size : 0, &out->err);
+    }
+    if (out->status == WEFT_OK && self->of->save_file != NULL) {
+        out->status = keep(self, sim, &out->err);
     }
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);

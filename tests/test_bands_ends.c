@@ -2,6 +2,7 @@
 /* test_bands_ends.c -- where bands end: failures, stops and refusals, which all bands
  * share; saved bytes on another number of bands; the cloth of one band. */
 #include "bands_run.h"
+#include "shell.h"
 
 static void check_failure(const scenario *of, weft_status status, const char *part)
 {
@@ -312,6 +313,113 @@ START_TEST(saved_bands_restore_on_any_number)
 }
 END_TEST
 
+#define OUT BUILD_DIR "/bands-ends"
+
+/* Written by bands, the file of the whole, and the other way round. */
+START_TEST(checkpoints_of_bands_restore_on_any_number)
+{
+    scenario of = on_shapes();
+    outcome whole, parts;
+    ck_assert_int_eq(shell("rm -rf " OUT " && mkdir -p " OUT "/1 " OUT "/3"), 0);
+    of.save_file = OUT "/1";
+    run_whole(&of, &whole);
+    of.save_file = OUT "/3";
+    run_bands(&of, 3, &parts);
+    check_bits(&of, &whole, &parts);
+    ck_assert_int_eq(shell("cmp " OUT "/1/checkpoint.weft " OUT "/3/checkpoint.weft"),
+                     0);
+    ck_assert_int_eq(shell("ls " OUT "/3 | wc -l | grep -qx 1"), 0);
+    drop(&whole), drop(&parts);
+    of.save_file = NULL, of.restore_file = OUT "/3";
+    run_whole(&of, &whole);
+    ck_assert_int_eq(whole.status, WEFT_OK);
+    for (size_t i = 0; i < COUNTS; ++i) {
+        run_bands(&of, counts[i], &parts);
+        check_bits(&of, &whole, &parts);
+        drop(&parts);
+    }
+    drop(&whole);
+}
+END_TEST
+
+/* Also where one band alone reads it. */
+START_TEST(a_flipped_byte_of_a_checkpoint_is_found_by_all)
+{
+    scenario of = on_shapes();
+    outcome parts;
+    ck_assert_int_eq(shell("rm -rf " OUT " && mkdir -p " OUT), 0);
+    of.save_file = OUT;
+    run_bands(&of, 3, &parts);
+    drop(&parts);
+    of.save_file = NULL, of.restore_file = OUT;
+    FILE *stream = fopen(OUT "/checkpoint.weft", "r+b");
+    ck_assert_ptr_nonnull(stream);
+    ck_assert_int_eq(fseek(stream, 0, SEEK_END), 0);
+    const long size = ftell(stream);
+    for (long at = 3; at < size; at += size / 12) {
+        for (int twice = 0; twice < 2; ++twice) {
+            ck_assert_int_eq(fseek(stream, at, SEEK_SET), 0);
+            const int byte = getc(stream);
+            ck_assert_int_eq(fseek(stream, at, SEEK_SET), 0);
+            ck_assert_int_ne(putc(byte ^ 4, stream), EOF);
+            ck_assert_int_eq(fflush(stream), 0);
+            run_bands(&of, 3, &parts);
+            ck_assert_int_eq(parts.status, twice == 0 ? WEFT_IO : WEFT_OK);
+            drop(&parts);
+        }
+    }
+    ck_assert_int_eq(fclose(stream), 0);
+}
+END_TEST
+
+START_TEST(a_band_that_cannot_write_its_rows_fails_all_and_leaves_no_file)
+{
+    static const struct {
+        oddity odd;
+        const char *says;
+    } ways[] = { { ELSEWHERE, "bands need a directory that all ranks share" },
+                 { FULL_DISK, "the disk is full" } };
+    ck_assert_int_eq(shell("rm -rf " OUT " && mkdir -p " OUT), 0);
+    for (size_t i = 0; i < 2; ++i) {
+        scenario of = on_shapes();
+        outcome parts;
+        of.save_file = OUT;
+        of.odd = ways[i].odd, of.odd_band = 1;
+        run_bands(&of, 3, &parts); /* where all agree */
+        ck_assert_int_eq(parts.status, WEFT_IO);
+        ck_assert_msg(strstr(parts.err.message, ways[i].says) != NULL, "%s",
+                      parts.err.message);
+        ck_assert_int_eq(shell("ls " OUT " | wc -l | grep -qx 0"), 0);
+        drop(&parts);
+    }
+}
+END_TEST
+
+static weft_status put_nothing(void *calls, uint64_t at, const void *bytes, size_t size,
+                               weft_error *err)
+{
+    (void)at, (void)bytes, (void)size;
+    return ++*(int *)calls == 3 ? weft_error_set(err, WEFT_IO, "the disk is full")
+                                : WEFT_OK;
+}
+
+START_TEST(a_part_that_fails_is_told_and_the_others_are_still_put)
+{
+    scenario of = on_shapes();
+    weft_error err = { 0 };
+    weft_cloth *cloth = test_cloth(&of.cloth);
+    weft_sim *sim = NULL;
+    int calls = 0;
+    of.sim.cloth = cloth;
+    ck_assert_int_eq(weft_sim_create(&of.sim, &sim, &err), WEFT_OK);
+    ck_assert_int_eq(weft_sim_save_parts(sim, put_nothing, &calls, &err), WEFT_IO);
+    ck_assert_str_eq(err.message, "the disk is full");
+    ck_assert_int_eq(calls, 8);
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+}
+END_TEST
+
 START_TEST(damaged_bytes_are_refused_by_all)
 {
     scenario of = on_shapes();
@@ -337,6 +445,11 @@ TEST_SUITE(bands_ends)
     tcase_add_test(same, what_fails_in_one_band_fails_in_all);
     tcase_add_test(same, stop_in_one_band_stops_all);
     tcase_add_test(same, saved_bands_restore_on_any_number);
+    tcase_add_test(same, checkpoints_of_bands_restore_on_any_number);
+    tcase_add_test(same, a_flipped_byte_of_a_checkpoint_is_found_by_all);
+    tcase_add_test(same,
+                   a_band_that_cannot_write_its_rows_fails_all_and_leaves_no_file);
+    tcase_add_test(same, a_part_that_fails_is_told_and_the_others_are_still_put);
     tcase_add_test(same, damaged_bytes_are_refused_by_all);
     suite_add_tcase(suite, same);
     TCase *alone = tcase_create("one band");

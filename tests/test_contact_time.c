@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/bytes.h"
 #include "contact_run.h"
+#include "saved_sum.h"
 
 enum { MOST = 4096 };
 
@@ -369,7 +369,7 @@ START_TEST(saved_shapes_that_make_no_sense_are_refused)
         { LAW, 0.0, 1, "saved of another cloth" },
     };
     static unsigned char saved[MOST], forged[MOST];
-    const size_t size = save_with_shapes(saved), sum = size - 8;
+    const size_t size = save_with_shapes(saved), sum = 8 * saved_front(saved, size) - 8;
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
         memcpy(forged, saved, size);
         unsigned char *word = forged + sum + 8 * (wrong[i].word - WORDS);
@@ -378,7 +378,7 @@ START_TEST(saved_shapes_that_make_no_sense_are_refused)
         } else {
             weft__real_put(word, wrong[i].real);
         }
-        weft__word_put(forged + sum, weft__words_sum(forged, sum / 8));
+        saved_mend(forged, size);
         refused(forged, size, wrong[i].why);
     }
 }

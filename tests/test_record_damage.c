@@ -15,8 +15,13 @@ static void read_checkpoint(record_checkpoint *checkpoint)
 
 static void write_checkpoint(record_checkpoint *checkpoint)
 {
-    ck_assert_int_eq(record_checkpoint_write(OUT "/k", checkpoint, NULL), WEFT_OK);
-    record_checkpoint_free(checkpoint);
+    unsigned char head[RECORD_CHECKPOINT_HEAD];
+    record_checkpoint_pack(checkpoint, checkpoint->state_size, head);
+    FILE *stream = fopen(checkpoint->path, "r+b");
+    ck_assert_ptr_nonnull(stream);
+    ck_assert_uint_eq(fwrite(head, 1, sizeof head, stream), sizeof head);
+    ck_assert_int_eq(fclose(stream), 0);
+    record_checkpoint_close(checkpoint);
 }
 
 /* An hour was spent on the part before the checkpoint. */
@@ -165,7 +170,7 @@ START_TEST(a_flipped_bit_of_the_series_is_refused)
     read_checkpoint(&checkpoint);
     const uint64_t range[][2] = { { 0, checkpoint.series.length } };
     refuses_flips("series.csv", range, 1);
-    record_checkpoint_free(&checkpoint);
+    record_checkpoint_close(&checkpoint);
 }
 END_TEST
 
@@ -182,7 +187,7 @@ START_TEST(a_flipped_bit_of_the_frames_is_refused)
                                   { RECORD_PAGE, head - RECORD_PAGE },
                                   { head, checkpoint.vtkhdf.frames.length * frame } };
     refuses_flips("run.vtkhdf", range, 3);
-    record_checkpoint_free(&checkpoint);
+    record_checkpoint_close(&checkpoint);
 }
 END_TEST
 
@@ -218,7 +223,7 @@ START_TEST(damaged_loads_of_shapes_are_refused)
     read_checkpoint(&checkpoint);
     const uint64_t range[][2] = { { 0, checkpoint.shapes.length } };
     refuses_flips("shapes.csv", range, 1);
-    record_checkpoint_free(&checkpoint);
+    record_checkpoint_close(&checkpoint);
 }
 END_TEST
 

@@ -499,12 +499,32 @@ WEFT_API size_t weft_sim_save_size(const weft_sim *sim);
 WEFT_API weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size,
                                    weft_error *err);
 
+/* The same bytes in parts: calls put with each of them and its place [bytes], in any
+ * order, together weft_sim_save_size. In bands each band's put gets the band's own
+ * rows, and band 0's the rest; all bands make the same number of calls, in the same
+ * order, some with size 0, and also after one that failed. Needs memory for 16 bytes
+ * per particle of the band. Errors: the first that put returns, on any band, with the
+ * error that it set; those of weft_sim_save. */
+typedef weft_status weft_save_put(void *ctx, uint64_t at, const void *bytes,
+                                  size_t size, weft_error *err);
+WEFT_API weft_status weft_sim_save_parts(weft_sim *sim, weft_save_put *put, void *ctx,
+                                         weft_error *err);
+
 /* Errors: WEFT_INVALID with the reason (not a saved simulation, damaged or cut off, of
  * another version, grid or method, with or without a ledger unlike this one, of another
  * cloth or other settings, not finite), WEFT_NO_MEMORY. Then nothing changes. In bands
  * all need the bytes, of which they read the checksum and their own rows. */
 WEFT_API weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
                                       weft_error *err);
+
+/* The same from `size` bytes of which get copies those from a place [bytes] on: always
+ * all that it is asked for, which lie within size, or an error. In bands get is asked
+ * for the band's own rows and ghosts and what is common to all; the bands' calls do not
+ * match. Errors: those of weft_sim_restore and of get. */
+typedef weft_status weft_save_get(void *ctx, uint64_t at, void *bytes, size_t size,
+                                  weft_error *err);
+WEFT_API weft_status weft_sim_restore_parts(weft_sim *sim, weft_save_get *get,
+                                            void *ctx, size_t size, weft_error *err);
 
 #ifdef __cplusplus
 }

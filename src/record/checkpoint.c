@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* checkpoint.c -- the layout, in words (base/bytes.h): "weftckpt", format, size of the
- * file, the fields below, the program in 256 bytes, the first page of run.vtkhdf, the
- * state, a checksum. */
+ * file, the fields below, the program in 256 bytes, the first page of run.vtkhdf, a
+ * checksum; then the simulation, which has its own. */
 #include "record/checkpoint.h"
 
 #include <errno.h>
-#include <stdlib.h>
+#include <fcntl.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/bytes.h"
+#include "record/shared_file.h"
 
 static const unsigned char magic[WEFT__WORD] = "weftckpt";
 
-#define FORMAT 4
+#define FORMAT 5
 
 /* X(kind of word, member of the checkpoint) */
 #define FIELDS(X)                                                                      \
@@ -43,8 +45,10 @@ enum {
     AT_FAMILY = AT_FIELDS FIELDS(ONE),
     AT_PROGRAM,
     AT_PAGE = AT_PROGRAM + RECORD_PROGRAM / WEFT__WORD,
-    HEAD = AT_PAGE + RECORD_PAGE / WEFT__WORD
+    AT_SUM = AT_PAGE + RECORD_PAGE / WEFT__WORD,
+    HEAD = RECORD_CHECKPOINT_HEAD
 };
+_Static_assert(HEAD == (AT_SUM + 1) * WEFT__WORD, "the head is that of checkpoint.h");
 
 uint64_t record_hash(const char *text)
 {
@@ -55,18 +59,12 @@ uint64_t record_hash(const char *text)
     return hash;
 }
 
-static size_t size_of(size_t state_size)
+void record_checkpoint_pack(const record_checkpoint *from, size_t state_size,
+                            unsigned char to[RECORD_CHECKPOINT_HEAD])
 {
-    return HEAD * WEFT__WORD + state_size + WEFT__WORD;
-}
-
-/* The size of a simulation's state is a multiple of a word. */
-static void pack(const record_checkpoint *from, unsigned char *to, size_t size)
-{
-    const size_t words = size / WEFT__WORD;
     memcpy(to, magic, sizeof magic);
     weft__word_put(to + AT_FORMAT * WEFT__WORD, FORMAT);
-    weft__word_put(to + AT_SIZE * WEFT__WORD, size);
+    weft__word_put(to + AT_SIZE * WEFT__WORD, HEAD + state_size);
     unsigned char *field = to + AT_FIELDS * WEFT__WORD;
 #define PUT(kind, name)                                                                \
     weft__##kind##_put(field, from->name);                                             \
@@ -75,8 +73,7 @@ static void pack(const record_checkpoint *from, unsigned char *to, size_t size)
     weft__word_put(to + AT_FAMILY * WEFT__WORD, from->extremes.strain.family);
     memcpy(to + AT_PROGRAM * WEFT__WORD, from->program, RECORD_PROGRAM);
     memcpy(to + AT_PAGE * WEFT__WORD, from->vtkhdf.page, RECORD_PAGE);
-    memcpy(to + HEAD * WEFT__WORD, from->state, from->state_size);
-    weft__word_put(to + (words - 1) * WEFT__WORD, weft__words_sum(to, words - 1));
+    weft__word_put(to + AT_SUM * WEFT__WORD, weft__words_sum(to, AT_SUM));
 }
 
 weft_status record_checkpoint_identify(record_checkpoint *out, const weft_scene *scene,
@@ -95,23 +92,87 @@ weft_status record_checkpoint_identify(record_checkpoint *out, const weft_scene 
     return status;
 }
 
-weft_status record_checkpoint_write(const char *directory,
-                                    const record_checkpoint *checkpoint,
-                                    weft_error *err)
+/* ---- writing --------------------------------------------------------------------- */
+
+/* A new file of that size under its temporary name, with its head. */
+static weft_status make_file(record_file *file, const char *directory,
+                             const record_checkpoint *from, size_t state_size,
+                             weft_error *err)
 {
-    record_file file;
-    const size_t size = size_of(checkpoint->state_size);
-    unsigned char *bytes = malloc(size);
-    if (bytes == NULL) {
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a checkpoint");
+    unsigned char head[HEAD];
+    const weft_status status
+        = record_file_open(file, directory, RECORD_CHECKPOINT, err);
+    if (status != WEFT_OK) {
+        return status;
     }
-    pack(checkpoint, bytes, size);
-    weft_status status = record_file_open(&file, directory, RECORD_CHECKPOINT, err);
+    record_checkpoint_pack(from, state_size, head);
+    return ftruncate(fileno(file->stream), (off_t)(HEAD + state_size)) == 0
+                   && record_write_at(fileno(file->stream), head, HEAD, 0)
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_IO, "%s: %s", file->path, strerror(errno));
+}
+
+typedef struct output {
+    const char *path;
+    int file;
+} output;
+
+static weft_status failed(const output *to, weft_error *err)
+{
+    return weft_error_set(err, WEFT_IO, "%s: %s", to->path, strerror(errno));
+}
+
+static weft_status put(void *ctx, uint64_t at, const void *bytes, size_t size,
+                       weft_error *err)
+{
+    const output *to = ctx;
+    return record_write_at(to->file, bytes, size, HEAD + at) ? WEFT_OK
+                                                             : failed(to, err);
+}
+
+static weft_status put_parts(const record_file *file, weft_sim *sim,
+                             const weft_comm *comm, weft_error *err)
+{
+    output to = { .path = file->path };
+    weft_status status
+        = record_shared_open(comm, file->temporary, O_WRONLY, &to.file, err);
+    status = status == WEFT_OK ? weft_sim_save_parts(sim, put, &to, err) : status;
+    if (status == WEFT_OK && fsync(to.file) != 0) {
+        status = failed(&to, err);
+    }
+    if (to.file >= 0 && close(to.file) != 0 && status == WEFT_OK) {
+        status = failed(&to, err);
+    }
+    return weft_comm_agree(comm, status, err);
+}
+
+static weft_status names(record_file *file, const char *directory, weft_error *err)
+{
+    const weft_status status
+        = record_path(directory, RECORD_CHECKPOINT, file->path, err);
     if (status == WEFT_OK) {
-        (void)fwrite(bytes, 1, size, file.stream);
-        status = record_file_commit(&file, err);
+        record_temporary(file->path, file->temporary);
     }
-    free(bytes);
+    return status;
+}
+
+weft_status record_checkpoint_write(const char *directory,
+                                    const record_checkpoint *checkpoint, weft_sim *sim,
+                                    const weft_comm *comm, weft_error *err)
+{
+    record_file file = { .stream = NULL };
+    const bool first = comm == NULL || comm->rank == 0;
+    weft_status status
+        = first ? make_file(&file, directory, checkpoint, weft_sim_save_size(sim), err)
+                : names(&file, directory, err);
+    status = weft_comm_agree(comm, status, err);
+    status = status == WEFT_OK ? put_parts(&file, sim, comm, err) : status;
+    if (status == WEFT_OK) {
+        status = first ? record_file_commit(&file, err) : WEFT_OK;
+        status = weft_comm_agree(comm, status, err);
+    } else if (file.stream != NULL) {
+        record_file_discard(&file);
+    }
     return status;
 }
 
@@ -122,23 +183,22 @@ static uint64_t word(const unsigned char *bytes, size_t at)
     return weft__word_at(bytes + at * WEFT__WORD);
 }
 
-/* A complaint about a file of that size, or NULL. */
-static const char *check(const unsigned char *bytes, size_t size)
+/* A complaint about the head of a file of that size, or NULL. */
+static const char *check(const unsigned char *bytes, uint64_t size)
 {
-    if (size < size_of(0) || memcmp(bytes, magic, sizeof magic) != 0) {
+    if (size < HEAD || memcmp(bytes, magic, sizeof magic) != 0) {
         return "damaged: no checkpoint";
     }
     if (word(bytes, AT_FORMAT) != FORMAT) {
         return "a checkpoint of another version of weft";
     }
-    if (word(bytes, AT_SIZE) != size || size % WEFT__WORD != 0) {
+    if (word(bytes, AT_SIZE) != size) {
         return "damaged: cut off, or longer than it was";
     }
     if (word(bytes, AT_FAMILY) >= WEFT_FAMILIES) {
         return "damaged: no such spring";
     }
-    const size_t last = size / WEFT__WORD - 1;
-    return weft__words_sum(bytes, last) == word(bytes, last)
+    return weft__words_sum(bytes, AT_SUM) == word(bytes, AT_SUM)
                ? NULL
                : "damaged: its checksum is wrong";
 }
@@ -156,53 +216,52 @@ static void unpack(const unsigned char *bytes, record_checkpoint *out)
     out->program[RECORD_PROGRAM - 1] = '\0';
 }
 
-/* Reads the whole file into allocated memory. */
-static weft_status slurp(const char *directory, char path[RECORD_PATH],
-                         unsigned char **bytes, size_t *size, weft_error *err)
-{
-    FILE *stream = record_open(directory, RECORD_CHECKPOINT, path, err);
-    if (stream == NULL) {
-        return WEFT_IO;
-    }
-    const long length = fseek(stream, 0, SEEK_END) == 0 ? ftell(stream) : -1;
-    rewind(stream);
-    *size = length < 0 ? 0 : (size_t)length;
-    *bytes = length < 0 ? NULL : malloc(*size + 1);
-    const bool done = *bytes != NULL && fread(*bytes, 1, *size + 1, stream) == *size;
-    const int why = errno;
-    (void)fclose(stream);
-    if (done) {
-        return WEFT_OK;
-    }
-    free(*bytes);
-    return weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(why));
-}
-
 weft_status record_checkpoint_read(const char *directory, record_checkpoint *out,
                                    weft_error *err)
 {
-    char path[RECORD_PATH];
-    unsigned char *bytes = NULL;
-    size_t size = 0;
-    *out = (record_checkpoint){ .state = NULL };
-    const weft_status status = slurp(directory, path, &bytes, &size, err);
-    if (status != WEFT_OK) {
-        return status;
+    unsigned char head[HEAD];
+    *out = (record_checkpoint){ .stream = NULL };
+    FILE *stream = record_open(directory, RECORD_CHECKPOINT, out->path, err);
+    out->stream = stream;
+    if (stream == NULL) {
+        return WEFT_IO;
     }
-    const char *wrong = check(bytes, size);
+    const off_t size = lseek(fileno(stream), 0, SEEK_END);
+    const char *wrong
+        = size < 0 || (size >= HEAD && !record_read_at(fileno(stream), head, HEAD, 0))
+              ? strerror(errno)
+              : check(head, (uint64_t)size);
     if (wrong != NULL) {
-        free(bytes);
-        return weft_error_set(err, WEFT_IO, "%s: %s", path, wrong);
+        record_checkpoint_close(out);
+        return weft_error_set(err, WEFT_IO, "%s: %s", out->path, wrong);
     }
-    unpack(bytes, out);
-    out->state = bytes;
-    out->state_size = size - size_of(0);
-    memmove(bytes, bytes + HEAD * WEFT__WORD, out->state_size);
+    unpack(head, out);
+    out->state_size = (size_t)size - HEAD;
     return WEFT_OK;
 }
 
-void record_checkpoint_free(record_checkpoint *checkpoint)
+static weft_status get(void *ctx, uint64_t at, void *bytes, size_t size,
+                       weft_error *err)
 {
-    free(checkpoint->state);
-    checkpoint->state = NULL;
+    const record_checkpoint *from = ctx;
+    return record_read_at(fileno(from->stream), bytes, size, HEAD + at)
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_IO, "%s", strerror(errno));
+}
+
+weft_status record_checkpoint_restore(record_checkpoint *from, weft_sim *sim,
+                                      weft_error *err)
+{
+    weft_error why = { 0 };
+    return weft_sim_restore_parts(sim, get, from, from->state_size, &why) == WEFT_OK
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_IO, "%s: %s", from->path, why.message);
+}
+
+void record_checkpoint_close(record_checkpoint *checkpoint)
+{
+    if (checkpoint->stream != NULL) {
+        (void)fclose(checkpoint->stream);
+    }
+    checkpoint->stream = NULL;
 }

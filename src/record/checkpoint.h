@@ -20,9 +20,17 @@ typedef struct record_checkpoint {
     record_vtkhdf_mark vtkhdf;    /* of run.vtkhdf */
     double wall_time;             /* [s] */
     record_extremes extremes;
-    unsigned char *state; /* weft_sim_save */
-    size_t state_size;
+    /* of one that is read: */
+    char path[RECORD_PATH];
+    FILE *stream;      /* NULL: none */
+    size_t state_size; /* [bytes] of the simulation in it */
 } record_checkpoint;
+
+enum { RECORD_CHECKPOINT_HEAD = 566 * 8 }; /* [bytes] before the simulation */
+
+/* A head for a simulation of `state_size` bytes. */
+void record_checkpoint_pack(const record_checkpoint *from, size_t state_size,
+                            unsigned char to[RECORD_CHECKPOINT_HEAD]);
 
 uint64_t record_hash(const char *text);
 
@@ -30,15 +38,21 @@ uint64_t record_hash(const char *text);
 weft_status record_checkpoint_identify(record_checkpoint *out, const weft_scene *scene,
                                        weft_registry *registry, weft_error *err);
 
-/* Everything that it refers to must have been synced. */
+/* With the simulation, by weft_sim_save_parts: each band writes its rows. Collective.
+ * Everything that it refers to must have been synced. */
 weft_status record_checkpoint_write(const char *directory,
-                                    const record_checkpoint *checkpoint,
-                                    weft_error *err);
+                                    const record_checkpoint *checkpoint, weft_sim *sim,
+                                    const weft_comm *comm, weft_error *err);
 
-/* Allocates out->state. Errors: WEFT_IO names the file and its fault: missing, damaged,
+/* Leaves the file open. Errors: WEFT_IO names the file and its fault: missing, damaged,
  * cut off, of another format. */
 weft_status record_checkpoint_read(const char *directory, record_checkpoint *out,
                                    weft_error *err);
-void record_checkpoint_free(record_checkpoint *checkpoint);
+
+/* The simulation of the file, of which each band reads its rows. Collective. Errors:
+ * WEFT_IO, also for what weft_sim_restore_parts finds. */
+weft_status record_checkpoint_restore(record_checkpoint *from, weft_sim *sim,
+                                      weft_error *err);
+void record_checkpoint_close(record_checkpoint *checkpoint);
 
 #endif

@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "record/vtkhdf_rows.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/bytes.h"
+#include "record/shared_file.h"
 
 bool vtkhdf_rows_begin(vtkhdf_rows *self, const weft_comm *comm,
                        const weft_cloth *cloth, bool doubles)
@@ -41,36 +39,14 @@ void vtkhdf_rows_end(vtkhdf_rows *self)
     free(self->all_sums);
 }
 
-/* A file of the same name on another machine is another one. */
-static weft_status check_shared(vtkhdf_rows *self, const char *path, weft_error *err)
-{
-    struct stat seen = { 0 };
-    const bool open = self->file >= 0 && fstat(self->file, &seen) == 0;
-    const int why = errno;
-    uint64_t number = (uint64_t)seen.st_ino;
-    if (self->comm != NULL) {
-        self->comm->share(self->comm->self, &number, sizeof number);
-    }
-    if (open && number == (uint64_t)seen.st_ino) {
-        return WEFT_OK;
-    }
-    return self->comm == NULL || self->comm->rank == 0
-               ? weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(why))
-               : weft_error_set(
-                   err, WEFT_IO,
-                   "%.300s: %s: bands need a directory that all ranks share", path,
-                   open ? "not the file of rank 0" : strerror(why));
-}
-
 weft_status vtkhdf_rows_open(vtkhdf_rows *self, const char *path, int flags,
                              weft_error *err)
 {
     close_file(self);
-    self->file = open(path, flags | O_NOFOLLOW | O_CLOEXEC);
     if (self->comm != NULL) {
         self->comm->share(self->comm->self, self->places, sizeof self->places);
     }
-    return weft_comm_agree(self->comm, check_shared(self, path, err), err);
+    return record_shared_open(self->comm, path, flags, &self->file, err);
 }
 
 /* ---- a set of a frame
@@ -118,35 +94,6 @@ static void unpack(const vtkhdf_rows *self, double *values, size_t count)
     }
 }
 
-/* All bytes; false: errno says why. */
-static bool write_at(int file, const void *bytes, size_t size, uint64_t at)
-{
-    const char *from = bytes;
-    while (size > 0) {
-        const ssize_t done = pwrite(file, from, size, (off_t)at);
-        if (done < 0 && errno != EINTR) {
-            return false;
-        }
-        const size_t moved = done < 0 ? 0 : (size_t)done;
-        from += moved, size -= moved, at += moved;
-    }
-    return true;
-}
-
-static bool read_at(int file, void *bytes, size_t size, uint64_t at)
-{
-    char *to = bytes;
-    while (size > 0) {
-        const ssize_t done = pread(file, to, size, (off_t)at);
-        if (done == 0 || (done < 0 && errno != EINTR)) {
-            return false;
-        }
-        const size_t moved = done < 0 ? 0 : (size_t)done;
-        to += moved, size -= moved, at += moved;
-    }
-    return true;
-}
-
 static uint64_t place(const vtkhdf_rows *self, size_t set, size_t frame, size_t item)
 {
     const uint64_t row = (uint64_t)frame * self->band.rows + self->band.first;
@@ -160,8 +107,8 @@ bool vtkhdf_rows_write(vtkhdf_rows *self, size_t set, size_t width, size_t frame
     const size_t size = self->doubles ? sizeof(double) : sizeof(float);
     sum_rows(self, own, width);
     pack(self, own, count);
-    return write_at(self->file, own, count * size,
-                    place(self, set, frame, width * size));
+    return record_write_at(self->file, own, count * size,
+                           place(self, set, frame, width * size));
 }
 
 bool vtkhdf_rows_read(vtkhdf_rows *self, size_t set, size_t width, size_t frame)
@@ -169,8 +116,8 @@ bool vtkhdf_rows_read(vtkhdf_rows *self, size_t set, size_t width, size_t frame)
     double *own = own_part(self, width);
     const size_t count = self->band.own * self->cols * width;
     const size_t size = self->doubles ? sizeof(double) : sizeof(float);
-    if (!read_at(self->file, own, count * size,
-                 place(self, set, frame, width * size))) {
+    if (!record_read_at(self->file, own, count * size,
+                        place(self, set, frame, width * size))) {
         return false;
     }
     unpack(self, own, count);

@@ -6,7 +6,6 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
-#include "base/bytes.h"
 #include "cloth/model.h"
 
 enum { CHUNK = 64 }; /* rows between two looks at what is under way */
@@ -162,20 +161,6 @@ void weft__bands_share(const weft_comm *comm, void *data, size_t bytes)
 {
     if (comm != NULL) {
         comm->share(comm->self, data, bytes);
-    }
-}
-
-void weft__bands_put(const weft__forces *forces, const void *words, unsigned char *to)
-{
-    const weft_comm *comm = forces->comm;
-    const weft_cloth *cloth = forces->cloth;
-    const void *from = words;
-    if (comm != NULL) {
-        comm->gather(comm->self, words, cloth->band.own * cloth->cols * WEFT__WORD, to);
-        from = to;
-    }
-    if (weft__bands_is_first(comm)) {
-        weft__words_put(to, from, cloth->band.rows * cloth->cols);
     }
 }
 

@@ -45,10 +45,6 @@ bool weft__bands_is_first(const weft_comm *comm);
 /* From band 0 to all. */
 void weft__bands_share(const weft_comm *comm, void *data, size_t bytes);
 
-/* A word of 64 bits of each own particle, from `words` on: all words of the whole, as
- * bytes.h has them, to `to` on band 0. */
-void weft__bands_put(const weft__forces *forces, const void *words, unsigned char *to);
-
 /* As weft_cloth_rhs in own rows; x' and the other bands' v' in ghost rows. */
 int weft__bands_rhs(const weft__forces *forces, const weft__subject *of, double *dydt);
 

@@ -8,6 +8,7 @@
 #include "base/bytes.h"
 #include "fuzz/file.h"
 #include "record/checkpoint.h"
+#include "saved_sum.h"
 
 /* [words] Of the state: src/sim/save.c. */
 enum { QUADRATURES = 4, NAME = 7, MOST = 512 };
@@ -94,7 +95,7 @@ static void step(weft_sim *sim)
 }
 
 /* Refused, it goes on as if nothing had been. */
-static void restore(weft_sim *sim, const record_checkpoint *from)
+static void restore(weft_sim *sim, record_checkpoint *from)
 {
     weft_error err = { 0 };
     double y[MOST];
@@ -104,14 +105,14 @@ static void restore(weft_sim *sim, const record_checkpoint *from)
     const double t = weft_sim_time(sim);
     const weft_stepper_stats stats = weft_sim_stats(sim);
     memcpy(y, weft_sim_state(sim), size);
-    if (weft_sim_restore(sim, from->state, from->state_size, &err) == WEFT_OK) {
+    if (record_checkpoint_restore(from, sim, &err) == WEFT_OK) {
         for (size_t i = 0; i < weft_cloth_dim(cloth); ++i) {
             HOLDS(isfinite(weft_sim_state(sim)[i]));
         }
         HOLDS(isfinite(weft_sim_time(sim)));
     } else {
         const weft_stepper_stats now = weft_sim_stats(sim);
-        HOLDS(err.status == WEFT_INVALID && err.message[0] != '\0');
+        HOLDS(err.status == WEFT_IO && err.message[0] != '\0');
         HOLDS(weft_sim_time(sim) == t && memcmp(y, weft_sim_state(sim), size) == 0);
         HOLDS(now.steps == stats.steps && now.next_step == stats.next_step);
         HOLDS(weft_sim_step(sim, t + 1e-2, NULL) == WEFT_OK);
@@ -119,46 +120,38 @@ static void restore(weft_sim *sim, const record_checkpoint *from)
     step(sim);
 }
 
-/* The sum of `words` words stands behind them. */
-static void mend(unsigned char *bytes, size_t words)
-{
-    weft__word_put(bytes + words * WEFT__WORD, weft__words_sum(bytes, words));
-}
-
-static void try_bytes(const unsigned char *bytes, size_t size, bool mends)
+static void try_bytes(const unsigned char *bytes, size_t size)
 {
     record_checkpoint from;
     weft_error err = { 0 };
     fuzz_write(RECORD_CHECKPOINT, bytes, size);
     if (record_checkpoint_read(fuzz_directory, &from, &err) != WEFT_OK) {
         HOLDS(err.status == WEFT_IO && strstr(err.message, RECORD_CHECKPOINT) != NULL);
-        HOLDS(from.state == NULL);
+        HOLDS(from.stream == NULL);
         return;
     }
     HOLDS(strlen(from.program) < sizeof from.program);
-    if (mends && from.state_size >= WEFT__WORD) {
-        mend(from.state, from.state_size / WEFT__WORD - 1);
-    }
-    weft_sim *sim = make_sim(from.state, from.state_size);
+    weft_sim *sim = make_sim(bytes + RECORD_CHECKPOINT_HEAD, from.state_size);
     restore(sim, &from);
     weft_sim_destroy(sim);
-    record_checkpoint_free(&from);
+    record_checkpoint_close(&from);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    const size_t words = size / WEFT__WORD;
     unsigned char *bytes = malloc(size + 1);
     HOLDS(bytes != NULL);
     memcpy(bytes, data, size);
     if (cloth == NULL) {
         make_cloth();
     }
-    try_bytes(bytes, size, false);
-    if (words > 3) {
-        weft__word_put(bytes + 2 * WEFT__WORD, words * WEFT__WORD);
-        mend(bytes, words - 1);
-        try_bytes(bytes, words * WEFT__WORD, true);
+    try_bytes(bytes, size);
+    if (size >= RECORD_CHECKPOINT_HEAD) {
+        const size_t sum = RECORD_CHECKPOINT_HEAD - WEFT__WORD;
+        weft__word_put(bytes + 2 * WEFT__WORD, size);
+        weft__word_put(bytes + sum, weft__words_sum(bytes, sum / WEFT__WORD));
+        saved_mend(bytes + RECORD_CHECKPOINT_HEAD, size - RECORD_CHECKPOINT_HEAD);
+        try_bytes(bytes, size);
     }
     free(bytes);
     return 0;

@@ -91,13 +91,8 @@ weft_status frames_have_room(const weft_scene *scene, weft_error *err)
 
 weft_status run_prepare(run *self, weft_error *err)
 {
-    record_checkpoint *next = &self->checkpoint;
-    next->state_size = weft_sim_save_size(self->sim);
-    next->state = run_first(self) ? malloc(next->state_size) : NULL;
-    if (next->state == NULL && run_first(self)) {
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a checkpoint");
-    }
-    return record_checkpoint_identify(next, self->scene, self->registry, err);
+    return record_checkpoint_identify(&self->checkpoint, self->scene, self->registry,
+                                      err);
 }
 
 /* The records reach the disk before the checkpoint that needs them. When a run blows
@@ -116,16 +111,13 @@ weft_status run_checkpoint(run *self, size_t index, weft_error *err)
     now->shapes = self->shapes.extent;
     now->extremes = self->summary.extremes;
     now->wall_time = weft__wall_clock() - self->began;
-    TRY(weft_sim_save(self->sim, now->state, now->state_size, err));
     TRY(run_in_place(self, err));
     if (!isfinite(weft_sim_ledger(self->sim).residual)) {
-        return WEFT_OK;
+        return weft_sim_restart(self->sim, err);
     }
     TRY(run_agree(self, sync_tables(self, err), err));
     TRY(record_vtkhdf_sync(self->frames, &now->vtkhdf, err));
-    const weft_status status
-        = run_first(self) ? record_checkpoint_write(self->out, now, err) : WEFT_OK;
-    return run_agree(self, status, err);
+    return record_checkpoint_write(self->out, now, self->sim, self->comm, err);
 }
 
 static weft_status write_manifest(const run *self, weft_error *err)
@@ -271,20 +263,10 @@ weft_status run_begin(run *self, weft_error *err)
     return status == WEFT_OK ? WEFT_OK : run_close(self, status, NULL);
 }
 
-static weft_status restore(const run *self, weft_error *err)
-{
-    weft_error why = { 0 };
-    const record_checkpoint *from = self->from;
-    return weft_sim_restore(self->sim, from->state, from->state_size, &why) == WEFT_OK
-               ? WEFT_OK
-               : weft_error_set(err, WEFT_IO, "%s/" RECORD_CHECKPOINT ": %s", self->out,
-                                why.message);
-}
-
 weft_status run_take_up(run *self, weft_error *err)
 {
     const record_checkpoint *from = self->from;
-    TRY(restore(self, err));
+    TRY(record_checkpoint_restore(self->from, self->sim, err));
     const weft_status status = reopen_records(self, err);
     if (status != WEFT_OK) {
         return run_close(self, status, NULL);

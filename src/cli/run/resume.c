@@ -53,7 +53,7 @@ int resume_scene(const options *given, const char *directory, const weft_scene *
         status = read_checkpoint(directory, scene, given->registry, &from, &err);
     }
     if (weft_comm_agree(given->comm, status, &err) != WEFT_OK) {
-        record_checkpoint_free(&from);
+        record_checkpoint_close(&from);
         return report_error(&err);
     }
     if (!given->quiet && begun) {
@@ -63,7 +63,7 @@ int resume_scene(const options *given, const char *directory, const weft_scene *
         fprintf(stderr, "%s: no checkpoint yet: runs from the beginning\n", directory);
     }
     const int code = run_scene(&own, directory, scene, true, begun ? &from : NULL);
-    record_checkpoint_free(&from);
+    record_checkpoint_close(&from);
     return code;
 }
 

@@ -346,7 +346,6 @@ static int run_simulation(run *self)
                                    &err);
     }
     const int code = status == WEFT_OK ? run_prepared(self) : refuse(self, &err);
-    record_checkpoint_free(&self->checkpoint);
     weft_sim_destroy(self->sim);
     weft_cloth_destroy(self->cloth);
     weft_cloth_destroy(self->whole);
@@ -387,7 +386,7 @@ static int run_watched(run *self, const options *given, int lock)
 }
 
 int run_scene(const options *given, const char *out, const weft_scene *scene,
-              bool claimed, const record_checkpoint *from)
+              bool claimed, record_checkpoint *from)
 {
     weft_error err = { 0 };
     int lock = -1, code = EXIT_DONE;

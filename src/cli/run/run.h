@@ -22,11 +22,11 @@ typedef struct summary {
 
 typedef struct run {
     const char *out;
-    struct stat place;             /* of the directory `out` */
-    bool obj;                      /* one OBJ file per frame */
-    bool quiet;                    /* no progress, no summary */
-    bool again;                    /* the directory is that of an earlier attempt */
-    const record_checkpoint *from; /* NULL: from t = 0 */
+    struct stat place;       /* of the directory `out` */
+    bool obj;                /* one OBJ file per frame */
+    bool quiet;              /* no progress, no summary */
+    bool again;              /* the directory is that of an earlier attempt */
+    record_checkpoint *from; /* NULL: from t = 0 */
     const weft_scene *scene;
     weft_registry *registry;
     const weft_comm *comm; /* NULL: one process; else all functions are collective */
@@ -76,7 +76,7 @@ weft_status run_in_place(const run *self, weft_error *err);
  * left, up to the checkpoint `from` (NULL: runs from the beginning). Returns the exit
  * code. */
 int run_scene(const options *given, const char *out, const weft_scene *scene,
-              bool claimed, const record_checkpoint *from);
+              bool claimed, record_checkpoint *from);
 
 /* failure_report.c: the failure, the stable step and what to try, as lines to stderr
  * and as one text. */

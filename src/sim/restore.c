@@ -1,0 +1,353 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* restore.c -- a simulation from the bytes of save.c. */
+#include <math.h>
+
+#include "base/memory.h"
+#include "cloth/pins.h"
+#include "cloth/shapes.h"
+#include "sim/bands.h"
+#include "sim/save.h"
+
+/* The bytes. */
+typedef struct source {
+    weft_save_get *get;
+    void *ctx;
+    size_t size;
+} source;
+
+/* A saved simulation on its way into another. */
+typedef struct restored {
+    weft__save_fields fields;
+    unsigned char *front;
+    size_t front_words;
+    uint64_t *holds;
+    double *y;
+    weft__shape *shapes; /* shape_count of them */
+    size_t shape_count;
+} restored;
+
+static uint64_t word(const unsigned char *from, size_t at)
+{
+    return weft__word_at(from + at * WEFT__WORD);
+}
+
+static weft_status damaged(weft_error *err)
+{
+    return weft_error_set(err, WEFT_INVALID,
+                          "the saved simulation is damaged or cut off");
+}
+
+/* ---- bytes, of which each band reads those of its particles ---------------------- */
+
+static weft_status get_words(const source *from, size_t at, void *to, size_t words,
+                             weft_error *err)
+{
+    return from->get(from->ctx, (uint64_t)at * WEFT__WORD, to, words * WEFT__WORD, err);
+}
+
+/* Whether the bytes are those of a simulation. */
+static weft_status check_format(const unsigned char *head, weft_error *err)
+{
+    if (memcmp(head, WEFT__SAVE_MAGIC, WEFT__WORD) != 0) {
+        return weft_error_set(err, WEFT_INVALID, "this is not a saved simulation");
+    }
+    return word(head, AT_VERSION) == WEFT__SAVE_VERSION
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_INVALID,
+                                "a simulation saved in format %llu, and this is %d",
+                                (unsigned long long)word(head, AT_VERSION),
+                                WEFT__SAVE_VERSION);
+}
+
+/* Whether their places are those of this one; out: how many shapes there is room for.
+ */
+static weft_status check_size(const weft_sim *sim, const unsigned char *head,
+                              size_t size, size_t *shapes, weft_error *err)
+{
+    const size_t rows = sim->cloth->band.rows, cols = sim->cloth->cols;
+    if (word(head, AT_ROWS) != rows || word(head, AT_COLS) != cols) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "saved of %llu x %llu particles, and these are %zu x %zu",
+                              (unsigned long long)word(head, AT_ROWS),
+                              (unsigned long long)word(head, AT_COLS), rows, cols);
+    }
+    if (word(head, AT_QUADRATURES) != sim->config.quadratures) {
+        return weft_error_set(err, WEFT_INVALID, "saved %s energy ledger",
+                              sim->ledger.on ? "without" : "with");
+    }
+    const size_t words = size / WEFT__WORD;
+    const size_t least = weft__save_front(sim, 0) + WEFT__SAVE_PLANES * rows * cols;
+    *shapes = words < least ? 0 : (words - least) / SHAPE_WORDS;
+    return size == (least + *shapes * SHAPE_WORDS) * WEFT__WORD ? WEFT_OK
+                                                                : damaged(err);
+}
+
+static weft_status make_room(const weft_sim *sim, restored *to, weft_error *err)
+{
+    const weft_allocator *memory = &sim->memory;
+    to->front = weft__alloc(memory, to->front_words, WEFT__WORD);
+    to->holds = weft__alloc(memory, sim->cloth->particles, sizeof *to->holds);
+    to->y = weft__alloc(memory, weft__sim_dim(sim), sizeof *to->y);
+    to->shapes = weft__alloc(memory, to->shape_count, sizeof *to->shapes);
+    return to->front != NULL && to->holds != NULL && to->y != NULL && to->shapes != NULL
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_NO_MEMORY, "no memory to restore a state");
+}
+
+static weft_status read_planes(const weft_sim *sim, const source *from, restored *to,
+                               weft_error *err)
+{
+    const size_t n = sim->cloth->particles;
+    size_t at = to->front_words + weft__whole_index(sim->cloth, 0);
+    weft_status status = WEFT_OK;
+    for (size_t k = 0; status == WEFT_OK && k < WEFT__SAVE_PLANES; ++k) {
+        void *plane = k < 6 ? (void *)(to->y + k * n) : (void *)to->holds;
+        status = get_words(from, at, plane, n, err);
+        if (status == WEFT_OK) {
+            weft__words_get(plane, plane, n);
+        }
+        at += weft__save_particles(sim);
+    }
+    return status;
+}
+
+/* Allocates, also if it fails. */
+static weft_status read_saved(const weft_sim *sim, const source *from, restored *to,
+                              weft_error *err)
+{
+    unsigned char head[SAVE_HEAD * WEFT__WORD] = { 0 };
+    weft_status status = WEFT_OK;
+    if (from->size >= sizeof head) { /* else it has no magic */
+        status = get_words(from, 0, head, SAVE_HEAD, err);
+    }
+    status = status == WEFT_OK ? check_format(head, err) : status;
+    status = status == WEFT_OK
+                 ? check_size(sim, head, from->size, &to->shape_count, err)
+                 : status;
+    to->front_words = weft__save_front(sim, to->shape_count);
+    status = status == WEFT_OK ? make_room(sim, to, err) : status;
+    status = status == WEFT_OK ? get_words(from, 0, to->front, to->front_words, err)
+                               : status;
+    return status == WEFT_OK ? read_planes(sim, from, to, err) : status;
+}
+
+/* ---- what they say --------------------------------------------------------------- */
+
+static const unsigned char *front_shapes(const weft_sim *sim, const restored *from)
+{
+    return from->front + (SAVE_HEAD + sim->config.quadratures) * WEFT__WORD;
+}
+
+/* Collective. */
+static weft_status check_sum(const weft_sim *sim, const restored *from, weft_error *err)
+{
+    const size_t last = from->front_words - 1;
+    const uint64_t sum
+        = weft__save_sum(&sim->forces, from->y, from->holds, from->front, last);
+    const bool right
+        = sum == word(from->front, last) || !weft__bands_is_first(sim->def.comm);
+    return weft__bands_agree(sim->def.comm, right ? WEFT_OK : damaged(err), err);
+}
+
+static weft_status check_definition(const weft_sim *sim, const restored *from,
+                                    weft_error *err)
+{
+    char name[WEFT__SAVE_NAME];
+    const char *other = (const char *)from->front + AT_NAME * WEFT__WORD;
+    const unsigned char *shapes = front_shapes(sim, from);
+    weft__save_name(sim, name);
+    if (word(shapes, 0) != from->shape_count) {
+        return damaged(err);
+    }
+    if (memcmp(name, other, sizeof name) != 0) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "saved under method '%.63s', and this is '%.63s'", other,
+                              name);
+    }
+    if (word(from->front, AT_CLOTH) != sim->cloth_hash
+        || (from->shape_count > 0
+            && word(shapes, 1) != weft__contact_hash(sim->cloth))) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "saved of another cloth (springs, masses, pins, forces "
+                              "or contact differ)");
+    }
+    return word(from->front, AT_SETTINGS) == sim->settings
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_INVALID,
+                                "saved under other settings of the stepper or the "
+                                "limit, or other callbacks");
+}
+
+static weft_status not_finite(const char *what, weft_error *err)
+{
+    return weft_error_set(err, WEFT_INVALID,
+                          "the saved simulation has %s that is not finite", what);
+}
+
+/* Forged bytes may have a correct checksum. */
+static weft_status check_numbers(const weft_sim *sim, const weft__save_fields *saved,
+                                 const double *y, weft_error *err)
+{
+    return isfinite(saved->t) && weft__not_negative(saved->next_step)
+                   && weft__not_negative(saved->last_step)
+                   && weft__not_negative(saved->limit_step)
+                   && weft__all_finite(y, weft_cloth_dim(sim->cloth))
+               ? WEFT_OK
+               : not_finite("a time, a step or a state", err);
+}
+
+/* The residual is not finite if any of the ledger's numbers is not. */
+static weft_status check_ledger(const weft_sim *sim, const weft__save_fields *saved,
+                                const double *y, weft_error *err)
+{
+    if (!sim->ledger.on) {
+        return WEFT_OK;
+    }
+    const weft__ledger ledger = { .on = sim->ledger.on,
+                                  .start = saved->energy_start,
+                                  .limit_work = saved->limit_work,
+                                  .outside_work = saved->outside_work };
+    weft_cloth loose = *sim->cloth; /* whose present shapes mean nothing */
+    weft__forces forces = sim->forces;
+    loose.shape_count = 0;
+    forces.cloth = &loose;
+    return isfinite(weft__ledger_read(&ledger, &forces, saved->t, y).residual)
+               ? WEFT_OK
+               : not_finite("an energy ledger", err);
+}
+
+static weft_status check_holds(const weft_sim *sim, const uint64_t *holds,
+                               weft_error *err)
+{
+    for (size_t i = 0; i < weft_cloth_particles(sim->cloth); ++i) {
+        if (!weft__cloth_can_hold(sim->cloth, i, holds[i])) {
+            return weft_error_set(err, WEFT_INVALID, "a saved pin makes no sense");
+        }
+    }
+    return WEFT_OK;
+}
+
+static weft_status read_shapes(const weft_sim *sim, restored *to, weft_error *err)
+{
+    const unsigned char *from = front_shapes(sim, to) + 2 * WEFT__WORD;
+    for (size_t k = 0; k < to->shape_count; ++k, from += SHAPE_WORDS * WEFT__WORD) {
+        const double since = weft__real_at(from + (1 + SHAPE_REALS) * WEFT__WORD);
+        weft_shape def = { .kind = WEFT_SHAPES };
+        if (word(from, 0) < WEFT_SHAPES) {
+            def.kind = (weft_shape_kind)word(from, 0);
+        }
+        weft__words_get((char *)&def + AT_REALS, from + WEFT__WORD, SHAPE_REALS);
+        if (!isfinite(since)
+            || weft__shape_make(sim->cloth, &def, since, k, &to->shapes[k], NULL)
+                   != WEFT_OK) {
+            return weft_error_set(err, WEFT_INVALID, "a saved shape makes no sense");
+        }
+    }
+    return WEFT_OK;
+}
+
+static weft_status check_gaps(const weft_sim *sim, const restored *from,
+                              weft_error *err)
+{
+    weft_cloth as_saved = *sim->cloth;
+    as_saved.shapes = from->shapes;
+    as_saved.shape_count = from->shape_count;
+    for (size_t i = 0; i < as_saved.particles; ++i) {
+        const weft__breach breach
+            = weft__particle_breach(&as_saved, from->fields.t, from->y, i);
+        if (breach.found && from->holds[i] == WEFT__FREE) {
+            return weft__breach_error(&as_saved, &breach, "was saved", err);
+        }
+    }
+    return WEFT_OK;
+}
+
+static void take_fields(weft_sim *sim, const weft__save_fields *from)
+{
+    sim->t = from->t;
+    sim->ledger.start = from->energy_start;
+    sim->ledger.limit_work = from->limit_work;
+    sim->ledger.outside_work = from->outside_work;
+    sim->rejected = from->rejected;
+    sim->limit.last_step = from->limit_step;
+    sim->limit.stats = from->limit;
+    sim->vetoed = from->vetoed;
+}
+
+/* Nothing fails any more. */
+static void take(weft_sim *sim, const restored *from)
+{
+    for (size_t i = 0; i < weft_cloth_particles(sim->cloth); ++i) {
+        weft__cloth_set_hold(sim->cloth, i, (weft__hold)from->holds[i]);
+    }
+    weft__cloth_pins_changed(sim->cloth, from->y);
+    weft__free(&sim->memory, sim->cloth->shapes);
+    sim->cloth->shapes = from->shapes;
+    sim->cloth->shape_count = from->shape_count;
+    take_fields(sim, &from->fields);
+    memcpy(sim->y, from->y, weft__sim_dim(sim) * sizeof *sim->y);
+    weft__structure_update(sim);
+    weft_stepper_ode_changed(sim->def.method, sim->stepper);
+}
+
+/* Of checked bytes; the arrays are there. */
+static weft_status read_fields(weft_sim *sim, restored *to, weft_error *err)
+{
+    weft_status status = check_definition(sim, to, err);
+    weft__words_get(&to->fields, to->front + AT_FIELDS * WEFT__WORD, FIELDS);
+    weft__words_get(to->y + weft_cloth_dim(sim->cloth),
+                    to->front + SAVE_HEAD * WEFT__WORD, sim->config.quadratures);
+    status = status == WEFT_OK ? check_numbers(sim, &to->fields, to->y, err) : status;
+    status = status == WEFT_OK ? check_ledger(sim, &to->fields, to->y, err) : status;
+    status = status == WEFT_OK ? check_holds(sim, to->holds, err) : status;
+    status = status == WEFT_OK ? read_shapes(sim, to, err) : status;
+    status = status == WEFT_OK ? check_gaps(sim, to, err) : status;
+    return status == WEFT_OK && to->shape_count > 0 ? weft__sim_make_start(sim, err)
+                                                    : status;
+}
+
+weft_status weft_sim_restore_parts(weft_sim *sim, weft_save_get *get, void *ctx,
+                                   size_t size, weft_error *err)
+{
+    if (weft__sim_outside(sim, "weft_sim_restore_parts", err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
+    const weft_comm *comm = sim->def.comm;
+    const source from = { get, ctx, size };
+    restored to = { .shape_count = 0 };
+    weft_status status = weft__bands_agree(comm, read_saved(sim, &from, &to, err), err);
+    status = status == WEFT_OK ? check_sum(sim, &to, err) : status;
+    if (status == WEFT_OK) {
+        status = weft__bands_agree(comm, read_fields(sim, &to, err), err);
+    }
+    status = status == WEFT_OK ? weft__sim_renew(sim, &to.fields, err) : status;
+    if (status == WEFT_OK) {
+        take(sim, &to);
+    } else {
+        weft__free(&sim->memory, to.shapes);
+    }
+    weft__free(&sim->memory, to.front);
+    weft__free(&sim->memory, to.holds);
+    weft__free(&sim->memory, to.y);
+    return status;
+}
+
+/* Of the bytes in memory. */
+static weft_status get_copy(void *ctx, uint64_t at, void *to, size_t size,
+                            weft_error *err)
+{
+    const unsigned char *bytes = ctx;
+    (void)err;
+    memcpy(to, bytes + at, size);
+    return WEFT_OK;
+}
+
+weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
+                             weft_error *err)
+{
+    if (weft__sim_outside(sim, "weft_sim_restore", err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
+    return weft_sim_restore_parts(sim, get_copy, (void *)(uintptr_t)bytes,
+                                  bytes == NULL ? 0 : size, err);
+}

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* save.h -- the bytes of a saved simulation, for save.c and restore.c.
+ *
+ * Words (bytes.h). First the front: "weftsave", version, rows, cols, quadratures,
+ * hashes of the cloth's definition and of the settings, the method's name in 64 bytes,
+ * fields, quadratures of y, the number of shapes, a hash of the law of contact, the
+ * shapes (kind, the numbers of weft_shape from `at` on, since when it moves so),
+ * checksum. Then planes of all particles: the six of y, and their holds. The checksum
+ * is that of the front before it and of a word for each row: the checksum of the row's
+ * words, plane by plane. */
+#ifndef WEFT_SIM_SAVE_H
+#define WEFT_SIM_SAVE_H
+
+#include "base/bytes.h"
+#include "sim/simulation.h"
+
+enum { WEFT__SAVE_VERSION = 6, WEFT__SAVE_PLANES = 7, WEFT__SAVE_NAME = 64 };
+
+#define WEFT__SAVE_MAGIC "weftsave"
+
+/* All that is saved besides the state, in words. */
+typedef struct weft__save_fields {
+    double t, next_step, last_step;                /* [s] */
+    double energy_start, limit_work, outside_work; /* [J] */
+    double limit_step;                             /* [s] */
+    uint64_t steps, rejected, rhs_calls;
+    weft_limit_stats limit;
+    uint64_t vetoed;
+    uint64_t linear_iterations, factorisations, newton_failures;
+} weft__save_fields;
+
+/* Places of words. */
+enum {
+    AT_VERSION = 1,
+    AT_ROWS,
+    AT_COLS,
+    AT_QUADRATURES,
+    AT_CLOTH,
+    AT_SETTINGS,
+    AT_NAME,
+    AT_FIELDS = AT_NAME + WEFT__SAVE_NAME / WEFT__WORD,
+    FIELDS = sizeof(weft__save_fields) / WEFT__WORD,
+    SAVE_HEAD = AT_FIELDS + FIELDS /* where the quadratures are */
+};
+
+/* What weft_shape has behind `kind`. */
+enum {
+    AT_REALS = offsetof(weft_shape, at),
+    SHAPE_REALS = (sizeof(weft_shape) - AT_REALS) / sizeof(double),
+    SHAPE_WORDS = 1 + SHAPE_REALS + 1
+};
+
+/* [words] Of the front of a simulation with so many shapes, the checksum the last. */
+static inline size_t weft__save_front(const weft_sim *sim, size_t shapes)
+{
+    return SAVE_HEAD + sim->config.quadratures + 2 + SHAPE_WORDS * shapes + 1;
+}
+
+/* Of the whole cloth, in a plane. */
+static inline size_t weft__save_particles(const weft_sim *sim)
+{
+    return sim->cloth->band.rows * sim->cloth->cols;
+}
+
+/* The name of the method, cut to the room, then zeros. */
+void weft__save_name(const weft_sim *sim, char name[WEFT__SAVE_NAME]);
+
+/* The checksum, on band 0: of `words` words of the front and of all rows of y and
+ * holds, whose particles are those here. Collective. */
+uint64_t weft__save_sum(const weft__forces *forces, const double *y,
+                        const uint64_t *holds, const unsigned char *front,
+                        size_t words);
+
+/* Replaces the stepper; only the h to try and the counts remain. Collective. */
+weft_status weft__sim_renew(weft_sim *sim, const weft__save_fields *counted,
+                            weft_error *err);
+
+#endif
