@@ -45,15 +45,15 @@ static int orientation_of(int64_t x[4][3], double unit)
 static void near_a_plane(uint64_t *state, int64_t x[4][3])
 {
     for (size_t k = 0; k < 3; ++k) {
-        const int64_t base = random_whole(state, -(1 << 20), 1 << 20) << 17;
+        const int64_t base = random_whole(state, -(1 << 20), 1 << 20) * (1 << 17);
         const int64_t u = random_whole(state, -(1 << 18), 1 << 18);
         const int64_t v = random_whole(state, -(1 << 18), 1 << 18);
         for (size_t i = 0; i < 4; ++i) {
             x[i][k] = base;
         }
-        x[1][k] += u << 18;
-        x[2][k] += v << 18;
-        x[3][k] += (u << 17) + (v << 16);
+        x[1][k] += u * (1 << 18);
+        x[2][k] += v * (1 << 18);
+        x[3][k] += u * (1 << 17) + v * (1 << 16);
     }
     x[random_whole(state, 0, 3)][random_whole(state, 0, 2)]
         += random_whole(state, -1, 1);
