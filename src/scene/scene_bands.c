@@ -56,6 +56,12 @@ void weft__check_bands(weft__reader *reader, const weft__match *root)
                            "norm rms does not run in bands: its sum would depend on "
                            "their number; norm max does");
     }
+    if (scene->cloth.contact.self) {
+        weft__report_error(
+            reader->report, place(root, "contact", "self"),
+            "contact of the cloth with itself does not run in bands: any "
+            "two rows may touch");
+    }
     if (scene->run.stop.quantity != WEFT_STOP_NEVER) {
         weft__report_error(
             reader->report, weft__found_in(root, "stop")->key->at,

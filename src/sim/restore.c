@@ -332,13 +332,13 @@ weft_status weft_sim_restore_parts(weft_sim *sim, weft_save_get *get, void *ctx,
     return status;
 }
 
-/* Of the bytes in memory. */
+/* Of the bytes that *ctx points to. */
 static weft_status get_copy(void *ctx, uint64_t at, void *to, size_t size,
                             weft_error *err)
 {
-    const unsigned char *bytes = ctx;
+    const unsigned char *const *bytes = ctx;
     (void)err;
-    memcpy(to, bytes + at, size);
+    memcpy(to, *bytes + at, size);
     return WEFT_OK;
 }
 
@@ -348,6 +348,6 @@ weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
     if (weft__sim_outside(sim, "weft_sim_restore", err) != WEFT_OK) {
         return WEFT_INVALID;
     }
-    return weft_sim_restore_parts(sim, get_copy, (void *)(uintptr_t)bytes,
-                                  bytes == NULL ? 0 : size, err);
+    const unsigned char *from = bytes;
+    return weft_sim_restore_parts(sim, get_copy, &from, bytes == NULL ? 0 : size, err);
 }
