@@ -98,7 +98,7 @@ test('a page that shows an earlier frame stays there', async () => {
 });
 
 test('a run elsewhere is watched on a phone, and stopped', async () => {
-    const other = run('live', '4.0e-6');
+    const other = run('live', '1.0e-6');
     let watching = null;
     for (let i = 0; i < 100 && !watching?.text; ++i) { // until it has begun
         watching = start('view', '--watch', other.directory);
@@ -117,7 +117,7 @@ test('a run elsewhere is watched on a phone, and stopped', async () => {
 });
 
 test('a server that is stopped is missed, and found again', async () => {
-    const other = run('live', '2.0e-6');
+    const other = run('live', '5.0e-7');
     let watching = null;
     for (let i = 0; i < 100 && !watching?.text; ++i) {
         watching = start('view', '--watch', other.directory);
