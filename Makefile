@@ -219,7 +219,7 @@ TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_HTTP),-DWEFT_HTTP) $(if $(HAVE_
 TEST_PLUGINS = $(sort $(foreach p,$(PLUGINS),$(PLUGIN_OBJ_$(p))))
 TEST_LIBS = -lcheck -lsubunit -lrt $(PROG_LIBS) $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
 
-# All of the program but main, for tests of its parts; PARTS=conformance: of that alone.
+# All of the program but main, for tests of its parts; PARTS='conformance record': of these alone.
 PROGRAM := $(BUILD)/program.a
 $(PROGRAM): $(filter-out %/main.o,$(if $(PARTS),$(filter $(PARTS:%=$(BUILD)/src/%/%),$(PROG_OBJ)),$(PROG_OBJ)))
 	$(call say,AR)rm -f $@ && ar rcs $@ $^
@@ -424,7 +424,7 @@ TSAN_RUN := build/tsan/tests/run
 
 tsan:
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/tsan CFLAGS='-O1 -g1' SAN='-fsanitize=thread' \
-	    TESTS='$(TSAN_TESTS)' PARTS=conformance $(TSAN_RUN)
+	    TESTS='$(TSAN_TESTS)' PARTS='conformance record' $(TSAN_RUN)
 	CK_FORK=no $(TSAN_RUN) threads bands bands_ends
 	CK_FORK=no CK_RUN_CASE=threads $(TSAN_RUN) embed
 	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads $(TSAN_RUN) sundials_vector steppers
