@@ -26,6 +26,7 @@ struct weft__level {
     weft__rows_fn *added[WEFT__ADDED]; /* add to v'; NULL: `rows` includes them */
     weft__clear_fn *clear;
     weft__pushes_fn *pushes;
+    weft__waits_fn *waits;
     weft__extent_fn *extent;
     weft__drift_fn *drift;
 };
@@ -49,6 +50,7 @@ weft__clear_fn weft__reference_clear;
     weft__damping_fn weft__damping_##level;                                            \
     weft__clear_fn weft__clear_##level;                                                \
     weft__pushes_fn weft__pushes_##level;                                              \
+    weft__waits_fn weft__waits_##level;                                                \
     weft__extent_fn weft__extent_##level;                                              \
     weft__drift_fn weft__drift_##level;                                                \
     weft__rows_fn weft__products_##level;                                              \

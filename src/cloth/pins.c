@@ -64,6 +64,7 @@ void weft__cloth_set_hold(weft_cloth *copy, size_t i, weft__hold hold)
 void weft__cloth_list_pins(weft_cloth *cloth)
 {
     cloth->pinned = 0;
+    ++cloth->pin_changes;
     for (size_t i = 0; i < cloth->particles; ++i) {
         cloth->inverse_mass[i] = cloth->pin[i] != 0 ? 0.0 : 1.0 / cloth->mass[i];
         if (cloth->pin[i] != 0) {

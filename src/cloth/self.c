@@ -173,30 +173,115 @@ bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
     return true;
 }
 
-size_t weft__reference_pushes(const weft__self_law *law, const weft__pair *pairs,
-                              const double *distances, size_t count,
-                              const double *reach, const double *y, weft__push *out)
+static weft__pair near_pair(weft__pair_kind kind, const weft__near *near, size_t i)
 {
-    weft__push *to = out;
-    for (size_t i = 0; i < count; ++i) {
-        to += distances[i] <= reach[pairs[i].group]
-              && weft__pair_push(law, &pairs[i], y, to);
+    weft__pair out = { .kind = kind };
+    for (size_t k = 0; k < weft__pair_particles(&out); ++k) {
+        out.particle[k] = (uint32_t)near->particle[k][i];
     }
-    return (size_t)(to - out);
+    return out;
 }
 
-void weft__push_add(const weft_cloth *cloth, const weft__push *push, weft__unit unit,
-                    size_t first, size_t end, double *to)
+void weft__push_at(weft__pair_kind kind, const weft__near *near,
+                   const weft__pushes *pushes, size_t i, weft__push *out)
 {
+    const weft__pushes *from = &pushes[i / WEFT__BLOCK];
+    const size_t lane = i % WEFT__BLOCK;
+    const weft__pair pair = near_pair(kind, near, from->at[lane]);
+    out->count = (uint32_t)weft__pair_particles(&pair), out->kind = kind;
+    memcpy(out->particle, pair.particle, sizeof out->particle);
+    for (size_t k = 0; k < 3 * out->count; ++k) {
+        out->force[k / 3][k % 3] = from->force[k / 3][k % 3][lane];
+    }
+    out->gap = from->gap[lane], out->energy = from->energy[lane];
+    out->heat = from->heat[lane], out->friction = from->friction[lane];
+}
+
+size_t weft__reference_pushes(const weft__self_law *law, weft__pair_kind kind,
+                              const weft__near *near, const double *y,
+                              weft__pushes *out, double *bad)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < near->count; ++i) {
+        const weft__pair pair = near_pair(kind, near, i);
+        weft__pushes *to = &out[count / WEFT__BLOCK];
+        const size_t lane = count % WEFT__BLOCK;
+        weft__push push;
+        if (!weft__pair_push(law, &pair, y, &push)) {
+            continue;
+        }
+        for (size_t k = 0; k < 3 * push.count; ++k) {
+            to->force[k / 3][k % 3][lane] = push.force[k / 3][k % 3];
+            *bad += push.force[k / 3][k % 3] * 0.0;
+        }
+        to->gap[lane] = push.gap, to->energy[lane] = push.energy;
+        to->heat[lane] = push.heat, to->friction[lane] = push.friction;
+        to->at[lane] = (uint32_t)i;
+        ++count;
+    }
+    return count;
+}
+
+double weft__pair_distance(const weft__pair *pair, const double *y, size_t n)
+{
+    double x[4][3];
+    place(y, n, pair, x);
+    switch ((weft__pair_kind)pair->kind) {
+#define CASE(kind)                                                                     \
+    case kind:                                                                         \
+        return law_distance(kind, x);
+        EACH_KIND(CASE)
+#undef CASE
+    default:
+        return INFINITY;
+    }
+}
+
+static double wait_of(weft__pair_kind kind, double x[4][3], double distance,
+                      double thickness, double most)
+{
+    switch (kind) {
+#define CASE(kind)                                                                     \
+    case kind:                                                                         \
+        return law_wait(kind, x, distance, thickness, most);
+        EACH_KIND(CASE)
+#undef CASE
+    default:
+        return INFINITY;
+    }
+}
+
+void weft__reference_waits(const weft_cloth *cloth, weft__pair_kind kind,
+                           const weft__quad *pairs, size_t count, const double *y,
+                           double most, double *distances, double *waits)
+{
+    for (size_t i = 0; i < count; ++i) {
+        double x[4][3];
+        weft__pair pair = { .kind = kind };
+        memcpy(pair.particle, pairs[i].of, sizeof pair.particle);
+        place(y, cloth->particles, &pair, x);
+        distances[i] = weft__pair_distance(&pair, y, cloth->particles);
+        waits[i]
+            = wait_of(kind, x, distances[i], cloth->contact.thickness, most);
+    }
+}
+
+/* Adds its forces to planes to[3 N]. */
+static double add_push(const weft_cloth *cloth, const weft__push *push, weft__unit unit,
+                       double *to)
+{
+    double bad = 0.0;
     for (size_t k = 0; k < push->count; ++k) {
         const size_t i = push->particle[k];
         const double scale = unit == WEFT__FORCE ? 1.0 : cloth->inverse_mass[i];
-        if (i >= first && i < end && scale > 0.0) {
-            for (size_t j = 0; j < 3; ++j) {
+        for (size_t j = 0; j < 3; ++j) {
+            bad += push->force[k][j] * 0.0;
+            if (scale > 0.0) {
                 to[j * cloth->particles + i] += scale * push->force[k][j];
             }
         }
     }
+    return bad;
 }
 
 void weft__push_measure(const weft_cloth *cloth, const weft__push *push,
@@ -233,16 +318,14 @@ typedef struct pass {
     double bad; /* 0 or NaN */
 } pass;
 
-static bool take_pair(void *ctx, const weft__pair *pair, double distance)
+static bool take_pair(void *ctx, const weft__pair *pair)
 {
     pass *self = ctx;
     const weft_cloth *cloth = self->of->cloth;
     weft__push push;
-    (void)distance;
     if (weft__pair_push(&self->law, pair, self->of->y, &push)) {
         if (self->to != NULL) {
-            weft__push_add(cloth, &push, self->unit, 0, cloth->particles, self->to);
-            self->bad += weft__push_trouble(&push);
+            self->bad += add_push(cloth, &push, self->unit, self->to);
         } else {
             weft__push_measure(cloth, &push, self->of->y, self->sum);
         }

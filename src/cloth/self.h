@@ -49,6 +49,10 @@ static inline size_t weft__node_triangles(const weft_cloth *of, size_t i,
     return 2;
 }
 
+typedef struct weft__quad {
+    uint32_t of[4];
+} weft__quad;
+
 /* Two primitives without a common particle: their particles, those of the second after
  * those of the first. */
 typedef enum weft__pair_kind {
@@ -61,7 +65,6 @@ typedef enum weft__pair_kind {
 typedef struct weft__pair {
     uint32_t particle[4];
     uint32_t kind;
-    uint32_t group; /* of a list: pairs that are bounded together */
 } weft__pair;
 
 static inline size_t weft__pair_particles(const weft__pair *pair)
@@ -76,14 +79,17 @@ void weft__pair_primitives(const weft__pair *pair, weft_primitive out[2]);
 /* [m] Of the nearest points of both, in planes y of n. */
 double weft__pair_distance(const weft__pair *pair, const double *y, size_t n);
 
-/* A pair and its distance; false ends the search. */
-typedef bool weft__pair_fn(void *ctx, const weft__pair *pair, double distance);
+typedef bool weft__pair_fn(void *ctx, const weft__pair *pair); /* false ends a search */
 
-/* Calls visit for each pair nearer than range, in the order of weft__tree_pairs; all
- * that are nearer than any smaller range come in the same order. Returns false if a
- * visit did. The state must be finite. */
+/* Calls visit for each pair nearer than range, and for some others: kind by kind, in
+ * the order of weft__tree_pairs; those of a smaller range come in the same order.
+ * Returns false if a visit did. The state must be finite. */
 bool weft__each_pair(const weft__quadtree *tree, double range, weft__pair_fn *visit,
                      void *ctx);
+
+/* The same between two tiles, each kind in that order. */
+bool weft__each_pair_between(const weft__quadtree *tree, const uint32_t tiles[2],
+                             double range, weft__pair_fn *visit, void *ctx);
 
 /* A step is clear of a pair if no
  * particle of one side can have met one of the other:
@@ -112,36 +118,15 @@ typedef double weft__extent_fn(const double *from, const double *to, size_t n);
 weft__extent_fn weft__reference_extent;
 double weft__extent(const weft_cloth *cloth, const double *from, const double *to);
 
-/* The same, and to `low` and `high` the bounds of the displacements in each tile of
- * WEFT__TILE x WEFT__TILE particles, row by row of tiles, with those next to it. */
-enum { WEFT__TILE = 8 };
+/* The bounds of displacements. */
 typedef struct weft__drift {
     double low[3], high[3]; /* [m] */
 } weft__drift;
+
+/* The same, and those of each tile to `tiles`. */
 typedef double weft__drift_fn(const weft_cloth *cloth, const double *from,
                               const double *to, weft__drift *tiles);
 weft__drift_fn weft__reference_drift;
-
-static inline size_t weft__tile_cols(const weft_cloth *of)
-{
-    return (of->cols + WEFT__TILE - 1) / WEFT__TILE;
-}
-
-static inline size_t weft__tile_count(const weft_cloth *of)
-{
-    return (of->rows + WEFT__TILE - 1) / WEFT__TILE * weft__tile_cols(of);
-}
-
-/* The rows and columns of tile i, with those next to it: first, end, first, end. */
-static inline void weft__tile_range(const weft_cloth *of, size_t i, size_t range[4])
-{
-    const size_t r = i / weft__tile_cols(of) * WEFT__TILE;
-    const size_t c = i % weft__tile_cols(of) * WEFT__TILE;
-    range[0] = r > 0 ? r - 1 : 0;
-    range[1] = r + WEFT__TILE + 1 < of->rows ? r + WEFT__TILE + 1 : of->rows;
-    range[2] = c > 0 ? c - 1 : 0;
-    range[3] = c + WEFT__TILE + 1 < of->cols ? c + WEFT__TILE + 1 : of->cols;
-}
 
 /* [m] Of the bounds of two tiles together, which may be the same. */
 static inline double weft__drift_extent(const weft__drift *a, const weft__drift *b)
@@ -195,32 +180,46 @@ bool weft__pair_push(const weft__self_law *law, const weft__pair *pair, const do
 double weft__pair_rest(const weft__self_law *law, const weft__pair *pair);
 double weft__pair_mass(const weft_cloth *cloth, const weft__pair *pair);
 
-/* Writes the pushes of `count` pairs, up to WEFT__PAIRS_MOST, of those with a distance
- * up to that of their group in `reach`, in their order; returns their number. */
-enum { WEFT__PAIRS_MOST = 512 };
-typedef size_t weft__pushes_fn(const weft__self_law *law, const weft__pair *pairs,
-                               const double *distances, size_t count,
-                               const double *reach, const double *y, weft__push *out);
+/* Pairs of one kind that may push, their numbers by particles and edges. The last one
+ * stands WEFT__BLOCK times. */
+enum { WEFT__BLOCK = 8 };
+typedef struct weft__near {
+    size_t count;
+    int32_t *particle[4];
+    double *mass, *rest; /* as of weft__pair_mass and weft__pair_rest */
+} weft__near;
+
+/* WEFT__BLOCK pairs of a kind that push. */
+typedef struct weft__pushes {
+    double force[4][3][WEFT__BLOCK]; /* [N] */
+    double gap[WEFT__BLOCK], energy[WEFT__BLOCK];
+    double heat[WEFT__BLOCK], friction[WEFT__BLOCK];
+    uint32_t at[WEFT__BLOCK]; /* of the pair in its weft__near */
+} weft__pushes;
+
+/* Writes the pushes of pairs in their order, and returns their number; adds 0 to *bad,
+ * or NaN if a force is not finite. Has room for all pairs. */
+typedef size_t weft__pushes_fn(const weft__self_law *law, weft__pair_kind kind,
+                               const weft__near *near, const double *y,
+                               weft__pushes *out, double *bad);
 weft__pushes_fn weft__reference_pushes;
+
+/* Of pairs of a kind: distances as of weft__pair_distance, and what differences between
+ * their particles have to change by, at least, before they push: up to `most` [m] where
+ * the feet decide. */
+typedef void weft__waits_fn(const weft_cloth *cloth, weft__pair_kind kind,
+                            const weft__quad *pairs, size_t count, const double *y,
+                            double most, double *distances, double *waits);
+weft__waits_fn weft__reference_waits;
 
 /* The same before: b_i, and the touch of the feet, with push, stiffness and drag not by
  * mass. */
 bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
                       const double *y, double arm[4], weft__touch *touch);
 
-/* Adds its forces on the particles [first, end) to planes to[3 N]. */
-void weft__push_add(const weft_cloth *cloth, const weft__push *push, weft__unit unit,
-                    size_t first, size_t end, double *to);
-
-/* 0, or NaN if a force is not finite. */
-static inline double weft__push_trouble(const weft__push *push)
-{
-    double bad = 0.0;
-    for (size_t k = 0; k < push->count; ++k) {
-        bad += (push->force[k][0] + push->force[k][1] + push->force[k][2]) * 0.0;
-    }
-    return bad;
-}
+/* Push i of those of a kind. */
+void weft__push_at(weft__pair_kind kind, const weft__near *near,
+                   const weft__pushes *pushes, size_t i, weft__push *out);
 
 /* Its energy, powers, gap and touch. */
 void weft__push_measure(const weft_cloth *cloth, const weft__push *push,

@@ -51,12 +51,11 @@ static bool seek(pair_sums *self, weft__pair_fn *visit)
            && weft__each_pair(&tree, cloth->contact.thickness, visit, self);
 }
 
-static bool grip_pair(void *ctx, const weft__pair *pair, double distance)
+static bool grip_pair(void *ctx, const weft__pair *pair)
 {
     pair_sums *self = ctx;
     double arm[4];
     weft__touch touch;
-    (void)distance;
     if (!weft__pair_meets(&self->law, pair, self->y, arm, &touch)) {
         return true;
     }
@@ -104,13 +103,12 @@ void weft__self_grip_any(const weft_cloth *cloth, weft__grip *grip)
     }
 }
 
-static bool multiply_pair(void *ctx, const weft__pair *pair, double distance)
+static bool multiply_pair(void *ctx, const weft__pair *pair)
 {
     pair_sums *self = ctx;
     const size_t n = self->cloth->particles;
     double arm[4], feet[3] = { 0.0 };
     weft__touch touch;
-    (void)distance;
     if (!weft__pair_meets(&self->law, pair, self->y, arm, &touch)) {
         return true;
     }
@@ -137,14 +135,13 @@ void weft__self_multiply(const weft_cloth *cloth, const double *y, double a, dou
     (void)seek(&self, multiply_pair);
 }
 
-static bool block_pair(void *ctx, const weft__pair *pair, double distance)
+static bool block_pair(void *ctx, const weft__pair *pair)
 {
     static const size_t planes[3][3] = { { 0, 3, 4 }, { 3, 1, 5 }, { 4, 5, 2 } };
     pair_sums *self = ctx;
     const size_t n = self->cloth->particles;
     double arm[4];
     weft__touch touch;
-    (void)distance;
     if (!weft__pair_meets(&self->law, pair, self->y, arm, &touch)) {
         return true;
     }

@@ -23,6 +23,167 @@ LAW void law_from_to(const num a[3], const num b[3], num d[3])
     d[0] = b[0] - a[0], d[1] = b[1] - a[1], d[2] = b[2] - a[2];
 }
 
+/* ---- distances ------------------------------------------------------------------- */
+
+LAW num law_least(num a, num b) /* of a NaN and b: b */
+{
+    return CHOOSE(a < b, a, b);
+}
+
+LAW num law_most(num a, num b)
+{
+    return CHOOSE(a > b, a, b);
+}
+
+/* The square of the distance of p from a-b. */
+LAW num law_edge_square(const num p[3], const num a[3], const num b[3])
+{
+    num e[3], r[3];
+    law_from_to(a, b, e);
+    law_from_to(a, p, r);
+    const num at = law_dot(e, r) / law_dot(e, e);
+    const num s = law_least(law_most(at, NUM(0.0)), NUM(1.0));
+    for (size_t k = 0; k < 3; ++k) {
+        r[k] = r[k] - s * e[k];
+    }
+    return law_dot(r, r);
+}
+
+/* Of two edges, or of a triangle's edges at its first corner; p: from the start of f to
+ * that of e, or to the particle. */
+typedef struct law_gram {
+    num e[3], f[3], p[3], ee, ff, ef, ep, fp, pp;
+} law_gram;
+
+LAW law_gram law_gram_of(weft__pair_kind kind, num x[4][3])
+{
+    const size_t start = kind == WEFT__EDGES ? 2 : 1;
+    law_gram out;
+    law_from_to(x[kind == WEFT__EDGES ? 0 : 1], x[kind == WEFT__EDGES ? 1 : 2], out.e);
+    law_from_to(x[start], x[3], out.f);
+    law_from_to(x[start], x[0], out.p);
+    out.ee = law_dot(out.e, out.e), out.ff = law_dot(out.f, out.f);
+    out.ef = law_dot(out.e, out.f), out.ep = law_dot(out.e, out.p);
+    out.fp = law_dot(out.f, out.p), out.pp = law_dot(out.p, out.p);
+    return out;
+}
+
+/* The square of the distance between the lines or from the plane where both feet are
+ * inside, if that is less than `least`. */
+LAW num law_inside_square(weft__pair_kind kind, const law_gram *of, num least)
+{
+    const double sign = kind == WEFT__EDGES ? -1.0 : 1.0;
+    const num inverse = 1.0 / (of->ee * of->ff - of->ef * of->ef);
+    const num u = sign * (of->ff * of->ep - of->ef * of->fp) * inverse;
+    const num v = (of->ee * of->fp - of->ef * of->ep) * inverse;
+    const num beyond = kind == WEFT__EDGES ? law_most(u, v) : u + v;
+    num r[3];
+    for (size_t k = 0; k < 3; ++k) {
+        r[k] = of->p[k] - sign * u * of->e[k] - v * of->f[k];
+    }
+    const num at = law_dot(r, r);
+    return CHOOSE((u >= 0.0) & (v >= 0.0) & (beyond <= 1.0) & (at < least), at, least);
+}
+
+/* [m] Between the nearest points of both: inside, or at an edge or end of one. */
+LAW num law_distance(weft__pair_kind kind, num x[4][3])
+{
+    num r[3];
+    if (kind == WEFT__VERTICES) {
+        law_from_to(x[1], x[0], r);
+        return ROOT(law_dot(r, r));
+    }
+    if (kind == WEFT__VERTEX_EDGE) {
+        return ROOT(law_edge_square(x[0], x[1], x[2]));
+    }
+    const law_gram of = law_gram_of(kind, x);
+    num least = law_edge_square(x[0], x[2], x[3]);
+    if (kind == WEFT__EDGES) {
+        least = law_least(least, law_edge_square(x[1], x[2], x[3]));
+        least = law_least(least, law_edge_square(x[2], x[0], x[1]));
+        least = law_least(least, law_edge_square(x[3], x[0], x[1]));
+    } else {
+        least = law_least(least, law_edge_square(x[0], x[1], x[2]));
+        least = law_least(least, law_edge_square(x[0], x[1], x[3]));
+    }
+    return ROOT(law_inside_square(kind, &of, least));
+}
+
+/* ---- what has to happen before a pair pushes ------------------------------------- */
+
+/* Of an edge x with an other o, by products as of law_gram and lengths: its foot is
+ * inside from its start on where xo op - oo xp > 0. If differences of particles change
+ * by less than the result, which counts up to `most`, that stays negative: a product
+ * a.b changes by less than c times the change, c = |a| + |b| + most. */
+LAW num law_shy(num oo, num xo, num xp, num op, num x, num o, num p, double most)
+{
+    const num by_oo = 2.0 * o + most, by_xo = x + o + most;
+    const num by_xp = x + p + most, by_op = o + p + most;
+    const num change = oo * by_xp + law_most(xp, -xp) * by_oo
+                       + law_most(xo, -xo) * by_op + law_most(op, -op) * by_xo
+                       + most * (by_oo * by_xp + by_xo * by_op);
+    return (oo * xp - xo * op) / change;
+}
+
+LAW num law_length(num square)
+{
+    return ROOT(law_most(square, NUM(0.0)));
+}
+
+/* The feet of edges: e from both its ends, then f. */
+LAW num law_shy_edges(const law_gram *of, double most)
+{
+    const num e = ROOT(of->ee), f = ROOT(of->ff);
+    const num ee = of->ee, ff = of->ff, ef = of->ef, ep = of->ep, fp = of->fp;
+    const num p = ROOT(of->pp), q = law_length(of->pp + 2.0 * ep + ee);
+    const num r = law_length(of->pp - 2.0 * fp + ff);
+    return law_most(
+        law_shy(ff, ef, ep, fp, e, f, p, most),
+        law_most(law_shy(ff, -ef, -(ep + ee), fp + ef, e, f, q, most),
+                 law_most(law_shy(ee, ef, -fp, -ep, f, e, p, most),
+                          law_shy(ee, -ef, fp - ff, ef - ep, f, e, r, most))));
+}
+
+/* The foot in a triangle: e, then f, then the third edge, from f's end to e's. */
+LAW num law_shy_triangle(const law_gram *of, double most)
+{
+    const num ee = of->ee, ff = of->ff, ef = of->ef, ep = of->ep, fp = of->fp;
+    const num e = ROOT(ee), f = ROOT(ff), gg = ff - 2.0 * ef + ee;
+    const num g = law_length(gg), p = ROOT(of->pp);
+    const num q = law_length(of->pp - 2.0 * ep + ee);
+    return law_most(
+        law_shy(ff, ef, -ep, -fp, e, f, p, most),
+        law_most(law_shy(ee, ef, -fp, -ep, f, e, p, most),
+                 law_shy(gg, ee - ef, ep - ee, ep + ef - fp - ee, e, g, q, most)));
+}
+
+/* [m] A pair at a distance does not push before differences between its particles have
+ * changed by so much: by distance, or by its feet, which count up to `most`. */
+LAW num law_wait(weft__pair_kind kind, num x[4][3], num distance, double thickness,
+                 double most)
+{
+    num r[3], shy = NUM(-1.0);
+    const num far = distance - thickness;
+    if (kind == WEFT__VERTICES) {
+        return far;
+    }
+    if (kind == WEFT__VERTEX_EDGE) {
+        num e[3];
+        law_from_to(x[1], x[2], e);
+        law_from_to(x[1], x[0], r);
+        const num ee = law_dot(e, e), ep = law_dot(e, r), pp = law_dot(r, r);
+        const num length = ROOT(ee) + most;
+        shy = law_most(-ep / (length + ROOT(pp)), shy);
+        shy = law_most((ep - ee) / (length + law_length(pp - 2.0 * ep + ee)), shy);
+    } else {
+        const law_gram of = law_gram_of(kind, x);
+        shy = law_most(kind == WEFT__EDGES ? law_shy_edges(&of, most)
+                                           : law_shy_triangle(&of, most),
+                       shy);
+    }
+    return law_most(far, law_least(shy, NUM(most)));
+}
+
 /* ---- weights --------------------------------------------------------------------- */
 
 /* S(x) and its derivative. */

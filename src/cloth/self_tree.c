@@ -13,16 +13,15 @@
 /* Relative, of the bounds. */
 #define ROUNDOFF 1e-9
 
-static size_t count_at(size_t nodes, size_t level)
-{
-    return ((nodes - 1) >> level) + 1;
-}
+typedef struct tree_patch {
+    size_t r, c;
+} tree_patch;
 
 static size_t levels_of(const weft_cloth *cloth)
 {
     size_t levels = 1;
-    while (count_at(cloth->rows, levels - 1) > 1
-           || count_at(cloth->cols, levels - 1) > 1) {
+    while (weft__patches(cloth->rows, levels - 1) > 1
+           || weft__patches(cloth->cols, levels - 1) > 1) {
         ++levels;
     }
     return levels;
@@ -37,72 +36,73 @@ size_t weft__tree_size(const weft_cloth *cloth)
 {
     size_t size = 0;
     for (size_t k = 0; k < levels_of(cloth); ++k) {
-        size += count_at(cloth->rows, k) * count_at(cloth->cols, k);
+        size += weft__patches(cloth->rows, k) * weft__patches(cloth->cols, k);
     }
     return size;
 }
 
 /* ---- bounds ---------------------------------------------------------------------- */
 
-static const weft__knot nothing
-    = { { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } },
-        { { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } },
-          { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } } } };
+#define NOTHING                                                                        \
+    {                                                                                  \
+        { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY }          \
+    }
+static const weft__knot nothing = { NOTHING, { NOTHING, NOTHING } };
 
-static inline void include(double bounds[2][3], const double at[3])
+static inline void join(const double from[2][3], double to[2][3])
 {
     for (size_t k = 0; k < 3; ++k) {
-        bounds[0][k] = at[k] < bounds[0][k] ? at[k] : bounds[0][k];
-        bounds[1][k] = at[k] > bounds[1][k] ? at[k] : bounds[1][k];
+        to[0][k] = from[0][k] < to[0][k] ? from[0][k] : to[0][k];
+        to[1][k] = from[1][k] > to[1][k] ? from[1][k] : to[1][k];
     }
 }
 
-static inline void place(const weft__quadtree *tree, size_t r, size_t c, double x[3])
+/* Of the differences by * (b - a), (d - c). */
+static inline void bound_slopes(const double a[3], const double b[3], const double c[3],
+                                const double d[3], double by, double to[2][3])
 {
-    const size_t n = tree->cloth->particles, i = r * tree->cloth->cols + c;
-    x[0] = tree->y[i], x[1] = tree->y[n + i], x[2] = tree->y[2 * n + i];
+    for (size_t k = 0; k < 3; ++k) {
+        const double one = by * (b[k] - a[k]), other = by * (d[k] - c[k]);
+        to[0][k] = one < other ? one : other;
+        to[1][k] = one < other ? other : one;
+    }
 }
 
-static inline void include_slope(const double from[3], const double to[3],
-                                 double spacing, double bounds[2][3])
-{
-    const double slope[3] = { (to[0] - from[0]) / spacing, (to[1] - from[1]) / spacing,
-                              (to[2] - from[2]) / spacing };
-    include(bounds, slope);
-}
-
-/* Adds node (r, c). */
-static void add_node(const weft__quadtree *tree, size_t r, size_t c, weft__knot *to)
+/* Sets *to for node (r, c), which is its own neighbour where the grid ends. */
+static void bound_node(const weft__quadtree *tree, size_t r, size_t c, weft__knot *to)
 {
     const weft_cloth *cloth = tree->cloth;
-    double x[2][2][3];
-    const size_t down = r + 1 < cloth->rows, right = c + 1 < cloth->cols;
-    for (size_t i = 0; i <= down; ++i) {
-        for (size_t j = 0; j <= right; ++j) {
-            place(tree, r + i, c + j, x[i][j]);
-            include(to->place, x[i][j]);
-        }
+    const bool down = r + 1 < cloth->rows, right = c + 1 < cloth->cols;
+    const double *y = tree->y + r * cloth->cols + c;
+    const size_t i[4] = { 0, right, down ? cloth->cols : 0,
+                          right + (down ? cloth->cols : 0) };
+    double x[4][3];
+    *to = nothing;
+    for (size_t k = 0; k < 3; ++k, y += cloth->particles) {
+        const double a = x[0][k] = y[i[0]], b = x[1][k] = y[i[1]];
+        const double p = x[2][k] = y[i[2]], q = x[3][k] = y[i[3]];
+        const double low[2] = { a < b ? a : b, p < q ? p : q };
+        const double high[2] = { a < b ? b : a, p < q ? q : p };
+        to->place[0][k] = low[0] < low[1] ? low[0] : low[1];
+        to->place[1][k] = high[0] > high[1] ? high[0] : high[1];
     }
-    for (size_t j = 0; down == 1 && j <= right; ++j) {
-        include_slope(x[0][j], x[1][j], cloth->spacing[0], to->slope[0]);
+    if (down) {
+        bound_slopes(x[0], x[2], x[1], x[3], 1.0 / cloth->spacing[0], to->slope[0]);
     }
-    for (size_t i = 0; right == 1 && i <= down; ++i) {
-        include_slope(x[i][0], x[i][1], cloth->spacing[1], to->slope[1]);
+    if (right) {
+        bound_slopes(x[0], x[1], x[2], x[3], 1.0 / cloth->spacing[1], to->slope[1]);
     }
 }
 
 static void add_slopes(const weft__knot *from, weft__knot *to)
 {
-    for (size_t k = 0; k < 2; ++k) {
-        include(to->slope[0], from->slope[0][k]);
-        include(to->slope[1], from->slope[1][k]);
-    }
+    join(from->slope[0], to->slope[0]);
+    join(from->slope[1], to->slope[1]);
 }
 
 static void add_knot(const weft__knot *from, weft__knot *to)
 {
-    include(to->place, from->place[0]);
-    include(to->place, from->place[1]);
+    join(from->place, to->place);
     add_slopes(from, to);
 }
 
@@ -112,48 +112,90 @@ static size_t end_of(size_t at, size_t level, size_t count)
     return end < count ? end : count;
 }
 
-typedef struct tree_patch {
-    size_t r, c;
-} tree_patch;
-
 static void add_patch(const weft__quadtree *tree, size_t level, tree_patch at,
                       weft__knot *to)
 {
     const weft_cloth *cloth = tree->cloth;
     for (size_t r = at.r << level; r < end_of(at.r, level, cloth->rows); ++r) {
         for (size_t c = at.c << level; c < end_of(at.c, level, cloth->cols); ++c) {
-            add_node(tree, r, c, to);
+            weft__knot node;
+            bound_node(tree, r, c, &node);
+            add_knot(&node, to);
         }
     }
 }
 
-void weft__tree_fill(weft__quadtree *tree, const double *y, weft__knot *knots)
+void weft__tree_begin(weft__quadtree *tree, weft__knot *knots)
 {
     const weft_cloth *cloth = tree->cloth;
-    tree->y = y;
     tree->knots = knots;
-    for (size_t i = 0; i < cloth->particles; ++i) {
-        knots[i] = nothing;
-        add_node(tree, i / cloth->cols, i % cloth->cols, &knots[i]);
-    }
     for (size_t level = 1; level < tree->levels; ++level) {
-        const size_t from = tree->first[level - 1];
-        const size_t below[2]
-            = { count_at(cloth->rows, level - 1), count_at(cloth->cols, level - 1) };
-        const size_t rows = count_at(cloth->rows, level);
-        const size_t cols = count_at(cloth->cols, level);
-        tree->first[level] = from + below[0] * below[1];
-        for (size_t i = 0; i < rows * cols; ++i) {
-            weft__knot *to = &knots[tree->first[level] + i];
-            *to = nothing;
-            for (size_t j = 0; j < 4; ++j) {
-                const size_t r = 2 * (i / cols) + j / 2, c = 2 * (i % cols) + j % 2;
-                if (r < below[0] && c < below[1]) {
-                    add_knot(&knots[from + r * below[1] + c], to);
-                }
+        tree->first[level] = tree->first[level - 1]
+                             + weft__patches(cloth->rows, level - 1)
+                                   * weft__patches(cloth->cols, level - 1);
+    }
+}
+
+/* From the level below. */
+static void fill_knot(weft__quadtree *tree, size_t level, tree_patch at)
+{
+    const weft_cloth *cloth = tree->cloth;
+    weft__knot *knots = tree->knots + tree->first[level];
+    weft__knot *to = &knots[at.r * weft__patches(cloth->cols, level) + at.c];
+    if (level == 0) {
+        bound_node(tree, at.r, at.c, to);
+        return;
+    }
+    *to = nothing;
+    const size_t rows = weft__patches(cloth->rows, level - 1);
+    const size_t cols = weft__patches(cloth->cols, level - 1);
+    for (size_t j = 0; j < 4; ++j) {
+        const size_t r = 2 * at.r + j / 2, c = 2 * at.c + j % 2;
+        if (r < rows && c < cols) {
+            add_knot(&tree->knots[tree->first[level - 1] + r * cols + c], to);
+        }
+    }
+}
+
+/* All that is in a patch, level by level. */
+static void fill_patch(weft__quadtree *tree, size_t top, tree_patch at)
+{
+    const weft_cloth *cloth = tree->cloth;
+    for (size_t level = 0; level <= top; ++level) {
+        const size_t rows = weft__patches(cloth->rows, level);
+        const size_t cols = weft__patches(cloth->cols, level);
+        const size_t by = top - level;
+        for (size_t r = at.r << by; r < end_of(at.r, by, rows); ++r) {
+            for (size_t c = at.c << by; c < end_of(at.c, by, cols); ++c) {
+                fill_knot(tree, level, (tree_patch){ r, c });
             }
         }
     }
+}
+
+void weft__tree_fill(weft__quadtree *tree, weft__knot *knots)
+{
+    weft__tree_begin(tree, knots);
+    fill_patch(tree, tree->levels - 1, (tree_patch){ 0, 0 });
+}
+
+static tree_patch patch_of(const weft_cloth *cloth, size_t level, size_t i)
+{
+    const size_t cols = weft__patches(cloth->cols, level);
+    return (tree_patch){ i / cols, i % cols };
+}
+
+/* A small grid has fewer levels than its tiles. */
+static size_t tile_level(const weft__quadtree *tree)
+{
+    const size_t level = weft__tile_level(tree->cloth);
+    return level < tree->levels ? level : tree->levels - 1;
+}
+
+void weft__tree_fill_tile(weft__quadtree *tree, size_t tile)
+{
+    const size_t level = tile_level(tree);
+    fill_patch(tree, level, patch_of(tree->cloth, level, tile));
 }
 
 /* ---- the search ------------------------------------------------------------------ */
@@ -161,7 +203,9 @@ void weft__tree_fill(weft__quadtree *tree, const double *y, weft__knot *knots)
 typedef struct tree_search {
     const weft__quadtree *tree;
     double range;
-    double flat; /* a patch with a smaller E is not near itself */
+    double flat;  /* a patch with a smaller E is not near itself */
+    size_t floor; /* the level whose patches are visited */
+    bool all;     /* without bounds */
     weft__visit_fn *visit;
     void *ctx;
 } tree_search;
@@ -219,7 +263,7 @@ static const weft__knot *knot_of(const weft__quadtree *tree, size_t level,
                                  tree_patch at, weft__knot *room)
 {
     if (tree->knots != NULL) {
-        const size_t cols = count_at(tree->cloth->cols, level);
+        const size_t cols = weft__patches(tree->cloth->cols, level);
         return &tree->knots[tree->first[level] + at.r * cols + at.c];
     }
     *room = nothing;
@@ -261,8 +305,8 @@ static bool apart(const tree_search *of, size_t level, tree_patch a, tree_patch 
 
 static bool inside(const tree_search *of, size_t level, tree_patch at)
 {
-    return at.r < count_at(of->tree->cloth->rows, level)
-           && at.c < count_at(of->tree->cloth->cols, level);
+    return at.r < weft__patches(of->tree->cloth->rows, level)
+           && at.c < weft__patches(of->tree->cloth->cols, level);
 }
 
 static tree_patch part(tree_patch at, size_t j)
@@ -272,17 +316,17 @@ static tree_patch part(tree_patch at, size_t j)
 
 static bool leaf(const tree_search *of, tree_patch a, tree_patch b)
 {
-    const size_t cols = of->tree->cloth->cols;
+    const size_t cols = weft__patches(of->tree->cloth->cols, of->floor);
     return of->visit(of->ctx, a.r * cols + a.c, b.r * cols + b.c);
 }
 
 static bool pairs_between(const tree_search *of, size_t level, tree_patch a,
                           tree_patch b)
 {
-    if (apart(of, level, a, b) || flat_about(of, level, a, b)) {
+    if (!of->all && (apart(of, level, a, b) || flat_about(of, level, a, b))) {
         return true;
     }
-    if (level == 0) {
+    if (level == of->floor) {
         return leaf(of, a, b);
     }
     bool goes_on = true;
@@ -297,10 +341,10 @@ static bool pairs_between(const tree_search *of, size_t level, tree_patch a,
 static bool pairs_within(const tree_search *of, size_t level, tree_patch at)
 {
     weft__knot room;
-    if (flat(of, knot_of(of->tree, level, at, &room))) {
+    if (!of->all && flat(of, knot_of(of->tree, level, at, &room))) {
         return true;
     }
-    if (level == 0) {
+    if (level == of->floor) {
         return leaf(of, at, at);
     }
     bool goes_on = true;
@@ -316,17 +360,43 @@ static bool pairs_within(const tree_search *of, size_t level, tree_patch at)
     return goes_on;
 }
 
-bool weft__tree_pairs(const weft__quadtree *tree, double range, weft__visit_fn *visit,
-                      void *ctx)
+static tree_search search_of(const weft__quadtree *tree, double range,
+                             weft__visit_fn *visit, void *ctx)
 {
     const double a = tree->cloth->spacing[0], b = tree->cloth->spacing[1];
     const double rest = tree->cloth->rows == 1   ? b
                         : tree->cloth->cols == 1 ? a
                                                  : a / sqrt(1.0 + a * a / (b * b));
-    const tree_search of = { .tree = tree,
-                             .range = range * (1.0 + ROUNDOFF),
-                             .flat = 1.0 - range / rest - ROUNDOFF,
-                             .visit = visit,
-                             .ctx = ctx };
+    return (tree_search){ .tree = tree,
+                          .range = range * (1.0 + ROUNDOFF),
+                          .flat = 1.0 - range / rest - ROUNDOFF,
+                          .visit = visit,
+                          .ctx = ctx };
+}
+
+bool weft__tree_pairs(const weft__quadtree *tree, double range, weft__visit_fn *visit,
+                      void *ctx)
+{
+    const tree_search of = search_of(tree, range, visit, ctx);
     return pairs_within(&of, tree->levels - 1, (tree_patch){ 0, 0 });
+}
+
+bool weft__tile_pairs(const weft_cloth *cloth, weft__visit_fn *visit, void *ctx)
+{
+    const weft__quadtree tree = weft__tree_of(cloth, NULL);
+    tree_search of = search_of(&tree, 0.0, visit, ctx);
+    of.all = true;
+    of.floor = tile_level(&tree);
+    return pairs_within(&of, tree.levels - 1, (tree_patch){ 0, 0 });
+}
+
+bool weft__tree_between(const weft__quadtree *tree, const uint32_t tiles[2],
+                        double range, weft__visit_fn *visit, void *ctx)
+{
+    const tree_search of = search_of(tree, range, visit, ctx);
+    const size_t level = tile_level(tree);
+    const tree_patch a = patch_of(tree->cloth, level, tiles[0]);
+    return tiles[0] == tiles[1]
+               ? pairs_within(&of, level, a)
+               : pairs_between(&of, level, a, patch_of(tree->cloth, level, tiles[1]));
 }

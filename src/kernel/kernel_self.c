@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* kernel_self.c -- contact of a cloth with itself, LANES pairs at a time: the law of
- * cloth/self_law.h. Pairs are taken kind by kind: first those whose feet are inside and
- * near are found, then their forces go to the places that they have in the order of the
- * list. */
+/* kernel_self.c -- contact of a cloth with itself, LANES pairs of one kind at a time: the
+ * law of cloth/self_law.h. Pairs that push are found first, then their forces fill all
+ * lanes. */
 #include "cloth/levels.h"
 #include "kernel/lanes.h"
 
@@ -20,184 +19,200 @@ INLINE vec choose(mask where, vec a, vec b)
 
 #include "cloth/self_law.h"
 
-enum { KINDS = WEFT__EDGES + 1 };
-
-/* Pairs of a chunk, by kind: their places in it and their particles. */
-typedef struct sorted {
-    size_t count[KINDS];
-    uint16_t at[KINDS][WEFT__PAIRS_MOST + LANES];
-    int32_t particle[KINDS][4][WEFT__PAIRS_MOST + LANES];
-} sorted;
-
-typedef struct chunk {
-    const weft__self_law *law;
-    const weft__pair *pairs;
-    const double *y;
-    weft__push *out;
-} chunk;
+/* One function for each kind, which is a constant in it. */
+#define EACH_KIND(X)                                                                   \
+    X(WEFT__VERTICES) X(WEFT__VERTEX_EDGE) X(WEFT__VERTEX_TRIANGLE) X(WEFT__EDGES)
 
 INLINE size_t particles_of(weft__pair_kind kind)
 {
     return kind == WEFT__VERTICES ? 2 : kind == WEFT__VERTEX_EDGE ? 3 : 4;
 }
 
-/* Sets the particles of the pairs of a kind, and those of the last one once more, so
- * that all lanes have one. */
-INLINE void fill(const chunk *of, weft__pair_kind kind, sorted *to)
+/* Three planes of the particles of LANES pairs. */
+INLINE void place(const double *planes, size_t n, weft__pair_kind kind,
+                  const int32_t *const at[4], vec x[4][3])
 {
-    const size_t count = to->count[kind];
-    for (size_t l = 0; l < LANES && count > 0; ++l) {
-        to->at[kind][count + l] = to->at[kind][count - 1];
-    }
-    for (size_t i = 0; count > 0 && i < count + LANES; ++i) {
-        for (size_t j = 0; j < particles_of(kind); ++j) {
-            to->particle[kind][j][i] = (int32_t)of->pairs[to->at[kind][i]].particle[j];
-        }
-    }
-}
-
-/* The smallest mass of the free particles; infinite without. */
-INLINE vec least_mass(const chunk *of, weft__pair_kind kind, const sorted *by, size_t i)
-{
-    const weft_cloth *cloth = of->law->cloth;
-    const vec none = splat((double)INFINITY);
-    vec mass = none;
-    for (size_t j = 0; j < particles_of(kind); ++j) {
-        const int32_t *at = &by->particle[kind][j][i];
-        const mask is_free = gather(cloth->inverse_mass, at) > 0.0;
-        mass = least(mass, choose(is_free, gather(cloth->mass, at), none));
-    }
-    return mass;
-}
-
-/* Three planes of the particles of LANES pairs from i on. */
-INLINE void place(const chunk *of, weft__pair_kind kind, const sorted *by, size_t i,
-                  const double *planes, vec x[4][3])
-{
-    const size_t n = of->law->cloth->particles;
     for (size_t j = 0; j < particles_of(kind); ++j) {
         for (size_t k = 0; k < 3; ++k) {
-            x[j][k] = gather(planes + k * n, &by->particle[kind][j][i]);
+            x[j][k] = gather(planes + k * n, at[j]);
         }
     }
 }
 
-/* Marks those that push among the near ones. */
-INLINE void find_kind(const chunk *of, weft__pair_kind kind, sorted *near,
-                      unsigned char *pushes)
+/* ---- forces ---------------------------------------------------------------------- */
+
+typedef struct work {
+    const weft__self_law *law;
+    const weft__near *near;
+    const double *y;
+    weft__pushes *out;
+    vec bad;
+} work;
+
+/* Writes which of LANES pairs from i on push; returns how many. */
+INLINE size_t find(const work *of, weft__pair_kind kind, size_t i, uint32_t *found)
 {
     const weft_cloth *cloth = of->law->cloth;
-    const double thickness = cloth->contact.thickness;
-    const uint16_t *at = near->at[kind];
-    fill(of, kind, near);
-    for (size_t i = 0; i < near->count[kind]; i += LANES) {
-        vec x[4][3];
-        law_feet feet;
-        place(of, kind, near, i, of->y, x);
-        mask found = law_find(kind, x, thickness, &feet);
-        if (any(found)) {
-            found &= least_mass(of, kind, near, i) < (double)INFINITY;
-        }
-        for (size_t l = 0; any(found) && l < LANES; ++l) {
-            pushes[at[i + l]] = found[l] != 0;
-        }
+    const int32_t *at[4];
+    vec x[4][3];
+    law_feet feet;
+    size_t count = 0;
+    for (size_t j = 0; j < particles_of(kind); ++j) {
+        at[j] = of->near->particle[j] + i;
     }
+    place(of->y, cloth->particles, kind, at, x);
+    const mask pushes = law_find(kind, x, cloth->contact.thickness, &feet);
+    for (size_t l = 0; any(pushes) && l < LANES; ++l) {
+        found[count] = (uint32_t)(i + l);
+        count += pushes[l] != 0 && i + l < of->near->count;
+    }
+    return count;
 }
 
-INLINE void write_push(const weft__pair *pair, weft__pair_kind kind,
-                       const law_feet *feet, const law_push *push, size_t l,
-                       weft__push *to)
+INLINE void write_pushes(weft__pair_kind kind, const law_feet *feet,
+                         const law_push *push, size_t l, weft__pushes *to)
 {
-    for (size_t i = 0; i < particles_of(kind); ++i) {
+    for (size_t j = 0; j < particles_of(kind); ++j) {
         for (size_t k = 0; k < 3; ++k) {
-            to->force[i][k] = push->force[i][k][l];
+            store(&to->force[j][k][l], push->force[j][k]);
         }
     }
-    for (size_t i = 0; i < 4; ++i) {
-        to->particle[i] = pair->particle[i];
-    }
-    to->count = (uint32_t)particles_of(kind), to->kind = kind;
-    to->gap = feet->d[l];
-    to->energy = push->energy[l];
-    to->heat = push->heat[l], to->friction = push->friction[l];
+    store(&to->gap[l], feet->d), store(&to->energy[l], push->energy);
+    store(&to->heat[l], push->heat), store(&to->friction[l], push->friction);
 }
 
-/* slots: where the pushes go */
-INLINE void push_kind(const chunk *of, weft__pair_kind kind, sorted *found,
-                      const uint16_t *slots)
+/* The LANES pairs of `found` are pushes i, i + 1, ... */
+INLINE void push(work *of, weft__pair_kind kind, const uint32_t *found, size_t i)
 {
     const weft_cloth *cloth = of->law->cloth;
     const weft_contact_def contact = cloth->contact;
-    const uint16_t *at = found->at[kind];
-    fill(of, kind, found);
-    for (size_t i = 0; i < found->count[kind]; i += LANES) {
-        vec x[4][3], v[4][3], rest = splat(0.0);
-        law_feet feet;
-        law_push push;
-        place(of, kind, found, i, of->y, x);
-        place(of, kind, found, i, of->y + 3 * cloth->particles, v);
-        for (size_t l = 0; kind == WEFT__EDGES && l < LANES; ++l) {
-            rest[l] = weft__pair_rest(of->law, &of->pairs[at[i + l]]);
+    weft__pushes *to = &of->out[i / WEFT__BLOCK];
+    const size_t n = cloth->particles;
+    const int32_t *at[4];
+    int32_t particle[4][LANES];
+    vec x[4][3], v[4][3], mass, rest = splat(0.0);
+    law_feet feet;
+    law_push out;
+    for (size_t l = 0; l < LANES; ++l) {
+        const size_t pair = to->at[i % WEFT__BLOCK + l] = found[l];
+        for (size_t j = 0; j < particles_of(kind); ++j) {
+            particle[j][l] = of->near->particle[j][pair];
+            at[j] = particle[j];
         }
-        (void)law_find(kind, x, contact.thickness, &feet);
-        law_weigh(kind, of->law->soft, rest, &feet);
-        law_push_of(kind, &contact, &feet, least_mass(of, kind, found, i), v, &push);
-        for (size_t l = 0; l < LANES && i + l < found->count[kind]; ++l) {
-            write_push(&of->pairs[at[i + l]], kind, &feet, &push, l,
-                       &of->out[slots[at[i + l]]]);
-        }
+        mass[l] = of->near->mass[pair];
+        rest[l] = kind == WEFT__EDGES ? of->near->rest[pair] : 0.0;
+    }
+    place(of->y, n, kind, at, x);
+    place(of->y + 3 * n, n, kind, at, v);
+    (void)law_find(kind, x, contact.thickness, &feet);
+    law_weigh(kind, of->law->soft, rest, &feet);
+    law_push_of(kind, &contact, &feet, mass, v, &out);
+    write_pushes(kind, &feet, &out, i % WEFT__BLOCK, to);
+    for (size_t k = 0; k < 3 * particles_of(kind); ++k) {
+        of->bad += out.force[k / 3][k % 3] * 0.0;
     }
 }
 
-/* One function for each kind, which is a constant in it. */
-#define EACH_KIND(X)                                                                   \
-    X(WEFT__VERTICES) X(WEFT__VERTEX_EDGE) X(WEFT__VERTEX_TRIANGLE) X(WEFT__EDGES)
-
-#define FIND(kind)                                                                     \
-    static void find_##kind(const chunk *of, sorted *near, unsigned char *pushes)      \
-    {                                                                                  \
-        find_kind(of, kind, near, pushes);                                             \
-    }                                                                                  \
-    static void push_##kind(const chunk *of, sorted *found, const uint16_t *slots)     \
-    {                                                                                  \
-        push_kind(of, kind, found, slots);                                             \
-    }
-EACH_KIND(FIND)
-
-size_t NAME(pushes, LEVEL)(const weft__self_law *law, const weft__pair *pairs,
-                           const double *distances, size_t count, const double *reach,
-                           const double *y, weft__push *out)
+INLINE size_t push_kind(work *of, weft__pair_kind kind)
 {
-    const chunk of = { law, pairs, y, out };
-    unsigned char pushes[WEFT__PAIRS_MOST];
-    uint16_t slots[WEFT__PAIRS_MOST];
-    sorted by;
-    size_t found = 0;
-    by.count[0] = by.count[1] = by.count[2] = by.count[3] = 0;
-    for (size_t i = 0; i < count; ++i) {
-        pushes[i] = 0;
-        const uint32_t kind = pairs[i].kind;
-        by.at[kind][by.count[kind]] = (uint16_t)i;
-        by.count[kind] += distances[i] <= reach[pairs[i].group];
+    enum { STRETCH = 128 };
+    uint32_t found[STRETCH + 2 * LANES];
+    size_t held = 0, done = 0;
+    for (size_t i = 0; i < of->near->count; i += LANES) {
+        held += find(of, kind, i, found + held);
+        size_t taken = 0;
+        for (; held >= STRETCH && taken + LANES <= held; taken += LANES) {
+            push(of, kind, found + taken, done + taken);
+        }
+        for (size_t l = taken; taken > 0 && l < held; ++l) {
+            found[l - taken] = found[l];
+        }
+        done += taken, held -= taken;
     }
-#define CALL(kind) find_##kind(&of, &by, pushes);
-    EACH_KIND(CALL)
-#undef CALL
-    for (size_t kind = 0; kind < KINDS; ++kind) {
-        by.count[kind] = 0;
+    for (size_t l = 0; l < LANES && held > 0; ++l) { /* the last one fills the lanes */
+        found[held + l] = found[held - 1];
     }
-    for (size_t i = 0; i < count; ++i) {
-        slots[i] = (uint16_t)found;
-        const uint32_t kind = pairs[i].kind;
-        by.at[kind][by.count[kind]] = (uint16_t)i;
-        by.count[kind] += pushes[i];
-        found += pushes[i];
+    for (size_t taken = 0; taken < held; taken += LANES) {
+        push(of, kind, found + taken, done + taken);
     }
-#define CALL(kind) push_##kind(&of, &by, slots);
-    EACH_KIND(CALL)
-#undef CALL
-    return found;
+    return done + held;
 }
+
+#define PUSH(kind)                                                                     \
+    static size_t push_##kind(work *of)                                                \
+    {                                                                                  \
+        return push_kind(of, kind);                                                    \
+    }
+EACH_KIND(PUSH)
+#undef PUSH
+
+size_t NAME(pushes, LEVEL)(const weft__self_law *law, weft__pair_kind kind,
+                           const weft__near *near, const double *y, weft__pushes *out,
+                           double *bad)
+{
+    static size_t (*const each[])(work *)
+        = { push_WEFT__VERTICES, push_WEFT__VERTEX_EDGE, push_WEFT__VERTEX_TRIANGLE,
+            push_WEFT__EDGES };
+    work of = { law, near, y, out, splat(0.0) };
+    const size_t count = each[kind](&of);
+    *bad += sum(of.bad);
+    return count;
+}
+
+/* ---- distances ------------------------------------------------------------------- */
+
+typedef struct waiting {
+    const weft_cloth *cloth;
+    const weft__quad *pairs;
+    size_t count;
+    const double *y;
+    double most;
+    double *distances, *waits;
+} waiting;
+
+INLINE void wait_kind(const waiting *of, weft__pair_kind kind)
+{
+    for (size_t i = 0; i < of->count; i += LANES) {
+        int32_t particle[4][LANES];
+        const int32_t *at[4];
+        vec x[4][3];
+        for (size_t j = 0; j < particles_of(kind); ++j) {
+            at[j] = particle[j];
+            for (size_t l = 0; l < LANES; ++l) {
+                const size_t last = of->count - 1, pair = i + l < last ? i + l : last;
+                particle[j][l] = (int32_t)of->pairs[pair].of[j];
+            }
+        }
+        place(of->y, of->cloth->particles, kind, at, x);
+        const vec distance = law_distance(kind, x);
+        const vec wait = law_wait(kind, x, distance, of->cloth->contact.thickness,
+                                  of->most);
+        for (size_t l = 0; l < LANES && i + l < of->count; ++l) {
+            of->distances[i + l] = distance[l], of->waits[i + l] = wait[l];
+        }
+    }
+}
+
+#define WAIT(kind)                                                                     \
+    static void wait_##kind(const waiting *of)                                         \
+    {                                                                                  \
+        wait_kind(of, kind);                                                           \
+    }
+EACH_KIND(WAIT)
+#undef WAIT
+
+void NAME(waits, LEVEL)(const weft_cloth *cloth, weft__pair_kind kind,
+                        const weft__quad *pairs, size_t count, const double *y,
+                        double most, double *distances, double *waits)
+{
+    static void (*const each[])(const waiting *)
+        = { wait_WEFT__VERTICES, wait_WEFT__VERTEX_EDGE, wait_WEFT__VERTEX_TRIANGLE,
+            wait_WEFT__EDGES };
+    const waiting of = { cloth, pairs, count, y, most, distances, waits };
+    each[kind](&of);
+}
+
+/* ---- bounds ---------------------------------------------------------------------- */
 
 /* Of a plane, as long as they hold no NaN. */
 typedef struct run_bounds {
@@ -250,6 +265,7 @@ double NAME(drift, LEVEL)(const weft_cloth *cloth, const double *from, const dou
                           weft__drift *tiles)
 {
     const size_t n = cloth->particles, cols = cloth->cols;
+    const size_t level = weft__tile_level(cloth);
     const double inf = INFINITY;
     weft__drift all = { { inf, inf, inf }, { -inf, -inf, -inf } };
     vec trouble = splat(0.0);
@@ -258,7 +274,7 @@ double NAME(drift, LEVEL)(const weft_cloth *cloth, const double *from, const dou
     }
     for (size_t i = 0; i < weft__tile_count(cloth); ++i) {
         size_t in[4];
-        weft__tile_range(cloth, i, in);
+        weft__patch_range(cloth, level, i, in);
         for (size_t k = 0; k < 3; ++k) {
             run_bounds of = no_bounds();
             const size_t first = in[2] + LANES <= in[3] ? in[2]

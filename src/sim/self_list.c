@@ -1,7 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* self_list.c -- a list about a state, with the distances it was made for, holds all
- * pairs nearer than its range then. Once no two particles are displaced by more than e
- * against each other, a pair at distance D is no nearer than D - e. */
+/* self_list.c -- a list about a state has pairs of primitives with their distances
+ * there. Once no two particles of two tiles are displaced by more than e against each
+ * other, a pair of theirs at distance D is no nearer than D - e.
+ *
+ * For each pair of tiles it is known how far apart their pairs are at least but for
+ * those in the list: `clear`. When a list is made about a new state, `clear` loses what
+ * the tiles have moved against each other; only where it no longer suffices are pairs
+ * sought again. Pairs at `clear` or further apart are dropped. */
 #include "sim/self_list.h"
 
 #include <stdatomic.h>
@@ -9,237 +14,68 @@
 #include "base/memory.h"
 #include "cloth/levels.h"
 
-/* CHUNK pairs are evaluated by one thread. */
-enum { CHUNK = WEFT__PAIRS_MOST, MOST_PARTS = 4096, HALVINGS = 60 };
+enum { KINDS = WEFT__EDGES + 1, STRETCH = 256, ROOM = 512, SHELVES = 64, HALVINGS = 60 };
 
 /* Allowed for roundoff, relative. */
 #define ROUNDOFF 1e-9
 
-/* Successive pairs of the same two tiles. */
+/* Of the skin: how far particles may move against each other before a list is made
+ * anew, and what is left of it at least where pairs are not sought again. */
+#define LASTING 0.125
+#define LEAST   0.25
+
+/* Of `clear`: pairs have to be sought. */
+#define UNKNOWN (-1.0)
+
+/* Two tiles that are near each other. */
 typedef struct group {
-    uint32_t tiles[2];
-    size_t first;   /* pair */
-    double nearest; /* [m] of its pairs */
+    size_t tiles;      /* in `between` */
+    double limit;      /* [m] pairs that are not in `near` do not push before */
+    double nearest;    /* [m] of its pairs that the step check looks at */
+    double reach;      /* [m] as far as they matter in a step */
+    size_t end[KINDS]; /* of its pairs, which follow those of the group before */
 } group;
+
+/* The pairs of a kind. */
+typedef struct bin {
+    weft__quad *pairs, *before; /* before: while a list is made anew, those of the old */
+    double *distances;          /* [m] */
+    size_t count;
+    weft__near near; /* those that may push soon */
+    weft__pushes *pushes;
+    size_t pushing;
+} bin;
+
+/* The groups of successive pairs of tiles: one thread makes and evaluates them. */
+typedef struct shelf {
+    size_t first, end; /* in `between` */
+    group *groups, *before;
+    size_t group_count, before_count;
+    bin bins[KINDS];
+    size_t room, wanted; /* pairs of a kind; wanted: before the next step */
+    bool full;           /* without some pairs */
+} shelf;
 
 struct weft__self_list {
     const weft_cloth *cloth;
     weft__team *team;
     weft_allocator memory;
+    weft__quadtree tree;
     weft__knot *knots;     /* of any state */
     double *place;         /* 3 N: where the list was made */
-    unsigned char *marks;  /* N */
+    unsigned char *marks;  /* N: of particles, or tiles */
     weft__drift *tiles[4]; /* of the last displacements; in checks of steps all */
-    double skin, range;    /* [m] */
-    bool valid;            /* whole, about `place` */
-    size_t count, room, wanted;
+    uint32_t (*between)[2];
+    double *clear; /* [m] of each pair of tiles */
+    size_t between_count;
+    double skin;  /* [m] beyond the thickness */
+    double limit; /* [m] the least of all groups */
+    size_t pin_changes;
     size_t group_count;
-    group *groups;
-    double
-        *reach; /* [m] of each group: as far as pairs may have been apart that matter */
-    weft__pair *pairs;
-    double *distances;  /* [m] */
-    weft__push *pushes; /* those of chunk k from k CHUNK on */
-    uint32_t *pushing;  /* their number in each chunk */
+    bool valid; /* whole, about `place` */
+    shelf *shelves;
+    size_t shelf_count;
 };
-
-/* A quarter of the spacing is near the best of piles; thick cloth has less, so that
- * flat cells, whose primitives are 0.7 spacings apart, are not listed. */
-static double skin_of(const weft_cloth *cloth)
-{
-    const double a = weft__smaller_spacing(cloth->rows, cloth->cols, cloth->spacing);
-    return fmin(0.25 * a, fmax(0.1 * a, 0.65 * a - cloth->contact.thickness));
-}
-
-weft__self_list *weft__self_list_create(const weft_cloth *cloth, weft__team *team,
-                                        const weft_allocator *memory)
-{
-    const size_t n = cloth->particles;
-    weft__self_list *list = weft__zeroed(memory, 1, sizeof *list);
-    if (list == NULL) {
-        return NULL;
-    }
-    *list = (weft__self_list){
-        .cloth = cloth,
-        .team = team,
-        .memory = *memory,
-        .knots = weft__alloc(memory, weft__tree_size(cloth), sizeof *list->knots),
-        .place = weft__alloc(memory, 3 * n, sizeof *list->place),
-        .marks = weft__alloc(memory, n, 1),
-        .tiles
-        = { weft__alloc(memory, weft__tile_count(cloth), 4 * sizeof(weft__drift)) },
-        .skin = skin_of(cloth),
-        .wanted = CHUNK,
-    };
-    for (size_t k = 1; k < 4 && list->tiles[0] != NULL; ++k) {
-        list->tiles[k] = list->tiles[k - 1] + weft__tile_count(cloth);
-    }
-    if (list->knots == NULL || list->place == NULL || list->marks == NULL
-        || list->tiles[0] == NULL || weft__self_list_grow(list, NULL) != WEFT_OK) {
-        weft__self_list_destroy(list);
-        return NULL;
-    }
-    return list;
-}
-
-static void free_pairs(weft__self_list *list)
-{
-    weft__free(&list->memory, list->pairs);
-    weft__free(&list->memory, list->distances);
-    weft__free(&list->memory, list->pushes);
-    weft__free(&list->memory, list->pushing);
-    weft__free(&list->memory, list->groups);
-    weft__free(&list->memory, list->reach);
-    list->groups = NULL, list->reach = NULL;
-    list->pairs = NULL, list->distances = NULL;
-    list->pushes = NULL, list->pushing = NULL;
-    list->room = list->count = 0;
-    list->valid = false;
-}
-
-void weft__self_list_destroy(weft__self_list *list)
-{
-    if (list != NULL) {
-        const weft_allocator memory = list->memory;
-        free_pairs(list);
-        weft__free(&memory, list->knots);
-        weft__free(&memory, list->place);
-        weft__free(&memory, list->marks);
-        weft__free(&memory, list->tiles[0]);
-        weft__free(&memory, list);
-    }
-}
-
-void weft__self_list_set_skin(weft__self_list *list, double skin)
-{
-    list->skin = skin;
-    list->valid = false;
-}
-
-weft_status weft__self_list_grow(weft__self_list *list, weft_error *err)
-{
-    if (list->wanted <= list->room) {
-        return WEFT_OK;
-    }
-    const size_t chunks = list->wanted / CHUNK * 2 + 1, room = chunks * CHUNK;
-    const weft_allocator *memory = &list->memory;
-    free_pairs(list);
-    list->pairs = weft__alloc(memory, room, sizeof *list->pairs);
-    list->distances = weft__alloc(memory, room, sizeof *list->distances);
-    list->pushes = weft__alloc(memory, room, sizeof *list->pushes);
-    list->pushing = weft__alloc(memory, chunks, sizeof *list->pushing);
-    list->groups = weft__alloc(memory, room, sizeof *list->groups);
-    list->reach = weft__alloc(memory, room, sizeof *list->reach);
-    if (list->pairs == NULL || list->distances == NULL || list->pushes == NULL
-        || list->pushing == NULL || list->groups == NULL || list->reach == NULL) {
-        free_pairs(list);
-        return weft_error_set(err, WEFT_NO_MEMORY,
-                              "no memory for %zu pairs of primitives that are near "
-                              "each other",
-                              room);
-    }
-    list->room = room;
-    return WEFT_OK;
-}
-
-/* ---- making ---------------------------------------------------------------------- */
-
-static uint32_t tile_of(const weft_cloth *cloth, size_t i)
-{
-    const size_t r = i / cloth->cols, c = i % cloth->cols;
-    return (uint32_t)(r / WEFT__TILE * weft__tile_cols(cloth) + c / WEFT__TILE);
-}
-
-/* All particles of a primitive are in the tile of one of them or next to it. */
-static uint32_t group_of(weft__self_list *list, const weft__pair *pair, double distance)
-{
-    const uint32_t a = tile_of(list->cloth, pair->particle[0]);
-    const uint32_t b
-        = tile_of(list->cloth, pair->particle[pair->kind == WEFT__EDGES ? 2 : 1]);
-    group *last = list->groups + list->group_count;
-    if (list->group_count > 0 && last[-1].tiles[0] == a && last[-1].tiles[1] == b) {
-        --last;
-        last->nearest = distance < last->nearest ? distance : last->nearest;
-    } else {
-        *last = (group){ { a, b }, list->count, distance };
-        ++list->group_count;
-    }
-    return (uint32_t)(last - list->groups);
-}
-
-static bool keep(void *ctx, const weft__pair *pair, double distance)
-{
-    weft__self_list *list = ctx;
-    if (list->count < list->room) {
-        list->pairs[list->count] = *pair;
-        list->pairs[list->count].group = group_of(list, pair, distance);
-        list->distances[list->count] = distance;
-    }
-    ++list->count;
-    return true;
-}
-
-static weft__quadtree tree_about(weft__self_list *list, const double *y)
-{
-    weft__quadtree tree = weft__tree_of(list->cloth, y);
-    weft__tree_fill(&tree, y, list->knots);
-    return tree;
-}
-
-static void make(weft__self_list *list, const double *y)
-{
-    const weft__quadtree tree = tree_about(list, y);
-    list->range = list->cloth->contact.thickness + list->skin;
-    list->count = list->group_count = 0;
-    (void)weft__each_pair(&tree, list->range, keep, list);
-    list->wanted = list->count;
-    list->valid = list->count <= list->room;
-    memcpy(list->place, y, 3 * list->cloth->particles * sizeof *y);
-}
-
-/* [m] The extent of a displacement, infinite if a number is not finite; an empty list
- * needs no tiles. */
-static double drift(weft__self_list *list, const double *from, const double *to,
-                    size_t tiles)
-{
-    return list->group_count == 0
-               ? weft__extent(list->cloth, from, to)
-               : list->cloth->level->drift(list->cloth, from, to, list->tiles[tiles]);
-}
-
-/* Whether the list, made anew if need be, holds all pairs that push in a finite state;
- * then the reach of its groups is set. */
-static bool ready(weft__self_list *list, const double *y)
-{
-    double extent = drift(list, list->valid ? list->place : y, y, 0);
-    if ((!list->valid || !(extent < list->skin)) && list->wanted <= list->room) {
-        make(list, y);
-        extent = drift(list, y, y, 0);
-    }
-    const weft__drift *tiles = list->tiles[0];
-    for (size_t g = 0; list->valid && g < list->group_count; ++g) {
-        const uint32_t *of = list->groups[g].tiles;
-        const double thickness = list->cloth->contact.thickness;
-        list->reach[g] = 0.0;
-        if (list->groups[g].nearest <= (thickness + extent) * (1.0 + ROUNDOFF)) {
-            list->reach[g]
-                = (thickness + weft__drift_extent(&tiles[of[0]], &tiles[of[1]]))
-                  * (1.0 + ROUNDOFF);
-        }
-    }
-    return list->valid && extent < list->skin;
-}
-
-/* ---- forces ---------------------------------------------------------------------- */
-
-typedef struct evaluation {
-    weft__self_list *list;
-    weft__self_law law;
-    const weft__subject *of;
-    size_t chunks, parts;
-    double *to;
-    atomic_bool bad;
-} evaluation;
 
 static void run(weft__team *team, weft__task *task, void *ctx, size_t parts)
 {
@@ -252,77 +88,568 @@ static void run(weft__team *team, weft__task *task, void *ctx, size_t parts)
     }
 }
 
-static void evaluate_chunk(evaluation *all, size_t chunk)
+/* A quarter of the spacing is near the best of piles; thick cloth has less, so that
+ * flat cells, whose primitives are 0.7 spacings apart, are not listed. */
+static double skin_of(const weft_cloth *cloth)
 {
-    weft__self_list *list = all->list;
-    if (list->pushing[chunk] == 0) {
+    const double a = weft__smaller_spacing(cloth->rows, cloth->cols, cloth->spacing);
+    return fmin(0.25 * a, fmax(0.1 * a, 0.65 * a - cloth->contact.thickness));
+}
+
+/* [m] All pairs that are nearer are in the list when it has been sought. */
+static double range_of(const weft__self_list *list)
+{
+    return list->cloth->contact.thickness + list->skin;
+}
+
+/* ---- room ------------------------------------------------------------------------ */
+
+static void free_bin(const weft_allocator *memory, bin *of)
+{
+    weft__free(memory, of->pairs);
+    weft__free(memory, of->before);
+    weft__free(memory, of->distances);
+    weft__free(memory, of->pushes);
+    weft__free(memory, of->near.particle[0]);
+    weft__free(memory, of->near.mass);
+    weft__free(memory, of->near.rest);
+    *of = (bin){ .count = 0 };
+}
+
+static bool make_bin(const weft_allocator *memory, size_t room, bin *of)
+{
+    const size_t all = room + WEFT__BLOCK;
+    *of = (bin){ .pairs = weft__alloc(memory, room, sizeof *of->pairs),
+                 .before = weft__alloc(memory, room, sizeof *of->before),
+                 .distances = weft__alloc(memory, room, sizeof *of->distances),
+                 .pushes = weft__alloc(memory, room / WEFT__BLOCK + 1,
+                                       sizeof *of->pushes) };
+    of->near.particle[0] = weft__alloc(memory, 4 * all, sizeof(int32_t));
+    of->near.mass = weft__alloc(memory, all, sizeof(double));
+    of->near.rest = weft__alloc(memory, all, sizeof(double));
+    for (size_t k = 1; k < 4 && of->near.particle[0] != NULL; ++k) {
+        of->near.particle[k] = of->near.particle[k - 1] + all;
+    }
+    return of->pairs != NULL && of->before != NULL && of->distances != NULL
+           && of->pushes != NULL && of->near.particle[0] != NULL
+           && of->near.mass != NULL && of->near.rest != NULL;
+}
+
+static bool grow_shelf(const weft_allocator *memory, shelf *of)
+{
+    bool made = true;
+    of->room = (of->wanted / STRETCH + 1) * STRETCH;
+    for (size_t kind = 0; kind < KINDS; ++kind) {
+        free_bin(memory, &of->bins[kind]);
+        made = make_bin(memory, of->room, &of->bins[kind]) && made;
+    }
+    of->room = made ? of->room : 0;
+    of->full = false;
+    return made;
+}
+
+weft_status weft__self_list_grow(weft__self_list *list, weft_error *err)
+{
+    for (size_t i = 0; i < list->shelf_count; ++i) {
+        shelf *of = &list->shelves[i];
+        if (of->wanted <= of->room) {
+            continue;
+        }
+        list->valid = false;
+        if (!grow_shelf(&list->memory, of)) {
+            return weft_error_set(err, WEFT_NO_MEMORY,
+                                  "no memory for %zu pairs of primitives that are near "
+                                  "each other",
+                                  of->wanted);
+        }
+    }
+    return WEFT_OK;
+}
+
+static bool keep_tiles(void *ctx, size_t a, size_t b)
+{
+    weft__self_list *list = ctx;
+    uint32_t *to = list->between[list->between_count++];
+    to[0] = (uint32_t)a, to[1] = (uint32_t)b;
+    return true;
+}
+
+static bool make_shelves(weft__self_list *list)
+{
+    const size_t each = weft__tile_count(list->cloth) / 8 + 1;
+    const size_t count = each < SHELVES ? each : SHELVES;
+    list->shelves = weft__zeroed(&list->memory, count, sizeof *list->shelves);
+    for (size_t i = 0; i < count && list->shelves != NULL; ++i) {
+        shelf *of = &list->shelves[i];
+        *of = (shelf){ .first = i * list->between_count / count,
+                       .end = (i + 1) * list->between_count / count,
+                       .wanted = ROOM };
+        const size_t most = of->end - of->first + 1;
+        of->groups = weft__alloc(&list->memory, most, sizeof *of->groups);
+        of->before = weft__alloc(&list->memory, most, sizeof *of->before);
+        list->shelf_count = i + 1;
+        if (of->groups == NULL || of->before == NULL) {
+            return false;
+        }
+    }
+    return list->shelves != NULL && weft__self_list_grow(list, NULL) == WEFT_OK;
+}
+
+weft__self_list *weft__self_list_create(const weft_cloth *cloth, weft__team *team,
+                                        const weft_allocator *memory)
+{
+    const size_t n = cloth->particles, tiles = weft__tile_count(cloth);
+    const size_t most = tiles * (tiles + 1) / 2;
+    weft__self_list *list = weft__zeroed(memory, 1, sizeof *list);
+    if (list == NULL) {
+        return NULL;
+    }
+    *list = (weft__self_list){
+        .cloth = cloth,
+        .team = team,
+        .memory = *memory,
+        .knots = weft__alloc(memory, weft__tree_size(cloth), sizeof *list->knots),
+        .place = weft__alloc(memory, 3 * n, sizeof *list->place),
+        .marks = weft__alloc(memory, n, 1),
+        .tiles = { weft__alloc(memory, tiles, 4 * sizeof(weft__drift)) },
+        .between = weft__alloc(memory, most, sizeof *list->between),
+        .clear = weft__alloc(memory, most, sizeof *list->clear),
+        .skin = skin_of(cloth),
+    };
+    for (size_t k = 1; k < 4 && list->tiles[0] != NULL; ++k) {
+        list->tiles[k] = list->tiles[k - 1] + tiles;
+    }
+    if (list->knots == NULL || list->place == NULL || list->marks == NULL
+        || list->tiles[0] == NULL || list->between == NULL || list->clear == NULL
+        || !weft__tile_pairs(cloth, keep_tiles, list) || !make_shelves(list)) {
+        weft__self_list_destroy(list);
+        return NULL;
+    }
+    return list;
+}
+
+void weft__self_list_destroy(weft__self_list *list)
+{
+    if (list == NULL) {
         return;
     }
-    const size_t first = chunk * CHUNK;
-    const size_t end = first + CHUNK < list->count ? first + CHUNK : list->count;
-    const weft__push *to = list->pushes + first;
-    const size_t count = list->cloth->level->pushes(
-        &all->law, list->pairs + first, list->distances + first, end - first,
-        list->reach, all->of->y, list->pushes + first);
-    double bad = 0.0;
-    for (size_t i = 0; i < count; ++i) {
-        bad += weft__push_trouble(to + i);
+    const weft_allocator memory = list->memory;
+    for (size_t i = 0; i < list->shelf_count; ++i) {
+        for (size_t kind = 0; kind < KINDS; ++kind) {
+            free_bin(&memory, &list->shelves[i].bins[kind]);
+        }
+        weft__free(&memory, list->shelves[i].groups);
+        weft__free(&memory, list->shelves[i].before);
     }
-    list->pushing[chunk] = (uint32_t)count;
-    if (bad != 0.0) {
-        atomic_store(&all->bad, true);
+    weft__free(&memory, list->shelves);
+    weft__free(&memory, list->knots);
+    weft__free(&memory, list->place);
+    weft__free(&memory, list->marks);
+    weft__free(&memory, list->tiles[0]);
+    weft__free(&memory, list->between);
+    weft__free(&memory, list->clear);
+    weft__free(&memory, list);
+}
+
+void weft__self_list_set_skin(weft__self_list *list, double skin)
+{
+    list->skin = skin;
+    list->valid = false;
+}
+
+/* ---- making ---------------------------------------------------------------------- */
+
+typedef struct making {
+    weft__self_list *list;
+    const double *y;
+} making;
+
+static double extent_between(const weft__self_list *list, size_t k, const uint32_t *of)
+{
+    return weft__drift_extent(&list->tiles[k][of[0]], &list->tiles[k][of[1]]);
+}
+
+/* [m] Between the boxes about two tiles. */
+static double box_distance(const weft__drift *a, const weft__drift *b)
+{
+    double square = 0.0;
+    for (size_t k = 0; k < 3; ++k) {
+        const double gap = fmax(a->low[k] - b->high[k], b->low[k] - a->high[k]);
+        square += gap > 0.0 ? gap * gap : 0.0;
+    }
+    return sqrt(square);
+}
+
+/* What is left of `clear`: tiles[0] has displacements, tiles[1] places. */
+static void age_part(void *ctx, size_t part)
+{
+    const making *of = ctx;
+    weft__self_list *list = of->list;
+    const shelf *at = &list->shelves[part];
+    const double least = list->cloth->contact.thickness + LEAST * list->skin;
+    for (size_t i = at->first; i < at->end; ++i) {
+        const uint32_t *tiles = list->between[i];
+        double left = UNKNOWN;
+        if (list->valid) {
+            left = list->clear[i] - extent_between(list, 0, tiles) * (1.0 + ROUNDOFF);
+        }
+        if (!(left >= least)) {
+            left = box_distance(&list->tiles[1][tiles[0]], &list->tiles[1][tiles[1]])
+                   * (1.0 - ROUNDOFF);
+            left = left >= range_of(list) ? left : UNKNOWN;
+        }
+        list->clear[i] = left;
     }
 }
+
+/* Those in the rectangle about two tiles, where the search looks for flat patches. */
+static void mark_tiles(weft__self_list *list, const uint32_t tiles[2])
+{
+    const weft_cloth *cloth = list->cloth;
+    const size_t cols = weft__patches(cloth->cols, weft__tile_level(cloth));
+    const size_t r[2] = { tiles[0] / cols, tiles[1] / cols };
+    const size_t c[2] = { tiles[0] % cols, tiles[1] % cols };
+    const size_t top = r[0] < r[1] ? r[0] : r[1], left = c[0] < c[1] ? c[0] : c[1];
+    const size_t high = r[0] + r[1] - 2 * top + 1, wide = c[0] + c[1] - 2 * left + 1;
+    list->marks[tiles[0]] = list->marks[tiles[1]] = 1;
+    for (size_t i = 0; high <= 3 && wide <= 3 && i < high * wide; ++i) {
+        list->marks[(top + i / wide) * cols + left + i % wide] = 1;
+    }
+}
+
+static void fill_part(void *ctx, size_t part)
+{
+    const making *of = ctx;
+    weft__self_list *list = of->list;
+    const size_t tiles = weft__tile_count(list->cloth);
+    for (size_t i = part; i < tiles; i += list->shelf_count) {
+        if (list->marks[i] != 0) {
+            weft__tree_fill_tile(&list->tree, i);
+        }
+    }
+}
+
+/* A search that adds to a shelf; more than its room are counted. */
+static bool keep(void *ctx, const weft__pair *pair)
+{
+    shelf *to = ctx;
+    bin *of = &to->bins[pair->kind];
+    if (of->count < to->room) {
+        for (size_t k = 0; k < 4; ++k) {
+            of->pairs[of->count].of[k] = pair->particle[k];
+        }
+    }
+    ++of->count;
+    return true;
+}
+
+static void copy_group(shelf *of, const group *from, const size_t first[KINDS])
+{
+    for (size_t kind = 0; kind < KINDS; ++kind) {
+        bin *in = &of->bins[kind];
+        const size_t count = from->end[kind] - first[kind];
+        if (in->count + count <= of->room) {
+            memcpy(in->pairs + in->count, in->before + first[kind],
+                   count * sizeof *in->pairs);
+        }
+        in->count += count;
+    }
+}
+
+static void add_near(const weft__self_law *law, weft__pair_kind kind,
+                     const weft__quad *quad, weft__near *to)
+{
+    weft__pair pair = { .kind = kind };
+    memcpy(pair.particle, quad->of, sizeof pair.particle);
+    const double mass = weft__pair_mass(law->cloth, &pair);
+    if (mass > 0.0) {
+        for (size_t k = 0; k < 4; ++k) {
+            to->particle[k][to->count] = (int32_t)pair.particle[k];
+        }
+        to->mass[to->count] = mass;
+        to->rest[to->count] = weft__pair_rest(law, &pair);
+        ++to->count;
+    }
+}
+
+/* Measures the pairs of a bin from `first` on, and drops those at `clear`. */
+static void measure_pairs(const making *of, weft__pair_kind kind, bin *in, size_t first,
+                          double clear, group *to)
+{
+    const weft__self_list *list = of->list;
+    const weft__self_law law = weft__self_law_of(list->cloth);
+    const size_t all = in->count;
+    double distances[STRETCH], waits[STRETCH];
+    in->count = first;
+    for (size_t i = first; i < all; i += STRETCH) {
+        const size_t count = i + STRETCH < all ? STRETCH : all - i;
+        list->cloth->level->waits(list->cloth, kind, in->pairs + i, count, of->y,
+                                  list->skin, distances, waits);
+        for (size_t j = 0; j < count; ++j) {
+            if (distances[j] >= clear) {
+                continue;
+            }
+            in->pairs[in->count] = in->pairs[i + j];
+            in->distances[in->count++] = distances[j];
+            if (kind >= WEFT__VERTEX_TRIANGLE && !(distances[j] > to->nearest)) {
+                to->nearest = distances[j];
+            }
+            if (!(waits[j] > LASTING * list->skin)) {
+                add_near(&law, kind, &in->pairs[in->count - 1], &in->near);
+            } else if (waits[j] < to->limit) {
+                to->limit = waits[j];
+            }
+        }
+    }
+}
+
+static bool is_full(shelf *of)
+{
+    for (size_t kind = 0; kind < KINDS; ++kind) {
+        const size_t count = of->bins[kind].count;
+        of->full = of->full || count > of->room;
+        if (2 * count > of->room && 3 * count > of->wanted) {
+            of->wanted = 3 * count;
+        }
+    }
+    return of->full;
+}
+
+static void begin_shelf(shelf *of)
+{
+    group *const groups = of->before;
+    of->before = of->groups, of->before_count = of->group_count;
+    of->groups = groups, of->group_count = 0;
+    for (size_t kind = 0; kind < KINDS; ++kind) {
+        bin *in = &of->bins[kind];
+        weft__quad *const pairs = in->before;
+        in->before = in->pairs, in->pairs = pairs;
+        in->count = in->near.count = 0;
+    }
+}
+
+static void ends_of(const shelf *of, size_t end[KINDS])
+{
+    for (size_t kind = 0; kind < KINDS; ++kind) {
+        end[kind] = of->bins[kind].count;
+    }
+}
+
+/* Of two tiles whose pairs are the last of the bins, from `first` on. */
+static void add_group(const making *of, shelf *in, size_t tiles,
+                      const size_t first[KINDS])
+{
+    const weft__self_list *list = of->list;
+    const double clear = list->clear[tiles];
+    group *to = &in->groups[in->group_count];
+    bool any = clear < range_of(list);
+    *to = (group){ .tiles = tiles,
+                   .limit = clear - list->cloth->contact.thickness,
+                   .nearest = INFINITY };
+    for (size_t kind = 0; kind < KINDS; ++kind) {
+        measure_pairs(of, (weft__pair_kind)kind, &in->bins[kind], first[kind], clear,
+                      to);
+        any = any || in->bins[kind].count > first[kind];
+    }
+    ends_of(in, to->end);
+    to->limit *= 1.0 - ROUNDOFF;
+    in->group_count += any;
+}
+
+/* The last pair fills the lanes. */
+static void pad(weft__near *of)
+{
+    for (size_t i = of->count; of->count > 0 && i < of->count + WEFT__BLOCK; ++i) {
+        for (size_t k = 0; k < 4; ++k) {
+            of->particle[k][i] = of->particle[k][of->count - 1];
+        }
+    }
+}
+
+static void make_part(void *ctx, size_t part)
+{
+    const making *of = ctx;
+    weft__self_list *list = of->list;
+    shelf *in = &list->shelves[part];
+    begin_shelf(in);
+    const group *old = in->before, *end = old + (list->valid ? in->before_count : 0);
+    size_t old_first[KINDS] = { 0 }, first[KINDS];
+    for (size_t i = in->first; i < in->end; ++i) {
+        const bool listed = old < end && old->tiles == i;
+        ends_of(in, first);
+        if (list->clear[i] == UNKNOWN) {
+            list->clear[i] = range_of(list);
+            (void)weft__each_pair_between(&list->tree, list->between[i], range_of(list),
+                                          keep, in);
+        } else if (listed && list->clear[i] < range_of(list)) {
+            copy_group(in, old, old_first);
+        }
+        if (is_full(in)) {
+            return;
+        }
+        if (list->clear[i] <= range_of(list)) {
+            add_group(of, in, i, first);
+        }
+        if (listed) {
+            memcpy(old_first, old->end, sizeof old_first);
+            ++old;
+        }
+    }
+    for (size_t kind = 0; kind < KINDS; ++kind) {
+        pad(&in->bins[kind].near);
+    }
+}
+
+static void make(weft__self_list *list, const double *y)
+{
+    making of = { list, y };
+    const weft_cloth *cloth = list->cloth;
+    bool seek = false;
+    if (list->valid) {
+        (void)cloth->level->drift(cloth, list->place, y, list->tiles[0]);
+    }
+    (void)cloth->level->drift(cloth, NULL, y, list->tiles[1]);
+    run(list->team, age_part, &of, list->shelf_count);
+    memset(list->marks, 0, weft__tile_count(cloth));
+    for (size_t i = 0; i < list->between_count; ++i) {
+        if (list->clear[i] == UNKNOWN) {
+            mark_tiles(list, list->between[i]);
+            seek = true;
+        }
+    }
+    if (seek) {
+        list->tree = weft__tree_of(cloth, y);
+        weft__tree_begin(&list->tree, list->knots);
+        run(list->team, fill_part, &of, list->shelf_count);
+    }
+    run(list->team, make_part, &of, list->shelf_count);
+    memcpy(list->place, y, 3 * cloth->particles * sizeof *y);
+    list->pin_changes = cloth->pin_changes;
+    list->limit = list->skin;
+    list->group_count = 0;
+    list->valid = true;
+    for (size_t i = 0; i < list->shelf_count; ++i) {
+        const shelf *at = &list->shelves[i];
+        list->valid = list->valid && !at->full;
+        list->group_count += at->group_count;
+        for (size_t g = 0; g < at->group_count; ++g) {
+            list->limit = fmin(list->limit, at->groups[g].limit);
+        }
+    }
+}
+
+/* [m] The extent of a displacement, infinite if a number is not finite; without groups
+ * no tiles are needed. */
+static double drift(weft__self_list *list, const double *from, const double *to,
+                    size_t tiles)
+{
+    return list->group_count == 0
+               ? weft__extent(list->cloth, from, to)
+               : list->cloth->level->drift(list->cloth, from, to, list->tiles[tiles]);
+}
+
+/* Whether `near` has all pairs that push after displacements of that extent. */
+static bool suffices(const weft__self_list *list, double extent)
+{
+    bool all = extent < list->skin;
+    for (size_t i = 0; i < list->shelf_count && all && extent >= list->limit; ++i) {
+        const shelf *at = &list->shelves[i];
+        for (size_t g = 0; g < at->group_count && all; ++g) {
+            all = extent_between(list, 0, list->between[at->groups[g].tiles])
+                  < at->groups[g].limit;
+        }
+    }
+    return all;
+}
+
+static bool any_full(const weft__self_list *list)
+{
+    bool any = false;
+    for (size_t i = 0; i < list->shelf_count; ++i) {
+        any = any || list->shelves[i].full;
+    }
+    return any;
+}
+
+/* Whether the list, made anew if need be, has all pairs that push in a finite state. */
+static bool ready(weft__self_list *list, const double *y)
+{
+    if (list->valid && list->pin_changes == list->cloth->pin_changes
+        && suffices(list, drift(list, list->place, y, 0))) {
+        return true;
+    }
+    if (!any_full(list)) {
+        make(list, y);
+    }
+    return list->valid;
+}
+
+/* ---- forces ---------------------------------------------------------------------- */
+
+typedef struct evaluation {
+    weft__self_list *list;
+    weft__self_law law;
+    const weft__subject *of;
+    size_t parts;
+    double *to;
+    atomic_bool bad;
+} evaluation;
 
 static void evaluate_part(void *ctx, size_t part)
 {
     evaluation *all = ctx;
-    for (size_t chunk = part; chunk < all->chunks; chunk += all->parts) {
-        evaluate_chunk(all, chunk);
+    shelf *in = &all->list->shelves[part];
+    double bad = 0.0;
+    for (size_t kind = 0; kind < KINDS; ++kind) {
+        bin *at = &in->bins[kind];
+        at->pushing
+            = all->law.cloth->level->pushes(&all->law, (weft__pair_kind)kind, &at->near,
+                                            all->of->y, at->pushes, &bad);
     }
-}
-
-static size_t end_of(const weft__self_list *list, size_t g)
-{
-    return g + 1 < list->group_count ? list->groups[g + 1].first : list->count;
-}
-
-/* Sets `pushing` of chunks with pairs within the reach of their group to 1, else 0. */
-static void mark_chunks(weft__self_list *list, size_t chunks)
-{
-    memset(list->pushing, 0, chunks * sizeof *list->pushing);
-    for (size_t g = 0; g < list->group_count; ++g) {
-        const size_t last = (end_of(list, g) - 1) / CHUNK;
-        for (size_t k = list->groups[g].first / CHUNK;
-             list->groups[g].nearest <= list->reach[g] && k <= last; ++k) {
-            list->pushing[k] = 1;
-        }
+    if (bad != 0.0) {
+        atomic_store(&all->bad, true);
     }
 }
 
 /* Fills the pushes of a list that is ready. */
 static void evaluate(evaluation *all)
 {
-    weft__self_list *list = all->list;
-    all->law = weft__self_law_of(list->cloth);
-    all->chunks = (list->count + CHUNK - 1) / CHUNK;
-    all->parts = all->chunks < MOST_PARTS ? all->chunks : MOST_PARTS;
-    mark_chunks(list, all->chunks);
-    run(list->team, evaluate_part, all, all->parts);
+    all->law = weft__self_law_of(all->list->cloth);
+    run(all->list->team, evaluate_part, all, all->list->shelf_count);
 }
 
-/* Each thread adds all pushes to particles of its own, in the order of the list. */
+/* Adds the pushes of a bin to the particles [first, end). */
+static void add_pushes(const weft_cloth *cloth, const bin *of, size_t corners,
+                       size_t first, size_t end, double *to)
+{
+    for (size_t i = 0; i < of->pushing; ++i) {
+        const weft__pushes *from = &of->pushes[i / WEFT__BLOCK];
+        const size_t lane = i % WEFT__BLOCK, pair = from->at[lane];
+        for (size_t k = 0; k < corners; ++k) {
+            const size_t at = (size_t)of->near.particle[k][pair];
+            const double scale = cloth->inverse_mass[at];
+            if (at >= first && at < end && scale > 0.0) {
+                for (size_t j = 0; j < 3; ++j) {
+                    to[j * cloth->particles + at] += scale * from->force[k][j][lane];
+                }
+            }
+        }
+    }
+}
+
+/* Each thread adds all pushes to particles of its own, in the order of weft__each_pair.
+ */
 static void gather_part(void *ctx, size_t part)
 {
     const evaluation *all = ctx;
     const weft__self_list *list = all->list;
     const size_t n = list->cloth->particles;
     const size_t first = part * n / all->parts, end = (part + 1) * n / all->parts;
-    for (size_t chunk = 0; chunk < all->chunks; ++chunk) {
-        const weft__push *push = list->pushes + chunk * CHUNK;
-        for (size_t i = 0; i < list->pushing[chunk]; ++i) {
-            weft__push_add(list->cloth, push + i, WEFT__ACCELERATION, first, end,
-                           all->to);
+    for (size_t kind = 0; kind < KINDS; ++kind) {
+        const size_t corners = weft__pair_particles(&(weft__pair){ .kind = (uint32_t)kind });
+        for (size_t i = 0; i < list->shelf_count; ++i) {
+            add_pushes(list->cloth, &list->shelves[i].bins[kind], corners, first, end,
+                       all->to);
         }
     }
 }
@@ -342,6 +669,16 @@ int weft__self_list_add(weft__self_list *list, const weft__subject *of, double *
     return atomic_load(&all.bad) ? 1 : 0;
 }
 
+static void measure_bin(const weft_cloth *cloth, weft__pair_kind kind, const bin *of,
+                        const double *y, weft_measures *sum)
+{
+    for (size_t i = 0; i < of->pushing; ++i) {
+        weft__push push;
+        weft__push_at(kind, &of->near, of->pushes, i, &push);
+        weft__push_measure(cloth, &push, y, sum);
+    }
+}
+
 void weft__self_list_measure(weft__self_list *list, const weft__subject *of,
                              weft_measures *sum)
 {
@@ -351,10 +688,10 @@ void weft__self_list_measure(weft__self_list *list, const weft__subject *of,
         return;
     }
     evaluate(&all);
-    for (size_t chunk = 0; chunk < all.chunks; ++chunk) {
-        for (size_t i = 0; i < list->pushing[chunk]; ++i) {
-            weft__push_measure(list->cloth, &list->pushes[chunk * CHUNK + i], of->y,
-                               sum);
+    for (size_t kind = 0; kind < KINDS; ++kind) {
+        for (size_t i = 0; i < list->shelf_count; ++i) {
+            measure_bin(list->cloth, (weft__pair_kind)kind, &list->shelves[i].bins[kind],
+                        of->y, sum);
         }
     }
 }
@@ -369,17 +706,16 @@ typedef struct stride_search {
     bool found;
 } stride_search;
 
-static bool look_at(void *ctx, const weft__pair *pair, double distance)
+static bool look_at(void *ctx, const weft__pair *pair)
 {
     stride_search *of = ctx;
     double gap;
-    (void)distance;
     if (weft__stride_clear(of->stride, pair, &gap)) {
         return true;
     }
-    of->found = true;
-    of->pair = *pair;
-    of->gap = gap;
+    if (!of->found) {
+        of->found = true, of->pair = *pair, of->gap = gap;
+    }
     for (size_t k = 0; of->marks != NULL && k < 4; ++k) {
         of->marks[pair->particle[k]] = 1;
     }
@@ -389,20 +725,18 @@ static bool look_at(void *ctx, const weft__pair *pair, double distance)
 /* [m] As far as a pair of two tiles may have been apart that can have met: half of what
  * its primitives move against each other in the step, and from the list to both its
  * ends. */
-static double near_of(weft__self_list *list, const weft__stride *of,
-                      const uint32_t tiles[2])
+static double reach_of(const weft__self_list *list, const weft__stride *of,
+                       const uint32_t tiles[2])
 {
-    double extents[4];
-    for (size_t k = 0; k < 4; ++k) {
-        const weft__drift *at = list->tiles[k];
-        extents[k] = weft__drift_extent(&at[tiles[0]], &at[tiles[1]]);
-    }
+    const double in_step = extent_between(list, 2, tiles);
     const double length
-        = of->h > 0.0 ? of->h * fmax(extents[2], extents[3]) : extents[2];
-    return 0.5 * (length + extents[0] + extents[1]) * (1.0 + ROUNDOFF);
+        = of->h > 0.0 ? of->h * fmax(in_step, extent_between(list, 3, tiles)) : in_step;
+    return 0.5
+           * (length + extent_between(list, 0, tiles) + extent_between(list, 1, tiles))
+           * (1.0 + ROUNDOFF);
 }
 
-/* Whether the list holds all pairs that can have met; then the reach of its groups is
+/* Whether the list has all pairs that can have met; then the reach of its groups is
  * set. */
 static bool proves(weft__self_list *list, const weft__stride *of)
 {
@@ -418,13 +752,36 @@ static bool proves(weft__self_list *list, const weft__stride *of)
                       drift(list, NULL, of->y1 + 3 * n, 3));
     } else {
         all += drift(list, of->y0, of->y1, 2);
-        memcpy(list->tiles[3], list->tiles[2],
-               weft__tile_count(list->cloth) * sizeof *list->tiles[3]);
     }
-    for (size_t g = 0; g < list->group_count; ++g) {
-        list->reach[g] = near_of(list, of, list->groups[g].tiles);
+    bool has = 0.5 * all * (1.0 + ROUNDOFF) < range_of(list);
+    for (size_t i = 0; i < list->shelf_count && has; ++i) {
+        shelf *at = &list->shelves[i];
+        for (size_t g = 0; g < at->group_count && has; ++g) {
+            group *to = &at->groups[g];
+            to->reach = reach_of(list, of, list->between[to->tiles]);
+            has = to->reach < list->clear[to->tiles];
+        }
     }
-    return 0.5 * all * (1.0 + ROUNDOFF) < list->range;
+    return has;
+}
+
+/* The pairs of a kind within the reach of their group; false ends the search. */
+static bool look_along(const shelf *in, weft__pair_kind kind, stride_search *of)
+{
+    const bin *at = &in->bins[kind];
+    weft__pair pair = { .kind = kind };
+    bool goes_on = true;
+    for (size_t g = 0; g < in->group_count && goes_on; ++g) {
+        const group *to = &in->groups[g];
+        size_t i = g > 0 ? to[-1].end[kind] : 0;
+        for (; i < to->end[kind] && goes_on && !(to->nearest > to->reach); ++i) {
+            if (!(at->distances[i] > to->reach)) {
+                memcpy(pair.particle, at->pairs[i].of, sizeof pair.particle);
+                goes_on = look_at(of, &pair);
+            }
+        }
+    }
+    return goes_on;
 }
 
 /* No pair that is further apart at first can have met. */
@@ -433,19 +790,17 @@ static void look(weft__self_list *list, stride_search *of)
     const weft__stride *stride = of->stride;
     if (proves(list, stride)) {
         bool goes_on = true;
-        for (size_t g = 0; g < list->group_count && goes_on; ++g) {
-            const bool any = list->groups[g].nearest <= list->reach[g];
-            for (size_t i = list->groups[g].first;
-                 any && i < end_of(list, g) && goes_on; ++i) {
-                goes_on = list->distances[i] > list->reach[g]
-                          || look_at(of, &list->pairs[i], list->distances[i]);
-            }
+        for (size_t i = 0; i < 2 * list->shelf_count && goes_on; ++i) {
+            goes_on = look_along(
+                &list->shelves[i % list->shelf_count],
+                i < list->shelf_count ? WEFT__VERTEX_TRIANGLE : WEFT__EDGES, of);
         }
         return;
     }
     const double length = weft__stride_length(stride);
     const double moved = weft__extent(list->cloth, stride->y0, stride->y1);
-    const weft__quadtree tree = tree_about(list, stride->y0);
+    weft__quadtree tree = weft__tree_of(list->cloth, stride->y0);
+    weft__tree_fill(&tree, list->knots);
     (void)weft__each_pair(&tree, 0.5 * (length + moved) * (1.0 + ROUNDOFF), look_at,
                           of);
 }
