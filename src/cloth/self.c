@@ -102,16 +102,14 @@ static inline bool push_kind(const weft__self_law *law, weft__pair_kind kind,
     const weft_cloth *cloth = law->cloth;
     const size_t n = cloth->particles;
     double x[4][3], v[4][3];
-    law_feet at;
     law_push push;
     place(y, n, pair, x);
-    if (!law_find(kind, x, cloth->contact.thickness, &at)) {
-        return false;
-    }
+    const law_gram of = law_gram_of(kind, x);
     const double mass = weft__pair_mass(cloth, pair);
-    if (mass == 0.0) {
+    if (mass == 0.0 || !law_pushes(kind, &of, cloth->contact.thickness)) {
         return false;
     }
+    law_feet at = law_feet_of(kind, &of);
     place(y + 3 * n, n, pair, v);
     law_weigh(kind, law->soft, weft__pair_rest(law, pair), &at);
     law_push_of(kind, &cloth->contact, &at, mass, v, &push);
@@ -148,11 +146,12 @@ bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
     const weft__pair_kind kind = (weft__pair_kind)pair->kind;
     const double mass = weft__pair_mass(law->cloth, pair);
     double x[4][3], v[3] = { 0.0 };
-    law_feet at = { .d = 0.0 };
     place(y, n, pair, x);
-    if (mass == 0.0 || !law_find(kind, x, contact->thickness, &at)) {
+    const law_gram of = law_gram_of(kind, x);
+    if (mass == 0.0 || !law_pushes(kind, &of, contact->thickness)) {
         return false;
     }
+    law_feet at = law_feet_of(kind, &of);
     law_weigh(kind, law->soft, weft__pair_rest(law, pair), &at);
     *touch = (weft__touch){ .gap = at.d,
                             .steepness = 1.0,

@@ -23,6 +23,191 @@ LAW void law_from_to(const num a[3], const num b[3], num d[3])
     d[0] = b[0] - a[0], d[1] = b[1] - a[1], d[2] = b[2] - a[2];
 }
 
+/* ---- feet ------------------------------------------------------------------------ */
+
+/* The edge, both edges, or those of a triangle at its first corner; p: from the start
+ * of f, or of the only edge, to the particle or the start of e. VERTICES: p alone. */
+typedef struct law_gram {
+    num e[3], f[3], p[3], ee, ff, ef, ep, fp, pp;
+} law_gram;
+
+LAW law_gram law_gram_of(weft__pair_kind kind, num x[4][3])
+{
+    const size_t start = kind == WEFT__EDGES ? 2 : 1, edge = kind == WEFT__EDGES ? 0 : 1;
+    law_gram out;
+    law_from_to(x[start], x[0], out.p);
+    out.pp = law_dot(out.p, out.p);
+    if (kind != WEFT__VERTICES) {
+        law_from_to(x[edge], x[edge + 1], out.e);
+        out.ee = law_dot(out.e, out.e), out.ep = law_dot(out.e, out.p);
+    }
+    if (kind >= WEFT__VERTEX_TRIANGLE) {
+        law_from_to(x[start], x[3], out.f);
+        out.ff = law_dot(out.f, out.f), out.ef = law_dot(out.e, out.f);
+        out.fp = law_dot(out.f, out.p);
+    }
+    return out;
+}
+
+LAW num law_area(const law_gram *of) /* |e x f|^2 */
+{
+    return of->ee * of->ff - of->ef * of->ef;
+}
+
+/* The feet's coordinates by `area`: p - u e - v f, or p + u e - v f of two edges, is
+ * across e and f. */
+LAW num law_u(weft__pair_kind kind, const law_gram *of)
+{
+    return kind == WEFT__VERTEX_EDGE ? of->ep
+           : kind == WEFT__EDGES     ? of->ef * of->fp - of->ff * of->ep
+                                     : of->ff * of->ep - of->ef * of->fp;
+}
+
+LAW num law_v(const law_gram *of)
+{
+    return of->ee * of->fp - of->ef * of->ep;
+}
+
+/* Whether the feet are inside and nearer than the thickness. */
+LAW truth law_pushes(weft__pair_kind kind, const law_gram *of, double thickness)
+{
+    const double near = thickness * thickness;
+    if (kind == WEFT__VERTICES) {
+        return of->pp < near;
+    }
+    const num u = law_u(kind, of);
+    if (kind == WEFT__VERTEX_EDGE) {
+        return (u > 0.0) & (u < of->ee)
+               & (of->pp * of->ee - of->ep * of->ep < near * of->ee);
+    }
+    const num v = law_v(of), area = law_area(of);
+    const num volume = of->p[0] * (of->e[1] * of->f[2] - of->e[2] * of->f[1])
+                       + of->p[1] * (of->e[2] * of->f[0] - of->e[0] * of->f[2])
+                       + of->p[2] * (of->e[0] * of->f[1] - of->e[1] * of->f[0]);
+    const truth inside
+        = kind == WEFT__EDGES
+              ? (area > PARALLEL * of->ee * of->ff) & (u < area) & (v < area)
+              : area - u - v > 0.0;
+    return inside & (u > 0.0) & (v > 0.0) & (volume * volume < near * area);
+}
+
+/* ---- weights --------------------------------------------------------------------- */
+
+/* S(x) and its derivative. */
+LAW num law_step(num x, double soft, num *slope)
+{
+    const num part = x * (1.0 / soft), y = CHOOSE(part < 1.0, part, NUM(1.0));
+    const num y3 = y * y * y, z = 1.0 - y;
+    *slope = 140.0 * y3 * (z * z * z) * (1.0 / soft);
+    return y3 * y * (35.0 - y * (84.0 - y * (70.0 - 20.0 * y)));
+}
+
+/* S(s) S(1 - s) and its derivative. */
+LAW num law_both_ends(num s, double soft, num *slope)
+{
+    num from_0, from_1;
+    const num a = law_step(s, soft, &from_0), b = law_step(1.0 - s, soft, &from_1);
+    *slope = from_0 * b - a * from_1;
+    return a * b;
+}
+
+/* The feet of a pair. */
+typedef struct law_feet {
+    law_gram of;
+    num inverse;         /* 1 / area, or of an edge alone 1 / ee */
+    num u, v;            /* coordinates of the feet */
+    num r[3], d;         /* [m] */
+    num arm[4];          /* b_i */
+    num weight;          /* W */
+    num lean[3], turn[2][3]; /* [1/m] */
+} law_feet;
+
+/* All but what the weight makes. */
+LAW law_feet law_feet_of(weft__pair_kind kind, const law_gram *of)
+{
+    const double sign = kind == WEFT__EDGES ? -1.0 : 1.0;
+    law_feet at = { .of = *of };
+    if (kind != WEFT__VERTICES) {
+        at.inverse = 1.0 / (kind == WEFT__VERTEX_EDGE ? of->ee : law_area(of));
+        at.u = law_u(kind, of) * at.inverse;
+    }
+    if (kind >= WEFT__VERTEX_TRIANGLE) {
+        at.v = law_v(of) * at.inverse;
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        at.r[k] = of->p[k];
+        if (kind != WEFT__VERTICES) {
+            at.r[k] = at.r[k] - sign * at.u * of->e[k];
+        }
+        if (kind >= WEFT__VERTEX_TRIANGLE) {
+            at.r[k] = at.r[k] - at.v * of->f[k];
+        }
+    }
+    at.d = ROOT(law_dot(at.r, at.r));
+    return at;
+}
+
+/* W and its gradient from the derivatives of W by u and v, and by half the edges' area
+ * squared. */
+LAW void law_lean(weft__pair_kind kind, num by_u, num by_v, num by_area, law_feet *at)
+{
+    const double sign = kind == WEFT__EDGES ? -1.0 : 1.0;
+    const bool one = kind == WEFT__VERTEX_EDGE;
+    const num by_e = one ? by_u * at->inverse
+                         : sign * (at->of.ff * by_u - sign * at->of.ef * by_v) * at->inverse;
+    const num by_f
+        = one ? NUM(0.0) : (at->of.ee * by_v - sign * at->of.ef * by_u) * at->inverse;
+    for (size_t k = 0; k < 3; ++k) {
+        const num f = one ? NUM(0.0) : at->of.f[k];
+        at->lean[k] = by_e * at->of.e[k] + by_f * f;
+        at->turn[0][k] = by_e * at->r[k];
+        at->turn[1][k] = by_f * at->r[k];
+        if (kind == WEFT__EDGES) {
+            at->turn[0][k]
+                = at->turn[0][k] + by_area * (at->of.ff * at->of.e[k] - at->of.ef * at->of.f[k]);
+            at->turn[1][k]
+                = at->turn[1][k] + by_area * (at->of.ee * at->of.f[k] - at->of.ef * at->of.e[k]);
+        }
+    }
+}
+
+/* inverse_rest: 1 / (product of the squares of both edges' rest lengths) */
+LAW void law_weigh(weft__pair_kind kind, double soft, num inverse_rest, law_feet *at)
+{
+    num by_u, by_v, by_z;
+    if (kind == WEFT__VERTICES) {
+        at->arm[0] = NUM(1.0), at->arm[1] = NUM(-1.0);
+        at->weight = NUM(1.0);
+        return;
+    }
+    if (kind == WEFT__VERTEX_EDGE) {
+        at->arm[0] = NUM(1.0), at->arm[1] = at->u - 1.0, at->arm[2] = -at->u;
+        at->weight = law_both_ends(at->u, soft, &by_u);
+        law_lean(kind, by_u, by_u, by_u, at);
+        return;
+    }
+    if (kind == WEFT__VERTEX_TRIANGLE) {
+        const num z = 1.0 - at->u - at->v;
+        const num su = law_step(at->u, soft, &by_u), sv = law_step(at->v, soft, &by_v);
+        const num sz = law_step(z, soft, &by_z);
+        at->arm[0] = NUM(1.0), at->arm[1] = -z, at->arm[2] = -at->u;
+        at->arm[3] = -at->v;
+        at->weight = su * sv * sz;
+        law_lean(kind, by_u * sv * sz - su * sv * by_z, su * by_v * sz - su * sv * by_z,
+                 by_z, at);
+        return;
+    }
+    const num su = law_both_ends(at->u, soft, &by_u);
+    const num sv = law_both_ends(at->v, soft, &by_v);
+    const num area = law_area(&at->of);
+    const num sz = law_step(area * inverse_rest, SOFT_ANGLE, &by_z);
+    at->arm[0] = 1.0 - at->u, at->arm[1] = at->u;
+    at->arm[2] = at->v - 1.0, at->arm[3] = -at->v;
+    at->weight = sz * su * sv;
+    law_lean(kind, sz * by_u * sv, sz * su * by_v, 2.0 * by_z * su * sv * inverse_rest,
+             at);
+}
+
 /* ---- distances ------------------------------------------------------------------- */
 
 LAW num law_least(num a, num b) /* of a NaN and b: b */
@@ -49,54 +234,27 @@ LAW num law_edge_square(const num p[3], const num a[3], const num b[3])
     return law_dot(r, r);
 }
 
-/* Of two edges, or of a triangle's edges at its first corner; p: from the start of f to
- * that of e, or to the particle. */
-typedef struct law_gram {
-    num e[3], f[3], p[3], ee, ff, ef, ep, fp, pp;
-} law_gram;
-
-LAW law_gram law_gram_of(weft__pair_kind kind, num x[4][3])
-{
-    const size_t start = kind == WEFT__EDGES ? 2 : 1;
-    law_gram out;
-    law_from_to(x[kind == WEFT__EDGES ? 0 : 1], x[kind == WEFT__EDGES ? 1 : 2], out.e);
-    law_from_to(x[start], x[3], out.f);
-    law_from_to(x[start], x[0], out.p);
-    out.ee = law_dot(out.e, out.e), out.ff = law_dot(out.f, out.f);
-    out.ef = law_dot(out.e, out.f), out.ep = law_dot(out.e, out.p);
-    out.fp = law_dot(out.f, out.p), out.pp = law_dot(out.p, out.p);
-    return out;
-}
-
 /* The square of the distance between the lines or from the plane where both feet are
  * inside, if that is less than `least`. */
 LAW num law_inside_square(weft__pair_kind kind, const law_gram *of, num least)
 {
-    const double sign = kind == WEFT__EDGES ? -1.0 : 1.0;
-    const num inverse = 1.0 / (of->ee * of->ff - of->ef * of->ef);
-    const num u = sign * (of->ff * of->ep - of->ef * of->fp) * inverse;
-    const num v = (of->ee * of->fp - of->ef * of->ep) * inverse;
-    const num beyond = kind == WEFT__EDGES ? law_most(u, v) : u + v;
-    num r[3];
-    for (size_t k = 0; k < 3; ++k) {
-        r[k] = of->p[k] - sign * u * of->e[k] - v * of->f[k];
-    }
-    const num at = law_dot(r, r);
-    return CHOOSE((u >= 0.0) & (v >= 0.0) & (beyond <= 1.0) & (at < least), at, least);
+    const law_feet at = law_feet_of(kind, of);
+    const num beyond = kind == WEFT__EDGES ? law_most(at.u, at.v) : at.u + at.v;
+    const num square = law_dot(at.r, at.r);
+    return CHOOSE((at.u >= 0.0) & (at.v >= 0.0) & (beyond <= 1.0) & (square < least),
+                  square, least);
 }
 
 /* [m] Between the nearest points of both: inside, or at an edge or end of one. */
 LAW num law_distance(weft__pair_kind kind, num x[4][3])
 {
-    num r[3];
+    const law_gram of = law_gram_of(kind, x);
     if (kind == WEFT__VERTICES) {
-        law_from_to(x[1], x[0], r);
-        return ROOT(law_dot(r, r));
+        return ROOT(of.pp);
     }
     if (kind == WEFT__VERTEX_EDGE) {
         return ROOT(law_edge_square(x[0], x[1], x[2]));
     }
-    const law_gram of = law_gram_of(kind, x);
     num least = law_edge_square(x[0], x[2], x[3]);
     if (kind == WEFT__EDGES) {
         least = law_least(least, law_edge_square(x[1], x[2], x[3]));
@@ -162,163 +320,23 @@ LAW num law_shy_triangle(const law_gram *of, double most)
 LAW num law_wait(weft__pair_kind kind, num x[4][3], num distance, double thickness,
                  double most)
 {
-    num r[3], shy = NUM(-1.0);
     const num far = distance - thickness;
+    const law_gram of = law_gram_of(kind, x);
+    num shy = NUM(-1.0);
     if (kind == WEFT__VERTICES) {
         return far;
     }
     if (kind == WEFT__VERTEX_EDGE) {
-        num e[3];
-        law_from_to(x[1], x[2], e);
-        law_from_to(x[1], x[0], r);
-        const num ee = law_dot(e, e), ep = law_dot(e, r), pp = law_dot(r, r);
-        const num length = ROOT(ee) + most;
-        shy = law_most(-ep / (length + ROOT(pp)), shy);
-        shy = law_most((ep - ee) / (length + law_length(pp - 2.0 * ep + ee)), shy);
+        const num end = law_length(of.pp - 2.0 * of.ep + of.ee);
+        const num length = ROOT(of.ee) + most;
+        shy = law_most(-of.ep / (length + ROOT(of.pp)), shy);
+        shy = law_most((of.ep - of.ee) / (length + end), shy);
     } else {
-        const law_gram of = law_gram_of(kind, x);
         shy = law_most(kind == WEFT__EDGES ? law_shy_edges(&of, most)
                                            : law_shy_triangle(&of, most),
                        shy);
     }
     return law_most(far, law_least(shy, NUM(most)));
-}
-
-/* ---- weights --------------------------------------------------------------------- */
-
-/* S(x) and its derivative. */
-LAW num law_step(num x, double soft, num *slope)
-{
-    const num part = x * (1.0 / soft), y = CHOOSE(part < 1.0, part, NUM(1.0));
-    const num y3 = y * y * y, z = 1.0 - y;
-    *slope = 140.0 * y3 * (z * z * z) * (1.0 / soft);
-    return y3 * y * (35.0 - y * (84.0 - y * (70.0 - 20.0 * y)));
-}
-
-/* S(s) S(1 - s) and its derivative. */
-LAW num law_both_ends(num s, double soft, num *slope)
-{
-    num from_0, from_1;
-    const num a = law_step(s, soft, &from_0), b = law_step(1.0 - s, soft, &from_1);
-    *slope = from_0 * b - a * from_1;
-    return a * b;
-}
-
-/* The feet of a pair. */
-typedef struct law_feet {
-    num e[3], f[3], ee, ff, ef, inverse; /* edges, products, 1 / their determinant */
-    num u, v;                            /* coordinates of the feet */
-    num r[3], d;                         /* [m] */
-    num arm[4];                          /* b_i */
-    num weight;                          /* W */
-    num lean[3], turn[2][3];             /* [1/m] */
-} law_feet;
-
-/* Fills all but what the weight makes. Whether the feet are inside and near. */
-LAW truth law_find(weft__pair_kind kind, num x[4][3], double thickness, law_feet *at)
-{
-    num p[3];
-    truth inside;
-    const size_t from = kind == WEFT__EDGES ? 0 : 1;
-    law_from_to(x[1], x[0], at->r);
-    if (kind == WEFT__VERTICES) {
-        at->d = ROOT(law_dot(at->r, at->r));
-        return at->d < thickness;
-    }
-    law_from_to(x[from], x[from + 1], at->e);
-    at->ee = law_dot(at->e, at->e);
-    if (kind == WEFT__VERTEX_EDGE) {
-        at->inverse = 1.0 / at->ee;
-        at->u = law_dot(at->e, at->r) * at->inverse;
-        for (size_t k = 0; k < 3; ++k) {
-            at->r[k] = at->r[k] - at->u * at->e[k];
-        }
-        at->d = ROOT(law_dot(at->r, at->r));
-        return (at->u > 0.0) & (at->u < 1.0) & (at->d < thickness);
-    }
-    law_from_to(x[kind == WEFT__EDGES ? 2 : 1], x[3], at->f);
-    law_from_to(x[kind == WEFT__EDGES ? 2 : 1], x[0], p);
-    at->ff = law_dot(at->f, at->f), at->ef = law_dot(at->e, at->f);
-    const num ep = law_dot(at->e, p), fp = law_dot(at->f, p);
-    const num area = at->ee * at->ff - at->ef * at->ef;
-    at->inverse = 1.0 / area;
-    if (kind == WEFT__EDGES) { /* p + u e - v f is across both */
-        at->u = (at->ef * fp - at->ff * ep) * at->inverse;
-        at->v = (at->ee * fp - at->ef * ep) * at->inverse;
-        inside = (area > PARALLEL * at->ee * at->ff) & (at->u < 1.0) & (at->v < 1.0);
-    } else { /* p - u e - v f is */
-        at->u = (at->ff * ep - at->ef * fp) * at->inverse;
-        at->v = (at->ee * fp - at->ef * ep) * at->inverse;
-        inside = 1.0 - at->u - at->v > 0.0;
-    }
-    for (size_t k = 0; k < 3; ++k) {
-        at->r[k]
-            = (kind == WEFT__EDGES ? p[k] + at->u * at->e[k] : p[k] - at->u * at->e[k])
-              - at->v * at->f[k];
-    }
-    at->d = ROOT(law_dot(at->r, at->r));
-    return inside & (at->u > 0.0) & (at->v > 0.0) & (at->d < thickness);
-}
-
-/* W and its gradient from the derivatives of W by u and v, and by half the edges' area
- * squared. */
-LAW void law_lean(weft__pair_kind kind, num by_u, num by_v, num by_area, law_feet *at)
-{
-    const double sign = kind == WEFT__EDGES ? -1.0 : 1.0;
-    const bool one = kind == WEFT__VERTEX_EDGE;
-    const num by_e = one ? by_u * at->inverse
-                         : sign * (at->ff * by_u - sign * at->ef * by_v) * at->inverse;
-    const num by_f
-        = one ? NUM(0.0) : (at->ee * by_v - sign * at->ef * by_u) * at->inverse;
-    for (size_t k = 0; k < 3; ++k) {
-        const num f = one ? NUM(0.0) : at->f[k];
-        at->lean[k] = by_e * at->e[k] + by_f * f;
-        at->turn[0][k] = by_e * at->r[k];
-        at->turn[1][k] = by_f * at->r[k];
-        if (kind == WEFT__EDGES) {
-            at->turn[0][k]
-                = at->turn[0][k] + by_area * (at->ff * at->e[k] - at->ef * at->f[k]);
-            at->turn[1][k]
-                = at->turn[1][k] + by_area * (at->ee * at->f[k] - at->ef * at->e[k]);
-        }
-    }
-}
-
-/* inverse_rest: 1 / (product of the squares of both edges' rest lengths) */
-LAW void law_weigh(weft__pair_kind kind, double soft, num inverse_rest, law_feet *at)
-{
-    num by_u, by_v, by_z;
-    if (kind == WEFT__VERTICES) {
-        at->arm[0] = NUM(1.0), at->arm[1] = NUM(-1.0);
-        at->weight = NUM(1.0);
-        return;
-    }
-    if (kind == WEFT__VERTEX_EDGE) {
-        at->arm[0] = NUM(1.0), at->arm[1] = at->u - 1.0, at->arm[2] = -at->u;
-        at->weight = law_both_ends(at->u, soft, &by_u);
-        law_lean(kind, by_u, by_u, by_u, at);
-        return;
-    }
-    if (kind == WEFT__VERTEX_TRIANGLE) {
-        const num z = 1.0 - at->u - at->v;
-        const num su = law_step(at->u, soft, &by_u), sv = law_step(at->v, soft, &by_v);
-        const num sz = law_step(z, soft, &by_z);
-        at->arm[0] = NUM(1.0), at->arm[1] = -z, at->arm[2] = -at->u;
-        at->arm[3] = -at->v;
-        at->weight = su * sv * sz;
-        law_lean(kind, by_u * sv * sz - su * sv * by_z, su * by_v * sz - su * sv * by_z,
-                 by_z, at);
-        return;
-    }
-    const num su = law_both_ends(at->u, soft, &by_u);
-    const num sv = law_both_ends(at->v, soft, &by_v);
-    const num area = at->ee * at->ff - at->ef * at->ef;
-    const num sz = law_step(area * inverse_rest, SOFT_ANGLE, &by_z);
-    at->arm[0] = 1.0 - at->u, at->arm[1] = at->u;
-    at->arm[2] = at->v - 1.0, at->arm[3] = -at->v;
-    at->weight = sz * su * sv;
-    law_lean(kind, sz * by_u * sv, sz * su * by_v, 2.0 * by_z * su * sv * inverse_rest,
-             at);
 }
 
 /* ---- pairs ----------------------------------------------------------------------- */
@@ -328,7 +346,7 @@ typedef struct law_push {
     num energy, heat, friction;
 } law_push;
 
-/* Of a pair that law_find has found and law_weigh weighed, by mass M and the velocities
+/* Of a pair that pushes and that law_weigh has weighed, by mass M and the velocities
  * of its particles. */
 LAW void law_push_of(weft__pair_kind kind, const weft_contact_def *law,
                      const law_feet *at, num mass, num v[4][3], law_push *out)

@@ -33,9 +33,9 @@ INLINE void place(const double *planes, size_t n, weft__pair_kind kind,
                   const int32_t *const at[4], vec x[4][3])
 {
     for (size_t j = 0; j < particles_of(kind); ++j) {
-        for (size_t k = 0; k < 3; ++k) {
-            x[j][k] = gather(planes + k * n, at[j]);
-        }
+        x[j][0] = gather(planes, at[j]);
+        x[j][1] = gather(planes + n, at[j]);
+        x[j][2] = gather(planes + 2 * n, at[j]);
     }
 }
 
@@ -55,13 +55,13 @@ INLINE size_t find(const work *of, weft__pair_kind kind, size_t i, uint32_t *fou
     const weft_cloth *cloth = of->law->cloth;
     const int32_t *at[4];
     vec x[4][3];
-    law_feet feet;
     size_t count = 0;
     for (size_t j = 0; j < particles_of(kind); ++j) {
         at[j] = of->near->particle[j] + i;
     }
     place(of->y, cloth->particles, kind, at, x);
-    const mask pushes = law_find(kind, x, cloth->contact.thickness, &feet);
+    const law_gram gram = law_gram_of(kind, x);
+    const mask pushes = law_pushes(kind, &gram, cloth->contact.thickness);
     for (size_t l = 0; any(pushes) && l < LANES; ++l) {
         found[count] = (uint32_t)(i + l);
         count += pushes[l] != 0 && i + l < of->near->count;
@@ -91,7 +91,6 @@ INLINE void push(work *of, weft__pair_kind kind, const uint32_t *found, size_t i
     const int32_t *at[4];
     int32_t particle[4][LANES];
     vec x[4][3], v[4][3], mass, rest = splat(0.0);
-    law_feet feet;
     law_push out;
     for (size_t l = 0; l < LANES; ++l) {
         const size_t pair = to->at[i % WEFT__BLOCK + l] = found[l];
@@ -104,7 +103,8 @@ INLINE void push(work *of, weft__pair_kind kind, const uint32_t *found, size_t i
     }
     place(of->y, n, kind, at, x);
     place(of->y + 3 * n, n, kind, at, v);
-    (void)law_find(kind, x, contact.thickness, &feet);
+    const law_gram gram = law_gram_of(kind, x);
+    law_feet feet = law_feet_of(kind, &gram);
     law_weigh(kind, of->law->soft, rest, &feet);
     law_push_of(kind, &contact, &feet, mass, v, &out);
     write_pushes(kind, &feet, &out, i % WEFT__BLOCK, to);

@@ -21,7 +21,7 @@ enum { KINDS = WEFT__EDGES + 1, STRETCH = 256, ROOM = 512, SHELVES = 64, HALVING
 
 /* Of the skin: how far particles may move against each other before a list is made
  * anew, and what is left of it at least where pairs are not sought again. */
-#define LASTING 0.125
+#define LASTING 0.2
 #define LEAST   0.25
 
 /* Of `clear`: pairs have to be sought. */
