@@ -14,11 +14,6 @@ void weft__pair_primitives(const weft__pair *pair, weft_primitive out[2])
     }
 }
 
-static inline void place(const double *y, size_t n, size_t i, double x[3])
-{
-    x[0] = y[i], x[1] = y[n + i], x[2] = y[2 * n + i];
-}
-
 /* ---- the search ------------------------------------------------------------------ */
 
 typedef struct pair_search {
@@ -29,89 +24,97 @@ typedef struct pair_search {
     unsigned kinds; /* bits */
 } pair_search;
 
-static double smaller(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-/* Whether the boxes about both sides of a pair are further apart than the range. */
-static bool apart(double x[4][3], size_t first, size_t all, double range)
-{
-    for (size_t k = 0; k < 3; ++k) {
-        double low[2] = { x[0][k], x[first][k] }, high[2] = { x[0][k], x[first][k] };
-        for (size_t i = 1; i < all; ++i) {
-            const size_t side = i >= first;
-            low[side] = smaller(low[side], x[i][k]);
-            high[side] = x[i][k] > high[side] ? x[i][k] : high[side];
-        }
-        if (low[0] - high[1] > range || low[1] - high[0] > range) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static bool has(const uint32_t *particles, size_t count, uint32_t i)
-{
-    bool found = false;
-    for (size_t k = 0; k < count; ++k) {
-        found = found || particles[k] == i;
-    }
-    return found;
-}
-
-static bool try_pair(const pair_search *of, const weft__pair *pair)
-{
-    const size_t all = weft__pair_particles(pair);
-    const size_t first = pair->kind == WEFT__EDGES ? 2 : 1;
-    double x[4][3] = { { 0.0 } };
-    for (size_t k = 0; k < all; ++k) {
-        place(of->tree->y, of->tree->cloth->particles, pair->particle[k], x[k]);
-    }
-    return apart(x, first, all, of->range) || of->visit(of->ctx, pair);
-}
-
 static bool seeks(const pair_search *of, weft__pair_kind kind)
 {
     return (of->kinds >> kind & 1U) != 0;
 }
 
-/* Particle i with all that node j owns but particle j. */
-static bool try_particle(const pair_search *of, uint32_t i, size_t j)
+/* A primitive in its box. */
+typedef struct boxed {
+    uint32_t particle[3];
+    double low[3], high[3]; /* [m] */
+} boxed;
+
+/* What a node owns. */
+typedef struct owned {
+    boxed vertex, edges[3], triangles[2];
+    size_t edge_count, triangle_count;
+} owned;
+
+static void add_particle(const weft__quadtree *tree, uint32_t i, size_t at, boxed *to)
+{
+    const double *y = tree->y + i;
+    to->particle[at] = i;
+    for (size_t k = 0; k < 3; ++k, y += tree->cloth->particles) {
+        to->low[k] = at > 0 && to->low[k] < *y ? to->low[k] : *y;
+        to->high[k] = at > 0 && to->high[k] > *y ? to->high[k] : *y;
+    }
+}
+
+static void find_owned(const weft__quadtree *tree, size_t node, owned *out)
 {
     uint32_t edges[3][2], triangles[2][3];
-    const size_t edge_count = weft__node_edges(of->tree->cloth, j, edges);
-    const size_t triangle_count = weft__node_triangles(of->tree->cloth, j, triangles);
-    bool goes_on = true;
-    for (size_t k = 0;
-         k < triangle_count && goes_on && seeks(of, WEFT__VERTEX_TRIANGLE); ++k) {
-        const uint32_t *to = triangles[k];
-        goes_on = has(to, 3, i)
-                  || try_pair(of, &(weft__pair){ .particle = { i, to[0], to[1], to[2] },
-                                                 .kind = WEFT__VERTEX_TRIANGLE });
+    out->edge_count = weft__node_edges(tree->cloth, node, edges);
+    out->triangle_count = weft__node_triangles(tree->cloth, node, triangles);
+    add_particle(tree, (uint32_t)node, 0, &out->vertex);
+    for (size_t k = 0; k < out->edge_count; ++k) {
+        add_particle(tree, edges[k][0], 0, &out->edges[k]);
+        add_particle(tree, edges[k][1], 1, &out->edges[k]);
     }
-    for (size_t k = 0; k < edge_count && goes_on && seeks(of, WEFT__VERTEX_EDGE);
+    for (size_t k = 0; k < out->triangle_count; ++k) {
+        for (size_t j = 0; j < 3; ++j) {
+            add_particle(tree, triangles[k][j], j, &out->triangles[k]);
+        }
+    }
+}
+
+/* Visits a pair unless its boxes are further apart than the range or its primitives
+ * have a common particle; `first` and `other`: of their particles. */
+static inline bool try_pair(const pair_search *of, weft__pair_kind kind, const boxed *a,
+                            size_t first, const boxed *b, size_t other)
+{
+    weft__pair pair = { .kind = kind };
+    for (size_t k = 0; k < 3; ++k) {
+        if (a->low[k] - b->high[k] > of->range || b->low[k] - a->high[k] > of->range) {
+            return true;
+        }
+    }
+    for (size_t i = 0; i < first; ++i) {
+        for (size_t j = 0; j < other; ++j) {
+            if (a->particle[i] == b->particle[j]) {
+                return true;
+            }
+            pair.particle[i] = a->particle[i];
+            pair.particle[first + j] = b->particle[j];
+        }
+    }
+    return of->visit(of->ctx, &pair);
+}
+
+/* A vertex with all that another node owns but its particle. */
+static bool try_vertex(const pair_search *of, const boxed *vertex, const owned *with)
+{
+    bool goes_on = true;
+    for (size_t k = 0; seeks(of, WEFT__VERTEX_TRIANGLE) && k < with->triangle_count;
          ++k) {
-        const uint32_t *to = edges[k];
-        goes_on = has(to, 2, i)
-                  || try_pair(of, &(weft__pair){ .particle = { i, to[0], to[1], to[1] },
-                                                 .kind = WEFT__VERTEX_EDGE });
+        goes_on = goes_on
+                  && try_pair(of, WEFT__VERTEX_TRIANGLE, vertex, 1, &with->triangles[k],
+                              3);
+    }
+    for (size_t k = 0; seeks(of, WEFT__VERTEX_EDGE) && k < with->edge_count; ++k) {
+        goes_on
+            = goes_on && try_pair(of, WEFT__VERTEX_EDGE, vertex, 1, &with->edges[k], 2);
     }
     return goes_on;
 }
 
-static bool try_edges(const pair_search *of, size_t i, size_t j)
+static bool try_edges(const pair_search *of, const owned *a, const owned *b)
 {
-    uint32_t a[3][2], b[3][2];
-    const size_t in_i = weft__node_edges(of->tree->cloth, i, a);
-    const size_t in_j = weft__node_edges(of->tree->cloth, j, b);
+    const size_t count = a->edge_count * b->edge_count;
     bool goes_on = true;
-    for (size_t k = 0; k < in_i * in_j && goes_on && seeks(of, WEFT__EDGES); ++k) {
-        const uint32_t *one = a[k / in_j], *other = b[k % in_j];
-        goes_on = has(other, 2, one[0]) || has(other, 2, one[1])
-                  || try_pair(of, &(weft__pair){ .particle = { one[0], one[1], other[0],
-                                                               other[1] },
-                                                 .kind = WEFT__EDGES });
+    for (size_t k = 0; seeks(of, WEFT__EDGES) && k < count && goes_on; ++k) {
+        goes_on = try_pair(of, WEFT__EDGES, &a->edges[k / b->edge_count], 2,
+                           &b->edges[k % b->edge_count], 2);
     }
     return goes_on;
 }
@@ -120,14 +123,16 @@ static bool try_edges(const pair_search *of, size_t i, size_t j)
 static bool visit_nodes(void *ctx, size_t i, size_t j)
 {
     const pair_search *of = ctx;
-    const uint32_t a = (uint32_t)i, b = (uint32_t)j;
-    return try_particle(of, a, j)
-           && (i == j
-               || (try_particle(of, b, i)
-                   && (!seeks(of, WEFT__VERTICES)
-                       || try_pair(of, &(weft__pair){ .particle = { a, b, b, b },
-                                                      .kind = WEFT__VERTICES }))
-                   && try_edges(of, i, j)));
+    owned a, b;
+    find_owned(of->tree, i, &a);
+    if (i == j) {
+        return try_vertex(of, &a.vertex, &a);
+    }
+    find_owned(of->tree, j, &b);
+    return try_vertex(of, &a.vertex, &b) && try_vertex(of, &b.vertex, &a)
+           && (!seeks(of, WEFT__VERTICES)
+               || try_pair(of, WEFT__VERTICES, &a.vertex, 1, &b.vertex, 1))
+           && try_edges(of, &a, &b);
 }
 
 bool weft__each_pair(const weft__quadtree *tree, double range, weft__pair_fn *visit,
