@@ -236,12 +236,17 @@ INLINE run_bounds no_bounds(void)
     return (run_bounds){ splat((double)INFINITY), splat(-(double)INFINITY) };
 }
 
-INLINE void narrow(const run_bounds *of, double *low, double *high)
+/* Lane by lane for all planes, which do not wait for each other. */
+INLINE void narrow(const run_bounds of[3], weft__drift *to)
 {
-    *low = of->low[0], *high = of->high[0];
+    for (size_t k = 0; k < 3; ++k) {
+        to->low[k] = of[k].low[0], to->high[k] = of[k].high[0];
+    }
     for (size_t l = 1; l < LANES; ++l) {
-        *low = of->low[l] < *low ? of->low[l] : *low;
-        *high = of->high[l] > *high ? of->high[l] : *high;
+        for (size_t k = 0; k < 3; ++k) {
+            to->low[k] = of[k].low[l] < to->low[k] ? of[k].low[l] : to->low[k];
+            to->high[k] = of[k].high[l] > to->high[k] ? of[k].high[l] : to->high[k];
+        }
     }
 }
 
@@ -249,15 +254,16 @@ INLINE void narrow(const run_bounds *of, double *low, double *high)
 double NAME(extent, LEVEL)(const double *from, const double *to, size_t n)
 {
     weft__drift all;
+    run_bounds of[3];
     vec trouble = splat(0.0);
     if (n < LANES) {
         return weft__reference_extent(from, to, n);
     }
     for (size_t k = 0; k < 3; ++k) {
-        run_bounds of = no_bounds();
-        add_run(from, to, k * n, (k + 1) * n, &of, &trouble);
-        narrow(&of, &all.low[k], &all.high[k]);
+        of[k] = no_bounds();
+        add_run(from, to, k * n, (k + 1) * n, &of[k], &trouble);
     }
+    narrow(of, &all);
     return sum(trouble) == 0.0 ? weft__drift_extent(&all, &all) : (double)INFINITY;
 }
 
@@ -275,18 +281,19 @@ double NAME(drift, LEVEL)(const weft_cloth *cloth, const double *from, const dou
     for (size_t i = 0; i < weft__tile_count(cloth); ++i) {
         size_t in[4];
         weft__patch_range(cloth, level, i, in);
+        run_bounds of[3];
         for (size_t k = 0; k < 3; ++k) {
-            run_bounds of = no_bounds();
+            of[k] = no_bounds();
             const size_t first = in[2] + LANES <= in[3] ? in[2]
                                  : in[3] > LANES        ? in[3] - LANES
                                                         : 0;
             for (size_t r = in[0]; r < in[1]; ++r) {
                 const size_t at = k * n + r * cols;
-                add_run(from, to, at + first, at + (in[3] < LANES ? LANES : in[3]), &of,
-                        &trouble);
+                add_run(from, to, at + first, at + (in[3] < LANES ? LANES : in[3]),
+                        &of[k], &trouble);
             }
-            narrow(&of, &tiles[i].low[k], &tiles[i].high[k]);
         }
+        narrow(of, &tiles[i]);
         weft__drift_add(&all, &tiles[i]);
     }
     return sum(trouble) == 0.0 ? weft__drift_extent(&all, &all) : inf;

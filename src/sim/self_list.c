@@ -22,6 +22,7 @@ enum { KINDS = WEFT__EDGES + 1, STRETCH = 256, ROOM = 512, SHELVES = 64, HALVING
 /* Of the skin: how far particles may move against each other before a list is made
  * anew, and what is left of it at least where pairs are not sought again. */
 #define LASTING 0.2
+#define KEPT    0.1
 #define LEAST   0.25
 
 /* Of `clear`: pairs have to be sought. */
@@ -29,19 +30,25 @@ enum { KINDS = WEFT__EDGES + 1, STRETCH = 256, ROOM = 512, SHELVES = 64, HALVING
 
 /* Two tiles that are near each other. */
 typedef struct group {
-    size_t tiles;      /* in `between` */
-    double limit;      /* [m] pairs that are not in `near` do not push before */
-    double nearest;    /* [m] of its pairs that the step check looks at */
-    double reach;      /* [m] as far as they matter in a step */
-    size_t end[KINDS]; /* of its pairs, which follow those of the group before */
+    size_t tiles;   /* in `between` */
+    double limit;   /* [m] pairs that are not in `near` do not push before */
+    double nearest; /* [m] of its pairs that the step check looks at */
+    double loss;    /* [m] moved between where its pairs were measured and `place` */
+    double reach;   /* [m] as far as they matter in a step */
+    size_t end[KINDS], near_end[KINDS]; /* its pairs follow those of the group before */
 } group;
 
-/* The pairs of a kind. */
-typedef struct bin {
-    weft__quad *pairs, *before; /* before: while a list is made anew, those of the old */
-    double *distances;          /* [m] */
+/* Pairs of a kind. */
+typedef struct pairs {
     size_t count;
-    weft__near near; /* those that may push soon */
+    weft__quad *at;
+    double *distances; /* [m] */
+    weft__near near;   /* those that may push soon */
+} pairs;
+
+/* Those of a kind, and their pushes. */
+typedef struct bin {
+    pairs now, before; /* before: while a list is made anew, the old one */
     weft__pushes *pushes;
     size_t pushing;
 } bin;
@@ -104,34 +111,29 @@ static double range_of(const weft__self_list *list)
 
 /* ---- room ------------------------------------------------------------------------ */
 
-static void free_bin(const weft_allocator *memory, bin *of)
+static void free_pairs(const weft_allocator *memory, pairs *of)
 {
-    weft__free(memory, of->pairs);
-    weft__free(memory, of->before);
+    weft__free(memory, of->at);
     weft__free(memory, of->distances);
-    weft__free(memory, of->pushes);
     weft__free(memory, of->near.particle[0]);
     weft__free(memory, of->near.mass);
     weft__free(memory, of->near.rest);
-    *of = (bin){ .count = 0 };
+    *of = (pairs){ .count = 0 };
 }
 
-static bool make_bin(const weft_allocator *memory, size_t room, bin *of)
+static bool make_pairs(const weft_allocator *memory, size_t room, pairs *of)
 {
     const size_t all = room + WEFT__BLOCK;
-    *of = (bin){ .pairs = weft__alloc(memory, room, sizeof *of->pairs),
-                 .before = weft__alloc(memory, room, sizeof *of->before),
-                 .distances = weft__alloc(memory, room, sizeof *of->distances),
-                 .pushes = weft__alloc(memory, room / WEFT__BLOCK + 1,
-                                       sizeof *of->pushes) };
+    free_pairs(memory, of);
+    of->at = weft__alloc(memory, room, sizeof *of->at);
+    of->distances = weft__alloc(memory, room, sizeof *of->distances);
     of->near.particle[0] = weft__alloc(memory, 4 * all, sizeof(int32_t));
     of->near.mass = weft__alloc(memory, all, sizeof(double));
     of->near.rest = weft__alloc(memory, all, sizeof(double));
     for (size_t k = 1; k < 4 && of->near.particle[0] != NULL; ++k) {
         of->near.particle[k] = of->near.particle[k - 1] + all;
     }
-    return of->pairs != NULL && of->before != NULL && of->distances != NULL
-           && of->pushes != NULL && of->near.particle[0] != NULL
+    return of->at != NULL && of->distances != NULL && of->near.particle[0] != NULL
            && of->near.mass != NULL && of->near.rest != NULL;
 }
 
@@ -140,8 +142,11 @@ static bool grow_shelf(const weft_allocator *memory, shelf *of)
     bool made = true;
     of->room = (of->wanted / STRETCH + 1) * STRETCH;
     for (size_t kind = 0; kind < KINDS; ++kind) {
-        free_bin(memory, &of->bins[kind]);
-        made = make_bin(memory, of->room, &of->bins[kind]) && made;
+        bin *at = &of->bins[kind];
+        weft__free(memory, at->pushes);
+        at->pushes = weft__alloc(memory, of->room / WEFT__BLOCK + 1, sizeof *at->pushes);
+        made = make_pairs(memory, of->room, &at->now)
+               && make_pairs(memory, of->room, &at->before) && at->pushes != NULL && made;
     }
     of->room = made ? of->room : 0;
     of->full = false;
@@ -236,7 +241,10 @@ void weft__self_list_destroy(weft__self_list *list)
     const weft_allocator memory = list->memory;
     for (size_t i = 0; i < list->shelf_count; ++i) {
         for (size_t kind = 0; kind < KINDS; ++kind) {
-            free_bin(&memory, &list->shelves[i].bins[kind]);
+            bin *at = &list->shelves[i].bins[kind];
+            free_pairs(&memory, &at->now);
+            free_pairs(&memory, &at->before);
+            weft__free(&memory, at->pushes);
         }
         weft__free(&memory, list->shelves[i].groups);
         weft__free(&memory, list->shelves[i].before);
@@ -333,26 +341,47 @@ static void fill_part(void *ctx, size_t part)
 static bool keep(void *ctx, const weft__pair *pair)
 {
     shelf *to = ctx;
-    bin *of = &to->bins[pair->kind];
+    pairs *of = &to->bins[pair->kind].now;
     if (of->count < to->room) {
-        for (size_t k = 0; k < 4; ++k) {
-            of->pairs[of->count].of[k] = pair->particle[k];
-        }
+        memcpy(of->at[of->count].of, pair->particle, sizeof pair->particle);
     }
     ++of->count;
     return true;
 }
 
-static void copy_group(shelf *of, const group *from, const size_t first[KINDS])
+/* Adds pairs [first, end) of another list, and those of them in its `near`. */
+static void copy_pairs(const pairs *from, const size_t first[2], const size_t end[2],
+                       pairs *to)
+{
+    const size_t count = end[0] - first[0], near = end[1] - first[1];
+    memcpy(to->at + to->count, from->at + first[0], count * sizeof *to->at);
+    memcpy(to->distances + to->count, from->distances + first[0],
+           count * sizeof *to->distances);
+    for (size_t k = 0; k < 4; ++k) {
+        memcpy(to->near.particle[k] + to->near.count,
+               from->near.particle[k] + first[1], near * sizeof(int32_t));
+    }
+    memcpy(to->near.mass + to->near.count, from->near.mass + first[1],
+           near * sizeof *to->near.mass);
+    memcpy(to->near.rest + to->near.count, from->near.rest + first[1],
+           near * sizeof *to->near.rest);
+    to->count += count, to->near.count += near;
+}
+
+/* old[-1], if it is not the first, is the group before. */
+static void copy_group(shelf *of, const group *old, bool measured)
 {
     for (size_t kind = 0; kind < KINDS; ++kind) {
         bin *in = &of->bins[kind];
-        const size_t count = from->end[kind] - first[kind];
-        if (in->count + count <= of->room) {
-            memcpy(in->pairs + in->count, in->before + first[kind],
-                   count * sizeof *in->pairs);
+        const bool is_first = old == of->before;
+        const size_t first[2] = { is_first ? 0 : old[-1].end[kind],
+                                  is_first ? 0 : old[-1].near_end[kind] };
+        const size_t end[2] = { old->end[kind], measured ? old->near_end[kind] : first[1] };
+        if (in->now.count + end[0] - first[0] <= of->room) {
+            copy_pairs(&in->before, first, end, &in->now);
+        } else {
+            of->full = true;
         }
-        in->count += count;
     }
 }
 
@@ -373,8 +402,8 @@ static void add_near(const weft__self_law *law, weft__pair_kind kind,
 }
 
 /* Measures the pairs of a bin from `first` on, and drops those at `clear`. */
-static void measure_pairs(const making *of, weft__pair_kind kind, bin *in, size_t first,
-                          double clear, group *to)
+static void measure_pairs(const making *of, weft__pair_kind kind, pairs *in,
+                          size_t first, double clear, group *to)
 {
     const weft__self_list *list = of->list;
     const weft__self_law law = weft__self_law_of(list->cloth);
@@ -383,19 +412,19 @@ static void measure_pairs(const making *of, weft__pair_kind kind, bin *in, size_
     in->count = first;
     for (size_t i = first; i < all; i += STRETCH) {
         const size_t count = i + STRETCH < all ? STRETCH : all - i;
-        list->cloth->level->waits(list->cloth, kind, in->pairs + i, count, of->y,
+        list->cloth->level->waits(list->cloth, kind, in->at + i, count, of->y,
                                   list->skin, distances, waits);
         for (size_t j = 0; j < count; ++j) {
             if (distances[j] >= clear) {
                 continue;
             }
-            in->pairs[in->count] = in->pairs[i + j];
+            in->at[in->count] = in->at[i + j];
             in->distances[in->count++] = distances[j];
             if (kind >= WEFT__VERTEX_TRIANGLE && !(distances[j] > to->nearest)) {
                 to->nearest = distances[j];
             }
             if (!(waits[j] > LASTING * list->skin)) {
-                add_near(&law, kind, &in->pairs[in->count - 1], &in->near);
+                add_near(&law, kind, &in->at[in->count - 1], &in->near);
             } else if (waits[j] < to->limit) {
                 to->limit = waits[j];
             }
@@ -406,7 +435,7 @@ static void measure_pairs(const making *of, weft__pair_kind kind, bin *in, size_
 static bool is_full(shelf *of)
 {
     for (size_t kind = 0; kind < KINDS; ++kind) {
-        const size_t count = of->bins[kind].count;
+        const size_t count = of->bins[kind].now.count;
         of->full = of->full || count > of->room;
         if (2 * count > of->room && 3 * count > of->wanted) {
             of->wanted = 3 * count;
@@ -422,37 +451,35 @@ static void begin_shelf(shelf *of)
     of->groups = groups, of->group_count = 0;
     for (size_t kind = 0; kind < KINDS; ++kind) {
         bin *in = &of->bins[kind];
-        weft__quad *const pairs = in->before;
-        in->before = in->pairs, in->pairs = pairs;
-        in->count = in->near.count = 0;
+        const pairs old = in->now;
+        in->now = in->before, in->before = old;
+        in->now.count = in->now.near.count = 0;
     }
 }
 
-static void ends_of(const shelf *of, size_t end[KINDS])
-{
-    for (size_t kind = 0; kind < KINDS; ++kind) {
-        end[kind] = of->bins[kind].count;
-    }
-}
-
-/* Of two tiles whose pairs are the last of the bins, from `first` on. */
-static void add_group(const making *of, shelf *in, size_t tiles,
-                      const size_t first[KINDS])
+/* Of two tiles whose pairs are the last ones, after those of the group before; from:
+ * another group that has measured them, or NULL. */
+static void add_group(const making *of, shelf *in, size_t tiles, const group *from)
 {
     const weft__self_list *list = of->list;
     const double clear = list->clear[tiles];
     group *to = &in->groups[in->group_count];
+    const group *before = in->group_count > 0 ? to - 1 : NULL;
     bool any = clear < range_of(list);
-    *to = (group){ .tiles = tiles,
-                   .limit = clear - list->cloth->contact.thickness,
-                   .nearest = INFINITY };
-    for (size_t kind = 0; kind < KINDS; ++kind) {
-        measure_pairs(of, (weft__pair_kind)kind, &in->bins[kind], first[kind], clear,
-                      to);
-        any = any || in->bins[kind].count > first[kind];
+    *to = (group){ .limit = clear - list->cloth->contact.thickness, .nearest = INFINITY };
+    if (from != NULL) {
+        *to = *from;
     }
-    ends_of(in, to->end);
-    to->limit *= 1.0 - ROUNDOFF;
+    to->tiles = tiles;
+    for (size_t kind = 0; kind < KINDS; ++kind) {
+        pairs *at = &in->bins[kind].now;
+        const size_t first = before != NULL ? before->end[kind] : 0;
+        if (from == NULL) {
+            measure_pairs(of, (weft__pair_kind)kind, at, first, clear, to);
+        }
+        any = any || at->count > first;
+        to->end[kind] = at->count, to->near_end[kind] = at->near.count;
+    }
     in->group_count += any;
 }
 
@@ -466,38 +493,51 @@ static void pad(weft__near *of)
     }
 }
 
+/* Lists the pairs of two tiles, which are in group `old` or, if it is NULL, in none. */
+static void list_pairs(const making *of, shelf *in, size_t tiles, const group *old)
+{
+    weft__self_list *list = of->list;
+    double *clear = &list->clear[tiles];
+    group kept = { .limit = 0.0 };
+    bool measured = false;
+    if (*clear == UNKNOWN) {
+        *clear = range_of(list);
+        (void)weft__each_pair_between(&list->tree, list->between[tiles], *clear, keep,
+                                      in);
+    } else if (old != NULL) {
+        kept = *old;
+        kept.loss += extent_between(list, 0, list->between[tiles]) * (1.0 + ROUNDOFF);
+        measured = kept.limit - kept.loss >= KEPT * list->skin;
+        copy_group(in, old, measured);
+    }
+    if (!is_full(in)) {
+        add_group(of, in, tiles, measured ? &kept : NULL);
+    }
+}
+
 static void make_part(void *ctx, size_t part)
 {
     const making *of = ctx;
-    weft__self_list *list = of->list;
+    const weft__self_list *list = of->list;
     shelf *in = &list->shelves[part];
     begin_shelf(in);
     const group *old = in->before, *end = old + (list->valid ? in->before_count : 0);
-    size_t old_first[KINDS] = { 0 }, first[KINDS];
-    for (size_t i = in->first; i < in->end; ++i) {
+    for (size_t i = in->first; i < in->end && !in->full; ++i) {
         const bool listed = old < end && old->tiles == i;
-        ends_of(in, first);
-        if (list->clear[i] == UNKNOWN) {
-            list->clear[i] = range_of(list);
-            (void)weft__each_pair_between(&list->tree, list->between[i], range_of(list),
-                                          keep, in);
-        } else if (listed && list->clear[i] < range_of(list)) {
-            copy_group(in, old, old_first);
+        if (list->clear[i] < range_of(list)) {
+            list_pairs(of, in, i, listed ? old : NULL);
         }
-        if (is_full(in)) {
-            return;
-        }
-        if (list->clear[i] <= range_of(list)) {
-            add_group(of, in, i, first);
-        }
-        if (listed) {
-            memcpy(old_first, old->end, sizeof old_first);
-            ++old;
-        }
+        old += listed;
     }
-    for (size_t kind = 0; kind < KINDS; ++kind) {
-        pad(&in->bins[kind].near);
+    for (size_t kind = 0; kind < KINDS && !in->full; ++kind) {
+        pad(&in->bins[kind].now.near);
     }
+}
+
+/* [m] From `place` on. */
+static double limit_of(const group *of)
+{
+    return (of->limit - of->loss) * (1.0 - ROUNDOFF);
 }
 
 static void make(weft__self_list *list, const double *y)
@@ -533,7 +573,7 @@ static void make(weft__self_list *list, const double *y)
         list->valid = list->valid && !at->full;
         list->group_count += at->group_count;
         for (size_t g = 0; g < at->group_count; ++g) {
-            list->limit = fmin(list->limit, at->groups[g].limit);
+            list->limit = fmin(list->limit, limit_of(&at->groups[g]));
         }
     }
 }
@@ -548,7 +588,7 @@ static double drift(weft__self_list *list, const double *from, const double *to,
                : list->cloth->level->drift(list->cloth, from, to, list->tiles[tiles]);
 }
 
-/* Whether `near` has all pairs that push after displacements of that extent. */
+/* Whether `near` has all pairs that push after displacements tiles[0] of that extent. */
 static bool suffices(const weft__self_list *list, double extent)
 {
     bool all = extent < list->skin;
@@ -556,7 +596,7 @@ static bool suffices(const weft__self_list *list, double extent)
         const shelf *at = &list->shelves[i];
         for (size_t g = 0; g < at->group_count && all; ++g) {
             all = extent_between(list, 0, list->between[at->groups[g].tiles])
-                  < at->groups[g].limit;
+                  < limit_of(&at->groups[g]);
         }
     }
     return all;
@@ -571,17 +611,24 @@ static bool any_full(const weft__self_list *list)
     return any;
 }
 
-/* Whether the list, made anew if need be, has all pairs that push in a finite state. */
-static bool ready(weft__self_list *list, const double *y)
+/* The list, made anew if need be, has all pairs that push. */
+typedef enum readiness { READY, WITHOUT_LIST, NOT_FINITE } readiness;
+
+static readiness prepare(weft__self_list *list, const double *y)
 {
-    if (list->valid && list->pin_changes == list->cloth->pin_changes
-        && suffices(list, drift(list, list->place, y, 0))) {
-        return true;
+    const bool current = list->valid && list->pin_changes == list->cloth->pin_changes;
+    const double extent = current ? drift(list, list->place, y, 0)
+                                  : weft__extent(list->cloth, NULL, y);
+    if (!isfinite(extent)) {
+        return NOT_FINITE;
+    }
+    if (current && suffices(list, extent)) {
+        return READY;
     }
     if (!any_full(list)) {
         make(list, y);
     }
-    return list->valid;
+    return list->valid ? READY : WITHOUT_LIST;
 }
 
 /* ---- forces ---------------------------------------------------------------------- */
@@ -603,7 +650,7 @@ static void evaluate_part(void *ctx, size_t part)
     for (size_t kind = 0; kind < KINDS; ++kind) {
         bin *at = &in->bins[kind];
         at->pushing
-            = all->law.cloth->level->pushes(&all->law, (weft__pair_kind)kind, &at->near,
+            = all->law.cloth->level->pushes(&all->law, (weft__pair_kind)kind, &at->now.near,
                                             all->of->y, at->pushes, &bad);
     }
     if (bad != 0.0) {
@@ -626,7 +673,7 @@ static void add_pushes(const weft_cloth *cloth, const bin *of, size_t corners,
         const weft__pushes *from = &of->pushes[i / WEFT__BLOCK];
         const size_t lane = i % WEFT__BLOCK, pair = from->at[lane];
         for (size_t k = 0; k < corners; ++k) {
-            const size_t at = (size_t)of->near.particle[k][pair];
+            const size_t at = (size_t)of->now.near.particle[k][pair];
             const double scale = cloth->inverse_mass[at];
             if (at >= first && at < end && scale > 0.0) {
                 for (size_t j = 0; j < 3; ++j) {
@@ -657,11 +704,9 @@ static void gather_part(void *ctx, size_t part)
 int weft__self_list_add(weft__self_list *list, const weft__subject *of, double *to)
 {
     evaluation all = { .list = list, .of = of, .to = to };
-    if (!isfinite(weft__extent(list->cloth, NULL, of->y))) {
-        return 1;
-    }
-    if (!ready(list, of->y)) {
-        return weft__self_add(of, WEFT__ACCELERATION, to);
+    const readiness is = prepare(list, of->y);
+    if (is != READY) {
+        return is == NOT_FINITE ? 1 : weft__self_add(of, WEFT__ACCELERATION, to);
     }
     evaluate(&all);
     all.parts = weft__team_threads(list->team);
@@ -674,7 +719,7 @@ static void measure_bin(const weft_cloth *cloth, weft__pair_kind kind, const bin
 {
     for (size_t i = 0; i < of->pushing; ++i) {
         weft__push push;
-        weft__push_at(kind, &of->near, of->pushes, i, &push);
+        weft__push_at(kind, &of->now.near, of->pushes, i, &push);
         weft__push_measure(cloth, &push, y, sum);
     }
 }
@@ -683,7 +728,7 @@ void weft__self_list_measure(weft__self_list *list, const weft__subject *of,
                              weft_measures *sum)
 {
     evaluation all = { .list = list, .of = of };
-    if (!isfinite(weft__extent(list->cloth, NULL, of->y)) || !ready(list, of->y)) {
+    if (prepare(list, of->y) != READY) {
         weft__self_measure(of, sum);
         return;
     }
@@ -768,15 +813,16 @@ static bool proves(weft__self_list *list, const weft__stride *of)
 /* The pairs of a kind within the reach of their group; false ends the search. */
 static bool look_along(const shelf *in, weft__pair_kind kind, stride_search *of)
 {
-    const bin *at = &in->bins[kind];
+    const pairs *at = &in->bins[kind].now;
     weft__pair pair = { .kind = kind };
     bool goes_on = true;
     for (size_t g = 0; g < in->group_count && goes_on; ++g) {
         const group *to = &in->groups[g];
+        const double reach = to->reach + to->loss;
         size_t i = g > 0 ? to[-1].end[kind] : 0;
-        for (; i < to->end[kind] && goes_on && !(to->nearest > to->reach); ++i) {
-            if (!(at->distances[i] > to->reach)) {
-                memcpy(pair.particle, at->pairs[i].of, sizeof pair.particle);
+        for (; i < to->end[kind] && goes_on && !(to->nearest > reach); ++i) {
+            if (!(at->distances[i] > reach)) {
+                memcpy(pair.particle, at->at[i].of, sizeof pair.particle);
                 goes_on = look_at(of, &pair);
             }
         }
