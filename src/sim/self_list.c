@@ -545,6 +545,7 @@ static void make(weft__self_list *list, const double *y)
     making of = { list, y };
     const weft_cloth *cloth = list->cloth;
     bool seek = false;
+    list->valid = list->valid && list->group_count > 0; /* else the most room is found */
     if (list->valid) {
         (void)cloth->level->drift(cloth, list->place, y, list->tiles[0]);
     }
