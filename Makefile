@@ -419,14 +419,14 @@ coverage:
 
 # Races between threads: of a simulation, of simulations, and of the steppers alone.
 # Those of simulations in one process each: forks after threads are not for the sanitizer.
-TSAN_TESTS := threads bands bands_ends embed steppers sundials_vector
+TSAN_TESTS := threads bands bands_ends embed self_time steppers sundials_vector
 TSAN_RUN := build/tsan/tests/run
 
 tsan:
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/tsan CFLAGS='-O1 -g1' SAN='-fsanitize=thread' \
 	    TESTS='$(TSAN_TESTS)' PARTS='conformance record' $(TSAN_RUN)
 	CK_FORK=no $(TSAN_RUN) threads bands bands_ends
-	CK_FORK=no CK_RUN_CASE=threads $(TSAN_RUN) embed
+	CK_FORK=no CK_RUN_CASE=threads $(TSAN_RUN) embed self_time
 	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads $(TSAN_RUN) sundials_vector steppers
 
 # Sources read by clang-tidy and cppcheck; DEEP=1: also by gcc -fanalyzer, and clang-tidy follows calls.

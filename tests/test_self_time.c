@@ -114,8 +114,8 @@ static void by_ends(double seconds)
     model.pins = ends, model.pin_count = 2;
 }
 
-/* Moves pins to their places at t: the ends turn by 216 degrees in all, one against the
- * other, and approach each other by 12 cm. */
+/* Moves pins to their places at t: each end turns by 216 degrees, against the other, and
+ * they approach each other by 12 cm. */
 static void turn(double t, double seconds)
 {
     const double angle = 1.2 * folded_pi * t / seconds, near = 0.06 * t / seconds;
@@ -536,13 +536,15 @@ TEST_SUITE(self_time)
     Suite *suite = suite_create("self_time");
     TCase *apart = tcase_create("apart"), *physics = tcase_create("physics");
     TCase *bits = tcase_create("bits"), *large = tcase_create("self");
+    TCase *threads = tcase_create("threads"); /* of make tsan, too */
     tcase_add_checked_fixture(apart, setup, teardown);
     tcase_add_checked_fixture(physics, setup, teardown);
     tcase_add_checked_fixture(bits, setup, teardown);
     tcase_add_checked_fixture(large, setup, teardown);
+    tcase_add_checked_fixture(threads, setup, teardown);
     tcase_set_timeout(large, 7200);
     tcase_set_timeout(apart, 300), tcase_set_timeout(physics, 300);
-    tcase_set_timeout(bits, 300);
+    tcase_set_timeout(bits, 300), tcase_set_timeout(threads, 300);
     const bool all = getenv("SELF_SECONDS") != NULL;
     tcase_add_loop_test(apart, cloth_passes_through_itself_without, 0, SCENES);
     tcase_add_loop_test(apart, cloth_never_passes_through_itself, 0, SCENES);
@@ -557,12 +559,13 @@ TEST_SUITE(self_time)
     tcase_add_test(physics, the_ledger_balances);
     tcase_add_test(physics, dormand_prince_keeps_its_order);
     tcase_add_test(bits, the_skin_does_not_change_results);
-    tcase_add_test(bits, threads_do_not_change_results);
+    tcase_add_test(threads, threads_do_not_change_results);
     tcase_add_test(bits, a_list_changes_no_bit);
     tcase_add_test(bits, a_resumed_run_equals_one_that_went_on);
     suite_add_tcase(suite, apart);
     suite_add_tcase(suite, physics);
     suite_add_tcase(suite, bits);
+    suite_add_tcase(suite, threads);
     suite_add_tcase(suite, large);
     return suite;
 }
