@@ -129,6 +129,14 @@ static const struct {
       "families it limits\n"
       "limit: {method: provot}\n"
       "       ^\n" },
+    { "weft: 1\n"
+      "cloth: {grid: {rows: 2, cols: 2, spacing: [0.2, 0.019]}, mass: 1}\n"
+      "contact: {self: true}\n" STEPPER RUN,
+      "scene.yaml:3:17: warning: the cells of 0.2 m x 0.019 m are more than 10 times "
+      "as "
+      "long as wide: contact of the cloth with itself may need very short steps\n"
+      "contact: {self: true}\n"
+      "                ^\n" },
     { "weft: 1\n" CLOTH STEPPER RUN "stop: {when: min_gap < 1e-3}\n",
       "scene.yaml:7:1: warning: stop has no effect: min_gap is the gap to shapes, and "
       "the scene has none\n"
