@@ -114,8 +114,8 @@ static void by_ends(double seconds)
     model.pins = ends, model.pin_count = 2;
 }
 
-/* Moves pins to their places at t: each end turns by 216 degrees, against the other, and
- * they approach each other by 12 cm. */
+/* Moves pins to their places at t: each end turns by 216 degrees, against the other,
+ * and they approach each other by 12 cm. */
 static void turn(double t, double seconds)
 {
     const double angle = 1.2 * folded_pi * t / seconds, near = 0.06 * t / seconds;
