@@ -29,7 +29,7 @@ struct weft__self_list {
     weft__knot *knots;     /* of any state */
     double *place;         /* 3 N: where the list was made */
     unsigned char *marks;  /* N */
-    weft__drift *tiles[4]; /* of the last displacements; in checks of steps all */
+    weft__drift *tiles[5]; /* of the last displacements; in checks of steps all */
     double skin, range;    /* [m] */
     bool valid;            /* whole, about `place` */
     size_t count, room, wanted;
@@ -67,11 +67,11 @@ weft__self_list *weft__self_list_create(const weft_cloth *cloth, weft__team *tea
         .place = weft__alloc(memory, 3 * n, sizeof *list->place),
         .marks = weft__alloc(memory, n, 1),
         .tiles
-        = { weft__alloc(memory, weft__tile_count(cloth), 4 * sizeof(weft__drift)) },
+        = { weft__alloc(memory, weft__tile_count(cloth), 5 * sizeof(weft__drift)) },
         .skin = skin_of(cloth),
         .wanted = CHUNK,
     };
-    for (size_t k = 1; k < 4 && list->tiles[0] != NULL; ++k) {
+    for (size_t k = 1; k < 5 && list->tiles[0] != NULL; ++k) {
         list->tiles[k] = list->tiles[k - 1] + weft__tile_count(cloth);
     }
     if (list->knots == NULL || list->place == NULL || list->marks == NULL
@@ -392,13 +392,14 @@ static bool look_at(void *ctx, const weft__pair *pair, double distance)
 static double near_of(weft__self_list *list, const weft__stride *of,
                       const uint32_t tiles[2])
 {
-    double extents[4];
-    for (size_t k = 0; k < 4; ++k) {
+    double extents[5];
+    for (size_t k = 0; k < (of->h > 0.0 ? 5 : 3); ++k) {
         const weft__drift *at = list->tiles[k];
         extents[k] = weft__drift_extent(&at[tiles[0]], &at[tiles[1]]);
     }
-    const double length
-        = of->h > 0.0 ? of->h * fmax(extents[2], extents[3]) : extents[2];
+    const double length = of->h > 0.0
+                              ? fmax(extents[2], of->h * fmax(extents[3], extents[4]))
+                              : extents[2];
     return 0.5 * (length + extents[0] + extents[1]) * (1.0 + ROUNDOFF);
 }
 
@@ -410,21 +411,18 @@ static bool proves(weft__self_list *list, const weft__stride *of)
     if (!list->valid) {
         return false;
     }
-    double all
+    const double ends
         = drift(list, list->place, of->y0, 0) + drift(list, list->place, of->y1, 1);
+    double way = drift(list, of->y0, of->y1, 2);
     if (of->h > 0.0) {
-        all += of->h
-               * fmax(drift(list, NULL, of->y0 + 3 * n, 2),
-                      drift(list, NULL, of->y1 + 3 * n, 3));
-    } else {
-        all += drift(list, of->y0, of->y1, 2);
-        memcpy(list->tiles[3], list->tiles[2],
-               weft__tile_count(list->cloth) * sizeof *list->tiles[3]);
+        way = fmax(way, of->h
+                            * fmax(drift(list, NULL, of->y0 + 3 * n, 3),
+                                   drift(list, NULL, of->y1 + 3 * n, 4)));
     }
     for (size_t g = 0; g < list->group_count; ++g) {
         list->reach[g] = near_of(list, of, list->groups[g].tiles);
     }
-    return 0.5 * all * (1.0 + ROUNDOFF) < list->range;
+    return 0.5 * (ends + way) * (1.0 + ROUNDOFF) < list->range;
 }
 
 /* No pair that is further apart at first can have met. */
