@@ -419,14 +419,14 @@ coverage:
 
 # Races between threads: of a simulation, of simulations, and of the steppers alone.
 # Those of simulations in one process each: forks after threads are not for the sanitizer.
-TSAN_TESTS := threads bands bands_ends embed steppers sundials_vector
+TSAN_TESTS := threads bands bands_ends embed self_time steppers sundials_vector
 TSAN_RUN := build/tsan/tests/run
 
 tsan:
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/tsan CFLAGS='-O1 -g1' SAN='-fsanitize=thread' \
 	    TESTS='$(TSAN_TESTS)' PARTS='conformance record' $(TSAN_RUN)
 	CK_FORK=no $(TSAN_RUN) threads bands bands_ends
-	CK_FORK=no CK_RUN_CASE=threads $(TSAN_RUN) embed
+	CK_FORK=no CK_RUN_CASE=threads $(TSAN_RUN) embed self_time
 	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads $(TSAN_RUN) sundials_vector steppers
 
 # Sources read by clang-tidy and cppcheck; DEEP=1: also by gcc -fanalyzer, and clang-tidy follows calls.
@@ -491,11 +491,12 @@ check-steppers:
 check-sundials7:
 	@tools/check-sundials7 $(BUILD) $(WHOLE)
 
-# Random cloths that are thrown at themselves, for so long: none passes through itself.
+# Random cloths that are thrown at themselves, for so long, and then large scenes, which take a
+# quarter of an hour: none passes through itself.
 SECONDS ?= 600
 check-self:
-	@$(MAKE) --no-print-directory $(ALL_OF_THEM) TESTS=self_random $(BUILD)/tests/run
-	SELF_SECONDS=$(SECONDS) $(BUILD)/tests/run self_random
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) TESTS='self_random self_time' $(BUILD)/tests/run
+	SELF_SECONDS=$(SECONDS) CK_RUN_CASE=self $(BUILD)/tests/run self_random self_time
 
 # What .ci/run leaves out because it is slow.
 nightly: all

@@ -63,6 +63,19 @@ static inline void folded_pile(double u, double w, double x[3], double v[3])
     v[0] = v[1] = v[2] = 0.0;
 }
 
+/* A U at rest 6 mm above the plane y = 0. */
+static inline void folded_press(double u, double w, double x[3], double v[3])
+{
+    folded_u(u, w, 0.0, x, v);
+    x[1] += 6e-3;
+}
+
+static inline void folded_flat(double u, double w, double x[3], double v[3])
+{
+    x[0] = u, x[1] = 0.0, x[2] = w;
+    v[0] = v[1] = v[2] = 0.0;
+}
+
 /* A spiral whose layers are 6 mm apart, above the plane y = 0. */
 static inline void folded_roll(double u, double w, double x[3], double v[3])
 {
@@ -72,6 +85,18 @@ static inline void folded_roll(double u, double w, double x[3], double v[3])
     x[1] = pitch * angle * sin(angle) + 0.09;
     x[2] = w;
     v[0] = v[1] = v[2] = 0.0;
+}
+
+/* A chain, coiled above the plane y = 0, that throws itself into loops. */
+static inline void folded_coil(double u, double w, double x[3], double v[3])
+{
+    (void)w;
+    x[0] = 0.08 * cos(12.0 * u);
+    x[1] = 0.02 + 0.1 * u;
+    x[2] = 0.08 * sin(12.0 * u);
+    v[0] = 2.0 * sin(40.0 * u);
+    v[1] = -1.0;
+    v[2] = 2.0 * cos(33.0 * u);
 }
 
 /* The arrays xyz and v[3 N] of a definition. */
@@ -134,6 +159,45 @@ static inline size_t folded_crossings(const double *xyz, size_t rows, size_t col
                 count += folded_pierces(xyz + 3 * p, xyz + 3 * q, xyz + 3 * t[0],
                                         xyz + 3 * t[1], xyz + 3 * t[2]);
             }
+        }
+    }
+    return count;
+}
+
+/* Where two edges p and q lie across each other, seen along n = their cross product:
+ * the height of q over p, times |n|; else 0. */
+static inline double folded_height(const double *p, const double *q, double n[3])
+{
+    double e[3], f[3], g[3];
+    for (size_t k = 0; k < 3; ++k) {
+        e[k] = p[3 + k] - p[k], f[k] = q[3 + k] - q[k], g[k] = q[k] - p[k];
+    }
+    double square = 0.0, s = 0.0, t = 0.0, height = 0.0;
+    for (size_t k = 0; k < 3; ++k) {
+        const size_t a = (k + 1) % 3, b = (k + 2) % 3;
+        n[k] = e[a] * f[b] - e[b] * f[a];
+        square += n[k] * n[k];
+        height += n[k] * g[k];
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        const size_t a = (k + 1) % 3, b = (k + 2) % 3;
+        s += n[k] * (g[a] * f[b] - g[b] * f[a]);
+        t += n[k] * (g[a] * e[b] - g[b] * e[a]);
+    }
+    return s > 0.0 && s < square && t > 0.0 && t < square ? height : 0.0;
+}
+
+/* Edges of a chain of n particles that got to the other side of each other in a step.
+ */
+static inline size_t folded_passes(const double *before, const double *after, size_t n)
+{
+    size_t count = 0;
+    for (size_t i = 0; i + 1 < n; ++i) {
+        for (size_t j = i + 2; j + 1 < n; ++j) {
+            double u[3], v[3];
+            const double from = folded_height(before + 3 * i, before + 3 * j, u);
+            const double to = folded_height(after + 3 * i, after + 3 * j, v);
+            count += from * to < 0.0 && u[0] * v[0] + u[1] * v[1] + u[2] * v[2] > 0.0;
         }
     }
     return count;

@@ -129,6 +129,19 @@ static const struct {
       "families it limits\n"
       "limit: {method: provot}\n"
       "       ^\n" },
+    { "weft: 1\n"
+      "cloth: {grid: {rows: 2, cols: 2, spacing: [0.2, 0.019]}, mass: 1}\n"
+      "contact: {self: true}\n" STEPPER RUN,
+      "scene.yaml:3:17: warning: the cells of 0.2 m x 0.019 m are more than 10 times "
+      "as "
+      "long as wide: contact of the cloth with itself may need very short steps\n"
+      "contact: {self: true}\n"
+      "                ^\n" },
+    { "weft: 1\n" CLOTH STEPPER RUN "stop: {when: min_gap < 1e-3}\n",
+      "scene.yaml:7:1: warning: stop has no effect: min_gap is the gap to shapes, and "
+      "the scene has none\n"
+      "stop: {when: min_gap < 1e-3}\n"
+      "^\n" },
     { "weft: 1\n" CLOTH "stepper: {plugin: gsl, method: rkf45, fixed_step: 0.05}\n" RUN,
       "scene.yaml:6:6: warning: fixed_step 0.05 s is longer than a frame (0.03333 s): "
       "every step will be 0.03333 s; run.fps=20 makes frames of 0.05 s\n"

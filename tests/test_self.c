@@ -425,6 +425,37 @@ START_TEST(search_finds_all_pairs_of_bent_cloth)
 }
 END_TEST
 
+/* ---- steps ----------------------------------------------------------------------- */
+
+/* The upper layer gets below the lower one, by a step of h at rest at both ends. */
+static size_t pairs_that_may_have_met(double h)
+{
+    double after[6 * N];
+    memset(y + 3 * N, 0, 3 * N * sizeof *y);
+    memcpy(after, y, sizeof y);
+    for (size_t i = 2 * N + (ROWS + 1) / 2 * COLS; i < 3 * N; ++i) {
+        after[i] -= 1.4 * def.contact.thickness;
+    }
+    const weft__stride stride = { cloth, y, after, h };
+    pairs *of = find(0.02, NULL);
+    size_t count = 0;
+    for (size_t i = 0; i < of->count; ++i) {
+        double gap;
+        count += !weft__stride_clear(&stride, &of->at[i], &gap);
+    }
+    free(of);
+    return count;
+}
+
+START_TEST(steps_are_judged_by_their_straight_way)
+{
+    fold((uint64_t)_i + 1);
+    const size_t count = pairs_that_may_have_met(0.0);
+    ck_assert_uint_gt(count, 0);
+    ck_assert_uint_eq(pairs_that_may_have_met(1e-3), count);
+}
+END_TEST
+
 TEST_SUITE(self)
 {
     Suite *suite = suite_create("self");
@@ -445,6 +476,7 @@ TEST_SUITE(self)
     tcase_add_loop_test(search, pairs_of_a_smaller_range_are_in_the_same_order, 0, 5);
     tcase_add_loop_test(search, search_finds_all_pairs, 0, 5);
     tcase_add_loop_test(search, search_finds_all_pairs_of_bent_cloth, 0, 40);
+    tcase_add_loop_test(search, steps_are_judged_by_their_straight_way, 0, 5);
     suite_add_tcase(suite, state);
     suite_add_tcase(suite, search);
     return suite;

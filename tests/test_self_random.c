@@ -102,7 +102,9 @@ static void choose_cloth(trial *of, const weft_stepper_type *method)
     choose_contact(of);
     of->limit = weft_sim_def_default().limit;
     of->limit.strain = 0.3; /* more than at the start */
-    of->limit.method = one_in(of, 4) ? WEFT_LIMIT_PROVOT : WEFT_LIMIT_NONE;
+    of->limit.method = !one_in(of, 4)      ? WEFT_LIMIT_NONE
+                       : of->seed % 2 == 0 ? WEFT_LIMIT_PROVOT
+                                           : WEFT_LIMIT_BRIDSON;
 }
 
 /* ---- states ---------------------------------------------------------------------- */

@@ -403,7 +403,7 @@ WEFT_API weft_stiffness weft_sim_stiffness(const weft_sim *sim, double t,
 /* How often a step was taken back, and repeated with half its length, because a free
  * particle had got into a shape or may have passed through it, or the cloth through
  * itself, or because in fixed steps a stage was in a shape. In weft_sim_stats, steps
- * taken back count as rejected. */
+ * taken back count as rejected, but not those that such a stage ended. */
 WEFT_API uint64_t weft_sim_vetoed(const weft_sim *sim);
 
 /* All 0 without a limit. */

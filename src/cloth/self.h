@@ -87,28 +87,33 @@ typedef bool weft__pair_fn(void *ctx, const weft__pair *pair); /* false ends a s
 bool weft__each_pair(const weft__quadtree *tree, double range, weft__pair_fn *visit,
                      void *ctx);
 
+<<<<<<< .merge_file_XR7jGM
 /* The same between two tiles, each kind in that order. */
 bool weft__each_pair_between(const weft__quadtree *tree, const uint32_t tiles[2],
                              double range, weft__pair_fn *visit, void *ctx);
 
 /* A step is clear of a pair if no
  * particle of one side can have met one of the other:
+=======
+/* A step is clear of a pair if no particle of one side can have met one of the other on
+ * the straight way between both states, nor, h times the speed long, by its speeds:
+>>>>>>> .merge_file_BAryfn
  *
- *     h max |v_a - v_b| < d0 + d1,  d1 > 0
+ *     max |(x1_a - x0_a) - (x1_b - x0_b)|, h max |v_a - v_b| < d0 + d1,  d1 > 0
  *
- * over the particles a of one side, b of the other, at both ends of the step. */
+ * over the particles a of one side, b of the other, at both ends of the step. The first
+ * alone proves that a cloth that does not pass through itself does not afterwards. */
 typedef struct weft__stride {
     const weft_cloth *cloth;
     const double *y0, *y1; /* states at both ends */
-    double h; /* [s]; 0: a straight displacement instead, whatever the velocities */
+    double h;              /* [s]; 0: the straight way alone, whatever the velocities */
 } weft__stride;
 
 /* gap: [m] at the end. Vertex-triangle and edge-edge pairs suffice; others are clear.
  */
 bool weft__stride_clear(const weft__stride *of, const weft__pair *pair, double *gap);
 
-/* [m] No two particles move by more against each other, by their velocities or, with
- * h = 0, positions. */
+/* [m] No two particles move by more against each other. */
 double weft__stride_length(const weft__stride *of);
 
 /* [m] No two particles of N are displaced by more against each other, from NULL: than

@@ -155,23 +155,19 @@ bool weft__each_pair_between(const weft__quadtree *tree, const uint32_t tiles[2]
 
 /* ---- steps ----------------------------------------------------------------------- */
 
-/* [m/s] or [m] The square of the larger difference of two particles. */
+/* [m^2] The square of the longest way of two particles against each other. */
 static double difference(const weft__stride *of, size_t a, size_t b)
 {
     const size_t n = of->cloth->particles;
-    double most = 0.0;
-    for (size_t end = 0; end < 2; ++end) {
-        const double *v = (end == 0 ? of->y0 : of->y1) + 3 * n;
-        double d[3], square = 0.0;
-        for (size_t k = 0; k < 3; ++k) {
-            d[k] = of->h > 0.0 ? v[k * n + a] - v[k * n + b]
-                               : (of->y1[k * n + a] - of->y0[k * n + a])
-                                     - (of->y1[k * n + b] - of->y0[k * n + b]);
-            square += d[k] * d[k];
-        }
-        most = square > most ? square : most;
+    double squares[3] = { 0.0, 0.0, 0.0 };
+    for (size_t i = a, j = b; i < 3 * n; i += n, j += n) {
+        const double d = (of->y1[i] - of->y0[i]) - (of->y1[j] - of->y0[j]);
+        const double v0 = of->h * (of->y0[3 * n + i] - of->y0[3 * n + j]);
+        const double v1 = of->h * (of->y1[3 * n + i] - of->y1[3 * n + j]);
+        squares[0] += d * d, squares[1] += v0 * v0, squares[2] += v1 * v1;
     }
-    return most;
+    const double most = squares[0] > squares[1] ? squares[0] : squares[1];
+    return squares[2] > most ? squares[2] : most;
 }
 
 bool weft__stride_clear(const weft__stride *of, const weft__pair *pair, double *gap)
@@ -187,7 +183,7 @@ bool weft__stride_clear(const weft__stride *of, const weft__pair *pair, double *
             most = square > most ? square : most;
         }
     }
-    const double path = (of->h > 0.0 ? of->h : 1.0) * sqrt(most);
+    const double path = sqrt(most);
     *gap = weft__pair_distance(pair, of->y1, of->cloth->particles);
     return path == 0.0
            || (*gap > 0.0
@@ -242,8 +238,10 @@ double weft__extent(const weft_cloth *cloth, const double *from, const double *t
 double weft__stride_length(const weft__stride *of)
 {
     const size_t n = of->cloth->particles;
-    return of->h > 0.0 ? of->h
-                             * fmax(weft__extent(of->cloth, NULL, of->y0 + 3 * n),
-                                    weft__extent(of->cloth, NULL, of->y1 + 3 * n))
-                       : weft__extent(of->cloth, of->y0, of->y1);
+    const double moved = weft__extent(of->cloth, of->y0, of->y1);
+    return of->h == 0.0
+               ? moved
+               : fmax(moved, of->h
+                                 * fmax(weft__extent(of->cloth, NULL, of->y0 + 3 * n),
+                                        weft__extent(of->cloth, NULL, of->y1 + 3 * n)));
 }

@@ -263,6 +263,21 @@ static const weft__node *value_of(const weft__node *map, const char *name)
     return slot < map->count ? map->entries[slot].value : NULL;
 }
 
+/* Nearly parallel edges push each other apart weakly (docs/contact.md, Limits). */
+static void warn_of_cells(weft__reader *reader, weft__mark at)
+{
+    const weft_cloth_def *def = &reader->scene->cloth;
+    const double down = def->spacing[0], right = def->spacing[1];
+    if (def->rows > 1 && def->cols > 1
+        && fmax(down, right) > 10.0 * fmin(down, right)) {
+        weft__report_warning(reader->report, at,
+                             "the cells of %g m x %g m are more than 10 times as long "
+                             "as wide: contact of the cloth with itself may need very "
+                             "short steps",
+                             down, right);
+    }
+}
+
 void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
 {
     const weft_cloth_def *def = &reader->scene->cloth;
@@ -276,6 +291,7 @@ void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
     if (law->self) {
         warn_of_friction(reader->report, law, law->friction, "the cloth on itself",
                          value_of(contact, "self")->at);
+        warn_of_cells(reader, value_of(contact, "self")->at);
     }
     for (size_t k = 0; k < law->shape_count; ++k) {
         const weft__mark at = weft__item(shapes, k)->at;

@@ -55,5 +55,10 @@ void weft__check_stop(weft__reader *reader, const weft__match *match)
         weft__report_error(reader->report, limit->at,
                            "limit excludes run.frames: interpolate: it changes states "
                            "at the ends of steps");
+    } else if (reader->scene->run.stop.quantity == WEFT_STOP_GAP
+               && reader->scene->cloth.contact.shape_count == 0) {
+        weft__report_warning(reader->report, stop->at,
+                             "stop has no effect: min_gap is the gap to shapes, and "
+                             "the scene has none");
     }
 }

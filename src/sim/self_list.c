@@ -71,7 +71,7 @@ struct weft__self_list {
     weft__knot *knots;     /* of any state */
     double *place;         /* 3 N: where the list was made */
     unsigned char *marks;  /* N: of particles, or tiles */
-    weft__drift *tiles[4]; /* of the last displacements; in checks of steps all */
+    weft__drift *tiles[5]; /* of the last displacements; in checks of steps all */
     uint32_t (*between)[2];
     double *clear; /* [m] of each pair of tiles */
     size_t between_count;
@@ -216,12 +216,12 @@ weft__self_list *weft__self_list_create(const weft_cloth *cloth, weft__team *tea
         .knots = weft__alloc(memory, weft__tree_size(cloth), sizeof *list->knots),
         .place = weft__alloc(memory, 3 * n, sizeof *list->place),
         .marks = weft__alloc(memory, n, 1),
-        .tiles = { weft__alloc(memory, tiles, 4 * sizeof(weft__drift)) },
+        .tiles = { weft__alloc(memory, tiles, 5 * sizeof(weft__drift)) },
         .between = weft__alloc(memory, most, sizeof *list->between),
         .clear = weft__alloc(memory, most, sizeof *list->clear),
         .skin = skin_of(cloth),
     };
-    for (size_t k = 1; k < 4 && list->tiles[0] != NULL; ++k) {
+    for (size_t k = 1; k < 5 && list->tiles[0] != NULL; ++k) {
         list->tiles[k] = list->tiles[k - 1] + tiles;
     }
     if (list->knots == NULL || list->place == NULL || list->marks == NULL
@@ -774,12 +774,14 @@ static bool look_at(void *ctx, const weft__pair *pair)
 static double reach_of(const weft__self_list *list, const weft__stride *of,
                        const uint32_t tiles[2])
 {
-    const double in_step = extent_between(list, 2, tiles);
-    const double length
-        = of->h > 0.0 ? of->h * fmax(in_step, extent_between(list, 3, tiles)) : in_step;
-    return 0.5
-           * (length + extent_between(list, 0, tiles) + extent_between(list, 1, tiles))
-           * (1.0 + ROUNDOFF);
+    const double ends = extent_between(list, 0, tiles) + extent_between(list, 1, tiles);
+    double way = extent_between(list, 2, tiles);
+    if (of->h > 0.0) {
+        way = fmax(way, of->h
+                            * fmax(extent_between(list, 3, tiles),
+                                   extent_between(list, 4, tiles)));
+    }
+    return 0.5 * (ends + way) * (1.0 + ROUNDOFF);
 }
 
 /* Whether the list has all pairs that can have met; then the reach of its groups is
@@ -790,16 +792,15 @@ static bool proves(weft__self_list *list, const weft__stride *of)
     if (!list->valid) {
         return false;
     }
-    double all
+    const double ends
         = drift(list, list->place, of->y0, 0) + drift(list, list->place, of->y1, 1);
+    double way = drift(list, of->y0, of->y1, 2);
     if (of->h > 0.0) {
-        all += of->h
-               * fmax(drift(list, NULL, of->y0 + 3 * n, 2),
-                      drift(list, NULL, of->y1 + 3 * n, 3));
-    } else {
-        all += drift(list, of->y0, of->y1, 2);
+        way = fmax(way, of->h
+                            * fmax(drift(list, NULL, of->y0 + 3 * n, 3),
+                                   drift(list, NULL, of->y1 + 3 * n, 4)));
     }
-    bool has = 0.5 * all * (1.0 + ROUNDOFF) < range_of(list);
+    bool has = 0.5 * (ends + way) * (1.0 + ROUNDOFF) < range_of(list);
     for (size_t i = 0; i < list->shelf_count && has; ++i) {
         shelf *at = &list->shelves[i];
         for (size_t g = 0; g < at->group_count && has; ++g) {
