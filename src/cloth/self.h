@@ -87,17 +87,12 @@ typedef bool weft__pair_fn(void *ctx, const weft__pair *pair); /* false ends a s
 bool weft__each_pair(const weft__quadtree *tree, double range, weft__pair_fn *visit,
                      void *ctx);
 
-<<<<<<< .merge_file_XR7jGM
 /* The same between two tiles, each kind in that order. */
 bool weft__each_pair_between(const weft__quadtree *tree, const uint32_t tiles[2],
                              double range, weft__pair_fn *visit, void *ctx);
 
-/* A step is clear of a pair if no
- * particle of one side can have met one of the other:
-=======
 /* A step is clear of a pair if no particle of one side can have met one of the other on
  * the straight way between both states, nor, h times the speed long, by its speeds:
->>>>>>> .merge_file_BAryfn
  *
  *     max |(x1_a - x0_a) - (x1_b - x0_b)|, h max |v_a - v_b| < d0 + d1,  d1 > 0
  *
