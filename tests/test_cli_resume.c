@@ -78,6 +78,7 @@ static bool kill_once(const char *sets, int i, uint64_t *seed)
     return had;
 }
 
+/* Where runs are over sooner than they are killed, more of them are. */
 START_TEST(a_killed_run_goes_on_to_the_same_bytes)
 {
     uint64_t seed = (uint64_t)time(NULL) * 2654435761u + (uint64_t)_i + 1;
@@ -85,10 +86,9 @@ START_TEST(a_killed_run_goes_on_to_the_same_bytes)
     int had = 0;
     printf("setup %d, seed %" PRIu64 "\n", _i, seed);
     make_reference(setups[_i]);
-    for (int i = 0; i < kills; ++i) {
+    for (int i = 0; i < kills || had == 0; ++i) {
         had += kill_once(setups[_i], _i + i, &seed);
     }
-    ck_assert_int_gt(had, 0);
 }
 END_TEST
 
@@ -249,7 +249,7 @@ END_TEST
 
 START_TEST(a_run_that_is_under_way_is_not_touched)
 {
-    const pid_t child = start(RUN("k"), "--set run.duration=1000");
+    const pid_t child = start(RUN("k"), "--set run.duration=1e6");
     wait_for_checkpoint(OUT "/k");
     expect(shell(WEFT " resume " OUT "/k 2>&1"), 4);
     says("k: another weft is running there");

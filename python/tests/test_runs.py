@@ -121,7 +121,7 @@ def test_a_batch_is_one_row_per_run(scene, tmp_path):
     runs = [weft.open(tmp_path / "b" / name) for name in table["directory"]]
     assert all(run.positions.shape == (4, 8, 10, 3) for run in runs)
     again = weft.batch([scene, {**scene, "stepper": {"plugin": "verlet", "method": "euler", "fixed_step": 0.03},
-                                "run": {"duration": 100}}], tmp_path / "c", jobs=2, timeout=60.0)
+                                "run": {"duration": 100}}], tmp_path / "c", jobs=2, timeout=600.0)
     assert list(again["status"]) == ["done", "failed"]
 
 

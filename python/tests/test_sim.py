@@ -674,10 +674,17 @@ def test_the_interpreter_is_free_meanwhile_and_one_thread_at_a_time_steps(scene)
 
 def test_ctrl_c_ends_an_advance(scene):
     sim = long_run(scene)
-    timer = threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
+
+    def interrupt():
+        while sim.time == 0:
+            time.sleep(0.001)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    thread = threading.Thread(target=interrupt)
+    thread.start()
     with pytest.raises(KeyboardInterrupt):
         sim.advance(100.0)
+    thread.join()
     at = sim.time
     assert 0 < at < 100
     sim.step()
@@ -686,8 +693,10 @@ def test_ctrl_c_ends_an_advance(scene):
 
 IN_A_THREAD = """
 import threading, time
+begin = sim.time
 threading.Thread(target=sim.advance, args=(1e3,), daemon=True).start()
-time.sleep(0.1)
+while sim.time == begin:
+    time.sleep(0.001)
 """
 
 

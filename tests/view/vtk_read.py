@@ -177,7 +177,7 @@ def check_kills(count):
         shutil.rmtree(directory, ignore_errors=True)
         process = subprocess.Popen([WEFT, "run", SCENE, "--out", directory, "--quiet", *many])
         while not os.path.exists(os.path.join(directory, "run.vtkhdf")):
-            assert process.poll() is None
+            assert process.poll() is None or os.path.exists(os.path.join(directory, "run.vtkhdf"))
             time.sleep(0.0002)
         time.sleep(random.uniform(0.0, 0.2))
         process.send_signal(signal.SIGKILL)
@@ -194,10 +194,11 @@ def check_kills(count):
 def check_reading_while_it_grows():
     directory = os.path.join(OUT, "growing")
     shutil.rmtree(directory, ignore_errors=True)
-    process = subprocess.Popen([WEFT, "run", SCENE, "--out", directory, "--quiet", "--set", "run.duration=1000"])
+    process = subprocess.Popen([WEFT, "run", SCENE, "--out", directory, "--quiet", "--set", "run.duration=10000"])
     try:
         counts = []
         while not os.path.exists(os.path.join(directory, "run.vtkhdf")):
+            assert process.poll() is None
             time.sleep(0.01)
         for _ in range(20):
             # VTK looks at NSteps and at the times one after the other, and overruns its memory when a frame

@@ -5,7 +5,11 @@ import { chromium } from 'playwright-core';
 
 const FLAGS = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
 
+/** [ms] until a browser that does not answer counts as hung. */
+export const PATIENCE = 600000;
+
 export const launch = (...flags) => chromium.launch({
+    timeout: PATIENCE,
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
     args: [...FLAGS, ...flags],
 });
@@ -15,6 +19,7 @@ export async function open(browser, file, hash = '', settings = {}) {
     const context = await browser.newContext({
         viewport: { width: 1280, height: 800 }, reducedMotion: 'reduce', ...settings,
     });
+    context.setDefaultTimeout(PATIENCE);
     const page = await context.newPage();
     const url = pathToFileURL(file).href;
     const said = [];

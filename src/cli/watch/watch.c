@@ -11,7 +11,7 @@
 #include "base/clock.h"
 
 enum { PORT_LEAST = 1024 };
-#define FAREWELL 6.0 /* [s] for the browsers to get the end of a run */
+#define FAREWELL 30.0 /* [s] for slow browsers to get the end of a run */
 
 int watch_check(const verb *self, const options *given, uint16_t *port)
 {

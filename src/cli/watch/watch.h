@@ -35,7 +35,7 @@ typedef struct watch_process {
 } watch_process;
 
 void watch_begin(watch_process *self, const watch_def *def, int lock);
-/* After result.yaml: waits until the browsers have the end, at most some seconds. */
+/* After result.yaml: waits until the browsers have the end, at most half a minute. */
 void watch_end(watch_process *self);
 
 #endif

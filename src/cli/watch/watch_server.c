@@ -20,8 +20,7 @@
 #include "record/player_page.h"
 
 #define LOOK     0.1 /* [s] between two looks at the files */
-#define FAREWELL 3.0 /* [s] for the last frames to reach a browser */
-#define LINGER   0.5 /* [s] for a page that was just served to ask for its frames */
+#define FAREWELL 3.0 /* [s] after the run, for a browser that takes nothing */
 enum {
     WAIT = 50,       /* [ms] for the network */
     CLIENTS = 32,    /* connections */
@@ -52,7 +51,8 @@ struct watch_server {
     bool frames, open;     /* there is a run.vtkhdf; page has it open */
     struct timespec state; /* of run.vtkhdf when page was opened */
     bool over;
-    double ended, looked, served; /* [s] */
+    double looked, served; /* [s]; served: a page that has not asked for frames */
+    double moved;          /* [s] when the run ended or a browser took something */
     feed *feeds;
 };
 
@@ -94,7 +94,7 @@ static void look(watch_server *self)
     self->looked = now;
     if (!self->over) {
         self->over = is_over(self->def);
-        self->ended = now;
+        self->moved = now;
     }
     self->frames
         = record_path(self->def->directory, "run.vtkhdf", path, NULL) == WEFT_OK
@@ -169,7 +169,7 @@ static bool write_message(feed *self)
         = i < count && player_page_encode(&server->page, i, NULL) == WEFT_OK;
     const bool more = i < count || !server->over
                       || (server->frames && !server->open
-                          && weft__wall_clock() < server->ended + FAREWELL / 2);
+                          && weft__wall_clock() < server->moved + FAREWELL / 2);
     if (self->ended || (!frame && more)) {
         self->next = i < count ? i + 1 : self->next; /* a damaged one is left out */
         return false;
@@ -206,6 +206,7 @@ static ssize_t read_feed(void *cls, uint64_t position, char *buffer, size_t most
     const size_t count = left < most ? left : most;
     memcpy(buffer, self->text + self->sent, count);
     self->sent += count;
+    self->server->moved = weft__wall_clock();
     return (ssize_t)count;
 }
 
@@ -282,7 +283,7 @@ static enum MHD_Result send_page(watch_server *self, struct MHD_Connection *conn
         free(text);
         return refuse(connection, MHD_HTTP_SERVICE_UNAVAILABLE, "not readable now\n");
     }
-    self->served = weft__wall_clock();
+    self->served = self->moved = weft__wall_clock();
     return send_response(
         connection, MHD_HTTP_OK, "text/html; charset=utf-8",
         MHD_create_response_from_buffer(size, text, MHD_RESPMEM_MUST_FREE));
@@ -322,6 +323,7 @@ static enum MHD_Result send_frames(watch_server *self,
         return MHD_NO;
     }
     self->feeds = made;
+    self->served = 0.0;
     if (made->after != NULL) {
         made->after->to_this = &made->after;
     }
@@ -412,12 +414,13 @@ static weft_status start(watch_server *self, weft_error *err)
     return WEFT_OK;
 }
 
-static bool is_finished(const watch_server *self)
+/* `began`: when the last round of the network did [s]. What moved in it is later, even
+ * if this process had to wait for a processor. */
+static bool is_finished(const watch_server *self, double began)
 {
-    const double now = weft__wall_clock();
     return self->over
-           && ((self->feeds == NULL && now > self->served + LINGER)
-               || now > self->ended + FAREWELL);
+           && ((self->feeds == NULL && began > self->served + FAREWELL)
+               || began > self->moved + FAREWELL);
 }
 
 weft_status watch_serve(const watch_def *def, weft_error *err)
@@ -427,11 +430,13 @@ weft_status watch_serve(const watch_def *def, weft_error *err)
     if (status != WEFT_OK) {
         return status;
     }
-    while (!is_finished(&self)) {
+    double began;
+    do {
         look(&self);
         wake_all(&self);
+        began = weft__wall_clock();
         (void)MHD_run_wait(self.daemon, WAIT);
-    }
+    } while (!is_finished(&self, began));
     wake_all(&self);
     MHD_stop_daemon(self.daemon);
     player_page_close(&self.page);
