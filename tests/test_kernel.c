@@ -17,6 +17,7 @@ weft__rows_fn weft__rows_wide, weft__products_wide, weft__wind_wide, weft__conta
 weft__rows_fn weft__bending_wide;
 weft__clear_fn weft__clear_wide;
 weft__pushes_fn weft__pushes_wide;
+weft__waits_fn weft__waits_wide;
 weft__extent_fn weft__extent_wide;
 weft__drift_fn weft__drift_wide;
 weft__damping_fn weft__damping_wide;
@@ -179,6 +180,7 @@ static const weft__level wide
         { weft__bending_wide, weft__wind_wide, weft__contact_wide },
         weft__clear_wide,
         weft__pushes_wide,
+        weft__waits_wide,
         weft__extent_wide,
         weft__drift_wide };
 static const weft__level reference = { "plain loops",
@@ -188,6 +190,7 @@ static const weft__level reference = { "plain loops",
                                        { NULL },
                                        weft__reference_clear,
                                        weft__reference_pushes,
+                                       weft__reference_waits,
                                        weft__reference_extent,
                                        weft__reference_drift };
 
@@ -400,21 +403,42 @@ END_TEST
 
 /* ---- pairs of primitives --------------------------------------------------------- */
 
-enum { PAIRS = 4096 };
+enum { KINDS = WEFT__EDGES + 1, PAIRS = 16384, PADDED = PAIRS + WEFT__BLOCK };
 
+/* The pairs of a kind. */
 typedef struct pair_list {
-    weft__pair at[PAIRS];
-    double distances[PAIRS];
+    weft__self_law law;
+    weft__quad at[PAIRS];
+    int32_t particle[4][PADDED];
+    double mass[PADDED], rest[PADDED];
     size_t count;
 } pair_list;
 
-static bool keep_pair(void *ctx, const weft__pair *pair, double distance)
+static bool keep_pair(void *ctx, const weft__pair *pair)
 {
-    pair_list *of = ctx;
-    of->at[of->count] = *pair;
-    of->at[of->count].group = of->count % 2;
-    of->distances[of->count++] = distance;
-    return of->count < PAIRS;
+    pair_list *of = (pair_list *)ctx + pair->kind;
+    ck_assert_uint_lt(of->count, PAIRS);
+    memcpy(of->at[of->count].of, pair->particle, sizeof pair->particle);
+    for (size_t i = of->count; i < of->count + WEFT__BLOCK; ++i) {
+        for (size_t k = 0; k < 4; ++k) {
+            of->particle[k][i] = (int32_t)pair->particle[k];
+        }
+    }
+    of->mass[of->count] = weft__pair_mass(of->law.cloth, pair);
+    of->rest[of->count] = weft__pair_rest(&of->law, pair);
+    ++of->count;
+    return true;
+}
+
+/* The last `count` of them; padded as all are. */
+static weft__near near_of(pair_list *of, size_t count)
+{
+    const size_t first = of->count - count;
+    return (weft__near){ count,
+                         { of->particle[0] + first, of->particle[1] + first,
+                           of->particle[2] + first, of->particle[3] + first },
+                         of->mass + first,
+                         of->rest + first };
 }
 
 /* Two layers of loose particles on each other, at an angle. */
@@ -450,59 +474,81 @@ static weft_cloth *self_cloth(weft_friction_law law, int exponent)
     return cloth;
 }
 
+static void expect_same_pushes(const weft__level *at, weft__pair_kind kind,
+                               const weft__near *near, const double *y,
+                               const weft__self_law *law, size_t *found)
+{
+    static weft__pushes plain[PAIRS / WEFT__BLOCK], pushes[PAIRS / WEFT__BLOCK];
+    double bad = 0.0;
+    const size_t count = weft__reference_pushes(law, kind, near, y, plain, &bad);
+    ck_assert_uint_eq(at->pushes(law, kind, near, y, pushes, &bad), count);
+    ck_assert_double_eq(bad, 0.0);
+    for (size_t i = 0; i < count; ++i) {
+        weft__push one, other;
+        memset(&one, 0, sizeof one), memset(&other, 0, sizeof other);
+        weft__push_at(kind, near, plain, i, &one);
+        weft__push_at(kind, near, pushes, i, &other);
+        ck_assert_mem_eq(&one, &other, sizeof one);
+    }
+    *found += count;
+}
+
+static void expect_same_waits(const weft__level *at, weft__pair_kind kind,
+                              const pair_list *of, const double *y)
+{
+    static double plain[2][PAIRS], waits[2][PAIRS];
+    const weft_cloth *cloth = of->law.cloth;
+    weft__reference_waits(cloth, kind, of->at, of->count, y, 0.01, plain[0], plain[1]);
+    at->waits(cloth, kind, of->at, of->count, y, 0.01, waits[0], waits[1]);
+    ck_assert_mem_eq(plain[0], waits[0], of->count * sizeof waits[0][0]);
+    ck_assert_mem_eq(plain[1], waits[1], of->count * sizeof waits[1][0]);
+}
+
+static void expect_same_bounds(const weft__level *at, const weft_cloth *cloth,
+                               double *y)
+{
+    const size_t n = weft_cloth_particles(cloth);
+    weft__drift tiles[2][4];
+    ck_assert_uint_eq(weft__tile_count(cloth), 4);
+    ck_assert_double_eq(at->extent(NULL, y, n), weft__reference_extent(NULL, y, n));
+    ck_assert_double_eq(at->drift(cloth, NULL, y, tiles[0]),
+                        weft__reference_drift(cloth, NULL, y, tiles[1]));
+    ck_assert_mem_eq(tiles[0], tiles[1], sizeof tiles[0]);
+    const double kept = y[n + 3];
+    y[n + 3] = NAN;
+    ck_assert_double_infinite(at->extent(NULL, y, n));
+    ck_assert_double_infinite(at->drift(cloth, NULL, y, tiles[0]));
+    y[n + 3] = kept;
+}
+
 /* Laws of friction, exponents; numbers of pairs that fill no vector. */
 START_TEST(pairs_have_the_bits_of_the_plain_loops)
 {
-    static weft__push plain[WEFT__PAIRS_MOST], pushes[WEFT__PAIRS_MOST];
-    static pair_list list;
+    static pair_list lists[KINDS];
     static double y[6 * 16 * 11];
     weft_cloth *cloth = self_cloth(
         _i % 2 == 0 ? WEFT_FRICTION_SMOOTH : WEFT_FRICTION_COULOMB, _i < 2 ? 4 : 7);
-    const double reach[2] = { 0.02, 0.012 };
-    const size_t n = weft_cloth_particles(cloth);
-    lie_askew(cloth, y, n);
-    const weft__self_law law = weft__self_law_of(cloth);
+    lie_askew(cloth, y, weft_cloth_particles(cloth));
     const weft__quadtree tree = weft__tree_of(cloth, y);
-    list.count = 0;
-    (void)weft__each_pair(&tree, 0.03, keep_pair, &list);
-    for (size_t level = 0; level <= weft__level_count(); ++level) {
+    for (size_t kind = 0; kind < KINDS; ++kind) {
+        lists[kind].count = 0;
+        lists[kind].law = weft__self_law_of(cloth);
+    }
+    ck_assert(weft__each_pair(&tree, 0.03, keep_pair, lists));
+    for (size_t i = 0; i < KINDS * (weft__level_count() + 1); ++i) {
+        const size_t level = i / KINDS;
         const weft__level *at
             = level < weft__level_count() ? weft__level_at(level) : &wide;
+        pair_list *of = &lists[i % KINDS];
+        const weft__pair_kind kind = (weft__pair_kind)(i % KINDS);
         size_t found = 0;
-        for (size_t first = 0; first < list.count; first += WEFT__PAIRS_MOST - 7) {
-            const size_t left = list.count - first;
-            const size_t count
-                = left < WEFT__PAIRS_MOST - 7 ? left : WEFT__PAIRS_MOST - 7;
-            memset(plain, 0, sizeof plain), memset(pushes, 0, sizeof pushes);
-            const size_t expected = weft__reference_pushes(
-                &law, list.at + first, list.distances + first, count, reach, y, plain);
-            ck_assert_uint_eq(at->pushes(&law, list.at + first, list.distances + first,
-                                         count, reach, y, pushes),
-                              expected);
-            for (size_t i = 0; i < expected; ++i) {
-                const size_t k = plain[i].count;
-                ck_assert_mem_eq(plain[i].force, pushes[i].force,
-                                 k * sizeof plain[i].force[0]);
-                ck_assert_mem_eq(plain[i].particle, pushes[i].particle,
-                                 k * sizeof plain[i].particle[0]);
-                ck_assert_double_eq(plain[i].gap, pushes[i].gap);
-                ck_assert_double_eq(plain[i].energy, pushes[i].energy);
-                ck_assert_double_eq(plain[i].heat, pushes[i].heat);
-                ck_assert_double_eq(plain[i].friction, pushes[i].friction);
-            }
-            found += expected;
+        for (size_t count = 0; count <= of->count; count += count < 20 ? 1 : 97) {
+            const weft__near near = near_of(of, count);
+            expect_same_pushes(at, kind, &near, y, &of->law, &found);
         }
         ck_assert_uint_gt(found, 100);
-        weft__drift tiles[2][4];
-        ck_assert_uint_eq(weft__tile_count(cloth), 4);
-        ck_assert_double_eq(at->extent(NULL, y, n), weft__reference_extent(NULL, y, n));
-        ck_assert_double_eq(at->drift(cloth, NULL, y, tiles[0]),
-                            weft__reference_drift(cloth, NULL, y, tiles[1]));
-        const double kept = y[n + 3];
-        y[n + 3] = NAN;
-        ck_assert_double_infinite(at->extent(NULL, y, n));
-        ck_assert_double_infinite(at->drift(cloth, NULL, y, tiles[0]));
-        y[n + 3] = kept;
+        expect_same_waits(at, kind, of, y);
+        expect_same_bounds(at, cloth, y);
     }
     weft_cloth_destroy(cloth);
 }

@@ -3,6 +3,7 @@
  * powers, gaps. What needs a simulation is in test_self_time.c. */
 #include "support.h"
 
+#include "cloth/levels.h"
 #include "cloth/self.h"
 
 #include <math.h>
@@ -105,11 +106,10 @@ typedef struct kinds {
     size_t count[4];
 } kinds;
 
-static bool count_kind(void *ctx, const weft__pair *pair, double distance)
+static bool count_kind(void *ctx, const weft__pair *pair)
 {
     kinds *of = ctx;
     weft__push push;
-    ck_assert_double_lt(distance, def.contact.thickness);
     of->count[pair->kind] += weft__pair_push(&of->law, pair, y, &push);
     return true;
 }
@@ -299,12 +299,16 @@ END_TEST
 typedef struct pairs {
     weft__pair at[1 << 16];
     size_t count;
+    double range;
 } pairs;
 
-static bool keep(void *ctx, const weft__pair *pair, double distance)
+/* Those beyond the range may come, too. */
+static bool keep(void *ctx, const weft__pair *pair)
 {
     pairs *of = ctx;
-    (void)distance;
+    if (!(weft__pair_distance(pair, y, weft_cloth_particles(cloth)) < of->range)) {
+        return true;
+    }
     ck_assert_uint_lt(of->count, sizeof of->at / sizeof of->at[0]);
     of->at[of->count++] = *pair;
     return true;
@@ -315,9 +319,10 @@ static pairs *find(double range, weft__knot *knots)
     pairs *of = calloc(1, sizeof *of);
     weft__quadtree tree = weft__tree_of(cloth, y);
     if (knots != NULL) {
-        weft__tree_fill(&tree, y, knots);
+        weft__tree_fill(&tree, knots);
     }
     ck_assert_ptr_nonnull(of);
+    of->range = range;
     ck_assert(weft__each_pair(&tree, range, keep, of));
     return of;
 }
@@ -425,6 +430,42 @@ START_TEST(search_finds_all_pairs_of_bent_cloth)
 }
 END_TEST
 
+/* Each particle is moved by less than half the wait: no pair pushes. */
+START_TEST(pairs_do_not_push_before_their_wait)
+{
+    const double most = 0.012;
+    uint64_t seed = (uint64_t)_i + 1;
+    size_t by_feet = 0;
+    fold(seed);
+    pairs *of = find(0.02, NULL);
+    const weft__self_law law = weft__self_law_of(cloth);
+    for (size_t i = 0; i < of->count; ++i) {
+        double moved[6 * N], distance, wait;
+        weft__push push;
+        weft__quad quad;
+        memcpy(quad.of, of->at[i].particle, sizeof quad.of);
+        cloth->level->waits(cloth, (weft__pair_kind)of->at[i].kind, &quad, 1, y, most,
+                            &distance, &wait);
+        ck_assert_double_eq(distance, weft__pair_distance(&of->at[i], y, N));
+        ck_assert_double_ge(wait, distance - def.contact.thickness);
+        by_feet += wait > 0.0 && distance < def.contact.thickness;
+        for (int tries = 0; tries < 20 && wait > 0.0; ++tries) {
+            memcpy(moved, y, sizeof moved);
+            for (size_t j = 0; j < N; ++j) {
+                double d[3] = { noise(&seed), noise(&seed), noise(&seed) };
+                const double by = 0.4999 * wait / weft__length(d);
+                for (size_t k = 0; k < 3; ++k) {
+                    moved[k * N + j] += by * d[k];
+                }
+            }
+            ck_assert(!weft__pair_push(&law, &of->at[i], moved, &push));
+        }
+    }
+    ck_assert_uint_gt(by_feet, 10);
+    free(of);
+}
+END_TEST
+
 /* ---- steps ----------------------------------------------------------------------- */
 
 /* The upper layer gets below the lower one, by a step of h at rest at both ends. */
@@ -474,6 +515,7 @@ TEST_SUITE(self)
     tcase_add_test(state, a_cloth_of_pins_does_not_push);
     tcase_add_test(state, thickness_beyond_half_the_spacing_is_an_error);
     tcase_add_loop_test(search, pairs_of_a_smaller_range_are_in_the_same_order, 0, 5);
+    tcase_add_loop_test(search, pairs_do_not_push_before_their_wait, 0, 5);
     tcase_add_loop_test(search, search_finds_all_pairs, 0, 5);
     tcase_add_loop_test(search, search_finds_all_pairs_of_bent_cloth, 0, 40);
     tcase_add_loop_test(search, steps_are_judged_by_their_straight_way, 0, 5);

@@ -8,8 +8,7 @@
 #define KERNELS(level)                                                                 \
     weft__rows_##level, weft__damping_##level, weft__products_##level,                 \
         { WEFT_ADDED(ADDED, level) }, weft__clear_##level, weft__pushes_##level,       \
-        weft__waits_##level,                                                           \
-        weft__extent_##level, weft__drift_##level
+        weft__waits_##level, weft__extent_##level, weft__drift_##level
 
 static const weft__level levels[] = {
 #ifdef WEFT_PLAIN

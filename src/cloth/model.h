@@ -74,7 +74,7 @@ typedef struct weft__level weft__level; /* levels.h */
 struct weft_cloth {
     size_t rows, cols, particles, pinned;
     size_t pin_changes; /* how often `pinned` was counted */
-    weft_band band; /* which rows of the whole these are */
+    weft_band band;     /* which rows of the whole these are */
     double spacing[2], origin[3], right[3], down[3], scale; /* right, down: unit */
     double velocity[3];
     double gravity[3], drag, wind_velocity[3], wind_drag;

@@ -260,8 +260,7 @@ void weft__reference_waits(const weft_cloth *cloth, weft__pair_kind kind,
         memcpy(pair.particle, pairs[i].of, sizeof pair.particle);
         place(y, cloth->particles, &pair, x);
         distances[i] = weft__pair_distance(&pair, y, cloth->particles);
-        waits[i]
-            = wait_of(kind, x, distances[i], cloth->contact.thickness, most);
+        waits[i] = wait_of(kind, x, distances[i], cloth->contact.thickness, most);
     }
 }
 

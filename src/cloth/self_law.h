@@ -33,7 +33,8 @@ typedef struct law_gram {
 
 LAW law_gram law_gram_of(weft__pair_kind kind, num x[4][3])
 {
-    const size_t start = kind == WEFT__EDGES ? 2 : 1, edge = kind == WEFT__EDGES ? 0 : 1;
+    const size_t start = kind == WEFT__EDGES ? 2 : 1,
+                 edge = kind == WEFT__EDGES ? 0 : 1;
     law_gram out;
     law_from_to(x[start], x[0], out.p);
     out.pp = law_dot(out.p, out.p);
@@ -84,10 +85,9 @@ LAW truth law_pushes(weft__pair_kind kind, const law_gram *of, double thickness)
     const num volume = of->p[0] * (of->e[1] * of->f[2] - of->e[2] * of->f[1])
                        + of->p[1] * (of->e[2] * of->f[0] - of->e[0] * of->f[2])
                        + of->p[2] * (of->e[0] * of->f[1] - of->e[1] * of->f[0]);
-    const truth inside
-        = kind == WEFT__EDGES
-              ? (area > PARALLEL * of->ee * of->ff) & (u < area) & (v < area)
-              : area - u - v > 0.0;
+    const truth inside = kind == WEFT__EDGES ? (area > PARALLEL * of->ee * of->ff)
+                                                   & (u < area) & (v < area)
+                                             : area - u - v > 0.0;
     return inside & (u > 0.0) & (v > 0.0) & (volume * volume < near * area);
 }
 
@@ -114,11 +114,11 @@ LAW num law_both_ends(num s, double soft, num *slope)
 /* The feet of a pair. */
 typedef struct law_feet {
     law_gram of;
-    num inverse;         /* 1 / area, or of an edge alone 1 / ee */
-    num u, v;            /* coordinates of the feet */
-    num r[3], d;         /* [m] */
-    num arm[4];          /* b_i */
-    num weight;          /* W */
+    num inverse;             /* 1 / area, or of an edge alone 1 / ee */
+    num u, v;                /* coordinates of the feet */
+    num r[3], d;             /* [m] */
+    num arm[4];              /* b_i */
+    num weight;              /* W */
     num lean[3], turn[2][3]; /* [1/m] */
 } law_feet;
 
@@ -153,8 +153,9 @@ LAW void law_lean(weft__pair_kind kind, num by_u, num by_v, num by_area, law_fee
 {
     const double sign = kind == WEFT__EDGES ? -1.0 : 1.0;
     const bool one = kind == WEFT__VERTEX_EDGE;
-    const num by_e = one ? by_u * at->inverse
-                         : sign * (at->of.ff * by_u - sign * at->of.ef * by_v) * at->inverse;
+    const num by_e
+        = one ? by_u * at->inverse
+              : sign * (at->of.ff * by_u - sign * at->of.ef * by_v) * at->inverse;
     const num by_f
         = one ? NUM(0.0) : (at->of.ee * by_v - sign * at->of.ef * by_u) * at->inverse;
     for (size_t k = 0; k < 3; ++k) {
@@ -164,9 +165,11 @@ LAW void law_lean(weft__pair_kind kind, num by_u, num by_v, num by_area, law_fee
         at->turn[1][k] = by_f * at->r[k];
         if (kind == WEFT__EDGES) {
             at->turn[0][k]
-                = at->turn[0][k] + by_area * (at->of.ff * at->of.e[k] - at->of.ef * at->of.f[k]);
+                = at->turn[0][k]
+                  + by_area * (at->of.ff * at->of.e[k] - at->of.ef * at->of.f[k]);
             at->turn[1][k]
-                = at->turn[1][k] + by_area * (at->of.ee * at->of.f[k] - at->of.ef * at->of.e[k]);
+                = at->turn[1][k]
+                  + by_area * (at->of.ee * at->of.f[k] - at->of.ef * at->of.e[k]);
         }
     }
 }

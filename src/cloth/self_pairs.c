@@ -97,9 +97,9 @@ static bool try_vertex(const pair_search *of, const boxed *vertex, const owned *
     bool goes_on = true;
     for (size_t k = 0; seeks(of, WEFT__VERTEX_TRIANGLE) && k < with->triangle_count;
          ++k) {
-        goes_on = goes_on
-                  && try_pair(of, WEFT__VERTEX_TRIANGLE, vertex, 1, &with->triangles[k],
-                              3);
+        goes_on
+            = goes_on
+              && try_pair(of, WEFT__VERTEX_TRIANGLE, vertex, 1, &with->triangles[k], 3);
     }
     for (size_t k = 0; seeks(of, WEFT__VERTEX_EDGE) && k < with->edge_count; ++k) {
         goes_on

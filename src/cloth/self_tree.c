@@ -45,7 +45,10 @@ size_t weft__tree_size(const weft_cloth *cloth)
 
 #define NOTHING                                                                        \
     {                                                                                  \
-        { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY }          \
+        { INFINITY, INFINITY, INFINITY },                                              \
+        {                                                                              \
+            -INFINITY, -INFINITY, -INFINITY                                            \
+        }                                                                              \
     }
 static const weft__knot nothing = { NOTHING, { NOTHING, NOTHING } };
 
@@ -74,8 +77,8 @@ static void bound_node(const weft__quadtree *tree, size_t r, size_t c, weft__kno
     const weft_cloth *cloth = tree->cloth;
     const bool down = r + 1 < cloth->rows, right = c + 1 < cloth->cols;
     const double *y = tree->y + r * cloth->cols + c;
-    const size_t i[4] = { 0, right, down ? cloth->cols : 0,
-                          right + (down ? cloth->cols : 0) };
+    const size_t i[4]
+        = { 0, right, down ? cloth->cols : 0, right + (down ? cloth->cols : 0) };
     double x[4][3];
     *to = nothing;
     for (size_t k = 0; k < 3; ++k, y += cloth->particles) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* kernel_self.c -- contact of a cloth with itself, LANES pairs of one kind at a time: the
- * law of cloth/self_law.h. Pairs that push are found first, then their forces fill all
- * lanes. */
+/* kernel_self.c -- contact of a cloth with itself, LANES pairs of one kind at a time:
+ * the law of cloth/self_law.h. Pairs that push are found first, then their forces fill
+ * all lanes. */
 #include "cloth/levels.h"
 #include "kernel/lanes.h"
 
@@ -185,8 +185,8 @@ INLINE void wait_kind(const waiting *of, weft__pair_kind kind)
         }
         place(of->y, of->cloth->particles, kind, at, x);
         const vec distance = law_distance(kind, x);
-        const vec wait = law_wait(kind, x, distance, of->cloth->contact.thickness,
-                                  of->most);
+        const vec wait
+            = law_wait(kind, x, distance, of->cloth->contact.thickness, of->most);
         for (size_t l = 0; l < LANES && i + l < of->count; ++l) {
             of->distances[i + l] = distance[l], of->waits[i + l] = wait[l];
         }

@@ -14,7 +14,13 @@
 #include "base/memory.h"
 #include "cloth/levels.h"
 
-enum { KINDS = WEFT__EDGES + 1, STRETCH = 256, ROOM = 512, SHELVES = 64, HALVINGS = 60 };
+enum {
+    KINDS = WEFT__EDGES + 1,
+    STRETCH = 256,
+    ROOM = 512,
+    SHELVES = 64,
+    HALVINGS = 60
+};
 
 /* Allowed for roundoff, relative. */
 #define ROUNDOFF 1e-9
@@ -144,9 +150,11 @@ static bool grow_shelf(const weft_allocator *memory, shelf *of)
     for (size_t kind = 0; kind < KINDS; ++kind) {
         bin *at = &of->bins[kind];
         weft__free(memory, at->pushes);
-        at->pushes = weft__alloc(memory, of->room / WEFT__BLOCK + 1, sizeof *at->pushes);
+        at->pushes
+            = weft__alloc(memory, of->room / WEFT__BLOCK + 1, sizeof *at->pushes);
         made = make_pairs(memory, of->room, &at->now)
-               && make_pairs(memory, of->room, &at->before) && at->pushes != NULL && made;
+               && make_pairs(memory, of->room, &at->before) && at->pushes != NULL
+               && made;
     }
     of->room = made ? of->room : 0;
     of->full = false;
@@ -358,8 +366,8 @@ static void copy_pairs(const pairs *from, const size_t first[2], const size_t en
     memcpy(to->distances + to->count, from->distances + first[0],
            count * sizeof *to->distances);
     for (size_t k = 0; k < 4; ++k) {
-        memcpy(to->near.particle[k] + to->near.count,
-               from->near.particle[k] + first[1], near * sizeof(int32_t));
+        memcpy(to->near.particle[k] + to->near.count, from->near.particle[k] + first[1],
+               near * sizeof(int32_t));
     }
     memcpy(to->near.mass + to->near.count, from->near.mass + first[1],
            near * sizeof *to->near.mass);
@@ -376,7 +384,8 @@ static void copy_group(shelf *of, const group *old, bool measured)
         const bool is_first = old == of->before;
         const size_t first[2] = { is_first ? 0 : old[-1].end[kind],
                                   is_first ? 0 : old[-1].near_end[kind] };
-        const size_t end[2] = { old->end[kind], measured ? old->near_end[kind] : first[1] };
+        const size_t end[2]
+            = { old->end[kind], measured ? old->near_end[kind] : first[1] };
         if (in->now.count + end[0] - first[0] <= of->room) {
             copy_pairs(&in->before, first, end, &in->now);
         } else {
@@ -466,7 +475,8 @@ static void add_group(const making *of, shelf *in, size_t tiles, const group *fr
     group *to = &in->groups[in->group_count];
     const group *before = in->group_count > 0 ? to - 1 : NULL;
     bool any = clear < range_of(list);
-    *to = (group){ .limit = clear - list->cloth->contact.thickness, .nearest = INFINITY };
+    *to = (group){ .limit = clear - list->cloth->contact.thickness,
+                   .nearest = INFINITY };
     if (from != NULL) {
         *to = *from;
     }
@@ -545,7 +555,8 @@ static void make(weft__self_list *list, const double *y)
     making of = { list, y };
     const weft_cloth *cloth = list->cloth;
     bool seek = false;
-    list->valid = list->valid && list->group_count > 0; /* else the most room is found */
+    list->valid
+        = list->valid && list->group_count > 0; /* else the most room is found */
     if (list->valid) {
         (void)cloth->level->drift(cloth, list->place, y, list->tiles[0]);
     }
@@ -589,7 +600,8 @@ static double drift(weft__self_list *list, const double *from, const double *to,
                : list->cloth->level->drift(list->cloth, from, to, list->tiles[tiles]);
 }
 
-/* Whether `near` has all pairs that push after displacements tiles[0] of that extent. */
+/* Whether `near` has all pairs that push after displacements tiles[0] of that extent.
+ */
 static bool suffices(const weft__self_list *list, double extent)
 {
     bool all = extent < list->skin;
@@ -618,8 +630,8 @@ typedef enum readiness { READY, WITHOUT_LIST, NOT_FINITE } readiness;
 static readiness prepare(weft__self_list *list, const double *y)
 {
     const bool current = list->valid && list->pin_changes == list->cloth->pin_changes;
-    const double extent = current ? drift(list, list->place, y, 0)
-                                  : weft__extent(list->cloth, NULL, y);
+    const double extent
+        = current ? drift(list, list->place, y, 0) : weft__extent(list->cloth, NULL, y);
     if (!isfinite(extent)) {
         return NOT_FINITE;
     }
@@ -650,9 +662,9 @@ static void evaluate_part(void *ctx, size_t part)
     double bad = 0.0;
     for (size_t kind = 0; kind < KINDS; ++kind) {
         bin *at = &in->bins[kind];
-        at->pushing
-            = all->law.cloth->level->pushes(&all->law, (weft__pair_kind)kind, &at->now.near,
-                                            all->of->y, at->pushes, &bad);
+        at->pushing = all->law.cloth->level->pushes(&all->law, (weft__pair_kind)kind,
+                                                    &at->now.near, all->of->y,
+                                                    at->pushes, &bad);
     }
     if (bad != 0.0) {
         atomic_store(&all->bad, true);
@@ -694,7 +706,8 @@ static void gather_part(void *ctx, size_t part)
     const size_t n = list->cloth->particles;
     const size_t first = part * n / all->parts, end = (part + 1) * n / all->parts;
     for (size_t kind = 0; kind < KINDS; ++kind) {
-        const size_t corners = weft__pair_particles(&(weft__pair){ .kind = (uint32_t)kind });
+        const size_t corners
+            = weft__pair_particles(&(weft__pair){ .kind = (uint32_t)kind });
         for (size_t i = 0; i < list->shelf_count; ++i) {
             add_pushes(list->cloth, &list->shelves[i].bins[kind], corners, first, end,
                        all->to);
@@ -736,8 +749,8 @@ void weft__self_list_measure(weft__self_list *list, const weft__subject *of,
     evaluate(&all);
     for (size_t kind = 0; kind < KINDS; ++kind) {
         for (size_t i = 0; i < list->shelf_count; ++i) {
-            measure_bin(list->cloth, (weft__pair_kind)kind, &list->shelves[i].bins[kind],
-                        of->y, sum);
+            measure_bin(list->cloth, (weft__pair_kind)kind,
+                        &list->shelves[i].bins[kind], of->y, sum);
         }
     }
 }
