@@ -35,7 +35,7 @@ LAW law_gram law_gram_of(weft__pair_kind kind, num x[4][3])
 {
     const size_t start = kind == WEFT__EDGES ? 2 : 1,
                  edge = kind == WEFT__EDGES ? 0 : 1;
-    law_gram out;
+    law_gram out = { .pp = NUM(0.0) };
     law_from_to(x[start], x[0], out.p);
     out.pp = law_dot(out.p, out.p);
     if (kind != WEFT__VERTICES) {

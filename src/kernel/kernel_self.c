@@ -90,7 +90,7 @@ INLINE void push(work *of, weft__pair_kind kind, const uint32_t *found, size_t i
     const size_t n = cloth->particles;
     const int32_t *at[4];
     int32_t particle[4][LANES];
-    vec x[4][3], v[4][3], mass, rest = splat(0.0);
+    vec x[4][3], v[4][3], mass = splat(0.0), rest = splat(0.0);
     law_push out;
     for (size_t l = 0; l < LANES; ++l) {
         const size_t pair = to->at[i % WEFT__BLOCK + l] = found[l];
