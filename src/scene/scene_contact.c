@@ -176,7 +176,8 @@ static double time_inside(const weft_shape *def, const weft_pin *pin,
     const weft__motion motion
         = weft__motion_of(pin->velocity, pin->amplitude, pin->frequency);
     const size_t last = shape.motion.moves || motion.moves ? TIMES : 0;
-    for (size_t i = 0; i <= last; ++i) {
+    double found = -1.0;
+    for (size_t i = 0; i <= last && found < 0.0; ++i) {
         const double t = duration * ((double)i / TIMES);
         const weft__pose pose = weft__pose_of(&shape, t);
         double x[3];
@@ -185,11 +186,9 @@ static double time_inside(const weft_shape *def, const weft_pin *pin,
             x[k] += start[k];
         }
         ++*compared;
-        if (weft__gap_at(&pose, x) <= 0.0) {
-            return t;
-        }
+        found = weft__gap_at(&pose, x) <= 0.0 ? t : -1.0;
     }
-    return -1.0;
+    return found;
 }
 
 /* A pin's first particle that enters a shape. */
