@@ -674,6 +674,7 @@ def test_the_interpreter_is_free_meanwhile_and_one_thread_at_a_time_steps(scene)
 
 def test_ctrl_c_ends_an_advance(scene):
     sim = long_run(scene)
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background ignores it
 
     def interrupt():
         while sim.time == 0:
