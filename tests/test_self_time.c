@@ -511,6 +511,34 @@ START_TEST(a_list_changes_no_bit)
 }
 END_TEST
 
+static void expect_rates_without_a_list(void)
+{
+    double dydt[2][6 * 17 * 17];
+    const double *y = weft_sim_state(sim), t = weft_sim_time(sim);
+    ck_assert_int_eq(weft__forces_rhs(&sim->forces, t, y, dydt[0]), 0);
+    ck_assert_int_eq(weft_cloth_rhs(sim->cloth, t, y, dydt[1]), 0);
+    ck_assert_mem_eq(dydt[0], dydt[1], sizeof dydt[0]);
+}
+
+/* The list keeps the masses of pairs, which depend on pins. */
+START_TEST(a_list_follows_pins)
+{
+    start_pile();
+    go(0.43);
+    ck_assert_uint_gt(weft_sim_measure(sim).self_touching, 0);
+    for (size_t i = 0; i < 17 * 17; ++i) {
+        ck_assert_int_eq(weft_sim_pin(sim, i, NULL, &err), WEFT_OK);
+    }
+    expect_rates_without_a_list();
+    ck_assert_uint_eq(weft_sim_measure(sim).self_touching, 0);
+    for (size_t i = 0; i < 17 * 17; i += 2) {
+        ck_assert_int_eq(weft_sim_unpin(sim, i, &err), WEFT_OK);
+    }
+    expect_rates_without_a_list();
+    ck_assert_uint_gt(weft_sim_measure(sim).self_touching, 0);
+}
+END_TEST
+
 START_TEST(a_resumed_run_equals_one_that_went_on)
 {
     start_pile();
@@ -561,6 +589,7 @@ TEST_SUITE(self_time)
     tcase_add_test(bits, the_skin_does_not_change_results);
     tcase_add_test(threads, threads_do_not_change_results);
     tcase_add_test(bits, a_list_changes_no_bit);
+    tcase_add_test(bits, a_list_follows_pins);
     tcase_add_test(bits, a_resumed_run_equals_one_that_went_on);
     suite_add_tcase(suite, apart);
     suite_add_tcase(suite, physics);

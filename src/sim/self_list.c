@@ -550,6 +550,7 @@ static double limit_of(const group *of)
     return (of->limit - of->loss) * (1.0 - ROUNDOFF);
 }
 
+/* Of a list that is valid tiles[0] has the displacements since. */
 static void make(weft__self_list *list, const double *y)
 {
     making of = { list, y };
@@ -557,9 +558,6 @@ static void make(weft__self_list *list, const double *y)
     bool seek = false;
     list->valid
         = list->valid && list->group_count > 0; /* else the most room is found */
-    if (list->valid) {
-        (void)cloth->level->drift(cloth, list->place, y, list->tiles[0]);
-    }
     (void)cloth->level->drift(cloth, NULL, y, list->tiles[1]);
     run(list->team, age_part, &of, list->shelf_count);
     memset(list->marks, 0, weft__tile_count(cloth));
@@ -629,13 +627,13 @@ typedef enum readiness { READY, WITHOUT_LIST, NOT_FINITE } readiness;
 
 static readiness prepare(weft__self_list *list, const double *y)
 {
-    const bool current = list->valid && list->pin_changes == list->cloth->pin_changes;
-    const double extent
-        = current ? drift(list, list->place, y, 0) : weft__extent(list->cloth, NULL, y);
+    list->valid = list->valid && list->pin_changes == list->cloth->pin_changes;
+    const double extent = list->valid ? drift(list, list->place, y, 0)
+                                      : weft__extent(list->cloth, NULL, y);
     if (!isfinite(extent)) {
         return NOT_FINITE;
     }
-    if (current && suffices(list, extent)) {
+    if (list->valid && suffices(list, extent)) {
         return READY;
     }
     if (!any_full(list)) {
