@@ -121,9 +121,6 @@ static inline bool push_kind(const weft__self_law *law, weft__pair_kind kind,
     return true;
 }
 
-#define EACH_KIND(X)                                                                   \
-    X(WEFT__VERTICES) X(WEFT__VERTEX_EDGE) X(WEFT__VERTEX_TRIANGLE) X(WEFT__EDGES)
-
 bool weft__pair_push(const weft__self_law *law, const weft__pair *pair, const double *y,
                      weft__push *out)
 {
@@ -223,31 +220,9 @@ size_t weft__reference_pushes(const weft__self_law *law, weft__pair_kind kind,
 
 double weft__pair_distance(const weft__pair *pair, const double *y, size_t n)
 {
-    double x[4][3];
+    double x[4][3] = { { 0.0 } };
     place(y, n, pair, x);
-    switch ((weft__pair_kind)pair->kind) {
-#define CASE(kind)                                                                     \
-    case kind:                                                                         \
-        return law_distance(kind, x);
-        EACH_KIND(CASE)
-#undef CASE
-    default:
-        return INFINITY;
-    }
-}
-
-static double wait_of(weft__pair_kind kind, double x[4][3], double distance,
-                      double thickness, double most)
-{
-    switch (kind) {
-#define CASE(kind)                                                                     \
-    case kind:                                                                         \
-        return law_wait(kind, x, distance, thickness, most);
-        EACH_KIND(CASE)
-#undef CASE
-    default:
-        return INFINITY;
-    }
+    return law_distance((weft__pair_kind)pair->kind, x);
 }
 
 void weft__reference_waits(const weft_cloth *cloth, weft__pair_kind kind,
@@ -255,12 +230,12 @@ void weft__reference_waits(const weft_cloth *cloth, weft__pair_kind kind,
                            double most, double *distances, double *waits)
 {
     for (size_t i = 0; i < count; ++i) {
-        double x[4][3];
+        double x[4][3] = { { 0.0 } };
         weft__pair pair = { .kind = kind };
         memcpy(pair.particle, pairs[i].of, sizeof pair.particle);
         place(y, cloth->particles, &pair, x);
-        distances[i] = weft__pair_distance(&pair, y, cloth->particles);
-        waits[i] = wait_of(kind, x, distances[i], cloth->contact.thickness, most);
+        distances[i] = law_distance(kind, x);
+        waits[i] = law_wait(kind, x, distances[i], cloth->contact.thickness, most);
     }
 }
 

@@ -67,9 +67,14 @@ typedef struct weft__pair {
     uint32_t kind;
 } weft__pair;
 
+static inline size_t weft__kind_particles(weft__pair_kind of)
+{
+    return of == WEFT__VERTICES ? 2 : of == WEFT__VERTEX_EDGE ? 3 : 4;
+}
+
 static inline size_t weft__pair_particles(const weft__pair *pair)
 {
-    return pair->kind == WEFT__VERTICES ? 2 : pair->kind == WEFT__VERTEX_EDGE ? 3 : 4;
+    return weft__kind_particles((weft__pair_kind)pair->kind);
 }
 
 void weft__pair_primitives(const weft__pair *pair, weft_primitive out[2]);

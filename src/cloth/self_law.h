@@ -13,6 +13,10 @@
 #define SOFT_ANGLE 0.25
 #define PARALLEL   1e-12
 
+/* For functions that have a kind as a constant. */
+#define EACH_KIND(X)                                                                   \
+    X(WEFT__VERTICES) X(WEFT__VERTEX_EDGE) X(WEFT__VERTEX_TRIANGLE) X(WEFT__EDGES)
+
 LAW num law_dot(const num a[3], const num b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -354,7 +358,7 @@ typedef struct law_push {
 LAW void law_push_of(weft__pair_kind kind, const weft_contact_def *law,
                      const law_feet *at, num mass, num v[4][3], law_push *out)
 {
-    const size_t count = kind == WEFT__VERTICES ? 2 : kind == WEFT__VERTEX_EDGE ? 3 : 4;
+    const size_t count = weft__kind_particles(kind);
     num n[3], w[3], slip[3];
     for (size_t k = 0; k < 3; ++k) {
         w[k] = at->arm[0] * v[0][k];

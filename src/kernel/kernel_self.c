@@ -19,20 +19,11 @@ INLINE vec choose(mask where, vec a, vec b)
 
 #include "cloth/self_law.h"
 
-/* One function for each kind, which is a constant in it. */
-#define EACH_KIND(X)                                                                   \
-    X(WEFT__VERTICES) X(WEFT__VERTEX_EDGE) X(WEFT__VERTEX_TRIANGLE) X(WEFT__EDGES)
-
-INLINE size_t particles_of(weft__pair_kind kind)
-{
-    return kind == WEFT__VERTICES ? 2 : kind == WEFT__VERTEX_EDGE ? 3 : 4;
-}
-
 /* Three planes of the particles of LANES pairs. */
 INLINE void place(const double *planes, size_t n, weft__pair_kind kind,
                   const int32_t *const at[4], vec x[4][3])
 {
-    for (size_t j = 0; j < particles_of(kind); ++j) {
+    for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
         x[j][0] = gather(planes, at[j]);
         x[j][1] = gather(planes + n, at[j]);
         x[j][2] = gather(planes + 2 * n, at[j]);
@@ -56,7 +47,7 @@ INLINE size_t find(const work *of, weft__pair_kind kind, size_t i, uint32_t *fou
     const int32_t *at[4];
     vec x[4][3];
     size_t count = 0;
-    for (size_t j = 0; j < particles_of(kind); ++j) {
+    for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
         at[j] = of->near->particle[j] + i;
     }
     place(of->y, cloth->particles, kind, at, x);
@@ -72,7 +63,7 @@ INLINE size_t find(const work *of, weft__pair_kind kind, size_t i, uint32_t *fou
 INLINE void write_pushes(weft__pair_kind kind, const law_feet *feet,
                          const law_push *push, size_t l, weft__pushes *to)
 {
-    for (size_t j = 0; j < particles_of(kind); ++j) {
+    for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
         for (size_t k = 0; k < 3; ++k) {
             store(&to->force[j][k][l], push->force[j][k]);
         }
@@ -94,7 +85,7 @@ INLINE void push(work *of, weft__pair_kind kind, const uint32_t *found, size_t i
     law_push out;
     for (size_t l = 0; l < LANES; ++l) {
         const size_t pair = to->at[i % WEFT__BLOCK + l] = found[l];
-        for (size_t j = 0; j < particles_of(kind); ++j) {
+        for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
             particle[j][l] = of->near->particle[j][pair];
             at[j] = particle[j];
         }
@@ -108,7 +99,7 @@ INLINE void push(work *of, weft__pair_kind kind, const uint32_t *found, size_t i
     law_weigh(kind, of->law->soft, rest, &feet);
     law_push_of(kind, &contact, &feet, mass, v, &out);
     write_pushes(kind, &feet, &out, i % WEFT__BLOCK, to);
-    for (size_t k = 0; k < 3 * particles_of(kind); ++k) {
+    for (size_t k = 0; k < 3 * weft__kind_particles(kind); ++k) {
         of->bad += out.force[k / 3][k % 3] * 0.0;
     }
 }
@@ -176,7 +167,7 @@ INLINE void wait_kind(const waiting *of, weft__pair_kind kind)
         int32_t particle[4][LANES];
         const int32_t *at[4];
         vec x[4][3];
-        for (size_t j = 0; j < particles_of(kind); ++j) {
+        for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
             at[j] = particle[j];
             for (size_t l = 0; l < LANES; ++l) {
                 const size_t last = of->count - 1, pair = i + l < last ? i + l : last;

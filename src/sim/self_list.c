@@ -441,6 +441,7 @@ static void measure_pairs(const making *of, weft__pair_kind kind, pairs *in,
     }
 }
 
+/* More room is wanted as soon as half of it is used. */
 static bool is_full(shelf *of)
 {
     for (size_t kind = 0; kind < KINDS; ++kind) {
@@ -704,8 +705,7 @@ static void gather_part(void *ctx, size_t part)
     const size_t n = list->cloth->particles;
     const size_t first = part * n / all->parts, end = (part + 1) * n / all->parts;
     for (size_t kind = 0; kind < KINDS; ++kind) {
-        const size_t corners
-            = weft__pair_particles(&(weft__pair){ .kind = (uint32_t)kind });
+        const size_t corners = weft__kind_particles((weft__pair_kind)kind);
         for (size_t i = 0; i < list->shelf_count; ++i) {
             add_pushes(list->cloth, &list->shelves[i].bins[kind], corners, first, end,
                        all->to);
