@@ -38,6 +38,7 @@ typedef fenv_t fp_mode;
 struct weft__team {
     atomic_uint_fast64_t job; /* number << 32 | count << 16 | next */
     atomic_size_t done;       /* parts of it */
+    atomic_size_t helped;     /* parts that helpers have taken */
     weft__task *task;
     void *ctx;
     fp_mode mode; /* the caller's, for all parts */
@@ -73,16 +74,21 @@ static void relax(int i)
 #endif
 }
 
-/* Takes parts until there are no more; returns the job as it was then. */
+/* Takes parts until there are no more; returns the job as it was then. The caller takes
+ * the first ones and helpers the last: from job to job most parts stay with a core,
+ * which has their numbers in its cache. */
 static uint_fast64_t take_parts(weft__team *team, bool helps)
 {
     uint_fast64_t job = atomic_load(&team->job);
+    size_t own = 0;
     while (next_of(job) < count_of(job)) {
         if (atomic_compare_exchange_weak(&team->job, &job, job + 1)) {
             if (helps) {
                 fp_mode_set(&team->mode);
             }
-            team->task(team->ctx, next_of(job));
+            team->task(team->ctx,
+                       helps ? count_of(job) - 1 - atomic_fetch_add(&team->helped, 1)
+                             : own++);
             atomic_fetch_add(&team->done, 1);
             job = atomic_load(&team->job);
         }
@@ -136,6 +142,7 @@ void weft__team_run(void *self, weft__task *task, void *ctx, size_t count)
     team->ctx = ctx;
     fp_mode_get(&team->mode);
     atomic_store(&team->done, 0);
+    atomic_store(&team->helped, 0);
     atomic_store(&team->job, number << 32 | (uint_fast64_t)count << 16);
     if (atomic_load(&team->asleep) > 0) {
         wake(team);
@@ -169,6 +176,7 @@ weft__team *weft__team_create(size_t threads, const weft_allocator *given)
     team->memory = memory;
     atomic_init(&team->job, 0);
     atomic_init(&team->done, 0);
+    atomic_init(&team->helped, 0);
     atomic_init(&team->asleep, 0);
     atomic_init(&team->ended, false);
     if (pthread_mutex_init(&team->lock, NULL) != 0) {
