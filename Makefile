@@ -161,6 +161,7 @@ $(BUILD)/src/cloth/levels.o: OWN += $(if $(KERNELS),,-DWEFT_PLAIN)
 KERNEL_FLAGS := $(if $(SAN),,-O2 $(if $(filter -g,$(CFLAGS)),-g1)) -fno-math-errno -fno-trapping-math
 $(BUILD)/%.v3.o: OWN += -march=x86-64-v3 -DLEVEL=v3 -DLANES=4
 $(BUILD)/%.v4.o: OWN += -march=x86-64-v4 -mprefer-vector-width=512 -DLEVEL=v4 -DLANES=8
+$(BUILD)/src/kernel/kernel_self.o $(LEVELS:%=$(BUILD)/src/kernel/kernel_self.%.o): OWN += -funroll-loops
 $(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): OWN += $(KERNEL_FLAGS)
 $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): $(BUILD)/src/kernel/%.o:
 	@mkdir -p $(@D)

@@ -442,10 +442,13 @@ START_TEST(pairs_do_not_push_before_their_wait)
     for (size_t i = 0; i < of->count; ++i) {
         double moved[6 * N], distance, wait;
         weft__push push;
-        weft__quad quad;
-        memcpy(quad.of, of->at[i].particle, sizeof quad.of);
-        cloth->level->waits(cloth, (weft__pair_kind)of->at[i].kind, &quad, 1, y, most,
-                            &distance, &wait);
+        int32_t at[4][1 + WEFT__BLOCK] = { { 0 } };
+        const weft__near one = { { at[0], at[1], at[2], at[3] }, &wait, NULL, NULL };
+        for (size_t k = 0; k < 4; ++k) {
+            at[k][0] = (int32_t)of->at[i].particle[k];
+        }
+        cloth->level->waits(cloth, (weft__pair_kind)of->at[i].kind, &one, 0, 1, y, most,
+                            &distance);
         ck_assert_double_eq(distance, weft__pair_distance(&of->at[i], y, N));
         ck_assert_double_ge(wait, distance - def.contact.thickness);
         by_feet += wait > 0.0 && distance < def.contact.thickness;

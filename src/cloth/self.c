@@ -169,51 +169,54 @@ bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
     return true;
 }
 
-static weft__pair near_pair(weft__pair_kind kind, const weft__near *near, size_t i)
-{
-    weft__pair out = { .kind = kind };
-    for (size_t k = 0; k < weft__pair_particles(&out); ++k) {
-        out.particle[k] = (uint32_t)near->particle[k][i];
-    }
-    return out;
-}
-
-void weft__push_at(weft__pair_kind kind, const weft__near *near,
-                   const weft__pushes *pushes, size_t i, weft__push *out)
+void weft__push_at(weft__pair_kind kind, const weft__pushes *pushes, size_t i,
+                   weft__push *out)
 {
     const weft__pushes *from = &pushes[i / WEFT__BLOCK];
     const size_t lane = i % WEFT__BLOCK;
-    const weft__pair pair = near_pair(kind, near, from->at[lane]);
-    out->count = (uint32_t)weft__pair_particles(&pair), out->kind = kind;
-    memcpy(out->particle, pair.particle, sizeof out->particle);
-    for (size_t k = 0; k < 3 * out->count; ++k) {
-        out->force[k / 3][k % 3] = from->force[k / 3][k % 3][lane];
+    out->count = (uint32_t)weft__kind_particles(kind), out->kind = kind;
+    for (size_t k = 0; k < out->count; ++k) {
+        out->particle[k] = (uint32_t)from->particle[k][lane];
+        for (size_t j = 0; j < 3; ++j) {
+            out->force[k][j] = from->force[k][j][lane];
+        }
     }
     out->gap = from->gap[lane], out->energy = from->energy[lane];
     out->heat = from->heat[lane], out->friction = from->friction[lane];
 }
 
-size_t weft__reference_pushes(const weft__self_law *law, weft__pair_kind kind,
-                              const weft__near *near, const double *y,
-                              weft__pushes *out, double *bad)
+static void write_push(const weft__push *from, size_t lane, weft__pushes *to)
 {
-    size_t count = 0;
-    for (size_t i = 0; i < near->count; ++i) {
-        const weft__pair pair = near_pair(kind, near, i);
-        weft__pushes *to = &out[count / WEFT__BLOCK];
-        const size_t lane = count % WEFT__BLOCK;
-        weft__push push;
-        if (!weft__pair_push(law, &pair, y, &push)) {
-            continue;
+    for (size_t k = 0; k < from->count; ++k) {
+        to->particle[k][lane] = (int32_t)from->particle[k];
+        for (size_t j = 0; j < 3; ++j) {
+            to->force[k][j][lane] = from->force[k][j];
         }
-        for (size_t k = 0; k < 3 * push.count; ++k) {
-            to->force[k / 3][k % 3][lane] = push.force[k / 3][k % 3];
-            *bad += push.force[k / 3][k % 3] * 0.0;
+    }
+    to->gap[lane] = from->gap, to->energy[lane] = from->energy;
+    to->heat[lane] = from->heat, to->friction[lane] = from->friction;
+}
+
+size_t weft__reference_pushes(const weft__self_law *law, weft__pair_kind kind,
+                              const weft__near *near, const weft__span *spans,
+                              size_t span_count, const double *y, weft__pushes *out,
+                              double *bad)
+{
+    size_t count = 0, i = 0;
+    for (size_t at = 0; at < span_count; ++at) {
+        for (; i < spans[at].end[kind]; ++i) {
+            const weft__pair pair = weft__near_pair(kind, near, i);
+            weft__push push;
+            if (near->waits[i] > spans[at].moved
+                || !weft__pair_push(law, &pair, y, &push)) {
+                continue;
+            }
+            for (size_t k = 0; k < 3 * push.count; ++k) {
+                *bad += push.force[k / 3][k % 3] * 0.0;
+            }
+            write_push(&push, count % WEFT__BLOCK, &out[count / WEFT__BLOCK]);
+            ++count;
         }
-        to->gap[lane] = push.gap, to->energy[lane] = push.energy;
-        to->heat[lane] = push.heat, to->friction[lane] = push.friction;
-        to->at[lane] = (uint32_t)i;
-        ++count;
     }
     return count;
 }
@@ -226,16 +229,16 @@ double weft__pair_distance(const weft__pair *pair, const double *y, size_t n)
 }
 
 void weft__reference_waits(const weft_cloth *cloth, weft__pair_kind kind,
-                           const weft__quad *pairs, size_t count, const double *y,
-                           double most, double *distances, double *waits)
+                           const weft__near *near, size_t first, size_t end,
+                           const double *y, double most, double *distances)
 {
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = first; i < end; ++i) {
+        const weft__pair pair = weft__near_pair(kind, near, i);
         double x[4][3] = { { 0.0 } };
-        weft__pair pair = { .kind = kind };
-        memcpy(pair.particle, pairs[i].of, sizeof pair.particle);
         place(y, cloth->particles, &pair, x);
         distances[i] = law_distance(kind, x);
-        waits[i] = law_wait(kind, x, distances[i], cloth->contact.thickness, most);
+        near->waits[i]
+            = law_wait(kind, x, distances[i], cloth->contact.thickness, most);
     }
 }
 

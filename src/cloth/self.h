@@ -49,10 +49,6 @@ static inline size_t weft__node_triangles(const weft_cloth *of, size_t i,
     return 2;
 }
 
-typedef struct weft__quad {
-    uint32_t of[4];
-} weft__quad;
-
 /* Two primitives without a common particle: their particles, those of the second after
  * those of the first. */
 typedef enum weft__pair_kind {
@@ -128,9 +124,10 @@ typedef struct weft__drift {
     double low[3], high[3]; /* [m] */
 } weft__drift;
 
-/* The same, and those of each tile to `tiles`. */
-typedef double weft__drift_fn(const weft_cloth *cloth, const double *from,
-                              const double *to, weft__drift *tiles);
+/* Sets the bounds of tiles [first, end); infinite ones where a number is not finite. */
+typedef void weft__drift_fn(const weft_cloth *cloth, const double *from,
+                            const double *to, size_t first, size_t end,
+                            weft__drift *tiles);
 weft__drift_fn weft__reference_drift;
 
 /* [m] Of the bounds of two tiles together, which may be the same. */
@@ -185,36 +182,55 @@ bool weft__pair_push(const weft__self_law *law, const weft__pair *pair, const do
 double weft__pair_rest(const weft__self_law *law, const weft__pair *pair);
 double weft__pair_mass(const weft_cloth *cloth, const weft__pair *pair);
 
-/* Pairs of one kind that may push, their numbers by particles and edges. The last one
- * stands WEFT__BLOCK times. */
+/* Pairs of one kind, their numbers by particles. WEFT__BLOCK numbers beyond the end may
+ * be read. */
 enum { WEFT__BLOCK = 8 };
 typedef struct weft__near {
-    size_t count;
     int32_t *particle[4];
+    double *waits;       /* [m] of weft__waits_fn */
     double *mass, *rest; /* as of weft__pair_mass and weft__pair_rest */
 } weft__near;
+
+static inline weft__pair weft__near_pair(weft__pair_kind which, const weft__near *of,
+                                         size_t i)
+{
+    weft__pair out = { .kind = which };
+    for (size_t k = 0; k < weft__kind_particles(which); ++k) {
+        out.particle[k] = (uint32_t)of->particle[k][i];
+    }
+    return out;
+}
+
+/* Successive pairs up to `end` of each kind: those that have to wait longer do not
+ * push. */
+typedef struct weft__span {
+    double moved; /* [m] since their waits were found */
+    size_t end[WEFT__EDGES + 1];
+} weft__span;
 
 /* WEFT__BLOCK pairs of a kind that push. */
 typedef struct weft__pushes {
     double force[4][3][WEFT__BLOCK]; /* [N] */
     double gap[WEFT__BLOCK], energy[WEFT__BLOCK];
     double heat[WEFT__BLOCK], friction[WEFT__BLOCK];
-    uint32_t at[WEFT__BLOCK]; /* of the pair in its weft__near */
+    int32_t particle[4][WEFT__BLOCK];
 } weft__pushes;
 
 /* Writes the pushes of pairs in their order, and returns their number; adds 0 to *bad,
  * or NaN if a force is not finite. Has room for all pairs. */
 typedef size_t weft__pushes_fn(const weft__self_law *law, weft__pair_kind kind,
-                               const weft__near *near, const double *y,
-                               weft__pushes *out, double *bad);
+                               const weft__near *near, const weft__span *spans,
+                               size_t span_count, const double *y, weft__pushes *out,
+                               double *bad);
 weft__pushes_fn weft__reference_pushes;
 
-/* Of pairs of a kind: distances as of weft__pair_distance, and what differences between
- * their particles have to change by, at least, before they push: up to `most` [m] where
- * the feet decide. */
+/* Of pairs [first, end) of a kind: distances as of weft__pair_distance, and what
+ * differences between their particles have to change by, at least, before they push: up
+ * to `most` [m] where the feet decide. Sets distances[i] and near->waits[i] of pair i.
+ */
 typedef void weft__waits_fn(const weft_cloth *cloth, weft__pair_kind kind,
-                            const weft__quad *pairs, size_t count, const double *y,
-                            double most, double *distances, double *waits);
+                            const weft__near *near, size_t first, size_t end,
+                            const double *y, double most, double *distances);
 weft__waits_fn weft__reference_waits;
 
 /* The same before: b_i, and the touch of the feet, with push, stiffness and drag not by
@@ -223,8 +239,8 @@ bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
                       const double *y, double arm[4], weft__touch *touch);
 
 /* Push i of those of a kind. */
-void weft__push_at(weft__pair_kind kind, const weft__near *near,
-                   const weft__pushes *pushes, size_t i, weft__push *out);
+void weft__push_at(weft__pair_kind kind, const weft__pushes *pushes, size_t i,
+                   weft__push *out);
 
 /* Its energy, powers, gap and touch. */
 void weft__push_measure(const weft_cloth *cloth, const weft__push *push,

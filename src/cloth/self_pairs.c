@@ -16,56 +16,85 @@ void weft__pair_primitives(const weft__pair *pair, weft_primitive out[2])
 
 /* ---- the search ------------------------------------------------------------------ */
 
+/* A primitive in its box. */
+typedef struct boxed {
+    uint32_t particle[3];
+    double box[2][3]; /* [m] low, high */
+} boxed;
+
+/* What a node owns. */
+typedef struct owned {
+    size_t node;
+    boxed vertex, edges[3], triangles[2];
+    size_t edge_count, triangle_count;
+} owned;
+
+/* The box of particles i and j, which are at a and b; and one more. */
+static inline void make_box(uint32_t i, uint32_t j, const double a[3],
+                            const double b[3], boxed *to)
+{
+    to->particle[0] = i, to->particle[1] = j;
+    for (size_t k = 0; k < 3; ++k) {
+        to->box[0][k] = a[k] < b[k] ? a[k] : b[k];
+        to->box[1][k] = a[k] < b[k] ? b[k] : a[k];
+    }
+}
+
+static inline void add_particle(uint32_t i, const double a[3], boxed *to)
+{
+    to->particle[2] = i;
+    for (size_t k = 0; k < 3; ++k) {
+        to->box[0][k] = to->box[0][k] < a[k] ? to->box[0][k] : a[k];
+        to->box[1][k] = to->box[1][k] > a[k] ? to->box[1][k] : a[k];
+    }
+}
+
+/* As weft__node_edges and weft__node_triangles. */
+static void find_owned(const weft__quadtree *tree, size_t node, owned *out)
+{
+    const size_t cols = tree->cloth->cols, n = tree->cloth->particles;
+    const bool right = node % cols + 1 < cols, down = node + cols < n;
+    const uint32_t i[4] = { (uint32_t)node, (uint32_t)(right ? node + 1 : node),
+                            (uint32_t)(down ? node + cols : node),
+                            (uint32_t)(right && down ? node + cols + 1 : node) };
+    double x[4][3];
+    for (size_t k = 0; k < 3; ++k) {
+        for (size_t j = 0; j < 4; ++j) {
+            x[j][k] = tree->y[k * n + i[j]];
+        }
+    }
+    out->node = node;
+    out->edge_count = out->triangle_count = 0;
+    make_box(i[0], i[0], x[0], x[0], &out->vertex);
+    if (right) {
+        make_box(i[0], i[1], x[0], x[1], &out->edges[out->edge_count++]);
+    }
+    if (down) {
+        make_box(i[0], i[2], x[0], x[2], &out->edges[out->edge_count++]);
+    }
+    if (right && down) {
+        boxed *edge = &out->edges[out->edge_count++];
+        make_box(i[1], i[2], x[1], x[2], edge);
+        make_box(i[0], i[2], x[0], x[2], &out->triangles[0]);
+        add_particle(i[1], x[1], &out->triangles[0]);
+        make_box(i[3], i[1], x[3], x[1], &out->triangles[1]);
+        add_particle(i[2], x[2], &out->triangles[1]);
+        out->triangle_count = 2;
+    }
+}
+
 typedef struct pair_search {
     const weft__quadtree *tree;
     double range;
     weft__pair_fn *visit;
     void *ctx;
     unsigned kinds; /* bits */
+    owned last;     /* the first node of the last visit */
 } pair_search;
 
 static bool seeks(const pair_search *of, weft__pair_kind kind)
 {
     return (of->kinds >> kind & 1U) != 0;
-}
-
-/* A primitive in its box. */
-typedef struct boxed {
-    uint32_t particle[3];
-    double low[3], high[3]; /* [m] */
-} boxed;
-
-/* What a node owns. */
-typedef struct owned {
-    boxed vertex, edges[3], triangles[2];
-    size_t edge_count, triangle_count;
-} owned;
-
-static void add_particle(const weft__quadtree *tree, uint32_t i, size_t at, boxed *to)
-{
-    const double *y = tree->y + i;
-    to->particle[at] = i;
-    for (size_t k = 0; k < 3; ++k, y += tree->cloth->particles) {
-        to->low[k] = at > 0 && to->low[k] < *y ? to->low[k] : *y;
-        to->high[k] = at > 0 && to->high[k] > *y ? to->high[k] : *y;
-    }
-}
-
-static void find_owned(const weft__quadtree *tree, size_t node, owned *out)
-{
-    uint32_t edges[3][2], triangles[2][3];
-    out->edge_count = weft__node_edges(tree->cloth, node, edges);
-    out->triangle_count = weft__node_triangles(tree->cloth, node, triangles);
-    add_particle(tree, (uint32_t)node, 0, &out->vertex);
-    for (size_t k = 0; k < out->edge_count; ++k) {
-        add_particle(tree, edges[k][0], 0, &out->edges[k]);
-        add_particle(tree, edges[k][1], 1, &out->edges[k]);
-    }
-    for (size_t k = 0; k < out->triangle_count; ++k) {
-        for (size_t j = 0; j < 3; ++j) {
-            add_particle(tree, triangles[k][j], j, &out->triangles[k]);
-        }
-    }
 }
 
 /* Visits a pair unless its boxes are further apart than the range or its primitives
@@ -74,10 +103,8 @@ static inline bool try_pair(const pair_search *of, weft__pair_kind kind, const b
                             size_t first, const boxed *b, size_t other)
 {
     weft__pair pair = { .kind = kind };
-    for (size_t k = 0; k < 3; ++k) {
-        if (a->low[k] - b->high[k] > of->range || b->low[k] - a->high[k] > of->range) {
-            return true;
-        }
+    if (weft__boxes_apart(a->box, b->box, of->range)) {
+        return true;
     }
     for (size_t i = 0; i < first; ++i) {
         for (size_t j = 0; j < other; ++j) {
@@ -122,17 +149,28 @@ static bool try_edges(const pair_search *of, const owned *a, const owned *b)
 /* The edges of one node have common particles. */
 static bool visit_nodes(void *ctx, size_t i, size_t j)
 {
-    const pair_search *of = ctx;
-    owned a, b;
-    find_owned(of->tree, i, &a);
+    pair_search *of = ctx;
+    const owned *a = &of->last;
+    owned b;
+    if (a->node != i) {
+        find_owned(of->tree, i, &of->last);
+    }
     if (i == j) {
-        return try_vertex(of, &a.vertex, &a);
+        return try_vertex(of, &a->vertex, a);
     }
     find_owned(of->tree, j, &b);
-    return try_vertex(of, &a.vertex, &b) && try_vertex(of, &b.vertex, &a)
+    return try_vertex(of, &a->vertex, &b) && try_vertex(of, &b.vertex, a)
            && (!seeks(of, WEFT__VERTICES)
-               || try_pair(of, WEFT__VERTICES, &a.vertex, 1, &b.vertex, 1))
-           && try_edges(of, &a, &b);
+               || try_pair(of, WEFT__VERTICES, &a->vertex, 1, &b.vertex, 1))
+           && try_edges(of, a, &b);
+}
+
+static bool seek(const weft__quadtree *tree, const uint32_t *tiles, double range,
+                 unsigned kinds, weft__pair_fn *visit, void *ctx)
+{
+    pair_search of = { tree, range, visit, ctx, kinds, { .node = SIZE_MAX } };
+    return tiles == NULL ? weft__tree_pairs(tree, range, visit_nodes, &of)
+                         : weft__tree_between(tree, tiles, range, visit_nodes, &of);
 }
 
 bool weft__each_pair(const weft__quadtree *tree, double range, weft__pair_fn *visit,
@@ -140,8 +178,7 @@ bool weft__each_pair(const weft__quadtree *tree, double range, weft__pair_fn *vi
 {
     bool goes_on = true;
     for (unsigned kind = WEFT__VERTICES; kind <= WEFT__EDGES && goes_on; ++kind) {
-        pair_search of = { tree, range, visit, ctx, 1U << kind };
-        goes_on = weft__tree_pairs(tree, range, visit_nodes, &of);
+        goes_on = seek(tree, NULL, range, 1U << kind, visit, ctx);
     }
     return goes_on;
 }
@@ -149,8 +186,7 @@ bool weft__each_pair(const weft__quadtree *tree, double range, weft__pair_fn *vi
 bool weft__each_pair_between(const weft__quadtree *tree, const uint32_t tiles[2],
                              double range, weft__pair_fn *visit, void *ctx)
 {
-    pair_search of = { tree, range, visit, ctx, 0xf };
-    return weft__tree_between(tree, tiles, range, visit_nodes, &of);
+    return seek(tree, tiles, range, 0xf, visit, ctx);
 }
 
 /* ---- steps ----------------------------------------------------------------------- */
@@ -207,27 +243,29 @@ double weft__reference_extent(const double *from, const double *to, size_t n)
     return sqrt(square);
 }
 
-double weft__reference_drift(const weft_cloth *cloth, const double *from,
-                             const double *to, weft__drift *tiles)
+void weft__reference_drift(const weft_cloth *cloth, const double *from,
+                           const double *to, size_t first, size_t end,
+                           weft__drift *tiles)
 {
     const size_t n = cloth->particles, level = weft__tile_level(cloth);
-    for (size_t i = 0; i < weft__tile_count(cloth); ++i) {
+    for (size_t i = first; i < end; ++i) {
         size_t in[4];
         weft__patch_range(cloth, level, i, in);
         for (size_t k = 0; k < 3; ++k) {
-            double low = INFINITY, high = -INFINITY;
+            double low = INFINITY, high = -INFINITY, bad = 0.0;
             for (size_t r = in[0]; r < in[1]; ++r) {
                 for (size_t c = in[2]; c < in[3]; ++c) {
                     const size_t j = k * n + r * cloth->cols + c;
                     const double d = from != NULL ? to[j] - from[j] : to[j];
                     low = d < low ? d : low;
                     high = d > high ? d : high;
+                    bad += d * 0.0;
                 }
             }
-            tiles[i].low[k] = low, tiles[i].high[k] = high;
+            tiles[i].low[k] = low;
+            tiles[i].high[k] = bad == 0.0 ? high : (double)INFINITY;
         }
     }
-    return weft__reference_extent(from, to, n);
 }
 
 double weft__extent(const weft_cloth *cloth, const double *from, const double *to)

@@ -225,6 +225,17 @@ static double beyond(const double bounds[2][3], const double e[3])
     return square;
 }
 
+/* The square of half the width of bounds: no vector is nearer to all of them. */
+static inline double spread(const double bounds[2][3])
+{
+    double square = 0.0;
+    for (size_t k = 0; k < 3 && bounds[0][k] <= bounds[1][k]; ++k) {
+        const double half = 0.5 * (bounds[1][k] - bounds[0][k]);
+        square += half * half;
+    }
+    return square;
+}
+
 /* A unit vector near the middle of the bounds and across e, if e is not NULL; false:
  * there is none. */
 static bool direction(const double bounds[2][3], const double *e, double to[3])
@@ -237,11 +248,17 @@ static bool direction(const double bounds[2][3], const double *e, double to[3])
     for (size_t k = 0; k < 3; ++k) {
         to[k] = middle[k] - (e != NULL ? along * e[k] : 0.0);
     }
-    const double length = weft__length(to);
+    const double length = weft__length(to), inverse = 1.0 / length;
     for (size_t k = 0; k < 3; ++k) {
-        to[k] /= length;
+        to[k] *= inverse;
     }
     return length > 0.0;
+}
+
+static inline bool may_be_flat(const tree_search *of, const weft__knot *knot)
+{
+    return of->flat > 0.0
+           && spread(knot->slope[0]) + spread(knot->slope[1]) < of->flat * of->flat;
 }
 
 /* A grid of a single row or column has slopes one way only. */
@@ -250,6 +267,9 @@ static bool flat(const tree_search *of, const weft__knot *knot)
     const bool has[2] = { knot->slope[0][0][0] <= knot->slope[0][1][0],
                           knot->slope[1][0][0] <= knot->slope[1][1][0] };
     double e[2][3], square = 0.0;
+    if (!may_be_flat(of, knot)) {
+        return false;
+    }
     for (size_t k = 0; k < 2; ++k) {
         if (has[k]) {
             const double *across = k == 1 && has[0] ? e[0] : NULL;
@@ -258,7 +278,7 @@ static bool flat(const tree_search *of, const weft__knot *knot)
                           : (double)INFINITY;
         }
     }
-    return of->flat > 0.0 && square < of->flat * of->flat;
+    return square < of->flat * of->flat;
 }
 
 /* A patch's bounds, made in *room if they are not kept. */
@@ -284,7 +304,11 @@ static bool flat_about(const tree_search *of, size_t level, tree_patch a, tree_p
         || (of->tree->knots == NULL && level > 0)) {
         return false;
     }
-    weft__knot room, hull = *knot_of(of->tree, level, low, &room);
+    weft__knot room, hull = *knot_of(of->tree, level, a, &room);
+    add_slopes(knot_of(of->tree, level, b, &room), &hull);
+    if (!may_be_flat(of, &hull)) {
+        return false;
+    }
     for (size_t r = low.r; r <= high.r; ++r) {
         for (size_t c = low.c; c <= high.c; ++c) {
             add_slopes(knot_of(of->tree, level, (tree_patch){ r, c }, &room), &hull);
@@ -293,28 +317,41 @@ static bool flat_about(const tree_search *of, size_t level, tree_patch a, tree_p
     return flat(of, &hull);
 }
 
-static bool apart(const tree_search *of, size_t level, tree_patch a, tree_patch b)
+static inline bool apart(const tree_search *of, const weft__knot *a,
+                         const weft__knot *b)
 {
-    weft__knot room[2];
-    const weft__knot *of_a = knot_of(of->tree, level, a, &room[0]);
-    const weft__knot *of_b = knot_of(of->tree, level, b, &room[1]);
-    bool far = false;
-    for (size_t k = 0; k < 3; ++k) {
-        far = far || of_a->place[0][k] - of_b->place[1][k] > of->range
-              || of_b->place[0][k] - of_a->place[1][k] > of->range;
-    }
-    return far;
+    return weft__boxes_apart(a->place, b->place, of->range);
 }
 
-static bool inside(const tree_search *of, size_t level, tree_patch at)
-{
-    return at.r < weft__patches(of->tree->cloth->rows, level)
-           && at.c < weft__patches(of->tree->cloth->cols, level);
-}
-
-static tree_patch part(tree_patch at, size_t j)
+static inline tree_patch part(tree_patch at, size_t j)
 {
     return (tree_patch){ 2 * at.r + j / 2, 2 * at.c + j % 2 };
+}
+
+/* The quarters of a patch that the grid has, and their bounds. */
+typedef struct quarters {
+    size_t count;
+    tree_patch at[4];
+    const weft__knot *knots[4];
+    weft__knot room[4];
+} quarters;
+
+static void find_quarters(const tree_search *of, size_t level, tree_patch at,
+                          quarters *out)
+{
+    const weft_cloth *cloth = of->tree->cloth;
+    const size_t rows = weft__patches(cloth->rows, level);
+    const size_t cols = weft__patches(cloth->cols, level);
+    out->count = 0;
+    for (size_t j = 0; j < 4; ++j) {
+        const tree_patch in = part(at, j);
+        if (in.r < rows && in.c < cols) {
+            const size_t i = out->count++;
+            out->at[i] = in;
+            out->knots[i]
+                = of->all ? NULL : knot_of(of->tree, level, in, &out->room[i]);
+        }
+    }
 }
 
 static bool leaf(const tree_search *of, tree_patch a, tree_patch b)
@@ -323,20 +360,25 @@ static bool leaf(const tree_search *of, tree_patch a, tree_patch b)
     return of->visit(of->ctx, a.r * cols + a.c, b.r * cols + b.c);
 }
 
+/* Of patches that are not apart. */
 static bool pairs_between(const tree_search *of, size_t level, tree_patch a,
                           tree_patch b)
 {
-    if (!of->all && (apart(of, level, a, b) || flat_about(of, level, a, b))) {
+    if (!of->all && flat_about(of, level, a, b)) {
         return true;
     }
     if (level == of->floor) {
         return leaf(of, a, b);
     }
+    quarters in[2];
     bool goes_on = true;
-    for (size_t j = 0; j < 16 && goes_on; ++j) {
-        const tree_patch in_a = part(a, j / 4), in_b = part(b, j % 4);
-        goes_on = !inside(of, level - 1, in_a) || !inside(of, level - 1, in_b)
-                  || pairs_between(of, level - 1, in_a, in_b);
+    find_quarters(of, level - 1, a, &in[0]);
+    find_quarters(of, level - 1, b, &in[1]);
+    for (size_t i = 0; i < in[0].count; ++i) {
+        for (size_t j = 0; j < in[1].count && goes_on; ++j) {
+            goes_on = (!of->all && apart(of, in[0].knots[i], in[1].knots[j]))
+                      || pairs_between(of, level - 1, in[0].at[i], in[1].at[j]);
+        }
     }
     return goes_on;
 }
@@ -350,15 +392,17 @@ static bool pairs_within(const tree_search *of, size_t level, tree_patch at)
     if (level == of->floor) {
         return leaf(of, at, at);
     }
+    quarters in;
     bool goes_on = true;
-    for (size_t j = 0; j < 4 && goes_on; ++j) {
-        const tree_patch in = part(at, j);
-        goes_on = !inside(of, level - 1, in) || pairs_within(of, level - 1, in);
+    find_quarters(of, level - 1, at, &in);
+    for (size_t i = 0; i < in.count && goes_on; ++i) {
+        goes_on = pairs_within(of, level - 1, in.at[i]);
     }
-    for (size_t j = 0; j < 16 && goes_on; ++j) {
-        const tree_patch a = part(at, j / 4), b = part(at, j % 4);
-        goes_on = j / 4 >= j % 4 || !inside(of, level - 1, a)
-                  || !inside(of, level - 1, b) || pairs_between(of, level - 1, a, b);
+    for (size_t i = 0; i < in.count; ++i) {
+        for (size_t j = i + 1; j < in.count && goes_on; ++j) {
+            goes_on = (!of->all && apart(of, in.knots[i], in.knots[j]))
+                      || pairs_between(of, level - 1, in.at[i], in.at[j]);
+        }
     }
     return goes_on;
 }
@@ -399,7 +443,10 @@ bool weft__tree_between(const weft__quadtree *tree, const uint32_t tiles[2],
     const tree_search of = search_of(tree, range, visit, ctx);
     const size_t level = tile_level(tree);
     const tree_patch a = patch_of(tree->cloth, level, tiles[0]);
-    return tiles[0] == tiles[1]
-               ? pairs_within(&of, level, a)
-               : pairs_between(&of, level, a, patch_of(tree->cloth, level, tiles[1]));
+    const tree_patch b = patch_of(tree->cloth, level, tiles[1]);
+    weft__knot room[2];
+    return tiles[0] == tiles[1] ? pairs_within(&of, level, a)
+                                : apart(&of, knot_of(tree, level, a, &room[0]),
+                                        knot_of(tree, level, b, &room[1]))
+                                      || pairs_between(&of, level, a, b);
 }

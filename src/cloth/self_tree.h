@@ -8,6 +8,27 @@
 
 enum { WEFT__LEVELS = 33, WEFT__TILE_LEVEL = 3, WEFT__TILES_MOST = 1024 };
 
+/* Boxes: low, then high [m]. */
+static inline double weft__most(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+static inline double weft__axis_gap(const double a[2][3], const double b[2][3],
+                                    size_t k)
+{
+    return weft__most(a[0][k] - b[1][k], b[0][k] - a[1][k]);
+}
+
+/* Along an axis; written out because loops here take most of the time of a search. */
+static inline bool weft__boxes_apart(const double a[2][3], const double b[2][3],
+                                     double range)
+{
+    return weft__most(weft__axis_gap(a, b, 0),
+                      weft__most(weft__axis_gap(a, b, 1), weft__axis_gap(a, b, 2)))
+           > range;
+}
+
 /* The bounds of a patch of the grid, with the particles to the right of it and below:
  * low, then high. */
 typedef struct weft__knot {

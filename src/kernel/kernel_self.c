@@ -2,6 +2,8 @@
 /* kernel_self.c -- contact of a cloth with itself, LANES pairs of one kind at a time:
  * the law of cloth/self_law.h. Pairs that push are found first, then their forces fill
  * all lanes. */
+#include <string.h>
+
 #include "cloth/levels.h"
 #include "kernel/lanes.h"
 
@@ -21,7 +23,7 @@ INLINE vec choose(mask where, vec a, vec b)
 
 /* Three planes of the particles of LANES pairs. */
 INLINE void place(const double *planes, size_t n, weft__pair_kind kind,
-                  const int32_t *const at[4], vec x[4][3])
+                  int32_t at[4][LANES], vec x[4][3])
 {
     for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
         x[j][0] = gather(planes, at[j]);
@@ -30,34 +32,76 @@ INLINE void place(const double *planes, size_t n, weft__pair_kind kind,
     }
 }
 
+/* The particles of pairs. */
+INLINE void particles_of(const weft__near *near, weft__pair_kind kind,
+                         const uint32_t pairs[LANES], int32_t at[4][LANES])
+{
+    for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
+        pick(near->particle[j], pairs, at[j]);
+    }
+}
+
 /* ---- forces ---------------------------------------------------------------------- */
+
+/* Pairs by their numbers. */
+enum { STRETCH = 128 };
+typedef struct queue {
+    uint32_t at[STRETCH + 3 * LANES];
+    size_t count;
+} queue;
 
 typedef struct work {
     const weft__self_law *law;
     const weft__near *near;
+    const weft__span *spans;
+    size_t span_count;
     const double *y;
     weft__pushes *out;
+    size_t span, next, done; /* next: pair, in `span` */
     vec bad;
+    queue close,
+        found; /* those that have not waited long enough, and those that push */
 } work;
 
-/* Writes which of LANES pairs from i on push; returns how many. */
-INLINE size_t find(const work *of, weft__pair_kind kind, size_t i, uint32_t *found)
+/* Drops the first ones. */
+INLINE void drop(queue *of, size_t taken)
+{
+    of->count = taken < of->count ? of->count - taken : 0;
+    for (size_t l = 0; taken > 0 && l < of->count; ++l) {
+        of->at[l] = of->at[taken + l];
+    }
+}
+
+/* The last one fills the lanes. */
+INLINE void fill(queue *of)
+{
+    for (size_t l = 0; l < LANES && of->count > 0; ++l) {
+        of->at[of->count + l] = of->at[of->count - 1];
+    }
+}
+
+/* Adds those of at[0], at[1], ... that are set, of `count` at most. */
+INLINE void add(queue *to, const uint32_t at[LANES], mask set, size_t count)
+{
+    for (size_t l = 0; l < LANES; ++l) {
+        to->at[to->count] = at[l];
+        to->count += (l < count) & (set[l] != 0);
+    }
+}
+
+INLINE void find(work *of, weft__pair_kind kind, size_t i)
 {
     const weft_cloth *cloth = of->law->cloth;
-    const int32_t *at[4];
+    const uint32_t *pairs = of->close.at + i;
+    int32_t at[4][LANES];
     vec x[4][3];
-    size_t count = 0;
-    for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
-        at[j] = of->near->particle[j] + i;
-    }
+    particles_of(of->near, kind, pairs, at);
     place(of->y, cloth->particles, kind, at, x);
     const law_gram gram = law_gram_of(kind, x);
     const mask pushes = law_pushes(kind, &gram, cloth->contact.thickness);
-    for (size_t l = 0; any(pushes) && l < LANES; ++l) {
-        found[count] = (uint32_t)(i + l);
-        count += pushes[l] != 0 && i + l < of->near->count;
+    if (any(pushes)) {
+        add(&of->found, pairs, pushes, of->close.count - i);
     }
-    return count;
 }
 
 INLINE void write_pushes(weft__pair_kind kind, const law_feet *feet,
@@ -72,25 +116,24 @@ INLINE void write_pushes(weft__pair_kind kind, const law_feet *feet,
     store(&to->heat[l], push->heat), store(&to->friction[l], push->friction);
 }
 
-/* The LANES pairs of `found` are pushes i, i + 1, ... */
-INLINE void push(work *of, weft__pair_kind kind, const uint32_t *found, size_t i)
+/* LANES pairs of `found` are the next pushes. */
+INLINE void push(work *of, weft__pair_kind kind, size_t i)
 {
     const weft_cloth *cloth = of->law->cloth;
     const weft_contact_def contact = cloth->contact;
-    weft__pushes *to = &of->out[i / WEFT__BLOCK];
-    const size_t n = cloth->particles;
-    const int32_t *at[4];
-    int32_t particle[4][LANES];
+    const uint32_t *pairs = of->found.at + i;
+    const size_t n = cloth->particles, first = of->done + i;
+    weft__pushes *to = &of->out[first / WEFT__BLOCK];
+    int32_t at[4][LANES];
     vec x[4][3], v[4][3], mass = splat(0.0), rest = splat(0.0);
     law_push out;
+    particles_of(of->near, kind, pairs, at);
+    for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
+        memcpy(&to->particle[j][first % WEFT__BLOCK], at[j], sizeof at[j]);
+    }
     for (size_t l = 0; l < LANES; ++l) {
-        const size_t pair = to->at[i % WEFT__BLOCK + l] = found[l];
-        for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
-            particle[j][l] = of->near->particle[j][pair];
-            at[j] = particle[j];
-        }
-        mass[l] = of->near->mass[pair];
-        rest[l] = kind == WEFT__EDGES ? of->near->rest[pair] : 0.0;
+        mass[l] = of->near->mass[pairs[l]];
+        rest[l] = kind == WEFT__EDGES ? of->near->rest[pairs[l]] : 0.0;
     }
     place(of->y, n, kind, at, x);
     place(of->y + 3 * n, n, kind, at, v);
@@ -98,88 +141,117 @@ INLINE void push(work *of, weft__pair_kind kind, const uint32_t *found, size_t i
     law_feet feet = law_feet_of(kind, &gram);
     law_weigh(kind, of->law->soft, rest, &feet);
     law_push_of(kind, &contact, &feet, mass, v, &out);
-    write_pushes(kind, &feet, &out, i % WEFT__BLOCK, to);
+    write_pushes(kind, &feet, &out, first % WEFT__BLOCK, to);
     for (size_t k = 0; k < 3 * weft__kind_particles(kind); ++k) {
         of->bad += out.force[k / 3][k % 3] * 0.0;
     }
 }
 
-INLINE size_t push_kind(work *of, weft__pair_kind kind)
+/* Pairs go from `close` to `found` to the pushes, as far as they fill lanes; at last
+ * all do. */
+INLINE void pass_on(work *of, weft__pair_kind kind, bool last)
 {
-    enum { STRETCH = 128 };
-    uint32_t found[STRETCH + 2 * LANES];
-    size_t held = 0, done = 0;
-    for (size_t i = 0; i < of->near->count; i += LANES) {
-        held += find(of, kind, i, found + held);
-        size_t taken = 0;
-        for (; held >= STRETCH && taken + LANES <= held; taken += LANES) {
-            push(of, kind, found + taken, done + taken);
+    size_t taken = 0;
+    fill(&of->close);
+    for (; taken + (last ? 1 : LANES) <= of->close.count; taken += LANES) {
+        find(of, kind, taken);
+    }
+    drop(&of->close, taken);
+    taken = 0;
+    fill(&of->found);
+    for (; taken + (last ? 1 : LANES) <= of->found.count; taken += LANES) {
+        push(of, kind, taken);
+    }
+    of->done += taken < of->found.count ? taken : of->found.count;
+    drop(&of->found, taken);
+}
+
+/* Takes pairs of `spans` that have not waited long enough, until there are many;
+ * returns whether all have been seen. */
+INLINE bool scan(work *of, weft__pair_kind kind)
+{
+    for (; of->span < of->span_count; ++of->span) {
+        const size_t end = of->spans[of->span].end[kind];
+        const vec moved = splat(of->spans[of->span].moved);
+        for (; of->next < end && of->close.count < STRETCH; of->next += LANES) {
+            const mask close = ~(load(of->near->waits + of->next) > moved);
+            if (any(close)) {
+                uint32_t here[LANES];
+                for (size_t l = 0; l < LANES; ++l) {
+                    here[l] = (uint32_t)(of->next + l);
+                }
+                add(&of->close, here, close, end - of->next);
+            }
         }
-        for (size_t l = taken; taken > 0 && l < held; ++l) {
-            found[l - taken] = found[l];
+        if (of->next < end) {
+            return false;
         }
-        done += taken, held -= taken;
+        of->next = end;
     }
-    for (size_t l = 0; l < LANES && held > 0; ++l) { /* the last one fills the lanes */
-        found[held + l] = found[held - 1];
-    }
-    for (size_t taken = 0; taken < held; taken += LANES) {
-        push(of, kind, found + taken, done + taken);
-    }
-    return done + held;
+    return true;
+}
+
+INLINE void push_kind(work *of, weft__pair_kind kind)
+{
+    bool last;
+    do {
+        last = scan(of, kind);
+        pass_on(of, kind, last);
+    } while (!last);
 }
 
 #define PUSH(kind)                                                                     \
-    static size_t push_##kind(work *of)                                                \
+    static void push_##kind(work *of)                                                  \
     {                                                                                  \
-        return push_kind(of, kind);                                                    \
+        push_kind(of, kind);                                                           \
     }
 EACH_KIND(PUSH)
 #undef PUSH
 
 size_t NAME(pushes, LEVEL)(const weft__self_law *law, weft__pair_kind kind,
-                           const weft__near *near, const double *y, weft__pushes *out,
+                           const weft__near *near, const weft__span *spans,
+                           size_t span_count, const double *y, weft__pushes *out,
                            double *bad)
 {
-    static size_t (*const each[])(work *)
+    static void (*const each[])(work *)
         = { push_WEFT__VERTICES, push_WEFT__VERTEX_EDGE, push_WEFT__VERTEX_TRIANGLE,
             push_WEFT__EDGES };
-    work of = { law, near, y, out, splat(0.0) };
-    const size_t count = each[kind](&of);
+    work of;
+    of.law = law, of.near = near, of.spans = spans, of.span_count = span_count;
+    of.y = y, of.out = out, of.bad = splat(0.0);
+    of.span = of.next = of.done = of.close.count = of.found.count = 0;
+    each[kind](&of);
     *bad += sum(of.bad);
-    return count;
+    return of.done;
 }
 
 /* ---- distances ------------------------------------------------------------------- */
 
 typedef struct waiting {
     const weft_cloth *cloth;
-    const weft__quad *pairs;
-    size_t count;
+    const weft__near *near;
+    size_t first, end;
     const double *y;
     double most;
-    double *distances, *waits;
+    double *distances;
 } waiting;
 
 INLINE void wait_kind(const waiting *of, weft__pair_kind kind)
 {
-    for (size_t i = 0; i < of->count; i += LANES) {
-        int32_t particle[4][LANES];
-        const int32_t *at[4];
+    for (size_t i = of->first; i < of->end; i += LANES) {
+        uint32_t pairs[LANES];
+        int32_t at[4][LANES];
         vec x[4][3];
-        for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
-            at[j] = particle[j];
-            for (size_t l = 0; l < LANES; ++l) {
-                const size_t last = of->count - 1, pair = i + l < last ? i + l : last;
-                particle[j][l] = (int32_t)of->pairs[pair].of[j];
-            }
+        for (size_t l = 0; l < LANES; ++l) {
+            pairs[l] = (uint32_t)(i + l < of->end ? i + l : of->end - 1);
         }
+        particles_of(of->near, kind, pairs, at);
         place(of->y, of->cloth->particles, kind, at, x);
         const vec distance = law_distance(kind, x);
         const vec wait
             = law_wait(kind, x, distance, of->cloth->contact.thickness, of->most);
-        for (size_t l = 0; l < LANES && i + l < of->count; ++l) {
-            of->distances[i + l] = distance[l], of->waits[i + l] = wait[l];
+        for (size_t l = 0; l < LANES && i + l < of->end; ++l) {
+            of->distances[i + l] = distance[l], of->near->waits[i + l] = wait[l];
         }
     }
 }
@@ -193,13 +265,13 @@ EACH_KIND(WAIT)
 #undef WAIT
 
 void NAME(waits, LEVEL)(const weft_cloth *cloth, weft__pair_kind kind,
-                        const weft__quad *pairs, size_t count, const double *y,
-                        double most, double *distances, double *waits)
+                        const weft__near *near, size_t first, size_t end,
+                        const double *y, double most, double *distances)
 {
     static void (*const each[])(const waiting *)
         = { wait_WEFT__VERTICES, wait_WEFT__VERTEX_EDGE, wait_WEFT__VERTEX_TRIANGLE,
             wait_WEFT__EDGES };
-    const waiting of = { cloth, pairs, count, y, most, distances, waits };
+    const waiting of = { cloth, near, first, end, y, most, distances };
     each[kind](&of);
 }
 
@@ -258,34 +330,38 @@ double NAME(extent, LEVEL)(const double *from, const double *to, size_t n)
     return sum(trouble) == 0.0 ? weft__drift_extent(&all, &all) : (double)INFINITY;
 }
 
-double NAME(drift, LEVEL)(const weft_cloth *cloth, const double *from, const double *to,
-                          weft__drift *tiles)
+/* The first of LANES columns whose vectors have all columns of a tile. */
+INLINE size_t first_column(const size_t in[4])
+{
+    return in[2] + LANES <= in[3] ? in[2] : in[3] > LANES ? in[3] - LANES : 0;
+}
+
+void NAME(drift, LEVEL)(const weft_cloth *cloth, const double *from, const double *to,
+                        size_t first, size_t end, weft__drift *tiles)
 {
     const size_t n = cloth->particles, cols = cloth->cols;
     const size_t level = weft__tile_level(cloth);
-    const double inf = INFINITY;
-    weft__drift all = { { inf, inf, inf }, { -inf, -inf, -inf } };
-    vec trouble = splat(0.0);
     if (cols < LANES) {
-        return weft__reference_drift(cloth, from, to, tiles);
+        weft__reference_drift(cloth, from, to, first, end, tiles);
+        return;
     }
-    for (size_t i = 0; i < weft__tile_count(cloth); ++i) {
+    for (size_t i = first; i < end; ++i) {
+        vec trouble = splat(0.0);
+        run_bounds of[3];
         size_t in[4];
         weft__patch_range(cloth, level, i, in);
-        run_bounds of[3];
         for (size_t k = 0; k < 3; ++k) {
             of[k] = no_bounds();
-            const size_t first = in[2] + LANES <= in[3] ? in[2]
-                                 : in[3] > LANES        ? in[3] - LANES
-                                                        : 0;
+            const size_t start = first_column(in);
             for (size_t r = in[0]; r < in[1]; ++r) {
                 const size_t at = k * n + r * cols;
-                add_run(from, to, at + first, at + (in[3] < LANES ? LANES : in[3]),
+                add_run(from, to, at + start, at + (in[3] < LANES ? LANES : in[3]),
                         &of[k], &trouble);
             }
         }
         narrow(of, &tiles[i]);
-        weft__drift_add(&all, &tiles[i]);
+        if (sum(trouble) != 0.0) {
+            tiles[i].high[0] = (double)INFINITY;
+        }
     }
-    return sum(trouble) == 0.0 ? weft__drift_extent(&all, &all) : inf;
 }

@@ -67,6 +67,22 @@ INLINE vec gather(const double *from, const int32_t *at)
 #endif
 }
 
+/* to[i] = from[at[i]] */
+INLINE void pick(const int32_t *from, const uint32_t at[LANES], int32_t to[LANES])
+{
+#if defined __AVX2__ && LANES == 8
+    const __m256i i = _mm256_loadu_si256((const __m256i *)(const void *)at);
+    _mm256_storeu_si256((__m256i *)(void *)to, _mm256_i32gather_epi32(from, i, 4));
+#elif defined __AVX2__ && LANES == 4
+    const __m128i i = _mm_loadu_si128((const __m128i *)(const void *)at);
+    _mm_storeu_si128((__m128i *)(void *)to, _mm_i32gather_epi32(from, i, 4));
+#else
+    for (int i = 0; i < LANES; ++i) {
+        to[i] = from[at[i]];
+    }
+#endif
+}
+
 INLINE vec splat(double a)
 {
     return a - (vec){ 0 };

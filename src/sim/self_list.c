@@ -6,7 +6,13 @@
  * For each pair of tiles it is known how far apart their pairs are at least but for
  * those in the list: `clear`. When a list is made about a new state, `clear` loses what
  * the tiles have moved against each other; only where it no longer suffices are pairs
- * sought again. Pairs at `clear` or further apart are dropped. */
+ * sought again. Pairs at `clear` or further apart are dropped.
+ *
+ * A pair that is listed has a wait: what has to change before it pushes. An evaluation
+ * looks at those whose tiles have moved that much since the wait was found. A pair of
+ * tiles without pairs is a group, too, where it is near enough to be watched; all
+ * others are so far apart that the extent of the whole displacement proves them clear.
+ */
 #include "sim/self_list.h"
 
 #include <stdatomic.h>
@@ -24,32 +30,39 @@ enum {
 
 /* Allowed for roundoff, relative. */
 #define ROUNDOFF 1e-9
+/* Of the skin. */
+#define ALLOWED 1e-6
 
-/* Of the skin: how far particles may move against each other before a list is made
- * anew, and what is left of it at least where pairs are not sought again. */
-#define LASTING 0.2
-#define KEPT    0.1
-#define LEAST   0.25
+/* Of the skin: what is left of it at least where pairs are not sought again, and how
+ * far particles may have moved against each other where waits are not found again. */
+#define LEAST 0.25
+#define STALE 0.4
+
+/* Skins beyond the range: nearer tiles are watched. */
+#define WATCHED 3.0
 
 /* Of `clear`: pairs have to be sought. */
 #define UNKNOWN (-1.0)
 
-/* Two tiles that are near each other. */
+/* Two tiles that are near each other; their pairs are a weft__span. */
 typedef struct group {
     size_t tiles;   /* in `between` */
-    double limit;   /* [m] pairs that are not in `near` do not push before */
     double nearest; /* [m] of its pairs that the step check looks at */
     double loss;    /* [m] moved between where its pairs were measured and `place` */
     double reach;   /* [m] as far as they matter in a step */
-    size_t end[KINDS], near_end[KINDS]; /* its pairs follow those of the group before */
 } group;
+
+typedef struct groups {
+    size_t count;
+    group *at;
+    weft__span *spans;
+} groups;
 
 /* Pairs of a kind. */
 typedef struct pairs {
     size_t count;
-    weft__quad *at;
+    weft__near near;
     double *distances; /* [m] */
-    weft__near near;   /* those that may push soon */
 } pairs;
 
 /* Those of a kind, and their pushes. */
@@ -62,8 +75,7 @@ typedef struct bin {
 /* The groups of successive pairs of tiles: one thread makes and evaluates them. */
 typedef struct shelf {
     size_t first, end; /* in `between` */
-    group *groups, *before;
-    size_t group_count, before_count;
+    groups now, before;
     bin bins[KINDS];
     size_t room, wanted; /* pairs of a kind; wanted: before the next step */
     bool full;           /* without some pairs */
@@ -81,11 +93,11 @@ struct weft__self_list {
     uint32_t (*between)[2];
     double *clear; /* [m] of each pair of tiles */
     size_t between_count;
-    double skin;  /* [m] beyond the thickness */
-    double limit; /* [m] the least of all groups */
-    size_t pin_changes;
+    double skin; /* [m] beyond the thickness */
     size_t group_count;
-    bool valid; /* whole, about `place` */
+    double extent; /* [m] of the last displacement */
+    bool valid;    /* whole, about `place` */
+    size_t pin_changes;
     shelf *shelves;
     size_t shelf_count;
 };
@@ -115,32 +127,50 @@ static double range_of(const weft__self_list *list)
     return list->cloth->contact.thickness + list->skin;
 }
 
+/* [m] Tiles whose pairs are nearer are watched. */
+static double watched_of(const weft__self_list *list)
+{
+    return range_of(list) + WATCHED * list->skin;
+}
+
 /* ---- room ------------------------------------------------------------------------ */
 
 static void free_pairs(const weft_allocator *memory, pairs *of)
 {
-    weft__free(memory, of->at);
-    weft__free(memory, of->distances);
     weft__free(memory, of->near.particle[0]);
-    weft__free(memory, of->near.mass);
-    weft__free(memory, of->near.rest);
+    weft__free(memory, of->near.waits);
     *of = (pairs){ .count = 0 };
 }
 
 static bool make_pairs(const weft_allocator *memory, size_t room, pairs *of)
 {
     const size_t all = room + WEFT__BLOCK;
+    weft__near *near = &of->near;
     free_pairs(memory, of);
-    of->at = weft__alloc(memory, room, sizeof *of->at);
-    of->distances = weft__alloc(memory, room, sizeof *of->distances);
-    of->near.particle[0] = weft__alloc(memory, 4 * all, sizeof(int32_t));
-    of->near.mass = weft__alloc(memory, all, sizeof(double));
-    of->near.rest = weft__alloc(memory, all, sizeof(double));
-    for (size_t k = 1; k < 4 && of->near.particle[0] != NULL; ++k) {
-        of->near.particle[k] = of->near.particle[k - 1] + all;
+    near->particle[0] = weft__zeroed(memory, 4 * all, sizeof(int32_t));
+    near->waits = weft__zeroed(memory, 4 * all, sizeof(double));
+    if (near->particle[0] == NULL || near->waits == NULL) {
+        return false;
     }
-    return of->at != NULL && of->distances != NULL && of->near.particle[0] != NULL
-           && of->near.mass != NULL && of->near.rest != NULL;
+    for (size_t k = 1; k < 4; ++k) {
+        near->particle[k] = near->particle[k - 1] + all;
+    }
+    near->mass = near->waits + all, near->rest = near->mass + all;
+    of->distances = near->rest + all;
+    return true;
+}
+
+static void free_groups(const weft_allocator *memory, groups *of)
+{
+    weft__free(memory, of->at);
+    weft__free(memory, of->spans);
+}
+
+static bool make_groups(const weft_allocator *memory, size_t most, groups *of)
+{
+    of->at = weft__alloc(memory, most, sizeof *of->at);
+    of->spans = weft__alloc(memory, most, sizeof *of->spans);
+    return of->at != NULL && of->spans != NULL;
 }
 
 static bool grow_shelf(const weft_allocator *memory, shelf *of)
@@ -189,7 +219,7 @@ static bool keep_tiles(void *ctx, size_t a, size_t b)
 
 static bool make_shelves(weft__self_list *list)
 {
-    const size_t each = weft__tile_count(list->cloth) / 8 + 1;
+    const size_t each = weft__tile_count(list->cloth) / 4 + 1;
     const size_t count = each < SHELVES ? each : SHELVES;
     list->shelves = weft__zeroed(&list->memory, count, sizeof *list->shelves);
     for (size_t i = 0; i < count && list->shelves != NULL; ++i) {
@@ -198,10 +228,9 @@ static bool make_shelves(weft__self_list *list)
                        .end = (i + 1) * list->between_count / count,
                        .wanted = ROOM };
         const size_t most = of->end - of->first + 1;
-        of->groups = weft__alloc(&list->memory, most, sizeof *of->groups);
-        of->before = weft__alloc(&list->memory, most, sizeof *of->before);
         list->shelf_count = i + 1;
-        if (of->groups == NULL || of->before == NULL) {
+        if (!make_groups(&list->memory, most, &of->now)
+            || !make_groups(&list->memory, most, &of->before)) {
             return false;
         }
     }
@@ -254,8 +283,8 @@ void weft__self_list_destroy(weft__self_list *list)
             free_pairs(&memory, &at->before);
             weft__free(&memory, at->pushes);
         }
-        weft__free(&memory, list->shelves[i].groups);
-        weft__free(&memory, list->shelves[i].before);
+        free_groups(&memory, &list->shelves[i].now);
+        free_groups(&memory, &list->shelves[i].before);
     }
     weft__free(&memory, list->shelves);
     weft__free(&memory, list->knots);
@@ -273,6 +302,49 @@ void weft__self_list_set_skin(weft__self_list *list, double skin)
     list->valid = false;
 }
 
+/* ---- displacements --------------------------------------------------------------- */
+
+enum { DRIFT_PART = 32 }; /* tiles */
+
+typedef struct drifting {
+    const weft_cloth *cloth;
+    const double *from, *to;
+    weft__drift *tiles;
+} drifting;
+
+static void drift_part(void *ctx, size_t part)
+{
+    const drifting *of = ctx;
+    const size_t tiles = weft__tile_count(of->cloth), first = part * DRIFT_PART;
+    of->cloth->level->drift(of->cloth, of->from, of->to, first,
+                            first + DRIFT_PART < tiles ? first + DRIFT_PART : tiles,
+                            of->tiles);
+}
+
+/* [m] The extent of a displacement, and the bounds k of tiles; infinite if a number is
+ * not finite. */
+static double drift_tiles(weft__self_list *list, const double *from, const double *to,
+                          size_t k)
+{
+    const size_t tiles = weft__tile_count(list->cloth);
+    drifting of = { list->cloth, from, to, list->tiles[k] };
+    weft__drift all;
+    run(list->team, drift_part, &of, (tiles - 1) / DRIFT_PART + 1);
+    all = of.tiles[0];
+    for (size_t i = 1; i < tiles; ++i) {
+        weft__drift_add(&all, &of.tiles[i]);
+    }
+    return weft__drift_extent(&all, &all);
+}
+
+/* Without groups no tiles are needed. */
+static double drift(weft__self_list *list, const double *from, const double *to,
+                    size_t k)
+{
+    return list->group_count == 0 ? weft__extent(list->cloth, from, to)
+                                  : drift_tiles(list, from, to, k);
+}
+
 /* ---- making ---------------------------------------------------------------------- */
 
 typedef struct making {
@@ -280,9 +352,13 @@ typedef struct making {
     const double *y;
 } making;
 
-static double extent_between(const weft__self_list *list, size_t k, const uint32_t *of)
+/* [m] Of the last displacements k, with an allowance for roundoff. */
+static double extent_between(const weft__self_list *list, size_t k,
+                             const uint32_t tiles[2])
 {
-    return weft__drift_extent(&list->tiles[k][of[0]], &list->tiles[k][of[1]]);
+    return weft__drift_extent(&list->tiles[k][tiles[0]], &list->tiles[k][tiles[1]])
+               * (1.0 + ROUNDOFF)
+           + ALLOWED * list->skin;
 }
 
 /* [m] Between the boxes about two tiles. */
@@ -305,16 +381,15 @@ static void age_part(void *ctx, size_t part)
     const double least = list->cloth->contact.thickness + LEAST * list->skin;
     for (size_t i = at->first; i < at->end; ++i) {
         const uint32_t *tiles = list->between[i];
-        double left = UNKNOWN;
-        if (list->valid) {
-            left = list->clear[i] - extent_between(list, 0, tiles) * (1.0 + ROUNDOFF);
-        }
-        if (!(left >= least)) {
+        double left = list->valid ? list->clear[i] - list->extent : UNKNOWN;
+        if (!(left >= watched_of(list))) {
             left = box_distance(&list->tiles[1][tiles[0]], &list->tiles[1][tiles[1]])
                    * (1.0 - ROUNDOFF);
-            left = left >= range_of(list) ? left : UNKNOWN;
         }
-        list->clear[i] = left;
+        if (!(left >= watched_of(list)) && list->valid) {
+            left = fmax(left, list->clear[i] - extent_between(list, 0, tiles));
+        }
+        list->clear[i] = left >= least ? left : UNKNOWN;
     }
 }
 
@@ -351,92 +426,98 @@ static bool keep(void *ctx, const weft__pair *pair)
     shelf *to = ctx;
     pairs *of = &to->bins[pair->kind].now;
     if (of->count < to->room) {
-        memcpy(of->at[of->count].of, pair->particle, sizeof pair->particle);
+        for (size_t k = 0; k < 4; ++k) {
+            of->near.particle[k][of->count] = (int32_t)pair->particle[k];
+        }
     }
     ++of->count;
     return true;
 }
 
-/* Adds pairs [first, end) of another list, and those of them in its `near`. */
-static void copy_pairs(const pairs *from, const size_t first[2], const size_t end[2],
-                       pairs *to)
+/* Where the pairs of a group begin. */
+static size_t first_of(const groups *of, size_t i, size_t kind)
 {
-    const size_t count = end[0] - first[0], near = end[1] - first[1];
-    memcpy(to->at + to->count, from->at + first[0], count * sizeof *to->at);
-    memcpy(to->distances + to->count, from->distances + first[0],
-           count * sizeof *to->distances);
-    for (size_t k = 0; k < 4; ++k) {
-        memcpy(to->near.particle[k] + to->near.count, from->near.particle[k] + first[1],
-               near * sizeof(int32_t));
-    }
-    memcpy(to->near.mass + to->near.count, from->near.mass + first[1],
-           near * sizeof *to->near.mass);
-    memcpy(to->near.rest + to->near.count, from->near.rest + first[1],
-           near * sizeof *to->near.rest);
-    to->count += count, to->near.count += near;
+    return i > 0 ? of->spans[i - 1].end[kind] : 0;
 }
 
-/* old[-1], if it is not the first, is the group before. */
-static void copy_group(shelf *of, const group *old, bool measured)
+static void copy_numbers(double *to, const double *from, size_t count)
+{
+    memcpy(to, from, count * sizeof *to);
+}
+
+/* Pair `from` becomes pair `to`. */
+static inline void move_pair(pairs *in, size_t from, size_t to)
+{
+    for (size_t k = 0; k < 4; ++k) {
+        in->near.particle[k][to] = in->near.particle[k][from];
+    }
+    in->near.waits[to] = in->near.waits[from];
+    in->near.mass[to] = in->near.mass[from];
+    in->near.rest[to] = in->near.rest[from];
+    in->distances[to] = in->distances[from];
+}
+
+/* Adds the pairs of group i of `before`. */
+static void copy_group(shelf *of, size_t i)
 {
     for (size_t kind = 0; kind < KINDS; ++kind) {
-        bin *in = &of->bins[kind];
-        const bool is_first = old == of->before;
-        const size_t first[2] = { is_first ? 0 : old[-1].end[kind],
-                                  is_first ? 0 : old[-1].near_end[kind] };
-        const size_t end[2]
-            = { old->end[kind], measured ? old->near_end[kind] : first[1] };
-        if (in->now.count + end[0] - first[0] <= of->room) {
-            copy_pairs(&in->before, first, end, &in->now);
-        } else {
+        pairs *to = &of->bins[kind].now;
+        const pairs *from = &of->bins[kind].before;
+        const size_t first = first_of(&of->before, i, kind);
+        const size_t count = of->before.spans[i].end[kind] - first;
+        if (to->count + count > of->room) {
             of->full = true;
+            return;
         }
-    }
-}
-
-static void add_near(const weft__self_law *law, weft__pair_kind kind,
-                     const weft__quad *quad, weft__near *to)
-{
-    weft__pair pair = { .kind = kind };
-    memcpy(pair.particle, quad->of, sizeof pair.particle);
-    const double mass = weft__pair_mass(law->cloth, &pair);
-    if (mass > 0.0) {
         for (size_t k = 0; k < 4; ++k) {
-            to->particle[k][to->count] = (int32_t)pair.particle[k];
+            memcpy(to->near.particle[k] + to->count, from->near.particle[k] + first,
+                   count * sizeof(int32_t));
         }
-        to->mass[to->count] = mass;
-        to->rest[to->count] = weft__pair_rest(law, &pair);
-        ++to->count;
+        copy_numbers(to->near.waits + to->count, from->near.waits + first, count);
+        copy_numbers(to->near.mass + to->count, from->near.mass + first, count);
+        copy_numbers(to->near.rest + to->count, from->near.rest + first, count);
+        copy_numbers(to->distances + to->count, from->distances + first, count);
+        to->count += count;
     }
 }
 
-/* Measures the pairs of a bin from `first` on, and drops those at `clear`. */
+/* Sets what a pair has by its particles. */
+static void weigh_pair(const weft__self_law *law, weft__pair_kind kind, weft__near *in,
+                       size_t i)
+{
+    const weft__pair pair = weft__near_pair(kind, in, i);
+    in->mass[i] = weft__pair_mass(law->cloth, &pair);
+    in->rest[i] = weft__pair_rest(law, &pair);
+}
+
+/* Measures the pairs of a bin from `first` on, which may be new, and drops those at
+ * `clear`. Pinned pairs do not push. */
 static void measure_pairs(const making *of, weft__pair_kind kind, pairs *in,
-                          size_t first, double clear, group *to)
+                          size_t first, double clear, bool new, group *to)
 {
     const weft__self_list *list = of->list;
     const weft__self_law law = weft__self_law_of(list->cloth);
     const size_t all = in->count;
-    double distances[STRETCH], waits[STRETCH];
+    list->cloth->level->waits(list->cloth, kind, &in->near, first, all, of->y,
+                              list->skin, in->distances);
     in->count = first;
-    for (size_t i = first; i < all; i += STRETCH) {
-        const size_t count = i + STRETCH < all ? STRETCH : all - i;
-        list->cloth->level->waits(list->cloth, kind, in->at + i, count, of->y,
-                                  list->skin, distances, waits);
-        for (size_t j = 0; j < count; ++j) {
-            if (distances[j] >= clear) {
-                continue;
-            }
-            in->at[in->count] = in->at[i + j];
-            in->distances[in->count++] = distances[j];
-            if (kind >= WEFT__VERTEX_TRIANGLE && !(distances[j] > to->nearest)) {
-                to->nearest = distances[j];
-            }
-            if (!(waits[j] > LASTING * list->skin)) {
-                add_near(&law, kind, &in->at[in->count - 1], &in->near);
-            } else if (waits[j] < to->limit) {
-                to->limit = waits[j];
-            }
+    for (size_t i = first; i < all; ++i) {
+        const double distance = in->distances[i];
+        if (distance >= clear) {
+            continue;
+        }
+        const size_t at = in->count++;
+        if (i != at) {
+            move_pair(in, i, at);
+        }
+        if (new) {
+            weigh_pair(&law, kind, &in->near, at);
+        }
+        if (!(in->near.mass[at] > 0.0)) {
+            in->near.waits[at] = INFINITY;
+        }
+        if (kind >= WEFT__VERTEX_TRIANGLE && !(distance > to->nearest)) {
+            to->nearest = distance;
         }
     }
 }
@@ -456,52 +537,43 @@ static bool is_full(shelf *of)
 
 static void begin_shelf(shelf *of)
 {
-    group *const groups = of->before;
-    of->before = of->groups, of->before_count = of->group_count;
-    of->groups = groups, of->group_count = 0;
+    const groups old = of->now;
+    of->now = of->before, of->before = old;
+    of->now.count = 0;
     for (size_t kind = 0; kind < KINDS; ++kind) {
         bin *in = &of->bins[kind];
-        const pairs old = in->now;
-        in->now = in->before, in->before = old;
-        in->now.count = in->now.near.count = 0;
+        const pairs other = in->now;
+        in->now = in->before, in->before = other;
+        in->now.count = 0;
     }
 }
 
 /* Of two tiles whose pairs are the last ones, after those of the group before; from:
- * another group that has measured them, or NULL. */
+ * another group that has had them, or NULL. */
 static void add_group(const making *of, shelf *in, size_t tiles, const group *from)
 {
     const weft__self_list *list = of->list;
-    const double clear = list->clear[tiles];
-    group *to = &in->groups[in->group_count];
-    const group *before = in->group_count > 0 ? to - 1 : NULL;
-    bool any = clear < range_of(list);
-    *to = (group){ .limit = clear - list->cloth->contact.thickness,
-                   .nearest = INFINITY };
-    if (from != NULL) {
+    groups *now = &in->now;
+    group *to = &now->at[now->count];
+    weft__span *span = &now->spans[now->count];
+    bool any = list->clear[tiles] < watched_of(list);
+    const bool stale = from == NULL || !(from->loss < STALE * list->skin);
+    *to = (group){ .nearest = INFINITY };
+    if (!stale) {
         *to = *from;
     }
     to->tiles = tiles;
     for (size_t kind = 0; kind < KINDS; ++kind) {
         pairs *at = &in->bins[kind].now;
-        const size_t first = before != NULL ? before->end[kind] : 0;
-        if (from == NULL) {
-            measure_pairs(of, (weft__pair_kind)kind, at, first, clear, to);
+        const size_t first = first_of(now, now->count, kind);
+        if (stale) {
+            measure_pairs(of, (weft__pair_kind)kind, at, first, list->clear[tiles],
+                          from == NULL, to);
         }
         any = any || at->count > first;
-        to->end[kind] = at->count, to->near_end[kind] = at->near.count;
+        span->end[kind] = at->count;
     }
-    in->group_count += any;
-}
-
-/* The last pair fills the lanes. */
-static void pad(weft__near *of)
-{
-    for (size_t i = of->count; of->count > 0 && i < of->count + WEFT__BLOCK; ++i) {
-        for (size_t k = 0; k < 4; ++k) {
-            of->particle[k][i] = of->particle[k][of->count - 1];
-        }
-    }
+    now->count += any;
 }
 
 /* Lists the pairs of two tiles, which are in group `old` or, if it is NULL, in none. */
@@ -509,46 +581,72 @@ static void list_pairs(const making *of, shelf *in, size_t tiles, const group *o
 {
     weft__self_list *list = of->list;
     double *clear = &list->clear[tiles];
-    group kept = { .limit = 0.0 };
-    bool measured = false;
-    if (*clear == UNKNOWN) {
+    group kept = { .loss = 0.0 };
+    const bool seek = *clear == UNKNOWN;
+    if (seek) {
         *clear = range_of(list);
         (void)weft__each_pair_between(&list->tree, list->between[tiles], *clear, keep,
                                       in);
     } else if (old != NULL) {
         kept = *old;
-        kept.loss += extent_between(list, 0, list->between[tiles]) * (1.0 + ROUNDOFF);
-        measured = kept.limit - kept.loss >= KEPT * list->skin;
-        copy_group(in, old, measured);
+        kept.loss += extent_between(list, 0, list->between[tiles]);
+        copy_group(in, (size_t)(old - in->before.at));
     }
     if (!is_full(in)) {
-        add_group(of, in, tiles, measured ? &kept : NULL);
+        add_group(of, in, tiles, seek || old == NULL ? NULL : &kept);
     }
 }
 
 static void make_part(void *ctx, size_t part)
 {
     const making *of = ctx;
-    const weft__self_list *list = of->list;
+    weft__self_list *list = of->list;
     shelf *in = &list->shelves[part];
     begin_shelf(in);
-    const group *old = in->before, *end = old + (list->valid ? in->before_count : 0);
+    const group *old = in->before.at, *end = old + (list->valid ? in->before.count : 0);
     for (size_t i = in->first; i < in->end && !in->full; ++i) {
         const bool listed = old < end && old->tiles == i;
-        if (list->clear[i] < range_of(list)) {
+        if (list->clear[i] < watched_of(list)) {
             list_pairs(of, in, i, listed ? old : NULL);
         }
         old += listed;
     }
-    for (size_t kind = 0; kind < KINDS && !in->full; ++kind) {
-        pad(&in->bins[kind].now.near);
+}
+
+/* Whether a group has pairs, or its clear is less than the range. */
+static bool is_needed(const weft__self_list *list, const groups *of, size_t i)
+{
+    bool any = list->clear[of->at[i].tiles] < range_of(list);
+    for (size_t kind = 0; kind < KINDS; ++kind) {
+        any = any || of->spans[i].end[kind] > first_of(of, i, kind);
+    }
+    return any;
+}
+
+/* Where no group is needed none is watched: nearly flat cloth has no groups. */
+static void end_making(weft__self_list *list)
+{
+    bool needed = false;
+    list->group_count = 0;
+    list->valid = true;
+    for (size_t i = 0; i < list->shelf_count; ++i) {
+        shelf *at = &list->shelves[i];
+        list->valid = list->valid && !at->full;
+        list->group_count += at->now.count;
+        for (size_t g = 0; g < at->now.count; ++g) {
+            at->now.spans[g].moved = at->now.at[g].loss + ALLOWED * list->skin;
+            needed = needed || is_needed(list, &at->now, g);
+        }
+    }
+    for (size_t i = 0; i < list->shelf_count && !needed; ++i) {
+        list->group_count = list->shelves[i].now.count = 0;
     }
 }
 
-/* [m] From `place` on. */
-static double limit_of(const group *of)
+/* [m] Primitives that are not in a group have this distance in `place` at least. */
+static double lasting_of(const weft__self_list *list)
 {
-    return (of->limit - of->loss) * (1.0 - ROUNDOFF);
+    return list->group_count > 0 ? watched_of(list) : range_of(list);
 }
 
 /* Of a list that is valid tiles[0] has the displacements since. */
@@ -559,7 +657,7 @@ static void make(weft__self_list *list, const double *y)
     bool seek = false;
     list->valid
         = list->valid && list->group_count > 0; /* else the most room is found */
-    (void)cloth->level->drift(cloth, NULL, y, list->tiles[1]);
+    (void)drift_tiles(list, NULL, y, 1);
     run(list->team, age_part, &of, list->shelf_count);
     memset(list->marks, 0, weft__tile_count(cloth));
     for (size_t i = 0; i < list->between_count; ++i) {
@@ -576,39 +674,21 @@ static void make(weft__self_list *list, const double *y)
     run(list->team, make_part, &of, list->shelf_count);
     memcpy(list->place, y, 3 * cloth->particles * sizeof *y);
     list->pin_changes = cloth->pin_changes;
-    list->limit = list->skin;
-    list->group_count = 0;
-    list->valid = true;
-    for (size_t i = 0; i < list->shelf_count; ++i) {
-        const shelf *at = &list->shelves[i];
-        list->valid = list->valid && !at->full;
-        list->group_count += at->group_count;
-        for (size_t g = 0; g < at->group_count; ++g) {
-            list->limit = fmin(list->limit, limit_of(&at->groups[g]));
-        }
-    }
+    end_making(list);
 }
 
-/* [m] The extent of a displacement, infinite if a number is not finite; without groups
- * no tiles are needed. */
-static double drift(weft__self_list *list, const double *from, const double *to,
-                    size_t tiles)
+/* Whether the list has all pairs that push after displacements tiles[0]. Sets what
+ * its groups have moved. */
+static bool suffices(weft__self_list *list, double extent)
 {
-    return list->group_count == 0
-               ? weft__extent(list->cloth, from, to)
-               : list->cloth->level->drift(list->cloth, from, to, list->tiles[tiles]);
-}
-
-/* Whether `near` has all pairs that push after displacements tiles[0] of that extent.
- */
-static bool suffices(const weft__self_list *list, double extent)
-{
-    bool all = extent < list->skin;
-    for (size_t i = 0; i < list->shelf_count && all && extent >= list->limit; ++i) {
-        const shelf *at = &list->shelves[i];
-        for (size_t g = 0; g < at->group_count && all; ++g) {
-            all = extent_between(list, 0, list->between[at->groups[g].tiles])
-                  < limit_of(&at->groups[g]);
+    bool all = extent < lasting_of(list) - list->cloth->contact.thickness;
+    for (size_t i = 0; i < list->shelf_count && all; ++i) {
+        const groups *at = &list->shelves[i].now;
+        for (size_t g = 0; g < at->count && all; ++g) {
+            const size_t tiles = at->at[g].tiles;
+            const double moved = extent_between(list, 0, list->between[tiles]);
+            all = moved < list->clear[tiles] - list->cloth->contact.thickness;
+            at->spans[g].moved = moved + at->at[g].loss;
         }
     }
     return all;
@@ -634,6 +714,7 @@ static readiness prepare(weft__self_list *list, const double *y)
     if (!isfinite(extent)) {
         return NOT_FINITE;
     }
+    list->extent = extent * (1.0 + ROUNDOFF);
     if (list->valid && suffices(list, extent)) {
         return READY;
     }
@@ -649,8 +730,6 @@ typedef struct evaluation {
     weft__self_list *list;
     weft__self_law law;
     const weft__subject *of;
-    size_t parts;
-    double *to;
     atomic_bool bad;
 } evaluation;
 
@@ -661,68 +740,65 @@ static void evaluate_part(void *ctx, size_t part)
     double bad = 0.0;
     for (size_t kind = 0; kind < KINDS; ++kind) {
         bin *at = &in->bins[kind];
-        at->pushing = all->law.cloth->level->pushes(&all->law, (weft__pair_kind)kind,
-                                                    &at->now.near, all->of->y,
-                                                    at->pushes, &bad);
+        at->pushing = all->law.cloth->level->pushes(
+            &all->law, (weft__pair_kind)kind, &at->now.near, in->now.spans,
+            in->now.count, all->of->y, at->pushes, &bad);
     }
     if (bad != 0.0) {
         atomic_store(&all->bad, true);
     }
 }
 
-/* Fills the pushes of a list that is ready. */
-static void evaluate(evaluation *all)
+/* Fills the pushes of a list that is ready; returns whether there can be any. */
+static bool evaluate(evaluation *all)
 {
+    if (all->list->group_count == 0) {
+        return false;
+    }
     all->law = weft__self_law_of(all->list->cloth);
     run(all->list->team, evaluate_part, all, all->list->shelf_count);
+    return true;
 }
 
-/* Adds the pushes of a bin to the particles [first, end). */
 static void add_pushes(const weft_cloth *cloth, const bin *of, size_t corners,
-                       size_t first, size_t end, double *to)
+                       double *to)
 {
+    const size_t n = cloth->particles;
     for (size_t i = 0; i < of->pushing; ++i) {
         const weft__pushes *from = &of->pushes[i / WEFT__BLOCK];
-        const size_t lane = i % WEFT__BLOCK, pair = from->at[lane];
+        const size_t lane = i % WEFT__BLOCK;
         for (size_t k = 0; k < corners; ++k) {
-            const size_t at = (size_t)of->now.near.particle[k][pair];
+            const size_t at = (size_t)from->particle[k][lane];
             const double scale = cloth->inverse_mass[at];
-            if (at >= first && at < end && scale > 0.0) {
-                for (size_t j = 0; j < 3; ++j) {
-                    to[j * cloth->particles + at] += scale * from->force[k][j][lane];
-                }
+            for (size_t j = 0; j < 3 && scale > 0.0; ++j) {
+                to[j * n + at] += scale * from->force[k][j][lane];
             }
         }
     }
 }
 
-/* Each thread adds all pushes to particles of its own, in the order of weft__each_pair.
- */
-static void gather_part(void *ctx, size_t part)
+/* In the order of weft__each_pair. By one thread: the pushes of others come from their
+ * caches, and two that each add half of them took longer. */
+static void gather(const weft__self_list *list, double *to)
 {
-    const evaluation *all = ctx;
-    const weft__self_list *list = all->list;
-    const size_t n = list->cloth->particles;
-    const size_t first = part * n / all->parts, end = (part + 1) * n / all->parts;
     for (size_t kind = 0; kind < KINDS; ++kind) {
         const size_t corners = weft__kind_particles((weft__pair_kind)kind);
         for (size_t i = 0; i < list->shelf_count; ++i) {
-            add_pushes(list->cloth, &list->shelves[i].bins[kind], corners, first, end,
-                       all->to);
+            add_pushes(list->cloth, &list->shelves[i].bins[kind], corners, to);
         }
     }
 }
 
 int weft__self_list_add(weft__self_list *list, const weft__subject *of, double *to)
 {
-    evaluation all = { .list = list, .of = of, .to = to };
+    evaluation all = { .list = list, .of = of };
     const readiness is = prepare(list, of->y);
     if (is != READY) {
         return is == NOT_FINITE ? 1 : weft__self_add(of, WEFT__ACCELERATION, to);
     }
-    evaluate(&all);
-    all.parts = weft__team_threads(list->team);
-    run(list->team, gather_part, &all, all.parts);
+    if (evaluate(&all)) {
+        gather(list, to);
+    }
     return atomic_load(&all.bad) ? 1 : 0;
 }
 
@@ -731,7 +807,7 @@ static void measure_bin(const weft_cloth *cloth, weft__pair_kind kind, const bin
 {
     for (size_t i = 0; i < of->pushing; ++i) {
         weft__push push;
-        weft__push_at(kind, &of->now.near, of->pushes, i, &push);
+        weft__push_at(kind, of->pushes, i, &push);
         weft__push_measure(cloth, &push, y, sum);
     }
 }
@@ -744,8 +820,8 @@ void weft__self_list_measure(weft__self_list *list, const weft__subject *of,
         weft__self_measure(of, sum);
         return;
     }
-    evaluate(&all);
-    for (size_t kind = 0; kind < KINDS; ++kind) {
+    const bool any = evaluate(&all);
+    for (size_t kind = 0; kind < KINDS && any; ++kind) {
         for (size_t i = 0; i < list->shelf_count; ++i) {
             measure_bin(list->cloth, (weft__pair_kind)kind,
                         &list->shelves[i].bins[kind], of->y, sum);
@@ -811,11 +887,11 @@ static bool proves(weft__self_list *list, const weft__stride *of)
                             * fmax(drift(list, NULL, of->y0 + 3 * n, 3),
                                    drift(list, NULL, of->y1 + 3 * n, 4)));
     }
-    bool has = 0.5 * (ends + way) * (1.0 + ROUNDOFF) < range_of(list);
+    bool has = 0.5 * (ends + way) * (1.0 + ROUNDOFF) < lasting_of(list);
     for (size_t i = 0; i < list->shelf_count && has; ++i) {
         shelf *at = &list->shelves[i];
-        for (size_t g = 0; g < at->group_count && has; ++g) {
-            group *to = &at->groups[g];
+        for (size_t g = 0; g < at->now.count && has; ++g) {
+            group *to = &at->now.at[g];
             to->reach = reach_of(list, of, list->between[to->tiles]);
             has = to->reach < list->clear[to->tiles];
         }
@@ -827,15 +903,15 @@ static bool proves(weft__self_list *list, const weft__stride *of)
 static bool look_along(const shelf *in, weft__pair_kind kind, stride_search *of)
 {
     const pairs *at = &in->bins[kind].now;
-    weft__pair pair = { .kind = kind };
     bool goes_on = true;
-    for (size_t g = 0; g < in->group_count && goes_on; ++g) {
-        const group *to = &in->groups[g];
+    for (size_t g = 0; g < in->now.count && goes_on; ++g) {
+        const group *to = &in->now.at[g];
         const double reach = to->reach + to->loss;
-        size_t i = g > 0 ? to[-1].end[kind] : 0;
-        for (; i < to->end[kind] && goes_on && !(to->nearest > reach); ++i) {
+        const size_t end = in->now.spans[g].end[kind];
+        size_t i = first_of(&in->now, g, kind);
+        for (; i < end && goes_on && !(to->nearest > reach); ++i) {
             if (!(at->distances[i] > reach)) {
-                memcpy(pair.particle, at->at[i].of, sizeof pair.particle);
+                const weft__pair pair = weft__near_pair(kind, &at->near, i);
                 goes_on = look_at(of, &pair);
             }
         }
