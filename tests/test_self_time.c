@@ -520,6 +520,22 @@ static void expect_rates_without_a_list(void)
     ck_assert_mem_eq(dydt[0], dydt[1], sizeof dydt[0]);
 }
 
+/* At every fourth step; then evaluations go on from another place. */
+START_TEST(a_list_has_the_pairs_of_a_search)
+{
+    size_t touching = 0;
+    start_pile();
+    for (size_t i = 0; weft_sim_time(sim) < 0.5; ++i) {
+        ck_assert_int_eq(weft_sim_step(sim, 0.5, &err), WEFT_OK);
+        if (i % 4 == 0) {
+            expect_rates_without_a_list();
+            touching += weft_sim_measure(sim).self_touching;
+        }
+    }
+    ck_assert_uint_gt(touching, 1000);
+}
+END_TEST
+
 /* The list keeps the masses of pairs, which depend on pins. */
 START_TEST(a_list_follows_pins)
 {
@@ -589,6 +605,7 @@ TEST_SUITE(self_time)
     tcase_add_test(bits, the_skin_does_not_change_results);
     tcase_add_test(threads, threads_do_not_change_results);
     tcase_add_test(bits, a_list_changes_no_bit);
+    tcase_add_test(bits, a_list_has_the_pairs_of_a_search);
     tcase_add_test(bits, a_list_follows_pins);
     tcase_add_test(bits, a_resumed_run_equals_one_that_went_on);
     suite_add_tcase(suite, apart);
