@@ -88,8 +88,8 @@ typedef struct pair_search {
     double range;
     weft__pair_fn *visit;
     void *ctx;
-    unsigned kinds; /* bits */
-    owned last;     /* the first node of the last visit */
+    unsigned kinds;            /* bits */
+    owned first, others[2][2]; /* of the last visits; by rows and columns even or odd */
 } pair_search;
 
 static bool seeks(const pair_search *of, weft__pair_kind kind)
@@ -146,29 +146,37 @@ static bool try_edges(const pair_search *of, const owned *a, const owned *b)
     return goes_on;
 }
 
+/* A search comes to four nodes in turns. */
+static const owned *owned_by(const pair_search *of, size_t node, owned *last)
+{
+    if (last->node != node) {
+        find_owned(of->tree, node, last);
+    }
+    return last;
+}
+
 /* The edges of one node have common particles. */
 static bool visit_nodes(void *ctx, size_t i, size_t j)
 {
     pair_search *of = ctx;
-    const owned *a = &of->last;
-    owned b;
-    if (a->node != i) {
-        find_owned(of->tree, i, &of->last);
-    }
+    const size_t r = j / of->tree->cloth->cols, c = j - r * of->tree->cloth->cols;
+    const owned *a = owned_by(of, i, &of->first);
+    const owned *b = owned_by(of, j, &of->others[r % 2][c % 2]);
     if (i == j) {
         return try_vertex(of, &a->vertex, a);
     }
-    find_owned(of->tree, j, &b);
-    return try_vertex(of, &a->vertex, &b) && try_vertex(of, &b.vertex, a)
+    return try_vertex(of, &a->vertex, b) && try_vertex(of, &b->vertex, a)
            && (!seeks(of, WEFT__VERTICES)
-               || try_pair(of, WEFT__VERTICES, &a->vertex, 1, &b.vertex, 1))
-           && try_edges(of, a, &b);
+               || try_pair(of, WEFT__VERTICES, &a->vertex, 1, &b->vertex, 1))
+           && try_edges(of, a, b);
 }
 
 static bool seek(const weft__quadtree *tree, const uint32_t *tiles, double range,
                  unsigned kinds, weft__pair_fn *visit, void *ctx)
 {
-    pair_search of = { tree, range, visit, ctx, kinds, { .node = SIZE_MAX } };
+    const owned none = { .node = SIZE_MAX };
+    pair_search of
+        = { tree, range, visit, ctx, kinds, none, { { none, none }, { none, none } } };
     return tiles == NULL ? weft__tree_pairs(tree, range, visit_nodes, &of)
                          : weft__tree_between(tree, tiles, range, visit_nodes, &of);
 }

@@ -360,7 +360,7 @@ void NAME(drift, LEVEL)(const weft_cloth *cloth, const double *from, const doubl
             }
         }
         narrow(of, &tiles[i]);
-        if (sum(trouble) != 0.0) {
+        if (any(trouble != 0.0)) {
             tiles[i].high[0] = (double)INFINITY;
         }
     }
