@@ -5,6 +5,14 @@
 #   make uninstall PREFIX= DESTDIR=             removes the same files
 #   make bundle PREFIX=                         library, plugins and program alone, for a package of another language
 
+# Recipes, and the files written for pkg-config and CMake, hold these names unquoted. This comes first, before
+# make expands them.
+ifneq ($(filter install uninstall bundle,$(MAKECMDGOALS)),)
+WRONG := $(shell tools/install unusable $(foreach d,DESTDIR PREFIX BINDIR LIBDIR INCLUDEDIR DATADIR MANDIR DOCDIR,\
+    $(if $(filter command environment,$(firstword $(origin $d))),'$d=$(subst ','\'',$(value $d))')))
+$(if $(WRONG),$(error $(WRONG)))
+endif
+
 PREFIX     ?= /usr/local
 DESTDIR    ?=
 BINDIR     ?= $(PREFIX)/bin
@@ -14,6 +22,7 @@ DATADIR    ?= $(PREFIX)/share
 MANDIR     ?= $(DATADIR)/man
 DOCDIR     ?= $(DATADIR)/doc/weft
 PLUGINDIR  := $(LIBDIR)/weft/plugins-1
+export DESTDIR
 
 SHARE := $(BUILD)/share
 MAN := $(SHARE)/man/weft.1 $(SHARE)/man/weft-scene.5 $(SHARE)/man/weft-plugin.7
@@ -55,13 +64,13 @@ FILES = $(BUILD)/weft:$(BINDIR)/ \
         $(SHARE)/weft.fish:$(DATADIR)/fish/vendor_completions.d/weft.fish
 
 install: all
-	@DESTDIR='$(DESTDIR)' tools/install put $(FILES)
-	@DESTDIR='$(DESTDIR)' PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' INCLUDEDIR='$(INCLUDEDIR)' \
+	@tools/install put $(FILES)
+	@PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' INCLUDEDIR='$(INCLUDEDIR)' \
 	    VERSION='$(VERSION)' SOVERSION='$(SOVERSION)' tools/install describe \
 	    $(foreach p,$(PLUGINS),'$(p):$(LIBS_$(p))')
 
 uninstall:
-	@DESTDIR='$(DESTDIR)' DOCDIR='$(DOCDIR)' LIBDIR='$(LIBDIR)' INCLUDEDIR='$(INCLUDEDIR)' \
+	@DOCDIR='$(DOCDIR)' LIBDIR='$(LIBDIR)' INCLUDEDIR='$(INCLUDEDIR)' \
 	    VERSION='$(VERSION)' SOVERSION='$(SOVERSION)' tools/install remove $(FILES)
 
 # Without HDF5 there is no program.

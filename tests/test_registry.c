@@ -393,6 +393,12 @@ START_TEST(loading_all_tells_of_the_refused_and_goes_on)
     char text[PATH];
     (void)snprintf(text, sizeof text, "no stepper plugin in %s", c);
     refused(weft_registry_load_all(registry, NULL, NULL, &err), text);
+    const char *file = in(b, "weft-readme.txt");
+    (void)snprintf(list, sizeof list, "%s:/nowhere:%s", file, c);
+    look_in(list, false, NULL);
+    (void)snprintf(text, sizeof text,
+                   "no stepper plugin in %s (Not a directory):/nowhere:%s", file, c);
+    refused(weft_registry_load_all(registry, NULL, NULL, &err), text);
     weft_registry_destroy(NULL);
 }
 END_TEST

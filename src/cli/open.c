@@ -33,7 +33,7 @@ int report_error(const weft_error *err)
                                            : EXIT_SIMULATION;
 }
 
-/* The build tree has its plugins beside libweft; "" if that was found by no path. */
+/* The build tree has its plugins beside libweft; "" if it is none. */
 static void tree_plugins(char *directory, size_t size)
 {
     const char *(*const function)(void) = weft_version;
@@ -46,6 +46,9 @@ static void tree_plugins(char *directory, size_t size)
         && realpath(info.dli_fname, library) != NULL) {
         *strrchr(library, '/') = '\0';
         (void)snprintf(directory, size, "%s/plugins", library);
+        if (access(directory, F_OK) != 0) {
+            directory[0] = '\0';
+        }
     }
 }
 

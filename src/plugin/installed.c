@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* installed.c -- finds the directory of the installed plugins: beside the library, also
- * after that was moved. */
+ * after that was moved. A message names it if it is missing or cannot be read. */
 #define _GNU_SOURCE /* dladdr, in POSIX since 2024 */
 
 #include <dlfcn.h>
+#include <errno.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,7 +29,9 @@ void weft__installed_plugins(char *directory, size_t size)
     *slash = '\0';
     const int length
         = snprintf(directory, size, "%s/weft/plugins-%u", library, WEFT_STEPPER_ABI);
-    if (length >= (int)size || stat(directory, &status) != 0) {
+    const bool tree
+        = stat(directory, &status) != 0 && errno == ENOTDIR; /* of the build */
+    if (tree || length >= (int)size) {
         directory[0] = '\0';
     }
 }

@@ -4,8 +4,10 @@
 
 #include <dirent.h>
 #include <dlfcn.h>
+#include <errno.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "base/memory.h"
 
@@ -268,12 +270,27 @@ static const char *next_directory(const char *list, char *directory, size_t size
     return NULL;
 }
 
-/* In words. */
-static const char *searched(const weft_registry *registry)
+typedef struct place_list {
+    char text[512];
+} place_list;
+
+/* The search path in words, with the reason at each directory that cannot be read. */
+static place_list searched(const weft_registry *registry)
 {
-    return registry->path[0] != '\0'
-               ? registry->path
-               : "an empty search path; set WEFT_PLUGIN_PATH or weft_registry_def.path";
+    place_list out = { "an empty search path; set WEFT_PLUGIN_PATH or "
+                       "weft_registry_def.path" };
+    char directory[2048], inside[2048 + 2];
+    size_t used = 0;
+    const char *list = registry->path;
+    while (used < sizeof out.text
+           && (list = next_directory(list, directory, sizeof directory)) != NULL) {
+        (void)snprintf(inside, sizeof inside, "%s/.", directory);
+        const bool readable = access(inside, R_OK | X_OK) == 0 || errno == ENOENT;
+        used += (size_t)snprintf(out.text + used, sizeof out.text - used, "%s%s%s%s%s",
+                                 used > 0 ? ":" : "", directory, readable ? "" : " (",
+                                 readable ? "" : strerror(errno), readable ? "" : ")");
+    }
+    return out;
 }
 
 weft_status weft_registry_locate(const weft_registry *registry, const char *id,
@@ -290,7 +307,7 @@ weft_status weft_registry_locate(const weft_registry *registry, const char *id,
     }
     return weft_error_set(err, WEFT_BAD_PLUGIN,
                           "plugin '%s' not found: no weft-%s.so in %s", id, id,
-                          searched(registry));
+                          searched(registry).text);
 }
 
 weft_status weft_registry_find(weft_registry *registry, const char *id,
@@ -386,7 +403,7 @@ weft_status weft_registry_load_all(weft_registry *registry,
     each_file(registry, load_one, &self);
     if (registry->count == 0) {
         return weft_error_set(err, WEFT_BAD_PLUGIN, "no stepper plugin in %s",
-                              searched(registry));
+                              searched(registry).text);
     }
     return WEFT_OK;
 }
