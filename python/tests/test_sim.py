@@ -6,6 +6,7 @@ import gc
 import multiprocessing
 import os
 import pickle
+import shutil
 import signal
 import subprocess
 import sys
@@ -13,6 +14,9 @@ import threading
 import time
 import types
 import weakref
+from decimal import Decimal
+from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -88,8 +92,21 @@ def test_a_state_can_be_handed_to_another_simulation(scene):
     sim.advance(0.3)
     other.state = sim.state
     assert (other.state == sim.state).all() and other.time == 0
-    with pytest.raises(ValueError, match=r"a state has the shape \(480,\), not \(80, 3\)"):
+    with pytest.raises(ValueError, match=r"a state has the shape \(80, 3\), not \(480,\)"):
         other.state = sim.positions
+
+
+def test_a_complex_state_is_refused(scene):
+    sim = weft.load(scene)
+    before = sim.state.copy()
+    for name, value in (("state", before + 1j), ("positions", sim.positions + 1j), ("velocities", sim.grid * 1j)):
+        with pytest.raises(TypeError, match="consists of real numbers, not of complex128"):
+            setattr(sim, name, value)
+    with pytest.raises(TypeError, match="a state consists of real numbers"):
+        sim.rhs(0, before + 0j)
+    with pytest.raises(TypeError, match="a vector consists of real numbers"):
+        sim.pin(40, velocity=[1j, 0, 0])
+    assert (sim.state == before).all() and not sim.pinned[40]
 
 
 def test_masses_rest_and_strains_have_one_entry_per_particle(scene):
@@ -115,6 +132,38 @@ def test_a_step_ends_at_or_before_the_next_frame(scene):
     for t in (0.0, np.nan, np.inf):
         with pytest.raises(ValueError):
             sim.advance(t)
+
+
+@pytest.fixture
+def deadline():
+    """Ends a test that hangs, and the child of its fork."""
+    def late(*_):
+        raise TimeoutError
+    before = signal.signal(signal.SIGALRM, late)
+    signal.alarm(60)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+@pytest.mark.parametrize("t", [Fraction(1, 30), Decimal("0.1"), np.longdouble("0.2"), np.float32(0.1), 1])
+def test_a_time_of_any_real_type_is_that_of_the_nearest_double(scene, deadline, t):
+    sim, same = weft.load(scene), weft.load(scene)
+    sim.advance(t)
+    same.advance(float(t))
+    assert sim.time == float(t) and (sim.state == same.state).all()
+    while sim.step(until=t + t):
+        pass
+    assert sim.time == float(t + t)
+
+
+def test_what_is_no_real_number_is_no_time(scene):
+    sim = weft.load(scene)
+    for t in ("0.1", 0.1 + 0j, np.complex128(0.1)):
+        with pytest.raises(TypeError, match="a time consists of real numbers"):
+            sim.advance(t)
+    with pytest.raises(ValueError, match=r"a time has the shape \(2,\)"):
+        sim.step(until=[0.1, 0.2])
 
 
 def test_frames_have_the_bits_of_the_program(scene, tmp_path):
@@ -291,6 +340,12 @@ def test_shapes_come_move_and_go(scene):
         sim.add_shape("sphere", radios=1)
     with pytest.raises(ValueError, match="plane, sphere, capsule, box"):
         sim.add_shape("ball")
+    for name, value in (("at", [0, -2]), ("to", [1]), ("normal", [0, 1]), ("velocity", [1]), ("half", np.zeros((3, 1))),
+                        ("amplitude", 1.0)):
+        with pytest.raises(ValueError, match=name + r" has the shape .*, not \(3,\)"):
+            sim.add_shape("capsule", radius=0.1, **{name: value})
+    with pytest.raises(ValueError, match=r"radius has the shape \(1,\), not \(\)"):
+        sim.add_shape("sphere", at=[0, -2, 0], radius=[0.1])
     sim.remove_shape(-1)
     assert sim.shapes == []
 
@@ -516,6 +571,31 @@ def test_what_is_no_function_is_refused(scene):
         weft.load(scene, force=(print, None))
 
 
+@pytest.mark.parametrize("name", ["force", "correct"])
+def test_what_is_no_c_function_of_the_signature_is_refused(scene, name):
+    wrong = [ffi.NULL, ffi.cast("int", 3), ffi.new("double[3]"), ffi.cast("void *", 4096),
+             ffi.cast("double (*)(double)", 4096)]
+    for function in wrong + [(one, np.zeros(1)) for one in wrong]:
+        with pytest.raises(TypeError, match="is not a C function of the type .*void \\*, double, "):
+            weft.load(scene, **{name: function})
+    kind = "weft_%s_fn *" % name
+    for function in (ffi.cast(kind, 0), types.SimpleNamespace(address=0), ctypes.CFUNCTYPE(ctypes.c_int)()):
+        with pytest.raises(ValueError, match="null"):
+            weft.load(scene, **{name: function})
+
+
+@quiet
+def test_after_a_correction_that_left_nan_the_state_is_that_of_the_correction(scene):
+    def spoil(t, h, x, v):
+        if t > 0.05:
+            x[5] = np.nan
+
+    sim = weft.load(scene, correct=spoil)
+    with pytest.raises(weft.StepError):
+        sim.advance(0.1)
+    assert sim.time > 0.05 and np.isnan(sim.positions[5]).all() and np.isfinite(sim.positions[6:]).all()
+
+
 @quiet
 def test_a_force_sees_read_only_arrays(scene):
     def edits(t, x, v, f):
@@ -538,6 +618,13 @@ def test_a_callback_may_read_but_not_step(scene):
     sim = weft.load(scene, correct=curious)
     sim.advance(0.01)
     assert found == list(range(1, 11))
+
+
+def test_nothing_frees_a_simulation_that_is_held(scene):
+    sim = weft.load(scene)
+    with pytest.raises(AttributeError):
+        sim.__del__()
+    assert sim.step() > 0
 
 
 @quiet
@@ -621,6 +708,71 @@ def test_a_fork_neither_uses_nor_waits_for_threads_of_its_parent(scene):
     sim.advance(0.002)
 
 
+def exits_well(child, work):
+    """Of os.fork(): does the work in the child, and in the parent whether that succeeded."""
+    if child == 0:
+        signal.alarm(60)
+        try:
+            os._exit(0 if work() else 1)
+        finally:
+            os._exit(2)
+    return os.waitpid(child, 0)[1] == 0
+
+
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_a_fork_during_a_load_can_load(scene, tmp_path):
+    file = tmp_path / "weft-verlet.so"
+    shutil.copy(next(Path(weft.__file__).parent.rglob("weft-verlet.so")), file)
+    code = """
+import logging, os, sys, weft, weft.library
+weft.load_plugin(sys.argv[1])
+messages = []
+logging.basicConfig(level="INFO", handlers=[type("Keep", (logging.Handler,), {
+    "emit": lambda self, record: messages.append(record.getMessage())})()])
+with weft.library.registry_lock:
+    child = os.fork()
+if child == 0:
+    import signal
+    signal.alarm(60)
+    weft.load(%r)
+    os._exit(0 if any(sys.argv[1] in message for message in messages) else 1)
+sys.exit(os.waitpid(child, 0)[1] != 0)
+""" % scene
+    subprocess.run([sys.executable, "-W", "ignore", "-c", code, file], check=True, timeout=600)
+
+
+def blocked_read(scene):
+    """A simulation that another thread reads until an event is set: (sim, thread, event)."""
+    entered, release = threading.Event(), threading.Event()
+
+    def force(t, x, v, f):
+        entered.set()
+        release.wait()
+
+    sim = weft.load(scene, force=force)
+    thread = threading.Thread(target=sim.rhs, args=(0, sim.state.copy()))
+    thread.start()
+    entered.wait()
+    return sim, thread, release
+
+
+@quiet
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_a_fork_does_not_wait_for_reads_of_absent_threads(scene, deadline):
+    sim, thread, release = blocked_read(scene)
+
+    def work():
+        sim.pin(40)
+        return sim.pinned[40]
+
+    try:
+        assert exits_well(os.fork(), work)
+    finally:
+        release.set()
+        thread.join()
+    assert not sim.pinned[40]
+
+
 # ---- threads, signals, exit -----------------------------------------------------------
 
 def test_simulations_in_threads_have_the_same_bits(scene):
@@ -643,6 +795,7 @@ def long_run(scene):
 
 
 @quiet
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
 def test_the_interpreter_is_free_meanwhile_and_one_thread_at_a_time_steps(scene):
     stop = threading.Event()
 
@@ -653,7 +806,12 @@ def test_the_interpreter_is_free_meanwhile_and_one_thread_at_a_time_steps(scene)
 
     scene["cloth"]["grid"] = {"rows": 50, "cols": 50, "spacing": 0.02}
     sim = weft.load(scene, {"stepper.fixed_step": 1e-6}, correct=until_stopped)
-    found = []
+    found, y = [], sim.state.copy()
+
+    def refused():
+        with pytest.raises(weft.Error, match="in use"):
+            sim.pin(40)
+        return True
 
     def work():
         try:
@@ -665,11 +823,54 @@ def test_the_interpreter_is_free_meanwhile_and_one_thread_at_a_time_steps(scene)
     thread.start()
     while sim.time == 0:
         time.sleep(0.001)
-    with pytest.raises(weft.Error, match="in use"):
-        sim.measure()
+    for use in ("measure()", "shapes", "shape_pose(0)", "rhs(0, y)", "jacobian_product(0, y, y)", "strains", "pinned",
+                "stiffness()", "stable_step()", "stats", "failure", "options", "pin(0)", "energy"):
+        with pytest.raises(weft.Error, match="in use"):
+            eval("sim." + use, {"sim": sim, "y": y})
+    assert exits_well(os.fork(), refused) and sim.time > 0 and sim.positions.shape == (2500, 3)
     stop.set()
     thread.join()
     assert len(found) == 1
+
+
+@quiet
+def test_a_change_waits_for_a_read(scene, deadline):
+    sim, thread, release = blocked_read(scene)
+    done = threading.Event()
+    change = threading.Thread(target=lambda: (sim.pin(40), done.set()))
+    change.start()
+    assert not done.wait(0.2)
+    release.set()
+    thread.join()
+    change.join()
+    assert done.is_set() and sim.pinned[40]
+
+
+def test_shapes_can_be_read_while_another_thread_adds_and_removes_them(scene, deadline):
+    sim, over, seen = weft.load(scene), threading.Event(), []
+
+    def read():
+        while not over.is_set():
+            try:
+                seen.extend(shape["radius"] for shape in sim.shapes)
+                sim.shape_pose(-1)
+            except (IndexError, weft.Error):
+                pass
+
+    threads = [threading.Thread(target=read) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    try:
+        while len(seen) < 1000:
+            for _ in range(5):
+                sim.add_shape("sphere", at=[0, -9, 0], radius=0.25)
+            for _ in range(5):
+                sim.remove_shape(0)
+    finally:
+        over.set()
+        for thread in threads:
+            thread.join()
+    assert set(seen) == {0.25}
 
 
 def test_ctrl_c_ends_an_advance(scene):

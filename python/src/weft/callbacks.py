@@ -93,15 +93,19 @@ def c_function(value: Any, kind: str) -> Optional[tuple[Any, Any, Any]]:
     """A C function as (pointer, ctx, what to keep alive); None: value is a function of Python."""
     function, ctx = value if isinstance(value, tuple) else (value, None)
     if isinstance(function, ffi.CData):
-        pointer = ffi.cast(kind, function)
+        pointer = function
+        if ffi.typeof(function) != ffi.typeof(kind):
+            raise TypeError("%r is not a C function of the type %s" % (function, ffi.getctype(kind)))
     elif isinstance(getattr(function, "address", None), int):  # numba.cfunc
         pointer = ffi.cast(kind, function.address)
     elif isinstance(function, ctypes._CFuncPtr):  # type: ignore[attr-defined]
-        pointer = ffi.cast(kind, ctypes.cast(function, ctypes.c_void_p).value)
+        pointer = ffi.cast(kind, ctypes.cast(function, ctypes.c_void_p).value or 0)
     elif isinstance(value, tuple):
         raise TypeError("only a C function takes a context: (function, context)")
     else:
         return None
+    if pointer == ffi.NULL:
+        raise ValueError("the address of the C function %r is null" % (function,))
     if isinstance(ctx, (np.ndarray, bytearray)):
         ctx = ffi.from_buffer(ctx)
     return pointer, ffi.NULL if ctx is None else ffi.cast("void *", ctx), (function, ctx, value)

@@ -100,7 +100,8 @@ class Failure(NamedTuple):
 
 
 class StepError(Error):
-    """A step failed; the state is that of the last good step, and `failure` describes it."""
+    """A step failed. The state is that of the last good step, or one that a correction left not finite; `failure`
+    describes it."""
 
     def __init__(self, message: str, status: str = "", failure: Optional[Failure] = None) -> None:
         super().__init__(message, status)
@@ -156,6 +157,16 @@ def chars(value: PathLike) -> Any:
     if b"\0" in data:
         raise ValueError("null character in %r" % (value,))
     return ffi.new("char[]", data)
+
+
+def real(value: Any, name: str, *shapes: tuple[int, ...]) -> Array:
+    """An array of real numbers that has one of the shapes."""
+    array = np.asarray(value)
+    if array.dtype.kind not in "biufO":  # O: Fraction, Decimal
+        raise TypeError("%s consists of real numbers, not of %s" % (name, array.dtype.name))
+    if array.shape not in shapes:
+        raise ValueError("%s has the shape %s, not %s" % (name, array.shape, " or ".join(map(str, shapes))))
+    return np.asarray(array, dtype=np.float64, order="C")
 
 
 def numbers_of(values: Any) -> Array:
@@ -215,6 +226,16 @@ def scene_help(key: Optional[str] = None) -> str:
 # code of its plugins.
 registry_lock = threading.Lock()
 _registry: Any = None
+_loaded: list[Any] = []  # files of load_plugin()
+
+
+def _after_fork() -> None:
+    global registry_lock, _registry
+    if registry_lock.locked():  # another thread was changing the registry: the child needs one of its own
+        registry_lock, _registry = threading.Lock(), None
+
+
+os.register_at_fork(after_in_child=_after_fork)
 
 
 def registry() -> Any:
@@ -225,6 +246,8 @@ def registry() -> Any:
         definition.log = lib.weftpy_log_of()
         out, err = ffi.new("weft_registry **"), ffi.new("weft_error *")
         check(lib.weft_registry_create(definition, out, err), err)
+        for file in _loaded:  # of the process that forked this one
+            check(lib.weft_registry_load(out[0], file, err), err)
         _registry = out[0]
     return _registry
 
@@ -234,7 +257,9 @@ def load_plugin(file: PathLike) -> None:
     in the directories of WEFT_PLUGIN_PATH need no call."""
     err = ffi.new("weft_error *")
     with registry_lock:
-        check(lib.weft_registry_load(registry(), chars(file), err), err)
+        name = chars(file)
+        check(lib.weft_registry_load(registry(), name, err), err)
+        _loaded.append(name)
 
 
 def _method(plugin: Any, kind: Any) -> Method:
@@ -324,7 +349,7 @@ def _diagnostic(of: Any) -> tuple[Diagnostic, str]:
 
 
 def read_scene(file: Optional[str], content: Optional[str], sets: list[str]) -> tuple[Any, list[str]]:
-    """A weft_scene, which the caller destroys, and its warnings."""
+    """A weft_scene and its warnings."""
     err, out, found = ffi.new("weft_error *"), ffi.new("weft_scene **"), ffi.new("weft_diagnostics *")
     definition = ffi.new("weft_scene_def *", lib.weft_scene_def_default())
     alive = [chars(s) for s in sets]
@@ -342,4 +367,4 @@ def read_scene(file: Optional[str], content: Optional[str], sets: list[str]) -> 
         rest = ["and %d more" % more] if more > 0 else []
         raise SceneError("\n".join([t for _, t in items] + rest), [d for d, _ in items])
     check(status, err)
-    return out[0], [t for _, t in items]
+    return ffi.gc(out[0], lib.weft_scene_destroy), [t for _, t in items]

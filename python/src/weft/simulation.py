@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import threading
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -14,9 +13,9 @@ import numpy as np
 
 from weft._weft import ffi, lib
 from weft.callbacks import Hooks, PerformanceWarning, as_particles, c_function
+from weft.exclusion import Exclusion
 from weft.library import (POWERS, Array, Error, Failure, PathLike, SceneWarning, Spring, StepError, check, failure,
-                          numbers_of, pair, read_scene, settings, spring, status_text, text,
-                          yaml_text)
+                          numbers_of, pair, read_scene, real, settings, spring, status_text, text, yaml_text)
 
 Scene = Union[PathLike, Mapping[str, Any]]
 Index = Union[int, tuple[int, int]]
@@ -156,24 +155,24 @@ def _revive(name: str, content: str, saved: bytes, force: Any, correct: Any) -> 
 
 
 class Sim:
-    """A simulation; make it with load(). One thread at a time uses it, many may run simulations of their own: the
-    interpreter lock is free while weft computes. Ctrl-C ends advance() after a step.
+    """A simulation; make it with load(). While one thread changes, steps or measures it, another one gets an Error.
+    Many may run simulations of their own: the interpreter lock is free while weft computes. Ctrl-C ends advance() after
+    a step.
 
     State arrays are views of weft's memory, read-only and not copied: later steps change them (`.copy()` keeps one).
-    They keep the simulation alive. Particle (r, c) has index r * cols + c.
+    They keep the simulation alive; any thread may read them, and the time, at any moment. Particle (r, c) has index
+    r * cols + c.
     """
 
-    _sim = _cloth = _scene = ffi.NULL  # so that __del__ works after a failed __init__
-
     def __init__(self, file: Optional[str], content: Optional[str], sets: list[str], force: Any, correct: Any) -> None:
-        self._lock, self._process = threading.Lock(), os.getpid()
+        self._exclusion, self._process = Exclusion(), os.getpid()
         self._name, self._given = file or "scene", (force, correct)
         self._scene, found = read_scene(file, content, sets)
         for warning in found:
             warnings.warn(warning, SceneWarning, stacklevel=3)
         err, cloth, sim = ffi.new("weft_error *"), ffi.new("weft_cloth **"), ffi.new("weft_sim **")
         check(lib.weft_cloth_create(lib.weft_scene_cloth(self._scene), cloth, err), err)
-        self._cloth = cloth[0]
+        self._cloth = ffi.gc(cloth[0], lib.weft_cloth_destroy)
         definition = ffi.new("weft_sim_def *", lib.weft_sim_def_default())
         definition.cloth, definition.method = self._cloth, lib.weft_scene_method_type(self._scene)
         definition.config = lib.weft_scene_config(self._scene)[0]
@@ -185,7 +184,7 @@ class Sim:
         self._kept = [self._hook("force", "weft_force_fn *", force),
                       self._hook("correct", "weft_correct_fn *", correct)]
         check(lib.weft_sim_create(definition, sim, err), err)
-        self._sim = sim[0]
+        self._sim = ffi.gc(sim[0], self._destroyer(definition, self._scene, self._cloth))
         self._present = lib.weft_sim_cloth(self._sim)
         self._free: Optional[Array] = None  # 1 / mass [1/kg], 0 of pinned particles
 
@@ -209,12 +208,15 @@ class Sim:
         setattr(self._definition, name + "_ctx", ctx)
         return keep
 
-    def __del__(self, lib: Any = lib, ffi: Any = ffi, getpid: Any = os.getpid) -> None:
-        if self._sim != ffi.NULL and getpid() != self._process and self._definition.config.threads > 1:
-            return  # a fork has no helper threads, which destroy would wait for
-        lib.weft_sim_destroy(self._sim)
-        lib.weft_cloth_destroy(self._cloth)
-        lib.weft_scene_destroy(self._scene)
+    @staticmethod
+    def _destroyer(definition: Any, *of: Any) -> Any:
+        """Destroys a simulation, before what it was made of."""
+        process = os.getpid()
+
+        def destroy(sim: Any, lib: Any = lib, getpid: Any = os.getpid, of: Any = of) -> None:
+            if getpid() == process or definition.config.threads < 2:  # else it would wait for threads that a fork lacks
+                lib.weft_sim_destroy(sim)
+        return destroy
 
     def __repr__(self) -> str:
         return "<weft.Sim %r: %d x %d particles, %s %s, t = %.9g s>" % (
@@ -227,14 +229,10 @@ class Sim:
     @contextmanager
     def _alone(self) -> Iterator[Any]:
         """Of functions that change the simulation, or measure it on its threads; gives a weft_error."""
-        if not self._lock.acquire(blocking=False):
-            raise Error("this simulation is in use: by another thread, or because this is one of its callbacks")
-        try:
+        with self._exclusion.change():
             if os.getpid() != self._process and self._definition.config.threads > 1:
                 raise Error("this simulation has threads, which a fork does not have: load it in the child process")
             yield ffi.new("weft_error *")
-        finally:
-            self._lock.release()
 
     # ---- what it is ----
 
@@ -281,7 +279,8 @@ class Sim:
     def pinned(self) -> np.ndarray[Any, np.dtype[np.bool_]]:
         """(N,) bool, at present."""
         flags = np.empty(self.particles, dtype=np.bool_)
-        lib.weftpy_pinned(self._present, ffi.from_buffer("bool[]", flags))
+        with self._exclusion.read():
+            lib.weftpy_pinned(self._present, ffi.from_buffer("bool[]", flags))
         return flags
 
     @property
@@ -296,7 +295,8 @@ class Sim:
         """Every choice of the solver beyond the scene's."""
         found: dict[str, str] = {}
         handle = ffi.new_handle(found)
-        lib.weft_sim_options(self._sim, lib.weftpy_option, handle)
+        with self._exclusion.read():
+            lib.weft_sim_options(self._sim, lib.weftpy_option, handle)
         return found
 
     # ---- time ----
@@ -318,7 +318,7 @@ class Sim:
         """Takes one accepted step, never past `until` [s] (default: the next frame; no step if it is now).
         Returns its size [s].
 
-        Raises StepError; the state is that of the last good step then.
+        Raises StepError; the state is that of the last good step then, or one that a correction left not finite.
 
         >>> sim = weft.load(scene)
         >>> h = sim.step()
@@ -327,24 +327,25 @@ class Sim:
         """
         with self._alone() as err:
             before = self.time
-            end = self._frame_after(before) if until is None else until
-            if self._later(end):
+            end = self._later(self._frame_after(before) if until is None else until)
+            if end > before:
                 self._finish(lib.weft_sim_step(self._sim, end, err), err)
             return self.time - before
 
-    def _later(self, t: float) -> bool:
-        if not (self.time <= t < math.inf):
+    def _later(self, t: Any) -> float:
+        end = float(real(t, "a time", ()))
+        if not (self.time <= end < math.inf):
             raise ValueError("the time is %.17g s already, or %r s is not finite" % (self.time, t))
-        return t > self.time
+        return end
 
     def advance(self, t: float) -> None:
-        """Steps until the time is exactly t [s]; frame i of a scene is at i / fps. Raises StepError."""
+        """Steps until the time is exactly t [s], as a double; frame i of a scene is at i / fps. Raises StepError."""
         with self._alone() as err:
-            self._later(t)
+            end = self._later(t)
             while True:  # returns every 50 ms, so that Python can raise KeyboardInterrupt
-                status = lib.weftpy_advance(self._sim, t, 0.05, self._hooks.raised, err)
+                status = lib.weftpy_advance(self._sim, end, 0.05, self._hooks.raised, err)
                 self._finish(status, err)
-                if self.time == t:
+                if self.time == end:
                     return
 
     def _frame_after(self, t: float) -> float:
@@ -382,15 +383,16 @@ class Sim:
 
     @property
     def stats(self) -> Stats:
-        stats = lib.weft_sim_stats(self._sim)
-        counts = {name: getattr(stats, name) for name in Stats._fields[:-1]}
-        return Stats(**counts, vetoed=lib.weft_sim_vetoed(self._sim))
+        with self._exclusion.read():
+            stats, vetoed = lib.weft_sim_stats(self._sim), lib.weft_sim_vetoed(self._sim)
+        return Stats(**{name: getattr(stats, name) for name in Stats._fields[:-1]}, vetoed=vetoed)
 
     @property
     def failure(self) -> Optional[Failure]:
         """Why the last step failed; None: it did not."""
         out = ffi.new("weft_failure *")
-        return failure(out) if lib.weft_sim_failure(self._sim, out) else None
+        with self._exclusion.read():
+            return failure(out) if lib.weft_sim_failure(self._sim, out) else None
 
     # ---- state ----
 
@@ -401,8 +403,7 @@ class Sim:
 
     @state.setter
     def state(self, y: Any) -> None:
-        self._states(y)
-        x, v = np.asarray(y, dtype=np.float64).reshape(2, 3, self.particles)
+        x, v = real(y, "a state", (6 * self.particles,)).reshape(2, 3, self.particles)
         self.set_state(x.T, v.T)
 
     @property
@@ -444,10 +445,7 @@ class Sim:
     def _triples(self, values: Any, name: str) -> tuple[Any, Any]:
         if values is None:
             return ffi.NULL, None
-        array = np.ascontiguousarray(values, dtype=np.float64)
-        if array.shape not in ((self.particles, 3), (self.rows, self.cols, 3)):
-            raise ValueError("%s has the shape %s, not (%d, 3) or (%d, %d, 3)"
-                             % (name, array.shape, self.particles, self.rows, self.cols))
+        array = real(values, name, (self.particles, 3), (self.rows, self.cols, 3))
         return ffi.from_buffer("double[]", array), array
 
     def set_state(self, positions: Any = None, velocities: Any = None) -> None:
@@ -517,15 +515,12 @@ class Sim:
     def strains(self) -> Array:
         """(N,), the largest (L - s) / s of the springs of each particle."""
         out = np.empty(self.particles)
-        lib.weft_cloth_strains(self._present, lib.weft_sim_state(self._sim), ffi.from_buffer("double[]", out))
+        with self._exclusion.read():
+            lib.weft_cloth_strains(self._present, lib.weft_sim_state(self._sim), ffi.from_buffer("double[]", out))
         return out
 
     def _states(self, *values: Any) -> list[Any]:
-        arrays = [np.ascontiguousarray(y, dtype=np.float64) for y in values]
-        for y in arrays:
-            if y.shape != (6 * self.particles,):
-                raise ValueError("a state has the shape (%d,), not %s" % (6 * self.particles, y.shape))
-        return [ffi.from_buffer("double[]", y) for y in arrays]
+        return [ffi.from_buffer("double[]", real(y, "a state", (6 * self.particles,))) for y in values]
 
     def rhs(self, t: float, y: Any) -> Array:
         """dy/dt (6 N,) at t [s] in a state y (6 N,), with the simulation's present pins and shapes and its own force;
@@ -537,10 +532,11 @@ class Sim:
         """
         out = np.empty(6 * self.particles)
         state, = self._states(y)
-        if lib.weft_cloth_rhs(self._present, t, state, ffi.from_buffer("double[]", out)) != 0:
-            out[:] = np.nan
-        elif self._definition.force != ffi.NULL:
-            self._add_force(t, state, out)
+        with self._exclusion.read():
+            if lib.weft_cloth_rhs(self._present, t, state, ffi.from_buffer("double[]", out)) != 0:
+                out[:] = np.nan
+            elif self._definition.force != ffi.NULL:
+                self._add_force(t, state, out)
         return out
 
     def _add_force(self, t: float, state: Any, out: Array) -> None:
@@ -560,8 +556,10 @@ class Sim:
         """The derivative of the cloth's rhs along dy (6 N,): J dy (6 N,). Exact, without an own force."""
         out = np.empty(6 * self.particles)
         state, direction = self._states(y, dy)
-        if lib.weft_cloth_jacobian_product(self._present, t, state, direction, ffi.from_buffer("double[]", out)) != 0:
-            out[:] = np.nan
+        with self._exclusion.read():
+            if lib.weft_cloth_jacobian_product(self._present, t, state, direction,
+                                               ffi.from_buffer("double[]", out)) != 0:
+                out[:] = np.nan
         return out
 
     def stiffness(self, refine: int = 0, anywhere: bool = False) -> Stiffness:
@@ -569,10 +567,11 @@ class Sim:
         guaranteed, by `refine` steps of the power method."""
         state = ffi.NULL if anywhere else lib.weft_sim_state(self._sim)
         out, err = ffi.new("weft_stiffness *"), ffi.new("weft_error *")
-        if refine > 0:
-            check(lib.weft_cloth_stiffness_refined(self._present, self.time, state, refine, out, err), err)
-        else:
-            out[0] = lib.weft_cloth_stiffness(self._present, self.time, state)
+        with self._exclusion.read():
+            if refine > 0:
+                check(lib.weft_cloth_stiffness_refined(self._present, self.time, state, refine, out, err), err)
+            else:
+                out[0] = lib.weft_cloth_stiffness(self._present, self.time, state)
         corners = np.array([list(out.corners[i]) for i in range(out.count)]).reshape(-1, 2)
         return Stiffness(out.omega2, out.damping, corners)
 
@@ -582,7 +581,8 @@ class Sim:
         kind, config = self._definition.method, self._definition.config
         stability, modes = ffi.new("weft_stability *"), ffi.new("weft_stiffness *")
         h, err = ffi.new("double *"), ffi.new("weft_error *")
-        modes[0] = lib.weft_cloth_stiffness(self._present, self.time, lib.weft_sim_state(self._sim))
+        with self._exclusion.read():
+            modes[0] = lib.weft_cloth_stiffness(self._present, self.time, lib.weft_sim_state(self._sim))
         check(lib.weft_stability_create(kind, config.butcher, stability, err), err)
         check(lib.weft_stability_step(stability, modes, growth, h, err), err)
         return float(h[0])
@@ -624,7 +624,8 @@ class Sim:
     @property
     def shapes(self) -> list[dict[str, Any]]:
         """The present shapes, with the arguments of add_shape()."""
-        return [_shape_dict(lib.weft_cloth_shape(self._present, k)) for k in range(self._shape_count())]
+        with self._exclusion.read():
+            return [_shape_dict(lib.weft_cloth_shape(self._present, k)) for k in range(self._shape_count())]
 
     def _shape_count(self) -> int:
         return int(lib.weft_cloth_shapes(self._present))
@@ -651,7 +652,8 @@ class Sim:
         for name, value in fields.items():
             if name == "kind" or not hasattr(shape, name):
                 raise TypeError("a shape has no '%s'; it has %s" % (name, ", ".join(_SHAPE_FIELDS)))
-            setattr(shape, name, np.asarray(value, dtype=np.float64).tolist())
+            one = isinstance(getattr(shape, name), float)
+            setattr(shape, name, real(value, name, () if one else (3,)).tolist())
         k = ffi.new("size_t *")
         with self._alone() as err:
             check(lib.weft_sim_add_shape(self._sim, shape, k, err), err)
@@ -671,7 +673,8 @@ class Sim:
     def shape_pose(self, k: int) -> tuple[Array, Array]:
         """Where `at` of shape k is at present [m], and its velocity [m/s]; (3,) each."""
         at, velocity = ffi.new("double[3]"), ffi.new("double[3]")
-        lib.weft_cloth_shape_pose(self._present, self._shape(k), self.time, at, velocity)
+        with self._exclusion.read():
+            lib.weft_cloth_shape_pose(self._present, self._shape(k), self.time, at, velocity)
         return numbers_of(at), numbers_of(velocity)
 
     def shape_load(self, k: int) -> tuple[Array, Array]:
@@ -685,10 +688,7 @@ class Sim:
 def _vector(value: Any) -> Any:
     if value is None:
         return ffi.NULL
-    array = np.asarray(value, dtype=np.float64)
-    if array.shape != (3,):
-        raise ValueError("a vector has the shape (3,), not %s" % (array.shape,))
-    return ffi.new("double[3]", array.tolist())
+    return ffi.new("double[3]", real(value, "a vector", (3,)).tolist())
 
 
 _SHAPES = [text(lib.weft_shape_name(k)) for k in range(lib.WEFT_SHAPES)]
