@@ -184,7 +184,7 @@ START_TEST(overrides_are_checked_like_a_scene)
     expect(shell(WEFT " check " OUT "/small.yaml --set run.fps=20 --set "
                       "run.duration=soon 2>&1"),
            3);
-    says("command line, --set number 2");
+    says("override run.duration:14: error");
 }
 END_TEST
 

@@ -433,9 +433,9 @@ START_TEST(misfit_is_reported_where_an_override_made_it)
         const char *set, *found;
     } misfits[] = {
         { "cloth.grid.spacing=[0.01, 0.02]",
-          "command line, --set number 1:7: error: spacing [a, b] = [0.01, 0.02] m" },
+          "override cloth.grid.spacing:7: error: spacing [a, b] = [0.01, 0.02] m" },
         { "cloth.fabric.shear=100",
-          "command line, --set number 1:7: error: no ratio of spacings" },
+          "override cloth.fabric.shear:7: error: no ratio of spacings" },
     };
     weft_scene_def def
         = scene_of_text(GRID "  fabric: {preset: gray-interlock}\n" ENDED);

@@ -15,48 +15,49 @@ static const struct {
     bool loads;
 } choices[] = {
     { { "stepper.method=verlet/velocity_verlet", "stepper.fixed_step=1e-3" },
-      "command line, --set number 1:9: warning: rtol (line 4, column 39) dropped: the "
+      "override stepper.method:9: warning: rtol (line 4, column 39) dropped: the "
       "method has no error control\n",
       true },
     { { "stepper.plugin=verlet", "stepper.method=velocity_verlet",
         "stepper.fixed_step=1e-3" },
-      "command line, --set number 2:9: warning: rtol (line 4, column 39) dropped: the "
+      "override stepper.method:9: warning: rtol (line 4, column 39) dropped: the "
       "method has no error control\n",
       true },
     { { "stepper.fixed_step=1e-3" },
-      "command line, --set number 1:9: warning: rtol (line 4, column 39) dropped: "
+      "override stepper.fixed_step:9: warning: rtol (line 4, column 39) dropped: "
       "fixed_step excludes error control\n",
       true },
     { { "stepper.method=arkode/cash_karp", "stepper.fixed_step=1e-3" },
-      "--set number 2:9: warning: rtol (line 4, column 39) dropped: fixed_step",
+      "override stepper.fixed_step:9: warning: rtol (line 4, column 39) dropped: "
+      "fixed_step",
       true },
     { { "stepper.method=gsl/rk8pd", "stepper.rtol=1e-3" }, "", true },
     { { "stepper.method=verlet/velocity_verlet" },
-      "command line, --set number 1:23: error: method 'velocity_verlet' has no error "
+      "override stepper.method:23: error: method 'velocity_verlet' has no error "
       "control: it needs stepper.fixed_step [s]\n",
       false },
     { { "stepper.method=verlet/velocity_verlet", "stepper.fixed_step=1e-3",
         "stepper.rtol=1e-3" },
-      "command line, --set number 3:9: error: rtol would not be used by method "
+      "override stepper.rtol:9: error: rtol would not be used by method "
       "'velocity_verlet' of plugin 'verlet', which has no error control\n",
       false },
     { { "stepper.fixed_step=1e-3", "stepper.rtol=1e-3" },
-      "command line, --set number 2:9: error: rtol excludes fixed_step (command line, "
-      "--set number 1)\n",
+      "override stepper.rtol:9: error: rtol excludes fixed_step (override "
+      "stepper.fixed_step)\n",
       false },
     { { "stepper.method=arkode/cash_karp", "stepper.plugin=gsl" },
-      "command line, --set number 1:16: error: method 'arkode/cash_karp' is of another "
-      "plugin than 'gsl' (command line, --set number 2)\n",
+      "override stepper.method:16: error: method 'arkode/cash_karp' is of another "
+      "plugin than 'gsl' (override stepper.plugin)\n",
       false },
     { { "stepper.method=arkode/cash_crap" },
-      "command line, --set number 1:23: error: plugin 'arkode' has no method "
-      "'cash_crap' (did you mean 'cash_karp'?)",
+      "override stepper.method:23: error: plugin 'arkode' has no method 'cash_crap' "
+      "(did you mean 'cash_karp'?)",
       false },
     { { "stepper.method=arkod/cash_karp" },
-      "command line, --set number 1:16: error: plugin 'arkod' not found",
+      "override stepper.method:16: error: plugin 'arkod' not found",
       false },
     { { "stepper.method=/rk4" },
-      "command line, --set number 1:16: error: plugin 'gsl' has no method '/rk4'",
+      "override stepper.method:16: error: plugin 'gsl' has no method '/rk4'",
       false },
 };
 

@@ -172,7 +172,7 @@ static const struct {
     { "cloth.density=0.2", ":7: error: density excludes mass (line 5, column "
                            "3)\ncloth.density=0.2\n      ^\n" },
     { "stepper={plugin: gsl, method: rk4, rtol: 1, fixed_step: 0.01}",
-      ":45: error: fixed_step excludes rtol (command line, --set number 2)\n"
+      ":45: error: fixed_step excludes rtol (override stepper)\n"
       "stepper={plugin: gsl, method: rk4, rtol: 1, fixed_step: 0.01}\n"
       "                                            ^\n" },
     { "forces.wind.drag=1",
@@ -181,13 +181,13 @@ static const struct {
     { "run=\xFF", ":5: error: this is not UTF-8 (byte FF)\nrun=?\n    ^\n" },
 };
 
-START_TEST(wrong_overrides_are_placed_on_the_command_line)
+START_TEST(wrong_overrides_are_placed_at_their_key)
 {
     const char *const sets[] = { "run.fps=25", wrong[_i].set };
     const weft_scene_def def = with_sets(sets, 2);
     char wanted[600];
-    (void)snprintf(wanted, sizeof wanted, "command line, --set number 2%s",
-                   wrong[_i].told);
+    (void)snprintf(wanted, sizeof wanted, "override %.*s%s",
+                   (int)strcspn(wrong[_i].set, "="), wrong[_i].set, wrong[_i].told);
     ck_assert_str_eq(bad_scene(&def), wanted);
     ck_assert_int_eq(found.items[0].line, 0);
     ck_assert_uint_eq(found.errors, 1);
@@ -202,10 +202,8 @@ START_TEST(mistakes_of_file_and_overrides_are_told_together)
     def.set_count = 2;
     const char *told = bad_scene(&def);
     const char *version = strstr(told, "scene.yaml:1:7: error: version 2");
-    const char *threads
-        = strstr(told, "command line, --set number 1:13: error: threads");
-    const char *duration
-        = strstr(told, "command line, --set number 2:14: error: duration");
+    const char *threads = strstr(told, "override run.threads:13: error: threads");
+    const char *duration = strstr(told, "override run.duration:14: error: duration");
     ck_assert_msg(version != NULL && version < threads && threads < duration, "%s",
                   told);
 }
@@ -391,8 +389,7 @@ TEST_SUITE(scene_set)
     tcase_add_test(sets, overrides_reach_into_lists);
     tcase_add_test(sets, null_removes_a_key);
     tcase_add_test(sets, an_override_changes_its_own_path_and_no_alias);
-    tcase_add_loop_test(sets, wrong_overrides_are_placed_on_the_command_line, 0,
-                        COUNT(wrong));
+    tcase_add_loop_test(sets, wrong_overrides_are_placed_at_their_key, 0, COUNT(wrong));
     tcase_add_test(sets, mistakes_of_file_and_overrides_are_told_together);
     suite_add_tcase(all, sets);
     TCase *texts = tcase_create("texts");

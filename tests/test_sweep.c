@@ -156,12 +156,12 @@ START_TEST(a_sweep_over_methods_drops_keys_of_the_scene_and_the_command_line)
     def.sets = sets;
     def.set_count = 1;
     weft_sweep *sweep = good_sweep(&def);
-    ck_assert_ptr_nonnull(strstr(
-        all_found(),
-        "scene.yaml:7:11: warning: rtol (line 3, column 37), atol (command line, "
-        "--set number 1) dropped: the method has no error control (in 1 of 2 "
-        "runs, first stepper.method=verlet/velocity_verlet, "
-        "stepper.fixed_step=0.01)\n"));
+    ck_assert_ptr_nonnull(
+        strstr(all_found(),
+               "scene.yaml:7:11: warning: rtol (line 3, column 37), atol (override "
+               "stepper.atol) dropped: the method has no error control (in 1 of 2 "
+               "runs, first stepper.method=verlet/velocity_verlet, "
+               "stepper.fixed_step=0.01)\n"));
     ck_assert_uint_eq(found.warnings, 1);
     weft_scene *adaptive = run_of(sweep, 1);
     ck_assert(weft_scene_config(adaptive)->atol_position == 1e-3);
@@ -451,9 +451,9 @@ START_TEST(an_override_of_what_is_varied_would_be_lost_and_is_refused)
     def.set_count = 2;
     const char *told = bad_sweep(&def);
     ck_assert_uint_eq(found.errors, 2);
-    ck_assert_ptr_nonnull(strstr(told, "command line, --set number 1:1: error: run.fps "
+    ck_assert_ptr_nonnull(strstr(told, "override run.fps:1: error: run.fps "
                                        "is varied by sweep (line 9, column 9)\n"));
-    ck_assert_ptr_nonnull(strstr(told, "command line, --set number 2:1: error: "
+    ck_assert_ptr_nonnull(strstr(told, "override stepper:1: error: "
                                        "stepper.method is varied by sweep"));
 }
 END_TEST

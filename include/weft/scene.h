@@ -35,7 +35,7 @@ typedef struct weft_record_def {
 typedef struct weft_diagnostic {
     bool warning;
     int line, column; /* from 1; 0, 0: place unknown */
-    char place[256];  /* the file, or "command line, --set number 2" */
+    char place[256];  /* the file, or "override run.fps" */
     char message[384];
     char source[256]; /* the line of text that contains it */
     int caret;        /* column of source to point at, from 1; 0: none */

@@ -216,7 +216,9 @@ def test_a_dict_has_the_located_errors_of_a_file(scene, tmp_path):
     first = error.value.diagnostics[0]
     assert "unknown key 'densty' in cloth (did you mean 'density'?)" in first.message
     assert first.source.strip().startswith("densty: 1") and first.source[first.column - 1:].startswith("densty")
-    assert any("run.fps" in str(d) or "fps" in d.message for d in error.value.diagnostics[1:])
+    last = error.value.diagnostics[-1]
+    assert last.place == "override run.fps" and "fps must be a number > 0 [1/s], not '-1'" in last.message
+    assert "\noverride run.fps:9: error: fps must be" in str(error.value)
     path = tmp_path / "wrong.yaml"
     path.write_text("weft: 1\ncloth: {grid: [1]}\n")
     with pytest.raises(weft.SceneError, match=r"wrong.yaml:2:15: error: "):

@@ -14,10 +14,12 @@ bool weft__mark_before(weft__mark a, weft__mark b)
     return a.line != b.line ? a.line < b.line : a.column < b.column;
 }
 
-const char *weft__place_text(weft__mark at, char *out, size_t size)
+const char *weft__place_text(const weft__report *report, weft__mark at, char *out,
+                             size_t size)
 {
     if (at.source > 0) {
-        (void)snprintf(out, size, "command line, --set number %zu", at.source);
+        const char *key = report->sources[at.source].text;
+        (void)snprintf(out, size, "override %.*s", (int)strcspn(key, "="), key);
     } else {
         (void)snprintf(out, size, "line %zu, column %zu", at.line + 1, at.column + 1);
     }
@@ -152,7 +154,7 @@ weft_status weft__report_end(weft__report *report, weft_error *err)
         if (source->number == 0) {
             (void)snprintf(item->place, sizeof item->place, "%s", source->file);
         } else {
-            (void)weft__place_text(at, item->place, sizeof item->place);
+            (void)weft__place_text(report, at, item->place, sizeof item->place);
         }
         weft__one_line(item->place);
         item->caret

@@ -37,8 +37,9 @@ void weft__report_warning(weft__report *report, weft__mark at, const char *forma
  * is `length`, as snprintf returns it. */
 void weft__fit(char *text, size_t size, int length);
 
-/* "line 3, column 7" or "command line, --set number 2" into out[size]. */
-const char *weft__place_text(weft__mark at, char *out, size_t size);
+/* "line 3, column 7" or "override run.fps" into out[size], where it may be cut. */
+const char *weft__place_text(const weft__report *report, weft__mark at, char *out,
+                             size_t size);
 
 /* Whether a stands before b. */
 bool weft__mark_before(weft__mark a, weft__mark b);

@@ -47,10 +47,10 @@ static const char *explain(const tree_builder *self)
 }
 
 /* A place in the text that is being read. */
-static const char *spot(weft__mark at, char *out, size_t size)
+static const char *spot(const tree_builder *self, weft__mark at, char *out, size_t size)
 {
     if (at.source == 0) {
-        return weft__place_text(at, out, size);
+        return weft__place_text(self->tree->report, at, out, size);
     }
     (void)snprintf(out, size, "column %zu", at.column + 1);
     return out;
@@ -72,10 +72,10 @@ static void report_syntax(const tree_builder *self)
                    at, weft__source_mark(self->source, self->source->length))) {
         weft__report_error(report, from,
                            "%s (%s that begins here; the text ends at %s)", problem,
-                           context, spot(at, where, sizeof where));
+                           context, spot(self, at, where, sizeof where));
     } else {
         weft__report_error(report, at, "%s (%s that begins at %s)", problem, context,
-                           spot(from, where, sizeof where));
+                           spot(self, from, where, sizeof where));
     }
 }
 
@@ -163,7 +163,7 @@ static bool keep_anchor(tree_builder *self, const yaml_char_t *name,
         self->refused = true;
         weft__report_error(self->tree->report, node->at,
                            "duplicate anchor (the first is at %s)",
-                           spot(first->at, where, sizeof where));
+                           spot(self, first->at, where, sizeof where));
     }
     if (name == NULL || first != NULL) {
         return true;

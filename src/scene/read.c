@@ -405,10 +405,10 @@ static void match_pair(weft__reader *reader, weft__match *match, weft__entry pai
     } else if (found == NULL) {
         report_unknown(reader, match, pair.key, pair.value);
     } else if (found->key != NULL) {
-        weft__report_error(reader->report, pair.key->at,
-                           "duplicate key '%s' in %s (the first is at %s)", name,
-                           match->title,
-                           weft__place_text(found->key->at, where, sizeof where));
+        weft__report_error(
+            reader->report, pair.key->at,
+            "duplicate key '%s' in %s (the first is at %s)", name, match->title,
+            weft__place_text(reader->report, found->key->at, where, sizeof where));
     } else if (pair.value != NULL) {
         found->key = pair.key;
         found->value = pair.value;
@@ -535,7 +535,8 @@ void weft__report_exclusive(weft__report *report, const weft__node *a,
     const weft__node *second = weft__later(a, b), *first = second == a ? b : a;
     char where[64];
     weft__report_error(report, second->at, "%s excludes %s (%s)", second->text,
-                       first->text, weft__place_text(first->at, where, sizeof where));
+                       first->text,
+                       weft__place_text(report, first->at, where, sizeof where));
 }
 
 void weft__check_one(weft__reader *reader, const weft__match *match, const char *a,

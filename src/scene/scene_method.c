@@ -85,7 +85,8 @@ static void split_method(resolver *self)
         weft__report_error(self->reader->report, method.value->at,
                            "method '%.80s' is of another plugin than '%.40s' (%s)",
                            text, plugin.text,
-                           weft__place_text(plugin.key->at, where, sizeof where));
+                           weft__place_text(self->reader->report, plugin.key->at, where,
+                                            sizeof where));
     }
     const weft__node *id = part_of(self, method.value, 0, length);
     const weft__node *name
@@ -104,12 +105,13 @@ static void split_method(resolver *self)
 /* ---- keys that give way -------------------------------------------------------- */
 
 /* Adds "rtol (line 3, column 5)" to a list. */
-static void append_place(char *list, size_t size, const weft__node *key)
+static void append_place(const weft__report *report, char *list, size_t size,
+                         const weft__node *key)
 {
     const size_t used = strlen(list);
     char where[64];
     (void)snprintf(list + used, size - used, "%s%s (%s)", used == 0 ? "" : ", ",
-                   key->text, weft__place_text(key->at, where, sizeof where));
+                   key->text, weft__place_text(report, key->at, where, sizeof where));
 }
 
 /* Removes the keys that were set by an earlier source than `later`, and warns at the
@@ -122,7 +124,7 @@ static void drop_earlier(resolver *self, const char *const *keys, size_t count,
         const setting it = find(self, keys[i]);
         if (it.key != NULL && it.rank < later.rank) {
             put(self, it.slot, it.key, NULL);
-            append_place(list, sizeof list, it.key);
+            append_place(self->reader->report, list, sizeof list, it.key);
         }
     }
     if (list[0] != '\0') {
@@ -183,7 +185,7 @@ static void check_exclusive(const resolver *self)
         if (key != NULL && weft__mark_before(fixed->at, key->at)) {
             weft__report_exclusive(report, fixed, key);
         } else if (key != NULL) {
-            append_place(before, sizeof before, key);
+            append_place(self->reader->report, before, sizeof before, key);
         }
     }
     if (before[0] != '\0') {

@@ -41,17 +41,18 @@ static void check_overlap(const taker *self, const weft__node *key)
     for (size_t i = 0; i < self->out->keys; ++i) {
         const weft__node *other = self->out->axis[i].key;
         if (overlap(key->text, key->count, other->text, other->count)) {
-            weft__report_error(self->report, key->at,
-                               "%s is varied twice (first at %s)", key->text,
-                               weft__place_text(other->at, where, sizeof where));
+            weft__report_error(
+                self->report, key->at, "%s is varied twice (first at %s)", key->text,
+                weft__place_text(self->report, other->at, where, sizeof where));
         }
     }
     for (size_t i = 1; i <= self->set_count; ++i) {
         const weft__source *set = &self->report->sources[i];
         if (overlap(key->text, key->count, set->text, weft__override_path(set))) {
-            weft__report_error(self->report, weft__source_mark(set, 0),
-                               "%s is varied by sweep (%s)", key->text,
-                               weft__place_text(key->at, where, sizeof where));
+            weft__report_error(
+                self->report, weft__source_mark(set, 0), "%s is varied by sweep (%s)",
+                key->text,
+                weft__place_text(self->report, key->at, where, sizeof where));
         }
     }
 }
@@ -159,7 +160,7 @@ static weft__entry take_out(const taker *self)
                 weft__report_error(
                     self->report, pair.key->at,
                     "duplicate key 'sweep' in the scene (the first is at %s)",
-                    weft__place_text(first.key->at, where, sizeof where));
+                    weft__place_text(self->report, first.key->at, where, sizeof where));
             }
             pair.value = NULL;
         }
