@@ -225,6 +225,25 @@ START_TEST(ledgers_that_are_not_finite_are_refused)
 }
 END_TEST
 
+START_TEST(a_ledger_that_is_not_finite_is_not_saved)
+{
+    double far[DIM / 2];
+    for (size_t i = 0; i < DIM / 2; ++i) {
+        far[i] = 1e200; /* m/s */
+    }
+    const double end = weft_sim_time(sim);
+    ck_assert_int_eq(weft_sim_set_state(sim, NULL, far, &err), WEFT_OK);
+    ck_assert(!isfinite(weft_sim_ledger(sim).residual));
+    const weft_status status = weft_sim_save(sim, saved, sizeof saved, &err);
+    ck_assert_int_eq(status, WEFT_NOT_FINITE);
+    ck_assert_str_eq(err.message,
+                     "the energy ledger is not finite: it could not be restored");
+    memset(far, 0, sizeof far);
+    ck_assert_int_eq(weft_sim_set_state(sim, NULL, far, &err), WEFT_OK);
+    ck_assert(weft_sim_time(sim) == end);
+}
+END_TEST
+
 /* One held, one let go, one that moves; into a simulation that has other pins. */
 START_TEST(changed_pins_are_saved_and_restored)
 {
@@ -444,6 +463,7 @@ TEST_SUITE(checkpoint)
     tcase_add_test(one, another_kind_of_simulation_is_told_apart);
     tcase_add_test(one, numbers_that_are_not_finite_are_refused);
     tcase_add_test(one, ledgers_that_are_not_finite_are_refused);
+    tcase_add_test(one, a_ledger_that_is_not_finite_is_not_saved);
     tcase_add_test(one, changed_pins_are_saved_and_restored);
     tcase_add_test(one, what_was_saved_before_a_pin_brings_the_old_pins_back);
     tcase_add_test(one, saved_pins_that_make_no_sense_are_refused);

@@ -247,64 +247,282 @@ static void listen(void *ctx, weft_log_level level, const char *text)
 
 /* ---- what a callback may not do ------------------------------------------------ */
 
+static const weft_run_def quarter
+    = { .duration = 0.25, .fps = 10.0, .threads = 1, .checkpoint = 2 };
+
+enum { STOP, FORCE, CORRECT, EVENT, LOG, PUT, GET, TELL, FRAME, STEP, CALLBACKS };
+
 static unsigned char bytes[16384];
 static size_t refusals;
+static int meddler; /* the callback that meddles; CALLBACKS: none */
 
-static void refused(weft_status status, const weft_error *err, const char *function)
+static void refused(weft_status status, const weft_error *err, const char *function,
+                    const char *from)
 {
     char text[80];
-    (void)snprintf(text, sizeof text, "%s may not be called from a callback", function);
+    (void)snprintf(text, sizeof text, "%s may not be called from %s", function, from);
     ck_assert_int_eq(status, WEFT_INVALID);
     ck_assert_str_eq(err->message, text);
     ++refusals;
 }
 
-static void meddle(void)
+static weft_status no_put(void *ctx, uint64_t at, const void *from, size_t size,
+                          weft_error *err)
 {
-    weft_error err = { 0 };
-    const double place[3] = { 0.0 };
-    const size_t size = sizeof bytes;
-    refused(weft_sim_pin(sim, 5, NULL, &err), &err, "weft_sim_pin");
-    refused(weft_sim_unpin(sim, 0, &err), &err, "weft_sim_unpin");
-    refused(weft_sim_move_pin(sim, 0, place, &err), &err, "weft_sim_move_pin");
-    refused(weft_sim_set_state(sim, NULL, NULL, &err), &err, "weft_sim_set_state");
-    refused(weft_sim_save(sim, bytes, size, &err), &err, "weft_sim_save");
-    refused(weft_sim_restore(sim, bytes, size, &err), &err, "weft_sim_restore");
-    refused(weft_sim_restart(sim, &err), &err, "weft_sim_restart");
-    refused(weft_sim_step(sim, 9.0, &err), &err, "weft_sim_step");
-    refused(weft_sim_advance(sim, 9.0, &err), &err, "weft_sim_step");
+    (void)ctx, (void)at, (void)from, (void)size;
+    return weft_error_set(err, WEFT_IO, "called");
 }
 
-static int meddling_force(void *ctx, double t, const double *y, double *f)
+static weft_status no_get(void *ctx, uint64_t at, void *to, size_t size,
+                          weft_error *err)
 {
-    (void)ctx, (void)t, (void)y, (void)f;
-    meddle();
-    return 0;
+    (void)ctx, (void)at, (void)to, (void)size;
+    return weft_error_set(err, WEFT_IO, "called");
 }
 
-static bool meddling_correction(void *ctx, double t, double h, double *y)
+static weft_status no_frame(void *ctx, size_t i, weft_error *err)
 {
-    (void)ctx, (void)t, (void)h, (void)y;
-    meddle();
+    (void)ctx, (void)i;
+    return weft_error_set(err, WEFT_IO, "called");
+}
+
+#define REFUSED(function, from, ...)                                                   \
+    refused(function(sim, __VA_ARGS__, &why), &why, #function, from)
+
+static void try_to_step(const char *from)
+{
+    static const weft_run_def second = { .duration = 9.0, .fps = 1.0 };
+    const weft_play frames = { .run = &second, .last = 9, .frame = no_frame };
+    weft_error why = { 0 };
+    REFUSED(weft_sim_step, from, 9.0);
+    refused(weft_sim_advance(sim, 9.0, &why), &why, "weft_sim_step", from);
+    REFUSED(weft_sim_play, from, &frames);
+    REFUSED(weft_sim_restore, from, bytes, sizeof bytes);
+    REFUSED(weft_sim_restore_parts, from, no_get, NULL, sizeof bytes);
+}
+
+/* Calls every function that changes or saves the simulation. */
+static void meddle(int callback)
+{
+    static const char from[] = "a callback";
+    static const double place[3], y[6 * N];
+    const weft_shape shape = weft_shape_default(WEFT_SPHERE);
+    weft_error why = { 0 };
+    double within[6 * N];
+    if (callback != meddler) {
+        return;
+    }
+    try_to_step(from);
+    REFUSED(weft_sim_between, from, weft_sim_time(sim), within);
+    REFUSED(weft_sim_set_state, from, y, y);
+    REFUSED(weft_sim_pin, from, 5, NULL);
+    REFUSED(weft_sim_move_pin, from, 0, place);
+    REFUSED(weft_sim_unpin, from, 0);
+    REFUSED(weft_sim_add_shape, from, &shape, NULL);
+    REFUSED(weft_sim_move_shape, from, 0, place, NULL);
+    REFUSED(weft_sim_remove_shape, from, 0);
+    refused(weft_sim_restart(sim, &why), &why, "weft_sim_restart", from);
+    REFUSED(weft_sim_save, from, bytes, sizeof bytes);
+    REFUSED(weft_sim_save_parts, from, no_put, NULL);
+}
+
+static bool stop(void *ctx)
+{
+    (void)ctx;
+    meddle(STOP);
     return false;
 }
 
-START_TEST(callbacks_cannot_change_their_simulation)
+static int force(void *ctx, double t, const double *y, double *f)
 {
-    weft_error err;
-    start();
-    go(0.01);
-    const uint64_t plain = weft_sim_measure(sim).hash;
-    for (int i = 0; i < 2; ++i) {
-        run.force = i == 0 ? meddling_force : NULL;
-        run.correct = i == 1 ? meddling_correction : NULL;
-        refusals = 0;
-        start();
-        go(0.01);
-        ck_assert_uint_ge(refusals, 9 * weft_sim_stats(sim).steps);
-        ck_assert(weft_sim_measure(sim).hash == plain);
-        ck_assert_int_eq(weft_sim_unpin(sim, 0, &err), WEFT_OK); /* between steps */
+    (void)ctx, (void)t, (void)y, (void)f;
+    meddle(FORCE);
+    return 0;
+}
+
+static bool correction(void *ctx, double t, double h, double *y)
+{
+    (void)ctx, (void)t, (void)h, (void)y;
+    meddle(CORRECT);
+    return false;
+}
+
+static double event(void *ctx, const weft_cloth *of, double t, const double *y)
+{
+    (void)ctx, (void)of, (void)y;
+    meddle(EVENT);
+    return 0.01 - t;
+}
+
+static void hear(void *ctx, weft_log_level level, const char *text)
+{
+    (void)ctx, (void)text;
+    if (level != WEFT_LOG_INFO) { /* of weft_sim_create */
+        meddle(LOG);
     }
+}
+
+static weft_status put(void *ctx, uint64_t at, const void *from, size_t size,
+                       weft_error *err)
+{
+    (void)ctx, (void)err;
+    ck_assert_uint_le(at + size, sizeof bytes);
+    memcpy(bytes + at, from, size);
+    meddle(PUT);
+    return WEFT_OK;
+}
+
+static weft_status get(void *ctx, uint64_t at, void *to, size_t size, weft_error *err)
+{
+    (void)ctx, (void)err;
+    memcpy(to, bytes + at, size);
+    meddle(GET);
+    return WEFT_OK;
+}
+
+static void tell(void *ctx, const char *name, const char *value)
+{
+    (void)ctx;
+    meddle(TELL);
+    ck_assert_uint_gt(strlen(name) + strlen(value), 0);
+}
+
+static weft_status frame(void *ctx, size_t i, weft_error *err)
+{
+    (void)ctx, (void)i, (void)err;
+    if (weft_sim_is_between(sim)) {
+        meddle(FRAME);
+    }
+    return WEFT_OK;
+}
+
+static bool each_step(void *ctx)
+{
+    (void)ctx;
+    meddle(STEP);
+    return true;
+}
+
+/* A run that calls all callbacks that it has. */
+static uint64_t run_through(void)
+{
+    static const weft_run_def short_run = { .duration = 0.02, .fps = 700.0 };
+    const weft_play frames
+        = { .run = &short_run, .last = 14, .frame = frame, .step = each_step };
+    weft_error err = { 0 };
+    refusals = 0;
+    start();
+    ck_assert_msg(weft_sim_play(sim, &frames, &err) == WEFT_OK, "%s", err.message);
+    ck_assert_int_eq(weft_sim_save_parts(sim, put, NULL, &err), WEFT_OK);
+    const size_t size = weft_sim_save_size(sim);
+    ck_assert_msg(weft_sim_restore_parts(sim, get, NULL, size, &err) == WEFT_OK, "%s",
+                  err.message);
+    weft_sim_options(sim, tell, NULL);
+    ck_assert_int_eq(weft_sim_unpin(sim, 0, &err), WEFT_OK); /* between steps */
+    return weft_sim_measure(sim).hash;
+}
+
+START_TEST(no_callback_can_change_or_save_its_simulation)
+{
+    if (test_is_spared(test_method((size_t)_i))
+        || test_needs_damping(test_method((size_t)_i))) {
+        return;
+    }
+    use_method(_i);
+    const weft_sim_def plain = run;
+    for (int k = 0; k < CALLBACKS; ++k) {
+        run = plain;
+        run.dense = k == FRAME || k == STEP;
+        run.stop = k == STOP ? stop : NULL;
+        run.force = k == FORCE ? force : NULL;
+        run.correct = k == CORRECT ? correction : NULL;
+        run.event = k == EVENT ? event : NULL;
+        if (k == LOG) { /* a limit that cannot be met is logged */
+            run.log.write = hear;
+            run.limit.method = WEFT_LIMIT_PROVOT;
+            run.limit.strain = 0.0;
+            run.limit.sweeps = 1;
+            run.limit.tolerance = 1e-12;
+        }
+        meddler = CALLBACKS;
+        const uint64_t hash = run_through();
+        ck_assert_uint_eq(refusals, 0);
+        meddler = k;
+        ck_assert_uint_eq(run_through(), hash);
+        ck_assert(refusals >= 16 || k == TELL || k == FRAME);
+        meddler = CALLBACKS;
+    }
+}
+END_TEST
+
+static void hold_and_release(void)
+{
+    weft_error why = { 0 };
+    try_to_step("a callback of weft_sim_play");
+    ck_assert_int_eq(weft_sim_pin(sim, 5, NULL, &why), WEFT_OK);
+    ck_assert_int_eq(weft_sim_unpin(sim, 5, &why), WEFT_OK);
+}
+
+static weft_status change_at_frame(void *ctx, size_t i, weft_error *err)
+{
+    (void)ctx, (void)i, (void)err;
+    hold_and_release();
+    return WEFT_OK;
+}
+
+static bool change_after_step(void *ctx)
+{
+    (void)ctx;
+    hold_and_release();
+    return true;
+}
+
+static weft_status change_at_checkpoint(void *ctx, size_t i, weft_error *err)
+{
+    (void)ctx, (void)i;
+    hold_and_release();
+    return weft_sim_save(sim, bytes, sizeof bytes, err);
+}
+
+START_TEST(callbacks_of_a_play_may_change_between_steps_but_not_step)
+{
+    static const weft_run_def tenth = { .duration = 0.1, .fps = 40.0, .checkpoint = 2 };
+    const weft_play frames = { .run = &tenth,
+                               .last = 4,
+                               .frame = change_at_frame,
+                               .checkpoint = change_at_checkpoint,
+                               .step = change_after_step };
+    weft_error err = { 0 };
+    refusals = 0;
+    start();
+    ck_assert_msg(weft_sim_play(sim, &frames, &err) == WEFT_OK, "%s", err.message);
+    ck_assert_uint_eq(refusals, 5 * (5 + 1 + weft_sim_stats(sim).steps));
+}
+END_TEST
+
+START_TEST(play_without_frames_or_of_no_length_is_refused)
+{
+    const weft_play good = { .run = &quarter, .last = 3, .frame = no_frame };
+    const double wrong[] = { NAN, 0.0, -1.0, INFINITY };
+    weft_error err = { 0 };
+    weft_play bad = good;
+    start();
+    ck_assert_int_eq(weft_sim_play(sim, &good, &err), WEFT_IO);
+    ck_assert_int_eq(weft_sim_play(sim, NULL, &err), WEFT_INVALID);
+    bad.frame = NULL;
+    ck_assert_int_eq(weft_sim_play(sim, &bad, &err), WEFT_INVALID);
+    bad = (weft_play){ .last = 3, .frame = no_frame };
+    ck_assert_int_eq(weft_sim_play(sim, &bad, &err), WEFT_INVALID);
+    ck_assert_str_eq(err.message, "weft_sim_play needs a run and a frame callback");
+    for (size_t i = 0; i < 2 * 4; ++i) {
+        weft_run_def odd = quarter;
+        *(i % 2 == 0 ? &odd.fps : &odd.duration) = wrong[i / 2];
+        bad = good;
+        bad.run = &odd;
+        ck_assert_int_eq(weft_sim_play(sim, &bad, &err), WEFT_INVALID);
+        ck_assert_ptr_nonnull(strstr(err.message, "must be finite and > 0"));
+    }
+    ck_assert(weft_sim_time(sim) == 0.0);
 }
 END_TEST
 
@@ -373,9 +591,6 @@ static int no_force(void *ctx, double t, const double *y, double *f)
 /* ---- frames -------------------------------------------------------------------- */
 
 /* 0.25 s at 10 frames a second: the last frame comes sooner. */
-static const weft_run_def quarter
-    = { .duration = 0.25, .fps = 10.0, .threads = 1, .checkpoint = 2 };
-
 typedef struct film {
     double times[4]; /* [s] */
     size_t frames, checkpoints, steps, steps_most;
@@ -532,7 +747,10 @@ TEST_SUITE(embed)
     tcase_add_loop_test(tcase, force_that_is_no_number_is_never_accepted, 0, methods);
     tcase_add_test(tcase, correction_comes_after_the_limit);
     tcase_add_test(tcase, correction_that_spoils_the_state_is_told);
-    tcase_add_test(tcase, callbacks_cannot_change_their_simulation);
+    tcase_add_loop_test(tcase, no_callback_can_change_or_save_its_simulation, 0,
+                        methods);
+    tcase_add_test(tcase, callbacks_of_a_play_may_change_between_steps_but_not_step);
+    tcase_add_test(tcase, play_without_frames_or_of_no_length_is_refused);
     tcase_add_test(tcase, limit_that_is_not_met_is_told_once);
 #ifdef HAVE_GSL
     tcase_add_test(tcase, rejected_attempts_are_told);

@@ -488,6 +488,88 @@ START_TEST(bad_configs_are_refused)
 }
 END_TEST
 
+static void refused_type(weft_stepper_type type, const char *text)
+{
+    const weft_cloth_def model = weft_cloth_def_default();
+    weft_sim_def def = weft_sim_def_default();
+    weft_stability stability;
+    weft_sim *sim = NULL;
+    def.method = &type;
+    def.cloth = test_cloth(&model);
+    def.config.fixed_step = 1e-3;
+    ck_assert_int_eq(weft_sim_create(&def, &sim, &err), WEFT_BAD_PLUGIN);
+    ck_assert_str_eq(err.message, text);
+    ck_assert_int_eq(weft_stability_create(&type, NULL, &stability, &err),
+                     WEFT_BAD_PLUGIN);
+    ck_assert_str_eq(err.message, text);
+    weft_cloth_destroy((weft_cloth *)def.cloth);
+}
+
+START_TEST(method_given_directly_that_lacks_a_function_is_refused)
+{
+    const weft_stepper_type good = *test_method_named("verlet/velocity_verlet");
+    weft_stepper_type bad = good;
+    bad.create = NULL;
+    refused_type(bad, "method 'velocity_verlet' has no create");
+    bad = good;
+    bad.step = NULL;
+    refused_type(bad, "method 'velocity_verlet' has no step");
+    bad = good;
+    bad.state_changed = NULL;
+    refused_type(bad, "method 'velocity_verlet' has no state_changed");
+    bad = good;
+    bad.stats = NULL;
+    refused_type(bad, "method 'velocity_verlet' has no stats");
+    bad = good;
+    bad.destroy = NULL;
+    refused_type(bad, "method 'velocity_verlet' has no destroy");
+    bad = good;
+    bad.name = NULL;
+    refused_type(bad, "method 0 has no name");
+}
+END_TEST
+
+START_TEST(without_definition_or_place_for_the_result_nothing_is_made)
+{
+    weft_diagnostics found;
+    weft_cloth_def cloth_def = weft_cloth_def_default();
+    const weft_fabric fabric = { .bend = { 0.0 } };
+    weft_sim_def sim_def = weft_sim_def_default();
+    sim_def.method = test_method_named("verlet/velocity_verlet");
+    const weft_registry_def registry_def = weft_registry_def_default();
+    const weft_scene_def scene_def = weft_scene_def_default();
+    weft_stability stability;
+    weft_cloth *cloth;
+    weft_sim *sim;
+    weft_registry *one_more;
+    weft_scene *scene;
+    weft_sweep *sweep;
+    const struct {
+        weft_status none, nowhere;
+    } answers[] = {
+        { weft_cloth_create(NULL, &cloth, &err),
+          weft_cloth_create(&cloth_def, NULL, &err) },
+        { weft_sim_create(NULL, &sim, &err), weft_sim_create(&sim_def, NULL, &err) },
+        { weft_registry_create(NULL, &one_more, &err),
+          weft_registry_create(&registry_def, NULL, &err) },
+        { weft_scene_load(NULL, &scene, &found, &err),
+          weft_scene_load(&scene_def, NULL, &found, &err) },
+        { weft_sweep_load(NULL, &sweep, &found, &err),
+          weft_sweep_load(&scene_def, NULL, &found, &err) },
+        { weft_fabric_apply(NULL, &cloth_def, &err),
+          weft_fabric_apply(&fabric, NULL, &err) },
+        { weft_stability_create(NULL, NULL, &stability, &err),
+          weft_stability_create(sim_def.method, NULL, NULL, &err) },
+    };
+    for (size_t i = 0; i < COUNT(answers); ++i) {
+        ck_assert_int_eq(answers[i].none, WEFT_INVALID);
+        ck_assert_int_eq(answers[i].nowhere, WEFT_INVALID);
+    }
+    ck_assert_int_eq(weft_sim_create(NULL, &sim, &err), WEFT_INVALID);
+    ck_assert_str_eq(err.message, "weft_sim_create: the definition is NULL");
+}
+END_TEST
+
 START_TEST(statuses_have_texts_of_their_own)
 {
     for (int i = WEFT_OK; i <= WEFT_SOLVER; ++i) {
@@ -524,6 +606,8 @@ TEST_SUITE(registry)
     tcase_add_test(tcase, loading_all_tells_of_the_refused_and_goes_on);
     tcase_add_test(tcase, weft_mpi_is_located_and_no_plugin);
     tcase_add_test(tcase, bad_configs_are_refused);
+    tcase_add_test(tcase, method_given_directly_that_lacks_a_function_is_refused);
+    tcase_add_test(tcase, without_definition_or_place_for_the_result_nothing_is_made);
     tcase_add_test(tcase, statuses_have_texts_of_their_own);
     return suite;
 }

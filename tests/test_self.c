@@ -257,6 +257,10 @@ START_TEST(smallest_gap_has_its_primitives)
     ck_assert_str_eq(weft_primitive_text(&pair[0], 4, text, 64), "particle (0, 3)");
     ck_assert_str_eq(weft_primitive_text(&pair[1], 4, text, 64), "edge (0, 0)-(0, 1)");
     ck_assert_str_eq(weft_primitive_text(&triangle, 4, text, 64), "cell (1, 2)");
+    ck_assert_str_eq(weft_primitive_text(&pair[1], 0, text, 64), "edge (0, 0)-(0, 1)");
+    const weft_spring spring = { WEFT_SHEAR, 3, 7, 0.0 };
+    ck_assert_str_eq(weft_spring_text(&spring, 0, text, 64),
+                     "shear spring (0, 3)-(0, 7)");
     ck_assert_uint_eq(weft_cloth_self_touching(cloth, y), 1);
 }
 END_TEST

@@ -164,8 +164,8 @@ typedef struct weft_spring {
     double strain; /* (L - s) / s */
 } weft_spring;
 
-/* Writes "shear spring (3, 4)-(4, 5)", of a cloth with `cols` columns, to text[size] as
- * snprintf does. Returns text. */
+/* Writes "shear spring (3, 4)-(4, 5)", of a cloth with `cols` columns (0: all in one
+ * row), to text[size] as snprintf does. Returns text. */
 WEFT_API const char *weft_spring_text(const weft_spring *spring, size_t cols,
                                       char *text, size_t size);
 
@@ -177,7 +177,7 @@ typedef struct weft_primitive {
 } weft_primitive;
 
 /* Writes "particle (3, 4)", "edge (3, 4)-(3, 5)" or "cell (3, 4)" to text[size] as
- * snprintf does. Returns text. */
+ * weft_spring_text does. Returns text. */
 WEFT_API const char *weft_primitive_text(const weft_primitive *primitive, size_t cols,
                                          char *text, size_t size);
 

@@ -105,7 +105,7 @@ typedef struct weft_stability {
 
 /* butcher as in the stepper's config: NULL for a method that takes none; it must
  * outlive *out. Errors: WEFT_UNSUPPORTED (the method is implicit or multistep),
- * WEFT_NO_MEMORY, errors of creating the stepper. */
+ * WEFT_BAD_PLUGIN, WEFT_NO_MEMORY, errors of creating the stepper. */
 WEFT_API weft_status weft_stability_create(const weft_stepper_type *type,
                                            const weft_butcher *butcher,
                                            weft_stability *out, weft_error *err);
@@ -178,9 +178,11 @@ typedef bool weft_stop_fn(void *ctx);
 typedef double weft_event_fn(void *ctx, const weft_cloth *cloth, double t,
                              const double *y);
 
-/* No callback may call a function that changes or saves the simulation: that function
- * then returns WEFT_INVALID. All callbacks must return. After an exit by an exception
- * or by longjmp, these functions return WEFT_INVALID for ever. */
+/* No callback -- those below, `log`, `put`, `get` and `tell` -- may call a function that
+ * changes or saves the simulation: that function then returns WEFT_INVALID. Those of
+ * weft_play may, as it says. None may destroy it. All callbacks must return. After an
+ * exit by an exception or by longjmp, these functions return WEFT_INVALID for ever;
+ * weft_sim_destroy then frees it. */
 typedef struct weft_sim_def {
     const weft_cloth *cloth;         /* must outlive the simulation */
     const weft_stepper_type *method; /* likewise */
@@ -250,7 +252,8 @@ typedef struct weft_limit_stats {
 WEFT_API weft_sim_def weft_sim_def_default(void);
 
 /* Starts at t = 0 with weft_cloth_start. Errors: WEFT_INVALID, WEFT_NO_MEMORY,
- * WEFT_UNSUPPORTED (the method does not support the config). */
+ * WEFT_UNSUPPORTED (the method does not support the config), WEFT_BAD_PLUGIN (it lacks a
+ * function or is of another abi). */
 WEFT_API weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out,
                                      weft_error *err);
 WEFT_API void weft_sim_destroy(weft_sim *sim); /* NULL is allowed */
@@ -322,6 +325,10 @@ typedef struct weft_run_def {
 WEFT_API size_t weft_run_last_frame(const weft_run_def *run);
 WEFT_API double weft_run_frame_time(const weft_run_def *run, size_t i); /* [s] */
 
+/* Its callbacks are called between two steps: they may change pins, shapes and the
+ * state, restart and save, but not step or restore. Nothing may change from `frame` if
+ * weft_sim_is_between, and from `step` with `dense`, because frames within the last step
+ * are still to come. What they may not do returns WEFT_INVALID. */
 typedef struct weft_play {
     const weft_run_def *run;
     size_t first, last; /* frames; the time is at most that of `first` */
@@ -338,7 +345,8 @@ typedef struct weft_play {
  * `dense`, steps that no frame cuts, up to the next checkpoint. An event is the last
  * frame, at its own time. A checkpoint restarts the stepper, which changes results: by
  * this function a run has the same bits whether checkpoints are kept or not. Errors:
- * those of weft_sim_step and callbacks. */
+ * WEFT_INVALID (no run or frame callback, fps or duration not finite or not > 0), those
+ * of weft_sim_step and callbacks. */
 WEFT_API weft_status weft_sim_play(weft_sim *sim, const weft_play *play,
                                    weft_error *err);
 
@@ -490,7 +498,8 @@ WEFT_API weft_status weft_sim_restart(weft_sim *sim, weft_error *err);
  * Threads, allocators and log may differ; all other settings that matter are compared
  * by hashes. The caller must save the data of `correct` and `force`. The bytes contain
  * their version and a checksum; their number, weft_sim_save_size, changes only with the
- * number of shapes. Errors: WEFT_INVALID (size is less), those of weft_sim_restart.
+ * number of shapes. Errors: WEFT_INVALID (size is less), WEFT_NOT_FINITE (the ledger is
+ * not finite; then nothing changes), those of weft_sim_restart.
  *
  * In bands the bytes are those of the whole cloth, as without bands, and only band 0
  * gets them; `bytes` of the others is ignored. They can be restored on any other number

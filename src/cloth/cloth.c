@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/given.h"
 #include "base/memory.h"
 #include "cloth/crossing.h"
 #include "cloth/shapes.h"
@@ -299,6 +300,9 @@ weft_status weft__shape_make(const weft_cloth *cloth, const weft_shape *def,
 weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
                               weft_error *err)
 {
+    if (weft__given(def, out, "weft_cloth_create", err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
     *out = NULL;
     weft__refusal first = { WEFT_OK, err };
     weft__cloth_def_check(def, &(weft__faults){ weft__keep_first, &first });

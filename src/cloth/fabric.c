@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* fabric.c -- measured fabrics: the springs that have their moduli, the moduli that
  * springs have, and presets. */
+#include "base/given.h"
 #include "cloth/bending.h"
 #include "weft/elementary.h"
 
@@ -112,7 +113,8 @@ static weft_spring_def springs_of(bool present, double stiffness, double damping
 weft_status weft_fabric_apply(const weft_fabric *fabric, weft_cloth_def *def,
                               weft_error *err)
 {
-    const weft_status status = check(fabric, def, err);
+    weft_status status = weft__given(fabric, def, "weft_fabric_apply", err);
+    status = status == WEFT_OK ? check(fabric, def, err) : status;
     if (status != WEFT_OK) {
         return status;
     }

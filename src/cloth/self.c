@@ -28,6 +28,7 @@ const char *weft_primitive_text(const weft_primitive *primitive, size_t cols,
 {
     const size_t *i = primitive->particle;
     size_t r[3] = { 0 }, c[3] = { 0 };
+    cols = cols > 0 ? cols : SIZE_MAX;
     for (size_t k = 0; k < primitive->count; ++k) {
         r[k] = i[k] / cols, c[k] = i[k] % cols;
     }

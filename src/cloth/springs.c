@@ -73,6 +73,7 @@ const char *weft_family_name(weft_family family)
 const char *weft_spring_text(const weft_spring *spring, size_t cols, char *text,
                              size_t size)
 {
+    cols = cols > 0 ? cols : SIZE_MAX;
     (void)snprintf(text, size, "%s spring (%zu, %zu)-(%zu, %zu)",
                    weft_family_name(spring->family), spring->p / cols, spring->p % cols,
                    spring->q / cols, spring->q % cols);

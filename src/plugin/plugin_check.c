@@ -5,8 +5,8 @@
 
 #include <string.h>
 
-static weft_status check_type(const weft_stepper_type *type, size_t index,
-                              weft_error *err)
+weft_status weft__method_check(const weft_stepper_type *type, size_t index,
+                               weft_error *err)
 {
     if (type->abi != WEFT_STEPPER_ABI) {
         return weft_error_set(
@@ -76,7 +76,7 @@ weft_status weft__plugin_check(const weft_plugin *plugin, weft_error *err)
                               "it lacks an id, a version, a solver text or methods");
     }
     for (size_t i = 0; plugin->types[i] != NULL; ++i) {
-        const weft_status status = check_type(plugin->types[i], i, err);
+        const weft_status status = weft__method_check(plugin->types[i], i, err);
         if (status != WEFT_OK) {
             return status;
         }

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/given.h"
 #include "base/memory.h"
 
 typedef struct entry {
@@ -54,6 +55,9 @@ static char *join_paths(const weft_allocator *memory, const char *const lists[LI
 weft_status weft_registry_create(const weft_registry_def *def, weft_registry **out,
                                  weft_error *err)
 {
+    if (weft__given(def, out, "weft_registry_create", err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
     char installed[2048] = "";
     if (def->installed) {
         weft__installed_plugins(installed, sizeof installed);

@@ -10,6 +10,10 @@
  */
 weft_status weft__plugin_check(const weft_plugin *plugin, weft_error *err);
 
+/* The same of its method `index`, or of one that a program has without a plugin. */
+weft_status weft__method_check(const weft_stepper_type *type, size_t index,
+                               weft_error *err);
+
 /* installed.c: their directory; "" if there is none, or the library is a static one. */
 void weft__installed_plugins(char *directory, size_t size);
 

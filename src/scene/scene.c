@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/given.h"
 #include "scene/read.h"
 #include "scene/sweep.h"
 
@@ -245,6 +246,9 @@ weft_status weft_scene_load(const weft_scene_def *def, weft_scene **out,
 {
     weft__base base;
     weft__report report = { .found = found };
+    if (weft__given(def, out, "weft_scene_load", err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
     *out = NULL;
     memset(found, 0, sizeof *found);
     weft_status status = weft__base_open(def, &base, &report, err);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/given.h"
 #include "scene/read.h"
 #include "scene/scalar.h"
 
@@ -384,6 +385,9 @@ weft_status weft_sweep_load(const weft_scene_def *def, weft_sweep **out,
                             weft_diagnostics *found, weft_error *err)
 {
     weft__report report = { .found = found };
+    if (weft__given(def, out, "weft_sweep_load", err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
     weft_sweep *sweep = calloc(1, sizeof *sweep);
     *out = NULL;
     memset(found, 0, sizeof *found);

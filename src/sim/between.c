@@ -302,7 +302,8 @@ weft_status weft__between_show(weft_sim *sim, double t, weft_error *err)
     if (status == WEFT_OK) {
         of->behind = t;
         swap(sim, &of->behind);
-        of->showing = sim->in_callback = true;
+        of->showing = true;
+        ++sim->callbacks;
     }
     return status;
 }
@@ -312,7 +313,8 @@ void weft__between_hide(weft_sim *sim)
     weft__between *of = &sim->between;
     if (of->showing) {
         swap(sim, &of->behind);
-        of->showing = sim->in_callback = false;
+        of->showing = false;
+        --sim->callbacks;
     }
 }
 

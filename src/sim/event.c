@@ -17,9 +17,9 @@ typedef struct bracket {
 
 static double value(weft_sim *sim)
 {
-    sim->in_callback = true;
+    ++sim->callbacks;
     const double g = sim->def.event(sim->def.event_ctx, sim->cloth, sim->t, sim->y);
-    sim->in_callback = false;
+    --sim->callbacks;
     return g;
 }
 

@@ -44,12 +44,20 @@ static void note_breach(weft_sim *sim, double t, const double *y, int failed)
     }
 }
 
+static bool must_stop(weft_sim *sim)
+{
+    ++sim->callbacks;
+    const bool stop = sim->def.stop != NULL && sim->def.stop(sim->def.stop_ctx);
+    --sim->callbacks;
+    return stop;
+}
+
 int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
 {
     weft_sim *sim = ctx;
     const size_t dim = weft_cloth_dim(sim->cloth);
     double power = 0.0;
-    const bool stop = sim->def.stop != NULL && sim->def.stop(sim->def.stop_ctx);
+    const bool stop = must_stop(sim);
     if (stop && sim->def.comm == NULL) { /* other bands would wait for this one */
         return -1;
     }
@@ -62,9 +70,9 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
     }
     if (sim->def.force != NULL && failed == 0) {
         memset(sim->added, 0, dim / 2 * sizeof *sim->added);
-        sim->in_callback = true;
+        ++sim->callbacks;
         failed = sim->def.force(sim->def.force_ctx, t, y, sim->added);
-        sim->in_callback = false;
+        --sim->callbacks;
         power = accelerate(sim, y, dydt);
         failed = failed == 0 && !weft__all_finite(dydt + dim / 2, dim / 2) ? 1 : failed;
     }

@@ -35,6 +35,16 @@ static double target(const weft_sim *sim, const weft_play *play, size_t i)
     return weft_run_frame_time(play->run, i);
 }
 
+/* With `dense` the step's past is still needed, for the frames within it. */
+static bool goes_on(weft_sim *sim, const weft_play *play)
+{
+    unsigned *const calls = sim->def.dense ? &sim->callbacks : &sim->playing;
+    ++*calls;
+    const bool on = play->step(play->ctx);
+    --*calls;
+    return on;
+}
+
 static weft_status play_to(weft_sim *sim, const weft_play *play, size_t i,
                            weft_error *err)
 {
@@ -42,7 +52,7 @@ static weft_status play_to(weft_sim *sim, const weft_play *play, size_t i,
     weft_status status = WEFT_OK;
     while (status == WEFT_OK && weft_sim_time(sim) < t && !sim->event_passed) {
         status = weft_sim_step(sim, end, err);
-        if (status == WEFT_OK && play->step != NULL && !play->step(play->ctx)) {
+        if (status == WEFT_OK && play->step != NULL && !goes_on(sim, play)) {
             status = weft_error_set(err, WEFT_STOPPED, "stopped at t = %.9g s",
                                     weft_sim_time(sim));
         }
@@ -57,7 +67,9 @@ static weft_status show_frame(weft_sim *sim, const weft_play *play, size_t i,
     const double t = weft_run_frame_time(play->run, i);
     weft_status status = t < sim->t ? weft__between_show(sim, t, err) : WEFT_OK;
     if (status == WEFT_OK) {
+        ++sim->playing;
         status = play->frame(play->ctx, i, err);
+        --sim->playing;
         weft__between_hide(sim);
     }
     return status;
@@ -70,13 +82,35 @@ static weft_status pass_checkpoint(weft_sim *sim, const weft_play *play, size_t 
     if (!is_checkpoint(play, i)) {
         return WEFT_OK;
     }
-    return play->checkpoint != NULL ? play->checkpoint(play->ctx, i, err)
-                                    : weft_sim_restart(sim, err);
+    if (play->checkpoint == NULL) {
+        return weft_sim_restart(sim, err);
+    }
+    ++sim->playing;
+    const weft_status status = play->checkpoint(play->ctx, i, err);
+    --sim->playing;
+    return status;
+}
+
+static weft_status check(const weft_sim *sim, const weft_play *play, weft_error *err)
+{
+    if (play == NULL || play->run == NULL || play->frame == NULL) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "weft_sim_play needs a run and a frame callback");
+    }
+    if (!weft__positive(play->run->duration) || !weft__positive(play->run->fps)) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "duration %g s and fps %g 1/s must be finite and > 0",
+                              play->run->duration, play->run->fps);
+    }
+    return weft__sim_outside_play(sim, "weft_sim_play", err);
 }
 
 weft_status weft_sim_play(weft_sim *sim, const weft_play *play, weft_error *err)
 {
-    weft_status status = WEFT_OK;
+    weft_status status = check(sim, play, err);
+    if (status != WEFT_OK) {
+        return status;
+    }
     bool event = sim->event_passed = false;
     for (size_t i = play->first; status == WEFT_OK && i <= play->last && !event; ++i) {
         status = play_to(sim, play, i, err);

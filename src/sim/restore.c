@@ -309,13 +309,16 @@ static weft_status read_fields(weft_sim *sim, restored *to, weft_error *err)
 weft_status weft_sim_restore_parts(weft_sim *sim, weft_save_get *get, void *ctx,
                                    size_t size, weft_error *err)
 {
-    if (weft__sim_outside(sim, "weft_sim_restore_parts", err) != WEFT_OK) {
+    if (weft__sim_outside_play(sim, "weft_sim_restore_parts", err) != WEFT_OK) {
         return WEFT_INVALID;
     }
     const weft_comm *comm = sim->def.comm;
     const source from = { get, ctx, size };
     restored to = { .shape_count = 0 };
-    weft_status status = weft__bands_agree(comm, read_saved(sim, &from, &to, err), err);
+    ++sim->callbacks;
+    weft_status status = read_saved(sim, &from, &to, err);
+    --sim->callbacks;
+    status = weft__bands_agree(comm, status, err);
     status = status == WEFT_OK ? check_sum(sim, &to, err) : status;
     if (status == WEFT_OK) {
         status = weft__bands_agree(comm, read_fields(sim, &to, err), err);
@@ -345,7 +348,7 @@ static weft_status get_copy(void *ctx, uint64_t at, void *to, size_t size,
 weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
                              weft_error *err)
 {
-    if (weft__sim_outside(sim, "weft_sim_restore", err) != WEFT_OK) {
+    if (weft__sim_outside_play(sim, "weft_sim_restore", err) != WEFT_OK) {
         return WEFT_INVALID;
     }
     const unsigned char *from = bytes;

@@ -204,9 +204,12 @@ static weft_status put_all(weft_sim *sim, const parts *to, weft_error *err)
     weft__word_put(
         to->front + (words - 1) * WEFT__WORD,
         weft__save_sum(&sim->forces, sim->y, to->holds, to->front, words - 1));
+    ++sim->callbacks;
     status = to->put(to->ctx, 0, first ? to->front : NULL,
                      first ? words * WEFT__WORD : 0, err);
-    return weft__bands_agree(sim->def.comm, put_planes(sim, to, status, err), err);
+    status = put_planes(sim, to, status, err);
+    --sim->callbacks;
+    return weft__bands_agree(sim->def.comm, status, err);
 }
 
 weft_status weft_sim_save_parts(weft_sim *sim, weft_save_put *put, void *ctx,
@@ -214,6 +217,11 @@ weft_status weft_sim_save_parts(weft_sim *sim, weft_save_put *put, void *ctx,
 {
     if (weft__sim_outside(sim, "weft_sim_save_parts", err) != WEFT_OK) {
         return WEFT_INVALID;
+    }
+    if (sim->ledger.on && !isfinite(weft_sim_ledger(sim).residual)) {
+        return weft_error_set(
+            err, WEFT_NOT_FINITE,
+            "the energy ledger is not finite: it could not be restored");
     }
     const weft_allocator *memory = &sim->memory;
     const size_t n = sim->cloth->particles;

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/given.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "cloth/crossing.h"
@@ -13,6 +14,7 @@
 #include "cloth/pins.h"
 #include "cloth/rows.h"
 #include "plugin/methods.h"
+#include "plugin/registry.h"
 #include "sim/bands.h"
 #include "sim/simulation.h"
 
@@ -60,9 +62,20 @@ static weft_status take_config(weft_sim *sim, weft_error *err)
 weft_status weft__sim_outside(const weft_sim *sim, const char *function,
                               weft_error *err)
 {
-    return sim->in_callback ? weft_error_set(
+    return sim->callbacks > 0 ? weft_error_set(
                err, WEFT_INVALID, "%s may not be called from a callback", function)
-                            : WEFT_OK;
+                              : WEFT_OK;
+}
+
+weft_status weft__sim_outside_play(const weft_sim *sim, const char *function,
+                                   weft_error *err)
+{
+    const weft_status outside = weft__sim_outside(sim, function, err);
+    return outside == WEFT_OK && sim->playing > 0
+               ? weft_error_set(err, WEFT_INVALID,
+                                "%s may not be called from a callback of weft_sim_play",
+                                function)
+               : outside;
 }
 
 weft_status weft__sim_changeable(const weft_sim *sim, const char *function,
@@ -108,6 +121,15 @@ static weft_status make_forces(weft_sim *sim, weft_error *err)
     return WEFT_OK;
 }
 
+/* The log of the definition; ctx is the simulation. */
+static void write_log(void *ctx, weft_log_level level, const char *text)
+{
+    weft_sim *sim = ctx;
+    ++sim->callbacks;
+    sim->log.write(sim->log.ctx, level, text);
+    --sim->callbacks;
+}
+
 /* The simulation, filled as far as only memory can fail. */
 static weft_sim *make_sim(const weft_sim_def *def)
 {
@@ -119,6 +141,7 @@ static weft_sim *make_sim(const weft_sim_def *def)
     }
     *sim = (weft_sim){
         .def = *def,
+        .log = def->log,
         .cloth = weft__cloth_copy(def->cloth, &memory),
         .added
         = def->force == NULL ? NULL : weft__alloc(&memory, dim / 2, sizeof(double)),
@@ -132,6 +155,9 @@ static weft_sim *make_sim(const weft_sim_def *def)
         weft_sim_destroy(sim);
         return NULL;
     }
+    if (sim->log.write != NULL) {
+        sim->def.log = (weft_log){ write_log, sim };
+    }
     weft_cloth_start(sim->cloth, sim->y);
     weft__ledger_start(&sim->ledger, sim->cloth, sim->y);
     return sim;
@@ -144,7 +170,8 @@ static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *
         return weft_error_set(err, WEFT_INVALID, "a simulation needs a %s: it is NULL",
                               def->cloth == NULL ? "cloth" : "method");
     }
-    weft_status status = weft__config_check(&def->config, err);
+    weft_status status = weft__method_check(def->method, 0, err);
+    status = status == WEFT_OK ? weft__config_check(&def->config, err) : status;
     status = status == WEFT_OK ? weft__bands_check(def, err) : status;
     if (status != WEFT_OK) {
         return status;
@@ -164,6 +191,9 @@ static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *
 
 weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error *err)
 {
+    if (weft__given(def, out, "weft_sim_create", err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
     weft_sim *sim = NULL;
     *out = NULL;
     weft_status status = weft__bands_comm_check(def->comm, err);
@@ -231,9 +261,9 @@ static bool limit(weft_sim *sim, double h)
 
 static bool correct(weft_sim *sim, double h)
 {
-    sim->in_callback = true;
+    ++sim->callbacks;
     const bool changed = sim->def.correct(sim->def.correct_ctx, sim->t, h, sim->y);
-    sim->in_callback = false;
+    --sim->callbacks;
     return changed;
 }
 
@@ -292,7 +322,7 @@ static void log_rejected(weft_sim *sim, double h)
 
 weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
 {
-    if (weft__sim_outside(sim, "weft_sim_step", err) != WEFT_OK) {
+    if (weft__sim_outside_play(sim, "weft_sim_step", err) != WEFT_OK) {
         return WEFT_INVALID;
     }
     if (!(t_end > sim->t) || !isfinite(t_end)) {
@@ -405,8 +435,11 @@ weft_stepper_stats weft_sim_stats(const weft_sim *sim)
 void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx)
 {
     const weft_stepper_type *method = sim->def.method;
+    weft_sim *told = (weft_sim *)sim; /* no simulation is a constant */
     if (WEFT_HAS(method, weft_stepper_type, options) && method->options != NULL) {
+        ++told->callbacks;
         method->options(sim->stepper, tell, ctx);
+        --told->callbacks;
     }
 }
 

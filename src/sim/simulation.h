@@ -11,7 +11,8 @@
 #include "sim/step_check.h"
 
 struct weft_sim {
-    weft_sim_def def;
+    weft_sim_def def; /* its log writes to `log`, and counts as a callback */
+    weft_log log;
     weft_cloth *cloth;          /* copy of the definition's, owns pins and shapes */
     uint64_t cloth_hash;        /* weft__cloth_hash of the definition's */
     weft_stepper_config config; /* the definition's, completed */
@@ -23,8 +24,9 @@ struct weft_sim {
     weft_bonds *runs;
     double *masses; /* [kg] N, 0 of the pinned; then their drags [kg/s] */
     weft__limit limit;
-    double *added; /* [N] 3 N, filled by the definition's `force` */
-    bool in_callback;
+    double *added;      /* [N] 3 N, filled by the definition's `force` */
+    unsigned callbacks; /* calls of the embedder under way, but those of weft_play */
+    unsigned playing;   /* calls of a weft_play under way */
     weft_allocator memory;
     uint64_t settings; /* weft__settings_hash of the definition */
     uint64_t rejected; /* attempts that were logged */
@@ -55,11 +57,16 @@ weft_status weft__structure_init(weft_sim *sim, weft_error *err);
 void weft__structure_update(weft_sim *sim);
 void weft__structure_free(weft_sim *sim);
 
-/* WEFT_INVALID for a function that is called from within a callback. */
+/* WEFT_INVALID for a function that is called from within a callback: every call of the
+ * embedder raises sim->callbacks until it returns. */
 weft_status weft__sim_outside(const weft_sim *sim, const char *function,
                               weft_error *err);
 
-/* Also WEFT_UNSUPPORTED in bands. */
+/* Also from one of weft_play, which sim->playing counts: for functions that step. */
+weft_status weft__sim_outside_play(const weft_sim *sim, const char *function,
+                                   weft_error *err);
+
+/* weft__sim_outside, and WEFT_UNSUPPORTED in bands. */
 weft_status weft__sim_changeable(const weft_sim *sim, const char *function,
                                  weft_error *err);
 

@@ -24,6 +24,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/given.h"
+#include "plugin/registry.h"
 #include "weft/elementary.h"
 
 #define ROUNDOFF 1e-12 /* of growth a step */
@@ -164,6 +166,11 @@ weft_status weft_stability_create(const weft_stepper_type *type,
                                   const weft_butcher *butcher, weft_stability *out,
                                   weft_error *err)
 {
+    weft_status usable = weft__given(type, out, "weft_stability_create", err);
+    usable = usable == WEFT_OK ? weft__method_check(type, 0, err) : usable;
+    if (usable != WEFT_OK) {
+        return usable;
+    }
     *out = (weft_stability){ .type = type, .butcher = butcher };
     if ((type->flags & (WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_MULTISTEP)) != 0) {
         return weft_error_set(err, WEFT_UNSUPPORTED,
