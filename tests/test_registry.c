@@ -472,6 +472,9 @@ START_TEST(bad_configs_are_refused)
         }
     }
     weft_stepper_config config = good;
+    config.max_step = -1.0;
+    refused_config(config, "max_step -1 s: must be > 0 or infinite");
+    config = good;
     config.struct_size = 8;
     refused_config(config, "stepper config: start from weft_stepper_config_default");
     refused_config(good, "velocity_verlet: no error control: needs a fixed_step > 0 s");

@@ -69,13 +69,15 @@ static bool check_number(const weft__number *number, const void *def,
     }
     if (!good) {
         const bool choice = number->type == WEFT__ENUM;
+        range.infinite = false; /* its spelling is that of a scene */
         const char *bounds = weft__range_text(&range, false, text, sizeof text);
-        weft__fault(to, number->at, number->at, "%s%s %s%s%s%s%s", prefix, number->name,
-                    values, unit[0] == '\0' ? "" : " ", unit,
+        weft__fault(to, number->at, number->at, "%s%s %s%s%s%s%s%s", prefix,
+                    number->name, values, unit[0] == '\0' ? "" : " ", unit,
                     choice ? " is unknown" : ": must be ",
                     choice              ? ""
                     : bounds[0] == '\0' ? "finite"
-                                        : bounds);
+                                        : bounds,
+                    number->infinite ? " or infinite" : "");
     }
     return good;
 }
