@@ -1,7 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* test_conformance.c -- weft plugin-test: a broken promise is found and named, and
  * nothing else. The plugins are built from tests/promises and tests/broken. */
+#include <poll.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include "base/clock.h"
+#include "record/child_process.h"
 #include "shell.h"
+#include "support.h"
 
 #define PROMISES BUILD_DIR "/tests/promises/weft-"
 #define COUNT(a) (sizeof(a) / sizeof(a)[0])
@@ -20,7 +27,14 @@ static const struct {
     { "eager", "create", "create called the rhs" },
     { "exits", "versions", "it ended the process with exit code 3" },
     { "forgets", "counts", "a count fell at 0.005" },
+    { "chatty", "process",
+      "create and all steps succeeded, and *err is 'all is well'" },
+    { "chdir", "process", "the current directory was '" },
+    { "exports", "process", "the environment variables have changed" },
+    { "forks", "process", "a child process is left" },
     { "handler", "process", "signal 8 has another handler" },
+    { "masks", "process", "the umask was 022 and is 077" },
+    { "shuts", "process", "descriptor 0 was open and is closed" },
 #ifndef __SANITIZE_ADDRESS__ /* whose heap mallinfo2 does not see */
     { "hoards", "destroy",
       "bytes more are allocated each time after create, some steps and destroy" },
@@ -52,7 +66,8 @@ static const struct {
 
 START_TEST(a_broken_promise_is_named_with_what_was_seen)
 {
-    expect(shell(WEFT " plugin-test " PROMISES "%s.so", broken[_i].id), 1);
+    expect(shell("umask 022; " WEFT " plugin-test " PROMISES "%s.so", broken[_i].id),
+           1);
     unwrap(21);
     char line[64];
     (void)snprintf(line, sizeof line, "  FAIL %-12s  ", broken[_i].check);
@@ -96,6 +111,56 @@ START_TEST(a_plugin_that_takes_other_memory_is_noted_only)
 }
 END_TEST
 
+/* Two minutes: in `make nightly`. */
+START_TEST(a_method_that_hangs_costs_two_checks)
+{
+    if (test_rounds(0, 1) == 0) {
+        return;
+    }
+    expect(shell(WEFT " plugin-test " PROMISES "sleeps.so 2>&1"), 1);
+    says("FAIL sleeps/midpoint: ");
+    says(" 2 broken, ");
+    says("has run for 5 s; it may take 60 s");
+    says("the check did not come to an end");
+    says("two checks did not come to an end: the rest is skipped");
+}
+END_TEST
+
+static int sleep_or_compute(void *ctx, size_t computes)
+{
+    const double from = weft__wall_clock();
+    (void)ctx;
+    while (weft__wall_clock() < from + 1.5) {
+        if (!computes) {
+            (void)poll(NULL, 0, 100);
+        }
+    }
+    return 7;
+}
+
+static void count_ticks(void *ctx)
+{
+    ++*(size_t *)ctx;
+}
+
+START_TEST(a_child_that_does_nothing_is_ended_and_one_that_computes_is_not)
+{
+    size_t ticks = 0;
+    process child;
+    const process_def def = { .work = sleep_or_compute,
+                              .ctx = &ticks,
+                              .tick = count_ticks,
+                              .end_signal = SIGKILL,
+                              .seconds = 0.5,
+                              .idle = true };
+    ck_assert(process_run(&def, 0, &child));
+    ck_assert(child.late && WIFSIGNALED(child.status));
+    ck_assert_uint_gt(ticks, 0);
+    ck_assert(process_run(&def, 1, &child));
+    ck_assert(!child.late && WIFEXITED(child.status) && WEXITSTATUS(child.status) == 7);
+}
+END_TEST
+
 START_TEST(what_is_no_plugin_is_told)
 {
     expect(shell(WEFT " plugin-test " BUILD_DIR "/tests/broken/weft-wrongabi.so"), 1);
@@ -117,7 +182,13 @@ TEST_SUITE(conformance)
     tcase_add_loop_test(kit, a_plugin_that_keeps_all_promises_passes, 0, 2);
     tcase_add_loop_test(kit, an_equal_finding_is_told_once, 0, 2);
     tcase_add_test(kit, a_plugin_that_takes_other_memory_is_noted_only);
+    tcase_add_test(kit,
+                   a_child_that_does_nothing_is_ended_and_one_that_computes_is_not);
     tcase_add_test(kit, what_is_no_plugin_is_told);
+    suite_add_tcase(suite, kit);
+    kit = tcase_create("hangs");
+    tcase_set_timeout(kit, 240.0);
+    tcase_add_test(kit, a_method_that_hangs_costs_two_checks);
     suite_add_tcase(suite, kit);
     return suite;
 }

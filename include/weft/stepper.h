@@ -341,8 +341,9 @@ typedef struct weft_stepper_type {
     uint32_t flags; /* WEFT_STEPPER_... */
 
     /* Creates an instance for *ode, which must outlive it. Checks every name and number
-     * before the solver uses it. Calls no RHS and prints nothing. On failure *self is
-     * NULL, nothing leaks and *err gives the reason. */
+     * before the solver uses it. Calls no RHS, prints nothing and leaves the process as
+     * it is (docs/plugin-test.md, "process"). On failure *self is NULL, nothing leaks
+     * and *err gives the reason; on success *err stays as it is, here and in step. */
     weft_status (*create)(const struct weft_stepper_type *type, const weft_ode *ode,
                           const weft_stepper_config *config, void **self,
                           weft_error *err);

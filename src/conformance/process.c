@@ -2,32 +2,100 @@
 /* process.c -- the state of the process, which a method must leave unchanged. */
 #include "conformance/trial.h"
 
+#include <errno.h>
 #include <fenv.h>
 #include <float.h>
 #include <locale.h>
 #include <signal.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
-enum { SIGNALS = 65 };
+extern char **environ;
+
+enum { SIGNALS = 65, DESCRIPTORS = 256 };
 
 /* Settings that belong to the program. */
 typedef struct surroundings {
-    char locale[256];
+    char locale[256], directory[4096];
     int rounding;
     bool subnormals;
     struct sigaction actions[SIGNALS];
+    mode_t mask;
+    uint64_t environment; /* FNV-1a of all names and values */
+    struct {
+        dev_t device;
+        ino_t file; /* 0: closed */
+    } open[DESCRIPTORS];
 } surroundings;
+
+static uint64_t hash_environment(void)
+{
+    uint64_t hash = UINT64_C(0xcbf29ce484222325);
+    for (char **name = environ; name != NULL && *name != NULL; ++name) {
+        for (const char *at = *name; *at != '\0'; ++at) {
+            hash = (hash ^ (unsigned char)*at) * UINT64_C(0x100000001b3);
+        }
+        hash *= UINT64_C(0x100000001b3); /* the byte 0 */
+    }
+    return hash;
+}
 
 static void look_around(surroundings *out)
 {
     const volatile double smallest = DBL_MIN;
     const char *locale = setlocale(LC_ALL, NULL);
+    struct stat status;
     memset(out, 0, sizeof *out);
     (void)snprintf(out->locale, sizeof out->locale, "%s", locale == NULL ? "" : locale);
+    if (getcwd(out->directory, sizeof out->directory) == NULL) {
+        out->directory[0] = '\0';
+    }
     out->rounding = fegetround();
     out->subnormals = smallest / 2.0 > 0.0;
     for (int i = 1; i < SIGNALS; ++i) {
         (void)sigaction(i, NULL, &out->actions[i]);
     }
+    out->mask = umask(0);
+    (void)umask(out->mask);
+    out->environment = hash_environment();
+    for (int i = 0; i < DESCRIPTORS; ++i) {
+        if (fstat(i, &status) == 0) {
+            out->open[i].device = status.st_dev;
+            out->open[i].file = status.st_ino;
+        }
+    }
+}
+
+static void compare(trial *self, const surroundings *before, const surroundings *after)
+{
+    weft__expect(self, strcmp(before->locale, after->locale) == 0,
+                 "the locale was '%s' and is '%s'", before->locale, after->locale);
+    weft__expect(self,
+                 before->rounding == after->rounding
+                     && before->subnormals == after->subnormals,
+                 "the floating-point environment has changed");
+    for (int i = 1; i < SIGNALS; ++i) {
+        weft__expect(self,
+                     before->actions[i].sa_handler == after->actions[i].sa_handler,
+                     "signal %d has another handler", i);
+    }
+    for (int i = 0; i < DESCRIPTORS; ++i) {
+        weft__expect(self,
+                     before->open[i].file == 0
+                         || (before->open[i].file == after->open[i].file
+                             && before->open[i].device == after->open[i].device),
+                     "descriptor %d was open and is %s", i,
+                     after->open[i].file == 0 ? "closed" : "another file");
+    }
+    weft__expect(self, strcmp(before->directory, after->directory) == 0,
+                 "the current directory was '%.200s' and is '%.200s'",
+                 before->directory, after->directory);
+    weft__expect(self, before->mask == after->mask, "the umask was %03o and is %03o",
+                 (unsigned)before->mask, (unsigned)after->mask);
+    weft__expect(self, before->environment == after->environment,
+                 "the environment variables have changed");
 }
 
 void weft__the_process_is_left_alone(trial *self)
@@ -36,19 +104,14 @@ void weft__the_process_is_left_alone(trial *self)
     look_around(&before);
     trial_run *r = weft__begin_usual(self, 0);
     weft__go(self, r, 0.125);
+    weft__expect(self, r->err.status == WEFT_OK && r->err.message[0] == '\0',
+                 "create and all steps succeeded, and *err is '%s'", r->err.message);
     r->model.fault = GIVE_NAN;
     (void)weft__step(self, r, 1.0);
     self->type->state_changed(r->self);
     weft__end(self, 0);
     look_around(&after);
-    weft__expect(self, strcmp(before.locale, after.locale) == 0,
-                 "the locale was '%s' and is '%s'", before.locale, after.locale);
-    weft__expect(self,
-                 before.rounding == after.rounding
-                     && before.subnormals == after.subnormals,
-                 "the floating-point environment has changed");
-    for (int i = 1; i < SIGNALS; ++i) {
-        weft__expect(self, before.actions[i].sa_handler == after.actions[i].sa_handler,
-                     "signal %d has another handler", i);
-    }
+    compare(self, &before, &after);
+    weft__expect(self, waitpid(-1, NULL, WNOHANG) < 0 && errno == ECHILD,
+                 "a child process is left");
 }

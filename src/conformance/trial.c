@@ -91,7 +91,11 @@ static const struct check {
     { "allocator", "memory is taken from config->allocator and given back to it",
       .run = weft__the_allocator_is_used, .once = true },
     { "process",
-      "locale, signal handlers and floating-point environment stay as they are",
+      "the process stays as it is: locale, signal handlers, floating-point "
+      "environment, "
+      "descriptors, directory, umask, environment variables, children; a success "
+      "leaves "
+      "*err alone",
       .run = weft__the_process_is_left_alone, .modes = true },
     { "structure", "config->structure changes the way to a solution, not the solution",
       .run = weft__a_structure_leaves_the_solution, .once = true, .modes = true },

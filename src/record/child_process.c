@@ -68,10 +68,27 @@ bool process_start(const process_def *def, size_t job, process *out)
     return out->pid > 0;
 }
 
+/* A child that computes has its time limit put off, however slowly it does so. */
+static void put_off(const process_def *def, process *one, double now)
+{
+    struct timespec used = { 0 };
+    clockid_t clock;
+    if (!def->idle || one->late || clock_getcpuclockid(one->pid, &clock) != 0
+        || clock_gettime(clock, &used) != 0) {
+        return;
+    }
+    const double seconds = (double)used.tv_sec + 1e-9 * (double)used.tv_nsec;
+    if (seconds >= one->used + 0.01 * def->seconds) {
+        one->used = seconds;
+        one->deadline = now + def->seconds;
+    }
+}
+
 /* Does not wait for grandchildren. */
 static bool has_ended(const process_def *def, process *one)
 {
     const double now = weft__wall_clock();
+    put_off(def, one, now);
     if (waitpid(one->pid, &one->status, WNOHANG) != 0) {
         one->pid = 0;
     } else if (now >= one->deadline) {
@@ -92,9 +109,17 @@ static void nap(double from)
     (void)nanosleep(&pause, NULL);
 }
 
+static void tick(const process_def *def)
+{
+    if (def->tick != NULL) {
+        def->tick(def->ctx);
+    }
+}
+
 void process_wait(const process_def *def, process *one)
 {
     while (!has_ended(def, one)) {
+        tick(def);
         nap(one->began);
     }
 }
@@ -167,9 +192,7 @@ bool process_pool_run(process_pool *pool)
         return false;
     }
     for (fill(pool); pool->running > 0; fill(pool)) {
-        if (pool->tick != NULL) {
-            pool->tick(pool->def.ctx);
-        }
+        tick(&pool->def);
         nap(last);
         pass_signal(pool);
         const size_t running = pool->running;

@@ -13,10 +13,12 @@ typedef struct process_def {
     /* Runs in the child; returns its exit code. */
     int (*work)(void *ctx, size_t job);
     void *ctx;
+    void (*tick)(void *ctx); /* in the parent, while children run; NULL: not called */
     /* SIGKILL, or SIGTERM and 3 s later SIGKILL: sent at the time limit and, on Linux,
      * when the parent ends. */
     int end_signal;
     double seconds;       /* time limit; 0: none */
+    bool idle;            /* limits only a time with less than 1 % of a processor */
     unsigned cpu_seconds; /* limit of processor time; 0: none */
     bool untrusted;       /* writes no core file, prints to /dev/null */
 } process_def;
@@ -25,6 +27,7 @@ typedef struct process {
     pid_t pid; /* 0: not running */
     size_t job;
     double began, deadline; /* [s] on weft__wall_clock */
+    double used;            /* [s] of a processor; the deadline counts from there */
     bool late;              /* reached its time limit */
     int status;             /* after its end, as waitpid reports it */
 } process;
@@ -43,7 +46,6 @@ typedef struct process_pool {
     process_def def;
     size_t jobs, at_once;
     void (*ended)(void *ctx, const process *one); /* after each job */
-    void (*tick)(void *ctx);                      /* while jobs run; NULL: not called */
     /* Returns a signal that came since the last call, or 0. After the first, no more
      * jobs start, and it is sent to the children; from the second on they get SIGKILL.
      * NULL: no signal is caught. */

@@ -190,12 +190,12 @@ int batch_pool_run(batch *self, batch_run **runs, size_t count)
             .runs = runs,
             .pool = { .def = { .work = run_job,
                                .ctx = &all,
+                               .tick = on_tick,
                                .end_signal = SIGTERM, /* a run leaves a result then */
                                .seconds = self->timeout },
                       .jobs = count,
                       .at_once = self->jobs,
                       .ended = on_end,
-                      .tick = on_tick,
                       .stop = take_signal },
             .show = { .batch = self,
                       .runs = runs,
