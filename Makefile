@@ -288,7 +288,7 @@ $(BUILD)/tests/promises/weft-%.so: tests/promises/%.c
 
 # Libraries that tests preload: a wrong libm, a file that never delivers, a fork that
 # often fails.
-PRELOADED := $(BUILD)/tests/wrong_libm.so $(BUILD)/tests/stalled_file.so $(BUILD)/tests/failing_fork.so
+PRELOADED := $(BUILD)/tests/wrong_libm.so $(BUILD)/tests/stalled_file.so $(BUILD)/tests/failing_fork.so $(BUILD)/tests/failing_write.so
 $(PRELOADED): $(BUILD)/tests/%.so: tests/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(CC) $(STRICT) $(WARN) -O1 -fno-builtin -shared -o $@ $< -ldl -lm

@@ -433,6 +433,34 @@ START_TEST(the_same_scene_gives_the_same_file)
 }
 END_TEST
 
+/* The run of the small scene in which a write fails. */
+static int run_failing(const char *which, int n)
+{
+    return shell("ASAN_OPTIONS=verify_asan_link_order=0 LD_PRELOAD=" BUILD_DIR
+                 "/tests/failing_write.so %s=%d " WEFT " run " OUT
+                 "/small.yaml --out " OUT "/f --force --quiet 2>&1",
+                 which, n);
+}
+
+START_TEST(each_write_of_the_frames_that_fails_is_told)
+{
+    int n = 1;
+    while (run_failing("FAIL_PWRITE", n) == 4) {
+        ++n;
+    }
+    ck_assert_int_gt(n, 20);
+    for (int more = n; more < n + 5; ++more) { /* the file has n - 1 writes */
+        expect(run_failing("FAIL_PWRITE", more), 0);
+    }
+}
+END_TEST
+
+START_TEST(a_run_ends_although_it_cannot_write_to_its_own_pipe)
+{
+    expect(run_failing("FAIL_PIPE", 1), 0);
+}
+END_TEST
+
 TEST_SUITE(record_ends)
 {
     Suite *all = suite_create("record ends");
@@ -448,6 +476,8 @@ TEST_SUITE(record_ends)
     tcase_add_test(runs, a_full_disk_keeps_the_frames_before);
     tcase_add_test(runs, after_a_full_disk_a_run_goes_on_to_the_same_bytes);
     tcase_add_test(runs, a_file_that_cannot_be_made_is_named);
+    tcase_add_test(runs, each_write_of_the_frames_that_fails_is_told);
+    tcase_add_test(runs, a_run_ends_although_it_cannot_write_to_its_own_pipe);
     tcase_add_test(runs, a_run_that_could_not_write_is_unfinished_and_goes_on);
     tcase_add_test(runs, a_run_whose_directory_was_replaced_leaves_the_other_one_alone);
     tcase_add_test(runs, frames_beyond_the_room_of_the_file_are_refused_at_once);

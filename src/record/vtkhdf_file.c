@@ -45,9 +45,9 @@ static bool attribute(const builder *self, const char *path, const char *name,
     const hid_t made = H5Acreate_by_name(self->file, path, name, type, space,
                                          H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
     const bool good = made >= 0 && H5Awrite(made, memory, values) >= 0;
-    (void)H5Aclose(made);
+    const bool closed = H5Aclose(made) >= 0;
     (void)H5Sclose(space);
-    return good;
+    return good && closed;
 }
 
 static bool integer_attribute(const builder *self, const char *path, const char *name,
@@ -71,9 +71,9 @@ static bool dataset(const builder *self, const char *path, hid_t type, size_t ro
         = made >= 0
           && (values == NULL || rows == 0
               || H5Dwrite(made, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
-    (void)H5Dclose(made);
+    const bool closed = H5Dclose(made) >= 0; /* it may write */
     (void)H5Sclose(space);
-    return good;
+    return good && closed;
 }
 
 static bool integers(const builder *self, const char *path, size_t rows, size_t width,
@@ -248,10 +248,10 @@ static bool times(const builder *self)
                       && H5Pset_chunk(chunked, 1, &chunk) >= 0;
     const hid_t made = H5Dcreate2(self->file, STEPS "Values", H5T_IEEE_F64LE, space,
                                   self->parents, chunked, H5P_DEFAULT);
-    (void)H5Dclose(made);
+    const bool closed = H5Dclose(made) >= 0;
     (void)H5Sclose(space);
     (void)H5Pclose(chunked);
-    return able && made >= 0;
+    return able && closed;
 }
 
 static bool allocate_times(const builder *self)
@@ -260,8 +260,7 @@ static bool allocate_times(const builder *self)
     const hid_t id = H5Dopen2(self->file, STEPS "Values", H5P_DEFAULT);
     const bool good
         = H5Dwrite(id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, &none) >= 0;
-    (void)H5Dclose(id);
-    return good;
+    return H5Dclose(id) >= 0 && good;
 }
 
 static bool heads(const builder *self)

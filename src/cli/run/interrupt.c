@@ -150,11 +150,10 @@ void interrupt_end(interrupt_watch *self)
     self->over = true;
     (void)pthread_mutex_unlock(&self->records);
     if (self->watched) {
-        (void)!write(self->news[1], "", 1);
-        (void)pthread_join(self->thread, NULL);
         wake = -1;
+        (void)close(self->news[1]); /* wakes the thread, which a lost write would not */
+        (void)pthread_join(self->thread, NULL);
         (void)close(self->news[0]);
-        (void)close(self->news[1]);
     }
     (void)pthread_mutex_destroy(&self->records);
 }

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "cli/run/interrupt.h"
 
 enum { PORT_LEAST = 1024 };
 #define FAREWELL 30.0 /* [s] for slow browsers to get the end of a run */
@@ -83,9 +84,20 @@ void watch_begin(watch_process *self, const watch_def *def, int lock)
     (void)close(ready[0]);
 }
 
+/* The run is done: a signal that comes now ends the wait. */
+static void heed_signal(void *ctx)
+{
+    const watch_process *self = ctx;
+    if (interrupt_next() != 0) {
+        (void)kill(self->child.pid, SIGKILL);
+    }
+}
+
 void watch_end(watch_process *self)
 {
     if (self->child.pid > 0) {
+        (void)interrupt_next(); /* of the run */
+        self->process.tick = heed_signal;
         self->child.deadline = weft__wall_clock() + FAREWELL;
         process_wait(&self->process, &self->child);
     }

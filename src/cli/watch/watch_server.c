@@ -19,8 +19,10 @@
 #include "record/page.h"
 #include "record/player_page.h"
 
-#define LOOK     0.1 /* [s] between two looks at the files */
-#define FAREWELL 3.0 /* [s] after the run, for a browser that takes nothing */
+#define LOOK 0.1 /* [s] between two looks at the files */
+#define FAREWELL                                                                       \
+    3.0 /* [s] after the run: for new requests, and browsers that take nothing */
+#define SLOWEST 30.0 /* [s] after the run, for those that take something */
 enum {
     WAIT = 50,       /* [ms] for the network */
     CLIENTS = 32,    /* connections */
@@ -53,6 +55,7 @@ struct watch_server {
     bool over;
     double looked, served; /* [s]; served: a page that has not asked for frames */
     double moved;          /* [s] when the run ended or a browser took something */
+    double ended;          /* [s] when the run was found to be over */
     feed *feeds;
 };
 
@@ -94,7 +97,7 @@ static void look(watch_server *self)
     self->looked = now;
     if (!self->over) {
         self->over = is_over(self->def);
-        self->moved = now;
+        self->moved = self->ended = now;
     }
     self->frames
         = record_path(self->def->directory, "run.vtkhdf", path, NULL) == WEFT_OK
@@ -283,7 +286,9 @@ static enum MHD_Result send_page(watch_server *self, struct MHD_Connection *conn
         free(text);
         return refuse(connection, MHD_HTTP_SERVICE_UNAVAILABLE, "not readable now\n");
     }
-    self->served = self->moved = weft__wall_clock();
+    if (!self->over) { /* who comes later has what is left of these seconds */
+        self->served = self->moved = weft__wall_clock();
+    }
     return send_response(
         connection, MHD_HTTP_OK, "text/html; charset=utf-8",
         MHD_create_response_from_buffer(size, text, MHD_RESPMEM_MUST_FREE));
@@ -350,6 +355,9 @@ static enum MHD_Result answer(void *cls, struct MHD_Connection *connection,
     }
     if (strcmp(method, "GET") != 0 || *upload_size > 0) {
         return refuse(connection, MHD_HTTP_METHOD_NOT_ALLOWED, "only GET\n");
+    }
+    if (self->over && weft__wall_clock() > self->ended + FAREWELL) {
+        return refuse(connection, MHD_HTTP_SERVICE_UNAVAILABLE, "the run is over\n");
     }
     if (*context == NULL) { /* the rest of the request comes first */
         *context = self;
@@ -420,7 +428,7 @@ static bool is_finished(const watch_server *self, double began)
 {
     return self->over
            && ((self->feeds == NULL && began > self->served + FAREWELL)
-               || began > self->moved + FAREWELL);
+               || began > self->moved + FAREWELL || began > self->ended + SLOWEST);
 }
 
 weft_status watch_serve(const watch_def *def, weft_error *err)
