@@ -99,6 +99,23 @@ START_TEST(a_scene_is_read_back_whatever_its_file_was_called)
 }
 END_TEST
 
+START_TEST(a_directory_prints_no_control_characters_of_its_name)
+{
+    static const char in[] = "cd " OUT " && d=$(printf 'r\\033[31m') && ";
+    expect(
+        shell("%s../weft run small.yaml --out \"$d\" --quiet && ../weft resume \"$d\" "
+              "2>&1 && ../weft export --format obj \"$d\" 2>&1",
+              in),
+        0);
+    says("r\\x1b[31m: is already done\n");
+    says("r\\x1b[31m/");
+    expect_plain();
+    expect(shell("%s../weft batch small.yaml --out \"b$d\" 2>&1", in), 0);
+    says("1 runs in br\\x1b[31m: 1 done\n");
+    expect_plain();
+}
+END_TEST
+
 #if defined HAVE_GSL && defined HAVE_ARKODE
 START_TEST(a_comparison_prints_no_control_characters_of_a_name)
 {
@@ -384,6 +401,7 @@ TEST_SUITE(hostile)
     tcase_add_test(tcase, nothing_is_written_through_a_link);
     tcase_add_test(tcase, a_batch_writes_nothing_through_a_link);
     tcase_add_test(tcase, the_out_directory_itself_may_be_a_link);
+    tcase_add_test(tcase, a_directory_prints_no_control_characters_of_its_name);
 #if defined HAVE_GSL && defined HAVE_ARKODE
     tcase_add_test(tcase, a_comparison_prints_no_control_characters_of_a_name);
 #endif

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "cli/cli.h"
+#include "cli/human.h"
 #include "record/frames.h"
 #include "record/record.h"
 
@@ -354,8 +355,9 @@ static void print_all(const comparison *self)
                      : "equal within the tolerance",
            bitwise ? self->rows : self->frames);
     if (ends_differ(self)) {
-        printf("%s ends at t = %.9g s, %s at t = %.9g s\n", self->side[0].directory,
-               end_of(&self->side[0]), self->side[1].directory, end_of(&self->side[1]));
+        print_plainly(stdout, "%s ends at t = %.9g s, %s at t = %.9g s\n",
+                      self->side[0].directory, end_of(&self->side[0]),
+                      self->side[1].directory, end_of(&self->side[1]));
     }
     print_hashes(self);
     if (other_frames) {

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "cli/cli.h"
+#include "cli/human.h"
 #include "record/export/export.h"
 #include "record/frames.h"
 #include "record/result_read.h"
@@ -62,8 +63,8 @@ static size_t number_of(const export_job *job, size_t i)
 /* One line for any number of files, of the cloth ("") or of a shape. */
 static void print_files(const export_job *job, const char *of)
 {
-    printf("%s/" FRAME_STEM "%s.%s", job->directory, number_of(job, job->first), of,
-           job->format->suffix);
+    print_plainly(stdout, "%s/" FRAME_STEM "%s.%s", job->directory,
+                  number_of(job, job->first), of, job->format->suffix);
     if (job->last > job->first) {
         printf(" to frame-%06zu%s.%s, %zu files", number_of(job, job->last), of,
                job->format->suffix, job->last - job->first + 1);
@@ -239,7 +240,7 @@ static weft_status write_rest(export_job *job, weft_error *err)
     }
     TRY(record_surface_write(job->directory, "rest.obj", record_obj, &job->surface,
                              err));
-    printf("%s/rest.obj\n", job->directory);
+    print_plainly(stdout, "%s/rest.obj\n", job->directory);
     return WEFT_OK;
 }
 
@@ -250,7 +251,7 @@ static weft_status export_shape_movie(export_job *job, size_t k, weft_error *err
     record_surface surface = shape_at(job, k, 0.0);
     shape_name(name, "rest", k, "obj");
     TRY(record_surface_write(job->directory, name, record_obj, &surface, err));
-    printf("%s/%s\n", job->directory, name);
+    print_plainly(stdout, "%s/%s\n", job->directory, name);
     shape_name(name, "run", k, job->format->name);
     TRY(begin_movie(job, name, surface.rows * surface.cols, err));
     for (size_t i = 0; i < job->count; ++i) {
@@ -258,7 +259,7 @@ static weft_status export_shape_movie(export_job *job, size_t k, weft_error *err
         job->format->movie->points(job->movie.stream, &surface);
     }
     TRY(record_file_commit(&job->movie, err));
-    printf("%s\n", job->movie.path);
+    print_plainly(stdout, "%s\n", job->movie.path);
     return WEFT_OK;
 }
 
@@ -280,7 +281,7 @@ static weft_status export_movie(export_job *job, weft_error *err)
         movie->end(job->movie.stream);
     }
     TRY(record_file_commit(&job->movie, err));
-    printf("%s\n", job->movie.path);
+    print_plainly(stdout, "%s\n", job->movie.path);
     for (size_t k = 0; job->format->rest && k < job->shapes; ++k) {
         TRY(export_shape_movie(job, k, err));
     }
@@ -302,13 +303,13 @@ static weft_status export_final(const export_job *job, weft_error *err)
         TRY(record_surface_write(job->directory, name, job->format->write, &surface,
                                  err));
     }
-    printf("%s/%s\n", job->directory, name);
+    print_plainly(stdout, "%s/%s\n", job->directory, name);
     TRY(write_shapes(job, "final",
                      strtod(record_result_get(job->directory, "time", time), NULL),
                      err));
     for (size_t k = 0; k < job->shapes; ++k) {
         shape_name(name, "final", k, job->format->suffix);
-        printf("%s/%s\n", job->directory, name);
+        print_plainly(stdout, "%s/%s\n", job->directory, name);
     }
     return WEFT_OK;
 }
@@ -371,10 +372,11 @@ static int open_recorded(export_job *job)
     }
     job->scene = record_scene(job->directory);
     if (job->scene == NULL) {
-        fprintf(stderr,
-                "weft: warning: %s/scene.yaml cannot be read: shapes, if there are "
-                "any, are left out\n",
-                job->directory);
+        print_plainly(
+            stderr,
+            "weft: warning: %s/scene.yaml cannot be read: shapes, if there are "
+            "any, are left out\n",
+            job->directory);
     }
     job->surface.rows = job->frames->rows;
     job->surface.cols = job->frames->cols;

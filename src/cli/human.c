@@ -73,6 +73,16 @@ void print_plain(FILE *stream, const char *text, const char *keep)
     }
 }
 
+void print_plainly(FILE *stream, const char *format, ...)
+{
+    char text[8192];
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    print_plain(stream, text, "\n");
+}
+
 /* ---- lines -------------------------------------------------------------------- */
 
 enum { LABEL = 13, HELP_WIDTH = 75, TEXT = 8192 };

@@ -30,6 +30,9 @@ WEFT_PRINTF(2, 3) void say(sentence *out, const char *format, ...);
  * would execute, are written as \x1b; those in `keep` are left. */
 void print_plain(FILE *stream, const char *text, const char *keep);
 
+/* As fprintf, of at most 8 KiB that may contain such text; newlines are left. */
+WEFT_PRINTF(2, 3) void print_plainly(FILE *stream, const char *format, ...);
+
 /* Prints such text in lines of at most `width` characters, broken at blanks, with a
  * newline at the end. The first line already has `used` characters; the others begin
  * with `indent` blanks. */

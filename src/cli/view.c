@@ -96,8 +96,8 @@ void report_unfinished(const char *directory)
     record_frames *frames;
     if (record_unfinished(directory)
         && record_frames_open(directory, &frames, NULL) == WEFT_OK) {
-        fprintf(stderr, "%s: unfinished: %zu of %zu frames\n", directory, frames->count,
-                frames->planned);
+        print_plainly(stderr, "%s: unfinished: %zu of %zu frames\n", directory,
+                      frames->count, frames->planned);
         record_frames_close(frames);
     }
 }

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "cli/batch/batch.h"
+#include "cli/human.h"
 
 /* ---- the command line ---------------------------------------------------------- */
 
@@ -93,8 +94,8 @@ static void print_refused(const batch *self, const batch_run *run)
         [BATCH_UNREADABLE] = "is not a readable directory",
     };
     if (reasons[run->status] != NULL) {
-        fprintf(stderr, "weft: error: %s/%s %s\n", self->out, run->name,
-                reasons[run->status]);
+        print_plainly(stderr, "weft: error: %s/%s %s\n", self->out, run->name,
+                      reasons[run->status]);
     }
 }
 
@@ -109,8 +110,8 @@ static void print_warned(const batch *self)
         }
     }
     if (count > 0) {
-        printf(" (%zu of them with warnings: see %s/%s/log.txt)", count, self->out,
-               first->name);
+        print_plainly(stdout, " (%zu of them with warnings: see %s/%s/log.txt)", count,
+                      self->out, first->name);
     }
 }
 
@@ -128,7 +129,7 @@ static int print_counts(const batch *self)
     }
     if (!self->given->quiet) {
         const char *join = ": ";
-        printf("%zu runs in %s", mine, self->out);
+        print_plainly(stdout, "%zu runs in %s", mine, self->out);
         for (size_t i = 0; i < BATCH_STATUSES; ++i) {
             if (counts[i] > 0) {
                 printf("%s%zu %s", join, counts[i], batch_status_name((batch_status)i));

@@ -8,6 +8,7 @@
 
 #include "cli/check/stable_steps.h"
 #include "cli/compare/compare.h"
+#include "cli/human.h"
 #include "plugin/methods.h"
 #include "record/child_process.h"
 #include "record/record.h"
@@ -375,7 +376,8 @@ static weft_status conclude(const compare *self, const char *directory, weft_err
     TRY(compare_html(self, &advice, directory, err));
     if (!self->quiet && self->progress.mode != PROGRESS_YAML) {
         compare_print(self, &advice);
-        printf("written: %s/compare.csv, %s/compare.html\n", directory, directory);
+        print_plainly(stdout, "written: %s/compare.csv, %s/compare.html\n", directory,
+                      directory);
     }
     return WEFT_OK;
 }

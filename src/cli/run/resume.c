@@ -5,6 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "cli/human.h"
 #include "cli/run/ranks.h"
 #include "cli/run/run.h"
 #include "record/result_read.h"
@@ -57,10 +58,12 @@ int resume_scene(const options *given, const char *directory, const weft_scene *
         return report_error(&err);
     }
     if (!given->quiet && begun) {
-        fprintf(stderr, "%s: continues after frame %" PRIu64 " of %zu\n", directory,
-                from.frame, weft_run_last_frame(weft_scene_run(scene)));
+        print_plainly(stderr, "%s: continues after frame %" PRIu64 " of %zu\n",
+                      directory, from.frame,
+                      weft_run_last_frame(weft_scene_run(scene)));
     } else if (!given->quiet) {
-        fprintf(stderr, "%s: no checkpoint yet: runs from the beginning\n", directory);
+        print_plainly(stderr, "%s: no checkpoint yet: runs from the beginning\n",
+                      directory);
     }
     const int code = run_scene(&own, directory, scene, true, begun ? &from : NULL);
     record_checkpoint_close(&from);
@@ -75,15 +78,15 @@ static int resume_claimed(const options *given, const char *directory)
     weft_error err = { 0 };
     if (ranks_share(given->comm, ended_as(directory, "done"))) {
         if (!given->quiet) {
-            fprintf(stderr, "%s: is already done\n", directory);
+            print_plainly(stderr, "%s: is already done\n", directory);
         }
         return EXIT_DONE;
     }
     if (ranks_share(given->comm, !given->force && ended_as(directory, "failed"))) {
-        fprintf(stderr,
-                "weft: error: %s: this run failed, and would again: see its "
-                "result.yaml; --force runs it again\n",
-                directory);
+        print_plainly(stderr,
+                      "weft: error: %s: this run failed, and would again: see its "
+                      "result.yaml; --force runs it again\n",
+                      directory);
         return EXIT_SIMULATION;
     }
     if (record_path(directory, "scene.yaml", path, &err) != WEFT_OK) {
