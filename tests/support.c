@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "support.h"
 
+#include <locale.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -139,6 +140,22 @@ weft_sim *test_sim(const weft_cloth *cloth, const weft_stepper_type *method,
     const weft_status status = weft_sim_create(&def, &sim, &err);
     ck_assert_msg(status == WEFT_OK, "%s", err.message);
     return sim;
+}
+
+bool test_comma_locale(void)
+{
+    static const char *const names[] = { "de_DE.UTF-8", "fr_FR.UTF-8", "comma" };
+    bool found = false;
+    (void)!system("cd " BUILD_DIR " && mkdir -p locale && { test -d locale/comma || { "
+                  "localedef -c -i de_DE -f UTF-8 locale/$$ && mv locale/$$ "
+                  "locale/comma; }; } >/dev/null 2>&1");
+    for (size_t i = 0; i < 3 && !found; ++i) {
+        if (i == 2) {
+            (void)setenv("LOCPATH", BUILD_DIR "/locale", 1);
+        }
+        found = setlocale(LC_ALL, names[i]) != NULL;
+    }
+    return found;
 }
 
 uint64_t test_hash(const double *values, size_t count)

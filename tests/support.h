@@ -35,6 +35,11 @@ weft_cloth *test_cloth(const weft_cloth_def *def);
 weft_sim *test_sim(const weft_cloth *cloth, const weft_stepper_type *method,
                    const weft_stepper_config *config);
 
+/* Sets a locale whose numbers have commas: an installed one, or one that is made in the
+ * build directory from the sources of Debian's package `locales`. False: there is none,
+ * and the test may end. A test runs in its own process. */
+bool test_comma_locale(void);
+
 /* A hash of the bits of so many numbers. */
 uint64_t test_hash(const double *values, size_t count);
 

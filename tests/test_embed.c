@@ -422,6 +422,43 @@ static uint64_t run_through(void)
     return weft_sim_measure(sim).hash;
 }
 
+static void has_no_comma(void *ctx, const char *name, const char *value)
+{
+    (void)name;
+    ck_assert_msg(strchr(value, ',') == NULL, "%s=%s", name, value);
+    *(bool *)ctx |= strchr(value, '.') != NULL;
+}
+
+START_TEST(numbers_in_texts_have_points_in_any_locale)
+{
+    weft_error err = { 0 };
+    bool point = false;
+    if (!test_comma_locale()) {
+        return;
+    }
+    char own[16];
+    (void)snprintf(own, sizeof own, "%g", 0.5);
+    ck_assert_str_eq(own, "0,5");
+    start();
+    ck_assert_int_eq(weft_sim_step(sim, -0.5, &err), WEFT_INVALID);
+    ck_assert_str_eq(err.message, "step from 0 s to -0.5 s");
+    for (size_t i = 0; i < test_method_count(); ++i) {
+        if (!test_needs_damping(test_method(i)) && !test_is_spared(test_method(i))) {
+            use_method((int)i);
+            run.config.fixed_step
+                = test_adaptive_only(run.method) ? 0.0 : run.config.fixed_step;
+            start();
+            weft_sim_options(sim, has_no_comma, &point);
+        }
+    }
+#ifdef HAVE_GSL
+    ck_assert(point); /* safety=0.9 */
+#endif
+    weft_sim_destroy(sim);
+    sim = NULL;
+}
+END_TEST
+
 START_TEST(no_callback_can_change_or_save_its_simulation)
 {
     if (test_is_spared(test_method((size_t)_i))
@@ -751,6 +788,7 @@ TEST_SUITE(embed)
                         methods);
     tcase_add_test(tcase, callbacks_of_a_play_may_change_between_steps_but_not_step);
     tcase_add_test(tcase, play_without_frames_or_of_no_length_is_refused);
+    tcase_add_test(tcase, numbers_in_texts_have_points_in_any_locale);
     tcase_add_test(tcase, limit_that_is_not_met_is_told_once);
 #ifdef HAVE_GSL
     tcase_add_test(tcase, rejected_attempts_are_told);

@@ -250,12 +250,38 @@ START_TEST(a_plugin_that_ends_or_blocks_its_loader_is_refused_and_others_are_use
 }
 END_TEST
 
+/* The plugin "comma" sets it in create. */
+START_TEST(a_plugin_that_sets_a_locale_changes_no_file)
+{
+    if (!test_comma_locale()) {
+        return;
+    }
+    expect(shell("mkdir -p " OUT "/p && cp " BUILD_DIR
+                 "/tests/promises/weft-comma.so " BUILD_DIR
+                 "/tests/promises/weft-working.so " OUT "/p"),
+           0);
+    for (int i = 0; i < 2; ++i) {
+        static const char *const ids[] = { "comma", "working" };
+        expect(shell(WEFT " run " OUT "/small.yaml --plugin-path " OUT
+                          "/p --quiet --out " OUT
+                          "/%s --set 'stepper={plugin: %s, method: midpoint, "
+                          "fixed_step: 1.0e-3}' 2>&1",
+                     ids[i], ids[i]),
+               0);
+    }
+    expect(shell("cmp " OUT "/comma/final.csv " OUT "/working/final.csv && cmp " OUT
+                 "/comma/series.csv " OUT "/working/series.csv"),
+           0);
+}
+END_TEST
+
 TEST_SUITE(surroundings)
 {
     Suite *suite = suite_create("surroundings");
     TCase *tcase = tcase_create("surroundings");
     tcase_set_timeout(tcase, 300.0);
     tcase_add_checked_fixture(tcase, begin, NULL);
+    tcase_add_test(tcase, a_plugin_that_sets_a_locale_changes_no_file);
     tcase_add_loop_test(tcase, every_verb_reads_a_scene_without_a_name_in_every_form, 0,
                         5);
     tcase_add_loop_test(

@@ -6,6 +6,7 @@
 #ifndef WEFT_BASE_H
 #define WEFT_BASE_H
 
+#include <locale.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -86,6 +87,37 @@ WEFT_API const char *weft_status_text(weft_status status);
 /* The version of the running library, as WEFT_VERSION. */
 WEFT_API const char *weft_version(void);
 
+/* vsnprintf and snprintf with points in numbers, whatever the program's locale is. For
+ * this <locale.h> must have uselocale, as that of POSIX has, also where this header is
+ * compiled; else the locale decides. Header-only, for plugins. */
+WEFT_PRINTF(3, 0)
+static inline int weft_text_format_list(char *text, size_t size, const char *format,
+                                        va_list args)
+{
+#ifdef LC_GLOBAL_LOCALE
+    const locale_t points = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
+    const locale_t before = uselocale(points);
+#endif
+    const int length = vsnprintf(text, size, format, args);
+#ifdef LC_GLOBAL_LOCALE
+    (void)uselocale(before);
+    if (points != (locale_t)0) {
+        freelocale(points);
+    }
+#endif
+    return length;
+}
+
+WEFT_PRINTF(3, 4)
+static inline int weft_text_format(char *text, size_t size, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    const int length = weft_text_format_list(text, size, format, args);
+    va_end(args);
+    return length;
+}
+
 /* Fills *err (NULL allowed) and returns status, so that a failing function may end with
  * `return weft_error_set(err, WEFT_INVALID, "rows is %zu", rows);`. Header-only, for
  * plugins. */
@@ -100,7 +132,7 @@ static inline weft_status weft_error_set(weft_error *err, weft_status status,
         err->column = 0;
         err->file[0] = '\0';
         va_start(args, format);
-        (void)vsnprintf(err->message, sizeof err->message, format, args);
+        (void)weft_text_format_list(err->message, sizeof err->message, format, args);
         va_end(args);
     }
     return status;

@@ -47,7 +47,7 @@ void weft__tell_number(weft_option_fn *tell, void *ctx, const char *name, double
     char text[32];
     int digits = 15;
     do {
-        (void)snprintf(text, sizeof text, "%.*g", digits, value);
+        (void)weft_text_format(text, sizeof text, "%.*g", digits, value);
     } while (strtod(text, NULL) != value && ++digits <= 17);
     tell(ctx, name, text);
 }

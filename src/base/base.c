@@ -26,7 +26,7 @@ void weft__log(const weft_log *log, weft_log_level level, const char *format, ..
         char text[1024];
         va_list args;
         va_start(args, format);
-        (void)vsnprintf(text, sizeof text, format, args);
+        (void)weft_text_format_list(text, sizeof text, format, args);
         va_end(args);
         log->write(log->ctx, level, text);
     }

@@ -10,7 +10,7 @@ void weft__fault(const weft__faults *to, size_t field, size_t other, const char 
     char message[256];
     va_list args;
     va_start(args, format);
-    (void)vsnprintf(message, sizeof message, format, args);
+    (void)weft_text_format_list(message, sizeof message, format, args);
     va_end(args);
     to->found(to->ctx, field, other, message);
 }
@@ -37,11 +37,12 @@ const char *weft__range_text(const weft__number *number, bool bare, char *out,
 {
     char above[40] = "";
     if (number->most > 0.0 && !(bare && number->most > WEFT__MANY)) {
-        (void)snprintf(above, sizeof above, " and %s %.10g",
-                       number->below ? "<" : "<=", number->most);
+        (void)weft_text_format(above, sizeof above, " and %s %.10g",
+                               number->below ? "<" : "<=", number->most);
     }
-    (void)snprintf(out, size, "%s %g%s%s", number->strict ? ">" : ">=", number->least,
-                   above, number->infinite ? " or .inf" : "");
+    (void)weft_text_format(out, size, "%s %g%s%s",
+                           number->strict ? ">" : ">=", number->least, above,
+                           number->infinite ? " or .inf" : "");
     return isinf(number->least) ? "" : out;
 }
 
@@ -64,8 +65,8 @@ static bool check_number(const weft__number *number, const void *def,
     for (size_t i = 0, used = 0; i == 0 || i < number->count; ++i) {
         const double value = value_of(number, def, i);
         good = good && weft__in_range(&range, value);
-        used += (size_t)snprintf(values + used, sizeof values - used, "%s%.10g",
-                                 i == 0 ? "" : ", ", value);
+        used += (size_t)weft_text_format(values + used, sizeof values - used, "%s%.10g",
+                                         i == 0 ? "" : ", ", value);
     }
     if (!good) {
         const bool choice = number->type == WEFT__ENUM;
@@ -89,7 +90,7 @@ bool weft__numbers_check(const weft__number *numbers, size_t count, const void *
     bool good = true;
     va_list args;
     va_start(args, prefix);
-    (void)vsnprintf(text, sizeof text, prefix, args);
+    (void)weft_text_format_list(text, sizeof text, prefix, args);
     va_end(args);
     for (size_t i = 0; i < count; ++i) {
         good = check_number(&numbers[i], def, text, to) && good;

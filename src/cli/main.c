@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* main.c -- the weft program: find the verb, run it. */
 #include <fcntl.h>
+#include <locale.h>
 #include <signal.h>
 #include <string.h>
 #include <unistd.h>
@@ -108,6 +109,8 @@ int main(int argc, char **argv)
     if (!open_standard_streams()) {
         return EXIT_FILE;
     }
+    /* A plugin may call setlocale: numbers keep their points. */
+    (void)uselocale(newlocale(LC_ALL_MASK, "C", (locale_t)0));
     /* Beyond the limit of file sizes a write then fails, and is reported. */
     (void)signal(SIGXFSZ, SIG_IGN);
     if (argc < 2) {

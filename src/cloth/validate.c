@@ -450,7 +450,7 @@ bool weft__start_check(const weft_cloth_def *def, size_t shape, char *text, size
 {
     size_t i = 0;
     const double gap = start_gap(def, &def->contact.shapes[shape], &i);
-    (void)snprintf(text, size, "particle (%zu, %zu) is %.3g mm inside shapes[%zu]",
+    (void)weft_text_format(text, size, "particle (%zu, %zu) is %.3g mm inside shapes[%zu]",
                    i / def->cols, i % def->cols, 1e3 * fabs(gap), shape);
     return gap > 0.0;
 }

@@ -136,10 +136,11 @@ double weft_stepper_matrices(const weft_stepper_type *type, size_t particles,
         = WEFT_HAS(type, weft_stepper_type, matrices) && type->matrices > 0;
     const double bytes
         = 8.0 * (double)dim * (double)dim * (counted ? type->matrices : 1);
-    (void)snprintf(text, size,
-                   "matrices of %zu x %zu, %.4g MB in all, about %zu evaluations for "
-                   "each Jacobian",
-                   dim, dim, 1e-6 * bytes, dim);
+    (void)weft_text_format(
+        text, size,
+        "matrices of %zu x %zu, %.4g MB in all, about %zu evaluations for "
+        "each Jacobian",
+        dim, dim, 1e-6 * bytes, dim);
     return bytes;
 }
 

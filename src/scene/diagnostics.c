@@ -97,7 +97,7 @@ static void add(weft__report *report, bool warning, weft__mark at, const char *f
     const size_t slot = find_slot(report, at);
     report->mistakes += !warning;
     weft__fit(message, sizeof message,
-              vsnprintf(message, sizeof message, format, args));
+              weft_text_format_list(message, sizeof message, format, args));
     weft__one_line(message);
     if (is_known(report, slot, at, message)) {
         return;

@@ -37,7 +37,7 @@ static void set_message(const weft_failure *self, size_t cols, weft_error *err)
     const weft_spring *worst = &self->spring;
     char name[96], spring[128] = "no springs";
     if (worst->p != worst->q) {
-        (void)snprintf(spring, sizeof spring, "most strained %s at %.3g %%",
+        (void)weft_text_format(spring, sizeof spring, "most strained %s at %.3g %%",
                        weft_spring_text(worst, cols, name, sizeof name),
                        100.0 * worst->strain);
     }
