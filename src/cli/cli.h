@@ -48,7 +48,8 @@ typedef struct options {
     bool quiet, force, yaml, markdown, all, refine, view, retry_failed, summary;
     bool csv, clamp_midway, watch;
     progress_mode mode; /* by `progress` and `quiet` */
-    char **operands;    /* the rest of argv */
+    char **argv;        /* of the verb, NULL at the end */
+    char **operands;    /* the rest of it */
     int operand_count;
     weft_registry *registry; /* from open_registry */
     const weft_comm *comm;   /* of the bands; NULL: one process has the whole cloth */

@@ -169,7 +169,8 @@ static int parse(const verb *self, int argc, char **argv, options *out)
 
 int verb_start(const verb *self, int argc, char **argv)
 {
-    options given = { .sets = calloc((size_t)argc, 2 * sizeof *given.sets) };
+    options given
+        = { .argv = argv, .sets = calloc((size_t)argc, 2 * sizeof *given.sets) };
     if (given.sets == NULL) {
         weft_error err = { 0 };
         weft_error_set(&err, WEFT_NO_MEMORY, "out of memory");
@@ -179,6 +180,9 @@ int verb_start(const verb *self, int argc, char **argv)
     int code = parse(self, argc, argv, &given);
     if (code < 0) {
         given.registry = open_registry(given.plugin_path, given.bands == NULL);
+        if (given.bands == NULL) {
+            ranks_hint(self);
+        }
         code = given.registry == NULL ? EXIT_SIMULATION
                : given.bands == NULL  ? self->run(&given)
                                       : ranks_run(self, &given);

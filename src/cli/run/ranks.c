@@ -10,8 +10,10 @@
 #include <sched.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/hash.h"
 #include "cli/human.h"
 #include "cli/run/interrupt.h"
 #include "mpi/comm_mpi.h"
@@ -92,6 +94,44 @@ static comm_mpi *open_mpi(const verb *self, const options *given)
     return start();
 }
 
+static uint64_t hash_file(uint64_t hash, const char *path)
+{
+    struct stat status;
+    FILE *stream
+        = stat(path, &status) == 0 && S_ISREG(status.st_mode) ? fopen(path, "r") : NULL;
+    for (int c; stream != NULL && (c = getc(stream)) != EOF;) {
+        hash = weft__hash_byte(hash, (unsigned char)c);
+    }
+    if (stream != NULL) {
+        (void)fclose(stream);
+    }
+    return hash;
+}
+
+/* Whether this rank was started with the command line and the scene of rank 0, whose
+ * run it takes part in; a scene that only rank 0 can read is shared. */
+static bool is_alike(const comm_mpi *mpi, const options *given)
+{
+    const weft_comm *comm = &mpi->comm;
+    uint64_t mine[2] = { WEFT__HASH_START, WEFT__HASH_START }, first[2];
+    for (char **word = given->argv; *word != NULL; ++word) {
+        for (const char *c = *word; c == *word || c[-1] != '\0'; ++c) {
+            mine[0] = weft__hash_byte(mine[0], (unsigned char)*c);
+        }
+    }
+    mine[1] = hash_file(mine[1], given->operands[0]);
+    memcpy(first, mine, sizeof first);
+    comm->share(comm->self, first, sizeof first);
+    const bool alike
+        = mine[0] == first[0] && (mine[1] == first[1] || mine[1] == WEFT__HASH_START);
+    if (!alike) {
+        fprintf(stderr,
+                "weft: error: rank %d has %s than rank 0: start all ranks alike\n",
+                comm->rank, mine[0] != first[0] ? "other options" : "another scene");
+    }
+    return comm->max(comm->self, alike ? 0.0 : 1.0) == 0.0;
+}
+
 /* All ranks do what rank 0 does, and only that is to be seen. */
 static void silence(options *given)
 {
@@ -109,6 +149,9 @@ static int run_joined(const verb *self, options *given, const comm_mpi *mpi,
                       size_t bands)
 {
     const weft_comm *comm = &mpi->comm;
+    if (!is_alike(mpi, given)) {
+        return EXIT_SCENE;
+    }
     if (comm->rank > 0) {
         silence(given);
     }
@@ -121,6 +164,23 @@ static int run_joined(const verb *self, options *given, const comm_mpi *mpi,
     interrupt_catch_user();
     given->comm = comm->size > 1 ? comm : NULL;
     return ranks_share(comm, self->run(given));
+}
+
+/* By the variables that Open MPI's and MPICH's launchers set. */
+void ranks_hint(const verb *self)
+{
+    static const char *const sizes[] = { "OMPI_COMM_WORLD_SIZE", "PMI_SIZE" };
+    for (size_t i = 0; i < 2 && (self == &verb_run || self == &verb_resume); ++i) {
+        const char *text = getenv(sizes[i]);
+        size_t count;
+        if (text != NULL && option_count(text, '\0', &count) && count > 1) {
+            fprintf(
+                stderr,
+                "weft: warning: this is one of %zu processes of an MPI job, and each "
+                "runs the whole cloth: --bands %zu runs it once\n",
+                count, count);
+        }
+    }
 }
 
 int ranks_run(const verb *self, options *given)

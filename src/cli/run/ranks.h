@@ -10,6 +10,9 @@
  * exit code of rank 0 on all ranks. */
 int ranks_run(const verb *self, options *given);
 
+/* Without --bands: warns in a job of several processes. */
+void ranks_hint(const verb *self);
+
 /* Whether this process prints and writes the files that are not in bands. */
 static inline bool ranks_first(const weft_comm *comm)
 {
