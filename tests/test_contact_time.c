@@ -38,6 +38,38 @@ START_TEST(nothing_falls_through_a_thin_plate)
 }
 END_TEST
 
+/* From rest to rest over h = 0.1 s: classical Runge-Kutta moves by -180 h^2 / 6. */
+static int swing_down(void *ctx, double t, const double *y, double *f)
+{
+    (void)ctx, (void)y;
+    for (size_t i = 2; i < 4; ++i) {
+        f[i] -= 0.1 * 180.0 * cos(10.0 * acos(-1.0) * t);
+    }
+    return 0;
+}
+
+/* The plate of the first test again, between both ends of the first step. */
+START_TEST(nothing_is_swung_through_a_plate_within_a_step)
+{
+    run.method = test_method_named("gsl/rk4");
+    shapes[0] = weft_shape_default(WEFT_BOX);
+    for (size_t k = 0; k < 3; ++k) {
+        shapes[0].half[k] = k == 1 ? 2e-3 : 0.5;
+    }
+    shapes[0].rounding = 1e-3;
+    model.spacing[1] = 0.01, model.origin[1] = 0.15;
+    memset(model.gravity, 0, sizeof model.gravity);
+    run.force = swing_down;
+    run.config.fixed_step = 0.1;
+    start();
+    while (weft_sim_time(sim) < 0.1) {
+        step(0.1);
+        ck_assert_double_gt(at(0, 1), 0.0);
+    }
+    ck_assert_uint_gt(weft_sim_vetoed(sim), 0);
+}
+END_TEST
+
 /* (h max |v - V|) < d0 + d1, gaps and velocities those at either end of the step; from
  * a start in touch with a plane that swings. */
 START_TEST(steps_are_bounded_by_the_gaps_at_both_ends)
@@ -435,6 +467,7 @@ TEST_SUITE(contact_time)
     tcase_add_test(tcase, states_in_shapes_are_refused);
     tcase_add_test(tcase, shapes_are_added_moved_and_removed);
     tcase_add_loop_test(tcase, a_resumed_run_has_the_same_bits, 0, 2);
+    tcase_add_test(tcase, nothing_is_swung_through_a_plate_within_a_step);
     tcase_add_test(tcase, steps_are_bounded_by_the_gaps_at_both_ends);
     tcase_add_test(tcase, saved_shapes_that_are_damaged_are_refused);
     tcase_add_test(tcase, saved_shapes_that_make_no_sense_are_refused);

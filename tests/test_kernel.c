@@ -231,7 +231,8 @@ START_TEST(every_level_finds_the_same_paths_clear)
         for (double h = 1e-3; h < 1.0; h *= 4.0) {
             const weft__path path = { m.t, m.t + h, m.y, y1 };
             for (size_t j = 0; j < 6 * m.n; ++j) {
-                y1[j] = j < 3 * m.n ? m.y[j] + h * m.y[3 * m.n + j] : 0.9 * m.y[j];
+                const double way = number % 2 == 0 ? h : 4.0 * h; /* fast between */
+                y1[j] = j < 3 * m.n ? m.y[j] + way * m.y[3 * m.n + j] : 0.9 * m.y[j];
             }
             for (size_t rows = 1; rows <= m.def.rows; ++rows) {
                 const bool clear = weft__reference_clear(m.cloth, &path, 0, rows);

@@ -19,6 +19,12 @@ weft__passage weft__passage_of(const weft__shape *shape, const weft__path *path)
             .pose
             = { weft__pose_of(shape, path->t0), weft__pose_of(shape, path->t1) } };
     const double *v0 = of.pose[0].velocity, *v1 = of.pose[1].velocity;
+    double shift2 = 0.0;
+    for (size_t k = 0; k < 3; ++k) {
+        const double way = of.pose[1].at[k] - of.pose[0].at[k];
+        shift2 += way * way;
+    }
+    of.shift = sqrt(shift2);
     of.fastest = sqrt(fmax(weft__dot(v0, v0), weft__dot(v1, v1))) + of.between;
     return of;
 }
@@ -39,16 +45,23 @@ bool weft__passage_clear(const weft__passage *of, const weft__path *path, size_t
                          size_t i, double *gap)
 {
     const double *ends[2] = { path->y0 + i, path->y1 + i };
-    double d[2], square = 0.0;
+    double d[2], r[2][3], square = 0.0, way2 = 0.0;
     for (size_t e = 0; e < 2; ++e) {
         const double *y = ends[e];
         const double x[3] = { y[0], y[n], y[2 * n] };
         const double v[3] = { y[3 * n], y[4 * n], y[5 * n] };
         d[e] = weft__gap_at(&of->pose[e], x);
         square = fmax(square, speed2(&of->pose[e], x, v));
+        for (size_t k = 0; k < 3; ++k) {
+            r[e][k] = x[k] - of->pose[e].at[k];
+        }
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        way2 += (r[1][k] - r[0][k]) * (r[1][k] - r[0][k]);
     }
     *gap = d[1];
-    return d[1] > 0.0 && of->h * (sqrt(square) + of->between) < d[0] + d[1];
+    return d[1] > 0.0 && sqrt(way2) < d[0] + d[1]
+           && of->h * (sqrt(square) + of->between) < d[0] + d[1];
 }
 
 bool weft__reference_clear(const weft_cloth *cloth, const weft__path *path,

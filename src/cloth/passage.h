@@ -3,11 +3,12 @@
  *
  * A step of h from gap d0 to d1 is clear if, for every free particle and shape,
  *
- *     d1 > 0  and  h (max(|v0 - V0|, |v1 - V1|) + w) < d0 + d1
+ *     d1 > 0  and  h (max(|v0 - V0|, |v1 - V1|) + w), |r1 - r0| < d0 + d1
  *
- * with V the velocity of the surface, with or without its spin, whichever gives the
- * larger speed, and w the speed that an oscillation adds between the ends;
- * docs/physics.md. src/kernel evaluates the same expressions. */
+ * with r the place beside the shape's, so that a particle that is slow at both ends and
+ * fast between them is seen, V the velocity of the surface, with or without its spin,
+ * whichever gives the larger speed, and w the speed that an oscillation adds between
+ * the ends; docs/physics.md. src/kernel evaluates the same expressions. */
 #ifndef WEFT_CLOTH_PASSAGE_H
 #define WEFT_CLOTH_PASSAGE_H
 
@@ -24,6 +25,7 @@ typedef struct weft__passage {
     double h;       /* [s] */
     double between; /* [m/s] beyond what its velocity is at the ends */
     double fastest; /* [m/s] of its velocity, without spin */
+    double shift;   /* [m] its way */
     bool spins;
     weft__pose pose[2];
 } weft__passage;

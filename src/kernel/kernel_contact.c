@@ -392,6 +392,7 @@ INLINE mask blocked(const weft__passage *of, weft_shape_kind kind, const double 
                     const double *y1, size_t n, const double *inverse_mass)
 {
     vec gap[2], square = splat(0.0);
+    vec3 place[2];
     for (size_t e = 0; e < 2; ++e) {
         const weft__pose *pose = &of->pose[e];
         const double *y = e == 0 ? y0 : y1, *rigid = pose->velocity;
@@ -399,10 +400,12 @@ INLINE mask blocked(const weft__passage *of, weft_shape_kind kind, const double 
         const vec3 with = minus(v, surface_velocity(pose, r));
         const vec3 without = { v.x - rigid[0], v.y - rigid[1], v.z - rigid[2] };
         gap[e] = spot_of(pose, kind, r).gap;
+        place[e] = r;
         square = most(most(dot(with, with), dot(without, without)), square);
     }
-    const mask clear
-        = (gap[1] > 0.0) & (of->h * (root(square) + of->between) < gap[0] + gap[1]);
+    const vec3 way = minus(place[1], place[0]);
+    const mask clear = (gap[1] > 0.0) & (root(dot(way, way)) < gap[0] + gap[1])
+                       & (of->h * (root(square) + of->between) < gap[0] + gap[1]);
     return ~clear & (load(inverse_mass) > 0.0);
 }
 
@@ -436,19 +439,23 @@ static bool block_clear(const weft_cloth *cloth, const weft__passage *of,
     }
 }
 
-/* Around both ends of the paths of a block, and the highest speed at an end. */
+/* Around both ends of the paths of a block, the highest speed at an end and the longest
+ * way. */
 INLINE extent path_bounds(const weft__path *path, size_t n, size_t first, size_t end,
-                          vec *speed)
+                          vec *speed, vec *way)
 {
     const extent a = bounds_of(path->y0, n, first, end);
     const extent b = bounds_of(path->y1, n, first, end);
-    vec square = splat(0.0);
+    vec square = splat(0.0), way2 = splat(0.0);
     for (size_t i = first; i < end && LANES <= end; i += LANES) {
-        const size_t at = 3 * n + (i + LANES <= end ? i : end - LANES);
-        const vec3 v0 = load3(path->y0 + at, n), v1 = load3(path->y1 + at, n);
+        const size_t at = i + LANES <= end ? i : end - LANES, to = 3 * n + at;
+        const vec3 v0 = load3(path->y0 + to, n), v1 = load3(path->y1 + to, n);
+        const vec3 moved = minus(load3(path->y1 + at, n), load3(path->y0 + at, n));
+        way2 = most(dot(moved, moved), way2);
         square = most(most(dot(v0, v0), dot(v1, v1)), square);
     }
     *speed = root(square);
+    *way = root(way2);
     return (extent){ { least(a.low.x, b.low.x), least(a.low.y, b.low.y),
                        least(a.low.z, b.low.z) },
                      { most(a.high.x, b.high.x), most(a.high.y, b.high.y),
@@ -459,9 +466,9 @@ INLINE extent path_bounds(const weft__path *path, size_t n, size_t first, size_t
 /* Whether both gaps of all particles exceed half of what they may move: the box is that
  * much wider. A spin makes a surface faster far away. */
 INLINE bool passes_far(const weft__passage *of, const target targets[2],
-                       double thickness, const extent *box, vec speed)
+                       double thickness, const extent *box, vec speed, vec way)
 {
-    const vec half = (0.5 * of->h) * (speed + of->fastest);
+    const vec half = 0.5 * most(of->h * (speed + of->fastest), way + of->shift);
     const vec3 wider = { half, half, half };
     const extent around
         = { minus(box->low, wider), plus(box->high, wider), box->size + 6.0 * half };
@@ -489,10 +496,10 @@ bool NAME(clear, LEVEL)(const weft_cloth *cloth, const weft__path *path,
         }
         for (size_t i = first_row * cloth->cols; i < end; i += BLOCK) {
             const size_t stop = end - i < BLOCK ? end : i + BLOCK;
-            vec speed;
-            const extent box = path_bounds(path, n, i, stop, &speed);
+            vec speed, way;
+            const extent box = path_bounds(path, n, i, stop, &speed, &way);
             for (size_t k = 0; k < count; ++k) {
-                if (!passes_far(&shapes[k], targets[k], thickness, &box, speed)
+                if (!passes_far(&shapes[k], targets[k], thickness, &box, speed, way)
                     && !block_clear(cloth, &shapes[k], path, i, stop)) {
                     return false;
                 }
