@@ -306,7 +306,7 @@ START_TEST(a_limit_reports_what_it_did_and_what_it_could_not)
     expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/m --quiet --set 'limit="
                       "{method: provot, strain: 0, tolerance: 1e-9, sweeps: 1}' 2>&1"),
            0);
-    const char *warning = "weft: warning: limit: not met within limit.sweeps by t = ";
+    const char *warning = "weft: warning: limit: not met within its sweeps at t = ";
     says(warning);
     ck_assert_ptr_null(strstr(strstr(output, warning) + 1, warning));
     expect(shell("grep -c 'unconverged: 0' " OUT "/m/result.yaml"), 1);

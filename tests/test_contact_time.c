@@ -70,6 +70,44 @@ START_TEST(nothing_is_swung_through_a_plate_within_a_step)
 }
 END_TEST
 
+typedef struct heard {
+    size_t warnings;
+    char last[256];
+} heard;
+
+static void hear(void *ctx, weft_log_level level, const char *text)
+{
+    heard *to = ctx;
+    if (level == WEFT_LOG_WARNING) {
+        ++to->warnings;
+        (void)snprintf(to->last, sizeof to->last, "%s", text);
+    }
+}
+
+/* Along a plane, 1 mm above it: the check does not know that nothing leads there, and
+ * allows 2 mm of the 0.1 m of a step. */
+START_TEST(a_run_that_crawls_says_so_once)
+{
+    heard all = { 0 };
+    run.method = test_method_named("gsl/rk4");
+    model.contact.thickness = 5e-4;
+    model.origin[1] = 1e-3, model.velocity[0] = 10.0;
+    memset(model.gravity, 0, sizeof model.gravity);
+    run.config.fixed_step = 0.01;
+    run.log = (weft_log){ hear, &all };
+    start();
+    while (weft_sim_vetoed(sim) < 3000) {
+        ck_assert_uint_ge(weft_sim_vetoed(sim), 500 * all.warnings);
+        step(100.0);
+    }
+    ck_assert_uint_eq(all.warnings, 1);
+    ck_assert_ptr_nonnull(strstr(all.last, "contact took back "));
+    ck_assert_ptr_nonnull(strstr(all.last, " of the last 1000 steps at t = "));
+    ck_assert_ptr_nonnull(
+        strstr(all.last, ": particle (0, 0) and shapes[0], distance 0.001 m"));
+}
+END_TEST
+
 /* (h max |v - V|) < d0 + d1, gaps and velocities those at either end of the step; from
  * a start in touch with a plane that swings. */
 START_TEST(steps_are_bounded_by_the_gaps_at_both_ends)
@@ -468,6 +506,7 @@ TEST_SUITE(contact_time)
     tcase_add_test(tcase, shapes_are_added_moved_and_removed);
     tcase_add_loop_test(tcase, a_resumed_run_has_the_same_bits, 0, 2);
     tcase_add_test(tcase, nothing_is_swung_through_a_plate_within_a_step);
+    tcase_add_test(tcase, a_run_that_crawls_says_so_once);
     tcase_add_test(tcase, steps_are_bounded_by_the_gaps_at_both_ends);
     tcase_add_test(tcase, saved_shapes_that_are_damaged_are_refused);
     tcase_add_test(tcase, saved_shapes_that_make_no_sense_are_refused);

@@ -7,6 +7,7 @@
 #include "cloth/levels.h"
 #include "folded.h"
 #include "one_sim.h"
+#include "random.h"
 #include "sim/simulation.h"
 
 enum { MOST = 100 * 100 };
@@ -575,6 +576,79 @@ START_TEST(a_resumed_run_equals_one_that_went_on)
 }
 END_TEST
 
+/* ---- strips that land on an edge ------------------------------------------------- */
+
+typedef struct drop {
+    size_t rows;
+    double tilt, side; /* of the direction down */
+    double speed;      /* [m/s], of a stopping speed of 1 m/s */
+    double tolerance;
+} drop;
+
+/* The 15 of 274 that took back more than 300 steps, or came to no end, while windows
+ * were as wide at any gap. */
+static const drop drops[] = {
+    { 16, 0.066, 0.082, 5.62, 1e-3 }, { 20, 0.039, 0.067, 4.22, 1e-3 },
+    { 20, 0.037, 0.064, 5.82, 1e-6 }, { 20, 0.077, 0.090, 6.93, 1e-4 },
+    { 20, 0.117, 0.011, 4.18, 1e-6 }, { 16, 0.077, 0.050, 5.85, 1e-6 },
+    { 20, 0.041, 0.005, 4.25, 1e-6 }, { 20, 0.084, 0.080, 6.61, 1e-3 },
+    { 20, 0.067, 0.058, 6.62, 1e-6 }, { 20, 0.093, 0.084, 5.47, 1e-6 },
+    { 16, 0.037, 0.099, 6.49, 1e-6 }, { 20, 0.068, 0.071, 6.56, 1e-3 },
+    { 20, 0.083, 0.026, 5.59, 1e-6 }, { 20, 0.095, 0.088, 6.81, 1e-6 },
+    { 16, 0.091, 0.058, 6.73, 1e-4 },
+};
+
+static drop random_drop(uint64_t seed)
+{
+    static const double tolerances[] = { 1e-3, 1e-4, 1e-6 };
+    uint64_t state = 11 + seed;
+    for (int i = 0; i < 8; ++i) {
+        (void)random_uniform(&state);
+    }
+    drop of = { .rows = random_whole(&state, 0, 2) == 0 ? 16 : 20 };
+    of.tilt = 0.01 + 0.13 * random_uniform(&state);
+    of.side = 0.1 * random_uniform(&state);
+    of.speed = 3.8 + 3.2 * random_uniform(&state);
+    of.tolerance = tolerances[random_whole(&state, 0, 2)];
+    return of;
+}
+
+/* The first 4; `make nightly`: all, and 259 at random. */
+START_TEST(a_strip_that_lands_on_its_edge_comes_to_rest)
+{
+    static const double stiffness[WEFT_FAMILIES] = { 100.0, 50.0, 5.0 };
+    static const double damping[WEFT_FAMILIES] = { 0.02, 0.01, 0.001 };
+    const drop of = _i < (int)(sizeof drops / sizeof drops[0])
+                        ? drops[_i]
+                        : random_drop((uint64_t)_i);
+    model = weft_cloth_def_default();
+    model.rows = of.rows, model.cols = 2;
+    model.spacing[0] = model.spacing[1] = 0.02;
+    model.origin[1] = 0.4;
+    model.right[1] = of.side, model.down[0] = of.side, model.down[1] = -1.0;
+    model.down[2] = of.tilt;
+    model.density = 0.2;
+    model.velocity[1] = -of.speed;
+    for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
+        model.springs[k] = (weft_spring_def){ true, stiffness[k], damping[k] };
+    }
+    shapes[0] = weft_shape_default(WEFT_PLANE);
+    model.contact.thickness = 5e-3, model.contact.stopping_speed = 1.0;
+    model.contact.self = true;
+    model.contact.shapes = shapes, model.contact.shape_count = 1;
+    tolerance(of.tolerance);
+    teardown();
+    cloth = test_cloth(&model);
+    run.cloth = cloth;
+    ck_assert_msg(weft_sim_create(&run, &sim, &err) == WEFT_OK, "%s", err.message);
+    while (weft_sim_time(sim) < 0.5) {
+        ck_assert_msg(weft_sim_step(sim, 0.5, &err) == WEFT_OK, "%s", err.message);
+        ck_assert_uint_le(weft_sim_vetoed(sim), 300);
+    }
+    ck_assert_uint_eq(crossings(), 0);
+}
+END_TEST
+
 TEST_SUITE(self_time)
 {
     Suite *suite = suite_create("self_time");
@@ -596,6 +670,8 @@ TEST_SUITE(self_time)
                         all ? LONG_SCENES : 0);
     tcase_add_loop_test(large, ten_thousand_particles_never_pass_through_each_other, 0,
                         all ? 1 : 0);
+    tcase_add_loop_test(apart, a_strip_that_lands_on_its_edge_comes_to_rest, 0,
+                        test_rounds(4, 274));
     tcase_add_test(apart, steps_that_may_pass_through_are_taken_back);
     tcase_add_test(apart, a_fixed_step_that_would_pass_through_is_an_error);
     tcase_add_test(physics, flat_layers_bounce_with_their_restitution);

@@ -176,6 +176,7 @@ weft_status sim_create(const weft_scene *scene, const weft_cloth *cloth, weft_si
 
 /* A simulation of a scene, or of its band of that comm: cloth and sim, or NULL both. */
 weft_status simulation_create(const weft_scene *scene, const weft_comm *comm,
-                              weft_cloth **cloth, weft_sim **sim, weft_error *err);
+                              weft_log log, weft_cloth **cloth, weft_sim **sim,
+                              weft_error *err);
 
 #endif

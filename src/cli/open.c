@@ -306,7 +306,8 @@ static weft_status band_create(const weft_scene *scene, const weft_comm *comm,
 }
 
 weft_status simulation_create(const weft_scene *scene, const weft_comm *comm,
-                              weft_cloth **cloth, weft_sim **sim, weft_error *err)
+                              weft_log log, weft_cloth **cloth, weft_sim **sim,
+                              weft_error *err)
 {
     *sim = NULL;
     *cloth = NULL;
@@ -315,6 +316,7 @@ weft_status simulation_create(const weft_scene *scene, const weft_comm *comm,
     if (status == WEFT_OK) {
         weft_sim_def def = define(scene, comm, *cloth);
         const weft_run_def *run = weft_scene_run(scene);
+        def.log = log;
         def.dense = run->interpolate;
         def.event = run->stop.quantity != WEFT_STOP_NEVER ? weft_stop_event : NULL;
         def.event_ctx = (void *)&run->stop; /* which reads it alone */

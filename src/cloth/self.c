@@ -112,7 +112,7 @@ static inline bool push_kind(const weft__self_law *law, weft__pair_kind kind,
     }
     law_feet at = law_feet_of(kind, &of);
     place(y + 3 * n, n, pair, v);
-    law_weigh(kind, law->soft, weft__pair_rest(law, pair), &at);
+    law_weigh(kind, law, weft__pair_rest(law, pair), &at);
     law_push_of(kind, &cloth->contact, &at, mass, v, &push);
     memcpy(out->particle, pair->particle, sizeof out->particle);
     memcpy(out->force, push.force, sizeof out->force);
@@ -150,7 +150,7 @@ bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
         return false;
     }
     law_feet at = law_feet_of(kind, &of);
-    law_weigh(kind, law->soft, weft__pair_rest(law, pair), &at);
+    law_weigh(kind, law, weft__pair_rest(law, pair), &at);
     *touch = (weft__touch){ .gap = at.d,
                             .steepness = 1.0,
                             .share = WEFT__SELF_SHARE * at.weight };

@@ -17,6 +17,10 @@
 #define EACH_KIND(X)                                                                   \
     X(WEFT__VERTICES) X(WEFT__VERTEX_EDGE) X(WEFT__VERTEX_TRIANGLE) X(WEFT__EDGES)
 
+/* At a gap d windows are narrower by q = sqrt(1 + (thickness / (NARROWING d))^2), that
+ * of the angle by q^2: W -> 1 as d -> 0, and no pass is left between two of them. */
+#define NARROWING 8.0
+
 LAW num law_dot(const num a[3], const num b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -97,21 +101,23 @@ LAW truth law_pushes(weft__pair_kind kind, const law_gram *of, double thickness)
 
 /* ---- weights --------------------------------------------------------------------- */
 
-/* S(x) and its derivative. */
-LAW num law_step(num x, double soft, num *slope)
+/* S(x) and its derivative; inverse: 1 / x0. */
+LAW num law_step(num x, num inverse, num *slope)
 {
-    const num part = x * (1.0 / soft), y = CHOOSE(part < 1.0, part, NUM(1.0));
+    const num part = x * inverse, y = CHOOSE(part < 1.0, part, NUM(1.0));
     const num y3 = y * y * y, z = 1.0 - y;
-    *slope = 140.0 * y3 * (z * z * z) * (1.0 / soft);
+    *slope = 140.0 * y3 * (z * z * z) * inverse;
     return y3 * y * (35.0 - y * (84.0 - y * (70.0 - 20.0 * y)));
 }
 
-/* S(s) S(1 - s) and its derivative. */
-LAW num law_both_ends(num s, double soft, num *slope)
+/* S(s) S(1 - s), its derivative, and that by log(inverse). */
+LAW num law_both_ends(num s, num inverse, num *slope, num *growth)
 {
     num from_0, from_1;
-    const num a = law_step(s, soft, &from_0), b = law_step(1.0 - s, soft, &from_1);
+    const num z = 1.0 - s;
+    const num a = law_step(s, inverse, &from_0), b = law_step(z, inverse, &from_1);
     *slope = from_0 * b - a * from_1;
+    *growth = from_0 * s * b + a * from_1 * z;
     return a * b;
 }
 
@@ -123,6 +129,7 @@ typedef struct law_feet {
     num r[3], d;             /* [m] */
     num arm[4];              /* b_i */
     num weight;              /* W */
+    num pull;                /* [1/m] -dW/dd */
     num lean[3], turn[2][3]; /* [1/m] */
 } law_feet;
 
@@ -179,38 +186,47 @@ LAW void law_lean(weft__pair_kind kind, num by_u, num by_v, num by_area, law_fee
 }
 
 /* inverse_rest: 1 / (product of the squares of both edges' rest lengths) */
-LAW void law_weigh(weft__pair_kind kind, double soft, num inverse_rest, law_feet *at)
+LAW void law_weigh(weft__pair_kind kind, const weft__self_law *law, num inverse_rest,
+                   law_feet *at)
 {
-    num by_u, by_v, by_z;
+    const num part = law->cloth->contact.thickness / (NARROWING * at->d);
+    const num q2 = 1.0 + part * part, inverse = ROOT(q2) * (1.0 / law->soft);
+    const num narrows = part * part / (q2 * at->d); /* -d log(inverse) / dd */
+    num by_u, by_v, by_z, grows_u, grows_v;
     if (kind == WEFT__VERTICES) {
         at->arm[0] = NUM(1.0), at->arm[1] = NUM(-1.0);
-        at->weight = NUM(1.0);
+        at->weight = NUM(1.0), at->pull = NUM(0.0);
         return;
     }
     if (kind == WEFT__VERTEX_EDGE) {
         at->arm[0] = NUM(1.0), at->arm[1] = at->u - 1.0, at->arm[2] = -at->u;
-        at->weight = law_both_ends(at->u, soft, &by_u);
+        at->weight = law_both_ends(at->u, inverse, &by_u, &grows_u);
+        at->pull = narrows * grows_u;
         law_lean(kind, by_u, by_u, by_u, at);
         return;
     }
     if (kind == WEFT__VERTEX_TRIANGLE) {
         const num z = 1.0 - at->u - at->v;
-        const num su = law_step(at->u, soft, &by_u), sv = law_step(at->v, soft, &by_v);
-        const num sz = law_step(z, soft, &by_z);
+        const num su = law_step(at->u, inverse, &by_u);
+        const num sv = law_step(at->v, inverse, &by_v);
+        const num sz = law_step(z, inverse, &by_z);
+        by_u = by_u * sv * sz, by_v = su * by_v * sz, by_z = su * sv * by_z;
         at->arm[0] = NUM(1.0), at->arm[1] = -z, at->arm[2] = -at->u;
         at->arm[3] = -at->v;
         at->weight = su * sv * sz;
-        law_lean(kind, by_u * sv * sz - su * sv * by_z, su * by_v * sz - su * sv * by_z,
-                 by_z, at);
+        at->pull = narrows * (by_u * at->u + by_v * at->v + by_z * z);
+        law_lean(kind, by_u - by_z, by_v - by_z, by_z, at);
         return;
     }
-    const num su = law_both_ends(at->u, soft, &by_u);
-    const num sv = law_both_ends(at->v, soft, &by_v);
-    const num area = law_area(&at->of);
-    const num sz = law_step(area * inverse_rest, SOFT_ANGLE, &by_z);
+    const num su = law_both_ends(at->u, inverse, &by_u, &grows_u);
+    const num sv = law_both_ends(at->v, inverse, &by_v, &grows_v);
+    const num z = law_area(&at->of) * inverse_rest;
+    const num sz = law_step(z, q2 * (1.0 / SOFT_ANGLE), &by_z);
     at->arm[0] = 1.0 - at->u, at->arm[1] = at->u;
     at->arm[2] = at->v - 1.0, at->arm[3] = -at->v;
     at->weight = sz * su * sv;
+    at->pull
+        = narrows * (2.0 * by_z * z * su * sv + sz * (grows_u * sv + su * grows_v));
     law_lean(kind, sz * by_u * sv, sz * su * by_v, 2.0 * by_z * su * sv * inverse_rest,
              at);
 }
@@ -380,7 +396,7 @@ LAW void law_push_of(weft__pair_kind kind, const weft_contact_def *law,
     out->heat = mass * (touch.push * (1.0 - touch.factor) * speed);
     out->friction = mass * (touch.drag * slip2);
     for (size_t k = 0; k < 3; ++k) {
-        const num foot = force * n[k] - drag * slip[k];
+        const num foot = (force + energy * at->pull) * n[k] - drag * slip[k];
         for (size_t i = 0; i < count; ++i) {
             out->force[i][k] = at->arm[i] * foot;
         }

@@ -139,7 +139,7 @@ INLINE void push(work *of, weft__pair_kind kind, size_t i)
     place(of->y + 3 * n, n, kind, at, v);
     const law_gram gram = law_gram_of(kind, x);
     law_feet feet = law_feet_of(kind, &gram);
-    law_weigh(kind, of->law->soft, rest, &feet);
+    law_weigh(kind, of->law, rest, &feet);
     law_push_of(kind, &contact, &feet, mass, v, &out);
     write_pushes(kind, &feet, &out, first % WEFT__BLOCK, to);
     for (size_t k = 0; k < 3 * weft__kind_particles(kind); ++k) {

@@ -28,8 +28,6 @@ weft_status weft__method_check(const weft_stepper_type *type, size_t index,
                           : type->state_changed == NULL ? "state_changed"
                           : type->stats == NULL         ? "stats"
                           : type->destroy == NULL       ? "destroy"
-                          : type->reference == NULL     ? "reference"
-                          : type->license == NULL       ? "license"
                                                         : NULL;
     if (missing != NULL) {
         return weft_error_set(err, WEFT_BAD_PLUGIN, "method '%s' has no %s", type->name,
@@ -76,9 +74,15 @@ weft_status weft__plugin_check(const weft_plugin *plugin, weft_error *err)
                               "it lacks an id, a version, a solver text or methods");
     }
     for (size_t i = 0; plugin->types[i] != NULL; ++i) {
-        const weft_status status = weft__method_check(plugin->types[i], i, err);
+        const weft_stepper_type *type = plugin->types[i];
+        const weft_status status = weft__method_check(type, i, err);
         if (status != WEFT_OK) {
             return status;
+        }
+        if (type->reference == NULL || type->license == NULL) {
+            return weft_error_set(err, WEFT_BAD_PLUGIN, "method '%s' has no %s",
+                                  type->name,
+                                  type->reference == NULL ? "reference" : "license");
         }
     }
     return check_names(plugin, err);

@@ -9,6 +9,9 @@
 #include "sim/bands.h"
 #include "sim/simulation.h"
 
+/* Attempts among which the steps taken back are counted. */
+enum { WINDOW = 1000 };
+
 /* A fixed step is halved ten times. */
 #define LEAST_PART (1.0 / 1024.0)
 
@@ -98,6 +101,28 @@ static weft_status give_up(const weft_sim *sim, weft_error *why)
                           at->t - sim->t);
 }
 
+/* Warns of a run that takes back more steps than it takes; again only after this share
+ * was less than a tenth. */
+static void watch_pace(weft_sim *sim, bool vetoed, double t, double tried)
+{
+    char text[WEFT__BREACH_TEXT];
+    const bool crawls = (sim->crawl.vetoed += vetoed) > WINDOW / 2;
+    if (++sim->crawl.attempts < WINDOW || (crawls && !vetoed)) {
+        return; /* that of which it warns is one taken back */
+    }
+    if (crawls && !sim->crawl.told) {
+        weft__log(
+            &sim->def.log, WEFT_LOG_WARNING,
+            "contact took back %u of the last %u steps at t = %.9g s, the last of "
+            "%.3g s: %s, distance %.3g m; the run may take very long",
+            sim->crawl.vetoed, sim->crawl.attempts, t, tried,
+            weft__breach_text(&sim->refused, weft_cloth_cols(sim->cloth), text),
+            sim->refused.gap);
+    }
+    sim->crawl.told = crawls || (sim->crawl.told && sim->crawl.vetoed >= WINDOW / 10);
+    sim->crawl.attempts = sim->crawl.vetoed = 0;
+}
+
 weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
 {
     if (!weft__sim_checks(sim)) {
@@ -114,6 +139,7 @@ weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
         bool again;
         const weft_status status = attempt(sim, t0, end, &again, why);
         if (!again) {
+            watch_pace(sim, false, t0, 0.0);
             return status;
         }
         const double tried = status == WEFT_OK ? sim->refused.t - t0 : end - t0;
@@ -123,6 +149,7 @@ weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
             return give_up(sim, why);
         }
         ++sim->vetoed;
+        watch_pace(sim, true, t0, tried);
         end = t0 + h;
         weft__log(&sim->def.log, WEFT_LOG_DEBUG,
                   "t = %.9g s: a step of %.3g s taken back: %s", t0, tried,

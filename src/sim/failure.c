@@ -38,8 +38,8 @@ static void set_message(const weft_failure *self, size_t cols, weft_error *err)
     char name[96], spring[128] = "no springs";
     if (worst->p != worst->q) {
         (void)weft_text_format(spring, sizeof spring, "most strained %s at %.3g %%",
-                       weft_spring_text(worst, cols, name, sizeof name),
-                       100.0 * worst->strain);
+                               weft_spring_text(worst, cols, name, sizeof name),
+                               100.0 * worst->strain);
     }
     weft_error_set(err, self->status,
                    "%s at t = %.9g s, last h = %.3g s; fastest particle (%zu, %zu) at "

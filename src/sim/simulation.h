@@ -36,6 +36,10 @@ struct weft_sim {
     double *y;            /* 6 N, then with ledger its quadratures */
     double *start;   /* with contact: as y, before a step; NULL until there are any */
     uint64_t vetoed; /* steps taken back for the shapes */
+    struct {
+        unsigned attempts, vetoed; /* of the present WINDOW, checked_step.c */
+        bool told;
+    } crawl;
     weft__breach refused; /* by the last right-hand side; of the whole cloth */
     uint64_t calls;       /* of it, with shapes */
     weft_agree agree;     /* with a comm: its maximum, for the stepper */

@@ -275,7 +275,6 @@ weft_status run_take_up(run *self, weft_error *err)
     remove_ends(self);
     self->result.frames = from->frame + 1;
     self->limit_sweeps = limit.sweeps;
-    self->warned_unconverged = limit.unconverged > 0;
     self->summary.extremes = from->extremes;
     self->began -= from->wall_time;
     return WEFT_OK;

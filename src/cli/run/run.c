@@ -12,23 +12,23 @@
 #include "cli/watch/watch.h"
 #include "record/export/export.h"
 
-/* Each at most once a run, also when quiet. */
-static void warn_of_limit(run *self)
+/* What the simulation warns of, also when quiet. */
+static void on_log(void *ctx, weft_log_level level, const char *text)
+{
+    run *self = ctx;
+    if (level == WEFT_LOG_WARNING) {
+        progress_clear(&self->progress);
+        fprintf(stderr, "weft: warning: %s\n", text);
+    }
+}
+
+/* At most once a run, also when quiet. */
+static void warn_of_held(run *self)
 {
     char spring[SPRING];
     const weft_spring worst = weft_sim_limit_worst(self->sim);
     (void)weft_spring_text(&worst, weft_cloth_cols(self->cloth), spring, sizeof spring);
-    const weft_limit_stats stats = weft_sim_limit_stats(self->sim);
     const size_t held = weft_sim_limit_held(self->sim);
-    if (stats.unconverged > 0 && !self->warned_unconverged) {
-        self->warned_unconverged = true;
-        progress_clear(&self->progress);
-        fprintf(
-            stderr,
-            "weft: warning: limit: not met within limit.sweeps by t = %.6g s; %s is "
-            "at %.3g %%\n",
-            weft_sim_time(self->sim), spring, 100.0 * worst.strain);
-    }
     if (held > 0 && !self->warned_held) {
         self->warned_held = true;
         progress_clear(&self->progress);
@@ -45,7 +45,8 @@ static size_t count_warnings(const run *self)
 {
     return (size_t)self->beyond
            + (size_t)(weft_sim_limit_stats(self->sim).unconverged > 0)
-           + (size_t)(weft_sim_limit_held(self->sim) > 0);
+           + (size_t)(weft_sim_limit_held(self->sim) > 0)
+           + (size_t)(weft_sim_vetoed(self->sim) > weft_sim_stats(self->sim).steps);
 }
 
 static weft_status write_planes(const run *self, const char *name,
@@ -115,7 +116,7 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
                                  .limit_sweeps = limit.sweeps - self->limit_sweeps,
                                  .is_end = is_stopped(self) };
     self->limit_sweeps = limit.sweeps;
-    warn_of_limit(self);
+    warn_of_held(self);
     /* The rows first: every frame of run.vtkhdf has its row in the series. */
     weft_status status = record_series_add(&self->series, &frame, err);
     status = run_agree(self, status, err);
@@ -342,8 +343,8 @@ static int run_simulation(run *self)
     }
     status = run_agree(self, status, &err);
     if (status == WEFT_OK) {
-        status = simulation_create(self->scene, self->comm, &self->cloth, &self->sim,
-                                   &err);
+        status = simulation_create(self->scene, self->comm, (weft_log){ on_log, self },
+                                   &self->cloth, &self->sim, &err);
     }
     const int code = status == WEFT_OK ? run_prepared(self) : refuse(self, &err);
     weft_sim_destroy(self->sim);

@@ -43,9 +43,9 @@ typedef struct run {
     progress_mode mode;
     progress progress;
     summary summary;
-    uint64_t limit_sweeps;                /* up to the last frame */
-    bool beyond;                          /* fixed_step the stable one, at t = 0 */
-    bool warned_unconverged, warned_held; /* of the strain limit */
+    uint64_t limit_sweeps; /* up to the last frame */
+    bool beyond;           /* fixed_step the stable one, at t = 0 */
+    bool warned_held;      /* of the strain limit */
     sentence reason;
 } run;
 

@@ -59,10 +59,13 @@ static void print_time(const summary *self)
 
 static void print_steps(const summary *self)
 {
-    char steps[HUMAN], rejected[HUMAN], calls[HUMAN];
+    char steps[HUMAN], rejected[HUMAN], calls[HUMAN], vetoed[HUMAN];
     const weft_stepper_stats stats = weft_sim_stats(self->sim);
-    print_item("steps", "%s (%s rejected), %s evaluations of the forces",
+    const uint64_t back = weft_sim_vetoed(self->sim);
+    print_item("steps", "%s (%s rejected%s%s%s), %s evaluations of the forces",
                human_count(stats.steps, steps), human_count(stats.rejected, rejected),
+               back > 0 ? ", " : "", back > 0 ? human_count(back, vetoed) : "",
+               back > 0 ? " taken back for contact" : "",
                human_count(stats.rhs_calls, calls));
 }
 
