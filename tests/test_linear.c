@@ -11,6 +11,7 @@
 #include "../plugins/linear/linear.h"
 #include "../plugins/linear/network.h"
 #include "sim/simulation.h"
+#include "weft/scene.h"
 
 static weft_cloth *cloth;
 static weft_sim *sim;
@@ -296,6 +297,83 @@ START_TEST(blocks_lose_what_is_negative_and_what_is_not_symmetric)
 }
 END_TEST
 
+/* ---- whole runs ------------------------------------------------------------------ */
+
+typedef struct course {
+    const char *file;
+    double end; /* [s] */
+} course;
+
+/* The positions and velocities at the end, to `y`. */
+static void finish(const course *at, const weft_stepper_type *method, double tolerance,
+                   double *y)
+{
+    weft_error err = { 0 };
+    weft_diagnostics found;
+    weft_scene *scene;
+    weft_scene_def def = weft_scene_def_default();
+    weft_sim_def run = weft_sim_def_default();
+    def.file = at->file;
+    ck_assert_msg(weft_scene_load(&def, &scene, &found, &err) == WEFT_OK, "%s",
+                  err.message);
+    cloth = test_cloth(weft_scene_cloth(scene));
+    run.cloth = cloth, run.method = method;
+    run.config.rtol = tolerance;
+    run.config.atol_position = run.config.atol_velocity = tolerance;
+    ck_assert_msg(weft_sim_create(&run, &sim, &err) == WEFT_OK, "%s", err.message);
+    ck_assert_msg(weft_sim_advance(sim, at->end, &err) == WEFT_OK, "%s: %s",
+                  method->name, err.message);
+    memcpy(y, weft_sim_state(sim), weft_cloth_dim(cloth) * sizeof *y);
+    weft_scene_destroy(scene);
+}
+
+/* All of them in `make nightly`. */
+static bool is_chosen(const char *method)
+{
+    static const char *const few[] = { "sdirk534", "esdirk437", "esdirk324" };
+    bool chosen = test_rounds(0, 1) == 1;
+    for (size_t i = 0; i < 3; ++i) {
+        chosen = chosen || strcmp(method, few[i]) == 0;
+    }
+    return chosen;
+}
+
+/* Springs, and a fabric: what the linear solver leaves of each stage must not add up.
+ */
+START_TEST(implicit_methods_end_within_20_tolerances)
+{
+    static const course courses[]
+        = { { "scenes/two-corners.yaml", 0.1 }, { "scenes/denim.yaml", 0.06 } };
+    static const double tolerances[] = { 1e-4, 1e-6, 1e-8 };
+    enum { MOST = 1 << 14 };
+    static double reference[MOST], y[MOST];
+    size_t judged = 0;
+    finish(&courses[_i], test_method_named("gsl/rk8pd"), 1e-12, reference);
+    const size_t dim = weft_cloth_dim(cloth);
+    ck_assert_uint_le(dim, MOST);
+    for (size_t m = 0; m < test_method_count(); ++m) {
+        const weft_stepper_type *method = test_method(m);
+        if ((method->flags & WEFT_STEPPER_LINEAR) == 0 || method->order < 3
+            || !is_chosen(method->name)) {
+            continue;
+        }
+        for (size_t k = 0; k < 3; ++k) {
+            double worst = 0.0;
+            teardown();
+            finish(&courses[_i], method, tolerances[k], y);
+            for (size_t j = 0; j < dim; ++j) {
+                const double allowed = tolerances[k] * (1.0 + fabs(reference[j]));
+                worst = fmax(worst, fabs(y[j] - reference[j]) / allowed);
+            }
+            ck_assert_msg(worst <= 20.0, "%s at %g: %g tolerances off", method->name,
+                          tolerances[k], worst);
+        }
+        ++judged;
+    }
+    ck_assert_uint_ge(judged, 3);
+}
+END_TEST
+
 TEST_SUITE(linear)
 {
     Suite *suite = suite_create("linear systems");
@@ -311,5 +389,12 @@ TEST_SUITE(linear)
     tcase_add_loop_test(tcase, blocks_lose_what_is_negative_and_what_is_not_symmetric,
                         0, 2);
     suite_add_tcase(suite, tcase);
+#if defined HAVE_GSL && defined HAVE_ARKODE
+    tcase = tcase_create("runs");
+    tcase_set_timeout(tcase, 600.0);
+    tcase_add_checked_fixture(tcase, NULL, teardown);
+    tcase_add_loop_test(tcase, implicit_methods_end_within_20_tolerances, 0, 2);
+    suite_add_tcase(suite, tcase);
+#endif
     return suite;
 }

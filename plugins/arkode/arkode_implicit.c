@@ -3,10 +3,6 @@
  * what every method is: how it solves the equations of a stage. */
 #include "arkode_plugin.h"
 
-/* To which part the residual of a linear system is reduced. */
-#define RESIDUAL       0.1
-#define RESIDUAL_FIXED 1e-3
-
 /* What Newton's method may leave, as part of the tolerance: ARKStep's default. */
 #define CONVERGENCE 0.1
 
@@ -33,9 +29,8 @@ static int linear_system(sunrealtype t, N_Vector y, N_Vector fy, SUNMatrix matri
 weft_status weft__ark_equations(arkode_stepper *self, const weft_stepper_config *config,
                                 weft_error *err)
 {
-    return weft__sun_equations_create(
-        &self->equations, self->y, self->fixed_step > 0.0 ? RESIDUAL_FIXED : RESIDUAL,
-        config, err);
+    return weft__sun_equations_create(&self->equations, self->y,
+                                      weft__linear_residual(config), config, err);
 }
 
 /* The Jacobian is fresh in each step: an older one costs more steps that fail to

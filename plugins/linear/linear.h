@@ -53,6 +53,12 @@ weft__linear_counts weft__linear_count(const weft__linear *self);
  * method. */
 const char *weft__linear_mistake(const weft_stepper_config *config);
 
+/* The default of `krylov` where no test of the method sees what a linear solution
+ * leaves: a stage that is accepted after one iteration keeps that part of its
+ * predictor's error, which enters the solution and the error estimate. 1e-3, 1e-4 where
+ * the smallest tolerance is below 1e-8: docs/steppers.md. */
+double weft__linear_residual(const weft_stepper_config *config);
+
 /* config->linear with defaults for what is not set, of which `krylov` is one; max_order
  * stays as it is. */
 weft_linear weft__linear_settings(const weft_stepper_config *config, double krylov);

@@ -3,6 +3,7 @@
  * reported. */
 #include "linear.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 /* 0 stands for the default, NaN for nothing. */
@@ -18,6 +19,13 @@ const char *weft__linear_mistake(const weft_stepper_config *config)
                    || c->jacobian > WEFT_JACOBIAN_NEWTON
                ? "unknown jacobian"
                : NULL;
+}
+
+double weft__linear_residual(const weft_stepper_config *config)
+{
+    const double least = fmin(config->atol_position, config->atol_velocity);
+    const double tolerance = config->rtol > 0.0 ? fmin(least, config->rtol) : least;
+    return !(config->fixed_step > 0.0) && tolerance < 1e-5 ? 1e-4 : 1e-3;
 }
 
 weft_linear weft__linear_settings(const weft_stepper_config *config, double krylov)

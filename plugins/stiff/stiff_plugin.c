@@ -10,6 +10,11 @@ const weft_plugin *weft_plugin_stiff(void);
 
 /* ---- creation -------------------------------------------------------------------- */
 
+static bool solves(const stiff_method *method)
+{
+    return (method->type.flags & WEFT_STEPPER_LINEAR) != 0;
+}
+
 static const char *linear_mistake(const stiff_method *method,
                                   const weft_stepper_config *config)
 {
@@ -19,7 +24,7 @@ static const char *linear_mistake(const stiff_method *method,
     }
     const char *wrong = weft__linear_mistake(config);
     return !WEFT_HAS(l, weft_linear, max_order) ? "linear of another version"
-           : method->krylov == 0.0              ? "solves no linear systems"
+           : !solves(method)                    ? "solves no linear systems"
            : wrong != NULL                      ? wrong
            : l->jacobian > WEFT_JACOBIAN_STEP   ? "computes one Jacobian in every step"
            : l->max_order != 0                  ? "has one order"
@@ -32,9 +37,9 @@ static weft_status check(const stiff_method *method, const weft_ode *ode,
     const char *wrong = weft_stepper_mistake(&method->type, ode, config);
     wrong = wrong == NULL && ode->dim > SIZE_MAX / 64 ? "dim is too large" : wrong;
     wrong = wrong != NULL ? wrong : linear_mistake(method, config);
-    const char *lacks = wrong != NULL           ? NULL
-                        : method->krylov == 0.0 ? weft__spectrum_mistake(ode, config)
-                                                : weft__structure_mistake(ode, config);
+    const char *lacks = wrong != NULL    ? NULL
+                        : solves(method) ? weft__structure_mistake(ode, config)
+                                         : weft__spectrum_mistake(ode, config);
     return wrong != NULL
                ? weft_error_set(err, WEFT_INVALID, "%s: %s", method->type.name, wrong)
            : lacks != NULL ? weft_error_set(err, WEFT_UNSUPPORTED, "%s: %s",
@@ -60,7 +65,7 @@ static void settle(stiff_stepper *self, const weft_ode *ode,
     self->h = fixed
                   ? config->fixed_step
                   : fmin(fmax(config->first_step, config->min_step), config->max_step);
-    self->settings = weft__linear_settings(config, self->method->krylov);
+    self->settings = weft__linear_settings(config, weft__linear_residual(config));
 }
 
 static void destroy(void *instance)
@@ -97,7 +102,7 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
     for (size_t i = 0; i < ARRAYS; ++i) {
         *arrays_of[i] = array + i * ode->dim;
     }
-    if (method->krylov > 0.0) {
+    if (solves(method)) {
         status = weft__linear_create(self->structure, self->settings.preconditioner,
                                      &memory, &self->linear, err);
     }
@@ -150,7 +155,7 @@ enum {
     SOLVES = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_LINEAR
 };
 
-#define METHOD(id, p, error_p, calls, more, residual, before, source)                  \
+#define METHOD(id, p, error_p, calls, more, before, source)                            \
     {                                                                                  \
         .type = { .abi = WEFT_STEPPER_ABI,                                             \
                   .struct_size = sizeof(weft_stepper_type),                            \
@@ -168,18 +173,17 @@ enum {
                   .destroy = destroy,                                                  \
                   .options = options,                                                  \
                   .ode_changed = ode_changed },                                        \
-        .krylov = (residual), .prepare = (before), .attempt = weft__##id##_attempt     \
+        .prepare = (before), .attempt = weft__##id##_attempt                           \
     }
 
 static const stiff_method methods[] = {
-    METHOD(rkc2, 2, 2, 0, WEFT_STEPPER_FSAL | WEFT_STEPPER_AGREES, 0.0,
-           weft__rkc2_prepare,
+    METHOD(rkc2, 2, 2, 0, WEFT_STEPPER_FSAL | WEFT_STEPPER_AGREES, weft__rkc2_prepare,
            "B. P. Sommeijer, L. F. Shampine, J. G. Verwer, J. Comput. Appl. Math. 88, "
            "1998"),
-    METHOD(ros2, 2, 1, 2, SOLVES, 1e-2, NULL,
+    METHOD(ros2, 2, 1, 2, SOLVES, NULL,
            "J. G. Verwer, E. J. Spee, J. G. Blom, W. Hundsdorfer, SIAM J. Sci. Comput. "
            "20, 1999"),
-    METHOD(backward_euler, 1, 0, 1, SOLVES | WEFT_STEPPER_FIXED_ONLY, 1e-3, NULL,
+    METHOD(backward_euler, 1, 0, 1, SOLVES | WEFT_STEPPER_FIXED_ONLY, NULL,
            "D. Baraff, A. Witkin, SIGGRAPH 1998: one Newton step, for graphics"),
 };
 

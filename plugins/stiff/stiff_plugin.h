@@ -45,7 +45,6 @@ typedef struct stiff_stepper {
 /* The public record comes first: a pointer to it is a pointer to the method. */
 typedef struct stiff_method {
     weft_stepper_type type;
-    double krylov; /* the default; 0: solves no linear systems */
 
     /* Before a step from (t, y); *most becomes the longest h [s] that it may try. NULL:
      * any. */

@@ -437,7 +437,8 @@ static const char *const jacobian_names[] = { "step", "newton", NULL };
 
 static const weft__key solver_keys[] = {
     { "krylov", WEFT__NUMBER, RANGE(.strict = true, .most = 1.0, .below = true),
-      .absent = "bdf: 0.1, ros2: 0.01", AT(weft__solver, set.krylov),
+      .absent = "1.0e-3, with a tolerance below 1.0e-5 1.0e-4; bdf: 0.1",
+      AT(weft__solver, set.krylov),
       .meaning = "relative residual to which each linear system is solved" },
     { "preconditioner", WEFT__CHOICE, .names = preconditioner_names, .fallback = "auto",
       AT(weft__solver, set.preconditioner),
