@@ -123,6 +123,10 @@ START_TEST(a_misspelt_word_of_the_command_line_is_told_with_the_one_that_is_near
         { "rn", "no verb 'rn' (did you mean 'run'?)" },
         { "fly", "no verb 'fly'; 'weft --help' lists them" },
         { "run x --ot=y", "unknown option --ot=y (did you mean '--out'?)" },
+        { "run x --ouput y", "unknown option --ouput (did you mean '--out'?)" },
+        { "a/flag.yaml",
+          "no verb 'a/flag.yaml' (did you mean 'weft run a/flag.yaml'?); 'weft" },
+        { "version", "no verb 'version' (did you mean '--version'?)" },
         { "run x --frames ply", "--frames 'ply' is not obj\n" },
         { "run x --progress line",
           "--progress 'line' is not auto, lines, terminal, yaml "
@@ -134,6 +138,29 @@ START_TEST(a_misspelt_word_of_the_command_line_is_told_with_the_one_that_is_near
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
         expect(shell(WEFT " %s 2>&1", wrong[i][0]), 2);
         says(wrong[i][1]);
+    }
+}
+END_TEST
+
+START_TEST(a_list_of_methods_and_a_preset_name_what_is_near)
+{
+    expect(shell(WEFT " compare " OUT "/small.yaml --methods velocity_verlt 2>&1"), 2);
+    says("no method 'velocity_verlt' (did you mean 'velocity_verlet'?); weft steppers");
+    expect(shell("sed 's/^  density.*/  fabric: {preset: denim}/' " OUT
+                 "/small.yaml > " OUT "/denim.yaml"),
+           0);
+    expect(shell(WEFT " check " OUT "/denim.yaml 2>&1"), 3);
+    says("(did you mean '11oz-black-denim'?)");
+}
+END_TEST
+
+START_TEST(what_is_no_run_is_called_so)
+{
+    static const char *const verbs[]
+        = { "view", "resume", "view --out " OUT "/x.html" };
+    for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; ++i) {
+        expect(shell(WEFT " %s " OUT "/none 2>&1", verbs[i]), 4);
+        says(OUT "/none: no scene.yaml: not a run");
     }
 }
 END_TEST
@@ -451,6 +478,8 @@ TEST_SUITE(cli)
     tcase_add_test(program, wrong_command_lines_exit_with_2);
     tcase_add_test(
         program, a_misspelt_word_of_the_command_line_is_told_with_the_one_that_is_near);
+    tcase_add_test(program, a_list_of_methods_and_a_preset_name_what_is_near);
+    tcase_add_test(program, what_is_no_run_is_called_so);
     tcase_add_test(program, a_cloth_without_springs_is_warned_of);
     tcase_add_test(program, every_verb_has_help_on_stdout);
     tcase_add_test(program, a_wrong_scene_exits_with_3_and_shows_the_place);

@@ -49,11 +49,28 @@ static size_t distance(const char *a, const char *b)
     return rows[(strlen(a) + 2) % 3][strlen(b)];
 }
 
+/* 'denim' of '11oz-black-denim' */
+static int is_word_of(const char *typed, size_t length, const char *name)
+{
+    for (const char *at = strstr(name, typed); at != NULL; at = strstr(at + 1, typed)) {
+        if ((at == name || at[-1] == '-')
+            && (at[length] == '\0' || at[length] == '-')) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
 void weft__guess_try(weft__guess *guess, const char *typed, const char *name)
 {
     const size_t typed_length = strlen(typed), length = strlen(name);
     if (typed_length > MAX_LENGTH || length > MAX_LENGTH || typed_length == 0) {
         return;
+    }
+    if (guess->name == NULL && typed_length > 2
+        && is_word_of(typed, typed_length, name)) {
+        guess->name = name;
+        guess->distance = MAX_LENGTH;
     }
     const size_t longer = typed_length > length ? typed_length : length;
     const size_t limit = longer < 6 ? 1 : longer / 3;

@@ -13,7 +13,8 @@ typedef struct weft__guess {
 
 /* Make `name` the guess for `typed` if it is near enough and nearer than the last; of
  * two that are equally near the longer one, because people shorten names:
- * rk45 is rkf45, not rk4. */
+ * rk45 is rkf45, not rk4. Farther than these is the first name of which `typed` is a
+ * word between hyphens. */
 void weft__guess_try(weft__guess *guess, const char *typed, const char *name);
 
 /* " (did you mean 'name'?)", or "" without a guess, into out[size]. */

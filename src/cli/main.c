@@ -70,10 +70,17 @@ static int no_verb(const char *typed)
     for (size_t i = 0; i < VERBS; ++i) {
         weft__guess_try(&guess, typed, verbs[i]->name);
     }
+    weft__guess_try(&guess, typed, "--version");
+    const size_t length = strlen(typed);
+    const bool scene = length > 5 && strcmp(typed + length - 5, ".yaml") == 0;
     fputs("weft: no verb '", stderr);
     print_plain(stderr, typed, "");
-    fprintf(stderr, "'%s; 'weft --help' lists them\n",
-            weft__guess_text(&guess, near, sizeof near));
+    if (scene) {
+        fputs("' (did you mean 'weft run ", stderr);
+        print_plain(stderr, typed, "");
+    }
+    fprintf(stderr, "%s%s; 'weft --help' lists them\n", scene ? "'?)" : "'",
+            scene ? "" : weft__guess_text(&guess, near, sizeof near));
     return EXIT_USAGE;
 }
 

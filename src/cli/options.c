@@ -82,10 +82,13 @@ static int unknown_option(const verb *self, const char *typed)
                            typed);
     }
     for (size_t i = 0; table[i].name != NULL; ++i) {
+        const bool is_out = table[i].val == OPTION_AT(out);
+        weft__guess_try(&guess, word, is_out ? "output" : table[i].name);
         weft__guess_try(&guess, word, table[i].name);
     }
     if (guess.name != NULL) {
-        (void)snprintf(near, sizeof near, " (did you mean '--%s'?)", guess.name);
+        (void)snprintf(near, sizeof near, " (did you mean '--%s'?)",
+                       strcmp(guess.name, "output") == 0 ? "out" : guess.name);
     }
     return usage_error(self, "unknown option %s%s", typed, near);
 }

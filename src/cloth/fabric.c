@@ -83,13 +83,15 @@ static weft_status check_ratio(const weft_fabric *fabric, const weft_cloth_def *
             "%g N/m is above sqrt(%g * %g) N/m of stretch",
             shear, warp, weft);
     }
+    const double middle = def->spacing[0] * sqrt(least * most);
     const double inward = 5e-6; /* so that the ends as they are printed are possible */
     return weft_error_set(
         err, WEFT_INVALID,
         "spacing [a, b] = [%g, %g] m has b / a = %.6g; springs make this fabric for b "
-        "/ a from %.6g to %.6g: sqrt(shear / stretch[0]) to sqrt(stretch[1] / shear)",
+        "/ a from %.6g to %.6g: sqrt(shear / stretch[0]) to sqrt(stretch[1] / shear), "
+        "such as [%g, %.*g]",
         def->spacing[0], def->spacing[1], ratio, least * (1.0 + inward),
-        most * (1.0 - inward));
+        most * (1.0 - inward), def->spacing[0], most / least > 1.02 ? 3 : 6, middle);
 }
 
 static weft_status check(const weft_fabric *fabric, const weft_cloth_def *def,

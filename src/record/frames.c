@@ -325,6 +325,7 @@ static weft_status open_frames(frames_file *self, const char *directory,
 {
     FILE *stream = record_open(directory, "run.vtkhdf", self->path, err);
     if (stream == NULL) {
+        (void)record_is_run(directory, err); /* it says more */
         return WEFT_IO;
     }
     (void)fclose(stream);

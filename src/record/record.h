@@ -37,6 +37,8 @@ void record_temporary(const char *path, char temporary[RECORD_PATH]);
 FILE *record_open(const char *directory, const char *name, char path[RECORD_PATH],
                   weft_error *err);
 bool record_exists(const char *directory, const char *name);
+/* WEFT_IO if a directory has no scene.yaml, with *err; else WEFT_OK, without. */
+weft_status record_is_run(const char *directory, weft_error *err);
 weft_status record_file_open(record_file *file, const char *directory, const char *name,
                              weft_error *err);
 /* WEFT_IO if `path` is a link: a directory may come from anybody. */

@@ -44,6 +44,14 @@ bool record_exists(const char *directory, const char *name)
            && access(path, F_OK) == 0;
 }
 
+weft_status record_is_run(const char *directory, weft_error *err)
+{
+    return record_exists(directory, "scene.yaml")
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_IO, "%s: no scene.yaml: not a run",
+                                directory);
+}
+
 weft_status record_no_link(const char *path, weft_error *err)
 {
     struct stat status;

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/suggest.h"
 #include "cli/check/stable_steps.h"
 #include "cli/compare/compare.h"
 #include "cli/human.h"
@@ -71,16 +72,19 @@ static bool is_listed(const stepper_method *m, const char *list)
     return found;
 }
 
-/* The first word of a list that is no method; false: all are. */
+/* The first word of a list that is no method, and the nearest name; false: all are. */
 static bool unknown_word(const weft_registry *registry, const char *list,
-                         char word[NAME_MOST])
+                         char word[NAME_MOST], weft__guess *near)
 {
     bool known = true;
     while (known && next_word(&list, word)) {
         stepper_method m;
         known = false;
+        *near = (weft__guess){ 0 };
         for (size_t i = 0; !known && method_at(registry, i, &m); ++i) {
             known = is_meant(&m, word);
+            weft__guess_try(near, word, m.type->name);
+            weft__guess_try(near, word, m.plugin->id);
         }
     }
     return !known;
@@ -434,16 +438,18 @@ static int compare_scene(const options *given, double until, const weft_scene *s
 
 static int open_and_compare(const options *given, double until)
 {
-    char word[NAME_MOST];
+    char word[NAME_MOST], near[80];
+    weft__guess guess = { 0 };
     weft_scene *scene = NULL;
     int code = open_scene(given->operands[0], given, &scene, NULL);
     if (code == EXIT_DONE) {
         (void)load_plugins(given->registry, NULL);
-        code = unknown_word(given->registry, given->methods, word)
-                   ? usage_error(&verb_compare,
-                                 "--methods: no method '%s'; weft steppers lists them",
-                                 word)
-                   : compare_scene(given, until, scene);
+        code
+            = unknown_word(given->registry, given->methods, word, &guess)
+                  ? usage_error(&verb_compare,
+                                "--methods: no method '%s'%s; weft steppers lists them",
+                                word, weft__guess_text(&guess, near, sizeof near))
+                  : compare_scene(given, until, scene);
     }
     weft_scene_destroy(scene);
     return code;

@@ -104,12 +104,11 @@ static int resume_directory(const options *given, const char *directory)
 {
     int lock = -1;
     weft_error err = { 0 };
-    if (!ranks_share(given->comm, record_exists(directory, "scene.yaml"))) {
-        weft_error_set(&err, WEFT_IO, "%s: no scene.yaml: not a run", directory);
-        return report_error(&err);
-    }
     weft_status status = WEFT_OK;
     if (ranks_first(given->comm)) {
+        status = record_is_run(directory, &err);
+    }
+    if (ranks_first(given->comm) && status == WEFT_OK) {
         status = record_outdir_lock(directory, RECORD_PATIENCE, &lock, &err);
     }
     status = weft_comm_agree(given->comm, status, &err);
