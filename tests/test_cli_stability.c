@@ -82,14 +82,19 @@ START_TEST(a_step_beyond_the_bound_is_warned_of_and_run)
     expect(shell(WEFT " run " OUT "/sheet.yaml --out " OUT "/a --quiet 2>&1"), 0);
     ck_assert_str_eq(output, "");
     expect(shell(WEFT " run " OUT "/sheet.yaml --out " OUT "/b --quiet --set "
-                      "stepper.fixed_step=0.0082 --set run.fps=10 2>&1"),
+                      "stepper.fixed_step=0.0082 --set run.fps=10 --set "
+                      "run.frames=interpolate 2>&1"),
            0);
     says("weft: warning: a fixed step of 0.0082 s is beyond the largest stable step "
          "0.008163 s of verlet velocity_verlet");
     says("try stepper.fixed_step=0.0073");
     says("omega <= 244.9 1/s");
     ck_assert(exists(OUT "/b/result.yaml"));
-    expect(shell(WEFT " check " OUT "/sheet.yaml --set stepper.fixed_step=0.0082"), 0);
+    expect(
+        shell(WEFT
+              " check " OUT
+              "/sheet.yaml --set stepper.fixed_step=0.0082 --set run.frames=interpolate"),
+        0);
     says("advice     a fixed step of 0.0082 s is beyond the stable 0.00816 s");
 }
 END_TEST
@@ -165,7 +170,8 @@ START_TEST(one_sweep_shows_where_a_decay_begins_to_grow)
 {
     static const double steps[] = { 0.5, 0.99, 1.01, 1.5, 1.99, 2.01, 2.2 };
     static char hashes[7][20];
-    expect(shell(WEFT " batch " OUT "/decay.yaml --out " OUT "/steps --quiet --set "
+    expect(shell(WEFT " batch " OUT "/decay.yaml --out " OUT
+                      "/steps --quiet --set run.frames=interpolate --set "
                       "'sweep={stepper.fixed_step: [0.5, 0.99, 1.01, 1.5, 1.99, 2.01, "
                       "2.2]}' 2>&1"),
            0);

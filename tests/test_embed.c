@@ -689,6 +689,53 @@ START_TEST(frames_come_at_their_times_and_checkpoints_do_not_change_them)
 }
 END_TEST
 
+static bool has_even_steps(void *ctx)
+{
+    const double h = *(const double *)ctx;
+    ck_assert_double_eq_tol(weft_sim_stats(sim).last_step, h, 1e-9 * h);
+    return true;
+}
+
+static weft_status any_frame(void *ctx, size_t i, weft_error *err)
+{
+    (void)ctx, (void)i, (void)err;
+    return WEFT_OK;
+}
+
+START_TEST(fixed_steps_divide_a_frame_evenly)
+{
+    static const weft_run_def third = { .duration = 0.1, .fps = 30.0 };
+    use_method(_i);
+    if (test_is_spared(run.method) || test_needs_damping(run.method)
+        || test_adaptive_only(run.method)) {
+        return;
+    }
+    double h = run.config.fixed_step = weft_run_step(&third, 1e-3);
+    const weft_play frames = {
+        .run = &third, .last = 3, .frame = any_frame, .step = has_even_steps, .ctx = &h
+    };
+    weft_error err = { 0 };
+    ck_assert(h == 1.0 / 30.0 / 34.0);
+    start();
+    ck_assert_msg(weft_sim_play(sim, &frames, &err) == WEFT_OK, "%s", err.message);
+    ck_assert_uint_eq(weft_sim_stats(sim).steps, 3 * 34);
+}
+END_TEST
+
+START_TEST(the_step_of_a_run_is_at_most_the_one_asked_for)
+{
+    weft_run_def of = { .duration = 2.0, .fps = 25.0 };
+    ck_assert_double_eq_tol(weft_run_step(&of, 1e-3), 1e-3, 1e-18);
+    ck_assert(weft_run_step(&of, 1.001e-3) == 0.04 / 40.0);
+    ck_assert(weft_run_step(&of, 0.999e-3) == 0.04 / 41.0);
+    ck_assert(weft_run_step(&of, 0.05) == 0.04); /* longer than a frame */
+    of.duration = 0.03;
+    ck_assert(weft_run_step(&of, 0.02) == 0.015); /* one frame, cut short */
+    of.interpolate = true;
+    ck_assert(weft_run_step(&of, 0.02) == 0.02);
+}
+END_TEST
+
 START_TEST(a_step_callback_stops_between_two_steps)
 {
     film self = { .steps_most = 3 };
@@ -798,6 +845,8 @@ TEST_SUITE(embed)
                         frames_come_at_their_times_and_checkpoints_do_not_change_them,
                         0, methods);
     tcase_add_test(tcase, a_step_callback_stops_between_two_steps);
+    tcase_add_loop_test(tcase, fixed_steps_divide_a_frame_evenly, 0, methods);
+    tcase_add_test(tcase, the_step_of_a_run_is_at_most_the_one_asked_for);
     suite_add_tcase(suite, tcase);
     tcase = tcase_create("threads");
     tcase_add_checked_fixture(tcase, setup, teardown);

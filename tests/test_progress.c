@@ -115,6 +115,23 @@ START_TEST(a_run_that_fails_or_is_stopped_ends_with_them_too)
 }
 END_TEST
 
+START_TEST(a_step_that_does_not_divide_a_frame_is_told_of)
+{
+    expect(shell(WEFT " check " OUT "/small.yaml --set run.fps=30"), 0);
+    says("fixed step 0.000980392157 s, of at");
+    says("most 0.001 s, so that a frame has 34");
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/r --set run.fps=30 2>&1"),
+           0);
+    says("; fixed_step 0.001 s would not");
+    expect(shell("cat " OUT "/r/manifest.yaml"), 0);
+    says("  fixed_step: 0.00098039215686274");
+    says("  fixed_step_asked: 0.001\n");
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/r --force 2>&1"), 0);
+    ck_assert_ptr_null(strstr(output, "would not"));
+    expect(shell("! grep asked " OUT "/r/manifest.yaml"), 0);
+}
+END_TEST
+
 START_TEST(a_name_cannot_talk_to_the_terminal)
 {
     expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/r --set "
@@ -414,6 +431,7 @@ TEST_SUITE(progress)
     tcase_add_test(runs, the_largest_strain_is_that_of_all_frames_with_its_time);
     tcase_add_test(runs, a_limit_and_a_ledger_have_their_place_in_the_eight_lines);
     tcase_add_test(runs, a_run_that_fails_or_is_stopped_ends_with_them_too);
+    tcase_add_test(runs, a_step_that_does_not_divide_a_frame_is_told_of);
     tcase_add_test(runs, a_name_cannot_talk_to_the_terminal);
     tcase_add_test(runs, in_a_pipe_there_is_a_line_each_tenth);
     tcase_add_test(runs, quiet_is_quiet_and_none_leaves_the_summary);

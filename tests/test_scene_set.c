@@ -98,7 +98,7 @@ START_TEST(null_removes_a_key)
     ck_assert(cloth->mass == 0.0 && cloth->density == 0.2);
     ck_assert_uint_eq(cloth->pin_count, 0);
     ck_assert_uint_eq(cloth->load_count, 0);
-    ck_assert(weft_scene_config(scene)->fixed_step == 1e-3);
+    ck_assert(weft_scene_step(scene) == 1e-3);
     ck_assert_int_eq(weft_scene_limit(scene)->method, WEFT_LIMIT_NONE);
     ck_assert_ptr_null(strstr(weft_scene_text(scene), "rtol"));
     ck_assert_ptr_null(strstr(weft_scene_text(scene), "limit"));

@@ -136,7 +136,7 @@ START_TEST(methods_are_varied_with_their_plugins_and_crossed_with_other_keys)
         ck_assert_str_eq(weft_scene_plugin(scene), plugins[i / 2]);
         ck_assert_str_eq(weft_scene_plugin(again), plugins[i / 2]);
         ck_assert_str_eq(weft_scene_method(again), weft_scene_method(scene));
-        ck_assert(weft_scene_config(again)->fixed_step == (i % 2 == 0 ? 0.1 : 0.2));
+        ck_assert(weft_scene_step(again) == (i % 2 == 0 ? 0.1 : 0.2));
         weft_scene_destroy(again);
         weft_scene_destroy(scene);
     }

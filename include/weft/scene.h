@@ -98,7 +98,10 @@ WEFT_API const char *weft_scene_method(const weft_scene *scene);
 /* NULL if the scene was loaded without find_plugin, or if it has a Butcher table whose
  * plugin was not found. */
 WEFT_API const weft_stepper_type *weft_scene_method_type(const weft_scene *scene);
+/* Its fixed_step is weft_run_step of the scene's own, which weft_scene_step returns
+ * [s]; 0: none. */
 WEFT_API const weft_stepper_config *weft_scene_config(const weft_scene *scene);
+WEFT_API double weft_scene_step(const weft_scene *scene);
 
 /* The scene as it runs: the text that was read, or, with overrides, the same document
  * written again with them applied. It includes the default name, if that came from the

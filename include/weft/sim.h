@@ -178,10 +178,10 @@ typedef bool weft_stop_fn(void *ctx);
 typedef double weft_event_fn(void *ctx, const weft_cloth *cloth, double t,
                              const double *y);
 
-/* No callback -- those below, `log`, `put`, `get` and `tell` -- may call a function that
- * changes or saves the simulation: that function then returns WEFT_INVALID. Those of
- * weft_play may, as it says. None may destroy it. All callbacks must return. After an
- * exit by an exception or by longjmp, these functions return WEFT_INVALID for ever;
+/* No callback -- those below, `log`, `put`, `get` and `tell` -- may call a function
+ * that changes or saves the simulation: that function then returns WEFT_INVALID. Those
+ * of weft_play may, as it says. None may destroy it. All callbacks must return. After
+ * an exit by an exception or by longjmp, these functions return WEFT_INVALID for ever;
  * weft_sim_destroy then frees it. */
 typedef struct weft_sim_def {
     const weft_cloth *cloth;         /* must outlive the simulation */
@@ -252,8 +252,8 @@ typedef struct weft_limit_stats {
 WEFT_API weft_sim_def weft_sim_def_default(void);
 
 /* Starts at t = 0 with weft_cloth_start. Errors: WEFT_INVALID, WEFT_NO_MEMORY,
- * WEFT_UNSUPPORTED (the method does not support the config), WEFT_BAD_PLUGIN (it lacks a
- * function or is of another abi). */
+ * WEFT_UNSUPPORTED (the method does not support the config), WEFT_BAD_PLUGIN (it lacks
+ * a function or is of another abi). */
 WEFT_API weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out,
                                      weft_error *err);
 WEFT_API void weft_sim_destroy(weft_sim *sim); /* NULL is allowed */
@@ -325,10 +325,15 @@ typedef struct weft_run_def {
 WEFT_API size_t weft_run_last_frame(const weft_run_def *run);
 WEFT_API double weft_run_frame_time(const weft_run_def *run, size_t i); /* [s] */
 
+/* [s] The fixed step, of at most h [s], that divides a frame evenly, so that no short
+ * one is left at its end: frame / ceil(frame / h - 1e-9) with frame = 1 / fps, or the
+ * duration if that is less. h itself with run->interpolate: no frame cuts a step. */
+WEFT_API double weft_run_step(const weft_run_def *run, double h);
+
 /* Its callbacks are called between two steps: they may change pins, shapes and the
  * state, restart and save, but not step or restore. Nothing may change from `frame` if
- * weft_sim_is_between, and from `step` with `dense`, because frames within the last step
- * are still to come. What they may not do returns WEFT_INVALID. */
+ * weft_sim_is_between, and from `step` with `dense`, because frames within the last
+ * step are still to come. What they may not do returns WEFT_INVALID. */
 typedef struct weft_play {
     const weft_run_def *run;
     size_t first, last; /* frames; the time is at most that of `first` */

@@ -252,6 +252,10 @@ weft_status record_series_compare(const char *directory, const char *damaged,
                                   record_numbers_fn *numbers, void *ctx,
                                   weft_error *err);
 
+/* Whether the fixed step is not the one of the scene, as that would not divide a frame.
+ */
+bool record_step_differs(const weft_scene *scene);
+
 /* result_write.c: versions, plugin, method and every option in force. */
 weft_status record_manifest(const char *directory, const weft_scene *scene,
                             const weft_sim *sim, const weft_cloth *whole,

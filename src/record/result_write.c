@@ -39,12 +39,15 @@ static void write_option(void *out, const char *name, const char *value)
     yaml_out_plain(out, name, "%s", value);
 }
 
-static void write_config(yaml_out *out, const weft_stepper_config *config,
-                         const weft_sim *sim)
+static void write_config(yaml_out *out, const weft_scene *scene, const weft_sim *sim)
 {
+    const weft_stepper_config *config = weft_scene_config(scene);
     yaml_out_map(out, "stepper");
     if (config->fixed_step > 0.0) {
         yaml_out_real(out, "fixed_step", config->fixed_step);
+        if (record_step_differs(scene)) {
+            yaml_out_real(out, "fixed_step_asked", weft_scene_step(scene));
+        }
     } else {
         yaml_out_plain(out, "norm", config->norm == WEFT_NORM_MAX ? "max" : "rms");
         yaml_out_real(out, "rtol", config->rtol);
@@ -134,6 +137,12 @@ static weft_status commit(bool good, record_file *file, weft_error *err)
     return record_file_commit(file, err);
 }
 
+bool record_step_differs(const weft_scene *scene)
+{
+    const double asked = weft_scene_step(scene);
+    return fabs(weft_scene_config(scene)->fixed_step - asked) > 1e-9 * asked;
+}
+
 weft_status record_manifest(const char *directory, const weft_scene *scene,
                             const weft_sim *sim, const weft_cloth *whole,
                             const weft_plugin *plugin, const char *plugin_file,
@@ -150,7 +159,7 @@ weft_status record_manifest(const char *directory, const weft_scene *scene,
     yaml_out_text(&out, "weft", weft_version());
     yaml_out_text(&out, "compiler", COMPILER);
     write_plugin(&out, plugin, plugin_file, weft_scene_method_type(scene));
-    write_config(&out, weft_scene_config(scene), sim);
+    write_config(&out, scene, sim);
     write_cloth(&out, whole);
     write_contact_def(&out, &weft_scene_cloth(scene)->contact);
     write_limit_def(&out, weft_scene_limit(scene));

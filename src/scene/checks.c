@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* checks.c -- rules between the keys of cloth, limit and run. */
+#include "base/finite.h"
 #include "cloth/model.h"
 #include "scene/read.h"
 
@@ -135,5 +136,10 @@ void weft__check_run(weft__reader *reader, const weft__match *match, void *base)
     }
     if (!run->interpolate) {
         check_frame(reader, match, run);
+    }
+    reader->scene->step = reader->scene->config.fixed_step;
+    if (reader->scene->step > 0.0 && weft__positive(run->duration)
+        && weft__positive(run->fps)) {
+        reader->scene->config.fixed_step = weft_run_step(run, reader->scene->step);
     }
 }

@@ -481,8 +481,8 @@ static const weft__key stepper_keys[] = {
     { "fixed_step", WEFT__NUMBER, .absent = "adaptive", AT(weft_scene, config),
       NUMBER(config, fixed_step),
       .meaning
-      = "no error control; excludes the keys from rtol to max_step; frames cut "
-        "steps short" },
+      = "no error control; excludes the keys from rtol to max_step; shortened so that "
+        "it divides a frame" },
     { "large_matrices", WEFT__BOOLEAN, .fallback = "false",
       AT(weft_scene, large_matrices),
       .meaning = "permits more than 1 GB for matrices of methods for small cloths" },

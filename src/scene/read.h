@@ -48,6 +48,7 @@ struct weft_scene {
     weft_run_def run;
     weft_record_def record;
     weft_stepper_config config;
+    double step; /* [s] fixed_step as given */
     const weft_stepper_type *type;
     weft__tableau tableau;
     weft__control control;

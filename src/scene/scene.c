@@ -330,6 +330,11 @@ const weft_stepper_config *weft_scene_config(const weft_scene *scene)
     return &scene->config;
 }
 
+double weft_scene_step(const weft_scene *scene)
+{
+    return scene->step;
+}
+
 const char *weft_scene_text(const weft_scene *scene)
 {
     return scene->text;

@@ -14,6 +14,12 @@ size_t weft_run_last_frame(const weft_run_def *run)
     return frames < 1.0 ? 1 : frames < 1e15 ? (size_t)frames : (size_t)1e15;
 }
 
+double weft_run_step(const weft_run_def *run, double h)
+{
+    const double frame = fmin(1.0 / run->fps, run->duration);
+    return run->interpolate ? h : frame / fmax(ceil(frame / h - SLIVER), 1.0);
+}
+
 double weft_run_frame_time(const weft_run_def *run, size_t i)
 {
     return i >= weft_run_last_frame(run) ? run->duration : (double)i / run->fps;

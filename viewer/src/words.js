@@ -23,8 +23,10 @@ export const stepperName = (run) => {
 /** Tolerance or step, the choice that tells runs of one method apart. */
 export const stepperChoice = (run) => {
     const fixed = run.report.get('stepper.fixed_step');
+    const asked = run.report.get('stepper.fixed_step_asked');
     const rtol = run.report.get('stepper.rtol');
-    return fixed ? `h = ${power(fixed)} s` : rtol ? `rtol ${power(rtol)}` : '';
+    const short = (h) => power(Number(Number(h).toPrecision(6)));
+    return fixed ? `h = ${short(fixed)} s${asked ? ` (at most ${short(asked)} s asked)` : ''}` : rtol ? `rtol ${power(rtol)}` : '';
 };
 
 function facts(run) {

@@ -101,7 +101,14 @@ static void print_stepper(const weft_scene *scene)
     char number[16], steps[120];
     (void)snprintf(number, sizeof number, order > 0 ? "%d" : "variable", order);
     if (config->fixed_step > 0.0) {
-        (void)snprintf(steps, sizeof steps, "fixed step %g s", config->fixed_step);
+        (void)snprintf(steps, sizeof steps, "fixed step %.9g s", config->fixed_step);
+        if (record_step_differs(scene)) {
+            const size_t used = strlen(steps);
+            (void)snprintf(steps + used, sizeof steps - used,
+                           ", of at most %g s, so that a frame has %.0f",
+                           weft_scene_step(scene),
+                           1.0 / (weft_scene_run(scene)->fps * config->fixed_step));
+        }
     } else {
         (void)snprintf(steps, sizeof steps, "rtol %g, atol %g m and %g m/s, %s norm",
                        config->rtol, config->atol_position, config->atol_velocity,

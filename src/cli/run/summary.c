@@ -91,9 +91,16 @@ static void print_step_sizes(const summary *self)
         print_item("step size", "no step was taken");
         return;
     }
-    print_item("step size", "%s on average, %s to %s",
+    char asked[80] = "";
+    if (record_step_differs(self->scene)) {
+        (void)snprintf(asked, sizeof asked,
+                       "; fixed_step %g s would not divide a frame",
+                       weft_scene_step(self->scene));
+    }
+    print_item("step size", "%s on average, %s to %s%s",
                human_time(weft_sim_time(self->sim) / (double)steps, mean),
-               human_time(all->short_step, least), human_time(all->long_step, most));
+               human_time(all->short_step, least), human_time(all->long_step, most),
+               asked);
 }
 
 static void print_strain(const summary *self)
