@@ -38,6 +38,12 @@ static void begin(void)
     (void)unsetenv("WEFT_PLUGIN_PATH");
     (void)shell("rm -rf " OUT " && mkdir -p " OUT);
     write_file(OUT "/sheet.yaml", sheet);
+    write_file(OUT "/light.yaml", "weft: 1\ncloth:\n"
+                                  "  grid: {rows: 4, cols: 4, spacing: 0.1}\n"
+                                  "  density: 0.2\n"
+                                  "  springs: {stretch: {stiffness: 100}}\n"
+                                  "stepper: {plugin: stiff, method: rkc2}\n"
+                                  "run: {duration: 0.05}\n");
     write_file(OUT "/decay.yaml", decay);
 }
 
@@ -91,9 +97,10 @@ START_TEST(a_step_beyond_the_bound_is_warned_of_and_run)
     says("omega <= 244.9 1/s");
     ck_assert(exists(OUT "/b/result.yaml"));
     expect(
-        shell(WEFT
-              " check " OUT
-              "/sheet.yaml --set stepper.fixed_step=0.0082 --set run.frames=interpolate"),
+        shell(
+            WEFT
+            " check " OUT
+            "/sheet.yaml --set stepper.fixed_step=0.0082 --set run.frames=interpolate"),
         0);
     says("advice     a fixed step of 0.0082 s is beyond the stable 0.00816 s");
 }
@@ -162,6 +169,21 @@ START_TEST(evaluations_are_those_of_steps_that_end_at_frames)
         ck_assert_double_eq_tol(strtod(strchr(at, ' '), NULL), frames[i].calls,
                                 1e-9 * frames[i].calls);
     }
+}
+END_TEST
+
+START_TEST(a_method_that_refuses_a_cloth_is_told_at_its_place)
+{
+    static const char *const verbs[] = { "check", "run" };
+    for (int i = 0; i < 2; ++i) {
+        expect(shell(WEFT " %s " OUT "/light.yaml %s 2>&1", verbs[i],
+                     i == 0 ? "" : "--out " OUT "/light"),
+               3);
+        says("/light.yaml:6:34: error: rkc2: all modes are damped too lightly");
+    }
+    expect(shell("test ! -e " OUT "/light"), 0);
+    expect(shell(WEFT " check " OUT "/light.yaml --set stepper.method=rkc2 2>&1"), 3);
+    says("override stepper.method:1: error: rkc2: all modes are damped too lightly");
 }
 END_TEST
 
@@ -356,6 +378,7 @@ TEST_SUITE(cli_stability)
     tcase_add_test(
         tcase, a_fixed_step_longer_than_a_frame_is_warned_of_and_judged_as_the_frame);
     tcase_add_test(tcase, evaluations_are_those_of_steps_that_end_at_frames);
+    tcase_add_test(tcase, a_method_that_refuses_a_cloth_is_told_at_its_place);
     tcase_add_test(tcase, one_sweep_shows_where_a_decay_begins_to_grow);
     tcase_add_test(tcase, the_allowance_is_named_where_it_is_used);
 #ifdef HAVE_ARKODE

@@ -103,6 +103,10 @@ WEFT_API const weft_stepper_type *weft_scene_method_type(const weft_scene *scene
 WEFT_API const weft_stepper_config *weft_scene_config(const weft_scene *scene);
 WEFT_API double weft_scene_step(const weft_scene *scene);
 
+/* What weft_sim_create said of the scene's method, at its place in the scene. */
+WEFT_API void weft_scene_refusal(const weft_scene *scene, const weft_error *why,
+                                 weft_diagnostic *out);
+
 /* The scene as it runs: the text that was read, or, with overrides, the same document
  * written again with them applied. It includes the default name, if that came from the
  * file's name. */

@@ -174,6 +174,10 @@ unsigned series_columns(const weft_scene *scene);
 weft_status sim_create(const weft_scene *scene, const weft_cloth *cloth, weft_sim **sim,
                        weft_error *err);
 
+/* Whether the scene's method takes its cloth, which some do not: returns EXIT_DONE, or
+ * prints why not at the place of the method. */
+int scene_accepted(const weft_scene *scene);
+
 /* A simulation of a scene, or of its band of that comm: cloth and sim, or NULL both. */
 weft_status simulation_create(const weft_scene *scene, const weft_comm *comm,
                               weft_log log, weft_cloth **cloth, weft_sim **sim,

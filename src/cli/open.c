@@ -328,3 +328,25 @@ weft_status simulation_create(const weft_scene *scene, const weft_comm *comm,
     }
     return status;
 }
+
+int scene_accepted(const weft_scene *scene)
+{
+    weft_error err = { 0 };
+    weft_cloth *cloth = NULL;
+    weft_sim *sim = NULL;
+    const weft_stepper_type *type = weft_scene_method_type(scene);
+    if (type == NULL || (type->flags & WEFT_STEPPER_STRUCTURE) == 0) {
+        return EXIT_DONE;
+    }
+    const weft_status status
+        = simulation_create(scene, NULL, (weft_log){ NULL, NULL }, &cloth, &sim, &err);
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    if (status != WEFT_INVALID && status != WEFT_UNSUPPORTED) {
+        return EXIT_DONE; /* what else is wrong is told later */
+    }
+    weft_diagnostics found = { .count = 1, .errors = 1 };
+    weft_scene_refusal(scene, &err, &found.items[0]);
+    print_found(&found);
+    return EXIT_SCENE;
+}

@@ -143,22 +143,25 @@ static weft_status first_error(const weft_diagnostics *found, weft_error *err)
     return WEFT_BAD_SCENE;
 }
 
+void weft__report_place(const weft__report *report, weft__mark at,
+                        weft_diagnostic *item)
+{
+    const weft__source *source = &report->sources[at.source];
+    item->line = at.source > 0 ? 0 : as_int(at.line + 1);
+    item->column = as_int(at.column + 1);
+    if (source->number == 0) {
+        (void)snprintf(item->place, sizeof item->place, "%s", source->file);
+    } else {
+        (void)weft__place_text(report, at, item->place, sizeof item->place);
+    }
+    weft__one_line(item->place);
+    item->caret = weft__source_excerpt(source, at, item->source, sizeof item->source);
+}
+
 weft_status weft__report_end(weft__report *report, weft_error *err)
 {
     for (size_t i = 0; i < report->found->count; ++i) {
-        weft_diagnostic *item = &report->found->items[i];
-        const weft__mark at = report->origin[i].at;
-        const weft__source *source = &report->sources[at.source];
-        item->line = at.source > 0 ? 0 : as_int(at.line + 1);
-        item->column = as_int(at.column + 1);
-        if (source->number == 0) {
-            (void)snprintf(item->place, sizeof item->place, "%s", source->file);
-        } else {
-            (void)weft__place_text(report, at, item->place, sizeof item->place);
-        }
-        weft__one_line(item->place);
-        item->caret
-            = weft__source_excerpt(source, at, item->source, sizeof item->source);
+        weft__report_place(report, report->origin[i].at, &report->found->items[i]);
     }
     return report->found->errors > 0 ? first_error(report->found, err) : WEFT_OK;
 }

@@ -33,6 +33,10 @@ void weft__report_error(weft__report *report, weft__mark at, const char *format,
 WEFT_PRINTF(3, 4)
 void weft__report_warning(weft__report *report, weft__mark at, const char *format, ...);
 
+/* Fills in the place of an item. */
+void weft__report_place(const weft__report *report, weft__mark at,
+                        weft_diagnostic *item);
+
 /* Ends text[size] with " ..." behind its last whole word if it was cut: its full length
  * is `length`, as snprintf returns it. */
 void weft__fit(char *text, size_t size, int length);

@@ -54,7 +54,8 @@ struct weft_scene {
     weft__control control;
     weft__solver solver;
     weft_butcher butcher;
-    bool large_matrices; /* are allowed */
+    bool large_matrices;     /* are allowed */
+    weft_diagnostic refusal; /* at stepper.method, without a message */
 };
 
 typedef struct weft__reader {

@@ -330,6 +330,14 @@ const weft_stepper_config *weft_scene_config(const weft_scene *scene)
     return &scene->config;
 }
 
+void weft_scene_refusal(const weft_scene *scene, const weft_error *why,
+                        weft_diagnostic *out)
+{
+    *out = scene->refusal;
+    weft__fit(out->message, sizeof out->message,
+              snprintf(out->message, sizeof out->message, "%s", why->message));
+}
+
 double weft_scene_step(const weft_scene *scene)
 {
     return scene->step;

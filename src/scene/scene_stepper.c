@@ -280,6 +280,9 @@ void weft__check_stepper(weft__reader *reader, const weft__match *match, void *b
 {
     const weft_scene *scene = base;
     const weft_stepper_type *type = scene->type;
+    const weft__node *method = weft__value_in(match, "method");
+    weft__report_place(reader->report, (method == NULL ? match->map : method)->at,
+                       &reader->scene->refusal);
     check_sizes(reader, match);
     if (type == NULL) {
         report_type(reader, match);

@@ -199,6 +199,9 @@ static int describe(const char *file, const weft_scene *scene, const options *gi
     weft_sim *sim = NULL;
     survey found = { 0 };
     const bool runs = weft_scene_method_type(scene) != NULL;
+    if (scene_accepted(scene) != EXIT_DONE) {
+        return EXIT_SCENE;
+    }
     weft_status status = frames_have_room(scene, &err);
     if (status == WEFT_OK) {
         status = runs ? simulation_create(scene, NULL, (weft_log){ NULL, NULL }, &cloth,

@@ -405,6 +405,9 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
         .quiet = given->quiet,
         .mode = given->mode,
     };
+    if (!claimed && given->comm == NULL && scene_accepted(scene) != EXIT_DONE) {
+        return EXIT_SCENE;
+    }
     interrupt_catch(true);
     ranks_warn(self.comm, weft_scene_config(scene)->threads);
     weft_status status = frames_have_room(scene, &err);
