@@ -183,7 +183,7 @@ START_TEST(a_method_that_refuses_a_cloth_is_told_at_its_place)
     }
     expect(shell("test ! -e " OUT "/light"), 0);
     expect(shell(WEFT " check " OUT "/light.yaml --set stepper.method=rkc2 2>&1"), 3);
-    says("override stepper.method:1: error: rkc2: all modes are damped too lightly");
+    says("override stepper.method:16: error: rkc2: all modes are damped too lightly");
 }
 END_TEST
 

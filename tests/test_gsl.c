@@ -186,6 +186,25 @@ START_TEST(a_component_near_zero_does_not_stop_bsimp)
 }
 END_TEST
 
+/* It puts numbers beside 1, where rounding loses them. */
+START_TEST(bsimp_refuses_tolerances_below_its_rounding)
+{
+    const weft_stepper_type *type = test_method_named("gsl/bsimp");
+    const weft_ode ode = { .dim = 4, .rhs = driven_from_zero };
+    weft_stepper_config config = adaptive(1e-14);
+    weft_error err = { 0 };
+    void *self = NULL;
+    ck_assert_int_eq(type->create(type, &ode, &config, &self, &err), WEFT_OK);
+    type->destroy(self);
+    config.atol_velocity = 0.9e-14;
+    ck_assert_int_eq(type->create(type, &ode, &config, &self, &err), WEFT_INVALID);
+    ck_assert_ptr_nonnull(strstr(err.message, "atol must be at least 1e-14 m and m/s"));
+    config.fixed_step = 1e-3;
+    ck_assert_int_eq(type->create(type, &ode, &config, &self, &err), WEFT_OK);
+    type->destroy(self);
+}
+END_TEST
+
 static weft_status create_of_size(const weft_stepper_type *type, size_t dim)
 {
     const weft_stepper_config config = adaptive(1e-6);
@@ -250,6 +269,7 @@ TEST_SUITE(gsl)
     tcase_add_test(tcase, the_jacobian_is_right_to_seven_digits);
     tcase_add_test(tcase, the_time_derivative_is_right);
     tcase_add_test(tcase, a_runaway_is_no_step);
+    tcase_add_test(tcase, bsimp_refuses_tolerances_below_its_rounding);
     tcase_add_test(tcase, a_component_near_zero_does_not_stop_bsimp);
     tcase_add_test(tcase, memory_that_is_not_there_is_an_error);
     tcase_add_test(tcase, h_follows_the_rule_of_gsl);

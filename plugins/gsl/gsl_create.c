@@ -35,6 +35,9 @@ static bool memory_is_there(size_t bytes)
     return there;
 }
 
+/* The smallest tolerance of numbers that shift.c puts beside 1. */
+#define LEAST_OFF 1e-14
+
 static weft_status check_memory(const gsl_method *method, size_t dim, weft_error *err)
 {
     const double bytes = memory_needed(method, dim), gib = 0x1p30;
@@ -122,6 +125,14 @@ weft_status weft__gsl_create(const weft_stepper_type *type, const weft_ode *ode,
     const char *wrong = weft_stepper_mistake(type, ode, config);
     if (wrong != NULL) {
         return weft_error_set(err, WEFT_INVALID, "%s: %s", type->name, wrong);
+    }
+    if (method->shift && !(config->fixed_step > 0.0)
+        && fmin(config->atol_position, config->atol_velocity) < LEAST_OFF) {
+        return weft_error_set(
+            err, WEFT_INVALID,
+            "%s: adds 1 to every number, so that atol must be at least "
+            "%g m and m/s: rounding loses what is smaller",
+            type->name, LEAST_OFF);
     }
     const weft_status status = check_memory(method, ode->dim, err);
     if (status != WEFT_OK) {
