@@ -389,6 +389,23 @@ START_TEST(without_a_final_state_the_last_frame_is_taken)
 }
 END_TEST
 
+START_TEST(record_final_false_leaves_out_the_final_state_alone)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT
+                      "/f --quiet --set record.final=false && cd " OUT
+                      " && test ! -e f/final.csv && cmp f/series.csv r/series.csv && "
+                      "cmp f/run.vtkhdf r/run.vtkhdf"),
+           0);
+    expect(shell(WEFT " diff " OUT "/f " OUT "/r && " WEFT " view " OUT "/f && " WEFT
+                      " resume " OUT "/f 2>&1"),
+           0);
+    says("f: is already done");
+    export_as("f --format obj");
+    says("f/frames/frame-000010.obj");
+    obj_is(OUT "/f/frames/frame-000010.obj", frames[LAST]);
+}
+END_TEST
+
 /* One digit changed; the state of a longer run. */
 START_TEST(a_final_state_that_is_not_that_of_the_result_is_refused)
 {
@@ -473,6 +490,7 @@ TEST_SUITE(export)
     tcase_add_test(files, a_chain_is_a_line_in_every_format);
     tcase_add_test(files, frames_have_their_numbers_in_the_run);
     tcase_add_test(files, without_a_final_state_the_last_frame_is_taken);
+    tcase_add_test(files, record_final_false_leaves_out_the_final_state_alone);
     tcase_add_test(files, a_final_state_that_is_not_that_of_the_result_is_refused);
     tcase_add_test(files, without_run_vtkhdf_frames_are_computed_anew);
     tcase_add_test(files, a_movie_is_of_all_frames);

@@ -23,12 +23,13 @@ typedef enum weft_record_field {
     WEFT_RECORD_FIELDS /* their number */
 } weft_record_field;
 
-/* The contents of run.vtkhdf and series.csv. */
+/* The contents of run.vtkhdf and series.csv, and whether there is a final.csv. */
 typedef struct weft_record_def {
     bool doubles; /* else single precision */
     bool fields[WEFT_RECORD_FIELDS];
     size_t every; /* >= 1: every n-th frame, and always the first and the last */
     bool ledger;  /* the energy ledger: weft_sim_def.ledger */
+    bool final;   /* the state at the end, as text */
 } weft_record_def;
 
 /* One error or one warning. */

@@ -525,6 +525,9 @@ static const weft__key record_keys[] = {
     { "ledger", WEFT__BOOLEAN, .fallback = "false", AT(weft_record_def, ledger),
       .meaning = "integrate the powers of springs, drag, wind and pins with the state, "
                  "and add the energy ledger to series.csv" },
+    { "final", WEFT__BOOLEAN, .fallback = "true", AT(weft_record_def, final),
+      .meaning = "write the state at the end to final.csv: some 130 bytes per "
+                 "particle" },
 };
 
 static const weft__section record_section
