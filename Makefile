@@ -171,11 +171,11 @@ $(BUILD)/src/%.o: src/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -c -o $@ $<
 
-# The pages, built from viewer/ by `make viewer` and committed, as strings: src/record/page.h.
-$(BUILD)/src/record/pages.c: viewer/dist/player.html viewer/dist/compare.html
+# The pages, built from viewer/ by `make viewer` and committed, and the scene of `weft new`, as strings: src/record/page.h.
+$(BUILD)/src/record/pages.c: viewer/dist/player.html viewer/dist/compare.html scenes/hammock.yaml
 	@mkdir -p $(@D)
 	$(call say,GEN)for page in $^; do \
-	    name=$${page##*/} && echo "const char weft__$${name%.html}_page[] =" && \
+	    name=$${page##*/} && echo "const char weft__$${name%.*}_page[] =" && \
 	    LC_ALL=C sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/' "$$page" && echo ';'; done >$@
 
 $(BUILD)/src/record/pages.o: $(BUILD)/src/record/pages.c

@@ -117,6 +117,21 @@ START_TEST(wrong_command_lines_exit_with_2)
 }
 END_TEST
 
+/* As the name of a scene whose `name` is absent. */
+START_TEST(a_new_scene_is_one_that_runs_and_replaces_no_file)
+{
+    expect(shell("cd " OUT " && ../weft new first && ../weft new second.yaml && "
+                 "cmp first.yaml second.yaml && ../weft check first.yaml && ../weft run first.yaml --set run.duration=0.1 --quiet"),
+           0);
+    says("first.yaml: ok: first\n");
+    expect(shell("echo mine > " OUT "/first.yaml; " WEFT " new " OUT "/first 2>&1"), 4);
+    says(OUT "/first.yaml: File exists\n");
+    expect(shell("cat " OUT "/first.yaml; " WEFT " new " OUT "/none/first 2>&1"), 4);
+    says("mine\n");
+    says("none/first.yaml: No such file or directory\n");
+}
+END_TEST
+
 START_TEST(a_misspelt_word_of_the_command_line_is_told_with_the_one_that_is_near)
 {
     static const char *const wrong[][2] = {
@@ -497,6 +512,7 @@ TEST_SUITE(cli)
     tcase_add_test(program,
                    lists_for_machines_are_yaml_and_a_plugin_path_is_searched_first);
     tcase_add_test(program, scene_help_lists_every_key);
+    tcase_add_test(program, a_new_scene_is_one_that_runs_and_replaces_no_file);
     tcase_add_test(program, the_example_program_runs);
     suite_add_tcase(all, program);
     return all;

@@ -12,6 +12,8 @@
 /* The player and the diagram of weft compare as built from viewer/: strings with
  * PAGE_MARK in the place of the data, in pages.c, which the Makefile writes. */
 extern const char weft__player_page[], weft__compare_page[];
+/* In pages.c too: scenes/hammock.yaml. */
+extern const char weft__hammock_page[];
 #define PAGE_MARK "<!--WEFT-DATA-->"
 
 /* One of them up to the mark, and from there on. `live`: it may ask the server it came
