@@ -121,7 +121,8 @@ END_TEST
 START_TEST(a_new_scene_is_one_that_runs_and_replaces_no_file)
 {
     expect(shell("cd " OUT " && ../weft new first && ../weft new second.yaml && "
-                 "cmp first.yaml second.yaml && ../weft check first.yaml && ../weft run first.yaml --set run.duration=0.1 --quiet"),
+                 "cmp first.yaml second.yaml && ../weft check first.yaml && ../weft "
+                 "run first.yaml --set run.duration=0.1 --quiet"),
            0);
     says("first.yaml: ok: first\n");
     expect(shell("echo mine > " OUT "/first.yaml; " WEFT " new " OUT "/first 2>&1"), 4);

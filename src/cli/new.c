@@ -14,8 +14,7 @@ static int new_verb(const options *given)
     char path[RECORD_PATH];
     weft_error err = { 0 };
     const bool whole = dot != NULL && strcmp(dot, ".yaml") == 0;
-    const int length
-        = snprintf(path, sizeof path, "%s%s", name, whole ? "" : ".yaml");
+    const int length = snprintf(path, sizeof path, "%s%s", name, whole ? "" : ".yaml");
     weft_status status = WEFT_IO;
     FILE *stream = length < RECORD_PATH ? fopen(path, "wx") : NULL;
     if (stream != NULL) {

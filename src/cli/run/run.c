@@ -242,10 +242,9 @@ static int report_failure(run *self, const weft_error *why)
 static weft_status write_ends(run *self, bool failed, weft_error *err)
 {
     TRY(run_in_place(self, err));
-    const weft_status written
-        = weft_scene_record(self->scene)->final
-              ? write_state(self, "final.csv", record_csv, err)
-              : WEFT_OK;
+    const weft_status written = weft_scene_record(self->scene)->final
+                                    ? write_state(self, "final.csv", record_csv, err)
+                                    : WEFT_OK;
     if (written != WEFT_OK && !failed) {
         note_failure(self, err);
     }
