@@ -385,6 +385,41 @@ static weft_status on_any_frame(void *ctx, size_t i, weft_error *err)
     return WEFT_OK;
 }
 
+/* Not from 0.1 to 0.2 s, but from 0.3 s on; h = 1/16 s. */
+static double twice(void *ctx, const weft_cloth *of, double t, const double *y)
+{
+    (void)ctx, (void)of, (void)y;
+    return (t > 0.1 && t < 0.2) || t > 0.3 ? -1.0 : 1.0;
+}
+
+START_TEST(an_event_that_must_hold_comes_so_long_after_it_began_also_when_saved)
+{
+    static unsigned char saved[65536];
+    uint64_t hashes[2];
+    weft_error err = { 0 };
+    def.dense = _i == 1;
+    def.event = twice;
+    def.event_hold = 0.25;
+    start(DORMAND_PRINCE, 0.0625);
+    ck_assert_int_eq(weft_sim_advance(sim, 0.375, &err), WEFT_OK);
+    ck_assert(!weft_sim_event(sim));
+    ck_assert_int_eq(weft_sim_save(sim, saved, sizeof saved, &err), WEFT_OK);
+    for (size_t i = 0; i < 2; ++i) {
+        ck_assert_int_eq(weft_sim_advance(sim, 1.0, &err), WEFT_OK);
+        ck_assert(weft_sim_event(sim));
+        ck_assert_double_eq(weft_sim_time(sim), 0.3125 + 0.25);
+        hashes[i] = weft_sim_measure(sim).hash;
+        ck_assert_int_eq(weft_sim_advance(sim, 1.0, &err), WEFT_OK);
+        ck_assert(!weft_sim_event(sim) && weft_sim_time(sim) == 1.0);
+        const size_t size = weft_sim_save_size(sim);
+        ck_assert_int_eq(weft_sim_restore(sim, saved, size, &err), WEFT_OK);
+    }
+    ck_assert_uint_eq(hashes[0], hashes[1]);
+    def.event_hold = -1.0;
+    ck_assert_int_eq(weft_sim_create(&def, &(weft_sim *){ NULL }, &err), WEFT_INVALID);
+}
+END_TEST
+
 START_TEST(an_event_is_the_last_frame)
 {
     static double moment = 0.1234;
@@ -425,6 +460,9 @@ TEST_SUITE(between)
     tcase_add_test(tcase, an_event_function_may_jump);
     tcase_add_test(tcase, a_rise_is_no_event_and_neither_is_nan);
     tcase_add_test(tcase, a_function_that_never_falls_changes_no_bit);
+    tcase_add_loop_test(
+        tcase, an_event_that_must_hold_comes_so_long_after_it_began_also_when_saved, 0,
+        2);
     tcase_add_loop_test(tcase, an_event_is_the_last_frame, 0, 2);
     return suite;
 }

@@ -251,6 +251,29 @@ START_TEST(a_run_may_end_at_a_moment_of_its_own)
 }
 END_TEST
 
+/* Its energies in the rows of the last 0.5 s, and in one before. */
+START_TEST(a_run_may_end_when_the_cloth_is_at_rest)
+{
+    expect(shell(WEFT " run " OUT "/small.yaml --set 'stop={at_rest: 1e-4}' --set "
+                      "'cloth.pins=[top]' --set run.duration=60 --set "
+                      "forces.damping=0.02 --set cloth.grid.down='[0, 0, 1]' --out " OUT
+                      "/rest 2>&1"),
+           0);
+    says("done by stop: at_rest < 0.0001 for 0.5 s: small");
+    expect(shell("awk -F, 'NR == 2 { start = $5 } NR > 1 { t[NR] = $2; part[NR] = $3 / "
+                 "(start - $5 + 1e-99) } END { for (i = 3; i <= NR; ++i) if (t[i] >= "
+                 "t[NR] - 0.5) { ++n; bad += part[i] > 1e-4 } else moved = moved || "
+                 "part[i] > 1e-4; print n, bad, moved, t[NR] < 60 }' " OUT
+                 "/rest/series.csv"),
+           0);
+    ck_assert_str_eq(strchr(output, ' '), " 0 1 1\n");
+    expect(shell(WEFT " run " OUT "/small.yaml --set 'stop={at_rest: true}' --set "
+                      "forces.gravity='[0, 0, 0]' --out " OUT "/rest 2>&1"),
+           3);
+    says("stop.at_rest compares with the work of gravity, and forces.gravity is 0");
+}
+END_TEST
+
 TEST_SUITE(cli_output)
 {
     Suite *suite = suite_create("cli output");
@@ -270,5 +293,6 @@ TEST_SUITE(cli_output)
                    counts_of_linear_systems_are_in_all_files_of_methods_that_have_some);
     suite_add_tcase(suite, program);
     tcase_add_loop_test(program, a_run_may_end_at_a_moment_of_its_own, 0, 2);
+    tcase_add_test(program, a_run_may_end_when_the_cloth_is_at_rest);
     return suite;
 }

@@ -203,6 +203,9 @@ typedef struct weft_sim_def {
                    takes frames from within steps. Not with a limit or `correct` */
     weft_event_fn *event; /* NULL: none. Not with a limit or `correct` */
     void *event_ctx;
+    double event_hold; /* [s] > 0: the event is when the function has been 0 or below at
+                          the end of every step for so long; that it was so at the start
+                          counts. Saved. 0: when it falls to 0, as weft_event_fn says */
 } weft_sim_def;
 
 /* One cloth in bands (weft/comm.h, docs/embedding.md): each band has a simulation, with
@@ -296,15 +299,19 @@ typedef enum weft_stop_quantity {
     WEFT_STOP_STRAIN,  /* the largest strain rises to the bound */
     WEFT_STOP_GAP,     /* the smallest gap to a shape falls to it [m] */
     WEFT_STOP_KINETIC, /* the kinetic energy falls to it [J] */
-    WEFT_STOPS         /* their number */
+    WEFT_STOP_REST, /* the kinetic energy falls to this part of the work of gravity on
+                       the free particles since the start, of either sign */
+    WEFT_STOPS      /* their number */
 } weft_stop_quantity;
 
 typedef struct weft_stop_def {
     weft_stop_quantity quantity;
     double bound;
+    double hold; /* [s] for weft_sim_def.event_hold */
 } weft_stop_def;
 
-/* "max_strain", "min_gap" or "kinetic", as in series.csv; "" for WEFT_STOP_NEVER. */
+/* "max_strain", "min_gap" or "kinetic", as in series.csv, or "at_rest"; "" for
+ * WEFT_STOP_NEVER. */
 WEFT_API const char *weft_stop_name(weft_stop_quantity quantity);
 
 /* The event function of it: how far a state is from the bound, > 0 until then; stop is

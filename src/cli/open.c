@@ -320,6 +320,7 @@ weft_status simulation_create(const weft_scene *scene, const weft_comm *comm,
         def.dense = run->interpolate;
         def.event = run->stop.quantity != WEFT_STOP_NEVER ? weft_stop_event : NULL;
         def.event_ctx = (void *)&run->stop; /* which reads it alone */
+        def.event_hold = run->stop.hold;
         status = weft_sim_create(&def, sim, err);
     }
     if (status != WEFT_OK) {

@@ -63,6 +63,7 @@ const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
         [WEFT__WARP_WEFT] = "a number",
         [WEFT__CONDITION]
         = "'max_strain > NUMBER', 'min_gap < NUMBER' or 'kinetic < NUMBER'",
+        [WEFT__REST] = "true, false or a number > 0",
         [WEFT__PRESET] = "a name that 'weft fabrics' lists",
         [WEFT__ATOL] = "a number",
         [WEFT__INDEX] = "an index, [first, last] or all",

@@ -563,12 +563,19 @@ static const weft__section run_section
     = { SECTION(run_keys), .check = weft__check_run };
 
 static const weft__key stop_keys[] = {
-    { "when", WEFT__CONDITION, .required = true, AT(weft_stop_def, quantity),
+    { "when", WEFT__CONDITION, .absent = "at_rest", AT(weft_stop_def, quantity),
       .meaning = "ends the run, at that moment: a column of series.csv that comes to "
                  "the number [m, J]" },
+    { "at_rest", WEFT__REST, .absent = "when", AT(weft_stop_def, quantity),
+      .meaning = "instead of when: the kinetic energy is below this part of the work "
+                 "of gravity since the start; true: 1e-6" },
+    { "for", WEFT__NUMBER, RANGE(.least = 0.0), .unit = "s",
+      .absent = "0.5 with at_rest, 0 with when", AT(weft_stop_def, hold),
+      .meaning = "the condition must have held for so long" },
 };
 
-static const weft__section stop_section = { SECTION(stop_keys) };
+static const weft__section stop_section
+    = { SECTION(stop_keys), .check = weft__check_condition };
 
 /* The stepper comes before run and record, which are checked against it. */
 static const weft__key root_keys[] = {

@@ -19,6 +19,7 @@ typedef enum weft__kind {
     WEFT__PAIR,      /* double[2] from a number or a pair */
     WEFT__WARP_WEFT, /* the same: a number of a weft_spring_def, and that of the weft */
     WEFT__CONDITION, /* weft_stop_def: "kinetic < 1e-6" */
+    WEFT__REST,      /* weft_stop_def: true, or a number */
     WEFT__PRESET,    /* weft_fabric from the name of a preset */
     WEFT__ATOL,      /* two doubles from a number or a mapping */
     WEFT__INDEX,     /* weft_range of the rows or columns of a place */

@@ -298,6 +298,7 @@ void weft__read_value(weft__reader *reader, const weft__key *key,
         [WEFT__BOOLEAN] = read_boolean,
         [WEFT__SHAPE_LIST] = weft__read_shapes,
         [WEFT__CONDITION] = weft__read_condition,
+        [WEFT__REST] = weft__read_rest,
     };
     readers[key->kind](reader, key, node, (char *)base + weft__offset_of(key));
 }

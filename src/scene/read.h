@@ -174,7 +174,7 @@ void *weft__take_items(weft__reader *reader, const weft__key *key,
 
 /* scene_contact.c */
 weft__read_fn weft__read_shapes;
-weft__check_fn weft__check_shape, weft__check_contact;
+weft__check_fn weft__check_shape, weft__check_contact, weft__check_condition;
 
 /* Warnings of contact, when all sections were read without errors. */
 void weft__warn_of_contact(weft__reader *reader, const weft__match *root);
@@ -184,7 +184,7 @@ void weft__check_stop(weft__reader *reader, const weft__match *match);
 
 /* scene_fabric.c */
 weft__read_fn weft__read_preset;
-weft__read_fn weft__read_condition; /* scene_stop.c */
+weft__read_fn weft__read_condition, weft__read_rest; /* scene_stop.c */
 weft__check_fn weft__check_bend, weft__check_fabric;
 
 /* Makes the cloth of its fabric, if that is there; reports keys that it excludes. */

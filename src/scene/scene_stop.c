@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/finite.h"
 #include "scene/read.h"
 #include "scene/scalar.h"
 
@@ -28,7 +29,7 @@ void weft__read_condition(weft__reader *reader, const weft__key *key,
 {
     weft_stop_def *stop = to;
     const char *text = weft__text_of(node), *number = NULL;
-    for (unsigned i = 1; text != NULL && i < WEFT_STOPS; ++i) {
+    for (unsigned i = 1; text != NULL && i <= WEFT_STOP_KINETIC; ++i) {
         const weft_stop_quantity quantity = (weft_stop_quantity)i;
         const char sign = quantity == WEFT_STOP_STRAIN ? '>' : '<';
         if (begins_with(text, weft_stop_name(quantity), sign, &number)) {
@@ -45,10 +46,41 @@ void weft__read_condition(weft__reader *reader, const weft__key *key,
     weft__refuse_value(reader, key, node);
 }
 
+void weft__read_rest(weft__reader *reader, const weft__key *key, const weft__node *node,
+                     void *to)
+{
+    weft_stop_def *stop = to;
+    const char *text = weft__text_of(node);
+    double bound = 1e-6;
+    const bool is_number = weft__number_of(node, &bound);
+    if (is_number ? !weft__positive(bound)
+                  : text == NULL
+                        || (strcmp(text, "true") != 0 && strcmp(text, "false") != 0)) {
+        weft__refuse_value(reader, key, node);
+    } else if (is_number || text[0] == 't') {
+        stop->quantity = WEFT_STOP_REST;
+        stop->bound = bound;
+        stop->hold = 0.5;
+    }
+}
+
+void weft__check_condition(weft__reader *reader, const weft__match *match, void *base)
+{
+    (void)base;
+    weft__check_one(reader, match, "when", "at_rest");
+}
+
 void weft__check_stop(weft__reader *reader, const weft__match *match)
 {
     const weft__node *limit = weft__found_in(match, "limit")->key;
     const weft__node *stop = weft__found_in(match, "stop")->key;
+    const double *g = reader->scene->cloth.gravity;
+    if (reader->scene->run.stop.quantity == WEFT_STOP_REST && g[0] == 0.0 && g[1] == 0.0
+        && g[2] == 0.0) {
+        weft__report_error(reader->report, stop->at,
+                           "stop.at_rest compares with the work of gravity, and "
+                           "forces.gravity is 0; 'when: kinetic < NUMBER' does not");
+    }
     if (limit != NULL && stop != NULL) {
         weft__report_exclusive(reader->report, limit, stop);
     } else if (limit != NULL && reader->scene->run.interpolate) {

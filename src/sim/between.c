@@ -213,6 +213,10 @@ weft_status weft__between_init(weft_sim *sim, weft_error *err)
     if (!sim->def.dense && sim->def.event == NULL) {
         return WEFT_OK;
     }
+    if (!weft__not_negative(sim->def.event_hold)) {
+        return weft_error_set(err, WEFT_INVALID, "event_hold %g s must be finite, >= 0",
+                              sim->def.event_hold);
+    }
     if (sim->def.correct != NULL || sim->def.limit.method != WEFT_LIMIT_NONE) {
         return weft_error_set(err, WEFT_UNSUPPORTED,
                               "states within a step, and events, are not known with a "

@@ -82,12 +82,24 @@ static weft_status locate(weft_sim *sim, bracket *in, uint64_t before, weft_erro
                : status;
 }
 
-void weft__sim_before_event(weft_sim *sim)
+double weft__sim_before_event(weft_sim *sim, double t_end)
 {
+    const double end = sim->event_since + sim->def.event_hold;
     sim->event_passed = false;
     if (sim->def.event != NULL && isnan(sim->event)) {
         sim->event = value(sim);
     }
+    return end > sim->t ? fmin(end, t_end) : t_end;
+}
+
+/* Of an event that must hold. */
+static void hold(weft_sim *sim, bool holds)
+{
+    sim->event_since = !holds                    ? (double)NAN
+                       : isnan(sim->event_since) ? sim->t
+                                                 : sim->event_since;
+    sim->event_passed = sim->t >= sim->event_since + sim->def.event_hold;
+    sim->event_since = sim->event_passed ? (double)INFINITY : sim->event_since;
 }
 
 weft_status weft__sim_find_event(weft_sim *sim, double t0, weft_error *why)
@@ -97,8 +109,12 @@ weft_status weft__sim_find_event(weft_sim *sim, double t0, weft_error *why)
     }
     bracket in = { .t0 = t0, .a = t0, .b = sim->t, .ga = sim->event };
     in.gb = value(sim);
-    sim->event_passed = in.ga > 0.0 && in.gb <= 0.0;
     sim->event = in.gb;
+    if (sim->def.event_hold > 0.0) {
+        hold(sim, in.gb <= 0.0);
+        return WEFT_OK;
+    }
+    sim->event_passed = in.ga > 0.0 && in.gb <= 0.0;
     if (!sim->event_passed) {
         return WEFT_OK;
     }

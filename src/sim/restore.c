@@ -270,6 +270,7 @@ static void take_fields(weft_sim *sim, const weft__save_fields *from)
     sim->ledger.outside_work = from->outside_work;
     sim->rejected = from->rejected;
     sim->limit.last_step = from->limit_step;
+    sim->event_since = from->event_since;
     sim->limit.stats = from->limit;
     sim->vetoed = from->vetoed;
 }

@@ -23,6 +23,7 @@ static weft__save_fields fields_of(const weft_sim *sim)
         .limit_work = sim->ledger.limit_work,
         .outside_work = sim->ledger.outside_work,
         .limit_step = sim->limit.last_step,
+        .event_since = sim->event_since,
         .steps = stats.steps,
         .rejected = stats.rejected,
         .rhs_calls = stats.rhs_calls,

@@ -14,7 +14,7 @@
 #include "base/bytes.h"
 #include "sim/simulation.h"
 
-enum { WEFT__SAVE_VERSION = 6, WEFT__SAVE_PLANES = 7, WEFT__SAVE_NAME = 64 };
+enum { WEFT__SAVE_VERSION = 7, WEFT__SAVE_PLANES = 7, WEFT__SAVE_NAME = 64 };
 
 #define WEFT__SAVE_MAGIC "weftsave"
 
@@ -27,6 +27,7 @@ typedef struct weft__save_fields {
     weft_limit_stats limit;
     uint64_t vetoed;
     uint64_t linear_iterations, factorisations, newton_failures;
+    double event_since; /* [s] */
 } weft__save_fields;
 
 /* Places of words. */

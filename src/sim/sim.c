@@ -148,6 +148,7 @@ static weft_sim *make_sim(const weft_sim_def *def)
         .memory = memory,
         .ledger = { .on = def->ledger },
         .event = NAN,
+        .event_since = NAN,
         .y = weft__alloc(&memory, dim + WEFT__QUADRATURES, sizeof(double)),
     };
     if (sim->cloth == NULL || sim->y == NULL
@@ -340,7 +341,7 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
     sim->failure.status = WEFT_OK;
     sim->refused.found = false;
     weft__between_begin(sim);
-    weft__sim_before_event(sim);
+    t_end = weft__sim_before_event(sim, t_end);
     weft_status status = weft__sim_checked_step(sim, t_end, &why);
     status = status == WEFT_OK ? weft__sim_find_event(sim, before, &why) : status;
     if (status != WEFT_OK) {
@@ -523,7 +524,7 @@ void weft__sim_change_begins(weft_sim *sim)
 void weft__sim_change_ends(weft_sim *sim, bool ode)
 {
     weft__between_forget(sim);
-    sim->event = NAN;
+    sim->event = sim->event_since = NAN;
     weft__ledger_account(&sim->ledger, &sim->forces, sim->t, sim->y,
                          &sim->ledger.outside_work);
     if (ode) {

@@ -44,8 +44,10 @@ struct weft_sim {
     uint64_t calls;       /* of it, with shapes */
     weft_agree agree;     /* with a comm: its maximum, for the stepper */
     weft__between between;
-    double event;      /* the event function at present; NAN: not known */
-    bool event_passed; /* it ended the last step */
+    double event;       /* the event function at present; NAN: not known */
+    bool event_passed;  /* it ended the last step */
+    double event_since; /* [s] 0 or below at the ends of all steps; NAN: it is not;
+                           INFINITY: that was an event */
 };
 
 /* motion.c: the right-hand side of a simulation, which is ctx. */
@@ -78,9 +80,10 @@ weft_status weft__sim_changeable(const weft_sim *sim, const char *function,
  * cloth itself, or its failure. */
 weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why);
 
-/* event.c: before a step; and after one from t0 that is accepted: if the event function
- * fell to 0 within it, takes it back and ends it there. */
-void weft__sim_before_event(weft_sim *sim);
+/* event.c: before a step, which may go to the end that is returned; and after one from
+ * t0 that is accepted: if the event function fell to 0 within it, takes it back and
+ * ends it there. */
+double weft__sim_before_event(weft_sim *sim, double t_end);
 weft_status weft__sim_find_event(weft_sim *sim, double t0, weft_error *why);
 
 /* Whether steps are checked: for shapes or self-contact. */

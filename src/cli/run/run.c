@@ -278,6 +278,9 @@ static int conclude(run *self, weft_status status, const weft_error *why)
         const weft_stop_def *stop = &weft_scene_run(self->scene)->stop;
         say(&self->reason, "stop: %s %c %.9g", weft_stop_name(stop->quantity),
             stop->quantity == WEFT_STOP_STRAIN ? '>' : '<', stop->bound);
+        if (stop->hold > 0.0) {
+            say(&self->reason, " for %.9g s", stop->hold);
+        }
         self->result.reason = self->reason.text;
     }
     if (write_ends(self, status != WEFT_OK, &err) != WEFT_OK) {
