@@ -27,7 +27,7 @@ static bool too_short(int *limit)
 START_TEST(a_run_that_crashes_or_hangs_costs_only_itself)
 {
     write_sweep("c.yaml", "run: {fps: 20, checkpoint: 3}\n",
-                "sweep: {run.duration: [1.0e+6, 0.1]}\n");
+                "sweep: {run.duration: [1.0e+5, 0.1]}\n");
     char wanted[256], option[32] = "", seconds[32] = "";
     int limit = 2;
     do {
@@ -37,21 +37,21 @@ START_TEST(a_run_that_crashes_or_hangs_costs_only_itself)
         }
         expect(shell(BATCH "/c.yaml --out " OUT "/o -j 1 %s 2>" OUT
                            "/err & pid=$!; until [ -e " OUT
-                           "/o/c_duration=1.0e+6/checkpoint.weft ] || ! kill -0 $pid; "
+                           "/o/c_duration=1.0e+5/checkpoint.weft ] || ! kill -0 $pid; "
                            "do sleep 0.01; done; kill -%s $(cat "
                            "/proc/$pid/task/$pid/children); wait $pid",
                      option, fates[_i].signal),
                1);
     } while (too_short(&limit));
     expect(shell("cut -d, -f 1-4 " OUT "/o/summary.csv"), 0);
-    (void)snprintf(wanted, sizeof wanted, "1.0e+6,c,%s%s\n0.1,c,done,\n",
+    (void)snprintf(wanted, sizeof wanted, "1.0e+5,c,%s%s\n0.1,c,done,\n",
                    fates[_i].status, seconds);
     says(wanted);
     /* the frames that it has left are counted */
     expect(
         shell(
-            "cd " OUT "/o/c_duration=1.0e+6; rows=$(tail -n +2 series.csv | wc -l); "
-            "grep \"^frames: $rows$\" result.yaml && grep '^frames_planned: 20000001$' "
+            "cd " OUT "/o/c_duration=1.0e+5; rows=$(tail -n +2 series.csv | wc -l); "
+            "grep \"^frames: $rows$\" result.yaml && grep '^frames_planned: 2000001$' "
             "result.yaml && [ $rows -gt 3 ] && ! grep 'wall_time: 0$' result.yaml"),
         0);
 }
@@ -155,7 +155,7 @@ END_TEST
 START_TEST(a_run_that_takes_too_long_is_left_until_it_is_asked_for)
 {
     write_sweep("long.yaml", "run: {fps: 20, checkpoint: 3}\n",
-                "sweep: {run.duration: [0.1, 1.0e+6]}\n");
+                "sweep: {run.duration: [0.1, 1.0e+5]}\n");
     char wanted[128];
     int limit = 2;
     do {
@@ -169,7 +169,7 @@ START_TEST(a_run_that_takes_too_long_is_left_until_it_is_asked_for)
     expect(shell("cut -d, -f 1-4 " OUT "/o/summary.csv"), 0);
     (void)snprintf(wanted, sizeof wanted,
                    "run.duration,scene,status,reason\n0.1,long,done,\n"
-                   "1.0e+6,long,timeout,not done after %d s\n",
+                   "1.0e+5,long,timeout,not done after %d s\n",
                    limit);
     ck_assert_str_eq(output, wanted);
     /* it is left alone, until it is asked for */

@@ -383,7 +383,7 @@ END_TEST
 static void interrupt_with(const char *name, int code)
 {
     expect(shell("exec 2>&1; " WEFT " run " OUT "/small.yaml --out " OUT "/%s --quiet "
-                 "--set run.duration=1e6 & pid=$!; "
+                 "--set run.duration=1e5 & pid=$!; "
                  "while [ ! -s " OUT "/%s/series.csv ]; do sleep 0.05; done; "
                  "kill -%s $pid; wait $pid",
                  name, name, name),

@@ -249,7 +249,7 @@ END_TEST
 
 START_TEST(a_run_that_is_under_way_is_not_touched)
 {
-    const pid_t child = start(RUN("k"), "--set run.duration=1e6");
+    const pid_t child = start(RUN("k"), "--set run.duration=4e4");
     wait_for_checkpoint(OUT "/k");
     expect(shell(WEFT " resume " OUT "/k 2>&1"), 4);
     says("k: another weft is running there");

@@ -106,7 +106,7 @@ START_TEST(a_run_that_fails_or_is_stopped_ends_with_them_too)
            1);
     has_eight_lines("failed: small (");
     expect(shell(WEFT " run " OUT "/small.yaml --out " OUT
-                      "/i --set run.duration=1e6 2>"
+                      "/i --set run.duration=1e5 2>"
                       "/dev/null & pid=$!; while [ ! -s " OUT
                       "/i/series.csv ]; do sleep 0.05; done; kill -TERM $pid; "
                       "wait $pid"),
@@ -392,7 +392,7 @@ START_TEST(two_runs_do_not_write_into_one_directory_at_once)
 {
     expect(
         shell("exec 2>&1; " WEFT " run " OUT "/small.yaml --out " OUT "/d --quiet "
-              "--set run.duration=1e6 & pid=$!; while [ ! -s " OUT
+              "--set run.duration=1e5 & pid=$!; while [ ! -s " OUT
               "/d/series.csv ]; do sleep 0.05; done; for force in '' --force; do " WEFT
               " run " OUT "/small.yaml --out " OUT
               "/d --quiet $force; echo code $?; done; kill -KILL $pid; wait $pid; " WEFT

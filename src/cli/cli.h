@@ -165,7 +165,10 @@ weft_status cloth_create(const weft_scene *scene, const weft_cloth_def *def,
                          weft_cloth **cloth, weft_error *err);
 
 /* records.c: WEFT_BAD_SCENE if run.vtkhdf cannot hold the frames of a scene. */
+/* Also warns of a large file. */
 weft_status frames_have_room(const weft_scene *scene, weft_error *err);
+/* [bytes] of run.vtkhdf with all its frames, and their number. */
+double frames_bytes(const weft_scene *scene, size_t *planned);
 
 /* records.c: the optional columns of series.csv in runs of a scene: RECORD_... */
 unsigned series_columns(const weft_scene *scene);

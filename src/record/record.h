@@ -183,9 +183,10 @@ typedef struct record_vtkhdf_def {
 } record_vtkhdf_def;
 
 /* The number of frames of a run that ends with frame `last`; the most that a file has
- * room for. */
+ * room for; and about [bytes] of each. */
 size_t record_vtkhdf_planned(const weft_record_def *record, size_t last);
 size_t record_vtkhdf_most(size_t particles);
+size_t record_vtkhdf_frame(const weft_record_def *record, size_t particles);
 
 weft_status record_vtkhdf_create(const record_vtkhdf_def *def, record_vtkhdf **out,
                                  weft_error *err);

@@ -89,6 +89,15 @@ size_t record_vtkhdf_most(size_t particles)
     return MOST_BYTES / (7 * sizeof(double) * particles + 1024);
 }
 
+size_t record_vtkhdf_frame(const weft_record_def *record, size_t particles)
+{
+    const bool *wanted = record->fields;
+    const size_t numbers = (wanted[WEFT_RECORD_VELOCITY] ? 6u : 3u)
+                           + (wanted[WEFT_RECORD_STRAIN] ? 1u : 0u);
+    const size_t real = record->doubles ? sizeof(double) : sizeof(float);
+    return numbers * real * particles + 256; /* offsets and field data */
+}
+
 /* libhdf5 crashes if it gets no memory for its caches, less than a megabyte. */
 static bool has_memory(void)
 {

@@ -123,16 +123,19 @@ static void check_frame(weft__reader *reader, const weft__match *match,
     }
 }
 
+/* Room for all frames is made in run.vtkhdf: a copy of that file may fill a disk. */
+#define MAX_FRAMES 1e7
+
 void weft__check_run(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_run_def *run = base;
-    if (run->duration * run->fps > 0x1p53) {
+    if (run->duration * run->fps > MAX_FRAMES) {
         const weft__node *node = weft__value_in(match, "fps");
         node = node == NULL ? weft__value_in(match, "duration") : node;
         weft__report_error(
             reader->report, node->at,
-            "%g s at %g frames per second are more frames than can be counted (2^53)",
-            run->duration, run->fps);
+            "%g s at %g frames per second are %.3g frames; a run has at most %g",
+            run->duration, run->fps, run->duration * run->fps, MAX_FRAMES);
     }
     if (!run->interpolate) {
         check_frame(reader, match, run);

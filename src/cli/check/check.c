@@ -142,8 +142,10 @@ static void print_scene(const char *file, const weft_scene *scene,
     print_limit(weft_scene_limit(scene));
     print_stepper(scene);
     print_matrices(scene, weft_cloth_particles(cloth));
-    printf("  run        %g s in %zu frames\n", run->duration,
+    printf("  run        %g s in %zu frames,", run->duration,
            weft_run_last_frame(run) + 1);
+    print_bytes(" run.vtkhdf", frames_bytes(scene, &(size_t){ 0 }));
+    putchar('\n');
     stability_print(scene, found, all);
     if (scene_supported(scene, &err) != WEFT_OK) {
         print_item("note", "%s", err.message);

@@ -74,12 +74,31 @@ weft_status run_state(const run *self, const double **y, double **gathered,
     return status;
 }
 
+#define LARGE_FILE 1e10 /* [bytes] of run.vtkhdf: told beforehand */
+
+double frames_bytes(const weft_scene *scene, size_t *planned)
+{
+    const weft_cloth_def *cloth = weft_scene_cloth(scene);
+    const weft_record_def *record = weft_scene_record(scene);
+    const size_t last = weft_run_last_frame(weft_scene_run(scene));
+    *planned = record_vtkhdf_planned(record, last);
+    return (double)*planned
+           * (double)record_vtkhdf_frame(record, cloth->rows * cloth->cols);
+}
+
 weft_status frames_have_room(const weft_scene *scene, weft_error *err)
 {
     const weft_cloth_def *cloth = weft_scene_cloth(scene);
-    const size_t planned = record_vtkhdf_planned(
-        weft_scene_record(scene), weft_run_last_frame(weft_scene_run(scene)));
     const size_t most = record_vtkhdf_most(cloth->rows * cloth->cols);
+    size_t planned;
+    const double bytes = frames_bytes(scene, &planned);
+    if (bytes > LARGE_FILE) {
+        fprintf(
+            stderr,
+            "weft: warning: run.vtkhdf has %zu frames and %.3g GB in the end; it "
+            "takes that space as they are written, but a copy may take all at once\n",
+            planned, 1e-9 * bytes);
+    }
     return planned <= most
                ? WEFT_OK
                : weft_error_set(err, WEFT_BAD_SCENE,
