@@ -211,6 +211,18 @@ START_TEST(what_is_missing_or_damaged_is_named)
 }
 END_TEST
 
+START_TEST(frames_that_lead_nowhere_are_not_taken_for_missing_ones)
+{
+    static const char *const targets[] = { "run.vtkhdf", "absent" };
+    run("b", HELD);
+    for (size_t i = 0; i < 2; ++i) {
+        expect(shell("ln -sf %s " OUT "/b/run.vtkhdf", targets[i]), 0);
+        diff("a b", 4);
+        says("b/run.vtkhdf");
+    }
+}
+END_TEST
+
 START_TEST(a_row_that_a_kill_cut_off_does_not_count)
 {
     run("b", HELD);
@@ -250,6 +262,7 @@ TEST_SUITE(cli_diff)
     tcase_add_test(program, a_flipped_bit_of_a_frame_is_a_difference);
     tcase_add_test(program, other_grids_are_an_error);
     tcase_add_test(program, what_is_missing_or_damaged_is_named);
+    tcase_add_test(program, frames_that_lead_nowhere_are_not_taken_for_missing_ones);
     tcase_add_test(program, a_row_that_a_kill_cut_off_does_not_count);
     tcase_add_test(program, a_wrong_command_line_is_told);
     suite_add_tcase(all, program);

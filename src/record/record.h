@@ -36,6 +36,7 @@ void record_temporary(const char *path, char temporary[RECORD_PATH]);
 /* Opens that file for reading and fills in path. NULL: WEFT_IO. */
 FILE *record_open(const char *directory, const char *name, char path[RECORD_PATH],
                   weft_error *err);
+/* Whether there is anything of that name, also what cannot be opened. */
 bool record_exists(const char *directory, const char *name);
 /* WEFT_IO if a directory has no scene.yaml, with *err; else WEFT_OK, without. */
 weft_status record_is_run(const char *directory, weft_error *err);

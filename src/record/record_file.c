@@ -40,8 +40,9 @@ FILE *record_open(const char *directory, const char *name, char path[RECORD_PATH
 bool record_exists(const char *directory, const char *name)
 {
     char path[RECORD_PATH];
+    struct stat status;
     return record_path(directory, name, path, NULL) == WEFT_OK
-           && access(path, F_OK) == 0;
+           && (lstat(path, &status) == 0 || (errno != ENOENT && errno != ENOTDIR));
 }
 
 weft_status record_is_run(const char *directory, weft_error *err)
