@@ -400,6 +400,26 @@ START_TEST(a_crash_costs_one_method)
 }
 END_TEST
 
+START_TEST(a_twin_that_fails_at_the_last_frame_is_told_as_at_any_other)
+{
+    write_file(OUT "/still.yaml",
+               "weft: 1\n"
+               "cloth: {grid: {rows: 2, cols: 2, spacing: 0.1}, mass: 0.001}\n"
+               "forces: {gravity: [0, 0, 0]}\n"
+               "stepper: {plugin: gsl, method: rkf45, rtol: 1.0e-6, atol: 1.0e-6}\n"
+               "run: {duration: 1, fps: 4}\n");
+    for (int duration = 1; duration <= 2; ++duration) {
+        expect(shell("mkdir -p " OUT "/plugins && cp " BUILD_DIR
+                     "/tests/broken/weft-twin.so " OUT "/plugins && " WEFT
+                     " compare " OUT "/still.yaml --plugin-path " OUT
+                     "/plugins --set run.duration=%d --out " OUT "/twin 2>&1",
+                     duration),
+               1);
+        says("no reference: twin second: the twin fails");
+    }
+}
+END_TEST
+
 START_TEST(what_is_not_worth_its_while_is_told)
 {
     expect(shell(WEFT " compare " OUT "/smooth.yaml --methods bsimp,verlet/euler "
@@ -509,6 +529,7 @@ TEST_SUITE(compare)
     tcase_add_test(cases, a_calm_scene_is_compared_to_its_end_or_as_told);
     tcase_add_test(cases, without_a_reference_nothing_is_ranked);
     tcase_add_test(cases, a_crash_costs_one_method);
+    tcase_add_test(cases, a_twin_that_fails_at_the_last_frame_is_told_as_at_any_other);
     tcase_add_test(cases, what_is_not_worth_its_while_is_told);
     tcase_add_test(cases, a_method_that_refuses_the_cloth_is_left_out);
     tcase_add_test(cases, methods_are_ranked_by_time);

@@ -29,6 +29,9 @@
 #ifndef STEP
 #define STEP step
 #endif
+#ifndef ORDER
+#define ORDER 0
+#endif
 
 const weft_plugin *ENTRY(void);
 
@@ -60,7 +63,7 @@ static void state_changed(void *self)
 static void stats(const void *self, weft_stepper_stats *out)
 {
     (void)self;
-    (void)out;
+    out->rhs_calls = 1;
 }
 
 static void destroy(void *self)
@@ -86,6 +89,7 @@ static const weft_stepper_type second = {
     .abi = TYPE_ABI,
     .struct_size = TYPE_SIZE,
     .name = NAME,
+    .order = ORDER,
     .reference = "none",
     .license = "BSD-3-Clause",
     .create = CREATE,

@@ -127,17 +127,16 @@ static weft_status keep(void *ctx, size_t i, weft_error *err)
     const double *y = weft_sim_state(of->sim);
     double square = 0.0;
     memcpy(self->frames[of->which] + i * 6 * n, y, 6 * n * sizeof *y);
-    self->calls[of->which][i] = weft_sim_stats(of->sim).rhs_calls;
-    if (of->twin == NULL) {
-        return WEFT_OK;
+    if (of->twin != NULL) {
+        self->energy[i] = weft_energy_total(
+            weft_cloth_energy(self->cloth, weft_sim_time(of->sim), y));
+        TRY(weft_sim_advance(of->twin, compare_time(self, i), err));
+        self->twin[i] = compare_farthest(y, weft_sim_state(of->twin), n, &square);
+        if (self->twin[i] > COMPARE_GROWTH * COMPARE_NUDGE) {
+            atomic_store(&self->shared->last, i - 1);
+        }
     }
-    self->energy[i]
-        = weft_energy_total(weft_cloth_energy(self->cloth, weft_sim_time(of->sim), y));
-    TRY(weft_sim_advance(of->twin, compare_time(self, i), err));
-    self->twin[i] = compare_farthest(y, weft_sim_state(of->twin), n, &square);
-    if (self->twin[i] > COMPARE_GROWTH * COMPARE_NUDGE) {
-        atomic_store(&self->shared->last, i - 1);
-    }
+    self->calls[of->which][i] = weft_sim_stats(of->sim).rhs_calls; /* it is complete */
     return WEFT_OK;
 }
 
