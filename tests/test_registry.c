@@ -383,12 +383,12 @@ START_TEST(loading_all_tells_of_the_refused_and_goes_on)
     ck_assert_int_eq(weft_registry_load_all(registry, expect_next, &next, &err),
                      WEFT_OK);
     ck_assert_uint_eq(next, COUNT(mistakes));
-    ck_assert_uint_eq(weft_registry_count(registry), 3);
+    ck_assert_uint_eq(weft_registry_count(registry), 4);
     ck_assert_str_eq(weft_registry_file(registry, 0), in(a, "weft-verlet.so"));
     ck_assert_str_eq(weft_registry_at(registry, 1)->id, "crash");
     ck_assert_str_eq(weft_registry_at(registry, 2)->id, "good");
     ck_assert_int_eq(weft_registry_load_all(registry, NULL, NULL, &err), WEFT_OK);
-    ck_assert_uint_eq(weft_registry_count(registry), 3);
+    ck_assert_uint_eq(weft_registry_count(registry), 4);
     look_in(c, false, NULL);
     char text[PATH];
     (void)snprintf(text, sizeof text, "no stepper plugin in %s", c);
