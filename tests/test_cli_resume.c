@@ -247,6 +247,61 @@ START_TEST(frames_as_obj_are_gone_on_with)
 }
 END_TEST
 
+/* Done, with a last frame that the longer run has not; interpolated; every third frame,
+ * with contact. */
+START_TEST(a_run_goes_on_until_later_to_the_bytes_of_a_longer_one)
+{
+    static const char *const sets[] = {
+        "--set record.ledger=true --set 'stepper={plugin: stiff, method: ros2}'",
+        "--set run.frames=interpolate --set record.precision=double",
+        "--set record.every=3 --set 'contact={shapes: [{shape: plane, at: [0, -1.5, "
+        "0], normal: [0, 1, 0]}]}' --set stepper.fixed_step=5e-4 --frames obj"
+    };
+    char longer[400], shorter[400];
+    (void)snprintf(longer, sizeof longer, "%s --set run.keep_checkpoint=true --set %s",
+                   sets[_i], "run.duration=0.402");
+    (void)snprintf(shorter, sizeof shorter,
+                   "%s --set run.keep_checkpoint=true --set %s", sets[_i],
+                   "run.duration=0.233");
+    make_reference(longer);
+    for (int i = 0; i < 2; ++i) { /* also a second time, from where the first came to */
+        expect(shell("cd " OUT "; rm -rf k; ../weft run s.yaml --out k --quiet %s 2>&1",
+                     shorter),
+               0);
+        ck_assert(exists(OUT "/k/checkpoint.weft"));
+        expect(shell("cd " OUT "; (test %d = 0 || ../weft resume k --until 0.3 "
+                     "--quiet) && ../weft resume k --until 0.402 2>&1",
+                     i),
+               0);
+        says(i == 0 ? "k: continues after frame 40 of 81" : "after frame 50 of 81");
+        expect(shell("cd " OUT "; rm -f k/checkpoint.weft; mkdir kept; mv "
+                     "ref/checkpoint.weft kept; if test -e ref/frames; then diff -r "
+                     "ref/frames k/frames; fi 2>&1"),
+               0);
+        ends_as_reference();
+        expect(shell("cd " OUT "; mv kept/* ref; rmdir kept"), 0);
+    }
+}
+END_TEST
+
+START_TEST(an_interrupted_run_goes_on_until_later)
+{
+    stop_midway(SIGTERM, "");
+    expect(shell(WEFT " resume " OUT "/k --until 0.6 2>&1"), 2);
+    says("--until 0.6: not a time beyond 0.6 s, where ");
+    expect(shell(WEFT " resume " OUT "/k --until 0.7 --quiet 2>&1"), 0);
+    make_reference("--set run.duration=0.7");
+    ends_as_reference();
+    expect(shell(WEFT " resume " OUT "/k --until 0.8 2>&1"), 2);
+    says("k: this run is done and has no checkpoint to go on from: "
+         "run.keep_checkpoint: true keeps");
+    ends_as_reference();
+    expect(shell(WEFT " resume " OUT "/k --until 0.8 --force --quiet 2>&1"), 0);
+    make_reference("--set run.duration=0.8");
+    ends_as_reference();
+}
+END_TEST
+
 START_TEST(a_run_that_is_under_way_is_not_touched)
 {
     const pid_t child = start(RUN("k"), "--set run.duration=4e4");
@@ -287,6 +342,9 @@ TEST_SUITE(cli_resume)
     tcase_add_test(others, a_run_that_blew_up_is_tried_again_to_the_same_bytes);
     tcase_add_test(others, many_directories_are_gone_on_with_one_by_one);
     tcase_add_test(others, frames_as_obj_are_gone_on_with);
+    tcase_add_loop_test(others, a_run_goes_on_until_later_to_the_bytes_of_a_longer_one,
+                        0, 3);
+    tcase_add_test(others, an_interrupted_run_goes_on_until_later);
     tcase_add_test(others, a_run_that_is_under_way_is_not_touched);
     tcase_add_test(others, the_summary_of_a_resumed_run_is_that_of_the_whole_run);
     tcase_add_test(others, a_wrong_command_line_is_told);

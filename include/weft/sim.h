@@ -326,7 +326,8 @@ typedef struct weft_run_def {
     size_t threads;    /* >= 1, of a scene: weft_sim_play takes those of the config */
     size_t checkpoint; /* frames between checkpoints; 0: none */
     bool interpolate;  /* of a scene: frames from within steps, which they do not cut */
-    weft_stop_def stop; /* of a scene: weft_stop_event is its event */
+    weft_stop_def stop;   /* of a scene: weft_stop_event is its event */
+    bool keep_checkpoint; /* of a scene: the last one, when the run is done */
 } weft_run_def;
 
 WEFT_API size_t weft_run_last_frame(const weft_run_def *run);

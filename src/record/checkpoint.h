@@ -24,6 +24,7 @@ typedef struct record_checkpoint {
     char path[RECORD_PATH];
     FILE *stream;      /* NULL: none */
     size_t state_size; /* [bytes] of the simulation in it */
+    size_t last;       /* the caller's: the last frame for which run.vtkhdf has room */
 } record_checkpoint;
 
 enum { RECORD_CHECKPOINT_HEAD = 566 * 8 }; /* [bytes] before the simulation */

@@ -211,6 +211,11 @@ weft_status record_vtkhdf_compare(record_vtkhdf *self, const char *damaged,
                                   weft_error *err);
 /* Keeps the frames of the mark and opens the file for writing. */
 weft_status record_vtkhdf_cut(record_vtkhdf *self, weft_error *err);
+/* Instead of that: a copy of the frames of a checked file in a new one with room up to
+ * frame `last`, which takes its place when published; then closes the old one. */
+weft_status record_vtkhdf_grow(record_vtkhdf *self, size_t last, record_vtkhdf **out,
+                               weft_error *err);
+weft_status record_vtkhdf_publish(record_vtkhdf *self, weft_error *err);
 /* Writes all frames to the disk. */
 weft_status record_vtkhdf_sync(record_vtkhdf *self, record_vtkhdf_mark *mark,
                                weft_error *err);

@@ -510,6 +510,58 @@ static weft_status write_first(record_vtkhdf *self, const weft_sim *sim,
     return status;
 }
 
+/* The words of write_frame. */
+static bool copy_frame(record_vtkhdf *to, record_vtkhdf *from)
+{
+    const size_t frame = to->count;
+    uint64_t values[2] = { 0 };
+    double t = 0.0;
+    bool good = true;
+    for (size_t set = POINTS; good && set <= STRAIN; ++set) {
+        const size_t width = layout[set].width;
+        if (is_recorded(to, set)) {
+            good = vtkhdf_rows_read(&from->rows, set, width, frame);
+            memcpy(to->rows.buffer, from->rows.buffer,
+                   to->n * width * sizeof *to->rows.buffer);
+            good = good && write_buffer(to, set);
+        }
+    }
+    for (size_t i = PARTS; good && i < to->time; ++i) {
+        good = to->sets[i].id < 0
+               || (hdf_read(&from->sets[i], frame, values) && write_set(to, i, values));
+    }
+    good = good && hdf_read(&from->sets[to->time], frame, &t) && commit(to, t);
+    to->count += good;
+    return good;
+}
+
+weft_status record_vtkhdf_grow(record_vtkhdf *self, size_t last, record_vtkhdf **out,
+                               weft_error *err)
+{
+    record_vtkhdf_def def = self->def;
+    def.last = last;
+    weft_status status = record_vtkhdf_create(&def, out, err);
+    record_vtkhdf *to = *out;
+    if (status != WEFT_OK) {
+        return status;
+    }
+    bool good = make_file(to)
+                && vtkhdf_rows_open(&to->rows, to->temporary, O_WRONLY, err) == WEFT_OK;
+    while (good && to->count < self->count) {
+        good = copy_frame(to, self);
+    }
+    if (!good) {
+        to->count = 0; /* closing removes the file */
+        return failed(to, err);
+    }
+    return WEFT_OK;
+}
+
+weft_status record_vtkhdf_publish(record_vtkhdf *self, weft_error *err)
+{
+    return agree(self, publish(self), err);
+}
+
 weft_status record_vtkhdf_add(record_vtkhdf *self, const record_frame *frame,
                               weft_error *err)
 {

@@ -557,6 +557,10 @@ static const weft__key run_keys[] = {
       AT(weft_run_def, checkpoint),
       .meaning = "interval in frames: the stepper restarts and a checkpoint for "
                  "weft resume is written; 0: never" },
+    { "keep_checkpoint", WEFT__BOOLEAN, .fallback = "false",
+      AT(weft_run_def, keep_checkpoint),
+      .meaning = "keep the last checkpoint of a run that is done, for weft resume "
+                 "--until" },
 };
 
 static const weft__section run_section

@@ -223,8 +223,9 @@ static weft_status check_sums(run *self, bool equal, weft_error *err)
 /* Opens the records of the checkpoint and checks all of them; writes nothing. */
 static weft_status check_records(run *self, weft_error *err)
 {
-    const record_vtkhdf_def def = frames_of(self);
+    record_vtkhdf_def def = frames_of(self);
     bool equal = false;
+    def.last = self->from->last;
     TRY(run_agree(self, reopen_tables(self, err), err));
     TRY(record_vtkhdf_reopen(&def, &self->from->vtkhdf, &self->frames, &equal, err));
     return run_agree(self, check_sums(self, equal, err), err);
@@ -236,21 +237,51 @@ static weft_status cut_tables(run *self, weft_error *err)
     return record_table_cut(&self->series.table, &self->from->series, err);
 }
 
-/* To the checkpoint's frame. */
-static weft_status reopen_records(run *self, weft_error *err)
-{
-    TRY(check_records(self, err));
-    TRY(run_agree(self, run_first(self) ? write_manifest(self, err) : WEFT_OK, err));
-    TRY(record_vtkhdf_cut(self->frames, err));
-    return run_agree(self, cut_tables(self, err), err);
-}
-
 /* The files that an earlier attempt wrote at its end. */
 static void remove_ends(const run *self)
 {
     run_remove(self, "run.html");
     run_remove(self, "result.yaml");
     run_remove(self, "final.csv");
+}
+
+static bool is_longer(const run *self)
+{
+    return self->from->last != self->result.planned - 1;
+}
+
+static weft_status grow_frames(run *self, weft_error *err)
+{
+    record_vtkhdf *longer = NULL;
+    const weft_status status
+        = record_vtkhdf_grow(self->frames, self->result.planned - 1, &longer, err);
+    (void)record_vtkhdf_close(self->frames, NULL);
+    self->frames = longer;
+    return status;
+}
+
+/* Until run_checkpoint, a run that is killed starts again. */
+static weft_status make_longer(run *self, weft_error *err)
+{
+    TRY(grow_frames(self, err));
+    TRY(write_manifest(self, err));
+    remove_ends(self);
+    run_remove(self, RECORD_CHECKPOINT);
+    TRY(record_text(self->out, "scene.yaml", weft_scene_text(self->scene), err));
+    TRY(record_vtkhdf_publish(self->frames, err));
+    return cut_tables(self, err);
+}
+
+/* To the checkpoint's frame. */
+static weft_status reopen_records(run *self, weft_error *err)
+{
+    TRY(check_records(self, err));
+    if (is_longer(self)) {
+        return make_longer(self, err);
+    }
+    TRY(run_agree(self, run_first(self) ? write_manifest(self, err) : WEFT_OK, err));
+    TRY(record_vtkhdf_cut(self->frames, err));
+    return run_agree(self, cut_tables(self, err), err);
 }
 
 static weft_status open_tables(run *self, weft_error *err)
@@ -296,7 +327,7 @@ weft_status run_take_up(run *self, weft_error *err)
     self->limit_sweeps = limit.sweeps;
     self->summary.extremes = from->extremes;
     self->began -= from->wall_time;
-    return WEFT_OK;
+    return is_longer(self) ? run_checkpoint(self, from->frame, err) : WEFT_OK;
 }
 
 /* Reports the first error. */

@@ -41,8 +41,36 @@ static bool ended_as(const char *directory, const char *status)
     return strcmp(record_result_get(directory, "status", said), status) == 0;
 }
 
+/* The scene with the duration of --until; NULL without. */
+static int open_longer(const options *given, const char *directory,
+                       const weft_scene *scene, weft_scene **out)
+{
+    char path[RECORD_PATH], set[64];
+    const char *sets[] = { set };
+    weft_error err = { 0 };
+    options longer = *given;
+    const double now = weft_scene_run(scene)->duration;
+    *out = NULL;
+    if (given->until == NULL) {
+        return EXIT_DONE;
+    }
+    if (!(option_real(given->until) > now)) {
+        return usage_error(&verb_resume,
+                           "--until %s: not a time beyond %.9g s, where %s ends",
+                           given->until, now, directory);
+    }
+    if (record_path(directory, "scene.yaml", path, &err) != WEFT_OK) {
+        return report_error(&err);
+    }
+    (void)snprintf(set, sizeof set, "run.duration=%s", given->until);
+    longer.sets = sets;
+    longer.set_count = 1;
+    return open_scene(path, &longer, out, NULL);
+}
+
 int resume_scene(const options *given, const char *directory, const weft_scene *scene)
 {
+    weft_scene *longer;
     weft_error err = { 0 };
     record_checkpoint from = { 0 };
     options own = *given;
@@ -57,6 +85,13 @@ int resume_scene(const options *given, const char *directory, const weft_scene *
         record_checkpoint_close(&from);
         return report_error(&err);
     }
+    from.last = weft_run_last_frame(weft_scene_run(scene));
+    int code = open_longer(given, directory, scene, &longer);
+    if (code != EXIT_DONE) {
+        record_checkpoint_close(&from);
+        return code;
+    }
+    scene = longer == NULL ? scene : longer;
     if (!given->quiet && begun) {
         print_plainly(stderr, "%s: continues after frame %" PRIu64 " of %zu\n",
                       directory, from.frame,
@@ -65,8 +100,9 @@ int resume_scene(const options *given, const char *directory, const weft_scene *
         print_plainly(stderr, "%s: no checkpoint yet: runs from the beginning\n",
                       directory);
     }
-    const int code = run_scene(&own, directory, scene, true, begun ? &from : NULL);
+    code = run_scene(&own, directory, scene, true, begun ? &from : NULL);
     record_checkpoint_close(&from);
+    weft_scene_destroy(longer);
     return code;
 }
 
@@ -76,7 +112,17 @@ static int resume_claimed(const options *given, const char *directory)
     char path[RECORD_PATH];
     weft_scene *scene = NULL;
     weft_error err = { 0 };
-    if (ranks_share(given->comm, ended_as(directory, "done"))) {
+    if (given->until != NULL && !given->force && ended_as(directory, "done")
+        && !record_exists(directory, RECORD_CHECKPOINT)) {
+        print_plainly(
+            stderr,
+            "weft: error: %s: this run is done and has no checkpoint to go on "
+            "from: run.keep_checkpoint: true keeps its last one; --force runs "
+            "it again from the beginning\n",
+            directory);
+        return EXIT_USAGE;
+    }
+    if (given->until == NULL && ranks_share(given->comm, ended_as(directory, "done"))) {
         if (!given->quiet) {
             print_plainly(stderr, "%s: is already done\n", directory);
         }
@@ -127,6 +173,9 @@ static int resume_directory(const options *given, const char *directory)
 static int resume_verb(const options *given)
 {
     int code = EXIT_DONE;
+    if (given->until != NULL && given->comm != NULL) {
+        return usage_error(&verb_resume, "--until excludes --bands: first the one");
+    }
     for (int i = 0; i < given->operand_count; ++i) {
         const int one
             = ranks_share(given->comm, resume_directory(given, given->operands[i]));
@@ -146,6 +195,8 @@ const verb verb_resume = {
       "Continues each run from its last checkpoint (run.checkpoint in its scene), to "
       "the same files, byte for byte, as an uninterrupted run. A run without a "
       "checkpoint starts again; a finished run is left alone.\n\n"
+      "  --until T            go on to T [s], beyond run.duration, also if the run is "
+      "done (run.keep_checkpoint): the files become those of a run with that duration\n"
       "  --force              also repeat runs that failed\n"
       "  --bands N            in N bands, whatever their number was before: mpirun -n "
       "N "
@@ -163,7 +214,7 @@ const verb verb_resume = {
     .options
     = OPTIONS(OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
               OPTION_FLAG("force", force), OPTION_VALUE("progress", progress),
-              OPTION_VALUE("bands", bands)),
+              OPTION_VALUE("bands", bands), OPTION_VALUE("until", until)),
     .operands = { 1, 0, "no directory given", NULL },
     .run = resume_verb,
 };

@@ -286,7 +286,8 @@ static int conclude(run *self, weft_status status, const weft_error *why)
     if (write_ends(self, status != WEFT_OK, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    if (strcmp(self->result.status, "done") == 0) {
+    if (strcmp(self->result.status, "done") == 0
+        && !weft_scene_run(self->scene)->keep_checkpoint) {
         run_remove(self, RECORD_CHECKPOINT);
     }
     if (self->mode == PROGRESS_YAML) {
