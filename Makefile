@@ -78,11 +78,12 @@ VERSION := $(shell sed -n 's/^.define WEFT_VERSION "\(.*\)"/\1/p' include/weft/b
 # Before 1.0 a second number that differs is another interface.
 SOVERSION := $(if $(filter 0.%,$(VERSION)),$(basename $(VERSION)),$(firstword $(subst ., ,$(VERSION))))
 
-LIB_SRC  := $(wildcard $(patsubst %,src/%/*.c,base cloth sim plugin stability scene))
+FAST     := $(wildcard src/forces/*/*_fast.c)
+LIB_SRC  := $(filter-out $(FAST),$(wildcard $(patsubst %,src/%/*.c,base mesh forces/* cloth sim plugin stability scene)))
 LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
-# The kernels, once more for each level of instructions that src/cloth/levels.c chooses from.
-# KERNEL=plain, or src/kernel deleted: none, the plain loops of src/cloth have the same bits.
-KERNELS  := $(if $(filter plain,$(KERNEL)),,$(patsubst %.c,$(BUILD)/%,$(wildcard src/kernel/*.c)))
+# The fast forms of forces, once more for each level of instructions that src/base/isa.c chooses
+# from. KERNEL=plain, or all *_fast.c deleted: none, the plain loops have the same bits.
+KERNELS  := $(if $(filter plain,$(KERNEL)),,$(FAST:%.c=$(BUILD)/%))
 LIB_OBJ  += $(KERNELS:=.o)
 LEVELS   := $(if $(filter x86_64%,$(TARGET)),v3 v4)
 LIB_OBJ  += $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o))
@@ -156,16 +157,16 @@ $(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
 $(BUILD)/src/record/%.o: INCS += $(HDF5_CFLAGS)
 $(BUILD)/src/cli/watch/%.o: OWN += $(if $(HAVE_HTTP),-DWEFT_HTTP)
 
-$(BUILD)/src/cloth/levels.o: OWN += $(if $(KERNELS),,-DWEFT_PLAIN)
+$(LIB_OBJ): OWN += $(if $(KERNELS),,-DWEFT_PLAIN)
 # Lines for debuggers, but not the places of variables: those of inlined loops take a third of the compiler's time.
 KERNEL_FLAGS := $(if $(SAN),,-O2 $(if $(filter -g,$(CFLAGS)),-g1)) -fno-math-errno -fno-trapping-math
 $(BUILD)/%.v3.o: OWN += -march=x86-64-v3 -DLEVEL=v3 -DLANES=4
 $(BUILD)/%.v4.o: OWN += -march=x86-64-v4 -mprefer-vector-width=512 -DLEVEL=v4 -DLANES=8
-$(BUILD)/src/kernel/kernel_self.o $(LEVELS:%=$(BUILD)/src/kernel/kernel_self.%.o): OWN += -funroll-loops
+$(BUILD)/src/forces/self/self_fast.o $(LEVELS:%=$(BUILD)/src/forces/self/self_fast.%.o): OWN += -funroll-loops
 $(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): OWN += $(KERNEL_FLAGS)
-$(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): $(BUILD)/src/kernel/%.o:
+$(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): $(BUILD)/src/forces/%.o:
 	@mkdir -p $(@D)
-	$(call say,CC)$(COMPILE) -c -o $@ src/kernel/$(basename $*).c
+	$(call say,CC)$(COMPILE) -c -o $@ src/forces/$(basename $*).c
 
 $(BUILD)/src/%.o: src/%.c
 	@mkdir -p $(@D)
@@ -253,12 +254,12 @@ $(BUILD)/tests/run $(ALONE:%=$(BUILD)/tests/test_%): $(BUILD)/tests/support.o $(
 
 # The kernels 8 lanes wide on whatever machine: the compiler takes the vectors apart, which takes
 # four times as long where all is inlined, or at -O2 with debugging information.
-$(BUILD)/tests/wide/%.o: src/kernel/%.c
+$(BUILD)/tests/wide/%.o: src/forces/%.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) $(KERNEL_FLAGS) $(if $(SAN),,-O1 -g0) -Wno-psabi -Wno-missing-prototypes \
 	    -DINLINE='static inline' -DLEVEL=wide -DLANES=8 -c -o $@ $<
 
-$(BUILD)/tests/run: $(if $(filter $(KERNEL_TESTS),$(TESTS)),$(KERNELS:$(BUILD)/src/kernel/%=$(BUILD)/tests/wide/%.o))
+$(BUILD)/tests/run: $(if $(filter $(KERNEL_TESTS),$(TESTS)),$(KERNELS:$(BUILD)/src/forces/%=$(BUILD)/tests/wide/%.o))
 
 $(BUILD)/tests/test_no_memory: \
     private LINK += $(if $(findstring address,$(SAN)),$(foreach f,malloc calloc realloc aligned_alloc free,-Wl,--wrap=$(f)))
@@ -389,8 +390,9 @@ include install.mk
 C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] src/*/*/*.[ch] plugins/*/*.[ch] tests/*.[ch] \
                      tests/verify/*.[ch] tests/broken/*.c tests/promises/*.c tests/fuzz/*.[ch] examples/*.[ch] bench/*.[ch] bench/levels/*.[ch] bench/guard/*.c)
 
-lint:
+lint: all
 	@tools/lint $(C_FILES)
+	@tools/rooms $(BUILD)
 
 format:
 	clang-format -i $(C_FILES)

@@ -98,7 +98,7 @@ static void measure(figure *figures, size_t count, subject *at)
 
 static void report(FILE *csv, size_t n, const subject *at, const figure *figures)
 {
-    const char *level = weft__level_at(at->level)->name;
+    const char *level = weft__isa_name((weft__isa)(at->level + 1));
     const double list = figures[0].value, bound = figures[1].value;
     const double product = figures[2 + THREADS].value;
     printf("jacobian %zux%zu: %.2f ns/spring, %.2f force evaluations (%s)\n", n, n,
@@ -173,8 +173,8 @@ static void size(FILE *csv, size_t n)
     for (size_t i = 0; i < THREADS; ++i) {
         at.forces[i] = weft__forces_create(cloth, i + 1, NULL);
     }
-    for (at.level = 0; at.level < weft__level_count(); ++at.level) {
-        weft__cloth_set_level(cloth, weft__level_at(at.level));
+    for (at.level = 0; at.level < (size_t)weft__isa_last(); ++at.level) {
+        weft__cloth_choose(cloth, (weft__isa)(at.level + 1));
         level(csv, n, &at);
     }
     for (size_t i = 0; i < THREADS; ++i) {

@@ -21,11 +21,11 @@ typedef struct lecture {
 
 static inline void lecture_springs(naive_cloth *naive, const weft_cloth *cloth)
 {
-    for (size_t g = 0; g < cloth->group_count; ++g) {
-        const weft__group *group = &cloth->groups[g];
+    for (size_t g = 0; g < cloth->springs.group_count; ++g) {
+        const weft__group *group = &cloth->springs.groups[g];
         for (size_t r = 0; r < group->end_row; ++r) {
             for (size_t c = group->first_col; c < group->end_col; ++c) {
-                const size_t p = r * cloth->cols + c;
+                const size_t p = r * cloth->mesh.cols + c;
                 naive->springs[naive->count++]
                     = (naive_spring){ (int)p, (int)(p + (size_t)group->stride),
                                       group->stiffness, group->rest_length,
@@ -38,8 +38,8 @@ static inline void lecture_springs(naive_cloth *naive, const weft_cloth *cloth)
 /* At rest, as the simulation of the cloth starts; aborts without memory. */
 static inline void lecture_create(lecture *self, const weft_cloth *cloth)
 {
-    const size_t n = cloth->particles;
-    naive_cloth naive = { .particles = n, .drag = cloth->drag };
+    const size_t n = cloth->mesh.particles;
+    naive_cloth naive = { .particles = n, .drag = cloth->body.drag };
     double *planes = malloc(6 * n * sizeof *planes);
     naive.springs = malloc(WEFT_GROUPS * n * sizeof *naive.springs);
     naive.inverse_mass = malloc(n * sizeof *naive.inverse_mass);
@@ -49,9 +49,10 @@ static inline void lecture_create(lecture *self, const weft_cloth *cloth)
         abort();
     }
     for (size_t i = 0; i < n; ++i) {
-        naive.inverse_mass[i] = cloth->pin[i] != 0 ? 0.0 : 1.0 / cloth->mass[i];
+        naive.inverse_mass[i]
+            = cloth->mesh.pin[i] != 0 ? 0.0 : 1.0 / cloth->mesh.mass[i];
     }
-    memcpy(naive.gravity, cloth->gravity, sizeof naive.gravity);
+    memcpy(naive.gravity, cloth->body.gravity, sizeof naive.gravity);
     lecture_springs(&naive, cloth);
     weft_cloth_start(cloth, planes);
     naive_state(n, planes, self->y);
@@ -69,12 +70,13 @@ static inline int lecture_rhs(double t, const double y[], double dydt[], void *c
 {
     lecture *self = ctx;
     const weft_cloth *cloth = self->cloth;
-    const size_t n = cloth->particles;
+    const size_t n = cloth->mesh.particles;
     ++self->rhs_calls;
     naive_rhs(&self->naive, y, dydt);
     for (size_t i = 0; i < n; ++i) {
-        if (cloth->pin[i] != 0 && cloth->motions[cloth->pin[i] - 1].moves) {
-            const weft__motion *motion = &cloth->motions[cloth->pin[i] - 1];
+        if (cloth->mesh.pin[i] != 0
+            && cloth->mesh.motions[cloth->mesh.pin[i] - 1].moves) {
+            const weft__motion *motion = &cloth->mesh.motions[cloth->mesh.pin[i] - 1];
             const double w = motion->omega;
             for (size_t k = 0; k < 3; ++k) {
                 dydt[3 * i + k]
@@ -90,7 +92,7 @@ static inline int lecture_rhs(double t, const double y[], double dydt[], void *c
 static inline void lecture_run(lecture *self, double tolerance, double first_step,
                                double t1)
 {
-    const size_t dim = 6 * self->cloth->particles;
+    const size_t dim = 6 * self->cloth->mesh.particles;
     gsl_odeiv_step *s = gsl_odeiv_step_alloc(gsl_odeiv_step_rkf45, dim);
     gsl_odeiv_control *c = gsl_odeiv_control_y_new(tolerance, 0.0);
     gsl_odeiv_evolve *e = gsl_odeiv_evolve_alloc(dim);

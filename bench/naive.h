@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* naive.h -- cloth as a lecture writes it: an array of springs that know their ends and
  * constants, particles x y z x y z ..., one loop that adds each spring's force to both
- * ends. What the kernels of src/cloth are measured against. */
+ * ends. What the fast forms of src/forces are measured against. */
 #ifndef WEFT_BENCH_NAIVE_H
 #define WEFT_BENCH_NAIVE_H
 

@@ -9,7 +9,7 @@
 
 #ifdef HAVE_ARKODE
 #include "../plugins/arkode/arkode_plugin.h"
-#include "sim/team.h"
+#include "base/team.h"
 
 const weft_plugin *weft_plugin_arkode(void);
 

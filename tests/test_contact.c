@@ -3,7 +3,7 @@
  * loads, the check of definitions. What needs a simulation is elsewhere. */
 #include "support.h"
 
-#include "cloth/levels.h"
+#include "cloth/model.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -343,8 +343,8 @@ static void refuse_on_every_level(size_t j, double value)
 {
     double dydt[6 * N];
     const double kept = y[j];
-    for (size_t i = 0; i < weft__level_count(); ++i) {
-        weft__cloth_set_level(cloth, weft__level_at(i));
+    for (size_t i = 0; i < (size_t)weft__isa_last(); ++i) {
+        weft__cloth_choose(cloth, (weft__isa)(i + 1));
         ck_assert_int_eq(weft_cloth_rhs(cloth, 0.0, y, dydt), 0);
         y[j] = value;
         ck_assert_int_eq(weft_cloth_rhs(cloth, 0.0, y, dydt), 1);

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cloth/crossing.h"
+#include "forces/self/crossing.h"
 
 __extension__ typedef __int128 wide;
 

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* test_damping.c -- the power that dampers take, by its fast path: at every level of
  * instructions, and 8 lanes wide in whatever there are, the same bits, and what a plain
- * loop over the springs gives; by that of src/cloth, too. */
+ * loop over the springs gives; by the plain one, too. */
 #include "stepper_run.h"
 
-#include "cloth/levels.h"
-#include "cloth/springs.h"
+#include "cloth/model.h"
 
 #include <stdlib.h>
 
@@ -43,19 +42,19 @@ static double *stir(const weft_cloth *cloth)
 
 static double plain_power(const weft_cloth *cloth, const double *y)
 {
-    const size_t n = cloth->particles;
+    const size_t n = cloth->mesh.particles;
     double power = 0.0;
-    for (size_t r = 0; r < cloth->rows; ++r) {
-        for (weft__walk walk = weft__row_springs(cloth, y, r);
+    for (size_t r = 0; r < cloth->mesh.rows; ++r) {
+        for (weft__walk walk = weft__row_springs(&cloth->springs, y, r);
              weft__each_spring(&walk);) {
             const weft__spring *at = &walk.spring;
             const double along
-                = weft__spring_rate(cloth, at, y + 3 * n) / sqrt(at->square);
+                = weft__spring_rate(&cloth->mesh, at, y + 3 * n) / sqrt(at->square);
             power += at->group->damping * along * along;
         }
     }
     for (size_t j = 3 * n; j < 6 * n; ++j) {
-        power += cloth->drag * y[j] * y[j];
+        power += cloth->body.drag * y[j] * y[j];
     }
     return power;
 }
@@ -65,18 +64,17 @@ START_TEST(every_level_has_the_same_bits)
     for (size_t cols = 1; cols <= COLS_MAX; ++cols) {
         weft_cloth *cloth = make(4, cols);
         double *y = stir(cloth);
-        weft__cloth_set_level(cloth, weft__level_at(0));
-        const double plain = weft_cloth_dissipation(cloth, 0.0, y);
-        const weft__level wide = { .name = "8 lanes", .damping = weft__damping_wide };
-        const weft__level reference = { .damping = weft__reference_damping };
         const double wanted = plain_power(cloth, y);
+        weft__cloth_choose(cloth, WEFT__PLAIN);
+        const double plain = weft_cloth_dissipation(cloth, 0.0, y);
         ck_assert_double_eq_tol(plain, wanted, 1e-13 * wanted);
-        for (size_t i = 1; i <= weft__level_count(); ++i) {
-            weft__cloth_set_level(cloth,
-                                  i < weft__level_count() ? weft__level_at(i) : &wide);
+        for (weft__isa i = WEFT__PLAIN; i <= weft__isa_last(); ++i) {
+            weft__cloth_choose(cloth, i);
             ck_assert(weft_cloth_dissipation(cloth, 0.0, y) == plain);
         }
-        weft__cloth_set_level(cloth, &reference);
+        cloth->springs.damping = weft__damping_wide;
+        ck_assert(weft_cloth_dissipation(cloth, 0.0, y) == plain);
+        weft__cloth_choose(cloth, WEFT__LOOPS);
         ck_assert_double_eq_tol(weft_cloth_dissipation(cloth, 0.0, y), wanted,
                                 1e-13 * wanted);
         free(y);
@@ -94,7 +92,7 @@ START_TEST(a_spring_without_length_takes_nothing)
     }
     double drag = 0.0;
     for (size_t j = 3 * COLS_MAX; j < 6 * COLS_MAX; ++j) {
-        drag += cloth->drag * y[j] * y[j];
+        drag += cloth->body.drag * y[j] * y[j];
     }
     ck_assert_double_eq_tol(weft_cloth_dissipation(cloth, 0.0, y), drag, 1e-13 * drag);
     free(y);

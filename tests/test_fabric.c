@@ -3,7 +3,7 @@
  * every grid. */
 #include <math.h>
 
-#include "cloth/rows.h"
+#include "cloth/model.h"
 #include "scene_load.h"
 
 #define G    9.81

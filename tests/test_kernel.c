@@ -1,20 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* test_kernel.c -- the kernels against the plain loops of src/cloth, bit for bit: on
- * every level of instructions that this machine has, and 8 lanes wide in whatever
- * instructions there are, in whatever bands of rows. */
+/* test_kernel.c -- the fast forms of forces against the plain loops beside them, bit
+ * for bit: on every level of instructions that this machine has, and 8 lanes wide in
+ * whatever instructions there are, in whatever runs of blocks. */
 #include "support.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "cloth/levels.h"
-#include "cloth/rows.h"
+#include "cloth/model.h"
 
 enum { SEEDS = 400, MOST = 2200, SHAPES = 11 };
 
-weft__rows_fn weft__rows_wide, weft__products_wide, weft__wind_wide, weft__contact_wide;
-weft__rows_fn weft__bending_wide;
+weft__start_fn weft__rows_wide, weft__products_wide;
+weft__add_fn weft__bending_wide, weft__wind_wide, weft__contact_wide;
 weft__clear_fn weft__clear_wide;
 weft__pushes_fn weft__pushes_wide;
 weft__waits_fn weft__waits_wide;
@@ -172,50 +171,51 @@ static uint64_t hash(void)
     return test_hash(m.dydt, 6 * m.n);
 }
 
-static const weft__level wide
-    = { "8 lanes",
-        weft__rows_wide,
-        weft__damping_wide,
-        weft__products_wide,
-        { weft__bending_wide, weft__wind_wide, weft__contact_wide },
-        weft__clear_wide,
-        weft__pushes_wide,
-        weft__waits_wide,
-        weft__extent_wide,
-        weft__drift_wide };
-static const weft__level reference = { "plain loops",
-                                       weft__reference_rows,
-                                       weft__reference_damping,
-                                       weft__reference_rows,
-                                       { NULL },
-                                       weft__reference_clear,
-                                       weft__reference_pushes,
-                                       weft__reference_waits,
-                                       weft__reference_extent,
-                                       weft__reference_drift };
+/* The forms: the plain loops, one for each level, 8 lanes. */
+static size_t form_count(void)
+{
+    return (size_t)weft__isa_last() + 2;
+}
+
+static const char *choose(weft_cloth *cloth, size_t form)
+{
+    const bool wide = form + 1 == form_count();
+    weft__cloth_choose(cloth, wide ? WEFT__LOOPS : (weft__isa)form);
+    if (wide) {
+        cloth->springs.fast = weft__rows_wide;
+        cloth->springs.damping = weft__damping_wide;
+        cloth->springs.products = weft__products_wide;
+        cloth->bending.fast = weft__bending_wide;
+        cloth->wind.fast = weft__wind_wide;
+        cloth->contact.fast = weft__contact_wide;
+        cloth->contact.clear = weft__clear_wide;
+        cloth->self.pushes = weft__pushes_wide;
+        cloth->self.waits = weft__waits_wide;
+        cloth->self.extent = weft__extent_wide;
+        cloth->self.drift = weft__drift_wide;
+    }
+    return wide ? "8 lanes" : weft_cloth_isa(cloth);
+}
 
 START_TEST(every_level_and_width_has_the_bits_of_the_plain_loops)
 {
     size_t touching = 0;
     for (uint64_t number = 0; number < SEEDS; ++number) {
         make(number);
-        weft__cloth_set_level(m.cloth, &reference);
-        ck_assert_int_eq(weft_cloth_rhs(m.cloth, m.t, m.y, m.dydt), 0);
-        const uint64_t plain = hash();
-        touching += weft_cloth_touching(m.cloth, m.t, m.y);
+        uint64_t plain = 0;
         double dissipation = 0.0;
-        for (size_t i = 0; i <= weft__level_count(); ++i) {
-            const weft__level *level
-                = i < weft__level_count() ? weft__level_at(i) : &wide;
-            weft__cloth_set_level(m.cloth, level);
+        for (size_t i = 0; i < form_count(); ++i) {
+            const char *name = choose(m.cloth, i);
             memset(m.dydt, 0xff, sizeof m.dydt);
             ck_assert_int_eq(weft_cloth_rhs(m.cloth, m.t, m.y, m.dydt), 0);
+            plain = i == 0 ? hash() : plain;
             ck_assert_msg(hash() == plain, "%u: %zu x %zu on %s", (unsigned)number,
-                          m.def.rows, m.def.cols, level->name);
-            ck_assert(i == 0
-                      || weft_cloth_dissipation(m.cloth, m.t, m.y) == dissipation);
-            dissipation = weft_cloth_dissipation(m.cloth, m.t, m.y);
+                          m.def.rows, m.def.cols, name);
+            const double heat = weft_cloth_dissipation(m.cloth, m.t, m.y);
+            ck_assert(i < 2 || heat == dissipation);
+            dissipation = heat;
         }
+        touching += weft_cloth_touching(m.cloth, m.t, m.y);
     }
     ck_assert_uint_gt(touching, 10000);
 }
@@ -235,11 +235,11 @@ START_TEST(every_level_finds_the_same_paths_clear)
                 y1[j] = j < 3 * m.n ? m.y[j] + way * m.y[3 * m.n + j] : 0.9 * m.y[j];
             }
             for (size_t rows = 1; rows <= m.def.rows; ++rows) {
-                const bool clear = weft__reference_clear(m.cloth, &path, 0, rows);
-                ck_assert(weft__clear_wide(m.cloth, &path, 0, rows) == clear);
-                for (size_t i = 0; i < weft__level_count(); ++i) {
-                    ck_assert(weft__level_at(i)->clear(m.cloth, &path, 0, rows)
-                              == clear);
+                const weft__contact *contact = &m.cloth->contact;
+                const bool clear = weft__clear_loops(contact, &path, 0, rows);
+                for (size_t i = 1; i < form_count(); ++i) {
+                    (void)choose(m.cloth, i);
+                    ck_assert(contact->clear(contact, &path, 0, rows) == clear);
                 }
                 verdicts[clear] += m.def.contact.shape_count > 0;
             }
@@ -259,17 +259,14 @@ START_TEST(products_have_the_bits_of_the_plain_loops_on_every_level)
         for (size_t j = 0; j < 6 * m.n; ++j) {
             dy[j] = chance(&seed) - 0.5;
         }
-        for (size_t i = 0; i < weft__level_count() + 2; ++i) {
-            const weft__level *level = i == 0   ? &reference
-                                       : i == 1 ? &wide
-                                                : weft__level_at(i - 2);
-            weft__cloth_set_level(m.cloth, level);
+        for (size_t i = 0; i < form_count(); ++i) {
+            const char *name = choose(m.cloth, i);
             memset(m.dydt, 0xff, sizeof m.dydt);
             ck_assert_int_eq(weft_cloth_jacobian_product(m.cloth, m.t, m.y, dy, m.dydt),
                              0);
             plain = i == 0 ? hash() : plain;
             ck_assert_msg(hash() == plain, "%u: %zu x %zu on %s", (unsigned)number,
-                          m.def.rows, m.def.cols, level->name);
+                          m.def.rows, m.def.cols, name);
         }
     }
 }
@@ -296,19 +293,19 @@ START_TEST(rates_are_forces_by_masses)
 }
 END_TEST
 
-/* Backwards, so that what a band writes beyond its rows stays. */
-START_TEST(bands_of_rows_have_the_bits_of_the_whole)
+/* Backwards, so that what a run writes beyond its blocks stays. */
+START_TEST(runs_of_blocks_have_the_bits_of_the_whole)
 {
     for (uint64_t number = 0; number < SEEDS; ++number) {
         make(number);
-        const weft__subject of = { .cloth = m.cloth, .t = m.t, .y = m.y };
+        const weft__state at = { .t = m.t, .y = m.y };
         (void)weft_cloth_rhs(m.cloth, m.t, m.y, m.dydt);
         const uint64_t whole = hash();
         for (size_t each = 1; each <= 3; ++each) {
             memset(m.dydt, 0xff, sizeof m.dydt);
             for (size_t end = m.def.rows; end > 0;) {
                 const size_t first = end > each ? end - each : 0;
-                (void)weft__rhs_rows(&of, m.dydt, first, end);
+                (void)weft__rhs_blocks(m.cloth, &at, m.dydt, first, end);
                 end = first;
             }
             ck_assert_msg(hash() == whole, "%u: %zu x %zu in %zu", (unsigned)number,
@@ -344,8 +341,8 @@ START_TEST(every_level_refuses_whatever_is_not_finite)
     while (m.def.pin_count > 0 || !m.def.springs[WEFT_STRETCH].present) {
         make(number += sizeof sizes / sizeof sizes[0]);
     }
-    for (size_t i = 0; i < weft__level_count(); ++i) {
-        weft__cloth_set_level(m.cloth, weft__level_at(i));
+    for (size_t i = 0; i < form_count(); ++i) {
+        (void)choose(m.cloth, i);
         for (size_t j = 0; j < 6 * m.n; ++j) {
             const double kept = m.y[j];
             m.y[j] = j % 2 == 0 ? (double)NAN : (double)INFINITY;
@@ -377,15 +374,15 @@ END_TEST
 
 START_TEST(level_is_the_fastest_or_the_one_asked_for)
 {
-    const size_t last = weft__level_count() - 1;
-    const weft__level *found;
+    const weft__isa last = weft__isa_last();
+    weft__isa found;
     weft_error err = { 0 };
-    ck_assert_int_eq(weft__level_find(NULL, &found, NULL), WEFT_OK);
-    ck_assert_ptr_eq(found, weft__level_at(last));
-    ck_assert_int_eq(weft__level_find("", &found, NULL), WEFT_OK);
-    ck_assert_ptr_eq(found, weft__level_at(last));
-    for (size_t i = 0; i <= last; ++i) {
-        const char *name = weft__level_at(i)->name;
+    ck_assert_int_eq(weft__isa_find(NULL, &found, NULL), WEFT_OK);
+    ck_assert_int_eq(found, last);
+    ck_assert_int_eq(weft__isa_find("", &found, NULL), WEFT_OK);
+    ck_assert_int_eq(found, last);
+    for (weft__isa i = WEFT__PLAIN; i <= last; ++i) {
+        const char *name = weft__isa_name(i);
         setenv("WEFT_ISA", name, 1);
         m.def = weft_cloth_def_default();
         m.cloth = test_cloth(&m.def);
@@ -398,7 +395,7 @@ START_TEST(level_is_the_fastest_or_the_one_asked_for)
     ck_assert_ptr_null(m.cloth);
     const char *said = "WEFT_ISA is 'x86-64-v9'; this machine has plain";
     ck_assert_msg(strncmp(err.message, said, strlen(said)) == 0, "%s", err.message);
-    ck_assert_ptr_nonnull(strstr(err.message, weft__level_at(last)->name));
+    ck_assert_ptr_nonnull(strstr(err.message, weft__isa_name(last)));
 }
 END_TEST
 
@@ -422,7 +419,7 @@ static bool keep_pair(void *ctx, const weft__pair *pair)
     for (size_t k = 0; k < 4; ++k) {
         of->particle[k][of->count] = (int32_t)pair->particle[k];
     }
-    of->mass[of->count] = weft__pair_mass(of->law.cloth, pair);
+    of->mass[of->count] = weft__pair_mass(of->law.own, pair);
     of->rest[of->count] = weft__pair_rest(&of->law, pair);
     of->waits[of->count] = of->mass[of->count] == 0.0 ? (double)INFINITY
                            : of->count % 3 == 2       ? 1.0
@@ -447,9 +444,9 @@ static void lie_askew(const weft_cloth *cloth, double *y, size_t n)
 {
     uint64_t seed = 11;
     for (size_t i = 0; i < n; ++i) {
-        const size_t r = i / cloth->cols, c = i % cloth->cols;
-        const bool upper = 2 * r > cloth->rows;
-        const double down = (double)(upper ? cloth->rows - r : r);
+        const size_t r = i / cloth->mesh.cols, c = i % cloth->mesh.cols;
+        const bool upper = 2 * r > cloth->mesh.rows;
+        const double down = (double)(upper ? cloth->mesh.rows - r : r);
         y[i] = 0.05 * (double)c + (upper ? 0.01 * down : 0.0);
         y[n + i] = upper ? 0.01 : 0.0;
         y[2 * n + i] = 0.05 * down;
@@ -476,7 +473,7 @@ static weft_cloth *self_cloth(weft_friction_law law, int exponent)
 }
 
 /* Of `count` pairs, the first of which are in spans of 0, 1, 2, ... that have moved. */
-static void expect_same_pushes(const weft__level *at, weft__pair_kind kind,
+static void expect_same_pushes(const weft__self *at, weft__pair_kind kind,
                                const weft__near *near, size_t count, const double *y,
                                const weft__self_law *law, size_t *found)
 {
@@ -490,7 +487,7 @@ static void expect_same_pushes(const weft__level *at, weft__pair_kind kind,
         spans[i].end[kind] = end;
     }
     const size_t all
-        = weft__reference_pushes(law, kind, near, spans, SPANS, y, plain, &bad);
+        = weft__pushes_loops(law, kind, near, spans, SPANS, y, plain, &bad);
     ck_assert_uint_eq(at->pushes(law, kind, near, spans, SPANS, y, pushes, &bad), all);
     ck_assert_double_eq(bad, 0.0);
     for (size_t i = 0; i < all; ++i) {
@@ -503,32 +500,31 @@ static void expect_same_pushes(const weft__level *at, weft__pair_kind kind,
     *found += all;
 }
 
-static void expect_same_waits(const weft__level *at, weft__pair_kind kind,
-                              pair_list *of, const double *y)
+static void expect_same_waits(const weft__self *at, weft__pair_kind kind, pair_list *of,
+                              const double *y)
 {
     static double plain[2][PADDED], found[2][PADDED];
-    const weft_cloth *cloth = of->law.cloth;
     for (size_t first = 0; first < 10; ++first) {
         const size_t size = (of->count - first) * sizeof(double);
         weft__near near = near_of(of, of->count);
         near.waits = plain[0];
-        weft__reference_waits(cloth, kind, &near, first, of->count, y, 0.01, plain[1]);
+        weft__waits_loops(at, kind, &near, first, of->count, y, 0.01, plain[1]);
         near.waits = found[0];
-        at->waits(cloth, kind, &near, first, of->count, y, 0.01, found[1]);
+        at->waits(at, kind, &near, first, of->count, y, 0.01, found[1]);
         ck_assert_mem_eq(plain[0] + first, found[0] + first, size);
         ck_assert_mem_eq(plain[1] + first, found[1] + first, size);
     }
 }
 
-static void expect_same_bounds(const weft__level *at, const weft_cloth *cloth,
-                               double *y)
+static void expect_same_bounds(const weft__self *at, double *y)
 {
-    const size_t n = weft_cloth_particles(cloth);
+    const weft__mesh *mesh = at->mesh;
+    const size_t n = mesh->particles;
     weft__drift tiles[2][4];
-    ck_assert_uint_eq(weft__tile_count(cloth), 4);
-    ck_assert_double_eq(at->extent(NULL, y, n), weft__reference_extent(NULL, y, n));
-    at->drift(cloth, NULL, y, 0, 4, tiles[0]);
-    weft__reference_drift(cloth, NULL, y, 0, 4, tiles[1]);
+    ck_assert_uint_eq(weft__tile_count(mesh), 4);
+    ck_assert_double_eq(at->extent(NULL, y, n), weft__extent_loops(NULL, y, n));
+    at->drift(at, NULL, y, 0, 4, tiles[0]);
+    weft__drift_loops(at, NULL, y, 0, 4, tiles[1]);
     for (size_t i = 0; i < 12; ++i) { /* vectors may reach beyond a tile */
         ck_assert_double_le(tiles[0][i / 3].low[i % 3], tiles[1][i / 3].low[i % 3]);
         ck_assert_double_ge(tiles[0][i / 3].high[i % 3], tiles[1][i / 3].high[i % 3]);
@@ -536,8 +532,8 @@ static void expect_same_bounds(const weft__level *at, const weft_cloth *cloth,
     const double kept = y[n + 3];
     y[n + 3] = NAN;
     ck_assert_double_infinite(at->extent(NULL, y, n));
-    at->drift(cloth, NULL, y, 0, 4, tiles[0]);
-    weft__reference_drift(cloth, NULL, y, 0, 4, tiles[1]);
+    at->drift(at, NULL, y, 0, 4, tiles[0]);
+    weft__drift_loops(at, NULL, y, 0, 4, tiles[1]);
     ck_assert_double_infinite(weft__drift_extent(&tiles[0][0], &tiles[0][3]));
     ck_assert_double_infinite(weft__drift_extent(&tiles[1][0], &tiles[1][3]));
     y[n + 3] = kept;
@@ -551,26 +547,24 @@ START_TEST(pairs_have_the_bits_of_the_plain_loops)
     weft_cloth *cloth = self_cloth(
         _i % 2 == 0 ? WEFT_FRICTION_SMOOTH : WEFT_FRICTION_COULOMB, _i < 2 ? 4 : 7);
     lie_askew(cloth, y, weft_cloth_particles(cloth));
-    const weft__quadtree tree = weft__tree_of(cloth, y);
+    const weft__quadtree tree = weft__tree_of(&cloth->mesh, y);
     for (size_t kind = 0; kind < KINDS; ++kind) {
         lists[kind].count = 0;
-        lists[kind].law = weft__self_law_of(cloth);
+        lists[kind].law = weft__self_law_of(&cloth->self);
     }
     ck_assert(weft__each_pair(&tree, 0.03, keep_pair, lists));
-    for (size_t i = 0; i < KINDS * (weft__level_count() + 1); ++i) {
-        const size_t level = i / KINDS;
-        const weft__level *at
-            = level < weft__level_count() ? weft__level_at(level) : &wide;
+    for (size_t i = 0; i < KINDS * (form_count() - 1); ++i) {
+        (void)choose(cloth, i / KINDS + 1);
         pair_list *of = &lists[i % KINDS];
         const weft__pair_kind kind = (weft__pair_kind)(i % KINDS);
         size_t found = 0;
         for (size_t count = 0; count <= of->count; count += count < 20 ? 1 : 97) {
             const weft__near near = near_of(of, count);
-            expect_same_pushes(at, kind, &near, count, y, &of->law, &found);
+            expect_same_pushes(&cloth->self, kind, &near, count, y, &of->law, &found);
         }
         ck_assert_uint_gt(found, 100);
-        expect_same_waits(at, kind, of, y);
-        expect_same_bounds(at, cloth, y);
+        expect_same_waits(&cloth->self, kind, of, y);
+        expect_same_bounds(&cloth->self, y);
     }
     weft_cloth_destroy(cloth);
 }
@@ -585,7 +579,7 @@ TEST_SUITE(kernel)
     tcase_add_test(tcase, every_level_finds_the_same_paths_clear);
     tcase_add_test(tcase, products_have_the_bits_of_the_plain_loops_on_every_level);
     tcase_add_test(tcase, rates_are_forces_by_masses);
-    tcase_add_test(tcase, bands_of_rows_have_the_bits_of_the_whole);
+    tcase_add_test(tcase, runs_of_blocks_have_the_bits_of_the_whole);
     tcase_add_test(tcase, rates_have_the_same_bits_at_every_address);
     tcase_add_test(tcase, every_level_refuses_whatever_is_not_finite);
     tcase_add_test(tcase, sheet_at_rest_feels_gravity_alone_exactly);

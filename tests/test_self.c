@@ -3,8 +3,8 @@
  * powers, gaps. What needs a simulation is in test_self_time.c. */
 #include "support.h"
 
-#include "cloth/levels.h"
-#include "cloth/self.h"
+#include "cloth/model.h"
+#include "forces/self/self.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -116,8 +116,8 @@ static bool count_kind(void *ctx, const weft__pair *pair)
 
 static kinds kinds_now(void)
 {
-    kinds of = { .law = weft__self_law_of(cloth) };
-    const weft__quadtree tree = weft__tree_of(cloth, y);
+    kinds of = { .law = weft__self_law_of(&cloth->self) };
+    const weft__quadtree tree = weft__tree_of(&cloth->mesh, y);
     ck_assert(weft__each_pair(&tree, def.contact.thickness, count_kind, &of));
     return of;
 }
@@ -321,7 +321,7 @@ static bool keep(void *ctx, const weft__pair *pair)
 static pairs *find(double range, weft__knot *knots)
 {
     pairs *of = calloc(1, sizeof *of);
-    weft__quadtree tree = weft__tree_of(cloth, y);
+    weft__quadtree tree = weft__tree_of(&cloth->mesh, y);
     if (knots != NULL) {
         weft__tree_fill(&tree, knots);
     }
@@ -342,7 +342,7 @@ static bool same(const weft__pair *a, const weft__pair *b)
 START_TEST(pairs_of_a_smaller_range_are_in_the_same_order)
 {
     fold((uint64_t)_i + 1);
-    weft__knot *knots = calloc(weft__tree_size(cloth), sizeof *knots);
+    weft__knot *knots = calloc(weft__tree_size(&cloth->mesh), sizeof *knots);
     pairs *few = find(0.008, NULL), *many = find(0.02, knots),
           *again = find(0.008, knots);
     size_t at = 0;
@@ -368,9 +368,9 @@ static size_t near_by_force(double range)
     uint32_t e[3][2], f[3][2], t[2][3];
     for (uint32_t i = 0; i < N; ++i) {
         for (uint32_t j = 0; j < N; ++j) {
-            const size_t edges = weft__node_edges(cloth, i, e);
-            const size_t others = weft__node_edges(cloth, j, f);
-            const size_t triangles = weft__node_triangles(cloth, j, t);
+            const size_t edges = weft__node_edges(&cloth->mesh, i, e);
+            const size_t others = weft__node_edges(&cloth->mesh, j, f);
+            const size_t triangles = weft__node_triangles(&cloth->mesh, j, t);
             weft__pair pair = { .particle = { i, j }, .kind = WEFT__VERTICES };
             count += i < j && weft__pair_distance(&pair, y, N) < range;
             for (size_t k = 0; k < others; ++k) {
@@ -442,7 +442,7 @@ START_TEST(pairs_do_not_push_before_their_wait)
     size_t by_feet = 0;
     fold(seed);
     pairs *of = find(0.02, NULL);
-    const weft__self_law law = weft__self_law_of(cloth);
+    const weft__self_law law = weft__self_law_of(&cloth->self);
     for (size_t i = 0; i < of->count; ++i) {
         double moved[6 * N], distance, wait;
         weft__push push;
@@ -451,8 +451,8 @@ START_TEST(pairs_do_not_push_before_their_wait)
         for (size_t k = 0; k < 4; ++k) {
             at[k][0] = (int32_t)of->at[i].particle[k];
         }
-        cloth->level->waits(cloth, (weft__pair_kind)of->at[i].kind, &one, 0, 1, y, most,
-                            &distance);
+        cloth->self.waits(&cloth->self, (weft__pair_kind)of->at[i].kind, &one, 0, 1, y,
+                          most, &distance);
         ck_assert_double_eq(distance, weft__pair_distance(&of->at[i], y, N));
         ck_assert_double_ge(wait, distance - def.contact.thickness);
         by_feet += wait > 0.0 && distance < def.contact.thickness;
@@ -484,7 +484,7 @@ static size_t pairs_that_may_have_met(double h)
     for (size_t i = 2 * N + (ROWS + 1) / 2 * COLS; i < 3 * N; ++i) {
         after[i] -= 1.4 * def.contact.thickness;
     }
-    const weft__stride stride = { cloth, y, after, h };
+    const weft__stride stride = { &cloth->self, y, after, h };
     pairs *of = find(0.02, NULL);
     size_t count = 0;
     for (size_t i = 0; i < of->count; ++i) {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cloth/levels.h"
+#include "cloth/model.h"
 #include "folded.h"
 #include "one_sim.h"
 #include "random.h"
@@ -497,8 +497,8 @@ START_TEST(a_list_changes_no_bit)
     const weft_measures with = weft_sim_measure(sim);
     const double *y = weft_sim_state(sim);
     ck_assert_int_eq(weft__forces_rhs(&sim->forces, 0.3, y, dydt[0]), 0);
-    for (size_t i = 0; i < weft__level_count(); ++i) {
-        weft__cloth_set_level(sim->cloth, weft__level_at(i));
+    for (size_t i = 0; i < (size_t)weft__isa_last(); ++i) {
+        weft__cloth_choose(sim->cloth, (weft__isa)(i + 1));
         ck_assert_int_eq(weft_cloth_rhs(sim->cloth, 0.3, y, dydt[1]), 0);
         ck_assert_mem_eq(dydt[0], dydt[1], sizeof dydt[0]);
         ck_assert_int_eq(weft__forces_rhs(&sim->forces, 0.3, y, dydt[1]), 0);

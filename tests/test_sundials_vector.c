@@ -8,7 +8,7 @@
 
 #ifdef HAVE_ARKODE
 #include "../plugins/arkode/arkode_plugin.h"
-#include "sim/team.h"
+#include "base/team.h"
 
 /* Around the sizes of blocks and slices, none, and long enough for threads; 21929 and
  * 22003 are prime. */

@@ -16,7 +16,7 @@
 #include <xmmintrin.h>
 #endif
 
-#include "cloth/levels.h"
+#include "cloth/model.h"
 #include "sim/forces.h"
 
 enum { PARTS = 97, JOBS = 3000, SIDE = 130, STEPS = 4 };
@@ -197,8 +197,8 @@ START_TEST(runs_have_the_same_bits_on_any_threads_and_instructions)
     weft_cloth *cloth = made(SIDE, SIDE + 20, _i % 2);
     const weft_stepper_type *method = test_method_named(names[_i / 2]);
     uint64_t first = 0;
-    for (size_t i = 0; i < 4 * weft__level_count(); ++i) {
-        weft__cloth_set_level(cloth, weft__level_at(i / 4));
+    for (size_t i = 0; i < 4 * (size_t)weft__isa_last(); ++i) {
+        weft__cloth_choose(cloth, (weft__isa)(i / 4 + 1));
         const uint64_t hash = run(cloth, method, threads[i % 4], false);
         first = i == 0 ? hash : first;
         ck_assert_msg(hash == first, "%s, %zu threads, %s", names[_i / 2],

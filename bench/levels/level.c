@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "levels.h"
 
-#include "kernel/lanes.h"
+#include "forces/lanes.h"
 
 #define BENCH_NAME_(stem, level) stem##_##level
 #define BENCH_NAME(stem, level)  BENCH_NAME_(stem, level)

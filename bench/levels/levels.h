@@ -4,7 +4,7 @@
 #define WEFT_BENCH_LEVELS_H
 
 #include "../naive.h"
-#include "cloth/levels.h"
+#include "base/isa.h"
 
 typedef void naive_fn(const naive_cloth *cloth, const double *y, double *dydt);
 

@@ -87,9 +87,9 @@ typedef struct verb {
     int (*run)(const options *given); /* returns the exit code */
 } verb;
 
-extern const verb verb_new, verb_run, verb_resume, verb_batch, verb_check, verb_steppers,
-    verb_fabrics, verb_scene_help, verb_export, verb_view, verb_diff, verb_compare,
-    verb_converge, verb_plugin_test;
+extern const verb verb_new, verb_run, verb_resume, verb_batch, verb_check,
+    verb_steppers, verb_fabrics, verb_scene_help, verb_export, verb_view, verb_diff,
+    verb_compare, verb_converge, verb_plugin_test;
 
 /* options.c: parses the command line, argv[0] being the verb, and runs it. Returns the
  * exit code. */

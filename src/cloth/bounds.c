@@ -17,14 +17,10 @@
  * A_K <= k I, as T / L = k (1 - s / L) < k. The matrix B of bending, damped by tau B,
  * is at most the diagonal of its absolute row sums: (a + b tau) / m_i times these are
  * added for particle i. */
-#include "cloth/springs.h"
-
 #include <string.h>
 
 #include "base/memory.h"
-#include "cloth/added.h"
-#include "cloth/bending.h"
-#include "cloth/self.h"
+#include "cloth/model.h"
 
 /* Relative error allowed for the closed forms below. */
 #define ROUNDOFF 1e-12
@@ -65,63 +61,6 @@ static double largest_eigenvalue(const double b[6])
            + ROUNDOFF * (fabs(mean) + 2.0 * p);
 }
 
-/* The sums over the springs of one particle, in the six numbers of a matrix each. */
-typedef struct node {
-    double along[WEFT_GROUPS][6]; /* sum (1/m_i + 1/m_j) share u u^T */
-    double taut[6], slack[6];     /* sum (1/m_i + 1/m_j) (T/L)+- (I - u u^T) */
-    double drag, added;           /* [1/s] of added.h */
-    double bending;               /* [1/s^2] row sum by mass */
-    weft__grip grip;              /* of contact */
-} node;
-
-static double inverse_mass(const weft_cloth *cloth, size_t i)
-{
-    return cloth->pin[i] != 0 ? 0.0 : 1.0 / cloth->mass[i];
-}
-
-/* u u^T, or I where there is no direction: no less than u u^T for any. */
-static void outer(const weft__spring *at, double uu[6])
-{
-    static const size_t first[6] = { 0, 1, 2, 0, 0, 1 };
-    static const size_t second[6] = { 0, 1, 2, 1, 2, 2 };
-    const double length = sqrt(at->square);
-    for (size_t k = 0; k < 6; ++k) {
-        uu[k] = length == 0.0 ? (k < 3 ? 1.0 : 0.0)
-                              : at->d[first[k]] / length * (at->d[second[k]] / length);
-    }
-}
-
-static void add_spring(const weft_cloth *cloth, const weft__spring *at, node *sum)
-{
-    const double share = inverse_mass(cloth, at->p) + inverse_mass(cloth, at->q);
-    const double pull = weft__spring_tension(at, 0.0);
-    double uu[6], *along = sum->along[at->group - cloth->groups];
-    double *across = pull > 0.0 ? sum->taut : sum->slack;
-    outer(at, uu);
-    for (size_t k = 0; k < 6; ++k) {
-        along[k] += at->share * share * uu[k];
-        across[k] += share * fabs(pull) * ((k < 3 ? 1.0 : 0.0) - uu[k]);
-    }
-}
-
-/* Gathered for one particle at a time: nothing is allocated. */
-static void gather(const weft_cloth *cloth, size_t i, const double *y,
-                   const weft__grip *contact, node *sum)
-{
-    memset(sum, 0, sizeof *sum);
-    sum->drag = cloth->drag * inverse_mass(cloth, i);
-    for (size_t a = 0; a < WEFT__ADDED; ++a) {
-        sum->added += weft__added_forces[a]->damping(cloth, i) * inverse_mass(cloth, i);
-    }
-    sum->bending = weft__bending_row_sum(cloth, i) * inverse_mass(cloth, i);
-    sum->grip = *contact;
-    weft__spring springs[WEFT__SPRINGS_MAX];
-    const size_t count = weft__particle_springs(cloth, i, y, springs);
-    for (size_t s = 0; s < count; ++s) {
-        add_spring(cloth, &springs[s], sum);
-    }
-}
-
 /* a w + b c <= most */
 typedef struct grid_side {
     double a, b, most;
@@ -131,14 +70,15 @@ typedef struct grid_side {
  * of bending: at most WEFT__SIDES. */
 static size_t sides_init(const weft_cloth *cloth, const double *y, grid_side *sides)
 {
+    const weft__springs *of = &cloth->springs;
     size_t count = 0;
     sides[count++] = (grid_side){ 1.0, 0.0, -INFINITY };
     sides[count++] = (grid_side){ 0.0, 1.0, -INFINITY };
     sides[count++] = (grid_side){ 0.0, -1.0, -INFINITY };
-    for (size_t g = 0; y != NULL && g <= cloth->group_count; ++g) {
-        const weft__group *group = &cloth->groups[g];
-        const double ratio = g < cloth->group_count ? group->damping / group->stiffness
-                                                    : cloth->rigidity.damping; /* [s] */
+    for (size_t g = 0; y != NULL && g <= of->group_count; ++g) {
+        const weft__group *group = &of->groups[g];
+        const double ratio = g < of->group_count ? group->damping / group->stiffness
+                                                 : cloth->bending.damping; /* [s] */
         bool fresh = ratio > 0.0 && isfinite(ratio);
         for (size_t s = 3; s < count; s += 3) {
             fresh = fresh && sides[s].a != ratio;
@@ -152,15 +92,29 @@ static size_t sides_init(const weft_cloth *cloth, const double *y, grid_side *si
     return count;
 }
 
-/* The bound that particle sum has on one side. */
-static double node_bound(const weft_cloth *cloth, const node *sum, const grid_side *of)
+/* Adds an upper bound of a K + b C to matrix[6]. */
+static void grip_add(const weft__grip *grip, double a, double b, double matrix[6])
 {
-    const double bend = of->a + of->b * cloth->rigidity.damping;
+    for (size_t k = 0; k < 6; ++k) {
+        matrix[k]
+            += a * grip->press[k] + b * grip->damp[k] + fmax(0.0, b) * grip->slide[k];
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        matrix[k] += fabs(a) * grip->stiff + fabs(b) * grip->drag
+                     + fmax(0.0, -a) * grip->turn;
+    }
+}
+
+/* The bound that particle sum has on one side. */
+static double node_bound(const weft_cloth *cloth, const weft__bound *sum,
+                         const weft__grip *grip, const grid_side *of)
+{
+    const double bend = of->a + of->b * cloth->bending.damping;
     const double damp = of->b * sum->drag + fmax(0.0, of->b) * sum->added
                         + fmax(0.0, bend) * sum->bending;
     double b[6] = { damp, damp, damp, 0.0, 0.0, 0.0 };
-    for (size_t g = 0; g < cloth->group_count; ++g) {
-        const weft__group *group = &cloth->groups[g];
+    for (size_t g = 0; g < cloth->springs.group_count; ++g) {
+        const weft__group *group = &cloth->springs.groups[g];
         const double stiff = of->a * group->stiffness, damped = of->b * group->damping;
         /* a sum that cancels is bounded by its roundoff */
         const double most = fmax(0.0, stiff + damped)
@@ -172,7 +126,7 @@ static double node_bound(const weft_cloth *cloth, const node *sum, const grid_si
     for (size_t k = 0; k < 6; ++k) {
         b[k] += fmax(0.0, of->a) * sum->taut[k] + fmax(0.0, -of->a) * sum->slack[k];
     }
-    weft__grip_add(&sum->grip, of->a, of->b, b);
+    grip_add(grip, of->a, of->b, b);
     return largest_eigenvalue(b);
 }
 
@@ -200,25 +154,38 @@ static void cut(weft_stiffness *from, const grid_side *by)
     }
 }
 
-/* Particles whose self-contact is gathered in one search. */
+/* Particles whose contact is gathered in one search. */
 enum { BLOCK = 512 };
 
-/* Raises the bounds to those of free particles [first, end), at most BLOCK. */
-static void raise_sides(const weft_cloth *cloth, double t, const double *y,
-                        size_t first, size_t end, const grid_side *sides, size_t count,
-                        double *most)
+static weft__bound bound_of(const weft_cloth *cloth, const weft__state *at, size_t i)
 {
-    weft__grip grips[BLOCK];
-    const weft__grip any = y == NULL ? weft__grip_any(cloth) : (weft__grip){ 0 };
-    for (size_t i = first; i < end; ++i) {
-        grips[i - first] = y == NULL ? any : weft__grip_of(cloth, i, t, y);
+    weft__bound sum = { .drag = 0.0 };
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        if (weft__table[k].force->bound != NULL) {
+            weft__table[k].force->bound(weft__own(cloth, k), at, i, &sum);
+        }
     }
-    weft__self_grips(cloth, y, first, end - first, grips);
+    return sum;
+}
+
+/* Raises the bounds to those of free particles [first, end), at most BLOCK. */
+static void raise_sides(const weft_cloth *cloth, const weft__state *at, size_t first,
+                        size_t end, const grid_side *sides, size_t count, double *most)
+{
+    weft__grip grips[BLOCK] = { 0 };
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        if (weft__table[k].force->grip != NULL) {
+            weft__table[k].force->grip(weft__own(cloth, k), at, first, end - first,
+                                       grips);
+        }
+    }
     for (size_t i = first; i < end; ++i) {
-        node sum;
-        gather(cloth, i, y, &grips[i - first], &sum);
-        for (size_t s = 0; cloth->pin[i] == 0 && s < count; ++s) {
-            most[s] = fmax(most[s], node_bound(cloth, &sum, &sides[s]));
+        if (cloth->mesh.pin[i] == 0) {
+            const weft__bound sum = bound_of(cloth, at, i);
+            for (size_t s = 0; s < count; ++s) {
+                most[s] = fmax(most[s],
+                               node_bound(cloth, &sum, &grips[i - first], &sides[s]));
+            }
         }
     }
 }
@@ -228,13 +195,15 @@ void weft__stiffness_sides(const weft_cloth *cloth, double t, const double *y,
 {
     grid_side sides[WEFT__SIDES];
     const size_t count = sides_init(cloth, y, sides);
-    const size_t first = cloth->band.above * cloth->cols;
-    const size_t end = first + cloth->band.own * cloth->cols;
+    const weft__mesh *mesh = &cloth->mesh;
+    const weft__state at = { .t = t, .y = y };
+    const size_t first = weft__block(mesh, mesh->band.above);
+    const size_t end = weft__block(mesh, mesh->band.above + mesh->band.own);
     for (size_t s = 0; s < WEFT__SIDES; ++s) {
         most[s] = -INFINITY;
     }
     for (size_t i = first; i < end; i += BLOCK) {
-        raise_sides(cloth, t, y, i, end - i < BLOCK ? end : i + BLOCK, sides, count,
+        raise_sides(cloth, &at, i, end - i < BLOCK ? end : i + BLOCK, sides, count,
                     most);
     }
 }
@@ -267,44 +236,20 @@ weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t, const dou
 
 /* ---- the power method ----------------------------------------------------------- */
 
-/* out += (a K + b C) x of one spring: slack springs are taken for straight ones. */
-static void multiply_spring(const weft_cloth *cloth, const weft__spring *at,
-                            const grid_side *way, const double *x, double *out)
-{
-    if (at->square == 0.0) {
-        return;
-    }
-    const double across = way->a * fmax(0.0, weft__spring_tension(at, 0.0));
-    const double along
-        = way->a * weft__spring_stiffness(at) + way->b * weft__spring_damping(at);
-    const double stretch = weft__spring_rate(cloth, at, x) / at->square;
-    double d[3];
-    weft__spring_difference(cloth, at, x, d);
-    for (size_t k = 0; k < 3; ++k, out += cloth->particles) {
-        const double force = across * d[k] + (along - across) * stretch * at->d[k];
-        out[at->p] -= force;
-        out[at->q] += force;
-    }
-}
-
 /* M^-1 (a K + b C) x, zero on pins. */
-static void multiply(const weft_cloth *cloth, double t, const double *y,
+static void multiply(const weft_cloth *cloth, const weft__state *at,
                      const grid_side *way, const double *x, double *out)
 {
-    const size_t n = cloth->particles;
-    for (size_t j = 0; j < 3 * n; ++j) {
-        out[j] = way->b * cloth->drag * x[j];
-    }
-    for (size_t r = 0; r < cloth->rows; ++r) {
-        for (weft__walk walk = weft__row_springs(cloth, y, r);
-             weft__each_spring(&walk);) {
-            multiply_spring(cloth, &walk.spring, way, x, out);
+    const size_t n = cloth->mesh.particles;
+    memset(out, 0, 3 * n * sizeof *out);
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        if (weft__table[k].force->multiply != NULL) {
+            weft__table[k].force->multiply(weft__own(cloth, k), at, way->a, way->b, x,
+                                           out);
         }
     }
-    weft__bending_multiply(cloth, way->a + way->b * cloth->rigidity.damping, x, out);
-    weft__grip_multiply(cloth, t, y, way->a, way->b, x, out);
     for (size_t j = 0; j < 3 * n; ++j) {
-        out[j] *= inverse_mass(cloth, j % n);
+        out[j] *= cloth->mesh.inverse_mass[j % n];
     }
 }
 
@@ -319,14 +264,14 @@ static double scatter(uint64_t j)
 }
 
 /* x* M z over the free particles, row by row */
-static double product(const weft_cloth *cloth, const double *x, const double *z)
+static double product(const weft__mesh *mesh, const double *x, const double *z)
 {
-    const size_t n = cloth->particles;
+    const size_t n = mesh->particles;
     double sum = 0.0;
-    for (size_t first = 0; first < n; first += cloth->cols) {
+    for (size_t b = 0; b < weft__blocks(mesh); ++b) {
         double row = 0.0;
-        for (size_t i = first; i < first + cloth->cols; ++i) {
-            row += cloth->mass[i]
+        for (size_t i = weft__block(mesh, b); i < weft__block(mesh, b + 1); ++i) {
+            row += mesh->mass[i]
                    * (x[i] * z[i] + x[n + i] * z[n + i] + x[2 * n + i] * z[2 * n + i]);
         }
         sum += row;
@@ -339,22 +284,24 @@ typedef struct estimate {
     double spread; /* |M^-1 A x - value x| of the x it is of, |x| = 1 */
 } estimate;
 
-static estimate power(const weft_cloth *cloth, double t, const double *y,
+static estimate power(const weft_cloth *cloth, const weft__state *at,
                       const grid_side *way, size_t iterations, double *x, double *z)
 {
     estimate best = { 0.0, 0.0 };
-    for (size_t j = 0; j < 3 * cloth->particles; ++j) {
-        x[j] = inverse_mass(cloth, j % cloth->particles) > 0.0 ? scatter(j) : 0.0;
+    for (size_t j = 0; j < 3 * cloth->mesh.particles; ++j) {
+        x[j] = cloth->mesh.inverse_mass[j % cloth->mesh.particles] > 0.0 ? scatter(j)
+                                                                         : 0.0;
     }
     for (size_t i = 0; i < iterations; ++i) {
-        const double norm = sqrt(product(cloth, x, x));
-        for (size_t j = 0; norm > 0.0 && j < 3 * cloth->particles; ++j) {
+        const double norm = sqrt(product(&cloth->mesh, x, x));
+        for (size_t j = 0; norm > 0.0 && j < 3 * cloth->mesh.particles; ++j) {
             x[j] /= norm;
         }
-        multiply(cloth, t, y, way, x, z);
-        const double value = product(cloth, x, z), square = product(cloth, z, z);
+        multiply(cloth, at, way, x, z);
+        const double value = product(&cloth->mesh, x, z),
+                     square = product(&cloth->mesh, z, z);
         best = (estimate){ value, sqrt(fmax(0.0, square - value * value)) };
-        memcpy(x, z, 3 * cloth->particles * sizeof *x);
+        memcpy(x, z, 3 * cloth->mesh.particles * sizeof *x);
     }
     return best;
 }
@@ -366,18 +313,18 @@ weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth, double t,
     if (y == NULL) {
         return weft_error_set(err, WEFT_INVALID, "the power method needs a state");
     }
-    const size_t size = 3 * cloth->particles;
+    const size_t size = 3 * cloth->mesh.particles;
     double *work = weft__alloc(&cloth->memory, 2 * size, sizeof *work);
     if (work == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the power method");
     }
+    const weft__state at = { .t = t, .y = y };
     *out = weft_cloth_stiffness(cloth, t, y);
     grid_side ways[2] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 } };
     double *values[2] = { &out->omega2, &out->damping };
     for (size_t i = 0; i < 2 && isfinite(*values[i]); ++i) {
-        const estimate found
-            = power(cloth, t, y, &ways[i], iterations > 0 ? iterations : 100, work,
-                    work + size);
+        const estimate found = power(
+            cloth, &at, &ways[i], iterations > 0 ? iterations : 100, work, work + size);
         ways[i].most = found.value + 2.0 * found.spread;
         *values[i] = fmin(*values[i], found.value);
         cut(out, &ways[i]);

@@ -2,7 +2,8 @@
 /* fabric.c -- measured fabrics: the springs that have their moduli, the moduli that
  * springs have, and presets. */
 #include "base/given.h"
-#include "cloth/bending.h"
+#include "cloth/model.h"
+#include "mesh/grid_def.h"
 #include "weft/elementary.h"
 
 #include <string.h>
@@ -100,7 +101,7 @@ static weft_status check(const weft_fabric *fabric, const weft_cloth_def *def,
     weft__refusal first = { WEFT_OK, err };
     const weft__faults to = { weft__keep_first, &first };
     (void)WEFT__NUMBERS_CHECK(weft__fabric_numbers, fabric, &to, "fabric: ");
-    (void)weft__numbers_check((const weft__number *)&weft__cloth_numbers, 3, def, &to,
+    (void)weft__numbers_check((const weft__number *)&weft__grid_numbers, 3, def, &to,
                               "%s", "");
     return first.status == WEFT_OK ? check_ratio(fabric, def, err) : first.status;
 }
@@ -148,7 +149,7 @@ weft_status weft_fabric_apply(const weft_fabric *fabric, weft_cloth_def *def,
 
 /* Adds the moduli of a group: springs of direction n and elongation s n.E n have the
  * energy k s^2 (n.E n)^2 / 2 each at a homogeneous strain E. */
-static void add_group(const weft_cloth *grid, const weft__group *group, double area,
+static void add_group(const weft__mesh *grid, const weft__group *group, double area,
                       weft_fabric *to)
 {
     const size_t lines = group->end_row, each = group->end_col - group->first_col;
@@ -167,11 +168,12 @@ static void add_group(const weft_cloth *grid, const weft__group *group, double a
 
 weft_fabric weft_fabric_of(const weft_cloth_def *def)
 {
-    weft_cloth grid = { .rows = 0 };
+    weft__mesh grid = { .rows = 0 };
+    weft__springs springs = { .mesh = &grid };
     weft_cloth_def whole = *def;
     whole.band_rows = 0;
     weft__grid_init(&grid, &whole);
-    weft__groups_init(&grid, &whole);
+    weft__groups_init(&springs, &whole);
     const double a = weft__width(def->rows, def->spacing[0]);
     const double b = weft__width(def->cols, def->spacing[1]);
     const double down = weft__width(def->rows, (double)(def->rows - 1) * a);
@@ -181,8 +183,8 @@ weft_fabric weft_fabric_of(const weft_cloth_def *def)
         = { .density = def->density > 0.0 ? def->density : def->mass / (a * b),
             .bend = { bending->rigidity[0], bending->rigidity[1] },
             .twist = weft__twist_of(bending) };
-    for (size_t g = 0; g < grid.group_count; ++g) {
-        add_group(&grid, &grid.groups[g], down * right, &fabric);
+    for (size_t g = 0; g < springs.group_count; ++g) {
+        add_group(&grid, &springs.groups[g], down * right, &fabric);
     }
     return fabric;
 }

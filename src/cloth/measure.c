@@ -1,46 +1,53 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* measure.c -- measures of a state: energies, momenta, strain, hash.
+/* measure.c -- measures of a state: energies, momenta, powers, strain, hash.
  *
- * A sum over particles or springs is one over rows, in their order, of sums over each
- * row: the same on every machine and on any number of threads. Kinetic and
- * gravitational energy and both momenta are those of the free particles. */
+ * A sum over particles or springs is one over blocks, in their order, of sums over each
+ * block: the same on every machine and on any number of threads. Kinetic and
+ * gravitational energy and both momenta are those of the free particles. The powers of
+ * forces, of moved pins and of shapes change the energy E (docs/physics.md). */
 #include "base/hash.h"
-#include "cloth/added.h"
-#include "cloth/self.h"
-#include "cloth/springs.h"
+#include "cloth/model.h"
 
-void weft__row_energy(const weft__subject *of, size_t r, weft_measures *row)
+void weft__block_energy(const weft_cloth *cloth, const weft__state *at, size_t b,
+                        weft_measures *sum)
 {
-    const weft_cloth *cloth = of->cloth;
-    const size_t n = cloth->particles;
-    for (size_t i = r * cloth->cols; i < (r + 1) * cloth->cols; ++i) {
-        const double *z = of->y + i;
-        const double x[3] = { z[0], z[n], z[2 * n] };
+    const weft__mesh *mesh = &cloth->mesh;
+    const size_t n = mesh->particles;
+    for (size_t i = weft__block(mesh, b); i < weft__block(mesh, b + 1); ++i) {
+        const double *z = at->y + i;
         const double v[3] = { z[3 * n], z[4 * n], z[5 * n] };
-        if (cloth->pin[i] == 0) {
-            row->energy.kinetic += 0.5 * cloth->mass[i] * weft__dot(v, v);
-            row->energy.gravitational -= cloth->mass[i] * weft__dot(cloth->gravity, x);
+        if (mesh->pin[i] == 0) {
+            sum->energy.kinetic += 0.5 * mesh->mass[i] * weft__dot(v, v);
         }
     }
-    for (weft__walk walk = weft__row_springs(cloth, of->y, r);
-         weft__each_spring(&walk);) {
-        row->energy.elastic[walk.spring.group->family]
-            += weft__spring_energy(&walk.spring);
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        if (weft__table[k].force->energy != NULL) {
+            weft__table[k].force->energy(weft__own(cloth, k), at, b, sum);
+        }
     }
-    weft__row_bending_energy(of, r, row);
-    weft__row_contact_energy(of, r, row);
 }
 
-static void row_momentum(const weft__subject *of, size_t r, weft_measures *row)
+void weft__block_power(const weft_cloth *cloth, const weft__state *at, size_t b,
+                       weft_measures *sum)
 {
-    const weft_cloth *cloth = of->cloth;
-    const size_t n = cloth->particles;
-    for (size_t i = r * cloth->cols; i < (r + 1) * cloth->cols; ++i) {
-        const double *x = of->y + i, *v = x + 3 * n, mass = cloth->mass[i];
-        for (size_t k = 0; cloth->pin[i] == 0 && k < 3; ++k) {
-            const size_t a = (k + 1) % 3 * n, b = (k + 2) % 3 * n;
-            row->momentum[k] += mass * v[k * n];
-            row->angular_momentum[k] += mass * (x[a] * v[b] - x[b] * v[a]);
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        if (weft__table[k].force->power != NULL) {
+            weft__table[k].force->power(weft__own(cloth, k), at, b, sum);
+        }
+    }
+}
+
+static void block_momentum(const weft_cloth *cloth, const weft__state *at, size_t b,
+                           weft_measures *sum)
+{
+    const weft__mesh *mesh = &cloth->mesh;
+    const size_t n = mesh->particles;
+    for (size_t i = weft__block(mesh, b); i < weft__block(mesh, b + 1); ++i) {
+        const double *x = at->y + i, *v = x + 3 * n, mass = mesh->mass[i];
+        for (size_t k = 0; mesh->pin[i] == 0 && k < 3; ++k) {
+            const size_t a = (k + 1) % 3 * n, c = (k + 2) % 3 * n;
+            sum->momentum[k] += mass * v[k * n];
+            sum->angular_momentum[k] += mass * (x[a] * v[c] - x[c] * v[a]);
         }
     }
 }
@@ -54,105 +61,119 @@ static void keep_worst(weft_spring *kept, const weft_spring *other)
     }
 }
 
-void weft__row_worst(const weft__subject *of, size_t r, weft_measures *row)
+void weft__block_worst(const weft_cloth *cloth, const weft__state *at, size_t b,
+                       weft_measures *sum)
 {
-    const weft_cloth *cloth = of->cloth;
-    for (weft__walk walk = weft__row_springs(cloth, of->y, r);
+    for (weft__walk walk = weft__row_springs(&cloth->springs, at->y, b);
          weft__each_spring(&walk);) {
-        const weft__spring *at = &walk.spring;
+        const weft__spring *found = &walk.spring;
         const weft_spring spring
-            = { at->group->family, at->p, at->q, weft__spring_strain(at) };
-        if (of->families == NULL || of->families[spring.family]) {
-            keep_worst(&row->worst, &spring);
+            = { found->group->family, found->p, found->q, weft__spring_strain(found) };
+        if (at->families == NULL || at->families[spring.family]) {
+            keep_worst(&sum->worst, &spring);
         }
     }
 }
 
-static uint64_t row_hash(const double *y, size_t rows, size_t cols, size_t r)
+static uint64_t block_hash(const double *y, size_t n, size_t first, size_t end)
 {
     uint64_t hash = WEFT__HASH_START;
     for (size_t k = 0; k < 6; ++k) {
-        const double *plane = y + (k * rows + r) * cols;
-        for (size_t c = 0; c < cols; ++c) {
+        for (size_t i = first; i < end; ++i) {
             uint64_t word;
-            memcpy(&word, &plane[c], sizeof word);
+            memcpy(&word, &y[k * n + i], sizeof word);
             hash = weft__hash_word(hash, word);
         }
     }
     return hash;
 }
 
-void weft__row_state(const weft__subject *of, size_t r, weft_measures *row)
+void weft__block_state(const weft_cloth *cloth, const weft__state *at, size_t b,
+                       weft_measures *sum)
 {
-    weft__row_energy(of, r, row);
-    weft__row_worst(of, r, row);
-    weft__row_gap(of, r, row);
-    row_momentum(of, r, row);
-    row->hash = row_hash(of->y, of->cloth->rows, of->cloth->cols, r);
+    const weft__mesh *mesh = &cloth->mesh;
+    weft__block_energy(cloth, at, b, sum);
+    weft__block_worst(cloth, at, b, sum);
+    weft__block_gap(&cloth->contact, at, b, sum);
+    block_momentum(cloth, at, b, sum);
+    sum->hash = block_hash(at->y, mesh->particles, weft__block(mesh, b),
+                           weft__block(mesh, b + 1));
 }
 
-void weft__row_all(const weft__subject *of, size_t r, weft_measures *row)
+void weft__block_all(const weft_cloth *cloth, const weft__state *at, size_t b,
+                     weft_measures *sum)
 {
-    weft__row_state(of, r, row);
-    weft__row_power(of, r, row);
+    weft__block_state(cloth, at, b, sum);
+    weft__block_power(cloth, at, b, sum);
 }
 
-const weft_measures weft__row_start
+const weft_measures weft__block_start
     = { .gap = (double)INFINITY, .self_gap = (double)INFINITY };
 const weft_measures weft__measures_start = { .hash = WEFT__HASH_START,
                                              .gap = (double)INFINITY,
                                              .self_gap = (double)INFINITY };
 
-void weft__measures_add(weft_measures *sum, const weft_measures *row)
+void weft__measures_add(weft_measures *sum, const weft_measures *block)
 {
-    sum->energy.kinetic += row->energy.kinetic;
-    sum->energy.gravitational += row->energy.gravitational;
+    sum->energy.kinetic += block->energy.kinetic;
+    sum->energy.gravitational += block->energy.gravitational;
     for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
-        sum->energy.elastic[k] += row->energy.elastic[k];
+        sum->energy.elastic[k] += block->energy.elastic[k];
     }
-    sum->energy.contact += row->energy.contact;
+    sum->energy.contact += block->energy.contact;
     for (size_t k = 0; k < 3; ++k) {
-        sum->momentum[k] += row->momentum[k];
-        sum->angular_momentum[k] += row->angular_momentum[k];
+        sum->momentum[k] += block->momentum[k];
+        sum->angular_momentum[k] += block->angular_momentum[k];
     }
     for (size_t k = 0; k < WEFT_POWERS; ++k) {
-        sum->power[k] += row->power[k];
+        sum->power[k] += block->power[k];
     }
-    if (row->worst.p != row->worst.q) {
-        keep_worst(&sum->worst, &row->worst);
+    if (block->worst.p != block->worst.q) {
+        keep_worst(&sum->worst, &block->worst);
     }
-    weft__keep_gap(sum, row->gap, row->gap_particle, row->gap_shape);
-    sum->touching += row->touching;
-    sum->hash = weft__hash_word(sum->hash, row->hash);
+    weft__keep_gap(sum, block->gap, block->gap_particle, block->gap_shape);
+    sum->touching += block->touching;
+    sum->hash = weft__hash_word(sum->hash, block->hash);
+}
+
+void weft__measure_all(const weft_cloth *cloth, void *const *spaces,
+                       const weft__state *at, weft_measures *sum)
+{
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        if (weft__table[k].force->measure_all != NULL) {
+            weft__table[k].force->measure_all(
+                weft__own(cloth, k), spaces != NULL ? spaces[k] : NULL, at, sum);
+        }
+    }
 }
 
 static weft_measures measure(const weft_cloth *cloth, double t, const double *y,
-                             weft__row_fn *measure_row)
+                             weft__measure_fn *of)
 {
-    const weft__subject of = { .cloth = cloth, .t = t, .y = y };
-    const size_t first = cloth->band.above, end = first + cloth->band.own;
+    const weft__state at = { .t = t, .y = y };
+    const size_t first = cloth->mesh.band.above, end = first + cloth->mesh.band.own;
     weft_measures sum = weft__measures_start;
-    for (size_t r = first; r < end; ++r) {
-        weft_measures row = weft__row_start;
-        measure_row(&of, r, &row);
-        weft__measures_add(&sum, &row);
+    for (size_t b = first; b < end; ++b) {
+        weft_measures block = weft__block_start;
+        of(cloth, &at, b, &block);
+        weft__measures_add(&sum, &block);
     }
     return sum;
 }
 
 /* With the energy and powers of self-contact. */
 static weft_measures measure_all(const weft_cloth *cloth, double t, const double *y,
-                                 weft__row_fn *measure_row)
+                                 weft__measure_fn *of)
 {
-    const weft__subject of = { .cloth = cloth, .t = t, .y = y };
-    weft_measures sum = measure(cloth, t, y, measure_row);
-    weft__self_measure(&of, &sum);
+    const weft__state at = { .t = t, .y = y };
+    weft_measures sum = measure(cloth, t, y, of);
+    weft__measure_all(cloth, NULL, &at, &sum);
     return sum;
 }
 
 weft_energy weft_cloth_energy(const weft_cloth *cloth, double t, const double *y)
 {
-    return measure_all(cloth, t, y, weft__row_energy).energy;
+    return measure_all(cloth, t, y, weft__block_energy).energy;
 }
 
 double weft_energy_total(weft_energy energy)
@@ -167,62 +188,38 @@ double weft_energy_total(weft_energy energy)
 void weft_cloth_power(const weft_cloth *cloth, double t, const double *y,
                       double power[WEFT_POWERS])
 {
-    memcpy(power, measure_all(cloth, t, y, weft__row_power).power,
+    memcpy(power, measure_all(cloth, t, y, weft__block_power).power,
            WEFT_POWERS * sizeof *power);
-}
-
-static void row_dissipation(const weft__subject *of, size_t r, weft_measures *row)
-{
-    weft__row_heat(of, r, row);
-    weft__bending.power(of, r, row);
-    weft__contact.power(of, r, row);
 }
 
 double weft_cloth_dissipation(const weft_cloth *cloth, double t, const double *y)
 {
-    const weft_measures sum = measure_all(cloth, t, y, row_dissipation);
+    const weft_measures sum = measure_all(cloth, t, y, weft__block_power);
     return sum.power[WEFT_POWER_SPRINGS] + sum.power[WEFT_POWER_DRAG]
            + sum.power[WEFT_POWER_CONTACT] + sum.power[WEFT_POWER_FRICTION];
 }
 
 void weft_cloth_momentum(const weft_cloth *cloth, const double *y, double p[3])
 {
-    memcpy(p, measure(cloth, 0.0, y, row_momentum).momentum, 3 * sizeof *p);
+    memcpy(p, measure(cloth, 0.0, y, block_momentum).momentum, 3 * sizeof *p);
 }
 
 void weft_cloth_angular_momentum(const weft_cloth *cloth, const double *y, double l[3])
 {
-    memcpy(l, measure(cloth, 0.0, y, row_momentum).angular_momentum, 3 * sizeof *l);
+    memcpy(l, measure(cloth, 0.0, y, block_momentum).angular_momentum, 3 * sizeof *l);
 }
 
 weft_spring weft_cloth_worst_spring(const weft_cloth *cloth, const double *y)
 {
-    return measure(cloth, 0.0, y, weft__row_worst).worst;
-}
-
-double weft_cloth_gap(const weft_cloth *cloth, double t, const double *y,
-                      size_t *particle, size_t *shape)
-{
-    const weft_measures found = measure(cloth, t, y, weft__row_gap);
-    if (particle != NULL) {
-        *particle = found.gap_particle;
-    }
-    if (shape != NULL) {
-        *shape = found.gap_shape;
-    }
-    return found.gap;
-}
-
-size_t weft_cloth_touching(const weft_cloth *cloth, double t, const double *y)
-{
-    return measure(cloth, t, y, weft__row_gap).touching;
+    return measure(cloth, 0.0, y, weft__block_worst).worst;
 }
 
 uint64_t weft_state_hash(const double *y, size_t rows, size_t cols)
 {
     uint64_t hash = WEFT__HASH_START;
     for (size_t r = 0; r < rows; ++r) {
-        hash = weft__hash_word(hash, row_hash(y, rows, cols, r));
+        hash = weft__hash_word(hash,
+                               block_hash(y, rows * cols, r * cols, (r + 1) * cols));
     }
     return hash;
 }
@@ -236,18 +233,18 @@ static void raise_strain(double *kept, double strain)
 void weft_cloth_strains(const weft_cloth *cloth, const double *y, double *strain)
 {
     const double none = -2.0;
-    for (size_t i = 0; i < cloth->particles; ++i) {
+    for (size_t i = 0; i < cloth->mesh.particles; ++i) {
         strain[i] = none;
     }
-    for (size_t r = 0; r < cloth->rows; ++r) {
-        for (weft__walk walk = weft__row_springs(cloth, y, r);
+    for (size_t r = 0; r < weft__blocks(&cloth->mesh); ++r) {
+        for (weft__walk walk = weft__row_springs(&cloth->springs, y, r);
              weft__each_spring(&walk);) {
             const double here = weft__spring_strain(&walk.spring);
             raise_strain(&strain[walk.spring.p], here);
             raise_strain(&strain[walk.spring.q], here);
         }
     }
-    for (size_t i = 0; i < cloth->particles; ++i) {
+    for (size_t i = 0; i < cloth->mesh.particles; ++i) {
         strain[i] = strain[i] == none ? 0.0 : strain[i];
     }
 }

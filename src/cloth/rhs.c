@@ -1,136 +1,122 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* rhs.c -- the equations of motion as a first-order system y' = f(t, y):
  *
- *     free particle     x' = v,   v' = (m g - drag v + springs + bending + wind
- *                                             + contact + self-contact) / m
+ *     free particle     x' = v,   v' = (the forces of WEFT_FORCES) / m
  *     pinned particle   x' = V + w A cos(w t),   v' = -w^2 A sin(w t),  w = 2 pi f
  *
  * A pinned particle has inverse mass 0 and follows its prescribed motion; one without
- * motion has x' = v' = 0 and keeps its position bit for bit. The plain loops here
- * have the same bits as src/kernel. */
+ * motion has x' = v' = 0 and keeps its position bit for bit. */
 #include <string.h>
 
-#include "cloth/levels.h"
-#include "cloth/self.h"
-#include "cloth/springs.h"
+#include "cloth/model.h"
 
-#define POINTER(name, level) &weft__##name,
-const weft__added *const weft__added_forces[WEFT__ADDED] = { WEFT_ADDED(POINTER, ) };
+#define PLACE(name) { &weft__##name##_force, offsetof(struct weft_cloth, name) },
+const weft__line weft__table[WEFT__FORCES] = { WEFT_FORCES(PLACE) };
 
-/* Adds the added forces on particle i to to[3], n apart. */
-static void add(const weft__subject *of, size_t i, weft__unit unit, double *to)
+/* Weight and air alone, where no springs are. */
+static bool has_springs(const weft_cloth *cloth)
 {
-    for (size_t a = 0; a < WEFT__ADDED; ++a) {
-        weft__added_forces[a]->add(of, i, unit, to);
-    }
+    return cloth->mesh.cols > 0; /* a grid; a mesh would start with its body */
 }
 
-void weft_cloth_force(const weft_cloth *cloth, double t, const double *y, double *f)
+static int start(const weft_cloth *cloth, const weft__state *at, double *dydt,
+                 size_t first, size_t end)
 {
-    const weft__subject of = { .cloth = cloth, .t = t, .y = y };
-    const size_t n = cloth->particles;
-    for (size_t i = 0; i < n; ++i) {
-        double springs[3];
-        weft__springs_force(cloth, i, y, NULL, springs);
-        for (size_t k = 0; k < 3; ++k) {
-            f[k * n + i] = cloth->mass[i] * cloth->gravity[k]
-                           + (springs[k] - cloth->drag * y[(k + 3) * n + i]);
-        }
-        add(&of, i, WEFT__FORCE, f + i);
-    }
-    (void)weft__self_add(&of, WEFT__FORCE, f);
+    return has_springs(cloth) ? weft__springs_force.start(&cloth->springs, &cloth->body,
+                                                          at, dydt, first, end)
+                              : weft__body_force.start(&cloth->body, &cloth->body, at,
+                                                       dydt, first, end);
 }
 
-/* 0 where a particle's six numbers from z on are finite, else NaN. */
-static double trouble(const double *z, size_t n)
+int weft__rhs_blocks(const weft_cloth *cloth, const weft__state *at, double *dydt,
+                     size_t first, size_t end)
 {
-    return ((z[3 * n] + z[4 * n] + z[5 * n]) + (z[0] + z[n] + z[2 * n])) * 0.0;
-}
-
-int weft__reference_rows(const weft__subject *of, double *dydt, size_t first_row,
-                         size_t end_row)
-{
-    static const double none[3];
-    const weft_cloth *cloth = of->cloth;
-    const size_t n = cloth->particles, end = end_row * cloth->cols;
-    const bool product = of->along != NULL;
-    const double *state = product ? of->along : of->y;
-    const double *gravity = product ? none : cloth->gravity;
-    double bad = 0.0;
-    for (size_t i = first_row * cloth->cols; i < end; ++i) {
-        double springs[3];
-        weft__springs_force(cloth, i, of->y, of->along, springs);
-        for (size_t k = 0; k < 3; ++k) {
-            const double v = dydt[k * n + i] = state[(k + 3) * n + i];
-            const double force = springs[k] - cloth->drag * v;
-            dydt[(k + 3) * n + i] = gravity[k] + cloth->inverse_mass[i] * force;
-        }
-        if (!product) {
-            add(of, i, WEFT__ACCELERATION, dydt + 3 * n + i);
-        }
-        bad += trouble(dydt + i, n);
-    }
-    return bad == 0.0 ? 0 : 1;
-}
-
-void weft__pin_rate(const weft_cloth *cloth, size_t i, double t, double rate[6])
-{
-    weft__motion motion = cloth->motions[cloth->pin[i] - 1];
-    if (motion.coasts) {
-        memcpy(motion.velocity, cloth->coast + 3 * i, sizeof motion.velocity);
-    }
-    weft__motion_rate(&motion, t, rate);
-}
-
-enum { KEPT = 8 }; /* motions whose rates a pass keeps */
-
-static void move_pins(const weft_cloth *cloth, double t, double *dydt, size_t first,
-                      size_t end)
-{
-    const size_t n = cloth->particles;
-    uint32_t kept[KEPT] = { 0 };
-    double rates[KEPT][6];
-    for (size_t j = 0; j < cloth->pinned; ++j) {
-        const size_t i = cloth->pins[j];
-        if (i < first || i >= end) {
-            continue;
-        }
-        const uint32_t pin = cloth->pin[i], at = pin % KEPT;
-        if (kept[at] != pin || cloth->motions[pin - 1].coasts) {
-            kept[at] = pin;
-            weft__pin_rate(cloth, i, t, rates[at]);
-        }
-        for (size_t k = 0; k < 6; ++k) {
-            dydt[k * n + i] = rates[at][k];
+    const weft__mesh *mesh = &cloth->mesh;
+    double *dvdt = dydt + 3 * mesh->particles;
+    int failed = start(cloth, at, dydt, first, end);
+    for (size_t k = WEFT__FORCE_springs + 1; k < WEFT__FORCES; ++k) {
+        const weft__force *force = weft__table[k].force;
+        weft__add_fn *add = at->along != NULL ? force->change : force->add;
+        if (add != NULL) {
+            failed
+                |= add(weft__own(cloth, k), at, WEFT__ACCELERATION, dvdt, first, end);
         }
     }
-}
-
-int weft__rhs_rows(const weft__subject *of, double *dydt, size_t first, size_t end)
-{
-    const weft_cloth *cloth = of->cloth;
-    int failed = cloth->level->rows(of, dydt, first, end);
-    for (size_t a = 0; a < WEFT__ADDED && cloth->level->added[a] != NULL; ++a) {
-        failed |= cloth->level->added[a](of, dydt, first, end);
+    if (at->along == NULL) {
+        weft__move_pins(mesh, at->t, dydt, weft__block(mesh, first),
+                        weft__block(mesh, end));
     }
-    move_pins(cloth, of->t, dydt, first * cloth->cols, end * cloth->cols);
     return failed;
 }
 
-void weft__ghost_rows(const weft__subject *of, double *dydt, size_t first, size_t end)
+int weft__rhs_all(const weft_cloth *cloth, void *const *spaces, const weft__state *at,
+                  weft__unit unit, double *dvdt)
 {
-    const weft_cloth *cloth = of->cloth;
-    const size_t n = cloth->particles, at = first * cloth->cols;
-    const size_t bytes = (end - first) * cloth->cols * sizeof *dydt;
-    for (size_t k = 0; k < 3; ++k) {
-        memcpy(dydt + k * n + at, of->y + (k + 3) * n + at, bytes);
+    int failed = 0;
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        const weft__force *force = weft__table[k].force;
+        if (force->add_all != NULL) {
+            failed |= force->add_all(weft__own(cloth, k),
+                                     spaces != NULL ? spaces[k] : NULL, at, unit, dvdt);
+        }
     }
-    move_pins(cloth, of->t, dydt, at, end * cloth->cols);
+    return failed;
+}
+
+void weft__ghost_blocks(const weft_cloth *cloth, const weft__state *at, double *dydt,
+                        size_t first, size_t end)
+{
+    const weft__mesh *mesh = &cloth->mesh;
+    const size_t n = mesh->particles, low = weft__block(mesh, first);
+    const size_t high = weft__block(mesh, end);
+    for (size_t k = 0; k < 3; ++k) {
+        memcpy(dydt + k * n + low, at->y + (k + 3) * n + low,
+               (high - low) * sizeof *dydt);
+    }
+    weft__move_pins(mesh, at->t, dydt, low, high);
 }
 
 int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y, double *dydt)
 {
-    const weft__subject of = { .cloth = cloth, .t = t, .y = y };
-    return weft__rhs_rows(&of, dydt, 0, cloth->rows)
-           | weft__self_add(&of, WEFT__ACCELERATION, dydt + 3 * cloth->particles);
+    const weft__state at = { .t = t, .y = y };
+    return weft__rhs_blocks(cloth, &at, dydt, 0, weft__blocks(&cloth->mesh))
+           | weft__rhs_all(cloth, NULL, &at, WEFT__ACCELERATION,
+                           dydt + 3 * cloth->mesh.particles);
+}
+
+void weft_cloth_force(const weft_cloth *cloth, double t, const double *y, double *f)
+{
+    const weft__state at = { .t = t, .y = y };
+    const weft__mesh *mesh = &cloth->mesh;
+    const size_t n = mesh->particles;
+    for (size_t i = 0; i < n; ++i) {
+        double springs[3];
+        weft__springs_pull(&cloth->springs, i, y, NULL, springs);
+        for (size_t k = 0; k < 3; ++k) {
+            f[k * n + i] = mesh->mass[i] * cloth->body.gravity[k]
+                           + (springs[k] - cloth->body.drag * y[(k + 3) * n + i]);
+        }
+    }
+    for (size_t k = WEFT__FORCE_springs + 1; k < WEFT__FORCES; ++k) {
+        if (weft__table[k].force->add != NULL) {
+            (void)weft__table[k].force->add(weft__own(cloth, k), &at, WEFT__FORCE, f, 0,
+                                            weft__blocks(mesh));
+        }
+    }
+    (void)weft__rhs_all(cloth, NULL, &at, WEFT__FORCE, f);
+}
+
+/* J dy, J = [0 I; -M^-1 K -M^-1 C]. */
+int weft_cloth_jacobian_product(const weft_cloth *cloth, double t, const double *y,
+                                const double *dy, double *out)
+{
+    const weft__state at = { .t = t, .y = y, .along = dy };
+    const weft__mesh *mesh = &cloth->mesh;
+    const int failed = weft__rhs_blocks(cloth, &at, out, 0, weft__blocks(mesh));
+    for (size_t j = 0; j < mesh->pinned; ++j) {
+        for (size_t k = 0; k < 6; ++k) {
+            out[k * mesh->particles + mesh->pins[j]] = 0.0;
+        }
+    }
+    return failed;
 }

@@ -191,10 +191,9 @@ static bool is_listed(const char *list, const char *name)
     return false;
 }
 
-static void consider(void *ctx, const char *id, const char *file)
+static void consider(void *ctx, const char *id)
 {
     choice *self = ctx;
-    (void)file;
     weft__guess guess
         = { self->nearest[0] != '\0' ? self->nearest : NULL, self->distance };
     const char *before = guess.name;

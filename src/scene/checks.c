@@ -2,6 +2,7 @@
 /* checks.c -- rules between the keys of cloth, limit and run. */
 #include "base/finite.h"
 #include "cloth/model.h"
+#include "mesh/grid_def.h"
 #include "scene/read.h"
 
 void weft__check_root(weft__reader *reader, const weft__match *match, void *base)

@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "cloth/model.h"
+#include "mesh/grid_def.h"
 #include "plugin/methods.h"
 #include "scene/read.h"
 
@@ -22,21 +23,21 @@
 /* ---- cloth --------------------------------------------------------------------- */
 
 static const weft__key grid_keys[] = {
-    { "rows", WEFT__INTEGER, .required = true, NUMBER(cloth, rows),
+    { "rows", WEFT__INTEGER, .required = true, NUMBER(grid, rows),
       .meaning = "particles down" },
-    { "cols", WEFT__INTEGER, .required = true, NUMBER(cloth, cols),
+    { "cols", WEFT__INTEGER, .required = true, NUMBER(grid, cols),
       .meaning = "particles across; rows * cols >= 2, and a single row or column "
                  "makes a chain" },
-    { "spacing", WEFT__PAIR, .required = true, NUMBER(cloth, spacing),
+    { "spacing", WEFT__PAIR, .required = true, NUMBER(grid, spacing),
       .meaning
       = "distance of neighbours: one number, or [row to row, column to column]" },
-    { "origin", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(cloth, origin),
+    { "origin", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(grid, origin),
       .meaning = "rest position of particle (0, 0)" },
     { "right", WEFT__VECTOR, .fallback = "[1, 0, 0]", AT(weft_cloth_def, right),
       .meaning = "direction of increasing column; normalised on reading" },
     { "down", WEFT__VECTOR, .fallback = "[0, -1, 0]", AT(weft_cloth_def, down),
       .meaning = "direction of increasing row; perpendicular to right (1e-9)" },
-    { "scale", WEFT__NUMBER, .fallback = "1.0", NUMBER(cloth, scale),
+    { "scale", WEFT__NUMBER, .fallback = "1.0", NUMBER(grid, scale),
       .meaning = "initial positions = origin + scale * (rest - origin); rest "
                  "lengths do not change" },
 };
@@ -198,11 +199,11 @@ static const weft__key cloth_keys[] = {
     { "grid", WEFT__MAPPING, .required = true, .section = &grid_section,
       .meaning = "particle (row, col) rests at origin + col * spacing * right + row * "
                  "spacing * down" },
-    { "mass", WEFT__NUMBER, .absent = "mass or density", NUMBER(cloth, mass),
+    { "mass", WEFT__NUMBER, .absent = "mass or density", NUMBER(grid, mass),
       .meaning = "mass of each particle; exactly one of mass and density is required" },
-    { "density", WEFT__NUMBER, .absent = "mass or density", NUMBER(cloth, density),
+    { "density", WEFT__NUMBER, .absent = "mass or density", NUMBER(grid, density),
       .meaning = "mass per area, lumped to the particles" },
-    { "velocity", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(cloth, velocity),
+    { "velocity", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(grid, velocity),
       .meaning = "initial velocity of particles without a pin" },
     { "loads", WEFT__LOADS, .section = &weft__load_section, .absent = "none",
       .meaning = "point masses added to particles" },
@@ -223,18 +224,18 @@ static const weft__section cloth_section
 /* ---- forces -------------------------------------------------------------------- */
 
 static const weft__key wind_keys[] = {
-    { "velocity", WEFT__VECTOR, .required = true, NUMBER(cloth, wind_velocity),
+    { "velocity", WEFT__VECTOR, .required = true, NUMBER(wind, wind_velocity),
       .meaning = "velocity of the air" },
-    { "drag", WEFT__NUMBER, .required = true, NUMBER(cloth, wind_drag),
+    { "drag", WEFT__NUMBER, .required = true, NUMBER(wind, wind_drag),
       .meaning = "F = drag * area * (n . (velocity - v)) n" },
 };
 
 static const weft__section wind_section = { SECTION(wind_keys) };
 
 static const weft__key force_keys[] = {
-    { "gravity", WEFT__VECTOR, .fallback = "[0, -9.81, 0]", NUMBER(cloth, gravity),
+    { "gravity", WEFT__VECTOR, .fallback = "[0, -9.81, 0]", NUMBER(body, gravity),
       .meaning = "acceleration of free fall" },
-    { "damping", WEFT__NUMBER, .fallback = "0", NUMBER(cloth, drag),
+    { "damping", WEFT__NUMBER, .fallback = "0", NUMBER(body, drag),
       .meaning = "viscous damping of each particle: F = -damping * v" },
     { "wind", WEFT__MAPPING, .section = &wind_section, .absent = "no wind",
       .meaning = "moving air" },

@@ -2,7 +2,8 @@
 /* scene_contact.c -- contact in a scene: rules between its keys, and warnings. */
 #include <string.h>
 
-#include "cloth/shapes.h"
+#include "cloth/model.h"
+#include "mesh/grid_def.h"
 #include "scene/read.h"
 
 void weft__read_shapes(weft__reader *reader, const weft__key *key,
@@ -77,7 +78,7 @@ static void check_crossings(weft__reader *reader, const weft__node *self)
     def.allocator = reader->report->memory;
     weft_status status = weft_cloth_create(&def, &cloth, NULL);
     if (status == WEFT_OK) {
-        cloth->contact.self = true;
+        cloth->self.law.self = true;
         status = weft__start_crossing_error(cloth, &err);
         if (status == WEFT_INVALID) {
             weft__report_error(reader->report, self->at, "%s", err.message);
@@ -192,7 +193,7 @@ static double time_inside(const weft_shape *def, const weft_pin *pin,
 }
 
 /* A pin's first particle that enters a shape. */
-static void warn_of_pin(weft__reader *reader, const weft_cloth *grid, size_t pin,
+static void warn_of_pin(weft__reader *reader, const weft__mesh *grid, size_t pin,
                         weft__mark at, size_t *compared)
 {
     const weft_cloth_def *def = &reader->scene->cloth;
@@ -224,7 +225,7 @@ static void warn_of_pin(weft__reader *reader, const weft_cloth *grid, size_t pin
 
 static void warn_of_pins(weft__reader *reader, const weft__node *pins)
 {
-    weft_cloth grid = { .rows = 0 };
+    weft__mesh grid = { .rows = 0 };
     size_t compared = 0;
     weft__grid_init(&grid, &reader->scene->cloth);
     for (size_t i = 0; i < reader->scene->cloth.pin_count; ++i) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* scene_fabric.c -- the fabric of a scene, and its bending rigidity. */
 #include "cloth/model.h"
+#include "mesh/grid_def.h"
 #include "scene/read.h"
 
 /* The names are those of the library's table. */

@@ -4,6 +4,7 @@
 
 #include "base/suggest.h"
 #include "cloth/model.h"
+#include "mesh/grid_def.h"
 #include "scene/read.h"
 #include "scene/scalar.h"
 

@@ -167,7 +167,7 @@ void weft__bands_share(const weft_comm *comm, void *data, size_t bytes)
 void weft__bands_sum(const weft__forces *forces, weft__numbers_fn *of, const void *ctx,
                      size_t count, double *sum)
 {
-    const weft_band band = forces->cloth->band;
+    const weft_band band = forces->cloth->mesh.band;
     double *own = (double *)(void *)forces->measures;
     assert(count * sizeof *own <= sizeof *forces->measures);
     for (size_t r = 0; r < band.own; ++r) {
@@ -197,8 +197,8 @@ uint64_t weft__bands_cloth_hash(const weft__forces *forces)
 {
     const weft_cloth *cloth = forces->cloth;
     uint64_t *own = (uint64_t *)(void *)forces->measures, hash = 0;
-    for (size_t r = 0; r < cloth->band.own; ++r) {
-        own[r] = weft__cloth_row_hash(cloth, cloth->band.above + r);
+    for (size_t r = 0; r < cloth->mesh.band.own; ++r) {
+        own[r] = weft__cloth_block_hash(cloth, cloth->mesh.band.above + r);
     }
     const uint64_t *rows = weft__bands_rows(forces, own, sizeof *own);
     if (rows != NULL) {
@@ -212,7 +212,7 @@ uint64_t weft__bands_cloth_hash(const weft__forces *forces)
 
 typedef struct band_rhs {
     const weft__forces *forces;
-    const weft__subject *of;
+    const weft__state *of;
     double *dydt;
     size_t first, end; /* own rows */
     size_t low, high;  /* of them those that no other band waits for */
@@ -223,7 +223,9 @@ typedef struct band_rhs {
 
 static void evaluate(band_rhs *self, size_t first, size_t end)
 {
-    if (first < end && weft__rhs_rows(self->of, self->dydt, first, end) != 0) {
+    if (first < end
+        && weft__rhs_blocks(self->forces->cloth, self->of, self->dydt, first, end)
+               != 0) {
         atomic_store(&self->failed, 1);
     }
 }
@@ -256,12 +258,12 @@ static size_t inner_parts(const weft__forces *forces, size_t rows)
 }
 
 /* The ghosts' own v' is not touched after begin: it is being received. */
-int weft__bands_rhs(const weft__forces *forces, const weft__subject *of, double *dydt)
+int weft__bands_rhs(const weft__forces *forces, const weft__state *of, double *dydt)
 {
     const weft_comm *comm = forces->comm;
-    const weft_cloth *cloth = of->cloth;
-    const weft_band band = cloth->band;
-    const size_t n = cloth->particles, edge = WEFT_GHOST_ROWS;
+    const weft_cloth *cloth = forces->cloth;
+    const weft_band band = cloth->mesh.band;
+    const size_t n = cloth->mesh.particles, edge = WEFT_GHOST_ROWS;
     const size_t first = band.above, end = first + band.own;
     size_t low = first + (band.above > 0 ? edge : 0);
     size_t high = end - (band.below > 0 ? edge : 0);
@@ -280,13 +282,13 @@ int weft__bands_rhs(const weft__forces *forces, const weft__subject *of, double 
     const weft_rows rows = { .first = dydt + 3 * n,
                              .planes = 3,
                              .stride = n,
-                             .cols = cloth->cols,
+                             .cols = cloth->mesh.cols,
                              .above = band.above,
                              .own = band.own,
                              .below = band.below };
     weft__forces_run(forces, do_edge, &all, 2);
-    weft__ghost_rows(of, dydt, 0, first);
-    weft__ghost_rows(of, dydt, end, cloth->rows);
+    weft__ghost_blocks(cloth, of, dydt, 0, first);
+    weft__ghost_blocks(cloth, of, dydt, end, cloth->mesh.rows);
     comm->begin(comm->self, &rows);
     weft__forces_run(forces, do_inner, &all, all.parts);
     comm->end(comm->self);

@@ -46,7 +46,7 @@ bool weft__bands_is_first(const weft_comm *comm);
 void weft__bands_share(const weft_comm *comm, void *data, size_t bytes);
 
 /* As weft_cloth_rhs in own rows; x' and the other bands' v' in ghost rows. */
-int weft__bands_rhs(const weft__forces *forces, const weft__subject *of, double *dydt);
+int weft__bands_rhs(const weft__forces *forces, const weft__state *of, double *dydt);
 
 /* Of what the bands found, with its number in the whole cloth, the deepest breach in
  * the last right-hand side that all could evaluate. */

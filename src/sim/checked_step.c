@@ -36,7 +36,7 @@ static double least_step(const weft_sim *sim)
 
 bool weft__sim_checks(const weft_sim *sim)
 {
-    return weft_cloth_shapes(sim->cloth) > 0 || sim->cloth->contact.self;
+    return weft_cloth_shapes(sim->cloth) > 0 || sim->cloth->self.law.self;
 }
 
 /* Whether a step that failed did so for a stage in a shape. */
@@ -72,7 +72,8 @@ static weft_status attempt(weft_sim *sim, double t0, double end, bool *again,
     const weft__path path = { t0, sim->t, sim->start, sim->y };
     if (!weft__bands_all(sim->def.comm, weft__path_clear(&sim->forces, &path))) {
         sim->refused = weft__path_breach(&sim->forces, &path);
-        sim->refused.particle = weft__whole_index(sim->cloth, sim->refused.particle);
+        sim->refused.particle
+            = weft__whole_index(&sim->cloth->mesh, sim->refused.particle);
         (void)weft__bands_first(sim->def.comm, sim->refused.found, &sim->refused,
                                 sizeof sim->refused);
         take_back(sim, t0);

@@ -11,9 +11,9 @@ static void find_fastest(const weft_sim *sim, weft_failure *out)
 {
     const size_t n = weft_cloth_particles(sim->cloth);
     const weft_comm *comm = sim->def.comm;
-    const weft_band band = sim->cloth->band;
-    const size_t first = band.above * sim->cloth->cols;
-    const size_t end = first + band.own * sim->cloth->cols;
+    const weft_band band = sim->cloth->mesh.band;
+    const size_t first = band.above * sim->cloth->mesh.cols;
+    const size_t end = first + band.own * sim->cloth->mesh.cols;
     const double *x = sim->y, *v = sim->y + 3 * n;
     out->particle = first;
     for (size_t i = first; i < end; ++i) {
@@ -27,7 +27,7 @@ static void find_fastest(const weft_sim *sim, weft_failure *out)
     for (size_t k = 0; k < 3; ++k) {
         out->position[k] = x[k * n + out->particle];
     }
-    out->particle = weft__whole_index(sim->cloth, out->particle);
+    out->particle = weft__whole_index(&sim->cloth->mesh, out->particle);
     (void)weft__bands_first(comm, weft__bands_max(comm, out->speed) == out->speed, out,
                             sizeof *out);
 }

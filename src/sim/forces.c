@@ -26,7 +26,7 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
 {
     const weft_allocator memory = weft_allocator_or_malloc(given);
     const size_t each_thread
-        = cloth->contact.self ? SELF_PER_THREAD : PARTICLES_PER_THREAD;
+        = cloth->self.law.self ? SELF_PER_THREAD : PARTICLES_PER_THREAD;
     const size_t worth = weft_cloth_particles(cloth) / each_thread;
     const size_t rows = weft_cloth_band(cloth).own;
     const size_t useful = worth < rows ? worth : rows;
@@ -37,14 +37,15 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
     const bool many = count > 1 || weft_cloth_particles(cloth) > PARTICLES_CACHED;
     const size_t bands = count * (many && each > 1 ? each : 1);
     weft__self_list *self = NULL;
-    if (cloth->contact.self && measures != NULL) {
-        self = weft__self_list_create(cloth, team, &memory);
+    if (cloth->self.law.self && measures != NULL) {
+        self = weft__self_list_create(&cloth->self, team, &memory);
         if (self == NULL) {
             weft__free(&memory, measures);
             measures = NULL;
         }
     }
     return (weft__forces){ .cloth = cloth,
+                           .spaces = { [WEFT__FORCE_self] = self },
                            .team = team,
                            .bands = bands < WEFT_PARTS ? bands : WEFT_PARTS,
                            .self = self,
@@ -100,16 +101,16 @@ void weft__forces_bands(const weft__forces *forces, weft__band_fn *task, void *c
 
 typedef struct call {
     const weft__forces *forces;
-    const weft__subject *subject;
+    const weft__state *at;
     double *dydt;
     atomic_int failed;
-    weft__row_fn *row;
+    weft__measure_fn *measure;
 } call;
 
 static void force_band(void *ctx, size_t first, size_t end)
 {
     call *of = ctx;
-    if (weft__rhs_rows(of->subject, of->dydt, first, end) != 0) {
+    if (weft__rhs_blocks(of->forces->cloth, of->at, of->dydt, first, end) != 0) {
         atomic_store(&of->failed, 1);
     }
 }
@@ -117,47 +118,46 @@ static void force_band(void *ctx, size_t first, size_t end)
 int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
                      double *dydt)
 {
-    const weft__subject of = { .cloth = forces->cloth, .t = t, .y = y };
-    call all = { .forces = forces, .subject = &of, .dydt = dydt };
+    const weft__state at = { .t = t, .y = y };
+    call all = { .forces = forces, .at = &at, .dydt = dydt };
     if (forces->comm != NULL) {
-        return weft__bands_rhs(forces, &of, dydt);
+        return weft__bands_rhs(forces, &at, dydt);
     }
     weft__forces_bands(forces, force_band, &all);
-    if (forces->self != NULL) {
-        double *to = dydt + 3 * forces->cloth->particles;
-        return atomic_load(&all.failed) | weft__self_list_add(forces->self, &of, to);
-    }
-    return atomic_load(&all.failed);
+    return atomic_load(&all.failed)
+           | weft__rhs_all(forces->cloth, forces->spaces, &at, WEFT__ACCELERATION,
+                           dydt + 3 * forces->cloth->mesh.particles);
 }
 
 static void measure_band(void *ctx, size_t first, size_t end)
 {
     const call *of = ctx;
     const weft_cloth *cloth = of->forces->cloth;
-    for (size_t r = first; r < end; ++r) {
-        weft_measures *row = &of->forces->measures[r - weft_cloth_band(cloth).above];
-        *row = weft__row_start;
-        of->row(of->subject, r, row);
-        row->worst.p = weft__whole_index(cloth, row->worst.p);
-        row->worst.q = weft__whole_index(cloth, row->worst.q);
-        row->gap_particle = weft__whole_index(cloth, row->gap_particle);
+    const weft__mesh *mesh = &cloth->mesh;
+    for (size_t b = first; b < end; ++b) {
+        weft_measures *block = &of->forces->measures[b - mesh->band.above];
+        *block = weft__block_start;
+        of->measure(cloth, of->at, b, block);
+        block->worst.p = weft__whole_index(mesh, block->worst.p);
+        block->worst.q = weft__whole_index(mesh, block->worst.q);
+        block->gap_particle = weft__whole_index(mesh, block->gap_particle);
     }
 }
 
-weft_measures weft__forces_measure(const weft__forces *forces, const weft__subject *of,
-                                   weft__row_fn *row)
+weft_measures weft__forces_measure(const weft__forces *forces, const weft__state *at,
+                                   weft__measure_fn *of)
 {
-    call all = { .forces = forces, .subject = of, .row = row };
+    call all = { .forces = forces, .at = at, .measure = of };
     weft_measures sum = weft__measures_start;
     weft__forces_bands(forces, measure_band, &all);
-    const weft_measures *rows
+    const weft_measures *blocks
         = weft__bands_rows(forces, forces->measures, sizeof *forces->measures);
-    for (size_t r = 0; rows != NULL && r < weft_cloth_band(forces->cloth).rows; ++r) {
-        weft__measures_add(&sum, &rows[r]);
+    for (size_t b = 0; blocks != NULL && b < weft_cloth_band(forces->cloth).rows; ++b) {
+        weft__measures_add(&sum, &blocks[b]);
     }
     weft__bands_share(forces->comm, &sum, sizeof sum);
-    if (forces->self != NULL && row != weft__row_worst) {
-        weft__self_list_measure(forces->self, of, &sum);
+    if (forces->self != NULL && of != weft__block_worst) {
+        weft__measure_all(forces->cloth, forces->spaces, at, &sum);
     }
     return sum;
 }

@@ -1,20 +1,21 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* forces.h -- the equations of motion on the threads of a simulation, each a band of
- * rows: the same bits as on one. */
+/* forces.h -- the equations of motion on the threads of a simulation, each a range of
+ * blocks: the same bits as on one. */
 #ifndef WEFT_SIM_FORCES_H
 #define WEFT_SIM_FORCES_H
 
-#include "cloth/rows.h"
-#include "sim/self_list.h"
+#include "cloth/model.h"
+#include "forces/self/self_list.h"
 
 typedef struct weft__forces {
     const weft_cloth *cloth;
     weft__team *team; /* NULL: one thread */
     size_t bands;
-    weft__self_list *self;   /* NULL: none */
-    weft_measures *measures; /* of each own row; NULL: no memory */
-    const weft_comm *comm;   /* NULL: the cloth is whole */
-    weft_measures *all;      /* band 0: of all rows of the whole cloth */
+    weft__self_list *self;      /* NULL: none */
+    void *spaces[WEFT__FORCES]; /* workspaces of whole-cloth forces */
+    weft_measures *measures;    /* of each own block; NULL: no memory */
+    const weft_comm *comm;      /* NULL: the cloth is whole */
+    weft_measures *all;         /* band 0: of all rows of the whole cloth */
     weft_allocator memory;
 } weft__forces;
 
@@ -27,8 +28,8 @@ void weft__forces_destroy(weft__forces *forces);
 void weft__forces_run(const weft__forces *forces, weft__task *task, void *ctx,
                       size_t count);
 
-/* Calls task(ctx, first, end) for bands of rows [first, end) that make up the own
- * rows, on any thread and in any order. */
+/* Calls task(ctx, first, end) for ranges of blocks [first, end) that make up the
+ * own ones, on any thread and in any order. */
 typedef void weft__band_fn(void *ctx, size_t first, size_t end);
 void weft__forces_bands(const weft__forces *forces, weft__band_fn *task, void *ctx);
 
@@ -36,9 +37,9 @@ void weft__forces_bands(const weft__forces *forces, weft__band_fn *task, void *c
 int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
                      double *dydt);
 
-/* Measures each row of the whole cloth by `row` and adds them in their order; springs
+/* Measures each block of the whole cloth by `of` and adds them in their order; springs
  * and particles have their numbers in the whole. */
-weft_measures weft__forces_measure(const weft__forces *forces, const weft__subject *of,
-                                   weft__row_fn *row);
+weft_measures weft__forces_measure(const weft__forces *forces, const weft__state *at,
+                                   weft__measure_fn *of);
 
 #endif

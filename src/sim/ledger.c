@@ -24,8 +24,8 @@ static const struct {
 bool weft__ledger_rates(const weft__forces *forces, double t, const double *y,
                         double force_power, double *rates)
 {
-    const weft__subject of = { .cloth = forces->cloth, .t = t, .y = y };
-    const weft_measures all = weft__forces_measure(forces, &of, weft__row_power);
+    const weft__state of = { .t = t, .y = y };
+    const weft_measures all = weft__forces_measure(forces, &of, weft__block_power);
     memcpy(rates, all.power, sizeof all.power);
     rates[WEFT_POWERS] = force_power;
     return weft__all_finite(rates, WEFT__QUADRATURES);
@@ -33,8 +33,8 @@ bool weft__ledger_rates(const weft__forces *forces, double t, const double *y,
 
 static weft_energy energy_of(const weft__forces *forces, double t, const double *y)
 {
-    const weft__subject of = { .cloth = forces->cloth, .t = t, .y = y };
-    return weft__forces_measure(forces, &of, weft__row_energy).energy;
+    const weft__state of = { .t = t, .y = y };
+    return weft__forces_measure(forces, &of, weft__block_energy).energy;
 }
 
 void weft__ledger_start(weft__ledger *ledger, const weft_cloth *cloth, double *y)

@@ -121,9 +121,10 @@ static bool solve(weft__limit *self)
         if (fast) {
             memcpy(self->start, self->x, bytes);
         }
-        weft__limited_sweep(self->cloth, &self->def, self->x);
+        weft__limited_sweep(&self->cloth->springs, &self->def, self->x);
         ++self->stats.sweeps;
-        met = weft__limited_excess(self->cloth, &self->def, false, 1, self->x) == 0;
+        met = weft__limited_excess(&self->cloth->springs, &self->def, false, 1, self->x)
+              == 0;
     }
     return met;
 }
@@ -174,7 +175,8 @@ bool weft__limit_apply(weft__limit *limit, double step, double *y)
     for (size_t j = 0; j < limit->count; ++j) {
         limit->x[j] = candidate(limit, h, y, j);
     }
-    if (weft__limited_excess(limit->cloth, &limit->def, false, 1, limit->x) == 0) {
+    if (weft__limited_excess(&limit->cloth->springs, &limit->def, false, 1, limit->x)
+        == 0) {
         return false;
     }
     ++limit->stats.corrected;

@@ -3,7 +3,7 @@
 #ifndef WEFT_SIM_LIMIT_H
 #define WEFT_SIM_LIMIT_H
 
-#include "cloth/limit_springs.h"
+#include "forces/springs/limit_springs.h"
 #include "weft/sim.h"
 
 typedef struct weft__limit {

@@ -3,8 +3,7 @@
 #include <math.h>
 
 #include "base/memory.h"
-#include "cloth/pins.h"
-#include "cloth/shapes.h"
+#include "mesh/pins.h"
 #include "sim/bands.h"
 #include "sim/save.h"
 
@@ -64,7 +63,7 @@ static weft_status check_format(const unsigned char *head, weft_error *err)
 static weft_status check_size(const weft_sim *sim, const unsigned char *head,
                               size_t size, size_t *shapes, weft_error *err)
 {
-    const size_t rows = sim->cloth->band.rows, cols = sim->cloth->cols;
+    const size_t rows = sim->cloth->mesh.band.rows, cols = sim->cloth->mesh.cols;
     if (word(head, AT_ROWS) != rows || word(head, AT_COLS) != cols) {
         return weft_error_set(err, WEFT_INVALID,
                               "saved of %llu x %llu particles, and these are %zu x %zu",
@@ -86,7 +85,7 @@ static weft_status make_room(const weft_sim *sim, restored *to, weft_error *err)
 {
     const weft_allocator *memory = &sim->memory;
     to->front = weft__alloc(memory, to->front_words, WEFT__WORD);
-    to->holds = weft__alloc(memory, sim->cloth->particles, sizeof *to->holds);
+    to->holds = weft__alloc(memory, sim->cloth->mesh.particles, sizeof *to->holds);
     to->y = weft__alloc(memory, weft__sim_dim(sim), sizeof *to->y);
     to->shapes = weft__alloc(memory, to->shape_count, sizeof *to->shapes);
     return to->front != NULL && to->holds != NULL && to->y != NULL && to->shapes != NULL
@@ -97,8 +96,8 @@ static weft_status make_room(const weft_sim *sim, restored *to, weft_error *err)
 static weft_status read_planes(const weft_sim *sim, const source *from, restored *to,
                                weft_error *err)
 {
-    const size_t n = sim->cloth->particles;
-    size_t at = to->front_words + weft__whole_index(sim->cloth, 0);
+    const size_t n = sim->cloth->mesh.particles;
+    size_t at = to->front_words + weft__whole_index(&sim->cloth->mesh, 0);
     weft_status status = WEFT_OK;
     for (size_t k = 0; status == WEFT_OK && k < WEFT__SAVE_PLANES; ++k) {
         void *plane = k < 6 ? (void *)(to->y + k * n) : (void *)to->holds;
@@ -166,7 +165,7 @@ static weft_status check_definition(const weft_sim *sim, const restored *from,
     }
     if (word(from->front, AT_CLOTH) != sim->cloth_hash
         || (from->shape_count > 0
-            && word(shapes, 1) != weft__contact_hash(sim->cloth))) {
+            && word(shapes, 1) != weft__contact_hash(&sim->cloth->contact))) {
         return weft_error_set(err, WEFT_INVALID,
                               "saved of another cloth (springs, masses, pins, forces "
                               "or contact differ)");
@@ -209,7 +208,7 @@ static weft_status check_ledger(const weft_sim *sim, const weft__save_fields *sa
                                   .outside_work = saved->outside_work };
     weft_cloth loose = *sim->cloth; /* whose present shapes mean nothing */
     weft__forces forces = sim->forces;
-    loose.shape_count = 0;
+    loose.contact.shape_count = 0;
     forces.cloth = &loose;
     return isfinite(weft__ledger_read(&ledger, &forces, saved->t, y).residual)
                ? WEFT_OK
@@ -220,7 +219,7 @@ static weft_status check_holds(const weft_sim *sim, const uint64_t *holds,
                                weft_error *err)
 {
     for (size_t i = 0; i < weft_cloth_particles(sim->cloth); ++i) {
-        if (!weft__cloth_can_hold(sim->cloth, i, holds[i])) {
+        if (!weft__can_hold(&sim->cloth->mesh, i, holds[i])) {
             return weft_error_set(err, WEFT_INVALID, "a saved pin makes no sense");
         }
     }
@@ -238,7 +237,8 @@ static weft_status read_shapes(const weft_sim *sim, restored *to, weft_error *er
         }
         weft__words_get((char *)&def + AT_REALS, from + WEFT__WORD, SHAPE_REALS);
         if (!isfinite(since)
-            || weft__shape_make(sim->cloth, &def, since, k, &to->shapes[k], NULL)
+            || weft__shape_make(&sim->cloth->contact, &def, since, k, &to->shapes[k],
+                                NULL)
                    != WEFT_OK) {
             return weft_error_set(err, WEFT_INVALID, "a saved shape makes no sense");
         }
@@ -250,9 +250,9 @@ static weft_status check_gaps(const weft_sim *sim, const restored *from,
                               weft_error *err)
 {
     weft_cloth as_saved = *sim->cloth;
-    as_saved.shapes = from->shapes;
-    as_saved.shape_count = from->shape_count;
-    for (size_t i = 0; i < as_saved.particles; ++i) {
+    as_saved.contact.shapes = from->shapes;
+    as_saved.contact.shape_count = from->shape_count;
+    for (size_t i = 0; i < as_saved.mesh.particles; ++i) {
         const weft__breach breach
             = weft__particle_breach(&as_saved, from->fields.t, from->y, i);
         if (breach.found && from->holds[i] == WEFT__FREE) {
@@ -279,12 +279,12 @@ static void take_fields(weft_sim *sim, const weft__save_fields *from)
 static void take(weft_sim *sim, const restored *from)
 {
     for (size_t i = 0; i < weft_cloth_particles(sim->cloth); ++i) {
-        weft__cloth_set_hold(sim->cloth, i, (weft__hold)from->holds[i]);
+        weft__set_hold(&sim->cloth->mesh, i, (weft__hold)from->holds[i]);
     }
-    weft__cloth_pins_changed(sim->cloth, from->y);
-    weft__free(&sim->memory, sim->cloth->shapes);
-    sim->cloth->shapes = from->shapes;
-    sim->cloth->shape_count = from->shape_count;
+    weft__pins_changed(&sim->cloth->mesh, from->y);
+    weft__free(&sim->memory, sim->cloth->contact.shapes);
+    sim->cloth->contact.shapes = from->shapes;
+    sim->cloth->contact.shape_count = from->shape_count;
     take_fields(sim, &from->fields);
     memcpy(sim->y, from->y, weft__sim_dim(sim) * sizeof *sim->y);
     weft__structure_update(sim);

@@ -8,8 +8,7 @@
 #include <math.h>
 
 #include "base/memory.h"
-#include "cloth/pins.h"
-#include "cloth/shapes.h"
+#include "mesh/pins.h"
 #include "sim/bands.h"
 
 static weft__save_fields fields_of(const weft_sim *sim)
@@ -101,19 +100,19 @@ uint64_t weft__save_sum(const weft__forces *forces, const double *y,
                         const uint64_t *holds, const unsigned char *front, size_t words)
 {
     const weft_cloth *cloth = forces->cloth;
-    const size_t cols = cloth->cols;
+    const size_t cols = cloth->mesh.cols;
     uint64_t *own = (uint64_t *)(void *)forces->measures;
-    for (size_t r = 0; r < cloth->band.own; ++r) {
-        const size_t first = (cloth->band.above + r) * cols;
+    for (size_t r = 0; r < cloth->mesh.band.own; ++r) {
+        const size_t first = (cloth->mesh.band.above + r) * cols;
         own[r] = WEFT__HASH_START;
         for (size_t k = 0; k < 6; ++k) {
-            own[r] = add_words(own[r], y + k * cloth->particles + first, cols);
+            own[r] = add_words(own[r], y + k * cloth->mesh.particles + first, cols);
         }
         own[r] = add_words(own[r], holds + first, cols);
     }
     const uint64_t *rows = weft__bands_rows(forces, own, sizeof *own);
     const uint64_t sum = weft__words_sum(front, rows == NULL ? 0 : words);
-    return rows == NULL ? sum : add_words(sum, rows, cloth->band.rows);
+    return rows == NULL ? sum : add_words(sum, rows, cloth->mesh.band.rows);
 }
 
 /* ---- to bytes -------------------------------------------------------------------- */
@@ -124,7 +123,7 @@ static void put_head(const weft_sim *sim, unsigned char *to)
     weft__save_name(sim, name);
     memcpy(to, WEFT__SAVE_MAGIC, WEFT__WORD);
     weft__word_put(to + AT_VERSION * WEFT__WORD, WEFT__SAVE_VERSION);
-    weft__word_put(to + AT_ROWS * WEFT__WORD, sim->cloth->band.rows);
+    weft__word_put(to + AT_ROWS * WEFT__WORD, sim->cloth->mesh.band.rows);
     weft__word_put(to + AT_COLS * WEFT__WORD, weft_cloth_cols(sim->cloth));
     weft__word_put(to + AT_QUADRATURES * WEFT__WORD, sim->config.quadratures);
     weft__word_put(to + AT_CLOTH * WEFT__WORD, sim->cloth_hash);
@@ -134,11 +133,12 @@ static void put_head(const weft_sim *sim, unsigned char *to)
 
 static void put_shapes(const weft_cloth *cloth, unsigned char *to)
 {
-    weft__word_put(to, cloth->shape_count);
-    weft__word_put(to + WEFT__WORD, weft__contact_hash(cloth));
+    weft__word_put(to, cloth->contact.shape_count);
+    weft__word_put(to + WEFT__WORD, weft__contact_hash(&cloth->contact));
     to += 2 * WEFT__WORD;
-    for (size_t k = 0; k < cloth->shape_count; ++k, to += SHAPE_WORDS * WEFT__WORD) {
-        const weft__shape *shape = &cloth->shapes[k];
+    for (size_t k = 0; k < cloth->contact.shape_count;
+         ++k, to += SHAPE_WORDS * WEFT__WORD) {
+        const weft__shape *shape = &cloth->contact.shapes[k];
         weft__word_put(to, (uint64_t)shape->def.kind);
         weft__words_put(to + WEFT__WORD, (const char *)&shape->def + AT_REALS,
                         SHAPE_REALS);
@@ -173,9 +173,11 @@ static weft_status put_planes(const weft_sim *sim, const parts *to, weft_status 
                               weft_error *err)
 {
     const weft_cloth *cloth = sim->cloth;
-    const size_t n = cloth->particles, cols = cloth->cols;
-    const size_t own = cloth->band.own * cols, skip = cloth->band.above * cols;
-    size_t at = weft__save_front(sim, cloth->shape_count) + cloth->band.first * cols;
+    const size_t n = cloth->mesh.particles, cols = cloth->mesh.cols;
+    const size_t own = cloth->mesh.band.own * cols,
+                 skip = cloth->mesh.band.above * cols;
+    size_t at = weft__save_front(sim, cloth->contact.shape_count)
+                + cloth->mesh.band.first * cols;
     for (size_t k = 0; k < WEFT__SAVE_PLANES; ++k) {
         const void *from = k < 6 ? (const void *)(sim->y + k * n + skip)
                                  : (const void *)(to->holds + skip);
@@ -191,15 +193,15 @@ static weft_status put_planes(const weft_sim *sim, const parts *to, weft_status 
 
 static weft_status put_all(weft_sim *sim, const parts *to, weft_error *err)
 {
-    const size_t words = weft__save_front(sim, sim->cloth->shape_count);
+    const size_t words = weft__save_front(sim, sim->cloth->contact.shape_count);
     const bool first = weft__bands_is_first(sim->def.comm);
     weft_status status = weft_sim_restart(sim, err);
     if (status != WEFT_OK) {
         return status;
     }
-    weft__cloth_pins_changed(sim->cloth, sim->y); /* as restore will */
-    for (size_t i = 0; i < sim->cloth->particles; ++i) {
-        to->holds[i] = weft__cloth_hold(sim->cloth, i);
+    weft__pins_changed(&sim->cloth->mesh, sim->y); /* as restore will */
+    for (size_t i = 0; i < sim->cloth->mesh.particles; ++i) {
+        to->holds[i] = weft__hold_of(&sim->cloth->mesh, i);
     }
     put_front(sim, to->front);
     weft__word_put(
@@ -225,8 +227,8 @@ weft_status weft_sim_save_parts(weft_sim *sim, weft_save_put *put, void *ctx,
             "the energy ledger is not finite: it could not be restored");
     }
     const weft_allocator *memory = &sim->memory;
-    const size_t n = sim->cloth->particles;
-    const size_t front = weft__save_front(sim, sim->cloth->shape_count);
+    const size_t n = sim->cloth->mesh.particles;
+    const size_t front = weft__save_front(sim, sim->cloth->contact.shape_count);
     parts to = { .put = put, .ctx = ctx };
     to.front = weft__alloc(memory, front, WEFT__WORD);
     to.holds = weft__alloc(memory, n, sizeof *to.holds);

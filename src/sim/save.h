@@ -60,7 +60,7 @@ static inline size_t weft__save_front(const weft_sim *sim, size_t shapes)
 /* Of the whole cloth, in a plane. */
 static inline size_t weft__save_particles(const weft_sim *sim)
 {
-    return sim->cloth->band.rows * sim->cloth->cols;
+    return sim->cloth->mesh.band.rows * sim->cloth->mesh.cols;
 }
 
 /* The name of the method, cut to the room, then zeros. */

@@ -9,10 +9,9 @@
 #include "base/given.h"
 #include "base/log.h"
 #include "base/memory.h"
-#include "cloth/crossing.h"
 #include "cloth/model.h"
-#include "cloth/pins.h"
-#include "cloth/rows.h"
+#include "forces/self/crossing.h"
+#include "mesh/pins.h"
 #include "plugin/methods.h"
 #include "plugin/registry.h"
 #include "sim/bands.h"
@@ -51,7 +50,7 @@ static weft_status take_config(weft_sim *sim, weft_error *err)
                               "integrates no quadratures",
                               def->method->name);
     }
-    if (def->comm != NULL && def->cloth->contact.self) {
+    if (def->comm != NULL && def->cloth->self.law.self) {
         return weft_error_set(err, WEFT_UNSUPPORTED,
                               "contact of the cloth with itself needs the whole cloth: "
                               "a band does not know which others it meets");
@@ -289,7 +288,7 @@ static weft_status check_corrected(weft_sim *sim, bool jumped, weft_error *err)
         return weft__sim_fail(sim, &why, err);
     }
     if (jumped) {
-        (void)weft__crossing_error(sim->cloth, sim->y, SIZE_MAX,
+        (void)weft__crossing_error(&sim->cloth->self, sim->y, SIZE_MAX,
                                    "after the correction ", &why);
     }
     return why.status == WEFT_OK ? WEFT_OK : weft__sim_fail(sim, &why, err);
@@ -383,17 +382,17 @@ const weft_cloth *weft_sim_cloth(const weft_sim *sim)
 
 weft_measures weft_sim_measure(const weft_sim *sim)
 {
-    const weft__subject of = { .cloth = sim->cloth, .t = sim->t, .y = sim->y };
-    weft__row_fn *row = sim->ledger.on ? weft__row_all : weft__row_state;
-    return weft__forces_measure(&sim->forces, &of, row);
+    const weft__state at = { .t = sim->t, .y = sim->y };
+    weft__measure_fn *of = sim->ledger.on ? weft__block_all : weft__block_state;
+    return weft__forces_measure(&sim->forces, &at, of);
 }
 
 /* Of a band its first row has the counts. */
 static void count_row(const void *ctx, size_t r, double *numbers)
 {
     const weft_cloth *cloth = ctx;
-    const bool counts = r == cloth->band.above;
-    numbers[0] = weft__row_mass(cloth, r);
+    const bool counts = r == cloth->mesh.band.above;
+    numbers[0] = weft__block_mass(cloth, r);
     numbers[1] = counts ? (double)weft_cloth_pins(cloth) : 0.0;
     for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
         numbers[2 + k]
@@ -405,7 +404,7 @@ weft_totals weft_sim_totals(const weft_sim *sim)
 {
     double sum[2 + WEFT_FAMILIES];
     weft__bands_sum(&sim->forces, count_row, sim->cloth, 2 + WEFT_FAMILIES, sum);
-    weft_totals out = { .particles = sim->cloth->band.rows * sim->cloth->cols,
+    weft_totals out = { .particles = sim->cloth->mesh.band.rows * sim->cloth->mesh.cols,
                         .pins = (size_t)sum[1],
                         .mass = sum[0] };
     for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
@@ -475,14 +474,14 @@ weft_spring weft_sim_limit_worst(const weft_sim *sim)
     if (!limits(sim)) {
         return (weft_spring){ 0 };
     }
-    const weft__subject of
-        = { .cloth = sim->cloth, .y = sim->y, .families = sim->def.limit.families };
-    return weft__forces_measure(&sim->forces, &of, weft__row_worst).worst;
+    const weft__state of = { .y = sim->y, .families = sim->def.limit.families };
+    return weft__forces_measure(&sim->forces, &of, weft__block_worst).worst;
 }
 
 size_t weft_sim_limit_held(const weft_sim *sim)
 {
-    return weft__limited_excess(sim->cloth, &sim->limit.def, true, SIZE_MAX, sim->y);
+    return weft__limited_excess(&sim->cloth->springs, &sim->limit.def, true, SIZE_MAX,
+                                sim->y);
 }
 
 /* Copies three planes of n to triples. */
@@ -554,7 +553,7 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
         if (breach.found) {
             return weft__breach_error(sim->cloth, &breach, "would be", err);
         }
-        if (weft__crossing_error(sim->cloth, sim->start, SIZE_MAX, "", err)
+        if (weft__crossing_error(&sim->cloth->self, sim->start, SIZE_MAX, "", err)
             != WEFT_OK) {
             return WEFT_INVALID;
         }

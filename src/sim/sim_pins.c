@@ -2,8 +2,8 @@
 /* sim_pins.c -- pins that change while a simulation runs. */
 #include <math.h>
 
-#include "cloth/crossing.h"
-#include "cloth/pins.h"
+#include "forces/self/crossing.h"
+#include "mesh/pins.h"
 #include "sim/simulation.h"
 
 static weft_status check(const weft_sim *sim, const char *function, size_t i,
@@ -40,8 +40,8 @@ weft_status weft_sim_pin(weft_sim *sim, size_t i, const double velocity[3],
     for (size_t k = 0; k < 3; ++k) {
         sim->y[(3 + k) * n + i] = v[k];
     }
-    weft__cloth_set_hold(sim->cloth, i, WEFT__COASTING);
-    weft__cloth_pins_changed(sim->cloth, sim->y);
+    weft__set_hold(&sim->cloth->mesh, i, WEFT__COASTING);
+    weft__pins_changed(&sim->cloth->mesh, sim->y);
     weft__sim_change_ends(sim, true);
     return WEFT_OK;
 }
@@ -70,7 +70,7 @@ weft_status weft_sim_move_pin(weft_sim *sim, size_t i, const double position[3],
     const double before[3] = { sim->y[i], sim->y[n + i], sim->y[2 * n + i] };
     weft__sim_change_begins(sim);
     place(sim, i, position);
-    if (weft__crossing_error(sim->cloth, sim->y, SIZE_MAX, "", err) != WEFT_OK) {
+    if (weft__crossing_error(&sim->cloth->self, sim->y, SIZE_MAX, "", err) != WEFT_OK) {
         place(sim, i, before);
         return WEFT_INVALID;
     }
@@ -87,12 +87,12 @@ weft_status weft_sim_unpin(weft_sim *sim, size_t i, weft_error *err)
         if (breach.found) {
             return weft__breach_error(sim->cloth, &breach, "is", err);
         }
-        if (weft__crossing_error(sim->cloth, sim->y, i, "", err) != WEFT_OK) {
+        if (weft__crossing_error(&sim->cloth->self, sim->y, i, "", err) != WEFT_OK) {
             return WEFT_INVALID;
         }
         weft__sim_change_begins(sim);
-        weft__cloth_set_hold(sim->cloth, i, WEFT__FREE);
-        weft__cloth_pins_changed(sim->cloth, sim->y);
+        weft__set_hold(&sim->cloth->mesh, i, WEFT__FREE);
+        weft__pins_changed(&sim->cloth->mesh, sim->y);
         weft__sim_change_ends(sim, true);
     }
     return status;

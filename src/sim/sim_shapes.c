@@ -4,7 +4,6 @@
 
 #include "base/finite.h"
 #include "base/memory.h"
-#include "cloth/shapes.h"
 #include "sim/bands.h"
 #include "sim/simulation.h"
 
@@ -15,9 +14,9 @@ static weft_status check(const weft_sim *sim, const char *function, size_t k,
     if (can != WEFT_OK) {
         return can;
     }
-    if (k >= sim->cloth->shape_count) {
+    if (k >= sim->cloth->contact.shape_count) {
         return weft_error_set(err, WEFT_INVALID, "no shapes[%zu]: there are %zu", k,
-                              sim->cloth->shape_count);
+                              sim->cloth->contact.shape_count);
     }
     return WEFT_OK;
 }
@@ -27,15 +26,15 @@ static weft_status put(weft_sim *sim, size_t k, const weft__shape *shape,
                        weft_error *err)
 {
     weft_cloth *cloth = sim->cloth;
-    const size_t count = cloth->shape_count;
-    const weft__shape before = k < count ? cloth->shapes[k] : *shape;
+    const size_t count = cloth->contact.shape_count;
+    const weft__shape before = k < count ? cloth->contact.shapes[k] : *shape;
     weft__sim_change_begins(sim);
-    cloth->shapes[k] = *shape;
-    cloth->shape_count = k < count ? count : count + 1;
+    cloth->contact.shapes[k] = *shape;
+    cloth->contact.shape_count = k < count ? count : count + 1;
     const weft__breach breach = weft__state_breach(cloth, sim->t, sim->y);
     if (breach.found) {
-        cloth->shapes[k] = before;
-        cloth->shape_count = count;
+        cloth->contact.shapes[k] = before;
+        cloth->contact.shape_count = count;
         return weft__breach_error(cloth, &breach, "would be", err);
     }
     weft__sim_change_ends(sim, true);
@@ -45,24 +44,25 @@ static weft_status put(weft_sim *sim, size_t k, const weft__shape *shape,
 static weft_status make_room(weft_sim *sim, weft_error *err)
 {
     weft_cloth *cloth = sim->cloth;
-    weft__shape *grown = weft__resize(&sim->memory, cloth->shapes,
-                                      cloth->shape_count + 1, sizeof *grown);
+    weft__shape *grown = weft__resize(&sim->memory, cloth->contact.shapes,
+                                      cloth->contact.shape_count + 1, sizeof *grown);
     if (grown == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for shapes[%zu]",
-                              cloth->shape_count);
+                              cloth->contact.shape_count);
     }
-    cloth->shapes = grown;
+    cloth->contact.shapes = grown;
     return weft__sim_make_start(sim, err);
 }
 
 weft_status weft_sim_add_shape(weft_sim *sim, const weft_shape *shape, size_t *k,
                                weft_error *err)
 {
-    const size_t count = sim->cloth->shape_count;
+    const size_t count = sim->cloth->contact.shape_count;
     weft__shape made;
     weft_status status = weft__sim_changeable(sim, "weft_sim_add_shape", err);
     if (status == WEFT_OK) {
-        status = weft__shape_make(sim->cloth, shape, sim->t, count, &made, err);
+        status
+            = weft__shape_make(&sim->cloth->contact, shape, sim->t, count, &made, err);
     }
     if (status == WEFT_OK) {
         status = make_room(sim, err);
@@ -111,7 +111,7 @@ weft_status weft_sim_move_shape(weft_sim *sim, size_t k, const double place[3],
         memset(def.amplitude, 0, sizeof def.amplitude);
     }
     move_to(&def, sim->t, place != NULL ? place : present);
-    status = weft__shape_make(sim->cloth, &def, sim->t, k, &made, err);
+    status = weft__shape_make(&sim->cloth->contact, &def, sim->t, k, &made, err);
     return status == WEFT_OK ? put(sim, k, &made, err) : status;
 }
 
@@ -121,30 +121,31 @@ weft_status weft_sim_remove_shape(weft_sim *sim, size_t k, weft_error *err)
     if (status == WEFT_OK) {
         weft_cloth *cloth = sim->cloth;
         weft__sim_change_begins(sim);
-        --cloth->shape_count;
-        memmove(cloth->shapes + k, cloth->shapes + k + 1,
-                (cloth->shape_count - k) * sizeof *cloth->shapes);
+        --cloth->contact.shape_count;
+        memmove(cloth->contact.shapes + k, cloth->contact.shapes + k + 1,
+                (cloth->contact.shape_count - k) * sizeof *cloth->contact.shapes);
         weft__sim_change_ends(sim, true);
     }
     return status;
 }
 
 typedef struct pressed {
-    weft__subject of;
+    const weft_cloth *cloth;
+    weft__state at;
     size_t k;
 } pressed;
 
 static void row_load(const void *ctx, size_t r, double *load)
 {
     const pressed *shape = ctx;
-    weft__row_load(&shape->of, r, shape->k, load);
+    weft__block_load(&shape->cloth->contact, &shape->at, r, shape->k, load);
 }
 
 void weft_sim_shape_load(const weft_sim *sim, size_t k, double force[3],
                          double torque[3])
 {
     const pressed shape
-        = { .of = { .cloth = sim->cloth, .t = sim->t, .y = sim->y }, .k = k };
+        = { .cloth = sim->cloth, .at = { .t = sim->t, .y = sim->y }, .k = k };
     double load[WEFT__LOAD];
     weft__bands_sum(&sim->forces, row_load, &shape, WEFT__LOAD, load);
     memcpy(force, load, 3 * sizeof *force);

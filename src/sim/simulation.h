@@ -50,7 +50,7 @@ struct weft_sim {
                            INFINITY: that was an event */
 };
 
-/* motion.c: the right-hand side of a simulation, which is ctx. */
+/* sim_rhs.c: the right-hand side of a simulation, which is ctx. */
 int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx);
 
 /* Creates a stepper for the simulation; first_step [s] 0: that of the config. */

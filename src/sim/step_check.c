@@ -5,9 +5,6 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#include "cloth/levels.h"
-#include "cloth/springs.h"
-
 /* Of a correction, before it is given up. */
 enum { HALVINGS = 60 };
 
@@ -21,7 +18,8 @@ static void check_band(void *ctx, size_t first_row, size_t end_row)
 {
     path_check *of = ctx;
     if (!atomic_load_explicit(&of->failed, memory_order_relaxed)
-        && !of->cloth->level->clear(of->cloth, of->path, first_row, end_row)) {
+        && !of->cloth->contact.clear(&of->cloth->contact, of->path, first_row,
+                                     end_row)) {
         atomic_store(&of->failed, true);
     }
 }
@@ -29,7 +27,7 @@ static void check_band(void *ctx, size_t first_row, size_t end_row)
 static weft__breach self_breach(const weft__forces *forces, const weft__path *path)
 {
     const weft__stride stride
-        = { forces->cloth, path->y0, path->y1, path->t1 - path->t0 };
+        = { &forces->cloth->self, path->y0, path->y1, path->t1 - path->t0 };
     weft__breach out = { .t = path->t1 };
     out.found = forces->self != NULL
                 && !weft__self_list_clear(forces->self, &stride, out.pair, &out.gap);
@@ -46,16 +44,16 @@ bool weft__path_clear(const weft__forces *forces, const weft__path *path)
 weft__breach weft__path_breach(const weft__forces *forces, const weft__path *path)
 {
     const weft_cloth *cloth = forces->cloth;
-    const size_t first = cloth->band.above * cloth->cols;
-    const size_t own = cloth->band.own * cloth->cols;
+    const size_t first = cloth->mesh.band.above * cloth->mesh.cols;
+    const size_t own = cloth->mesh.band.own * cloth->mesh.cols;
     weft__breach out = { .t = path->t1 };
-    for (size_t k = 0; k < cloth->shape_count; ++k) {
-        const weft__passage shape = weft__passage_of(&cloth->shapes[k], path);
+    for (size_t k = 0; k < cloth->contact.shape_count; ++k) {
+        const weft__passage shape = weft__passage_of(&cloth->contact.shapes[k], path);
         const size_t end = out.found ? out.particle : first + own;
         for (size_t i = first; i < end; ++i) {
             double gap;
-            if (cloth->pin[i] == 0
-                && !weft__passage_clear(&shape, path, cloth->particles, i, &gap)) {
+            if (cloth->mesh.pin[i] == 0
+                && !weft__passage_clear(&shape, path, cloth->mesh.particles, i, &gap)) {
                 out = (weft__breach){
                     .found = true, .particle = i, .shape = k, .gap = gap, .t = path->t1
                 };
@@ -94,7 +92,7 @@ weft__breach weft__rhs_breach(const weft__forces *forces, double t, const double
 {
     weft__breach out = weft__state_breach(forces->cloth, t, y);
     if (!out.found && forces->self != NULL) {
-        const weft__subject of = { .cloth = forces->cloth, .t = t, .y = y };
+        const weft__state of = { .t = t, .y = y };
         weft_measures sum = weft__measures_start;
         weft__self_list_measure(forces->self, &of, &sum);
         memcpy(out.pair, sum.self_pair, sizeof out.pair);
@@ -107,11 +105,11 @@ weft__breach weft__rhs_breach(const weft__forces *forces, double t, const double
 weft__breach weft__particle_breach(const weft_cloth *cloth, double t, const double *y,
                                    size_t i)
 {
-    const size_t n = cloth->particles;
+    const size_t n = cloth->mesh.particles;
     const double x[3] = { y[i], y[n + i], y[2 * n + i] };
     weft__breach out = { .particle = i, .gap = INFINITY, .t = t };
-    for (size_t k = 0; k < cloth->shape_count; ++k) {
-        const weft__pose pose = weft__pose_of(&cloth->shapes[k], t);
+    for (size_t k = 0; k < cloth->contact.shape_count; ++k) {
+        const weft__pose pose = weft__pose_of(&cloth->contact.shapes[k], t);
         const double gap = weft__gap_at(&pose, x);
         if (gap < out.gap) {
             out.gap = gap, out.shape = k;
@@ -124,10 +122,11 @@ weft__breach weft__particle_breach(const weft_cloth *cloth, double t, const doub
 weft_status weft__breach_error(const weft_cloth *cloth, const weft__breach *breach,
                                const char *what, weft_error *err)
 {
-    const size_t i = weft__whole_index(cloth, breach->particle);
-    return weft_error_set(
-        err, WEFT_INVALID, "particle (%zu, %zu) %s %.3g mm inside shapes[%zu]",
-        i / cloth->cols, i % cloth->cols, what, 1e3 * fabs(breach->gap), breach->shape);
+    const size_t i = weft__whole_index(&cloth->mesh, breach->particle);
+    return weft_error_set(err, WEFT_INVALID,
+                          "particle (%zu, %zu) %s %.3g mm inside shapes[%zu]",
+                          i / cloth->mesh.cols, i % cloth->mesh.cols, what,
+                          1e3 * fabs(breach->gap), breach->shape);
 }
 
 /* ---- corrections ----------------------------------------------------------------- */
@@ -142,7 +141,8 @@ typedef struct correction {
 /* All six numbers of a particle, `share` of the way from where they were. */
 static void shorten(const correction *of, size_t i, double share)
 {
-    for (size_t j = i; j < 6 * of->cloth->particles; j += of->cloth->particles) {
+    for (size_t j = i; j < 6 * of->cloth->mesh.particles;
+         j += of->cloth->mesh.particles) {
         of->y[j] = of->from[j] + share * (of->y[j] - of->from[j]);
     }
 }
@@ -151,7 +151,7 @@ static void shorten(const correction *of, size_t i, double share)
  * shape. */
 static bool line_clear(const correction *of, const weft__pose *pose, size_t i)
 {
-    const size_t n = of->cloth->particles;
+    const size_t n = of->cloth->mesh.particles;
     const double *a = of->from + i, *b = of->y + i;
     const double x0[3] = { a[0], a[n], a[2 * n] }, x1[3] = { b[0], b[n], b[2 * n] };
     const double way[3] = { x1[0] - x0[0], x1[1] - x0[1], x1[2] - x0[2] };
@@ -164,10 +164,11 @@ static void hold_band(void *ctx, size_t first_row, size_t end_row)
 {
     const correction *of = ctx;
     const weft_cloth *cloth = of->cloth;
-    for (size_t k = 0; k < cloth->shape_count; ++k) {
-        const weft__pose pose = weft__pose_of(&cloth->shapes[k], of->t);
-        for (size_t i = first_row * cloth->cols; i < end_row * cloth->cols; ++i) {
-            for (int tries = 0; cloth->pin[i] == 0 && !line_clear(of, &pose, i);
+    for (size_t k = 0; k < cloth->contact.shape_count; ++k) {
+        const weft__pose pose = weft__pose_of(&cloth->contact.shapes[k], of->t);
+        for (size_t i = first_row * cloth->mesh.cols; i < end_row * cloth->mesh.cols;
+             ++i) {
+            for (int tries = 0; cloth->mesh.pin[i] == 0 && !line_clear(of, &pose, i);
                  ++tries) {
                 shorten(of, i, tries < HALVINGS ? 0.5 : 0.0);
             }

@@ -5,7 +5,7 @@
 #ifndef WEFT_SIM_STEP_CHECK_H
 #define WEFT_SIM_STEP_CHECK_H
 
-#include "cloth/passage.h"
+#include "forces/contact/passage.h"
 #include "sim/forces.h"
 
 /* A free particle that is in a shape, or may have passed through it; or two primitives

@@ -14,15 +14,17 @@ const char *weft_stop_name(weft_stop_quantity quantity)
 
 static double above_rest(const weft_cloth *cloth, const double *y, double part)
 {
-    const size_t n = cloth->particles;
+    const size_t n = cloth->mesh.particles;
     double kinetic = 0.0, work = 0.0, start[3];
     for (size_t i = 0; i < n; ++i) {
-        if (cloth->pin[i] == 0) {
-            weft__start_position(cloth, i / cloth->cols, i % cloth->cols, start);
+        if (cloth->mesh.pin[i] == 0) {
+            weft__start_position(&cloth->mesh, i / cloth->mesh.cols,
+                                 i % cloth->mesh.cols, start);
             for (size_t k = 0; k < 3; ++k) {
                 const double v = y[(3 + k) * n + i];
-                kinetic += 0.5 * cloth->mass[i] * v * v;
-                work += cloth->mass[i] * cloth->gravity[k] * (y[k * n + i] - start[k]);
+                kinetic += 0.5 * cloth->mesh.mass[i] * v * v;
+                work += cloth->mesh.mass[i] * cloth->body.gravity[k]
+                        * (y[k * n + i] - start[k]);
             }
         }
     }

@@ -2,8 +2,6 @@
 /* structure.c -- the weft_structure of a simulation: that of its cloth, with the
  * present pins and shapes. */
 #include "base/memory.h"
-#include "cloth/bending.h"
-#include "cloth/linearise.h"
 #include "cloth/model.h"
 #include "sim/simulation.h"
 
@@ -31,40 +29,18 @@ static size_t modes(double t, const double *y, double (*corners)[2], size_t room
     return count;
 }
 
-/* Those of a group that begin in row r. Writes nothing to runs NULL. */
-static void add_run(weft_structure *of, weft_bonds *runs, const weft_cloth *cloth,
-                    const weft__group *group, size_t r)
-{
-    const size_t p = r * cloth->cols + group->first_col;
-    const size_t count = group->end_col - group->first_col;
-    if (r >= group->end_row) {
-        return;
-    }
-    if (runs != NULL) {
-        runs[of->run_count] = (weft_bonds){ p, p + (size_t)group->stride, count };
-    }
-    ++of->run_count;
-    of->bond_count += count;
-}
-
-/* Row by row, as weft__row_springs, then bending. */
+/* Those of bending are the last. */
 static void list_runs(const weft_cloth *cloth, weft_structure *of, weft_bonds *runs)
 {
-    of->run_count = of->bond_count = 0;
-    for (size_t r = 0; r < cloth->rows; ++r) {
-        for (size_t g = 0; g < cloth->group_count; ++g) {
-            add_run(of, runs, cloth, &cloth->groups[g], r);
+    of->run_count = of->bond_count = of->bend_runs = of->bend_bonds = 0;
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        const weft__run_count all
+            = weft__list_runs(cloth, k, runs != NULL ? runs + of->run_count : NULL);
+        of->run_count += all.runs, of->bond_count += all.bonds;
+        if (k == WEFT__FORCE_bending) {
+            of->bend_runs = all.runs, of->bend_bonds = all.bonds;
         }
     }
-    of->bend_runs = of->run_count, of->bend_bonds = of->bond_count;
-    for (size_t i = 0; i < cloth->rows * WEFT_GROUPS; ++i) {
-        weft__group pairs;
-        if (weft__bending_pairs(cloth, i % WEFT_GROUPS, &pairs)) {
-            add_run(of, runs, cloth, &pairs, i / WEFT_GROUPS);
-        }
-    }
-    of->bend_runs = of->run_count - of->bend_runs;
-    of->bend_bonds = of->bond_count - of->bend_bonds;
 }
 
 weft_status weft__structure_init(weft_sim *sim, weft_error *err)
@@ -76,7 +52,7 @@ weft_status weft__structure_init(weft_sim *sim, weft_error *err)
                             .linearise = linearise,
                             .modes = modes,
                             .ctx = sim,
-                            .bend_damping = sim->cloth->rigidity.damping };
+                            .bend_damping = sim->cloth->bending.damping };
     list_runs(sim->cloth, of, NULL);
     sim->runs = weft__alloc(&sim->memory, of->run_count, sizeof *sim->runs);
     sim->masses = weft__alloc(&sim->memory, n, 2 * sizeof *sim->masses);
@@ -88,7 +64,7 @@ weft_status weft__structure_init(weft_sim *sim, weft_error *err)
     of->mass = sim->masses;
     of->drag = sim->masses + n;
     for (size_t i = 0; i < n; ++i) {
-        sim->masses[n + i] = sim->cloth->drag;
+        sim->masses[n + i] = sim->cloth->body.drag;
     }
     weft__structure_update(sim);
     sim->config.structure = of;
@@ -98,8 +74,8 @@ weft_status weft__structure_init(weft_sim *sim, weft_error *err)
 void weft__structure_update(weft_sim *sim)
 {
     const weft_cloth *cloth = sim->cloth;
-    for (size_t i = 0; i < cloth->particles; ++i) {
-        sim->masses[i] = cloth->pin[i] != 0 ? 0.0 : cloth->mass[i];
+    for (size_t i = 0; i < cloth->mesh.particles; ++i) {
+        sim->masses[i] = cloth->mesh.pin[i] != 0 ? 0.0 : cloth->mesh.mass[i];
     }
     sim->structure.block_planes = weft__sim_checks(sim) ? WEFT_BLOCK_PLANES : 0;
 }

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* isa.h -- levels of instructions. Functions that are compiled for each have the level
+ * at the end of their name; `loops` are the plain loops beside them, with the same
+ * bits. */
+#ifndef WEFT_BASE_ISA_H
+#define WEFT_BASE_ISA_H
+
+#include "weft/base.h"
+
+typedef enum weft__isa { WEFT__LOOPS, WEFT__PLAIN, WEFT__V3, WEFT__V4 } weft__isa;
+
+/* WEFT_FORM(isa, type, NAME): the function weft__NAME_LEVEL; WEFT_FORMS declares them.
+ * A build without fast forms, or with their files deleted, has weft__NAME_loops alone.
+ */
+#ifdef WEFT_PLAIN
+#define WEFT_LEVELS(X)
+#define WEFT_FORM(isa, type, name) ((void)(isa), weft__##name##_loops)
+#define WEFT_FORMS(type, name)     type weft__##name##_loops
+#elif defined __x86_64__ && defined __GNUC__
+#define WEFT_LEVELS(X) X(plain) X(v3) X(v4)
+#define WEFT_FORM(isa, type, name)                                                     \
+    (((type *const[]){ weft__##name##_loops, weft__##name##_plain, weft__##name##_v3,  \
+                       weft__##name##_v4 })[isa])
+#define WEFT_FORMS(type, name)                                                         \
+    type weft__##name##_loops, weft__##name##_plain, weft__##name##_v3,                \
+        weft__##name##_v4
+#else
+#define WEFT_LEVELS(X) X(plain)
+#define WEFT_FORM(isa, type, name)                                                     \
+    (((type *const[]){ weft__##name##_loops, weft__##name##_plain })[isa])
+#define WEFT_FORMS(type, name) type weft__##name##_loops, weft__##name##_plain
+#endif
+
+/* The levels of this machine are WEFT__PLAIN to the last one, the fastest. */
+weft__isa weft__isa_last(void);
+const char *weft__isa_name(weft__isa isa);
+
+/* The one of that name, which this machine must have; NULL or "": the fastest. */
+weft_status weft__isa_find(const char *name, weft__isa *out, weft_error *err);
+
+#endif

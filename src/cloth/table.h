@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* table.h -- all forces, in the order of summation, which is part of the result. */
+#ifndef WEFT_CLOTH_TABLE_H
+#define WEFT_CLOTH_TABLE_H
+
+#include "forces/bending/bending.h"
+#include "forces/body/body.h"
+#include "forces/contact/contact.h"
+#include "forces/self/self.h"
+#include "forces/springs/springs.h"
+#include "forces/wind/wind.h"
+
+#define WEFT_FORCES(X) X(springs) X(bending) X(body) X(wind) X(contact) X(self)
+
+#endif

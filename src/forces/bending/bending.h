@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* bending.h -- the bending rigidity of a plate, with second differences of neighbours,
+ *
+ *     D_r x = (x(r+1, c) - x(r, c)) - (x(r, c) - x(r-1, c)),   D_c along the row,
+ *
+ * in which a particle beyond the rim is where the last one is (a symmetric matrix),
+ *
+ *     F = -K (x + damping v),   K = D_r k_r D_r + D_c k_c D_c + k_t D_r D_c
+ *
+ * k_r is `along`, half of it on the first and last column, and 0 on the first and last
+ * row, where no three particles are centred; k_c is `across` likewise, k_t is `twist`.
+ * K has no force on flat cloth, stretched or rotated (docs/physics.md). */
+#ifndef WEFT_FORCES_BENDING_BENDING_H
+#define WEFT_FORCES_BENDING_BENDING_H
+
+#include "forces/force.h"
+
+/* All 0 without. */
+typedef struct weft__bending {
+    const weft__mesh *mesh;
+    double along, across; /* [N/m] of three particles along a column, along a row */
+    double twist;         /* [N/m] of a cell */
+    double damping;       /* [s] */
+    bool present;
+    weft__add_fn *fast;
+} weft__bending;
+
+WEFT__NUMBERS(weft__bending_numbers, rigidity, twist, damping);
+
+/* [N m] The twist of a definition, with its default. */
+double weft__twist_of(const weft_bending_def *of);
+
+/* The row or column before `at` and the one after it; beyond the rim `at` itself. */
+static inline size_t weft__before(size_t at)
+{
+    return at > 0 ? at - 1 : at;
+}
+
+static inline size_t weft__after(size_t at, size_t count)
+{
+    return at + 1 < count ? at + 1 : at;
+}
+
+extern const weft__force weft__bending_force;
+WEFT_FORMS(weft__add_fn, bending);
+
+#endif

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "forces/body/body.h"
+
+#include <string.h>
+
+#include "base/hash.h"
+#include "forces/bounds.h"
+
+const struct weft__body_numbers weft__body_numbers = {
+    WEFT__FIELD(weft_cloth_def, gravity, "m/s^2", .count = 3, .least = -HUGE_VAL),
+    WEFT__FIELD(weft_cloth_def, drag, "kg/s", .least = 0.0),
+};
+
+static void check(const weft_cloth_def *def, const weft__faults *to)
+{
+    (void)WEFT__NUMBERS_CHECK(weft__body_numbers, def, to, "%s", "");
+}
+
+static bool init(void *own, const weft_cloth_def *def, const weft_allocator *memory)
+{
+    weft__body *of = own;
+    (void)memory;
+    of->drag = def->drag;
+    memcpy(of->gravity, def->gravity, sizeof of->gravity);
+    return true;
+}
+
+static uint64_t hash_of(const void *own, uint64_t hash)
+{
+    const weft__body *of = own;
+    return weft__hash_real(weft__hash_reals(hash, of->gravity, 3), of->drag);
+}
+
+/* Of a cloth that no other force starts. */
+static int start(const void *own, const weft__body *body, const weft__state *at,
+                 double *dydt, size_t first, size_t end)
+{
+    static const double none[3];
+    const weft__mesh *mesh = body->mesh;
+    const size_t n = mesh->particles, last = weft__block(mesh, end);
+    const double *state = at->along != NULL ? at->along : at->y;
+    const double *gravity = at->along != NULL ? none : body->gravity;
+    double bad = 0.0;
+    (void)own;
+    for (size_t i = weft__block(mesh, first); i < last; ++i) {
+        for (size_t k = 0; k < 3; ++k) {
+            const double v = dydt[k * n + i] = state[(k + 3) * n + i];
+            const double a = dydt[(k + 3) * n + i]
+                = gravity[k] + mesh->inverse_mass[i] * (0.0 - body->drag * v);
+            bad += (v + a) * 0.0;
+        }
+    }
+    return bad == 0.0 ? 0 : 1;
+}
+
+static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+{
+    const weft__body *of = own;
+    const weft__mesh *mesh = of->mesh;
+    const size_t n = mesh->particles;
+    for (size_t i = weft__block(mesh, b); i < weft__block(mesh, b + 1); ++i) {
+        const double x[3] = { at->y[i], at->y[n + i], at->y[2 * n + i] };
+        if (mesh->pin[i] == 0) {
+            sum->energy.gravitational -= mesh->mass[i] * weft__dot(of->gravity, x);
+        }
+    }
+}
+
+static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+{
+    const weft__body *of = own;
+    const weft__mesh *mesh = of->mesh;
+    const size_t n = mesh->particles, end = weft__block(mesh, b + 1);
+    for (size_t i = weft__block(mesh, b); of->drag != 0.0 && i < end; ++i) {
+        const double *v = at->y + 3 * n + i;
+        const double speed[3] = { v[0], v[n], v[2 * n] };
+        if (mesh->pin[i] == 0) {
+            sum->power[WEFT_POWER_DRAG] += of->drag * weft__dot(speed, speed);
+        }
+    }
+}
+
+static void bound(const void *own, const weft__state *at, size_t i, weft__bound *sum)
+{
+    const weft__body *of = own;
+    (void)at;
+    sum->drag = of->drag * of->mesh->inverse_mass[i];
+}
+
+static void multiply(const void *own, const weft__state *at, double a, double b,
+                     const double *x, double *out)
+{
+    const weft__body *of = own;
+    (void)at, (void)a;
+    for (size_t j = 0; j < 3 * of->mesh->particles; ++j) {
+        out[j] += b * of->drag * x[j];
+    }
+}
+
+const weft__force weft__body_force = { .name = "body",
+                                       .check = check,
+                                       .init = init,
+                                       .hash = hash_of,
+                                       .start = start,
+                                       .energy = energy,
+                                       .power = power,
+                                       .bound = bound,
+                                       .multiply = multiply };

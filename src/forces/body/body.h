@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* body.h -- weight and viscous air: m g - drag v on each particle. */
+#ifndef WEFT_FORCES_BODY_BODY_H
+#define WEFT_FORCES_BODY_BODY_H
+
+#include "forces/force.h"
+
+typedef struct weft__body {
+    const weft__mesh *mesh;
+    double gravity[3]; /* [m/s^2] */
+    double drag;       /* [kg/s] */
+} weft__body;
+
+WEFT__NUMBERS(weft__body_numbers, gravity, drag);
+extern const weft__force weft__body_force;
+
+#endif

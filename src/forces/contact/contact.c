@@ -1,0 +1,342 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "forces/contact/contact.h"
+
+#include <string.h>
+
+#include "base/hash.h"
+#include "base/memory.h"
+#include "forces/contact/contact_bounds.h"
+
+typedef double num;
+#define NUM(a)          (a)
+#define ROOT(a)         sqrt(a)
+#define CHOOSE(t, a, b) ((t) ? (a) : (b))
+#define LAW             static inline
+#include "forces/contact/contact_law.h"
+
+double weft__touch_energy(const weft__contact *own, const weft__touch *touch)
+{
+    const weft_contact_def *law = &own->law;
+    const double z = touch->gap * (1.0 / law->thickness), s = 1.0 - z;
+    const double e = 0.5 * law->stopping_speed * law->stopping_speed * touch->share;
+    return z > 0.0 ? e * weft__power_of(s, law->exponent) * s * s / z
+                   : (double)INFINITY;
+}
+
+void weft__touch_forces(const weft_contact_def *law, double friction,
+                        weft__touch *touch)
+{
+    const law_touch of
+        = law_press(law, friction, touch->gap, touch->share, touch->speed,
+                    weft__dot(touch->slip, touch->slip), touch->steepness);
+    touch->push = of.push, touch->factor = of.factor;
+    touch->stiffness = of.stiffness, touch->drag = of.drag;
+}
+
+/* Of a particle at x with velocity v, whose gap is there. */
+static void find_speeds(const weft__pose *pose, const double x[3], const double v[3],
+                        weft__touch *touch)
+{
+    const double *g = touch->gradient;
+    double moving[3];
+    touch->steepness = touch->joined ? weft__length(g) : 1.0;
+    weft__surface_velocity(pose, x, touch->surface);
+    for (size_t k = 0; k < 3; ++k) {
+        touch->normal[k] = g[k] * (1.0 / touch->steepness);
+        moving[k] = v[k] - touch->surface[k];
+    }
+    touch->speed = weft__dot(moving, touch->normal);
+    for (size_t k = 0; k < 3; ++k) {
+        touch->slip[k] = moving[k] - touch->speed * touch->normal[k];
+    }
+}
+
+static bool find_touch(weft__touches *at, size_t i)
+{
+    const size_t n = at->own->mesh->particles;
+    const double *z = at->y + i;
+    const double x[3] = { z[0], z[n], z[2 * n] };
+    const double v[3] = { z[3 * n], z[4 * n], z[5 * n] };
+    weft__touch *touch = &at->touch;
+    touch->gap = weft__shape_gap(&at->pose, x, touch->gradient, &touch->joined);
+    if (touch->gap >= at->own->law.thickness) {
+        return false;
+    }
+    at->i = i;
+    touch->share = 1.0;
+    find_speeds(&at->pose, x, v, touch);
+    weft__touch_forces(&at->own->law, at->pose.friction, touch);
+    return true;
+}
+
+weft__touches weft__touches_of(const weft__contact *own, double t, const double *y,
+                               size_t first, size_t end)
+{
+    return (weft__touches){ .own = own,
+                            .t = t,
+                            .y = y,
+                            .first = first,
+                            .end = end,
+                            .next = end,
+                            .end_shape = own->shape_count };
+}
+
+bool weft__each_touch(weft__touches *at)
+{
+    const weft__contact *own = at->own;
+    for (;;) {
+        while (at->next < at->end) {
+            const size_t i = at->next++;
+            if (own->mesh->pin[i] == 0 && find_touch(at, i)) {
+                return true;
+            }
+        }
+        if (at->shapes == at->end_shape) {
+            return false;
+        }
+        at->pose = weft__pose_of(&own->shapes[at->shapes++], at->t);
+        at->next = at->first;
+    }
+}
+
+int weft__contact_loops(const void *own, const weft__state *at, weft__unit unit,
+                        double *to, size_t first, size_t end)
+{
+    const weft__contact *of = own;
+    const weft__mesh *mesh = of->mesh;
+    double bad = 0.0;
+    for (weft__touches all = weft__touches_of(
+             of, at->t, at->y, weft__block(mesh, first), weft__block(mesh, end));
+         weft__each_touch(&all);) {
+        const double scale = unit == WEFT__FORCE ? mesh->mass[all.i] : 1.0;
+        double *plane = to + all.i;
+        for (size_t k = 0; k < 3; ++k, plane += mesh->particles) {
+            const double more = weft__touch_acceleration(&all.touch, k);
+            *plane += all.touch.gap > 0.0 ? scale * more : (double)NAN;
+            bad += *plane * 0.0;
+        }
+    }
+    return bad == 0.0 ? 0 : 1;
+}
+
+static int add(const void *own, const weft__state *at, weft__unit unit, double *to,
+               size_t first, size_t end)
+{
+    const weft__contact *of = own;
+    weft__add_fn *form = unit == WEFT__FORCE ? weft__contact_loops : of->fast;
+    return of->shape_count > 0 ? form(own, at, unit, to, first, end) : 0;
+}
+
+static weft__touches of_block(const weft__contact *of, const weft__state *at, size_t b)
+{
+    return weft__touches_of(of, at->t, at->y, weft__block(of->mesh, b),
+                            weft__block(of->mesh, b + 1));
+}
+
+static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+{
+    const weft__contact *of = own;
+    for (weft__touches all = of_block(of, at, b); weft__each_touch(&all);) {
+        const weft__touch *touch = &all.touch;
+        const double m = of->mesh->mass[all.i];
+        const double taken = touch->push * (1.0 - touch->factor) * touch->steepness;
+        double work = 0.0;
+        for (size_t k = 0; k < 3; ++k) {
+            work += weft__touch_acceleration(touch, k) * touch->surface[k];
+        }
+        sum->power[WEFT_POWER_CONTACT] += m * (taken * touch->speed);
+        sum->power[WEFT_POWER_FRICTION]
+            += m * (touch->drag * weft__dot(touch->slip, touch->slip));
+        sum->power[WEFT_POWER_SHAPES] += m * work;
+    }
+}
+
+static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+{
+    const weft__contact *of = own;
+    for (weft__touches all = of_block(of, at, b); weft__each_touch(&all);) {
+        sum->energy.contact
+            += of->mesh->mass[all.i] * weft__touch_energy(of, &all.touch);
+    }
+}
+
+/* ---- gaps ------------------------------------------------------------------------ */
+
+static double gap_of(const weft__contact *own, const weft__state *at,
+                     const weft__pose *pose, size_t i)
+{
+    const size_t n = own->mesh->particles;
+    const double x[3] = { at->y[i], at->y[n + i], at->y[2 * n + i] };
+    return weft__gap_at(pose, x);
+}
+
+/* Whether particle i touches one of the first `count` shapes. */
+static bool touches_any(const weft__contact *own, const weft__state *at, size_t i,
+                        size_t count)
+{
+    bool touches = false;
+    for (size_t k = 0; k < count && !touches; ++k) {
+        const weft__pose pose = weft__pose_of(&own->shapes[k], at->t);
+        touches = gap_of(own, at, &pose, i) < own->law.thickness;
+    }
+    return touches;
+}
+
+void weft__keep_gap(weft_measures *kept, double gap, size_t particle, size_t shape)
+{
+    if (!isnan(kept->gap) && !(gap >= kept->gap)) {
+        kept->gap = gap;
+        kept->gap_particle = particle;
+        kept->gap_shape = shape;
+    }
+}
+
+void weft__block_gap(const weft__contact *own, const weft__state *at, size_t b,
+                     weft_measures *sum)
+{
+    const weft__mesh *mesh = own->mesh;
+    for (size_t k = 0; k < own->shape_count; ++k) {
+        const weft__pose pose = weft__pose_of(&own->shapes[k], at->t);
+        for (size_t i = weft__block(mesh, b); i < weft__block(mesh, b + 1); ++i) {
+            if (mesh->pin[i] == 0) {
+                const double gap = gap_of(own, at, &pose, i);
+                weft__keep_gap(sum, gap, i, k);
+                sum->touching
+                    += gap < own->law.thickness && !touches_any(own, at, i, k);
+            }
+        }
+    }
+}
+
+/* ---- loads ----------------------------------------------------------------------- */
+
+void weft__block_load(const weft__contact *own, const weft__state *at, size_t b,
+                      size_t k, double sum[WEFT__LOAD])
+{
+    const size_t n = own->mesh->particles;
+    weft__touches all = of_block(own, at, b);
+    memset(sum, 0, WEFT__LOAD * sizeof *sum);
+    for (all.shapes = k, all.end_shape = k + 1; weft__each_touch(&all);) {
+        double arm[3], f[3];
+        for (size_t j = 0; j < 3; ++j) {
+            arm[j] = at->y[j * n + all.i] - all.pose.at[j];
+            f[j] = -own->mesh->mass[all.i] * weft__touch_acceleration(&all.touch, j);
+            sum[j] += f[j];
+        }
+        for (size_t j = 0; j < 3; ++j) {
+            const size_t a = (j + 1) % 3, c = (j + 2) % 3;
+            sum[3 + j] += arm[a] * f[c] - arm[c] * f[a];
+        }
+    }
+}
+
+/* ---- its part of a cloth --------------------------------------------------------- */
+
+static bool init(void *own, const weft_cloth_def *def, const weft_allocator *memory)
+{
+    weft__contact *of = own;
+    of->law = def->contact;
+    of->law.shapes = NULL;
+    of->law.shape_count = 0;
+    of->shapes = weft__alloc(memory, def->contact.shape_count, sizeof *of->shapes);
+    if (of->shapes == NULL) {
+        return false;
+    }
+    of->shape_count = def->contact.shape_count;
+    for (size_t k = 0; k < of->shape_count; ++k) {
+        of->shapes[k] = weft__shape_of(&def->contact.shapes[k], def->contact.friction);
+    }
+    return true;
+}
+
+static const char *fault(const void *own)
+{
+    const weft__contact *of = own;
+    const char *wrong = NULL;
+    for (size_t k = 0; k < of->shape_count; ++k) {
+        wrong
+            = weft__motion_usable(&of->shapes[k].motion) ? wrong : "motions of shapes";
+    }
+    return wrong;
+}
+
+static void choose(void *own, weft__isa isa)
+{
+    weft__contact *of = own;
+    of->fast = WEFT_FORM(isa, weft__add_fn, contact);
+    of->clear = WEFT_FORM(isa, weft__clear_fn, clear);
+}
+
+static bool copy(void *own, const weft_allocator *memory)
+{
+    weft__contact *of = own;
+    const weft__shape *from = of->shapes;
+    of->shapes = weft__alloc(memory, of->shape_count, sizeof *from);
+    if (of->shapes != NULL) {
+        memcpy(of->shapes, from, of->shape_count * sizeof *from);
+    }
+    return of->shapes != NULL;
+}
+
+static void free_shapes(void *own, const weft_allocator *memory)
+{
+    weft__free(memory, ((weft__contact *)own)->shapes);
+}
+
+static uint64_t hash_shape(uint64_t hash, const weft__shape *shape)
+{
+    const weft_shape *def = &shape->def;
+    hash = weft__hash_word(hash, (uint64_t)def->kind);
+    hash = weft__hash_reals(hash, def->at, 3);
+    hash = weft__hash_reals(hash, shape->axis, 3);
+    hash = weft__hash_real(hash, shape->length);
+    hash = weft__hash_reals(hash, def->half, 3);
+    hash = weft__hash_real(hash, def->kind == WEFT_BOX ? def->rounding : def->radius);
+    hash = weft__hash_reals(hash, shape->spin, 3);
+    hash = weft__hash_real(hash, shape->friction);
+    return weft__motion_hash(&shape->motion, hash);
+}
+
+uint64_t weft__law_hash(const weft_contact_def *law, uint64_t hash)
+{
+    const double numbers[]
+        = { law->thickness, law->stopping_speed, law->damping, law->slip };
+    hash = weft__hash_word(hash, (uint64_t)law->exponent);
+    hash = weft__hash_word(hash, (uint64_t)law->law);
+    return weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
+}
+
+uint64_t weft__contact_hash(const weft__contact *own)
+{
+    return weft__law_hash(&own->law,
+                          weft__hash_real(WEFT__HASH_START, own->law.friction));
+}
+
+/* Nothing without contact. The law is hashed once, after self-contact. */
+static uint64_t hash_of(const void *own, uint64_t hash)
+{
+    const weft__contact *of = own;
+    for (size_t k = 0; k < of->shape_count; ++k) {
+        hash = hash_shape(hash, &of->shapes[k]);
+    }
+    if (of->law.self) {
+        hash = weft__hash_real(weft__hash_word(hash, 1), of->law.friction);
+    }
+    return of->shape_count > 0 || of->law.self ? weft__law_hash(&of->law, hash) : hash;
+}
+
+const weft__force weft__contact_force = { .name = "contact",
+                                          .check = weft__contact_def_check,
+                                          .init = init,
+                                          .fault = fault,
+                                          .hash = hash_of,
+                                          .choose = choose,
+                                          .copy = copy,
+                                          .free = free_shapes,
+                                          .add = add,
+                                          .change = weft__contact_change,
+                                          .energy = energy,
+                                          .power = power,
+                                          .grip = weft__contact_grip,
+                                          .multiply = weft__contact_multiply,
+                                          .blocks = weft__contact_blocks };

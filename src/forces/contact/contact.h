@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* contact.h -- the contact with shapes. A free particle of mass m at a gap
+ * d < dh = thickness from a shape, with s = 1 - z, z = d / dh, p = exponent,
+ * e = stopping_speed^2 / 2, g = grad d, n = g / |g|, V the velocity of the surface:
+ *
+ *     U  = m e phi(s),   phi = s^p / z
+ *     N0 = -dU/dd = (m e / dh) phi',   phi'  = s^(p-1) (p z + s) / z^2
+ *     kn = (m e / dh^2) phi'',         phi'' = s^(p-2) a / z^3,
+ *                                      a = p (p - 1) z^2 + 2 p s z + 2 s^2
+ *     N  = N0 (sqrt(1 + u^2) - u),     u = damping n.(v - V)
+ *     F  = N g - friction,             w = (v - V) - (n.(v - V)) n
+ *
+ *     smooth     friction = mu |g| N w / sqrt(|w|^2 + slip^2 + q^2)
+ *                q = mu N / (10 m sqrt(kn / m)):  q^2 = mu^2 e f^2 s^p (p z + s)^2
+ *                    / (100 a z),  f = N / N0
+ *     coulomb    friction = mu |g| N w / |w|, times 2 y - y^2 where y = |w| / slip < 1
+ *
+ * All forces are proportional to m, so m cancels in accelerations; docs/physics.md. */
+#ifndef WEFT_FORCES_CONTACT_CONTACT_H
+#define WEFT_FORCES_CONTACT_CONTACT_H
+
+#include "forces/contact/passage.h"
+
+/* A free particle within reach of a shape. */
+typedef struct weft__touch {
+    double gap;                    /* [m] */
+    double share;                  /* of e: 1 of a shape */
+    double gradient[3], steepness; /* g, |g| */
+    bool joined;                   /* where |g| is not 1 */
+    double normal[3];              /* n */
+    double surface[3];             /* [m/s] V */
+    double speed;                  /* [m/s] n.(v - V) */
+    double slip[3];                /* [m/s] w */
+    double push;                   /* [m/s^2] N0 / m */
+    double factor;                 /* f */
+    double stiffness;              /* [1/s^2] kn / m */
+    double drag;                   /* [1/s] friction / (m w) */
+} weft__touch;
+
+/* The touches of particles first to end - 1, shape after shape:
+ *
+ *     for (weft__touches at = weft__touches_of(cloth, t, y, first, end);
+ *          weft__each_touch(&at);)
+ *
+ * visits particle at.i of at.pose as at.touch. A gap that is <= 0 or not a
+ * number is within reach too. */
+typedef struct weft__touches {
+    const weft__contact *own;
+    double t;
+    const double *y;
+    size_t first, end, next;  /* particles */
+    size_t shapes, end_shape; /* shapes begun; pose is of the last */
+    weft__pose pose;
+    size_t i;
+    weft__touch touch;
+} weft__touches;
+
+weft__touches weft__touches_of(const weft__contact *own, double t, const double *y,
+                               size_t first, size_t end);
+bool weft__each_touch(weft__touches *at);
+
+/* Component k of F / m [m/s^2]. */
+static inline double weft__touch_acceleration(const weft__touch *touch, size_t k)
+{
+    return touch->push * touch->factor * touch->gradient[k]
+           - touch->drag * touch->slip[k];
+}
+
+/* s^(p - 2) */
+static inline double weft__power_of(double s, int exponent)
+{
+    double power = s;
+    for (int k = 3; k < exponent; ++k) {
+        power *= s;
+    }
+    return power;
+}
+
+/* push, factor, stiffness and drag from what is before them. */
+void weft__touch_forces(const weft_contact_def *law, double friction,
+                        weft__touch *touch);
+
+/* contact_slopes.c: for weft__force. */
+weft__add_fn weft__contact_change;
+int weft__contact_blocks(const void *own, const weft__state *at, double *blocks);
+
+/* U / m [J/kg]; infinite where the gap is not > 0. */
+double weft__touch_energy(const weft__contact *own, const weft__touch *touch);
+
+/* ---- measures -------------------------------------------------------------------- */
+
+/* The smaller gap; NaN is smaller than a number. */
+void weft__keep_gap(weft_measures *kept, double gap, size_t particle, size_t shape);
+
+/* The gaps and touches of block b. */
+void weft__block_gap(const weft__contact *own, const weft__state *at, size_t b,
+                     weft_measures *sum);
+
+/* What the particles of block b exert on shape k: force [N], torque [N m]. */
+enum { WEFT__LOAD = 6 };
+void weft__block_load(const weft__contact *own, const weft__state *at, size_t b,
+                      size_t k, double sum[WEFT__LOAD]);
+
+/* ---- numbers: contact_check.c ---------------------------------------------------- */
+
+WEFT__NUMBERS(weft__contact_numbers, thickness, stopping_speed, exponent, damping,
+              friction, slip, law);
+WEFT__NUMBERS(weft__shape_numbers, kind, at, velocity, amplitude, frequency, spin);
+extern const weft__number weft__shape_radius;   /* of a sphere or capsule */
+extern const weft__number weft__shape_rounding; /* of a box */
+
+/* Of contact, but not of its shapes. */
+void weft__contact_check(const weft_contact_def *law, const weft__faults *to);
+
+/* Of one shape, number `index`: the fields are offsets in weft_shape. */
+bool weft__shape_check(const weft_shape *shape, size_t index, const weft__faults *to);
+
+/* Whether no free particle starts inside a shape without faults; else which one, and
+ * how deep. */
+bool weft__start_check(const weft_cloth_def *def, size_t shape, char *text,
+                       size_t size);
+
+/* One more shape for a cloth, or its number `index`, that moves from `since` on; its
+ * mistakes are errors. */
+weft_status weft__shape_make(const weft__contact *own, const weft_shape *def,
+                             double since, size_t index, weft__shape *out,
+                             weft_error *err);
+
+/* Of all numbers of a definition with shapes or self-contact. */
+void weft__contact_def_check(const weft_cloth_def *def, const weft__faults *to);
+
+/* Of the law alone, which shapes that are added obey; after it a hash goes on. */
+uint64_t weft__law_hash(const weft_contact_def *law, uint64_t hash);
+uint64_t weft__contact_hash(const weft__contact *own);
+
+extern const weft__force weft__contact_force;
+WEFT_FORMS(weft__add_fn, contact);
+
+#endif

@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* contact_check.c -- the numbers of contact and of its shapes. */
+#include "base/finite.h"
+#include "forces/contact/contact.h"
+#include "mesh/grid_def.h"
+
+#define CONTACT(name) offsetof(weft_contact_def, name)
+#define SHAPE(name)   offsetof(weft_shape, name)
+#define POSITIVE      .strict = true
+#define NOT_NEGATIVE  .least = 0.0
+#define VECTOR        .count = 3, .least = -HUGE_VAL
+#define UP_TO(last)   .type = WEFT__ENUM, .most = (last)
+
+const struct weft__contact_numbers weft__contact_numbers = {
+    WEFT__FIELD(weft_contact_def, thickness, "m", POSITIVE),
+    WEFT__FIELD(weft_contact_def, stopping_speed, "m/s", POSITIVE),
+    WEFT__FIELD(weft_contact_def, exponent, NULL, .type = WEFT__INT, .least = 3.0,
+                .most = 10.0),
+    WEFT__FIELD(weft_contact_def, damping, "s/m", NOT_NEGATIVE),
+    WEFT__FIELD(weft_contact_def, friction, NULL, NOT_NEGATIVE),
+    WEFT__FIELD(weft_contact_def, slip, "m/s", POSITIVE),
+    WEFT__FIELD(weft_contact_def, law, NULL, UP_TO(WEFT_FRICTION_COULOMB)),
+};
+
+const struct weft__shape_numbers weft__shape_numbers = {
+    WEFT__FIELD(weft_shape, kind, NULL, UP_TO(WEFT_SHAPES - 1)),
+    WEFT__FIELD(weft_shape, at, "m", VECTOR),
+    WEFT__FIELD(weft_shape, velocity, "m/s", VECTOR),
+    WEFT__FIELD(weft_shape, amplitude, "m", VECTOR),
+    WEFT__FIELD(weft_shape, frequency, "Hz", NOT_NEGATIVE),
+    WEFT__FIELD(weft_shape, spin, "rad/s", VECTOR),
+};
+const weft__number weft__shape_radius = { SHAPE(radius), "radius", "m", POSITIVE };
+const weft__number weft__shape_rounding
+    = { SHAPE(rounding), "rounding", "m", POSITIVE };
+
+/* Products of numbers in range may be out of range: the law needs these. */
+static void check_products(const weft_contact_def *law, const weft__faults *to)
+{
+    const double v = law->stopping_speed, per = 1.0 / law->thickness;
+    const double u = law->damping * v, mu = law->friction, slip = law->slip;
+    const struct {
+        bool usable;
+        size_t field;
+        const char *text;
+    } products[] = {
+        { weft__positive(0.5 * v * v), CONTACT(stopping_speed),
+          "stopping_speed^2 / 2" },
+        { weft__positive(0.5 * v * v * per * per), CONTACT(thickness),
+          "stopping_speed^2 / (2 thickness^2)" },
+        { isfinite(u * u), CONTACT(damping), "(damping * stopping_speed)^2" },
+        { isfinite(mu * mu), CONTACT(friction), "friction^2" },
+        { weft__positive(slip * slip), CONTACT(slip), "slip^2" },
+    };
+    for (size_t i = 0; i < sizeof products / sizeof products[0]; ++i) {
+        if (!products[i].usable) {
+            weft__fault(to, products[i].field, CONTACT(stopping_speed),
+                        "contact: %s is too large or too small for a double",
+                        products[i].text);
+        }
+    }
+}
+
+void weft__contact_check(const weft_contact_def *law, const weft__faults *to)
+{
+    if (WEFT__NUMBERS_CHECK(weft__contact_numbers, law, to, "contact: ")) {
+        check_products(law, to);
+    }
+}
+
+/* Of spin along a direction, which is not 0: all of it. */
+static bool along(const double spin[3], const double way[3])
+{
+    const double cross[3]
+        = { spin[1] * way[2] - spin[2] * way[1], spin[2] * way[0] - spin[0] * way[2],
+            spin[0] * way[1] - spin[1] * way[0] };
+    return weft__length(cross) <= 1e-9 * weft__length(spin) * weft__length(way);
+}
+
+/* The first rule between its numbers that a shape breaks; NULL: none. */
+static const char *shape_fault(const weft_shape *shape, size_t *field)
+{
+    const double *a = shape->at, *b = shape->to, *h = shape->half;
+    const double axis[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
+    const bool plane = shape->kind == WEFT_PLANE, box = shape->kind == WEFT_BOX;
+    const bool capsule = shape->kind == WEFT_CAPSULE;
+    const struct {
+        bool wrong;
+        size_t field;
+        const char *message;
+    } rules[] = {
+        { plane && !weft__positive(weft__length(shape->normal)), SHAPE(normal),
+          "its normal must be finite and not zero" },
+        { capsule && !weft__positive(weft__length(axis)), SHAPE(to),
+          "its ends must be finite and apart" },
+        { box
+              && !(weft__all_finite(h, 3) && h[0] > shape->rounding
+                   && h[1] > shape->rounding && h[2] > shape->rounding),
+          SHAPE(half), "half of each edge must be finite and > rounding" },
+        { box && weft__length(shape->spin) != 0.0, SHAPE(spin), "a box cannot spin" },
+        { capsule && !along(shape->spin, axis), SHAPE(spin),
+          "a capsule spins about its axis only" },
+        { plane && !along(shape->spin, shape->normal), SHAPE(spin),
+          "a plane spins about its normal only" },
+        { !isfinite(shape->friction), SHAPE(friction), "its friction must be finite" },
+    };
+    for (size_t i = 0; i < sizeof rules / sizeof rules[0]; ++i) {
+        if (rules[i].wrong) {
+            *field = rules[i].field;
+            return rules[i].message;
+        }
+    }
+    return NULL;
+}
+
+bool weft__shape_check(const weft_shape *shape, size_t index, const weft__faults *to)
+{
+    const bool box = shape->kind == WEFT_BOX;
+    const bool round = shape->kind == WEFT_SPHERE || shape->kind == WEFT_CAPSULE;
+    const weft__number *size = box ? &weft__shape_rounding : &weft__shape_radius;
+    size_t field;
+    if (!WEFT__NUMBERS_CHECK(weft__shape_numbers, shape, to, "shapes[%zu]: ", index)
+        || !weft__numbers_check(size, box || round, shape, to,
+                                "shapes[%zu]: ", index)) {
+        return false;
+    }
+    const char *message = shape_fault(shape, &field);
+    if (message != NULL) {
+        weft__fault(to, field, field, "shapes[%zu]: %s", index, message);
+    }
+    return message == NULL;
+}
+
+/* The free particle that starts deepest inside a shape without faults, by its number in
+ * the whole cloth: the gap [m], > 0 if none does. */
+static double start_gap(const weft_cloth_def *def, const weft_shape *shape,
+                        size_t *particle)
+{
+    weft__mesh grid = { .rows = 0 };
+    double least = (double)INFINITY;
+    const weft__shape of = weft__shape_of(shape, 0.0);
+    const weft__pose pose = weft__pose_of(&of, 0.0);
+    weft__grid_init(&grid, def);
+    for (size_t i = 0; i < grid.particles; ++i) {
+        const size_t whole = weft__whole_index(&grid, i), c = i % grid.cols;
+        double x[3];
+        weft__start_position(&grid, i / grid.cols, c, x);
+        const double gap = weft__gap_at(&pose, x);
+        if (!(gap > 0.0) && gap < least
+            && weft__pin_of(def, whole / grid.cols, c) == 0) {
+            least = gap;
+            *particle = whole;
+        }
+    }
+    return least;
+}
+
+bool weft__start_check(const weft_cloth_def *def, size_t shape, char *text, size_t size)
+{
+    size_t i = 0;
+    const double gap = start_gap(def, &def->contact.shapes[shape], &i);
+    (void)weft_text_format(text, size,
+                           "particle (%zu, %zu) is %.3g mm inside shapes[%zu]",
+                           i / def->cols, i % def->cols, 1e3 * fabs(gap), shape);
+    return gap > 0.0;
+}
+
+static void check_shapes(const weft_cloth_def *def, const weft__faults *to)
+{
+    char inside[120];
+    for (size_t k = 0; k < def->contact.shape_count; ++k) {
+        if (weft__shape_check(&def->contact.shapes[k], k, to)
+            && !weft__start_check(def, k, inside, sizeof inside)) {
+            weft__fault(to, offsetof(weft_cloth_def, contact.shapes),
+                        offsetof(weft_cloth_def, contact.shapes), "%s", inside);
+        }
+    }
+}
+
+void weft__contact_def_check(const weft_cloth_def *def, const weft__faults *to)
+{
+    if (def->contact.shape_count > 0 || def->contact.self) {
+        weft__contact_check(&def->contact, to);
+        check_shapes(def, to);
+    }
+}
+
+weft_status weft__shape_make(const weft__contact *own, const weft_shape *def,
+                             double since, size_t index, weft__shape *out,
+                             weft_error *err)
+{
+    weft__refusal first = { WEFT_OK, err };
+    if (def == NULL) {
+        return weft_error_set(err, WEFT_INVALID, "shapes[%zu] is NULL", index);
+    }
+    if (!weft__shape_check(def, index, &(weft__faults){ weft__keep_first, &first })) {
+        return first.status;
+    }
+    *out = weft__shape_of(def, own->law.friction);
+    out->motion.since = since;
+    return weft__motion_usable(&out->motion)
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_INVALID,
+                                "the motions of shapes are too large or too small for "
+                                "a double");
+}

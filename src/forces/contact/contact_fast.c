@@ -1,0 +1,509 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* contact_fast.c -- the contact of contact.h and the check of passage.h, LANES
+ * particles at a time: the expressions of shapes.c, contact.c and passage.c. Blocks of
+ * particles are compared with the bounding box of a shape first, as most of them are
+ * far from most shapes. */
+#include "forces/contact/contact.h"
+#include "forces/lanes.h"
+
+/* BLOCK particles, a multiple of LANES, are compared with POSES shapes at a time. */
+enum { BLOCK = 128, POSES = 8 };
+
+/* Of the particles in each lane of a block. */
+typedef struct extent {
+    vec3 low, high; /* [m] */
+    vec size;       /* [m] of the numbers in it; NaN if one is not finite */
+} extent;
+
+typedef struct target {
+    double low[3], high[3]; /* [m] within thickness; a plane has none */
+    double size;            /* [m] of the numbers in it */
+} target;
+
+/* Where particles are to a shape. */
+typedef struct spot {
+    vec gap;
+    vec3 gradient;
+    mask joined; /* at an end or an edge, where |gradient| is not 1 */
+} spot;
+
+/* x above high or below low, 0 between them. */
+INLINE vec beyond(vec x, double low, double high)
+{
+    const vec over = x - high, under = x - low;
+    return only(over, ~(over <= 0.0)) + only(under, ~(under >= 0.0));
+}
+
+/* Code for each kind of shape: a kind that is a constant costs no branches. */
+#define EACH_KIND(X) X(WEFT_PLANE) X(WEFT_SPHERE) X(WEFT_CAPSULE) X(WEFT_BOX)
+
+INLINE vec3 along_axis(const weft__pose *pose, vec a)
+{
+    return (vec3){ a * pose->axis[0], a * pose->axis[1], a * pose->axis[2] };
+}
+
+/* Without joins 4-norms have one term: sqrt(a a) is a, from 1e-77 m to 1e77 m. */
+INLINE spot capsule_spot(const weft__pose *pose, vec3 r)
+{
+    const vec3 axis = along_axis(pose, splat(1.0));
+    const vec along = dot(r, axis);
+    const vec q = beyond(along, 0.0, pose->length), q2 = q * q;
+    const vec3 side = minus(r, scaled(along, axis));
+    const vec rho2 = dot(side, side);
+    const mask joined = q2 > 0.0;
+    const vec norm = root(any(joined) ? root(rho2 * rho2 + q2 * q2) : rho2);
+    const vec inverse = 1.0 / (norm * norm * norm);
+    const vec3 gradient
+        = plus(scaled(rho2 * inverse, side), scaled(q2 * q * inverse, axis));
+    return (spot){ norm - pose->radius, gradient, joined };
+}
+
+INLINE spot box_spot(const weft__pose *pose, vec3 r)
+{
+    const vec3 q = { beyond(r.x, -pose->inner[0], pose->inner[0]),
+                     beyond(r.y, -pose->inner[1], pose->inner[1]),
+                     beyond(r.z, -pose->inner[2], pose->inner[2]) };
+    const vec3 q2 = { q.x * q.x, q.y * q.y, q.z * q.z };
+    const mask joined = q2.x * q2.y + q2.y * q2.z + q2.z * q2.x > 0.0;
+    const vec norm = root(any(joined) ? root(dot(q2, q2)) : q2.x + q2.y + q2.z);
+    const vec inverse = 1.0 / (norm * norm * norm);
+    const vec3 gradient
+        = { q2.x * q.x * inverse, q2.y * q.y * inverse, q2.z * q.z * inverse };
+    return (spot){ norm - pose->radius, gradient, joined };
+}
+
+INLINE spot spot_of(const weft__pose *pose, weft_shape_kind kind, vec3 r)
+{
+    if (kind == WEFT_PLANE) {
+        const vec3 axis = along_axis(pose, splat(1.0));
+        return (spot){ .gap = dot(r, axis), .gradient = axis };
+    }
+    if (kind == WEFT_SPHERE) {
+        const vec distance = root(dot(r, r));
+        return (spot){ .gap = distance - pose->radius,
+                       .gradient = scaled(1.0 / distance, r) };
+    }
+    return kind == WEFT_CAPSULE ? capsule_spot(pose, r) : box_spot(pose, r);
+}
+
+INLINE vec3 surface_velocity(const weft__pose *pose, vec3 r)
+{
+    const double *v = pose->velocity, *spin = pose->spin;
+    return (vec3){ v[0] + (spin[1] * r.z - spin[2] * r.y),
+                   v[1] + (spin[2] * r.x - spin[0] * r.z),
+                   v[2] + (spin[0] * r.y - spin[1] * r.x) };
+}
+
+/* s^(p - 2) */
+INLINE vec power_of(vec s, int exponent)
+{
+    vec power = s;
+    for (int k = 3; k < exponent; ++k) {
+        power *= s;
+    }
+    return power;
+}
+
+/* Particles, in planes n apart, and their v'. */
+typedef struct slice {
+    const double *y, *inverse_mass;
+    double *to;
+    size_t n;
+} slice;
+
+/* Those from i on, within reach of a shape, between the stages find, press and add.
+ * Root and division are slow, so that each stage takes a whole block: processors then
+ * work on several vectors at a time. */
+typedef struct touch {
+    size_t i;
+    mask near;
+    spot at;
+    vec3 push, slip; /* [m/s^2] N g / m, [m/s] */
+    vec most, under; /* [m/s^2] mu |g| N / m; [m^2/s^2] |w|^2, smooth: + slip^2 + q^2 */
+} touch;
+
+INLINE vec3 away_from(const weft__pose *pose, vec3 x)
+{
+    return (vec3){ x.x - pose->at[0], x.y - pose->at[1], x.z - pose->at[2] };
+}
+
+/* The touch of particles from i on; false if none is near. */
+INLINE bool find(touch *self, const slice *of, const weft__pose *pose,
+                 weft_shape_kind kind, double thickness, size_t i)
+{
+    const spot at = spot_of(pose, kind, away_from(pose, load3(of->y + i, of->n)));
+    const mask near = (load(of->inverse_mass + i) > 0.0) & ~(at.gap >= thickness);
+    if (!any(near)) {
+        return false;
+    }
+    self->i = i, self->near = near, self->at = at;
+    return true;
+}
+
+INLINE void press(touch *self, const slice *of, const weft__pose *pose,
+                  const weft_contact_def *law, bool joined)
+{
+    const double e = 0.5 * law->stopping_speed * law->stopping_speed;
+    const double per = 1.0 / law->thickness, p = law->exponent, mu = pose->friction;
+    const vec3 gradient = self->at.gradient;
+    const vec3 moving
+        = minus(load3(of->y + 3 * of->n + self->i, of->n),
+                surface_velocity(pose, away_from(pose, load3(of->y + self->i, of->n))));
+    const vec z = self->at.gap * per, s = 1.0 - z;
+    const vec power = power_of(s, law->exponent);
+    const vec a = z * (p * (p - 1.0) * z + 2.0 * p * s) + 2.0 * s * s;
+    const vec b = p * z + s, inverse = 1.0 / (a * z), iz = a * inverse;
+    const vec steepness = joined ? only(root(dot(gradient, gradient)), self->at.joined)
+                                       + only(splat(1.0), ~self->at.joined)
+                                 : splat(1.0);
+    const vec3 normal = joined ? scaled(1.0 / steepness, gradient) : gradient;
+    const vec speed = dot(moving, normal), u = law->damping * speed;
+    const vec factor = root(1.0 + u * u) - u;
+    const vec force = (e * per * (power * s) * b * (iz * iz)) * factor;
+    const vec bend = factor * s * b, most = mu * force;
+    self->push = scaled(force, gradient);
+    self->slip = minus(moving, scaled(speed, normal));
+    self->most = joined ? most * steepness : most;
+    self->under = dot(self->slip, self->slip);
+    if (law->law == WEFT_FRICTION_SMOOTH) {
+        self->under += law->slip * law->slip
+                       + mu * mu * (0.01 * e * power * (bend * bend) * inverse);
+    }
+}
+
+/* [1/s] friction / (m w) */
+INLINE vec friction_drag(const weft_contact_def *law, const touch *of)
+{
+    const vec length = root(of->under);
+    if (law->law == WEFT_FRICTION_SMOOTH) {
+        return of->most / length;
+    }
+    const double per = 1.0 / law->slip;
+    const vec y = length * per;
+    const mask fades = y < 1.0;
+    return of->most * (only((2.0 - y) * per, fades) + only(1.0 / length, ~fades));
+}
+
+/* Adds to v'; 0 or NaN. */
+INLINE vec add(const touch *self, const slice *of, const weft_contact_def *law,
+               double friction)
+{
+    const vec3 drag = scaled(friction_drag(law, self), self->slip);
+    const vec3 more = friction == 0.0 ? self->push : minus(self->push, drag);
+    const vec3 sums = plus(load3(of->to + self->i, of->n), only3(more, self->near));
+    store3(of->to + self->i, of->n, sums);
+    return (sums.x + sums.y + sums.z) * 0.0
+           + only(splat((double)NAN), self->near & ~(self->at.gap > 0.0));
+}
+
+/* Copies, which stores do not change, stay in registers. */
+INLINE vec push_block(const slice *particles, size_t count, const weft__pose *shape,
+                      weft_shape_kind kind, const weft_contact_def *contact,
+                      int exponent)
+{
+    const slice of = *particles;
+    const weft__pose pose = *shape;
+    const bool joins = kind == WEFT_CAPSULE || kind == WEFT_BOX;
+    weft_contact_def law = *contact;
+    touch found[BLOCK / LANES], *next = found;
+    vec bad = splat(0.0);
+    law.exponent = exponent;
+    for (size_t i = 0; i < count; i += LANES) {
+        if (find(next, &of, &pose, kind, law.thickness, i)) {
+            ++next;
+        }
+    }
+    for (touch *at = found; at < next; ++at) {
+        if (joins && any(at->near & at->at.joined)) {
+            press(at, &of, &pose, &law, true);
+        } else {
+            press(at, &of, &pose, &law, false);
+        }
+    }
+    for (const touch *at = found; at < next; ++at) {
+        bad += add(at, &of, &law, pose.friction);
+    }
+    return bad;
+}
+
+/* Of a multiple of LANES. The usual exponent is compiled without a loop. */
+static vec push_any(const slice *of, size_t count, const weft__pose *pose,
+                    const weft_contact_def *law)
+{
+    const int p = law->exponent;
+    switch (pose->kind) {
+#define CASE(kind)                                                                     \
+    case kind:                                                                         \
+        return p == 4 ? push_block(of, count, pose, kind, law, 4)                      \
+                      : push_block(of, count, pose, kind, law, p);
+        EACH_KIND(CASE)
+#undef CASE
+    default:
+        return splat(0.0);
+    }
+}
+
+/* Of less than LANES: copies, with pinned particles in the other lanes. */
+static vec push_rest(const slice *of, size_t count, const weft__pose *pose,
+                     const weft_contact_def *law)
+{
+    double y[6 * LANES] = { 0 }, inverse_mass[LANES] = { 0 }, to[3 * LANES] = { 0 };
+    for (size_t i = 0; i < count; ++i) {
+        inverse_mass[i] = of->inverse_mass[i];
+        for (size_t k = 0; k < 6; ++k) {
+            y[k * LANES + i] = of->y[k * of->n + i];
+        }
+        for (size_t k = 0; k < 3; ++k) {
+            to[k * LANES + i] = of->to[k * of->n + i];
+        }
+    }
+    const vec bad = push_any(&(slice){ y, inverse_mass, to, LANES }, LANES, pose, law);
+    for (size_t i = 0; i < count; ++i) {
+        for (size_t k = 0; k < 3; ++k) {
+            of->to[k * of->n + i] = to[k * LANES + i];
+        }
+    }
+    return bad;
+}
+
+/* Of particles [first, end). */
+static vec push(const weft__contact *own, const weft__state *at, double *dvdt,
+                const weft__pose *pose, size_t first, size_t end)
+{
+    const size_t n = own->mesh->particles, rest = (end - first) % LANES;
+    const size_t whole = end - first - rest;
+    const double *inverse_mass = own->mesh->inverse_mass;
+    const slice block = { at->y + first, inverse_mass + first, dvdt + first, n };
+    const vec bad = push_any(&block, whole, pose, &own->law);
+    if (rest == 0) {
+        return bad;
+    }
+    const slice last
+        = { block.y + whole, block.inverse_mass + whole, block.to + whole, n };
+    return bad + push_rest(&last, rest, pose, &own->law);
+}
+
+/* ---- what is far ----------------------------------------------------------------- */
+
+/* Of particles [first, end), and of some before them where the last lanes are beyond.
+ * A product with 0 is NaN for a number that is not finite; processors multiply beside
+ * comparisons, but add instead of them. */
+INLINE extent bounds_of(const double *x, size_t n, size_t first, size_t end)
+{
+    const vec far = splat((double)INFINITY);
+    vec3 low = { far, far, far }, high = { -far, -far, -far };
+    vec zero = splat(end < LANES ? (double)NAN : 0.0);
+    for (size_t i = first; i < end && LANES <= end; i += LANES) {
+        const vec3 at = load3(x + (i + LANES <= end ? i : end - LANES), n);
+        low = (vec3){ least(low.x, at.x), least(low.y, at.y), least(low.z, at.z) };
+        high = (vec3){ most(high.x, at.x), most(high.y, at.y), most(high.z, at.z) };
+        zero *= at.x * at.y * at.z;
+    }
+    return (extent){ low, high,
+                     zero + most(-low.x, high.x) + most(-low.y, high.y)
+                         + most(-low.z, high.z) };
+}
+
+/* The curve rho^4 + q^4 = 1 is nowhere further than 2^(1/4) from its centre. */
+#define ROUND 1.25
+
+static target target_of(const weft__pose *pose, double thickness)
+{
+    target of = { .size = thickness };
+    const bool capsule = pose->kind == WEFT_CAPSULE, box = pose->kind == WEFT_BOX;
+    const double round = (pose->radius + thickness) * (capsule ? ROUND : 1.0);
+    for (size_t k = 0; k < 3; ++k) {
+        const double to = capsule ? pose->length * pose->axis[k] : 0.0;
+        const double wide = round + (box ? pose->inner[k] : 0.0);
+        of.low[k] = pose->at[k] + (to < 0.0 ? to : 0.0) - wide;
+        of.high[k] = pose->at[k] + (to > 0.0 ? to : 0.0) + wide;
+        of.size += fabs(pose->at[k]) + fabs(to) + wide;
+    }
+    return of;
+}
+
+/* Roundoff of what is compared, by far, relative to the size of its coordinates. */
+#define SLACK 1e-12
+
+/* Along axis k, beyond the reach of a shape. */
+INLINE mask apart(const target *of, size_t k, vec low, vec high, vec slack)
+{
+    return (low - of->high[k] > slack) | (of->low[k] - high > slack);
+}
+
+/* [m] that axis k adds to the height of the lowest corner above a plane. */
+INLINE vec ahead(const weft__pose *plane, size_t k, vec low, vec high)
+{
+    const double n = plane->axis[k];
+    return n * ((n > 0.0 ? low : high) - plane->at[k]);
+}
+
+/* Whether no particle in `box` can touch the shape; false where in doubt. */
+INLINE bool is_far(const target *of, const weft__pose *pose, double thickness,
+                   const extent *box)
+{
+    const vec3 low = box->low, high = box->high;
+    const vec slack = SLACK * (box->size + of->size);
+    const mask far = pose->kind == WEFT_PLANE
+                         ? ahead(pose, 0, low.x, high.x) + ahead(pose, 1, low.y, high.y)
+                                   + ahead(pose, 2, low.z, high.z) - thickness
+                               > slack
+                         : apart(of, 0, low.x, high.x, slack)
+                               | apart(of, 1, low.y, high.y, slack)
+                               | apart(of, 2, low.z, high.z, slack);
+    return !any(~far);
+}
+
+int NAME(contact, LEVEL)(const void *contact, const weft__state *at, weft__unit unit,
+                         double *to, size_t first, size_t end_block)
+{
+    const weft__contact *own = contact;
+    const double thickness = own->law.thickness;
+    const size_t end = weft__block(own->mesh, end_block);
+    vec bad = splat(0.0);
+    (void)unit;
+    for (size_t shape = 0; shape < own->shape_count; shape += POSES) {
+        const size_t left = own->shape_count - shape;
+        const size_t count = left < POSES ? left : POSES;
+        weft__pose poses[POSES];
+        target targets[POSES];
+        for (size_t k = 0; k < count; ++k) {
+            poses[k] = weft__pose_of(&own->shapes[shape + k], at->t);
+            targets[k] = target_of(&poses[k], thickness);
+        }
+        for (size_t i = weft__block(own->mesh, first); i < end; i += BLOCK) {
+            const size_t stop = end - i < BLOCK ? end : i + BLOCK;
+            const extent box = bounds_of(at->y, own->mesh->particles, i, stop);
+            for (size_t k = 0; k < count; ++k) {
+                if (!is_far(&targets[k], &poses[k], thickness, &box)) {
+                    bad += push(own, at, to, &poses[k], i, stop);
+                }
+            }
+        }
+    }
+    return sum(bad) == 0.0 ? 0 : 1;
+}
+
+/* ---- the step check -------------------------------------------------------------- */
+
+/* Free particles at y0, then y1, for which the path is not clear. */
+INLINE mask blocked(const weft__passage *of, weft_shape_kind kind, const double *y0,
+                    const double *y1, size_t n, const double *inverse_mass)
+{
+    vec gap[2], square = splat(0.0);
+    vec3 place[2];
+    for (size_t e = 0; e < 2; ++e) {
+        const weft__pose *pose = &of->pose[e];
+        const double *y = e == 0 ? y0 : y1, *rigid = pose->velocity;
+        const vec3 v = load3(y + 3 * n, n), r = away_from(pose, load3(y, n));
+        const vec3 with = minus(v, surface_velocity(pose, r));
+        const vec3 without = { v.x - rigid[0], v.y - rigid[1], v.z - rigid[2] };
+        gap[e] = spot_of(pose, kind, r).gap;
+        place[e] = r;
+        square = most(most(dot(with, with), dot(without, without)), square);
+    }
+    const vec3 way = minus(place[1], place[0]);
+    const mask clear = (gap[1] > 0.0) & (root(dot(way, way)) < gap[0] + gap[1])
+                       & (of->h * (root(square) + of->between) < gap[0] + gap[1]);
+    return ~clear & (load(inverse_mass) > 0.0);
+}
+
+/* Of particles [first, end), and of some before them where the last lanes are beyond.
+ */
+INLINE bool kind_clear(const weft__contact *own, const weft__passage *of,
+                       weft_shape_kind kind, const weft__path *path, size_t first,
+                       size_t end)
+{
+    for (size_t i = first; i < end; i += LANES) {
+        const size_t at = i + LANES <= end ? i : end - LANES;
+        if (any(blocked(of, kind, path->y0 + at, path->y1 + at, own->mesh->particles,
+                        own->mesh->inverse_mass + at))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool block_clear(const weft__contact *own, const weft__passage *of,
+                        const weft__path *path, size_t first, size_t end)
+{
+    switch (of->pose[0].kind) {
+#define CASE(kind)                                                                     \
+    case kind:                                                                         \
+        return kind_clear(own, of, kind, path, first, end);
+        EACH_KIND(CASE)
+#undef CASE
+    default:
+        return true;
+    }
+}
+
+/* Around both ends of the paths of a block, the highest speed at an end and the longest
+ * way. */
+INLINE extent path_bounds(const weft__path *path, size_t n, size_t first, size_t end,
+                          vec *speed, vec *way)
+{
+    const extent a = bounds_of(path->y0, n, first, end);
+    const extent b = bounds_of(path->y1, n, first, end);
+    vec square = splat(0.0), way2 = splat(0.0);
+    for (size_t i = first; i < end && LANES <= end; i += LANES) {
+        const size_t at = i + LANES <= end ? i : end - LANES, to = 3 * n + at;
+        const vec3 v0 = load3(path->y0 + to, n), v1 = load3(path->y1 + to, n);
+        const vec3 moved = minus(load3(path->y1 + at, n), load3(path->y0 + at, n));
+        way2 = most(dot(moved, moved), way2);
+        square = most(most(dot(v0, v0), dot(v1, v1)), square);
+    }
+    *speed = root(square);
+    *way = root(way2);
+    return (extent){ { least(a.low.x, b.low.x), least(a.low.y, b.low.y),
+                       least(a.low.z, b.low.z) },
+                     { most(a.high.x, b.high.x), most(a.high.y, b.high.y),
+                       most(a.high.z, b.high.z) },
+                     a.size + b.size };
+}
+
+/* Whether both gaps of all particles exceed half of what they may move: the box is that
+ * much wider. A spin makes a surface faster far away. */
+INLINE bool passes_far(const weft__passage *of, const target targets[2],
+                       double thickness, const extent *box, vec speed, vec way)
+{
+    const vec half = 0.5 * most(of->h * (speed + of->fastest), way + of->shift);
+    const vec3 wider = { half, half, half };
+    const extent around
+        = { minus(box->low, wider), plus(box->high, wider), box->size + 6.0 * half };
+    return !of->spins && is_far(&targets[0], &of->pose[0], thickness, &around)
+           && is_far(&targets[1], &of->pose[1], thickness, &around);
+}
+
+bool NAME(clear, LEVEL)(const weft__contact *own, const weft__path *path, size_t first,
+                        size_t end_block)
+{
+    const size_t n = own->mesh->particles, end = weft__block(own->mesh, end_block);
+    const double thickness = own->law.thickness;
+    if (end < LANES) {
+        return weft__clear_loops(own, path, first, end_block);
+    }
+    for (size_t shape = 0; shape < own->shape_count; shape += POSES) {
+        const size_t left = own->shape_count - shape;
+        const size_t count = left < POSES ? left : POSES;
+        weft__passage shapes[POSES];
+        target targets[POSES][2];
+        for (size_t k = 0; k < count; ++k) {
+            shapes[k] = weft__passage_of(&own->shapes[shape + k], path);
+            targets[k][0] = target_of(&shapes[k].pose[0], thickness);
+            targets[k][1] = target_of(&shapes[k].pose[1], thickness);
+        }
+        for (size_t i = weft__block(own->mesh, first); i < end; i += BLOCK) {
+            const size_t stop = end - i < BLOCK ? end : i + BLOCK;
+            vec speed, way;
+            const extent box = path_bounds(path, n, i, stop, &speed, &way);
+            for (size_t k = 0; k < count; ++k) {
+                if (!passes_far(&shapes[k], targets[k], thickness, &box, speed, way)
+                    && !block_clear(own, &shapes[k], path, i, stop)) {
+                    return false;
+                }
+            }
+        }
+    }
+    return true;
+}

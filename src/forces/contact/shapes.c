@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "forces/contact/shapes.h"
+
+#include <string.h>
+
+const char *weft_shape_name(weft_shape_kind kind)
+{
+    static const char *const names[WEFT_SHAPES]
+        = { "plane", "sphere", "capsule", "box" };
+    return (unsigned)kind < WEFT_SHAPES ? names[kind] : "unknown";
+}
+
+weft_shape weft_shape_default(weft_shape_kind kind)
+{
+    return (weft_shape){
+        .kind = kind,
+        .to = { 1.0, 0.0, 0.0 },
+        .normal = { 0.0, 1.0, 0.0 },
+        .radius = 1.0,
+        .half = { 1.0, 1.0, 1.0 },
+        .rounding = 0.01,
+        .friction = -1.0,
+    };
+}
+
+weft__shape weft__shape_of(const weft_shape *def, double friction)
+{
+    weft__shape shape = {
+        .def = *def,
+        .motion = weft__motion_of(def->velocity, def->amplitude, def->frequency),
+        .friction = weft__friction_of(def, friction),
+    };
+    double way[3];
+    for (size_t k = 0; k < 3; ++k) {
+        way[k] = def->kind == WEFT_PLANE ? def->normal[k] : def->to[k] - def->at[k];
+    }
+    shape.length = sqrt(weft__dot(way, way));
+    for (size_t k = 0; k < 3; ++k) {
+        shape.axis[k] = way[k] / shape.length;
+    }
+    const double turn = weft__dot(def->spin, shape.axis);
+    for (size_t k = 0; k < 3; ++k) {
+        shape.spin[k] = def->kind == WEFT_SPHERE ? def->spin[k] : turn * shape.axis[k];
+    }
+    return shape;
+}
+
+weft__pose weft__pose_of(const weft__shape *shape, double t)
+{
+    const weft_shape *def = &shape->def;
+    const bool box = def->kind == WEFT_BOX;
+    weft__pose pose = { .kind = def->kind,
+                        .length = shape->length,
+                        .radius = box ? def->rounding : def->radius,
+                        .friction = shape->friction };
+    double offset[3], rate[6];
+    weft__motion_offset(&shape->motion, t, offset);
+    weft__motion_rate(&shape->motion, t, rate);
+    for (size_t k = 0; k < 3; ++k) {
+        pose.at[k] = def->at[k] + offset[k];
+        pose.velocity[k] = rate[k];
+        pose.spin[k] = shape->spin[k];
+        pose.axis[k] = shape->axis[k];
+        pose.inner[k] = def->half[k] - def->rounding;
+    }
+    return pose;
+}
+
+/* How far x is above high or below low: > 0, < 0, or 0 between them; NaN stays. */
+static double beyond(double x, double low, double high)
+{
+    const double over = x - high, under = x - low;
+    return (over <= 0.0 ? 0.0 : over) + (under >= 0.0 ? 0.0 : under);
+}
+
+static double capsule_gap(const weft__pose *pose, const double r[3], double gradient[3],
+                          bool *joined)
+{
+    double side[3];
+    const double along = weft__dot(r, pose->axis);
+    const double q = beyond(along, 0.0, pose->length), q2 = q * q;
+    for (size_t k = 0; k < 3; ++k) {
+        side[k] = r[k] - along * pose->axis[k];
+    }
+    const double rho2 = weft__dot(side, side);
+    const double norm = sqrt(sqrt(rho2 * rho2 + q2 * q2));
+    const double inverse = 1.0 / (norm * norm * norm);
+    const double a = rho2 * inverse, b = q2 * q * inverse;
+    for (size_t k = 0; k < 3; ++k) {
+        gradient[k] = a * side[k] + b * pose->axis[k];
+    }
+    *joined = q2 > 0.0;
+    return norm - pose->radius;
+}
+
+static double box_gap(const weft__pose *pose, const double r[3], double gradient[3],
+                      bool *joined)
+{
+    double q[3], q2[3];
+    for (size_t k = 0; k < 3; ++k) {
+        q[k] = beyond(r[k], -pose->inner[k], pose->inner[k]);
+        q2[k] = q[k] * q[k];
+    }
+    const double norm = sqrt(sqrt(weft__dot(q2, q2)));
+    const double inverse = 1.0 / (norm * norm * norm);
+    for (size_t k = 0; k < 3; ++k) {
+        gradient[k] = q2[k] * q[k] * inverse;
+    }
+    *joined = q2[0] * q2[1] + q2[1] * q2[2] + q2[2] * q2[0] > 0.0;
+    return norm - pose->radius;
+}
+
+double weft__shape_gap(const weft__pose *pose, const double x[3], double gradient[3],
+                       bool *joined)
+{
+    const double r[3] = { x[0] - pose->at[0], x[1] - pose->at[1], x[2] - pose->at[2] };
+    *joined = false;
+    if (pose->kind == WEFT_PLANE) {
+        memcpy(gradient, pose->axis, sizeof pose->axis);
+        return weft__dot(r, pose->axis);
+    }
+    if (pose->kind == WEFT_SPHERE) {
+        const double distance = sqrt(weft__dot(r, r)), inverse = 1.0 / distance;
+        for (size_t k = 0; k < 3; ++k) {
+            gradient[k] = r[k] * inverse;
+        }
+        return distance - pose->radius;
+    }
+    return pose->kind == WEFT_CAPSULE ? capsule_gap(pose, r, gradient, joined)
+                                      : box_gap(pose, r, gradient, joined);
+}
+
+/* With |q|_4 the norm, g = q^3 / |q|_4^3 by components, and d|q|_4 = g.dq. */
+static void box_turn(const weft__pose *pose, const double r[3], const double g[3],
+                     const double dx[3], double turn[3])
+{
+    double q2[3];
+    for (size_t k = 0; k < 3; ++k) {
+        const double q = beyond(r[k], -pose->inner[k], pose->inner[k]);
+        q2[k] = q * q;
+    }
+    const double norm = sqrt(sqrt(weft__dot(q2, q2)));
+    const double inverse = 1.0 / norm, slope = weft__dot(g, dx);
+    for (size_t k = 0; k < 3; ++k) {
+        const double part = q2[k] * inverse * inverse;
+        turn[k] = 3.0 * inverse * (part * dx[k] - slope * g[k]);
+    }
+}
+
+/* The same of side rho^2 / norm^3 + axis q^3 / norm^3. */
+static void capsule_turn(const weft__pose *pose, const double r[3], const double g[3],
+                         const double dx[3], double turn[3])
+{
+    const double along = weft__dot(r, pose->axis), move = weft__dot(dx, pose->axis);
+    const double q = beyond(along, 0.0, pose->length), q2 = q * q;
+    double side[3], aside[3];
+    for (size_t k = 0; k < 3; ++k) {
+        side[k] = r[k] - along * pose->axis[k];
+        aside[k] = dx[k] - move * pose->axis[k];
+    }
+    const double rho2 = weft__dot(side, side);
+    const double norm = sqrt(sqrt(rho2 * rho2 + q2 * q2));
+    const double inverse = 1.0 / norm, slope = weft__dot(g, dx);
+    const double cube = inverse * inverse * inverse;
+    for (size_t k = 0; k < 3; ++k) {
+        turn[k] = cube
+                      * (2.0 * weft__dot(side, aside) * side[k] + rho2 * aside[k]
+                         + 3.0 * q2 * move * pose->axis[k])
+                  - 3.0 * inverse * slope * g[k];
+    }
+}
+
+void weft__shape_turn(const weft__pose *pose, const double x[3],
+                      const double gradient[3], const double dx[3], double turn[3])
+{
+    const double r[3] = { x[0] - pose->at[0], x[1] - pose->at[1], x[2] - pose->at[2] };
+    if (pose->kind == WEFT_CAPSULE) {
+        capsule_turn(pose, r, gradient, dx, turn);
+    } else if (pose->kind == WEFT_BOX) {
+        box_turn(pose, r, gradient, dx, turn);
+    } else {
+        const double curvature
+            = pose->kind == WEFT_SPHERE ? 1.0 / weft__length(r) : 0.0;
+        const double slope = weft__dot(gradient, dx);
+        for (size_t k = 0; k < 3; ++k) {
+            turn[k] = curvature * (dx[k] - slope * gradient[k]);
+        }
+    }
+}
+
+double weft__gap_at(const weft__pose *pose, const double x[3])
+{
+    double gradient[3];
+    bool joined;
+    return weft__shape_gap(pose, x, gradient, &joined);
+}
+
+void weft__surface_velocity(const weft__pose *pose, const double x[3],
+                            double velocity[3])
+{
+    const double *spin = pose->spin;
+    const double r[3] = { x[0] - pose->at[0], x[1] - pose->at[1], x[2] - pose->at[2] };
+    for (size_t k = 0; k < 3; ++k) {
+        const size_t a = (k + 1) % 3, b = (k + 2) % 3;
+        velocity[k] = pose->velocity[k] + (spin[a] * r[b] - spin[b] * r[a]);
+    }
+}

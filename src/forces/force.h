@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* force.h -- what a force is to the rest of weft. Each is a folder src/forces/NAME with
+ * a type weft__NAME, its part of a cloth, which begins with the mesh; a weft__force
+ * weft__NAME_force; and its law, plain and fast. Sums over forces are taken in the
+ * order of WEFT_FORCES (cloth/table.h), which is part of the result.
+ *
+ * `own` is a weft__NAME. Ranges are of blocks (mesh/blocks.h) and divide the work among
+ * threads: bits do not depend on it. A member that is NULL has nothing to do. */
+#ifndef WEFT_FORCES_FORCE_H
+#define WEFT_FORCES_FORCE_H
+
+#include "base/isa.h"
+#include "mesh/blocks.h"
+#include "weft/stepper.h"
+
+/* A state of a cloth, at a time. */
+typedef struct weft__state {
+    double t;
+    const double *y;
+    const double *along;  /* of products: a direction of the state; else NULL */
+    const bool *families; /* in which the worst spring is sought; NULL: all */
+} weft__state;
+
+typedef enum weft__unit {
+    WEFT__FORCE,       /* [N] */
+    WEFT__ACCELERATION /* [m/s^2] as free; 0 of pinned particles */
+} weft__unit;
+
+struct weft__body; /* weight and air: forces/body */
+
+/* Writes x' and v' of blocks [first, end): weight, air and this force, in one sweep;
+ * with at->along their derivative. Returns 0, or 1 if a number is not finite. */
+typedef int weft__start_fn(const void *own, const struct weft__body *body,
+                           const weft__state *at, double *dydt, size_t first,
+                           size_t end);
+
+/* Adds to three planes. Returns as above. */
+typedef int weft__add_fn(const void *own, const weft__state *at, weft__unit unit,
+                         double *to, size_t first, size_t end);
+
+/* Adds what block b has to *sum. */
+typedef void weft__block_fn(const void *own, const weft__state *at, size_t b,
+                            weft_measures *sum);
+
+struct weft__bound; /* bounds.h: what bounds the modes of a particle */
+struct weft__grip;
+
+typedef struct weft__force {
+    const char *name;
+
+    /* Its numbers. `fault` is what is too large or too small for a double. */
+    void (*check)(const weft_cloth_def *def, const weft__faults *to);
+    bool (*init)(void *own, const weft_cloth_def *def, const weft_allocator *memory);
+    const char *(*fault)(const void *own);
+    uint64_t (*hash)(const void *own, uint64_t hash);
+    void (*choose)(void *own, weft__isa isa);              /* the fast forms */
+    bool (*copy)(void *own, const weft_allocator *memory); /* false: no memory */
+    void (*free)(void *own, const weft_allocator *memory);
+
+    /* Its law. One force of a cloth may start a sum (springs of a grid, which weight
+     * and air are fused with), the others add to it. `change`: the derivative of add
+     * along at->along. */
+    weft__start_fn *start;
+    weft__add_fn *add, *change;
+    weft__block_fn *energy, *power; /* [J]; [W] */
+
+    /* Stiffness and damping: what it adds to the bounds of particle i, at->y NULL: in
+     * any state; of contact to those of particles [first, first + count); to
+     * (a K + b C) x, for the power method. */
+    void (*bound)(const void *own, const weft__state *at, size_t i,
+                  struct weft__bound *sum);
+    void (*grip)(const void *own, const weft__state *at, size_t first, size_t count,
+                 struct weft__grip *grips);
+    void (*multiply)(const void *own, const weft__state *at, double a, double b,
+                     const double *x, double *out);
+
+    /* Linearisation, for weft_structure: its bonds that begin in block b, and what they
+     * are in a state; or 3 x 3 blocks of particles. */
+    size_t (*runs)(const void *own, size_t b, weft_bonds *runs);
+    double *(*bonds)(const void *own, const weft__state *at, size_t b, double *planes,
+                     size_t bonds, double *bad);
+    int (*blocks)(const void *own, const weft__state *at, double *blocks);
+
+    /* Of a whole cloth, after all blocks, for forces between particles of any blocks:
+     * with a workspace of a simulation (NULL: the same without one, slower). */
+    int (*add_all)(const void *own, void *space, const weft__state *at, weft__unit unit,
+                   double *to);
+    void (*measure_all)(const void *own, void *space, const weft__state *at,
+                        weft_measures *sum);
+} weft__force;
+
+#endif

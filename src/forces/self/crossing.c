@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "forces/self/crossing.h"
+
+typedef struct counting {
+    const weft__quadtree *tree;
+    weft__crossings found;
+    size_t first[2]; /* the keys of the first: it is the least */
+    size_t loose;
+} counting;
+
+/* An edge, or what it is compared with. */
+typedef struct element {
+    size_t key, count;
+    uint32_t particle[3];
+    double x[3][3]; /* [m] */
+} element;
+
+static element element_of(const counting *of, size_t key, size_t count,
+                          const uint32_t *particle)
+{
+    const size_t n = of->tree->mesh->particles;
+    element out = { .key = key, .count = count };
+    for (size_t i = 0; i < count; ++i) {
+        const double *x = of->tree->y + particle[i];
+        out.particle[i] = particle[i];
+        out.x[i][0] = x[0], out.x[i][1] = x[n], out.x[i][2] = x[2 * n];
+    }
+    return out;
+}
+
+static weft_primitive primitive(const element *from)
+{
+    weft_primitive to = { .count = from->count };
+    for (size_t i = 0; i < from->count; ++i) {
+        to.particle[i] = from->particle[i];
+    }
+    return to;
+}
+
+static bool any_free(const counting *of, const element *primitive)
+{
+    bool any = false;
+    for (size_t i = 0; i < primitive->count; ++i) {
+        const uint32_t at = primitive->particle[i];
+        any = any || of->tree->mesh->pin[at] == 0 || at == of->loose;
+    }
+    return any;
+}
+
+static void keep(counting *of, const element *edge, const element *other,
+                 weft__meeting how)
+{
+    weft__crossings *found = &of->found;
+    if (how == WEFT__APART || (!any_free(of, edge) && !any_free(of, other))) {
+        return;
+    }
+    if (found->count == 0 || edge->key < of->first[0]
+        || (edge->key == of->first[0] && other->key < of->first[1])) {
+        of->first[0] = edge->key, of->first[1] = other->key;
+        found->first[0] = primitive(edge), found->first[1] = primitive(other);
+        found->how = how;
+    }
+    ++found->count;
+}
+
+/* ---- pairs ----------------------------------------------------------------------- */
+
+static void bounds(const element *of, double low[3], double high[3])
+{
+    for (size_t k = 0; k < 3; ++k) {
+        low[k] = high[k] = of->x[0][k];
+        for (size_t i = 1; i < of->count; ++i) {
+            low[k] = fmin(low[k], of->x[i][k]), high[k] = fmax(high[k], of->x[i][k]);
+        }
+    }
+}
+
+static bool boxes_apart(const element *a, const element *b)
+{
+    double low[2][3], high[2][3];
+    bool apart = false;
+    bounds(a, low[0], high[0]);
+    bounds(b, low[1], high[1]);
+    for (size_t k = 0; k < 3; ++k) {
+        apart = apart || low[0][k] > high[1][k] || low[1][k] > high[0][k];
+    }
+    return apart;
+}
+
+/* Their common particles; one of them is corner *i of the edge and *j of the other. */
+static size_t common(const element *edge, const element *other, size_t *i, size_t *j)
+{
+    size_t count = 0;
+    for (size_t k = 0; k < edge->count * other->count; ++k) {
+        if (edge->particle[k % edge->count] == other->particle[k / edge->count]) {
+            *i = k % edge->count, *j = k / edge->count;
+            ++count;
+        }
+    }
+    return count;
+}
+
+static weft__meeting segment_element(const double p[3], const double q[3],
+                                     const element *of)
+{
+    return of->count == 3 ? weft__segment_triangle(p, q, of->x[0], of->x[1], of->x[2])
+                          : weft__segment_segment(p, q, of->x[0], of->x[1]);
+}
+
+/* Beside their common corner, which is i of the edge and j of the other. */
+static weft__meeting elsewhere(const element *edge, const element *other, size_t i,
+                               size_t j)
+{
+    const double *corner = edge->x[i], *end = edge->x[1 - i];
+    const double *b = other->x[(j + 1) % other->count];
+    const double *c = other->x[(j + 2) % other->count];
+    if (other->count == 3 && weft__orientation(corner, b, c, end) != 0) {
+        return WEFT__APART;
+    }
+    const bool meet = other->count == 3
+                          ? weft__segment_segment(corner, end, b, c) != WEFT__APART
+                          : weft__segment_segment(b, b, corner, end) != WEFT__APART;
+    return meet || segment_element(end, end, other) != WEFT__APART ? WEFT__TOUCH
+                                                                   : WEFT__APART;
+}
+
+static void compare(counting *of, const element *edge, const element *other)
+{
+    size_t i, j;
+    if (boxes_apart(edge, other)) {
+        return;
+    }
+    switch (common(edge, other, &i, &j)) {
+    case 0:
+        keep(of, edge, other, segment_element(edge->x[0], edge->x[1], other));
+        break;
+    case 1:
+        keep(of, edge, other, elsewhere(edge, other, i, j));
+        break;
+    default: /* a side of the triangle */
+        break;
+    }
+}
+
+/* The edges of node i with the triangles of node j, or with its edges in a chain. */
+static void compare_nodes(counting *of, size_t i, size_t j)
+{
+    const weft__mesh *mesh = of->tree->mesh;
+    const bool chain = mesh->rows == 1 || mesh->cols == 1;
+    uint32_t edges[3][2], sides[3][2], triangles[2][3];
+    const size_t edge_count = weft__node_edges(mesh, i, edges);
+    const size_t count = chain ? (i < j ? weft__node_edges(mesh, j, sides) : 0)
+                               : weft__node_triangles(mesh, j, triangles);
+    for (size_t k = 0; k < edge_count * count; ++k) {
+        const size_t e = k / count, o = k % count;
+        const element edge = element_of(of, 3 * i + e, 2, edges[e]);
+        const element other = chain ? element_of(of, 1 + 3 * j + o, 2, sides[o])
+                                    : element_of(of, 1 + 2 * j + o, 3, triangles[o]);
+        compare(of, &edge, &other);
+    }
+}
+
+/* Edges of node i without length, as two particles. */
+static void keep_points(counting *of, size_t i)
+{
+    uint32_t edges[3][2];
+    const size_t count = weft__node_edges(of->tree->mesh, i, edges);
+    for (size_t e = 0; e < count; ++e) {
+        const element a = element_of(of, 3 * i + e, 1, &edges[e][0]);
+        const element b = element_of(of, 0, 1, &edges[e][1]);
+        keep(of, &a, &b, boxes_apart(&a, &b) ? WEFT__APART : WEFT__TOUCH);
+    }
+}
+
+static bool visit(void *ctx, size_t i, size_t j)
+{
+    counting *of = ctx;
+    compare_nodes(of, i, j);
+    if (i != j) {
+        compare_nodes(of, j, i);
+    } else {
+        keep_points(of, i);
+    }
+    return true;
+}
+
+weft__crossings weft__crossings_of(const weft__quadtree *tree, size_t loose)
+{
+    counting of = { .tree = tree, .loose = loose };
+    (void)weft__tree_pairs(tree, 0.0, visit, &of);
+    return of.found;
+}
+
+weft_status weft__crossing_error(const weft__self *own, const double *y, size_t loose,
+                                 const char *where, weft_error *err)
+{
+    char names[2][96], more[48] = "";
+    if (!own->law.self) {
+        return WEFT_OK;
+    }
+    const weft__quadtree tree = weft__tree_of(own->mesh, y);
+    const weft__crossings found = weft__crossings_of(&tree, loose);
+    if (found.count == 0) {
+        return WEFT_OK;
+    }
+    if (found.count > 1) {
+        (void)snprintf(more, sizeof more, "; %zu such pairs", found.count);
+    }
+    for (size_t k = 0; k < 2; ++k) {
+        (void)weft_primitive_text(&found.first[k], own->mesh->cols, names[k],
+                                  sizeof names[k]);
+    }
+    return weft_error_set(err, WEFT_INVALID, "%s%s %s %s%s", where, names[0],
+                          found.how == WEFT__PIERCE ? "passes through" : "touches",
+                          names[1], more);
+}

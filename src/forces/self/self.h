@@ -1,0 +1,284 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* self.h -- the primitives of a cloth for contact with itself, and pairs of them.
+ *
+ * Node (r, c) owns its particle, the edges to the right and down, the diagonal
+ * (r, c + 1)-(r + 1, c) and the two triangles that it makes of the cell, as far as the
+ * grid has them: each primitive has one owner, and each pair of primitives one pair of
+ * nodes. The formulas are in docs/physics.md. */
+#ifndef WEFT_FORCES_SELF_SELF_H
+#define WEFT_FORCES_SELF_SELF_H
+
+#include "forces/contact/contact_bounds.h"
+#include "forces/self/self_tree.h"
+
+typedef struct weft__self weft__self;
+
+/* Both return their number, 0 to 3 and 0 or 2. */
+static inline size_t weft__node_edges(const weft__mesh *of, size_t i,
+                                      uint32_t edges[3][2])
+{
+    const size_t cols = of->cols, right = i % cols + 1 < cols;
+    const size_t down = i + cols < of->particles;
+    const uint32_t here = (uint32_t)i, below = (uint32_t)(i + cols);
+    size_t count = 0;
+    if (right) {
+        edges[count][0] = here, edges[count][1] = here + 1;
+        ++count;
+    }
+    if (down) {
+        edges[count][0] = here, edges[count][1] = below;
+        ++count;
+    }
+    if (right && down) {
+        edges[count][0] = here + 1, edges[count][1] = below;
+        ++count;
+    }
+    return count;
+}
+
+static inline size_t weft__node_triangles(const weft__mesh *of, size_t i,
+                                          uint32_t triangles[2][3])
+{
+    const size_t cols = of->cols;
+    if (i % cols + 1 >= cols || i + cols >= of->particles) {
+        return 0;
+    }
+    const uint32_t here = (uint32_t)i, below = (uint32_t)(i + cols);
+    triangles[0][0] = here, triangles[0][1] = below, triangles[0][2] = here + 1;
+    triangles[1][0] = below + 1, triangles[1][1] = here + 1, triangles[1][2] = below;
+    return 2;
+}
+
+/* Two primitives without a common particle: their particles, those of the second after
+ * those of the first. */
+typedef enum weft__pair_kind {
+    WEFT__VERTICES,        /* 0 and 1 */
+    WEFT__VERTEX_EDGE,     /* 0 and 1-2 */
+    WEFT__VERTEX_TRIANGLE, /* 0 and 1-2-3 */
+    WEFT__EDGES            /* 0-1 and 2-3 */
+} weft__pair_kind;
+
+typedef struct weft__pair {
+    uint32_t particle[4];
+    uint32_t kind;
+} weft__pair;
+
+static inline size_t weft__kind_particles(weft__pair_kind of)
+{
+    return of == WEFT__VERTICES ? 2 : of == WEFT__VERTEX_EDGE ? 3 : 4;
+}
+
+static inline size_t weft__pair_particles(const weft__pair *pair)
+{
+    return weft__kind_particles((weft__pair_kind)pair->kind);
+}
+
+void weft__pair_primitives(const weft__pair *pair, weft_primitive out[2]);
+
+/* ---- self_pairs.c: which pairs are near ------------------------------------------ */
+
+/* [m] Of the nearest points of both, in planes y of n. */
+double weft__pair_distance(const weft__pair *pair, const double *y, size_t n);
+
+typedef bool weft__pair_fn(void *ctx, const weft__pair *pair); /* false ends a search */
+
+/* Calls visit for each pair nearer than range, and for some others: kind by kind, in
+ * the order of weft__tree_pairs; those of a smaller range come in the same order.
+ * Returns false if a visit did. The state must be finite. */
+bool weft__each_pair(const weft__quadtree *tree, double range, weft__pair_fn *visit,
+                     void *ctx);
+
+/* The same between two tiles, each kind in that order. */
+bool weft__each_pair_between(const weft__quadtree *tree, const uint32_t tiles[2],
+                             double range, weft__pair_fn *visit, void *ctx);
+
+/* A step is clear of a pair if no particle of one side can have met one of the other on
+ * the straight way between both states, nor, h times the speed long, by its speeds:
+ *
+ *     max |(x1_a - x0_a) - (x1_b - x0_b)|, h max |v_a - v_b| < d0 + d1,  d1 > 0
+ *
+ * over the particles a of one side, b of the other, at both ends of the step. The first
+ * alone proves that a cloth that does not pass through itself does not afterwards. */
+typedef struct weft__stride {
+    const weft__self *own;
+    const double *y0, *y1; /* states at both ends */
+    double h;              /* [s]; 0: the straight way alone, whatever the velocities */
+} weft__stride;
+
+/* gap: [m] at the end. Vertex-triangle and edge-edge pairs suffice; others are clear.
+ */
+bool weft__stride_clear(const weft__stride *of, const weft__pair *pair, double *gap);
+
+/* [m] No two particles move by more against each other. */
+double weft__stride_length(const weft__stride *of);
+
+/* [m] No two particles of N are displaced by more against each other, from NULL: than
+ * from 0; x, y, z planes. INFINITY if a number is not finite. weft__extent uses the
+ * instructions of the cloth. */
+typedef double weft__extent_fn(const double *from, const double *to, size_t n);
+double weft__extent(const weft__self *own, const double *from, const double *to);
+
+/* The bounds of displacements. */
+typedef struct weft__drift {
+    double low[3], high[3]; /* [m] */
+} weft__drift;
+
+/* Sets the bounds of tiles [first, end); infinite ones where a number is not finite. */
+typedef void weft__drift_fn(const weft__self *own, const double *from, const double *to,
+                            size_t first, size_t end, weft__drift *tiles);
+
+/* [m] Of the bounds of two tiles together, which may be the same. */
+static inline double weft__drift_extent(const weft__drift *a, const weft__drift *b)
+{
+    double square = 0.0;
+    for (size_t k = 0; k < 3; ++k) {
+        const double low = a->low[k] < b->low[k] ? a->low[k] : b->low[k];
+        const double high = a->high[k] > b->high[k] ? a->high[k] : b->high[k];
+        square += (high - low) * (high - low);
+    }
+    return sqrt(square);
+}
+
+static inline void weft__drift_add(weft__drift *sum, const weft__drift *of)
+{
+    for (size_t k = 0; k < 3; ++k) {
+        sum->low[k] = of->low[k] < sum->low[k] ? of->low[k] : sum->low[k];
+        sum->high[k] = of->high[k] > sum->high[k] ? of->high[k] : sum->high[k];
+    }
+}
+
+/* ---- self.c: how they push ------------------------------------------------------- */
+
+/* A pair that pushes. */
+typedef struct weft__push {
+    uint32_t particle[4];
+    uint32_t count, kind;
+    double force[4][3]; /* [N] */
+    double gap;         /* [m] */
+    double energy;      /* [J] */
+    double heat;        /* [W] of its damping */
+    double friction;    /* [W] heat, too */
+} weft__push;
+
+/* What the law takes from a cloth. */
+typedef struct weft__self_law {
+    const weft__self *own;
+    double soft;      /* x0 of the weights */
+    double square[3]; /* [m^2] of the rest lengths: down, right, diagonal */
+} weft__self_law;
+
+weft__self_law weft__self_law_of(const weft__self *own);
+
+/* False: it does not push in state y[6 N]. The forces are NaN where two are at the same
+ * place. */
+bool weft__pair_push(const weft__self_law *law, const weft__pair *pair, const double *y,
+                     weft__push *out);
+
+/* 1 / the product of the squares of both edges' rest lengths, or 0 of other pairs; the
+ * smallest mass [kg] of the free particles, 0 without. */
+double weft__pair_rest(const weft__self_law *law, const weft__pair *pair);
+double weft__pair_mass(const weft__self *own, const weft__pair *pair);
+
+/* Pairs of one kind, their numbers by particles. WEFT__BLOCK numbers beyond the end may
+ * be read. */
+enum { WEFT__BLOCK = 8 };
+typedef struct weft__near {
+    int32_t *particle[4];
+    double *waits;       /* [m] of weft__waits_fn */
+    double *mass, *rest; /* as of weft__pair_mass and weft__pair_rest */
+} weft__near;
+
+static inline weft__pair weft__near_pair(weft__pair_kind which, const weft__near *of,
+                                         size_t i)
+{
+    weft__pair out = { .kind = which };
+    for (size_t k = 0; k < weft__kind_particles(which); ++k) {
+        out.particle[k] = (uint32_t)of->particle[k][i];
+    }
+    return out;
+}
+
+/* Successive pairs up to `end` of each kind: those that have to wait longer do not
+ * push. */
+typedef struct weft__span {
+    double moved; /* [m] since their waits were found */
+    size_t end[WEFT__EDGES + 1];
+} weft__span;
+
+/* WEFT__BLOCK pairs of a kind that push. */
+typedef struct weft__pushes {
+    double force[4][3][WEFT__BLOCK]; /* [N] */
+    double gap[WEFT__BLOCK], energy[WEFT__BLOCK];
+    double heat[WEFT__BLOCK], friction[WEFT__BLOCK];
+    int32_t particle[4][WEFT__BLOCK];
+} weft__pushes;
+
+/* Writes the pushes of pairs in their order, and returns their number; adds 0 to *bad,
+ * or NaN if a force is not finite. Has room for all pairs. */
+typedef size_t weft__pushes_fn(const weft__self_law *law, weft__pair_kind kind,
+                               const weft__near *near, const weft__span *spans,
+                               size_t span_count, const double *y, weft__pushes *out,
+                               double *bad);
+
+/* Of pairs [first, end) of a kind: distances as of weft__pair_distance, and what
+ * differences between their particles have to change by, at least, before they push: up
+ * to `most` [m] where the feet decide. Sets distances[i] and near->waits[i] of pair i.
+ */
+typedef void weft__waits_fn(const weft__self *own, weft__pair_kind kind,
+                            const weft__near *near, size_t first, size_t end,
+                            const double *y, double most, double *distances);
+
+WEFT_FORMS(weft__pushes_fn, pushes);
+WEFT_FORMS(weft__waits_fn, waits);
+WEFT_FORMS(weft__extent_fn, extent);
+WEFT_FORMS(weft__drift_fn, drift);
+
+struct weft__self {
+    const weft__mesh *mesh;
+    weft_contact_def law; /* law.self: whether there is any */
+    weft__pushes_fn *pushes;
+    weft__waits_fn *waits;
+    weft__extent_fn *extent;
+    weft__drift_fn *drift;
+};
+
+/* The same before: b_i, and the touch of the feet, with push, stiffness and drag not by
+ * mass. */
+bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
+                      const double *y, double arm[4], weft__touch *touch);
+
+/* Push i of those of a kind. */
+void weft__push_at(weft__pair_kind kind, const weft__pushes *pushes, size_t i,
+                   weft__push *out);
+
+/* Its energy, powers, gap and touch. */
+void weft__push_measure(const weft__self *own, const weft__push *push, const double *y,
+                        weft_measures *sum);
+
+/* The same of all pairs of a state, which are sought: as add_all and measure_all of a
+ * weft__force. Nothing without contact.self. */
+int weft__self_add(const weft__self *own, const weft__state *at, weft__unit unit,
+                   double *to);
+void weft__self_measure(const weft__self *own, const weft__state *at,
+                        weft_measures *sum);
+
+/* ---- self_bounds.c: stiffness and damping ---------------------------------------- */
+
+/* For weft__force. Particles get what bounds the pairs in a state: sum b_i F_i of a
+ * pair is at most diag(2 |b_i|) of it; without a state, what layers that meet at no
+ * more than stopping_speed add. The slopes of the weights are left out, so that bounds
+ * are estimates. */
+void weft__self_grip(const void *own, const weft__state *at, size_t first, size_t count,
+                     weft__grip *grips);
+void weft__self_multiply(const void *own, const weft__state *at, double a, double b,
+                         const double *x, double *out);
+
+/* What majorises the pairs' part of J: each block is symmetric and not negative. */
+int weft__self_blocks(const void *own, const weft__state *at, double *blocks);
+
+/* That the thickness suits contact of the cloth with itself, if it has that. */
+void weft__self_check(const weft_cloth_def *def, const weft__faults *to);
+
+extern const weft__force weft__self_force;
+
+#endif

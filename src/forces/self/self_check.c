@@ -1,0 +1,149 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* self_check.c -- whether parts of a cloth can have met in a step, by the list if it
+ * proves the others clear. */
+#include "forces/self/self_parts.h"
+
+enum { HALVINGS = 60 };
+
+typedef struct stride_search {
+    const weft__stride *stride;
+    weft__pair pair;
+    double gap;
+    unsigned char *marks; /* NULL: ends at the first pair that is not clear */
+    bool found;
+} stride_search;
+
+static bool look_at(void *ctx, const weft__pair *pair)
+{
+    stride_search *of = ctx;
+    double gap;
+    if (weft__stride_clear(of->stride, pair, &gap)) {
+        return true;
+    }
+    if (!of->found) {
+        of->found = true, of->pair = *pair, of->gap = gap;
+    }
+    for (size_t k = 0; of->marks != NULL && k < 4; ++k) {
+        of->marks[pair->particle[k]] = 1;
+    }
+    return of->marks != NULL;
+}
+
+/* [m] As far as a pair of two tiles may have been apart that can have met: half of what
+ * its primitives move against each other in the step, and from the list to both its
+ * ends. */
+static double reach_of(const weft__self_list *list, const weft__stride *of,
+                       const uint32_t tiles[2])
+{
+    const double ends = weft__self_extent_between(list, 0, tiles)
+                        + weft__self_extent_between(list, 1, tiles);
+    double way = weft__self_extent_between(list, 2, tiles);
+    if (of->h > 0.0) {
+        way = fmax(way, of->h
+                            * fmax(weft__self_extent_between(list, 3, tiles),
+                                   weft__self_extent_between(list, 4, tiles)));
+    }
+    return 0.5 * (ends + way) * (1.0 + WEFT__SELF_ROUNDOFF);
+}
+
+/* Whether the list has all pairs that can have met; then the reach of its groups is
+ * set. */
+static bool proves(weft__self_list *list, const weft__stride *of)
+{
+    const size_t n = list->own->mesh->particles;
+    if (!list->valid) {
+        return false;
+    }
+    const double ends = weft__self_drift(list, list->place, of->y0, 0)
+                        + weft__self_drift(list, list->place, of->y1, 1);
+    double way = weft__self_drift(list, of->y0, of->y1, 2);
+    if (of->h > 0.0) {
+        way = fmax(way, of->h
+                            * fmax(weft__self_drift(list, NULL, of->y0 + 3 * n, 3),
+                                   weft__self_drift(list, NULL, of->y1 + 3 * n, 4)));
+    }
+    bool has
+        = 0.5 * (ends + way) * (1.0 + WEFT__SELF_ROUNDOFF) < weft__self_lasting(list);
+    for (size_t i = 0; i < list->shelf_count && has; ++i) {
+        weft__self_shelf *at = &list->shelves[i];
+        for (size_t g = 0; g < at->now.count && has; ++g) {
+            weft__self_group *to = &at->now.at[g];
+            to->reach = reach_of(list, of, list->between[to->tiles]);
+            has = to->reach < list->clear[to->tiles];
+        }
+    }
+    return has;
+}
+
+/* The pairs of a kind within the reach of their group; false ends the search. */
+static bool look_along(const weft__self_shelf *in, weft__pair_kind kind,
+                       stride_search *of)
+{
+    const weft__self_pairs *at = &in->bins[kind].now;
+    bool goes_on = true;
+    for (size_t g = 0; g < in->now.count && goes_on; ++g) {
+        const weft__self_group *to = &in->now.at[g];
+        const double reach = to->reach + to->loss;
+        const size_t end = in->now.spans[g].end[kind];
+        size_t i = weft__self_first(&in->now, g, kind);
+        for (; i < end && goes_on && !(to->nearest > reach); ++i) {
+            if (!(at->distances[i] > reach)) {
+                const weft__pair pair = weft__near_pair(kind, &at->near, i);
+                goes_on = look_at(of, &pair);
+            }
+        }
+    }
+    return goes_on;
+}
+
+/* No pair that is further apart at first can have met. */
+static void look(weft__self_list *list, stride_search *of)
+{
+    const weft__stride *stride = of->stride;
+    if (proves(list, stride)) {
+        bool goes_on = true;
+        for (size_t i = 0; i < 2 * list->shelf_count && goes_on; ++i) {
+            goes_on = look_along(
+                &list->shelves[i % list->shelf_count],
+                i < list->shelf_count ? WEFT__VERTEX_TRIANGLE : WEFT__EDGES, of);
+        }
+        return;
+    }
+    const double length = weft__stride_length(stride);
+    const double moved = weft__extent(list->own, stride->y0, stride->y1);
+    weft__quadtree tree = weft__tree_of(list->own->mesh, stride->y0);
+    weft__tree_fill(&tree, list->knots);
+    (void)weft__each_pair(&tree, 0.5 * (length + moved) * (1.0 + WEFT__SELF_ROUNDOFF),
+                          look_at, of);
+}
+
+bool weft__self_list_clear(weft__self_list *list, const weft__stride *stride,
+                           weft_primitive pair[2], double *gap)
+{
+    stride_search of = { .stride = stride };
+    look(list, &of);
+    if (of.found) {
+        weft__pair_primitives(&of.pair, pair);
+        *gap = of.gap;
+    }
+    return !of.found;
+}
+
+void weft__self_list_hold(weft__self_list *list, const double *y0, double *y1)
+{
+    const size_t n = list->own->mesh->particles;
+    const weft__stride stride = { list->own, y0, y1, 0.0 };
+    for (int tries = 0; tries <= HALVINGS; ++tries) {
+        stride_search of = { .stride = &stride, .marks = list->marks };
+        memset(list->marks, 0, n);
+        look(list, &of);
+        if (!of.found) {
+            return;
+        }
+        for (size_t i = 0; i < 6 * n; ++i) {
+            y1[i] = tries == HALVINGS         ? y0[i]
+                    : list->marks[i % n] != 0 ? y0[i] + 0.5 * (y1[i] - y0[i])
+                                              : y1[i];
+        }
+    }
+}

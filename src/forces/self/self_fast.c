@@ -1,0 +1,365 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* self_fast.c -- contact of a cloth with itself, LANES pairs of one kind at a time:
+ * the law of cloth/self_law.h. Pairs that push are found first, then their forces fill
+ * all lanes. */
+#include <string.h>
+
+#include "forces/lanes.h"
+
+typedef vec num;
+typedef mask truth;
+#define NUM(a)          splat(a)
+#define ROOT(a)         root(a)
+#define CHOOSE(t, a, b) choose(t, a, b)
+#define LAW             INLINE
+
+INLINE vec choose(mask where, vec a, vec b)
+{
+    return (vec)(((mask)a & where) | ((mask)b & ~where));
+}
+
+#include "forces/self/self_law.h"
+
+/* Three planes of the particles of LANES pairs. */
+INLINE void place(const double *planes, size_t n, weft__pair_kind kind,
+                  int32_t at[4][LANES], vec x[4][3])
+{
+    for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
+        x[j][0] = gather(planes, at[j]);
+        x[j][1] = gather(planes + n, at[j]);
+        x[j][2] = gather(planes + 2 * n, at[j]);
+    }
+}
+
+/* The particles of pairs. */
+INLINE void particles_of(const weft__near *near, weft__pair_kind kind,
+                         const uint32_t pairs[LANES], int32_t at[4][LANES])
+{
+    for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
+        pick(near->particle[j], pairs, at[j]);
+    }
+}
+
+/* ---- forces ---------------------------------------------------------------------- */
+
+/* Pairs by their numbers. */
+enum { STRETCH = 128 };
+typedef struct queue {
+    uint32_t at[STRETCH + 3 * LANES];
+    size_t count;
+} queue;
+
+typedef struct work {
+    const weft__self_law *law;
+    const weft__near *near;
+    const weft__span *spans;
+    size_t span_count;
+    const double *y;
+    weft__pushes *out;
+    size_t span, next, done; /* next: pair, in `span` */
+    vec bad;
+    queue close,
+        found; /* those that have not waited long enough, and those that push */
+} work;
+
+/* Drops the first ones. */
+INLINE void drop(queue *of, size_t taken)
+{
+    of->count = taken < of->count ? of->count - taken : 0;
+    for (size_t l = 0; taken > 0 && l < of->count; ++l) {
+        of->at[l] = of->at[taken + l];
+    }
+}
+
+/* The last one fills the lanes. */
+INLINE void fill(queue *of)
+{
+    for (size_t l = 0; l < LANES && of->count > 0; ++l) {
+        of->at[of->count + l] = of->at[of->count - 1];
+    }
+}
+
+/* Adds those of at[0], at[1], ... that are set, of `count` at most. */
+INLINE void add(queue *to, const uint32_t at[LANES], mask set, size_t count)
+{
+    for (size_t l = 0; l < LANES; ++l) {
+        to->at[to->count] = at[l];
+        to->count += (l < count) & (set[l] != 0);
+    }
+}
+
+INLINE void find(work *of, weft__pair_kind kind, size_t i)
+{
+    const weft__self *own = of->law->own;
+    const uint32_t *pairs = of->close.at + i;
+    int32_t at[4][LANES];
+    vec x[4][3];
+    particles_of(of->near, kind, pairs, at);
+    place(of->y, own->mesh->particles, kind, at, x);
+    const law_gram gram = law_gram_of(kind, x);
+    const mask pushes = law_pushes(kind, &gram, own->law.thickness);
+    if (any(pushes)) {
+        add(&of->found, pairs, pushes, of->close.count - i);
+    }
+}
+
+INLINE void write_pushes(weft__pair_kind kind, const law_feet *feet,
+                         const law_push *push, size_t l, weft__pushes *to)
+{
+    for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
+        for (size_t k = 0; k < 3; ++k) {
+            store(&to->force[j][k][l], push->force[j][k]);
+        }
+    }
+    store(&to->gap[l], feet->d), store(&to->energy[l], push->energy);
+    store(&to->heat[l], push->heat), store(&to->friction[l], push->friction);
+}
+
+/* LANES pairs of `found` are the next pushes. */
+INLINE void push(work *of, weft__pair_kind kind, size_t i)
+{
+    const weft__self *own = of->law->own;
+    const weft_contact_def contact = own->law;
+    const uint32_t *pairs = of->found.at + i;
+    const size_t n = own->mesh->particles, first = of->done + i;
+    weft__pushes *to = &of->out[first / WEFT__BLOCK];
+    int32_t at[4][LANES];
+    vec x[4][3], v[4][3], mass = splat(0.0), rest = splat(0.0);
+    law_push out;
+    particles_of(of->near, kind, pairs, at);
+    for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
+        memcpy(&to->particle[j][first % WEFT__BLOCK], at[j], sizeof at[j]);
+    }
+    for (size_t l = 0; l < LANES; ++l) {
+        mass[l] = of->near->mass[pairs[l]];
+        rest[l] = kind == WEFT__EDGES ? of->near->rest[pairs[l]] : 0.0;
+    }
+    place(of->y, n, kind, at, x);
+    place(of->y + 3 * n, n, kind, at, v);
+    const law_gram gram = law_gram_of(kind, x);
+    law_feet feet = law_feet_of(kind, &gram);
+    law_weigh(kind, of->law, rest, &feet);
+    law_push_of(kind, &contact, &feet, mass, v, &out);
+    write_pushes(kind, &feet, &out, first % WEFT__BLOCK, to);
+    for (size_t k = 0; k < 3 * weft__kind_particles(kind); ++k) {
+        of->bad += out.force[k / 3][k % 3] * 0.0;
+    }
+}
+
+/* Pairs go from `close` to `found` to the pushes, as far as they fill lanes; at last
+ * all do. */
+INLINE void pass_on(work *of, weft__pair_kind kind, bool last)
+{
+    size_t taken = 0;
+    fill(&of->close);
+    for (; taken + (last ? 1 : LANES) <= of->close.count; taken += LANES) {
+        find(of, kind, taken);
+    }
+    drop(&of->close, taken);
+    taken = 0;
+    fill(&of->found);
+    for (; taken + (last ? 1 : LANES) <= of->found.count; taken += LANES) {
+        push(of, kind, taken);
+    }
+    of->done += taken < of->found.count ? taken : of->found.count;
+    drop(&of->found, taken);
+}
+
+/* Takes pairs of `spans` that have not waited long enough, until there are many;
+ * returns whether all have been seen. */
+INLINE bool scan(work *of, weft__pair_kind kind)
+{
+    for (; of->span < of->span_count; ++of->span) {
+        const size_t end = of->spans[of->span].end[kind];
+        const vec moved = splat(of->spans[of->span].moved);
+        for (; of->next < end && of->close.count < STRETCH; of->next += LANES) {
+            const mask close = ~(load(of->near->waits + of->next) > moved);
+            if (any(close)) {
+                uint32_t here[LANES];
+                for (size_t l = 0; l < LANES; ++l) {
+                    here[l] = (uint32_t)(of->next + l);
+                }
+                add(&of->close, here, close, end - of->next);
+            }
+        }
+        if (of->next < end) {
+            return false;
+        }
+        of->next = end;
+    }
+    return true;
+}
+
+INLINE void push_kind(work *of, weft__pair_kind kind)
+{
+    bool last;
+    do {
+        last = scan(of, kind);
+        pass_on(of, kind, last);
+    } while (!last);
+}
+
+#define PUSH(kind)                                                                     \
+    static void push_##kind(work *of)                                                  \
+    {                                                                                  \
+        push_kind(of, kind);                                                           \
+    }
+EACH_KIND(PUSH)
+#undef PUSH
+
+size_t NAME(pushes, LEVEL)(const weft__self_law *law, weft__pair_kind kind,
+                           const weft__near *near, const weft__span *spans,
+                           size_t span_count, const double *y, weft__pushes *out,
+                           double *bad)
+{
+    static void (*const each[])(work *)
+        = { push_WEFT__VERTICES, push_WEFT__VERTEX_EDGE, push_WEFT__VERTEX_TRIANGLE,
+            push_WEFT__EDGES };
+    work of;
+    of.law = law, of.near = near, of.spans = spans, of.span_count = span_count;
+    of.y = y, of.out = out, of.bad = splat(0.0);
+    of.span = of.next = of.done = of.close.count = of.found.count = 0;
+    each[kind](&of);
+    *bad += sum(of.bad);
+    return of.done;
+}
+
+/* ---- distances ------------------------------------------------------------------- */
+
+typedef struct waiting {
+    const weft__self *own;
+    const weft__near *near;
+    size_t first, end;
+    const double *y;
+    double most;
+    double *distances;
+} waiting;
+
+INLINE void wait_kind(const waiting *of, weft__pair_kind kind)
+{
+    for (size_t i = of->first; i < of->end; i += LANES) {
+        uint32_t pairs[LANES];
+        int32_t at[4][LANES];
+        vec x[4][3];
+        for (size_t l = 0; l < LANES; ++l) {
+            pairs[l] = (uint32_t)(i + l < of->end ? i + l : of->end - 1);
+        }
+        particles_of(of->near, kind, pairs, at);
+        place(of->y, of->own->mesh->particles, kind, at, x);
+        const vec distance = law_distance(kind, x);
+        const vec wait = law_wait(kind, x, distance, of->own->law.thickness, of->most);
+        for (size_t l = 0; l < LANES && i + l < of->end; ++l) {
+            of->distances[i + l] = distance[l], of->near->waits[i + l] = wait[l];
+        }
+    }
+}
+
+#define WAIT(kind)                                                                     \
+    static void wait_##kind(const waiting *of)                                         \
+    {                                                                                  \
+        wait_kind(of, kind);                                                           \
+    }
+EACH_KIND(WAIT)
+#undef WAIT
+
+void NAME(waits, LEVEL)(const weft__self *own, weft__pair_kind kind,
+                        const weft__near *near, size_t first, size_t end,
+                        const double *y, double most, double *distances)
+{
+    static void (*const each[])(const waiting *)
+        = { wait_WEFT__VERTICES, wait_WEFT__VERTEX_EDGE, wait_WEFT__VERTEX_TRIANGLE,
+            wait_WEFT__EDGES };
+    const waiting of = { own, near, first, end, y, most, distances };
+    each[kind](&of);
+}
+
+/* ---- bounds ---------------------------------------------------------------------- */
+
+/* Of a plane, as long as they hold no NaN. */
+typedef struct run_bounds {
+    vec low, high;
+} run_bounds;
+
+/* Adds `count` numbers; or some before them where the last lanes are beyond. */
+INLINE void add_run(const double *from, const double *to, size_t first, size_t end,
+                    run_bounds *sum, vec *trouble)
+{
+    for (size_t i = first; i < end; i += LANES) {
+        const size_t at = i + LANES <= end ? i : end - LANES;
+        const vec d = from != NULL ? load(to + at) - load(from + at) : load(to + at);
+        sum->low = least(sum->low, d), sum->high = most(sum->high, d);
+        *trouble += d * 0.0;
+    }
+}
+
+INLINE run_bounds no_bounds(void)
+{
+    return (run_bounds){ splat((double)INFINITY), splat(-(double)INFINITY) };
+}
+
+/* Lane by lane for all planes, which do not wait for each other. */
+INLINE void narrow(const run_bounds of[3], weft__drift *to)
+{
+    for (size_t k = 0; k < 3; ++k) {
+        to->low[k] = of[k].low[0], to->high[k] = of[k].high[0];
+    }
+    for (size_t l = 1; l < LANES; ++l) {
+        for (size_t k = 0; k < 3; ++k) {
+            to->low[k] = of[k].low[l] < to->low[k] ? of[k].low[l] : to->low[k];
+            to->high[k] = of[k].high[l] > to->high[k] ? of[k].high[l] : to->high[k];
+        }
+    }
+}
+
+/* A product with 0 is NaN for a number that is not finite. */
+double NAME(extent, LEVEL)(const double *from, const double *to, size_t n)
+{
+    weft__drift all;
+    run_bounds of[3];
+    vec trouble = splat(0.0);
+    if (n < LANES) {
+        return weft__extent_loops(from, to, n);
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        of[k] = no_bounds();
+        add_run(from, to, k * n, (k + 1) * n, &of[k], &trouble);
+    }
+    narrow(of, &all);
+    return sum(trouble) == 0.0 ? weft__drift_extent(&all, &all) : (double)INFINITY;
+}
+
+/* The first of LANES columns whose vectors have all columns of a tile. */
+INLINE size_t first_column(const size_t in[4])
+{
+    return in[2] + LANES <= in[3] ? in[2] : in[3] > LANES ? in[3] - LANES : 0;
+}
+
+void NAME(drift, LEVEL)(const weft__self *own, const double *from, const double *to,
+                        size_t first, size_t end, weft__drift *tiles)
+{
+    const size_t n = own->mesh->particles, cols = own->mesh->cols;
+    const size_t level = weft__tile_level(own->mesh);
+    if (cols < LANES) {
+        weft__drift_loops(own, from, to, first, end, tiles);
+        return;
+    }
+    for (size_t i = first; i < end; ++i) {
+        vec trouble = splat(0.0);
+        run_bounds of[3];
+        size_t in[4];
+        weft__patch_range(own->mesh, level, i, in);
+        for (size_t k = 0; k < 3; ++k) {
+            of[k] = no_bounds();
+            const size_t start = first_column(in);
+            for (size_t r = in[0]; r < in[1]; ++r) {
+                const size_t at = k * n + r * cols;
+                add_run(from, to, at + start, at + (in[3] < LANES ? LANES : in[3]),
+                        &of[k], &trouble);
+            }
+        }
+        narrow(of, &tiles[i]);
+        if (any(trouble != 0.0)) {
+            tiles[i].high[0] = (double)INFINITY;
+        }
+    }
+}

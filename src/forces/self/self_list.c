@@ -1,0 +1,581 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* self_list.c -- a list about a state has pairs of primitives with their distances
+ * there. Once no two particles of two tiles are displaced by more than e against each
+ * other, a pair of theirs at distance D is no nearer than D - e.
+ *
+ * For each pair of tiles it is known how far apart their pairs are at least but for
+ * those in the list: `clear`. When a list is made about a new state, `clear` loses what
+ * the tiles have moved against each other; only where it no longer suffices are pairs
+ * sought again. Pairs at `clear` or further apart are dropped.
+ *
+ * A pair that is listed has a wait: what has to change before it pushes. An evaluation
+ * looks at those whose tiles have moved that much since the wait was found. A pair of
+ * tiles without pairs is a group, too, where it is near enough to be watched; all
+ * others are so far apart that the extent of the whole displacement proves them clear.
+ */
+#include <stdatomic.h>
+
+#include "forces/self/self_parts.h"
+
+enum { SHELVES = 64 };
+
+/* Of the skin: what is left of it at least where pairs are not sought again, and how
+ * far particles may have moved against each other where waits are not found again. */
+#define LEAST 0.25
+#define STALE 0.4
+
+/* Of `clear`: pairs have to be sought. */
+#define UNKNOWN (-1.0)
+
+static void run(weft__team *team, weft__task *task, void *ctx, size_t parts)
+{
+    if (team != NULL && parts > 1) {
+        weft__team_run(team, task, ctx, parts);
+        return;
+    }
+    for (size_t i = 0; i < parts; ++i) {
+        task(ctx, i);
+    }
+}
+
+/* A quarter of the spacing is near the best of piles; thick cloth has less, so that
+ * flat cells, whose primitives are 0.7 spacings apart, are not listed. */
+static double skin_of(const weft__self *own)
+{
+    const double a
+        = weft__smaller_spacing(own->mesh->rows, own->mesh->cols, own->mesh->spacing);
+    return fmin(0.25 * a, fmax(0.1 * a, 0.65 * a - own->law.thickness));
+}
+
+/* ---- room ------------------------------------------------------------------------ */
+
+weft_status weft__self_list_grow(weft__self_list *list, weft_error *err)
+{
+    for (size_t i = 0; i < list->shelf_count; ++i) {
+        weft__self_shelf *of = &list->shelves[i];
+        if (of->wanted <= of->room) {
+            continue;
+        }
+        list->valid = false;
+        if (!weft__self_shelf_grow(&list->memory, of)) {
+            return weft_error_set(err, WEFT_NO_MEMORY,
+                                  "no memory for %zu pairs of primitives that are near "
+                                  "each other",
+                                  of->wanted);
+        }
+    }
+    return WEFT_OK;
+}
+
+static bool keep_tiles(void *ctx, size_t a, size_t b)
+{
+    weft__self_list *list = ctx;
+    uint32_t *to = list->between[list->between_count++];
+    to[0] = (uint32_t)a, to[1] = (uint32_t)b;
+    return true;
+}
+
+static bool make_shelves(weft__self_list *list)
+{
+    const size_t each = weft__tile_count(list->own->mesh) / 4 + 1;
+    const size_t count = each < SHELVES ? each : SHELVES;
+    list->shelves = weft__zeroed(&list->memory, count, sizeof *list->shelves);
+    for (size_t i = 0; i < count && list->shelves != NULL; ++i) {
+        list->shelf_count = i + 1;
+        if (!weft__self_shelf_create(&list->memory, i * list->between_count / count,
+                                     (i + 1) * list->between_count / count,
+                                     &list->shelves[i])) {
+            return false;
+        }
+    }
+    return list->shelves != NULL;
+}
+
+weft__self_list *weft__self_list_create(const weft__self *own, weft__team *team,
+                                        const weft_allocator *memory)
+{
+    const size_t n = own->mesh->particles, tiles = weft__tile_count(own->mesh);
+    const size_t most = tiles * (tiles + 1) / 2;
+    weft__self_list *list = weft__zeroed(memory, 1, sizeof *list);
+    if (list == NULL) {
+        return NULL;
+    }
+    *list = (weft__self_list){
+        .own = own,
+        .team = team,
+        .memory = *memory,
+        .knots = weft__alloc(memory, weft__tree_size(own->mesh), sizeof *list->knots),
+        .place = weft__alloc(memory, 3 * n, sizeof *list->place),
+        .marks = weft__alloc(memory, n, 1),
+        .tiles = { weft__alloc(memory, tiles, 5 * sizeof(weft__drift)) },
+        .between = weft__alloc(memory, most, sizeof *list->between),
+        .clear = weft__alloc(memory, most, sizeof *list->clear),
+        .skin = skin_of(own),
+    };
+    for (size_t k = 1; k < 5 && list->tiles[0] != NULL; ++k) {
+        list->tiles[k] = list->tiles[k - 1] + tiles;
+    }
+    if (list->knots == NULL || list->place == NULL || list->marks == NULL
+        || list->tiles[0] == NULL || list->between == NULL || list->clear == NULL
+        || !weft__tile_pairs(own->mesh, keep_tiles, list) || !make_shelves(list)) {
+        weft__self_list_destroy(list);
+        return NULL;
+    }
+    return list;
+}
+
+void weft__self_list_destroy(weft__self_list *list)
+{
+    if (list == NULL) {
+        return;
+    }
+    const weft_allocator memory = list->memory;
+    for (size_t i = 0; i < list->shelf_count; ++i) {
+        weft__self_shelf_free(&memory, &list->shelves[i]);
+    }
+    weft__free(&memory, list->shelves);
+    weft__free(&memory, list->knots);
+    weft__free(&memory, list->place);
+    weft__free(&memory, list->marks);
+    weft__free(&memory, list->tiles[0]);
+    weft__free(&memory, list->between);
+    weft__free(&memory, list->clear);
+    weft__free(&memory, list);
+}
+
+void weft__self_list_set_skin(weft__self_list *list, double skin)
+{
+    list->skin = skin;
+    list->valid = false;
+}
+
+/* ---- displacements --------------------------------------------------------------- */
+
+enum { DRIFT_PART = 32 }; /* tiles */
+
+typedef struct drifting {
+    const weft__self *own;
+    const double *from, *to;
+    weft__drift *tiles;
+} drifting;
+
+static void drift_part(void *ctx, size_t part)
+{
+    const drifting *of = ctx;
+    const size_t tiles = weft__tile_count(of->own->mesh), first = part * DRIFT_PART;
+    of->own->drift(of->own, of->from, of->to, first,
+                   first + DRIFT_PART < tiles ? first + DRIFT_PART : tiles, of->tiles);
+}
+
+/* [m] The extent of a displacement, and the bounds k of tiles; infinite if a number is
+ * not finite. */
+static double drift_tiles(weft__self_list *list, const double *from, const double *to,
+                          size_t k)
+{
+    const size_t tiles = weft__tile_count(list->own->mesh);
+    drifting of = { list->own, from, to, list->tiles[k] };
+    weft__drift all;
+    run(list->team, drift_part, &of, (tiles - 1) / DRIFT_PART + 1);
+    all = of.tiles[0];
+    for (size_t i = 1; i < tiles; ++i) {
+        weft__drift_add(&all, &of.tiles[i]);
+    }
+    return weft__drift_extent(&all, &all);
+}
+
+double weft__self_drift(weft__self_list *list, const double *from, const double *to,
+                        size_t k)
+{
+    return list->group_count == 0 ? weft__extent(list->own, from, to)
+                                  : drift_tiles(list, from, to, k);
+}
+
+/* ---- making ---------------------------------------------------------------------- */
+
+typedef struct making {
+    weft__self_list *list;
+    const double *y;
+} making;
+
+/* [m] Between the boxes about two tiles. */
+static double box_distance(const weft__drift *a, const weft__drift *b)
+{
+    double square = 0.0;
+    for (size_t k = 0; k < 3; ++k) {
+        const double gap = fmax(a->low[k] - b->high[k], b->low[k] - a->high[k]);
+        square += gap > 0.0 ? gap * gap : 0.0;
+    }
+    return sqrt(square);
+}
+
+/* What is left of `clear`: tiles[0] has displacements, tiles[1] places. */
+static void age_part(void *ctx, size_t part)
+{
+    const making *of = ctx;
+    weft__self_list *list = of->list;
+    const weft__self_shelf *at = &list->shelves[part];
+    const double least = list->own->law.thickness + LEAST * list->skin;
+    for (size_t i = at->first; i < at->end; ++i) {
+        const uint32_t *tiles = list->between[i];
+        double left = list->valid ? list->clear[i] - list->extent : UNKNOWN;
+        if (!(left >= weft__self_watched(list))) {
+            left = box_distance(&list->tiles[1][tiles[0]], &list->tiles[1][tiles[1]])
+                   * (1.0 - WEFT__SELF_ROUNDOFF);
+        }
+        if (!(left >= weft__self_watched(list)) && list->valid) {
+            left = fmax(left,
+                        list->clear[i] - weft__self_extent_between(list, 0, tiles));
+        }
+        list->clear[i] = left >= least ? left : UNKNOWN;
+    }
+}
+
+/* Those in the rectangle about two tiles, where the search looks for flat patches. */
+static void mark_tiles(weft__self_list *list, const uint32_t tiles[2])
+{
+    const weft__self *own = list->own;
+    const size_t cols = weft__patches(own->mesh->cols, weft__tile_level(own->mesh));
+    const size_t r[2] = { tiles[0] / cols, tiles[1] / cols };
+    const size_t c[2] = { tiles[0] % cols, tiles[1] % cols };
+    const size_t top = r[0] < r[1] ? r[0] : r[1], left = c[0] < c[1] ? c[0] : c[1];
+    const size_t high = r[0] + r[1] - 2 * top + 1, wide = c[0] + c[1] - 2 * left + 1;
+    list->marks[tiles[0]] = list->marks[tiles[1]] = 1;
+    for (size_t i = 0; high <= 3 && wide <= 3 && i < high * wide; ++i) {
+        list->marks[(top + i / wide) * cols + left + i % wide] = 1;
+    }
+}
+
+static void fill_part(void *ctx, size_t part)
+{
+    const making *of = ctx;
+    weft__self_list *list = of->list;
+    const size_t tiles = weft__tile_count(list->own->mesh);
+    for (size_t i = part; i < tiles; i += list->shelf_count) {
+        if (list->marks[i] != 0) {
+            weft__tree_fill_tile(&list->tree, i);
+        }
+    }
+}
+
+/* Sets what a pair has by its particles. */
+static void weigh_pair(const weft__self_law *law, weft__pair_kind kind, weft__near *in,
+                       size_t i)
+{
+    const weft__pair pair = weft__near_pair(kind, in, i);
+    in->mass[i] = weft__pair_mass(law->own, &pair);
+    in->rest[i] = weft__pair_rest(law, &pair);
+}
+
+/* Measures the pairs of a bin from `first` on, which may be new, and drops those at
+ * `clear`. Pinned pairs do not push. */
+static void measure_pairs(const making *of, weft__pair_kind kind, weft__self_pairs *in,
+                          size_t first, double clear, bool new, weft__self_group *to)
+{
+    const weft__self_list *list = of->list;
+    const weft__self_law law = weft__self_law_of(list->own);
+    const size_t all = in->count;
+    list->own->waits(list->own, kind, &in->near, first, all, of->y, list->skin,
+                     in->distances);
+    in->count = first;
+    for (size_t i = first; i < all; ++i) {
+        const double distance = in->distances[i];
+        if (distance >= clear) {
+            continue;
+        }
+        const size_t at = in->count++;
+        if (i != at) {
+            weft__self_pairs_move(in, i, at);
+        }
+        if (new) {
+            weigh_pair(&law, kind, &in->near, at);
+        }
+        if (!(in->near.mass[at] > 0.0)) {
+            in->near.waits[at] = INFINITY;
+        }
+        if (kind >= WEFT__VERTEX_TRIANGLE && !(distance > to->nearest)) {
+            to->nearest = distance;
+        }
+    }
+}
+
+/* Of two tiles whose pairs are the last ones, after those of the group before; from:
+ * another group that has had them, or NULL. */
+static void add_group(const making *of, weft__self_shelf *in, size_t tiles,
+                      const weft__self_group *from)
+{
+    const weft__self_list *list = of->list;
+    weft__self_groups *now = &in->now;
+    weft__self_group *to = &now->at[now->count];
+    weft__span *span = &now->spans[now->count];
+    bool any = list->clear[tiles] < weft__self_watched(list);
+    const bool stale = from == NULL || !(from->loss < STALE * list->skin);
+    *to = (weft__self_group){ .nearest = INFINITY };
+    if (!stale) {
+        *to = *from;
+    }
+    to->tiles = tiles;
+    for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
+        weft__self_pairs *at = &in->bins[kind].now;
+        const size_t first = weft__self_first(now, now->count, kind);
+        if (stale) {
+            measure_pairs(of, (weft__pair_kind)kind, at, first, list->clear[tiles],
+                          from == NULL, to);
+        }
+        any = any || at->count > first;
+        span->end[kind] = at->count;
+    }
+    now->count += any;
+}
+
+/* Lists the pairs of two tiles, which are in group `old` or, if it is NULL, in none. */
+static void list_pairs(const making *of, weft__self_shelf *in, size_t tiles,
+                       const weft__self_group *old)
+{
+    weft__self_list *list = of->list;
+    double *clear = &list->clear[tiles];
+    weft__self_group kept = { .loss = 0.0 };
+    const bool seek = *clear == UNKNOWN;
+    if (seek) {
+        *clear = weft__self_range(list);
+        (void)weft__each_pair_between(&list->tree, list->between[tiles], *clear,
+                                      weft__self_shelf_keep, in);
+    } else if (old != NULL) {
+        kept = *old;
+        kept.loss += weft__self_extent_between(list, 0, list->between[tiles]);
+        weft__self_shelf_copy(in, (size_t)(old - in->before.at));
+    }
+    if (!weft__self_shelf_full(in)) {
+        add_group(of, in, tiles, seek || old == NULL ? NULL : &kept);
+    }
+}
+
+static void make_part(void *ctx, size_t part)
+{
+    const making *of = ctx;
+    weft__self_list *list = of->list;
+    weft__self_shelf *in = &list->shelves[part];
+    weft__self_shelf_begin(in);
+    const weft__self_group *old = in->before.at,
+                           *end = old + (list->valid ? in->before.count : 0);
+    for (size_t i = in->first; i < in->end && !in->full; ++i) {
+        const bool listed = old < end && old->tiles == i;
+        if (list->clear[i] < weft__self_watched(list)) {
+            list_pairs(of, in, i, listed ? old : NULL);
+        }
+        old += listed;
+    }
+}
+
+/* Whether a group has pairs, or its clear is less than the range. */
+static bool is_needed(const weft__self_list *list, const weft__self_groups *of,
+                      size_t i)
+{
+    bool any = list->clear[of->at[i].tiles] < weft__self_range(list);
+    for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
+        any = any || of->spans[i].end[kind] > weft__self_first(of, i, kind);
+    }
+    return any;
+}
+
+/* Where no group is needed none is watched: nearly flat cloth has no groups. */
+static void end_making(weft__self_list *list)
+{
+    bool needed = false;
+    list->group_count = 0;
+    list->valid = true;
+    for (size_t i = 0; i < list->shelf_count; ++i) {
+        weft__self_shelf *at = &list->shelves[i];
+        list->valid = list->valid && !at->full;
+        list->group_count += at->now.count;
+        for (size_t g = 0; g < at->now.count; ++g) {
+            at->now.spans[g].moved
+                = at->now.at[g].loss + WEFT__SELF_ALLOWED * list->skin;
+            needed = needed || is_needed(list, &at->now, g);
+        }
+    }
+    for (size_t i = 0; i < list->shelf_count && !needed; ++i) {
+        list->group_count = list->shelves[i].now.count = 0;
+    }
+}
+
+/* Of a list that is valid tiles[0] has the displacements since. */
+static void make(weft__self_list *list, const double *y)
+{
+    making of = { list, y };
+    const weft__self *own = list->own;
+    bool seek = false;
+    list->valid
+        = list->valid && list->group_count > 0; /* else the most room is found */
+    (void)drift_tiles(list, NULL, y, 1);
+    run(list->team, age_part, &of, list->shelf_count);
+    memset(list->marks, 0, weft__tile_count(own->mesh));
+    for (size_t i = 0; i < list->between_count; ++i) {
+        if (list->clear[i] == UNKNOWN) {
+            mark_tiles(list, list->between[i]);
+            seek = true;
+        }
+    }
+    if (seek) {
+        list->tree = weft__tree_of(own->mesh, y);
+        weft__tree_begin(&list->tree, list->knots);
+        run(list->team, fill_part, &of, list->shelf_count);
+    }
+    run(list->team, make_part, &of, list->shelf_count);
+    memcpy(list->place, y, 3 * own->mesh->particles * sizeof *y);
+    list->pin_changes = own->mesh->pin_changes;
+    end_making(list);
+}
+
+/* Whether the list has all pairs that push after displacements tiles[0]. Sets what
+ * its groups have moved. */
+static bool suffices(weft__self_list *list, double extent)
+{
+    bool all = extent < weft__self_lasting(list) - list->own->law.thickness;
+    for (size_t i = 0; i < list->shelf_count && all; ++i) {
+        const weft__self_groups *at = &list->shelves[i].now;
+        for (size_t g = 0; g < at->count && all; ++g) {
+            const size_t tiles = at->at[g].tiles;
+            const double moved
+                = weft__self_extent_between(list, 0, list->between[tiles]);
+            all = moved < list->clear[tiles] - list->own->law.thickness;
+            at->spans[g].moved = moved + at->at[g].loss;
+        }
+    }
+    return all;
+}
+
+static bool any_full(const weft__self_list *list)
+{
+    bool any = false;
+    for (size_t i = 0; i < list->shelf_count; ++i) {
+        any = any || list->shelves[i].full;
+    }
+    return any;
+}
+
+/* The list, made anew if need be, has all pairs that push. */
+typedef enum readiness { READY, WITHOUT_LIST, NOT_FINITE } readiness;
+
+static readiness prepare(weft__self_list *list, const double *y)
+{
+    list->valid = list->valid && list->pin_changes == list->own->mesh->pin_changes;
+    const double extent = list->valid ? weft__self_drift(list, list->place, y, 0)
+                                      : weft__extent(list->own, NULL, y);
+    if (!isfinite(extent)) {
+        return NOT_FINITE;
+    }
+    list->extent = extent * (1.0 + WEFT__SELF_ROUNDOFF);
+    if (list->valid && suffices(list, extent)) {
+        return READY;
+    }
+    if (!any_full(list)) {
+        make(list, y);
+    }
+    return list->valid ? READY : WITHOUT_LIST;
+}
+
+/* ---- forces ---------------------------------------------------------------------- */
+
+typedef struct evaluation {
+    weft__self_list *list;
+    weft__self_law law;
+    const weft__state *at;
+    atomic_bool bad;
+} evaluation;
+
+static void evaluate_part(void *ctx, size_t part)
+{
+    evaluation *all = ctx;
+    weft__self_shelf *in = &all->list->shelves[part];
+    double bad = 0.0;
+    for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
+        weft__self_bin *at = &in->bins[kind];
+        at->pushing = all->law.own->pushes(&all->law, (weft__pair_kind)kind,
+                                           &at->now.near, in->now.spans, in->now.count,
+                                           all->at->y, at->pushes, &bad);
+    }
+    if (bad != 0.0) {
+        atomic_store(&all->bad, true);
+    }
+}
+
+/* Fills the pushes of a list that is ready; returns whether there can be any. */
+static bool evaluate(evaluation *all)
+{
+    if (all->list->group_count == 0) {
+        return false;
+    }
+    all->law = weft__self_law_of(all->list->own);
+    run(all->list->team, evaluate_part, all, all->list->shelf_count);
+    return true;
+}
+
+static void add_pushes(const weft__self *own, const weft__self_bin *of, size_t corners,
+                       double *to)
+{
+    const size_t n = own->mesh->particles;
+    for (size_t i = 0; i < of->pushing; ++i) {
+        const weft__pushes *from = &of->pushes[i / WEFT__BLOCK];
+        const size_t lane = i % WEFT__BLOCK;
+        for (size_t k = 0; k < corners; ++k) {
+            const size_t at = (size_t)from->particle[k][lane];
+            const double scale = own->mesh->inverse_mass[at];
+            for (size_t j = 0; j < 3 && scale > 0.0; ++j) {
+                to[j * n + at] += scale * from->force[k][j][lane];
+            }
+        }
+    }
+}
+
+/* In the order of weft__each_pair. By one thread: the pushes of others come from their
+ * caches, and two that each add half of them took longer. */
+static void gather(const weft__self_list *list, double *to)
+{
+    for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
+        const size_t corners = weft__kind_particles((weft__pair_kind)kind);
+        for (size_t i = 0; i < list->shelf_count; ++i) {
+            add_pushes(list->own, &list->shelves[i].bins[kind], corners, to);
+        }
+    }
+}
+
+int weft__self_list_add(weft__self_list *list, const weft__state *at, double *to)
+{
+    evaluation all = { .list = list, .at = at };
+    const readiness is = prepare(list, at->y);
+    if (is != READY) {
+        return is == NOT_FINITE ? 1
+                                : weft__self_add(list->own, at, WEFT__ACCELERATION, to);
+    }
+    if (evaluate(&all)) {
+        gather(list, to);
+    }
+    return atomic_load(&all.bad) ? 1 : 0;
+}
+
+static void measure_bin(const weft__self *own, weft__pair_kind kind,
+                        const weft__self_bin *of, const double *y, weft_measures *sum)
+{
+    for (size_t i = 0; i < of->pushing; ++i) {
+        weft__push push;
+        weft__push_at(kind, of->pushes, i, &push);
+        weft__push_measure(own, &push, y, sum);
+    }
+}
+
+void weft__self_list_measure(weft__self_list *list, const weft__state *at,
+                             weft_measures *sum)
+{
+    evaluation all = { .list = list, .at = at };
+    if (prepare(list, at->y) != READY) {
+        weft__self_measure(list->own, at, sum);
+        return;
+    }
+    const bool any = evaluate(&all);
+    for (size_t kind = 0; kind < WEFT__KINDS && any; ++kind) {
+        for (size_t i = 0; i < list->shelf_count; ++i) {
+            measure_bin(list->own, (weft__pair_kind)kind, &list->shelves[i].bins[kind],
+                        at->y, sum);
+        }
+    }
+}

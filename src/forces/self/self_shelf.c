@@ -1,0 +1,149 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* self_shelf.c -- the pairs of a weft__self_list and their room. */
+#include "forces/self/self_parts.h"
+
+enum { STRETCH = 256, ROOM = 512 };
+
+static void free_pairs(const weft_allocator *memory, weft__self_pairs *of)
+{
+    weft__free(memory, of->near.particle[0]);
+    weft__free(memory, of->near.waits);
+    *of = (weft__self_pairs){ .count = 0 };
+}
+
+static bool make_pairs(const weft_allocator *memory, size_t room, weft__self_pairs *of)
+{
+    const size_t all = room + WEFT__BLOCK;
+    weft__near *near = &of->near;
+    free_pairs(memory, of);
+    near->particle[0] = weft__zeroed(memory, 4 * all, sizeof(int32_t));
+    near->waits = weft__zeroed(memory, 4 * all, sizeof(double));
+    if (near->particle[0] == NULL || near->waits == NULL) {
+        return false;
+    }
+    for (size_t k = 1; k < 4; ++k) {
+        near->particle[k] = near->particle[k - 1] + all;
+    }
+    near->mass = near->waits + all, near->rest = near->mass + all;
+    of->distances = near->rest + all;
+    return true;
+}
+
+static void free_groups(const weft_allocator *memory, weft__self_groups *of)
+{
+    weft__free(memory, of->at);
+    weft__free(memory, of->spans);
+}
+
+static bool make_groups(const weft_allocator *memory, size_t most,
+                        weft__self_groups *of)
+{
+    of->at = weft__alloc(memory, most, sizeof *of->at);
+    of->spans = weft__alloc(memory, most, sizeof *of->spans);
+    return of->at != NULL && of->spans != NULL;
+}
+
+bool weft__self_shelf_grow(const weft_allocator *memory, weft__self_shelf *of)
+{
+    bool made = true;
+    of->room = (of->wanted / STRETCH + 1) * STRETCH;
+    for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
+        weft__self_bin *at = &of->bins[kind];
+        weft__free(memory, at->pushes);
+        at->pushes
+            = weft__alloc(memory, of->room / WEFT__BLOCK + 1, sizeof *at->pushes);
+        made = make_pairs(memory, of->room, &at->now)
+               && make_pairs(memory, of->room, &at->before) && at->pushes != NULL
+               && made;
+    }
+    of->room = made ? of->room : 0;
+    of->full = false;
+    return made;
+}
+
+bool weft__self_shelf_create(const weft_allocator *memory, size_t first, size_t end,
+                             weft__self_shelf *out)
+{
+    *out = (weft__self_shelf){ .first = first, .end = end, .wanted = ROOM };
+    return make_groups(memory, end - first + 1, &out->now)
+           && make_groups(memory, end - first + 1, &out->before)
+           && weft__self_shelf_grow(memory, out);
+}
+
+void weft__self_shelf_free(const weft_allocator *memory, weft__self_shelf *of)
+{
+    for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
+        weft__self_bin *at = &of->bins[kind];
+        free_pairs(memory, &at->now);
+        free_pairs(memory, &at->before);
+        weft__free(memory, at->pushes);
+    }
+    free_groups(memory, &of->now);
+    free_groups(memory, &of->before);
+}
+
+static void copy_numbers(double *to, const double *from, size_t count)
+{
+    memcpy(to, from, count * sizeof *to);
+}
+
+void weft__self_shelf_copy(weft__self_shelf *of, size_t i)
+{
+    for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
+        weft__self_pairs *to = &of->bins[kind].now;
+        const weft__self_pairs *from = &of->bins[kind].before;
+        const size_t first = weft__self_first(&of->before, i, kind);
+        const size_t count = of->before.spans[i].end[kind] - first;
+        if (to->count + count > of->room) {
+            of->full = true;
+            return;
+        }
+        for (size_t k = 0; k < 4; ++k) {
+            memcpy(to->near.particle[k] + to->count, from->near.particle[k] + first,
+                   count * sizeof(int32_t));
+        }
+        copy_numbers(to->near.waits + to->count, from->near.waits + first, count);
+        copy_numbers(to->near.mass + to->count, from->near.mass + first, count);
+        copy_numbers(to->near.rest + to->count, from->near.rest + first, count);
+        copy_numbers(to->distances + to->count, from->distances + first, count);
+        to->count += count;
+    }
+}
+
+bool weft__self_shelf_keep(void *ctx, const weft__pair *pair)
+{
+    weft__self_shelf *to = ctx;
+    weft__self_pairs *of = &to->bins[pair->kind].now;
+    if (of->count < to->room) {
+        for (size_t k = 0; k < 4; ++k) {
+            of->near.particle[k][of->count] = (int32_t)pair->particle[k];
+        }
+    }
+    ++of->count;
+    return true;
+}
+
+bool weft__self_shelf_full(weft__self_shelf *of)
+{
+    for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
+        const size_t count = of->bins[kind].now.count;
+        of->full = of->full || count > of->room;
+        if (2 * count > of->room && 3 * count > of->wanted) {
+            of->wanted = 3 * count;
+        }
+    }
+    return of->full;
+}
+
+void weft__self_shelf_begin(weft__self_shelf *of)
+{
+    const weft__self_groups old = of->now;
+    of->now = of->before, of->before = old;
+    of->now.count = 0;
+    for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
+        weft__self_bin *in = &of->bins[kind];
+        const weft__self_pairs other = in->now;
+        in->now = in->before, in->before = other;
+        in->now.count = 0;
+    }
+}

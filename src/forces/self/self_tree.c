@@ -1,0 +1,452 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* self_tree.c -- the search of self_tree.h.
+ *
+ * In a convex patch of the rest grid whose edges down / a and right / b differ from two
+ * orthonormal directions by E, in the Frobenius norm, the gradient of the position is
+ * [e0 e1] + E: two points of the patch are at least (1 - E) times as far apart as at
+ * rest, where primitives without a common particle are a b / sqrt(a^2 + b^2) or more
+ * apart. */
+#include "forces/self/self_tree.h"
+
+#include <string.h>
+
+/* Relative, of the bounds. */
+#define ROUNDOFF 1e-9
+
+typedef struct tree_patch {
+    size_t r, c;
+} tree_patch;
+
+static size_t levels_of(const weft__mesh *mesh)
+{
+    size_t levels = 1;
+    while (weft__patches(mesh->rows, levels - 1) > 1
+           || weft__patches(mesh->cols, levels - 1) > 1) {
+        ++levels;
+    }
+    return levels;
+}
+
+weft__quadtree weft__tree_of(const weft__mesh *mesh, const double *y)
+{
+    return (weft__quadtree){ .mesh = mesh, .y = y, .levels = levels_of(mesh) };
+}
+
+size_t weft__tree_size(const weft__mesh *mesh)
+{
+    size_t size = 0;
+    for (size_t k = 0; k < levels_of(mesh); ++k) {
+        size += weft__patches(mesh->rows, k) * weft__patches(mesh->cols, k);
+    }
+    return size;
+}
+
+/* ---- bounds ---------------------------------------------------------------------- */
+
+#define NOTHING                                                                        \
+    {                                                                                  \
+        { INFINITY, INFINITY, INFINITY },                                              \
+        {                                                                              \
+            -INFINITY, -INFINITY, -INFINITY                                            \
+        }                                                                              \
+    }
+static const weft__knot nothing = { NOTHING, { NOTHING, NOTHING } };
+
+static inline void join(const double from[2][3], double to[2][3])
+{
+    for (size_t k = 0; k < 3; ++k) {
+        to[0][k] = from[0][k] < to[0][k] ? from[0][k] : to[0][k];
+        to[1][k] = from[1][k] > to[1][k] ? from[1][k] : to[1][k];
+    }
+}
+
+/* Of the differences by * (b - a), (d - c). */
+static inline void bound_slopes(const double a[3], const double b[3], const double c[3],
+                                const double d[3], double by, double to[2][3])
+{
+    for (size_t k = 0; k < 3; ++k) {
+        const double one = by * (b[k] - a[k]), other = by * (d[k] - c[k]);
+        to[0][k] = one < other ? one : other;
+        to[1][k] = one < other ? other : one;
+    }
+}
+
+/* Sets *to for node (r, c), which is its own neighbour where the grid ends. */
+static void bound_node(const weft__quadtree *tree, size_t r, size_t c, weft__knot *to)
+{
+    const weft__mesh *mesh = tree->mesh;
+    const bool down = r + 1 < mesh->rows, right = c + 1 < mesh->cols;
+    const double *y = tree->y + r * mesh->cols + c;
+    const size_t i[4]
+        = { 0, right, down ? mesh->cols : 0, right + (down ? mesh->cols : 0) };
+    double x[4][3];
+    *to = nothing;
+    for (size_t k = 0; k < 3; ++k, y += mesh->particles) {
+        const double a = x[0][k] = y[i[0]], b = x[1][k] = y[i[1]];
+        const double p = x[2][k] = y[i[2]], q = x[3][k] = y[i[3]];
+        const double low[2] = { a < b ? a : b, p < q ? p : q };
+        const double high[2] = { a < b ? b : a, p < q ? q : p };
+        to->place[0][k] = low[0] < low[1] ? low[0] : low[1];
+        to->place[1][k] = high[0] > high[1] ? high[0] : high[1];
+    }
+    if (down) {
+        bound_slopes(x[0], x[2], x[1], x[3], 1.0 / mesh->spacing[0], to->slope[0]);
+    }
+    if (right) {
+        bound_slopes(x[0], x[1], x[2], x[3], 1.0 / mesh->spacing[1], to->slope[1]);
+    }
+}
+
+static void add_slopes(const weft__knot *from, weft__knot *to)
+{
+    join(from->slope[0], to->slope[0]);
+    join(from->slope[1], to->slope[1]);
+}
+
+static void add_knot(const weft__knot *from, weft__knot *to)
+{
+    join(from->place, to->place);
+    add_slopes(from, to);
+}
+
+static size_t end_of(size_t at, size_t level, size_t count)
+{
+    const size_t end = (at + 1) << level;
+    return end < count ? end : count;
+}
+
+static void add_patch(const weft__quadtree *tree, size_t level, tree_patch at,
+                      weft__knot *to)
+{
+    const weft__mesh *mesh = tree->mesh;
+    for (size_t r = at.r << level; r < end_of(at.r, level, mesh->rows); ++r) {
+        for (size_t c = at.c << level; c < end_of(at.c, level, mesh->cols); ++c) {
+            weft__knot node;
+            bound_node(tree, r, c, &node);
+            add_knot(&node, to);
+        }
+    }
+}
+
+void weft__tree_begin(weft__quadtree *tree, weft__knot *knots)
+{
+    const weft__mesh *mesh = tree->mesh;
+    tree->knots = knots;
+    for (size_t level = 1; level < tree->levels; ++level) {
+        tree->first[level] = tree->first[level - 1]
+                             + weft__patches(mesh->rows, level - 1)
+                                   * weft__patches(mesh->cols, level - 1);
+    }
+}
+
+/* From the level below. */
+static void fill_knot(weft__quadtree *tree, size_t level, tree_patch at)
+{
+    const weft__mesh *mesh = tree->mesh;
+    weft__knot *knots = tree->knots + tree->first[level];
+    weft__knot *to = &knots[at.r * weft__patches(mesh->cols, level) + at.c];
+    if (level == 0) {
+        bound_node(tree, at.r, at.c, to);
+        return;
+    }
+    *to = nothing;
+    const size_t rows = weft__patches(mesh->rows, level - 1);
+    const size_t cols = weft__patches(mesh->cols, level - 1);
+    for (size_t j = 0; j < 4; ++j) {
+        const size_t r = 2 * at.r + j / 2, c = 2 * at.c + j % 2;
+        if (r < rows && c < cols) {
+            add_knot(&tree->knots[tree->first[level - 1] + r * cols + c], to);
+        }
+    }
+}
+
+/* All that is in a patch, level by level. */
+static void fill_patch(weft__quadtree *tree, size_t top, tree_patch at)
+{
+    const weft__mesh *mesh = tree->mesh;
+    for (size_t level = 0; level <= top; ++level) {
+        const size_t rows = weft__patches(mesh->rows, level);
+        const size_t cols = weft__patches(mesh->cols, level);
+        const size_t by = top - level;
+        for (size_t r = at.r << by; r < end_of(at.r, by, rows); ++r) {
+            for (size_t c = at.c << by; c < end_of(at.c, by, cols); ++c) {
+                fill_knot(tree, level, (tree_patch){ r, c });
+            }
+        }
+    }
+}
+
+void weft__tree_fill(weft__quadtree *tree, weft__knot *knots)
+{
+    weft__tree_begin(tree, knots);
+    fill_patch(tree, tree->levels - 1, (tree_patch){ 0, 0 });
+}
+
+static tree_patch patch_of(const weft__mesh *mesh, size_t level, size_t i)
+{
+    const size_t cols = weft__patches(mesh->cols, level);
+    return (tree_patch){ i / cols, i % cols };
+}
+
+/* A small grid has fewer levels than its tiles. */
+static size_t tile_level(const weft__quadtree *tree)
+{
+    const size_t level = weft__tile_level(tree->mesh);
+    return level < tree->levels ? level : tree->levels - 1;
+}
+
+void weft__tree_fill_tile(weft__quadtree *tree, size_t tile)
+{
+    const size_t level = tile_level(tree);
+    fill_patch(tree, level, patch_of(tree->mesh, level, tile));
+}
+
+/* ---- the search ------------------------------------------------------------------ */
+
+typedef struct tree_search {
+    const weft__quadtree *tree;
+    double range;
+    double flat;  /* a patch with a smaller E is not near itself */
+    size_t floor; /* the level whose patches are visited */
+    bool all;     /* without bounds */
+    weft__visit_fn *visit;
+    void *ctx;
+} tree_search;
+
+/* The square of how far a bound reaches from e. */
+static double beyond(const double bounds[2][3], const double e[3])
+{
+    double square = 0.0;
+    for (size_t k = 0; k < 3 && bounds[0][k] <= bounds[1][k]; ++k) {
+        const double low = fabs(bounds[0][k] - e[k]), high = fabs(bounds[1][k] - e[k]);
+        const double most = low > high ? low : high;
+        square += most * most;
+    }
+    return square;
+}
+
+/* The square of half the width of bounds: no vector is nearer to all of them. */
+static inline double spread(const double bounds[2][3])
+{
+    double square = 0.0;
+    for (size_t k = 0; k < 3 && bounds[0][k] <= bounds[1][k]; ++k) {
+        const double half = 0.5 * (bounds[1][k] - bounds[0][k]);
+        square += half * half;
+    }
+    return square;
+}
+
+/* A unit vector near the middle of the bounds and across e, if e is not NULL; false:
+ * there is none. */
+static bool direction(const double bounds[2][3], const double *e, double to[3])
+{
+    double middle[3];
+    for (size_t k = 0; k < 3; ++k) {
+        middle[k] = 0.5 * (bounds[0][k] + bounds[1][k]);
+    }
+    const double along = e != NULL ? weft__dot(middle, e) : 0.0;
+    for (size_t k = 0; k < 3; ++k) {
+        to[k] = middle[k] - (e != NULL ? along * e[k] : 0.0);
+    }
+    const double length = weft__length(to), inverse = 1.0 / length;
+    for (size_t k = 0; k < 3; ++k) {
+        to[k] *= inverse;
+    }
+    return length > 0.0;
+}
+
+static inline bool may_be_flat(const tree_search *of, const weft__knot *knot)
+{
+    return of->flat > 0.0
+           && spread(knot->slope[0]) + spread(knot->slope[1]) < of->flat * of->flat;
+}
+
+/* A grid of a single row or column has slopes one way only. */
+static bool flat(const tree_search *of, const weft__knot *knot)
+{
+    const bool has[2] = { knot->slope[0][0][0] <= knot->slope[0][1][0],
+                          knot->slope[1][0][0] <= knot->slope[1][1][0] };
+    double e[2][3], square = 0.0;
+    if (!may_be_flat(of, knot)) {
+        return false;
+    }
+    for (size_t k = 0; k < 2; ++k) {
+        if (has[k]) {
+            const double *across = k == 1 && has[0] ? e[0] : NULL;
+            square += direction(knot->slope[k], across, e[k])
+                          ? beyond(knot->slope[k], e[k])
+                          : (double)INFINITY;
+        }
+    }
+    return square < of->flat * of->flat;
+}
+
+/* A patch's bounds, made in *room if they are not kept. */
+static const weft__knot *knot_of(const weft__quadtree *tree, size_t level,
+                                 tree_patch at, weft__knot *room)
+{
+    if (tree->knots != NULL) {
+        const size_t cols = weft__patches(tree->mesh->cols, level);
+        return &tree->knots[tree->first[level] + at.r * cols + at.c];
+    }
+    *room = nothing;
+    add_patch(tree, level, at, room);
+    return room;
+}
+
+/* Whether the rectangle of patches about both, at most 3 x 3 of them, is flat. */
+static bool flat_about(const tree_search *of, size_t level, tree_patch a, tree_patch b)
+{
+    enum { MOST = 3 };
+    const tree_patch low = { a.r < b.r ? a.r : b.r, a.c < b.c ? a.c : b.c };
+    const tree_patch high = { a.r < b.r ? b.r : a.r, a.c < b.c ? b.c : a.c };
+    if (high.r - low.r >= MOST || high.c - low.c >= MOST
+        || (of->tree->knots == NULL && level > 0)) {
+        return false;
+    }
+    weft__knot room, hull = *knot_of(of->tree, level, a, &room);
+    add_slopes(knot_of(of->tree, level, b, &room), &hull);
+    if (!may_be_flat(of, &hull)) {
+        return false;
+    }
+    for (size_t r = low.r; r <= high.r; ++r) {
+        for (size_t c = low.c; c <= high.c; ++c) {
+            add_slopes(knot_of(of->tree, level, (tree_patch){ r, c }, &room), &hull);
+        }
+    }
+    return flat(of, &hull);
+}
+
+static inline bool apart(const tree_search *of, const weft__knot *a,
+                         const weft__knot *b)
+{
+    return weft__boxes_apart(a->place, b->place, of->range);
+}
+
+static inline tree_patch part(tree_patch at, size_t j)
+{
+    return (tree_patch){ 2 * at.r + j / 2, 2 * at.c + j % 2 };
+}
+
+/* The quarters of a patch that the grid has, and their bounds. */
+typedef struct quarters {
+    size_t count;
+    tree_patch at[4];
+    const weft__knot *knots[4];
+    weft__knot room[4];
+} quarters;
+
+static void find_quarters(const tree_search *of, size_t level, tree_patch at,
+                          quarters *out)
+{
+    const weft__mesh *mesh = of->tree->mesh;
+    const size_t rows = weft__patches(mesh->rows, level);
+    const size_t cols = weft__patches(mesh->cols, level);
+    out->count = 0;
+    for (size_t j = 0; j < 4; ++j) {
+        const tree_patch in = part(at, j);
+        if (in.r < rows && in.c < cols) {
+            const size_t i = out->count++;
+            out->at[i] = in;
+            out->knots[i]
+                = of->all ? NULL : knot_of(of->tree, level, in, &out->room[i]);
+        }
+    }
+}
+
+static bool leaf(const tree_search *of, tree_patch a, tree_patch b)
+{
+    const size_t cols = weft__patches(of->tree->mesh->cols, of->floor);
+    return of->visit(of->ctx, a.r * cols + a.c, b.r * cols + b.c);
+}
+
+/* Of patches that are not apart. */
+static bool pairs_between(const tree_search *of, size_t level, tree_patch a,
+                          tree_patch b)
+{
+    if (!of->all && flat_about(of, level, a, b)) {
+        return true;
+    }
+    if (level == of->floor) {
+        return leaf(of, a, b);
+    }
+    quarters in[2];
+    bool goes_on = true;
+    find_quarters(of, level - 1, a, &in[0]);
+    find_quarters(of, level - 1, b, &in[1]);
+    for (size_t i = 0; i < in[0].count; ++i) {
+        for (size_t j = 0; j < in[1].count && goes_on; ++j) {
+            goes_on = (!of->all && apart(of, in[0].knots[i], in[1].knots[j]))
+                      || pairs_between(of, level - 1, in[0].at[i], in[1].at[j]);
+        }
+    }
+    return goes_on;
+}
+
+static bool pairs_within(const tree_search *of, size_t level, tree_patch at)
+{
+    weft__knot room;
+    if (!of->all && flat(of, knot_of(of->tree, level, at, &room))) {
+        return true;
+    }
+    if (level == of->floor) {
+        return leaf(of, at, at);
+    }
+    quarters in;
+    bool goes_on = true;
+    find_quarters(of, level - 1, at, &in);
+    for (size_t i = 0; i < in.count && goes_on; ++i) {
+        goes_on = pairs_within(of, level - 1, in.at[i]);
+    }
+    for (size_t i = 0; i < in.count; ++i) {
+        for (size_t j = i + 1; j < in.count && goes_on; ++j) {
+            goes_on = (!of->all && apart(of, in.knots[i], in.knots[j]))
+                      || pairs_between(of, level - 1, in.at[i], in.at[j]);
+        }
+    }
+    return goes_on;
+}
+
+static tree_search search_of(const weft__quadtree *tree, double range,
+                             weft__visit_fn *visit, void *ctx)
+{
+    const double a = tree->mesh->spacing[0], b = tree->mesh->spacing[1];
+    const double rest = tree->mesh->rows == 1   ? b
+                        : tree->mesh->cols == 1 ? a
+                                                : a / sqrt(1.0 + a * a / (b * b));
+    return (tree_search){ .tree = tree,
+                          .range = range * (1.0 + ROUNDOFF),
+                          .flat = 1.0 - range / rest - ROUNDOFF,
+                          .visit = visit,
+                          .ctx = ctx };
+}
+
+bool weft__tree_pairs(const weft__quadtree *tree, double range, weft__visit_fn *visit,
+                      void *ctx)
+{
+    const tree_search of = search_of(tree, range, visit, ctx);
+    return pairs_within(&of, tree->levels - 1, (tree_patch){ 0, 0 });
+}
+
+bool weft__tile_pairs(const weft__mesh *mesh, weft__visit_fn *visit, void *ctx)
+{
+    const weft__quadtree tree = weft__tree_of(mesh, NULL);
+    tree_search of = search_of(&tree, 0.0, visit, ctx);
+    of.all = true;
+    of.floor = tile_level(&tree);
+    return pairs_within(&of, tree.levels - 1, (tree_patch){ 0, 0 });
+}
+
+bool weft__tree_between(const weft__quadtree *tree, const uint32_t tiles[2],
+                        double range, weft__visit_fn *visit, void *ctx)
+{
+    const tree_search of = search_of(tree, range, visit, ctx);
+    const size_t level = tile_level(tree);
+    const tree_patch a = patch_of(tree->mesh, level, tiles[0]);
+    const tree_patch b = patch_of(tree->mesh, level, tiles[1]);
+    weft__knot room[2];
+    return tiles[0] == tiles[1] ? pairs_within(&of, level, a)
+                                : apart(&of, knot_of(tree, level, a, &room[0]),
+                                        knot_of(tree, level, b, &room[1]))
+                                      || pairs_between(&of, level, a, b);
+}

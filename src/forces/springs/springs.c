@@ -1,0 +1,452 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* springs.c -- stretch, shear and bend springs of a grid; their law is in springs.h. */
+#include "forces/springs/springs.h"
+
+#include "base/hash.h"
+#include "forces/bounds.h"
+
+#define NOT_NEGATIVE .least = 0.0
+
+const struct weft__spring_numbers weft__spring_numbers = {
+    WEFT__FIELD(weft_spring_def, stiffness, "N/m or N", NOT_NEGATIVE),
+    WEFT__FIELD(weft_spring_def, damping, "kg/s", NOT_NEGATIVE),
+};
+
+const weft__number weft__spring_law = { offsetof(weft_cloth_def, law), "law", NULL,
+                                        .type = WEFT__ENUM, .most = WEFT_LAW_STRAIN };
+
+static bool starts_at(const weft__springs *own, const weft__group *group, size_t i)
+{
+    const size_t r = i / own->mesh->cols, c = i % own->mesh->cols;
+    return r < group->end_row && c >= group->first_col && c < group->end_col;
+}
+
+size_t weft__particle_springs(const weft__springs *own, size_t i, const double *x,
+                              weft__spring springs[WEFT__SPRINGS_MAX])
+{
+    size_t count = 0;
+    for (size_t g = 0; g < own->group_count; ++g) {
+        const weft__group *group = &own->groups[g];
+        const size_t stride = (size_t)group->stride;
+        if (starts_at(own, group, i)) {
+            springs[count++] = weft__spring_from(own->mesh, group, i, x);
+        }
+        if (i >= stride && starts_at(own, group, i - stride)) {
+            springs[count++] = weft__spring_from(own->mesh, group, i - stride, x);
+        }
+    }
+    return count;
+}
+
+/* [N] of one of them on p, or its derivative. */
+static void spring_force(const weft__springs *own, const weft__spring *at,
+                         const double *y, const double *along, double pull[3])
+{
+    const double *v = y + 3 * own->mesh->particles;
+    double w[3], dd[3], dw[3];
+    if (along == NULL) {
+        const double tension
+            = weft__spring_tension(at, weft__spring_rate(own->mesh, at, v));
+        for (size_t k = 0; k < 3; ++k) {
+            pull[k] = tension * at->d[k];
+        }
+        return;
+    }
+    weft__spring_difference(own->mesh, at, v, w);
+    weft__spring_difference(own->mesh, at, along, dd);
+    weft__spring_difference(own->mesh, at, along + 3 * own->mesh->particles, dw);
+    weft__spring_change(at, w, dd, dw, pull);
+}
+
+/* The order of summation is part of the result, and that of src/kernel/kernel.c. */
+void weft__springs_pull(const weft__springs *own, size_t i, const double *y,
+                        const double *along, double force[3])
+{
+    enum { RIGHT, DOWN, CROSS, ANTI, RIGHT2, DOWN2 }; /* as in directions */
+    double from[WEFT_GROUPS][3] = { 0 }, to[WEFT_GROUPS][3] = { 0 }; /* [N] on p */
+    weft__spring springs[WEFT__SPRINGS_MAX];
+    const size_t count = weft__particle_springs(own, i, y, springs);
+    for (const weft__spring *at = springs; at < springs + count; ++at) {
+        spring_force(own, at, y, along, (at->p == i ? from : to)[at->group->way]);
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        const double begun = from[RIGHT][k] + from[DOWN][k] + from[CROSS][k]
+                             + from[RIGHT2][k] + from[DOWN2][k];
+        const double above = to[DOWN2][k] + (to[DOWN][k] + to[ANTI][k]) + to[CROSS][k];
+        force[k] = begun - (above + (to[RIGHT][k] - from[ANTI][k]) + to[RIGHT2][k]);
+    }
+}
+
+const char *weft_family_name(weft_family family)
+{
+    static const char *const names[WEFT_FAMILIES] = { "stretch", "shear", "bend" };
+    return (unsigned)family < WEFT_FAMILIES ? names[family] : "unknown";
+}
+
+const char *weft_spring_text(const weft_spring *spring, size_t cols, char *text,
+                             size_t size)
+{
+    cols = cols > 0 ? cols : SIZE_MAX;
+    (void)snprintf(text, size, "%s spring (%zu, %zu)-(%zu, %zu)",
+                   weft_family_name(spring->family), spring->p / cols, spring->p % cols,
+                   spring->q / cols, spring->q % cols);
+    return text;
+}
+
+/* The direction of a group: rows down, columns to the right (-1: to the left). */
+typedef struct direction {
+    weft_family family;
+    size_t down;
+    ptrdiff_t right;
+} direction;
+
+static const direction directions[WEFT_GROUPS] = {
+    { WEFT_STRETCH, 0, 1 }, { WEFT_STRETCH, 1, 0 }, { WEFT_SHEAR, 1, 1 },
+    { WEFT_SHEAR, 1, -1 },  { WEFT_BEND, 0, 2 },    { WEFT_BEND, 2, 0 },
+};
+
+bool weft__group_init(const weft__mesh *mesh, size_t way, weft__group *group)
+{
+    const direction *of = &directions[way];
+    const size_t reach = of->right < 0 ? 1 : (size_t)of->right;
+    *group = (weft__group){
+        .family = of->family,
+        .way = (unsigned)way,
+        .end_row = mesh->rows - of->down,
+        .first_col = of->right < 0 ? reach : 0,
+        .end_col = of->right < 0 ? mesh->cols : mesh->cols - reach,
+        .stride = (ptrdiff_t)(of->down * mesh->cols) + of->right,
+    };
+    return mesh->rows > of->down && mesh->cols > reach;
+}
+
+static void set_law(const weft__springs *own, const weft_cloth_def *def,
+                    weft__group *group)
+{
+    const weft_family family = group->family;
+    const direction *way = &directions[group->way];
+    const bool chain = own->mesh->rows == 1 || own->mesh->cols == 1;
+    const weft_spring_def *spring = way->down == 0 && def->across[family].present
+                                        ? &def->across[family]
+                                        : &def->springs[family];
+    const double across = own->mesh->spacing[1] * (double)way->right;
+    const double along = own->mesh->spacing[0] * (double)way->down;
+    group->rest_length = sqrt(across * across + along * along);
+    group->stiffness = def->law == WEFT_LAW_STRAIN
+                           ? spring->stiffness / group->rest_length
+                           : spring->stiffness;
+    group->damping = spring->damping;
+    group->half_rim = def->rim_half && !chain && family != WEFT_SHEAR;
+}
+
+void weft__groups_init(weft__springs *own, const weft_cloth_def *def)
+{
+    own->group_count = 0;
+    for (size_t way = 0; way < WEFT_GROUPS; ++way) {
+        weft__group *next = &own->groups[own->group_count];
+        if (def->springs[directions[way].family].present
+            && weft__group_init(own->mesh, way, next)) {
+            set_law(own, def, next);
+            ++own->group_count;
+        }
+    }
+}
+
+/* ---- for weft__force ------------------------------------------------------------- */
+
+static void check(const weft_cloth_def *def, const weft__faults *to)
+{
+    (void)weft__numbers_check(&weft__spring_law, 1, def, to, "%s", "");
+    for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
+        const weft_spring_def *springs = &def->springs[i], *across = &def->across[i];
+        const char *name = weft_family_name((weft_family)i);
+        if (springs->present) {
+            (void)WEFT__NUMBERS_CHECK(weft__spring_numbers, springs, to,
+                                      "%s springs: ", name);
+        }
+        if (springs->present && across->present) {
+            (void)WEFT__NUMBERS_CHECK(weft__spring_numbers, across, to,
+                                      "%s springs along a row: ", name);
+        }
+        if (across->present && i == WEFT_SHEAR) {
+            weft__fault(to, offsetof(weft_cloth_def, across),
+                        offsetof(weft_cloth_def, across),
+                        "%s springs along a row: they lie along the diagonals", name);
+        }
+    }
+}
+
+static bool init(void *own, const weft_cloth_def *def, const weft_allocator *memory)
+{
+    (void)memory;
+    weft__groups_init(own, def);
+    return true;
+}
+
+static const char *fault(const void *own)
+{
+    const weft__springs *of = own;
+    bool usable = true;
+    for (size_t g = 0; g < of->group_count; ++g) {
+        const weft__group *group = &of->groups[g];
+        usable = usable && group->rest_length > 0.0 && isfinite(group->rest_length)
+                 && isfinite(group->stiffness);
+    }
+    return usable ? NULL : "springs";
+}
+
+static uint64_t hash_of(const void *own, uint64_t hash)
+{
+    const weft__springs *of = own;
+    for (size_t g = 0; g < of->group_count; ++g) {
+        const weft__group *group = &of->groups[g];
+        const double numbers[]
+            = { group->rest_length, group->stiffness, group->damping };
+        hash = weft__hash_word(hash, group->family);
+        hash = weft__hash_word(hash, group->way);
+        hash = weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
+        hash = group->half_rim ? weft__hash_word(hash, 1) : hash;
+    }
+    return hash;
+}
+
+static void choose(void *own, weft__isa isa)
+{
+    weft__springs *of = own;
+    of->fast = WEFT_FORM(isa, weft__start_fn, rows);
+    of->products = WEFT_FORM(isa, weft__start_fn, products);
+    of->damping = WEFT_FORM(isa, weft__damping_fn, damping);
+}
+
+/* 0 where a particle's six numbers from z on are finite, else NaN. */
+static double trouble(const double *z, size_t n)
+{
+    return ((z[3 * n] + z[4 * n] + z[5 * n]) + (z[0] + z[n] + z[2 * n])) * 0.0;
+}
+
+int weft__rows_loops(const void *own, const weft__body *body, const weft__state *at,
+                     double *dydt, size_t first, size_t end)
+{
+    static const double none[3];
+    const weft__springs *of = own;
+    const weft__mesh *mesh = of->mesh;
+    const size_t n = mesh->particles, last = weft__block(mesh, end);
+    const bool product = at->along != NULL;
+    const double *state = product ? at->along : at->y;
+    const double *gravity = product ? none : body->gravity;
+    double bad = 0.0;
+    for (size_t i = weft__block(mesh, first); i < last; ++i) {
+        double springs[3];
+        weft__springs_pull(of, i, at->y, at->along, springs);
+        for (size_t k = 0; k < 3; ++k) {
+            const double v = dydt[k * n + i] = state[(k + 3) * n + i];
+            const double force = springs[k] - body->drag * v;
+            dydt[(k + 3) * n + i] = gravity[k] + mesh->inverse_mass[i] * force;
+        }
+        bad += trouble(dydt + i, n);
+    }
+    return bad == 0.0 ? 0 : 1;
+}
+
+int weft__products_loops(const void *own, const weft__body *body, const weft__state *at,
+                         double *dydt, size_t first, size_t end)
+{
+    return weft__rows_loops(own, body, at, dydt, first, end);
+}
+
+static int start(const void *own, const weft__body *body, const weft__state *at,
+                 double *dydt, size_t first, size_t end)
+{
+    const weft__springs *of = own;
+    return (at->along != NULL ? of->products : of->fast)(own, body, at, dydt, first,
+                                                         end);
+}
+
+/* Alone, without weight and air: the plain force. */
+static int add(const void *own, const weft__state *at, weft__unit unit, double *to,
+               size_t first, size_t end)
+{
+    const weft__springs *of = own;
+    const weft__mesh *mesh = of->mesh;
+    for (size_t i = weft__block(mesh, first); i < weft__block(mesh, end); ++i) {
+        double springs[3];
+        weft__springs_pull(of, i, at->y, at->along, springs);
+        for (size_t k = 0; k < 3; ++k) {
+            to[k * mesh->particles + i] += unit == WEFT__FORCE
+                                               ? springs[k]
+                                               : mesh->inverse_mass[i] * springs[k];
+        }
+    }
+    return 0;
+}
+
+static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+{
+    for (weft__walk walk = weft__row_springs(own, at->y, b);
+         weft__each_spring(&walk);) {
+        sum->energy.elastic[walk.spring.group->family]
+            += weft__spring_energy(&walk.spring);
+    }
+}
+
+double weft__damping_loops(const weft__springs *own, const double *y, size_t b)
+{
+    double power = 0.0;
+    for (weft__walk walk = weft__row_springs(own, y, b); weft__each_spring(&walk);) {
+        const weft__spring *at = &walk.spring;
+        const double rate
+            = weft__spring_rate(own->mesh, at, y + 3 * own->mesh->particles);
+        power += weft__spring_damping(at) * rate * (rate / (at->square + DBL_MIN));
+    }
+    return power;
+}
+
+/* Heat, and what the motion of pins does against the springs. */
+static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+{
+    const weft__springs *of = own;
+    const weft__mesh *mesh = of->mesh;
+    sum->power[WEFT_POWER_SPRINGS] += of->damping(of, at->y, b);
+    for (size_t i = weft__block(mesh, b); i < weft__block(mesh, b + 1); ++i) {
+        if (mesh->pin[i] != 0 && mesh->motions[mesh->pin[i] - 1].moves) {
+            double force[3], rate[6];
+            weft__springs_pull(of, i, at->y, NULL, force);
+            weft__pin_rate(mesh, i, at->t, rate);
+            sum->power[WEFT_POWER_PINS] += -weft__dot(force, rate);
+        }
+    }
+}
+
+/* u u^T, or I where there is no direction: no less than u u^T for any. */
+static void outer(const weft__spring *at, double uu[6])
+{
+    static const size_t first[6] = { 0, 1, 2, 0, 0, 1 };
+    static const size_t second[6] = { 0, 1, 2, 1, 2, 2 };
+    const double length = sqrt(at->square);
+    for (size_t k = 0; k < 6; ++k) {
+        uu[k] = length == 0.0 ? (k < 3 ? 1.0 : 0.0)
+                              : at->d[first[k]] / length * (at->d[second[k]] / length);
+    }
+}
+
+static void add_spring(const weft__springs *own, const weft__spring *at,
+                       weft__bound *sum)
+{
+    const double share
+        = own->mesh->inverse_mass[at->p] + own->mesh->inverse_mass[at->q];
+    const double pull = weft__spring_tension(at, 0.0);
+    double uu[6], *along = sum->along[at->group - own->groups];
+    double *across = pull > 0.0 ? sum->taut : sum->slack;
+    outer(at, uu);
+    for (size_t k = 0; k < 6; ++k) {
+        along[k] += at->share * share * uu[k];
+        across[k] += share * fabs(pull) * ((k < 3 ? 1.0 : 0.0) - uu[k]);
+    }
+}
+
+static void bound(const void *own, const weft__state *at, size_t i, weft__bound *sum)
+{
+    weft__spring springs[WEFT__SPRINGS_MAX];
+    const size_t count = weft__particle_springs(own, i, at->y, springs);
+    for (size_t s = 0; s < count; ++s) {
+        add_spring(own, &springs[s], sum);
+    }
+}
+
+/* out += (a K + b C) x of one spring: slack springs are taken for straight ones. */
+static void multiply_spring(const weft__mesh *mesh, const weft__spring *at, double a,
+                            double b, const double *x, double *out)
+{
+    if (at->square == 0.0) {
+        return;
+    }
+    const double across = a * fmax(0.0, weft__spring_tension(at, 0.0));
+    const double along = a * weft__spring_stiffness(at) + b * weft__spring_damping(at);
+    const double stretch = weft__spring_rate(mesh, at, x) / at->square;
+    double d[3];
+    weft__spring_difference(mesh, at, x, d);
+    for (size_t k = 0; k < 3; ++k, out += mesh->particles) {
+        const double force = across * d[k] + (along - across) * stretch * at->d[k];
+        out[at->p] -= force;
+        out[at->q] += force;
+    }
+}
+
+static void multiply(const void *own, const weft__state *at, double a, double b,
+                     const double *x, double *out)
+{
+    const weft__springs *of = own;
+    for (size_t r = 0; r < weft__blocks(of->mesh); ++r) {
+        for (weft__walk walk = weft__row_springs(of, at->y, r);
+             weft__each_spring(&walk);) {
+            multiply_spring(of->mesh, &walk.spring, a, b, x, out);
+        }
+    }
+}
+
+/* ---- linearisation --------------------------------------------------------------- */
+
+size_t weft__group_run(const weft__mesh *mesh, const weft__group *group, size_t b,
+                       weft_bonds *runs)
+{
+    const size_t p = b * mesh->cols + group->first_col;
+    if (b < group->end_row && runs != NULL) {
+        *runs = (weft_bonds){ p, p + (size_t)group->stride,
+                              group->end_col - group->first_col };
+    }
+    return b < group->end_row;
+}
+
+static size_t runs(const void *own, size_t b, weft_bonds *to)
+{
+    const weft__springs *of = own;
+    size_t count = 0;
+    for (size_t g = 0; g < of->group_count; ++g) {
+        count += weft__group_run(of->mesh, &of->groups[g], b, to + count);
+    }
+    return count;
+}
+
+/* Writes u, k - q, q = T / L and c, `bonds` apart. Returns q. */
+static double spring_planes(const weft__mesh *mesh, const weft__spring *at,
+                            const double *v, double *planes, size_t bonds)
+{
+    const double k = weft__spring_stiffness(at), length = sqrt(at->square);
+    const double q = weft__spring_tension(at, weft__spring_rate(mesh, at, v));
+    const double inverse = length > 0.0 ? 1.0 / length : 0.0;
+    for (size_t j = 0; j < 3; ++j) {
+        planes[j * bonds] = at->d[j] * inverse;
+    }
+    planes[3 * bonds] = length > 0.0 ? k - q : 0.0;
+    planes[4 * bonds] = q;
+    planes[5 * bonds] = length > 0.0 ? weft__spring_damping(at) : 0.0;
+    return q;
+}
+
+static double *bonds(const void *own, const weft__state *at, size_t b, double *to,
+                     size_t all, double *bad)
+{
+    const weft__springs *of = own;
+    for (weft__walk walk = weft__row_springs(of, at->y, b); weft__each_spring(&walk);
+         ++to) {
+        *bad += 0.0
+                * spring_planes(of->mesh, &walk.spring, at->y + 3 * of->mesh->particles,
+                                to, all);
+    }
+    return to;
+}
+
+const weft__force weft__springs_force = { .name = "springs",
+                                          .check = check,
+                                          .init = init,
+                                          .fault = fault,
+                                          .hash = hash_of,
+                                          .choose = choose,
+                                          .start = start,
+                                          .add = add,
+                                          .energy = energy,
+                                          .power = power,
+                                          .bound = bound,
+                                          .multiply = multiply,
+                                          .runs = runs,
+                                          .bonds = bonds };

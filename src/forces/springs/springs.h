@@ -1,0 +1,232 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* springs.h -- the law of a spring and the iteration over springs, for one grid.
+ *
+ * A spring from p to q, of rest length s [m], stiffness k [N/m] and damping
+ * c [kg/s], pulls p by T u and q by -T u, where
+ *
+ *     T = k (L - s) + c w.u,   d = x_q - x_p,  L = |d|,  u = d / L,  w = v_q - v_p
+ *
+ * and has no force where L = 0. The strain law T = K (L / s - 1) is the same with
+ * k = K / s. The elastic part is -dE/dx of E = k (L - s)^2 / 2; the damped part acts
+ * along the spring only, so that both momenta are conserved. The three families are
+ * those of Provot 1995; the damped law is the one of the lecture (docs/physics.md).
+ *
+ * Springs are implicit: a family has two groups, one for each direction, and the
+ * springs of a group differ only in their first particle. Nothing is stored per spring.
+ * The fast forms evaluate the same expressions on vectors. */
+#ifndef WEFT_FORCES_SPRINGS_SPRINGS_H
+#define WEFT_FORCES_SPRINGS_SPRINGS_H
+
+#include <float.h>
+#include <math.h>
+
+#include "forces/body/body.h"
+
+/* All springs that join particle (r, c) to (r + down, c + right): r below end_row,
+ * c from first_col to below end_col. */
+typedef struct weft__group {
+    weft_family family;
+    unsigned way; /* which of the directions of springs.c */
+    size_t end_row, first_col, end_col;
+    ptrdiff_t stride;   /* index of the far end minus that of the near one */
+    double rest_length; /* [m] */
+    double stiffness;   /* [N/m]; under the strain law k / s */
+    double damping;     /* [kg/s] */
+    bool half_rim;      /* those along the rim carry half of both */
+} weft__group;
+
+#define WEFT_GROUPS (2 * WEFT_FAMILIES)
+
+/* Power [W] turned into heat by the dampers of the springs that begin in block b. */
+typedef struct weft__springs weft__springs;
+typedef double weft__damping_fn(const weft__springs *own, const double *y, size_t b);
+
+struct weft__springs {
+    const weft__mesh *mesh;
+    size_t group_count; /* groups that have springs */
+    weft__group groups[WEFT_GROUPS];
+    weft__start_fn *fast, *products;
+    weft__damping_fn *damping;
+};
+
+WEFT__NUMBERS(weft__spring_numbers, stiffness, damping);
+extern const weft__number weft__spring_law;
+extern const weft__force weft__springs_force;
+WEFT_FORMS(weft__start_fn, rows);
+WEFT_FORMS(weft__start_fn, products);
+WEFT_FORMS(weft__damping_fn, damping);
+
+/* A group in one of WEFT_GROUPS ways, but for its law; false: the grid is too small. */
+bool weft__group_init(const weft__mesh *mesh, size_t way, weft__group *group);
+
+/* From a definition. */
+void weft__groups_init(weft__springs *own, const weft_cloth_def *def);
+
+/* Those of a group that begin in block b, as one run; returns 1, or 0: there are none.
+ * runs NULL: only counts. */
+size_t weft__group_run(const weft__mesh *mesh, const weft__group *group, size_t b,
+                       weft_bonds *runs);
+
+/* A spring in a state. */
+typedef struct weft__spring {
+    const weft__group *group;
+    size_t p, q;
+    double share;        /* of the group's stiffness and damping: 0.5 or 1 */
+    double d[3], square; /* [m], [m^2] d.d */
+} weft__spring;
+
+/* a_q - a_p of planes a[3 N]. */
+static inline void weft__spring_difference(const weft__mesh *mesh,
+                                           const weft__spring *spring, const double *a,
+                                           double difference[3])
+{
+    const size_t n = mesh->particles, p = spring->p, q = spring->q;
+    difference[0] = a[q] - a[p];
+    difference[1] = a[n + q] - a[n + p];
+    difference[2] = a[2 * n + q] - a[2 * n + p];
+}
+
+/* 0.5 of a spring that begins at p and lies along a rim that carries half, else 1. */
+static inline double weft__spring_share(const weft__mesh *mesh,
+                                        const weft__group *group, size_t p)
+{
+    if (!group->half_rim) {
+        return 1.0;
+    }
+    const bool in_row = group->end_row == mesh->rows;
+    const size_t line = in_row ? p / mesh->cols : p % mesh->cols;
+    const size_t last = (in_row ? mesh->rows : mesh->cols) - 1;
+    return line == 0 || line == last ? 0.5 : 1.0;
+}
+
+/* The spring of a group that begins at p, with positions x[3 N]; NULL: all 0. */
+static inline weft__spring weft__spring_from(const weft__mesh *mesh,
+                                             const weft__group *group, size_t p,
+                                             const double *x)
+{
+    weft__spring spring = { .group = group,
+                            .p = p,
+                            .q = p + (size_t)group->stride,
+                            .share = weft__spring_share(mesh, group, p) };
+    if (x != NULL) {
+        weft__spring_difference(mesh, &spring, x, spring.d);
+        spring.square = weft__dot(spring.d, spring.d);
+    }
+    return spring;
+}
+
+/* [N/m], [kg/s] of this spring. */
+static inline double weft__spring_stiffness(const weft__spring *spring)
+{
+    return spring->share * spring->group->stiffness;
+}
+
+static inline double weft__spring_damping(const weft__spring *spring)
+{
+    return spring->share * spring->group->damping;
+}
+
+/* [m^2/s] w.d, with velocities v[3 N]. */
+static inline double weft__spring_rate(const weft__mesh *mesh,
+                                       const weft__spring *spring, const double *v)
+{
+    double w[3];
+    weft__spring_difference(mesh, spring, v, w);
+    return weft__dot(w, spring->d);
+}
+
+/* [N/m] T / L, exactly 0 at rest and where L = 0. */
+static inline double weft__spring_tension(const weft__spring *spring, double rate)
+{
+    const weft__group *group = spring->group;
+    const double length = sqrt(spring->square);
+    double work
+        = weft__spring_stiffness(spring) * length * (length - group->rest_length);
+    if (group->damping != 0.0) {
+        work += weft__spring_damping(spring) * rate;
+    }
+    return work * (1.0 / (spring->square + DBL_MIN));
+}
+
+/* [N] The derivative of T u along a direction of the state, given its differences dd,
+ * dw and those of velocities, w:
+ *
+ *     q dd + ((k - q) d.dd + c (w.dd - (w.d) (d.dd) / L^2 + d.dw)) d / L^2,  q = T / L
+ */
+static inline void weft__spring_change(const weft__spring *spring, const double w[3],
+                                       const double dd[3], const double dw[3],
+                                       double change[3])
+{
+    const double k = weft__spring_stiffness(spring), c = weft__spring_damping(spring);
+    const double rate = weft__dot(w, spring->d), along = weft__dot(dd, spring->d);
+    const double inverse = 1.0 / (spring->square + DBL_MIN);
+    const double q = weft__spring_tension(spring, rate);
+    const double damped = c * (weft__dot(w, dd) + weft__dot(dw, spring->d));
+    const double part = ((k - (q + c * rate * inverse)) * along + damped) * inverse;
+    for (size_t j = 0; j < 3; ++j) {
+        change[j] = part * spring->d[j] + q * dd[j];
+    }
+}
+
+/* [J] E */
+static inline double weft__spring_energy(const weft__spring *spring)
+{
+    const double stretch = sqrt(spring->square) - spring->group->rest_length;
+    return 0.5 * weft__spring_stiffness(spring) * stretch * stretch;
+}
+
+/* (L - s) / s */
+static inline double weft__spring_strain(const weft__spring *spring)
+{
+    const double rest_length = spring->group->rest_length;
+    return (sqrt(spring->square) - rest_length) / rest_length;
+}
+
+/* The springs that begin in a row, group by group:
+ *
+ *     for (weft__walk walk = weft__row_springs(own, x, r); weft__each_spring(&walk);)
+ *
+ * visits each as walk.spring. */
+typedef struct weft__walk {
+    weft__spring spring;
+    const weft__springs *own;
+    const double *x;
+    size_t row, groups; /* groups begun */
+    size_t next, end;   /* p of the present group */
+} weft__walk;
+
+static inline weft__walk weft__row_springs(const weft__springs *own, const double *x,
+                                           size_t row)
+{
+    return (weft__walk){ .own = own, .x = x, .row = row };
+}
+
+static inline bool weft__each_spring(weft__walk *walk)
+{
+    const weft__springs *own = walk->own;
+    for (; walk->next == walk->end; ++walk->groups) {
+        if (walk->groups == own->group_count) {
+            return false;
+        }
+        walk->spring.group = &own->groups[walk->groups];
+        if (walk->row < walk->spring.group->end_row) {
+            walk->next = walk->row * own->mesh->cols + walk->spring.group->first_col;
+            walk->end = walk->row * own->mesh->cols + walk->spring.group->end_col;
+        }
+    }
+    walk->spring
+        = weft__spring_from(own->mesh, walk->spring.group, walk->next++, walk->x);
+    return true;
+}
+
+/* Those that begin or end at particle i; returns how many. */
+enum { WEFT__SPRINGS_MAX = 2 * WEFT_GROUPS };
+size_t weft__particle_springs(const weft__springs *own, size_t i, const double *x,
+                              weft__spring springs[WEFT__SPRINGS_MAX]);
+
+/* Force [N] of all of them on particle i in state y; its derivative along `along`,
+ * unless that is NULL. */
+void weft__springs_pull(const weft__springs *own, size_t i, const double *y,
+                        const double *along, double force[3]);
+
+#endif

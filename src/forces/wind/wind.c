@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "forces/wind/wind.h"
+
+#include <string.h>
+
+#include "base/hash.h"
+#include "forces/bounds.h"
+
+const struct weft__wind_numbers weft__wind_numbers = {
+    WEFT__FIELD(weft_cloth_def, wind_velocity, "m/s", .count = 3, .least = -HUGE_VAL),
+    WEFT__FIELD(weft_cloth_def, wind_drag, "kg/(m^2 s)", .least = 0.0),
+};
+
+static void check(const weft_cloth_def *def, const weft__faults *to)
+{
+    (void)WEFT__NUMBERS_CHECK(weft__wind_numbers, def, to, "%s", "");
+}
+
+static bool init(void *own, const weft_cloth_def *def, const weft_allocator *memory)
+{
+    weft__wind *of = own;
+    (void)memory;
+    of->drag = def->wind_drag;
+    memcpy(of->velocity, def->wind_velocity, sizeof of->velocity);
+    return true;
+}
+
+static uint64_t hash_of(const void *own, uint64_t hash)
+{
+    const weft__wind *of = own;
+    return weft__hash_real(weft__hash_reals(hash, of->velocity, 3), of->drag);
+}
+
+static void choose(void *own, weft__isa isa)
+{
+    ((weft__wind *)own)->fast = WEFT_FORM(isa, weft__add_fn, wind);
+}
+
+/* x(hi) - x(lo), of the planes x. */
+static void tangent(const double *x, size_t n, size_t lo, size_t hi, double t[3])
+{
+    for (size_t k = 0; k < 3; ++k) {
+        t[k] = x[k * n + hi] - x[k * n + lo];
+    }
+}
+
+/* Of the column and the row of particle i. */
+static void tangents(const weft__mesh *mesh, const double *x, size_t i, double a[3],
+                     double b[3])
+{
+    const size_t n = mesh->particles, cols = mesh->cols, r = i / cols, c = i % cols;
+    tangent(x, n, c > 0 ? i - 1 : i, c + 1 < cols ? i + 1 : i, a);
+    tangent(x, n, r > 0 ? i - cols : i, r + 1 < mesh->rows ? i + cols : i, b);
+}
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static void wind_force(const weft__wind *of, const weft__state *at, size_t i,
+                       double share, double force[3])
+{
+    const weft__mesh *mesh = of->mesh;
+    const size_t n = mesh->particles, r = i / mesh->cols, c = i % mesh->cols;
+    double a[3], b[3], normal[3], flow[3];
+    tangents(mesh, at->y, i, a, b);
+    cross(a, b, normal);
+    for (size_t k = 0; k < 3; ++k) {
+        flow[k] = of->velocity[k] - at->y[(k + 3) * n + i];
+    }
+    const double push = of->drag * weft__area(mesh, r, c) * share
+                        * weft__dot(normal, flow)
+                        / (weft__dot(normal, normal) + DBL_MIN);
+    for (size_t k = 0; k < 3; ++k) {
+        force[k] = push * normal[k];
+    }
+}
+
+/* With the change dN = da x b + a x db of N, that of F = drag area (N.flow) N / (N.N)
+ * is drag area ((dN.flow - N.dv - 2 (N.flow) (N.dN) / (N.N)) N + (N.flow) dN) / (N.N).
+ */
+static void wind_slope(const weft__wind *of, const weft__state *at, size_t i,
+                       double slope[3])
+{
+    const weft__mesh *mesh = of->mesh;
+    const size_t n = mesh->particles;
+    double a[3], b[3], da[3], db[3], normal[3], turn[3], more[3], flow[3], dv[3];
+    tangents(mesh, at->y, i, a, b);
+    tangents(mesh, at->along, i, da, db);
+    cross(a, b, normal);
+    cross(da, b, turn);
+    cross(a, db, more);
+    for (size_t k = 0; k < 3; ++k) {
+        turn[k] += more[k];
+        dv[k] = at->along[(k + 3) * n + i];
+        flow[k] = of->velocity[k] - at->y[(k + 3) * n + i];
+    }
+    const double drag = of->drag * mesh->inverse_mass[i]
+                        * weft__area(mesh, i / mesh->cols, i % mesh->cols);
+    const double inverse = 1.0 / (weft__dot(normal, normal) + DBL_MIN);
+    const double push = weft__dot(normal, flow) * inverse;
+    const double rate = (weft__dot(turn, flow) - weft__dot(normal, dv)) * inverse
+                        - 2.0 * push * weft__dot(normal, turn) * inverse;
+    for (size_t k = 0; k < 3; ++k) {
+        slope[k] = drag * (rate * normal[k] + push * turn[k]);
+    }
+}
+
+int weft__wind_loops(const void *own, const weft__state *at, weft__unit unit,
+                     double *to, size_t first, size_t end)
+{
+    const weft__wind *of = own;
+    const weft__mesh *mesh = of->mesh;
+    const size_t n = mesh->particles, last = weft__block(mesh, end);
+    double bad = 0.0, force[3];
+    for (size_t i = weft__block(mesh, first); i < last; ++i) {
+        wind_force(of, at, i, unit == WEFT__FORCE ? 1.0 : mesh->inverse_mass[i], force);
+        for (size_t k = 0; k < 3; ++k) {
+            to[k * n + i] += force[k];
+            bad += to[k * n + i] * 0.0;
+        }
+    }
+    return bad == 0.0 ? 0 : 1;
+}
+
+static int add(const void *own, const weft__state *at, weft__unit unit, double *to,
+               size_t first, size_t end)
+{
+    const weft__wind *of = own;
+    weft__add_fn *form = unit == WEFT__FORCE ? weft__wind_loops : of->fast;
+    return of->drag != 0.0 ? form(own, at, unit, to, first, end) : 0;
+}
+
+static int change(const void *own, const weft__state *at, weft__unit unit, double *to,
+                  size_t first, size_t end)
+{
+    const weft__wind *of = own;
+    const size_t n = of->mesh->particles, last = weft__block(of->mesh, end);
+    double bad = 0.0, slope[3];
+    (void)unit;
+    for (size_t i = weft__block(of->mesh, first); of->drag != 0.0 && i < last; ++i) {
+        wind_slope(of, at, i, slope);
+        for (size_t k = 0; k < 3; ++k) {
+            to[k * n + i] += slope[k];
+            bad += slope[k] * 0.0;
+        }
+    }
+    return bad == 0.0 ? 0 : 1;
+}
+
+static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+{
+    const weft__wind *of = own;
+    const size_t n = of->mesh->particles, end = weft__block(of->mesh, b + 1);
+    for (size_t i = weft__block(of->mesh, b); of->drag != 0.0 && i < end; ++i) {
+        const double *z = at->y + i;
+        const double v[3] = { z[3 * n], z[4 * n], z[5 * n] };
+        double force[3];
+        if (of->mesh->pin[i] == 0) {
+            wind_force(of, at, i, 1.0, force);
+            sum->power[WEFT_POWER_WIND] += weft__dot(force, v);
+        }
+    }
+}
+
+/* No direction is damped more, whatever the state. */
+static void bound(const void *own, const weft__state *at, size_t i, weft__bound *sum)
+{
+    const weft__wind *of = own;
+    const weft__mesh *mesh = of->mesh;
+    const double area = weft__area(mesh, i / mesh->cols, i % mesh->cols);
+    (void)at;
+    sum->added += of->drag * area * mesh->inverse_mass[i];
+}
+
+const weft__force weft__wind_force = { .name = "wind",
+                                       .check = check,
+                                       .init = init,
+                                       .hash = hash_of,
+                                       .choose = choose,
+                                       .add = add,
+                                       .change = change,
+                                       .power = power,
+                                       .bound = bound };

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* wind.h -- the wind on a particle, after Provot 1995:
+ *
+ *     F = drag area (n . (wind - v)) n
+ *
+ * with n the unit normal of N, the cross product of the column tangent
+ * x(r, c+1) - x(r, c-1) and the row tangent x(r+1, c) - x(r-1, c), one-sided on the
+ * rim; no force where they are parallel or a direction has a single particle. */
+#ifndef WEFT_FORCES_WIND_WIND_H
+#define WEFT_FORCES_WIND_WIND_H
+
+#include "forces/force.h"
+
+typedef struct weft__wind {
+    const weft__mesh *mesh;
+    double velocity[3]; /* [m/s] */
+    double drag;        /* [kg/(m^2 s)] 0: none */
+    weft__add_fn *fast;
+} weft__wind;
+
+WEFT__NUMBERS(weft__wind_numbers, wind_velocity, wind_drag);
+extern const weft__force weft__wind_force;
+WEFT_FORMS(weft__add_fn, wind);
+
+#endif

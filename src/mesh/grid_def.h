@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* grid_def.h -- the numbers of a grid, its pins and loads, and their checks. */
+#ifndef WEFT_MESH_GRID_DEF_H
+#define WEFT_MESH_GRID_DEF_H
+
+#include "mesh/mesh.h"
+
+WEFT__NUMBERS(weft__grid_numbers, rows, cols, spacing, origin, scale, mass, density,
+              velocity);
+WEFT__NUMBERS(weft__pin_numbers, velocity, amplitude, frequency);
+extern const weft__number weft__load_mass;
+
+/* Checks the grid; compares neighbours in grids of up to `most` particles. Returns
+ * false if the size is wrong. */
+bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults *to);
+
+void weft__ranges_check(const weft_cloth_def *def, const weft__faults *to,
+                        const char *what, size_t index, weft_range rows,
+                        weft_range cols);
+
+/* 1 + the number of the pin that holds particle (r, c); 0: it is free. */
+size_t weft__pin_of(const weft_cloth_def *def, size_t r, size_t c);
+
+/* A range of def with negative ends resolved; false if it leaves [0, count). */
+bool weft__range_resolve(weft_range range, size_t count, size_t *first, size_t *last);
+
+#endif

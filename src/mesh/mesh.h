@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* mesh.h -- what a cloth is made of, without any force: particles, where they rest,
+ * what they weigh, how they are held, and the blocks in which they are taken. */
+#ifndef WEFT_MESH_MESH_H
+#define WEFT_MESH_MESH_H
+
+#include <float.h>
+#include <math.h>
+
+#include "base/faults.h"
+#include "weft/cloth.h"
+
+#if SIZE_MAX < UINT64_MAX || DBL_MANT_DIG != 53 || FLT_EVAL_METHOD != 0                \
+    || __FINITE_MATH_ONLY__
+#error "weft needs a 64-bit target with IEEE double arithmetic: \
+no -m32, -mfpmath=387 or -ffast-math"
+#elif defined __GNUC__ && !defined __clang__ && __GNUC__ < 12
+#error "weft needs gcc 12 or later, or clang, for __builtin_shufflevector"
+#endif
+
+/* How far beyond the last particle fast forms may read. */
+#define WEFT_PAST 16
+
+/* x(t) = x0 + velocity (t - since) + amplitude sin(2 pi frequency t) */
+typedef struct weft__motion {
+    double velocity[3];  /* [m/s] */
+    double amplitude[3]; /* [m] */
+    double frequency;    /* [Hz] */
+    double omega;        /* [rad/s] 2 pi frequency */
+    double since;        /* [s] 0 as defined */
+    bool moves;
+    bool coasts; /* instead: each particle keeps its velocity in `coast` */
+} weft__motion;
+
+typedef struct weft__mesh {
+    size_t particles, pinned;
+    size_t block;                /* particles of a block: blocks.h */
+    size_t pin_changes;          /* how often `pinned` was counted */
+    double *mass;                /* [kg] N of them */
+    double *inverse_mass;        /* [1/kg] N, 0 of the pinned, and WEFT_PAST more */
+    uint32_t *pin;               /* N: 0 free, else 1 + index into motions */
+    size_t *pins;                /* the pinned, in order */
+    const uint32_t *defined_pin; /* of a copy (pins.h): the model's pin */
+    double *coast;               /* [m/s] of a copy: 3 N, x y z of each that coasts */
+    weft__motion *motions;       /* motion_count of them, and one that coasts */
+    size_t motion_count;
+    /* grid.c */
+    size_t rows, cols;
+    weft_band band; /* which rows of the whole these are */
+    double spacing[2], origin[3], right[3], down[3], scale; /* right, down: unit */
+    double velocity[3];
+} weft__mesh;
+
+static inline double weft__dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline double weft__length(const double a[3])
+{
+    return sqrt(weft__dot(a, a));
+}
+
+/* ---- grid.c ---------------------------------------------------------------------- */
+
+/* The rows, columns and plain values of a definition, directions made unit. */
+void weft__grid_init(weft__mesh *mesh, const weft_cloth_def *def);
+
+/* The number of particle i in the whole cloth. */
+static inline size_t weft__whole_index(const weft__mesh *mesh, size_t i)
+{
+    return (mesh->band.first - mesh->band.above) * mesh->cols + i;
+}
+
+/* [m] The shorter side of a cell; of a chain its spacing. */
+static inline double weft__smaller_spacing(size_t rows, size_t cols,
+                                           const double spacing[2])
+{
+    return rows == 1   ? spacing[1]
+           : cols == 1 ? spacing[0]
+                       : fmin(spacing[0], spacing[1]);
+}
+
+/* Rest position [m] of particle (r, c). */
+void weft__rest_position(const weft__mesh *mesh, size_t r, size_t c, double x[3]);
+
+/* Position [m] at t = 0. */
+void weft__start_position(const weft__mesh *mesh, size_t r, size_t c, double x[3]);
+
+/* [m] `length` in a direction of `count` rows or columns; a single one counts as 1 m
+ * wide. */
+static inline double weft__width(size_t count, double length)
+{
+    return count > 1 ? length : 1.0;
+}
+
+/* Whether three particles of a row or column of `count` are centred at `at`. */
+static inline bool weft__inner(size_t at, size_t count)
+{
+    return at > 0 && at + 1 < count;
+}
+
+/* The part of its stiffness, or width, that a strip of cloth has at the rim. */
+static inline double weft__strip(size_t at, size_t count)
+{
+    return count == 1 || weft__inner(at, count) ? 1.0 : 0.5;
+}
+
+/* Lumped area [m^2] of particle (r, c): halved on each edge it lies on. */
+double weft__area(const weft__mesh *mesh, size_t r, size_t c);
+
+/* ---- motion.c -------------------------------------------------------------------- */
+
+weft__motion weft__motion_of(const double velocity[3], const double amplitude[3],
+                             double frequency);
+
+/* Velocity [m/s], then acceleration [m/s^2]. */
+void weft__motion_rate(const weft__motion *motion, double t, double rate[6]);
+
+/* x(t) - x0 [m] */
+void weft__motion_offset(const weft__motion *motion, double t, double offset[3]);
+
+/* Whether its numbers stay finite. */
+bool weft__motion_usable(const weft__motion *motion);
+
+/* After which a hash goes on. */
+uint64_t weft__motion_hash(const weft__motion *motion, uint64_t hash);
+
+/* The same as weft__motion_rate of pinned particle i. */
+void weft__pin_rate(const weft__mesh *mesh, size_t i, double t, double rate[6]);
+
+/* Writes x' and v' of the pinned among particles [first, end). */
+void weft__move_pins(const weft__mesh *mesh, double t, double *dydt, size_t first,
+                     size_t end);
+
+#endif

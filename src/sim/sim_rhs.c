@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* sim_rhs.c -- the right-hand side that a stepper sees: the cloth's, then the force of
+ * the embedder, then with ledger the powers. */
+#include <math.h>
+#include <string.h>
+
+#include "cloth/model.h"
+#include "sim/simulation.h"
+
+/* v' += f / m of the free particles; the power f.v [W] of all of them, row by row. */
+static double accelerate(const weft_sim *sim, const double *y, double *dydt)
+{
+    const size_t n = weft_cloth_particles(sim->cloth);
+    const size_t cols = weft_cloth_cols(sim->cloth);
+    const double *v = y + 3 * n;
+    double *dvdt = dydt + 3 * n;
+    double power = 0.0, row = 0.0;
+    for (size_t i = 0; i < n; ++i) {
+        const double mass = weft_cloth_particle_mass(sim->cloth, i);
+        for (size_t j = i; !weft_cloth_pinned(sim->cloth, i) && j < 3 * n; j += n) {
+            dvdt[j] += sim->added[j] / mass;
+            row += sim->added[j] * v[j];
+        }
+        if ((i + 1) % cols == 0) {
+            power += row;
+            row = 0.0;
+        }
+    }
+    return power;
+}
+
+/* With other bands a method also evaluates states that are not finite, where the whole
+ * cloth would not be evaluated: these leave what was found before. */
+static void note_breach(weft_sim *sim, double t, const double *y, int failed)
+{
+    const uint64_t call = ++sim->calls;
+    if (failed == 0) {
+        sim->refused = (weft__breach){ .call = call };
+    } else if (sim->def.comm == NULL
+               || weft__all_finite(y, weft_cloth_dim(sim->cloth))) {
+        sim->refused = weft__rhs_breach(&sim->forces, t, y);
+        sim->refused.particle
+            = weft__whole_index(&sim->cloth->mesh, sim->refused.particle);
+        sim->refused.call = call;
+    }
+}
+
+static bool must_stop(weft_sim *sim)
+{
+    ++sim->callbacks;
+    const bool stop = sim->def.stop != NULL && sim->def.stop(sim->def.stop_ctx);
+    --sim->callbacks;
+    return stop;
+}
+
+int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
+{
+    weft_sim *sim = ctx;
+    const size_t dim = weft_cloth_dim(sim->cloth);
+    double power = 0.0;
+    const bool stop = must_stop(sim);
+    if (stop && sim->def.comm == NULL) { /* other bands would wait for this one */
+        return -1;
+    }
+    int failed = weft__forces_rhs(&sim->forces, t, y, dydt);
+    if (weft__sim_checks(sim)) {
+        note_breach(sim, t, y, failed);
+    }
+    if (stop) {
+        return -1;
+    }
+    if (sim->def.force != NULL && failed == 0) {
+        memset(sim->added, 0, dim / 2 * sizeof *sim->added);
+        ++sim->callbacks;
+        failed = sim->def.force(sim->def.force_ctx, t, y, sim->added);
+        --sim->callbacks;
+        power = accelerate(sim, y, dydt);
+        failed = failed == 0 && !weft__all_finite(dydt + dim / 2, dim / 2) ? 1 : failed;
+    }
+    if (sim->ledger.on) {
+        const bool finite
+            = weft__ledger_rates(&sim->forces, t, y, power, dydt + dim) && failed >= 0;
+        failed = failed == 0 && !finite ? 1 : failed;
+    }
+    return failed;
+}
