@@ -191,9 +191,10 @@ static bool is_listed(const char *list, const char *name)
     return false;
 }
 
-static void consider(void *ctx, const char *id)
+static void consider(void *ctx, const char *id, const char *file)
 {
     choice *self = ctx;
+    (void)file;
     weft__guess guess
         = { self->nearest[0] != '\0' ? self->nearest : NULL, self->distance };
     const char *before = guess.name;

@@ -113,13 +113,17 @@ static const weft_plugin *find_loaded(const weft_registry *registry, const char 
     return NULL;
 }
 
-/* On failure the caller keeps the handle. */
+/* `id`: the one it must have; NULL: any. On failure the caller keeps the handle. */
 static weft_status add_entry(weft_registry *registry, const weft_plugin *plugin,
-                             void *handle, const char *file, weft_error *err)
+                             const char *id, void *handle, const char *file,
+                             weft_error *err)
 {
     const weft_status status = weft__plugin_check(plugin, err);
     if (status != WEFT_OK) {
         return status;
+    }
+    if (id != NULL && strcmp(plugin->id, id) != 0) {
+        return weft_error_set(err, WEFT_BAD_PLUGIN, "it calls itself '%s'", plugin->id);
     }
     if (find_loaded(registry, plugin->id) != NULL) {
         return weft_error_set(err, WEFT_BAD_PLUGIN, "a plugin '%s' is there already",
@@ -144,7 +148,7 @@ static weft_status add_entry(weft_registry *registry, const weft_plugin *plugin,
 weft_status weft_registry_add(weft_registry *registry, const weft_plugin *plugin,
                               weft_error *err)
 {
-    return add_entry(registry, plugin, NULL, "", err);
+    return add_entry(registry, plugin, NULL, NULL, "", err);
 }
 
 /* The <id> of .../weft-<id>.so; false if the name has another shape. */
@@ -185,15 +189,9 @@ static weft_status load_open(weft_registry *registry, void *handle, const char *
                              const char *file, weft_error *err)
 {
     const weft_plugin *plugin = NULL;
-    weft_status status = call_entry(handle, id, &plugin, err);
-    if (status == WEFT_OK) {
-        status = weft__plugin_check(plugin, err);
-    }
-    if (status == WEFT_OK && strcmp(plugin->id, id) != 0) {
-        status
-            = weft_error_set(err, WEFT_BAD_PLUGIN, "it calls itself '%s'", plugin->id);
-    }
-    return status == WEFT_OK ? add_entry(registry, plugin, handle, file, err) : status;
+    const weft_status status = call_entry(handle, id, &plugin, err);
+    return status == WEFT_OK ? add_entry(registry, plugin, id, handle, file, err)
+                             : status;
 }
 
 /* Whether a file may be loaded. dlopen reports a missing one. */
@@ -337,11 +335,10 @@ static int is_plugin_file(const struct dirent *item)
     return id_of_file(item->d_name, id, sizeof id) && strcmp(id, "mpi") != 0;
 }
 
-typedef void visit_fn(void *ctx, const char *id, const char *file);
-
 /* Every weft-*.so of the search path that is not there yet, in the order of the
  * directories and of their names. */
-static void each_file(const weft_registry *registry, visit_fn *visit, void *ctx)
+static void each_file(const weft_registry *registry, weft__plugin_visit_fn *visit,
+                      void *ctx)
 {
     char directory[2048], id[64], file[4096];
     const char *list = registry->path;
@@ -377,26 +374,13 @@ static void load_one(void *ctx, const char *id, const char *file)
     }
 }
 
-typedef struct naming {
-    void (*visit)(void *ctx, const char *id);
-    void *ctx;
-} naming;
-
-static void name_one(void *ctx, const char *id, const char *file)
+void weft__registry_names(const weft_registry *registry, weft__plugin_visit_fn *visit,
+                          void *ctx)
 {
-    const naming *self = ctx;
-    (void)file;
-    self->visit(self->ctx, id);
-}
-
-void weft__registry_names(const weft_registry *registry,
-                          void (*visit)(void *ctx, const char *id), void *ctx)
-{
-    naming self = { visit, ctx };
     for (size_t i = 0; i < registry->count; ++i) {
-        visit(ctx, registry->entries[i].plugin->id);
+        visit(ctx, registry->entries[i].plugin->id, registry->entries[i].file);
     }
-    each_file(registry, name_one, &self);
+    each_file(registry, visit, ctx);
 }
 
 weft_status weft_registry_load_all(weft_registry *registry,

@@ -17,8 +17,9 @@ weft_status weft__method_check(const weft_stepper_type *type, size_t index,
 /* installed.c: their directory; "" if there is none, or the library is a static one. */
 void weft__installed_plugins(char *directory, size_t size);
 
-/* Visits the ids of the plugins that are loaded, then of those that could be. */
-void weft__registry_names(const weft_registry *registry,
-                          void (*visit)(void *ctx, const char *id), void *ctx);
+/* Visits the plugins that are loaded, then those that could be. */
+typedef void weft__plugin_visit_fn(void *ctx, const char *id, const char *file);
+void weft__registry_names(const weft_registry *registry, weft__plugin_visit_fn *visit,
+                          void *ctx);
 
 #endif

@@ -6,65 +6,50 @@
 #include <inttypes.h>
 #include <math.h>
 
-/* X(name, format, value); `row` is the struct below. */
+/* X(runs, name, format, value): the column is in every run, or only in those with that
+ * RECORD_... option; `row` is the struct below. */
 #define COLUMNS(X)                                                                     \
-    X(frame, "%zu", row.frame->index)                                                  \
-    X(time, "%.17g", row.time)                                                         \
-    X(kinetic, "%.17g", row.all.energy.kinetic)                                        \
-    X(elastic, "%.17g", row.elastic)                                                   \
-    X(gravitational, "%.17g", row.all.energy.gravitational)                            \
-    X(dissipated, "%.17g", row.dissipated)                                             \
-    X(momentum_x, "%.17g", row.all.momentum[0])                                        \
-    X(momentum_y, "%.17g", row.all.momentum[1])                                        \
-    X(momentum_z, "%.17g", row.all.momentum[2])                                        \
-    X(max_strain, "%.17g", row.all.worst.strain)                                       \
-    X(steps, "%" PRIu64, row.stats.steps)                                              \
-    X(rejected, "%" PRIu64, row.stats.rejected)                                        \
-    X(rhs_calls, "%" PRIu64, row.stats.rhs_calls)                                      \
-    X(step_size, "%.17g", row.stats.last_step)                                         \
-    X(limit_sweeps, "%" PRIu64, row.frame->limit_sweeps)                               \
-    X(hash, "%016" PRIx64, row.all.hash)                                               \
-    X(limit_strain, "%.17g", row.limit_strain)
+    X(EVERY, frame, "%zu", row.frame->index)                                           \
+    X(EVERY, time, "%.17g", row.time)                                                  \
+    X(EVERY, kinetic, "%.17g", row.all.energy.kinetic)                                 \
+    X(EVERY, elastic, "%.17g", row.elastic)                                            \
+    X(EVERY, gravitational, "%.17g", row.all.energy.gravitational)                     \
+    X(EVERY, dissipated, "%.17g", row.dissipated)                                      \
+    X(EVERY, momentum_x, "%.17g", row.all.momentum[0])                                 \
+    X(EVERY, momentum_y, "%.17g", row.all.momentum[1])                                 \
+    X(EVERY, momentum_z, "%.17g", row.all.momentum[2])                                 \
+    X(EVERY, max_strain, "%.17g", row.all.worst.strain)                                \
+    X(EVERY, steps, "%" PRIu64, row.stats.steps)                                       \
+    X(EVERY, rejected, "%" PRIu64, row.stats.rejected)                                 \
+    X(EVERY, rhs_calls, "%" PRIu64, row.stats.rhs_calls)                               \
+    X(EVERY, step_size, "%.17g", row.stats.last_step)                                  \
+    X(EVERY, limit_sweeps, "%" PRIu64, row.frame->limit_sweeps)                        \
+    X(EVERY, hash, "%016" PRIx64, row.all.hash)                                        \
+    X(EVERY, limit_strain, "%.17g", row.limit_strain)                                  \
+    X(RECORD_LEDGER, elastic_stretch, "%.17g", row.all.energy.elastic[WEFT_STRETCH])   \
+    X(RECORD_LEDGER, elastic_shear, "%.17g", row.all.energy.elastic[WEFT_SHEAR])       \
+    X(RECORD_LEDGER, elastic_bend, "%.17g", row.all.energy.elastic[WEFT_BEND])         \
+    X(RECORD_LEDGER, dissipated_springs, "%.17g", row.ledger.dissipated_springs)       \
+    X(RECORD_LEDGER, dissipated_drag, "%.17g", row.ledger.dissipated_drag)             \
+    X(RECORD_LEDGER, work_wind, "%.17g", row.ledger.wind_work)                         \
+    X(RECORD_LEDGER, work_pins, "%.17g", row.ledger.pin_work)                          \
+    X(RECORD_LEDGER, work_limit, "%.17g", row.ledger.limit_work)                       \
+    X(RECORD_LEDGER, residual, "%.17g", row.ledger.residual)                           \
+    X(EVERY, contact, "%.17g", row.all.energy.contact)                                 \
+    X(EVERY, min_gap, "%.17g", row.all.gap)                                            \
+    X(EVERY, touching, "%zu", row.all.touching)                                        \
+    X(EVERY, vetoed, "%" PRIu64, row.vetoed)                                           \
+    X(RECORD_LEDGER, dissipated_contact, "%.17g", row.ledger.dissipated_contact)       \
+    X(RECORD_LEDGER, dissipated_friction, "%.17g", row.ledger.dissipated_friction)     \
+    X(RECORD_LEDGER, shape_work, "%.17g", row.ledger.shape_work)                       \
+    X(RECORD_SOLVER, linear_iterations, "%" PRIu64, row.stats.linear_iterations)       \
+    X(RECORD_SOLVER, factorisations, "%" PRIu64, row.stats.factorisations)             \
+    X(RECORD_SOLVER, newton_failures, "%" PRIu64, row.stats.newton_failures)           \
+    X(RECORD_SELF, self_gap, "%.17g", row.all.self_gap)                                \
+    X(RECORD_SELF, self_touching, "%zu", row.all.self_touching)                        \
+    X(RECORD_BETWEEN, interpolated, "%d", (int)weft_sim_is_between(row.frame->sim))
 
-/* These follow if the ledger is kept. */
-#define LEDGER_COLUMNS(X)                                                              \
-    X(elastic_stretch, "%.17g", row.all.energy.elastic[WEFT_STRETCH])                  \
-    X(elastic_shear, "%.17g", row.all.energy.elastic[WEFT_SHEAR])                      \
-    X(elastic_bend, "%.17g", row.all.energy.elastic[WEFT_BEND])                        \
-    X(dissipated_springs, "%.17g", row.ledger.dissipated_springs)                      \
-    X(dissipated_drag, "%.17g", row.ledger.dissipated_drag)                            \
-    X(work_wind, "%.17g", row.ledger.wind_work)                                        \
-    X(work_pins, "%.17g", row.ledger.pin_work)                                         \
-    X(work_limit, "%.17g", row.ledger.limit_work)                                      \
-    X(residual, "%.17g", row.ledger.residual)
-
-/* These follow in every run. */
-#define CONTACT_COLUMNS(X)                                                             \
-    X(contact, "%.17g", row.all.energy.contact)                                        \
-    X(min_gap, "%.17g", row.all.gap)                                                   \
-    X(touching, "%zu", row.all.touching)                                               \
-    X(vetoed, "%" PRIu64, row.vetoed)
-
-/* And these if the ledger is kept. */
-#define CONTACT_LEDGER_COLUMNS(X)                                                      \
-    X(dissipated_contact, "%.17g", row.ledger.dissipated_contact)                      \
-    X(dissipated_friction, "%.17g", row.ledger.dissipated_friction)                    \
-    X(shape_work, "%.17g", row.ledger.shape_work)
-
-/* And these if the method solves linear systems. */
-#define SOLVER_COLUMNS(X)                                                              \
-    X(linear_iterations, "%" PRIu64, row.stats.linear_iterations)                      \
-    X(factorisations, "%" PRIu64, row.stats.factorisations)                            \
-    X(newton_failures, "%" PRIu64, row.stats.newton_failures)
-
-/* And these if the cloth has contact with itself. */
-#define SELF_COLUMNS(X)                                                                \
-    X(self_gap, "%.17g", row.all.self_gap)                                             \
-    X(self_touching, "%zu", row.all.self_touching)
-
-/* And this if frames are taken from within steps. */
-#define BETWEEN_COLUMNS(X)                                                             \
-    X(interpolated, "%d", (int)weft_sim_is_between(row.frame->sim))
+#define EVERY 0u
 
 /* [bytes] A cell has at most 24 characters and a comma. */
 enum { LINE = 32 * RECORD_COLUMNS_MAX };
@@ -97,28 +82,20 @@ static series_row measure(const record_frame *frame)
     return row;
 }
 
+static bool has(const record_series *series, unsigned option)
+{
+    return option == EVERY || (series->optional & option) != 0;
+}
+
 void record_series_begin(record_series *series, unsigned optional)
 {
     series->optional = optional;
     series->columns = 0;
-#define NAME(name, format, value) series->names[series->columns++] = #name;
+#define NAME(runs, name, format, value)                                                \
+    if (has(series, runs)) {                                                           \
+        series->names[series->columns++] = #name;                                      \
+    }
     COLUMNS(NAME)
-    if ((series->optional & RECORD_LEDGER) != 0) {
-        LEDGER_COLUMNS(NAME)
-    }
-    CONTACT_COLUMNS(NAME)
-    if ((series->optional & RECORD_LEDGER) != 0) {
-        CONTACT_LEDGER_COLUMNS(NAME)
-    }
-    if ((series->optional & RECORD_SOLVER) != 0) {
-        SOLVER_COLUMNS(NAME)
-    }
-    if ((series->optional & RECORD_SELF) != 0) {
-        SELF_COLUMNS(NAME)
-    }
-    if ((series->optional & RECORD_BETWEEN) != 0) {
-        BETWEEN_COLUMNS(NAME)
-    }
 #undef NAME
 }
 
@@ -159,29 +136,15 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
     char line[LINE];
     size_t column = 0, used = 0;
     series->worst = row.all.worst;
-#define CELL(name, format, value)                                                      \
-    used += (size_t)(isnan((double)(value))                                            \
-                         ? snprintf(line + used, sizeof line - used, ",")              \
-                         : snprintf(line + used, sizeof line - used, format ",",       \
-                                    value));                                           \
-    series->row[column++] = (double)(value);
+#define CELL(runs, name, format, value)                                                \
+    if (has(series, runs)) {                                                           \
+        used += (size_t)(isnan((double)(value))                                        \
+                             ? snprintf(line + used, sizeof line - used, ",")          \
+                             : snprintf(line + used, sizeof line - used, format ",",   \
+                                        value));                                       \
+        series->row[column++] = (double)(value);                                       \
+    }
     COLUMNS(CELL)
-    if ((series->optional & RECORD_LEDGER) != 0) {
-        LEDGER_COLUMNS(CELL)
-    }
-    CONTACT_COLUMNS(CELL)
-    if ((series->optional & RECORD_LEDGER) != 0) {
-        CONTACT_LEDGER_COLUMNS(CELL)
-    }
-    if ((series->optional & RECORD_SOLVER) != 0) {
-        SOLVER_COLUMNS(CELL)
-    }
-    if ((series->optional & RECORD_SELF) != 0) {
-        SELF_COLUMNS(CELL)
-    }
-    if ((series->optional & RECORD_BETWEEN) != 0) {
-        BETWEEN_COLUMNS(CELL)
-    }
 #undef CELL
     line[used - 1] = '\n';
     return series->table.stream == NULL ? WEFT_OK

@@ -354,22 +354,24 @@ static weft_status run_is_stable(const weft_stability *of,
     return status;
 }
 
-/* Up to `enough` alone, if that is stable. */
-static weft_status bisect_runs(const weft_stability *of, const weft_stiffness *polygon,
-                               double enough, double *h, weft_error *err)
+/* Whether steps of h are stable; `work`: as of find_runs. */
+typedef weft_status verdict_fn(const weft_stability *of, const weft_stiffness *polygon,
+                               double h, double *work, bool *stable, weft_error *err);
+
+/* The largest stable h, by trials, and `kept` of it; INFINITY: none was unstable. Ends
+ * earlier with a stable one that is `enough`. */
+static weft_status bisect(const weft_stability *of, const weft_stiffness *polygon,
+                          verdict_fn *verdict, double *work, int trials, double kept,
+                          double enough, double *h, weft_error *err)
 {
     const double fast = sqrt(polygon->omega2) + polygon->damping;
     double low = 0.0, high = 0.1 / fast; /* doubled until it is unstable */
-    double *work = malloc((size_t)12 * PARTS * WEFT_STIFFNESS_CORNERS * sizeof *work);
-    if (work == NULL) {
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a stable step");
-    }
     bool found = false;
     weft_status status = WEFT_OK;
-    for (int i = 0; i < 24 && status == WEFT_OK && (1.0 - SHORT) * low < enough; ++i) {
+    for (int i = 0; i < trials && status == WEFT_OK && kept * low < enough; ++i) {
         bool stable = false;
         const double trial = found ? 0.5 * (low + high) : high;
-        status = run_is_stable(of, polygon, trial, work, &stable, err);
+        status = verdict(of, polygon, trial, work, &stable, err);
         if (stable) {
             low = trial;
             high = found ? high : 2.0 * high;
@@ -378,8 +380,20 @@ static weft_status bisect_runs(const weft_stability *of, const weft_stiffness *p
             found = true;
         }
     }
+    *h = found ? kept * low : INFINITY;
+    return status;
+}
+
+static weft_status bisect_runs(const weft_stability *of, const weft_stiffness *polygon,
+                               double enough, double *h, weft_error *err)
+{
+    double *work = malloc((size_t)12 * PARTS * WEFT_STIFFNESS_CORNERS * sizeof *work);
+    if (work == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a stable step");
+    }
+    const weft_status status
+        = bisect(of, polygon, run_is_stable, work, 24, 1.0 - SHORT, enough, h, err);
     free(work);
-    *h = found ? (1.0 - SHORT) * low : INFINITY;
     return status;
 }
 
@@ -445,30 +459,13 @@ static weft_status ask(const weft_stability *of, const weft_stiffness *polygon,
     return WEFT_OK;
 }
 
-static weft_status bisect_answers(const weft_stability *of,
-                                  const weft_stiffness *polygon, double *h,
-                                  weft_error *err)
+static weft_status answer_is_stable(const weft_stability *of,
+                                    const weft_stiffness *polygon, double h,
+                                    double *work, bool *stable, weft_error *err)
 {
-    enum { TRIALS = 60 };
-    const double fast = sqrt(polygon->omega2) + polygon->damping;
-    double low = 0.0, high = 0.1 / fast; /* doubled until it is refused */
-    bool found = false;
-    weft_status status = WEFT_OK;
-    for (int i = 0; i < TRIALS && status == WEFT_OK; ++i) {
-        bool stable = false;
-        double calls;
-        const double trial = found ? 0.5 * (low + high) : high;
-        status = ask(of, polygon, trial, &stable, &calls, err);
-        if (stable) {
-            low = trial;
-            high = found ? high : 2.0 * high;
-        } else {
-            high = trial;
-            found = true;
-        }
-    }
-    *h = found ? low : INFINITY;
-    return status;
+    double calls;
+    (void)work;
+    return ask(of, polygon, h, stable, &calls, err);
 }
 
 static bool asks(const weft_stability *of)
@@ -502,8 +499,9 @@ static weft_status find_step(const weft_stability *of, const weft_stiffness *pol
     if (!(polygon->omega2 > 0.0) && !(polygon->damping > 0.0)) {
         return WEFT_OK;
     }
-    return asks(of) ? bisect_answers(of, polygon, h, err)
-                    : bisect_runs(of, polygon, enough, h, err);
+    return asks(of)
+               ? bisect(of, polygon, answer_is_stable, NULL, 60, 1.0, INFINITY, h, err)
+               : bisect_runs(of, polygon, enough, h, err);
 }
 
 weft_status weft_stability_step(const weft_stability *stability,
