@@ -1,104 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* help.c -- the table of keys as text. */
-#include <math.h>
 #include <string.h>
 
 #include "scene/keys.h"
-
-/* ---- one key ---------------------------------------------------------------- */
-
-static size_t put(char *out, size_t used, size_t size, const char *text)
-{
-    const int added = used < size ? snprintf(out + used, size - used, "%s", text) : 0;
-    return used + (size_t)added;
-}
-
-/* "a, b or c" */
-static void names_text(const weft__key *key, const char *before_last, char *out,
-                       size_t size)
-{
-    size_t used = 0;
-    for (size_t i = 0; key->names[i] != NULL; ++i) {
-        const char *join = i == 0 ? "" : key->names[i + 1] == NULL ? before_last : ", ";
-        used = put(out, used, size, join);
-        used = put(out, used, size, key->names[i]);
-    }
-}
-
-const char *weft__key_names(const weft__section *section, char *out, size_t size)
-{
-    size_t used = 0;
-    for (size_t i = 0; i < section->count; ++i) {
-        used = put(out, used, size, i == 0 ? "" : ", ");
-        used = put(out, used, size, section->keys[i].name);
-    }
-    return out;
-}
-
-const char *weft__unit_of(const weft__key *key)
-{
-    return key->unit == NULL && key->number != NULL ? key->number->unit : key->unit;
-}
-
-const char *weft__unit_text(const weft__key *key, char *out, size_t size)
-{
-    const char *unit = weft__unit_of(key);
-    (void)snprintf(out, size, "%s%s%s", unit == NULL ? "" : " [",
-                   unit == NULL ? "" : unit, unit == NULL ? "" : "]");
-    return out;
-}
-
-const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
-                         size_t size)
-{
-    static const char *const texts[WEFT__KINDS] = {
-        [WEFT__MAPPING] = "a mapping",
-        [WEFT__NUMBER] = "a number",
-        [WEFT__INTEGER] = "an integer",
-        [WEFT__VECTOR] = "a vector [x, y, z]",
-        [WEFT__TEXT] = "text",
-        [WEFT__BOOLEAN] = "true or false",
-        [WEFT__NAMES] = "a list of ",
-        [WEFT__PAIR] = "a number",
-        [WEFT__WARP_WEFT] = "a number",
-        [WEFT__CONDITION]
-        = "'max_strain > NUMBER', 'min_gap < NUMBER' or 'kinetic < NUMBER'",
-        [WEFT__REST] = "true, false or a number > 0",
-        [WEFT__PRESET] = "a name that 'weft fabrics' lists",
-        [WEFT__ATOL] = "a number",
-        [WEFT__INDEX] = "an index, [first, last] or all",
-        [WEFT__PLACE] = "a corner, an edge, [row, column] or {rows, cols}",
-        [WEFT__PINS] = "a list of pins",
-        [WEFT__LOADS] = "a list of loads",
-        [WEFT__SHAPE_LIST] = "a list of shapes",
-        [WEFT__ROW] = "a list of numbers",
-        [WEFT__ROWS] = "a list of rows",
-        [WEFT__FRACTION] = "a number or a fraction as 19/32",
-        [WEFT__SWEEP] = "a mapping {key.path: [values]}",
-    };
-    const char *more = key->kind == WEFT__PAIR || key->kind == WEFT__WARP_WEFT
-                           ? " or a pair of them"
-                       : key->kind == WEFT__ATOL ? " or a mapping"
-                                                 : "";
-    const char *range = "";
-    char bounds[80], names[100] = "", shown[32];
-    if (key->kind == WEFT__CHOICE || key->kind == WEFT__EITHER) {
-        names_text(key, " or ", out, size);
-        return out;
-    }
-    if (key->number != NULL) {
-        range = weft__range_text(key->number, bare, bounds, sizeof bounds);
-    }
-    if (key->kind == WEFT__NAMES) {
-        names_text(key, ", ", names, sizeof names);
-    }
-    const char *text = texts[key->kind];
-    text += bare && strncmp(text, "a ", 2) == 0 ? 2 : 0;
-    text += bare && strncmp(text, "an ", 3) == 0 ? 3 : 0;
-    (void)snprintf(out, size, "%s%s%s%s%s%s", text, range[0] == '\0' ? "" : " ", range,
-                   more, names, unit ? weft__unit_text(key, shown, sizeof shown) : "");
-    return out;
-}
 
 static const char *default_text(const weft__key *key)
 {
@@ -212,8 +116,7 @@ static void print_rows(const printer *to, const weft__section *section,
 {
     for (size_t i = 0; i < section->count; ++i) {
         const weft__key *key = &section->keys[i];
-        const bool list = key->kind == WEFT__PINS || key->kind == WEFT__LOADS
-                          || key->kind == WEFT__SHAPE_LIST;
+        const bool list = key->kind == WEFT__ITEMS;
         char path[120];
         (void)snprintf(path, sizeof path, "%s%s", above, key->name);
         print_row(to, key, path);
@@ -282,7 +185,8 @@ weft_status weft_scene_help_key(const char *path,
         key = next_key(section, &rest, name, sizeof name);
         if (key == NULL) {
             if (section != NULL) {
-                (void)weft__unknown_hint(section, title, name, hint, sizeof hint);
+                (void)weft__unknown_hint(&weft__root, section, title, name, hint,
+                                         sizeof hint);
             }
             return weft_error_set(err, WEFT_INVALID, "unknown key '%s' in %s%s", name,
                                   title, hint);

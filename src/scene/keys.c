@@ -18,6 +18,12 @@
     {                                                                                  \
         __VA_ARGS__                                                                    \
     }
+#define ITEMS(type, field, number, read_one)                                           \
+    AT(type, field), .items = &(const struct weft__items)                              \
+    {                                                                                  \
+        sizeof *((type *)0)->field, offsetof(type, number) - offsetof(type, field),    \
+            read_one                                                                   \
+    }
 #define SECTION(keys_) .keys = (keys_), .count = COUNT(keys_)
 
 /* ---- cloth --------------------------------------------------------------------- */
@@ -56,30 +62,32 @@ static const weft__key place_keys[] = {
       .meaning = "the same" },
 };
 
-const weft__section weft__place_section
+static const weft__section pin_section;
+
+static const weft__section place_section
     = { .title = "a place",
         SECTION(place_keys),
         .check = weft__check_place,
-        .beside = &weft__pin_section,
+        .beside = &pin_section,
         .beside_hint = "needs 'at' beside it, as in {at: {rows: ..., cols: ...}, "
                        "velocity: [x, y, z]}" };
 
 static const weft__key load_keys[] = {
-    { "at", WEFT__PLACE, .required = true, .section = &weft__place_section,
+    { "at", WEFT__PLACE, .required = true, .section = &place_section,
       AT(weft_load, rows), .meaning = "which particles" },
     { "mass", WEFT__NUMBER, .required = true, .number = &weft__load_mass,
       .meaning = "goes to each of them" },
 };
 
-const weft__section weft__load_section
+static const weft__section load_section
     = { .title = "a load",
         SECTION(load_keys),
-        .beside = &weft__place_section,
+        .beside = &place_section,
         .beside_hint = "goes inside 'at', as in {at: {rows: ..., cols: ...}, mass: "
                        "...}" };
 
 static const weft__key pin_keys[] = {
-    { "at", WEFT__PLACE, .required = true, .section = &weft__place_section,
+    { "at", WEFT__PLACE, .required = true, .section = &place_section,
       AT(weft_pin, rows), .meaning = "which particles" },
     { "velocity", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(pin, velocity),
       .meaning = "velocity of the pinned particles" },
@@ -89,11 +97,11 @@ static const weft__key pin_keys[] = {
       .meaning = "frequency of the oscillation; amplitude and frequency go together" },
 };
 
-const weft__section weft__pin_section
+static const weft__section pin_section
     = { .title = "a pin",
         SECTION(pin_keys),
         .check = weft__check_pin,
-        .beside = &weft__place_section,
+        .beside = &place_section,
         .beside_hint = "cannot stand beside 'at': put it inside, as in {at: {rows: "
                        "..., cols: ...}, ...}" };
 
@@ -205,7 +213,9 @@ static const weft__key cloth_keys[] = {
       .meaning = "mass per area, lumped to the particles" },
     { "velocity", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(grid, velocity),
       .meaning = "initial velocity of particles without a pin" },
-    { "loads", WEFT__LOADS, .section = &weft__load_section, .absent = "none",
+    { "loads", WEFT__ITEMS,
+      ITEMS(weft_cloth_def, loads, load_count, weft__read_mapping),
+      .section = &load_section, .absent = "none",
       .meaning = "point masses added to particles" },
     { "springs", WEFT__MAPPING, .section = &spring_section, .absent = "none",
       .meaning = "families of springs; a missing family has no springs" },
@@ -213,7 +223,8 @@ static const weft__key cloth_keys[] = {
       .at = offsetof(weft_scene, fabric) - offsetof(weft_scene, cloth),
       .meaning = "a measured fabric, independent of the grid: instead of mass, density "
                  "and springs" },
-    { "pins", WEFT__PINS, .section = &weft__pin_section, .absent = "none",
+    { "pins", WEFT__ITEMS, ITEMS(weft_cloth_def, pins, pin_count, weft__read_pin),
+      .section = &pin_section, .absent = "none",
       .meaning = "particles that are held or moved: a place, or {at: place, ...}; a "
                  "later entry wins" },
 };
@@ -290,7 +301,7 @@ static const weft__key shape_keys[] = {
                  "of a capsule, none of a box" },
 };
 
-const weft__section weft__shape_section
+static const weft__section shape_section
     = { .title = "a shape", SECTION(shape_keys), .check = weft__check_shape };
 
 static const weft__key contact_keys[] = {
@@ -319,8 +330,9 @@ static const weft__key contact_keys[] = {
     { "self", WEFT__BOOLEAN, .fallback = "false", AT(weft_contact_def, self),
       .meaning = "whether the cloth touches itself; the thickness is then at most half "
                  "the smaller spacing" },
-    { "shapes", WEFT__SHAPE_LIST, .section = &weft__shape_section, .absent = "none",
-      AT(weft_contact_def, shapes), .meaning = "rigid shapes" },
+    { "shapes", WEFT__ITEMS,
+      ITEMS(weft_contact_def, shapes, shape_count, weft__read_shape),
+      .section = &shape_section, .absent = "none", .meaning = "rigid shapes" },
 };
 
 static const weft__section contact_section
@@ -613,3 +625,26 @@ static const weft__key root_keys[] = {
 
 const weft__section weft__root
     = { .title = "the scene", SECTION(root_keys), .check = weft__check_root };
+
+weft__read_fn *const weft__readers[WEFT__KINDS] = {
+    [WEFT__MAPPING] = weft__read_mapping,
+    [WEFT__NUMBER] = weft__read_real,
+    [WEFT__INTEGER] = weft__read_integer,
+    [WEFT__VECTOR] = weft__read_vector,
+    [WEFT__TEXT] = weft__read_text,
+    [WEFT__CHOICE] = weft__read_choice,
+    [WEFT__EITHER] = weft__read_choice,
+    [WEFT__NAMES] = weft__read_names,
+    [WEFT__PAIR] = weft__read_vector,
+    [WEFT__ATOL] = weft__read_atol,
+    [WEFT__WARP_WEFT] = weft__read_warp_weft,
+    [WEFT__PRESET] = weft__read_preset,
+    [WEFT__INDEX] = weft__read_index,
+    [WEFT__PLACE] = weft__read_place,
+    [WEFT__ROW] = weft__read_row,
+    [WEFT__ROWS] = weft__read_rows,
+    [WEFT__BOOLEAN] = weft__read_boolean,
+    [WEFT__ITEMS] = weft__read_items,
+    [WEFT__CONDITION] = weft__read_condition,
+    [WEFT__REST] = weft__read_rest,
+};

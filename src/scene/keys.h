@@ -24,13 +24,11 @@ typedef enum weft__kind {
     WEFT__ATOL,      /* two doubles from a number or a mapping */
     WEFT__INDEX,     /* weft_range of the rows or columns of a place */
     WEFT__PLACE,     /* weft__place */
-    WEFT__PINS,      /* the pins of a scene */
-    WEFT__LOADS,     /* its loads */
-    WEFT__SHAPE_LIST, /* its shapes */
-    WEFT__ROW,        /* weft__list: numbers of a Butcher table */
-    WEFT__ROWS,       /* weft__list: its matrix */
-    WEFT__FRACTION,   /* a number of either, in messages */
-    WEFT__SWEEP,      /* taken out of the tree before it is read */
+    WEFT__ITEMS,     /* an array of the cloth's definition: a list of mappings */
+    WEFT__ROW,       /* weft__list: numbers of a Butcher table */
+    WEFT__ROWS,      /* weft__list: its matrix */
+    WEFT__FRACTION,  /* a number of either, in messages */
+    WEFT__SWEEP,     /* taken out of the tree before it is read */
     WEFT__KINDS
 } weft__kind;
 
@@ -53,6 +51,7 @@ typedef struct weft__key {
     unsigned of; /* a bit for each choice of the section's first key that it goes with;
                     0: with all */
     const weft__section *section; /* of the kinds that are or hold mappings */
+    const struct weft__items *items;
     size_t at; /* offset into what the section fills, beside the number's own */
 } weft__key;
 
@@ -73,10 +72,20 @@ struct weft__section {
 #define WEFT__MAX_KEYS 16 /* of a section */
 
 extern const weft__section weft__root;
-extern const weft__section weft__place_section; /* {rows, cols} */
-extern const weft__section weft__pin_section;   /* {at, velocity, ...} */
-extern const weft__section weft__load_section;  /* {at, mass} */
-extern const weft__section weft__shape_section; /* {shape, ...} */
+
+/* Reads a value of one kind to `to`. */
+typedef void weft__read_fn(struct weft__reader *reader, const weft__key *key,
+                           const weft__node *node, void *to);
+
+/* keys.c: by kind; NULL: not read. */
+extern weft__read_fn *const weft__readers[WEFT__KINDS];
+
+/* The items of a list, whose key leads to the array. */
+struct weft__items {
+    size_t size;         /* [bytes] of one */
+    size_t count;        /* offset of their number beside the array */
+    weft__read_fn *read; /* one of them */
+};
 
 /* The type of a key: "a number >= 0 [N/m]", without its article if `bare`. */
 const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
@@ -94,14 +103,15 @@ const char *weft__unit_of(const weft__key *key);
 /* " [N/m]"; "" of a key without a unit. */
 const char *weft__unit_text(const weft__key *key, char *out, size_t size);
 
-/* unknown.c: the key of a section with a name; NULL: there is none. */
+/* The key of a section with a name; NULL: there is none. */
 const weft__key *weft__key_named(const weft__section *section, const char *name);
 
 /* The hint for a name that is no key of a section: the key that may have been meant,
- * which is returned (NULL: none is near), or the path of a section that has such a key,
- * and the keys of this one. */
-const char *weft__unknown_hint(const weft__section *section, const char *title,
-                               const char *name, char *out, size_t size);
+ * which is returned (NULL: none is near), or the path from the root of a section that
+ * has such a key, and the keys of this one. */
+const char *weft__unknown_hint(const weft__section *root, const weft__section *section,
+                               const char *title, const char *name, char *out,
+                               size_t size);
 
 /* "stiffness, damping" */
 const char *weft__key_names(const weft__section *section, char *out, size_t size);

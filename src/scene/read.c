@@ -93,16 +93,16 @@ bool weft__read_numbers(weft__reader *reader, const weft__key *key, const char *
     return good;
 }
 
-static void read_number(weft__reader *reader, const weft__key *key,
-                        const weft__node *node, void *to)
+void weft__read_real(weft__reader *reader, const weft__key *key, const weft__node *node,
+                     void *to)
 {
     (void)weft__read_number(reader, key, key->name, node, to);
 }
 
 #define MANY 2147483647.0 /* the bound of integers that have no other */
 
-static void read_integer(weft__reader *reader, const weft__key *key,
-                         const weft__node *node, void *to)
+void weft__read_integer(weft__reader *reader, const weft__key *key,
+                        const weft__node *node, void *to)
 {
     weft__number range = *key->number;
     weft__key shown = *key;
@@ -121,8 +121,8 @@ static void read_integer(weft__reader *reader, const weft__key *key,
 }
 
 /* A vector, or a pair, or one number for both of it. */
-static void read_vector(weft__reader *reader, const weft__key *key,
-                        const weft__node *node, void *to)
+void weft__read_vector(weft__reader *reader, const weft__key *key,
+                       const weft__node *node, void *to)
 {
     const size_t count = key->kind == WEFT__VECTOR ? 3 : 2;
     double value[3];
@@ -142,17 +142,17 @@ static void read_vector(weft__reader *reader, const weft__key *key,
 
 enum { TO_WEFT = offsetof(weft_cloth_def, across) - offsetof(weft_cloth_def, springs) };
 
-static void read_warp_weft(weft__reader *reader, const weft__key *key,
-                           const weft__node *node, void *to)
+void weft__read_warp_weft(weft__reader *reader, const weft__key *key,
+                          const weft__node *node, void *to)
 {
     double pair[2] = { 0.0, 0.0 };
-    read_vector(reader, key, node, pair);
+    weft__read_vector(reader, key, node, pair);
     memcpy(to, &pair[0], sizeof pair[0]);
     memcpy((char *)to + TO_WEFT, &pair[1], sizeof pair[1]);
 }
 
-static void read_atol(weft__reader *reader, const weft__key *key,
-                      const weft__node *node, void *to)
+void weft__read_atol(weft__reader *reader, const weft__key *key, const weft__node *node,
+                     void *to)
 {
     weft_stepper_config *config = &reader->scene->config;
     weft__key plain = *key;
@@ -168,8 +168,8 @@ static void read_atol(weft__reader *reader, const weft__key *key,
     }
 }
 
-static void read_boolean(weft__reader *reader, const weft__key *key,
-                         const weft__node *node, void *to)
+void weft__read_boolean(weft__reader *reader, const weft__key *key,
+                        const weft__node *node, void *to)
 {
     const weft__switch *found = weft__find_switch(weft__text_of(node));
     char value[64];
@@ -190,8 +190,8 @@ static void read_boolean(weft__reader *reader, const weft__key *key,
                                              : "write false");
 }
 
-static void read_text(weft__reader *reader, const weft__key *key,
-                      const weft__node *node, void *to)
+void weft__read_text(weft__reader *reader, const weft__key *key, const weft__node *node,
+                     void *to)
 {
     char **text = to;
     const char *value = weft__text_of(node);
@@ -229,8 +229,8 @@ bool weft__find_name(weft__reader *reader, const weft__key *key, const weft__nod
     return false;
 }
 
-static void read_names(weft__reader *reader, const weft__key *key,
-                       const weft__node *node, void *to)
+void weft__read_names(weft__reader *reader, const weft__key *key,
+                      const weft__node *node, void *to)
 {
     bool *listed = to;
     char title[64];
@@ -248,8 +248,8 @@ static void read_names(weft__reader *reader, const weft__key *key,
     }
 }
 
-static void read_choice(weft__reader *reader, const weft__key *key,
-                        const weft__node *node, void *to)
+void weft__read_choice(weft__reader *reader, const weft__key *key,
+                       const weft__node *node, void *to)
 {
     size_t name;
     if (!weft__find_name(reader, key, node, &name)) {
@@ -263,8 +263,8 @@ static void read_choice(weft__reader *reader, const weft__key *key,
     }
 }
 
-static void read_mapping(weft__reader *reader, const weft__key *key,
-                         const weft__node *node, void *to)
+void weft__read_mapping(weft__reader *reader, const weft__key *key,
+                        const weft__node *node, void *to)
 {
     const char *title = key->section->title;
     weft__read_section(reader, key->section, title == NULL ? key->name : title, node,
@@ -273,34 +273,27 @@ static void read_mapping(weft__reader *reader, const weft__key *key,
 
 /* ---- values by kind --------------------------------------------------------- */
 
+void weft__read_items(weft__reader *reader, const weft__key *key,
+                      const weft__node *node, void *to)
+{
+    const struct weft__items *items = key->items;
+    size_t count = weft__item_count(node);
+    if (node->type != WEFT__LIST) {
+        weft__refuse_value(reader, key, node);
+    }
+    char *array = count == 0 ? NULL : weft__tree_take(reader->tree, count, items->size);
+    count = array == NULL ? 0 : count;
+    memcpy(to, &array, sizeof array);
+    memcpy((char *)to + items->count, &count, sizeof count);
+    for (size_t i = 0; i < count; ++i) {
+        items->read(reader, key, weft__item(node, i), array + i * items->size);
+    }
+}
+
 void weft__read_value(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *base)
 {
-    static weft__read_fn *const readers[WEFT__KINDS] = {
-        [WEFT__MAPPING] = read_mapping,
-        [WEFT__NUMBER] = read_number,
-        [WEFT__INTEGER] = read_integer,
-        [WEFT__VECTOR] = read_vector,
-        [WEFT__TEXT] = read_text,
-        [WEFT__CHOICE] = read_choice,
-        [WEFT__EITHER] = read_choice,
-        [WEFT__NAMES] = read_names,
-        [WEFT__PAIR] = read_vector,
-        [WEFT__ATOL] = read_atol,
-        [WEFT__WARP_WEFT] = read_warp_weft,
-        [WEFT__PRESET] = weft__read_preset,
-        [WEFT__INDEX] = weft__read_index,
-        [WEFT__PLACE] = weft__read_place,
-        [WEFT__PINS] = weft__read_pins,
-        [WEFT__LOADS] = weft__read_loads,
-        [WEFT__ROW] = weft__read_row,
-        [WEFT__ROWS] = weft__read_rows,
-        [WEFT__BOOLEAN] = read_boolean,
-        [WEFT__SHAPE_LIST] = weft__read_shapes,
-        [WEFT__CONDITION] = weft__read_condition,
-        [WEFT__REST] = weft__read_rest,
-    };
-    readers[key->kind](reader, key, node, (char *)base + weft__offset_of(key));
+    reader->readers[key->kind](reader, key, node, (char *)base + weft__offset_of(key));
 }
 
 /* Reads a default as if it stood in the scene. A plain value needs no parser, which
@@ -383,7 +376,8 @@ static void report_unknown(weft__reader *reader, weft__match *match,
         if (value != NULL && weft__is_null(value) && name[0] >= '0' && name[0] <= '9') {
             strcpy(hint, " (write a decimal point)"); /* {spacing: 1,0} */
         } else {
-            meant = weft__unknown_hint(section, match->title, name, hint, sizeof hint);
+            meant = weft__unknown_hint(reader->root, section, match->title, name, hint,
+                                       sizeof hint);
         }
         weft__report_error(reader->report, node->at, "unknown key %s in %s%s", shown,
                            match->title, hint);

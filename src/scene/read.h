@@ -63,6 +63,8 @@ typedef struct weft__reader {
     weft__tree *tree;
     weft__report *report; /* of the tree */
     const weft_scene_def *def;
+    const weft__section *root;
+    weft__read_fn *const *readers; /* by kind */
 } weft__reader;
 
 /* The source of scenes: a text, and its tree with the overrides applied. */
@@ -163,35 +165,32 @@ const weft__node *weft__later(const weft__node *a, const weft__node *b);
 void weft__report_exclusive(weft__report *report, const weft__node *a,
                             const weft__node *b);
 
-/* Reads a value of one kind to `to`. */
-typedef void weft__read_fn(weft__reader *reader, const weft__key *key,
-                           const weft__node *node, void *to);
-
-/* An array for the *count items of a list, of `size` bytes each. NULL: the list is
- * empty or wrong, or there is no memory. */
-void *weft__take_items(weft__reader *reader, const weft__key *key,
-                       const weft__node *node, size_t size, size_t *count);
+/* read.c: plain values. */
+weft__read_fn weft__read_mapping, weft__read_real, weft__read_integer,
+    weft__read_vector, weft__read_warp_weft, weft__read_atol, weft__read_boolean,
+    weft__read_text, weft__read_names, weft__read_choice, weft__read_items;
 
 /* scene_contact.c */
-weft__read_fn weft__read_shapes;
-weft__check_fn weft__check_shape, weft__check_contact, weft__check_condition;
+weft__read_fn weft__read_shape;
+weft__check_fn weft__check_shape, weft__check_contact;
 
 /* Warnings of contact, when all sections were read without errors. */
 void weft__warn_of_contact(weft__reader *reader, const weft__match *root);
 
 /* scene_stop.c: `stop` and run.frames against `limit`, which excludes both. */
 void weft__check_stop(weft__reader *reader, const weft__match *match);
+weft__read_fn weft__read_condition, weft__read_rest;
+weft__check_fn weft__check_condition;
 
 /* scene_fabric.c */
 weft__read_fn weft__read_preset;
-weft__read_fn weft__read_condition, weft__read_rest; /* scene_stop.c */
 weft__check_fn weft__check_bend, weft__check_fabric;
 
 /* Makes the cloth of its fabric, if that is there; reports keys that it excludes. */
 void weft__make_fabric(weft__reader *reader, const weft__match *cloth);
 
 /* scene_pins.c */
-weft__read_fn weft__read_index, weft__read_place, weft__read_pins, weft__read_loads;
+weft__read_fn weft__read_index, weft__read_place, weft__read_pin;
 weft__check_fn weft__check_place, weft__check_pin;
 
 /* scene_bands.c: of a scene without mistakes. */
@@ -211,7 +210,10 @@ weft__check_fn weft__check_root, weft__check_grid, weft__check_springs,
  * the tree is read. */
 void weft__resolve_method(weft__reader *reader, const weft__sweep *sweep);
 
-/* scene_stepper.c */
+/* scene_stepper.c: reports at a place that the method of the scene lacks a flag, and
+ * the methods of its plugin that have it. */
+void weft__require_flag(weft__reader *reader, uint32_t flag, weft__mark at,
+                        const char *lacks, const char *others);
 bool weft__is_plugin_id(const char *id);
 weft__check_fn weft__check_controller, weft__check_solver, weft__check_stepper,
     weft__check_record;

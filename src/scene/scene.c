@@ -192,7 +192,8 @@ static weft_status read_scene(const weft__base *base, size_t run, weft__report *
                               weft_scene *scene, weft_error *err)
 {
     weft__tree *tree = &scene->tree;
-    weft__reader reader = { scene, tree, report, &base->def };
+    weft__reader reader
+        = { scene, tree, report, &base->def, &weft__root, weft__readers };
     *tree = (weft__tree){ .report = report, .root = base->tree.root };
     weft__sweep_apply(tree, &base->sweep, run);
     weft__resolve_method(&reader, &base->sweep);

@@ -2,7 +2,6 @@
 /* scene_bands.c -- what of a scene does not run in bands (weft/comm.h). */
 #include <string.h>
 
-#include "plugin/methods.h"
 #include "scene/read.h"
 
 /* The value of section.key, or what of the section is there. */
@@ -14,23 +13,6 @@ static weft__mark place(const weft__match *root, const char *section, const char
     return slot < map->count && map->entries[slot].value != NULL
                ? map->entries[slot].value->at
                : map->at;
-}
-
-static void check_method(weft__reader *reader, const weft__match *root)
-{
-    const weft_scene *scene = reader->scene;
-    weft_error why;
-    char names[240];
-    if (scene->type == NULL || (scene->type->flags & WEFT_STEPPER_AGREES) != 0) {
-        return;
-    }
-    weft__methods_list(
-        reader->def->find_plugin(reader->def->find_ctx, scene->plugin, &why),
-        WEFT_STEPPER_AGREES, names, sizeof names);
-    weft__report_error(reader->report, place(root, "stepper", "method"),
-                       "method '%.40s' of plugin '%.40s' does not run in bands%s%s",
-                       scene->method, scene->plugin,
-                       names[0] == '\0' ? "" : "; of that plugin these do: ", names);
 }
 
 void weft__check_bands(weft__reader *reader, const weft__match *root)
@@ -68,5 +50,6 @@ void weft__check_bands(weft__reader *reader, const weft__match *root)
             "a run in bands ends at run.duration: the condition is one of "
             "the whole cloth");
     }
-    check_method(reader, root);
+    weft__require_flag(reader, WEFT_STEPPER_AGREES, place(root, "stepper", "method"),
+                       "does not run in bands", "these do");
 }

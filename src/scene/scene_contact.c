@@ -6,19 +6,11 @@
 #include "mesh/grid_def.h"
 #include "scene/read.h"
 
-void weft__read_shapes(weft__reader *reader, const weft__key *key,
-                       const weft__node *node, void *to)
+void weft__read_shape(weft__reader *reader, const weft__key *key,
+                      const weft__node *node, void *to)
 {
-    weft_contact_def *contact = &reader->scene->cloth.contact;
-    weft_shape *shapes
-        = weft__take_items(reader, key, node, sizeof *shapes, &contact->shape_count);
-    (void)to;
-    contact->shapes = shapes;
-    for (size_t i = 0; i < contact->shape_count; ++i) {
-        shapes[i] = weft_shape_default(WEFT_SHAPES); /* of no kind yet */
-        weft__read_section(reader, &weft__shape_section, weft__shape_section.title,
-                           weft__item(node, i), &shapes[i]);
-    }
+    *(weft_shape *)to = weft_shape_default(WEFT_SHAPES); /* of no kind yet */
+    weft__read_mapping(reader, key, node, to);
 }
 
 /* ---- errors ------------------------------------------------------------------ */

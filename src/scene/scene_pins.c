@@ -122,8 +122,7 @@ void weft__read_place(weft__reader *reader, const weft__key *key,
             place = named_places[name];
         }
     } else if (node->type == WEFT__MAP) {
-        weft__read_section(reader, &weft__place_section, weft__place_section.title,
-                           node, &place);
+        weft__read_section(reader, key->section, key->section->title, node, &place);
     } else if (node->count == 2) {
         read_particle(reader, node, &place);
     } else {
@@ -155,7 +154,7 @@ void weft__check_place(weft__reader *reader, const weft__match *match, void *bas
     check_axis(reader, match, "cols", "col");
 }
 
-/* ---- pins and loads --------------------------------------------------------- */
+/* ---- pins ------------------------------------------------------------------- */
 
 void weft__check_pin(weft__reader *reader, const weft__match *match, void *base)
 {
@@ -165,9 +164,8 @@ void weft__check_pin(weft__reader *reader, const weft__match *match, void *base)
 
 /* A pin is a mapping with `at`, or the place of a pin at rest: a mapping with a key of
  * a place, which may be misspelt. */
-static bool is_place(const weft__node *node)
+static bool is_place(const weft__section *place, const weft__node *node)
 {
-    const weft__section *place = &weft__place_section;
     weft__guess guess = { 0 };
     if (node->type != WEFT__MAP) {
         return true;
@@ -181,53 +179,14 @@ static bool is_place(const weft__node *node)
     return guess.name != NULL && weft__find_key(node, "at", 2) == node->count;
 }
 
-static void read_pin(weft__reader *reader, const weft__node *node, weft_pin *pin)
+void weft__read_pin(weft__reader *reader, const weft__key *key, const weft__node *node,
+                    void *to)
 {
-    static const weft__key at_rest
-        = { "a pin", WEFT__PLACE, .section = &weft__place_section };
-    if (is_place(node)) {
+    weft_pin *pin = to;
+    const weft__key at_rest = { "a pin", WEFT__PLACE, .section = key->section->beside };
+    if (is_place(at_rest.section, node)) {
         weft__read_place(reader, &at_rest, node, &pin->rows);
     } else {
-        weft__read_section(reader, &weft__pin_section, weft__pin_section.title, node,
-                           pin);
+        weft__read_mapping(reader, key, node, pin);
     }
-}
-
-void *weft__take_items(weft__reader *reader, const weft__key *key,
-                       const weft__node *node, size_t size, size_t *count)
-{
-    *count = weft__item_count(node);
-    if (node->type != WEFT__LIST) {
-        weft__refuse_value(reader, key, node);
-    }
-    void *items = *count == 0 ? NULL : weft__tree_take(reader->tree, *count, size);
-    *count = items == NULL ? 0 : *count;
-    return items;
-}
-
-void weft__read_pins(weft__reader *reader, const weft__key *key, const weft__node *node,
-                     void *to)
-{
-    weft_cloth_def *cloth = &reader->scene->cloth;
-    weft_pin *pins
-        = weft__take_items(reader, key, node, sizeof *pins, &cloth->pin_count);
-    (void)to;
-    for (size_t i = 0; i < cloth->pin_count; ++i) {
-        read_pin(reader, weft__item(node, i), &pins[i]);
-    }
-    cloth->pins = pins;
-}
-
-void weft__read_loads(weft__reader *reader, const weft__key *key,
-                      const weft__node *node, void *to)
-{
-    weft_cloth_def *cloth = &reader->scene->cloth;
-    weft_load *loads
-        = weft__take_items(reader, key, node, sizeof *loads, &cloth->load_count);
-    (void)to;
-    for (size_t i = 0; i < cloth->load_count; ++i) {
-        weft__read_section(reader, &weft__load_section, weft__load_section.title,
-                           weft__item(node, i), &loads[i]);
-    }
-    cloth->loads = loads;
 }

@@ -305,23 +305,32 @@ void weft__check_stepper(weft__reader *reader, const weft__match *match, void *b
     }
 }
 
+void weft__require_flag(weft__reader *reader, uint32_t flag, weft__mark at,
+                        const char *lacks, const char *others)
+{
+    const weft_scene *scene = reader->scene;
+    weft_error why;
+    char names[240];
+    if (scene->type == NULL || (scene->type->flags & flag) != 0) {
+        return;
+    }
+    weft__methods_list(
+        reader->def->find_plugin(reader->def->find_ctx, scene->plugin, &why), flag,
+        names, sizeof names);
+    weft__report_error(
+        reader->report, at, "method '%.40s' of plugin '%.40s' %s%s%s%s%s",
+        scene->method, scene->plugin, lacks,
+        names[0] == '\0' ? "" : "; of that plugin ", names[0] == '\0' ? "" : others,
+        names[0] == '\0' ? "" : ": ", names);
+}
+
 /* Reported where the ledger is asked for; the stepper has been read before. */
 void weft__check_record(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_record_def *record = base;
-    const weft_scene *scene = reader->scene;
-    weft_error why;
-    char names[240];
-    if (!record->ledger || scene->type == NULL
-        || (scene->type->flags & WEFT_STEPPER_QUADRATURES) != 0) {
-        return;
+    if (record->ledger) {
+        weft__require_flag(reader, WEFT_STEPPER_QUADRATURES,
+                           weft__value_in(match, "ledger")->at,
+                           "cannot keep the energy ledger", "these can");
     }
-    weft__methods_list(
-        reader->def->find_plugin(reader->def->find_ctx, scene->plugin, &why),
-        WEFT_STEPPER_QUADRATURES, names, sizeof names);
-    weft__report_error(
-        reader->report, weft__value_in(match, "ledger")->at,
-        "method '%.40s' of plugin '%.40s' cannot keep the energy ledger%s%s",
-        scene->method, scene->plugin,
-        names[0] == '\0' ? "" : "; of that plugin these can: ", names);
 }

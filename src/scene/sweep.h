@@ -27,6 +27,9 @@ void weft__sweep_take(weft__tree *tree, size_t set_count, weft__sweep *out);
 /* Whether it varies the key at a path, or a part of its value. */
 bool weft__sweep_varies(const weft__sweep *sweep, const char *path);
 
+/* Which value of a list a run takes; the last key varies fastest. */
+size_t weft__sweep_choice(const weft__sweep *sweep, size_t axis, size_t run);
+
 /* Puts the values of one run, from 1, into its tree. */
 void weft__sweep_apply(weft__tree *to, const weft__sweep *sweep, size_t run);
 

@@ -94,7 +94,7 @@ void weft__tree_put(weft__tree *tree, const char *path, size_t length, weft__mar
 /* emit.c: the tree as YAML text, which it owns. NULL: no memory. */
 char *weft__tree_emit(weft__tree *tree);
 
-/* name.c: the file's name without folders and without .yaml. NULL: no memory. */
+/* The file's name without folders and without .yaml. NULL: no memory. */
 char *weft__name_of_file(weft__tree *tree, const char *file);
 
 /* The text of the tree with a line `name: ...` before its first key. NULL: it has no
