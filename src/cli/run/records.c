@@ -247,7 +247,7 @@ static void remove_ends(const run *self)
 
 static bool is_longer(const run *self)
 {
-    return self->from->last != self->result.planned - 1;
+    return self->from->scene != self->checkpoint.scene;
 }
 
 static weft_status grow_frames(run *self, weft_error *err)
