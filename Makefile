@@ -232,7 +232,7 @@ $(BUILD)/tests/%.o: tests/%.c
 
 # Quick to compile: the time of most tests is what they call. With SAN, CFLAGS decide, and -O1 there
 # finds what the compiler warns of only when it optimizes. Some compare millions of numbers themselves.
-COMPUTING := test_elementary test_sundials_vector test_quadratures
+COMPUTING := $(addprefix test_,elementary sundials_vector quadratures crossing kernel self_random self_time libm)
 $(BUILD)/tests/test_%.o $(BROKEN) $(PROMISES): \
     OWN += $(if $(SAN),,-O$(if $(filter $(COMPUTING),$*),1,0) -U_FORTIFY_SOURCE)
 

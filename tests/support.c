@@ -191,6 +191,18 @@ bool test_is_spared(const weft_stepper_type *type)
     return spared;
 }
 
+bool test_is_typical(const weft_stepper_type *type)
+{
+    static const char *const typical[]
+        = { "velocity_verlet", "rkf45", "msadams", "bsimp",          "bogacki_shampine",
+            "trbdf2",          "bdf",   "ros2",    "backward_euler", "rk4" };
+    bool is = test_rounds(0, 1) != 0;
+    for (size_t i = 0; i < sizeof typical / sizeof typical[0]; ++i) {
+        is = is || weft_stepper_is(type, typical[i]);
+    }
+    return is;
+}
+
 int test_run(Suite *suite)
 {
     SRunner *runner = srunner_create(suite);

@@ -5,6 +5,10 @@
 
 #include <check.h>
 
+/* Check writes the place of every assertion that holds into a file, lest a crash comes
+ * next: most of the time of a test that compares many numbers. */
+#define _mark_point(file, line) ((void)0)
+
 #include "weft/weft.h"
 
 /* The i-th plugin linked into the tests; NULL past the last. */
@@ -55,6 +59,10 @@ uint64_t test_hash(const double *values, size_t count);
  * whose code another method shares but for its table. The orders of all are tested
  * always. */
 bool test_is_spared(const weft_stepper_type *type);
+
+/* Whether a method is one of a few whose steps are made differently, or `make nightly`
+ * asks for all: where what is tested is what surrounds a step. */
+bool test_is_typical(const weft_stepper_type *type);
 
 /* `few`, or `many` in `make nightly`, which sets TEST_LONG: of repetitions whose
  * moments or places differ. */

@@ -240,7 +240,7 @@ START_TEST(shipped_scenes_are_surveyed_each)
 {
     glob_t found;
     ck_assert_int_eq(glob("scenes/*.yaml", 0, NULL, &found), 0);
-    for (size_t i = 0; i < found.gl_pathc; i += (size_t)test_rounds(3, 1)) {
+    for (size_t i = 0; i < found.gl_pathc; i += (size_t)test_rounds(6, 1)) {
         expect(shell(WEFT " check %s 2>&1", found.gl_pathv[i]), 0);
         says("evaluations/simulated s\n");
     }

@@ -461,7 +461,7 @@ END_TEST
 
 START_TEST(no_callback_can_change_or_save_its_simulation)
 {
-    if (test_is_spared(test_method((size_t)_i))
+    if (!test_is_typical(test_method((size_t)_i))
         || test_needs_damping(test_method((size_t)_i))) {
         return;
     }
@@ -672,7 +672,7 @@ static uint64_t play(weft_play frames, film *self)
 
 START_TEST(frames_come_at_their_times_and_checkpoints_do_not_change_them)
 {
-    if (test_is_spared(test_method((size_t)_i))
+    if (!test_is_typical(test_method((size_t)_i))
         || test_needs_damping(test_method((size_t)_i))) {
         return;
     }
@@ -782,7 +782,7 @@ static void *work(void *ctx)
 
 START_TEST(threads_share_a_cloth_and_nothing_else)
 {
-    if (test_is_spared(test_method((size_t)_i))
+    if (!test_is_typical(test_method((size_t)_i))
         || test_needs_damping(test_method((size_t)_i))) {
         return;
     }

@@ -19,19 +19,20 @@ static void begin(void)
     "abcdefghijklmnopqrstuvwxyzabcdefghijklmnopqrstuvwxyz"                             \
     "abcdefghijklmnopqrstuvwxyzabcdefghijklmnopqrstuv"
 
+/* The last ones are paths as the first, and tried alone by `make nightly`. */
 static const char *const names[] = {
     "../../up",
     "/tmp/weft-hostile-name",
-    "a/b",
-    "..",
     "$(touch in/shell)`touch in/shell`",
     "</script><script>alert(1)</script>",
     "%s%n%n",
     "-rf",
-    ".",
-    "\\n../up\\r",
     "\\e]0;up\\a\\e[31m\\x7f\\x9b2J\\u009b2J",
     LONG LONG LONG,
+    "a/b",
+    "..",
+    ".",
+    "\\n../up\\r",
 };
 
 /* What a terminal might take for a command of its own. */
@@ -89,11 +90,11 @@ START_TEST(a_scene_is_read_back_whatever_its_file_was_called)
     (void)snprintf(path, sizeof path, OUT "/in/%s.yaml", files[_i]);
     (void)snprintf(text, sizeof text, "weft: 1\n%s", strstr(small_scene, "cloth:"));
     write_file(path, text);
-    expect(
-        shell("cd " OUT "/in && "
-              "../../weft run ./*.yaml --out o 2>&1 && ../../weft check o/scene.yaml "
-              "2>&1"),
-        0);
+    expect(shell("cd " OUT "/in && "
+                 "../../weft run ./*.yaml --out o 2>&1 && ../../weft run o/scene.yaml "
+                 "--out p "
+                 "2>&1"),
+           0);
     expect_plain();
     ck_assert_ptr_nonnull(strstr(read_file(OUT "/in/o/scene.yaml"), "name: \""));
 }
@@ -276,14 +277,16 @@ typedef struct writer {
     const char *from, *command, *again;
 } writer;
 
+/* The first write as later ones do, with another text: `make nightly` tries them. */
+enum { ALIKE = 3 };
 static const writer writers[] = {
+    { "r", "export " OUT "/full/r --format obj --frame all", NULL },
+    { "r", "export " OUT "/full/r --format csv --frame all", NULL },
+    { "r", "export " OUT "/full/r --format pc2", NULL },
     { "r", "run " OUT "/small.yaml --out " OUT "/full/new --frames obj --quiet", NULL },
     { "r", "view " OUT "/full/r", NULL },
-    { "r", "export " OUT "/full/r --format obj --frame all", NULL },
     { "r", "export " OUT "/full/r --format ply --frame all", NULL },
-    { "r", "export " OUT "/full/r --format csv --frame all", NULL },
     { "r", "export " OUT "/full/r --format mdd", NULL },
-    { "r", "export " OUT "/full/r --format pc2", NULL },
     { "r", "export " OUT "/full/r --format pvd", NULL },
     { "killed", "resume " OUT "/full/r --quiet",
       "resume " OUT "/full/r --quiet --force && cd " OUT " && cmp long/run.vtkhdf "
@@ -298,6 +301,8 @@ static const writer writers[] = {
       NULL },
 #endif
 };
+
+enum { WRITERS = sizeof writers / sizeof writers[0] };
 
 /* With so many free pages: 4 (of a batch also 1) and the reason, or 0. */
 static int with_room(const writer *of, int pages)
@@ -337,7 +342,7 @@ START_TEST(a_writer_without_room_says_so_and_leaves_nothing_half_written)
     }
     ck_assert_int_ne(with_room(of, 0), 0);
     int code = 4;
-    for (int pages = 1; code != 0; pages += 1 + pages / test_rounds(2, 4)) {
+    for (int pages = 1; code != 0; pages += 1 + pages / test_rounds(1, 4)) {
         code = with_room(of, pages);
         ck_assert_int_lt(pages, 1024);
     }
@@ -392,7 +397,7 @@ TEST_SUITE(hostile)
     tcase_set_timeout(tcase, 300.0);
     tcase_add_checked_fixture(tcase, begin, NULL);
     tcase_add_loop_test(tcase, a_name_is_no_path_and_no_command, 0,
-                        (int)(sizeof names / sizeof names[0]));
+                        test_rounds(8, sizeof names / sizeof names[0]));
     tcase_add_test(tcase, a_scene_is_run_into_the_current_directory_whatever_its_path);
     tcase_add_loop_test(tcase, a_scene_is_read_back_whatever_its_file_was_called, 0,
                         10);
@@ -407,7 +412,7 @@ TEST_SUITE(hostile)
 #endif
     tcase_add_loop_test(tcase,
                         a_writer_without_room_says_so_and_leaves_nothing_half_written,
-                        0, (int)(sizeof writers / sizeof writers[0]));
+                        test_rounds(ALIKE, 0), WRITERS);
 #ifndef __SANITIZE_ADDRESS__
     tcase_add_test(tcase, a_batch_without_memory_says_so);
 #endif

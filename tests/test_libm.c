@@ -159,7 +159,7 @@ START_TEST(shipped_scenes_have_the_same_bits)
     static const char *const methods[]
         = { "{plugin: arkode, method: dormand_prince}", "{plugin: gsl, method: rkck}" };
     char file[64], sets[128];
-    for (size_t m = 0; m < 2; ++m) {
+    for (size_t m = (size_t)_i % 2; m < 2; m += (size_t)test_rounds(2, 1)) {
         (void)snprintf(file, sizeof file, "scenes/%s.yaml", shipped[_i]);
         (void)snprintf(sets, sizeof sets, "--set run.duration=0.1 --set 'stepper=%s'",
                        methods[m]);
@@ -172,7 +172,7 @@ END_TEST
 START_TEST(compare_has_the_same_numbers)
 {
     const char *what = "compare " OUT "/scene.yaml --quiet --force "
-                       "--methods rkck,dormand_prince,velocity_verlet,rk4";
+                       "--methods rkck,velocity_verlet --until 0.5";
     const int code
         = shell("%s %s --out " OUT "/here 2>&1 && %s %s --out " OUT "/there 2>&1 && "
                 "cd " OUT " && cut -d, -f1-14 here/compare.csv >here.csv && "

@@ -260,7 +260,7 @@ static bool is_refused(size_t size)
 START_TEST(a_file_cut_off_anywhere_is_refused_by_name)
 {
     record(&all_single);
-    const size_t size = load_bytes(), cuts = 200;
+    const size_t size = load_bytes(), cuts = (size_t)test_rounds(60, 200);
     (void)shell("mkdir -p " OUT "/d");
     ck_assert(!is_refused(size));
     for (size_t i = 0; i < cuts; ++i) {
@@ -275,14 +275,14 @@ END_TEST
 START_TEST(flipped_bytes_never_end_the_program)
 {
     uint64_t seed = 88172645463325252u;
-    size_t refused = 0;
+    size_t refused = 0, flips = (size_t)test_rounds(100, 300);
 #ifdef __SANITIZE_ADDRESS__
     __lsan_disable(); /* libhdf5 leaks what it has read of some damaged files */
 #endif
     record(&all_single);
     const size_t size = load_bytes();
     (void)shell("mkdir -p " OUT "/d");
-    for (size_t i = 0; i < 300; ++i) {
+    for (size_t i = 0; i < flips; ++i) {
         const size_t at = random_word(&seed) % size;
         const unsigned char before = bytes[at];
         bytes[at] ^= (unsigned char)(1 + random_word(&seed) % 255);
@@ -290,7 +290,7 @@ START_TEST(flipped_bytes_never_end_the_program)
         bytes[at] = before;
     }
     ck_assert_uint_gt(refused, 0);
-    ck_assert_uint_lt(refused, 300);
+    ck_assert_uint_lt(refused, flips);
 }
 END_TEST
 
