@@ -26,7 +26,7 @@ INCLUDES = [os.path.join(TREE, "include")] if IN_TREE else [pkg_config("--variab
 
 
 def declarations():
-    """Types and functions of weft/weft.h, without what cffi does not read: inline functions."""
+    """Types and functions of weft/weft.h; inline functions without what they do. cffi reads no va_list."""
     command = [*shlex.split(os.environ.get("CC", "cc")), "-E", "-std=c11", "-D__attribute__(x)=",
                "-I", INCLUDES[0], "-"]
     try:
@@ -41,7 +41,8 @@ def declarations():
             ours = re.search(r"/weft/\w+\.h$", marker[1]) is not None
         elif ours:
             kept.append(line)
-    return re.sub(r"^static inline .*?^}$", "", "\n".join(kept), flags=re.DOTALL | re.MULTILINE)
+    text = re.sub(r"\bstatic inline ([^{;]*)\{(?:.*\}$|[\s\S]*?^\}$)", r"\1;", "\n".join(kept), flags=re.MULTILINE)
+    return re.sub(r"\bint weft_text_format_list\([^;]*;", "", text)
 
 
 OURS = """
@@ -54,7 +55,6 @@ extern "Python" void weftpy_option(void *, const char *, const char *);
 extern const char *const weftpy_prefix;
 weft_log weftpy_log_of(void);
 weft_status weftpy_scene(weft_registry *, weft_scene_def *, weft_scene **, weft_diagnostics *, weft_error *);
-const char *weftpy_full_name(const weft_stepper_type *);
 void weftpy_masses(const weft_cloth *, double *);
 void weftpy_pinned(const weft_cloth *, bool *);
 weft_status weftpy_advance(weft_sim *, double, double, const bool *, weft_error *);
@@ -94,11 +94,6 @@ static weft_status weftpy_scene(weft_registry *registry, weft_scene_def *def, we
     def->find_plugin = weftpy_find;
     def->find_ctx = registry;
     return weft_scene_load(def, out, found, err);
-}
-
-static const char *weftpy_full_name(const weft_stepper_type *type)
-{
-    return weft_stepper_full_name(type);
 }
 
 static void weftpy_masses(const weft_cloth *cloth, double *mass)

@@ -169,6 +169,8 @@ static inline weft_cloth *make(size_t i)
     weft_shape plane = weft_shape_default(WEFT_PLANE);
     plane.normal[1] = 0.0, plane.normal[2] = 1.0, plane.at[2] = -8e-3;
     plane.velocity[0] = i < 2 * CLOTHS ? 0.0 : 0.3, plane.velocity[2] = 0.5;
+    def.struct_size = usual.struct_size, def.load_size = usual.load_size;
+    def.pin_size = usual.pin_size, def.shape_size = usual.shape_size;
     def.contact = usual.contact;
     def.contact.thickness = 0.02, def.contact.slip = 0.1;
     def.contact.shapes = &plane;

@@ -13,7 +13,7 @@ static weft_error err;
 
 static void look_in(const char *path)
 {
-    const weft_registry_def def = { .path = path };
+    const weft_registry_def def = { .struct_size = sizeof def, .path = path };
     ck_assert_int_eq(weft_registry_create(&def, &registry, &err), WEFT_OK);
 }
 
@@ -119,8 +119,10 @@ START_TEST(a_plugin_that_is_not_admitted_is_refused_and_not_loaded)
 {
     size_t asked = 0;
     const weft_plugin *plugin = NULL;
-    const weft_registry_def def
-        = { .path = PLUGINS, .admit = refuse_verlet, .admit_ctx = &asked };
+    const weft_registry_def def = { .struct_size = sizeof def,
+                                    .path = PLUGINS,
+                                    .admit = refuse_verlet,
+                                    .admit_ctx = &asked };
     ck_assert_int_eq(weft_registry_create(&def, &registry, &err), WEFT_OK);
     ck_assert_int_eq(weft_registry_find(registry, "verlet", &plugin, &err),
                      WEFT_BAD_PLUGIN);

@@ -402,7 +402,7 @@ END_TEST
 static weft_status register_all(const void *ctx, weft_error *err)
 {
     (void)ctx;
-    const weft_registry_def def = { .path = "nowhere" };
+    const weft_registry_def def = { .struct_size = sizeof def, .path = "nowhere" };
     weft_registry *registry = NULL;
     weft_status status = weft_registry_create(&def, &registry, err);
     for (size_t i = 0; status == WEFT_OK && test_plugin(i) != NULL; ++i) {

@@ -88,8 +88,10 @@ static void teardown(void)
 /* A new registry instead of the last one. */
 static void look_in(const char *path, bool environment, const char *fallback)
 {
-    const weft_registry_def def
-        = { .path = path, .environment = environment, .fallback = fallback };
+    const weft_registry_def def = { .struct_size = sizeof def,
+                                    .path = path,
+                                    .environment = environment,
+                                    .fallback = fallback };
     weft_registry_destroy(registry);
     ck_assert_int_eq(weft_registry_create(&def, &registry, &err), WEFT_OK);
     ck_assert_uint_eq(weft_registry_count(registry), 0);
@@ -433,7 +435,9 @@ static void refused_config(weft_stepper_config config, const char *text)
     weft_cloth *cloth = test_cloth(&model);
     weft_sim *sim = (weft_sim *)&config;
     const weft_stepper_type *verlet = test_method_named("verlet/velocity_verlet");
-    const weft_sim_def def = { .cloth = cloth, .method = verlet, .config = config };
+    const weft_sim_def def = {
+        .struct_size = sizeof def, .cloth = cloth, .method = verlet, .config = config
+    };
     ck_assert_int_eq(weft_sim_create(&def, &sim, &err), WEFT_INVALID);
     ck_assert_ptr_null(sim);
     ck_assert_msg(strncmp(err.message, text, strlen(text)) == 0, "%s", err.message);

@@ -308,7 +308,10 @@ static void start_fake(void)
     fake.type = *VERLET;
     fake.type.step = fake_step;
     fake.type.state_changed = fake_changed;
-    weft_sim_def def = { .cloth = cloth, .method = &fake.type, .config = fixed(1.0) };
+    weft_sim_def def = { .struct_size = sizeof def,
+                         .cloth = cloth,
+                         .method = &fake.type,
+                         .config = fixed(1.0) };
     def.correct = fake_correct, def.correct_ctx = &fake;
     ck_assert_int_eq(weft_sim_create(&def, &sim, NULL), WEFT_OK);
     look(sim);

@@ -29,6 +29,52 @@
 extern "C" {
 #endif
 
+/* Growth. A program goes on working with a later libweft of the same SONAME, and one
+ * built for a later libweft is refused where an earlier one would misread it. For this
+ * a struct that crosses the library's boundary is one of four kinds:
+ *
+ * - "Fixed for ever", as its comment says: never changed. A member that it lacks goes
+ * to the struct that contains it, and the enums that count its members are fixed, too.
+ * - A definition, in or out of a function. struct_size comes first, filled by
+ *   weft_..._default(), an inline function with the size in the caller's header. The
+ *   library reads so much and takes its defaults for the rest. What it does not know
+ *   must be 0: WEFT_INVALID.
+ * - A result. An inline function of WEFT_RESULT returns it: the library writes as much
+ *   as the caller's struct holds, and 0 to what it does not know.
+ * - A struct of the library behind a const pointer: it may be longer than the caller
+ *   knows. Pass the pointer on: a copy has only the members that the caller knows, and
+ *   needs its own struct_size.
+ *
+ * Elements of arrays have their size in the definition with the array. Members are only
+ * added, at the end of a struct. tools/check-abi compares all with tools/libweft.abi.
+ */
+/* Whether *s, of any version, has the field, which was added to the end of its struct.
+ */
+#define WEFT_HAS(s, type, field)                                                       \
+    ((s)->struct_size >= offsetof(type, field) + sizeof((s)->field))
+
+#define WEFT_BARE(...) __VA_ARGS__
+
+/* type name(parameters), and what the library exports of it: name_sized. */
+#define WEFT_RESULT(type, name, parameters, arguments)                                 \
+    WEFT_API void name##_sized(type *out, size_t size, WEFT_BARE parameters);          \
+    static inline type name parameters                                                 \
+    {                                                                                  \
+        type out;                                                                      \
+        name##_sized(&out, sizeof out, WEFT_BARE arguments);                           \
+        return out;                                                                    \
+    }
+
+/* type type_default(void), likewise, and type_init. */
+#define WEFT_DEFAULT(type)                                                             \
+    WEFT_API void type##_init(type *def, size_t size);                                 \
+    static inline type type##_default(void)                                            \
+    {                                                                                  \
+        type def;                                                                      \
+        type##_init(&def, sizeof def);                                                 \
+        return def;                                                                    \
+    }
+
 /* X(name, text): the source of the enum and of weft_status_text(). */
 #define WEFT_STATUS_LIST(X)                                                            \
     X(OK, "ok")                                                                        \
@@ -50,7 +96,7 @@ typedef enum weft_status {
 } weft_status;
 
 /* An error and its place. The caller owns it and passes it as the last argument; NULL
- * is allowed everywhere. It is written only on failure. */
+ * is allowed everywhere. It is written only on failure. Fixed for ever. */
 typedef struct weft_error {
     weft_status status;
     int line, column;  /* from 1; 0: no place in a file */
@@ -62,7 +108,8 @@ typedef struct weft_error {
  * returns memory aligned like malloc's. With size 0 it frees the block and returns
  * NULL; with another size NULL means that there is no memory left, and the call fails
  * with WEFT_NO_MEMORY. weft copies this struct and calls `resize` in the thread that
- * calls weft; *ctx must outlive the object. Nothing is allocated inside a step. */
+ * calls weft; *ctx must outlive the object. Nothing is allocated inside a step. Fixed
+ * for ever. */
 typedef struct weft_allocator {
     void *(*resize)(void *ctx, void *block, size_t size);
     void *ctx;
@@ -75,7 +122,7 @@ typedef enum weft_log_level {
 } weft_log_level;
 
 /* Messages that are not failures, one line per call without a newline; the library
- * itself never prints. Called in the thread that calls weft. */
+ * itself never prints. Called in the thread that calls weft. Fixed for ever. */
 typedef struct weft_log {
     void (*write)(void *ctx, weft_log_level level, const char *text); /* NULL: none */
     void *ctx;

@@ -37,6 +37,7 @@ typedef enum weft_law {
     WEFT_LAW_STRAIN /* T = k (L / s - 1) + c w.u, k [N] */
 } weft_law;
 
+/* Fixed for ever. */
 typedef struct weft_spring_def {
     bool present;
     double stiffness; /* [N/m] (hooke) or [N] (strain), >= 0 */
@@ -44,14 +45,15 @@ typedef struct weft_spring_def {
 } weft_spring_def;
 
 /* Bending rigidity of a plate, instead of bend springs; docs/physics.md. None if all
- * three moduli are 0. */
+ * three moduli are 0. Fixed for ever. */
 typedef struct weft_bending_def {
     double rigidity[2]; /* [N m] >= 0, along a column (warp), along a row (weft) */
     double twist;       /* [N m] >= 0; negative: sqrt(rigidity[0] rigidity[1]) */
     double damping;     /* [s] >= 0: force -damping K v, K the stiffness matrix */
 } weft_bending_def;
 
-/* Inclusive; a negative index counts from the end, so {0, -1} is all. */
+/* Inclusive; a negative index counts from the end, so {0, -1} is all. Fixed for ever.
+ */
 typedef struct weft_range {
     ptrdiff_t first, last;
 } weft_range;
@@ -101,14 +103,14 @@ typedef struct weft_shape {
 
 /* A plane y >= 0, a ball of 1 m, a capsule of 1 m from 0 to 1 m along x, a cube of 2 m
  * rounded by 1 cm; at rest, with the contact's friction. */
-WEFT_API weft_shape weft_shape_default(weft_shape_kind kind);
+WEFT_RESULT(weft_shape, weft_shape_default, (weft_shape_kind kind), (kind))
 
 typedef enum weft_friction_law {
     WEFT_FRICTION_SMOOTH, /* analytic, no stiffer than 10 times the contact */
     WEFT_FRICTION_COULOMB /* exactly Coulomb's above `slip` */
 } weft_friction_law;
 
-/* Contact of free particles with shapes; docs/physics.md. */
+/* Contact of free particles with shapes; docs/physics.md. Fixed for ever. */
 typedef struct weft_contact_def {
     double thickness;      /* [m] > 0: forces begin at this gap */
     double stopping_speed; /* [m/s] > 0: stops a particle where s^p / (1 - s) = 1 */
@@ -125,6 +127,8 @@ typedef struct weft_contact_def {
 
 /* The definition of a cloth. weft_cloth_create copies the arrays. */
 typedef struct weft_cloth_def {
+    uint32_t struct_size;
+    uint32_t load_size, pin_size, shape_size; /* [bytes] of an element of the arrays */
     size_t rows, cols; /* particles down and across, >= 1 each, rows * cols >= 2 */
     double spacing[2]; /* [m] > 0: row to row (along a column), then column to column */
     double origin[3];  /* [m] rest position of particle (0, 0) */
@@ -157,7 +161,7 @@ typedef struct weft_cloth_def {
                        definition is that of the whole. band_rows 0: the whole cloth */
 } weft_cloth_def;
 
-/* A spring between two particles, given by family and indices. */
+/* A spring between two particles, given by family and indices. Fixed for ever. */
 typedef struct weft_spring {
     weft_family family;
     size_t p, q;
@@ -170,7 +174,8 @@ WEFT_API const char *weft_spring_text(const weft_spring *spring, size_t cols,
                                       char *text, size_t size);
 
 /* A particle, an edge or a triangle of the cloth, for contact with itself. Edges run
- * along rows, columns and the diagonal (r, c + 1)-(r + 1, c) of each cell. */
+ * along rows, columns and the diagonal (r, c + 1)-(r + 1, c) of each cell. Fixed for
+ * ever. */
 typedef struct weft_primitive {
     size_t count; /* 1, 2 or 3 particles */
     size_t particle[3];
@@ -181,6 +186,7 @@ typedef struct weft_primitive {
 WEFT_API const char *weft_primitive_text(const weft_primitive *primitive, size_t cols,
                                          char *text, size_t size);
 
+/* Fixed for ever: a further force adds to the member that is nearest to it. */
 typedef struct weft_energy {
     double kinetic;                /* [J] of the free particles */
     double gravitational;          /* [J] -m g.x, of the free particles */
@@ -227,7 +233,7 @@ typedef enum weft_limit_solver {
 } weft_limit_solver;
 
 /* The strain limit: no limited spring is longer than (1 + strain) rest lengths;
- * docs/physics.md. */
+ * docs/physics.md. Fixed for ever. */
 typedef struct weft_limit_def {
     weft_limit_method method;
     double strain;                /* >= 0 */
@@ -239,7 +245,7 @@ typedef struct weft_limit_def {
 } weft_limit_def;
 
 /* A measured fabric, independent of the grid: moduli of the whole sheet, per width;
- * docs/fabrics.md. */
+ * docs/fabrics.md. Fixed for ever. */
 typedef struct weft_fabric {
     const char *name;  /* of a preset; may be NULL */
     double density;    /* [kg/m^2] > 0 */
@@ -285,7 +291,16 @@ WEFT_API const weft_fabric *weft_fabric_find(const char *name);
 /* 2 x 2 particles, 1 m apart, 0.2 kg/m^2, no springs, no pins, earth's gravity along
  * -y; contact of thickness 5 mm, stopping speed 5 m/s, exponent 4, damping 1 s/m,
  * smooth friction of 0.3 and slip 1 mm/s, but no shapes. Set the fields that differ. */
-WEFT_API weft_cloth_def weft_cloth_def_default(void);
+WEFT_API void weft_cloth_def_init(weft_cloth_def *def, size_t size);
+static inline weft_cloth_def weft_cloth_def_default(void)
+{
+    weft_cloth_def def;
+    weft_cloth_def_init(&def, sizeof def);
+    def.load_size = sizeof(weft_load);
+    def.pin_size = sizeof(weft_pin);
+    def.shape_size = sizeof(weft_shape);
+    return def;
+}
 
 /* Creates a cloth. It uses the fastest instructions of this machine, unless the
  * environment variable WEFT_ISA selects other supported ones: "plain", "x86-64-v3"
@@ -373,6 +388,7 @@ WEFT_API void weft_cloth_power(const weft_cloth *cloth, double t, const double *
  * out, as is the stiffness of the wind. */
 enum { WEFT_STIFFNESS_CORNERS = 40 };
 
+/* Fixed for ever. */
 typedef struct weft_stiffness {
     double omega2;  /* [1/s^2] no mode is stiffer */
     double damping; /* [1/s] no mode is damped more */
@@ -448,7 +464,8 @@ WEFT_API size_t weft_cloth_shapes(const weft_cloth *cloth); /* their number */
 /* The contact that a cloth was defined with, without the shapes, and its shape
  * k < weft_cloth_shapes. */
 WEFT_API weft_contact_def weft_cloth_contact(const weft_cloth *cloth);
-WEFT_API weft_shape weft_cloth_shape(const weft_cloth *cloth, size_t k);
+WEFT_RESULT(weft_shape, weft_cloth_shape, (const weft_cloth *cloth, size_t k),
+            (cloth, k))
 
 /* Where `at` of shape k is at time t [m], and its velocity [m/s]; both may be NULL. */
 WEFT_API void weft_cloth_shape_pose(const weft_cloth *cloth, size_t k, double t,

@@ -25,7 +25,8 @@ extern "C" {
 enum { WEFT_GHOST_ROWS = 2 };
 
 /* Rows of a cloth. Row 0 of a band's own arrays is its first ghost row, or else its
- * first own row: row r of them is row first - above + r of the whole cloth. */
+ * first own row: row r of them is row first - above + r of the whole cloth. Fixed for
+ * ever. */
 typedef struct weft_band {
     size_t rows;         /* of the whole cloth */
     size_t first, own;   /* own rows: [first, first + own) of the whole */

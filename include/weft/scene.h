@@ -32,7 +32,7 @@ typedef struct weft_record_def {
     bool final;   /* the state at the end, as text */
 } weft_record_def;
 
-/* One error or one warning. */
+/* One error or one warning. Fixed for ever. */
 typedef struct weft_diagnostic {
     bool warning;
     int line, column; /* from 1; 0, 0: place unknown */
@@ -45,7 +45,7 @@ typedef struct weft_diagnostic {
 #define WEFT_DIAGNOSTICS_MAX 20
 
 /* All diagnostics, in the order of the file. Owned by the caller; its size is constant,
- * and nothing in it is allocated. */
+ * and nothing in it is allocated. Fixed for ever. */
 typedef struct weft_diagnostics {
     size_t count;  /* number of items filled */
     size_t errors; /* total, also beyond WEFT_DIAGNOSTICS_MAX */
@@ -59,6 +59,7 @@ WEFT_API int weft_diagnostic_format(const weft_diagnostic *diagnostic, char *tex
                                     size_t size);
 
 typedef struct weft_scene_def {
+    uint32_t struct_size;
     const char *file; /* regular file to read, or the name of `text` in messages */
     const char *text; /* scene text in memory; NULL: read `file` */
     size_t length;    /* of text */
@@ -78,7 +79,7 @@ typedef struct weft_scene_def {
                      mistake. 0 or 1: the cloth is whole */
 } weft_scene_def;
 
-WEFT_API weft_scene_def weft_scene_def_default(void);
+WEFT_DEFAULT(weft_scene_def)
 
 /* Reads, checks and resolves a scene. Errors: WEFT_BAD_SCENE (found->errors > 0),
  * WEFT_IO (the file could not be read), WEFT_NO_MEMORY; then *out is NULL. A scene that

@@ -18,6 +18,7 @@ typedef struct weft_registry weft_registry;
 /* The places where weft searches for weft-<id>.so, in this order. Lists are separated
  * by ':'. */
 typedef struct weft_registry_def {
+    uint32_t struct_size;
     const char *path;                /* searched first; NULL: none */
     bool environment;                /* then WEFT_PLUGIN_PATH, if it is set */
     const char *fallback;            /* searched next; NULL: none */
@@ -32,7 +33,7 @@ typedef struct weft_registry_def {
     void *admit_ctx;
 } weft_registry_def;
 
-WEFT_API weft_registry_def weft_registry_def_default(void);
+WEFT_DEFAULT(weft_registry_def)
 WEFT_API weft_status weft_registry_create(const weft_registry_def *def,
                                           weft_registry **out, weft_error *err);
 WEFT_API void weft_registry_destroy(weft_registry *registry); /* NULL is allowed */
@@ -88,11 +89,11 @@ WEFT_API double weft_stepper_matrices(const weft_stepper_type *type, size_t part
                                       char *text, size_t size);
 
 /* Adaptive, rtol = atol = 1e-6, max norm, first step 1 ms, min 1 ps. */
-WEFT_API weft_stepper_config weft_stepper_config_default(void);
+WEFT_DEFAULT(weft_stepper_config)
 
 /* The effect of a method on modes x'' + c x' + w2 x = 0 in fixed steps, found by
  * running it. This works for every method of any plugin that is explicit and one-step.
- */
+ * Fixed for ever. */
 enum { WEFT_STABILITY_DEGREE = 47 };
 
 typedef struct weft_stability {
@@ -184,10 +185,14 @@ typedef double weft_event_fn(void *ctx, const weft_cloth *cloth, double t,
  * an exit by an exception or by longjmp, these functions return WEFT_INVALID for ever;
  * weft_sim_destroy then frees it. */
 typedef struct weft_sim_def {
+    uint32_t struct_size;
     const weft_cloth *cloth;         /* must outlive the simulation */
     const weft_stepper_type *method; /* likewise */
-    weft_stepper_config config;      /* and likewise what it points to */
-    weft_correct_fn *correct;        /* NULL: none; called after the limit */
+    union {
+        weft_stepper_config config;     /* and likewise what it points to */
+        unsigned char config_room[256]; /* it may grow so far */
+    };
+    weft_correct_fn *correct; /* NULL: none; called after the limit */
     void *correct_ctx;
     bool ledger; /* keep the energy ledger; the method needs WEFT_STEPPER_QUADRATURES */
     weft_limit_def limit; /* a correction after every accepted step; default: none */
@@ -252,7 +257,7 @@ typedef struct weft_limit_stats {
 /* The limit of weft_sim_def_default has no method, and the default values of a scene:
  * strain 0.1, stretch and shear, 100 sweeps, tolerance 1e-3, velocities updated, fast.
  */
-WEFT_API weft_sim_def weft_sim_def_default(void);
+WEFT_DEFAULT(weft_sim_def)
 
 /* Starts at t = 0 with weft_cloth_start. Errors: WEFT_INVALID, WEFT_NO_MEMORY,
  * WEFT_UNSUPPORTED (the method does not support the config), WEFT_BAD_PLUGIN (it lacks
@@ -304,6 +309,7 @@ typedef enum weft_stop_quantity {
     WEFT_STOPS      /* their number */
 } weft_stop_quantity;
 
+/* Fixed for ever. */
 typedef struct weft_stop_def {
     weft_stop_quantity quantity;
     double bound;
@@ -319,7 +325,8 @@ WEFT_API const char *weft_stop_name(weft_stop_quantity quantity);
 WEFT_API double weft_stop_event(void *stop, const weft_cloth *cloth, double t,
                                 const double *y);
 
-/* A run in frames: frame i is at i / fps [s], the last one at `duration`. */
+/* A run in frames: frame i is at i / fps [s], the last one at `duration`. Of a caller's
+ * own, no function ever reads beyond `interpolate`; a scene's may grow behind it. */
 typedef struct weft_run_def {
     double duration;   /* [s] > 0 */
     double fps;        /* [1/s] > 0 */
@@ -360,8 +367,13 @@ typedef struct weft_play {
  * this function a run has the same bits whether checkpoints are kept or not. Errors:
  * WEFT_INVALID (no run or frame callback, fps or duration not finite or not > 0), those
  * of weft_sim_step and callbacks. */
-WEFT_API weft_status weft_sim_play(weft_sim *sim, const weft_play *play,
-                                   weft_error *err);
+WEFT_API weft_status weft_sim_play_sized(weft_sim *sim, const weft_play *play,
+                                         size_t size, weft_error *err);
+static inline weft_status weft_sim_play(weft_sim *sim, const weft_play *play,
+                                        weft_error *err)
+{
+    return weft_sim_play_sized(sim, play, sizeof *play, err);
+}
 
 /* Why a step failed, and the last good state, or the one that a correction spoiled. */
 typedef struct weft_failure {
@@ -384,7 +396,12 @@ typedef struct weft_failure {
 } weft_failure;
 
 /* Whether the last step failed; the message of weft_sim_step has the same in words. */
-WEFT_API bool weft_sim_failure(const weft_sim *sim, weft_failure *out);
+WEFT_API bool weft_sim_failure_sized(const weft_sim *sim, weft_failure *out,
+                                     size_t size);
+static inline bool weft_sim_failure(const weft_sim *sim, weft_failure *out)
+{
+    return weft_sim_failure_sized(sim, out, sizeof *out);
+}
 
 WEFT_API double weft_sim_time(const weft_sim *sim); /* [s] */
 WEFT_API const double *
@@ -392,7 +409,7 @@ weft_sim_state(const weft_sim *sim); /* y[6 N], valid until the next step */
 /* The definition's cloth with the present pins and shapes of the simulation. Valid
  * until the simulation is destroyed. */
 WEFT_API const weft_cloth *weft_sim_cloth(const weft_sim *sim);
-WEFT_API weft_stepper_stats weft_sim_stats(const weft_sim *sim);
+WEFT_RESULT(weft_stepper_stats, weft_sim_stats, (const weft_sim *sim), (sim))
 /* Calls `tell` for each choice of the stepper beyond its config. */
 WEFT_API void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx);
 /* [J] turned into heat so far by springs, viscous drag, contact and friction: the sum
@@ -401,11 +418,11 @@ WEFT_API double weft_sim_dissipated(const weft_sim *sim);
 
 /* The method integrates the powers of weft_cloth_power with the state: the residual has
  * its order. The state and the steps are the same without a ledger. */
-WEFT_API weft_ledger weft_sim_ledger(const weft_sim *sim);
+WEFT_RESULT(weft_ledger, weft_sim_ledger, (const weft_sim *sim), (sim))
 
 /* Measures the present state, on the threads of the simulation. Without a ledger the
  * powers are 0: weft_cloth_power computes them. */
-WEFT_API weft_measures weft_sim_measure(const weft_sim *sim);
+WEFT_RESULT(weft_measures, weft_sim_measure, (const weft_sim *sim), (sim))
 
 typedef struct weft_totals {
     size_t particles, pins, springs[WEFT_FAMILIES];
@@ -414,7 +431,7 @@ typedef struct weft_totals {
 
 /* What weft_cloth_pins, weft_cloth_springs and weft_cloth_mass are of the whole cloth.
  */
-WEFT_API weft_totals weft_sim_totals(const weft_sim *sim);
+WEFT_RESULT(weft_totals, weft_sim_totals, (const weft_sim *sim), (sim))
 
 /* weft_cloth_stiffness of the whole cloth, with the present pins and shapes; y: a state
  * as weft_sim_state, or NULL. */
@@ -428,7 +445,7 @@ WEFT_API weft_stiffness weft_sim_stiffness(const weft_sim *sim, double t,
 WEFT_API uint64_t weft_sim_vetoed(const weft_sim *sim);
 
 /* All 0 without a limit. */
-WEFT_API weft_limit_stats weft_sim_limit_stats(const weft_sim *sim);
+WEFT_RESULT(weft_limit_stats, weft_sim_limit_stats, (const weft_sim *sim), (sim))
 /* The limited spring with the largest strain at present, as weft_cloth_worst_spring. */
 WEFT_API weft_spring weft_sim_limit_worst(const weft_sim *sim);
 /* Limited springs that are too long at present and have both ends pinned: they cannot
@@ -481,8 +498,13 @@ WEFT_API weft_status weft_sim_unpin(weft_sim *sim, size_t i, weft_error *err);
 /* Adds a shape, as the last; *k (unless NULL) is its number. From the present time on
  * it moves as defined, except that its velocity counts from now:
  * at + velocity (t - now) + amplitude sin(2 pi frequency t). */
-WEFT_API weft_status weft_sim_add_shape(weft_sim *sim, const weft_shape *shape,
-                                        size_t *k, weft_error *err);
+WEFT_API weft_status weft_sim_add_shape_sized(weft_sim *sim, const weft_shape *shape,
+                                              size_t size, size_t *k, weft_error *err);
+static inline weft_status weft_sim_add_shape(weft_sim *sim, const weft_shape *shape,
+                                             size_t *k, weft_error *err)
+{
+    return weft_sim_add_shape_sized(sim, shape, sizeof *shape, k, err);
+}
 
 /* Puts shape k to `at` [m] at once (NULL: it stays) and moves it from now on at
  * `velocity` [m/s] instead of its own motion (NULL: that continues). A jump passes

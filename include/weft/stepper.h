@@ -25,13 +25,9 @@ extern "C" {
 #endif
 
 /* Raised when a field moves or changes meaning. New fields go at the end of a struct;
- * only its struct_size shows whether they are present. */
-#define WEFT_STEPPER_ABI 1u
-
-/* Whether *s, of any version, has the field, which was added to the end of its struct.
+ * only its struct_size shows whether they are present: a struct without one is fixed.
  */
-#define WEFT_HAS(s, type, field)                                                       \
-    ((s)->struct_size >= offsetof(type, field) + sizeof((s)->field))
+#define WEFT_STEPPER_ABI 1u
 
 /* Fills all of dydt[dim]. Returns 0; > 0 if y is unusable and a smaller step may help;
  * < 0 to end the run. Must not print, allocate or write to y. */

@@ -69,7 +69,7 @@ typedef struct trial_load {
 static int load(void *ctx, size_t job)
 {
     const trial_load *self = ctx;
-    const weft_registry_def def = { 0 };
+    const weft_registry_def def = { .struct_size = sizeof def };
     weft_registry *registry = NULL;
     (void)job;
     if (weft_registry_create(&def, &registry, NULL) == WEFT_OK) {

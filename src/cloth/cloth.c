@@ -8,13 +8,15 @@
 
 #include "base/given.h"
 #include "base/memory.h"
+#include "base/sized.h"
 #include "forces/self/crossing.h"
 #include "mesh/grid_def.h"
 #include "mesh/pins.h"
 
-weft_cloth_def weft_cloth_def_default(void)
+void weft_cloth_def_init(weft_cloth_def *def, size_t size)
 {
-    return (weft_cloth_def){
+    const weft_cloth_def start = {
+        .struct_size = (uint32_t)size,
         .rows = 2,
         .cols = 2,
         .spacing = { 1.0, 1.0 },
@@ -31,6 +33,7 @@ weft_cloth_def weft_cloth_def_default(void)
                      .friction = 0.3,
                      .slip = 1e-3 },
     };
+    weft__sized_write(def, size, &start, sizeof start);
 }
 
 /* Of a range of rows of the whole cloth those that are here: [first, end). */
@@ -202,13 +205,59 @@ static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error
     return status == WEFT_OK ? weft__start_crossing_error(cloth, err) : status;
 }
 
-weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
-                              weft_error *err)
+/* The elements of an array of the caller's in the size that they have here. */
+static weft_status take_items(const char *name, const void *items, size_t count,
+                              size_t given, size_t size, const weft_allocator *memory,
+                              void **copy, weft_error *err)
 {
-    if (weft__given(def, out, "weft_cloth_create", err) != WEFT_OK) {
-        return WEFT_INVALID;
+    if (given == size || items == NULL) {
+        return WEFT_OK;
     }
-    *out = NULL;
+    char *to = *copy = weft__zeroed(memory, count, size);
+    if (to == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a cloth");
+    }
+    bool understood = given > 0;
+    for (size_t i = 0; understood && i < count; ++i) {
+        understood = weft__sized_read(to + i * size, size,
+                                      (const char *)items + i * given, given);
+    }
+    return understood ? WEFT_OK : weft__sized_unknown(name, err);
+}
+
+enum { ARRAYS = 3 };
+
+/* The caller's definition, of any version, with copies of its arrays where they are of
+ * another one. */
+static weft_status take_def(weft_cloth_def *def, const weft_cloth_def *given,
+                            void *copies[ARRAYS], weft_error *err)
+{
+    weft_status status
+        = WEFT__DEF_READ(weft_cloth_def, def, given, WEFT__DEF_MOST, err);
+    const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
+    const struct {
+        const char *name;
+        const void *items;
+        size_t count, given, size;
+    } arrays[ARRAYS] = {
+        { "weft_load", def->loads, def->load_count, def->load_size,
+          sizeof *def->loads },
+        { "weft_pin", def->pins, def->pin_count, def->pin_size, sizeof *def->pins },
+        { "weft_shape", def->contact.shapes, def->contact.shape_count, def->shape_size,
+          sizeof *def->contact.shapes },
+    };
+    for (size_t i = 0; status == WEFT_OK && i < ARRAYS; ++i) {
+        status = take_items(arrays[i].name, arrays[i].items, arrays[i].count,
+                            arrays[i].given, arrays[i].size, &memory, &copies[i], err);
+    }
+    def->loads = copies[0] != NULL ? copies[0] : def->loads;
+    def->pins = copies[1] != NULL ? copies[1] : def->pins;
+    def->contact.shapes = copies[2] != NULL ? copies[2] : def->contact.shapes;
+    return status;
+}
+
+static weft_status create(const weft_cloth_def *def, weft_cloth **out, weft_error *err)
+{
     weft__refusal first = { WEFT_OK, err };
     weft__cloth_def_check(def, &(weft__faults){ weft__keep_first, &first });
     if (first.status != WEFT_OK) {
@@ -234,6 +283,24 @@ weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
     }
     *out = cloth;
     return WEFT_OK;
+}
+
+weft_status weft_cloth_create(const weft_cloth_def *given, weft_cloth **out,
+                              weft_error *err)
+{
+    weft_cloth_def def;
+    void *copies[ARRAYS] = { NULL };
+    if (weft__given(given, out, "weft_cloth_create", err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
+    *out = NULL;
+    weft_status status = take_def(&def, given, copies, err);
+    status = status == WEFT_OK ? create(&def, out, err) : status;
+    const weft_allocator memory = weft_allocator_or_malloc(def.allocator);
+    for (size_t i = 0; i < ARRAYS; ++i) {
+        weft__free(&memory, copies[i]);
+    }
+    return status;
 }
 
 void weft_cloth_destroy(weft_cloth *cloth)

@@ -2,6 +2,7 @@
 /* cloth_contact.c -- what a cloth tells of its contact with shapes and with itself. */
 #include <string.h>
 
+#include "base/sized.h"
 #include "cloth/model.h"
 #include "forces/self/crossing.h"
 
@@ -15,9 +16,10 @@ weft_contact_def weft_cloth_contact(const weft_cloth *cloth)
     return cloth->contact.law;
 }
 
-weft_shape weft_cloth_shape(const weft_cloth *cloth, size_t k)
+void weft_cloth_shape_sized(weft_shape *out, size_t size, const weft_cloth *cloth,
+                            size_t k)
 {
-    return cloth->contact.shapes[k].def;
+    weft__sized_write(out, size, &cloth->contact.shapes[k].def, sizeof(weft_shape));
 }
 
 void weft_cloth_shape_pose(const weft_cloth *cloth, size_t k, double t, double at[3],

@@ -100,6 +100,12 @@ static weft_status check(const weft_fabric *fabric, const weft_cloth_def *def,
 {
     weft__refusal first = { WEFT_OK, err };
     const weft__faults to = { weft__keep_first, &first };
+    if (!WEFT_HAS(def, weft_cloth_def, across)) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "weft_cloth_def: struct_size is %u; start from "
+                              "weft_cloth_def_default()",
+                              (unsigned)def->struct_size);
+    }
     (void)WEFT__NUMBERS_CHECK(weft__fabric_numbers, fabric, &to, "fabric: ");
     (void)weft__numbers_check((const weft__number *)&weft__grid_numbers, 3, def, &to,
                               "%s", "");

@@ -5,15 +5,16 @@
 #include <string.h>
 
 #include "base/finite.h"
+#include "base/sized.h"
 #include "base/suggest.h"
 #include "plugin/registry.h"
 
 /* ---- settings ---------------------------------------------------------------- */
 
-weft_stepper_config weft_stepper_config_default(void)
+void weft_stepper_config_init(weft_stepper_config *def, size_t size)
 {
-    return (weft_stepper_config){
-        .struct_size = sizeof(weft_stepper_config),
+    const weft_stepper_config start = {
+        .struct_size = (uint32_t)size,
         .norm = WEFT_NORM_MAX,
         .rtol = 1e-6,
         .atol_position = 1e-6,
@@ -22,6 +23,7 @@ weft_stepper_config weft_stepper_config_default(void)
         .min_step = 1e-12,
         .max_step = INFINITY,
     };
+    weft__sized_write(def, size, &start, sizeof start);
 }
 
 const struct weft__config_numbers weft__config_numbers = {

@@ -11,6 +11,7 @@
 
 #include "base/given.h"
 #include "base/memory.h"
+#include "base/sized.h"
 
 typedef struct entry {
     const weft_plugin *plugin;
@@ -28,9 +29,11 @@ struct weft_registry {
     weft_allocator memory;
 };
 
-weft_registry_def weft_registry_def_default(void)
+void weft_registry_def_init(weft_registry_def *def, size_t size)
 {
-    return (weft_registry_def){ .environment = true, .installed = true };
+    const weft_registry_def start
+        = { .struct_size = (uint32_t)size, .environment = true, .installed = true };
+    weft__sized_write(def, size, &start, sizeof start);
 }
 
 enum { LISTS = 4 };
@@ -52,10 +55,13 @@ static char *join_paths(const weft_allocator *memory, const char *const lists[LI
     return joined;
 }
 
-weft_status weft_registry_create(const weft_registry_def *def, weft_registry **out,
+weft_status weft_registry_create(const weft_registry_def *given, weft_registry **out,
                                  weft_error *err)
 {
-    if (weft__given(def, out, "weft_registry_create", err) != WEFT_OK) {
+    weft_registry_def own, *const def = &own;
+    if (weft__given(given, out, "weft_registry_create", err) != WEFT_OK
+        || WEFT__DEF_READ(weft_registry_def, def, given, WEFT__DEF_MOST, err)
+               != WEFT_OK) {
         return WEFT_INVALID;
     }
     char installed[2048] = "";

@@ -6,12 +6,14 @@
 
 #include "base/file.h"
 #include "base/given.h"
+#include "base/sized.h"
 #include "scene/read.h"
 #include "scene/sweep.h"
 
-weft_scene_def weft_scene_def_default(void)
+void weft_scene_def_init(weft_scene_def *def, size_t size)
 {
-    return (weft_scene_def){ .file = NULL };
+    const weft_scene_def start = { .struct_size = (uint32_t)size };
+    weft__sized_write(def, size, &start, sizeof start);
 }
 
 /* ---- text ------------------------------------------------------------------- */
@@ -116,14 +118,19 @@ static void load_tree(weft__base *base)
     }
 }
 
-weft_status weft__base_open(const weft_scene_def *def, weft__base *out,
+weft_status weft__base_open(const weft_scene_def *given, weft__base *out,
                             weft__report *report, weft_error *err)
 {
-    *out = (weft__base){ .def = *def,
-                         .memory = weft_allocator_or_malloc(def->allocator),
-                         .sweep = { .runs = 1 } };
+    *out = (weft__base){ .sweep = { .runs = 1 } };
+    weft_scene_def *const def = &out->def;
+    const weft_status taken
+        = WEFT__DEF_READ(weft_scene_def, def, given, WEFT__DEF_MOST, err);
+    out->memory = weft_allocator_or_malloc(def->allocator);
     report->memory = &out->memory;
     out->tree.report = report;
+    if (taken != WEFT_OK) {
+        return taken;
+    }
     if (def->file == NULL && def->text == NULL) {
         return weft_error_set(err, WEFT_INVALID, "a scene needs a file or a text");
     }
@@ -231,6 +238,10 @@ weft_status weft__base_read(const weft__base *base, size_t run, weft__report *re
     }
     scene->memory = base->memory;
     scene->config.struct_size = sizeof scene->config;
+    scene->cloth.struct_size = sizeof scene->cloth;
+    scene->cloth.load_size = sizeof(weft_load);
+    scene->cloth.pin_size = sizeof(weft_pin);
+    scene->cloth.shape_size = sizeof(weft_shape);
     const weft_status status = read_in_c_locale(base, run, report, scene, err);
     scene->tree.root = NULL; /* of nodes of the base */
     scene->tree.report = NULL;

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/sized.h"
 #include "cloth/model.h"
 #include "sim/bands.h"
 #include "sim/simulation.h"
@@ -73,8 +74,8 @@ weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err
     return why->status;
 }
 
-bool weft_sim_failure(const weft_sim *sim, weft_failure *out)
+bool weft_sim_failure_sized(const weft_sim *sim, weft_failure *out, size_t size)
 {
-    *out = sim->failure;
-    return out->status != WEFT_OK;
+    weft__sized_write(out, size, &sim->failure, sizeof sim->failure);
+    return sim->failure.status != WEFT_OK;
 }

@@ -3,6 +3,7 @@
  * never accumulated. */
 #include <math.h>
 
+#include "base/sized.h"
 #include "sim/simulation.h"
 
 /* A last interval shorter than this part of a frame belongs to the frame before. */
@@ -99,7 +100,7 @@ static weft_status pass_checkpoint(weft_sim *sim, const weft_play *play, size_t 
 
 static weft_status check(const weft_sim *sim, const weft_play *play, weft_error *err)
 {
-    if (play == NULL || play->run == NULL || play->frame == NULL) {
+    if (play->run == NULL || play->frame == NULL) {
         return weft_error_set(err, WEFT_INVALID,
                               "weft_sim_play needs a run and a frame callback");
     }
@@ -111,8 +112,13 @@ static weft_status check(const weft_sim *sim, const weft_play *play, weft_error 
     return weft__sim_outside_play(sim, "weft_sim_play", err);
 }
 
-weft_status weft_sim_play(weft_sim *sim, const weft_play *play, weft_error *err)
+weft_status weft_sim_play_sized(weft_sim *sim, const weft_play *given, size_t size,
+                                weft_error *err)
 {
+    weft_play own = { 0 }, *const play = &own;
+    if (given != NULL && !weft__sized_read(play, sizeof own, given, size)) {
+        return weft__sized_unknown("weft_play", err);
+    }
     weft_status status = check(sim, play, err);
     if (status != WEFT_OK) {
         return status;

@@ -9,6 +9,7 @@
 #include "base/given.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/sized.h"
 #include "cloth/model.h"
 #include "forces/self/crossing.h"
 #include "mesh/pins.h"
@@ -17,15 +18,17 @@
 #include "sim/bands.h"
 #include "sim/simulation.h"
 
-weft_sim_def weft_sim_def_default(void)
+void weft_sim_def_init(weft_sim_def *def, size_t size)
 {
-    return (weft_sim_def){
+    const weft_sim_def start = {
+        .struct_size = (uint32_t)size,
         .config = weft_stepper_config_default(),
         .limit = { .strain = 0.1,
                    .families = { [WEFT_STRETCH] = true, [WEFT_SHEAR] = true },
                    .sweeps = 100,
                    .tolerance = 1e-3 },
     };
+    weft__sized_write(def, size, &start, sizeof start);
 }
 
 /* Completes a config of any version. */
@@ -33,10 +36,11 @@ static weft_status take_config(weft_sim *sim, weft_error *err)
 {
     const weft_sim_def *def = &sim->def;
     weft_stepper_config *config = &sim->config;
-    memcpy(config, &def->config,
-           def->config.struct_size < sizeof *config ? def->config.struct_size
-                                                    : sizeof *config);
-    config->struct_size = sizeof *config;
+    const weft_status taken = WEFT__DEF_READ(weft_stepper_config, config, &def->config,
+                                             sizeof def->config_room, err);
+    if (taken != WEFT_OK) {
+        return taken;
+    }
     config->quadratures = def->ledger ? WEFT__QUADRATURES : 0;
     config->allocator = config->allocator != NULL ? config->allocator : &sim->memory;
     config->agree = NULL;
@@ -189,9 +193,11 @@ static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *
     return status == WEFT_OK ? weft__between_init(sim, err) : status;
 }
 
-weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out, weft_error *err)
+weft_status weft_sim_create(const weft_sim_def *given, weft_sim **out, weft_error *err)
 {
-    if (weft__given(def, out, "weft_sim_create", err) != WEFT_OK) {
+    weft_sim_def own, *const def = &own;
+    if (weft__given(given, out, "weft_sim_create", err) != WEFT_OK
+        || WEFT__DEF_READ(weft_sim_def, def, given, WEFT__DEF_MOST, err) != WEFT_OK) {
         return WEFT_INVALID;
     }
     weft_sim *sim = NULL;
@@ -380,11 +386,12 @@ const weft_cloth *weft_sim_cloth(const weft_sim *sim)
     return sim->cloth;
 }
 
-weft_measures weft_sim_measure(const weft_sim *sim)
+void weft_sim_measure_sized(weft_measures *out, size_t size, const weft_sim *sim)
 {
     const weft__state at = { .t = sim->t, .y = sim->y };
     weft__measure_fn *of = sim->ledger.on ? weft__block_all : weft__block_state;
-    return weft__forces_measure(&sim->forces, &at, of);
+    const weft_measures all = weft__forces_measure(&sim->forces, &at, of);
+    weft__sized_write(out, size, &all, sizeof all);
 }
 
 /* Of a band its first row has the counts. */
@@ -400,17 +407,18 @@ static void count_row(const void *ctx, size_t r, double *numbers)
     }
 }
 
-weft_totals weft_sim_totals(const weft_sim *sim)
+void weft_sim_totals_sized(weft_totals *out, size_t size, const weft_sim *sim)
 {
     double sum[2 + WEFT_FAMILIES];
     weft__bands_sum(&sim->forces, count_row, sim->cloth, 2 + WEFT_FAMILIES, sum);
-    weft_totals out = { .particles = sim->cloth->mesh.band.rows * sim->cloth->mesh.cols,
-                        .pins = (size_t)sum[1],
-                        .mass = sum[0] };
+    weft_totals totals
+        = { .particles = sim->cloth->mesh.band.rows * sim->cloth->mesh.cols,
+            .pins = (size_t)sum[1],
+            .mass = sum[0] };
     for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
-        out.springs[k] = (size_t)sum[2 + k];
+        totals.springs[k] = (size_t)sum[2 + k];
     }
-    return out;
+    weft__sized_write(out, size, &totals, sizeof totals);
 }
 
 weft_stiffness weft_sim_stiffness(const weft_sim *sim, double t, const double *y)
@@ -424,7 +432,7 @@ weft_stiffness weft_sim_stiffness(const weft_sim *sim, double t, const double *y
     return weft__stiffness_within(sim->cloth, y, most);
 }
 
-weft_stepper_stats weft_sim_stats(const weft_sim *sim)
+void weft_sim_stats_sized(weft_stepper_stats *out, size_t size, const weft_sim *sim)
 {
     weft_stepper_stats stats = { .struct_size = sizeof stats };
     sim->def.method->stats(sim->stepper, &stats);
@@ -435,7 +443,8 @@ weft_stepper_stats weft_sim_stats(const weft_sim *sim)
     stats.linear_iterations += sim->earlier.linear_iterations;
     stats.factorisations += sim->earlier.factorisations;
     stats.newton_failures += sim->earlier.newton_failures;
-    return stats;
+    stats.struct_size = (uint32_t)size;
+    weft__sized_write(out, size, &stats, sizeof stats);
 }
 
 void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx)
@@ -449,9 +458,11 @@ void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx)
     }
 }
 
-weft_ledger weft_sim_ledger(const weft_sim *sim)
+void weft_sim_ledger_sized(weft_ledger *out, size_t size, const weft_sim *sim)
 {
-    return weft__ledger_read(&sim->ledger, &sim->forces, sim->t, sim->y);
+    const weft_ledger ledger
+        = weft__ledger_read(&sim->ledger, &sim->forces, sim->t, sim->y);
+    weft__sized_write(out, size, &ledger, sizeof ledger);
 }
 
 double weft_sim_dissipated(const weft_sim *sim)
@@ -464,9 +475,9 @@ uint64_t weft_sim_vetoed(const weft_sim *sim)
     return sim->vetoed;
 }
 
-weft_limit_stats weft_sim_limit_stats(const weft_sim *sim)
+void weft_sim_limit_stats_sized(weft_limit_stats *out, size_t size, const weft_sim *sim)
 {
-    return sim->limit.stats;
+    weft__sized_write(out, size, &sim->limit.stats, sizeof sim->limit.stats);
 }
 
 weft_spring weft_sim_limit_worst(const weft_sim *sim)

@@ -4,6 +4,7 @@
 
 #include "base/finite.h"
 #include "base/memory.h"
+#include "base/sized.h"
 #include "sim/bands.h"
 #include "sim/simulation.h"
 
@@ -54,15 +55,20 @@ static weft_status make_room(weft_sim *sim, weft_error *err)
     return weft__sim_make_start(sim, err);
 }
 
-weft_status weft_sim_add_shape(weft_sim *sim, const weft_shape *shape, size_t *k,
-                               weft_error *err)
+weft_status weft_sim_add_shape_sized(weft_sim *sim, const weft_shape *given,
+                                     size_t size, size_t *k, weft_error *err)
 {
     const size_t count = sim->cloth->contact.shape_count;
+    weft_shape shape = weft_shape_default(WEFT_PLANE);
     weft__shape made;
     weft_status status = weft__sim_changeable(sim, "weft_sim_add_shape", err);
+    if (status == WEFT_OK && given != NULL
+        && !weft__sized_read(&shape, sizeof shape, given, size)) {
+        status = weft__sized_unknown("weft_shape", err);
+    }
     if (status == WEFT_OK) {
-        status
-            = weft__shape_make(&sim->cloth->contact, shape, sim->t, count, &made, err);
+        status = weft__shape_make(&sim->cloth->contact, given == NULL ? NULL : &shape,
+                                  sim->t, count, &made, err);
     }
     if (status == WEFT_OK) {
         status = make_room(sim, err);

@@ -81,7 +81,7 @@ enum { TYPES = 8 };
 
 static void use(const weft_plugin *plugin)
 {
-    const weft_registry_def def = { 0 };
+    const weft_registry_def def = { .struct_size = sizeof def };
     weft_registry *registry = NULL;
     const weft_plugin *again = NULL;
     weft_error err = { 0 };

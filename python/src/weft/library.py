@@ -264,7 +264,7 @@ def load_plugin(file: PathLike) -> None:
 
 def _method(plugin: Any, kind: Any) -> Method:
     flags = frozenset(name for name in FLAGS if kind.flags & getattr(lib, "WEFT_STEPPER_" + name.upper()))
-    return Method(text(plugin.id), text(kind.name), text(lib.weftpy_full_name(kind)), kind.order, kind.error_order,
+    return Method(text(plugin.id), text(kind.name), text(lib.weft_stepper_full_name(kind)), kind.order, kind.error_order,
                   kind.stages, flags, text(kind.license), text(kind.reference))
 
 

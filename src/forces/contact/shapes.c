@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/sized.h"
 const char *weft_shape_name(weft_shape_kind kind)
 {
     static const char *const names[WEFT_SHAPES]
@@ -10,9 +11,9 @@ const char *weft_shape_name(weft_shape_kind kind)
     return (unsigned)kind < WEFT_SHAPES ? names[kind] : "unknown";
 }
 
-weft_shape weft_shape_default(weft_shape_kind kind)
+void weft_shape_default_sized(weft_shape *out, size_t size, weft_shape_kind kind)
 {
-    return (weft_shape){
+    const weft_shape shape = {
         .kind = kind,
         .to = { 1.0, 0.0, 0.0 },
         .normal = { 0.0, 1.0, 0.0 },
@@ -21,6 +22,7 @@ weft_shape weft_shape_default(weft_shape_kind kind)
         .rounding = 0.01,
         .friction = -1.0,
     };
+    weft__sized_write(out, size, &shape, sizeof shape);
 }
 
 weft__shape weft__shape_of(const weft_shape *def, double friction)
