@@ -29,7 +29,7 @@ MAN := $(SHARE)/man/weft.1 $(SHARE)/man/weft-scene.5 $(SHARE)/man/weft-plugin.7
 COMPLETIONS := $(SHARE)/weft.bash $(SHARE)/weft.zsh $(SHARE)/weft.fish
 PLUGIN_A := $(PLUGINS:%=$(BUILD)/libweft-plugin-%.a)
 
-.PHONY: install uninstall bundle share check-install check-docs check-abi doxygen
+.PHONY: install uninstall bundle share check-install check-docs check-abi renew-abi doxygen
 share: $(MAN) $(COMPLETIONS) $(PLUGIN_A)
 all: share
 
@@ -90,6 +90,8 @@ check-docs: all $(EXAMPLES)
 # Compares the interface of libweft.so with that of the last tag.
 check-abi: $(BUILD)/libweft.so
 	@tools/check-abi $(BUILD)
+renew-abi: $(BUILD)/libweft.so
+	@tools/check-abi $(BUILD) renew
 
 # Makes pages from the public headers; a warning is an error.
 doxygen:
