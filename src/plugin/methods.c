@@ -156,6 +156,48 @@ const weft_stepper_type *weft_plugin_method(const weft_plugin *plugin, const cha
     return NULL;
 }
 
+/* ---- one particle ------------------------------------------------------------ */
+
+static int stay(double t, const double *y, double *dydt, void *ctx)
+{
+    (void)t, (void)y, (void)ctx;
+    memset(dydt, 0, 6 * sizeof *dydt);
+    return 0;
+}
+
+const weft_ode weft__one_ode = { .dim = 6, .rhs = stay };
+
+static int no_springs(double t, const double *y, double *planes, double *blocks,
+                      void *ctx)
+{
+    (void)t, (void)y, (void)planes, (void)blocks, (void)ctx;
+    return 0;
+}
+
+static size_t give_modes(double t, const double *y, double (*corners)[2], size_t room,
+                         void *ctx)
+{
+    const weft_stiffness *polygon = ctx;
+    const size_t count = polygon != NULL && polygon->count <= room ? polygon->count : 0;
+    (void)t, (void)y;
+    if (count > 0) {
+        memcpy(corners, polygon->corners, count * sizeof *corners);
+    }
+    return count;
+}
+
+weft_structure weft__one_structure(const weft_stiffness *modes)
+{
+    static const double mass = 1.0, drag = 0.0;
+    return (weft_structure){ .struct_size = sizeof(weft_structure),
+                             .particles = 1,
+                             .mass = &mass,
+                             .drag = &drag,
+                             .linearise = no_springs,
+                             .modes = give_modes,
+                             .ctx = (void *)modes };
+}
+
 /* ---- of a registry ----------------------------------------------------------- */
 
 const char *const weft__shipped[WEFT__SHIPPED + 1]

@@ -23,6 +23,12 @@ const weft_stepper_type *weft__method_named(const weft_plugin *plugin, const cha
                                             const weft_plugin *const *others,
                                             weft_error *err);
 
+/* For methods that are tried: the structure of one particle at rest, which has no
+ * springs, on a cloth with these modes (NULL: none), which must outlive it; and its
+ * equations. */
+weft_structure weft__one_structure(const weft_stiffness *modes);
+extern const weft_ode weft__one_ode;
+
 /* [particles] Methods with dense matrices are meant for at most this many. */
 enum { WEFT__DENSE_MOST = 36 };
 

@@ -7,6 +7,11 @@
 #include "record/player_page.h"
 #include "record/shape_mesh.h"
 
+const player_field player_fields[PLAYER_FIELDS] = {
+    { "strain", WEFT_RECORD_STRAIN, 1 },
+    { "speed", WEFT_RECORD_VELOCITY, 3 },
+};
+
 static const char *comma(size_t i)
 {
     return i > 0 ? "," : "";

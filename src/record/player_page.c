@@ -16,11 +16,6 @@ enum {
     COUNT_LEAST = 81    /* but no further */
 };
 
-const player_field player_fields[PLAYER_FIELDS] = {
-    { "strain", WEFT_RECORD_STRAIN, 1 },
-    { "speed", WEFT_RECORD_VELOCITY, 3 },
-};
-
 /* A field is shown if every run has recorded it. */
 static void find_fields(player_page *self)
 {

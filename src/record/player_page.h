@@ -18,7 +18,7 @@ typedef struct player_field {
     size_t width;
 } player_field;
 
-extern const player_field player_fields[PLAYER_FIELDS];
+extern const player_field player_fields[PLAYER_FIELDS]; /* page_description.c */
 
 typedef struct player_run {
     const char *directory;

@@ -36,31 +36,29 @@ weft_status record_shared_open(const weft_comm *comm, const char *path, int flag
     return weft_comm_agree(comm, check_shared(comm, path, *file, err), err);
 }
 
-bool record_write_at(int file, const void *bytes, size_t size, uint64_t at)
+/* Writes bytes `from`, or if that is NULL reads them into `to`. */
+static bool transfer(int file, const char *from, char *to, size_t size, uint64_t at)
 {
-    const char *from = bytes;
-    while (size > 0) {
-        const ssize_t done = pwrite(file, from, size, (off_t)at);
-        if (done < 0 && errno != EINTR) {
+    for (size_t moved = 0; moved < size;) {
+        const off_t place = (off_t)(at + moved);
+        const ssize_t done = from != NULL
+                                 ? pwrite(file, from + moved, size - moved, place)
+                                 : pread(file, to + moved, size - moved, place);
+        if ((done == 0 && from == NULL) || (done < 0 && errno != EINTR)) {
+            errno = done == 0 ? ENODATA : errno;
             return false;
         }
-        const size_t moved = done < 0 ? 0 : (size_t)done;
-        from += moved, size -= moved, at += moved;
+        moved += done < 0 ? 0 : (size_t)done;
     }
     return true;
 }
 
+bool record_write_at(int file, const void *bytes, size_t size, uint64_t at)
+{
+    return transfer(file, bytes, NULL, size, at);
+}
+
 bool record_read_at(int file, void *bytes, size_t size, uint64_t at)
 {
-    char *to = bytes;
-    while (size > 0) {
-        const ssize_t done = pread(file, to, size, (off_t)at);
-        if (done == 0 || (done < 0 && errno != EINTR)) {
-            errno = done == 0 ? ENODATA : errno;
-            return false;
-        }
-        const size_t moved = done < 0 ? 0 : (size_t)done;
-        to += moved, size -= moved, at += moved;
-    }
-    return true;
+    return transfer(file, NULL, bytes, size, at);
 }

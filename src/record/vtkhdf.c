@@ -580,29 +580,19 @@ weft_status record_vtkhdf_add(record_vtkhdf *self, const record_frame *frame,
 
 /* ---- the end ---------------------------------------------------------------- */
 
+static bool sync_descriptor(record_vtkhdf *self, int file)
+{
+    const bool good = file < 0 || fsync(file) == 0;
+    self->why = good ? self->why : errno;
+    return good;
+}
+
 static bool sync_file(record_vtkhdf *self)
 {
     void *descriptor = NULL;
-    if (self->file < 0) {
-        return true;
-    }
-    if (H5Fget_vfd_handle(self->file, H5P_DEFAULT, &descriptor) < 0) {
-        return false;
-    }
-    if (fsync(*(int *)descriptor) != 0) {
-        self->why = errno;
-        return false;
-    }
-    return true;
-}
-
-static bool sync_rows(record_vtkhdf *self)
-{
-    if (self->rows.file >= 0 && fsync(self->rows.file) != 0) {
-        self->why = errno;
-        return false;
-    }
-    return true;
+    return self->file < 0
+           || (H5Fget_vfd_handle(self->file, H5P_DEFAULT, &descriptor) >= 0
+               && sync_descriptor(self, *(int *)descriptor));
 }
 
 weft_status record_vtkhdf_sync(record_vtkhdf *self, record_vtkhdf_mark *mark,
@@ -611,7 +601,7 @@ weft_status record_vtkhdf_sync(record_vtkhdf *self, record_vtkhdf_mark *mark,
     mark->head = self->head;
     mark->frames = (record_extent){ self->count, self->sum };
     const bool good
-        = sync_rows(self)
+        = sync_descriptor(self, self->rows.file)
           && (!is_first(self)
               || (sync_file(self) && vtkhdf_read_page(self->path, mark->page)));
     return agree(self, good, err);
@@ -622,7 +612,7 @@ weft_status record_vtkhdf_close(record_vtkhdf *self, weft_error *err)
     if (self == NULL) {
         return WEFT_OK;
     }
-    const bool synced = sync_rows(self) && sync_file(self);
+    const bool synced = sync_descriptor(self, self->rows.file) && sync_file(self);
     const bool good = close_file(self) && synced;
     hdf_begin(NULL);
     if (self->count == 0 && is_first(self) && self->temporary[0] != '\0') {

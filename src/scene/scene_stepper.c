@@ -179,29 +179,6 @@ static void check_matrices(weft__reader *reader, const weft__match *match)
     }
 }
 
-static int no_rhs(double t, const double *y, double *dydt, void *ctx)
-{
-    (void)t;
-    (void)y;
-    (void)dydt;
-    (void)ctx;
-    return -1;
-}
-
-static int no_planes(double t, const double *y, double *planes, double *blocks,
-                     void *ctx)
-{
-    (void)t, (void)y, (void)planes, (void)blocks, (void)ctx;
-    return -1;
-}
-
-static size_t no_modes(double t, const double *y, double (*corners)[2], size_t room,
-                       void *ctx)
-{
-    (void)t, (void)y, (void)corners, (void)room, (void)ctx;
-    return 0;
-}
-
 /* The keys of a section that were not among the options of a stepper. */
 typedef struct unused {
     const weft__node *map;
@@ -245,23 +222,16 @@ static void check_solver_use(weft__reader *reader, const weft__match *match,
 static void check_creation(weft__reader *reader, const weft__match *match)
 {
     const weft_scene *scene = reader->scene;
-    const weft_ode one = { .dim = 6, .rhs = no_rhs };
     const weft__node *table = weft__found_in(match, "butcher")->key;
     const weft__node *solver = weft__found_in(match, "solver")->key;
-    static const double mass = 1.0, drag = 0.0;
-    const weft_structure structure = { .struct_size = sizeof structure,
-                                       .particles = 1,
-                                       .mass = &mass,
-                                       .drag = &drag,
-                                       .linearise = no_planes,
-                                       .modes = no_modes };
+    const weft_structure structure = weft__one_structure(NULL);
     weft_stepper_config config = scene->config;
     weft_error why = { 0 };
     void *stepper = NULL;
     config.structure = &structure;
     config.allocator = reader->report->memory;
     const weft_status status
-        = scene->type->create(scene->type, &one, &config, &stepper, &why);
+        = scene->type->create(scene->type, &weft__one_ode, &config, &stepper, &why);
     if (status == WEFT_OK) {
         check_solver_use(reader, match, stepper);
         scene->type->destroy(stepper);

@@ -25,6 +25,7 @@
 #include <string.h>
 
 #include "base/given.h"
+#include "plugin/methods.h"
 #include "plugin/registry.h"
 #include "weft/elementary.h"
 
@@ -399,53 +400,20 @@ static weft_status bisect_runs(const weft_stability *of, const weft_stiffness *p
 
 /* ---- methods that know the modes: by asking them --------------------------------- */
 
-static size_t give_modes(double t, const double *y, double (*corners)[2], size_t room,
-                         void *ctx)
-{
-    const weft_stiffness *polygon = ctx;
-    const size_t count = polygon->count <= room ? polygon->count : 0;
-    (void)t;
-    (void)y;
-    memcpy(corners, polygon->corners, count * sizeof *corners);
-    return count;
-}
-
-static int no_springs(double t, const double *y, double *planes, double *blocks,
-                      void *ctx)
-{
-    (void)t, (void)y, (void)planes, (void)blocks, (void)ctx;
-    return 0;
-}
-
-static int stay(double t, const double *y, double *dydt, void *ctx)
-{
-    (void)t, (void)y, (void)ctx;
-    memset(dydt, 0, 6 * sizeof *dydt);
-    return 0;
-}
-
 /* Whether a particle at rest can take fixed steps of h on a cloth with these modes, and
  * the RHS calls of one. Not WEFT_OK: the method refuses the cloth. */
 static weft_status ask(const weft_stability *of, const weft_stiffness *polygon,
                        double h, bool *stable, double *calls, weft_error *err)
 {
     enum { ASKED = 4 };
-    static const double mass = 1.0, drag = 0.0;
-    const weft_structure structure = { .struct_size = sizeof structure,
-                                       .particles = 1,
-                                       .mass = &mass,
-                                       .drag = &drag,
-                                       .linearise = no_springs,
-                                       .modes = give_modes,
-                                       .ctx = (void *)polygon };
-    const weft_ode ode = { .dim = 6, .rhs = stay };
+    const weft_structure structure = weft__one_structure(polygon);
     double y[6] = { 0 };
     weft_stepper_config config = weft_stepper_config_default();
     config.fixed_step = h;
     config.structure = &structure;
     probe run = { .type = of->type };
     const weft_status status
-        = of->type->create(of->type, &ode, &config, &run.self, err);
+        = of->type->create(of->type, &weft__one_ode, &config, &run.self, err);
     if (status != WEFT_OK) {
         return status;
     }
