@@ -4,7 +4,7 @@
 #ifndef WEFT_CLI_H
 #define WEFT_CLI_H
 
-#include <getopt.h>
+#include <limits.h>
 
 #include "record/record.h"
 
@@ -20,7 +20,7 @@ enum {
     EXIT_SIGTERM = 143
 };
 
-enum { MOST_JOBS = 4096 };
+enum { MOST_JOBS = 4096, ANY_NUMBER = INT_MAX };
 
 /* Returns the status of a call that fails. */
 #define TRY(call)                                                                      \
@@ -47,41 +47,21 @@ typedef struct options {
     size_t set_count, at_count;
     bool quiet, force, yaml, markdown, all, refine, view, retry_failed, summary;
     bool csv, clamp_midway, watch;
-    progress_mode mode; /* by `progress` and `quiet` */
-    char **argv;        /* of the verb, NULL at the end */
-    char **operands;    /* the rest of it */
+    progress_mode mode;      /* by `progress` and `quiet` */
+    const struct verb *verb; /* that was given */
+    char **argv;             /* of the verb, NULL at the end */
+    char **operands;         /* the rest of it */
     int operand_count;
     weft_registry *registry; /* from open_registry */
     const weft_comm *comm;   /* of the bands; NULL: one process has the whole cloth */
 } options;
 
-/* A table for getopt_long: each option fills a member of struct options, a bool or a
- * text; --set adds to `sets`, --at to `ats`, --jobs is a number. */
-#define OPTION_AT(member) (256 + (int)offsetof(options, member))
-#define OPTION_FLAG(name, member)                                                      \
-    {                                                                                  \
-        name, no_argument, NULL, OPTION_AT(member)                                     \
-    }
-#define OPTION_VALUE(name, member)                                                     \
-    {                                                                                  \
-        name, required_argument, NULL, OPTION_AT(member)                               \
-    }
-#define OPTIONS(...)                                                                   \
-    (const struct option[])                                                            \
-    {                                                                                  \
-        { "help", no_argument, NULL, 'h' }, __VA_ARGS__,                               \
-        {                                                                              \
-            NULL, 0, NULL, 0                                                           \
-        }                                                                              \
-    }
-
 typedef struct verb {
     const char *name;
     const char *summary; /* one line */
-    const char *help;    /* usage, options, examples */
-    const struct option *options;
+    const char *help;    /* usage, examples, and the options that it takes */
     struct {
-        int least, most;        /* most 0: any number */
+        int least, most;
         const char *few, *many; /* the errors; many NULL: as few */
     } operands;
     int (*run)(const options *given); /* returns the exit code */
@@ -95,21 +75,22 @@ extern const verb verb_new, verb_run, verb_resume, verb_batch, verb_check,
  * exit code. */
 int verb_start(const verb *self, int argc, char **argv);
 
-/* The number that is all of the text, or NAN. */
-double option_real(const char *text);
+/* ---- errors.c ---- */
 
-/* Whether a text starts with a whole number, in digits alone, and `end`. */
-bool option_count(const char *text, char end, size_t *count);
-
-/* "weft run: <text>" and a hint at --help, to stderr; returns EXIT_USAGE. */
-WEFT_PRINTF(2, 3) int usage_error(const verb *self, const char *format, ...);
-
-/* The same for a value that is not among the names; NULL ends these. */
-int usage_choice(const verb *self, const char *option, const char *typed,
-                 const char *const *names);
+/* "weft: <kind>: <text>" to stderr, without control characters. */
+WEFT_PRINTF(2, 3) void complain(const char *kind, const char *format, ...);
 
 /* "weft: error: file:line: message" to stderr; returns the exit code of its status. */
 int report_error(const weft_error *err);
+
+/* "weft run: <text>" and a hint at --help, to stderr; returns EXIT_USAGE. */
+WEFT_PRINTF(2, 3) int usage_error(const options *given, const char *format, ...);
+
+/* The same for a value that is not among the names; NULL ends these. */
+int usage_choice(const options *given, const char *option, const char *typed,
+                 const char *const *names);
+
+/* ---- open.c ---- */
 
 /* A registry that looks in --plugin-path, WEFT_PLUGIN_PATH, beside the program and in
  * the installed directory. `trial`: plugins are loaded in a child process first. NULL
@@ -138,7 +119,7 @@ bool method_adapts(const weft_stepper_type *type);
 bool method_best(const weft_registry *registry, const stepper_method *but,
                  stepper_method *out);
 
-/* ---- open.c ---- */
+/* ---- open.c again ---- */
 
 /* Reads a scene, or unless that is NULL a sweep: of one run for a scene without
  * `sweep`. Prints its mistakes. Returns EXIT_DONE or the exit code. */

@@ -409,7 +409,7 @@ static int diff_verb(const options *given)
     const double tolerance
         = given->tolerance == NULL ? -1.0 : option_real(given->tolerance);
     if (given->tolerance != NULL && !(tolerance >= 0.0 && isfinite(tolerance))) {
-        return usage_error(&verb_diff, "--tol %s: must be a number >= 0 [m]",
+        return usage_error(given, "--tol %s: must be a number >= 0 [m]",
                            given->tolerance);
     }
     return diff_runs(given->operands, tolerance);
@@ -433,7 +433,6 @@ const verb verb_diff = {
       "exit codes: 0 equal, 1 different, also if one ends before the other, 2 wrong "
       "command line, 3 different grids, 4 a file is missing or damaged, or there is "
       "no common time\n",
-    .options = OPTIONS(OPTION_VALUE("tol", tolerance)),
     .operands = { 2, 2, "needs the directories of two runs", NULL },
     .run = diff_verb,
 };

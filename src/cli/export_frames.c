@@ -348,8 +348,7 @@ static int export_wanted(const options *given, export_job *job)
     job->first = all ? 0 : job->count - 1;
     job->last = job->count - 1;
     if (!all && !final && !find_frame(given->frame, job)) {
-        return usage_error(&verb_export,
-                           "--frame %s: last, all or one recorded of 0 to %zu",
+        return usage_error(given, "--frame %s: last, all or one recorded of 0 to %zu",
                            given->frame, number_of(job, job->count - 1));
     }
     if (job->format->movie != NULL) {
@@ -460,30 +459,29 @@ static const export_format *find_format(const char *name)
     return format < formats + FORMATS ? format : NULL;
 }
 
-static int unknown_format(const char *typed)
+static int unknown_format(const options *given)
 {
     const char *names[FORMATS + 1] = { NULL };
     for (size_t i = 0; i < FORMATS; ++i) {
         names[i] = formats[i].name;
     }
-    return usage_choice(&verb_export, "format", typed, names);
+    return usage_choice(given, "format", given->format, names);
 }
 
 static int export_verb(const options *given)
 {
     export_job job = { .directory = given->operands[0] };
     if (given->format == NULL) {
-        return usage_error(&verb_export,
-                           "--format obj, ply, csv, mdd, pc2 or pvd is needed");
+        return usage_error(given, "--format obj, ply, csv, mdd, pc2 or pvd is needed");
     }
     job.format = find_format(given->format);
     if (job.format == NULL) {
-        return unknown_format(given->format);
+        return unknown_format(given);
     }
     if (job.format->movie != NULL && given->frame != NULL
         && strcmp(given->frame, "all") != 0) {
-        return usage_error(&verb_export, "--frame %s: %s holds all frames",
-                           given->frame, job.format->name);
+        return usage_error(given, "--frame %s: %s holds all frames", given->frame,
+                           job.format->name);
     }
     report_unfinished(job.directory);
     return export_run(given, &job);
@@ -511,8 +509,6 @@ const verb verb_export = {
       "run.vtkhdf is missing, the frames are computed again from DIR/scene.yaml and "
       "must match the hash in series.csv.\n\n"
       "example: weft export flag --format obj --frame all\n",
-    .options = OPTIONS(OPTION_VALUE("plugin-path", plugin_path),
-                       OPTION_VALUE("format", format), OPTION_VALUE("frame", frame)),
     .operands = { 1, 1, "needs the directory of one run", NULL },
     .run = export_verb,
 };

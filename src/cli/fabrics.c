@@ -74,9 +74,6 @@ static int print_yaml(void)
 
 static int fabrics_verb(const options *given)
 {
-    if (given->operand_count > 0) {
-        return usage_error(&verb_fabrics, "takes no file");
-    }
     if (given->yaml) {
         return print_yaml();
     }
@@ -96,6 +93,6 @@ const verb verb_fabrics = {
       "  --yaml               as YAML, in SI units, with the source\n"
       "  --markdown           the table of the documentation\n\n"
       "example: weft run scene.yaml --set cloth.fabric.preset=royal-target\n",
-    .options = OPTIONS(OPTION_FLAG("yaml", yaml), OPTION_FLAG("markdown", markdown)),
+    .operands = { 0, 0, "takes no file", NULL },
     .run = fabrics_verb,
 };

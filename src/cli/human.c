@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* human.c -- numbers and foreign text as people read them. */
+#include <errno.h>
 #include <math.h>
 #include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "cli/human.h"
@@ -48,6 +50,23 @@ const char *human_count(uint64_t count, char out[HUMAN])
     }
     *to = '\0';
     return out;
+}
+
+double option_real(const char *text)
+{
+    char *end;
+    const double value = strtod(text, &end);
+    return end != text && *end == '\0' ? value : (double)NAN;
+}
+
+bool option_count(const char *text, char end, size_t *count)
+{
+    char *stop;
+    errno = 0;
+    const unsigned long long value = strtoull(text, &stop, 10);
+    *count = (size_t)value;
+    return text[0] >= '0' && text[0] <= '9' && *stop == end && errno == 0
+           && value <= SIZE_MAX;
 }
 
 void say(sentence *out, const char *format, ...)

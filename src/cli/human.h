@@ -18,6 +18,12 @@ enum {
 const char *human_time(double seconds, char out[HUMAN]);
 const char *human_count(uint64_t count, char out[HUMAN]); /* "40,530" */
 
+/* The number that is all of the text, or NAN. */
+double option_real(const char *text);
+
+/* Whether a text starts with a whole number, in digits alone, and `end`. */
+bool option_count(const char *text, char end, size_t *count);
+
 /* A text made of parts; start from { "" }. */
 typedef struct sentence {
     char text[1024];

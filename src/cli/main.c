@@ -57,7 +57,7 @@ static int print_version(void)
 static int flush_stdout(int code)
 {
     if ((fflush(stdout) != 0 || ferror(stdout)) && code == EXIT_DONE) {
-        fputs("weft: error: standard output could not be written\n", stderr);
+        complain("error", "standard output could not be written");
         return EXIT_FILE;
     }
     return code;

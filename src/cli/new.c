@@ -43,7 +43,6 @@ const verb verb_new = {
             "example: weft new first && weft run first.yaml --view\n\n"
             "exit codes: 0 done, 2 wrong command line, 4 the file exists or could not "
             "be written\n",
-    .options = OPTIONS({ NULL, 0, NULL, 0 }),
     .operands = { 1, 1, "no name given", "more than one name" },
     .run = new_verb,
 };

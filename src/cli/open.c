@@ -19,20 +19,6 @@
 #include "cli/run/ranks.h"
 #include "record/child_process.h"
 
-int report_error(const weft_error *err)
-{
-    fputs("weft: error: ", stderr);
-    if (err->file[0] != '\0') {
-        print_plain(stderr, err->file, "");
-        fprintf(stderr, ":%d:%d: ", err->line, err->column);
-    }
-    print_plain(stderr, err->message, "");
-    fputc('\n', stderr);
-    return err->status == WEFT_IO          ? EXIT_FILE
-           : err->status == WEFT_BAD_SCENE ? EXIT_SCENE
-                                           : EXIT_SIMULATION;
-}
-
 /* The build tree has its plugins beside libweft; "" if it is none. */
 static void tree_plugins(char *directory, size_t size)
 {
@@ -126,9 +112,7 @@ weft_registry *open_registry(const char *plugin_path, bool trial)
 static void warn_of_refused(void *ctx, const weft_error *why)
 {
     (void)ctx;
-    fputs("weft: warning: ", stderr);
-    print_plain(stderr, why->message, "");
-    fputc('\n', stderr);
+    complain("warning", "%s", why->message);
 }
 
 weft_status load_plugins(weft_registry *registry, weft_error *err)
@@ -208,9 +192,8 @@ int open_scene(const char *file, const options *given, weft_scene **scene,
     }
     free(text);
     if (given->comm->max(given->comm->self, code) > 0.0 && code == EXIT_DONE) {
-        fputs("weft: error: another rank cannot read this scene: are weft and its "
-              "plugins the same on all nodes?\n",
-              stderr);
+        complain("error", "another rank cannot read this scene: are weft and its "
+                          "plugins the same on all nodes?");
         code = EXIT_SCENE;
     }
     return code;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* options.c -- the command line of a verb. */
-#include <errno.h>
-#include <math.h>
+#include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,43 +10,76 @@
 #include "cli/run/progress.h"
 #include "cli/run/ranks.h"
 
-int usage_error(const verb *self, const char *format, ...)
+#define OPTION_AT(member) (256 + (int)offsetof(options, member))
+#define TEXT(member)      required_argument, NULL, OPTION_AT(member)
+#define FLAG(member)      no_argument, NULL, OPTION_AT(member)
+
+/* Every option of the program, which fills a member of struct options, a bool or a
+ * text; --set adds to `sets`, --at to `ats`, --jobs is a number. */
+static const struct option all_options[] = {
+    { "out", TEXT(out) },
+    { "set", TEXT(sets) },
+    { "plugin-path", TEXT(plugin_path) },
+    { "quiet", FLAG(quiet) },
+    { "force", FLAG(force) },
+    { "frames", TEXT(frames) },
+    { "view", FLAG(view) },
+    { "watch", FLAG(watch) },
+    { "port", TEXT(port) },
+    { "progress", TEXT(progress) },
+    { "jobs", TEXT(jobs) },
+    { "bands", TEXT(bands) },
+    { "timeout", TEXT(timeout) },
+    { "shard", TEXT(shard) },
+    { "retry-failed", FLAG(retry_failed) },
+    { "summary", FLAG(summary) },
+    { "yaml", FLAG(yaml) },
+    { "markdown", FLAG(markdown) },
+    { "all", FLAG(all) },
+    { "refine", FLAG(refine) },
+    { "format", TEXT(format) },
+    { "frame", TEXT(frame) },
+    { "tol", TEXT(tolerance) },
+    { "methods", TEXT(methods) },
+    { "until", TEXT(until) },
+    { "sizes", TEXT(sizes) },
+    { "at", TEXT(ats) },
+    { "clamp-midway", FLAG(clamp_midway) },
+    { "csv", FLAG(csv) },
+};
+
+enum { OPTIONS = sizeof all_options / sizeof all_options[0] };
+
+/* Whether a line of a help begins with the option, or with -j and it. */
+static bool is_in_help(const char *help, const char *name)
 {
-    va_list args;
-    va_start(args, format);
-    char text[1024];
-    (void)vsnprintf(text, sizeof text, format, args);
-    fprintf(stderr, "weft %s: ", self->name);
-    print_plain(stderr, text, "");
-    fprintf(stderr, "\n'weft %s --help' shows how it is used\n", self->name);
-    va_end(args);
-    return EXIT_USAGE;
+    char line[2][48];
+    (void)snprintf(line[0], sizeof line[0], "\n  --%s ", name);
+    (void)snprintf(line[1], sizeof line[1], "\n  -j, --%s ", name);
+    return strstr(help, line[0]) != NULL || strstr(help, line[1]) != NULL;
 }
 
-double option_real(const char *text)
+/* A verb takes --help and the options that its help lists. */
+static void list_options(const verb *self, struct option out[OPTIONS + 2])
 {
-    char *end;
-    const double value = strtod(text, &end);
-    return end != text && *end == '\0' ? value : (double)NAN;
-}
-
-bool option_count(const char *text, char end, size_t *count)
-{
-    char *stop;
-    errno = 0;
-    const unsigned long long value = strtoull(text, &stop, 10);
-    *count = (size_t)value;
-    return text[0] >= '0' && text[0] <= '9' && *stop == end && errno == 0
-           && value <= SIZE_MAX;
-}
-
-/* The entry with that value, or the last one, which has no name. */
-static const struct option *find(const struct option *table, int value)
-{
-    while (table->name != NULL && table->val != value) {
-        ++table;
+    size_t count = 0;
+    out[count++] = (struct option){ "help", no_argument, NULL, 'h' };
+    for (size_t i = 0; i < OPTIONS; ++i) {
+        if (is_in_help(self->help, all_options[i].name)) {
+            out[count++] = all_options[i];
+        }
     }
-    return table;
+    out[count] = (struct option){ 0 };
+}
+
+/* By what getopt_long returns. */
+static const struct option *option_of(int value)
+{
+    const struct option *one = all_options;
+    while (one->val != (value == 'j' ? OPTION_AT(jobs) : value)) {
+        ++one;
+    }
+    return one;
 }
 
 static void apply(const struct option *option, options *out)
@@ -67,16 +99,16 @@ static void apply(const struct option *option, options *out)
     }
 }
 
-static int unknown_option(const verb *self, const char *typed)
+static int unknown_option(const options *given, const struct option *table,
+                          const char *typed)
 {
-    const struct option *table = self->options;
     weft__guess guess = { 0 };
     char word[80] = "", near[80] = "";
     const size_t dashes = strspn(typed, "-");
     (void)snprintf(word, sizeof word, "%.*s", (int)strcspn(typed + dashes, "="),
                    typed + dashes);
     if (strcmp(word, "bands") == 0) {
-        return usage_error(self,
+        return usage_error(given,
                            "%s: weft run and weft resume alone have one cloth in "
                            "bands",
                            typed);
@@ -90,26 +122,11 @@ static int unknown_option(const verb *self, const char *typed)
         (void)snprintf(near, sizeof near, " (did you mean '--%s'?)",
                        strcmp(guess.name, "output") == 0 ? "out" : guess.name);
     }
-    return usage_error(self, "unknown option %s%s", typed, near);
-}
-
-int usage_choice(const verb *self, const char *option, const char *typed,
-                 const char *const *names)
-{
-    weft__guess guess = { 0 };
-    sentence list = { "" };
-    char near[80];
-    for (size_t i = 0; names[i] != NULL; ++i) {
-        weft__guess_try(&guess, typed, names[i]);
-        const char *separator = i == 0 ? "" : names[i + 1] == NULL ? " or " : ", ";
-        say(&list, "%s%s", separator, names[i]);
-    }
-    return usage_error(self, "--%s '%s' is not %s%s", option, typed, list.text,
-                       weft__guess_text(&guess, near, sizeof near));
+    return usage_error(given, "unknown option %s%s", typed, near);
 }
 
 /* auto or NULL: terminal if stderr is one, else lines. */
-static int choose_progress(const verb *self, options *out)
+static int choose_progress(options *given)
 {
     static const char *const names[]
         = { "auto", "lines", "terminal", "yaml", "none", NULL };
@@ -117,78 +134,80 @@ static int choose_progress(const verb *self, options *out)
         = { progress_can_redraw() ? PROGRESS_TERMINAL : PROGRESS_LINES, PROGRESS_LINES,
             PROGRESS_TERMINAL, PROGRESS_YAML, PROGRESS_NONE };
     size_t i = 0;
-    while (out->progress != NULL && names[i] != NULL
-           && strcmp(names[i], out->progress) != 0) {
+    while (given->progress != NULL && names[i] != NULL
+           && strcmp(names[i], given->progress) != 0) {
         ++i;
     }
     if (names[i] == NULL) {
-        return usage_choice(self, "progress", out->progress, names);
+        return usage_choice(given, "progress", given->progress, names);
     }
-    if (out->quiet && out->progress != NULL) {
-        return usage_error(self, "--quiet and --progress exclude each other");
+    if (given->quiet && given->progress != NULL) {
+        return usage_error(given, "--quiet and --progress exclude each other");
     }
-    out->mode = out->quiet ? PROGRESS_NONE : modes[i];
+    given->mode = given->quiet ? PROGRESS_NONE : modes[i];
     return -1;
 }
 
 /* -1: run the verb. Else an exit code: help was printed, or the command line is wrong.
  */
-static int parse(const verb *self, int argc, char **argv, options *out)
+static int parse(options *given, int argc)
 {
-    const struct option *jobs = find(self->options, OPTION_AT(jobs));
-    const char *letters = jobs->name == NULL ? ":h" : ":hj:";
+    const verb *self = given->verb;
+    char **argv = given->argv;
+    struct option table[OPTIONS + 2];
+    list_options(self, table);
+    const char *letters = is_in_help(self->help, "jobs") ? ":hj:" : ":h";
     opterr = 0;
     optind = 1;
-    for (int value;
-         (value = getopt_long(argc, argv, letters, self->options, NULL)) != -1;) {
+    for (int value; (value = getopt_long(argc, argv, letters, table, NULL)) != -1;) {
         switch (value) {
         case 'h':
             print_help(self->help);
             return EXIT_DONE;
         case '?':
-            return unknown_option(self, argv[optind - 1]);
+            return unknown_option(given, table, argv[optind - 1]);
         case ':':
-            return usage_error(self, "option %s needs a value", argv[optind - 1]);
+            return usage_error(given, "option %s needs a value", argv[optind - 1]);
         default:
-            apply(value == 'j' ? jobs : find(self->options, value), out);
+            apply(option_of(value), given);
         }
-        if ((value == 'j' || value == OPTION_AT(jobs)) && out->jobs == 0) {
-            return usage_error(self, "--jobs %s: not a number from 1 to %d", optarg,
+        if ((value == 'j' || value == OPTION_AT(jobs)) && given->jobs == 0) {
+            return usage_error(given, "--jobs %s: not a number from 1 to %d", optarg,
                                MOST_JOBS);
         }
     }
-    out->operands = argv + optind;
-    out->operand_count = argc - optind;
-    const bool few = out->operand_count < self->operands.least;
-    const bool many
-        = self->operands.most > 0 && out->operand_count > self->operands.most;
+    given->operands = argv + optind;
+    given->operand_count = argc - optind;
+    const bool few = given->operand_count < self->operands.least;
+    const bool many = given->operand_count > self->operands.most;
     if (few || many) {
-        return usage_error(self, "%s",
+        return usage_error(given, "%s",
                            many && self->operands.many != NULL ? self->operands.many
                                                                : self->operands.few);
     }
-    return choose_progress(self, out);
+    return choose_progress(given);
 }
 
 int verb_start(const verb *self, int argc, char **argv)
 {
-    options given
-        = { .argv = argv, .sets = calloc((size_t)argc, 2 * sizeof *given.sets) };
+    options given = { .verb = self,
+                      .argv = argv,
+                      .sets = calloc((size_t)argc, 2 * sizeof *given.sets) };
     if (given.sets == NULL) {
         weft_error err = { 0 };
         weft_error_set(&err, WEFT_NO_MEMORY, "out of memory");
         return report_error(&err);
     }
     given.ats = given.sets + argc;
-    int code = parse(self, argc, argv, &given);
+    int code = parse(&given, argc);
     if (code < 0) {
         given.registry = open_registry(given.plugin_path, given.bands == NULL);
-        if (given.bands == NULL) {
-            ranks_hint(self);
+        if (given.bands == NULL && is_in_help(self->help, "bands")) {
+            ranks_hint();
         }
         code = given.registry == NULL ? EXIT_SIMULATION
                : given.bands == NULL  ? self->run(&given)
-                                      : ranks_run(self, &given);
+                                      : ranks_run(&given);
         weft_registry_destroy(given.registry);
     }
     free(given.sets);

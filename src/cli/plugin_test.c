@@ -354,7 +354,6 @@ const verb verb_plugin_test = {
       "example: weft plugin-test build/plugins/weft-verlet.so --all\n\n"
       "exit codes: 0 every promise is kept, 1 one is broken or the plugin is refused, "
       "2 wrong command line, 4 the file cannot be read\n",
-    .options = OPTIONS(OPTION_FLAG("all", all)),
     .operands = { 1, 1, "takes one file, weft-ID.so", NULL },
     .run = plugin_test_verb,
 };

@@ -14,7 +14,7 @@ static int print_keys(const options *given)
     for (int i = 0; i < given->operand_count; ++i) {
         if (weft_scene_help_key(given->operands[i], print_line, NULL, &err)
             != WEFT_OK) {
-            return usage_error(&verb_scene_help, "%s", err.message);
+            return usage_error(given, "%s", err.message);
         }
     }
     return EXIT_DONE;
@@ -23,9 +23,8 @@ static int print_keys(const options *given)
 static int scene_help_verb(const options *given)
 {
     if (given->operand_count > 0) {
-        return given->markdown
-                   ? usage_error(&verb_scene_help, "--markdown prints all keys")
-                   : print_keys(given);
+        return given->markdown ? usage_error(given, "--markdown prints all keys")
+                               : print_keys(given);
     }
     weft_scene_help(given->markdown ? WEFT_HELP_MARKDOWN : WEFT_HELP_TEXT, print_line,
                     NULL);
@@ -41,6 +40,6 @@ const verb verb_scene_help = {
       "without KEY, of every key of a scene.\n\n"
       "  --markdown           as the table of docs/scene.md\n\n"
       "example: weft scene-help stepper.rtol cloth.pins\n",
-    .options = OPTIONS(OPTION_FLAG("markdown", markdown)),
+    .operands = { .most = ANY_NUMBER },
     .run = scene_help_verb,
 };

@@ -134,9 +134,6 @@ static int print_yaml(const weft_registry *registry)
 static int steppers_verb(const options *given)
 {
     weft_error err = { 0 };
-    if (given->operand_count > 0) {
-        return usage_error(&verb_steppers, "takes no file");
-    }
     if (load_plugins(given->registry, &err) != WEFT_OK) {
         return report_error(&err);
     }
@@ -164,7 +161,6 @@ const verb verb_steppers = {
       "promised)\n\n"
       "Plugin arkode has more methods with later versions of SUNDIALS; rkc and rkl, "
       "stabilised, need 7.2.\n",
-    .options = OPTIONS(OPTION_VALUE("plugin-path", plugin_path),
-                       OPTION_FLAG("yaml", yaml), OPTION_FLAG("markdown", markdown)),
+    .operands = { 0, 0, "takes no file", NULL },
     .run = steppers_verb,
 };

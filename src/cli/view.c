@@ -32,9 +32,7 @@ static void warn_of_series(const char *directory)
     size_t count;
     weft_error err = { 0 };
     if (record_series_rows(directory, &rows, &count, &err) != WEFT_OK) {
-        fputs("weft: warning: ", stderr);
-        print_plain(stderr, err.message, "");
-        fputs("; the page lacks plots\n", stderr);
+        complain("warning", "%s; the page lacks plots", err.message);
     }
     free(rows);
 }
@@ -55,10 +53,8 @@ static weft_status write_batch(const char *directory, const char *out, weft_erro
     weft_error why = { 0 };
     const weft_status status = record_batch(directory, out, &without, &why, err);
     if (status == WEFT_OK && without > 0) {
-        fprintf(stderr,
-                "weft: warning: runs without frames: %zu; the first: ", without);
-        print_plain(stderr, why.message, "");
-        fputc('\n', stderr);
+        complain("warning", "runs without frames: %zu; the first: %s", without,
+                 why.message);
     }
     return status;
 }
@@ -107,15 +103,15 @@ static int watch_elsewhere(const options *given)
 {
     weft_error err = { 0 };
     watch_def def = { .directory = given->operands[0], .ready = -1 };
-    const int code = watch_check(&verb_view, given, &def.port);
+    const int code = watch_check(given, &def.port);
     if (code != EXIT_DONE) {
         return code;
     }
     if (given->operand_count > 1 || given->out != NULL) {
-        return usage_error(&verb_view, "--watch shows one run, and writes no page");
+        return usage_error(given, "--watch shows one run, and writes no page");
     }
     if (!record_outdir_locked(def.directory)) {
-        return usage_error(&verb_view,
+        return usage_error(given,
                            "%s: no run is under way there; without --watch the page "
                            "has what was recorded",
                            def.directory);
@@ -163,8 +159,6 @@ const verb verb_view = {
       "  weft view flag-rkf45 flag-verlet --out steppers.html\n\n"
       "exit codes: 0 done, 2 wrong command line, or runs that cannot be compared, 4 a "
       "file could not be read or written, 130 SIGINT, 143 SIGTERM\n",
-    .options = OPTIONS(OPTION_VALUE("out", out), OPTION_FLAG("watch", watch),
-                       OPTION_VALUE("port", port)),
     .operands = { 1, 2, "needs the directory of a run, of two, or of a batch", NULL },
     .run = view_verb,
 };

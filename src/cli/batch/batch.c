@@ -27,17 +27,17 @@ static int take_options(batch *self)
     self->jobs = given->jobs > 0 ? given->jobs : cores < 1 ? 1 : (size_t)cores;
     self->shard = self->shards = 1;
     if (given->out == NULL || given->out[0] == '\0') {
-        return usage_error(&verb_batch, "no --out DIR given");
+        return usage_error(given, "no --out DIR given");
     }
     if (given->timeout != NULL) {
         self->timeout = option_real(given->timeout);
         if (!(self->timeout > 0.0 && isfinite(self->timeout))) {
-            return usage_error(&verb_batch, "--timeout %s: not a number of seconds > 0",
+            return usage_error(given, "--timeout %s: not a number of seconds > 0",
                                given->timeout);
         }
     }
     if (given->shard != NULL && !take_shard(self, given->shard)) {
-        return usage_error(&verb_batch, "--shard %s: not i/n with i from 1 to n",
+        return usage_error(given, "--shard %s: not i/n with i from 1 to n",
                            given->shard);
     }
     return EXIT_DONE;
@@ -207,12 +207,6 @@ const verb verb_batch = {
       "exit codes: 0 all done, 1 a run is not done, 2 wrong command line, 3 wrong "
       "scene, 4 a file could not be read or written, or a directory holds another "
       "scene's run, 130 SIGINT, 143 SIGTERM\n",
-    .options = OPTIONS(
-        OPTION_VALUE("out", out), OPTION_VALUE("set", sets),
-        OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
-        OPTION_FLAG("force", force), OPTION_VALUE("jobs", jobs),
-        OPTION_VALUE("timeout", timeout), OPTION_VALUE("shard", shard),
-        OPTION_FLAG("retry-failed", retry_failed), OPTION_FLAG("summary", summary)),
-    .operands = { 1, 0, "no scene given", NULL },
+    .operands = { 1, ANY_NUMBER, "no scene given", NULL },
     .run = batch_verb,
 };

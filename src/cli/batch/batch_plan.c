@@ -73,7 +73,7 @@ static int by_name(const void *a, const void *b)
 }
 
 /* Two runs with one directory: the same values twice, or files of one name. */
-static int report_twins(const batch_run *a, const batch_run *b)
+static int report_twins(const batch *self, const batch_run *a, const batch_run *b)
 {
     if (a->scene == b->scene) {
         fprintf(stderr, "%s: error: runs %zu and %zu of its sweep are the same (%s)\n",
@@ -81,7 +81,7 @@ static int report_twins(const batch_run *a, const batch_run *b)
                 a->number < b->number ? b->number : a->number, a->name);
         return EXIT_SCENE;
     }
-    return usage_error(&verb_batch,
+    return usage_error(self->given,
                        "%s and %s would both run into '%s': rename one, or give it "
                        "another --out",
                        a->scene->file, b->scene->file, a->name);
@@ -100,7 +100,7 @@ static int check_names(const batch *self)
     qsort(sorted, self->run_count, sizeof *sorted, by_name);
     for (size_t i = 1; i < self->run_count && code == EXIT_DONE; ++i) {
         if (strcmp(sorted[i - 1]->name, sorted[i]->name) == 0) {
-            code = report_twins(sorted[i - 1], sorted[i]);
+            code = report_twins(self, sorted[i - 1], sorted[i]);
         }
     }
     free(sorted);
@@ -115,10 +115,10 @@ static void free_runs(batch *self)
     free(self->runs);
 }
 
-int batch_check(const char *file, weft_sweep *sweep)
+int batch_check(const options *given, const char *file, weft_sweep *sweep)
 {
     batch_scene scene = { .file = file, .stem = stem_of(file), .sweep = sweep };
-    batch self = { .scenes = &scene, .scene_count = 1 };
+    batch self = { .given = given, .scenes = &scene, .scene_count = 1 };
     const int code
         = scene.stem != NULL && name_runs(&self) ? check_names(&self) : no_memory();
     free_runs(&self);

@@ -267,7 +267,7 @@ static int check_file(const char *file, const options *given, yaml_out *out)
     weft_sweep *sweep = NULL;
     weft_scene *scene = NULL;
     int code = open_scene(file, given, NULL, &sweep);
-    code = code == EXIT_DONE ? batch_check(file, sweep) : code;
+    code = code == EXIT_DONE ? batch_check(given, file, sweep) : code;
     if (code != EXIT_DONE) {
         weft_sweep_destroy(sweep);
         return code;
@@ -333,10 +333,6 @@ const verb verb_check = {
       "example: weft check scenes/*.yaml\n\n"
       "exit codes: 0 all scenes are valid, 3 a scene is wrong, 4 a file could not be "
       "read\n",
-    .options
-    = OPTIONS(OPTION_VALUE("set", sets), OPTION_VALUE("plugin-path", plugin_path),
-              OPTION_FLAG("yaml", yaml), OPTION_FLAG("all", all),
-              OPTION_FLAG("refine", refine)),
-    .operands = { 1, 0, "no scene given", NULL },
+    .operands = { 1, ANY_NUMBER, "no scene given", NULL },
     .run = check_verb,
 };

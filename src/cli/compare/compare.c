@@ -444,12 +444,11 @@ static int open_and_compare(const options *given, double until)
     int code = open_scene(given->operands[0], given, &scene, NULL);
     if (code == EXIT_DONE) {
         (void)load_plugins(given->registry, NULL);
-        code
-            = unknown_word(given->registry, given->methods, word, &guess)
-                  ? usage_error(&verb_compare,
-                                "--methods: no method '%s'%s; weft steppers lists them",
-                                word, weft__guess_text(&guess, near, sizeof near))
-                  : compare_scene(given, until, scene);
+        code = unknown_word(given->registry, given->methods, word, &guess)
+                   ? usage_error(
+                       given, "--methods: no method '%s'%s; weft steppers lists them",
+                       word, weft__guess_text(&guess, near, sizeof near))
+                   : compare_scene(given, until, scene);
     }
     weft_scene_destroy(scene);
     return code;
@@ -459,9 +458,9 @@ static int compare_verb(const options *given)
 {
     const double until
         = given->until == NULL ? (double)INFINITY : option_real(given->until);
-    return until > 0.0 ? open_and_compare(given, until)
-                       : usage_error(&verb_compare, "--until %s: not a time [s] > 0",
-                                     given->until);
+    return until > 0.0
+               ? open_and_compare(given, until)
+               : usage_error(given, "--until %s: not a time [s] > 0", given->until);
 }
 
 const verb verb_compare = {
@@ -495,11 +494,6 @@ const verb verb_compare = {
       "  weft compare scenes/curtain.yaml --methods gsl,verlet --until 0.5\n\n"
       "exit codes: 0 done, 1 there is no reference, 2 wrong command line, 3 wrong "
       "scene, 4 a file could not be read or written\n",
-    .options = OPTIONS(OPTION_VALUE("out", out), OPTION_VALUE("set", sets),
-                       OPTION_VALUE("plugin-path", plugin_path),
-                       OPTION_FLAG("quiet", quiet), OPTION_FLAG("force", force),
-                       OPTION_VALUE("progress", progress), OPTION_VALUE("jobs", jobs),
-                       OPTION_VALUE("methods", methods), OPTION_VALUE("until", until)),
     .operands = { 1, 1, "no scene given", "more than one scene" },
     .run = compare_verb,
 };

@@ -30,7 +30,7 @@ static int read_sizes(converge *self, const char *list)
     return able && self->count > 1
                ? EXIT_DONE
                : usage_error(
-                   &verb_converge,
+                   self->given,
                    "--sizes needs 2 to %d increasing numbers from 2 to %d, as "
                    "--sizes 9,17,33",
                    CONVERGE_SIZES, CONVERGE_LARGEST);
@@ -68,7 +68,7 @@ static int refuse_size(converge *self, const weft_error *why)
             say(&list, "%s%zu", shown++ == 0 ? "" : ", ", n);
         }
     }
-    return usage_error(&verb_converge, "--sizes: %s; %s%s", why->message,
+    return usage_error(self->given, "--sizes: %s; %s%s", why->message,
                        list.text[0] == '\0' ? "no size does" : "these do: ", list.text);
 }
 
@@ -166,12 +166,12 @@ static void size_ended(void *ctx, const process *one)
     progress_count(&self->progress, "sizes", ++self->over, self->count);
 }
 
-static int run_sizes(converge *self, const options *given)
+static int run_sizes(converge *self)
 {
     process_pool pool
         = { .def = { .work = run_size, .ctx = self, .end_signal = SIGKILL },
             .jobs = self->count,
-            .at_once = given->jobs > 0 ? given->jobs : 1,
+            .at_once = self->given->jobs > 0 ? self->given->jobs : 1,
             .ended = size_ended };
     weft_error err = { 0 };
     self->results = process_memory(self->count, sizeof *self->results);
@@ -185,7 +185,7 @@ static int run_sizes(converge *self, const options *given)
         weft_error_set(&err, WEFT_SOLVER, "no process for a run: %s", strerror(errno));
         return report_error(&err);
     }
-    converge_print(self, given->csv);
+    converge_print(self, self->given->csv);
     return self->code;
 }
 
@@ -232,10 +232,10 @@ static int prepare(converge *self, const options *given)
         return report_error(&err);
     }
     if (given->clamp_midway && !refine_clamp(&self->grid)) {
-        return usage_error(&verb_converge, "--clamp-midway: no pins hold exactly the "
-                                           "first two rows or columns");
+        return usage_error(self->given, "--clamp-midway: no pins hold exactly the "
+                                        "first two rows or columns");
     }
-    int code = converge_add_quantities(self, given);
+    int code = converge_add_quantities(self);
     code = code == EXIT_DONE ? read_sizes(self, given->sizes) : code;
     for (size_t i = 0; i < self->count && code == EXIT_DONE; ++i) {
         code = open_size(self, &self->sizes[i]);
@@ -245,7 +245,7 @@ static int prepare(converge *self, const options *given)
 
 static int converge_verb(const options *given)
 {
-    converge self = { .progress.mode = given->mode };
+    converge self = { .given = given, .progress.mode = given->mode };
     weft_scene *scene = NULL;
     int code = open_scene(given->operands[0], given, &scene, NULL);
     if (code == EXIT_DONE) {
@@ -254,7 +254,7 @@ static int converge_verb(const options *given)
     }
     if (code == EXIT_DONE) {
         warn_of_particles(&self.grid);
-        code = run_sizes(&self, given);
+        code = run_sizes(&self);
     }
     for (size_t i = 0; i < self.count; ++i) {
         weft_cloth_destroy(self.sizes[i].cloth);
@@ -300,11 +300,6 @@ const verb verb_converge = {
       "  weft converge strip.yaml --sizes 9,17,33,65 --clamp-midway --at tip\n\n"
       "exit codes: 0 done, 1 a run failed, 2 wrong command line, 3 wrong scene, 4 a "
       "file could not be read\n",
-    .options
-    = OPTIONS(OPTION_VALUE("sizes", sizes), OPTION_VALUE("at", ats),
-              OPTION_FLAG("clamp-midway", clamp_midway), OPTION_FLAG("csv", csv),
-              OPTION_VALUE("jobs", jobs), OPTION_VALUE("set", sets),
-              OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet)),
     .operands = { 1, 1, "no scene given", "more than one scene" },
     .run = converge_verb,
 };

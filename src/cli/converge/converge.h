@@ -37,6 +37,7 @@ typedef struct converge_size {
 } converge_size;
 
 typedef struct converge {
+    const options *given;
     const weft_scene *scene;
     refinement grid;
     size_t quantity_count;
@@ -50,7 +51,7 @@ typedef struct converge {
 } converge;
 
 /* converge_quantity.c: reads the options --at; returns the exit code. */
-int converge_add_quantities(converge *self, const options *given);
+int converge_add_quantities(converge *self);
 
 /* converge_write.c: the results to stdout. */
 void converge_print(const converge *self, bool csv);

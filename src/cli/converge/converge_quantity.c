@@ -4,6 +4,7 @@
 
 #include "base/suggest.h"
 #include "cli/converge/converge.h"
+#include "cli/human.h"
 
 static const struct {
     const char *name, *particle;
@@ -57,7 +58,7 @@ static int unknown_quantity(const converge *self, const record_series *series,
     for (size_t i = 0; i < PLACES; ++i) {
         weft__guess_try(&guess, typed, places[i].name);
     }
-    return usage_error(&verb_converge,
+    return usage_error(self->given,
                        "--at %s is no column of series.csv and no particle of %zu x "
                        "%zu%s",
                        typed, self->grid.from->rows, self->grid.from->cols,
@@ -86,8 +87,9 @@ static bool add_quantity(converge *self, const record_series *series, const char
     return self->quantity_count > before;
 }
 
-int converge_add_quantities(converge *self, const options *given)
+int converge_add_quantities(converge *self)
 {
+    const options *given = self->given;
     static const char *tip = "tip";
     const bool none = given->at_count == 0;
     const char **ats = none ? &tip : given->ats;
@@ -95,7 +97,7 @@ int converge_add_quantities(converge *self, const options *given)
     record_series_begin(&series, series_columns(self->scene));
     for (size_t i = 0; i < (none ? 1 : given->at_count); ++i) {
         if (self->quantity_count + 3 > CONVERGE_QUANTITIES) {
-            return usage_error(&verb_converge, "--at: more than %d quantities",
+            return usage_error(self->given, "--at: more than %d quantities",
                                CONVERGE_QUANTITIES - 3);
         }
         if (!add_quantity(self, &series, ats[i])) {

@@ -36,7 +36,7 @@ char *ranks_share_text(const weft_comm *comm, const char *text)
     comm->share(comm->self, &size, sizeof size);
     char *copy = malloc(size);
     if (copy == NULL) {
-        fputs("weft: error: no memory for the text of the scene\n", stderr);
+        complain("error", "no memory for the text of the scene");
         comm->stop(comm->self, EXIT_SIMULATION);
         return NULL;
     }
@@ -70,14 +70,14 @@ void ranks_warn(const weft_comm *comm, size_t threads)
  */
 
 /* NULL after printing why. */
-static comm_mpi *open_mpi(const verb *self, const options *given)
+static comm_mpi *open_mpi(const options *given)
 {
     char file[RECORD_PATH];
     weft_error err = { 0 };
     if (weft_registry_locate(given->registry, "mpi", file, sizeof file, &err)
         != WEFT_OK) {
         (void)usage_error(
-            self,
+            given,
             "--bands needs weft-mpi.so, which `make` builds where it finds "
             "mpicc: %s",
             strstr(err.message, "no weft-mpi.so"));
@@ -86,7 +86,7 @@ static comm_mpi *open_mpi(const verb *self, const options *given)
     void *object = dlopen(file, RTLD_NOW | RTLD_LOCAL);
     void *symbol = object == NULL ? NULL : dlsym(object, COMM_MPI_ENTRY);
     if (symbol == NULL) {
-        (void)usage_error(self, "--bands: %s", dlerror());
+        (void)usage_error(given, "--bands: %s", dlerror());
         return NULL;
     }
     comm_mpi_fn *start; /* POSIX allows this conversion, ISO C does not */
@@ -145,8 +145,7 @@ static void silence(options *given)
     (void)close(nowhere);
 }
 
-static int run_joined(const verb *self, options *given, const comm_mpi *mpi,
-                      size_t bands)
+static int run_joined(options *given, const comm_mpi *mpi, size_t bands)
 {
     const weft_comm *comm = &mpi->comm;
     if (!is_alike(mpi, given)) {
@@ -156,21 +155,21 @@ static int run_joined(const verb *self, options *given, const comm_mpi *mpi,
         silence(given);
     }
     if ((size_t)comm->size != bands) {
-        fprintf(stderr, WRONG_START, self->name, given->bands, comm->size,
+        fprintf(stderr, WRONG_START, given->verb->name, given->bands, comm->size,
                 comm->size == 1 ? "process is" : "processes are", given->bands,
                 given->bands, mpi->library);
         return EXIT_USAGE;
     }
     interrupt_catch_user();
     given->comm = comm->size > 1 ? comm : NULL;
-    return ranks_share(comm, self->run(given));
+    return ranks_share(comm, given->verb->run(given));
 }
 
 /* By the variables that Open MPI's and MPICH's launchers set. */
-void ranks_hint(const verb *self)
+void ranks_hint(void)
 {
     static const char *const sizes[] = { "OMPI_COMM_WORLD_SIZE", "PMI_SIZE" };
-    for (size_t i = 0; i < 2 && (self == &verb_run || self == &verb_resume); ++i) {
+    for (size_t i = 0; i < 2; ++i) {
         const char *text = getenv(sizes[i]);
         size_t count;
         if (text != NULL && option_count(text, '\0', &count) && count > 1) {
@@ -183,17 +182,17 @@ void ranks_hint(const verb *self)
     }
 }
 
-int ranks_run(const verb *self, options *given)
+int ranks_run(options *given)
 {
     size_t bands;
     if (!option_count(given->bands, '\0', &bands) || bands == 0) {
-        return usage_error(self, "--bands %s: not a number from 1 on", given->bands);
+        return usage_error(given, "--bands %s: not a number from 1 on", given->bands);
     }
-    comm_mpi *mpi = open_mpi(self, given);
+    comm_mpi *mpi = open_mpi(given);
     if (mpi == NULL) {
         return EXIT_USAGE;
     }
-    const int code = run_joined(self, given, mpi, bands);
+    const int code = run_joined(given, mpi, bands);
     (void)fflush(stdout);
     mpi->close(mpi);
     return code;

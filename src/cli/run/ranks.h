@@ -8,10 +8,10 @@
 
 /* Starts MPI, runs the verb with given->comm, ends MPI. Only rank 0 prints. Returns the
  * exit code of rank 0 on all ranks. */
-int ranks_run(const verb *self, options *given);
+int ranks_run(options *given);
 
 /* Without --bands: warns in a job of several processes. */
-void ranks_hint(const verb *self);
+void ranks_hint(void);
 
 /* Whether this process prints and writes the files that are not in bands. */
 static inline bool ranks_first(const weft_comm *comm)

@@ -55,7 +55,7 @@ static int open_longer(const options *given, const char *directory,
         return EXIT_DONE;
     }
     if (!(option_real(given->until) > now)) {
-        return usage_error(&verb_resume,
+        return usage_error(given,
                            "--until %s: not a time beyond %.9g s, where %s ends",
                            given->until, now, directory);
     }
@@ -174,7 +174,7 @@ static int resume_verb(const options *given)
 {
     int code = EXIT_DONE;
     if (given->until != NULL && given->comm != NULL) {
-        return usage_error(&verb_resume, "--until excludes --bands: first the one");
+        return usage_error(given, "--until excludes --bands: first the one");
     }
     for (int i = 0; i < given->operand_count; ++i) {
         const int one
@@ -211,10 +211,6 @@ const verb verb_resume = {
       "scene, or one that differs from that of the checkpoint, 4 a file could not be "
       "read or written, or is damaged, 130 SIGINT, 143 SIGTERM; with several runs the "
       "first code that is not 0\n",
-    .options
-    = OPTIONS(OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
-              OPTION_FLAG("force", force), OPTION_VALUE("progress", progress),
-              OPTION_VALUE("bands", bands), OPTION_VALUE("until", until)),
-    .operands = { 1, 0, "no directory given", NULL },
+    .operands = { 1, ANY_NUMBER, "no directory given", NULL },
     .run = resume_verb,
 };

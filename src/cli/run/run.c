@@ -385,7 +385,7 @@ static int run_watched(run *self, const options *given, int lock)
     if (!given->watch) {
         return run_simulation(self);
     }
-    (void)watch_check(&verb_run, given, &def.port);
+    (void)watch_check(given, &def.port);
     watch_begin(&watching, &def, lock);
     const int code = run_simulation(self);
     watch_end(&watching);
@@ -442,11 +442,11 @@ static int run_verb(const options *given)
     char out[RECORD_PATH];
     weft_scene *scene = NULL;
     if (given->frames != NULL && strcmp(given->frames, "obj") != 0) {
-        return usage_choice(&verb_run, "frames", given->frames,
+        return usage_choice(given, "frames", given->frames,
                             (const char *const[]){ "obj", NULL });
     }
     uint16_t port;
-    int code = watch_check(&verb_run, given, &port);
+    int code = watch_check(given, &port);
     if (code == EXIT_DONE) {
         code = open_scene(given->operands[0], given, &scene, NULL);
     }
@@ -492,13 +492,6 @@ const verb verb_run = {
       "  weft run scenes/flag.yaml --set stepper.rtol=1e-8 --set run.fps=60\n\n"
       "exit codes: 0 done, 1 the simulation failed, 2 wrong command line, 3 wrong "
       "scene, 4 a file could not be read or written, 130 SIGINT, 143 SIGTERM\n",
-    .options
-    = OPTIONS(OPTION_VALUE("out", out), OPTION_VALUE("set", sets),
-              OPTION_VALUE("plugin-path", plugin_path), OPTION_FLAG("quiet", quiet),
-              OPTION_FLAG("force", force), OPTION_VALUE("frames", frames),
-              OPTION_FLAG("view", view), OPTION_FLAG("watch", watch),
-              OPTION_VALUE("port", port), OPTION_VALUE("progress", progress),
-              OPTION_VALUE("bands", bands)),
     .operands = { 1, 1, "no scene given", "more than one scene" },
     .run = run_verb,
 };

@@ -9,33 +9,34 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "cli/human.h"
 #include "cli/run/interrupt.h"
 
 enum { PORT_LEAST = 1024 };
 #define FAREWELL 30.0 /* [s] for slow browsers to get the end of a run */
 
-int watch_check(const verb *self, const options *given, uint16_t *port)
+int watch_check(const options *given, uint16_t *port)
 {
     size_t number = 0;
     *port = 0;
     if (given->port != NULL
         && !(option_count(given->port, '\0', &number) && number >= PORT_LEAST
              && number <= UINT16_MAX)) {
-        return usage_error(self, "--port %s: not a number from %d to %d", given->port,
+        return usage_error(given, "--port %s: not a number from %d to %d", given->port,
                            PORT_LEAST, UINT16_MAX);
     }
     if (given->port != NULL && !given->watch) {
-        return usage_error(self, "--port needs --watch");
+        return usage_error(given, "--port needs --watch");
     }
     if (given->watch && given->bands != NULL) {
-        return usage_error(self, "--watch and --bands exclude each other: 'weft view "
-                                 "--watch DIR' serves a run that is under way");
+        return usage_error(given, "--watch and --bands exclude each other: 'weft view "
+                                  "--watch DIR' serves a run that is under way");
     }
     *port = (uint16_t)number;
 #ifndef WEFT_HTTP
     if (given->watch) {
-        return usage_error(self, "--watch: this weft was built without libmicrohttpd "
-                                 "(package libmicrohttpd-dev)");
+        return usage_error(given, "--watch: this weft was built without libmicrohttpd "
+                                  "(package libmicrohttpd-dev)");
     }
 #endif
     return EXIT_DONE;
@@ -68,7 +69,7 @@ void watch_begin(watch_process *self, const watch_def *def, int lock)
     *self = (watch_process){ .def = *def, .lock = lock };
     self->process = (process_def){ .work = serve, .ctx = self, .end_signal = SIGTERM };
     if (pipe(ready) != 0) {
-        fprintf(stderr, "weft: warning: no --watch: %s\n", strerror(errno));
+        complain("warning", "no --watch: %s", strerror(errno));
         return;
     }
     self->def.parent = getpid();
@@ -77,7 +78,7 @@ void watch_begin(watch_process *self, const watch_def *def, int lock)
     const int why = errno;
     (void)close(ready[1]);
     if (!started) {
-        fprintf(stderr, "weft: warning: no --watch: %s\n", strerror(why));
+        complain("warning", "no --watch: %s", strerror(why));
     } else {
         (void)!read(ready[0], &byte, 1); /* until it is closed */
     }
