@@ -18,7 +18,7 @@
 #include <stdlib.h>
 
 #include "conformance/measured_order.h"
-#include "conformance/merson.h"
+#include "conformance/oscillators.h"
 
 enum {
     WEIGHTS = WEFT__ORDER_MOST + 2, /* from 0, which no tree has */
@@ -126,13 +126,6 @@ static int no_springs(double t, const double *y, double *planes, double *blocks,
     return 0;
 }
 
-static size_t no_modes(double t, const double *y, double (*corners)[2], size_t room,
-                       void *ctx)
-{
-    (void)t, (void)y, (void)corners, (void)room, (void)ctx;
-    return 0;
-}
-
 /* Masses of 1 and drags of 0, in 2 n numbers. */
 static weft_structure structure_of(size_t n, double *numbers)
 {
@@ -144,7 +137,7 @@ static weft_structure structure_of(size_t n, double *numbers)
                              .mass = numbers,
                              .drag = numbers + n,
                              .linearise = no_springs,
-                             .modes = no_modes };
+                             .modes = weft__no_modes };
 }
 
 static weft_status errors_with(const weft_stepper_type *type, forest *f, int steps,
@@ -157,12 +150,8 @@ static weft_status errors_with(const weft_stepper_type *type, forest *f, int ste
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory");
     }
     const weft_structure structure = structure_of(f->half / 3, y + ode.dim);
-    const weft_stepper_config config
-        = { .struct_size = sizeof config,
-            .fixed_step = 1.0 / steps,
-            .butcher = (type->flags & WEFT_STEPPER_BUTCHER) != 0 ? merson() : NULL,
-            .structure
-            = (type->flags & WEFT_STEPPER_STRUCTURE) != 0 ? &structure : NULL };
+    weft_stepper_config config = weft__with_table(type, weft__fixed(1.0 / steps));
+    config.structure = weft__needs_structure(type) ? &structure : NULL;
     weft_status status = type->create(type, &ode, &config, &self, err);
     while (status == WEFT_OK && t < 1.0) {
         status = type->step(self, 1.0, &t, y, err);
@@ -207,8 +196,7 @@ static weft_status halve(const weft_stepper_type *type, forest *f, double *order
 int weft__order_claimed(const weft_stepper_type *type)
 {
     const bool custom = (type->flags & WEFT_STEPPER_BUTCHER) != 0;
-    const bool adaptive_only = (type->flags & WEFT_STEPPER_ADAPTIVE_ONLY) != 0;
-    return custom ? merson()->order : adaptive_only ? 0 : type->order;
+    return custom ? merson()->order : weft__takes_fixed(type) ? type->order : 0;
 }
 
 weft_status weft__order(const weft_stepper_type *type, int claimed, double *order,

@@ -82,8 +82,8 @@ static int linearise(double t, const double *y, double *planes, double *blocks,
     return 0;
 }
 
-static size_t no_modes(double t, const double *y, double (*corners)[2], size_t room,
-                       void *ctx)
+size_t weft__no_modes(double t, const double *y, double (*corners)[2], size_t room,
+                      void *ctx)
 {
     (void)t, (void)y, (void)corners, (void)room, (void)ctx;
     return 0;
@@ -98,7 +98,7 @@ weft_structure weft__model_structure(model *of)
                              .drag = &drag,
                              .block_planes = WEFT_BLOCK_PLANES,
                              .linearise = linearise,
-                             .modes = no_modes,
+                             .modes = weft__no_modes,
                              .ctx = of };
 }
 
@@ -111,17 +111,17 @@ double weft__model_distance(const double *a, const double *b)
     return top;
 }
 
-static void runge_kutta(model *m, double t, double h, double *y)
+void weft__runge_kutta(const weft_ode *ode, double t, double h, double *y)
 {
-    double k[4][DIM], z[DIM];
+    double k[4][WEFT__DIM_MOST], z[WEFT__DIM_MOST];
     const double c[4] = { 0.0, 0.5, 0.5, 1.0 };
     for (int s = 0; s < 4; ++s) {
-        for (int i = 0; i < DIM; ++i) {
+        for (size_t i = 0; i < ode->dim; ++i) {
             z[i] = y[i] + (s == 0 ? 0.0 : h * c[s] * k[s - 1][i]);
         }
-        (void)weft__model_rhs(t + h * c[s], z, k[s], m);
+        (void)ode->rhs(t + h * c[s], z, k[s], ode->ctx);
     }
-    for (int i = 0; i < DIM; ++i) {
+    for (size_t i = 0; i < ode->dim; ++i) {
         y[i] += h / 6.0 * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]);
     }
 }
@@ -129,8 +129,9 @@ static void runge_kutta(model *m, double t, double h, double *y)
 void weft__model_solve(double t, double t_end, double *y)
 {
     model m = { .k = 1.0 };
+    const weft_ode ode = { .dim = DIM, .rhs = weft__model_rhs, .ctx = &m };
     const double h = 0x1p-13;
     for (int i = 0; t + i * h < t_end; ++i) {
-        runge_kutta(&m, t + i * h, h, y);
+        weft__runge_kutta(&ode, t + i * h, h, y);
     }
 }

@@ -12,7 +12,7 @@
 
 #include "conformance/merson.h"
 
-enum { DIM = 6, APART = 3 /* quadratures at most */ };
+enum { DIM = 6, APART = 3 /* quadratures at most */, WEFT__DIM_MOST = 30 };
 
 typedef enum fault { NO_FAULT, REFUSE, STOP, GIVE_NAN, GIVE_INF, FAULTS } fault;
 
@@ -49,6 +49,13 @@ int weft__model_rhs(double t, const double *y, double *dydt, void *ctx);
 weft_structure weft__model_structure(model *of);
 
 void weft__baton_drop(baton *self);
+
+/* weft_structure.modes: none is known to be stiff. */
+size_t weft__no_modes(double t, const double *y, double (*corners)[2], size_t room,
+                      void *ctx);
+
+/* A step of the classical Runge-Kutta method, of at most WEFT__DIM_MOST numbers. */
+void weft__runge_kutta(const weft_ode *ode, double t, double h, double *y);
 
 /* Advances y[DIM] from t to t_end, a multiple of 2^-13 s later; k = 1. */
 void weft__model_solve(double t, double t_end, double *y);

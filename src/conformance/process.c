@@ -12,6 +12,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/hash.h"
+
 extern char **environ;
 
 enum { SIGNALS = 65, DESCRIPTORS = 256 };
@@ -32,12 +34,11 @@ typedef struct surroundings {
 
 static uint64_t hash_environment(void)
 {
-    uint64_t hash = UINT64_C(0xcbf29ce484222325);
+    uint64_t hash = WEFT__HASH_START;
     for (char **name = environ; name != NULL && *name != NULL; ++name) {
-        for (const char *at = *name; *at != '\0'; ++at) {
-            hash = (hash ^ (unsigned char)*at) * UINT64_C(0x100000001b3);
+        for (const char *at = *name; at == *name || at[-1] != '\0'; ++at) {
+            hash = weft__hash_byte(hash, (unsigned char)*at);
         }
-        hash *= UINT64_C(0x100000001b3); /* the byte 0 */
     }
     return hash;
 }

@@ -59,7 +59,7 @@ double weft__error_at_end(const trial_run *r);
 void weft__near(trial *self, const trial_run *r, double error, double allowed,
                 const char *what);
 
-/* The checks, each of one promise, in the order of the table in trial.c. */
+/* The checks, each of one promise, in the order of the table in conformance.c. */
 typedef void check_fn(trial *self);
 check_fn weft__table_is_sane, weft__create_calls_no_rhs, weft__mistakes_are_refused,
     weft__other_versions_are_served, weft__fixed_steps_ignore_tolerances,

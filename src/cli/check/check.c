@@ -3,10 +3,7 @@
 #include <string.h>
 
 #include "cli/batch/batch.h"
-#include "cli/check/contact_report.h"
-#include "cli/check/fabric_report.h"
-#include "cli/check/stable_steps.h"
-#include "cli/human.h"
+#include "cli/check/check.h"
 
 static void print_bytes(const char *what, double bytes)
 {

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "cli/check/contact_report.h"
-
+/* contact_report.c -- weft check: contact. */
 #include <math.h>
 #include <stdlib.h>
 
-#include "cli/human.h"
+#include "cli/check/check.h"
 
 /* ---- the law of docs/physics.md, by z = gap / thickness ------------------------ */
 

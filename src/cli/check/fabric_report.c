@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "cli/check/fabric_report.h"
-
+/* fabric_report.c -- weft check: a fabric and its springs. */
 #include <math.h>
 
-#include "cli/human.h"
+#include "cli/check/check.h"
 
 typedef struct report {
     weft_fabric fabric; /* of the springs */

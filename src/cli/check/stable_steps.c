@@ -1,31 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* stable_steps.c -- prints a survey of stable steps, and advice. */
-#include "cli/check/stable_steps.h"
-
 #include <math.h>
 
-#include "cli/check/stiff_methods.h"
+#include "cli/check/check.h"
 
 /* Methods in the short table, with the scene's own; the factor in cost that a higher
  * order is worth. */
 enum { SHORT_TABLE = 5 };
 #define ORDER 1.25
-
-/* Steppers take the rest of a frame in one step if it exceeds h by at most this part.
- */
-#define REST 1e-6
-
-double frame_steps(const weft_run_def *run, double h)
-{
-    return fmax(1.0, ceil(weft_run_frame_time(run, 1) / h - REST));
-}
-
-double step_taken(const weft_scene *scene)
-{
-    const weft_run_def *run = weft_scene_run(scene);
-    const double h = weft_scene_config(scene)->fixed_step;
-    return h > 0.0 && !(frame_steps(run, h) > 1.0) ? weft_run_frame_time(run, 1) : h;
-}
 
 /* RHS calls per simulated second of the scene as it stands; 0: not known. */
 static double own_cost(const weft_scene *scene, const survey *of)
@@ -258,25 +240,4 @@ void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of)
     }
     yaml_out_text(out, "advice", advise(scene, of).text);
     yaml_out_text(out, "stiffness", stiffness(scene, of).text);
-}
-
-bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet)
-{
-    const weft_stiffness modes
-        = weft_sim_stiffness(sim, weft_sim_time(sim), weft_sim_state(sim));
-    const double h = step_taken(scene);
-    const bool in_doubt = h > 0.0 && !own_step_is_stable(scene, &modes, h);
-    const double stable = in_doubt ? own_stable_step(scene, &modes) : 0.0;
-    const bool beyond = stable > 0.0 && h > stable;
-    if (beyond && !quiet) {
-        fprintf(
-            stderr,
-            "weft: warning: a fixed step of %.4g s is beyond the largest stable step "
-            "%.4g s of %s %s on this cloth\n"
-            "  omega <= %.4g 1/s, damping <= %.4g 1/s at the start\n"
-            "  try stepper.fixed_step=%.2g, or see weft check for other methods\n",
-            h, stable, weft_scene_plugin(scene), weft_scene_method(scene),
-            sqrt(modes.omega2), modes.damping, 0.9 * stable);
-    }
-    return beyond;
 }

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/suggest.h"
-#include "cli/check/stable_steps.h"
 #include "cli/compare/compare.h"
 #include "cli/human.h"
 #include "plugin/methods.h"
@@ -17,26 +16,6 @@
 enum { CALL_TIMES = 5, NAME_MOST = 256 };
 
 #define RUNGS_WORTH 2.5 /* the cost of a ladder, in its most expensive run */
-
-double compare_time(const compare *self, size_t frame)
-{
-    return weft_run_frame_time(&self->run, frame);
-}
-
-bool compare_is_implicit(const compare_method *method)
-{
-    return (method->by.type->flags & WEFT_STEPPER_IMPLICIT) != 0;
-}
-
-bool compare_is_stiff(const weft_stepper_type *type)
-{
-    return (type->flags & (WEFT_STEPPER_STRUCTURE | WEFT_STEPPER_LINEAR)) != 0;
-}
-
-const compare_point *compare_as_is(const compare *self)
-{
-    return self->shared->methods[self->count].points;
-}
 
 /* ---- methods ---------------------------------------------------------------- */
 

@@ -16,9 +16,9 @@
 
 #include <stdatomic.h>
 
-#include "cli/check/stiff_methods.h"
 #include "cli/cli.h"
 #include "cli/run/progress.h"
+#include "cli/survey/survey.h"
 
 enum {
     COMPARE_RUNGS = 9,
@@ -108,6 +108,8 @@ typedef struct compare {
     uint64_t budget; /* RHS calls of a run; not of `as_is` */
 } compare;
 
+/* ---- compare_run.c ---------------------------------------------------------- */
+
 double compare_time(const compare *self, size_t frame); /* [s] */
 const compare_point *compare_as_is(const compare *self);
 double compare_decade(size_t k); /* 10^-k */
@@ -115,8 +117,6 @@ double compare_decade(size_t k); /* 10^-k */
 bool compare_is_implicit(const compare_method *method);
 /* Whether its tolerance of velocities is COMPARE_VELOCITY times that of positions. */
 bool compare_is_stiff(const weft_stepper_type *type);
-
-/* ---- compare_run.c: in a process of their own ------------------------------- */
 
 /* process_def.work. Frames, energies and twin of by[0]; frames of by[1]. */
 int compare_reference(void *ctx, size_t which);

@@ -3,17 +3,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "cli/check/stable_steps.h"
 #include "cli/compare/compare.h"
 
 #define LEAST_ERROR 1e-300 /* in logarithms, for an error of 0 */
-
-double compare_decade(size_t k)
-{
-    static const double decades[]
-        = { 1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10 };
-    return decades[k];
-}
 
 static double between(double from, double to, double part)
 {

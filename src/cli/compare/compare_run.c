@@ -26,6 +26,33 @@ typedef struct compare_trial {
     compare_point *point;
 } compare_trial;
 
+double compare_time(const compare *self, size_t frame)
+{
+    return weft_run_frame_time(&self->run, frame);
+}
+
+bool compare_is_implicit(const compare_method *method)
+{
+    return (method->by.type->flags & WEFT_STEPPER_IMPLICIT) != 0;
+}
+
+bool compare_is_stiff(const weft_stepper_type *type)
+{
+    return (type->flags & (WEFT_STEPPER_STRUCTURE | WEFT_STEPPER_LINEAR)) != 0;
+}
+
+const compare_point *compare_as_is(const compare *self)
+{
+    return self->shared->methods[self->count].points;
+}
+
+double compare_decade(size_t k)
+{
+    static const double decades[]
+        = { 1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10 };
+    return decades[k];
+}
+
 static weft_stepper_config adaptive(const compare *self, const stepper_method *by,
                                     double tolerance)
 {

@@ -6,9 +6,9 @@
 #include <signal.h>
 #include <string.h>
 
-#include "cli/check/stable_steps.h"
 #include "cli/converge/converge.h"
 #include "cli/human.h"
+#include "cli/survey/survey.h"
 #include "record/child_process.h"
 
 /* ---- sizes ------------------------------------------------------------------ */

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/check/stable_steps.h"
 #include "cli/run/run.h"
+#include "cli/survey/survey.h"
 
 typedef struct bounds {
     double start, now, any; /* [s] stable steps; 0: none */

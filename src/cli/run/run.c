@@ -6,9 +6,9 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "cli/check/stable_steps.h"
 #include "cli/run/ranks.h"
 #include "cli/run/run.h"
+#include "cli/survey/survey.h"
 #include "cli/watch/watch.h"
 #include "record/export/export.h"
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* stable_steps.h -- stable steps in the program: weft check's table and advice, weft
- * run's warning, the report of a failed run. */
-#ifndef WEFT_CLI_CHECK_STABLE_STEPS_H
-#define WEFT_CLI_CHECK_STABLE_STEPS_H
+/* survey.h -- what methods cost on a cloth: their stable steps, and whether a
+ * stabilised or an implicit one will pay. For weft check, run and compare. */
+#ifndef WEFT_CLI_SURVEY_SURVEY_H
+#define WEFT_CLI_SURVEY_SURVEY_H
 
 #include "cli/cli.h"
-#include "record/yaml_out.h"
+#include "cli/human.h"
 
 #define WORTH 1.2 /* the least saving of evaluations that is reported */
 
@@ -71,12 +71,28 @@ double step_taken(const weft_scene *scene);
 /* RHS calls per simulated second of a method in fixed steps of h [s]. */
 double calls_per_second(const weft_scene *scene, const survey_method *method, double h);
 
-/* A survey in words, the cheapest methods or all; the same for machines. */
-void stability_print(const weft_scene *scene, const survey *of, bool all);
-void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of);
-
 /* Whether the scene's fixed step is beyond the stable one of the present state. Warns
  * on stderr unless quiet. */
 bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet);
+
+/* ---- stiff_methods.c: estimates, not bounds ---- */
+
+enum { STIFF_ACCURACIES = 2 };
+
+/* A gain is the time of an explicit method by that of the other one; 0: no gain is to
+ * be expected. */
+typedef struct stiff_gains {
+    double omega, zeta;        /* [1/s] of the stiffest mode, and its damping ratio */
+    const survey_method *over; /* explicit, the scene's own if it is; NULL: none */
+    const survey_method *rkc;  /* NULL: there is none, or it refuses the cloth */
+    double stabilised;         /* of rkc */
+    double bdf[STIFF_ACCURACIES]; /* at 1e-2 m, at 1e-3 m */
+} stiff_gains;
+
+/* From the methods of a survey, the modes behind their steps and the cloth's width. */
+stiff_gains stiff_gains_of(const survey *of, const weft_cloth_def *cloth);
+
+/* "stiffest mode: omega 5657 1/s, damping ratio zeta 1.4: over-damped; ..." */
+void stiff_say(const stiff_gains *gains, sentence *out);
 
 #endif

@@ -8,7 +8,7 @@
  * takes. The steps of BDF follow the motion, whose time scales are those of the slowest
  * waves, n / omega, and of a fall by the width of the sheet, and the accuracy; each
  * costs as much as 50 to 100 evaluations. */
-#include "cli/check/stiff_methods.h"
+#include "cli/survey/survey.h"
 
 #include <math.h>
 #include <string.h>

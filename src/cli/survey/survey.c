@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* survey.c -- the cost of every method on a scene: the largest stable step of each,
  * and a short trial of the scene's own under its tolerances. */
-#include "cli/check/stable_steps.h"
+#include "cli/survey/survey.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -18,6 +18,22 @@ enum { TRIAL_SKIPPED = 3, TRIAL_LEAST = 10 };
 #define HELD 0.8
 
 #define LN_2 0.69314718055994531
+
+/* Steppers take the rest of a frame in one step if it exceeds h by at most this part.
+ */
+#define REST 1e-6
+
+double frame_steps(const weft_run_def *run, double h)
+{
+    return fmax(1.0, ceil(weft_run_frame_time(run, 1) / h - REST));
+}
+
+double step_taken(const weft_scene *scene)
+{
+    const weft_run_def *run = weft_scene_run(scene);
+    const double h = weft_scene_config(scene)->fixed_step;
+    return h > 0.0 && !(frame_steps(run, h) > 1.0) ? weft_run_frame_time(run, 1) : h;
+}
 
 static weft_status survey_stability(const weft_scene *scene,
                                     const weft_stepper_type *type, weft_stability *out,
@@ -255,4 +271,25 @@ double survey_held(const survey *of)
 void survey_destroy(survey *self)
 {
     free(self->methods);
+}
+
+bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet)
+{
+    const weft_stiffness modes
+        = weft_sim_stiffness(sim, weft_sim_time(sim), weft_sim_state(sim));
+    const double h = step_taken(scene);
+    const bool in_doubt = h > 0.0 && !own_step_is_stable(scene, &modes, h);
+    const double stable = in_doubt ? own_stable_step(scene, &modes) : 0.0;
+    const bool beyond = stable > 0.0 && h > stable;
+    if (beyond && !quiet) {
+        fprintf(
+            stderr,
+            "weft: warning: a fixed step of %.4g s is beyond the largest stable step "
+            "%.4g s of %s %s on this cloth\n"
+            "  omega <= %.4g 1/s, damping <= %.4g 1/s at the start\n"
+            "  try stepper.fixed_step=%.2g, or see weft check for other methods\n",
+            h, stable, weft_scene_plugin(scene), weft_scene_method(scene),
+            sqrt(modes.omega2), modes.damping, 0.9 * stable);
+    }
+    return beyond;
 }
