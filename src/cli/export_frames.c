@@ -53,51 +53,58 @@ typedef struct export_job {
 
 /* ---- one frame, wherever it comes from -------------------------------------- */
 
-#define FRAME_STEM "frames/frame-%06zu"
+enum { NAME = 64 };
 
 static size_t number_of(const export_job *job, size_t i)
 {
     return job->frames == NULL ? i : (size_t)job->frames->numbers[i];
 }
 
-/* One line for any number of files, of the cloth ("") or of a shape. */
-static void print_files(const export_job *job, const char *of)
+/* Part 0 is the cloth, part k + 1 shape k: its files have -shape-k behind the stem. */
+static void name_part(char name[NAME], const char *stem, size_t part,
+                      const char *suffix)
 {
-    print_plainly(stdout, "%s/" FRAME_STEM "%s.%s", job->directory,
-                  number_of(job, job->first), of, job->format->suffix);
+    char shape[32] = "";
+    if (part > 0) {
+        (void)snprintf(shape, sizeof shape, "-shape-%zu", part - 1);
+    }
+    (void)snprintf(name, NAME, "%s%s.%s", stem, shape, suffix);
+}
+
+static record_surface part_at(const export_job *job, size_t part, double time)
+{
+    return part == 0 ? job->surface
+                     : record_shape_surface(weft_scene_cloth(job->scene), part - 1,
+                                            time, job->shape_position);
+}
+
+/* One line for any number of frames of a part. */
+static void print_files(const export_job *job, size_t part)
+{
+    char stem[NAME / 2], name[NAME];
+    (void)snprintf(stem, sizeof stem, "frame-%06zu", number_of(job, job->first));
+    name_part(name, stem, part, job->format->suffix);
+    print_plainly(stdout, "%s/frames/%s", job->directory, name);
     if (job->last > job->first) {
-        printf(" to frame-%06zu%s.%s, %zu files", number_of(job, job->last), of,
-               job->format->suffix, job->last - job->first + 1);
+        (void)snprintf(stem, sizeof stem, "frame-%06zu", number_of(job, job->last));
+        name_part(name, stem, part, job->format->suffix);
+        printf(" to %s, %zu files", name, job->last - job->first + 1);
     }
     putchar('\n');
 }
 
-static record_surface shape_at(const export_job *job, size_t k, double time)
-{
-    return record_shape_surface(weft_scene_cloth(job->scene), k, time,
-                                job->shape_position);
-}
-
-enum { NAME = 64 };
-
-/* The file of a shape is called like that of the cloth, with -shape-0 behind. */
-static void shape_name(char name[NAME], const char *stem, size_t k, const char *suffix)
-{
-    (void)snprintf(name, NAME, "%s-shape-%zu.%s", stem, k, suffix);
-}
-
-static weft_status write_shapes(const export_job *job, const char *stem, double time,
-                                weft_error *err)
+static weft_status write_parts(const export_job *job, const char *stem, double time,
+                               weft_error *err)
 {
     const record_movie *movie = job->format->movie;
-    for (size_t k = 0; k < job->shapes; ++k) {
+    for (size_t part = 0; part <= job->shapes; ++part) {
         char name[NAME];
-        const record_surface surface = shape_at(job, k, time);
-        shape_name(name, stem, k, job->format->suffix);
+        const record_surface surface = part_at(job, part, time);
+        name_part(name, stem, part, job->format->suffix);
         TRY(record_surface_write(job->directory, name, job->format->write, &surface,
                                  err));
         if (movie != NULL) {
-            movie->list(job->movie.stream, time, k + 1, name);
+            movie->list(job->movie.stream, time, part, name);
         }
     }
     return WEFT_OK;
@@ -106,20 +113,13 @@ static weft_status write_shapes(const export_job *job, const char *stem, double 
 static weft_status write_frame(export_job *job, size_t number, double time,
                                weft_error *err)
 {
-    char stem[NAME / 2], name[NAME];
-    const record_movie *movie = job->format->movie;
+    char stem[NAME / 2];
     if (job->format->write == NULL) {
-        movie->points(job->movie.stream, &job->surface);
+        job->format->movie->points(job->movie.stream, &job->surface);
         return WEFT_OK;
     }
-    (void)snprintf(stem, sizeof stem, FRAME_STEM, number);
-    (void)snprintf(name, sizeof name, "%s.%s", stem, job->format->suffix);
-    TRY(record_surface_write(job->directory, name, job->format->write, &job->surface,
-                             err));
-    if (movie != NULL) {
-        movie->list(job->movie.stream, time, 0, name);
-    }
-    return write_shapes(job, stem, time, err);
+    (void)snprintf(stem, sizeof stem, "frames/frame-%06zu", number);
+    return write_parts(job, stem, time, err);
 }
 
 /* ---- frames of run.vtkhdf --------------------------------------------------- */
@@ -195,13 +195,8 @@ static weft_status export_frames(export_job *job, weft_error *err)
         TRY(record_directory(path, err));
     }
     TRY(job->frames == NULL ? compute_frames(job, err) : read_frames(job, err));
-    if (job->format->write != NULL) {
-        print_files(job, "");
-    }
-    for (size_t k = 0; job->format->write != NULL && k < job->shapes; ++k) {
-        char of[NAME];
-        (void)snprintf(of, sizeof of, "-shape-%zu", k);
-        print_files(job, of);
+    for (size_t part = 0; job->format->write != NULL && part <= job->shapes; ++part) {
+        print_files(job, part);
     }
     return WEFT_OK;
 }
@@ -230,85 +225,78 @@ static weft_status begin_movie(export_job *job, const char *name, size_t points,
     return status;
 }
 
-/* The pose that a cache moves: the particles at rest. */
-static weft_status write_rest(export_job *job, weft_error *err)
+/* The pose that a cache moves: the particles at rest, a shape at t = 0. */
+static weft_status write_rest(export_job *job, size_t part, weft_error *err)
 {
+    char name[NAME];
     if (job->frames == NULL) {
         weft_cloth_rest(job->cloth, job->values);
     } else {
         memcpy(job->values, job->frames->rest, 3 * job->n * sizeof *job->values);
     }
-    TRY(record_surface_write(job->directory, "rest.obj", record_obj, &job->surface,
-                             err));
-    print_plainly(stdout, "%s/rest.obj\n", job->directory);
-    return WEFT_OK;
-}
-
-/* A point cache of shape k and the pose at t = 0 that it moves. */
-static weft_status export_shape_movie(export_job *job, size_t k, weft_error *err)
-{
-    char name[NAME];
-    record_surface surface = shape_at(job, k, 0.0);
-    shape_name(name, "rest", k, "obj");
+    const record_surface surface = part_at(job, part, 0.0);
+    name_part(name, "rest", part, "obj");
     TRY(record_surface_write(job->directory, name, record_obj, &surface, err));
     print_plainly(stdout, "%s/%s\n", job->directory, name);
-    shape_name(name, "run", k, job->format->name);
-    TRY(begin_movie(job, name, surface.rows * surface.cols, err));
-    for (size_t i = 0; i < job->count; ++i) {
-        surface = shape_at(job, k, time_of(job, i));
-        job->format->movie->points(job->movie.stream, &surface);
-    }
-    TRY(record_file_commit(&job->movie, err));
-    print_plainly(stdout, "%s\n", job->movie.path);
     return WEFT_OK;
 }
 
-static weft_status export_movie(export_job *job, weft_error *err)
+static weft_status write_shape_points(export_job *job, size_t part)
 {
-    const record_movie *movie = job->format->movie;
+    for (size_t i = 0; i < job->count; ++i) {
+        const record_surface surface = part_at(job, part, time_of(job, i));
+        job->format->movie->points(job->movie.stream, &surface);
+    }
+    return WEFT_OK;
+}
+
+static weft_status export_part(export_job *job, size_t part, weft_error *err)
+{
     char name[NAME];
     if (job->format->rest) {
-        TRY(write_rest(job, err));
+        TRY(write_rest(job, part, err));
     }
-    (void)snprintf(name, sizeof name, "run.%s", job->format->name);
-    TRY(begin_movie(job, name, job->n, err));
-    const weft_status status = export_frames(job, err);
+    const record_surface surface = part_at(job, part, 0.0);
+    name_part(name, "run", part, job->format->name);
+    TRY(begin_movie(job, name, record_particles(&surface), err));
+    const weft_status status
+        = part == 0 ? export_frames(job, err) : write_shape_points(job, part);
     if (status != WEFT_OK) {
         record_file_discard(&job->movie);
         return status;
     }
-    if (movie->end != NULL) {
-        movie->end(job->movie.stream);
+    if (job->format->movie->end != NULL) {
+        job->format->movie->end(job->movie.stream);
     }
     TRY(record_file_commit(&job->movie, err));
     print_plainly(stdout, "%s\n", job->movie.path);
-    for (size_t k = 0; job->format->rest && k < job->shapes; ++k) {
-        TRY(export_shape_movie(job, k, err));
+    return WEFT_OK;
+}
+
+/* A point cache holds one part, and all frames of it; a list has the files of all. */
+static weft_status export_movie(export_job *job, weft_error *err)
+{
+    for (size_t part = 0; part <= (job->format->rest ? job->shapes : 0); ++part) {
+        TRY(export_part(job, part, err));
     }
     return WEFT_OK;
 }
 
-static weft_status export_final(const export_job *job, weft_error *err)
+static weft_status export_final(export_job *job, weft_error *err)
 {
     char name[NAME], time[RECORD_RESULT_TEXT];
-    record_surface surface = job->surface;
     double *velocity = job->values + 3 * job->n;
-    surface.velocity = velocity;
-    surface.strain = NULL;
-    surface.doubles = true;
-    (void)snprintf(name, sizeof name, "final.%s", job->format->suffix);
-    TRY(record_final_read(job->directory, surface.rows, surface.cols, job->values,
-                          velocity, err));
+    job->surface.velocity = velocity;
+    job->surface.strain = NULL;
+    job->surface.doubles = true;
+    TRY(record_final_read(job->directory, job->surface.rows, job->surface.cols,
+                          job->values, velocity, err));
     if (job->format->write != record_csv) { /* final.csv is there already */
-        TRY(record_surface_write(job->directory, name, job->format->write, &surface,
-                                 err));
+        (void)record_result_get(job->directory, "time", time);
+        TRY(write_parts(job, "final", strtod(time, NULL), err));
     }
-    print_plainly(stdout, "%s/%s\n", job->directory, name);
-    TRY(write_shapes(job, "final",
-                     strtod(record_result_get(job->directory, "time", time), NULL),
-                     err));
-    for (size_t k = 0; k < job->shapes; ++k) {
-        shape_name(name, "final", k, job->format->suffix);
+    for (size_t part = 0; part <= job->shapes; ++part) {
+        name_part(name, "final", part, job->format->suffix);
         print_plainly(stdout, "%s/%s\n", job->directory, name);
     }
     return WEFT_OK;

@@ -142,14 +142,13 @@ const verb verb_view = {
     .summary = "make a page of a run, of two side by side, or of a batch",
     .help
     = "usage: weft view DIR [DIR2] [OPTIONS]\n\n"
-      "Writes one self-contained HTML page with the frames and the plots of a run, "
-      "and prints its URL. A browser plays it without fetching anything. Two runs of "
-      "the same grid are shown side by side at their common times, coloured by their "
+      "Writes one self-contained HTML page with the frames and the plots of a run, and "
+      "prints its URL. A browser plays it without fetching anything. Two runs of the "
+      "same grid are shown side by side at their common times, coloured by their "
       "difference. Of a directory of weft batch, the page has a table of all runs, "
       "plots of their results against the parameters, and a player for each.\n\n"
       "  --out FILE           default: DIR/run.html, for two runs DIR/compare.html, "
-      "for "
-      "a batch DIR/batch.html\n"
+      "for a batch DIR/batch.html\n"
       "  --watch              serve the page of a run that is under way, with its "
       "growing frames, on 127.0.0.1 until the run ends\n"
       "  --port N             of --watch, from 1024 to 65535; default: a free one\n\n"
