@@ -77,9 +77,6 @@ int verb_start(const verb *self, int argc, char **argv);
 
 /* ---- errors.c ---- */
 
-/* "weft: <kind>: <text>" to stderr, without control characters. */
-WEFT_PRINTF(2, 3) void complain(const char *kind, const char *format, ...);
-
 /* "weft: error: file:line: message" to stderr; returns the exit code of its status. */
 int report_error(const weft_error *err);
 

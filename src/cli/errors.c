@@ -6,18 +6,6 @@
 #include "cli/cli.h"
 #include "cli/human.h"
 
-void complain(const char *kind, const char *format, ...)
-{
-    char text[2048];
-    va_list args;
-    va_start(args, format);
-    (void)vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    fprintf(stderr, "weft: %s: ", kind);
-    print_plain(stderr, text, "");
-    fputc('\n', stderr);
-}
-
 int report_error(const weft_error *err)
 {
     char place[sizeof err->file + 32] = "";
@@ -25,7 +13,7 @@ int report_error(const weft_error *err)
         (void)snprintf(place, sizeof place, "%s:%d:%d: ", err->file, err->line,
                        err->column);
     }
-    complain("error", "%s%s", place, err->message);
+    print_line(stderr, "weft: error: %s%s", place, err->message);
     return err->status == WEFT_IO          ? EXIT_FILE
            : err->status == WEFT_BAD_SCENE ? EXIT_SCENE
                                            : EXIT_SIMULATION;
@@ -38,9 +26,8 @@ int usage_error(const options *given, const char *format, ...)
     char text[1024];
     (void)vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    fprintf(stderr, "weft %s: ", given->verb->name);
-    print_plain(stderr, text, "");
-    fprintf(stderr, "\n'weft %s --help' shows how it is used\n", given->verb->name);
+    print_line(stderr, "weft %s: %s", given->verb->name, text);
+    print_line(stderr, "'weft %s --help' shows how it is used", given->verb->name);
     return EXIT_USAGE;
 }
 

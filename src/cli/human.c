@@ -8,32 +8,32 @@
 
 #include "cli/human.h"
 
-static const char *in_units(double seconds, double big, const char *big_name,
-                            double small, const char *small_name, char out[HUMAN])
-{
-    const double whole = floor(seconds / big);
-    (void)snprintf(out, HUMAN, "%.0f %s %02.0f %s", whole, big_name,
-                   floor((seconds - whole * big) / small), small_name);
-    return out;
-}
+enum { TEXT = 8192 };
 
 const char *human_time(double seconds, char out[HUMAN])
 {
     static const struct {
         double unit;
         const char *name;
-    } small[] = { { 1.0, "s" }, { 1e-3, "ms" }, { 1e-6, "us" }, { 1e-9, "ns" } };
-    size_t i = 0;
+    } all[] = { { 86400.0, "d" }, { 3600.0, "h" }, { 60.0, "min" }, { 1.0, "s" },
+                { 1e-3, "ms" },   { 1e-6, "us" },  { 1e-9, "ns" } };
+    enum { SECONDS = 3, LAST = 6 };
+    size_t i = SECONDS;
     if (seconds >= 59.95) {
-        return seconds >= 86400.0 ? in_units(seconds, 86400.0, "d", 3600.0, "h", out)
-               : seconds >= 3600.0
-                   ? in_units(seconds, 3600.0, "h", 60.0, "min", out)
-                   : in_units(fmax(seconds, 60.0), 60.0, "min", 1.0, "s", out);
+        seconds = fmax(seconds, 60.0);
+        for (i = 0; seconds < all[i].unit;) {
+            ++i;
+        }
+        const double whole = floor(seconds / all[i].unit);
+        const double rest = floor((seconds - whole * all[i].unit) / all[i + 1].unit);
+        (void)snprintf(out, HUMAN, "%.0f %s %02.0f %s", whole, all[i].name, rest,
+                       all[i + 1].name);
+        return out;
     }
-    while (i < 3 && seconds > 0.0 && seconds < 0.9995 * small[i].unit) {
+    while (i < LAST && seconds > 0.0 && seconds < 0.9995 * all[i].unit) {
         ++i;
     }
-    (void)snprintf(out, HUMAN, "%.3g %s", seconds / small[i].unit, small[i].name);
+    (void)snprintf(out, HUMAN, "%.3g %s", seconds / all[i].unit, all[i].name);
     return out;
 }
 
@@ -92,9 +92,20 @@ void print_plain(FILE *stream, const char *text, const char *keep)
     }
 }
 
+void print_line(FILE *stream, const char *format, ...)
+{
+    char text[TEXT];
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    print_plain(stream, text, "");
+    putc('\n', stream);
+}
+
 void print_plainly(FILE *stream, const char *format, ...)
 {
-    char text[8192];
+    char text[TEXT];
     va_list args;
     va_start(args, format);
     (void)vsnprintf(text, sizeof text, format, args);
@@ -104,7 +115,7 @@ void print_plainly(FILE *stream, const char *format, ...)
 
 /* ---- lines -------------------------------------------------------------------- */
 
-enum { LABEL = 13, HELP_WIDTH = 75, TEXT = 8192 };
+enum { LABEL = 13, HELP_WIDTH = 75 };
 
 static size_t count_chars(const char *text, size_t length)
 {

@@ -36,6 +36,9 @@ WEFT_PRINTF(2, 3) void say(sentence *out, const char *format, ...);
  * would execute, are written as \x1b; those in `keep` are left. */
 void print_plain(FILE *stream, const char *text, const char *keep);
 
+/* A line of at most 8 KiB with such text, and its newline. */
+WEFT_PRINTF(2, 3) void print_line(FILE *stream, const char *format, ...);
+
 /* As fprintf, of at most 8 KiB that may contain such text; newlines are left. */
 WEFT_PRINTF(2, 3) void print_plainly(FILE *stream, const char *format, ...);
 

@@ -57,7 +57,7 @@ static int print_version(void)
 static int flush_stdout(int code)
 {
     if ((fflush(stdout) != 0 || ferror(stdout)) && code == EXIT_DONE) {
-        complain("error", "standard output could not be written");
+        print_line(stderr, "weft: error: standard output could not be written");
         return EXIT_FILE;
     }
     return code;
@@ -73,14 +73,11 @@ static int no_verb(const char *typed)
     weft__guess_try(&guess, typed, "--version");
     const size_t length = strlen(typed);
     const bool scene = length > 5 && strcmp(typed + length - 5, ".yaml") == 0;
-    fputs("weft: no verb '", stderr);
-    print_plain(stderr, typed, "");
-    if (scene) {
-        fputs("' (did you mean 'weft run ", stderr);
-        print_plain(stderr, typed, "");
-    }
-    fprintf(stderr, "%s%s; 'weft --help' lists them\n", scene ? "'?)" : "'",
-            scene ? "" : weft__guess_text(&guess, near, sizeof near));
+    sentence hint = { "" };
+    say(&hint, scene ? " (did you mean 'weft run %s'?)" : "%s",
+        scene ? typed : weft__guess_text(&guess, near, sizeof near));
+    print_line(stderr, "weft: no verb '%s'%s; 'weft --help' lists them", typed,
+               hint.text);
     return EXIT_USAGE;
 }
 

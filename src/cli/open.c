@@ -112,7 +112,7 @@ weft_registry *open_registry(const char *plugin_path, bool trial)
 static void warn_of_refused(void *ctx, const weft_error *why)
 {
     (void)ctx;
-    complain("warning", "%s", why->message);
+    print_line(stderr, "weft: warning: %s", why->message);
 }
 
 weft_status load_plugins(weft_registry *registry, weft_error *err)
@@ -192,8 +192,9 @@ int open_scene(const char *file, const options *given, weft_scene **scene,
     }
     free(text);
     if (given->comm->max(given->comm->self, code) > 0.0 && code == EXIT_DONE) {
-        complain("error", "another rank cannot read this scene: are weft and its "
-                          "plugins the same on all nodes?");
+        print_line(stderr,
+                   "weft: error: another rank cannot read this scene: are weft and its "
+                   "plugins the same on all nodes?");
         code = EXIT_SCENE;
     }
     return code;

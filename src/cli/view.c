@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* view.c -- weft view: a run or a batch as a page for a browser. */
 #define _XOPEN_SOURCE 700 /* realpath */
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,7 +31,7 @@ static void warn_of_series(const char *directory)
     size_t count;
     weft_error err = { 0 };
     if (record_series_rows(directory, &rows, &count, &err) != WEFT_OK) {
-        complain("warning", "%s; the page lacks plots", err.message);
+        print_line(stderr, "weft: warning: %s; the page lacks plots", err.message);
     }
     free(rows);
 }
@@ -53,8 +52,8 @@ static weft_status write_batch(const char *directory, const char *out, weft_erro
     weft_error why = { 0 };
     const weft_status status = record_batch(directory, out, &without, &why, err);
     if (status == WEFT_OK && without > 0) {
-        complain("warning", "runs without frames: %zu; the first: %s", without,
-                 why.message);
+        print_line(stderr, "weft: warning: runs without frames: %zu; the first: %s",
+                   without, why.message);
     }
     return status;
 }
@@ -120,9 +119,7 @@ static int watch_elsewhere(const options *given)
     if (watch_serve(&def, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    return interrupt_signal() == SIGINT    ? EXIT_SIGINT
-           : interrupt_signal() == SIGTERM ? EXIT_SIGTERM
-                                           : EXIT_DONE;
+    return interrupt_code(interrupt_signal());
 }
 
 static int view_verb(const options *given)

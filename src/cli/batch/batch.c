@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* batch.c -- weft batch: many runs, each in its own process and directory. */
 #include <math.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "cli/batch/batch.h"
 #include "cli/human.h"
+#include "cli/run/interrupt.h"
 
 /* ---- the command line ---------------------------------------------------------- */
 
@@ -169,7 +169,7 @@ static int run_batch(batch *self)
     if (status != WEFT_OK) {
         return report_error(&err);
     }
-    return stop == SIGINT ? EXIT_SIGINT : stop == SIGTERM ? EXIT_SIGTERM : code;
+    return stop != 0 ? interrupt_code(stop) : code;
 }
 
 static int batch_verb(const options *given)

@@ -129,10 +129,7 @@ static void print_scene(const char *file, const weft_scene *scene,
 {
     const weft_run_def *run = weft_scene_run(scene);
     weft_error err;
-    print_plain(stdout, file, "");
-    fputs(": ok: ", stdout);
-    print_plain(stdout, weft_scene_name(scene), "");
-    putchar('\n');
+    print_line(stdout, "%s: ok: %s", file, weft_scene_name(scene));
     print_cloth(weft_scene_cloth(scene), cloth);
     fabric_print(scene);
     contact_print(weft_scene_cloth(scene));
@@ -184,8 +181,9 @@ static void warn_of_springs(const char *file, const weft_cloth *cloth)
         springs += weft_cloth_springs(cloth, (weft_family)i);
     }
     if (springs == 0) {
-        print_plain(stderr, file, "");
-        fputs(": warning: cloth has no springs: nothing holds it together\n", stderr);
+        print_line(stderr,
+                   "%s: warning: cloth has no springs: nothing holds it together",
+                   file);
     }
 }
 

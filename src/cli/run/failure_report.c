@@ -64,9 +64,7 @@ static void add_line(sentence *out, const char *format, ...)
     va_start(args, format);
     (void)vsnprintf(line, sizeof line, format, args);
     va_end(args);
-    fputs(first ? "weft: error: " : "  ", stderr);
-    print_plain(stderr, line, "");
-    fputc('\n', stderr);
+    print_line(stderr, "%s%s", first ? "weft: error: " : "  ", line);
     say(out, "%s%s", first ? "" : "; ", line);
 }
 

@@ -10,6 +10,8 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include "cli/cli.h"
+
 /* [ms] for an evaluation of the forces, or a step, to end before the process does */
 enum { PATIENCE = 1000 };
 
@@ -61,6 +63,13 @@ int interrupt_next(void)
         came = 0;
     }
     return number;
+}
+
+int interrupt_code(int signal)
+{
+    return signal == SIGINT    ? EXIT_SIGINT
+           : signal == SIGTERM ? EXIT_SIGTERM
+                               : EXIT_DONE;
 }
 
 bool interrupt_pending(void *unused)

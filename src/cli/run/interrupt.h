@@ -25,6 +25,9 @@ int interrupt_signal(void);
 /* The same, and forgets it. */
 int interrupt_next(void);
 
+/* The exit code of a program that a signal has stopped; EXIT_DONE of 0. */
+int interrupt_code(int signal);
+
 /* A weft_stop_fn. */
 bool interrupt_pending(void *unused);
 

@@ -92,7 +92,7 @@ static void put_line(progress *show, const char *line)
     (void)fflush(stderr);
 }
 
-static void print_line(progress *show, size_t frame)
+static void write_line(progress *show, size_t frame)
 {
     enum { LONGEST = 160 };
     char line[LONGEST + 1] = "", text[2 * HUMAN];
@@ -153,7 +153,7 @@ void progress_show(progress *show, size_t frame)
     if (show->mode == PROGRESS_YAML) {
         write_yaml(show, frame);
     } else {
-        print_line(show, frame);
+        write_line(show, frame);
     }
 }
 

@@ -36,7 +36,7 @@ char *ranks_share_text(const weft_comm *comm, const char *text)
     comm->share(comm->self, &size, sizeof size);
     char *copy = malloc(size);
     if (copy == NULL) {
-        complain("error", "no memory for the text of the scene");
+        print_line(stderr, "weft: error: no memory for the text of the scene");
         comm->stop(comm->self, EXIT_SIMULATION);
         return NULL;
     }

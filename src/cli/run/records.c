@@ -108,12 +108,6 @@ weft_status frames_have_room(const weft_scene *scene, weft_error *err)
                                 most, planned);
 }
 
-weft_status run_prepare(run *self, weft_error *err)
-{
-    return record_checkpoint_identify(&self->checkpoint, self->scene, self->registry,
-                                      err);
-}
-
 /* The records reach the disk before the checkpoint that needs them. When a run blows
  * up, the last checkpoint that can be restored is kept. */
 static weft_status sync_tables(run *self, weft_error *err)

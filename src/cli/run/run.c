@@ -163,11 +163,6 @@ static const char *signal_name(void)
     return interrupt_signal() == SIGINT ? "SIGINT" : "SIGTERM";
 }
 
-static int signal_code(void)
-{
-    return interrupt_signal() == SIGINT ? EXIT_SIGINT : EXIT_SIGTERM;
-}
-
 /* The step under way does not end. Nothing is known of the simulation but the frames
  * before: the thread that steps may be changing it. */
 static void give_up(void *ctx)
@@ -189,7 +184,8 @@ static void give_up(void *ctx)
     } else if (status == WEFT_OK && !self->quiet) {
         summary_print_frames(&self->summary);
     }
-    const int code = status == WEFT_OK ? signal_code() : report_error(&err);
+    const int code
+        = status == WEFT_OK ? interrupt_code(interrupt_signal()) : report_error(&err);
     (void)fflush(stdout);
     _exit(code);
 }
@@ -296,7 +292,7 @@ static int conclude(run *self, weft_status status, const weft_error *why)
         summary_print(&self->summary);
     }
     if (interrupted && status == WEFT_OK) {
-        return signal_code();
+        return interrupt_code(interrupt_signal());
     }
     return code;
 }
@@ -325,7 +321,9 @@ static int run_prepared(run *self)
                                .scene = self->scene,
                                .sim = self->sim,
                                .result = &self->result };
-    weft_status status = run_agree(self, run_prepare(self, &err), &err);
+    weft_status status = record_checkpoint_identify(&self->checkpoint, self->scene,
+                                                    self->registry, &err);
+    status = run_agree(self, status, &err);
     self->beyond = stability_warn(self->scene, self->sim, self->from != NULL);
     self->result.energy_start = weft_energy_total(weft_sim_measure(self->sim).energy);
     if (status == WEFT_OK && self->from != NULL) {

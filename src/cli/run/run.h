@@ -49,9 +49,7 @@ typedef struct run {
     sentence reason;
 } run;
 
-/* records.c. Allocates and identifies the checkpoint. */
-weft_status run_prepare(run *self, weft_error *err);
-/* Opens the files of a run from t = 0. */
+/* records.c. Opens the files of a run from t = 0. */
 weft_status run_begin(run *self, weft_error *err);
 /* Opens them as they were at the checkpoint, and restores its state. Checks all of them
  * before it writes any. */

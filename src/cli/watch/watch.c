@@ -69,7 +69,7 @@ void watch_begin(watch_process *self, const watch_def *def, int lock)
     *self = (watch_process){ .def = *def, .lock = lock };
     self->process = (process_def){ .work = serve, .ctx = self, .end_signal = SIGTERM };
     if (pipe(ready) != 0) {
-        complain("warning", "no --watch: %s", strerror(errno));
+        print_line(stderr, "weft: warning: no --watch: %s", strerror(errno));
         return;
     }
     self->def.parent = getpid();
@@ -78,7 +78,7 @@ void watch_begin(watch_process *self, const watch_def *def, int lock)
     const int why = errno;
     (void)close(ready[1]);
     if (!started) {
-        complain("warning", "no --watch: %s", strerror(why));
+        print_line(stderr, "weft: warning: no --watch: %s", strerror(why));
     } else {
         (void)!read(ready[0], &byte, 1); /* until it is closed */
     }
