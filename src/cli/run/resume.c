@@ -55,8 +55,7 @@ static int open_longer(const options *given, const char *directory,
         return EXIT_DONE;
     }
     if (!(option_real(given->until) > now)) {
-        return usage_error(given,
-                           "--until %s: not a time beyond %.9g s, where %s ends",
+        return usage_error(given, "--until %s: not a time beyond %.9g s, where %s ends",
                            given->until, now, directory);
     }
     if (record_path(directory, "scene.yaml", path, &err) != WEFT_OK) {
