@@ -6,7 +6,6 @@
  * no more. Positions show where and by how much. Only times that both have count. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "cli/cli.h"
 #include "cli/human.h"

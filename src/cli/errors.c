@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* errors.c -- what is wrong, to stderr. */
-#include <string.h>
-
 #include "base/suggest.h"
 #include "cli/cli.h"
 #include "cli/human.h"

@@ -7,7 +7,6 @@
 #include <float.h>
 #include <locale.h>
 #include <signal.h>
-#include <stdlib.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* batch_show.c -- a redrawn table on a terminal, or one line per run in a pipe. */
-#include <unistd.h>
 
 #include "base/clock.h"
 #include "cli/batch/batch.h"

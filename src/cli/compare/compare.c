@@ -107,8 +107,7 @@ static weft_status add_method(compare *self, const stepper_method *by,
 }
 
 /* The scene's own method is added whether listed or not. */
-static weft_status add_methods(compare *self, const weft_registry *registry,
-                               const char *list, weft_error *err)
+static weft_status add_methods(compare *self, weft_error *err)
 {
     stepper_method m;
     double *y = calloc(weft_cloth_dim(self->cloth), sizeof *y);
@@ -119,10 +118,12 @@ static weft_status add_methods(compare *self, const weft_registry *registry,
     self->modes = weft_cloth_stiffness(self->cloth, 0.0, y);
     free(y);
     weft_status status = WEFT_OK;
-    for (size_t i = 0; status == WEFT_OK && method_at(registry, i, &m); ++i) {
+    for (size_t i = 0; status == WEFT_OK && method_at(self->given->registry, i, &m);
+         ++i) {
         const bool own = m.type == weft_scene_method_type(self->scene);
         if (own
-            || (is_listed(&m, list) && (m.type->flags & WEFT_STEPPER_BUTCHER) == 0)) {
+            || (is_listed(&m, self->given->methods)
+                && (m.type->flags & WEFT_STEPPER_BUTCHER) == 0)) {
             status = add_method(self, &m, &self->modes, err);
         }
     }
@@ -149,7 +150,7 @@ static weft_status run_jobs(compare *self, size_t jobs,
 {
     process_pool pool = { .def = { .work = work, .ctx = self, .end_signal = SIGKILL },
                           .jobs = jobs,
-                          .at_once = self->jobs,
+                          .at_once = self->given->jobs > 0 ? self->given->jobs : 1,
                           .ended = ended };
     return process_pool_run(&pool)
                ? WEFT_OK
@@ -329,12 +330,11 @@ static weft_status compare_all(compare *self, weft_error *err)
 
 /* ---- the verb --------------------------------------------------------------- */
 
-static weft_status open_memory(compare *self, const weft_registry *registry,
-                               weft_error *err)
+static weft_status open_memory(compare *self, weft_error *err)
 {
     const size_t frames = self->planned + 1, dim = weft_cloth_dim(self->cloth);
     self->shared = process_memory(1, sizeof *self->shared
-                                         + (method_count(registry) + 1)
+                                         + (method_count(self->given->registry) + 1)
                                                * sizeof *self->shared->methods);
     bool able = self->shared != NULL;
     for (size_t i = 0; i < 2; ++i) {
@@ -357,7 +357,7 @@ static weft_status conclude(const compare *self, const char *directory, weft_err
     compare_advise(self, &advice);
     TRY(compare_csv(self, directory, err));
     TRY(compare_html(self, &advice, directory, err));
-    if (!self->quiet && self->progress.mode != PROGRESS_YAML) {
+    if (!self->given->quiet && self->progress.mode != PROGRESS_YAML) {
         compare_print(self, &advice);
         print_plainly(stdout, "written: %s/compare.csv, %s/compare.html\n", directory,
                       directory);
@@ -365,9 +365,9 @@ static weft_status conclude(const compare *self, const char *directory, weft_err
     return WEFT_OK;
 }
 
-static weft_status find_references(compare *self, const weft_registry *registry,
-                                   weft_error *err)
+static weft_status find_references(compare *self, weft_error *err)
 {
+    const weft_registry *registry = self->given->registry;
     return method_best(registry, NULL, &self->by[0])
                    && method_best(registry, &self->by[0], &self->by[1])
                ? WEFT_OK
@@ -377,14 +377,12 @@ static weft_status find_references(compare *self, const weft_registry *registry,
 }
 
 /* Checks for references before it makes the directory. */
-static weft_status compare_into(compare *self, const options *given,
-                                const char *directory, weft_error *err)
+static weft_status compare_into(compare *self, const char *directory, weft_error *err)
 {
-    self->registry = given->registry;
-    TRY(find_references(self, given->registry, err));
-    TRY(record_outdir(directory, given->force, err));
-    TRY(open_memory(self, given->registry, err));
-    TRY(add_methods(self, given->registry, given->methods, err));
+    TRY(find_references(self, err));
+    TRY(record_outdir(directory, self->given->force, err));
+    TRY(open_memory(self, err));
+    TRY(add_methods(self, err));
     compare_begin(self, directory);
     weft_status status = compare_all(self, err);
     status = status == WEFT_OK ? conclude(self, directory, err) : status;
@@ -398,10 +396,9 @@ static int compare_scene(const options *given, double until, const weft_scene *s
     const char *directory = out_directory(given, ".compare", text);
     weft_error err = { 0 };
     weft_cloth *cloth = NULL;
-    compare self = { .scene = scene,
+    compare self = { .given = given,
+                     .scene = scene,
                      .run = *weft_scene_run(scene),
-                     .jobs = given->jobs > 0 ? given->jobs : 1,
-                     .quiet = given->quiet,
                      .progress.mode = given->mode };
     self.run.duration = fmin(self.run.duration, until);
     self.planned = weft_run_last_frame(&self.run);
@@ -410,7 +407,7 @@ static int compare_scene(const options *given, double until, const weft_scene *s
                  ? cloth_create(scene, weft_scene_cloth(scene), &cloth, &err)
                  : status;
     self.cloth = cloth;
-    status = status == WEFT_OK ? compare_into(&self, given, directory, &err) : status;
+    status = status == WEFT_OK ? compare_into(&self, directory, &err) : status;
     weft_cloth_destroy(cloth);
     return status == WEFT_OK ? EXIT_DONE : report_error(&err);
 }

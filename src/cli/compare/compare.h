@@ -79,15 +79,13 @@ typedef struct compare_shared {
 } compare_shared;
 
 typedef struct compare {
+    const options *given;
     const weft_scene *scene;
     const weft_cloth *cloth;
     weft_run_def run; /* of the scene, up to --until */
     stepper_method by[2];
-    size_t last;    /* frame up to which errors are judged */
-    size_t planned; /* frame up to which they should be */
-    size_t jobs;
-    bool quiet;
-    const weft_registry *registry;
+    size_t last;          /* frame up to which errors are judged */
+    size_t planned;       /* frame up to which they should be */
     weft_stiffness modes; /* at the start */
     progress progress;    /* of the ladders */
 

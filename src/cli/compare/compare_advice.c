@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* compare_advice.c -- recommends a method for each accuracy, with reasons. */
 #include <math.h>
-#include <string.h>
 
 #include "cli/compare/compare.h"
 

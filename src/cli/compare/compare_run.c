@@ -276,7 +276,8 @@ int compare_stiffness(void *ctx, size_t unused)
     survey found = { .modes = self->modes };
     (void)unused;
     if (found.modes.omega2 > 0.0
-        && survey_methods(self->scene, self->registry, &found, NULL) == WEFT_OK) {
+        && survey_methods(self->scene, self->given->registry, &found, NULL)
+               == WEFT_OK) {
         const stiff_gains gains = stiff_gains_of(&found, weft_scene_cloth(self->scene));
         stiff_say(&gains, &self->shared->stiffness);
     }

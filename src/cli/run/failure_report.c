@@ -3,7 +3,6 @@
  * start, and advice. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "cli/run/run.h"
 #include "cli/survey/survey.h"

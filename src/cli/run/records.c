@@ -135,7 +135,7 @@ weft_status run_checkpoint(run *self, size_t index, weft_error *err)
 
 static weft_status write_manifest(const run *self, weft_error *err)
 {
-    weft_registry *registry = self->registry;
+    weft_registry *registry = self->given->registry;
     const weft_plugin *plugin;
     const char *file = "";
     TRY(weft_registry_find(registry, weft_scene_plugin(self->scene), &plugin, err));

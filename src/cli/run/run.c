@@ -125,7 +125,7 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
     status = status == WEFT_OK ? record_vtkhdf_add(self->frames, &frame, err) : status;
     weft_cloth_destroy(self->whole); /* the first frame needed it */
     self->whole = NULL;
-    if (status == WEFT_OK && self->obj) {
+    if (status == WEFT_OK && self->given->frames != NULL) {
         status = write_frame_obj(self, index, err);
     }
     if (status == WEFT_OK) {
@@ -151,7 +151,7 @@ static bool on_step(void *ctx)
     run *self = ctx;
     interrupt_acquire(&self->watch);
     summary_step(&self->summary);
-    if (self->mode >= PROGRESS_TERMINAL) { /* lines come with frames */
+    if (self->given->mode >= PROGRESS_TERMINAL) { /* lines come with frames */
         progress_show(&self->progress, self->result.frames - 1);
     }
     interrupt_release(&self->watch);
@@ -179,9 +179,9 @@ static void give_up(void *ctx)
     if (status == WEFT_OK) {
         status = record_result_write(self->out, &self->result, &err);
     }
-    if (status == WEFT_OK && self->mode == PROGRESS_YAML) {
+    if (status == WEFT_OK && self->given->mode == PROGRESS_YAML) {
         summary_yaml_end(&self->summary);
-    } else if (status == WEFT_OK && !self->quiet) {
+    } else if (status == WEFT_OK && !self->given->quiet) {
         summary_print_frames(&self->summary);
     }
     const int code
@@ -199,10 +199,10 @@ static weft_status simulate(run *self, weft_error *err)
                                .checkpoint = on_checkpoint,
                                .step = on_step,
                                .ctx = self };
-    if (self->mode == PROGRESS_YAML) {
+    if (self->given->mode == PROGRESS_YAML) {
         summary_yaml_begin(&self->summary);
     }
-    progress_begin(&self->progress, self->mode, self->sim, frames.run);
+    progress_begin(&self->progress, self->given->mode, self->sim, frames.run);
     interrupt_begin(&self->watch, self->comm == NULL ? give_up : NULL, self);
     interrupt_release(&self->watch);
     weft_status status = weft_sim_play(self->sim, &frames, err);
@@ -286,9 +286,9 @@ static int conclude(run *self, weft_status status, const weft_error *why)
         && !weft_scene_run(self->scene)->keep_checkpoint) {
         run_remove(self, RECORD_CHECKPOINT);
     }
-    if (self->mode == PROGRESS_YAML) {
+    if (self->given->mode == PROGRESS_YAML) {
         summary_yaml_end(&self->summary);
-    } else if (!self->quiet) {
+    } else if (!self->given->quiet) {
         summary_print(&self->summary);
     }
     if (interrupted && status == WEFT_OK) {
@@ -322,7 +322,7 @@ static int run_prepared(run *self)
                                .sim = self->sim,
                                .result = &self->result };
     weft_status status = record_checkpoint_identify(&self->checkpoint, self->scene,
-                                                    self->registry, &err);
+                                                    self->given->registry, &err);
     status = run_agree(self, status, &err);
     self->beyond = stability_warn(self->scene, self->sim, self->from != NULL);
     self->result.energy_start = weft_energy_total(weft_sim_measure(self->sim).energy);
@@ -358,15 +358,15 @@ static int run_simulation(run *self)
 }
 
 /* A new directory, or one that may be taken over; claimed. */
-static weft_status open_directory(const run *self, bool force, int *lock,
-                                  weft_error *err)
+static weft_status open_directory(const run *self, int *lock, weft_error *err)
 {
     if (!run_first(self)) {
         return WEFT_OK;
     }
     weft_status status = record_outdir_lock(self->out, RECORD_PATIENCE, lock, err);
-    status = status == WEFT_OK ? record_outdir(self->out, force, err) : status;
-    if (status == WEFT_OK && self->obj) {
+    status = status == WEFT_OK ? record_outdir(self->out, self->given->force, err)
+                               : status;
+    if (status == WEFT_OK && self->given->frames != NULL) {
         char frames[RECORD_PATH];
         status = record_path(self->out, "frames", frames, err);
         status = status == WEFT_OK ? record_directory(frames, err) : status;
@@ -374,11 +374,12 @@ static weft_status open_directory(const run *self, bool force, int *lock,
     return status;
 }
 
-static int run_watched(run *self, const options *given, int lock)
+static int run_watched(run *self, int lock)
 {
+    const options *given = self->given;
     watch_process watching = { .lock = -1 };
     watch_def def = { .directory = self->out,
-                      .yaml = self->mode == PROGRESS_YAML,
+                      .yaml = self->given->mode == PROGRESS_YAML,
                       .writes = true };
     if (!given->watch) {
         return run_simulation(self);
@@ -396,18 +397,15 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
     weft_error err = { 0 };
     int lock = -1, code = EXIT_DONE;
     run self = {
+        .given = given,
         .out = out,
-        .obj = given->frames != NULL,
         .again = claimed,
         .from = from,
         .scene = scene,
         .comm = given->comm,
-        .registry = given->registry,
         .result = { .status = "done",
                     .reason = "",
                     .planned = weft_run_last_frame(weft_scene_run(scene)) + 1 },
-        .quiet = given->quiet,
-        .mode = given->mode,
     };
     if (!claimed && given->comm == NULL && scene_accepted(scene) != EXIT_DONE) {
         return EXIT_SCENE;
@@ -416,20 +414,20 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
     ranks_warn(self.comm, weft_scene_config(scene)->threads);
     weft_status status = frames_have_room(scene, &err);
     if (status == WEFT_OK && !claimed) {
-        status = open_directory(&self, given->force, &lock, &err);
+        status = open_directory(&self, &lock, &err);
     }
     if (run_agree(&self, status, &err) != WEFT_OK) {
         code = report_error(&err);
     } else {
         (void)stat(out, &self.place);
-        code = run_watched(&self, given, lock);
+        code = run_watched(&self, lock);
     }
     if (lock >= 0) {
         (void)close(lock);
     }
     if ((given->view || given->watch) && code != EXIT_FILE) {
         interrupt_catch(false);
-        const int viewed = view_runs(&out, 1, NULL, self.mode == PROGRESS_YAML);
+        const int viewed = view_runs(&out, 1, NULL, given->mode == PROGRESS_YAML);
         return code == EXIT_DONE ? viewed : code;
     }
     return code;

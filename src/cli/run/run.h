@@ -21,14 +21,12 @@ typedef struct summary {
 } summary;
 
 typedef struct run {
+    const options *given;
     const char *out;
     struct stat place;       /* of the directory `out` */
-    bool obj;                /* one OBJ file per frame */
-    bool quiet;              /* no progress, no summary */
     bool again;              /* the directory is that of an earlier attempt */
     record_checkpoint *from; /* NULL: from t = 0 */
     const weft_scene *scene;
-    weft_registry *registry;
     const weft_comm *comm; /* NULL: one process; else all functions are collective */
     weft_cloth *cloth;     /* of the sim: in bands, this one */
     weft_cloth *whole;     /* in bands, on rank 0, up to the first frame; else NULL */
@@ -40,7 +38,6 @@ typedef struct run {
     record_checkpoint checkpoint; /* the next one */
     double began; /* [s] of the wall clock, less the time of earlier parts */
     interrupt_watch watch;
-    progress_mode mode;
     progress progress;
     summary summary;
     uint64_t limit_sweeps; /* up to the last frame */
