@@ -148,7 +148,7 @@ START_TEST(help_on_a_key_that_is_not_there_names_those_that_are)
     static const char *const wrong[][2] = {
         { "stepper.rtoll", "unknown key 'rtoll' in stepper (did you mean 'rtol'?)\n" },
         { "run.speed", "unknown key 'speed' in run; run has duration, fps, threads, "
-                       "frames, checkpoint\n" },
+                       "frames, checkpoint, keep_checkpoint\n" },
         { "drag",
           "unknown key 'drag' in the scene (it is a key of forces.wind); the " },
         { "run.fps.x", "unknown key 'x' in fps; it has no keys\n" },
