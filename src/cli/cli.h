@@ -83,9 +83,10 @@ int report_error(const weft_error *err);
 /* "weft run: <text>" and a hint at --help, to stderr; returns EXIT_USAGE. */
 WEFT_PRINTF(2, 3) int usage_error(const options *given, const char *format, ...);
 
-/* The same for a value that is not among the names; NULL ends these. */
-int usage_choice(const options *given, const char *option, const char *typed,
-                 const char *const *names);
+/* Finds the value of an option among names, which NULL ends. Returns EXIT_DONE, or
+ * EXIT_USAGE after naming them and the nearest. */
+int choose(const options *given, const char *option, const char *typed,
+           const char *const *names, size_t *chosen);
 
 /* ---- open.c ---- */
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* errors.c -- what is wrong, to stderr. */
+#include <string.h>
+
 #include "base/suggest.h"
 #include "cli/cli.h"
 #include "cli/human.h"
@@ -29,13 +31,17 @@ int usage_error(const options *given, const char *format, ...)
     return EXIT_USAGE;
 }
 
-int usage_choice(const options *given, const char *option, const char *typed,
-                 const char *const *names)
+int choose(const options *given, const char *option, const char *typed,
+           const char *const *names, size_t *chosen)
 {
     weft__guess guess = { 0 };
     sentence list = { "" };
     char near[80];
     for (size_t i = 0; names[i] != NULL; ++i) {
+        if (strcmp(typed, names[i]) == 0) {
+            *chosen = i;
+            return EXIT_DONE;
+        }
         weft__guess_try(&guess, typed, names[i]);
         const char *separator = i == 0 ? "" : names[i + 1] == NULL ? " or " : ", ";
         say(&list, "%s%s", separator, names[i]);

@@ -438,34 +438,21 @@ static int export_run(const options *given, export_job *job)
     return code;
 }
 
-static const export_format *find_format(const char *name)
-{
-    const export_format *format = formats;
-    while (format < formats + FORMATS && strcmp(format->name, name) != 0) {
-        ++format;
-    }
-    return format < formats + FORMATS ? format : NULL;
-}
-
-static int unknown_format(const options *given)
-{
-    const char *names[FORMATS + 1] = { NULL };
-    for (size_t i = 0; i < FORMATS; ++i) {
-        names[i] = formats[i].name;
-    }
-    return usage_choice(given, "format", given->format, names);
-}
-
 static int export_verb(const options *given)
 {
     export_job job = { .directory = given->operands[0] };
+    const char *names[FORMATS + 1] = { NULL };
+    size_t format;
     if (given->format == NULL) {
         return usage_error(given, "--format obj, ply, csv, mdd, pc2 or pvd is needed");
     }
-    job.format = find_format(given->format);
-    if (job.format == NULL) {
-        return unknown_format(given);
+    for (size_t i = 0; i < FORMATS; ++i) {
+        names[i] = formats[i].name;
     }
+    if (choose(given, "format", given->format, names, &format) != EXIT_DONE) {
+        return EXIT_USAGE;
+    }
+    job.format = &formats[format];
     if (job.format->movie != NULL && given->frame != NULL
         && strcmp(given->frame, "all") != 0) {
         return usage_error(given, "--frame %s: %s holds all frames", given->frame,

@@ -134,12 +134,9 @@ static int choose_progress(options *given)
         = { progress_can_redraw() ? PROGRESS_TERMINAL : PROGRESS_LINES, PROGRESS_LINES,
             PROGRESS_TERMINAL, PROGRESS_YAML, PROGRESS_NONE };
     size_t i = 0;
-    while (given->progress != NULL && names[i] != NULL
-           && strcmp(names[i], given->progress) != 0) {
-        ++i;
-    }
-    if (names[i] == NULL) {
-        return usage_choice(given, "progress", given->progress, names);
+    if (given->progress != NULL
+        && choose(given, "progress", given->progress, names, &i) != EXIT_DONE) {
+        return EXIT_USAGE;
     }
     if (given->quiet && given->progress != NULL) {
         return usage_error(given, "--quiet and --progress exclude each other");

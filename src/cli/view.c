@@ -36,16 +36,6 @@ static void warn_of_series(const char *directory)
     free(rows);
 }
 
-static weft_status write_runs(const char *const *directories, size_t count,
-                              const char *out, weft_error *err)
-{
-    const weft_status status = record_player(directories, count, out, err);
-    for (size_t i = 0; status == WEFT_OK && i < count; ++i) {
-        warn_of_series(directories[i]);
-    }
-    return status;
-}
-
 static weft_status write_batch(const char *directory, const char *out, weft_error *err)
 {
     size_t without = 0;
@@ -74,7 +64,10 @@ int view_runs(const char *const *directories, size_t count, const char *out, boo
     }
     if (status == WEFT_OK) {
         status = batch ? write_batch(directories[0], out, &err)
-                       : write_runs(directories, count, out, &err);
+                       : record_player(directories, count, out, &err);
+    }
+    for (size_t i = 0; status == WEFT_OK && !batch && i < count; ++i) {
+        warn_of_series(directories[i]);
     }
     if (status != WEFT_OK) {
         const int code = report_error(&err);

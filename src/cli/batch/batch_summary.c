@@ -125,24 +125,18 @@ static weft_status write_row(FILE *out, const batch *self, const varied *keys,
     return WEFT_OK;
 }
 
-static weft_status write_rows(FILE *out, const batch *self, const varied *keys,
-                              weft_error *err)
-{
-    write_header(out, keys);
-    for (size_t i = 0; i < self->run_count; ++i) {
-        TRY(write_row(out, self, keys, &self->runs[i], err));
-    }
-    return WEFT_OK;
-}
-
 static weft_status write_summary(const batch *self, const varied *keys, weft_error *err)
 {
     record_file file;
     TRY(record_file_open(&file, self->out, "summary.csv", err));
-    const weft_status status = write_rows(file.stream, self, keys, err);
-    if (status != WEFT_OK) {
-        record_file_discard(&file);
-        return status;
+    write_header(file.stream, keys);
+    for (size_t i = 0; i < self->run_count; ++i) {
+        const weft_status status
+            = write_row(file.stream, self, keys, &self->runs[i], err);
+        if (status != WEFT_OK) {
+            record_file_discard(&file);
+            return status;
+        }
     }
     return record_file_commit(&file, err);
 }

@@ -27,20 +27,23 @@ static void on_signal(int number)
     errno = kept;
 }
 
-void interrupt_catch(bool on)
+static void catch_one(int number, bool on)
 {
     struct sigaction action
         = { .sa_handler = on ? on_signal : SIG_DFL, .sa_flags = SA_RESTART };
     (void)sigemptyset(&action.sa_mask);
-    (void)sigaction(SIGINT, &action, NULL);
-    (void)sigaction(SIGTERM, &action, NULL);
+    (void)sigaction(number, &action, NULL);
+}
+
+void interrupt_catch(bool on)
+{
+    catch_one(SIGINT, on);
+    catch_one(SIGTERM, on);
 }
 
 void interrupt_catch_user(void)
 {
-    struct sigaction action = { .sa_handler = on_signal, .sa_flags = SA_RESTART };
-    (void)sigemptyset(&action.sa_mask);
-    (void)sigaction(SIGUSR1, &action, NULL);
+    catch_one(SIGUSR1, true);
 }
 
 int interrupt_agreed(const weft_comm *comm)

@@ -10,11 +10,6 @@
 #include "cli/run/ranks.h"
 #include "cli/run/run.h"
 
-bool run_first(const run *self)
-{
-    return ranks_first(self->comm);
-}
-
 weft_status run_agree(const run *self, weft_status status, weft_error *err)
 {
     return weft_comm_agree(self->comm, status, err);
@@ -23,7 +18,8 @@ weft_status run_agree(const run *self, weft_status status, weft_error *err)
 void run_remove(const run *self, const char *name)
 {
     char path[RECORD_PATH];
-    if (run_first(self) && record_path(self->out, name, path, NULL) == WEFT_OK) {
+    if (ranks_first(self->comm)
+        && record_path(self->out, name, path, NULL) == WEFT_OK) {
         (void)remove(path);
     }
 }
@@ -31,7 +27,7 @@ void run_remove(const run *self, const char *name)
 static weft_status is_in_place(const run *self, weft_error *err)
 {
     struct stat now;
-    if (!run_first(self)) {
+    if (!ranks_first(self->comm)) {
         return WEFT_OK;
     }
     if (stat(self->out, &now) != 0) {
@@ -191,7 +187,7 @@ unsigned series_columns(const weft_scene *scene)
 /* On other ranks the tables only have columns. */
 static weft_status reopen_tables(run *self, weft_error *err)
 {
-    if (!run_first(self)) {
+    if (!ranks_first(self->comm)) {
         record_series_begin(&self->series, series_columns(self->scene));
         return WEFT_OK;
     }
@@ -273,14 +269,15 @@ static weft_status reopen_records(run *self, weft_error *err)
     if (is_longer(self)) {
         return make_longer(self, err);
     }
-    TRY(run_agree(self, run_first(self) ? write_manifest(self, err) : WEFT_OK, err));
+    TRY(run_agree(self, ranks_first(self->comm) ? write_manifest(self, err) : WEFT_OK,
+                  err));
     TRY(record_vtkhdf_cut(self->frames, err));
     return run_agree(self, cut_tables(self, err), err);
 }
 
 static weft_status open_tables(run *self, weft_error *err)
 {
-    if (!run_first(self)) {
+    if (!ranks_first(self->comm)) {
         record_series_begin(&self->series, series_columns(self->scene));
         return WEFT_OK;
     }

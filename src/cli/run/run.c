@@ -83,7 +83,7 @@ static weft_status write_state(const run *self, const char *name,
     const double *y;
     double *gathered;
     weft_status status = run_state(self, &y, &gathered, err);
-    if (status == WEFT_OK && run_first(self)) {
+    if (status == WEFT_OK && ranks_first(self->comm)) {
         status = write_planes(self, name, write, y, err);
     }
     free(gathered);
@@ -245,9 +245,9 @@ static weft_status write_ends(run *self, bool failed, weft_error *err)
         note_failure(self, err);
     }
     const weft_status result
-        = run_first(self) ? record_result_write(self->out, &self->result,
-                                                written == WEFT_OK ? err : NULL)
-                          : WEFT_OK;
+        = ranks_first(self->comm) ? record_result_write(self->out, &self->result,
+                                                        written == WEFT_OK ? err : NULL)
+                                  : WEFT_OK;
     return run_agree(self, written == WEFT_OK ? result : written, err);
 }
 
@@ -305,7 +305,7 @@ static int refuse(const run *self, const weft_error *why)
                                    .reason = why->message,
                                    .planned = self->result.planned };
     (void)report_error(why);
-    if (self->from == NULL && run_first(self)
+    if (self->from == NULL && ranks_first(self->comm)
         && (record_text(self->out, "scene.yaml", weft_scene_text(self->scene), &err)
                 != WEFT_OK
             || record_result_write(self->out, &result, &err) != WEFT_OK)) {
@@ -360,7 +360,7 @@ static int run_simulation(run *self)
 /* A new directory, or one that may be taken over; claimed. */
 static weft_status open_directory(const run *self, int *lock, weft_error *err)
 {
-    if (!run_first(self)) {
+    if (!ranks_first(self->comm)) {
         return WEFT_OK;
     }
     weft_status status = record_outdir_lock(self->out, RECORD_PATIENCE, lock, err);
@@ -437,9 +437,12 @@ static int run_verb(const options *given)
 {
     char out[RECORD_PATH];
     weft_scene *scene = NULL;
-    if (given->frames != NULL && strcmp(given->frames, "obj") != 0) {
-        return usage_choice(given, "frames", given->frames,
-                            (const char *const[]){ "obj", NULL });
+    size_t only;
+    if (given->frames != NULL
+        && choose(given, "frames", given->frames, (const char *const[]){ "obj", NULL },
+                  &only)
+               != EXIT_DONE) {
+        return EXIT_USAGE;
     }
     uint16_t port;
     int code = watch_check(given, &port);

@@ -56,8 +56,6 @@ weft_status run_checkpoint(run *self, size_t index, weft_error *err);
 /* Closes them after `status`, which is returned unless it was the better one. */
 weft_status run_close(run *self, weft_status status, weft_error *err);
 void run_remove(const run *self, const char *name);
-/* Whether this process writes the files. */
-bool run_first(const run *self);
 /* WEFT_OK if all bands have it, else the first error. */
 weft_status run_agree(const run *self, weft_status status, weft_error *err);
 /* The state y[6 N] of the whole cloth, on rank 0: that of the sim or, in bands, in
