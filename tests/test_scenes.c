@@ -164,7 +164,7 @@ START_TEST(cloth_passes_through_itself_where_self_contact_is_off)
     weft_cloth *cloth = test_cloth(weft_scene_cloth(scene));
     weft_sim *sim = simulation(scene, cloth);
     size_t crossing = 0;
-    for (size_t i = 1; i <= weft_run_last_frame(run); ++i) {
+    for (size_t i = 1; crossing < 2 && i <= weft_run_last_frame(run); ++i) {
         ck_assert_int_eq(weft_sim_advance(sim, weft_run_frame_time(run, i), NULL),
                          WEFT_OK);
         crossing += weft_cloth_crossings(cloth, weft_sim_state(sim), NULL) > 0;

@@ -227,8 +227,12 @@ static const scene scenes[] = {
 
 enum { SCENES = sizeof scenes / sizeof scenes[0], PILE = SCENES - 2, SLAM, FOLD = 0 };
 
+/* Of a shape once, unless there is time. */
 START_TEST(cloth_passes_through_itself_without)
 {
+    if (_i > 0 && scenes[_i].of.shape == scenes[_i - 1].of.shape && test_rounds(1, 0)) {
+        return;
+    }
     start_scene(&scenes[_i], false);
     ck_assert_uint_eq(crossings(), 0);
     ck_assert_uint_gt(crossings_of(&scenes[_i].of), 0);

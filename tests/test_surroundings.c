@@ -44,9 +44,11 @@ START_TEST(every_verb_reads_a_scene_without_a_name_in_every_form)
            0);
     says("r/scene.yaml: ok: form\n");
 #if defined HAVE_GSL && defined HAVE_ARKODE
-    expect(shell("cd " OUT " && ../weft compare form.yaml --out c --until 0.05 "
-                 "--methods verlet 2>&1"),
-           0);
+    if (_i == 0) { /* it reads as the others do */
+        expect(shell("cd " OUT " && ../weft compare form.yaml --out c --until 0.05 "
+                     "--methods verlet 2>&1"),
+               0);
+    }
 #endif
 }
 END_TEST
@@ -54,10 +56,13 @@ END_TEST
 /* ---- standard streams ---------------------------------------------------------------
  */
 
-/* Bit i of the test's number: stream i is closed. */
+/* Bit i of the test's number: stream i is closed; two of the three if there is time. */
 START_TEST(messages_never_go_into_results_when_standard_streams_are_closed)
 {
     char closed[32] = "";
+    if (test_rounds(1, 0) && (_i == 3 || _i == 5 || _i == 6)) {
+        return;
+    }
     for (int i = 0; i < 3; ++i) {
         (void)snprintf(closed + strlen(closed), sizeof closed - strlen(closed), "%s",
                        (_i >> i & 1) == 0 ? ""
