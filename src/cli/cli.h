@@ -88,17 +88,6 @@ WEFT_PRINTF(2, 3) int usage_error(const options *given, const char *format, ...)
 int choose(const options *given, const char *option, const char *typed,
            const char *const *names, size_t *chosen);
 
-/* ---- open.c ---- */
-
-/* A registry that looks in --plugin-path, WEFT_PLUGIN_PATH, beside the program and in
- * the installed directory. `trial`: plugins are loaded in a child process first. NULL
- * after printing why. */
-weft_registry *open_registry(const char *plugin_path, bool trial);
-
-/* Loads all plugins it finds and warns of refused ones; later calls do nothing.
- * WEFT_BAD_PLUGIN if there are none. */
-weft_status load_plugins(weft_registry *registry, weft_error *err);
-
 /* ---- method_list.c: every method of every plugin ---- */
 
 typedef struct stepper_method {
@@ -117,7 +106,16 @@ bool method_adapts(const weft_stepper_type *type);
 bool method_best(const weft_registry *registry, const stepper_method *but,
                  stepper_method *out);
 
-/* ---- open.c again ---- */
+/* ---- open.c ---- */
+
+/* A registry that looks in --plugin-path, WEFT_PLUGIN_PATH, beside the program and in
+ * the installed directory. `trial`: plugins are loaded in a child process first. NULL
+ * after printing why. */
+weft_registry *open_registry(const char *plugin_path, bool trial);
+
+/* Loads all plugins it finds and warns of refused ones; later calls do nothing.
+ * WEFT_BAD_PLUGIN if there are none. */
+weft_status load_plugins(weft_registry *registry, weft_error *err);
 
 /* Reads a scene, or unless that is NULL a sweep: of one run for a scene without
  * `sweep`. Prints its mistakes. Returns EXIT_DONE or the exit code. */
@@ -128,13 +126,6 @@ int open_scene(const char *file, const options *given, weft_scene **scene,
 const char *out_directory(const options *given, const char *suffix,
                           char text[RECORD_PATH]);
 
-/* view.c: write the page of one run or of two, into `out` or a default place, and print
- * its URL; with `yaml` as a document {event: page, url: ...}. Returns the exit code. */
-int view_runs(const char *const *directories, size_t count, const char *out, bool yaml);
-
-/* view.c: prints "DIR: unfinished: 116 of 721 frames" to stderr for such a run. */
-void report_unfinished(const char *directory);
-
 /* WEFT_UNSUPPORTED with the reason if this weft cannot run a valid scene. */
 weft_status scene_supported(const weft_scene *scene, weft_error *err);
 
@@ -142,15 +133,6 @@ weft_status scene_supported(const weft_scene *scene, weft_error *err);
  * fit into the memory of the machine, or into this process's limit. */
 weft_status cloth_create(const weft_scene *scene, const weft_cloth_def *def,
                          weft_cloth **cloth, weft_error *err);
-
-/* records.c: WEFT_BAD_SCENE if run.vtkhdf cannot hold the frames of a scene. */
-/* Also warns of a large file. */
-weft_status frames_have_room(const weft_scene *scene, weft_error *err);
-/* [bytes] of run.vtkhdf with all its frames, and their number. */
-double frames_bytes(const weft_scene *scene, size_t *planned);
-
-/* records.c: the optional columns of series.csv in runs of a scene: RECORD_... */
-unsigned series_columns(const weft_scene *scene);
 
 /* A simulation of that cloth as the scene, which is supported, defines it. */
 weft_status sim_create(const weft_scene *scene, const weft_cloth *cloth, weft_sim **sim,
@@ -164,5 +146,25 @@ int scene_accepted(const weft_scene *scene);
 weft_status simulation_create(const weft_scene *scene, const weft_comm *comm,
                               weft_log log, weft_cloth **cloth, weft_sim **sim,
                               weft_error *err);
+
+/* ---- run/records.c ---- */
+
+/* WEFT_BAD_SCENE if run.vtkhdf cannot hold the frames of a scene; warns if they make it
+ * large. */
+weft_status frames_have_room(const weft_scene *scene, weft_error *err);
+/* [bytes] of run.vtkhdf with all its frames, and their number. */
+double frames_bytes(const weft_scene *scene, size_t *planned);
+
+/* The optional columns of series.csv in runs of a scene: RECORD_... */
+unsigned series_columns(const weft_scene *scene);
+
+/* ---- view.c ---- */
+
+/* Writes the page of one run or of two into `out` or a default place and prints
+ * its URL; with `yaml` as a document {event: page, url: ...}. Returns the exit code. */
+int view_runs(const char *const *directories, size_t count, const char *out, bool yaml);
+
+/* Prints "DIR: unfinished: 116 of 721 frames" to stderr for such a run. */
+void report_unfinished(const char *directory);
 
 #endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* trial.c -- what the checks share: runs of the method, and what is expected of them.
- */
+/* trial.c -- what the checks share: runs of the method, and expectations of them. */
 #include "conformance/trial.h"
 
 void weft__expect(trial *self, bool ok, const char *format, ...)
