@@ -9,7 +9,7 @@
 
 #ifdef HAVE_ARKODE
 #include "../plugins/arkode/arkode_plugin.h"
-#include "base/team.h"
+#include "base/thread_pool.h"
 
 const weft_plugin *weft_plugin_arkode(void);
 
@@ -41,8 +41,8 @@ static void must(bool done, const char *what)
 typedef struct ours {
     const weft_stepper_type *type;
     size_t dim;
-    weft__team *team;
-    weft_team lent;
+    weft__pool *pool;
+    weft_thread_pool lent;
     void *stepper;
     double t, *y;
     int steps; /* of one run */
@@ -60,8 +60,8 @@ static const weft_stepper_type *method(const char *name)
 static void ours_start(ours *self, size_t dim, size_t threads, int steps)
 {
     *self = (ours){ .type = method("dormand_prince"), .dim = dim, .steps = steps };
-    self->team = weft__team_create(threads, NULL);
-    self->lent = (weft_team){ self->team, weft__team_run };
+    self->pool = weft__pool_create(threads, NULL);
+    self->lent = (weft_thread_pool){ self->pool, weft__pool_run };
     const weft_stepper_config config = {
         .struct_size = sizeof config,
         .rtol = 1e-6,
@@ -70,7 +70,7 @@ static void ours_start(ours *self, size_t dim, size_t threads, int steps)
         .first_step = MAX_STEP,
         .min_step = 1e-12,
         .max_step = MAX_STEP,
-        .team = self->team == NULL ? NULL : &self->lent,
+        .pool = self->pool == NULL ? NULL : &self->lent,
     };
     const weft_ode ode = { .dim = dim, .rhs = constant, .ctx = &self->dim };
     weft_error err;
@@ -94,7 +94,7 @@ static void ours_run(void *ctx)
 static void ours_end(ours *self)
 {
     self->type->destroy(self->stepper);
-    weft__team_destroy(self->team);
+    weft__pool_destroy(self->pool);
     free(self->y);
 }
 

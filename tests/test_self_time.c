@@ -484,7 +484,7 @@ START_TEST(threads_do_not_change_results)
     for (size_t threads = 1; threads <= 4; threads *= 2) {
         run.config.threads = threads;
         start_pile();
-        ck_assert((sim->forces.team != NULL) == (threads > 1));
+        ck_assert((sim->forces.pool != NULL) == (threads > 1));
         go(0.43);
         first = threads == 1 ? hash() : first;
         ck_assert_uint_eq(hash(), first);

@@ -8,18 +8,18 @@
 
 #ifdef HAVE_ARKODE
 #include "../plugins/arkode/arkode_plugin.h"
-#include "base/team.h"
+#include "base/thread_pool.h"
 
 /* Around the sizes of blocks and slices, none, and long enough for threads; 21929 and
  * 22003 are prime. */
 static const size_t lengths[]
     = { 0,   1,   2,   3,   5,    7,    8,    9,    31,   63,   64,    65,
         127, 511, 512, 513, 1000, 2047, 2048, 2049, 4099, 9999, 21929, 6 * 30011 };
-static const size_t teams[] = { 1, 2, 3, 7 };
+static const size_t pools[] = { 1, 2, 3, 7 };
 
 enum {
     LENGTHS = sizeof lengths / sizeof lengths[0],
-    TEAMS = sizeof teams / sizeof teams[0],
+    POOLS = sizeof pools / sizeof pools[0],
     MOST = 19, /* vectors of one combination */
 };
 
@@ -33,19 +33,19 @@ static double some(uint64_t i, uint64_t of)
 
 typedef struct setting {
     SUNContext context;
-    weft__team *team;
-    weft_team lent;
+    weft__pool *pool;
+    weft_thread_pool lent;
     N_Vector v[MOST + 1];
     size_t n;
 } setting;
 
 static void begin(setting *s, size_t n, size_t threads)
 {
-    *s = (setting){ .team = weft__team_create(threads, NULL), .n = n };
-    s->lent = (weft_team){ s->team, weft__team_run };
-    ck_assert((s->team != NULL) == (threads > 1));
+    *s = (setting){ .pool = weft__pool_create(threads, NULL), .n = n };
+    s->lent = (weft_thread_pool){ s->pool, weft__pool_run };
+    ck_assert((s->pool != NULL) == (threads > 1));
     ck_assert_int_eq(SUNContext_Create(NO_COMM, &s->context), 0);
-    s->v[0] = weft__sun_vector(n, s->team == NULL ? NULL : &s->lent, s->context);
+    s->v[0] = weft__sun_vector(n, s->pool == NULL ? NULL : &s->lent, s->context);
     for (uint64_t k = 0; k <= MOST; ++k) {
         s->v[k] = k == 0 ? s->v[0] : N_VClone(s->v[0]);
         ck_assert_ptr_nonnull(s->v[k]);
@@ -66,7 +66,7 @@ static void end(setting *s)
     for (int k = MOST; k >= 0; --k) {
         N_VDestroy(s->v[k]);
     }
-    weft__team_destroy(s->team);
+    weft__pool_destroy(s->pool);
     (void)SUNContext_Free(&s->context);
 }
 
@@ -81,17 +81,17 @@ static double plain_sum(const setting *s, int count, const double *c, size_t i)
     return sum;
 }
 
-/* For every length and team. */
+/* For every length and pool. */
 #define EVERYWHERE                                                                     \
     for (int l = 0; l < LENGTHS; ++l)                                                  \
-        for (int p = 0; p < TEAMS; ++p)
+        for (int p = 0; p < POOLS; ++p)
 
 START_TEST(combinations_are_sums_from_left_to_right)
 {
     EVERYWHERE
     {
         setting s;
-        begin(&s, lengths[l], teams[p]);
+        begin(&s, lengths[l], pools[p]);
         for (int count = 1; count < MOST; ++count) {
             sunrealtype c[MOST];
             for (int k = 0; k < count; ++k) {
@@ -116,7 +116,7 @@ START_TEST(the_result_may_be_one_of_the_vectors)
     EVERYWHERE
     {
         setting s;
-        begin(&s, lengths[l], teams[p]);
+        begin(&s, lengths[l], pools[p]);
         for (size_t m = 0; m < sizeof counts / sizeof counts[0]; ++m) {
             const int count = counts[m], target = count / 2;
             sunrealtype c[MOST];
@@ -155,7 +155,7 @@ START_TEST(the_simple_operations_are_plain_loops)
     EVERYWHERE
     {
         setting s;
-        begin(&s, lengths[l], teams[p]);
+        begin(&s, lengths[l], pools[p]);
         const double *x = NV_DATA_S(s.v[0]), *y = NV_DATA_S(s.v[1]);
         const double *a = NV_DATA_S(s.v[2]), *b = NV_DATA_S(s.v[3]);
         N_VScale(-0.7, s.v[0], s.v[2]);
@@ -182,7 +182,7 @@ START_TEST(norms_are_those_of_a_plain_loop)
     EVERYWHERE
     {
         setting s;
-        begin(&s, lengths[l], teams[p]);
+        begin(&s, lengths[l], pools[p]);
         double most = 0.0, sum = 0.0;
         for (size_t i = 0; i < s.n; ++i) {
             const double e = NV_DATA_S(s.v[0])[i] * NV_DATA_S(s.v[1])[i];
@@ -208,7 +208,7 @@ START_TEST(one_bad_number_anywhere_is_seen)
     EVERYWHERE
     {
         setting s;
-        begin(&s, lengths[l], teams[p]);
+        begin(&s, lengths[l], pools[p]);
         for (int kind = 0; kind < 3 && lengths[l] > 0; ++kind) {
             sunrealtype c[MOST];
             const size_t places[] = { 0, s.n / 2, s.n / 2 + s.n / 5, s.n - 1 };
@@ -246,7 +246,7 @@ START_TEST(what_is_not_judged_has_no_say_in_the_norm)
         const size_t half = lengths[l] > 4 ? (lengths[l] - 4) / 2 : lengths[l] / 2;
         for (int rms = 0; half > 0 && rms < 2; ++rms) {
             setting s;
-            begin(&s, lengths[l], teams[p]);
+            begin(&s, lengths[l], pools[p]);
             const double *y = NV_DATA_S(s.v[0]), *e = NV_DATA_S(s.v[1]);
             double most = 0.0, sum = 0.0;
             for (size_t i = 0; i < 2 * half; ++i) {
@@ -403,8 +403,8 @@ static weft_stepper_stats many_steps(const way *how, size_t threads, size_t dim,
                                      double *y)
 {
     const weft_stepper_type *type = test_method_named(how->method);
-    weft__team *team = weft__team_create(threads, NULL);
-    const weft_team lent = (weft_team){ team, weft__team_run };
+    weft__pool *pool = weft__pool_create(threads, NULL);
+    const weft_thread_pool lent = (weft_thread_pool){ pool, weft__pool_run };
     const weft_ode ode = { .dim = dim, .rhs = ring, .ctx = &dim };
     const weft_stepper_config config = { .struct_size = sizeof config,
                                          .norm = how->norm,
@@ -415,7 +415,7 @@ static weft_stepper_stats many_steps(const way *how, size_t threads, size_t dim,
                                          .min_step = 1e-12,
                                          .max_step = INFINITY,
                                          .fixed_step = how->fixed_step,
-                                         .team = team == NULL ? NULL : &lent };
+                                         .pool = pool == NULL ? NULL : &lent };
     weft_stepper_stats stats = { .struct_size = sizeof stats };
     weft_error err = { 0 };
     void *self = NULL;
@@ -434,7 +434,7 @@ static weft_stepper_stats many_steps(const way *how, size_t threads, size_t dim,
     }
     type->stats(self, &stats);
     type->destroy(self);
-    weft__team_destroy(team);
+    weft__pool_destroy(pool);
     return stats;
 }
 

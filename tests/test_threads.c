@@ -30,19 +30,19 @@ static void count(void *ctx, size_t i)
 START_TEST(every_part_of_every_job_is_done_once)
 {
     for (size_t threads = 2; threads <= 9; threads += 7) {
-        weft__team *team = weft__team_create(threads, NULL);
-        ck_assert_uint_eq(weft__team_threads(team), threads);
+        weft__pool *pool = weft__pool_create(threads, NULL);
+        ck_assert_uint_eq(weft__pool_threads(pool), threads);
         for (unsigned job = 1; job <= JOBS; ++job) {
             unsigned parts[PARTS] = { 0 };
             const size_t number = job % (PARTS + 1);
-            weft__team_run(team, count, parts, number);
+            weft__pool_run(pool, count, parts, number);
             for (size_t i = 0; i < PARTS; ++i) {
                 ck_assert_uint_eq(parts[i], i < number ? 1 : 0);
             }
         }
-        weft__team_destroy(team);
+        weft__pool_destroy(pool);
     }
-    ck_assert_uint_eq(weft__team_threads(NULL), 1);
+    ck_assert_uint_eq(weft__pool_threads(NULL), 1);
 }
 END_TEST
 
@@ -77,7 +77,7 @@ static void meet(void *ctx, size_t i)
 START_TEST(helpers_take_the_floating_point_mode_of_the_caller_for_every_job)
 {
     static const int roundings[] = { FE_UPWARD, FE_DOWNWARD, FE_TONEAREST };
-    weft__team *team = weft__team_create(2, NULL);
+    weft__pool *pool = weft__pool_create(2, NULL);
     for (int i = 0; i < 12; ++i) {
         pair both = { .begun = 0 };
         ck_assert_int_eq(fesetround(roundings[i % 3]), 0);
@@ -86,7 +86,7 @@ START_TEST(helpers_take_the_floating_point_mode_of_the_caller_for_every_job)
         _mm_setcsr((_mm_getcsr() & ~0x8040u) | flush);
 #endif
         const mode own = try_mode();
-        weft__team_run(team, meet, &both, 2);
+        weft__pool_run(pool, meet, &both, 2);
         (void)fesetenv(FE_DFL_ENV);
         ck_assert((own.up > 1.0) == (i % 3 == 0) && (own.down < -1.0) == (i % 3 == 1));
         for (int part = 0; part < 2; ++part) {
@@ -95,7 +95,7 @@ START_TEST(helpers_take_the_floating_point_mode_of_the_caller_for_every_job)
             ck_assert(both.seen[part].half == own.half);
         }
     }
-    weft__team_destroy(team);
+    weft__pool_destroy(pool);
 }
 END_TEST
 
@@ -109,7 +109,7 @@ START_TEST(threads_are_no_more_than_pay)
         def.rows = def.cols = side[i];
         weft_cloth *cloth = test_cloth(&def);
         weft__forces forces = weft__forces_create(cloth, asked[i], NULL);
-        ck_assert_uint_eq(weft__team_threads(forces.team), given[i]);
+        ck_assert_uint_eq(weft__pool_threads(forces.pool), given[i]);
         weft__forces_destroy(&forces);
         weft_cloth_destroy(cloth);
     }

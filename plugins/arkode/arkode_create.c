@@ -101,12 +101,12 @@ static bool make_module(arkode_stepper *self)
 static bool make_solver(arkode_stepper *self, const weft_stepper_config *config,
                         ARKodeButcherTable table)
 {
-    const weft_team *team
-        = WEFT_HAS(config, weft_stepper_config, team) ? config->team : NULL;
+    const weft_thread_pool *pool
+        = WEFT_HAS(config, weft_stepper_config, pool) ? config->pool : NULL;
     self->context = weft__sun_context();
     bool made = self->context != NULL;
     if (made) {
-        self->y = weft__sun_vector(self->ode.dim, team, self->context);
+        self->y = weft__sun_vector(self->ode.dim, pool, self->context);
         made = self->y != NULL;
     }
     if (made && self->agree != NULL) {

@@ -109,12 +109,12 @@ static int vectors(const cvode_method *method, size_t dim,
 /* The vectors, and what solves the equations of a step. */
 static bool make_parts(cvode_stepper *self, const weft_stepper_config *config)
 {
-    const weft_team *team
-        = WEFT_HAS(config, weft_stepper_config, team) ? config->team : NULL;
+    const weft_thread_pool *pool
+        = WEFT_HAS(config, weft_stepper_config, pool) ? config->pool : NULL;
     self->context = weft__sun_context();
     self->y = self->context == NULL
                   ? NULL
-                  : weft__sun_vector(self->ode.dim, team, self->context);
+                  : weft__sun_vector(self->ode.dim, pool, self->context);
     if (self->y == NULL) {
         return false;
     }

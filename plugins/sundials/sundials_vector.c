@@ -42,7 +42,7 @@ typedef struct recipe {
 
 /* Shared by a vector and its clones. */
 typedef struct family {
-    const weft_team *team;
+    const weft_thread_pool *pool;
     size_t n;
     int members;
     array *free;
@@ -120,7 +120,7 @@ bool weft__sun_finite(N_Vector v)
     const family *all = of(v)->family;
     array *a = of(v)->array;
     if (!a->known) {
-        set_finite(a, weft__sun_all_finite(all->team, all->n, a->data));
+        set_finite(a, weft__sun_all_finite(all->pool, all->n, a->data));
     }
     return a->finite;
 }
@@ -130,7 +130,7 @@ void weft__sun_read(N_Vector v, double *to)
     const family *all = of(v)->family;
     array *a = of(v)->array;
     const double *from = a->data, one = 1.0;
-    set_finite(a, weft__sun_combine(all->team, all->n, 1, &from, &one, to));
+    set_finite(a, weft__sun_combine(all->pool, all->n, 1, &from, &one, to));
 }
 
 void weft__sun_write(N_Vector v, const double *from)
@@ -138,7 +138,7 @@ void weft__sun_write(N_Vector v, const double *from)
     const family *all = of(v)->family;
     array *a = make_writable(of(v), false);
     const double one = 1.0;
-    set_finite(a, weft__sun_combine(all->team, all->n, 1, &from, &one, a->data));
+    set_finite(a, weft__sun_combine(all->pool, all->n, 1, &from, &one, a->data));
 }
 
 /* ---- operations ------------------------------------------------------------------ */
@@ -147,7 +147,7 @@ static void set_all(sunrealtype c, N_Vector z)
 {
     const family *all = of(z)->family;
     array *a = make_writable(of(z), false);
-    weft__sun_set(all->team, all->n, c, a->data);
+    weft__sun_set(all->pool, all->n, c, a->data);
     set_finite(a, isfinite(c));
 }
 
@@ -164,7 +164,7 @@ static void combine(content *z, const double *const from[], const recipe *wanted
 {
     family *all = z->family;
     array *a = all->made = make_writable(z, false);
-    set_finite(a, weft__sun_combine(all->team, all->n, (int)wanted->terms, from,
+    set_finite(a, weft__sun_combine(all->pool, all->n, (int)wanted->terms, from,
                                     wanted->factors, a->data));
     all->last = 1 - all->last;
     all->made_was = a->written;
@@ -251,7 +251,7 @@ static void invert(N_Vector x, N_Vector z)
 void weft__sun_weigh(N_Vector y, N_Vector weights, double rtol, const double atol[2])
 {
     const family *all = of(y)->family;
-    weft__sun_weights_of(all->team, all->judged, NV_DATA_S(y), rtol, atol,
+    weft__sun_weights_of(all->pool, all->judged, NV_DATA_S(y), rtol, atol,
                          weft__sun_fill(weights));
 }
 
@@ -265,7 +265,7 @@ static sunrealtype norm(N_Vector x, N_Vector weights)
         unjudged += e[i] * 0.0;
     }
     const double mine
-        = weft__sun_norm(all->team, all->judged, all->norm, e, NV_DATA_S(weights))
+        = weft__sun_norm(all->pool, all->judged, all->norm, e, NV_DATA_S(weights))
           + unjudged;
     return all->agree.max == NULL ? mine : all->agree.max(all->agree.self, mine);
 }
@@ -388,7 +388,7 @@ static void set_operations(N_Vector v)
     v->ops->nvcloneempty = NULL;
 }
 
-N_Vector weft__sun_vector(size_t n, const weft_team *team, SUNContext context)
+N_Vector weft__sun_vector(size_t n, const weft_thread_pool *pool, SUNContext context)
 {
     N_Vector serial = N_VNewEmpty_Serial((sunindextype)n, context);
     N_Vector v = serial == NULL ? NULL : N_VNewEmpty(context);
@@ -400,7 +400,7 @@ N_Vector weft__sun_vector(size_t n, const weft_team *team, SUNContext context)
         return NULL;
     }
     N_VDestroy(serial);
-    *all = (family){ .team = team, .n = n, .judged = n };
+    *all = (family){ .pool = pool, .n = n, .judged = n };
     if (!join(v, all)) {
         destroy(v);
         free(all);

@@ -31,14 +31,14 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
     const size_t rows = weft_cloth_band(cloth).own;
     const size_t useful = worth < rows ? worth : rows;
     weft_measures *measures = weft__alloc(&memory, rows, sizeof *measures);
-    weft__team *team = weft__team_create(threads < useful ? threads : useful, &memory);
-    const size_t count = weft__team_threads(team);
+    weft__pool *pool = weft__pool_create(threads < useful ? threads : useful, &memory);
+    const size_t count = weft__pool_threads(pool);
     const size_t each = rows / (ROWS_PER_BAND * count);
     const bool many = count > 1 || weft_cloth_particles(cloth) > PARTICLES_CACHED;
     const size_t bands = count * (many && each > 1 ? each : 1);
     weft__self_list *self = NULL;
     if (cloth->self.law.self && measures != NULL) {
-        self = weft__self_list_create(&cloth->self, team, &memory);
+        self = weft__self_list_create(&cloth->self, pool, &memory);
         if (self == NULL) {
             weft__free(&memory, measures);
             measures = NULL;
@@ -46,7 +46,7 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
     }
     return (weft__forces){ .cloth = cloth,
                            .spaces = { [WEFT__FORCE_self] = self },
-                           .team = team,
+                           .pool = pool,
                            .bands = bands < WEFT_PARTS ? bands : WEFT_PARTS,
                            .self = self,
                            .measures = measures,
@@ -56,7 +56,7 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
 void weft__forces_destroy(weft__forces *forces)
 {
     weft__self_list_destroy(forces->self);
-    weft__team_destroy(forces->team);
+    weft__pool_destroy(forces->pool);
     weft__free(&forces->memory, forces->measures);
     weft__free(&forces->memory, forces->all);
 }
@@ -84,8 +84,8 @@ static void do_band(void *ctx, size_t i)
 void weft__forces_run(const weft__forces *forces, weft__task *task, void *ctx,
                       size_t count)
 {
-    if (forces->team != NULL && count > 1) {
-        weft__team_run(forces->team, task, ctx, count);
+    if (forces->pool != NULL && count > 1) {
+        weft__pool_run(forces->pool, task, ctx, count);
         return;
     }
     for (size_t i = 0; i < count; ++i) {

@@ -9,7 +9,7 @@
 
 typedef struct weft__forces {
     const weft_cloth *cloth;
-    weft__team *team; /* NULL: one thread */
+    weft__pool *pool; /* NULL: one thread */
     size_t bands;
     weft__self_list *self;      /* NULL: none */
     void *spaces[WEFT__FORCES]; /* workspaces of whole-cloth forces */

@@ -48,12 +48,12 @@ weft__breach weft__path_breach(const weft__forces *forces, const weft__path *pat
     const size_t own = cloth->mesh.band.own * cloth->mesh.cols;
     weft__breach out = { .t = path->t1 };
     for (size_t k = 0; k < cloth->contact.shape_count; ++k) {
-        const weft__passage shape = weft__passage_of(&cloth->contact.shapes[k], path);
+        const weft__ccd shape = weft__ccd_of(&cloth->contact.shapes[k], path);
         const size_t end = out.found ? out.particle : first + own;
         for (size_t i = first; i < end; ++i) {
             double gap;
             if (cloth->mesh.pin[i] == 0
-                && !weft__passage_clear(&shape, path, cloth->mesh.particles, i, &gap)) {
+                && !weft__ccd_clear(&shape, path, cloth->mesh.particles, i, &gap)) {
                 out = (weft__breach){
                     .found = true, .particle = i, .shape = k, .gap = gap, .t = path->t1
                 };

@@ -19,7 +19,7 @@
 #ifndef WEFT_FORCES_CONTACT_CONTACT_H
 #define WEFT_FORCES_CONTACT_CONTACT_H
 
-#include "forces/contact/passage.h"
+#include "forces/contact/ccd.h"
 
 /* A free particle within reach of a shape. */
 typedef struct weft__touch {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* contact_fast.c -- the contact of contact.h and the check of passage.h, LANES
- * particles at a time: the expressions of shapes.c, contact.c and passage.c. Blocks of
+/* contact_fast.c -- the contact of contact.h and the check of ccd.h, LANES
+ * particles at a time: the expressions of shapes.c, contact.c and ccd.c. Blocks of
  * particles are compared with the bounding box of a shape first, as most of them are
  * far from most shapes. */
 #include "forces/contact/contact.h"
@@ -387,7 +387,7 @@ int NAME(contact, LEVEL)(const void *contact, const weft__state *at, weft__unit 
 /* ---- the step check -------------------------------------------------------------- */
 
 /* Free particles at y0, then y1, for which the path is not clear. */
-INLINE mask blocked(const weft__passage *of, weft_shape_kind kind, const double *y0,
+INLINE mask blocked(const weft__ccd *of, weft_shape_kind kind, const double *y0,
                     const double *y1, size_t n, const double *inverse_mass)
 {
     vec gap[2], square = splat(0.0);
@@ -410,7 +410,7 @@ INLINE mask blocked(const weft__passage *of, weft_shape_kind kind, const double 
 
 /* Of particles [first, end), and of some before them where the last lanes are beyond.
  */
-INLINE bool kind_clear(const weft__contact *own, const weft__passage *of,
+INLINE bool kind_clear(const weft__contact *own, const weft__ccd *of,
                        weft_shape_kind kind, const weft__path *path, size_t first,
                        size_t end)
 {
@@ -424,7 +424,7 @@ INLINE bool kind_clear(const weft__contact *own, const weft__passage *of,
     return true;
 }
 
-static bool block_clear(const weft__contact *own, const weft__passage *of,
+static bool block_clear(const weft__contact *own, const weft__ccd *of,
                         const weft__path *path, size_t first, size_t end)
 {
     switch (of->pose[0].kind) {
@@ -464,8 +464,8 @@ INLINE extent path_bounds(const weft__path *path, size_t n, size_t first, size_t
 
 /* Whether both gaps of all particles exceed half of what they may move: the box is that
  * much wider. A spin makes a surface faster far away. */
-INLINE bool passes_far(const weft__passage *of, const target targets[2],
-                       double thickness, const extent *box, vec speed, vec way)
+INLINE bool passes_far(const weft__ccd *of, const target targets[2], double thickness,
+                       const extent *box, vec speed, vec way)
 {
     const vec half = 0.5 * most(of->h * (speed + of->fastest), way + of->shift);
     const vec3 wider = { half, half, half };
@@ -486,10 +486,10 @@ bool NAME(clear, LEVEL)(const weft__contact *own, const weft__path *path, size_t
     for (size_t shape = 0; shape < own->shape_count; shape += POSES) {
         const size_t left = own->shape_count - shape;
         const size_t count = left < POSES ? left : POSES;
-        weft__passage shapes[POSES];
+        weft__ccd shapes[POSES];
         target targets[POSES][2];
         for (size_t k = 0; k < count; ++k) {
-            shapes[k] = weft__passage_of(&own->shapes[shape + k], path);
+            shapes[k] = weft__ccd_of(&own->shapes[shape + k], path);
             targets[k][0] = target_of(&shapes[k].pose[0], thickness);
             targets[k][1] = target_of(&shapes[k].pose[1], thickness);
         }

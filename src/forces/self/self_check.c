@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* self_check.c -- whether parts of a cloth can have met in a step, by the list if it
  * proves the others clear. */
-#include "forces/self/self_parts.h"
+#include "forces/self/self_list.h"
 
 enum { HALVINGS = 60 };
 
@@ -64,8 +64,8 @@ static bool proves(weft__self_list *list, const weft__stride *of)
     }
     bool has
         = 0.5 * (ends + way) * (1.0 + WEFT__SELF_ROUNDOFF) < weft__self_lasting(list);
-    for (size_t i = 0; i < list->shelf_count && has; ++i) {
-        weft__self_shelf *at = &list->shelves[i];
+    for (size_t i = 0; i < list->chunk_count && has; ++i) {
+        weft__self_chunk *at = &list->chunks[i];
         for (size_t g = 0; g < at->now.count && has; ++g) {
             weft__self_group *to = &at->now.at[g];
             to->reach = reach_of(list, of, list->between[to->tiles]);
@@ -76,7 +76,7 @@ static bool proves(weft__self_list *list, const weft__stride *of)
 }
 
 /* The pairs of a kind within the reach of their group; false ends the search. */
-static bool look_along(const weft__self_shelf *in, weft__pair_kind kind,
+static bool look_along(const weft__self_chunk *in, weft__pair_kind kind,
                        stride_search *of)
 {
     const weft__self_pairs *at = &in->bins[kind].now;
@@ -102,10 +102,10 @@ static void look(weft__self_list *list, stride_search *of)
     const weft__stride *stride = of->stride;
     if (proves(list, stride)) {
         bool goes_on = true;
-        for (size_t i = 0; i < 2 * list->shelf_count && goes_on; ++i) {
+        for (size_t i = 0; i < 2 * list->chunk_count && goes_on; ++i) {
             goes_on = look_along(
-                &list->shelves[i % list->shelf_count],
-                i < list->shelf_count ? WEFT__VERTEX_TRIANGLE : WEFT__EDGES, of);
+                &list->chunks[i % list->chunk_count],
+                i < list->chunk_count ? WEFT__VERTEX_TRIANGLE : WEFT__EDGES, of);
         }
         return;
     }

@@ -15,7 +15,7 @@
  */
 #include <stdatomic.h>
 
-#include "forces/self/self_parts.h"
+#include "forces/self/self_list.h"
 
 enum { SHELVES = 64 };
 
@@ -27,10 +27,10 @@ enum { SHELVES = 64 };
 /* Of `clear`: pairs have to be sought. */
 #define UNKNOWN (-1.0)
 
-static void run(weft__team *team, weft__task *task, void *ctx, size_t parts)
+static void run(weft__pool *pool, weft__task *task, void *ctx, size_t parts)
 {
-    if (team != NULL && parts > 1) {
-        weft__team_run(team, task, ctx, parts);
+    if (pool != NULL && parts > 1) {
+        weft__pool_run(pool, task, ctx, parts);
         return;
     }
     for (size_t i = 0; i < parts; ++i) {
@@ -51,13 +51,13 @@ static double skin_of(const weft__self *own)
 
 weft_status weft__self_list_grow(weft__self_list *list, weft_error *err)
 {
-    for (size_t i = 0; i < list->shelf_count; ++i) {
-        weft__self_shelf *of = &list->shelves[i];
+    for (size_t i = 0; i < list->chunk_count; ++i) {
+        weft__self_chunk *of = &list->chunks[i];
         if (of->wanted <= of->room) {
             continue;
         }
         list->valid = false;
-        if (!weft__self_shelf_grow(&list->memory, of)) {
+        if (!weft__self_chunk_grow(&list->memory, of)) {
             return weft_error_set(err, WEFT_NO_MEMORY,
                                   "no memory for %zu pairs of primitives that are near "
                                   "each other",
@@ -75,23 +75,23 @@ static bool keep_tiles(void *ctx, size_t a, size_t b)
     return true;
 }
 
-static bool make_shelves(weft__self_list *list)
+static bool make_chunks(weft__self_list *list)
 {
     const size_t each = weft__tile_count(list->own->mesh) / 4 + 1;
     const size_t count = each < SHELVES ? each : SHELVES;
-    list->shelves = weft__zeroed(&list->memory, count, sizeof *list->shelves);
-    for (size_t i = 0; i < count && list->shelves != NULL; ++i) {
-        list->shelf_count = i + 1;
-        if (!weft__self_shelf_create(&list->memory, i * list->between_count / count,
+    list->chunks = weft__zeroed(&list->memory, count, sizeof *list->chunks);
+    for (size_t i = 0; i < count && list->chunks != NULL; ++i) {
+        list->chunk_count = i + 1;
+        if (!weft__self_chunk_create(&list->memory, i * list->between_count / count,
                                      (i + 1) * list->between_count / count,
-                                     &list->shelves[i])) {
+                                     &list->chunks[i])) {
             return false;
         }
     }
-    return list->shelves != NULL;
+    return list->chunks != NULL;
 }
 
-weft__self_list *weft__self_list_create(const weft__self *own, weft__team *team,
+weft__self_list *weft__self_list_create(const weft__self *own, weft__pool *pool,
                                         const weft_allocator *memory)
 {
     const size_t n = own->mesh->particles, tiles = weft__tile_count(own->mesh);
@@ -102,7 +102,7 @@ weft__self_list *weft__self_list_create(const weft__self *own, weft__team *team,
     }
     *list = (weft__self_list){
         .own = own,
-        .team = team,
+        .pool = pool,
         .memory = *memory,
         .knots = weft__alloc(memory, weft__tree_size(own->mesh), sizeof *list->knots),
         .place = weft__alloc(memory, 3 * n, sizeof *list->place),
@@ -117,7 +117,7 @@ weft__self_list *weft__self_list_create(const weft__self *own, weft__team *team,
     }
     if (list->knots == NULL || list->place == NULL || list->marks == NULL
         || list->tiles[0] == NULL || list->between == NULL || list->clear == NULL
-        || !weft__tile_pairs(own->mesh, keep_tiles, list) || !make_shelves(list)) {
+        || !weft__tile_pairs(own->mesh, keep_tiles, list) || !make_chunks(list)) {
         weft__self_list_destroy(list);
         return NULL;
     }
@@ -130,10 +130,10 @@ void weft__self_list_destroy(weft__self_list *list)
         return;
     }
     const weft_allocator memory = list->memory;
-    for (size_t i = 0; i < list->shelf_count; ++i) {
-        weft__self_shelf_free(&memory, &list->shelves[i]);
+    for (size_t i = 0; i < list->chunk_count; ++i) {
+        weft__self_chunk_free(&memory, &list->chunks[i]);
     }
-    weft__free(&memory, list->shelves);
+    weft__free(&memory, list->chunks);
     weft__free(&memory, list->knots);
     weft__free(&memory, list->place);
     weft__free(&memory, list->marks);
@@ -175,7 +175,7 @@ static double drift_tiles(weft__self_list *list, const double *from, const doubl
     const size_t tiles = weft__tile_count(list->own->mesh);
     drifting of = { list->own, from, to, list->tiles[k] };
     weft__drift all;
-    run(list->team, drift_part, &of, (tiles - 1) / DRIFT_PART + 1);
+    run(list->pool, drift_part, &of, (tiles - 1) / DRIFT_PART + 1);
     all = of.tiles[0];
     for (size_t i = 1; i < tiles; ++i) {
         weft__drift_add(&all, &of.tiles[i]);
@@ -213,7 +213,7 @@ static void age_part(void *ctx, size_t part)
 {
     const making *of = ctx;
     weft__self_list *list = of->list;
-    const weft__self_shelf *at = &list->shelves[part];
+    const weft__self_chunk *at = &list->chunks[part];
     const double least = list->own->law.thickness + LEAST * list->skin;
     for (size_t i = at->first; i < at->end; ++i) {
         const uint32_t *tiles = list->between[i];
@@ -250,7 +250,7 @@ static void fill_part(void *ctx, size_t part)
     const making *of = ctx;
     weft__self_list *list = of->list;
     const size_t tiles = weft__tile_count(list->own->mesh);
-    for (size_t i = part; i < tiles; i += list->shelf_count) {
+    for (size_t i = part; i < tiles; i += list->chunk_count) {
         if (list->marks[i] != 0) {
             weft__tree_fill_tile(&list->tree, i);
         }
@@ -300,7 +300,7 @@ static void measure_pairs(const making *of, weft__pair_kind kind, weft__self_pai
 
 /* Of two tiles whose pairs are the last ones, after those of the group before; from:
  * another group that has had them, or NULL. */
-static void add_group(const making *of, weft__self_shelf *in, size_t tiles,
+static void add_group(const making *of, weft__self_chunk *in, size_t tiles,
                       const weft__self_group *from)
 {
     const weft__self_list *list = of->list;
@@ -328,7 +328,7 @@ static void add_group(const making *of, weft__self_shelf *in, size_t tiles,
 }
 
 /* Lists the pairs of two tiles, which are in group `old` or, if it is NULL, in none. */
-static void list_pairs(const making *of, weft__self_shelf *in, size_t tiles,
+static void list_pairs(const making *of, weft__self_chunk *in, size_t tiles,
                        const weft__self_group *old)
 {
     weft__self_list *list = of->list;
@@ -338,13 +338,13 @@ static void list_pairs(const making *of, weft__self_shelf *in, size_t tiles,
     if (seek) {
         *clear = weft__self_range(list);
         (void)weft__each_pair_between(&list->tree, list->between[tiles], *clear,
-                                      weft__self_shelf_keep, in);
+                                      weft__self_chunk_keep, in);
     } else if (old != NULL) {
         kept = *old;
         kept.loss += weft__self_extent_between(list, 0, list->between[tiles]);
-        weft__self_shelf_copy(in, (size_t)(old - in->before.at));
+        weft__self_chunk_copy(in, (size_t)(old - in->before.at));
     }
-    if (!weft__self_shelf_full(in)) {
+    if (!weft__self_chunk_full(in)) {
         add_group(of, in, tiles, seek || old == NULL ? NULL : &kept);
     }
 }
@@ -353,8 +353,8 @@ static void make_part(void *ctx, size_t part)
 {
     const making *of = ctx;
     weft__self_list *list = of->list;
-    weft__self_shelf *in = &list->shelves[part];
-    weft__self_shelf_begin(in);
+    weft__self_chunk *in = &list->chunks[part];
+    weft__self_chunk_begin(in);
     const weft__self_group *old = in->before.at,
                            *end = old + (list->valid ? in->before.count : 0);
     for (size_t i = in->first; i < in->end && !in->full; ++i) {
@@ -383,8 +383,8 @@ static void end_making(weft__self_list *list)
     bool needed = false;
     list->group_count = 0;
     list->valid = true;
-    for (size_t i = 0; i < list->shelf_count; ++i) {
-        weft__self_shelf *at = &list->shelves[i];
+    for (size_t i = 0; i < list->chunk_count; ++i) {
+        weft__self_chunk *at = &list->chunks[i];
         list->valid = list->valid && !at->full;
         list->group_count += at->now.count;
         for (size_t g = 0; g < at->now.count; ++g) {
@@ -393,8 +393,8 @@ static void end_making(weft__self_list *list)
             needed = needed || is_needed(list, &at->now, g);
         }
     }
-    for (size_t i = 0; i < list->shelf_count && !needed; ++i) {
-        list->group_count = list->shelves[i].now.count = 0;
+    for (size_t i = 0; i < list->chunk_count && !needed; ++i) {
+        list->group_count = list->chunks[i].now.count = 0;
     }
 }
 
@@ -407,7 +407,7 @@ static void make(weft__self_list *list, const double *y)
     list->valid
         = list->valid && list->group_count > 0; /* else the most room is found */
     (void)drift_tiles(list, NULL, y, 1);
-    run(list->team, age_part, &of, list->shelf_count);
+    run(list->pool, age_part, &of, list->chunk_count);
     memset(list->marks, 0, weft__tile_count(own->mesh));
     for (size_t i = 0; i < list->between_count; ++i) {
         if (list->clear[i] == UNKNOWN) {
@@ -418,9 +418,9 @@ static void make(weft__self_list *list, const double *y)
     if (seek) {
         list->tree = weft__tree_of(own->mesh, y);
         weft__tree_begin(&list->tree, list->knots);
-        run(list->team, fill_part, &of, list->shelf_count);
+        run(list->pool, fill_part, &of, list->chunk_count);
     }
-    run(list->team, make_part, &of, list->shelf_count);
+    run(list->pool, make_part, &of, list->chunk_count);
     memcpy(list->place, y, 3 * own->mesh->particles * sizeof *y);
     list->pin_changes = own->mesh->pin_changes;
     end_making(list);
@@ -431,8 +431,8 @@ static void make(weft__self_list *list, const double *y)
 static bool suffices(weft__self_list *list, double extent)
 {
     bool all = extent < weft__self_lasting(list) - list->own->law.thickness;
-    for (size_t i = 0; i < list->shelf_count && all; ++i) {
-        const weft__self_groups *at = &list->shelves[i].now;
+    for (size_t i = 0; i < list->chunk_count && all; ++i) {
+        const weft__self_groups *at = &list->chunks[i].now;
         for (size_t g = 0; g < at->count && all; ++g) {
             const size_t tiles = at->at[g].tiles;
             const double moved
@@ -447,8 +447,8 @@ static bool suffices(weft__self_list *list, double extent)
 static bool any_full(const weft__self_list *list)
 {
     bool any = false;
-    for (size_t i = 0; i < list->shelf_count; ++i) {
-        any = any || list->shelves[i].full;
+    for (size_t i = 0; i < list->chunk_count; ++i) {
+        any = any || list->chunks[i].full;
     }
     return any;
 }
@@ -486,7 +486,7 @@ typedef struct evaluation {
 static void evaluate_part(void *ctx, size_t part)
 {
     evaluation *all = ctx;
-    weft__self_shelf *in = &all->list->shelves[part];
+    weft__self_chunk *in = &all->list->chunks[part];
     double bad = 0.0;
     for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
         weft__self_bin *at = &in->bins[kind];
@@ -506,7 +506,7 @@ static bool evaluate(evaluation *all)
         return false;
     }
     all->law = weft__self_law_of(all->list->own);
-    run(all->list->team, evaluate_part, all, all->list->shelf_count);
+    run(all->list->pool, evaluate_part, all, all->list->chunk_count);
     return true;
 }
 
@@ -533,8 +533,8 @@ static void gather(const weft__self_list *list, double *to)
 {
     for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
         const size_t corners = weft__kind_particles((weft__pair_kind)kind);
-        for (size_t i = 0; i < list->shelf_count; ++i) {
-            add_pushes(list->own, &list->shelves[i].bins[kind], corners, to);
+        for (size_t i = 0; i < list->chunk_count; ++i) {
+            add_pushes(list->own, &list->chunks[i].bins[kind], corners, to);
         }
     }
 }
@@ -573,8 +573,8 @@ void weft__self_list_measure(weft__self_list *list, const weft__state *at,
     }
     const bool any = evaluate(&all);
     for (size_t kind = 0; kind < WEFT__KINDS && any; ++kind) {
-        for (size_t i = 0; i < list->shelf_count; ++i) {
-            measure_bin(list->own, (weft__pair_kind)kind, &list->shelves[i].bins[kind],
+        for (size_t i = 0; i < list->chunk_count; ++i) {
+            measure_bin(list->own, (weft__pair_kind)kind, &list->chunks[i].bins[kind],
                         at->y, sum);
         }
     }

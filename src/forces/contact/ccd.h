@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* passage.h -- whether a step leads a free particle into a shape or through it.
+/* ccd.h -- continuous collision detection: whether a step leads a free particle into a
+ * shape or through it.
  *
  * A step of h from gap d0 to d1 is clear if, for every free particle and shape,
  *
@@ -9,8 +10,8 @@
  * fast between them is seen, V the velocity of the surface, with or without its spin,
  * whichever gives the larger speed, and w the speed that an oscillation adds between
  * the ends; docs/physics.md. contact_fast.c evaluates the same expressions. */
-#ifndef WEFT_FORCES_CONTACT_PASSAGE_H
-#define WEFT_FORCES_CONTACT_PASSAGE_H
+#ifndef WEFT_FORCES_CONTACT_CCD_H
+#define WEFT_FORCES_CONTACT_CCD_H
 
 #include "forces/contact/shapes.h"
 
@@ -21,20 +22,20 @@ typedef struct weft__path {
 } weft__path;
 
 /* A shape at both ends of a path. */
-typedef struct weft__passage {
+typedef struct weft__ccd {
     double h;       /* [s] */
     double between; /* [m/s] beyond what its velocity is at the ends */
     double fastest; /* [m/s] of its velocity, without spin */
     double shift;   /* [m] its way */
     bool spins;
     weft__pose pose[2];
-} weft__passage;
+} weft__ccd;
 
-weft__passage weft__passage_of(const weft__shape *shape, const weft__path *path);
+weft__ccd weft__ccd_of(const weft__shape *shape, const weft__path *path);
 
 /* Of particle i of n; gap: [m] at the end. */
-bool weft__passage_clear(const weft__passage *of, const weft__path *path, size_t n,
-                         size_t i, double *gap);
+bool weft__ccd_clear(const weft__ccd *of, const weft__path *path, size_t n, size_t i,
+                     double *gap);
 
 /* Whether a path of blocks [first, end) is clear of all shapes. */
 struct weft__contact;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* self_shelf.c -- the pairs of a weft__self_list and their room. */
-#include "forces/self/self_parts.h"
+/* self_chunk.c -- the pairs of a weft__self_list and their room. */
+#include "forces/self/self_list.h"
 
 enum { STRETCH = 256, ROOM = 512 };
 
@@ -43,7 +43,7 @@ static bool make_groups(const weft_allocator *memory, size_t most,
     return of->at != NULL && of->spans != NULL;
 }
 
-bool weft__self_shelf_grow(const weft_allocator *memory, weft__self_shelf *of)
+bool weft__self_chunk_grow(const weft_allocator *memory, weft__self_chunk *of)
 {
     bool made = true;
     of->room = (of->wanted / STRETCH + 1) * STRETCH;
@@ -61,16 +61,16 @@ bool weft__self_shelf_grow(const weft_allocator *memory, weft__self_shelf *of)
     return made;
 }
 
-bool weft__self_shelf_create(const weft_allocator *memory, size_t first, size_t end,
-                             weft__self_shelf *out)
+bool weft__self_chunk_create(const weft_allocator *memory, size_t first, size_t end,
+                             weft__self_chunk *out)
 {
-    *out = (weft__self_shelf){ .first = first, .end = end, .wanted = ROOM };
+    *out = (weft__self_chunk){ .first = first, .end = end, .wanted = ROOM };
     return make_groups(memory, end - first + 1, &out->now)
            && make_groups(memory, end - first + 1, &out->before)
-           && weft__self_shelf_grow(memory, out);
+           && weft__self_chunk_grow(memory, out);
 }
 
-void weft__self_shelf_free(const weft_allocator *memory, weft__self_shelf *of)
+void weft__self_chunk_free(const weft_allocator *memory, weft__self_chunk *of)
 {
     for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
         weft__self_bin *at = &of->bins[kind];
@@ -87,7 +87,7 @@ static void copy_numbers(double *to, const double *from, size_t count)
     memcpy(to, from, count * sizeof *to);
 }
 
-void weft__self_shelf_copy(weft__self_shelf *of, size_t i)
+void weft__self_chunk_copy(weft__self_chunk *of, size_t i)
 {
     for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
         weft__self_pairs *to = &of->bins[kind].now;
@@ -110,9 +110,9 @@ void weft__self_shelf_copy(weft__self_shelf *of, size_t i)
     }
 }
 
-bool weft__self_shelf_keep(void *ctx, const weft__pair *pair)
+bool weft__self_chunk_keep(void *ctx, const weft__pair *pair)
 {
-    weft__self_shelf *to = ctx;
+    weft__self_chunk *to = ctx;
     weft__self_pairs *of = &to->bins[pair->kind].now;
     if (of->count < to->room) {
         for (size_t k = 0; k < 4; ++k) {
@@ -123,7 +123,7 @@ bool weft__self_shelf_keep(void *ctx, const weft__pair *pair)
     return true;
 }
 
-bool weft__self_shelf_full(weft__self_shelf *of)
+bool weft__self_chunk_full(weft__self_chunk *of)
 {
     for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
         const size_t count = of->bins[kind].now.count;
@@ -135,7 +135,7 @@ bool weft__self_shelf_full(weft__self_shelf *of)
     return of->full;
 }
 
-void weft__self_shelf_begin(weft__self_shelf *of)
+void weft__self_chunk_begin(weft__self_chunk *of)
 {
     const weft__self_groups old = of->now;
     of->now = of->before, of->before = old;

@@ -1,20 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "forces/contact/passage.h"
+#include "forces/contact/ccd.h"
 
 #include <math.h>
 
 /* With linear interpolation between its ends, V is off by at most h^2 / 8 max |V''|. */
-weft__passage weft__passage_of(const weft__shape *shape, const weft__path *path)
+weft__ccd weft__ccd_of(const weft__shape *shape, const weft__path *path)
 {
     const weft__motion *motion = &shape->motion;
     const double h = path->t1 - path->t0, turn = motion->omega * h;
     const double swing = sqrt(weft__dot(motion->amplitude, motion->amplitude));
-    weft__passage of
-        = { .h = h,
-            .between = swing * motion->omega * fmin(2.0, turn * turn / 8.0),
-            .spins = weft__dot(shape->spin, shape->spin) != 0.0,
-            .pose
-            = { weft__pose_of(shape, path->t0), weft__pose_of(shape, path->t1) } };
+    weft__ccd of = { .h = h,
+                     .between = swing * motion->omega * fmin(2.0, turn * turn / 8.0),
+                     .spins = weft__dot(shape->spin, shape->spin) != 0.0,
+                     .pose = { weft__pose_of(shape, path->t0),
+                               weft__pose_of(shape, path->t1) } };
     const double *v0 = of.pose[0].velocity, *v1 = of.pose[1].velocity;
     double shift2 = 0.0;
     for (size_t k = 0; k < 3; ++k) {
@@ -38,8 +37,8 @@ static double speed2(const weft__pose *pose, const double x[3], const double v[3
     return fmax(weft__dot(with, with), weft__dot(without, without));
 }
 
-bool weft__passage_clear(const weft__passage *of, const weft__path *path, size_t n,
-                         size_t i, double *gap)
+bool weft__ccd_clear(const weft__ccd *of, const weft__path *path, size_t n, size_t i,
+                     double *gap)
 {
     const double *ends[2] = { path->y0 + i, path->y1 + i };
     double d[2], r[2][3], square = 0.0, way2 = 0.0;
@@ -66,11 +65,11 @@ bool weft__clear_loops(const weft__contact *own, const weft__path *path, size_t 
 {
     const weft__mesh *mesh = own->mesh;
     for (size_t k = 0; k < own->shape_count; ++k) {
-        const weft__passage of = weft__passage_of(&own->shapes[k], path);
+        const weft__ccd of = weft__ccd_of(&own->shapes[k], path);
         for (size_t i = weft__block(mesh, first); i < weft__block(mesh, end); ++i) {
             double gap;
             if (mesh->pin[i] == 0
-                && !weft__passage_clear(&of, path, mesh->particles, i, &gap)) {
+                && !weft__ccd_clear(&of, path, mesh->particles, i, &gap)) {
                 return false;
             }
         }
