@@ -10,7 +10,7 @@
 #include "cli/cli.h"
 #include "cli/human.h"
 #include "record/frames.h"
-#include "record/record.h"
+#include "record/series.h"
 
 #define TIME_MATCH 1e-9 /* relative: two frames of the same time */
 

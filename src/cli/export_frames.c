@@ -12,7 +12,9 @@
 #include "cli/human.h"
 #include "record/export/export.h"
 #include "record/frames.h"
-#include "record/result_read.h"
+#include "record/outdir.h"
+#include "record/result.h"
+#include "record/series.h"
 #include "record/shape_mesh.h"
 
 typedef struct export_format {

@@ -9,7 +9,9 @@
 #include "cli/run/interrupt.h"
 #include "cli/watch/watch.h"
 #include "record/frames.h"
-#include "record/record.h"
+#include "record/outdir.h"
+#include "record/player_page.h"
+#include "record/series.h"
 
 /* A file:// URL of a page that exists. */
 static void print_url(const char *file)

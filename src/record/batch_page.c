@@ -7,6 +7,7 @@
 
 #include "record/page.h"
 #include "record/player_page.h"
+#include "record/series.h"
 
 #define PLAYERS_BUDGET 24e6 /* [B] of the frames of all runs */
 #define PLAYER_LEAST   3e3  /* [B] of a run: with less there is no player */

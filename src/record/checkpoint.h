@@ -4,11 +4,18 @@
 #ifndef WEFT_RECORD_CHECKPOINT_H
 #define WEFT_RECORD_CHECKPOINT_H
 
-#include "record/record.h"
+#include "record/vtkhdf.h"
 
 #define RECORD_CHECKPOINT "checkpoint.weft"
 
 enum { RECORD_PROGRAM = 256 }; /* [bytes] */
+
+/* Extremes over all steps and frames of a run so far. */
+typedef struct record_extremes {
+    double short_step, long_step; /* [s] of accepted steps; 0: there was none */
+    double strain_time;           /* [s] */
+    weft_spring strain;           /* at its largest strain; no spring: p == q */
+} record_extremes;
 
 typedef struct record_checkpoint {
     uint64_t scene;               /* record_hash of scene.yaml */

@@ -15,7 +15,6 @@
 #include "base/finite.h"
 #include "record/child_process.h"
 #include "record/hdf.h"
-#include "record/record.h"
 #include "record/vtkhdf_file.h"
 
 typedef struct frames_file {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* outdir.c -- the directory of a run: new, empty, or reused on request. */
 #define _DEFAULT_SOURCE /* flock, which takes a directory */
+#include "record/outdir.h"
 #include "record/record.h"
 
 #include <dirent.h>

@@ -8,6 +8,22 @@
 #include "record/frames.h"
 #include "record/record.h"
 
+/* player_page.c: writes `path`, the frames of the runs in directories[count], one or
+ * two side by side, as one HTML page that a browser plays without a network. Two runs
+ * are shown at the times that both have. docs/player.md describes the page and its
+ * data. Errors: WEFT_IO (a file), WEFT_INVALID (runs of different grids or without a
+ * common time), WEFT_NO_MEMORY. */
+weft_status record_player(const char *const *directories, size_t count,
+                          const char *path, weft_error *err);
+
+/* batch_page.c: writes `path`, a page of all runs of a batch: its summary.csv, the
+ * numbers of each series and what a player shows of each run. *without: runs that have
+ * no frames to show; `why`: the first reason. Errors as above. */
+weft_status record_batch(const char *directory, const char *path, size_t *without,
+                         weft_error *why, weft_error *err);
+/* Whether `directory` is that of a batch: it has a summary and no frames. */
+bool record_is_batch(const char *directory);
+
 #define PLAYER_BUDGET 64e6 /* [B] of the frames of a page */
 enum { PLAYER_RUNS = 2, PLAYER_FIELDS = 2 };
 

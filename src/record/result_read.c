@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* result_read.c -- reads result.yaml of a run that is over. */
-#include "record/result_read.h"
+#include "record/result.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "record/outdir.h"
 #include "record/record.h"
 
 bool record_result_open(const char *directory, yaml_document_t *out)

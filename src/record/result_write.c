@@ -4,6 +4,7 @@
 #include <inttypes.h>
 
 #include "record/record.h"
+#include "record/result.h"
 #include "record/yaml_out.h"
 
 #if defined(__clang__)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* series.c -- series.csv: one row per frame. A column is a name, a format and a value;
  * one list makes the header and the rows. The cell of a NaN is empty. */
-#include "record/record.h"
+#include "record/series.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "record/record.h"
+#include "record/series.h"
 
 typedef struct reader {
     FILE *stream;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* shapes_csv.c -- shapes.csv: one row per frame and shape, with the force and the
  * torque that the cloth exerts on it. The cell of a NaN is empty, as in series.csv. */
-#include "record/record.h"
+#include "record/series.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* table.c -- a CSV file that grows by whole lines and is readable after a kill. */
-#include "record/record.h"
+#include "record/series.h"
 
 #include <errno.h>
 #include <string.h>

@@ -10,7 +10,7 @@
 #define WEFT_RECORD_VTKHDF_FILE_H
 
 #include "record/hdf.h"
-#include "record/record.h"
+#include "record/vtkhdf.h"
 
 #define VTKHDF_FRAME_FIELD "frame" /* the field data with the frame's number */
 

@@ -8,6 +8,7 @@
 #include "cli/batch/batch.h"
 #include "cli/human.h"
 #include "cli/run/interrupt.h"
+#include "record/outdir.h"
 
 /* ---- the command line ---------------------------------------------------------- */
 

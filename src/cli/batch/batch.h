@@ -6,7 +6,6 @@
 
 #include "cli/cli.h"
 #include "record/child_process.h"
-#include "record/record.h"
 
 typedef enum batch_status {
     BATCH_NEW,        /* nothing is there */

@@ -11,6 +11,7 @@
 #include "base/clock.h"
 #include "cli/batch/batch.h"
 #include "cli/run/run.h"
+#include "record/outdir.h"
 
 typedef struct batch_pool {
     const batch *batch;

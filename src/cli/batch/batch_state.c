@@ -7,7 +7,7 @@
 
 #include "base/file.h"
 #include "cli/batch/batch.h"
-#include "record/result_read.h"
+#include "record/result.h"
 
 static const char *const names[BATCH_STATUSES] = {
     [BATCH_NEW] = "missing",       [BATCH_PARTIAL] = "interrupted",

@@ -4,6 +4,7 @@
 
 #include "cli/batch/batch.h"
 #include "cli/check/check.h"
+#include "record/result.h"
 
 static void print_bytes(const char *what, double bytes)
 {

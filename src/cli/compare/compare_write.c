@@ -6,7 +6,6 @@
 
 #include "cli/compare/compare.h"
 #include "record/page.h"
-#include "record/record.h"
 #include "record/yaml_out.h"
 
 static bool judged(const compare_point *point)

@@ -10,6 +10,7 @@
 #include "cli/human.h"
 #include "cli/survey/survey.h"
 #include "record/child_process.h"
+#include "record/series.h"
 
 /* ---- sizes ------------------------------------------------------------------ */
 

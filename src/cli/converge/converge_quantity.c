@@ -5,6 +5,7 @@
 #include "base/suggest.h"
 #include "cli/converge/converge.h"
 #include "cli/human.h"
+#include "record/series.h"
 
 static const struct {
     const char *name, *particle;

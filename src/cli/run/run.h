@@ -10,6 +10,7 @@
 #include "cli/run/interrupt.h"
 #include "cli/run/progress.h"
 #include "record/checkpoint.h"
+#include "record/result.h"
 
 /* What summary.c prints. */
 typedef struct summary {

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "cli/human.h"
+#include "record/outdir.h"
 #include "record/yaml_out.h"
 
 void summary_step(summary *self)

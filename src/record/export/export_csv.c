@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "record/result_read.h"
+#include "record/result.h"
 
 #define CSV_HEADER "row,col,x,y,z,vx,vy,vz\n"
 
