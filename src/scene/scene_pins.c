@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* scene_pins.c -- places on the grid, and the pins and loads that are put there. */
+#include <float.h>
+#include <math.h>
 #include <string.h>
 
 #include "base/suggest.h"
@@ -156,10 +158,26 @@ void weft__check_place(weft__reader *reader, const weft__match *match, void *bas
 
 /* ---- pins ------------------------------------------------------------------- */
 
+void weft__check_motion(weft__reader *reader, const weft__match *match,
+                        const double amplitude[3], double frequency)
+{
+    static const double rest[3] = { 0.0 };
+    const weft__motion motion = weft__motion_of(rest, amplitude, frequency);
+    const bool fast = !isfinite(motion.omega * motion.omega);
+    const weft__node *at = weft__value_in(match, fast ? "frequency" : "amplitude");
+    weft__check_together(reader, match, "amplitude", "frequency");
+    if (at != NULL && !weft__motion_usable(&motion)) {
+        weft__report_error(reader->report, at->at,
+                           "accelerations of (2 pi frequency)^2 amplitude, with "
+                           "frequency %g Hz, are beyond %.2g m/s^2",
+                           frequency, DBL_MAX);
+    }
+}
+
 void weft__check_pin(weft__reader *reader, const weft__match *match, void *base)
 {
-    (void)base;
-    weft__check_together(reader, match, "amplitude", "frequency");
+    const weft_pin *pin = base;
+    weft__check_motion(reader, match, pin->amplitude, pin->frequency);
 }
 
 /* A pin is a mapping with `at`, or the place of a pin at rest: a mapping with a key of
