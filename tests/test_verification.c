@@ -43,6 +43,9 @@ START_TEST(every_method_has_the_order_it_claims)
 }
 END_TEST
 
+/* Trees of two weights more than the order also have errors of h^(p+1): with one order
+ * too many the ratio is near 2^p only where the method's constants of h^p are not small
+ * (those of arkode's tsitouras are: 4.66). It is never that of the claim. */
 START_TEST(a_wrong_claim_is_seen)
 {
     const weft_stepper_type *type = method(_i).type;
@@ -54,7 +57,8 @@ START_TEST(a_wrong_claim_is_seen)
         ck_assert(isinf(order(type, right - 1)));
     }
     if (right > 0 && right < WEFT__ORDER_MOST) {
-        ck_assert_double_le(fabs(order(type, right + 1) - right), WEFT__ORDER_BOUND);
+        ck_assert_double_gt(fabs(order(type, right + 1) - (right + 1)),
+                            WEFT__ORDER_BOUND);
     }
 }
 END_TEST
