@@ -120,6 +120,10 @@ START_TEST(a_step_that_does_not_divide_a_frame_is_told_of)
     expect(shell(WEFT " check " OUT "/small.yaml --set run.fps=30"), 0);
     says("fixed step 0.000980392157 s, of at");
     says("most 0.001 s, so that a frame has 34");
+    expect(shell(WEFT " check " OUT "/small.yaml --set stepper.fixed_step=3e-3 --set "
+                      "run.duration=0.01 --set run.fps=30"),
+           0);
+    says("so that a frame has 4"); /* the run is shorter than 1 / fps */
     expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/r --set run.fps=30 2>&1"),
            0);
     says("; fixed_step 0.001 s would not");

@@ -102,10 +102,10 @@ static void print_stepper(const weft_scene *scene)
         (void)snprintf(steps, sizeof steps, "fixed step %.9g s", config->fixed_step);
         if (record_step_differs(scene)) {
             const size_t used = strlen(steps);
-            (void)snprintf(steps + used, sizeof steps - used,
-                           ", of at most %g s, so that a frame has %.0f",
-                           weft_scene_step(scene),
-                           1.0 / (weft_scene_run(scene)->fps * config->fixed_step));
+            (void)snprintf(
+                steps + used, sizeof steps - used,
+                ", of at most %g s, so that a frame has %.0f", weft_scene_step(scene),
+                weft_run_frame_time(weft_scene_run(scene), 1) / config->fixed_step);
         }
     } else {
         (void)snprintf(steps, sizeof steps, "rtol %g, atol %g m and %g m/s, %s norm",
