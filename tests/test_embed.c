@@ -728,7 +728,8 @@ START_TEST(the_step_of_a_run_is_at_most_the_one_asked_for)
     ck_assert_double_eq_tol(weft_run_step(&of, 1e-3), 1e-3, 1e-18);
     ck_assert(weft_run_step(&of, 1.001e-3) == 0.04 / 40.0);
     ck_assert(weft_run_step(&of, 0.999e-3) == 0.04 / 41.0);
-    ck_assert(weft_run_step(&of, 0.05) == 0.04); /* longer than a frame */
+    ck_assert(weft_run_step(&of, 0.05) == 0.04);     /* longer than a frame */
+    ck_assert(weft_run_step(&of, 5e-324) == 5e-324); /* 0 would be error control */
     of.duration = 0.03;
     ck_assert(weft_run_step(&of, 0.02) == 0.015); /* one frame, cut short */
     of.interpolate = true;

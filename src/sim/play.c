@@ -18,7 +18,8 @@ size_t weft_run_last_frame(const weft_run_def *run)
 double weft_run_step(const weft_run_def *run, double h)
 {
     const double frame = fmin(1.0 / run->fps, run->duration);
-    return run->interpolate ? h : frame / fmax(ceil(frame / h - SLIVER), 1.0);
+    const double steps = fmax(ceil(frame / h - SLIVER), 1.0);
+    return run->interpolate || isinf(steps) ? h : frame / steps;
 }
 
 double weft_run_frame_time(const weft_run_def *run, size_t i)
