@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* registry.c -- the plugins a program has, linked in or loaded from weft-<id>.so. */
+#define _GNU_SOURCE /* dladdr, in POSIX since 2024 */
 #include "plugin/registry.h"
 
 #include <dirent.h>
 #include <dlfcn.h>
 #include <errno.h>
+#include <limits.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -28,6 +31,33 @@ struct weft_registry {
     void *admit_ctx;
     weft_allocator memory;
 };
+
+/* The directory of the installed plugins: beside the library, also after that was
+ * moved. A message names it if it is missing or cannot be read. "": there is none, or
+ * the library is a static one. */
+static void find_installed(char *directory, size_t size)
+{
+    static const char here = 0;
+    Dl_info info;
+    char library[PATH_MAX];
+    struct stat status;
+    directory[0] = '\0';
+    if (dladdr(&here, &info) == 0 || realpath(info.dli_fname, library) == NULL) {
+        return;
+    }
+    char *slash = strrchr(library, '/');
+    if (strncmp(slash, "/libweft.so", 11) != 0) {
+        return; /* linked into something else, which may lie anywhere */
+    }
+    *slash = '\0';
+    const int length
+        = snprintf(directory, size, "%s/weft/plugins-%u", library, WEFT_STEPPER_ABI);
+    const bool tree
+        = stat(directory, &status) != 0 && errno == ENOTDIR; /* of the build */
+    if (tree || length >= (int)size) {
+        directory[0] = '\0';
+    }
+}
 
 void weft_registry_def_init(weft_registry_def *def, size_t size)
 {
@@ -66,7 +96,7 @@ weft_status weft_registry_create(const weft_registry_def *given, weft_registry *
     }
     char installed[2048] = "";
     if (def->installed) {
-        weft__installed_plugins(installed, sizeof installed);
+        find_installed(installed, sizeof installed);
     }
     const char *const lists[LISTS] = {
         def->path,

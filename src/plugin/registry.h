@@ -14,9 +14,6 @@ weft_status weft__plugin_check(const weft_plugin *plugin, weft_error *err);
 weft_status weft__method_check(const weft_stepper_type *type, size_t index,
                                weft_error *err);
 
-/* installed.c: their directory; "" if there is none, or the library is a static one. */
-void weft__installed_plugins(char *directory, size_t size);
-
 /* Visits the plugins that are loaded, then those that could be. */
 typedef void weft__plugin_visit_fn(void *ctx, const char *id, const char *file);
 void weft__registry_names(const weft_registry *registry, weft__plugin_visit_fn *visit,

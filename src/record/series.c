@@ -99,18 +99,13 @@ void record_series_begin(record_series *series, unsigned optional)
 #undef NAME
 }
 
-static weft_status open_table(record_series *series, const char *directory, bool again,
-                              unsigned optional, weft_error *err)
+weft_status record_series_open(record_series *series, const char *directory,
+                               unsigned optional, bool again, weft_error *err)
 {
     record_series_begin(series, optional);
-    return record_table_open(&series->table, directory, "series.csv", again, err);
-}
-
-weft_status record_series_open(record_series *series, const char *directory,
-                               unsigned optional, weft_error *err)
-{
-    const weft_status status = open_table(series, directory, false, optional, err);
-    if (status != WEFT_OK) {
+    const weft_status status
+        = record_table_open(&series->table, directory, "series.csv", again, err);
+    if (status != WEFT_OK || again) {
         return status;
     }
     char line[LINE];
@@ -121,12 +116,6 @@ weft_status record_series_open(record_series *series, const char *directory,
                                 series->names[i], i + 1 < series->columns ? ',' : '\n');
     }
     return record_table_write(&series->table, line, err);
-}
-
-weft_status record_series_reopen(record_series *series, const char *directory,
-                                 unsigned optional, weft_error *err)
-{
-    return open_table(series, directory, true, optional, err);
 }
 
 weft_status record_series_add(record_series *series, const record_frame *frame,

@@ -62,10 +62,9 @@ typedef struct record_series {
 
 /* Names the columns. Until a file is opened, record_series_add only fills `row`. */
 void record_series_begin(record_series *series, unsigned optional);
+/* `again`: as record_table_open. */
 weft_status record_series_open(record_series *series, const char *directory,
-                               unsigned optional, weft_error *err);
-weft_status record_series_reopen(record_series *series, const char *directory,
-                                 unsigned optional, weft_error *err);
+                               unsigned optional, bool again, weft_error *err);
 weft_status record_series_add(record_series *series, const record_frame *frame,
                               weft_error *err);
 

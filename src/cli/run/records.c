@@ -191,8 +191,8 @@ static weft_status reopen_tables(run *self, weft_error *err)
         record_series_begin(&self->series, series_columns(self->scene));
         return WEFT_OK;
     }
-    TRY(record_series_reopen(&self->series, self->out, series_columns(self->scene),
-                             err));
+    TRY(record_series_open(&self->series, self->out, series_columns(self->scene), true,
+                           err));
     return record_shapes_open(&self->shapes, self->out, self->cloth, true, err);
 }
 
@@ -283,7 +283,8 @@ static weft_status open_tables(run *self, weft_error *err)
     }
     TRY(record_text(self->out, "scene.yaml", weft_scene_text(self->scene), err));
     TRY(write_manifest(self, err));
-    TRY(record_series_open(&self->series, self->out, series_columns(self->scene), err));
+    TRY(record_series_open(&self->series, self->out, series_columns(self->scene), false,
+                           err));
     return record_shapes_open(&self->shapes, self->out, self->cloth, false, err);
 }
 
