@@ -368,9 +368,9 @@ static size_t near_by_force(double range)
     uint32_t e[3][2], f[3][2], t[2][3];
     for (uint32_t i = 0; i < N; ++i) {
         for (uint32_t j = 0; j < N; ++j) {
-            const size_t edges = weft__node_edges(&cloth->mesh, i, e);
-            const size_t others = weft__node_edges(&cloth->mesh, j, f);
-            const size_t triangles = weft__node_triangles(&cloth->mesh, j, t);
+            const size_t edges = weft__edges_of(&cloth->mesh, i, e);
+            const size_t others = weft__edges_of(&cloth->mesh, j, f);
+            const size_t triangles = weft__triangles_of(&cloth->mesh, j, t);
             weft__pair pair = { .particle = { i, j }, .kind = WEFT__VERTICES };
             count += i < j && weft__pair_distance(&pair, y, N) < range;
             for (size_t k = 0; k < others; ++k) {

@@ -36,62 +36,6 @@ void weft_cloth_def_init(weft_cloth_def *def, size_t size)
     weft__sized_write(def, size, &start, sizeof start);
 }
 
-/* Of a range of rows of the whole cloth those that are here: [first, end). */
-static void rows_here(const weft_cloth *cloth, weft_range range, size_t *first,
-                      size_t *end)
-{
-    const weft_band band = cloth->mesh.band;
-    const size_t low = band.first - band.above, high = low + cloth->mesh.rows;
-    size_t a, b;
-    weft__range_resolve(range, cloth->mesh.band.rows, &a, &b);
-    *first = (a < low ? low : a < high ? a : high) - low;
-    *end = (b < low ? low : b < high ? b + 1 : high) - low;
-}
-
-static void masses_init(weft_cloth *cloth, const weft_cloth_def *def)
-{
-    for (size_t r = 0; r < cloth->mesh.rows; ++r) {
-        for (size_t c = 0; c < cloth->mesh.cols; ++c) {
-            cloth->mesh.mass[r * cloth->mesh.cols + c]
-                = def->density > 0.0 ? def->density * weft__area(&cloth->mesh, r, c)
-                                     : def->mass;
-        }
-    }
-    for (size_t i = 0; i < def->load_count; ++i) {
-        const weft_load *load = &def->loads[i];
-        size_t r0, r1, c0, c1;
-        rows_here(cloth, load->rows, &r0, &r1);
-        weft__range_resolve(load->cols, cloth->mesh.cols, &c0, &c1);
-        for (size_t r = r0; r < r1; ++r) {
-            for (size_t c = c0; c <= c1; ++c) {
-                cloth->mesh.mass[r * cloth->mesh.cols + c] += load->mass;
-            }
-        }
-    }
-}
-
-static void pins_init(weft_cloth *cloth, const weft_cloth_def *def)
-{
-    for (size_t i = 0; i < def->pin_count; ++i) {
-        const weft_pin *pin = &def->pins[i];
-        size_t r0, r1, c0, c1;
-        rows_here(cloth, pin->rows, &r0, &r1);
-        weft__range_resolve(pin->cols, cloth->mesh.cols, &c0, &c1);
-        cloth->mesh.motions[i]
-            = weft__motion_of(pin->velocity, pin->amplitude, pin->frequency);
-        for (size_t r = r0; r < r1; ++r) {
-            for (size_t c = c0; c <= c1; ++c) {
-                cloth->mesh.pin[r * cloth->mesh.cols + c] = (uint32_t)(i + 1);
-            }
-        }
-    }
-    cloth->mesh.motions[def->pin_count]
-        = (weft__motion){ .moves = true, .coasts = true };
-    for (size_t i = 0; i < cloth->mesh.particles; ++i) {
-        cloth->mesh.pinned += cloth->mesh.pin[i] != 0;
-    }
-}
-
 static weft_status list_pins(weft_cloth *cloth, weft_error *err)
 {
     cloth->mesh.pins
@@ -192,8 +136,7 @@ static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error
     if (status != WEFT_OK) {
         return status;
     }
-    masses_init(cloth, def);
-    pins_init(cloth, def);
+    weft__grid_fill(&cloth->mesh, def);
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         if (!weft__table[k].force->init(weft__own_of(cloth, k), def, &cloth->memory)) {
             return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %s",
@@ -364,20 +307,18 @@ weft_cloth *weft__cloth_copy(const weft_cloth *model, const weft_allocator *memo
 
 void weft_cloth_start(const weft_cloth *cloth, double *y)
 {
-    const size_t n = cloth->mesh.particles;
-    for (size_t r = 0; r < cloth->mesh.rows; ++r) {
-        for (size_t c = 0; c < cloth->mesh.cols; ++c) {
-            const size_t i = r * cloth->mesh.cols + c;
-            double x[3], v[6];
-            weft__start_position(&cloth->mesh, r, c, x);
-            memcpy(v, cloth->mesh.velocity, sizeof cloth->mesh.velocity);
-            if (cloth->mesh.pin[i] != 0) {
-                weft__pin_rate(&cloth->mesh, i, 0.0, v);
-            }
-            for (size_t k = 0; k < 3; ++k) {
-                y[k * n + i] = x[k];
-                y[(k + 3) * n + i] = v[k];
-            }
+    const weft__mesh *mesh = &cloth->mesh;
+    const size_t n = mesh->particles;
+    for (size_t i = 0; i < n; ++i) {
+        double x[3], v[6];
+        weft__start_position(mesh, i, x);
+        memcpy(v, mesh->velocity, sizeof mesh->velocity);
+        if (mesh->pin[i] != 0) {
+            weft__pin_rate(mesh, i, 0.0, v);
+        }
+        for (size_t k = 0; k < 3; ++k) {
+            y[k * n + i] = x[k];
+            y[(k + 3) * n + i] = v[k];
         }
     }
 }
@@ -385,8 +326,7 @@ void weft_cloth_start(const weft_cloth *cloth, double *y)
 void weft_cloth_rest(const weft_cloth *cloth, double *xyz)
 {
     for (size_t i = 0; i < cloth->mesh.particles; ++i) {
-        weft__rest_position(&cloth->mesh, i / cloth->mesh.cols, i % cloth->mesh.cols,
-                            &xyz[3 * i]);
+        weft__rest_position(&cloth->mesh, i, &xyz[3 * i]);
     }
 }
 
@@ -436,8 +376,9 @@ size_t weft_cloth_springs(const weft_cloth *cloth, weft_family family)
 
 size_t weft_cloth_pins(const weft_cloth *cloth)
 {
-    const size_t first = cloth->mesh.band.above * cloth->mesh.cols;
-    const size_t end = first + cloth->mesh.band.own * cloth->mesh.cols;
+    const weft_band band = cloth->mesh.band;
+    const size_t first = weft__block(&cloth->mesh, band.above);
+    const size_t end = weft__block(&cloth->mesh, band.above + band.own);
     size_t pins = 0;
     for (size_t j = 0; j < cloth->mesh.pinned; ++j) {
         pins += cloth->mesh.pins[j] >= first && cloth->mesh.pins[j] < end;

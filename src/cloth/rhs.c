@@ -13,35 +13,29 @@
 #define PLACE(name) { &weft__##name##_force, offsetof(struct weft_cloth, name) },
 const weft__line weft__table[WEFT__FORCES] = { WEFT_FORCES(PLACE) };
 
-/* Weight and air alone, where no springs are. */
-static bool has_springs(const weft_cloth *cloth)
+/* All forces of blocks [first, end), in three planes; with WEFT__ACCELERATION x' are
+ * before them. */
+static int sum(const weft_cloth *cloth, const weft__state *at, weft__unit unit,
+               double *to, size_t first, size_t end)
 {
-    return cloth->mesh.cols > 0; /* a grid; a mesh would start with its body */
-}
-
-static int start(const weft_cloth *cloth, const weft__state *at, double *dydt,
-                 size_t first, size_t end)
-{
-    return has_springs(cloth) ? weft__springs_force.start(&cloth->springs, &cloth->body,
-                                                          at, dydt, first, end)
-                              : weft__body_force.start(&cloth->body, &cloth->body, at,
-                                                       dydt, first, end);
+    double *planes = unit == WEFT__FORCE ? to : to + 3 * cloth->mesh.particles;
+    int failed = weft__table[0].force->start(weft__own(cloth, 0), &cloth->body, at,
+                                             unit, to, first, end);
+    for (size_t k = 1; k < WEFT__FORCES; ++k) {
+        const weft__force *force = weft__table[k].force;
+        weft__add_fn *add = at->along != NULL ? force->change : force->add;
+        if (add != NULL) {
+            failed |= add(weft__own(cloth, k), at, unit, planes, first, end);
+        }
+    }
+    return failed;
 }
 
 int weft__rhs_blocks(const weft_cloth *cloth, const weft__state *at, double *dydt,
                      size_t first, size_t end)
 {
     const weft__mesh *mesh = &cloth->mesh;
-    double *dvdt = dydt + 3 * mesh->particles;
-    int failed = start(cloth, at, dydt, first, end);
-    for (size_t k = WEFT__FORCE_springs + 1; k < WEFT__FORCES; ++k) {
-        const weft__force *force = weft__table[k].force;
-        weft__add_fn *add = at->along != NULL ? force->change : force->add;
-        if (add != NULL) {
-            failed
-                |= add(weft__own(cloth, k), at, WEFT__ACCELERATION, dvdt, first, end);
-        }
-    }
+    const int failed = sum(cloth, at, WEFT__ACCELERATION, dydt, first, end);
     if (at->along == NULL) {
         weft__move_pins(mesh, at->t, dydt, weft__block(mesh, first),
                         weft__block(mesh, end));
@@ -87,22 +81,7 @@ int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y, double *d
 void weft_cloth_force(const weft_cloth *cloth, double t, const double *y, double *f)
 {
     const weft__state at = { .t = t, .y = y };
-    const weft__mesh *mesh = &cloth->mesh;
-    const size_t n = mesh->particles;
-    for (size_t i = 0; i < n; ++i) {
-        double springs[3];
-        weft__springs_pull(&cloth->springs, i, y, NULL, springs);
-        for (size_t k = 0; k < 3; ++k) {
-            f[k * n + i] = mesh->mass[i] * cloth->body.gravity[k]
-                           + (springs[k] - cloth->body.drag * y[(k + 3) * n + i]);
-        }
-    }
-    for (size_t k = WEFT__FORCE_springs + 1; k < WEFT__FORCES; ++k) {
-        if (weft__table[k].force->add != NULL) {
-            (void)weft__table[k].force->add(weft__own(cloth, k), &at, WEFT__FORCE, f, 0,
-                                            weft__blocks(mesh));
-        }
-    }
+    (void)sum(cloth, &at, WEFT__FORCE, f, 0, weft__blocks(&cloth->mesh));
     (void)weft__rhs_all(cloth, NULL, &at, WEFT__FORCE, f);
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* table.h -- all forces, in the order of summation, which is part of the result. */
+/* table.h -- all forces, in the order of summation, which is part of the result. The
+ * first one starts a sum. */
 #ifndef WEFT_CLOTH_TABLE_H
 #define WEFT_CLOTH_TABLE_H
 

@@ -28,11 +28,12 @@ typedef enum weft__unit {
 
 struct weft__body; /* weight and air: forces/body */
 
-/* Writes x' and v' of blocks [first, end): weight, air and this force, in one sweep;
- * with at->along their derivative. Returns 0, or 1 if a number is not finite. */
+/* Writes three planes, or x' and v' with WEFT__ACCELERATION, of blocks [first, end):
+ * weight, air and this force, in one sweep; with at->along their derivative. Returns 0,
+ * or 1 if a number is not finite. */
 typedef int weft__start_fn(const void *own, const struct weft__body *body,
-                           const weft__state *at, double *dydt, size_t first,
-                           size_t end);
+                           const weft__state *at, weft__unit unit, double *to,
+                           size_t first, size_t end);
 
 /* Adds to three planes. Returns as above. */
 typedef int weft__add_fn(const void *own, const weft__state *at, weft__unit unit,
@@ -57,8 +58,8 @@ typedef struct weft__force {
     bool (*copy)(void *own, const weft_allocator *memory); /* false: no memory */
     void (*free)(void *own, const weft_allocator *memory);
 
-    /* Its law. One force of a cloth may start a sum (springs of a grid, which weight
-     * and air are fused with), the others add to it. `change`: the derivative of add
+    /* Its law. The first of the table starts a sum, the others add
+     * to it. `change`: the derivative of add
      * along at->along. */
     weft__start_fn *start;
     weft__add_fn *add, *change;

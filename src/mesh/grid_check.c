@@ -33,16 +33,6 @@ const struct weft__pin_numbers weft__pin_numbers = {
 
 /* ---- places ---------------------------------------------------------------------- */
 
-bool weft__range_resolve(weft_range range, size_t count, size_t *first, size_t *last)
-{
-    const ptrdiff_t n = (ptrdiff_t)count;
-    const ptrdiff_t a = range.first < 0 ? range.first + n : range.first;
-    const ptrdiff_t b = range.last < 0 ? range.last + n : range.last;
-    *first = (size_t)a;
-    *last = (size_t)b;
-    return a >= 0 && b < n && a <= b;
-}
-
 void weft__ranges_check(const weft_cloth_def *def, const weft__faults *to,
                         const char *what, size_t index, weft_range rows,
                         weft_range cols)
@@ -130,8 +120,8 @@ static bool check_finite(const weft__mesh *grid, const weft__faults *to)
         const size_t r = corner / 2 * (grid->rows - 1),
                      c = corner % 2 * (grid->cols - 1);
         double rest[3], start[3];
-        weft__rest_position(grid, r, c, rest);
-        weft__start_position(grid, r, c, start);
+        weft__rest_position(grid, r * grid->cols + c, rest);
+        weft__start_position(grid, r * grid->cols + c, start);
         finite = finite && weft__all_finite(rest, 3) && weft__all_finite(start, 3);
     }
     if (!finite) {
@@ -157,8 +147,8 @@ static bool may_coincide(const weft__mesh *grid)
 static bool coincide(const weft__mesh *grid, size_t r, size_t c, size_t r2, size_t c2)
 {
     double a[3], b[3];
-    weft__rest_position(grid, r, c, a);
-    weft__rest_position(grid, r2, c2, b);
+    weft__rest_position(grid, r * grid->cols + c, a);
+    weft__rest_position(grid, r2 * grid->cols + c2, b);
     const double d[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
     return r2 < grid->rows && c2 < grid->cols && weft__length(d) == 0.0;
 }

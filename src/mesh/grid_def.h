@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* grid_def.h -- the numbers of a grid, its pins and loads, and their checks. */
+/* grid_def.h -- rows and columns: the numbers of a grid, its pins and loads, their
+ * checks, and what lies on its rim. */
 #ifndef WEFT_MESH_GRID_DEF_H
 #define WEFT_MESH_GRID_DEF_H
 
@@ -9,6 +10,25 @@ WEFT__NUMBERS(weft__grid_numbers, rows, cols, spacing, origin, scale, mass, dens
               velocity);
 WEFT__NUMBERS(weft__pin_numbers, velocity, amplitude, frequency);
 extern const weft__number weft__load_mass;
+
+/* [m] `length` in a direction of `count` rows or columns; a single one counts as 1 m
+ * wide. */
+static inline double weft__width(size_t count, double length)
+{
+    return count > 1 ? length : 1.0;
+}
+
+/* Whether three particles of a row or column of `count` are centred at `at`. */
+static inline bool weft__inner(size_t at, size_t count)
+{
+    return at > 0 && at + 1 < count;
+}
+
+/* The part of its stiffness, or width, that a strip of cloth has at the rim. */
+static inline double weft__strip(size_t at, size_t count)
+{
+    return count == 1 || weft__inner(at, count) ? 1.0 : 0.5;
+}
 
 /* Checks the grid; compares neighbours in grids of up to `most` particles. Returns
  * false if the size is wrong. */

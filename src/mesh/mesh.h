@@ -63,51 +63,30 @@ static inline double weft__length(const double a[3])
 
 /* ---- grid.c ---------------------------------------------------------------------- */
 
-/* The rows, columns and plain values of a definition, directions made unit. */
+/* The size and plain values of a definition, directions made unit. */
 void weft__grid_init(weft__mesh *mesh, const weft_cloth_def *def);
+
+/* Masses, loads and pins of a definition, for which there is room. */
+void weft__grid_fill(weft__mesh *mesh, const weft_cloth_def *def);
+
+/* Of particle i: where it rests, where it is at t = 0 [m], its lumped area [m^2]. */
+void weft__rest_position(const weft__mesh *mesh, size_t i, double x[3]);
+void weft__start_position(const weft__mesh *mesh, size_t i, double x[3]);
+double weft__area(const weft__mesh *mesh, size_t i);
+
+/* [m] The shortest edge at rest, diagonals aside. */
+double weft__shortest_edge(const weft__mesh *mesh);
+
+/* The edges and triangles that particle i owns: each has one owner. Both return their
+ * number, 0 to 3 and 0 or 2. */
+size_t weft__edges_of(const weft__mesh *mesh, size_t i, uint32_t edges[3][2]);
+size_t weft__triangles_of(const weft__mesh *mesh, size_t i, uint32_t triangles[2][3]);
 
 /* The number of particle i in the whole cloth. */
 static inline size_t weft__whole_index(const weft__mesh *mesh, size_t i)
 {
-    return (mesh->band.first - mesh->band.above) * mesh->cols + i;
+    return (mesh->band.first - mesh->band.above) * mesh->block + i;
 }
-
-/* [m] The shorter side of a cell; of a chain its spacing. */
-static inline double weft__smaller_spacing(size_t rows, size_t cols,
-                                           const double spacing[2])
-{
-    return rows == 1   ? spacing[1]
-           : cols == 1 ? spacing[0]
-                       : fmin(spacing[0], spacing[1]);
-}
-
-/* Rest position [m] of particle (r, c). */
-void weft__rest_position(const weft__mesh *mesh, size_t r, size_t c, double x[3]);
-
-/* Position [m] at t = 0. */
-void weft__start_position(const weft__mesh *mesh, size_t r, size_t c, double x[3]);
-
-/* [m] `length` in a direction of `count` rows or columns; a single one counts as 1 m
- * wide. */
-static inline double weft__width(size_t count, double length)
-{
-    return count > 1 ? length : 1.0;
-}
-
-/* Whether three particles of a row or column of `count` are centred at `at`. */
-static inline bool weft__inner(size_t at, size_t count)
-{
-    return at > 0 && at + 1 < count;
-}
-
-/* The part of its stiffness, or width, that a strip of cloth has at the rim. */
-static inline double weft__strip(size_t at, size_t count)
-{
-    return count == 1 || weft__inner(at, count) ? 1.0 : 0.5;
-}
-
-/* Lumped area [m^2] of particle (r, c): halved on each edge it lies on. */
-double weft__area(const weft__mesh *mesh, size_t r, size_t c);
 
 /* ---- motion.c -------------------------------------------------------------------- */
 

@@ -196,7 +196,7 @@ static void warn_of_pin(weft__reader *reader, const weft__mesh *grid, size_t pin
     for (size_t i = 0; i < count * def->contact.shape_count; ++i) {
         const size_t k = i / count, r = top + i % count / wide, c = left + i % wide;
         double x[3];
-        weft__start_position(grid, r, c, x);
+        weft__start_position(grid, r * grid->cols + c, x);
         *compared += def->pin_count;
         if (*compared > MOST_TIMES) {
             return;

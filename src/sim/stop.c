@@ -18,8 +18,7 @@ static double above_rest(const weft_cloth *cloth, const double *y, double part)
     double kinetic = 0.0, work = 0.0, start[3];
     for (size_t i = 0; i < n; ++i) {
         if (cloth->mesh.pin[i] == 0) {
-            weft__start_position(&cloth->mesh, i / cloth->mesh.cols,
-                                 i % cloth->mesh.cols, start);
+            weft__start_position(&cloth->mesh, i, start);
             for (size_t k = 0; k < 3; ++k) {
                 const double v = y[(3 + k) * n + i];
                 kinetic += 0.5 * cloth->mesh.mass[i] * v * v;

@@ -14,6 +14,7 @@
 #define WEFT_FORCES_BENDING_BENDING_H
 
 #include "forces/force.h"
+#include "mesh/grid_def.h"
 
 /* All 0 without. */
 typedef struct weft__bending {

@@ -31,28 +31,6 @@ static uint64_t hash_of(const void *own, uint64_t hash)
     return weft__hash_real(weft__hash_reals(hash, of->gravity, 3), of->drag);
 }
 
-/* Of a cloth that no other force starts. */
-static int start(const void *own, const weft__body *body, const weft__state *at,
-                 double *dydt, size_t first, size_t end)
-{
-    static const double none[3];
-    const weft__mesh *mesh = body->mesh;
-    const size_t n = mesh->particles, last = weft__block(mesh, end);
-    const double *state = at->along != NULL ? at->along : at->y;
-    const double *gravity = at->along != NULL ? none : body->gravity;
-    double bad = 0.0;
-    (void)own;
-    for (size_t i = weft__block(mesh, first); i < last; ++i) {
-        for (size_t k = 0; k < 3; ++k) {
-            const double v = dydt[k * n + i] = state[(k + 3) * n + i];
-            const double a = dydt[(k + 3) * n + i]
-                = gravity[k] + mesh->inverse_mass[i] * (0.0 - body->drag * v);
-            bad += (v + a) * 0.0;
-        }
-    }
-    return bad == 0.0 ? 0 : 1;
-}
-
 static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
 {
     const weft__body *of = own;
@@ -101,7 +79,6 @@ const weft__force weft__body_force = { .name = "body",
                                        .check = check,
                                        .init = init,
                                        .hash = hash_of,
-                                       .start = start,
                                        .energy = energy,
                                        .power = power,
                                        .bound = bound,

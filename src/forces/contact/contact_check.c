@@ -144,7 +144,7 @@ static double start_gap(const weft_cloth_def *def, const weft_shape *shape,
     for (size_t i = 0; i < grid.particles; ++i) {
         const size_t whole = weft__whole_index(&grid, i), c = i % grid.cols;
         double x[3];
-        weft__start_position(&grid, i / grid.cols, c, x);
+        weft__start_position(&grid, i, x);
         const double gap = weft__gap_at(&pose, x);
         if (!(gap > 0.0) && gap < least
             && weft__pin_of(def, whole / grid.cols, c) == 0) {

@@ -148,9 +148,9 @@ static void compare_nodes(counting *of, size_t i, size_t j)
     const weft__mesh *mesh = of->tree->mesh;
     const bool chain = mesh->rows == 1 || mesh->cols == 1;
     uint32_t edges[3][2], sides[3][2], triangles[2][3];
-    const size_t edge_count = weft__node_edges(mesh, i, edges);
-    const size_t count = chain ? (i < j ? weft__node_edges(mesh, j, sides) : 0)
-                               : weft__node_triangles(mesh, j, triangles);
+    const size_t edge_count = weft__edges_of(mesh, i, edges);
+    const size_t count = chain ? (i < j ? weft__edges_of(mesh, j, sides) : 0)
+                               : weft__triangles_of(mesh, j, triangles);
     for (size_t k = 0; k < edge_count * count; ++k) {
         const size_t e = k / count, o = k % count;
         const element edge = element_of(of, 3 * i + e, 2, edges[e]);
@@ -164,7 +164,7 @@ static void compare_nodes(counting *of, size_t i, size_t j)
 static void keep_points(counting *of, size_t i)
 {
     uint32_t edges[3][2];
-    const size_t count = weft__node_edges(of->tree->mesh, i, edges);
+    const size_t count = weft__edges_of(of->tree->mesh, i, edges);
     for (size_t e = 0; e < count; ++e) {
         const element a = element_of(of, 3 * i + e, 1, &edges[e][0]);
         const element b = element_of(of, 0, 1, &edges[e][1]);

@@ -49,8 +49,7 @@ weft__self_law weft__self_law_of(const weft__self *own)
 {
     const double a2 = own->mesh->spacing[0] * own->mesh->spacing[0];
     const double b2 = own->mesh->spacing[1] * own->mesh->spacing[1];
-    const double smaller
-        = weft__smaller_spacing(own->mesh->rows, own->mesh->cols, own->mesh->spacing);
+    const double smaller = weft__shortest_edge(own->mesh);
     return (weft__self_law){ .own = own,
                              .soft = fmin(own->law.thickness / smaller, 0.3),
                              .square = { a2, b2, a2 + b2 } };
@@ -339,7 +338,9 @@ void weft__self_measure(const weft__self *own, const weft__state *at,
 void weft__self_check(const weft_cloth_def *def, const weft__faults *to)
 {
     const weft_contact_def *law = &def->contact;
-    const double most = 0.5 * weft__smaller_spacing(def->rows, def->cols, def->spacing);
+    weft__mesh mesh = { .rows = 0 };
+    weft__grid_init(&mesh, def);
+    const double most = 0.5 * weft__shortest_edge(&mesh);
     if (law->self && law->thickness > most) {
         weft__fault(to, offsetof(weft_contact_def, thickness),
                     offsetof(weft_contact_def, self),

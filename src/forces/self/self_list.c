@@ -42,8 +42,7 @@ static void run(weft__pool *pool, weft__task *task, void *ctx, size_t parts)
  * flat cells, whose primitives are 0.7 spacings apart, are not listed. */
 static double skin_of(const weft__self *own)
 {
-    const double a
-        = weft__smaller_spacing(own->mesh->rows, own->mesh->cols, own->mesh->spacing);
+    const double a = weft__shortest_edge(own->mesh);
     return fmin(0.25 * a, fmax(0.1 * a, 0.65 * a - own->law.thickness));
 }
 

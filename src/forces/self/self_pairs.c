@@ -48,7 +48,7 @@ static inline void add_particle(uint32_t i, const double a[3], boxed *to)
     }
 }
 
-/* As weft__node_edges and weft__node_triangles. */
+/* As weft__edges_of and weft__triangles_of. */
 static void find_owned(const weft__quadtree *tree, size_t node, owned *out)
 {
     const size_t cols = tree->mesh->cols, n = tree->mesh->particles;

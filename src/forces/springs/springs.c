@@ -58,9 +58,10 @@ static void spring_force(const weft__springs *own, const weft__spring *at,
     weft__spring_change(at, w, dd, dw, pull);
 }
 
-/* The order of summation is part of the result, and that of src/kernel/kernel.c. */
-void weft__springs_pull(const weft__springs *own, size_t i, const double *y,
-                        const double *along, double force[3])
+/* [N] of all springs on particle i in state y, or its derivative along `along`. The
+ * order of summation, that of springs_fast.c, is part of the result. */
+static void pull_of(const weft__springs *own, size_t i, const double *y,
+                    const double *along, double force[3])
 {
     enum { RIGHT, DOWN, CROSS, ANTI, RIGHT2, DOWN2 }; /* as in directions */
     double from[WEFT_GROUPS][3] = { 0 }, to[WEFT_GROUPS][3] = { 0 }; /* [N] on p */
@@ -225,7 +226,7 @@ static double trouble(const double *z, size_t n)
 }
 
 int weft__rows_loops(const void *own, const weft__body *body, const weft__state *at,
-                     double *dydt, size_t first, size_t end)
+                     weft__unit unit, double *to, size_t first, size_t end)
 {
     static const double none[3];
     const weft__springs *of = own;
@@ -237,47 +238,36 @@ int weft__rows_loops(const void *own, const weft__body *body, const weft__state 
     double bad = 0.0;
     for (size_t i = weft__block(mesh, first); i < last; ++i) {
         double springs[3];
-        weft__springs_pull(of, i, at->y, at->along, springs);
+        pull_of(of, i, at->y, at->along, springs);
         for (size_t k = 0; k < 3; ++k) {
-            const double v = dydt[k * n + i] = state[(k + 3) * n + i];
+            const double v = state[(k + 3) * n + i];
             const double force = springs[k] - body->drag * v;
-            dydt[(k + 3) * n + i] = gravity[k] + mesh->inverse_mass[i] * force;
+            if (unit == WEFT__FORCE) {
+                to[k * n + i] = mesh->mass[i] * gravity[k] + force;
+                continue;
+            }
+            to[k * n + i] = v;
+            to[(k + 3) * n + i] = gravity[k] + mesh->inverse_mass[i] * force;
         }
-        bad += trouble(dydt + i, n);
+        bad += unit == WEFT__FORCE ? 0.0 : trouble(to + i, n);
     }
     return bad == 0.0 ? 0 : 1;
 }
 
 int weft__products_loops(const void *own, const weft__body *body, const weft__state *at,
-                         double *dydt, size_t first, size_t end)
+                         weft__unit unit, double *to, size_t first, size_t end)
 {
-    return weft__rows_loops(own, body, at, dydt, first, end);
+    return weft__rows_loops(own, body, at, unit, to, first, end);
 }
 
 static int start(const void *own, const weft__body *body, const weft__state *at,
-                 double *dydt, size_t first, size_t end)
+                 weft__unit unit, double *to, size_t first, size_t end)
 {
     const weft__springs *of = own;
-    return (at->along != NULL ? of->products : of->fast)(own, body, at, dydt, first,
-                                                         end);
-}
-
-/* Alone, without weight and air: the plain force. */
-static int add(const void *own, const weft__state *at, weft__unit unit, double *to,
-               size_t first, size_t end)
-{
-    const weft__springs *of = own;
-    const weft__mesh *mesh = of->mesh;
-    for (size_t i = weft__block(mesh, first); i < weft__block(mesh, end); ++i) {
-        double springs[3];
-        weft__springs_pull(of, i, at->y, at->along, springs);
-        for (size_t k = 0; k < 3; ++k) {
-            to[k * mesh->particles + i] += unit == WEFT__FORCE
-                                               ? springs[k]
-                                               : mesh->inverse_mass[i] * springs[k];
-        }
-    }
-    return 0;
+    weft__start_fn *form = unit == WEFT__FORCE ? weft__rows_loops
+                           : at->along != NULL ? of->products
+                                               : of->fast;
+    return form(own, body, at, unit, to, first, end);
 }
 
 static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
@@ -310,7 +300,7 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
     for (size_t i = weft__block(mesh, b); i < weft__block(mesh, b + 1); ++i) {
         if (mesh->pin[i] != 0 && mesh->motions[mesh->pin[i] - 1].moves) {
             double force[3], rate[6];
-            weft__springs_pull(of, i, at->y, NULL, force);
+            pull_of(of, i, at->y, NULL, force);
             weft__pin_rate(mesh, i, at->t, rate);
             sum->power[WEFT_POWER_PINS] += -weft__dot(force, rate);
         }
@@ -443,7 +433,6 @@ const weft__force weft__springs_force = { .name = "springs",
                                           .hash = hash_of,
                                           .choose = choose,
                                           .start = start,
-                                          .add = add,
                                           .energy = energy,
                                           .power = power,
                                           .bound = bound,

@@ -224,9 +224,4 @@ enum { WEFT__SPRINGS_MAX = 2 * WEFT_GROUPS };
 size_t weft__particle_springs(const weft__springs *own, size_t i, const double *x,
                               weft__spring springs[WEFT__SPRINGS_MAX]);
 
-/* Force [N] of all of them on particle i in state y; its derivative along `along`,
- * unless that is NULL. */
-void weft__springs_pull(const weft__springs *own, size_t i, const double *y,
-                        const double *along, double force[3]);
-
 #endif

@@ -439,9 +439,10 @@ static unsigned start(sweep *self, const weft__springs *own, const weft__body *b
 #define SWEEP rows
 #endif
 int NAME(SWEEP, LEVEL)(const void *own, const weft__body *body, const weft__state *at,
-                       double *dydt, size_t first, size_t end)
+                       weft__unit unit, double *dydt, size_t first, size_t end)
 {
     sweep self;
+    (void)unit;
     const unsigned all = start(&self, own, body, at);
     self.dydt = dydt;
     self.detour = stores_delay_loads(&self);

@@ -64,15 +64,14 @@ static void wind_force(const weft__wind *of, const weft__state *at, size_t i,
                        double share, double force[3])
 {
     const weft__mesh *mesh = of->mesh;
-    const size_t n = mesh->particles, r = i / mesh->cols, c = i % mesh->cols;
+    const size_t n = mesh->particles;
     double a[3], b[3], normal[3], flow[3];
     tangents(mesh, at->y, i, a, b);
     cross(a, b, normal);
     for (size_t k = 0; k < 3; ++k) {
         flow[k] = of->velocity[k] - at->y[(k + 3) * n + i];
     }
-    const double push = of->drag * weft__area(mesh, r, c) * share
-                        * weft__dot(normal, flow)
+    const double push = of->drag * weft__area(mesh, i) * share * weft__dot(normal, flow)
                         / (weft__dot(normal, normal) + DBL_MIN);
     for (size_t k = 0; k < 3; ++k) {
         force[k] = push * normal[k];
@@ -98,8 +97,7 @@ static void wind_slope(const weft__wind *of, const weft__state *at, size_t i,
         dv[k] = at->along[(k + 3) * n + i];
         flow[k] = of->velocity[k] - at->y[(k + 3) * n + i];
     }
-    const double drag = of->drag * mesh->inverse_mass[i]
-                        * weft__area(mesh, i / mesh->cols, i % mesh->cols);
+    const double drag = of->drag * mesh->inverse_mass[i] * weft__area(mesh, i);
     const double inverse = 1.0 / (weft__dot(normal, normal) + DBL_MIN);
     const double push = weft__dot(normal, flow) * inverse;
     const double rate = (weft__dot(turn, flow) - weft__dot(normal, dv)) * inverse
@@ -171,7 +169,7 @@ static void bound(const void *own, const weft__state *at, size_t i, weft__bound 
 {
     const weft__wind *of = own;
     const weft__mesh *mesh = of->mesh;
-    const double area = weft__area(mesh, i / mesh->cols, i % mesh->cols);
+    const double area = weft__area(mesh, i);
     (void)at;
     sum->added += of->drag * area * mesh->inverse_mass[i];
 }

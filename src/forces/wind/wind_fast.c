@@ -47,11 +47,12 @@ INLINE vec add(const weft__wind *of, const patch *at, size_t i, size_t count,
 /* Columns from c on, up to LANES, one by one: on the rim tangents are one-sided. The
  * lanes left over repeat the last column. */
 static vec add_rim(const weft__wind *of, const double *y, size_t r, size_t c,
-                   size_t count, double *dvdt)
+                   size_t count, double inner, double *dvdt)
 {
     const weft__mesh *mesh = of->mesh;
     const size_t n = mesh->particles, cols = mesh->cols;
     const size_t up = r > 0 ? cols : 0, down = r + 1 < mesh->rows ? cols : 0;
+    const double rim = weft__area(mesh, r * cols);
     patch at;
     for (size_t l = 0; l < LANES; ++l) {
         const size_t column = l < count ? c + l : c + count - 1;
@@ -62,7 +63,7 @@ static vec add_rim(const weft__wind *of, const double *y, size_t r, size_t c,
         set_lane(&at.down, l, y + i + down, n);
         set_lane(&at.v, l, y + 3 * n + i, n);
         at.inverse_mass[l] = mesh->inverse_mass[i];
-        at.area[l] = weft__area(mesh, r, column);
+        at.area[l] = column > 0 && column + 1 < cols ? inner : rim;
     }
     return add(of, &at, r * cols + c, count, dvdt);
 }
@@ -72,8 +73,9 @@ static vec add_row(const weft__wind *of, const double *y, size_t r, double *dvdt
     const weft__mesh *mesh = of->mesh;
     const size_t n = mesh->particles, cols = mesh->cols;
     const size_t up = r > 0 ? cols : 0, down = r + 1 < mesh->rows ? cols : 0;
-    const vec area = splat(weft__area(mesh, r, cols > 2 ? 1 : 0));
-    vec bad = add_rim(of, y, r, 0, 1, dvdt);
+    const double inner = weft__area(mesh, r * cols + (cols > 2 ? 1 : 0));
+    const vec area = splat(inner);
+    vec bad = add_rim(of, y, r, 0, 1, inner, dvdt);
     size_t c = 1;
     for (; c + LANES < cols; c += LANES) {
         const size_t i = r * cols + c;
@@ -90,7 +92,7 @@ static vec add_row(const weft__wind *of, const double *y, size_t r, double *dvdt
         bad += add(of, &at, i, LANES, dvdt);
     }
     if (c < cols) {
-        bad += add_rim(of, y, r, c, cols - c, dvdt);
+        bad += add_rim(of, y, r, c, cols - c, inner, dvdt);
     }
     return bad;
 }
