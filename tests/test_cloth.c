@@ -386,6 +386,10 @@ START_TEST(refusals_name_the_field)
     REFUSED("pin 1: columns 4 to 4 are outside the grid of 4 columns",
             b.pins[1].cols = (weft_range){ 4, 4 });
     REFUSED("drag -1 kg/s: must be >= 0", b.def.drag = -1.0);
+    REFUSED("the masses are too large or too small for a double",
+            b.def.density = 5e-324);
+    REFUSED("pin 0: its motion is too large or too small for a double",
+            b.pins[0].frequency = 1e200);
     REFUSED("the springs are too large or too small for a double",
             b.def.spacing[0] = 1e200);
     weft_cloth_def fine = grid(3, 4);

@@ -48,33 +48,6 @@ static weft_status list_pins(weft_cloth *cloth, weft_error *err)
     return WEFT_OK;
 }
 
-/* Products of numbers in range may be out of range: nothing infinite may enter a state,
- * and no divisor may be 0. */
-static weft_status check_numbers(const weft_cloth *cloth, weft_error *err)
-{
-    const char *wrong = NULL;
-    for (size_t i = 0; i < cloth->mesh.particles; ++i) {
-        const bool usable
-            = isfinite(cloth->mesh.mass[i]) && isfinite(1.0 / cloth->mesh.mass[i]);
-        wrong = usable ? wrong : "masses";
-    }
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        const weft__force *force = weft__table[k].force;
-        const char *fault
-            = force->fault != NULL ? force->fault(weft__own(cloth, k)) : NULL;
-        wrong = fault == NULL ? wrong : fault;
-    }
-    for (size_t i = 0; i < cloth->mesh.motion_count; ++i) {
-        wrong
-            = weft__motion_usable(&cloth->mesh.motions[i]) ? wrong : "motions of pins";
-    }
-    return wrong == NULL ? WEFT_OK
-                         : weft_error_set(err, WEFT_INVALID,
-                                          "the %s are too large or too small for a "
-                                          "double",
-                                          wrong);
-}
-
 static weft_status allocate(weft_cloth *cloth, weft_error *err)
 {
     const size_t n = cloth->mesh.particles;
@@ -144,7 +117,6 @@ static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error
         }
     }
     status = list_pins(cloth, err);
-    status = status == WEFT_OK ? check_numbers(cloth, err) : status;
     return status == WEFT_OK ? weft__start_crossing_error(cloth, err) : status;
 }
 

@@ -79,6 +79,9 @@ uint64_t weft__cloth_block_hash(const weft_cloth *cloth, size_t b);
 /* validate.c: reports every fault of a definition; a field may be an offset in a part.
  */
 void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to);
+
+/* What it checks on a grid without faults. */
+void weft__sheet_check(const weft_cloth_def *def, const weft__faults *to);
 WEFT__NUMBERS(weft__limit_numbers, method, solver, strain, sweeps, tolerance);
 void weft__limit_check(const weft_limit_def *def, const weft__faults *to);
 WEFT__NUMBERS(weft__fabric_numbers, density, stretch, shear, bend, twist,

@@ -25,6 +25,26 @@ const struct weft__limit_numbers weft__limit_numbers = {
 
 /* ---- masses, springs, pins, forces ----------------------------------------------- */
 
+/* Of no particle may the mass or its inverse be infinite. A grid has its lightest
+ * particle at a corner. */
+static bool masses_usable(const weft_cloth_def *def)
+{
+    weft__mesh grid = { .rows = 0 };
+    double loads = 0.0;
+    bool usable = true;
+    weft__grid_init(&grid, def);
+    for (size_t i = 0; i < def->load_count; ++i) {
+        loads += def->loads[i].mass;
+    }
+    for (size_t i = 0; i < 3; ++i) {
+        const size_t r = i * (grid.rows - 1) / 2, c = i % 2 * (grid.cols / 2);
+        const double area = weft__area(&grid, r, c);
+        const double mass = def->density > 0.0 ? def->density * area : def->mass;
+        usable = usable && isfinite(1.0 / mass) && isfinite(mass + loads);
+    }
+    return usable;
+}
+
 static void check_mass(const weft_cloth_def *def, const weft__faults *to)
 {
     if ((def->mass > 0.0) == (def->density > 0.0)) {
@@ -37,14 +57,25 @@ static void check_mass(const weft_cloth_def *def, const weft__faults *to)
         (void)weft__numbers_check(&weft__load_mass, 1, load, to, "load %zu: ", i);
         weft__ranges_check(def, to, "load", i, load->rows, load->cols);
     }
+    if (!masses_usable(def)) {
+        weft__fault(to, FIELD(density), FIELD(mass),
+                    "the masses are too large or too small for a double");
+    }
 }
 
 static void check_pins(const weft_cloth_def *def, const weft__faults *to)
 {
     for (size_t i = 0; i < def->pin_count; ++i) {
         const weft_pin *pin = &def->pins[i];
+        const weft__motion motion
+            = weft__motion_of(pin->velocity, pin->amplitude, pin->frequency);
         (void)WEFT__NUMBERS_CHECK(weft__pin_numbers, pin, to, "pin %zu: ", i);
         weft__ranges_check(def, to, "pin", i, pin->rows, pin->cols);
+        if (!weft__motion_usable(&motion)) {
+            weft__fault(to, FIELD(pins), FIELD(pins),
+                        "pin %zu: its motion is too large or too small for a double",
+                        i);
+        }
     }
 }
 
@@ -62,16 +93,21 @@ static bool check_arrays(const weft_cloth_def *def, const weft__faults *to)
     return missing == NULL;
 }
 
+void weft__sheet_check(const weft_cloth_def *def, const weft__faults *to)
+{
+    check_mass(def, to);
+    check_pins(def, to);
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        if (weft__table[k].force->check != NULL) {
+            weft__table[k].force->check(def, to);
+        }
+    }
+}
+
 void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to)
 {
     if (check_arrays(def, to) && weft__grid_check(def, MAX_PARTICLES, to)) {
-        check_mass(def, to);
-        check_pins(def, to);
-        for (size_t k = 0; k < WEFT__FORCES; ++k) {
-            if (weft__table[k].force->check != NULL) {
-                weft__table[k].force->check(def, to);
-            }
-        }
+        weft__sheet_check(def, to);
     }
 }
 

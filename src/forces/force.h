@@ -49,10 +49,9 @@ struct weft__grip;
 typedef struct weft__force {
     const char *name;
 
-    /* Its numbers. `fault` is what is too large or too small for a double. */
+    /* Its numbers. */
     void (*check)(const weft_cloth_def *def, const weft__faults *to);
     bool (*init)(void *own, const weft_cloth_def *def, const weft_allocator *memory);
-    const char *(*fault)(const void *own);
     uint64_t (*hash)(const void *own, uint64_t hash);
     void (*choose)(void *own, weft__isa isa);              /* the fast forms */
     bool (*copy)(void *own, const weft_allocator *memory); /* false: no memory */

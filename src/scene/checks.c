@@ -76,6 +76,25 @@ static bool holds_all(const weft_cloth_def *cloth)
     return all;
 }
 
+/* Products of numbers in range may be out of range: masses are told at their key, what
+ * depends on lengths at the spacing. */
+static void report_product(void *ctx, size_t field, size_t other, const char *message)
+{
+    const weft__match *match = ctx;
+    const weft__node *grid = weft__value_in(match, "grid");
+    const weft__node *at = grid->entries[weft__find_key(grid, "spacing", 7)].value;
+    if (field != offsetof(weft_cloth_def, spacing)) {
+        const bool massive = field == offsetof(weft_cloth_def, density);
+        const weft__node *fabric = weft__value_in(match, "fabric");
+        const weft__node *mass = weft__value_in(match, "mass");
+        mass = mass == NULL ? weft__value_in(match, "density") : mass;
+        at = massive ? mass : weft__value_in(match, "springs");
+        at = fabric == NULL ? at : fabric;
+    }
+    (void)other;
+    weft__report_error(match->reader->report, at->at, "%s", message);
+}
+
 void weft__check_cloth(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_cloth_def *cloth = base;
@@ -83,6 +102,9 @@ void weft__check_cloth(weft__reader *reader, const weft__match *match, void *bas
         weft__make_fabric(reader, match);
     } else {
         weft__check_one(reader, match, "mass", "density");
+    }
+    if (reader->report->found->errors == 0) {
+        weft__sheet_check(cloth, &(weft__faults){ report_product, (void *)match });
     }
     if (reader->report->found->errors == 0 && holds_all(cloth)) {
         weft__report_warning(reader->report, weft__found_in(match, "pins")->key->at,

@@ -158,8 +158,8 @@ void weft__check_one(weft__reader *reader, const weft__match *match, const char 
 void weft__check_together(weft__reader *reader, const weft__match *match, const char *a,
                           const char *b);
 
-/* scene_pins.c: the oscillation [m], [Hz] of a pin or a shape. */
-void weft__check_motion(weft__reader *reader, const weft__match *match,
+/* scene_pins.c: the oscillation [m], [Hz] of a pin or a shape; whether it is finite. */
+bool weft__check_motion(weft__reader *reader, const weft__match *match,
                         const double amplitude[3], double frequency);
 
 /* The one of two nodes that stands behind the other; NULL stands before any. */

@@ -19,8 +19,9 @@ void weft__check_shape(weft__reader *reader, const weft__match *match, void *bas
 {
     const weft_shape *shape = base;
     const size_t index = (size_t)(shape - reader->scene->cloth.contact.shapes);
-    bool wrong = shape->kind == WEFT_SHAPES;
-    weft__check_motion(reader, match, shape->amplitude, shape->frequency);
+    bool wrong
+        = !weft__check_motion(reader, match, shape->amplitude, shape->frequency)
+          || shape->kind == WEFT_SHAPES;
     for (size_t i = 0; i < match->section->count; ++i) {
         wrong = wrong || match->found[i].wrong;
     }

@@ -158,7 +158,7 @@ void weft__check_place(weft__reader *reader, const weft__match *match, void *bas
 
 /* ---- pins ------------------------------------------------------------------- */
 
-void weft__check_motion(weft__reader *reader, const weft__match *match,
+bool weft__check_motion(weft__reader *reader, const weft__match *match,
                         const double amplitude[3], double frequency)
 {
     static const double rest[3] = { 0.0 };
@@ -172,12 +172,13 @@ void weft__check_motion(weft__reader *reader, const weft__match *match,
                            "frequency %g Hz, are beyond %.2g m/s^2",
                            frequency, DBL_MAX);
     }
+    return weft__motion_usable(&motion);
 }
 
 void weft__check_pin(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_pin *pin = base;
-    weft__check_motion(reader, match, pin->amplitude, pin->frequency);
+    (void)weft__check_motion(reader, match, pin->amplitude, pin->frequency);
 }
 
 /* A pin is a mapping with `at`, or the place of a pin at rest: a mapping with a key of

@@ -41,11 +41,19 @@ static weft__bending rigidity_of(const weft_cloth_def *def)
 
 static void check(const weft_cloth_def *def, const weft__faults *to)
 {
-    if (WEFT__NUMBERS_CHECK(weft__bending_numbers, &def->bending, to, "bending: ")
-        && rigidity_of(def).present && def->springs[WEFT_BEND].present) {
-        weft__fault(to, offsetof(weft_cloth_def, bending),
-                    offsetof(weft_cloth_def, springs[WEFT_BEND]),
+    const size_t bending = offsetof(weft_cloth_def, bending);
+    if (!WEFT__NUMBERS_CHECK(weft__bending_numbers, &def->bending, to, "bending: ")) {
+        return;
+    }
+    const weft__bending of = rigidity_of(def);
+    const double most = 16.0 * (of.along + of.across + of.twist);
+    if (of.present && def->springs[WEFT_BEND].present) {
+        weft__fault(to, bending, offsetof(weft_cloth_def, springs[WEFT_BEND]),
                     "bending rigidity excludes bend springs: remove one of them");
+    }
+    if (!isfinite(most) || !isfinite(most * of.damping)) {
+        weft__fault(to, bending, bending,
+                    "the bending rigidities are too large or too small for a double");
     }
 }
 
@@ -57,14 +65,6 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
     k.mesh = of->mesh, k.fast = of->fast;
     *of = k;
     return true;
-}
-
-/* What is computed from it may be infinite. */
-static const char *fault(const void *own)
-{
-    const weft__bending *of = own;
-    const double most = 16.0 * (of->along + of->across + of->twist);
-    return isfinite(most) && isfinite(most * of->damping) ? NULL : "bending rigidities";
 }
 
 /* Nothing without. */
@@ -362,7 +362,6 @@ static double *bonds(const void *own, const weft__state *at, size_t b, double *p
 const weft__force weft__bending_force = { .name = "bending",
                                           .check = check,
                                           .init = init,
-                                          .fault = fault,
                                           .hash = hash_of,
                                           .choose = choose,
                                           .add = add,

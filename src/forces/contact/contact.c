@@ -249,17 +249,6 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
     return true;
 }
 
-static const char *fault(const void *own)
-{
-    const weft__contact *of = own;
-    const char *wrong = NULL;
-    for (size_t k = 0; k < of->shape_count; ++k) {
-        wrong
-            = weft__motion_usable(&of->shapes[k].motion) ? wrong : "motions of shapes";
-    }
-    return wrong;
-}
-
 static void choose(void *own, weft__isa isa)
 {
     weft__contact *of = own;
@@ -328,7 +317,6 @@ static uint64_t hash_of(const void *own, uint64_t hash)
 const weft__force weft__contact_force = { .name = "contact",
                                           .check = weft__contact_def_check,
                                           .init = init,
-                                          .fault = fault,
                                           .hash = hash_of,
                                           .choose = choose,
                                           .copy = copy,

@@ -84,6 +84,8 @@ static const char *shape_fault(const weft_shape *shape, size_t *field)
     const double axis[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
     const bool plane = shape->kind == WEFT_PLANE, box = shape->kind == WEFT_BOX;
     const bool capsule = shape->kind == WEFT_CAPSULE;
+    const weft__motion motion
+        = weft__motion_of(shape->velocity, shape->amplitude, shape->frequency);
     const struct {
         bool wrong;
         size_t field;
@@ -103,6 +105,8 @@ static const char *shape_fault(const weft_shape *shape, size_t *field)
         { plane && !along(shape->spin, shape->normal), SHAPE(spin),
           "a plane spins about its normal only" },
         { !isfinite(shape->friction), SHAPE(friction), "its friction must be finite" },
+        { !weft__motion_usable(&motion), SHAPE(amplitude),
+          "its motion is too large or too small for a double" },
     };
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; ++i) {
         if (rules[i].wrong) {
@@ -198,9 +202,5 @@ weft_status weft__shape_make(const weft__contact *own, const weft_shape *def,
     }
     *out = weft__shape_of(def, own->law.friction);
     out->motion.since = since;
-    return weft__motion_usable(&out->motion)
-               ? WEFT_OK
-               : weft_error_set(err, WEFT_INVALID,
-                                "the motions of shapes are too large or too small for "
-                                "a double");
+    return WEFT_OK;
 }

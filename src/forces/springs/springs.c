@@ -155,6 +155,25 @@ void weft__groups_init(weft__springs *own, const weft_cloth_def *def)
 
 /* ---- for weft__force ------------------------------------------------------------- */
 
+static void check_groups(const weft_cloth_def *def, const weft__faults *to)
+{
+    weft__mesh grid = { .rows = 0 };
+    weft__springs own = { .mesh = &grid };
+    bool usable = true;
+    weft__grid_init(&grid, def);
+    weft__groups_init(&own, def);
+    for (size_t g = 0; g < own.group_count; ++g) {
+        const weft__group *group = &own.groups[g];
+        usable = usable && group->rest_length > 0.0 && isfinite(group->rest_length)
+                 && isfinite(group->stiffness);
+    }
+    if (!usable) {
+        weft__fault(to, offsetof(weft_cloth_def, spacing),
+                    offsetof(weft_cloth_def, spacing),
+                    "the springs are too large or too small for a double");
+    }
+}
+
 static void check(const weft_cloth_def *def, const weft__faults *to)
 {
     (void)weft__numbers_check(&weft__spring_law, 1, def, to, "%s", "");
@@ -175,6 +194,7 @@ static void check(const weft_cloth_def *def, const weft__faults *to)
                         "%s springs along a row: they lie along the diagonals", name);
         }
     }
+    check_groups(def, to);
 }
 
 static bool init(void *own, const weft_cloth_def *def, const weft_allocator *memory)
@@ -182,18 +202,6 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
     (void)memory;
     weft__groups_init(own, def);
     return true;
-}
-
-static const char *fault(const void *own)
-{
-    const weft__springs *of = own;
-    bool usable = true;
-    for (size_t g = 0; g < of->group_count; ++g) {
-        const weft__group *group = &of->groups[g];
-        usable = usable && group->rest_length > 0.0 && isfinite(group->rest_length)
-                 && isfinite(group->stiffness);
-    }
-    return usable ? NULL : "springs";
 }
 
 static uint64_t hash_of(const void *own, uint64_t hash)
@@ -429,7 +437,6 @@ static double *bonds(const void *own, const weft__state *at, size_t b, double *t
 const weft__force weft__springs_force = { .name = "springs",
                                           .check = check,
                                           .init = init,
-                                          .fault = fault,
                                           .hash = hash_of,
                                           .choose = choose,
                                           .start = start,
