@@ -38,7 +38,7 @@ static bool masses_usable(const weft_cloth_def *def)
     }
     for (size_t i = 0; i < 3; ++i) {
         const size_t r = i * (grid.rows - 1) / 2, c = i % 2 * (grid.cols / 2);
-        const double area = weft__area(&grid, r, c);
+        const double area = weft__area(&grid, r * grid.cols + c);
         const double mass = def->density > 0.0 ? def->density * area : def->mass;
         usable = usable && isfinite(1.0 / mass) && isfinite(mass + loads);
     }
