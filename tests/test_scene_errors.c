@@ -156,6 +156,13 @@ static const struct {
     { "weft: 1\n" CLOTH "stepper: {plugin: gsl, method: rkf45, fixed_step: 0.0333333}\n"
       "run: {duration: 0.02}\n",
       "" },
+    { "weft: 1\n" CLOTH "stepper: {plugin: gsl, method: rkf45, fixed_step: 0.5}\n"
+      "run: {duration: 0.02}\n",
+      "scene.yaml:6:7: warning: fixed_step 0.5 s is longer than the run (0.02 s): "
+      "every "
+      "step will be 0.02 s\n"
+      "run: {duration: 0.02}\n"
+      "      ^\n" },
     { "weft: 1\n" CLOTH RUN
       "stepper: {plugin: arkode, method: custom, fixed_step: 0.01,\n"
       "  butcher: {A: [[], [1]], b: [0.5, 0.4], c: [0, 0.5], order: 2}}\n",

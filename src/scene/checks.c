@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* checks.c -- rules between the keys of cloth, limit and run. */
+#include <stdio.h>
+
 #include "base/finite.h"
 #include "cloth/model.h"
 #include "mesh/grid_def.h"
@@ -131,18 +133,25 @@ void weft__check_limit(weft__reader *reader, const weft__match *match, void *bas
     }
 }
 
-/* No step crosses a frame. The warning stands at the key to change; the stepper has
- * been read before. */
+/* No step crosses a frame, or the end. The warning stands at the key to change; the
+ * stepper has been read before. */
 static void check_frame(weft__reader *reader, const weft__match *match,
                         const weft_run_def *run)
 {
     const double h = reader->scene->config.fixed_step;
-    const weft__node *fps = weft__found_in(match, "fps")->key;
+    const bool one = run->duration * run->fps < 1.0;
+    const double frame = one ? run->duration : 1.0 / run->fps;
+    const weft__node *at = weft__found_in(match, one ? "duration" : "fps")->key;
+    char advice[80] = "";
+    if (run->duration >= h) {
+        (void)snprintf(advice, sizeof advice, "; run.fps=%.7g makes frames of %g s",
+                       1.0 / h, h);
+    }
     if (h * run->fps > 1.0 + 1e-6) {
-        weft__report_warning(reader->report, (fps == NULL ? match->map : fps)->at,
-                             "fixed_step %g s is longer than a frame (%.4g s): every "
-                             "step will be %.4g s; run.fps=%.7g makes frames of %g s",
-                             h, 1.0 / run->fps, 1.0 / run->fps, 1.0 / h, h);
+        weft__report_warning(reader->report, (at == NULL ? match->map : at)->at,
+                             "fixed_step %g s is longer than %s (%.4g s): every step "
+                             "will be %.4g s%s",
+                             h, one ? "the run" : "a frame", frame, frame, advice);
     }
 }
 

@@ -19,9 +19,8 @@ void weft__check_shape(weft__reader *reader, const weft__match *match, void *bas
 {
     const weft_shape *shape = base;
     const size_t index = (size_t)(shape - reader->scene->cloth.contact.shapes);
-    bool wrong
-        = !weft__check_motion(reader, match, shape->amplitude, shape->frequency)
-          || shape->kind == WEFT_SHAPES;
+    bool wrong = !weft__check_motion(reader, match, shape->amplitude, shape->frequency)
+                 || shape->kind == WEFT_SHAPES;
     for (size_t i = 0; i < match->section->count; ++i) {
         wrong = wrong || match->found[i].wrong;
     }
