@@ -350,27 +350,50 @@ START_TEST(a_run_elsewhere_is_watched_until_it_ends)
 }
 END_TEST
 
-/* Without an end to its patience the server would answer for ever. */
-START_TEST(a_client_that_reloads_does_not_keep_the_server_alive)
+/* Reloads the page until the server is gone; how often it came. */
+static int reload(void)
 {
     const struct timespec pause = { .tv_nsec = 100000000 };
     char request[128];
-    double step = 1e-4;
-    const served other = start_held("", &step);
-    run = start_server("view --watch " OUT "/r");
+    int pages = 0;
     const int length = snprintf(request, sizeof request,
                                 "GET / HTTP/1.1\r\nHost: 127.0.0.1:%d\r\n"
                                 "Connection: close\r\n\r\n",
                                 run.port);
+    for (int client; (client = connect_to("127.0.0.1", run.port)) >= 0;) {
+        (void)send(client, request, (size_t)length, MSG_NOSIGNAL);
+        pages += answer(client) == 200;
+        (void)nanosleep(&pause, NULL);
+    }
+    return pages;
+}
+
+/* Without an end to its patience the server would answer for ever. */
+START_TEST(a_client_that_reloads_does_not_keep_the_server_alive)
+{
+    double step = 1e-4;
+    const served other = start_held("", &step);
+    run = start_server("view --watch " OUT "/r");
     ck_assert_int_eq(get("/"), 200);
     go_on(&other);
     expect(end(&other), 0);
-    for (int client; (client = connect_to("127.0.0.1", run.port)) >= 0;) {
-        (void)send(client, request, (size_t)length, MSG_NOSIGNAL);
-        (void)answer(client);
-        (void)nanosleep(&pause, NULL);
-    }
+    (void)reload();
     expect(end(&run), 0);
+}
+END_TEST
+
+/* One round of the network may be under way. */
+START_TEST(a_client_that_reloads_does_not_hold_a_signal_up)
+{
+    double step = 1e-4;
+    const served other = start_held("", &step);
+    run = start_server("view --watch " OUT "/r");
+    ck_assert_int_eq(get("/"), 200);
+    ck_assert_int_eq(kill(run.pid, SIGINT), 0);
+    ck_assert_int_lt(reload(), 5);
+    expect(end(&run), 130);
+    (void)kill(other.pid, SIGKILL);
+    expect(end(&other), 128 + SIGKILL);
 }
 END_TEST
 
@@ -468,6 +491,7 @@ TEST_SUITE(watch)
     tcase_add_test(server, clients_that_take_nothing_change_nothing);
     tcase_add_test(server, a_run_elsewhere_is_watched_until_it_ends);
     tcase_add_test(server, a_client_that_reloads_does_not_keep_the_server_alive);
+    tcase_add_test(server, a_client_that_reloads_does_not_hold_a_signal_up);
     tcase_add_test(server, a_signal_ends_the_server_and_not_the_run);
     tcase_add_test(server, the_server_ends_with_a_run_that_is_killed);
     tcase_add_test(server, a_port_that_is_taken_is_reported_and_the_run_goes_on);

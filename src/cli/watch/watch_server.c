@@ -24,6 +24,7 @@
 #define FAREWELL                                                                       \
     3.0 /* [s] after the run: for new requests, and browsers that take nothing */
 #define SLOWEST 30.0 /* [s] after the run, for those that take something */
+#define LAST    0.5  /* [s] after a signal */
 enum {
     WAIT = 50,       /* [ms] for the network */
     CLIENTS = 32,    /* connections */
@@ -424,12 +425,15 @@ static weft_status start(watch_server *self, weft_error *err)
 }
 
 /* `began`: when the last round of the network did [s]. What moved in it is later, even
- * if this process had to wait for a processor. */
+ * if this process had to wait for a processor. Who sends a signal waits for nothing but
+ * the last message to browsers that take it. */
 static bool is_finished(const watch_server *self, double began)
 {
+    const bool told = interrupt_signal() != 0;
     return self->over
-           && ((self->feeds == NULL && began > self->served + FAREWELL)
-               || began > self->moved + FAREWELL || began > self->ended + SLOWEST);
+           && ((self->feeds == NULL && (told || began > self->served + FAREWELL))
+               || began > self->moved + FAREWELL
+               || began > self->ended + (told ? LAST : SLOWEST));
 }
 
 weft_status watch_serve(const watch_def *def, weft_error *err)
