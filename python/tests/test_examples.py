@@ -70,7 +70,7 @@ import gc, warnings, weft
 from weft._weft import ffi, lib
 warnings.simplefilter("ignore")
 def leak_on_purpose():
-    lib.weft_registry_create(ffi.new("weft_registry_def *"), ffi.new("weft_registry **"), ffi.NULL)
+    lib.weft_registry_create(ffi.new("weft_registry_def *", lib.weft_registry_def_default()), ffi.new("weft_registry **"), ffi.NULL)
 leak_on_purpose()
 def load(scene):
     sim = weft.load(scene, force=lambda t, x, v, f: None, correct=lambda t, h, x, v: False)
