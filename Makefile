@@ -335,6 +335,13 @@ guard: $(BUILD)/bench/guard/evaluate all
 	@tools/guard $(BUILD) $(CC)
 	@tools/reading-order $(BUILD)
 
+# What a first reader reads, in lines.
+.PHONY: core
+core:
+	@$(MAKE) --no-print-directory BUILD=$(BUILD)/core KERNEL=plain CFLAGS='-O1 -g -fno-inline' \
+	    $(BUILD)/core/examples/scene $(BUILD)/core/plugins/weft-verlet.so $(BUILD)/core/plugins/weft-gsl.so
+	@tools/core $(BUILD)/core
+
 bench: all $(BENCHES:%=$(BUILD)/bench/%)
 	@for name in $(BENCH); do $(BUILD)/bench/$$name || exit 1; done
 
@@ -528,7 +535,7 @@ clean:
 
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | check-view | check-python | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-self [SECONDS=] | check-elsewhere | nightly | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | core | check-view | check-python | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-self [SECONDS=] | check-elsewhere | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | check-abi | renew-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

@@ -245,11 +245,9 @@ void weft__between_free(weft_sim *sim)
 void weft__between_begin(weft_sim *sim)
 {
     weft__between *of = &sim->between;
-    if (of->start != NULL) {
-        memcpy(of->start, sim->y, weft__sim_dim(sim) * sizeof *of->start);
-        of->t0 = sim->t;
-        of->levels = 0;
-    }
+    memcpy(of->start, sim->y, weft__sim_dim(sim) * sizeof *of->start);
+    of->t0 = sim->t;
+    of->levels = 0;
 }
 
 void weft__between_forget(weft_sim *sim)

@@ -34,11 +34,6 @@ static double least_step(const weft_sim *sim)
     return fixed > 0.0 ? fixed * LEAST_PART : sim->config.min_step;
 }
 
-bool weft__sim_checks(const weft_sim *sim)
-{
-    return weft_cloth_shapes(sim->cloth) > 0 || sim->cloth->self.law.self;
-}
-
 /* Whether a step that failed did so for a stage in a shape. */
 static bool failed_in_shape(const weft_sim *sim, weft_status status)
 {
@@ -126,9 +121,6 @@ static void watch_pace(weft_sim *sim, bool vetoed, double t, double tried)
 
 weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
 {
-    if (!weft__sim_checks(sim)) {
-        return sim->def.method->step(sim->stepper, t_end, &sim->t, sim->y, why);
-    }
     const double t0 = sim->t, fixed = sim->config.fixed_step;
     char text[WEFT__BREACH_TEXT];
     if (sim->forces.self != NULL

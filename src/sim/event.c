@@ -36,7 +36,7 @@ static weft_status step_again(weft_sim *sim, double t0, double end, uint64_t bef
     sim->def.method->state_changed(sim->stepper);
     weft_status status = WEFT_OK;
     while (status == WEFT_OK && sim->t < end) {
-        status = weft__sim_checked_step(sim, end, why);
+        status = weft__sim_take_step(sim, end, why);
     }
     return status;
 }
@@ -85,8 +85,7 @@ static weft_status locate(weft_sim *sim, bracket *in, uint64_t before, weft_erro
 double weft__sim_before_event(weft_sim *sim, double t_end)
 {
     const double end = sim->event_since + sim->def.event_hold;
-    sim->event_passed = false;
-    if (sim->def.event != NULL && isnan(sim->event)) {
+    if (isnan(sim->event)) {
         sim->event = value(sim);
     }
     return end > sim->t ? fmin(end, t_end) : t_end;
@@ -104,9 +103,6 @@ static void hold(weft_sim *sim, bool holds)
 
 weft_status weft__sim_find_event(weft_sim *sim, double t0, weft_error *why)
 {
-    if (sim->def.event == NULL) {
-        return WEFT_OK;
-    }
     bracket in = { .t0 = t0, .a = t0, .b = sim->t, .ga = sim->event };
     in.gb = value(sim);
     sim->event = in.gb;

@@ -64,7 +64,7 @@ void weft__forces_destroy(weft__forces *forces)
 /* The first row of a band, the last that of none. */
 static size_t first_row(const weft__forces *forces, size_t band)
 {
-    const weft_band own = weft_cloth_band(forces->cloth);
+    const weft_band own = forces->cloth->mesh.band;
     const size_t each = own.own / forces->bands, more = own.own % forces->bands;
     return own.above + band * each + (band < more ? band : more);
 }
@@ -152,7 +152,7 @@ weft_measures weft__forces_measure(const weft__forces *forces, const weft__state
     weft__forces_bands(forces, measure_band, &all);
     const weft_measures *blocks
         = weft__bands_rows(forces, forces->measures, sizeof *forces->measures);
-    for (size_t b = 0; blocks != NULL && b < weft_cloth_band(forces->cloth).rows; ++b) {
+    for (size_t b = 0; blocks != NULL && b < forces->cloth->mesh.band.rows; ++b) {
         weft__measures_add(&sum, &blocks[b]);
     }
     weft__bands_share(forces->comm, &sum, sizeof sum);

@@ -37,7 +37,7 @@ static void note_breach(weft_sim *sim, double t, const double *y, int failed)
     if (failed == 0) {
         sim->refused = (weft__breach){ .call = call };
     } else if (sim->def.comm == NULL
-               || weft__all_finite(y, weft_cloth_dim(sim->cloth))) {
+               || weft__all_finite(y, 6 * sim->cloth->mesh.particles)) {
         sim->refused = weft__rhs_breach(&sim->forces, t, y);
         sim->refused.particle
             = weft__whole_index(&sim->cloth->mesh, sim->refused.particle);
@@ -56,7 +56,7 @@ static bool must_stop(weft_sim *sim)
 int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
 {
     weft_sim *sim = ctx;
-    const size_t dim = weft_cloth_dim(sim->cloth);
+    const size_t dim = 6 * sim->cloth->mesh.particles;
     double power = 0.0;
     const bool stop = must_stop(sim);
     if (stop && sim->def.comm == NULL) { /* other bands would wait for this one */

@@ -76,18 +76,36 @@ weft_status weft__sim_outside_play(const weft_sim *sim, const char *function,
 weft_status weft__sim_changeable(const weft_sim *sim, const char *function,
                                  weft_error *err);
 
+/* Whether there is a strain limit. */
+static inline bool weft__sim_limits(const weft_sim *of)
+{
+    return of->def.limit.method != WEFT_LIMIT_NONE;
+}
+
+/* Whether steps are checked: for shapes or self-contact. */
+static inline bool weft__sim_checks(const weft_sim *of)
+{
+    return of->cloth->contact.shape_count > 0 || of->cloth->self.law.self;
+}
+
 /* checked_step.c: one step of the stepper that is clear of all shapes and of the
  * cloth itself, or its failure. */
 weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why);
+
+/* A step of either kind. */
+static inline weft_status weft__sim_take_step(weft_sim *of, double t_end,
+                                              weft_error *why)
+{
+    return weft__sim_checks(of)
+               ? weft__sim_checked_step(of, t_end, why)
+               : of->def.method->step(of->stepper, t_end, &of->t, of->y, why);
+}
 
 /* event.c: before a step, which may go to the end that is returned; and after one from
  * t0 that is accepted: if the event function fell to 0 within it, takes it back and
  * ends it there. */
 double weft__sim_before_event(weft_sim *sim, double t_end);
 weft_status weft__sim_find_event(weft_sim *sim, double t0, weft_error *why);
-
-/* Whether steps are checked: for shapes or self-contact. */
-bool weft__sim_checks(const weft_sim *sim);
 
 /* Room for checked steps. */
 weft_status weft__sim_make_start(weft_sim *sim, weft_error *err);
@@ -97,7 +115,10 @@ weft_status weft__sim_make_start(weft_sim *sim, weft_error *err);
 weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err);
 
 /* The length of y. */
-size_t weft__sim_dim(const weft_sim *sim);
+static inline size_t weft__sim_dim(const weft_sim *of)
+{
+    return 6 * of->cloth->mesh.particles + of->config.quadratures;
+}
 
 /* Around a change of y, or of the cloth (`ode`), from outside, between two steps. */
 void weft__sim_change_begins(weft_sim *sim);

@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* sim_state.c -- what a simulation tells of itself. */
+#include "base/sized.h"
+#include "sim/bands.h"
+#include "sim/simulation.h"
+
+weft_status weft__sim_outside(const weft_sim *sim, const char *function,
+                              weft_error *err)
+{
+    return sim->callbacks > 0 ? weft_error_set(
+               err, WEFT_INVALID, "%s may not be called from a callback", function)
+                              : WEFT_OK;
+}
+
+weft_status weft__sim_outside_play(const weft_sim *sim, const char *function,
+                                   weft_error *err)
+{
+    const weft_status outside = weft__sim_outside(sim, function, err);
+    return outside == WEFT_OK && sim->playing > 0
+               ? weft_error_set(err, WEFT_INVALID,
+                                "%s may not be called from a callback of weft_sim_play",
+                                function)
+               : outside;
+}
+
+double weft_sim_time(const weft_sim *sim)
+{
+    return sim->t;
+}
+
+const double *weft_sim_state(const weft_sim *sim)
+{
+    return sim->y;
+}
+
+const weft_cloth *weft_sim_cloth(const weft_sim *sim)
+{
+    return sim->cloth;
+}
+
+void weft_sim_measure_sized(weft_measures *out, size_t size, const weft_sim *sim)
+{
+    const weft__state at = { .t = sim->t, .y = sim->y };
+    weft__measure_fn *of = sim->ledger.on ? weft__block_all : weft__block_state;
+    const weft_measures all = weft__forces_measure(&sim->forces, &at, of);
+    weft__sized_write(out, size, &all, sizeof all);
+}
+
+/* Of a band its first row has the counts. */
+static void count_row(const void *ctx, size_t r, double *numbers)
+{
+    const weft_cloth *cloth = ctx;
+    const bool counts = r == cloth->mesh.band.above;
+    numbers[0] = weft__block_mass(cloth, r);
+    numbers[1] = counts ? (double)weft_cloth_pins(cloth) : 0.0;
+    for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
+        numbers[2 + k]
+            = counts ? (double)weft_cloth_springs(cloth, (weft_family)k) : 0.0;
+    }
+}
+
+void weft_sim_totals_sized(weft_totals *out, size_t size, const weft_sim *sim)
+{
+    double sum[2 + WEFT_FAMILIES];
+    weft__bands_sum(&sim->forces, count_row, sim->cloth, 2 + WEFT_FAMILIES, sum);
+    weft_totals totals
+        = { .particles = sim->cloth->mesh.band.rows * sim->cloth->mesh.cols,
+            .pins = (size_t)sum[1],
+            .mass = sum[0] };
+    for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
+        totals.springs[k] = (size_t)sum[2 + k];
+    }
+    weft__sized_write(out, size, &totals, sizeof totals);
+}
+
+weft_stiffness weft_sim_stiffness(const weft_sim *sim, double t, const double *y)
+{
+    const weft_comm *comm = sim->def.comm;
+    double most[WEFT__SIDES];
+    weft__stiffness_sides(sim->cloth, t, y, most);
+    if (comm != NULL) {
+        weft__bands_most(&sim->forces, most, WEFT__SIDES);
+    }
+    return weft__stiffness_within(sim->cloth, y, most);
+}
+
+void weft_sim_stats_sized(weft_stepper_stats *out, size_t size, const weft_sim *sim)
+{
+    weft_stepper_stats stats = { .struct_size = sizeof stats };
+    sim->def.method->stats(sim->stepper, &stats);
+    stats.last_step = stats.steps > 0 ? stats.last_step : sim->earlier.last_step;
+    stats.steps += sim->earlier.steps;
+    stats.rejected += sim->earlier.rejected;
+    stats.rhs_calls += sim->earlier.rhs_calls;
+    stats.linear_iterations += sim->earlier.linear_iterations;
+    stats.factorisations += sim->earlier.factorisations;
+    stats.newton_failures += sim->earlier.newton_failures;
+    stats.struct_size = (uint32_t)size;
+    weft__sized_write(out, size, &stats, sizeof stats);
+}
+
+void weft_sim_options(const weft_sim *sim, weft_option_fn *tell, void *ctx)
+{
+    const weft_stepper_type *method = sim->def.method;
+    weft_sim *told = (weft_sim *)sim; /* no simulation is a constant */
+    if (WEFT_HAS(method, weft_stepper_type, options) && method->options != NULL) {
+        ++told->callbacks;
+        method->options(sim->stepper, tell, ctx);
+        --told->callbacks;
+    }
+}
+
+void weft_sim_ledger_sized(weft_ledger *out, size_t size, const weft_sim *sim)
+{
+    const weft_ledger ledger
+        = weft__ledger_read(&sim->ledger, &sim->forces, sim->t, sim->y);
+    weft__sized_write(out, size, &ledger, sizeof ledger);
+}
+
+double weft_sim_dissipated(const weft_sim *sim)
+{
+    return weft__ledger_heat(&sim->ledger, sim->cloth, sim->y);
+}
+
+uint64_t weft_sim_vetoed(const weft_sim *sim)
+{
+    return sim->vetoed;
+}
+
+void weft_sim_limit_stats_sized(weft_limit_stats *out, size_t size, const weft_sim *sim)
+{
+    weft__sized_write(out, size, &sim->limit.stats, sizeof sim->limit.stats);
+}
+
+weft_spring weft_sim_limit_worst(const weft_sim *sim)
+{
+    if (!weft__sim_limits(sim)) {
+        return (weft_spring){ 0 };
+    }
+    const weft__state of = { .y = sim->y, .families = sim->def.limit.families };
+    return weft__forces_measure(&sim->forces, &of, weft__block_worst).worst;
+}
+
+size_t weft_sim_limit_held(const weft_sim *sim)
+{
+    return weft__limited_excess(&sim->cloth->springs, &sim->limit.def, true, SIZE_MAX,
+                                sim->y);
+}
+
+/* Copies three planes of n to triples. */
+static void interleave(const double *planes, size_t n, double *xyz)
+{
+    for (size_t i = 0; i < n; ++i) {
+        for (size_t k = 0; k < 3; ++k) {
+            xyz[3 * i + k] = planes[k * n + i];
+        }
+    }
+}
+
+void weft_sim_positions(const weft_sim *sim, double *xyz)
+{
+    interleave(sim->y, weft_cloth_particles(sim->cloth), xyz);
+}
+
+void weft_sim_velocities(const weft_sim *sim, double *xyz)
+{
+    const size_t n = weft_cloth_particles(sim->cloth);
+    interleave(sim->y + 3 * n, n, xyz);
+}

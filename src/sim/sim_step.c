@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* sim_step.c -- one step of the method, and what corrects it. */
+#include <inttypes.h>
+
+#include "base/log.h"
+#include "forces/self/crossing.h"
+#include "sim/simulation.h"
+
+static bool limit(weft_sim *sim, double h)
+{
+    const uint64_t before = sim->limit.stats.unconverged;
+    const bool checks = weft__sim_checks(sim);
+    if (checks) {
+        memcpy(sim->start, sim->y, weft_cloth_dim(sim->cloth) * sizeof *sim->y);
+    }
+    const bool changed = weft__limit_apply(&sim->limit, h, sim->y);
+    if (changed && checks) {
+        weft__hold_back(&sim->forces, sim->t, sim->start, sim->y);
+    }
+    if (before == 0 && sim->limit.stats.unconverged > 0) {
+        const weft_spring worst = weft_sim_limit_worst(sim);
+        char text[96];
+        weft__log(
+            &sim->def.log, WEFT_LOG_WARNING,
+            "limit: not met within its sweeps at t = %.9g s; %s is at %.3g %%; "
+            "reported once",
+            sim->t,
+            weft_spring_text(&worst, weft_cloth_cols(sim->cloth), text, sizeof text),
+            100.0 * worst.strain);
+    }
+    return changed;
+}
+
+static bool correct(weft_sim *sim, double h)
+{
+    ++sim->callbacks;
+    const bool changed = sim->def.correct(sim->def.correct_ctx, sim->t, h, sim->y);
+    --sim->callbacks;
+    return changed;
+}
+
+/* `jumped`: by the embedder, so that no path leads to the state. */
+static weft_status check_corrected(weft_sim *sim, bool jumped, weft_error *err)
+{
+    weft_error why = { 0 };
+    if (!weft__all_finite(sim->y, weft_cloth_dim(sim->cloth))) {
+        weft_error_set(&why, WEFT_NOT_FINITE,
+                       "the correction left a state that is not finite");
+        return weft__sim_fail(sim, &why, err);
+    }
+    sim->refused = weft__state_breach(sim->cloth, sim->t, sim->y);
+    if (sim->refused.found) {
+        weft__breach_error(sim->cloth, &sim->refused, "was corrected to", &why);
+        return weft__sim_fail(sim, &why, err);
+    }
+    if (jumped) {
+        (void)weft__crossing_error(&sim->cloth->self, sim->y, SIZE_MAX,
+                                   "after the correction ", &why);
+    }
+    return why.status == WEFT_OK ? WEFT_OK : weft__sim_fail(sim, &why, err);
+}
+
+/* After an accepted step of h: the strain limit, then the embedder's own. */
+static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
+{
+    weft__ledger *ledger = &sim->ledger;
+    bool changed = false, jumped = false;
+    weft__ledger_mark(ledger, &sim->forces, sim->t, sim->y);
+    if (weft__sim_limits(sim) && limit(sim, h)) {
+        weft__ledger_account(ledger, &sim->forces, sim->t, sim->y, &ledger->limit_work);
+        changed = true;
+    }
+    if (sim->def.correct != NULL && correct(sim, h)) {
+        weft__ledger_account(ledger, &sim->forces, sim->t, sim->y,
+                             &ledger->outside_work);
+        changed = jumped = true;
+    }
+    if (changed) {
+        sim->def.method->state_changed(sim->stepper);
+    }
+    return changed ? check_corrected(sim, jumped, err) : WEFT_OK;
+}
+
+static void log_rejected(weft_sim *sim, double h)
+{
+    const uint64_t rejected = weft_sim_stats(sim).rejected;
+    if (rejected > sim->rejected) {
+        weft__log(&sim->def.log, WEFT_LOG_DEBUG,
+                  "t = %.9g s: a step of %.3g s after %" PRIu64 " rejected", sim->t, h,
+                  rejected - sim->rejected);
+    }
+    sim->rejected = rejected;
+}
+
+weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
+{
+    if (weft__sim_outside_play(sim, "weft_sim_step", err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
+    if (!(t_end > sim->t) || !isfinite(t_end)) {
+        return weft_error_set(err, WEFT_INVALID, "step from %.17g s to %.17g s", sim->t,
+                              t_end);
+    }
+    weft_error why = { 0 };
+    const double before = sim->t;
+    sim->failure.status = WEFT_OK;
+    sim->refused.found = false;
+    sim->event_passed = false;
+    if (sim->between.start != NULL) {
+        weft__between_begin(sim);
+    }
+    if (sim->def.event != NULL) {
+        t_end = weft__sim_before_event(sim, t_end);
+    }
+    weft_status status = weft__sim_take_step(sim, t_end, &why);
+    if (status == WEFT_OK && sim->def.event != NULL) {
+        status = weft__sim_find_event(sim, before, &why);
+    }
+    if (status != WEFT_OK) {
+        why.status = status;
+        return weft__sim_fail(sim, &why, err);
+    }
+    const double h = sim->t - before;
+    if (sim->def.log.write != NULL) {
+        log_rejected(sim, h);
+    }
+    return weft__sim_limits(sim) || sim->def.correct != NULL
+               ? apply_corrections(sim, h, err)
+               : WEFT_OK;
+}
+
+weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *err)
+{
+    weft_status status = WEFT_OK;
+    for (bool event = false; sim->t != t_end && status == WEFT_OK && !event;) {
+        status = weft_sim_step(sim, t_end, err);
+        event = sim->event_passed;
+    }
+    return status;
+}
