@@ -263,18 +263,18 @@ static double scatter(uint64_t j)
     return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1.0;
 }
 
-/* x* M z over the free particles, row by row */
+/* x* M z over the free particles, block by block */
 static double product(const weft__mesh *mesh, const double *x, const double *z)
 {
     const size_t n = mesh->particles;
     double sum = 0.0;
     for (size_t b = 0; b < weft__blocks(mesh); ++b) {
-        double row = 0.0;
+        double part = 0.0;
         for (size_t i = weft__block(mesh, b); i < weft__block(mesh, b + 1); ++i) {
-            row += mesh->mass[i]
-                   * (x[i] * z[i] + x[n + i] * z[n + i] + x[2 * n + i] * z[2 * n + i]);
+            part += mesh->mass[i]
+                    * (x[i] * z[i] + x[n + i] * z[n + i] + x[2 * n + i] * z[2 * n + i]);
         }
-        sum += row;
+        sum += part;
     }
     return sum;
 }

@@ -141,7 +141,8 @@ bool weft__bands_all(const weft_comm *comm, bool mine)
 
 /* ---- rows ------------------------------------------------------------------------ */
 
-const void *weft__bands_rows(const weft__forces *forces, const void *rows, size_t size)
+const void *weft__bands_blocks(const weft__forces *forces, const void *rows,
+                               size_t size)
 {
     const weft_comm *comm = forces->comm;
     if (comm == NULL) {
@@ -173,7 +174,7 @@ void weft__bands_sum(const weft__forces *forces, weft__numbers_fn *of, const voi
     for (size_t r = 0; r < band.own; ++r) {
         of(ctx, band.above + r, own + count * r);
     }
-    const double *rows = weft__bands_rows(forces, own, count * sizeof *own);
+    const double *rows = weft__bands_blocks(forces, own, count * sizeof *own);
     memset(sum, 0, count * sizeof *sum);
     for (size_t j = 0; rows != NULL && j < count * band.rows; ++j) {
         sum[j % count] += rows[j];
@@ -200,7 +201,7 @@ uint64_t weft__bands_cloth_hash(const weft__forces *forces)
     for (size_t r = 0; r < cloth->mesh.band.own; ++r) {
         own[r] = weft__cloth_block_hash(cloth, cloth->mesh.band.above + r);
     }
-    const uint64_t *rows = weft__bands_rows(forces, own, sizeof *own);
+    const uint64_t *rows = weft__bands_blocks(forces, own, sizeof *own);
     if (rows != NULL) {
         hash = weft__cloth_hash(cloth, rows);
     }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* bands.h -- what a simulation of one band of a cloth does together with the others:
- * right-hand sides, sums over rows and decisions. All functions that take a comm or
+ * right-hand sides, sums over blocks and decisions. All functions that take a comm or
  * forces are collective; with comm NULL the cloth is whole and they are local.
  *
  * Every band makes the same calls in the same order, so nothing between two of them may
@@ -35,9 +35,10 @@ bool weft__bands_all(const weft_comm *comm, bool mine);
 /* The data of the first band that has any, to all; false if none has. */
 bool weft__bands_first(const weft_comm *comm, bool has, void *data, size_t bytes);
 
-/* `size` bytes of each own row from `rows` on: all rows of the whole cloth in their
+/* `size` bytes of each own block from `blocks` on: all of the whole cloth in their
  * order on band 0, else NULL. */
-const void *weft__bands_rows(const weft__forces *forces, const void *rows, size_t size);
+const void *weft__bands_blocks(const weft__forces *forces, const void *blocks,
+                               size_t size);
 
 /* Whether this band has what is gathered. */
 bool weft__bands_is_first(const weft_comm *comm);
@@ -45,16 +46,16 @@ bool weft__bands_is_first(const weft_comm *comm);
 /* From band 0 to all. */
 void weft__bands_share(const weft_comm *comm, void *data, size_t bytes);
 
-/* As weft_cloth_rhs in own rows; x' and the other bands' v' in ghost rows. */
+/* As weft_cloth_rhs in own blocks; x' and the other bands' v' in ghosts. */
 int weft__bands_rhs(const weft__forces *forces, const weft__state *of, double *dydt);
 
 /* Of what the bands found, with its number in the whole cloth, the deepest breach in
  * the last right-hand side that all could evaluate. */
 void weft__bands_deepest(const weft_comm *comm, weft__breach *breach);
 
-/* The sum of `count` numbers, as many as fit in weft_measures, over all rows in their
- * order: `of` writes those of row r. */
-typedef void weft__numbers_fn(const void *ctx, size_t r, double *numbers);
+/* The sum of `count` numbers, as many as fit in weft_measures, over all blocks in
+ * their order: `of` writes those of block b. */
+typedef void weft__numbers_fn(const void *ctx, size_t b, double *numbers);
 void weft__bands_sum(const weft__forces *forces, weft__numbers_fn *of, const void *ctx,
                      size_t count, double *sum);
 

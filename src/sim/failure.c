@@ -13,8 +13,8 @@ static void find_fastest(const weft_sim *sim, weft_failure *out)
     const size_t n = weft_cloth_particles(sim->cloth);
     const weft_comm *comm = sim->def.comm;
     const weft_band band = sim->cloth->mesh.band;
-    const size_t first = band.above * sim->cloth->mesh.cols;
-    const size_t end = first + band.own * sim->cloth->mesh.cols;
+    const size_t first = weft__block(&sim->cloth->mesh, band.above);
+    const size_t end = weft__block(&sim->cloth->mesh, band.above + band.own);
     const double *x = sim->y, *v = sim->y + 3 * n;
     out->particle = first;
     for (size_t i = first; i < end; ++i) {

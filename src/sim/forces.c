@@ -9,7 +9,7 @@
 
 /* PARTICLES_PER_THREAD: their evaluation takes ten times as long as handing it to a
  * thread that is awake; with contact of the cloth with itself, that of fewer. More
- * bands than threads, where a band costs little beside its rows (it computes one row
+ * bands than threads, where a band costs little beside its blocks (it computes one row
  * twice), shorten the wait for a thread that is kept from running. One thread takes
  * bands where the state is beyond the caches: the kernel takes tile after tile of
  * columns, and long tiles leave nothing there for the next (1000 x 1000: 8 % of a
@@ -18,7 +18,7 @@ enum {
     PARTICLES_PER_THREAD = 2048,
     SELF_PER_THREAD = 128,
     PARTICLES_CACHED = 1 << 17,
-    ROWS_PER_BAND = 48
+    BLOCKS_PER_BAND = 48
 };
 
 weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
@@ -28,12 +28,12 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
     const size_t each_thread
         = cloth->self.law.self ? SELF_PER_THREAD : PARTICLES_PER_THREAD;
     const size_t worth = weft_cloth_particles(cloth) / each_thread;
-    const size_t rows = weft_cloth_band(cloth).own;
-    const size_t useful = worth < rows ? worth : rows;
-    weft_measures *measures = weft__alloc(&memory, rows, sizeof *measures);
+    const size_t blocks = cloth->mesh.band.own;
+    const size_t useful = worth < blocks ? worth : blocks;
+    weft_measures *measures = weft__alloc(&memory, blocks, sizeof *measures);
     weft__pool *pool = weft__pool_create(threads < useful ? threads : useful, &memory);
     const size_t count = weft__pool_threads(pool);
-    const size_t each = rows / (ROWS_PER_BAND * count);
+    const size_t each = blocks / (BLOCKS_PER_BAND * count);
     const bool many = count > 1 || weft_cloth_particles(cloth) > PARTICLES_CACHED;
     const size_t bands = count * (many && each > 1 ? each : 1);
     weft__self_list *self = NULL;
@@ -61,8 +61,8 @@ void weft__forces_destroy(weft__forces *forces)
     weft__free(&forces->memory, forces->all);
 }
 
-/* The first row of a band, the last that of none. */
-static size_t first_row(const weft__forces *forces, size_t band)
+/* The first block of a band, the last that of none. */
+static size_t first_block(const weft__forces *forces, size_t band)
 {
     const weft_band own = forces->cloth->mesh.band;
     const size_t each = own.own / forces->bands, more = own.own % forces->bands;
@@ -78,7 +78,7 @@ typedef struct bands_job {
 static void do_band(void *ctx, size_t i)
 {
     const bands_job *of = ctx;
-    of->task(of->ctx, first_row(of->forces, i), first_row(of->forces, i + 1));
+    of->task(of->ctx, first_block(of->forces, i), first_block(of->forces, i + 1));
 }
 
 void weft__forces_run(const weft__forces *forces, weft__task *task, void *ctx,
@@ -151,7 +151,7 @@ weft_measures weft__forces_measure(const weft__forces *forces, const weft__state
     weft_measures sum = weft__measures_start;
     weft__forces_bands(forces, measure_band, &all);
     const weft_measures *blocks
-        = weft__bands_rows(forces, forces->measures, sizeof *forces->measures);
+        = weft__bands_blocks(forces, forces->measures, sizeof *forces->measures);
     for (size_t b = 0; blocks != NULL && b < forces->cloth->mesh.band.rows; ++b) {
         weft__measures_add(&sum, &blocks[b]);
     }

@@ -15,7 +15,7 @@ typedef struct weft__forces {
     void *spaces[WEFT__FORCES]; /* workspaces of whole-cloth forces */
     weft_measures *measures;    /* of each own block; NULL: no memory */
     const weft_comm *comm;      /* NULL: the cloth is whole */
-    weft_measures *all;         /* band 0: of all rows of the whole cloth */
+    weft_measures *all;         /* band 0: of all blocks of the whole cloth */
     weft_allocator memory;
 } weft__forces;
 

@@ -110,7 +110,7 @@ uint64_t weft__save_sum(const weft__forces *forces, const double *y,
         }
         own[r] = add_words(own[r], holds + first, cols);
     }
-    const uint64_t *rows = weft__bands_rows(forces, own, sizeof *own);
+    const uint64_t *rows = weft__bands_blocks(forces, own, sizeof *own);
     const uint64_t sum = weft__words_sum(front, rows == NULL ? 0 : words);
     return rows == NULL ? sum : add_words(sum, rows, cloth->mesh.band.rows);
 }

@@ -141,7 +141,7 @@ typedef struct pressed {
     size_t k;
 } pressed;
 
-static void row_load(const void *ctx, size_t r, double *load)
+static void block_load(const void *ctx, size_t r, double *load)
 {
     const pressed *shape = ctx;
     weft__block_load(&shape->cloth->contact, &shape->at, r, shape->k, load);
@@ -153,7 +153,7 @@ void weft_sim_shape_load(const weft_sim *sim, size_t k, double force[3],
     const pressed shape
         = { .cloth = sim->cloth, .at = { .t = sim->t, .y = sim->y }, .k = k };
     double load[WEFT__LOAD];
-    weft__bands_sum(&sim->forces, row_load, &shape, WEFT__LOAD, load);
+    weft__bands_sum(&sim->forces, block_load, &shape, WEFT__LOAD, load);
     memcpy(force, load, 3 * sizeof *force);
     memcpy(torque, load + 3, 3 * sizeof *torque);
 }

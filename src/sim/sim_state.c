@@ -46,8 +46,8 @@ void weft_sim_measure_sized(weft_measures *out, size_t size, const weft_sim *sim
     weft__sized_write(out, size, &all, sizeof all);
 }
 
-/* Of a band its first row has the counts. */
-static void count_row(const void *ctx, size_t r, double *numbers)
+/* Of a band its first block has the counts. */
+static void count_block(const void *ctx, size_t r, double *numbers)
 {
     const weft_cloth *cloth = ctx;
     const bool counts = r == cloth->mesh.band.above;
@@ -62,7 +62,7 @@ static void count_row(const void *ctx, size_t r, double *numbers)
 void weft_sim_totals_sized(weft_totals *out, size_t size, const weft_sim *sim)
 {
     double sum[2 + WEFT_FAMILIES];
-    weft__bands_sum(&sim->forces, count_row, sim->cloth, 2 + WEFT_FAMILIES, sum);
+    weft__bands_sum(&sim->forces, count_block, sim->cloth, 2 + WEFT_FAMILIES, sum);
     weft_totals totals
         = { .particles = sim->cloth->mesh.band.rows * sim->cloth->mesh.cols,
             .pins = (size_t)sum[1],

@@ -14,12 +14,11 @@ typedef struct path_check {
     atomic_bool failed;
 } path_check;
 
-static void check_band(void *ctx, size_t first_row, size_t end_row)
+static void check_band(void *ctx, size_t first, size_t end)
 {
     path_check *of = ctx;
     if (!atomic_load_explicit(&of->failed, memory_order_relaxed)
-        && !of->cloth->contact.clear(&of->cloth->contact, of->path, first_row,
-                                     end_row)) {
+        && !of->cloth->contact.clear(&of->cloth->contact, of->path, first, end)) {
         atomic_store(&of->failed, true);
     }
 }
@@ -44,12 +43,13 @@ bool weft__path_clear(const weft__forces *forces, const weft__path *path)
 weft__breach weft__path_breach(const weft__forces *forces, const weft__path *path)
 {
     const weft_cloth *cloth = forces->cloth;
-    const size_t first = cloth->mesh.band.above * cloth->mesh.cols;
-    const size_t own = cloth->mesh.band.own * cloth->mesh.cols;
+    const weft_band band = cloth->mesh.band;
+    const size_t first = weft__block(&cloth->mesh, band.above);
+    const size_t last = weft__block(&cloth->mesh, band.above + band.own);
     weft__breach out = { .t = path->t1 };
     for (size_t k = 0; k < cloth->contact.shape_count; ++k) {
         const weft__ccd shape = weft__ccd_of(&cloth->contact.shapes[k], path);
-        const size_t end = out.found ? out.particle : first + own;
+        const size_t end = out.found ? out.particle : last;
         for (size_t i = first; i < end; ++i) {
             double gap;
             if (cloth->mesh.pin[i] == 0
@@ -160,14 +160,14 @@ static bool line_clear(const correction *of, const weft__pose *pose, size_t i)
     return square == 0.0 || (end > 0.0 && sqrt(square) < weft__gap_at(pose, x0) + end);
 }
 
-static void hold_band(void *ctx, size_t first_row, size_t end_row)
+static void hold_band(void *ctx, size_t first, size_t end)
 {
     const correction *of = ctx;
     const weft_cloth *cloth = of->cloth;
+    const size_t last = weft__block(&cloth->mesh, end);
     for (size_t k = 0; k < cloth->contact.shape_count; ++k) {
         const weft__pose pose = weft__pose_of(&cloth->contact.shapes[k], of->t);
-        for (size_t i = first_row * cloth->mesh.cols; i < end_row * cloth->mesh.cols;
-             ++i) {
+        for (size_t i = weft__block(&cloth->mesh, first); i < last; ++i) {
             for (int tries = 0; cloth->mesh.pin[i] == 0 && !line_clear(of, &pose, i);
                  ++tries) {
                 shorten(of, i, tries < HALVINGS ? 0.5 : 0.0);
