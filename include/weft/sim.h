@@ -1,143 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* weft/sim.h -- time: a registry of stepper plugins, and a cloth under integration. */
+/* weft/sim.h -- time: a cloth under integration. */
 #ifndef WEFT_SIM_H
 #define WEFT_SIM_H
 
 #include "weft/cloth.h"
 #include "weft/comm.h"
-#include "weft/stepper.h"
+#include "weft/registry.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* The plugins of a program, linked in or loaded. The registry owns their handles:
- * destroy it after the last stepper of these plugins. One thread at a time. */
-typedef struct weft_registry weft_registry;
-
-/* The places where weft searches for weft-<id>.so, in this order. Lists are separated
- * by ':'. */
-typedef struct weft_registry_def {
-    uint32_t struct_size;
-    const char *path;                /* searched first; NULL: none */
-    bool environment;                /* then WEFT_PLUGIN_PATH, if it is set */
-    const char *fallback;            /* searched next; NULL: none */
-    weft_log log;                    /* info: loaded plugins; warning: refused ones */
-    const weft_allocator *allocator; /* NULL: malloc's */
-    bool installed; /* searched last: weft/plugins-1 beside libweft.so. A program linked
-                       with libweft.a must name that directory itself: `pkg-config
-                       --variable=plugindir weft` */
-    /* Called before a file is loaded, because loading runs its code: any status but
-     * WEFT_OK refuses the file, with the reason in *err. NULL: every file is loaded. */
-    weft_status (*admit)(void *ctx, const char *file, weft_error *err);
-    void *admit_ctx;
-} weft_registry_def;
-
-WEFT_DEFAULT(weft_registry_def)
-WEFT_API weft_status weft_registry_create(const weft_registry_def *def,
-                                          weft_registry **out, weft_error *err);
-WEFT_API void weft_registry_destroy(weft_registry *registry); /* NULL is allowed */
-
-/* Adds a plugin that is linked in. Errors: WEFT_BAD_PLUGIN with the reason. */
-WEFT_API weft_status weft_registry_add(weft_registry *registry,
-                                       const weft_plugin *plugin, weft_error *err);
-
-/* Loads one file named weft-<id>.so and adds its plugin. Errors: WEFT_BAD_PLUGIN with
- * the file and the reason. */
-WEFT_API weft_status weft_registry_load(weft_registry *registry, const char *file,
-                                        weft_error *err);
-
-/* The plugin with that id, loaded now if it is not loaded yet. Errors: WEFT_BAD_PLUGIN;
- * the message lists the directories searched. */
-WEFT_API weft_status weft_registry_find(weft_registry *registry, const char *id,
-                                        const weft_plugin **out, weft_error *err);
-
-/* The file weft-<id>.so of the search path, a plugin or not, into file[size]. Errors:
- * WEFT_BAD_PLUGIN; the message lists the directories searched. */
-WEFT_API weft_status weft_registry_locate(const weft_registry *registry, const char *id,
-                                          char *file, size_t size, weft_error *err);
-
-/* Loads every weft-*.so of the search path but weft-mpi.so, which is no plugin. A
- * refused plugin is reported to `refused` (unless NULL) and skipped. */
-WEFT_API weft_status weft_registry_load_all(weft_registry *registry,
-                                            void (*refused)(void *ctx,
-                                                            const weft_error *why),
-                                            void *ctx, weft_error *err);
-
-WEFT_API size_t weft_registry_count(const weft_registry *registry);
-WEFT_API const weft_plugin *weft_registry_at(const weft_registry *registry, size_t i);
-/* The file of a plugin; "" if it is linked in. */
-WEFT_API const char *weft_registry_file(const weft_registry *registry, size_t i);
-
-/* The method with that name or full name; NULL if there is none, or if plugin is NULL.
- */
-WEFT_API const weft_stepper_type *weft_plugin_method(const weft_plugin *plugin,
-                                                     const char *name);
-
-/* Finds plugin and method: "arkode", "dormand_prince". Errors: those of
- * weft_registry_find, WEFT_INVALID (no such method); the message lists the existing
- * methods. */
-WEFT_API weft_status weft_registry_method(weft_registry *registry, const char *plugin,
-                                          const char *method,
-                                          const weft_stepper_type **out,
-                                          weft_error *err);
-
-/* The size of a method's dense matrices for so many particles: the number of bytes, and
- * as text "matrices of 1734 x 1734, 48.11 MB in all, about 1734 evaluations for each
- * Jacobian". 0 and "" without WEFT_STEPPER_DENSE. */
-WEFT_API double weft_stepper_matrices(const weft_stepper_type *type, size_t particles,
-                                      char *text, size_t size);
-
-/* Adaptive, rtol = atol = 1e-6, max norm, first step 1 ms, min 1 ps. */
-WEFT_DEFAULT(weft_stepper_config)
-
-/* The effect of a method on modes x'' + c x' + w2 x = 0 in fixed steps, found by
- * running it. This works for every method of any plugin that is explicit and one-step.
- * Fixed for ever. */
-enum { WEFT_STABILITY_DEGREE = 47 };
-
-typedef struct weft_stability {
-    const weft_stepper_type *type;
-    const weft_butcher *butcher;
-    double calls; /* RHS calls per step; 0: weft_stability_calls */
-    int degree;   /* of r; -1: not a Runge-Kutta method, and r is not set */
-    double r[WEFT_STABILITY_DEGREE + 1]; /* R(z) = sum r[k] z^k: y1 = R(h A) y0 */
-} weft_stability;
-
-/* butcher as in the stepper's config: NULL for a method that takes none; it must
- * outlive *out. Errors: WEFT_UNSUPPORTED (the method is implicit or multistep),
- * WEFT_BAD_PLUGIN, WEFT_NO_MEMORY, errors of creating the stepper. */
-WEFT_API weft_status weft_stability_create(const weft_stepper_type *type,
-                                           const weft_butcher *butcher,
-                                           weft_stability *out, weft_error *err);
-
-/* The largest h [s] up to which no mode in the polygon grows; INFINITY if none ever
- * does. With growth [1/s] 0 the criterion is strict: |R(h mu)| <= 1 for the roots of
- * mu^2 + c mu + w2 = 0.
- *
- * Methods of Runge-Kutta type with |R(i y)| > 1 for small y then have no stable step on
- * undamped modes. A growth > 0 allows only these to grow: an oscillating mode of
- * damping rate c / 2 < growth by at most exp((growth - c / 2) h) per step, and to at
- * most twice its size. With growth = log(2) / T none more than doubles in T seconds.
- * Modes that do not oscillate, on the real axis, and modes damped at a rate of growth
- * or more must satisfy |R| <= 1. Other methods ignore growth. A method with
- * WEFT_STEPPER_STRUCTURE is asked for its largest fixed step. Errors: WEFT_NO_MEMORY,
- * WEFT_UNSUPPORTED (it refuses such a cloth). */
-WEFT_API weft_status weft_stability_step(const weft_stability *stability,
-                                         const weft_stiffness *modes, double growth,
-                                         double *h, weft_error *err);
-
-/* Whether weft_stability_step finds at least h [s]. For methods that are not of
- * Runge-Kutta type this takes a fraction of its time. Errors: WEFT_NO_MEMORY. */
-WEFT_API weft_status weft_stability_reaches(const weft_stability *stability,
-                                            const weft_stiffness *modes, double growth,
-                                            double h, bool *reaches, weft_error *err);
-
-/* RHS calls per step of h [s]: stability->calls, but for a method with
- * WEFT_STEPPER_STRUCTURE, which follow from h and the modes. */
-WEFT_API weft_status weft_stability_calls(const weft_stability *stability,
-                                          const weft_stiffness *modes, double h,
-                                          double *calls, weft_error *err);
 
 /* A running simulation. One thread at a time; many may share a cloth.
  *

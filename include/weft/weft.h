@@ -5,8 +5,10 @@
 
 #include "weft/base.h"
 #include "weft/cloth.h"
+#include "weft/registry.h"
 #include "weft/scene.h"
 #include "weft/sim.h"
+#include "weft/stability.h"
 #include "weft/stepper.h"
 
 #endif

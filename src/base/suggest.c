@@ -11,7 +11,7 @@
 
 #define MAX_LENGTH 48 /* no key is longer */
 
-static size_t least(size_t a, size_t b)
+static size_t smaller(size_t a, size_t b)
 {
     return a < b ? a : b;
 }
@@ -29,9 +29,9 @@ static void fill_row(const char *a, size_t i, const char *b, size_t *const rows[
     rows[0][0] = i + 1;
     for (size_t j = 0; b[j] != '\0'; ++j) {
         const size_t replaced = rows[1][j] + !same(a[i], b[j]);
-        rows[0][j + 1] = least(replaced, 1 + least(rows[0][j], rows[1][j + 1]));
+        rows[0][j + 1] = smaller(replaced, 1 + smaller(rows[0][j], rows[1][j + 1]));
         if (i > 0 && j > 0 && same(a[i], b[j - 1]) && same(a[i - 1], b[j])) {
-            rows[0][j + 1] = least(rows[0][j + 1], rows[2][j - 1] + 1);
+            rows[0][j + 1] = smaller(rows[0][j + 1], rows[2][j - 1] + 1);
         }
     }
 }
@@ -74,7 +74,7 @@ void weft__guess_try(weft__guess *guess, const char *typed, const char *name)
     }
     const size_t longer = typed_length > length ? typed_length : length;
     const size_t limit = longer < 6 ? 1 : longer / 3;
-    if (longer - least(typed_length, length) > limit) {
+    if (longer - smaller(typed_length, length) > limit) {
         return; /* the distance is no less */
     }
     const size_t found = distance(typed, name);

@@ -39,7 +39,7 @@ typedef enum progress_mode {
 } progress_mode;
 
 /* The command line of a verb. */
-typedef struct options {
+typedef struct arguments {
     const char *plugin_path, *out, *frames, *format, *frame, *progress, *tolerance;
     const char *timeout, *shard, *methods, *until, *sizes, *bands, *port;
     size_t jobs; /* 0: not given */
@@ -54,7 +54,7 @@ typedef struct options {
     int operand_count;
     weft_registry *registry; /* from open_registry */
     const weft_comm *comm;   /* of the bands; NULL: one process has the whole cloth */
-} options;
+} arguments;
 
 typedef struct verb {
     const char *name;
@@ -64,7 +64,7 @@ typedef struct verb {
         int least, most;
         const char *few, *many; /* the errors; many NULL: as few */
     } operands;
-    int (*run)(const options *given); /* returns the exit code */
+    int (*run)(const arguments *given); /* returns the exit code */
 } verb;
 
 extern const verb verb_new, verb_run, verb_resume, verb_batch, verb_check,
@@ -81,11 +81,11 @@ int verb_start(const verb *self, int argc, char **argv);
 int report_error(const weft_error *err);
 
 /* "weft run: <text>" and a hint at --help, to stderr; returns EXIT_USAGE. */
-WEFT_PRINTF(2, 3) int usage_error(const options *given, const char *format, ...);
+WEFT_PRINTF(2, 3) int usage_error(const arguments *given, const char *format, ...);
 
 /* Finds the value of an option among names, which NULL ends. Returns EXIT_DONE, or
  * EXIT_USAGE after naming them and the nearest. */
-int choose(const options *given, const char *option, const char *typed,
+int choose(const arguments *given, const char *option, const char *typed,
            const char *const *names, size_t *chosen);
 
 /* ---- method_list.c: every method of every plugin ---- */
@@ -119,11 +119,11 @@ weft_status load_plugins(weft_registry *registry, weft_error *err);
 
 /* Reads a scene, or unless that is NULL a sweep: of one run for a scene without
  * `sweep`. Prints its mistakes. Returns EXIT_DONE or the exit code. */
-int open_scene(const char *file, const options *given, weft_scene **scene,
+int open_scene(const char *file, const arguments *given, weft_scene **scene,
                weft_sweep **sweep);
 
 /* --out, or the name of the scene, dir/flag.yaml, as flag followed by `suffix`. */
-const char *out_directory(const options *given, const char *suffix,
+const char *out_directory(const arguments *given, const char *suffix,
                           char text[RECORD_PATH]);
 
 /* WEFT_UNSUPPORTED with the reason if this weft cannot run a valid scene. */

@@ -403,7 +403,7 @@ static int diff_runs(char *const *directories, double tolerance)
     return code;
 }
 
-static int diff_verb(const options *given)
+static int diff_verb(const arguments *given)
 {
     const double tolerance
         = given->tolerance == NULL ? -1.0 : option_real(given->tolerance);

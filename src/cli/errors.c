@@ -19,7 +19,7 @@ int report_error(const weft_error *err)
                                            : EXIT_SIMULATION;
 }
 
-int usage_error(const options *given, const char *format, ...)
+int usage_error(const arguments *given, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -31,7 +31,7 @@ int usage_error(const options *given, const char *format, ...)
     return EXIT_USAGE;
 }
 
-int choose(const options *given, const char *option, const char *typed,
+int choose(const arguments *given, const char *option, const char *typed,
            const char *const *names, size_t *chosen)
 {
     weft__guess guess = { 0 };

@@ -327,7 +327,7 @@ static bool has_final(const export_job *job)
            && record_result_hash(job->directory, &hash);
 }
 
-static int export_wanted(const options *given, export_job *job)
+static int export_wanted(const arguments *given, export_job *job)
 {
     weft_error err = { 0 };
     weft_status status;
@@ -373,7 +373,7 @@ static int open_recorded(export_job *job)
     return EXIT_DONE;
 }
 
-static int open_anew(const options *given, export_job *job)
+static int open_anew(const arguments *given, export_job *job)
 {
     char path[RECORD_PATH];
     weft_error err = { 0 };
@@ -424,7 +424,7 @@ static int make_surface(export_job *job)
     return EXIT_DONE;
 }
 
-static int export_run(const options *given, export_job *job)
+static int export_run(const arguments *given, export_job *job)
 {
     int code = record_exists(job->directory, "run.vtkhdf") ? open_recorded(job)
                                                            : open_anew(given, job);
@@ -440,7 +440,7 @@ static int export_run(const options *given, export_job *job)
     return code;
 }
 
-static int export_verb(const options *given)
+static int export_verb(const arguments *given)
 {
     export_job job = { .directory = given->operands[0] };
     const char *names[FORMATS + 1] = { NULL };

@@ -72,7 +72,7 @@ static int print_yaml(void)
     return yaml_out_end(&out) ? EXIT_DONE : EXIT_FILE;
 }
 
-static int fabrics_verb(const options *given)
+static int fabrics_verb(const arguments *given)
 {
     if (given->yaml) {
         return print_yaml();

@@ -7,7 +7,7 @@
 #include "cli/human.h"
 #include "record/page.h"
 
-static int new_verb(const options *given)
+static int new_verb(const arguments *given)
 {
     const char *name = given->operands[0];
     const char *dot = strrchr(name, '.');

@@ -147,7 +147,7 @@ static void print_found(const weft_diagnostics *found)
     }
 }
 
-static int load_scene(const char *file, const options *given, weft_scene **scene,
+static int load_scene(const char *file, const arguments *given, weft_scene **scene,
                       weft_sweep **sweep, const char *text)
 {
     weft_error err = { 0 };
@@ -177,7 +177,7 @@ static int load_scene(const char *file, const options *given, weft_scene **scene
 }
 
 /* In bands, rank 0 reads the file, and all others the scene as it runs. */
-int open_scene(const char *file, const options *given, weft_scene **scene,
+int open_scene(const char *file, const arguments *given, weft_scene **scene,
                weft_sweep **sweep)
 {
     const bool first = ranks_first(given->comm);
@@ -200,7 +200,7 @@ int open_scene(const char *file, const options *given, weft_scene **scene,
     return code;
 }
 
-const char *out_directory(const options *given, const char *suffix,
+const char *out_directory(const arguments *given, const char *suffix,
                           char text[RECORD_PATH])
 {
     const char *slash = strrchr(given->operands[0], '/');

@@ -10,11 +10,11 @@
 #include "cli/run/progress.h"
 #include "cli/run/ranks.h"
 
-#define OPTION_AT(member) (256 + (int)offsetof(options, member))
+#define OPTION_AT(member) (256 + (int)offsetof(arguments, member))
 #define TEXT(member)      required_argument, NULL, OPTION_AT(member)
 #define FLAG(member)      no_argument, NULL, OPTION_AT(member)
 
-/* Every option of the program, which fills a member of struct options, a bool or a
+/* Every option of the program, which fills a member of struct arguments, a bool or a
  * text; --set adds to `sets`, --at to `ats`, --jobs is a number. */
 static const struct option all_options[] = {
     { "out", TEXT(out) },
@@ -82,7 +82,7 @@ static const struct option *option_of(int value)
     return one;
 }
 
-static void apply(const struct option *option, options *out)
+static void apply(const struct option *option, arguments *out)
 {
     void *member = (char *)out + (option->val - 256);
     size_t jobs;
@@ -99,7 +99,7 @@ static void apply(const struct option *option, options *out)
     }
 }
 
-static int unknown_option(const options *given, const struct option *table,
+static int unknown_option(const arguments *given, const struct option *table,
                           const char *typed)
 {
     weft__guess guess = { 0 };
@@ -126,7 +126,7 @@ static int unknown_option(const options *given, const struct option *table,
 }
 
 /* auto or NULL: terminal if stderr is one, else lines. */
-static int choose_progress(options *given)
+static int choose_progress(arguments *given)
 {
     static const char *const names[]
         = { "auto", "lines", "terminal", "yaml", "none", NULL };
@@ -147,7 +147,7 @@ static int choose_progress(options *given)
 
 /* -1: run the verb. Else an exit code: help was printed, or the command line is wrong.
  */
-static int parse(options *given, int argc)
+static int parse(arguments *given, int argc)
 {
     const verb *self = given->verb;
     char **argv = given->argv;
@@ -187,9 +187,9 @@ static int parse(options *given, int argc)
 
 int verb_start(const verb *self, int argc, char **argv)
 {
-    options given = { .verb = self,
-                      .argv = argv,
-                      .sets = calloc((size_t)argc, 2 * sizeof *given.sets) };
+    arguments given = { .verb = self,
+                        .argv = argv,
+                        .sets = calloc((size_t)argc, 2 * sizeof *given.sets) };
     if (given.sets == NULL) {
         weft_error err = { 0 };
         weft_error_set(&err, WEFT_NO_MEMORY, "out of memory");

@@ -325,7 +325,7 @@ static int test_plugin(const char *file, const weft_plugin *plugin, bool all)
     return able ? print_tally(file, &of) : EXIT_FILE;
 }
 
-static int plugin_test_verb(const options *given)
+static int plugin_test_verb(const arguments *given)
 {
     weft_error err = { 0 };
     const char *file = given->operands[0];

@@ -8,7 +8,7 @@ static void print_line(void *ctx, const char *text)
     puts(text);
 }
 
-static int print_keys(const options *given)
+static int print_keys(const arguments *given)
 {
     weft_error err = { 0 };
     for (int i = 0; i < given->operand_count; ++i) {
@@ -20,7 +20,7 @@ static int print_keys(const options *given)
     return EXIT_DONE;
 }
 
-static int scene_help_verb(const options *given)
+static int scene_help_verb(const arguments *given)
 {
     if (given->operand_count > 0) {
         return given->markdown ? usage_error(given, "--markdown prints all keys")

@@ -131,7 +131,7 @@ static int print_yaml(const weft_registry *registry)
     return yaml_out_end(&out) ? EXIT_DONE : EXIT_FILE;
 }
 
-static int steppers_verb(const options *given)
+static int steppers_verb(const arguments *given)
 {
     weft_error err = { 0 };
     if (load_plugins(given->registry, &err) != WEFT_OK) {

@@ -93,7 +93,7 @@ void report_unfinished(const char *directory)
 }
 
 /* A run that another process has under way. */
-static int watch_elsewhere(const options *given)
+static int watch_elsewhere(const arguments *given)
 {
     weft_error err = { 0 };
     watch_def def = { .directory = given->operands[0], .ready = -1 };
@@ -117,7 +117,7 @@ static int watch_elsewhere(const options *given)
     return interrupt_code(interrupt_signal());
 }
 
-static int view_verb(const options *given)
+static int view_verb(const arguments *given)
 {
     if (given->watch || given->port != NULL) {
         return watch_elsewhere(given);

@@ -187,8 +187,8 @@ static bool run_all(half_run *whole, half_run parts[], weft_error *err)
     return ready;
 }
 
-static void compare(trial *self, const half_run *whole, const half_run *part, int i,
-                    const char *what)
+static void expect_part(trial *self, const half_run *whole, const half_run *part, int i,
+                        const char *what)
 {
     const outcome *w = &whole->outcomes[i], *o = &part->outcomes[i];
     double y[DIM];
@@ -241,8 +241,8 @@ static void try_parts(trial *self, disturbance d)
     weft__expect(self, !m.parted, "%s: one %s, t = %.9g s, while the other %s", what,
                  call_names[m.calls[0]], m.given[0], call_names[m.calls[1]]);
     for (int i = 0; i < STEPS; ++i) {
-        compare(self, &whole, &parts[0], i, what);
-        compare(self, &whole, &parts[1], i, what);
+        expect_part(self, &whole, &parts[0], i, what);
+        expect_part(self, &whole, &parts[1], i, what);
     }
 }
 

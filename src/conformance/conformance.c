@@ -19,89 +19,89 @@ static const char *no_error_control(const weft_stepper_type *type)
 
 static const struct check {
     const char *name, *promise;
-    check_fn *run;
+    check_fn *check;
     pointless_fn *pointless; /* NULL: never */
     bool once;               /* without quadratures only */
     bool modes;              /* in both modes of weft__usual */
 } checks[] = {
     { "table", "the method's description makes sense; destroy accepts NULL",
-      .run = weft__table_is_sane, .once = true },
+      .check = weft__table_is_sane, .once = true },
     { "create", "create makes an instance and calls no rhs",
-      .run = weft__create_calls_no_rhs, .modes = true },
+      .check = weft__create_calls_no_rhs, .modes = true },
     { "refusal", "create refuses every meaningless number, with a reason",
-      .run = weft__mistakes_are_refused, .once = true },
+      .check = weft__mistakes_are_refused, .once = true },
     { "versions", "a config of an older or newer program is read up to its size",
-      .run = weft__other_versions_are_served, .once = true },
+      .check = weft__other_versions_are_served, .once = true },
     { "fixed", "fixed steps have the requested length and ignore tolerances",
-      .run = weft__fixed_steps_ignore_tolerances, .pointless = no_fixed_steps },
+      .check = weft__fixed_steps_ignore_tolerances, .pointless = no_fixed_steps },
     { "exact end", "a step never goes past t_end, meets it bit for bit, and counts",
-      .run = weft__every_end_is_met, .modes = true },
+      .check = weft__every_end_is_met, .modes = true },
     { "landing", "a single step lands on t_end bit for bit, wherever it began",
-      .run = weft__a_single_step_lands_exactly, .pointless = no_fixed_steps },
+      .check = weft__a_single_step_lands_exactly, .pointless = no_fixed_steps },
     { "slivers", "fixed steps that fit leave no sliver of a step before t_end",
-      .run = weft__steps_that_fit_leave_no_sliver, .pointless = no_fixed_steps },
+      .check = weft__steps_that_fit_leave_no_sliver, .pointless = no_fixed_steps },
     { "stages", "a step calls the rhs as often as the table says",
-      .run = weft__stages_are_the_rhs_calls, .pointless = no_stages },
+      .check = weft__stages_are_the_rhs_calls, .pointless = no_stages },
     { "step sizes", "first_step and max_step are respected",
-      .run = weft__step_sizes_are_kept, .pointless = no_error_control },
+      .check = weft__step_sizes_are_kept, .pointless = no_error_control },
     { "direction", "a step to a t_end that is not later is invalid and changes nothing",
-      .run = weft__no_step_goes_backwards },
+      .check = weft__no_step_goes_backwards },
     { "failure",
       "a failed step leaves t and y alone, only finite states are accepted, and later "
       "steps succeed",
-      .run = weft__a_failed_step_changes_nothing, .modes = true },
+      .check = weft__a_failed_step_changes_nothing, .modes = true },
     { "refusal once",
       "a state that the rhs refuses, or that is not finite, costs a smaller step",
-      .run = weft__one_refusal_costs_a_smaller_step, .pointless = no_error_control },
+      .check = weft__one_refusal_costs_a_smaller_step, .pointless = no_error_control },
     { "rescue", "a first step that is far too large is made smaller",
-      .run = weft__a_first_step_too_large_is_rescued, .pointless = no_error_control },
+      .check = weft__a_first_step_too_large_is_rescued, .pointless = no_error_control },
     { "min step", "a step that needs less than min_step fails; t and y stay",
-      .run = weft__needing_less_than_min_step_fails, .pointless = no_error_control },
+      .check = weft__needing_less_than_min_step_fails, .pointless = no_error_control },
     { "needless",
       "state_changed without a change changes no result of a one-step method",
-      .run = weft__needless_changes_change_nothing, .modes = true },
+      .check = weft__needless_changes_change_nothing, .modes = true },
     { "edited", "the step after state_changed starts from the edited y",
-      .run = weft__an_edited_state_is_used, .modes = true },
+      .check = weft__an_edited_state_is_used, .modes = true },
     { "set back",
       "the step after state_changed starts from the t and y that are set back",
-      .run = weft__a_step_is_taken_back, .modes = true },
+      .check = weft__a_step_is_taken_back, .modes = true },
     { "stats", "stats fills the caller's struct and not a byte more",
-      .run = weft__stats_write_no_further },
+      .check = weft__stats_write_no_further },
     { "counts", "counts never fall, whatever fails or is edited",
-      .run = weft__stats_never_fall },
+      .check = weft__stats_never_fall },
     { "instances", "instances that step in turn have the same results as alone",
-      .run = weft__two_instances_are_independent },
+      .check = weft__two_instances_are_independent },
     { "threads", "instances in two threads have the same results as alone",
-      .run = weft__two_threads_are_independent },
+      .check = weft__two_threads_are_independent },
     { "order", "in fixed steps the order is the one the table claims",
-      .run = weft__the_order_is_the_one_claimed, .pointless = weft__order_not_measured,
-      .once = true },
+      .check = weft__the_order_is_the_one_claimed,
+      .pointless = weft__order_not_measured, .once = true },
     { "tolerance", "the error follows the tolerance, in both norms",
-      .run = weft__the_error_follows_the_tolerance, .pointless = no_error_control,
+      .check = weft__the_error_follows_the_tolerance, .pointless = no_error_control,
       .once = true },
     { "memory", "steps leave no more memory allocated than there was",
-      .run = weft__the_heap_does_not_grow, .pointless = weft__heap_not_known,
+      .check = weft__the_heap_does_not_grow, .pointless = weft__heap_not_known,
       .modes = true },
     { "destroy", "destroy gives back all that create and steps have allocated",
-      .run = weft__destroy_leaves_nothing, .pointless = weft__heap_not_known,
+      .check = weft__destroy_leaves_nothing, .pointless = weft__heap_not_known,
       .modes = true },
     { "refused", "a create that refuses leaves no memory allocated",
-      .run = weft__refusals_leave_nothing, .pointless = weft__heap_not_known,
+      .check = weft__refusals_leave_nothing, .pointless = weft__heap_not_known,
       .once = true },
     { "allocator", "memory is taken from config->allocator and given back to it",
-      .run = weft__the_allocator_is_used, .once = true },
+      .check = weft__the_allocator_is_used, .once = true },
     { "process",
       "the process stays as it is: locale, signal handlers, floating-point "
       "environment, "
       "descriptors, directory, umask, environment variables, children; a success "
       "leaves "
       "*err alone",
-      .run = weft__the_process_is_left_alone, .modes = true },
+      .check = weft__the_process_is_left_alone, .modes = true },
     { "structure", "config->structure changes the way to a solution, not the solution",
-      .run = weft__a_structure_leaves_the_solution, .once = true, .modes = true },
+      .check = weft__a_structure_leaves_the_solution, .once = true, .modes = true },
     { "agree",
       "steppers of two parts of a state agree to do what one of the whole does",
-      .run = weft__parts_agree, .pointless = weft__agrees_with_nobody, .once = true,
+      .check = weft__parts_agree, .pointless = weft__agrees_with_nobody, .once = true,
       .modes = true },
 };
 
@@ -120,7 +120,7 @@ const char *weft_conformance_promise(size_t i)
     return checks[i].promise;
 }
 
-static void run(trial *self, check_fn *check)
+static void try_check(trial *self, check_fn *check)
 {
     if (setjmp(self->broken) == 0) {
         check(self);
@@ -146,7 +146,7 @@ weft_conformance weft_conformance_check(const weft_stepper_type *type, size_t i)
         trial self = {
             .type = type, .mode = k % modes, .apart = k < modes ? 0 : APART, .out = &out
         };
-        run(&self, c->run);
+        try_check(&self, c->check);
     }
     return out;
 }

@@ -68,7 +68,8 @@ static void look_around(surroundings *out)
     }
 }
 
-static void compare(trial *self, const surroundings *before, const surroundings *after)
+static void expect_same(trial *self, const surroundings *before,
+                        const surroundings *after)
 {
     weft__expect(self, strcmp(before->locale, after->locale) == 0,
                  "the locale was '%s' and is '%s'", before->locale, after->locale);
@@ -111,7 +112,7 @@ void weft__the_process_is_left_alone(trial *self)
     self->type->state_changed(r->self);
     weft__end(self, 0);
     look_around(&after);
-    compare(self, &before, &after);
+    expect_same(self, &before, &after);
     weft__expect(self, waitpid(-1, NULL, WNOHANG) < 0 && errno == ECHILD,
                  "a child process is left");
 }

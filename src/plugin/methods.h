@@ -5,7 +5,8 @@
 #define WEFT_PLUGIN_METHODS_H
 
 #include "base/faults.h"
-#include "weft/sim.h"
+#include "weft/cloth.h"
+#include "weft/registry.h"
 
 WEFT__NUMBERS(weft__config_numbers, fixed_step, rtol, atol_position, atol_velocity,
               first_step, min_step, max_step);

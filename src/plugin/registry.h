@@ -4,7 +4,7 @@
 #define WEFT_PLUGIN_REGISTRY_H
 
 #include "base/log.h"
-#include "weft/sim.h"
+#include "weft/registry.h"
 
 /* plugin_check.c: writes the fault of an unusable plugin to *err, with WEFT_BAD_PLUGIN.
  */

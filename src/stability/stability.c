@@ -17,7 +17,7 @@
  *
  * A method with |R(iy)| > 1 for small y has no stable step on undamped modes. These may
  * be allowed to grow; damping takes the allowance back (allowance below). */
-#include "weft/sim.h"
+#include "weft/stability.h"
 
 #include <complex.h>
 #include <math.h>

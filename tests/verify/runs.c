@@ -32,7 +32,7 @@ static weft_status load(weft_registry *registry, const verify_scene *scene,
 {
     char file[TEXT_MOST], text[TEXT_MOST];
     const char *sets[SETS_MOST];
-    options given = { .sets = sets, .registry = registry };
+    arguments given = { .sets = sets, .registry = registry };
     (void)snprintf(file, sizeof file, "scenes/%s.yaml", scene->name);
     stepper_text(stepper, text);
     sets[given.set_count++] = text;

@@ -22,7 +22,7 @@ static bool take_shard(batch *self, const char *text)
 
 static int take_options(batch *self)
 {
-    const options *given = self->given;
+    const arguments *given = self->given;
     const long cores = sysconf(_SC_NPROCESSORS_ONLN);
     self->out = given->out;
     self->jobs = given->jobs > 0 ? given->jobs : cores < 1 ? 1 : (size_t)cores;
@@ -173,7 +173,7 @@ static int run_batch(batch *self)
     return stop != 0 ? interrupt_code(stop) : code;
 }
 
-static int batch_verb(const options *given)
+static int batch_verb(const arguments *given)
 {
     batch self = { .given = given };
     int code = take_options(&self);

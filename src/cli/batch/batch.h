@@ -38,7 +38,7 @@ typedef struct batch_run {
 } batch_run;
 
 typedef struct batch {
-    const options *given;
+    const arguments *given;
     const char *out;
     size_t jobs, shard, shards; /* shard from 1 */
     double timeout;             /* [s] of a run; 0: none */
@@ -60,7 +60,7 @@ char *batch_name(const char *stem, const weft_sweep *sweep, size_t number);
 /* batch_plan.c: reads all scenes and names their runs. Returns the exit code. */
 int batch_plan(batch *self);
 /* Checks one sweep: EXIT_SCENE if two of its runs are the same. */
-int batch_check(const options *given, const char *file, weft_sweep *sweep);
+int batch_check(const arguments *given, const char *file, weft_sweep *sweep);
 void batch_free(batch *self);
 
 /* batch_state.c: the state of a run's directory. */

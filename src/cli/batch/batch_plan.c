@@ -115,7 +115,7 @@ static void free_runs(batch *self)
     free(self->runs);
 }
 
-int batch_check(const options *given, const char *file, weft_sweep *sweep)
+int batch_check(const arguments *given, const char *file, weft_sweep *sweep)
 {
     batch_scene scene = { .file = file, .stem = stem_of(file), .sweep = sweep };
     batch self = { .given = given, .scenes = &scene, .scene_count = 1 };

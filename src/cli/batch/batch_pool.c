@@ -51,7 +51,7 @@ static int run_claimed(const batch *self, const batch_run *one, const char *dire
     if (weft_sweep_scene(one->scene->sweep, one->number, &scene, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    options given = *self->given;
+    arguments given = *self->given;
     given.quiet = true;
     given.mode = PROGRESS_NONE;
     if (goes_on) {

@@ -189,7 +189,7 @@ static void warn_of_springs(const char *file, const weft_cloth *cloth)
 }
 
 /* Describes a valid scene, to *out or, if that is NULL, as text. */
-static int describe(const char *file, const weft_scene *scene, const options *given,
+static int describe(const char *file, const weft_scene *scene, const arguments *given,
                     yaml_out *out)
 {
     weft_error err = { 0 };
@@ -257,7 +257,7 @@ static void print_beyond(const weft_sweep *sweep)
 }
 
 /* Validates all runs of a sweep, and describes the first. */
-static int check_file(const char *file, const options *given, yaml_out *out)
+static int check_file(const char *file, const arguments *given, yaml_out *out)
 {
     weft_error err = { 0 };
     weft_sweep *sweep = NULL;
@@ -282,7 +282,7 @@ static int check_file(const char *file, const options *given, yaml_out *out)
     return code;
 }
 
-static int check_verb(const options *given)
+static int check_verb(const arguments *given)
 {
     yaml_out out;
     int code = EXIT_DONE;

@@ -390,7 +390,7 @@ static weft_status compare_into(compare *self, const char *directory, weft_error
     return status;
 }
 
-static int compare_scene(const options *given, double until, const weft_scene *scene)
+static int compare_scene(const arguments *given, double until, const weft_scene *scene)
 {
     char text[RECORD_PATH];
     const char *directory = out_directory(given, ".compare", text);
@@ -412,7 +412,7 @@ static int compare_scene(const options *given, double until, const weft_scene *s
     return status == WEFT_OK ? EXIT_DONE : report_error(&err);
 }
 
-static int open_and_compare(const options *given, double until)
+static int open_and_compare(const arguments *given, double until)
 {
     char word[NAME_MOST], near[80];
     weft__guess guess = { 0 };
@@ -430,7 +430,7 @@ static int open_and_compare(const options *given, double until)
     return code;
 }
 
-static int compare_verb(const options *given)
+static int compare_verb(const arguments *given)
 {
     const double until
         = given->until == NULL ? (double)INFINITY : option_real(given->until);

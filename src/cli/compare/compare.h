@@ -79,7 +79,7 @@ typedef struct compare_shared {
 } compare_shared;
 
 typedef struct compare {
-    const options *given;
+    const arguments *given;
     const weft_scene *scene;
     const weft_cloth *cloth;
     weft_run_def run; /* of the scene, up to --until */

@@ -225,7 +225,7 @@ static void warn_of_particles(const refinement *grid)
     }
 }
 
-static int prepare(converge *self, const options *given)
+static int prepare(converge *self, const arguments *given)
 {
     weft_error err = { 0 };
     if (scene_supported(self->scene, &err) != WEFT_OK
@@ -244,7 +244,7 @@ static int prepare(converge *self, const options *given)
     return code;
 }
 
-static int converge_verb(const options *given)
+static int converge_verb(const arguments *given)
 {
     converge self = { .given = given, .progress.mode = given->mode };
     weft_scene *scene = NULL;

@@ -37,7 +37,7 @@ typedef struct converge_size {
 } converge_size;
 
 typedef struct converge {
-    const options *given;
+    const arguments *given;
     const weft_scene *scene;
     refinement grid;
     size_t quantity_count;

@@ -90,7 +90,7 @@ static bool add_quantity(converge *self, const record_series *series, const char
 
 int converge_add_quantities(converge *self)
 {
-    const options *given = self->given;
+    const arguments *given = self->given;
     static const char *tip = "tip";
     const bool none = given->at_count == 0;
     const char **ats = none ? &tip : given->ats;

@@ -70,7 +70,7 @@ void ranks_warn(const weft_comm *comm, size_t threads)
  */
 
 /* NULL after printing why. */
-static comm_mpi *open_mpi(const options *given)
+static comm_mpi *open_mpi(const arguments *given)
 {
     char file[RECORD_PATH];
     weft_error err = { 0 };
@@ -110,7 +110,7 @@ static uint64_t hash_file(uint64_t hash, const char *path)
 
 /* Whether this rank was started with the command line and the scene of rank 0, whose
  * run it takes part in; a scene that only rank 0 can read is shared. */
-static bool is_alike(const comm_mpi *mpi, const options *given)
+static bool is_alike(const comm_mpi *mpi, const arguments *given)
 {
     const weft_comm *comm = &mpi->comm;
     uint64_t mine[2] = { WEFT__HASH_START, WEFT__HASH_START }, first[2];
@@ -133,7 +133,7 @@ static bool is_alike(const comm_mpi *mpi, const options *given)
 }
 
 /* All ranks do what rank 0 does, and only that is to be seen. */
-static void silence(options *given)
+static void silence(arguments *given)
 {
     const int nowhere = open("/dev/null", O_WRONLY);
     given->quiet = true;
@@ -145,7 +145,7 @@ static void silence(options *given)
     (void)close(nowhere);
 }
 
-static int run_joined(options *given, const comm_mpi *mpi, size_t bands)
+static int run_joined(arguments *given, const comm_mpi *mpi, size_t bands)
 {
     const weft_comm *comm = &mpi->comm;
     if (!is_alike(mpi, given)) {
@@ -182,7 +182,7 @@ void ranks_hint(void)
     }
 }
 
-int ranks_run(options *given)
+int ranks_run(arguments *given)
 {
     size_t bands;
     if (!option_count(given->bands, '\0', &bands) || bands == 0) {

@@ -8,7 +8,7 @@
 
 /* Starts MPI, runs the verb with given->comm, ends MPI. Only rank 0 prints. Returns the
  * exit code of rank 0 on all ranks. */
-int ranks_run(options *given);
+int ranks_run(arguments *given);
 
 /* Without --bands: warns in a job of several processes. */
 void ranks_hint(void);

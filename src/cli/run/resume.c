@@ -42,13 +42,13 @@ static bool ended_as(const char *directory, const char *status)
 }
 
 /* The scene with the duration of --until; NULL without. */
-static int open_longer(const options *given, const char *directory,
+static int open_longer(const arguments *given, const char *directory,
                        const weft_scene *scene, weft_scene **out)
 {
     char path[RECORD_PATH], set[64];
     const char *sets[] = { set };
     weft_error err = { 0 };
-    options longer = *given;
+    arguments longer = *given;
     const double now = weft_scene_run(scene)->duration;
     *out = NULL;
     if (given->until == NULL) {
@@ -67,12 +67,12 @@ static int open_longer(const options *given, const char *directory,
     return open_scene(path, &longer, out, NULL);
 }
 
-int resume_scene(const options *given, const char *directory, const weft_scene *scene)
+int resume_scene(const arguments *given, const char *directory, const weft_scene *scene)
 {
     weft_scene *longer;
     weft_error err = { 0 };
     record_checkpoint from = { 0 };
-    options own = *given;
+    arguments own = *given;
     own.frames = record_exists(directory, "frames/frame-000000.obj") ? "obj" : NULL;
     const bool begun
         = ranks_share(given->comm, record_exists(directory, RECORD_CHECKPOINT));
@@ -106,7 +106,7 @@ int resume_scene(const options *given, const char *directory, const weft_scene *
 }
 
 /* In a directory that is claimed. */
-static int resume_claimed(const options *given, const char *directory)
+static int resume_claimed(const arguments *given, const char *directory)
 {
     char path[RECORD_PATH];
     weft_scene *scene = NULL;
@@ -145,7 +145,7 @@ static int resume_claimed(const options *given, const char *directory)
     return code;
 }
 
-static int resume_directory(const options *given, const char *directory)
+static int resume_directory(const arguments *given, const char *directory)
 {
     int lock = -1;
     weft_error err = { 0 };
@@ -169,7 +169,7 @@ static int resume_directory(const options *given, const char *directory)
 
 /* Runs that fail do not keep the next ones from running; a signal does. Returns the
  * first code that is not 0. */
-static int resume_verb(const options *given)
+static int resume_verb(const arguments *given)
 {
     int code = EXIT_DONE;
     if (given->until != NULL && given->comm != NULL) {

@@ -377,7 +377,7 @@ static weft_status open_directory(const run *self, int *lock, weft_error *err)
 
 static int run_watched(run *self, int lock)
 {
-    const options *given = self->given;
+    const arguments *given = self->given;
     watch_process watching = { .lock = -1 };
     watch_def def = { .directory = self->out,
                       .yaml = self->given->mode == PROGRESS_YAML,
@@ -392,7 +392,7 @@ static int run_watched(run *self, int lock)
     return code;
 }
 
-int run_scene(const options *given, const char *out, const weft_scene *scene,
+int run_scene(const arguments *given, const char *out, const weft_scene *scene,
               bool claimed, record_checkpoint *from)
 {
     weft_error err = { 0 };
@@ -434,7 +434,7 @@ int run_scene(const options *given, const char *out, const weft_scene *scene,
     return code;
 }
 
-static int run_verb(const options *given)
+static int run_verb(const arguments *given)
 {
     char out[RECORD_PATH];
     weft_scene *scene = NULL;

@@ -22,7 +22,7 @@ typedef struct summary {
 } summary;
 
 typedef struct run {
-    const options *given;
+    const arguments *given;
     const char *out;
     struct stat place;       /* of the directory `out` */
     bool again;              /* the directory is that of an earlier attempt */
@@ -69,7 +69,7 @@ weft_status run_in_place(const run *self, weft_error *err);
 /* run.c: `claimed`: the caller has claimed a directory that an earlier attempt has
  * left, up to the checkpoint `from` (NULL: runs from the beginning). Returns the exit
  * code. */
-int run_scene(const options *given, const char *out, const weft_scene *scene,
+int run_scene(const arguments *given, const char *out, const weft_scene *scene,
               bool claimed, record_checkpoint *from);
 
 /* failure_report.c: the failure, the stable step and what to try, as lines to stderr
@@ -91,6 +91,7 @@ void summary_yaml_end(const summary *self);
 
 /* resume.c: continues the run of that scene in a directory that the caller has
  * claimed. Returns the exit code. */
-int resume_scene(const options *given, const char *directory, const weft_scene *scene);
+int resume_scene(const arguments *given, const char *directory,
+                 const weft_scene *scene);
 
 #endif

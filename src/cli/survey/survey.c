@@ -240,7 +240,7 @@ static weft_status try_rival(const weft_scene *scene, const weft_sim *tried,
 }
 
 weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
-                          weft_sim *sim, const options *given, survey *out,
+                          weft_sim *sim, const arguments *given, survey *out,
                           weft_error *err)
 {
     *out = (survey){ 0 };

@@ -39,7 +39,7 @@ typedef struct survey {
 /* sim is of the scene, at t = 0, and is used up by the trial; NULL: no trial,
  * and `now` holds in any state. */
 weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
-                          weft_sim *sim, const options *given, survey *out,
+                          weft_sim *sim, const arguments *given, survey *out,
                           weft_error *err);
 void survey_destroy(survey *self);
 

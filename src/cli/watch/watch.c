@@ -15,7 +15,7 @@
 enum { PORT_LEAST = 1024 };
 #define FAREWELL 30.0 /* [s] for slow browsers to get the end of a run */
 
-int watch_check(const options *given, uint16_t *port)
+int watch_check(const arguments *given, uint16_t *port)
 {
     size_t number = 0;
     *port = 0;

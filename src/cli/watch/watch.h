@@ -10,7 +10,7 @@
 
 /* Returns EXIT_DONE, or prints why --watch and --port cannot be used as given; fills in
  * *port (0: the system chooses one). */
-int watch_check(const options *given, uint16_t *port);
+int watch_check(const arguments *given, uint16_t *port);
 
 typedef struct watch_def {
     const char *directory;

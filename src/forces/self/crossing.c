@@ -124,7 +124,7 @@ static weft__meeting elsewhere(const element *edge, const element *other, size_t
                                                                    : WEFT__APART;
 }
 
-static void compare(counting *of, const element *edge, const element *other)
+static void meet(counting *of, const element *edge, const element *other)
 {
     size_t i, j;
     if (boxes_apart(edge, other)) {
@@ -156,7 +156,7 @@ static void compare_nodes(counting *of, size_t i, size_t j)
         const element edge = element_of(of, 3 * i + e, 2, edges[e]);
         const element other = chain ? element_of(of, 1 + 3 * j + o, 2, sides[o])
                                     : element_of(of, 1 + 2 * j + o, 3, triangles[o]);
-        compare(of, &edge, &other);
+        meet(of, &edge, &other);
     }
 }
 

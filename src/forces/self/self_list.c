@@ -27,7 +27,7 @@ enum { SHELVES = 64 };
 /* Of `clear`: pairs have to be sought. */
 #define UNKNOWN (-1.0)
 
-static void run(weft__pool *pool, weft__task *task, void *ctx, size_t parts)
+static void run_parts(weft__pool *pool, weft__task *task, void *ctx, size_t parts)
 {
     if (pool != NULL && parts > 1) {
         weft__pool_run(pool, task, ctx, parts);
@@ -174,7 +174,7 @@ static double drift_tiles(weft__self_list *list, const double *from, const doubl
     const size_t tiles = weft__tile_count(list->own->mesh);
     drifting of = { list->own, from, to, list->tiles[k] };
     weft__drift all;
-    run(list->pool, drift_part, &of, (tiles - 1) / DRIFT_PART + 1);
+    run_parts(list->pool, drift_part, &of, (tiles - 1) / DRIFT_PART + 1);
     all = of.tiles[0];
     for (size_t i = 1; i < tiles; ++i) {
         weft__drift_add(&all, &of.tiles[i]);
@@ -406,7 +406,7 @@ static void make(weft__self_list *list, const double *y)
     list->valid
         = list->valid && list->group_count > 0; /* else the most room is found */
     (void)drift_tiles(list, NULL, y, 1);
-    run(list->pool, age_part, &of, list->chunk_count);
+    run_parts(list->pool, age_part, &of, list->chunk_count);
     memset(list->marks, 0, weft__tile_count(own->mesh));
     for (size_t i = 0; i < list->between_count; ++i) {
         if (list->clear[i] == UNKNOWN) {
@@ -417,9 +417,9 @@ static void make(weft__self_list *list, const double *y)
     if (seek) {
         list->tree = weft__tree_of(own->mesh, y);
         weft__tree_begin(&list->tree, list->knots);
-        run(list->pool, fill_part, &of, list->chunk_count);
+        run_parts(list->pool, fill_part, &of, list->chunk_count);
     }
-    run(list->pool, make_part, &of, list->chunk_count);
+    run_parts(list->pool, make_part, &of, list->chunk_count);
     memcpy(list->place, y, 3 * own->mesh->particles * sizeof *y);
     list->pin_changes = own->mesh->pin_changes;
     end_making(list);
@@ -505,7 +505,7 @@ static bool evaluate(evaluation *all)
         return false;
     }
     all->law = weft__self_law_of(all->list->own);
-    run(all->list->pool, evaluate_part, all, all->list->chunk_count);
+    run_parts(all->list->pool, evaluate_part, all, all->list->chunk_count);
     return true;
 }
 
