@@ -7,7 +7,7 @@
 #include "base/finite.h"
 #include "base/sized.h"
 #include "base/suggest.h"
-#include "plugin/registry.h"
+#include "plugin/plugin_check.h"
 
 /* ---- settings ---------------------------------------------------------------- */
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* plugin_check.c -- checks a plugin. Fields are read in the order
  * in which they can be trusted: abi, struct_size, then the rest. */
-#include "plugin/registry.h"
+#include "plugin/plugin_check.h"
 
 #include <string.h>
 

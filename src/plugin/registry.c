@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* registry.c -- the plugins a program has, linked in or loaded from weft-<id>.so. */
 #define _GNU_SOURCE /* dladdr, in POSIX since 2024 */
-#include "plugin/registry.h"
+#include "plugin/plugin_check.h"
 
 #include <dirent.h>
 #include <dlfcn.h>

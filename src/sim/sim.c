@@ -11,7 +11,7 @@
 #include "base/sized.h"
 #include "cloth/model.h"
 #include "plugin/methods.h"
-#include "plugin/registry.h"
+#include "plugin/plugin_check.h"
 #include "sim/bands.h"
 #include "sim/simulation.h"
 

@@ -26,7 +26,7 @@
 
 #include "base/given.h"
 #include "plugin/methods.h"
-#include "plugin/registry.h"
+#include "plugin/plugin_check.h"
 #include "weft/elementary.h"
 
 #define ROUNDOFF 1e-12 /* of growth a step */

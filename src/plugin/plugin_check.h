@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* registry.h -- shared by the files of src/plugin. */
-#ifndef WEFT_PLUGIN_REGISTRY_H
-#define WEFT_PLUGIN_REGISTRY_H
+/* plugin_check.h -- what makes a plugin usable, and which ones there are. */
+#ifndef WEFT_PLUGIN_CHECK_H
+#define WEFT_PLUGIN_CHECK_H
 
 #include "base/log.h"
 #include "weft/registry.h"
