@@ -20,8 +20,9 @@ static size_t top(const weft__mesh *mesh)
 
 void weft__rest_position(const weft__mesh *mesh, size_t i, double x[3])
 {
-    const double across = (double)(i % mesh->cols) * mesh->spacing[1];
-    const double along = (double)(top(mesh) + i / mesh->cols) * mesh->spacing[0];
+    const size_t r = top(mesh) + i / mesh->cols, c = i % mesh->cols;
+    const double across = (double)c * mesh->spacing[1];
+    const double along = (double)r * mesh->spacing[0];
     for (size_t k = 0; k < 3; ++k) {
         x[k] = mesh->origin[k] + across * mesh->right[k] + along * mesh->down[k];
     }

@@ -139,16 +139,16 @@ bool weft__bands_all(const weft_comm *comm, bool mine)
     return weft__bands_max(comm, mine ? 0.0 : 1.0) == 0.0;
 }
 
-/* ---- rows ------------------------------------------------------------------------ */
+/* ---- blocks ---------------------------------------------------------------------- */
 
-const void *weft__bands_blocks(const weft__forces *forces, const void *rows,
+const void *weft__bands_blocks(const weft__forces *forces, const void *blocks,
                                size_t size)
 {
     const weft_comm *comm = forces->comm;
     if (comm == NULL) {
-        return rows;
+        return blocks;
     }
-    comm->gather(comm->self, rows, weft_cloth_band(forces->cloth).own * size,
+    comm->gather(comm->self, blocks, weft_cloth_band(forces->cloth).own * size,
                  forces->all);
     return comm->rank == 0 ? forces->all : NULL;
 }

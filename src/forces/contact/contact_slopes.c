@@ -170,17 +170,17 @@ static void uncouple(const double n[3], double damping[3][3])
     }
 }
 
-int weft__contact_blocks(const void *own, const weft__state *state, double *blocks)
+int weft__contact_blocks(const void *own, const weft__state *at, double *blocks)
 {
     const weft__contact *of = own;
     const size_t n = of->mesh->particles;
     double bad = 0.0;
-    for (weft__touches at = weft__touches_of(of, state->t, state->y, 0, n);
-         weft__each_touch(&at);) {
-        double stiffness[3][3], damping[3][3], *to = blocks + at.i;
-        const double m = at.touch.gap > 0.0 ? of->mesh->mass[at.i] : (double)NAN;
-        matrices(&at, stiffness, damping);
-        uncouple(at.touch.normal, damping);
+    for (weft__touches all = weft__touches_of(of, at->t, at->y, 0, n);
+         weft__each_touch(&all);) {
+        double stiffness[3][3], damping[3][3], *to = blocks + all.i;
+        const double m = all.touch.gap > 0.0 ? of->mesh->mass[all.i] : (double)NAN;
+        matrices(&all, stiffness, damping);
+        uncouple(all.touch.normal, damping);
         for (size_t r = 0; r < 3; ++r) {
             for (size_t c = 0; c < 3; ++c, to += n) {
                 *to += m * stiffness[r][c];
