@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* gsl_plugin.h -- shared by the files of this plugin. Reading order: plugin.c (the
- * methods), create.c (one instance), step.c (one accepted step), control.c (when a step
- * is accurate enough), jacobian.c (for the implicit methods), shift.c (for bsimp).
+ * methods), create.c (one instance), step.c (one accepted step), rhs.c (as GSL calls it),
+ * control.c (when a step is accurate enough), jacobian.c (for the implicit methods),
+ * shift.c (for bsimp).
  *
  * GSL steps, estimates the error and chooses h. This plugin runs GSL's steppers and
  * controls in a loop of its own instead of gsl_odeiv2_evolve_apply, as that one accepts
@@ -86,9 +87,11 @@ int weft__gsl_shifted_rhs(double t, const double y[], double dydt[], void *insta
 int weft__gsl_shifted_jacobian(double t, const double y[], double *dfdy, double dfdt[],
                                void *instance);
 
-/* step.c */
+/* rhs.c */
 int weft__gsl_rhs(double t, const double y[], double dydt[], void *instance);
 bool weft__gsl_finite(const double *y, size_t count);
+
+/* step.c */
 weft_status weft__gsl_step(void *instance, double t_end, double *t, double *y,
                            weft_error *err);
 void weft__gsl_state_changed(void *instance);
