@@ -246,8 +246,8 @@ START_TEST(a_run_goes_on_until_later_to_the_bytes_of_a_longer_one)
     static const char *const sets[] = {
         "--set record.ledger=true --set 'stepper={plugin: stiff, method: ros2}'",
         "--set run.frames=interpolate --set record.precision=double",
-        "--set record.every=3 --set 'contact={shapes: [{shape: plane, at: [0, -1.5, "
-        "0], normal: [0, 1, 0]}]}' --set stepper.fixed_step=5e-4 --frames obj"
+        ("--set record.every=3 --set 'contact={shapes: [{shape: plane, at: [0, -1.5, "
+         "0], normal: [0, 1, 0]}]}' --set stepper.fixed_step=5e-4 --frames obj")
     };
     char longer[400], shorter[400];
     (void)snprintf(longer, sizeof longer, "%s --set run.keep_checkpoint=true --set %s",

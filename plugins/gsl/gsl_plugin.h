@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* gsl_plugin.h -- shared by the files of this plugin. Reading order: plugin.c (the
- * methods), create.c (one instance), step.c (one accepted step), rhs.c (as GSL calls it),
- * control.c (when a step is accurate enough), jacobian.c (for the implicit methods),
- * shift.c (for bsimp).
+ * methods), create.c (one instance), step.c (one accepted step), rhs.c (as GSL calls
+ * it), control.c (when a step is accurate enough), jacobian.c (for the implicit
+ * methods), shift.c (for bsimp).
  *
  * GSL steps, estimates the error and chooses h. This plugin runs GSL's steppers and
  * controls in a loop of its own instead of gsl_odeiv2_evolve_apply, as that one accepts

@@ -21,8 +21,8 @@ INLINE vec choose(mask where, vec a, vec b)
 #include "forces/self/self_law.h"
 
 /* Three planes of the particles of LANES pairs. */
-INLINE void place(const double *planes, size_t n, weft__pair_kind kind,
-                  int32_t at[4][LANES], vec x[4][3])
+INLINE void gather_points(const double *planes, size_t n, weft__pair_kind kind,
+                          int32_t at[4][LANES], vec x[4][3])
 {
     for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
         x[j][0] = gather(planes, at[j]);
@@ -95,7 +95,7 @@ INLINE void find(work *of, weft__pair_kind kind, size_t i)
     int32_t at[4][LANES];
     vec x[4][3];
     particles_of(of->near, kind, pairs, at);
-    place(of->y, own->mesh->particles, kind, at, x);
+    gather_points(of->y, own->mesh->particles, kind, at, x);
     const law_gram gram = law_gram_of(kind, x);
     const mask pushes = law_pushes(kind, &gram, own->law.thickness);
     if (any(pushes)) {
@@ -116,7 +116,7 @@ INLINE void write_pushes(weft__pair_kind kind, const law_feet *feet,
 }
 
 /* LANES pairs of `found` are the next pushes. */
-INLINE void push(work *of, weft__pair_kind kind, size_t i)
+INLINE void push_pairs(work *of, weft__pair_kind kind, size_t i)
 {
     const weft__self *own = of->law->own;
     const weft_contact_def contact = own->law;
@@ -134,8 +134,8 @@ INLINE void push(work *of, weft__pair_kind kind, size_t i)
         mass[l] = of->near->mass[pairs[l]];
         rest[l] = kind == WEFT__EDGES ? of->near->rest[pairs[l]] : 0.0;
     }
-    place(of->y, n, kind, at, x);
-    place(of->y + 3 * n, n, kind, at, v);
+    gather_points(of->y, n, kind, at, x);
+    gather_points(of->y + 3 * n, n, kind, at, v);
     const law_gram gram = law_gram_of(kind, x);
     law_feet feet = law_feet_of(kind, &gram);
     law_weigh(kind, of->law, rest, &feet);
@@ -159,7 +159,7 @@ INLINE void pass_on(work *of, weft__pair_kind kind, bool last)
     taken = 0;
     fill(&of->found);
     for (; taken + (last ? 1 : LANES) <= of->found.count; taken += LANES) {
-        push(of, kind, taken);
+        push_pairs(of, kind, taken);
     }
     of->done += taken < of->found.count ? taken : of->found.count;
     drop(&of->found, taken);
@@ -245,7 +245,7 @@ INLINE void wait_kind(const waiting *of, weft__pair_kind kind)
             pairs[l] = (uint32_t)(i + l < of->end ? i + l : of->end - 1);
         }
         particles_of(of->near, kind, pairs, at);
-        place(of->y, of->own->mesh->particles, kind, at, x);
+        gather_points(of->y, of->own->mesh->particles, kind, at, x);
         const vec distance = law_distance(kind, x);
         const vec wait = law_wait(kind, x, distance, of->own->law.thickness, of->most);
         for (size_t l = 0; l < LANES && i + l < of->end; ++l) {
