@@ -408,13 +408,16 @@ format:
 docs: all
 	@tools/docs $(BUILD)
 
-# Check's tests under AddressSanitizer and UBSan, in a build of its own. A process for each test
-# takes most of the time of some suites there.
+# Check's tests under AddressSanitizer and UBSan, in a build of its own, but those that compute for
+# long what others run as well (ASAN_WITHOUT=: all). A process for each test takes most of the time
+# of some suites there.
+ASAN_WITHOUT ?= verification agree papers libm
 ASAN_TOGETHER := steppers quadratures arkode embed ledger_order sim stepper_accuracy stability verification \
                  gsl pins limit_sheet
 
 asan:
 	@TEST_TOGETHER='$(ASAN_TOGETHER)' $(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/asan CFLAGS='-O1 -g1' \
+	    TESTS='$(filter-out $(ASAN_WITHOUT),$(TESTS))' \
 	    SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \
 	    check-run
 
@@ -512,6 +515,7 @@ check-self:
 nightly: all
 	$(MAKE) static DEEP=1
 	TEST_LONG=1 $(MAKE) coverage
+	$(MAKE) asan ASAN_WITHOUT=
 	$(MAKE) verify
 	$(MAKE) fuzz FUZZ_SECONDS=300
 	$(MAKE) check-self SECONDS=3600
