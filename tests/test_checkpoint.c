@@ -222,6 +222,30 @@ START_TEST(ledgers_that_are_not_finite_are_refused)
 }
 END_TEST
 
+static bool spoil(void *ctx, double t, double h, double *y)
+{
+    (void)ctx, (void)t, (void)h;
+    y[DIM - 1] = (double)NAN;
+    return true;
+}
+
+START_TEST(what_a_correction_spoiled_is_not_saved)
+{
+    weft_sim_def def = define(cloth, test_method_named("verlet/velocity_verlet"),
+                              (kind){ false, false });
+    def.correct = spoil;
+    weft_sim *spoiled = make(&def);
+    save(spoiled, again);
+    ck_assert_int_eq(weft_sim_step(spoiled, 1.0, &err), WEFT_NOT_FINITE);
+    ck_assert_int_eq(weft_sim_save(spoiled, again, sizeof again, &err),
+                     WEFT_NOT_FINITE);
+    ck_assert_str_eq(
+        err.message,
+        "the state that `correct` left is not finite: it could not be restored");
+    weft_sim_destroy(spoiled);
+}
+END_TEST
+
 /* The energy of pinned particles does not count. */
 START_TEST(a_ledger_is_restored_whatever_the_pins_are_by_then)
 {
@@ -474,6 +498,7 @@ TEST_SUITE(checkpoint)
     tcase_add_test(one, numbers_that_are_not_finite_are_refused);
     tcase_add_test(one, ledgers_that_are_not_finite_are_refused);
     tcase_add_test(one, a_ledger_that_is_not_finite_is_not_saved);
+    tcase_add_test(one, what_a_correction_spoiled_is_not_saved);
     tcase_add_test(one, a_ledger_is_restored_whatever_the_pins_are_by_then);
     tcase_add_test(one, changed_pins_are_saved_and_restored);
     tcase_add_test(one, what_was_saved_before_a_pin_brings_the_old_pins_back);

@@ -405,8 +405,9 @@ WEFT_API weft_status weft_sim_restart(weft_sim *sim, weft_error *err);
  * Threads, allocators and log may differ; all other settings that matter are compared
  * by hashes. The caller must save the data of `correct` and `force`. The bytes contain
  * their version and a checksum; their number, weft_sim_save_size, changes only with the
- * number of shapes. Errors: WEFT_INVALID (size is less), WEFT_NOT_FINITE (the ledger is
- * not finite; then nothing changes), those of weft_sim_restart.
+ * number of shapes. Errors: WEFT_INVALID (size is less), WEFT_NOT_FINITE (the ledger,
+ * or the state that `correct` left, is not finite; then nothing changes), those of
+ * weft_sim_restart.
  *
  * In bands the bytes are those of the whole cloth, as without bands, and only band 0
  * gets them; `bytes` of the others is ignored. They can be restored on any other number

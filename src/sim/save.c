@@ -7,6 +7,7 @@
 
 #include <math.h>
 
+#include "base/finite.h"
 #include "base/memory.h"
 #include "mesh/pins.h"
 #include "sim/bands.h"
@@ -221,10 +222,15 @@ weft_status weft_sim_save_parts(weft_sim *sim, weft_save_put *put, void *ctx,
     if (weft__sim_outside(sim, "weft_sim_save_parts", err) != WEFT_OK) {
         return WEFT_INVALID;
     }
-    if (sim->ledger.on && !isfinite(weft_sim_ledger(sim).residual)) {
-        return weft_error_set(
-            err, WEFT_NOT_FINITE,
-            "the energy ledger is not finite: it could not be restored");
+    const char *what = sim->ledger.on && !isfinite(weft_sim_ledger(sim).residual)
+                           ? "energy ledger"
+                       : sim->def.correct != NULL
+                               && !weft__all_finite(sim->y, weft_cloth_dim(sim->cloth))
+                           ? "state that `correct` left"
+                           : NULL;
+    if (what != NULL) {
+        return weft_error_set(err, WEFT_NOT_FINITE,
+                              "the %s is not finite: it could not be restored", what);
     }
     const weft_allocator *memory = &sim->memory;
     const size_t n = sim->cloth->mesh.particles;
