@@ -96,8 +96,9 @@ int resume_scene(const arguments *given, const char *directory, const weft_scene
                       directory, from.frame,
                       weft_run_last_frame(weft_scene_run(scene)));
     } else if (!given->quiet) {
-        print_plainly(stderr, "%s: no checkpoint yet: runs from the beginning\n",
-                      directory);
+        print_plainly(stderr, "%s: no checkpoint%s: runs from the beginning\n",
+                      directory,
+                      given->until == NULL ? " yet" : " (run.keep_checkpoint)");
     }
     code = run_scene(&own, directory, scene, true, begun ? &from : NULL);
     record_checkpoint_close(&from);
@@ -111,16 +112,6 @@ static int resume_claimed(const arguments *given, const char *directory)
     char path[RECORD_PATH];
     weft_scene *scene = NULL;
     weft_error err = { 0 };
-    if (given->until != NULL && !given->force && ended_as(directory, "done")
-        && !record_exists(directory, RECORD_CHECKPOINT)) {
-        print_plainly(
-            stderr,
-            "weft: error: %s: this run is done and has no checkpoint to go on "
-            "from: run.keep_checkpoint: true keeps its last one; --force runs "
-            "it again from the beginning\n",
-            directory);
-        return EXIT_USAGE;
-    }
     if (given->until == NULL && ranks_share(given->comm, ended_as(directory, "done"))) {
         if (!given->quiet) {
             print_plainly(stderr, "%s: is already done\n", directory);
@@ -195,7 +186,8 @@ const verb verb_resume = {
       "the same files, byte for byte, as an uninterrupted run. A run without a "
       "checkpoint starts again; a finished run is left alone.\n\n"
       "  --until T            go on to T [s], beyond run.duration, also if the run is "
-      "done (run.keep_checkpoint): the files become those of a run with that duration\n"
+      "done: the files become those of a run with that duration; from the beginning if "
+      "the run kept no checkpoint (run.keep_checkpoint)\n"
       "  --force              also repeat runs that failed\n"
       "  --bands N            in N bands, whatever their number was before: mpirun -n "
       "N weft resume DIR --bands N\n"
