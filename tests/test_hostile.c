@@ -114,6 +114,9 @@ START_TEST(a_directory_prints_no_control_characters_of_its_name)
     expect(shell("%s../weft batch small.yaml --out \"b$d\" 2>&1", in), 0);
     says("1 runs in br\\x1b[31m: 1 done\n");
     expect_plain();
+    expect(shell("%s../weft plugin-test \"$d\"", in), 1);
+    says("FAIL plugin refused: r\\x1b[31m: ");
+    expect_plain();
 }
 END_TEST
 

@@ -269,10 +269,10 @@ static bool test_method(const weft_plugin *plugin, bench *on, bool all, tally *o
         ++counts[one->verdict];
         of->note = one->verdict == WEFT_PROMISE_NOTED ? *one : of->note;
     }
-    printf("%s %s/%s: %zu kept, %zu broken, %zu not asked\n",
-           counts[WEFT_PROMISE_BROKEN] > 0 ? "FAIL" : "pass", plugin->id,
-           on->type->name, counts[WEFT_PROMISE_KEPT], counts[WEFT_PROMISE_BROKEN],
-           counts[WEFT_PROMISE_NOT_ASKED] + counts[WEFT_PROMISE_NOTED]);
+    print_line(stdout, "%s %s/%s: %zu kept, %zu broken, %zu not asked",
+               counts[WEFT_PROMISE_BROKEN] > 0 ? "FAIL" : "pass", plugin->id,
+               on->type->name, counts[WEFT_PROMISE_KEPT], counts[WEFT_PROMISE_BROKEN],
+               counts[WEFT_PROMISE_NOT_ASKED] + counts[WEFT_PROMISE_NOTED]);
     for (size_t i = 0; i < seen.count; ++i) {
         print_verdict(&seen, i, all);
     }
@@ -296,11 +296,12 @@ static int print_tally(const char *file, const tally *of)
         print_wrapped(stdout, 0, 6, PAGE_WIDTH, note);
     }
     if (of->bad == 0) {
-        printf("%s keeps every promise with %zu method%s\n", file, of->methods, plural);
+        print_line(stdout, "%s keeps every promise with %zu method%s", file,
+                   of->methods, plural);
         return EXIT_DONE;
     }
-    printf("%s breaks promises with %zu of %zu method%s\n", file, of->bad, of->methods,
-           plural);
+    print_line(stdout, "%s breaks promises with %zu of %zu method%s", file, of->bad,
+               of->methods, plural);
     return EXIT_SIMULATION;
 }
 
@@ -334,7 +335,7 @@ static int plugin_test_verb(const arguments *given)
         return report_error(&err);
     }
     if (weft_registry_load(given->registry, file, &err) != WEFT_OK) {
-        printf("FAIL %s\n", err.message);
+        print_plainly(stdout, "FAIL %s\n", err.message);
         return EXIT_SIMULATION;
     }
     return test_plugin(file, weft_registry_at(given->registry, 0), given->all);
