@@ -92,11 +92,12 @@ static void print_step_sizes(const summary *self)
         print_item("step size", "no step was taken");
         return;
     }
-    char asked[80] = "";
+    char asked[100] = "";
     if (record_step_differs(self->scene)) {
         (void)snprintf(asked, sizeof asked,
-                       "; fixed_step %g s would not divide a frame",
-                       weft_scene_step(self->scene));
+                       "; fixed_step %g s does not divide a frame, %.7g s does",
+                       weft_scene_step(self->scene),
+                       weft_scene_config(self->scene)->fixed_step);
     }
     print_item("step size", "%s on average, %s to %s%s",
                human_time(weft_sim_time(self->sim) / (double)steps, mean),
