@@ -42,7 +42,7 @@ typedef struct ours {
     const weft_stepper_type *type;
     size_t dim;
     weft__pool *pool;
-    weft_thread_pool lent;
+    weft_team lent;
     void *stepper;
     double t, *y;
     int steps; /* of one run */
@@ -61,7 +61,7 @@ static void ours_start(ours *self, size_t dim, size_t threads, int steps)
 {
     *self = (ours){ .type = method("dormand_prince"), .dim = dim, .steps = steps };
     self->pool = weft__pool_create(threads, NULL);
-    self->lent = (weft_thread_pool){ self->pool, weft__pool_run };
+    self->lent = (weft_team){ self->pool, weft__pool_run };
     const weft_stepper_config config = {
         .struct_size = sizeof config,
         .rtol = 1e-6,

@@ -34,7 +34,7 @@ static double some(uint64_t i, uint64_t of)
 typedef struct setting {
     SUNContext context;
     weft__pool *pool;
-    weft_thread_pool lent;
+    weft_team lent;
     N_Vector v[MOST + 1];
     size_t n;
 } setting;
@@ -42,7 +42,7 @@ typedef struct setting {
 static void begin(setting *s, size_t n, size_t threads)
 {
     *s = (setting){ .pool = weft__pool_create(threads, NULL), .n = n };
-    s->lent = (weft_thread_pool){ s->pool, weft__pool_run };
+    s->lent = (weft_team){ s->pool, weft__pool_run };
     ck_assert((s->pool != NULL) == (threads > 1));
     ck_assert_int_eq(SUNContext_Create(NO_COMM, &s->context), 0);
     s->v[0] = weft__sun_vector(n, s->pool == NULL ? NULL : &s->lent, s->context);
@@ -404,7 +404,7 @@ static weft_stepper_stats many_steps(const way *how, size_t threads, size_t dim,
 {
     const weft_stepper_type *type = test_method_named(how->method);
     weft__pool *pool = weft__pool_create(threads, NULL);
-    const weft_thread_pool lent = (weft_thread_pool){ pool, weft__pool_run };
+    const weft_team lent = (weft_team){ pool, weft__pool_run };
     const weft_ode ode = { .dim = dim, .rhs = ring, .ctx = &dim };
     const weft_stepper_config config = { .struct_size = sizeof config,
                                          .norm = how->norm,
@@ -415,7 +415,7 @@ static weft_stepper_stats many_steps(const way *how, size_t threads, size_t dim,
                                          .min_step = 1e-12,
                                          .max_step = INFINITY,
                                          .fixed_step = how->fixed_step,
-                                         .pool = pool == NULL ? NULL : &lent };
+                                         .team = pool == NULL ? NULL : &lent };
     weft_stepper_stats stats = { .struct_size = sizeof stats };
     weft_error err = { 0 };
     void *self = NULL;

@@ -85,11 +85,11 @@ typedef struct weft_controller {
 /* The caller's threads, lent to the solver's arithmetic. run calls task(ctx, part) once
  * for each part of [0, parts), parts <= 65535, on any thread and in any order, and
  * returns when all calls are done. Use it only within create and step. */
-typedef struct weft_thread_pool {
+typedef struct weft_team {
     void *self;
     void (*run)(void *self, void (*task)(void *ctx, size_t part), void *ctx,
                 size_t parts);
-} weft_thread_pool;
+} weft_team;
 
 /* Pairs of particles (p + i, q + i), i < count, that springs join. A grid has about six
  * runs a row; any graph can be given, with runs of 1. */
@@ -222,13 +222,13 @@ typedef struct weft_stepper_config {
 
     /* appended: present if struct_size says so */
     const weft_controller *controller; /* for a method that takes one; NULL: default */
-    size_t threads;     /* of a simulation, for the forces and as a pool for the
-                           solver; 0 and 1: only the caller's. Not for plugins */
-    size_t quadratures; /* number of components at the end of y that are neither
-                           positions nor velocities: integrated too, but without
-                           influence on any step. Needs WEFT_STEPPER_QUADRATURES */
-    const weft_thread_pool *pool;    /* must outlive the stepper; NULL: none, or, in the
-                                 definition of a simulation, its own */
+    size_t threads;        /* of a simulation, for the forces and as a team for the
+                              solver; 0 and 1: only the caller's. Not for plugins */
+    size_t quadratures;    /* number of components at the end of y that are neither
+                              positions nor velocities: integrated too, but without
+                              influence on any step. Needs WEFT_STEPPER_QUADRATURES */
+    const weft_team *team; /* must outlive the stepper; NULL: none, or, in the
+                              definition of a simulation, its own */
     const weft_allocator *allocator; /* for the plugin's own memory; solvers that only
                                         know malloc still use it. NULL: malloc's */
     const weft_structure *structure; /* of the ode, must outlive the stepper; NULL: not

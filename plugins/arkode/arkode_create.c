@@ -101,8 +101,8 @@ static bool make_module(arkode_stepper *self)
 static bool make_solver(arkode_stepper *self, const weft_stepper_config *config,
                         ARKodeButcherTable table)
 {
-    const weft_thread_pool *pool
-        = WEFT_HAS(config, weft_stepper_config, pool) ? config->pool : NULL;
+    const weft_team *pool
+        = WEFT_HAS(config, weft_stepper_config, team) ? config->team : NULL;
     self->context = weft__sun_context();
     bool made = self->context != NULL;
     if (made) {

@@ -109,8 +109,8 @@ static int vectors(const cvode_method *method, size_t dim,
 /* The vectors, and what solves the equations of a step. */
 static bool make_parts(cvode_stepper *self, const weft_stepper_config *config)
 {
-    const weft_thread_pool *pool
-        = WEFT_HAS(config, weft_stepper_config, pool) ? config->pool : NULL;
+    const weft_team *pool
+        = WEFT_HAS(config, weft_stepper_config, team) ? config->team : NULL;
     self->context = weft__sun_context();
     self->y = self->context == NULL
                   ? NULL

@@ -50,7 +50,7 @@ static void do_slice(void *ctx, size_t i)
 }
 
 /* Returns the number of slices. */
-static size_t run(loop *self, const weft_thread_pool *pool)
+static size_t run(loop *self, const weft_team *pool)
 {
     const size_t even = (self->n / (SLICES * LINE) + 1) * LINE;
     self->size = even > SLICE_LEAST ? even : SLICE_LEAST;
@@ -156,7 +156,7 @@ static double combine_slice(const loop *self, size_t first, size_t end)
     return bad ? (double)NAN : 0.0;
 }
 
-bool weft__sun_combine(const weft_thread_pool *pool, size_t n, int count,
+bool weft__sun_combine(const weft_team *pool, size_t n, int count,
                        const double *const *x, const double *c, double *z)
 {
     loop all
@@ -172,7 +172,7 @@ WIDE static double set_slice(const loop *self, size_t first, size_t end)
     return 0.0;
 }
 
-void weft__sun_set(const weft_thread_pool *pool, size_t n, double c, double *z)
+void weft__sun_set(const weft_team *pool, size_t n, double c, double *z)
 {
     loop all = { .slice = set_slice, .n = n, .c = &c, .z = z };
     (void)run(&all, pool);
@@ -188,7 +188,7 @@ WIDE static double finite_slice(const loop *self, size_t first, size_t end)
     return bad >> 63 != 0 ? (double)NAN : 0.0;
 }
 
-bool weft__sun_all_finite(const weft_thread_pool *pool, size_t n, const double *x)
+bool weft__sun_all_finite(const weft_team *pool, size_t n, const double *x)
 {
     loop all = { .slice = finite_slice, .n = n, .x = &x };
     return !isnan(largest(all.results, run(&all, pool)));
@@ -214,8 +214,8 @@ static double weights_slice(const loop *self, size_t first, size_t end)
     return 0.0;
 }
 
-void weft__sun_weights_of(const weft_thread_pool *pool, size_t n, const double *y,
-                          double rtol, const double atol[2], double *w)
+void weft__sun_weights_of(const weft_team *pool, size_t n, const double *y, double rtol,
+                          const double atol[2], double *w)
 {
     const double c[] = { rtol, atol[0], atol[1] };
     loop all = { .slice = weights_slice, .n = n, .x = &y, .c = c, .z = w };
@@ -263,8 +263,8 @@ WIDE static double squares_slice(const loop *self, size_t first, size_t end)
     return sum_of(lane, LANES);
 }
 
-double weft__sun_norm(const weft_thread_pool *pool, size_t n, weft_norm norm,
-                      const double *e, const double *w)
+double weft__sun_norm(const weft_team *pool, size_t n, weft_norm norm, const double *e,
+                      const double *w)
 {
     const double *both[] = { e, w };
     const bool max = norm == WEFT_NORM_MAX;

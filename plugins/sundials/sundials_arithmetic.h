@@ -9,16 +9,16 @@
 
 /* z = sum of c[k] x[k], k < count, from left to right, count > 0; returns whether all
  * of it is finite. */
-bool weft__sun_combine(const weft_thread_pool *pool, size_t n, int count,
+bool weft__sun_combine(const weft_team *pool, size_t n, int count,
                        const double *const *x, const double *c, double *z);
-void weft__sun_set(const weft_thread_pool *pool, size_t n, double c, double *z);
-bool weft__sun_all_finite(const weft_thread_pool *pool, size_t n, const double *x);
+void weft__sun_set(const weft_team *pool, size_t n, double c, double *z);
+bool weft__sun_all_finite(const weft_team *pool, size_t n, const double *x);
 
 /* w_i = 1 / (rtol |y_i| + atol[0]), i < n / 2; with atol[1] in the second half. */
-void weft__sun_weights_of(const weft_thread_pool *pool, size_t n, const double *y,
-                          double rtol, const double atol[2], double *w);
+void weft__sun_weights_of(const weft_team *pool, size_t n, const double *y, double rtol,
+                          const double atol[2], double *w);
 /* Of e_i w_i; NaN if one is NaN. */
-double weft__sun_norm(const weft_thread_pool *pool, size_t n, weft_norm norm,
-                      const double *e, const double *w);
+double weft__sun_norm(const weft_team *pool, size_t n, weft_norm norm, const double *e,
+                      const double *w);
 
 #endif

@@ -73,7 +73,7 @@ void weft__sun_stats(const weft_stepper_stats *stats, double next_step,
 /* n zeros, whose clones inherit the pool and the norm. Operations on long ones are
  * shared with the pool, which may be NULL, with the same results. NULL: no memory. What
  * NV_DATA_S points to may be shared: it is for reading. */
-N_Vector weft__sun_vector(size_t n, const weft_thread_pool *pool, SUNContext context);
+N_Vector weft__sun_vector(size_t n, const weft_team *pool, SUNContext context);
 /* Every norm is agreed on with others, who hold other parts of the state. */
 void weft__sun_agree(N_Vector v, weft_agree agree);
 /* SUNDIALS judges steps and tolerances by the first `judged` components. Before that it

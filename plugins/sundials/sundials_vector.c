@@ -42,7 +42,7 @@ typedef struct recipe {
 
 /* Shared by a vector and its clones. */
 typedef struct family {
-    const weft_thread_pool *pool;
+    const weft_team *pool;
     size_t n;
     int members;
     array *free;
@@ -388,7 +388,7 @@ static void set_operations(N_Vector v)
     v->ops->nvcloneempty = NULL;
 }
 
-N_Vector weft__sun_vector(size_t n, const weft_thread_pool *pool, SUNContext context)
+N_Vector weft__sun_vector(size_t n, const weft_team *pool, SUNContext context)
 {
     N_Vector serial = N_VNewEmpty_Serial((sunindextype)n, context);
     N_Vector v = serial == NULL ? NULL : N_VNewEmpty(context);

@@ -82,9 +82,9 @@ static weft_status make_forces(weft_sim *sim, weft_error *err)
         || (comm != NULL && comm->rank == 0 && sim->forces.all == NULL)) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
     }
-    if (sim->forces.pool != NULL && sim->config.pool == NULL) {
-        sim->worker_pool = (weft_thread_pool){ sim->forces.pool, weft__pool_run };
-        sim->config.pool = &sim->worker_pool;
+    if (sim->forces.pool != NULL && sim->config.team == NULL) {
+        sim->worker_pool = (weft_team){ sim->forces.pool, weft__pool_run };
+        sim->config.team = &sim->worker_pool;
     }
     return WEFT_OK;
 }

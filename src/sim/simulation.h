@@ -19,8 +19,8 @@ struct weft_sim {
     void *stepper;
     weft_stepper_stats earlier; /* of the steppers before this one */
     weft__forces forces;
-    weft_thread_pool worker_pool; /* the forces' threads, for the stepper */
-    weft_structure structure;     /* of the cloth, for the stepper */
+    weft_team worker_pool;    /* the forces' threads, for the stepper */
+    weft_structure structure; /* of the cloth, for the stepper */
     weft_bonds *runs;
     double *masses; /* [kg] N, 0 of the pinned; then their drags [kg/s] */
     weft__limit limit;
