@@ -144,8 +144,8 @@ START_TEST(definition_not_from_its_default_is_refused)
 {
     any_def def;
     char wanted[96];
-    for (unsigned wrong = 0; wrong < 4; ++wrong) {
-        const uint32_t sizes[] = { 0, 3, 4097, UINT32_MAX };
+    for (unsigned wrong = 0; wrong < 5; ++wrong) {
+        const uint32_t sizes[] = { 0, 3, 20, 4097, UINT32_MAX };
         kinds[_i].begin(&def, kinds[_i].size);
         memcpy(def.bytes, &sizes[wrong], sizeof sizes[wrong]);
         ck_assert_int_eq(kinds[_i].make(&def), WEFT_INVALID);

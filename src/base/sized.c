@@ -31,7 +31,8 @@ weft_status weft__def_read(void *def, size_t size, const void *from, size_t most
     const uint32_t known = (uint32_t)size;
     uint32_t given = 0;
     memcpy(&given, from, sizeof given);
-    if (given < sizeof given || given > most) {
+    /* of no version a part of a pointer */
+    if (given < sizeof given || given > most || given % sizeof(void *) != 0) {
         return weft_error_set(err, WEFT_INVALID,
                               "%s: struct_size is %u; start from %s_default()", name,
                               (unsigned)given, name);
