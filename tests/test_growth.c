@@ -44,8 +44,10 @@ static void begin_registry(any_def *def, size_t size)
 
 static weft_status make_registry(const any_def *def)
 {
-    weft_registry *registry = NULL;
+    static int other;
+    weft_registry *registry = (void *)&other;
     const weft_status status = weft_registry_create(&def->registry, &registry, &err);
+    ck_assert(status == WEFT_OK || registry == NULL);
     weft_registry_destroy(registry);
     return status;
 }
@@ -87,9 +89,10 @@ static weft_status make_sim(const any_def *def)
     const weft_cloth_def cloth_def = weft_cloth_def_default();
     weft_cloth *cloth = test_cloth(&cloth_def);
     any_def own = *def;
-    weft_sim *sim = NULL;
+    weft_sim *sim = (void *)&own;
     own.sim.cloth = cloth;
     const weft_status status = weft_sim_create(&own.sim, &sim, &err);
+    ck_assert(status == WEFT_OK || sim == NULL);
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);
     return status;

@@ -89,9 +89,11 @@ weft_status weft_registry_create(const weft_registry_def *given, weft_registry *
                                  weft_error *err)
 {
     weft_registry_def own, *const def = &own;
-    if (weft__given(given, out, "weft_registry_create", err) != WEFT_OK
-        || WEFT__DEF_READ(weft_registry_def, def, given, WEFT__DEF_MOST, err)
-               != WEFT_OK) {
+    if (weft__given(given, out, "weft_registry_create", err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
+    *out = NULL;
+    if (WEFT__DEF_READ(weft_registry_def, def, given, WEFT__DEF_MOST, err) != WEFT_OK) {
         return WEFT_INVALID;
     }
     char installed[2048] = "";

@@ -161,12 +161,13 @@ static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *
 weft_status weft_sim_create(const weft_sim_def *given, weft_sim **out, weft_error *err)
 {
     weft_sim_def own, *const def = &own;
-    if (weft__given(given, out, "weft_sim_create", err) != WEFT_OK
-        || WEFT__DEF_READ(weft_sim_def, def, given, WEFT__DEF_MOST, err) != WEFT_OK) {
+    if (weft__given(given, out, "weft_sim_create", err) != WEFT_OK) {
         return WEFT_INVALID;
     }
-    weft_sim *sim = NULL;
-    *out = NULL;
+    weft_sim *sim = *out = NULL;
+    if (WEFT__DEF_READ(weft_sim_def, def, given, WEFT__DEF_MOST, err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
     weft_status status = weft__bands_comm_check(def->comm, err);
     if (status != WEFT_OK) {
         return status; /* nobody can be told */
