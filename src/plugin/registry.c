@@ -106,7 +106,6 @@ weft_status weft_registry_create(const weft_registry_def *given, weft_registry *
         def->fallback,
         installed,
     };
-    *out = NULL;
     const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
     weft_registry *registry = weft__zeroed(&memory, 1, sizeof *registry);
     char *path = join_paths(&memory, lists);
