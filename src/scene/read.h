@@ -83,7 +83,7 @@ typedef struct weft__base {
 /* Mistakes are added to the report, which shares the base's allocator; the caller must
  * end it before closing the base. The base must be closed also after an error.
  * Errors: WEFT_INVALID, WEFT_IO, WEFT_NO_MEMORY. */
-weft_status weft__base_open(const weft_scene_def *def, weft__base *out,
+weft_status weft__base_open(const weft_scene_def *given, weft__base *out,
                             weft__report *report, weft_error *err);
 void weft__base_close(weft__base *base);
 

@@ -79,7 +79,7 @@ static uint64_t hash_of(const void *own, uint64_t hash)
 
 static void choose(void *own, weft__isa isa)
 {
-    ((weft__bending *)own)->fast = WEFT_FORM(isa, weft__add_fn, bending);
+    ((weft__bending *)own)->fast = WEFT_FORM(isa, bending);
 }
 
 /* ---- the force ------------------------------------------------------------------- */

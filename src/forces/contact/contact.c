@@ -252,8 +252,8 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
 static void choose(void *own, weft__isa isa)
 {
     weft__contact *of = own;
-    of->fast = WEFT_FORM(isa, weft__add_fn, contact);
-    of->clear = WEFT_FORM(isa, weft__clear_fn, clear);
+    of->fast = WEFT_FORM(isa, contact);
+    of->clear = WEFT_FORM(isa, clear);
 }
 
 static bool copy(void *own, const weft_allocator *memory)

@@ -360,10 +360,10 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
 static void choose(void *own, weft__isa isa)
 {
     weft__self *of = own;
-    of->pushes = WEFT_FORM(isa, weft__pushes_fn, pushes);
-    of->waits = WEFT_FORM(isa, weft__waits_fn, waits);
-    of->extent = WEFT_FORM(isa, weft__extent_fn, extent);
-    of->drift = WEFT_FORM(isa, weft__drift_fn, drift);
+    of->pushes = WEFT_FORM(isa, pushes);
+    of->waits = WEFT_FORM(isa, waits);
+    of->extent = WEFT_FORM(isa, extent);
+    of->drift = WEFT_FORM(isa, drift);
 }
 
 static int add_all(const void *own, void *space, const weft__state *at, weft__unit unit,

@@ -222,9 +222,9 @@ static uint64_t hash_of(const void *own, uint64_t hash)
 static void choose(void *own, weft__isa isa)
 {
     weft__springs *of = own;
-    of->fast = WEFT_FORM(isa, weft__start_fn, rows);
-    of->products = WEFT_FORM(isa, weft__start_fn, products);
-    of->damping = WEFT_FORM(isa, weft__damping_fn, damping);
+    of->fast = WEFT_FORM(isa, rows);
+    of->products = WEFT_FORM(isa, products);
+    of->damping = WEFT_FORM(isa, damping);
 }
 
 /* 0 where a particle's six numbers from z on are finite, else NaN. */

@@ -33,7 +33,7 @@ static uint64_t hash_of(const void *own, uint64_t hash)
 
 static void choose(void *own, weft__isa isa)
 {
-    ((weft__wind *)own)->fast = WEFT_FORM(isa, weft__add_fn, wind);
+    ((weft__wind *)own)->fast = WEFT_FORM(isa, wind);
 }
 
 /* x(hi) - x(lo), of the planes x. */
