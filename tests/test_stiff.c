@@ -377,6 +377,30 @@ START_TEST(resumed_run_has_the_same_bits)
 }
 END_TEST
 
+/* One particle alone moves too slowly for the damping that all of them need. */
+START_TEST(a_save_is_restored_whatever_pins_have_changed_since)
+{
+    static const double still[3];
+    for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
+        model.springs[f].damping = 2.2e-3 * model.springs[f].stiffness;
+    }
+    start("stiff/rkc2");
+    const size_t size = weft_sim_save_size(sim);
+    void *bytes = malloc(size);
+    ck_assert_int_eq(weft_sim_save(sim, bytes, size, &err), WEFT_OK);
+    for (size_t i = 0; i < N; ++i) {
+        if (i != N / 2 + SIDE / 2) {
+            (void)weft_sim_pin(sim, i, still, &err);
+        }
+    }
+    ck_assert_int_ne(weft_sim_restart(sim, &err), WEFT_OK);
+    ck_assert_msg(weft_sim_restore(sim, bytes, size, &err) == WEFT_OK, "%s",
+                  err.message);
+    go(0.1);
+    free(bytes);
+}
+END_TEST
+
 TEST_SUITE(stiff)
 {
     Suite *suite = suite_create("stiff");
@@ -393,6 +417,7 @@ TEST_SUITE(stiff)
     tcase_add_loop_test(tcase, moved_pins_keep_to_their_way, 0, METHODS);
     tcase_add_loop_test(tcase, strain_limit_holds, 0, METHODS);
     tcase_add_loop_test(tcase, cloth_falls_on_a_plane, 0, METHODS);
+    tcase_add_test(tcase, a_save_is_restored_whatever_pins_have_changed_since);
     tcase_add_loop_test(tcase, resumed_run_has_the_same_bits, 0, METHODS);
     suite_add_tcase(suite, tcase);
     return suite;

@@ -268,20 +268,31 @@ static void take_fields(weft_sim *sim, const weft__save_fields *from)
     sim->vetoed = from->vetoed;
 }
 
-/* Nothing fails any more. */
-static void take(weft_sim *sim, const restored *from)
+/* Pins, shapes and state of the simulation for those that were saved; once more: back.
+ * The new stepper is made in between, as a method may refuse other pins than its own.
+ */
+static void exchange(weft_sim *sim, restored *with)
 {
+    weft__mesh *mesh = &sim->cloth->mesh;
+    weft__contact *contact = &sim->cloth->contact;
+    const restored mine
+        = { .shapes = contact->shapes, .shape_count = contact->shape_count };
     for (size_t i = 0; i < weft_cloth_particles(sim->cloth); ++i) {
-        weft__set_hold(&sim->cloth->mesh, i, (weft__hold)from->holds[i]);
+        const weft__hold hold = weft__hold_of(mesh, i);
+        weft__set_hold(mesh, i, (weft__hold)with->holds[i]);
+        with->holds[i] = hold;
     }
-    weft__pins_changed(&sim->cloth->mesh, from->y);
-    weft__free(&sim->memory, sim->cloth->contact.shapes);
-    sim->cloth->contact.shapes = from->shapes;
-    sim->cloth->contact.shape_count = from->shape_count;
-    take_fields(sim, &from->fields);
-    memcpy(sim->y, from->y, weft__sim_dim(sim) * sizeof *sim->y);
+    for (size_t i = 0; i < weft__sim_dim(sim); ++i) {
+        const double y = sim->y[i];
+        sim->y[i] = with->y[i];
+        with->y[i] = y;
+    }
+    contact->shapes = with->shapes;
+    contact->shape_count = with->shape_count;
+    with->shapes = mine.shapes;
+    with->shape_count = mine.shape_count;
+    weft__pins_changed(mesh, sim->y);
     weft__structure_update(sim);
-    weft_stepper_ode_changed(sim->def.method, sim->stepper);
 }
 
 /* Of checked bytes; the arrays are there. */
@@ -317,12 +328,17 @@ weft_status weft_sim_restore_parts(weft_sim *sim, weft_save_get *get, void *ctx,
     if (status == WEFT_OK) {
         status = weft__bands_agree(comm, read_fields(sim, &to, err), err);
     }
-    status = status == WEFT_OK ? weft__sim_renew(sim, &to.fields, err) : status;
     if (status == WEFT_OK) {
-        take(sim, &to);
-    } else {
-        weft__free(&sim->memory, to.shapes);
+        exchange(sim, &to);
+        status = weft__sim_renew(sim, &to.fields, err);
+        if (status == WEFT_OK) {
+            take_fields(sim, &to.fields);
+            weft_stepper_ode_changed(sim->def.method, sim->stepper);
+        } else {
+            exchange(sim, &to);
+        }
     }
+    weft__free(&sim->memory, to.shapes);
     weft__free(&sim->memory, to.front);
     weft__free(&sim->memory, to.holds);
     weft__free(&sim->memory, to.y);
