@@ -70,7 +70,7 @@ static void ours_start(ours *self, size_t dim, size_t threads, int steps)
         .first_step = MAX_STEP,
         .min_step = 1e-12,
         .max_step = MAX_STEP,
-        .pool = self->pool == NULL ? NULL : &self->lent,
+        .team = self->pool == NULL ? NULL : &self->lent,
     };
     const weft_ode ode = { .dim = dim, .rhs = constant, .ctx = &self->dim };
     weft_error err;
