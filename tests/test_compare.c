@@ -446,7 +446,7 @@ END_TEST
 START_TEST(methods_are_ranked_by_time)
 {
     expect(shell(WEFT " compare " OUT "/smooth.yaml --methods ros2,velocity_verlet "
-                      "--until 0.5 --out " OUT "/time 2>&1"),
+                      "--until 1 --out " OUT "/time 2>&1"),
            0);
     says("time [ms] until no particle is further off");
     says(" m: ");
