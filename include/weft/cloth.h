@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* weft/cloth.h -- the model: particles and springs on a grid, and the forces on them.
+/* weft/cloth.h -- the model: particles with springs on a grid, or with triangles of
+ * fabric between them, and the forces on them.
  *
  * A weft_cloth is constant after creation: every function here that takes one is pure
  * and may be called in many threads at once. The caller owns the state
  *
  *     double y[6 N]: planes x[N] y[N] z[N] [m], then vx[N] vy[N] vz[N] [m/s]
  *
- * of N = rows * cols particles. Particle (r, c) has index i = r * cols + c. SI units.
- * The formulas are in docs/physics.md. */
+ * of N particles. Particle (r, c) of a grid of N = rows * cols has index
+ * i = r * cols + c; on triangles, states have an order of their own
+ * (weft_cloth_index). SI units. The formulas are in docs/physics.md. */
 #ifndef WEFT_CLOTH_H
 #define WEFT_CLOTH_H
 
@@ -59,16 +61,20 @@ typedef struct weft_range {
 } weft_range;
 
 typedef struct weft_load {
-    weft_range rows, cols;
-    double mass; /* [kg] > 0, added to each particle of the range */
+    weft_range rows, cols;  /* of a grid */
+    double mass;            /* [kg] > 0, added to each particle of the range */
+    const size_t *vertices; /* of triangles: vertex_count of them */
+    size_t vertex_count;
 } weft_load;
 
 /* Particles that follow x(t) = x(0) + velocity t + amplitude sin(2 pi frequency t). */
 typedef struct weft_pin {
-    weft_range rows, cols;
-    double velocity[3];  /* [m/s] */
-    double amplitude[3]; /* [m] */
-    double frequency;    /* [Hz] >= 0 */
+    weft_range rows, cols;  /* of a grid */
+    double velocity[3];     /* [m/s] */
+    double amplitude[3];    /* [m] */
+    double frequency;       /* [Hz] >= 0 */
+    const size_t *vertices; /* of triangles: vertex_count of them */
+    size_t vertex_count;
 } weft_pin;
 
 typedef enum weft_shape_kind {
@@ -125,6 +131,58 @@ typedef struct weft_contact_def {
                   thickness <= half the smaller spacing */
 } weft_contact_def;
 
+/* A measured fabric, independent of the grid: moduli of the whole sheet, per width;
+ * docs/fabrics.md. Fixed for ever. */
+typedef struct weft_fabric {
+    const char *name;  /* of a preset; may be NULL */
+    double density;    /* [kg/m^2] > 0 */
+    double stretch[2]; /* C [N/m] > 0, along a column (warp), along a row (weft) */
+    double shear;      /* G [N/m] >= 0; of a grid also C12 between warp and weft */
+    double bend[2];    /* B [N m] >= 0, warp, weft */
+    double twist;      /* [N m]; negative: sqrt(bend[0] bend[1]) */
+    double damping[2]; /* [s] >= 0, in the plane, of bending: times the stiffness */
+    double coupling;   /* C12 [N/m] of triangles, C12^2 < stretch[0] stretch[1] */
+} weft_fabric;
+
+typedef enum weft_seam {
+    WEFT_SEAM_BEND, /* the cloth bends across a seam as it does elsewhere */
+    WEFT_SEAM_HINGE /* it turns freely there */
+} weft_seam;
+
+/* Triangles of fabric instead of a grid of springs; docs/meshes.md. The rest shape lies
+ * in the plane (u, v), u along the weft, v along the warp. A vertex may have several
+ * places there: its triangles are sewn then. A piece is a set of triangles joined
+ * through edges whose two ends have the same places on both sides; another edge of two
+ * triangles is a seam. Arrays are copied by weft_cloth_create. */
+typedef struct weft_mesh_def {
+    uint32_t struct_size, fabric_size; /* [bytes]; of an element of `fabrics` */
+    size_t vertices;                   /* N, each a corner of a triangle */
+    const double *start; /* [m] where they are at t = 0: x y z of each, 3 N */
+    const size_t *names; /* N numbers that messages have for them; NULL: 0, 1, ...
+                          */
+    size_t places;
+    const double *rest;            /* [m] u v of each place */
+    size_t triangles;              /* T */
+    const uint32_t *corners;       /* vertices, 3 T: in one order all over a piece */
+    const uint32_t *corner_places; /* places, 3 T; NULL: as `corners` */
+    const uint32_t *fabric_of;     /* T indices of `fabrics`; NULL: 0 for all */
+    const weft_fabric *fabrics;
+    size_t fabric_count;
+    weft_seam seams;
+    bool arc; /* lengths of edges follow the cloth's arc: no locking on coarse meshes,
+                 some 2.5 times the cost */
+} weft_mesh_def;
+
+/* No triangles, seams that bend. Set the rest. */
+WEFT_API void weft_mesh_def_init(weft_mesh_def *def, size_t size);
+static inline weft_mesh_def weft_mesh_def_default(void)
+{
+    weft_mesh_def def;
+    weft_mesh_def_init(&def, sizeof def);
+    def.fabric_size = sizeof(weft_fabric);
+    return def;
+}
+
 /* The definition of a cloth. weft_cloth_create copies the arrays. */
 typedef struct weft_cloth_def {
     uint32_t struct_size;
@@ -159,6 +217,9 @@ typedef struct weft_cloth_def {
                        each neighbour (weft/comm.h). The cloth created has these rows
                        alone, and its index 0 is the first of them; all else in the
                        definition is that of the whole. band_rows 0: the whole cloth */
+    const weft_mesh_def *mesh; /* triangles instead of a grid; NULL: a grid. Then rows
+                       to scale, mass, density, law, springs, across, bending, rim_half
+                       and bands are not used, and pins and loads have vertices */
 } weft_cloth_def;
 
 /* A spring between two particles, given by family and indices. Fixed for ever. */
@@ -243,18 +304,6 @@ typedef struct weft_limit_def {
     bool keep_velocity;           /* provot: positions only, as in the paper */
     weft_limit_solver solver;
 } weft_limit_def;
-
-/* A measured fabric, independent of the grid: moduli of the whole sheet, per width;
- * docs/fabrics.md. Fixed for ever. */
-typedef struct weft_fabric {
-    const char *name;  /* of a preset; may be NULL */
-    double density;    /* [kg/m^2] > 0 */
-    double stretch[2]; /* C [N/m] > 0, along a column (warp), along a row (weft) */
-    double shear;      /* G [N/m] >= 0, also the modulus C12 between warp and weft */
-    double bend[2];    /* B [N m] >= 0, warp, weft */
-    double twist;      /* [N m]; negative: sqrt(bend[0] bend[1]) */
-    double damping[2]; /* [s] >= 0, in the plane, of bending: times the stiffness */
-} weft_fabric;
 
 /* Makes a cloth of a fabric: sets density, mass (0), law, rim_half, springs and bending
  * of *def for its rows, columns and spacing, which must be set before. With a spacing a

@@ -84,8 +84,8 @@ void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to);
 void weft__sheet_check(const weft_cloth_def *def, const weft__faults *to);
 WEFT__NUMBERS(weft__limit_numbers, method, solver, strain, sweeps, tolerance);
 void weft__limit_check(const weft_limit_def *def, const weft__faults *to);
-WEFT__NUMBERS(weft__fabric_numbers, density, stretch, shear, bend, twist,
-              damping); /* fabric.c */
+WEFT__NUMBERS(weft__fabric_numbers, density, stretch, shear, bend, twist, damping,
+              coupling); /* fabric.c */
 
 /* cloth.c: WEFT_INVALID if a cloth with contact.self passes through itself at t = 0; or
  * WEFT_NO_MEMORY. */

@@ -106,6 +106,10 @@ void weft__sheet_check(const weft_cloth_def *def, const weft__faults *to)
 
 void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to)
 {
+    if (def->mesh != NULL) {
+        weft__fault(to, FIELD(mesh), FIELD(mesh), "triangles are not built in yet");
+        return;
+    }
     if (check_arrays(def, to) && weft__grid_check(def, MAX_PARTICLES, to)) {
         weft__sheet_check(def, to);
     }

@@ -44,7 +44,8 @@ typedef struct weft__mesh {
     double *coast;               /* [m/s] of a copy: 3 N, x y z of each that coasts */
     weft__motion *motions;       /* motion_count of them, and one that coasts */
     size_t motion_count;
-    /* grid.c */
+    struct weft__triangles *triangles; /* triangles.h; NULL: a grid */
+    /* grid.c; of triangles a row is a block, and the rest is not used */
     size_t rows, cols;
     weft_band band; /* which rows of the whole these are */
     double spacing[2], origin[3], right[3], down[3], scale; /* right, down: unit */

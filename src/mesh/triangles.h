@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* triangles.h -- the second kind of mesh: triangles between particles, with a rest
+ * shape in pieces of the plane (u, v). Particles lie in the order of a Hilbert curve
+ * over (u, v), ties by where they start, and triangles in the order of their lowest
+ * particle, so that neither depends on the numbers of the definition; a block is
+ * WEFT__MESH_BLOCK particles. A *place* is a particle in one fan of triangles of one
+ * piece: a vertex on a seam has several. An *edge* is one of the rest shape: where two
+ * pieces are sewn there are two of them. */
+#ifndef WEFT_MESH_TRIANGLES_H
+#define WEFT_MESH_TRIANGLES_H
+
+#include "mesh/mesh.h"
+
+enum { WEFT__MESH_BLOCK = 512 };
+#define WEFT__NONE UINT32_MAX
+
+typedef struct weft__edge {
+    uint32_t place[2];    /* its ends, that of the lower particle first */
+    uint32_t triangle[2]; /* beside it; [1]: WEFT__NONE of a rim or a seam */
+    uint32_t sewn;        /* the edge of another piece, or of another side of this one,
+                             that it is sewn to; WEFT__NONE */
+} weft__edge;
+
+typedef struct weft__triangles {
+    size_t count, places, edges, pieces;
+    uint32_t (*corner)[3]; /* particles, counterclockwise in (u, v), the lowest first */
+    uint32_t (*place)[3];  /* their places */
+    uint32_t (*edge)[3];   /* its edges: [k] is opposite corner k */
+    uint32_t *piece, *fabric;
+    double *area;       /* [m^2] at rest, > 0 */
+    double (*rest)[2];  /* [m] (u, v) of a place; (-u, v) in mirrored pieces */
+    uint32_t *particle; /* of a place */
+    weft__edge *edge_list;
+    double *start;                /* [m] x y z of each particle */
+    double *lumped;               /* [m^2] a third of the triangles of each particle */
+    uint32_t *vertex, *of_vertex; /* of particle i in the definition, and back */
+    size_t *name;                 /* of vertices; NULL: their numbers */
+    weft_fabric *fabrics;         /* twist >= 0 */
+    size_t fabric_count;
+    weft_seam seams;
+    bool arc;
+} weft__triangles;
+
+/* The number in the definition of particle i, and the particle of a number. */
+static inline size_t weft__vertex_of(const weft__mesh *mesh, size_t i)
+{
+    return mesh->triangles != NULL ? mesh->triangles->vertex[i] : i;
+}
+
+static inline size_t weft__particle_of(const weft__mesh *mesh, size_t vertex)
+{
+    return mesh->triangles != NULL ? mesh->triangles->of_vertex[vertex] : vertex;
+}
+
+/* Receives a fault of vertex, place or triangle `index` of a definition. */
+typedef enum weft__mesh_part {
+    WEFT__MESH_DEF, /* the whole; index 0 */
+    WEFT__MESH_VERTEX,
+    WEFT__MESH_PLACE,
+    WEFT__MESH_TRIANGLE,
+    WEFT__MESH_FABRIC
+} weft__mesh_part;
+typedef struct weft__mesh_faults {
+    void (*found)(void *ctx, weft__mesh_part part, size_t index, const char *message);
+    void *ctx;
+} weft__mesh_faults;
+
+/* Makes triangles of a definition. Reports every fault (to NULL: none is looked for in
+ * what was checked before). NULL: a fault, or no memory, which *no_memory tells. */
+weft__triangles *weft__triangles_create(const weft_mesh_def *def,
+                                        const weft_allocator *memory,
+                                        const weft__mesh_faults *to, bool *no_memory);
+void weft__triangles_destroy(weft__triangles *of, const weft_allocator *memory);
+
+#endif
