@@ -69,7 +69,7 @@ static weft_status play_twice(const weft_sim_def *run, weft_error *err)
 
 int main(int argc, char **argv)
 {
-    const weft_pin corner = { { 0, 0 }, { 0, 0 }, { 0.0 }, { 0.0 }, 0.0 };
+    const weft_pin corner = { .rows = { 0, 0 }, .cols = { 0, 0 } };
     const weft_spring_def springs
         = { .present = true, .stiffness = 100.0, .damping = 0.02 }; /* [N/m], [kg/s] */
     weft_registry_def plugins = weft_registry_def_default();

@@ -113,9 +113,9 @@ END_TEST
 
 START_TEST(loads_add_up_on_their_particles)
 {
-    const weft_load loads[] = { { { -1, -1 }, { -1, -1 }, 0.5 },
-                                { { 0, 0 }, { 1, 2 }, 2.0 },
-                                { { 0, 1 }, { 2, 2 }, 4.0 } };
+    const weft_load loads[] = { { .rows = { -1, -1 }, .cols = { -1, -1 }, .mass = 0.5 },
+                                { .cols = { 1, 2 }, .mass = 2.0 },
+                                { .rows = { 0, 1 }, .cols = { 2, 2 }, .mass = 4.0 } };
     const double mass[6] = { 0.125, 2.125, 6.125, 0.125, 0.125, 4.625 };
     weft_cloth_def def = grid(2, 3);
     def.density = 0.0;
@@ -166,7 +166,10 @@ START_TEST(later_pins_win_and_start_at_their_own_velocity)
 {
     weft_pin pins[] = {
         { .rows = all, .cols = { 0, 0 }, .velocity = { 1.0, 2.0, 3.0 } },
-        { { 1, 1 }, { 0, 0 }, { 0.5, 0.0, 0.0 }, { 0.0, 0.25, -1.0 }, 2.0 },
+        { .rows = { 1, 1 },
+          .velocity = { 0.5, 0.0, 0.0 },
+          .amplitude = { 0.0, 0.25, -1.0 },
+          .frequency = 2.0 },
         { .rows = { -1, -1 }, .cols = { 0, 0 } },
     };
     weft_cloth_def def = grid(3, 2);
@@ -267,7 +270,7 @@ typedef struct bundle {
 
 static bundle good(void)
 {
-    const weft_load load = { all, all, 1.0 };
+    const weft_load load = { .rows = all, .cols = all, .mass = 1.0 };
     const weft_pin pin = { .rows = all, .cols = { 0, 0 }, .frequency = 1.0 };
     bundle b = { .def = grid(3, 4), .loads = { load, load }, .pins = { pin, pin } };
     b.def.wind_drag = 1.0;
