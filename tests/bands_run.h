@@ -502,7 +502,8 @@ static const weft_pin pins[] = {
     { .rows = { 4, 6 }, .cols = { 2, 3 }, .velocity = { 0.1, 0.05, -0.2 } },
 };
 static const weft_load loads[]
-    = { { { 1, -2 }, { -1, -1 }, 0.004 }, { { 5, 5 }, { 1, 2 }, 0.01 } };
+    = { { .rows = { 1, -2 }, .cols = { -1, -1 }, .mass = 0.004 },
+        { .rows = { 5, 5 }, .cols = { 1, 2 }, .mass = 0.01 } };
 static weft_shape shapes[SHAPES];
 
 static inline scenario in_wind(size_t rows, size_t cols, const char *method)

@@ -137,7 +137,9 @@ static inline void sheet(size_t n, bool pinned, bool loaded)
     model.pin_count = pinned ? 2 : 0;
     for (size_t i = 0; i < COUNT(loads); ++i) {
         const ptrdiff_t r = (ptrdiff_t)(i * 5 % n), c = (ptrdiff_t)(i * 7 % n);
-        loads[i] = (weft_load){ { r, r }, { c, c }, 0.02 * (double)(i + 1) };
+        loads[i] = (weft_load){ .rows = { r, r },
+                                .cols = { c, c },
+                                .mass = 0.02 * (double)(i + 1) };
     }
     model.loads = loads;
     model.load_count = loaded ? COUNT(loads) : 0;

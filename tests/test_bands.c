@@ -169,7 +169,7 @@ static scenario random_scenario(weft_pin some_pins[3], weft_load *load)
                                    .amplitude = { between(0.0, 0.05) },
                                    .frequency = between(0.0, 9.0) };
     }
-    *load = (weft_load){ some(rows), some(cols), 0.01 };
+    *load = (weft_load){ .rows = some(rows), .cols = some(cols), .mass = 0.01 };
     of.cloth.pins = some_pins, of.cloth.pin_count = below(4);
     of.cloth.loads = load, of.cloth.load_count = below(2);
     of.cloth.wind_drag = below(2) > 0 ? 0.4 : 0.0;

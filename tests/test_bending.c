@@ -456,7 +456,7 @@ START_TEST(hanging_chain_is_as_long_with_any_rigidity)
 {
     for (double rigidity = 0.0; rigidity < 1.0; rigidity += 0.3) {
         weft_cloth_def def = weft_cloth_def_default();
-        const weft_pin top = { { 0, 0 }, { 0, 0 }, { 0.0 }, { 0.0 }, 0.0 };
+        const weft_pin top = { .rows = { 0, 0 }, .cols = { 0, 0 } };
         double y[6 * 11];
         def.rows = 11, def.cols = 1;
         def.spacing[0] = 0.1;
@@ -633,9 +633,12 @@ END_TEST
 /* Stretched, sheared and bent, with two pins, one of which moves. */
 static weft_cloth *flag(double damping, double spring_damping)
 {
-    static const weft_pin pins[]
-        = { { .rows = { 0, 0 }, .cols = { 0, 0 } },
-            { { 0, 0 }, { -1, -1 }, { 0.1, 0.0, 0.2 }, { 0.0, 0.02, 0.0 }, 2.0 } };
+    static const weft_pin pins[] = { { .rows = { 0, 0 }, .cols = { 0, 0 } },
+                                     { .rows = { 0, 0 },
+                                       .cols = { -1, -1 },
+                                       .velocity = { 0.1, 0.0, 0.2 },
+                                       .amplitude = { 0.0, 0.02, 0.0 },
+                                       .frequency = 2.0 } };
     weft_cloth_def def = sheet(8, 9, 0.1, 0.1);
     for (size_t f = WEFT_STRETCH; f <= WEFT_SHEAR; ++f) {
         def.springs[f].present = true;

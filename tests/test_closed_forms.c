@@ -246,7 +246,7 @@ END_TEST
 /* Masses of 1/16 and 1/4 kg: mu = 1/20 kg. Turning, l = s / (1 - mu W^2 / k). */
 START_TEST(two_masses_vibrate_and_turn_about_their_centre)
 {
-    const weft_load load = { { 0, 0 }, { 1, 1 }, 0.1875 };
+    const weft_load load = { .rows = { 0, 0 }, .cols = { 1, 1 }, .mass = 0.1875 };
     for (int turning = 0; turning < 2; ++turning) {
         plain(1, 2, 0.0625, 10.0, 0.0, 0);
         def.loads = &load, def.load_count = 1;
@@ -350,10 +350,10 @@ END_TEST
  * At an amplitude of 1e-6 l what is not linear is 1e-12 of the force. */
 START_TEST(tight_grid_has_its_transverse_frequencies)
 {
-    const weft_pin rim[] = { { first, all, { 0 }, { 0 }, 0.0 },
-                             { last, all, { 0 }, { 0 }, 0.0 },
-                             { all, first, { 0 }, { 0 }, 0.0 },
-                             { all, last, { 0 }, { 0 }, 0.0 } };
+    const weft_pin rim[] = { { .rows = first, .cols = all },
+                             { .rows = last, .cols = all },
+                             { .rows = all, .cols = first },
+                             { .rows = all, .cols = last } };
     const double s = 0.4, l = 0.5, m = 0.01, k1 = 30.0, k2 = 12.0;
     const double t1 = k1 * (l - s), t2 = k2 * sqrt(2.0) * (l - s);
     plain(5, 6, m, k1, 0.0, 0);

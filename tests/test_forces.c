@@ -426,7 +426,11 @@ START_TEST(rhs_is_velocity_and_force_over_mass_but_for_pins)
     set(m.def.gravity, 0.5, -9.81, 2.0);
     m.def.drag = 0.1;
     m.def.wind_drag = 0.3;
-    m.pin = (weft_pin){ { 0, 0 }, { 0, 2 }, { 0.5, 0, -1 }, { 0, 2, 3 }, 1.5 };
+    m.pin = (weft_pin){ .rows = { 0, 0 },
+                        .cols = { 0, 2 },
+                        .velocity = { 0.5, 0, -1 },
+                        .amplitude = { 0, 2, 3 },
+                        .frequency = 1.5 };
     m.def.pin_count = 1;
     make(9);
     (void)force();

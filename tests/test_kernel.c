@@ -131,7 +131,7 @@ static void define(uint64_t *seed)
     m.def.wind_drag = chance(seed) < 0.5 ? chance(seed) : 0.0;
     fill(m.def.wind_velocity, 5.0, seed);
     fill(m.def.gravity, 10.0, seed);
-    m.load = (weft_load){ { 0, -1 }, { -1, -1 }, 0.3 };
+    m.load = (weft_load){ .rows = { 0, -1 }, .cols = { -1, -1 }, .mass = 0.3 };
     m.def.loads = &m.load;
     m.def.load_count = chance(seed) < 0.5 ? 1 : 0;
     m.pins[0] = (weft_pin){ .rows = { 0, 0 }, .cols = { 0, -1 } };

@@ -50,7 +50,8 @@ START_TEST(every_other_cloth_is_refused)
         DIFFERENCES
     };
     for (int i = 0; i <= DIFFERENCES; ++i) {
-        static const weft_load load = { { 1, 1 }, { 1, 1 }, 1e-6 };
+        static const weft_load load
+            = { .rows = { 1, 1 }, .cols = { 1, 1 }, .mass = 1e-6 };
         weft_pin pins[2] = { 0 };
         weft_cloth_def def = cloth_definition(ROWS);
         memcpy(pins, def.pins, sizeof pins);

@@ -450,8 +450,11 @@ START_TEST(pins_stay_on_their_way_or_do_not_move_at_all)
     const double h = 1e-3, w = 2.8 * acos(-1.0), order1 = h * w * 0.2;
     const double off = type->order < 2 ? order1 : order1 * h * w / 6.0;
     const double straight = (type->flags & WEFT_STEPPER_IMPLICIT) != 0 ? off : 1e-12;
-    const weft_pin way
-        = { { -1, -1 }, { 2, 2 }, { 0.5, 0, -0.25 }, { 0, 0.2, 0 }, 1.4 };
+    const weft_pin way = { .rows = { -1, -1 },
+                           .cols = { 2, 2 },
+                           .velocity = { 0.5, 0, -0.25 },
+                           .amplitude = { 0, 0.2, 0 },
+                           .frequency = 1.4 };
     const weft_pin pins[] = { rest, way };
     model.pins = pins;
     model.pin_count = 2;

@@ -120,9 +120,12 @@ END_TEST
  * rigid: with a rigidity instead of bend springs, and rims that carry half. */
 static weft_cloth *made(size_t rows, size_t cols, bool rigid)
 {
-    static const weft_pin pins[]
-        = { { .cols = { 0, 0 }, .rows = { 0, -1 } },
-            { { -1, -1 }, { -1, -1 }, { 0, 0, 1 }, { 0.001, 0, 0 }, 5.0 } };
+    static const weft_pin pins[] = { { .cols = { 0, 0 }, .rows = { 0, -1 } },
+                                     { .rows = { -1, -1 },
+                                       .cols = { -1, -1 },
+                                       .velocity = { 0, 0, 1 },
+                                       .amplitude = { 0.001, 0, 0 },
+                                       .frequency = 5.0 } };
     weft_cloth_def def = weft_cloth_def_default();
     def.rows = rows, def.cols = cols;
     def.spacing[0] = def.spacing[1] = 0.01;
