@@ -177,7 +177,7 @@ int test_rounds(int few, int many)
 bool test_is_spared(const weft_stepper_type *type)
 {
     static const char *const kept[]
-        = { "heun_euler", "bogacki_shampine", "fehlberg87", "trbdf2", "esdirk325" };
+        = { "heun_euler", "bogacki_shampine", "fehlberg87", "sdirk212", "trbdf2" };
     static const char *const alike[] /* to another but for its table */
         = { "rk2", "rkck", "rk1imp", "rk2imp", "rk2simp", "gear1", "heun", "rk38" };
     bool spared = test_rounds(1, 0) && (type->flags & WEFT_STEPPER_CONTROLLER) != 0

@@ -99,7 +99,7 @@ typedef struct arkode_stepper {
 
     /* the step under way */
     double trial;    /* [s] what it began with */
-    bool starting;   /* the next RHS call is f(t, y) at its start */
+    double start;    /* [s] where it starts until f was called, then NaN */
     bool skip;       /* the next RHS call is for nothing (step.c) */
     ark_fault fault; /* of this part of y until it is agreed on */
     bool over;       /* all agreed on a fault */

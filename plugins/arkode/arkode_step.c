@@ -19,7 +19,9 @@
  * the code for "try a smaller step" ends the run. The result of the RHS is not
  * searched for NaN: it shows in every combination of it, a stage, the solution or the
  * error, where the test is free (vector.c). It is searched where NaN need not show,
- * and at the start of a step, where no smaller h helps.
+ * and at the start of a step, where no smaller h helps. SUNDIALS from 6.7 on does not
+ * call f there for a table whose first stage is implicit: only its time tells f at the
+ * start from that stage, of which a smaller h may make something.
  *
  * If y is a part of a state, the steppers of the other parts take the same decisions:
  * they agree on every norm and on the end of a step, three times in a step without
@@ -33,12 +35,12 @@
 int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance)
 {
     arkode_stepper *self = instance;
-    const bool starting = self->starting;
+    const bool starting = t == self->start;
     if (self->skip) {
         self->skip = false;
         return 0;
     }
-    self->starting = false;
+    self->start = NAN;
     if (self->over) {
         return -1;
     }
@@ -121,7 +123,7 @@ static int give_state(arkode_stepper *self, double t, const double *y)
     if (self->restart) { /* else it is what Evolve left there */
         weft__sun_write(self->y, y);
     }
-    self->starting = true;
+    self->start = t;
     if (self->stats.steps > 0 && !self->anew) {
         return ARK(Reset)(self->solver, t, self->y);
     }
@@ -161,7 +163,8 @@ static void forget(arkode_stepper *self)
 {
     self->own_h = self->restart = true;
     self->anew = self->method->stabilised;
-    self->skip = self->starting = false;
+    self->skip = false;
+    self->start = NAN;
 }
 
 /* One call of Evolve, which tries smaller and smaller steps. *reached is its t. */

@@ -48,7 +48,7 @@ int weft__model_rhs(double t, const double *y, double *dydt, void *ctx)
     if (m->baton != NULL) {
         pass(m->baton, m->side);
     }
-    if (m->edge > 0.0 && !(fabs(y[0]) < m->edge)) {
+    if ((m->edge > 0.0 && !(fabs(y[0]) < m->edge)) || (m->last > 0.0 && t > m->last)) {
         return 1;
     }
     const bool fails
