@@ -22,9 +22,6 @@
 #include "base/memory.h"
 #include "cloth/model.h"
 
-/* Relative error allowed for the closed forms below. */
-#define ROUNDOFF 1e-12
-
 /* cos(acos(r) / 3) for |r| <= 1: the largest root of 4 c^3 - 3 c = r, from above, by
  * Newton's method, whose bits are the same everywhere. */
 static double third_of_angle(double r)
@@ -58,38 +55,21 @@ static double largest_eigenvalue(const double b[6])
         = 0.5
           * (x * (y * z - yz * yz) - xy * (xy * z - yz * xz) + xz * (xy * yz - y * xz));
     return mean + 2.0 * p * third_of_angle(fmax(-1.0, fmin(1.0, r)))
-           + ROUNDOFF * (fabs(mean) + 2.0 * p);
+           + WEFT__ROUNDOFF * (fabs(mean) + 2.0 * p);
 }
 
-/* a w + b c <= most */
-typedef struct grid_side {
-    double a, b, most;
-} grid_side;
-
-/* Bounds of w and of c from both sides, and three for each ratio c / k of springs and
- * of bending: at most WEFT__SIDES. */
-static size_t sides_init(const weft_cloth *cloth, const double *y, grid_side *sides)
+/* Damping alike in all springs makes the polygon a line. Without a state there are the
+ * first three. */
+static weft__sides sides_of(const weft_cloth *cloth, const double *y)
 {
-    const weft__springs *of = &cloth->springs;
-    size_t count = 0;
-    sides[count++] = (grid_side){ 1.0, 0.0, -INFINITY };
-    sides[count++] = (grid_side){ 0.0, 1.0, -INFINITY };
-    sides[count++] = (grid_side){ 0.0, -1.0, -INFINITY };
-    for (size_t g = 0; y != NULL && g <= of->group_count; ++g) {
-        const weft__group *group = &of->groups[g];
-        const double ratio = g < of->group_count ? group->damping / group->stiffness
-                                                 : cloth->bending.damping; /* [s] */
-        bool fresh = ratio > 0.0 && isfinite(ratio);
-        for (size_t s = 3; s < count; s += 3) {
-            fresh = fresh && sides[s].a != ratio;
-        }
-        if (fresh) { /* damping alike in all springs makes the polygon a line */
-            sides[count++] = (grid_side){ ratio, 1.0, -INFINITY };
-            sides[count++] = (grid_side){ ratio, -1.0, -INFINITY };
-            sides[count++] = (grid_side){ -ratio, 1.0, -INFINITY };
+    weft__sides sides
+        = { .count = 3, .way = { { 1.0, 0.0 }, { 0.0, 1.0 }, { 0.0, -1.0 } } };
+    for (size_t k = 0; y != NULL && k < WEFT__FORCES; ++k) {
+        if (weft__table[k].force->ratios != NULL) {
+            weft__table[k].force->ratios(weft__own(cloth, k), &sides);
         }
     }
-    return count;
+    return sides;
 }
 
 /* Adds an upper bound of a K + b C to matrix[6]. */
@@ -105,40 +85,15 @@ static void grip_add(const weft__grip *grip, double a, double b, double matrix[6
     }
 }
 
-/* The bound that particle sum has on one side. */
-static double node_bound(const weft_cloth *cloth, const weft__bound *sum,
-                         const weft__grip *grip, const grid_side *of)
-{
-    const double bend = of->a + of->b * cloth->bending.damping;
-    const double damp = of->b * sum->drag + fmax(0.0, of->b) * sum->added
-                        + fmax(0.0, bend) * sum->bending;
-    double b[6] = { damp, damp, damp, 0.0, 0.0, 0.0 };
-    for (size_t g = 0; g < cloth->springs.group_count; ++g) {
-        const weft__group *group = &cloth->springs.groups[g];
-        const double stiff = of->a * group->stiffness, damped = of->b * group->damping;
-        /* a sum that cancels is bounded by its roundoff */
-        const double most = fmax(0.0, stiff + damped)
-                            + (stiff * damped < 0.0 ? ROUNDOFF * fabs(stiff) : 0.0);
-        for (size_t k = 0; k < 6; ++k) {
-            b[k] += most * sum->along[g][k];
-        }
-    }
-    for (size_t k = 0; k < 6; ++k) {
-        b[k] += fmax(0.0, of->a) * sum->taut[k] + fmax(0.0, -of->a) * sum->slack[k];
-    }
-    grip_add(grip, of->a, of->b, b);
-    return largest_eigenvalue(b);
-}
-
-/* Cuts from the polygon all beyond the side `by`. */
-static void cut(weft_stiffness *from, const grid_side *by)
+/* Cuts from the polygon all beyond a w + b c <= most, (a, b) = way. */
+static void cut(weft_stiffness *from, const double way[2], double most)
 {
     weft_stiffness left = *from;
     left.count = 0;
     for (size_t i = 0; i < from->count; ++i) {
         const double *p = from->corners[i], *q = from->corners[(i + 1) % from->count];
-        const double over_p = by->a * p[0] + by->b * p[1] - by->most;
-        const double over_q = by->a * q[0] + by->b * q[1] - by->most;
+        const double over_p = way[0] * p[0] + way[1] * p[1] - most;
+        const double over_q = way[0] * q[0] + way[1] * q[1] - most;
         if (over_p <= 0.0) {
             memcpy(left.corners[left.count++], p, sizeof *from->corners);
         }
@@ -157,22 +112,24 @@ static void cut(weft_stiffness *from, const grid_side *by)
 /* Particles whose contact is gathered in one search. */
 enum { BLOCK = 512 };
 
-static weft__bound bound_of(const weft_cloth *cloth, const weft__state *at, size_t i)
+/* Of all forces but contact, for each side; the last of the table first. */
+static void bound_of(const weft_cloth *cloth, const weft__state *at, size_t i,
+                     const weft__sides *sides, double (*sums)[6])
 {
-    weft__bound sum = { .drag = 0.0 };
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+    memset(sums, 0, sides->count * sizeof *sums);
+    for (size_t k = WEFT__FORCES; k-- > 0;) {
         if (weft__table[k].force->bound != NULL) {
-            weft__table[k].force->bound(weft__own(cloth, k), at, i, &sum);
+            weft__table[k].force->bound(weft__own(cloth, k), at, i, sides, sums);
         }
     }
-    return sum;
 }
 
 /* Raises the bounds to those of free particles [first, end), at most BLOCK. */
 static void raise_sides(const weft_cloth *cloth, const weft__state *at, size_t first,
-                        size_t end, const grid_side *sides, size_t count, double *most)
+                        size_t end, const weft__sides *sides, double *most)
 {
     weft__grip grips[BLOCK] = { 0 };
+    double sums[WEFT__SIDES][6];
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         if (weft__table[k].force->grip != NULL) {
             weft__table[k].force->grip(weft__own(cloth, k), at, first, end - first,
@@ -181,10 +138,11 @@ static void raise_sides(const weft_cloth *cloth, const weft__state *at, size_t f
     }
     for (size_t i = first; i < end; ++i) {
         if (cloth->mesh.pin[i] == 0) {
-            const weft__bound sum = bound_of(cloth, at, i);
-            for (size_t s = 0; s < count; ++s) {
-                most[s] = fmax(most[s],
-                               node_bound(cloth, &sum, &grips[i - first], &sides[s]));
+            bound_of(cloth, at, i, sides, sums);
+            for (size_t s = 0; s < sides->count; ++s) {
+                grip_add(&grips[i - first], sides->way[s][0], sides->way[s][1],
+                         sums[s]);
+                most[s] = fmax(most[s], largest_eigenvalue(sums[s]));
             }
         }
     }
@@ -193,8 +151,7 @@ static void raise_sides(const weft_cloth *cloth, const weft__state *at, size_t f
 void weft__stiffness_sides(const weft_cloth *cloth, double t, const double *y,
                            double most[WEFT__SIDES])
 {
-    grid_side sides[WEFT__SIDES];
-    const size_t count = sides_init(cloth, y, sides);
+    const weft__sides sides = sides_of(cloth, y);
     const weft__mesh *mesh = &cloth->mesh;
     const weft__state at = { .t = t, .y = y };
     const size_t first = weft__block(mesh, mesh->band.above);
@@ -203,16 +160,14 @@ void weft__stiffness_sides(const weft_cloth *cloth, double t, const double *y,
         most[s] = -INFINITY;
     }
     for (size_t i = first; i < end; i += BLOCK) {
-        raise_sides(cloth, &at, i, end - i < BLOCK ? end : i + BLOCK, sides, count,
-                    most);
+        raise_sides(cloth, &at, i, end - i < BLOCK ? end : i + BLOCK, &sides, most);
     }
 }
 
 weft_stiffness weft__stiffness_within(const weft_cloth *cloth, const double *y,
                                       const double most[WEFT__SIDES])
 {
-    grid_side sides[WEFT__SIDES];
-    const size_t count = sides_init(cloth, y, sides);
+    const weft__sides sides = sides_of(cloth, y);
     const bool moves = most[0] != -INFINITY; /* a particle that is not pinned */
     weft_stiffness bound = { .omega2 = moves ? most[0] : 0.0,
                              .damping = moves ? most[1] : 0.0,
@@ -220,9 +175,8 @@ weft_stiffness weft__stiffness_within(const weft_cloth *cloth, const double *y,
     bound.corners[1][0] = bound.corners[2][0] = bound.omega2;
     bound.corners[2][1] = bound.corners[3][1] = bound.damping;
     const bool finite = isfinite(bound.omega2) && isfinite(bound.damping);
-    for (size_t s = 2; moves && finite && s < count; ++s) {
-        sides[s].most = most[s];
-        cut(&bound, &sides[s]);
+    for (size_t s = 2; moves && finite && s < sides.count; ++s) {
+        cut(&bound, sides.way[s], most[s]);
     }
     return bound;
 }
@@ -238,13 +192,13 @@ weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t, const dou
 
 /* M^-1 (a K + b C) x, zero on pins. */
 static void multiply(const weft_cloth *cloth, const weft__state *at,
-                     const grid_side *way, const double *x, double *out)
+                     const double way[2], const double *x, double *out)
 {
     const size_t n = cloth->mesh.particles;
     memset(out, 0, 3 * n * sizeof *out);
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         if (weft__table[k].force->multiply != NULL) {
-            weft__table[k].force->multiply(weft__own(cloth, k), at, way->a, way->b, x,
+            weft__table[k].force->multiply(weft__own(cloth, k), at, way[0], way[1], x,
                                            out);
         }
     }
@@ -285,7 +239,7 @@ typedef struct estimate {
 } estimate;
 
 static estimate power(const weft_cloth *cloth, const weft__state *at,
-                      const grid_side *way, size_t iterations, double *x, double *z)
+                      const double way[2], size_t iterations, double *x, double *z)
 {
     estimate best = { 0.0, 0.0 };
     for (size_t j = 0; j < 3 * cloth->mesh.particles; ++j) {
@@ -320,14 +274,13 @@ weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth, double t,
     }
     const weft__state at = { .t = t, .y = y };
     *out = weft_cloth_stiffness(cloth, t, y);
-    grid_side ways[2] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 } };
+    static const double ways[2][2] = { { 1.0, 0.0 }, { 0.0, 1.0 } };
     double *values[2] = { &out->omega2, &out->damping };
     for (size_t i = 0; i < 2 && isfinite(*values[i]); ++i) {
         const estimate found = power(
-            cloth, &at, &ways[i], iterations > 0 ? iterations : 100, work, work + size);
-        ways[i].most = found.value + 2.0 * found.spread;
+            cloth, &at, ways[i], iterations > 0 ? iterations : 100, work, work + size);
         *values[i] = fmin(*values[i], found.value);
-        cut(out, &ways[i]);
+        cut(out, ways[i], found.value + 2.0 * found.spread);
     }
     weft__free(&cloth->memory, work);
     return WEFT_OK;

@@ -52,25 +52,12 @@ static void block_momentum(const weft_cloth *cloth, const weft__state *at, size_
     }
 }
 
-/* NaN is larger than every number. */
-static void keep_worst(weft_spring *kept, const weft_spring *other)
-{
-    if (kept->p == kept->q
-        || (!isnan(kept->strain) && !(other->strain <= kept->strain))) {
-        *kept = *other;
-    }
-}
-
 void weft__block_worst(const weft_cloth *cloth, const weft__state *at, size_t b,
                        weft_measures *sum)
 {
-    for (weft__walk walk = weft__row_springs(&cloth->springs, at->y, b);
-         weft__each_spring(&walk);) {
-        const weft__spring *found = &walk.spring;
-        const weft_spring spring
-            = { found->group->family, found->p, found->q, weft__spring_strain(found) };
-        if (at->families == NULL || at->families[spring.family]) {
-            keep_worst(&sum->worst, &spring);
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        if (weft__table[k].force->worst != NULL) {
+            weft__table[k].force->worst(weft__own(cloth, k), at, b, sum);
         }
     }
 }
@@ -129,7 +116,7 @@ void weft__measures_add(weft_measures *sum, const weft_measures *block)
         sum->power[k] += block->power[k];
     }
     if (block->worst.p != block->worst.q) {
-        keep_worst(&sum->worst, &block->worst);
+        weft__keep_worst(&sum->worst, &block->worst);
     }
     weft__keep_gap(sum, block->gap, block->gap_particle, block->gap_shape);
     sum->touching += block->touching;
@@ -224,24 +211,19 @@ uint64_t weft_state_hash(const double *y, size_t rows, size_t cols)
     return hash;
 }
 
-static void raise_strain(double *kept, double strain)
-{
-    *kept = strain > *kept ? strain : *kept;
-}
-
 /* No strain is below -1. */
 void weft_cloth_strains(const weft_cloth *cloth, const double *y, double *strain)
 {
     const double none = -2.0;
+    const weft__state at = { .y = y };
     for (size_t i = 0; i < cloth->mesh.particles; ++i) {
         strain[i] = none;
     }
-    for (size_t r = 0; r < weft__blocks(&cloth->mesh); ++r) {
-        for (weft__walk walk = weft__row_springs(&cloth->springs, y, r);
-             weft__each_spring(&walk);) {
-            const double here = weft__spring_strain(&walk.spring);
-            raise_strain(&strain[walk.spring.p], here);
-            raise_strain(&strain[walk.spring.q], here);
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        const weft__force *force = weft__table[k].force;
+        for (size_t b = 0; force->strains != NULL && b < weft__blocks(&cloth->mesh);
+             ++b) {
+            force->strains(weft__own(cloth, k), &at, b, strain);
         }
     }
     for (size_t i = 0; i < cloth->mesh.particles; ++i) {

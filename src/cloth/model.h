@@ -102,7 +102,6 @@ double weft__block_mass(const weft_cloth *cloth, size_t b); /* [kg] */
 
 /* bounds.c: weft_cloth_stiffness in two parts: bounds in several directions, each the
  * largest of the own particles; the polygon within them. */
-enum { WEFT__SIDES = 3 + 3 * (WEFT__MODES + 1) };
 void weft__stiffness_sides(const weft_cloth *cloth, double t, const double *y,
                            double most[WEFT__SIDES]);
 weft_stiffness weft__stiffness_within(const weft_cloth *cloth, const double *y,

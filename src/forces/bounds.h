@@ -5,7 +5,46 @@
 #ifndef WEFT_FORCES_BOUNDS_H
 #define WEFT_FORCES_BOUNDS_H
 
+#include <string.h>
+
 #include "forces/force.h"
+
+/* Relative error allowed for closed forms. */
+#define WEFT__ROUNDOFF 1e-12
+
+enum { WEFT__RATIOS = 7, WEFT__SIDES = 3 + 3 * WEFT__RATIOS };
+
+/* The directions (a, b) in which a K + b C is bounded: of K, of C from both sides, and
+ * three for each ratio [s] of damping to stiffness that a force has. */
+typedef struct weft__sides {
+    size_t count;
+    double way[WEFT__SIDES][2];
+} weft__sides;
+
+/* For weft__force.ratios. One that is there already adds nothing; without those that
+ * find no room the polygon is less sharp. */
+static inline void weft__sides_add(weft__sides *to, double ratio)
+{
+    bool fresh = ratio > 0.0 && isfinite(ratio) && to->count < WEFT__SIDES;
+    for (size_t s = 3; s < to->count; s += 3) {
+        fresh = fresh && to->way[s][0] != ratio;
+    }
+    if (fresh) {
+        const double ways[3][2] = { { ratio, 1.0 }, { ratio, -1.0 }, { -ratio, 1.0 } };
+        memcpy(to->way[to->count], ways, sizeof ways);
+        to->count += 3;
+    }
+}
+
+/* For weft__force.bound: adds to the sum of one side a bound alike in all directions.
+ * Of a symmetric matrix with 3 x 3 blocks, norms n_ij of them [N/m], that is
+ * (a + b c / k)+ (sum over j of n_ij) / m_i. */
+static inline void weft__bound_add(double sum[6], double bound)
+{
+    for (size_t k = 0; k < 3; ++k) {
+        sum[k] += bound;
+    }
+}
 
 /* Of contact (contact/contact_bounds.c), apart: it is sought for many particles at
  * once.
@@ -17,17 +56,5 @@ typedef struct weft__grip {
     double stiff, drag; /* [1/s^2], [1/s] in any direction, of either sign */
     double turn;        /* [1/s^2] most negative stiffness, from the normal's turning */
 } weft__grip;
-
-/* Families of springs: stiffness k and damping c along the same directions; a w + b c
- * is at most (a k + b c)+ of them. */
-enum { WEFT__MODES = 6 };
-
-typedef struct weft__bound {
-    double along[WEFT__MODES][6]; /* sum (1/m_i + 1/m_j) share u u^T of a family */
-    double taut[6], slack[6];     /* sum (1/m_i + 1/m_j) (T/L)+- (I - u u^T) */
-    double drag;                  /* [1/s] damping alike in all directions */
-    double added;                 /* [1/s] no direction is damped more by it */
-    double bending;               /* [1/s^2] row sum by mass */
-} weft__bound;
 
 #endif

@@ -43,7 +43,7 @@ typedef int weft__add_fn(const void *own, const weft__state *at, weft__unit unit
 typedef void weft__block_fn(const void *own, const weft__state *at, size_t b,
                             weft_measures *sum);
 
-struct weft__bound; /* bounds.h: what bounds the modes of a particle */
+struct weft__sides; /* bounds.h: what bounds the modes of a particle */
 struct weft__grip;
 
 typedef struct weft__force {
@@ -63,12 +63,18 @@ typedef struct weft__force {
     weft__start_fn *start;
     weft__add_fn *add, *change;
     weft__block_fn *energy, *power; /* [J]; [W] */
+    weft__block_fn *worst;          /* the largest strain, by weft__keep_worst */
 
-    /* Stiffness and damping: what it adds to the bounds of particle i, at->y NULL: in
-     * any state; of contact to those of particles [first, first + count); to
-     * (a K + b C) x, for the power method. */
+    /* Raises strain[i] to the largest strain at each particle i that block b has. */
+    void (*strains)(const void *own, const weft__state *at, size_t b, double *strain);
+
+    /* Stiffness and damping: the ratios of the two that it has; what it adds for each
+     * side to the bound of free particle i, at->y NULL: in any state; of contact to
+     * those of particles [first, first + count); to (a K + b C) x, for the power
+     * method. */
+    void (*ratios)(const void *own, struct weft__sides *to);
     void (*bound)(const void *own, const weft__state *at, size_t i,
-                  struct weft__bound *sum);
+                  const struct weft__sides *sides, double (*sums)[6]);
     void (*grip)(const void *own, const weft__state *at, size_t first, size_t count,
                  struct weft__grip *grips);
     void (*multiply)(const void *own, const weft__state *at, double a, double b,
@@ -88,5 +94,15 @@ typedef struct weft__force {
     void (*measure_all)(const void *own, void *space, const weft__state *at,
                         weft_measures *sum);
 } weft__force;
+
+/* Keeps the one of larger strain, the first of equal ones; NaN is larger than every
+ * number. */
+static inline void weft__keep_worst(weft_spring *kept, const weft_spring *other)
+{
+    if (kept->p == kept->q
+        || (!isnan(kept->strain) && !(other->strain <= kept->strain))) {
+        *kept = *other;
+    }
+}
 
 #endif

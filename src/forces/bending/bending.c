@@ -289,11 +289,21 @@ static double row_sum(const weft__bending *own, size_t i)
            + 4.0 * k->twist * neighbours(r, rows) * neighbours(c, cols);
 }
 
-static void bound(const void *own, const weft__state *at, size_t i, weft__bound *sum)
+static void ratios(const void *own, weft__sides *to)
+{
+    weft__sides_add(to, ((const weft__bending *)own)->damping);
+}
+
+static void bound(const void *own, const weft__state *at, size_t i,
+                  const weft__sides *sides, double (*sums)[6])
 {
     const weft__bending *of = own;
+    const double most = row_sum(of, i) * of->mesh->inverse_mass[i];
     (void)at;
-    sum->bending = row_sum(of, i) * of->mesh->inverse_mass[i];
+    for (size_t s = 0; s < sides->count; ++s) {
+        const double scale = sides->way[s][0] + sides->way[s][1] * of->damping;
+        weft__bound_add(sums[s], fmax(0.0, scale) * most);
+    }
 }
 
 /* K as pairs: K x on p is the sum of -q (x_q - x_p), q = -K_pq of either sign. Those of
@@ -368,6 +378,7 @@ const weft__force weft__bending_force = { .name = "bending",
                                           .change = change,
                                           .energy = energy,
                                           .power = power,
+                                          .ratios = ratios,
                                           .bound = bound,
                                           .multiply = multiply,
                                           .runs = runs,

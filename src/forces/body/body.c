@@ -58,11 +58,15 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
     }
 }
 
-static void bound(const void *own, const weft__state *at, size_t i, weft__bound *sum)
+static void bound(const void *own, const weft__state *at, size_t i,
+                  const weft__sides *sides, double (*sums)[6])
 {
     const weft__body *of = own;
     (void)at;
-    sum->drag = of->drag * of->mesh->inverse_mass[i];
+    for (size_t s = 0; s < sides->count; ++s) {
+        weft__bound_add(sums[s],
+                        sides->way[s][1] * (of->drag * of->mesh->inverse_mass[i]));
+    }
 }
 
 static void multiply(const void *own, const weft__state *at, double a, double b,

@@ -315,6 +315,34 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
     }
 }
 
+static void worst(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+{
+    for (weft__walk walk = weft__row_springs(own, at->y, b);
+         weft__each_spring(&walk);) {
+        const weft__spring *found = &walk.spring;
+        const weft_spring spring
+            = { found->group->family, found->p, found->q, weft__spring_strain(found) };
+        if (at->families == NULL || at->families[spring.family]) {
+            weft__keep_worst(&sum->worst, &spring);
+        }
+    }
+}
+
+static void raise_strain(double *kept, double strain)
+{
+    *kept = strain > *kept ? strain : *kept;
+}
+
+static void strains(const void *own, const weft__state *at, size_t b, double *strain)
+{
+    for (weft__walk walk = weft__row_springs(own, at->y, b);
+         weft__each_spring(&walk);) {
+        const double here = weft__spring_strain(&walk.spring);
+        raise_strain(&strain[walk.spring.p], here);
+        raise_strain(&strain[walk.spring.q], here);
+    }
+}
+
 /* u u^T, or I where there is no direction: no less than u u^T for any. */
 static void outer(const weft__spring *at, double uu[6])
 {
@@ -327,8 +355,14 @@ static void outer(const weft__spring *at, double uu[6])
     }
 }
 
-static void add_spring(const weft__springs *own, const weft__spring *at,
-                       weft__bound *sum)
+/* Stiffness k and damping c of a group of springs are along the same directions:
+ * a K + b C is at most (a k + b c)+ of them. */
+typedef struct taken {
+    double along[WEFT_GROUPS][6]; /* sum (1/m_i + 1/m_j) share u u^T of a group */
+    double taut[6], slack[6];     /* sum (1/m_i + 1/m_j) (T/L)+- (I - u u^T) */
+} taken;
+
+static void add_spring(const weft__springs *own, const weft__spring *at, taken *sum)
 {
     const double share
         = own->mesh->inverse_mass[at->p] + own->mesh->inverse_mass[at->q];
@@ -342,12 +376,43 @@ static void add_spring(const weft__springs *own, const weft__spring *at,
     }
 }
 
-static void bound(const void *own, const weft__state *at, size_t i, weft__bound *sum)
+static void ratios(const void *own, weft__sides *to)
+{
+    const weft__springs *of = own;
+    for (size_t g = 0; g < of->group_count; ++g) {
+        weft__sides_add(to, of->groups[g].damping / of->groups[g].stiffness);
+    }
+}
+
+static void bound_side(const weft__springs *own, const taken *of, double a, double b,
+                       double sum[6])
+{
+    for (size_t g = 0; g < own->group_count; ++g) {
+        const double stiff = a * own->groups[g].stiffness;
+        const double damped = b * own->groups[g].damping;
+        /* a sum that cancels is bounded by its roundoff */
+        const double most = fmax(0.0, stiff + damped)
+                            + (stiff * damped < 0.0 ? WEFT__ROUNDOFF * fabs(stiff) : 0);
+        for (size_t k = 0; k < 6; ++k) {
+            sum[k] += most * of->along[g][k];
+        }
+    }
+    for (size_t k = 0; k < 6; ++k) {
+        sum[k] += fmax(0.0, a) * of->taut[k] + fmax(0.0, -a) * of->slack[k];
+    }
+}
+
+static void bound(const void *own, const weft__state *at, size_t i,
+                  const weft__sides *sides, double (*sums)[6])
 {
     weft__spring springs[WEFT__SPRINGS_MAX];
     const size_t count = weft__particle_springs(own, i, at->y, springs);
+    taken all = { .taut = { 0.0 } };
     for (size_t s = 0; s < count; ++s) {
-        add_spring(own, &springs[s], sum);
+        add_spring(own, &springs[s], &all);
+    }
+    for (size_t s = 0; s < sides->count; ++s) {
+        bound_side(own, &all, sides->way[s][0], sides->way[s][1], sums[s]);
     }
 }
 
@@ -442,6 +507,9 @@ const weft__force weft__springs_force = { .name = "springs",
                                           .start = start,
                                           .energy = energy,
                                           .power = power,
+                                          .worst = worst,
+                                          .strains = strains,
+                                          .ratios = ratios,
                                           .bound = bound,
                                           .multiply = multiply,
                                           .runs = runs,

@@ -165,13 +165,16 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
 }
 
 /* No direction is damped more, whatever the state. */
-static void bound(const void *own, const weft__state *at, size_t i, weft__bound *sum)
+static void bound(const void *own, const weft__state *at, size_t i,
+                  const weft__sides *sides, double (*sums)[6])
 {
     const weft__wind *of = own;
     const weft__mesh *mesh = of->mesh;
-    const double area = weft__area(mesh, i);
+    const double most = of->drag * weft__area(mesh, i) * mesh->inverse_mass[i];
     (void)at;
-    sum->added += of->drag * area * mesh->inverse_mass[i];
+    for (size_t s = 0; s < sides->count; ++s) {
+        weft__bound_add(sums[s], fmax(0.0, sides->way[s][1]) * most);
+    }
 }
 
 const weft__force weft__wind_force = { .name = "wind",
