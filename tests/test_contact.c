@@ -193,6 +193,35 @@ START_TEST(forces_are_those_of_the_formulas)
 }
 END_TEST
 
+/* A box and its default `to` may be at one place; a plane may have any radius. */
+START_TEST(a_number_that_the_kind_does_not_read_changes_no_bit)
+{
+    static const double any[]
+        = { NAN, -INFINITY, INFINITY, -1e9, 1e308, 0.0 /* where the shapes are */ };
+    const double t = 0.37;
+    double f[6 * N], g[6 * N];
+    weft_shape *shape = &shapes[_i];
+    touch((weft_shape_kind)_i, t);
+    ck_assert_int_eq(weft_cloth_rhs(cloth, t, y, f), 0);
+    const uint64_t hash = weft__contact_hash(&cloth->contact);
+    for (size_t k = 0; k < sizeof any / sizeof any[0]; ++k) {
+        const bool plane = shape->kind == WEFT_PLANE, box = shape->kind == WEFT_BOX;
+        shape->radius = plane || box ? any[k] : shape->radius;
+        shape->rounding = box ? shape->rounding : any[k];
+        for (size_t j = 0; j < 3; ++j) {
+            shape->normal[j] = plane ? shape->normal[j] : any[k];
+            shape->to[j] = shape->kind == WEFT_CAPSULE ? shape->to[j] : any[k];
+            shape->half[j] = box ? shape->half[j] : any[k];
+        }
+        weft_cloth_destroy(cloth);
+        cloth = test_cloth(&def);
+        ck_assert_int_eq(weft_cloth_rhs(cloth, t, y, g), 0);
+        ck_assert_mem_eq(f, g, sizeof f);
+        ck_assert(weft__contact_hash(&cloth->contact) == hash);
+    }
+}
+END_TEST
+
 /* ---- gaps ------------------------------------------------------------------------ */
 
 /* The gap of the first particle at x; the others are pinned, and so have none. */
@@ -568,6 +597,8 @@ TEST_SUITE(contact)
     tcase_add_loop_test(tcase, powers_are_the_rate_of_the_energy, 0, 16);
     tcase_add_loop_test(tcase, forces_are_the_slope_of_the_energy, 0, 16);
     tcase_add_loop_test(tcase, forces_are_those_of_the_formulas, 0, 3);
+    tcase_add_loop_test(tcase, a_number_that_the_kind_does_not_read_changes_no_bit, 0,
+                        4);
     tcase_add_loop_test(tcase, gaps_are_distances, 0, 8);
     tcase_add_loop_test(tcase, gaps_grow_no_faster_than_distances, 0, WEFT_SHAPES);
     tcase_add_test(tcase, poses_follow_the_motion);

@@ -279,8 +279,8 @@ static uint64_t hash_shape(uint64_t hash, const weft__shape *shape)
     hash = weft__hash_reals(hash, def->at, 3);
     hash = weft__hash_reals(hash, shape->axis, 3);
     hash = weft__hash_real(hash, shape->length);
-    hash = weft__hash_reals(hash, def->half, 3);
-    hash = weft__hash_real(hash, def->kind == WEFT_BOX ? def->rounding : def->radius);
+    hash = weft__hash_reals(hash, def->half, def->kind == WEFT_BOX ? 3 : 0);
+    hash = weft__hash_real(hash, shape->radius);
     hash = weft__hash_reals(hash, shape->spin, 3);
     hash = weft__hash_real(hash, shape->friction);
     return weft__motion_hash(&shape->motion, hash);

@@ -25,24 +25,38 @@ void weft_shape_default_sized(weft_shape *out, size_t size, weft_shape_kind kind
     weft__sized_write(out, size, &shape, sizeof shape);
 }
 
+static void give_axis(weft__shape *shape)
+{
+    const weft_shape *def = &shape->def;
+    double way[3];
+    for (size_t k = 0; k < 3; ++k) {
+        way[k] = def->kind == WEFT_PLANE ? def->normal[k] : def->to[k] - def->at[k];
+    }
+    shape->length = sqrt(weft__dot(way, way));
+    for (size_t k = 0; k < 3; ++k) {
+        shape->axis[k] = way[k] / shape->length;
+    }
+    const double turn = weft__dot(def->spin, shape->axis);
+    for (size_t k = 0; k < 3; ++k) {
+        shape->spin[k] = turn * shape->axis[k];
+    }
+}
+
+/* Without the numbers that its kind does not read: these may be anything. */
 weft__shape weft__shape_of(const weft_shape *def, double friction)
 {
     weft__shape shape = {
         .def = *def,
         .motion = weft__motion_of(def->velocity, def->amplitude, def->frequency),
         .friction = weft__friction_of(def, friction),
+        .radius = def->kind == WEFT_PLANE ? 0.0
+                  : def->kind == WEFT_BOX ? def->rounding
+                                          : def->radius,
     };
-    double way[3];
-    for (size_t k = 0; k < 3; ++k) {
-        way[k] = def->kind == WEFT_PLANE ? def->normal[k] : def->to[k] - def->at[k];
-    }
-    shape.length = sqrt(weft__dot(way, way));
-    for (size_t k = 0; k < 3; ++k) {
-        shape.axis[k] = way[k] / shape.length;
-    }
-    const double turn = weft__dot(def->spin, shape.axis);
-    for (size_t k = 0; k < 3; ++k) {
-        shape.spin[k] = def->kind == WEFT_SPHERE ? def->spin[k] : turn * shape.axis[k];
+    if (def->kind == WEFT_PLANE || def->kind == WEFT_CAPSULE) {
+        give_axis(&shape);
+    } else {
+        memcpy(shape.spin, def->spin, sizeof shape.spin);
     }
     return shape;
 }
@@ -50,10 +64,9 @@ weft__shape weft__shape_of(const weft_shape *def, double friction)
 weft__pose weft__pose_of(const weft__shape *shape, double t)
 {
     const weft_shape *def = &shape->def;
-    const bool box = def->kind == WEFT_BOX;
     weft__pose pose = { .kind = def->kind,
                         .length = shape->length,
-                        .radius = box ? def->rounding : def->radius,
+                        .radius = shape->radius,
                         .friction = shape->friction };
     double offset[3], rate[6];
     weft__motion_offset(&shape->motion, t, offset);

@@ -22,6 +22,7 @@ typedef struct weft__shape {
     double axis[3];  /* unit: a plane's normal, from end to end of a capsule */
     double spin[3];  /* [rad/s] of a plane and a capsule exactly along the axis */
     double length;   /* [m] of a capsule's axis */
+    double radius;   /* [m] also of the edges of a box; a plane has 0 */
     double friction; /* >= 0 */
 } weft__shape;
 
