@@ -133,6 +133,24 @@ START_TEST(a_new_scene_is_one_that_runs_and_replaces_no_file)
 }
 END_TEST
 
+START_TEST(a_new_scene_has_a_name)
+{
+    static const char *const wrong[]
+        = { "", ".", "..", "none/", "none/..", ".yaml", "none/.yaml" };
+    expect(shell("mkdir -p " OUT "/new/none"), 0);
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        expect(shell("cd " OUT "/new && ../../weft new '%s' 2>&1", wrong[i]), 2);
+        char text[64];
+        (void)snprintf(text, sizeof text, "weft new: '%s' names no file", wrong[i]);
+        says(text);
+    }
+    expect(shell("find " OUT "/new -type f"), 0);
+    ck_assert_str_eq(output, "");
+    expect(shell("cd " OUT "/new && ../../weft new .mine"), 0);
+    says(".mine.yaml: a hammock");
+}
+END_TEST
+
 START_TEST(a_misspelt_word_of_the_command_line_is_told_with_the_one_that_is_near)
 {
     static const char *const wrong[][2] = {
@@ -514,6 +532,7 @@ TEST_SUITE(cli)
                    lists_for_machines_are_yaml_and_a_plugin_path_is_searched_first);
     tcase_add_test(program, scene_help_lists_every_key);
     tcase_add_test(program, a_new_scene_is_one_that_runs_and_replaces_no_file);
+    tcase_add_test(program, a_new_scene_has_a_name);
     tcase_add_test(program, the_example_program_runs);
     suite_add_tcase(all, program);
     return all;

@@ -7,6 +7,15 @@
 #include "cli/human.h"
 #include "record/page.h"
 
+/* Not "", "dir/", "..", nor ".yaml": their files would be hidden, or odd. */
+static bool names_file(const char *name, size_t length)
+{
+    while (length > 0 && name[length - 1] == '.') {
+        --length;
+    }
+    return length > 0 && name[length - 1] != '/';
+}
+
 static int new_verb(const arguments *given)
 {
     const char *name = given->operands[0];
@@ -14,6 +23,12 @@ static int new_verb(const arguments *given)
     char path[RECORD_PATH];
     weft_error err = { 0 };
     const bool whole = dot != NULL && strcmp(dot, ".yaml") == 0;
+    if (!names_file(name, whole ? (size_t)(dot - name) : strlen(name))) {
+        return usage_error(given,
+                           "'%s' names no file; a name is like first or "
+                           "dir/first.yaml",
+                           name);
+    }
     const int length = snprintf(path, sizeof path, "%s%s", name, whole ? "" : ".yaml");
     weft_status status = WEFT_IO;
     FILE *stream = length < RECORD_PATH ? fopen(path, "wx") : NULL;
