@@ -34,7 +34,10 @@ static const struct {
     { "forks", "process", "a child process is left" },
     { "handler", "process", "signal 8 has another handler" },
     { "masks", "process", "the umask was 022 and is 077" },
+    { "opens", "process", " was closed and is open" },
+    { "orphan", "process", "a child process is left" },
     { "shuts", "process", "descriptor 0 was open and is closed" },
+    { "timer", "process", "a timer is set" },
 #ifndef __SANITIZE_ADDRESS__ /* whose heap mallinfo2 does not see */
     { "hoards", "destroy",
       "bytes more are allocated each time after create, some steps and destroy" },

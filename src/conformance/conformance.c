@@ -92,10 +92,8 @@ static const struct check {
       .check = weft__the_allocator_is_used, .once = true },
     { "process",
       "the process stays as it is: locale, signal handlers, floating-point "
-      "environment, "
-      "descriptors, directory, umask, environment variables, children; a success "
-      "leaves "
-      "*err alone",
+      "environment, descriptors, directory, umask, environment variables, timers, "
+      "children; a success leaves *err alone",
       .check = weft__the_process_is_left_alone, .modes = true },
     { "structure", "config->structure changes the way to a solution, not the solution",
       .check = weft__a_structure_leaves_the_solution, .once = true, .modes = true },

@@ -8,20 +8,24 @@
 #include <locale.h>
 #include <signal.h>
 #include <sys/stat.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 
 #include "base/hash.h"
 
 extern char **environ;
 
-enum { SIGNALS = 65, DESCRIPTORS = 256 };
+enum { SIGNALS = 65, DESCRIPTORS = 256, TIMERS = 3 };
 
 /* Settings that belong to the program. */
 typedef struct surroundings {
     char locale[256], directory[4096];
     int rounding;
-    bool subnormals;
+    bool subnormals, timers[TIMERS];
     struct sigaction actions[SIGNALS];
     mode_t mask;
     uint64_t environment; /* FNV-1a of all names and values */
@@ -57,6 +61,12 @@ static void look_around(surroundings *out)
     for (int i = 1; i < SIGNALS; ++i) {
         (void)sigaction(i, NULL, &out->actions[i]);
     }
+    for (int i = 0; i < TIMERS; ++i) {
+        static const int which[TIMERS] = { ITIMER_REAL, ITIMER_VIRTUAL, ITIMER_PROF };
+        struct itimerval timer = { 0 };
+        (void)getitimer(which[i], &timer);
+        out->timers[i] = timer.it_value.tv_sec != 0 || timer.it_value.tv_usec != 0;
+    }
     out->mask = umask(0);
     (void)umask(out->mask);
     out->environment = hash_environment();
@@ -84,12 +94,16 @@ static void expect_same(trial *self, const surroundings *before,
     }
     for (int i = 0; i < DESCRIPTORS; ++i) {
         weft__expect(self,
-                     before->open[i].file == 0
-                         || (before->open[i].file == after->open[i].file
-                             && before->open[i].device == after->open[i].device),
-                     "descriptor %d was open and is %s", i,
-                     after->open[i].file == 0 ? "closed" : "another file");
+                     before->open[i].file == after->open[i].file
+                         && before->open[i].device == after->open[i].device,
+                     "descriptor %d was %s and is %s", i,
+                     before->open[i].file == 0 ? "closed" : "open",
+                     after->open[i].file == 0    ? "closed"
+                     : before->open[i].file == 0 ? "open"
+                                                 : "another file");
     }
+    weft__expect(self, memcmp(before->timers, after->timers, sizeof after->timers) == 0,
+                 "a timer is set");
     weft__expect(self, strcmp(before->directory, after->directory) == 0,
                  "the current directory was '%.200s' and is '%.200s'",
                  before->directory, after->directory);
@@ -102,6 +116,9 @@ static void expect_same(trial *self, const surroundings *before,
 void weft__the_process_is_left_alone(trial *self)
 {
     surroundings before, after;
+#ifdef __linux__
+    (void)prctl(PR_SET_CHILD_SUBREAPER, 1); /* children of children become its own */
+#endif
     look_around(&before);
     trial_run *r = weft__begin_usual(self, 0);
     weft__go(self, r, 0.125);
