@@ -12,6 +12,7 @@
 #include "forces/self/crossing.h"
 #include "mesh/grid_def.h"
 #include "mesh/pins.h"
+#include "mesh/triangles.h"
 
 void weft_cloth_def_init(weft_cloth_def *def, size_t size)
 {
@@ -109,7 +110,7 @@ static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error
     if (status != WEFT_OK) {
         return status;
     }
-    weft__grid_fill(&cloth->mesh, def);
+    weft__mesh_fill(&cloth->mesh, def);
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         if (!weft__table[k].force->init(weft__own_of(cloth, k), def, &cloth->memory)) {
             return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %s",
@@ -140,16 +141,22 @@ static weft_status take_items(const char *name, const void *items, size_t count,
     return understood ? WEFT_OK : weft__sized_unknown(name, err);
 }
 
-enum { ARRAYS = 3 };
+enum { ARRAYS = 4 };
 
 /* The caller's definition, of any version, with copies of its arrays where they are of
  * another one. */
-static weft_status take_def(weft_cloth_def *def, const weft_cloth_def *given,
-                            void *copies[ARRAYS], weft_error *err)
+static weft_status take_def(weft_cloth_def *def, weft_mesh_def *mesh,
+                            const weft_cloth_def *given, void *copies[ARRAYS],
+                            weft_error *err)
 {
     weft_status status
         = WEFT__DEF_READ(weft_cloth_def, def, given, WEFT__DEF_MOST, err);
     const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
+    *mesh = weft_mesh_def_default();
+    if (status == WEFT_OK && def->mesh != NULL) {
+        status = WEFT__DEF_READ(weft_mesh_def, mesh, def->mesh, WEFT__DEF_MOST, err);
+        def->mesh = mesh;
+    }
     const struct {
         const char *name;
         const void *items;
@@ -160,6 +167,8 @@ static weft_status take_def(weft_cloth_def *def, const weft_cloth_def *given,
         { "weft_pin", def->pins, def->pin_count, def->pin_size, sizeof *def->pins },
         { "weft_shape", def->contact.shapes, def->contact.shape_count, def->shape_size,
           sizeof *def->contact.shapes },
+        { "weft_fabric", mesh->fabrics, mesh->fabric_count, mesh->fabric_size,
+          sizeof *mesh->fabrics },
     };
     for (size_t i = 0; status == WEFT_OK && i < ARRAYS; ++i) {
         status = take_items(arrays[i].name, arrays[i].items, arrays[i].count,
@@ -168,6 +177,7 @@ static weft_status take_def(weft_cloth_def *def, const weft_cloth_def *given,
     def->loads = copies[0] != NULL ? copies[0] : def->loads;
     def->pins = copies[1] != NULL ? copies[1] : def->pins;
     def->contact.shapes = copies[2] != NULL ? copies[2] : def->contact.shapes;
+    mesh->fabrics = copies[3] != NULL ? copies[3] : mesh->fabrics;
     return status;
 }
 
@@ -183,7 +193,16 @@ static weft_status create(const weft_cloth_def *def, weft_cloth **out, weft_erro
     if (cloth == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a cloth");
     }
-    weft__grid_init(&cloth->mesh, def);
+    bool no_memory = false;
+    weft__triangles *triangles
+        = def->mesh == NULL
+              ? NULL
+              : weft__triangles_create(def->mesh, &memory, NULL, &no_memory);
+    if (no_memory) {
+        weft__free(&memory, cloth);
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for triangles");
+    }
+    weft__mesh_init(&cloth->mesh, def, triangles);
     attach(cloth);
     cloth->mesh.motion_count = def->pin_count;
     cloth->memory = memory;
@@ -204,12 +223,13 @@ weft_status weft_cloth_create(const weft_cloth_def *given, weft_cloth **out,
                               weft_error *err)
 {
     weft_cloth_def def;
+    weft_mesh_def mesh;
     void *copies[ARRAYS] = { NULL };
     if (weft__given(given, out, "weft_cloth_create", err) != WEFT_OK) {
         return WEFT_INVALID;
     }
     *out = NULL;
-    weft_status status = take_def(&def, given, copies, err);
+    weft_status status = take_def(&def, &mesh, given, copies, err);
     status = status == WEFT_OK ? create(&def, out, err) : status;
     const weft_allocator memory = weft_allocator_or_malloc(def.allocator);
     for (size_t i = 0; i < ARRAYS; ++i) {
@@ -225,6 +245,7 @@ void weft_cloth_destroy(weft_cloth *cloth)
         if (!cloth->copied) {
             weft__free(&memory, cloth->mesh.mass);
             weft__free(&memory, cloth->mesh.motions);
+            weft__triangles_destroy(cloth->mesh.triangles, &memory);
         }
         weft__free(&memory, cloth->mesh.inverse_mass);
         weft__free(&memory, cloth->mesh.pin);
@@ -297,9 +318,7 @@ void weft_cloth_start(const weft_cloth *cloth, double *y)
 
 void weft_cloth_rest(const weft_cloth *cloth, double *xyz)
 {
-    for (size_t i = 0; i < cloth->mesh.particles; ++i) {
-        weft__rest_position(&cloth->mesh, i, &xyz[3 * i]);
-    }
+    weft__rest_positions(&cloth->mesh, xyz);
 }
 
 size_t weft_cloth_rows(const weft_cloth *cloth)

@@ -34,7 +34,7 @@ uint64_t weft__cloth_hash(const weft_cloth *cloth, const uint64_t *blocks)
 {
     uint64_t hash = WEFT__HASH_START;
     hash = weft__hash_word(hash, cloth->mesh.band.rows);
-    hash = weft__hash_word(hash, cloth->mesh.cols);
+    hash = weft__hash_word(hash, weft__width_of(&cloth->mesh));
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         if (k == WEFT__FORCE_body) {
             hash = hash_blocks(cloth, blocks, hash);

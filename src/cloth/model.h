@@ -80,6 +80,11 @@ uint64_t weft__cloth_block_hash(const weft_cloth *cloth, size_t b);
  */
 void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to);
 
+/* What it checks of triangles, with faults of their parts to *parts (NULL: to *to). */
+struct weft__mesh_faults;
+void weft__mesh_check(const weft_cloth_def *def, const struct weft__mesh_faults *parts,
+                      const weft__faults *to);
+
 /* What it checks on a grid without faults. */
 void weft__sheet_check(const weft_cloth_def *def, const weft__faults *to);
 WEFT__NUMBERS(weft__limit_numbers, method, solver, strain, sweeps, tolerance);

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* validate.c -- checks the definition of a cloth and reports every fault. Comparisons
  * are written so that NaN fails. */
+#include "base/memory.h"
 #include "cloth/model.h"
 #include "mesh/grid_def.h"
+#include "mesh/triangles.h"
 
 #define MAX_PARTICLES ((size_t)1 << 31)
 
@@ -63,14 +65,14 @@ static void check_mass(const weft_cloth_def *def, const weft__faults *to)
     }
 }
 
-static void check_pins(const weft_cloth_def *def, const weft__faults *to)
+/* Of pins. */
+static void check_motions(const weft_cloth_def *def, const weft__faults *to)
 {
     for (size_t i = 0; i < def->pin_count; ++i) {
         const weft_pin *pin = &def->pins[i];
         const weft__motion motion
             = weft__motion_of(pin->velocity, pin->amplitude, pin->frequency);
         (void)WEFT__NUMBERS_CHECK(weft__pin_numbers, pin, to, "pin %zu: ", i);
-        weft__ranges_check(def, to, "pin", i, pin->rows, pin->cols);
         if (!weft__motion_usable(&motion)) {
             weft__fault(to, FIELD(pins), FIELD(pins),
                         "pin %zu: its motion is too large or too small for a double",
@@ -93,10 +95,16 @@ static bool check_arrays(const weft_cloth_def *def, const weft__faults *to)
     return missing == NULL;
 }
 
-void weft__sheet_check(const weft_cloth_def *def, const weft__faults *to)
+static void check_pins(const weft_cloth_def *def, const weft__faults *to)
 {
-    check_mass(def, to);
-    check_pins(def, to);
+    for (size_t i = 0; i < def->pin_count; ++i) {
+        weft__ranges_check(def, to, "pin", i, def->pins[i].rows, def->pins[i].cols);
+    }
+    check_motions(def, to);
+}
+
+static void check_forces(const weft_cloth_def *def, const weft__faults *to)
+{
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         if (weft__table[k].force->check != NULL) {
             weft__table[k].force->check(def, to);
@@ -104,13 +112,132 @@ void weft__sheet_check(const weft_cloth_def *def, const weft__faults *to)
     }
 }
 
+void weft__sheet_check(const weft_cloth_def *def, const weft__faults *to)
+{
+    check_mass(def, to);
+    check_pins(def, to);
+    check_forces(def, to);
+}
+
+/* ---- triangles ------------------------------------------------------------------- */
+
+/* A fault of a part of a mesh, as one of the member `mesh`. */
+static void keep_fault(void *ctx, weft__mesh_part part, size_t index,
+                       const char *message)
+{
+    (void)part, (void)index;
+    weft__fault(ctx, FIELD(mesh), FIELD(mesh), "%s", message);
+}
+
+typedef struct fabric_fault {
+    const weft__mesh_faults *to;
+    size_t fabric;
+} fabric_fault;
+
+static void keep_fabric_fault(void *ctx, size_t field, size_t other,
+                              const char *message)
+{
+    const fabric_fault *at = ctx;
+    (void)field, (void)other;
+    at->to->found(at->to->ctx, WEFT__MESH_FABRIC, at->fabric, message);
+}
+
+/* C12^2 < C11 C22: else there is strain without energy. */
+static void check_fabrics(const weft_mesh_def *mesh, const weft__mesh_faults *parts)
+{
+    for (size_t i = 0; mesh->fabrics != NULL && i < mesh->fabric_count; ++i) {
+        const weft_fabric *of = &mesh->fabrics[i];
+        fabric_fault at = { parts, i };
+        const weft__faults to = { keep_fabric_fault, &at };
+        const double most = of->stretch[0] * of->stretch[1];
+        if (WEFT__NUMBERS_CHECK(weft__fabric_numbers, of, &to, "fabric %zu: ", i)
+            && !(of->coupling * of->coupling < most)) {
+            weft__fault(
+                &to, 0, 0,
+                "fabric %zu: coupling %g N/m: its square must be below stretch[0] "
+                "stretch[1] = %g N^2/m^2",
+                i, of->coupling, most);
+        }
+    }
+}
+
+static void check_vertices(const weft_cloth_def *def, const char *what, size_t index,
+                           const size_t *vertices, size_t count, const weft__faults *to)
+{
+    for (size_t k = 0; vertices != NULL && k < count; ++k) {
+        if (vertices[k] >= def->mesh->vertices) {
+            weft__fault(to, FIELD(mesh), FIELD(mesh), "%s %zu: vertex %zu of %zu", what,
+                        index, vertices[k], def->mesh->vertices);
+            return;
+        }
+    }
+    if (vertices == NULL && count > 0) {
+        weft__fault(to, FIELD(mesh), FIELD(mesh),
+                    "%s %zu: vertices is NULL, but their number is not 0", what, index);
+    }
+}
+
+static void check_vertex_masses(const weft_cloth_def *def, const weft__triangles *of,
+                                const weft_allocator *memory, const weft__faults *to)
+{
+    double *mass = weft__alloc(memory, def->mesh->vertices, sizeof *mass);
+    bool usable = true;
+    if (mass != NULL) {
+        weft__triangles_masses(of, def, mass);
+    }
+    for (size_t i = 0; mass != NULL && i < def->mesh->vertices; ++i) {
+        usable = usable && isfinite(mass[i]) && isfinite(1.0 / mass[i]);
+    }
+    if (!usable) {
+        weft__fault(to, FIELD(mesh), FIELD(mesh),
+                    "the masses are too large or too small for a double");
+    }
+    weft__free(memory, mass);
+}
+
+static void check_held(const weft_cloth_def *def, const weft__faults *to)
+{
+    for (size_t i = 0; i < def->load_count; ++i) {
+        const weft_load *load = &def->loads[i];
+        (void)weft__numbers_check(&weft__load_mass, 1, load, to, "load %zu: ", i);
+        check_vertices(def, "load", i, load->vertices, load->vertex_count, to);
+    }
+    for (size_t i = 0; i < def->pin_count; ++i) {
+        check_vertices(def, "pin", i, def->pins[i].vertices, def->pins[i].vertex_count,
+                       to);
+    }
+}
+
+void weft__mesh_check(const weft_cloth_def *def, const weft__mesh_faults *parts,
+                      const weft__faults *to)
+{
+    const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
+    const weft__mesh_faults all = { keep_fault, (void *)to };
+    weft__refusal held = { WEFT_OK, NULL };
+    bool no_memory;
+    parts = parts != NULL ? parts : &all;
+    check_fabrics(def->mesh, parts);
+    weft__triangles *triangles
+        = weft__triangles_create(def->mesh, &memory, parts, &no_memory);
+    check_held(def, to);
+    check_held(def, &(weft__faults){ weft__keep_first, &held });
+    if (triangles != NULL && held.status == WEFT_OK) {
+        check_vertex_masses(def, triangles, &memory, to);
+    }
+    if (triangles != NULL) {
+        check_motions(def, to);
+        check_forces(def, to);
+    }
+    weft__triangles_destroy(triangles, &memory);
+}
+
 void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to)
 {
     if (def->mesh != NULL) {
-        weft__fault(to, FIELD(mesh), FIELD(mesh), "triangles are not built in yet");
-        return;
-    }
-    if (check_arrays(def, to) && weft__grid_check(def, MAX_PARTICLES, to)) {
+        if (check_arrays(def, to)) {
+            weft__mesh_check(def, NULL, to);
+        }
+    } else if (check_arrays(def, to) && weft__grid_check(def, MAX_PARTICLES, to)) {
         weft__sheet_check(def, to);
     }
 }

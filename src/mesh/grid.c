@@ -18,7 +18,7 @@ static size_t top(const weft__mesh *mesh)
     return mesh->band.first - mesh->band.above;
 }
 
-void weft__rest_position(const weft__mesh *mesh, size_t i, double x[3])
+void weft__grid_rest(const weft__mesh *mesh, size_t i, double x[3])
 {
     const size_t r = top(mesh) + i / mesh->cols, c = i % mesh->cols;
     const double across = (double)c * mesh->spacing[1];
@@ -28,9 +28,9 @@ void weft__rest_position(const weft__mesh *mesh, size_t i, double x[3])
     }
 }
 
-void weft__start_position(const weft__mesh *mesh, size_t i, double x[3])
+void weft__grid_start(const weft__mesh *mesh, size_t i, double x[3])
 {
-    weft__rest_position(mesh, i, x);
+    weft__grid_rest(mesh, i, x);
     for (size_t k = 0; k < 3; ++k) {
         const double from = mesh->origin[k];
         x[k] = from + mesh->scale * (x[k] - from);
@@ -43,7 +43,7 @@ static double width(size_t index, size_t count, double spacing)
     return weft__strip(index, count) * weft__width(count, spacing);
 }
 
-double weft__area(const weft__mesh *mesh, size_t i)
+double weft__grid_area(const weft__mesh *mesh, size_t i)
 {
     return width(top(mesh) + i / mesh->cols, mesh->band.rows, mesh->spacing[0])
            * width(i % mesh->cols, mesh->cols, mesh->spacing[1]);
@@ -157,8 +157,6 @@ static void add_load(weft__mesh *mesh, const weft_load *load)
 static void add_pin(weft__mesh *mesh, const weft_pin *pin, size_t number)
 {
     const grid_part of = part_of(mesh, pin->rows, pin->cols);
-    mesh->motions[number]
-        = weft__motion_of(pin->velocity, pin->amplitude, pin->frequency);
     for (size_t r = of.r0; r < of.r1; ++r) {
         for (size_t c = of.c0; c <= of.c1; ++c) {
             mesh->pin[r * mesh->cols + c] = (uint32_t)(number + 1);
@@ -170,16 +168,12 @@ void weft__grid_fill(weft__mesh *mesh, const weft_cloth_def *def)
 {
     for (size_t i = 0; i < mesh->particles; ++i) {
         mesh->mass[i]
-            = def->density > 0.0 ? def->density * weft__area(mesh, i) : def->mass;
+            = def->density > 0.0 ? def->density * weft__grid_area(mesh, i) : def->mass;
     }
     for (size_t i = 0; i < def->load_count; ++i) {
         add_load(mesh, &def->loads[i]);
     }
     for (size_t i = 0; i < def->pin_count; ++i) {
         add_pin(mesh, &def->pins[i], i);
-    }
-    mesh->motions[def->pin_count] = (weft__motion){ .moves = true, .coasts = true };
-    for (size_t i = 0; i < mesh->particles; ++i) {
-        mesh->pinned += mesh->pin[i] != 0;
     }
 }

@@ -120,8 +120,8 @@ static bool check_finite(const weft__mesh *grid, const weft__faults *to)
         const size_t r = corner / 2 * (grid->rows - 1),
                      c = corner % 2 * (grid->cols - 1);
         double rest[3], start[3];
-        weft__rest_position(grid, r * grid->cols + c, rest);
-        weft__start_position(grid, r * grid->cols + c, start);
+        weft__grid_rest(grid, r * grid->cols + c, rest);
+        weft__grid_start(grid, r * grid->cols + c, start);
         finite = finite && weft__all_finite(rest, 3) && weft__all_finite(start, 3);
     }
     if (!finite) {
@@ -147,8 +147,8 @@ static bool may_coincide(const weft__mesh *grid)
 static bool coincide(const weft__mesh *grid, size_t r, size_t c, size_t r2, size_t c2)
 {
     double a[3], b[3];
-    weft__rest_position(grid, r * grid->cols + c, a);
-    weft__rest_position(grid, r2 * grid->cols + c2, b);
+    weft__grid_rest(grid, r * grid->cols + c, a);
+    weft__grid_rest(grid, r2 * grid->cols + c2, b);
     const double d[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
     return r2 < grid->rows && c2 < grid->cols && weft__length(d) == 0.0;
 }
@@ -187,7 +187,7 @@ bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults
     return true;
 }
 
-size_t weft__pin_of(const weft_cloth_def *def, size_t r, size_t c)
+size_t weft__grid_pin_of(const weft_cloth_def *def, size_t r, size_t c)
 {
     for (size_t i = def->pin_count; i > 0; --i) {
         const weft_pin *pin = &def->pins[i - 1];

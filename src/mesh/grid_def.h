@@ -30,6 +30,16 @@ static inline double weft__strip(size_t at, size_t count)
     return count == 1 || weft__inner(at, count) ? 1.0 : 0.5;
 }
 
+/* The size and plain values of a definition, directions made unit. */
+void weft__grid_init(weft__mesh *mesh, const weft_cloth_def *def);
+
+/* Masses, loads and pins. */
+void weft__grid_fill(weft__mesh *mesh, const weft_cloth_def *def);
+
+void weft__grid_rest(const weft__mesh *mesh, size_t i, double x[3]);
+void weft__grid_start(const weft__mesh *mesh, size_t i, double x[3]);
+double weft__grid_area(const weft__mesh *mesh, size_t i);
+
 /* Checks the grid; compares neighbours in grids of up to `most` particles. Returns
  * false if the size is wrong. */
 bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults *to);
@@ -38,8 +48,8 @@ void weft__ranges_check(const weft_cloth_def *def, const weft__faults *to,
                         const char *what, size_t index, weft_range rows,
                         weft_range cols);
 
-/* 1 + the number of the pin that holds particle (r, c); 0: it is free. */
-size_t weft__pin_of(const weft_cloth_def *def, size_t r, size_t c);
+/* As weft__pin_of. */
+size_t weft__grid_pin_of(const weft_cloth_def *def, size_t r, size_t c);
 
 /* A range of def with negative ends resolved; false if it leaves [0, count). */
 bool weft__range_resolve(weft_range range, size_t count, size_t *first, size_t *last);

@@ -44,12 +44,12 @@ typedef struct weft__mesh {
     double *coast;               /* [m/s] of a copy: 3 N, x y z of each that coasts */
     weft__motion *motions;       /* motion_count of them, and one that coasts */
     size_t motion_count;
-    struct weft__triangles *triangles; /* triangles.h; NULL: a grid */
-    /* grid.c; of triangles a row is a block, and the rest is not used */
-    size_t rows, cols;
-    weft_band band; /* which rows of the whole these are */
-    double spacing[2], origin[3], right[3], down[3], scale; /* right, down: unit */
+    weft_band band; /* which blocks of the whole these are: rows of a grid */
     double velocity[3];
+    struct weft__triangles *triangles; /* triangles.h; NULL: a grid */
+    /* grid.c; 0 of triangles */
+    size_t rows, cols;
+    double spacing[2], origin[3], right[3], down[3], scale; /* right, down: unit */
 } weft__mesh;
 
 static inline double weft__dot(const double a[3], const double b[3])
@@ -62,18 +62,30 @@ static inline double weft__length(const double a[3])
     return sqrt(weft__dot(a, a));
 }
 
-/* ---- grid.c ---------------------------------------------------------------------- */
+/* ---- mesh.c ---------------------------------------------------------------------- */
 
-/* The size and plain values of a definition, directions made unit. */
-void weft__grid_init(weft__mesh *mesh, const weft_cloth_def *def);
+/* The size and plain values of a definition, directions made unit; of a grid with
+ * triangles NULL. */
+void weft__mesh_init(weft__mesh *mesh, const weft_cloth_def *def,
+                     struct weft__triangles *triangles);
 
 /* Masses, loads and pins of a definition, for which there is room. */
-void weft__grid_fill(weft__mesh *mesh, const weft_cloth_def *def);
+void weft__mesh_fill(weft__mesh *mesh, const weft_cloth_def *def);
 
-/* Of particle i: where it rests, where it is at t = 0 [m], its lumped area [m^2]. */
-void weft__rest_position(const weft__mesh *mesh, size_t i, double x[3]);
+/* Where all particles rest: x y z of each; (u, v, 0) of triangles. */
+void weft__rest_positions(const weft__mesh *mesh, double *xyz);
+
+/* Of particle i: where it is at t = 0 [m], its lumped area [m^2]. */
 void weft__start_position(const weft__mesh *mesh, size_t i, double x[3]);
 double weft__area(const weft__mesh *mesh, size_t i);
+
+/* Of a definition without faults: 1 + the number of the pin that holds a particle of
+ * the whole cloth, 0: it is free; and what messages call the particle. */
+size_t weft__pin_of(const weft_cloth_def *def, size_t particle);
+const char *weft__particle_text(const weft_cloth_def *def, size_t particle, char *text,
+                                size_t size);
+
+/* ---- grid.c ---------------------------------------------------------------------- */
 
 /* [m] The shortest edge at rest, diagonals aside. */
 double weft__shortest_edge(const weft__mesh *mesh);
@@ -82,6 +94,16 @@ double weft__shortest_edge(const weft__mesh *mesh);
  * number, 0 to 3 and 0 or 2. */
 size_t weft__edges_of(const weft__mesh *mesh, size_t i, uint32_t edges[3][2]);
 size_t weft__triangles_of(const weft__mesh *mesh, size_t i, uint32_t triangles[2][3]);
+
+/* Particles of the whole cloth; its shape, with the number of blocks. */
+static inline size_t weft__whole_particles(const weft__mesh *mesh)
+{
+    return mesh->triangles != NULL ? mesh->particles : mesh->band.rows * mesh->cols;
+}
+static inline size_t weft__width_of(const weft__mesh *mesh)
+{
+    return mesh->triangles != NULL ? mesh->particles : mesh->cols;
+}
 
 /* The number of particle i in the whole cloth. */
 static inline size_t weft__whole_index(const weft__mesh *mesh, size_t i)

@@ -1,11 +1,557 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* triangles.c -- the tables of a mesh of triangles from its definition. */
-#include "mesh/triangles.h"
+/* triangles.c -- the tables of a mesh of triangles from its definition, in linear time.
+ */
+#include "mesh/triangles_work.h"
 
+#include "base/memory.h"
 #include "base/sized.h"
 
 void weft_mesh_def_init(weft_mesh_def *def, size_t size)
 {
     const weft_mesh_def start = { .struct_size = (uint32_t)size };
     weft__sized_write(def, size, &start, sizeof start);
+}
+
+/* ---- edges ----------------------------------------------------------------------- */
+
+static bool before(const weft__half_edge *a, const weft__half_edge *b)
+{
+    return a->high < b->high || (a->high == b->high && a->triangle < b->triangle);
+}
+
+static void sort_few(weft__half_edge *from, weft__half_edge *end)
+{
+    for (weft__half_edge *i = from + 1; i < end; ++i) {
+        const weft__half_edge kept = *i;
+        weft__half_edge *j = i;
+        for (; j > from && before(&kept, j - 1); --j) {
+            *j = j[-1];
+        }
+        *j = kept;
+    }
+}
+
+/* Fills halves and first from the corners of T triangles: the edges of a vertex are
+ * few.
+ */
+static void list_halves(weft__work *at, const uint32_t *corners, size_t vertices,
+                        size_t count)
+{
+    memset(at->first, 0, (vertices + 1) * sizeof *at->first);
+    for (size_t pass = 0; pass < 2; ++pass) {
+        for (size_t h = 0; h < 3 * count; ++h) {
+            const size_t t = h / 3, k = h % 3;
+            const uint32_t p = corners[3 * t + (k + 1) % 3];
+            const uint32_t q = corners[3 * t + (k + 2) % 3], low = p < q ? p : q;
+            if (pass == 0) {
+                ++at->first[low];
+            } else {
+                at->halves[--at->first[low]]
+                    = (weft__half_edge){ p < q ? q : p, (uint32_t)t, (uint8_t)k,
+                                         p > q };
+            }
+        }
+        for (size_t i = 0; pass == 0 && i < vertices; ++i) {
+            at->first[i + 1] += at->first[i];
+        }
+    }
+    for (size_t i = 0; i < vertices; ++i) {
+        sort_few(at->halves + at->first[i], at->halves + at->first[i + 1]);
+    }
+}
+
+static uint32_t root(uint32_t *piece, uint32_t t)
+{
+    while (piece[t] != t) {
+        t = piece[t] = piece[piece[t]];
+    }
+    return t;
+}
+
+/* Whether two half edges between the same vertices have the same places there. */
+static bool same_places(const weft_mesh_def *def, const weft__half_edge *a,
+                        const weft__half_edge *b)
+{
+    const size_t i = (a->corner + 1U) % 3, j = (a->corner + 2U) % 3;
+    for (size_t k = 0; k < 3; ++k) {
+        const uint32_t vertex = weft__vertex_at(def, b->triangle, k);
+        for (size_t end = 0; end < 2; ++end) {
+            const size_t c = end == 0 ? i : j;
+            if (weft__vertex_at(def, a->triangle, c) == vertex
+                && weft__place_at(def, a->triangle, c)
+                       != weft__place_at(def, b->triangle, k)) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+/* Edges of the same two vertices: at most two, in opposite directions. */
+static void join(weft__work *at, uint32_t low, const weft__half_edge *from,
+                 size_t count)
+{
+    const size_t p = weft__name_of(at, low), q = weft__name_of(at, from->high);
+    if (count > 2) {
+        weft__mesh_fault(at, WEFT__MESH_TRIANGLE, from[2].triangle,
+                         "edge %zu-%zu has %zu triangles; an edge has one or two", p, q,
+                         count);
+    } else if (count == 2 && from[0].down == from[1].down) {
+        weft__mesh_fault(
+            at, WEFT__MESH_TRIANGLE, from[1].triangle,
+            "two triangles run along edge %zu-%zu in the same direction: one of them "
+            "is flipped",
+            p, q);
+    } else if (count == 2 && same_places(at->def, &from[0], &from[1])) {
+        const uint32_t a = root(at->piece, from[0].triangle),
+                       b = root(at->piece, from[1].triangle);
+        at->piece[a < b ? b : a] = a < b ? a : b;
+    }
+}
+
+typedef void edge_fn(weft__work *at, uint32_t low, const weft__half_edge *from,
+                     size_t count);
+
+static void each_edge(weft__work *at, size_t vertices, edge_fn *visit)
+{
+    for (size_t i = 0; i < vertices; ++i) {
+        for (size_t h = at->first[i], end = h; h < at->first[i + 1]; h = end) {
+            while (end < at->first[i + 1]
+                   && at->halves[end].high == at->halves[h].high) {
+                ++end;
+            }
+            visit(at, (uint32_t)i, &at->halves[h], end - h);
+        }
+    }
+}
+
+/* A piece that is a mirror image is clockwise in (u, v) all over. */
+static void check_sides(weft__work *at)
+{
+    for (size_t t = 0; !at->failed && t < at->def->triangles; ++t) {
+        double longest;
+        const uint32_t first = root(at->piece, (uint32_t)t);
+        if ((weft__twice_area(at->def, t, &longest) > 0.0)
+            != (weft__twice_area(at->def, first, &longest) > 0.0)) {
+            weft__mesh_fault(
+                at, WEFT__MESH_TRIANGLE, t,
+                "the triangle of vertices %zu, %zu, %zu is turned over in the rest "
+                "shape, against that of %zu, %zu, %zu of its piece",
+                weft__name_of(at, weft__vertex_at(at->def, t, 0)),
+                weft__name_of(at, weft__vertex_at(at->def, t, 1)),
+                weft__name_of(at, weft__vertex_at(at->def, t, 2)),
+                weft__name_of(at, weft__vertex_at(at->def, first, 0)),
+                weft__name_of(at, weft__vertex_at(at->def, first, 1)),
+                weft__name_of(at, weft__vertex_at(at->def, first, 2)));
+        }
+    }
+}
+
+/* ---- order ----------------------------------------------------------------------- */
+
+/* The distance of a point along Hilbert's curve (D. Hilbert, Math. Ann. 38, 459, 1891).
+ */
+static uint64_t hilbert(uint32_t x, uint32_t y)
+{
+    uint64_t d = 0;
+    for (uint32_t s = UINT32_C(1) << 31; s > 0; s >>= 1) {
+        const bool right = (x & s) != 0, up = (y & s) != 0;
+        d = d << 2 | ((right ? 3U : 0U) ^ (up ? 1U : 0U));
+        if (!up) {
+            const uint32_t kept = right ? ~x : x;
+            x = right ? ~y : y;
+            y = kept;
+        }
+    }
+    return d;
+}
+
+/* A part of 2^32, 0 for what is no number. */
+static uint32_t along(double part)
+{
+    return part <= 1.0 ? (uint32_t)(part * (double)UINT32_MAX) : 0;
+}
+
+/* The least of the places of each vertex. */
+static void set_keys(weft__work *at)
+{
+    const weft_mesh_def *def = at->def;
+    double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
+    for (size_t h = 0; h < 3 * def->triangles; ++h) {
+        const double *x = &def->rest[2 * (size_t)weft__place_at(def, h / 3, h % 3)];
+        for (size_t k = 0; k < 2; ++k) {
+            low[k] = fmin(low[k], x[k]);
+            high[k] = fmax(high[k], x[k]);
+        }
+    }
+    const double extent = fmax(high[0] - low[0], high[1] - low[1]);
+    memset(at->key, 0xff, def->vertices * sizeof *at->key);
+    for (size_t h = 0; h < 3 * def->triangles; ++h) {
+        const double *x = &def->rest[2 * (size_t)weft__place_at(def, h / 3, h % 3)];
+        const uint64_t key
+            = hilbert(along((x[0] - low[0]) / extent), along((x[1] - low[1]) / extent));
+        uint64_t *kept = &at->key[weft__vertex_at(def, h / 3, h % 3)];
+        *kept = key < *kept ? key : *kept;
+    }
+}
+
+/* Sorts order[count] by keys, byte after byte from the last one; equal keys keep their
+ * order. */
+static void sort_by_keys(const uint64_t *key, uint32_t **order, uint32_t **other,
+                         size_t count)
+{
+    for (unsigned shift = 0; shift < 64; shift += 8) {
+        size_t start[257] = { 0 };
+        for (size_t i = 0; i < count; ++i) {
+            ++start[(key[i] >> shift & 0xff) + 1];
+        }
+        for (size_t b = 0; b < 256; ++b) {
+            start[b + 1] += start[b];
+        }
+        for (size_t i = 0; i < count; ++i) {
+            (*other)[start[key[(*order)[i]] >> shift & 0xff]++] = (*order)[i];
+        }
+        uint32_t *kept = *order;
+        *order = *other;
+        *other = kept;
+    }
+}
+
+/* The bits of a double so that larger ones are larger. */
+static uint64_t ascending(double x)
+{
+    uint64_t bits;
+    x += 0.0; /* -0 is 0 */
+    memcpy(&bits, &x, sizeof bits);
+    return bits >> 63 != 0 ? ~bits : bits | UINT64_C(1) << 63;
+}
+
+static bool tied(const weft__work *at)
+{
+    for (size_t i = 1; i < at->def->vertices; ++i) {
+        if (at->key[at->order[i - 1]] == at->key[at->order[i]]) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Pieces that lie on top of one another: ties by where particles start. */
+static void break_ties(weft__work *at)
+{
+    const size_t n = at->def->vertices;
+    for (size_t k = 3; k-- > 0;) {
+        for (size_t i = 0; i < n; ++i) {
+            at->key[i] = ascending(at->def->start[3 * i + k]);
+        }
+        sort_by_keys(at->key, &at->order, &at->other, n);
+    }
+    set_keys(at);
+    sort_by_keys(at->key, &at->order, &at->other, n);
+}
+
+static void order_particles(weft__work *at)
+{
+    const size_t n = at->def->vertices;
+    for (size_t i = 0; i < n; ++i) {
+        at->order[i] = (uint32_t)i;
+    }
+    set_keys(at);
+    sort_by_keys(at->key, &at->order, &at->other, n);
+    if (tied(at)) {
+        break_ties(at);
+    }
+    for (size_t i = 0; i < n; ++i) {
+        const uint32_t vertex = at->order[i];
+        at->out->vertex[i] = vertex;
+        at->out->of_vertex[vertex] = (uint32_t)i;
+        memcpy(&at->out->start[3 * i], &at->def->start[3 * (size_t)vertex],
+               3 * sizeof *at->out->start);
+    }
+}
+
+/* The corner of a triangle whose particle is the lowest. */
+static size_t lowest_corner(const weft__work *at, size_t t)
+{
+    const uint32_t *of = at->out->of_vertex;
+    const uint32_t a = of[weft__vertex_at(at->def, t, 0)],
+                   b = of[weft__vertex_at(at->def, t, 1)],
+                   c = of[weft__vertex_at(at->def, t, 2)];
+    return a < b && a < c ? 0 : b < c ? 1 : 2;
+}
+
+/* order[T]: triangles by their corners, the lowest first. */
+static void order_triangles(weft__work *at)
+{
+    const size_t count = at->def->triangles;
+    for (size_t pass = 0; pass < 2; ++pass) { /* by the others, then by the lowest */
+        for (size_t t = 0; t < count; ++t) {
+            const size_t k = lowest_corner(at, t);
+            const uint32_t *of = at->out->of_vertex;
+            const uint64_t next = of[weft__vertex_at(at->def, t, (k + 1) % 3)];
+            at->key[t] = pass == 0 ? next : of[weft__vertex_at(at->def, t, k)];
+            at->order[t] = pass == 0 ? (uint32_t)t : at->order[t];
+        }
+        sort_by_keys(at->key, &at->order, &at->other, count);
+    }
+}
+
+/* ---- tables ---------------------------------------------------------------------- */
+
+/* A corner's place as defined, and its piece. */
+typedef struct fan {
+    uint32_t place, piece, number;
+} fan;
+
+/* A mirrored piece becomes counterclockwise by u -> -u. */
+static void add_place(weft__work *at, uint32_t particle, uint32_t given,
+                      uint32_t triangle)
+{
+    weft__triangles *out = at->out;
+    const double *x = &at->def->rest[2 * (size_t)given];
+    double longest;
+    const bool mirrored = weft__twice_area(at->def, triangle, &longest) < 0.0;
+    out->particle[out->places] = particle;
+    out->rest[out->places][0] = mirrored ? -x[0] : x[0];
+    out->rest[out->places++][1] = x[1];
+}
+
+/* Places by particles, then as they appear: a particle has one in each piece and place
+ * of the definition. Fans of a particle are few. */
+static void set_places(weft__work *at, uint32_t *next, fan *fans)
+{
+    weft__triangles *out = at->out;
+    for (size_t t = 0; t < out->count; ++t) {
+        for (size_t k = 0; k < 3; ++k) {
+            const uint32_t particle = out->corner[t][k], given = out->place[t][k];
+            fan *of = fans + at->first[particle];
+            size_t i = 0;
+            while (i < next[particle]
+                   && (of[i].place != given || of[i].piece != out->piece[t])) {
+                ++i;
+            }
+            if (i == next[particle]) {
+                of[next[particle]++]
+                    = (fan){ given, out->piece[t], (uint32_t)out->places };
+                add_place(at, particle, given, at->order[t]);
+            }
+            out->place[t][k] = of[i].number;
+        }
+    }
+}
+
+static void list_places(weft__work *at)
+{
+    const size_t n = at->def->vertices, corners = 3 * at->out->count;
+    uint32_t *next = weft__work_take(at, n, sizeof *next);
+    fan *fans = weft__work_take(at, corners, sizeof *fans);
+    if (!at->failed) {
+        memset(at->first, 0, (n + 1) * sizeof *at->first);
+        for (size_t c = 0; c < corners; ++c) {
+            ++at->first[at->out->corner[c / 3][c % 3] + 1];
+        }
+        for (size_t i = 0; i < n; ++i) {
+            at->first[i + 1] += at->first[i];
+        }
+        set_places(at, next, fans);
+    }
+    weft__free(at->memory, next);
+    weft__free(at->memory, fans);
+}
+
+/* Triangles in their order, with pieces numbered as they appear. */
+static void list_triangles(weft__work *at)
+{
+    weft__triangles *out = at->out;
+    uint32_t *number = at->other; /* of a root */
+    memset(number, 0xff, out->count * sizeof *number);
+    for (size_t t = 0; t < out->count; ++t) {
+        const uint32_t from = at->order[t], first = root(at->piece, from);
+        const size_t low = lowest_corner(at, from);
+        for (size_t k = 0; k < 3; ++k) {
+            const size_t c = (low + k) % 3;
+            out->corner[t][k] = out->of_vertex[weft__vertex_at(at->def, from, c)];
+            out->place[t][k] = weft__place_at(at->def, from, c);
+        }
+        if (number[first] == WEFT__NONE) {
+            number[first] = (uint32_t)out->pieces++;
+        }
+        out->piece[t] = number[first];
+        out->fabric[t] = at->def->fabric_of != NULL ? at->def->fabric_of[from] : 0;
+    }
+}
+
+static void set_areas(weft__work *at)
+{
+    weft__triangles *out = at->out;
+    for (size_t t = 0; t < out->count; ++t) {
+        double longest;
+        out->area[t] = 0.5 * fabs(weft__twice_area(at->def, at->order[t], &longest));
+        for (size_t k = 0; k < 3; ++k) {
+            out->lumped[out->corner[t][k]] += out->area[t] / 3.0;
+        }
+    }
+}
+
+static uint32_t place_of(const weft__triangles *of, uint32_t t, uint32_t particle)
+{
+    const uint32_t *corner = of->corner[t];
+    return of->place[t][corner[0] == particle ? 0 : corner[1] == particle ? 1 : 2];
+}
+
+static void add_edge(weft__work *at, uint32_t low, const weft__half_edge *from,
+                     size_t count)
+{
+    weft__triangles *out = at->out;
+    const bool joined = count == 2
+                        && place_of(out, from[0].triangle, low)
+                               == place_of(out, from[1].triangle, low)
+                        && place_of(out, from[0].triangle, from->high)
+                               == place_of(out, from[1].triangle, from->high);
+    const size_t sides = joined ? 1 : count;
+    for (size_t i = 0; i < sides; ++i) {
+        const uint32_t edge = (uint32_t)out->edges++, t = from[i].triangle;
+        out->edge_list[edge]
+            = (weft__edge){ .place
+                            = { place_of(out, t, low), place_of(out, t, from->high) },
+                            .triangle = { t, joined ? from[1].triangle : WEFT__NONE },
+                            .sewn = sides == 1 ? WEFT__NONE
+                                    : i == 0   ? edge + 1
+                                               : edge - 1 };
+        out->edge[t][from[i].corner] = edge;
+        if (joined) {
+            out->edge[from[1].triangle][from[1].corner] = edge;
+        }
+    }
+}
+
+static void copy_fabrics(weft__work *at)
+{
+    weft__triangles *out = at->out;
+    for (size_t i = 0; i < out->fabric_count; ++i) {
+        weft_fabric *to = &out->fabrics[i];
+        *to = at->def->fabrics[i];
+        to->twist = to->twist < 0.0 ? sqrt(to->bend[0] * to->bend[1]) : to->twist;
+        to->name = NULL;
+    }
+    for (size_t i = 0; out->name != NULL && i < at->def->vertices; ++i) {
+        out->name[i] = at->def->names[i];
+    }
+}
+
+static void allocate(weft__work *at)
+{
+    const size_t n = at->def->vertices, t = at->def->triangles;
+    const size_t most = n > t ? n : t;
+    weft__triangles *out = at->out;
+    at->halves = weft__work_take(at, 3 * t, sizeof *at->halves);
+    at->first = weft__work_take(at, n + 1, sizeof *at->first);
+    at->piece = weft__work_take(at, t, sizeof *at->piece);
+    at->key = weft__work_take(at, most, sizeof *at->key);
+    at->order = weft__work_take(at, most, sizeof *at->order);
+    at->other = weft__work_take(at, most, sizeof *at->other);
+    out->corner = weft__work_take(at, t, sizeof *out->corner);
+    out->place = weft__work_take(at, t, sizeof *out->place);
+    out->edge = weft__work_take(at, t, sizeof *out->edge);
+    out->piece = weft__work_take(at, t, sizeof *out->piece);
+    out->fabric = weft__work_take(at, t, sizeof *out->fabric);
+    out->area = weft__work_take(at, t, sizeof *out->area);
+    out->rest = weft__work_take(at, 3 * t, sizeof *out->rest);
+    out->particle = weft__work_take(at, 3 * t, sizeof *out->particle);
+    out->edge_list = weft__work_take(at, 3 * t, sizeof *out->edge_list);
+    out->start = weft__work_take(at, 3 * n, sizeof *out->start);
+    out->lumped = weft__work_take(at, n, sizeof *out->lumped);
+    out->vertex = weft__work_take(at, n, sizeof *out->vertex);
+    out->of_vertex = weft__work_take(at, n, sizeof *out->of_vertex);
+    out->fabrics = weft__work_take(at, at->def->fabric_count, sizeof *out->fabrics);
+    out->name
+        = at->def->names != NULL ? weft__work_take(at, n, sizeof *out->name) : NULL;
+    out->count = t;
+    out->fabric_count = at->def->fabric_count;
+    out->seams = at->def->seams;
+    out->arc = at->def->arc;
+}
+
+/* Faults of what triangles are joined to, with which the rest cannot be made. */
+static void find_pieces(weft__work *at)
+{
+    const weft_mesh_def *def = at->def;
+    for (size_t t = 0; t < def->triangles; ++t) {
+        at->piece[t] = (uint32_t)t;
+    }
+    list_halves(at, def->corners, def->vertices, def->triangles);
+    each_edge(at, def->vertices, join);
+    check_sides(at);
+}
+
+static void fill(weft__work *at)
+{
+    order_particles(at);
+    order_triangles(at);
+    list_triangles(at);
+    list_places(at);
+    if (!at->failed) {
+        set_areas(at);
+        copy_fabrics(at);
+        list_halves(at, &at->out->corner[0][0], at->def->vertices, at->out->count);
+        each_edge(at, at->def->vertices, add_edge);
+    }
+}
+
+weft__triangles *weft__triangles_create(const weft_mesh_def *def,
+                                        const weft_allocator *memory,
+                                        const weft__mesh_faults *to, bool *no_memory)
+{
+    weft__work at = { .def = def, .memory = memory, .to = to };
+    weft__triangles_check(&at);
+    if (!at.failed) {
+        at.out = weft__work_take(&at, 1, sizeof *at.out);
+    }
+    static void (*const steps[])(weft__work *) = { allocate, find_pieces, fill };
+    for (size_t i = 0; !at.failed && i < sizeof steps / sizeof steps[0]; ++i) {
+        steps[i](&at);
+    }
+    void *const scratch[]
+        = { at.halves, at.first, at.piece, at.key, at.order, at.other };
+    for (size_t i = 0; i < sizeof scratch / sizeof scratch[0]; ++i) {
+        weft__free(memory, scratch[i]);
+    }
+    *no_memory = at.no_memory;
+    if (at.failed) {
+        weft__triangles_destroy(at.out, memory);
+        return NULL;
+    }
+    return at.out;
+}
+
+void weft__triangles_destroy(weft__triangles *of, const weft_allocator *memory)
+{
+    if (of == NULL) {
+        return;
+    }
+    void *const blocks[] = { of->corner,    of->place,   of->edge,   of->piece,
+                             of->fabric,    of->area,    of->rest,   of->particle,
+                             of->edge_list, of->start,   of->lumped, of->vertex,
+                             of->of_vertex, of->fabrics, of->name,   of };
+    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) {
+        weft__free(memory, blocks[i]);
+    }
+}
+
+void weft__triangles_masses(const weft__triangles *of, const weft_cloth_def *def,
+                            double *mass)
+{
+    memset(mass, 0, def->mesh->vertices * sizeof *mass);
+    for (size_t t = 0; t < of->count; ++t) {
+        const double share = of->fabrics[of->fabric[t]].density * of->area[t] / 3.0;
+        for (size_t k = 0; k < 3; ++k) {
+            mass[of->corner[t][k]] += share;
+        }
+    }
+    for (size_t i = 0; i < def->load_count; ++i) {
+        const weft_load *load = &def->loads[i];
+        for (size_t k = 0; k < load->vertex_count; ++k) {
+            mass[of->of_vertex[load->vertices[k]]] += load->mass;
+        }
+    }
 }

@@ -70,6 +70,10 @@ typedef struct weft__mesh_faults {
 weft__triangles *weft__triangles_create(const weft_mesh_def *def,
                                         const weft_allocator *memory,
                                         const weft__mesh_faults *to, bool *no_memory);
+/* Writes the masses [kg] of particles with their loads. */
+void weft__triangles_masses(const weft__triangles *of, const weft_cloth_def *def,
+                            double *mass);
+
 void weft__triangles_destroy(weft__triangles *of, const weft_allocator *memory);
 
 #endif

@@ -73,7 +73,7 @@ static bool holds_all(const weft_cloth_def *cloth)
     const size_t particles = cloth->rows * cloth->cols;
     bool all = (double)particles * (double)cloth->pin_count < MAX_COVERED;
     for (size_t i = 0; i < particles && all; ++i) {
-        all = weft__pin_of(cloth, i / cloth->cols, i % cloth->cols) > 0;
+        all = weft__pin_of(cloth, i) > 0;
     }
     return all;
 }

@@ -196,12 +196,12 @@ static void warn_of_pin(weft__reader *reader, const weft__mesh *grid, size_t pin
     for (size_t i = 0; i < count * def->contact.shape_count; ++i) {
         const size_t k = i / count, r = top + i % count / wide, c = left + i % wide;
         double x[3];
-        weft__start_position(grid, r * grid->cols + c, x);
+        weft__grid_start(grid, r * grid->cols + c, x);
         *compared += def->pin_count;
         if (*compared > MOST_TIMES) {
             return;
         }
-        const double t = weft__pin_of(def, r, c) != pin + 1
+        const double t = weft__grid_pin_of(def, r, c) != pin + 1
                              ? -1.0
                              : time_inside(&def->contact.shapes[k], &def->pins[pin], x,
                                            reader->scene->run.duration, compared);

@@ -63,7 +63,8 @@ static weft_status check_format(const unsigned char *head, weft_error *err)
 static weft_status check_size(const weft_sim *sim, const unsigned char *head,
                               size_t size, size_t *shapes, weft_error *err)
 {
-    const size_t rows = sim->cloth->mesh.band.rows, cols = sim->cloth->mesh.cols;
+    const size_t rows = sim->cloth->mesh.band.rows,
+                 cols = weft__width_of(&sim->cloth->mesh);
     if (word(head, AT_ROWS) != rows || word(head, AT_COLS) != cols) {
         return weft_error_set(err, WEFT_INVALID,
                               "saved of %llu x %llu particles, and these are %zu x %zu",
@@ -75,7 +76,8 @@ static weft_status check_size(const weft_sim *sim, const unsigned char *head,
                               sim->ledger.on ? "without" : "with");
     }
     const size_t words = size / WEFT__WORD;
-    const size_t least = weft__save_front(sim, 0) + WEFT__SAVE_PLANES * rows * cols;
+    const size_t least
+        = weft__save_front(sim, 0) + WEFT__SAVE_PLANES * weft__save_particles(sim);
     *shapes = words < least ? 0 : (words - least) / SHAPE_WORDS;
     return size == (least + *shapes * SHAPE_WORDS) * WEFT__WORD ? WEFT_OK
                                                                 : damaged(err);

@@ -101,15 +101,16 @@ uint64_t weft__save_sum(const weft__forces *forces, const double *y,
                         const uint64_t *holds, const unsigned char *front, size_t words)
 {
     const weft_cloth *cloth = forces->cloth;
-    const size_t cols = cloth->mesh.cols;
     uint64_t *own = (uint64_t *)(void *)forces->measures;
     for (size_t r = 0; r < cloth->mesh.band.own; ++r) {
-        const size_t first = (cloth->mesh.band.above + r) * cols;
+        const size_t b = cloth->mesh.band.above + r;
+        const size_t first = weft__block(&cloth->mesh, b);
+        const size_t count = weft__block(&cloth->mesh, b + 1) - first;
         own[r] = WEFT__HASH_START;
         for (size_t k = 0; k < 6; ++k) {
-            own[r] = add_words(own[r], y + k * cloth->mesh.particles + first, cols);
+            own[r] = add_words(own[r], y + k * cloth->mesh.particles + first, count);
         }
-        own[r] = add_words(own[r], holds + first, cols);
+        own[r] = add_words(own[r], holds + first, count);
     }
     const uint64_t *rows = weft__bands_blocks(forces, own, sizeof *own);
     const uint64_t sum = weft__words_sum(front, rows == NULL ? 0 : words);
@@ -125,7 +126,7 @@ static void put_head(const weft_sim *sim, unsigned char *to)
     memcpy(to, WEFT__SAVE_MAGIC, WEFT__WORD);
     weft__word_put(to + AT_VERSION * WEFT__WORD, WEFT__SAVE_VERSION);
     weft__word_put(to + AT_ROWS * WEFT__WORD, sim->cloth->mesh.band.rows);
-    weft__word_put(to + AT_COLS * WEFT__WORD, weft_cloth_cols(sim->cloth));
+    weft__word_put(to + AT_COLS * WEFT__WORD, weft__width_of(&sim->cloth->mesh));
     weft__word_put(to + AT_QUADRATURES * WEFT__WORD, sim->config.quadratures);
     weft__word_put(to + AT_CLOTH * WEFT__WORD, sim->cloth_hash);
     weft__word_put(to + AT_SETTINGS * WEFT__WORD, sim->settings);
@@ -174,11 +175,11 @@ static weft_status put_planes(const weft_sim *sim, const parts *to, weft_status 
                               weft_error *err)
 {
     const weft_cloth *cloth = sim->cloth;
-    const size_t n = cloth->mesh.particles, cols = cloth->mesh.cols;
-    const size_t own = cloth->mesh.band.own * cols,
-                 skip = cloth->mesh.band.above * cols;
+    const weft__mesh *mesh = &cloth->mesh;
+    const size_t n = mesh->particles, skip = weft__block(mesh, mesh->band.above);
+    const size_t own = weft__block(mesh, mesh->band.above + mesh->band.own) - skip;
     size_t at = weft__save_front(sim, cloth->contact.shape_count)
-                + cloth->mesh.band.first * cols;
+                + mesh->band.first * mesh->block;
     for (size_t k = 0; k < WEFT__SAVE_PLANES; ++k) {
         const void *from = k < 6 ? (const void *)(sim->y + k * n + skip)
                                  : (const void *)(to->holds + skip);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* save.h -- the bytes of a saved simulation, for save.c and restore.c.
  *
- * Words (bytes.h). First the front: "weftsave", version, rows, cols, quadratures,
- * hashes of the cloth's definition and of the settings, the method's name in 64 bytes,
- * fields, quadratures of y, the number of shapes, a hash of the law of contact, the
- * shapes (kind, the numbers of weft_shape from `at` on, since when it moves so),
- * checksum. Then planes of all particles: the six of y, and their holds. The checksum
- * is that of the front before it and of a word for each row: the checksum of the row's
- * words, plane by plane. */
+ * Words (bytes.h). First the front: "weftsave", version, blocks, cols (of triangles:
+ * particles), quadratures, hashes of the cloth's definition and of the settings, the
+ * method's name in 64 bytes, fields, quadratures of y, the number of shapes, a hash of
+ * the law of contact, the shapes (kind, the numbers of weft_shape from `at` on, since
+ * when it moves so), checksum. Then planes of all particles: the six of y, and their
+ * holds. The checksum is that of the front before it and of a word for each row: the
+ * checksum of the row's words, plane by plane. */
 #ifndef WEFT_SIM_SAVE_H
 #define WEFT_SIM_SAVE_H
 
@@ -60,7 +60,7 @@ static inline size_t weft__save_front(const weft_sim *sim, size_t shapes)
 /* Of the whole cloth, in a plane. */
 static inline size_t weft__save_particles(const weft_sim *sim)
 {
-    return sim->cloth->mesh.band.rows * sim->cloth->mesh.cols;
+    return weft__whole_particles(&sim->cloth->mesh);
 }
 
 /* The name of the method, cut to the room, then zeros. */

@@ -7,11 +7,11 @@
 #include "cloth/model.h"
 #include "sim/simulation.h"
 
-/* v' += f / m of the free particles; the power f.v [W] of all of them, row by row. */
+/* v' += f / m of the free particles; the power f.v [W] of all of them, row by block. */
 static double accelerate(const weft_sim *sim, const double *y, double *dydt)
 {
     const size_t n = weft_cloth_particles(sim->cloth);
-    const size_t cols = weft_cloth_cols(sim->cloth);
+    const weft__mesh *mesh = &sim->cloth->mesh;
     const double *v = y + 3 * n;
     double *dvdt = dydt + 3 * n;
     double power = 0.0, row = 0.0;
@@ -21,7 +21,7 @@ static double accelerate(const weft_sim *sim, const double *y, double *dydt)
             dvdt[j] += sim->added[j] / mass;
             row += sim->added[j] * v[j];
         }
-        if ((i + 1) % cols == 0) {
+        if ((i + 1) % mesh->block == 0 || i + 1 == n) {
             power += row;
             row = 0.0;
         }

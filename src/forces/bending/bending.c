@@ -41,6 +41,9 @@ static weft__bending rigidity_of(const weft_cloth_def *def)
 
 static void check(const weft_cloth_def *def, const weft__faults *to)
 {
+    if (def->mesh != NULL) {
+        return;
+    }
     const size_t bending = offsetof(weft_cloth_def, bending);
     if (!WEFT__NUMBERS_CHECK(weft__bending_numbers, &def->bending, to, "bending: ")) {
         return;
@@ -60,7 +63,7 @@ static void check(const weft_cloth_def *def, const weft__faults *to)
 static bool init(void *own, const weft_cloth_def *def, const weft_allocator *memory)
 {
     weft__bending *of = own;
-    weft__bending k = rigidity_of(def);
+    weft__bending k = def->mesh == NULL ? rigidity_of(def) : (weft__bending){ 0 };
     (void)memory;
     k.mesh = of->mesh, k.fast = of->fast;
     *of = k;

@@ -144,14 +144,20 @@ static double start_gap(const weft_cloth_def *def, const weft_shape *shape,
     double least = (double)INFINITY;
     const weft__shape of = weft__shape_of(shape, 0.0);
     const weft__pose pose = weft__pose_of(&of, 0.0);
-    weft__grid_init(&grid, def);
-    for (size_t i = 0; i < grid.particles; ++i) {
-        const size_t whole = weft__whole_index(&grid, i), c = i % grid.cols;
+    if (def->mesh == NULL) {
+        weft__grid_init(&grid, def);
+    }
+    const size_t count = def->mesh != NULL ? def->mesh->vertices : grid.particles;
+    for (size_t i = 0; i < count; ++i) {
+        const size_t whole = def->mesh != NULL ? i : weft__whole_index(&grid, i);
         double x[3];
-        weft__start_position(&grid, i, x);
+        if (def->mesh != NULL) {
+            memcpy(x, &def->mesh->start[3 * i], sizeof x);
+        } else {
+            weft__grid_start(&grid, i, x);
+        }
         const double gap = weft__gap_at(&pose, x);
-        if (!(gap > 0.0) && gap < least
-            && weft__pin_of(def, whole / grid.cols, c) == 0) {
+        if (!(gap > 0.0) && gap < least && weft__pin_of(def, whole) == 0) {
             least = gap;
             *particle = whole;
         }
@@ -163,9 +169,10 @@ bool weft__start_check(const weft_cloth_def *def, size_t shape, char *text, size
 {
     size_t i = 0;
     const double gap = start_gap(def, &def->contact.shapes[shape], &i);
-    (void)weft_text_format(text, size,
-                           "particle (%zu, %zu) is %.3g mm inside shapes[%zu]",
-                           i / def->cols, i % def->cols, 1e3 * fabs(gap), shape);
+    char name[64];
+    (void)weft_text_format(text, size, "%s is %.3g mm inside shapes[%zu]",
+                           weft__particle_text(def, i, name, sizeof name),
+                           1e3 * fabs(gap), shape);
     return gap > 0.0;
 }
 

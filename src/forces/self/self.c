@@ -22,6 +22,7 @@ typedef int truth;
 #define CHOOSE(t, a, b) ((t) ? (a) : (b))
 #define LAW             static inline
 #include "forces/self/self_law.h"
+#include "mesh/grid_def.h"
 
 const char *weft_primitive_text(const weft_primitive *primitive, size_t cols,
                                 char *text, size_t size)
@@ -339,6 +340,14 @@ void weft__self_check(const weft_cloth_def *def, const weft__faults *to)
 {
     const weft_contact_def *law = &def->contact;
     weft__mesh mesh = { .rows = 0 };
+    if (def->mesh != NULL) {
+        if (law->self) {
+            weft__fault(to, offsetof(weft_contact_def, self),
+                        offsetof(weft_contact_def, self),
+                        "contact of the cloth with itself needs a grid");
+        }
+        return;
+    }
     weft__grid_init(&mesh, def);
     const double most = 0.5 * weft__shortest_edge(&mesh);
     if (law->self && law->thickness > most) {

@@ -4,6 +4,7 @@
 
 #include "base/hash.h"
 #include "forces/bounds.h"
+#include "mesh/grid_def.h"
 
 #define NOT_NEGATIVE .least = 0.0
 
@@ -143,7 +144,7 @@ static void set_law(const weft__springs *own, const weft_cloth_def *def,
 void weft__groups_init(weft__springs *own, const weft_cloth_def *def)
 {
     own->group_count = 0;
-    for (size_t way = 0; way < WEFT_GROUPS; ++way) {
+    for (size_t way = 0; def->mesh == NULL && way < WEFT_GROUPS; ++way) {
         weft__group *next = &own->groups[own->group_count];
         if (def->springs[directions[way].family].present
             && weft__group_init(own->mesh, way, next)) {
@@ -176,6 +177,9 @@ static void check_groups(const weft_cloth_def *def, const weft__faults *to)
 
 static void check(const weft_cloth_def *def, const weft__faults *to)
 {
+    if (def->mesh != NULL) {
+        return;
+    }
     (void)weft__numbers_check(&weft__spring_law, 1, def, to, "%s", "");
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
         const weft_spring_def *springs = &def->springs[i], *across = &def->across[i];
@@ -222,8 +226,9 @@ static uint64_t hash_of(const void *own, uint64_t hash)
 static void choose(void *own, weft__isa isa)
 {
     weft__springs *of = own;
-    of->fast = WEFT_FORM(isa, rows);
-    of->products = WEFT_FORM(isa, products);
+    const bool none = of->mesh->triangles != NULL;
+    of->fast = none ? weft__rows_loops : WEFT_FORM(isa, rows);
+    of->products = none ? weft__products_loops : WEFT_FORM(isa, products);
     of->damping = WEFT_FORM(isa, damping);
 }
 

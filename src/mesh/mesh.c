@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* mesh.c -- what is asked of both kinds of mesh. */
+#include <string.h>
+
+#include "mesh/blocks.h"
+#include "mesh/grid_def.h"
+#include "mesh/triangles.h"
+
+void weft__mesh_init(weft__mesh *mesh, const weft_cloth_def *def,
+                     struct weft__triangles *triangles)
+{
+    if (triangles == NULL) {
+        weft__grid_init(mesh, def);
+        return;
+    }
+    mesh->triangles = triangles;
+    mesh->particles = def->mesh->vertices;
+    mesh->block = WEFT__MESH_BLOCK;
+    mesh->band = (weft_band){ .rows = weft__blocks(mesh), .own = weft__blocks(mesh) };
+    memcpy(mesh->velocity, def->velocity, sizeof mesh->velocity);
+}
+
+static void fill_triangles(weft__mesh *mesh, const weft_cloth_def *def)
+{
+    weft__triangles_masses(mesh->triangles, def, mesh->mass);
+    for (size_t i = 0; i < def->pin_count; ++i) {
+        const weft_pin *pin = &def->pins[i];
+        for (size_t k = 0; k < pin->vertex_count; ++k) {
+            mesh->pin[weft__particle_of(mesh, pin->vertices[k])] = (uint32_t)(i + 1);
+        }
+    }
+}
+
+void weft__mesh_fill(weft__mesh *mesh, const weft_cloth_def *def)
+{
+    if (mesh->triangles == NULL) {
+        weft__grid_fill(mesh, def);
+    } else {
+        fill_triangles(mesh, def);
+    }
+    for (size_t i = 0; i < def->pin_count; ++i) {
+        const weft_pin *pin = &def->pins[i];
+        mesh->motions[i]
+            = weft__motion_of(pin->velocity, pin->amplitude, pin->frequency);
+    }
+    mesh->motions[def->pin_count] = (weft__motion){ .moves = true, .coasts = true };
+    for (size_t i = 0; i < mesh->particles; ++i) {
+        mesh->pinned += mesh->pin[i] != 0;
+    }
+}
+
+void weft__start_position(const weft__mesh *mesh, size_t i, double x[3])
+{
+    if (mesh->triangles == NULL) {
+        weft__grid_start(mesh, i, x);
+    } else {
+        memcpy(x, &mesh->triangles->start[3 * i], 3 * sizeof *x);
+    }
+}
+
+double weft__area(const weft__mesh *mesh, size_t i)
+{
+    return mesh->triangles == NULL ? weft__grid_area(mesh, i)
+                                   : mesh->triangles->lumped[i];
+}
+
+void weft__rest_positions(const weft__mesh *mesh, double *xyz)
+{
+    const weft__triangles *of = mesh->triangles;
+    for (size_t i = 0; of == NULL && i < mesh->particles; ++i) {
+        weft__grid_rest(mesh, i, &xyz[3 * i]);
+    }
+    for (size_t j = of != NULL ? of->places : 0; j-- > 0;) { /* the first one stays */
+        double *x = &xyz[3 * (size_t)of->particle[j]];
+        x[0] = of->rest[j][0], x[1] = of->rest[j][1], x[2] = 0.0;
+    }
+}
+
+size_t weft__pin_of(const weft_cloth_def *def, size_t particle)
+{
+    if (def->mesh == NULL) {
+        return weft__grid_pin_of(def, particle / def->cols, particle % def->cols);
+    }
+    for (size_t i = def->pin_count; i > 0; --i) {
+        const weft_pin *pin = &def->pins[i - 1];
+        for (size_t k = 0; k < pin->vertex_count; ++k) {
+            if (pin->vertices[k] == particle) {
+                return i;
+            }
+        }
+    }
+    return 0;
+}
+
+const char *weft__particle_text(const weft_cloth_def *def, size_t particle, char *text,
+                                size_t size)
+{
+    const weft_mesh_def *mesh = def->mesh;
+    if (mesh == NULL) {
+        (void)weft_text_format(text, size, "particle (%zu, %zu)", particle / def->cols,
+                               particle % def->cols);
+    } else {
+        (void)weft_text_format(text, size, "vertex %zu",
+                               mesh->names != NULL ? mesh->names[particle] : particle);
+    }
+    return text;
+}

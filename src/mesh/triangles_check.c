@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* triangles_check.c -- the numbers, indices and triangles of a definition, one by one.
+ */
+#include "mesh/triangles_work.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+#include "base/finite.h"
+#include "base/memory.h"
+
+#define MAX_VERTICES  ((size_t)1 << 31)
+#define MAX_TRIANGLES ((size_t)UINT32_MAX / 3)
+#define LEAST_HEIGHT  1e-4 /* of the longest edge */
+
+void *weft__work_take(weft__work *at, size_t count, size_t size)
+{
+    void *block = at->no_memory ? NULL : weft__zeroed(at->memory, count, size);
+    at->no_memory = at->no_memory || block == NULL;
+    at->failed = at->failed || at->no_memory;
+    return block;
+}
+
+void weft__mesh_fault(weft__work *at, weft__mesh_part part, size_t index,
+                      const char *format, ...)
+{
+    char text[256];
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    at->failed = true;
+    if (at->to != NULL) {
+        at->to->found(at->to->ctx, part, index, text);
+    }
+}
+
+/* ---- numbers --------------------------------------------------------------------- */
+
+static void check_arrays(weft__work *at)
+{
+    const weft_mesh_def *def = at->def;
+    const char *missing = def->start == NULL     ? "start"
+                          : def->rest == NULL    ? "rest"
+                          : def->corners == NULL ? "corners"
+                          : def->fabrics == NULL ? "fabrics"
+                                                 : NULL;
+    if (def->vertices < 3 || def->vertices > MAX_VERTICES || def->triangles < 1
+        || def->triangles > MAX_TRIANGLES || def->places < 3 || def->places > UINT32_MAX
+        || def->fabric_count < 1) {
+        weft__mesh_fault(
+            at, WEFT__MESH_DEF, 0,
+            "a mesh of %zu vertices, %zu places, %zu triangles and %zu fabrics: it "
+            "has 3 vertices or more, at most %zu, 3 places, a triangle and a fabric",
+            def->vertices, def->places, def->triangles, def->fabric_count,
+            MAX_VERTICES);
+    } else if (missing != NULL) {
+        weft__mesh_fault(at, WEFT__MESH_DEF, 0, "mesh: %s is NULL", missing);
+    } else if ((unsigned)def->seams > WEFT_SEAM_HINGE) {
+        weft__mesh_fault(at, WEFT__MESH_DEF, 0, "mesh: seams is %d, no weft_seam",
+                         (int)def->seams);
+    }
+}
+
+static void check_positions(weft__work *at)
+{
+    const weft_mesh_def *def = at->def;
+    for (size_t i = 0; i < def->vertices; ++i) {
+        if (!weft__all_finite(&def->start[3 * i], 3)) {
+            weft__mesh_fault(
+                at, WEFT__MESH_VERTEX, i,
+                "vertex %zu starts at [%g, %g, %g] m, not at finite coordinates",
+                weft__name_of(at, i), def->start[3 * i], def->start[3 * i + 1],
+                def->start[3 * i + 2]);
+        }
+    }
+    for (size_t i = 0; i < def->places; ++i) {
+        if (!weft__all_finite(&def->rest[2 * i], 2)) {
+            weft__mesh_fault(at, WEFT__MESH_PLACE, i,
+                             "place %zu of the rest shape is [%g, %g] m, not finite", i,
+                             def->rest[2 * i], def->rest[2 * i + 1]);
+        }
+    }
+}
+
+double weft__twice_area(const weft_mesh_def *def, size_t t, double *longest)
+{
+    const double *x[3];
+    double square = 0.0;
+    for (size_t k = 0; k < 3; ++k) {
+        x[k] = &def->rest[2 * (size_t)weft__place_at(def, t, k)];
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        const double *p = x[k], *q = x[(k + 1) % 3];
+        const double du = q[0] - p[0], dv = q[1] - p[1];
+        square = fmax(square, du * du + dv * dv);
+    }
+    *longest = sqrt(square);
+    return (x[1][0] - x[0][0]) * (x[2][1] - x[0][1])
+           - (x[2][0] - x[0][0]) * (x[1][1] - x[0][1]);
+}
+
+static bool check_indices(weft__work *at, size_t t)
+{
+    const weft_mesh_def *def = at->def;
+    bool good = true;
+    for (size_t k = 0; k < 3; ++k) {
+        const uint32_t vertex = weft__vertex_at(def, t, k),
+                       place = weft__place_at(def, t, k);
+        if (vertex >= def->vertices || place >= def->places) {
+            weft__mesh_fault(
+                at, WEFT__MESH_TRIANGLE, t,
+                "triangle %zu has corner %u at place %u, of %zu vertices and %zu "
+                "places",
+                t, vertex, place, def->vertices, def->places);
+            good = false;
+        }
+    }
+    if (def->fabric_of != NULL && def->fabric_of[t] >= def->fabric_count) {
+        weft__mesh_fault(at, WEFT__MESH_TRIANGLE, t,
+                         "triangle %zu has fabric %u of %zu", t, def->fabric_of[t],
+                         def->fabric_count);
+    }
+    return good;
+}
+
+static void check_triangle(weft__work *at, size_t t)
+{
+    const uint32_t a = weft__vertex_at(at->def, t, 0),
+                   b = weft__vertex_at(at->def, t, 1),
+                   c = weft__vertex_at(at->def, t, 2);
+    double longest;
+    const double area = weft__twice_area(at->def, t, &longest),
+                 height = fabs(area) / longest;
+    if (a == b || b == c || c == a) {
+        weft__mesh_fault(at, WEFT__MESH_TRIANGLE, t,
+                         "a triangle with vertex %zu at two corners",
+                         weft__name_of(at, a == b ? a : c));
+    } else if (!(height >= LEAST_HEIGHT * longest) || !isfinite(area)
+               || !isfinite(1.0 / area)) {
+        weft__mesh_fault(
+            at, WEFT__MESH_TRIANGLE, t,
+            "the triangle of vertices %zu, %zu, %zu is %s at rest: its height is "
+            "%.3g m, below %g of its longest edge of %.3g m",
+            weft__name_of(at, a), weft__name_of(at, b), weft__name_of(at, c),
+            area == 0.0 ? "degenerate" : "too thin", height, LEAST_HEIGHT, longest);
+    }
+}
+
+static void check_triangles(weft__work *at)
+{
+    bool good = true;
+    for (size_t t = 0; t < at->def->triangles; ++t) {
+        good = check_indices(at, t) && good;
+    }
+    for (size_t t = 0; good && t < at->def->triangles; ++t) {
+        check_triangle(at, t);
+    }
+}
+
+/* Unused vertices have no mass. */
+static void check_used(weft__work *at)
+{
+    uint8_t *used = weft__work_take(at, at->def->vertices, 1);
+    for (size_t i = 0; used != NULL && i < 3 * at->def->triangles; ++i) {
+        used[at->def->corners[i]] = 1;
+    }
+    for (size_t i = 0; used != NULL && i < at->def->vertices; ++i) {
+        if (!used[i]) {
+            weft__mesh_fault(at, WEFT__MESH_VERTEX, i, "vertex %zu is in no triangle",
+                             weft__name_of(at, i));
+        }
+    }
+    weft__free(at->memory, used);
+}
+
+void weft__triangles_check(weft__work *at)
+{
+    check_arrays(at);
+    if (!at->failed) {
+        check_positions(at);
+        check_triangles(at);
+    }
+    if (!at->failed) {
+        check_used(at);
+    }
+}

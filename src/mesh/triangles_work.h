@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* triangles_work.h -- a mesh of triangles in the making: for triangles.c and
+ * triangles_check.c. */
+#ifndef WEFT_MESH_TRIANGLES_WORK_H
+#define WEFT_MESH_TRIANGLES_WORK_H
+
+#include "mesh/triangles.h"
+
+/* An edge of a triangle, listed by its lower end. */
+typedef struct weft__half_edge {
+    uint32_t high, triangle; /* the higher end; of whom */
+    uint8_t corner;          /* opposite */
+    bool down;               /* runs from the higher end */
+} weft__half_edge;
+
+typedef struct weft__work {
+    const weft_mesh_def *def;
+    const weft_allocator *memory;
+    const weft__mesh_faults *to;
+    weft__triangles *out;
+    bool failed, no_memory;
+    /* scratch */
+    weft__half_edge *halves; /* 3 T, by their lower ends, the higher ones, triangles */
+    uint32_t *first;         /* of each lower end, and their number */
+    uint32_t *piece;         /* of a triangle: the root of its tree */
+    uint64_t *key;
+    uint32_t *order, *other;
+} weft__work;
+
+/* Zeroed; NULL: no memory, which *at keeps. */
+void *weft__work_take(weft__work *at, size_t count, size_t size);
+
+WEFT_PRINTF(4, 5)
+void weft__mesh_fault(weft__work *at, weft__mesh_part part, size_t index,
+                      const char *format, ...);
+
+/* Numbers, indices and shapes of triangles, one by one. */
+void weft__triangles_check(weft__work *at);
+
+/* Twice the area of a triangle at rest, signed, and its longest edge. */
+double weft__twice_area(const weft_mesh_def *def, size_t t, double *longest);
+
+/* What messages call a vertex. */
+static inline size_t weft__name_of(const weft__work *at, size_t vertex)
+{
+    return at->def->names != NULL ? at->def->names[vertex] : vertex;
+}
+
+/* The vertex and the place of corner k of triangle t. */
+static inline uint32_t weft__vertex_at(const weft_mesh_def *def, size_t t, size_t k)
+{
+    return def->corners[3 * t + k];
+}
+
+static inline uint32_t weft__place_at(const weft_mesh_def *def, size_t t, size_t k)
+{
+    return def->corner_places != NULL ? def->corner_places[3 * t + k]
+                                      : weft__vertex_at(def, t, k);
+}
+
+#endif
