@@ -314,7 +314,7 @@ START_TEST(a_fixed_step_that_would_pass_through_is_an_error)
     char text[2][64], expected[192];
     for (size_t k = 0; k < 2; ++k) {
         ck_assert_uint_gt(failure.self_pair[k].count, 0);
-        weft_primitive_text(&failure.self_pair[k], model.cols, text[k], 64);
+        weft_primitive_text(cloth, &failure.self_pair[k], text[k], 64);
     }
     (void)snprintf(expected, sizeof expected,
                    "%s and %s cannot be kept apart: ", text[0], text[1]);

@@ -222,17 +222,18 @@ typedef struct weft_cloth_def {
                        and bands are not used, and pins and loads have vertices */
 } weft_cloth_def;
 
+/* Particles of the whole cloth. */
+static inline size_t weft_cloth_def_particles(const weft_cloth_def *def)
+{
+    return def->mesh != NULL ? def->mesh->vertices : def->rows * def->cols;
+}
+
 /* A spring between two particles, given by family and indices. Fixed for ever. */
 typedef struct weft_spring {
     weft_family family;
     size_t p, q;
     double strain; /* (L - s) / s */
 } weft_spring;
-
-/* Writes "shear spring (3, 4)-(4, 5)", of a cloth with `cols` columns (0: all in one
- * row), to text[size] as snprintf does. Returns text. */
-WEFT_API const char *weft_spring_text(const weft_spring *spring, size_t cols,
-                                      char *text, size_t size);
 
 /* A particle, an edge or a triangle of the cloth, for contact with itself. Edges run
  * along rows, columns and the diagonal (r, c + 1)-(r + 1, c) of each cell. Fixed for
@@ -241,11 +242,6 @@ typedef struct weft_primitive {
     size_t count; /* 1, 2 or 3 particles */
     size_t particle[3];
 } weft_primitive;
-
-/* Writes "particle (3, 4)", "edge (3, 4)-(3, 5)" or "cell (3, 4)" to text[size] as
- * weft_spring_text does. Returns text. */
-WEFT_API const char *weft_primitive_text(const weft_primitive *primitive, size_t cols,
-                                         char *text, size_t size);
 
 /* Fixed for ever: a further force adds to the member that is nearest to it. */
 typedef struct weft_energy {
@@ -362,9 +358,10 @@ WEFT_API weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **o
 WEFT_API void weft_cloth_destroy(weft_cloth *cloth); /* NULL is allowed */
 
 WEFT_API const char *weft_cloth_isa(const weft_cloth *cloth); /* instructions in use */
-/* rows, particles, dim and what has an index or is as long as a state include the ghost
- * rows of a band; springs (by the row where they begin), pins, mass, energies, powers,
- * momenta, gaps and loads are those of its own rows. Forces are right in own rows. */
+/* 0 of triangles. rows, particles, dim and what has an index or is as long as a state
+ * include the ghost rows of a band; springs (by the row where they begin), pins, mass,
+ * energies, powers, momenta, gaps and loads are those of its own rows. Forces are right
+ * in own rows. */
 WEFT_API size_t weft_cloth_rows(const weft_cloth *cloth);
 WEFT_API size_t weft_cloth_cols(const weft_cloth *cloth);
 WEFT_API size_t weft_cloth_particles(const weft_cloth *cloth);
@@ -377,10 +374,51 @@ WEFT_API double weft_cloth_mass(const weft_cloth *cloth); /* [kg] in all, also p
 WEFT_API double weft_cloth_particle_mass(const weft_cloth *cloth, size_t i); /* [kg] */
 WEFT_API bool weft_cloth_pinned(const weft_cloth *cloth, size_t i);
 
+/* Numbers of particles, here and in weft/sim.h, are those of the definition, r * cols +
+ * c of a grid and the vertices of triangles, as is the order of what has three values
+ * for each particle (x y z of particle 0, x y z of particle 1, ...) or one. States, and
+ * planes as long as those of a state, have an order of their own: i of a grid. The
+ * place of a vertex in a state, and the vertex at a place: */
+WEFT_API size_t weft_cloth_index(const weft_cloth *cloth, size_t vertex);
+WEFT_API size_t weft_cloth_vertex(const weft_cloth *cloth, size_t index);
+
+/* The number that files and messages have for a vertex: weft_mesh_def.names. */
+WEFT_API size_t weft_cloth_name(const weft_cloth *cloth, size_t vertex);
+
+/* Triangles and edges as they are drawn and touch; both return their number, and write
+ * their particles to corners[3 T] and ends[2 E] unless NULL. A cell (r, c) of a grid
+ * has the triangles (r, c), (r + 1, c), (r, c + 1) and (r + 1, c + 1), (r, c + 1), (r +
+ * 1, c), one after the other; edges are its rows, its columns and the diagonals between
+ * these. Triangles of a mesh turn as they are defined. */
+WEFT_API size_t weft_cloth_triangles(const weft_cloth *cloth, uint32_t *corners);
+WEFT_API size_t weft_cloth_edges(const weft_cloth *cloth, uint32_t *ends);
+
+/* The flat rest shape: returns the number P of its places, and writes those of the
+ * corners of all triangles to corner_places[3 T] and u v [m] of each to uv[2 P], unless
+ * NULL. Two triangles that share an edge, but not its places, are sewn there. A
+ * particle (r, c) of a grid is a place, at c spacing[1], -r spacing[0]. */
+WEFT_API size_t weft_cloth_places(const weft_cloth *cloth, uint32_t *corner_places,
+                                  double *uv);
+
+/* These write to text[size] as snprintf does and return text: "16 x 24 particles" or
+ * "85 vertices, 140 triangles"; "particle (3, 4)" or "vertex 17"; "shear spring (3,
+ * 4)-(4, 5)"; "edge (3, 4)-(3, 5)", "cell (3, 4)" or "triangle 17-4-21". Of a band the
+ * numbers are those of the whole cloth. */
+WEFT_API const char *weft_cloth_text(const weft_cloth *cloth, char *text, size_t size);
+WEFT_API const char *weft_particle_text(const weft_cloth *cloth, size_t i, char *text,
+                                        size_t size);
+WEFT_API const char *weft_spring_text(const weft_cloth *cloth,
+                                      const weft_spring *spring, char *text,
+                                      size_t size);
+WEFT_API const char *weft_primitive_text(const weft_cloth *cloth,
+                                         const weft_primitive *primitive, char *text,
+                                         size_t size);
+
 /* Writes the state at t = 0 to y[6 N]. */
 WEFT_API void weft_cloth_start(const weft_cloth *cloth, double *y);
 
-/* Rest positions [m]: x y z of particle 0, x y z of particle 1, ...: 3 N. */
+/* Rest positions [m], 3 N; of triangles, whose rest shape is flat (weft_cloth_places),
+ * where they are at t = 0. */
 WEFT_API void weft_cloth_rest(const weft_cloth *cloth, double *xyz);
 
 /* Writes dy/dt at time t [s] to dydt[6 N]. Returns 0, or 1 if dy/dt, or a force on a
@@ -524,12 +562,16 @@ WEFT_API void weft_cloth_shape_pose(const weft_cloth *cloth, size_t k, double t,
 WEFT_API void weft_cloth_shape_load(const weft_cloth *cloth, double t, const double *y,
                                     size_t k, double force[3], double torque[3]);
 
-/* A 64-bit hash of the bits of y[6 rows cols]; equal states have equal hashes on every
- * machine with IEEE 754 doubles and either byte order. Each row is hashed, plane after
- * plane from left to right, and the hashes of the rows in their order, both by
+/* A 64-bit hash of the bits of a state; equal states have equal hashes on every machine
+ * with IEEE 754 doubles and either byte order. Each row of a grid, or block of 512
+ * particles of triangles, is hashed, plane after plane in their order, and the hashes
+ * of the rows in their order, both by
  *
  *     h = 0xcbf29ce484222325; for each word w of 64 bits:
  *         h = (h ^ w ^ (w >> 32)) * 0x100000001b3; h = h ^ (h >> 29)        */
+WEFT_API uint64_t weft_cloth_state_hash(const weft_cloth *cloth, const double *y);
+
+/* The same of a grid whose cloth is not at hand: y[6 rows cols]. */
 WEFT_API uint64_t weft_state_hash(const double *y, size_t rows, size_t cols);
 
 #ifdef __cplusplus

@@ -9,9 +9,10 @@
 #include "weft/cloth.h"
 
 enum {
-    HUMAN = 32,     /* bytes that hold a time or a count */
-    SPRING = 96,    /* and what weft_spring_text writes */
-    PAGE_WIDTH = 80 /* characters of a line */
+    HUMAN = 32,      /* bytes that hold a time or a count */
+    SPRING = 96,     /* and what weft_spring_text writes */
+    HUMAN_SIZE = 64, /* and weft_cloth_text */
+    PAGE_WIDTH = 80  /* characters of a line */
 };
 
 /* "298 us", "5.74 s", "3 min 05 s", "2 h 07 min", "3 d 04 h". Both return out. */

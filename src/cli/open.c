@@ -228,9 +228,12 @@ static weft_status check_memory(const weft_scene *scene, const weft_cloth_def *c
 {
     const weft_stepper_type *type = weft_scene_method_type(scene);
     const double states = 2.0 + (type == NULL ? 0.0 : type->stages);
+    const bool grid = cloth->mesh == NULL;
     const size_t rows = cloth->band_rows > 0 ? cloth->band_rows : cloth->rows;
+    const size_t across = grid ? cloth->cols : 1;
+    const size_t down = grid ? rows : cloth->mesh->vertices;
     const double bytes
-        = (double)rows * (double)cloth->cols * (20.0 + states * 6.0 * sizeof(double));
+        = (double)down * (double)across * (20.0 + states * 6.0 * sizeof(double));
     struct rlimit limit = { .rlim_cur = RLIM_INFINITY };
     double room = INFINITY;
 #ifdef _SC_PHYS_PAGES
@@ -244,7 +247,7 @@ static weft_status check_memory(const weft_scene *scene, const weft_cloth_def *c
                : weft_error_set(err, WEFT_NO_MEMORY,
                                 "%zu x %zu particles need at least %.4g GB of memory; "
                                 "this process can have %.4g GB",
-                                rows, cloth->cols, 1e-9 * bytes, 1e-9 * room);
+                                down, across, 1e-9 * bytes, 1e-9 * room);
 }
 
 weft_status cloth_create(const weft_scene *scene, const weft_cloth_def *def,

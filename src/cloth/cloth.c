@@ -323,12 +323,12 @@ void weft_cloth_rest(const weft_cloth *cloth, double *xyz)
 
 size_t weft_cloth_rows(const weft_cloth *cloth)
 {
-    return cloth->mesh.rows;
+    return cloth->mesh.triangles != NULL ? 0 : cloth->mesh.rows;
 }
 
 size_t weft_cloth_cols(const weft_cloth *cloth)
 {
-    return cloth->mesh.cols;
+    return cloth->mesh.triangles != NULL ? 0 : cloth->mesh.cols;
 }
 
 size_t weft_cloth_particles(const weft_cloth *cloth)
@@ -409,10 +409,10 @@ double weft_cloth_mass(const weft_cloth *cloth)
 
 double weft_cloth_particle_mass(const weft_cloth *cloth, size_t i)
 {
-    return cloth->mesh.mass[i];
+    return cloth->mesh.mass[weft__particle_of(&cloth->mesh, i)];
 }
 
 bool weft_cloth_pinned(const weft_cloth *cloth, size_t i)
 {
-    return cloth->mesh.pin[i] != 0;
+    return cloth->mesh.pin[weft__particle_of(&cloth->mesh, i)] != 0;
 }

@@ -5,6 +5,7 @@
 #include "base/sized.h"
 #include "cloth/model.h"
 #include "forces/self/crossing.h"
+#include "mesh/surface.h"
 
 size_t weft_cloth_shapes(const weft_cloth *cloth)
 {
@@ -67,7 +68,7 @@ double weft_cloth_gap(const weft_cloth *cloth, double t, const double *y,
 {
     const weft_measures found = gap(cloth, t, y);
     if (particle != NULL) {
-        *particle = found.gap_particle;
+        *particle = weft__vertex_of(&cloth->mesh, found.gap_particle);
     }
     if (shape != NULL) {
         *shape = found.gap_shape;
@@ -92,8 +93,8 @@ double weft_cloth_self_gap(const weft_cloth *cloth, const double *y,
                            weft_primitive pair[2])
 {
     const weft_measures found = self_measures(cloth, y);
-    if (pair != NULL) {
-        memcpy(pair, found.self_pair, sizeof found.self_pair);
+    for (size_t k = 0; pair != NULL && k < 2; ++k) {
+        pair[k] = weft__primitive_of(&cloth->mesh, found.self_pair[k]);
     }
     return found.self_gap;
 }
@@ -109,7 +110,7 @@ size_t weft_cloth_crossings(const weft_cloth *cloth, const double *y,
     const weft__quadtree tree = weft__tree_of(&cloth->mesh, y);
     const weft__crossings found = weft__crossings_of(&tree, SIZE_MAX);
     for (size_t k = 0; pair != NULL && k < 2; ++k) {
-        pair[k] = found.first[k];
+        pair[k] = weft__primitive_of(&cloth->mesh, found.first[k]);
     }
     return found.count;
 }

@@ -7,6 +7,7 @@
  * forces, of moved pins and of shapes change the energy E (docs/physics.md). */
 #include "base/hash.h"
 #include "cloth/model.h"
+#include "mesh/triangles.h"
 
 void weft__block_energy(const weft_cloth *cloth, const weft__state *at, size_t b,
                         weft_measures *sum)
@@ -198,17 +199,30 @@ void weft_cloth_angular_momentum(const weft_cloth *cloth, const double *y, doubl
 
 weft_spring weft_cloth_worst_spring(const weft_cloth *cloth, const double *y)
 {
-    return measure(cloth, 0.0, y, weft__block_worst).worst;
+    weft_spring worst = measure(cloth, 0.0, y, weft__block_worst).worst;
+    worst.p = weft__vertex_of(&cloth->mesh, worst.p);
+    worst.q = weft__vertex_of(&cloth->mesh, worst.q);
+    return worst;
+}
+
+static uint64_t state_hash(const double *y, size_t particles, size_t block)
+{
+    uint64_t hash = WEFT__HASH_START;
+    for (size_t i = 0; i < particles; i += block) {
+        const size_t end = particles - i > block ? i + block : particles;
+        hash = weft__hash_word(hash, block_hash(y, particles, i, end));
+    }
+    return hash;
+}
+
+uint64_t weft_cloth_state_hash(const weft_cloth *cloth, const double *y)
+{
+    return state_hash(y, cloth->mesh.particles, cloth->mesh.block);
 }
 
 uint64_t weft_state_hash(const double *y, size_t rows, size_t cols)
 {
-    uint64_t hash = WEFT__HASH_START;
-    for (size_t r = 0; r < rows; ++r) {
-        hash = weft__hash_word(hash,
-                               block_hash(y, rows * cols, r * cols, (r + 1) * cols));
-    }
-    return hash;
+    return state_hash(y, rows * cols, cols);
 }
 
 /* No strain is below -1. */

@@ -65,7 +65,8 @@ typedef struct weft__force {
     weft__block_fn *energy, *power; /* [J]; [W] */
     weft__block_fn *worst;          /* the largest strain, by weft__keep_worst */
 
-    /* Raises strain[i] to the largest strain at each particle i that block b has. */
+    /* Raises strain[v], v = weft__vertex_of(mesh, i), to the largest strain at each
+     * particle i that block b has. */
     void (*strains)(const void *own, const weft__state *at, size_t b, double *strain);
 
     /* Stiffness and damping: the ratios of the two that it has; what it adds for each

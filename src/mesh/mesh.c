@@ -66,13 +66,13 @@ double weft__area(const weft__mesh *mesh, size_t i)
 
 void weft__rest_positions(const weft__mesh *mesh, double *xyz)
 {
-    const weft__triangles *of = mesh->triangles;
-    for (size_t i = 0; of == NULL && i < mesh->particles; ++i) {
-        weft__grid_rest(mesh, i, &xyz[3 * i]);
-    }
-    for (size_t j = of != NULL ? of->places : 0; j-- > 0;) { /* the first one stays */
-        double *x = &xyz[3 * (size_t)of->particle[j]];
-        x[0] = of->rest[j][0], x[1] = of->rest[j][1], x[2] = 0.0;
+    for (size_t i = 0; i < mesh->particles; ++i) {
+        double *x = &xyz[3 * weft__vertex_of(mesh, i)];
+        if (mesh->triangles == NULL) {
+            weft__grid_rest(mesh, i, x);
+        } else {
+            weft__start_position(mesh, i, x);
+        }
     }
 }
 

@@ -72,7 +72,7 @@ void weft__mesh_init(weft__mesh *mesh, const weft_cloth_def *def,
 /* Masses, loads and pins of a definition, for which there is room. */
 void weft__mesh_fill(weft__mesh *mesh, const weft_cloth_def *def);
 
-/* Where all particles rest: x y z of each; (u, v, 0) of triangles. */
+/* weft_cloth_rest */
 void weft__rest_positions(const weft__mesh *mesh, double *xyz);
 
 /* Of particle i: where it is at t = 0 [m], its lumped area [m^2]. */

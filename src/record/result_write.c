@@ -69,8 +69,7 @@ static void write_config(yaml_out *out, const weft_scene *scene, const weft_sim 
 static void write_cloth(yaml_out *out, const weft_cloth *cloth)
 {
     yaml_out_map(out, "cloth");
-    yaml_out_plain(out, "rows", "%zu", weft_cloth_rows(cloth));
-    yaml_out_plain(out, "cols", "%zu", weft_cloth_cols(cloth));
+    yaml_out_size(out, cloth);
     yaml_out_plain(out, "pinned", "%zu", weft_cloth_pins(cloth));
     yaml_out_plain(out, "stretch_springs", "%zu",
                    weft_cloth_springs(cloth, WEFT_STRETCH));
@@ -176,7 +175,7 @@ static void write_spring(yaml_out *out, const weft_cloth *cloth,
 {
     const size_t cols = weft_cloth_cols(cloth);
     yaml_out_real(out, "max_strain", worst->strain);
-    if (worst->p != worst->q) {
+    if (worst->p != worst->q && cols > 0) {
         yaml_out_map(out, "max_strain_spring");
         yaml_out_plain(out, "family", "%s", weft_family_name(worst->family));
         yaml_out_plain(out, "from_row", "%zu", worst->p / cols);

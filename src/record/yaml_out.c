@@ -156,3 +156,13 @@ void yaml_out_real(yaml_out *out, const char *key, double value)
         yaml_out_plain(out, key, isnan(value) ? ".nan" : value > 0 ? ".inf" : "-.inf");
     }
 }
+
+void yaml_out_size(yaml_out *out, const weft_cloth *cloth)
+{
+    const size_t cols = weft_cloth_cols(cloth);
+    yaml_out_plain(out, cols > 0 ? "rows" : "vertices", "%zu",
+                   cols > 0 ? weft_cloth_band(cloth).rows
+                            : weft_cloth_particles(cloth));
+    yaml_out_plain(out, cols > 0 ? "cols" : "triangles", "%zu",
+                   cols > 0 ? cols : weft_cloth_triangles(cloth, NULL));
+}

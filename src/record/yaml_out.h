@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <yaml.h>
 
-#include "weft/base.h"
+#include "weft/cloth.h"
 
 typedef struct yaml_out {
     yaml_emitter_t emitter;
@@ -33,5 +33,7 @@ void yaml_out_text(yaml_out *out, const char *key, const char *text); /* quoted 
 WEFT_PRINTF(3, 4)
 void yaml_out_plain(yaml_out *out, const char *key, const char *format, ...);
 void yaml_out_real(yaml_out *out, const char *key, double value); /* .inf, .nan too */
+/* "rows" and "cols" of the whole grid, or "vertices" and "triangles". */
+void yaml_out_size(yaml_out *out, const weft_cloth *cloth);
 
 #endif

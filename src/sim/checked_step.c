@@ -6,6 +6,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "cloth/model.h"
+#include "mesh/surface.h"
 #include "sim/bands.h"
 #include "sim/simulation.h"
 
@@ -82,19 +83,20 @@ static weft_status attempt(weft_sim *sim, double t0, double end, bool *again,
 static weft_status give_up(const weft_sim *sim, weft_error *why)
 {
     const weft__breach *at = &sim->refused;
-    const size_t cols = weft_cloth_cols(sim->cloth);
+    const weft__mesh *mesh = &sim->cloth->mesh;
     char text[WEFT__BREACH_TEXT];
     if (at->pair[0].count > 0) {
         return weft_error_set(why, WEFT_STEP_TOO_SMALL,
                               "%s cannot be kept apart: distance %.3g m after %.3g s",
-                              weft__breach_text(at, cols, text), at->gap,
+                              weft__breach_text(mesh, at, text), at->gap,
                               at->t - sim->t);
     }
-    return weft_error_set(why, WEFT_STEP_TOO_SMALL,
-                          "particle (%zu, %zu) cannot be kept out of shapes[%zu]: gap "
-                          "%.3g m after %.3g s",
-                          at->particle / cols, at->particle % cols, at->shape, at->gap,
-                          at->t - sim->t);
+    return weft_error_set(
+        why, WEFT_STEP_TOO_SMALL,
+        "%s cannot be kept out of shapes[%zu]: gap %.3g m after %.3g s",
+        weft__particle_name(mesh, weft__vertex_of(mesh, at->particle), text,
+                            sizeof text),
+        at->shape, at->gap, at->t - sim->t);
 }
 
 /* Warns of a run that takes back more steps than it takes; again only after this share
@@ -112,7 +114,7 @@ static void watch_pace(weft_sim *sim, bool vetoed, double t, double tried)
             "contact took back %u of the last %u steps at t = %.9g s, the last of "
             "%.3g s: %s, distance %.3g m; the run may take very long",
             sim->crawl.vetoed, sim->crawl.attempts, t, tried,
-            weft__breach_text(&sim->refused, weft_cloth_cols(sim->cloth), text),
+            weft__breach_text(&sim->cloth->mesh, &sim->refused, text),
             sim->refused.gap);
     }
     sim->crawl.told = crawls || (sim->crawl.told && sim->crawl.vetoed >= WINDOW / 10);
@@ -146,6 +148,6 @@ weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
         end = t0 + h;
         weft__log(&sim->def.log, WEFT_LOG_DEBUG,
                   "t = %.9g s: a step of %.3g s taken back: %s", t0, tried,
-                  weft__breach_text(&sim->refused, weft_cloth_cols(sim->cloth), text));
+                  weft__breach_text(&sim->cloth->mesh, &sim->refused, text));
     }
 }

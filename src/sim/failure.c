@@ -5,6 +5,7 @@
 
 #include "base/sized.h"
 #include "cloth/model.h"
+#include "mesh/surface.h"
 #include "sim/bands.h"
 #include "sim/simulation.h"
 
@@ -12,9 +13,9 @@ static void find_fastest(const weft_sim *sim, weft_failure *out)
 {
     const size_t n = weft_cloth_particles(sim->cloth);
     const weft_comm *comm = sim->def.comm;
-    const weft_band band = sim->cloth->mesh.band;
-    const size_t first = weft__block(&sim->cloth->mesh, band.above);
-    const size_t end = weft__block(&sim->cloth->mesh, band.above + band.own);
+    const weft__mesh *mesh = &sim->cloth->mesh;
+    const size_t first = weft__block(mesh, mesh->band.above);
+    const size_t end = weft__block(mesh, mesh->band.above + mesh->band.own);
     const double *x = sim->y, *v = sim->y + 3 * n;
     out->particle = first;
     for (size_t i = first; i < end; ++i) {
@@ -28,31 +29,34 @@ static void find_fastest(const weft_sim *sim, weft_failure *out)
     for (size_t k = 0; k < 3; ++k) {
         out->position[k] = x[k * n + out->particle];
     }
-    out->particle = weft__whole_index(&sim->cloth->mesh, out->particle);
+    out->particle = weft__whole_index(mesh, weft__vertex_of(mesh, out->particle));
     (void)weft__bands_first(comm, weft__bands_max(comm, out->speed) == out->speed, out,
                             sizeof *out);
 }
 
-static void set_message(const weft_failure *self, size_t cols, weft_error *err)
+static void set_message(const weft_failure *self, const weft_cloth *cloth,
+                        weft_error *err)
 {
     const weft_spring *worst = &self->spring;
-    char name[96], spring[128] = "no springs";
+    char name[96], spring[128] = "no springs", fastest[64];
     if (worst->p != worst->q) {
         (void)weft_text_format(spring, sizeof spring, "most strained %s at %.3g %%",
-                               weft_spring_text(worst, cols, name, sizeof name),
+                               weft_spring_text(cloth, worst, name, sizeof name),
                                100.0 * worst->strain);
     }
     weft_error_set(err, self->status,
-                   "%s at t = %.9g s, last h = %.3g s; fastest particle (%zu, %zu) at "
+                   "%s at t = %.9g s, last h = %.3g s; fastest %s at "
                    "(%.3g, %.3g, %.3g) m, %.3g m/s; %s; energy %.4g J before that step",
-                   self->reason, self->time, self->last_step, self->particle / cols,
-                   self->particle % cols, self->position[0], self->position[1],
-                   self->position[2], self->speed, spring, self->energy);
+                   self->reason, self->time, self->last_step,
+                   weft_particle_text(cloth, self->particle, fastest, sizeof fastest),
+                   self->position[0], self->position[1], self->position[2], self->speed,
+                   spring, self->energy);
 }
 
 weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err)
 {
     const weft_measures measures = weft_sim_measure(sim);
+    const weft__mesh *mesh = &sim->cloth->mesh;
     weft_failure *failure = &sim->failure;
     *failure = (weft_failure){ .status = why->status,
                                .time = sim->t,
@@ -62,15 +66,17 @@ weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err
                                .contact = sim->refused.found
                                           && sim->refused.pair[0].count == 0 };
     if (sim->refused.found) {
-        failure->gap_particle = sim->refused.particle;
+        failure->gap_particle = weft__vertex_of(mesh, sim->refused.particle);
         failure->gap_shape = sim->refused.shape;
-        memcpy(failure->self_pair, sim->refused.pair, sizeof failure->self_pair);
+        for (size_t k = 0; k < 2; ++k) {
+            failure->self_pair[k] = weft__primitive_of(mesh, sim->refused.pair[k]);
+        }
         failure->gap = sim->refused.gap;
         failure->gap_step = sim->refused.t - sim->t;
     }
     (void)snprintf(failure->reason, sizeof failure->reason, "%s", why->message);
     find_fastest(sim, failure);
-    set_message(failure, weft_cloth_cols(sim->cloth), err);
+    set_message(failure, sim->cloth, err);
     return why->status;
 }
 

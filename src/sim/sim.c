@@ -183,9 +183,9 @@ weft_status weft_sim_create(const weft_sim_def *given, weft_sim **out, weft_erro
     }
     sim->cloth_hash = weft__bands_cloth_hash(&sim->forces);
     sim->settings = weft__settings_hash(def, &sim->config);
-    weft__log(&sim->def.log, WEFT_LOG_INFO, "%zu x %zu particles under %s",
-              weft_cloth_band(def->cloth).rows, weft_cloth_cols(def->cloth),
-              def->method->name);
+    char size[64];
+    weft__log(&sim->def.log, WEFT_LOG_INFO, "%s under %s",
+              weft_cloth_text(def->cloth, size, sizeof size), def->method->name);
     *out = sim;
     return WEFT_OK;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* sim_change.c -- changes of a simulation from outside, between two steps. */
 #include "forces/self/crossing.h"
+#include "mesh/triangles.h"
 #include "sim/bands.h"
 #include "sim/simulation.h"
 
@@ -14,10 +15,11 @@ weft_status weft__sim_changeable(const weft_sim *sim, const char *function,
 
 static void set_planes(const weft_cloth *cloth, const double *xyz, double *planes)
 {
-    const size_t n = weft_cloth_particles(cloth);
-    for (size_t i = 0; xyz != NULL && i < n; ++i) {
-        for (size_t k = 0; !weft_cloth_pinned(cloth, i) && k < 3; ++k) {
-            planes[k * n + i] = xyz[3 * i + k];
+    const weft__mesh *mesh = &cloth->mesh;
+    for (size_t i = 0; xyz != NULL && i < mesh->particles; ++i) {
+        const double *x = &xyz[3 * weft__vertex_of(mesh, i)];
+        for (size_t k = 0; mesh->pin[i] == 0 && k < 3; ++k) {
+            planes[k * mesh->particles + i] = x[k];
         }
     }
 }

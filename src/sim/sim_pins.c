@@ -4,6 +4,7 @@
 
 #include "forces/self/crossing.h"
 #include "mesh/pins.h"
+#include "mesh/triangles.h"
 #include "sim/simulation.h"
 
 static weft_status check(const weft_sim *sim, const char *function, size_t i,
@@ -26,16 +27,17 @@ static weft_status check(const weft_sim *sim, const char *function, size_t i,
     return WEFT_OK;
 }
 
-weft_status weft_sim_pin(weft_sim *sim, size_t i, const double velocity[3],
+weft_status weft_sim_pin(weft_sim *sim, size_t vertex, const double velocity[3],
                          weft_error *err)
 {
     static const double still[3] = { 0.0, 0.0, 0.0 };
     const double *v = velocity != NULL ? velocity : still;
     const size_t n = weft_cloth_particles(sim->cloth);
-    const weft_status status = check(sim, "weft_sim_pin", i, v, err);
+    const weft_status status = check(sim, "weft_sim_pin", vertex, v, err);
     if (status != WEFT_OK) {
         return status;
     }
+    const size_t i = weft__particle_of(&sim->cloth->mesh, vertex);
     weft__sim_change_begins(sim);
     for (size_t k = 0; k < 3; ++k) {
         sim->y[(3 + k) * n + i] = v[k];
@@ -54,19 +56,20 @@ static void place(weft_sim *sim, size_t i, const double position[3])
     }
 }
 
-weft_status weft_sim_move_pin(weft_sim *sim, size_t i, const double position[3],
+weft_status weft_sim_move_pin(weft_sim *sim, size_t vertex, const double position[3],
                               weft_error *err)
 {
     const size_t n = weft_cloth_particles(sim->cloth);
-    const weft_status status = check(sim, "weft_sim_move_pin", i, position, err);
+    const weft_status status = check(sim, "weft_sim_move_pin", vertex, position, err);
     if (status != WEFT_OK) {
         return status;
     }
-    if (position == NULL || !weft_cloth_pinned(sim->cloth, i)) {
-        return weft_error_set(err, WEFT_INVALID, "particle %zu %s", i,
+    if (position == NULL || !weft_cloth_pinned(sim->cloth, vertex)) {
+        return weft_error_set(err, WEFT_INVALID, "particle %zu %s", vertex,
                               position == NULL ? "has no position to go to: it is NULL"
                                                : "is not pinned");
     }
+    const size_t i = weft__particle_of(&sim->cloth->mesh, vertex);
     const double before[3] = { sim->y[i], sim->y[n + i], sim->y[2 * n + i] };
     weft__sim_change_begins(sim);
     place(sim, i, position);
@@ -78,10 +81,11 @@ weft_status weft_sim_move_pin(weft_sim *sim, size_t i, const double position[3],
     return WEFT_OK;
 }
 
-weft_status weft_sim_unpin(weft_sim *sim, size_t i, weft_error *err)
+weft_status weft_sim_unpin(weft_sim *sim, size_t vertex, weft_error *err)
 {
-    const weft_status status = check(sim, "weft_sim_unpin", i, NULL, err);
-    if (status == WEFT_OK && weft_cloth_pinned(sim->cloth, i)) {
+    const weft_status status = check(sim, "weft_sim_unpin", vertex, NULL, err);
+    if (status == WEFT_OK && weft_cloth_pinned(sim->cloth, vertex)) {
+        const size_t i = weft__particle_of(&sim->cloth->mesh, vertex);
         const weft__breach breach
             = weft__particle_breach(sim->cloth, sim->t, sim->y, i);
         if (breach.found) {

@@ -7,23 +7,23 @@
 #include "cloth/model.h"
 #include "sim/simulation.h"
 
-/* v' += f / m of the free particles; the power f.v [W] of all of them, row by block. */
+/* v' += f / m of the free particles; the power f.v [W] of all of them, block by block.
+ */
 static double accelerate(const weft_sim *sim, const double *y, double *dydt)
 {
-    const size_t n = weft_cloth_particles(sim->cloth);
     const weft__mesh *mesh = &sim->cloth->mesh;
+    const size_t n = mesh->particles;
     const double *v = y + 3 * n;
     double *dvdt = dydt + 3 * n;
-    double power = 0.0, row = 0.0;
+    double power = 0.0, block = 0.0;
     for (size_t i = 0; i < n; ++i) {
-        const double mass = weft_cloth_particle_mass(sim->cloth, i);
-        for (size_t j = i; !weft_cloth_pinned(sim->cloth, i) && j < 3 * n; j += n) {
-            dvdt[j] += sim->added[j] / mass;
-            row += sim->added[j] * v[j];
+        for (size_t j = i; mesh->pin[i] == 0 && j < 3 * n; j += n) {
+            dvdt[j] += sim->added[j] / mesh->mass[i];
+            block += sim->added[j] * v[j];
         }
         if ((i + 1) % mesh->block == 0 || i + 1 == n) {
-            power += row;
-            row = 0.0;
+            power += block;
+            block = 0.0;
         }
     }
     return power;

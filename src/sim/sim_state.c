@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* sim_state.c -- what a simulation tells of itself. */
 #include "base/sized.h"
+#include "mesh/surface.h"
 #include "sim/bands.h"
 #include "sim/simulation.h"
 
@@ -42,7 +43,14 @@ void weft_sim_measure_sized(weft_measures *out, size_t size, const weft_sim *sim
 {
     const weft__state at = { .t = sim->t, .y = sim->y };
     weft__measure_fn *of = sim->ledger.on ? weft__block_all : weft__block_state;
-    const weft_measures all = weft__forces_measure(&sim->forces, &at, of);
+    const weft__mesh *mesh = &sim->cloth->mesh;
+    weft_measures all = weft__forces_measure(&sim->forces, &at, of);
+    all.worst.p = weft__vertex_of(mesh, all.worst.p);
+    all.worst.q = weft__vertex_of(mesh, all.worst.q);
+    all.gap_particle = weft__vertex_of(mesh, all.gap_particle);
+    for (size_t k = 0; k < 2; ++k) {
+        all.self_pair[k] = weft__primitive_of(mesh, all.self_pair[k]);
+    }
     weft__sized_write(out, size, &all, sizeof all);
 }
 
@@ -63,10 +71,9 @@ void weft_sim_totals_sized(weft_totals *out, size_t size, const weft_sim *sim)
 {
     double sum[2 + WEFT_FAMILIES];
     weft__bands_sum(&sim->forces, count_block, sim->cloth, 2 + WEFT_FAMILIES, sum);
-    weft_totals totals
-        = { .particles = sim->cloth->mesh.band.rows * sim->cloth->mesh.cols,
-            .pins = (size_t)sum[1],
-            .mass = sum[0] };
+    weft_totals totals = { .particles = weft__whole_particles(&sim->cloth->mesh),
+                           .pins = (size_t)sum[1],
+                           .mass = sum[0] };
     for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
         totals.springs[k] = (size_t)sum[2 + k];
     }
@@ -147,23 +154,24 @@ size_t weft_sim_limit_held(const weft_sim *sim)
                                 sim->y);
 }
 
-/* Copies three planes of n to triples. */
-static void interleave(const double *planes, size_t n, double *xyz)
+/* Copies three planes of a state to triples. */
+static void interleave(const weft__mesh *mesh, const double *planes, double *xyz)
 {
-    for (size_t i = 0; i < n; ++i) {
+    for (size_t i = 0; i < mesh->particles; ++i) {
+        double *x = &xyz[3 * weft__vertex_of(mesh, i)];
         for (size_t k = 0; k < 3; ++k) {
-            xyz[3 * i + k] = planes[k * n + i];
+            x[k] = planes[k * mesh->particles + i];
         }
     }
 }
 
 void weft_sim_positions(const weft_sim *sim, double *xyz)
 {
-    interleave(sim->y, weft_cloth_particles(sim->cloth), xyz);
+    interleave(&sim->cloth->mesh, sim->y, xyz);
 }
 
 void weft_sim_velocities(const weft_sim *sim, double *xyz)
 {
-    const size_t n = weft_cloth_particles(sim->cloth);
-    interleave(sim->y + 3 * n, n, xyz);
+    const weft__mesh *mesh = &sim->cloth->mesh;
+    interleave(mesh, sim->y + 3 * mesh->particles, xyz);
 }

@@ -20,13 +20,11 @@ static bool limit(weft_sim *sim, double h)
     if (before == 0 && sim->limit.stats.unconverged > 0) {
         const weft_spring worst = weft_sim_limit_worst(sim);
         char text[96];
-        weft__log(
-            &sim->def.log, WEFT_LOG_WARNING,
-            "limit: not met within its sweeps at t = %.9g s; %s is at %.3g %%; "
-            "reported once",
-            sim->t,
-            weft_spring_text(&worst, weft_cloth_cols(sim->cloth), text, sizeof text),
-            100.0 * worst.strain);
+        weft__log(&sim->def.log, WEFT_LOG_WARNING,
+                  "limit: not met within its sweeps at t = %.9g s; %s is at %.3g %%; "
+                  "reported once",
+                  sim->t, weft_spring_text(sim->cloth, &worst, text, sizeof text),
+                  100.0 * worst.strain);
     }
     return changed;
 }

@@ -5,6 +5,8 @@
 #include <stdatomic.h>
 #include <string.h>
 
+#include "mesh/surface.h"
+
 /* Of a correction, before it is given up. */
 enum { HALVINGS = 60 };
 
@@ -64,18 +66,21 @@ weft__breach weft__path_breach(const weft__forces *forces, const weft__path *pat
     return out.found ? out : self_breach(forces, path);
 }
 
-const char *weft__breach_text(const weft__breach *breach, size_t cols,
+const char *weft__breach_text(const weft__mesh *mesh, const weft__breach *breach,
                               char text[WEFT__BREACH_TEXT])
 {
     char names[2][WEFT__BREACH_TEXT / 2 - 4];
     if (breach->pair[0].count > 0) {
         for (size_t k = 0; k < 2; ++k) {
-            weft_primitive_text(&breach->pair[k], cols, names[k], sizeof names[k]);
+            const weft_primitive of = weft__primitive_of(mesh, breach->pair[k]);
+            weft__primitive_text(mesh, &of, names[k], sizeof names[k]);
         }
         (void)snprintf(text, WEFT__BREACH_TEXT, "%s and %s", names[0], names[1]);
     } else {
-        (void)snprintf(text, WEFT__BREACH_TEXT, "particle (%zu, %zu) and shapes[%zu]",
-                       breach->particle / cols, breach->particle % cols, breach->shape);
+        weft__particle_name(mesh, weft__vertex_of(mesh, breach->particle), names[0],
+                            sizeof names[0]);
+        (void)snprintf(text, WEFT__BREACH_TEXT, "%s and shapes[%zu]", names[0],
+                       breach->shape);
     }
     return text;
 }
@@ -84,6 +89,7 @@ weft__breach weft__state_breach(const weft_cloth *cloth, double t, const double 
 {
     weft__breach out = { .t = t };
     out.gap = weft_cloth_gap(cloth, t, y, &out.particle, &out.shape);
+    out.particle = weft__particle_of(&cloth->mesh, out.particle);
     out.found = out.gap <= 0.0;
     return out;
 }
@@ -122,10 +128,11 @@ weft__breach weft__particle_breach(const weft_cloth *cloth, double t, const doub
 weft_status weft__breach_error(const weft_cloth *cloth, const weft__breach *breach,
                                const char *what, weft_error *err)
 {
-    const size_t i = weft__whole_index(&cloth->mesh, breach->particle);
-    return weft_error_set(err, WEFT_INVALID,
-                          "particle (%zu, %zu) %s %.3g mm inside shapes[%zu]",
-                          i / cloth->mesh.cols, i % cloth->mesh.cols, what,
+    const weft__mesh *mesh = &cloth->mesh;
+    const size_t i = weft__whole_index(mesh, weft__vertex_of(mesh, breach->particle));
+    char name[64];
+    return weft_error_set(err, WEFT_INVALID, "%s %s %.3g mm inside shapes[%zu]",
+                          weft__particle_name(mesh, i, name, sizeof name), what,
                           1e3 * fabs(breach->gap), breach->shape);
 }
 

@@ -41,9 +41,9 @@ weft__breach weft__particle_breach(const weft_cloth *cloth, double t, const doub
 void weft__hold_back(const weft__forces *forces, double t, const double *from,
                      double *y);
 
-/* "particle (3, 4) and shapes[1]", or both primitives; returns text. */
+/* "particle (3, 4) and shapes[1]", or both primitives, of the whole; returns text. */
 enum { WEFT__BREACH_TEXT = 160 };
-const char *weft__breach_text(const weft__breach *breach, size_t cols,
+const char *weft__breach_text(const weft__mesh *mesh, const weft__breach *breach,
                               char text[WEFT__BREACH_TEXT]);
 
 /* "particle (3, 4) is 2 mm inside shapes[1]", of the present or `would be`. */

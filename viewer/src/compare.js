@@ -239,7 +239,7 @@ function fillWords() {
     document.title = `${page.scene}: which stepper? - weft`;
     $('name').textContent = `${page.scene}: which stepper?`;
     $('summary').append(...[
-        `${page.rows} × ${page.cols} particles`,
+        page.size.replace(' x ', ' × '),
         `${page.methods.filter((m) => m.points.length > 0).length} methods over ${short(page.time)} s`,
         `at most ${grouped(page.budget)} evaluations of the forces a run`,
     ].map((text) => element('span', 'fact', text)));

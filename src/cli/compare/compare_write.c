@@ -111,9 +111,9 @@ static void print_rows(const compare *self, const compare_advice *advice)
 void compare_print(const compare *self, const compare_advice *advice)
 {
     sentence horizon = { "" }, reference = { "" }, legend = { "" }, as_is = { "" };
+    char size[HUMAN_SIZE];
     print_plain(stdout, weft_scene_name(self->scene), "");
-    printf(", %zu x %zu particles\n", weft_cloth_rows(self->cloth),
-           weft_cloth_cols(self->cloth));
+    printf(", %s\n", weft_cloth_text(self->cloth, size, sizeof size));
     compare_say_horizon(self, &horizon);
     print_wrapped(stdout, 0, 2, PAGE_WIDTH, horizon.text);
     compare_say_reference(self, &reference);
@@ -155,8 +155,7 @@ void compare_begin(const compare *self, const char *directory)
         yaml_out_begin_event(&out, "begin");
         yaml_out_text(&out, "name", weft_scene_name(self->scene));
         yaml_out_text(&out, "directory", directory);
-        yaml_out_plain(&out, "rows", "%zu", weft_cloth_rows(self->cloth));
-        yaml_out_plain(&out, "cols", "%zu", weft_cloth_cols(self->cloth));
+        yaml_out_size(&out, self->cloth);
         yaml_out_plain(&out, "methods_planned", "%zu", self->count + 1);
         yaml_out_real(&out, "duration", self->run.duration);
         yaml_out_end_event(&out);
@@ -305,10 +304,12 @@ static void put_advice(const compare *self, const compare_advice *advice, FILE *
 static void put_description(const compare *self, const compare_advice *advice,
                             FILE *stream)
 {
+    char size[HUMAN_SIZE];
     sentence horizon = { "" }, reference = { "" }, as_is = { "" };
     fputs("<script type=\"application/json\" id=\"weft-data\">{", stream);
     put_member(stream, "weft", weft_version());
     put_member(stream, "scene", weft_scene_name(self->scene));
+    put_member(stream, "size", weft_cloth_text(self->cloth, size, sizeof size));
     put_member(stream, "yaml", weft_scene_text(self->scene));
     compare_say_horizon(self, &horizon);
     put_member(stream, "horizon", horizon.text);
@@ -324,9 +325,8 @@ static void put_description(const compare *self, const compare_advice *advice,
         putc(',', stream);
     }
     fprintf(stream,
-            "\"rows\":%zu,\"cols\":%zu,\"time\":%.9g,\"apart\":%.9g,\"near\":%.9g,"
+            "\"time\":%.9g,\"apart\":%.9g,\"near\":%.9g,"
             "\"budget\":%" PRIu64 ",\"methods\":[",
-            weft_cloth_rows(self->cloth), weft_cloth_cols(self->cloth),
             compare_time(self, self->last), self->apart, COMPARE_NEAR * self->apart,
             self->budget);
     for (size_t i = 0; i < self->count; ++i) {

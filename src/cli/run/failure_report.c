@@ -67,21 +67,22 @@ static void add_line(sentence *out, const char *format, ...)
     say(out, "%s%s", first ? "" : "; ", line);
 }
 
-static void add_state(const weft_failure *failure, size_t cols, sentence *out)
+static void add_state(const weft_failure *failure, const weft_cloth *cloth,
+                      sentence *out)
 {
     const weft_spring *worst = &failure->spring;
     const double *x = failure->position;
-    char spring[SPRING];
+    char spring[SPRING], fastest[SPRING];
     add_line(out, "%s at t = %.9g s, last h = %.3g s", failure->reason, failure->time,
              failure->last_step);
-    add_line(out, "fastest particle (%zu, %zu) at (%.3g, %.3g, %.3g) m, %.3g m/s",
-             failure->particle / cols, failure->particle % cols, x[0], x[1], x[2],
-             failure->speed);
+    add_line(out, "fastest %s at (%.3g, %.3g, %.3g) m, %.3g m/s",
+             weft_particle_text(cloth, failure->particle, fastest, sizeof fastest),
+             x[0], x[1], x[2], failure->speed);
     if (worst->p == worst->q) {
         add_line(out, "no springs");
     } else {
         add_line(out, "most strained %s at %.3g %%",
-                 weft_spring_text(worst, cols, spring, sizeof spring),
+                 weft_spring_text(cloth, worst, spring, sizeof spring),
                  100.0 * worst->strain);
     }
     add_line(out, "energy %.4g J before that step", failure->energy);
@@ -93,7 +94,7 @@ void failure_report(const weft_scene *scene, const weft_comm *comm, const weft_s
     sentence advice = { "" };
     const double h = step_taken(scene);
     out->text[0] = '\0';
-    add_state(failure, weft_cloth_cols(weft_sim_cloth(sim)), out);
+    add_state(failure, weft_sim_cloth(sim), out);
     if (failure->status == WEFT_NO_MEMORY) {
         return;
     }

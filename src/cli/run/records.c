@@ -79,13 +79,13 @@ double frames_bytes(const weft_scene *scene, size_t *planned)
     const size_t last = weft_run_last_frame(weft_scene_run(scene));
     *planned = record_vtkhdf_planned(record, last);
     return (double)*planned
-           * (double)record_vtkhdf_frame(record, cloth->rows * cloth->cols);
+           * (double)record_vtkhdf_frame(record, weft_cloth_def_particles(cloth));
 }
 
 weft_status frames_have_room(const weft_scene *scene, weft_error *err)
 {
     const weft_cloth_def *cloth = weft_scene_cloth(scene);
-    const size_t most = record_vtkhdf_most(cloth->rows * cloth->cols);
+    const size_t most = record_vtkhdf_most(weft_cloth_def_particles(cloth));
     size_t planned;
     const double bytes = frames_bytes(scene, &planned);
     if (bytes > LARGE_FILE) {

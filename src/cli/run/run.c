@@ -28,7 +28,7 @@ static void warn_of_held(run *self)
 {
     char spring[SPRING];
     const weft_spring worst = weft_sim_limit_worst(self->sim);
-    (void)weft_spring_text(&worst, weft_cloth_cols(self->cloth), spring, sizeof spring);
+    (void)weft_spring_text(self->cloth, &worst, spring, sizeof spring);
     const size_t held = weft_sim_limit_held(self->sim);
     if (held > 0 && !self->warned_held) {
         self->warned_held = true;

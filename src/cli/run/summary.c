@@ -32,15 +32,15 @@ void summary_frame(summary *self, const weft_spring *now)
 
 static void print_what(const summary *self)
 {
-    char text[RECORD_PATH];
+    char text[RECORD_PATH], size[HUMAN_SIZE];
     const weft_cloth *cloth = weft_sim_cloth(self->sim);
     const bool stopped = self->result->reason[0] != '\0'
                          && (strcmp(self->result->status, "interrupted") == 0
                              || strcmp(self->result->status, "done") == 0);
-    (void)snprintf(text, sizeof text, "%s%s%s: %s (%zu x %zu particles, %s %s)",
-                   self->result->status, stopped ? " by " : "",
-                   stopped ? self->result->reason : "", weft_scene_name(self->scene),
-                   weft_cloth_band(cloth).rows, weft_cloth_cols(cloth),
+    (void)snprintf(text, sizeof text, "%s%s%s: %s (%s, %s %s)", self->result->status,
+                   stopped ? " by " : "", stopped ? self->result->reason : "",
+                   weft_scene_name(self->scene),
+                   weft_cloth_text(cloth, size, sizeof size),
                    weft_scene_plugin(self->scene), weft_scene_method(self->scene));
     print_wrapped(stdout, 0, 2, PAGE_WIDTH, text);
 }
@@ -116,7 +116,7 @@ static void print_strain(const summary *self)
     }
     print_item("strain", "at most %.3g %% at t = %.4g s, %s; %.3g %% at the end",
                100.0 * most->strain, self->extremes.strain_time,
-               weft_spring_text(most, weft_cloth_cols(cloth), spring, sizeof spring),
+               weft_spring_text(cloth, most, spring, sizeof spring),
                100.0 * self->result->measures.worst.strain);
 }
 
@@ -234,8 +234,7 @@ void summary_yaml_begin(const summary *self)
     yaml_out_text(&out, "directory", self->directory);
     yaml_out_text(&out, "plugin", weft_scene_plugin(self->scene));
     yaml_out_text(&out, "method", weft_scene_method(self->scene));
-    yaml_out_plain(&out, "rows", "%zu", weft_cloth_band(cloth).rows);
-    yaml_out_plain(&out, "cols", "%zu", weft_cloth_cols(cloth));
+    yaml_out_size(&out, cloth);
     yaml_out_plain(&out, "frames_planned", "%zu", self->result->planned);
     yaml_out_real(&out, "duration", weft_scene_run(self->scene)->duration);
     yaml_out_end_event(&out);

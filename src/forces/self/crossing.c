@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "forces/self/crossing.h"
 
+#include "mesh/surface.h"
+
 typedef struct counting {
     const weft__quadtree *tree;
     weft__crossings found;
@@ -207,8 +209,8 @@ weft_status weft__crossing_error(const weft__self *own, const double *y, size_t 
         (void)snprintf(more, sizeof more, "; %zu such pairs", found.count);
     }
     for (size_t k = 0; k < 2; ++k) {
-        (void)weft_primitive_text(&found.first[k], own->mesh->cols, names[k],
-                                  sizeof names[k]);
+        const weft_primitive of = weft__primitive_of(own->mesh, found.first[k]);
+        (void)weft__primitive_text(own->mesh, &of, names[k], sizeof names[k]);
     }
     return weft_error_set(err, WEFT_INVALID, "%s%s %s %s%s", where, names[0],
                           found.how == WEFT__PIERCE ? "passes through" : "touches",

@@ -85,16 +85,6 @@ const char *weft_family_name(weft_family family)
     return (unsigned)family < WEFT_FAMILIES ? names[family] : "unknown";
 }
 
-const char *weft_spring_text(const weft_spring *spring, size_t cols, char *text,
-                             size_t size)
-{
-    cols = cols > 0 ? cols : SIZE_MAX;
-    (void)snprintf(text, size, "%s spring (%zu, %zu)-(%zu, %zu)",
-                   weft_family_name(spring->family), spring->p / cols, spring->p % cols,
-                   spring->q / cols, spring->q % cols);
-    return text;
-}
-
 /* The direction of a group: rows down, columns to the right (-1: to the left). */
 typedef struct direction {
     weft_family family;

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* cloth_surface.c -- what a cloth says of its particles, triangles and edges. */
+#include "mesh/surface.h"
+
+#include "cloth/model.h"
+
+size_t weft_cloth_index(const weft_cloth *cloth, size_t vertex)
+{
+    return weft__particle_of(&cloth->mesh, vertex);
+}
+
+size_t weft_cloth_vertex(const weft_cloth *cloth, size_t index)
+{
+    return weft__vertex_of(&cloth->mesh, index);
+}
+
+size_t weft_cloth_name(const weft_cloth *cloth, size_t vertex)
+{
+    const weft__triangles *of = cloth->mesh.triangles;
+    return of != NULL && of->name != NULL ? of->name[vertex] : vertex;
+}
+
+size_t weft_cloth_triangles(const weft_cloth *cloth, uint32_t *corners)
+{
+    return weft__surface_triangles(&cloth->mesh, corners);
+}
+
+size_t weft_cloth_edges(const weft_cloth *cloth, uint32_t *ends)
+{
+    return weft__surface_edges(&cloth->mesh, ends);
+}
+
+size_t weft_cloth_places(const weft_cloth *cloth, uint32_t *corner_places, double *uv)
+{
+    return weft__surface_places(&cloth->mesh, corner_places, uv);
+}
+
+const char *weft_cloth_text(const weft_cloth *cloth, char *text, size_t size)
+{
+    const weft__mesh *mesh = &cloth->mesh;
+    if (mesh->triangles != NULL) {
+        (void)weft_text_format(text, size, "%zu vertices, %zu triangles",
+                               mesh->particles, mesh->triangles->count);
+    } else {
+        (void)weft_text_format(text, size, "%zu x %zu particles", mesh->band.rows,
+                               mesh->cols);
+    }
+    return text;
+}
+
+const char *weft_particle_text(const weft_cloth *cloth, size_t i, char *text,
+                               size_t size)
+{
+    return weft__particle_name(&cloth->mesh, i, text, size);
+}
+
+const char *weft_spring_text(const weft_cloth *cloth, const weft_spring *spring,
+                             char *text, size_t size)
+{
+    char p[WEFT__NAME_TEXT], q[WEFT__NAME_TEXT];
+    (void)weft_text_format(text, size, "%s spring %s-%s",
+                           weft_family_name(spring->family),
+                           weft__name_text(&cloth->mesh, spring->p, p),
+                           weft__name_text(&cloth->mesh, spring->q, q));
+    return text;
+}
+
+const char *weft_primitive_text(const weft_cloth *cloth,
+                                const weft_primitive *primitive, char *text,
+                                size_t size)
+{
+    return weft__primitive_text(&cloth->mesh, primitive, text, size);
+}

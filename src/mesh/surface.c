@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "mesh/surface.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* ---- triangles and edges --------------------------------------------------------- */
+
+static size_t grid_triangles(const weft__mesh *mesh, uint32_t *corners)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < mesh->particles; ++i) {
+        uint32_t own[2][3];
+        const size_t more = weft__triangles_of(mesh, i, own);
+        for (size_t j = 0; corners != NULL && j < 3 * more; ++j) {
+            corners[3 * count + j] = own[j / 3][j % 3];
+        }
+        count += more;
+    }
+    return count;
+}
+
+size_t weft__surface_triangles(const weft__mesh *mesh, uint32_t *corners)
+{
+    const weft__triangles *of = mesh->triangles;
+    if (of == NULL) {
+        return grid_triangles(mesh, corners);
+    }
+    for (size_t j = 0; corners != NULL && j < 3 * of->count; ++j) {
+        corners[j] = of->vertex[of->corner[j / 3][j % 3]];
+    }
+    return of->count;
+}
+
+static size_t grid_edges(const weft__mesh *mesh, uint32_t *ends)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < mesh->particles; ++i) {
+        uint32_t own[3][2];
+        const size_t more = weft__edges_of(mesh, i, own);
+        for (size_t j = 0; ends != NULL && j < 2 * more; ++j) {
+            ends[2 * count + j] = own[j / 2][j % 2];
+        }
+        count += more;
+    }
+    return count;
+}
+
+/* [m] u along a row, v up a column of a grid. */
+static void place_at(const weft__mesh *mesh, size_t i, double uv[2])
+{
+    if (mesh->triangles != NULL) {
+        memcpy(uv, mesh->triangles->rest[i], 2 * sizeof *uv);
+    } else {
+        const size_t whole = weft__whole_index(mesh, i);
+        uv[0] = (double)(whole % mesh->cols) * mesh->spacing[1];
+        uv[1] = 0.0 - (double)(whole / mesh->cols) * mesh->spacing[0];
+    }
+}
+
+/* Of two edges that are sewn together the first stands for both. */
+size_t weft__surface_edges(const weft__mesh *mesh, uint32_t *ends)
+{
+    const weft__triangles *of = mesh->triangles;
+    size_t count = 0;
+    if (of == NULL) {
+        return grid_edges(mesh, ends);
+    }
+    for (size_t e = 0; e < of->edges; ++e) {
+        const weft__edge *edge = &of->edge_list[e];
+        if (edge->sewn < e) {
+            continue;
+        }
+        for (size_t k = 0; ends != NULL && k < 2; ++k) {
+            ends[2 * count + k] = of->vertex[of->particle[edge->place[k]]];
+        }
+        ++count;
+    }
+    return count;
+}
+
+size_t weft__surface_places(const weft__mesh *mesh, uint32_t *corner_places, double *uv)
+{
+    const weft__triangles *of = mesh->triangles;
+    const size_t places = of != NULL ? of->places : mesh->particles;
+    if (of == NULL && corner_places != NULL) {
+        (void)grid_triangles(mesh, corner_places);
+    }
+    for (size_t j = 0; of != NULL && corner_places != NULL && j < 3 * of->count; ++j) {
+        corner_places[j] = of->place[j / 3][j % 3];
+    }
+    for (size_t i = 0; uv != NULL && i < places; ++i) {
+        place_at(mesh, i, &uv[2 * i]);
+    }
+    return places;
+}
+
+/* ---- names ----------------------------------------------------------------------- */
+
+const char *weft__name_text(const weft__mesh *mesh, size_t vertex,
+                            char text[WEFT__NAME_TEXT])
+{
+    const weft__triangles *of = mesh->triangles;
+    if (of == NULL) {
+        (void)snprintf(text, WEFT__NAME_TEXT, "(%zu, %zu)", vertex / mesh->cols,
+                       vertex % mesh->cols);
+    } else {
+        (void)snprintf(text, WEFT__NAME_TEXT, "%zu",
+                       of->name != NULL ? of->name[vertex] : vertex);
+    }
+    return text;
+}
+
+const char *weft__particle_name(const weft__mesh *mesh, size_t vertex, char *text,
+                                size_t size)
+{
+    char name[WEFT__NAME_TEXT];
+    (void)snprintf(text, size, "%s %s", mesh->triangles == NULL ? "particle" : "vertex",
+                   weft__name_text(mesh, vertex, name));
+    return text;
+}
+
+/* A triangle of a grid is known by its cell, that of the top left particle. */
+static size_t cell_of(const weft__mesh *mesh, const weft_primitive *triangle)
+{
+    size_t row = SIZE_MAX, col = SIZE_MAX;
+    for (size_t k = 0; k < 3; ++k) {
+        const size_t i = triangle->particle[k];
+        row = i / mesh->cols < row ? i / mesh->cols : row;
+        col = i % mesh->cols < col ? i % mesh->cols : col;
+    }
+    return row * mesh->cols + col;
+}
+
+const char *weft__primitive_text(const weft__mesh *mesh,
+                                 const weft_primitive *primitive, char *text,
+                                 size_t size)
+{
+    char names[3][WEFT__NAME_TEXT] = { "" };
+    for (size_t k = 0; k < primitive->count; ++k) {
+        weft__name_text(mesh, primitive->particle[k], names[k]);
+    }
+    if (primitive->count == 1) {
+        return weft__particle_name(mesh, primitive->particle[0], text, size);
+    }
+    if (primitive->count == 2) {
+        (void)snprintf(text, size, "edge %s-%s", names[0], names[1]);
+    } else if (mesh->triangles != NULL) {
+        (void)snprintf(text, size, "triangle %s-%s-%s", names[0], names[1], names[2]);
+    } else {
+        (void)snprintf(text, size, "cell %s",
+                       weft__name_text(mesh, cell_of(mesh, primitive), names[0]));
+    }
+    return text;
+}

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* surface.h -- a mesh of either kind as it is drawn, exported and named: in the numbers
+ * of its definition. */
+#ifndef WEFT_MESH_SURFACE_H
+#define WEFT_MESH_SURFACE_H
+
+#include "mesh/triangles.h"
+
+/* weft_cloth_triangles, weft_cloth_edges, weft_cloth_places. */
+size_t weft__surface_triangles(const weft__mesh *mesh, uint32_t *corners);
+size_t weft__surface_edges(const weft__mesh *mesh, uint32_t *ends);
+size_t weft__surface_places(const weft__mesh *mesh, uint32_t *corner_places,
+                            double *uv);
+
+/* A primitive of particles in numbers of the definition. */
+static inline weft_primitive weft__primitive_of(const weft__mesh *mesh,
+                                                weft_primitive of)
+{
+    for (size_t k = 0; k < of.count; ++k) {
+        of.particle[k] = weft__vertex_of(mesh, of.particle[k]);
+    }
+    return of;
+}
+
+/* Texts of numbers of the whole definition, as snprintf writes them; all return
+ * `text`. "(3, 4)" or "17"; then as weft_particle_text and weft_primitive_text. */
+enum { WEFT__NAME_TEXT = 48 };
+const char *weft__name_text(const weft__mesh *mesh, size_t vertex,
+                            char text[WEFT__NAME_TEXT]);
+const char *weft__particle_name(const weft__mesh *mesh, size_t vertex, char *text,
+                                size_t size);
+const char *weft__primitive_text(const weft__mesh *mesh,
+                                 const weft_primitive *primitive, char *text,
+                                 size_t size);
+
+#endif

@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* test_surface.c -- the numbers, names, triangles, edges and rest shape of a cloth. */
+#include "support.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static weft_cloth *cloth;
+
+static void make_grid(void)
+{
+    weft_cloth_def def = weft_cloth_def_default();
+    def.rows = 3, def.cols = 4;
+    def.spacing[0] = 0.5, def.spacing[1] = 0.25;
+    cloth = test_cloth(&def);
+}
+
+static void destroy(void)
+{
+    weft_cloth_destroy(cloth);
+}
+
+START_TEST(particles_of_a_grid_are_named_by_row_and_column)
+{
+    const weft_spring spring = { WEFT_SHEAR, 3, 6, 0.0 };
+    const weft_primitive edge = { 2, { 0, 1 } }, triangle = { 3, { 11, 7, 10 } };
+    char text[64];
+    ck_assert_str_eq(weft_cloth_text(cloth, text, 64), "3 x 4 particles");
+    ck_assert_str_eq(weft_particle_text(cloth, 6, text, 64), "particle (1, 2)");
+    ck_assert_str_eq(weft_spring_text(cloth, &spring, text, 64),
+                     "shear spring (0, 3)-(1, 2)");
+    ck_assert_str_eq(weft_primitive_text(cloth, &edge, text, 64), "edge (0, 0)-(0, 1)");
+    ck_assert_str_eq(weft_primitive_text(cloth, &triangle, text, 64), "cell (1, 2)");
+    ck_assert_str_eq(weft_cloth_text(cloth, text, 4), "3 x");
+    for (size_t i = 0; i < 12; ++i) {
+        ck_assert_uint_eq(weft_cloth_index(cloth, i), i);
+        ck_assert_uint_eq(weft_cloth_vertex(cloth, i), i);
+        ck_assert_uint_eq(weft_cloth_name(cloth, i), i);
+    }
+}
+END_TEST
+
+/* V - E + T = 1 of a disc; the two triangles of a cell share its diagonal. */
+START_TEST(a_grid_has_two_triangles_for_each_cell)
+{
+    uint32_t corners[36], places[36], ends[46];
+    double uv[24];
+    ck_assert_uint_eq(weft_cloth_triangles(cloth, NULL), 12);
+    ck_assert_uint_eq(weft_cloth_triangles(cloth, corners), 12);
+    ck_assert_uint_eq(weft_cloth_edges(cloth, NULL), 23);
+    ck_assert_uint_eq(weft_cloth_edges(cloth, ends), 23);
+    ck_assert_uint_eq(weft_cloth_places(cloth, places, uv), 12);
+    ck_assert_mem_eq(places, corners, sizeof corners);
+    for (size_t cell = 0; cell < 6; ++cell) {
+        const uint32_t a = (uint32_t)(cell / 3 * 4 + cell % 3);
+        const uint32_t two[6] = { a, a + 4, a + 1, a + 5, a + 1, a + 4 };
+        ck_assert_mem_eq(&corners[6 * cell], two, sizeof two);
+    }
+    for (size_t e = 0; e < 23; ++e) {
+        const uint32_t step = ends[2 * e + 1] - ends[2 * e];
+        ck_assert(step == 1 || step == 3 || step == 4);
+    }
+    for (size_t i = 0; i < 12; ++i) {
+        ck_assert_double_eq(uv[2 * i], 0.25 * (double)(i % 4));
+        ck_assert_double_eq(uv[2 * i + 1], -0.5 * (double)(i / 4));
+    }
+}
+END_TEST
+
+START_TEST(hash_of_a_state_is_that_of_its_rows)
+{
+    double y[72];
+    weft_cloth_start(cloth, y);
+    ck_assert_uint_eq(weft_cloth_state_hash(cloth, y), weft_state_hash(y, 3, 4));
+}
+END_TEST
+
+TEST_SUITE(surface)
+{
+    Suite *suite = suite_create("surface");
+    TCase *grid = tcase_create("grid");
+    tcase_add_checked_fixture(grid, make_grid, destroy);
+    tcase_add_test(grid, particles_of_a_grid_are_named_by_row_and_column);
+    tcase_add_test(grid, a_grid_has_two_triangles_for_each_cell);
+    tcase_add_test(grid, hash_of_a_state_is_that_of_its_rows);
+    suite_add_tcase(suite, grid);
+    return suite;
+}
