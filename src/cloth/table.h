@@ -5,12 +5,13 @@
 #define WEFT_CLOTH_TABLE_H
 
 #include "forces/bending/bending.h"
+#include "forces/bending/plate.h"
 #include "forces/body/body.h"
 #include "forces/contact/contact.h"
 #include "forces/self/self.h"
 #include "forces/springs/springs.h"
 #include "forces/wind/wind.h"
 
-#define WEFT_FORCES(X) X(springs) X(bending) X(body) X(wind) X(contact) X(self)
+#define WEFT_FORCES(X) X(springs) X(bending) X(plate) X(body) X(wind) X(contact) X(self)
 
 #endif

@@ -1,0 +1,334 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* plate.c -- the plain loops of plate.h, energy, powers and bounds. plate_fast.c has
+ * the same bits. */
+#include "forces/bending/plate.h"
+
+#include "base/hash.h"
+#include "base/memory.h"
+#include "forces/bounds.h"
+
+static bool present(const weft__plate *of)
+{
+    return of->matrix.first != NULL;
+}
+
+/* ---- bounds ---------------------------------------------------------------------- */
+
+/* y = |K| d */
+static void absolute(const weft__plate_matrix *of, const double *entry, const double *d,
+                     double *y)
+{
+    for (size_t i = 0; i < of->particles; ++i) {
+        const size_t g = i / WEFT__PLATE_ROWS, r = i % WEFT__PLATE_ROWS;
+        y[i] = 0.0;
+        for (size_t j = of->first[g]; j < of->first[g + 1]; ++j) {
+            y[i] += fabs(entry[WEFT__PLATE_ROWS * j + r])
+                    * d[weft__plate_particle(of, i, of->column[j])];
+        }
+    }
+}
+
+enum { ITERATIONS = 3 };
+
+/* For any d > 0 K is at most the diagonal of (|K| d)_i / d_i, by Young's inequality.
+ * The power method brings d near the best, that of the largest eigenvalue of M^-1 |K|
+ * (L. Collatz, Math. Z. 48, 1942). Needs work[3 N]. */
+static void bound_all(weft__plate *of, double *work)
+{
+    const weft__plate_matrix *matrix = &of->matrix;
+    const size_t n = matrix->particles;
+    const double *mass = of->mesh->mass;
+    double *d = work, *y = work + n, *best = work + 2 * n, least = INFINITY;
+    for (size_t i = 0; i < n; ++i) {
+        d[i] = best[i] = 1.0;
+    }
+    for (size_t step = 0; step <= ITERATIONS; ++step) {
+        double top = 0.0, size = 0.0;
+        absolute(matrix, matrix->entry, d, y);
+        for (size_t i = 0; i < n; ++i) {
+            top = fmax(top, y[i] / (mass[i] * d[i]));
+            size = fmax(size, y[i] / mass[i]);
+        }
+        if (top < least) {
+            least = top;
+            memcpy(best, d, n * sizeof *best);
+            for (size_t i = 0; i < n; ++i) {
+                of->most[i] = y[i] / d[i];
+            }
+        }
+        for (size_t i = 0; size > 0.0 && i < n; ++i) {
+            d[i] = y[i] / (mass[i] * size) + 1e-3 * d[i];
+        }
+    }
+    if (matrix->damping != NULL) {
+        absolute(matrix, matrix->damping, best, y);
+        for (size_t i = 0; i < n; ++i) {
+            of->most[n + i] = y[i] / best[i];
+        }
+    }
+}
+
+/* [1/s^2] of a K + b C. Where both count, C is bounded apart; else it lies between the
+ * multiples tau[0] K and tau[1] K. */
+static void bound(const void *own, const weft__state *at, size_t i,
+                  const weft__sides *sides, double (*sums)[6])
+{
+    const weft__plate *of = own;
+    (void)at;
+    for (size_t s = 0; present(of) && s < sides->count; ++s) {
+        const double a = sides->way[s][0], b = sides->way[s][1];
+        const double scale = fmax(a + b * of->tau[0], a + b * of->tau[1]);
+        const double most
+            = of->matrix.damping != NULL && a >= 0.0 && b >= 0.0
+                  ? a * of->most[i] + b * of->most[of->matrix.particles + i]
+                  : fmax(0.0, scale) * of->most[i];
+        weft__bound_add(sums[s], most * of->mesh->inverse_mass[i]);
+    }
+}
+
+static void ratios(const void *own, weft__sides *to)
+{
+    const weft__plate *of = own;
+    for (size_t k = 0; present(of) && k < 2; ++k) {
+        weft__sides_add(to, of->tau[k]);
+    }
+}
+
+/* The range of damping, and whether blocks are too large for the fast forms. */
+static void survey(weft__plate *of)
+{
+    const weft__triangles *mesh = of->mesh->triangles;
+    for (size_t b = 0; b < weft__blocks(of->mesh); ++b) {
+        const size_t halo = of->matrix.reach[b + 1] - of->matrix.reach[b];
+        of->crowded = of->crowded || halo > WEFT__PLATE_ROOM - WEFT__MESH_BLOCK;
+    }
+    of->tau[0] = INFINITY;
+    of->tau[1] = 0.0;
+    for (size_t t = 0; t < mesh->count; ++t) {
+        const double tau = mesh->fabrics[mesh->fabric[t]].damping[1];
+        of->tau[0] = fmin(of->tau[0], tau);
+        of->tau[1] = fmax(of->tau[1], tau);
+    }
+}
+
+/* ---- life ------------------------------------------------------------------------ */
+
+static bool init(void *own, const weft_cloth_def *def, const weft_allocator *memory)
+{
+    weft__plate *of = own;
+    const weft__mesh *mesh = of->mesh;
+    (void)def;
+    if (mesh->triangles == NULL) {
+        return true;
+    }
+    if (!weft__plate_matrix_create(&of->matrix, mesh->triangles, mesh->particles,
+                                   mesh->pin, memory)) {
+        return false;
+    }
+    if (!present(of)) {
+        return true;
+    }
+    const size_t n = mesh->particles;
+    const size_t planes = of->matrix.damping != NULL ? 2 : 1;
+    double *work = weft__alloc(memory, n, 3 * sizeof *work);
+    of->most = weft__alloc(memory, n, planes * sizeof *of->most);
+    survey(of);
+    if (work != NULL && of->most != NULL) {
+        bound_all(of, work);
+    }
+    weft__free(memory, work);
+    return work != NULL && of->most != NULL;
+}
+
+static bool copy(void *own, const weft_allocator *memory)
+{
+    (void)memory;
+    ((weft__plate *)own)->copied = true;
+    return true;
+}
+
+static void free_matrix(void *own, const weft_allocator *memory)
+{
+    weft__plate *of = own;
+    if (!of->copied) {
+        weft__plate_matrix_free(&of->matrix, memory);
+        weft__free(memory, of->most);
+    }
+}
+
+/* Nothing without. */
+static uint64_t hash_of(const void *own, uint64_t hash)
+{
+    const weft__plate_matrix *of = &((const weft__plate *)own)->matrix;
+    if (of->first == NULL) {
+        return hash;
+    }
+    const size_t groups = (of->particles + WEFT__PLATE_ROWS - 1) / WEFT__PLATE_ROWS;
+    const size_t entries = WEFT__PLATE_ROWS * of->first[groups];
+    hash = weft__hash_reals(hash, of->entry, entries);
+    hash = weft__hash_reals(hash, &of->tau, 1);
+    return of->damping != NULL ? weft__hash_reals(hash, of->damping, entries) : hash;
+}
+
+static void choose(void *own, weft__isa isa)
+{
+    ((weft__plate *)own)->fast = WEFT_FORM(isa, plate);
+}
+
+/* ---- the force ------------------------------------------------------------------- */
+
+/* A plane of x and one of v; v NULL: x alone. */
+typedef struct motion {
+    const double *x, *v;
+    double tau; /* [s] */
+} motion;
+
+static double value(const motion *of, size_t i)
+{
+    return of->v != NULL ? of->x[i] + of->tau * of->v[i] : of->x[i];
+}
+
+/* Row i of a matrix by a motion. */
+static double row(const weft__plate_matrix *of, const double *entry, const motion *by,
+                  size_t i)
+{
+    const size_t g = i / WEFT__PLATE_ROWS, r = i % WEFT__PLATE_ROWS;
+    const double origin = value(by, i - i % WEFT__MESH_BLOCK);
+    double sums[2] = { 0.0, 0.0 };
+    for (size_t j = of->first[g]; j < of->first[g + 1]; ++j) {
+        const size_t p = weft__plate_particle(of, i, of->column[j]);
+        sums[(j - of->first[g]) % 2]
+            += entry[WEFT__PLATE_ROWS * j + r] * (value(by, p) - origin);
+    }
+    return sums[0] + sums[1];
+}
+
+/* [N] of plane k of a state. */
+static double resistance_of(const weft__plate *own, const double *y, size_t i, size_t k)
+{
+    const weft__plate_matrix *of = &own->matrix;
+    const double *x = y + k * of->particles, *v = x + 3 * of->particles;
+    const motion position = { x, of->tau != 0.0 ? v : NULL, of->tau };
+    const double force = row(of, of->entry, &position, i);
+    const motion velocity = { v, NULL, 0.0 };
+    return of->damping != NULL ? force + row(of, of->damping, &velocity, i) : force;
+}
+
+int weft__plate_loops(const void *own, const weft__state *at, weft__unit unit,
+                      double *to, size_t first, size_t end)
+{
+    const weft__plate *of = own;
+    const weft__mesh *mesh = of->mesh;
+    double bad = 0.0;
+    for (size_t i = weft__block(mesh, first); i < weft__block(mesh, end); ++i) {
+        const double share = unit == WEFT__FORCE ? 1.0 : mesh->inverse_mass[i];
+        for (size_t k = 0; k < 3; ++k) {
+            double *plane = to + k * mesh->particles;
+            plane[i] -= share * resistance_of(of, at->y, i, k);
+            bad += plane[i] * 0.0;
+        }
+    }
+    return bad == 0.0 ? 0 : 1;
+}
+
+static int add(const void *own, const weft__state *at, weft__unit unit, double *to,
+               size_t first, size_t end)
+{
+    const weft__plate *of = own;
+    weft__add_fn *form = of->crowded ? weft__plate_loops : of->fast;
+    return present(of) ? form(own, at, unit, to, first, end) : 0;
+}
+
+/* The force is linear: its change is the force of the direction. */
+static int change(const void *own, const weft__state *at, weft__unit unit, double *to,
+                  size_t first, size_t end)
+{
+    const weft__state along = { .y = at->along };
+    return add(own, &along, unit, to, first, end);
+}
+
+static void multiply(const void *own, const weft__state *at, double a, double b,
+                     const double *x, double *out)
+{
+    const weft__plate_matrix *of = &((const weft__plate *)own)->matrix;
+    const size_t n = of->particles;
+    (void)at;
+    for (size_t j = 0; of->first != NULL && j < 3 * n; ++j) {
+        const motion plane = { x + j / n * n, NULL, 0.0 };
+        out[j] += (a + b * of->tau) * row(of, of->entry, &plane, j % n);
+        if (of->damping != NULL) {
+            out[j] += b * row(of, of->damping, &plane, j % n);
+        }
+    }
+}
+
+/* ---- energy and powers ----------------------------------------------------------- */
+
+/* [x K x] of the rows of block b, for planes x[3 N]: as rows sum to 0, half the sum of
+ * -K_ij |x_i - x_j|^2. */
+static double block_square(const weft__plate *own, const double *entry, const double *x,
+                           size_t b)
+{
+    const weft__plate_matrix *of = &own->matrix;
+    const size_t n = of->particles, end = weft__block(own->mesh, b + 1);
+    double sum = 0.0;
+    for (size_t i = weft__block(own->mesh, b); i < end; ++i) {
+        const size_t g = i / WEFT__PLATE_ROWS, r = i % WEFT__PLATE_ROWS;
+        for (size_t j = of->first[g]; j < of->first[g + 1]; ++j) {
+            const size_t p = weft__plate_particle(of, i, of->column[j]);
+            const double d[3]
+                = { x[p] - x[i], x[n + p] - x[n + i], x[2 * n + p] - x[2 * n + i] };
+            sum -= entry[WEFT__PLATE_ROWS * j + r] * weft__dot(d, d);
+        }
+    }
+    return 0.5 * sum;
+}
+
+static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+{
+    const weft__plate *of = own;
+    if (present(of)) {
+        sum->energy.elastic[WEFT_BEND]
+            += 0.5 * block_square(of, of->matrix.entry, at->y, b);
+    }
+}
+
+static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+{
+    const weft__plate *of = own;
+    const weft__mesh *mesh = of->mesh;
+    const double *v = at->y + 3 * mesh->particles;
+    double rate[6];
+    for (size_t i = weft__block(mesh, b); present(of) && i < weft__block(mesh, b + 1);
+         ++i) {
+        if (mesh->pin[i] != 0 && mesh->motions[mesh->pin[i] - 1].moves) {
+            weft__pin_rate(mesh, i, at->t, rate);
+            for (size_t k = 0; k < 3; ++k) {
+                sum->power[WEFT_POWER_PINS] += resistance_of(of, at->y, i, k) * rate[k];
+            }
+        }
+    }
+    if (present(of) && of->matrix.tau != 0.0) {
+        sum->power[WEFT_POWER_SPRINGS]
+            += of->matrix.tau * block_square(of, of->matrix.entry, v, b);
+    }
+    if (of->matrix.damping != NULL) {
+        sum->power[WEFT_POWER_SPRINGS] += block_square(of, of->matrix.damping, v, b);
+    }
+}
+
+/* ---- the matrix ------------------------------------------------------------------ */
+
+const weft__force weft__plate_force = { .name = "plate",
+                                        .init = init,
+                                        .hash = hash_of,
+                                        .choose = choose,
+                                        .copy = copy,
+                                        .free = free_matrix,
+                                        .add = add,
+                                        .change = change,
+                                        .energy = energy,
+                                        .power = power,
+                                        .ratios = ratios,
+                                        .bound = bound,
+                                        .multiply = multiply };

@@ -1,0 +1,501 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* plate_slope.c -- weighted fits of quadratics about the middle of each edge. Only
+ * + - * / and square roots: the same bits everywhere. */
+#include "forces/bending/plate_slope.h"
+
+#include "base/memory.h"
+
+enum {
+    TERMS = 6,   /* 1, a, b, a^2/2, b^2/2, a b */
+    ENOUGH = 10, /* points of a patch, if the piece has them */
+    MOST = 40,   /* points that a patch is widened to */
+    WIDENINGS = 12,
+    FEW = 12 /* points of the rings 2 and 3 */
+};
+#define SINGULAR 1e-10 /* eigenvalue of the fit's matrix, by the largest */
+#define INEXACT  1e-6  /* of |d|, what a fit may miss */
+#define NARROW   1e-6  /* determinant of the metric, by the square of its trace */
+#define SAME     1e-9  /* of a distance, within which points are added together */
+#define BAD      2.0   /* gain above which the slopes of both faces may be better */
+
+/* The work of one edge after the other. Arrays have room for every place. */
+typedef struct search {
+    const weft__triangles *mesh;
+    const bool *held;
+    const weft_allocator *memory;
+    weft__slopes *out;
+    size_t *first; /* of each place, its neighbours along edges of live triangles */
+    uint32_t *near;
+    uint32_t *seen;          /* 1 + edge that took a place */
+    uint32_t *points, *pool; /* the patch; what it may be widened by */
+    double *far;             /* |yh|^2 of the pool */
+    size_t count, waiting;
+    bool gathered;      /* the pool */
+    double *work;       /* root of the weight, and six columns of the fit */
+    double *fit, *best; /* c */
+    size_t fitted;      /* points of the best, 0: none */
+    double gain;        /* |c| / |S^(-1/2) n| of the best */
+    double middle[2], normal[2];
+    double metric[3], root[3]; /* S, S^(-1/2): uu, uv, vv */
+} search;
+
+static bool live(const search *s, uint32_t triangle)
+{
+    return triangle != WEFT__NONE && !s->held[triangle];
+}
+
+static bool edge_live(const search *s, const weft__edge *edge)
+{
+    return live(s, edge->triangle[0]) || live(s, edge->triangle[1]);
+}
+
+/* ---- neighbours ------------------------------------------------------------------ */
+
+static bool reserve(search *s)
+{
+    const weft_allocator *memory = s->memory;
+    const size_t places = s->mesh->places;
+    s->first = weft__zeroed(memory, places + 2, sizeof *s->first);
+    s->near = weft__alloc(memory, 2 * s->mesh->edges, sizeof *s->near);
+    s->seen = weft__zeroed(memory, places, sizeof *s->seen);
+    s->points = weft__alloc(memory, places, sizeof *s->points);
+    s->pool = weft__alloc(memory, places, sizeof *s->pool);
+    s->far = weft__alloc(memory, places, sizeof *s->far);
+    s->work = weft__alloc(memory, places, (1 + TERMS) * sizeof *s->work);
+    s->fit = weft__alloc(memory, places, sizeof *s->fit);
+    s->best = weft__alloc(memory, places, sizeof *s->best);
+    return s->first != NULL && s->near != NULL && s->seen != NULL && s->points != NULL
+           && s->pool != NULL && s->far != NULL && s->work != NULL && s->fit != NULL
+           && s->best != NULL;
+}
+
+static void release(search *s)
+{
+    void *const blocks[] = { s->first, s->near, s->seen, s->points, s->pool,
+                             s->far,   s->work, s->fit,  s->best };
+    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) {
+        weft__free(s->memory, blocks[i]);
+    }
+}
+
+/* first[p + 1] moves from the start of the neighbours of p to their end. */
+static void join(search *s)
+{
+    const weft__triangles *mesh = s->mesh;
+    for (size_t e = 0; e < mesh->edges; ++e) {
+        for (size_t k = 0; k < 2 && edge_live(s, &mesh->edge_list[e]); ++k) {
+            ++s->first[mesh->edge_list[e].place[k] + 2];
+        }
+    }
+    for (size_t p = 2; p < mesh->places + 2; ++p) {
+        s->first[p] += s->first[p - 1];
+    }
+    for (size_t e = 0; e < mesh->edges; ++e) {
+        const uint32_t *ends = mesh->edge_list[e].place;
+        for (size_t k = 0; k < 2 && edge_live(s, &mesh->edge_list[e]); ++k) {
+            s->near[s->first[ends[k] + 1]++] = ends[1 - k];
+        }
+    }
+}
+
+/* ---- the patch ------------------------------------------------------------------- */
+
+/* Puts the last points, from `begin` on, in the order of places. */
+static void sort(uint32_t *points, size_t begin, size_t end)
+{
+    for (size_t gap = (end - begin) / 2; gap > 0; gap /= 2) {
+        for (size_t i = begin + gap; i < end; ++i) {
+            const uint32_t point = points[i];
+            size_t j = i;
+            for (; j >= begin + gap && points[j - gap] > point; j -= gap) {
+                points[j] = points[j - gap];
+            }
+            points[j] = point;
+        }
+    }
+}
+
+static void take(search *s, uint32_t place, size_t e, uint32_t *to, size_t *count)
+{
+    if (s->seen[place] != e + 1) {
+        s->seen[place] = (uint32_t)(e + 1);
+        to[(*count)++] = place;
+    }
+}
+
+static void offset(const search *s, uint32_t place, double y[2])
+{
+    y[0] = s->mesh->rest[place][0] - s->middle[0];
+    y[1] = s->mesh->rest[place][1] - s->middle[1];
+}
+
+/* S and S^(-1/2), by S^(1/2) = (S + sqrt(det) I) / sqrt(tr + 2 sqrt(det)). */
+static void measure(search *s)
+{
+    double sum[3] = { 0.0, 0.0, 0.0 }, y[2];
+    for (size_t k = 0; k < s->count; ++k) {
+        offset(s, s->points[k], y);
+        sum[0] += y[0] * y[0];
+        sum[1] += y[0] * y[1];
+        sum[2] += y[1] * y[1];
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        s->metric[k] = sum[k] / (double)s->count;
+    }
+    const double trace = s->metric[0] + s->metric[2];
+    if (s->metric[0] * s->metric[2] - s->metric[1] * s->metric[1]
+        < NARROW * trace * trace) {
+        s->metric[0] = s->metric[2] = trace / 2.0;
+        s->metric[1] = 0.0;
+    }
+    const double det = s->metric[0] * s->metric[2] - s->metric[1] * s->metric[1];
+    const double part = sqrt(det), scale = sqrt(trace + 2.0 * part);
+    s->root[0] = (s->metric[2] + part) / (part * scale);
+    s->root[1] = -s->metric[1] / (part * scale);
+    s->root[2] = (s->metric[0] + part) / (part * scale);
+}
+
+/* S^(-1/2) y */
+static void whiten(const search *s, const double y[2], double out[2])
+{
+    out[0] = s->root[0] * y[0] + s->root[1] * y[1];
+    out[1] = s->root[1] * y[0] + s->root[2] * y[1];
+}
+
+static void patch(search *s, size_t e)
+{
+    const weft__edge *edge = &s->mesh->edge_list[e];
+    s->count = s->waiting = 0;
+    s->gathered = false;
+    for (size_t k = 0; k < 2; ++k) {
+        const uint32_t p = edge->place[k];
+        take(s, p, e, s->points, &s->count);
+        for (size_t j = s->first[p]; j < s->first[p + 1]; ++j) {
+            take(s, s->near[j], e, s->points, &s->count);
+        }
+    }
+    sort(s->points, 0, s->count);
+    const double *a = s->mesh->rest[edge->place[0]], *b = s->mesh->rest[edge->place[1]];
+    const double t[2] = { b[0] - a[0], b[1] - a[1] };
+    const double length = sqrt(t[0] * t[0] + t[1] * t[1]);
+    s->middle[0] = (a[0] + b[0]) / 2.0;
+    s->middle[1] = (a[1] + b[1]) / 2.0;
+    s->normal[0] = t[1] / length;
+    s->normal[1] = -t[0] / length;
+    measure(s);
+}
+
+/* The rings 2 and 3, and 4 and 5 if these are few. */
+static void gather(search *s, size_t e)
+{
+    size_t begin = 0;
+    s->gathered = true;
+    for (size_t ring = 2; ring <= 5 && (ring <= 3 || s->waiting < FEW); ++ring) {
+        const uint32_t *from = ring == 2 ? s->points : s->pool + begin;
+        const size_t end = s->waiting, count = ring == 2 ? s->count : end - begin;
+        for (size_t k = 0; k < count; ++k) {
+            for (size_t j = s->first[from[k]]; j < s->first[from[k] + 1]; ++j) {
+                take(s, s->near[j], e, s->pool, &s->waiting);
+            }
+        }
+        begin = end;
+    }
+    for (size_t k = 0; k < s->waiting; ++k) {
+        double y[2], hat[2];
+        offset(s, s->pool[k], y);
+        whiten(s, y, hat);
+        s->far[k] = hat[0] * hat[0] + hat[1] * hat[1];
+    }
+}
+
+/* Adds the nearest of the pool, and those as near; false: it is empty. */
+static bool widen(search *s, size_t e)
+{
+    const size_t before = s->count;
+    if (!s->gathered) {
+        gather(s, e);
+    }
+    double least = INFINITY;
+    for (size_t k = 0; k < s->waiting; ++k) {
+        least = fmin(least, s->far[k]);
+    }
+    for (size_t k = 0; k < s->waiting;) {
+        if (s->far[k] <= least * (1.0 + 2.0 * SAME)) {
+            s->points[s->count++] = s->pool[k];
+            s->pool[k] = s->pool[--s->waiting];
+            s->far[k] = s->far[s->waiting];
+        } else {
+            ++k;
+        }
+    }
+    sort(s->points, before, s->count);
+    return s->count > before;
+}
+
+/* ---- the fit --------------------------------------------------------------------- */
+
+static double product(const double *a, const double *b, size_t count)
+{
+    double sum = 0.0;
+    for (size_t k = 0; k < count; ++k) {
+        sum += a[k] * b[k];
+    }
+    return sum;
+}
+
+/* W^(1/2), then the columns of W^(1/2) P. */
+static void fill(search *s)
+{
+    const size_t n = s->count;
+    for (size_t k = 0; k < n; ++k) {
+        double y[2], hat[2];
+        offset(s, s->points[k], y);
+        whiten(s, y, hat);
+        const double a = hat[0], b = hat[1];
+        const double weight = sqrt(1.0 / (0.3 + 0.675 * (a * a + b * b)));
+        double *to = s->work + k;
+        to[0] = weight;
+        to[n] = weight;
+        to[2 * n] = weight * a;
+        to[3 * n] = weight * b;
+        to[4 * n] = weight * (a * a / 2.0);
+        to[5 * n] = weight * (b * b / 2.0);
+        to[6 * n] = weight * (a * b);
+    }
+}
+
+/* W^(1/2) P = Q R by Gram and Schmidt, the longest column first. */
+typedef struct factors {
+    size_t rank, order[TERMS]; /* then those that are in the span of the first */
+    double r[TERMS][TERMS];    /* R of a step and a column of P */
+} factors;
+
+static void factor(search *s, factors *to)
+{
+    const size_t n = s->count;
+    double *q = s->work + n, top = 0.0;
+    to->rank = 0;
+    for (size_t j = 0; j < TERMS; ++j) {
+        to->order[j] = j;
+    }
+    for (size_t i = 0; i < TERMS; ++i) {
+        size_t at = i;
+        double longest = -1.0;
+        for (size_t j = i; j < TERMS; ++j) {
+            const double *column = q + to->order[j] * n;
+            const double square = product(column, column, n);
+            at = square > longest ? j : at;
+            longest = fmax(longest, square);
+        }
+        top = i == 0 ? longest : top;
+        if (longest < SINGULAR * top) {
+            return;
+        }
+        const size_t pivot = to->order[at];
+        to->order[at] = to->order[i];
+        to->order[i] = pivot;
+        const double length = to->r[i][pivot] = sqrt(longest);
+        double *unit = q + pivot * n;
+        for (size_t k = 0; k < n; ++k) {
+            unit[k] /= length;
+        }
+        for (size_t j = i + 1; j < TERMS; ++j) {
+            double *column = q + to->order[j] * n;
+            const double share = to->r[i][to->order[j]] = product(unit, column, n);
+            for (size_t k = 0; k < n; ++k) {
+                column[k] -= share * unit[k];
+            }
+        }
+        ++to->rank;
+    }
+}
+
+/* c = W^(1/2) Q y with R^T y = d, which is W P (P^T W P)^+ d if there is such a y;
+ * returns |c| / |d|, or infinity without. */
+static double fit(search *s)
+{
+    const size_t n = s->count;
+    double d[TERMS] = { 0.0 }, y[TERMS];
+    factors f;
+    whiten(s, s->normal, d + 1);
+    const double size = sqrt(d[1] * d[1] + d[2] * d[2]);
+    fill(s);
+    factor(s, &f);
+    double missed = 0.0;
+    for (size_t i = 0; i < TERMS; ++i) {
+        double left = d[f.order[i]];
+        for (size_t l = 0; l < i && l < f.rank; ++l) {
+            left -= f.r[l][f.order[i]] * y[l];
+        }
+        if (i < f.rank) {
+            y[i] = left / f.r[i][f.order[i]];
+        } else {
+            missed += left * left;
+        }
+    }
+    if (!(sqrt(missed) < INEXACT * size)) {
+        return INFINITY;
+    }
+    for (size_t k = 0; k < n; ++k) {
+        double sum = 0.0;
+        for (size_t i = 0; i < f.rank; ++i) {
+            sum += y[i] * s->work[(1 + f.order[i]) * n + k];
+        }
+        s->fit[k] = s->work[k] * sum;
+    }
+    return sqrt(product(s->fit, s->fit, n)) / size;
+}
+
+static void keep_better(search *s)
+{
+    const double gain = fit(s);
+    if (gain < 0.999 * s->gain) { /* so that roundoff does not choose */
+        double *fresh = s->fit;
+        s->fit = s->best;
+        s->best = fresh;
+        s->gain = gain;
+        s->fitted = s->count;
+    }
+}
+
+/* ---- a slope --------------------------------------------------------------------- */
+
+/* The mean slope of some of the two triangles of an edge: places and their shares. */
+typedef struct faces {
+    size_t count;
+    uint32_t place[4];
+    double share[4]; /* [1/m] */
+} faces;
+
+static void add_face(const search *s, uint32_t triangle, double part, faces *to)
+{
+    const uint32_t *place = s->mesh->place[triangle];
+    for (size_t i = 0; i < 3; ++i) {
+        const double *a = s->mesh->rest[place[(i + 1) % 3]];
+        const double *b = s->mesh->rest[place[(i + 2) % 3]];
+        const double along
+            = s->normal[0] * (a[1] - b[1]) + s->normal[1] * (b[0] - a[0]);
+        size_t at = 0;
+        while (at < to->count && to->place[at] != place[i]) {
+            ++at;
+        }
+        if (at == to->count) {
+            to->place[to->count++] = place[i];
+            to->share[at] = 0.0;
+        }
+        to->share[at] += part * (along / (2.0 * s->mesh->area[triangle]));
+    }
+}
+
+/* Of the held triangles alone, or of all. */
+static faces faces_of(const search *s, const weft__edge *edge, bool held)
+{
+    faces mean = { .count = 0 };
+    bool take_face[2];
+    for (size_t k = 0; k < 2; ++k) {
+        const uint32_t triangle = edge->triangle[k];
+        take_face[k] = triangle != WEFT__NONE && (!held || s->held[triangle]);
+    }
+    for (size_t k = 0; k < 2; ++k) {
+        if (take_face[k]) {
+            add_face(s, edge->triangle[k], take_face[1 - k] ? 0.5 : 1.0, &mean);
+        }
+    }
+    return mean;
+}
+
+static bool store(search *s, const uint32_t *places, const double *shares, size_t count)
+{
+    weft__slopes *out = s->out;
+    if (out->count + count > out->room) {
+        const size_t room = 2 * (out->count + count) + 12 * s->mesh->edges;
+        uint32_t *particle
+            = weft__resize(s->memory, out->particle, room, sizeof *particle);
+        out->particle = particle != NULL ? particle : out->particle;
+        double *share = weft__resize(s->memory, out->share, room, sizeof *share);
+        out->share = share != NULL ? share : out->share;
+        if (particle == NULL || share == NULL) {
+            return false;
+        }
+        out->room = room;
+    }
+    for (size_t k = 0; k < count; ++k, ++out->count) {
+        out->particle[out->count] = s->mesh->particle[places[k]];
+        out->share[out->count] = shares[k];
+    }
+    return true;
+}
+
+/* The best fit of a patch, which is widened until the gain is 1. */
+static void find_fit(search *s, size_t e)
+{
+    size_t tries = 0;
+    bool wider = true;
+    s->gain = INFINITY;
+    s->fitted = 0;
+    while (wider) {
+        while (s->count < ENOUGH && widen(s, e)) {
+        }
+        keep_better(s);
+        wider = s->gain > 1.0 && s->count < MOST
+                && (s->fitted == 0 || ++tries <= WIDENINGS) && widen(s, e);
+    }
+}
+
+static bool slope(search *s, size_t e)
+{
+    const weft__edge *edge = &s->mesh->edge_list[e];
+    patch(s, e);
+    faces mean = faces_of(s, edge, true);
+    if (mean.count > 0) {
+        return store(s, mean.place, mean.share, mean.count);
+    }
+    find_fit(s, e);
+    if (s->gain > BAD) {
+        double hat[2];
+        mean = faces_of(s, edge, false);
+        whiten(s, s->normal, hat);
+        const double size = sqrt(hat[0] * hat[0] + hat[1] * hat[1]);
+        if (sqrt(product(mean.share, mean.share, mean.count)) < s->gain * size) {
+            return store(s, mean.place, mean.share, mean.count);
+        }
+    }
+    return store(s, s->points, s->best, s->fitted);
+}
+
+/* Whether a live triangle needs the slope of edge e. */
+static bool needed(const search *s, const weft__edge *edge)
+{
+    if (edge->triangle[1] != WEFT__NONE) {
+        return edge_live(s, edge);
+    }
+    return weft__bends(s->mesh, edge)
+           && (edge_live(s, edge) || edge_live(s, &s->mesh->edge_list[edge->sewn]));
+}
+
+bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const bool *held,
+                         const weft_allocator *memory)
+{
+    search s = { .mesh = of, .held = held, .memory = memory, .out = out };
+    *out = (weft__slopes){ .first
+                           = weft__zeroed(memory, of->edges + 1, sizeof *out->first) };
+    bool made = out->first != NULL && reserve(&s);
+    if (made) {
+        join(&s);
+    }
+    for (size_t e = 0; made && e < of->edges; ++e) {
+        if (needed(&s, &of->edge_list[e])) {
+            made = slope(&s, e);
+        }
+        out->first[e + 1] = out->count;
+    }
+    release(&s);
+    return made;
+}
+
+void weft__slopes_free(weft__slopes *of, const weft_allocator *memory)
+{
+    weft__free(memory, of->first);
+    weft__free(memory, of->particle);
+    weft__free(memory, of->share);
+}

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* plate_slope.h -- the slope of triangles across an edge, rebuilt from the positions of
+ * particles nearby: g = sum of share x_i, along the normal n = (t_v, -t_u) in the plane
+ * (u, v), t from the first end of the edge to the second. The fit is exact for
+ * quadratics wherever the mesh allows it (docs/physics.md, "Bending of triangles"). */
+#ifndef WEFT_FORCES_BENDING_PLATE_SLOPE_H
+#define WEFT_FORCES_BENDING_PLATE_SLOPE_H
+
+#include "mesh/triangles.h"
+
+typedef struct weft__slopes {
+    size_t *first;      /* of each edge, and their number */
+    uint32_t *particle; /* may come twice in an edge */
+    double *share;      /* [1/m] */
+    size_t count, room; /* of particles and shares */
+} weft__slopes;
+
+/* Whether the cloth bends across a seam. Other edges of one triangle are rims. */
+static inline bool weft__bends(const weft__triangles *mesh, const weft__edge *edge)
+{
+    return edge->sewn != WEFT__NONE && mesh->seams == WEFT_SEAM_BEND;
+}
+
+/* Of all edges that live triangles need: `held` are those whose corners are all pinned,
+ * the others are live. An edge of a held triangle has the slope of that one; a rim has
+ * none. Each side of a seam has its own. False: no memory. Free them in either case. */
+bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const bool *held,
+                         const weft_allocator *memory);
+void weft__slopes_free(weft__slopes *of, const weft_allocator *memory);
+
+#endif

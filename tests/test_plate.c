@@ -1,0 +1,757 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Bending of triangles: the matrix of a plate on meshes of any shape, what clamps, rims
+ * and seams do, and its bounds. */
+#include "support.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cloth/model.h"
+#include "meshes.h"
+#include "random.h"
+
+/* Isotropic: B = 1 N m, without transverse contraction. */
+static const weft_fabric isotropic
+    = { .density = 1.0, .stretch = { 1.0, 1.0 }, .bend = { 1.0, 1.0 }, .twist = 1.0 };
+
+/* ---- matrices -------------------------------------------------------------------- */
+
+/* A symmetric matrix, row by row. */
+typedef struct matrix {
+    size_t n;
+    double *at;
+} matrix;
+
+/* K of a cloth by the numbers of vertices. */
+static matrix matrix_of(const weft_cloth *cloth)
+{
+    const weft__plate_matrix *of = &cloth->plate.matrix;
+    const size_t n = cloth->mesh.particles;
+    matrix to = { n, calloc(n * n, sizeof *to.at) };
+    for (size_t i = 0; of->first != NULL && i < n; ++i) {
+        const size_t g = i / WEFT__PLATE_ROWS, r = i % WEFT__PLATE_ROWS;
+        for (size_t j = of->first[g]; j < of->first[g + 1]; ++j) {
+            const size_t p = weft__plate_particle(of, i, of->column[j]);
+            to.at[weft__vertex_of(&cloth->mesh, i) * n
+                  + weft__vertex_of(&cloth->mesh, p)]
+                = of->entry[WEFT__PLATE_ROWS * j + r];
+        }
+    }
+    return to;
+}
+
+static double mass_of(const weft_cloth *cloth, size_t vertex)
+{
+    return cloth->mesh.mass[weft__particle_of(&cloth->mesh, vertex)];
+}
+
+static matrix plate_of(const test_mesh *mesh)
+{
+    const weft_cloth_def def = mesh_cloth(mesh);
+    weft_cloth *cloth = test_cloth(&def);
+    const matrix to = matrix_of(cloth);
+    weft_cloth_destroy(cloth);
+    return to;
+}
+
+/* x.K x */
+static double square(const matrix *of, const double *x)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < of->n * of->n; ++i) {
+        sum += x[i / of->n] * of->at[i] * x[i % of->n];
+    }
+    return sum;
+}
+
+static void rotate(double *a, double *b, double c, double s)
+{
+    const double x = *a, y = *b;
+    *a = c * x - s * y;
+    *b = s * x + c * y;
+}
+
+/* Leaves the eigenvalues on the diagonal (C. G. J. Jacobi, Crelle's Journal 30, 1846).
+ */
+static void diagonalise(matrix *of)
+{
+    const size_t n = of->n;
+    double left = 1.0, all = 1.0;
+    for (size_t sweep = 0; sweep < 30 && left > 1e-30 * all; ++sweep) {
+        left = all = 0.0;
+        for (size_t p = 0; p < n; ++p) {
+            for (size_t q = p + 1; q < n; ++q) {
+                const double a = of->at[p * n + q];
+                left += a * a;
+                all += of->at[p * n + p] * of->at[p * n + p];
+                if (a == 0.0) {
+                    continue;
+                }
+                const double half = (of->at[q * n + q] - of->at[p * n + p]) / (2.0 * a);
+                const double t = (half < 0.0 ? -1.0 : 1.0)
+                                 / (fabs(half) + sqrt(half * half + 1.0));
+                const double c = 1.0 / sqrt(t * t + 1.0);
+                for (size_t k = 0; k < n; ++k) {
+                    rotate(&of->at[k * n + p], &of->at[k * n + q], c, t * c);
+                }
+                for (size_t k = 0; k < n; ++k) {
+                    rotate(&of->at[p * n + k], &of->at[q * n + k], c, t * c);
+                }
+            }
+        }
+    }
+}
+
+static double largest(const matrix *of)
+{
+    double top = 0.0;
+    for (size_t i = 0; i < of->n; ++i) {
+        top = fmax(top, of->at[i * (of->n + 1)]);
+    }
+    return top;
+}
+
+/* M^(-1/2) K M^(-1/2) */
+static void divide_by_masses(matrix *of, const weft_cloth *cloth)
+{
+    for (size_t i = 0; i < of->n * of->n; ++i) {
+        of->at[i] /= sqrt(mass_of(cloth, i / of->n) * mass_of(cloth, i % of->n));
+    }
+}
+
+/* How many eigenvalues of M^-1 K are 0 but for roundoff; none is below. */
+static size_t zero_modes(const test_mesh *mesh)
+{
+    const weft_cloth_def def = mesh_cloth(mesh);
+    weft_cloth *cloth = test_cloth(&def);
+    matrix k = matrix_of(cloth);
+    size_t count = 0;
+    divide_by_masses(&k, cloth);
+    diagonalise(&k);
+    for (size_t i = 0; i < k.n; ++i) {
+        const double part = k.at[i * (k.n + 1)] / largest(&k);
+        ck_assert_msg(part > -1e-12, "an eigenvalue of %g of the largest", part);
+        count += part < 1e-12;
+    }
+    free(k.at);
+    weft_cloth_destroy(cloth);
+    return count;
+}
+
+/* Solves K x = f for the free vertices by Cholesky's method, within the envelope of
+ * their rows; x is 0 of the others. Overwrites K. */
+static void solve(matrix *of, const bool *fixed, const double *f, double *x)
+{
+    const size_t n = of->n;
+    size_t *list = malloc(n * sizeof *list), *begin = malloc(n * sizeof *begin);
+    size_t count = 0;
+    for (size_t i = 0; i < n; ++i) {
+        x[i] = 0.0;
+        if (!fixed[i]) {
+            list[count++] = i;
+        }
+    }
+    for (size_t i = 0; i < count; ++i) {
+        double *row = &of->at[list[i] * n];
+        for (begin[i] = 0; row[list[begin[i]]] == 0.0; ++begin[i]) {
+        }
+        double sum = f[list[i]];
+        for (size_t j = begin[i]; j <= i; ++j) {
+            const double *other = &of->at[list[j] * n];
+            double entry = row[list[j]];
+            for (size_t k = begin[i] > begin[j] ? begin[i] : begin[j]; k < j; ++k) {
+                entry -= row[list[k]] * other[list[k]];
+            }
+            ck_assert(j < i || entry > 0.0);
+            row[list[j]] = j < i ? entry / other[list[j]] : sqrt(entry);
+            sum -= j < i ? row[list[j]] * x[list[j]] : 0.0;
+        }
+        x[list[i]] = sum / row[list[i]];
+    }
+    for (size_t i = count; i-- > 0;) {
+        const double *row = &of->at[list[i] * n];
+        x[list[i]] /= row[list[i]];
+        for (size_t j = begin[i]; j < i; ++j) {
+            x[list[j]] -= row[list[j]] * x[list[i]];
+        }
+    }
+    free(list);
+    free(begin);
+}
+
+/* ---- zero modes ------------------------------------------------------------------ */
+
+/* Keeps the triangles that are joined through edges to the first one kept, of those
+ * that chance leaves; drops vertices without a triangle. */
+static bool nibble(test_mesh *of, uint64_t *seed)
+{
+    size_t count = 0, before = 0;
+    bool kept[64] = { false };
+    uint32_t number[64];
+    const size_t t = of->def.triangles;
+    kept[(size_t)(random_uniform(seed) * (double)t)] = true;
+    const double share = 0.3 + 0.6 * random_uniform(seed);
+    for (count = 1; count > before;) {
+        before = count;
+        for (size_t i = 0; i < t * t; ++i) {
+            size_t common = 0;
+            for (size_t k = 0; k < 9; ++k) {
+                common += of->corners[3 * (i / t) + k / 3]
+                          == of->corners[3 * (i % t) + k % 3];
+            }
+            if (kept[i / t] && !kept[i % t] && common == 2
+                && random_uniform(seed) < share) {
+                kept[i % t] = true;
+                ++count;
+            }
+        }
+    }
+    memset(number, 0xff, sizeof number);
+    size_t vertices = 0, triangles = 0;
+    for (size_t i = 0; i < of->def.vertices; ++i) {
+        for (size_t k = 0; k < 3 * t; ++k) {
+            if (kept[k / 3] && of->corners[k] == i && number[i] == UINT32_MAX) {
+                memmove(&of->rest[2 * vertices], &of->rest[2 * i],
+                        2 * sizeof *of->rest);
+                memmove(&of->start[3 * vertices], &of->start[3 * i],
+                        3 * sizeof *of->start);
+                number[i] = (uint32_t)vertices++;
+            }
+        }
+    }
+    for (size_t k = 0; k < 3 * t; ++k) {
+        if (kept[k / 3]) {
+            of->corners[triangles] = of->places[triangles] = number[of->corners[k]];
+            ++triangles;
+        }
+    }
+    mesh_point(of, vertices, vertices, triangles / 3);
+    return triangles >= 6;
+}
+
+START_TEST(panels_of_any_shape_have_three_zero_modes)
+{
+    uint64_t seed = (uint64_t)_i + 1;
+    for (size_t i = 0; i < 20; ++i) {
+        test_mesh mesh;
+        mesh_sheet(&mesh, (size_t)random_whole(&seed, 2, 5),
+                   (size_t)random_whole(&seed, 2, 5), 0.01, MESH_RANDOM, 0.25, seed);
+        const double aspect = exp(4.0 * random_uniform(&seed));
+        for (size_t k = 0; k < mesh.def.places; ++k) {
+            mesh.rest[2 * k] *= aspect;
+        }
+        mesh.fabrics[0] = isotropic;
+        if (nibble(&mesh, &seed)) {
+            ck_assert_uint_eq(zero_modes(&mesh), 3);
+        }
+        mesh_free(&mesh);
+    }
+}
+END_TEST
+
+START_TEST(families_of_meshes_have_three_zero_modes)
+{
+    for (test_diagonals way = MESH_RIGHT; way <= MESH_RANDOM; ++way) {
+        test_mesh mesh;
+        mesh_sheet(&mesh, 6, 8, 0.01, way, way == MESH_RANDOM ? 0.25 : 0.0, 3);
+        ck_assert_uint_eq(zero_modes(&mesh), 3);
+        mesh_free(&mesh);
+    }
+}
+END_TEST
+
+START_TEST(one_triangle_has_no_bending)
+{
+    double rest[] = { 0.0, 0.0, 1.0, 0.0, 0.0, 1.0 }, start[9] = { 0.0, 0.0, 0.0, 1.0 };
+    uint32_t corners[] = { 0, 1, 2 };
+    test_mesh mesh = { .start = start, .rest = rest, .corners = corners };
+    start[7] = 1.0;
+    mesh.fabrics[0] = isotropic;
+    mesh_point(&mesh, 3, 3, 1);
+    const matrix k = plate_of(&mesh);
+    for (size_t i = 0; i < 9; ++i) {
+        ck_assert_double_eq(k.at[i], 0.0);
+    }
+    free(k.at);
+}
+END_TEST
+
+/* ---- exact energies -------------------------------------------------------------- */
+
+/* Twice the energy of one triangle with second derivatives q, less what the slopes of
+ * its rims take. */
+static double relaxed(const test_mesh *mesh, size_t triangle, const double q[3])
+{
+    const weft_fabric *fabric = &mesh->fabrics[0];
+    double d[3][3] = { { fabric->bend[1] },
+                       { 0.0, fabric->bend[0] },
+                       { 0.0, 0.0, fabric->twist / 2.0 } };
+    const uint32_t *p = &mesh->places[3 * triangle];
+    const double *x[3];
+    for (size_t k = 0; k < 3; ++k) {
+        x[k] = &mesh->rest[2 * (size_t)p[k]];
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        const uint32_t a = p[k], b = p[(k + 1) % 3];
+        size_t beside = 0;
+        for (size_t j = 0; j < 3 * mesh->def.triangles; ++j) {
+            const uint32_t *other = &mesh->places[j / 3 * 3];
+            beside += other[j % 3] == b && other[(j + 1) % 3] == a;
+        }
+        const double du = x[(k + 1) % 3][0] - x[k][0], dv = x[(k + 1) % 3][1] - x[k][1];
+        const double m[3] = { dv * dv, du * du, -2.0 * du * dv };
+        double moment[3], size = 0.0;
+        for (size_t i = 0; i < 3; ++i) {
+            moment[i] = d[i][0] * m[0] + d[i][1] * m[1] + d[i][2] * m[2];
+            size += m[i] * moment[i];
+        }
+        for (size_t i = 0; i < 9 && beside == 0; ++i) {
+            d[i / 3][i % 3] -= moment[i / 3] * moment[i % 3] / size;
+        }
+    }
+    double sum = 0.0;
+    for (size_t i = 0; i < 9; ++i) {
+        sum += q[i / 3] * d[i / 3][i % 3] * q[i % 3];
+    }
+    const double area = 0.5
+                        * ((x[1][0] - x[0][0]) * (x[2][1] - x[0][1])
+                           - (x[2][0] - x[0][0]) * (x[1][1] - x[0][1]));
+    return area * sum;
+}
+
+START_TEST(cylinders_of_any_direction_have_their_energy)
+{
+    test_mesh mesh;
+    mesh_sheet(&mesh, 8, 8, 0.2, MESH_RANDOM, 0.25, 5);
+    mesh.fabrics[0] = isotropic;
+    mesh.fabrics[0].bend[0] = 0.7, mesh.fabrics[0].bend[1] = 0.2;
+    mesh.fabrics[0].twist = 0.45;
+    const matrix k = plate_of(&mesh);
+    for (double angle = 0.0; angle < 3.1; angle += 0.4) {
+        const double c = cos(angle), s = sin(angle);
+        const double q[3] = { c * c, s * s, 2.0 * c * s };
+        double x[64], wanted = 0.0;
+        for (size_t i = 0; i < 64; ++i) {
+            const double along = c * mesh.rest[2 * i] + s * mesh.rest[2 * i + 1];
+            x[i] = along * along / 2.0;
+        }
+        for (size_t t = 0; t < mesh.def.triangles; ++t) {
+            wanted += relaxed(&mesh, t, q);
+        }
+        ck_assert_double_eq_tol(square(&k, x) / wanted, 1.0, 1e-12);
+    }
+    free(k.at);
+    mesh_free(&mesh);
+}
+END_TEST
+
+START_TEST(inner_particles_feel_no_force_on_quadratics)
+{
+    test_mesh mesh;
+    mesh_sheet(&mesh, 13, 13, 0.1, MESH_RANDOM, 0.25, 7);
+    mesh.fabrics[0] = isotropic;
+    const matrix k = plate_of(&mesh);
+    const size_t n = k.n, middle = 6 * 13 + 6;
+    for (size_t power = 0; power < 3; ++power) {
+        double sum = 0.0, size = 0.0;
+        for (size_t i = 0; i < n; ++i) {
+            const double u = mesh.rest[2 * i], v = mesh.rest[2 * i + 1];
+            const double x = power == 0 ? u * u : power == 1 ? v * v : u * v;
+            sum += k.at[middle * n + i] * x;
+            size += fabs(k.at[middle * n + i] * x);
+        }
+        ck_assert(fabs(sum) < 1e-12 * size);
+    }
+    free(k.at);
+    mesh_free(&mesh);
+}
+END_TEST
+
+/* ---- convergence ----------------------------------------------------------------- */
+
+static const double pi = 3.14159265358979323846;
+
+/* The amplitude of a simply supported square of side 1 under the load of its first
+ * mode, by the exact one, on n x n cells. */
+static double supported(test_mesh *mesh)
+{
+    matrix k = plate_of(mesh);
+    const size_t n = k.n;
+    bool *fixed = calloc(n, sizeof *fixed);
+    double *f = calloc(n, sizeof *f), *x = malloc(n * sizeof *x);
+    double *mode = malloc(n * sizeof *mode);
+    for (size_t i = 0; i < n; ++i) {
+        const double u = mesh->start[3 * i], v = mesh->start[3 * i + 1];
+        fixed[i] = u < 1e-9 || u > 1.0 - 1e-9 || v < 1e-9 || v > 1.0 - 1e-9;
+        mode[i] = sin(pi * u) * sin(pi * v);
+    }
+    for (size_t t = 0; t < 3 * mesh->def.triangles; ++t) {
+        const double *y[3];
+        for (size_t j = 0; j < 3; ++j) {
+            y[j] = &mesh->start[3 * (size_t)mesh->corners[t / 3 * 3 + j]];
+        }
+        const double area = 0.5
+                            * ((y[1][0] - y[0][0]) * (y[2][1] - y[0][1])
+                               - (y[2][0] - y[0][0]) * (y[1][1] - y[0][1]));
+        f[mesh->corners[t]]
+            += area / 3.0 * 4.0 * pi * pi * pi * pi * mode[mesh->corners[t]];
+    }
+    solve(&k, fixed, f, x);
+    double both = 0.0, one = 0.0;
+    for (size_t i = 0; i < n; ++i) {
+        both += mode[i] * x[i];
+        one += mode[i] * mode[i];
+    }
+    free(k.at), free(fixed), free(f), free(x), free(mode);
+    return both / one;
+}
+
+/* Puts the vertices of a column of a square of side 1 on a line. */
+static void straighten(test_mesh *mesh, size_t column)
+{
+    for (size_t i = column; i < mesh->def.vertices; i += mesh->cols) {
+        mesh->rest[2 * i] = mesh->start[3 * i]
+            = (double)column / (double)(mesh->rows - 1);
+    }
+}
+
+static double supported_sheet(size_t cells, test_diagonals way)
+{
+    test_mesh mesh;
+    mesh_sheet(&mesh, cells + 1, cells + 1, 1.0 / (double)cells, way,
+               way == MESH_RANDOM ? 0.25 : 0.0, 1);
+    mesh.fabrics[0] = isotropic;
+    const double found = supported(&mesh);
+    mesh_free(&mesh);
+    return found;
+}
+
+START_TEST(supported_plate_converges_with_order_2)
+{
+    /* of an independent program */
+    static const double known[3][3]
+        = { { 0.0276, 0.0062, 0.0015 }, { 0.0495, 0.0120, 0.0029 } };
+    const test_diagonals way = (test_diagonals)_i;
+    double error[3];
+    for (size_t k = 0; k < 3; ++k) {
+        error[k] = supported_sheet((size_t)8 << k, way) - 1.0;
+        ck_assert(known[way][k] == 0.0 || fabs(error[k] - known[way][k]) < 6e-5);
+    }
+    ck_assert(error[0] < 0.06 && error[0] > 3.2 * error[1]
+              && error[1] > 3.2 * error[2]);
+    ck_assert(error[2] > 0.0);
+}
+END_TEST
+
+/* The error of the tip of a cantilever of side 1 under a uniform load, clamped by a
+ * pinned strip one cell wide. */
+static double cantilever(size_t cells, test_diagonals way)
+{
+    test_mesh mesh;
+    const size_t cols = cells + 2, rows = cells + 1;
+    const double h = 1.0 / (double)cells;
+    mesh_sheet(&mesh, rows, cols, h, way, way == MESH_RANDOM ? 0.25 : 0.0, 2);
+    mesh.fabrics[0] = isotropic;
+    size_t *pinned = malloc(2 * rows * sizeof *pinned);
+    for (size_t r = 0; r < rows; ++r) {
+        pinned[2 * r] = r * cols, pinned[2 * r + 1] = r * cols + 1;
+    }
+    straighten(&mesh, 1);
+    weft_cloth_def def = mesh_cloth(&mesh);
+    const weft_pin pin = { .vertices = pinned, .vertex_count = 2 * rows };
+    def.pins = &pin, def.pin_count = 1, def.pin_size = sizeof pin;
+    weft_cloth *cloth = test_cloth(&def);
+    matrix k = matrix_of(cloth);
+    bool *fixed = calloc(k.n, sizeof *fixed);
+    double *f = calloc(k.n, sizeof *f), *x = malloc(k.n * sizeof *x), tip = 0.0;
+    for (size_t i = 0; i < k.n; ++i) {
+        fixed[i] = i % cols < 2;
+        f[i] = mass_of(cloth, i);
+    }
+    solve(&k, fixed, f, x);
+    for (size_t r = 0; r < rows; ++r) {
+        tip += x[r * cols + cols - 1] / (double)rows;
+    }
+    weft_cloth_destroy(cloth);
+    free(k.at), free(fixed), free(f), free(x), free(pinned);
+    mesh_free(&mesh);
+    return 8.0 * tip - 1.0;
+}
+
+START_TEST(strip_of_pinned_triangles_clamps_along_its_inner_rim)
+{
+    const double coarse = cantilever(8, MESH_RIGHT), fine = cantilever(16, MESH_RIGHT);
+    ck_assert(fabs(coarse - 0.0130) < 6e-5 && fabs(fine - 0.0031) < 6e-5);
+    const double rough = cantilever(8, MESH_RANDOM);
+    ck_assert(rough < 0.03 && rough > 3.0 * cantilever(16, MESH_RANDOM));
+}
+END_TEST
+
+/* ---- seams ----------------------------------------------------------------------- */
+
+/* A sheet in halves that are sewn along a straight line, one of them turned. */
+static void cut(test_mesh *mesh, size_t cells, weft_seam seams)
+{
+    mesh_sheet(mesh, cells + 1, cells + 1, 1.0 / (double)cells, MESH_RANDOM, 0.25, 1);
+    mesh->fabrics[0] = isotropic;
+    straighten(mesh, cells / 2);
+    mesh_sew(mesh, cells / 2, 3.0, 0.8, 0.6);
+    mesh->def.seams = seams;
+}
+
+START_TEST(sewn_pieces_bend_as_a_whole)
+{
+    test_mesh mesh;
+    cut(&mesh, 16, WEFT_SEAM_BEND);
+    const double sewn = supported(&mesh), whole = supported_sheet(16, MESH_RANDOM);
+    mesh_free(&mesh);
+    cut(&mesh, 16, WEFT_SEAM_HINGE);
+    const double hinged = supported(&mesh);
+    mesh_free(&mesh);
+    ck_assert(fabs(sewn - whole) < 1e-3);
+    ck_assert(hinged > 1.15);
+}
+END_TEST
+
+START_TEST(hinge_has_one_zero_mode_more)
+{
+    for (weft_seam seams = WEFT_SEAM_BEND; seams <= WEFT_SEAM_HINGE; ++seams) {
+        test_mesh mesh;
+        cut(&mesh, 6, seams);
+        ck_assert_uint_eq(zero_modes(&mesh), seams == WEFT_SEAM_BEND ? 3 : 4);
+        mesh_free(&mesh);
+    }
+}
+END_TEST
+
+START_TEST(matrix_does_not_depend_on_numbers)
+{
+    test_mesh mesh, other;
+    uint32_t to[7 * 7];
+    cut(&mesh, 6, WEFT_SEAM_BEND);
+    cut(&other, 6, WEFT_SEAM_BEND);
+    mesh_shuffle(&other, 9, to);
+    const matrix k = plate_of(&mesh), shuffled = plate_of(&other);
+    for (size_t i = 0; i < k.n * k.n; ++i) {
+        const size_t j = to[i / k.n] * k.n + to[i % k.n];
+        ck_assert(memcmp(&k.at[i], &shuffled.at[j], sizeof *k.at) == 0);
+        ck_assert(memcmp(&k.at[i], &k.at[i % k.n * k.n + i / k.n], sizeof *k.at) == 0);
+    }
+    free(k.at), free(shuffled.at);
+    mesh_free(&mesh), mesh_free(&other);
+}
+END_TEST
+
+/* ---- bounds ---------------------------------------------------------------------- */
+
+START_TEST(bound_holds_and_is_sharp)
+{
+    for (test_diagonals way = MESH_RIGHT; way <= MESH_RANDOM; ++way) {
+        test_mesh mesh;
+        mesh_sheet(&mesh, 8, 8, 0.1, way, way == MESH_RANDOM ? 0.25 : 0.0, 3);
+        mesh.fabrics[0] = isotropic;
+        const weft_cloth_def def = mesh_cloth(&mesh);
+        weft_cloth *cloth = test_cloth(&def);
+        matrix k = matrix_of(cloth);
+        double bound = 0.0, rows = 0.0;
+        for (size_t i = 0; i < k.n; ++i) {
+            double sum = 0.0;
+            for (size_t j = 0; j < k.n; ++j) {
+                sum += fabs(k.at[i * k.n + j]);
+            }
+            rows = fmax(rows, sum / mass_of(cloth, i));
+            bound = fmax(bound, cloth->plate.most[i] / cloth->mesh.mass[i]);
+        }
+        divide_by_masses(&k, cloth);
+        diagonalise(&k);
+        const double top = largest(&k);
+        ck_assert(rows <= 2.1 * top && bound >= top && bound <= 1.3 * top);
+        weft_cloth_destroy(cloth);
+        free(k.at);
+        mesh_free(&mesh);
+    }
+}
+END_TEST
+
+/* ---- the force ------------------------------------------------------------------- */
+
+/* A cloth of some 1600 particles, 0: undamped, 1: damped, 2: of two fabrics that are
+ * damped differently, and a state of it. */
+typedef struct sample {
+    test_mesh mesh;
+    uint32_t *fabric_of;
+    weft_cloth *cloth;
+    size_t n;
+    double *y, *along, *force;
+    weft__state at;
+} sample;
+
+static void sample_init(sample *of, int kind)
+{
+    uint64_t seed = 11;
+    mesh_sheet(&of->mesh, 40, 40, 0.01, MESH_RANDOM, 0.25, 5);
+    of->mesh.fabrics[0].damping[1] = kind == 0 ? 0.0 : 1e-3;
+    of->mesh.fabrics[1] = isotropic;
+    of->mesh.fabrics[1].damping[1] = 5e-3;
+    of->fabric_of = calloc(of->mesh.def.triangles, sizeof *of->fabric_of);
+    for (size_t t = 0; kind == 2 && t < of->mesh.def.triangles; ++t) {
+        of->fabric_of[t] = random_uniform(&seed) < 0.5;
+    }
+    of->mesh.def.fabric_of = of->fabric_of;
+    of->mesh.def.fabric_count = 2;
+    const weft_cloth_def def = mesh_cloth(&of->mesh);
+    of->cloth = test_cloth(&def);
+    of->n = weft_cloth_particles(of->cloth);
+    of->y = malloc(6 * of->n * sizeof *of->y);
+    of->along = malloc(6 * of->n * sizeof *of->along);
+    of->force = calloc(3 * of->n, sizeof *of->force);
+    weft_cloth_start(of->cloth, of->y);
+    for (size_t i = 0; i < 6 * of->n; ++i) {
+        of->y[i] += 1e-3 * random_uniform(&seed);
+        of->along[i] = random_uniform(&seed) - 0.5;
+    }
+    of->at = (weft__state){ .y = of->y };
+}
+
+static void sample_free(sample *of)
+{
+    weft_cloth_destroy(of->cloth);
+    mesh_free(&of->mesh);
+    free(of->fabric_of), free(of->y), free(of->along), free(of->force);
+}
+
+/* The force [N] in a state. */
+static void push(const sample *of, const double *y, double *to)
+{
+    const weft__state at = { .y = y };
+    memset(to, 0, 3 * of->n * sizeof *to);
+    ck_assert_int_eq(weft__plate_force.add(&of->cloth->plate, &at, WEFT__FORCE, to, 0,
+                                           weft__blocks(&of->cloth->mesh)),
+                     0);
+}
+
+static weft_measures measured(const sample *of, const double *y)
+{
+    const weft__state at = { .y = y };
+    weft_measures sum = { .touching = 0 };
+    for (size_t b = 0; b < weft__blocks(&of->cloth->mesh); ++b) {
+        weft__plate_force.energy(&of->cloth->plate, &at, b, &sum);
+        weft__plate_force.power(&of->cloth->plate, &at, b, &sum);
+    }
+    return sum;
+}
+
+static double product(const double *a, const double *b, size_t count)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < count; ++i) {
+        sum += a[i] * b[i];
+    }
+    return sum;
+}
+
+START_TEST(force_is_the_slope_of_the_energy)
+{
+    sample of;
+    sample_init(&of, 0);
+    double *moved = malloc(6 * of.n * sizeof *moved), energy[2];
+    for (size_t side = 0; side < 2; ++side) {
+        for (size_t i = 0; i < 6 * of.n; ++i) {
+            moved[i] = of.y[i] + (side == 0 ? -0.5 : 0.5) * of.along[i];
+        }
+        energy[side] = measured(&of, moved).energy.elastic[WEFT_BEND];
+    }
+    push(&of, of.y, of.force);
+    const double work = product(of.force, of.along, 3 * of.n);
+    ck_assert_double_eq_tol((energy[0] - energy[1]) / work, 1.0, 1e-9);
+    free(moved);
+    sample_free(&of);
+}
+END_TEST
+
+START_TEST(momentum_is_kept_and_heat_is_what_damping_takes)
+{
+    sample of;
+    sample_init(&of, _i);
+    double *still = calloc(6 * of.n, sizeof *still), size = 0.0;
+    double *moving = calloc(3 * of.n, sizeof *moving);
+    memcpy(still, of.y, 3 * of.n * sizeof *still);
+    push(&of, still, of.force);
+    push(&of, of.y, moving);
+    for (size_t k = 0; k < 3; ++k) {
+        double sum = 0.0;
+        for (size_t i = 0; i < of.n; ++i) {
+            sum += moving[k * of.n + i];
+            size += fabs(moving[k * of.n + i]);
+        }
+        ck_assert(fabs(sum) < 1e-13 * size);
+    }
+    const double *v = of.y + 3 * of.n;
+    const double taken = product(of.force, v, 3 * of.n) - product(moving, v, 3 * of.n);
+    const double heat = measured(&of, of.y).power[WEFT_POWER_SPRINGS];
+    ck_assert(fabs(taken - heat) <= 1e-9 * heat);
+    ck_assert(_i == 0 ? heat == 0.0 : heat > 0.0);
+    free(still), free(moving);
+    sample_free(&of);
+}
+END_TEST
+
+START_TEST(fast_forms_have_the_bits_of_the_loops)
+{
+    sample of;
+    sample_init(&of, _i);
+    double *loops = calloc(3 * of.n, sizeof *loops);
+    for (weft__isa isa = WEFT__LOOPS; isa <= weft__isa_last(); ++isa) {
+        weft__cloth_choose(of.cloth, isa);
+        push(&of, of.y, isa == WEFT__LOOPS ? loops : of.force);
+        ck_assert(isa == WEFT__LOOPS
+                  || memcmp(loops, of.force, 3 * of.n * sizeof *loops) == 0);
+    }
+    free(loops);
+    sample_free(&of);
+}
+END_TEST
+
+START_TEST(products_are_those_of_the_force)
+{
+    sample of;
+    sample_init(&of, _i);
+    double *out = calloc(3 * of.n, sizeof *out), apart = 0.0, size = 0.0;
+    const weft__plate *plate = &of.cloth->plate;
+    memcpy(of.y + 3 * of.n, of.y, 3 * of.n * sizeof *of.y); /* v = x */
+    weft__plate_force.multiply(plate, &of.at, 1.0, 1.0, of.y, out);
+    push(&of, of.y, of.force);
+    for (size_t i = 0; i < 3 * of.n; ++i) {
+        apart = fmax(apart, fabs(out[i] + of.force[i]));
+        size = fmax(size, fabs(out[i]));
+    }
+    ck_assert(apart < 1e-11 * size);
+    free(out);
+    sample_free(&of);
+}
+END_TEST
+
+TEST_SUITE(plate)
+{
+    Suite *suite = suite_create("plate");
+    TCase *tcase = tcase_create("plate");
+    tcase_set_timeout(tcase, 60);
+    tcase_add_loop_test(tcase, panels_of_any_shape_have_three_zero_modes, 0, 5);
+    tcase_add_test(tcase, families_of_meshes_have_three_zero_modes);
+    tcase_add_test(tcase, one_triangle_has_no_bending);
+    tcase_add_test(tcase, cylinders_of_any_direction_have_their_energy);
+    tcase_add_test(tcase, inner_particles_feel_no_force_on_quadratics);
+    tcase_add_loop_test(tcase, supported_plate_converges_with_order_2, 0, 3);
+    tcase_add_test(tcase, strip_of_pinned_triangles_clamps_along_its_inner_rim);
+    tcase_add_test(tcase, sewn_pieces_bend_as_a_whole);
+    tcase_add_test(tcase, hinge_has_one_zero_mode_more);
+    tcase_add_test(tcase, matrix_does_not_depend_on_numbers);
+    tcase_add_test(tcase, bound_holds_and_is_sharp);
+    tcase_add_test(tcase, force_is_the_slope_of_the_energy);
+    tcase_add_loop_test(tcase, momentum_is_kept_and_heat_is_what_damping_takes, 0, 3);
+    tcase_add_loop_test(tcase, fast_forms_have_the_bits_of_the_loops, 0, 3);
+    tcase_add_loop_test(tcase, products_are_those_of_the_force, 0, 3);
+    suite_add_tcase(suite, tcase);
+    return suite;
+}
