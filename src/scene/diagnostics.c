@@ -11,7 +11,10 @@ bool weft__mark_before(weft__mark a, weft__mark b)
     if (a.source != b.source) {
         return a.source < b.source;
     }
-    return a.line != b.line ? a.line < b.line : a.column < b.column;
+    if (a.line != b.line) {
+        return a.line < b.line;
+    }
+    return a.column != b.column ? a.column < b.column : a.byte < b.byte;
 }
 
 const char *weft__place_text(const weft__report *report, weft__mark at, char *out,
@@ -161,7 +164,9 @@ void weft__report_place(const weft__report *report, weft__mark at,
 weft_status weft__report_end(weft__report *report, weft_error *err)
 {
     for (size_t i = 0; i < report->found->count; ++i) {
-        weft__report_place(report, report->origin[i].at, &report->found->items[i]);
+        if (report->origin[i].at.byte == 0) {
+            weft__report_place(report, report->origin[i].at, &report->found->items[i]);
+        }
     }
     return report->found->errors > 0 ? first_error(report->found, err) : WEFT_OK;
 }

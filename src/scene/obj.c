@@ -1,0 +1,476 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* obj.c -- the faces of an OBJ file as a definition of triangles. */
+#include "scene/obj.h"
+
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/suggest.h"
+#include "weft/elementary.h"
+
+/* Places of one vertex: more are no seam, and take long to compare. */
+enum { MOST_PLACES = 1000 };
+
+/* Compared lengths that differ less are equal: a file has rounded numbers. */
+#define EQUAL 1e-9
+
+/* ---- places in the file -------------------------------------------------------- */
+
+weft__mark weft__obj_mark(const weft__obj *obj, uint32_t byte)
+{
+    weft__mark at = obj->at;
+    at.byte = (size_t)byte + 1;
+    return at;
+}
+
+static size_t lines_in(const char *from, const char *to)
+{
+    size_t lines = 0;
+    while ((from = memchr(from, '\n', (size_t)(to - from))) != NULL) {
+        ++from;
+        ++lines;
+    }
+    return lines;
+}
+
+static void fill_place(const weft__obj *obj, const char *at, weft_diagnostic *item)
+{
+    const char *begin = at,
+               *end = memchr(at, '\n', obj->length - (size_t)(at - obj->text));
+    while (begin > obj->text && begin[-1] != '\n') {
+        --begin;
+    }
+    end = end == NULL ? obj->text + obj->length : end;
+    end -= end > begin && end[-1] == '\r';
+    const weft__source line
+        = { .text = begin, .length = (size_t)(end - begin), .number = 1 };
+    const weft__mark mark = weft__source_mark(&line, (size_t)(at - begin));
+    (void)snprintf(item->place, sizeof item->place, "%s", obj->path);
+    weft__one_line(item->place);
+    item->column = (int)mark.column + 1;
+    item->caret = weft__source_excerpt(&line, mark, item->source, sizeof item->source);
+}
+
+/* The items stand in the order of the file. */
+static void fill_places(const weft__obj *obj)
+{
+    size_t line = 1;
+    const char *last = obj->text;
+    for (size_t i = 0; obj->text != NULL && i < obj->report->found->count; ++i) {
+        weft_diagnostic *item = &obj->report->found->items[i];
+        const size_t byte = obj->report->origin[i].at.byte;
+        if (byte > 0 && item->line == 0) {
+            const char *at = obj->text + (byte - 1);
+            line += lines_in(last, at);
+            last = at;
+            fill_place(obj, at, item);
+            item->line = (int)line;
+        }
+    }
+}
+
+void weft__obj_fault(void *ctx, weft__mesh_part part, size_t index, const char *message)
+{
+    const weft__obj *obj = ctx;
+    weft__mark at = obj->at;
+    if (part == WEFT__MESH_VERTEX) {
+        at = weft__obj_mark(obj, obj->vertex_byte[obj->name[index]]);
+    } else if (part == WEFT__MESH_PLACE) {
+        at = weft__obj_mark(obj, obj->place_byte[obj->place_of[index]]);
+    } else if (part == WEFT__MESH_TRIANGLE) {
+        at = weft__obj_mark(obj, obj->face[obj->face_of[index]].byte);
+    }
+    weft__report_error(obj->report, at, "%s", message);
+}
+
+/* ---- quadrilaterals ------------------------------------------------------------ */
+
+static double cross(const double a[2], const double b[2], const double c[2])
+{
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+static double distance(const double a[2], const double b[2])
+{
+    return sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
+}
+
+/* Whether a quadrilateral is divided from corner 1 to 3 rather than from 0 to 2: by the
+ * shorter line, of equal ones that with the lowest vertex, but not outside of it. */
+static bool splits_at_1(const weft__obj *obj, const weft__obj_face *face)
+{
+    const uint32_t *v = face->vertex;
+    const double *x[4];
+    for (size_t k = 0; k < 4; ++k) {
+        x[k] = obj->place[face->place[k]];
+    }
+    const bool in_02 = cross(x[0], x[1], x[2]) * cross(x[0], x[2], x[3]) > 0.0;
+    const bool in_13 = cross(x[1], x[2], x[3]) * cross(x[1], x[3], x[0]) > 0.0;
+    const double a = distance(x[0], x[2]), b = distance(x[1], x[3]);
+    if (in_02 != in_13) {
+        return in_13;
+    }
+    if (fabs(a - b) > EQUAL * (a + b)) {
+        return b < a;
+    }
+    return (v[1] < v[3] ? v[1] : v[3]) < (v[0] < v[2] ? v[0] : v[2]);
+}
+
+/* ---- the definition ------------------------------------------------------------ */
+
+typedef struct obj_builder {
+    weft__obj *obj;
+    uint32_t *first, *next; /* place of a vertex in the file, and of the same vertex */
+    size_t rest_room, next_room, place_room; /* of arrays as long as the places */
+} obj_builder;
+
+static bool same_place(const weft__obj *obj, uint32_t a, uint32_t b)
+{
+    const double *x = obj->place[a], *y = obj->place[b];
+    return a == b || (x[0] == y[0] && x[1] == y[1]);
+}
+
+/* The place of a corner: a new one if its vertex has none at the same vt yet. */
+static uint32_t find_place(obj_builder *self, const weft__obj_face *face, size_t corner)
+{
+    weft__obj *obj = self->obj;
+    uint32_t *slot = &self->first[face->vertex[corner]];
+    const uint32_t vt = face->place[corner];
+    const size_t count = obj->def.places;
+    size_t before = 0;
+    for (; *slot != WEFT__NONE; slot = &self->next[*slot], ++before) {
+        if (same_place(obj, obj->place_of[*slot], vt)) {
+            return *slot;
+        }
+    }
+    if (before == MOST_PLACES) {
+        weft__report_error(obj->report, weft__obj_mark(obj, face->byte),
+                           "a vertex of this face has more than %d places in the rest "
+                           "shape (vt)",
+                           MOST_PLACES);
+        return 0;
+    }
+    *slot = (uint32_t)count; /* before the arrays may move */
+    obj->rest = weft__obj_grow(obj, obj->rest, &self->rest_room, count,
+                               2 * sizeof *obj->rest);
+    self->next
+        = weft__obj_grow(obj, self->next, &self->next_room, count, sizeof *self->next);
+    obj->place_of = weft__obj_grow(obj, obj->place_of, &self->place_room, count,
+                                   sizeof *obj->place_of);
+    if (obj->report->no_memory) {
+        return 0;
+    }
+    memcpy(&obj->rest[2 * count], obj->place[vt], 2 * sizeof *obj->rest);
+    self->next[count] = WEFT__NONE;
+    obj->place_of[count] = vt;
+    ++obj->def.places;
+    return (uint32_t)count;
+}
+
+static void add_triangle(obj_builder *self, size_t face, const uint32_t place[4],
+                         size_t a, size_t b, size_t c)
+{
+    weft__obj *obj = self->obj;
+    const size_t corner[] = { a, b, c }, t = obj->def.triangles++;
+    for (size_t k = 0; k < 3; ++k) {
+        obj->corner[3 * t + k] = obj->vertex_of[obj->face[face].vertex[corner[k]]];
+        obj->corner_place[3 * t + k] = place[corner[k]];
+    }
+    obj->face_of[t] = (uint32_t)face;
+}
+
+static void add_face(obj_builder *self, size_t index)
+{
+    const weft__obj_face *face = &self->obj->face[index];
+    const size_t corners = face->vertex[3] == WEFT__NONE ? 3 : 4;
+    uint32_t place[4];
+    for (size_t k = 0; k < corners; ++k) {
+        place[k] = find_place(self, face, k);
+    }
+    if (corners == 3) {
+        add_triangle(self, index, place, 0, 1, 2);
+    } else if (splits_at_1(self->obj, face)) {
+        add_triangle(self, index, place, 1, 2, 3);
+        add_triangle(self, index, place, 1, 3, 0);
+    } else {
+        add_triangle(self, index, place, 0, 1, 2);
+        add_triangle(self, index, place, 0, 2, 3);
+    }
+}
+
+static void warn_of_unused(const weft__obj *obj, size_t first, size_t count)
+{
+    char more[48] = "";
+    if (count > 1) {
+        (void)snprintf(more, sizeof more, ", the first of %zu", count);
+    }
+    weft__report_warning(obj->report, weft__obj_mark(obj, obj->vertex_byte[first]),
+                         "vertex %zu (from 0) belongs to no face and is dropped%s",
+                         first, more);
+}
+
+/* Numbers the vertices of faces in the order of the file. */
+static void take_vertices(weft__obj *obj)
+{
+    size_t unused = 0, first = 0;
+    memset(obj->vertex_of, 0xff, obj->vertices * sizeof *obj->vertex_of);
+    for (size_t f = 0; f < obj->faces; ++f) {
+        for (size_t k = 0; k < 4; ++k) {
+            if (obj->face[f].vertex[k] != WEFT__NONE) {
+                obj->vertex_of[obj->face[f].vertex[k]] = 0;
+            }
+        }
+    }
+    for (size_t v = 0; v < obj->vertices; ++v) {
+        if (obj->vertex_of[v] == WEFT__NONE) {
+            first = unused++ == 0 ? v : first;
+            continue;
+        }
+        const size_t i = obj->def.vertices++;
+        obj->vertex_of[v] = (uint32_t)i;
+        obj->name[i] = v;
+        memcpy(&obj->start[3 * i], obj->vertex[v], sizeof *obj->vertex);
+    }
+    if (unused > 0) {
+        warn_of_unused(obj, first, unused);
+    }
+}
+
+static bool make_room(obj_builder *self)
+{
+    weft__obj *obj = self->obj;
+    const weft_allocator *memory = obj->report->memory;
+    const size_t n = obj->vertices, most = 2 * obj->faces;
+    self->first = weft__alloc(memory, n, sizeof *self->first);
+    obj->vertex_of = weft__alloc(memory, n, sizeof *obj->vertex_of);
+    obj->name = weft__alloc(memory, n, sizeof *obj->name);
+    obj->start = weft__alloc(memory, n, 3 * sizeof *obj->start);
+    obj->corner = weft__alloc(memory, most, 3 * sizeof *obj->corner);
+    obj->corner_place = weft__alloc(memory, most, 3 * sizeof *obj->corner_place);
+    obj->face_of = weft__alloc(memory, most, sizeof *obj->face_of);
+    return self->first != NULL && obj->vertex_of != NULL && obj->name != NULL
+           && obj->start != NULL && obj->corner != NULL && obj->corner_place != NULL
+           && obj->face_of != NULL;
+}
+
+static bool build(weft__obj *obj)
+{
+    obj_builder self = { .obj = obj };
+    const size_t before = obj->report->mistakes;
+    obj->def = weft_mesh_def_default();
+    if (make_room(&self)) {
+        memset(self.first, 0xff, obj->vertices * sizeof *self.first);
+        take_vertices(obj);
+        for (size_t f = 0; f < obj->faces && !obj->report->no_memory; ++f) {
+            add_face(&self, f);
+        }
+    } else {
+        obj->report->no_memory = true;
+    }
+    weft__free(obj->report->memory, self.first);
+    weft__free(obj->report->memory, self.next);
+    obj->def.start = obj->start;
+    obj->def.names = obj->def.vertices < obj->vertices ? obj->name : NULL;
+    obj->def.rest = obj->rest;
+    obj->def.corners = obj->corner;
+    obj->def.corner_places = obj->corner_place;
+    return !obj->report->no_memory && obj->report->mistakes == before;
+}
+
+/* ---- files --------------------------------------------------------------------- */
+
+static bool take(weft__obj *obj)
+{
+    return weft__obj_parse(obj) && build(obj);
+}
+
+bool weft__obj_take(weft__obj *obj, const char *text, size_t length)
+{
+    obj->text = weft__alloc(obj->report->memory, length + 1, 1);
+    if (obj->text == NULL) {
+        obj->report->no_memory = true;
+        return false;
+    }
+    memcpy(obj->text, text, length);
+    obj->text[length] = '\0';
+    obj->length = length;
+    return take(obj);
+}
+
+static bool read_all(weft__obj *obj, FILE *stream)
+{
+    const long size = fseek(stream, 0, SEEK_END) == 0 ? ftell(stream) : -1;
+    if (size < 0 || (size_t)size > WEFT__OBJ_BYTES) {
+        weft__report_error(obj->report, obj->at,
+                           "%.200s has %ld bytes; an OBJ file has at most %zu",
+                           obj->path, size, WEFT__OBJ_BYTES);
+        return false;
+    }
+    rewind(stream);
+    obj->text = weft__alloc(obj->report->memory, (size_t)size + 1, 1);
+    if (obj->text == NULL) {
+        obj->report->no_memory = true;
+        return false;
+    }
+    obj->length = fread(obj->text, 1, (size_t)size, stream);
+    obj->text[obj->length] = '\0';
+    if (ferror(stream)) {
+        weft__report_error(obj->report, obj->at, "%.200s: %s", obj->path,
+                           strerror(errno));
+    }
+    return !ferror(stream);
+}
+
+bool weft__obj_load(weft__obj *obj, const char *path)
+{
+    weft_error err;
+    FILE *stream = weft__file_open(path, "r", &err);
+    obj->path = path;
+    if (stream == NULL) {
+        weft__report_error(obj->report, obj->at, "%s", err.message);
+        return false;
+    }
+    const bool read = read_all(obj, stream);
+    (void)fclose(stream);
+    return read && take(obj);
+}
+
+/* ---- what scenes ask ----------------------------------------------------------- */
+
+void weft__obj_move(weft__obj *obj, double unit, const double axis[3], double angle,
+                    const double at[3])
+{
+    const double length = weft__length(axis);
+    const double k[] = { axis[0] / length, axis[1] / length, axis[2] / length };
+    double sine, cosine;
+    weft_sincos_turns(angle / 360.0, 1.0, &sine, &cosine);
+    for (size_t i = 0; i < obj->def.vertices; ++i) {
+        double *p = &obj->start[3 * i];
+        const double x[] = { unit * p[0], unit * p[1], unit * p[2] };
+        const double along = (1.0 - cosine) * weft__dot(k, x);
+        for (size_t c = 0; c < 3; ++c) {
+            const size_t d = (c + 1) % 3, e = (c + 2) % 3;
+            p[c] = cosine * x[c] + sine * (k[d] * x[e] - k[e] * x[d]) + along * k[c]
+                   + at[c];
+        }
+    }
+    for (size_t i = 0; i < 2 * obj->def.places; ++i) {
+        obj->rest[i] *= unit;
+    }
+}
+
+/* As memcmp, of a name and a text. */
+static int compare(const weft__obj_name *name, const char *text, size_t length)
+{
+    const int order
+        = memcmp(name->text, text, name->length < length ? name->length : length);
+    return order != 0 ? order : (name->length > length) - (name->length < length);
+}
+
+/* Marks the statements g with a name; whether there is one. They are sorted. */
+static bool find_statements(const weft__obj *obj, const char *name, bool *listed)
+{
+    const weft__obj_name *list = obj->groups.list;
+    const size_t length = strlen(name);
+    size_t low = 0, high = obj->groups.count;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (compare(&list[middle], name, length) < 0) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    for (high = low;
+         high < obj->groups.count && compare(&list[high], name, length) == 0; ++high) {
+        listed[list[high].statement] = true;
+    }
+    return high > low;
+}
+
+bool weft__obj_group(const weft__obj *obj, const char *name, bool *member)
+{
+    const weft_allocator *memory = obj->report->memory;
+    bool *listed
+        = weft__zeroed(memory, (size_t)obj->groups.statements + 1, sizeof *listed);
+    if (listed == NULL) {
+        obj->report->no_memory = true;
+        return true;
+    }
+    const bool found = find_statements(obj, name, listed);
+    for (size_t f = 0; found && f < obj->faces; ++f) {
+        const weft__obj_face *face = &obj->face[f];
+        for (size_t k = 0; listed[face->groups] && k < 4; ++k) {
+            if (face->vertex[k] != WEFT__NONE) {
+                member[obj->vertex_of[face->vertex[k]]] = true;
+            }
+        }
+    }
+    for (size_t p = 0; found && p < obj->points; ++p) {
+        const uint32_t vertex = obj->vertex_of[obj->point[p].vertex];
+        if (listed[obj->point[p].groups] && vertex != WEFT__NONE) {
+            member[vertex] = true;
+        }
+    }
+    weft__free(memory, listed);
+    return found;
+}
+
+const char *weft__obj_near(const weft__obj_names *names, const char *typed, char *out,
+                           size_t size)
+{
+    enum { MOST = 1000 }; /* compared */
+    char best[64] = "", name[sizeof best];
+    weft__guess guess = { 0 };
+    for (size_t i = 0; i < names->count && i < MOST; ++i) {
+        const weft__obj_name *one = &names->list[i];
+        (void)snprintf(name, sizeof name, "%.*s", (int)one->length, one->text);
+        weft__guess_try(&guess, typed, name);
+        if (guess.name == name) {
+            (void)strcpy(best, name);
+            guess.name = best;
+        }
+    }
+    return weft__guess_text(&guess, out, size);
+}
+
+/* ---- memory -------------------------------------------------------------------- */
+
+void weft__obj_forget(weft__obj *obj)
+{
+    if (obj->report == NULL) {
+        return;
+    }
+    void *const blocks[]
+        = { obj->text,        obj->vertex,    obj->place,    obj->vertex_byte,
+            obj->place_byte,  obj->face,      obj->point,    obj->fabrics.list,
+            obj->groups.list, obj->vertex_of, obj->place_of, obj->face_of };
+    fill_places(obj);
+    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) {
+        weft__free(obj->report->memory, blocks[i]);
+    }
+    if (obj->def.names == NULL) {
+        weft__free(obj->report->memory, obj->name);
+        obj->name = NULL;
+    }
+    *obj = (weft__obj){ .def = obj->def,
+                        .start = obj->start,
+                        .rest = obj->rest,
+                        .corner = obj->corner,
+                        .corner_place = obj->corner_place,
+                        .fabric_of = obj->fabric_of,
+                        .name = obj->name };
+}
+
+void weft__obj_close(weft__obj *obj, const weft_allocator *memory)
+{
+    weft__obj_forget(obj);
+    void *const blocks[] = { obj->start,        obj->rest,      obj->corner,
+                             obj->corner_place, obj->fabric_of, obj->name };
+    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) {
+        weft__free(memory, blocks[i]);
+    }
+    *obj = (weft__obj){ .def = { 0 } };
+}

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* obj.h -- triangles of cloth from an OBJ file: v where a vertex starts, vt where it
+ * lies in the rest shape. Text -> faces (obj_parse.c) -> a definition (obj.c). Mistakes
+ * are reported at their line, all of them. Numbers are read in the "C" locale. */
+#ifndef WEFT_SCENE_OBJ_H
+#define WEFT_SCENE_OBJ_H
+
+#include "mesh/triangles.h"
+#include "scene/diagnostics.h"
+
+/* Vertices and places are numbers of v and vt in the file, from 0. */
+typedef struct weft__obj_face {
+    uint32_t vertex[4], place[4]; /* WEFT__NONE: vertex[3] of a triangle, no vt */
+    uint32_t byte;                /* of the text, where it stands */
+    uint32_t fabric, groups;      /* 1 + the statement usemtl, g before it; 0: none */
+} weft__obj_face;
+
+typedef struct weft__obj_point {
+    uint32_t vertex, groups;
+} weft__obj_point;
+
+/* A name in the text. */
+typedef struct weft__obj_name {
+    const char *text;
+    uint32_t length, statement; /* 1 + the number of its usemtl or g */
+} weft__obj_name;
+
+/* An array that grows, of room for `room`. */
+typedef struct weft__obj_names {
+    weft__obj_name *list;
+    size_t count, room;
+    uint32_t statements;
+} weft__obj_names;
+
+typedef struct weft__obj {
+    weft__report *report;
+    weft__mark at;    /* where the scene names the file */
+    const char *path; /* as messages name it */
+    /* while it is read */
+    char *text; /* ends with NUL */
+    size_t length;
+    size_t vertices, places, faces, points; /* in the file */
+    double (*vertex)[3], (*place)[2];
+    uint32_t *vertex_byte, *place_byte; /* of the text, where they stand */
+    weft__obj_face *face;
+    weft__obj_point *point;
+    size_t point_room;
+    weft__obj_names fabrics, groups; /* groups: sorted */
+    uint32_t *vertex_of;             /* of v in the definition; WEFT__NONE: unused */
+    uint32_t *place_of, *face_of;    /* vt of a place, face of a triangle */
+    /* as long as the definition that points to it */
+    weft_mesh_def def;
+    double *start, *rest;
+    uint32_t *corner, *corner_place, *fabric_of;
+    size_t *name; /* number in the file of each vertex; freed if there is no other */
+} weft__obj;
+
+/* Larger files are refused unread. */
+#define WEFT__OBJ_BYTES ((size_t)1 << 30)
+
+/* Read the file, or take a text of so many bytes, into *obj, whose report, at and path
+ * are set, and make its definition: rest and start positions in the file's unit, no
+ * fabrics. false: mistakes were reported, or memory ran out, which the report knows. */
+bool weft__obj_load(weft__obj *obj, const char *path);
+bool weft__obj_take(weft__obj *obj, const char *text, size_t length);
+
+/* Multiplies all lengths, turns by `angle` [degrees] about the axis through the origin
+ * (its length does not matter, but it has one), then moves. */
+void weft__obj_move(weft__obj *obj, double unit, const double axis[3], double angle,
+                    const double at[3]);
+
+/* Receives a fault of weft__triangles_create (mesh/triangles.h); ctx: the weft__obj. */
+void weft__obj_fault(void *ctx, weft__mesh_part part, size_t index,
+                     const char *message);
+
+/* The place of a statement, for mistakes and warnings. */
+weft__mark weft__obj_mark(const weft__obj *obj, uint32_t byte);
+
+/* Marks vertices of the definition that are of faces or points of a group in
+ * member[vertices]. false: the file has no such group. */
+bool weft__obj_group(const weft__obj *obj, const char *name, bool *member);
+
+/* " (did you mean 'x'?)" of the names in a file, or "", into out[size]. */
+const char *weft__obj_near(const weft__obj_names *names, const char *typed, char *out,
+                           size_t size);
+
+/* Fills in the places of what was reported, and frees what only reading needs; all of
+ * it. */
+void weft__obj_forget(weft__obj *obj);
+void weft__obj_close(weft__obj *obj, const weft_allocator *memory);
+
+/* obj_parse.c: the text to vertices, places, faces and points. */
+bool weft__obj_parse(weft__obj *obj);
+
+/* An array of `count` with room for one element more; as it was if memory runs out,
+ * which the report knows then. */
+void *weft__obj_grow(weft__obj *obj, void *array, size_t *room, size_t count,
+                     size_t size);
+
+#endif

@@ -1,0 +1,402 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* obj_parse.c -- the statements of an OBJ file.
+ *
+ * One on a line, which ends with LF; CR counts as a blank, and so does a backslash at
+ * the end of a line, which continues it. '#' begins a comment. Other statements than
+ * those of `statements` have no effect on cloth. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/obj.h"
+
+typedef struct cursor {
+    weft__obj *obj;
+    const char *at, *end;
+    size_t vertices, places, faces; /* read so far */
+    const char *word;               /* of the statement */
+} cursor;
+
+void *weft__obj_grow(weft__obj *obj, void *array, size_t *room, size_t count,
+                     size_t size)
+{
+    if (count < *room) {
+        return array;
+    }
+    const size_t more = count < 16 ? 16 : 2 * count;
+    void *grown = weft__resize(obj->report->memory, array, more, size);
+    if (grown == NULL) {
+        obj->report->no_memory = true;
+        return array;
+    }
+    *room = more;
+    return grown;
+}
+
+static uint32_t byte_of(const cursor *self, const char *text)
+{
+    return (uint32_t)(text - self->obj->text);
+}
+
+#define MISTAKE(self, where, ...)                                                      \
+    weft__report_error((self)->obj->report,                                            \
+                       weft__obj_mark((self)->obj, byte_of(self, where)), __VA_ARGS__)
+
+/* ---- words -------------------------------------------------------------------- */
+
+/* Bytes of a line break behind a backslash at text; 0: there is none. */
+static size_t continuation(const char *text)
+{
+    return text[0] != '\\'                      ? 0
+           : text[1] == '\n'                    ? 2
+           : text[1] == '\r' && text[2] == '\n' ? 3
+                                                : 0;
+}
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\r';
+}
+
+/* Moves to the next word of the statement; returns its bytes, 0 at the end. The text
+ * ends with NUL. */
+static size_t next_word(cursor *self)
+{
+    const char *p = self->at;
+    for (size_t more; is_blank(*p) || (more = continuation(p)) > 0;
+         p += is_blank(*p) ? 1 : more) {
+    }
+    self->at = p;
+    if (*p == '#') {
+        return 0;
+    }
+    while (*p != '\0' && *p != '\n' && !is_blank(*p)
+           && !(*p == '\\' && continuation(p) > 0)) {
+        ++p;
+    }
+    return (size_t)(p - self->at);
+}
+
+/* Moves behind the end of the statement, from between its words. A line break ends it
+ * but behind a backslash that is not in a comment. */
+static void skip_line(cursor *self)
+{
+    const char *end = memchr(self->at, '\n', (size_t)(self->end - self->at));
+    const char *last
+        = end == NULL ? self->at : end - (end > self->at && end[-1] == '\r');
+    if (last > self->at && last[-1] == '\\') {
+        for (size_t length; (length = next_word(self)) > 0;) {
+            self->at += length;
+        }
+        end = memchr(self->at, '\n', (size_t)(self->end - self->at));
+    }
+    self->at = end == NULL ? self->end : end + 1;
+}
+
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+/* Digits as a whole number that is exact below 10^18, and whether it is. */
+static const char *take_digits(const char *p, const char *end, uint64_t *number,
+                               bool *exact, int *taken)
+{
+    *taken = 0;
+    for (; p < end && is_digit(*p); ++p) {
+        *exact = *exact && *number < UINT64_C(100000000000000000);
+        *number = *exact ? 10 * *number + (uint64_t)(*p - '0') : *number;
+        ++*taken;
+    }
+    return p;
+}
+
+/* A decimal number that is all of a word. Up to 2^53 times or over a power of ten that
+ * is exact, one operation rounds correctly; strtod takes the others. */
+static bool real_of(const char *word, size_t length, double *out)
+{
+    static const double ten[]
+        = { 1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+            1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22 };
+    const char *p = word + (*word == '-' || *word == '+'), *end = word + length;
+    uint64_t number = 0, power = 0;
+    bool exact = true;
+    int whole, part = 0, digits = 1, shift = 0;
+    p = take_digits(p, end, &number, &exact, &whole);
+    if (p < end && *p == '.') {
+        p = take_digits(p + 1, end, &number, &exact, &part);
+    }
+    if (p < end && (*p == 'e' || *p == 'E')) {
+        const char sign = p + 1 < end ? p[1] : '\0';
+        p = take_digits(p + 1 + (sign == '-' || sign == '+'), end, &power, &exact,
+                        &digits);
+        shift = power > 999 ? 999 : (int)power;
+        shift = sign == '-' ? -shift : shift;
+    }
+    if (p != end || whole + part == 0 || digits == 0) {
+        return false;
+    }
+    shift -= part;
+    if (exact && number <= UINT64_C(1) << 53 && abs(shift) <= 22) {
+        const double value = (double)number;
+        *out = shift < 0 ? value / ten[-shift] : value * ten[shift];
+        *out = *word == '-' ? -*out : *out;
+    } else {
+        *out = strtod(word, NULL);
+    }
+    return isfinite(*out);
+}
+
+/* The numbers that a statement needs, as "x y z"; what follows them is not used. */
+static bool read_reals(cursor *self, const char *needed, size_t count, double *out)
+{
+    for (size_t i = 0; i < count; ++i) {
+        const size_t length = next_word(self);
+        if (length == 0) {
+            MISTAKE(self, self->word, "this line needs %s, but has %zu %s", needed, i,
+                    i == 1 ? "number" : "numbers");
+            return false;
+        }
+        if (!real_of(self->at, length, &out[i])) {
+            MISTAKE(self, self->at, "'%.*s' is not a finite decimal number",
+                    (int)(length < 40 ? length : 40), self->at);
+            return false;
+        }
+        self->at += length;
+    }
+    return true;
+}
+
+/* ---- corners ------------------------------------------------------------------ */
+
+/* An index, from 1, or from the end if negative, as a number from 0. */
+static bool read_index(cursor *self, const char *what, const char **p, const char *end,
+                       size_t before, size_t all, uint32_t *out)
+{
+    const char *digits = *p + (*p < end && **p == '-');
+    uint64_t number = 0;
+    bool exact = true;
+    int taken;
+    const bool back = digits > *p;
+    const char *stop = take_digits(digits, end, &number, &exact, &taken);
+    if (taken == 0 || (stop < end && *stop != '/')) {
+        MISTAKE(self, *p, "'%.*s' is no number of a %s",
+                (int)(end - *p < 40 ? end - *p : 40), *p, what);
+        return false;
+    }
+    if (number == 0 || !exact || number > (back ? before : all)) {
+        MISTAKE(self, *p, "%s %.*s is not there: the file has 1 to %zu%s", what,
+                (int)(stop - *p < 40 ? stop - *p : 40), *p, all,
+                back ? ", and negative ones count back from this line" : "");
+        return false;
+    }
+    *out = (uint32_t)(back ? before - number : number - 1);
+    *p = stop;
+    return true;
+}
+
+/* v, v/vt, v//vn or v/vt/vn */
+static bool read_corner(cursor *self, size_t length, uint32_t *vertex, uint32_t *place)
+{
+    const weft__obj *obj = self->obj;
+    const char *p = self->at, *end = p + length;
+    *place = WEFT__NONE;
+    if (!read_index(self, "v", &p, end, self->vertices, obj->vertices, vertex)) {
+        return false;
+    }
+    p += p < end;
+    if (p < end && *p != '/') {
+        return read_index(self, "vt", &p, end, self->places, obj->places, place);
+    }
+    if (obj->places > 0) {
+        MISTAKE(self, self->at,
+                "corner %.*s has no vt, its place in the rest shape: write v/vt",
+                (int)(length < 40 ? length : 40), self->at);
+    }
+    return obj->places == 0;
+}
+
+static bool repeats(const weft__obj_face *face, size_t k)
+{
+    bool repeated = false;
+    for (size_t i = 0; i < k; ++i) {
+        repeated = repeated || face->vertex[i] == face->vertex[k];
+    }
+    return repeated;
+}
+
+static void read_face(cursor *self)
+{
+    weft__obj *obj = self->obj;
+    weft__obj_face *face = &obj->face[self->faces];
+    size_t corners = 0, length;
+    bool good = true;
+    *face = (weft__obj_face){ .byte = byte_of(self, self->word),
+                              .fabric = obj->fabrics.statements,
+                              .groups = obj->groups.statements };
+    face->vertex[3] = WEFT__NONE;
+    for (; (length = next_word(self)) > 0; self->at += length, ++corners) {
+        if (corners >= 4 || !good) {
+            continue;
+        }
+        good = read_corner(self, length, &face->vertex[corners], &face->place[corners]);
+        if (good && repeats(face, corners)) {
+            MISTAKE(self, self->at, "corner %.*s repeats a vertex of the face",
+                    (int)(length < 40 ? length : 40), self->at);
+            good = false;
+        }
+    }
+    if (corners < 3 || corners > 4) {
+        MISTAKE(self, self->word,
+                "a face of %zu %s: cloth is made of triangles and quadrilaterals",
+                corners, corners == 1 ? "corner" : "corners");
+        good = false;
+    }
+    self->faces += good;
+}
+
+/* ---- the other statements ----------------------------------------------------- */
+
+static void read_vertex(cursor *self)
+{
+    weft__obj *obj = self->obj;
+    obj->vertex_byte[self->vertices] = byte_of(self, self->word);
+    (void)read_reals(self, "x y z", 3, obj->vertex[self->vertices++]);
+}
+
+static void read_texture(cursor *self)
+{
+    weft__obj *obj = self->obj;
+    obj->place_byte[self->places] = byte_of(self, self->word);
+    (void)read_reals(self, "u v", 2, obj->place[self->places++]);
+}
+
+static void add_name(cursor *self, weft__obj_names *to, size_t length)
+{
+    to->list
+        = weft__obj_grow(self->obj, to->list, &to->room, to->count, sizeof *to->list);
+    if (!self->obj->report->no_memory) {
+        to->list[to->count++]
+            = (weft__obj_name){ self->at, (uint32_t)length, to->statements };
+    }
+}
+
+static void read_fabric(cursor *self)
+{
+    const size_t length = next_word(self);
+    ++self->obj->fabrics.statements;
+    add_name(self, &self->obj->fabrics, length);
+}
+
+static void read_groups(cursor *self)
+{
+    ++self->obj->groups.statements;
+    for (size_t length; (length = next_word(self)) > 0; self->at += length) {
+        add_name(self, &self->obj->groups, length);
+    }
+}
+
+static void read_points(cursor *self)
+{
+    weft__obj *obj = self->obj;
+    for (size_t length; (length = next_word(self)) > 0; self->at += length) {
+        const char *p = self->at;
+        uint32_t vertex;
+        obj->point = weft__obj_grow(obj, obj->point, &obj->point_room, obj->points,
+                                    sizeof *obj->point);
+        if (!obj->report->no_memory
+            && read_index(self, "v", &p, p + length, self->vertices, obj->vertices,
+                          &vertex)) {
+            obj->point[obj->points++]
+                = (weft__obj_point){ vertex, obj->groups.statements };
+        }
+    }
+}
+
+static const struct {
+    const char *word;
+    void (*read)(cursor *self);
+} statements[] = {
+    { "v", read_vertex }, { "vt", read_texture }, { "f", read_face },
+    { "p", read_points }, { "g", read_groups },   { "usemtl", read_fabric },
+};
+
+enum { KINDS = sizeof statements / sizeof statements[0], V = 0, VT = 1, F = 2 };
+
+/* ---- the text ----------------------------------------------------------------- */
+
+/* The statement at the cursor, which moves behind its word; KINDS: another. */
+static size_t next_statement(cursor *self)
+{
+    const size_t length = next_word(self);
+    size_t kind = 0;
+    self->word = self->at;
+    while (kind < KINDS
+           && (strlen(statements[kind].word) != length
+               || memcmp(statements[kind].word, self->word, length) != 0)) {
+        ++kind;
+    }
+    self->at += length;
+    return kind;
+}
+
+static bool make_room(weft__obj *obj)
+{
+    const weft_allocator *memory = obj->report->memory;
+    size_t count[KINDS + 1] = { 0 };
+    for (cursor self = { .obj = obj, .at = obj->text, .end = obj->text + obj->length };
+         self.at < self.end; skip_line(&self)) {
+        ++count[next_statement(&self)];
+    }
+    obj->vertices = count[V];
+    obj->places = count[VT];
+    obj->vertex = weft__alloc(memory, count[V], sizeof *obj->vertex);
+    obj->vertex_byte = weft__alloc(memory, count[V], sizeof *obj->vertex_byte);
+    obj->place = weft__alloc(memory, count[VT], sizeof *obj->place);
+    obj->place_byte = weft__alloc(memory, count[VT], sizeof *obj->place_byte);
+    obj->face = weft__alloc(memory, count[F] + 1, sizeof *obj->face);
+    const bool made = obj->vertex != NULL && obj->vertex_byte != NULL
+                      && obj->place != NULL && obj->place_byte != NULL
+                      && obj->face != NULL;
+    obj->report->no_memory = obj->report->no_memory || !made;
+    return made;
+}
+
+static int by_name(const void *a, const void *b)
+{
+    const weft__obj_name *p = a, *q = b;
+    const size_t least = p->length < q->length ? p->length : q->length;
+    const int order = memcmp(p->text, q->text, least);
+    return order != 0 ? order : p->length < q->length ? -1 : p->length > q->length;
+}
+
+bool weft__obj_parse(weft__obj *obj)
+{
+    const size_t before = obj->report->mistakes;
+    const char *nul = memchr(obj->text, '\0', obj->length);
+    cursor self = { .obj = obj, .at = obj->text, .end = obj->text + obj->length };
+    if (nul != NULL) {
+        MISTAKE(&self, nul, "a NUL byte: this is not the text of an OBJ file");
+        return false;
+    }
+    if (!make_room(obj)) {
+        return false;
+    }
+    for (; self.at < self.end && !obj->report->no_memory; skip_line(&self)) {
+        const size_t kind = next_statement(&self);
+        if (kind < KINDS) {
+            statements[kind].read(&self);
+        }
+    }
+    obj->faces = self.faces;
+    if (obj->groups.count > 0) {
+        qsort(obj->groups.list, obj->groups.count, sizeof *obj->groups.list, by_name);
+    }
+    if (obj->report->mistakes == before && obj->faces == 0) {
+        MISTAKE(&self, obj->text, "the file has no faces (lines 'f 1/1 2/2 3/3')");
+    } else if (obj->report->mistakes == before && obj->places == 0) {
+        MISTAKE(&self, obj->text + obj->face[0].byte,
+                "the file has no vt lines, which give the rest shape in the plane");
+    }
+    return obj->report->mistakes == before && !obj->report->no_memory;
+}

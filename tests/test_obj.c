@@ -1,0 +1,392 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* OBJ files: what they mean, and every mistake at its line and column. */
+#include "obj_text.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+/* A unit square in four vertices, whose faces follow. */
+#define SQUARE "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+
+static void read_good(const char *text)
+{
+    const bool good = obj_read(text, strlen(text));
+    if (!good) {
+        obj_end();
+        ck_abort_msg("%s", all_found());
+    }
+}
+
+static const char *read_bad(const char *text)
+{
+    ck_assert(!obj_read(text, strlen(text)));
+    obj_end();
+    return all_found();
+}
+
+static void corners_are(const uint32_t *wanted, size_t triangles)
+{
+    ck_assert_uint_eq(obj.def.triangles, triangles);
+    for (size_t i = 0; i < 3 * triangles; ++i) {
+        ck_assert_uint_eq(obj.def.corners[i], wanted[i]);
+    }
+}
+
+/* ---- what a file means ---------------------------------------------------------- */
+
+START_TEST(a_triangle_is_read_as_it_is_written)
+{
+    read_good(
+        "# a triangle\no cloth\nmtllib a.mtl\nvn 0 0 1\nv 1 2 3\nv 4.5 -5e-1 .5 0.1\n"
+        "v +7. 8E2 1e-3\nvt 0.25 0.5\nvt 1 0 0\nvt 0 1\ns off\nl 1 2\n"
+        "f 1/1/1 2/2/1 3/3/1 # the face\n");
+    static const double start[] = { 1, 2, 3, 4.5, -0.5, 0.5, 7, 800, 0.001 };
+    static const double rest[] = { 0.25, 0.5, 1, 0, 0, 1 };
+    ck_assert_uint_eq(obj.def.vertices, 3);
+    ck_assert_uint_eq(obj.def.places, 3);
+    ck_assert_mem_eq(obj.def.start, start, sizeof start);
+    ck_assert_mem_eq(obj.def.rest, rest, sizeof rest);
+    ck_assert_ptr_null(obj.def.names);
+    corners_are((const uint32_t[]){ 0, 1, 2 }, 1);
+    ck_assert_uint_eq(found.count, 0);
+    obj_end();
+}
+END_TEST
+
+START_TEST(line_ends_continuations_and_blanks_make_no_difference)
+{
+    static const char *const same[] = {
+        SQUARE "f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n",
+        "v 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nv 0 1 0\r\nvt 0 0\r\nvt 1 0\r\nvt 1 1\r\n"
+        "vt 0 1\r\nf 1/1 2/2 3/3\r\nf 1/1 3/3 4/4",
+        "  v \\\n 0 0 0\nv 1 0 \\\r\n0\nv\t1 1 0\n# v \\\nv 0 1 0 # \\\nvt 0 0\nvt 1 "
+        "0\n"
+        "vt 1 1\nvt 0 1\n\n\nf 1/1 2/2 3/3 # \\\nf -4/-4 3/3 -1/-1\n\\",
+        "v 0 0 0\nv 1 0 0\nvt 0 0\nvt 1 0\nf 1/1 2/2 3/3\nv 1 1 0\nvt 1 1\nv 0 1 0\n"
+        "vt 0 1\nf -4/1 -2/-2 -1/-1\n",
+    };
+    for (size_t i = 0; i < sizeof same / sizeof same[0]; ++i) {
+        static const double rest[] = { 0, 0, 1, 0, 1, 1, 0, 1 };
+        read_good(same[i]);
+        ck_assert_uint_eq(obj.def.places, 4);
+        ck_assert_mem_eq(obj.def.rest, rest, sizeof rest);
+        corners_are((const uint32_t[]){ 0, 1, 2, 0, 2, 3 }, 2);
+        obj_end();
+    }
+}
+END_TEST
+
+START_TEST(numbers_are_rounded_correctly)
+{
+    static const char *const words[] = { "0.1",
+                                         "9007199254740993",
+                                         "0.30000000000000004",
+                                         "1e22",
+                                         "1e23",
+                                         "1e-22",
+                                         "123456e5",
+                                         "0.000000000000001",
+                                         "8.5e-308",
+                                         "5e-324",
+                                         "00012.50",
+                                         "3.14159265358979323846264338327950288",
+                                         "-0",
+                                         "1E+0000000000000000002" };
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; ++i) {
+        char text[400];
+        (void)snprintf(text, sizeof text, "%sv %s 0 0\nf 1/1 2/2 3/3\nf 5/1 3/3 4/4\n",
+                       SQUARE, words[i]);
+        const double value = strtod(words[i], NULL);
+        read_good(text);
+        ck_assert_mem_eq(&obj.def.start[12], &value, sizeof value);
+        obj_end();
+    }
+}
+END_TEST
+
+START_TEST(a_quadrilateral_is_divided_along_its_shorter_diagonal_at_rest)
+{
+    static const struct {
+        const char *text;
+        uint32_t corners[6];
+    } quads[] = {
+        /* equal: the lowest vertex, wherever the face begins */
+        { SQUARE "f 1/1 2/2 3/3 4/4\n", { 0, 1, 2, 0, 2, 3 } },
+        { SQUARE "f 2/2 3/3 4/4 1/1\n", { 2, 3, 0, 2, 0, 1 } },
+        /* a kite, whose start says otherwise */
+        { "v 0 0 0\nv 9 0 0\nv 1 1 0\nv -9 1 0\nvt 0 0\nvt 1 0\nvt 4 4\nvt 0 1\n"
+          "f 1/1 2/2 3/3 4/4\n",
+          { 1, 2, 3, 1, 3, 0 } },
+        /* an arrow head: the shorter line lies outside of it */
+        { "v 0 0 0\nv 9 0 0\nv 1 1 0\nv -9 1 0\nvt 0 5\nvt -1 0\nvt 0 1\nvt 1 0\n"
+          "f 1/1 2/2 3/3 4/4\n",
+          { 0, 1, 2, 0, 2, 3 } },
+    };
+    for (size_t i = 0; i < sizeof quads / sizeof quads[0]; ++i) {
+        read_good(quads[i].text);
+        corners_are(quads[i].corners, 2);
+        obj_end();
+    }
+}
+END_TEST
+
+START_TEST(a_vertex_with_several_vt_has_a_place_for_each)
+{
+    read_good(SQUARE "vt 5 0\nvt 5 1\nvt 6 1\nvt 5.0 1.0\n"
+                     "f 1/1 2/2 3/3\nf 1/5 3/6 4/7\nf 1/5 3/8 4/7\n");
+    static const uint32_t places[] = { 0, 1, 2, 3, 4, 5, 3, 4, 5 };
+    ck_assert_uint_eq(obj.def.places, 6); /* equal ones are one place */
+    ck_assert_mem_eq(obj.def.corner_places, places, sizeof places);
+    obj_end();
+}
+END_TEST
+
+START_TEST(unused_vertices_are_dropped_and_others_keep_their_numbers)
+{
+    static const size_t names[] = { 1, 3, 4 };
+    read_good("v 9 9 9\nv 0 0 0\nv 8 8 8\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+              "f 2/1 4/2 5/3\n");
+    ck_assert_uint_eq(obj.def.vertices, 3);
+    ck_assert_mem_eq(obj.def.names, names, sizeof names);
+    ck_assert(obj.def.start[3] == 1.0);
+    corners_are((const uint32_t[]){ 0, 1, 2 }, 1);
+    obj_end();
+    ck_assert_str_eq(all_found(),
+                     "shirt.obj:1:1: warning: vertex 0 (from 0) belongs to no face and "
+                     "is dropped, the first of 2\nv 9 9 9\n^\n");
+}
+END_TEST
+
+static const char *members_of(const char *group)
+{
+    static char text[16];
+    bool member[9] = { false };
+    if (!weft__obj_group(&obj, group, member)) {
+        return "no group";
+    }
+    for (size_t i = 0; i < obj.def.vertices; ++i) {
+        text[i] = member[i] ? 'x' : '.';
+    }
+    text[obj.def.vertices] = '\0';
+    return text;
+}
+
+START_TEST(groups_have_the_vertices_of_their_faces_and_points)
+{
+    read_good(SQUARE "v 5 5 5\ng front sleeve\nf 1/1 2/2 3/3\ng back\nf 1/1 3/3 4/4\n"
+                     "g sleeve tip\np 2 -1 -2\ng back\np 2\ng\np 1\n");
+    ck_assert_str_eq(members_of("front"), "xxx.");
+    ck_assert_str_eq(members_of("sleeve"), "xxxx");
+    ck_assert_str_eq(members_of("back"), "xxxx");
+    ck_assert_str_eq(members_of("tip"), ".x.x");
+    ck_assert_str_eq(members_of("fron"), "no group");
+    ck_assert_str_eq(members_of("frontal"), "no group");
+    char near[80];
+    ck_assert_str_eq(weft__obj_near(&obj.groups, "fromt", near, sizeof near),
+                     " (did you mean 'front'?)");
+    obj_end();
+}
+END_TEST
+
+START_TEST(a_turn_and_a_unit_move_the_start_and_scale_the_rest_shape)
+{
+    static const double x[] = { 2, 0, 0 }, at[] = { 1, 0, 0 };
+    read_good(
+        "v 0 0 0\nv 100 0 0\nv 0 100 0\nvt 0 0\nvt 100 0\nvt 0 100\nf 1/1 2/2 3/3\n");
+    weft__obj_move(&obj, 0.01, x, 90.0, at);
+    static const double start[] = { 1, 0, 0, 2, 0, 0, 1, 0, 1 };
+    static const double rest[] = { 0, 0, 1, 0, 0, 1 };
+    for (size_t i = 0; i < 9; ++i) {
+        ck_assert_double_eq(obj.def.start[i], start[i]);
+    }
+    ck_assert_mem_eq(obj.def.rest, rest, sizeof rest);
+    obj_end();
+}
+END_TEST
+
+/* ---- mistakes -------------------------------------------------------------------- */
+
+static const struct {
+    const char *text, *told;
+} mistakes[] = {
+    { "v 0 0 nan\nv 0 1\n v 1e999 0 0\nv 0 0 0x1\nv 1,5 0 0\nvt\nvt 1 .\nvt 1 1e\n",
+      "shirt.obj:1:7: error: 'nan' is not a finite decimal number\nv 0 0 nan\n      ^\n"
+      "shirt.obj:2:1: error: this line needs x y z, but has 2 numbers\nv 0 1\n^\n"
+      "shirt.obj:3:4: error: '1e999' is not a finite decimal number\n v 1e999 0 0\n   "
+      "^\n"
+      "shirt.obj:4:7: error: '0x1' is not a finite decimal number\nv 0 0 0x1\n      ^\n"
+      "shirt.obj:5:3: error: '1,5' is not a finite decimal number\nv 1,5 0 0\n  ^\n"
+      "shirt.obj:6:1: error: this line needs u v, but has 0 numbers\nvt\n^\n"
+      "shirt.obj:7:6: error: '.' is not a finite decimal number\nvt 1 .\n     ^\n"
+      "shirt.obj:8:6: error: '1e' is not a finite decimal number\nvt 1 1e\n     ^\n" },
+    { SQUARE "f 1/1 2/2 9/3\nf 1/1 2/9 3/3\nf 0/1 2/2 3/3\nf -5/1 2/2 3/3\n",
+      "shirt.obj:9:11: error: v 9 is not there: the file has 1 to 4\nf 1/1 2/2 9/3\n"
+      "          ^\n"
+      "shirt.obj:10:9: error: vt 9 is not there: the file has 1 to 4\nf 1/1 2/9 3/3\n"
+      "        ^\n"
+      "shirt.obj:11:3: error: v 0 is not there: the file has 1 to 4\nf 0/1 2/2 3/3\n"
+      "  ^\n"
+      "shirt.obj:12:3: error: v -5 is not there: the file has 1 to 4, and negative "
+      "ones "
+      "count back from this line\nf -5/1 2/2 3/3\n  ^\n" },
+    { SQUARE "f 1/1 2/2 99999999999999999999999/3\nf x/1 2/2 3/3\nf 1/x 2/2 3/3\n"
+             "f 1 2/2 3/3\nf 1//1 2/2 3/3\np 7\np one\n",
+      "shirt.obj:9:11: error: v 99999999999999999999999 is not there: the file has 1 "
+      "to 4\n"
+      "f 1/1 2/2 99999999999999999999999/3\n          ^\n"
+      "shirt.obj:10:3: error: 'x/1' is no number of a v\nf x/1 2/2 3/3\n  ^\n"
+      "shirt.obj:11:5: error: 'x' is no number of a vt\nf 1/x 2/2 3/3\n    ^\n"
+      "shirt.obj:12:3: error: corner 1 has no vt, its place in the rest shape: write "
+      "v/vt\n"
+      "f 1 2/2 3/3\n  ^\n"
+      "shirt.obj:13:3: error: corner 1//1 has no vt, its place in the rest shape: "
+      "write "
+      "v/vt\nf 1//1 2/2 3/3\n  ^\n"
+      "shirt.obj:14:3: error: v 7 is not there: the file has 1 to 4\np 7\n  ^\n"
+      "shirt.obj:15:3: error: 'one' is no number of a v\np one\n  ^\n" },
+    { SQUARE "f 1/1 2/2\nf 1/1 2/2 3/3 4/4 1/1\nf 1/1 2/2 2/3\nf\n",
+      "shirt.obj:9:1: error: a face of 2 corners: cloth is made of triangles and "
+      "quadrilaterals\nf 1/1 2/2\n^\n"
+      "shirt.obj:10:1: error: a face of 5 corners: cloth is made of triangles and "
+      "quadrilaterals\nf 1/1 2/2 3/3 4/4 1/1\n^\n"
+      "shirt.obj:11:11: error: corner 2/3 repeats a vertex of the face\nf 1/1 2/2 2/3\n"
+      "          ^\n"
+      "shirt.obj:12:1: error: a face of 0 corners: cloth is made of triangles and "
+      "quadrilaterals\nf\n^\n" },
+    { SQUARE "f 1/1 \\\r\n\t2/2 \\\n 3/8\n",
+      "shirt.obj:11:4: error: vt 8 is not there: the file has 1 to 4\n 3/8\n   ^\n" },
+    { "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3\n",
+      "shirt.obj:4:1: error: the file has no vt lines, which give the rest shape in "
+      "the "
+      "plane\nf 1 2 3\n^\n" },
+    { SQUARE, "shirt.obj:1:1: error: the file has no faces (lines 'f 1/1 2/2 3/3')\n"
+              "v 0 0 0\n^\n" },
+};
+
+START_TEST(every_mistake_is_told_at_its_line_and_column)
+{
+    ck_assert_str_eq(read_bad(mistakes[_i].text), mistakes[_i].told);
+}
+END_TEST
+
+START_TEST(a_file_that_is_no_text_is_refused_at_its_first_nul)
+{
+    ck_assert(!obj_read("v 0 0 0\nab\0c\n", 13));
+    obj_end();
+    ck_assert_str_eq(all_found(),
+                     "shirt.obj:2:3: error: a NUL byte: this is not the text of an "
+                     "OBJ file\nab?c\n  ^\n");
+    ck_assert(!obj_read("", 0));
+    obj_end();
+    ck_assert_uint_eq(found.errors, 1);
+}
+END_TEST
+
+START_TEST(of_many_mistakes_the_first_twenty_of_the_file_are_shown)
+{
+    static char text[16384];
+    size_t used = 0;
+    for (int i = 0; i < 1000; ++i) {
+        used += (size_t)snprintf(text + used, sizeof text - used, "v 0 0 x\n");
+    }
+    (void)read_bad(text);
+    ck_assert_uint_eq(found.errors, 1000);
+    ck_assert_uint_eq(found.count, WEFT_DIAGNOSTICS_MAX);
+    for (size_t i = 0; i < found.count; ++i) {
+        ck_assert_int_eq(found.items[i].line, (int)i + 1);
+        ck_assert_int_eq(found.items[i].column, 7);
+    }
+}
+END_TEST
+
+START_TEST(faults_of_the_mesh_stand_at_the_line_of_their_part)
+{
+    read_good(
+        "v 0 0 0\nv 7 7 7\n v 1 0 0\nv 1 1 0\nv 0 1 0\nvt 3 3\nvt 0 0\nvt 1 0\nvt 1 1\n"
+        "vt 0 1\n\nf 1/2 3/3 4/4 5/5\n f 5/5 4/4 3/3\n");
+    weft__obj_fault(&obj, WEFT__MESH_TRIANGLE, 2, "third triangle");
+    weft__obj_fault(&obj, WEFT__MESH_TRIANGLE, 1, "second triangle");
+    weft__obj_fault(&obj, WEFT__MESH_VERTEX, 1, "second vertex");
+    weft__obj_fault(&obj, WEFT__MESH_PLACE, 0, "first place");
+    weft__obj_fault(&obj, WEFT__MESH_DEF, 0, "all of it");
+    obj_end();
+    static const int lines[] = { 0, 2, 3, 7, 12, 13 };
+    ck_assert_uint_eq(found.count, 6);
+    for (size_t i = 0; i < 6; ++i) {
+        ck_assert_int_eq(found.items[i].line, lines[i]);
+    }
+    ck_assert_str_eq(found.items[2].message, "second vertex");
+    ck_assert_int_eq(found.items[2].column, 2);
+}
+END_TEST
+
+START_TEST(a_vertex_of_very_many_places_is_refused_at_once)
+{
+    enum { FACES = 3000, EACH = 60 };
+    char *text = malloc(FACES * EACH);
+    size_t used = (size_t)snprintf(text, EACH, "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+    for (int i = 0; i < FACES; ++i) {
+        used += (size_t)snprintf(text + used, EACH,
+                                 "vt %d 0\nvt %d 1\nvt %d 2\nf 1/-3 2/-2 3/-1\n", i, i,
+                                 i);
+    }
+    ck_assert(!obj_read(text, used));
+    obj_end();
+    free(text);
+    ck_assert_ptr_nonnull(strstr(found.items[0].message, "more than 1000 places"));
+}
+END_TEST
+
+/* ---- files ------------------------------------------------------------------------
+ */
+
+START_TEST(what_cannot_be_a_file_of_triangles_is_refused_unread)
+{
+    static const char path[] = "build/tests/sparse.obj";
+    FILE *stream = fopen(path, "w");
+    ck_assert(stream != NULL && ftruncate(fileno(stream), (off_t)10 << 30) == 0);
+    (void)fclose(stream);
+    const struct {
+        const char *path, *told;
+    } files[] = {
+        { path, "build/tests/sparse.obj has 10737418240 bytes; an OBJ file has at most "
+                "1073741824" },
+        { "tests", "tests: Is a directory" },
+        { "tests/none.obj", "tests/none.obj: No such file or directory" },
+        { "/dev/zero", "/dev/zero: not a regular file" },
+    };
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; ++i) {
+        (void)obj_read("", 0);
+        weft__obj_forget(&obj);
+        memset(&found, 0, sizeof found);
+        obj = (weft__obj){ .report = &obj_report };
+        ck_assert(!weft__obj_load(&obj, files[i].path));
+        obj_end();
+        ck_assert_str_eq(found.items[0].message, files[i].told);
+    }
+    (void)unlink(path);
+}
+END_TEST
+
+TEST_SUITE(obj)
+{
+    Suite *suite = suite_create("obj");
+    TCase *all = tcase_create("all");
+    tcase_add_test(all, a_triangle_is_read_as_it_is_written);
+    tcase_add_test(all, line_ends_continuations_and_blanks_make_no_difference);
+    tcase_add_test(all, numbers_are_rounded_correctly);
+    tcase_add_test(all, a_quadrilateral_is_divided_along_its_shorter_diagonal_at_rest);
+    tcase_add_test(all, a_vertex_with_several_vt_has_a_place_for_each);
+    tcase_add_test(all, unused_vertices_are_dropped_and_others_keep_their_numbers);
+    tcase_add_test(all, groups_have_the_vertices_of_their_faces_and_points);
+    tcase_add_test(all, a_turn_and_a_unit_move_the_start_and_scale_the_rest_shape);
+    tcase_add_loop_test(all, every_mistake_is_told_at_its_line_and_column, 0,
+                        sizeof mistakes / sizeof mistakes[0]);
+    tcase_add_test(all, a_file_that_is_no_text_is_refused_at_its_first_nul);
+    tcase_add_test(all, of_many_mistakes_the_first_twenty_of_the_file_are_shown);
+    tcase_add_test(all, faults_of_the_mesh_stand_at_the_line_of_their_part);
+    tcase_add_test(all, a_vertex_of_very_many_places_is_refused_at_once);
+    tcase_add_test(all, what_cannot_be_a_file_of_triangles_is_refused_unread);
+    suite_add_tcase(suite, all);
+    return suite;
+}
