@@ -10,6 +10,7 @@
 #include "../plugins/linear/filter.h"
 #include "../plugins/linear/linear.h"
 #include "../plugins/linear/network.h"
+#include "conformance/structured.h"
 #include "sim/simulation.h"
 #include "weft/scene.h"
 
@@ -218,6 +219,136 @@ START_TEST(any_graph_is_solved)
 }
 END_TEST
 
+/* A ring of particles whose shape resists: of each triple p, q, r = i, i + 1, i + 7
+ * with d = x_q - x_p, e = x_r - x_q the product d.e, whose gradient g = (-e, e - d, d)
+ * makes K = k g g^T: blocks of links that are not symmetric. Plates are second
+ * differences. */
+enum { BEADS = 61, TRIPLES = BEADS, LINKS = 3 * TRIPLES };
+static weft_link shape_links[LINKS];
+static weft_tie shape_ties[LINKS];
+static const double shape_k = 3e3, shape_c = 7.0;
+
+static void triple(size_t i, const double *y, size_t at[3], double g[3][3])
+{
+    at[0] = i, at[1] = (i + 1) % BEADS, at[2] = (i + 7) % BEADS;
+    for (size_t k = 0; k < 3; ++k) {
+        const double *x = y + k * BEADS;
+        g[0][k] = x[at[1]] - x[at[2]];
+        g[2][k] = x[at[1]] - x[at[0]];
+        g[1][k] = -g[0][k] - g[2][k];
+    }
+}
+
+/* The three links of a triple: its corners a, b with a < b as particles. */
+static void triple_link(const size_t at[3], size_t link, size_t *a, size_t *b)
+{
+    const bool turned = at[link] > at[(link + 1) % 3];
+    *a = turned ? (link + 1) % 3 : link;
+    *b = turned ? link : (link + 1) % 3;
+}
+
+static int shape_numbers(double t, const double *y, double *numbers, void *ctx)
+{
+    (void)t, (void)ctx;
+    for (size_t e = 0; e < LINKS; ++e, numbers += WEFT_LINK_NUMBERS) {
+        size_t at[3], a, b;
+        double g[3][3];
+        triple(e / 3, y, at, g);
+        triple_link(at, e % 3, &a, &b);
+        for (size_t j = 0; j < 9; ++j) {
+            numbers[j] = -shape_k * g[a][j / 3] * g[b][j % 3];
+            numbers[9 + j] = -shape_c * g[a][j / 3] * g[b][j % 3];
+        }
+    }
+    return 0;
+}
+
+static int no_springs(double t, const double *y, double *planes, double *blocks,
+                      void *ctx)
+{
+    (void)t, (void)y, (void)planes, (void)blocks, (void)ctx;
+    return 0;
+}
+
+/* to -= K x of triples and ties, with stiffness k and p. */
+static void resist(double k, double p, const double *y, const double *x, double *to)
+{
+    for (size_t i = 0; i < TRIPLES; ++i) {
+        size_t at[3];
+        double g[3][3], along = 0.0;
+        triple(i, y, at, g);
+        for (size_t j = 0; j < 9; ++j) {
+            along += g[j / 3][j % 3] * x[j % 3 * BEADS + at[j / 3]];
+        }
+        for (size_t j = 0; j < 9; ++j) {
+            to[j % 3 * BEADS + at[j / 3]] -= k * along * g[j / 3][j % 3];
+        }
+        for (size_t j = 0; j < 3; ++j) {
+            const double *of_j = x + j * BEADS;
+            const double bent = of_j[at[0]] - 2.0 * of_j[at[1]] + of_j[at[2]];
+            to[j * BEADS + at[0]] -= p * bent;
+            to[j * BEADS + at[1]] += 2.0 * p * bent;
+            to[j * BEADS + at[2]] -= p * bent;
+        }
+    }
+}
+
+static weft_structure shape(const double *mass, const double *drag)
+{
+    for (size_t e = 0; e < LINKS; ++e) {
+        const double sign = e % 3 == 2 ? -1.0 : 2.0; /* of the square of p - 2 q + r */
+        size_t at[3], a, b;
+        double g[3][3];
+        static const double y[3 * BEADS];
+        triple(e / 3, y, at, g);
+        triple_link(at, e % 3, &a, &b);
+        const uint32_t p = (uint32_t)at[a], q = (uint32_t)at[b];
+        shape_links[e] = (weft_link){ p, q };
+        shape_ties[e] = (weft_tie){ p, q, sign * 50.0, sign * 0.2 };
+    }
+    return (weft_structure){ .struct_size = sizeof(weft_structure),
+                             .particles = BEADS,
+                             .mass = mass,
+                             .drag = drag,
+                             .linearise = no_springs,
+                             .link_count = LINKS,
+                             .tie_count = LINKS,
+                             .links = shape_links,
+                             .ties = shape_ties,
+                             .linearise_links = shape_numbers };
+}
+
+/* With held particles that move. */
+START_TEST(links_and_ties_are_multiplied_and_solved)
+{
+    enum { N = BEADS };
+    const double gamma = 0.02;
+    double mass[N], drag[N], y[6 * N], side[6 * N], x[6 * N], jx[6 * N], force[6 * N];
+    double room[WEFT_BLOCK_PLANES * N + WEFT_LINK_NUMBERS * LINKS];
+    for (size_t i = 0; i < N; ++i) {
+        mass[i] = i % 20 == 7 ? 0.0 : 0.01 * (double)(1 + i % 3);
+        drag[i] = 0.03;
+    }
+    for (size_t j = 0; j < 6 * N; ++j) {
+        y[j] = sin(1.7 * (double)j), x[j] = side[j] = cos(0.9 * (double)j);
+    }
+    const weft_structure ring = shape(mass, drag);
+    weft__linear *linear = at(&ring, y, gamma, WEFT_PRECONDITIONER_AUTO);
+    ck_assert(weft__linear_solve(linear, 1e-13, x));
+    weft__linear_destroy(linear);
+    ck_assert_int_eq(weft__structure_product(&ring, 0.0, y, x, room, jx), 0);
+    memset(force, 0, sizeof force);
+    resist(shape_k, 50.0, y, x, force + 3 * N);
+    resist(shape_c, 0.2, y, x + 3 * N, force + 3 * N);
+    for (size_t j = 0; j < 6 * N; ++j) {
+        const double m = mass[j % N], v = x[3 * N + j % (3 * N)];
+        const double rate = m == 0.0 ? 0.0 : j < 3 * N ? v : (force[j] - 0.03 * v) / m;
+        ck_assert_double_eq_tol(jx[j], rate, 1e-10 * (1.0 + fabs(rate)));
+        ck_assert_double_eq_tol(x[j] - gamma * jx[j], side[j], 1e-8);
+    }
+}
+END_TEST
+
 /* p S p of a zigzag across the sheet, with the springs of `planes`. */
 static double curvature(const double *planes, double gamma)
 {
@@ -385,6 +516,7 @@ TEST_SUITE(linear)
     tcase_add_loop_test(tcase, solution_solves_the_whole_system, 0, 2);
     tcase_add_test(tcase, runs_of_one_spring_have_the_same_solution);
     tcase_add_test(tcase, any_graph_is_solved);
+    tcase_add_test(tcase, links_and_ties_are_multiplied_and_solved);
     tcase_add_test(tcase, a_squeezed_sheet_needs_the_filter);
     tcase_add_loop_test(tcase, blocks_lose_what_is_negative_and_what_is_not_symmetric,
                         0, 2);

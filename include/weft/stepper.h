@@ -97,9 +97,25 @@ typedef struct weft_bonds {
     size_t p, q, count;
 } weft_bonds;
 
-/* Planes of weft_structure::linearise: per spring, per particle; and the corners that
- * weft_structure::modes may have. */
-enum { WEFT_BOND_PLANES = 6, WEFT_BLOCK_PLANES = 15, WEFT_MODES_CORNERS = 40 };
+/* Particles p < q of a cloth of triangles that its membrane joins. */
+typedef struct weft_link {
+    uint32_t p, q;
+} weft_link;
+
+/* Particles p < q that its bending joins. */
+typedef struct weft_tie {
+    uint32_t p, q;
+    double k, c; /* [N/m], [kg/s] of either sign */
+} weft_tie;
+
+/* Planes of weft_structure::linearise: per spring, per particle; the numbers of
+ * linearise_links per link; and the corners that weft_structure::modes may have. */
+enum {
+    WEFT_BOND_PLANES = 6,
+    WEFT_BLOCK_PLANES = 15,
+    WEFT_MODES_CORNERS = 40,
+    WEFT_LINK_NUMBERS = 18
+};
 
 /* The structure of a cloth's right-hand side, for implicit and stabilised methods:
  *
@@ -163,6 +179,23 @@ typedef struct weft_structure {
      * never is; it belongs to K, and bend_damping B to C. 0 without. */
     size_t bend_runs, bend_bonds;
     double bend_damping; /* [s] */
+
+    /* A cloth of triangles has no runs, but links and ties; others have none. K x has
+     * A (x_p - x_q) in the rows of p and A^T (x_q - x_p) in those of q for each of
+     * them, with a 3 x 3 block A, and so has C. One A need not be symmetric and may be
+     * negative; together they are symmetric and never negative.
+     *
+     * linearise_links writes, for each of `links`, A of K row by row [N/m], without
+     * stresses that press, and A of C likewise [kg/s], without what it has to do with
+     * x, to numbers[18 link_count]. Returns as linearise. Ties have A = k I and c I,
+     * the same in all states.
+     *
+     * They are there for methods with WEFT_STEPPER_LINKS. An implicit method without
+     * that flag has no structure on triangles. */
+    size_t link_count, tie_count;
+    const weft_link *links;
+    const weft_tie *ties;
+    int (*linearise_links)(double t, const double *y, double *numbers, void *ctx);
 } weft_structure;
 
 /* How an implicit method solves its linear systems. AUTO: the blocks of the diagonal
@@ -258,7 +291,8 @@ enum {
                                              refuses fixed_step */
     WEFT_STEPPER_LINEAR = 1 << 13, /* takes config->linear, and reports as options
                                       which of its members it uses */
-    WEFT_STEPPER_AGREES = 1 << 14  /* takes config->agree */
+    WEFT_STEPPER_AGREES = 1 << 14, /* takes config->agree */
+    WEFT_STEPPER_LINKS = 1 << 15   /* knows the links and ties of config->structure */
 };
 
 /* The fields that every version of the struct has. */

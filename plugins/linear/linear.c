@@ -24,6 +24,7 @@ struct weft__linear {
     bool cycles;                /* it is the preconditioner of the present system */
     double gamma;               /* [s] */
     double *planes, *blocks;    /* of the structure, filtered */
+    double *numbers;            /* of its links */
     double *b, *x, *z, *p, *q;  /* of conjugate gradients */
     weft__linear_counts counts;
 };
@@ -39,10 +40,13 @@ static bool take_memory(weft__linear *self)
     self->planes = weft__pile_take(&self->pile, self->of->bond_count,
                                    WEFT_BOND_PLANES * sizeof(double));
     self->blocks = weft__pile_take(&self->pile, n, WEFT_BLOCK_PLANES * sizeof(double));
+    self->numbers = weft__pile_take(&self->pile, self->net.link_count,
+                                    WEFT_LINK_NUMBERS * sizeof(double));
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i) {
         *vectors[i] = weft__pile_take(&self->pile, n, 3 * sizeof(double));
     }
-    if (self->preconditioner != WEFT_PRECONDITIONER_JACOBI) {
+    if (self->preconditioner != WEFT_PRECONDITIONER_JACOBI
+        && self->net.link_count + self->net.tie_count == 0) {
         self->multigrid = weft__multigrid_create(&self->net, &self->pile);
         self->pile.failed = self->pile.failed || self->multigrid == NULL;
     }
@@ -59,6 +63,15 @@ static void find_bending(weft__linear *self)
         self->bend.run_count = of->bend_runs;
         self->bend_at = of->bond_count - of->bend_bonds;
         self->bend_damping = of->bend_damping;
+    }
+}
+
+static void find_links(weft__linear *self)
+{
+    const weft_structure *of = self->of;
+    if (WEFT_HAS(of, weft_structure, linearise_links)) {
+        self->net.links = of->links, self->net.link_count = of->link_count;
+        self->net.ties = of->ties, self->net.tie_count = of->tie_count;
     }
 }
 
@@ -80,6 +93,7 @@ weft_status weft__linear_create(const weft_structure *structure,
                                          .run_count = structure->run_count,
                                          .bond_count = structure->bond_count,
                                          .runs = structure->runs } };
+        find_links(self);
         find_bending(self);
         taken = take_memory(self);
         pile = self->pile;
@@ -111,7 +125,10 @@ int weft__linear_at(weft__linear *self, double t, const double *y)
 {
     const weft_structure *of = self->of;
     double *blocks = of->block_planes > 0 ? self->blocks : NULL;
-    const int failed = of->linearise(t, y, self->planes, blocks, of->ctx);
+    int failed = of->linearise(t, y, self->planes, blocks, of->ctx);
+    if (failed == 0 && self->net.link_count > 0) {
+        failed = of->linearise_links(t, y, self->numbers, of->ctx);
+    }
     if (failed != 0) {
         return failed;
     }
@@ -154,6 +171,15 @@ static void add_bend_damping(weft__linear *self, double gamma)
     }
 }
 
+static void fill_links(weft__linear *self, double gamma)
+{
+    for (size_t j = 0; j < 9 * self->net.link_count; ++j) {
+        const double *a = self->numbers + j / 9 * WEFT_LINK_NUMBERS + j % 9;
+        self->net.link[j] = gamma * gamma * a[0] + gamma * a[9];
+    }
+    self->net.tie_k = gamma * gamma, self->net.tie_c = gamma;
+}
+
 /* m + gamma drag, and contact; of held particles too, whose rows nobody reads. */
 static void fill_points(weft__linear *self, double gamma)
 {
@@ -179,6 +205,7 @@ void weft__linear_prepare(weft__linear *self, double gamma)
     self->gamma = gamma;
     fill_bonds(self->planes, self->of->bond_count, gamma, self->net.bond);
     add_bend_damping(self, gamma);
+    fill_links(self, gamma);
     fill_points(self, gamma);
     const double stiffest = weft__network_invert(&self->net, self->of->mass);
     self->cycles = self->multigrid != NULL
@@ -263,6 +290,9 @@ static void right_side(weft__linear *self, const double *rx, const double *rv)
     double *b = self->b, *known = self->z;
     memset(b, 0, 3 * n * sizeof *b);
     weft__network_add_stiffness(&self->net, self->planes, -self->gamma, rx, b);
+    weft__network_add_links(&self->net, self->numbers, WEFT_LINK_NUMBERS, -self->gamma,
+                            rx, b);
+    weft__network_add_ties(&self->net, -self->gamma, 0.0, rx, b);
     for (size_t i = 0; self->of->block_planes > 0 && i < n; ++i) {
         const double *k = self->blocks + i;
         const double g = -self->gamma, x = rx[i], y = rx[n + i], z = rx[2 * n + i];
@@ -281,6 +311,9 @@ static void right_side(weft__linear *self, const double *rx, const double *rv)
         weft__network_add_damping(&self->net, self->planes, -self->gamma, known, b);
         weft__network_add_stiffness(&self->bend, self->planes + self->bend_at,
                                     -self->gamma * self->bend_damping, known, b);
+        weft__network_add_links(&self->net, self->numbers + 9, WEFT_LINK_NUMBERS,
+                                -self->gamma, known, b);
+        weft__network_add_ties(&self->net, 0.0, -self->gamma, known, b);
     }
     add_momentum(n, self->of->mass, rv, b);
 }

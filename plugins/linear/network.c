@@ -13,6 +13,7 @@ void weft__network_take(weft__network *self, weft__pile *pile)
     self->point = weft__pile_take(pile, self->n, 6 * sizeof(double));
     self->inverse = weft__pile_take(pile, self->n, 6 * sizeof(double));
     self->bond = weft__pile_take(pile, self->bond_count, 6 * sizeof(double));
+    self->link = weft__pile_take(pile, self->link_count, 9 * sizeof(double));
 }
 
 /* ---- the diagonal ---------------------------------------------------------------- */
@@ -34,6 +35,29 @@ WIDE static void add_positive(double *to, const double *from, size_t count)
     }
 }
 
+/* The symmetric part of each link's block: the others' sum is symmetric. */
+static void add_links_diagonal(const weft__network *self, double *d)
+{
+    static const size_t place[6] = { 0, 1, 2, 4, 5, 8 };
+    static const size_t mirror[6] = { 0, 3, 6, 4, 7, 8 }, square[3] = { 0, 3, 5 };
+    for (size_t e = 0; e < self->link_count; ++e) {
+        const double *a = self->link + 9 * e;
+        for (size_t k = 0; k < 6; ++k) {
+            const double entry = 0.5 * (a[place[k]] + a[mirror[k]]);
+            d[k * self->n + self->links[e].p] += entry;
+            d[k * self->n + self->links[e].q] += entry;
+        }
+    }
+    for (size_t e = 0; e < self->tie_count; ++e) {
+        const weft_tie *tie = &self->ties[e];
+        const double entry = self->tie_k * tie->k + self->tie_c * tie->c;
+        for (size_t k = 0; k < 3; ++k) {
+            d[square[k] * self->n + tie->p] += entry;
+            d[square[k] * self->n + tie->q] += entry;
+        }
+    }
+}
+
 static void diagonal(const weft__network *self, double *d)
 {
     memcpy(d, self->point, 6 * self->n * sizeof *d);
@@ -48,6 +72,7 @@ static void diagonal(const weft__network *self, double *d)
             bond += run->count;
         }
     }
+    add_links_diagonal(self, d);
 }
 
 /* In place. A block of 0 stays 0. */
@@ -197,11 +222,44 @@ void weft__network_add_damping(const weft__network *self, const double *planes,
     add_bonds(self, &(part){ planes, 5, scale, 0.0 }, x, y);
 }
 
+void weft__network_add_links(const weft__network *self, const double *blocks,
+                             size_t stride, double scale, const double *x, double *y)
+{
+    const size_t n = self->n;
+    for (size_t e = 0; e < self->link_count; ++e) {
+        const double *a = blocks + stride * e;
+        const size_t p = self->links[e].p, q = self->links[e].q;
+        double d[3];
+        for (size_t k = 0; k < 3; ++k) {
+            d[k] = scale * (x[k * n + p] - x[k * n + q]);
+        }
+        for (size_t k = 0; k < 3; ++k) {
+            y[k * n + p] += a[3 * k] * d[0] + a[3 * k + 1] * d[1] + a[3 * k + 2] * d[2];
+            y[k * n + q] -= a[k] * d[0] + a[k + 3] * d[1] + a[k + 6] * d[2];
+        }
+    }
+}
+
+void weft__network_add_ties(const weft__network *self, double k, double c,
+                            const double *x, double *y)
+{
+    for (size_t plane = 0; plane < 3; ++plane, x += self->n, y += self->n) {
+        for (size_t e = 0; e < self->tie_count; ++e) {
+            const weft_tie *tie = &self->ties[e];
+            const double force = (k * tie->k + c * tie->c) * (x[tie->p] - x[tie->q]);
+            y[tie->p] += force;
+            y[tie->q] -= force;
+        }
+    }
+}
+
 void weft__network_times(const weft__network *self, const double *x, double *y)
 {
     const size_t n = self->n;
     block_product(n, self->point, x, y);
     add_bonds(self, NULL, x, y);
+    weft__network_add_links(self, self->link, 9, 1.0, x, y);
+    weft__network_add_ties(self, self->tie_k, self->tie_c, x, y);
     for (size_t k = 0; k < self->held_count; ++k) {
         const size_t i = self->held[k];
         y[i] = y[n + i] = y[2 * n + i] = 0.0;

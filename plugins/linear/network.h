@@ -2,7 +2,8 @@
 /* network.h -- a symmetric positive definite matrix as a network of n particles: a 3 x
  * 3 block for each particle, and one for each spring, which adds [A -A; -A A]. Blocks
  * of springs are never negative; a pair of bending has a multiple of I, also a negative
- * one, and only all pairs together are never negative.
+ * one, and only all pairs together are never negative. Likewise links and ties of
+ * triangles (weft/stepper.h), whose blocks need not be symmetric.
  * Products, the diagonal, and sums of products in a fixed order.
  *
  * Vectors have three planes of n numbers; symmetric blocks have six planes, xx xy xz yy
@@ -15,7 +16,12 @@
 typedef struct weft__network {
     size_t n, run_count, bond_count;
     const weft_bonds *runs;
+    size_t link_count, tie_count;
+    const weft_link *links;
+    const weft_tie *ties;
     double *point, *bond; /* 6 n, 6 bond_count */
+    double *link;         /* 9 link_count: the block of each, row by row */
+    double tie_k, tie_c;  /* a tie's block is (tie_k k + tie_c c) I */
     double *inverse;      /* 6 n: of the blocks of the diagonal; 0 where that is 0 */
     uint32_t *held;       /* NULL: none */
     size_t held_count;
@@ -41,6 +47,13 @@ void weft__network_add_stiffness(const weft__network *self, const double *planes
                                  double scale, const double *x, double *y);
 void weft__network_add_damping(const weft__network *self, const double *planes,
                                double scale, const double *x, double *y);
+
+/* y_p += scale A (x_p - x_q), y_q += scale A^T (x_q - x_p) for each link, whose blocks
+ * are `stride` apart; with A = (k tie.k + c tie.c) I for each tie. */
+void weft__network_add_links(const weft__network *self, const double *blocks,
+                             size_t stride, double scale, const double *x, double *y);
+void weft__network_add_ties(const weft__network *self, double k, double c,
+                            const double *x, double *y);
 
 /* The sum of a_i b_i; y = a x; y = a x + b y. */
 double weft__vector_dot(size_t n, const double *a, const double *b);

@@ -152,7 +152,7 @@ static void options(const void *instance, weft_option_fn *tell, void *ctx)
 
 enum {
     FLAGS = WEFT_STEPPER_QUADRATURES | WEFT_STEPPER_STRUCTURE,
-    SOLVES = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_LINEAR
+    SOLVES = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_LINEAR | WEFT_STEPPER_LINKS
 };
 
 #define METHOD(id, p, error_p, calls, more, before, source)                            \

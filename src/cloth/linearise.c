@@ -44,3 +44,45 @@ int weft__linearise(const weft_cloth *cloth, double t, const double *y, double *
     }
     return bad == 0.0 ? failed : 1;
 }
+
+size_t weft__list_links(const weft_cloth *cloth, weft_link *links)
+{
+    size_t count = 0;
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        const weft__force *force = weft__table[k].force;
+        if (force->links != NULL) {
+            count += force->links(weft__own(cloth, k),
+                                  links != NULL ? links + count : NULL);
+        }
+    }
+    return count;
+}
+
+size_t weft__list_ties(const weft_cloth *cloth, weft_tie *ties)
+{
+    size_t count = 0;
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        const weft__force *force = weft__table[k].force;
+        if (force->ties != NULL) {
+            count
+                += force->ties(weft__own(cloth, k), ties != NULL ? ties + count : NULL);
+        }
+    }
+    return count;
+}
+
+int weft__linearise_links(const weft_cloth *cloth, double t, const double *y,
+                          double *numbers)
+{
+    const weft__state at = { .t = t, .y = y };
+    int failed = 0;
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        const weft__force *force = weft__table[k].force;
+        const void *own = weft__own(cloth, k);
+        if (force->links != NULL) {
+            failed |= force->link_numbers(own, &at, numbers);
+            numbers += WEFT_LINK_NUMBERS * force->links(own, NULL);
+        }
+    }
+    return failed;
+}

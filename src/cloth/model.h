@@ -119,6 +119,14 @@ typedef struct weft__run_count {
 } weft__run_count;
 weft__run_count weft__list_runs(const weft_cloth *cloth, size_t k, weft_bonds *runs);
 
+/* Likewise the links and the ties of all forces; NULL: their number alone. */
+size_t weft__list_links(const weft_cloth *cloth, weft_link *links);
+size_t weft__list_ties(const weft_cloth *cloth, weft_tie *ties);
+
+/* Writes numbers[18 links], as weft_structure::linearise_links. */
+int weft__linearise_links(const weft_cloth *cloth, double t, const double *y,
+                          double *numbers);
+
 /* Writes planes[6 bonds] in that order, and unless NULL the contact to blocks[15 N], as
  * weft_structure::linearise. Returns 0, or 1 if a number is not finite or a free
  * particle is in a shape. */

@@ -6,6 +6,7 @@
 #include "conformance/trial.h"
 
 enum { BEADS = 5, BONDS = 7, STRING = 6 * BEADS /* <= WEFT__DIM_MOST */ };
+enum { NEAR = BEADS - 1, FAR = BONDS - NEAR };
 
 /* ---- products -------------------------------------------------------------------- */
 
@@ -66,12 +67,49 @@ static void add_contact(size_t n, const double *blocks, const double *dy, double
     }
 }
 
+/* -A (dy_p - dy_q) to the rows of p, -A^T (dy_q - dy_p) to those of q. */
+static void add_link(size_t n, weft_link at, const double *block, const double *dy,
+                     double *out)
+{
+    for (size_t j = 0; j < 9; ++j) {
+        const size_t row = (j / 3 + 3) * n, r = j / 3 * n, c = j % 3 * n;
+        const size_t column = (j % 3 + 3) * n;
+        out[row + at.p] -= block[j] * (dy[c + at.p] - dy[c + at.q]);
+        out[column + at.q] -= block[j] * (dy[r + at.q] - dy[r + at.p]);
+    }
+}
+
+static void add_links(const weft_structure *of, const double *numbers, const double *dy,
+                      double *out)
+{
+    const size_t n = of->particles;
+    for (size_t e = 0; e < of->link_count; ++e, numbers += WEFT_LINK_NUMBERS) {
+        add_link(n, of->links[e], numbers, dy, out);
+        add_link(n, of->links[e], numbers + 9, dy + 3 * n, out);
+    }
+    for (size_t e = 0; e < of->tie_count; ++e) {
+        const weft_tie *tie = &of->ties[e];
+        for (size_t k = 0; k < 3; ++k) {
+            const double *x = dy + k * n, *v = x + 3 * n;
+            double *to = out + (k + 3) * n;
+            const double force
+                = tie->k * (x[tie->p] - x[tie->q]) + tie->c * (v[tie->p] - v[tie->q]);
+            to[tie->p] -= force;
+            to[tie->q] += force;
+        }
+    }
+}
+
 int weft__structure_product(const weft_structure *of, double t, const double *y,
                             const double *dy, double *room, double *out)
 {
     const size_t n = of->particles;
     double *blocks = room + WEFT_BOND_PLANES * of->bond_count;
-    const int failed = of->linearise(t, y, room, blocks, of->ctx);
+    double *numbers = blocks + WEFT_BLOCK_PLANES * n;
+    int failed = of->linearise(t, y, room, blocks, of->ctx);
+    if (failed == 0 && of->link_count > 0) {
+        failed = of->linearise_links(t, y, numbers, of->ctx);
+    }
     for (size_t j = 0; j < 3 * n; ++j) {
         out[j] = of->mass[j % n] > 0.0 ? dy[3 * n + j] : 0.0;
         out[3 * n + j] = -of->drag[j % n] * dy[3 * n + j];
@@ -83,6 +121,7 @@ int weft__structure_product(const weft_structure *of, double t, const double *y,
         }
     }
     add_bend_damping(of, room, dy, out);
+    add_links(of, numbers, dy, out);
     if (of->block_planes > 0) {
         add_contact(n, blocks, dy, out);
     }
@@ -95,7 +134,8 @@ int weft__structure_product(const weft_structure *of, double t, const double *y,
 
 /* ---- the string ------------------------------------------------------------------ */
 
-static const weft_bonds runs[] = { { 0, 1, BEADS - 1 }, { 0, 2, BEADS - 2 } };
+static const weft_bonds runs[] = { { 0, 1, NEAR }, { 0, 2, FAR } };
+static const weft_link links[FAR] = { { 0, 2 }, { 1, 3 }, { 2, 4 } };
 static const double mass[BEADS] = { 0.0, 0.01, 0.01, 0.02, 0.01 }; /* [kg] */
 static const double drag[BEADS] = { 1e-3, 1e-3, 1e-3, 1e-3, 1e-3 };
 
@@ -105,12 +145,18 @@ typedef struct bond {
     double length;
 } bond;
 
-/* Neighbours are 0.1 m apart at rest. */
+/* Neighbours are 0.1 m apart at rest, and their springs are damped. */
 static bond bond_at(const double *y, size_t b)
 {
     const weft_bonds *run = &runs[b < runs[0].count ? 0 : 1];
     const size_t i = b < runs[0].count ? b : b - runs[0].count;
-    bond at = { run->p + i, run->q + i, { 0.0 }, run == runs ? 40.0 : 10.0, 0.4, 0, 0 };
+    bond at = { run->p + i,
+                run->q + i,
+                { 0.0 },
+                run == runs ? 40.0 : 10.0,
+                run == runs ? 0.4 : 0.0,
+                0,
+                0 };
     double square = 0.0, rate = 0.0;
     for (size_t k = 0; k < 3; ++k) {
         at.u[k] = y[k * BEADS + at.q] - y[k * BEADS + at.p];
@@ -149,17 +195,34 @@ static int string_rhs(double t, const double *y, double *dydt, void *ctx)
     return 0;
 }
 
+/* ctx: the structure. */
 static int string_linearise(double t, const double *y, double *planes, double *blocks,
                             void *ctx)
 {
-    (void)t, (void)blocks, (void)ctx;
-    for (size_t b = 0; b < BONDS; ++b) {
+    const size_t count = ((const weft_structure *)ctx)->bond_count;
+    (void)t, (void)blocks;
+    for (size_t b = 0; b < count; ++b) {
         const bond at = bond_at(y, b);
         const double numbers[WEFT_BOND_PLANES] = { at.u[0], at.u[1],
                                                    at.u[2], at.stiffness - at.pull,
                                                    at.pull, at.damping };
         for (size_t k = 0; k < WEFT_BOND_PLANES; ++k) {
-            planes[k * BONDS + b] = numbers[k];
+            planes[k * count + b] = numbers[k];
+        }
+    }
+    return 0;
+}
+
+/* The far springs as links: A = (k - T / L) u u^T + (T / L) I. */
+static int string_links(double t, const double *y, double *numbers, void *ctx)
+{
+    (void)t, (void)ctx;
+    memset(numbers, 0, FAR * WEFT_LINK_NUMBERS * sizeof *numbers);
+    for (size_t e = 0; e < FAR; ++e, numbers += WEFT_LINK_NUMBERS) {
+        const bond at = bond_at(y, NEAR + e);
+        for (size_t j = 0; j < 9; ++j) {
+            numbers[j] = (at.stiffness - at.pull) * at.u[j / 3] * at.u[j % 3]
+                         + (j % 4 == 0 ? at.pull : 0.0);
         }
     }
     return 0;
@@ -181,15 +244,23 @@ static size_t string_modes(double t, const double *y, double (*corners)[2], size
     return 4;
 }
 
-static const weft_structure string = { .struct_size = sizeof string,
-                                       .particles = BEADS,
-                                       .run_count = 2,
-                                       .bond_count = BONDS,
-                                       .runs = runs,
-                                       .mass = mass,
-                                       .drag = drag,
-                                       .linearise = string_linearise,
-                                       .modes = string_modes };
+/* To a method that knows links some springs are given as such. */
+static void string_init(weft_structure *at, bool knows_links)
+{
+    *at = (weft_structure){ .struct_size = sizeof *at,
+                            .particles = BEADS,
+                            .run_count = knows_links ? 1 : 2,
+                            .bond_count = knows_links ? NEAR : BONDS,
+                            .runs = runs,
+                            .mass = mass,
+                            .drag = drag,
+                            .linearise = string_linearise,
+                            .modes = string_modes,
+                            .ctx = at,
+                            .link_count = knows_links ? FAR : 0,
+                            .links = links,
+                            .linearise_links = string_links };
+}
 
 /* Level, stretched a little, and moving. */
 static void string_start(double y[STRING])
@@ -206,7 +277,8 @@ static void string_start(double y[STRING])
 static double structure_error(const weft_structure *of, const double y[STRING])
 {
     const double s = 1e-5;
-    double room[WEFT_BOND_PLANES * BONDS + WEFT_BLOCK_PLANES * BEADS];
+    double room[WEFT_BOND_PLANES * BONDS + WEFT_BLOCK_PLANES * BEADS
+                + WEFT_LINK_NUMBERS * FAR];
     double dy[STRING], product[STRING], above[STRING], below[STRING];
     double error = 0.0, largest = 0.0;
     for (size_t j = 0; j < STRING; ++j) {
@@ -265,6 +337,8 @@ static void solve(double y[STRING])
 void weft__a_structure_leaves_the_solution(trial *self)
 {
     double with[STRING], without[STRING], apart = 0.0;
+    weft_structure string;
+    string_init(&string, (self->type->flags & (uint32_t)WEFT_STEPPER_LINKS) != 0);
     string_start(with);
     weft__expect(self, structure_error(&string, with) < 1e-6,
                  "the structure of the model itself is off by %.2g",

@@ -88,6 +88,12 @@ typedef struct weft__force {
                      size_t bonds, double *bad);
     int (*blocks)(const void *own, const weft__state *at, double *blocks);
 
+    /* The same on triangles: its links, which must be its alone, and their numbers; its
+     * ties. NULL as `to`: only how many there are. */
+    size_t (*links)(const void *own, weft_link *to);
+    int (*link_numbers)(const void *own, const weft__state *at, double *numbers);
+    size_t (*ties)(const void *own, weft_tie *to);
+
     /* Of a whole cloth, after all blocks, for forces between particles of any blocks:
      * with a workspace of a simulation (NULL: the same without one, slower). */
     int (*add_all)(const void *own, void *space, const weft__state *at, weft__unit unit,

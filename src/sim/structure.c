@@ -16,6 +16,11 @@ static int linearise(double t, const double *y, double *planes, double *blocks,
                            sim->structure.block_planes > 0 ? blocks : NULL);
 }
 
+static int linearise_links(double t, const double *y, double *numbers, void *ctx)
+{
+    return weft__linearise_links(((const weft_sim *)ctx)->cloth, t, y, numbers);
+}
+
 static size_t modes(double t, const double *y, double (*corners)[2], size_t room,
                     void *ctx)
 {
@@ -43,6 +48,36 @@ static void list_runs(const weft_cloth *cloth, weft_structure *of, weft_bonds *r
     }
 }
 
+/* Of triangles, for a method that knows them. False: no memory. */
+static bool list_links(weft_sim *sim)
+{
+    weft_structure *of = &sim->structure;
+    if ((sim->def.method->flags & (uint32_t)WEFT_STEPPER_LINKS) != 0) {
+        of->link_count = weft__list_links(sim->cloth, NULL);
+        of->tie_count = weft__list_ties(sim->cloth, NULL);
+    }
+    of->links = sim->links
+        = weft__alloc(&sim->memory, of->link_count, sizeof *sim->links);
+    of->ties = sim->ties = weft__alloc(&sim->memory, of->tie_count, sizeof *sim->ties);
+    if (sim->links == NULL || sim->ties == NULL) {
+        return false;
+    }
+    if (of->link_count + of->tie_count > 0) {
+        (void)weft__list_links(sim->cloth, sim->links);
+        (void)weft__list_ties(sim->cloth, sim->ties);
+    }
+    return true;
+}
+
+/* Whether it would take a matrix without links and ties for one of all forces. */
+static bool takes_springs_alone(const weft_sim *sim)
+{
+    const uint32_t flags = sim->def.method->flags;
+    return sim->cloth->mesh.triangles != NULL
+           && (flags & (uint32_t)WEFT_STEPPER_IMPLICIT) != 0
+           && (flags & (uint32_t)WEFT_STEPPER_LINKS) == 0;
+}
+
 weft_status weft__structure_init(weft_sim *sim, weft_error *err)
 {
     const size_t n = weft_cloth_particles(sim->cloth);
@@ -50,13 +85,14 @@ weft_status weft__structure_init(weft_sim *sim, weft_error *err)
     *of = (weft_structure){ .struct_size = sizeof *of,
                             .particles = n,
                             .linearise = linearise,
+                            .linearise_links = linearise_links,
                             .modes = modes,
                             .ctx = sim,
                             .bend_damping = sim->cloth->bending.damping };
     list_runs(sim->cloth, of, NULL);
     sim->runs = weft__alloc(&sim->memory, of->run_count, sizeof *sim->runs);
     sim->masses = weft__alloc(&sim->memory, n, 2 * sizeof *sim->masses);
-    if (sim->runs == NULL || sim->masses == NULL) {
+    if (sim->runs == NULL || sim->masses == NULL || !list_links(sim)) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
     }
     list_runs(sim->cloth, of, sim->runs);
@@ -67,7 +103,7 @@ weft_status weft__structure_init(weft_sim *sim, weft_error *err)
         sim->masses[n + i] = sim->cloth->body.drag;
     }
     weft__structure_update(sim);
-    sim->config.structure = of;
+    sim->config.structure = takes_springs_alone(sim) ? NULL : of;
     return WEFT_OK;
 }
 
@@ -84,4 +120,6 @@ void weft__structure_free(weft_sim *sim)
 {
     weft__free(&sim->memory, sim->runs);
     weft__free(&sim->memory, sim->masses);
+    weft__free(&sim->memory, sim->links);
+    weft__free(&sim->memory, sim->ties);
 }
