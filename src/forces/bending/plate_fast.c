@@ -17,7 +17,7 @@ typedef struct block {
     size_t b, first, own, halo;
 } block;
 
-static block part_of(const weft__plate_matrix *of, size_t b)
+static block block_of(const weft__plate_matrix *of, size_t b)
 {
     const size_t first = b * WEFT__MESH_BLOCK, left = of->particles - first;
     return (block){ .of = of,
@@ -30,44 +30,68 @@ static block part_of(const weft__plate_matrix *of, size_t b)
 /* x + tau v less that of the first particle; x alone if tau is 0. */
 INLINE void take(const block *p, const double *x, double tau, double (*to)[4])
 {
-    const size_t n = p->of->particles;
+    const size_t n = p->of->particles, v = tau != 0.0 ? 3 * n : 0;
     const uint32_t *halo = p->of->halo + p->of->reach[p->b];
+    const double *first = x + p->first;
+    double origin[3];
     for (size_t k = 0; k < 3; ++k) {
-        const double *plane = x + k * n, *v = tau != 0.0 ? plane + 3 * n : plane;
-        const double origin = plane[p->first] + tau * v[p->first];
-        for (size_t j = 0; j < p->own; ++j) {
-            to[j][k] = (plane[p->first + j] + tau * v[p->first + j]) - origin;
+        origin[k] = first[k * n] + tau * first[k * n + v];
+    }
+    for (size_t j = 0; j < p->own; ++j) {
+        for (size_t k = 0; k < 3; ++k) {
+            to[j][k] = (first[k * n + j] + tau * first[k * n + j + v]) - origin[k];
         }
-        for (size_t j = 0; j < p->halo; ++j) {
-            to[p->own + j][k] = (plane[halo[j]] + tau * v[halo[j]]) - origin;
+    }
+    for (size_t j = 0; j < p->halo; ++j) {
+        const double *at = x + halo[j];
+        for (size_t k = 0; k < 3; ++k) {
+            to[p->own + j][k] = (at[k * n] + tau * at[k * n + v]) - origin[k];
         }
     }
 }
 
-INLINE void add_column(const double *entry, const double at[4], quad sum[3])
+typedef struct quad3 {
+    quad x, y, z;
+} quad3;
+
+INLINE void add_column(const double *entry, const double at[4], quad3 *sum)
 {
     const quad share = *(const quad_anywhere *)entry;
-    sum[0] += share * at[0];
-    sum[1] += share * at[1];
-    sum[2] += share * at[2];
+    sum->x += share * at[0];
+    sum->y += share * at[1];
+    sum->z += share * at[2];
 }
 
 /* Adds a group of rows by the copies. */
 INLINE void add_rows(const weft__plate_matrix *of, const double *entry, size_t group,
-                     double (*near)[4], quad sum[3])
+                     double (*near)[4], quad3 *sum)
 {
     const size_t end = of->first[group + 1];
-    quad even[3] = { { 0.0 } }, odd[3] = { { 0.0 } };
+    quad3 even = { .x = { 0.0 } }, odd = even;
     size_t j = of->first[group];
     for (; j + 2 <= end; j += 2) {
-        add_column(entry + ROWS * j, near[of->column[j]], even);
-        add_column(entry + ROWS * (j + 1), near[of->column[j + 1]], odd);
+        add_column(entry + ROWS * j, near[of->column[j]], &even);
+        add_column(entry + ROWS * (j + 1), near[of->column[j + 1]], &odd);
     }
     if (j < end) {
-        add_column(entry + ROWS * j, near[of->column[j]], even);
+        add_column(entry + ROWS * j, near[of->column[j]], &even);
     }
-    for (size_t k = 0; k < 3; ++k) {
-        sum[k] += even[k] + odd[k];
+    sum->x += even.x + odd.x;
+    sum->y += even.y + odd.y;
+    sum->z += even.z + odd.z;
+}
+
+/* Takes share times a sum from the numbers of some rows; adds those to *bad. */
+INLINE void subtract(double *from, const quad *share, const quad *sum, size_t rows,
+                     quad *bad)
+{
+    const quad change = *share * *sum;
+    if (rows == ROWS) {
+        *bad += *(quad_anywhere *)from -= change;
+        return;
+    }
+    for (size_t r = 0; r < rows; ++r) {
+        (*bad)[r] += from[r] -= change[r];
     }
 }
 
@@ -76,31 +100,31 @@ int NAME(plate, LEVEL)(const void *own, const weft__state *at, weft__unit unit,
 {
     const weft__plate *plate = own;
     const weft__plate_matrix *of = &plate->matrix;
-    _Alignas(64) double near[ROOM][4];
-    double rates[ROOM][4];
-    double bad = 0.0;
+    const size_t n = of->particles;
+    _Alignas(64) double near[ROOM][4], rates[ROOM][4];
+    const double *mass = plate->mesh->inverse_mass;
+    quad bad = { 0.0 };
     for (size_t b = first; b < end; ++b) {
-        const block p = part_of(of, b);
+        const block p = block_of(of, b);
         take(&p, at->y, of->tau, near);
         if (of->damping != NULL) {
-            take(&p, at->y + 3 * of->particles, 0.0, rates);
+            take(&p, at->y + 3 * n, 0.0, rates);
         }
         for (size_t i = p.first; i < p.first + p.own; i += ROWS) {
-            quad sum[3] = { { 0.0 } };
-            add_rows(of, of->entry, i / ROWS, near, sum);
+            const size_t left = p.first + p.own - i, rows = left < ROWS ? left : ROWS;
+            quad3 sum = { .x = { 0.0 } };
+            add_rows(of, of->entry, i / ROWS, near, &sum);
             if (of->damping != NULL) {
-                add_rows(of, of->damping, i / ROWS, rates, sum);
+                add_rows(of, of->damping, i / ROWS, rates, &sum);
             }
-            for (size_t r = 0; r < ROWS && i + r < p.first + p.own; ++r) {
-                const double share
-                    = unit == WEFT__FORCE ? 1.0 : plate->mesh->inverse_mass[i + r];
-                for (size_t k = 0; k < 3; ++k) {
-                    double *sums = to + k * of->particles + i + r;
-                    *sums -= share * sum[k][r];
-                    bad += *sums * 0.0;
-                }
+            quad share = { 1.0, 1.0, 1.0, 1.0 };
+            if (unit != WEFT__FORCE) {
+                share = *(const quad_anywhere *)(mass + i);
             }
+            subtract(to + i, &share, &sum.x, rows, &bad);
+            subtract(to + n + i, &share, &sum.y, rows, &bad);
+            subtract(to + 2 * n + i, &share, &sum.z, rows, &bad);
         }
     }
-    return bad == 0.0 ? 0 : 1;
+    return ((bad[0] + bad[1]) + (bad[2] + bad[3])) * 0.0 == 0.0 ? 0 : 1;
 }
