@@ -732,6 +732,36 @@ START_TEST(products_are_those_of_the_force)
 }
 END_TEST
 
+START_TEST(ties_are_the_matrix)
+{
+    sample of;
+    sample_init(&of, _i);
+    const weft__plate *plate = &of.cloth->plate;
+    const size_t count = weft__plate_force.ties(plate, NULL);
+    weft_tie *ties = malloc(count * sizeof *ties);
+    ck_assert_uint_eq(weft__plate_force.ties(plate, ties), count);
+    push(&of, of.y, of.force);
+    double apart = 0.0, size = 0.0;
+    for (size_t j = 0; j < count; ++j) {
+        const size_t p = ties[j].p, q = ties[j].q;
+        ck_assert(p < q);
+        for (size_t k = 0; k < 3; ++k) {
+            const double *x = of.y + k * of.n, *v = x + 3 * of.n;
+            const double pull = ties[j].k * (x[p] - x[q]) + ties[j].c * (v[p] - v[q]);
+            size = fmax(size, fabs(pull));
+            of.force[k * of.n + p] += pull;
+            of.force[k * of.n + q] -= pull;
+        }
+    }
+    for (size_t i = 0; i < 3 * of.n; ++i) {
+        apart = fmax(apart, fabs(of.force[i]));
+    }
+    ck_assert(apart < 1e-13 * size);
+    free(ties);
+    sample_free(&of);
+}
+END_TEST
+
 TEST_SUITE(plate)
 {
     Suite *suite = suite_create("plate");
@@ -752,6 +782,7 @@ TEST_SUITE(plate)
     tcase_add_loop_test(tcase, momentum_is_kept_and_heat_is_what_damping_takes, 0, 3);
     tcase_add_loop_test(tcase, fast_forms_have_the_bits_of_the_loops, 0, 3);
     tcase_add_loop_test(tcase, products_are_those_of_the_force, 0, 3);
+    tcase_add_loop_test(tcase, ties_are_the_matrix, 0, 3);
     suite_add_tcase(suite, tcase);
     return suite;
 }

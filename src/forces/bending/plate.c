@@ -317,7 +317,28 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
     }
 }
 
-/* ---- the matrix ------------------------------------------------------------------ */
+/* Rows sum to 0: K x of i is the sum of -K_ip (x_i - x_p). */
+static size_t ties(const void *own, weft_tie *to)
+{
+    const weft__plate_matrix *of = &((const weft__plate *)own)->matrix;
+    size_t count = 0;
+    for (size_t i = 0; of->first != NULL && i < of->particles; ++i) {
+        const size_t g = i / WEFT__PLATE_ROWS, r = i % WEFT__PLATE_ROWS;
+        for (size_t j = of->first[g]; j < of->first[g + 1]; ++j) {
+            const size_t p = weft__plate_particle(of, i, of->column[j]);
+            const size_t at = WEFT__PLATE_ROWS * j + r;
+            const double k = -of->entry[at];
+            const double c = of->damping != NULL ? -of->damping[at] : of->tau * k;
+            if (p > i && (k != 0.0 || c != 0.0)) {
+                if (to != NULL) {
+                    to[count] = (weft_tie){ (uint32_t)i, (uint32_t)p, k, c };
+                }
+                ++count;
+            }
+        }
+    }
+    return count;
+}
 
 const weft__force weft__plate_force = { .name = "plate",
                                         .init = init,
@@ -331,4 +352,5 @@ const weft__force weft__plate_force = { .name = "plate",
                                         .power = power,
                                         .ratios = ratios,
                                         .bound = bound,
-                                        .multiply = multiply };
+                                        .multiply = multiply,
+                                        .ties = ties };
