@@ -762,6 +762,68 @@ START_TEST(ties_are_the_matrix)
 }
 END_TEST
 
+/* ---- what may fail --------------------------------------------------------------- */
+
+typedef struct pool {
+    size_t calls, fail_at, live;
+} pool;
+
+static void *pool_resize(void *ctx, void *block, size_t size)
+{
+    pool *from = ctx;
+    if (size == 0) {
+        --from->live;
+        free(block);
+        return NULL;
+    }
+    if (++from->calls >= from->fail_at) {
+        return NULL;
+    }
+    from->live += block == NULL;
+    return realloc(block, size);
+}
+
+START_TEST(memory_that_is_missing_is_reported_and_goes_back)
+{
+    test_mesh mesh;
+    size_t failures = 0;
+    cut(&mesh, 4, WEFT_SEAM_BEND);
+    mesh.fabrics[1] = isotropic;
+    mesh.fabrics[1].damping[1] = 1.0;
+    uint32_t fabric_of[32] = { 1 };
+    mesh.def.fabric_of = fabric_of, mesh.def.fabric_count = 2;
+    for (weft_status status = WEFT_NO_MEMORY; status != WEFT_OK; ++failures) {
+        pool from = { .fail_at = failures + 1 };
+        const weft_allocator memory = { .resize = pool_resize, .ctx = &from };
+        weft_cloth_def def = mesh_cloth(&mesh);
+        def.allocator = &memory;
+        weft_cloth *cloth;
+        status = weft_cloth_create(&def, &cloth, NULL);
+        ck_assert(status == WEFT_OK || status == WEFT_NO_MEMORY);
+        weft_cloth_destroy(cloth);
+        ck_assert_uint_eq(from.live, 0);
+    }
+    ck_assert_uint_gt(failures, 60);
+    mesh_free(&mesh);
+}
+END_TEST
+
+START_TEST(bending_beyond_a_double_is_refused)
+{
+    test_mesh mesh;
+    weft_cloth *cloth;
+    weft_error err;
+    mesh_sheet(&mesh, 4, 4, 1e-3, MESH_RIGHT, 0.0, 1);
+    mesh.fabrics[0].bend[0] = 1e300;
+    const weft_cloth_def def = mesh_cloth(&mesh);
+    ck_assert_int_eq(weft_cloth_create(&def, &cloth, &err), WEFT_INVALID);
+    ck_assert_str_eq(err.message,
+                     "the bending of the fabric of triangle 0 is too large "
+                     "for a double at its height of 0.000707 m");
+    mesh_free(&mesh);
+}
+END_TEST
+
 TEST_SUITE(plate)
 {
     Suite *suite = suite_create("plate");
@@ -783,6 +845,8 @@ TEST_SUITE(plate)
     tcase_add_loop_test(tcase, fast_forms_have_the_bits_of_the_loops, 0, 3);
     tcase_add_loop_test(tcase, products_are_those_of_the_force, 0, 3);
     tcase_add_loop_test(tcase, ties_are_the_matrix, 0, 3);
+    tcase_add_test(tcase, memory_that_is_missing_is_reported_and_goes_back);
+    tcase_add_test(tcase, bending_beyond_a_double_is_refused);
     suite_add_tcase(suite, tcase);
     return suite;
 }

@@ -6,6 +6,7 @@
 #include "base/hash.h"
 #include "base/memory.h"
 #include "forces/bounds.h"
+#include "mesh/triangles_work.h"
 
 static bool present(const weft__plate *of)
 {
@@ -112,6 +113,30 @@ static void survey(weft__plate *of)
 }
 
 /* ---- life ------------------------------------------------------------------------ */
+
+/* Entries of K are at most some thousands of B A / h^4, h a triangle's height. */
+static void check(const weft_cloth_def *def, const weft__faults *to)
+{
+    const size_t field = offsetof(weft_cloth_def, mesh);
+    for (size_t t = 0; def->mesh != NULL && t < def->mesh->triangles; ++t) {
+        const weft_mesh_def *mesh = def->mesh;
+        const weft_fabric *of
+            = &mesh->fabrics[mesh->fabric_of != NULL ? mesh->fabric_of[t] : 0];
+        double longest;
+        const double area = fabs(weft__twice_area(mesh, t, &longest));
+        const double height = area / longest, square = height * height;
+        const double most
+            = 1e4 * (of->bend[0] + of->bend[1] + of->twist) / square * (area / square);
+        if (isfinite(of->twist)
+            && !(isfinite(most) && isfinite(most * of->damping[1]))) {
+            weft__fault(to, field, field,
+                        "the bending of the fabric of triangle %zu is too large for "
+                        "a double at its height of %.3g m",
+                        t, height);
+            return;
+        }
+    }
+}
 
 static bool init(void *own, const weft_cloth_def *def, const weft_allocator *memory)
 {
@@ -341,6 +366,7 @@ static size_t ties(const void *own, weft_tie *to)
 }
 
 const weft__force weft__plate_force = { .name = "plate",
+                                        .check = check,
                                         .init = init,
                                         .hash = hash_of,
                                         .choose = choose,
