@@ -124,8 +124,8 @@ START_TEST(frames_read_are_those_written)
     const bool doubles = _i == 1;
     record(doubles ? &all_double : &all_single);
     record_frames *frames = open_frames(OUT "/r");
-    ck_assert_uint_eq(frames->rows, ROWS);
-    ck_assert_uint_eq(frames->cols, COLS);
+    ck_assert_uint_eq(frames->faces.rows, ROWS);
+    ck_assert_uint_eq(frames->faces.cols, COLS);
     ck_assert_uint_eq(frames->count, LAST + 1);
     ck_assert(frames->doubles == doubles);
     for (size_t i = 0; i <= LAST; ++i) {
@@ -240,7 +240,7 @@ static bool is_refused(size_t size)
     weft_status status = record_frames_open(OUT "/d", &frames, &err);
     for (size_t i = 0; status == WEFT_OK && i < frames->count; ++i) {
         /* the header may tell of another grid by now */
-        ck_assert_uint_eq(frames->rows * frames->cols, N);
+        ck_assert_uint_eq(frames->faces.particles, N);
         status = record_frames_positions(frames, i, values, &err);
         status = status == WEFT_OK ? record_frames_field(frames, WEFT_RECORD_VELOCITY,
                                                          i, values, &err)

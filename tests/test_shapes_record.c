@@ -180,8 +180,9 @@ START_TEST(surfaces_are_where_the_gap_is_0)
     const double t = 0.3;
     const weft_cloth_def *def = weft_scene_cloth(loaded);
     const record_surface found = record_shape_surface(def, (size_t)_i, t, x);
-    ck_assert_uint_eq(found.rows * found.cols, _i == WEFT_PLANE ? 4 : POINTS);
-    for (size_t i = 0; i < found.rows * found.cols; ++i) {
+    ck_assert_uint_eq(found.faces.rows * found.faces.cols,
+                      _i == WEFT_PLANE ? 4 : POINTS);
+    for (size_t i = 0; i < found.faces.rows * found.faces.cols; ++i) {
         const double gap = gap_at(&def->contact.shapes[_i], t, x + 3 * i);
         ck_assert_double_eq_tol(gap, 0.0, 1e-14);
     }

@@ -72,18 +72,14 @@ static bool both_have_frames(const comparison *self)
 static weft_status prepare(comparison *self, weft_error *err)
 {
     const record_frames *a = self->side[0].frames, *b = self->side[1].frames;
-    const size_t rows[2] = { a->rows, b->rows };
-    const size_t cols[2] = { a->cols, b->cols };
-    if (rows[0] != rows[1] || cols[0] != cols[1]) {
-        return weft_error_set(err, WEFT_BAD_SCENE,
-                              "runs of different grids: %s has %zu x %zu particles, %s "
-                              "%zu x %zu",
-                              self->side[0].directory, rows[0], cols[0],
-                              self->side[1].directory, rows[1], cols[1]);
+    if (!record_faces_same(&a->faces, &b->faces)) {
+        return record_faces_differ(self->side[0].directory, &a->faces,
+                                   self->side[1].directory, &b->faces, WEFT_BAD_SCENE,
+                                   err);
     }
     self->single = !a->doubles || !b->doubles;
     for (size_t k = 0; k < 2; ++k) {
-        self->side[k].x = malloc(3 * rows[0] * cols[0] * sizeof(double));
+        self->side[k].x = malloc(3 * a->faces.particles * sizeof(double));
         if (self->side[k].x == NULL) {
             return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a frame");
         }
@@ -184,7 +180,7 @@ static weft_status read_both(comparison *self, weft_record_field field, size_t i
 static weft_status compare_fields(comparison *self, size_t i, size_t j, const gap *here,
                                   weft_error *err)
 {
-    const size_t n = self->side[0].frames->rows * self->side[0].frames->cols;
+    const size_t n = self->side[0].frames->faces.particles;
     for (size_t k = 0; self->field == NULL && k < FIELDS; ++k) {
         if (both_have_field(self, k)) {
             TRY(read_both(self, fields[k].field, i, j, err));
@@ -199,7 +195,7 @@ static weft_status compare_fields(comparison *self, size_t i, size_t j, const ga
 
 static void find_farthest(const comparison *self, gap *here)
 {
-    const size_t n = self->side[0].frames->rows * self->side[0].frames->cols;
+    const size_t n = self->side[0].frames->faces.particles;
     for (size_t p = 0; p < n; ++p) {
         const double d = distance(self, p);
         if (d > here->distance) {
@@ -217,7 +213,7 @@ static weft_status compare_frame(comparison *self, size_t i, size_t j, weft_erro
                  .time = a->times[i] };
     TRY(record_frames_positions(a, i, self->side[0].x, err));
     TRY(record_frames_positions(b, j, self->side[1].x, err));
-    if (!are_equal(self, 3 * a->rows * a->cols)) {
+    if (!are_equal(self, 3 * a->faces.particles)) {
         find_farthest(self, &here);
     }
     if (self->tolerance < 0.0 && self->unequal == 0) {
@@ -276,11 +272,12 @@ static void print_frame(const gap *at)
 
 static void print_gap(const comparison *self, const char *label, const gap *found)
 {
-    const size_t cols = self->side[0].frames->cols;
+    char name[RECORD_FACES_TEXT];
     printf("%s: ", label);
     print_frame(found);
-    printf(": particle (%zu, %zu) by %.3g m\n", found->particle / cols,
-           found->particle % cols, found->distance);
+    printf(": %s by %.3g m\n",
+           record_particle_text(&self->side[0].frames->faces, found->particle, name),
+           found->distance);
 }
 
 static void print_hashes(const comparison *self)
@@ -419,7 +416,8 @@ const verb verb_diff = {
     .summary = "find where two runs begin to differ, and by how much",
     .help
     = "usage: weft diff DIR DIR2 [OPTIONS]\n\n"
-      "Compares two runs of the same grid at their common times. Prints the first "
+      "Compares two runs of the same grid or mesh at their common times. Prints the "
+      "first "
       "frame that differs, the particle with the largest distance in it, this "
       "distance, and the largest distance of all frames. States are compared bit for "
       "bit by the hashes in series.csv, and frames by the positions, velocities and "

@@ -45,8 +45,9 @@ typedef struct export_job {
     double *shape_position;    /* of one of them */
     record_frames *frames;     /* NULL: computed again, with the members below */
     record_series_row *series; /* [count] as the run recorded it */
-    weft_cloth *cloth;
+    weft_cloth *cloth;         /* of triangles also for final.csv */
     weft_sim *sim;
+    record_faces faces;
     size_t first, last;     /* wanted, as indices below count */
     double *values;         /* 7 N: positions, velocities, strains */
     record_surface surface; /* of values: of one frame */
@@ -153,9 +154,7 @@ static weft_status read_frames(export_job *job, weft_error *err)
 static weft_status check_hash(const export_job *job, size_t index, weft_error *err)
 {
     const uint64_t recorded = job->series[index].hash;
-    const uint64_t hash
-        = weft_state_hash(weft_sim_state(job->sim), weft_cloth_rows(job->cloth),
-                          weft_cloth_cols(job->cloth));
+    const uint64_t hash = weft_cloth_state_hash(job->cloth, weft_sim_state(job->sim));
     return hash == recorded
                ? WEFT_OK
                : weft_error_set(err, WEFT_SOLVER,
@@ -260,7 +259,7 @@ static weft_status export_part(export_job *job, size_t part, weft_error *err)
     }
     const record_surface surface = part_at(job, part, 0.0);
     name_part(name, "run", part, job->format->name);
-    TRY(begin_movie(job, name, record_particles(&surface), err));
+    TRY(begin_movie(job, name, surface.faces.particles, err));
     const weft_status status
         = part == 0 ? export_frames(job, err) : write_shape_points(job, part);
     if (status != WEFT_OK) {
@@ -284,6 +283,20 @@ static weft_status export_movie(export_job *job, weft_error *err)
     return WEFT_OK;
 }
 
+/* The hash of triangles is that of an order which is not recorded. */
+static weft_status make_cloth(export_job *job, weft_error *err)
+{
+    if (job->surface.faces.cols > 0 || job->cloth != NULL) {
+        return WEFT_OK;
+    }
+    return job->scene == NULL
+               ? weft_error_set(err, WEFT_IO,
+                                "%s/scene.yaml cannot be read: it is needed to check "
+                                "final.csv",
+                                job->directory)
+               : weft_cloth_create(weft_scene_cloth(job->scene), &job->cloth, err);
+}
+
 static weft_status export_final(export_job *job, weft_error *err)
 {
     char name[NAME], time[RECORD_RESULT_TEXT];
@@ -291,8 +304,9 @@ static weft_status export_final(export_job *job, weft_error *err)
     job->surface.velocity = velocity;
     job->surface.strain = NULL;
     job->surface.doubles = true;
-    TRY(record_final_read(job->directory, job->surface.rows, job->surface.cols,
-                          job->values, velocity, err));
+    TRY(make_cloth(job, err));
+    TRY(record_final_read(job->directory, &job->surface.faces, job->cloth, job->values,
+                          velocity, err));
     if (job->format->write != record_csv) { /* final.csv is there already */
         (void)record_result_get(job->directory, "time", time);
         TRY(write_parts(job, "final", strtod(time, NULL), err));
@@ -367,8 +381,7 @@ static int open_recorded(export_job *job)
             "any, are left out\n",
             job->directory);
     }
-    job->surface.rows = job->frames->rows;
-    job->surface.cols = job->frames->cols;
+    job->surface.faces = job->frames->faces;
     job->count = job->frames->count;
     return EXIT_DONE;
 }
@@ -392,9 +405,9 @@ static int open_anew(const arguments *given, export_job *job)
     }
     fprintf(stderr, "%s/run.vtkhdf is missing: frames are computed again\n",
             job->directory);
-    job->surface.rows = weft_cloth_rows(job->cloth);
-    job->surface.cols = weft_cloth_cols(job->cloth);
-    return EXIT_DONE;
+    const weft_status status = record_faces_of(job->cloth, &job->faces, &err);
+    job->surface.faces = job->faces;
+    return status == WEFT_OK ? EXIT_DONE : report_error(&err);
 }
 
 /* Room for one frame. */
@@ -402,7 +415,7 @@ static int make_surface(export_job *job)
 {
     weft_error err = { 0 };
     const record_frames *frames = job->frames;
-    job->n = job->surface.rows * job->surface.cols;
+    job->n = job->surface.faces.particles;
     job->values = malloc(7 * job->n * sizeof *job->values);
     job->shape_position
         = malloc(RECORD_SHAPE_ROWS * RECORD_SHAPE_COLS * sizeof(double[3]));
@@ -433,6 +446,7 @@ static int export_run(const arguments *given, export_job *job)
     free(job->values);
     free(job->shape_position);
     free(job->series);
+    record_faces_free(&job->faces);
     record_frames_close(job->frames);
     weft_sim_destroy(job->sim);
     weft_cloth_destroy(job->cloth);
@@ -472,9 +486,9 @@ const verb verb_export = {
       "Writes frames of a run into its directory and prints the names of the files. "
       "Shapes of contact go to files of their own (final-shape-0.obj, ...), but not "
       "as csv.\n\n"
-      "  --format obj         Wavefront OBJ: quads, texture coordinates\n"
+      "  --format obj         Wavefront OBJ: faces, texture coordinates\n"
       "           ply         the same, binary\n"
-      "           csv         row,col,x,y,z,vx,vy,vz\n"
+      "           csv         row,col,x,y,z,vx,vy,vz (of a mesh: vertex,x,...)\n"
       "           mdd, pc2    all frames in run.mdd or run.pc2, with rest.obj: for "
       "Blender's Mesh Cache\n"
       "           pvd         all frames as VTP files and run.pvd, for ParaView "

@@ -2,7 +2,6 @@
 #include "mesh/surface.h"
 
 #include <stdio.h>
-#include <string.h>
 
 /* ---- triangles and edges --------------------------------------------------------- */
 
@@ -50,7 +49,9 @@ static size_t grid_edges(const weft__mesh *mesh, uint32_t *ends)
 static void place_at(const weft__mesh *mesh, size_t i, double uv[2])
 {
     if (mesh->triangles != NULL) {
-        memcpy(uv, mesh->triangles->rest[i], 2 * sizeof *uv);
+        const double *at = mesh->triangles->rest[i];
+        uv[0] = mesh->triangles->mirrored[i] ? -at[0] : at[0];
+        uv[1] = at[1];
     } else {
         const size_t whole = weft__whole_index(mesh, i);
         uv[0] = (double)(whole % mesh->cols) * mesh->spacing[1];

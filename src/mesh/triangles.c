@@ -312,6 +312,7 @@ static void add_place(weft__work *at, uint32_t particle, uint32_t given,
     double longest;
     const bool mirrored = weft__twice_area(at->def, triangle, &longest) < 0.0;
     out->particle[out->places] = particle;
+    out->mirrored[out->places] = mirrored;
     out->rest[out->places][0] = mirrored ? -x[0] : x[0];
     out->rest[out->places++][1] = x[1];
 }
@@ -457,6 +458,7 @@ static void allocate(weft__work *at)
     out->fabric = weft__work_take(at, t, sizeof *out->fabric);
     out->area = weft__work_take(at, t, sizeof *out->area);
     out->rest = weft__work_take(at, 3 * t, sizeof *out->rest);
+    out->mirrored = weft__work_take(at, 3 * t, sizeof *out->mirrored);
     out->particle = weft__work_take(at, 3 * t, sizeof *out->particle);
     out->edge_list = weft__work_take(at, 3 * t, sizeof *out->edge_list);
     out->start = weft__work_take(at, 3 * n, sizeof *out->start);
@@ -529,10 +531,11 @@ void weft__triangles_destroy(weft__triangles *of, const weft_allocator *memory)
     if (of == NULL) {
         return;
     }
-    void *const blocks[] = { of->corner,    of->place,   of->edge,   of->piece,
-                             of->fabric,    of->area,    of->rest,   of->particle,
-                             of->edge_list, of->start,   of->lumped, of->vertex,
-                             of->of_vertex, of->fabrics, of->name,   of };
+    void *const blocks[]
+        = { of->corner,   of->place,  of->edge,      of->piece,     of->fabric,
+            of->area,     of->rest,   of->particle,  of->edge_list, of->start,
+            of->lumped,   of->vertex, of->of_vertex, of->fabrics,   of->name,
+            of->mirrored, of };
     for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) {
         weft__free(memory, blocks[i]);
     }

@@ -29,6 +29,7 @@ typedef struct weft__triangles {
     uint32_t *piece, *fabric;
     double *area;       /* [m^2] at rest, > 0 */
     double (*rest)[2];  /* [m] (u, v) of a place; (-u, v) in mirrored pieces */
+    bool *mirrored;     /* whether a place is of such a piece */
     uint32_t *particle; /* of a place */
     weft__edge *edge_list;
     double *start;                /* [m] x y z of each particle */

@@ -97,17 +97,86 @@ static size_t read_integer(const frames_file *self, const char *object,
 static const char *load_size(frames_file *self)
 {
     const size_t most = (size_t)1 << 31;
-    self->seen.rows = read_integer(self, "/weft", "rows");
-    self->seen.cols = read_integer(self, "/weft", "cols");
-    if (self->seen.rows == 0 || self->seen.cols == 0
-        || self->seen.rows > most / self->seen.cols) {
+    const size_t rows = read_integer(self, "/weft", "rows");
+    const size_t cols = read_integer(self, "/weft", "cols");
+    record_faces *faces = &self->seen.faces;
+    *faces = (record_faces){ .particles = read_integer(self, "/weft", "vertices"),
+                             .triangles = read_integer(self, "/weft", "triangles") };
+    if (faces->particles > most || faces->triangles > most
+        || (faces->triangles == 0 && (rows == 0 || cols == 0 || rows > most / cols))) {
         return "rows and cols of /weft are missing or wrong";
     }
-    self->n = self->seen.rows * self->seen.cols;
+    if (faces->triangles == 0) {
+        *faces = record_grid(rows, cols);
+    }
+    self->n = faces->particles;
     int64_t *points = read_all(self, "/VTKHDF/NumberOfPoints", H5T_STD_I64LE, 1, 1);
     const bool equal = points != NULL && *points == (int64_t)self->n;
     free(points);
     return equal ? NULL : "NumberOfPoints is missing or not rows x cols";
+}
+
+/* Whether a file of this size can hold so many bytes: zlib can expand a byte to 1032 at
+ * most, should it be repacked. */
+static bool has_room(const frames_file *self, double bytes)
+{
+    struct stat status;
+    return stat(self->path, &status) == 0 && bytes <= 1032.0 * (double)status.st_size;
+}
+
+static bool all_below(const uint32_t *values, size_t count, size_t end)
+{
+    size_t i = 0;
+    while (i < count && values[i] < end) {
+        ++i;
+    }
+    return i == count;
+}
+
+static bool load_corners(frames_file *self)
+{
+    record_faces *of = &self->seen.faces;
+    const size_t count = 3 * of->triangles;
+    int64_t *ids
+        = read_all(self, "/VTKHDF/Polygons/Connectivity", H5T_STD_I64LE, count, 1);
+    of->corners = ids == NULL ? NULL : malloc(count * sizeof *of->corners);
+    for (size_t i = 0; of->corners != NULL && i < count; ++i) {
+        of->corners[i]
+            = ids[i] < 0 || ids[i] > UINT32_MAX ? UINT32_MAX : (uint32_t)ids[i];
+    }
+    free(ids);
+    return of->corners != NULL && all_below(of->corners, count, of->particles);
+}
+
+/* Nothing of a grid. */
+static const char *load_triangles(frames_file *self)
+{
+    const char *names = "/VTKHDF/PointData/vertex";
+    record_faces *of = &self->seen.faces;
+    if (of->triangles == 0) {
+        return NULL;
+    }
+    const hid_t places = H5Dopen2(self->file, "/weft/Places", H5P_DEFAULT);
+    of->places = places < 0 ? 0 : set_rows(places, 2);
+    (void)H5Dclose(places);
+    if (!has_room(self, 24.0 * (double)of->triangles + 16.0 * (double)of->places)) {
+        return "more triangles than the file has room for";
+    }
+    of->uv = read_all(self, "/weft/Places", H5T_IEEE_F64LE, of->places, 2);
+    of->corner_places
+        = read_all(self, "/weft/CornerPlaces", H5T_STD_U32LE, of->triangles, 3);
+    if (H5Lexists(self->file, names, H5P_DEFAULT) > 0) {
+        of->names = read_all(self, names, H5T_STD_I64LE, of->particles, 1);
+        if (of->names == NULL) {
+            return "PointData/vertex is wrong";
+        }
+    }
+    return load_corners(self) && of->uv != NULL
+                   && weft__all_finite(of->uv, 2 * of->places)
+                   && of->corner_places != NULL
+                   && all_below(of->corner_places, 3 * of->triangles, of->places)
+               ? NULL
+               : "Polygons, /weft/Places or /weft/CornerPlaces are missing or wrong";
 }
 
 /* A frame is committed once both NSteps and Steps/Values include it. */
@@ -131,12 +200,7 @@ static hdf_set frame_set(const frames_file *self, const char *path, size_t width
 static const char *load_points(frames_file *self)
 {
     const char *path = "/VTKHDF/Points";
-    struct stat status;
-    /* The most that zlib can expand a byte to, should the file be repacked. */
-    const double expansion = 1032.0;
-    if (stat(self->path, &status) != 0
-        || (double)self->seen.count * (double)self->n * 12.0
-               > expansion * (double)status.st_size) {
+    if (!has_room(self, (double)self->seen.count * (double)self->n * 12.0)) {
         return "more frames than the file has room for";
     }
     self->points = frame_set(self, path, 3);
@@ -219,6 +283,7 @@ static const char *load(frames_file *self)
         return "no HDF5 file";
     }
     const char *wrong = load_size(self);
+    wrong = wrong == NULL ? load_triangles(self) : wrong;
     wrong = wrong == NULL ? load_count(self) : wrong;
     wrong = wrong == NULL ? load_points(self) : wrong;
     wrong = wrong == NULL ? load_fields(self) : wrong;
@@ -230,6 +295,7 @@ static void unload(frames_file *self)
     if (self->file >= 0) {
         (void)H5Fclose(self->file);
     }
+    record_faces_free(&self->seen.faces);
     free((void *)self->seen.times);
     free((void *)self->seen.numbers);
     free((void *)self->seen.rest);

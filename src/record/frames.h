@@ -5,17 +5,18 @@
 #ifndef WEFT_RECORD_FRAMES_H
 #define WEFT_RECORD_FRAMES_H
 
-#include "weft/weft.h"
+#include "record/faces.h"
 
 typedef struct record_frames {
-    size_t rows, cols, count, planned; /* planned: frames that the file has room for */
-    bool doubles;                      /* else single precision */
-    bool fields[WEFT_RECORD_FIELDS];   /* those that the run recorded */
-    const double *times;               /* [s] */
-    const double *numbers; /* their numbers in series.csv: not 0, 1, 2, ... if
-                              record.every is not 1 */
-    const double *rest;    /* [m] rest positions: x y z of each */
-    const uint8_t *pinned; /* 0 or 1 for each particle; NULL: not recorded */
+    record_faces faces;
+    size_t count, planned;           /* planned: frames that the file has room for */
+    bool doubles;                    /* else single precision */
+    bool fields[WEFT_RECORD_FIELDS]; /* those that the run recorded */
+    const double *times;             /* [s] */
+    const double *numbers;           /* their numbers in series.csv: not 0, 1, 2, ... if
+                                        record.every is not 1 */
+    const double *rest;              /* [m] rest positions: x y z of each */
+    const uint8_t *pinned;           /* 0 or 1 for each particle; NULL: not recorded */
 } record_frames;
 
 /* Opens DIR/run.vtkhdf, up to its last committed frame. Errors: WEFT_IO names the file

@@ -23,12 +23,15 @@ static void write_pinned(const player_page *self)
     bool *marks = calloc(self->count, sizeof *marks);
     const size_t half = self->stride / 2;
     const uint8_t *pinned = self->runs[0].frames->pinned;
-    const size_t n = pinned == NULL ? 0 : self->rows * self->cols;
+    const size_t n = pinned == NULL ? 0 : self->faces->particles;
+    const size_t cols = self->faces->cols;
     size_t written = 0;
     for (size_t p = 0; marks != NULL && p < n; ++p) {
-        const size_t r = (p / self->cols + half) / self->stride;
-        const size_t c = (p % self->cols + half) / self->stride;
-        marks[r * self->shown_cols + c] |= pinned[p] != 0;
+        const size_t at = cols == 0
+                              ? p
+                              : (p / cols + half) / self->stride * self->shown_cols
+                                    + (p % cols + half) / self->stride;
+        marks[at] |= pinned[p] != 0;
     }
     for (size_t i = 0; marks != NULL && i < self->count; ++i) {
         if (marks[i]) {
@@ -116,6 +119,42 @@ static size_t write_files(const player_page *self, const player_run *run)
     return write_rows(self, run);
 }
 
+/* Words of 32 bits, least significant byte first, as base64. */
+static void write_words(FILE *stream, const char *name, const void *from, size_t count)
+{
+    enum { PART = 3 * 256 };
+    unsigned char bytes[4 * PART];
+    fprintf(stream, ",\"%s\":\"", name);
+    for (size_t i = 0; i < count; i += PART) {
+        const size_t some = count - i < PART ? count - i : PART;
+        for (size_t k = 0; k < some; ++k) {
+            uint32_t word;
+            memcpy(&word, (const unsigned char *)from + 4 * (i + k), sizeof word);
+            for (size_t b = 0; b < 4; ++b) {
+                bytes[4 * k + b] = (unsigned char)(word >> (8 * b));
+            }
+        }
+        page_base64(stream, bytes, 4 * some);
+    }
+    fputc('"', stream);
+}
+
+/* Without memory the rest shape is left out. */
+static void write_triangles(FILE *stream, const record_faces *of)
+{
+    float *uv = malloc(2 * of->places * sizeof *uv);
+    for (size_t i = 0; uv != NULL && i < 2 * of->places; ++i) {
+        uv[i] = record_single(of->uv[i]);
+    }
+    fprintf(stream, ",\"mesh\":{\"vertices\":%zu,\"triangles\":%zu", of->particles,
+            of->triangles);
+    write_words(stream, "corners", of->corners, 3 * of->triangles);
+    write_words(stream, "places", of->corner_places, 3 * of->triangles);
+    write_words(stream, "rest", uv, uv == NULL ? 0 : 2 * of->places);
+    fputc('}', stream);
+    free(uv);
+}
+
 static void write_runs(const player_page *self)
 {
     for (size_t r = 0; r < self->run_count; ++r) {
@@ -148,8 +187,13 @@ void player_page_describe(const player_page *self)
     size_t written = 0;
     fputs("<script id=\"weft-data\" type=\"application/json\">{\"weft\":", stream);
     page_text(stream, weft_version());
-    fprintf(stream, ",\"grid\":[%zu,%zu],\"shown\":[%zu,%zu],\"stride\":%zu",
-            self->rows, self->cols, self->shown_rows, self->shown_cols, self->stride);
+    if (self->faces->cols > 0) {
+        fprintf(stream, ",\"grid\":[%zu,%zu],\"shown\":[%zu,%zu],\"stride\":%zu",
+                self->faces->rows, self->faces->cols, self->shown_rows,
+                self->shown_cols, self->stride);
+    } else {
+        write_triangles(stream, self->faces);
+    }
     fprintf(stream, ",\"chosen\":%zu,\"fields\":[", self->chosen);
     for (size_t f = 0; f < PLAYER_FIELDS; ++f) {
         if (self->present[f]) {

@@ -39,18 +39,14 @@ static weft_status open_runs(player_page *self, weft_error *err)
         if (status != WEFT_OK) {
             return status;
         }
-        const size_t rows = run->frames->rows, cols = run->frames->cols;
-        self->rows = r == 0 ? rows : self->rows;
-        self->cols = r == 0 ? cols : self->cols;
-        if (rows != self->rows || cols != self->cols) {
-            return weft_error_set(err, WEFT_INVALID,
-                                  "runs of different grids: %s has %zu x %zu "
-                                  "particles, %s %zu x %zu",
-                                  self->runs[0].directory, self->rows, self->cols,
-                                  run->directory, rows, cols);
+        self->faces = &self->runs[0].frames->faces;
+        if (!record_faces_same(self->faces, &run->frames->faces)) {
+            return record_faces_differ(self->runs[0].directory, self->faces,
+                                       run->directory, &run->frames->faces,
+                                       WEFT_INVALID, err);
         }
         run->index = calloc(run->frames->count, sizeof *run->index);
-        run->xyz = calloc(3 * rows * cols, sizeof *run->xyz);
+        run->xyz = calloc(3 * self->faces->particles, sizeof *run->xyz);
         if (run->index == NULL || run->xyz == NULL) {
             return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a page");
         }
@@ -114,13 +110,14 @@ static size_t thinned(size_t side, size_t stride)
 
 static void choose_stride(player_page *self)
 {
-    const size_t side = self->rows > self->cols ? self->rows : self->cols;
+    const size_t rows = self->faces->rows, cols = self->faces->cols;
+    const size_t side = rows > cols ? rows : cols;
     const double wanted = fmin(frames_expected(self), FRAMES_WANTED);
     self->stride = (side - 1) / SIDE_MAX;
     do {
         ++self->stride;
-        self->shown_rows = thinned(self->rows, self->stride);
-        self->shown_cols = thinned(self->cols, self->stride);
+        self->shown_rows = thinned(rows, self->stride);
+        self->shown_cols = thinned(cols, self->stride);
         self->count = self->shown_rows * self->shown_cols;
     } while (self->count > COUNT_LEAST && frames_that_fit(self) < wanted);
 }
@@ -132,18 +129,25 @@ static size_t kept(size_t i, size_t stride, size_t side)
 
 static weft_status choose_particles(player_page *self, weft_error *err)
 {
-    choose_stride(self);
+    const record_faces *of = self->faces;
+    self->stride = 1;
+    self->count = of->particles;
+    if (of->cols > 0) {
+        choose_stride(self);
+    }
     self->particles = calloc(self->count, sizeof *self->particles);
     self->values = calloc(self->count, sizeof *self->values);
-    self->field = calloc(3 * self->rows * self->cols, sizeof *self->field);
+    self->field = calloc(3 * of->particles, sizeof *self->field);
     self->block = malloc(page_block_size(3 + PLAYER_FIELDS, self->count));
     if (!(self->particles && self->values && self->field && self->block)) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a page");
     }
     for (size_t i = 0; i < self->count; ++i) {
-        const size_t r = kept(i / self->shown_cols, self->stride, self->rows);
-        const size_t c = kept(i % self->shown_cols, self->stride, self->cols);
-        self->particles[i] = r * self->cols + c;
+        self->particles[i]
+            = of->cols == 0
+                  ? i
+                  : kept(i / self->shown_cols, self->stride, of->rows) * of->cols
+                        + kept(i % self->shown_cols, self->stride, of->cols);
     }
     return WEFT_OK;
 }
@@ -216,7 +220,7 @@ static weft_status write_frame(player_page *self, const player_run *run, size_t 
 /* The distance between the two runs at each particle, from their unrounded frames. */
 static void write_difference(player_page *self)
 {
-    for (size_t i = 0; i < 3 * self->rows * self->cols; ++i) {
+    for (size_t i = 0; i < 3 * self->faces->particles; ++i) {
         self->field[i] = self->runs[1].xyz[i] - self->runs[0].xyz[i];
     }
     put_plane(self, 1, 0, self->field, 3, LENGTH);

@@ -48,11 +48,13 @@ typedef struct player_page {
     bool brief;    /* of series.csv only the rows of the frames shown */
     bool live;     /* one run that may get more frames: there is room for all of them */
     player_run runs[PLAYER_RUNS];
-    size_t run_count, rows, cols;
-    size_t chosen, shown; /* frames: to choose from, left after thinning */
-    size_t step;          /* between two that are left */
-    size_t stride, shown_rows, shown_cols, count; /* particles shown */
-    size_t *particles;                            /* their indices */
+    size_t run_count;
+    const record_faces *faces; /* of run 0 */
+    size_t chosen, shown;      /* frames: to choose from, left after thinning */
+    size_t step;               /* between two that are left */
+    size_t stride, shown_rows, shown_cols,
+        count;         /* particles shown; of triangles all */
+    size_t *particles; /* their indices */
     bool present[PLAYER_FIELDS];
     size_t planes;          /* x, y, z and the fields that are present */
     double *field, *values; /* 3 N as read, one plane as shown */

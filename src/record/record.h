@@ -61,14 +61,4 @@ typedef struct record_extent {
 /* The checksum of the bytes from `begin` to `end`; 0 if the file lacks them. */
 uint64_t record_bytes_sum(const char *path, size_t begin, size_t end);
 
-/* The corners of quad q, around it, the same way round in every format. */
-static inline void record_quad(size_t cols, size_t q, size_t corners[4])
-{
-    const size_t a = q / (cols - 1) * cols + q % (cols - 1);
-    corners[0] = a;
-    corners[1] = a + cols;
-    corners[2] = a + cols + 1;
-    corners[3] = a + 1;
-}
-
 #endif

@@ -175,9 +175,15 @@ static void write_spring(yaml_out *out, const weft_cloth *cloth,
 {
     const size_t cols = weft_cloth_cols(cloth);
     yaml_out_real(out, "max_strain", worst->strain);
-    if (worst->p != worst->q && cols > 0) {
+    if (worst->p != worst->q) {
         yaml_out_map(out, "max_strain_spring");
         yaml_out_plain(out, "family", "%s", weft_family_name(worst->family));
+    }
+    if (worst->p != worst->q && cols == 0) {
+        yaml_out_plain(out, "from_vertex", "%zu", weft_cloth_name(cloth, worst->p));
+        yaml_out_plain(out, "to_vertex", "%zu", weft_cloth_name(cloth, worst->q));
+        yaml_out_close_map(out);
+    } else if (worst->p != worst->q) {
         yaml_out_plain(out, "from_row", "%zu", worst->p / cols);
         yaml_out_plain(out, "from_col", "%zu", worst->p % cols);
         yaml_out_plain(out, "to_row", "%zu", worst->q / cols);

@@ -115,7 +115,29 @@ static record_surface solid_surface(const solid *of, double *position)
         point_towards(of, n, local);
         place(of, local, position + 3 * i);
     }
-    return (record_surface){ rows, cols, position, NULL, NULL, true };
+    return (record_surface){ record_grid(rows, cols), position, NULL, NULL, true };
+}
+
+/* [m] The cloth's first particle, and how long and wide the cloth is together. */
+static double cloth_extent(const weft_cloth_def *cloth, double from[3])
+{
+    if (cloth->mesh == NULL) {
+        memcpy(from, cloth->origin, 3 * sizeof *from);
+        return (double)cloth->rows * cloth->spacing[0]
+               + (double)cloth->cols * cloth->spacing[1];
+    }
+    const double *x = cloth->mesh->start;
+    double extent = 0.0;
+    memcpy(from, x, 3 * sizeof *from);
+    for (size_t k = 0; k < 3; ++k) {
+        double low = x[k], high = x[k];
+        for (size_t i = 1; i < cloth->mesh->vertices; ++i) {
+            low = fmin(low, x[3 * i + k]);
+            high = fmax(high, x[3 * i + k]);
+        }
+        extent += high - low;
+    }
+    return extent;
 }
 
 /* A square about the foot of the cloth's first particle, twice as wide as the cloth on
@@ -123,12 +145,10 @@ static record_surface solid_surface(const solid *of, double *position)
 static record_surface plane_surface(solid *of, const weft_cloth_def *cloth,
                                     double *position)
 {
-    const double wide = 2.0
-                        * ((double)cloth->rows * cloth->spacing[0]
-                           + (double)cloth->cols * cloth->spacing[1]);
     double from[3];
+    const double wide = 2.0 * cloth_extent(cloth, from);
     for (size_t k = 0; k < 3; ++k) {
-        from[k] = cloth->origin[k] - of->centre[k];
+        from[k] -= of->centre[k];
     }
     const double foot[3] = { dot(from, of->axes[0]), dot(from, of->axes[1]), 0.0 };
     place(of, foot, from);
@@ -138,7 +158,7 @@ static record_surface plane_surface(solid *of, const weft_cloth_def *cloth,
             = { i % 2 == 0 ? -wide : wide, i < 2 ? wide : -wide, 0.0 };
         place(of, corner, position + 3 * i);
     }
-    return (record_surface){ 2, 2, position, NULL, NULL, true };
+    return (record_surface){ record_grid(2, 2), position, NULL, NULL, true };
 }
 
 record_surface record_shape_surface(const weft_cloth_def *cloth, size_t k, double t,

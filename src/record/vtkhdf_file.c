@@ -10,6 +10,7 @@
 
 #include "base/bytes.h"
 #include "base/file.h"
+#include "record/faces.h"
 
 #define ROOT  "/VTKHDF/"
 #define STEPS "/VTKHDF/Steps/"
@@ -19,6 +20,7 @@ typedef struct builder {
     hid_t real;                 /* type of the particles' data */
     const record_vtkhdf_def *def;
     const weft_cloth *cloth; /* the whole one */
+    const record_faces *faces;
     size_t n, capacity;
 } builder;
 
@@ -136,25 +138,38 @@ static bool cells(const builder *self, const char *group, size_t count, size_t s
 /* A chain is one line through all particles. */
 static bool topology(const builder *self)
 {
-    const size_t cols = weft_cloth_cols(self->cloth);
-    const size_t quads = (weft_cloth_rows(self->cloth) - 1) * (cols - 1);
-    int64_t *ids = malloc((quads == 0 ? self->n : 4 * quads) * sizeof *ids);
-    for (size_t q = 0; ids != NULL && q < quads; ++q) {
+    const size_t faces = record_face_count(self->faces);
+    const size_t sides = record_face_sides(self->faces);
+    int64_t *ids = malloc((faces == 0 ? self->n : sides * faces) * sizeof *ids);
+    for (size_t f = 0; ids != NULL && f < faces; ++f) {
         size_t corners[4];
-        record_quad(cols, q, corners);
-        for (size_t k = 0; k < 4; ++k) {
-            ids[4 * q + k] = (int64_t)corners[k];
+        record_face(self->faces, f, corners);
+        for (size_t k = 0; k < sides; ++k) {
+            ids[sides * f + k] = (int64_t)corners[k];
         }
     }
-    for (size_t i = 0; ids != NULL && quads == 0 && i < self->n; ++i) {
+    for (size_t i = 0; ids != NULL && faces == 0 && i < self->n; ++i) {
         ids[i] = (int64_t)i;
     }
-    const bool good = ids != NULL && cells(self, "Polygons", quads, 4, ids)
-                      && cells(self, "Lines", quads == 0, self->n, ids)
+    const bool good = ids != NULL && cells(self, "Polygons", faces, sides, ids)
+                      && cells(self, "Lines", faces == 0, self->n, ids)
                       && cells(self, "Vertices", 0, 0, NULL)
                       && cells(self, "Strips", 0, 0, NULL);
     free(ids);
     return good;
+}
+
+/* Of triangles: the flat rest shape, and names that are not 0, 1, ... */
+static bool mesh(const builder *self)
+{
+    const record_faces *of = self->faces;
+    return of->cols > 0
+           || (dataset(self, "/weft/Places", H5T_IEEE_F64LE, of->places, 2,
+                       H5T_NATIVE_DOUBLE, of->uv)
+               && dataset(self, "/weft/CornerPlaces", H5T_STD_U32LE, of->triangles, 3,
+                          H5T_NATIVE_UINT32, of->corner_places)
+               && (of->names == NULL
+                   || integers(self, ROOT "PointData/vertex", self->n, 1, of->names)));
 }
 
 /* ---- particles -------------------------------------------------------------- */
@@ -192,7 +207,7 @@ static bool fixed(const builder *self)
     return integers(self, ROOT "NumberOfPoints", 1, 1, &count)
            && make_group(self, ROOT "PointData")
            && (!self->def->record->fields[WEFT_RECORD_PINNED] || pinned(self))
-           && rest(self) && topology(self);
+           && rest(self) && topology(self) && mesh(self);
 }
 
 /* The offsets of a field's rows are those of the points. */
@@ -217,6 +232,9 @@ static bool particles(const builder *self)
                     STEPS "PointDataOffsets/strain", 1)
            && (!self->def->record->fields[WEFT_RECORD_PINNED]
                || integers(self, STEPS "PointDataOffsets/pinned", self->capacity, 1,
+                           NULL))
+           && (self->faces->names == NULL
+               || integers(self, STEPS "PointDataOffsets/vertex", self->capacity, 1,
                            NULL));
 }
 
@@ -276,14 +294,32 @@ static bool heads(const builder *self)
     (void)H5Tclose(text);
     return good && make_group(self, "/weft")
            && integer_attribute(self, "/weft", "format", 1)
-           && integer_attribute(self, "/weft", "rows", weft_cloth_rows(self->cloth))
-           && integer_attribute(self, "/weft", "cols", weft_cloth_cols(self->cloth));
+           && (self->faces->cols > 0
+                   ? integer_attribute(self, "/weft", "rows", self->faces->rows)
+                         && integer_attribute(self, "/weft", "cols", self->faces->cols)
+                   : integer_attribute(self, "/weft", "vertices", self->n)
+                         && integer_attribute(self, "/weft", "triangles",
+                                              self->faces->triangles));
+}
+
+static bool create(const builder *self)
+{
+    /* NSteps and the header of Steps/Values come first, so that both are in the first
+     * page: they change in one write then, which a kill cannot cut in two */
+    return self->file >= 0 && H5Pset_create_intermediate_group(self->parents, 1) >= 0
+           && H5Pset_alloc_time(self->early, H5D_ALLOC_TIME_EARLY) >= 0
+           && H5Pset_fill_time(self->early, H5D_FILL_TIME_NEVER) >= 0
+           && H5Pset_obj_track_times(self->early, false) >= 0 && make_group(self, STEPS)
+           && integer_attribute(self, STEPS, "NSteps", 0) && times(self) && heads(self)
+           && fixed(self) && particles(self) && allocate_times(self) && steps(self);
 }
 
 bool vtkhdf_file_create(const char *path, const record_vtkhdf_def *def, size_t capacity)
 {
-    const hid_t access = hdf_access();
     const weft_cloth *whole = def->whole == NULL ? def->cloth : def->whole;
+    record_faces faces;
+    const bool taken = record_faces_of(whole, &faces, NULL) == WEFT_OK;
+    const hid_t access = hdf_access();
     /* room before the frames for all metadata */
     (void)H5Pset_meta_block_size(access, (16 + def->series->columns) << 10);
     const builder self = {
@@ -293,23 +329,16 @@ bool vtkhdf_file_create(const char *path, const record_vtkhdf_def *def, size_t c
         .real = def->record->doubles ? H5T_IEEE_F64LE : H5T_IEEE_F32LE,
         .def = def,
         .cloth = whole,
+        .faces = &faces,
         .n = weft_cloth_particles(whole),
         .capacity = capacity,
     };
-    /* NSteps and the header of Steps/Values come first, so that both are in the first
-     * page: they change in one write then, which a kill cannot cut in two */
-    const bool good
-        = self.file >= 0 && H5Pset_create_intermediate_group(self.parents, 1) >= 0
-          && H5Pset_alloc_time(self.early, H5D_ALLOC_TIME_EARLY) >= 0
-          && H5Pset_fill_time(self.early, H5D_FILL_TIME_NEVER) >= 0
-          && H5Pset_obj_track_times(self.early, false) >= 0 && make_group(&self, STEPS)
-          && integer_attribute(&self, STEPS, "NSteps", 0) && times(&self)
-          && heads(&self) && fixed(&self) && particles(&self) && allocate_times(&self)
-          && steps(&self);
+    const bool good = taken && create(&self);
     const bool closed = self.file >= 0 && H5Fclose(self.file) >= 0;
     (void)H5Pclose(self.parents);
     (void)H5Pclose(self.early);
     (void)H5Pclose(access);
+    record_faces_free(&faces);
     return good && closed;
 }
 

@@ -11,15 +11,18 @@
 bool vtkhdf_rows_begin(vtkhdf_rows *self, const weft_comm *comm,
                        const weft_cloth *cloth, bool doubles)
 {
-    const weft_band band = weft_cloth_band(cloth);
     *self = (vtkhdf_rows){ .comm = comm,
-                           .band = band,
+                           .band = weft_cloth_band(cloth),
                            .cols = weft_cloth_cols(cloth),
                            .doubles = doubles,
                            .file = -1 };
+    if (self->cols == 0) { /* triangles, in their order of files */
+        self->cols = weft_cloth_particles(cloth);
+        self->band = (weft_band){ .rows = 1, .own = 1 };
+    }
     self->buffer = malloc(3 * weft_cloth_particles(cloth) * sizeof *self->buffer);
-    self->sums = malloc(band.own * sizeof *self->sums);
-    self->all_sums = malloc(band.rows * sizeof *self->all_sums);
+    self->sums = malloc(self->band.own * sizeof *self->sums);
+    self->all_sums = malloc(self->band.rows * sizeof *self->all_sums);
     return self->buffer != NULL && self->sums != NULL && self->all_sums != NULL;
 }
 

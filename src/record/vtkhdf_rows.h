@@ -11,7 +11,7 @@ enum { VTKHDF_POINTS, VTKHDF_VELOCITY, VTKHDF_STRAIN, VTKHDF_ROW_SETS };
 
 typedef struct vtkhdf_rows {
     const weft_comm *comm; /* NULL: one band, the whole cloth */
-    weft_band band;
+    weft_band band;        /* of triangles a single row of all */
     size_t cols;
     bool doubles;
     int file;                         /* < 0: not open */

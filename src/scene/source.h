@@ -16,8 +16,8 @@ typedef struct weft__source {
  * libyaml does. An override is a single line, whatever it holds. */
 typedef struct weft__mark {
     size_t source, line, column;
-    size_t byte; /* 1 + that of a file which the scene names at this place (obj.h), whose
-                    place a message gets; 0: none */
+    size_t byte; /* 1 + that of a file which the scene names at this place (obj.h),
+                    whose place a message gets; 0: none */
 } weft__mark;
 
 /* The place of a byte. */

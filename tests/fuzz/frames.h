@@ -32,7 +32,7 @@ pid_t __wrap_waitpid(pid_t pid, int *status, int options)
 
 static inline void frames_read(record_frames *frames)
 {
-    const size_t n = frames->rows * frames->cols;
+    const size_t n = frames->faces.particles;
     double *xyz = calloc(3 * n, sizeof *xyz);
     HOLDS(xyz != NULL);
     for (size_t i = 0; i < frames->count && i < 10; ++i) {

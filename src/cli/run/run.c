@@ -54,26 +54,25 @@ static weft_status write_planes(const run *self, const char *name,
                                 record_write_fn *write, const double *y,
                                 weft_error *err)
 {
-    const size_t rows = weft_cloth_band(self->cloth).rows;
-    const size_t cols = weft_cloth_cols(self->cloth), n = rows * cols;
+    record_surface surface = { .doubles = true };
+    weft_status status = record_faces_of(self->cloth, &surface.faces, err);
+    const size_t n = surface.faces.particles;
     double *values = malloc(6 * n * sizeof *values);
-    if (values == NULL) {
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %s", name);
+    if (status == WEFT_OK && values == NULL) {
+        status = weft_error_set(err, WEFT_NO_MEMORY, "no memory for %s", name);
     }
-    for (size_t k = 0; k < 6; ++k) {
-        for (size_t i = 0; i < n; ++i) {
-            values[k / 3 * 3 * n + 3 * i + k % 3] = y[k * n + i];
+    for (size_t i = 0; status == WEFT_OK && i < n; ++i) { /* a band has n here */
+        const size_t at = surface.faces.cols > 0 ? i : weft_cloth_index(self->cloth, i);
+        for (size_t k = 0; k < 6; ++k) {
+            values[k / 3 * 3 * n + 3 * i + k % 3] = y[k * n + at];
         }
     }
-    const record_surface surface = {
-        .rows = rows,
-        .cols = cols,
-        .position = values,
-        .velocity = values + 3 * n,
-        .doubles = true,
-    };
-    const weft_status status
-        = record_surface_write(self->out, name, write, &surface, err);
+    surface.position = values;
+    surface.velocity = values + 3 * n;
+    if (status == WEFT_OK) {
+        status = record_surface_write(self->out, name, write, &surface, err);
+    }
+    record_faces_free(&surface.faces);
     free(values);
     return status;
 }

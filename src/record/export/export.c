@@ -17,11 +17,11 @@ weft_status record_surface_write(const char *directory, const char *name,
     return record_file_commit(&file, err);
 }
 
-void record_texture(const record_surface *surface, size_t i, double uv[2])
+void record_texture(const record_faces *faces, size_t i, double uv[2])
 {
-    const size_t row = i / surface->cols, col = i % surface->cols;
-    uv[0] = col > 0 ? (double)col / (double)(surface->cols - 1) : 0.0;
-    uv[1] = row > 0 ? 1.0 - (double)row / (double)(surface->rows - 1) : 1.0;
+    const size_t row = i / faces->cols, col = i % faces->cols;
+    uv[0] = col > 0 ? (double)col / (double)(faces->cols - 1) : 0.0;
+    uv[1] = row > 0 ? 1.0 - (double)row / (double)(faces->rows - 1) : 1.0;
 }
 
 void record_put(FILE *stream, uint64_t bits, size_t bytes, bool big)

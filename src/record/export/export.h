@@ -4,12 +4,12 @@
 #ifndef WEFT_RECORD_EXPORT_EXPORT_H
 #define WEFT_RECORD_EXPORT_EXPORT_H
 
-#include "record/record.h"
+#include "record/faces.h"
 
 /* The particles of one frame. Vectors are x y z of particle 0, x y z of particle 1, ...
  */
 typedef struct record_surface {
-    size_t rows, cols;
+    record_faces faces;     /* which it does not own */
     const double *position; /* [m] */
     const double *velocity; /* [m/s]; NULL: not known */
     const double *strain;   /* NULL: not known */
@@ -19,10 +19,10 @@ typedef struct record_surface {
 /* The content of a file with one frame. */
 typedef void record_write_fn(FILE *stream, const record_surface *surface);
 
-/* export_obj.c: Wavefront OBJ, quads and texture coordinates; a chain is a line.
+/* export_obj.c: Wavefront OBJ, faces and texture coordinates; a chain is a line.
  * export_ply.c: the same as binary PLY; a chain is edges. export_csv.c:
- * row,col,x,y,z,vx,vy,vz; the velocities only if they are known. export_vtp.c: VTK
- * PolyData in XML, arrays appended raw. */
+ * row,col,x,y,z,vx,vy,vz, of triangles vertex,x,...; the velocities only if they are
+ * known. export_vtp.c: VTK PolyData in XML, arrays appended raw. */
 record_write_fn record_obj, record_ply, record_csv, record_vtp;
 
 /* Writes such a file, which appears complete or not at all. */
@@ -45,24 +45,16 @@ typedef struct record_movie {
 extern const record_movie record_mdd, record_pc2, record_pvd;
 
 /* export_csv.c: final.csv, into vectors of 3 N each. WEFT_IO if it is damaged or does
- * not have the hash in result.yaml. */
-weft_status record_final_read(const char *directory, size_t rows, size_t cols,
-                              double *position, double *velocity, weft_error *err);
+ * not have the hash in result.yaml; that of triangles needs their cloth. */
+weft_status record_final_read(const char *directory, const record_faces *faces,
+                              const weft_cloth *cloth, double *position,
+                              double *velocity, weft_error *err);
 
 /* Functions that several formats share. */
 
-static inline size_t record_particles(const record_surface *surface)
-{
-    return surface->rows * surface->cols;
-}
-
-static inline size_t record_quads(const record_surface *surface)
-{
-    return (surface->rows - 1) * (surface->cols - 1);
-}
-
-/* Texture coordinates: u along a row, v up a column, from 0 to 1. */
-void record_texture(const record_surface *surface, size_t i, double uv[2]);
+/* Texture coordinates of particle i of a grid: u along a row, v up a column, from 0 to
+ * 1. */
+void record_texture(const record_faces *faces, size_t i, double uv[2]);
 
 /* Bytes of numbers, least significant first unless `big`. */
 void record_put(FILE *stream, uint64_t bits, size_t bytes, bool big);

@@ -4,7 +4,7 @@
 
 static void write_points(FILE *stream, const record_surface *surface, bool big)
 {
-    for (size_t i = 0; i < 3 * record_particles(surface); ++i) {
+    for (size_t i = 0; i < 3 * surface->faces.particles; ++i) {
         record_put_float(stream, surface->position[i], big);
     }
 }

@@ -8,7 +8,9 @@
 
 #include "record/result.h"
 
-#define CSV_HEADER "row,col,x,y,z,vx,vy,vz\n"
+#define GRID_HEADER "row,col,x,y,z"
+#define MESH_HEADER "vertex,x,y,z"
+#define VELOCITY    ",vx,vy,vz"
 
 static void write_vector(FILE *stream, const double *v, bool doubles)
 {
@@ -19,9 +21,15 @@ static void write_vector(FILE *stream, const double *v, bool doubles)
 
 void record_csv(FILE *stream, const record_surface *surface)
 {
-    fputs(surface->velocity == NULL ? "row,col,x,y,z\n" : CSV_HEADER, stream);
-    for (size_t i = 0; i < record_particles(surface); ++i) {
-        fprintf(stream, "%zu,%zu", i / surface->cols, i % surface->cols);
+    const record_faces *faces = &surface->faces;
+    fprintf(stream, "%s%s\n", faces->cols > 0 ? GRID_HEADER : MESH_HEADER,
+            surface->velocity == NULL ? "" : VELOCITY);
+    for (size_t i = 0; i < faces->particles; ++i) {
+        if (faces->cols > 0) {
+            fprintf(stream, "%zu,%zu", i / faces->cols, i % faces->cols);
+        } else {
+            fprintf(stream, "%zu", record_name(faces, i));
+        }
         write_vector(stream, &surface->position[3 * i], surface->doubles);
         if (surface->velocity != NULL) {
             write_vector(stream, &surface->velocity[3 * i], surface->doubles);
@@ -30,31 +38,38 @@ void record_csv(FILE *stream, const record_surface *surface)
     }
 }
 
-static bool read_row(FILE *stream, size_t cols, size_t i, double *x, double *v)
+static bool read_row(FILE *stream, const record_faces *faces, size_t i, double *x,
+                     double *v)
 {
     size_t row, col;
-    return fscanf(stream, "%zu,%zu,%lf,%lf,%lf,%lf,%lf,%lf", &row, &col, &x[0], &x[1],
-                  &x[2], &v[0], &v[1], &v[2])
-               == 8
-           && row == i / cols && col == i % cols;
+    const bool named
+        = faces->cols > 0
+              ? fscanf(stream, "%zu,%zu", &row, &col) == 2 && row == i / faces->cols
+                    && col == i % faces->cols
+              : fscanf(stream, "%zu", &row) == 1 && row == record_name(faces, i);
+    return named
+           && fscanf(stream, ",%lf,%lf,%lf,%lf,%lf,%lf", &x[0], &x[1], &x[2], &v[0],
+                     &v[1], &v[2])
+                  == 6;
 }
 
-static weft_status read_state(const char *directory, size_t rows, size_t cols,
+static weft_status read_state(const char *directory, const record_faces *faces,
                               double *position, double *velocity, weft_error *err)
 {
     char path[RECORD_PATH];
-    char header[sizeof CSV_HEADER];
+    const char *wanted
+        = faces->cols > 0 ? GRID_HEADER VELOCITY "\n" : MESH_HEADER VELOCITY "\n";
+    char header[sizeof GRID_HEADER VELOCITY "\n"];
     weft_status status = WEFT_OK;
     FILE *stream = record_open(directory, "final.csv", path, err);
     if (stream == NULL) {
         return WEFT_IO;
     }
-    if (fgets(header, sizeof header, stream) == NULL
-        || strcmp(header, CSV_HEADER) != 0) {
+    if (fgets(header, sizeof header, stream) == NULL || strcmp(header, wanted) != 0) {
         status = weft_error_set(err, WEFT_IO, "%s: not a state: line 1", path);
     }
-    for (size_t i = 0; status == WEFT_OK && i < rows * cols; ++i) {
-        if (!read_row(stream, cols, i, &position[3 * i], &velocity[3 * i])) {
+    for (size_t i = 0; status == WEFT_OK && i < faces->particles; ++i) {
+        if (!read_row(stream, faces, i, &position[3 * i], &velocity[3 * i])) {
             status
                 = weft_error_set(err, WEFT_IO, "%s: damaged at line %zu", path, i + 2);
         }
@@ -63,21 +78,23 @@ static weft_status read_state(const char *directory, size_t rows, size_t cols,
     return status;
 }
 
-static weft_status check_hash(const char *directory, size_t rows, size_t cols,
-                              const double *position, const double *velocity,
-                              weft_error *err)
+static weft_status check_hash(const char *directory, const record_faces *faces,
+                              const weft_cloth *cloth, const double *position,
+                              const double *velocity, weft_error *err)
 {
-    const size_t n = rows * cols;
+    const size_t n = faces->particles;
     uint64_t recorded = 0;
     double *y = malloc(6 * n * sizeof *y);
     if (y == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state");
     }
     for (size_t i = 0; i < 3 * n; ++i) { /* planes */
-        y[i % 3 * n + i / 3] = position[i];
-        y[(3 + i % 3) * n + i / 3] = velocity[i];
+        const size_t at = cloth == NULL ? i / 3 : weft_cloth_index(cloth, i / 3);
+        y[i % 3 * n + at] = position[i];
+        y[(3 + i % 3) * n + at] = velocity[i];
     }
-    const uint64_t hash = weft_state_hash(y, rows, cols);
+    const uint64_t hash = cloth == NULL ? weft_state_hash(y, faces->rows, faces->cols)
+                                        : weft_cloth_state_hash(cloth, y);
     free(y);
     return record_result_hash(directory, &recorded) && hash == recorded
                ? WEFT_OK
@@ -88,12 +105,12 @@ static weft_status check_hash(const char *directory, size_t rows, size_t cols,
                                 directory, hash, recorded);
 }
 
-weft_status record_final_read(const char *directory, size_t rows, size_t cols,
-                              double *position, double *velocity, weft_error *err)
+weft_status record_final_read(const char *directory, const record_faces *faces,
+                              const weft_cloth *cloth, double *position,
+                              double *velocity, weft_error *err)
 {
-    const weft_status status
-        = read_state(directory, rows, cols, position, velocity, err);
+    const weft_status status = read_state(directory, faces, position, velocity, err);
     return status == WEFT_OK
-               ? check_hash(directory, rows, cols, position, velocity, err)
+               ? check_hash(directory, faces, cloth, position, velocity, err)
                : status;
 }

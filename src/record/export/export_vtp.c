@@ -40,13 +40,13 @@ static void tag_reals(FILE *stream, const record_surface *surface, const char *n
                       size_t components, size_t *offset)
 {
     tag(stream, surface->doubles ? "Float64" : "Float32", name, components,
-        record_particles(surface) * components * real_size(surface), offset);
+        surface->faces.particles * components * real_size(surface), offset);
 }
 
 static void put_reals(FILE *stream, const record_surface *surface, const double *values,
                       size_t components)
 {
-    const size_t count = record_particles(surface) * components;
+    const size_t count = surface->faces.particles * components;
     record_put(stream, count * real_size(surface), 8, false);
     for (size_t i = 0; i < count; ++i) {
         if (surface->doubles) {
@@ -57,30 +57,32 @@ static void put_reals(FILE *stream, const record_surface *surface, const double 
     }
 }
 
-/* ---- cells: quads, or one line ---------------------------------------------- */
+/* ---- cells: faces, or one line ---------------------------------------------- */
 
 static size_t cell_count(const record_surface *surface)
 {
-    const size_t quads = record_quads(surface);
-    return quads > 0 ? quads : 1;
+    const size_t faces = record_face_count(&surface->faces);
+    return faces > 0 ? faces : 1;
 }
 
 static size_t cell_size(const record_surface *surface)
 {
-    return record_quads(surface) > 0 ? 4 : record_particles(surface);
+    return record_face_count(&surface->faces) > 0 ? record_face_sides(&surface->faces)
+                                                  : surface->faces.particles;
 }
 
 static void put_cells(FILE *stream, const record_surface *surface)
 {
     const size_t cells = cell_count(surface), size = cell_size(surface);
+    const bool faces = record_face_count(&surface->faces) > 0;
     record_put(stream, 8 * cells * size, 8, false);
     for (size_t c = 0; c < cells; ++c) {
         size_t corners[4] = { 0 };
-        if (record_quads(surface) > 0) {
-            record_quad(surface->cols, c, corners);
+        if (faces) {
+            record_face(&surface->faces, c, corners);
         }
         for (size_t k = 0; k < size; ++k) {
-            record_put(stream, record_quads(surface) > 0 ? corners[k] : k, 8, false);
+            record_put(stream, faces ? corners[k] : k, 8, false);
         }
     }
     record_put(stream, 8 * cells, 8, false);
@@ -93,12 +95,12 @@ static void put_cells(FILE *stream, const record_surface *surface)
 
 static void write_tags(FILE *stream, const record_surface *surface)
 {
-    const char *cells = record_quads(surface) > 0 ? "Polys" : "Lines";
+    const char *cells = record_face_count(&surface->faces) > 0 ? "Polys" : "Lines";
     size_t offset = 0;
     fprintf(stream,
             HEAD("PolyData") "<PolyData><Piece NumberOfPoints=\"%zu\" "
                              "NumberOf%s=\"%zu\">\n<Points>\n",
-            record_particles(surface), cells, cell_count(surface));
+            surface->faces.particles, cells, cell_count(surface));
     tag_reals(stream, surface, "Points", 3, &offset);
     fputs("</Points>\n<PointData>\n", stream);
     if (surface->velocity != NULL) {
