@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* test_surface.c -- the numbers, names, triangles, edges and rest shape of a cloth. */
-#include "support.h"
-
-#include <stdlib.h>
-#include <string.h>
+#include "meshes.h"
 
 static weft_cloth *cloth;
 
@@ -75,6 +72,87 @@ START_TEST(hash_of_a_state_is_that_of_its_rows)
 }
 END_TEST
 
+START_TEST(vertices_of_a_mesh_have_their_names)
+{
+    test_mesh mesh;
+    mesh_sheet(&mesh, 2, 2, 0.5, MESH_RIGHT, 0.0, 1);
+    const size_t names[] = { 40, 30, 20, 10 };
+    const weft_spring spring = { WEFT_STRETCH, 0, 3, 0.0 };
+    const weft_primitive edge = { 2, { 1, 2 } }, triangle = { 3, { 3, 0, 1 } };
+    char text[64];
+    mesh.def.names = names;
+    const weft_cloth_def def = mesh_cloth(&mesh);
+    cloth = test_cloth(&def);
+    ck_assert_uint_eq(weft_cloth_rows(cloth) + weft_cloth_cols(cloth), 0);
+    ck_assert_str_eq(weft_cloth_text(cloth, text, 64), "4 vertices, 2 triangles");
+    ck_assert_str_eq(weft_particle_text(cloth, 2, text, 64), "vertex 20");
+    ck_assert_str_eq(weft_spring_text(cloth, &spring, text, 64),
+                     "stretch spring 40-10");
+    ck_assert_str_eq(weft_primitive_text(cloth, &edge, text, 64), "edge 30-20");
+    ck_assert_str_eq(weft_primitive_text(cloth, &triangle, text, 64),
+                     "triangle 10-40-30");
+    destroy();
+    mesh_free(&mesh);
+}
+END_TEST
+
+static int by_value(const void *a, const void *b)
+{
+    return memcmp(a, b, 3 * sizeof(uint32_t));
+}
+
+/* Each from its lowest corner on, in order. */
+static void sort(uint32_t *corners, size_t count)
+{
+    for (size_t t = 0; t < count; ++t) {
+        uint32_t *of = corners + 3 * t;
+        while (of[0] > of[1] || of[0] > of[2]) {
+            const uint32_t first = of[0];
+            of[0] = of[1], of[1] = of[2], of[2] = first;
+        }
+    }
+    qsort(corners, count, 3 * sizeof *corners, by_value);
+}
+
+/* Two pieces, of which one is a mirror image in (u, v). A seam's edges are one edge. */
+START_TEST(a_mesh_gives_back_what_defined_it)
+{
+    enum { TRIANGLES = 2 * 4 * 8, PLACES = 50, EDGES = 45 + TRIANGLES - 1 };
+    test_mesh mesh;
+    uint32_t corners[3 * TRIANGLES], places[3 * TRIANGLES], ends[2 * EDGES];
+    double uv[2 * PLACES];
+    mesh_sheet(&mesh, 5, 9, 0.1, MESH_ALTERNATING, 0.0, 1);
+    mesh_sew(&mesh, 4, 0.3, 0.6, 0.8);
+    for (size_t i = 45; i < 90; ++i) {
+        mesh.rest[2 * i] = -mesh.rest[2 * i];
+    }
+    mesh_shuffle(&mesh, 2, NULL);
+    const weft_cloth_def def = mesh_cloth(&mesh);
+    cloth = test_cloth(&def);
+    ck_assert_uint_eq(weft_cloth_triangles(cloth, corners), TRIANGLES);
+    ck_assert_uint_eq(weft_cloth_places(cloth, places, uv), PLACES);
+    for (size_t j = 0; j < 3 * TRIANGLES; ++j) {
+        size_t at = 0; /* a corner of the same vertex at the same place */
+        while (mesh.corners[at] != corners[j]
+               || memcmp(&mesh.rest[2 * (size_t)mesh.places[at]],
+                         &uv[2 * (size_t)places[j]], 2 * sizeof *uv)
+                      != 0) {
+            ck_assert_uint_lt(++at, 3 * TRIANGLES);
+        }
+    }
+    sort(corners, TRIANGLES);
+    sort(mesh.corners, TRIANGLES);
+    ck_assert_mem_eq(corners, mesh.corners, sizeof corners);
+    ck_assert_uint_eq(weft_cloth_edges(cloth, ends), EDGES);
+    for (size_t v = 0; v < 45; ++v) {
+        const size_t at = weft_cloth_index(cloth, v);
+        ck_assert_uint_eq(weft_cloth_vertex(cloth, at), v);
+    }
+    destroy();
+    mesh_free(&mesh);
+}
+END_TEST
+
 TEST_SUITE(surface)
 {
     Suite *suite = suite_create("surface");
@@ -84,5 +162,9 @@ TEST_SUITE(surface)
     tcase_add_test(grid, a_grid_has_two_triangles_for_each_cell);
     tcase_add_test(grid, hash_of_a_state_is_that_of_its_rows);
     suite_add_tcase(suite, grid);
+    TCase *triangles = tcase_create("triangles");
+    tcase_add_test(triangles, vertices_of_a_mesh_have_their_names);
+    tcase_add_test(triangles, a_mesh_gives_back_what_defined_it);
+    suite_add_tcase(suite, triangles);
     return suite;
 }
