@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "conformance/structured.h"
+#include "meshes.h"
 
 enum {
     ROWS = 6,
@@ -238,10 +239,17 @@ static const weft_stepper_type looks = { .abi = WEFT_STEPPER_ABI,
                                          .destroy = nothing,
                                          .ode_changed = count_change };
 
+static weft_sim *look_with(const weft_cloth *cloth, uint32_t flags)
+{
+    static weft_stepper_type type;
+    const weft_stepper_config config = weft_stepper_config_default();
+    type = looks, type.flags = flags;
+    return test_sim(cloth, &type, &config);
+}
+
 static weft_sim *simulate(const weft_cloth *cloth)
 {
-    const weft_stepper_config config = weft_stepper_config_default();
-    weft_sim *sim = test_sim(cloth, &looks, &config);
+    weft_sim *sim = look_with(cloth, WEFT_STEPPER_LINKS);
     ck_assert_ptr_nonnull(seen.structure);
     ck_assert_uint_eq(seen.structure->struct_size, sizeof *seen.structure);
     return sim;
@@ -250,8 +258,9 @@ static weft_sim *simulate(const weft_cloth *cloth)
 /* The room for linearise. */
 static double *room(const weft_structure *of)
 {
-    const size_t count
-        = WEFT_BOND_PLANES * of->bond_count + WEFT_BLOCK_PLANES * of->particles;
+    const size_t count = WEFT_BOND_PLANES * of->bond_count
+                         + WEFT_BLOCK_PLANES * of->particles
+                         + WEFT_LINK_NUMBERS * of->link_count;
     double *planes = malloc(count * sizeof *planes);
     memset(planes, 0xff, count * sizeof *planes);
     return planes;
@@ -284,6 +293,67 @@ START_TEST(structure_has_the_jacobian_of_the_cloth)
     ck_assert(distance(parts, whole, 6 * N) <= 1e-11 * largest(whole, 6 * N));
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);
+}
+END_TEST
+
+/* Pulled in all directions, at rest: no stress presses. Two fabrics of other damping.
+ */
+static weft_cloth *stretched(test_mesh *sheet, double *y, double *dy)
+{
+    static const size_t held[2] = { 0, 5 };
+    const weft_pin pin = { .vertices = held, .vertex_count = 2 };
+    static uint32_t fabrics[2 * (ROWS - 1) * (COLS - 1)];
+    mesh_sheet(sheet, ROWS, COLS, 0.1, MESH_RANDOM, 0.2, 3);
+    sheet->fabrics[1] = sheet->fabrics[0];
+    sheet->fabrics[0].damping[0] = 0.02, sheet->fabrics[0].damping[1] = 0.01;
+    sheet->fabrics[1].damping[0] = 0.05;
+    sheet->def.fabric_count = 2;
+    for (size_t t = 0; t < sheet->def.triangles; ++t) {
+        fabrics[t] = t % 3 == 0;
+    }
+    sheet->def.fabric_of = fabrics;
+    weft_cloth_def def = mesh_cloth(sheet);
+    def.drag = 0.01;
+    def.pins = &pin, def.pin_count = 1;
+    weft_cloth *cloth = test_cloth(&def);
+    weft_cloth_start(cloth, y);
+    for (size_t j = 0; j < 6 * N; ++j) {
+        y[j] = j < 3 * N ? 1.2 * y[j] + 1e-3 * noise() : 0.0;
+        dy[j] = noise();
+    }
+    return cloth;
+}
+
+START_TEST(structure_of_triangles_has_the_jacobian_of_the_cloth)
+{
+    double y[6 * N], dy[6 * N], whole[6 * N], parts[6 * N];
+    test_mesh sheet;
+    weft_cloth *cloth = stretched(&sheet, y, dy);
+    weft_sim *sim = simulate(cloth);
+    ck_assert_uint_eq(seen.structure->bond_count, 0);
+    ck_assert_uint_gt(seen.structure->tie_count, 0);
+    ck_assert_int_eq(weft_cloth_jacobian_product(cloth, 0.0, y, dy, whole), 0);
+    structured(seen.structure, 0.0, y, dy, parts);
+    ck_assert(distance(parts, whole, 6 * N) <= 1e-11 * largest(whole, 6 * N));
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    mesh_free(&sheet);
+}
+END_TEST
+
+START_TEST(links_are_for_methods_that_know_them)
+{
+    double y[6 * N], dy[6 * N];
+    test_mesh sheet;
+    weft_cloth *cloth = stretched(&sheet, y, dy);
+    weft_sim *sim = look_with(cloth, 0);
+    ck_assert_uint_eq(seen.structure->link_count + seen.structure->tie_count, 0);
+    weft_sim_destroy(sim);
+    sim = look_with(cloth, WEFT_STEPPER_IMPLICIT);
+    ck_assert_ptr_null(seen.structure);
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    mesh_free(&sheet);
 }
 END_TEST
 
@@ -480,6 +550,8 @@ TEST_SUITE(jacobian)
                         CASES);
     tcase_add_test(tcase, product_is_linear_and_refuses_what_is_not_finite);
     tcase_add_loop_test(tcase, structure_has_the_jacobian_of_the_cloth, 0, 2 * KINDS);
+    tcase_add_test(tcase, structure_of_triangles_has_the_jacobian_of_the_cloth);
+    tcase_add_test(tcase, links_are_for_methods_that_know_them);
     tcase_add_loop_test(tcase, damping_of_contact_is_exact_along_and_across, 0, 2);
     tcase_add_loop_test(tcase, runs_list_every_spring_once, 0, 7);
     tcase_add_test(tcase, springs_of_no_length_are_zeros);

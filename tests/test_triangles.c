@@ -328,6 +328,23 @@ START_TEST(pins_and_loads_outside_are_refused)
 }
 END_TEST
 
+START_TEST(a_strain_limit_is_refused)
+{
+    test_mesh mesh;
+    mesh_sheet(&mesh, 3, 3, 0.1, MESH_RIGHT, 0.0, 1);
+    weft_sim *sim = NULL;
+    weft_sim_def def = weft_sim_def_default();
+    weft_cloth *cloth = made(&mesh);
+    def.cloth = cloth, def.method = test_method_named("verlet/velocity_verlet");
+    def.config.fixed_step = 1e-3;
+    def.limit.method = WEFT_LIMIT_PROVOT;
+    ck_assert_int_eq(weft_sim_create(&def, &sim, &err), WEFT_UNSUPPORTED);
+    ck_assert_str_eq(err.message, "a strain limit needs a grid: it shortens springs");
+    weft_cloth_destroy(cloth);
+    mesh_free(&mesh);
+}
+END_TEST
+
 TEST_SUITE(triangles)
 {
     Suite *suite = suite_create("triangles");
@@ -342,6 +359,7 @@ TEST_SUITE(triangles)
     tcase_add_loop_test(tcase, a_bad_mesh_is_refused_with_its_place, 0,
                         sizeof faults / sizeof faults[0]);
     tcase_add_test(tcase, pins_and_loads_outside_are_refused);
+    tcase_add_test(tcase, a_strain_limit_is_refused);
     suite_add_tcase(suite, tcase);
     return suite;
 }

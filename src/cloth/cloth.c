@@ -346,23 +346,9 @@ weft_band weft_cloth_band(const weft_cloth *cloth)
     return cloth->mesh.band;
 }
 
-static size_t at_most(size_t count, size_t most)
-{
-    return count < most ? count : most;
-}
-
 size_t weft_cloth_springs(const weft_cloth *cloth, weft_family family)
 {
-    const size_t first = cloth->mesh.band.above, end = first + cloth->mesh.band.own;
-    size_t springs = 0;
-    for (size_t g = 0; g < cloth->springs.group_count; ++g) {
-        const weft__group *group = &cloth->springs.groups[g];
-        if (group->family == family) {
-            springs += (at_most(end, group->end_row) - at_most(first, group->end_row))
-                       * (group->end_col - group->first_col);
-        }
-    }
-    return springs;
+    return weft__springs_count(&cloth->springs, family);
 }
 
 size_t weft_cloth_pins(const weft_cloth *cloth)

@@ -54,6 +54,10 @@ static weft_status check_band(const weft_sim_def *def, weft_error *err)
 
 weft_status weft__bands_check(const weft_sim_def *def, weft_error *err)
 {
+    if (def->comm != NULL && def->cloth->mesh.triangles != NULL) {
+        return weft_error_set(err, WEFT_UNSUPPORTED,
+                              "bands need a grid: they are rows of it");
+    }
     const weft_status status = check_band(def, err);
     if (status != WEFT_OK || def->comm == NULL) {
         return status;

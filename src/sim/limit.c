@@ -39,6 +39,10 @@ weft_status weft__limit_init(weft__limit *limit, const weft_limit_def *def,
     if (first.status != WEFT_OK) {
         return first.status;
     }
+    if (cloth->mesh.triangles != NULL) {
+        return weft_error_set(err, WEFT_UNSUPPORTED,
+                              "a strain limit needs a grid: it shortens springs");
+    }
     const size_t count = 3 * weft_cloth_particles(cloth);
     const bool fast = def->solver == WEFT_LIMIT_FAST;
     double *x = weft__alloc(memory, (fast ? 3 : 1) * count, sizeof *x);

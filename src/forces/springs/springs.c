@@ -3,7 +3,6 @@
 #include "forces/springs/springs.h"
 
 #include "base/hash.h"
-#include "forces/bounds.h"
 #include "mesh/grid_def.h"
 
 #define NOT_NEGATIVE .least = 0.0
@@ -15,29 +14,6 @@ const struct weft__spring_numbers weft__spring_numbers = {
 
 const weft__number weft__spring_law = { offsetof(weft_cloth_def, law), "law", NULL,
                                         .type = WEFT__ENUM, .most = WEFT_LAW_STRAIN };
-
-static bool starts_at(const weft__springs *own, const weft__group *group, size_t i)
-{
-    const size_t r = i / own->mesh->cols, c = i % own->mesh->cols;
-    return r < group->end_row && c >= group->first_col && c < group->end_col;
-}
-
-size_t weft__particle_springs(const weft__springs *own, size_t i, const double *x,
-                              weft__spring springs[WEFT__SPRINGS_MAX])
-{
-    size_t count = 0;
-    for (size_t g = 0; g < own->group_count; ++g) {
-        const weft__group *group = &own->groups[g];
-        const size_t stride = (size_t)group->stride;
-        if (starts_at(own, group, i)) {
-            springs[count++] = weft__spring_from(own->mesh, group, i, x);
-        }
-        if (i >= stride && starts_at(own, group, i - stride)) {
-            springs[count++] = weft__spring_from(own->mesh, group, i - stride, x);
-        }
-    }
-    return count;
-}
 
 /* [N] of one of them on p, or its derivative. */
 static void spring_force(const weft__springs *own, const weft__spring *at,
@@ -142,6 +118,25 @@ void weft__groups_init(weft__springs *own, const weft_cloth_def *def)
             ++own->group_count;
         }
     }
+}
+
+static size_t at_most(size_t count, size_t most)
+{
+    return count < most ? count : most;
+}
+
+size_t weft__springs_count(const weft__springs *own, weft_family family)
+{
+    const size_t first = own->mesh->band.above, end = first + own->mesh->band.own;
+    size_t count = 0;
+    for (size_t g = 0; g < own->group_count; ++g) {
+        const weft__group *group = &own->groups[g];
+        if (group->family == family) {
+            count += (at_most(end, group->end_row) - at_most(first, group->end_row))
+                     * (group->end_col - group->first_col);
+        }
+    }
+    return count;
 }
 
 /* ---- for weft__force ------------------------------------------------------------- */
@@ -338,162 +333,6 @@ static void strains(const void *own, const weft__state *at, size_t b, double *st
     }
 }
 
-/* u u^T, or I where there is no direction: no less than u u^T for any. */
-static void outer(const weft__spring *at, double uu[6])
-{
-    static const size_t first[6] = { 0, 1, 2, 0, 0, 1 };
-    static const size_t second[6] = { 0, 1, 2, 1, 2, 2 };
-    const double length = sqrt(at->square);
-    for (size_t k = 0; k < 6; ++k) {
-        uu[k] = length == 0.0 ? (k < 3 ? 1.0 : 0.0)
-                              : at->d[first[k]] / length * (at->d[second[k]] / length);
-    }
-}
-
-/* Stiffness k and damping c of a group of springs are along the same directions:
- * a K + b C is at most (a k + b c)+ of them. */
-typedef struct taken {
-    double along[WEFT_GROUPS][6]; /* sum (1/m_i + 1/m_j) share u u^T of a group */
-    double taut[6], slack[6];     /* sum (1/m_i + 1/m_j) (T/L)+- (I - u u^T) */
-} taken;
-
-static void add_spring(const weft__springs *own, const weft__spring *at, taken *sum)
-{
-    const double share
-        = own->mesh->inverse_mass[at->p] + own->mesh->inverse_mass[at->q];
-    const double pull = weft__spring_tension(at, 0.0);
-    double uu[6], *along = sum->along[at->group - own->groups];
-    double *across = pull > 0.0 ? sum->taut : sum->slack;
-    outer(at, uu);
-    for (size_t k = 0; k < 6; ++k) {
-        along[k] += at->share * share * uu[k];
-        across[k] += share * fabs(pull) * ((k < 3 ? 1.0 : 0.0) - uu[k]);
-    }
-}
-
-static void ratios(const void *own, weft__sides *to)
-{
-    const weft__springs *of = own;
-    for (size_t g = 0; g < of->group_count; ++g) {
-        weft__sides_add(to, of->groups[g].damping / of->groups[g].stiffness);
-    }
-}
-
-static void bound_side(const weft__springs *own, const taken *of, double a, double b,
-                       double sum[6])
-{
-    for (size_t g = 0; g < own->group_count; ++g) {
-        const double stiff = a * own->groups[g].stiffness;
-        const double damped = b * own->groups[g].damping;
-        /* a sum that cancels is bounded by its roundoff */
-        const double most = fmax(0.0, stiff + damped)
-                            + (stiff * damped < 0.0 ? WEFT__ROUNDOFF * fabs(stiff) : 0);
-        for (size_t k = 0; k < 6; ++k) {
-            sum[k] += most * of->along[g][k];
-        }
-    }
-    for (size_t k = 0; k < 6; ++k) {
-        sum[k] += fmax(0.0, a) * of->taut[k] + fmax(0.0, -a) * of->slack[k];
-    }
-}
-
-static void bound(const void *own, const weft__state *at, size_t i,
-                  const weft__sides *sides, double (*sums)[6])
-{
-    weft__spring springs[WEFT__SPRINGS_MAX];
-    const size_t count = weft__particle_springs(own, i, at->y, springs);
-    taken all = { .taut = { 0.0 } };
-    for (size_t s = 0; s < count; ++s) {
-        add_spring(own, &springs[s], &all);
-    }
-    for (size_t s = 0; s < sides->count; ++s) {
-        bound_side(own, &all, sides->way[s][0], sides->way[s][1], sums[s]);
-    }
-}
-
-/* out += (a K + b C) x of one spring: slack springs are taken for straight ones. */
-static void multiply_spring(const weft__mesh *mesh, const weft__spring *at, double a,
-                            double b, const double *x, double *out)
-{
-    if (at->square == 0.0) {
-        return;
-    }
-    const double across = a * fmax(0.0, weft__spring_tension(at, 0.0));
-    const double along = a * weft__spring_stiffness(at) + b * weft__spring_damping(at);
-    const double stretch = weft__spring_rate(mesh, at, x) / at->square;
-    double d[3];
-    weft__spring_difference(mesh, at, x, d);
-    for (size_t k = 0; k < 3; ++k, out += mesh->particles) {
-        const double force = across * d[k] + (along - across) * stretch * at->d[k];
-        out[at->p] -= force;
-        out[at->q] += force;
-    }
-}
-
-static void multiply(const void *own, const weft__state *at, double a, double b,
-                     const double *x, double *out)
-{
-    const weft__springs *of = own;
-    for (size_t r = 0; r < weft__blocks(of->mesh); ++r) {
-        for (weft__walk walk = weft__row_springs(of, at->y, r);
-             weft__each_spring(&walk);) {
-            multiply_spring(of->mesh, &walk.spring, a, b, x, out);
-        }
-    }
-}
-
-/* ---- linearisation --------------------------------------------------------------- */
-
-size_t weft__group_run(const weft__mesh *mesh, const weft__group *group, size_t b,
-                       weft_bonds *runs)
-{
-    const size_t p = b * mesh->cols + group->first_col;
-    if (b < group->end_row && runs != NULL) {
-        *runs = (weft_bonds){ p, p + (size_t)group->stride,
-                              group->end_col - group->first_col };
-    }
-    return b < group->end_row;
-}
-
-static size_t runs(const void *own, size_t b, weft_bonds *to)
-{
-    const weft__springs *of = own;
-    size_t count = 0;
-    for (size_t g = 0; g < of->group_count; ++g) {
-        count += weft__group_run(of->mesh, &of->groups[g], b, to + count);
-    }
-    return count;
-}
-
-/* Writes u, k - q, q = T / L and c, `bonds` apart. Returns q. */
-static double spring_planes(const weft__mesh *mesh, const weft__spring *at,
-                            const double *v, double *planes, size_t bonds)
-{
-    const double k = weft__spring_stiffness(at), length = sqrt(at->square);
-    const double q = weft__spring_tension(at, weft__spring_rate(mesh, at, v));
-    const double inverse = length > 0.0 ? 1.0 / length : 0.0;
-    for (size_t j = 0; j < 3; ++j) {
-        planes[j * bonds] = at->d[j] * inverse;
-    }
-    planes[3 * bonds] = length > 0.0 ? k - q : 0.0;
-    planes[4 * bonds] = q;
-    planes[5 * bonds] = length > 0.0 ? weft__spring_damping(at) : 0.0;
-    return q;
-}
-
-static double *bonds(const void *own, const weft__state *at, size_t b, double *to,
-                     size_t all, double *bad)
-{
-    const weft__springs *of = own;
-    for (weft__walk walk = weft__row_springs(of, at->y, b); weft__each_spring(&walk);
-         ++to) {
-        *bad += 0.0
-                * spring_planes(of->mesh, &walk.spring, at->y + 3 * of->mesh->particles,
-                                to, all);
-    }
-    return to;
-}
-
 const weft__force weft__springs_force = { .name = "springs",
                                           .check = check,
                                           .init = init,
@@ -504,8 +343,8 @@ const weft__force weft__springs_force = { .name = "springs",
                                           .power = power,
                                           .worst = worst,
                                           .strains = strains,
-                                          .ratios = ratios,
-                                          .bound = bound,
-                                          .multiply = multiply,
-                                          .runs = runs,
-                                          .bonds = bonds };
+                                          .ratios = weft__springs_ratios,
+                                          .bound = weft__springs_bound,
+                                          .multiply = weft__springs_multiply,
+                                          .runs = weft__springs_runs,
+                                          .bonds = weft__springs_bonds };

@@ -62,10 +62,23 @@ bool weft__group_init(const weft__mesh *mesh, size_t way, weft__group *group);
 /* From a definition. */
 void weft__groups_init(weft__springs *own, const weft_cloth_def *def);
 
+/* How many of a family begin in the own rows of a band. */
+size_t weft__springs_count(const weft__springs *own, weft_family family);
+
 /* Those of a group that begin in block b, as one run; returns 1, or 0: there are none.
  * runs NULL: only counts. */
 size_t weft__group_run(const weft__mesh *mesh, const weft__group *group, size_t b,
                        weft_bonds *runs);
+
+/* springs_matrix.c, as in weft__force. */
+void weft__springs_ratios(const void *own, struct weft__sides *to);
+void weft__springs_bound(const void *own, const weft__state *at, size_t i,
+                         const struct weft__sides *sides, double (*sums)[6]);
+void weft__springs_multiply(const void *own, const weft__state *at, double a, double b,
+                            const double *x, double *out);
+size_t weft__springs_runs(const void *own, size_t b, weft_bonds *to);
+double *weft__springs_bonds(const void *own, const weft__state *at, size_t b,
+                            double *to, size_t all, double *bad);
 
 /* A spring in a state. */
 typedef struct weft__spring {
@@ -219,9 +232,32 @@ static inline bool weft__each_spring(weft__walk *walk)
     return true;
 }
 
+/* Whether a spring of a group begins at particle i. */
+static inline bool weft__starts_at(const weft__springs *own, const weft__group *group,
+                                   size_t i)
+{
+    const size_t r = i / own->mesh->cols, c = i % own->mesh->cols;
+    return r < group->end_row && c >= group->first_col && c < group->end_col;
+}
+
 /* Those that begin or end at particle i; returns how many. */
 enum { WEFT__SPRINGS_MAX = 2 * WEFT_GROUPS };
-size_t weft__particle_springs(const weft__springs *own, size_t i, const double *x,
-                              weft__spring springs[WEFT__SPRINGS_MAX]);
+static inline size_t weft__particle_springs(const weft__springs *own, size_t i,
+                                            const double *x,
+                                            weft__spring springs[WEFT__SPRINGS_MAX])
+{
+    size_t count = 0;
+    for (size_t g = 0; g < own->group_count; ++g) {
+        const weft__group *group = &own->groups[g];
+        const size_t stride = (size_t)group->stride;
+        if (weft__starts_at(own, group, i)) {
+            springs[count++] = weft__spring_from(own->mesh, group, i, x);
+        }
+        if (i >= stride && weft__starts_at(own, group, i - stride)) {
+            springs[count++] = weft__spring_from(own->mesh, group, i - stride, x);
+        }
+    }
+    return count;
+}
 
 #endif
