@@ -237,6 +237,30 @@ START_TEST(memory_that_is_not_there_is_an_error)
 }
 END_TEST
 
+/* At 1e210 m/s J_ij is so large that a pivot of I - h/4 J was 0. */
+START_TEST(speeds_beyond_reason_call_no_handler)
+{
+    const weft_pin pins[] = { { .rows = { 0, 0 }, .cols = { 1, 1 } },
+                              { .rows = { 3, 3 }, .cols = { 1, 1 } } };
+    const weft_stepper_config config = adaptive(1e-4);
+    weft_cloth_def def = weft_cloth_def_default();
+    def.rows = 5, def.cols = 2;
+    def.spacing[0] = def.spacing[1] = 0.13;
+    def.springs[WEFT_SHEAR]
+        = (weft_spring_def){ .present = true, .stiffness = 87.0, .damping = 0.05 };
+    def.pins = pins, def.pin_count = 2;
+    for (double v = 1e10; v < 1e300; v *= 10.0) {
+        weft_error err = { 0 };
+        def.velocity[0] = -0.97, def.velocity[1] = v, def.velocity[2] = 0.35;
+        weft_cloth *cloth = test_cloth(&def);
+        weft_sim *sim = test_sim(cloth, test_method_named("gsl/rk4imp"), &config);
+        ck_assert(weft_sim_step(sim, 0.01, &err) == WEFT_OK || err.message[0] != '\0');
+        weft_sim_destroy(sim);
+        weft_cloth_destroy(cloth);
+    }
+}
+END_TEST
+
 /* GSL's control looks at one error estimate, r, and D = 1. */
 START_TEST(h_follows_the_rule_of_gsl)
 {
@@ -272,6 +296,7 @@ TEST_SUITE(gsl)
     tcase_add_test(tcase, bsimp_refuses_tolerances_below_its_rounding);
     tcase_add_test(tcase, a_component_near_zero_does_not_stop_bsimp);
     tcase_add_test(tcase, memory_that_is_not_there_is_an_error);
+    tcase_add_test(tcase, speeds_beyond_reason_call_no_handler);
     tcase_add_test(tcase, h_follows_the_rule_of_gsl);
     suite_add_tcase(suite, tcase);
 #endif
