@@ -29,6 +29,20 @@ static inline void *weft__zeroed(const weft_allocator *memory, size_t count,
     return block == NULL ? NULL : memset(block, 0, count * size);
 }
 
+/* Resizes the block that the pointer at `to` points to; false: no memory, and nothing is
+ * changed. */
+static inline bool weft__resized(const weft_allocator *memory, void *to, size_t count,
+                                 size_t size)
+{
+    void *block;
+    memcpy(&block, to, sizeof block);
+    block = weft__resize(memory, block, count, size);
+    if (block != NULL) {
+        memcpy(to, &block, sizeof block);
+    }
+    return block != NULL;
+}
+
 static inline char *weft__copy_text(const weft_allocator *memory, const char *text)
 {
     const size_t size = strlen(text) + 1;

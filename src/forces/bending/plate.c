@@ -33,15 +33,15 @@ enum { ITERATIONS = 3 };
 
 /* For any d > 0 K is at most the diagonal of (|K| d)_i / d_i, by Young's inequality.
  * The power method brings d near the best, that of the largest eigenvalue of M^-1 |K|
- * (L. Collatz, Math. Z. 48, 1942). Needs work[3 N]. */
+ * (L. Collatz, Math. Z. 48, 1942). Needs work[2 N]. */
 static void bound_all(weft__plate *of, double *work)
 {
     const weft__plate_matrix *matrix = &of->matrix;
     const size_t n = matrix->particles;
     const double *mass = of->mesh->mass;
-    double *d = work, *y = work + n, *best = work + 2 * n, least = INFINITY;
+    double *d = work, *y = work + n, least = INFINITY;
     for (size_t i = 0; i < n; ++i) {
-        d[i] = best[i] = 1.0;
+        d[i] = 1.0;
     }
     for (size_t step = 0; step <= ITERATIONS; ++step) {
         double top = 0.0, size = 0.0;
@@ -50,21 +50,16 @@ static void bound_all(weft__plate *of, double *work)
             top = fmax(top, y[i] / (mass[i] * d[i]));
             size = fmax(size, y[i] / mass[i]);
         }
-        if (top < least) {
-            least = top;
-            memcpy(best, d, n * sizeof *best);
-            for (size_t i = 0; i < n; ++i) {
-                of->most[i] = y[i] / d[i];
-            }
+        if (top < least && matrix->damping != NULL) {
+            absolute(matrix, matrix->damping, d, of->most + n);
         }
+        for (size_t i = 0; top < least && i < n; ++i) {
+            of->most[i] = y[i] / d[i];
+            of->most[n + i] = matrix->damping != NULL ? of->most[n + i] / d[i] : 0.0;
+        }
+        least = fmin(least, top);
         for (size_t i = 0; size > 0.0 && i < n; ++i) {
             d[i] = y[i] / (mass[i] * size) + 1e-3 * d[i];
-        }
-    }
-    if (matrix->damping != NULL) {
-        absolute(matrix, matrix->damping, best, y);
-        for (size_t i = 0; i < n; ++i) {
-            of->most[n + i] = y[i] / best[i];
         }
     }
 }
@@ -75,10 +70,11 @@ static void bound(const void *own, const weft__state *at, size_t i,
                   const weft__sides *sides, double (*sums)[6])
 {
     const weft__plate *of = own;
+    const double *tau = of->matrix.tau;
     (void)at;
     for (size_t s = 0; present(of) && s < sides->count; ++s) {
         const double a = sides->way[s][0], b = sides->way[s][1];
-        const double scale = fmax(a + b * of->tau[0], a + b * of->tau[1]);
+        const double scale = fmax(a + b * tau[0], a + b * tau[1]);
         const double most
             = of->matrix.damping != NULL && a >= 0.0 && b >= 0.0
                   ? a * of->most[i] + b * of->most[of->matrix.particles + i]
@@ -91,24 +87,7 @@ static void ratios(const void *own, weft__sides *to)
 {
     const weft__plate *of = own;
     for (size_t k = 0; present(of) && k < 2; ++k) {
-        weft__sides_add(to, of->tau[k]);
-    }
-}
-
-/* The range of damping, and whether blocks are too large for the fast forms. */
-static void survey(weft__plate *of)
-{
-    const weft__triangles *mesh = of->mesh->triangles;
-    for (size_t b = 0; b < weft__blocks(of->mesh); ++b) {
-        const size_t halo = of->matrix.reach[b + 1] - of->matrix.reach[b];
-        of->crowded = of->crowded || halo > WEFT__PLATE_ROOM - WEFT__MESH_BLOCK;
-    }
-    of->tau[0] = INFINITY;
-    of->tau[1] = 0.0;
-    for (size_t t = 0; t < mesh->count; ++t) {
-        const double tau = mesh->fabrics[mesh->fabric[t]].damping[1];
-        of->tau[0] = fmin(of->tau[0], tau);
-        of->tau[1] = fmax(of->tau[1], tau);
+        weft__sides_add(to, of->matrix.tau[k]);
     }
 }
 
@@ -153,16 +132,14 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
     if (!present(of)) {
         return true;
     }
-    const size_t n = mesh->particles;
-    const size_t planes = of->matrix.damping != NULL ? 2 : 1;
-    double *work = weft__alloc(memory, n, 3 * sizeof *work);
-    of->most = weft__alloc(memory, n, planes * sizeof *of->most);
-    survey(of);
-    if (work != NULL && of->most != NULL) {
+    double *work = weft__alloc(memory, mesh->particles, 2 * sizeof *work);
+    of->most = weft__alloc(memory, mesh->particles, 2 * sizeof *of->most);
+    const bool made = work != NULL && of->most != NULL;
+    if (made) {
         bound_all(of, work);
     }
     weft__free(memory, work);
-    return work != NULL && of->most != NULL;
+    return made;
 }
 
 static bool copy(void *own, const weft_allocator *memory)
@@ -191,7 +168,7 @@ static uint64_t hash_of(const void *own, uint64_t hash)
     const size_t groups = (of->particles + WEFT__PLATE_ROWS - 1) / WEFT__PLATE_ROWS;
     const size_t entries = WEFT__PLATE_ROWS * of->first[groups];
     hash = weft__hash_reals(hash, of->entry, entries);
-    hash = weft__hash_reals(hash, &of->tau, 1);
+    hash = weft__hash_reals(hash, of->tau, 2);
     return of->damping != NULL ? weft__hash_reals(hash, of->damping, entries) : hash;
 }
 
@@ -233,7 +210,8 @@ static double resistance_of(const weft__plate *own, const double *y, size_t i, s
 {
     const weft__plate_matrix *of = &own->matrix;
     const double *x = y + k * of->particles, *v = x + 3 * of->particles;
-    const motion position = { x, of->tau != 0.0 ? v : NULL, of->tau };
+    const double tau = weft__plate_tau(of);
+    const motion position = { x, tau != 0.0 ? v : NULL, tau };
     const double force = row(of, of->entry, &position, i);
     const motion velocity = { v, NULL, 0.0 };
     return of->damping != NULL ? force + row(of, of->damping, &velocity, i) : force;
@@ -260,7 +238,8 @@ static int add(const void *own, const weft__state *at, weft__unit unit, double *
                size_t first, size_t end)
 {
     const weft__plate *of = own;
-    weft__add_fn *form = of->crowded ? weft__plate_loops : of->fast;
+    weft__add_fn *form
+        = of->matrix.near > WEFT__PLATE_ROOM ? weft__plate_loops : of->fast;
     return present(of) ? form(own, at, unit, to, first, end) : 0;
 }
 
@@ -280,7 +259,7 @@ static void multiply(const void *own, const weft__state *at, double a, double b,
     (void)at;
     for (size_t j = 0; of->first != NULL && j < 3 * n; ++j) {
         const motion plane = { x + j / n * n, NULL, 0.0 };
-        out[j] += (a + b * of->tau) * row(of, of->entry, &plane, j % n);
+        out[j] += (a + b * weft__plate_tau(of)) * row(of, of->entry, &plane, j % n);
         if (of->damping != NULL) {
             out[j] += b * row(of, of->damping, &plane, j % n);
         }
@@ -333,9 +312,10 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
             }
         }
     }
-    if (present(of) && of->matrix.tau != 0.0) {
+    const double tau = weft__plate_tau(&of->matrix);
+    if (present(of) && tau != 0.0) {
         sum->power[WEFT_POWER_SPRINGS]
-            += of->matrix.tau * block_square(of, of->matrix.entry, v, b);
+            += tau * block_square(of, of->matrix.entry, v, b);
     }
     if (of->matrix.damping != NULL) {
         sum->power[WEFT_POWER_SPRINGS] += block_square(of, of->matrix.damping, v, b);
@@ -353,7 +333,8 @@ static size_t ties(const void *own, weft_tie *to)
             const size_t p = weft__plate_particle(of, i, of->column[j]);
             const size_t at = WEFT__PLATE_ROWS * j + r;
             const double k = -of->entry[at];
-            const double c = of->damping != NULL ? -of->damping[at] : of->tau * k;
+            const double c
+                = of->damping != NULL ? -of->damping[at] : weft__plate_tau(of) * k;
             if (p > i && (k != 0.0 || c != 0.0)) {
                 if (to != NULL) {
                     to[count] = (weft_tie){ (uint32_t)i, (uint32_t)p, k, c };

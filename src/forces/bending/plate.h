@@ -16,9 +16,7 @@ typedef struct weft__plate {
     weft__plate_matrix matrix;
     double *most; /* [N/m] of each particle: K is at most diag of these; then [N s/m] of
                      matrix.damping */
-    double tau[2]; /* [s] least and largest damping */
-    bool crowded;  /* a block has more than WEFT__PLATE_ROOM */
-    bool copied;   /* shares the matrix of its model */
+    bool copied;  /* shares the matrix of its model */
     weft__add_fn *fast;
 } weft__plate;
 

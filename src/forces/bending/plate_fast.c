@@ -106,7 +106,7 @@ int NAME(plate, LEVEL)(const void *own, const weft__state *at, weft__unit unit,
     quad bad = { 0.0 };
     for (size_t b = first; b < end; ++b) {
         const block p = block_of(of, b);
-        take(&p, at->y, of->tau, near);
+        take(&p, at->y, weft__plate_tau(of), near);
         if (of->damping != NULL) {
             take(&p, at->y + 3 * n, 0.0, rates);
         }

@@ -5,10 +5,9 @@
 #include "forces/bending/plate_matrix.h"
 
 #include "base/memory.h"
-#include "forces/bending/bending.h"
 #include "forces/bending/plate_slope.h"
 
-#define DEPENDENT 1e-10 /* length of a column orthogonal to others, by the longest */
+#define DEPENDENT 1e-10 /* part of a column that is orthogonal to the others */
 
 /* What the triangles add: of each live one r, a matrix of three rows, so that its
  * energy is |r x|^2 / 2. */
@@ -28,30 +27,6 @@ typedef struct stencils {
 } stencils;
 
 /* ---- a triangle ------------------------------------------------------------------ */
-
-/* Edge k of a triangle, counterclockwise, n outward. */
-typedef struct side {
-    const weft__edge *edge;
-    uint32_t ends[2];          /* particles */
-    double t[2], n[2], length; /* [m] */
-    double sign;               /* of n by that of the edge's slope */
-} side;
-
-static side side_of(const weft__triangles *mesh, size_t triangle, size_t k)
-{
-    const uint32_t *place = mesh->place[triangle];
-    const uint32_t p = place[(k + 1) % 3], q = place[(k + 2) % 3];
-    const double *a = mesh->rest[p], *b = mesh->rest[q];
-    const double d[2] = { b[0] - a[0], b[1] - a[1] };
-    const double length = sqrt(d[0] * d[0] + d[1] * d[1]);
-    const weft__edge *edge = &mesh->edge_list[mesh->edge[triangle][k]];
-    return (side){ .edge = edge,
-                   .ends = { mesh->particle[p], mesh->particle[q] },
-                   .t = { d[0] / length, d[1] / length },
-                   .n = { d[1] / length, -d[0] / length },
-                   .length = length,
-                   .sign = p == edge->place[0] ? 1.0 : -1.0 };
-}
 
 /* Adds share times x of a particle to the row of the triangle. */
 static void add(stencils *of, size_t begin, uint32_t particle, double share,
@@ -78,48 +53,48 @@ static void add_slope(stencils *of, size_t begin, size_t e, double share,
     }
 }
 
-/* The sign of the outward normal of an edge of one triangle. */
-static double outward(const weft__triangles *mesh, size_t e)
+/* The outward normal of an edge of a triangle by that of the edge's slope. */
+static double sign_of(const weft__triangles *mesh, uint32_t triangle, size_t e)
 {
-    const uint32_t triangle = mesh->edge_list[e].triangle[0];
-    const size_t k = mesh->edge[triangle][0] == e   ? 0
-                     : mesh->edge[triangle][1] == e ? 1
-                                                    : 2;
-    return side_of(mesh, triangle, k).sign;
+    const uint32_t *edges = mesh->edge[triangle];
+    const size_t k = edges[0] == e ? 0 : edges[1] == e ? 1 : 2;
+    return mesh->place[triangle][(k + 1) % 3] == mesh->edge_list[e].place[0] ? 1.0
+                                                                             : -1.0;
 }
 
-/* Second derivatives Q11, Q22, 2 Q12 = (1/A) sum over sides
- *     L [ g n n^T + sym(t n^T) (x_q - x_p) / L ],
- * those of the slope g of a rim left out: its column is M. */
-static size_t add_side(stencils *of, size_t begin, size_t triangle, size_t k,
+/* Second derivatives Q11, Q22, 2 Q12 = (1/A) sum over edges, counterclockwise, of
+ *     L [ g n n^T + sym(t n^T) (x_q - x_p) / L ],   n outward,
+ * those of the slope g of a rim left out: its column is M. Returns how many are. */
+static size_t add_edge(stencils *of, size_t begin, uint32_t triangle, size_t k,
                        double m[3])
 {
     const weft__triangles *mesh = of->mesh;
-    const side s = side_of(mesh, triangle, k);
     const size_t e = mesh->edge[triangle][k];
-    const double area = mesh->area[triangle];
-    const double *t = s.t, *n = s.n;
+    const weft__edge *edge = &mesh->edge_list[e];
+    const uint32_t p = mesh->place[triangle][(k + 1) % 3],
+                   q = mesh->place[triangle][(k + 2) % 3];
+    const double d[2]
+        = { mesh->rest[q][0] - mesh->rest[p][0], mesh->rest[q][1] - mesh->rest[p][1] };
+    const double length = sqrt(d[0] * d[0] + d[1] * d[1]), area = mesh->area[triangle];
+    const double t[2] = { d[0] / length, d[1] / length }, n[2] = { t[1], -t[0] };
     const double along[3] = { t[0] * n[0], t[1] * n[1], t[0] * n[1] + t[1] * n[0] };
     const double across[3] = { n[0] * n[0], n[1] * n[1], 2.0 * (n[0] * n[1]) };
-    const double weight = s.length / area;
-    add(of, begin, s.ends[0], -1.0 / area, along);
-    add(of, begin, s.ends[1], 1.0 / area, along);
-    if (s.edge->triangle[1] != WEFT__NONE) {
-        add_slope(of, begin, e, s.sign * weight, across);
+    const double weight = length / area * sign_of(mesh, triangle, e);
+    add(of, begin, mesh->particle[p], -1.0 / area, along);
+    add(of, begin, mesh->particle[q], 1.0 / area, along);
+    if (edge->triangle[1] != WEFT__NONE) {
+        add_slope(of, begin, e, weight, across);
         return 0;
     }
-    if (!weft__bends(mesh, s.edge)) {
+    if (!weft__bends(mesh, edge)) {
         memcpy(m, across, sizeof across);
         return 1;
     }
-    const uint32_t other = s.edge->sewn;
-    const double facing = -outward(mesh, other);
-    if (of->held[mesh->edge_list[other].triangle[0]]) {
-        add_slope(of, begin, other, facing * weight, across);
-    } else {
-        add_slope(of, begin, e, 0.5 * s.sign * weight, across);
-        add_slope(of, begin, other, 0.5 * facing * weight, across);
-    }
+    const uint32_t beyond = mesh->edge_list[edge->sewn].triangle[0];
+    const double facing = -length / area * sign_of(mesh, beyond, edge->sewn);
+    const double part = of->held[beyond] ? 0.0 : 0.5;
+    add_slope(of, begin, e, part * weight, across);
+    add_slope(of, begin, edge->sewn, (1.0 - part) * facing, across);
     return 0;
 }
 
@@ -136,38 +111,24 @@ static void subtract(double from[3], const double unit[3])
     }
 }
 
-/* Makes the columns orthonormal, the longest first; returns how many are left. */
+/* Makes columns orthonormal and leaves out those that depend on others, by Gram and
+ * Schmidt; returns how many are left. */
 static size_t orthonormal(double columns[3][3], size_t count)
 {
-    double top = 0.0;
+    size_t rank = 0;
     for (size_t i = 0; i < count; ++i) {
-        size_t at = i;
-        for (size_t j = i + 1; j < count; ++j) {
-            at = dot(columns[j], columns[j]) > dot(columns[at], columns[at]) ? j : at;
+        double *unit = memmove(columns[rank], columns[i], sizeof columns[i]);
+        const double before = sqrt(dot(unit, unit));
+        for (size_t j = 0; j < 2 * rank; ++j) { /* twice: what roundoff left */
+            subtract(unit, columns[j % rank]);
         }
-        double unit[3];
-        memcpy(unit, columns[at], sizeof unit);
-        memcpy(columns[at], columns[i], sizeof unit);
         const double length = sqrt(dot(unit, unit));
-        top = i == 0 ? length : top;
-        if (!(length > DEPENDENT * top)) {
-            return i;
+        for (size_t m = 0; m < 3; ++m) {
+            unit[m] /= length;
         }
-        for (size_t twice = 0; twice < 2; ++twice) { /* of what roundoff left */
-            const double left = sqrt(dot(unit, unit));
-            for (size_t m = 0; m < 3; ++m) {
-                unit[m] /= left;
-            }
-            for (size_t j = 0; j < i && twice == 0; ++j) {
-                subtract(unit, columns[j]);
-            }
-        }
-        memcpy(columns[i], unit, sizeof unit);
-        for (size_t j = i + 1; j < count; ++j) {
-            subtract(columns[j], unit);
-        }
+        rank += length > DEPENDENT * before;
     }
-    return count;
+    return rank;
 }
 
 /* The energy's minimum over the free slopes of rims: r = sqrt(A) (I - Q Q^T) D^(1/2) H,
@@ -214,16 +175,12 @@ static bool reserve(stencils *of, size_t triangle)
     if (of->count + more <= of->room) {
         return true;
     }
-    const size_t room = 2 * (of->count + more) + 16 * of->mesh->count;
-    uint32_t *particle = weft__resize(of->memory, of->particle, room, sizeof *particle);
-    of->particle = particle != NULL ? particle : of->particle;
-    double(*r)[3] = weft__resize(of->memory, of->r, room, sizeof *r);
-    of->r = r != NULL ? r : of->r;
-    of->room = particle != NULL && r != NULL ? room : of->room;
-    return particle != NULL && r != NULL;
+    of->room = 2 * (of->count + more) + 16 * of->mesh->count;
+    return weft__resized(of->memory, &of->particle, of->room, sizeof *of->particle)
+           && weft__resized(of->memory, &of->r, of->room, sizeof *of->r);
 }
 
-static bool stencil(stencils *of, size_t triangle)
+static bool stencil(stencils *of, uint32_t triangle)
 {
     const size_t begin = of->count;
     double m[3][3];
@@ -232,7 +189,7 @@ static bool stencil(stencils *of, size_t triangle)
         return false;
     }
     for (size_t k = 0; k < 3; ++k) {
-        rims += add_side(of, begin, triangle, k, m[rims]);
+        rims += add_edge(of, begin, triangle, k, m[rims]);
     }
     stiffen(of, begin, triangle, m, rims);
     for (size_t j = begin; j < of->count; ++j) {
@@ -253,7 +210,7 @@ static bool stencils_create(stencils *of, const uint32_t *pin, size_t particles)
         of->held[t] = pin[corner[0]] != 0 && pin[corner[1]] != 0 && pin[corner[2]] != 0;
     }
     made = made && weft__slopes_create(&of->slopes, mesh, of->held, of->memory);
-    for (size_t t = 0; made && t < mesh->count; ++t) {
+    for (uint32_t t = 0; made && t < mesh->count; ++t) {
         made = of->held[t] || stencil(of, t);
         of->first[t + 1] = of->count;
     }
@@ -297,35 +254,52 @@ static void stencils_free(stencils *of)
 
 /* ---- rows ------------------------------------------------------------------------ */
 
-/* The matrix as it grows: columns are particles first. */
+/* The matrix as it grows, in a block of particles [first, first + own). */
 typedef struct growth {
     weft__plate_matrix *out;
-    size_t columns, column_room, halo, halo_room;
+    size_t columns, column_room, halo, halo_room, first, own;
+    uint32_t *seat; /* 1 + place in its group of a column of the block; 0 between two */
 } growth;
 
-/* Of what has `fabric`: [s]. */
-static double damping_of(const stencils *of, uint32_t triangle)
-{
-    return of->mesh->fabrics[of->mesh->fabric[triangle]].damping[1];
-}
-
-static bool reserve_columns(const stencils *of, growth *to, size_t more, bool damped)
+static bool resize_columns(const stencils *of, growth *to, size_t room)
 {
     weft__plate_matrix *out = to->out;
-    if (to->columns + more <= to->column_room) {
-        return true;
-    }
-    const size_t room = 2 * (to->columns + more) + 16 * out->particles;
     const size_t group = WEFT__PLATE_ROWS * sizeof *out->entry;
-    uint32_t *column = weft__resize(of->memory, out->column, room, sizeof *column);
-    out->column = column != NULL ? column : out->column;
-    double *entry = weft__resize(of->memory, out->entry, room, group);
-    out->entry = entry != NULL ? entry : out->entry;
-    double *damping
-        = damped ? weft__resize(of->memory, out->damping, room, group) : NULL;
-    out->damping = damping != NULL ? damping : out->damping;
+    const bool damped = out->tau[0] != out->tau[1];
     to->column_room = room;
-    return column != NULL && entry != NULL && (!damped || damping != NULL);
+    return weft__resized(of->memory, &out->column, room, sizeof *out->column)
+           && weft__resized(of->memory, &out->entry, room, group)
+           && (!damped || weft__resized(of->memory, &out->damping, room, group));
+}
+
+/* Room for what so many columns may add. */
+static bool reserve_columns(const stencils *of, growth *to, size_t more)
+{
+    if (to->halo + more > to->halo_room) {
+        to->halo_room = 2 * (to->halo + more);
+        if (!weft__resized(of->memory, &to->out->halo, to->halo_room,
+                           sizeof *to->out->halo)) {
+            return false;
+        }
+    }
+    return to->columns + more <= to->column_room
+           || resize_columns(of, to,
+                             2 * (to->columns + more) + 16 * to->out->particles);
+}
+
+/* Where a particle is in the list of the block. */
+static uint32_t column_of(const stencils *of, growth *to, uint32_t particle)
+{
+    uint32_t *slot = &of->slot[particle];
+    const size_t start = to->out->reach[to->first / WEFT__MESH_BLOCK];
+    if (particle >= to->first && particle < to->first + to->own) {
+        return (uint32_t)(particle - to->first);
+    }
+    if (*slot == 0) {
+        to->out->halo[to->halo++] = particle;
+        *slot = (uint32_t)(to->halo - start);
+    }
+    return (uint32_t)(to->own + *slot - 1);
 }
 
 /* Adds what one triangle has in row `row` of the group whose columns begin at `begin`:
@@ -336,23 +310,23 @@ static void add_item(const stencils *of, growth *to, size_t begin, size_t row,
     weft__plate_matrix *out = to->out;
     const uint32_t triangle = of->triangle[at];
     const double *own = of->r[of->item[at]];
+    const double tau = of->mesh->fabrics[of->mesh->fabric[triangle]].damping[1];
+    const size_t size = WEFT__PLATE_ROWS * sizeof *out->entry;
     for (size_t j = of->first[triangle]; j < of->first[triangle + 1]; ++j) {
-        uint32_t *slot = &of->slot[of->particle[j]];
-        if (*slot == 0) {
-            out->column[to->columns] = of->particle[j];
-            for (size_t r = 0; r < WEFT__PLATE_ROWS; ++r) {
-                out->entry[WEFT__PLATE_ROWS * to->columns + r] = 0.0;
-                if (out->damping != NULL) {
-                    out->damping[WEFT__PLATE_ROWS * to->columns + r] = 0.0;
-                }
+        const uint32_t column = column_of(of, to, of->particle[j]);
+        if (to->seat[column] == 0) {
+            out->column[to->columns] = column;
+            memset(out->entry + WEFT__PLATE_ROWS * to->columns, 0, size);
+            if (out->damping != NULL) {
+                memset(out->damping + WEFT__PLATE_ROWS * to->columns, 0, size);
             }
-            *slot = (uint32_t)(++to->columns - begin);
+            to->seat[column] = (uint32_t)(++to->columns - begin);
         }
-        const size_t k = WEFT__PLATE_ROWS * (begin + *slot - 1) + row;
+        const size_t k = WEFT__PLATE_ROWS * (begin + to->seat[column] - 1) + row;
         const double share = dot(own, of->r[j]);
         out->entry[k] += share;
         if (out->damping != NULL) {
-            out->damping[k] += damping_of(of, triangle) * share;
+            out->damping[k] += tau * share;
         }
     }
 }
@@ -364,8 +338,9 @@ static void balance(const growth *to, double *entry, size_t begin, size_t i)
     double sum = 0.0, *diagonal = NULL;
     for (size_t j = begin; j < to->columns; ++j) {
         double *at = &entry[WEFT__PLATE_ROWS * j + row];
-        diagonal = to->out->column[j] == i ? at : diagonal;
-        sum += to->out->column[j] == i ? 0.0 : *at;
+        const bool own = to->out->column[j] == i - to->first;
+        diagonal = own ? at : diagonal;
+        sum += own ? 0.0 : *at;
     }
     if (diagonal != NULL) {
         *diagonal = -sum;
@@ -373,15 +348,14 @@ static void balance(const growth *to, double *entry, size_t begin, size_t i)
 }
 
 /* The rows [first, end) of a group. */
-static bool add_group(const stencils *of, growth *to, size_t first, size_t end,
-                      bool damped)
+static bool add_group(const stencils *of, growth *to, size_t first, size_t end)
 {
     const size_t begin = to->columns;
     size_t most = 0;
     for (size_t at = of->begin[first]; at < of->begin[end]; ++at) {
         most += of->first[of->triangle[at] + 1] - of->first[of->triangle[at]];
     }
-    if (!reserve_columns(of, to, most, damped)) {
+    if (!reserve_columns(of, to, most)) {
         return false;
     }
     for (size_t i = first; i < end; ++i) {
@@ -391,116 +365,56 @@ static bool add_group(const stencils *of, growth *to, size_t first, size_t end,
     }
     for (size_t i = first; i < end; ++i) {
         balance(to, to->out->entry, begin, i);
-        if (damped) {
+        if (to->out->damping != NULL) {
             balance(to, to->out->damping, begin, i);
         }
     }
     for (size_t j = begin; j < to->columns; ++j) {
-        of->slot[to->out->column[j]] = 0;
-    }
-    return true;
-}
-
-static bool reserve_halo(const stencils *of, growth *to)
-{
-    weft__plate_matrix *out = to->out;
-    if (to->halo < to->halo_room) {
-        return true;
-    }
-    const size_t room = 2 * to->halo + out->particles + 64;
-    uint32_t *halo = weft__resize(of->memory, out->halo, room, sizeof *halo);
-    out->halo = halo != NULL ? halo : out->halo;
-    to->halo_room = room;
-    return halo != NULL;
-}
-
-/* Renames the columns [begin, end) of the block of rows [first, first + own). */
-static bool rename_columns(const stencils *of, growth *to, size_t begin, size_t end,
-                           size_t first, size_t own)
-{
-    weft__plate_matrix *out = to->out;
-    const size_t start = to->halo;
-    for (size_t j = begin; j < end; ++j) {
-        const uint32_t particle = out->column[j];
-        uint32_t *slot = &of->slot[particle];
-        if (particle >= first && particle < first + own) {
-            out->column[j] = (uint32_t)(particle - first);
-            continue;
-        }
-        if (*slot == 0) {
-            if (!reserve_halo(of, to)) {
-                return false;
-            }
-            out->halo[to->halo++] = particle;
-            *slot = (uint32_t)(to->halo - start);
-        }
-        out->column[j] = (uint32_t)(own + *slot - 1);
-    }
-    for (size_t j = start; j < to->halo; ++j) {
-        of->slot[out->halo[j]] = 0;
+        to->seat[to->out->column[j]] = 0;
     }
     return true;
 }
 
 /* Every row, block by block. */
-static bool add_rows(const stencils *of, growth *to, bool damped)
+static bool add_rows(const stencils *of, growth *to)
 {
     weft__plate_matrix *out = to->out;
     const size_t n = out->particles;
-    for (size_t first = 0, b = 0; first < n; first += WEFT__MESH_BLOCK, ++b) {
-        const size_t end = n - first < WEFT__MESH_BLOCK ? n : first + WEFT__MESH_BLOCK;
-        const size_t begin = to->columns;
-        for (size_t i = first; i < end; i += WEFT__PLATE_ROWS) {
-            const size_t last = end - i < WEFT__PLATE_ROWS ? end : i + WEFT__PLATE_ROWS;
-            if (!add_group(of, to, i, last, damped)) {
+    for (size_t b = 0; b * WEFT__MESH_BLOCK < n; ++b) {
+        const size_t first = to->first = b * WEFT__MESH_BLOCK;
+        to->own = n - first < WEFT__MESH_BLOCK ? n - first : WEFT__MESH_BLOCK;
+        for (size_t i = first; i < first + to->own; i += WEFT__PLATE_ROWS) {
+            const size_t left = first + to->own - i;
+            const size_t rows = left < WEFT__PLATE_ROWS ? left : WEFT__PLATE_ROWS;
+            if (!add_group(of, to, i, i + rows)) {
                 return false;
             }
             out->first[i / WEFT__PLATE_ROWS + 1] = to->columns;
         }
-        if (!rename_columns(of, to, begin, to->columns, first, end - first)) {
-            return false;
+        for (size_t j = out->reach[b]; j < to->halo; ++j) {
+            of->slot[out->halo[j]] = 0;
         }
         out->reach[b + 1] = to->halo;
+        const size_t near = to->own + to->halo - out->reach[b];
+        out->near = near > out->near ? near : out->near;
     }
+    (void)resize_columns(of, to, to->columns); /* gives back what is not needed */
     return true;
 }
 
-/* Gives back what growth took in advance. */
-static void shrink(weft__plate_matrix *of, const growth *to,
-                   const weft_allocator *memory)
+/* Whether a triangle resists bending, and in what range they are damped. */
+static bool resists(weft__plate_matrix *to, const weft__triangles *mesh)
 {
-    const size_t group = WEFT__PLATE_ROWS * sizeof *of->entry;
-    void *less = weft__resize(memory, of->column, to->columns, sizeof *of->column);
-    of->column = less != NULL ? less : of->column;
-    less = weft__resize(memory, of->entry, to->columns, group);
-    of->entry = less != NULL ? less : of->entry;
-    if (of->damping != NULL) {
-        less = weft__resize(memory, of->damping, to->columns, group);
-        of->damping = less != NULL ? less : of->damping;
-    }
-}
-
-/* Whether a live triangle resists bending, and what damping they have. */
-typedef struct kinds {
-    bool present, several;
-    double tau; /* [s] */
-} kinds;
-
-static kinds kinds_of(const stencils *of)
-{
-    kinds found = { .present = false };
-    for (uint32_t t = 0; t < of->mesh->count; ++t) {
-        const weft_fabric *fabric = &of->mesh->fabrics[of->mesh->fabric[t]];
-        const bool stiff
-            = fabric->bend[0] > 0.0 || fabric->bend[1] > 0.0 || fabric->twist > 0.0;
-        if (stiff) {
-            const double tau = damping_of(of, t);
-            found.several = found.several || (found.present && tau != found.tau);
-            found.tau = tau;
-            found.present = true;
+    bool any = false;
+    for (size_t t = 0; t < mesh->count; ++t) {
+        const weft_fabric *of = &mesh->fabrics[mesh->fabric[t]];
+        if (of->bend[0] > 0.0 || of->bend[1] > 0.0 || of->twist > 0.0) {
+            to->tau[0] = any ? fmin(to->tau[0], of->damping[1]) : of->damping[1];
+            to->tau[1] = any ? fmax(to->tau[1], of->damping[1]) : of->damping[1];
+            any = true;
         }
     }
-    return found;
+    return any;
 }
 
 bool weft__plate_matrix_create(weft__plate_matrix *out, const weft__triangles *of,
@@ -509,23 +423,21 @@ bool weft__plate_matrix_create(weft__plate_matrix *out, const weft__triangles *o
 {
     stencils all = { .mesh = of, .memory = memory };
     growth grown = { .out = out };
-    const kinds found = kinds_of(&all);
     const size_t groups = (particles + WEFT__PLATE_ROWS - 1) / WEFT__PLATE_ROWS;
     const size_t blocks = (particles + WEFT__MESH_BLOCK - 1) / WEFT__MESH_BLOCK;
     *out = (weft__plate_matrix){ .particles = particles };
-    if (!found.present) {
+    if (!resists(out, of)) {
         return true;
     }
-    out->tau = found.several ? 0.0 : found.tau;
     out->first = weft__zeroed(memory, groups + 1, sizeof *out->first);
     out->reach = weft__zeroed(memory, blocks + 1, sizeof *out->reach);
-    const bool made = out->first != NULL && out->reach != NULL
+    grown.seat = weft__zeroed(memory, particles, sizeof *grown.seat);
+    const bool made = out->first != NULL && out->reach != NULL && grown.seat != NULL
                       && stencils_create(&all, pin, particles) && turn(&all, particles)
-                      && add_rows(&all, &grown, found.several);
+                      && add_rows(&all, &grown);
     stencils_free(&all);
-    if (made) {
-        shrink(out, &grown, memory);
-    } else {
+    weft__free(memory, grown.seat);
+    if (!made) {
         weft__plate_matrix_free(out, memory);
     }
     return made;

@@ -14,10 +14,11 @@ typedef struct weft__plate_matrix {
     size_t *first;    /* column of each group of rows, and their number */
     uint32_t *column; /* where it is in its block's list: own particles, then halo */
     double *entry;    /* [N/m] four of each column: 0 where a row has none */
-    double *damping;  /* [N s/m] the same of K times damping; NULL: `tau` of each */
-    double tau;       /* [s] */
+    double tau[2];    /* [s] the least and the largest damping of its triangles */
+    double *damping;  /* [N s/m] as `entry`, where they differ; else tau of each */
     size_t *reach;    /* the first of each block's halo, and their number */
     uint32_t *halo;   /* particles beyond a block that its rows have as columns */
+    size_t near;      /* particles of the largest block and its halo */
 } weft__plate_matrix;
 
 /* `pin` is not 0 of pinned particles. All NULL where no triangle resists bending.
@@ -26,6 +27,12 @@ bool weft__plate_matrix_create(weft__plate_matrix *out, const weft__triangles *o
                                size_t particles, const uint32_t *pin,
                                const weft_allocator *memory);
 void weft__plate_matrix_free(weft__plate_matrix *of, const weft_allocator *memory);
+
+/* [s] by which K is damped, besides `damping`. */
+static inline double weft__plate_tau(const weft__plate_matrix *of)
+{
+    return of->damping != NULL ? 0.0 : of->tau[0];
+}
 
 /* The particle of a column of a row. */
 static inline size_t weft__plate_particle(const weft__plate_matrix *of, size_t row,

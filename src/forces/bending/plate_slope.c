@@ -24,7 +24,8 @@ typedef struct search {
     const bool *held;
     const weft_allocator *memory;
     weft__slopes *out;
-    size_t *first; /* of each place, its neighbours along edges of live triangles */
+    uint32_t *lists; /* all of those below */
+    size_t *first;   /* of each place, its neighbours along edges of live triangles */
     uint32_t *near;
     uint32_t *seen;          /* 1 + edge that took a place */
     uint32_t *points, *pool; /* the patch; what it may be widened by */
@@ -36,7 +37,7 @@ typedef struct search {
     size_t fitted;      /* points of the best, 0: none */
     double gain;        /* |c| / |S^(-1/2) n| of the best */
     double middle[2], normal[2];
-    double metric[3], root[3]; /* S, S^(-1/2): uu, uv, vv */
+    double root[3]; /* S^(-1/2): uu, uv, vv */
 } search;
 
 static bool live(const search *s, uint32_t triangle)
@@ -53,29 +54,23 @@ static bool edge_live(const search *s, const weft__edge *edge)
 
 static bool reserve(search *s)
 {
-    const weft_allocator *memory = s->memory;
     const size_t places = s->mesh->places;
-    s->first = weft__zeroed(memory, places + 2, sizeof *s->first);
-    s->near = weft__alloc(memory, 2 * s->mesh->edges, sizeof *s->near);
-    s->seen = weft__zeroed(memory, places, sizeof *s->seen);
-    s->points = weft__alloc(memory, places, sizeof *s->points);
-    s->pool = weft__alloc(memory, places, sizeof *s->pool);
-    s->far = weft__alloc(memory, places, sizeof *s->far);
-    s->work = weft__alloc(memory, places, (1 + TERMS) * sizeof *s->work);
-    s->fit = weft__alloc(memory, places, sizeof *s->fit);
-    s->best = weft__alloc(memory, places, sizeof *s->best);
-    return s->first != NULL && s->near != NULL && s->seen != NULL && s->points != NULL
-           && s->pool != NULL && s->far != NULL && s->work != NULL && s->fit != NULL
-           && s->best != NULL;
-}
-
-static void release(search *s)
-{
-    void *const blocks[] = { s->first, s->near, s->seen, s->points, s->pool,
-                             s->far,   s->work, s->fit,  s->best };
-    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) {
-        weft__free(s->memory, blocks[i]);
+    uint32_t *lists = s->lists
+        = weft__zeroed(s->memory, 3 * places + 2 * s->mesh->edges, sizeof *lists);
+    double *work = s->work
+        = weft__alloc(s->memory, places, (4 + TERMS) * sizeof *s->work);
+    s->first = weft__zeroed(s->memory, places + 2, sizeof *s->first);
+    if (lists == NULL || work == NULL || s->first == NULL) {
+        return false;
     }
+    s->seen = lists;
+    s->points = lists + places;
+    s->pool = lists + 2 * places;
+    s->near = lists + 3 * places;
+    s->fit = work + (1 + TERMS) * places;
+    s->best = s->fit + places;
+    s->far = s->best + places;
+    return true;
 }
 
 /* first[p + 1] moves from the start of the neighbours of p to their end. */
@@ -129,7 +124,7 @@ static void offset(const search *s, uint32_t place, double y[2])
     y[1] = s->mesh->rest[place][1] - s->middle[1];
 }
 
-/* S and S^(-1/2), by S^(1/2) = (S + sqrt(det) I) / sqrt(tr + 2 sqrt(det)). */
+/* S^(-1/2), by S^(1/2) = (S + sqrt(det) I) / sqrt(tr + 2 sqrt(det)). */
 static void measure(search *s)
 {
     double sum[3] = { 0.0, 0.0, 0.0 }, y[2];
@@ -139,20 +134,16 @@ static void measure(search *s)
         sum[1] += y[0] * y[1];
         sum[2] += y[1] * y[1];
     }
-    for (size_t k = 0; k < 3; ++k) {
-        s->metric[k] = sum[k] / (double)s->count;
+    const double count = (double)s->count;
+    double uu = sum[0] / count, uv = sum[1] / count, vv = sum[2] / count;
+    if (uu * vv - uv * uv < NARROW * (uu + vv) * (uu + vv)) {
+        uu = vv = (uu + vv) / 2.0;
+        uv = 0.0;
     }
-    const double trace = s->metric[0] + s->metric[2];
-    if (s->metric[0] * s->metric[2] - s->metric[1] * s->metric[1]
-        < NARROW * trace * trace) {
-        s->metric[0] = s->metric[2] = trace / 2.0;
-        s->metric[1] = 0.0;
-    }
-    const double det = s->metric[0] * s->metric[2] - s->metric[1] * s->metric[1];
-    const double part = sqrt(det), scale = sqrt(trace + 2.0 * part);
-    s->root[0] = (s->metric[2] + part) / (part * scale);
-    s->root[1] = -s->metric[1] / (part * scale);
-    s->root[2] = (s->metric[0] + part) / (part * scale);
+    const double det = sqrt(uu * vv - uv * uv), scale = det * sqrt(uu + vv + 2.0 * det);
+    s->root[0] = (vv + det) / scale;
+    s->root[1] = -uv / scale;
+    s->root[2] = (uu + det) / scale;
 }
 
 /* S^(-1/2) y */
@@ -367,38 +358,31 @@ typedef struct faces {
     double share[4]; /* [1/m] */
 } faces;
 
-static void add_face(const search *s, uint32_t triangle, double part, faces *to)
-{
-    const uint32_t *place = s->mesh->place[triangle];
-    for (size_t i = 0; i < 3; ++i) {
-        const double *a = s->mesh->rest[place[(i + 1) % 3]];
-        const double *b = s->mesh->rest[place[(i + 2) % 3]];
-        const double along
-            = s->normal[0] * (a[1] - b[1]) + s->normal[1] * (b[0] - a[0]);
-        size_t at = 0;
-        while (at < to->count && to->place[at] != place[i]) {
-            ++at;
-        }
-        if (at == to->count) {
-            to->place[to->count++] = place[i];
-            to->share[at] = 0.0;
-        }
-        to->share[at] += part * (along / (2.0 * s->mesh->area[triangle]));
-    }
-}
-
 /* Of the held triangles alone, or of all. */
 static faces faces_of(const search *s, const weft__edge *edge, bool held)
 {
     faces mean = { .count = 0 };
-    bool take_face[2];
+    bool taken[2];
     for (size_t k = 0; k < 2; ++k) {
         const uint32_t triangle = edge->triangle[k];
-        take_face[k] = triangle != WEFT__NONE && (!held || s->held[triangle]);
+        taken[k] = triangle != WEFT__NONE && (!held || s->held[triangle]);
     }
-    for (size_t k = 0; k < 2; ++k) {
-        if (take_face[k]) {
-            add_face(s, edge->triangle[k], take_face[1 - k] ? 0.5 : 1.0, &mean);
+    for (size_t k = 0; k < 6; ++k) { /* corner k % 3 of triangle k / 3 */
+        const uint32_t triangle = edge->triangle[k / 3];
+        if (taken[k / 3]) {
+            const uint32_t *place = s->mesh->place[triangle];
+            const double *a = s->mesh->rest[place[(k + 1) % 3]];
+            const double *b = s->mesh->rest[place[(k + 2) % 3]];
+            const double part = taken[1 - k / 3] ? 0.5 : 1.0;
+            const double along
+                = s->normal[0] * (a[1] - b[1]) + s->normal[1] * (b[0] - a[0]);
+            size_t at = 0;
+            while (at < mean.count && mean.place[at] != place[k % 3]) {
+                ++at;
+            }
+            mean.count += at == mean.count;
+            mean.place[at] = place[k % 3];
+            mean.share[at] += part * (along / (2.0 * s->mesh->area[triangle]));
         }
     }
     return mean;
@@ -408,16 +392,11 @@ static bool store(search *s, const uint32_t *places, const double *shares, size_
 {
     weft__slopes *out = s->out;
     if (out->count + count > out->room) {
-        const size_t room = 2 * (out->count + count) + 12 * s->mesh->edges;
-        uint32_t *particle
-            = weft__resize(s->memory, out->particle, room, sizeof *particle);
-        out->particle = particle != NULL ? particle : out->particle;
-        double *share = weft__resize(s->memory, out->share, room, sizeof *share);
-        out->share = share != NULL ? share : out->share;
-        if (particle == NULL || share == NULL) {
+        out->room = 2 * (out->count + count) + 12 * s->mesh->edges;
+        if (!weft__resized(s->memory, &out->particle, out->room, sizeof *out->particle)
+            || !weft__resized(s->memory, &out->share, out->room, sizeof *out->share)) {
             return false;
         }
-        out->room = room;
     }
     for (size_t k = 0; k < count; ++k, ++out->count) {
         out->particle[out->count] = s->mesh->particle[places[k]];
@@ -489,7 +468,9 @@ bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const boo
         }
         out->first[e + 1] = out->count;
     }
-    release(&s);
+    weft__free(memory, s.first);
+    weft__free(memory, s.lists);
+    weft__free(memory, s.work);
     return made;
 }
 
