@@ -114,7 +114,7 @@ PARTS_cvode := sundials linear
 # begin first, so that all processors end together.
 LONGEST := verification hostile surroundings record_ends compare cli_resume steppers cli_batch interrupt \
            checkpoint record_damage quadratures sundials_vector libm embed stiffness papers cli_stability
-KERNEL_TESTS := kernel damping
+KERNEL_TESTS := kernel damping membrane
 TESTS := $(LONGEST) $(filter-out $(LONGEST) $(if $(KERNELS),,$(KERNEL_TESTS)),$(patsubst tests/test_%.c,%,$(wildcard tests/test_*.c)))
 # Programs of their own, as they replace functions of libc: malloc and its like, and pow.
 ALONE := no_memory libm
@@ -162,7 +162,8 @@ $(LIB_OBJ): OWN += $(if $(KERNELS),,-DWEFT_PLAIN)
 KERNEL_FLAGS := $(if $(SAN),,-O2 $(if $(filter -g,$(CFLAGS)),-g1)) -fno-math-errno -fno-trapping-math
 $(BUILD)/%.v3.o: OWN += -march=x86-64-v3 -DLEVEL=v3 -DLANES=4
 $(BUILD)/%.v4.o: OWN += -march=x86-64-v4 -mprefer-vector-width=512 -DLEVEL=v4 -DLANES=8
-$(BUILD)/src/forces/self/self_fast.o $(LEVELS:%=$(BUILD)/src/forces/self/self_fast.%.o): OWN += -funroll-loops
+UNROLLED := $(filter %/self_fast %/membrane_fast,$(FAST:%.c=$(BUILD)/%))
+$(UNROLLED:=.o) $(foreach level,$(LEVELS),$(UNROLLED:=.$(level).o)): OWN += -funroll-loops
 $(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): OWN += $(KERNEL_FLAGS)
 $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): $(BUILD)/src/forces/%.o:
 	@mkdir -p $(@D)

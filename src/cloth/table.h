@@ -8,10 +8,12 @@
 #include "forces/bending/plate.h"
 #include "forces/body/body.h"
 #include "forces/contact/contact.h"
+#include "forces/membrane/membrane.h"
 #include "forces/self/self.h"
 #include "forces/springs/springs.h"
 #include "forces/wind/wind.h"
 
-#define WEFT_FORCES(X) X(springs) X(bending) X(plate) X(body) X(wind) X(contact) X(self)
+#define WEFT_FORCES(X)                                                                 \
+    X(springs) X(bending) X(membrane) X(plate) X(body) X(wind) X(contact) X(self)
 
 #endif

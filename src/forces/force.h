@@ -70,7 +70,8 @@ typedef struct weft__force {
     void (*strains)(const void *own, const weft__state *at, size_t b, double *strain);
 
     /* Stiffness and damping: the ratios of the two that it has; what it adds for each
-     * side to the bound of free particle i, at->y NULL: in any state; of contact to
+     * side to the bound of free particle i, at->y NULL: in any state
+     * (of a membrane: see membrane_bounds.c); of contact to
      * those of particles [first, first + count); to (a K + b C) x, for the power
      * method. */
     void (*ratios)(const void *own, struct weft__sides *to);

@@ -456,6 +456,8 @@ static void allocate(weft__work *at)
     out->edge = weft__work_take(at, t, sizeof *out->edge);
     out->piece = weft__work_take(at, t, sizeof *out->piece);
     out->fabric = weft__work_take(at, t, sizeof *out->fabric);
+    out->around_first = weft__work_take(at, n + 1, sizeof *out->around_first);
+    out->around = weft__work_take(at, 3 * t, sizeof *out->around);
     out->area = weft__work_take(at, t, sizeof *out->area);
     out->rest = weft__work_take(at, 3 * t, sizeof *out->rest);
     out->mirrored = weft__work_take(at, 3 * t, sizeof *out->mirrored);
@@ -491,6 +493,7 @@ static void fill(weft__work *at)
     order_particles(at);
     order_triangles(at);
     list_triangles(at);
+    weft__around_fill(at->out, at->def->vertices);
     list_places(at);
     if (!at->failed) {
         set_areas(at);
@@ -531,11 +534,11 @@ void weft__triangles_destroy(weft__triangles *of, const weft_allocator *memory)
     if (of == NULL) {
         return;
     }
-    void *const blocks[]
-        = { of->corner,   of->place,  of->edge,      of->piece,     of->fabric,
-            of->area,     of->rest,   of->particle,  of->edge_list, of->start,
-            of->lumped,   of->vertex, of->of_vertex, of->fabrics,   of->name,
-            of->mirrored, of };
+    void *const blocks[] = { of->corner,       of->place,   of->edge,   of->piece,
+                             of->fabric,       of->area,    of->rest,   of->particle,
+                             of->edge_list,    of->start,   of->lumped, of->vertex,
+                             of->of_vertex,    of->fabrics, of->name,   of->mirrored,
+                             of->around_first, of->around,  of };
     for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) {
         weft__free(memory, blocks[i]);
     }

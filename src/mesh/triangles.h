@@ -27,7 +27,9 @@ typedef struct weft__triangles {
     uint32_t (*place)[3];  /* their places */
     uint32_t (*edge)[3];   /* its edges: [k] is opposite corner k */
     uint32_t *piece, *fabric;
-    double *area;       /* [m^2] at rest, > 0 */
+    uint32_t *around_first, *around; /* triangles of particle i, ascending: around[j],
+                                        around_first[i] <= j < around_first[i + 1] */
+    double *area;                    /* [m^2] at rest, > 0 */
     double (*rest)[2];  /* [m] (u, v) of a place; (-u, v) in mirrored pieces */
     bool *mirrored;     /* whether a place is of such a piece */
     uint32_t *particle; /* of a place */
@@ -76,5 +78,13 @@ void weft__triangles_masses(const weft__triangles *of, const weft_cloth_def *def
                             double *mass);
 
 void weft__triangles_destroy(weft__triangles *of, const weft_allocator *memory);
+
+/* around.c: fills around_first and around from the corners. */
+void weft__around_fill(weft__triangles *of, size_t particles);
+
+/* Writes the triangles that have a corner among particles [first, end) to list, in the
+ * order of the first of these corners. Returns their number; list NULL: that alone. */
+size_t weft__triangles_among(const weft__triangles *of, size_t first, size_t end,
+                             uint32_t *list);
 
 #endif

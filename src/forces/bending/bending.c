@@ -301,7 +301,7 @@ static void bound(const void *own, const weft__state *at, size_t i,
                   const weft__sides *sides, double (*sums)[6])
 {
     const weft__bending *of = own;
-    const double most = row_sum(of, i) * of->mesh->inverse_mass[i];
+    const double most = of->present ? row_sum(of, i) * of->mesh->inverse_mass[i] : 0.0;
     (void)at;
     for (size_t s = 0; s < sides->count; ++s) {
         const double scale = sides->way[s][0] + sides->way[s][1] * of->damping;

@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* membrane.c -- the membrane of membrane.h as a weft__force: its energy and powers. */
+#include "base/hash.h"
+#include "forces/membrane/membrane_law.h"
+#include "forces/membrane/membrane_loops.h"
+
+static int add(const void *own, const weft__state *at, weft__unit unit, double *to,
+               size_t first, size_t end)
+{
+    const weft__membrane *of = own;
+    weft__add_fn *form = unit == WEFT__FORCE ? weft__membrane_loops : of->fast;
+    return of->blocks != NULL ? form(own, at, unit, to, first, end) : 0;
+}
+
+static int change(const void *own, const weft__state *at, weft__unit unit, double *to,
+                  size_t first, size_t end)
+{
+    const weft__membrane *of = own;
+    return of->blocks != NULL ? weft__membrane_loops(own, at, unit, to, first, end) : 0;
+}
+
+static void choose(void *own, weft__isa isa)
+{
+    ((weft__membrane *)own)->fast = WEFT_FORM(isa, membrane);
+}
+
+/* Of what determines the force: constants, and which particles have them, in the order
+ * of addition. Nothing on a grid. */
+static uint64_t hash_of(const void *own, uint64_t hash)
+{
+    const weft__membrane *of = own;
+    for (size_t b = 0; of->blocks != NULL && b < weft__blocks(of->mesh); ++b) {
+        weft__triangle tri;
+        for (size_t next = 0; weft__membrane_each(of, b, &next, &tri);) {
+            for (size_t k = 0; k < WEFT__CONSTANTS; ++k) {
+                hash = weft__hash_real(hash, CONSTANT(tri.of, k));
+            }
+            for (size_t c = 0; c < 3; ++c) {
+                hash = weft__hash_word(hash, tri.corner[c]);
+            }
+        }
+    }
+    return hash;
+}
+
+/* ---- energy and powers ----------------------------------------------------------- */
+
+static void triangle_energy(const weft__membrane *own, const weft__triangle *tri,
+                            const double square[3], weft_energy *sum)
+{
+    const weft__triangles *mesh = own->mesh->triangles;
+    const weft_fabric *fabric = &mesh->fabrics[mesh->fabric[tri->number]];
+    const double half = 0.5 * mesh->area[tri->number], area = law_area(square);
+    const double least = CONSTANT(tri->of, WEFT__LEAST);
+    double shape[3][3], e[3] = { 0.0, 0.0, 0.0 }, stress[3];
+    weft__membrane_shape(mesh, tri->number, shape);
+    for (size_t i = 0; i < 3; ++i) {
+        for (size_t k = 0; k < 3; ++k) {
+            e[k] += (square[i] - CONSTANT(tri->of, WEFT__SQUARE + i)) * shape[i][k];
+        }
+    }
+    weft__membrane_stress(fabric, e, stress);
+    sum->elastic[WEFT_STRETCH] += half * (e[0] * stress[0] + e[1] * stress[1]);
+    sum->elastic[WEFT_SHEAR] += half * 2.0 * e[2] * stress[2];
+    if (area < least) {
+        const double r = fmax(area, 0.0) / least, z = 1.0 - r;
+        sum->elastic[WEFT_STRETCH]
+            += CONSTANT(tri->of, WEFT__GUARD) * (z * z) * (z * z) / r;
+    }
+}
+
+static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+{
+    const weft__membrane *of = own;
+    weft__triangle tri;
+    for (size_t next = 0;
+         of->blocks != NULL && weft__membrane_each_own(of, b, &next, &tri);) {
+        weft__sides3 now;
+        double square[3];
+        weft__membrane_sides(of->mesh, tri.corner, at->y, &now);
+        weft__membrane_squares(&now, square);
+        triangle_energy(of, &tri, square, &sum->energy);
+    }
+}
+
+/* [W] damping dq/dt.K dq/dt / 2 */
+static double heat_of(const weft__membrane *own, const weft__triangle *tri,
+                      const double *y)
+{
+    weft__sides3 at;
+    double rate[3], s[3];
+    weft__membrane_sides(own->mesh, tri->corner, y, &at);
+    for (size_t i = 0; i < 3; ++i) {
+        rate[i] = 2.0 * weft__dot(at.d[i], at.w[i]);
+    }
+    law_stiff(tri->of, rate, s);
+    return 0.25 * CONSTANT(tri->of, WEFT__LAG) * weft__dot(rate, s);
+}
+
+/* What the motion of pins does against the membrane. */
+static double pin_power(const weft__membrane *own, const weft__state *at, size_t b)
+{
+    const weft__mesh *mesh = own->mesh;
+    double force[WEFT__MESH_BLOCK][3], rate[6], power = 0.0;
+    const size_t first = weft__block(mesh, b);
+    bool moves = false;
+    for (size_t i = first; i < weft__block(mesh, b + 1); ++i) {
+        if (mesh->pin[i] != 0 && mesh->motions[mesh->pin[i] - 1].moves) {
+            if (!moves) {
+                weft__membrane_forces(own, at, b, force);
+            }
+            moves = true;
+            weft__pin_rate(mesh, i, at->t, rate);
+            power -= weft__dot(force[i - first], rate);
+        }
+    }
+    return power;
+}
+
+static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+{
+    const weft__membrane *of = own;
+    weft__triangle tri;
+    if (of->blocks == NULL) {
+        return;
+    }
+    sum->power[WEFT_POWER_PINS] += pin_power(of, at, b);
+    for (size_t next = 0; of->damped && weft__membrane_each_own(of, b, &next, &tri);) {
+        sum->power[WEFT_POWER_SPRINGS] += heat_of(of, &tri, at->y);
+    }
+}
+
+/* ---- strain ---------------------------------------------------------------------- */
+
+/* Of edge i of a triangle. */
+static weft_spring strain_of(const weft__membrane *own, const weft__triangle *tri,
+                             const double *y, size_t i)
+{
+    weft__sides3 now;
+    weft__membrane_sides(own->mesh, tri->corner, y, &now);
+    const double square = CONSTANT(tri->of, WEFT__SQUARE + i);
+    const uint32_t a = tri->corner[(i + 1) % 3], b = tri->corner[(i + 2) % 3];
+    return (weft_spring){ .family = WEFT_STRETCH,
+                          .p = a < b ? a : b,
+                          .q = a < b ? b : a,
+                          .strain
+                          = sqrt(weft__dot(now.d[i], now.d[i]) / square) - 1.0 };
+}
+
+static void worst(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+{
+    const weft__membrane *of = own;
+    weft__triangle tri;
+    const bool wanted = at->families == NULL || at->families[WEFT_STRETCH];
+    for (size_t next = 0;
+         of->blocks != NULL && wanted && weft__membrane_each_own(of, b, &next, &tri);) {
+        for (size_t i = 0; i < 3; ++i) {
+            const weft_spring edge = strain_of(of, &tri, at->y, i);
+            weft__keep_worst(&sum->worst, &edge);
+        }
+    }
+}
+
+static void strains(const void *own, const weft__state *at, size_t b, double *strain)
+{
+    const weft__membrane *of = own;
+    weft__triangle tri;
+    for (size_t next = 0;
+         of->blocks != NULL && weft__membrane_each_own(of, b, &next, &tri);) {
+        for (size_t i = 0; i < 3; ++i) {
+            const weft_spring edge = strain_of(of, &tri, at->y, i);
+            strain[edge.p] = fmax(strain[edge.p], edge.strain);
+            strain[edge.q] = fmax(strain[edge.q], edge.strain);
+        }
+    }
+}
+
+const weft__force weft__membrane_force = { .name = "membrane",
+                                           .init = weft__membrane_init,
+                                           .hash = hash_of,
+                                           .choose = choose,
+                                           .copy = weft__membrane_copy,
+                                           .free = weft__membrane_free,
+                                           .add = add,
+                                           .change = change,
+                                           .energy = energy,
+                                           .power = power,
+                                           .worst = worst,
+                                           .strains = strains,
+                                           .links = weft__membrane_links,
+                                           .link_numbers = weft__membrane_link_numbers,
+                                           .ratios = weft__membrane_ratios,
+                                           .bound = weft__membrane_bound,
+                                           .multiply = weft__membrane_multiply };

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* membrane.h -- the membrane of a mesh of triangles: orthotropic St. Venant-Kirchhoff
+ * elasticity with constant strain in each triangle, damping in proportion, and a
+ * barrier against its collapse (docs/physics.md). With the edge vectors d_i, opposite
+ * corner i, and their squares q_i less those at rest, the strain is linear in q, and
+ *
+ *     U = q.K q / 4,   s = K (q + damping dq/dt),   edge i pulls at its ends with s_i
+ * d_i
+ *
+ * K is 3 x 3 and constant. The barrier adds to s while the area is below 0.6 of that at
+ * rest.
+ *
+ * Each block computes all triangles with a corner in it and keeps the force on its own
+ * particles. It takes them in batches of WEFT__WIDTH, none of which has a particle
+ * twice: in this order forces are added, whatever the width of vectors. */
+#ifndef WEFT_FORCES_MEMBRANE_MEMBRANE_H
+#define WEFT_FORCES_MEMBRANE_MEMBRANE_H
+
+#include "forces/force.h"
+#include "mesh/triangles.h"
+
+enum {
+    WEFT__WIDTH = 8,  /* triangles of a batch */
+    WEFT__NEAR = 1000 /* particles that one block may touch in the fast form */
+};
+
+/* Constants of a triangle, one plane for each. A lane without a triangle has zeros. */
+enum {
+    WEFT__STIFF = 0,  /* [N/m^3] K: 00, 11, 22, 01, 02, 12 */
+    WEFT__SQUARE = 6, /* [m^2] squares of the edges at rest */
+    WEFT__LEAST = 9,  /* [m^4] 16 area^2 below which the barrier begins */
+    WEFT__LAG,        /* [s] twice the damping */
+    WEFT__GUARD,      /* [J] energy of the barrier, by its phi */
+    WEFT__CONSTANTS
+};
+
+typedef struct weft__batch {
+    double of[WEFT__CONSTANTS * WEFT__WIDTH];
+} weft__batch;
+
+/* Which triangles and particles a batch has. In `near` a block's own particles come
+ * first, then those of its halo, then one that stands for a missing triangle. */
+typedef struct weft__batch_corners {
+    uint16_t near[3][WEFT__WIDTH];
+    uint32_t triangle[WEFT__WIDTH]; /* WEFT__NONE: missing */
+} weft__batch_corners;
+
+/* Where a block begins in the arrays; one more block ends them. */
+typedef struct weft__membrane_block {
+    size_t batch, halo;
+} weft__membrane_block;
+
+/* All 0 on a grid. */
+typedef struct weft__membrane {
+    const weft__mesh *mesh;
+    weft__membrane_block *blocks;
+    weft__batch *batches; /* aligned to cache lines, in `room` */
+    weft__batch_corners *corners;
+    uint32_t *halo; /* particles, ascending in each block */
+    uint32_t *link; /* of each edge: its number among links */
+    double *weight; /* of bounds: d of each particle, > 0 */
+    void *room;
+    bool damped; /* any triangle */
+    bool shared; /* with the cloth that this one is a copy of */
+    weft__add_fn *fast;
+} weft__membrane;
+
+extern const weft__force weft__membrane_force;
+WEFT_FORMS(weft__add_fn, membrane);
+
+/* membrane_init.c */
+bool weft__membrane_init(void *own, const weft_cloth_def *def,
+                         const weft_allocator *memory);
+bool weft__membrane_copy(void *own, const weft_allocator *memory);
+void weft__membrane_free(void *own, const weft_allocator *memory);
+
+/* [N/m] S11, S22, S12 of a strain. */
+static inline void weft__membrane_stress(const weft_fabric *of, const double strain[3],
+                                         double stress[3])
+{
+    stress[0] = of->stretch[1] * strain[0] + of->coupling * strain[1];
+    stress[1] = of->stretch[0] * strain[1] + of->coupling * strain[0];
+    stress[2] = 2.0 * of->shear * strain[2];
+}
+
+/* membrane_shape.c */
+/* The constants of triangle t, to lane 0 of a batch. */
+void weft__membrane_constants(const weft__triangles *of, size_t t, double *to);
+
+/* Green's strain E11, E22, E12 that the square of each edge adds by 1 m^2 [1/m^2]. */
+void weft__membrane_shape(const weft__triangles *of, size_t t, double shape[3][3]);
+
+/* The barrier's energy [J] as a function of r = 16 area^2 / least: less its slope, its
+ * curvature, and the slopes [1/m^2] of r in the squares of the edges. */
+typedef struct weft__barrier {
+    double push, bend, rate[3];
+} weft__barrier;
+
+/* Of a triangle with these constants; false: it does not act, and all are 0. */
+bool weft__membrane_barrier(const double *of, const double square[3],
+                            weft__barrier *out);
+
+/* membrane_bounds.c */
+bool weft__membrane_weigh(weft__membrane *own, const weft_allocator *memory);
+bool weft__membrane_number_links(weft__membrane *own, const weft_allocator *memory);
+size_t weft__membrane_links(const void *own, weft_link *to);
+int weft__membrane_link_numbers(const void *own, const weft__state *at,
+                                double *numbers);
+void weft__membrane_ratios(const void *own, struct weft__sides *to);
+void weft__membrane_bound(const void *own, const weft__state *at, size_t i,
+                          const struct weft__sides *sides, double (*sums)[6]);
+void weft__membrane_multiply(const void *own, const weft__state *at, double a, double b,
+                             const double *x, double *out);
+
+#endif

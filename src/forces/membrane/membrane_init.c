@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* membrane_init.c -- a membrane from its mesh: the batches of its blocks. */
+#include <stdlib.h>
+
+#include "base/memory.h"
+#include "forces/membrane/membrane.h"
+
+enum { WINDOW = 64, LINE = 64 }; /* triangles; [bytes] of a cache line */
+
+/* What is needed to make them. */
+typedef struct maker {
+    weft__membrane *own;
+    const weft__triangles *of;
+    const weft_allocator *memory;
+    uint32_t *near;  /* of a particle: its number in the present block, or WEFT__NONE */
+    uint32_t *taken; /* of a particle: 1 + the batch that had it last */
+    uint32_t *list, *next; /* triangles of the block that wait, and which follows */
+    size_t batches, batch_room, halos, halo_room;
+} maker;
+
+static bool reserve(const maker *by, void *array, size_t *room, size_t count,
+                    size_t size)
+{
+    void **at = array;
+    if (count <= *room) {
+        return true;
+    }
+    void *more = weft__resize(by->memory, *at, 2 * count, size);
+    *at = more != NULL ? more : *at;
+    *room = more != NULL ? 2 * count : *room;
+    return more != NULL;
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* Numbers the particles of the `count` triangles listed, own ones first. */
+static bool number_particles(maker *by, size_t b, size_t count)
+{
+    const weft__mesh *mesh = by->own->mesh;
+    const size_t first = weft__block(mesh, b), own = weft__block(mesh, b + 1) - first;
+    const size_t begin = by->halos;
+    for (size_t i = 0; i < own; ++i) {
+        by->near[first + i] = (uint32_t)i;
+    }
+    for (size_t j = 0; j < 3 * count; ++j) {
+        const uint32_t i = by->of->corner[by->list[j / 3]][j % 3];
+        if (by->near[i] == WEFT__NONE) {
+            if (!reserve(by, &by->own->halo, &by->halo_room, by->halos + 1,
+                         sizeof *by->own->halo)) {
+                return false;
+            }
+            by->near[i] = 0;
+            by->own->halo[by->halos++] = i;
+        }
+    }
+    qsort(by->own->halo + begin, by->halos - begin, sizeof *by->own->halo, ascending);
+    for (size_t j = begin; j < by->halos; ++j) {
+        by->near[by->own->halo[j]] = (uint32_t)(own + (j - begin));
+    }
+    return true;
+}
+
+static bool is_free(const maker *by, const uint32_t corner[3])
+{
+    const uint32_t *taken = by->taken, batch = (uint32_t)by->batches + 1;
+    return taken[corner[0]] != batch && taken[corner[1]] != batch
+           && taken[corner[2]] != batch;
+}
+
+/* Takes for one batch the first that wait and have no particle in common; what waits
+ * begins at *head. */
+static void take_batch(maker *by, uint32_t *head, weft__batch_corners *to)
+{
+    size_t lane = 0;
+    uint32_t *link = head;
+    for (size_t tries = 0; *link != WEFT__NONE && lane < WEFT__WIDTH && tries < WINDOW;
+         ++tries) {
+        const uint32_t at = *link, t = by->list[at];
+        if (!is_free(by, by->of->corner[t])) {
+            link = &by->next[at];
+            continue;
+        }
+        to->triangle[lane] = t;
+        for (size_t k = 0; k < 3; ++k) {
+            const uint32_t i = by->of->corner[t][k];
+            by->taken[i] = (uint32_t)by->batches + 1;
+            to->near[k][lane] = (uint16_t)by->near[i];
+        }
+        ++lane;
+        *link = by->next[at];
+    }
+}
+
+static bool make_block(maker *by, size_t b)
+{
+    weft__membrane *own = by->own;
+    const weft__mesh *mesh = own->mesh;
+    const size_t first = weft__block(mesh, b), end = weft__block(mesh, b + 1);
+    const size_t count = weft__triangles_among(by->of, first, end, by->list);
+    own->blocks[b] = (weft__membrane_block){ by->batches, by->halos };
+    if (!number_particles(by, b, count)) {
+        return false;
+    }
+    const size_t missing = (end - first) + (by->halos - own->blocks[b].halo);
+    for (size_t j = 0; j < count; ++j) {
+        by->next[j] = j + 1 < count ? (uint32_t)j + 1 : WEFT__NONE;
+    }
+    for (uint32_t head = 0; head != WEFT__NONE; ++by->batches) {
+        if (!reserve(by, &own->corners, &by->batch_room, by->batches + 1,
+                     sizeof *own->corners)) {
+            return false;
+        }
+        weft__batch_corners *to = &own->corners[by->batches];
+        for (size_t lane = 0; lane < WEFT__WIDTH; ++lane) {
+            to->triangle[lane] = WEFT__NONE;
+            for (size_t k = 0; k < 3; ++k) {
+                to->near[k][lane] = (uint16_t)missing;
+            }
+        }
+        take_batch(by, &head, to);
+    }
+    for (size_t i = first; i < end; ++i) {
+        by->near[i] = WEFT__NONE;
+    }
+    for (size_t j = own->blocks[b].halo; j < by->halos; ++j) {
+        by->near[own->halo[j]] = WEFT__NONE;
+    }
+    return true;
+}
+
+static bool make_constants(maker *by)
+{
+    weft__membrane *own = by->own;
+    own->room = weft__zeroed(by->memory, by->batches + 1, sizeof *own->batches);
+    if (own->room == NULL) {
+        return false;
+    }
+    own->batches = (weft__batch *)(((uintptr_t)own->room + LINE - 1) / LINE * LINE);
+    for (size_t j = 0; j < by->batches * WEFT__WIDTH; ++j) {
+        const size_t g = j / WEFT__WIDTH, lane = j % WEFT__WIDTH;
+        const uint32_t t = own->corners[g].triangle[lane];
+        if (t != WEFT__NONE) {
+            weft__membrane_constants(by->of, t, own->batches[g].of + lane);
+            own->damped = own->damped
+                          || own->batches[g].of[WEFT__LAG * WEFT__WIDTH + lane] != 0.0;
+        }
+    }
+    return true;
+}
+
+static bool make(maker *by)
+{
+    const weft__mesh *mesh = by->own->mesh;
+    const size_t blocks = weft__blocks(mesh);
+    by->own->blocks = weft__zeroed(by->memory, blocks + 1, sizeof *by->own->blocks);
+    if (by->near == NULL || by->taken == NULL || by->list == NULL || by->next == NULL
+        || by->own->blocks == NULL) {
+        return false;
+    }
+    memset(by->near, 0xff, mesh->particles * sizeof *by->near);
+    for (size_t b = 0; b < blocks; ++b) {
+        if (!make_block(by, b)) {
+            return false;
+        }
+    }
+    by->own->blocks[blocks] = (weft__membrane_block){ by->batches, by->halos };
+    return make_constants(by);
+}
+
+bool weft__membrane_init(void *own, const weft_cloth_def *def,
+                         const weft_allocator *memory)
+{
+    weft__membrane *of = own;
+    const weft__triangles *triangles = of->mesh->triangles;
+    (void)def;
+    if (triangles == NULL) {
+        return true;
+    }
+    const size_t n = of->mesh->particles;
+    maker by = { .own = of, .of = triangles, .memory = memory };
+    by.near = weft__alloc(memory, n, sizeof *by.near);
+    by.taken = weft__zeroed(memory, n, sizeof *by.taken);
+    by.list = weft__alloc(memory, triangles->count, sizeof *by.list);
+    by.next = weft__alloc(memory, triangles->count, sizeof *by.next);
+    const bool made = make(&by) && weft__membrane_weigh(of, memory)
+                      && weft__membrane_number_links(of, memory);
+    weft__free(memory, by.near);
+    weft__free(memory, by.taken);
+    weft__free(memory, by.list);
+    weft__free(memory, by.next);
+    return made;
+}
+
+bool weft__membrane_copy(void *own, const weft_allocator *memory)
+{
+    (void)memory;
+    ((weft__membrane *)own)->shared = true;
+    return true;
+}
+
+void weft__membrane_free(void *own, const weft_allocator *memory)
+{
+    weft__membrane *of = own;
+    if (!of->shared) {
+        weft__free(memory, of->blocks);
+        weft__free(memory, of->room);
+        weft__free(memory, of->corners);
+        weft__free(memory, of->halo);
+        weft__free(memory, of->link);
+        weft__free(memory, of->weight);
+    }
+}
