@@ -5,62 +5,12 @@ import {
     LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshLambertMaterial, SphereGeometry,
 } from 'three';
 import { paint } from './colours.js';
+import { triangleNormals } from './surface.js';
 
 const FRONT = new Color('#c8553d');
 const BACK = new Color('#e3b27a');
 const PIN = new Color('#69727e');
-
-/** Two triangles a cell, split along alternating diagonals. */
-function faces(rows, cols) {
-    const index = [];
-    for (let r = 0; r + 1 < rows; ++r) {
-        for (let c = 0; c + 1 < cols; ++c) {
-            const a = r * cols + c;
-            const b = a + 1;
-            const d = a + cols;
-            const e = d + 1;
-            index.push(...((r + c) % 2 ? [a, d, b, b, d, e] : [a, d, e, a, e, b]));
-        }
-    }
-    return index;
-}
-
-function threads(rows, cols) {
-    const index = [];
-    for (let r = 0; r < rows; ++r) {
-        for (let c = 0; c < cols; ++c) {
-            const a = r * cols + c;
-            if (c + 1 < cols) index.push(a, a + 1);
-            if (r + 1 < rows) index.push(a, a + cols);
-        }
-    }
-    return index;
-}
-
-/** Unit normals of a grid of points by central differences, one-sided on the rim. */
-export function normals(p, rows, cols, out) {
-    for (let r = 0, k = 0; r < rows; ++r) {
-        const up = r > 0 ? 3 * cols : 0;
-        const down = r + 1 < rows ? 3 * cols : 0;
-        for (let c = 0; c < cols; ++c, k += 3) {
-            const left = k - (c > 0 ? 3 : 0);
-            const right = k + (c + 1 < cols ? 3 : 0);
-            const ux = p[right] - p[left];
-            const uy = p[right + 1] - p[left + 1];
-            const uz = p[right + 2] - p[left + 2];
-            const vx = p[k - up] - p[k + down];
-            const vy = p[k - up + 1] - p[k + down + 1];
-            const vz = p[k - up + 2] - p[k + down + 2];
-            const nx = uy * vz - uz * vy;
-            const ny = uz * vx - ux * vz;
-            const nz = ux * vy - uy * vx;
-            const length = Math.hypot(nx, ny, nz) || 1;
-            out[k] = nx / length;
-            out[k + 1] = ny / length;
-            out[k + 2] = nz / length;
-        }
-    }
-}
+const SEAM = '#274b73';
 
 // The two sides of a plain cloth differ in colour; one that shows a quantity glows a
 // little, so that shade does not falsify it much.
@@ -92,34 +42,94 @@ function threadMaterial() {
     return made;
 }
 
+/** The edges of one triangle alone. */
+function rims(faces) {
+    const found = new Map();
+    faces.forEach((a, j) => {
+        const b = faces[j % 3 === 2 ? j - 2 : j + 1];
+        const key = Math.min(a, b) * 2 ** 26 + Math.max(a, b);
+        found.set(key, found.has(key) ? null : [a, b]);
+    });
+    return [...found.values()].filter(Boolean).flat();
+}
+
+/** As three takes it: a list of plain numbers, or of words as they are. */
+const index = (list) => (Array.isArray(list) ? list : new BufferAttribute(list, 1));
+
+function coloured(count, faces) {
+    const geometry = new BufferGeometry().setIndex(index(faces));
+    for (const name of ['position', 'normal', 'color']) {
+        const attribute = new BufferAttribute(new Float32Array(3 * count), 3);
+        geometry.setAttribute(name, attribute.setUsage(DynamicDrawUsage));
+    }
+    return geometry;
+}
+
+/** The flat rest shape of triangles, upright about `centre` and at most `size` large. */
+export class RestShape {
+    constructor({ faces, uv, of }, centre, size) {
+        const sides = [0, 1].map((k) => uv.filter((_, i) => i % 2 === k)).map((x) => [
+            x.reduce((a, b) => Math.min(a, b)), x.reduce((a, b) => Math.max(a, b)),
+        ]);
+        const scale = Math.min(1, (0.8 * size) / Math.hypot(...sides.map(([lo, hi]) => hi - lo)));
+        this.of = of;
+        this.geometry = coloured(of.length, faces);
+        const { position, normal } = this.geometry.attributes;
+        of.forEach((_, i) => {
+            sides.forEach(([lo, hi], k) => {
+                position.array[3 * i + k] = centre[k] + scale * (uv[2 * i + k] - (lo + hi) / 2);
+            });
+            position.array[3 * i + 2] = centre[2];
+        });
+        triangleNormals(position.array, faces, normal.array);
+        this.mesh = new Mesh(this.geometry, material());
+        this.mesh.frustumCulled = false;
+        this.lines = new LineSegments(new BufferGeometry().setIndex(index(rims(faces))), threadMaterial());
+        this.lines.geometry.setAttribute('position', position);
+        this.lines.frustumCulled = false;
+        this.group = new Group().add(this.mesh, this.lines);
+    }
+
+    /** Each place in the colour of its particle. */
+    show(cloth) {
+        const from = cloth.geometry.attributes.color.array;
+        const { color } = this.geometry.attributes;
+        this.mesh.material.userData.glow.value = cloth.surface.material.userData.glow.value;
+        this.of.forEach((particle, i) => {
+            color.array.set(from.subarray(3 * particle, 3 * particle + 3), 3 * i);
+        });
+        color.needsUpdate = true;
+    }
+}
+
 export class Cloth {
     constructor(page, run, size) {
-        const [rows, cols] = page.shown;
+        const { surface } = page;
         this.page = page;
         this.run = run;
         this.group = new Group();
         this.values = new Float32Array(page.count);
-        this.chain = rows === 1 || cols === 1;
-        this.geometry = new BufferGeometry();
-        for (const name of ['position', 'normal', 'color']) {
-            const attribute = new BufferAttribute(new Float32Array(3 * page.count), 3);
-            this.geometry.setAttribute(name, attribute.setUsage(DynamicDrawUsage));
-        }
-        this.geometry.setIndex(faces(rows, cols));
+        this.chain = surface.chain;
+        this.geometry = coloured(page.count, surface.faces);
         this.surface = new Mesh(this.geometry, material());
         this.surface.castShadow = true;
         this.surface.receiveShadow = true;
-        this.lines = new LineSegments(
-            new BufferGeometry().setIndex(threads(rows, cols)), threadMaterial(),
-        );
-        this.lines.geometry.setAttribute('position', this.geometry.attributes.position);
+        this.lines = this.makeLines(surface.threads);
+        this.seams = this.makeLines(surface.seams);
+        this.seams.material.color.set(SEAM);
         this.beads = this.makeBeads(size);
-        for (const object of [this.surface, this.lines, this.beads]) {
+        for (const object of [this.surface, this.lines, this.seams, this.beads]) {
             object.frustumCulled = false;
             this.group.add(object);
         }
         this.lines.castShadow = this.chain;
         this.lines.material.opacity = this.chain ? 0.8 : 0.16;
+    }
+
+    makeLines(ends) {
+        const lines = new LineSegments(new BufferGeometry().setIndex(index(ends)), threadMaterial());
+        lines.geometry.setAttribute('position', this.geometry.attributes.position);
+        return lines;
     }
 
     /** Spheres at the pins; in a chain at every particle. */
@@ -140,7 +150,6 @@ export class Cloth {
 
     /** `place`, if there is one: { from, scale, to }, p is drawn at to + (p - from) / scale. */
     show(frame, quantity, place) {
-        const [rows, cols] = this.page.shown;
         const { position, normal, color } = this.geometry.attributes;
         for (let k = 0; k < 3; ++k) {
             this.run.blocks[frame].read(k, position.array, k, 3);
@@ -148,7 +157,7 @@ export class Cloth {
                 position.array[i] = place.to[k] + (position.array[i] - place.from[k]) / place.scale;
             }
         }
-        normals(position.array, rows, cols, normal.array);
+        this.page.surface.normals(position.array, normal.array);
         this.colour(frame, quantity, color.array);
         const matrix = new Matrix4();
         this.beadAt.forEach((i, k) => {

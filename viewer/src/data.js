@@ -3,6 +3,7 @@
 // block of numbers for each frame of each run.
 
 import { shapeBoxes } from './shapes.js';
+import { readSurface } from './surface.js';
 
 const bytesOf = (text) => (Uint8Array.fromBase64
     ? Uint8Array.fromBase64(text)
@@ -108,7 +109,8 @@ function calmFrames(runs, frames) {
 export function readPage(root) {
     const meta = JSON.parse(root.getElementById('weft-data').textContent);
     const elements = [...root.querySelectorAll('script[type="weft/frame"]')];
-    const count = meta.shown[0] * meta.shown[1];
+    const surface = readSurface(meta, (text) => bytesOf(text).buffer);
+    const { count } = surface;
     const runs = meta.runs.map(readRun);
     const stride = runs.length > 1 ? runs.length + 1 : 1;
     runs.forEach((run, r) => {
@@ -122,7 +124,7 @@ export function readPage(root) {
     const calm = calmFrames(runs, meta.times.length);
     const blown = calm < meta.times.length;
     // Two frames make no plot.
-    return { ...meta, runs, apart, count, calm, blown, all: blown && calm < 3 };
+    return { ...meta, surface, runs, apart, count, calm, blown, all: blown && calm < 3 };
 }
 
 /** Appends a frame of a run under way: its index, number, time, and block as base64. */

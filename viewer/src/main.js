@@ -109,6 +109,15 @@ function setRate(index) {
     state.from = { t: times[state.frame], now: performance.now() };
 }
 
+/** The flat rest shape of triangles beside the cloth. */
+function setRest(on) {
+    $('rest').checked = on && Boolean(page.surface.rest);
+    stage?.setRest($('rest').checked);
+    stage?.setInk(isDark());
+    setThreads($('threads').checked);
+    seek(state.frame);
+}
+
 function setThreads(on) {
     $('threads').checked = on;
     stage?.setThreads(on);
@@ -197,6 +206,7 @@ const KEYS = {
     '-': () => setRate(state.rate - 1),
     c: () => setColour(state.colour + 1),
     t: () => setThreads(!$('threads').checked),
+    p: () => setRest(!$('rest').checked),
     a: () => setAll(!page.all),
     r: fit,
     d: switchTheme,
@@ -222,6 +232,7 @@ function fillChoices() {
     $('scrub').max = times.length - 1;
     $('fit-all').hidden = !page.blown;
     $('all').checked = page.all;
+    $('rest-shape').hidden = !page.surface.rest;
 }
 
 function listen() {
@@ -236,6 +247,7 @@ function listen() {
     on('colour', 'change', () => setColour($('colour').selectedIndex));
     on('rate', 'change', () => setRate($('rate').selectedIndex));
     on('threads', 'change', () => setThreads($('threads').checked));
+    on('rest', 'change', () => setRest($('rest').checked));
     on('all', 'change', () => setAll($('all').checked));
     on('reset', 'click', fit);
     on('theme', 'click', switchTheme);
@@ -260,9 +272,12 @@ function start() {
     }
     applyTheme();
     setRate(state.rate);
-    setThreads(asked.has('threads') ? asked.get('threads') === '1' : Math.max(...page.shown) < THREADS_BELOW);
+    setThreads(asked.has('threads') ? asked.get('threads') === '1' : page.surface.fine < THREADS_BELOW);
     const wanted = colours.findIndex((c) => (c ? c.name : 'plain') === asked.get('colour'));
     setColour(wanted < 0 ? state.colour : wanted);
+    if (asked.get('rest') === '1') {
+        setRest(true);
+    }
     seek(Number(asked.get('frame') ?? (live ? Infinity : 0)) || 0);
     const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
     if (live) {

@@ -27,29 +27,12 @@ function square(p, a, b, c) {
     return at(vb / (va + vb + vc), vc / (va + vb + vc));
 }
 
-/** The two triangles of each cell, as the model has them; of a chain its edges, as [a, b, b]. */
-function triangles(rows, cols) {
-    const list = [];
-    for (let r = 0; r < rows; ++r) {
-        for (let c = 0; c < cols; ++c) {
-            const a = r * cols + c;
-            const [right, down] = [c + 1 < cols, r + 1 < rows];
-            if (right && down) {
-                list.push([a, a + cols, a + 1], [a + cols + 1, a + 1, a + cols]);
-            } else if ((right && rows === 1) || (down && cols === 1)) {
-                list.push([a, a + 1, a + 1]);
-            }
-        }
-    }
-    return list;
-}
-
 const key = (i, j, k) => (i * 73856093) ^ (j * 19349663) ^ (k * 83492791);
 
 /** Lowers each out[i] to the distance of particle i from the nearest triangle that it is no
  * corner of, if that is below `reach` [m]. */
-export function selfGaps([rows, cols], [x, y, z], reach, out) {
-    const list = triangles(rows, cols);
+export function selfGaps(triangles, [x, y, z], reach, out) {
+    const list = Array.from({ length: triangles.length / 3 }, (_, t) => [...triangles.slice(3 * t, 3 * t + 3)]);
     const point = (i) => [x[i], y[i], z[i]];
     const mean = list.reduce((sum, [a, b]) => sum + Math.hypot(x[a] - x[b], y[a] - y[b], z[a] - z[b]), 0) / list.length;
     const size = Math.max(reach, mean);

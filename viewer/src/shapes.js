@@ -48,7 +48,7 @@ export function gaps(page, run, frame, out) {
     for (let i = 0; i < out.length; ++i) {
         out[i] = near.reduce((least, [gap, at]) => Math.min(least, gap([x[i] - at[0], y[i] - at[1], z[i] - at[2]])), Infinity);
     }
-    return run.self ? selfGaps(page.shown, [x, y, z], run.thickness, out) : out;
+    return run.self ? selfGaps(page.surface.triangles, [x, y, z], run.thickness, out) : out;
 }
 
 /** A sphere's points, moved to the core of a shape and its distance from there; `core` is

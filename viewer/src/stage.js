@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // stage.js -- camera, light, floor; a view for each run, side by side under one camera.
 import {
-    DirectionalLight, DoubleSide, HemisphereLight, Mesh, PCFShadowMap, PerspectiveCamera,
+    AmbientLight, DirectionalLight, DoubleSide, HemisphereLight, Mesh, PCFShadowMap, PerspectiveCamera,
     PlaneGeometry, Scene, ShaderMaterial, ShadowMaterial, Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-import { Cloth } from './cloth.js';
+import { Cloth, RestShape } from './cloth.js';
 import { extent } from './data.js';
 import { Shapes } from './shapes.js';
 
@@ -87,6 +87,25 @@ export class Stage {
         Object.assign(this.controls, { minDistance: this.size / 20, maxDistance: this.size * 20 });
         Object.assign(this, { cell: round(this.size / 4), grid: null, shade: null });
         this.views = this.page.runs.map((run) => this.makeView(run));
+        this.addRest();
+    }
+
+    /** One more pane, for the rest shape. */
+    addRest() {
+        this.rest = null;
+        if (this.resting) {
+            const scene = new Scene();
+            this.rest = new RestShape(this.page.surface.rest, this.centre.toArray(), this.size);
+            scene.add(this.rest.group, new AmbientLight('#ffffff', 2.9));
+            this.views.push({ scene });
+        }
+    }
+
+    setRest(on) {
+        this.resting = on;
+        this.views.length = this.page.runs.length;
+        this.addRest();
+        this.resize();
     }
 
     /** Of a run under way: more frames, perhaps farther away. Returns whether all is new. */
@@ -150,12 +169,12 @@ export class Stage {
     setInk(dark) {
         this.grid.uniforms.ink.value.setScalar(dark ? 0.75 : 0.1);
         this.shade.opacity = dark ? 0.45 : 0.2;
-        this.views.forEach(({ cloth }) => cloth.setInk(dark));
+        this.views.forEach(({ cloth }) => cloth?.setInk(dark));
         this.request();
     }
 
     setThreads(on) {
-        for (const { cloth } of this.views) {
+        for (const { cloth } of this.views.slice(0, this.page.runs.length)) {
             cloth.lines.visible = on || cloth.chain;
         }
         this.request();
@@ -165,10 +184,11 @@ export class Stage {
     show(frame, quantity) {
         const { centre, scale } = this.page.all ? extent(this.page, frame, this.size) : { scale: 1 };
         const place = scale > 1 ? { from: centre, scale, to: this.centre.toArray() } : null;
-        for (const { cloth, shapes } of this.views) {
+        for (const { cloth, shapes } of this.views.slice(0, this.page.runs.length)) {
             cloth.show(frame, quantity, place);
             shapes.show(frame, place);
         }
+        this.rest?.show(this.views[0].cloth);
         this.request();
         return scale;
     }

@@ -109,8 +109,10 @@ export function writeHeader(page) {
     document.title = `${names.join(' / ')} - weft`;
     document.getElementById('name').textContent = names.join(' / ');
     const summary = document.getElementById('summary');
-    const [rows, cols] = page.grid;
-    summary.append(element('span', `${rows} × ${cols} particles`, 'fact'));
+    const particles = page.mesh
+        ? `${page.mesh.vertices} vertices, ${page.mesh.triangles} triangles`
+        : `${page.grid.join(' × ')} particles`;
+    summary.append(element('span', particles, 'fact'));
     page.runs.forEach((run, i) => {
         const line = element('span', '', 'run');
         if (page.runs.length > 1) {
