@@ -697,6 +697,39 @@ START_TEST(momentum_is_kept_and_heat_is_what_damping_takes)
 }
 END_TEST
 
+START_TEST(moving_pins_put_in_what_the_cloth_takes)
+{
+    test_mesh mesh;
+    uint64_t seed = 3;
+    enum { ROWS = 6, N = ROWS * ROWS };
+    size_t held[2 * ROWS];
+    mesh_sheet(&mesh, ROWS, ROWS, 0.01, MESH_RANDOM, 0.25, 5);
+    for (size_t i = 0; i < 2 * ROWS; ++i) {
+        held[i] = i;
+    }
+    const weft_pin pin = { .vertices = held,
+                           .vertex_count = 2 * ROWS,
+                           .velocity = { 0.1, -0.2, 0.3 } };
+    weft_cloth_def def = mesh_cloth(&mesh);
+    def.pins = &pin, def.pin_count = 1, def.pin_size = sizeof pin;
+    weft_cloth *cloth = test_cloth(&def);
+    double y[6 * N], f[3 * N], put_in = 0.0;
+    const sample of = { .cloth = cloth, .n = N };
+    weft_cloth_start(cloth, y);
+    for (size_t i = 0; i < 3 * N; ++i) {
+        y[i] += 1e-3 * random_uniform(&seed);
+    }
+    push(&of, y, f);
+    for (size_t i = 0; i < 3 * N; ++i) {
+        put_in -= cloth->mesh.pin[i % N] != 0 ? f[i] * pin.velocity[i / N] : 0.0;
+    }
+    ck_assert_double_eq_tol(measured(&of, y).power[WEFT_POWER_PINS] / put_in, 1.0,
+                            1e-12);
+    weft_cloth_destroy(cloth);
+    mesh_free(&mesh);
+}
+END_TEST
+
 START_TEST(fast_forms_have_the_bits_of_the_loops)
 {
     sample of;
@@ -842,6 +875,7 @@ TEST_SUITE(plate)
     tcase_add_test(tcase, bound_holds_and_is_sharp);
     tcase_add_test(tcase, force_is_the_slope_of_the_energy);
     tcase_add_loop_test(tcase, momentum_is_kept_and_heat_is_what_damping_takes, 0, 3);
+    tcase_add_test(tcase, moving_pins_put_in_what_the_cloth_takes);
     tcase_add_loop_test(tcase, fast_forms_have_the_bits_of_the_loops, 0, 3);
     tcase_add_loop_test(tcase, products_are_those_of_the_force, 0, 3);
     tcase_add_loop_test(tcase, ties_are_the_matrix, 0, 3);

@@ -306,7 +306,7 @@ static void factor(search *s, factors *to)
 static double fit(search *s)
 {
     const size_t n = s->count;
-    double d[TERMS] = { 0.0 }, y[TERMS];
+    double d[TERMS] = { 0.0 }, y[TERMS] = { 0.0 };
     factors f;
     whiten(s, s->normal, d + 1);
     const double size = sqrt(d[1] * d[1] + d[2] * d[2]);
