@@ -5,6 +5,7 @@
 
 #include "base/hash.h"
 #include "forces/bounds.h"
+#include "mesh/triangles.h"
 
 const struct weft__wind_numbers weft__wind_numbers = {
     WEFT__FIELD(weft_cloth_def, wind_velocity, "m/s", .count = 3, .least = -HUGE_VAL),
@@ -60,7 +61,99 @@ static void cross(const double a[3], const double b[3], double out[3])
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-static void wind_force(const weft__wind *of, const weft__state *at, size_t i,
+/* ---- of triangles ---------------------------------------------------------------- */
+
+/* A triangle in a state, or in a direction of it: N = (x1 - x0) x (x2 - x0) and three
+ * times the wind against it. */
+typedef struct sail {
+    double normal[3], flow[3];
+} sail;
+
+static void edges_of(const weft__mesh *mesh, const uint32_t corner[3], const double *x,
+                     double a[3], double b[3])
+{
+    tangent(x, mesh->particles, corner[0], corner[1], a);
+    tangent(x, mesh->particles, corner[0], corner[2], b);
+}
+
+/* wind NULL: of a direction. */
+static void flow_of(const weft__mesh *mesh, const uint32_t corner[3], const double *y,
+                    const double *wind, double flow[3])
+{
+    const size_t n = mesh->particles;
+    for (size_t k = 0; k < 3; ++k) {
+        const double *v = y + (k + 3) * n;
+        flow[k] = (wind != NULL ? 3.0 * wind[k] : 0.0)
+                  - (v[corner[0]] + v[corner[1]] + v[corner[2]]);
+    }
+}
+
+/* The sail's push / (drag / 18) along N, N.flow / |N|, and 1 / |N|. */
+static double push_of(const sail *at, double *inverse)
+{
+    *inverse = 1.0 / sqrt(weft__dot(at->normal, at->normal) + DBL_MIN);
+    return weft__dot(at->normal, at->flow) * *inverse;
+}
+
+/* A third of drag A (n.flow) n, A n = N / 2, of each triangle of particle i, or its
+ * change along at->along: with the unit normal N / |N| that turns by
+ * (dN - N (N.dN) / |N|^2) / |N|. */
+static void sails_force(const weft__wind *of, const weft__state *at, size_t i,
+                        double share, double force[3])
+{
+    const weft__mesh *mesh = of->mesh;
+    const weft__triangles *tri = mesh->triangles;
+    const double scale = of->drag / 18.0 * share;
+    memset(force, 0, 3 * sizeof *force);
+    for (size_t j = tri->around_first[i]; j < tri->around_first[i + 1]; ++j) {
+        const uint32_t *corner = tri->corner[tri->around[j]];
+        double a[3], b[3], da[3], db[3], turn[3], more[3], dflow[3], inverse;
+        sail now;
+        edges_of(mesh, corner, at->y, a, b);
+        cross(a, b, now.normal);
+        flow_of(mesh, corner, at->y, of->velocity, now.flow);
+        const double push = push_of(&now, &inverse);
+        if (at->along == NULL) {
+            for (size_t k = 0; k < 3; ++k) {
+                force[k] += scale * push * now.normal[k];
+            }
+            continue;
+        }
+        edges_of(mesh, corner, at->along, da, db);
+        flow_of(mesh, corner, at->along, NULL, dflow);
+        cross(da, b, turn);
+        cross(a, db, more);
+        for (size_t k = 0; k < 3; ++k) {
+            turn[k] += more[k];
+        }
+        const double rate
+            = (weft__dot(turn, now.flow) + weft__dot(now.normal, dflow)) * inverse
+              - push * weft__dot(now.normal, turn) * inverse * inverse;
+        for (size_t k = 0; k < 3; ++k) {
+            force[k] += scale * (rate * now.normal[k] + push * turn[k]);
+        }
+    }
+}
+
+/* [m^2] A third of the triangles of particle i; y NULL: with stretches up to 1.1. */
+static double sails_area(const weft__mesh *mesh, const double *y, size_t i)
+{
+    const weft__triangles *tri = mesh->triangles;
+    double sum = 0.0, a[3], b[3], normal[3];
+    if (y == NULL) {
+        return 1.21 * tri->lumped[i];
+    }
+    for (size_t j = tri->around_first[i]; j < tri->around_first[i + 1]; ++j) {
+        edges_of(mesh, tri->corner[tri->around[j]], y, a, b);
+        cross(a, b, normal);
+        sum += weft__length(normal) / 6.0;
+    }
+    return sum;
+}
+
+/* ---- of a grid ------------------------------------------------------------------- */
+
+static void grid_force(const weft__wind *of, const weft__state *at, size_t i,
                        double share, double force[3])
 {
     const weft__mesh *mesh = of->mesh;
@@ -81,7 +174,7 @@ static void wind_force(const weft__wind *of, const weft__state *at, size_t i,
 /* With the change dN = da x b + a x db of N, that of F = drag area (N.flow) N / (N.N)
  * is drag area ((dN.flow - N.dv - 2 (N.flow) (N.dN) / (N.N)) N + (N.flow) dN) / (N.N).
  */
-static void wind_slope(const weft__wind *of, const weft__state *at, size_t i,
+static void grid_slope(const weft__wind *of, const weft__state *at, size_t i,
                        double slope[3])
 {
     const weft__mesh *mesh = of->mesh;
@@ -107,6 +200,18 @@ static void wind_slope(const weft__wind *of, const weft__state *at, size_t i,
     }
 }
 
+static void wind_force(const weft__wind *of, const weft__state *at, size_t i,
+                       double share, double force[3])
+{
+    if (of->mesh->triangles != NULL) {
+        sails_force(of, at, i, share, force);
+    } else if (at->along != NULL) {
+        grid_slope(of, at, i, force);
+    } else {
+        grid_force(of, at, i, share, force);
+    }
+}
+
 int weft__wind_loops(const void *own, const weft__state *at, weft__unit unit,
                      double *to, size_t first, size_t end)
 {
@@ -128,7 +233,8 @@ static int add(const void *own, const weft__state *at, weft__unit unit, double *
                size_t first, size_t end)
 {
     const weft__wind *of = own;
-    weft__add_fn *form = unit == WEFT__FORCE ? weft__wind_loops : of->fast;
+    const bool plain = unit == WEFT__FORCE || of->mesh->triangles != NULL;
+    weft__add_fn *form = plain ? weft__wind_loops : of->fast;
     return of->drag != 0.0 ? form(own, at, unit, to, first, end) : 0;
 }
 
@@ -140,7 +246,7 @@ static int change(const void *own, const weft__state *at, weft__unit unit, doubl
     double bad = 0.0, slope[3];
     (void)unit;
     for (size_t i = weft__block(of->mesh, first); of->drag != 0.0 && i < last; ++i) {
-        wind_slope(of, at, i, slope);
+        wind_force(of, at, i, of->mesh->inverse_mass[i], slope);
         for (size_t k = 0; k < 3; ++k) {
             to[k * n + i] += slope[k];
             bad += slope[k] * 0.0;
@@ -164,14 +270,16 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
     }
 }
 
-/* No direction is damped more, whatever the state. */
+/* No direction is damped more, on a grid whatever the state: of a triangle, C has the
+ * blocks drag A n n^T / 9, and is at most three times those of its diagonal. */
 static void bound(const void *own, const weft__state *at, size_t i,
                   const weft__sides *sides, double (*sums)[6])
 {
     const weft__wind *of = own;
     const weft__mesh *mesh = of->mesh;
-    const double most = of->drag * weft__area(mesh, i) * mesh->inverse_mass[i];
-    (void)at;
+    const double area
+        = mesh->triangles != NULL ? sails_area(mesh, at->y, i) : weft__area(mesh, i);
+    const double most = of->drag * area * mesh->inverse_mass[i];
     for (size_t s = 0; s < sides->count; ++s) {
         weft__bound_add(sums[s], fmax(0.0, sides->way[s][1]) * most);
     }

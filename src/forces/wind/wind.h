@@ -5,7 +5,9 @@
  *
  * with n the unit normal of N, the cross product of the column tangent
  * x(r, c+1) - x(r, c-1) and the row tangent x(r+1, c) - x(r-1, c), one-sided on the
- * rim; no force where they are parallel or a direction has a single particle. */
+ * rim; no force where they are parallel or a direction has a single particle. Of
+ * triangles, each with its normal, its present area and the mean velocity of its
+ * corners gives a third of that force to each corner. */
 #ifndef WEFT_FORCES_WIND_WIND_H
 #define WEFT_FORCES_WIND_WIND_H
 
