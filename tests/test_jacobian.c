@@ -331,6 +331,7 @@ START_TEST(structure_of_triangles_has_the_jacobian_of_the_cloth)
     weft_cloth *cloth = stretched(&sheet, y, dy);
     weft_sim *sim = simulate(cloth);
     ck_assert_uint_eq(seen.structure->bond_count, 0);
+    ck_assert_uint_gt(seen.structure->link_count, 0);
     ck_assert_uint_gt(seen.structure->tie_count, 0);
     ck_assert_int_eq(weft_cloth_jacobian_product(cloth, 0.0, y, dy, whole), 0);
     structured(seen.structure, 0.0, y, dy, parts);

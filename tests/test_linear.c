@@ -11,6 +11,7 @@
 #include "../plugins/linear/linear.h"
 #include "../plugins/linear/network.h"
 #include "conformance/structured.h"
+#include "meshes.h"
 #include "sim/simulation.h"
 #include "weft/scene.h"
 
@@ -505,6 +506,49 @@ START_TEST(implicit_methods_end_within_20_tolerances)
 }
 END_TEST
 
+/* A sheet of triangles that falls into the hold of two corners. */
+static void hang(const weft_stepper_type *method, double tolerance, double *y)
+{
+    static const size_t corners[] = { 0, 5 };
+    const weft_pin pin = { .vertices = corners, .vertex_count = 2 };
+    weft_sim_def run = weft_sim_def_default();
+    weft_error err = { 0 };
+    test_mesh sheet;
+    mesh_sheet(&sheet, 6, 6, 0.05, MESH_RANDOM, 0.2, 1);
+    sheet.fabrics[0].damping[0] = sheet.fabrics[0].damping[1] = 1e-3;
+    weft_cloth_def def = mesh_cloth(&sheet);
+    def.gravity[2] = -9.81;
+    def.pins = &pin, def.pin_count = 1;
+    run.cloth = cloth = test_cloth(&def), run.method = method;
+    run.config.rtol = tolerance;
+    run.config.atol_position = run.config.atol_velocity = tolerance;
+    ck_assert_msg(weft_sim_create(&run, &sim, &err) == WEFT_OK, "%s", err.message);
+    ck_assert_msg(weft_sim_advance(sim, 0.05, &err) == WEFT_OK, "%s: %s", method->name,
+                  err.message);
+    memcpy(y, weft_sim_state(sim), weft_cloth_dim(cloth) * sizeof *y);
+    mesh_free(&sheet);
+}
+
+/* Without the links Newton's iteration fails, and steps are 180 to 556. */
+START_TEST(implicit_methods_know_triangles)
+{
+    enum { DIM = 6 * 36 };
+    static const char *const methods[]
+        = { "arkode/sdirk534", "arkode/esdirk437", "arkode/esdirk324" };
+    double reference[DIM], y[DIM];
+    hang(test_method_named("gsl/rk8pd"), 1e-11, reference);
+    for (size_t m = 0; m < sizeof methods / sizeof methods[0]; ++m) {
+        teardown();
+        hang(test_method_named(methods[m]), 1e-6, y);
+        for (size_t j = 0; j < DIM; ++j) {
+            ck_assert_double_eq_tol(y[j], reference[j],
+                                    2e-5 * (1.0 + fabs(reference[j])));
+        }
+        ck_assert_uint_le(weft_sim_stats(sim).steps, 150);
+    }
+}
+END_TEST
+
 TEST_SUITE(linear)
 {
     Suite *suite = suite_create("linear systems");
@@ -526,6 +570,7 @@ TEST_SUITE(linear)
     tcase_set_timeout(tcase, 600.0);
     tcase_add_checked_fixture(tcase, NULL, teardown);
     tcase_add_loop_test(tcase, implicit_methods_end_within_20_tolerances, 0, 2);
+    tcase_add_test(tcase, implicit_methods_know_triangles);
     suite_add_tcase(suite, tcase);
 #endif
     return suite;
