@@ -488,6 +488,51 @@ START_TEST(strip_of_pinned_triangles_clamps_along_its_inner_rim)
 }
 END_TEST
 
+/* How far the tip of a strip of length 1 hangs below its clamp under weight of 8 B /
+ * L^3, on so many cells, after it has come to rest. */
+static double sag(size_t cells)
+{
+    test_mesh mesh;
+    const size_t rows = cells / 4 + 1, cols = cells + 2;
+    size_t held[2 * 9];
+    mesh_sheet(&mesh, rows, cols, 1.0 / (double)cells, MESH_RIGHT, 0.0, 1);
+    mesh.fabrics[0] = isotropic;
+    mesh.fabrics[0].stretch[0] = mesh.fabrics[0].stretch[1] = 1e4;
+    mesh.fabrics[0].shear = 5e3, mesh.fabrics[0].coupling = 0.0;
+    for (size_t r = 0; r < rows; ++r) {
+        held[2 * r] = r * cols, held[2 * r + 1] = r * cols + 1;
+    }
+    weft_cloth_def def = mesh_cloth(&mesh);
+    const weft_pin pin = { .vertices = held, .vertex_count = 2 * rows };
+    def.pins = &pin, def.pin_count = 1, def.pin_size = sizeof pin;
+    def.gravity[2] = -8.0;
+    def.drag = 8.0 / (double)(cells * cells);
+    weft_cloth *cloth = test_cloth(&def);
+    weft_stepper_config config = weft_stepper_config_default();
+    config.fixed_step = 3.2e-3 / (double)cells;
+    weft_sim *sim
+        = test_sim(cloth, test_method_named("verlet/velocity_verlet"), &config);
+    ck_assert_int_eq(weft_sim_advance(sim, 5.0, NULL), WEFT_OK);
+    const double *z = weft_sim_state(sim) + 2 * weft_cloth_particles(cloth);
+    double tip = 0.0;
+    for (size_t r = 0; r < rows; ++r) {
+        const size_t i = weft__particle_of(&cloth->mesh, r * cols + cols - 1);
+        tip += z[i] * (r == 0 || r + 1 == rows ? 0.5 : 1.0) / (double)(rows - 1);
+    }
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    mesh_free(&mesh);
+    return -tip;
+}
+
+START_TEST(strip_hangs_as_the_heavy_elastica)
+{
+    const double exact = 0.6406307; /* of the rod's equation, by shooting */
+    const double coarse = sag(8) - exact, fine = sag(16) - exact;
+    ck_assert(fabs(coarse - 0.0071) < 2e-4 && coarse > 3.0 * fabs(fine));
+}
+END_TEST
+
 /* ---- seams ----------------------------------------------------------------------- */
 
 /* A sheet in halves that are sewn along a straight line, one of them turned. */
@@ -869,6 +914,7 @@ TEST_SUITE(plate)
     tcase_add_test(tcase, inner_particles_feel_no_force_on_quadratics);
     tcase_add_loop_test(tcase, supported_plate_converges_with_order_2, 0, 3);
     tcase_add_test(tcase, strip_of_pinned_triangles_clamps_along_its_inner_rim);
+    tcase_add_test(tcase, strip_hangs_as_the_heavy_elastica);
     tcase_add_test(tcase, sewn_pieces_bend_as_a_whole);
     tcase_add_test(tcase, hinge_has_one_zero_mode_more);
     tcase_add_test(tcase, matrix_does_not_depend_on_numbers);
