@@ -57,6 +57,7 @@ weft_log weftpy_log_of(void);
 weft_status weftpy_scene(weft_registry *, weft_scene_def *, weft_scene **, weft_diagnostics *, weft_error *);
 void weftpy_masses(const weft_cloth *, double *);
 void weftpy_pinned(const weft_cloth *, bool *);
+void weftpy_index(const weft_cloth *, size_t *);
 weft_status weftpy_advance(weft_sim *, double, double, const bool *, weft_error *);
 """
 
@@ -100,6 +101,13 @@ static void weftpy_masses(const weft_cloth *cloth, double *mass)
 {
     for (size_t i = 0; i < weft_cloth_particles(cloth); ++i) {
         mass[i] = weft_cloth_particle_mass(cloth, i);
+    }
+}
+
+static void weftpy_index(const weft_cloth *cloth, size_t *index)
+{
+    for (size_t v = 0; v < weft_cloth_particles(cloth); ++v) {
+        index[v] = weft_cloth_index(cloth, v);
     }
 }
 

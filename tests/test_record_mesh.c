@@ -2,6 +2,9 @@
 /* test_record_mesh.c -- a cloth of triangles in the numbers of its definition: what a
  * simulation takes and gives, and the files of a run. */
 #include "meshes.h"
+
+#include <math.h>
+
 #include "record/export/export.h"
 #include "record/player_page.h"
 #include "record/vtkhdf.h"
@@ -83,6 +86,33 @@ START_TEST(pins_are_vertices)
     ck_assert_mem_eq(x, mesh.start, 3 * 17 * sizeof *x);
     ck_assert_int_eq(weft_sim_unpin(sim, 17, &err), WEFT_OK);
     ck_assert_uint_eq(weft_cloth_pins(weft_sim_cloth(sim)), 2);
+}
+END_TEST
+
+/* One vertex away from the others. */
+START_TEST(strains_are_those_of_vertices)
+{
+    const size_t moved = 17;
+    double strain[N];
+    bool near[N] = { false };
+    weft_sim_positions(sim, x);
+    x[3 * moved + 2] += 0.02;
+    ck_assert_int_eq(weft_sim_set_state(sim, x, NULL, &err), WEFT_OK);
+    weft_cloth_strains(cloth, weft_sim_state(sim), strain);
+    for (size_t t = 0; t < mesh.def.triangles; ++t) {
+        const uint32_t *of = &mesh.corners[3 * t];
+        const bool here = of[0] == moved || of[1] == moved || of[2] == moved;
+        for (size_t k = 0; k < 3; ++k) {
+            near[of[k]] = near[of[k]] || here;
+        }
+    }
+    for (size_t i = 0; i < N; ++i) {
+        ck_assert(near[i] ? strain[i] > 0.1 : fabs(strain[i]) < 1e-12);
+    }
+    const weft_spring worst = weft_sim_measure(sim).worst;
+    ck_assert(worst.p == moved || worst.q == moved);
+    ck_assert(worst.strain == strain[moved]);
+    ck_assert(near[worst.p] && near[worst.q]);
 }
 END_TEST
 
@@ -241,6 +271,7 @@ TEST_SUITE(record_mesh)
     tcase_add_checked_fixture(all, begin, end);
     tcase_add_test(all, positions_are_those_of_vertices);
     tcase_add_test(all, pins_are_vertices);
+    tcase_add_test(all, strains_are_those_of_vertices);
     tcase_add_test(all, a_saved_mesh_goes_on_bit_for_bit);
     tcase_add_test(all, frames_of_a_mesh_have_its_triangles_and_names);
     tcase_add_test(all, an_obj_of_a_mesh_is_its_definition);

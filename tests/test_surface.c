@@ -86,8 +86,7 @@ START_TEST(vertices_of_a_mesh_have_their_names)
     ck_assert_uint_eq(weft_cloth_rows(cloth) + weft_cloth_cols(cloth), 0);
     ck_assert_str_eq(weft_cloth_text(cloth, text, 64), "4 vertices, 2 triangles");
     ck_assert_str_eq(weft_particle_text(cloth, 2, text, 64), "vertex 20");
-    ck_assert_str_eq(weft_spring_text(cloth, &spring, text, 64),
-                     "stretch spring 40-10");
+    ck_assert_str_eq(weft_spring_text(cloth, &spring, text, 64), "edge 40-10");
     ck_assert_str_eq(weft_primitive_text(cloth, &edge, text, 64), "edge 30-20");
     ck_assert_str_eq(weft_primitive_text(cloth, &triangle, text, 64),
                      "triangle 10-40-30");

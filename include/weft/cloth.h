@@ -402,8 +402,8 @@ WEFT_API size_t weft_cloth_places(const weft_cloth *cloth, uint32_t *corner_plac
 
 /* These write to text[size] as snprintf does and return text: "16 x 24 particles" or
  * "85 vertices, 140 triangles"; "particle (3, 4)" or "vertex 17"; "shear spring (3,
- * 4)-(4, 5)"; "edge (3, 4)-(3, 5)", "cell (3, 4)" or "triangle 17-4-21". Of a band the
- * numbers are those of the whole cloth. */
+ * 4)-(4, 5)" or "edge 17-4"; "edge (3, 4)-(3, 5)", "cell (3, 4)" or "triangle 17-4-21".
+ * Of a band the numbers are those of the whole cloth. */
 WEFT_API const char *weft_cloth_text(const weft_cloth *cloth, char *text, size_t size);
 WEFT_API const char *weft_particle_text(const weft_cloth *cloth, size_t i, char *text,
                                         size_t size);

@@ -29,8 +29,8 @@ static inline void *weft__zeroed(const weft_allocator *memory, size_t count,
     return block == NULL ? NULL : memset(block, 0, count * size);
 }
 
-/* Resizes the block that the pointer at `to` points to; false: no memory, and nothing is
- * changed. */
+/* Resizes the block that the pointer at `to` points to; false: no memory, and nothing
+ * is changed. */
 static inline bool weft__resized(const weft_allocator *memory, void *to, size_t count,
                                  size_t size)
 {

@@ -58,10 +58,11 @@ const char *weft_spring_text(const weft_cloth *cloth, const weft_spring *spring,
                              char *text, size_t size)
 {
     char p[WEFT__NAME_TEXT], q[WEFT__NAME_TEXT];
-    (void)weft_text_format(text, size, "%s spring %s-%s",
-                           weft_family_name(spring->family),
-                           weft__name_text(&cloth->mesh, spring->p, p),
-                           weft__name_text(&cloth->mesh, spring->q, q));
+    const bool grid = cloth->mesh.triangles == NULL;
+    (void)weft_text_format(
+        text, size, "%s%s %s-%s", grid ? weft_family_name(spring->family) : "",
+        grid ? " spring" : "edge", weft__name_text(&cloth->mesh, spring->p, p),
+        weft__name_text(&cloth->mesh, spring->q, q));
     return text;
 }
 

@@ -183,24 +183,25 @@ class Run:
 
     @property
     def final(self) -> pd.DataFrame:
-        """final.csv: row, col, x, y, z [m], vx, vy, vz [m/s] at the end."""
+        """final.csv: row, col (of triangles vertex), x, y, z [m], vx, vy, vz [m/s] at the end."""
         return self._csv("final.csv")
 
     def _frames(self, path: str) -> Any:
         """Where the frames of a dataset lie in the file; h5py alone, kept open, would not see a run go on."""
         import h5py
         with h5py.File(self.directory / "run.vtkhdf", "r", locking=False) as file:
-            data, grid = file[path], file["weft"].attrs
-            shape = (int(file["VTKHDF/Steps"].attrs["NSteps"]), int(grid["rows"]), int(grid["cols"]), *data.shape[1:])
+            data, of = file[path], file["weft"].attrs
+            sides = [int(of[name]) for name in (("vertices",) if "vertices" in of else ("rows", "cols"))]
+            shape = (int(file["VTKHDF/Steps"].attrs["NSteps"]), *sides, *data.shape[1:])
             offset = data.id.get_offset()
             if offset is None or shape[0] == 0:  # packed by h5repack, or nothing there yet
-                return data[:math.prod(shape[:3])].reshape(shape)
+                return data[:shape[0] * math.prod(sides)].reshape(shape)
             return np.memmap(self.directory / "run.vtkhdf", data.dtype, "r", offset, shape)
 
     @property
     def positions(self) -> Array:
-        """(frames, rows, cols, 3) [m], of the present frames: run.vtkhdf as memory, read as it is used (all at once
-        after h5repack).
+        """(frames, rows, cols, 3) or, of triangles, (frames, N, 3) [m], of the present frames: run.vtkhdf as memory,
+        read as it is used (all at once after h5repack).
 
         >>> weft.run(scene, tmp / "positions").positions[-1].shape
         (8, 10, 3)
@@ -209,12 +210,13 @@ class Run:
 
     @property
     def velocities(self) -> Array:
-        """(frames, rows, cols, 3) [m/s]; KeyError: they were not recorded."""
+        """(frames, rows, cols, 3) or (frames, N, 3) [m/s]; KeyError: they were not recorded."""
         return self._frames("VTKHDF/PointData/velocity")  # type: ignore[no-any-return]
 
     @property
     def strains(self) -> Array:
-        """(frames, rows, cols), the largest (L - s) / s at each particle; KeyError: they were not recorded."""
+        """(frames, rows, cols) or (frames, N), the largest (L - s) / s at each particle; KeyError: they were not
+        recorded."""
         return self._frames("VTKHDF/PointData/strain")  # type: ignore[no-any-return]
 
     @property

@@ -186,6 +186,7 @@ class Sim:
         check(lib.weft_sim_create(definition, sim, err), err)
         self._sim = ffi.gc(sim[0], self._destroyer(definition, self._scene, self._cloth))
         self._present = lib.weft_sim_cloth(self._sim)
+        self._index_of = self.index
         self._free: Optional[Array] = None  # 1 / mass [1/kg], 0 of pinned particles
 
     def _hook(self, name: str, kind: str, given: Any) -> Any:
@@ -219,9 +220,9 @@ class Sim:
         return destroy
 
     def __repr__(self) -> str:
-        return "<weft.Sim %r: %d x %d particles, %s %s, t = %.9g s>" % (
-            self.name, self.rows, self.cols, text(lib.weft_scene_plugin(self._scene)),
-            text(lib.weft_scene_method(self._scene)), self.time)
+        return "<weft.Sim %r: %s, %s %s, t = %.9g s>" % (
+            self.name, text(lib.weft_cloth_text(self._cloth, ffi.new("char[]", 64), 64)),
+            text(lib.weft_scene_plugin(self._scene)), text(lib.weft_scene_method(self._scene)), self.time)
 
     def __reduce__(self) -> Any:
         return _revive, (self._name, self.scene, self.save(), *self._given)
@@ -247,6 +248,7 @@ class Sim:
 
     @property
     def rows(self) -> int:
+        """0 of triangles, as cols."""
         return int(lib.weft_cloth_rows(self._cloth))
 
     @property
@@ -255,8 +257,34 @@ class Sim:
 
     @property
     def particles(self) -> int:
-        """N = rows * cols."""
+        """N = rows * cols, or the vertices of triangles."""
         return int(lib.weft_cloth_particles(self._cloth))
+
+    @property
+    def index(self) -> Optional[np.ndarray[Any, np.dtype[np.intp]]]:
+        """(N,), where each vertex of triangles stands in `state`; None of a grid: 0, 1, ..."""
+        if self.cols > 0:
+            return None
+        places = np.empty(self.particles, dtype=np.intp)
+        lib.weftpy_index(self._cloth, ffi.from_buffer("size_t[]", places))
+        return places
+
+    @property
+    def triangles(self) -> np.ndarray[Any, np.dtype[np.uint32]]:
+        """(T, 3), their particles: two triangles for each cell of a grid."""
+        return self._corners()[0]
+
+    @property
+    def rest_shape(self) -> tuple[np.ndarray[Any, np.dtype[np.uint32]], Array]:
+        """The flat one: (T, 3), the place of each corner of `triangles`, and (P, 2) [m], u v of each place."""
+        return self._corners()[1:]
+
+    def _corners(self) -> Any:
+        corners = np.empty((lib.weft_cloth_triangles(self._cloth, ffi.NULL), 3), dtype=np.uint32)
+        places, uv = corners.copy(), np.empty((lib.weft_cloth_places(self._cloth, ffi.NULL, ffi.NULL), 2))
+        lib.weft_cloth_triangles(self._cloth, ffi.from_buffer("uint32_t[]", corners))
+        lib.weft_cloth_places(self._cloth, ffi.from_buffer("uint32_t[]", places), ffi.from_buffer("double[]", uv))
+        return corners, places, uv
 
     @property
     def duration(self) -> float:
@@ -403,20 +431,25 @@ class Sim:
 
     @state.setter
     def state(self, y: Any) -> None:
-        x, v = real(y, "a state", (6 * self.particles,)).reshape(2, 3, self.particles)
+        planes = real(y, "a state", (6 * self.particles,)).reshape(2, 3, self.particles)
+        x, v = planes if self._index_of is None else planes[:, :, self._index_of]
         self.set_state(x.T, v.T)
 
     @property
     def positions(self) -> Array:
-        """(N, 3) [m], a view. Assigning (N, 3) or (rows, cols, 3) moves the free particles, as set_state().
+        """(N, 3) [m], a view; of triangles a copy, by vertices. Assigning (N, 3) or (rows, cols, 3) moves the free
+        particles, as set_state().
 
         >>> sim = weft.load(scene)
         >>> sim.positions = sim.positions + [0, 0.5, 0]
         >>> bool(sim.positions[-1, 1] == sim.rest[-1, 1] + 0.5)
         True
         """
-        n = self.particles
-        return as_particles(self.state[:3 * n], n)
+        return self._triples_of(self.state[:3 * self.particles])
+
+    def _triples_of(self, planes: Array) -> Array:
+        view = as_particles(planes, self.particles)
+        return view if self._index_of is None else view[self._index_of]
 
     @positions.setter
     def positions(self, xyz: Any) -> None:
@@ -424,9 +457,8 @@ class Sim:
 
     @property
     def velocities(self) -> Array:
-        """(N, 3) [m/s], a view; may be assigned."""
-        n = self.particles
-        return as_particles(self.state[3 * n:], n)
+        """(N, 3) [m/s], a view; of triangles a copy, by vertices; may be assigned."""
+        return self._triples_of(self.state[3 * self.particles:])
 
     @velocities.setter
     def velocities(self, xyz: Any) -> None:
@@ -434,7 +466,7 @@ class Sim:
 
     @property
     def grid(self) -> Array:
-        """(rows, cols, 3) [m], the positions; a view."""
+        """(rows, cols, 3) [m], the positions of a grid; a view."""
         return self.state[:3 * self.particles].reshape(3, self.rows, self.cols).transpose(1, 2, 0)
 
     @property
@@ -513,7 +545,7 @@ class Sim:
 
     @property
     def strains(self) -> Array:
-        """(N,), the largest (L - s) / s of the springs of each particle."""
+        """(N,), the largest (L - s) / s of the springs, or edges of triangles, of each particle."""
         out = np.empty(self.particles)
         with self._exclusion.read():
             lib.weft_cloth_strains(self._present, lib.weft_sim_state(self._sim), ffi.from_buffer("double[]", out))
@@ -549,7 +581,10 @@ class Sim:
         else:
             usable = self._definition.force(self._definition.force_ctx, t, state, ffi.from_buffer("double[]", f)) == 0
         if self._free is None:
-            self._free = np.where(self.pinned, 0.0, 1.0 / self.masses)
+            free = np.where(self.pinned, 0.0, 1.0 / self.masses)
+            self._free = free if self._index_of is None else np.empty(n)
+            if self._index_of is not None:
+                self._free[self._index_of] = free
         out[3 * n:] += (f.reshape(3, n) * self._free).ravel() if usable else np.nan
 
     def jacobian_product(self, t: float, y: Any, dy: Any) -> Array:
@@ -596,7 +631,8 @@ class Sim:
                 return range(self.rows)[row] * self.cols + range(self.cols)[col]
             return range(self.particles)[particle]
         except IndexError:
-            raise IndexError("there is no particle %s in %d x %d" % (particle, self.rows, self.cols)) from None
+            raise IndexError("there is no particle %s in %s" % (
+                particle, "%d x %d" % (self.rows, self.cols) if self.cols > 0 else self.particles)) from None
 
     def pin(self, particle: Index, velocity: Any = None) -> None:
         """Holds a particle, an index or (row, column), and moves it at velocity (3,) [m/s] from now on; None: it stays.

@@ -169,8 +169,10 @@ static void strains(const void *own, const weft__state *at, size_t b, double *st
          of->blocks != NULL && weft__membrane_each_own(of, b, &next, &tri);) {
         for (size_t i = 0; i < 3; ++i) {
             const weft_spring edge = strain_of(of, &tri, at->y, i);
-            strain[edge.p] = fmax(strain[edge.p], edge.strain);
-            strain[edge.q] = fmax(strain[edge.q], edge.strain);
+            const size_t p = weft__vertex_of(of->mesh, edge.p);
+            const size_t q = weft__vertex_of(of->mesh, edge.q);
+            strain[p] = fmax(strain[p], edge.strain);
+            strain[q] = fmax(strain[q], edge.strain);
         }
     }
 }
