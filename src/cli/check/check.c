@@ -38,16 +38,21 @@ static size_t matched(weft_range range, size_t count)
 
 static void print_pins(const weft_cloth_def *def, const weft_cloth *cloth)
 {
-    printf("  pins       %zu particles held\n", weft_cloth_pins(cloth));
+    const bool grid = def->mesh == NULL;
+    printf("  pins       %zu %s held\n", weft_cloth_pins(cloth),
+           grid ? "particles" : "vertices");
     for (size_t i = 0; i < def->pin_count; ++i) {
         const weft_pin *pin = &def->pins[i];
         const bool moves = pin->frequency > 0.0 || pin->velocity[0] != 0.0
                            || pin->velocity[1] != 0.0 || pin->velocity[2] != 0.0;
         printf("             pin %zu:", i);
-        print_range("row", pin->rows);
-        print_range("column", pin->cols);
-        printf(", %zu matched%s\n",
-               matched(pin->rows, def->rows) * matched(pin->cols, def->cols),
+        if (grid) {
+            print_range("row", pin->rows);
+            print_range("column", pin->cols);
+        }
+        printf("%s %zu matched%s\n", grid ? "," : "",
+               grid ? matched(pin->rows, def->rows) * matched(pin->cols, def->cols)
+                    : pin->vertex_count,
                moves ? ", moved" : "");
     }
 }
@@ -66,10 +71,15 @@ static void print_masses(const weft_cloth *cloth)
 
 static void print_cloth(const weft_cloth_def *def, const weft_cloth *cloth)
 {
-    printf("  particles  %zu (%zu rows x %zu columns)\n", weft_cloth_particles(cloth),
-           def->rows, def->cols);
-    fputs("  springs   ", stdout);
-    for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
+    char size[HUMAN_SIZE];
+    if (def->mesh != NULL) {
+        print_item("mesh", "%s", weft_cloth_text(cloth, size, sizeof size));
+    } else {
+        printf("  particles  %zu (%zu rows x %zu columns)\n",
+               weft_cloth_particles(cloth), def->rows, def->cols);
+        fputs("  springs   ", stdout);
+    }
+    for (size_t i = 0; def->mesh == NULL && i < WEFT_FAMILIES; ++i) {
         printf(" %zu %s%s", weft_cloth_springs(cloth, (weft_family)i),
                weft_family_name((weft_family)i), i + 1 < WEFT_FAMILIES ? "," : "\n");
     }

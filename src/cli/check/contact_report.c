@@ -94,7 +94,7 @@ static fall fall_onto(const weft_cloth_def *def, size_t shape)
     fall out = { .drop = INFINITY };
     one.contact.shapes = &def->contact.shapes[shape];
     one.contact.shape_count = 1;
-    double *y = calloc(6 * def->rows * def->cols, sizeof *y);
+    double *y = calloc(6 * weft_cloth_def_particles(def), sizeof *y);
     if (y != NULL && weft_cloth_create(&one, &cloth, NULL) == WEFT_OK) {
         out.drop = drop_of(cloth, def, y);
     }

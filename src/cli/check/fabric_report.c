@@ -5,26 +5,87 @@
 #include "cli/check/check.h"
 
 typedef struct report {
-    weft_fabric fabric; /* of the springs */
+    weft_fabric fabric; /* of the springs, or of triangles */
     double length[2];   /* [m] Peirce's, 0: none */
-    bool coarse[2];     /* the spacing is above half of it */
+    double edge[2];     /* [m] the spacing; of triangles the mean edge */
+    bool coarse[2];     /* the spacing is above half of it, the edge above a quarter */
 } report;
+
+static void set_length(report *out, size_t k, const weft_cloth_def *def, double part)
+{
+    const double *g = def->gravity;
+    out->length[k] = weft_fabric_length(&out->fabric, k,
+                                        sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]));
+    out->coarse[k] = out->length[k] > 0.0 && out->edge[k] > part * out->length[k];
+}
+
+/* [m] The mean edge at rest of the triangles of a fabric; 0: there are none. */
+static double mean_edge(const weft_mesh_def *mesh, size_t fabric)
+{
+    const uint32_t *places
+        = mesh->corner_places != NULL ? mesh->corner_places : mesh->corners;
+    double sum = 0.0, count = 0.0;
+    for (size_t j = 0; j < 3 * mesh->triangles; ++j) {
+        const double *a = &mesh->rest[2 * (size_t)places[j]];
+        const double *b = &mesh->rest[2 * (size_t)places[j % 3 == 2 ? j - 2 : j + 1]];
+        if ((mesh->fabric_of != NULL ? mesh->fabric_of[j / 3] : 0) == fabric) {
+            sum += hypot(b[0] - a[0], b[1] - a[1]);
+            count += 1.0;
+        }
+    }
+    return count > 0.0 ? sum / count : 0.0;
+}
+
+static report mesh_report(const weft_cloth_def *def, size_t fabric)
+{
+    const double edge = mean_edge(def->mesh, fabric);
+    report out = { .fabric = def->mesh->fabrics[fabric], .edge = { edge, edge } };
+    set_length(&out, 0, def, 0.25);
+    set_length(&out, 1, def, 0.25);
+    return out;
+}
 
 /* false: there is nothing to report. */
 static bool report_of(const weft_scene *scene, report *out)
 {
     const weft_cloth_def *def = weft_scene_cloth(scene);
-    const double *g = def->gravity, *bend = def->bending.rigidity;
-    const size_t neighbours[2] = { def->rows - 1, def->cols - 1 };
-    *out = (report){ .fabric = weft_fabric_of(def) };
-    for (size_t k = 0; k < 2; ++k) {
-        out->length[k] = weft_fabric_length(
-            &out->fabric, k, sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]));
-        out->coarse[k] = neighbours[k] > 0 && out->length[k] > 0.0
-                         && def->spacing[k] > 0.5 * out->length[k];
-    }
+    const double *bend = def->bending.rigidity;
+    *out = (report){ .fabric = weft_fabric_of(def),
+                     .edge = { def->rows > 1 ? def->spacing[0] : 0.0,
+                               def->cols > 1 ? def->spacing[1] : 0.0 } };
+    set_length(out, 0, def, 0.5);
+    set_length(out, 1, def, 0.5);
     return weft_scene_fabric(scene) != NULL || bend[0] > 0.0 || bend[1] > 0.0
            || def->bending.twist > 0.0;
+}
+
+static void print_mesh(const weft_cloth_def *def)
+{
+    for (size_t i = 0; i < def->mesh->fabric_count; ++i) {
+        const report of = mesh_report(def, i);
+        const weft_fabric *fabric = &of.fabric;
+        print_item("fabric",
+                   "%s%sC %.5g and %.5g, G %.5g, C12 %.5g N/m; rigidity %.4g and %.4g, "
+                   "twist %.4g N m; edges of %.3g mm",
+                   fabric->name == NULL ? "" : fabric->name,
+                   fabric->name == NULL ? "" : ": ", fabric->stretch[0],
+                   fabric->stretch[1], fabric->shear, fabric->coupling, fabric->bend[0],
+                   fabric->bend[1],
+                   fabric->twist < 0.0 ? sqrt(fabric->bend[0] * fabric->bend[1])
+                                       : fabric->twist,
+                   1e3 * of.edge[0]);
+        if (of.length[0] > 0.0 || of.length[1] > 0.0) {
+            print_item("",
+                       "Peirce length %.3g mm along the warp, %.3g mm along the weft",
+                       1e3 * of.length[0], 1e3 * of.length[1]);
+        }
+        if (of.coarse[0] || of.coarse[1]) {
+            print_item("warning",
+                       "edges of %.3g mm are above a quarter of the Peirce length: too "
+                       "coarse for the bends of this fabric",
+                       1e3 * of.edge[0]);
+        }
+    }
 }
 
 void fabric_print(const weft_scene *scene)
@@ -38,6 +99,10 @@ void fabric_print(const weft_scene *scene)
     const char *name = given == NULL ? NULL : given->name;
     const bool sheet = def->rows > 1 && def->cols > 1;
     report of;
+    if (def->mesh != NULL) {
+        print_mesh(def);
+        return;
+    }
     if (!report_of(scene, &of)) {
         return;
     }
@@ -67,22 +132,37 @@ void fabric_print(const weft_scene *scene)
     }
 }
 
+static void write_report(yaml_out *out, const report *of)
+{
+    yaml_out_real(out, "c11", of->fabric.stretch[0]);
+    yaml_out_real(out, "c22", of->fabric.stretch[1]);
+    yaml_out_real(out, "c12", of->fabric.coupling);
+    yaml_out_real(out, "shear", of->fabric.shear);
+    yaml_out_real(out, "bend_warp", of->fabric.bend[0]);
+    yaml_out_real(out, "bend_weft", of->fabric.bend[1]);
+    yaml_out_real(out, "twist", of->fabric.twist);
+    yaml_out_real(out, "length_warp", of->length[0]);
+    yaml_out_real(out, "length_weft", of->length[1]);
+    yaml_out_plain(out, "coarse", of->coarse[0] || of->coarse[1] ? "true" : "false");
+}
+
 void fabric_yaml(yaml_out *out, const weft_scene *scene)
 {
+    const weft_cloth_def *def = weft_scene_cloth(scene);
     report of;
-    if (!report_of(scene, &of)) {
-        return;
+    if (def->mesh != NULL) {
+        yaml_out_list(out, "fabrics");
+        for (size_t i = 0; i < def->mesh->fabric_count; ++i) {
+            of = mesh_report(def, i);
+            yaml_out_item(out);
+            yaml_out_real(out, "edge", of.edge[0]);
+            write_report(out, &of);
+            yaml_out_close_map(out);
+        }
+        yaml_out_close_list(out);
+    } else if (report_of(scene, &of)) {
+        yaml_out_map(out, "fabric");
+        write_report(out, &of);
+        yaml_out_close_map(out);
     }
-    yaml_out_map(out, "fabric");
-    yaml_out_real(out, "c11", of.fabric.stretch[0]);
-    yaml_out_real(out, "c22", of.fabric.stretch[1]);
-    yaml_out_real(out, "c12", of.fabric.shear);
-    yaml_out_real(out, "shear", of.fabric.shear);
-    yaml_out_real(out, "bend_warp", of.fabric.bend[0]);
-    yaml_out_real(out, "bend_weft", of.fabric.bend[1]);
-    yaml_out_real(out, "twist", of.fabric.twist);
-    yaml_out_real(out, "length_warp", of.length[0]);
-    yaml_out_real(out, "length_weft", of.length[1]);
-    yaml_out_plain(out, "coarse", of.coarse[0] || of.coarse[1] ? "true" : "false");
-    yaml_out_close_map(out);
 }

@@ -105,10 +105,30 @@ static double bdf_cost(double waves, double width, double accuracy)
            * pow(1e-2 / accuracy, BDF_ACCURACY) / pow(width, BDF_WIDTH);
 }
 
+/* [m] The root of the area of a particle. */
+static double spacing_of(const weft_cloth_def *cloth)
+{
+    const weft_mesh_def *mesh = cloth->mesh;
+    double area = 0.0;
+    if (mesh == NULL) {
+        return sqrt(cloth->spacing[0] * cloth->spacing[1]);
+    }
+    const uint32_t *places
+        = mesh->corner_places != NULL ? mesh->corner_places : mesh->corners;
+    for (size_t t = 0; t < mesh->triangles; ++t) {
+        const double *a = &mesh->rest[2 * (size_t)places[3 * t]];
+        const double *b = &mesh->rest[2 * (size_t)places[3 * t + 1]];
+        const double *c = &mesh->rest[2 * (size_t)places[3 * t + 2]];
+        area += 0.5
+                * fabs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+    }
+    return sqrt(area / (double)mesh->vertices);
+}
+
 stiff_gains stiff_gains_of(const survey *of, const weft_cloth_def *cloth)
 {
-    const double side = sqrt((double)cloth->rows * (double)cloth->cols);
-    const double width = side * sqrt(cloth->spacing[0] * cloth->spacing[1]); /* [m] */
+    const double side = sqrt((double)weft_cloth_def_particles(cloth));
+    const double width = side * spacing_of(cloth); /* [m] */
     const survey_method *least = cheapest_explicit(of);
     stiff_gains out = { .rkc = find_stabilised(of) };
     find_stiffest(&of->modes, &out);
