@@ -162,9 +162,9 @@ $(LIB_OBJ): OWN += $(if $(KERNELS),,-DWEFT_PLAIN)
 KERNEL_FLAGS := $(if $(SAN),,-O2 $(if $(filter -g,$(CFLAGS)),-g1)) -fno-math-errno -fno-trapping-math
 $(BUILD)/%.v3.o: OWN += -march=x86-64-v3 -DLEVEL=v3 -DLANES=4
 $(BUILD)/%.v4.o: OWN += -march=x86-64-v4 -mprefer-vector-width=512 -DLEVEL=v4 -DLANES=8
-UNROLLED := $(filter %/self_fast %/membrane_fast,$(FAST:%.c=$(BUILD)/%))
-$(UNROLLED:=.o) $(foreach level,$(LEVELS),$(UNROLLED:=.$(level).o)): OWN += -funroll-loops
+$(BUILD)/src/forces/self/self_fast.o $(LEVELS:%=$(BUILD)/src/forces/self/self_fast.%.o): OWN += -funroll-loops
 $(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): OWN += $(KERNEL_FLAGS)
+$(BUILD)/src/forces/membrane/membrane_fast.o $(LEVELS:%=$(BUILD)/src/forces/membrane/membrane_fast.%.o): OWN += $(if $(SAN),,-O3)
 $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): $(BUILD)/src/forces/%.o:
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -c -o $@ src/forces/$(basename $*).c

@@ -680,6 +680,26 @@ START_TEST(hash_tells_apart_what_moves_differently)
 }
 END_TEST
 
+START_TEST(membranes_that_cannot_be_are_refused)
+{
+    weft_error err;
+    mesh_sheet(&m.mesh, 4, 4, 1e-3, MESH_RIGHT, 0.0, 1);
+    weft_cloth_def def = mesh_cloth(&m.mesh);
+    m.mesh.fabrics[0].stretch[0] = 1e300;
+    ck_assert_int_eq(weft_cloth_create(&def, &m.cloth, &err), WEFT_INVALID);
+    ck_assert_str_eq(
+        err.message,
+        "the membrane of triangle 0 is too stiff or too small for a double "
+        "at its height of 0.000707 m");
+    m.mesh.fabrics[0].stretch[0] = 100.0;
+    m.mesh.def.arc = true;
+    ck_assert_int_eq(weft_cloth_create(&def, &m.cloth, &err), WEFT_INVALID);
+    ck_assert_str_eq(
+        err.message,
+        "mesh.arc: lengths along the arc are not built in; it must be false");
+}
+END_TEST
+
 TEST_SUITE(membrane)
 {
     Suite *suite = suite_create("membrane");
@@ -710,6 +730,7 @@ TEST_SUITE(membrane)
     tcase_add_test(tcase, every_level_refuses_what_is_not_finite);
     tcase_add_test(tcase, numbers_of_vertices_and_triangles_do_not_matter);
     tcase_add_test(tcase, hash_tells_apart_what_moves_differently);
+    tcase_add_test(tcase, membranes_that_cannot_be_are_refused);
     suite_add_tcase(suite, tcase);
     return suite;
 }

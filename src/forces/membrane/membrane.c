@@ -178,6 +178,7 @@ static void strains(const void *own, const weft__state *at, size_t b, double *st
 }
 
 const weft__force weft__membrane_force = { .name = "membrane",
+                                           .check = weft__membrane_check,
                                            .init = weft__membrane_init,
                                            .hash = hash_of,
                                            .choose = choose,

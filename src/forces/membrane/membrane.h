@@ -69,6 +69,7 @@ extern const weft__force weft__membrane_force;
 WEFT_FORMS(weft__add_fn, membrane);
 
 /* membrane_init.c */
+void weft__membrane_check(const weft_cloth_def *def, const weft__faults *to);
 bool weft__membrane_init(void *own, const weft_cloth_def *def,
                          const weft_allocator *memory);
 bool weft__membrane_copy(void *own, const weft_allocator *memory);

@@ -166,24 +166,37 @@ INLINE void batches(const weft__membrane *own, size_t b, local *in, bool damped)
 
 /* ---- a block --------------------------------------------------------------------- */
 
-/* Three planes of so many particles as records, and one of zeros. */
-static void copy(const weft__membrane *own, size_t b, const double *from, double *to)
+INLINE void set_record(double *to, const double *x, size_t n)
+{
+    to[0] = x[0], to[1] = x[n], to[2] = x[2 * n], to[3] = 0.0;
+}
+
+/* Three planes of the particles of a block and of its halo as records, and one of
+ * zeros. */
+INLINE void copy(const weft__membrane *own, size_t b, const double *from, double *to)
 {
     const weft__mesh *mesh = own->mesh;
     const size_t n = mesh->particles, first = weft__block(mesh, b);
     const size_t count = weft__block(mesh, b + 1) - first;
     const uint32_t *halo = own->halo + own->blocks[b].halo;
     const size_t others = own->blocks[b + 1].halo - own->blocks[b].halo;
-    double *next = to;
-    for (size_t i = 0; i < count; ++i, next += RECORD) {
-        const double *x = from + first + i;
-        next[0] = x[0], next[1] = x[n], next[2] = x[2 * n], next[3] = 0.0;
+    size_t i = 0;
+#if LANES >= 4
+    for (; i + LANES <= count; i += LANES) {
+        record parts[LANES];
+        part(load3(from + first + i, n), parts);
+        for (size_t l = 0; l < LANES; ++l) {
+            *record_at(to, i + l) = parts[l];
+        }
     }
-    for (size_t j = 0; j < others; ++j, next += RECORD) {
-        const double *x = from + halo[j];
-        next[0] = x[0], next[1] = x[n], next[2] = x[2 * n], next[3] = 0.0;
+#endif
+    for (; i < count; ++i) {
+        set_record(to + RECORD * i, from + first + i, n);
     }
-    memset(next, 0, RECORD * sizeof *next);
+    for (size_t j = 0; j < others; ++j, ++i) {
+        set_record(to + RECORD * i, from + halo[j], n);
+    }
+    memset(to + RECORD * i, 0, RECORD * sizeof *to);
 }
 
 /* Adds to v' of the block's particles; 0 or NaN. */

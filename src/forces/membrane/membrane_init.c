@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "forces/membrane/membrane.h"
+#include "mesh/triangles_work.h"
 
 enum { WINDOW = 64, LINE = 64 }; /* triangles; [bytes] of a cache line */
 
@@ -193,6 +194,35 @@ bool weft__membrane_init(void *own, const weft_cloth_def *def,
     weft__free(memory, by.list);
     weft__free(memory, by.next);
     return made;
+}
+
+/* K is at most some 100 C L / h^3 of a triangle's longest edge and height. */
+void weft__membrane_check(const weft_cloth_def *def, const weft__faults *to)
+{
+    const size_t field = offsetof(weft_cloth_def, mesh);
+    const weft_mesh_def *mesh = def->mesh;
+    if (mesh != NULL && mesh->arc) {
+        weft__fault(
+            to, field, field,
+            "mesh.arc: lengths along the arc are not built in; it must be false");
+    }
+    for (size_t t = 0; mesh != NULL && t < mesh->triangles; ++t) {
+        const weft_fabric *of
+            = &mesh->fabrics[mesh->fabric_of != NULL ? mesh->fabric_of[t] : 0];
+        double longest;
+        const double area = fabs(weft__twice_area(mesh, t, &longest));
+        const double height = area / longest;
+        const double most = 100.0 * (of->stretch[0] + of->stretch[1] + of->shear)
+                            * (longest / height) / height / height;
+        if (!(isfinite(most) && isfinite(most * of->damping[0])
+              && area * area > 1e-290)) {
+            weft__fault(to, field, field,
+                        "the membrane of triangle %zu is too stiff or too small for a "
+                        "double at its height of %.3g m",
+                        t, height);
+            return;
+        }
+    }
 }
 
 bool weft__membrane_copy(void *own, const weft_allocator *memory)
