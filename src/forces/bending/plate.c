@@ -179,42 +179,27 @@ static void choose(void *own, weft__isa isa)
 
 /* ---- the force ------------------------------------------------------------------- */
 
-/* A plane of x and one of v; v NULL: x alone. */
-typedef struct motion {
-    const double *x, *v;
-    double tau; /* [s] */
-} motion;
-
-static double value(const motion *of, size_t i)
+/* Particle i of plane k of what a term multiplies. */
+static double value(const weft__plate_matrix *of, const weft__plate_term *term,
+                    size_t i, size_t k)
 {
-    return of->v != NULL ? of->x[i] + of->tau * of->v[i] : of->x[i];
+    const double *x = term->x + k * of->particles + i;
+    return term->tau != 0.0 ? x[0] + term->tau * x[3 * of->particles] : x[0];
 }
 
-/* Row i of a matrix by a motion. */
-static double row(const weft__plate_matrix *of, const double *entry, const motion *by,
-                  size_t i)
+/* Row i of a term in plane k. */
+static double row(const weft__plate_matrix *of, const weft__plate_term *term, size_t i,
+                  size_t k)
 {
     const size_t g = i / WEFT__PLATE_ROWS, r = i % WEFT__PLATE_ROWS;
-    const double origin = value(by, i - i % WEFT__MESH_BLOCK);
+    const double origin = value(of, term, i - i % WEFT__MESH_BLOCK, k);
     double sums[2] = { 0.0, 0.0 };
     for (size_t j = of->first[g]; j < of->first[g + 1]; ++j) {
         const size_t p = weft__plate_particle(of, i, of->column[j]);
-        sums[(j - of->first[g]) % 2]
-            += entry[WEFT__PLATE_ROWS * j + r] * (value(by, p) - origin);
+        sums[(j - of->first[g]) % 2] += term->matrix[WEFT__PLATE_ROWS * j + r]
+                                        * (value(of, term, p, k) - origin);
     }
     return sums[0] + sums[1];
-}
-
-/* [N] of plane k of a state. */
-static double resistance_of(const weft__plate *own, const double *y, size_t i, size_t k)
-{
-    const weft__plate_matrix *of = &own->matrix;
-    const double *x = y + k * of->particles, *v = x + 3 * of->particles;
-    const double tau = weft__plate_tau(of);
-    const motion position = { x, tau != 0.0 ? v : NULL, tau };
-    const double force = row(of, of->entry, &position, i);
-    const motion velocity = { v, NULL, 0.0 };
-    return of->damping != NULL ? force + row(of, of->damping, &velocity, i) : force;
 }
 
 int weft__plate_loops(const void *own, const weft__state *at, weft__unit unit,
@@ -222,13 +207,16 @@ int weft__plate_loops(const void *own, const weft__state *at, weft__unit unit,
 {
     const weft__plate *of = own;
     const weft__mesh *mesh = of->mesh;
+    const size_t n = mesh->particles;
+    weft__plate_term terms[2];
+    const size_t count = weft__plate_terms(&of->matrix, at->y, terms);
     double bad = 0.0;
     for (size_t i = weft__block(mesh, first); i < weft__block(mesh, end); ++i) {
         const double share = unit == WEFT__FORCE ? 1.0 : mesh->inverse_mass[i];
-        for (size_t k = 0; k < 3; ++k) {
-            double *plane = to + k * mesh->particles;
-            plane[i] -= share * resistance_of(of, at->y, i, k);
-            bad += plane[i] * 0.0;
+        for (size_t m = 0; m < 3 * count; ++m) {
+            const size_t k = m % 3;
+            to[k * n + i] -= share * row(&of->matrix, &terms[m / 3], i, k);
+            bad += to[k * n + i] * 0.0;
         }
     }
     return bad == 0.0 ? 0 : 1;
@@ -257,11 +245,12 @@ static void multiply(const void *own, const weft__state *at, double a, double b,
     const weft__plate_matrix *of = &((const weft__plate *)own)->matrix;
     const size_t n = of->particles;
     (void)at;
+    const weft__plate_term stiff = { of->entry, x, 0.0 },
+                           damped = { of->damping, x, 0.0 };
     for (size_t j = 0; of->first != NULL && j < 3 * n; ++j) {
-        const motion plane = { x + j / n * n, NULL, 0.0 };
-        out[j] += (a + b * weft__plate_tau(of)) * row(of, of->entry, &plane, j % n);
+        out[j] += (a + b * weft__plate_tau(of)) * row(of, &stiff, j % n, j / n);
         if (of->damping != NULL) {
-            out[j] += b * row(of, of->damping, &plane, j % n);
+            out[j] += b * row(of, &damped, j % n, j / n);
         }
     }
 }
@@ -302,13 +291,16 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
     const weft__plate *of = own;
     const weft__mesh *mesh = of->mesh;
     const double *v = at->y + 3 * mesh->particles;
+    weft__plate_term terms[2];
     double rate[6];
-    for (size_t i = weft__block(mesh, b); present(of) && i < weft__block(mesh, b + 1);
-         ++i) {
+    const size_t end = present(of) ? weft__block(mesh, b + 1) : 0;
+    const size_t count = weft__plate_terms(&of->matrix, at->y, terms);
+    for (size_t i = weft__block(mesh, b); i < end; ++i) {
         if (mesh->pin[i] != 0 && mesh->motions[mesh->pin[i] - 1].moves) {
             weft__pin_rate(mesh, i, at->t, rate);
-            for (size_t k = 0; k < 3; ++k) {
-                sum->power[WEFT_POWER_PINS] += resistance_of(of, at->y, i, k) * rate[k];
+            for (size_t m = 0; m < 3 * count; ++m) {
+                sum->power[WEFT_POWER_PINS]
+                    += row(&of->matrix, &terms[m / 3], i, m % 3) * rate[m % 3];
             }
         }
     }

@@ -27,9 +27,10 @@ static block block_of(const weft__plate_matrix *of, size_t b)
                     .halo = of->reach[b + 1] - of->reach[b] };
 }
 
-/* x + tau v less that of the first particle; x alone if tau is 0. */
-INLINE void take(const block *p, const double *x, double tau, double (*to)[4])
+/* What a term multiplies, less that of the first particle. */
+INLINE void take(const block *p, const weft__plate_term *term, double (*to)[4])
 {
+    const double *x = term->x, tau = term->tau;
     const size_t n = p->of->particles, v = tau != 0.0 ? 3 * n : 0;
     const uint32_t *halo = p->of->halo + p->of->reach[p->b];
     const double *first = x + p->first;
@@ -62,9 +63,9 @@ INLINE void add_column(const double *entry, const double at[4], quad3 *sum)
     sum->z += share * at[2];
 }
 
-/* Adds a group of rows by the copies. */
-INLINE void add_rows(const weft__plate_matrix *of, const double *entry, size_t group,
-                     double (*near)[4], quad3 *sum)
+/* A group of rows by the copies. */
+INLINE quad3 add_rows(const weft__plate_matrix *of, const double *entry, size_t group,
+                      double (*near)[4])
 {
     const size_t end = of->first[group + 1];
     quad3 even = { .x = { 0.0 } }, odd = even;
@@ -76,9 +77,7 @@ INLINE void add_rows(const weft__plate_matrix *of, const double *entry, size_t g
     if (j < end) {
         add_column(entry + ROWS * j, near[of->column[j]], &even);
     }
-    sum->x += even.x + odd.x;
-    sum->y += even.y + odd.y;
-    sum->z += even.z + odd.z;
+    return (quad3){ even.x + odd.x, even.y + odd.y, even.z + odd.z };
 }
 
 /* Takes share times a sum from the numbers of some rows; adds those to *bad. */
@@ -101,22 +100,18 @@ int NAME(plate, LEVEL)(const void *own, const weft__state *at, weft__unit unit,
     const weft__plate *plate = own;
     const weft__plate_matrix *of = &plate->matrix;
     const size_t n = of->particles;
-    _Alignas(64) double near[ROOM][4], rates[ROOM][4];
     const double *mass = plate->mesh->inverse_mass;
+    _Alignas(64) double near[ROOM][4];
+    weft__plate_term terms[2];
+    const size_t count = weft__plate_terms(of, at->y, terms);
     quad bad = { 0.0 };
-    for (size_t b = first; b < end; ++b) {
-        const block p = block_of(of, b);
-        take(&p, at->y, weft__plate_tau(of), near);
-        if (of->damping != NULL) {
-            take(&p, at->y + 3 * n, 0.0, rates);
-        }
+    for (size_t b = first * count; b < end * count; ++b) {
+        const block p = block_of(of, b / count);
+        const weft__plate_term *term = &terms[b % count];
+        take(&p, term, near);
         for (size_t i = p.first; i < p.first + p.own; i += ROWS) {
             const size_t left = p.first + p.own - i, rows = left < ROWS ? left : ROWS;
-            quad3 sum = { .x = { 0.0 } };
-            add_rows(of, of->entry, i / ROWS, near, &sum);
-            if (of->damping != NULL) {
-                add_rows(of, of->damping, i / ROWS, rates, &sum);
-            }
+            const quad3 sum = add_rows(of, term->matrix, i / ROWS, near);
             quad share = { 1.0, 1.0, 1.0, 1.0 };
             if (unit != WEFT__FORCE) {
                 share = *(const quad_anywhere *)(mass + i);
