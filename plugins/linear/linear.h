@@ -13,7 +13,8 @@
  * with dv = rv, dx = rx of prescribed particles, which pull at the others by -gamma C
  * rv alone (D. Baraff, A. Witkin, SIGGRAPH 1998). It is symmetric and positive
  * definite: conjugate gradients, preconditioned by the 3 x 3 blocks of the diagonal, or
- * by multigrid (multigrid.h) where these would need many iterations.
+ * by multigrid (multigrid.h) where these would need many iterations. Links and ties of
+ * triangles have the blocks alone.
  *
  * Order of sums and operations do not depend on the machine: the same bits everywhere.
  */
