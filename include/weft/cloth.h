@@ -543,8 +543,8 @@ WEFT_API size_t weft_cloth_self_touching(const weft_cloth *cloth, const double *
  * such edges, and neighbours at the same place. Decided exactly, whether the cloth has
  * self-contact or not; pairs of pinned particles alone do not count. pair (unless NULL)
  * is the first, by its edge: the particles of the smallest index; counts of 0 if there
- * is none. y must be finite. Allocates nothing; takes O(N log N) unless much of the
- * cloth is in one place. */
+ * is none. Needs a grid: SIZE_MAX of triangles. y must be finite. Allocates nothing;
+ * takes O(N log N) unless much of the cloth is in one place. */
 WEFT_API size_t weft_cloth_crossings(const weft_cloth *cloth, const double *y,
                                      weft_primitive pair[2]);
 

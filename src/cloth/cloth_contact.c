@@ -107,8 +107,11 @@ size_t weft_cloth_self_touching(const weft_cloth *cloth, const double *y)
 size_t weft_cloth_crossings(const weft_cloth *cloth, const double *y,
                             weft_primitive pair[2])
 {
-    const weft__quadtree tree = weft__tree_of(&cloth->mesh, y);
-    const weft__crossings found = weft__crossings_of(&tree, SIZE_MAX);
+    weft__crossings found = { .count = SIZE_MAX };
+    if (cloth->mesh.triangles == NULL) {
+        const weft__quadtree tree = weft__tree_of(&cloth->mesh, y);
+        found = weft__crossings_of(&tree, SIZE_MAX);
+    }
     for (size_t k = 0; pair != NULL && k < 2; ++k) {
         pair[k] = weft__primitive_of(&cloth->mesh, found.first[k]);
     }
