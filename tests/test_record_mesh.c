@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* test_record_mesh.c -- a cloth of triangles in the numbers of its definition: what a
  * simulation takes and gives, and the files of a run. */
+#include <hdf5.h>
+
 #include "meshes.h"
 
 #include <math.h>
@@ -185,6 +187,45 @@ START_TEST(frames_of_a_mesh_have_its_triangles_and_names)
 }
 END_TEST
 
+/* The first number of a set becomes one that is no vertex, or place. */
+static void spoil(const char *set, hid_t type, const void *value)
+{
+    const hsize_t begin[2] = { 0, 0 }, one[2] = { 1, 1 };
+    const hid_t file = H5Fopen(OUT "/run.vtkhdf", H5F_ACC_RDWR, H5P_DEFAULT);
+    const hid_t id = H5Dopen2(file, set, H5P_DEFAULT), space = H5Dget_space(id);
+    const hid_t memory = H5Screate_simple(1, one, NULL);
+    ck_assert(H5Sselect_hyperslab(space, H5S_SELECT_SET, begin, NULL, one, NULL) >= 0);
+    ck_assert(H5Dwrite(id, type, memory, space, H5P_DEFAULT, value) >= 0);
+    (void)H5Sclose(memory);
+    (void)H5Sclose(space);
+    (void)H5Dclose(id);
+    ck_assert(H5Fclose(file) >= 0);
+}
+
+START_TEST(triangles_of_a_damaged_file_are_refused)
+{
+    const int64_t beyond = N, below = -1;
+    const uint32_t place = N + ROWS;
+    const double nothing = NAN;
+    const struct {
+        const char *set;
+        hid_t type;
+        const void *value;
+    } faults[] = {
+        { "/VTKHDF/Polygons/Connectivity", H5T_NATIVE_INT64, &beyond },
+        { "/VTKHDF/Polygons/Connectivity", H5T_NATIVE_INT64, &below },
+        { "/weft/CornerPlaces", H5T_NATIVE_UINT32, &place },
+        { "/weft/Places", H5T_NATIVE_DOUBLE, &nothing },
+    };
+    record_frames *frames;
+    record();
+    spoil(faults[_i].set, faults[_i].type, faults[_i].value);
+    ck_assert_int_eq(record_frames_open(OUT, &frames, &err), WEFT_IO);
+    ck_assert_ptr_null(frames);
+    ck_assert_ptr_nonnull(strstr(err.message, "are missing or wrong"));
+}
+END_TEST
+
 /* Its v, vt and f are the start, the rest shape and the triangles of a definition. */
 START_TEST(an_obj_of_a_mesh_is_its_definition)
 {
@@ -274,6 +315,7 @@ TEST_SUITE(record_mesh)
     tcase_add_test(all, strains_are_those_of_vertices);
     tcase_add_test(all, a_saved_mesh_goes_on_bit_for_bit);
     tcase_add_test(all, frames_of_a_mesh_have_its_triangles_and_names);
+    tcase_add_loop_test(all, triangles_of_a_damaged_file_are_refused, 0, 4);
     tcase_add_test(all, an_obj_of_a_mesh_is_its_definition);
     tcase_add_test(all, final_csv_names_vertices_and_is_read_back);
     tcase_add_test(all, a_page_has_the_triangles);

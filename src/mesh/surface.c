@@ -54,8 +54,9 @@ static void place_at(const weft__mesh *mesh, size_t i, double uv[2])
         uv[1] = at[1];
     } else {
         const size_t whole = weft__whole_index(mesh, i);
-        uv[0] = (double)(whole % mesh->cols) * mesh->spacing[1];
-        uv[1] = 0.0 - (double)(whole / mesh->cols) * mesh->spacing[0];
+        const size_t row = whole / mesh->cols, col = whole % mesh->cols;
+        uv[0] = (double)col * mesh->spacing[1];
+        uv[1] = 0.0 - (double)row * mesh->spacing[0];
     }
 }
 

@@ -60,7 +60,7 @@ static inline size_t record_name(const record_faces *of, size_t i)
 /* The corners of face f, around it, the same way round in every format. */
 static inline void record_face(const record_faces *of, size_t f, size_t corners[4])
 {
-    if (of->cols > 0) {
+    if (of->cols > 1) {
         const size_t a = f / (of->cols - 1) * of->cols + f % (of->cols - 1);
         corners[0] = a;
         corners[1] = a + of->cols;

@@ -41,7 +41,7 @@ void record_csv(FILE *stream, const record_surface *surface)
 static bool read_row(FILE *stream, const record_faces *faces, size_t i, double *x,
                      double *v)
 {
-    size_t row, col;
+    size_t row = 0, col = 0;
     const bool named
         = faces->cols > 0
               ? fscanf(stream, "%zu,%zu", &row, &col) == 2 && row == i / faces->cols
