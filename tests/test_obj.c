@@ -368,6 +368,110 @@ START_TEST(what_cannot_be_a_file_of_triangles_is_refused_unread)
 }
 END_TEST
 
+/* ---- scenes -----------------------------------------------------------------------
+ */
+
+/* Four triangles about vertex 2 of five, and vertex 0 that has none. */
+#define SHEET                                                                          \
+    "v 9 9 9\nv 0 0 0\nv 1 1 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nvt 9 9\nvt 0 0\nvt 1 1\n"   \
+    "vt 2 0\nvt 2 2\nvt 0 2\ng left\nf 2/2 3/3 6/6\nusemtl collar\ng right\n"          \
+    "f 4/4 5/5 3/3\ng\nf 2/2 4/4 3/3\nusemtl none\nf 5/5 6/6 3/3\ng tip\np 5\n"
+
+static weft_scene *sheet_scene(const char *cloth)
+{
+    static const char path[] = "build/tests/sheet.obj";
+    static char text[2000];
+    FILE *stream = fopen(path, "w");
+    ck_assert(stream != NULL && fputs(SHEET, stream) >= 0 && fclose(stream) == 0);
+    (void)snprintf(text, sizeof text,
+                   "weft: 1\ncloth:\n  fabric: {density: 0.1, stretch: [100, 200], "
+                   "shear: 10}\n%s"
+                   "stepper: {plugin: gsl, method: rkf45}\nrun: {duration: 1}\n",
+                   cloth);
+    weft_scene_def def = scene_of_text(text);
+    def.file = "build/tests/scene.yaml";
+    weft_scene *scene = good_scene(&def);
+    (void)unlink(path);
+    return scene;
+}
+
+static void pin_has(const weft_scene *scene, size_t pin, size_t count,
+                    const size_t *wanted)
+{
+    const weft_pin *of = &weft_scene_cloth(scene)->pins[pin];
+    ck_assert_uint_eq(of->vertex_count, count);
+    ck_assert_mem_eq(of->vertices, wanted, count * sizeof *wanted);
+}
+
+START_TEST(a_scene_takes_its_mesh_from_the_file_beside_it)
+{
+    weft_scene *scene
+        = sheet_scene("  mesh: {file: sheet.obj, unit: 0.5, at: [0, 0, 1]}\n"
+                      "  seams: hinge\n  membrane: chord\n");
+    const weft_mesh_def *mesh = weft_scene_cloth(scene)->mesh;
+    ck_assert_uint_eq(mesh->vertices, 5);
+    ck_assert_uint_eq(mesh->triangles, 4);
+    ck_assert_uint_eq(mesh->names[0], 1);
+    ck_assert(mesh->seams == WEFT_SEAM_HINGE && !mesh->arc);
+    ck_assert(mesh->start[3] == 0.5 && mesh->start[5] == 1.0);
+    ck_assert_uint_eq(mesh->fabric_count, 1);
+    ck_assert_double_eq(mesh->fabrics[0].coupling, 10.0);
+    ck_assert_double_eq(mesh->fabrics[0].twist, -1.0);
+    weft_scene_destroy(scene);
+}
+END_TEST
+
+START_TEST(triangles_have_the_fabric_of_their_usemtl_or_that_of_the_cloth)
+{
+    static const uint32_t of[] = { 0, 1, 1, 0 };
+    weft_scene *scene
+        = sheet_scene("  mesh: {file: sheet.obj}\n"
+                      "  fabrics: {collar: {preset: royal-target, coupling: 3}}\n");
+    const weft_mesh_def *mesh = weft_scene_cloth(scene)->mesh;
+    ck_assert_uint_eq(mesh->fabric_count, 2);
+    ck_assert_mem_eq(mesh->fabric_of, of, sizeof of);
+    ck_assert_double_eq(mesh->fabrics[0].density, 0.1);
+    ck_assert_double_eq(mesh->fabrics[1].density, 0.22);
+    ck_assert_double_eq(mesh->fabrics[1].coupling, 3.0);
+    weft_scene_destroy(scene);
+}
+END_TEST
+
+START_TEST(pins_and_loads_find_their_vertices)
+{
+    weft_scene *scene = sheet_scene(
+        "  mesh: {file: sheet.obj}\n"
+        "  pins:\n    - {vertices: [5, 1]}\n    - {group: left, velocity: [0, 0, 1]}\n"
+        "    - {near: [2, 1, 0]}\n"
+        "    - {inside: {shape: sphere, at: [2, 1, 0], radius: 1}, amplitude: [0, 1, "
+        "0],\n"
+        "       frequency: 2}\n    - {group: tip}\n"
+        "  loads: [{inside: {shape: plane, at: [0, 1, 0], normal: [0, 1, 0]}, mass: "
+        "1}]\n");
+    /* 0 to 4 are 1 to 5 of the file */
+    pin_has(scene, 0, 2, (const size_t[]){ 4, 0 });
+    pin_has(scene, 1, 3, (const size_t[]){ 0, 1, 4 });
+    pin_has(scene, 2, 1, (const size_t[]){ 1 }); /* of three as near */
+    pin_has(scene, 3, 3, (const size_t[]){ 1, 2, 3 });
+    pin_has(scene, 4, 1, (const size_t[]){ 3 });
+    const weft_cloth_def *cloth = weft_scene_cloth(scene);
+    ck_assert_double_eq(cloth->pins[1].velocity[2], 1.0);
+    ck_assert_double_eq(cloth->pins[3].frequency, 2.0);
+    ck_assert_uint_eq(cloth->loads[0].vertex_count, 3);
+    ck_assert_uint_eq(cloth->loads[0].vertices[2], 2);
+    weft_scene_destroy(scene);
+}
+END_TEST
+
+START_TEST(a_mesh_that_is_all_pinned_gives_a_warning)
+{
+    weft_scene_destroy(
+        sheet_scene("  mesh: {file: sheet.obj}\n"
+                    "  pins: [{inside: {shape: sphere, at: [1, 1, 0], radius: 2}}]\n"));
+    ck_assert_ptr_nonnull(strstr(all_found(), "all 5 particles are pinned"));
+}
+END_TEST
+
 TEST_SUITE(obj)
 {
     Suite *suite = suite_create("obj");
@@ -387,6 +491,10 @@ TEST_SUITE(obj)
     tcase_add_test(all, faults_of_the_mesh_stand_at_the_line_of_their_part);
     tcase_add_test(all, a_vertex_of_very_many_places_is_refused_at_once);
     tcase_add_test(all, what_cannot_be_a_file_of_triangles_is_refused_unread);
+    tcase_add_test(all, a_scene_takes_its_mesh_from_the_file_beside_it);
+    tcase_add_test(all, triangles_have_the_fabric_of_their_usemtl_or_that_of_the_cloth);
+    tcase_add_test(all, pins_and_loads_find_their_vertices);
+    tcase_add_test(all, a_mesh_that_is_all_pinned_gives_a_warning);
     suite_add_tcase(suite, all);
     return suite;
 }

@@ -68,9 +68,10 @@ void weft__check_springs(weft__reader *reader, const weft__match *match, void *b
 #define MAX_COVERED ((double)(1 << 26))
 
 /* Whether pins hold every particle. */
-static bool holds_all(const weft_cloth_def *cloth)
+static bool holds_all(const weft_scene *scene)
 {
-    const size_t particles = cloth->rows * cloth->cols;
+    const weft_cloth_def *cloth = &scene->cloth;
+    const size_t particles = weft__particles_in(scene);
     bool all = (double)particles * (double)cloth->pin_count < MAX_COVERED;
     for (size_t i = 0; i < particles && all; ++i) {
         all = weft__pin_of(cloth, i) > 0;
@@ -97,9 +98,10 @@ static void report_product(void *ctx, size_t field, size_t other, const char *me
     weft__report_error(match->reader->report, at->at, "%s", message);
 }
 
-void weft__check_cloth(weft__reader *reader, const weft__match *match, void *base)
+static void check_sheet(weft__reader *reader, const weft__match *match,
+                        const weft_cloth_def *cloth)
 {
-    const weft_cloth_def *cloth = base;
+    weft__check_grid_cloth(reader, match);
     if (weft__found_in(match, "fabric")->key != NULL) {
         weft__make_fabric(reader, match);
     } else {
@@ -108,10 +110,21 @@ void weft__check_cloth(weft__reader *reader, const weft__match *match, void *bas
     if (reader->report->found->errors == 0) {
         weft__sheet_check(cloth, &(weft__faults){ report_product, (void *)match });
     }
-    if (reader->report->found->errors == 0 && holds_all(cloth)) {
+}
+
+void weft__check_cloth(weft__reader *reader, const weft__match *match, void *base)
+{
+    const weft_cloth_def *cloth = base;
+    weft__check_one(reader, match, "grid", "mesh");
+    if (reader->scene->meshed) {
+        weft__check_mesh_cloth(reader, match);
+    } else if (weft__found_in(match, "grid")->key != NULL) {
+        check_sheet(reader, match, cloth);
+    }
+    if (reader->report->found->errors == 0 && holds_all(reader->scene)) {
         weft__report_warning(reader->report, weft__found_in(match, "pins")->key->at,
                              "all %zu particles are pinned: nothing will move freely",
-                             cloth->rows * cloth->cols);
+                             weft__particles_in(reader->scene));
     }
 }
 
@@ -122,6 +135,11 @@ void weft__check_limit(weft__reader *reader, const weft__match *match, void *bas
     const weft_limit_def *limit = base;
     bool limits = false;
     weft__limit_check(limit, &match->faults);
+    if (reader->scene->meshed) {
+        weft__report_error(reader->report, match->map->at,
+                           "a strain limit needs a grid: it corrects springs");
+        return;
+    }
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
         limits
             = limits || (limit->families[i] && reader->scene->cloth.springs[i].present);

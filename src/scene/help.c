@@ -12,6 +12,13 @@ static const char *default_text(const weft__key *key)
                                    : "none";
 }
 
+/* The keys below a key; NULL: there are none, or they are told elsewhere. */
+static const weft__section *below(const weft__key *key)
+{
+    return key->kind == WEFT__INSIDE || key->kind == WEFT__FABRICS ? NULL
+                                                                   : key->section;
+}
+
 /* ---- plain text: a tree, in columns ----------------------------------------- */
 
 typedef struct printer {
@@ -75,7 +82,7 @@ static void print_tree(const printer *to, const weft__section *section, int dept
         }
         (void)snprintf(name, sizeof name, "%*s%s", 2 * depth, "", key->name);
         print_key(to, key, name);
-        print_tree(to, key->section, depth + 1);
+        print_tree(to, below(key), depth + 1);
     }
 }
 
@@ -120,10 +127,10 @@ static void print_rows(const printer *to, const weft__section *section,
         char path[120];
         (void)snprintf(path, sizeof path, "%s%s", above, key->name);
         print_row(to, key, path);
-        if (key->section != NULL && above[0] != '\0') {
+        if (below(key) != NULL && above[0] != '\0') {
             (void)snprintf(path, sizeof path, "%s%s%s.", above, key->name,
                            list ? "[]" : "");
-            print_rows(to, key->section, path);
+            print_rows(to, below(key), path);
         }
     }
 }
@@ -195,6 +202,6 @@ weft_status weft_scene_help_key(const char *path,
         title = section != NULL && section->title != NULL ? section->title : key->name;
     } while (*rest != '\0');
     print_key(&to, key, path);
-    print_tree(&to, key->section, 1);
+    print_tree(&to, below(key), 1);
     return WEFT_OK;
 }

@@ -72,9 +72,21 @@ static const weft__section place_section
         .beside_hint = "needs 'at' beside it, as in {at: {rows: ..., cols: ...}, "
                        "velocity: [x, y, z]}" };
 
+static const weft__section shape_section;
+
 static const weft__key load_keys[] = {
-    { "at", WEFT__PLACE, .required = true, .section = &place_section,
-      AT(weft_load, rows), .meaning = "which particles" },
+    { "at", WEFT__PLACE, .absent = "required on a grid", .section = &place_section,
+      AT(weft_load, rows), .meaning = "of a grid: which particles" },
+    { "vertices", WEFT__VERTEX_LIST, .absent = "none", AT(weft_load, vertices),
+      .meaning = "of a mesh: numbers of v in its file, from 0" },
+    { "group", WEFT__GROUP, .absent = "none", AT(weft_load, vertices),
+      .meaning = "of a mesh: the vertices of faces and points (f, p) of a group (g)" },
+    { "near", WEFT__NEAREST, .unit = "m", .absent = "none", AT(weft_load, vertices),
+      .meaning = "of a mesh: the vertex that starts nearest to a point; of equally "
+                 "near ones the lower number" },
+    { "inside", WEFT__INSIDE, .section = &shape_section, .absent = "none",
+      AT(weft_load, vertices),
+      .meaning = "of a mesh: what starts in a shape, given as in contact.shapes" },
     { "mass", WEFT__NUMBER, .required = true, .number = &weft__load_mass,
       .meaning = "goes to each of them" },
 };
@@ -82,13 +94,24 @@ static const weft__key load_keys[] = {
 static const weft__section load_section
     = { .title = "a load",
         SECTION(load_keys),
+        .check = weft__check_load,
         .beside = &place_section,
         .beside_hint = "goes inside 'at', as in {at: {rows: ..., cols: ...}, mass: "
                        "...}" };
 
 static const weft__key pin_keys[] = {
-    { "at", WEFT__PLACE, .required = true, .section = &place_section,
-      AT(weft_pin, rows), .meaning = "which particles" },
+    { "at", WEFT__PLACE, .absent = "required on a grid", .section = &place_section,
+      AT(weft_pin, rows), .meaning = "of a grid: which particles" },
+    { "vertices", WEFT__VERTEX_LIST, .absent = "none", AT(weft_pin, vertices),
+      .meaning = "of a mesh: numbers of v in its file, from 0" },
+    { "group", WEFT__GROUP, .absent = "none", AT(weft_pin, vertices),
+      .meaning = "of a mesh: the vertices of faces and points (f, p) of a group (g)" },
+    { "near", WEFT__NEAREST, .unit = "m", .absent = "none", AT(weft_pin, vertices),
+      .meaning = "of a mesh: the vertex that starts nearest to a point; of equally "
+                 "near ones the lower number" },
+    { "inside", WEFT__INSIDE, .section = &shape_section, .absent = "none",
+      AT(weft_pin, vertices),
+      .meaning = "of a mesh: what starts in a shape, given as in contact.shapes" },
     { "velocity", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(pin, velocity),
       .meaning = "velocity of the pinned particles" },
     { "amplitude", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(pin, amplitude),
@@ -149,6 +172,7 @@ static const weft__section bend_section
 _Static_assert(sizeof(weft_law) == sizeof(unsigned)
                    && sizeof(weft_limit_method) == sizeof(unsigned)
                    && sizeof(weft_shape_kind) == sizeof(unsigned)
+                   && sizeof(weft_seam) == sizeof(unsigned)
                    && sizeof(weft_friction_law) == sizeof(unsigned)
                    && sizeof(weft_limit_solver) == sizeof(unsigned)
                    && sizeof(weft_norm) == sizeof(unsigned)
@@ -197,16 +221,54 @@ static const weft__key fabric_keys[] = {
     { "damping", WEFT__PAIR, .absent = "0", NUMBER(fabric, damping),
       .meaning
       = "damping = this time * stiffness; a pair: [in the plane, of bending]" },
+    { "coupling", WEFT__NUMBER, .absent = "shear, or the preset's",
+      NUMBER(fabric, coupling),
+      .meaning = "modulus between warp and weft; of a mesh only" },
 };
 
 static const weft__section fabric_section
     = { SECTION(fabric_keys), .check = weft__check_fabric };
 
-/* The grid comes first: the other keys are checked against it. */
+static const weft__key turn_keys[] = {
+    { "axis", WEFT__VECTOR, .fallback = "[0, 1, 0]", AT(weft__turn, axis),
+      .meaning = "through the file's origin" },
+    { "angle", WEFT__NUMBER, .fallback = "0", .unit = "degrees", AT(weft__turn, angle),
+      .meaning = "counterclockwise, seen from the end of the axis" },
+};
+
+static const weft__section turn_section
+    = { SECTION(turn_keys), .check = weft__check_turn };
+
+static const weft__key mesh_keys[] = {
+    { "file", WEFT__TEXT, .required = true, AT(weft__mesh_file, file),
+      .meaning = "an OBJ file beside the scene: v start positions, vt the rest shape "
+                 "in the plane (u along the weft, v along the warp), f triangles and "
+                 "quadrilaterals, usemtl fabrics, g groups, p points of a group" },
+    { "unit", WEFT__NUMBER, RANGE(.strict = true), .unit = "m", .fallback = "1.0",
+      AT(weft__mesh_file, unit), .meaning = "one unit of the file, of v and vt" },
+    { "at", WEFT__VECTOR, .unit = "m", .fallback = "[0, 0, 0]", AT(weft__mesh_file, at),
+      .meaning = "added to the start positions after the turn" },
+    { "turn", WEFT__MAPPING, .section = &turn_section, .absent = "none",
+      AT(weft__mesh_file, turn), .meaning = "of the start positions" },
+};
+
+static const weft__section mesh_section
+    = { SECTION(mesh_keys), .check = weft__check_mesh };
+
+/* In the order of weft_seam. */
+static const char *const seam_names[] = { "bend", "hinge", NULL };
+static const char *const membrane_names[] = { "chord", "arc", NULL };
+
+#define IN_SCENE(field) .at = offsetof(weft_scene, field) - offsetof(weft_scene, cloth)
+
+/* The grid, or the mesh, comes first: the other keys are checked against it. */
 static const weft__key cloth_keys[] = {
-    { "grid", WEFT__MAPPING, .required = true, .section = &grid_section,
-      .meaning = "particle (row, col) rests at origin + col * spacing * right + row * "
+    { "grid", WEFT__MAPPING, .absent = "grid or mesh", .section = &grid_section,
+      .meaning = "exactly one of grid and mesh is required; particle (row, col) rests "
+                 "at origin + col * spacing * right + row * "
                  "spacing * down" },
+    { "mesh", WEFT__MAPPING, .absent = "grid or mesh", .section = &mesh_section,
+      IN_SCENE(mesh_file), .meaning = "triangles of any outline, instead of a grid" },
     { "mass", WEFT__NUMBER, .absent = "mass or density", NUMBER(grid, mass),
       .meaning = "mass of each particle; exactly one of mass and density is required" },
     { "density", WEFT__NUMBER, .absent = "mass or density", NUMBER(grid, density),
@@ -220,9 +282,21 @@ static const weft__key cloth_keys[] = {
     { "springs", WEFT__MAPPING, .section = &spring_section, .absent = "none",
       .meaning = "families of springs; a missing family has no springs" },
     { "fabric", WEFT__MAPPING, .section = &fabric_section, .absent = "none",
-      .at = offsetof(weft_scene, fabric) - offsetof(weft_scene, cloth),
+      IN_SCENE(fabric),
       .meaning = "a measured fabric, independent of the grid: instead of mass, density "
-                 "and springs" },
+                 "and springs; required with a mesh" },
+    { "fabrics", WEFT__FABRICS, .section = &fabric_section, .absent = "none",
+      IN_SCENE(fabrics),
+      .meaning = "of a mesh: other fabrics, {NAME: {keys as fabric}}, of the triangles "
+                 "behind usemtl NAME in its file" },
+    { "seams", WEFT__CHOICE, .names = seam_names, .fallback = "bend",
+      IN_SCENE(obj.def.seams),
+      .meaning = "of a mesh: whether it bends or turns freely where two edges of the "
+                 "rest shape are one" },
+    { "membrane", WEFT__EITHER, .names = membrane_names, .fallback = "chord",
+      IN_SCENE(obj.def.arc),
+      .meaning = "of a mesh: arc measures edges along the cloth's arc, which does not "
+                 "lock on coarse meshes and costs some 2.5 times as much" },
     { "pins", WEFT__ITEMS, ITEMS(weft_cloth_def, pins, pin_count, weft__read_pin),
       .section = &pin_section, .absent = "none",
       .meaning = "particles that are held or moved: a place, or {at: place, ...}; a "
@@ -601,7 +675,8 @@ static const weft__key root_keys[] = {
     { "name", WEFT__TEXT, .absent = "file name", AT(weft_scene, name),
       .meaning = "free text; default: the file's name without .yaml" },
     { "cloth", WEFT__MAPPING, .required = true, .section = &cloth_section,
-      AT(weft_scene, cloth), .meaning = "the model: grid, masses, springs, pins" },
+      AT(weft_scene, cloth),
+      .meaning = "the model: grid or mesh, masses, springs, pins" },
     { "forces", WEFT__MAPPING, .section = &force_section, .absent = "gravity",
       AT(weft_scene, cloth), .meaning = "other forces on the cloth" },
     { "contact", WEFT__MAPPING, .section = &contact_section, .absent = "none",
@@ -641,6 +716,11 @@ weft__read_fn *const weft__readers[WEFT__KINDS] = {
     [WEFT__PRESET] = weft__read_preset,
     [WEFT__INDEX] = weft__read_index,
     [WEFT__PLACE] = weft__read_place,
+    [WEFT__VERTEX_LIST] = weft__read_vertices,
+    [WEFT__GROUP] = weft__read_group,
+    [WEFT__NEAREST] = weft__read_near,
+    [WEFT__INSIDE] = weft__read_inside,
+    [WEFT__FABRICS] = weft__read_fabrics,
     [WEFT__ROW] = weft__read_row,
     [WEFT__ROWS] = weft__read_rows,
     [WEFT__BOOLEAN] = weft__read_boolean,

@@ -24,11 +24,16 @@ typedef enum weft__kind {
     WEFT__ATOL,      /* two doubles from a number or a mapping */
     WEFT__INDEX,     /* weft_range of the rows or columns of a place */
     WEFT__PLACE,     /* weft__place */
-    WEFT__ITEMS,     /* an array of the cloth's definition: a list of mappings */
-    WEFT__ROW,       /* weft__list: numbers of a Butcher table */
-    WEFT__ROWS,      /* weft__list: its matrix */
-    WEFT__FRACTION,  /* a number of either, in messages */
-    WEFT__SWEEP,     /* taken out of the tree before it is read */
+    WEFT__VERTEX_LIST, /* weft__vertices: a list of numbers */
+    WEFT__GROUP,       /* the same: a name in the file of the mesh */
+    WEFT__NEAREST,     /* the same: a point */
+    WEFT__INSIDE,      /* the same: a shape */
+    WEFT__FABRICS,     /* weft__fabrics: mappings by name */
+    WEFT__ITEMS,       /* an array of the cloth's definition: a list of mappings */
+    WEFT__ROW,         /* weft__list: numbers of a Butcher table */
+    WEFT__ROWS,        /* weft__list: its matrix */
+    WEFT__FRACTION,    /* a number of either, in messages */
+    WEFT__SWEEP,       /* taken out of the tree before it is read */
     WEFT__KINDS
 } weft__kind;
 

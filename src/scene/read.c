@@ -368,7 +368,7 @@ static void report_unknown(weft__reader *reader, weft__match *match,
         = section->beside == NULL ? NULL : weft__key_named(section->beside, name);
     char shown[64], hint[300] = "";
     (void)weft__show(node, shown, sizeof shown);
-    if (other != NULL && !other->required) {
+    if (other != NULL && strcmp(name, "at") != 0) {
         meant = "at";
         weft__report_error(reader->report, node->at, "%s %s", shown,
                            section->beside_hint);

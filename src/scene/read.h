@@ -4,6 +4,7 @@
 #define WEFT_SCENE_READ_H
 
 #include "scene/keys.h"
+#include "scene/obj.h"
 #include "scene/sweep.h"
 #include "scene/tree.h"
 
@@ -35,6 +36,32 @@ typedef struct weft__solver {
     size_t max_order;
 } weft__solver;
 
+/* A rotation about an axis. */
+typedef struct weft__turn {
+    double axis[3];
+    double angle; /* [degrees] */
+} weft__turn;
+
+/* cloth.mesh */
+typedef struct weft__mesh_file {
+    char *file;
+    double unit;  /* [m] */
+    double at[3]; /* [m] */
+    weft__turn turn;
+} weft__mesh_file;
+
+/* cloth.fabrics: list[0] is `fabric`, the others as the node has them. */
+typedef struct weft__fabrics {
+    weft_fabric *list;
+    const weft__node *node; /* NULL: none */
+} weft__fabrics;
+
+/* Vertices of a mesh, as a pin and a load have them. */
+typedef struct weft__vertices {
+    const size_t *list;
+    size_t count;
+} weft__vertices;
+
 /* Its tree owns the arrays and texts that the definition structs point to. Fields whose
  * key is absent or wrong stay 0. */
 struct weft_scene {
@@ -44,6 +71,10 @@ struct weft_scene {
     size_t version;
     weft_cloth_def cloth;
     weft_fabric fabric; /* density 0: none */
+    weft__mesh_file mesh_file;
+    weft__fabrics fabrics;
+    weft__obj obj; /* what cloth.mesh points to */
+    bool meshed;   /* the cloth is no grid, whether its mesh could be read or not */
     weft_limit_def limit;
     weft_run_def run;
     weft_record_def record;
@@ -57,6 +88,13 @@ struct weft_scene {
     bool large_matrices;     /* are allowed */
     weft_diagnostic refusal; /* at stepper.method, without a message */
 };
+
+/* 0: the grid or the mesh is wrong. */
+static inline size_t weft__particles_in(const weft_scene *scene)
+{
+    const weft_cloth_def *cloth = &scene->cloth;
+    return cloth->mesh != NULL ? cloth->mesh->vertices : cloth->rows * cloth->cols;
+}
 
 typedef struct weft__reader {
     weft_scene *scene;
@@ -195,7 +233,21 @@ void weft__make_fabric(weft__reader *reader, const weft__match *cloth);
 
 /* scene_pins.c */
 weft__read_fn weft__read_index, weft__read_place, weft__read_pin;
-weft__check_fn weft__check_place, weft__check_pin;
+weft__check_fn weft__check_place, weft__check_pin, weft__check_load;
+
+/* scene_mesh.c */
+weft__read_fn weft__read_fabrics;
+weft__check_fn weft__check_mesh, weft__check_turn;
+
+/* What of a cloth does not go with its grid, or its mesh; the rules of a mesh. */
+void weft__check_grid_cloth(weft__reader *reader, const weft__match *cloth);
+void weft__check_mesh_cloth(weft__reader *reader, const weft__match *cloth);
+
+/* scene_vertices.c */
+weft__read_fn weft__read_vertices, weft__read_group, weft__read_near, weft__read_inside;
+
+/* Whether a pin or a load says on what it is, in the way of its cloth. */
+void weft__check_vertices(weft__reader *reader, const weft__match *match);
 
 /* scene_bands.c: of a scene without mistakes. */
 void weft__check_bands(weft__reader *reader, const weft__match *root);

@@ -205,6 +205,7 @@ static weft_status read_scene(const weft__base *base, size_t run, weft__report *
     weft__sweep_apply(tree, &base->sweep, run);
     weft__resolve_method(&reader, &base->sweep);
     weft__read_section(&reader, &weft__root, weft__root.title, tree->root, scene);
+    weft__obj_forget(&scene->obj);
     return report->no_memory            ? no_memory(err)
            : report->found->errors == 0 ? complete(base, scene, err)
                                         : WEFT_BAD_SCENE;
@@ -286,6 +287,7 @@ void weft_scene_destroy(weft_scene *scene)
         return;
     }
     const weft_allocator memory = scene->memory;
+    weft__obj_close(&scene->obj, &memory);
     weft__tree_free(&scene->tree, &memory);
     weft__free(&memory, scene);
 }

@@ -19,7 +19,12 @@ void weft__check_bands(weft__reader *reader, const weft__match *root)
 {
     const weft_scene *scene = reader->scene;
     const size_t bands = reader->def->bands, rows = scene->cloth.rows;
-    if (rows / bands < WEFT_GHOST_ROWS) {
+    if (scene->meshed) {
+        weft__report_error(
+            reader->report, place(root, "cloth", "mesh"),
+            "a mesh of triangles does not run in bands, which are rows of "
+            "a grid");
+    } else if (rows / bands < WEFT_GHOST_ROWS) {
         weft__report_error(reader->report, place(root, "cloth", "grid"),
                            "%zu rows are too few for %zu bands: each needs %d", rows,
                            bands, WEFT_GHOST_ROWS);

@@ -18,7 +18,8 @@ void weft__read_shape(weft__reader *reader, const weft__key *key,
 void weft__check_shape(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_shape *shape = base;
-    const size_t index = (size_t)(shape - reader->scene->cloth.contact.shapes);
+    const weft_shape *shapes = reader->scene->cloth.contact.shapes;
+    const size_t index = shapes == NULL ? 0 : (size_t)(shape - shapes);
     bool wrong = !weft__check_motion(reader, match, shape->amplitude, shape->frequency)
                  || shape->kind == WEFT_SHAPES;
     for (size_t i = 0; i < match->section->count; ++i) {
@@ -45,7 +46,7 @@ static bool has_friction(const weft_contact_def *contact)
 static void check_start(weft__reader *reader, const weft__node *shapes)
 {
     const weft_cloth_def *def = &reader->scene->cloth;
-    const double particles = (double)def->rows * (double)def->cols;
+    const double particles = (double)weft__particles_in(reader->scene);
     const double each
         = (double)def->contact.shape_count * (1.0 + (double)def->pin_count);
     for (size_t k = 0; k < def->contact.shape_count && particles * each < MAX_COMPARED;
@@ -63,7 +64,7 @@ static void check_crossings(weft__reader *reader, const weft__node *self)
     weft_cloth_def def = reader->scene->cloth;
     weft_cloth *cloth = NULL;
     weft_error err = { 0 };
-    if ((double)def.rows * (double)def.cols >= MAX_COMPARED) {
+    if ((double)weft__particles_in(reader->scene) >= MAX_COMPARED) {
         return;
     }
     def.contact = weft_cloth_def_default().contact;
@@ -91,7 +92,7 @@ void weft__check_contact(weft__reader *reader, const weft__match *match, void *b
                            "slip has no effect without friction: it is 0 everywhere");
     }
     weft__contact_check(contact, &match->faults);
-    if (reader->scene->cloth.rows > 0) {
+    if (weft__particles_in(reader->scene) > 0) {
         weft__self_check(&reader->scene->cloth, &match->faults);
     }
     if (reader->report->found->errors > 0 || reader->report->no_memory) {
@@ -293,7 +294,7 @@ void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
         warn_of_friction(reader->report, law,
                          weft__friction_of(&law->shapes[k], law->friction), name, at);
     }
-    if (def->pin_count > 0 && law->shape_count > 0) {
+    if (def->mesh == NULL && def->pin_count > 0 && law->shape_count > 0) {
         warn_of_pins(reader, value_of(weft__value_in(root, "cloth"), "pins"));
     }
     warn_of_stepper(reader, value_of(stepper, "method"),

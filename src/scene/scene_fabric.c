@@ -26,6 +26,10 @@ void weft__check_fabric(weft__reader *reader, const weft__match *match, void *ba
 {
     static const char *const needed[] = { "density", "stretch" };
     weft_fabric *fabric = base;
+    if (weft__found_in(match, "coupling")->key == NULL
+        && weft__found_in(match, "preset")->key == NULL) {
+        fabric->coupling = fabric->shear;
+    }
     if (weft__found_in(match, "preset")->key != NULL) {
         return;
     }

@@ -116,6 +116,9 @@ void weft__read_place(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *to)
 {
     weft__place place = { { 0, 0 }, { 0, 0 } };
+    if (reader->scene->meshed) {
+        return; /* weft__check_vertices tells that it has no such places */
+    }
     if (node->type == WEFT__SCALAR) {
         weft__key named = *key;
         size_t name;
@@ -179,6 +182,13 @@ void weft__check_pin(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_pin *pin = base;
     (void)weft__check_motion(reader, match, pin->amplitude, pin->frequency);
+    weft__check_vertices(reader, match);
+}
+
+void weft__check_load(weft__reader *reader, const weft__match *match, void *base)
+{
+    (void)base;
+    weft__check_vertices(reader, match);
 }
 
 /* A pin is a mapping with `at`, or the place of a pin at rest: a mapping with a key of
@@ -203,7 +213,15 @@ void weft__read_pin(weft__reader *reader, const weft__key *key, const weft__node
 {
     weft_pin *pin = to;
     const weft__key at_rest = { "a pin", WEFT__PLACE, .section = key->section->beside };
-    if (is_place(at_rest.section, node)) {
+    if (reader->scene->meshed ? node->type != WEFT__MAP
+                              : is_place(at_rest.section, node)) {
+        if (reader->scene->meshed) {
+            weft__refuse(reader, node, "a pin of a mesh",
+                         "{vertices: ...}, {group: "
+                         "...}, {near: ...} or {inside: ...}",
+                         false, NULL);
+            return;
+        }
         weft__read_place(reader, &at_rest, node, &pin->rows);
     } else {
         weft__read_mapping(reader, key, node, pin);

@@ -158,11 +158,11 @@ void weft__check_solver(weft__reader *reader, const weft__match *match, void *ba
 /* [bytes] */
 #define LARGE_MATRICES 1e9
 
-/* For the grid, which was read before; a wrong one has no particles. */
+/* For the cloth, which was read before. */
 static void check_matrices(weft__reader *reader, const weft__match *match)
 {
     const weft_scene *scene = reader->scene;
-    const size_t particles = scene->cloth.rows * scene->cloth.cols;
+    const size_t particles = weft__particles_in(scene);
     const weft__mark at = weft__value_in(match, "method")->at;
     char text[160];
     const double bytes

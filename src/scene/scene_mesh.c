@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* scene_mesh.c -- a cloth of triangles: its file, its fabrics, and what of a grid it
+ * has not. */
+#include <math.h>
+#include <string.h>
+
+#include "base/finite.h"
+#include "cloth/model.h"
+#include "scene/read.h"
+#include "scene/scalar.h"
+
+enum { MOST_FABRICS = 64 };
+
+/* ---- the file ----------------------------------------------------------------- */
+
+/* A file beside the scene. NULL: no memory. */
+static char *path_of(weft__reader *reader, const char *name)
+{
+    const char *scene = reader->def->file;
+    const char *slash = scene == NULL || name[0] == '/' ? NULL : strrchr(scene, '/');
+    const size_t folder = slash == NULL ? 0 : (size_t)(slash - scene) + 1;
+    char *path = weft__tree_take(reader->tree, folder + strlen(name) + 1, 1);
+    if (path != NULL) {
+        memcpy(path, scene == NULL ? "" : scene, folder);
+        strcpy(path + folder, name);
+    }
+    return path;
+}
+
+void weft__check_turn(weft__reader *reader, const weft__match *match, void *base)
+{
+    const weft__turn *turn = base;
+    const weft__node *axis = weft__value_in(match, "axis");
+    if (axis != NULL && !weft__found_in(match, "axis")->wrong
+        && !weft__positive(weft__length(turn->axis))) {
+        weft__report_error(reader->report, axis->at,
+                           "axis is [%g, %g, %g], which is no direction", turn->axis[0],
+                           turn->axis[1], turn->axis[2]);
+    }
+}
+
+void weft__check_mesh(weft__reader *reader, const weft__match *match, void *base)
+{
+    const weft__mesh_file *from = base;
+    weft_scene *scene = reader->scene;
+    const size_t before = reader->report->mistakes;
+    scene->meshed = true;
+    for (size_t i = 0; i < match->section->count; ++i) {
+        if (match->found[i].wrong) {
+            return;
+        }
+    }
+    char *path = from->file == NULL ? NULL : path_of(reader, from->file);
+    if (path == NULL) {
+        return;
+    }
+    scene->obj = (weft__obj){ .report = reader->report,
+                              .at = weft__value_in(match, "file")->at,
+                              .path = path };
+    if (weft__obj_load(&scene->obj, path) && reader->report->mistakes == before) {
+        weft__obj_move(&scene->obj, from->unit, from->turn.axis, from->turn.angle,
+                       from->at);
+        scene->cloth.mesh = &scene->obj.def;
+    }
+}
+
+/* ---- fabrics ------------------------------------------------------------------ */
+
+/* Their names are the keys; the first of the array is left to `fabric`. */
+void weft__read_fabrics(weft__reader *reader, const weft__key *key,
+                        const weft__node *node, void *to)
+{
+    weft__fabrics *fabrics = to;
+    if (node->type != WEFT__MAP || node->count > MOST_FABRICS) {
+        weft__refuse_value(reader, key, node);
+        return;
+    }
+    fabrics->list
+        = weft__tree_take(reader->tree, node->count + 1, sizeof *fabrics->list);
+    if (fabrics->list == NULL) {
+        return;
+    }
+    fabrics->node = node;
+    for (size_t i = 0; i < node->count; ++i) {
+        const weft__entry *entry = &node->entries[i];
+        const char *name = weft__text_of(entry->key);
+        if (name == NULL || entry->value == NULL) {
+            weft__report_error(reader->report, entry->key->at,
+                               "the name of a fabric, as of usemtl, must stand here");
+        } else if (weft__find_key(node, name, entry->key->count) != i) {
+            weft__report_error(reader->report, entry->key->at, "duplicate fabric '%s'",
+                               name);
+        } else {
+            weft__read_section(reader, key->section, name, entry->value,
+                               &fabrics->list[i + 1]);
+        }
+    }
+}
+
+/* The fabric of each statement usemtl; 0: that of all others. */
+static void find_fabrics(weft__reader *reader, uint32_t *of)
+{
+    const weft__obj *obj = &reader->scene->obj;
+    const weft__node *node = reader->scene->fabrics.node;
+    for (size_t i = 0; i < node->count; ++i) {
+        const weft__node *name = node->entries[i].key;
+        bool used = false;
+        for (size_t k = 0; k < obj->fabrics.count; ++k) {
+            const weft__obj_name *one = &obj->fabrics.list[k];
+            if (one->length == name->count
+                && memcmp(one->text, name->text, one->length) == 0) {
+                of[one->statement] = (uint32_t)(i + 1);
+                used = true;
+            }
+        }
+        if (!used) {
+            char near[80];
+            weft__report_error(
+                reader->report, name->at, "the mesh has no usemtl '%.60s'%s",
+                name->text,
+                weft__obj_near(&obj->fabrics, name->text, near, sizeof near));
+        }
+    }
+}
+
+/* Gives each triangle its fabric. */
+static void put_fabrics(weft__reader *reader)
+{
+    weft_scene *scene = reader->scene;
+    weft__obj *obj = &scene->obj;
+    const weft_allocator *memory = reader->report->memory;
+    scene->fabrics.list[0] = scene->fabric;
+    obj->def.fabrics = scene->fabrics.list;
+    obj->def.fabric_count = scene->fabrics.node->count + 1;
+    uint32_t *of
+        = weft__zeroed(memory, (size_t)obj->fabrics.statements + 1, sizeof *of);
+    obj->fabric_of = weft__alloc(memory, obj->def.triangles, sizeof *obj->fabric_of);
+    if (of == NULL || obj->fabric_of == NULL) {
+        reader->report->no_memory = true;
+    } else {
+        find_fabrics(reader, of);
+        for (size_t t = 0; t < obj->def.triangles; ++t) {
+            obj->fabric_of[t] = of[obj->face[obj->face_of[t]].fabric];
+        }
+    }
+    obj->def.fabric_of = obj->fabric_of;
+    weft__free(memory, of);
+}
+
+/* ---- the cloth ---------------------------------------------------------------- */
+
+static void find_part(void *ctx, weft__mesh_part part, size_t index,
+                      const char *message)
+{
+    const weft__match *cloth = ctx;
+    weft_scene *scene = cloth->reader->scene;
+    if (part == WEFT__MESH_FABRIC) {
+        const weft__node *at = index == 0 ? weft__found_in(cloth, "fabric")->key
+                                          : scene->fabrics.node->entries[index - 1].key;
+        weft__report_error(cloth->reader->report, at->at, "%s", message);
+    } else {
+        weft__obj_fault(&scene->obj, part, index, message);
+    }
+}
+
+static void find_fault(void *ctx, size_t field, size_t other, const char *message)
+{
+    const weft__match *cloth = ctx;
+    const bool held = field == offsetof(weft_cloth_def, pins);
+    const weft__node *pins = weft__found_in(cloth, "pins")->key;
+    (void)other;
+    weft__report_error(cloth->reader->report,
+                       (held && pins != NULL ? pins : cloth->map)->at, "%s", message);
+}
+
+static void report_excluded(weft__reader *reader, const weft__match *cloth,
+                            const char *const *names, const char *rule)
+{
+    for (; *names != NULL; ++names) {
+        const weft__node *key = weft__found_in(cloth, *names)->key;
+        if (key != NULL) {
+            weft__report_error(reader->report, key->at, "'%s' %s", *names, rule);
+        }
+    }
+}
+
+void weft__check_grid_cloth(weft__reader *reader, const weft__match *cloth)
+{
+    static const char *const excluded[] = { "fabrics", "seams", "membrane", NULL };
+    const weft__node *fabric = weft__value_in(cloth, "fabric");
+    const size_t slot = fabric == NULL || fabric->type != WEFT__MAP
+                            ? 0
+                            : weft__find_key(fabric, "coupling", strlen("coupling"));
+    report_excluded(reader, cloth, excluded, "needs a mesh of triangles");
+    if (fabric != NULL && fabric->type == WEFT__MAP && slot < fabric->count) {
+        weft__report_error(reader->report, fabric->entries[slot].key->at,
+                           "coupling needs a mesh of triangles: the springs of a grid "
+                           "make it equal to shear");
+    }
+}
+
+void weft__check_mesh_cloth(weft__reader *reader, const weft__match *cloth)
+{
+    static const char *const excluded[] = { "mass", "density", "springs", NULL };
+    weft_scene *scene = reader->scene;
+    report_excluded(reader, cloth, excluded,
+                    "needs a grid: a mesh of triangles has a fabric");
+    if (weft__lacks(cloth, "fabric")) {
+        weft__report_error(
+            reader->report, cloth->map->at,
+            "cloth lacks 'fabric', which a mesh of triangles is made of");
+    }
+    if (scene->cloth.mesh == NULL || weft__found_in(cloth, "fabric")->key == NULL) {
+        return;
+    }
+    if (scene->fabrics.node != NULL) {
+        put_fabrics(reader);
+    } else {
+        scene->obj.def.fabrics = &scene->fabric;
+        scene->obj.def.fabric_count = 1;
+    }
+    if (reader->report->found->errors == 0 && !reader->report->no_memory) {
+        weft__mesh_check(&scene->cloth,
+                         &(weft__mesh_faults){ find_part, (void *)cloth },
+                         &(weft__faults){ find_fault, (void *)cloth });
+    }
+}

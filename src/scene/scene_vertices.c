@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* scene_vertices.c -- which vertices of a mesh a pin holds, or a load lies on. */
+#include <math.h>
+#include <string.h>
+
+#include "cloth/model.h"
+#include "scene/read.h"
+#include "scene/scalar.h"
+
+#define INSIDE 1e-9 /* [m] within so much of a shape counts as in it */
+
+/* Makes a list of the members; `none` says why there must be one. */
+static void put_members(weft__reader *reader, const bool *member, weft__vertices *to)
+{
+    const size_t all = reader->scene->cloth.mesh->vertices;
+    size_t count = 0;
+    for (size_t i = 0; i < all; ++i) {
+        count += member[i];
+    }
+    size_t *list = weft__tree_take(reader->tree, count, sizeof *list);
+    *to = (weft__vertices){ list, list == NULL ? 0 : count };
+    for (size_t i = 0, k = 0; list != NULL && i < all; ++i) {
+        if (member[i]) {
+            list[k++] = i;
+        }
+    }
+}
+
+/* ---- by number ---------------------------------------------------------------- */
+
+static bool read_vertex(weft__reader *reader, const weft__node *node, size_t *out)
+{
+    const weft__obj *obj = &reader->scene->obj;
+    long long number;
+    if (!weft__integer_of(node, &number)) {
+        weft__refuse(reader, node, "a vertex", "an integer", true, NULL);
+        return false;
+    }
+    if (number < 0 || (unsigned long long)number >= obj->vertices) {
+        weft__report_error(reader->report, node->at,
+                           "vertex %lld is not there: the mesh has 0 to %zu", number,
+                           obj->vertices - 1);
+        return false;
+    }
+    if (obj->vertex_of[number] == WEFT__NONE) {
+        weft__report_error(reader->report, node->at, "vertex %lld belongs to no face",
+                           number);
+        return false;
+    }
+    *out = obj->vertex_of[number];
+    return true;
+}
+
+void weft__read_vertices(weft__reader *reader, const weft__key *key,
+                         const weft__node *node, void *to)
+{
+    const size_t count = weft__item_count(node);
+    weft__vertices *vertices = to;
+    if (node->type != WEFT__LIST || count == 0) {
+        weft__refuse_value(reader, key, node);
+    }
+    if (reader->scene->cloth.mesh == NULL || count == 0) {
+        return;
+    }
+    size_t *list = weft__tree_take(reader->tree, count, sizeof *list);
+    for (size_t i = 0; list != NULL && i < count; ++i) {
+        vertices->count
+            += read_vertex(reader, weft__item(node, i), &list[vertices->count]);
+    }
+    vertices->list = list;
+}
+
+/* ---- by group ----------------------------------------------------------------- */
+
+void weft__read_group(weft__reader *reader, const weft__key *key,
+                      const weft__node *node, void *to)
+{
+    const char *name = weft__text_of(node);
+    const weft_mesh_def *mesh = reader->scene->cloth.mesh;
+    char near[80];
+    if (name == NULL) {
+        weft__refuse_value(reader, key, node);
+    }
+    if (name == NULL || mesh == NULL) {
+        return;
+    }
+    bool *member = weft__zeroed(reader->report->memory, mesh->vertices, sizeof *member);
+    if (member == NULL) {
+        reader->report->no_memory = true;
+    } else if (weft__obj_group(&reader->scene->obj, name, member)) {
+        put_members(reader, member, to);
+    } else {
+        weft__report_error(
+            reader->report, node->at, "the mesh has no group '%.60s'%s", name,
+            weft__obj_near(&reader->scene->obj.groups, name, near, sizeof near));
+    }
+    weft__free(reader->report->memory, member);
+}
+
+/* ---- by place ----------------------------------------------------------------- */
+
+void weft__read_near(weft__reader *reader, const weft__key *key, const weft__node *node,
+                     void *to)
+{
+    const weft_mesh_def *mesh = reader->scene->cloth.mesh;
+    const weft__key vector
+        = { .name = key->name, .kind = WEFT__VECTOR, .unit = key->unit };
+    double at[3] = { NAN, NAN, NAN }, least = INFINITY;
+    size_t *nearest = weft__tree_take(reader->tree, 1, sizeof *nearest);
+    weft__read_vector(reader, &vector, node, at);
+    if (mesh == NULL || nearest == NULL) {
+        return;
+    }
+    for (size_t i = 0; i < mesh->vertices; ++i) {
+        const double *x = &mesh->start[3 * i];
+        const double away[] = { x[0] - at[0], x[1] - at[1], x[2] - at[2] };
+        const double distance = weft__dot(away, away);
+        *nearest = distance < least ? i : *nearest;
+        least = fmin(least, distance);
+    }
+    *(weft__vertices *)to = (weft__vertices){ nearest, 1 };
+}
+
+void weft__read_inside(weft__reader *reader, const weft__key *key,
+                       const weft__node *node, void *to)
+{
+    const weft_mesh_def *mesh = reader->scene->cloth.mesh;
+    const size_t before = reader->report->mistakes;
+    weft_shape shape;
+    weft__read_shape(reader, key, node, &shape);
+    if (mesh == NULL || reader->report->mistakes > before) {
+        return;
+    }
+    bool *member = weft__zeroed(reader->report->memory, mesh->vertices, sizeof *member);
+    if (member == NULL) {
+        reader->report->no_memory = true;
+        return;
+    }
+    const weft__shape made = weft__shape_of(&shape, 0.0);
+    const weft__pose pose = weft__pose_of(&made, 0.0);
+    weft__vertices *vertices = to;
+    for (size_t i = 0; i < mesh->vertices; ++i) {
+        member[i] = weft__gap_at(&pose, &mesh->start[3 * i]) <= INSIDE;
+    }
+    put_members(reader, member, vertices);
+    if (vertices->count == 0) {
+        weft__report_error(reader->report, node->at,
+                           "no vertex of the mesh starts inside this %s",
+                           weft_shape_name(shape.kind));
+    }
+    weft__free(reader->report->memory, member);
+}
+
+/* ---- pins and loads ------------------------------------------------------------ */
+
+void weft__check_vertices(weft__reader *reader, const weft__match *match)
+{
+    static const char *const names[] = { "vertices", "group", "near", "inside" };
+    const bool meshed = reader->scene->meshed;
+    const weft__node *at = weft__found_in(match, "at")->key, *first = NULL;
+    bool explained = false;
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        const weft__node *key = weft__found_in(match, names[i])->key;
+        explained = explained || weft__found_in(match, names[i])->explained;
+        if (key != NULL && !meshed) {
+            weft__report_error(reader->report, key->at,
+                               "'%s' needs a mesh of triangles: places of a grid are "
+                               "given by 'at'",
+                               names[i]);
+        } else if (key != NULL && first != NULL) {
+            weft__report_exclusive(reader->report, first, key);
+        }
+        first = first == NULL ? key : first;
+    }
+    if (meshed && at != NULL) {
+        weft__report_error(
+            reader->report, at->at,
+            "'at' needs a grid: vertices of a mesh are given by vertices, "
+            "group, near or inside");
+    } else if (meshed ? first == NULL && !explained
+                      : first == NULL && weft__lacks(match, "at")) {
+        weft__report_error(reader->report, match->map->at,
+                           meshed ? "%s lacks 'vertices', 'group', 'near' or 'inside', "
+                                    "one of which is required"
+                                  : "%s lacks the required key 'at': which particles",
+                           match->title);
+    }
+}
