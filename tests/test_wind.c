@@ -34,6 +34,7 @@ static void teardown(void)
 {
     weft_cloth_destroy(m.cloth);
     mesh_free(&m.mesh);
+    memset(&m, 0, sizeof m);
 }
 
 static void fill(double *to, double scale, size_t count, bool adds)

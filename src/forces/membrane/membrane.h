@@ -20,8 +20,8 @@
 #include "mesh/triangles.h"
 
 enum {
-    WEFT__WIDTH = 8,  /* triangles of a batch */
-    WEFT__NEAR = 1000 /* particles that one block may touch in the fast form */
+    WEFT__WIDTH = 8, /* triangles of a batch */
+    WEFT__NEAR = 768 /* particles that one block may touch in the fast form */
 };
 
 /* Constants of a triangle, one plane for each. A lane without a triangle has zeros. */

@@ -16,7 +16,7 @@ typedef vec num;
 #include "forces/membrane/membrane_law.h"
 
 /* doubles; those of a block; batches whose constants are sought ahead */
-enum { RECORD = 4, SPAN = RECORD * (WEFT__NEAR + LANES), AHEAD = 16 };
+enum { RECORD = 4, SPAN = RECORD * (WEFT__NEAR + LANES), AHEAD = 8 };
 
 typedef struct local {
     _Alignas(64) double x[SPAN]; /* [m] */
@@ -28,7 +28,7 @@ typedef struct local {
 static const uint16_t in_turn[8] = { 0, 1, 2, 3, 4, 5, 6, 7 };
 
 #if LANES >= 4
-typedef double record __attribute__((vector_size(32)));
+typedef double record __attribute__((vector_size(32), may_alias));
 #define SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
 
 INLINE record *record_at(double *of, size_t i)
