@@ -366,7 +366,8 @@ WEFT_API size_t weft_cloth_rows(const weft_cloth *cloth);
 WEFT_API size_t weft_cloth_cols(const weft_cloth *cloth);
 WEFT_API size_t weft_cloth_particles(const weft_cloth *cloth);
 WEFT_API size_t weft_cloth_dim(const weft_cloth *cloth); /* 6 N, doubles of a state */
-WEFT_API weft_band weft_cloth_band(const weft_cloth *cloth); /* a whole one: all rows */
+/* A whole one: all rows; of triangles blocks of 512. */
+WEFT_API weft_band weft_cloth_band(const weft_cloth *cloth);
 WEFT_API size_t weft_cloth_springs(const weft_cloth *cloth, weft_family family);
 WEFT_API size_t weft_cloth_pins(const weft_cloth *cloth);  /* pinned particles */
 WEFT_API size_t weft_cloth_bytes(const weft_cloth *cloth); /* its memory */

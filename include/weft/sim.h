@@ -338,8 +338,9 @@ WEFT_API weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
 /* These functions change pins between two steps, each in O(N); with contact.self those
  * that move or release one search the cloth as weft_cloth_crossings does. Every
  * simulation has its own pins: the definition's cloth, and other simulations that share
- * it, do not change. Particle i is (i / cols, i % cols). Errors: WEFT_INVALID (no such
- * particle, a number that is not finite); then nothing changes. */
+ * it, do not change. Particle i of a grid is (i / cols, i % cols), of triangles vertex
+ * i. Errors: WEFT_INVALID (no such particle, a number that is not finite); then nothing
+ * changes. */
 
 /* Holds a particle at its present position, and moves it from now on at `velocity`
  * [m/s] (NULL: it keeps its position bit for bit). A particle that is already pinned
