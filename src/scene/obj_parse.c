@@ -63,7 +63,7 @@ static bool is_blank(char c)
 static size_t next_word(cursor *self)
 {
     const char *p = self->at;
-    for (size_t more; is_blank(*p) || (more = continuation(p)) > 0;
+    for (size_t more = 0; is_blank(*p) || (more = continuation(p)) > 0;
          p += is_blank(*p) ? 1 : more) {
     }
     self->at = p;
