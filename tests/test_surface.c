@@ -2,6 +2,8 @@
 /* test_surface.c -- the numbers, names, triangles, edges and rest shape of a cloth. */
 #include "meshes.h"
 
+#include <math.h>
+
 static weft_cloth *cloth;
 
 static void make_grid(void)
@@ -152,6 +154,38 @@ START_TEST(a_mesh_gives_back_what_defined_it)
 }
 END_TEST
 
+/* malloc's, with the size in front of each block. */
+static void *counting(void *ctx, void *block, size_t size)
+{
+    size_t *held = ctx, *from = block == NULL ? NULL : (size_t *)block - 2;
+    *held -= from == NULL ? 0 : *from;
+    if (size == 0) {
+        free(from);
+        return NULL;
+    }
+    from = realloc(from, size + 2 * sizeof *from);
+    *from = size;
+    *held += size;
+    return from + 2;
+}
+
+START_TEST(bytes_of_a_mesh_are_those_it_takes)
+{
+    size_t held = 0;
+    const weft_allocator memory = { counting, &held };
+    test_mesh mesh;
+    mesh_sheet(&mesh, 60, 70, 0.01, MESH_RANDOM, 0.2, 1);
+    weft_cloth_def def = mesh_cloth(&mesh);
+    def.allocator = &memory;
+    cloth = test_cloth(&def);
+    const double bytes = (double)weft_cloth_bytes(cloth);
+    ck_assert_double_le(fabs(bytes - (double)held), 0.1 * (double)held);
+    destroy();
+    ck_assert_uint_eq(held, 0);
+    mesh_free(&mesh);
+}
+END_TEST
+
 TEST_SUITE(surface)
 {
     Suite *suite = suite_create("surface");
@@ -164,6 +198,7 @@ TEST_SUITE(surface)
     TCase *triangles = tcase_create("triangles");
     tcase_add_test(triangles, vertices_of_a_mesh_have_their_names);
     tcase_add_test(triangles, a_mesh_gives_back_what_defined_it);
+    tcase_add_test(triangles, bytes_of_a_mesh_are_those_it_takes);
     suite_add_tcase(suite, triangles);
     return suite;
 }

@@ -367,7 +367,15 @@ size_t weft_cloth_bytes(const weft_cloth *cloth)
 {
     const size_t each = sizeof *cloth->mesh.mass + sizeof *cloth->mesh.inverse_mass
                         + sizeof *cloth->mesh.pin;
-    return sizeof *cloth + cloth->mesh.particles * each
+    size_t more
+        = cloth->mesh.triangles == NULL
+              ? 0
+              : weft__triangles_bytes(cloth->mesh.triangles, cloth->mesh.particles);
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        const weft__force *force = weft__table[k].force;
+        more += force->bytes != NULL ? force->bytes(weft__own(cloth, k)) : 0;
+    }
+    return sizeof *cloth + more + cloth->mesh.particles * each
            + WEFT_PAST * sizeof *cloth->mesh.inverse_mass
            + cloth->mesh.pinned * sizeof *cloth->mesh.pins
            + (cloth->mesh.motion_count + 1) * sizeof *cloth->mesh.motions

@@ -56,6 +56,7 @@ typedef struct weft__force {
     void (*choose)(void *own, weft__isa isa);              /* the fast forms */
     bool (*copy)(void *own, const weft_allocator *memory); /* false: no memory */
     void (*free)(void *own, const weft_allocator *memory);
+    size_t (*bytes)(const void *own); /* of its tables of triangles */
 
     /* Its law. The first of the table starts a sum, the others add
      * to it. `change`: the derivative of add

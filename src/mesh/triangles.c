@@ -529,6 +529,19 @@ weft__triangles *weft__triangles_create(const weft_mesh_def *def,
     return at.out;
 }
 
+size_t weft__triangles_bytes(const weft__triangles *of, size_t particles)
+{
+    const size_t triangle = sizeof *of->corner + sizeof *of->place + sizeof *of->edge
+                            + sizeof *of->piece + sizeof *of->fabric + sizeof *of->area;
+    const size_t most = sizeof *of->rest + sizeof *of->mirrored + sizeof *of->particle
+                        + sizeof *of->edge_list; /* 3 of each triangle */
+    const size_t particle = 3 * sizeof *of->start + sizeof *of->lumped
+                            + sizeof *of->vertex + sizeof *of->of_vertex
+                            + (of->name != NULL ? sizeof *of->name : 0);
+    return of->count * (triangle + 3 * most) + particles * particle
+           + of->fabric_count * sizeof *of->fabrics + sizeof *of;
+}
+
 void weft__triangles_destroy(weft__triangles *of, const weft_allocator *memory)
 {
     if (of == NULL) {

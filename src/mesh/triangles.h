@@ -77,6 +77,7 @@ weft__triangles *weft__triangles_create(const weft_mesh_def *def,
 void weft__triangles_masses(const weft__triangles *of, const weft_cloth_def *def,
                             double *mass);
 
+size_t weft__triangles_bytes(const weft__triangles *of, size_t particles);
 void weft__triangles_destroy(weft__triangles *of, const weft_allocator *memory);
 
 /* around.c: fills around_first and around from the corners. */

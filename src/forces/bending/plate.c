@@ -338,6 +338,23 @@ static size_t ties(const void *own, weft_tie *to)
     return count;
 }
 
+static size_t bytes(const void *own)
+{
+    const weft__plate *of = own;
+    const weft__plate_matrix *k = &of->matrix;
+    if (k->first == NULL) {
+        return 0;
+    }
+    const size_t groups = (k->particles + WEFT__PLATE_ROWS - 1) / WEFT__PLATE_ROWS;
+    const size_t blocks = weft__blocks(of->mesh);
+    const size_t tables = k->damping != NULL ? 2 : 1;
+    const size_t each
+        = sizeof *k->column + tables * WEFT__PLATE_ROWS * sizeof *k->entry;
+    return k->first[groups] * each + (groups + 1) * sizeof *k->first
+           + k->reach[blocks] * sizeof *k->halo + (blocks + 1) * sizeof *k->reach
+           + 2 * k->particles * sizeof *of->most;
+}
+
 const weft__force weft__plate_force = { .name = "plate",
                                         .check = check,
                                         .init = init,
@@ -345,6 +362,7 @@ const weft__force weft__plate_force = { .name = "plate",
                                         .choose = choose,
                                         .copy = copy,
                                         .free = free_matrix,
+                                        .bytes = bytes,
                                         .add = add,
                                         .change = change,
                                         .energy = energy,

@@ -177,6 +177,20 @@ static void strains(const void *own, const weft__state *at, size_t b, double *st
     }
 }
 
+static size_t bytes(const void *own)
+{
+    const weft__membrane *of = own;
+    if (of->blocks == NULL) {
+        return 0;
+    }
+    const size_t blocks = weft__blocks(of->mesh);
+    return of->blocks[blocks].batch * (sizeof *of->batches + sizeof *of->corners)
+           + of->blocks[blocks].halo * sizeof *of->halo
+           + of->mesh->triangles->edges * sizeof *of->link
+           + of->mesh->particles * sizeof *of->weight
+           + (blocks + 1) * sizeof *of->blocks;
+}
+
 const weft__force weft__membrane_force = { .name = "membrane",
                                            .check = weft__membrane_check,
                                            .init = weft__membrane_init,
@@ -184,6 +198,7 @@ const weft__force weft__membrane_force = { .name = "membrane",
                                            .choose = choose,
                                            .copy = weft__membrane_copy,
                                            .free = weft__membrane_free,
+                                           .bytes = bytes,
                                            .add = add,
                                            .change = change,
                                            .energy = energy,
