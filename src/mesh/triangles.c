@@ -538,7 +538,8 @@ size_t weft__triangles_bytes(const weft__triangles *of, size_t particles)
     const size_t particle = 3 * sizeof *of->start + sizeof *of->lumped
                             + sizeof *of->vertex + sizeof *of->of_vertex
                             + (of->name != NULL ? sizeof *of->name : 0);
-    return of->count * (triangle + 3 * most) + particles * particle
+    const size_t around = (particles + 1 + 3 * of->count) * sizeof *of->around;
+    return of->count * (triangle + 3 * most) + particles * particle + around
            + of->fabric_count * sizeof *of->fabrics + sizeof *of;
 }
 

@@ -32,6 +32,13 @@ static bool reserve(const maker *by, void *array, size_t *room, size_t count,
     return more != NULL;
 }
 
+/* Gives back what an array has beyond its end. */
+static void shrink(const maker *by, void *array, size_t count, size_t size)
+{
+    void **at = array, *less = weft__resize(by->memory, *at, count, size);
+    *at = less != NULL ? less : *at;
+}
+
 static int ascending(const void *a, const void *b)
 {
     const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
@@ -140,7 +147,8 @@ static bool make_constants(maker *by)
     if (own->room == NULL) {
         return false;
     }
-    own->batches = (weft__batch *)(((uintptr_t)own->room + LINE - 1) / LINE * LINE);
+    own->batches
+        = (void *)((char *)own->room + (LINE - (uintptr_t)own->room % LINE) % LINE);
     for (size_t j = 0; j < by->batches * WEFT__WIDTH; ++j) {
         const size_t g = j / WEFT__WIDTH, lane = j % WEFT__WIDTH;
         const uint32_t t = own->corners[g].triangle[lane];
@@ -169,6 +177,8 @@ static bool make(maker *by)
         }
     }
     by->own->blocks[blocks] = (weft__membrane_block){ by->batches, by->halos };
+    shrink(by, &by->own->corners, by->batches, sizeof *by->own->corners);
+    shrink(by, &by->own->halo, by->halos, sizeof *by->own->halo);
     return make_constants(by);
 }
 
