@@ -242,6 +242,39 @@ test('two runs are shown side by side with what parts them', async () => {
     assert.ok(warm(true) > 1000 && warm(false) > 1000);
 });
 
+test('a mesh has its triangles, its seam and its flat rest shape', async () => {
+    const { page, said } = await open(browser, at('panels/run.html'), 'frame=5&threads=0');
+    assert.match(await page.textContent('#summary'), /6 vertices, 4 triangles/);
+    const { faces, threads, seams, places } = await page.evaluate(() => {
+        const { surface } = weft.page;
+        const list = (of) => [...of];
+        return { faces: list(surface.faces), threads: list(surface.threads), seams: list(surface.seams), places: list(surface.rest.of) };
+    });
+    assert.deepEqual([faces.length, threads.length, places.length], [12, 18, 8]);
+    assert.deepEqual(seams, [1, 4]);
+    const [x, y, z] = await Promise.all([0, 1, 2].map((k) => plane(page, 0, k)));
+    readFileSync(at('panels/final.csv'), 'utf8').trim().split('\n').slice(1).forEach((line, i) => {
+        const [vertex, ...end] = line.split(',').map(Number);
+        assert.equal(vertex, i);
+        [x, y, z].forEach(({ values, range }, k) => assert.ok(Math.abs(values[i] - end[k]) <= (range[1] - range[0]) / 65535 + 1e-6));
+    });
+    const share = async () => {
+        await drawn(page);
+        return clothShare(page);
+    };
+    const alone = await share();
+    await page.keyboard.press('p');
+    assert.ok(await page.isChecked('#rest'));
+    assert.equal(await page.evaluate(() => weft.stage.views.length), 2);
+    assert.ok(alone > 0.02 && await share() > 0.02);
+    await shot(page, 'panels.png');
+    await page.uncheck('#rest');
+    assert.equal(await share(), alone);
+    assert.deepEqual(said, []);
+    const grid = await open(browser, at('a/run.html'));
+    assert.ok(await grid.page.isHidden('#rest-shape'));
+});
+
 test('runs of different frame times are shown at the times both have', async () => {
     const { page } = await open(browser, at('times.html'));
     const times = await page.evaluate(() => weft.page.times);
