@@ -65,7 +65,10 @@ static bool number_particles(maker *by, size_t b, size_t count)
             by->own->halo[by->halos++] = i;
         }
     }
-    qsort(by->own->halo + begin, by->halos - begin, sizeof *by->own->halo, ascending);
+    if (by->halos > begin) {
+        qsort(by->own->halo + begin, by->halos - begin, sizeof *by->own->halo,
+              ascending);
+    }
     for (size_t j = begin; j < by->halos; ++j) {
         by->near[by->own->halo[j]] = (uint32_t)(own + (j - begin));
     }
