@@ -150,6 +150,39 @@ def check_chain():
         assert cells(frames.at(i)) == [list(range(n))]
 
 
+def check_mesh():
+    """Vertices and triangles of an OBJ file, in its order."""
+    rows, cols = 5, 7
+    corners = [[a, a + cols, a + 1 + cols * k] for a, k in ((r * cols + c, k) for r in range(rows - 1)
+               for c in range(cols - 1) for k in (0, 1))]
+    corners = [t if t[2] == t[0] + 1 else [t[0] + 1, t[1], t[2]] for t in corners]
+    with open(os.path.join(OUT, "sheet.obj"), "w") as file:
+        for i in reversed(range(rows * cols)):  # another order than weft's
+            file.write("v %g %g 0\nvt %g %g\n" % (2 * (i % cols / 10, -(i // cols) / 10)))
+        for triangle in corners:
+            file.write("f %s\n" % " ".join("%d/%d" % (2 * (rows * cols - i,)) for i in triangle))
+    with open(os.path.join(OUT, "sheet.yaml"), "w") as file:
+        file.write("weft: 1\ncloth:\n  mesh: {file: sheet.obj}\n  pins: [{vertices: [0]}]\n  fabric: {density: 0.2, "
+                   "stretch: [100, 100], shear: 20, bend: [0, 0], damping: [1.0e-3, 0]}\n"
+                   "stepper: {plugin: gsl, method: rkf45}\nrun: {duration: 0.2, fps: 10}\n")
+    directory = run("sheet", scene=os.path.join(OUT, "sheet.yaml"))
+    final = rows_of(os.path.join(directory, "final.csv"))
+    assert [int(row["vertex"]) for row in final] == list(range(rows * cols))
+    frames = Frames(directory)
+    last = frames.at(len(frames.times) - 1)
+    assert (points(last) == table(final, "x", "y", "z").astype(numpy.float32)).all()
+    turned = sorted(sorted(rows * cols - 1 - i for i in triangle) for triangle in corners)
+    found = cells(last)
+    assert sorted(map(sorted, found)) == turned
+    weft("export", directory, "--format", "pvd")
+    weft("export", directory, "--format", "ply", "--frame", "2")
+    for name, reader in (("vtp", vtk.vtkXMLPolyDataReader()), ("ply", vtk.vtkPLYReader())):
+        reader.SetFileName(os.path.join(directory, "frames/frame-000002." + name))
+        reader.Update()
+        assert (points(reader.GetOutput()) == points(frames.at(2))).all(), name
+        assert cells(reader.GetOutput()) == found, name
+
+
 def check_shapes():
     """The ball of a run and its meshes: every point at its radius, quads that face outwards."""
     directory = run("ball", *SHORT, scene="scenes/ball.yaml")
@@ -220,6 +253,7 @@ os.makedirs(OUT, exist_ok=True)
 for precision, real in (("single", numpy.float32), ("double", numpy.float64)):
     check_exports(*check_run(precision, real))
 check_chain()
+check_mesh()
 check_shapes()
 check_reading_while_it_grows()
 frames_after_kills = check_kills(20)
