@@ -128,7 +128,8 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
     force(t, x, v, f) adds its own force [N] to f (N, 3) in place, at t [s], positions x (N, 3) [m], velocities v
     (N, 3) [m/s]. It must be a function of (t, x, v) alone, and is called in every evaluation of the right-hand side.
     correct(t, h, x, v) may edit x and v in place, except for pinned particles, after each step of h [s] that ended at
-    t; it returns False if it did not. x, v and f are the same arrays in every call: copy what must stay.
+    t; it returns False if it did not. x, v and f are the same arrays in every call: copy what must stay. Those of
+    triangles have the order of `state`: vertex i is x[sim.index[i]].
     An exception in either ends the step, and step() or advance() raises it. Instead of a Python function, which costs
     some microseconds per call (PerformanceWarning), both take a C function, weft_force_fn or weft_correct_fn:
     numba.cfunc(weft.FORCE), numba.cfunc(weft.CORRECT), of ctypes or of cffi, alone or as (function, array), whose
