@@ -2,8 +2,7 @@
 /* OBJ files: what they mean, and every mistake at its line and column. */
 #include "obj_text.h"
 
-#include <stdlib.h>
-#include <unistd.h>
+#include "shell.h"
 
 /* A unit square in four vertices, whose faces follow. */
 #define SQUARE "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
@@ -377,6 +376,12 @@ END_TEST
     "vt 2 0\nvt 2 2\nvt 0 2\ng left\nf 2/2 3/3 6/6\nusemtl collar\ng right\n"          \
     "f 4/4 5/5 3/3\ng\nf 2/2 4/4 3/3\nusemtl none\nf 5/5 6/6 3/3\ng tip\np 5\n"
 
+#define SHEET_PRINTF                                                                   \
+    "v 9 9 9\\nv 0 0 0\\nv 1 1 0\\nv 2 0 0\\nv 2 2 0\\nv 0 2 0\\nvt 9 9\\nvt 0 "       \
+    "0\\nvt 1 1\\n"                                                                    \
+    "vt 2 0\\nvt 2 2\\nvt 0 2\\nf 2/2 3/3 6/6\\nf 4/4 5/5 3/3\\nf 2/2 4/4 3/3\\nf "    \
+    "5/5 6/6 3/3\\n"
+
 static weft_scene *sheet_scene(const char *cloth)
 {
     static const char path[] = "build/tests/sheet.obj";
@@ -472,6 +477,37 @@ START_TEST(a_mesh_that_is_all_pinned_gives_a_warning)
 }
 END_TEST
 
+/* What a run needs of its mesh lies in its results. */
+START_TEST(a_run_goes_on_without_the_file_of_its_mesh)
+{
+    static const char folder[] = BUILD_DIR "/tests/mesh-run";
+    expect(
+        shell("rm -rf %s && mkdir -p %s/shapes && cd %s && printf '%s' "
+              ">shapes/sheet.obj && cat >hung.yaml <<'end'\n"
+              "weft: 1\ncloth:\n  mesh: {file: shapes/sheet.obj}\n"
+              "  fabric: {preset: royal-target}\n  pins: [{vertices: [5]}]\n"
+              "stepper: {plugin: verlet, method: velocity_verlet, fixed_step: 1.0e-3}\n"
+              "run: {duration: 0.1, checkpoint: 1, keep_checkpoint: true}\nend\n",
+              folder, folder, folder, SHEET_PRINTF),
+        0);
+    expect(shell(WEFT " run %s/hung.yaml --quiet --out %s/a 2>&1", folder, folder), 0);
+    expect(shell(WEFT
+                 " run %s/hung.yaml --quiet --out %s/b --set run.duration=0.2 2>&1",
+                 folder, folder),
+           0);
+    expect(shell("rm %s/shapes/sheet.obj && " WEFT
+                 " resume %s/a --until 0.2 --quiet 2>&1 && "
+                 "cmp %s/a/final.csv %s/b/final.csv",
+                 folder, folder, folder, folder),
+           0);
+    expect(shell("sed -i 's/v 0 2 0/v 0 3 0/' %s/a/scene.obj && " WEFT
+                 " resume %s/a --until 0.3 --quiet 2>&1",
+                 folder, folder),
+           3);
+    ck_assert_ptr_nonnull(strstr(output, "scene.obj"));
+}
+END_TEST
+
 TEST_SUITE(obj)
 {
     Suite *suite = suite_create("obj");
@@ -495,6 +531,7 @@ TEST_SUITE(obj)
     tcase_add_test(all, triangles_have_the_fabric_of_their_usemtl_or_that_of_the_cloth);
     tcase_add_test(all, pins_and_loads_find_their_vertices);
     tcase_add_test(all, a_mesh_that_is_all_pinned_gives_a_warning);
+    tcase_add_test(all, a_run_goes_on_without_the_file_of_its_mesh);
     suite_add_tcase(suite, all);
     return suite;
 }

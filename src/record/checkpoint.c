@@ -76,6 +76,22 @@ void record_checkpoint_pack(const record_checkpoint *from, size_t state_size,
     weft__word_put(to + AT_SUM * WEFT__WORD, weft__words_sum(to, AT_SUM));
 }
 
+/* Of the text, and of the mesh that it names. */
+static uint64_t scene_hash(const weft_scene *scene)
+{
+    const weft_mesh_def *mesh = weft_scene_cloth(scene)->mesh;
+    uint64_t hash = record_hash(weft_scene_text(scene));
+    if (mesh != NULL) {
+        hash = weft__hash_reals(hash, mesh->start, 3 * mesh->vertices);
+        hash = weft__hash_reals(hash, mesh->rest, 2 * mesh->places);
+        for (size_t i = 0; i < 3 * mesh->triangles; ++i) {
+            hash = weft__hash_word(hash, mesh->corners[i]);
+            hash = weft__hash_word(hash, mesh->corner_places[i]);
+        }
+    }
+    return hash;
+}
+
 weft_status record_checkpoint_identify(record_checkpoint *out, const weft_scene *scene,
                                        weft_registry *registry, weft_error *err)
 {
@@ -84,7 +100,7 @@ weft_status record_checkpoint_identify(record_checkpoint *out, const weft_scene 
         = weft_registry_find(registry, weft_scene_plugin(scene), &plugin, err);
     if (status == WEFT_OK) {
         memset(out->program, 0, sizeof out->program);
-        out->scene = record_hash(weft_scene_text(scene));
+        out->scene = scene_hash(scene);
         (void)snprintf(out->program, sizeof out->program, "weft %s, plugin %s %s%s%s",
                        weft_version(), plugin->id, plugin->version,
                        plugin->solver[0] == '\0' ? "" : ", ", plugin->solver);

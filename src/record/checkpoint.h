@@ -18,7 +18,7 @@ typedef struct record_extremes {
 } record_extremes;
 
 typedef struct record_checkpoint {
-    uint64_t scene;               /* record_hash of scene.yaml */
+    uint64_t scene;               /* hash of scene.yaml and its mesh */
     char program[RECORD_PROGRAM]; /* a description of the program that computed the run
                                    */
     uint64_t frame;               /* the last one; everything below is up to it */

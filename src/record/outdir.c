@@ -40,7 +40,7 @@ const char *const record_names[] = {
     "scene.yaml", "manifest.yaml",   "series.csv",  "shapes.csv", "run.vtkhdf",
     "final.csv",  "checkpoint.weft", "result.yaml", "frames",     "run.mdd",
     "run.pc2",    "run.pvd",         "rest.obj",    "final.obj",  "final.ply",
-    "run.html",   "compare.html",    "compare.csv", NULL,
+    "run.html",   "compare.html",    "compare.csv", RECORD_MESH,  NULL,
 };
 
 /* Whether a name is in the list, or is the temporary name of one that is. */

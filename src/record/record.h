@@ -52,6 +52,13 @@ void record_csv_quoted(FILE *stream, const char *text);
 weft_status record_text(const char *directory, const char *name, const char *text,
                         weft_error *err);
 
+/* The copy of a scene's mesh in its results. */
+#define RECORD_MESH "scene.obj"
+
+/* scene.yaml, and its mesh if it has one. */
+weft_status record_scene_text(const char *directory, const weft_scene *scene,
+                              weft_error *err);
+
 /* The part of a file that a checkpoint refers to, in bytes or frames, and its
  * checksum. */
 typedef struct record_extent {

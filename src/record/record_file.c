@@ -142,6 +142,49 @@ weft_status record_text(const char *directory, const char *name, const char *tex
     return record_file_commit(&file, err);
 }
 
+/* The mesh of a scene as scene.obj, by which scene.yaml is read again; a run that goes
+ * on has it. */
+static weft_status copy_mesh(const char *directory, const char *from, weft_error *err)
+{
+    char to[RECORD_PATH], bytes[1 << 14];
+    struct stat source = { 0 }, own = { 0 };
+    record_file file;
+    if (record_path(directory, RECORD_MESH, to, err) != WEFT_OK) {
+        return WEFT_IO;
+    }
+    if (stat(from, &source) == 0 && stat(to, &own) == 0 && source.st_ino == own.st_ino
+        && source.st_dev == own.st_dev) {
+        return WEFT_OK;
+    }
+    FILE *stream = weft__file_open(from, "r", err);
+    weft_status status = stream == NULL
+                             ? WEFT_IO
+                             : record_file_open(&file, directory, RECORD_MESH, err);
+    if (status == WEFT_OK) {
+        for (size_t got; (got = fread(bytes, 1, sizeof bytes, stream)) > 0;) {
+            (void)fwrite(bytes, 1, got, file.stream);
+        }
+        status = record_file_commit(&file, err);
+        if (ferror(stream)) {
+            status = weft_error_set(err, WEFT_IO, "%.200s cannot be read", from);
+        }
+    }
+    if (stream != NULL) {
+        (void)fclose(stream);
+    }
+    return status;
+}
+
+weft_status record_scene_text(const char *directory, const weft_scene *scene,
+                              weft_error *err)
+{
+    const char *mesh = weft_scene_mesh_file(scene);
+    const weft_status status = mesh == NULL ? WEFT_OK : copy_mesh(directory, mesh, err);
+    return status == WEFT_OK
+               ? record_text(directory, "scene.yaml", weft_scene_text(scene), err)
+               : status;
+}
+
 uint64_t record_bytes_sum(const char *path, size_t begin, size_t end)
 {
     uint64_t sum = WEFT__HASH_START;

@@ -72,6 +72,7 @@ struct weft_scene {
     weft_cloth_def cloth;
     weft_fabric fabric; /* density 0: none */
     weft__mesh_file mesh_file;
+    const char *mesh_path; /* of the file that was read; NULL: none */
     weft__fabrics fabrics;
     weft__obj obj; /* what cloth.mesh points to */
     bool meshed;   /* the cloth is no grid, whether its mesh could be read or not */

@@ -352,6 +352,11 @@ void weft_scene_refusal(const weft_scene *scene, const weft_error *why,
               snprintf(out->message, sizeof out->message, "%s", why->message));
 }
 
+const char *weft_scene_mesh_file(const weft_scene *scene)
+{
+    return scene->mesh_path;
+}
+
 double weft_scene_step(const weft_scene *scene)
 {
     return scene->step;

@@ -3,6 +3,7 @@
  * has not. */
 #include <math.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/finite.h"
 #include "cloth/model.h"
@@ -13,16 +14,23 @@ enum { MOST_FABRICS = 64 };
 
 /* ---- the file ----------------------------------------------------------------- */
 
-/* A file beside the scene. NULL: no memory. */
+/* A file beside the scene; the results of a run have a copy of it. NULL: no memory. */
 static char *path_of(weft__reader *reader, const char *name)
 {
-    const char *scene = reader->def->file;
-    const char *slash = scene == NULL || name[0] == '/' ? NULL : strrchr(scene, '/');
+    static const char scene_copy[] = "scene.yaml", copy[] = "scene.obj";
+    const char *scene = reader->def->file == NULL ? "" : reader->def->file;
+    const char *slash = strrchr(scene, '/');
     const size_t folder = slash == NULL ? 0 : (size_t)(slash - scene) + 1;
-    char *path = weft__tree_take(reader->tree, folder + strlen(name) + 1, 1);
-    if (path != NULL) {
-        memcpy(path, scene == NULL ? "" : scene, folder);
-        strcpy(path + folder, name);
+    const size_t length = strlen(name);
+    char *path = weft__tree_take(
+        reader->tree, folder + (length < sizeof copy ? sizeof copy : length + 1), 1);
+    if (path == NULL) {
+        return NULL;
+    }
+    memcpy(path, scene, folder);
+    strcpy(path + folder, copy);
+    if (strcmp(scene + folder, scene_copy) != 0 || access(path, F_OK) != 0) {
+        strcpy(path + (name[0] == '/' ? 0 : folder), name);
     }
     return path;
 }
@@ -61,6 +69,7 @@ void weft__check_mesh(weft__reader *reader, const weft__match *match, void *base
         weft__obj_move(&scene->obj, from->unit, from->turn.axis, from->turn.angle,
                        from->at);
         scene->cloth.mesh = &scene->obj.def;
+        scene->mesh_path = path;
     }
 }
 

@@ -185,9 +185,10 @@ static void scene_yaml(yaml_out *out, const char *file, const weft_scene *scene,
 }
 
 /* A warning only: it may be on purpose. */
-static void warn_of_springs(const char *file, const weft_cloth *cloth)
+static void warn_of_springs(const char *file, const weft_cloth_def *def,
+                            const weft_cloth *cloth)
 {
-    size_t springs = weft_cloth_cols(cloth) == 0; /* triangles hold themselves */
+    size_t springs = def->mesh != NULL;
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
         springs += weft_cloth_springs(cloth, (weft_family)i);
     }
@@ -217,7 +218,7 @@ static int describe(const char *file, const weft_scene *scene, const arguments *
                       : cloth_create(scene, weft_scene_cloth(scene), &cloth, &err);
     }
     if (status == WEFT_OK) {
-        warn_of_springs(file, cloth);
+        warn_of_springs(file, weft_scene_cloth(scene), cloth);
         status = survey_create(scene, cloth, sim, given, &found, &err);
     }
     if (status != WEFT_OK) {

@@ -59,11 +59,51 @@ static bool report_of(const weft_scene *scene, report *out)
            || def->bending.twist > 0.0;
 }
 
+/* The smallest angle at rest [degrees], and its triangle. */
+static double smallest_angle(const weft_mesh_def *mesh, size_t *triangle)
+{
+    const uint32_t *places
+        = mesh->corner_places != NULL ? mesh->corner_places : mesh->corners;
+    double least = 180.0;
+    for (size_t j = 0; j < 3 * mesh->triangles; ++j) {
+        const size_t first = j - j % 3;
+        const double *a = &mesh->rest[2 * (size_t)places[j]];
+        const double *b = &mesh->rest[2 * (size_t)places[first + (j + 1) % 3]];
+        const double *c = &mesh->rest[2 * (size_t)places[first + (j + 2) % 3]];
+        const double u[] = { b[0] - a[0], b[1] - a[1] };
+        const double v[] = { c[0] - a[0], c[1] - a[1] };
+        const double angle
+            = 180.0 / acos(-1.0)
+              * atan2(fabs(u[0] * v[1] - u[1] * v[0]), u[0] * v[0] + u[1] * v[1]);
+        *triangle = angle < least ? j / 3 : *triangle;
+        least = fmin(least, angle);
+    }
+    return least;
+}
+
+static void print_angle(const weft_mesh_def *mesh)
+{
+    size_t triangle = 0, name[3];
+    const double angle = smallest_angle(mesh, &triangle);
+    for (size_t k = 0; k < 3; ++k) {
+        const size_t vertex = mesh->corners[3 * triangle + k];
+        name[k] = mesh->names != NULL ? mesh->names[vertex] : vertex;
+    }
+    print_item("angles",
+               "%.3g degrees or more at rest, in the triangle of vertices %zu, "
+               "%zu, %zu",
+               angle, name[0], name[1], name[2]);
+}
+
 static void print_mesh(const weft_cloth_def *def)
 {
+    print_angle(def->mesh);
     for (size_t i = 0; i < def->mesh->fabric_count; ++i) {
         const report of = mesh_report(def, i);
         const weft_fabric *fabric = &of.fabric;
+        if (of.edge[0] == 0.0) {
+            continue; /* no triangle has it */
+        }
         print_item("fabric",
                    "%s%sC %.5g and %.5g, G %.5g, C12 %.5g N/m; rigidity %.4g and %.4g, "
                    "twist %.4g N m; edges of %.3g mm",

@@ -257,7 +257,7 @@ static weft_status make_longer(run *self, weft_error *err)
     TRY(write_manifest(self, err));
     remove_ends(self);
     run_remove(self, RECORD_CHECKPOINT);
-    TRY(record_text(self->out, "scene.yaml", weft_scene_text(self->scene), err));
+    TRY(record_scene_text(self->out, self->scene, err));
     TRY(record_vtkhdf_publish(self->frames, err));
     return cut_tables(self, err);
 }
@@ -281,7 +281,7 @@ static weft_status open_tables(run *self, weft_error *err)
         record_series_begin(&self->series, series_columns(self->scene));
         return WEFT_OK;
     }
-    TRY(record_text(self->out, "scene.yaml", weft_scene_text(self->scene), err));
+    TRY(record_scene_text(self->out, self->scene, err));
     TRY(write_manifest(self, err));
     TRY(record_series_open(&self->series, self->out, series_columns(self->scene), false,
                            err));

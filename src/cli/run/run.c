@@ -306,8 +306,7 @@ static int refuse(const run *self, const weft_error *why)
                                    .planned = self->result.planned };
     (void)report_error(why);
     if (self->from == NULL && ranks_first(self->comm)
-        && (record_text(self->out, "scene.yaml", weft_scene_text(self->scene), &err)
-                != WEFT_OK
+        && (record_scene_text(self->out, self->scene, &err) != WEFT_OK
             || record_result_write(self->out, &result, &err) != WEFT_OK)) {
         return report_error(&err);
     }
