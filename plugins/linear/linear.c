@@ -25,6 +25,7 @@ struct weft__linear {
     double gamma;               /* [s] */
     double *planes, *blocks;    /* of the structure, filtered */
     double *numbers;            /* of its links */
+    double *place;              /* [m] where particles are, with multigrid */
     double *b, *x, *z, *p, *q;  /* of conjugate gradients */
     weft__linear_counts counts;
 };
@@ -45,9 +46,12 @@ static bool take_memory(weft__linear *self)
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i) {
         *vectors[i] = weft__pile_take(&self->pile, n, 3 * sizeof(double));
     }
-    if (self->preconditioner != WEFT_PRECONDITIONER_JACOBI
-        && self->net.link_count + self->net.tie_count == 0) {
-        self->multigrid = weft__multigrid_create(&self->net, &self->pile);
+    if (self->preconditioner != WEFT_PRECONDITIONER_JACOBI) {
+        const size_t strong
+            = self->bend.run_count > 0 ? self->bend_at : self->net.bond_count;
+        self->place = weft__pile_take(&self->pile, n, 3 * sizeof(double));
+        self->multigrid = weft__multigrid_create(
+            &self->net, strong + self->net.link_count, &self->pile);
         self->pile.failed = self->pile.failed || self->multigrid == NULL;
     }
     return !self->pile.failed;
@@ -132,6 +136,9 @@ int weft__linear_at(weft__linear *self, double t, const double *y)
     if (failed != 0) {
         return failed;
     }
+    if (self->place != NULL) {
+        memcpy(self->place, y, 3 * of->particles * sizeof *y);
+    }
     weft__filter_bonds(self->planes, of->bond_count);
     if (blocks != NULL) {
         weft__filter_blocks(blocks, of->particles);
@@ -212,7 +219,7 @@ void weft__linear_prepare(weft__linear *self, double gamma)
                    && (self->preconditioner == WEFT_PRECONDITIONER_MULTIGRID
                        || stiffest > MULTIGRID_FROM);
     if (self->cycles) {
-        weft__multigrid_prepare(self->multigrid, self->of->mass);
+        weft__multigrid_prepare(self->multigrid, self->of->mass, self->place);
     }
 }
 

@@ -266,6 +266,63 @@ void weft__network_times(const weft__network *self, const double *x, double *y)
     }
 }
 
+/* ---- single blocks --------------------------------------------------------------- */
+
+size_t weft__network_edges(const weft__network *self, uint32_t (*ends)[2])
+{
+    size_t at = 0;
+    for (size_t r = 0; ends != NULL && r < self->run_count; ++r) {
+        const weft_bonds *run = &self->runs[r];
+        for (size_t i = 0; i < run->count; ++i, ++at) {
+            ends[at][0] = (uint32_t)(run->p + i), ends[at][1] = (uint32_t)(run->q + i);
+        }
+    }
+    for (size_t e = 0; ends != NULL && e < self->link_count; ++e, ++at) {
+        ends[at][0] = self->links[e].p, ends[at][1] = self->links[e].q;
+    }
+    for (size_t e = 0; ends != NULL && e < self->tie_count; ++e, ++at) {
+        ends[at][0] = self->ties[e].p, ends[at][1] = self->ties[e].q;
+    }
+    return self->bond_count + self->link_count + self->tie_count;
+}
+
+static void symmetric(const double *planes, size_t n, size_t i, double block[9])
+{
+    static const size_t plane[9] = { 0, 1, 2, 1, 3, 4, 2, 4, 5 };
+    for (size_t k = 0; k < 9; ++k) {
+        block[k] = planes[plane[k] * n + i];
+    }
+}
+
+void weft__network_point(const weft__network *self, size_t i, double block[9])
+{
+    symmetric(self->point, self->n, i, block);
+}
+
+void weft__network_inverse(const weft__network *self, size_t i, double block[9])
+{
+    symmetric(self->inverse, self->n, i, block);
+}
+
+void weft__network_block(const weft__network *self, size_t half, double block[9])
+{
+    const size_t e = half / 2, links = self->bond_count + self->link_count;
+    if (e < self->bond_count) {
+        symmetric(self->bond, self->bond_count, e, block);
+    } else if (e < links) {
+        const double *a = self->link + 9 * (e - self->bond_count);
+        for (size_t k = 0; k < 9; ++k) {
+            block[k] = a[half % 2 == 0 ? k : k % 3 * 3 + k / 3];
+        }
+    } else {
+        const weft_tie *tie = &self->ties[e - links];
+        const double entry = self->tie_k * tie->k + self->tie_c * tie->c;
+        for (size_t k = 0; k < 9; ++k) {
+            block[k] = k % 4 == 0 ? entry : 0.0;
+        }
+    }
+}
+
 /* ---- vectors --------------------------------------------------------------------- */
 
 WIDE static double dot(size_t n, const double *a, const double *b)

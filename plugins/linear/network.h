@@ -55,6 +55,16 @@ void weft__network_add_links(const weft__network *self, const double *blocks,
 void weft__network_add_ties(const weft__network *self, double k, double c,
                             const double *x, double *y);
 
+/* Bonds, then links, then ties, by number: writes their ends to ends unless it is NULL;
+ * returns how many there are. */
+size_t weft__network_edges(const weft__network *self, uint32_t (*ends)[2]);
+
+/* The 3 x 3 blocks, row by row: of a particle, of its inverse diagonal, and of edge
+ * half / 2, transposed for an odd half. */
+void weft__network_point(const weft__network *self, size_t i, double block[9]);
+void weft__network_inverse(const weft__network *self, size_t i, double block[9]);
+void weft__network_block(const weft__network *self, size_t half, double block[9]);
+
 /* The sum of a_i b_i; y = a x; y = a x + b y. */
 double weft__vector_dot(size_t n, const double *a, const double *b);
 void weft__vector_scale(size_t n, double a, const double *x, double *y);
