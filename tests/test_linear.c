@@ -99,6 +99,57 @@ START_TEST(auto_takes_multigrid_where_blocks_need_many_iterations)
 }
 END_TEST
 
+/* A sheet of `side`^2 vertices, 1 m wide, folded without being stretched,
+ * held along its first column. */
+static void fold(size_t side, double folds)
+{
+    weft_error err = { 0 };
+    test_mesh mesh;
+    const double h = 1.0 / (double)(side - 1);
+    const size_t fine = 50;
+    double x = 0.0, z = 0.0;
+    size_t *held = calloc(side, sizeof *held);
+    mesh_sheet(&mesh, side, side, h, MESH_RANDOM, 0.0, 5);
+    mesh.fabrics[0].stretch[0] = mesh.fabrics[0].stretch[1] = 5000.0;
+    for (size_t c = 0; c < side; ++c) {
+        for (size_t row = 0; row < side; ++row) {
+            mesh.start[3 * (row * side + c)] = x;
+            mesh.start[3 * (row * side + c) + 2] = z;
+        }
+        for (size_t k = 0; k < fine; ++k) {
+            const double u = h * ((double)c + ((double)k + 0.5) / (double)fine);
+            const double angle = 1.4 * sin(2.0 * folds * acos(-1.0) * u);
+            x += h / (double)fine * cos(angle), z += h / (double)fine * sin(angle);
+        }
+        held[c] = c * side;
+    }
+    const weft_pin pin = { .vertices = held, .vertex_count = side };
+    weft_cloth_def def = mesh_cloth(&mesh);
+    weft_stepper_config config = weft_stepper_config_default();
+    def.gravity[1] = -9.81, def.pins = &pin, def.pin_count = 1;
+    config.fixed_step = 1.0 / 60.0;
+    ck_assert_msg(weft_cloth_create(&def, &cloth, &err) == WEFT_OK, "%s", err.message);
+    sim = test_sim(cloth, test_method_named("stiff/backward_euler"), &config);
+    of = sim->config.structure;
+    n = of->particles;
+    r = calloc(6 * n, sizeof *r);
+    mesh_free(&mesh);
+    free(held);
+}
+
+/* Of 100 x 100 vertices in eight folds: 1863 and 78. */
+START_TEST(folded_triangles_need_few_iterations_of_multigrid)
+{
+    fold(50, 3.0);
+    const double gamma = 1.0 / 60.0;
+    const uint64_t blocks = iterations(gamma, WEFT_PRECONDITIONER_JACOBI, 1e-6);
+    const uint64_t levels = iterations(gamma, WEFT_PRECONDITIONER_MULTIGRID, 1e-6);
+    ck_assert_msg(levels < 90 && blocks > 8 * levels, "%d, blocks %d", (int)levels,
+                  (int)blocks);
+    ck_assert_uint_eq(levels, iterations(gamma, WEFT_PRECONDITIONER_AUTO, 1e-6));
+}
+END_TEST
+
 /* At rest and stretched, nothing is filtered: then (I - gamma J) of the cloth gives the
  * right side back. */
 START_TEST(solution_solves_the_whole_system)
@@ -556,6 +607,7 @@ TEST_SUITE(linear)
     tcase_set_timeout(tcase, 120.0);
     tcase_add_checked_fixture(tcase, NULL, teardown);
     tcase_add_test(tcase, multigrid_needs_few_iterations);
+    tcase_add_test(tcase, folded_triangles_need_few_iterations_of_multigrid);
     tcase_add_test(tcase, auto_takes_multigrid_where_blocks_need_many_iterations);
     tcase_add_loop_test(tcase, solution_solves_the_whole_system, 0, 2);
     tcase_add_test(tcase, runs_of_one_spring_have_the_same_solution);

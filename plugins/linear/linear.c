@@ -4,6 +4,7 @@
 
 #include "filter.h"
 #include "multigrid.h"
+#include "smoothed.h"
 #include "vectors.h"
 
 enum { ITERATIONS = 2000 }; /* at most, of one system */
@@ -20,12 +21,13 @@ struct weft__linear {
     weft__network bend;         /* the runs of bending in net */
     size_t bend_at;             /* their first bond */
     double bend_damping;        /* [s] */
-    weft__multigrid *multigrid; /* NULL: not wanted */
+    weft__multigrid *multigrid; /* of springs; NULL: not wanted */
+    weft__smoothed *smoothed;   /* of triangles; NULL: likewise */
     bool cycles;                /* it is the preconditioner of the present system */
     double gamma;               /* [s] */
     double *planes, *blocks;    /* of the structure, filtered */
     double *numbers;            /* of its links */
-    double *place;              /* [m] where particles are, with multigrid */
+    double *place;              /* [m] where particles are; NULL: of springs */
     double *b, *x, *z, *p, *q;  /* of conjugate gradients */
     weft__linear_counts counts;
 };
@@ -46,14 +48,18 @@ static bool take_memory(weft__linear *self)
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i) {
         *vectors[i] = weft__pile_take(&self->pile, n, 3 * sizeof(double));
     }
-    if (self->preconditioner != WEFT_PRECONDITIONER_JACOBI) {
-        const size_t strong
-            = self->bend.run_count > 0 ? self->bend_at : self->net.bond_count;
-        self->place = weft__pile_take(&self->pile, n, 3 * sizeof(double));
-        self->multigrid = weft__multigrid_create(
-            &self->net, strong + self->net.link_count, &self->pile);
-        self->pile.failed = self->pile.failed || self->multigrid == NULL;
+    if (self->preconditioner == WEFT_PRECONDITIONER_JACOBI) {
+        return !self->pile.failed;
     }
+    if (self->net.link_count + self->net.tie_count > 0) {
+        self->place = weft__pile_take(&self->pile, n, 3 * sizeof(double));
+        self->smoothed
+            = weft__smoothed_create(&self->net, self->net.link_count, &self->pile);
+    } else {
+        self->multigrid = weft__multigrid_create(&self->net, &self->pile);
+    }
+    self->pile.failed
+        = self->pile.failed || (self->smoothed == NULL && self->multigrid == NULL);
     return !self->pile.failed;
 }
 
@@ -215,11 +221,15 @@ void weft__linear_prepare(weft__linear *self, double gamma)
     fill_links(self, gamma);
     fill_points(self, gamma);
     const double stiffest = weft__network_invert(&self->net, self->of->mass);
-    self->cycles = self->multigrid != NULL
+    self->cycles = (self->multigrid != NULL || self->smoothed != NULL)
                    && (self->preconditioner == WEFT_PRECONDITIONER_MULTIGRID
                        || stiffest > MULTIGRID_FROM);
     if (self->cycles) {
-        weft__multigrid_prepare(self->multigrid, self->of->mass, self->place);
+        if (self->smoothed != NULL) {
+            weft__smoothed_prepare(self->smoothed, self->of->mass, self->place);
+        } else {
+            weft__multigrid_prepare(self->multigrid, self->of->mass);
+        }
     }
 }
 
@@ -227,7 +237,9 @@ void weft__linear_prepare(weft__linear *self, double gamma)
 
 static void precondition(const weft__linear *self, const double *r, double *z)
 {
-    if (self->cycles) {
+    if (self->cycles && self->smoothed != NULL) {
+        weft__smoothed_apply(self->smoothed, r, z);
+    } else if (self->cycles) {
         weft__multigrid_apply(self->multigrid, r, z);
     } else {
         weft__network_precondition(&self->net, r, z);

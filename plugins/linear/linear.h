@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* linear.h -- the linear systems of implicit methods, for the plugins that have some.
  * Reading order: linear.c (conjugate gradients), network.c (the matrix), filter.c (what
- * is left out of it), vectors.h; multigrid.c over aggregate.c; linear_settings.c.
+ * is left out of it), vectors.h; multigrid.c over
+ * aggregate.c for springs, smoothed.c over rows.c and dense.h for triangles;
+ * linear_settings.c.
  *
  * Solves (I - gamma J) (dx, dv) = (rx, rv), where J is the Jacobian of a cloth without
  * what may make it indefinite (the terms z, negative q and negative curvature of

@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* multigrid.h -- a cycle of smoothed aggregation, as a preconditioner (P. Vanek,
- * J. Mandel, M. Brezina, Computing 56, 1996).
+/* multigrid.h -- one V-cycle of multigrid by aggregation, as a preconditioner.
  *
- * A piece of cloth, however it is folded, moves and turns as a rigid body nearly for
- * nothing: its six motions about the present positions are what the coarse levels must
- * have. Each aggregate of particles has six unknowns there. Aggregates and all patterns
- * follow from the graph of the network; the numbers are made anew with each matrix, as
- * coarse levels of another state are worse than none. */
+ * The unknowns of an aggregate are equal on the next level, so that the Galerkin
+ * product of a network is a network again: of all springs that join two aggregates one
+ * remains, with the sum of their blocks. */
 #ifndef WEFT_PLUGINS_LINEAR_MULTIGRID_H
 #define WEFT_PLUGINS_LINEAR_MULTIGRID_H
 
@@ -14,16 +11,12 @@
 
 typedef struct weft__multigrid weft__multigrid;
 
-/* For a network whose blocks come later; it must outlive this. Particles are aggregated
- * along the first `strong` of its edges (weft__network_edges). Takes its memory from
+/* For a network whose blocks come later; it must outlive this. Takes its memory from
  * the pile; NULL: no memory. */
-weft__multigrid *weft__multigrid_create(weft__network *finest, size_t strong,
-                                        weft__pile *pile);
+weft__multigrid *weft__multigrid_create(weft__network *finest, weft__pile *pile);
 
-/* Computes all levels from the finest, inverted, at positions x (3 planes); mass 0:
- * held. */
-void weft__multigrid_prepare(weft__multigrid *self, const double *mass,
-                             const double *x);
+/* Computes all levels from the finest, inverted; mass 0: held. */
+void weft__multigrid_prepare(weft__multigrid *self, const double *mass);
 
 /* About S z = r, symmetric and positive definite; r is 0 at held particles, and z. */
 void weft__multigrid_apply(weft__multigrid *self, const double *r, double *z);
