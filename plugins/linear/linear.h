@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* linear.h -- the linear systems of implicit methods, for the plugins that have some.
  * Reading order: linear.c (conjugate gradients), network.c (the matrix), filter.c (what
- * is left out of it), vectors.h; multigrid.c over
- * aggregate.c for springs, smoothed.c over rows.c and dense.h for triangles;
- * linear_settings.c.
+ * is left out of it), vectors.h; multigrid.c over aggregate.c for springs, smoothed.c
+ * over rows.c and dense.h for triangles; linear_settings.c.
  *
  * Solves (I - gamma J) (dx, dv) = (rx, rv), where J is the Jacobian of a cloth without
  * what may make it indefinite (the terms z, negative q and negative curvature of
@@ -15,8 +14,8 @@
  * with dv = rv, dx = rx of prescribed particles, which pull at the others by -gamma C
  * rv alone (D. Baraff, A. Witkin, SIGGRAPH 1998). It is symmetric and positive
  * definite: conjugate gradients, preconditioned by the 3 x 3 blocks of the diagonal, or
- * by multigrid (multigrid.h) where these would need many iterations. Links and ties of
- * triangles have the blocks alone.
+ * by multigrid (multigrid.h; smoothed.h of triangles) where these would need many
+ * iterations.
  *
  * Order of sums and operations do not depend on the machine: the same bits everywhere.
  */
