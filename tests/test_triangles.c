@@ -312,6 +312,43 @@ START_TEST(a_bad_mesh_is_refused_with_its_place)
 }
 END_TEST
 
+/* The call that fails, counted from 1; the others are malloc's. */
+typedef struct one_failure {
+    size_t calls, fails;
+} one_failure;
+
+static void *fail_once(void *ctx, void *block, size_t size)
+{
+    one_failure *at = ctx;
+    if (size > 0 && ++at->calls == at->fails) {
+        return NULL;
+    }
+    return weft_malloc_resize(NULL, block, size);
+}
+
+/* One allocation fails, those after it do not: nothing goes unchecked. */
+START_TEST(a_bad_cloth_is_refused_whatever_allocation_fails)
+{
+    test_mesh mesh;
+    mesh_sheet(&mesh, 3, 3, 0.5, MESH_RIGHT, 0.0, 1);
+    const size_t held[] = { 0 };
+    const weft_pin pin
+        = { .velocity = { NAN, 0.0, 0.0 }, .vertices = held, .vertex_count = 1 };
+    weft_cloth_def def = mesh_cloth(&mesh);
+    def.pins = &pin, def.pin_count = 1;
+    one_failure at = { .calls = SIZE_MAX / 2 };
+    for (size_t fails = 1; at.calls >= fails; ++fails) {
+        const weft_allocator memory = { fail_once, &at };
+        weft_cloth *cloth = NULL;
+        at = (one_failure){ 0, fails };
+        def.allocator = &memory;
+        ck_assert_int_ne(weft_cloth_create(&def, &cloth, &err), WEFT_OK);
+        ck_assert_ptr_null(cloth);
+    }
+    mesh_free(&mesh);
+}
+END_TEST
+
 START_TEST(pins_and_loads_outside_are_refused)
 {
     test_mesh mesh;
@@ -358,6 +395,7 @@ TEST_SUITE(triangles)
     tcase_add_test(tcase, without_fabric_forces_it_falls);
     tcase_add_loop_test(tcase, a_bad_mesh_is_refused_with_its_place, 0,
                         sizeof faults / sizeof faults[0]);
+    tcase_add_test(tcase, a_bad_cloth_is_refused_whatever_allocation_fails);
     tcase_add_test(tcase, pins_and_loads_outside_are_refused);
     tcase_add_test(tcase, a_strain_limit_is_refused);
     suite_add_tcase(suite, tcase);

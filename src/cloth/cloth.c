@@ -181,32 +181,38 @@ static weft_status take_def(weft_cloth_def *def, weft_mesh_def *mesh,
     return status;
 }
 
-static weft_status create(const weft_cloth_def *def, weft_cloth **out, weft_error *err)
+/* Gives the triangles that the check made, also where it fails. */
+static weft_status check(const weft_cloth_def *def, weft__triangles **triangles,
+                         weft_error *err)
 {
     weft__refusal first = { WEFT_OK, err };
-    weft__cloth_def_check(def, &(weft__faults){ weft__keep_first, &first });
-    if (first.status != WEFT_OK) {
-        return first.status;
-    }
-    const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
-    weft_cloth *cloth = weft__zeroed(&memory, 1, sizeof *cloth);
-    if (cloth == NULL) {
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a cloth");
-    }
-    bool no_memory = false;
-    weft__triangles *triangles
-        = def->mesh == NULL
-              ? NULL
-              : weft__triangles_create(def->mesh, &memory, NULL, &no_memory);
-    if (no_memory) {
-        weft__free(&memory, cloth);
+    bool no_memory;
+    weft__cloth_def_check(def, &(weft__faults){ weft__keep_first, &first }, triangles,
+                          &no_memory);
+    if (first.status == WEFT_OK && no_memory) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for triangles");
+    }
+    return first.status;
+}
+
+static weft_status create(const weft_cloth_def *def, weft_cloth **out, weft_error *err)
+{
+    const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
+    weft__triangles *triangles;
+    weft_status status = check(def, &triangles, err);
+    weft_cloth *cloth
+        = status == WEFT_OK ? weft__zeroed(&memory, 1, sizeof *cloth) : NULL;
+    if (cloth == NULL) {
+        weft__triangles_destroy(triangles, &memory);
+        return status != WEFT_OK
+                   ? status
+                   : weft_error_set(err, WEFT_NO_MEMORY, "no memory for a cloth");
     }
     weft__mesh_init(&cloth->mesh, def, triangles);
     attach(cloth);
     cloth->mesh.motion_count = def->pin_count;
     cloth->memory = memory;
-    weft_status status = weft__isa_find(getenv("WEFT_ISA"), &cloth->isa, err);
+    status = weft__isa_find(getenv("WEFT_ISA"), &cloth->isa, err);
     if (status == WEFT_OK) {
         weft__cloth_choose(cloth, cloth->isa);
         status = fill(cloth, def, err);
@@ -323,12 +329,12 @@ void weft_cloth_rest(const weft_cloth *cloth, double *xyz)
 
 size_t weft_cloth_rows(const weft_cloth *cloth)
 {
-    return cloth->mesh.triangles != NULL ? 0 : cloth->mesh.rows;
+    return cloth->mesh.rows;
 }
 
 size_t weft_cloth_cols(const weft_cloth *cloth)
 {
-    return cloth->mesh.triangles != NULL ? 0 : cloth->mesh.cols;
+    return cloth->mesh.cols;
 }
 
 size_t weft_cloth_particles(const weft_cloth *cloth)

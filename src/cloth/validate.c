@@ -161,31 +161,35 @@ static void check_fabrics(const weft_mesh_def *mesh, const weft__mesh_faults *pa
     }
 }
 
-static void check_vertices(const weft_cloth_def *def, const char *what, size_t index,
+static bool check_vertices(const weft_cloth_def *def, const char *what, size_t index,
                            const size_t *vertices, size_t count, const weft__faults *to)
 {
-    for (size_t k = 0; vertices != NULL && k < count; ++k) {
-        if (vertices[k] >= def->mesh->vertices) {
-            weft__fault(to, FIELD(mesh), FIELD(mesh), "%s %zu: vertex %zu of %zu", what,
-                        index, vertices[k], def->mesh->vertices);
-            return;
-        }
-    }
     if (vertices == NULL && count > 0) {
         weft__fault(to, FIELD(mesh), FIELD(mesh),
                     "%s %zu: vertices is NULL, but their number is not 0", what, index);
+        return false;
     }
+    for (size_t k = 0; k < count; ++k) {
+        if (vertices[k] >= def->mesh->vertices) {
+            weft__fault(to, FIELD(mesh), FIELD(mesh), "%s %zu: vertex %zu of %zu", what,
+                        index, vertices[k], def->mesh->vertices);
+            return false;
+        }
+    }
+    return true;
 }
 
-static void check_vertex_masses(const weft_cloth_def *def, const weft__triangles *of,
+/* false: there is no memory for them. */
+static bool check_vertex_masses(const weft_cloth_def *def, const weft__triangles *of,
                                 const weft_allocator *memory, const weft__faults *to)
 {
     double *mass = weft__alloc(memory, def->mesh->vertices, sizeof *mass);
     bool usable = true;
-    if (mass != NULL) {
-        weft__triangles_masses(of, def, mass);
+    if (mass == NULL) {
+        return false;
     }
-    for (size_t i = 0; mass != NULL && i < def->mesh->vertices; ++i) {
+    weft__triangles_masses(of, def, mass);
+    for (size_t i = 0; i < def->mesh->vertices; ++i) {
         usable = usable && isfinite(mass[i]) && isfinite(1.0 / mass[i]);
     }
     if (!usable) {
@@ -193,51 +197,59 @@ static void check_vertex_masses(const weft_cloth_def *def, const weft__triangles
                     "the masses are too large or too small for a double");
     }
     weft__free(memory, mass);
+    return true;
 }
 
-static void check_held(const weft_cloth_def *def, const weft__faults *to)
+/* The vertices of loads and pins. */
+static bool check_held(const weft_cloth_def *def, const weft__faults *to)
 {
+    bool good = true;
     for (size_t i = 0; i < def->load_count; ++i) {
         const weft_load *load = &def->loads[i];
-        (void)weft__numbers_check(&weft__load_mass, 1, load, to, "load %zu: ", i);
-        check_vertices(def, "load", i, load->vertices, load->vertex_count, to);
+        good = weft__numbers_check(&weft__load_mass, 1, load, to, "load %zu: ", i)
+               && good;
+        good = check_vertices(def, "load", i, load->vertices, load->vertex_count, to)
+               && good;
     }
     for (size_t i = 0; i < def->pin_count; ++i) {
-        check_vertices(def, "pin", i, def->pins[i].vertices, def->pins[i].vertex_count,
-                       to);
+        good = check_vertices(def, "pin", i, def->pins[i].vertices,
+                              def->pins[i].vertex_count, to)
+               && good;
     }
+    return good;
 }
 
-void weft__mesh_check(const weft_cloth_def *def, const weft__mesh_faults *parts,
-                      const weft__faults *to)
+weft__triangles *weft__mesh_check(const weft_cloth_def *def,
+                                  const weft__mesh_faults *parts,
+                                  const weft__faults *to, bool *no_memory)
 {
     const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
     const weft__mesh_faults all = { keep_fault, (void *)to };
-    weft__refusal held = { WEFT_OK, NULL };
-    bool no_memory;
     parts = parts != NULL ? parts : &all;
     check_fabrics(def->mesh, parts);
     weft__triangles *triangles
-        = weft__triangles_create(def->mesh, &memory, parts, &no_memory);
-    check_held(def, to);
-    check_held(def, &(weft__faults){ weft__keep_first, &held });
-    if (triangles != NULL && held.status == WEFT_OK) {
-        check_vertex_masses(def, triangles, &memory, to);
+        = weft__triangles_create(def->mesh, &memory, parts, no_memory);
+    if (check_held(def, to) && triangles != NULL) {
+        *no_memory = !check_vertex_masses(def, triangles, &memory, to);
     }
     if (triangles != NULL) {
         check_motions(def, to);
         check_forces(def, to);
     }
-    weft__triangles_destroy(triangles, &memory);
+    return triangles;
 }
 
-void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to)
+void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to,
+                           weft__triangles **triangles, bool *no_memory)
 {
+    *triangles = NULL;
+    *no_memory = false;
+    if (!check_arrays(def, to)) {
+        return;
+    }
     if (def->mesh != NULL) {
-        if (check_arrays(def, to)) {
-            weft__mesh_check(def, NULL, to);
-        }
-    } else if (check_arrays(def, to) && weft__grid_check(def, MAX_PARTICLES, to)) {
+        *triangles = weft__mesh_check(def, NULL, to, no_memory);
+    } else if (weft__grid_check(def, MAX_PARTICLES, to)) {
         weft__sheet_check(def, to);
     }
 }

@@ -68,8 +68,8 @@ typedef struct weft__mesh_faults {
     void *ctx;
 } weft__mesh_faults;
 
-/* Makes triangles of a definition. Reports every fault (to NULL: none is looked for in
- * what was checked before). NULL: a fault, or no memory, which *no_memory tells. */
+/* Makes triangles of a definition. Reports its faults. NULL: a fault, or no memory,
+ * which *no_memory tells. */
 weft__triangles *weft__triangles_create(const weft_mesh_def *def,
                                         const weft_allocator *memory,
                                         const weft__mesh_faults *to, bool *no_memory);

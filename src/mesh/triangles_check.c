@@ -30,9 +30,7 @@ void weft__mesh_fault(weft__work *at, weft__mesh_part part, size_t index,
     (void)vsnprintf(text, sizeof text, format, args);
     va_end(args);
     at->failed = true;
-    if (at->to != NULL) {
-        at->to->found(at->to->ctx, part, index, text);
-    }
+    at->to->found(at->to->ctx, part, index, text);
 }
 
 /* ---- numbers --------------------------------------------------------------------- */
