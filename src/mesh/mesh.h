@@ -128,6 +128,12 @@ bool weft__motion_usable(const weft__motion *motion);
 /* After which a hash goes on. */
 uint64_t weft__motion_hash(const weft__motion *motion, uint64_t hash);
 
+/* Whether particle i is pinned, and its pin may move. */
+static inline bool weft__pin_moves(const weft__mesh *mesh, size_t i)
+{
+    return mesh->pin[i] != 0 && mesh->motions[mesh->pin[i] - 1].moves;
+}
+
 /* The same as weft__motion_rate of pinned particle i. */
 void weft__pin_rate(const weft__mesh *mesh, size_t i, double t, double rate[6]);
 

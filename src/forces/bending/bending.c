@@ -243,7 +243,7 @@ static double pin_power(const weft__bending *own, const weft__state *at, size_t 
     const weft__mesh *mesh = own->mesh;
     double power = 0.0, rate[6];
     for (size_t i = r * mesh->cols; i < (r + 1) * mesh->cols; ++i) {
-        if (mesh->pin[i] != 0 && mesh->motions[mesh->pin[i] - 1].moves) {
+        if (weft__pin_moves(mesh, i)) {
             weft__pin_rate(mesh, i, at->t, rate);
             for (size_t k = 0; k < 3; ++k) {
                 power += resistance_of(own, at->y, i, k) * rate[k];

@@ -296,7 +296,7 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
     const size_t end = present(of) ? weft__block(mesh, b + 1) : 0;
     const size_t count = weft__plate_terms(&of->matrix, at->y, terms);
     for (size_t i = weft__block(mesh, b); i < end; ++i) {
-        if (mesh->pin[i] != 0 && mesh->motions[mesh->pin[i] - 1].moves) {
+        if (weft__pin_moves(mesh, i)) {
             weft__pin_rate(mesh, i, at->t, rate);
             for (size_t m = 0; m < 3 * count; ++m) {
                 sum->power[WEFT_POWER_PINS]

@@ -105,7 +105,7 @@ static double pin_power(const weft__membrane *own, const weft__state *at, size_t
     const size_t first = weft__block(mesh, b);
     bool moves = false;
     for (size_t i = first; i < weft__block(mesh, b + 1); ++i) {
-        if (mesh->pin[i] != 0 && mesh->motions[mesh->pin[i] - 1].moves) {
+        if (weft__pin_moves(mesh, i)) {
             if (!moves) {
                 weft__membrane_forces(own, at, b, force);
             }

@@ -296,7 +296,7 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
     const weft__mesh *mesh = of->mesh;
     sum->power[WEFT_POWER_SPRINGS] += of->damping(of, at->y, b);
     for (size_t i = weft__block(mesh, b); i < weft__block(mesh, b + 1); ++i) {
-        if (mesh->pin[i] != 0 && mesh->motions[mesh->pin[i] - 1].moves) {
+        if (weft__pin_moves(mesh, i)) {
             double force[3], rate[6];
             pull_of(of, i, at->y, NULL, force);
             weft__pin_rate(mesh, i, at->t, rate);
