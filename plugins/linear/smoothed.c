@@ -50,6 +50,9 @@ struct weft__smoothed {
     uint32_t *end;  /* and where they lead */
     const double *mass;
     double *weight, *next; /* d of bounds */
+    double *norm;          /* k, */
+    uint32_t *column;      /* their columns, */
+    size_t *row;           /* and where each row begins */
     double *factor;        /* of the last stage */
     stage levels[LEVELS];
 };
@@ -196,8 +199,11 @@ static void take_rest(weft__smoothed *self, weft__pile *pile)
 {
     const stage *last = &self->levels[self->count - 1];
     const size_t n = self->net->n, size = last->n * last->size;
-    size_t most = 1;
+    size_t most = 1, norms_most = 2 * weft__network_edges(self->net, NULL) + n;
     for (stage *at = self->levels; at < last; ++at) {
+        norms_most = at->size == SIX && at->a.start[at->n] > norms_most
+                         ? at->a.start[at->n]
+                         : norms_most;
         for (size_t i = 0; i < at->n; ++i) {
             const size_t length = at->ap.start[i + 1] - at->ap.start[i];
             most = length > most ? length : most;
@@ -210,6 +216,9 @@ static void take_rest(weft__smoothed *self, weft__pile *pile)
     self->factor = weft__pile_take(pile, size, size * sizeof *self->factor);
     self->weight = weft__pile_take(pile, n, sizeof *self->weight);
     self->next = weft__pile_take(pile, n, sizeof *self->next);
+    self->norm = weft__pile_take(pile, norms_most, sizeof *self->norm);
+    self->column = weft__pile_take(pile, norms_most, sizeof *self->column);
+    self->row = weft__pile_take(pile, n + 1, sizeof *self->row);
 }
 
 weft__smoothed *weft__smoothed_create(weft__network *finest, size_t strong,
@@ -312,17 +321,19 @@ static void set_inverses(const weft__smoothed *self, stage *at)
 
 /* ---- the bound ------------------------------------------------------------------- */
 
-typedef struct bound_row {
+/* k of all rows, one after the other. */
+typedef struct norms {
     const stage *at;
-    const double *own, *weight; /* R of this row; d */
-    double sum;
-} bound_row;
+    const double *own; /* R of the present row */
+    double *norm;
+    uint32_t *column;
+    size_t count;
+} norms;
 
-/* |R_i^T A R_j| d_j, the norm from above: the root of the largest sums of its rows and
- * columns. */
+/* |R_i^T A R_j| from above: the root of the largest sums of its rows and columns. */
 static void add_norm(void *ctx, size_t j, const double *block)
 {
-    bound_row *of = ctx;
+    norms *of = ctx;
     const size_t n = of->at->size;
     double half[SIX * SIX] = { 0.0 }, all[SIX * SIX] = { 0.0 };
     double most[2] = { 0.0, 0.0 };
@@ -337,22 +348,29 @@ static void add_norm(void *ctx, size_t j, const double *block)
         most[0] = fmax(most[0], row);
         most[1] = fmax(most[1], column);
     }
-    of->sum += sqrt(most[0] * most[1]) * of->weight[j];
+    of->norm[of->count] = sqrt(most[0] * most[1]);
+    of->column[of->count++] = (uint32_t)j;
 }
 
 static double bound_of(const weft__smoothed *self, const stage *at)
 {
     double *weight = self->weight, *next = self->next, best = (double)INFINITY;
+    norms of = { at, NULL, self->norm, self->column, 0 };
     for (size_t i = 0; i < at->n; ++i) {
+        self->row[i] = of.count;
+        of.own = at->tentative + i * at->size * at->size;
+        visit_row(self, at, i, SIZE_MAX, add_norm, &of);
         weight[i] = 1.0;
     }
+    self->row[at->n] = of.count;
     for (int k = 0; k <= SHARPEN; ++k) {
         double most = 0.0;
         for (size_t i = 0; i < at->n; ++i) {
-            bound_row of = { at, at->tentative + i * at->size * at->size, weight, 0.0 };
-            visit_row(self, at, i, SIZE_MAX, add_norm, &of);
-            next[i] = of.sum;
-            most = fmax(most, of.sum / weight[i]);
+            next[i] = 0.0;
+            for (size_t e = self->row[i]; e < self->row[i + 1]; ++e) {
+                next[i] += of.norm[e] * weight[of.column[e]];
+            }
+            most = fmax(most, next[i] / weight[i]);
         }
         best = fmin(best, most);
         for (size_t i = 0; i < at->n; ++i) {
