@@ -10,6 +10,7 @@
 
 #include "conformance/structured.h"
 #include "meshes.h"
+#include "structured.h"
 
 enum {
     ROWS = 6,
@@ -271,7 +272,7 @@ static void structured(const weft_structure *of, double t, const double *y,
                        const double *dy, double *out)
 {
     double *planes = room(of);
-    ck_assert_int_eq(weft__structure_product(of, t, y, dy, planes, out), 0);
+    ck_assert_int_eq(structure_product(of, t, y, dy, planes, out), 0);
     free(planes);
 }
 
@@ -431,6 +432,30 @@ START_TEST(runs_list_every_spring_once)
 }
 END_TEST
 
+/* The model of `weft plugin-test`, with springs alone and with links. */
+START_TEST(the_string_of_beads_has_its_structure)
+{
+    enum { COUNT = WEFT__STRING };
+    const double s = 1e-5;
+    double y[COUNT], dy[COUNT], product[COUNT], above[COUNT], below[COUNT];
+    double f[2][COUNT];
+    weft_structure of;
+    weft__string_init(&of, _i == 1);
+    weft__string_start(y);
+    for (size_t j = 0; j < COUNT; ++j) {
+        dy[j] = sin(7.0 * (double)j);
+        above[j] = y[j] + s * dy[j], below[j] = y[j] - s * dy[j];
+    }
+    ck_assert_int_eq(weft__string_rhs(0.0, above, f[0], NULL), 0);
+    ck_assert_int_eq(weft__string_rhs(0.0, below, f[1], NULL), 0);
+    structured(&of, 0.0, y, dy, product);
+    for (size_t j = 0; j < COUNT; ++j) {
+        f[0][j] = (f[0][j] - f[1][j]) / (2.0 * s);
+    }
+    ck_assert(distance(f[0], product, COUNT) < 1e-6 * largest(product, COUNT));
+}
+END_TEST
+
 START_TEST(springs_of_no_length_are_zeros)
 {
     double y[6 * N], dy[6 * N], out[6 * N];
@@ -555,6 +580,7 @@ TEST_SUITE(jacobian)
     tcase_add_test(tcase, links_are_for_methods_that_know_them);
     tcase_add_loop_test(tcase, damping_of_contact_is_exact_along_and_across, 0, 2);
     tcase_add_loop_test(tcase, runs_list_every_spring_once, 0, 7);
+    tcase_add_loop_test(tcase, the_string_of_beads_has_its_structure, 0, 2);
     tcase_add_test(tcase, springs_of_no_length_are_zeros);
     tcase_add_test(tcase, structure_follows_pins_and_shapes);
     tcase_add_test(tcase, modes_are_those_of_the_stiffness);

@@ -10,9 +10,9 @@
 #include "../plugins/linear/filter.h"
 #include "../plugins/linear/linear.h"
 #include "../plugins/linear/network.h"
-#include "conformance/structured.h"
 #include "meshes.h"
 #include "sim/simulation.h"
+#include "structured.h"
 #include "weft/scene.h"
 
 static weft_cloth *cloth;
@@ -388,7 +388,7 @@ START_TEST(links_and_ties_are_multiplied_and_solved)
     weft__linear *linear = at(&ring, y, gamma, WEFT_PRECONDITIONER_AUTO);
     ck_assert(weft__linear_solve(linear, 1e-13, x));
     weft__linear_destroy(linear);
-    ck_assert_int_eq(weft__structure_product(&ring, 0.0, y, x, room, jx), 0);
+    ck_assert_int_eq(structure_product(&ring, 0.0, y, x, room, jx), 0);
     memset(force, 0, sizeof force);
     resist(shape_k, 50.0, y, x, force + 3 * N);
     resist(shape_c, 0.2, y, x + 3 * N, force + 3 * N);

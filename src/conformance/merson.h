@@ -18,10 +18,4 @@ static inline const weft_butcher *merson(void)
     return &table;
 }
 
-/* The same table as `stepper.butcher` of a scene. */
-#define MERSON_YAML                                                                    \
-    "{A: [[], [1/3], [1/6, 1/6], [1/8, 0, 3/8], [1/2, 0, -3/2, 2]], "                  \
-    "b: [1/6, 0, 0, 2/3, 1/6], c: [0, 1/3, 1/3, 1/2, 1], order: 4, "                   \
-    "b_embedded: [1/10, 0, 3/10, 2/5, 1/5], embedded_order: 3}"
-
 #endif
