@@ -22,15 +22,6 @@ enum {
 
 enum { MOST_JOBS = 4096, ANY_NUMBER = INT_MAX };
 
-/* Returns the status of a call that fails. */
-#define TRY(call)                                                                      \
-    do {                                                                               \
-        const weft_status tried = (call);                                              \
-        if (tried != WEFT_OK) {                                                        \
-            return tried;                                                              \
-        }                                                                              \
-    } while (0)
-
 typedef enum progress_mode {
     PROGRESS_NONE,
     PROGRESS_LINES,    /* one line per tenth of the frames */

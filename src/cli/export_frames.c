@@ -12,7 +12,6 @@
 #include "cli/human.h"
 #include "record/export/export.h"
 #include "record/frames.h"
-#include "record/outdir.h"
 #include "record/result.h"
 #include "record/series.h"
 #include "record/shape_mesh.h"

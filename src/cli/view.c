@@ -9,7 +9,6 @@
 #include "cli/run/interrupt.h"
 #include "cli/watch/watch.h"
 #include "record/frames.h"
-#include "record/outdir.h"
 #include "record/player_page.h"
 #include "record/series.h"
 

@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "base/bytes.h"
-#include "record/shared_file.h"
 
 static const unsigned char magic[WEFT__WORD] = "weftckpt";
 

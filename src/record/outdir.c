@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* outdir.c -- the directory of a run: new, empty, or reused on request. */
 #define _DEFAULT_SOURCE /* flock, which takes a directory */
-#include "record/outdir.h"
 #include "record/record.h"
 
 #include <dirent.h>
@@ -122,31 +121,21 @@ static long look_through(const char *directory, sweep what)
 
 weft_status record_directory(const char *directory, weft_error *err)
 {
-    if (!make_directories(directory)) {
-        return weft_error_set(err, WEFT_IO, "%s: %s", directory, strerror(errno));
-    }
-    return WEFT_OK;
+    return make_directories(directory) ? WEFT_OK : record_failed(directory, err);
 }
 
 weft_status record_outdir(const char *directory, bool force, weft_error *err)
 {
-    const weft_status status = record_directory(directory, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(record_directory(directory, err));
     const long found = look_through(directory, force ? SWEEP_RUN : KEEP_ALL);
-    if (found < 0) {
-        return weft_error_set(err, WEFT_IO, "%s: %s", directory, strerror(errno));
+    if (found <= 0 || force) {
+        return found < 0 ? record_failed(directory, err) : WEFT_OK;
     }
-    if (found > 0 && !force) {
-        const bool unfinished = record_unfinished(directory);
-        return weft_error_set(
-            err, WEFT_IO, "%s: %s%s%schoose another --out, or --force to replace it",
-            directory,
-            unfinished ? "holds an unfinished run: 'weft resume " : "not empty; ",
-            unfinished ? directory : "", unfinished ? "' continues it; or " : "");
-    }
-    return WEFT_OK;
+    const bool unfinished = record_unfinished(directory);
+    return weft_error_set(
+        err, WEFT_IO, "%s: %s%s%schoose another --out, or --force to replace it",
+        directory, unfinished ? "holds an unfinished run: 'weft resume " : "not empty; ",
+        unfinished ? directory : "", unfinished ? "' continues it; or " : "");
 }
 
 static bool taken(int lock, double patience)
@@ -172,15 +161,14 @@ weft_status record_outdir_lock(const char *directory, double patience, int *lock
                 ? open(directory, O_DIRECTORY | O_RDONLY | O_CLOEXEC)
                 : -1;
     if (*lock < 0) {
-        return weft_error_set(err, WEFT_IO, "%s: %s", directory, strerror(errno));
+        return record_failed(directory, err);
     }
-    if (taken(*lock, patience)) {
-        (void)close(*lock);
-        *lock = -1;
-        return weft_error_set(err, WEFT_IO, "%s: another weft is running there",
-                              directory);
+    if (!taken(*lock, patience)) {
+        return WEFT_OK;
     }
-    return WEFT_OK;
+    (void)close(*lock);
+    *lock = -1;
+    return weft_error_set(err, WEFT_IO, "%s: another weft is running there", directory);
 }
 
 bool record_outdir_locked(const char *directory)

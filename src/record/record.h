@@ -11,6 +11,15 @@
 
 #define RECORD_PATH 4096
 
+/* Returns the status of a call that fails. */
+#define TRY(call)                                                                      \
+    do {                                                                               \
+        const weft_status tried = (call);                                              \
+        if (tried != WEFT_OK) {                                                        \
+            return tried;                                                              \
+        }                                                                              \
+    } while (0)
+
 /* In single precision: a value beyond its range becomes the largest float of its
  * sign. */
 static inline float record_single(double value)
@@ -36,6 +45,8 @@ FILE *record_open(const char *directory, const char *name, char path[RECORD_PATH
                   weft_error *err);
 /* Whether there is anything of that name, also what cannot be opened. */
 bool record_exists(const char *directory, const char *name);
+/* Sets and returns WEFT_IO with errno of a file or a directory. */
+weft_status record_failed(const char *path, weft_error *err);
 /* WEFT_IO if a directory has no scene.yaml, with *err; else WEFT_OK, without. */
 weft_status record_is_run(const char *directory, weft_error *err);
 weft_status record_file_open(record_file *file, const char *directory, const char *name,
@@ -67,5 +78,41 @@ typedef struct record_extent {
 
 /* The checksum of the bytes from `begin` to `end`; 0 if the file lacks them. */
 uint64_t record_bytes_sum(const char *path, size_t begin, size_t end);
+
+/* ---- outdir.c: the directory of a run ---- */
+
+/* Makes `directory` and its parents unless they exist. */
+weft_status record_directory(const char *directory, weft_error *err);
+
+/* Makes `directory`, or accepts an empty one. One that is not empty is
+ * refused unless `force`, which removes the files of an earlier run of weft. */
+weft_status record_outdir(const char *directory, bool force, weft_error *err);
+
+/* Makes `directory` if need be and locks it for this process until *lock is closed or
+ * the process ends. WEFT_IO if another process has the lock for `patience` [s]: one
+ * that was killed keeps it until the system has cleaned up. */
+#define RECORD_PATIENCE 0.2
+weft_status record_outdir_lock(const char *directory, double patience, int *lock,
+                               weft_error *err);
+
+/* Whether a process has that lock. */
+bool record_outdir_locked(const char *directory);
+
+/* result.c: whether a run was begun there that has not ended by itself. */
+bool record_unfinished(const char *directory);
+
+/* The names of all files that weft writes there, NULL at their end. */
+extern const char *const record_names[];
+
+/* ---- files that rank 0 makes, in which each band has places of its own ---- */
+
+/* Opens the file that rank 0 has made; *file < 0: not open. Collective. Errors:
+ * WEFT_IO; also if another band sees another file, or none. */
+weft_status record_shared_open(const weft_comm *comm, const char *path, int flags,
+                               int *file, weft_error *err);
+
+/* All bytes, at a place [bytes]; false: errno says why. */
+bool record_write_at(int file, const void *bytes, size_t size, uint64_t at);
+bool record_read_at(int file, void *bytes, size_t size, uint64_t at);
 
 #endif

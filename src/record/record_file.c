@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* record_file.c -- files that appear complete or not at all. */
+/* record_file.c -- files that appear complete or not at all, and files in which each
+ * band writes its part. */
 #include "record/record.h"
 
 #include <errno.h>
@@ -63,6 +64,11 @@ weft_status record_no_link(const char *path, weft_error *err)
                : WEFT_OK;
 }
 
+weft_status record_failed(const char *path, weft_error *err)
+{
+    return weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(errno));
+}
+
 /* A file that exists under that name may be a link too. */
 static FILE *open_new(const char *path)
 {
@@ -75,21 +81,15 @@ static FILE *open_new(const char *path)
 weft_status record_file_open(record_file *file, const char *directory, const char *name,
                              weft_error *err)
 {
-    weft_status status = record_path(directory, name, file->path, err);
-    if (status == WEFT_OK && strchr(name, '/') != NULL) { /* in a folder there */
+    TRY(record_path(directory, name, file->path, err));
+    if (strchr(name, '/') != NULL) { /* in a folder there */
         strcpy(file->temporary, file->path);
         *strrchr(file->temporary, '/') = '\0';
-        status = record_no_link(file->temporary, err);
-    }
-    if (status != WEFT_OK) {
-        return status;
+        TRY(record_no_link(file->temporary, err));
     }
     record_temporary(file->path, file->temporary);
     file->stream = open_new(file->temporary);
-    if (file->stream == NULL) {
-        return weft_error_set(err, WEFT_IO, "%s: %s", file->path, strerror(errno));
-    }
-    return WEFT_OK;
+    return file->stream != NULL ? WEFT_OK : record_failed(file->path, err);
 }
 
 weft_status record_file_commit(record_file *file, weft_error *err)
@@ -134,10 +134,7 @@ weft_status record_text(const char *directory, const char *name, const char *tex
                         weft_error *err)
 {
     record_file file;
-    const weft_status status = record_file_open(&file, directory, name, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(record_file_open(&file, directory, name, err));
     (void)fputs(text, file.stream);
     return record_file_commit(&file, err);
 }
@@ -149,17 +146,16 @@ static weft_status copy_mesh(const char *directory, const char *from, weft_error
     char to[RECORD_PATH], bytes[1 << 14];
     struct stat source = { 0 }, own = { 0 };
     record_file file;
-    if (record_path(directory, RECORD_MESH, to, err) != WEFT_OK) {
-        return WEFT_IO;
-    }
+    TRY(record_path(directory, RECORD_MESH, to, err));
     if (stat(from, &source) == 0 && stat(to, &own) == 0 && source.st_ino == own.st_ino
         && source.st_dev == own.st_dev) {
         return WEFT_OK;
     }
     FILE *stream = weft__file_open(from, "r", err);
-    weft_status status = stream == NULL
-                             ? WEFT_IO
-                             : record_file_open(&file, directory, RECORD_MESH, err);
+    if (stream == NULL) {
+        return WEFT_IO;
+    }
+    weft_status status = record_file_open(&file, directory, RECORD_MESH, err);
     if (status == WEFT_OK) {
         for (size_t got; (got = fread(bytes, 1, sizeof bytes, stream)) > 0;) {
             (void)fwrite(bytes, 1, got, file.stream);
@@ -169,9 +165,7 @@ static weft_status copy_mesh(const char *directory, const char *from, weft_error
             status = weft_error_set(err, WEFT_IO, "%.200s cannot be read", from);
         }
     }
-    if (stream != NULL) {
-        (void)fclose(stream);
-    }
+    (void)fclose(stream);
     return status;
 }
 
@@ -179,10 +173,10 @@ weft_status record_scene_text(const char *directory, const weft_scene *scene,
                               weft_error *err)
 {
     const char *mesh = weft_scene_mesh_file(scene);
-    const weft_status status = mesh == NULL ? WEFT_OK : copy_mesh(directory, mesh, err);
-    return status == WEFT_OK
-               ? record_text(directory, "scene.yaml", weft_scene_text(scene), err)
-               : status;
+    if (mesh != NULL) {
+        TRY(copy_mesh(directory, mesh, err));
+    }
+    return record_text(directory, "scene.yaml", weft_scene_text(scene), err);
 }
 
 uint64_t record_bytes_sum(const char *path, size_t begin, size_t end)
@@ -200,4 +194,62 @@ uint64_t record_bytes_sum(const char *path, size_t begin, size_t end)
     }
     (void)fclose(stream);
     return at == end ? sum : 0;
+}
+
+/* ---- files that bands share ------------------------------------------------- */
+
+/* A file of the same name on another machine is another one. */
+static weft_status check_shared(const weft_comm *comm, const char *path, int file,
+                                weft_error *err)
+{
+    struct stat seen = { 0 };
+    const bool open = file >= 0 && fstat(file, &seen) == 0;
+    const int why = errno;
+    uint64_t number = (uint64_t)seen.st_ino;
+    if (comm != NULL) {
+        comm->share(comm->self, &number, sizeof number);
+    }
+    if (open && number == (uint64_t)seen.st_ino) {
+        return WEFT_OK;
+    }
+    return comm == NULL || comm->rank == 0
+               ? weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(why))
+               : weft_error_set(
+                   err, WEFT_IO,
+                   "%.300s: %s: bands need a directory that all ranks share", path,
+                   open ? "not the file of rank 0" : strerror(why));
+}
+
+weft_status record_shared_open(const weft_comm *comm, const char *path, int flags,
+                               int *file, weft_error *err)
+{
+    *file = open(path, flags | O_NOFOLLOW | O_CLOEXEC);
+    return weft_comm_agree(comm, check_shared(comm, path, *file, err), err);
+}
+
+/* Writes bytes `from`, or if that is NULL reads them into `to`. */
+static bool transfer(int file, const char *from, char *to, size_t size, uint64_t at)
+{
+    for (size_t moved = 0; moved < size;) {
+        const off_t place = (off_t)(at + moved);
+        const ssize_t done = from != NULL
+                                 ? pwrite(file, from + moved, size - moved, place)
+                                 : pread(file, to + moved, size - moved, place);
+        if ((done == 0 && from == NULL) || (done < 0 && errno != EINTR)) {
+            errno = done == 0 ? ENODATA : errno;
+            return false;
+        }
+        moved += done < 0 ? 0 : (size_t)done;
+    }
+    return true;
+}
+
+bool record_write_at(int file, const void *bytes, size_t size, uint64_t at)
+{
+    return transfer(file, bytes, NULL, size, at);
+}
+
+bool record_read_at(int file, void *bytes, size_t size, uint64_t at)
+{
+    return transfer(file, NULL, bytes, size, at);
 }

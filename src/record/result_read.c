@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "record/outdir.h"
 #include "record/record.h"
 
 bool record_result_open(const char *directory, yaml_document_t *out)

@@ -1,10 +1,71 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* series.c -- series.csv: one row per frame. A column is a name, a format and a value;
- * one list makes the header and the rows. The cell of a NaN is empty. */
+/* series.c -- the CSV files of a run. A column of series.csv is a name, a format and a
+ * value; one list makes the header and the rows. The cell of a NaN is empty. */
 #include "record/series.h"
 
 #include <inttypes.h>
 #include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/hash.h"
+
+/* ---- tables ----------------------------------------------------------------- */
+
+weft_status record_table_write(record_table *table, const char *line, weft_error *err)
+{
+    for (const char *c = line; *c != '\0'; ++c, ++table->extent.length) {
+        table->extent.sum = weft__hash_byte(table->extent.sum, (unsigned char)*c);
+    }
+    (void)fputs(line, table->stream);
+    return !ferror(table->stream) && fflush(table->stream) == 0
+               ? WEFT_OK
+               : record_failed(table->path, err);
+}
+
+weft_status record_table_open(record_table *table, const char *directory,
+                              const char *name, bool again, weft_error *err)
+{
+    TRY(record_path(directory, name, table->path, err));
+    TRY(record_no_link(table->path, err));
+    table->extent = (record_extent){ .sum = WEFT__HASH_START };
+    table->stream = weft__file_open(table->path, again ? "r+" : "w", err);
+    return table->stream == NULL ? WEFT_IO : WEFT_OK;
+}
+
+weft_status record_table_cut(record_table *table, const record_extent *kept,
+                             weft_error *err)
+{
+    table->extent = *kept;
+    return table->stream == NULL
+                   || (ftruncate(fileno(table->stream), (off_t)kept->length) == 0
+                       && fseek(table->stream, 0, SEEK_END) == 0)
+               ? WEFT_OK
+               : record_failed(table->path, err);
+}
+
+weft_status record_table_sync(record_table *table, weft_error *err)
+{
+    if (table->stream == NULL) {
+        return WEFT_OK;
+    }
+    TRY(record_table_write(table, "", err));
+    return fsync(fileno(table->stream)) == 0 ? WEFT_OK : record_failed(table->path, err);
+}
+
+weft_status record_table_close(record_table *table, weft_error *err)
+{
+    if (table->stream == NULL) {
+        return WEFT_OK;
+    }
+    const weft_status status = record_table_write(table, "", err);
+    const bool closed = fclose(table->stream) == 0;
+    table->stream = NULL;
+    return closed || status != WEFT_OK ? status : record_failed(table->path, err);
+}
+
+/* ---- series.csv ------------------------------------------------------------- */
 
 /* X(runs, name, format, value): the column is in every run, or only in those with that
  * RECORD_... option; `row` is the struct below. */
@@ -102,20 +163,16 @@ void record_series_begin(record_series *series, unsigned optional)
 weft_status record_series_open(record_series *series, const char *directory,
                                unsigned optional, bool again, weft_error *err)
 {
-    record_series_begin(series, optional);
-    const weft_status status
-        = record_table_open(&series->table, directory, "series.csv", again, err);
-    if (status != WEFT_OK || again) {
-        return status;
-    }
     char line[LINE];
     size_t used = 0;
+    record_series_begin(series, optional);
+    TRY(record_table_open(&series->table, directory, "series.csv", again, err));
     for (size_t i = 0; i < series->columns; ++i) {
         used
             += (size_t)snprintf(line + used, sizeof line - used, "%s%c",
                                 series->names[i], i + 1 < series->columns ? ',' : '\n');
     }
-    return record_table_write(&series->table, line, err);
+    return again ? WEFT_OK : record_table_write(&series->table, line, err);
 }
 
 weft_status record_series_add(record_series *series, const record_frame *frame,
@@ -138,4 +195,41 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
     line[used - 1] = '\n';
     return series->table.stream == NULL ? WEFT_OK
                                         : record_table_write(&series->table, line, err);
+}
+
+/* ---- shapes.csv ------------------------------------------------------------- */
+
+weft_status record_shapes_open(record_table *table, const char *directory,
+                               const weft_cloth *cloth, bool again, weft_error *err)
+{
+    if (weft_cloth_shapes(cloth) == 0) {
+        return WEFT_OK;
+    }
+    TRY(record_table_open(table, directory, "shapes.csv", again, err));
+    return again
+               ? WEFT_OK
+               : record_table_write(table, "frame,time,shape,fx,fy,fz,tx,ty,tz\n", err);
+}
+
+/* The force and the torque of the cloth on each shape. */
+weft_status record_shapes_add(record_table *table, const record_frame *frame,
+                              weft_error *err)
+{
+    const size_t count = weft_cloth_shapes(weft_sim_cloth(frame->sim));
+    for (size_t k = 0; k < count; ++k) {
+        char line[256]; /* a number has at most 24 characters */
+        double load[6];
+        weft_sim_shape_load(frame->sim, k, load, load + 3);
+        size_t used = (size_t)snprintf(line, sizeof line, "%zu,%.17g,%zu", frame->index,
+                                       weft_sim_time(frame->sim), k);
+        for (size_t i = 0; i < 6; ++i) {
+            used += (size_t)snprintf(line + used, sizeof line - used,
+                                     isnan(load[i]) ? "," : ",%.17g", load[i]);
+        }
+        (void)snprintf(line + used, sizeof line - used, "\n");
+        if (table->stream != NULL) { /* a band may not write */
+            TRY(record_table_write(table, line, err));
+        }
+    }
+    return WEFT_OK;
 }

@@ -14,7 +14,7 @@ typedef struct record_frame {
     bool is_end;           /* the last one, before `last` of the record */
 } record_frame;
 
-/* table.c: a CSV file that grows by whole lines: after a kill it holds all of them. */
+/* A CSV file that grows by whole lines: after a kill it holds all of them. */
 typedef struct record_table {
     FILE *stream; /* NULL: not open, which all functions but write allow */
     char path[RECORD_PATH];
@@ -32,7 +32,7 @@ weft_status record_table_write(record_table *table, const char *line, weft_error
 weft_status record_table_sync(record_table *table, weft_error *err);
 weft_status record_table_close(record_table *table, weft_error *err);
 
-/* shapes_csv.c: shapes.csv, one row per frame and shape; a cloth without shapes has
+/* shapes.csv, one row per frame and shape; a cloth without shapes has
  * none. */
 weft_status record_shapes_open(record_table *table, const char *directory,
                                const weft_cloth *cloth, bool again, weft_error *err);

@@ -17,15 +17,16 @@ typedef struct reader {
 /* A line without an end was cut off by a kill. */
 static bool next_line(reader *self)
 {
-    if (fgets(self->line, sizeof self->line, self->stream) == NULL) {
-        return false;
-    }
-    const size_t length = strlen(self->line);
-    if (length == 0 || self->line[length - 1] != '\n') {
-        return false;
-    }
-    ++self->number;
-    return true;
+    const bool whole = fgets(self->line, sizeof self->line, self->stream) != NULL
+                       && strchr(self->line, '\n') != NULL;
+    self->number += whole;
+    return whole;
+}
+
+static const char *next_cell(const char *cell)
+{
+    const char *comma = strchr(cell, ',');
+    return comma == NULL ? NULL : comma + 1;
 }
 
 /* The index of the cell of the header with that name; -1: none. */
@@ -33,12 +34,10 @@ static int column_of(const char *header, const char *name)
 {
     const size_t length = strlen(name);
     int column = 0;
-    for (const char *at = header; at != NULL; ++column) {
+    for (const char *at = header; at != NULL; at = next_cell(at), ++column) {
         if (strncmp(at, name, length) == 0 && strchr(",\n", at[length]) != NULL) {
             return column;
         }
-        at = strchr(at, ',');
-        at = at == NULL ? NULL : at + 1;
     }
     return -1;
 }
@@ -46,8 +45,7 @@ static int column_of(const char *header, const char *name)
 static const char *cell(const char *line, int column)
 {
     for (; column > 0 && line != NULL; --column) {
-        line = strchr(line, ',');
-        line = line == NULL ? NULL : line + 1;
+        line = next_cell(line);
     }
     return line == NULL ? "" : line;
 }
@@ -59,7 +57,7 @@ static weft_status wrong(const reader *self, const char *what, weft_error *err)
 
 static weft_status open_reader(reader *self, const char *directory, weft_error *err)
 {
-    *self = (reader){ .number = 0 };
+    self->number = 0;
     self->stream = record_open(directory, "series.csv", self->path, err);
     return self->stream != NULL ? WEFT_OK : WEFT_IO;
 }
@@ -76,7 +74,7 @@ static weft_status read_rows(reader *self, record_series_row **rows, size_t *cou
     if (time < 0 || hash < 0 || column_of(self->line, "frame") != 0) {
         return wrong(self, "no columns frame, time and hash", err);
     }
-    while (next_line(self)) {
+    for (; next_line(self); ++*count) {
         if (*count == capacity) {
             capacity = capacity == 0 ? 256 : 2 * capacity;
             record_series_row *grown = realloc(*rows, capacity * sizeof *grown);
@@ -93,7 +91,6 @@ static weft_status read_rows(reader *self, record_series_row **rows, size_t *cou
             return weft_error_set(err, WEFT_IO, "%s: damaged: line %zu is not in order",
                                   self->path, self->number);
         }
-        ++*count;
     }
     return *count > 0 ? WEFT_OK : wrong(self, "no frames", err);
 }
@@ -104,11 +101,8 @@ weft_status record_series_rows(const char *directory, record_series_row **rows,
     reader self;
     *rows = NULL;
     *count = 0;
-    weft_status status = open_reader(&self, directory, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    status = read_rows(&self, rows, count, err);
+    TRY(open_reader(&self, directory, err));
+    const weft_status status = read_rows(&self, rows, count, err);
     (void)fclose(self.stream);
     if (status != WEFT_OK) {
         free(*rows);
@@ -121,14 +115,12 @@ weft_status record_series_rows(const char *directory, record_series_row **rows,
 static size_t name_columns(const char *header, record_column *columns)
 {
     size_t count = 0;
-    for (const char *at = header; at != NULL && count < RECORD_COLUMNS_MAX; ++count) {
-        columns[count] = (record_column){
-            .last = NAN, .least = NAN, .most = NAN, .mean = 0.0, .name = ""
-        };
+    for (const char *at = header; at != NULL && count < RECORD_COLUMNS_MAX;
+         at = next_cell(at), ++count) {
+        columns[count]
+            = (record_column){ .last = NAN, .least = NAN, .most = NAN, .mean = NAN };
         (void)snprintf(columns[count].name, RECORD_COLUMN_NAME, "%.*s",
                        (int)strcspn(at, ",\n"), at);
-        at = strchr(at, ',');
-        at = at == NULL ? NULL : at + 1;
     }
     return count;
 }
@@ -140,9 +132,10 @@ static void add_cell(record_column *column, const char *text)
     const bool number = end != text && strchr(",\n", *end) != NULL;
     column->last = number ? value : (double)NAN;
     if (number && isfinite(value)) {
+        const double mean = column->count == 0 ? 0.0 : column->mean;
         column->least = fmin(column->least, value);
         column->most = fmax(column->most, value);
-        column->mean += (value - column->mean) / (double)++column->count;
+        column->mean = mean + (value - mean) / (double)++column->count;
     }
 }
 
@@ -152,10 +145,7 @@ weft_status record_series_columns(const char *directory,
 {
     reader self;
     *count = 0;
-    const weft_status status = open_reader(&self, directory, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(open_reader(&self, directory, err));
     if (next_line(&self)) {
         *count = name_columns(self.line, columns);
     }
@@ -163,9 +153,6 @@ weft_status record_series_columns(const char *directory,
         for (size_t i = 0; i < *count; ++i) {
             add_cell(&columns[i], cell(self.line, (int)i));
         }
-    }
-    for (size_t i = 0; i < *count; ++i) {
-        columns[i].mean = columns[i].count > 0 ? columns[i].mean : (double)NAN;
     }
     (void)fclose(self.stream);
     return WEFT_OK;
@@ -199,10 +186,8 @@ weft_status record_series_compare(const char *directory, const char *damaged,
 {
     reader self;
     double values[RECORD_COLUMNS_MAX];
-    weft_status status = open_reader(&self, directory, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    weft_status status = WEFT_OK;
+    TRY(open_reader(&self, directory, err));
     (void)next_line(&self);
     while (status == WEFT_OK && next_line(&self)) {
         if (numbers(ctx, self.number - 2, values)) {

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include "base/bytes.h"
-#include "record/shared_file.h"
 
 bool vtkhdf_rows_begin(vtkhdf_rows *self, const weft_comm *comm,
                        const weft_cloth *cloth, bool doubles)

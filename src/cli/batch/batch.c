@@ -8,7 +8,6 @@
 #include "cli/batch/batch.h"
 #include "cli/human.h"
 #include "cli/run/interrupt.h"
-#include "record/outdir.h"
 
 /* ---- the command line ---------------------------------------------------------- */
 

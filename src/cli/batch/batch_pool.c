@@ -11,7 +11,6 @@
 #include "base/clock.h"
 #include "cli/batch/batch.h"
 #include "cli/run/run.h"
-#include "record/outdir.h"
 
 typedef struct batch_pool {
     const batch *batch;

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include "cli/batch/batch.h"
-#include "record/outdir.h"
 #include "record/result.h"
 
 /* Keys of result.yaml. The wall time is the last column, as it alone differs from one

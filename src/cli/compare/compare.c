@@ -11,7 +11,6 @@
 #include "cli/human.h"
 #include "plugin/methods.h"
 #include "record/child_process.h"
-#include "record/outdir.h"
 
 enum { CALL_TIMES = 5, NAME_MOST = 256 };
 

@@ -8,7 +8,6 @@
 #include "cli/human.h"
 #include "cli/run/ranks.h"
 #include "cli/run/run.h"
-#include "record/outdir.h"
 
 /* The checkpoint, if it is one of this scene and this program. */
 static weft_status read_checkpoint(const char *directory, const weft_scene *scene,

@@ -11,7 +11,6 @@
 #include "cli/survey/survey.h"
 #include "cli/watch/watch.h"
 #include "record/export/export.h"
-#include "record/outdir.h"
 
 /* What the simulation warns of, also when quiet. */
 static void on_log(void *ctx, weft_log_level level, const char *text)

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "cli/human.h"
-#include "record/outdir.h"
 #include "record/yaml_out.h"
 
 void summary_step(summary *self)

@@ -16,7 +16,6 @@
 #include "cli/human.h"
 #include "cli/run/interrupt.h"
 #include "cli/watch/watch.h"
-#include "record/outdir.h"
 #include "record/page.h"
 #include "record/player_page.h"
 
