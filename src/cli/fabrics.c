@@ -52,23 +52,18 @@ static int print_yaml(void)
     yaml_out out;
     const weft_fabric *all = weft_fabric_presets(&count);
     yaml_out_begin(&out, stdout);
-    yaml_out_list(&out, "fabrics");
+    yaml_out_write(&out, "fabrics: [");
     for (const weft_fabric *of = all; of < all + count; ++of) {
-        yaml_out_item(&out);
-        yaml_out_text(&out, "name", of->name);
-        yaml_out_real(&out, "density", of->density);
-        yaml_out_real(&out, "stretch_warp", of->stretch[0]);
-        yaml_out_real(&out, "stretch_weft", of->stretch[1]);
-        yaml_out_real(&out, "shear", of->shear);
-        yaml_out_real(&out, "bend_warp", of->bend[0]);
-        yaml_out_real(&out, "bend_weft", of->bend[1]);
-        yaml_out_real(&out, "twist", of->twist);
-        yaml_out_real(&out, "length_warp", weft_fabric_length(of, 0, gravity));
-        yaml_out_real(&out, "length_weft", weft_fabric_length(of, 1, gravity));
-        yaml_out_text(&out, "source", SOURCE);
-        yaml_out_close_map(&out);
+        yaml_out_write(&out,
+                       "{ name: \"%s\", density: %g, stretch_warp: %g, "
+                       "stretch_weft: %g, shear: %g, bend_warp: %g, bend_weft: %g, "
+                       "twist: %g, length_warp: %g, length_weft: %g, source: \"%s\" }",
+                       of->name, of->density, of->stretch[0], of->stretch[1], of->shear,
+                       of->bend[0], of->bend[1], of->twist,
+                       weft_fabric_length(of, 0, gravity),
+                       weft_fabric_length(of, 1, gravity), SOURCE);
     }
-    yaml_out_close_list(&out);
+    yaml_out_write(&out, "]");
     return yaml_out_end(&out) ? EXIT_DONE : EXIT_FILE;
 }
 

@@ -92,43 +92,38 @@ static void print_markdown(const weft_registry *registry)
 
 static void method_yaml(yaml_out *out, const weft_stepper_type *type)
 {
-    yaml_out_item(out);
-    yaml_out_text(out, "name", type->name);
+    yaml_out_write(out, "{ name: \"%s\"", type->name);
     if (weft_stepper_full_name(type) != NULL) {
-        yaml_out_text(out, "full_name", weft_stepper_full_name(type));
+        yaml_out_write(out, "full_name: \"%s\"", weft_stepper_full_name(type));
     }
-    yaml_out_plain(out, "order", "%d", type->order);
-    yaml_out_plain(out, "error_order", "%d", type->error_order);
-    yaml_out_plain(out, "stages", "%d", type->stages);
+    yaml_out_write(out, "order: %d, error_order: %d, stages: %d", type->order,
+                   type->error_order, type->stages);
     for (size_t i = 0; i < FLAG_NAMES; ++i) {
-        const bool set = (type->flags & flag_names[i].flag) != 0;
-        yaml_out_plain(out, flag_names[i].name, set ? "true" : "false");
+        yaml_out_write(out, "%s: %s", flag_names[i].name,
+                       yaml_bool((type->flags & flag_names[i].flag) != 0));
     }
-    yaml_out_text(out, "reference", type->reference);
-    yaml_out_text(out, "license", type->license);
-    yaml_out_close_map(out);
+    yaml_out_write(out, "reference: \"%s\", license: \"%s\" }", type->reference,
+                   type->license);
 }
 
 static int print_yaml(const weft_registry *registry)
 {
     yaml_out out;
     yaml_out_begin(&out, stdout);
-    yaml_out_list(&out, "plugins");
+    yaml_out_write(&out, "plugins: [");
     for (size_t i = 0; i < weft_registry_count(registry); ++i) {
         const weft_plugin *plugin = weft_registry_at(registry, i);
-        yaml_out_item(&out);
-        yaml_out_text(&out, "id", plugin->id);
-        yaml_out_text(&out, "version", plugin->version);
-        yaml_out_text(&out, "solver", plugin->solver);
-        yaml_out_text(&out, "file", weft_registry_file(registry, i));
-        yaml_out_list(&out, "methods");
+        yaml_out_write(&out,
+                       "{ id: \"%s\", version: \"%s\", solver: \"%s\", file: \"%s\", "
+                       "methods: [",
+                       plugin->id, plugin->version, plugin->solver,
+                       weft_registry_file(registry, i));
         for (size_t m = 0; plugin->types[m] != NULL; ++m) {
             method_yaml(&out, plugin->types[m]);
         }
-        yaml_out_close_list(&out);
-        yaml_out_close_map(&out);
+        yaml_out_write(&out, "] }");
     }
-    yaml_out_close_list(&out);
+    yaml_out_write(&out, "]");
     return yaml_out_end(&out) ? EXIT_DONE : EXIT_FILE;
 }
 

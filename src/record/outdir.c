@@ -134,7 +134,8 @@ weft_status record_outdir(const char *directory, bool force, weft_error *err)
     const bool unfinished = record_unfinished(directory);
     return weft_error_set(
         err, WEFT_IO, "%s: %s%s%schoose another --out, or --force to replace it",
-        directory, unfinished ? "holds an unfinished run: 'weft resume " : "not empty; ",
+        directory,
+        unfinished ? "holds an unfinished run: 'weft resume " : "not empty; ",
         unfinished ? directory : "", unfinished ? "' continues it; or " : "");
 }
 

@@ -11,7 +11,7 @@
  */
 bool record_step_differs(const weft_scene *scene);
 
-/* result_write.c: versions, plugin, method and every option in force. */
+/* Versions, plugin, method and every option in force. */
 weft_status record_manifest(const char *directory, const weft_scene *scene,
                             const weft_sim *sim, const weft_cloth *whole,
                             const weft_plugin *plugin, const char *plugin_file,

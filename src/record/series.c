@@ -51,7 +51,8 @@ weft_status record_table_sync(record_table *table, weft_error *err)
         return WEFT_OK;
     }
     TRY(record_table_write(table, "", err));
-    return fsync(fileno(table->stream)) == 0 ? WEFT_OK : record_failed(table->path, err);
+    return fsync(fileno(table->stream)) == 0 ? WEFT_OK
+                                             : record_failed(table->path, err);
 }
 
 weft_status record_table_close(record_table *table, weft_error *err)

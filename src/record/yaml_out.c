@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "record/yaml_out.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,35 +13,100 @@ static void emit(yaml_out *out, yaml_event_t *event, int initialised)
     }
 }
 
-/* Names of files need not be UTF-8, but YAML must be. */
-static void ascii(char *text)
+/* Names of files need not be UTF-8, but YAML must be: '?' stands for other bytes then.
+ */
+static void scalar(yaml_out *out, const char *text, size_t length, bool quoted)
 {
-    for (; *text != '\0'; ++text) {
-        *text = (unsigned char)*text < 0x80 ? *text : '?';
-    }
-}
-
-static void scalar(yaml_out *out, const char *text, yaml_scalar_style_t style)
-{
+    const yaml_scalar_style_t style
+        = quoted ? YAML_DOUBLE_QUOTED_SCALAR_STYLE : YAML_PLAIN_SCALAR_STYLE;
     yaml_event_t event;
     int made = yaml_scalar_event_initialize(
-        &event, NULL, NULL, (const yaml_char_t *)text, (int)strlen(text), 1, 1, style);
-    char *copy = made ? NULL : strdup(text);
+        &event, NULL, NULL, (const yaml_char_t *)text, (int)length, 1, 1, style);
+    unsigned char *copy = made ? NULL : malloc(length + 1);
+    for (size_t i = 0; copy != NULL && i < length; ++i) {
+        copy[i] = (unsigned char)text[i] < 0x80 ? (unsigned char)text[i] : '?';
+    }
     if (copy != NULL) {
-        ascii(copy);
-        made = yaml_scalar_event_initialize(&event, NULL, NULL,
-                                            (const yaml_char_t *)copy,
-                                            (int)strlen(copy), 1, 1, style);
+        made = yaml_scalar_event_initialize(&event, NULL, NULL, copy, (int)length, 1, 1,
+                                            style);
     }
     emit(out, &event, made);
     free(copy);
 }
 
-static void key_scalar(yaml_out *out, const char *key)
+static void real(double value, char text[32])
 {
-    if (key != NULL) {
-        scalar(out, key, YAML_PLAIN_SCALAR_STYLE);
+    if (!isfinite(value)) {
+        strcpy(text, isnan(value) ? ".nan" : value > 0 ? ".inf" : "-.inf");
+        return;
     }
+    int digits = 15; /* the fewest that read back as the same number */
+    do {
+        (void)snprintf(text, 32, "%.*g", digits, value);
+    } while (strtod(text, NULL) != value && ++digits <= 17);
+    char *e = strchr(text, 'e');
+    if (e != NULL && strchr(text, '.') == NULL) { /* YAML 1.1 wants a point */
+        memmove(e + 2, e, strlen(e) + 1);
+        memcpy(e, ".0", 2);
+    }
+}
+
+/* Returns the length of the directive at the begin of `format`. */
+static size_t write_value(yaml_out *out, const char *format, va_list *args)
+{
+    const bool quoted = *format == '"';
+    const size_t length = strcspn(format, ":, }]");
+    const char kind = format[length - 1 - quoted];
+    char number[32];
+    const char *text = number;
+    if (kind == 's') {
+        text = va_arg(*args, const char *);
+    } else if (kind == 'g') {
+        real(va_arg(*args, double), number);
+    } else if (kind == 'd') {
+        (void)snprintf(number, sizeof number, "%d", va_arg(*args, int));
+    } else {
+        const uint64_t value = format[1] == 'z'   ? va_arg(*args, size_t)
+                               : format[1] == 'l' ? va_arg(*args, uint64_t)
+                                                  : va_arg(*args, unsigned);
+        (void)snprintf(number, sizeof number, "%" PRIu64, value);
+    }
+    scalar(out, text, strlen(text), quoted);
+    return length;
+}
+
+static void write_bracket(yaml_out *out, char bracket)
+{
+    yaml_event_t event;
+    emit(out, &event,
+         bracket == '{'   ? yaml_mapping_start_event_initialize(&event, NULL, NULL, 1,
+                                                                YAML_BLOCK_MAPPING_STYLE)
+         : bracket == '[' ? yaml_sequence_start_event_initialize(
+               &event, NULL, NULL, 1, YAML_BLOCK_SEQUENCE_STYLE)
+         : bracket == '}' ? yaml_mapping_end_event_initialize(&event)
+                          : yaml_sequence_end_event_initialize(&event));
+}
+
+void yaml_out_write(yaml_out *out, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    for (size_t length; *format != '\0'; format += length) {
+        length = strspn(format, ":, ");
+        if (length > 0) {
+            continue;
+        }
+        if (*format == '%' || *format == '"') {
+            length = write_value(out, format, &args);
+        } else if (strchr("{}[]", *format) != NULL) {
+            length = 1;
+            write_bracket(out, *format);
+        } else {
+            length = strcspn(format, ":");
+            scalar(out, format, length, false);
+        }
+    }
+    va_end(args);
 }
 
 static void begin(yaml_out *out, FILE *stream, int implicit, yaml_mapping_style_t style)
@@ -67,7 +133,7 @@ void yaml_out_begin(yaml_out *out, FILE *stream)
 void yaml_out_begin_event(yaml_out *out, const char *name)
 {
     begin(out, stdout, 0, YAML_FLOW_MAPPING_STYLE);
-    yaml_out_plain(out, "event", "%s", name);
+    yaml_out_write(out, "event: %s", name);
 }
 
 void yaml_out_end_event(yaml_out *out)
@@ -79,90 +145,20 @@ void yaml_out_end_event(yaml_out *out)
 bool yaml_out_end(yaml_out *out)
 {
     yaml_event_t event;
-    yaml_out_close_map(out);
+    write_bracket(out, '}');
     emit(out, &event, yaml_document_end_event_initialize(&event, 1));
     emit(out, &event, yaml_stream_end_event_initialize(&event));
     yaml_emitter_delete(&out->emitter);
     return !out->failed;
 }
 
-void yaml_out_item(yaml_out *out)
-{
-    yaml_event_t event;
-    emit(out, &event,
-         yaml_mapping_start_event_initialize(&event, NULL, NULL, 1,
-                                             YAML_BLOCK_MAPPING_STYLE));
-}
-
-void yaml_out_map(yaml_out *out, const char *key)
-{
-    key_scalar(out, key);
-    yaml_out_item(out);
-}
-
-void yaml_out_list(yaml_out *out, const char *key)
-{
-    yaml_event_t event;
-    key_scalar(out, key);
-    emit(out, &event,
-         yaml_sequence_start_event_initialize(&event, NULL, NULL, 1,
-                                              YAML_BLOCK_SEQUENCE_STYLE));
-}
-
-void yaml_out_close_map(yaml_out *out)
-{
-    yaml_event_t event;
-    emit(out, &event, yaml_mapping_end_event_initialize(&event));
-}
-
-void yaml_out_close_list(yaml_out *out)
-{
-    yaml_event_t event;
-    emit(out, &event, yaml_sequence_end_event_initialize(&event));
-}
-
-void yaml_out_text(yaml_out *out, const char *key, const char *text)
-{
-    key_scalar(out, key);
-    scalar(out, text, YAML_DOUBLE_QUOTED_SCALAR_STYLE);
-}
-
-void yaml_out_plain(yaml_out *out, const char *key, const char *format, ...)
-{
-    char text[128];
-    va_list args;
-    va_start(args, format);
-    (void)vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    key_scalar(out, key);
-    scalar(out, text, YAML_PLAIN_SCALAR_STYLE);
-}
-
-void yaml_out_real(yaml_out *out, const char *key, double value)
-{
-    if (isfinite(value)) {
-        char text[32];
-        int digits = 15; /* the fewest that read back as the same number */
-        do {
-            (void)snprintf(text, sizeof text, "%.*g", digits, value);
-        } while (strtod(text, NULL) != value && ++digits <= 17);
-        char *e = strchr(text, 'e');
-        if (e != NULL && strchr(text, '.') == NULL) { /* YAML 1.1 wants a point */
-            memmove(e + 2, e, strlen(e) + 1);
-            memcpy(e, ".0", 2);
-        }
-        yaml_out_plain(out, key, "%s", text);
-    } else {
-        yaml_out_plain(out, key, isnan(value) ? ".nan" : value > 0 ? ".inf" : "-.inf");
-    }
-}
-
 void yaml_out_size(yaml_out *out, const weft_cloth *cloth)
 {
     const size_t cols = weft_cloth_cols(cloth);
-    yaml_out_plain(out, cols > 0 ? "rows" : "vertices", "%zu",
-                   cols > 0 ? weft_cloth_band(cloth).rows
-                            : weft_cloth_particles(cloth));
-    yaml_out_plain(out, cols > 0 ? "cols" : "triangles", "%zu",
-                   cols > 0 ? cols : weft_cloth_triangles(cloth, NULL));
+    if (cols > 0) {
+        yaml_out_write(out, "rows: %zu, cols: %zu", weft_cloth_band(cloth).rows, cols);
+    } else {
+        yaml_out_write(out, "vertices: %zu, triangles: %zu",
+                       weft_cloth_particles(cloth), weft_cloth_triangles(cloth, NULL));
+    }
 }

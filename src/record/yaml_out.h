@@ -22,18 +22,18 @@ bool yaml_out_end(yaml_out *out); /* true if all calls succeeded */
 void yaml_out_begin_event(yaml_out *out, const char *name);
 void yaml_out_end_event(yaml_out *out);
 
-void yaml_out_map(yaml_out *out, const char *key);
-void yaml_out_list(yaml_out *out, const char *key);
-void yaml_out_item(yaml_out *out); /* a mapping in a list; close it too */
-void yaml_out_close_map(yaml_out *out);
-void yaml_out_close_list(yaml_out *out);
+/* Items of the mapping, by a template: "order: %d, atol: { position: %g }, files: [".
+ * Brackets that a template leaves open are closed by another. Values are %s, a bare
+ * word, also as a key; \"%s\", in quotes; %d, %u, %zu, PRIu64; %g, with all digits that
+ * matter, .inf and .nan too. */
+WEFT_PRINTF(2, 3) void yaml_out_write(yaml_out *out, const char *format, ...);
 
-void yaml_out_text(yaml_out *out, const char *key, const char *text); /* quoted */
-/* A number or a bare word. */
-WEFT_PRINTF(3, 4)
-void yaml_out_plain(yaml_out *out, const char *key, const char *format, ...);
-void yaml_out_real(yaml_out *out, const char *key, double value); /* .inf, .nan too */
 /* "rows" and "cols" of the whole grid, or "vertices" and "triangles". */
 void yaml_out_size(yaml_out *out, const weft_cloth *cloth);
+
+static inline const char *yaml_bool(bool value)
+{
+    return value ? "true" : "false";
+}
 
 #endif

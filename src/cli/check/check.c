@@ -173,15 +173,13 @@ static void print_sweep(const char *file, const weft_sweep *sweep)
 static void scene_yaml(yaml_out *out, const char *file, const weft_scene *scene,
                        const weft_cloth *cloth, const survey *found)
 {
-    yaml_out_item(out);
-    yaml_out_text(out, "file", file);
-    yaml_out_text(out, "name", weft_scene_name(scene));
-    yaml_out_plain(out, "particles", "%zu", weft_cloth_particles(cloth));
-    yaml_out_plain(out, "pinned", "%zu", weft_cloth_pins(cloth));
+    yaml_out_write(out, "{ file: \"%s\", name: \"%s\", particles: %zu, pinned: %zu",
+                   file, weft_scene_name(scene), weft_cloth_particles(cloth),
+                   weft_cloth_pins(cloth));
     fabric_yaml(out, scene);
     contact_yaml(out, weft_scene_cloth(scene));
     stability_yaml(out, scene, found);
-    yaml_out_close_map(out);
+    yaml_out_write(out, "}");
 }
 
 /* A warning only: it may be on purpose. */
@@ -299,7 +297,7 @@ static int check_verb(const arguments *given)
     int code = EXIT_DONE;
     if (given->yaml) {
         yaml_out_begin(&out, stdout);
-        yaml_out_list(&out, "scenes");
+        yaml_out_write(&out, "scenes: [");
     }
     for (int i = 0; i < given->operand_count; ++i) {
         const int one
@@ -307,7 +305,7 @@ static int check_verb(const arguments *given)
         code = code == EXIT_DONE ? one : code;
     }
     if (given->yaml) {
-        yaml_out_close_list(&out);
+        yaml_out_write(&out, "]");
         code = yaml_out_end(&out) || code != EXIT_DONE ? code : EXIT_FILE;
     }
     return code;

@@ -176,24 +176,18 @@ void contact_yaml(yaml_out *out, const weft_cloth_def *def)
     if (law->shape_count == 0 && !law->self) {
         return;
     }
-    yaml_out_map(out, "contact");
-    yaml_out_real(out, "rest_gap", z * law->thickness);
-    yaml_out_real(out, "rest_omega", omega(law, z));
-    yaml_out_plain(out, "self", law->self ? "true" : "false");
-    yaml_out_list(out, "shapes");
+    yaml_out_write(out, "contact: { rest_gap: %g, rest_omega: %g, self: %s, shapes: [",
+                   z * law->thickness, omega(law, z), yaml_bool(law->self));
     for (size_t k = 0; k < law->shape_count; ++k) {
         const fall onto = fall_onto(def, k);
-        yaml_out_item(out);
-        yaml_out_text(out, "shape", weft_shape_name(law->shapes[k].kind));
-        yaml_out_real(out, "friction", friction_of(law, &law->shapes[k]));
+        yaml_out_write(out, "{ shape: \"%s\", friction: %g",
+                       weft_shape_name(law->shapes[k].kind),
+                       friction_of(law, &law->shapes[k]));
         if (isfinite(onto.drop)) {
-            yaml_out_real(out, "drop", onto.drop);
-            yaml_out_real(out, "speed", onto.speed);
-            yaml_out_real(out, "gap", onto.z * law->thickness);
-            yaml_out_real(out, "omega", omega(law, onto.z));
+            yaml_out_write(out, "drop: %g, speed: %g, gap: %g, omega: %g", onto.drop,
+                           onto.speed, onto.z * law->thickness, omega(law, onto.z));
         }
-        yaml_out_close_map(out);
+        yaml_out_write(out, "}");
     }
-    yaml_out_close_list(out);
-    yaml_out_close_map(out);
+    yaml_out_write(out, "] }");
 }

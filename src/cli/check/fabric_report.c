@@ -174,16 +174,13 @@ void fabric_print(const weft_scene *scene)
 
 static void write_report(yaml_out *out, const report *of)
 {
-    yaml_out_real(out, "c11", of->fabric.stretch[0]);
-    yaml_out_real(out, "c22", of->fabric.stretch[1]);
-    yaml_out_real(out, "c12", of->fabric.coupling);
-    yaml_out_real(out, "shear", of->fabric.shear);
-    yaml_out_real(out, "bend_warp", of->fabric.bend[0]);
-    yaml_out_real(out, "bend_weft", of->fabric.bend[1]);
-    yaml_out_real(out, "twist", of->fabric.twist);
-    yaml_out_real(out, "length_warp", of->length[0]);
-    yaml_out_real(out, "length_weft", of->length[1]);
-    yaml_out_plain(out, "coarse", of->coarse[0] || of->coarse[1] ? "true" : "false");
+    yaml_out_write(
+        out,
+        "c11: %g, c22: %g, c12: %g, shear: %g, bend_warp: %g, bend_weft: %g, "
+        "twist: %g, length_warp: %g, length_weft: %g, coarse: %s }",
+        of->fabric.stretch[0], of->fabric.stretch[1], of->fabric.coupling,
+        of->fabric.shear, of->fabric.bend[0], of->fabric.bend[1], of->fabric.twist,
+        of->length[0], of->length[1], yaml_bool(of->coarse[0] || of->coarse[1]));
 }
 
 void fabric_yaml(yaml_out *out, const weft_scene *scene)
@@ -191,18 +188,15 @@ void fabric_yaml(yaml_out *out, const weft_scene *scene)
     const weft_cloth_def *def = weft_scene_cloth(scene);
     report of;
     if (def->mesh != NULL) {
-        yaml_out_list(out, "fabrics");
+        yaml_out_write(out, "fabrics: [");
         for (size_t i = 0; i < def->mesh->fabric_count; ++i) {
             of = mesh_report(def, i);
-            yaml_out_item(out);
-            yaml_out_real(out, "edge", of.edge[0]);
+            yaml_out_write(out, "{ edge: %g", of.edge[0]);
             write_report(out, &of);
-            yaml_out_close_map(out);
         }
-        yaml_out_close_list(out);
+        yaml_out_write(out, "]");
     } else if (report_of(scene, &of)) {
-        yaml_out_map(out, "fabric");
+        yaml_out_write(out, "fabric: {");
         write_report(out, &of);
-        yaml_out_close_map(out);
     }
 }

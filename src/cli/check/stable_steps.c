@@ -201,10 +201,8 @@ void stability_print(const weft_scene *scene, const survey *of, bool all)
 
 static void modes_yaml(yaml_out *out, const char *key, const weft_stiffness *modes)
 {
-    yaml_out_map(out, key);
-    yaml_out_real(out, "omega", sqrt(modes->omega2));
-    yaml_out_real(out, "damping", modes->damping);
-    yaml_out_close_map(out);
+    yaml_out_write(out, "%s: { omega: %g, damping: %g }", key, sqrt(modes->omega2),
+                   modes->damping);
 }
 
 void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of)
@@ -214,30 +212,29 @@ void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of)
     if (of->refined) {
         modes_yaml(out, "power_method", &of->modes);
     }
-    yaml_out_list(out, "methods");
+    yaml_out_write(out, "methods: [");
     for (size_t i = 0; i < of->count; ++i) {
         const survey_method *method = &of->methods[i];
-        yaml_out_item(out);
-        yaml_out_text(out, "plugin", method->plugin->id);
-        yaml_out_text(out, "method", method->type->name);
-        yaml_out_plain(out, "of_the_scene", method == of->own ? "true" : "false");
+        yaml_out_write(out, "{ plugin: \"%s\", method: \"%s\", of_the_scene: %s",
+                       method->plugin->id, method->type->name,
+                       yaml_bool(method == of->own));
         if (method->step > 0.0) {
-            yaml_out_real(out, "stable_step", method->step);
-            yaml_out_real(out, "rhs_calls_per_second", method->per_second);
-            yaml_out_plain(out, "undamped_modes_double",
-                           method->doubling ? "true" : "false");
+            yaml_out_write(out,
+                           "stable_step: %g, rhs_calls_per_second: %g, "
+                           "undamped_modes_double: %s",
+                           method->step, method->per_second,
+                           yaml_bool(method->doubling));
         }
-        yaml_out_close_map(out);
+        yaml_out_write(out, "}");
     }
-    yaml_out_close_list(out);
+    yaml_out_write(out, "]");
     if (of->trial_steps > 0) {
-        yaml_out_map(out, "trial");
-        yaml_out_plain(out, "steps", "%zu", of->trial_steps);
-        yaml_out_real(out, "held_by_stability", of->trial_held);
-        yaml_out_real(out, "mean_step", of->trial_mean);
-        yaml_out_real(out, "rhs_calls_per_second", of->trial_calls);
-        yaml_out_close_map(out);
+        yaml_out_write(out,
+                       "trial: { steps: %zu, held_by_stability: %g, mean_step: %g, "
+                       "rhs_calls_per_second: %g }",
+                       of->trial_steps, of->trial_held, of->trial_mean,
+                       of->trial_calls);
     }
-    yaml_out_text(out, "advice", advise(scene, of).text);
-    yaml_out_text(out, "stiffness", stiffness(scene, of).text);
+    yaml_out_write(out, "advice: \"%s\", stiffness: \"%s\"", advise(scene, of).text,
+                   stiffness(scene, of).text);
 }

@@ -153,11 +153,11 @@ void compare_begin(const compare *self, const char *directory)
     yaml_out out;
     if (self->progress.mode == PROGRESS_YAML) {
         yaml_out_begin_event(&out, "begin");
-        yaml_out_text(&out, "name", weft_scene_name(self->scene));
-        yaml_out_text(&out, "directory", directory);
+        yaml_out_write(&out, "name: \"%s\", directory: \"%s\"",
+                       weft_scene_name(self->scene), directory);
         yaml_out_size(&out, self->cloth);
-        yaml_out_plain(&out, "methods_planned", "%zu", self->count + 1);
-        yaml_out_real(&out, "duration", self->run.duration);
+        yaml_out_write(&out, "methods_planned: %zu, duration: %g", self->count + 1,
+                       self->run.duration);
         yaml_out_end_event(&out);
     }
 }
@@ -167,9 +167,9 @@ void compare_end(const compare *self, const char *failed)
     yaml_out out;
     if (self->progress.mode == PROGRESS_YAML) {
         yaml_out_begin_event(&out, "end");
-        yaml_out_plain(&out, "status", failed == NULL ? "done" : "failed");
-        yaml_out_text(&out, "reason", failed == NULL ? "" : failed);
-        yaml_out_plain(&out, "methods", "%zu", self->over);
+        yaml_out_write(&out, "status: %s, reason: \"%s\", methods: %zu",
+                       failed == NULL ? "done" : "failed", failed == NULL ? "" : failed,
+                       self->over);
         yaml_out_end_event(&out);
     }
 }

@@ -128,16 +128,17 @@ static void write_yaml(const progress *show, size_t frame)
     yaml_out out;
     const weft_stepper_stats stats = weft_sim_stats(show->sim);
     const double left = show->run->duration - weft_sim_time(show->sim);
+    char rate[32], eta[32];
     yaml_out_begin_event(&out, "progress");
-    yaml_out_plain(&out, "frame", "%zu", frame);
-    yaml_out_real(&out, "time", weft_sim_time(show->sim));
-    yaml_out_plain(&out, "steps", "%" PRIu64, stats.steps);
-    yaml_out_plain(&out, "rejected", "%" PRIu64, stats.rejected);
-    yaml_out_plain(&out, "rhs_calls", "%" PRIu64, stats.rhs_calls);
-    yaml_out_real(&out, "step_size", stats.last_step);
+    yaml_out_write(&out,
+                   "frame: %zu, time: %g, steps: %" PRIu64 ", rejected: %" PRIu64
+                   ", rhs_calls: %" PRIu64 ", step_size: %g",
+                   frame, weft_sim_time(show->sim), stats.steps, stats.rejected,
+                   stats.rhs_calls, stats.last_step);
     if (show->speed > 0.0) {
-        yaml_out_plain(&out, "steps_per_second", "%.0f", show->rate);
-        yaml_out_plain(&out, "eta", "%.1f", left / show->speed);
+        (void)snprintf(rate, sizeof rate, "%.0f", show->rate);
+        (void)snprintf(eta, sizeof eta, "%.1f", left / show->speed);
+        yaml_out_write(&out, "steps_per_second: %s, eta: %s", rate, eta);
     }
     yaml_out_end_event(&out);
 }
@@ -166,7 +167,7 @@ void progress_count(progress *show, const char *what, size_t done, size_t all)
     }
     if (show->mode == PROGRESS_YAML) {
         yaml_out_begin_event(&out, "progress");
-        yaml_out_plain(&out, what, "%zu", done);
+        yaml_out_write(&out, "%s: %zu", what, done);
         yaml_out_end_event(&out);
     } else {
         (void)snprintf(line, sizeof line, "%zu of %zu %s", done, all, what);

@@ -227,15 +227,14 @@ void summary_print_frames(const summary *self)
 void summary_yaml_begin(const summary *self)
 {
     yaml_out out;
-    const weft_cloth *cloth = weft_sim_cloth(self->sim);
     yaml_out_begin_event(&out, "begin");
-    yaml_out_text(&out, "name", weft_scene_name(self->scene));
-    yaml_out_text(&out, "directory", self->directory);
-    yaml_out_text(&out, "plugin", weft_scene_plugin(self->scene));
-    yaml_out_text(&out, "method", weft_scene_method(self->scene));
-    yaml_out_size(&out, cloth);
-    yaml_out_plain(&out, "frames_planned", "%zu", self->result->planned);
-    yaml_out_real(&out, "duration", weft_scene_run(self->scene)->duration);
+    yaml_out_write(&out,
+                   "name: \"%s\", directory: \"%s\", plugin: \"%s\", method: \"%s\"",
+                   weft_scene_name(self->scene), self->directory,
+                   weft_scene_plugin(self->scene), weft_scene_method(self->scene));
+    yaml_out_size(&out, weft_sim_cloth(self->sim));
+    yaml_out_write(&out, "frames_planned: %zu, duration: %g", self->result->planned,
+                   weft_scene_run(self->scene)->duration);
     yaml_out_end_event(&out);
 }
 
