@@ -95,16 +95,13 @@ weft_status record_checkpoint_identify(record_checkpoint *out, const weft_scene 
                                        weft_registry *registry, weft_error *err)
 {
     const weft_plugin *plugin;
-    const weft_status status
-        = weft_registry_find(registry, weft_scene_plugin(scene), &plugin, err);
-    if (status == WEFT_OK) {
-        memset(out->program, 0, sizeof out->program);
-        out->scene = scene_hash(scene);
-        (void)snprintf(out->program, sizeof out->program, "weft %s, plugin %s %s%s%s",
-                       weft_version(), plugin->id, plugin->version,
-                       plugin->solver[0] == '\0' ? "" : ", ", plugin->solver);
-    }
-    return status;
+    TRY(weft_registry_find(registry, weft_scene_plugin(scene), &plugin, err));
+    memset(out->program, 0, sizeof out->program);
+    out->scene = scene_hash(scene);
+    (void)snprintf(out->program, sizeof out->program, "weft %s, plugin %s %s%s%s",
+                   weft_version(), plugin->id, plugin->version,
+                   plugin->solver[0] == '\0' ? "" : ", ", plugin->solver);
+    return WEFT_OK;
 }
 
 /* ---- writing --------------------------------------------------------------------- */
@@ -115,16 +112,12 @@ static weft_status make_file(record_file *file, const char *directory,
                              weft_error *err)
 {
     unsigned char head[HEAD];
-    const weft_status status
-        = record_file_open(file, directory, RECORD_CHECKPOINT, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(record_file_open(file, directory, RECORD_CHECKPOINT, err));
     record_checkpoint_pack(from, state_size, head);
     return ftruncate(fileno(file->stream), (off_t)(HEAD + state_size)) == 0
                    && record_write_at(fileno(file->stream), head, HEAD, 0)
                ? WEFT_OK
-               : weft_error_set(err, WEFT_IO, "%s: %s", file->path, strerror(errno));
+               : record_failed(file->path, err);
 }
 
 typedef struct output {
@@ -132,17 +125,13 @@ typedef struct output {
     int file;
 } output;
 
-static weft_status failed(const output *to, weft_error *err)
-{
-    return weft_error_set(err, WEFT_IO, "%s: %s", to->path, strerror(errno));
-}
-
 static weft_status put(void *ctx, uint64_t at, const void *bytes, size_t size,
                        weft_error *err)
 {
     const output *to = ctx;
-    return record_write_at(to->file, bytes, size, HEAD + at) ? WEFT_OK
-                                                             : failed(to, err);
+    return record_write_at(to->file, bytes, size, HEAD + at)
+               ? WEFT_OK
+               : record_failed(to->path, err);
 }
 
 static weft_status put_parts(const record_file *file, weft_sim *sim,
@@ -152,23 +141,12 @@ static weft_status put_parts(const record_file *file, weft_sim *sim,
     weft_status status
         = record_shared_open(comm, file->temporary, O_WRONLY, &to.file, err);
     status = status == WEFT_OK ? weft_sim_save_parts(sim, put, &to, err) : status;
-    if (status == WEFT_OK && fsync(to.file) != 0) {
-        status = failed(&to, err);
-    }
-    if (to.file >= 0 && close(to.file) != 0 && status == WEFT_OK) {
-        status = failed(&to, err);
+    const bool synced = status != WEFT_OK || fsync(to.file) == 0;
+    const bool closed = to.file < 0 || close(to.file) == 0;
+    if (status == WEFT_OK && !(synced && closed)) {
+        status = record_failed(to.path, err);
     }
     return weft_comm_agree(comm, status, err);
-}
-
-static weft_status names(record_file *file, const char *directory, weft_error *err)
-{
-    const weft_status status
-        = record_path(directory, RECORD_CHECKPOINT, file->path, err);
-    if (status == WEFT_OK) {
-        record_temporary(file->path, file->temporary);
-    }
-    return status;
 }
 
 weft_status record_checkpoint_write(const char *directory,
@@ -179,9 +157,12 @@ weft_status record_checkpoint_write(const char *directory,
     const bool first = comm == NULL || comm->rank == 0;
     weft_status status
         = first ? make_file(&file, directory, checkpoint, weft_sim_save_size(sim), err)
-                : names(&file, directory, err);
+                : record_path(directory, RECORD_CHECKPOINT, file.path, err);
     status = weft_comm_agree(comm, status, err);
-    status = status == WEFT_OK ? put_parts(&file, sim, comm, err) : status;
+    if (status == WEFT_OK) {
+        record_temporary(file.path, file.temporary);
+        status = put_parts(&file, sim, comm, err);
+    }
     if (status == WEFT_OK) {
         status = first ? record_file_commit(&file, err) : WEFT_OK;
         status = weft_comm_agree(comm, status, err);

@@ -14,7 +14,6 @@
 
 #include "base/finite.h"
 #include "record/child_process.h"
-#include "record/hdf.h"
 #include "record/vtkhdf_file.h"
 
 typedef struct frames_file {
@@ -26,14 +25,6 @@ typedef struct frames_file {
 } frames_file;
 
 /* ---- pieces ----------------------------------------------------------------- */
-
-static bool has_type(hid_t id, hid_t wanted)
-{
-    const hid_t type = H5Dget_type(id);
-    const bool equal = H5Tequal(type, wanted) > 0;
-    (void)H5Tclose(type);
-    return equal;
-}
 
 /* The rows of a set; 0 if its width is not `width`. */
 static size_t set_rows(hid_t id, size_t width)
@@ -53,12 +44,13 @@ static size_t set_rows(hid_t id, size_t width)
 static hid_t open_set(const frames_file *self, const char *path, hid_t type,
                       size_t rows, size_t width)
 {
-    const hid_t id = H5Dopen2(self->file, path, H5P_DEFAULT);
-    if (id >= 0 && has_type(id, type) && set_rows(id, width) >= rows) {
-        return id;
+    const hid_t id = H5Dopen2(self->file, path, H5P_DEFAULT), held = H5Dget_type(id);
+    const bool fits = H5Tequal(held, type) > 0 && set_rows(id, width) >= rows;
+    (void)H5Tclose(held);
+    if (!fits) {
+        (void)H5Dclose(id);
     }
-    (void)H5Dclose(id);
-    return H5I_INVALID_HID;
+    return fits ? id : H5I_INVALID_HID;
 }
 
 /* Allocates the values of `count` > 0 rows of a set; NULL on failure. */
@@ -335,15 +327,6 @@ weft_status record_frames_field(record_frames *frames, weft_record_field field,
 
 /* ---- opening ---------------------------------------------------------------- */
 
-/* libhdf5 may also loop for ever on a damaged file. Reading a good one takes far less.
- */
-static unsigned seconds_allowed(const frames_file *self)
-{
-    struct stat status;
-    const off_t size = stat(self->path, &status) == 0 ? status.st_size : 0;
-    return size >> 26 > 58 ? 60 : 2 + (unsigned)(size >> 26);
-}
-
 /* In the child: everything that the parent will do, once. */
 static int read_some(void *ctx, size_t job)
 {
@@ -362,11 +345,14 @@ static int read_some(void *ctx, size_t job)
     return 0;
 }
 
-/* The time limit is ten times that of the processor: the disk may be slow, or stall. */
+/* libhdf5 may also loop for ever on a damaged file. The time limit is ten times that of
+ * the processor: the disk may be slow, or stall. */
 static weft_status try_in_child(frames_file *self, weft_error *err)
 {
     process child;
-    const unsigned seconds = seconds_allowed(self);
+    struct stat status;
+    const off_t size = stat(self->path, &status) == 0 ? status.st_size : 0;
+    const unsigned seconds = size >> 26 > 58 ? 60 : 2 + (unsigned)(size >> 26);
     const process_def def = { .work = read_some,
                               .ctx = self,
                               .end_signal = SIGKILL,
@@ -394,10 +380,10 @@ static weft_status open_frames(frames_file *self, const char *directory,
         return WEFT_IO;
     }
     (void)fclose(stream);
-    const weft_status status = try_in_child(self, err);
-    const char *wrong = status == WEFT_OK ? load(self) : NULL;
+    TRY(try_in_child(self, err));
+    const char *wrong = load(self);
     return wrong == NULL
-               ? status
+               ? WEFT_OK
                : weft_error_set(err, WEFT_IO, "%s: damaged: %s", self->path, wrong);
 }
 

@@ -176,12 +176,13 @@ static hdf_set open_set(const record_vtkhdf *self, size_t set)
 
 static bool open_sets(record_vtkhdf *self)
 {
-    const hdf_set none = { .id = H5I_INVALID_HID };
     bool good = true;
     for (size_t i = 0; good && i < self->time; ++i) {
-        const bool recorded = is_recorded(self, i);
-        self->sets[i] = recorded ? open_set(self, i) : none;
-        good = !recorded || self->sets[i].id >= 0;
+        self->sets[i].id = H5I_INVALID_HID;
+        if (is_recorded(self, i)) {
+            self->sets[i] = open_set(self, i);
+            good = self->sets[i].id >= 0;
+        }
     }
     return good;
 }
@@ -230,12 +231,9 @@ static weft_status check_bytes(const record_vtkhdf *self,
                                const record_vtkhdf_mark *mark, weft_error *err)
 {
     unsigned char page[RECORD_PAGE];
-    const weft_status status = record_no_link(self->path, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(record_no_link(self->path, err));
     if (access(self->path, R_OK) != 0) {
-        return weft_error_set(err, WEFT_IO, "%s: %s", self->path, strerror(errno));
+        return record_failed(self->path, err);
     }
     return vtkhdf_read_page(self->path, page)
                    && vtkhdf_is_same_page(mark->page, page, mark->frames.length,
@@ -274,110 +272,12 @@ static bool cut(record_vtkhdf *self)
 
 weft_status record_vtkhdf_cut(record_vtkhdf *self, weft_error *err)
 {
-    const bool good = !is_first(self)
-                      || (close_file(self) && open_file(self, self->path, H5F_ACC_RDWR)
-                          && cut(self));
-    const weft_status status = agree(self, good, err);
-    return status == WEFT_OK ? vtkhdf_rows_open(&self->rows, self->path, O_WRONLY, err)
-                             : status;
-}
-
-/* The same words in the same order as write_frame. */
-static bool sum_rows(record_vtkhdf *self, size_t frame)
-{
-    bool good = true;
-    for (size_t set = POINTS; set <= STRAIN; ++set) {
-        if (is_recorded(self, set)) {
-            good = vtkhdf_rows_read(&self->rows, set, layout[set].width, frame) && good;
-            self->sum = vtkhdf_rows_sum(&self->rows, self->sum);
-        }
-    }
-    return good;
-}
-
-static bool sum_frame(record_vtkhdf *self, size_t frame)
-{
-    uint64_t values[2];
-    bool good = sum_rows(self, frame);
-    for (size_t i = PARTS; good && is_first(self) && i <= self->time; ++i) {
-        const hdf_set *set = &self->sets[i];
-        good = set->id < 0 || hdf_read(set, frame, values);
-        if (good && set->id >= 0) {
-            add_sum(self, set, values);
-        }
-    }
-    return good;
-}
-
-static weft_status damaged(const record_vtkhdf *self, weft_error *err)
-{
-    return weft_error_set(err, WEFT_IO, "%s: damaged: frame %zu", self->path,
-                          self->count);
-}
-
-/* Opens the file for reading, once its bytes are known to be those of `mark`. */
-static weft_status open_checked(record_vtkhdf *self, const record_vtkhdf_mark *mark,
-                                weft_error *err)
-{
-    weft_status status = WEFT_OK;
-    if (is_first(self)) {
-        status = check_bytes(self, mark, err);
-        hdf_begin(&self->why);
-        if (status == WEFT_OK && !open_file(self, self->path, H5F_ACC_RDONLY)) {
-            status = damaged(self, err);
-        }
-    }
-    status = weft_comm_agree(self->def.comm, status, err);
-    return status == WEFT_OK ? vtkhdf_rows_open(&self->rows, self->path, O_RDONLY, err)
-                             : status;
-}
-
-static weft_status check_frames(record_vtkhdf *self, const record_vtkhdf_mark *mark,
-                                bool *equal, weft_error *err)
-{
-    weft_status status = open_checked(self, mark, err);
-    for (; status == WEFT_OK && self->count < mark->frames.length; ++self->count) {
-        const bool good = sum_frame(self, self->count);
-        status
-            = weft_comm_agree(self->def.comm, good ? WEFT_OK : damaged(self, err), err);
-    }
-    *equal = !is_first(self) || self->sum == mark->frames.sum;
-    self->head = mark->head;
-    return status;
-}
-
-weft_status record_vtkhdf_reopen(const record_vtkhdf_def *def,
-                                 const record_vtkhdf_mark *mark, record_vtkhdf **out,
-                                 bool *equal, weft_error *err)
-{
-    weft_status status = record_vtkhdf_create(def, out, err);
-    status = weft_comm_agree(def->comm, status, err);
-    status = status == WEFT_OK ? check_frames(*out, mark, equal, err) : status;
-    if (status != WEFT_OK) {
-        (void)record_vtkhdf_close(*out, NULL);
-        *out = NULL;
-    }
-    return status;
-}
-
-static bool read_row(void *ctx, size_t frame, double *numbers)
-{
-    record_vtkhdf *self = ctx;
-    const size_t every = self->def.record->every;
-    bool good = frame % every == 0 && frame / every < self->count;
-    for (size_t i = FIELDS; good && i < self->time; ++i) {
-        good = self->sets[i].id < 0
-               || hdf_read(&self->sets[i], frame / every, &numbers[i - FIELDS]);
-    }
-    return good;
-}
-
-weft_status record_vtkhdf_compare(record_vtkhdf *self, const char *damaged,
-                                  weft_error *err)
-{
-    const record_series *series = self->def.series;
-    return record_series_compare(self->def.directory, damaged, series->names,
-                                 series->columns, read_row, self, err);
+    TRY(agree(self,
+              !is_first(self)
+                  || (close_file(self) && open_file(self, self->path, H5F_ACC_RDWR)
+                      && cut(self)),
+              err));
+    return vtkhdf_rows_open(&self->rows, self->path, O_WRONLY, err);
 }
 
 /* ---- a frame ---------------------------------------------------------------- */
@@ -444,31 +344,21 @@ static bool write_tables(record_vtkhdf *self)
 
 /* The time lies beyond the end of Values until its extent grows. NSteps and that extent
  * are written at once (vtkhdf_file.c). */
-static bool commit(record_vtkhdf *self, double t)
+static bool commit(record_vtkhdf *self, const void *time)
 {
     const hsize_t extent = (hsize_t)self->count + 1;
     return H5Dset_extent(self->sets[self->time].id, &extent) >= 0
-           && write_set(self, self->time, &t) && write_count(self, self->count + 1);
+           && write_set(self, self->time, time) && write_count(self, self->count + 1);
 }
 
 static weft_status write_frame(record_vtkhdf *self, const weft_sim *sim,
                                weft_error *err)
 {
-    weft_status status = agree(self, write_particles(self, sim), err);
-    if (status == WEFT_OK) {
-        const bool good = !is_first(self)
-                          || (write_tables(self) && commit(self, weft_sim_time(sim)));
-        status = agree(self, good, err);
-    }
-    self->count += status == WEFT_OK;
-    return status;
-}
-
-static bool sum_head(record_vtkhdf *self)
-{
-    const size_t end = (size_t)H5Dget_offset(self->sets[POINTS].id);
-    self->head = (record_extent){ end, record_bytes_sum(self->path, RECORD_PAGE, end) };
-    return self->head.sum != 0;
+    const double t = weft_sim_time(sim);
+    TRY(agree(self, write_particles(self, sim), err));
+    TRY(agree(self, !is_first(self) || (write_tables(self) && commit(self, &t)), err));
+    ++self->count;
+    return WEFT_OK;
 }
 
 static bool make_file(record_vtkhdf *self)
@@ -488,21 +378,27 @@ static bool publish(record_vtkhdf *self)
         self->why = errno;
         return false;
     }
-    return open_file(self, self->path, H5F_ACC_RDWR) && sum_head(self);
+    if (!open_file(self, self->path, H5F_ACC_RDWR)) {
+        return false;
+    }
+    const size_t end = (size_t)H5Dget_offset(self->sets[POINTS].id);
+    self->head = (record_extent){ end, record_bytes_sum(self->path, RECORD_PAGE, end) };
+    return self->head.sum != 0;
+}
+
+static weft_status begin_file(record_vtkhdf *self, const weft_sim *sim, weft_error *err)
+{
+    TRY(agree(self, !is_first(self) || make_file(self), err));
+    TRY(vtkhdf_rows_open(&self->rows, self->temporary, O_WRONLY, err));
+    TRY(write_frame(self, sim, err));
+    return agree(self, !is_first(self) || publish(self), err);
 }
 
 /* The file appears with one frame, as readers do not expect an empty one. */
 static weft_status write_first(record_vtkhdf *self, const weft_sim *sim,
                                weft_error *err)
 {
-    weft_status status = agree(self, !is_first(self) || make_file(self), err);
-    if (status == WEFT_OK) {
-        status = vtkhdf_rows_open(&self->rows, self->temporary, O_WRONLY, err);
-    }
-    status = status == WEFT_OK ? write_frame(self, sim, err) : status;
-    if (status == WEFT_OK) {
-        status = agree(self, !is_first(self) || publish(self), err);
-    }
+    const weft_status status = begin_file(self, sim, err);
     if (status != WEFT_OK) {
         self->count = 0;
         (void)close_file(self);
@@ -510,29 +406,104 @@ static weft_status write_first(record_vtkhdf *self, const weft_sim *sim,
     return status;
 }
 
-/* The words of write_frame. */
-static bool copy_frame(record_vtkhdf *to, record_vtkhdf *from)
+/* Reads a frame, its words in the order of write_frame: into the sum, or, unless that
+ * is NULL, into the file `to`. */
+static bool pass_frame(record_vtkhdf *self, size_t frame, record_vtkhdf *to)
 {
-    const size_t frame = to->count;
-    uint64_t values[2] = { 0 };
-    double t = 0.0;
+    uint64_t values[2];
     bool good = true;
-    for (size_t set = POINTS; good && set <= STRAIN; ++set) {
+    for (size_t set = POINTS; set <= STRAIN; ++set) {
         const size_t width = layout[set].width;
-        if (is_recorded(to, set)) {
-            good = vtkhdf_rows_read(&from->rows, set, width, frame);
-            memcpy(to->rows.buffer, from->rows.buffer,
+        if (!is_recorded(self, set)) {
+            continue;
+        }
+        good = vtkhdf_rows_read(&self->rows, set, width, frame) && good;
+        if (to == NULL) {
+            self->sum = vtkhdf_rows_sum(&self->rows, self->sum);
+        } else {
+            memcpy(to->rows.buffer, self->rows.buffer,
                    to->n * width * sizeof *to->rows.buffer);
             good = good && write_buffer(to, set);
         }
     }
-    for (size_t i = PARTS; good && i < to->time; ++i) {
-        good = to->sets[i].id < 0
-               || (hdf_read(&from->sets[i], frame, values) && write_set(to, i, values));
+    for (size_t i = PARTS; good && is_first(self) && i <= self->time; ++i) {
+        const hdf_set *set = &self->sets[i];
+        good = set->id < 0 || hdf_read(set, frame, values);
+        if (good && set->id >= 0 && to == NULL) {
+            add_sum(self, set, values);
+        } else if (good && set->id >= 0) {
+            good = i < self->time ? write_set(to, i, values) : commit(to, values);
+        }
     }
-    good = good && hdf_read(&from->sets[to->time], frame, &t) && commit(to, t);
-    to->count += good;
     return good;
+}
+
+/* ---- an existing file -------------------------------------------------------- */
+
+static weft_status damaged(const record_vtkhdf *self, weft_error *err)
+{
+    return weft_error_set(err, WEFT_IO, "%s: damaged: frame %zu", self->path,
+                          self->count);
+}
+
+/* Opens the file for reading, once its bytes are known to be those of `mark`. */
+static weft_status open_checked(record_vtkhdf *self, const record_vtkhdf_mark *mark,
+                                weft_error *err)
+{
+    weft_status status = is_first(self) ? check_bytes(self, mark, err) : WEFT_OK;
+    if (status == WEFT_OK && is_first(self)
+        && !open_file(self, self->path, H5F_ACC_RDONLY)) {
+        status = damaged(self, err);
+    }
+    TRY(weft_comm_agree(self->def.comm, status, err));
+    return vtkhdf_rows_open(&self->rows, self->path, O_RDONLY, err);
+}
+
+static weft_status check_frames(record_vtkhdf *self, const record_vtkhdf_mark *mark,
+                                bool *equal, weft_error *err)
+{
+    TRY(open_checked(self, mark, err));
+    for (; self->count < mark->frames.length; ++self->count) {
+        const bool good = pass_frame(self, self->count, NULL);
+        TRY(weft_comm_agree(self->def.comm, good ? WEFT_OK : damaged(self, err), err));
+    }
+    *equal = !is_first(self) || self->sum == mark->frames.sum;
+    self->head = mark->head;
+    return WEFT_OK;
+}
+
+weft_status record_vtkhdf_reopen(const record_vtkhdf_def *def,
+                                 const record_vtkhdf_mark *mark, record_vtkhdf **out,
+                                 bool *equal, weft_error *err)
+{
+    weft_status status = record_vtkhdf_create(def, out, err);
+    status = weft_comm_agree(def->comm, status, err);
+    status = status == WEFT_OK ? check_frames(*out, mark, equal, err) : status;
+    if (status != WEFT_OK) {
+        (void)record_vtkhdf_close(*out, NULL);
+        *out = NULL;
+    }
+    return status;
+}
+
+static bool read_row(void *ctx, size_t frame, double *numbers)
+{
+    record_vtkhdf *self = ctx;
+    const size_t every = self->def.record->every;
+    bool good = frame % every == 0 && frame / every < self->count;
+    for (size_t i = FIELDS; good && i < self->time; ++i) {
+        good = self->sets[i].id < 0
+               || hdf_read(&self->sets[i], frame / every, &numbers[i - FIELDS]);
+    }
+    return good;
+}
+
+weft_status record_vtkhdf_compare(record_vtkhdf *self, const char *damaged,
+                                  weft_error *err)
+{
+    const record_series *series = self->def.series;
+    return record_series_compare(self->def.directory, damaged, series->names,
+                                 series->columns, read_row, self, err);
 }
 
 weft_status record_vtkhdf_grow(record_vtkhdf *self, size_t last, record_vtkhdf **out,
@@ -540,21 +511,16 @@ weft_status record_vtkhdf_grow(record_vtkhdf *self, size_t last, record_vtkhdf *
 {
     record_vtkhdf_def def = self->def;
     def.last = last;
-    weft_status status = record_vtkhdf_create(&def, out, err);
+    TRY(record_vtkhdf_create(&def, out, err));
     record_vtkhdf *to = *out;
-    if (status != WEFT_OK) {
-        return status;
-    }
     bool good = make_file(to)
                 && vtkhdf_rows_open(&to->rows, to->temporary, O_WRONLY, err) == WEFT_OK;
     while (good && to->count < self->count) {
-        good = copy_frame(to, self);
+        good = pass_frame(self, to->count, to);
+        to->count += good;
     }
-    if (!good) {
-        to->count = 0; /* closing removes the file */
-        return failed(to, err);
-    }
-    return WEFT_OK;
+    to->count = good ? to->count : 0; /* closing removes the file */
+    return good ? WEFT_OK : failed(to, err);
 }
 
 weft_status record_vtkhdf_publish(record_vtkhdf *self, weft_error *err)
